@@ -1,0 +1,20 @@
+# Flags that every target of the project shares.
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+
+# Contraction stays off: results must not depend on which multiply-adds a compiler fuses. Where one pays, the code says fma.
+add_compile_options($<$<COMPILE_LANGUAGE:CXX>:-ffp-contract=off>)
+# sqrt must not look at errno, or it cannot be vectorised.
+add_compile_options($<$<COMPILE_LANGUAGE:CXX>:-fno-math-errno>)
+
+foreach(sanitizer IN LISTS DIFI_SANITIZE)
+  add_compile_options(-fsanitize=${sanitizer} -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=${sanitizer})
+endforeach()
+if("undefined" IN_LIST DIFI_SANITIZE)
+  add_compile_options(-fno-sanitize-recover=all)
+endif()
+
+add_library(difi_warnings INTERFACE)
+target_compile_options(difi_warnings INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wall;-Wextra;-Wshadow;-Wconversion;-Wno-sign-conversion>)

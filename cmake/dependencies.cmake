@@ -1,0 +1,23 @@
+# Required: TBB. Optional: assimp and libpng, found or left out with a word.
+find_package(TBB REQUIRED)
+target_link_libraries(difi PRIVATE TBB::tbb)
+
+if(DIFI_WITH_ASSIMP)
+  find_package(assimp QUIET)
+  if(assimp_FOUND)
+    target_link_libraries(difi PRIVATE assimp::assimp)
+    target_compile_definitions(difi PRIVATE DIFI_HAVE_ASSIMP)
+  else()
+    message(STATUS "assimp not found: no 3DS, glTF, OFF, DAE (Debian: libassimp-dev)")
+  endif()
+endif()
+
+if(DIFI_WITH_PNG)
+  find_package(PNG QUIET)
+  if(PNG_FOUND)
+    target_link_libraries(difi PRIVATE PNG::PNG)
+    target_compile_definitions(difi PRIVATE DIFI_HAVE_PNG)
+  else()
+    message(STATUS "libpng not found: no pictures (Debian: libpng-dev)")
+  endif()
+endif()

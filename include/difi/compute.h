@@ -1,0 +1,100 @@
+// From a mesh and a grid to a distance field.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <span>
+#include <string>
+
+#include "difi/error.h"
+#include "difi/field.h"
+#include "difi/grid.h"
+#include "difi/mesh.h"
+
+namespace difi {
+
+/// An algorithm that fills a field.
+enum class Method {
+  tiles,   ///< exact; the default (docs/tiles.md)
+  thesis,  ///< Algorithm 1 of the 2008 thesis (docs/thesis.md): not exact where its skip rule drops a triangle
+};
+
+/// Where a method runs.
+enum class Backend { automatic, cpu, cuda };
+
+/// Which triangles may be left out before any distance is computed (docs/skip.md).
+struct SkipRule {
+  enum class Kind {
+    automatic,  ///< what the method wants: none for tiles, neighbour(1) for thesis
+    none,       ///< keep all
+    neighbour,  ///< the thesis: drop a triangle whose grown box lies inside its predecessor's or successor's
+    exact,      ///< drop only triangles that provably change no sample
+  };
+  Kind kind = Kind::automatic;
+  double fraction = 1;  ///< neighbour only: the share of the box that must lie inside, in (0, 1]
+};
+
+/// The instruction set the CPU backend uses. The bits of the result do not depend on it.
+enum class Simd { automatic, portable, avx2, avx512 };
+
+struct Progress {
+  const char* stage = "";  ///< "prepare", "bin", "gather"
+  double fraction = 0;     ///< of the whole computation, 0 to 1, never falling
+};
+
+struct Options {
+  /// Half-width of the band in world units; distances beyond it are stored as the thickness. Infinite: a full field.
+  double thickness = std::numeric_limits<double>::infinity();
+  Method method = Method::tiles;
+  Backend backend = Backend::automatic;
+  SkipRule skip;
+  int threads = 0;                    ///< 0: all hardware threads
+  std::int64_t memory_limit = 0;      ///< bytes of output and scratch together; 0: no limit
+  bool nearest_triangle = false;      ///< also store the nearest triangle's index per band sample, lowest on ties
+  Simd simd = Simd::automatic;
+  /// Called now and then, from one thread at a time; return false to cancel, which throws Error{interrupted}.
+  std::function<bool(const Progress&)> progress;
+};
+
+/// What a computation did.
+struct Report {
+  std::string method;                ///< "tiles" or "thesis"
+  std::string backend;               ///< "cpu" or "cuda"
+  std::string device;                ///< the instruction set or the GPU's name
+  int threads = 0;
+  std::int64_t triangles = 0;
+  std::int64_t skipped = 0;          ///< triangles left out by the skip rule
+  std::int64_t samples = 0;          ///< samples of the grid
+  std::int64_t samples_examined = 0; ///< sample-triangle distances computed
+  std::int64_t samples_band = 0;     ///< samples whose distance is at most the thickness
+  std::int64_t tiles = 0;            ///< tiles of the grid
+  std::int64_t tiles_stored = 0;     ///< tiles that hold a sample nearer than the thickness
+  struct Seconds {
+    double prepare = 0;              ///< validation, bounds, skip rule
+    double compute = 0;              ///< everything after that
+  } seconds;
+};
+
+struct Computed {
+  DistanceField field;
+  Report report;
+};
+
+/// Computes the field of `mesh` on `grid`. `tiles` promises |value - min(distance, thickness)| <= 1e-6 * (distance +
+/// 16 * max spacing) against double precision, for every valid mesh, and the same bits for any number of threads.
+/// Errors: usage (options or grid), input (mesh), limit (memory), device, interrupted.
+Computed compute(MeshView mesh, const Grid& grid, const Options& options = {});
+
+/// The same into the caller's memory: one value per sample, x fastest; every element is written, whatever it held.
+/// `nearest` is either empty or as long as `values`. Errors: as compute, and usage when a length is wrong.
+Report compute_into(MeshView mesh, const Grid& grid, std::span<float> values, std::span<std::uint32_t> nearest,
+                    const Options& options = {});
+inline Report compute_into(MeshView mesh, const Grid& grid, std::span<float> values, const Options& options = {}) {
+  return compute_into(mesh, grid, values, {}, options);
+}
+
+/// Bytes that compute (dense = false) or compute_into (dense = true) may need in the worst case, the mesh not counted.
+std::int64_t memory_needed(std::int64_t triangles, const Grid& grid, const Options& options, bool dense = false);
+
+}  // namespace difi

@@ -1,0 +1,43 @@
+// Reading and writing meshes and fields.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "difi/error.h"
+#include "difi/field.h"
+#include "difi/mesh.h"
+
+namespace difi {
+
+/// A file format by its file name extension.
+struct Format {
+  std::string extension;    ///< lower case, without the dot: "stl"
+  std::string description;  ///< "STL, binary or ASCII"
+  bool readable = false;
+  bool writable = false;
+};
+
+/// The formats this build knows.
+std::vector<Format> mesh_formats();
+std::vector<Format> field_formats();
+
+struct MeshReadOptions {
+  double scale = 1;  ///< vertices are multiplied by this (finite, positive)
+};
+
+/// Reads a mesh; the format goes by the extension, or by content where the extension says nothing. Equal vertices are
+/// welded exactly, polygons are triangulated. Errors: input, with `FILE:WHERE: what; what to do`.
+Mesh read_mesh(const std::filesystem::path& path, const MeshReadOptions& options = {});
+
+/// Writes a mesh; the file appears whole or not at all. Errors: output, usage (unknown extension).
+void write_mesh(const std::filesystem::path& path, MeshView mesh);
+
+/// Reads a field written by write_field. Errors: input.
+DistanceField read_field(const std::filesystem::path& path);
+
+/// Writes a field as .vti, .nrrd or .npz; the file appears whole or not at all. Errors: output, usage.
+void write_field(const std::filesystem::path& path, const DistanceField& field);
+
+}  // namespace difi

@@ -1,0 +1,43 @@
+// Triangle meshes: triangles over shared vertices.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "difi/vec.h"
+
+namespace difi {
+
+/// Three indices into the vertices of a mesh.
+using Triangle = std::array<std::uint32_t, 3>;
+
+/// Somebody else's triangles. Open, nonmanifold, self-intersecting and unoriented meshes, degenerate and duplicate
+/// triangles are all legal; NaN or infinite vertices and indices out of range are not.
+struct MeshView {
+  std::span<const Vec3> vertices;
+  std::span<const Triangle> triangles;
+
+  Vec3 corner(std::size_t triangle, int k) const { return vertices[triangles[triangle][k]]; }
+};
+
+/// A mesh that owns its vertices (world units) and triangles.
+struct Mesh {
+  std::vector<Vec3> vertices;
+  std::vector<Triangle> triangles;
+
+  operator MeshView() const { return {vertices, triangles}; }
+};
+
+/// Throws Error{input} that names the first triangle whose indices are out of range or whose corners are not finite,
+/// or says that there are no triangles. Vertices that no triangle uses are not looked at.
+void validate(MeshView mesh);
+
+/// The box of all corners of all triangles; empty for a mesh without triangles. Requires a valid mesh.
+Box bounds(MeshView mesh);
+
+/// A 64-bit hash of vertices and triangles, in order: equal meshes have equal hashes on every machine.
+std::uint64_t content_hash(MeshView mesh);
+
+}  // namespace difi

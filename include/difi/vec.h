@@ -1,0 +1,67 @@
+// Value types of the public API: points, integer extents and boxes.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+namespace difi {
+
+/// A point or vector in world units.
+struct Vec3 {
+  double x = 0, y = 0, z = 0;
+
+  friend constexpr bool operator==(const Vec3&, const Vec3&) = default;
+  friend constexpr Vec3 operator+(Vec3 a, Vec3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+  friend constexpr Vec3 operator-(Vec3 a, Vec3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+  friend constexpr Vec3 operator*(Vec3 a, double s) { return {a.x * s, a.y * s, a.z * s}; }
+  friend constexpr Vec3 operator*(double s, Vec3 a) { return a * s; }
+  /// Component-wise product.
+  friend constexpr Vec3 operator*(Vec3 a, Vec3 b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
+  /// Component-wise quotient.
+  friend constexpr Vec3 operator/(Vec3 a, Vec3 b) { return {a.x / b.x, a.y / b.y, a.z / b.z}; }
+};
+
+constexpr double dot(Vec3 a, Vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+constexpr Vec3 cross(Vec3 a, Vec3 b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+constexpr Vec3 min(Vec3 a, Vec3 b) {
+  return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)};
+}
+constexpr Vec3 max(Vec3 a, Vec3 b) {
+  return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
+}
+inline double length(Vec3 a) { return std::sqrt(dot(a, a)); }
+inline bool is_finite(Vec3 a) {
+  return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
+}
+
+/// Counts along the three axes. Counts are 64-bit everywhere: grids may exceed 2^31 samples.
+struct Size3 {
+  std::int64_t x = 0, y = 0, z = 0;
+
+  friend constexpr bool operator==(const Size3&, const Size3&) = default;
+  constexpr std::int64_t count() const { return x * y * z; }
+};
+
+/// An axis-aligned box; empty while min exceeds max on some axis, as a new one does.
+struct Box {
+  Vec3 min = Vec3{1, 1, 1} * std::numeric_limits<double>::infinity();
+  Vec3 max = Vec3{1, 1, 1} * -std::numeric_limits<double>::infinity();
+
+  constexpr bool empty() const { return !(min.x <= max.x && min.y <= max.y && min.z <= max.z); }
+  constexpr Vec3 extent() const { return max - min; }
+  constexpr Vec3 center() const { return (min + max) * 0.5; }
+  constexpr void include(Vec3 p) {
+    min = difi::min(min, p);
+    max = difi::max(max, p);
+  }
+  constexpr Box grown(double margin) const {
+    const Vec3 m{margin, margin, margin};
+    return {min - m, max + m};
+  }
+};
+
+}  // namespace difi

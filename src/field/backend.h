@@ -1,0 +1,55 @@
+// The seam between the pipeline and the backends: one job in, tiles into a sink, counts out.
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "difi/compute.h"
+#include "field/progress.h"
+#include "field/sink.h"
+
+namespace difi {
+
+/// What a method has to do. The mesh is valid and holds at least one triangle.
+struct Job {
+  MeshView mesh;
+  /// The triangles to use, ascending indices into mesh.triangles; empty when all are used. (The skip rule's compaction.)
+  std::span<const std::uint32_t> kept;
+  Grid grid;
+  double thickness;
+  int threads;  ///< at least 1
+  Simd simd;
+  ProgressMeter& progress;
+
+  std::int64_t triangle_count() const {
+    return static_cast<std::int64_t>(kept.empty() ? mesh.triangles.size() : kept.size());
+  }
+  /// The mesh index of the n-th triangle to use.
+  std::uint32_t triangle(std::int64_t n) const {
+    return kept.empty() ? static_cast<std::uint32_t>(n) : kept[static_cast<std::size_t>(n)];
+  }
+};
+
+struct Counts {
+  std::int64_t samples_examined = 0;
+  std::int64_t samples_band = 0;
+};
+
+/// One way to fill a field. Backends add rows to the table in backend.cpp.
+struct BackendRow {
+  Backend backend;
+  Method method;
+  const char* backend_name;
+  const char* method_name;
+  bool (*available)();
+  std::string (*device)(Simd requested);  ///< what Report::device says
+  Counts (*run)(const Job&, Sink&);
+  /// Bytes of scratch in the worst case, the output not counted.
+  std::int64_t (*scratch_bytes)(std::int64_t triangles, const Grid&, double thickness, int threads);
+};
+
+/// The rows of the table; `find_backend` throws Error{device} when nothing fits.
+std::span<const BackendRow> backends();
+const BackendRow& find_backend(Backend backend, Method method);
+
+}  // namespace difi

@@ -1,0 +1,1 @@
+#include "difi/compute.h"

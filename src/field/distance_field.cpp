@@ -1,0 +1,276 @@
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <cstring>
+#include <mutex>
+
+#include "difi/error.h"
+#include "difi/field.h"
+
+namespace difi {
+namespace {
+
+constexpr int kSide = DistanceField::kTileSide;
+constexpr int kSamples = DistanceField::kTileSamples;
+constexpr std::int32_t kNotStored = -1;
+
+constexpr std::int64_t tiles_along(std::int64_t samples) { return (samples + kSide - 1) / kSide; }
+constexpr int within(std::int64_t i, std::int64_t j, std::int64_t k) {
+  return static_cast<int>((i % kSide) + kSide * ((j % kSide) + kSide * (k % kSide)));
+}
+
+}  // namespace
+
+// Tiles live in chunks that never move, so that threads fill tiles while others add some. A chunk is 512 KiB: small
+// against any field worth storing, large against the cost of asking for it.
+struct DistanceField::Pool {
+  static constexpr std::int64_t kChunkTiles = 256;
+
+  struct Chunk {
+    std::unique_ptr<float[]> values;
+    std::unique_ptr<std::uint32_t[]> nearest;
+  };
+
+  Pool(std::int64_t max_tiles, bool nearest)
+      : chunks(static_cast<std::size_t>((max_tiles + kChunkTiles - 1) / kChunkTiles)), with_nearest(nearest) {}
+
+  std::int64_t add() {
+    const std::int64_t slot = used.fetch_add(1, std::memory_order_relaxed);
+    Chunk& chunk = chunks[slot / kChunkTiles];
+    const std::lock_guard lock(grow);
+    if (!chunk.values) {
+      chunk.values = std::make_unique_for_overwrite<float[]>(kChunkTiles * kSamples);
+      if (with_nearest) chunk.nearest = std::make_unique_for_overwrite<std::uint32_t[]>(kChunkTiles * kSamples);
+    }
+    return slot;
+  }
+  float* values(std::int64_t slot) const {
+    return chunks[slot / kChunkTiles].values.get() + slot % kChunkTiles * kSamples;
+  }
+  std::uint32_t* nearest(std::int64_t slot) const {
+    return chunks[slot / kChunkTiles].nearest.get() + slot % kChunkTiles * kSamples;
+  }
+
+  std::vector<Chunk> chunks;
+  std::atomic<std::int64_t> used{0};
+  std::mutex grow;
+  bool with_nearest;
+};
+
+DistanceField::DistanceField(const Grid& grid, double thickness, bool with_nearest)
+    : grid_(grid), thickness_(thickness), with_nearest_(with_nearest) {
+  validate(grid);
+  if (!(thickness > 0)) throw Error(ErrorCode::usage, "field: the thickness must be positive; infinity gives a full field");
+  const std::int64_t tiles = tile_count().count();
+  if (tiles > std::numeric_limits<std::int32_t>::max())
+    throw Error(ErrorCode::limit, "field: " + std::to_string(tiles) + " tiles are more than 2^31; take fewer samples");
+  slots_.assign(static_cast<std::size_t>(tiles), kNotStored);
+  pool_ = std::make_unique<Pool>(tiles, with_nearest);
+}
+
+DistanceField::DistanceField(DistanceField&&) noexcept = default;
+DistanceField& DistanceField::operator=(DistanceField&&) noexcept = default;
+DistanceField::~DistanceField() = default;
+
+DistanceField::DistanceField(const DistanceField& other)
+    : provenance(other.provenance),
+      grid_(other.grid_),
+      thickness_(other.thickness_),
+      with_nearest_(other.with_nearest_),
+      slots_(other.slots_.size(), kNotStored) {
+  if (!other.pool_) return;
+  pool_ = std::make_unique<Pool>(static_cast<std::int64_t>(slots_.size()), with_nearest_);
+  for (std::size_t t = 0; t < slots_.size(); ++t) {
+    if (other.slots_[t] == kNotStored) continue;
+    const std::int64_t slot = pool_->add();
+    std::copy_n(other.pool_->values(other.slots_[t]), kSamples, pool_->values(slot));
+    if (with_nearest_) std::copy_n(other.pool_->nearest(other.slots_[t]), kSamples, pool_->nearest(slot));
+    slots_[t] = static_cast<std::int32_t>(slot);
+  }
+}
+
+DistanceField& DistanceField::operator=(const DistanceField& other) {
+  if (this != &other) *this = DistanceField(other);
+  return *this;
+}
+
+Size3 DistanceField::tile_count() const {
+  return {tiles_along(grid_.size.x), tiles_along(grid_.size.y), tiles_along(grid_.size.z)};
+}
+
+std::int64_t DistanceField::tile_index(std::int64_t tx, std::int64_t ty, std::int64_t tz) const {
+  const Size3 n = tile_count();
+  return tx + n.x * (ty + n.y * tz);
+}
+
+std::int64_t DistanceField::stored_tiles() const { return pool_ ? pool_->used.load() : 0; }
+
+const float* DistanceField::tile(std::int64_t tx, std::int64_t ty, std::int64_t tz) const {
+  const std::int32_t slot = slots_[tile_index(tx, ty, tz)];
+  return slot == kNotStored ? nullptr : pool_->values(slot);
+}
+
+const std::uint32_t* DistanceField::tile_nearest(std::int64_t tx, std::int64_t ty, std::int64_t tz) const {
+  const std::int32_t slot = slots_[tile_index(tx, ty, tz)];
+  return slot == kNotStored ? nullptr : pool_->nearest(slot);
+}
+
+float* DistanceField::store_tile(std::int64_t tx, std::int64_t ty, std::int64_t tz) {
+  const std::int64_t slot = pool_->add();
+  slots_[tile_index(tx, ty, tz)] = static_cast<std::int32_t>(slot);
+  return pool_->values(slot);
+}
+
+std::uint32_t* DistanceField::store_nearest(std::int64_t tx, std::int64_t ty, std::int64_t tz) {
+  return pool_->nearest(slots_[tile_index(tx, ty, tz)]);
+}
+
+float DistanceField::value(std::int64_t i, std::int64_t j, std::int64_t k) const {
+  const float* values = tile(i / kSide, j / kSide, k / kSide);
+  return values ? values[within(i, j, k)] : static_cast<float>(thickness_);
+}
+
+std::uint32_t DistanceField::nearest(std::int64_t i, std::int64_t j, std::int64_t k) const {
+  const std::uint32_t* indices = tile_nearest(i / kSide, j / kSide, k / kSide);
+  return indices ? indices[within(i, j, k)] : kNoTriangle;
+}
+
+namespace {
+
+// The cell that holds a point, along one axis: its first sample, and where in the cell the point lies.
+struct AxisCell {
+  std::int64_t first = 0;
+  std::int64_t second = 0;
+  double t = 0;
+};
+
+AxisCell axis_cell(double point, double origin, double spacing, std::int64_t size) {
+  if (size == 1) return {};
+  const double at = std::clamp((point - origin) / spacing, 0.0, static_cast<double>(size - 1));
+  const auto first = std::min(static_cast<std::int64_t>(at), size - 2);
+  return {first, first + 1, at - static_cast<double>(first)};
+}
+
+struct Cell {
+  AxisCell x, y, z;
+  std::array<double, 8> corner{};  // x fastest
+};
+
+Cell cell_at(const DistanceField& field, Vec3 p) {
+  if (std::isnan(p.x) || std::isnan(p.y) || std::isnan(p.z))
+    throw Error(ErrorCode::usage, "field: the point to look at is not a number");
+  const Grid& g = field.grid();
+  Cell cell{axis_cell(p.x, g.origin.x, g.spacing.x, g.size.x), axis_cell(p.y, g.origin.y, g.spacing.y, g.size.y),
+            axis_cell(p.z, g.origin.z, g.spacing.z, g.size.z)};
+  int n = 0;
+  for (const auto k : {cell.z.first, cell.z.second})
+    for (const auto j : {cell.y.first, cell.y.second})
+      for (const auto i : {cell.x.first, cell.x.second}) cell.corner[n++] = field.value(i, j, k);
+  return cell;
+}
+
+double mix(double a, double b, double t) { return a == b ? a : a + (b - a) * t; }  // a == b: infinities stay
+
+}  // namespace
+
+double DistanceField::interpolate(Vec3 point) const {
+  const Cell cell = cell_at(*this, point);
+  const auto& c = cell.corner;
+  const auto row = [&](int n) { return mix(c[n], c[n + 1], cell.x.t); };
+  return mix(mix(row(0), row(2), cell.y.t), mix(row(4), row(6), cell.y.t), cell.z.t);
+}
+
+Vec3 DistanceField::gradient(Vec3 point) const {
+  const Cell cell = cell_at(*this, point);
+  const auto& c = cell.corner;
+  const double tx = cell.x.t, ty = cell.y.t, tz = cell.z.t;
+  // Difference along one axis, interpolated bilinearly along the two others; `step` is that axis's stride in c.
+  const auto slope = [&](int step, int u, double tu, int v, double tv) {
+    const auto difference = [&](int n) { return c[n + step] == c[n] ? 0.0 : c[n + step] - c[n]; };
+    return mix(mix(difference(0), difference(u), tu), mix(difference(v), difference(u + v), tu), tv);
+  };
+  return Vec3{slope(1, 2, ty, 4, tz), slope(2, 1, tx, 4, tz), slope(4, 1, tx, 2, ty)} / grid_.spacing;
+}
+
+namespace {
+
+// Copies slices of a tiled array into dense memory; `tile` returns a tile's samples or nullptr for `absent` throughout.
+template <class T, class TileAt>
+void copy_tiled(const DistanceField& field, std::int64_t first, std::int64_t count, T absent, TileAt tile, T* out) {
+  const Size3 n = field.grid().size;
+  for (std::int64_t k = first; k < first + count; ++k)
+    for (std::int64_t j = 0; j < n.y; ++j)
+      for (std::int64_t i = 0; i < n.x; i += kSide, out += std::min<std::int64_t>(kSide, n.x - (i - kSide))) {
+        const auto run = std::min<std::int64_t>(kSide, n.x - i);
+        if (const T* samples = tile(i / kSide, j / kSide, k / kSide))
+          std::copy_n(samples + within(0, j, k), run, out);
+        else
+          std::fill_n(out, run, absent);
+      }
+}
+
+}  // namespace
+
+void DistanceField::copy_slices(std::int64_t first, std::int64_t count, std::span<float> out) const {
+  if (first < 0 || count < 0 || first + count > grid_.size.z ||
+      static_cast<std::int64_t>(out.size()) != grid_.size.x * grid_.size.y * count)
+    throw Error(ErrorCode::usage, "field: slices to copy are out of range or do not fit the memory given");
+  copy_tiled<float>(*this, first, count, static_cast<float>(thickness_),
+                    [&](auto x, auto y, auto z) { return tile(x, y, z); }, out.data());
+}
+
+void DistanceField::copy_nearest_slices(std::int64_t first, std::int64_t count, std::span<std::uint32_t> out) const {
+  if (!with_nearest_) throw Error(ErrorCode::usage, "field: it holds no nearest triangles; compute it with them");
+  if (first < 0 || count < 0 || first + count > grid_.size.z ||
+      static_cast<std::int64_t>(out.size()) != grid_.size.x * grid_.size.y * count)
+    throw Error(ErrorCode::usage, "field: slices to copy are out of range or do not fit the memory given");
+  copy_tiled<std::uint32_t>(*this, first, count, kNoTriangle,
+                            [&](auto x, auto y, auto z) { return tile_nearest(x, y, z); }, out.data());
+}
+
+std::vector<float> DistanceField::to_dense() const {
+  std::vector<float> values(static_cast<std::size_t>(grid_.sample_count()));
+  copy_slices(0, grid_.size.z, values);
+  return values;
+}
+
+std::int64_t DistanceField::memory_bytes() const {
+  const auto tile_bytes = static_cast<std::int64_t>(sizeof(float) * kSamples * (with_nearest_ ? 2 : 1));
+  const auto table_bytes = static_cast<std::int64_t>(slots_.size() * sizeof(std::int32_t));
+  return stored_tiles() * tile_bytes + table_bytes;
+}
+
+DistanceField DistanceField::from_dense(const Grid& grid, double thickness, std::span<const float> values,
+                                        std::span<const std::uint32_t> nearest) {
+  DistanceField field(grid, thickness, !nearest.empty());
+  const auto samples = static_cast<std::size_t>(grid.sample_count());
+  if (values.size() != samples || (!nearest.empty() && nearest.size() != samples))
+    throw Error(ErrorCode::usage, "field: " + std::to_string(values.size()) + " values given for " +
+                                      std::to_string(samples) + " samples");
+  const auto far = static_cast<float>(thickness);
+  const Size3 tiles = field.tile_count();
+  std::array<float, kSamples> tile;
+  std::array<std::uint32_t, kSamples> tile_nearest;
+  for (std::int64_t tz = 0; tz < tiles.z; ++tz)
+    for (std::int64_t ty = 0; ty < tiles.y; ++ty)
+      for (std::int64_t tx = 0; tx < tiles.x; ++tx) {
+        tile.fill(far);
+        tile_nearest.fill(kNoTriangle);
+        bool needed = false;
+        for (std::int64_t k = tz * kSide; k < std::min((tz + 1) * kSide, grid.size.z); ++k)
+          for (std::int64_t j = ty * kSide; j < std::min((ty + 1) * kSide, grid.size.y); ++j)
+            for (std::int64_t i = tx * kSide; i < std::min((tx + 1) * kSide, grid.size.x); ++i) {
+              const auto from = grid.index(i, j, k);
+              tile[within(i, j, k)] = values[from];
+              if (!nearest.empty()) tile_nearest[within(i, j, k)] = nearest[from];
+              needed |= !(values[from] >= far);
+            }
+        if (!needed) continue;
+        std::ranges::copy(tile, field.store_tile(tx, ty, tz));
+        if (!nearest.empty()) std::ranges::copy(tile_nearest, field.store_nearest(tx, ty, tz));
+      }
+  return field;
+}
+
+}  // namespace difi

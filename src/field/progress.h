@@ -1,0 +1,51 @@
+// Progress of long work, counted by many threads and told to the caller by one at a time.
+#pragma once
+
+#include <atomic>
+#include <mutex>
+
+#include "difi/compute.h"
+
+namespace difi {
+
+class ProgressMeter {
+ public:
+  explicit ProgressMeter(const Options& options) : callback_(options.progress) {}
+
+  /// Begins a stage of `units` steps that spans [from, to] of the whole. Called between parallel parts.
+  void stage(const char* name, std::int64_t units, double from, double to) {
+    stage_ = {name, from};
+    units_ = units > 0 ? units : 1;
+    span_ = to - from;
+    done_ = 0;
+    tell();
+  }
+
+  /// Counts finished steps, from any thread. Throws Error{interrupted} once the caller has asked to stop.
+  void advance(std::int64_t units = 1) {
+    if (!callback_) return;
+    done_.fetch_add(units, std::memory_order_relaxed);
+    tell();
+  }
+
+ private:
+  void tell() {
+    if (!callback_) return;
+    if (std::unique_lock lock(calling_, std::try_to_lock); lock && !cancelled_) {
+      const double share = static_cast<double>(done_.load(std::memory_order_relaxed)) / static_cast<double>(units_);
+      const Progress now{stage_.stage, stage_.fraction + span_ * (share < 1 ? share : 1)};
+      if (!callback_(now)) cancelled_ = true;
+    }
+    if (cancelled_) throw Error(ErrorCode::interrupted, "compute: cancelled; nothing was kept");
+  }
+
+  const std::function<bool(const Progress&)>& callback_;
+  Progress stage_;
+  std::int64_t units_ = 1;
+  double span_ = 0;
+  std::atomic<std::int64_t> done_{0};
+  std::atomic<bool> cancelled_{false};
+  std::mutex calling_;
+};
+
+}  // namespace difi
