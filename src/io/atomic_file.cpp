@@ -1,0 +1,201 @@
+#include "io/atomic_file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <string>
+#include <system_error>
+
+#include "difi/error.h"
+#include "io/unfinished.h"
+
+namespace difi {
+namespace {
+
+// Large enough that system calls cost nothing against copying, small enough to stay in the cache.
+constexpr std::size_t kBuffer = std::size_t{1} << 18;
+// One write call never takes more than this on Linux (0x7ffff000), and never more than SSIZE_MAX anywhere.
+constexpr std::size_t kMaxWrite = std::size_t{1} << 30;
+constexpr int kOpen = O_WRONLY | O_CLOEXEC;
+constexpr mode_t kMode = 0666;
+
+std::string reason(int error, const std::filesystem::path& folder) {
+  switch (error) {
+    case ENOSPC:
+    case EDQUOT:
+      return "no space left on the disk; free some or write to another one";
+    case EFBIG:
+      return "the file is larger than allowed here; raise the limit (ulimit -f) or write to another file system";
+    case EACCES:
+    case EPERM:
+      return "permission denied; choose a file and folder that you may write";
+    case EROFS:
+      return "the file system is read-only; write to another folder";
+    case ENOENT:
+      return "the folder " + folder.string() + " does not exist; create it first";
+    case ENOTDIR:
+      return folder.string() + " is not a folder; choose another place";
+    case EISDIR:
+      return "it is a folder; give the name of a file";
+    case ENAMETOOLONG:
+      return "the name is too long; choose a shorter one";
+    case ESPIPE:
+      return "this format needs a file that can be rewritten, not a pipe; write to a file";
+    default:
+      return std::generic_category().message(error) + "; check the disk and try again";
+  }
+}
+
+// Different for every file of every process: the time tells apart processes that share a number in other namespaces.
+std::string unfinished_name() {
+  static std::atomic<unsigned> count{0};
+  const auto now = static_cast<unsigned long long>(std::chrono::system_clock::now().time_since_epoch().count());
+  std::array<char, 64> name{};
+  std::snprintf(name.data(), name.size(), ".difi-%llx-%x-%x.part", now, static_cast<unsigned>(::getpid()), count++);
+  return name.data();
+}
+
+}  // namespace
+
+AtomicFile::AtomicFile(const std::filesystem::path& target) : shown_(target) {
+  std::error_code ignored;
+  if (target.empty()) throw Error(ErrorCode::output, "cannot write a file without a name; give one");
+  if (!target.has_filename()) fail(EISDIR);
+  target_ = std::filesystem::is_symlink(target, ignored) ? std::filesystem::weakly_canonical(target, ignored) : target;
+  target_ = std::filesystem::absolute(target_, ignored);
+
+  struct stat existing {};
+  const bool exists = ::stat(target_.c_str(), &existing) == 0;
+  if (!exists && errno != ENOENT) fail(errno);
+  if (exists && S_ISDIR(existing.st_mode)) fail(EISDIR);
+  // A file that its owner has made read-only stays, although renaming over it would work.
+  if (exists && ::access(target_.c_str(), W_OK) != 0) fail(errno);
+  if (exists && !S_ISREG(existing.st_mode)) {
+    kind_ = Kind::straight;
+    file_ = ::open(target_.c_str(), kOpen);
+    if (file_ < 0) fail(errno);
+    return;
+  }
+  open_unfinished();
+  if (exists) (void)!::fchmod(file_, existing.st_mode & 0777);
+}
+
+void AtomicFile::open_unfinished() {
+  const auto folder = target_.parent_path();
+#ifdef O_TMPFILE
+  file_ = ::open(folder.c_str(), kOpen | O_TMPFILE, kMode);
+  if (file_ >= 0) {
+    // Naming it later goes through /proc, which a container may lack.
+    const auto handle = "/proc/self/fd/" + std::to_string(file_);
+    if (::access(handle.c_str(), F_OK) == 0) {
+      kind_ = Kind::unnamed;
+      return;
+    }
+    ::close(file_);
+  }
+#endif
+  unfinished_ = folder / unfinished_name();
+  slot_ = note_unfinished(unfinished_);
+  file_ = ::open(unfinished_.c_str(), kOpen | O_CREAT | O_EXCL, kMode);
+  if (file_ < 0) {
+    const int error = errno;
+    forget_unfinished(slot_);
+    fail(error);
+  }
+}
+
+AtomicFile::~AtomicFile() { discard(); }
+
+void AtomicFile::write(const void* data, std::size_t bytes) {
+  if (bytes == 0) return;
+  if (!buffer_) buffer_ = std::make_unique_for_overwrite<char[]>(kBuffer);
+  size_ += bytes;
+  if (bytes > kBuffer - buffered_) flush();
+  if (bytes >= kBuffer) return append(static_cast<const char*>(data), bytes);
+  std::memcpy(buffer_.get() + buffered_, data, bytes);
+  buffered_ += bytes;
+}
+
+void AtomicFile::overwrite(std::uint64_t offset, const void* data, std::size_t bytes) {
+  flush();
+  const auto* from = static_cast<const char*>(data);
+  while (bytes > 0) {
+    const auto done = ::pwrite(file_, from, bytes, static_cast<off_t>(offset));
+    if (done < 0 && errno == EINTR) continue;
+    if (done <= 0) fail(done < 0 ? errno : EIO);
+    from += done;
+    offset += static_cast<std::uint64_t>(done);
+    bytes -= static_cast<std::size_t>(done);
+  }
+}
+
+void AtomicFile::flush() {
+  append(buffer_.get(), buffered_);
+  buffered_ = 0;
+}
+
+void AtomicFile::append(const char* data, std::size_t bytes) {
+  while (bytes > 0) {
+    const auto done = ::write(file_, data, std::min(bytes, kMaxWrite));
+    if (done < 0 && errno == EINTR) continue;
+    if (done <= 0) fail(done < 0 ? errno : EIO);
+    data += done;
+    bytes -= static_cast<std::size_t>(done);
+  }
+}
+
+void AtomicFile::commit() {
+  flush();
+  if (kind_ == Kind::unnamed) link_unnamed();
+  close();
+  if (kind_ == Kind::straight) return;
+  if (unfinished_ != target_ && ::rename(unfinished_.c_str(), target_.c_str()) != 0) fail(errno);
+  unfinished_.clear();
+  forget_unfinished(slot_);
+  slot_ = -1;
+}
+
+// Gives the unnamed file the target's name, or, when that is taken, a name to rename from: linking cannot replace.
+void AtomicFile::link_unnamed() {
+  const auto handle = "/proc/self/fd/" + std::to_string(file_);
+  const auto link_as = [&](const std::filesystem::path& name) {
+    return ::linkat(AT_FDCWD, handle.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0;
+  };
+  if (link_as(target_)) {
+    unfinished_ = target_;  // until it is closed without an error
+    return;
+  }
+  if (errno != EEXIST) fail(errno);
+  unfinished_ = target_.parent_path() / unfinished_name();
+  slot_ = note_unfinished(unfinished_);
+  if (!link_as(unfinished_)) fail(errno);
+}
+
+void AtomicFile::close() {
+  const int file = file_;
+  file_ = -1;
+  // Network file systems tell of a full disk only here. After EINTR the state is unspecified; Linux has closed it.
+  if (file >= 0 && ::close(file) != 0 && errno != EINTR) fail(errno);
+}
+
+void AtomicFile::discard() noexcept {
+  if (file_ >= 0) ::close(file_);
+  file_ = -1;
+  if (!unfinished_.empty()) ::unlink(unfinished_.c_str());
+  forget_unfinished(slot_);
+  slot_ = -1;
+}
+
+void AtomicFile::fail(int error) const {
+  throw Error(ErrorCode::output, shown_.string() + ": cannot write it: " + reason(error, target_.parent_path()));
+}
+
+}  // namespace difi

@@ -1,0 +1,55 @@
+// Output files that appear whole or not at all.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+
+namespace difi {
+
+/// Writes beside the target and takes its place on commit. Without a commit the target stays as it was and nothing is
+/// left: on Linux the unfinished file has no name where the file system can do that, so even a killed process leaves
+/// nothing; elsewhere it is called `.difi-*.part`, and the destructor or remove_unfinished_files() removes it.
+/// A symbolic link is followed; permissions of a replaced file are kept; devices and pipes are written straight.
+/// Every member throws Error{output} as `FILE: what; what to do`.
+class AtomicFile {
+ public:
+  /// Opens the unfinished file. Refuses folders, missing parents and files that may not be written.
+  explicit AtomicFile(const std::filesystem::path& target);
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+  ~AtomicFile();
+
+  /// Appends bytes, through a buffer when they are few.
+  void write(const void* data, std::size_t bytes);
+  /// Replaces bytes that were written before. Not for pipes.
+  void overwrite(std::uint64_t offset, const void* data, std::size_t bytes);
+  /// Bytes appended so far.
+  std::uint64_t size() const { return size_; }
+  /// Writes what is buffered and puts the file in the target's place. Nothing may be written after it.
+  void commit();
+
+ private:
+  void open_unfinished();
+  void flush();
+  void append(const char* data, std::size_t bytes);
+  void close();
+  void link_unnamed();
+  void discard() noexcept;
+  [[noreturn]] void fail(int error) const;
+
+  enum class Kind { straight, unnamed, named };
+
+  std::filesystem::path shown_;   // the target as the caller wrote it, for messages
+  std::filesystem::path target_;  // absolute, links followed
+  std::filesystem::path unfinished_;
+  Kind kind_ = Kind::named;
+  int file_ = -1;
+  int slot_ = -1;  // in the table of unfinished files
+  std::uint64_t size_ = 0;
+  std::unique_ptr<char[]> buffer_;
+  std::size_t buffered_ = 0;
+};
+
+}  // namespace difi

@@ -1,0 +1,15 @@
+// The names of unfinished files, kept where a signal handler can reach them.
+#pragma once
+
+#include <filesystem>
+
+namespace difi {
+
+/// Takes note of a file that remove_unfinished_files() shall remove. Returns its slot, or -1 when the table is full or
+/// the name too long: then only the writer itself can remove it.
+int note_unfinished(const std::filesystem::path& path) noexcept;
+
+/// Frees a slot; -1 is ignored.
+void forget_unfinished(int slot) noexcept;
+
+}  // namespace difi
