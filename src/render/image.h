@@ -1,0 +1,33 @@
+// Pixels in memory, and the PNG file they end in.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+namespace difi {
+
+/// sRGB, 8 bits per channel.
+using Color = std::array<std::uint8_t, 3>;
+
+/// Rows from the top, pixels from the left, without gaps.
+struct Image {
+  int width = 0;
+  int height = 0;
+  std::vector<Color> pixels;
+
+  Image(int w, int h, Color background)
+      : width(w), height(h), pixels(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), background) {}
+  Color& at(int x, int y) { return pixels[static_cast<std::size_t>(y) * width + x]; }
+  const Color& at(int x, int y) const { return pixels[static_cast<std::size_t>(y) * width + x]; }
+};
+
+/// Throws Error{usage} when this build cannot write pictures; call it before drawing one.
+void require_png();
+
+/// Writes a PNG file, whole or not at all. Errors: usage (built without libpng), output.
+void write_png(const std::filesystem::path& path, const Image& image);
+
+}  // namespace difi

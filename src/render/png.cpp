@@ -1,0 +1,44 @@
+#ifdef DIFI_HAVE_PNG
+#include <png.h>
+#endif
+
+#include <string>
+
+#include "difi/error.h"
+#include "io/atomic_file.h"
+#include "render/image.h"
+
+namespace difi {
+
+#ifdef DIFI_HAVE_PNG
+
+void require_png() {}
+
+void write_png(const std::filesystem::path& path, const Image& image) {
+  AtomicFile file(path);
+  // libpng's simplified interface reports errors without longjmp, which must not skip destructors.
+  png_image header{};
+  header.version = PNG_IMAGE_VERSION;
+  header.width = static_cast<png_uint_32>(image.width);
+  header.height = static_cast<png_uint_32>(image.height);
+  header.format = PNG_FORMAT_RGB;
+  png_alloc_size_t bytes = PNG_IMAGE_PNG_SIZE_MAX(header);
+  std::vector<std::uint8_t> encoded(bytes);
+  if (!png_image_write_to_memory(&header, encoded.data(), &bytes, 0, image.pixels.data(), 0, nullptr))
+    throw Error(ErrorCode::internal, path.string() + ": libpng cannot encode the picture: " + header.message);
+  file.write(encoded.data(), bytes);
+  file.commit();
+}
+
+#else
+
+void require_png() {
+  throw Error(ErrorCode::usage,
+              "pictures need libpng, which this build of difi lacks; install it (Debian: libpng-dev) and build again");
+}
+
+void write_png(const std::filesystem::path&, const Image&) { require_png(); }
+
+#endif
+
+}  // namespace difi
