@@ -32,7 +32,7 @@ class DistanceField {
   static constexpr int kTileSide = 8;
   static constexpr int kTileSamples = kTileSide * kTileSide * kTileSide;
 
-  DistanceField() = default;
+  DistanceField();
   /// A field without stored tiles: every value is `thickness` (which may be infinite). Validates the grid.
   /// `with_nearest` reserves a nearest-triangle index beside every stored sample.
   DistanceField(const Grid& grid, double thickness, bool with_nearest = false);

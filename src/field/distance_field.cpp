@@ -69,6 +69,7 @@ DistanceField::DistanceField(const Grid& grid, double thickness, bool with_neare
   pool_ = std::make_unique<Pool>(tiles, with_nearest);
 }
 
+DistanceField::DistanceField() = default;
 DistanceField::DistanceField(DistanceField&&) noexcept = default;
 DistanceField& DistanceField::operator=(DistanceField&&) noexcept = default;
 DistanceField::~DistanceField() = default;

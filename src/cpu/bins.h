@@ -1,0 +1,33 @@
+// Which triangles each brick has to look at: a counting sort of triangles into bricks.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "cpu/lattice.h"
+#include "field/backend.h"
+
+namespace difi::cpu {
+
+/// Triangle indices sorted by brick. Bricks [first_brick, first_brick + bricks()) only: where all triangles of all bricks
+/// would take too much memory, they come in batches.
+class Bins {
+ public:
+  std::int64_t first_brick = 0;
+  std::vector<std::uint32_t> start;  ///< of each brick in refs, and the end
+  std::vector<std::uint32_t> refs;
+
+  std::int64_t bricks() const { return static_cast<std::int64_t>(start.size()) - 1; }
+  std::span<const std::uint32_t> of(std::int64_t n) const {
+    return std::span(refs).subspan(start[n], start[n + 1] - start[n]);
+  }
+};
+
+/// Sorts the job's triangles into the bricks that may hold samples within the thickness of them, and hands them to
+/// `use` batch by batch in brick order. Each batch holds at most max(most_refs, the fullest brick) indices.
+void for_each_batch(const Job& job, const Lattice& lattice, std::int64_t most_refs,
+                    const std::function<void(const Bins&)>& use);
+
+}  // namespace difi::cpu

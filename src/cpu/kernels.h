@@ -1,0 +1,46 @@
+// The inner loops of the CPU backend, compiled once per instruction set (kernels_*.cpp) and chosen at run time. All sets
+// give the same bits.
+#pragma once
+
+#include <cstdint>
+
+#include "cpu/lattice.h"
+#include "difi/compute.h"
+#include "field/sink.h"
+
+namespace difi::cpu {
+
+/// The squared distances of one brick while triangles are gathered into it; one per thread.
+struct BrickState {
+  alignas(64) float distance_sq[kBlocks][kLanes];
+  alignas(64) std::uint32_t nearest[kBlocks][kLanes];  ///< kept only when asked for
+  std::int64_t samples_examined = 0;
+  std::int64_t samples_band = 0;
+};
+
+/// Triangles to gather: `count` indices into `triangles`, whose corners index `vertices` (three doubles each).
+struct Candidates {
+  const double* vertices;
+  const std::uint32_t* triangles;
+  const std::uint32_t* refs;
+  std::int64_t count;
+};
+
+struct Kernels {
+  const char* name;
+  /// Forgets all distances.
+  void (*clear)(BrickState&);
+  /// Lowers the distances of all samples that lie within the thickness of the candidates' boxes.
+  void (*gather_band)(const Lattice&, const Brick&, const Candidates&, bool with_nearest, BrickState&);
+  /// Turns squared distances into clamped distances in world units. Returns a bit per tile (x fastest) that holds
+  /// a sample nearer than the thickness, and counts band samples inside the grid.
+  unsigned (*finish)(const Lattice&, const Brick&, bool with_nearest, BrickState&);
+  /// Copies one tile of a finished brick to its target.
+  void (*copy_tile)(const BrickState&, int tile, const TileTarget&);
+};
+
+/// The kernels for an instruction set; the best one there is for Simd::automatic. Throws Error{usage} where the
+/// processor does not have the set.
+const Kernels& kernels_for(Simd simd);
+
+}  // namespace difi::cpu

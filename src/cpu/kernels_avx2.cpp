@@ -1,0 +1,20 @@
+// The kernels for AVX2.
+#ifdef __AVX2__
+
+#include "cpu/kernels.h"
+#include "cpu/simd/wide_avx2.h"
+#include "geometry/triangle_lines.h"
+
+namespace difi::cpu::avx2 {
+namespace {
+
+using namespace difi::avx2;
+#include "cpu/kernels_body.h"
+
+}  // namespace
+
+extern const Kernels kKernels{"avx2", clear, gather_band_any, finish, copy_tile};
+
+}  // namespace difi::cpu::avx2
+
+#endif

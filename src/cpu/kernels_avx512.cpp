@@ -1,0 +1,20 @@
+// The kernels for AVX512.
+#ifdef __AVX512F__
+
+#include "cpu/kernels.h"
+#include "cpu/simd/wide_avx512.h"
+#include "geometry/triangle_lines.h"
+
+namespace difi::cpu::avx512 {
+namespace {
+
+using namespace difi::avx512;
+#include "cpu/kernels_body.h"
+
+}  // namespace
+
+extern const Kernels kKernels{"avx512", clear, gather_band_any, finish, copy_tile};
+
+}  // namespace difi::cpu::avx512
+
+#endif

@@ -1,0 +1,279 @@
+// The kernels, written once over WideFloat. Each kernels_*.cpp includes this inside the namespace of its instruction
+// set, after that set's WideFloat.
+//
+// Only always-inlined functions of the geometry room may be called here, and nothing of the standard library: a function
+// compiled for AVX-512 that the linker shares with the rest of the program would crash older processors.
+
+// Triangles at most this long, in grid units, are set up in float, sixteen at once; longer ones in double, one by one.
+// At 16 the corners lie within 40 units of the brick's centre, where float resolves 4e-6: below the promised 1.6e-5.
+constexpr float kLongTriangle = 16;
+// Shorter edges and altitudes count as zero, squared grid units: a tenth of the promised error.
+constexpr double kLeastLengthSq = 1e-12;
+// What rounding may add to a box or a distance when blocks are chosen, grid units.
+constexpr float kSlack = 1e-3f;
+
+static_assert(kLanes == 16);
+
+using WidePoint = Triple<WideFloat>;
+
+void clear(BrickState& state) {
+  const WideFloat infinity(__builtin_inff());
+  const WideUint none(kNoTriangle);
+  for (int block = 0; block < kBlocks; ++block) {
+    infinity.store(state.distance_sq[block]);
+    none.store(state.nearest[block]);
+  }
+}
+
+// Sixteen triangles, corners relative to the brick's centre in grid units: corner[which][axis][lane].
+struct Group {
+  alignas(64) float corner[3][3][kLanes];
+  alignas(64) std::uint32_t index[kLanes];
+};
+
+// Loads the triangles refs[first], refs[first + 1], ...; past the end the last one again, which changes nothing.
+DIFI_INLINE void load_group(const Lattice& lattice, const Brick& brick, const Candidates& c, std::int64_t first,
+                            Group& group) {
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const std::int64_t n = first + lane < c.count ? first + lane : c.count - 1;
+    const std::uint32_t index = c.refs[n];
+    group.index[lane] = index;
+    const std::uint32_t* triangle = c.triangles + 3 * std::size_t{index};
+    for (int which = 0; which < 3; ++which) {
+      const double* vertex = c.vertices + 3 * std::size_t{triangle[which]};
+      for (int axis = 0; axis < 3; ++axis)
+        group.corner[which][axis][lane] =
+            static_cast<float>(difi::fma(vertex[axis], lattice.scale, -brick.center[axis]));
+    }
+  }
+}
+
+// The blocks that hold samples within the thickness of each triangle's box, per axis: first > last for none.
+struct BlockRanges {
+  alignas(64) int first[3][kLanes];
+  alignas(64) int last[3][kLanes];
+};
+
+// Sets the ranges and returns the longest side of each triangle's box.
+DIFI_INLINE WideFloat block_ranges(const Lattice& lattice, const Group& group, BlockRanges& ranges) {
+  constexpr int shift[3] = {2, 1, 1};
+  static_assert(1 << shift[0] == kBlockX && 1 << shift[1] == kBlockY && 1 << shift[2] == kBlockZ);
+  const WideFloat zero(0), side(kBrickSide), middle((kBrickSide - 1) / 2.0f), slack(kSlack), one(1);
+  WideFloat longest = zero;
+  for (int axis = 0; axis < 3; ++axis) {
+    const WideFloat a = WideFloat::load(group.corner[0][axis]), b = WideFloat::load(group.corner[1][axis]),
+                    c = WideFloat::load(group.corner[2][axis]);
+    const WideFloat low = min(a, min(b, c)), high = max(a, max(b, c));
+    longest = max(longest, high - low);
+    const WideFloat reach(lattice.thickness), inverse(lattice.inverse_spacing[axis]);
+    // The first sample at or above `low - reach`, and one past the last at or below `high + reach`.
+    const WideFloat begin = fma(low - reach, inverse, middle) + (one - slack);
+    const WideFloat end = fma(high + reach, inverse, middle) + (one + slack);
+    store_truncated(ranges.first[axis], max(zero, min(begin, side)));
+    store_truncated(ranges.last[axis], max(zero, min(end, side)));
+    for (int lane = 0; lane < kLanes; ++lane) {
+      ranges.first[axis][lane] = ranges.first[axis][lane] >> shift[axis];
+      ranges.last[axis][lane] = (ranges.last[axis][lane] - 1) >> shift[axis];
+    }
+  }
+  return longest;
+}
+
+template <bool kNearest>
+DIFI_INLINE void lower(BrickState& state, int block, const WideFloat& distance_sq, std::uint32_t index) {
+  const WideFloat before = WideFloat::load(state.distance_sq[block]);
+  if constexpr (kNearest) {
+    const WideUint mine(index), theirs = WideUint::load(state.nearest[block]);
+    const Mask nearer = less(distance_sq, before) | (equal(distance_sq, before) & less(mine, theirs));
+    select(nearer, mine, theirs).store(state.nearest[block]);
+  }
+  min(distance_sq, before).store(state.distance_sq[block]);
+}
+
+// The frames of a group, a register per number: lane n of each belongs to triangle n.
+struct FrameTable {
+  alignas(64) float number[20][kLanes];
+};
+
+DIFI_INLINE void store_frames(const TriangleFrame<WideFloat>& f, FrameTable& table) {
+  const Linear<WideFloat>* lines[3] = {&f.q, &f.y, &f.z};
+  for (int n = 0; n < 3; ++n) {
+    lines[n]->g.x.store(table.number[4 * n]);
+    lines[n]->g.y.store(table.number[4 * n + 1]);
+    lines[n]->g.z.store(table.number[4 * n + 2]);
+    lines[n]->c.store(table.number[4 * n + 3]);
+  }
+  const HalfTriangle<WideFloat>* halves[2] = {&f.left, &f.right};
+  for (int n = 0; n < 2; ++n) {
+    halves[n]->leg.store(table.number[12 + 4 * n]);
+    halves[n]->length.store(table.number[13 + 4 * n]);
+    halves[n]->nx.store(table.number[14 + 4 * n]);
+    halves[n]->ny.store(table.number[15 + 4 * n]);
+  }
+}
+
+// One triangle's frame in all lanes.
+DIFI_INLINE TriangleFrame<WideFloat> broadcast_frame(const FrameTable& table, int lane) {
+  const auto number = [&](int n) __attribute__((always_inline)) { return WideFloat(table.number[n][lane]); };
+  return {{{number(0), number(1), number(2)}, number(3)},    {{number(4), number(5), number(6)}, number(7)},
+          {{number(8), number(9), number(10)}, number(11)},  {number(12), number(13), number(14), number(15)},
+          {number(16), number(17), number(18), number(19)}};
+}
+
+DIFI_INLINE TriangleFrame<WideFloat> frames_of(const Group& group) {
+  const auto corner = [&](int which) __attribute__((always_inline)) {
+    return WidePoint{WideFloat::load(group.corner[which][0]), WideFloat::load(group.corner[which][1]),
+                     WideFloat::load(group.corner[which][2])};
+  };
+  return make_frame(corner(0), corner(1), corner(2), WideFloat(static_cast<float>(kLeastLengthSq)));
+}
+
+DIFI_INLINE TriangleFrame<double> double_frame(const Lattice& lattice, const Brick& brick, const Candidates& c,
+                                               std::uint32_t index) {
+  Triple<double> corner[3];
+  for (int which = 0; which < 3; ++which) {
+    const double* v = c.vertices + 3 * std::size_t{c.triangles[3 * std::size_t{index} + which]};
+    corner[which] = {difi::fma(v[0], lattice.scale, -brick.center[0]), difi::fma(v[1], lattice.scale, -brick.center[1]),
+                     difi::fma(v[2], lattice.scale, -brick.center[2])};
+  }
+  return make_frame(corner[0], corner[1], corner[2], kLeastLengthSq);
+}
+
+// A short triangle against the blocks in its grown box.
+template <bool kNearest>
+DIFI_INLINE void gather_short(const Lattice& lattice, const BlockRanges& ranges, const FrameTable& frames, int lane,
+                              std::uint32_t index, BrickState& state) {
+  const int x0 = ranges.first[0][lane], x1 = ranges.last[0][lane], y0 = ranges.first[1][lane],
+            y1 = ranges.last[1][lane], z0 = ranges.first[2][lane], z1 = ranges.last[2][lane];
+  if (x0 > x1 || y0 > y1 || z0 > z1) return;
+  const TriangleFrame<WideFloat> f = broadcast_frame(frames, lane);
+  for (int bz = z0; bz <= z1; ++bz) {
+    const WideFloat z = WideFloat::load(lattice.z[bz]);
+    const WideFloat qz = fma(z, f.q.g.z, f.q.c), yz = fma(z, f.y.g.z, f.y.c), zz = fma(z, f.z.g.z, f.z.c);
+    for (int by = y0; by <= y1; ++by) {
+      const WideFloat y = WideFloat::load(lattice.y[by]);
+      const WideFloat qy = fma(y, f.q.g.y, qz), yy = fma(y, f.y.g.y, yz), zy = fma(y, f.z.g.y, zz);
+      for (int bx = x0; bx <= x1; ++bx) {
+        const WideFloat x = WideFloat::load(lattice.x[bx]);
+        const WideFloat d =
+            frame_distance_sq(f, fma(x, f.q.g.x, qy), fma(x, f.y.g.x, yy), fma(x, f.z.g.x, zy));
+        lower<kNearest>(state, block_index(bx, by, bz), d, index);
+      }
+    }
+  }
+  state.samples_examined += std::int64_t{kLanes} * (x1 - x0 + 1) * (y1 - y0 + 1) * (z1 - z0 + 1);
+}
+
+DIFI_INLINE WidePoint block_samples(const Lattice& lattice, int block) {
+  return {WideFloat::load(lattice.x[block % kBlocksX]), WideFloat::load(lattice.y[block / kBlocksX % kBlocksY]),
+          WideFloat::load(lattice.z[block / (kBlocksX * kBlocksY)])};
+}
+
+// A long triangle: blocks are chosen by the exact distance of their centres.
+template <bool kNearest>
+DIFI_INLINE void gather_long(const Lattice& lattice, const Brick& brick, const Candidates& c, std::uint32_t index,
+                             BrickState& state) {
+  const TriangleLines<WideFloat> lines = make_lines<WideFloat>(double_frame(lattice, brick, c, index));
+  const float reach = (lattice.thickness + lattice.block_radius) * (1 + kSlack) + kSlack;
+  const WideFloat reach_sq(reach * reach);
+  for (int sixteen = 0; sixteen < kBlocks / kLanes; ++sixteen) {
+    const WidePoint center{WideFloat::load(lattice.block_centers[sixteen][0]), WideFloat::load(lattice.block_centers[sixteen][1]),
+                           WideFloat::load(lattice.block_centers[sixteen][2])};
+    std::uint32_t near_blocks = less(distance_sq(lines, center), reach_sq).to_bits();
+    state.samples_examined += std::int64_t{kLanes} * __builtin_popcount(near_blocks);
+    for (; near_blocks; near_blocks &= near_blocks - 1) {
+      const int block = kLanes * sixteen + __builtin_ctz(near_blocks);
+      lower<kNearest>(state, block, distance_sq(lines, block_samples(lattice, block)), index);
+    }
+  }
+}
+
+template <bool kNearest>
+void gather_band(const Lattice& lattice, const Brick& brick, const Candidates& c, BrickState& state) {
+  Group group;
+  BlockRanges ranges;
+  FrameTable frames;
+  for (std::int64_t first = 0; first < c.count; first += kLanes) {
+    load_group(lattice, brick, c, first, group);
+    const WideFloat longest = block_ranges(lattice, group, ranges);
+    const std::uint32_t is_long = less(WideFloat(kLongTriangle), longest).to_bits();
+    store_frames(frames_of(group), frames);
+    const int used = c.count - first < kLanes ? static_cast<int>(c.count - first) : kLanes;
+    for (int lane = 0; lane < used; ++lane) {
+      if (is_long >> lane & 1)
+        gather_long<kNearest>(lattice, brick, c, group.index[lane], state);
+      else
+        gather_short<kNearest>(lattice, ranges, frames, lane, group.index[lane], state);
+    }
+  }
+}
+
+void gather_band_any(const Lattice& lattice, const Brick& brick, const Candidates& c, bool with_nearest,
+                     BrickState& state) {
+  if (with_nearest)
+    gather_band<true>(lattice, brick, c, state);
+  else
+    gather_band<false>(lattice, brick, c, state);
+}
+
+// Samples of the brick inside the grid, per axis.
+DIFI_INLINE int inside(const Lattice& lattice, const Brick& brick, int axis) {
+  const std::int64_t left = lattice.size[axis] - brick.at[axis] * kBrickSide;
+  return left < kBrickSide ? static_cast<int>(left) : kBrickSide;
+}
+
+unsigned finish(const Lattice& lattice, const Brick& brick, bool with_nearest, BrickState& state) {
+  const WideFloat limit_sq(lattice.thickness_sq), limit(lattice.thickness_world),
+      unscale(static_cast<float>(1 / lattice.scale));
+  const int nx = inside(lattice, brick, 0), ny = inside(lattice, brick, 1), nz = inside(lattice, brick, 2);
+  const bool whole = nx == kBrickSide && ny == kBrickSide && nz == kBrickSide;
+  unsigned tiles = 0;
+  for (int block = 0; block < kBlocks; ++block) {
+    const int bx = block % kBlocksX, by = block / kBlocksX % kBlocksY, bz = block / (kBlocksX * kBlocksY);
+    const WideFloat squared = WideFloat::load(state.distance_sq[block]);
+    const std::uint32_t beyond = less(limit_sq, squared).to_bits();
+    std::uint32_t band = ~beyond & 0xffffu;
+    if (!whole)
+      for (int lane = 0; lane < kLanes; ++lane)
+        if (bx * kBlockX + lane % kBlockX >= nx || by * kBlockY + lane / kBlockX % kBlockY >= ny ||
+            bz * kBlockZ + lane / (kBlockX * kBlockY) >= nz)
+          band &= ~(1u << lane);
+    if (band != 0) {
+      const int tile = bx / (kBlocksX / 2) + 2 * (by / (kBlocksY / 2)) + 4 * (bz / (kBlocksZ / 2));
+      tiles |= 1u << tile;
+      state.samples_band += __builtin_popcount(band);
+    }
+    min(sqrt(squared) * unscale, limit).store(state.distance_sq[block]);
+    if (with_nearest && beyond != 0) {
+      const WideUint found = WideUint::load(state.nearest[block]);
+      select(less(limit_sq, squared), WideUint(kNoTriangle), found).store(state.nearest[block]);
+    }
+  }
+  return tiles;
+}
+
+// Copies a tile's rows out of the blocks, four samples at a time; a tile cut by the grid's far faces sample by sample.
+template <class T>
+DIFI_INLINE void copy_rows(const T (*blocks)[kLanes], int tile, const TileTarget& target, T* out) {
+  constexpr int side = DistanceField::kTileSide;
+  const int x0 = (tile & 1) * side, y0 = (tile >> 1 & 1) * side, z0 = (tile >> 2 & 1) * side;
+  const int nx = static_cast<int>(target.size.x), ny = static_cast<int>(target.size.y),
+            nz = static_cast<int>(target.size.z);
+  for (int z = 0; z < nz; ++z)
+    for (int y = 0; y < ny; ++y) {
+      T* row = out + target.row * y + target.slice * z;
+      const int lane = kBlockX * ((y0 + y) % kBlockY + kBlockY * ((z0 + z) % kBlockZ));
+      for (int x = 0; x < nx; x += kBlockX) {
+        const T* four = blocks[block_index((x0 + x) / kBlockX, (y0 + y) / kBlockY, (z0 + z) / kBlockZ)] + lane;
+        if (x + kBlockX <= nx)
+          __builtin_memcpy(row + x, four, kBlockX * sizeof(T));
+        else
+          for (int i = 0; x + i < nx; ++i) row[x + i] = four[i];
+      }
+    }
+}
+
+void copy_tile(const BrickState& state, int tile, const TileTarget& target) {
+  copy_rows(state.distance_sq, tile, target, target.values);
+  if (target.nearest) copy_rows(state.nearest, tile, target, target.nearest);
+}

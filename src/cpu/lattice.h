@@ -1,0 +1,57 @@
+// The samples as the CPU kernels see them: bricks of 16x16x16 samples, in blocks of 4x2x2, one block per wide register.
+//
+// A brick is 2x2x2 tiles: the unit of binning and of the local coordinates. Sixteen and not eight because a triangle is
+// set up once per brick it touches, and small triangles touch half as many bricks as tiles.
+#pragma once
+
+#include <cstdint>
+
+#include "difi/field.h"
+#include "difi/grid.h"
+
+namespace difi::cpu {
+
+inline constexpr int kBrickSide = 16;
+inline constexpr int kBrickSamples = kBrickSide * kBrickSide * kBrickSide;
+inline constexpr int kBrickTiles = 8;
+inline constexpr int kLanes = 16;
+inline constexpr int kBlockX = 4, kBlockY = 2, kBlockZ = 2;
+inline constexpr int kBlocksX = kBrickSide / kBlockX, kBlocksY = kBrickSide / kBlockY, kBlocksZ = kBrickSide / kBlockZ;
+inline constexpr int kBlocks = kBlocksX * kBlocksY * kBlocksZ;
+
+/// Block (bx,by,bz) of a brick; x fastest.
+constexpr int block_index(int bx, int by, int bz) { return bx + kBlocksX * (by + kBlocksY * bz); }
+
+/// What all bricks of a grid share. Lengths are in grid units: world units times `scale`, a power of two that brings
+/// the largest spacing to [1, 2). So nothing is lost by scaling, and no mesh is too small or too large for float.
+struct Lattice {
+  double scale;
+  double origin[3];                ///< of the grid, world units
+  double spacing[3];               ///< world units
+  std::int64_t size[3];            ///< samples
+  std::int64_t bricks[3];
+  float thickness;                 ///< grid units, may be infinite
+  float thickness_sq;
+  float thickness_world;
+  float inverse_spacing[3];        ///< 1 / grid units
+  float block_radius;              ///< half the diagonal of a block, grid units
+  alignas(64) float x[kBlocksX][kLanes];  ///< sample coordinates relative to the brick's centre, by block column
+  alignas(64) float y[kBlocksY][kLanes];
+  alignas(64) float z[kBlocksZ][kLanes];
+
+  alignas(64) float block_centers[kBlocks / kLanes][3][kLanes];  ///< relative to the brick's centre, sixteen blocks a row
+
+  std::int64_t brick_count() const { return bricks[0] * bricks[1] * bricks[2]; }
+};
+
+Lattice make_lattice(const Grid& grid, double thickness);
+
+/// A brick and its centre, world units times scale.
+struct Brick {
+  std::int64_t at[3];
+  double center[3];
+};
+
+Brick brick_at(const Lattice& lattice, std::int64_t index);
+
+}  // namespace difi::cpu

@@ -1,0 +1,71 @@
+// Sixteen floats in one AVX-512 register.
+#pragma once
+
+#include <immintrin.h>
+
+#include <cstdint>
+
+#include "geometry/host_device.h"
+
+namespace difi::avx512 {
+
+struct Mask {
+  __mmask16 bits;
+  DIFI_INLINE std::uint32_t to_bits() const { return bits; }
+  friend DIFI_INLINE Mask operator&(Mask a, Mask b) { return {static_cast<__mmask16>(a.bits & b.bits)}; }
+  friend DIFI_INLINE Mask operator|(Mask a, Mask b) { return {static_cast<__mmask16>(a.bits | b.bits)}; }
+};
+
+struct WideFloat {
+  __m512 v;
+
+  WideFloat() = default;
+  DIFI_INLINE WideFloat(__m512 value) : v(value) {}
+  DIFI_INLINE WideFloat(float value) : v(_mm512_set1_ps(value)) {}
+  DIFI_INLINE explicit WideFloat(int value) : v(_mm512_set1_ps(static_cast<float>(value))) {}
+
+  static DIFI_INLINE WideFloat load(const float* p) { return _mm512_loadu_ps(p); }
+  DIFI_INLINE void store(float* p) const { _mm512_storeu_ps(p, v); }
+
+  friend DIFI_INLINE WideFloat operator+(WideFloat a, WideFloat b) { return _mm512_add_ps(a.v, b.v); }
+  friend DIFI_INLINE WideFloat operator-(WideFloat a, WideFloat b) { return _mm512_sub_ps(a.v, b.v); }
+  friend DIFI_INLINE WideFloat operator*(WideFloat a, WideFloat b) { return _mm512_mul_ps(a.v, b.v); }
+  friend DIFI_INLINE WideFloat operator/(WideFloat a, WideFloat b) { return _mm512_div_ps(a.v, b.v); }
+  friend DIFI_INLINE WideFloat operator-(WideFloat a) { return _mm512_xor_ps(a.v, _mm512_set1_ps(-0.0f)); }
+};
+
+DIFI_INLINE WideFloat fma(WideFloat a, WideFloat b, WideFloat c) { return _mm512_fmadd_ps(a.v, b.v, c.v); }
+DIFI_INLINE WideFloat min(WideFloat a, WideFloat b) { return _mm512_min_ps(a.v, b.v); }
+DIFI_INLINE WideFloat max(WideFloat a, WideFloat b) { return _mm512_max_ps(a.v, b.v); }
+DIFI_INLINE WideFloat sqrt(WideFloat a) { return _mm512_sqrt_ps(a.v); }
+DIFI_INLINE WideFloat abs(WideFloat a) { return _mm512_abs_ps(a.v); }
+DIFI_INLINE Mask less(WideFloat a, WideFloat b) { return {_mm512_cmp_ps_mask(a.v, b.v, _CMP_LT_OQ)}; }
+DIFI_INLINE Mask equal(WideFloat a, WideFloat b) { return {_mm512_cmp_ps_mask(a.v, b.v, _CMP_EQ_OQ)}; }
+DIFI_INLINE WideFloat select(Mask m, WideFloat yes, WideFloat no) { return _mm512_mask_blend_ps(m.bits, no.v, yes.v); }
+DIFI_INLINE float reduce_max(WideFloat a) { return _mm512_reduce_max_ps(a.v); }
+DIFI_INLINE float reduce_min(WideFloat a) { return _mm512_reduce_min_ps(a.v); }
+
+/// Stores the lanes rounded towards zero. Requires values within the range of int.
+DIFI_INLINE void store_truncated(int* p, WideFloat a) { _mm512_storeu_si512(p, _mm512_cvttps_epi32(a.v)); }
+
+/// Sixteen unsigned integers; compared as such.
+struct WideUint {
+  __m512i v;
+
+  WideUint() = default;
+  DIFI_INLINE WideUint(__m512i value) : v(value) {}
+  DIFI_INLINE WideUint(std::uint32_t value) : v(_mm512_set1_epi32(static_cast<int>(value))) {}
+  static DIFI_INLINE WideUint load(const std::uint32_t* p) { return _mm512_loadu_si512(p); }
+  DIFI_INLINE void store(std::uint32_t* p) const { _mm512_storeu_si512(p, v); }
+};
+
+DIFI_INLINE Mask less(WideUint a, WideUint b) { return {_mm512_cmp_epu32_mask(a.v, b.v, _MM_CMPINT_LT)}; }
+DIFI_INLINE WideUint select(Mask m, WideUint yes, WideUint no) { return _mm512_mask_blend_epi32(m.bits, no.v, yes.v); }
+
+/// Stores the elements of `a` whose mask bit is set, packed, and returns how many. `p` must have room for sixteen.
+DIFI_INLINE int store_packed(std::uint32_t* p, Mask m, WideUint a) {
+  _mm512_storeu_si512(p, _mm512_maskz_compress_epi32(m.bits, a.v));
+  return __builtin_popcount(m.bits);
+}
+
+}  // namespace difi::avx512

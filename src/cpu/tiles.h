@@ -1,0 +1,15 @@
+// The method `tiles` on the CPU (docs/tiles.md).
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "field/backend.h"
+
+namespace difi::cpu {
+
+Counts run_tiles(const Job& job, Sink& sink);
+std::string tiles_device(Simd requested);
+std::int64_t tiles_scratch_bytes(std::int64_t triangles, const Grid& grid, double thickness, int threads);
+
+}  // namespace difi::cpu

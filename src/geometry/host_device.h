@@ -1,0 +1,16 @@
+// Marks functions that run on the host and, under nvcc, on the device: the one place that knows about CUDA here.
+#pragma once
+
+#ifdef __CUDACC__
+#define DIFI_HD __host__ __device__
+#else
+#define DIFI_HD
+#endif
+
+// Small functions of the inner loops: always inlined, so that a copy compiled for one instruction set can never be
+// linked into code for another.
+#if defined(__CUDACC__)
+#define DIFI_INLINE DIFI_HD __forceinline__
+#else
+#define DIFI_INLINE inline __attribute__((always_inline))
+#endif
