@@ -1,0 +1,107 @@
+// difi's compute on a workload, through the public API.
+#include <map>
+#include <memory>
+
+#include "compare.h"
+#include "difi/version.h"
+#include "measure.h"
+#include "workload.h"
+
+namespace {
+
+using namespace difi;
+using bench::Workload;
+
+/// Where the field goes.
+enum class Output {
+  sparse,  ///< compute: new tiles for each call
+  dense,   ///< compute_into: the same memory for each call, untouched before the first
+};
+
+struct Settings {
+  Output output = Output::sparse;
+  Method method = Method::tiles;
+  SkipRule skip;
+  Simd simd = Simd::automatic;
+};
+
+class Job {
+ public:
+  Job(const Workload& work, const Settings& settings) : work_(work), output_(settings.output) {
+    options_.thickness = work.thickness;
+    options_.method = settings.method;
+    options_.skip = settings.skip;
+    options_.threads = work.threads;
+    options_.simd = settings.simd;
+    if (output_ == Output::dense) buffer_.reset(new float[samples()]);
+  }
+
+  Computed operator()() {
+    if (output_ == Output::sparse) return compute(work_.mesh, work_.grid, options_);
+    return {{}, compute_into(work_.mesh, work_.grid, values(), options_)};
+  }
+
+  std::vector<float> to_dense(const Computed& computed) const {
+    if (output_ == Output::sparse) return computed.field.to_dense();
+    return {values().begin(), values().end()};
+  }
+
+  std::int64_t output_bytes(const Computed& computed) const {
+    return output_ == Output::sparse ? computed.field.memory_bytes() : static_cast<std::int64_t>(values().size_bytes());
+  }
+
+ private:
+  std::size_t samples() const { return static_cast<std::size_t>(work_.grid.sample_count()); }
+  std::span<float> values() const { return {buffer_.get(), samples()}; }
+
+  const Workload& work_;
+  Output output_;
+  Options options_;
+  std::unique_ptr<float[]> buffer_;
+};
+
+nlohmann::json run(const Workload& work, const Settings& settings) {
+  Job job(work, settings);
+  bench::Measured measured;
+  const Computed result = bench::measure(work.repeats, measured, [&] { return job(); });
+
+  const Report& report = result.report;
+  nlohmann::json line = work.describe();
+  line["driver"] = "difi";
+  line["version"] = version();
+  line["method"] = report.method;
+  line["device"] = report.device;
+  line["output"] = settings.output == Output::sparse ? "sparse" : "dense";
+  line["output_bytes"] = job.output_bytes(result);
+  line["mesh_bytes"] = work.mesh.vertices.size() * sizeof(Vec3) + work.mesh.triangles.size() * sizeof(Triangle);
+  line["skipped"] = report.skipped;
+  line["samples_examined"] = report.samples_examined;
+  line["samples_band"] = report.samples_band;
+  line["prepare_s"] = report.seconds.prepare;
+  line["compute_s"] = report.seconds.compute;
+  measured.write(line);
+  if (work.check) line["check"] = bench::compare_with_exact(work, job.to_dense(result));
+  return line;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("difi's compute on a workload", "bench_difi");
+  const bench::WorkloadOptions options(app);
+  Settings settings;
+  const std::map<std::string, Method> methods{{"tiles", Method::tiles}, {"thesis", Method::thesis}};
+  const std::map<std::string, Simd> simds{
+      {"automatic", Simd::automatic}, {"portable", Simd::portable}, {"avx2", Simd::avx2}, {"avx512", Simd::avx512}};
+  const std::map<std::string, Output> outputs{{"sparse", Output::sparse}, {"dense", Output::dense}};
+  const std::map<std::string, SkipRule::Kind> skips{{"automatic", SkipRule::Kind::automatic},
+                                                    {"none", SkipRule::Kind::none},
+                                                    {"neighbour", SkipRule::Kind::neighbour},
+                                                    {"exact", SkipRule::Kind::exact}};
+  app.add_option("--output", settings.output, "sparse, or dense: into the same memory at each call")
+      ->transform(CLI::CheckedTransformer(outputs));
+  app.add_option("--skip", settings.skip.kind, "skip rule")->transform(CLI::CheckedTransformer(skips));
+  app.add_option("--method", settings.method, "tiles or thesis")->transform(CLI::CheckedTransformer(methods));
+  app.add_option("--simd", settings.simd, "instruction set")->transform(CLI::CheckedTransformer(simds));
+  return run_driver(app, options, argc, argv, [&](const Workload& work) { return run(work, settings); });
+}

@@ -1,0 +1,47 @@
+// Do two programs compute the same field?
+#pragma once
+
+#include <cmath>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "difi/compute.h"
+#include "workload.h"
+
+namespace difi::bench {
+
+/// The exact field, by difi's default method.
+inline std::vector<float> exact_field(const Workload& work) {
+  std::vector<float> values(static_cast<std::size_t>(work.grid.sample_count()));
+  Options options;
+  options.thickness = work.thickness;
+  options.threads = work.threads;
+  compute_into(work.mesh, work.grid, values, options);
+  return values;
+}
+
+/// Counts band samples on both sides and measures how far `values` (clamped to the thickness) are from the exact field.
+inline nlohmann::json compare_with_exact(const Workload& work, std::span<const float> values) {
+  const std::vector<float> exact = exact_field(work);
+  const auto thickness = static_cast<float>(work.thickness);
+  std::int64_t band = 0, band_exact = 0;
+  double largest = 0, sum = 0;
+  for (std::size_t n = 0; n < exact.size(); ++n) {
+    band += values[n] < thickness;
+    if (!(exact[n] < thickness)) continue;
+    ++band_exact;
+    const double difference = std::abs(static_cast<double>(values[n]) - exact[n]);
+    largest = std::max(largest, difference);
+    sum += difference;
+  }
+  const double spacing = work.grid.max_spacing();
+  return {{"band", band},
+          {"band_exact", band_exact},
+          {"largest_error_samples", largest / spacing},
+          {"mean_error_samples", band_exact ? sum / static_cast<double>(band_exact) / spacing : 0}};
+}
+
+}  // namespace difi::bench

@@ -1,0 +1,79 @@
+// Time and memory of one job, repeated in one process.
+#pragma once
+
+#include <malloc.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <fstream>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+namespace difi::bench {
+
+inline double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  const std::size_t n = values.size();
+  return n % 2 ? values[n / 2] : (values[n / 2 - 1] + values[n / 2]) / 2;
+}
+
+/// A line of /proc/self/status that counts kilobytes, in bytes; 0 where the system has no such file.
+inline std::int64_t process_bytes(const std::string& key) {
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;) {
+    if (word != key + ":") continue;
+    std::int64_t kilobytes = 0;
+    status >> kilobytes;
+    return kilobytes * 1024;
+  }
+  return 0;
+}
+
+/// Makes the peak start again from what is in use now, so that loading the mesh does not count.
+inline void forget_peak() {
+  malloc_trim(0);
+  std::ofstream("/proc/self/clear_refs") << "5";
+}
+
+struct Measured {
+  double cold = 0;                                ///< seconds of the first call
+  std::vector<double> warm;                       ///< seconds of the others
+  std::int64_t bytes_before = 0, bytes_peak = 0;  ///< resident: before the first call, and at most during it
+
+  void write(nlohmann::json& line) const {
+    line["cold_s"] = cold;
+    line["warm_s"] = median(warm);
+    line["calls"] = 1 + warm.size();
+    line["memory_before"] = bytes_before;
+    line["memory_peak"] = bytes_peak;
+  }
+};
+
+/// Calls `job` `repeats` times and returns its last result. Results are freed between calls, outside the timing.
+template <class Job>
+auto measure(int repeats, Measured& measured, Job&& job) {
+  std::optional<decltype(job())> result;
+  forget_peak();
+  measured.bytes_before = process_bytes("VmRSS");
+  for (int call = 0; call < repeats; ++call) {
+    result.reset();
+    const auto start = std::chrono::steady_clock::now();
+    result.emplace(job());
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (call == 0) {
+      measured.cold = seconds;
+      measured.bytes_peak = process_bytes("VmHWM");
+    } else {
+      measured.warm.push_back(seconds);
+    }
+  }
+  return std::move(*result);
+}
+
+}  // namespace difi::bench

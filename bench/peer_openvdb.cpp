@@ -1,0 +1,77 @@
+// OpenVDB's meshToVolume, unsigned: a sparse band of approximate distances.
+#include <openvdb/openvdb.h>
+#include <openvdb/tools/Dense.h>
+#include <openvdb/tools/MeshToVolume.h>
+#include <openvdb/version.h>
+#include <tbb/global_control.h>
+
+#include "compare.h"
+#include "measure.h"
+#include "workload.h"
+
+namespace {
+
+using difi::Vec3;
+using difi::bench::Workload;
+
+/// The mesh in the form meshToVolume likes best: index space, single precision. Made before the timing.
+struct IndexMesh {
+  std::vector<openvdb::Vec3s> points;
+  std::vector<openvdb::Vec3I> triangles;
+
+  explicit IndexMesh(const Workload& work) {
+    points.reserve(work.mesh.vertices.size());
+    for (Vec3 v : work.mesh.vertices) {
+      const Vec3 p = (v - work.grid.origin) / work.grid.spacing;
+      points.emplace_back(static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z));
+    }
+    triangles.reserve(work.mesh.triangles.size());
+    for (const auto& t : work.mesh.triangles) triangles.emplace_back(t[0], t[1], t[2]);
+  }
+};
+
+std::vector<float> to_dense(const openvdb::FloatGrid& field, const Workload& work) {
+  const auto& n = work.grid.size;
+  std::vector<float> values(static_cast<std::size_t>(n.count()));
+  const openvdb::CoordBBox box({0, 0, 0}, {int(n.x) - 1, int(n.y) - 1, int(n.z) - 1});
+  openvdb::tools::Dense<float, openvdb::tools::LayoutXYZ> dense(box, values.data());
+  openvdb::tools::copyToDense(field, dense);
+  return values;
+}
+
+nlohmann::json run(const Workload& work) {
+  const Vec3 h = work.grid.spacing;
+  if (h.x != h.y || h.x != h.z) throw std::runtime_error("OpenVDB needs the same spacing on all axes");
+  if (work.full()) throw std::runtime_error("OpenVDB needs a thickness");
+  tbb::global_control limit(tbb::global_control::max_allowed_parallelism, work.threads);
+  openvdb::initialize();
+
+  const IndexMesh mesh(work);
+  const openvdb::tools::QuadAndTriangleDataAdapter<openvdb::Vec3s, openvdb::Vec3I> adapter(mesh.points, mesh.triangles);
+  const auto transform = openvdb::math::Transform::createLinearTransform(h.x);
+  transform->postTranslate({work.grid.origin.x, work.grid.origin.y, work.grid.origin.z});
+  const auto width = static_cast<float>(work.thickness / h.x);
+
+  difi::bench::Measured measured;
+  const auto field = difi::bench::measure(work.repeats, measured, [&] {
+    return openvdb::tools::meshToVolume<openvdb::FloatGrid>(adapter, *transform, width, width,
+                                                            openvdb::tools::UNSIGNED_DISTANCE_FIELD);
+  });
+
+  nlohmann::json line = work.describe();
+  line["driver"] = "openvdb";
+  line["version"] = OPENVDB_LIBRARY_VERSION_STRING;
+  line["output"] = "sparse";
+  line["output_bytes"] = field->memUsage();
+  measured.write(line);
+  if (work.check) line["check"] = difi::bench::compare_with_exact(work, to_dense(*field, work));
+  return line;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("OpenVDB meshToVolume (unsigned, sparse) on a workload", "peer_openvdb");
+  const difi::bench::WorkloadOptions options(app);
+  return run_driver(app, options, argc, argv, run);
+}

@@ -1,0 +1,115 @@
+#include "workload.h"
+
+#include <cmath>
+#include <exception>
+#include <iostream>
+#include <limits>
+
+#include "difi/io.h"
+#include "scenes/scenes.h"
+
+namespace difi::bench {
+namespace {
+
+/// Stretches the mesh per axis until its box, grown by `margin`, is the box from the origin to `extent`.
+void stretch(Mesh& mesh, Vec3 extent, double margin) {
+  const Box box = bounds(mesh);
+  const Vec3 target = extent - Vec3{2, 2, 2} * margin, old = box.extent();
+  const auto factor = [](double to, double from) { return from > 0 ? to / from : 1; };
+  const Vec3 scale{factor(target.x, old.x), factor(target.y, old.y), factor(target.z, old.z)};
+  for (Vec3& v : mesh.vertices) v = (v - box.min) * scale + Vec3{margin, margin, margin};
+}
+
+/// Cubic cells, `samples` on the longest side, the outermost ones at least `thickness` samples away from the mesh.
+Grid padded_grid(const Box& box, std::int64_t samples, double thickness) {
+  const Vec3 e = box.extent();
+  const double spacing = std::max({e.x, e.y, e.z}) / (static_cast<double>(samples - 1) - 2 * thickness);
+  return fit_samples(box, samples, thickness * spacing);
+}
+
+/// Cubic cells in a cube of samples centred on the mesh, whose box grown by `thickness` samples it holds.
+Grid cube_grid(const Box& box, std::int64_t samples, double thickness) {
+  const Vec3 e = box.extent();
+  const double intervals = static_cast<double>(samples - 1);
+  const double spacing = std::max({e.x, e.y, e.z}) / (intervals - 2 * thickness);
+  const Vec3 h{spacing, spacing, spacing};
+  return {{samples, samples, samples}, box.center() - h * (intervals / 2), h};
+}
+
+}  // namespace
+
+bool Workload::full() const { return !std::isfinite(thickness); }
+
+nlohmann::json Workload::describe() const {
+  nlohmann::json line;
+  line["source"] = source;
+  line["triangles"] = mesh.triangles.size();
+  line["grid"] = {grid.size.x, grid.size.y, grid.size.z};
+  line["spacing"] = {grid.spacing.x, grid.spacing.y, grid.spacing.z};
+  line["samples"] = grid.sample_count();
+  if (!full()) line["thickness"] = thickness;
+  line["threads"] = threads;
+  return line;
+}
+
+WorkloadOptions::WorkloadOptions(CLI::App& app) {
+  auto* mesh = app.add_option("--mesh", mesh_, "mesh file");
+  auto* scene = app.add_option("--scene", scene_, "mesh made by code")->excludes(mesh);
+  app.add_option("--triangles", triangles_, "triangles of the scene (its own count when absent)")->needs(scene);
+  auto* samples = app.add_option("--samples", samples_, "cubic cells, this many samples on the longest side");
+  auto* cube = app.add_option("--cube", cube_, "cubic cells, this many samples on every side")->excludes(samples);
+  auto* size = app.add_option("--size", size_,
+                              "X,Y,Z samples; the mesh is stretched per axis until its box, grown by the thickness, "
+                              "fills them")
+                   ->delimiter(',')
+                   ->expected(3)
+                   ->excludes(samples, cube);
+  app.add_option("--extent", extent_, "X,Y,Z world units that the samples of --size span (default: one per sample)")
+      ->delimiter(',')
+      ->expected(3)
+      ->needs(size);
+  app.add_option("--thickness", thickness_, "in samples; with --extent in world units");
+  app.add_flag("--full", full_, "a full field: no thickness");
+  app.add_option("--threads", threads_);
+  app.add_option("--repeats", repeats_, "calls in this process, the first one cold")->check(CLI::PositiveNumber);
+  app.add_flag("--check", check_, "compare the result with another method's afterwards");
+}
+
+Workload WorkloadOptions::make() const {
+  Workload work;
+  work.source = scene_.empty() ? mesh_ : scene_;
+  work.mesh = scene_.empty() ? read_mesh(mesh_) : scenes::make(scene_, triangles_);
+  work.threads = threads_;
+  work.repeats = repeats_;
+  work.check = check_;
+  const double margin = full_ ? 0 : thickness_;
+  if (size_.empty()) {
+    const Box box = bounds(work.mesh);
+    work.grid = cube_ ? cube_grid(box, cube_, margin) : padded_grid(box, samples_, margin);
+    work.thickness = thickness_ * work.grid.spacing.x;
+  } else {
+    const Size3 size{size_[0], size_[1], size_[2]};
+    const auto steps = [](std::int64_t n) { return static_cast<double>(n > 1 ? n - 1 : 1); };
+    const Vec3 intervals{steps(size.x), steps(size.y), steps(size.z)};
+    const Vec3 extent = extent_.empty() ? intervals : Vec3{extent_[0], extent_[1], extent_[2]};
+    stretch(work.mesh, extent, margin);
+    work.grid = {size, {0, 0, 0}, extent / intervals};
+    work.thickness = thickness_;
+  }
+  if (full_) work.thickness = std::numeric_limits<double>::infinity();
+  return work;
+}
+
+int run_driver(CLI::App& app, const WorkloadOptions& options, int argc, char** argv,
+               const std::function<nlohmann::json(const Workload&)>& measure) {
+  CLI11_PARSE(app, argc, argv);
+  try {
+    std::cout << measure(options.make()).dump() << std::endl;
+    return 0;
+  } catch (const std::exception& error) {
+    std::cerr << app.get_name() << ": " << error.what() << "\n";
+    return 1;
+  }
+}
+
+}  // namespace difi::bench

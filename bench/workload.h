@@ -1,0 +1,53 @@
+// What every driver measures: a mesh on a grid, given by the same command line options to all of them.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "difi/grid.h"
+#include "difi/mesh.h"
+
+namespace difi::bench {
+
+/// One job: fill this grid with this mesh's distances.
+struct Workload {
+  std::string source;  ///< the scene's name or the file's
+  Mesh mesh;           ///< world units; stretched already where the options say so
+  Grid grid;
+  double thickness = 0;  ///< world units; infinite for a full field
+  int threads = 2;
+  int repeats = 5;     ///< calls in this process: the first is cold, the others warm
+  bool check = false;  ///< compare with another way of computing the same field, after the timing
+
+  bool full() const;  ///< every sample's distance is asked for
+  /// What the JSON lines of all drivers share.
+  nlohmann::json describe() const;
+};
+
+/// Adds the options of a workload to a driver's command line; `make` builds it after parsing.
+class WorkloadOptions {
+ public:
+  explicit WorkloadOptions(CLI::App& app);
+  /// Errors: usage and input, as the library's.
+  Workload make() const;
+
+ private:
+  std::string mesh_, scene_;
+  std::int64_t triangles_ = 0, samples_ = 256, cube_ = 0;
+  std::vector<double> extent_;
+  std::vector<std::int64_t> size_;
+  double thickness_ = 2;
+  int threads_ = 2, repeats_ = 5;
+  bool full_ = false, check_ = false;
+};
+
+/// Parses, runs `measure(workload)` and prints the JSON line it returns; errors go to stderr. For use in main.
+int run_driver(CLI::App& app, const WorkloadOptions& options, int argc, char** argv,
+               const std::function<nlohmann::json(const Workload&)>& measure);
+
+}  // namespace difi::bench
