@@ -30,7 +30,7 @@ class Binning {
   Binning(const Job& job, const Lattice& lattice) : job_(job), lattice_(lattice) {
     for (int axis = 0; axis < 3; ++axis) {
       to_samples_[axis] = 1 / lattice.spacing[axis];
-      reach_[axis] = job.thickness * to_samples_[axis] + kSlack;
+      reach_[axis] = job.thickness * to_samples_[axis] + 2 * kSlack;
     }
     const double scale = lattice.scale;
     double brick_radius_sq = 0;
@@ -52,11 +52,11 @@ class Binning {
       const double last = static_cast<double>(lattice_.size[axis] - 1);
       const double from = (lows[axis] - lattice_.origin[axis]) * to_samples_[axis] - reach_[axis];
       const double to = (highs[axis] - lattice_.origin[axis]) * to_samples_[axis] + reach_[axis];
-      // The first sample at or above `from` and the last at or below `to`; both clamped just outside the grid.
-      const double first_sample = std::ceil(std::clamp(from, 0.0, last + 1));
-      const double last_sample = std::floor(std::clamp(to, -1.0, last));
-      range.low[axis] = static_cast<std::int64_t>(first_sample) / kBrickSide;
-      range.high[axis] = last_sample < first_sample ? -1 : static_cast<std::int64_t>(last_sample) / kBrickSide;
+      // The first sample at or above `from` and the last at or below `to`, by truncation of what is not negative.
+      const auto first_sample = static_cast<std::int64_t>(std::clamp(from + (1 - kSlack), 0.0, last + 1));
+      const auto last_sample = static_cast<std::int64_t>(std::clamp(to + 1, 0.0, last + 1)) - 1;
+      range.low[axis] = first_sample / kBrickSide;
+      range.high[axis] = last_sample < first_sample ? -1 : last_sample / kBrickSide;
     }
     return range;
   }

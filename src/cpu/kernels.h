@@ -29,14 +29,13 @@ struct Candidates {
 struct Kernels {
   const char* name;
   /// Forgets all distances.
-  void (*clear)(BrickState&);
+  void (*clear)(bool with_nearest, BrickState&);
   /// Lowers the distances of all samples that lie within the thickness of the candidates' boxes.
   void (*gather_band)(const Lattice&, const Brick&, const Candidates&, bool with_nearest, BrickState&);
-  /// Turns squared distances into clamped distances in world units. Returns a bit per tile (x fastest) that holds
-  /// a sample nearer than the thickness, and counts band samples inside the grid.
-  unsigned (*finish)(const Lattice&, const Brick&, bool with_nearest, BrickState&);
-  /// Copies one tile of a finished brick to its target.
-  void (*copy_tile)(const BrickState&, int tile, const TileTarget&);
+  /// A bit per tile of the brick (x fastest) that holds a sample within the thickness; counts these samples.
+  unsigned (*band_tiles)(const Lattice&, const Brick&, BrickState&);
+  /// Writes one tile's distances in world units, clamped by the thickness, and its nearest triangles where asked for.
+  void (*write_tile)(const Lattice&, const BrickState&, int tile, const TileTarget&);
 };
 
 /// The kernels for an instruction set; the best one there is for Simd::automatic. Throws Error{usage} where the

@@ -13,7 +13,7 @@ using namespace difi::avx2;
 
 }  // namespace
 
-extern const Kernels kKernels{"avx2", clear, gather_band_any, finish, copy_tile};
+extern const Kernels kKernels{"avx2", clear, gather_band_any, band_tiles, write_tile};
 
 }  // namespace difi::cpu::avx2
 

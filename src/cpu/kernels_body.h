@@ -8,7 +8,7 @@
 // At 16 the corners lie within 40 units of the brick's centre, where float resolves 4e-6: below the promised 1.6e-5.
 constexpr float kLongTriangle = 16;
 // Shorter edges and altitudes count as zero, squared grid units: a tenth of the promised error.
-constexpr double kLeastLengthSq = 1e-12;
+constexpr float kLeastLengthSq = 1e-12f;
 // What rounding may add to a box or a distance when blocks are chosen, grid units.
 constexpr float kSlack = 1e-3f;
 
@@ -16,37 +16,37 @@ static_assert(kLanes == 16);
 
 using WidePoint = Triple<WideFloat>;
 
-void clear(BrickState& state) {
+void clear(bool with_nearest, BrickState& state) {
   const WideFloat infinity(__builtin_inff());
+  for (auto& block : state.distance_sq) infinity.store(block);
+  if (!with_nearest) return;
   const WideUint none(kNoTriangle);
-  for (int block = 0; block < kBlocks; ++block) {
-    infinity.store(state.distance_sq[block]);
-    none.store(state.nearest[block]);
-  }
+  for (auto& block : state.nearest) none.store(block);
 }
 
-// Sixteen triangles, corners relative to the brick's centre in grid units: corner[which][axis][lane].
+// Sixteen triangles, corners relative to the brick's centre in grid units.
 struct Group {
-  alignas(64) float corner[3][3][kLanes];
+  WidePoint corner[3];
   alignas(64) std::uint32_t index[kLanes];
 };
 
 // Loads the triangles refs[first], refs[first + 1], ...; past the end the last one again, which changes nothing.
 DIFI_INLINE void load_group(const Lattice& lattice, const Brick& brick, const Candidates& c, std::int64_t first,
                             Group& group) {
+  alignas(64) float rows[3][kLanes][4];
   for (int lane = 0; lane < kLanes; ++lane) {
     const std::int64_t n = first + lane < c.count ? first + lane : c.count - 1;
     const std::uint32_t index = c.refs[n];
     group.index[lane] = index;
     const std::uint32_t* triangle = c.triangles + 3 * std::size_t{index};
-    for (int which = 0; which < 3; ++which) {
-      const double* vertex = c.vertices + 3 * std::size_t{triangle[which]};
-      for (int axis = 0; axis < 3; ++axis)
-        group.corner[which][axis][lane] =
-            static_cast<float>(difi::fma(vertex[axis], lattice.scale, -brick.center[axis]));
-    }
+    for (int which = 0; which < 3; ++which)
+      store_local(rows[which][lane], c.vertices + 3 * std::size_t{triangle[which]}, lattice.scale, brick.center);
   }
+  for (int which = 0; which < 3; ++which)
+    group.corner[which] = {load_column(rows[which], 0), load_column(rows[which], 1), load_column(rows[which], 2)};
 }
+
+DIFI_INLINE const WideFloat& component(const WidePoint& p, int axis) { return axis == 0 ? p.x : axis == 1 ? p.y : p.z; }
 
 // The blocks that hold samples within the thickness of each triangle's box, per axis: first > last for none.
 struct BlockRanges {
@@ -61,8 +61,8 @@ DIFI_INLINE WideFloat block_ranges(const Lattice& lattice, const Group& group, B
   const WideFloat zero(0), side(kBrickSide), middle((kBrickSide - 1) / 2.0f), slack(kSlack), one(1);
   WideFloat longest = zero;
   for (int axis = 0; axis < 3; ++axis) {
-    const WideFloat a = WideFloat::load(group.corner[0][axis]), b = WideFloat::load(group.corner[1][axis]),
-                    c = WideFloat::load(group.corner[2][axis]);
+    const WideFloat a = component(group.corner[0], axis), b = component(group.corner[1], axis),
+                    c = component(group.corner[2], axis);
     const WideFloat low = min(a, min(b, c)), high = max(a, max(b, c));
     longest = max(longest, high - low);
     const WideFloat reach(lattice.thickness), inverse(lattice.inverse_spacing[axis]);
@@ -120,14 +120,6 @@ DIFI_INLINE TriangleFrame<WideFloat> broadcast_frame(const FrameTable& table, in
           {number(16), number(17), number(18), number(19)}};
 }
 
-DIFI_INLINE TriangleFrame<WideFloat> frames_of(const Group& group) {
-  const auto corner = [&](int which) __attribute__((always_inline)) {
-    return WidePoint{WideFloat::load(group.corner[which][0]), WideFloat::load(group.corner[which][1]),
-                     WideFloat::load(group.corner[which][2])};
-  };
-  return make_frame(corner(0), corner(1), corner(2), WideFloat(static_cast<float>(kLeastLengthSq)));
-}
-
 DIFI_INLINE TriangleFrame<double> double_frame(const Lattice& lattice, const Brick& brick, const Candidates& c,
                                                std::uint32_t index) {
   Triple<double> corner[3];
@@ -136,32 +128,50 @@ DIFI_INLINE TriangleFrame<double> double_frame(const Lattice& lattice, const Bri
     corner[which] = {difi::fma(v[0], lattice.scale, -brick.center[0]), difi::fma(v[1], lattice.scale, -brick.center[1]),
                      difi::fma(v[2], lattice.scale, -brick.center[2])};
   }
-  return make_frame(corner[0], corner[1], corner[2], kLeastLengthSq);
+  return make_frame(corner[0], corner[1], corner[2], double{kLeastLengthSq});
 }
 
-// A short triangle against the blocks in its grown box.
-template <bool kNearest>
-DIFI_INLINE void gather_short(const Lattice& lattice, const BlockRanges& ranges, const FrameTable& frames, int lane,
-                              std::uint32_t index, BrickState& state) {
-  const int x0 = ranges.first[0][lane], x1 = ranges.last[0][lane], y0 = ranges.first[1][lane],
-            y1 = ranges.last[1][lane], z0 = ranges.first[2][lane], z1 = ranges.last[2][lane];
-  if (x0 > x1 || y0 > y1 || z0 > z1) return;
-  const TriangleFrame<WideFloat> f = broadcast_frame(frames, lane);
+// A short triangle against the blocks in its grown box, kCount blocks wide from block x0 on: the count is a constant so
+// that the innermost loop has no branch to mispredict.
+template <bool kNearest, int kCount>
+DIFI_INLINE void gather_rows(const Lattice& lattice, const BlockRanges& ranges, const TriangleFrame<WideFloat>& f,
+                             int lane, std::uint32_t index, BrickState& state) {
+  const int x0 = ranges.first[0][lane], y0 = ranges.first[1][lane], y1 = ranges.last[1][lane],
+            z0 = ranges.first[2][lane], z1 = ranges.last[2][lane];
   for (int bz = z0; bz <= z1; ++bz) {
     const WideFloat z = WideFloat::load(lattice.z[bz]);
     const WideFloat qz = fma(z, f.q.g.z, f.q.c), yz = fma(z, f.y.g.z, f.y.c), zz = fma(z, f.z.g.z, f.z.c);
     for (int by = y0; by <= y1; ++by) {
       const WideFloat y = WideFloat::load(lattice.y[by]);
       const WideFloat qy = fma(y, f.q.g.y, qz), yy = fma(y, f.y.g.y, yz), zy = fma(y, f.z.g.y, zz);
-      for (int bx = x0; bx <= x1; ++bx) {
-        const WideFloat x = WideFloat::load(lattice.x[bx]);
-        const WideFloat d =
-            frame_distance_sq(f, fma(x, f.q.g.x, qy), fma(x, f.y.g.x, yy), fma(x, f.z.g.x, zy));
-        lower<kNearest>(state, block_index(bx, by, bz), d, index);
+      const int row = block_index(x0, by, bz);
+#pragma GCC unroll 4
+      for (int n = 0; n < kCount; ++n) {
+        const WideFloat x = WideFloat::load(lattice.x[x0 + n]);
+        const WideFloat d = frame_distance_sq(f, fma(x, f.q.g.x, qy), fma(x, f.y.g.x, yy), fma(x, f.z.g.x, zy));
+        lower<kNearest>(state, row + n, d, index);
       }
     }
   }
-  state.samples_examined += std::int64_t{kLanes} * (x1 - x0 + 1) * (y1 - y0 + 1) * (z1 - z0 + 1);
+}
+
+template <bool kNearest>
+DIFI_INLINE void gather_short(const Lattice& lattice, const BlockRanges& ranges, const FrameTable& frames, int lane,
+                              std::uint32_t index, BrickState& state) {
+  const int nx = ranges.last[0][lane] - ranges.first[0][lane] + 1, ny = ranges.last[1][lane] - ranges.first[1][lane] + 1,
+            nz = ranges.last[2][lane] - ranges.first[2][lane] + 1;
+  if (nx <= 0 || ny <= 0 || nz <= 0) return;
+  const TriangleFrame<WideFloat> f = broadcast_frame(frames, lane);
+  static_assert(kBlocksX == 4);
+  if (nx == 1)
+    gather_rows<kNearest, 1>(lattice, ranges, f, lane, index, state);
+  else if (nx == 2)
+    gather_rows<kNearest, 2>(lattice, ranges, f, lane, index, state);
+  else if (nx == 3)
+    gather_rows<kNearest, 3>(lattice, ranges, f, lane, index, state);
+  else
+    gather_rows<kNearest, 4>(lattice, ranges, f, lane, index, state);
+  state.samples_examined += std::int64_t{kLanes} * nx * ny * nz;
 }
 
 DIFI_INLINE WidePoint block_samples(const Lattice& lattice, int block) {
@@ -197,7 +207,7 @@ void gather_band(const Lattice& lattice, const Brick& brick, const Candidates& c
     load_group(lattice, brick, c, first, group);
     const WideFloat longest = block_ranges(lattice, group, ranges);
     const std::uint32_t is_long = less(WideFloat(kLongTriangle), longest).to_bits();
-    store_frames(frames_of(group), frames);
+    store_frames(make_frame(group.corner[0], group.corner[1], group.corner[2], WideFloat(kLeastLengthSq)), frames);
     const int used = c.count - first < kLanes ? static_cast<int>(c.count - first) : kLanes;
     for (int lane = 0; lane < used; ++lane) {
       if (is_long >> lane & 1)
@@ -222,58 +232,63 @@ DIFI_INLINE int inside(const Lattice& lattice, const Brick& brick, int axis) {
   return left < kBrickSide ? static_cast<int>(left) : kBrickSide;
 }
 
-unsigned finish(const Lattice& lattice, const Brick& brick, bool with_nearest, BrickState& state) {
-  const WideFloat limit_sq(lattice.thickness_sq), limit(lattice.thickness_world),
-      unscale(static_cast<float>(1 / lattice.scale));
-  const int nx = inside(lattice, brick, 0), ny = inside(lattice, brick, 1), nz = inside(lattice, brick, 2);
-  const bool whole = nx == kBrickSide && ny == kBrickSide && nz == kBrickSide;
+// Bits of the block's samples that lie inside the grid, for bricks the grid's far faces cut.
+DIFI_INLINE std::uint32_t inside_bits(const int (&size)[3], int bx, int by, int bz) {
+  std::uint32_t bits = 0;
+  for (int lane = 0; lane < kLanes; ++lane)
+    if (bx * kBlockX + lane % kBlockX < size[0] && by * kBlockY + lane / kBlockX % kBlockY < size[1] &&
+        bz * kBlockZ + lane / (kBlockX * kBlockY) < size[2])
+      bits |= 1u << lane;
+  return bits;
+}
+
+unsigned band_tiles(const Lattice& lattice, const Brick& brick, BrickState& state) {
+  const WideFloat limit_sq(lattice.thickness_sq);
+  const int size[3] = {inside(lattice, brick, 0), inside(lattice, brick, 1), inside(lattice, brick, 2)};
+  const bool whole = size[0] == kBrickSide && size[1] == kBrickSide && size[2] == kBrickSide;
   unsigned tiles = 0;
   for (int block = 0; block < kBlocks; ++block) {
+    std::uint32_t band = ~less(limit_sq, WideFloat::load(state.distance_sq[block])).to_bits() & 0xffffu;
+    if (band == 0) continue;
     const int bx = block % kBlocksX, by = block / kBlocksX % kBlocksY, bz = block / (kBlocksX * kBlocksY);
-    const WideFloat squared = WideFloat::load(state.distance_sq[block]);
-    const std::uint32_t beyond = less(limit_sq, squared).to_bits();
-    std::uint32_t band = ~beyond & 0xffffu;
-    if (!whole)
-      for (int lane = 0; lane < kLanes; ++lane)
-        if (bx * kBlockX + lane % kBlockX >= nx || by * kBlockY + lane / kBlockX % kBlockY >= ny ||
-            bz * kBlockZ + lane / (kBlockX * kBlockY) >= nz)
-          band &= ~(1u << lane);
-    if (band != 0) {
-      const int tile = bx / (kBlocksX / 2) + 2 * (by / (kBlocksY / 2)) + 4 * (bz / (kBlocksZ / 2));
-      tiles |= 1u << tile;
-      state.samples_band += __builtin_popcount(band);
-    }
-    min(sqrt(squared) * unscale, limit).store(state.distance_sq[block]);
-    if (with_nearest && beyond != 0) {
-      const WideUint found = WideUint::load(state.nearest[block]);
-      select(less(limit_sq, squared), WideUint(kNoTriangle), found).store(state.nearest[block]);
-    }
+    if (!whole) band &= inside_bits(size, bx, by, bz);
+    if (band == 0) continue;
+    tiles |= 1u << (bx / (kBlocksX / 2) + 2 * (by / (kBlocksY / 2)) + 4 * (bz / (kBlocksZ / 2)));
+    state.samples_band += __builtin_popcount(band);
   }
   return tiles;
 }
 
-// Copies a tile's rows out of the blocks, four samples at a time; a tile cut by the grid's far faces sample by sample.
+// Writes a block's rows of four; those or the parts of them that the grid's far faces cut off are left out.
 template <class T>
-DIFI_INLINE void copy_rows(const T (*blocks)[kLanes], int tile, const TileTarget& target, T* out) {
-  constexpr int side = DistanceField::kTileSide;
-  const int x0 = (tile & 1) * side, y0 = (tile >> 1 & 1) * side, z0 = (tile >> 2 & 1) * side;
-  const int nx = static_cast<int>(target.size.x), ny = static_cast<int>(target.size.y),
-            nz = static_cast<int>(target.size.z);
-  for (int z = 0; z < nz; ++z)
-    for (int y = 0; y < ny; ++y) {
-      T* row = out + target.row * y + target.slice * z;
-      const int lane = kBlockX * ((y0 + y) % kBlockY + kBlockY * ((z0 + z) % kBlockZ));
-      for (int x = 0; x < nx; x += kBlockX) {
-        const T* four = blocks[block_index((x0 + x) / kBlockX, (y0 + y) / kBlockY, (z0 + z) / kBlockZ)] + lane;
-        if (x + kBlockX <= nx)
-          __builtin_memcpy(row + x, four, kBlockX * sizeof(T));
-        else
-          for (int i = 0; x + i < nx; ++i) row[x + i] = four[i];
-      }
-    }
+DIFI_INLINE void copy_block(const T* block, int x, int y, int z, const TileTarget& target, T* out) {
+  const bool whole = x + kBlockX <= target.size.x && y + kBlockY <= target.size.y && z + kBlockZ <= target.size.z;
+  for (int row = 0; row < kBlockY * kBlockZ; ++row) {
+    const int ry = y + row % kBlockY, rz = z + row / kBlockY;
+    T* to = out + x + target.row * ry + target.slice * rz;
+    if (whole)
+      __builtin_memcpy(to, block + kBlockX * row, kBlockX * sizeof(T));
+    else if (ry < target.size.y && rz < target.size.z)
+      for (int i = 0; i < kBlockX && x + i < target.size.x; ++i) to[i] = block[kBlockX * row + i];
+  }
 }
 
-void copy_tile(const BrickState& state, int tile, const TileTarget& target) {
-  copy_rows(state.distance_sq, tile, target, target.values);
-  if (target.nearest) copy_rows(state.nearest, tile, target, target.nearest);
+void write_tile(const Lattice& lattice, const BrickState& state, int tile, const TileTarget& target) {
+  const WideFloat limit_sq(lattice.thickness_sq), limit(lattice.thickness_world),
+      unscale(static_cast<float>(1 / lattice.scale));
+  constexpr int nx = kBlocksX / 2, ny = kBlocksY / 2, nz = kBlocksZ / 2;
+  const int x0 = (tile & 1) * nx, y0 = (tile >> 1 & 1) * ny, z0 = (tile >> 2 & 1) * nz;
+  for (int bz = 0; bz < nz; ++bz)
+    for (int by = 0; by < ny; ++by)
+      for (int bx = 0; bx < nx; ++bx) {
+        const int block = block_index(x0 + bx, y0 + by, z0 + bz);
+        const WideFloat squared = WideFloat::load(state.distance_sq[block]);
+        alignas(64) float values[kLanes];
+        min(sqrt(squared) * unscale, limit).store(values);
+        copy_block(values, bx * kBlockX, by * kBlockY, bz * kBlockZ, target, target.values);
+        if (!target.nearest) continue;
+        alignas(64) std::uint32_t nearest[kLanes];
+        select(less(limit_sq, squared), WideUint(kNoTriangle), WideUint::load(state.nearest[block])).store(nearest);
+        copy_block(nearest, bx * kBlockX, by * kBlockY, bz * kBlockZ, target, target.nearest);
+      }
 }

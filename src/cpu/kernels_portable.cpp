@@ -11,6 +11,6 @@ using namespace difi::portable;
 
 }  // namespace
 
-extern const Kernels kKernels{"portable", clear, gather_band_any, finish, copy_tile};
+extern const Kernels kKernels{"portable", clear, gather_band_any, band_tiles, write_tile};
 
 }  // namespace difi::cpu::portable

@@ -49,7 +49,7 @@ Lattice make_lattice(const Grid& grid, double thickness);
 /// A brick and its centre, world units times scale.
 struct Brick {
   std::int64_t at[3];
-  double center[3];
+  double center[4];  // the fourth is zero: loaded as one wide register
 };
 
 Brick brick_at(const Lattice& lattice, std::int64_t index);

@@ -20,12 +20,12 @@ std::int64_t most_refs(std::int64_t triangles) { return std::max<std::int64_t>(t
 
 // Gives the finished tiles of a brick to the sink.
 void emit(const Lattice& lattice, const Brick& brick, const Kernels& kernels, BrickState& state, Sink& sink) {
-  const unsigned tiles = kernels.finish(lattice, brick, sink.with_nearest(), state);
+  const unsigned tiles = kernels.band_tiles(lattice, brick, state);
   for (int tile = 0; tile < kBrickTiles; ++tile)
     if (tiles >> tile & 1)
-      kernels.copy_tile(state, tile,
-                        sink.open(2 * brick.at[0] + (tile & 1), 2 * brick.at[1] + (tile >> 1 & 1),
-                                  2 * brick.at[2] + (tile >> 2)));
+      kernels.write_tile(lattice, state, tile,
+                         sink.open(2 * brick.at[0] + (tile & 1), 2 * brick.at[1] + (tile >> 1 & 1),
+                                   2 * brick.at[2] + (tile >> 2)));
 }
 
 }  // namespace
@@ -43,7 +43,7 @@ Counts run_tiles(const Job& job, Sink& sink) {
         BrickState& state = states.local();
         const Candidates candidates{&job.mesh.vertices.data()->x, job.mesh.triangles.data()->data(), refs.data(),
                                     static_cast<std::int64_t>(refs.size())};
-        kernels.clear(state);
+        kernels.clear(sink.with_nearest(), state);
         kernels.gather_band(lattice, brick, candidates, sink.with_nearest(), state);
         emit(lattice, brick, kernels, state, sink);
       }

@@ -122,4 +122,16 @@ DIFI_INLINE int store_packed(std::uint32_t* p, Mask m, WideUint a) {
   return n;
 }
 
+/// Stores (v * scale - center) as four floats, the fourth zero. v has three doubles, center four.
+DIFI_INLINE void store_local(float* out, const double* v, double scale, const double* center) {
+  const __m256d all = _mm256_maskload_pd(v, _mm256_setr_epi64x(-1, -1, -1, 0));
+  _mm_store_ps(out, _mm256_cvtpd_ps(_mm256_fmsub_pd(all, _mm256_set1_pd(scale), _mm256_loadu_pd(center))));
+}
+
+/// Column `axis` of sixteen rows of four.
+DIFI_INLINE WideFloat load_column(const float (*rows)[4], int axis) {
+  const __m256i from = _mm256_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28);
+  return {_mm256_i32gather_ps(rows[0] + axis, from, 4), _mm256_i32gather_ps(rows[8] + axis, from, 4)};
+}
+
 }  // namespace difi::avx2

@@ -68,4 +68,19 @@ DIFI_INLINE int store_packed(std::uint32_t* p, Mask m, WideUint a) {
   return __builtin_popcount(m.bits);
 }
 
+/// Stores (v * scale - center) as four floats, the fourth zero. v has three doubles, center four.
+DIFI_INLINE void store_local(float* out, const double* v, double scale, const double* center) {
+  const __m256d all = _mm256_maskz_loadu_pd(0x7, v);
+  _mm_store_ps(out, _mm256_cvtpd_ps(_mm256_fmsub_pd(all, _mm256_set1_pd(scale), _mm256_loadu_pd(center))));
+}
+
+/// Column `axis` of sixteen rows of four.
+DIFI_INLINE WideFloat load_column(const float (*rows)[4], int axis) {
+  const __m512i from = _mm512_add_epi32(_mm512_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28, 0, 4, 8, 12, 16, 20, 24, 28),
+                                        _mm512_set1_epi32(axis));
+  const auto row = [&](int n) __attribute__((always_inline)) { return _mm512_loadu_ps(rows[n]); };
+  const __m512 low = _mm512_permutex2var_ps(row(0), from, row(4)), high = _mm512_permutex2var_ps(row(8), from, row(12));
+  return _mm512_mask_blend_ps(0xff00, low, high);
+}
+
 }  // namespace difi::avx512

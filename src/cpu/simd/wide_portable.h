@@ -131,4 +131,15 @@ DIFI_INLINE int store_packed(std::uint32_t* p, Mask m, const WideUint& a) {
   return n;
 }
 
+/// Stores (v * scale - center) as four floats, the fourth zero. v has three doubles, center four.
+DIFI_INLINE void store_local(float* out, const double* v, double scale, const double* center) {
+  for (int axis = 0; axis < 3; ++axis) out[axis] = static_cast<float>(difi::fma(v[axis], scale, -center[axis]));
+  out[3] = 0;
+}
+
+/// Column `axis` of sixteen rows of four.
+DIFI_INLINE WideFloat load_column(const float (*rows)[4], int axis) {
+  return WideFloat::of([&](int i) { return rows[i][axis]; });
+}
+
 }  // namespace difi::portable
