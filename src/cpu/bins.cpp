@@ -27,7 +27,7 @@ struct BrickRange {
 
 class Binning {
  public:
-  Binning(const Job& job, const Lattice& lattice) : job_(job), lattice_(lattice) {
+  Binning(const Job& job, const Lattice& lattice, Reach kind) : job_(job), lattice_(lattice), kind_(kind) {
     for (int axis = 0; axis < 3; ++axis) {
       to_samples_[axis] = 1 / lattice.spacing[axis];
       reach_[axis] = job.thickness * to_samples_[axis] + 2 * kSlack;
@@ -107,12 +107,13 @@ class Binning {
           const Triple<double> center{step[0] * static_cast<double>(x - r.low[0]),
                                       step[1] * static_cast<double>(y - r.low[1]),
                                       step[2] * static_cast<double>(z - r.low[2])};
-          if (distance_sq(frame, center) <= reach_sq_) use(index(x, y, z));
+          if (kind_ == Reach::box || distance_sq(frame, center) <= reach_sq_) use(index(x, y, z));
         }
   }
 
   const Job& job_;
   const Lattice& lattice_;
+  Reach kind_;
   double to_samples_[3];
   double reach_[3];  // of a triangle's box, in samples
   double reach_sq_;  // from a brick's centre, grid units
@@ -130,8 +131,8 @@ std::int64_t chunk_count(std::int64_t triangles, std::int64_t bricks, int thread
 }  // namespace
 
 void for_each_batch(const Job& job, const Lattice& lattice, std::int64_t most_refs,
-                    const std::function<void(const Bins&)>& use) {
-  const Binning binning(job, lattice);
+                    const std::function<void(const Bins&)>& use, Reach reach) {
+  const Binning binning(job, lattice, reach);
   const std::int64_t triangles = job.triangle_count(), bricks = lattice.brick_count();
   const std::int64_t chunks = chunk_count(triangles, bricks, job.threads);
   const auto chunk_begin = [&](std::int64_t chunk) { return triangles * chunk / chunks; };
@@ -179,6 +180,11 @@ void for_each_batch(const Job& job, const Lattice& lattice, std::int64_t most_re
     use(bins);
     first = end;
   }
+}
+
+std::int64_t bins_scratch_bytes(std::int64_t triangles, const Lattice& lattice, std::int64_t most_refs, int threads) {
+  const std::int64_t keys = triangles, counters = lattice.brick_count() * (4 * std::int64_t{threads} + 1);
+  return static_cast<std::int64_t>(sizeof(std::uint32_t)) * (keys + most_refs + counters);
 }
 
 }  // namespace difi::cpu

@@ -1,0 +1,61 @@
+#include <cmath>
+
+#include "field/skip.h"
+
+namespace difi {
+namespace {
+
+Box triangle_box(MeshView mesh, std::uint32_t triangle) {
+  const Vec3 a = mesh.corner(triangle, 0), b = mesh.corner(triangle, 1), c = mesh.corner(triangle, 2);
+  return {min(a, min(b, c)), max(a, max(b, c))};
+}
+
+bool contains(const Box& outer, const Box& inner) {
+  return outer.min.x <= inner.min.x && outer.min.y <= inner.min.y && outer.min.z <= inner.min.z &&
+         inner.max.x <= outer.max.x && inner.max.y <= outer.max.y && inner.max.z <= outer.max.z;
+}
+
+// The share of [low, high] in [other_low, other_high], all of it grown by `margin`.
+double share_on_axis(double low, double high, double other_low, double other_high, double margin) {
+  const double common = std::min(high, other_high) - std::max(low, other_low);
+  const double whole = (high - low) + 2 * margin, inside = common + 2 * margin;
+  if (whole > 0) return std::max(0.0, inside / whole);
+  return common >= 0 ? 1 : 0;
+}
+
+}  // namespace
+
+double share_inside(const Box& inner, const Box& outer, double margin) {
+  return share_on_axis(inner.min.x, inner.max.x, outer.min.x, outer.max.x, margin) *
+         share_on_axis(inner.min.y, inner.max.y, outer.min.y, outer.max.y, margin) *
+         share_on_axis(inner.min.z, inner.max.z, outer.min.z, outer.max.z, margin);
+}
+
+std::vector<std::uint32_t> kept_by_neighbour_rule(MeshView mesh, double thickness, double fraction) {
+  const double margin = std::isinf(thickness) ? 0 : thickness;
+  const auto inside = [&](const Box& inner, const Box& outer) {
+    return contains(outer, inner) || (fraction < 1 && share_inside(inner, outer, margin) >= fraction);
+  };
+  // The thesis repeats its pass until nothing more is dropped. One pass that looks back does the same: a triangle that
+  // arrives is dropped if it lies inside the last one kept, else it drops those before it that lie inside it, one by
+  // one. Each time both ends of the new pair of neighbours are compared, so no pair of neighbours that stays is left to
+  // drop.
+  std::vector<std::uint32_t> kept;
+  Box last;
+  for (std::uint32_t triangle = 0; triangle < mesh.triangles.size(); ++triangle) {
+    const Box box = triangle_box(mesh, triangle);
+    bool dropped = false;
+    while (!kept.empty()) {
+      dropped = inside(box, last);
+      if (dropped || !inside(last, box)) break;
+      kept.pop_back();
+      if (!kept.empty()) last = triangle_box(mesh, kept.back());
+    }
+    if (dropped) continue;
+    kept.push_back(triangle);
+    last = box;
+  }
+  return kept;
+}
+
+}  // namespace difi
