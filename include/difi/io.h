@@ -17,6 +17,7 @@ struct Format {
   std::string description;  ///< "STL, binary or ASCII"
   bool readable = false;
   bool writable = false;
+  bool nearest = false;  ///< fields only: can carry nearest triangles
 };
 
 /// The formats this build knows.
@@ -37,7 +38,8 @@ void write_mesh(const std::filesystem::path& path, MeshView mesh);
 /// Reads a field written by write_field. Errors: input.
 DistanceField read_field(const std::filesystem::path& path);
 
-/// Writes a field as .vti, .nrrd or .npz; the file appears whole or not at all. Errors: output, usage.
+/// Writes a field as .vti, .nrrd or .npz (docs/formats.md); the file appears whole or not at all. Values are never held
+/// densely. Errors: output, usage (unknown extension, or nearest triangles in a format that cannot carry them).
 void write_field(const std::filesystem::path& path, const DistanceField& field);
 
 }  // namespace difi

@@ -1,0 +1,32 @@
+// Pictures of a plane of a field.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+
+#include "difi/axis.h"
+#include "difi/field.h"
+
+namespace difi {
+
+enum class Colormap {
+  viridis,  ///< dark blue (least) over green to yellow (greatest): even steps for the eye, readable in grey
+  thesis,   ///< red (least) over green to blue (greatest), as the 2008 thesis draws its slices
+};
+
+struct SliceOptions {
+  Axis axis = Axis::z;  ///< the axis the plane is perpendicular to
+  double at = 0.5;      ///< where along the axis: 0 is the first sample, 1 the last; the nearest sample is taken
+  std::optional<std::int64_t> index;  ///< the sample along the axis itself, from 0; used in place of `at`
+  Colormap colormap = Colormap::viridis;
+  int pixels = 512;  ///< the plane's longer side is enlarged by a whole factor to at least this, 1 to 16384
+};
+
+/// Draws the samples of a plane with a legend and writes a PNG picture, which appears whole or not at all. One square
+/// (rectangle where spacings differ) per sample; the plane's first axis runs right, its second up: x and y for z, x and
+/// z for y, y and z for x. Colors span the finite values of the plane; infinite ones are grey.
+/// Errors: usage (options, a plane of more than 16384 pixels, or built without libpng), output.
+void write_slice_png(const std::filesystem::path& path, const DistanceField& field, const SliceOptions& options = {});
+
+}  // namespace difi
