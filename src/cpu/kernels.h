@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "cpu/candidate_table.h"
 #include "cpu/lattice.h"
 #include "difi/compute.h"
 #include "field/sink.h"
@@ -26,6 +27,21 @@ struct Candidates {
   std::int64_t count;
 };
 
+/// Boxes of entries, an array per coordinate with room for a whole register past the last.
+struct BoxArrays {
+  float* low[3];
+  float* high[3];
+  std::uint32_t* entry;
+  std::int64_t count;
+};
+
+/// The samples of a cell: a box around them, and how far a triangle may be to matter.
+struct CullCell {
+  float center[3];
+  float half[3];
+  float reach;
+};
+
 struct Kernels {
   const char* name;
   /// Forgets all distances.
@@ -36,6 +52,14 @@ struct Kernels {
   unsigned (*band_tiles)(const Lattice&, const Brick&, BrickState&);
   /// Writes one tile's distances in world units, clamped by the thickness, and its nearest triangles where asked for.
   void (*write_tile)(const Lattice&, const BrickState&, int tile, const TileTarget&);
+
+  /// The entry whose box has its centre nearest to the point. Requires one entry at least.
+  std::int64_t (*nearest_box)(const BoxArrays&, const float* point);
+  /// Drops, in place, the entries that are out of the cell's reach or farther from each of its samples than `point`, a point
+  /// of the surface. Returns how many are left.
+  std::int64_t (*cull_boxes)(const BoxArrays&, const CullCell&, const float* point);
+  /// As gather_band, for candidates of which each sample needs few: chooses them cell by cell of 4x4x4 samples.
+  void (*gather_cells)(const Lattice&, const Brick&, const Candidates&, bool with_nearest, CandidateTable&, BrickState&);
 };
 
 /// The kernels for an instruction set; the best one there is for Simd::automatic. Throws Error{usage} where the

@@ -8,9 +8,11 @@ namespace {
 
 using namespace difi::portable;
 #include "cpu/kernels_body.h"
+#include "cpu/kernels_cells.h"
 
 }  // namespace
 
-extern const Kernels kKernels{"portable", clear, gather_band_any, band_tiles, write_tile};
+extern const Kernels kKernels{"portable", clear, gather_band_any, band_tiles, write_tile,
+                              nearest_box, cull_boxes, gather_cells_any};
 
 }  // namespace difi::cpu::portable

@@ -4,8 +4,10 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <memory>
 
 #include "cpu/bins.h"
+#include "cpu/descent.h"
 #include "cpu/kernels.h"
 #include "cpu/lattice.h"
 
@@ -28,35 +30,77 @@ void emit(const Lattice& lattice, const Brick& brick, const Kernels& kernels, Br
                                    2 * brick.at[2] + (tile >> 2)));
 }
 
+// Up to this many spacings triangles are binned straight into bricks: nearly all that are binned then lie within the
+// thickness of some sample. Beyond, candidates are handed down, since most are farther than others everywhere.
+constexpr double kThinBand = 4;
+
+struct ThreadState {
+  BrickState brick;
+  std::unique_ptr<CandidateTable> table;
+};
+
+class TilesRun {
+ public:
+  TilesRun(const Job& job, Sink& sink)
+      : job_(job), sink_(sink), lattice_(make_lattice(job.grid, job.thickness)), kernels_(kernels_for(job.simd)) {}
+
+  Counts run() {
+    job_.progress.stage("gather", lattice_.brick_count(), 0.2, 1);
+    if (job_.thickness <= kThinBand * job_.grid.max_spacing())
+      gather_bins();
+    else
+      gather_by_descent();
+    Counts counts;
+    for (const ThreadState& state : states_) {
+      counts.samples_examined += state.brick.samples_examined;
+      counts.samples_band += state.brick.samples_band;
+    }
+    return counts;
+  }
+
+ private:
+  void gather_bins() {
+    for_each_batch(job_, lattice_, most_refs(job_.triangle_count()), [&](const Bins& bins) {
+      tbb::parallel_for(std::int64_t{0}, bins.bricks(), [&](std::int64_t n) {
+        const auto refs = bins.of(n);
+        if (!refs.empty()) {
+          BrickState& state = states_.local().brick;
+          const Brick brick = brick_at(lattice_, bins.first_brick + n);
+          kernels_.clear(sink_.with_nearest(), state);
+          kernels_.gather_band(lattice_, brick, candidates(refs), sink_.with_nearest(), state);
+          emit(lattice_, brick, kernels_, state, sink_);
+        }
+        job_.progress.advance();
+      });
+    });
+  }
+
+  void gather_by_descent() {
+    for_each_brick_by_descent(job_, lattice_, kernels_, [&](std::int64_t n, std::span<const std::uint32_t> refs) {
+      ThreadState& state = states_.local();
+      if (!state.table) state.table = std::make_unique_for_overwrite<CandidateTable>();
+      const Brick brick = brick_at(lattice_, n);
+      kernels_.clear(sink_.with_nearest(), state.brick);
+      kernels_.gather_cells(lattice_, brick, candidates(refs), sink_.with_nearest(), *state.table, state.brick);
+      emit(lattice_, brick, kernels_, state.brick, sink_);
+    });
+  }
+
+  Candidates candidates(std::span<const std::uint32_t> refs) const {
+    return {&job_.mesh.vertices.data()->x, job_.mesh.triangles.data()->data(), refs.data(),
+            static_cast<std::int64_t>(refs.size())};
+  }
+
+  const Job& job_;
+  Sink& sink_;
+  const Lattice lattice_;
+  const Kernels& kernels_;
+  tbb::enumerable_thread_specific<ThreadState> states_;
+};
+
 }  // namespace
 
-Counts run_tiles(const Job& job, Sink& sink) {
-  const Lattice lattice = make_lattice(job.grid, job.thickness);
-  const Kernels& kernels = kernels_for(job.simd);
-  tbb::enumerable_thread_specific<BrickState> states;
-  job.progress.stage("gather", lattice.brick_count(), 0.2, 1);
-  for_each_batch(job, lattice, most_refs(job.triangle_count()), [&](const Bins& bins) {
-    tbb::parallel_for(std::int64_t{0}, bins.bricks(), [&](std::int64_t n) {
-      const auto refs = bins.of(n);
-      if (!refs.empty()) {
-        const Brick brick = brick_at(lattice, bins.first_brick + n);
-        BrickState& state = states.local();
-        const Candidates candidates{&job.mesh.vertices.data()->x, job.mesh.triangles.data()->data(), refs.data(),
-                                    static_cast<std::int64_t>(refs.size())};
-        kernels.clear(sink.with_nearest(), state);
-        kernels.gather_band(lattice, brick, candidates, sink.with_nearest(), state);
-        emit(lattice, brick, kernels, state, sink);
-      }
-      job.progress.advance();
-    });
-  });
-  Counts counts;
-  for (const BrickState& state : states) {
-    counts.samples_examined += state.samples_examined;
-    counts.samples_band += state.samples_band;
-  }
-  return counts;
-}
+Counts run_tiles(const Job& job, Sink& sink) { return TilesRun(job, sink).run(); }
 
 std::string tiles_device(Simd requested) { return kernels_for(requested).name; }
 

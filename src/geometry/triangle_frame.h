@@ -83,6 +83,27 @@ DIFI_INLINE F distance_sq(const TriangleFrame<F>& f, const Triple<F>& p) {
   return frame_distance_sq(f, evaluate(f.q, p), evaluate(f.y, p), evaluate(f.z, p));
 }
 
+/// The point of the triangle closest to p, relative to the same reference.
+template <class F>
+DIFI_INLINE Triple<F> closest_in_frame(const TriangleFrame<F>& f, const Triple<F>& p) {
+  const F zero(0);
+  const F q = evaluate(f.q, p), y = evaluate(f.y, p), z = evaluate(f.z, p);
+  const auto is_left = less(q, zero);
+  const F leg = select(is_left, f.left.leg, f.right.leg), length = select(is_left, f.left.length, f.right.length);
+  const F nx = select(is_left, f.left.nx, f.right.nx), ny = select(is_left, f.left.ny, f.right.ny);
+  const F past = abs(q) - leg;
+  const F across = fma(nx, past, ny * y);
+  const F along = min(max(fma(nx, y, F(-(ny * past))), zero), length);
+  // On the hypotenuse when p lies beyond it, else where it is inside, else on the base.
+  const auto beyond = less(zero, across);
+  const F x_inside = min(abs(q), leg), y_inside = max(y, zero);
+  const F x = select(beyond, max(fma(F(-ny), along, leg), zero), x_inside);
+  const F mirrored = select(is_left, F(-x), x);
+  const F height = select(beyond, max(nx * along, zero), y_inside);
+  const Triple<F> in_base = f.q.g * F(mirrored - q) + f.y.g * F(height - y);
+  return p + in_base + f.z.g * F(-z);
+}
+
 /// v / |v|, or `fallback` where |v|^2 is not above `least_sq`.
 template <class F>
 DIFI_INLINE Triple<F> unit_or(const Triple<F>& v, const F& length_sq, const F& least_sq, const Triple<F>& fallback) {

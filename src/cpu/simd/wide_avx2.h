@@ -14,6 +14,10 @@ struct Mask {
   DIFI_INLINE std::uint32_t to_bits() const {
     return static_cast<std::uint32_t>(_mm256_movemask_ps(lo) | (_mm256_movemask_ps(hi) << 8));
   }
+  friend DIFI_INLINE Mask operator~(Mask a) {
+    const __m256 ones = _mm256_castsi256_ps(_mm256_set1_epi32(-1));
+    return {_mm256_xor_ps(a.lo, ones), _mm256_xor_ps(a.hi, ones)};
+  }
   friend DIFI_INLINE Mask operator&(Mask a, Mask b) { return {_mm256_and_ps(a.lo, b.lo), _mm256_and_ps(a.hi, b.hi)}; }
   friend DIFI_INLINE Mask operator|(Mask a, Mask b) { return {_mm256_or_ps(a.lo, b.lo), _mm256_or_ps(a.hi, b.hi)}; }
 };
@@ -132,6 +136,30 @@ DIFI_INLINE void store_local(float* out, const double* v, double scale, const do
 DIFI_INLINE WideFloat load_column(const float (*rows)[4], int axis) {
   const __m256i from = _mm256_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28);
   return {_mm256_i32gather_ps(rows[0] + axis, from, 4), _mm256_i32gather_ps(rows[8] + axis, from, 4)};
+}
+
+/// Lanes p[0] to p[count - 1]; the others zero, their memory untouched. `count` from 0 to 16.
+DIFI_INLINE WideFloat load_some(const float* p, int count) {
+  const __m256i lane = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+  const __m256i low = _mm256_cmpgt_epi32(_mm256_set1_epi32(count), lane);
+  const __m256i high = _mm256_cmpgt_epi32(_mm256_set1_epi32(count - 8), lane);
+  return {_mm256_maskload_ps(p, low), _mm256_maskload_ps(p + 8, high)};
+}
+DIFI_INLINE Mask mask_from_bits(std::uint32_t bits) {
+  const __m256i bit = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+  const auto half = [&](std::uint32_t byte) __attribute__((always_inline)) {
+    const __m256i set = _mm256_and_si256(_mm256_set1_epi32(static_cast<int>(byte)), bit);
+    return _mm256_castsi256_ps(_mm256_cmpeq_epi32(set, bit));
+  };
+  return {half(bits & 0xff), half(bits >> 8)};
+}
+
+/// Stores the lanes of `a` whose mask bit is set, packed. `p` must have room for sixteen.
+DIFI_INLINE void store_packed(float* p, Mask m, WideFloat a) {
+  float all[16];
+  a.store(all);
+  int n = 0;
+  for (std::uint32_t bits = m.to_bits(); bits; bits &= bits - 1) p[n++] = all[__builtin_ctz(bits)];
 }
 
 }  // namespace difi::avx2

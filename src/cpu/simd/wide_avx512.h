@@ -12,6 +12,7 @@ namespace difi::avx512 {
 struct Mask {
   __mmask16 bits;
   DIFI_INLINE std::uint32_t to_bits() const { return bits; }
+  friend DIFI_INLINE Mask operator~(Mask a) { return {static_cast<__mmask16>(~a.bits)}; }
   friend DIFI_INLINE Mask operator&(Mask a, Mask b) { return {static_cast<__mmask16>(a.bits & b.bits)}; }
   friend DIFI_INLINE Mask operator|(Mask a, Mask b) { return {static_cast<__mmask16>(a.bits | b.bits)}; }
 };
@@ -81,6 +82,17 @@ DIFI_INLINE WideFloat load_column(const float (*rows)[4], int axis) {
   const auto row = [&](int n) __attribute__((always_inline)) { return _mm512_loadu_ps(rows[n]); };
   const __m512 low = _mm512_permutex2var_ps(row(0), from, row(4)), high = _mm512_permutex2var_ps(row(8), from, row(12));
   return _mm512_mask_blend_ps(0xff00, low, high);
+}
+
+/// Lanes p[0] to p[count - 1]; the others zero, their memory untouched. `count` from 0 to 16.
+DIFI_INLINE WideFloat load_some(const float* p, int count) {
+  return _mm512_maskz_loadu_ps(static_cast<__mmask16>((1u << count) - 1), p);
+}
+DIFI_INLINE Mask mask_from_bits(std::uint32_t bits) { return {static_cast<__mmask16>(bits)}; }
+
+/// Stores the lanes of `a` whose mask bit is set, packed. `p` must have room for sixteen.
+DIFI_INLINE void store_packed(float* p, Mask m, WideFloat a) {
+  _mm512_storeu_ps(p, _mm512_maskz_compress_ps(m.bits, a.v));
 }
 
 }  // namespace difi::avx512

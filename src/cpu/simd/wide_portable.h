@@ -11,6 +11,7 @@ namespace difi::portable {
 struct Mask {
   std::uint32_t bits;
   DIFI_INLINE std::uint32_t to_bits() const { return bits; }
+  friend DIFI_INLINE Mask operator~(Mask a) { return {~a.bits & 0xffffu}; }
   friend DIFI_INLINE Mask operator&(Mask a, Mask b) { return {a.bits & b.bits}; }
   friend DIFI_INLINE Mask operator|(Mask a, Mask b) { return {a.bits | b.bits}; }
 };
@@ -140,6 +141,18 @@ DIFI_INLINE void store_local(float* out, const double* v, double scale, const do
 /// Column `axis` of sixteen rows of four.
 DIFI_INLINE WideFloat load_column(const float (*rows)[4], int axis) {
   return WideFloat::of([&](int i) { return rows[i][axis]; });
+}
+
+/// Lanes p[0] to p[count - 1]; the others zero, their memory untouched. `count` from 0 to 16.
+DIFI_INLINE WideFloat load_some(const float* p, int count) {
+  return WideFloat::of([&](int i) { return i < count ? p[i] : 0.0f; });
+}
+DIFI_INLINE Mask mask_from_bits(std::uint32_t bits) { return {bits}; }
+
+/// Stores the lanes of `a` whose mask bit is set, packed. `p` must have room for sixteen.
+DIFI_INLINE void store_packed(float* p, Mask m, const WideFloat& a) {
+  int n = 0;
+  for (std::uint32_t bits = m.bits; bits; bits &= bits - 1) p[n++] = a.v[__builtin_ctz(bits)];
 }
 
 }  // namespace difi::portable

@@ -1,0 +1,47 @@
+// Sorts indices by 32-bit keys: a stable radix sort in parallel chunks, the same result for any number of threads.
+#pragma once
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace difi::cpu {
+
+struct KeyedIndex {
+  std::uint32_t key;
+  std::uint32_t index;
+};
+
+inline void radix_sort(std::vector<KeyedIndex>& items, int threads) {
+  constexpr int kBits = 11;
+  constexpr std::uint32_t kBuckets = 1u << kBits;
+  const auto size = static_cast<std::int64_t>(items.size());
+  const std::int64_t chunks = std::clamp<std::int64_t>(size / 16384, 1, std::int64_t{4} * threads);
+  std::vector<KeyedIndex> sorted(items.size());
+  std::vector<std::array<std::uint32_t, kBuckets>> positions(static_cast<std::size_t>(chunks));
+  for (int shift = 0; shift < 32; shift += kBits) {
+    const auto bucket = [shift](const KeyedIndex& item) { return item.key >> shift & (kBuckets - 1); };
+    tbb::parallel_for(std::int64_t{0}, chunks, [&](std::int64_t chunk) {
+      positions[chunk].fill(0);
+      for (std::int64_t n = size * chunk / chunks; n < size * (chunk + 1) / chunks; ++n)
+        ++positions[chunk][bucket(items[n])];
+    });
+    std::uint32_t total = 0;
+    for (std::uint32_t b = 0; b < kBuckets; ++b)
+      for (auto& position : positions) {
+        const std::uint32_t count = position[b];
+        position[b] = total;
+        total += count;
+      }
+    tbb::parallel_for(std::int64_t{0}, chunks, [&](std::int64_t chunk) {
+      for (std::int64_t n = size * chunk / chunks; n < size * (chunk + 1) / chunks; ++n)
+        sorted[positions[chunk][bucket(items[n])]++] = items[n];
+    });
+    items.swap(sorted);
+  }
+}
+
+}  // namespace difi::cpu
