@@ -15,9 +15,23 @@ namespace {
 void stretch(Mesh& mesh, Vec3 extent, double margin) {
   const Box box = bounds(mesh);
   const Vec3 target = extent - Vec3{2, 2, 2} * margin, old = box.extent();
+  if (target.x < 0 || target.y < 0 || target.z < 0)
+    throw Error(ErrorCode::usage, "the margin leaves no room for the mesh");
   const auto factor = [](double to, double from) { return from > 0 ? to / from : 1; };
   const Vec3 scale{factor(target.x, old.x), factor(target.y, old.y), factor(target.z, old.z)};
   for (Vec3& v : mesh.vertices) v = (v - box.min) * scale + Vec3{margin, margin, margin};
+}
+
+/// The grid of --size and --extent, and the mesh stretched to fill it.
+Grid stretched_grid(Mesh& mesh, Size3 size, const std::vector<double>& extent, double margin) {
+  const Vec3 counts{double(size.x), double(size.y), double(size.z)}, one{1, 1, 1};
+  if (extent.empty()) {
+    stretch(mesh, counts - one, margin);
+    return {size, {0, 0, 0}, one};
+  }
+  const Vec3 units{extent[0], extent[1], extent[2]}, spacing = units / counts;
+  stretch(mesh, units, margin);
+  return {size, 0.5 * spacing, spacing};
 }
 
 /// Cubic cells, `samples` on the longest side, the outermost ones at least `thickness` samples away from the mesh.
@@ -64,11 +78,15 @@ WorkloadOptions::WorkloadOptions(CLI::App& app) {
                    ->delimiter(',')
                    ->expected(3)
                    ->excludes(samples, cube);
-  app.add_option("--extent", extent_, "X,Y,Z world units that the samples of --size span (default: one per sample)")
+  app.add_option("--extent", extent_,
+                 "X,Y,Z world units that the cells of --size fill, a sample in the middle of each (default: spacing 1, "
+                 "the outermost samples on the box)")
       ->delimiter(',')
       ->expected(3)
       ->needs(size);
   app.add_option("--thickness", thickness_, "in samples; with --extent in world units");
+  app.add_option("--margin", margin_,
+                 "left free around the mesh, in the unit of the thickness (default: the thickness)");
   app.add_flag("--full", full_, "a full field: no thickness");
   app.add_option("--threads", threads_);
   app.add_option("--repeats", repeats_, "calls in this process, the first one cold")->check(CLI::PositiveNumber);
@@ -82,19 +100,14 @@ Workload WorkloadOptions::make() const {
   work.threads = threads_;
   work.repeats = repeats_;
   work.check = check_;
-  const double margin = full_ ? 0 : thickness_;
+  const double margin = margin_ ? *margin_ : full_ ? 0 : thickness_;
+  work.thickness = thickness_;
   if (size_.empty()) {
     const Box box = bounds(work.mesh);
     work.grid = cube_ ? cube_grid(box, cube_, margin) : padded_grid(box, samples_, margin);
-    work.thickness = thickness_ * work.grid.spacing.x;
+    work.thickness *= work.grid.spacing.x;
   } else {
-    const Size3 size{size_[0], size_[1], size_[2]};
-    const auto steps = [](std::int64_t n) { return static_cast<double>(n > 1 ? n - 1 : 1); };
-    const Vec3 intervals{steps(size.x), steps(size.y), steps(size.z)};
-    const Vec3 extent = extent_.empty() ? intervals : Vec3{extent_[0], extent_[1], extent_[2]};
-    stretch(work.mesh, extent, margin);
-    work.grid = {size, {0, 0, 0}, extent / intervals};
-    work.thickness = thickness_;
+    work.grid = stretched_grid(work.mesh, {size_[0], size_[1], size_[2]}, extent_, margin);
   }
   if (full_) work.thickness = std::numeric_limits<double>::infinity();
   return work;

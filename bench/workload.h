@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -42,6 +43,7 @@ class WorkloadOptions {
   std::vector<double> extent_;
   std::vector<std::int64_t> size_;
   double thickness_ = 2;
+  std::optional<double> margin_;
   int threads_ = 2, repeats_ = 5;
   bool full_ = false, check_ = false;
 };

@@ -1,0 +1,102 @@
+"""Running the drivers of bench/, and writing down what they measured."""
+
+import csv
+import datetime
+import json
+import os
+import platform
+import re
+import statistics
+import subprocess
+import sys
+from pathlib import Path
+
+BENCH = Path(__file__).resolve().parent
+PROGRAMS = {"difi": "bench_difi", "openvdb": "peer_openvdb", "embree": "peer_embree"}
+
+
+class Drivers:
+    """The measuring programs of one build folder."""
+
+    def __init__(self, build):
+        self.folder = Path(build) / "bench"
+
+    def has(self, driver):
+        return (self.folder / PROGRAMS[driver]).exists()
+
+    def run(self, driver, args, repeats, **options):
+        """One process; returns what its JSON line says. Options become --name value, or --name when True."""
+        command = [str(self.folder / PROGRAMS[driver]), *args, "--repeats", str(repeats)]
+        for name, value in options.items():
+            command += [f"--{name}"] if value is True else [f"--{name}", str(value)]
+        print("  " + " ".join(command[0:1] + command[1:]), file=sys.stderr)
+        done = subprocess.run(command, stdout=subprocess.PIPE, text=True)
+        if done.returncode:
+            raise SystemExit(f"bench: {' '.join(command)} failed")
+        return json.loads(done.stdout)
+
+
+def median(runs, key):
+    """The median of one key over runs."""
+    return statistics.median(run[key] for run in runs)
+
+
+def cpu_info():
+    text = Path("/proc/cpuinfo").read_text() if Path("/proc/cpuinfo").exists() else ""
+    model = re.search(r"model name\s*:\s*(.*)", text)
+    flags = re.search(r"flags\s*:\s*(.*)", text)
+    return (model.group(1) if model else platform.processor(), set(flags.group(1).split() if flags else ()))
+
+
+def machine_name():
+    """A neutral name: cores and the widest instruction set."""
+    flags = cpu_info()[1]
+    simd = next((name for flag, name in (("avx512f", "avx512"), ("avx2", "avx2")) if flag in flags), platform.machine())
+    return f"{os.cpu_count()}-core-{simd}"
+
+
+def machine_lines(build):
+    """What a reader must know about where numbers come from."""
+    compiler = "unknown"
+    for path in Path(build).glob("CMakeFiles/*/CMakeCXXCompiler.cmake"):
+        found = dict(re.findall(r'set\(CMAKE_CXX_COMPILER_(ID|VERSION) "([^"]*)"', path.read_text()))
+        compiler = f"{found.get('ID')} {found.get('VERSION')}"
+    return [
+        f"CPU: {cpu_info()[0]}, {os.cpu_count()} cores",
+        f"compiler: {compiler}, system: {platform.system()} {platform.machine()}",
+        f"date: {datetime.date.today().isoformat()}",
+    ]
+
+
+def results_folder():
+    folder = BENCH / "results" / machine_name()
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+def write_csv(path, header_lines, rows):
+    """Rows are dictionaries; the columns are those of all rows, in order of appearance."""
+    columns = list(dict.fromkeys(key for row in rows for key in row))
+    with open(path, "w", newline="") as file:
+        for line in header_lines:
+            file.write(f"# {line}\n")
+        writer = csv.DictWriter(file, columns, restval="", lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+    print(f"wrote {path}", file=sys.stderr)
+
+
+def markdown(columns, rows):
+    """A table in markdown; numbers to the right."""
+    numeric = [all(isinstance(row.get(c, ""), (int, float)) or row.get(c, "") in ("", "-") or
+                   re.fullmatch(r"[\d.,]+x?( MB)?", str(row.get(c, ""))) for row in rows) for c in columns]
+    lines = ["| " + " | ".join(columns) + " |", "|" + "|".join("---:" if n else "---" for n in numeric) + "|"]
+    lines += ["| " + " | ".join(str(row.get(c, "")) for c in columns) + " |" for row in rows]
+    return "\n".join(lines)
+
+
+def seconds(value):
+    """Three significant digits, never an exponent."""
+    if value >= 100:
+        return f"{value:.0f}"
+    return f"{value:.{2 if value >= 10 else 3 if value >= 0.1 else 4}f}"

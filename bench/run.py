@@ -1,0 +1,49 @@
+#!/usr/bin/python3
+"""Measures difi, alone or beside its peers. script/bench builds the drivers and starts this.
+
+  run.py                 the named workloads of workloads.json
+  run.py --peers         the same, alternating with OpenVDB and Embree
+  run.py scaling         time against triangles and samples, with plots
+  run.py thesis          the tables of the 2008 thesis, rebuilt
+Tables go to stdout, progress to stderr, CSV files to bench/results/<machine>/."""
+
+import argparse
+import json
+from pathlib import Path
+
+import contests
+import scaling
+import thesis_tables
+from harness import BENCH, Drivers
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("what", nargs="?", default="contests", choices=["contests", "scaling", "thesis"])
+    parser.add_argument("--peers", action="store_true", help="run OpenVDB and Embree too (built with DIFI_BENCH_PEERS)")
+    parser.add_argument("--build", default=str(BENCH.parent / "build" / "bench"), help="build folder of the drivers")
+    parser.add_argument("--only", help="workloads or tables whose name holds this; nothing is written then")
+    parser.add_argument("--rounds", type=int, help="processes per driver, instead of what the workload says")
+    parser.add_argument("--list", action="store_true", help="name the workloads and stop")
+    arguments = parser.parse_args()
+
+    workloads = json.loads(Path(BENCH / "workloads.json").read_text())
+    drivers = Drivers(arguments.build)
+    if arguments.list:
+        for contest in workloads["contests"] + workloads["scaling"]:
+            print(f"{contest['name']:24} {contest['what']}")
+        return
+    if not drivers.has("difi"):
+        parser.error(f"no drivers in {drivers.folder}; build them with script/bench")
+    if arguments.peers and not (drivers.has("openvdb") or drivers.has("embree")):
+        parser.error(f"no peers in {drivers.folder}; configure with -DDIFI_BENCH_PEERS=ON")
+    if arguments.what == "contests":
+        contests.run(drivers, workloads, arguments.peers, arguments.only, arguments.rounds, arguments.build)
+    elif arguments.what == "scaling":
+        scaling.run(drivers, workloads, arguments.only, arguments.rounds, arguments.build)
+    else:
+        thesis_tables.run(drivers, arguments.only, arguments.build)
+
+
+if __name__ == "__main__":
+    main()

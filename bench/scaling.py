@@ -1,0 +1,77 @@
+"""How the time grows with triangles and with samples: tables, CSV files and plots."""
+
+import math
+import sys
+
+from harness import machine_lines, machine_name, markdown, median, results_folder, seconds, write_csv
+
+# One growth worse than this between neighbouring points is marked: a tenth above linear is noise.
+WORSE_THAN_LINEAR = 1.1
+
+
+def measure(drivers, series, rounds):
+    """One row per value of the series, in the order of growth."""
+    rows = []
+    for value in series["values"]:
+        args = [argument.replace("{n}", str(value)) for argument in series["args"]]
+        runs = [drivers.run("difi", args, 3) for _ in range(rounds)]
+        first = runs[0]
+        rows.append({
+            "triangles": first["triangles"], "samples": first["samples"], "samples_band": first["samples_band"],
+            "samples_examined": first["samples_examined"], "memory_peak": max(r["memory_peak"] for r in runs),
+            "cold_s": median(runs, "cold_s"), "warm_s": median(runs, "warm_s"),
+        })
+    for row, before in zip(rows[1:], rows):
+        growth = math.log(row["warm_s"] / before["warm_s"]) / math.log(row[series["axis"]] / before[series["axis"]])
+        row["growth"] = round(growth, 2)
+    return rows
+
+
+def table(series, rows):
+    shown = [{
+        series["axis"]: f"{row[series['axis']]:,}",
+        "cold s": seconds(row["cold_s"]),
+        "warm s": seconds(row["warm_s"]),
+        "ns per unit": f"{1e9 * row['warm_s'] / row[series['axis']]:.2f}",
+        "growth (1: linear)": f"{row['growth']}{' (worse)' if row['growth'] > WORSE_THAN_LINEAR else ''}"
+                              if "growth" in row else "",
+    } for row in rows]
+    return markdown(list(shown[0]), shown)
+
+
+def plot(series, rows, path):
+    try:
+        import matplotlib
+    except ImportError:
+        print("bench: no plots without matplotlib (Debian: python3-matplotlib)", file=sys.stderr)
+        return
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    x = [row[series["axis"]] for row in rows]
+    figure, axes = pyplot.subplots(figsize=(6, 4), dpi=120)
+    axes.loglog(x, [row["warm_s"] for row in rows], "o-", label="warm")
+    axes.loglog(x, [row["cold_s"] for row in rows], "s--", alpha=0.6, label="first call")
+    last = rows[-1]
+    axes.loglog(x, [last["warm_s"] * n / x[-1] for n in x], ":", color="grey", label="linear")
+    axes.set(xlabel=series["axis"], ylabel="seconds", title=series["what"])
+    axes.grid(True, which="major", alpha=0.3)
+    axes.legend()
+    figure.tight_layout()
+    figure.savefig(path, metadata={"Software": None})
+    pyplot.close(figure)
+    print(f"wrote {path}", file=sys.stderr)
+
+
+def run(drivers, workloads, only, rounds, build):
+    """Measures every series (or those whose name holds `only`), prints tables, writes CSV files and plots."""
+    header, folder = machine_lines(build), results_folder()
+    for series in workloads["scaling"]:
+        if only and only not in series["name"]:
+            continue
+        rows = measure(drivers, series, rounds or 2)
+        print(f"\n### {series['what']}\n\n{table(series, rows)}")
+        if not only:
+            write_csv(folder / f"scaling-{series['name']}.csv", [series["what"], *header], rows)
+            plot(series, rows, folder / f"scaling-{series['name']}.png")
+    print("\n" + "\n".join(header))

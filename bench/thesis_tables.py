@@ -1,0 +1,98 @@
+"""The tables of the 2008 thesis, rebuilt on this machine's CPU with both methods."""
+
+import json
+
+from harness import BENCH, machine_lines, markdown, results_folder, seconds, write_csv
+
+# Its grids are the meshes' boxes grown by this many units on all sides (its thickness).
+MARGIN = 2
+# Its counts of examined samples fit triangle boxes grown by half a unit and then rounded outwards to whole samples:
+# growing by half a unit and half a sample examines as many on average.
+GROWTH, ROUNDING = 0.5, 0.5
+# Work beyond this many examined samples is measured once, not three times.
+LONG_WORK = 2e8
+
+INTRODUCTION = """# The thesis's tables, rebuilt
+
+This page is written by `script/bench thesis`. It repeats Tables 5.1, 5.2, 5.3 and the CPU half of 5.5 of the thesis
+(Fagerjord and Lochehina, 2008) with both methods of difi: `thesis`, its Algorithm 1, and `tiles`, which is exact.
+
+**The meshes are stand-ins.** The thesis's meshes are not public. The ones used here are made by code (`scenes/`) with
+the same numbers of triangles, stretched to the same grids; how many triangles its skip rule finds, and so how many
+samples are examined, depends on the order and shapes of triangles and cannot be the same.
+
+- *2008* columns are the thesis's figures: seconds on a GeForce 8800 GTS 512 MB (Table 5.5: its CPU emulation).
+- All other columns were measured here, on the CPU, with {threads} threads: the median of the warm calls.
+- *units* is the box of the grid in the thesis's units ("resolution"); the mesh's box is {margin} units smaller on each side.
+- *examined* counts point-triangle distances. The thesis gives its thickness as 2 units, but its counts fit triangle
+  boxes grown by half a unit and rounded outwards to whole samples (8.0 samples per small triangle on a unit grid).
+  Both methods ran with the thickness that examines as many: {growth} units plus half a sample, 1 on a unit grid.
+- *largest error* and *mean error* compare the thesis method's field with the exact one over the band, in samples. They
+  come from triangles that its skip rule drops; 0 means below 0.0001.
+
+{machine}
+"""
+
+
+def arguments(mesh, row):
+    """The workload of one row, and its thickness in units."""
+    spacing = [e / g for e, g in zip(row["extent"], row["grid"])]
+    thickness = GROWTH + ROUNDING * sum(spacing) / 3
+    numbers = lambda values: ",".join(str(v) for v in values)
+    return ["--scene", mesh["scene"], "--triangles", str(mesh["triangles"]), "--size", numbers(row["grid"]),
+            "--extent", numbers(row["extent"]), "--margin", str(MARGIN), "--thickness", f"{thickness:.6g}",
+            "--output", "dense"]
+
+
+def measure(drivers, table, mesh, row):
+    """One row: the thesis's figures and ours."""
+    args = arguments(mesh, row)
+    thesis = drivers.run("difi", args, 2 if row["examined"] > LONG_WORK else 4, method="thesis", check=True)
+    tiles = drivers.run("difi", args, 4, method="tiles")
+    cells = "x".join(str(n) for n in row["grid"])
+    check = thesis["check"]
+    return {
+        "table": table["number"], "mesh": mesh["mesh"], "scene": mesh["scene"], "triangles": thesis["triangles"],
+        "grid": cells, "units": "x".join(str(n) for n in row["extent"]),
+        "skipped_2008": row["skipped"], "skipped": thesis["skipped"],
+        "examined_2008": row["examined"], "examined": thesis["samples_examined"],
+        "seconds_2008": row.get("cpu_seconds", row["seconds"]),
+        "thesis_s": round(thesis["warm_s"], 6), "tiles_s": round(tiles["warm_s"], 6),
+        "largest_error_samples": round(check["largest_error_samples"], 4),
+        "mean_error_samples": round(check["mean_error_samples"], 6),
+        "threads": thesis["threads"],
+    }
+
+
+def shown(row, before):
+    """A row as the page shows it; the mesh is named where it changes."""
+    again = before and before["mesh"] == row["mesh"]
+    return {
+        "mesh": "" if again else row["mesh"], "triangles": "" if again else f"{row['triangles']:,}",
+        "units": row["units"], "grid": row["grid"],
+        "skipped 2008": f"{row['skipped_2008']:,}", "skipped": f"{row['skipped']:,}",
+        "examined 2008": f"{row['examined_2008']:,}", "examined": f"{row['examined']:,}",
+        "2008, s": f"{row['seconds_2008']:.2f}", "thesis, s": seconds(row["thesis_s"]), "tiles, s": seconds(row["tiles_s"]),
+        "largest error": f"{row['largest_error_samples']:.4g}", "mean error": f"{row['mean_error_samples']:.4g}",
+    }
+
+
+def run(drivers, only, build):
+    """Rebuilds the tables (or those whose number is `only`), prints them, writes the CSV files and the page."""
+    tables = json.loads((BENCH / "thesis.json").read_text())["tables"]
+    header, folder, sections, threads = machine_lines(build), results_folder(), [], 2
+    for table in tables:
+        if only and only != table["number"]:
+            continue
+        rows = [measure(drivers, table, mesh, row) for mesh in table["meshes"] for row in mesh["rows"]]
+        threads = rows[0]["threads"]
+        page = [shown(row, before) for row, before in zip(rows, [None, *rows])]
+        sections.append(f"## Table {table['number']}: {table['title']}\n\n{markdown(list(page[0]), page)}\n")
+        print(f"\n{sections[-1]}")
+        if not only:
+            write_csv(folder / f"thesis-{table['number']}.csv",
+                      ["scenes made by code stand in for the thesis's meshes", *header], rows)
+    if not only:
+        machine = "\n".join(f"- {line}" for line in header)
+        introduction = INTRODUCTION.format(threads=threads, margin=MARGIN, growth=GROWTH, machine=machine)
+        (BENCH.parent / "docs" / "thesis_tables.md").write_text(introduction + "\n" + "\n".join(sections))
