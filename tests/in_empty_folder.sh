@@ -1,0 +1,7 @@
+#!/usr/bin/env bash
+# Runs a command in a new folder that is removed afterwards.
+set -euo pipefail
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+cd "$folder"
+"$@"
