@@ -1,4 +1,6 @@
 # Shared by the scripts: where we are, how to speak, how to build. Sourced, not run.
+# shellcheck shell=bash
+set -euo pipefail
 self=$(realpath "$0")
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
