@@ -3,120 +3,116 @@
 from harness import machine_lines, markdown, median, results_folder, seconds, write_csv
 
 MEGABYTE = 1 << 20
-KEPT = ("cold_s", "warm_s", "build_s", "samples_band", "output_bytes", "memory_before", "memory_peak", "threads")
+# What runs.csv keeps of a driver's line.
+KEPT = ("driver", "output", "threads", "cold_s", "warm_s", "build_s", "samples_band", "output_bytes", "memory_before",
+        "memory_peak")
 
 
-def keep(contest, round_number, line):
-    row = {"workload": contest["name"], "round": round_number, "driver": line["driver"], "output": line["output"]}
-    row.update({key: line[key] for key in KEPT if key in line})
-    return row
+def raw_rows(contest, lines):
+    """The rows of runs.csv for some processes of one driver, in the order they ran."""
+    return [{"workload": contest["name"], "round": number, **{key: line[key] for key in KEPT if key in line}}
+            for number, line in enumerate(lines)]
 
 
 def run_contest(drivers, contest, with_peers, rounds):
-    """Alternates difi and the peers. Returns {(driver, output): [line per round]}; the first peer line is checked."""
+    """Alternates difi and the peers: {(driver, output): [line per round]}. Each peer's first field is checked."""
     lines = {}
     for number in range(rounds or contest.get("rounds", 5)):
         for against in contest["against"]:
-            key = ("difi", against["output"])
-            lines.setdefault(key, []).append(drivers.run("difi", contest["args"], 5, output=against["output"]))
-            if with_peers and drivers.has(against["peer"]):
+            output, peer = against["output"], against["peer"]
+            lines.setdefault(("difi", output), []).append(drivers.run("difi", contest["args"], 5, output=output))
+            if with_peers and drivers.has(peer):
                 check = {"check": True} if number == 0 else {}
-                peer = drivers.run(against["peer"], contest["args"], contest.get("peer_repeats", 3), **check)
-                lines.setdefault((against["peer"], against["output"]), []).append(peer)
+                line = drivers.run(peer, contest["args"], contest.get("peer_repeats", 3), **check)
+                lines.setdefault((peer, output), []).append(line)
     return lines
 
 
+def times(lines):
+    """Median cold and warm seconds. A driver called once per process has no warm time: its only one stands for both."""
+    cold = median(lines, "cold_s")
+    return cold, median(lines, "warm_s") if lines[0]["calls"] > 1 else cold
+
+
+def verdict(cold, warm, least):
+    """Which of the two ratios reach what is asked for."""
+    if least is None:
+        return "-"
+    return " and ".join(name for name, ratio in (("cold", cold), ("warm", warm)) if ratio >= least) or "no"
+
+
 def ratio_row(contest, against, lines):
-    """One line of the table of ratios, or None when the peer did not run."""
-    ours, theirs = lines[("difi", against["output"])], lines.get((against["peer"], against["output"]))
+    """One line of the table of ratios; without the peer's half when it did not run."""
+    cold, warm = times(lines[("difi", against["output"])])
+    row = {"workload": contest["what"], "output": against["output"], "difi cold s": seconds(cold),
+           "difi warm s": seconds(warm)}
+    theirs = lines.get((against["peer"], against["output"]))
     if not theirs:
-        return None
-    # With one call in its process a peer has no warm time: its only one stands for both.
-    theirs_warm = median(theirs, "warm_s") or median(theirs, "cold_s")
-    cold, warm = median(theirs, "cold_s") / median(ours, "cold_s"), theirs_warm / median(ours, "warm_s")
-    least = against.get("at_least")
-    met = {True: "both", False: "no"}.get(min(cold, warm) >= least if (cold >= least) == (warm >= least) else None,
-                                          "cold" if least and cold >= least else "warm") if least else "-"
-    check = theirs[0].get("check", {})
-    return {
-        "workload": contest["what"],
-        "peer": against["peer"],
-        "difi cold s": seconds(median(ours, "cold_s")),
-        "difi warm s": seconds(median(ours, "warm_s")),
-        "peer cold s": seconds(median(theirs, "cold_s")),
-        "peer warm s": seconds(theirs_warm),
-        "ratio cold": f"{cold:.1f}x",
-        "ratio warm": f"{warm:.1f}x",
-        "at least": f"{least}x" if least else "-",
-        "goal": f"{against['goal']}x" if "goal" in against else "-",
-        "met": met,
-        "peer's largest error, samples": f"{check.get('largest_error_samples', 0):.2g}",
-        "peer's band / ours": f"{check.get('band', 0) / max(1, check.get('band_exact', 1)):.4f}",
-    }
+        return row
+    peer_cold, peer_warm = times(theirs)
+    least, goal, check = against.get("at_least"), against.get("goal"), theirs[0]["check"]
+    row.update({
+        "peer": against["peer"], "peer cold s": seconds(peer_cold), "peer warm s": seconds(peer_warm),
+        "ratio cold": f"{peer_cold / cold:.1f}x", "ratio warm": f"{peer_warm / warm:.1f}x",
+        "at least": f"{least}x" if least else "-", "goal": f"{goal}x" if goal else "-",
+        "met": verdict(peer_cold / cold, peer_warm / warm, least),
+        "peer's band / ours": f"{check['band'] / max(1, check['band_exact']):.4f}",
+        "peer's largest error, samples": f"{check['largest_error_samples']:.2g}",
+    })
+    return row
 
 
 def memory_row(contest, output, lines):
     """Peak memory of the whole process in its first call, beside what is allowed."""
     line = max(lines[("difi", output)], key=lambda one: one["memory_peak"])
     allowed = line["output_bytes"] + 3 * line["mesh_bytes"] + 64 * MEGABYTE
+    in_megabytes = lambda size: f"{size / MEGABYTE:.0f}"
     return {
-        "workload": contest["what"],
-        "output": output,
-        "output MB": f"{line['output_bytes'] / MEGABYTE:.0f}",
-        "mesh MB": f"{line['mesh_bytes'] / MEGABYTE:.0f}",
-        "peak MB": f"{line['memory_peak'] / MEGABYTE:.0f}",
-        "allowed MB (output + 3 x mesh + 64)": f"{allowed / MEGABYTE:.0f}",
+        "workload": contest["what"], "output": output, "output MB": in_megabytes(line["output_bytes"]),
+        "mesh MB": in_megabytes(line["mesh_bytes"]), "peak MB": in_megabytes(line["memory_peak"]),
+        "allowed MB (output + 3 x mesh + 64)": in_megabytes(allowed),
         "met": "yes" if line["memory_peak"] <= allowed else "no",
     }
 
 
-def run_threads(drivers, contest, at_least, rounds):
-    """One thread beside two, dense, alternating."""
+def run_threads(drivers, contest, rounds):
+    """One thread beside two, dense, alternating: {threads: [line per round]}."""
     lines = {1: [], 2: []}
     for _ in range(rounds or contest.get("rounds", 5)):
-        for threads in lines:
-            lines[threads].append(drivers.run("difi", contest["args"], 5, output="dense", threads=threads))
-    ratio = median(lines[1], "warm_s") / median(lines[2], "warm_s")
-    row = {
-        "workload": contest["what"],
-        "1 thread, warm s": seconds(median(lines[1], "warm_s")),
-        "2 threads, warm s": seconds(median(lines[2], "warm_s")),
-        "ratio": f"{ratio:.2f}x",
-        "at least": f"{at_least}x",
-        "met": "yes" if ratio >= at_least else "no",
-    }
-    return row, [keep(contest, n, line) for runs in lines.values() for n, line in enumerate(runs)]
+        for threads, into in lines.items():
+            into.append(drivers.run("difi", contest["args"], 5, output="dense", threads=threads))
+    return lines
+
+
+def threads_row(contest, at_least, lines):
+    one, two = (times(lines[threads])[1] for threads in (1, 2))
+    return {"workload": contest["what"], "1 thread, warm s": seconds(one), "2 threads, warm s": seconds(two),
+            "ratio": f"{one / two:.2f}x", "at least": f"{at_least}x", "met": "yes" if one / two >= at_least else "no"}
 
 
 def run(drivers, workloads, with_peers, only, rounds, build):
-    """Runs all contests (or those whose name holds `only`), prints the tables and writes the CSV files."""
-    ratios, memory, threads, raw = [], [], [], []
-    contests = [c for c in workloads["contests"] if not only or only in c["name"]]
-    for contest in contests:
-        lines = run_contest(drivers, contest, with_peers, rounds)
-        raw += [keep(contest, n, line) for runs in lines.values() for n, line in enumerate(runs)]
-        rows = [ratio_row(contest, against, lines) for against in contest["against"]]
-        ratios += [row for row in rows if row]
-        outputs = [output for driver, output in lines if driver == "difi"]
-        memory += [memory_row(contest, output, lines) for output in outputs]
-        if not with_peers:
-            ours = lines[("difi", outputs[0])]
-            ratios.append({"workload": contest["what"], "difi cold s": seconds(median(ours, "cold_s")),
-                           "difi warm s": seconds(median(ours, "warm_s"))})
-        if contest["name"] in workloads["threads"]["workloads"]:
-            row, more = run_threads(drivers, contest, workloads["threads"]["at_least"], rounds)
-            threads.append(row)
-            raw += more
-
-    header = machine_lines(build)
-    folder = results_folder()
-    for title, name, rows in (("Ratios", "ratios", ratios), ("Peak memory", "memory", memory),
-                              ("Threads", "threads", threads)):
-        if not rows:
+    """Runs all contests (or those whose name holds `only`), prints the tables; all of them together are written too."""
+    tables = {"ratios": [], "memory": [], "threads": []}
+    raw = []
+    for contest in workloads["contests"]:
+        if only and only not in contest["name"]:
             continue
-        print(f"\n### {title}\n\n{markdown(list(rows[0]), rows)}")
-        if not only:
-            write_csv(folder / f"{name}.csv", header, rows)
-    if not only:
-        write_csv(folder / "runs.csv", header, raw)
-    print("\n" + "\n".join(header))
+        lines = run_contest(drivers, contest, with_peers, rounds)
+        tables["ratios"] += [ratio_row(contest, against, lines) for against in contest["against"]]
+        tables["memory"] += [memory_row(contest, output, lines) for driver, output in lines if driver == "difi"]
+        if contest["name"] in workloads["threads"]["workloads"]:
+            by_threads = run_threads(drivers, contest, rounds)
+            tables["threads"].append(threads_row(contest, workloads["threads"]["at_least"], by_threads))
+            lines |= by_threads
+        raw += [row for some in lines.values() for row in raw_rows(contest, some)]
+
+    header, folder = machine_lines(build), results_folder()
+    page = "\n\n".join(["\n".join(f"- {line}" for line in header)] +
+                       [f"### {name}\n\n{markdown(rows)}" for name, rows in tables.items() if rows])
+    print(page)
+    if only:
+        return
+    for name, rows in tables.items():
+        write_csv(folder / f"{name}.csv", header, rows)
+    write_csv(folder / "runs.csv", header, raw)
+    (folder / "README.md").write_text(f"# Measured by `script/bench`\n\n{page}\n")

@@ -29,7 +29,7 @@ class Drivers:
         command = [str(self.folder / PROGRAMS[driver]), *args, "--repeats", str(repeats)]
         for name, value in options.items():
             command += [f"--{name}"] if value is True else [f"--{name}", str(value)]
-        print("  " + " ".join(command[0:1] + command[1:]), file=sys.stderr)
+        print("  " + " ".join(command), file=sys.stderr)
         done = subprocess.run(command, stdout=subprocess.PIPE, text=True)
         if done.returncode:
             raise SystemExit(f"bench: {' '.join(command)} failed")
@@ -61,7 +61,10 @@ def machine_lines(build):
     for path in Path(build).glob("CMakeFiles/*/CMakeCXXCompiler.cmake"):
         found = dict(re.findall(r'set\(CMAKE_CXX_COMPILER_(ID|VERSION) "([^"]*)"', path.read_text()))
         compiler = f"{found.get('ID')} {found.get('VERSION')}"
+    commit = subprocess.run(["git", "-C", str(BENCH), "describe", "--always", "--dirty"], stdout=subprocess.PIPE,
+                            stderr=subprocess.DEVNULL, text=True).stdout.strip()
     return [
+        f"difi: {commit or 'unknown'}",
         f"CPU: {cpu_info()[0]}, {os.cpu_count()} cores",
         f"compiler: {compiler}, system: {platform.system()} {platform.machine()}",
         f"date: {datetime.date.today().isoformat()}",
@@ -74,24 +77,31 @@ def results_folder():
     return folder
 
 
+def columns_of(rows):
+    """The columns of all rows, in order of appearance."""
+    return list(dict.fromkeys(key for row in rows for key in row))
+
+
 def write_csv(path, header_lines, rows):
-    """Rows are dictionaries; the columns are those of all rows, in order of appearance."""
-    columns = list(dict.fromkeys(key for row in rows for key in row))
+    """One line per row (a dictionary), after the header as comments. No rows, no file."""
+    if not rows:
+        return
     with open(path, "w", newline="") as file:
         for line in header_lines:
             file.write(f"# {line}\n")
-        writer = csv.DictWriter(file, columns, restval="", lineterminator="\n")
+        writer = csv.DictWriter(file, columns_of(rows), restval="", lineterminator="\n")
         writer.writeheader()
         writer.writerows(rows)
     print(f"wrote {path}", file=sys.stderr)
 
 
-def markdown(columns, rows):
-    """A table in markdown; numbers to the right."""
-    numeric = [all(isinstance(row.get(c, ""), (int, float)) or row.get(c, "") in ("", "-") or
-                   re.fullmatch(r"[\d.,]+x?( MB)?", str(row.get(c, ""))) for row in rows) for c in columns]
+def markdown(rows):
+    """A table in markdown, numbers to the right."""
+    columns = columns_of(rows)
+    number = re.compile(r"[-\d.,]*x?")
+    numeric = [all(number.fullmatch(str(row.get(column, ""))) for row in rows) for column in columns]
     lines = ["| " + " | ".join(columns) + " |", "|" + "|".join("---:" if n else "---" for n in numeric) + "|"]
-    lines += ["| " + " | ".join(str(row.get(c, "")) for c in columns) + " |" for row in rows]
+    lines += ["| " + " | ".join(str(row.get(column, "")) for column in columns) + " |" for row in rows]
     return "\n".join(lines)
 
 

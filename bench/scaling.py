@@ -3,7 +3,7 @@
 import math
 import sys
 
-from harness import machine_lines, machine_name, markdown, median, results_folder, seconds, write_csv
+from harness import machine_lines, markdown, median, results_folder, seconds, write_csv
 
 # One growth worse than this between neighbouring points is marked: a tenth above linear is noise.
 WORSE_THAN_LINEAR = 1.1
@@ -36,7 +36,7 @@ def table(series, rows):
         "growth (1: linear)": f"{row['growth']}{' (worse)' if row['growth'] > WORSE_THAN_LINEAR else ''}"
                               if "growth" in row else "",
     } for row in rows]
-    return markdown(list(shown[0]), shown)
+    return markdown(shown)
 
 
 def plot(series, rows, path):

@@ -87,7 +87,7 @@ def run(drivers, only, build):
         rows = [measure(drivers, table, mesh, row) for mesh in table["meshes"] for row in mesh["rows"]]
         threads = rows[0]["threads"]
         page = [shown(row, before) for row, before in zip(rows, [None, *rows])]
-        sections.append(f"## Table {table['number']}: {table['title']}\n\n{markdown(list(page[0]), page)}\n")
+        sections.append(f"## Table {table['number']}: {table['title']}\n\n{markdown(page)}\n")
         print(f"\n{sections[-1]}")
         if not only:
             write_csv(folder / f"thesis-{table['number']}.csv",
