@@ -11,16 +11,17 @@
 namespace difi::scenes {
 
 struct Scene {
-  std::string name;             ///< "factory"
-  std::string description;      ///< one line, for people
-  std::int64_t triangles = 0;   ///< when no number is asked for
+  std::string name;            ///< "factory"
+  std::string description;     ///< one line, for people
+  std::int64_t triangles = 0;  ///< when no number is asked for
 };
 
 /// All scenes, in the order of the documentation.
 std::vector<Scene> all();
 
-/// Makes a scene. `triangles` = 0 takes the scene's own count; otherwise the mesh has as near to that many triangles as its construction
-/// allows. Errors: usage for an unknown name (the message lists the known ones) or a count out of range.
+/// Makes a scene. `triangles` = 0 takes the scene's own count; otherwise the mesh has as near to that many triangles as
+/// its construction allows. Errors: usage for an unknown name (the message lists the known ones) or a count out of
+/// range.
 Mesh make(std::string_view name, std::int64_t triangles = 0);
 
 }  // namespace difi::scenes
