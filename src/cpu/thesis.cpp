@@ -14,14 +14,15 @@
 
 #include "cpu/bins.h"
 #include "cpu/lattice.h"
+#include "cpu/simd/four.h"
 #include "geometry/sample_range.h"
 #include "geometry/thesis_distance.h"
 
 namespace difi::cpu {
 namespace {
 
-// Samples of a row are done this many at a time, a constant that compilers turn into one register. The last ones may
-// lie past the triangle's box, where a distance is as true as any other, or past the brick, where rows have spare room.
+// Samples of a row are done four at a time. The last ones may lie past the triangle's box, where a distance is as true
+// as any other, or past the brick, where rows have spare room.
 constexpr int kAtOnce = 4;
 constexpr int kRow = kBrickSide + kAtOnce;
 constexpr std::int64_t kMostRefs = std::int64_t{16} << 20;  // indices held at once: 64 MiB
@@ -62,15 +63,15 @@ struct BrickSamples {
 // The inner loop of Algorithm 1, over `count` samples of a row. Triangles come in ascending order, so that "smaller"
 // leaves the lowest index where two are equally near.
 template <bool kNearest>
-void lower_row(const ThesisTriangle<float>& triangle, std::uint32_t index, const float* x, float y, float z, int count,
-               float* __restrict distance_sq, std::uint32_t* __restrict nearest) {
+void lower_row(const ThesisTriangle<Four>& triangle, std::uint32_t index, const float* x, float y, float z, int count,
+               float* distance_sq, std::uint32_t* nearest) {
   for (int first = 0; first < count; first += kAtOnce) {
-#pragma GCC unroll 1
-    for (int n = first; n < first + kAtOnce; ++n) {
-      const float d = difi::distance_sq(triangle, Triple<float>{x[n], y, z});
-      if constexpr (kNearest) nearest[n] = d < distance_sq[n] ? index : nearest[n];
-      distance_sq[n] = d < distance_sq[n] ? d : distance_sq[n];
-    }
+    const Four d = difi::distance_sq(triangle, Triple<Four>{Four::load(x + first), Four(y), Four(z)});
+    const Four before = Four::load(distance_sq + first);
+    if constexpr (kNearest)
+      for (int n = 0; n < kAtOnce; ++n)
+        if (d.v[n] < before.v[n]) nearest[first + n] = index;
+    min(d, before).store(distance_sq + first);
   }
 }
 
@@ -124,7 +125,7 @@ class Gather {
     const auto local = [&](Vec3 corner) {
       return corner * shared_.lattice.scale - Vec3{brick_.center[0], brick_.center[1], brick_.center[2]};
     };
-    const auto triangle = make_thesis_triangle<float>(local(p), local(q), local(r));
+    const auto triangle = make_thesis_triangle<Four>(local(p), local(q), local(r));
     const int x0 = static_cast<int>(range.begin.x - all.begin.x), count = static_cast<int>(range.end.x - range.begin.x);
     for (auto z = range.begin.z - all.begin.z; z < range.end.z - all.begin.z; ++z)
       for (auto y = range.begin.y - all.begin.y; y < range.end.y - all.begin.y; ++y)

@@ -15,7 +15,7 @@
 // nothing branches, since samples are taken several at once, and no rounding can open a gap between two regions.
 //
 // Error: all numbers per sample are of type F. With the triangle and p inside a box of diameter r the distance is
-// within 8 r epsilon(F) (tests/geometry/thesis_distance_test.cpp measures it, needles included). Ericson's own closest
+// within 2 r epsilon(F) (tests/geometry/thesis_distance_test.cpp measures it, needles included). Ericson's own closest
 // point a + v ab + w ac, with v and w from products of four lengths, loses (length / altitude)^2 times as much on
 // needles. Degenerate triangles are their edges; edges of length zero are their first point.
 #pragma once
