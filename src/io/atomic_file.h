@@ -21,6 +21,8 @@ class AtomicFile {
   AtomicFile& operator=(const AtomicFile&) = delete;
   ~AtomicFile();
 
+  /// The target as the caller gave it, for messages.
+  const std::filesystem::path& target() const { return shown_; }
   /// Appends bytes, through a buffer when they are few.
   void write(const void* data, std::size_t bytes);
   /// Replaces bytes that were written before. Not for pipes.

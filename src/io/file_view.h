@@ -1,0 +1,40 @@
+// The bytes of an input file, mapped into memory.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace difi {
+
+/// A file's bytes for as long as the view lives, and the way to complain about them. Regular files are mapped: nothing
+/// is copied, and the system may drop pages that are not in use. A program that shortens the file meanwhile ends ours
+/// with SIGBUS, as with every mapping. Pipes are read to their end.
+class FileView {
+ public:
+  /// Errors: input, for files that are missing, folders, or unreadable.
+  explicit FileView(const std::filesystem::path& path);
+  /// A view of somebody else's bytes, which must outlive it; `name` stands in messages.
+  FileView(const std::filesystem::path& name, std::string_view bytes) : path_(name), bytes_(bytes) {}
+  FileView(const FileView&) = delete;
+  FileView& operator=(const FileView&) = delete;
+  ~FileView();
+
+  const std::filesystem::path& path() const { return path_; }
+  std::string_view bytes() const { return bytes_; }
+  std::size_t size() const { return bytes_.size(); }
+
+  /// Throws Error{input} "FILE:WHERE: MESSAGE", or "FILE: MESSAGE" where `where` is empty.
+  [[noreturn]] void fail(const std::string& where, const std::string& message) const;
+
+ private:
+  void read_all(int descriptor);
+
+  std::filesystem::path path_;
+  std::string_view bytes_;
+  std::string read_;  // what was read from a pipe
+  void* mapped_ = nullptr;
+};
+
+}  // namespace difi

@@ -1,0 +1,36 @@
+// The table of mesh formats: a format is one file and a row in mesh_formats.cpp.
+#pragma once
+
+#include <string_view>
+
+#include "difi/mesh.h"
+#include "io/atomic_file.h"
+#include "io/file_view.h"
+
+namespace difi {
+
+struct MeshFormat {
+  const char* extension;
+  const char* name;  ///< for messages: "STL"
+  const char* description;
+  bool (*recognises)(std::string_view content);  ///< cheap; false when in doubt
+  Mesh (*read)(const FileView&);                 ///< nullptr when this build cannot; the file is not empty
+  void (*write)(AtomicFile&, MeshView);          ///< everything but the commit; nullptr when it cannot
+};
+
+bool is_stl(std::string_view content);
+Mesh read_stl(const FileView& file);
+void write_stl(AtomicFile& file, MeshView mesh);
+
+bool is_ply(std::string_view content);
+Mesh read_ply(const FileView& file);
+void write_ply(AtomicFile& file, MeshView mesh);
+
+bool is_obj(std::string_view content);
+Mesh read_obj(const FileView& file);
+void write_obj(AtomicFile& file, MeshView mesh);
+
+/// 3DS, glTF, GLB, OFF and DAE. Only with DIFI_HAVE_ASSIMP.
+Mesh read_with_assimp(const FileView& file, const char* extension);
+
+}  // namespace difi

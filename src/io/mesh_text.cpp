@@ -1,0 +1,109 @@
+#include "io/mesh_text.h"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <type_traits>
+
+namespace difi {
+
+std::string in_quotes(std::string_view text) {
+  constexpr std::size_t kLongest = 40;
+  std::string shown = "'";
+  for (const char c : text.substr(0, kLongest)) shown += c >= 0x20 && c < 0x7f ? c : '?';
+  return shown + (text.size() > kLongest ? "...'" : "'");
+}
+
+bool equals_ignoring_case(std::string_view text, std::string_view lower) {
+  return std::equal(text.begin(), text.end(), lower.begin(), lower.end(),
+                    [](char a, char b) { return (a >= 'A' && a <= 'Z' ? a - 'A' + 'a' : a) == b; });
+}
+
+bool TextCursor::continues(const char* place) const {
+  return end_ - place >= 2 && place[0] == '\\' && is_line_end(place[1]);
+}
+
+std::string_view TextCursor::statement_word() {
+  skip_blanks();
+  const char* begin = at_;
+  while (!ends_word(at_)) ++at_;
+  return {begin, static_cast<std::size_t>(at_ - begin)};
+}
+
+void TextCursor::skip_blanks() {
+  for (;;) {
+    while (at_ != end_ && is_blank(*at_)) ++at_;
+    if (!continues(at_)) return;
+    ++at_;
+    skip_line();
+  }
+}
+
+void TextCursor::skip_line() {
+  while (at_ != end_ && !is_line_end(*at_)) ++at_;
+  take('\r');
+  take('\n');
+}
+
+void TextCursor::skip_statement() {
+  for (;;) {
+    const char* begin = at_;
+    while (at_ != end_ && !is_line_end(*at_)) ++at_;
+    const bool continued = at_ != end_ && at_ != begin && at_[-1] == '\\';
+    skip_line();
+    if (!continued) return;
+  }
+}
+
+template <class Number>
+Number TextCursor::number() {
+  const char* begin = at_;
+  // std::from_chars knows no plus.
+  const char* digits = at_ != end_ && *at_ == '+' && end_ - at_ > 1 && at_[1] != '-' ? at_ + 1 : at_;
+  Number value{};
+  const auto [stop, error] = std::from_chars(digits, end_, value);
+  if (error == std::errc::invalid_argument || !ends_word(stop)) fail_number(begin);
+  if (error == std::errc::result_out_of_range) {
+    if constexpr (std::is_integral_v<Number>) fail_number(begin);
+    // Too small is zero; too large is infinite and left to the check of all vertices.
+    const std::string_view text(digits, static_cast<std::size_t>(stop - digits));
+    const auto exponent = text.find_first_of("eE");
+    value = exponent != text.npos && text.find('-', exponent) != text.npos ? Number(0)
+                                                                           : std::numeric_limits<Number>::infinity();
+  }
+  at_ = stop;
+  return value;
+}
+
+template double TextCursor::number<double>();
+template float TextCursor::number<float>();
+template std::int64_t TextCursor::number<std::int64_t>();
+
+std::int64_t TextCursor::integer_prefix() {
+  std::int64_t value = 0;
+  const auto [stop, error] = std::from_chars(at_, end_, value);
+  if (error != std::errc{}) fail_number(at_);
+  at_ = stop;
+  return value;
+}
+
+void TextCursor::fail_number(const char* begin) const {
+  const char* stop = std::find_if(begin, end_, is_space);
+  const std::string_view text(begin, static_cast<std::size_t>(stop - begin));
+  if (text.empty()) fail_at(begin, "a number is missing here; the file may be cut off or damaged");
+  fail_at(begin,
+          "expected a number, found " + in_quotes(text) + "; write numbers like -1.5e3 and whole numbers like 12");
+}
+
+std::uint64_t TextCursor::line_at(const char* place) const {
+  std::uint64_t line = 1;
+  for (const char* c = file_.bytes().data(); c != place; ++c)
+    line += *c == '\n' || (*c == '\r' && (c + 1 == end_ || c[1] != '\n'));
+  return line;
+}
+
+void TextCursor::fail_at(const char* place, const std::string& message) const {
+  file_.fail("line " + std::to_string(line_at(place)), message);
+}
+
+}  // namespace difi

@@ -1,0 +1,170 @@
+// Exact weld: equal positions become one vertex, in parallel, with numbers that do not depend on the threads.
+#pragma once
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <bit>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "difi/vec.h"
+
+namespace difi {
+
+/// The most positions that can be welded: numbers are 32-bit and one value marks free slots.
+inline constexpr std::uint64_t kMaxWeld = std::numeric_limits<std::uint32_t>::max() - 1;
+
+namespace weld_detail {
+
+// Positions of one block are first welded among themselves, in a table that stays in the second-level cache: files list
+// neighbouring triangles together, so that most duplicates never reach the shared table.
+constexpr std::uint32_t kBlock = 1 << 14;
+constexpr std::uint32_t kFree = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t kAhead = 24;  // positions between the request for a slot and its use
+
+inline std::uint64_t mixed(std::uint64_t a, std::uint64_t b) {
+  const auto product = static_cast<unsigned __int128>(a) * b;
+  return static_cast<std::uint64_t>(product) ^ static_cast<std::uint64_t>(product >> 64);
+}
+
+// Adding zero makes -0 and +0 alike.
+inline std::uint64_t bits(double c) { return std::bit_cast<std::uint64_t>(c + 0.0); }
+
+// By bits, so that a NaN equals itself and a million of them do not become a million slots in a row.
+inline bool same(Vec3 a, Vec3 b) {
+  return ((bits(a.x) ^ bits(b.x)) | (bits(a.y) ^ bits(b.y)) | (bits(a.z) ^ bits(b.z))) == 0;
+}
+
+// Constants without structure: digits of pi.
+inline std::uint64_t hash(Vec3 p) {
+  const std::uint64_t xy = mixed(bits(p.x) ^ 0x243f6a8885a308d3u, bits(p.y) ^ 0x13198a2e03707345u);
+  return mixed(xy ^ bits(p.z), 0xa4093822299f31d1u);
+}
+
+template <class Body>
+void for_each_block(std::uint32_t count, const Body& body) {
+  const std::uint32_t blocks = count / kBlock + (count % kBlock != 0);
+  tbb::parallel_for(std::uint32_t{0}, blocks, [&](std::uint32_t b) {
+    const std::uint32_t begin = b * kBlock;
+    body(b, begin, begin + std::min(kBlock, count - begin));
+  });
+}
+
+// Sets first[i] to the first equal position in i's block, and returns how many there are in the block.
+template <class Position>
+std::uint32_t weld_block(std::uint32_t begin, std::uint32_t end, const Position& position, std::uint32_t* first) {
+  constexpr std::uint16_t free = 0xffff;
+  constexpr std::size_t size = 2 * kBlock;
+  std::array<std::uint16_t, size> table;
+  table.fill(free);
+  std::uint32_t distinct = 0;
+  for (std::uint32_t i = begin; i < end; ++i) {
+    const Vec3 p = position(i);
+    std::size_t slot = hash(p) % size;
+    while (table[slot] != free && !same(position(begin + table[slot]), p)) slot = (slot + 1) % size;
+    if (table[slot] == free) {
+      table[slot] = static_cast<std::uint16_t>(i - begin);
+      ++distinct;
+    }
+    first[i] = begin + table[slot];
+  }
+  return distinct;
+}
+
+// Slots hold the lowest number of all equal positions seen so far. A slot's position never changes, its number only
+// falls: whatever the threads do, the end is the same up to the choice of slots, which nothing outside depends on.
+template <class Position>
+class SharedTable {
+ public:
+  SharedTable(std::uint64_t distinct, const Position& position)
+      : position_(position), mask_(std::min(std::bit_ceil(distinct + distinct / 2 + 1), std::uint64_t{1} << 32) - 1) {
+    slots_ = std::make_unique_for_overwrite<std::uint32_t[]>(mask_ + 1);
+    tbb::parallel_for(tbb::blocked_range<std::uint64_t>(0, mask_ + 1, kBlock), [&](const auto& range) {
+      std::fill(slots_.get() + range.begin(), slots_.get() + range.end(), kFree);
+    });
+  }
+
+  void prefetch(std::uint32_t i) const { __builtin_prefetch(&slots_[home(position_(i))]); }
+
+  std::uint32_t insert(std::uint32_t i) {
+    const Vec3 p = position_(i);
+    for (std::uint64_t slot = home(p);; slot = (slot + 1) & mask_) {
+      auto number = at(slot);
+      std::uint32_t seen = number.load(std::memory_order_relaxed);
+      if (seen == kFree && number.compare_exchange_strong(seen, i, std::memory_order_relaxed))
+        return static_cast<std::uint32_t>(slot);
+      if (!same(position_(seen), p)) continue;
+      while (i < seen && !number.compare_exchange_weak(seen, i, std::memory_order_relaxed)) {
+      }
+      return static_cast<std::uint32_t>(slot);
+    }
+  }
+
+  std::uint32_t get(std::uint32_t slot) const { return at(slot).load(std::memory_order_relaxed); }
+  void set(std::uint32_t slot, std::uint32_t number) { at(slot).store(number, std::memory_order_relaxed); }
+
+ private:
+  std::uint64_t home(Vec3 p) const { return hash(p) & mask_; }
+  std::atomic_ref<std::uint32_t> at(std::uint64_t slot) const { return std::atomic_ref(slots_[slot]); }
+
+  const Position& position_;
+  std::uint64_t mask_;
+  std::unique_ptr<std::uint32_t[]> slots_;
+};
+
+}  // namespace weld_detail
+
+/// Numbers the distinct ones among vertex.size() positions in the order of their first appearance: vertex[i] becomes
+/// the number of position(i), and numbers agree exactly where the positions are equal (-0 equals +0). Returns how many
+/// there are. So vertex[i] equals the count of distinct positions before i where, and only where, position(i) is new.
+/// `position(i)` returns a Vec3, always the same one, from any thread. Requires vertex.size() <= kMaxWeld.
+/// Linear; up to 12 bytes of scratch per position that is new in its block.
+template <class Position>
+std::uint32_t weld(const Position& position, std::span<std::uint32_t> vertex) {
+  using namespace weld_detail;
+  const auto count = static_cast<std::uint32_t>(vertex.size());
+  std::atomic<std::uint64_t> distinct = 0;
+  for_each_block(count, [&](std::uint32_t, std::uint32_t begin, std::uint32_t end) {
+    distinct += weld_block(begin, end, position, vertex.data());
+  });
+
+  SharedTable<Position> table(distinct, position);
+  std::vector<std::uint32_t> new_in_block(count / kBlock + 1);
+  for_each_block(count, [&](std::uint32_t, std::uint32_t begin, std::uint32_t end) {
+    for (std::uint32_t i = begin; i < end; ++i) {
+      if (end - i > kAhead && vertex[i + kAhead] == i + kAhead) table.prefetch(i + kAhead);
+      // Every number below i has already become a slot.
+      vertex[i] = vertex[i] == i ? table.insert(i) : vertex[vertex[i]];
+    }
+  });
+
+  for_each_block(count, [&](std::uint32_t block, std::uint32_t begin, std::uint32_t end) {
+    std::uint32_t fresh = 0;
+    for (std::uint32_t i = begin; i < end; ++i) fresh += table.get(vertex[i]) == i;
+    new_in_block[block] = fresh;
+  });
+  std::uint32_t total = 0;
+  for (std::uint32_t& fresh : new_in_block) total += std::exchange(fresh, total);
+
+  // The number that replaces i is at most i, and all other positions of the slot come after i: none takes it for
+  // itself.
+  for_each_block(count, [&](std::uint32_t block, std::uint32_t begin, std::uint32_t end) {
+    std::uint32_t next = new_in_block[block];
+    for (std::uint32_t i = begin; i < end; ++i)
+      if (table.get(vertex[i]) == i) table.set(vertex[i], next++);
+  });
+  for_each_block(count, [&](std::uint32_t, std::uint32_t begin, std::uint32_t end) {
+    for (std::uint32_t i = begin; i < end; ++i) vertex[i] = table.get(vertex[i]);
+  });
+  return total;
+}
+
+}  // namespace difi
