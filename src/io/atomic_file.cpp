@@ -63,9 +63,11 @@ std::string unfinished_name() {
   return name.data();
 }
 
+std::string handle_of(int file) { return "/proc/self/fd/" + std::to_string(file); }
+
 }  // namespace
 
-AtomicFile::AtomicFile(const std::filesystem::path& target) : shown_(target) {
+AtomicFile::AtomicFile(const std::filesystem::path& target, Unfinished unfinished) : shown_(target) {
   std::error_code ignored;
   if (target.empty()) throw Error(ErrorCode::output, "cannot write a file without a name; give one");
   if (!target.has_filename()) fail(EISDIR);
@@ -84,32 +86,33 @@ AtomicFile::AtomicFile(const std::filesystem::path& target) : shown_(target) {
     if (file_ < 0) fail(errno);
     return;
   }
-  open_unfinished();
+  const auto folder = target_.parent_path();
+  if (unfinished == Unfinished::named || !open_unnamed(folder)) open_named(folder);
   if (exists) (void)!::fchmod(file_, existing.st_mode & 0777);
 }
 
-void AtomicFile::open_unfinished() {
-  const auto folder = target_.parent_path();
+bool AtomicFile::open_unnamed([[maybe_unused]] const std::filesystem::path& folder) {
 #ifdef O_TMPFILE
   file_ = ::open(folder.c_str(), kOpen | O_TMPFILE, kMode);
-  if (file_ >= 0) {
-    // Naming it later goes through /proc, which a container may lack.
-    const auto handle = "/proc/self/fd/" + std::to_string(file_);
-    if (::access(handle.c_str(), F_OK) == 0) {
-      kind_ = Kind::unnamed;
-      return;
-    }
-    ::close(file_);
+  if (file_ < 0) return false;
+  // Naming it later goes through /proc, which a container may lack.
+  if (::access(handle_of(file_).c_str(), F_OK) == 0) {
+    kind_ = Kind::unnamed;
+    return true;
   }
+  ::close(file_);
 #endif
+  return false;
+}
+
+void AtomicFile::open_named(const std::filesystem::path& folder) {
   unfinished_ = folder / unfinished_name();
   slot_ = note_unfinished(unfinished_);
   file_ = ::open(unfinished_.c_str(), kOpen | O_CREAT | O_EXCL, kMode);
-  if (file_ < 0) {
-    const int error = errno;
-    forget_unfinished(slot_);
-    fail(error);
-  }
+  if (file_ >= 0) return;
+  const int error = errno;
+  forget_unfinished(slot_);
+  fail(error);
 }
 
 AtomicFile::~AtomicFile() { discard(); }
@@ -165,7 +168,7 @@ void AtomicFile::commit() {
 
 // Gives the unnamed file the target's name, or, when that is taken, a name to rename from: linking cannot replace.
 void AtomicFile::link_unnamed() {
-  const auto handle = "/proc/self/fd/" + std::to_string(file_);
+  const std::string handle = handle_of(file_);
   const auto link_as = [&](const std::filesystem::path& name) {
     return ::linkat(AT_FDCWD, handle.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0;
   };

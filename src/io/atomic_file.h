@@ -15,8 +15,13 @@ namespace difi {
 /// Every member throws Error{output} as `FILE: what; what to do`.
 class AtomicFile {
  public:
+  enum class Unfinished {
+    unnamed_if_possible,
+    named,  ///< as on file systems that know no unnamed files; for tests
+  };
+
   /// Opens the unfinished file. Refuses folders, missing parents and files that may not be written.
-  explicit AtomicFile(const std::filesystem::path& target);
+  explicit AtomicFile(const std::filesystem::path& target, Unfinished unfinished = Unfinished::unnamed_if_possible);
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
   ~AtomicFile();
@@ -33,7 +38,8 @@ class AtomicFile {
   void commit();
 
  private:
-  void open_unfinished();
+  bool open_unnamed(const std::filesystem::path& folder);
+  void open_named(const std::filesystem::path& folder);
   void flush();
   void append(const char* data, std::size_t bytes);
   void close();
