@@ -1,0 +1,15 @@
+// The verbs: each adds itself to the program and runs when it is named. One file per verb.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace difi::cli {
+
+void add_compute(CLI::App& program);
+void add_info(CLI::App& program);
+void add_slice(CLI::App& program);
+void add_verify(CLI::App& program);
+void add_generate(CLI::App& program);
+void add_convert(CLI::App& program);
+
+}  // namespace difi::cli

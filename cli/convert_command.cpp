@@ -1,0 +1,66 @@
+// difi convert: mesh to mesh, field to field.
+#include <memory>
+
+#include "cli/commands.h"
+#include "cli/files.h"
+#include "cli/talk.h"
+#include "cli/text.h"
+#include "cli/usage.h"
+#include "difi/error.h"
+#include "difi/io.h"
+
+namespace difi::cli {
+namespace {
+
+constexpr const char* kExamples = R"(  difi convert horse.3ds -o horse.stl              a mesh
+  difi convert part.stl -o part.ply --unit mm      a mesh, in metres
+  difi convert bunny.vti -o bunny.npz              a field
+)";
+
+struct Command {
+  MeshInput input;
+  FileOutput output;
+  Talk talk;
+
+  void run();
+};
+
+void Command::run() {
+  const bool is_field = kind_of(input.name()) == FileKind::field;
+  const bool to_field = kind_of(output.path()) == FileKind::field;
+  if (is_field && !to_field)
+    throw Error(ErrorCode::usage,
+                output.path().string() + ": a field can only become a field; use " + extensions(field_formats(), true));
+  if (!is_field && to_field)
+    throw Error(ErrorCode::usage,
+                output.path().string() + ": convert does not make a field of a mesh; use difi compute");
+  if (is_field && input.scaled())
+    throw Error(ErrorCode::usage, "--scale and --unit are for meshes; compute " + input.name() + " again with them");
+  output.check(is_field ? field_formats() : mesh_formats());
+  if (is_field) {
+    const DistanceField field = read_field(input.name());
+    write_field(output.path(), field);
+    return talk.say(output.path().string() + ": " + size_text(field.grid().size) + " samples");
+  }
+  const Mesh mesh = input.read();
+  validate(mesh);
+  write_mesh(output.path(), mesh);
+  talk.say(mesh_line(output.path().string(), mesh));
+}
+
+}  // namespace
+
+void add_convert(CLI::App& program) {
+  auto* verb = add_verb(program, "convert", "turn a mesh or field into another format", kExamples);
+  const auto command = std::make_shared<Command>();
+  command->input.add_to(*verb, "FILE");
+  command->input.add_scale_to(*verb);
+  command->output.add_to(*verb, "FILE",
+                         "the new file: " + extensions(mesh_formats(), true) + " for a mesh,\n" +
+                             extensions(field_formats(), true) + " for a field");
+  verb->get_option("--output")->required();
+  command->talk.add_to(*verb, Talk::kMessages);
+  verb->callback([command] { command->run(); });
+}
+
+}  // namespace difi::cli

@@ -1,0 +1,113 @@
+#include "cli/files.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+
+#include "cli/option.h"
+#include "cli/parse.h"
+#include "cli/text.h"
+#include "difi/error.h"
+#include "scenes/scenes.h"
+
+namespace difi::cli {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr std::string_view kScene = "scene:";
+
+std::string extension_of(const fs::path& path) {
+  std::string extension = path.extension().string();
+  if (!extension.empty()) extension.erase(0, 1);
+  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
+  return extension;
+}
+
+bool knows(const std::vector<Format>& formats, const std::string& extension, bool writable) {
+  return std::ranges::any_of(formats, [&](const Format& format) {
+    return format.extension == extension && (writable ? format.writable : format.readable);
+  });
+}
+
+}  // namespace
+
+FileKind kind_of(const fs::path& path) {
+  return knows(field_formats(), extension_of(path), false) ? FileKind::field : FileKind::mesh;
+}
+
+void MeshInput::add_to(CLI::App& verb, const std::string& name) {
+  verb.add_option(name, name_, "a mesh file (" + extensions(mesh_formats(), false) + "),\nor scene:NAME[:TRIANGLES]")
+      ->required();
+}
+
+void MeshInput::add_scale_to(CLI::App& verb) {
+  using S = const std::string&;
+  auto* scale = add_parsed(verb, {"--scale", "S", "multiply the mesh's coordinates by S", "Mesh"},
+                           [this](S o, S t) { scale_ = parse_positive(o, t); });
+  add_parsed(verb, {"--unit", "UNIT", "the mesh is in mm, cm, m, in, ft or km: convert to metres", "Mesh"},
+             [this](S o, S t) { unit_ = parse_unit(o, t); })
+      ->excludes(scale);
+}
+
+std::string MeshInput::stem() const {
+  if (!name_.starts_with(kScene)) return fs::path(name_).stem().string();
+  return name_.substr(kScene.size(), name_.find(':', kScene.size()) - kScene.size());
+}
+
+Mesh MeshInput::read() const {
+  const double scale = scale_ ? *scale_ : unit_.value_or(1);
+  if (!name_.starts_with(kScene)) return read_mesh(name_, {scale});
+  const auto colon = name_.find(':', kScene.size());
+  std::int64_t triangles = 0;
+  if (colon != std::string::npos)
+    triangles = parse_count(name_.substr(0, colon), name_.substr(colon + 1), 1, std::int64_t{1} << 32);
+  Mesh mesh = scenes::make(stem(), triangles);
+  if (scale != 1)
+    for (Vec3& vertex : mesh.vertices) vertex = vertex * scale;
+  return mesh;
+}
+
+void FileOutput::add_to(CLI::App& verb, const char* placeholder, const std::string& what) {
+  // Not bound to a path: the stream operator of paths stops at spaces.
+  add_parsed(verb, {"-o,--output", placeholder, what.c_str(), "Output"},
+             [this](const std::string&, const std::string& text) { path_ = text; });
+  verb.add_flag("-f,--force", force_, "overwrite the output when it exists")->group("Output");
+}
+
+void FileOutput::check(const std::vector<Format>& formats) const {
+  const auto fail = [this](ErrorCode code, const std::string& what) {
+    throw Error(code, path_.string() + ": " + what);
+  };
+  std::error_code ignored;
+  const auto status = fs::status(path_, ignored);
+  if (fs::is_directory(status)) fail(ErrorCode::output, "it is a folder; give the name of a file");
+  if (!knows(formats, extension_of(path_), true)) {
+    const auto extension = extension_of(path_);
+    fail(ErrorCode::usage, (extension.empty() ? "the name has no extension" : "cannot write ." + extension + " here") +
+                               "; use " + extensions(formats, true));
+  }
+  const auto folder = path_.has_parent_path() ? path_.parent_path() : fs::path(".");
+  if (fs::is_regular_file(status) && !force_) fail(ErrorCode::usage, "it exists; give -f to overwrite it");
+  if (!fs::is_directory(folder, ignored))
+    fail(ErrorCode::output, "the folder " + folder.string() + " does not exist; create it first");
+  if (::access(fs::exists(status) ? path_.c_str() : folder.c_str(), W_OK) != 0)
+    fail(ErrorCode::output, "permission denied; choose a file and folder that you may write");
+}
+
+std::string mesh_line(const std::string& name, const Mesh& mesh) {
+  return name + ": " + counted(static_cast<std::int64_t>(mesh.triangles.size()), "triangle") + ", " +
+         counted(static_cast<std::int64_t>(mesh.vertices.size()), "vertex");
+}
+
+std::string extensions(const std::vector<Format>& formats, bool writable) {
+  std::vector<std::string> names;
+  for (const Format& format : formats)
+    if (writable ? format.writable : format.readable) names.push_back("." + format.extension);
+  std::string text;
+  for (std::size_t n = 0; n < names.size(); ++n)
+    text += (n == 0 ? "" : n + 1 == names.size() ? " or " : ", ") + names[n];
+  return text;
+}
+
+}  // namespace difi::cli

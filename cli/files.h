@@ -1,0 +1,68 @@
+// Files that verbs read and write.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "difi/field.h"
+#include "difi/io.h"
+#include "difi/mesh.h"
+
+namespace difi::cli {
+
+enum class FileKind { mesh, field };
+
+/// By the extension; a name that says nothing is a mesh's, for those are recognised by content.
+FileKind kind_of(const std::filesystem::path& path);
+
+/// A mesh that a verb reads: a file, or `scene:NAME[:TRIANGLES]`.
+class MeshInput {
+ public:
+  /// Adds the positional argument `name`.
+  void add_to(CLI::App& verb, const std::string& name = "MESH");
+  /// Adds --scale and --unit.
+  void add_scale_to(CLI::App& verb);
+
+  bool scaled() const { return scale_ || unit_; }
+  const std::string& name() const { return name_; }
+  /// What the mesh would be called without folder and extension.
+  std::string stem() const;
+  Mesh read() const;
+
+  /// The same for a name taken from elsewhere.
+  void set_name(const std::string& name) { name_ = name; }
+
+ private:
+  std::string name_;
+  std::optional<double> scale_;
+  std::optional<double> unit_;
+};
+
+/// A file that a verb writes.
+class FileOutput {
+ public:
+  /// Adds -o and -f. `what` goes into the help: "the field: .vti (default), .nrrd or .npz".
+  void add_to(CLI::App& verb, const char* placeholder, const std::string& what);
+
+  bool given() const { return !path_.empty(); }
+  const std::filesystem::path& path() const { return path_; }
+  void set_path(const std::filesystem::path& path) { path_ = path; }
+  /// Tells before any work what would go wrong after it: an unknown extension (usage), a file in the way without -f
+  /// (usage), a folder in the way or missing (output).
+  void check(const std::vector<Format>& formats) const;
+
+ private:
+  std::filesystem::path path_;
+  bool force_ = false;
+};
+
+/// "MESH: 12 triangles, 8 vertices".
+std::string mesh_line(const std::string& name, const Mesh& mesh);
+
+/// The names of the formats that can be read or written: ".vti, .nrrd or .npz".
+std::string extensions(const std::vector<Format>& formats, bool writable);
+
+}  // namespace difi::cli

@@ -1,0 +1,86 @@
+// difi generate: a mesh made by code, into a file.
+#include <memory>
+
+#include "cli/commands.h"
+#include "cli/files.h"
+#include "cli/option.h"
+#include "cli/parse.h"
+#include "cli/talk.h"
+#include "cli/text.h"
+#include "cli/usage.h"
+#include "difi/error.h"
+#include "difi/io.h"
+#include "scenes/scenes.h"
+
+namespace difi::cli {
+namespace {
+
+constexpr const char* kExamples = R"(  difi generate --list                             what there is
+  difi generate factory -o factory.ply             2,889,536 triangles
+  difi generate sphere --triangles 5000 -o s.stl   about as many as asked for
+)";
+
+struct Command {
+  std::string scene;
+  bool list = false;
+  std::int64_t triangles = 0;
+  FileOutput output;
+  Talk talk;
+
+  void run();
+  void print_list() const;
+};
+
+void Command::print_list() const {
+  if (talk.json()) {
+    Json json = Json::array();
+    for (const auto& known : scenes::all())
+      json.push_back({{"name", known.name}, {"triangles", known.triangles}, {"description", known.description}});
+    return print(json);
+  }
+  std::string text;
+  for (const auto& known : scenes::all()) {
+    const std::string count = grouped(known.triangles);
+    const auto blanks = [](std::size_t width, const std::string& beside) {
+      return std::string(width > beside.size() ? width - beside.size() : 1, ' ');
+    };
+    text += known.name + blanks(24 - std::min<std::size_t>(count.size(), 10), known.name) + count + "  " +
+            known.description + "\n";
+  }
+  print(text);
+}
+
+void Command::run() {
+  if (list) return print_list();
+  if (scene.empty()) throw Error(ErrorCode::usage, "generate: no SCENE given; see difi generate --list");
+  if (!output.given()) output.set_path(scene + ".ply");
+  output.check(mesh_formats());
+  const Mesh mesh = scenes::make(scene, triangles);
+  write_mesh(output.path(), mesh);
+  talk.say(mesh_line(output.path().string(), mesh));
+  if (!talk.json()) return;
+  print(Json{{"scene", scene},
+             {"mesh", {{"triangles", mesh.triangles.size()}, {"vertices", mesh.vertices.size()}}},
+             {"output", {{"file", output.path().string()}}}});
+}
+
+}  // namespace
+
+void add_generate(CLI::App& program) {
+  auto* verb =
+      add_verb(program, "generate", "make a mesh by code: machines, terrain, a labyrinth, nasty cases", kExamples);
+  const auto command = std::make_shared<Command>();
+  auto* scene = verb->add_option("SCENE", command->scene, "the name of a scene, see --list");
+  auto* list = verb->add_flag("--list", command->list, "list the scenes")->excludes(scene)->group("Scene");
+  add_parsed(*verb, {"--triangles", "N", "about so many triangles (default: the scene's own)", "Scene"},
+             [command = command.get()](const std::string& option, const std::string& text) {
+               command->triangles = parse_count(option, text, 1, std::int64_t{1} << 32);
+             })
+      ->excludes(list);
+  command->output.add_to(
+      *verb, "MESH", "the mesh: " + extensions(mesh_formats(), true) + "\n(default: the scene's name with .ply, here)");
+  command->talk.add_to(*verb, Talk::kMessages | Talk::kJson);
+  verb->callback([command] { command->run(); });
+}
+
+}  // namespace difi::cli

@@ -1,0 +1,41 @@
+// The grid of `difi compute`, from its options.
+#pragma once
+
+#include <optional>
+
+#include <CLI/CLI.hpp>
+
+#include "cli/parse.h"
+#include "difi/grid.h"
+
+namespace difi::cli {
+
+/// A grid, and the thickness in world units.
+struct GridChoice {
+  Grid grid;
+  double thickness;
+};
+
+class GridOptions {
+ public:
+  /// Adds -r, --spacing, --size, --minimum, --speed, --bounds, --padding and --thickness, and says which exclude which.
+  void add_to(CLI::App& verb);
+
+  /// The grid for a mesh with the given bounds. Errors: usage.
+  GridChoice choose(const Box& mesh) const;
+
+ private:
+  Grid around(const Box& box) const;
+  Box padded(const Box& mesh) const;
+
+  std::int64_t samples_ = kDefaultSamples;
+  std::optional<Vec3> spacing_;
+  std::optional<Size3> size_;
+  std::optional<double> minimum_;
+  double speed_ = 0;
+  std::optional<Box> bounds_;
+  std::optional<double> padding_;  // samples
+  Thickness thickness_{std::numeric_limits<double>::infinity()};
+};
+
+}  // namespace difi::cli

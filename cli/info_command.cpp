@@ -1,0 +1,119 @@
+// difi info: what is in a mesh or field file.
+#include <cmath>
+#include <memory>
+
+#include "cli/commands.h"
+#include "cli/facts.h"
+#include "cli/files.h"
+#include "cli/signals.h"
+#include "cli/talk.h"
+#include "cli/text.h"
+#include "cli/usage.h"
+#include "difi/io.h"
+
+namespace difi::cli {
+namespace {
+
+constexpr const char* kExamples = R"(  difi info bunny.obj            triangles, bounds, whether it is closed
+  difi info bunny.vti            grid, thickness, values
+  difi info bunny.vti --json     the same for programs
+)";
+
+std::string row(const char* name, const std::string& value) {
+  std::string line = name;
+  return line + std::string(14 - line.size(), ' ') + value + "\n";
+}
+
+// "12", or "12 (3 % of ...)" would be more than people ask; zero is said in a word.
+std::string none_or(std::int64_t n) { return n == 0 ? "none" : grouped(n); }
+
+void tell_mesh(const MeshInput& input, const Talk& talk) {
+  const Mesh mesh = input.read();
+  validate(mesh);
+  const Box box = bounds(mesh);
+  const MeshFacts found = facts(mesh);
+  if (talk.json()) {
+    return print(Json{{"file", input.name()},
+                      {"kind", "mesh"},
+                      {"mesh",
+                       {{"triangles", mesh.triangles.size()},
+                        {"vertices", mesh.vertices.size()},
+                        {"bounds", {json_point(box.min), json_point(box.max)}},
+                        {"extent", json_point(box.extent())},
+                        {"area", found.area},
+                        {"degenerate", found.degenerate},
+                        {"duplicate", found.duplicate},
+                        {"boundary_edges", found.boundary},
+                        {"nonmanifold_edges", found.nonmanifold},
+                        {"closed", found.closed()},
+                        {"hash", hash_text(content_hash(mesh))}}}});
+  }
+  const auto count = [](std::size_t n) { return grouped(static_cast<std::int64_t>(n)); };
+  print(row("mesh", input.name()) + row("triangles", count(mesh.triangles.size())) +
+        row("vertices", count(mesh.vertices.size())) + row("from", point_text(box.min)) +
+        row("to", point_text(box.max)) + row("extent", point_text(box.extent())) + row("area", number(found.area)) +
+        row("degenerate", none_or(found.degenerate)) + row("duplicate", none_or(found.duplicate)) +
+        row("closed", found.closed() ? "yes"
+                                     : "no: " + counted(found.boundary, "boundary edge") + ", " +
+                                           counted(found.nonmanifold, "nonmanifold edge")) +
+        row("hash", hash_text(content_hash(mesh))));
+}
+
+void tell_field(const std::string& name, const Talk& talk) {
+  const DistanceField field = read_field(name);
+  const Grid& g = field.grid();
+  const FieldFacts found = facts(field);
+  const Provenance& from = field.provenance;
+  const std::int64_t tiles = field.tile_count().count();
+  if (talk.json()) {
+    Json json{
+        {"file", name},
+        {"kind", "field"},
+        {"grid", {{"size", json_size(g.size)}, {"origin", json_point(g.origin)}, {"spacing", json_point(g.spacing)}}},
+        {"thickness", json_number(field.thickness())},
+        {"values", {{"min", json_number(found.least)}, {"max", json_number(found.most)}, {"nan", found.not_number}}},
+        {"samples", {{"total", g.sample_count()}, {"band", found.band}}},
+        {"tiles", {{"total", tiles}, {"stored", field.stored_tiles()}}},
+        {"nearest_triangle", field.has_nearest()},
+        {"method", from.method},
+        {"mesh_hash", from.mesh_hash == 0 ? Json(nullptr) : Json(hash_text(from.mesh_hash))},
+        {"version", from.version}};
+    return print(json);
+  }
+  const auto or_unknown = [](const std::string& text) { return text.empty() ? std::string("unknown") : text; };
+  const std::string made = or_unknown(from.method) + ", difi " + or_unknown(from.version);
+  print(row("field", name) + row("size", size_text(g.size) + ", " + counted(g.sample_count(), "sample")) +
+        row("origin", point_text(g.origin)) + row("to", point_text(g.bounds().max)) +
+        row("spacing", spacing_text(g.spacing)) +
+        row("thickness",
+            std::isinf(field.thickness()) ? "infinite: every sample is a distance" : number(field.thickness())) +
+        row("values", number(found.least) + " to " + number(found.most) +
+                          (found.not_number > 0 ? "; " + counted(found.not_number, "sample") + " not a number" : "")) +
+        row("band", counted(found.band, "sample")) +
+        row("tiles", grouped(field.stored_tiles()) + " of " + grouped(tiles) + " stored, " +
+                         bytes_text(field.memory_bytes()) + " in memory") +
+        row("nearest", field.has_nearest() ? "triangles stored" : "not stored") + row("method", made) +
+        row("mesh hash", from.mesh_hash == 0 ? "unknown" : hash_text(from.mesh_hash)));
+}
+
+struct Command {
+  MeshInput input;
+  Talk talk;
+
+  void run() const {
+    if (kind_of(input.name()) == FileKind::field) return tell_field(input.name(), talk);
+    tell_mesh(input, talk);
+  }
+};
+
+}  // namespace
+
+void add_info(CLI::App& program) {
+  auto* verb = add_verb(program, "info", "say what is in a mesh or field", kExamples);
+  const auto command = std::make_shared<Command>();
+  command->input.add_to(*verb, "FILE");
+  command->talk.add_to(*verb, Talk::kJson);
+  verb->callback([command] { command->run(); });
+}
+
+}  // namespace difi::cli

@@ -1,0 +1,25 @@
+// One way to add an option whose text is parsed at once, so that a bad value is told before any work.
+#pragma once
+
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+namespace difi::cli {
+
+struct OptionText {
+  const char* name;   ///< "-r,--resolution"
+  const char* value;  ///< "N", as shown in the help
+  const char* help;
+  const char* group;
+};
+
+/// `set(name, given)` gets the option's long name, for messages, and what was given.
+template <class Set>
+CLI::Option* add_parsed(CLI::App& verb, const OptionText& text, Set set) {
+  const std::string name = text.name;
+  const auto parsed = [set, shown = name.substr(name.find("--"))](const std::string& given) { set(shown, given); };
+  return verb.add_option_function<std::string>(name, parsed, text.help)->option_text(text.value)->group(text.group);
+}
+
+}  // namespace difi::cli

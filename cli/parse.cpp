@@ -1,0 +1,158 @@
+#include "cli/parse.h"
+
+#include <charconv>
+#include <cmath>
+#include <optional>
+
+#include "cli/text.h"
+#include "difi/error.h"
+
+namespace difi::cli {
+namespace {
+
+[[noreturn]] void reject(const std::string& option, const std::string& text, const std::string& why) {
+  throw Error(ErrorCode::usage, option + " '" + text + "': " + why);
+}
+
+template <class T>
+std::optional<T> whole_text(std::string_view text) {
+  if (text.starts_with('+')) text.remove_prefix(1);
+  T value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size()) return {};
+  return value;
+}
+
+std::vector<std::string> parts(const std::string& text) {
+  std::vector<std::string> found(1);
+  for (const char c : text)
+    if (c == ',')
+      found.emplace_back();
+    else
+      found.back() += c;
+  return found;
+}
+
+std::vector<double> parse_numbers(const std::string& option, const std::string& text) {
+  std::vector<double> numbers;
+  for (const auto& part : parts(text)) {
+    const auto value = whole_text<double>(part);
+    if (!value || !std::isfinite(*value))
+      reject(option, text, "'" + part + "' is not a number; separate numbers by commas");
+    numbers.push_back(*value);
+  }
+  return numbers;
+}
+
+}  // namespace
+
+bool Thickness::infinite() const { return std::isinf(value); }
+
+double parse_number(const std::string& option, const std::string& text) {
+  const auto value = whole_text<double>(text);
+  if (!value || !std::isfinite(*value)) reject(option, text, "not a number; give one such as 0.5 or 1e-3");
+  return *value;
+}
+
+double parse_positive(const std::string& option, const std::string& text) {
+  const double value = parse_number(option, text);
+  if (!(value > 0)) reject(option, text, "must be above zero");
+  return value;
+}
+
+std::int64_t parse_count(const std::string& option, const std::string& text, std::int64_t least, std::int64_t most) {
+  const auto value = whole_text<std::int64_t>(text);
+  if (!value || *value < least || *value > most)
+    reject(option, text, "give a whole number from " + grouped(least) + " to " + grouped(most));
+  return *value;
+}
+
+Vec3 parse_spacing(const std::string& option, const std::string& text) {
+  const auto v = parse_numbers(option, text);
+  if (v.size() != 1 && v.size() != 3) reject(option, text, "give one number, or three: x,y,z");
+  for (const double spacing : v)
+    if (!(spacing > 0)) reject(option, text, "must be above zero");
+  return v.size() == 1 ? Vec3{v[0], v[0], v[0]} : Vec3{v[0], v[1], v[2]};
+}
+
+Size3 parse_size(const std::string& option, const std::string& text) {
+  const auto v = parts(text);
+  if (v.size() != 3) reject(option, text, "give three whole numbers, the samples along x,y,z");
+  const auto count = [&](const std::string& part) { return parse_count(option, part, 1, std::int64_t{1} << 40); };
+  return {count(v[0]), count(v[1]), count(v[2])};
+}
+
+Box parse_bounds(const std::string& option, const std::string& text) {
+  const auto v = parse_numbers(option, text);
+  if (v.size() != 6) reject(option, text, "give six numbers: x0,y0,z0,x1,y1,z1");
+  const Box box{{v[0], v[1], v[2]}, {v[3], v[4], v[5]}};
+  if (box.empty()) reject(option, text, "the first corner must not exceed the second on any axis");
+  return box;
+}
+
+Thickness parse_thickness(const std::string& option, const std::string& text) {
+  if (text == "inf" || text == "infinite") return {std::numeric_limits<double>::infinity()};
+  const bool in_samples = text.ends_with('s');
+  const auto value = whole_text<double>(in_samples ? text.substr(0, text.size() - 1) : text);
+  if (!value || !std::isfinite(*value))
+    reject(option, text, "give world units (0.5), samples (3s), or inf for a full field");
+  if (!(*value > 0)) reject(option, text, "the thickness must be above zero; inf gives a full field");
+  return {*value, in_samples};
+}
+
+std::int64_t parse_bytes(const std::string& option, const std::string& text) {
+  std::string digits = text;
+  for (const std::string_view ending : {"iB", "B"})
+    if (digits.ends_with(ending)) {
+      digits.erase(digits.size() - ending.size());
+      break;
+    }
+  double unit = 1;
+  const std::string_view units = "KMGT";
+  if (!digits.empty())
+    if (const auto at = units.find(static_cast<char>(std::toupper(static_cast<unsigned char>(digits.back()))));
+        at != std::string_view::npos) {
+      unit = std::exp2(10.0 * static_cast<double>(at + 1));
+      digits.pop_back();
+    }
+  const auto value = whole_text<double>(digits);
+  if (!value || !(*value * unit >= 1 && *value * unit < 0x1p62)) reject(option, text, "give a size such as 500M or 8G");
+  return static_cast<std::int64_t>(*value * unit);
+}
+
+std::size_t parse_choice(const std::string& option, const std::string& text, const std::vector<std::string>& choices) {
+  std::string known;
+  for (std::size_t n = 0; n < choices.size(); ++n) {
+    if (choices[n] == text) return n;
+    known += (n == 0 ? "" : n + 1 == choices.size() ? " or " : ", ") + choices[n];
+  }
+  reject(option, text, "give " + known);
+}
+
+SkipRule parse_skip(const std::string& option, const std::string& text) {
+  const auto colon = text.find(':');
+  const auto kind = parse_choice(option, text.substr(0, colon), {"none", "neighbour", "exact"});
+  constexpr SkipRule::Kind kinds[] = {SkipRule::Kind::none, SkipRule::Kind::neighbour, SkipRule::Kind::exact};
+  if (colon == std::string::npos) return {kinds[kind]};
+  if (kinds[kind] != SkipRule::Kind::neighbour) reject(option, text, "only neighbour takes a fraction");
+  const auto fraction = whole_text<double>(std::string_view(text).substr(colon + 1));
+  if (!fraction || !(*fraction > 0 && *fraction <= 1))
+    reject(option, text, "the fraction must be above 0 and at most 1");
+  return {kinds[kind], *fraction};
+}
+
+Method parse_method(const std::string& option, const std::string& text) {
+  return parse_choice(option, text, {"tiles", "thesis"}) == 0 ? Method::tiles : Method::thesis;
+}
+
+Backend parse_backend(const std::string& option, const std::string& text) {
+  constexpr Backend backends[] = {Backend::automatic, Backend::cpu, Backend::cuda};
+  return backends[parse_choice(option, text, {"auto", "cpu", "cuda"})];
+}
+
+double parse_unit(const std::string& option, const std::string& text) {
+  constexpr double metres[] = {0.001, 0.01, 1, 0.0254, 0.3048, 1000};
+  return metres[parse_choice(option, text, {"mm", "cm", "m", "in", "ft", "km"})];
+}
+
+}  // namespace difi::cli

@@ -1,0 +1,49 @@
+// Option values from text. Every function throws Error{usage} as `OPTION 'TEXT': what; what to give`.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "difi/compute.h"
+#include "difi/vec.h"
+
+namespace difi::cli {
+
+/// A band's half-width, as it was given: in world units, or in samples until the grid is known.
+struct Thickness {
+  double value;
+  bool in_samples = false;
+
+  bool infinite() const;
+  /// In world units, one sample being `spacing` long.
+  double world(double spacing) const { return in_samples ? value * spacing : value; }
+};
+
+/// A finite number.
+double parse_number(const std::string& option, const std::string& text);
+/// A finite number above zero.
+double parse_positive(const std::string& option, const std::string& text);
+/// A whole number in [least, most].
+std::int64_t parse_count(const std::string& option, const std::string& text, std::int64_t least, std::int64_t most);
+/// One positive number for all axes, or three.
+Vec3 parse_spacing(const std::string& option, const std::string& text);
+/// NX,NY,NZ.
+Size3 parse_size(const std::string& option, const std::string& text);
+/// x0,y0,z0,x1,y1,z1 with x0 <= x1 and so on.
+Box parse_bounds(const std::string& option, const std::string& text);
+/// "0.5" (world units), "3s" (samples), "inf".
+Thickness parse_thickness(const std::string& option, const std::string& text);
+/// Bytes, with K, M, G or T for powers of 1024.
+std::int64_t parse_bytes(const std::string& option, const std::string& text);
+/// none, neighbour, neighbour:F, exact.
+SkipRule parse_skip(const std::string& option, const std::string& text);
+Method parse_method(const std::string& option, const std::string& text);
+Backend parse_backend(const std::string& option, const std::string& text);
+/// Metres per mm, cm, m, in, ft or km.
+double parse_unit(const std::string& option, const std::string& text);
+
+/// The index of `text` among `choices`.
+std::size_t parse_choice(const std::string& option, const std::string& text, const std::vector<std::string>& choices);
+
+}  // namespace difi::cli

@@ -1,0 +1,22 @@
+// Ctrl-C, SIGTERM and SIGHUP: end the program without leaving anything half-written.
+#pragma once
+
+namespace difi::cli {
+
+/// Installs the handlers. Signals that the parent has set to be ignored (nohup) stay ignored. A closed pipe and a file
+/// past its size limit become ordinary write errors.
+void install_signal_handlers();
+
+/// While one lives, the first signal only makes interrupted() true, for work that asks; a second one ends the program.
+/// While none lives, the first one does.
+class Cancellable {
+ public:
+  Cancellable();
+  Cancellable(const Cancellable&) = delete;
+  Cancellable& operator=(const Cancellable&) = delete;
+  ~Cancellable();
+};
+
+bool interrupted();
+
+}  // namespace difi::cli

@@ -1,0 +1,119 @@
+#include "cli/talk.h"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+
+#include "cli/parse.h"
+#include "cli/signals.h"
+#include "cli/text.h"
+#include "difi/error.h"
+
+namespace difi::cli {
+namespace {
+
+// A line that is drawn over and over, and wiped away at the end.
+class Bar {
+ public:
+  Bar() = default;
+  Bar(const Bar&) = delete;
+  Bar& operator=(const Bar&) = delete;
+  ~Bar() {
+    if (drawn_) std::fputs("\r\033[K", stderr);
+  }
+
+  void draw(const Progress& progress) {
+    using namespace std::chrono_literals;
+    const auto now = Clock::now();
+    if (now - last_ < 100ms || now - start_ < 300ms) return;  // short work gets no bar, long work ten a second
+    last_ = now;
+    drawn_ = true;
+    constexpr int kWidth = 30;
+    const int filled = static_cast<int>(progress.fraction * kWidth);
+    const double elapsed = std::chrono::duration<double>(now - start_).count();
+    std::string line = "\r\033[K[" + std::string(filled, '#') + std::string(kWidth - filled, '.') + "] ";
+    line += std::to_string(static_cast<int>(progress.fraction * 100)) + " % " + progress.stage;
+    if (progress.fraction > 0.05)
+      line += ", " + seconds_text(elapsed / progress.fraction * (1 - progress.fraction)) + " left";
+    std::fputs(line.c_str(), stderr);
+    std::fflush(stderr);
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point start_ = Clock::now();
+  Clock::time_point last_{};
+  bool drawn_ = false;
+};
+
+// Objects, and lists of objects, on lines of their own; points and other short lists on one.
+std::string json_text(const Json& json, const std::string& indent) {
+  const bool is_list = json.is_array() && !json.empty() && json.front().is_object();
+  // File names may hold bytes that are no UTF-8; they are shown as replacement characters.
+  const auto dump = [](const Json& value) { return value.dump(-1, ' ', false, Json::error_handler_t::replace); };
+  if (!is_list && (!json.is_object() || json.empty())) return dump(json);
+  std::string text;
+  for (const auto& [key, value] : json.items()) {
+    text += (text.empty() ? "\n" : ",\n") + indent + "  ";
+    if (!is_list) text += dump(key) + ": ";
+    text += json_text(value, indent + "  ");
+  }
+  return (is_list ? "[" : "{") + text + "\n" + indent + (is_list ? "]" : "}");
+}
+
+void to_stderr(const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); }
+
+}  // namespace
+
+void Talk::add_to(CLI::App& verb, int offers) {
+  constexpr const char* kGroup = "Messages";
+  if (offers & kJson) verb.add_flag("--json", json_, "print one JSON object on stdout")->group(kGroup);
+  if (offers & kMessages) {
+    auto* quiet = verb.add_flag("-q,--quiet", quiet_, "say nothing but errors and warnings")->group(kGroup);
+    verb.add_flag("-v,--verbose", verbose_, "say more")->group(kGroup)->excludes(quiet);
+  }
+  if (offers & kProgress)
+    verb.add_option("--progress", progress_, "auto: a progress bar on a terminal (default); never: none")
+        ->option_text("WHEN")
+        ->group(kGroup)
+        ->each([](const std::string& text) {
+          parse_choice("--progress", text, {"auto", "never"});
+        });
+}
+
+void Talk::say(const std::string& line) const {
+  if (!quiet_) to_stderr(line);
+}
+
+void Talk::detail(const std::string& line) const {
+  if (verbose_) to_stderr(line);
+}
+
+void Talk::warn(const std::string& line) const { to_stderr("difi: warning: " + line); }
+
+std::function<bool(const Progress&)> Talk::progress() const {
+  const bool shown = progress_ == "auto" && !quiet_ && ::isatty(STDERR_FILENO);
+  const auto bar = shown ? std::make_shared<Bar>() : nullptr;
+  return [bar](const Progress& progress) {
+    if (bar) bar->draw(progress);
+    return !interrupted();
+  };
+}
+
+void print(const std::string& text) {
+  if (std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0) return;
+  throw Error(ErrorCode::output,
+              "standard output: cannot write to it: " + std::string(std::strerror(errno)) + "; send it elsewhere");
+}
+
+void print(const Json& json) { print(json_text(json, "") + "\n"); }
+
+Json json_number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+Json json_point(Vec3 v) { return {v.x, v.y, v.z}; }
+Json json_size(Size3 size) { return {size.x, size.y, size.z}; }
+
+}  // namespace difi::cli

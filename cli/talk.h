@@ -1,0 +1,52 @@
+// What the program says: people's messages and the progress bar on stderr, data on stdout.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "difi/compute.h"
+
+namespace difi::cli {
+
+using Json = nlohmann::ordered_json;
+
+/// The options that say how much is told, and how.
+class Talk {
+ public:
+  enum Offer { kMessages = 1, kJson = 2, kProgress = 4 };
+  /// Adds --quiet and --verbose, --json and --progress to a verb, as `offers` asks.
+  void add_to(CLI::App& verb, int offers);
+
+  bool json() const { return json_; }
+  bool verbose() const { return verbose_; }
+  /// A line on stderr, unless quiet.
+  void say(const std::string& line) const;
+  /// A line on stderr when verbose.
+  void detail(const std::string& line) const;
+  /// A line on stderr, always: the result is good, but not what one may think.
+  void warn(const std::string& line) const;
+  /// A callback for long work, which draws a bar when stderr is a terminal and stops the work on a signal.
+  std::function<bool(const Progress&)> progress() const;
+
+ private:
+  bool quiet_ = false;
+  bool verbose_ = false;
+  bool json_ = false;
+  std::string progress_ = "auto";
+};
+
+/// Text on stdout. Throws Error{output} when it cannot be written.
+void print(const std::string& text);
+/// One object or list on stdout.
+void print(const Json& json);
+
+/// The number, or null where JSON has none for it (infinity).
+Json json_number(double value);
+Json json_point(Vec3 v);
+Json json_size(Size3 size);
+
+}  // namespace difi::cli

@@ -1,0 +1,32 @@
+// Numbers as people read them.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "difi/vec.h"
+
+namespace difi::cli {
+
+/// 1234567 -> "1,234,567".
+std::string grouped(std::int64_t n);
+/// "1 triangle", "1,234 triangles".
+std::string counted(std::int64_t n, const std::string& noun);
+/// Six significant digits: "0.00614", "1e-07", "inf".
+std::string number(double value);
+/// As many digits as it takes to get the same double back.
+std::string exact_number(double value);
+/// "0.1", or "0.1 x 0.1 x 0.2" where the components differ.
+std::string spacing_text(Vec3 spacing);
+/// "256 x 254 x 199".
+std::string size_text(Size3 size);
+/// "(0, 1, 2.5)".
+std::string point_text(Vec3 point);
+/// Binary units: "51.2 MiB".
+std::string bytes_text(std::int64_t bytes);
+/// "0.42 s", "3 min 07 s".
+std::string seconds_text(double seconds);
+/// Sixteen hexadecimal digits.
+std::string hash_text(std::uint64_t hash);
+
+}  // namespace difi::cli

@@ -1,0 +1,22 @@
+// The program's help, and its words for command lines that make no sense.
+#pragma once
+
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+namespace difi::cli {
+
+/// The program's own help. Call before verbs are added: they inherit from it.
+void set_up_help(CLI::App& program);
+
+/// Adds the verbs `version` and `help`, and --version. Call after the other verbs.
+void add_version_and_help(CLI::App& program);
+
+/// A verb with a line about it and its examples, which come first in its help.
+CLI::App* add_verb(CLI::App& program, const std::string& name, const std::string& line, const std::string& examples);
+
+/// Runs the verb that the command line names, or prints the help it asks for. Errors: usage, and the verb's own.
+void parse(CLI::App& program, int argc, char** argv);
+
+}  // namespace difi::cli

@@ -1,0 +1,103 @@
+// difi verify: a field against its mesh, by brute force in double precision.
+#include <memory>
+
+#include "cli/commands.h"
+#include "cli/files.h"
+#include "cli/option.h"
+#include "cli/parse.h"
+#include "cli/signals.h"
+#include "cli/talk.h"
+#include "cli/text.h"
+#include "cli/usage.h"
+#include "difi/error.h"
+#include "difi/io.h"
+#include "difi/verify.h"
+
+namespace difi::cli {
+namespace {
+
+constexpr const char* kExamples = R"(  difi verify bunny.vti bunny.obj                  1000 random samples
+  difi verify bunny.vti bunny.obj --samples 100000
+  difi verify part.vti part.stl --unit mm          as it was computed
+)";
+
+struct Command {
+  std::string field;
+  MeshInput mesh;
+  VerifyOptions options;
+  Talk talk;
+
+  void run();
+};
+
+std::string sample_text(const SampleCheck& at) {
+  return "sample (" + std::to_string(at.i) + ", " + std::to_string(at.j) + ", " + std::to_string(at.k) + ") at " +
+         point_text(at.position);
+}
+
+Json sample_json(const SampleCheck& at) {
+  return {{"sample", {at.i, at.j, at.k}},     {"position", json_point(at.position)},
+          {"stored", json_number(at.stored)}, {"expected", json_number(at.expected)},
+          {"error", json_number(at.error)},   {"allowed", json_number(at.allowed)}};
+}
+
+void Command::run() {
+  const DistanceField loaded = read_field(field);
+  const Mesh triangles = mesh.read();
+  const Verified found = [&] {
+    const Cancellable cancellable;
+    options.progress = talk.progress();
+    return verify(loaded, triangles, options);
+  }();
+  options.progress = nullptr;
+  if (interrupted()) throw Error(ErrorCode::interrupted, "interrupted");
+
+  if (found.mesh_differs)
+    talk.warn(field + ": computed from another mesh than " + mesh.name() +
+              " as read here, by their hashes; give the --scale or --unit it was computed with");
+  if (talk.json())
+    print(Json{{"ok", found.ok()},
+               {"samples", {{"tested", found.samples}, {"band", found.samples_band}, {"wrong", found.samples_wrong}}},
+               {"nearest_wrong", found.nearest_wrong},
+               {"same_mesh", !found.mesh_differs},
+               {"largest", sample_json(found.largest)},
+               {"worst", sample_json(found.worst)}});
+  else
+    print(counted(found.samples, "sample") + " tested, " + grouped(found.samples_band) + " of them in the band\n" +
+          "largest error " + number(found.largest.error) + " (allowed there: " + number(found.largest.allowed) + "), " +
+          sample_text(found.largest) + ": stored " + exact_number(found.largest.stored) + ", expected " +
+          exact_number(found.largest.expected) + "\n");
+  if (found.ok()) return talk.say("the field matches the mesh");
+  if (found.samples_wrong > 0)
+    throw Error(ErrorCode::verify, field + ": " + sample_text(found.worst) + ": the value is wrong by " +
+                                       number(found.worst.error) + ", more than the " + number(found.worst.allowed) +
+                                       " allowed, as " + counted(found.samples_wrong, "sample") + " of " +
+                                       grouped(found.samples) + " are; compute it again from " + mesh.name());
+  throw Error(ErrorCode::verify, field + ": the nearest triangle of " + counted(found.nearest_wrong, "sample") +
+                                     " of " + grouped(found.samples) + " is not the nearest; compute it again from " +
+                                     mesh.name());
+}
+
+}  // namespace
+
+void add_verify(CLI::App& program) {
+  auto* verb = add_verb(program, "verify", "test a field against its mesh, by brute force", kExamples);
+  const auto command = std::make_shared<Command>();
+  verb->add_option("FIELD", command->field, "a field file (" + extensions(field_formats(), false) + ")")->required();
+  command->mesh.add_to(*verb);
+  command->mesh.add_scale_to(*verb);
+  using S = const std::string&;
+  VerifyOptions& options = command->options;
+  constexpr const char* kGroup = "Test";
+  add_parsed(*verb, {"--samples", "N", "how many random samples to test (default 1000)", kGroup},
+             [&options](S o, S t) { options.samples = parse_count(o, t, 1, 1'000'000'000); });
+  add_parsed(*verb, {"--seed", "N", "chooses the samples (default 1)", kGroup}, [&options](S o, S t) {
+    options.seed = static_cast<std::uint64_t>(parse_count(o, t, 0, std::numeric_limits<std::int64_t>::max()));
+  });
+  add_parsed(*verb, {"-j,--threads", "N", "threads (default: all)", kGroup},
+             [&options](S o, S t) { options.threads = static_cast<int>(parse_count(o, t, 1, 4096)); });
+  command->talk.add_to(*verb, Talk::kMessages | Talk::kJson | Talk::kProgress);
+  verb->callback([command] { command->run(); });
+}
+
+}  // namespace difi::cli

@@ -1,0 +1,238 @@
+#include "difi/verify.h"
+
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "field/progress.h"
+#include "geometry/closest_point.h"
+
+namespace difi {
+namespace {
+
+using Point = Triple<double>;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr Point point(Vec3 v) { return {v.x, v.y, v.z}; }
+
+double distance_sq(Vec3 p, const Box& box) {
+  const Vec3 outside = max(max(box.min - p, p - box.max), Vec3{});
+  return dot(outside, outside);
+}
+
+// The top 21 bits of each coordinate's place in [0, 1), interleaved: near numbers are near places.
+std::uint64_t morton(Vec3 unit) {
+  const auto spread = [](double u) {
+    std::uint64_t v = u > 0 ? static_cast<std::uint64_t>(std::min(u, 1.0) * 0x1fffff) : 0;  // NaN counts as 0
+    v = (v | v << 32) & 0x001f00000000ffff;
+    v = (v | v << 16) & 0x001f0000ff0000ff;
+    v = (v | v << 8) & 0x100f00f00f00f00f;
+    v = (v | v << 4) & 0x10c30c30c30c30c3;
+    return (v | v << 2) & 0x1249249249249249;
+  };
+  return spread(unit.x) | spread(unit.y) << 1 | spread(unit.z) << 2;
+}
+
+// All triangles in groups of neighbours. A triangle or group is passed over only when its box is no nearer than a
+// distance already found; both are computed in double, so this costs at most their rounding (a few 1e-16 of the
+// distance).
+class TriangleGroups {
+ public:
+  explicit TriangleGroups(MeshView mesh) : mesh_(mesh), order_(sorted(mesh)) {
+    boxes_.resize((order_.size() + kGroup - 1) / kGroup);
+    tbb::parallel_for(std::size_t{0}, boxes_.size(), [this](std::size_t g) {
+      for (const auto t : group(g))
+        for (int corner = 0; corner < 3; ++corner) boxes_[g].include(mesh_.corner(t, corner));
+    });
+  }
+
+  double distance(Vec3 p) const {
+    std::size_t nearest = 0;
+    double nearest_sq = kInfinity;
+    for (std::size_t g = 0; g < boxes_.size(); ++g)
+      if (const double sq = difi::distance_sq(p, boxes_[g]); sq < nearest_sq) nearest = g, nearest_sq = sq;
+    double best_sq = look_at(nearest, p, kInfinity);
+    for (std::size_t g = 0; g < boxes_.size(); ++g)
+      if (difi::distance_sq(p, boxes_[g]) < best_sq) best_sq = look_at(g, p, best_sq);
+    return std::sqrt(best_sq);
+  }
+
+  double distance(Vec3 p, std::uint32_t triangle) const { return std::sqrt(triangle_distance_sq(p, triangle)); }
+  std::size_t triangle_count() const { return order_.size(); }
+
+ private:
+  static constexpr std::size_t kGroup = 32;
+
+  static std::vector<std::uint32_t> sorted(MeshView mesh) {
+    struct Entry {
+      std::uint64_t key;
+      std::uint32_t triangle;
+    };
+    const Box box = bounds(mesh);
+    const Vec3 extent = max(box.extent(), Vec3{1, 1, 1} * std::numeric_limits<double>::min());
+    std::vector<Entry> entries(mesh.triangles.size());
+    tbb::parallel_for(std::size_t{0}, entries.size(), [&](std::size_t t) {
+      const Vec3 centre = mesh.corner(t, 0) * (1.0 / 3) + mesh.corner(t, 1) * (1.0 / 3) + mesh.corner(t, 2) * (1.0 / 3);
+      entries[t] = {morton((centre - box.min) / extent), static_cast<std::uint32_t>(t)};
+    });
+    tbb::parallel_sort(entries, [](const Entry& a, const Entry& b) {
+      return a.key != b.key ? a.key < b.key : a.triangle < b.triangle;
+    });
+    std::vector<std::uint32_t> order(entries.size());
+    std::ranges::transform(entries, order.begin(), &Entry::triangle);
+    return order;
+  }
+
+  std::span<const std::uint32_t> group(std::size_t g) const {
+    return std::span(order_).subspan(g * kGroup, std::min(kGroup, order_.size() - g * kGroup));
+  }
+
+  double look_at(std::size_t g, Vec3 p, double best_sq) const {
+    for (const auto t : group(g)) {
+      Box box;
+      for (int corner = 0; corner < 3; ++corner) box.include(mesh_.corner(t, corner));
+      if (difi::distance_sq(p, box) < best_sq) best_sq = std::min(best_sq, triangle_distance_sq(p, t));
+    }
+    return best_sq;
+  }
+
+  double triangle_distance_sq(Vec3 p, std::uint32_t t) const {
+    // Relative to the sample, so that a mesh far from the origin loses nothing.
+    return closest_distance_sq(Point{0, 0, 0}, point(mesh_.corner(t, 0) - p), point(mesh_.corner(t, 1) - p),
+                               point(mesh_.corner(t, 2) - p));
+  }
+
+  MeshView mesh_;
+  std::vector<std::uint32_t> order_;
+  std::vector<Box> boxes_;
+};
+
+struct Sample {
+  std::int64_t i, j, k;
+};
+
+std::vector<Sample> all_samples(const Size3& size) {
+  std::vector<Sample> samples;
+  for (std::int64_t k = 0; k < size.z; ++k)
+    for (std::int64_t j = 0; j < size.y; ++j)
+      for (std::int64_t i = 0; i < size.x; ++i) samples.push_back({i, j, k});
+  return samples;
+}
+
+std::vector<std::int64_t> stored_tiles(const DistanceField& field) {
+  std::vector<std::int64_t> stored;
+  const Size3 tiles = field.tile_count();
+  for (std::int64_t z = 0, index = 0; z < tiles.z; ++z)
+    for (std::int64_t y = 0; y < tiles.y; ++y)
+      for (std::int64_t x = 0; x < tiles.x; ++x, ++index)
+        if (field.tile(x, y, z)) stored.push_back(index);
+  return stored;
+}
+
+std::vector<Sample> choose_samples(const DistanceField& field, std::int64_t count, std::uint64_t seed) {
+  constexpr std::int64_t side = DistanceField::kTileSide;
+  const Size3 size = field.grid().size, tiles = field.tile_count();
+  if (field.grid().sample_count() <= count) return all_samples(size);
+  // The generator's numbers are the same everywhere, which the standard does not promise of its distributions.
+  std::mt19937_64 random(seed);
+  const auto below = [&random](std::int64_t n) {
+    return static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(n));
+  };
+  const auto stored = stored_tiles(field);
+  std::vector<Sample> samples;
+  samples.reserve(static_cast<std::size_t>(count));
+  for (std::int64_t n = 0; n < count; ++n) {
+    if (n % 2 == 0 || stored.empty()) {
+      samples.push_back({below(size.x), below(size.y), below(size.z)});
+      continue;
+    }
+    const auto tile = stored[static_cast<std::size_t>(below(static_cast<std::int64_t>(stored.size())))];
+    const auto within = [&](std::int64_t t, std::int64_t samples_along) {
+      return t * side + below(std::min(side, samples_along - t * side));
+    };
+    samples.push_back({within(tile % tiles.x, size.x), within(tile / tiles.x % tiles.y, size.y),
+                       within(tile / (tiles.x * tiles.y), size.z)});
+  }
+  return samples;
+}
+
+struct Finding {
+  SampleCheck sample;
+  bool in_band = false;
+  bool wrong = false;
+  bool nearest_wrong = false;
+};
+
+Finding check(const DistanceField& field, const TriangleGroups& groups, const Sample& at) {
+  const Vec3 position = field.grid().position(at.i, at.j, at.k);
+  const double distance = groups.distance(position);
+  Finding finding{{at.i, at.j, at.k, position, field.value(at.i, at.j, at.k), std::min(distance, field.thickness())}};
+  SampleCheck& sample = finding.sample;
+  sample.allowed = allowed_error(field.grid(), sample.expected);
+  sample.error = std::abs(sample.stored - sample.expected);
+  if (std::isnan(sample.error)) sample.error = kInfinity;
+  finding.in_band = distance < field.thickness();
+  finding.wrong = sample.error > sample.allowed;
+  if (!field.has_nearest()) return finding;
+  // Near the thickness rounding decides whether there is a nearest triangle.
+  const std::uint32_t nearest = field.nearest(at.i, at.j, at.k);
+  if (nearest == kNoTriangle)
+    finding.nearest_wrong = distance < field.thickness() - sample.allowed;
+  else
+    finding.nearest_wrong =
+        nearest >= groups.triangle_count() || groups.distance(position, nearest) > distance + sample.allowed;
+  return finding;
+}
+
+}  // namespace
+
+double allowed_error(const Grid& grid, double distance) {
+  const Box box = grid.bounds();
+  const auto reach = [](Vec3 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); };
+  const double resolution = 4 * std::numeric_limits<double>::epsilon() * std::max(reach(box.min), reach(box.max));
+  return 1e-6 * (distance + 16 * grid.max_spacing()) + resolution;
+}
+
+Verified verify(const DistanceField& field, MeshView mesh, const VerifyOptions& options) {
+  if (options.samples < 1) throw Error(ErrorCode::usage, "verify: at least one sample must be tested");
+  if (options.threads < 0) throw Error(ErrorCode::usage, "verify: the number of threads must be zero (all) or more");
+  validate(mesh);
+
+  Options talk;
+  talk.progress = options.progress;
+  ProgressMeter progress(talk);
+  const auto samples = choose_samples(field, options.samples, options.seed);
+  std::vector<Finding> findings(samples.size());
+  tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
+  arena.execute([&] {
+    progress.stage("sort", 1, 0, 0.05);
+    const TriangleGroups groups(mesh);
+    progress.stage("verify", static_cast<std::int64_t>(samples.size()), 0.05, 1);
+    tbb::parallel_for(std::size_t{0}, samples.size(), [&](std::size_t n) {
+      findings[n] = check(field, groups, samples[n]);
+      progress.advance();
+    });
+  });
+
+  Verified result;
+  result.samples = static_cast<std::int64_t>(samples.size());
+  result.mesh_differs = field.provenance.mesh_hash != 0 && field.provenance.mesh_hash != content_hash(mesh);
+  result.largest = result.worst = findings.front().sample;
+  for (const Finding& finding : findings) {
+    const SampleCheck& sample = finding.sample;
+    result.samples_band += finding.in_band;
+    result.samples_wrong += finding.wrong;
+    result.nearest_wrong += finding.nearest_wrong;
+    if (sample.error > result.largest.error) result.largest = sample;
+    if (sample.error / sample.allowed > result.worst.error / result.worst.allowed) result.worst = sample;
+  }
+  return result;
+}
+
+}  // namespace difi
