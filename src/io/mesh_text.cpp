@@ -26,7 +26,7 @@ bool TextCursor::continues(const char* place) const {
 std::string_view TextCursor::statement_word() {
   skip_blanks();
   const char* begin = at_;
-  while (!ends_word(at_)) ++at_;
+  skip_word();
   return {begin, static_cast<std::size_t>(at_ - begin)};
 }
 
@@ -57,19 +57,24 @@ void TextCursor::skip_statement() {
 
 template <class Number>
 Number TextCursor::number() {
-  const char* begin = at_;
+  constexpr bool integral = std::is_integral_v<Number>;
+  const char* wanted = integral ? "a whole number" : "a number";
   // std::from_chars knows no plus.
-  const char* digits = at_ != end_ && *at_ == '+' && end_ - at_ > 1 && at_[1] != '-' ? at_ + 1 : at_;
+  const bool plus = end_ - at_ > 1 && at_[0] == '+' && at_[1] != '-';
   Number value{};
-  const auto [stop, error] = std::from_chars(digits, end_, value);
-  if (error == std::errc::invalid_argument || !ends_word(stop)) fail_number(begin);
+  const auto [stop, error] = std::from_chars(at_ + plus, end_, value);
+  if (error == std::errc::invalid_argument || !ends_word(stop)) fail_number(at_, wanted);
   if (error == std::errc::result_out_of_range) {
-    if constexpr (std::is_integral_v<Number>) fail_number(begin);
-    // Too small is zero; too large is infinite and left to the check of all vertices.
-    const std::string_view text(digits, static_cast<std::size_t>(stop - digits));
-    const auto exponent = text.find_first_of("eE");
-    value = exponent != text.npos && text.find('-', exponent) != text.npos ? Number(0)
-                                                                           : std::numeric_limits<Number>::infinity();
+    if constexpr (integral) {
+      fail_number(at_, "a smaller number");
+    } else {
+      // Too small becomes zero, too large infinite, which is left to the check of all vertices.
+      const std::string_view text(at_, static_cast<std::size_t>(stop - at_));
+      const auto exponent = text.find_first_of("eE");
+      const bool small = exponent == text.npos ? text.find_first_of("123456789") > text.find('.')
+                                               : text.find('-', exponent) != text.npos;
+      value = small ? Number(0) : std::numeric_limits<Number>::infinity();
+    }
   }
   at_ = stop;
   return value;
@@ -82,17 +87,17 @@ template std::int64_t TextCursor::number<std::int64_t>();
 std::int64_t TextCursor::integer_prefix() {
   std::int64_t value = 0;
   const auto [stop, error] = std::from_chars(at_, end_, value);
-  if (error != std::errc{}) fail_number(at_);
+  if (error != std::errc{}) fail_number(at_, "a whole number");
   at_ = stop;
   return value;
 }
 
-void TextCursor::fail_number(const char* begin) const {
+void TextCursor::fail_number(const char* begin, const char* wanted) const {
   const char* stop = std::find_if(begin, end_, is_space);
-  const std::string_view text(begin, static_cast<std::size_t>(stop - begin));
-  if (text.empty()) fail_at(begin, "a number is missing here; the file may be cut off or damaged");
-  fail_at(begin,
-          "expected a number, found " + in_quotes(text) + "; write numbers like -1.5e3 and whole numbers like 12");
+  if (begin == stop) fail_at(begin, std::string(wanted) + " is missing; the file is cut off or damaged");
+  fail_at(begin, "expected " + std::string(wanted) + ", found " +
+                     in_quotes({begin, static_cast<std::size_t>(stop - begin)}) +
+                     "; write numbers like 12 or -1.5e3, decimals with a point");
 }
 
 std::uint64_t TextCursor::line_at(const char* place) const {

@@ -51,6 +51,10 @@ class TextCursor {
     while (at_ != end_ && !is_space(*at_)) ++at_;
     return {begin, static_cast<std::size_t>(at_ - begin)};
   }
+  /// Skips the characters up to the next space or continued line end.
+  void skip_word() {
+    while (!ends_word(at_)) ++at_;
+  }
   /// Skips blanks of the line, then takes the characters up to the next space or continued line end.
   std::string_view statement_word();
   /// Skips spaces and line ends, then takes a word.
@@ -81,7 +85,7 @@ class TextCursor {
   bool continues(const char* place) const;
   bool ends_word(const char* place) const { return place == end_ || is_space(*place) || continues(place); }
   std::uint64_t line_at(const char* place) const;
-  [[noreturn]] void fail_number(const char* begin) const;
+  [[noreturn]] void fail_number(const char* begin, const char* wanted) const;
 
   const FileView& file_;
   const char* at_;

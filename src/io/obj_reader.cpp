@@ -13,9 +13,12 @@ namespace {
 // Indices beyond this cannot be kept; files that large do not exist.
 constexpr std::int64_t kHighest = std::numeric_limits<std::uint32_t>::max();
 
+// Some editors put a byte order mark before the text. Left there it would hide the first statement.
+std::size_t text_begin(const FileView& file) { return file.bytes().starts_with("\xef\xbb\xbf") ? 3 : 0; }
+
 class ObjReader {
  public:
-  explicit ObjReader(const FileView& file) : file_(file), text_(file), builder_(file) {}
+  explicit ObjReader(const FileView& file) : file_(file), text_(file, text_begin(file)), builder_(file) {}
 
   Mesh read() {
     reserve();
@@ -70,9 +73,10 @@ class ObjReader {
   std::uint32_t read_corner() {
     const char* place = text_.position();
     const std::int64_t given = text_.integer_prefix();
-    if (!text_.take('/') && !text_.at_word_end())
+    if (text_.take('/'))
+      text_.skip_word();
+    else if (!text_.at_word_end())
       text_.fail_at(place, "expected a corner like 12 or 12/3/4 and then a space; repair the face");
-    text_.statement_word();
     const std::int64_t number = given < 0 ? vertex_count() + given + 1 : given;
     if (number < 1 || number > kHighest) fail_range(place, given);
     // Vertices may follow their faces: whether this one does shows at the end.
@@ -91,7 +95,7 @@ class ObjReader {
   }
 
   std::string place_of_vertex(std::size_t vertex) const {
-    TextCursor text(file_);
+    TextCursor text(file_, text_begin(file_));
     while (!text.at_end()) {
       if (text.statement_word() == "v" && vertex-- == 0) break;
       text.skip_statement();
@@ -114,7 +118,7 @@ bool is_obj(std::string_view content) {
   constexpr std::array<std::string_view, 10> kFirst{"v", "vn", "vt", "f", "o", "g", "s", "mtllib", "usemtl", "vp"};
   constexpr std::size_t kEnough = 65536;
   const FileView file("", content.substr(0, kEnough));
-  TextCursor text(file);
+  TextCursor text(file, text_begin(file));
   while (!text.at_end()) {
     const std::string_view word = text.statement_word();
     if (!word.empty() && word[0] != '#')

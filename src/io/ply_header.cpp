@@ -67,10 +67,15 @@ class Header {
       read_property();
     else if (text_.at_end())
       text_.fail("the file ends in the header; it is cut off, get all of it");
-    else if (!keyword.empty() && keyword != "comment" && keyword != "obj_info")
+    else if (!keyword.empty() && !is_comment(keyword))
       text_.fail_at(keyword.data(), "unknown header keyword " + in_quotes(keyword) + "; the header is damaged");
     text_.skip_line();
     return true;
+  }
+
+  // Blender 2.4 wrote its comment, "Created by Blender", without the word for it.
+  static bool is_comment(std::string_view keyword) {
+    return keyword == "comment" || keyword == "obj_info" || keyword == "Created";
   }
 
   void read_format() {
