@@ -96,7 +96,7 @@ DIFI_INLINE TriangleFrame<WideFloat> frames_of(const CandidateTable::Group& g) {
 }
 
 DIFI_INLINE TriangleFrame<float> frame_of(const CandidateTable::Group& g, int lane) {
-  const auto number = [&](int n) __attribute__((always_inline)) { return g.frame[n][lane]; };
+  const auto number = [&](int n) __attribute__((always_inline)) { return g.one_frame[lane][n]; };
   return {{{number(0), number(1), number(2)}, number(3)},    {{number(4), number(5), number(6)}, number(7)},
           {{number(8), number(9), number(10)}, number(11)},  {number(12), number(13), number(14), number(15)},
           {number(16), number(17), number(18), number(19)}};
@@ -125,6 +125,9 @@ DIFI_INLINE int fill_table(const Lattice& lattice, const Brick& brick, const Can
     FrameTable frames;
     store_frames(make_frame(loaded.corner[0], loaded.corner[1], loaded.corner[2], WideFloat(kLeastLengthSq)), frames);
     __builtin_memcpy(g.frame, frames.number, sizeof g.frame);
+    for (int lane = 0; lane < kLanes; ++lane)
+      for (int number = 0; number < CandidateTable::kFrameNumbers; ++number)
+        g.one_frame[lane][number] = frames.number[number][lane];
     __builtin_memcpy(g.index, loaded.index, sizeof g.index);
     const std::int64_t left = c.count - first;
     table.all[groups] = {static_cast<std::uint16_t>(groups),
@@ -160,24 +163,32 @@ DIFI_INLINE int cull_table(const Lattice& lattice, CandidateTable& table, const 
     const std::uint32_t here = equal(WideFloat::load(table.distance[n]) + WideFloat::load(g.slack), WideFloat(best)).to_bits() & in[n].lanes;
     if (here == 0) continue;
     const Triple<float> p = closest_in_frame(frame_of(g, __builtin_ctz(here)), Triple<float>{box.center[0], box.center[1], box.center[2]});
-    q[0] = p.x - box.center[0];
-    q[1] = p.y - box.center[1];
-    q[2] = p.z - box.center[2];
+    q[0] = p.x;
+    q[1] = p.y;
+    q[2] = p.z;
     found = true;
   }
   const float by_best = best + 2 * box.radius * (1 + kSlack), by_reach = lattice.thickness * (1 + kSlack) + box.radius;
   const WideFloat limit(difi::min(by_best, by_reach));
+  const float exact_best = best * (1 + 1e-5f);
+  const WideFloat bisector(exact_best * exact_best);
   int kept = 0;
   for (int n = 0; n < count; ++n) {
     const CandidateTable::Group& g = table.groups[in[n].group];
     const Mask near = ~less(limit, WideFloat::load(table.distance[n]) - WideFloat::load(g.slack));
     std::uint32_t lanes = near.to_bits() & in[n].lanes;
     if (lanes == 0) continue;
-    const WidePoint low{WideFloat::load(g.low[0]), WideFloat::load(g.low[1]), WideFloat::load(g.low[2])};
-    const WidePoint high{WideFloat::load(g.high[0]), WideFloat::load(g.high[1]), WideFloat::load(g.high[2])};
-    lanes &= may_beat(low - center, high - center, box.half, q).to_bits();
+    // |p| is at least the distance, and |p_a - q_a| at most that of the box's farther face.
+    WideFloat spread(0);
+    for (int axis = 0; axis < 3; ++axis) {
+      const WideFloat at(q[axis]), half(2 * box.half[axis]);
+      spread = fma(max(WideFloat::load(g.high[axis]) - at, at - WideFloat::load(g.low[axis])), half, spread);
+    }
+    const WideFloat nearest = max(WideFloat::load(table.distance[n]) - WideFloat::load(g.slack), WideFloat(0));
+    lanes &= less(fma(nearest, nearest, -spread), bisector).to_bits();
+    if (lanes == 0) continue;
     out[kept] = {in[n].group, static_cast<std::uint16_t>(lanes)};
-    kept += lanes != 0;
+    ++kept;
   }
   return kept;
 }
@@ -207,7 +218,7 @@ DIFI_INLINE void gather_cell(const Lattice& lattice, const Brick& brick, const C
           }
         continue;
       }
-      const auto number = [&](int i) __attribute__((always_inline)) { return WideFloat(g.frame[i][lane]); };
+      const auto number = [&](int i) __attribute__((always_inline)) { return WideFloat(g.one_frame[lane][i]); };
       const TriangleFrame<WideFloat> f{
           {{number(0), number(1), number(2)}, number(3)},   {{number(4), number(5), number(6)}, number(7)},
           {{number(8), number(9), number(10)}, number(11)}, {number(12), number(13), number(14), number(15)},
