@@ -37,7 +37,6 @@ void crowd(Builder& b, Vec3 extent, int count, double size, std::uint64_t seed) 
 
 }  // namespace
 
-void draw_factory(Builder& b) { crowd(b, {10, 2.7, 12}, 4000, 0.25, 1); }
 void draw_machine_1(Builder& b) { crowd(b, {6, 5, 22}, 1500, 0.4, 2); }
 void draw_machine_2(Builder& b) { crowd(b, {6, 5, 22}, 3000, 0.3, 3); }
 void draw_our_process(Builder& b) { crowd(b, {6, 2.5, 20}, 300, 0.5, 4); }

@@ -14,12 +14,12 @@ int pieces(double wanted, int least) { return std::max(least, static_cast<int>(s
 
 }  // namespace
 
-Builder::Builder(double edge, bool counting, double paired_share)
-    : edge_(edge), counting_(counting), paired_share_(paired_share) {
+Builder::Builder(double edge, bool counting, double slender, double paired_share)
+    : edge_(edge), counting_(counting), slender_(slender), paired_share_(paired_share) {
   choose_order();
 }
 
-int Builder::segments(double length, int least) const { return pieces(length / edge_, least); }
+int Builder::segments(double length, int least) const { return pieces(length / (edge_ * slender_), least); }
 
 int Builder::sides(double radius, int least) const { return pieces(2 * kPi * radius / edge_, least); }
 

@@ -24,13 +24,14 @@ class Builder {
   /// `paired_share` is the share of parts, 0 to 1, whose two triangles of a quadrilateral follow each other; in the
   /// others all first halves of a row come before the second halves. The thesis's skip rule compares neighbours in mesh
   /// order: this share decides how many triangles it drops.
-  Builder(double edge, bool counting, double paired_share = 0);
+  /// `slender` is how much longer pieces are along a part than around it, as in meshes made for manufacture.
+  Builder(double edge, bool counting, double slender = 1, double paired_share = 0);
 
   bool counting() const { return counting_; }
   std::int64_t triangle_count() const { return count_; }
   double edge() const { return edge_; }
 
-  /// Pieces to divide a length into: rounded, at least `least`.
+  /// Pieces to divide a length into (slender ones): rounded, at least `least`.
   int segments(double length, int least = 1) const;
   /// Sides of a circle of this radius: at least `least`.
   int sides(double radius, int least = 8) const;
@@ -101,6 +102,7 @@ class Builder {
 
   double edge_;
   bool counting_;
+  double slender_;
   double paired_share_;
   bool paired_ = false;
   std::uint64_t part_ = 0;

@@ -16,6 +16,7 @@ struct Assembly {
   Draw draw = nullptr;
   Vec3 extent;              // of the finished mesh, in world units
   double edge = 0;          // the target edge for the scene's own count
+  double slender = 1;       // see Builder
   double paired_share = 0;  // see Builder: sets how many triangles the thesis's skip rule drops
 };
 
@@ -36,42 +37,42 @@ const Entry kEntries[] = {
      "a factory hall: frame, roof, machines, tanks, pipe racks, catwalks, conveyors",
      2889536,
      nullptr,
-     {draw_factory, {10.6, 2.8, 12.7}, 0.024, 0.02}},
+     {draw_factory, {10.6, 2.8, 12.7}, 0.024, 1, 0.02}},
     {"machine_1",
      "a paper machine in a frame: presses, drying rolls, gears, drives",
      481888,
      nullptr,
-     {draw_machine_1, {6.4, 5.4, 22.95}, 0.05, 0.03}},
+     {draw_machine_1, {6.4, 5.4, 22.95}, 0.05, 1, 0.03}},
     {"machine_2",
      "the paper machine with all its small parts",
      1444768,
      nullptr,
-     {draw_machine_2, {6.35, 5.4, 22.95}, 0.03, 0.04}},
+     {draw_machine_2, {6.35, 5.4, 22.95}, 0.03, 1, 0.04}},
     {"our_process",
      "a pulp line: vessels, a drum, a screw conveyor, pumps and piping",
      65356,
      nullptr,
-     {draw_our_process, {6.1, 2.55, 21.1}, 0.1, 0.2}},
+     {draw_our_process, {6.1, 2.55, 21.1}, 0.1, 1, 0.2}},
     {"our_process_small",
      "the pulp line with small triangles",
      74745,
      nullptr,
-     {draw_our_process, {6.1, 16.4, 21.15}, 0.09, 0.2}},
+     {draw_our_process, {6.1, 16.4, 21.15}, 0.09, 1, 0.2}},
     {"our_process_large",
      "the pulp line with large triangles",
      16599,
      nullptr,
-     {draw_our_process, {7.75, 4.6, 21.1}, 0.3, 0.3}},
-    {"plane", "an aeroplane with two propellers", 58421, nullptr, {draw_plane, {11.8, 1.9, 6.9}, 0.06, 0.03}},
-    {"bender", "a standing robot with spread arms", 12034, nullptr, {draw_bender, {7.7, 5.8, 1.9}, 0.15, 0.06}},
+     {draw_our_process, {7.75, 4.6, 21.1}, 0.3, 1, 0.3}},
+    {"plane", "an aeroplane with two propellers", 58421, nullptr, {draw_plane, {11.8, 1.9, 6.9}, 0.06, 1, 0.03}},
+    {"bender", "a standing robot with spread arms", 12034, nullptr, {draw_bender, {7.7, 5.8, 1.9}, 0.15, 1, 0.06}},
     {"catapult",
      "a catapult of beams, wheels and ropes: few and large triangles",
      9618,
      nullptr,
-     {draw_catapult, {4.9, 3.9, 2.9}, 0.5, 0.8}},
-    {"process", "vessels joined by piping", 8100, nullptr, {draw_process, {0.4, 0.46666, 0.16666}, 0.01, 0.2}},
-    {"labyrinth", "the walls of a maze", 217000, nullptr, {draw_labyrinth, {140.8, 9.75, 136.2}, 1, 0.1}},
-    {"fly", "an insect: body, eyes, wings, legs", 6500, nullptr, {draw_fly, {3.2, 1.8, 3}, 0.15, 0.1}},
+     {draw_catapult, {4.9, 3.9, 2.9}, 0.5, 1, 0.8}},
+    {"process", "vessels joined by piping", 8100, nullptr, {draw_process, {0.4, 0.46666, 0.16666}, 0.01, 1, 0.2}},
+    {"labyrinth", "the walls of a maze", 217000, nullptr, {draw_labyrinth, {140.8, 9.75, 136.2}, 1, 1, 0.1}},
+    {"fly", "an insect: body, eyes, wings, legs", 6500, nullptr, {draw_fly, {3.2, 1.8, 3}, 0.15, 1, 0.1}},
     {"sphere", "the unit sphere", 20000, make_sphere, {}},
     {"box", "the box from (-1, -0.75, -0.5) to (1, 0.75, 0.5)", 12, make_box, {}},
     {"terrain", "a mountain range, open below", 200000, make_terrain, {}},
@@ -99,8 +100,8 @@ void fit(Mesh& mesh, Vec3 extent) {
 }
 
 Mesh make_assembly(const Assembly& assembly, std::int64_t triangles) {
-  const double edge = edge_for(assembly.draw, triangles, assembly.edge);
-  Builder b(edge, false, assembly.paired_share);
+  const double edge = edge_for(assembly.draw, triangles, assembly.edge, assembly.slender);
+  Builder b(edge, false, assembly.slender, assembly.paired_share);
   assembly.draw(b);
   Mesh mesh = b.take();
   split_to(mesh, triangles);

@@ -100,9 +100,9 @@ std::int64_t split_pass(Mesh& mesh, std::int64_t missing, std::size_t wanted) {
 
 }  // namespace
 
-double edge_for(Draw draw, std::int64_t triangles, double guess) {
+double edge_for(Draw draw, std::int64_t triangles, double guess, double slender) {
   const auto count = [&](double edge) {
-    Builder b(edge, true);
+    Builder b(edge, true, slender);
     draw(b);
     return b.triangle_count();
   };
@@ -117,13 +117,14 @@ double edge_for(Draw draw, std::int64_t triangles, double guess) {
     }
     return n <= triangles;
   };
+  const auto near_enough = [&] { return best_count >= triangles - triangles / 200; };
   double fine = guess, coarse = guess;
   if (fits(guess)) {
-    for (int i = 0; i < 40 && fits(fine *= 0.7); ++i) coarse = fine;
+    for (int i = 0; i < 40 && !near_enough() && fits(fine *= 0.7); ++i) coarse = fine;
   } else {
     for (int i = 0; i < 40 && !fits(coarse *= 1.4); ++i) fine = coarse;
   }
-  for (int i = 0; i < 24 && best_count != triangles; ++i) {
+  for (int i = 0; i < 24 && !near_enough(); ++i) {
     const double middle = 0.5 * (fine + coarse);
     (fits(middle) ? coarse : fine) = middle;
   }

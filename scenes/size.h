@@ -9,9 +9,9 @@ namespace difi::scenes {
 
 using Draw = void (*)(Builder&);
 
-/// The target edge at which `draw` makes as many triangles as it can without passing `triangles`; the search starts
-/// from `guess`. Where even the coarsest version is larger, the edge of that one.
-double edge_for(Draw draw, std::int64_t triangles, double guess);
+/// The target edge at which `draw` makes as many triangles as it can without passing `triangles`, or nearly (within
+/// half a percent); the search starts from `guess`. Where even the coarsest version is larger, the edge of that one.
+double edge_for(Draw draw, std::int64_t triangles, double guess, double slender);
 
 /// Splits the longest edges at their midpoints until the mesh has `triangles`. Both triangles of a shared edge are
 /// split, so what was closed stays closed; a mesh without boundary edges therefore ends one short of an odd number.
