@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "cpu/thesis.h"
 #include "cpu/tiles.h"
 
 namespace difi {
@@ -10,6 +11,8 @@ namespace {
 constexpr std::array kRows{
     BackendRow{Backend::cpu, Method::tiles, "cpu", "tiles", [] { return true; }, cpu::tiles_device, cpu::run_tiles,
                cpu::tiles_scratch_bytes},
+    BackendRow{Backend::cpu, Method::thesis, "cpu", "thesis", [] { return true; }, cpu::thesis_device, cpu::run_thesis,
+               cpu::thesis_scratch_bytes},
 };
 
 }  // namespace
