@@ -1,4 +1,3 @@
-#include <array>
 
 #include "scenes/families.h"
 #include "scenes/random.h"
@@ -37,8 +36,6 @@ void crowd(Builder& b, Vec3 extent, int count, double size, std::uint64_t seed) 
 
 }  // namespace
 
-void draw_machine_1(Builder& b) { crowd(b, {6, 5, 22}, 1500, 0.4, 2); }
-void draw_machine_2(Builder& b) { crowd(b, {6, 5, 22}, 3000, 0.3, 3); }
 void draw_our_process(Builder& b) { crowd(b, {6, 2.5, 20}, 300, 0.5, 4); }
 void draw_plane(Builder& b) { crowd(b, {11, 1.9, 6}, 200, 0.4, 5); }
 void draw_bender(Builder& b) { crowd(b, {7, 5, 1.9}, 60, 0.7, 6); }

@@ -1,6 +1,5 @@
 #include "scenes/drives.h"
 
-#include <array>
 
 #include "scenes/random.h"
 #include "scenes/steel.h"
@@ -11,9 +10,8 @@ namespace difi::scenes {
 void motor(Builder& b, const Frame& f, double r) {
   const double length = 3 * r;
   const Frame axis = f.at(0, 1.25 * r, 0).y_to_x();
-  const std::array<Point2, 8> body{
-      Point2{0, 0},       {0.25 * r, 0},      {0.3 * r, 0.15 * r},      {0.92 * r, 0.2 * r},
-      {0.92 * r, length}, {0.98 * r, length}, {0.9 * r, 1.18 * length}, {0, 1.2 * length}};
+  const std::vector<Point2> body{Point2{0, 0},       {0.25 * r, 0},      {0.3 * r, 0.15 * r},      {0.92 * r, 0.2 * r},
+                                 {0.92 * r, length}, {0.98 * r, length}, {0.9 * r, 1.18 * length}, {0, 1.2 * length}};
   lathe(b, axis.at(0, 0.4 * r, 0), body, b.sides(r, 12));
   cylinder(b, axis, 0.16 * r, 0.5 * r);
   const int ribs = 20;
@@ -26,9 +24,9 @@ void motor(Builder& b, const Frame& f, double r) {
 
 void gear_box(Builder& b, const Frame& f, double size) {
   const double s = size;
-  const std::array<Point2, 8> outline{Point2{-0.7 * s, -0.4 * s}, {0.7 * s, -0.4 * s}, {0.8 * s, -0.3 * s},
-                                      {0.8 * s, 0.3 * s},         {0.7 * s, 0.4 * s},  {-0.7 * s, 0.4 * s},
-                                      {-0.8 * s, 0.3 * s},        {-0.8 * s, -0.3 * s}};
+  const std::vector<Point2> outline{{-0.7 * s, -0.4 * s}, {0.7 * s, -0.4 * s}, {0.8 * s, -0.3 * s},
+                                    {0.8 * s, 0.3 * s},   {0.7 * s, 0.4 * s},  {-0.7 * s, 0.4 * s},
+                                    {-0.8 * s, 0.3 * s},  {-0.8 * s, -0.3 * s}};
   extrude(b, f, outline, 0.55 * s);
   extrude(b, f.at(0, 0.55 * s, 0).scaled(1.08, 1, 1.1), outline, 0.06 * s);
   extrude(b, f.at(0, 0.61 * s, 0), outline, 0.35 * s);
@@ -76,7 +74,7 @@ void fan(Builder& b, const Frame& f, double r) {
 
 void roll(Builder& b, const Frame& f, double r, double length) {
   const double neck = 0.3 * r;
-  const std::array<Point2, 8> profile{
+  const std::vector<Point2> profile{
       Point2{0, -1.4 * r},      {neck, -1.4 * r},     {neck, 0}, {r, 0.02 * r}, {r, length - 0.02 * r}, {neck, length},
       {neck, length + 1.4 * r}, {0, length + 1.4 * r}};
   lathe(b, f.y_to_x(), profile, b.sides(r, 12));
@@ -143,11 +141,11 @@ void machine_tool(Builder& b, const Frame& f, double size) {
   motor(b, f.at(0, 1.7 * s, -0.2 * s).about_z(0.25), 0.12 * s);
   cabinet(b, f.at(1.1 * s, 0, 0.2 * s), 0.5 * s, 1.2 * s, 0.5 * s);
   box(b, f, {1.15 * s, 0.8 * s, 0.22 * s}, {1.55 * s, 1.1 * s, 0.26 * s});
-  const std::array<Vec3, 5> hose{Vec3{0.2 * s, 1.5 * s, -0.2 * s},
-                                 {0.5 * s, 1.8 * s, -0.2 * s},
-                                 {0.9 * s, 1.8 * s, 0.1 * s},
-                                 {1.3 * s, 1.5 * s, 0},
-                                 {1.3 * s, 1.1 * s, 0}};
+  const std::vector<Vec3> hose{{0.2 * s, 1.5 * s, -0.2 * s},
+                               {0.5 * s, 1.8 * s, -0.2 * s},
+                               {0.9 * s, 1.8 * s, 0.1 * s},
+                               {1.3 * s, 1.5 * s, 0},
+                               {1.3 * s, 1.1 * s, 0}};
   pipe(b, f, hose, 0.03 * s, 0.15 * s);
 }
 
@@ -201,7 +199,7 @@ void coil(Builder& b, const Frame& f, double radius, double wire, double height,
       path.push_back({radius * c, height * i / (turns * per_turn), radius * s});
     }
   }
-  sweep(b, f, path, std::span(&wire, 1), b.sides(wire, 6));
+  sweep(b, f, path, {wire}, b.sides(wire, 6));
 }
 
 }  // namespace difi::scenes

@@ -78,7 +78,7 @@ void pipe_rack(Builder& b, double x, double y, int pipes, std::uint64_t seed) {
     const double r = between(0.012, 0.035, uniform(seed, key, 0)), px = x - 0.5 + (p + 0.5) * (1.0 / pipes);
     const double start = between(0.1, 3, uniform(seed, key, 1)), end = between(9, kLength - 0.1, uniform(seed, key, 2));
     const double turn = between(-1.2, 1.2, uniform(seed, key, 3));
-    const std::array<Vec3, 5> path{
+    const std::vector<Vec3> path{
         Vec3{px, 0.35, start}, {px, y, start}, {px, y, end}, {px + turn, y, end}, {px + turn, 0.3, end}};
     flanged_pipe(b, f, path, r);
     for (int joint = 1; joint < 6; ++joint) flange(b, f.at(px, y, start + (end - start) * joint / 6).y_to_z(), r);
@@ -131,10 +131,9 @@ void tank_bay(Builder& b) {
       const double x = 0.85 + row * 1.25, z = 0.75 + i * 1.0;
       standing_tank(b, f.at(x, 0, z).about_y(0.25 * static_cast<double>(hash(key) % 4)), r, h);
       pump(b, f.at(x + 0.25, 0, z + 0.45), 0.07);
-      const std::array<Vec3, 4> suction{
-          Vec3{x, 0.14 * h, z}, {x, 0.1, z}, {x, 0.1, z + 0.45}, {x + 0.2, 0.1, z + 0.45}};
+      const std::vector<Vec3> suction{{x, 0.14 * h, z}, {x, 0.1, z}, {x, 0.1, z + 0.45}, {x + 0.2, 0.1, z + 0.45}};
       flanged_pipe(b, f, suction, 0.028);
-      const std::array<Vec3, 4> over{Vec3{x, 1.25 * h, z}, {x, 1.75, z}, {x, 1.75, z + 0.8}, {x + 0.3, 1.75, z + 0.8}};
+      const std::vector<Vec3> over{{x, 1.25 * h, z}, {x, 1.75, z}, {x, 1.75, z + 0.8}, {x + 0.3, 1.75, z + 0.8}};
       flanged_pipe(b, f, over, 0.03);
     }
   catwalk(b, f.at(1.28, 1.0, 0.3), 0.4, 12, 0.22);
@@ -183,19 +182,17 @@ void machine_bay(Builder& b) {
   for (int i = 0; i < 5; ++i) {
     lying_tank(b, f.at(7.4, 0, 9.1 + i * 0.72), 0.26, 1.2);
     heat_exchanger(b, f.at(8.8, 0, 9.1 + i * 0.72), 0.16, 1.3);
-    const std::array<Vec3, 4> link{Vec3{8.3, 0.6, 9.1 + i * 0.72},
-                                   {8.3, 1.1, 9.1 + i * 0.72},
-                                   {8.9, 1.1, 9.1 + i * 0.72},
-                                   {8.9, 0.5, 9.1 + i * 0.72}};
+    const std::vector<Vec3> link{
+        {8.3, 0.6, 9.1 + i * 0.72}, {8.3, 1.1, 9.1 + i * 0.72}, {8.9, 1.1, 9.1 + i * 0.72}, {8.9, 0.5, 9.1 + i * 0.72}};
     flanged_pipe(b, f, link, 0.035);
   }
   for (int i = 0; i < 7; ++i) {
     silo(b, f.at(9.85, 0, 0.75 + i * 1.1), 0.38, 1.75);
     fan(b, f.at(9.25, 0, 0.6 + i * 1.1), 0.14);
-    const std::array<Vec3, 4> feed{Vec3{9.85, 1.85, 0.75 + i * 1.1},
-                                   {9.85, 2.0, 0.75 + i * 1.1},
-                                   {9.2, 2.0, 0.75 + i * 1.1},
-                                   {9.2, 0.4, 0.75 + i * 1.1}};
+    const std::vector<Vec3> feed{{9.85, 1.85, 0.75 + i * 1.1},
+                                 {9.85, 2.0, 0.75 + i * 1.1},
+                                 {9.2, 2.0, 0.75 + i * 1.1},
+                                 {9.2, 0.4, 0.75 + i * 1.1}};
     pipe(b, f, feed, 0.05, 0.12, 12);
   }
   catwalk(b, f.at(9.2, 1.2, 8.7), 0.4, 3.7, 0.22);

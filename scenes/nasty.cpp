@@ -1,5 +1,4 @@
 // Meshes that break careless code. All are legal input.
-#include <array>
 
 #include "scenes/families.h"
 #include "scenes/random.h"

@@ -1,5 +1,4 @@
 // Sphere, box, terrain: shapes whose distances can be written down, or that come in any size.
-#include <array>
 
 #include "scenes/families.h"
 #include "scenes/random.h"
@@ -14,7 +13,7 @@ Mesh sphere_of(int n, Vec3 center, double radius) {
     mesh.vertices.push_back(center + normalized(p) * radius);
     return static_cast<std::uint32_t>(mesh.vertices.size() - 1);
   };
-  const std::array<Vec3, 4> corners{Vec3{0, 0, 1}, Vec3{1, 0, 0}, Vec3{0, 0, -1}, Vec3{-1, 0, 0}};
+  const std::vector<Vec3> corners{{0, 0, 1}, Vec3{1, 0, 0}, Vec3{0, 0, -1}, Vec3{-1, 0, 0}};
   std::vector<std::uint32_t> rings;  // first vertex of every ring, top to bottom
   for (int j = 0; j <= 2 * n; ++j) {
     rings.push_back(static_cast<std::uint32_t>(mesh.vertices.size()));

@@ -1,7 +1,6 @@
 #include "scenes/size.h"
 
 #include <algorithm>
-#include <array>
 #include <limits>
 
 namespace difi::scenes {

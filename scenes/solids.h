@@ -19,7 +19,7 @@ void box(Builder& b, const Frame& f, Vec3 low, Vec3 high);
 void beam(Builder& b, const Frame& f, Vec3 from, Vec3 to, double width, double height);
 
 /// A profile turned about the y axis. It runs upwards on the outside, from the axis to the axis, or is a loop.
-void lathe(Builder& b, const Frame& f, std::span<const Point2> profile, int sides, bool loop = false);
+void lathe(Builder& b, const Frame& f, const std::vector<Point2>& profile, int sides, bool loop = false);
 void cylinder(Builder& b, const Frame& f, double radius, double height, int least_sides = 8);
 /// A cylinder between two points.
 void rod(Builder& b, const Frame& f, Vec3 from, Vec3 to, double radius, int least_sides = 6);
@@ -32,16 +32,17 @@ void ellipsoid(Builder& b, const Frame& f, Vec3 radii, int least_sides = 8);
 void append_dome(std::vector<Point2>& profile, double radius, double y, double bulge, int pieces, bool top);
 
 /// An outline, counterclockwise seen from above, raised from y = 0 to `height`. It may be concave.
-void extrude(Builder& b, const Frame& f, std::span<const Point2> outline, double height);
+void extrude(Builder& b, const Frame& f, const std::vector<Point2>& outline, double height);
 /// A toothed wheel lying in the plane y = 0.
 void gear(Builder& b, const Frame& f, double radius, double height, int teeth);
 
 /// A round bar along a path. Interior corners are rounded with `bend`, ends are flat.
-void pipe(Builder& b, const Frame& f, std::span<const Vec3> corners, double radius, double bend, int least_sides = 8);
+void pipe(Builder& b, const Frame& f, const std::vector<Vec3>& corners, double radius, double bend,
+          int least_sides = 8);
 /// A round bar along a smooth path whose radius changes; `radii` has one radius per point, or one for all.
-void sweep(Builder& b, const Frame& f, std::span<const Vec3> path, std::span<const double> radii, int sides);
+void sweep(Builder& b, const Frame& f, const std::vector<Vec3>& path, const std::vector<double>& radii, int sides);
 /// A skin over sections of equally many points, closed by flat or pointed ends. Sections run to the right seen from
 /// outside with the next section above.
-void loft(Builder& b, const Frame& f, std::span<const std::vector<Vec3>> sections, bool close_ends = true);
+void loft(Builder& b, const Frame& f, const std::vector<std::vector<Vec3>>& sections, bool close_ends = true);
 
 }  // namespace difi::scenes

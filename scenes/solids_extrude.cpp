@@ -13,7 +13,7 @@ bool inside(Point2 p, Point2 a, Point2 b, Point2 c) {
 }
 
 // Ear clipping: corners of triangles that fill a simple counterclockwise outline.
-std::vector<std::array<int, 3>> fill(std::span<const Point2> outline) {
+std::vector<std::array<int, 3>> fill(const std::vector<Point2>& outline) {
   std::vector<int> left(outline.size());
   for (std::size_t i = 0; i < left.size(); ++i) left[i] = static_cast<int>(i);
   std::vector<std::array<int, 3>> triangles;
@@ -40,7 +40,7 @@ std::vector<std::array<int, 3>> fill(std::span<const Point2> outline) {
 
 }  // namespace
 
-void extrude(Builder& b, const Frame& f, std::span<const Point2> outline, double height) {
+void extrude(Builder& b, const Frame& f, const std::vector<Point2>& outline, double height) {
   const int corners = static_cast<int>(outline.size());
   const int rows = b.segments(height);
   const auto ring = [&](int row) {

@@ -1,4 +1,3 @@
-#include <array>
 
 #include "scenes/solids.h"
 
@@ -9,7 +8,7 @@ bool on_axis(Point2 p) { return p.u == 0; }
 
 }  // namespace
 
-void lathe(Builder& b, const Frame& f, std::span<const Point2> profile, int sides, bool loop) {
+void lathe(Builder& b, const Frame& f, const std::vector<Point2>& profile, int sides, bool loop) {
   std::vector<CirclePoint> directions;
   if (!b.counting())
     for (int i = 0; i < sides; ++i) directions.push_back(circle(double(i) / sides));
@@ -48,16 +47,14 @@ void rod(Builder& b, const Frame& f, Vec3 from, Vec3 to, double radius, int leas
 void cone(Builder& b, const Frame& f, double bottom_radius, double top_radius, double height, int least_sides) {
   const int sides = b.sides(std::max(bottom_radius, top_radius), least_sides);
   if (top_radius == 0) {
-    lathe(b, f, std::array{Point2{0, 0}, Point2{bottom_radius, 0}, Point2{0, height}}, sides);
+    lathe(b, f, {{0, 0}, {bottom_radius, 0}, {0, height}}, sides);
   } else {
-    lathe(b, f, std::array{Point2{0, 0}, Point2{bottom_radius, 0}, Point2{top_radius, height}, Point2{0, height}},
-          sides);
+    lathe(b, f, {{0, 0}, {bottom_radius, 0}, {top_radius, height}, {0, height}}, sides);
   }
 }
 
 void tube(Builder& b, const Frame& f, double outer, double inner, double height, int least_sides) {
-  lathe(b, f, std::array{Point2{outer, 0}, Point2{outer, height}, Point2{inner, height}, Point2{inner, 0}},
-        b.sides(outer, least_sides), true);
+  lathe(b, f, {{outer, 0}, {outer, height}, {inner, height}, {inner, 0}}, b.sides(outer, least_sides), true);
 }
 
 void torus(Builder& b, const Frame& f, double radius, double thickness, int least_sides) {

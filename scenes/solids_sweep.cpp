@@ -7,7 +7,7 @@ namespace {
 
 // The path with its interior corners replaced by arcs. An arc is a rational quadratic Bezier curve whose middle
 // weight is the cosine of half the turn: exact, and free of inverse trigonometric functions.
-std::vector<Vec3> rounded(const Builder& b, std::span<const Vec3> corners, double bend) {
+std::vector<Vec3> rounded(const Builder& b, const std::vector<Vec3>& corners, double bend) {
   std::vector<Vec3> path{corners.front()};
   for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
     const Vec3 in = corners[i] - corners[i - 1], out = corners[i + 1] - corners[i];
@@ -30,7 +30,7 @@ std::vector<Vec3> rounded(const Builder& b, std::span<const Vec3> corners, doubl
 }
 
 // Points between the given ones so that no step is much longer than the target edge.
-std::vector<Vec3> divided(const Builder& b, std::span<const Vec3> path) {
+std::vector<Vec3> divided(const Builder& b, const std::vector<Vec3>& path) {
   std::vector<Vec3> result{path.front()};
   for (std::size_t i = 1; i < path.size(); ++i) {
     const Vec3 step = path[i] - path[i - 1];
@@ -43,7 +43,7 @@ std::vector<Vec3> divided(const Builder& b, std::span<const Vec3> path) {
 
 }  // namespace
 
-void sweep(Builder& b, const Frame& f, std::span<const Vec3> path, std::span<const double> radii, int sides) {
+void sweep(Builder& b, const Frame& f, const std::vector<Vec3>& path, const std::vector<double>& radii, int sides) {
   if (b.counting()) {
     b.count_only(std::int64_t{2} * sides * static_cast<std::int64_t>(path.size()));
     b.end_part();
@@ -70,13 +70,13 @@ void sweep(Builder& b, const Frame& f, std::span<const Vec3> path, std::span<con
   b.end_part();
 }
 
-void pipe(Builder& b, const Frame& f, std::span<const Vec3> corners, double radius, double bend, int least_sides) {
+void pipe(Builder& b, const Frame& f, const std::vector<Vec3>& corners, double radius, double bend, int least_sides) {
   const auto path =
       divided(b, bend > 0 ? rounded(b, corners, bend) : std::vector<Vec3>(corners.begin(), corners.end()));
-  sweep(b, f, path, std::span(&radius, 1), b.sides(radius, least_sides));
+  sweep(b, f, path, {radius}, b.sides(radius, least_sides));
 }
 
-void loft(Builder& b, const Frame& f, std::span<const std::vector<Vec3>> sections, bool close_ends) {
+void loft(Builder& b, const Frame& f, const std::vector<std::vector<Vec3>>& sections, bool close_ends) {
   const auto centre = [](const std::vector<Vec3>& section) {
     Vec3 sum;
     for (const Vec3 p : section) sum = sum + p;

@@ -1,23 +1,13 @@
 #include "scenes/steel.h"
 
-#include <array>
 
 namespace difi::scenes {
 
 void i_beam(Builder& b, const Frame& f, Vec3 from, Vec3 to, double height, double width) {
   const double h = height / 2, w = width / 2, web = 0.12 * width, flange = 0.12 * height;
-  const std::array<Point2, 12> outline{{{-w, -h},
-                                        {w, -h},
-                                        {w, -h + flange},
-                                        {web / 2, -h + flange},
-                                        {web / 2, h - flange},
-                                        {w, h - flange},
-                                        {w, h},
-                                        {-w, h},
-                                        {-w, h - flange},
-                                        {-web / 2, h - flange},
-                                        {-web / 2, -h + flange},
-                                        {-w, -h + flange}}};
+  const std::vector<Point2> outline{
+      {-w, -h}, {w, -h}, {w, -h + flange}, {web / 2, -h + flange}, {web / 2, h - flange},   {w, h - flange},
+      {w, h},   {-w, h}, {-w, h - flange}, {-web / 2, h - flange}, {-web / 2, -h + flange}, {-w, -h + flange}};
   extrude(b, f * along(from, to), outline, length(to - from));
 }
 
@@ -26,8 +16,8 @@ void bolt_circle(Builder& b, const Frame& f, double radius, int bolts, double si
   const Builder::Coarser plain(b, 1e3);
   for (int i = 0; i < bolts; ++i) {
     const auto [c, s] = circle((i + 0.5) / bolts);
-    const std::array<Point2, 6> head{Point2{0, 0},           {size / 2, 0},          {size / 2, 0.6 * size},
-                                     {size / 4, 0.6 * size}, {size / 4, 1.2 * size}, {0, 1.2 * size}};
+    const std::vector<Point2> head{
+        {0, 0}, {size / 2, 0}, {size / 2, 0.6 * size}, {size / 4, 0.6 * size}, {size / 4, 1.2 * size}, {0, 1.2 * size}};
     lathe(b, f.at(radius * c, 0, radius * s), head, 6);
   }
 }
@@ -76,7 +66,7 @@ void ladder(Builder& b, const Frame& f, double width, double height, bool caged)
   const int hoops = static_cast<int>(height / (1.5 * width));
   for (int i = 2; i <= hoops; ++i) {
     const double y = i * height / hoops;
-    const std::array<Vec3, 4> path{
+    const std::vector<Vec3> path{
         Vec3{-width / 2, y, 0}, {-0.7 * width, y, 1.4 * width}, {0.7 * width, y, 1.4 * width}, {width / 2, y, 0}};
     pipe(b, f, path, 0.5 * r, 0.5 * width, 6);
   }

@@ -1,6 +1,5 @@
 #include "scenes/vessels.h"
 
-#include <array>
 
 #include "scenes/steel.h"
 
@@ -23,7 +22,7 @@ void flange(Builder& b, const Frame& f, double r) {
   bolt_circle(b, f, 1.35 * r, 8, 0.3 * r);
 }
 
-void flanged_pipe(Builder& b, const Frame& f, std::span<const Vec3> corners, double r) {
+void flanged_pipe(Builder& b, const Frame& f, const std::vector<Vec3>& corners, double r) {
   pipe(b, f, corners, r, 3 * r);
   flange(b, f * along(corners[1], corners[0]).at(0, length(corners[1] - corners[0]), 0), r);
   const std::size_t n = corners.size();
@@ -108,9 +107,8 @@ void heat_exchanger(Builder& b, const Frame& f, double r, double length) {
 
 void silo(Builder& b, const Frame& f, double r, double height) {
   const double cone_top = 0.35 * height;
-  const std::array<Point2, 7> profile{Point2{0, 0.1 * height}, {0.15 * r, 0.1 * height}, {r, cone_top},
-                                      {r, 0.9 * height},       {0.3 * r, height},        {0.3 * r, 1.04 * height},
-                                      {0, 1.04 * height}};
+  const std::vector<Point2> profile{{0, 0.1 * height}, {0.15 * r, 0.1 * height}, {r, cone_top},     {r, 0.9 * height},
+                                    {0.3 * r, height}, {0.3 * r, 1.04 * height}, {0, 1.04 * height}};
   lathe(b, f, profile, b.sides(r, 12));
   for (int i = 0; i < 6; ++i) {
     const auto [c, s] = circle(i / 6.0);
@@ -125,9 +123,9 @@ void hopper(Builder& b, const Frame& f, double width, double depth, double heigh
   const auto section = [](double w, double d, double y) {
     return std::vector<Vec3>{{-w / 2, y, d / 2}, {w / 2, y, d / 2}, {w / 2, y, -d / 2}, {-w / 2, y, -d / 2}};
   };
-  const std::array<std::vector<Vec3>, 4> sections{section(0.25 * width, 0.25 * depth, 0),
-                                                  section(0.25 * width, 0.25 * depth, 0.15 * height),
-                                                  section(width, depth, 0.75 * height), section(width, depth, height)};
+  const std::vector<std::vector<Vec3>> sections{section(0.25 * width, 0.25 * depth, 0),
+                                                section(0.25 * width, 0.25 * depth, 0.15 * height),
+                                                section(width, depth, 0.75 * height), section(width, depth, height)};
   loft(b, f, sections);
 }
 

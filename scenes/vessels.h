@@ -8,7 +8,7 @@ namespace difi::scenes {
 /// A bolted disc around a pipe of radius r whose face is at y = 0.
 void flange(Builder& b, const Frame& f, double r);
 /// A pipe with a flange at either end; corners are rounded.
-void flanged_pipe(Builder& b, const Frame& f, std::span<const Vec3> corners, double r);
+void flanged_pipe(Builder& b, const Frame& f, const std::vector<Vec3>& corners, double r);
 /// A valve on a pipe along the x axis, its hand wheel up.
 void valve(Builder& b, const Frame& f, double r);
 /// A short pipe with a flange that sticks out of a vessel along +y.
