@@ -1,7 +1,6 @@
 #include "difi/verify.h"
 
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -11,107 +10,10 @@
 #include <vector>
 
 #include "field/progress.h"
-#include "geometry/closest_point.h"
+#include "field/triangle_groups.h"
 
 namespace difi {
 namespace {
-
-using Point = Triple<double>;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr Point point(Vec3 v) { return {v.x, v.y, v.z}; }
-
-double distance_sq(Vec3 p, const Box& box) {
-  const Vec3 outside = max(max(box.min - p, p - box.max), Vec3{});
-  return dot(outside, outside);
-}
-
-// The top 21 bits of each coordinate's place in [0, 1), interleaved: near numbers are near places.
-std::uint64_t morton(Vec3 unit) {
-  const auto spread = [](double u) {
-    std::uint64_t v = u > 0 ? static_cast<std::uint64_t>(std::min(u, 1.0) * 0x1fffff) : 0;  // NaN counts as 0
-    v = (v | v << 32) & 0x001f00000000ffff;
-    v = (v | v << 16) & 0x001f0000ff0000ff;
-    v = (v | v << 8) & 0x100f00f00f00f00f;
-    v = (v | v << 4) & 0x10c30c30c30c30c3;
-    return (v | v << 2) & 0x1249249249249249;
-  };
-  return spread(unit.x) | spread(unit.y) << 1 | spread(unit.z) << 2;
-}
-
-// All triangles in groups of neighbours. A triangle or group is passed over only when its box is no nearer than a
-// distance already found; both are computed in double, so this costs at most their rounding (a few 1e-16 of the
-// distance).
-class TriangleGroups {
- public:
-  explicit TriangleGroups(MeshView mesh) : mesh_(mesh), order_(sorted(mesh)) {
-    boxes_.resize((order_.size() + kGroup - 1) / kGroup);
-    tbb::parallel_for(std::size_t{0}, boxes_.size(), [this](std::size_t g) {
-      for (const auto t : group(g))
-        for (int corner = 0; corner < 3; ++corner) boxes_[g].include(mesh_.corner(t, corner));
-    });
-  }
-
-  double distance(Vec3 p) const {
-    std::size_t nearest = 0;
-    double nearest_sq = kInfinity;
-    for (std::size_t g = 0; g < boxes_.size(); ++g)
-      if (const double sq = difi::distance_sq(p, boxes_[g]); sq < nearest_sq) nearest = g, nearest_sq = sq;
-    double best_sq = look_at(nearest, p, kInfinity);
-    for (std::size_t g = 0; g < boxes_.size(); ++g)
-      if (difi::distance_sq(p, boxes_[g]) < best_sq) best_sq = look_at(g, p, best_sq);
-    return std::sqrt(best_sq);
-  }
-
-  double distance(Vec3 p, std::uint32_t triangle) const { return std::sqrt(triangle_distance_sq(p, triangle)); }
-  std::size_t triangle_count() const { return order_.size(); }
-
- private:
-  static constexpr std::size_t kGroup = 32;
-
-  static std::vector<std::uint32_t> sorted(MeshView mesh) {
-    struct Entry {
-      std::uint64_t key;
-      std::uint32_t triangle;
-    };
-    const Box box = bounds(mesh);
-    const Vec3 extent = max(box.extent(), Vec3{1, 1, 1} * std::numeric_limits<double>::min());
-    std::vector<Entry> entries(mesh.triangles.size());
-    tbb::parallel_for(std::size_t{0}, entries.size(), [&](std::size_t t) {
-      const Vec3 centre = mesh.corner(t, 0) * (1.0 / 3) + mesh.corner(t, 1) * (1.0 / 3) + mesh.corner(t, 2) * (1.0 / 3);
-      entries[t] = {morton((centre - box.min) / extent), static_cast<std::uint32_t>(t)};
-    });
-    tbb::parallel_sort(entries, [](const Entry& a, const Entry& b) {
-      return a.key != b.key ? a.key < b.key : a.triangle < b.triangle;
-    });
-    std::vector<std::uint32_t> order(entries.size());
-    std::ranges::transform(entries, order.begin(), &Entry::triangle);
-    return order;
-  }
-
-  std::span<const std::uint32_t> group(std::size_t g) const {
-    return std::span(order_).subspan(g * kGroup, std::min(kGroup, order_.size() - g * kGroup));
-  }
-
-  double look_at(std::size_t g, Vec3 p, double best_sq) const {
-    for (const auto t : group(g)) {
-      Box box;
-      for (int corner = 0; corner < 3; ++corner) box.include(mesh_.corner(t, corner));
-      if (difi::distance_sq(p, box) < best_sq) best_sq = std::min(best_sq, triangle_distance_sq(p, t));
-    }
-    return best_sq;
-  }
-
-  double triangle_distance_sq(Vec3 p, std::uint32_t t) const {
-    // Relative to the sample, so that a mesh far from the origin loses nothing.
-    return closest_distance_sq(Point{0, 0, 0}, point(mesh_.corner(t, 0) - p), point(mesh_.corner(t, 1) - p),
-                               point(mesh_.corner(t, 2) - p));
-  }
-
-  MeshView mesh_;
-  std::vector<std::uint32_t> order_;
-  std::vector<Box> boxes_;
-};
 
 struct Sample {
   std::int64_t i, j, k;
@@ -176,7 +78,7 @@ Finding check(const DistanceField& field, const TriangleGroups& groups, const Sa
   SampleCheck& sample = finding.sample;
   sample.allowed = allowed_error(field.grid(), sample.expected);
   sample.error = std::abs(sample.stored - sample.expected);
-  if (std::isnan(sample.error)) sample.error = kInfinity;
+  if (std::isnan(sample.error)) sample.error = std::numeric_limits<double>::infinity();
   finding.in_band = distance < field.thickness();
   finding.wrong = sample.error > sample.allowed;
   if (!field.has_nearest()) return finding;

@@ -1,0 +1,37 @@
+// All triangles of a mesh in small groups of neighbours, for exact distances in double precision.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "difi/mesh.h"
+
+namespace difi {
+
+/// A triangle or group is passed over only when its box is no nearer than a distance already found; both are computed
+/// in double, so this costs at most their rounding (a few 1e-16 of the distance). Takes 40 bytes per triangle while it
+/// is made and about 6 afterwards. The mesh must be valid and outlive this.
+class TriangleGroups {
+ public:
+  explicit TriangleGroups(MeshView mesh);
+
+  std::size_t triangle_count() const { return order_.size(); }
+  /// The distance from p to the mesh.
+  double distance(Vec3 p) const;
+  /// The distance from p to one triangle.
+  double distance(Vec3 p, std::uint32_t triangle) const;
+
+ private:
+  static constexpr std::size_t kGroup = 32;
+
+  std::span<const std::uint32_t> group(std::size_t g) const;
+  double look_at(std::size_t g, Vec3 p, double best_sq) const;
+  double triangle_distance_sq(Vec3 p, std::uint32_t triangle) const;
+
+  MeshView mesh_;
+  std::vector<std::uint32_t> order_;  // triangles along a space-filling curve
+  std::vector<Box> boxes_;            // of kGroup triangles each
+};
+
+}  // namespace difi

@@ -1,0 +1,213 @@
+#include "difi/verify.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "difi/error.h"
+#include "field/triangle_groups.h"
+#include "tests/brute_force.h"
+#include "tests/random_mesh.h"
+
+namespace difi {
+namespace {
+
+using testing::brute_distance;
+using testing::random_soup;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+const Grid kGrid{{20, 17, 23}, {-1.5, -1.25, -1.75}, {0.15, 0.16, 0.17}};
+
+// The field by definition; `spoil` may change a value.
+template <class Spoil>
+DistanceField field_of(const Mesh& mesh, double thickness, Spoil spoil, bool with_nearest = false) {
+  std::vector<float> values;
+  std::vector<std::uint32_t> nearest;
+  for (std::int64_t k = 0; k < kGrid.size.z; ++k)
+    for (std::int64_t j = 0; j < kGrid.size.y; ++j)
+      for (std::int64_t i = 0; i < kGrid.size.x; ++i) {
+        const Vec3 p = kGrid.position(i, j, k);
+        const double distance = brute_distance(mesh, p);
+        values.push_back(static_cast<float>(std::min(distance, thickness)));
+        nearest.push_back(kNoTriangle);
+        if (with_nearest && distance <= thickness)
+          for (std::size_t t = mesh.triangles.size(); t-- > 0;)
+            if (testing::triangle_distance(mesh, t, p) == distance) nearest.back() = static_cast<std::uint32_t>(t);
+        spoil(i, j, k, values.back(), nearest.back());
+      }
+  if (!with_nearest) nearest.clear();
+  return DistanceField::from_dense(kGrid, thickness, values, nearest);
+}
+DistanceField field_of(const Mesh& mesh, double thickness) {
+  return field_of(mesh, thickness, [](auto...) {});
+}
+
+VerifyOptions every_sample() {
+  VerifyOptions options;
+  options.samples = kGrid.sample_count();
+  return options;
+}
+
+TEST(TriangleGroups, SameAsBruteForce) {
+  testing::Random random(3);
+  // More triangles than a group holds, a group not full, and a mesh without extent on one axis.
+  for (const int triangles : {1, 31, 32, 33, 500}) {
+    Mesh mesh = random_soup(static_cast<unsigned>(triangles), triangles, 1, 0.2);
+    if (triangles == 33)
+      for (Vec3& v : mesh.vertices) v.z = 0.25;
+    const TriangleGroups groups(mesh);
+    EXPECT_EQ(groups.triangle_count(), static_cast<std::size_t>(triangles));
+    for (int n = 0; n < 300; ++n) {
+      const Vec3 p = random.in_cube(n < 100 ? 10 : 1);
+      EXPECT_EQ(groups.distance(p), brute_distance(mesh, p));
+    }
+  }
+}
+
+TEST(TriangleGroups, HugeCoordinates) {
+  Mesh mesh;
+  testing::add_triangle(mesh, {-1e308, 0, 0}, {1e308, 1, 0}, {0, 2, 0});
+  testing::add_triangle(mesh, {0, 0, 1}, {1, 0, 1}, {0, 1, 1});
+  EXPECT_NO_THROW(TriangleGroups{mesh});
+}
+
+TEST(Verify, TrueFieldsPass) {
+  const Mesh mesh = random_soup(1, 40, 1, 0.4);
+  for (const double thickness : {0.2, kInfinity}) {
+    const Verified found = verify(field_of(mesh, thickness), mesh, every_sample());
+    EXPECT_TRUE(found.ok());
+    EXPECT_EQ(found.samples, kGrid.sample_count());
+    EXPECT_EQ(found.samples_wrong, 0);
+    EXPECT_LE(found.worst.error, found.worst.allowed);
+    EXPECT_GT(found.samples_band, 0);
+    EXPECT_FALSE(found.mesh_differs);
+  }
+}
+
+TEST(Verify, FindsOneWrongSample) {
+  const Mesh mesh = random_soup(2, 40, 1, 0.4);
+  const auto wrong_by = [&](double factor) {
+    const auto field = field_of(mesh, kInfinity, [&](auto i, auto j, auto k, float& value, auto&) {
+      if (i == 5 && j == 6 && k == 7) value = static_cast<float>(value + factor * allowed_error(kGrid, value));
+    });
+    return verify(field, mesh, every_sample());
+  };
+  EXPECT_TRUE(wrong_by(0.8).ok());
+  for (const double factor : {1.2, -1.2, 1000.0}) {
+    const Verified found = wrong_by(factor);
+    EXPECT_FALSE(found.ok());
+    EXPECT_EQ(found.samples_wrong, 1);
+    EXPECT_EQ(found.worst.i, 5);
+    EXPECT_EQ(found.worst.j, 6);
+    EXPECT_EQ(found.worst.k, 7);
+    EXPECT_EQ(found.worst.position, kGrid.position(5, 6, 7));
+    EXPECT_NEAR(found.worst.error, std::abs(factor) * found.worst.allowed,
+                0.1 * std::abs(factor) * found.worst.allowed);
+  }
+}
+
+TEST(Verify, NotANumberIsWrong) {
+  const Mesh mesh = random_soup(2, 10, 1, 0.4);
+  for (const float value : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    const auto field = field_of(mesh, kInfinity, [&](auto i, auto j, auto k, float& at, auto&) {
+      if (i + j + k == 0) at = value;
+    });
+    const Verified found = verify(field, mesh, every_sample());
+    EXPECT_EQ(found.samples_wrong, 1);
+    EXPECT_EQ(found.largest.error, kInfinity);
+    EXPECT_EQ(found.largest.i + found.largest.j + found.largest.k, 0);
+  }
+}
+
+// A field whose band was forgotten: no tile is stored, all values are the thickness.
+TEST(Verify, EmptyFieldFails) {
+  const Mesh mesh = random_soup(4, 40, 1, 0.4);
+  const Verified found = verify(DistanceField(kGrid, 0.3), mesh, every_sample());
+  EXPECT_FALSE(found.ok());
+  EXPECT_EQ(found.samples_wrong, found.samples_band);
+}
+
+TEST(Verify, WrongNearestTriangleIsFound) {
+  const Mesh mesh = random_soup(5, 20, 1, 0.4);
+  const auto checked = [&](auto spoil) { return verify(field_of(mesh, 0.5, spoil, true), mesh, every_sample()); };
+  EXPECT_TRUE(checked([](auto...) {}).ok());
+  const auto spoil_one = [](std::uint32_t wrong) {
+    return [wrong, done = false](auto, auto, auto, float&, std::uint32_t& nearest) mutable {
+      if (done || nearest == kNoTriangle || nearest == wrong) return;
+      nearest = wrong;
+      done = true;
+    };
+  };
+  for (const std::uint32_t wrong : {0u, 1'000'000u, kNoTriangle}) {
+    const Verified found = checked(spoil_one(wrong));
+    EXPECT_EQ(found.nearest_wrong, 1) << wrong;
+    EXPECT_EQ(found.samples_wrong, 0);
+    EXPECT_FALSE(found.ok());
+  }
+}
+
+// One triangle in a wide grid: random samples alone would hardly meet its band.
+TEST(Verify, HalfTheSamplesAreDrawnFromStoredTiles) {
+  Mesh mesh;
+  testing::add_triangle(mesh, {0.5, 0.5, 0.5}, {1, 0.5, 0.5}, {0.5, 1, 0.5});
+  const Grid wide{{400, 400, 400}, {0, 0, 0}, {0.5, 0.5, 0.5}};
+  DistanceField field(wide, 1);
+  float* tile = field.store_tile(0, 0, 0);
+  for (int n = 0; n < DistanceField::kTileSamples; ++n) {
+    const Vec3 p = wide.position(n % 8, n / 8 % 8, n / 64);
+    tile[n] = static_cast<float>(std::min(1.0, brute_distance(mesh, p)));
+  }
+  const Verified found = verify(field, mesh);
+  EXPECT_TRUE(found.ok());
+  EXPECT_EQ(found.samples, 1000);
+  EXPECT_GT(found.samples_band, 20);
+}
+
+TEST(Verify, SameSamplesForAnyThreadsOtherSamplesForAnotherSeed) {
+  const Mesh mesh = random_soup(6, 40, 1, 0.4);
+  const auto field = field_of(mesh, kInfinity);
+  const auto largest = [&](std::uint64_t seed, int threads) {
+    VerifyOptions options;
+    options.samples = 50;
+    options.seed = seed;
+    options.threads = threads;
+    return verify(field, mesh, options).largest.position;
+  };
+  EXPECT_EQ(largest(1, 1), largest(1, 2));
+  EXPECT_NE(largest(1, 1), largest(2, 1));
+}
+
+TEST(Verify, TellsAnotherMesh) {
+  const Mesh mesh = random_soup(7, 40, 1, 0.4);
+  auto field = field_of(mesh, 0.2);
+  field.provenance.mesh_hash = content_hash(mesh);
+  EXPECT_FALSE(verify(field, mesh).mesh_differs);
+  field.provenance.mesh_hash ^= 1;
+  EXPECT_TRUE(verify(field, mesh).mesh_differs);
+}
+
+TEST(Verify, Errors) {
+  const Mesh mesh = random_soup(8, 4, 1, 0.4);
+  const auto field = field_of(mesh, 0.2);
+  const auto code = [&](MeshView of, const VerifyOptions& options) {
+    try {
+      verify(field, of, options);
+    } catch (const Error& error) {
+      return static_cast<int>(error.code());
+    }
+    return 0;
+  };
+  VerifyOptions none, negative, cancelled;
+  none.samples = 0;
+  negative.threads = -1;
+  cancelled.progress = [](const Progress&) { return false; };
+  EXPECT_EQ(code(mesh, none), 2);
+  EXPECT_EQ(code(mesh, negative), 2);
+  EXPECT_EQ(code(mesh, cancelled), 130);
+  EXPECT_EQ(code(Mesh{}, {}), 3);
+  EXPECT_EQ(code(mesh, {}), 0);
+}
+
+}  // namespace
+}  // namespace difi
