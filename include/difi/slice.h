@@ -20,13 +20,14 @@ struct SliceOptions {
   double at = 0.5;      ///< where along the axis: 0 is the first sample, 1 the last; the nearest sample is taken
   std::optional<std::int64_t> index;  ///< the sample along the axis itself, from 0; used in place of `at`
   Colormap colormap = Colormap::viridis;
-  int pixels = 512;  ///< the plane's longer side is enlarged by a whole factor to at least this, 1 to 16384
+  int pixels = 512;  ///< the plane's longer side is enlarged by a whole factor to at least this, 1 to 8192
 };
 
-/// Draws the samples of a plane with a legend and writes a PNG picture, which appears whole or not at all. One square
-/// (rectangle where spacings differ) per sample; the plane's first axis runs right, its second up: x and y for z, x and
-/// z for y, y and z for x. Colors span the finite values of the plane; infinite ones are grey.
-/// Errors: usage (options, a plane of more than 16384 pixels, or built without libpng), output.
+/// Draws the samples of a plane with a legend and writes a PNG picture, which appears whole or not at all. Samples are
+/// squares (rectangles where spacings differ); the plane's first axis runs right, its second up: x and y for z, x and z
+/// for y, y and z for x. Colors span the finite values of the plane; infinite ones are grey. Planes of more than 8192
+/// pixels on a side are thinned to that.
+/// Errors: usage (options out of range, or built without libpng), output.
 void write_slice_png(const std::filesystem::path& path, const DistanceField& field, const SliceOptions& options = {});
 
 }  // namespace difi

@@ -22,6 +22,15 @@ struct Image {
       : width(w), height(h), pixels(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), background) {}
   Color& at(int x, int y) { return pixels[static_cast<std::size_t>(y) * width + x]; }
   const Color& at(int x, int y) const { return pixels[static_cast<std::size_t>(y) * width + x]; }
+  /// Colors a pixel, if it lies in the picture.
+  void set(int x, int y, Color color) {
+    if (x >= 0 && x < width && y >= 0 && y < height) at(x, y) = color;
+  }
+  /// Colors a rectangle, as much of it as lies in the picture.
+  void fill(int x, int y, int w, int h, Color color) {
+    for (int row = y; row < y + h; ++row)
+      for (int column = x; column < x + w; ++column) set(column, row, color);
+  }
 };
 
 /// Throws Error{usage} when this build cannot write pictures; call it before drawing one.

@@ -1,0 +1,25 @@
+// The samples of a field in one plane.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "difi/slice.h"
+
+namespace difi {
+
+struct Plane {
+  char normal = 'z', right = 'x', up = 'y';  ///< names of axes
+  std::int64_t width = 0, height = 0;        ///< samples to the right and up
+  double step_right = 1, step_up = 1;        ///< distances between them, world units
+  std::int64_t index = 0, count = 0;         ///< which sample along the normal, of how many
+  double position = 0;                       ///< its coordinate, world units
+  std::vector<float> values;                 ///< rightwards first, then upwards
+
+  float value(std::int64_t r, std::int64_t u) const { return values[static_cast<std::size_t>(r + width * u)]; }
+};
+
+/// Errors: usage when the place lies outside the field.
+Plane plane_of(const DistanceField& field, const SliceOptions& options);
+
+}  // namespace difi
