@@ -5,33 +5,26 @@
 #include <iostream>
 #include <limits>
 
+#include "difi/error.h"
 #include "difi/io.h"
 #include "scenes/scenes.h"
 
 namespace difi::bench {
 namespace {
 
-/// Stretches the mesh per axis until its box, grown by `margin`, is the box from the origin to `extent`.
-void stretch(Mesh& mesh, Vec3 extent, double margin) {
+/// Scales the mesh and centres it in the box from the origin to `extent`.
+void place(Mesh& mesh, Vec3 extent, Vec3 scale) {
   const Box box = bounds(mesh);
-  const Vec3 target = extent - Vec3{2, 2, 2} * margin, old = box.extent();
+  for (Vec3& v : mesh.vertices) v = (v - box.center()) * scale + 0.5 * extent;
+}
+
+/// The scale per axis with which the mesh's box, grown by `margin`, is as large as `extent`.
+Vec3 filling(const Mesh& mesh, Vec3 extent, double margin) {
+  const Vec3 target = extent - Vec3{2, 2, 2} * margin, old = bounds(mesh).extent();
   if (target.x < 0 || target.y < 0 || target.z < 0)
     throw Error(ErrorCode::usage, "the margin leaves no room for the mesh");
   const auto factor = [](double to, double from) { return from > 0 ? to / from : 1; };
-  const Vec3 scale{factor(target.x, old.x), factor(target.y, old.y), factor(target.z, old.z)};
-  for (Vec3& v : mesh.vertices) v = (v - box.min) * scale + Vec3{margin, margin, margin};
-}
-
-/// The grid of --size and --extent, and the mesh stretched to fill it.
-Grid stretched_grid(Mesh& mesh, Size3 size, const std::vector<double>& extent, double margin) {
-  const Vec3 counts{double(size.x), double(size.y), double(size.z)}, one{1, 1, 1};
-  if (extent.empty()) {
-    stretch(mesh, counts - one, margin);
-    return {size, {0, 0, 0}, one};
-  }
-  const Vec3 units{extent[0], extent[1], extent[2]}, spacing = units / counts;
-  stretch(mesh, units, margin);
-  return {size, 0.5 * spacing, spacing};
+  return {factor(target.x, old.x), factor(target.y, old.y), factor(target.z, old.z)};
 }
 
 /// Cubic cells, `samples` on the longest side, the outermost ones at least `thickness` samples away from the mesh.
@@ -85,6 +78,8 @@ WorkloadOptions::WorkloadOptions(CLI::App& app) {
       ->expected(3)
       ->needs(size);
   app.add_option("--thickness", thickness_, "in samples; with --extent in world units");
+  app.add_option("--scale", scale_, "with --size: scale the mesh by this instead of stretching it, and centre it")
+      ->needs(size);
   app.add_option("--margin", margin_,
                  "left free around the mesh, in the unit of the thickness (default: the thickness)");
   app.add_flag("--full", full_, "a full field: no thickness");
@@ -107,7 +102,12 @@ Workload WorkloadOptions::make() const {
     work.grid = cube_ ? cube_grid(box, cube_, margin) : padded_grid(box, samples_, margin);
     work.thickness *= work.grid.spacing.x;
   } else {
-    work.grid = stretched_grid(work.mesh, {size_[0], size_[1], size_[2]}, extent_, margin);
+    const Vec3 counts{double(size_[0]), double(size_[1]), double(size_[2])}, one{1, 1, 1};
+    const bool cells = !extent_.empty();
+    const Vec3 extent = cells ? Vec3{extent_[0], extent_[1], extent_[2]} : counts - one;
+    const Vec3 spacing = cells ? extent / counts : one;
+    place(work.mesh, extent, scale_ ? one * *scale_ : filling(work.mesh, extent, margin));
+    work.grid = {{size_[0], size_[1], size_[2]}, cells ? 0.5 * spacing : Vec3{}, spacing};
   }
   if (full_) work.thickness = std::numeric_limits<double>::infinity();
   return work;

@@ -43,7 +43,7 @@ class WorkloadOptions {
   std::vector<double> extent_;
   std::vector<std::int64_t> size_;
   double thickness_ = 2;
-  std::optional<double> margin_;
+  std::optional<double> margin_, scale_;
   int threads_ = 2, repeats_ = 5;
   bool full_ = false, check_ = false;
 };
