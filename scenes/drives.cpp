@@ -1,6 +1,5 @@
 #include "scenes/drives.h"
 
-
 #include "scenes/random.h"
 #include "scenes/steel.h"
 #include "scenes/vessels.h"

@@ -1,6 +1,5 @@
 #include "scenes/steel.h"
 
-
 namespace difi::scenes {
 
 void i_beam(Builder& b, const Frame& f, Vec3 from, Vec3 to, double height, double width) {

@@ -1,6 +1,5 @@
 #include "scenes/vessels.h"
 
-
 #include "scenes/steel.h"
 
 namespace difi::scenes {
