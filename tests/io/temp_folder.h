@@ -1,4 +1,4 @@
-// A folder of a test's own, removed with everything in it.
+// A folder of a test's own, and whole files in it.
 #pragma once
 
 #include <stdlib.h>
@@ -8,14 +8,26 @@
 #include <iterator>
 #include <set>
 #include <string>
+#include <string_view>
 
 namespace difi {
 
+inline std::string read_bytes(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+inline void write_bytes(const std::filesystem::path& path, std::string_view bytes) {
+  std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+}
+
+/// Made on construction under a name nobody else has, removed with all it holds on destruction.
 class TempFolder {
  public:
   TempFolder() {
     std::string name = (std::filesystem::temp_directory_path() / "difi-test-XXXXXX").string();
-    path_ = ::mkdtemp(name.data());
+    if (!::mkdtemp(name.data())) throw std::filesystem::filesystem_error("mkdtemp", name, std::error_code());
+    path_ = name;
   }
   TempFolder(const TempFolder&) = delete;
   TempFolder& operator=(const TempFolder&) = delete;
@@ -24,8 +36,15 @@ class TempFolder {
     std::filesystem::remove_all(path_, ignored);
   }
 
-  const std::filesystem::path& path() const { return path_; }
   std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+  const std::filesystem::path& path() const { return path_; }
+
+  /// Writes a file of these bytes and returns its path.
+  std::filesystem::path file(const std::string& name, std::string_view bytes) const {
+    write_bytes(path_ / name, bytes);
+    return path_ / name;
+  }
+
   /// The names of all files, hidden ones too.
   std::set<std::string> names() const {
     std::set<std::string> names;
@@ -36,14 +55,5 @@ class TempFolder {
  private:
   std::filesystem::path path_;
 };
-
-inline std::string read_bytes(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-inline void write_bytes(const std::filesystem::path& path, const std::string& bytes) {
-  std::ofstream(path, std::ios::binary) << bytes;
-}
 
 }  // namespace difi
