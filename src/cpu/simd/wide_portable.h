@@ -1,5 +1,5 @@
-// Sixteen floats in an array, for any processor. Same names and same results as wide_avx512.h: fma has one rounding even
-// where the processor has none, at the price of a library call.
+// Sixteen floats as four of the compiler's own vectors, which every processor's baseline has. Same names and same
+// results as wide_avx512.h: fma has one rounding even where the processor has none, at the price of a library call.
 #pragma once
 
 #include <cstdint>
@@ -8,128 +8,174 @@
 
 namespace difi::portable {
 
+using Floats = float __attribute__((vector_size(16)));
+using Ints = std::int32_t __attribute__((vector_size(16)));
+using Uints = std::uint32_t __attribute__((vector_size(16)));
+constexpr int kParts = 4, kPartLanes = 4;
+
+/// T(f(0), ..., f(3)): one operation on all parts.
+template <class T, class Function>
+DIFI_INLINE T by_parts(Function f) {
+  T result;
+  for (int part = 0; part < kParts; ++part) result.v[part] = f(part);
+  return result;
+}
+#define DIFI_LANES [&](int part) __attribute__((always_inline))
+
 struct Mask {
-  std::uint32_t bits;
-  DIFI_INLINE std::uint32_t to_bits() const { return bits; }
-  friend DIFI_INLINE Mask operator~(Mask a) { return {~a.bits & 0xffffu}; }
-  friend DIFI_INLINE Mask operator&(Mask a, Mask b) { return {a.bits & b.bits}; }
-  friend DIFI_INLINE Mask operator|(Mask a, Mask b) { return {a.bits | b.bits}; }
+  Ints v[kParts];  // all bits of a lane, or none
+
+  DIFI_INLINE std::uint32_t to_bits() const {
+    const Ints bit{1, 2, 4, 8};
+    std::uint32_t bits = 0;
+    for (int part = 0; part < kParts; ++part) {
+      const Ints set = v[part] & bit;
+      bits |= static_cast<std::uint32_t>(set[0] | set[1] | set[2] | set[3]) << (kPartLanes * part);
+    }
+    return bits;
+  }
+  friend DIFI_INLINE Mask operator~(const Mask& a) {
+    return by_parts<Mask>(DIFI_LANES { return ~a.v[part]; });
+  }
+  friend DIFI_INLINE Mask operator&(const Mask& a, const Mask& b) {
+    return by_parts<Mask>(DIFI_LANES { return a.v[part] & b.v[part]; });
+  }
+  friend DIFI_INLINE Mask operator|(const Mask& a, const Mask& b) {
+    return by_parts<Mask>(DIFI_LANES { return a.v[part] | b.v[part]; });
+  }
 };
 
 struct WideFloat {
-  float v[16];
+  Floats v[kParts];
 
   WideFloat() = default;
   DIFI_INLINE WideFloat(float value) {
-    for (float& lane : v) lane = value;
+    for (Floats& part : v) part = Floats{value, value, value, value};
   }
   DIFI_INLINE explicit WideFloat(int value) : WideFloat(static_cast<float>(value)) {}
 
   static DIFI_INLINE WideFloat load(const float* p) {
-    return of([&](int i) { return p[i]; });
-  }
-  DIFI_INLINE void store(float* p) const {
-    for (int i = 0; i < 16; ++i) p[i] = v[i];
-  }
-
-  /// The lanes f(0) to f(15).
-  template <class Function>
-  static DIFI_INLINE WideFloat of(Function f) {
     WideFloat result;
-    for (int i = 0; i < 16; ++i) result.v[i] = f(i);
+    __builtin_memcpy(result.v, p, sizeof result.v);
     return result;
   }
+  DIFI_INLINE void store(float* p) const { __builtin_memcpy(p, v, sizeof v); }
 
   friend DIFI_INLINE WideFloat operator+(const WideFloat& a, const WideFloat& b) {
-    return of([&](int i) { return a.v[i] + b.v[i]; });
+    return by_parts<WideFloat>(DIFI_LANES { return a.v[part] + b.v[part]; });
   }
   friend DIFI_INLINE WideFloat operator-(const WideFloat& a, const WideFloat& b) {
-    return of([&](int i) { return a.v[i] - b.v[i]; });
+    return by_parts<WideFloat>(DIFI_LANES { return a.v[part] - b.v[part]; });
   }
   friend DIFI_INLINE WideFloat operator*(const WideFloat& a, const WideFloat& b) {
-    return of([&](int i) { return a.v[i] * b.v[i]; });
+    return by_parts<WideFloat>(DIFI_LANES { return a.v[part] * b.v[part]; });
   }
   friend DIFI_INLINE WideFloat operator/(const WideFloat& a, const WideFloat& b) {
-    return of([&](int i) { return a.v[i] / b.v[i]; });
+    return by_parts<WideFloat>(DIFI_LANES { return a.v[part] / b.v[part]; });
   }
   friend DIFI_INLINE WideFloat operator-(const WideFloat& a) {
-    return of([&](int i) { return -a.v[i]; });
+    return by_parts<WideFloat>(DIFI_LANES { return -a.v[part]; });
   }
 };
 
-template <class Function>
-DIFI_INLINE Mask mask_of(Function f) {
-  std::uint32_t bits = 0;
-  for (int i = 0; i < 16; ++i) bits |= static_cast<std::uint32_t>(f(i)) << i;
-  return {bits};
+/// to[i] = fma(to[i], b[i], c[i]). Where that is sixteen calls it is no inline function, or the kernels would be mostly
+/// calls.
+#ifdef __FP_FAST_FMAF
+DIFI_INLINE
+#else
+[[gnu::noinline]] static
+#endif
+void fma_lanes(float* to, const float* b, const float* c) {
+  for (int i = 0; i < kParts * kPartLanes; ++i) to[i] = difi::fma(to[i], b[i], c[i]);
 }
 
 DIFI_INLINE WideFloat fma(const WideFloat& a, const WideFloat& b, const WideFloat& c) {
-  return WideFloat::of([&](int i) { return difi::fma(a.v[i], b.v[i], c.v[i]); });
+  float to[16], by[16], plus[16];
+  a.store(to);
+  b.store(by);
+  c.store(plus);
+  fma_lanes(to, by, plus);
+  return WideFloat::load(to);
 }
 DIFI_INLINE WideFloat min(const WideFloat& a, const WideFloat& b) {
-  return WideFloat::of([&](int i) { return difi::min(a.v[i], b.v[i]); });
+  return by_parts<WideFloat>(DIFI_LANES { return a.v[part] < b.v[part] ? a.v[part] : b.v[part]; });
 }
 DIFI_INLINE WideFloat max(const WideFloat& a, const WideFloat& b) {
-  return WideFloat::of([&](int i) { return difi::max(a.v[i], b.v[i]); });
+  return by_parts<WideFloat>(DIFI_LANES { return a.v[part] > b.v[part] ? a.v[part] : b.v[part]; });
 }
 DIFI_INLINE WideFloat sqrt(const WideFloat& a) {
-  return WideFloat::of([&](int i) { return difi::sqrt(a.v[i]); });
+  return by_parts<WideFloat>(DIFI_LANES {
+    const Floats x = a.v[part];
+    return Floats{difi::sqrt(x[0]), difi::sqrt(x[1]), difi::sqrt(x[2]), difi::sqrt(x[3])};
+  });
 }
 DIFI_INLINE WideFloat abs(const WideFloat& a) {
-  return WideFloat::of([&](int i) { return difi::abs(a.v[i]); });
+  return by_parts<WideFloat>(
+      DIFI_LANES { return reinterpret_cast<Floats>(reinterpret_cast<Ints>(a.v[part]) & 0x7fffffff); });
 }
 DIFI_INLINE Mask less(const WideFloat& a, const WideFloat& b) {
-  return mask_of([&](int i) { return a.v[i] < b.v[i]; });
+  return by_parts<Mask>(DIFI_LANES { return a.v[part] < b.v[part]; });
 }
 DIFI_INLINE Mask equal(const WideFloat& a, const WideFloat& b) {
-  return mask_of([&](int i) { return a.v[i] == b.v[i]; });
+  return by_parts<Mask>(DIFI_LANES { return a.v[part] == b.v[part]; });
 }
-DIFI_INLINE WideFloat select(Mask m, const WideFloat& yes, const WideFloat& no) {
-  return WideFloat::of([&](int i) { return (m.bits >> i & 1) != 0 ? yes.v[i] : no.v[i]; });
+DIFI_INLINE WideFloat select(const Mask& m, const WideFloat& yes, const WideFloat& no) {
+  return by_parts<WideFloat>(DIFI_LANES { return m.v[part] ? yes.v[part] : no.v[part]; });
 }
 DIFI_INLINE float reduce_max(const WideFloat& a) {
-  float m = a.v[0];
-  for (const float lane : a.v) m = difi::max(m, lane);
+  float lanes[16];
+  a.store(lanes);
+  float m = lanes[0];
+  for (const float lane : lanes) m = difi::max(m, lane);
   return m;
 }
 DIFI_INLINE float reduce_min(const WideFloat& a) { return -reduce_max(-a); }
 
 /// Stores the lanes rounded towards zero. Requires values within the range of int.
 DIFI_INLINE void store_truncated(int* p, const WideFloat& a) {
-  for (int i = 0; i < 16; ++i) p[i] = static_cast<int>(a.v[i]);
+  float lanes[16];
+  a.store(lanes);
+  for (int i = 0; i < 16; ++i) p[i] = static_cast<int>(lanes[i]);
 }
 
 struct WideUint {
-  std::uint32_t v[16];
+  Uints v[kParts];
 
   WideUint() = default;
   DIFI_INLINE WideUint(std::uint32_t value) {
-    for (std::uint32_t& lane : v) lane = value;
+    for (Uints& part : v) part = Uints{value, value, value, value};
   }
   static DIFI_INLINE WideUint load(const std::uint32_t* p) {
     WideUint result;
-    for (int i = 0; i < 16; ++i) result.v[i] = p[i];
+    __builtin_memcpy(result.v, p, sizeof result.v);
     return result;
   }
-  DIFI_INLINE void store(std::uint32_t* p) const {
-    for (int i = 0; i < 16; ++i) p[i] = v[i];
-  }
+  DIFI_INLINE void store(std::uint32_t* p) const { __builtin_memcpy(p, v, sizeof v); }
 };
 
 DIFI_INLINE Mask less(const WideUint& a, const WideUint& b) {
-  return mask_of([&](int i) { return a.v[i] < b.v[i]; });
+  return by_parts<Mask>(DIFI_LANES { return a.v[part] < b.v[part]; });
 }
-DIFI_INLINE WideUint select(Mask m, const WideUint& yes, const WideUint& no) {
-  WideUint result;
-  for (int i = 0; i < 16; ++i) result.v[i] = (m.bits >> i & 1) != 0 ? yes.v[i] : no.v[i];
-  return result;
+DIFI_INLINE WideUint select(const Mask& m, const WideUint& yes, const WideUint& no) {
+  return by_parts<WideUint>(DIFI_LANES { return m.v[part] ? yes.v[part] : no.v[part]; });
+}
+#undef DIFI_LANES
+
+/// Stores the lanes of `a` whose mask bit is set, packed, and returns how many. `p` must have room for sixteen.
+DIFI_INLINE int store_packed(std::uint32_t* p, const Mask& m, const WideUint& a) {
+  std::uint32_t all[16];
+  a.store(all);
+  int n = 0;
+  for (std::uint32_t bits = m.to_bits(); bits; bits &= bits - 1) p[n++] = all[__builtin_ctz(bits)];
+  return n;
 }
 
-DIFI_INLINE int store_packed(std::uint32_t* p, Mask m, const WideUint& a) {
+/// Stores the lanes of `a` whose mask bit is set, packed. `p` must have room for sixteen.
+DIFI_INLINE void store_packed(float* p, const Mask& m, const WideFloat& a) {
+  float all[16];
+  a.store(all);
   int n = 0;
-  for (std::uint32_t bits = m.bits; bits; bits &= bits - 1) p[n++] = a.v[__builtin_ctz(bits)];
-  return n;
+  for (std::uint32_t bits = m.to_bits(); bits; bits &= bits - 1) p[n++] = all[__builtin_ctz(bits)];
 }
 
 /// Stores (v * scale - center) as four floats, the fourth zero. v has three doubles, center four.
@@ -140,19 +186,25 @@ DIFI_INLINE void store_local(float* out, const double* v, double scale, const do
 
 /// Column `axis` of sixteen rows of four.
 DIFI_INLINE WideFloat load_column(const float (*rows)[4], int axis) {
-  return WideFloat::of([&](int i) { return rows[i][axis]; });
+  float column[16];
+  for (int i = 0; i < 16; ++i) column[i] = rows[i][axis];
+  return WideFloat::load(column);
 }
 
 /// Lanes p[0] to p[count - 1]; the others zero, their memory untouched. `count` from 0 to 16.
 DIFI_INLINE WideFloat load_some(const float* p, int count) {
-  return WideFloat::of([&](int i) { return i < count ? p[i] : 0.0f; });
+  float some[16] = {};
+  for (int i = 0; i < count; ++i) some[i] = p[i];
+  return WideFloat::load(some);
 }
-DIFI_INLINE Mask mask_from_bits(std::uint32_t bits) { return {bits}; }
-
-/// Stores the lanes of `a` whose mask bit is set, packed. `p` must have room for sixteen.
-DIFI_INLINE void store_packed(float* p, Mask m, const WideFloat& a) {
-  int n = 0;
-  for (std::uint32_t bits = m.bits; bits; bits &= bits - 1) p[n++] = a.v[__builtin_ctz(bits)];
+DIFI_INLINE Mask mask_from_bits(std::uint32_t bits) {
+  Mask m;
+  for (int part = 0; part < kParts; ++part) {
+    const auto four = static_cast<std::int32_t>(bits >> (kPartLanes * part));
+    const Ints bit{1, 2, 4, 8};
+    m.v[part] = (Ints{four, four, four, four} & bit) == bit;
+  }
+  return m;
 }
 
 }  // namespace difi::portable
