@@ -111,7 +111,7 @@ class Reader {
 
   void read_piece(const VtiTag& tag) {
     ++pieces_;
-    if (numbers<6, std::int64_t>(tag, "Extent") != extent_)
+    if (found_image_ && numbers<6, std::int64_t>(tag, "Extent") != extent_)
       fail(tag, "the piece is not all of the image; save the whole as one piece");
   }
 
