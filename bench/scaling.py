@@ -54,7 +54,8 @@ def plot(series, rows, path):
     axes.loglog(x, [row["cold_s"] for row in rows], "s--", alpha=0.6, label="first call")
     last = rows[-1]
     axes.loglog(x, [last["warm_s"] * n / x[-1] for n in x], ":", color="grey", label="linear")
-    axes.set(xlabel=series["axis"], ylabel="seconds", title=series["what"])
+    axes.set(xlabel=series["axis"], ylabel="seconds")
+    axes.set_title(series["what"], fontsize="medium")
     axes.grid(True, which="major", alpha=0.3)
     axes.legend()
     figure.tight_layout()
