@@ -1,5 +1,5 @@
-// 3DS, glTF, OFF and COLLADA through assimp, which only ever sees those: its readers of STL, PLY and OBJ fail in worse
-// ways than ours. Of what it returns nothing is trusted.
+// 3DS, glTF and COLLADA through assimp, which only ever sees those: its readers of STL, PLY, OBJ and OFF
+// fail in worse ways than ours. Of what it returns nothing is trusted.
 #ifdef DIFI_HAVE_ASSIMP
 
 #include <assimp/BaseImporter.h>

@@ -30,15 +30,14 @@ Mesh MeshBuilder::finish(const std::function<std::string(std::size_t)>& where) {
   Mesh mesh{std::move(vertices), std::move(triangles)};
   std::vector<std::uint32_t> number(mesh.vertices.size());
   const std::uint32_t distinct = weld([&](std::uint32_t i) { return mesh.vertices[i]; }, number);
-  if (distinct < number.size()) {
-    std::uint32_t kept = 0;
-    for (std::size_t i = 0; i < number.size(); ++i)
-      if (number[i] == kept) mesh.vertices[kept++] = mesh.vertices[i];
-    mesh.vertices.resize(kept);
-    mesh.vertices.shrink_to_fit();
-    for (Triangle& t : mesh.triangles)
-      for (auto& v : t) v = number[v];
-  }
+  std::uint32_t kept = 0;
+  for (std::size_t i = 0; i < number.size(); ++i)
+    if (number[i] == kept) mesh.vertices[kept++] = mesh.vertices[i] + kPositiveZero;
+  if (distinct == number.size()) return mesh;
+  mesh.vertices.resize(distinct);
+  mesh.vertices.shrink_to_fit();
+  for (Triangle& t : mesh.triangles)
+    for (auto& v : t) v = number[v];
   return mesh;
 }
 

@@ -30,7 +30,10 @@ bool is_obj(std::string_view content);
 Mesh read_obj(const FileView& file);
 void write_obj(AtomicFile& file, MeshView mesh);
 
-/// 3DS, glTF, GLB, OFF and DAE. Only with DIFI_HAVE_ASSIMP.
+bool is_off(std::string_view content);
+Mesh read_off(const FileView& file);
+
+/// 3DS, glTF, GLB and DAE. Only with DIFI_HAVE_ASSIMP.
 Mesh read_with_assimp(const FileView& file, const char* extension);
 
 }  // namespace difi

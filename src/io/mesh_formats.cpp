@@ -20,14 +20,6 @@ bool is_3ds(std::string_view content) {
   return length == content.size();
 }
 bool is_glb(std::string_view content) { return content.starts_with("glTF"); }
-bool is_off(std::string_view content) {
-  for (const char* word : {"OFF", "COFF", "NOFF", "STOFF"})
-    if (content.starts_with(word)) {
-      const auto rest = content.substr(std::strlen(word));
-      return rest.empty() || is_space(rest[0]);
-    }
-  return false;
-}
 bool is_gltf(std::string_view content) {
   const auto first = content.find_first_not_of(" \t\r\n");
   return first != content.npos && content[first] == '{' && content.find("\"asset\"") != content.npos;
@@ -38,20 +30,19 @@ bool is_dae(std::string_view content) { return content.substr(0, 1024).find("<CO
 constexpr Mesh (*read_3ds)(const FileView&) = [](const FileView& file) { return read_with_assimp(file, "3ds"); };
 constexpr Mesh (*read_glb)(const FileView&) = [](const FileView& file) { return read_with_assimp(file, "glb"); };
 constexpr Mesh (*read_gltf)(const FileView&) = [](const FileView& file) { return read_with_assimp(file, "gltf"); };
-constexpr Mesh (*read_off)(const FileView&) = [](const FileView& file) { return read_with_assimp(file, "off"); };
 constexpr Mesh (*read_dae)(const FileView&) = [](const FileView& file) { return read_with_assimp(file, "dae"); };
 #else
-constexpr auto read_3ds = nullptr, read_glb = nullptr, read_gltf = nullptr, read_off = nullptr, read_dae = nullptr;
+constexpr auto read_3ds = nullptr, read_glb = nullptr, read_gltf = nullptr, read_dae = nullptr;
 #endif
 
 constexpr std::array<MeshFormat, 8> kFormats{{
     {"stl", "STL", "STL, binary or ASCII; written as binary", is_stl, read_stl, write_stl},
     {"ply", "PLY", "PLY, binary or ASCII; written as binary little endian", is_ply, read_ply, write_ply},
     {"obj", "OBJ", "Wavefront OBJ", is_obj, read_obj, write_obj},
+    {"off", "OFF", "OFF, text", is_off, read_off, nullptr},
     {"3ds", "3DS", "3D Studio", is_3ds, read_3ds, nullptr},
     {"glb", "GLB", "glTF 2.0, binary", is_glb, read_glb, nullptr},
     {"gltf", "glTF", "glTF 2.0, JSON", is_gltf, read_gltf, nullptr},
-    {"off", "OFF", "Object File Format", is_off, read_off, nullptr},
     {"dae", "DAE", "COLLADA", is_dae, read_dae, nullptr},
 }};
 

@@ -30,6 +30,8 @@ class TextCursor {
   bool at_end() const { return at_ == end_; }
   std::size_t offset() const { return static_cast<std::size_t>(at_ - file_.bytes().data()); }
   const char* position() const { return at_; }
+  /// Characters to the end of the text.
+  std::size_t left() const { return static_cast<std::size_t>(end_ - at_); }
 
   /// Skips spaces and line ends.
   void skip_space() {

@@ -28,7 +28,7 @@ class ObjReader {
         read_vertex();
       else if (keyword == "f")
         read_face();
-      text_.skip_statement();
+      skip_rest(text_, keyword);
     }
     if (highest_ > static_cast<std::int64_t>(builder_.vertices.size())) fail_range(highest_place_, highest_);
     return builder_.finish([&](std::size_t v) { return place_of_vertex(v); });
@@ -46,6 +46,14 @@ class ObjReader {
     }
     builder_.vertices.reserve(vertices);
     builder_.triangles.reserve(faces);
+  }
+
+  // A comment ends with its line, even if that ends with a backslash (as names of Windows folders do).
+  static void skip_rest(TextCursor& text, std::string_view keyword) {
+    if (keyword.starts_with('#'))
+      text.skip_line();
+    else
+      text.skip_statement();
   }
 
   void read_vertex() {
@@ -97,8 +105,9 @@ class ObjReader {
   std::string place_of_vertex(std::size_t vertex) const {
     TextCursor text(file_, text_begin(file_));
     while (!text.at_end()) {
-      if (text.statement_word() == "v" && vertex-- == 0) break;
-      text.skip_statement();
+      const std::string_view word = text.statement_word();
+      if (word == "v" && vertex-- == 0) break;
+      skip_rest(text, word);
     }
     return "line " + std::to_string(text.line());
   }

@@ -155,7 +155,8 @@ class PlyReader {
     const auto length = body_.template value<std::int64_t>(property.count_type);
     if (length < 0) row_.fail("a list of " + std::to_string(length) + " values; the file is damaged");
     if (static_cast<std::uint64_t>(length) > body_.bytes_left())
-      row_.fail("a list of " + std::to_string(length) + " values, more than the file can hold; the file is damaged");
+      row_.fail("a list of " + std::to_string(length) +
+                " values, more than the file can hold; it is cut off or damaged");
     return static_cast<std::uint64_t>(length);
   }
 

@@ -1,7 +1,10 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
+#include <cstdint>
 #include <cstring>
+#include <limits>
 #include <string>
 
 #include "io/mesh_format.h"
@@ -11,10 +14,17 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
+// True where a float holds c: its last 29 bits are zero, and its size is that of a normal float. Asked of the bits, as
+// GCC 12 may drop the rounding from (double)(float)c when it packs several of them into one register.
+bool is_float(double c) {
+  const double size = std::abs(c);
+  const bool in_range = size >= std::numeric_limits<float>::min() && size <= std::numeric_limits<float>::max();
+  return c == 0 || (in_range && (std::bit_cast<std::uint64_t>(c) & ((1u << 29) - 1)) == 0);
+}
+
 bool all_floats(MeshView mesh) {
-  const auto is_float = [](double c) { return static_cast<double>(static_cast<float>(c)) == c; };
   return std::all_of(mesh.vertices.begin(), mesh.vertices.end(),
-                     [&](const Vec3& v) { return is_float(v.x) && is_float(v.y) && is_float(v.z); });
+                     [](const Vec3& v) { return is_float(v.x) && is_float(v.y) && is_float(v.z); });
 }
 
 template <class Number>

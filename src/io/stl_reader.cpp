@@ -48,7 +48,7 @@ Mesh welded(std::size_t triangles, const Position& position) {
   const std::span number(mesh.triangles.data()->data(), 3 * triangles);
   mesh.vertices.reserve(weld(position, number));
   for (std::uint32_t i = 0; i < number.size(); ++i)
-    if (number[i] == mesh.vertices.size()) mesh.vertices.push_back(position(i));
+    if (number[i] == mesh.vertices.size()) mesh.vertices.push_back(position(i) + kPositiveZero);
   return mesh;
 }
 

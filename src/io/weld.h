@@ -22,6 +22,10 @@ namespace difi {
 /// The most positions that can be welded: numbers are 32-bit and one value marks free slots.
 inline constexpr std::uint64_t kMaxWeld = std::numeric_limits<std::uint32_t>::max() - 1;
 
+/// Added to a position it turns -0 into +0 and leaves everything else: welded vertices look the same whichever of
+/// several equal positions came first.
+inline constexpr Vec3 kPositiveZero{0, 0, 0};
+
 namespace weld_detail {
 
 // Positions of one block are first welded among themselves, in a table that stays in the second-level cache: files list

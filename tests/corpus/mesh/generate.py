@@ -1,0 +1,196 @@
+#!/usr/bin/env python3
+"""Writes the files of this folder that expected.txt lists. The same bytes on every run."""
+import pathlib
+import struct
+
+HERE = pathlib.Path(__file__).parent
+POINTS = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+FACES = [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)]
+
+
+def write(name, content):
+    (HERE / name).write_bytes(content if isinstance(content, bytes) else content.encode())
+
+
+def binary_stl(header=b"", count=None, points=POINTS, tail=b""):
+    body = b"".join(struct.pack("<12fH", 0, 0, 0, *points[a], *points[b], *points[c], 0) for a, b, c in FACES)
+    return header.ljust(80, b"\0") + struct.pack("<I", len(FACES) if count is None else count) + body + tail
+
+
+def ascii_stl(name="", points=POINTS, normal="0 0 0"):
+    text = f"solid {name}\n"
+    for face in FACES:
+        corners = "".join("      vertex %s %s %s\n" % points[i] for i in face)
+        text += f"  facet normal {normal}\n    outer loop\n{corners}    endloop\n  endfacet\n"
+    return text + f"endsolid {name}\n"
+
+
+def ply(encoding="ascii", vertices=4, faces=4, points=POINTS, corner=str, body=None, extra=""):
+    header = (f"ply\nformat {encoding} 1.0\nelement vertex {vertices}\nproperty float x\nproperty float y\n"
+              f"property float z\n{extra}element face {faces}\nproperty list uchar int vertex_indices\nend_header\n")
+    if body is None:
+        body = "".join("%s %s %s\n" % p for p in points) + "".join("3 %s %s %s\n" % f for f in FACES)
+    return header.encode() + (body if isinstance(body, bytes) else body.encode())
+
+
+def binary_ply_body(order="<", faces=FACES):
+    return b"".join(struct.pack(order + "3f", *p) for p in POINTS) + b"".join(
+        struct.pack(order + "B3i", 3, *f) for f in faces)
+
+
+def obj(points=POINTS, faces=FACES):
+    return "".join("v %s %s %s\n" % p for p in points) + "".join("f %d %d %d\n" % tuple(i + 1 for i in f) for f in faces)
+
+
+def off(vertices=4, faces=4, first="OFF\n", points=POINTS):
+    return (f"{first}{vertices} {faces} 6\n" + "".join("%s %s %s\n" % p for p in points) +
+            "".join("3 %d %d %d\n" % f for f in FACES))
+
+
+nan = [(0, 0, 0), (float("nan"), 0, 0), (0, 1, 0), (0, 0, 1)]
+inf = [(0, 0, 0), (1, 0, 0), (0, float("inf"), 0), (0, 0, 1)]
+text = ascii_stl()
+
+# STL, binary
+write("stl_header_says_solid.stl", binary_stl(b"solid made by a program that does not know better"))
+write("stl_header_says_solid_padded.stl", binary_stl(b"solid".ljust(80), tail=b"!!"))
+write("stl_trailing_bytes.stl", binary_stl(tail=b"checksum"))
+write("stl_attribute_colours.stl", binary_stl()[:-2] + b"\xff\x7f")
+write("stl_negative_zero.stl", binary_stl(points=[(0.0, -0.0, 0), (1, 0, -0.0), (-0.0, 1, 0), (0, 0, 1)]))
+write("stl_cut_off.stl", binary_stl()[:-60])
+write("stl_cut_off_in_header.stl", binary_stl()[:83])
+write("stl_absurd_count.stl", binary_stl(count=0xffffffff))
+write("stl_count_too_large.stl", binary_stl(count=5))
+write("stl_no_triangles.stl", binary_stl(count=0)[:84])
+write("stl_nan.stl", binary_stl(points=nan))
+write("stl_infinite.stl", binary_stl(points=inf))
+write("stl_empty.stl", b"")
+write("stl_one_byte.stl", b"s")
+write("stl_not_a_mesh.stl", b"<html><body>404 Not Found</body></html>\n" * 3)
+write("stl_is_ply.stl", ply())
+# STL, ASCII
+write("stl_text.stl", text)
+write("stl_text_crlf.stl", text.replace("\n", "\r\n"))
+write("stl_text_cr.stl", text.replace("\n", "\r"))
+write("stl_text_upper_case.stl", text.upper())
+write("stl_text_one_line.stl", text.replace("\n", " ").replace("solid ", "solid\n", 1))
+write("stl_text_two_solids.stl", ascii_stl("a") + ascii_stl("b facet", [(2 + x, y, z) for x, y, z in POINTS]))
+write("stl_text_nan_normal.stl", ascii_stl(normal="-nan(ind) nan 1.#QNAN"))
+write("stl_text_leading_space.stl", "\n  " + text)
+write("stl_text_no_solid_end.stl", text[:text.rindex("endsolid")])
+write("stl_text_cut_off.stl", text[:300])
+write("stl_text_bad_number.stl", text.replace("vertex 1 ", "vertex 1,5 ", 1))
+write("stl_text_nan.stl", text.replace("vertex 1 ", "vertex nan ", 1))
+write("stl_text_overflow.stl", text.replace("vertex 1 ", "vertex 1e999 ", 1))
+write("stl_text_underflow.stl", text.replace("vertex 0 ", "vertex 1e-999 ", 1))
+write("stl_text_four_corners.stl", text.replace("    endloop", "      vertex 1 1 1\n    endloop", 1))
+write("stl_text_bytes.stl", text.replace("facet", "\x01\xff\x7ffacet", 1).encode("latin-1"))
+write("stl_text_no_triangles.stl", "solid nothing\nendsolid nothing\n")
+# PLY
+write("ply_text.ply", ply())
+write("ply_text_crlf.ply", ply().replace(b"\n", b"\r\n"))
+write("ply_text_cr.ply", ply().replace(b"\n", b"\r"))
+write("ply_little_endian.ply", ply("binary_little_endian", body=binary_ply_body()))
+write("ply_big_endian.ply", ply("binary_big_endian", body=binary_ply_body(">")))
+write("ply_crlf_header_binary.ply",
+      ply("binary_little_endian", body=b"").replace(b"\n", b"\r\n") + binary_ply_body())
+# A lone CR ends lines, and the first byte of the body is the one that would end them elsewhere.
+write("ply_cr_header_binary.ply",
+      ply("binary_little_endian", body=b"").replace(b"\n", b"\r") + b"\n\0\0\0" + binary_ply_body()[4:])
+write("ply_comments.ply", ply().replace(b"element face", b"comment a \\\nobj_info b\n\nelement face"))
+write("ply_blender_comment.ply", ply().replace(b"element vertex", b"Created by Blender\nelement vertex", 1))
+write("ply_faces_first.ply", "ply\nformat ascii 1.0\nelement face 1\nproperty list uchar int vertex_index\n"
+      "element vertex 5\nproperty double z\nproperty uchar red\nproperty double x\nproperty float y\nend_header\n"
+      "5 0 1 2 3 4\n0 255 0 0\n0 0 2 0\n0 0 2 2\n0 0 1 1\n0 0 0 2\n")
+write("ply_extra_elements.ply",
+      ply(extra="property list uchar float weights\nelement edge 2\nproperty int a\nproperty list int double b\n",
+          body="0 0 0 0\n1 0 0 2 .5 .5\n0 1 0 0\n0 0 1 1 1\n1 2 1.5 2.5\n3 0\n" +
+          "".join("3 %s %s %s\n" % f for f in FACES)))
+write("ply_element_without_properties.ply", ply(extra="element nothing 9000000000000000000\n"))
+write("ply_unused_nan.ply", ply(vertices=5, points=nan[1:2] + POINTS, faces=1,
+                                body="nan 0 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 1 2 3\n"))
+write("ply_edges_and_points.ply", ply(faces=4, body="0 0 0\n1 0 0\n0 1 0\n0 0 1\n0\n1 0\n2 0 1\n3 0 1 2\n"))
+write("ply_nan.ply", ply(points=nan))
+write("ply_index_out_of_range.ply", ply().replace(b"3 1 2 3", b"3 1 2 4"))
+write("ply_negative_index.ply", ply().replace(b"3 1 2 3", b"3 1 2 -1"))
+write("ply_binary_index_out_of_range.ply",
+      ply("binary_little_endian", body=binary_ply_body(faces=FACES[:3] + [(0, 1, 1 << 30)])))
+write("ply_cut_off.ply", ply()[:-15])
+write("ply_binary_cut_off.ply", ply("binary_little_endian", body=binary_ply_body()[:-1]))
+write("ply_header_cut_off.ply", ply()[:60])
+write("ply_absurd_vertices.ply", ply(vertices=10**18))
+write("ply_absurd_faces.ply", ply("binary_little_endian", faces=4000000000, body=binary_ply_body()))
+write("ply_count_overflow.ply", ply(vertices=10**30))
+write("ply_negative_count.ply", ply(faces=-1))
+write("ply_absurd_list.ply", ply("binary_little_endian", faces=1, body=binary_ply_body(faces=[])).replace(
+    b"list uchar", b"list uint") + b"\xff\xff\xff\xff" + bytes(12))
+write("ply_negative_list.ply", ply(faces=1, body="0 0 0\n1 0 0\n0 1 0\n0 0 1\n-3 0 1 2\n"))
+write("ply_unknown_format.ply", ply("binary_middle_endian"))
+write("ply_unknown_type.ply", ply().replace(b"float x", b"half x"))
+write("ply_no_format.ply", ply().replace(b"format ascii 1.0\n", b""))
+write("ply_no_positions.ply", ply().replace(b"float x", b"float u"))
+write("ply_no_faces.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
+      "property float z\nend_header\n0 0 0\n")
+write("ply_float_indices.ply", ply().replace(b"uchar int", b"uchar float"))
+write("ply_float_list_count.ply", ply().replace(b"list uchar", b"list float"))
+write("ply_two_vertex_elements.ply", ply(extra="element vertex 4\nproperty float x\n"))
+write("ply_property_first.ply", b"ply\nformat ascii 1.0\nproperty float x\nend_header\n")
+write("ply_wrong_magic.ply", b"plyy\n" + ply()[4:])
+write("ply_damaged_header.ply", ply().replace(b"element face", b"elemnt face"))
+# OBJ
+write("obj_plain.obj", obj())
+write("obj_crlf.obj", obj().replace("\n", "\r\n"))
+write("obj_cr.obj", obj().replace("\n", "\r"))
+write("obj_byte_order_mark.obj", b"\xef\xbb\xbf" + obj().encode())
+write("obj_corner_forms.obj", obj(faces=[]) + "vt 0 0\nvn 0 0 1\nf 1/1 3/1 2/1\nf 1//1 2//1 4//1\n"
+      "f 2/1/1 3/1/1 4/1/1\nf 3/ 1/ 4/\n")
+write("obj_negative_indices.obj", obj(faces=[]) + "f -4 -2 -3\nf -4/-1 -3/-1 -1/-1\nf 2 3 4\nf 3 1 4\n")
+write("obj_continued_lines.obj", "v 0 \\\n0 0\nv 1 0\\\n 0\nv 0 1 \\\r\n0\nv 0 0 1\n# not continued \\\nf 1 \\\n 3 2\n"
+      "g a \\\nf 9 9 9\nf 1 2 4\nf 2 3\\\n 4\nf 3 1 4 # comment\n")
+write("obj_weights_and_colours.obj", "v 0 0 0 1\nv 1 0 0 0.1 0.2 0.3\nv 0 1 0\nv 0 0 1 1 1 1 1\n" + obj([]))
+write("obj_number_forms.obj", "v +0 -0 .0\nv 1.E0 0e5 0.\nv 0 10E-1 0\nv 0 0 1.000000000000000000000000000000000001\n" + obj([]))
+write("obj_faces_first.obj", obj([]) + obj(faces=[]))
+write("obj_quad.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n")
+write("obj_concave.obj", "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 1 .5 0\nv 0 2 0\nf 2 3 4 5 1\n")
+write("obj_degenerate.obj", obj(faces=[(0, 0, 0), (1, 1, 2), (0, 1, 2)]))
+write("obj_duplicate_vertices.obj", obj(POINTS + [(1, 0, 0), (0, 0, -0.0)], [(0, 2, 4), (5, 1, 3)]))
+write("obj_edges_and_points.obj", obj() + "p 1\nl 1 2\nf 1\nf 1 2\n")
+write("obj_other_statements.obj", "mtllib a.mtl\no thing\ng\nusemtl x\ns off\nvp 1 2\ncstype bezier\nxyzzy\n" + obj())
+write("obj_no_line_end.obj", obj()[:-1])
+write("obj_index_zero.obj", obj() + "f 0 1 2\n")
+write("obj_index_out_of_range.obj", obj() + "f 1 2 5\n")
+write("obj_negative_out_of_range.obj", obj() + "f -1 -2 -5\n")
+write("obj_index_overflow.obj", obj() + "f 1 2 99999999999999999999\n")
+write("obj_index_too_large.obj", obj() + "f 1 2 5000000000\n")
+write("obj_index_lowest.obj", obj() + "f 1 2 -9223372036854775808\n")
+write("obj_bad_corner.obj", obj() + "f 1 2 three\n")
+write("obj_corner_with_tail.obj", obj() + "f 1 2 3x\n")
+write("obj_nan.obj", obj(nan))
+write("obj_overflow.obj", obj().replace("v 1 ", "v 1e400 ", 1))
+write("obj_missing_coordinate.obj", obj().replace("v 1 0 0", "v 1 0"))
+write("obj_bad_number.obj", obj().replace("v 1 0 0", "v 1 0 0x"))
+write("obj_no_faces.obj", obj(faces=[]))
+write("obj_binary.obj", bytes(range(256)))
+# OFF
+write("off_plain.off", off())
+write("off_crlf.off", off().replace("\n", "\r\n"))
+write("off_counts_on_first_line.off", off(first="OFF "))
+write("off_counts_without_space.off", off(first="OFF"))
+write("off_comments.off", off(first="OFF # made by hand\n# counts\n\n"))
+write("off_colours.off", off(first="COFF\n").replace("1 0 0\n", "1 0 0 255 0 0 255\n") .replace("3 0 2 1", "3 0 2 1 7"))
+write("off_absurd_vertices.off", off(vertices=2**62))
+write("off_absurd_faces.off", off(faces=2**31))
+write("off_absurd_corners.off", off().replace("3 0 2 1", "2000000000 0 2 1"))
+write("off_negative_count.off", off(vertices=-4))
+write("off_cut_off.off", off()[:-9])
+write("off_cut_off_in_vertices.off", off()[:30])
+write("off_index_out_of_range.off", off().replace("3 1 2 3", "3 1 2 4"))
+write("off_nan.off", off(points=nan))
+write("off_binary.off", "OFF BINARY\n" + "\0" * 60)
+write("off_four_dimensions.off", off(first="4OFF\n"))
+# Formats
+write("unknown.xyz", "0 0 0\n1 0 0\n")
+write("ply_without_extension", ply())
+write("obj_called_mesh.txt", "# a comment first\n" + obj())
+write("stl_called_mesh.dat", binary_stl())
+write("off_called_mesh.dat", off())
