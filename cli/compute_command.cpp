@@ -1,8 +1,10 @@
 // difi compute: a mesh file into a field file.
 #include <chrono>
+#include <filesystem>
 #include <memory>
 
 #include "cli/commands.h"
+#include "cli/compute_report.h"
 #include "cli/files.h"
 #include "cli/grid_options.h"
 #include "cli/memory.h"
@@ -10,12 +12,10 @@
 #include "cli/parse.h"
 #include "cli/signals.h"
 #include "cli/talk.h"
-#include "cli/text.h"
 #include "cli/usage.h"
 #include "difi/compute.h"
 #include "difi/error.h"
 #include "difi/io.h"
-#include "difi/version.h"
 
 namespace difi::cli {
 namespace {
@@ -40,10 +40,6 @@ struct Command {
 
   void add_to(CLI::App& verb);
   void run();
-
- private:
-  void plan(const Mesh& mesh, const GridChoice& choice, double load_seconds) const;
-  Json description(const Mesh& mesh, const GridChoice& choice) const;
 };
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
@@ -80,54 +76,6 @@ void Command::add_to(CLI::App& verb) {
   talk.add_to(verb, Talk::kMessages | Talk::kJson | Talk::kProgress);
 }
 
-std::int64_t tile_count(Size3 size) {
-  constexpr std::int64_t side = DistanceField::kTileSide;
-  return ((size.x + side - 1) / side) * ((size.y + side - 1) / side) * ((size.z + side - 1) / side);
-}
-
-std::string grid_line(const GridChoice& choice) {
-  const std::string band =
-      std::isinf(choice.thickness) ? "full field" : "band of thickness " + number(choice.thickness);
-  return "grid " + size_text(choice.grid.size) + ", spacing " + spacing_text(choice.grid.spacing) + ", " + band;
-}
-
-Json Command::description(const Mesh& loaded, const GridChoice& choice) const {
-  const Box box = bounds(loaded);
-  const Grid& g = choice.grid;
-  return {{"version", version()},
-          {"mesh",
-           {{"file", mesh.name()},
-            {"triangles", loaded.triangles.size()},
-            {"vertices", loaded.vertices.size()},
-            {"bounds", {json_point(box.min), json_point(box.max)}}}},
-          {"grid", {{"size", json_size(g.size)}, {"origin", json_point(g.origin)}, {"spacing", json_point(g.spacing)}}},
-          {"thickness", json_number(choice.thickness)}};
-}
-
-void Command::plan(const Mesh& loaded, const GridChoice& choice, double load_seconds) const {
-  const auto triangles = static_cast<std::int64_t>(loaded.triangles.size());
-  const std::int64_t needed = memory_needed(triangles, choice.grid, options);
-  const std::int64_t tiles = tile_count(choice.grid.size);
-  const bool fits = needed <= options.memory_limit;
-  if (talk.json()) {
-    Json json = description(loaded, choice);
-    json["samples"] = {{"total", choice.grid.sample_count()}};
-    json["tiles"] = {{"total", tiles}};
-    json["seconds"] = {{"load", load_seconds}};
-    json["memory_needed_bytes"] = needed;
-    json["memory_limit_bytes"] = options.memory_limit;
-    json["output"] = {{"file", output.path().string()}};
-    json["dry_run"] = true;
-    return print(json);
-  }
-  const Grid& g = choice.grid;
-  print(mesh_line(mesh.name(), loaded) + "\n" + grid_line(choice) + "\n" + "from " + point_text(g.origin) + " to " +
-        point_text(g.bounds().max) + "; " + counted(g.sample_count(), "sample") + " in " + counted(tiles, "tile") +
-        "\n" + "needs at most " + bytes_text(needed) + " beside the mesh" +
-        (fits ? "" : ", more than the limit of " + bytes_text(options.memory_limit)) + "; would write " +
-        output.path().string() + "\n");
-}
-
 void Command::run() {
   if (!output.given()) output.set_path(mesh.stem() + ".vti");
   output.check(field_formats());
@@ -136,57 +84,31 @@ void Command::run() {
   auto start = std::chrono::steady_clock::now();
   const Mesh loaded = mesh.read();
   validate(loaded);
-  const GridChoice choice = grid.choose(bounds(loaded));
-  options.thickness = choice.thickness;
-  const double load_seconds = seconds_since(start);
-  if (dry_run) return plan(loaded, choice, load_seconds);
-  talk.detail(mesh_line(mesh.name(), loaded) + ", read in " + seconds_text(load_seconds));
-  talk.detail(grid_line(choice) + ", from " + point_text(choice.grid.origin));
+  Plan plan{mesh.name(), loaded, grid.choose(bounds(loaded)), output.path().string()};
+  plan.load_seconds = seconds_since(start);
+  options.thickness = plan.choice.thickness;
+  if (dry_run) return talk.json() ? print(plan_json(plan, options)) : print(plan_text(plan, options));
+  talk.say(mesh_line(mesh.name(), loaded));
+  talk.say(grid_line(plan.choice));
 
   Computed computed = [&] {
     const Cancellable cancellable;
     options.progress = talk.progress();
-    return compute(loaded, choice.grid, options);
+    return compute(loaded, plan.choice.grid, options);
   }();
   options.progress = nullptr;  // and the bar with it
   if (interrupted()) throw Error(ErrorCode::interrupted, "interrupted");
-  const Report& report = computed.report;
   computed.field.provenance.mesh_hash = content_hash(loaded);
 
   start = std::chrono::steady_clock::now();
   write_field(output.path(), computed.field);
-  const double write_seconds = seconds_since(start);
+  Outcome outcome{plan, computed.report, computed.field.provenance.mesh_hash};
+  outcome.write_seconds = seconds_since(start);
   std::error_code ignored;  // a pipe has no size
   const auto size = std::filesystem::file_size(output.path(), ignored);
-  const auto written = ignored ? 0 : static_cast<std::int64_t>(size);
-
-  if (!talk.verbose()) talk.say(mesh_line(mesh.name(), loaded));
-  talk.say(grid_line(choice) + "; " + report.method + " on " + report.backend + " (" + report.device + "), " +
-           counted(report.threads, "thread"));
-  if (report.skipped > 0) talk.say(counted(report.skipped, "triangle") + " skipped");
-  talk.detail(counted(report.samples_band, "sample") + " in the band, " + counted(report.tiles_stored, "tile") +
-              " of " + grouped(report.tiles) + " stored, " + grouped(report.samples_examined) + " distances computed");
-  const double total = load_seconds + report.seconds.prepare + report.seconds.compute + write_seconds;
-  talk.say(output.path().string() + ": " + bytes_text(written) + " in " + seconds_text(total) + " (load " +
-           seconds_text(load_seconds) + ", compute " + seconds_text(report.seconds.prepare + report.seconds.compute) +
-           ", write " + seconds_text(write_seconds) + ")");
-  if (!talk.json()) return;
-  Json json = description(loaded, choice);
-  json["mesh"]["skipped"] = report.skipped;
-  json["mesh"]["hash"] = hash_text(computed.field.provenance.mesh_hash);
-  json["samples"] = {{"total", report.samples}, {"examined", report.samples_examined}, {"band", report.samples_band}};
-  json["tiles"] = {{"total", report.tiles}, {"stored", report.tiles_stored}};
-  json["seconds"] = {{"load", load_seconds},
-                     {"prepare", report.seconds.prepare},
-                     {"compute", report.seconds.compute},
-                     {"write", write_seconds}};
-  json["peak_memory_bytes"] = peak_memory_bytes();
-  json["method"] = report.method;
-  json["device"] = report.backend;
-  json["device_name"] = report.device;
-  json["threads"] = report.threads;
-  json["output"] = {{"file", output.path().string()}, {"bytes", written}};
-  print(json);
+  outcome.written_bytes = ignored ? 0 : static_cast<std::int64_t>(size);
+  say(outcome, talk);
+  if (talk.json()) print(outcome_json(outcome));
 }
 
 }  // namespace

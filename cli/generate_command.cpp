@@ -38,13 +38,14 @@ void Command::print_list() const {
       json.push_back({{"name", known.name}, {"triangles", known.triangles}, {"description", known.description}});
     return print(json);
   }
+  constexpr std::size_t kNameWidth = 18, kCountWidth = 10;
+  const auto blanks = [](std::size_t width, const std::string& beside) {
+    return std::string(width > beside.size() ? width - beside.size() : 1, ' ');
+  };
   std::string text;
   for (const auto& known : scenes::all()) {
     const std::string count = grouped(known.triangles);
-    const auto blanks = [](std::size_t width, const std::string& beside) {
-      return std::string(width > beside.size() ? width - beside.size() : 1, ' ');
-    };
-    text += known.name + blanks(24 - std::min<std::size_t>(count.size(), 10), known.name) + count + "  " +
+    text += known.name + blanks(kNameWidth, known.name) + blanks(kCountWidth, count) + count + "  " +
             known.description + "\n";
   }
   print(text);

@@ -1,6 +1,82 @@
 // difi slice: a picture of a plane of a field.
+#include "difi/slice.h"
+
+#include <limits>
+#include <memory>
+
 #include "cli/commands.h"
+#include "cli/files.h"
+#include "cli/option.h"
+#include "cli/parse.h"
+#include "cli/talk.h"
+#include "cli/text.h"
+#include "cli/usage.h"
+#include "difi/error.h"
+#include "difi/io.h"
 
 namespace difi::cli {
-void add_slice(CLI::App&) {}
+namespace {
+
+constexpr const char* kExamples =
+    R"(  difi slice bunny.vti                             the middle along z, into bunny.png
+  difi slice bunny.vti -o side.png --axis x --at 0.3
+  difi slice bunny.vti -o floor.png --index 0      the first plane of samples
+  difi slice bunny.vti -o red.png --colormap thesis
+)";
+
+struct Command {
+  std::string field;
+  FileOutput output;
+  SliceOptions options;
+  Talk talk;
+
+  void add_to(CLI::App& verb);
+  void run();
+};
+
+void Command::add_to(CLI::App& verb) {
+  verb.add_option("FIELD", field, "a field file (" + extensions(field_formats(), false) + ")")->required();
+  output.add_to(verb, "PNG", "the picture (default: the field's name with .png, here)");
+  const auto add = [&verb](const char* name, const char* value, const char* help, auto set) {
+    return add_parsed(verb, {name, value, help, "Picture"}, set);
+  };
+  using S = const std::string&;
+  add("--axis", "A", "the axis the plane is perpendicular to: x, y or z (default)", [this](S o, S t) {
+    options.axis = static_cast<Axis>(parse_choice(o, t, {"x", "y", "z"}));
+  });
+  auto* at = add("--at", "F", "where along the axis, from 0 to 1 (default 0.5)", [this](S o, S t) {
+    options.at = parse_number(o, t);
+    if (!(options.at >= 0 && options.at <= 1))
+      throw Error(ErrorCode::usage, o + " '" + t + "': give a number from 0 to 1");
+  });
+  add("--index", "N", "which sample along the axis, from 0, in place of --at", [this](S o, S t) {
+    options.index = parse_count(o, t, 0, std::numeric_limits<std::int64_t>::max());
+  })->excludes(at);
+  add("--colormap", "NAME", "viridis (default), or thesis: red, green, blue", [this](S o, S t) {
+    options.colormap = parse_choice(o, t, {"viridis", "thesis"}) == 0 ? Colormap::viridis : Colormap::thesis;
+  });
+  add("--pixels", "N", "enlarge the longer side to at least this (default 512)",
+      [this](S o, S t) { options.pixels = static_cast<int>(parse_count(o, t, 1, 8192)); });
+  talk.add_to(verb, Talk::kMessages);
+}
+
+void Command::run() {
+  if (!output.given()) output.set_path(std::filesystem::path(field).stem().string() + ".png");
+  output.check({{"png", "PNG picture", false, true}});
+  const DistanceField loaded = read_field(field);
+  write_slice_png(output.path(), loaded, options);
+  const char* axis = options.axis == Axis::x ? "x" : options.axis == Axis::y ? "y" : "z";
+  talk.say(output.path().string() + ": the plane of " + field + " at " +
+           (options.index ? "sample " + std::to_string(*options.index) : number(options.at)) + " along " + axis);
+}
+
+}  // namespace
+
+void add_slice(CLI::App& program) {
+  auto* verb = add_verb(program, "slice", "draw a plane of a field as a picture", kExamples);
+  const auto command = std::make_shared<Command>();
+  command->add_to(*verb);
+  verb->callback([command] { command->run(); });
+}
+
 }  // namespace difi::cli

@@ -22,7 +22,6 @@ class Talk {
   void add_to(CLI::App& verb, int offers);
 
   bool json() const { return json_; }
-  bool verbose() const { return verbose_; }
   /// A line on stderr, unless quiet.
   void say(const std::string& line) const;
   /// A line on stderr when verbose.

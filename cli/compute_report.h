@@ -1,0 +1,41 @@
+// What `difi compute` says of what it will do, does and has done.
+#pragma once
+
+#include <string>
+
+#include "cli/grid_options.h"
+#include "cli/talk.h"
+#include "difi/compute.h"
+#include "difi/mesh.h"
+
+namespace difi::cli {
+
+/// A computation before it starts.
+struct Plan {
+  std::string mesh_name;
+  const Mesh& mesh;
+  GridChoice choice;
+  std::string output;
+  double load_seconds = 0;
+};
+
+/// "grid 256 x 254 x 200, spacing 0.1, full field".
+std::string grid_line(const GridChoice& choice);
+
+/// What --dry-run prints.
+std::string plan_text(const Plan& plan, const Options& options);
+Json plan_json(const Plan& plan, const Options& options);
+
+/// A computation that has written its field.
+struct Outcome {
+  Plan plan;
+  Report report;
+  std::uint64_t mesh_hash = 0;
+  double write_seconds = 0;
+  std::int64_t written_bytes = 0;
+};
+
+void say(const Outcome& outcome, const Talk& talk);
+Json outcome_json(const Outcome& outcome);
+
+}  // namespace difi::cli
