@@ -1,0 +1,194 @@
+// The method tiles: what must hold between one field and another, or within one.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "difi/compute.h"
+#include "tests/support/fields.h"
+#include "tests/support/random_mesh.h"
+
+namespace difi {
+namespace {
+
+using testing::add_triangle;
+using testing::computed;
+using testing::expect_same_bits;
+using testing::for_each_sample;
+using testing::kInfinity;
+using testing::promised_error;
+using testing::random_soup;
+
+const Grid kGrid{{32, 16, 48}, {-7.75, -3.75, -11.75}, {0.5, 0.5, 0.5}};
+constexpr double kThicknesses[] = {1.7, 3.1, kInfinity};
+
+template <class Change>
+Mesh moved(Mesh mesh, Change change) {
+  for (Vec3& v : mesh.vertices) v = change(v);
+  return mesh;
+}
+
+// Corners on a lattice of 2^-20, so that translations and scales by powers of two are exact.
+Mesh dyadic_soup(unsigned seed) {
+  return moved(random_soup(seed, 60, 7, 1.5), [](Vec3 v) {
+    return Vec3{std::round(v.x * 0x1p20), std::round(v.y * 0x1p20), std::round(v.z * 0x1p20)} * 0x1p-20;
+  });
+}
+
+// `at` gives the sample of b that belongs to a sample of a.
+template <class At>
+void expect_near(const DistanceField& a, const DistanceField& b, At at) {
+  for_each_sample(a.grid(), [&](auto i, auto j, auto k) {
+    const Size3 there = at(i, j, k);
+    const double expected = a.value(i, j, k);
+    ASSERT_NEAR(b.value(there.x, there.y, there.z), expected, 2 * promised_error(a.grid(), expected));
+  });
+}
+constexpr auto kSame = [](auto i, auto j, auto k) { return Size3{i, j, k}; };
+
+TEST(TilesProperties, NeighbouringSamplesDifferByTheirDistanceAtMost) {
+  const Grid grid{{31, 17, 40}, {-7, -4, -8}, {0.45, 0.5, 0.4}};
+  for (const double thickness : kThicknesses) {
+    const DistanceField field = computed(random_soup(31, 50, 7, 2), grid, thickness).field;
+    for_each_sample(grid, [&](auto i, auto j, auto k) {
+      const double here = field.value(i, j, k), rounding = 2 * promised_error(grid, here);
+      if (i > 0) {
+        ASSERT_LE(std::abs(here - field.value(i - 1, j, k)), grid.spacing.x + rounding);
+      }
+      if (j > 0) {
+        ASSERT_LE(std::abs(here - field.value(i, j - 1, k)), grid.spacing.y + rounding);
+      }
+      if (k > 0) {
+        ASSERT_LE(std::abs(here - field.value(i, j, k - 1)), grid.spacing.z + rounding);
+      }
+    });
+  }
+}
+
+TEST(TilesProperties, TheOrderOfTrianglesDoesNotChangeABit) {
+  Mesh mesh = testing::nasty_soup(32, 60, 6);
+  const Mesh soup = random_soup(33, 200, 7, 1);
+  for (std::size_t t = 0; t < soup.triangles.size(); ++t)
+    add_triangle(mesh, MeshView(soup).corner(t, 0), MeshView(soup).corner(t, 1), MeshView(soup).corner(t, 2));
+  Mesh shuffled = mesh;
+  testing::Random random(34);
+  for (std::size_t n = mesh.triangles.size(); n > 1; --n)
+    std::swap(shuffled.triangles[n - 1], shuffled.triangles[random.below(static_cast<std::uint32_t>(n))]);
+  for (const double thickness : kThicknesses) {
+    const auto a = computed(mesh, kGrid, thickness).field.to_dense();
+    const auto b = computed(shuffled, kGrid, thickness).field.to_dense();
+    EXPECT_TRUE(testing::bits_of(a) == testing::bits_of(b)) << thickness;
+  }
+}
+
+TEST(TilesProperties, TiesGoToTheLowestTriangle) {
+  Mesh mesh = random_soup(35, 150, 7, 1);
+  const std::size_t originals = mesh.triangles.size();
+  for (int copy = 0; copy < 2; ++copy)
+    for (std::size_t t = 0; t < originals; ++t) mesh.triangles.push_back(mesh.triangles[originals - 1 - t]);
+  // Turned around in mesh order, so that the first copies of those in front come last.
+  std::swap_ranges(mesh.triangles.begin(), mesh.triangles.begin() + 75, mesh.triangles.begin() + 225);
+  std::vector<std::uint32_t> first(mesh.triangles.size());
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
+    first[t] =
+        static_cast<std::uint32_t>(std::ranges::find(mesh.triangles, mesh.triangles[t]) - mesh.triangles.begin());
+  for (const double thickness : kThicknesses)
+    for (const std::uint32_t nearest : testing::all_nearest(computed(mesh, kGrid, thickness).field))
+      ASSERT_TRUE(nearest == kNoTriangle || nearest == first[nearest]) << nearest;
+}
+
+TEST(TilesProperties, TranslationBySpacingsDoesNotChangeABit) {
+  const Mesh mesh = dyadic_soup(36);
+  const Vec3 by = Vec3{1 << 20, -(1 << 19), 12345} * 0.5;
+  Grid there = kGrid;
+  there.origin = kGrid.origin + by;
+  for (const double thickness : kThicknesses)
+    expect_same_bits(computed(mesh, kGrid, thickness).field,
+                     computed(moved(mesh, [&](Vec3 v) { return v + by; }), there, thickness).field);
+}
+
+TEST(TilesProperties, AGridMovedBySomeSamplesSeesTheSameValues) {
+  const Mesh mesh = dyadic_soup(37);
+  Grid there = kGrid;  // bricks and tiles begin elsewhere
+  there.origin = kGrid.position(3, 5, 1);
+  there.size = {20, 9, 30};
+  for (const double thickness : kThicknesses)
+    expect_near(computed(mesh, there, thickness).field, computed(mesh, kGrid, thickness).field,
+                [](auto i, auto j, auto k) {
+                  return Size3{i + 3, j + 5, k + 1};
+                });
+}
+
+TEST(TilesProperties, MirrorsAndTurnedAxes) {
+  const Mesh mesh = dyadic_soup(38);
+  Grid mirrored = kGrid;
+  mirrored.origin.x = -kGrid.bounds().max.x;
+  const Mesh mirror_mesh = moved(mesh, [](Vec3 v) { return Vec3{-v.x, v.y, v.z}; });
+  const Grid turned{
+      {kGrid.size.y, kGrid.size.z, kGrid.size.x}, {kGrid.origin.y, kGrid.origin.z, kGrid.origin.x}, kGrid.spacing};
+  const Mesh turned_mesh = moved(mesh, [](Vec3 v) { return Vec3{v.y, v.z, v.x}; });
+  for (const double thickness : kThicknesses) {
+    const DistanceField field = computed(mesh, kGrid, thickness).field;
+    expect_near(field, computed(mirror_mesh, mirrored, thickness).field, [](auto i, auto j, auto k) {
+      return Size3{kGrid.size.x - 1 - i, j, k};
+    });
+    expect_near(field, computed(turned_mesh, turned, thickness).field, [](auto i, auto j, auto k) {
+      return Size3{j, k, i};
+    });
+  }
+}
+
+TEST(TilesProperties, PowersOfTwoScaleExactly) {
+  const Mesh mesh = dyadic_soup(39);
+  for (const double scale : {0x1p-30, 2.0, 0x1p40}) {
+    const Grid grid{kGrid.size, kGrid.origin * scale, kGrid.spacing * scale};
+    const Mesh large = moved(mesh, [&](Vec3 v) { return v * scale; });
+    for (const double thickness : kThicknesses) {
+      const Computed a = computed(mesh, kGrid, thickness), b = computed(large, grid, thickness * scale);
+      std::vector<float> expected = a.field.to_dense();
+      for (float& value : expected) value *= static_cast<float>(scale);
+      EXPECT_TRUE(testing::bits_of(expected) == testing::bits_of(b.field.to_dense())) << scale << ' ' << thickness;
+      EXPECT_TRUE(testing::all_nearest(a.field) == testing::all_nearest(b.field));
+    }
+  }
+}
+
+TEST(TilesProperties, SubdividingTrianglesChangesNothingButRounding) {
+  for (const double side : {1.0, 12.0}) {
+    const Mesh mesh = random_soup(40, 40, 6, side);
+    Mesh finer;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      const Vec3 a = MeshView(mesh).corner(t, 0), b = MeshView(mesh).corner(t, 1), c = MeshView(mesh).corner(t, 2);
+      const Vec3 ab = (a + b) * 0.5, bc = (b + c) * 0.5, ca = (c + a) * 0.5;
+      add_triangle(finer, a, ab, ca);
+      add_triangle(finer, ab, b, bc);
+      add_triangle(finer, ca, bc, c);
+      add_triangle(finer, ab, bc, ca);
+    }
+    for (const double thickness : kThicknesses)
+      expect_near(computed(mesh, kGrid, thickness).field, computed(finer, kGrid, thickness).field, kSame);
+  }
+}
+
+TEST(TilesProperties, BothWaysToGatherAgreeWhereBothKnow) {
+  // Up to four spacings triangles are binned, beyond handed down.
+  for (const double side : {0.3, 1.5, 30.0}) {
+    const Mesh mesh = random_soup(41, 80, 6, side);
+    const double limit = 3.9 * 0.5;
+    const DistanceField thin = computed(mesh, kGrid, limit).field;
+    for (const double thickness : {4.1 * 0.5, kInfinity}) {
+      const DistanceField thick = computed(mesh, kGrid, thickness).field;
+      for_each_sample(kGrid, [&](auto i, auto j, auto k) {
+        const float value = thick.value(i, j, k);
+        if (value < static_cast<float>(limit)) {
+          ASSERT_EQ(thin.value(i, j, k), value);
+          ASSERT_EQ(thin.nearest(i, j, k), thick.nearest(i, j, k));
+        } else {
+          ASSERT_EQ(thin.value(i, j, k), static_cast<float>(limit));
+        }
+      });
+    }
+  }
+}
+
+}  // namespace
+}  // namespace difi
