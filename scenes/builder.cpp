@@ -21,7 +21,11 @@ Builder::Builder(double edge, bool counting, double slender, double paired_share
 
 int Builder::segments(double length, int least) const { return pieces(length / (edge_ * slender_), least); }
 
-int Builder::sides(double radius, int least) const { return pieces(2 * kPi * radius / edge_, least); }
+int Builder::sides(double radius, int least) const {
+  const double wanted = 2 * kPi * radius / edge_;
+  // A prism of four sides is the coarsest stand-in for a circle; `least` holds once a quarter of it is asked for.
+  return pieces(wanted, std::clamp(static_cast<int>(4 * wanted), 4, least));
+}
 
 void Builder::stitch(Ring a, Ring b) {
   const int n = std::max(a.count, b.count);

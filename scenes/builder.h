@@ -33,10 +33,10 @@ class Builder {
 
   /// Pieces to divide a length into (slender ones): rounded, at least `least`.
   int segments(double length, int least = 1) const;
-  /// Sides of a circle of this radius: at least `least`.
+  /// Sides of a circle of this radius: at least `least`, fewer where the whole circle is about as long as an edge.
   int sides(double radius, int least = 8) const;
-  /// Whether a detail of this size is too small to show at the target edge and is left out.
-  bool hides(double size) const { return size < edge_ * 0.5; }
+  /// Whether a solid of this length and width is too small to show at the target edge; solids leave themselves out.
+  bool hides(double length, double width) const { return length * width < kSmallest * kSmallest * edge_ * edge_; }
 
   std::uint32_t vertex(Vec3 p) {
     if (!counting_) mesh_.vertices.push_back(p);
@@ -88,6 +88,8 @@ class Builder {
   };
 
  private:
+  static constexpr double kSmallest = 0.35;  // of the target edge: the smallest side worth drawing
+
   void second_half(Triangle t) {
     ++count_;
     if (counting_) return;

@@ -1,7 +1,6 @@
 // A catapult of timbers, wheels and ropes. Its triangles are large: beams are boxes that are not divided.
 #include "scenes/drives.h"
 #include "scenes/families.h"
-#include "scenes/steel.h"
 
 namespace difi::scenes {
 namespace {
@@ -16,6 +15,9 @@ void carriage_wheel(Builder& b, const Frame& f) {
   for (int i = 0; i < 10; ++i) beam(b, lying.about_y(i / 10.0), {0.1, 0, 0}, {0.46, 0, 0}, 0.05, 0.06);
 }
 
+// The square head of a forged nail.
+void nail(Builder& b, const Frame& f) { box(b, f, {-0.03, -0.02, -0.03}, {0.03, 0.02, 0.03}); }
+
 void carriage(Builder& b) {
   const Frame f;
   for (const double z : {-0.8, 0.8}) {
@@ -23,7 +25,17 @@ void carriage(Builder& b) {
     box(b, f, {-1.9, 0.85, z - 0.09}, {-0.2, 0.95, z + 0.09});
   }
   for (const double x : {-1.95, -1.1, -0.1, 0.9, 1.95}) box(b, f, {x - 0.11, 0.55, -0.95}, {x + 0.11, 0.8, 0.95});
-  for (int i = 0; i < 18; ++i) box(b, f, {-1.85 + i * 0.1, 0.8, -0.67}, {-1.76 + i * 0.1, 0.85, 0.67});
+  for (int i = 0; i < 18; ++i) {
+    const double x = -1.85 + i * 0.1;
+    box(b, f, {x, 0.8, -0.67}, {x + 0.09, 0.85, 0.67});
+    for (const double z : {-0.6, -0.4, -0.2, 0.0, 0.2, 0.4, 0.6}) nail(b, f.at(x + 0.045, 0.85, z));
+  }
+  for (const double z : {-0.8, 0.8})
+    for (int i = 0; i < 11; ++i) {
+      const double x = -2 + 0.4 * i;
+      box(b, f, {x - 0.03, 0.49, z - 0.14}, {x + 0.03, 0.86, z + 0.14});
+      for (const double side : {-0.15, 0.15}) nail(b, f.at(x, 0.6, z + side));
+    }
   for (const double x : {-1.5, 1.5}) {
     rod(b, f, {x, 0.56, -1.4}, {x, 0.56, 1.4}, 0.06, 10);
     for (const double z : {-1.2, 1.2}) carriage_wheel(b, f.at(x, 0.58, z));
@@ -42,7 +54,7 @@ void tower(Builder& b) {
     for (const double y : {1.1, 1.68, 2.6}) box(b, f, {0.12, y - 0.06, z - 0.14}, {0.48, y + 0.06, z + 0.14});
   }
   box(b, f, {0.12, 2.75, -1.05}, {0.48, 3.05, 1.05});
-  for (int i = 0; i < 9; ++i) torus(b, f.at(0.3, 2.9, -0.28 + i * 0.07).y_to_z(), 0.25, 0.045, 10);
+  for (int i = 0; i < 6; ++i) torus(b, f.at(0.3, 2.9, -0.25 + i * 0.1).y_to_z(), 0.25, 0.055, 10);
   box(b, f, {0.18, 1.2, -0.7}, {0.42, 1.35, 0.7});
 }
 
@@ -70,6 +82,16 @@ void arm(Builder& b) {
   }
 }
 
+// Ropes that stay the tower: long, thin and aslant, they have the largest boxes of all.
+void stays(Builder& b) {
+  for (const double z : {-1.0, 1.0})
+    for (const double x : {-2.05, 2.05}) {
+      const Vec3 top{0.3, 3.08, z}, foot{x, 0.86, 0.8 * z};
+      rod(b, {}, foot, top, 0.025, 6);
+      torus(b, Frame{}.at(foot), 0.07, 0.03, 8);
+    }
+}
+
 // The windlass that pulls the arm down, and its rope.
 void windlass(Builder& b) {
   const Frame f = Frame{}.at(-1.75, 1.15, 0);
@@ -86,18 +108,17 @@ void windlass(Builder& b) {
   pipe(b, Frame{}, {{-1.75, 1.28, 0}, {-1.8, 1.6, 0}, {-1.95, 2.1, 0}}, 0.02, 0, 6);
 }
 
-// Pegs and iron plates at the joints.
+// Iron plates with nails at the joints.
 void joints(Builder& b) {
   const Frame f;
-  for (const double z : {-0.95, 0.95}) {
-    const Frame face = z > 0 ? f.y_to_z() : f.y_to_z().y_to_minus_y();
+  for (const double side : {-0.94, 0.94}) {
     for (const double x : {-1.95, -1.1, -0.1, 0.9, 1.95}) {
-      const double out = z > 0 ? 0.93 : -0.93;
-      box(b, f, {x - 0.15, 0.55, z > 0 ? 0.93 : -0.95}, {x + 0.15, 0.8, z > 0 ? 0.95 : -0.93});
-      bolt_circle(b, Frame{{x, 0.675, out}, face.x, face.y, face.z}.at(0, 0.02, 0), 0.1, 4, 0.05);
+      box(b, f, {x - 0.15, 0.55, side - 0.01}, {x + 0.15, 0.8, side + 0.01});
+      for (const double dx : {-0.1, 0.1})
+        for (const double y : {0.6, 0.75}) nail(b, f.at(x + dx, y, side));
     }
     for (const double y : {1.1, 1.68, 2.6})
-      bolt_circle(b, Frame{{0.3, y, z > 0 ? 0.94 : -0.94}, face.x, face.y, face.z}, 0.1, 3, 0.05);
+      for (const double dx : {-0.12, 0.0, 0.12}) nail(b, f.at(0.3 + dx, y, side));
   }
 }
 
@@ -107,6 +128,7 @@ void draw_catapult(Builder& b) {
   carriage(b);
   tower(b);
   arm(b);
+  stays(b);
   windlass(b);
   joints(b);
 }

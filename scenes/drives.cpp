@@ -14,7 +14,7 @@ void motor(Builder& b, const Frame& f, double r) {
   lathe(b, axis.at(0, 0.4 * r, 0), body, b.sides(r, 12));
   cylinder(b, axis, 0.16 * r, 0.5 * r);
   const int ribs = 20;
-  for (int i = 0; i < ribs && !b.hides(0.1 * r); ++i)
+  for (int i = 0; i < ribs; ++i)
     box(b, axis.at(0, 0.4 * r, 0).about_y((i + 0.5) / ribs), {-0.03 * r, 0.4 * r, 0.88 * r},
         {0.03 * r, 0.95 * length, 1.05 * r});
   box(b, f, {0.8 * r, 0, -0.8 * r}, {0.7 * length, 0.5 * r, 0.8 * r});
@@ -118,7 +118,7 @@ void cabinet(Builder& b, const Frame& f, double width, double height, double dep
     const double x = i * door;
     box(b, f, {x + 0.04 * door, 0.09 * height, -0.01 * depth}, {x + 0.96 * door, 0.96 * height, 0.04 * depth});
     rod(b, f, {x + 0.85 * door, 0.45 * height, 0.1 * depth}, {x + 0.85 * door, 0.6 * height, 0.1 * depth}, 0.02 * door);
-    for (int slot = 0; slot < 8 && !b.hides(0.03 * height); ++slot)
+    for (int slot = 0; slot < 8; ++slot)
       box(b, f, {x + 0.2 * door, (0.12 + 0.025 * slot) * height, 0.03 * depth},
           {x + 0.7 * door, (0.132 + 0.025 * slot) * height, 0.07 * depth});
   }
@@ -190,13 +190,9 @@ void robot_arm(Builder& b, const Frame& f, double size, std::uint64_t key) {
 void coil(Builder& b, const Frame& f, double radius, double wire, double height, int turns) {
   std::vector<Vec3> path;
   const int per_turn = b.sides(radius, 10);
-  if (b.counting()) {
-    path.resize(static_cast<std::size_t>(turns * per_turn) + 1);
-  } else {
-    for (int i = 0; i <= turns * per_turn; ++i) {
-      const auto [c, s] = circle(double(i % per_turn) / per_turn);
-      path.push_back({radius * c, height * i / (turns * per_turn), radius * s});
-    }
+  for (int i = 0; i <= turns * per_turn; ++i) {
+    const auto [c, s] = circle(double(i % per_turn) / per_turn);
+    path.push_back({radius * c, height * i / (turns * per_turn), radius * s});
   }
   sweep(b, f, path, {wire}, b.sides(wire, 6));
 }

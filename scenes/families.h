@@ -27,6 +27,8 @@ void draw_factory(Builder& b);
 void draw_machine_1(Builder& b);
 void draw_machine_2(Builder& b);
 void draw_our_process(Builder& b);
+void draw_our_process_small(Builder& b);
+void draw_our_process_large(Builder& b);
 void draw_plane(Builder& b);
 void draw_bender(Builder& b);
 void draw_catapult(Builder& b);

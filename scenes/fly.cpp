@@ -5,30 +5,31 @@
 namespace difi::scenes {
 namespace {
 
-// A wing in the plane of f, from its root at the origin along +x; thin, with both sides.
-void wing(Builder& b, const Frame& f, bool left) {
+// The middle and the half width of a wing at a share t of its length; the wing starts at the origin and goes along +x.
+Vec3 wing_middle(double t) { return {0.05 + 1.6 * t, 0.12 * t * t, -0.25 * t}; }
+double wing_half(double t) { return 0.06 + 0.42 * std::sqrt(std::max(0.0, t * (1.04 - t)) * 2) * (0.7 + 0.3 * t); }
+
+// A thin wing, with both sides, and its veins.
+void wing(Builder& b, const Frame& f, double side) {
   const int pieces = b.segments(1.8, 6), around = 8;
+  const auto at = [&](double t, double across, double up) {
+    const Vec3 middle = wing_middle(t);
+    return Vec3{side * middle.x, middle.y + up, middle.z + wing_half(t) * (across - 0.2)};
+  };
   std::vector<std::vector<Vec3>> sections;
   for (int i = 0; i <= pieces; ++i) {
-    const double t = double(i) / pieces;
-    const double half = 0.06 + 0.42 * std::sqrt(std::max(0.0, t * (1.04 - t)) * 2) * (0.7 + 0.3 * t);
-    const double x = 0.05 + 1.6 * t, z = -0.25 * t - 0.2 * half, y = 0.12 * t * t;
     std::vector<Vec3> section;
     for (int k = 0; k < around; ++k) {
       const auto [c, s] = circle(double(k) / around);
-      section.push_back({left ? x : -x, y + 0.012 * s, z + (left ? -half : half) * c});
+      section.push_back(at(double(i) / pieces, side * c, 0.012 * s));
     }
     sections.push_back(section);
   }
   loft(b, f, sections);
-  const double side = left ? 1 : -1;
-  for (int vein = 0; vein < 4; ++vein) {
-    const double spread = 0.2 - 0.22 * vein;
-    pipe(b, f,
-         {{0.05 * side, 0.015, 0.02},
-          {0.7 * side, 0.035, 0.5 * spread - 0.15},
-          {(1.5 - 0.12 * vein) * side, 0.12, spread - 0.32}},
-         0.014, 0.3, 5);
+  for (const double spread : {0.97, 0.55, 0.1, -0.4, -0.8}) {
+    std::vector<Vec3> vein{at(0, 0, 0.014)};
+    for (int i = 1; i <= 5; ++i) vein.push_back(at(0.17 * i, spread * std::min(1.0, 0.3 * i), 0.014));
+    pipe(b, f, vein, 0.014, 0, 5);
   }
 }
 
@@ -68,8 +69,8 @@ void draw_fly(Builder& b) {
   }
   sweep(b, head, {{0, -0.15, 0.1}, {0, -0.32, 0.2}, {0, -0.42, 0.24}, {0, -0.46, 0.26}}, {0.06, 0.045, 0.05, 0.09},
         b.sides(0.06, 6));
-  wing(b, f.at(0.14, 0.3, 0), true);
-  wing(b, f.at(-0.14, 0.3, 0), false);
+  wing(b, f.at(0.14, 0.3, 0), 1);
+  wing(b, f.at(-0.14, 0.3, 0), -1);
   for (const double side : {-1.0, 1.0}) {
     leg(b, side, 0.3, 0.95);
     leg(b, side, 0.02, -0.1);

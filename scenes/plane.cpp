@@ -6,6 +6,8 @@
 namespace difi::scenes {
 namespace {
 
+constexpr double kFine = 0.25;  // the target edge of engines, wheels and windows, as a part of that of the hull
+
 // An aerofoil in the (y, z) plane, its leading edge at z = +chord/2, listed so that sections along +x face outwards.
 std::vector<Vec3> aerofoil(double x, double y, double z, double chord, double thickness, int n) {
   std::vector<Vec3> section;
@@ -50,18 +52,22 @@ void fuselage(Builder& b, const Frame& f) {
                               {0.47, 1.8}, {0.42, 2.4},   {0.3, 2.85},  {0.16, 3.1}, {0, 3.2}};
   lathe(b, f.y_to_z(), profile, b.sides(0.45, 20));
   for (const double side : {-1.0, 1.0}) {
-    const Frame flank = side > 0 ? f.at(0.43, 0.12, 0).y_to_x() : f.at(-0.43, 0.12, 0).y_to_x().y_to_minus_y();
-    for (int i = 0; i < 10; ++i) tube(b, flank.at(0, 0, -0.9 + i * 0.3), 0.075, 0.055, 0.04, 12);
+    const Builder::Coarser fine(b, kFine);
+    for (int i = 0; i < 9; ++i) {
+      const Frame pane = f.at(0.49 * side, 0.14, -0.5 + i * 0.3).y_to_x();
+      tube(b, side > 0 ? pane : pane.y_to_minus_y(), 0.075, 0.055, 0.04, 12);
+    }
   }
   // Cockpit panes.
   for (int i = -2; i <= 2; ++i) {
     const auto [c, s] = circle(0.25 + i * 0.055);
-    beam(b, f, {0.42 * c, 0.42 * s, 2.3}, {0.24 * c, 0.26 * s, 2.92}, 0.03, 0.03);
+    beam(b, f, {0.47 * c, 0.47 * s, 2.3}, {0.27 * c, 0.29 * s, 2.92}, 0.03, 0.03);
   }
-  torus(b, f.at(0, 0, 2.3).y_to_z(), 0.43, 0.012, 24);
+  torus(b, f.at(0, 0, 2.3).y_to_z(), 0.485, 0.012, 24);
 }
 
 void engine(Builder& b, const Frame& f, double phase) {
+  const Builder::Coarser fine(b, kFine);
   std::vector<Point2> nacelle{{0, -1.0},   {0.06, -0.98}, {0.2, -0.4}, {0.25, 0.2},
                               {0.25, 0.7}, {0.2, 0.85},   {0.1, 0.86}, {0, 0.86}};
   lathe(b, f.y_to_z(), nacelle, b.sides(0.25, 16));
@@ -89,6 +95,7 @@ void engine(Builder& b, const Frame& f, double phase) {
 }
 
 void undercarriage(Builder& b, const Frame& f, double height) {
+  const Builder::Coarser fine(b, kFine);
   rod(b, f, {0, 0, 0}, {0, -height, 0}, 0.035, 10);
   rod(b, f, {0, -0.15, -0.3}, {0, -0.7 * height, 0}, 0.022, 8);
   for (const double side : {-1.0, 1.0}) {
@@ -108,8 +115,8 @@ void draw_plane(Builder& b) {
     // Mirroring would turn triangles inside out: the left wing is the right one turned about z, its profile is
     // symmetric.
     const Frame half = side > 0 ? f : f.about_z(0.5);
-    surface(b, half, {0.3, 0.18 * side, 0.35}, 1.35, {5.8, 0.5 * side, 0.05}, 0.55, 0.12);
-    surface(b, half, {0.1, 0.1 * side, -2.9}, 0.7, {1.9, 0.16 * side, -3.1}, 0.4, 0.1);
+    surface(b, half, {0.3, 0.18 * side, 0.3}, 1.75, {5.8, 0.5 * side, 0.0}, 0.85, 0.13);
+    surface(b, half, {0.1, 0.1 * side, -2.85}, 0.9, {2.3, 0.18 * side, -3.05}, 0.55, 0.1);
     for (int i = 0; i < 3; ++i)  // flap rails
       box(b, f.at((1.2 + 1.3 * i) * side, 0.14, -0.25), {-0.02, -0.06, -0.25}, {0.02, 0, 0.3});
     engine(b, f.at(2.0 * side, 0.12, 0.75), side > 0 ? 0.03 : 0.09);
@@ -117,7 +124,7 @@ void draw_plane(Builder& b) {
     rod(b, f, {5.75 * side, 0.5, 0.1}, {5.75 * side, 0.5, -0.5}, 0.012, 6);
   }
   undercarriage(b, f.at(0, -0.35, 2.3), 0.43);
-  surface(b, f.about_z(0.25), {0.2, 0, -2.75}, 0.95, {1.25, 0, -3.1}, 0.5, 0.1);
+  surface(b, f.about_z(0.25), {0.2, 0, -2.7}, 1.2, {1.3, 0, -3.1}, 0.6, 0.1);
   rod(b, f, {0, 0.4, 1.2}, {0, 0.75, 1.0}, 0.01, 6);
 }
 

@@ -8,34 +8,37 @@ namespace difi::scenes {
 
 void draw_process(Builder& b) {
   const Frame f;
-  box(b, f, {-2, -0.08, -0.8}, {2, 0, 0.8});
+  // The skid.
+  for (const double z : {-0.75, 0.0, 0.75}) i_beam(b, f, {-2, -0.08, z}, {2, -0.08, z}, 0.14, 0.1);
+  for (const double x : {-1.95, -0.8, 0.35, 1.95}) i_beam(b, f, {x, -0.08, -0.8}, {x, -0.08, 0.8}, 0.14, 0.1);
   // A column with trays' manholes, a reboiler at its foot, a condenser and a drum above, two pumps.
   std::vector<Point2> column{};
-  append_dome(column, 0.36, 0.5, 0.18, b.segments(0.5, 3), false);
-  append_dome(column, 0.36, 4.3, 0.18, b.segments(0.5, 3), true);
+  append_dome(column, 0.24, 0.5, 0.14, b.segments(0.5, 3), false);
+  append_dome(column, 0.24, 4.3, 0.14, b.segments(0.5, 3), true);
   const Frame tower = f.at(-1.2, 0, 0);
-  lathe(b, tower, column, b.sides(0.36, 14));
-  cone(b, tower, 0.42, 0.36, 0.5, 14);
+  lathe(b, tower, column, b.sides(0.24, 14));
+  cone(b, tower, 0.3, 0.24, 0.5, 14);
   for (int i = 0; i < 4; ++i) {
-    tube(b, tower.at(0, 1 + i * 0.9, 0), 0.39, 0.35, 0.06, 14);
-    nozzle(b, tower.at(0, 1.4 + i * 0.8, 0.32).y_to_z(), 0.1, 0.16);
+    tube(b, tower.at(0, 1 + i * 0.9, 0), 0.27, 0.23, 0.06, 14);
+    nozzle(b, tower.at(0, 1.4 + i * 0.8, 0.21).y_to_z(), 0.08, 0.14);
   }
-  standing_tank(b, f.at(0.1, 0, -0.15), 0.42, 1.7, false);
-  lying_tank(b, f.at(0.75, 2.1, 0), 0.3, 1.15);
+  const Builder::Coarser coarse(b, 1.6);  // small parts: the column above has the finer ones
+  standing_tank(b, f.at(0.1, 0, -0.15), 0.27, 1.7, false);
+  lying_tank(b, f.at(0.75, 2.1, 0), 0.2, 1.15);
   for (const double x : {0.85, 1.75})
     for (const double z : {-0.35, 0.35}) beam(b, f, {x, 0, z}, {x, 2.1, z}, 0.08, 0.08);
   box(b, f, {0.7, 2.03, -0.45}, {1.95, 2.1, 0.45});
-  heat_exchanger(b, f.at(0.75, 0, 0.1), 0.22, 1.15);
+  heat_exchanger(b, f.at(0.75, 0, 0.1), 0.14, 1.15);
   pump(b, f.at(-0.5, 0, 0.5), 0.11);
-  flanged_pipe(b, f, {{-1.2, 4.45, 0}, {-1.2, 4.75, 0}, {1.0, 4.75, 0}, {1.0, 2.85, 0}}, 0.07);
-  flanged_pipe(b, f, {{1.3, 2.1, 0}, {1.3, 1.5, 0}, {0.5, 1.5, 0.5}, {-0.3, 1.5, 0.5}, {-0.3, 0.4, 0.5}}, 0.05);
-  flanged_pipe(b, f, {{-0.9, 3.6, 0}, {-0.4, 3.6, 0}, {-0.4, 2.9, 0}, {0.1, 2.9, -0.15}, {0.1, 2.1, -0.15}}, 0.05);
-  flanged_pipe(b, f, {{-1.2, 0.7, 0.36}, {-1.2, 0.7, 0.6}, {-0.75, 0.7, 0.6}, {-0.75, 0.2, 0.5}}, 0.05);
-  flanged_pipe(b, f, {{0.5, 0.9, -0.15}, {0.8, 0.9, -0.15}, {0.8, 0.75, 0.1}}, 0.045);
-  flanged_pipe(b, f, {{1.85, 0.7, 0.1}, {1.85, 1.2, 0.1}, {1.85, 1.2, -0.6}, {-1.2, 1.2, -0.6}, {-1.2, 1.2, -0.36}},
-               0.045);
-  valve(b, f.at(0, 4.75, 0), 0.07);
-  valve(b, f.at(0.1, 1.5, 0.5), 0.05);
+  flanged_pipe(b, f, {{-1.2, 4.45, 0}, {-1.2, 4.75, 0}, {1.0, 4.75, 0}, {1.0, 2.7, 0}}, 0.055);
+  flanged_pipe(b, f, {{1.3, 2.1, 0}, {1.3, 1.5, 0}, {0.5, 1.5, 0.5}, {-0.3, 1.5, 0.5}, {-0.3, 0.4, 0.5}}, 0.04);
+  flanged_pipe(b, f, {{-0.95, 3.6, 0}, {-0.4, 3.6, 0}, {-0.4, 2.9, 0}, {0.1, 2.9, -0.15}, {0.1, 2.1, -0.15}}, 0.04);
+  flanged_pipe(b, f, {{-1.2, 0.7, 0.24}, {-1.2, 0.7, 0.6}, {-0.75, 0.7, 0.6}, {-0.75, 0.2, 0.5}}, 0.04);
+  flanged_pipe(b, f, {{0.4, 0.9, -0.15}, {0.8, 0.9, -0.15}, {0.8, 0.55, 0.1}}, 0.035);
+  flanged_pipe(b, f, {{1.85, 0.55, 0.1}, {1.85, 1.2, 0.1}, {1.85, 1.2, -0.6}, {-1.2, 1.2, -0.6}, {-1.2, 1.2, -0.24}},
+               0.035);
+  valve(b, f.at(0, 4.75, 0), 0.06);
+  valve(b, f.at(0.1, 1.5, 0.5), 0.04);
 }
 
 namespace {
@@ -94,16 +97,31 @@ void screw_conveyor(Builder& b, const Frame& f, double r, double length, int tur
   motor(b, f.at(0, -0.5 * r, length).about_y(-0.25), 0.4 * r);
 }
 
-}  // namespace
-
-void draw_our_process(Builder& b) {
+// The line of the normal version: 5.8 wide, 2.8 high, 21 long.
+void pulp_line(Builder& b) {
   const Frame f;
+  box(b, f, {-3, -0.1, -10.4}, {3.2, 0, 11});
   // From wood chips at -z to pulp at +z.
   hopper(b, f.at(0, 1.2, -9.6), 1.8, 1.4, 1.3);
-  open_chute(b, f.at(0, 2.45, -9.6).about_y(0.125), 0.9, 0.35);
+  open_chute(b, f.at(0, 2.45, -9.6), 0.9, 0.35);
   for (const double x : {-0.8, 0.8})
     for (const double z : {-10.1, -9.1}) i_beam(b, f, {x, 0, z}, {x, 2.0, z}, 0.12, 0.1);
   screw_conveyor(b, f.at(0, 0.7, -9.4), 0.35, 3.4, 9);
+  {
+    // The belt that brings chips up to the hopper; its long and aslant triangles weigh in the counts.
+    const Builder::Coarser long_pieces(b, 3);
+    const Vec3 from{2.6, 0.1, -5.6}, to{0.3, 2.65, -9.3};
+    const Frame slope = f * along(from, to);
+    const double reach = length(to - from);
+    box(b, slope, {-0.35, 0, 0.0}, {0.35, reach, 0.04});
+    for (const double x : {-0.4, 0.36}) box(b, slope, {x, 0, -0.06}, {x + 0.04, reach, 0.1});
+    for (int i = 0; i < 12; ++i)
+      rod(b, slope, {-0.36, reach * (i + 0.5) / 12, -0.05}, {0.36, reach * (i + 0.5) / 12, -0.05}, 0.045);
+    for (const double t : {0.35, 0.75}) {
+      const Vec3 top = from + (to - from) * t;
+      for (const double x : {-0.3, 0.3}) beam(b, f, {top.x + x, 0, top.z}, {top.x + x, top.y - 0.1, top.z}, 0.08, 0.08);
+    }
+  }
   standing_tank(b, f.at(-1.3, 0, -4.6), 0.85, 1.9);
   standing_tank(b, f.at(1.3, 0, -4.6), 0.85, 1.9);
   standing_tank(b, f.at(-1.5, 0, -2.2), 0.7, 1.6);
@@ -135,6 +153,38 @@ void draw_our_process(Builder& b) {
   }
   catwalk(b, f.at(2.5, 1.35, -4.5), 0.5, 12, 0.5);
   stairs(b, f.at(2.75, 0, -6.4), 0.45, 1.35, 1.9);
+}
+
+// A smoke stack with stiffening rings and a ladder.
+void stack(Builder& b, const Frame& f, double r, double height) {
+  const std::vector<Point2> profile{{0, 0},
+                                    {1.6 * r, 0},
+                                    {1.6 * r, 0.05 * height},
+                                    {r, 0.12 * height},
+                                    {0.8 * r, height},
+                                    {0.7 * r, height},
+                                    {0.7 * r, 0.9 * height},
+                                    {0, 0.9 * height}};
+  lathe(b, f, profile, b.sides(r, 16));
+  for (int i = 2; i <= 8; ++i) tube(b, f.at(0, 0.12 * height * i, 0), (1.12 - 0.025 * i) * r, 0.7 * r, 0.15 * r, 16);
+  ladder(b, f.at(0, 0, -1.65 * r).about_y(0.5), 0.5 * r, 0.95 * height);
+}
+
+}  // namespace
+
+void draw_our_process(Builder& b) { pulp_line(b); }
+
+// The thesis's versions with small and with large triangles are higher and wider boxes of the same length, so they
+// held more than its normal one: here a stack, and a lower stack with a tank at the side.
+void draw_our_process_small(Builder& b) {
+  pulp_line(b);
+  stack(b, Frame{}.at(-2.3, 0, -8.6), 0.5, 16.4);
+}
+
+void draw_our_process_large(Builder& b) {
+  pulp_line(b);
+  stack(b, Frame{}.at(-2.3, 0, -8.6), 0.3, 4.6);
+  lying_tank(b, Frame{}.at(3.2, 0, 9), 0.55, 1.5);
 }
 
 }  // namespace difi::scenes

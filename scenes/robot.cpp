@@ -62,11 +62,12 @@ void draw_bender(Builder& b) {
   lathe(b, f, barrel, b.sides(0.9, 18));
   tube(b, f.at(0, 2.0, 0), 0.44, 0.36, 0.12, 16);
   head(b, f.at(0, 2.1, 0));
-  // The door in the chest, its frame and handle.
-  box(b, f, {-0.42, 0.55, 0.6}, {0.42, 1.5, 0.9});
-  box(b, f, {-0.46, 0.5, 0.6}, {0.46, 0.55, 0.93});
-  box(b, f, {-0.46, 1.5, 0.6}, {0.46, 1.55, 0.93});
-  cylinder(b, f.at(0.28, 1.02, 0.88).y_to_z(), 0.07, 0.08, 10);
+  // The door in the chest leans forward as the barrel does.
+  const Frame door = f.at(0, 0.5, 0.74).about_x(0.0215);
+  box(b, door, {-0.42, 0.05, -0.3}, {0.42, 1.0, 0.12});
+  for (const double y : {0.0, 1.0}) box(b, door, {-0.46, y, -0.3}, {0.46, y + 0.05, 0.15});
+  for (const double x : {-0.46, 0.42}) box(b, door, {x, 0.05, -0.3}, {x + 0.04, 1.0, 0.15});
+  cylinder(b, door.at(0.28, 0.52, 0.11).y_to_z(), 0.07, 0.08, 10);
   for (const double side : {-1.0, 1.0}) {
     cylinder(b, side > 0 ? f.at(0.75, 1.5, 0).y_to_x() : f.at(-0.75, 1.5, 0).y_to_x().y_to_minus_y(), 0.3, 0.32, 14);
     hose(b, f, {1.0 * side, 1.5, 0}, {1.9 * side, 1.75, 0.05}, {2.85 * side, 1.55, 0}, 0.21, 11);

@@ -52,6 +52,9 @@ class BoxSurface {
 
 void box(Builder& b, const Frame& f, Vec3 low, Vec3 high) {
   const Vec3 extent = high - low;
+  const double longest = std::max({extent.x, extent.y, extent.z});
+  const double shortest = std::min({extent.x, extent.y, extent.z});
+  if (b.hides(longest, extent.x + extent.y + extent.z - longest - shortest)) return;
   const std::array<int, 3> n{b.segments(extent.x), b.segments(extent.y), b.segments(extent.z)};
   if (b.counting()) {
     const std::int64_t x = n[0], y = n[1], z = n[2];

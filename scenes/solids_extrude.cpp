@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <cstddef>
 
@@ -41,6 +42,13 @@ std::vector<std::array<int, 3>> fill(const std::vector<Point2>& outline) {
 }  // namespace
 
 void extrude(Builder& b, const Frame& f, const std::vector<Point2>& outline, double height) {
+  Point2 low = outline[0], high = low;
+  for (const Point2 p : outline) {
+    low = {std::min(low.u, p.u), std::min(low.v, p.v)};
+    high = {std::max(high.u, p.u), std::max(high.v, p.v)};
+  }
+  const double longer = std::max(high.u - low.u, high.v - low.v), shorter = std::min(high.u - low.u, high.v - low.v);
+  if (b.hides(std::max(longer, height), std::max(shorter, std::min(longer, height)))) return;
   const int corners = static_cast<int>(outline.size());
   const int rows = b.segments(height);
   const auto ring = [&](int row) {
@@ -66,6 +74,7 @@ void extrude(Builder& b, const Frame& f, const std::vector<Point2>& outline, dou
 }
 
 void gear(Builder& b, const Frame& f, double radius, double height, int teeth) {
+  if (b.hides(2 * radius, 2 * radius)) return;
   const int n = 4 * teeth;
   const auto ring = [&](double y) {
     return b.ring(n, true, [&](int i) {

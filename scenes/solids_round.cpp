@@ -9,6 +9,13 @@ bool on_axis(Point2 p) { return p.u == 0; }
 }  // namespace
 
 void lathe(Builder& b, const Frame& f, const std::vector<Point2>& profile, int sides, bool loop) {
+  double reach = 0, low = profile[0].v, high = low;
+  for (const Point2 p : profile) {
+    reach = std::max(reach, p.u);
+    low = std::min(low, p.v);
+    high = std::max(high, p.v);
+  }
+  if (b.hides(2 * reach, std::max(2 * reach, high - low))) return;
   std::vector<CirclePoint> directions;
   if (!b.counting())
     for (int i = 0; i < sides; ++i) directions.push_back(circle(double(i) / sides));

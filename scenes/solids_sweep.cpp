@@ -44,9 +44,11 @@ std::vector<Vec3> divided(const Builder& b, const std::vector<Vec3>& path) {
 }  // namespace
 
 void sweep(Builder& b, const Frame& f, const std::vector<Vec3>& path, const std::vector<double>& radii, int sides) {
+  double reach = 0;
+  for (std::size_t i = 1; i < path.size(); ++i) reach += length(path[i] - path[i - 1]);
+  if (b.hides(reach, 2 * *std::max_element(radii.begin(), radii.end()))) return;
   if (b.counting()) {
     b.count_only(std::int64_t{2} * sides * static_cast<std::int64_t>(path.size()));
-    b.end_part();
     return;
   }
   std::vector<CirclePoint> directions;

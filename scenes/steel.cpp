@@ -11,8 +11,7 @@ void i_beam(Builder& b, const Frame& f, Vec3 from, Vec3 to, double height, doubl
 }
 
 void bolt_circle(Builder& b, const Frame& f, double radius, int bolts, double size) {
-  if (b.hides(size)) return;
-  const Builder::Coarser plain(b, 1e3);
+  if (b.hides(size, 1.2 * size)) return;
   for (int i = 0; i < bolts; ++i) {
     const auto [c, s] = circle((i + 0.5) / bolts);
     const std::vector<Point2> head{
@@ -87,7 +86,7 @@ void stairs(Builder& b, const Frame& f, double width, double height, double run)
 
 void grating(Builder& b, const Frame& f, double x, double z, double pitch) {
   const double bar = 0.2 * pitch;
-  if (b.hides(2 * bar)) {
+  if (b.hides(std::min(x, z), 2 * bar)) {
     box(b, f, {0, -2 * bar, 0}, {x, 0, z});
     return;
   }
