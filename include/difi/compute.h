@@ -49,9 +49,9 @@ struct Options {
   Method method = Method::tiles;
   Backend backend = Backend::automatic;
   SkipRule skip;
-  int threads = 0;                    ///< 0: all hardware threads
-  std::int64_t memory_limit = 0;      ///< bytes of output and scratch together; 0: no limit
-  bool nearest_triangle = false;      ///< also store the nearest triangle's index per band sample, lowest on ties
+  int threads = 0;                ///< 0: all hardware threads
+  std::int64_t memory_limit = 0;  ///< bytes of output and scratch together; 0: no limit
+  bool nearest_triangle = false;  ///< also store the nearest triangle's index per band sample, lowest on ties
   Simd simd = Simd::automatic;
   /// Called now and then, from one thread at a time; return false to cancel, which throws Error{interrupted}.
   std::function<bool(const Progress&)> progress;
@@ -59,20 +59,20 @@ struct Options {
 
 /// What a computation did.
 struct Report {
-  std::string method;                ///< "tiles" or "thesis"
-  std::string backend;               ///< "cpu" or "cuda"
-  std::string device;                ///< the instruction set or the GPU's name
+  std::string method;   ///< "tiles" or "thesis"
+  std::string backend;  ///< "cpu" or "cuda"
+  std::string device;   ///< the instruction set or the GPU's name
   int threads = 0;
   std::int64_t triangles = 0;
-  std::int64_t skipped = 0;          ///< triangles left out by the skip rule
-  std::int64_t samples = 0;          ///< samples of the grid
-  std::int64_t samples_examined = 0; ///< sample-triangle distances computed
-  std::int64_t samples_band = 0;     ///< samples whose distance is at most the thickness
-  std::int64_t tiles = 0;            ///< tiles of the grid
-  std::int64_t tiles_stored = 0;     ///< tiles that hold a sample nearer than the thickness
+  std::int64_t skipped = 0;           ///< triangles left out by the skip rule
+  std::int64_t samples = 0;           ///< samples of the grid
+  std::int64_t samples_examined = 0;  ///< sample-triangle distances computed
+  std::int64_t samples_band = 0;      ///< samples whose distance is at most the thickness
+  std::int64_t tiles = 0;             ///< tiles of the grid
+  std::int64_t tiles_stored = 0;      ///< tiles that hold a sample nearer than the thickness
   struct Seconds {
-    double prepare = 0;              ///< validation, bounds, skip rule
-    double compute = 0;              ///< everything after that
+    double prepare = 0;  ///< validation, bounds, skip rule
+    double compute = 0;  ///< everything after that
   } seconds;
 };
 

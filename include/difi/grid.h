@@ -17,9 +17,7 @@ struct Grid {
   Vec3 position(std::int64_t i, std::int64_t j, std::int64_t k) const {
     return origin + spacing * Vec3{double(i), double(j), double(k)};
   }
-  std::int64_t index(std::int64_t i, std::int64_t j, std::int64_t k) const {
-    return i + size.x * (j + size.y * k);
-  }
+  std::int64_t index(std::int64_t i, std::int64_t j, std::int64_t k) const { return i + size.x * (j + size.y * k); }
   std::int64_t sample_count() const { return size.count(); }
   /// The box whose corners are the first and the last sample.
   Box bounds() const { return {origin, position(size.x - 1, size.y - 1, size.z - 1)}; }
@@ -43,13 +41,14 @@ Grid fit_samples(const Box& box, std::int64_t samples = kDefaultSamples, double 
 Grid fit_spacing(const Box& box, Vec3 spacing, double padding = 0);
 
 /// The given number of samples per axis, the outermost ones on the faces of `box` grown by `padding`, so that the
-/// spacing may differ per axis. An axis without extent, or with one sample, gets the largest spacing of the others (or 1).
-/// Errors: usage as above.
+/// spacing may differ per axis. An axis without extent, or with one sample, gets the largest spacing of the others (or
+/// 1). Errors: usage as above.
 Grid fit_size(const Box& box, Size3 size, double padding = 0);
 
 /// The thesis's minimum grid: the box grown by the thickness, (max - min) / thickness * e samples per axis, rounded
-/// up, at least 2. `e` is 2 to 4 in the thesis; `speed`, the distance a body moves in one step, makes the grid finer: the factor
-/// used is e * (1 + speed / thickness). Errors: usage when the thickness is not positive and finite, e < 1 or speed < 0.
+/// up, at least 2. `e` is 2 to 4 in the thesis; `speed`, the distance a body moves in one step, makes the grid finer:
+/// the factor used is e * (1 + speed / thickness). Errors: usage when the thickness is not positive and finite, e < 1
+/// or speed < 0.
 Grid minimum_grid(const Box& box, double thickness, double e = 2, double speed = 0);
 
 }  // namespace difi

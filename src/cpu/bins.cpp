@@ -10,8 +10,8 @@
 namespace difi::cpu {
 namespace {
 
-// A triangle's bricks in 32 bits: the lowest brick's index and, per axis, whether the next one is touched as well. Enough
-// for all but long triangles and grids of more than 2^29 bricks, which are looked at again when they are needed.
+// A triangle's bricks in 32 bits: the lowest brick's index and, per axis, whether the next one is touched as well.
+// Enough for all but long triangles and grids of more than 2^29 bricks, which are looked at again when they are needed.
 constexpr std::uint32_t kNowhere = 0xffffffffu;
 constexpr std::uint32_t kLong = 0xfffffffeu;
 constexpr int kSpanBits = 3;
@@ -79,8 +79,7 @@ class Binning {
   void for_each_brick(std::uint32_t triangle, std::uint32_t key, Use use) const {
     if (key == kNowhere) return;
     if (key == kLong) return for_each_brick_of_long(triangle, use);
-    const std::int64_t lowest = key >> kSpanBits, along_y = lattice_.bricks[0],
-                       along_z = along_y * lattice_.bricks[1];
+    const std::int64_t lowest = key >> kSpanBits, along_y = lattice_.bricks[0], along_z = along_y * lattice_.bricks[1];
     for (unsigned z = 0; z <= (key >> 2 & 1); ++z)
       for (unsigned y = 0; y <= (key >> 1 & 1); ++y)
         for (unsigned x = 0; x <= (key & 1); ++x) use(lowest + x + along_y * y + along_z * z);
@@ -119,8 +118,8 @@ class Binning {
   double reach_sq_;  // from a brick's centre, grid units
 };
 
-// Triangles are counted and sorted in chunks side by side, each with counters of its own: as many chunks as help, as long
-// as the counters stay small.
+// Triangles are counted and sorted in chunks side by side, each with counters of its own: as many chunks as help, as
+// long as the counters stay small.
 std::int64_t chunk_count(std::int64_t triangles, std::int64_t bricks, int threads) {
   constexpr std::int64_t kMostCounters = std::int64_t{4} << 20;
   constexpr std::int64_t kLeastTriangles = 4096;

@@ -11,8 +11,8 @@
 
 namespace difi::cpu {
 
-/// Triangle indices sorted by brick. Bricks [first_brick, first_brick + bricks()) only: where all triangles of all bricks
-/// would take too much memory, they come in batches.
+/// Triangle indices sorted by brick. Bricks [first_brick, first_brick + bricks()) only: where all triangles of all
+/// bricks would take too much memory, they come in batches.
 class Bins {
  public:
   std::int64_t first_brick = 0;

@@ -7,8 +7,8 @@
 
 namespace difi::cpu {
 
-/// Some candidates of one brick, sixteen to a group: their boxes and frames relative to the brick's centre. More candidates
-/// than fit come one table after the other. About 1.6 MiB.
+/// Some candidates of one brick, sixteen to a group: their boxes and frames relative to the brick's centre. More
+/// candidates than fit come one table after the other. About 1.6 MiB.
 struct CandidateTable {
   static constexpr int kGroups = 512;
   static constexpr int kFrameNumbers = 20;
@@ -21,7 +21,7 @@ struct CandidateTable {
     float one_frame[kLanes][kFrameNumbers];
     alignas(64) float slack[kLanes];  ///< what the distance in the frame may be off by
     alignas(64) std::uint32_t index[kLanes];
-    std::uint32_t is_long;            ///< bits of the lanes whose samples need lines
+    std::uint32_t is_long;  ///< bits of the lanes whose samples need lines
   };
   Group groups[kGroups];
   alignas(64) float distance[kGroups][kLanes];  ///< from the centre of the cell being culled
@@ -31,7 +31,7 @@ struct CandidateTable {
     std::uint16_t group;
     std::uint16_t lanes;
   };
-  Active all[kGroups], of_tile[kGroups], of_cell[kGroups];
+  Active all[kGroups], of_tile[kGroups], of_cell[kGroups], of_block[kGroups];
 };
 
 }  // namespace difi::cpu

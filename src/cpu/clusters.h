@@ -1,4 +1,5 @@
-// Triangles in groups of neighbours, groups of groups, and a box around each: what coarse cells look at instead of triangles.
+// Triangles in groups of neighbours, groups of groups, and a box around each: what coarse cells look at instead of
+// triangles.
 #pragma once
 
 #include <cstdint>

@@ -13,9 +13,11 @@
 namespace difi::cpu {
 namespace {
 
-// A node whose longest side exceeds this share of the cell's is replaced by its children: finer boxes cull better, coarser
-// ones are fewer. 0.5 was best of 0.25, 0.5 and 1 on bunny and factory.
+// A node whose longest side exceeds this share of the cell's is replaced by its children: finer boxes cull better,
+// coarser ones are fewer. 0.5 was best of 0.25, 0.5 and 1 on bunny and factory.
 constexpr float kOpenShare = 0.5f;
+// Nodes of triangles wait until they are this many times as large: the kernels cull triangles sixteen at once.
+constexpr float kOpenTriangles = 4;
 
 // The cell: bricks [low, high) per axis, a power of two of them on a side, cut by the grid.
 struct Cell {
@@ -102,7 +104,9 @@ class Descent {
     std::vector<std::uint32_t> pending;
     const auto open_or_add = [&](std::uint32_t entry, const ClusterBox& box) {
       const float longest = std::max({box.high[0] - box.low[0], box.high[1] - box.low[1], box.high[2] - box.low[2]});
-      if (longest <= largest || !clusters_.is_node(entry)) return result.add(entry, box);
+      if (!clusters_.is_node(entry)) return result.add(entry, box);
+      const bool holds_triangles = !clusters_.is_node(clusters_.first_child(entry));
+      if (longest <= (holds_triangles ? kOpenTriangles : 1) * largest) return result.add(entry, box);
       for (std::uint32_t child = clusters_.child_count(entry); child-- > 0;)
         pending.push_back(clusters_.first_child(entry) + child);
     };
@@ -146,11 +150,11 @@ class Descent {
     return {static_cast<float>(q.x), static_cast<float>(q.y), static_cast<float>(q.z)};
   }
 
-  // Drops entries that cannot be nearest to any sample of the cell: first against the surface point nearest to the centre,
-  // then, while many are left, against points nearest to the cell's corners.
+  // Drops entries that cannot be nearest to any sample of the cell: first against the surface point nearest to the
+  // centre, then, while many are left, against points nearest to the cell's corners.
   void cull(const CullCell& cell, EntryList& list) const {
     constexpr std::int64_t kFew = 64;
-    const auto against = [&](const float (&probe)[3]) {
+    const auto against = [&](const float(&probe)[3]) {
       const std::int64_t nearest = kernels_.nearest_box(list.arrays(), probe);
       const auto q = surface_point(list.entry(nearest), probe);
       list.shorten(kernels_.cull_boxes(list.arrays(), cell, q.data()));

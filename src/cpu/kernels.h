@@ -1,5 +1,5 @@
-// The inner loops of the CPU backend, compiled once per instruction set (kernels_*.cpp) and chosen at run time. All sets
-// give the same bits.
+// The inner loops of the CPU backend, compiled once per instruction set (kernels_*.cpp) and chosen at run time. All
+// sets give the same bits.
 #pragma once
 
 #include <cstdint>
@@ -55,11 +55,12 @@ struct Kernels {
 
   /// The entry whose box has its centre nearest to the point. Requires one entry at least.
   std::int64_t (*nearest_box)(const BoxArrays&, const float* point);
-  /// Drops, in place, the entries that are out of the cell's reach or farther from each of its samples than `point`, a point
-  /// of the surface. Returns how many are left.
+  /// Drops, in place, the entries that are out of the cell's reach or farther from each of its samples than `point`, a
+  /// point of the surface. Returns how many are left.
   std::int64_t (*cull_boxes)(const BoxArrays&, const CullCell&, const float* point);
   /// As gather_band, for candidates of which each sample needs few: chooses them cell by cell of 4x4x4 samples.
-  void (*gather_cells)(const Lattice&, const Brick&, const Candidates&, bool with_nearest, CandidateTable&, BrickState&);
+  void (*gather_cells)(const Lattice&, const Brick&, const Candidates&, bool with_nearest, CandidateTable&,
+                       BrickState&);
 };
 
 /// The kernels for an instruction set; the best one there is for Simd::automatic. Throws Error{usage} where the

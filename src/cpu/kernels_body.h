@@ -1,8 +1,8 @@
 // The kernels, written once over WideFloat. Each kernels_*.cpp includes this inside the namespace of its instruction
 // set, after that set's WideFloat.
 //
-// Only always-inlined functions of the geometry room may be called here, and nothing of the standard library: a function
-// compiled for AVX-512 that the linker shares with the rest of the program would crash older processors.
+// Only always-inlined functions of the geometry room may be called here, and nothing of the standard library: a
+// function compiled for AVX-512 that the linker shares with the rest of the program would crash older processors.
 
 // Triangles at most this long, in grid units, are set up in float, sixteen at once; longer ones in double, one by one.
 // At 16 the corners lie within 40 units of the brick's centre, where float resolves 4e-6: below the promised 1.6e-5.
@@ -115,8 +115,10 @@ DIFI_INLINE void store_frames(const TriangleFrame<WideFloat>& f, FrameTable& tab
 // One triangle's frame in all lanes.
 DIFI_INLINE TriangleFrame<WideFloat> broadcast_frame(const FrameTable& table, int lane) {
   const auto number = [&](int n) __attribute__((always_inline)) { return WideFloat(table.number[n][lane]); };
-  return {{{number(0), number(1), number(2)}, number(3)},    {{number(4), number(5), number(6)}, number(7)},
-          {{number(8), number(9), number(10)}, number(11)},  {number(12), number(13), number(14), number(15)},
+  return {{{number(0), number(1), number(2)}, number(3)},
+          {{number(4), number(5), number(6)}, number(7)},
+          {{number(8), number(9), number(10)}, number(11)},
+          {number(12), number(13), number(14), number(15)},
           {number(16), number(17), number(18), number(19)}};
 }
 
@@ -158,7 +160,8 @@ DIFI_INLINE void gather_rows(const Lattice& lattice, const BlockRanges& ranges, 
 template <bool kNearest>
 DIFI_INLINE void gather_short(const Lattice& lattice, const BlockRanges& ranges, const FrameTable& frames, int lane,
                               std::uint32_t index, BrickState& state) {
-  const int nx = ranges.last[0][lane] - ranges.first[0][lane] + 1, ny = ranges.last[1][lane] - ranges.first[1][lane] + 1,
+  const int nx = ranges.last[0][lane] - ranges.first[0][lane] + 1,
+            ny = ranges.last[1][lane] - ranges.first[1][lane] + 1,
             nz = ranges.last[2][lane] - ranges.first[2][lane] + 1;
   if (nx <= 0 || ny <= 0 || nz <= 0) return;
   const TriangleFrame<WideFloat> f = broadcast_frame(frames, lane);
@@ -187,7 +190,8 @@ DIFI_INLINE void gather_long(const Lattice& lattice, const Brick& brick, const C
   const float reach = (lattice.thickness + lattice.block_radius) * (1 + kSlack) + kSlack;
   const WideFloat reach_sq(reach * reach);
   for (int sixteen = 0; sixteen < kBlocks / kLanes; ++sixteen) {
-    const WidePoint center{WideFloat::load(lattice.block_centers[sixteen][0]), WideFloat::load(lattice.block_centers[sixteen][1]),
+    const WidePoint center{WideFloat::load(lattice.block_centers[sixteen][0]),
+                           WideFloat::load(lattice.block_centers[sixteen][1]),
                            WideFloat::load(lattice.block_centers[sixteen][2])};
     std::uint32_t near_blocks = less(distance_sq(lines, center), reach_sq).to_bits();
     state.samples_examined += std::int64_t{kLanes} * __builtin_popcount(near_blocks);

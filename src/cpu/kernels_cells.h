@@ -1,13 +1,13 @@
 // The kernels for thick bands and full fields, where each sample has many candidates and needs few. Included like
 // kernels_body.h, after it.
 //
-// Culling. With the cell's centre as origin, its half extents h and a point q of the surface, a candidate whose box holds
-// p can be nearer than q to the sample x only if |x-p|^2 < |x-q|^2, that is |p|^2 - |q|^2 < 2 x.(p-q). The right side is
-// at most 2 sum h_a |p_a - q_a| over the cell, so the candidate is out when
+// Culling. With the cell's centre as origin, its half extents h and a point q of the surface, a candidate whose box
+// holds p can be nearer than q to the sample x only if |x-p|^2 < |x-q|^2, that is |p|^2 - |q|^2 < 2 x.(p-q). The right
+// side is at most 2 sum h_a |p_a - q_a| over the cell, so the candidate is out when
 //     sum over axes a of min over p_a in its box of (p_a^2 - 2 h_a |p_a - q_a|)  >=  |q|^2.
 // The axes part. On one axis -|d| is the smaller of -d and d, and each of the two parabolas has its least value where
-// p_a = +-h_a, clamped to the box. Far from a flat sheet this leaves a patch a few cells wide; distance alone, a disc that grows
-// with the distance.
+// p_a = +-h_a, clamped to the box. Far from a flat sheet this leaves a patch a few cells wide; distance alone, a disc
+// that grows with the distance.
 
 // The least of p^2 - 2h|p - q| over low <= p <= high.
 DIFI_INLINE WideFloat least_on_axis(const WideFloat& low, const WideFloat& high, float h, float q) {
@@ -90,15 +90,19 @@ std::int64_t cull_boxes(const BoxArrays& boxes, const CullCell& cell, const floa
 
 DIFI_INLINE TriangleFrame<WideFloat> frames_of(const CandidateTable::Group& g) {
   const auto number = [&](int n) __attribute__((always_inline)) { return WideFloat::load(g.frame[n]); };
-  return {{{number(0), number(1), number(2)}, number(3)},    {{number(4), number(5), number(6)}, number(7)},
-          {{number(8), number(9), number(10)}, number(11)},  {number(12), number(13), number(14), number(15)},
+  return {{{number(0), number(1), number(2)}, number(3)},
+          {{number(4), number(5), number(6)}, number(7)},
+          {{number(8), number(9), number(10)}, number(11)},
+          {number(12), number(13), number(14), number(15)},
           {number(16), number(17), number(18), number(19)}};
 }
 
 DIFI_INLINE TriangleFrame<float> frame_of(const CandidateTable::Group& g, int lane) {
   const auto number = [&](int n) __attribute__((always_inline)) { return g.one_frame[lane][n]; };
-  return {{{number(0), number(1), number(2)}, number(3)},    {{number(4), number(5), number(6)}, number(7)},
-          {{number(8), number(9), number(10)}, number(11)},  {number(12), number(13), number(14), number(15)},
+  return {{{number(0), number(1), number(2)}, number(3)},
+          {{number(4), number(5), number(6)}, number(7)},
+          {{number(8), number(9), number(10)}, number(11)},
+          {number(12), number(13), number(14), number(15)},
           {number(16), number(17), number(18), number(19)}};
 }
 
@@ -143,8 +147,8 @@ struct SampleBox {
 
 // Copies to `out` the candidates that may be nearest to a sample of the box, and returns how many groups have some.
 // `best_before` is what the box's samples are known to be within.
-DIFI_INLINE int cull_table(const Lattice& lattice, CandidateTable& table, const CandidateTable::Active* in, int count,
-                           const SampleBox& box, CandidateTable::Active* out) {
+int cull_table(const Lattice& lattice, CandidateTable& table, const CandidateTable::Active* in, int count,
+               const SampleBox& box, CandidateTable::Active* out) {
   const WidePoint center{WideFloat(box.center[0]), WideFloat(box.center[1]), WideFloat(box.center[2])};
   const WideFloat infinity(__builtin_inff());
   WideFloat least = infinity;
@@ -160,9 +164,11 @@ DIFI_INLINE int cull_table(const Lattice& lattice, CandidateTable& table, const 
   bool found = false;
   for (int n = 0; n < count && !found; ++n) {
     const CandidateTable::Group& g = table.groups[in[n].group];
-    const std::uint32_t here = equal(WideFloat::load(table.distance[n]) + WideFloat::load(g.slack), WideFloat(best)).to_bits() & in[n].lanes;
+    const std::uint32_t here =
+        equal(WideFloat::load(table.distance[n]) + WideFloat::load(g.slack), WideFloat(best)).to_bits() & in[n].lanes;
     if (here == 0) continue;
-    const Triple<float> p = closest_in_frame(frame_of(g, __builtin_ctz(here)), Triple<float>{box.center[0], box.center[1], box.center[2]});
+    const Triple<float> p =
+        closest_in_frame(frame_of(g, __builtin_ctz(here)), Triple<float>{box.center[0], box.center[1], box.center[2]});
     q[0] = p.x;
     q[1] = p.y;
     q[2] = p.z;
@@ -193,46 +199,47 @@ DIFI_INLINE int cull_table(const Lattice& lattice, CandidateTable& table, const 
   return kept;
 }
 
-// Blocks of a cell of 4x4x4 samples.
-constexpr int kCellSide = 4;
-constexpr int kCellBlocksY = kCellSide / kBlockY, kCellBlocksZ = kCellSide / kBlockZ;
-static_assert(kCellSide == kBlockX);
+// Cells of 4x4x4 samples: one block wide, kCellBlocks high and deep.
+constexpr int kCellSide = 4, kCellBlocks = 2;
+static_assert(kCellSide == kBlockX && kCellSide == kCellBlocks * kBlockY && kCellSide == kCellBlocks * kBlockZ);
+// With more candidates than this a cell's blocks choose among them once more, each for itself.
+constexpr int kManyCandidates = 32;
 
-template <bool kNearest>
-DIFI_INLINE void gather_cell(const Lattice& lattice, const Brick& brick, const Candidates& c,
-                             const CandidateTable& table, const CandidateTable::Active* active, int count, int bx,
-                             int by0, int bz0, BrickState& state) {
+// The active candidates against kBlocksYZ x kBlocksYZ blocks from (bx, by0, bz0) on.
+template <bool kNearest, int kBlocksYZ>
+DIFI_INLINE void gather_active(const Lattice& lattice, const Brick& brick, const Candidates& c,
+                               const CandidateTable& table, const CandidateTable::Active* active, int count, int bx,
+                               int by0, int bz0, BrickState& state) {
   const WideFloat x = WideFloat::load(lattice.x[bx]);
   for (int n = 0; n < count; ++n) {
     const CandidateTable::Group& g = table.groups[active[n].group];
+    state.samples_examined += std::int64_t{kLanes} * kBlocksYZ * kBlocksYZ * __builtin_popcount(active[n].lanes);
     for (std::uint32_t lanes = active[n].lanes; lanes; lanes &= lanes - 1) {
       const int lane = __builtin_ctz(lanes);
-      state.samples_examined += kCellSide * kCellSide * kCellSide;
       if (g.is_long >> lane & 1) {
-        const TriangleLines<WideFloat> lines =
-            make_lines<WideFloat>(double_frame(lattice, brick, c, g.index[lane]));
-        for (int bz = bz0; bz < bz0 + kCellBlocksZ; ++bz)
-          for (int by = by0; by < by0 + kCellBlocksY; ++by) {
-            const int block = block_index(bx, by, bz);
-            lower<kNearest>(state, block, distance_sq(lines, block_samples(lattice, block)), g.index[lane]);
-          }
+        const TriangleLines<WideFloat> lines = make_lines<WideFloat>(double_frame(lattice, brick, c, g.index[lane]));
+        for (int n_block = 0; n_block < kBlocksYZ * kBlocksYZ; ++n_block) {
+          const int block = block_index(bx, by0 + n_block % kBlocksYZ, bz0 + n_block / kBlocksYZ);
+          lower<kNearest>(state, block, distance_sq(lines, block_samples(lattice, block)), g.index[lane]);
+        }
         continue;
       }
       const auto number = [&](int i) __attribute__((always_inline)) { return WideFloat(g.one_frame[lane][i]); };
-      const TriangleFrame<WideFloat> f{
-          {{number(0), number(1), number(2)}, number(3)},   {{number(4), number(5), number(6)}, number(7)},
-          {{number(8), number(9), number(10)}, number(11)}, {number(12), number(13), number(14), number(15)},
-          {number(16), number(17), number(18), number(19)}};
+      const TriangleFrame<WideFloat> f{{{number(0), number(1), number(2)}, number(3)},
+                                       {{number(4), number(5), number(6)}, number(7)},
+                                       {{number(8), number(9), number(10)}, number(11)},
+                                       {number(12), number(13), number(14), number(15)},
+                                       {number(16), number(17), number(18), number(19)}};
 #pragma GCC unroll 2
-      for (int bz = bz0; bz < bz0 + kCellBlocksZ; ++bz) {
+      for (int bz = bz0; bz < bz0 + kBlocksYZ; ++bz) {
         const WideFloat z = WideFloat::load(lattice.z[bz]);
         const WideFloat qz = fma(z, f.q.g.z, f.q.c), yz = fma(z, f.y.g.z, f.y.c), zz = fma(z, f.z.g.z, f.z.c);
 #pragma GCC unroll 2
-        for (int by = by0; by < by0 + kCellBlocksY; ++by) {
+        for (int by = by0; by < by0 + kBlocksYZ; ++by) {
           const WideFloat y = WideFloat::load(lattice.y[by]);
-          const WideFloat d = frame_distance_sq(f, fma(x, f.q.g.x, fma(y, f.q.g.y, qz)),
-                                                fma(x, f.y.g.x, fma(y, f.y.g.y, yz)),
-                                                fma(x, f.z.g.x, fma(y, f.z.g.y, zz)));
+          const WideFloat d =
+              frame_distance_sq(f, fma(x, f.q.g.x, fma(y, f.q.g.y, qz)), fma(x, f.y.g.x, fma(y, f.y.g.y, yz)),
+                                fma(x, f.z.g.x, fma(y, f.z.g.y, zz)));
           lower<kNearest>(state, block_index(bx, by, bz), d, g.index[lane]);
         }
       }
@@ -241,17 +248,37 @@ DIFI_INLINE void gather_cell(const Lattice& lattice, const Brick& brick, const C
 }
 
 // The samples [first, first + side) per axis of a brick.
-DIFI_INLINE SampleBox sample_box(const Lattice& lattice, const int (&first)[3], int side) {
+DIFI_INLINE SampleBox sample_box(const Lattice& lattice, const int (&first)[3], const int (&side)[3]) {
   SampleBox box;
   float radius_sq = 0;
   for (int axis = 0; axis < 3; ++axis) {
     const float spacing = static_cast<float>(lattice.spacing[axis] * lattice.scale);
-    box.center[axis] = (static_cast<float>(first[axis]) + static_cast<float>(side - kBrickSide) / 2) * spacing;
-    box.half[axis] = static_cast<float>(side - 1) / 2 * spacing * (1 + kSlack);
+    box.center[axis] = (static_cast<float>(first[axis]) + static_cast<float>(side[axis] - kBrickSide) / 2) * spacing;
+    box.half[axis] = static_cast<float>(side[axis] - 1) / 2 * spacing * (1 + kSlack);
     radius_sq += box.half[axis] * box.half[axis];
   }
   box.radius = difi::sqrt(radius_sq);
   return box;
+}
+
+// One cell, from the candidates of its tile.
+template <bool kNearest>
+void gather_cell(const Lattice& lattice, const Brick& brick, const Candidates& c, CandidateTable& table, int in_tile,
+                 const int (&at)[3], BrickState& state) {
+  const int in_cell = cull_table(lattice, table, table.of_tile, in_tile,
+                                 sample_box(lattice, at, {kCellSide, kCellSide, kCellSide}), table.of_cell);
+  int candidates = 0;
+  for (int n = 0; n < in_cell; ++n) candidates += __builtin_popcount(table.of_cell[n].lanes);
+  const int bx = at[0] / kBlockX, by = at[1] / kBlockY, bz = at[2] / kBlockZ;
+  if (candidates <= kManyCandidates)
+    return gather_active<kNearest, kCellBlocks>(lattice, brick, c, table, table.of_cell, in_cell, bx, by, bz, state);
+  for (int block = 0; block < kCellBlocks * kCellBlocks; ++block) {
+    const int y = block % kCellBlocks, z = block / kCellBlocks;
+    const int corner[3] = {at[0], at[1] + y * kBlockY, at[2] + z * kBlockZ};
+    const int in_block = cull_table(lattice, table, table.of_cell, in_cell,
+                                    sample_box(lattice, corner, {kBlockX, kBlockY, kBlockZ}), table.of_block);
+    gather_active<kNearest, 1>(lattice, brick, c, table, table.of_block, in_block, bx, by + y, bz + z, state);
+  }
 }
 
 template <bool kNearest>
@@ -264,17 +291,14 @@ void gather_cells(const Lattice& lattice, const Brick& brick, const Candidates& 
     for (int tile = 0; tile < kBrickTiles; ++tile) {
       const int corner[3] = {(tile & 1) * tile_side, (tile >> 1 & 1) * tile_side, (tile >> 2) * tile_side};
       if (corner[0] >= size[0] || corner[1] >= size[1] || corner[2] >= size[2]) continue;
-      const int in_tile = cull_table(lattice, table, table.all, groups, sample_box(lattice, corner, tile_side),
-                                     table.of_tile);
+      const int in_tile = cull_table(lattice, table, table.all, groups,
+                                     sample_box(lattice, corner, {tile_side, tile_side, tile_side}), table.of_tile);
       if (in_tile == 0) continue;
       for (int cell = 0; cell < cells * cells * cells; ++cell) {
         const int at[3] = {corner[0] + (cell & 1) * kCellSide, corner[1] + (cell >> 1 & 1) * kCellSide,
                            corner[2] + (cell >> 2) * kCellSide};
         if (at[0] >= size[0] || at[1] >= size[1] || at[2] >= size[2]) continue;
-        const int in_cell = cull_table(lattice, table, table.of_tile, in_tile, sample_box(lattice, at, kCellSide),
-                                       table.of_cell);
-        gather_cell<kNearest>(lattice, brick, c, table, table.of_cell, in_cell, at[0] / kBlockX, at[1] / kBlockY,
-                              at[2] / kBlockZ, state);
+        gather_cell<kNearest>(lattice, brick, c, table, in_tile, at, state);
       }
     }
   }

@@ -12,7 +12,7 @@ using namespace difi::portable;
 
 }  // namespace
 
-extern const Kernels kKernels{"portable", clear, gather_band_any, band_tiles, write_tile,
-                              nearest_box, cull_boxes, gather_cells_any};
+extern const Kernels kKernels{"portable", clear,       gather_band_any, band_tiles,
+                              write_tile, nearest_box, cull_boxes,      gather_cells_any};
 
 }  // namespace difi::cpu::portable

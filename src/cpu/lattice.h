@@ -26,20 +26,21 @@ constexpr int block_index(int bx, int by, int bz) { return bx + kBlocksX * (by +
 /// the largest spacing to [1, 2). So nothing is lost by scaling, and no mesh is too small or too large for float.
 struct Lattice {
   double scale;
-  double origin[3];                ///< of the grid, world units
-  double spacing[3];               ///< world units
-  std::int64_t size[3];            ///< samples
+  double origin[3];      ///< of the grid, world units
+  double spacing[3];     ///< world units
+  std::int64_t size[3];  ///< samples
   std::int64_t bricks[3];
-  float thickness;                 ///< grid units, may be infinite
+  float thickness;  ///< grid units, may be infinite
   float thickness_sq;
   float thickness_world;
-  float inverse_spacing[3];        ///< 1 / grid units
-  float block_radius;              ///< half the diagonal of a block, grid units
+  float inverse_spacing[3];               ///< 1 / grid units
+  float block_radius;                     ///< half the diagonal of a block, grid units
   alignas(64) float x[kBlocksX][kLanes];  ///< sample coordinates relative to the brick's centre, by block column
   alignas(64) float y[kBlocksY][kLanes];
   alignas(64) float z[kBlocksZ][kLanes];
 
-  alignas(64) float block_centers[kBlocks / kLanes][3][kLanes];  ///< relative to the brick's centre, sixteen blocks a row
+  alignas(
+      64) float block_centers[kBlocks / kLanes][3][kLanes];  ///< relative to the brick's centre, sixteen blocks a row
 
   std::int64_t brick_count() const { return bricks[0] * bricks[1] * bricks[2]; }
 };

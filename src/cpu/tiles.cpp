@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <limits>
 #include <memory>
 
 #include "cpu/bins.h"
@@ -20,14 +21,30 @@ static_assert(sizeof(Vec3) == 3 * sizeof(double) && sizeof(Triangle) == 3 * size
 // Indices held at once: 64 MiB, or as many as there are triangles.
 std::int64_t most_refs(std::int64_t triangles) { return std::max<std::int64_t>(triangles, std::int64_t{16} << 20); }
 
+// Forgets the samples past the grid's far faces, so that stored tiles hold the thickness there.
+void clear_outside(const Lattice& lattice, const Brick& brick, bool with_nearest, BrickState& state) {
+  int size[3];
+  for (int axis = 0; axis < 3; ++axis)
+    size[axis] = static_cast<int>(std::min<std::int64_t>(kBrickSide, lattice.size[axis] - brick.at[axis] * kBrickSide));
+  for (int z = 0; z < kBrickSide; ++z)
+    for (int y = 0; y < kBrickSide; ++y)
+      for (int x = z < size[2] && y < size[1] ? size[0] : 0; x < kBrickSide; ++x) {
+        const int block = block_index(x / kBlockX, y / kBlockY, z / kBlockZ);
+        const int lane = x % kBlockX + kBlockX * (y % kBlockY + kBlockY * (z % kBlockZ));
+        state.distance_sq[block][lane] = std::numeric_limits<float>::infinity();
+        if (with_nearest) state.nearest[block][lane] = kNoTriangle;
+      }
+}
+
 // Gives the finished tiles of a brick to the sink.
 void emit(const Lattice& lattice, const Brick& brick, const Kernels& kernels, BrickState& state, Sink& sink) {
   const unsigned tiles = kernels.band_tiles(lattice, brick, state);
+  if (tiles != 0) clear_outside(lattice, brick, sink.with_nearest(), state);
   for (int tile = 0; tile < kBrickTiles; ++tile)
     if (tiles >> tile & 1)
-      kernels.write_tile(lattice, state, tile,
-                         sink.open(2 * brick.at[0] + (tile & 1), 2 * brick.at[1] + (tile >> 1 & 1),
-                                   2 * brick.at[2] + (tile >> 2)));
+      kernels.write_tile(
+          lattice, state, tile,
+          sink.open(2 * brick.at[0] + (tile & 1), 2 * brick.at[1] + (tile >> 1 & 1), 2 * brick.at[2] + (tile >> 2)));
 }
 
 // Up to this many spacings triangles are binned straight into bricks: nearly all that are binned then lie within the

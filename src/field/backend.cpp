@@ -21,7 +21,8 @@ std::span<const BackendRow> backends() { return kRows; }
 
 const BackendRow& find_backend(Backend backend, Method method) {
   for (const BackendRow& row : kRows)
-    if (row.method == method && (backend == Backend::automatic || row.backend == backend) && row.available()) return row;
+    if (row.method == method && (backend == Backend::automatic || row.backend == backend) && row.available())
+      return row;
   if (backend == Backend::cuda)
     throw Error(ErrorCode::device, "compute: this build of difi has no CUDA backend; use the CPU (--device cpu)");
   throw Error(ErrorCode::device, "compute: no backend runs this method; use another method or backend");

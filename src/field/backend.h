@@ -13,7 +13,8 @@ namespace difi {
 /// What a method has to do. The mesh is valid and holds at least one triangle.
 struct Job {
   MeshView mesh;
-  /// The triangles to use, ascending indices into mesh.triangles; empty when all are used. (The skip rule's compaction.)
+  /// The triangles to use, ascending indices into mesh.triangles; empty when all are used. (The skip rule's
+  /// compaction.)
   std::span<const std::uint32_t> kept;
   Grid grid;
   double thickness;

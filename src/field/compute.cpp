@@ -62,8 +62,8 @@ void check_memory(std::int64_t triangles, const Grid& grid, const Options& optio
   const std::int64_t needed = memory_needed(triangles, grid, options, dense);
   if (needed <= options.memory_limit) return;
   const double shrink = std::cbrt(static_cast<double>(options.memory_limit) / static_cast<double>(needed));
-  const auto side = static_cast<std::int64_t>(
-      shrink * static_cast<double>(std::max({grid.size.x, grid.size.y, grid.size.z})));
+  const auto side =
+      static_cast<std::int64_t>(shrink * static_cast<double>(std::max({grid.size.x, grid.size.y, grid.size.z})));
   throw Error(ErrorCode::limit, "compute: the field may need " + mebibytes(needed) + ", more than the limit of " +
                                     mebibytes(options.memory_limit) + "; take at most about " +
                                     std::to_string(std::max<std::int64_t>(side, 1)) +

@@ -61,7 +61,8 @@ struct DistanceField::Pool {
 DistanceField::DistanceField(const Grid& grid, double thickness, bool with_nearest)
     : grid_(grid), thickness_(thickness), with_nearest_(with_nearest) {
   validate(grid);
-  if (!(thickness > 0)) throw Error(ErrorCode::usage, "field: the thickness must be positive; infinity gives a full field");
+  if (!(thickness > 0))
+    throw Error(ErrorCode::usage, "field: the thickness must be positive; infinity gives a full field");
   const std::int64_t tiles = tile_count().count();
   if (tiles > std::numeric_limits<std::int32_t>::max())
     throw Error(ErrorCode::limit, "field: " + std::to_string(tiles) + " tiles are more than 2^31; take fewer samples");
@@ -217,8 +218,9 @@ void DistanceField::copy_slices(std::int64_t first, std::int64_t count, std::spa
   if (first < 0 || count < 0 || first + count > grid_.size.z ||
       static_cast<std::int64_t>(out.size()) != grid_.size.x * grid_.size.y * count)
     throw Error(ErrorCode::usage, "field: slices to copy are out of range or do not fit the memory given");
-  copy_tiled<float>(*this, first, count, static_cast<float>(thickness_),
-                    [&](auto x, auto y, auto z) { return tile(x, y, z); }, out.data());
+  copy_tiled<float>(
+      *this, first, count, static_cast<float>(thickness_), [&](auto x, auto y, auto z) { return tile(x, y, z); },
+      out.data());
 }
 
 void DistanceField::copy_nearest_slices(std::int64_t first, std::int64_t count, std::span<std::uint32_t> out) const {
@@ -226,8 +228,8 @@ void DistanceField::copy_nearest_slices(std::int64_t first, std::int64_t count, 
   if (first < 0 || count < 0 || first + count > grid_.size.z ||
       static_cast<std::int64_t>(out.size()) != grid_.size.x * grid_.size.y * count)
     throw Error(ErrorCode::usage, "field: slices to copy are out of range or do not fit the memory given");
-  copy_tiled<std::uint32_t>(*this, first, count, kNoTriangle,
-                            [&](auto x, auto y, auto z) { return tile_nearest(x, y, z); }, out.data());
+  copy_tiled<std::uint32_t>(
+      *this, first, count, kNoTriangle, [&](auto x, auto y, auto z) { return tile_nearest(x, y, z); }, out.data());
 }
 
 std::vector<float> DistanceField::to_dense() const {

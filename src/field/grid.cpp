@@ -15,7 +15,8 @@ Box padded(const Box& box, double padding) {
   if (box.empty()) fail("the box to cover is empty; give a mesh with triangles");
   if (!(padding >= 0) || !std::isfinite(padding)) fail("the padding must be zero or more, and finite");
   const Box grown = box.grown(padding);
-  if (!is_finite(grown.min) || !is_finite(grown.max) || !is_finite(grown.extent())) fail("the box to cover is too large");
+  if (!is_finite(grown.min) || !is_finite(grown.max) || !is_finite(grown.extent()))
+    fail("the box to cover is too large");
   return grown;
 }
 

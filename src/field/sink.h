@@ -40,7 +40,10 @@ class Sink {
     }
     const std::int64_t x = tx * side, y = ty * side, z = tz * side, at = grid_.index(x, y, z);
     const Size3& n = grid_.size;
-    return {values_ + at, with_nearest_ ? nearest_ + at : nullptr, n.x, n.x * n.y,
+    return {values_ + at,
+            with_nearest_ ? nearest_ + at : nullptr,
+            n.x,
+            n.x * n.y,
             {std::min(side, n.x - x), std::min(side, n.y - y), std::min(side, n.z - z)}};
   }
 

@@ -22,4 +22,9 @@ std::vector<std::uint32_t> kept_triangles(MeshView mesh, const Grid& grid, doubl
   return all;
 }
 
+std::int64_t skip_bytes(std::int64_t triangles, SkipRule rule) {
+  // The result, and for the exact rule a hash, an entry to sort, a flag, and 8 KiB of counters per 2^14 triangles.
+  return triangles * (rule.kind == SkipRule::Kind::exact ? 18 : 4);
+}
+
 }  // namespace difi

@@ -14,6 +14,9 @@ namespace difi {
 std::vector<std::uint32_t> kept_triangles(MeshView mesh, const Grid& grid, double thickness, SkipRule rule,
                                           int threads);
 
+/// Bytes that kept_triangles may need, its result included.
+std::int64_t skip_bytes(std::int64_t triangles, SkipRule rule);
+
 /// The thesis's rule: goes through the mesh in order and drops a triangle when at least `fraction` of its grown box
 /// lies in that of its neighbour, the nearest triangle before or after it that has not been dropped; of two equal ones
 /// the later. It ends where no triangle that stays could be dropped. Fraction 1 compares boxes without tolerance, grown
@@ -25,9 +28,9 @@ std::vector<std::uint32_t> kept_by_neighbour_rule(MeshView mesh, double thicknes
 /// ones.
 double share_inside(const Box& inner, const Box& outer, double margin);
 
-/// Drops what changes no bit of any sample and of no nearest triangle: triangles whose corners equal those of a
-/// triangle before them, in the order of their vertex indices, and triangles whose grown box, with room for rounding,
-/// holds no sample of the grid. Sorts 8 bytes per triangle, on all threads of the caller's arena.
+/// Drops what changes no bit of any sample and of no nearest triangle: copies, whose corners equal those of a triangle
+/// before them one by one, and triangles whose grown box, with room for rounding, holds no sample of the grid.
+/// Sorts 8 bytes per triangle by hash, on all threads of the caller's arena.
 std::vector<std::uint32_t> kept_by_exact_rule(MeshView mesh, const Grid& grid, double thickness);
 
 }  // namespace difi

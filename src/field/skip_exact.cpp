@@ -12,23 +12,19 @@
 namespace difi {
 namespace {
 
-// A triangle's corners in the order of their vertex indices: the order in which methods take them, so that copies with
-// another first corner or turned around give the same bits.
-std::array<Vec3, 3> ordered_corners(MeshView mesh, std::uint32_t triangle) {
-  auto [a, b, c] = mesh.triangles[triangle];
-  if (a > b) std::swap(a, b);
-  if (b > c) std::swap(b, c);
-  if (a > b) std::swap(a, b);
-  return {mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]};
+using Corners = std::array<Vec3, 3>;
+
+Corners corners_of(MeshView mesh, std::uint32_t triangle) {
+  return {mesh.corner(triangle, 0), mesh.corner(triangle, 1), mesh.corner(triangle, 2)};
 }
 
 // Bits and not values are compared: 0 equals -0, but may give a result that does not.
-bool same_bits(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b) {
+bool same_bits(const Corners& a, const Corners& b) {
   using Bits = std::array<std::uint64_t, 9>;
   return std::bit_cast<Bits>(a) == std::bit_cast<Bits>(b);
 }
 
-std::uint32_t hash(const std::array<Vec3, 3>& corners) {
+std::uint32_t hash(const Corners& corners) {
   std::uint64_t h = 0;
   for (const std::uint64_t bits : std::bit_cast<std::array<std::uint64_t, 9>>(corners)) {
     h = (h ^ bits) * 0x9e3779b97f4a7c15u;
@@ -42,9 +38,7 @@ constexpr std::int64_t kChunk = std::int64_t{1} << 14;
 // Entries are sorted in buckets by the top bits of their hash: enough for the sorting to stay in a near cache.
 constexpr int kBucketBits = 11;
 constexpr std::uint32_t kBuckets = 1u << kBucketBits;
-constexpr std::uint32_t bucket_of(std::uint64_t entry) {
-  return static_cast<std::uint32_t>(entry >> (64 - kBucketBits));
-}
+constexpr std::uint32_t bucket_of(std::uint32_t hash) { return hash >> (32 - kBucketBits); }
 
 class ExactRule {
  public:
@@ -60,6 +54,7 @@ class ExactRule {
     sort_into_buckets();
     tbb::parallel_for(std::uint32_t{0}, kBuckets, [&](std::uint32_t bucket) { drop_copies(bucket); });
     std::vector<std::uint32_t> kept;
+    kept.reserve(static_cast<std::size_t>(std::ranges::count(kept_, 1)));
     for (std::uint32_t triangle = 0; triangle < kept_.size(); ++triangle)
       if (kept_[triangle]) kept.push_back(triangle);
     if (kept.empty() && !kept_.empty()) kept.push_back(0);
@@ -73,24 +68,24 @@ class ExactRule {
     for (auto triangle = static_cast<std::uint32_t>(chunk * kChunk); triangle < end; ++triangle) use(triangle);
   }
 
-  bool in_reach(const std::array<Vec3, 3>& corners) const {
+  bool in_reach(const Corners& corners) const {
     const auto& [a, b, c] = corners;
     return !samples_in(Box{min(a, min(b, c)), max(a, max(b, c))}.grown(reach_), grid_).empty();
   }
 
   // An entry is a triangle's hash above its index, so that sorting brings equal hashes together, lowest index first.
   void sort_into_buckets() {
-    std::vector<std::uint64_t> entries(mesh_.triangles.size());
+    std::vector<std::uint32_t> hashes(mesh_.triangles.size());
     std::vector<std::array<std::uint32_t, kBuckets>> places(static_cast<std::size_t>(chunks_));
     tbb::parallel_for(std::int64_t{0}, chunks_, [&](std::int64_t chunk) {
       auto& count = places[chunk];
       count.fill(0);
       for_each_in_chunk(chunk, [&](std::uint32_t triangle) {
-        const auto corners = ordered_corners(mesh_, triangle);
+        const auto corners = corners_of(mesh_, triangle);
         kept_[triangle] = in_reach(corners);
         if (!kept_[triangle]) return;
-        entries[triangle] = std::uint64_t{hash(corners)} << 32 | triangle;
-        ++count[bucket_of(entries[triangle])];
+        hashes[triangle] = hash(corners);
+        ++count[bucket_of(hashes[triangle])];
       });
     });
     std::uint32_t total = 0;
@@ -102,7 +97,8 @@ class ExactRule {
     entries_.resize(total);
     tbb::parallel_for(std::int64_t{0}, chunks_, [&](std::int64_t chunk) {
       for_each_in_chunk(chunk, [&](std::uint32_t triangle) {
-        if (kept_[triangle]) entries_[places[chunk][bucket_of(entries[triangle])]++] = entries[triangle];
+        if (kept_[triangle])
+          entries_[places[chunk][bucket_of(hashes[triangle])]++] = std::uint64_t{hashes[triangle]} << 32 | triangle;
       });
     });
   }
@@ -120,8 +116,8 @@ class ExactRule {
       const auto triangle = static_cast<std::uint32_t>(*entry);
       const bool alone = count == 0 && (entry + 1 == end || *entry >> 32 != *(entry + 1) >> 32);
       if (alone) continue;
-      const auto corners = ordered_corners(mesh_, triangle);
-      const auto is_original = [&](std::uint32_t other) { return same_bits(corners, ordered_corners(mesh_, other)); };
+      const auto corners = corners_of(mesh_, triangle);
+      const auto is_original = [&](std::uint32_t other) { return same_bits(corners, corners_of(mesh_, other)); };
       if (std::any_of(originals.begin(), originals.begin() + count, is_original))
         kept_[triangle] = 0;
       else if (count < kMostCompared)

@@ -41,6 +41,7 @@ std::vector<std::uint32_t> kept_by_neighbour_rule(MeshView mesh, double thicknes
   // one. Each time both ends of the new pair of neighbours are compared, so no pair of neighbours that stays is left to
   // drop.
   std::vector<std::uint32_t> kept;
+  kept.reserve(mesh.triangles.size());
   Box last;
   for (std::uint32_t triangle = 0; triangle < mesh.triangles.size(); ++triangle) {
     const Box box = triangle_box(mesh, triangle);

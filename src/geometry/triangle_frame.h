@@ -1,23 +1,25 @@
 // Distance from points to a triangle in the triangle's own frame, without branches.
 //
 // The frame. x runs along the longest edge AB, y along the altitude to the third corner C, z along the normal; the
-// origin is the altitude's foot, which lies on AB because AB is the longest edge. The altitude cuts the triangle into two
-// right triangles. The closest point of a point with x < 0 lies in the left one, else in the right one: were it on the
-// other side, the segment to it would cross the altitude, or pass the apex where the normals of both edges lean away.
-// Mirrored to x >= 0, a right triangle has the corners (0,0), (leg,0), (0,height).
+// origin is the altitude's foot, which lies on AB because AB is the longest edge. The altitude cuts the triangle into
+// two right triangles. The closest point of a point with x < 0 lies in the left one, else in the right one: were it on
+// the other side, the segment to it would cross the altitude, or pass the apex where the normals of both edges lean
+// away. Mirrored to x >= 0, a right triangle has the corners (0,0), (leg,0), (0,height).
 //
 // The distance. For a point (q, y, z) with q >= 0 let s and t be its coordinates across and along the hypotenuse, from
 // (leg,0), and l the hypotenuse's length. Two lower bounds of the squared distance in the plane are
 //   e = max(s,0)^2 + (t - clamp(t,0,l))^2     against the hypotenuse, exact for y >= 0
 //   f = max(q - leg,0)^2 + min(y,0)^2         against the base, exact for y <= 0
-// f never exceeds the distance since the triangle lies in q <= leg and y >= 0; e never does since it measures to the half
-// plane below the hypotenuse cut by the strip 0 <= t <= l, which holds the right triangle. So max(e, f) is exact everywhere.
+// f never exceeds the distance since the triangle lies in q <= leg and y >= 0; e never does since it measures to the
+// half plane below the hypotenuse cut by the strip 0 <= t <= l, which holds the right triangle. So max(e, f) is exact
+// everywhere.
 //
 // Degenerate triangles need no special case: a segment has height 0, a point has legs 0 as well, and any orthonormal
 // frame serves them.
 //
-// Error: all is computed in F from corners relative to a nearby reference point; with corners and points within R of it the
-// distance is within 12 R epsilon(F) (tests/geometry/triangle_frame_test.cpp measures it on random and on needle-like triangles).
+// Error: all is computed in F from corners relative to a nearby reference point; with corners and points within R of it
+// the distance is within 12 R epsilon(F) (tests/geometry/triangle_frame_test.cpp measures it on random and on
+// needle-like triangles).
 #pragma once
 
 #include "geometry/triple.h"
@@ -43,9 +45,9 @@ struct TriangleFrame {
   HalfTriangle<F> left, right;
 };
 
-/// The last step, shared by all ways to get there: the squared distance from z, the coordinates across (s) and along the
-/// hypotenuse, the latter measured from both of its ends (t0 from the base, t1 from the apex), how far the point is past
-/// the base's end (past), and y.
+/// The last step, shared by all ways to get there: the squared distance from z, the coordinates across (s) and along
+/// the hypotenuse, the latter measured from both of its ends (t0 from the base, t1 from the apex), how far the point is
+/// past the base's end (past), and y.
 template <class F>
 DIFI_INLINE F combined_distance_sq(const F& z, const F& s, const F& t0, const F& t1, const F& past, const F& y) {
   const F zero(0);
@@ -133,8 +135,8 @@ DIFI_INLINE HalfTriangle<F> half_triangle(const F& leg, const F& height) {
   return {leg, length, select(usable, height * inverse, F(1)), leg * inverse};
 }
 
-/// The frame of the triangle a, b, c. `least_sq` is the squared length below which an edge or altitude counts as zero: small
-/// against the accuracy wanted, large against underflow.
+/// The frame of the triangle a, b, c. `least_sq` is the squared length below which an edge or altitude counts as zero:
+/// small against the accuracy wanted, large against underflow.
 template <class F>
 DIFI_INLINE TriangleFrame<F> make_frame(const Triple<F>& a, const Triple<F>& b, const Triple<F>& c, const F& least_sq) {
   // Turn the corners so that the first edge is the longest.

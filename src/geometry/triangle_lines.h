@@ -1,9 +1,9 @@
 // The frame of a large triangle, ready for points far closer together than the triangle is wide.
 //
-// Frame coordinates of a point in the middle of a triangle 1000 samples wide are of the order of 1000, too coarse in float.
-// What the distance depends on is where the point lies against each line of the triangle, and near a line that is a small
-// number. So each such number gets a linear function of its own, made in double and rounded last: it is coarse only
-// where it is large, and there either it is clamped away or the distance is large as well.
+// Frame coordinates of a point in the middle of a triangle 1000 samples wide are of the order of 1000, too coarse in
+// float. What the distance depends on is where the point lies against each line of the triangle, and near a line that
+// is a small number. So each such number gets a linear function of its own, made in double and rounded last: it is
+// coarse only where it is large, and there either it is clamped away or the distance is large as well.
 #pragma once
 
 #include "geometry/triangle_frame.h"
@@ -44,7 +44,8 @@ DIFI_INLINE HalfLines<F> half_lines(double towards, const TriangleFrame<double>&
 
 template <class F>
 DIFI_INLINE TriangleLines<F> make_lines(const TriangleFrame<double>& f) {
-  return {rounded<F>(f.q), rounded<F>(f.y), rounded<F>(f.z), half_lines<F>(-1, f, f.left), half_lines<F>(1, f, f.right)};
+  return {rounded<F>(f.q), rounded<F>(f.y), rounded<F>(f.z), half_lines<F>(-1, f, f.left),
+          half_lines<F>(1, f, f.right)};
 }
 
 /// What the lines read at a point; `along` without its constant.
