@@ -1,26 +1,25 @@
 #include "cpu/thesis.h"
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "field/skip.h"
-#include "tests/brute_force.h"
-#include "tests/random_mesh.h"
+#include "tests/support/fields.h"
+#include "tests/support/random_mesh.h"
 
 namespace difi {
 namespace {
 
 using testing::add_triangle;
-using testing::brute_distance;
+using testing::for_each_sample;
+using testing::kInfinity;
 using testing::nasty_soup;
 using testing::random_soup;
-using testing::triangle_distance;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using testing::reference_distance;
 
 struct Outcome {
   DistanceField field;
@@ -28,20 +27,13 @@ struct Outcome {
 };
 
 Outcome run(MeshView mesh, const Grid& grid, double thickness, int threads = 2, std::vector<std::uint32_t> kept = {},
-        const Options& options = {}) {
+            const Options& options = {}) {
   Outcome result{DistanceField(grid, thickness, true), {}};
   Sink sink(result.field);
   ProgressMeter progress(options);
   const Job job{mesh, kept, grid, thickness, threads, Simd::automatic, progress};
   tbb::task_arena(threads).execute([&] { result.counts = cpu::run_thesis(job, sink); });
   return result;
-}
-
-template <class Use>
-void for_each_sample(const Grid& grid, Use use) {
-  for (std::int64_t k = 0; k < grid.size.z; ++k)
-    for (std::int64_t j = 0; j < grid.size.y; ++j)
-      for (std::int64_t i = 0; i < grid.size.x; ++i) use(i, j, k);
 }
 
 // Two float roundings of the largest coordinate difference there is: between a brick's centre and a triangle or sample.
@@ -52,20 +44,20 @@ double rounding(MeshView mesh, const Grid& grid) {
   return 2 * 0x1p-23 * (length(box.extent()) + 16 * grid.max_spacing());
 }
 
-void expect_exact(const Mesh& mesh, const Grid& grid, double thickness) {
+void expect_within_rounding(const Mesh& mesh, const Grid& grid, double thickness) {
   const Outcome result = run(mesh, grid, thickness);
   const double allowed = rounding(mesh, grid);
   std::int64_t band_at_least = 0, band_at_most = 0;
   for_each_sample(grid, [&](auto i, auto j, auto k) {
     const Vec3 p = grid.position(i, j, k);
-    const double distance = brute_distance(mesh, p);
+    const double distance = reference_distance(mesh, p);
     band_at_least += distance < thickness - allowed;
     band_at_most += distance < thickness + allowed;
     ASSERT_NEAR(result.field.value(i, j, k), std::min(distance, thickness), allowed) << i << ' ' << j << ' ' << k;
     const std::uint32_t nearest = result.field.nearest(i, j, k);
     if (distance < thickness - allowed) {
       ASSERT_LT(nearest, mesh.triangles.size());
-      ASSERT_NEAR(triangle_distance(mesh, nearest, p), distance, 2 * allowed);
+      ASSERT_NEAR(reference_distance(mesh, nearest, p), distance, 2 * allowed);
     } else if (distance > thickness + allowed) {
       ASSERT_EQ(nearest, kNoTriangle);
     }
@@ -82,29 +74,29 @@ TEST(Thesis, IsExactWithoutSkippingForAnyGrid) {
                         {{70, 1, 3}, {-6, 0, -1}, {0.17, 1, 0.7}},
                         {{8, 16, 17}, {-20, -3, -3}, {2.5, 0.5, 0.45}}};
   for (const Grid& grid : grids)
-    for (const double thickness : {0.05, 1.0, 4.0, kInfinity}) expect_exact(mesh, grid, thickness);
+    for (const double thickness : {0.05, 1.0, 4.0, kInfinity}) expect_within_rounding(mesh, grid, thickness);
 }
 
 TEST(Thesis, IsExactOnDegenerateAndRepeatedTriangles) {
   const Mesh mesh = nasty_soup(2, 80, 6);
-  expect_exact(mesh, {{25, 26, 27}, {-6.1, -6.2, -6.3}, {0.5, 0.5, 0.5}}, 1.2);
-  expect_exact(mesh, {{9, 9, 9}, {-6.1, -6.2, -6.3}, {1.5, 1.5, 1.5}}, kInfinity);
+  expect_within_rounding(mesh, {{25, 26, 27}, {-6.1, -6.2, -6.3}, {0.5, 0.5, 0.5}}, 1.2);
+  expect_within_rounding(mesh, {{9, 9, 9}, {-6.1, -6.2, -6.3}, {1.5, 1.5, 1.5}}, kInfinity);
 }
 
 TEST(Thesis, IsExactFarFromTheOriginAndAtAnyScale) {
   const Vec3 far{1e6, -2e6, 3e6};
-  expect_exact(random_soup(3, 40, 5, 1, far), {{24, 24, 24}, far - Vec3{6, 6, 6}, {0.5, 0.5, 0.5}}, 2);
+  expect_within_rounding(random_soup(3, 40, 5, 1, far), {{24, 24, 24}, far - Vec3{6, 6, 6}, {0.5, 0.5, 0.5}}, 2);
   for (const double scale : {1e-6, 1e-20, 1e15}) {
     Mesh mesh = random_soup(4, 40, 5, 1);
     for (Vec3& v : mesh.vertices) v = v * scale;
-    expect_exact(mesh, {{24, 24, 24}, Vec3{-6, -6, -6} * scale, Vec3{0.5, 0.5, 0.5} * scale}, 2 * scale);
+    expect_within_rounding(mesh, {{24, 24, 24}, Vec3{-6, -6, -6} * scale, Vec3{0.5, 0.5, 0.5} * scale}, 2 * scale);
   }
 }
 
 TEST(Thesis, IsExactForOneTriangleThatCoversEverything) {
   Mesh mesh;
   add_triangle(mesh, {-900, -1000, -800}, {1100, -900, 700}, {100, 1200, 300});
-  expect_exact(mesh, {{40, 40, 40}, {-10, -10, -10}, {0.5, 0.5, 0.5}}, 3);
+  expect_within_rounding(mesh, {{40, 40, 40}, {-10, -10, -10}, {0.5, 0.5, 0.5}}, 3);
 }
 
 TEST(Thesis, CountsTheSamplesOfGrownBoxes) {
@@ -140,6 +132,7 @@ TEST(Thesis, GivesTheSameBitsForAnyNumberOfThreads) {
   const std::size_t originals = mesh.triangles.size();
   for (std::size_t t = 0; t < originals; ++t) mesh.triangles.push_back(mesh.triangles[t]);
   const Grid grid{{20, 18, 17}, {-5, -4.5, -4}, {0.5, 0.5, 0.5}};
+  const tbb::global_control more_than_cores(tbb::global_control::max_allowed_parallelism, 8);
   const Outcome one = run(mesh, grid, 1, 1);
   for (int threads = 2; threads <= 8; ++threads) {
     const Outcome many = run(mesh, grid, 1, threads);

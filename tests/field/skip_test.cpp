@@ -1,24 +1,24 @@
 #include "field/skip.h"
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <set>
 
-#include "difi/compute.h"
-#include "tests/random_mesh.h"
+#include "tests/support/fields.h"
+#include "tests/support/random_mesh.h"
 
 namespace difi {
 namespace {
 
 using testing::add_triangle;
+using testing::kInfinity;
 using testing::nasty_soup;
 using testing::random_soup;
 using Kept = std::vector<std::uint32_t>;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 const Grid kGrid{{17, 17, 17}, {-4, -4, -4}, {0.5, 0.5, 0.5}};
 
 Box triangle_box(MeshView mesh, std::uint32_t triangle) {
@@ -177,6 +177,7 @@ TEST(ExactRule, FindsEveryCopyInALargeMeshOnAnyNumberOfThreads) {
     copies.insert(static_cast<std::uint32_t>(mesh.triangles.size()));
     mesh.triangles.push_back(mesh.triangles[random.below(60000)]);
   }
+  const tbb::global_control more_than_cores(tbb::global_control::max_allowed_parallelism, 8);
   const SkipRule rule{SkipRule::Kind::exact, 1};
   const Kept kept = kept_triangles(mesh, kGrid, 1, rule, 1);
   EXPECT_EQ(kept.size(), 60000u);
@@ -184,26 +185,35 @@ TEST(ExactRule, FindsEveryCopyInALargeMeshOnAnyNumberOfThreads) {
   for (int threads = 2; threads <= 8; ++threads) ASSERT_EQ(kept_triangles(mesh, kGrid, 1, rule, threads), kept);
 }
 
-TEST(ExactRule, ChangesNoBitOfTheField) {
+Computed computed(MeshView mesh, double thickness, Method method, SkipRule::Kind rule) {
+  Options options;
+  options.thickness = thickness;
+  options.method = method;
+  options.nearest_triangle = true;
+  options.skip.kind = rule;
+  return compute(mesh, kGrid, options);
+}
+
+TEST(ExactRule, ChangesNoBitOfTheFieldNorOfTheNearestTriangles) {
+  testing::Random random(7);
   for (unsigned seed = 0; seed < 12; ++seed) {
-    const Mesh mesh = nasty_soup(seed, 150, 8);
-    for (const double thickness : {0.4, 2.0, kInfinity}) {
-      Options options;
-      options.thickness = thickness;
-      options.nearest_triangle = true;
-      options.skip.kind = SkipRule::Kind::none;
-      const Computed all = compute(mesh, kGrid, options);
-      options.skip.kind = SkipRule::Kind::exact;
-      const Computed some = compute(mesh, kGrid, options);
-      EXPECT_EQ(all.report.skipped, 0);
-      EXPECT_GT(some.report.skipped, 0);
-      ASSERT_EQ(some.field.to_dense(), all.field.to_dense());
-      for (std::int64_t k = 0; k < kGrid.size.z; ++k)
-        for (std::int64_t j = 0; j < kGrid.size.y; ++j)
-          for (std::int64_t i = 0; i < kGrid.size.x; ++i)
-            ASSERT_EQ(some.field.nearest(i, j, k), all.field.nearest(i, j, k));
-    }
+    Mesh mesh = seed % 2 == 0 ? nasty_soup(seed, 300, 8) : random_soup(seed, 300, 8, 0.7);
+    for (int n = 0; n < 300; ++n) mesh.triangles.push_back(mesh.triangles[random.below(300)]);
+    for (Triangle& t : mesh.triangles) std::swap(t, mesh.triangles[random.below(600)]);
+    for (const Method method : {Method::tiles, Method::thesis})
+      for (const double thickness : {0.4, 3.0, kInfinity}) {
+        const Computed all = computed(mesh, thickness, method, SkipRule::Kind::none);
+        const Computed some = computed(mesh, thickness, method, SkipRule::Kind::exact);
+        EXPECT_EQ(all.report.skipped, 0);
+        EXPECT_GT(some.report.skipped, 250);
+        testing::expect_same_bits(some.field, all.field);
+      }
   }
+}
+
+TEST(ExactRule, SaysHowMuchMemoryItNeeds) {
+  EXPECT_EQ(skip_bytes(1000, {SkipRule::Kind::neighbour, 1}), 4000);
+  EXPECT_GT(skip_bytes(1000, {SkipRule::Kind::exact, 1}), 4000);
 }
 
 }  // namespace

@@ -7,33 +7,23 @@
 #include <cmath>
 #include <random>
 
-#include "geometry/closest_point.h"
+#include "tests/support/random_mesh.h"
+#include "tests/support/reference.h"
 
 namespace difi {
 namespace {
 
+using testing::Random;
+
 constexpr double kEpsilon = 0x1p-23;  // of float
 
-Triple<double> wide(Vec3 v) { return {v.x, v.y, v.z}; }
 Triple<float> narrow(Vec3 v) { return thesis_rounded<float>(v); }
 
-double exact_distance(Vec3 p, const std::array<Vec3, 3>& t) {
-  return std::sqrt(closest_distance_sq(wide(p), wide(t[0]), wide(t[1]), wide(t[2])));
-}
+double exact_distance(Vec3 p, const std::array<Vec3, 3>& t) { return testing::reference_distance(p, t[0], t[1], t[2]); }
 
 double thesis_distance(Vec3 p, const std::array<Vec3, 3>& t) {
   return std::sqrt(distance_sq(make_thesis_triangle<float>(t[0], t[1], t[2]), narrow(p)));
 }
-
-class Random {
- public:
-  explicit Random(unsigned seed) : engine_(seed) {}
-  double between(double low, double high) { return low + (high - low) * static_cast<double>(engine_()) / 0x1p32; }
-  Vec3 in_cube(double half) { return {between(-half, half), between(-half, half), between(-half, half)}; }
-
- private:
-  std::mt19937 engine_;
-};
 
 // Points around, on and just beside the triangle, representable in float, so that only the arithmetic is judged.
 Vec3 point_near(const std::array<Vec3, 3>& t, Random& random) {
