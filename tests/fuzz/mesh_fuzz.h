@@ -1,0 +1,26 @@
+// What every mesh fuzzer asks of its reader.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <string_view>
+
+#include "difi/error.h"
+#include "io/mesh_format.h"
+
+namespace difi {
+
+/// Any bytes give a valid mesh or Error{input}; anything else ends the process.
+inline int fuzz_mesh(Mesh (*read)(const FileView&), const std::uint8_t* data, std::size_t size) {
+  if (size == 0) return 0;
+  try {
+    validate(read(FileView("fuzzed", std::string_view(reinterpret_cast<const char*>(data), size))));
+  } catch (const Error& error) {
+    const std::string_view message = error.what();
+    if (error.code() != ErrorCode::input || !message.starts_with("fuzzed:")) std::abort();
+  }
+  return 0;
+}
+
+}  // namespace difi
