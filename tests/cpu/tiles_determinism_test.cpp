@@ -1,0 +1,133 @@
+// The method tiles: the same bits for any number of threads, any run, any instruction set and either kind of memory.
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <limits>
+
+#include "difi/compute.h"
+#include "tests/support/random_mesh.h"
+#include "tests/support/fields.h"
+
+namespace difi {
+namespace {
+
+using testing::computed;
+using testing::expect_same_bits;
+using testing::kInfinity;
+
+// Odd sizes, ties, slivers, long triangles, and enough of them that threads share the work.
+Mesh mixed_mesh(int triangles) {
+  Mesh mesh = testing::nasty_soup(51, 100, 8);
+  for (const double side : {0.2, 1.0, 30.0}) {
+    const Mesh soup = testing::random_soup(52, side > 10 ? 10 : triangles, 8, side);
+    for (std::size_t t = 0; t < soup.triangles.size(); ++t)
+      testing::add_triangle(mesh, MeshView(soup).corner(t, 0), MeshView(soup).corner(t, 1),
+                            MeshView(soup).corner(t, 2));
+  }
+  return mesh;
+}
+
+const Grid kGrid{{37, 41, 29}, {-9, -10, -7}, {0.5, 0.5, 0.5}};
+constexpr double kThicknesses[] = {0.9, 2.6, kInfinity};
+
+bool is_supported(Simd simd) {
+  try {
+    computed(testing::random_soup(53, 1, 1, 1), {{2, 2, 2}, {0, 0, 0}, {1, 1, 1}}, 1, simd);
+    return true;
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::usage);
+    EXPECT_NE(std::string(error.what()).find("instruction set"), std::string::npos) << error.what();
+    return false;
+  }
+}
+
+TEST(TilesDeterminism, AnyNumberOfThreadsAndAnyRun) {
+  const Mesh mesh = mixed_mesh(4000);
+  for (const double thickness : kThicknesses) {
+    const Computed one = computed(mesh, kGrid, thickness, Simd::automatic, 1);
+    for (const int threads : {1, 2, 3, 8}) {
+      SCOPED_TRACE(::testing::Message() << threads << " threads, thickness " << thickness);
+      const Computed many = computed(mesh, kGrid, thickness, Simd::automatic, threads);
+      expect_same_bits(one.field, many.field);
+      EXPECT_EQ(many.report.threads, threads);
+      EXPECT_EQ(one.field.stored_tiles(), many.field.stored_tiles());
+      EXPECT_EQ(one.report.samples_band, many.report.samples_band);
+      EXPECT_EQ(one.report.samples_examined, many.report.samples_examined);
+    }
+  }
+}
+
+TEST(TilesDeterminism, AnyInstructionSet) {
+  const Mesh mesh = mixed_mesh(100);
+  const Grid grid{{19, 18, 21}, {-4.4, -4.3, -4.6}, {0.5, 0.5, 0.5}};
+  for (const double thickness : kThicknesses) {
+    const Computed portable = computed(mesh, grid, thickness, Simd::portable);
+    EXPECT_EQ(portable.report.device, "portable");
+    for (const auto& [simd, name] : {std::pair{Simd::avx2, "avx2"}, std::pair{Simd::avx512, "avx512"}}) {
+      if (!is_supported(simd)) continue;
+      SCOPED_TRACE(::testing::Message() << name << ", thickness " << thickness);
+      const Computed wide = computed(mesh, grid, thickness, simd);
+      EXPECT_EQ(wide.report.device, name);
+      expect_same_bits(portable.field, wide.field);
+      EXPECT_EQ(portable.report.samples_examined, wide.report.samples_examined);
+      EXPECT_EQ(portable.report.samples_band, wide.report.samples_band);
+    }
+  }
+}
+
+TEST(TilesDeterminism, DenseMemoryIsFilledWhateverItHeld) {
+  const Mesh mesh = mixed_mesh(300);
+  const auto samples = static_cast<std::size_t>(kGrid.sample_count());
+  for (const double thickness : kThicknesses) {
+    const Computed sparse = computed(mesh, kGrid, thickness);
+    Options options;
+    options.thickness = thickness;
+    options.nearest_triangle = true;
+    std::vector<float> values(samples, std::bit_cast<float>(0xffc0deadu));
+    std::vector<std::uint32_t> nearest(samples, 0xdeadbeefu);
+    const Report report = compute_into(mesh, kGrid, values, nearest, options);
+    EXPECT_TRUE(testing::bits_of(values) == testing::bits_of(sparse.field.to_dense()));
+    EXPECT_TRUE(nearest == testing::all_nearest(sparse.field));
+    EXPECT_EQ(report.samples_band, sparse.report.samples_band);
+
+    std::vector<float> alone(samples, std::numeric_limits<float>::quiet_NaN());
+    options.nearest_triangle = false;
+    compute_into(mesh, kGrid, alone, options);
+    EXPECT_TRUE(values == alone) << "asking for nearest triangles changes no value";
+  }
+}
+
+TEST(TilesDeterminism, TheExactSkipRuleChangesNoBit) {
+  const Mesh mesh = mixed_mesh(300);
+  for (const double thickness : kThicknesses) {
+    Options options;
+    options.thickness = thickness;
+    options.nearest_triangle = true;
+    options.skip.kind = SkipRule::Kind::exact;
+    const Computed skipped = compute(mesh, kGrid, options);
+    EXPECT_GT(skipped.report.skipped, 0);
+    expect_same_bits(skipped.field, computed(mesh, kGrid, thickness).field);
+  }
+}
+
+TEST(TilesDeterminism, StoredTilesHoldTheThicknessPastTheGrid) {
+  const Mesh mesh = mixed_mesh(100);
+  for (const double thickness : kThicknesses) {
+    const DistanceField field = computed(mesh, kGrid, thickness).field;
+    const Size3 tiles = field.tile_count();
+    testing::for_each_sample({tiles, {}, {1, 1, 1}}, [&](auto tx, auto ty, auto tz) {
+      const float* values = field.tile(tx, ty, tz);
+      if (!values) return;
+      const std::uint32_t* nearest = field.tile_nearest(tx, ty, tz);
+      for (int n = 0; n < DistanceField::kTileSamples; ++n) {
+        if (8 * tx + n % 8 < kGrid.size.x && 8 * ty + n / 8 % 8 < kGrid.size.y && 8 * tz + n / 64 < kGrid.size.z)
+          continue;
+        ASSERT_EQ(values[n], static_cast<float>(thickness));
+        ASSERT_EQ(nearest[n], kNoTriangle);
+      }
+    });
+  }
+}
+
+}  // namespace
+}  // namespace difi
