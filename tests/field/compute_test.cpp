@@ -1,0 +1,148 @@
+// compute and compute_into: options, errors, progress, memory.
+#include "difi/compute.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <vector>
+
+#include "tests/io/expect_error.h"
+#include "tests/support/random_mesh.h"
+
+namespace difi {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+const Grid kGrid{{40, 41, 42}, {-5, -5, -5}, {0.25, 0.25, 0.25}};
+
+Mesh soup() { return testing::random_soup(81, 200, 4, 1); }
+
+void expect_compute_error(const Mesh& mesh, const Options& options, ErrorCode code, const std::string& words) {
+  expect_error([&] { compute(mesh, kGrid, options); }, code, words);
+  std::vector<float> values(static_cast<std::size_t>(kGrid.sample_count()));
+  expect_error([&] { compute_into(mesh, kGrid, values, options); }, code, words);
+}
+
+TEST(Compute, MeshErrorsNameTheTriangle) {
+  expect_compute_error({}, {}, ErrorCode::input, "no triangles");
+  Mesh mesh = soup();
+  mesh.vertices[3 * 7 + 1].z = kNaN;
+  expect_compute_error(mesh, {}, ErrorCode::input, "triangle 7");
+  mesh = soup();
+  mesh.triangles[9][0] = 600;
+  expect_compute_error(mesh, {}, ErrorCode::input, "triangle 9: index 600");
+}
+
+TEST(Compute, OptionErrors) {
+  for (const double thickness : {0.0, -1.0, kNaN}) {
+    Options options;
+    options.thickness = thickness;
+    expect_compute_error(soup(), options, ErrorCode::usage, "thickness must be positive");
+  }
+  Options options;
+  options.threads = -1;
+  expect_compute_error(soup(), options, ErrorCode::usage, "threads");
+  options = {};
+  options.memory_limit = -1;
+  expect_compute_error(soup(), options, ErrorCode::usage, "memory limit");
+  options = {};
+  options.skip = {SkipRule::Kind::neighbour, 1.5};
+  expect_compute_error(soup(), options, ErrorCode::usage, "fraction");
+  expect_error([] { compute(soup(), {{0, 1, 1}, {}, {1, 1, 1}}); }, ErrorCode::usage, "at least one sample");
+}
+
+TEST(Compute, MemoryOfTheWrongLength) {
+  std::vector<float> values(static_cast<std::size_t>(kGrid.sample_count()));
+  std::vector<std::uint32_t> nearest(values.size());
+  const auto expect_refused = [](std::span<float> v, std::span<std::uint32_t> n, const Options& options) {
+    expect_error([&] { compute_into(soup(), kGrid, v, n, options); }, ErrorCode::usage, "68880 values");
+  };
+  expect_refused(std::span(values).first(values.size() - 1), {}, {});
+  expect_refused(values, std::span(nearest).first(1), {});
+  Options options;
+  options.nearest_triangle = true;
+  expect_refused(values, {}, options);
+}
+
+TEST(Compute, MemoryLimitSaysWhatIsNeededAndWhatToDo) {
+  Options options;
+  options.thickness = 1;
+  const auto needed = memory_needed(200, kGrid, options);
+  options.memory_limit = needed - 1;
+  expect_error([&] { compute(soup(), kGrid, options); }, ErrorCode::limit, "may need");
+  expect_error([&] { compute(soup(), kGrid, options); }, ErrorCode::limit, "smaller thickness");
+  options.memory_limit = needed;
+  EXPECT_LE(compute(soup(), kGrid, options).field.memory_bytes(), needed);
+}
+
+TEST(Compute, MemoryNeededBoundsTheField) {
+  for (const double thickness : {0.3, 2.0, std::numeric_limits<double>::infinity()})
+    for (const bool nearest : {false, true}) {
+      Options options;
+      options.thickness = thickness;
+      options.nearest_triangle = nearest;
+      EXPECT_GE(memory_needed(200, kGrid, options), compute(soup(), kGrid, options).field.memory_bytes());
+      EXPECT_GE(memory_needed(200, kGrid, options, true), kGrid.sample_count() * (nearest ? 8 : 4));
+    }
+  const std::int64_t large = std::int64_t{1} << 40;
+  Options options;
+  options.threads = 1;
+  EXPECT_GT(memory_needed(1, {{large, 1 << 22, 1}, {}, {1, 1, 1}}, options), large) << "does not overflow";
+}
+
+TEST(Compute, ProgressNeverFallsAndEndsAtOne) {
+  for (const double thickness : {0.5, 4.0}) {
+    Options options;
+    options.thickness = thickness;
+    double last = 0;
+    int calls = 0;
+    options.progress = [&](const Progress& progress) {
+      EXPECT_GE(progress.fraction, last);
+      EXPECT_LE(progress.fraction, 1);
+      EXPECT_STRNE(progress.stage, "");
+      last = progress.fraction;
+      ++calls;
+      return true;
+    };
+    compute(soup(), kGrid, options);
+    EXPECT_EQ(last, 1);
+    EXPECT_GT(calls, 10);
+  }
+}
+
+TEST(Compute, CancelsWhereverItIsAsked) {
+  for (const double thickness : {0.5, 4.0})
+    for (const int most : {0, 1, 2, 5, 12}) {
+      int calls = 0;
+      Options options;
+      options.thickness = thickness;
+      options.progress = [&](const Progress&) { return calls++ < most; };
+      expect_error([&] { compute(soup(), kGrid, options); }, ErrorCode::interrupted, "cancelled");
+      EXPECT_EQ(calls, most + 1) << "not asked again";
+    }
+}
+
+TEST(Compute, ReportsWhatItDid) {
+  Options options;
+  options.thickness = 0.5;
+  options.threads = 2;
+  const Computed done = compute(soup(), kGrid, options);
+  const Report& report = done.report;
+  EXPECT_EQ(report.method, "tiles");
+  EXPECT_EQ(report.backend, "cpu");
+  EXPECT_EQ(report.threads, 2);
+  EXPECT_EQ(report.triangles, 200);
+  EXPECT_EQ(report.skipped, 0);
+  EXPECT_EQ(report.samples, kGrid.sample_count());
+  EXPECT_EQ(report.tiles, 5 * 6 * 6);
+  EXPECT_EQ(report.tiles_stored, done.field.stored_tiles());
+  std::int64_t band = 0;
+  for (const float value : done.field.to_dense()) band += value < 0.5f;
+  EXPECT_EQ(report.samples_band, band);
+  EXPECT_GE(report.samples_examined, band);
+  EXPECT_EQ(done.field.provenance.method, "tiles");
+  EXPECT_EQ(done.field.thickness(), 0.5);
+}
+
+}  // namespace
+}  // namespace difi
