@@ -1,9 +1,7 @@
-#include <string>
+#include "render/mesh_picture.h"
 
 #include "difi/error.h"
-#include "difi/picture.h"
 #include "render/camera.h"
-#include "render/image.h"
 #include "render/raster.h"
 
 namespace difi {
@@ -37,8 +35,7 @@ Vec3 up_vector(Axis up) { return {up == Axis::x ? 1.0 : 0.0, up == Axis::y ? 1.0
 
 }  // namespace
 
-void write_mesh_png(const std::filesystem::path& path, MeshView mesh, const PictureOptions& options) {
-  require_png();
+Image draw_mesh(MeshView mesh, const PictureOptions& options) {
   check(options);
   validate(mesh);
   const Camera camera(bounds(mesh), options);
@@ -50,7 +47,12 @@ void write_mesh_png(const std::filesystem::path& path, MeshView mesh, const Pict
     const Triangle& v = mesh.triangles[t];
     raster.draw(points[v[0]], points[v[1]], points[v[2]], shaded(normal, dot(normal, world_up)));
   }
-  write_png(path, halved(raster.image()));
+  return halved(raster.image());
+}
+
+void write_mesh_png(const std::filesystem::path& path, MeshView mesh, const PictureOptions& options) {
+  require_png();
+  write_png(path, draw_mesh(mesh, options));
 }
 
 }  // namespace difi
