@@ -32,6 +32,7 @@ struct CandidateTable {
     std::uint16_t lanes;
   };
   Active all[kGroups], of_tile[kGroups], of_cell[kGroups], of_block[kGroups];
+  std::uint32_t list[(kGroups + 1) * kLanes];  ///< candidates one by one: group * 16 + lane; room for a register more
 };
 
 }  // namespace difi::cpu

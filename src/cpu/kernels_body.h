@@ -95,20 +95,20 @@ struct FrameTable {
   alignas(64) float number[20][kLanes];
 };
 
-DIFI_INLINE void store_frames(const TriangleFrame<WideFloat>& f, FrameTable& table) {
+DIFI_INLINE void store_frames(const TriangleFrame<WideFloat>& f, float (*number)[kLanes]) {
   const Linear<WideFloat>* lines[3] = {&f.q, &f.y, &f.z};
   for (int n = 0; n < 3; ++n) {
-    lines[n]->g.x.store(table.number[4 * n]);
-    lines[n]->g.y.store(table.number[4 * n + 1]);
-    lines[n]->g.z.store(table.number[4 * n + 2]);
-    lines[n]->c.store(table.number[4 * n + 3]);
+    lines[n]->g.x.store(number[4 * n]);
+    lines[n]->g.y.store(number[4 * n + 1]);
+    lines[n]->g.z.store(number[4 * n + 2]);
+    lines[n]->c.store(number[4 * n + 3]);
   }
   const HalfTriangle<WideFloat>* halves[2] = {&f.left, &f.right};
   for (int n = 0; n < 2; ++n) {
-    halves[n]->leg.store(table.number[12 + 4 * n]);
-    halves[n]->length.store(table.number[13 + 4 * n]);
-    halves[n]->nx.store(table.number[14 + 4 * n]);
-    halves[n]->ny.store(table.number[15 + 4 * n]);
+    halves[n]->leg.store(number[12 + 4 * n]);
+    halves[n]->length.store(number[13 + 4 * n]);
+    halves[n]->nx.store(number[14 + 4 * n]);
+    halves[n]->ny.store(number[15 + 4 * n]);
   }
 }
 
@@ -211,7 +211,8 @@ void gather_band(const Lattice& lattice, const Brick& brick, const Candidates& c
     load_group(lattice, brick, c, first, group);
     const WideFloat longest = block_ranges(lattice, group, ranges);
     const std::uint32_t is_long = less(WideFloat(kLongTriangle), longest).to_bits();
-    store_frames(make_frame(group.corner[0], group.corner[1], group.corner[2], WideFloat(kLeastLengthSq)), frames);
+    store_frames(make_frame(group.corner[0], group.corner[1], group.corner[2], WideFloat(kLeastLengthSq)),
+                 frames.number);
     const int used = c.count - first < kLanes ? static_cast<int>(c.count - first) : kLanes;
     for (int lane = 0; lane < used; ++lane) {
       if (is_long >> lane & 1)

@@ -97,8 +97,10 @@ DIFI_INLINE TriangleFrame<WideFloat> frames_of(const CandidateTable::Group& g) {
           {number(16), number(17), number(18), number(19)}};
 }
 
-DIFI_INLINE TriangleFrame<float> frame_of(const CandidateTable::Group& g, int lane) {
-  const auto number = [&](int n) __attribute__((always_inline)) { return g.one_frame[lane][n]; };
+// One candidate's frame, in all lanes when F is wide.
+template <class F>
+DIFI_INLINE TriangleFrame<F> one_frame(const CandidateTable::Group& g, std::uint32_t lane) {
+  const auto number = [&](int n) __attribute__((always_inline)) { return F(g.one_frame[lane][n]); };
   return {{{number(0), number(1), number(2)}, number(3)},
           {{number(4), number(5), number(6)}, number(7)},
           {{number(8), number(9), number(10)}, number(11)},
@@ -126,13 +128,11 @@ DIFI_INLINE int fill_table(const Lattice& lattice, const Brick& brick, const Can
     }
     fma(farthest, WideFloat(4e-6f), WideFloat(kSlack)).store(g.slack);
     g.is_long = less(WideFloat(kLongTriangle), longest).to_bits();
-    FrameTable frames;
-    store_frames(make_frame(loaded.corner[0], loaded.corner[1], loaded.corner[2], WideFloat(kLeastLengthSq)), frames);
-    __builtin_memcpy(g.frame, frames.number, sizeof g.frame);
+    store_frames(make_frame(loaded.corner[0], loaded.corner[1], loaded.corner[2], WideFloat(kLeastLengthSq)), g.frame);
     for (int lane = 0; lane < kLanes; ++lane)
       for (int number = 0; number < CandidateTable::kFrameNumbers; ++number)
-        g.one_frame[lane][number] = frames.number[number][lane];
-    __builtin_memcpy(g.index, loaded.index, sizeof g.index);
+        g.one_frame[lane][number] = g.frame[number][lane];
+    for (int lane = 0; lane < kLanes; ++lane) g.index[lane] = loaded.index[lane];
     const std::int64_t left = c.count - first;
     table.all[groups] = {static_cast<std::uint16_t>(groups),
                          static_cast<std::uint16_t>(left < kLanes ? (1u << left) - 1 : 0xffffu)};
@@ -167,8 +167,8 @@ int cull_table(const Lattice& lattice, CandidateTable& table, const CandidateTab
     const std::uint32_t here =
         equal(WideFloat::load(table.distance[n]) + WideFloat::load(g.slack), WideFloat(best)).to_bits() & in[n].lanes;
     if (here == 0) continue;
-    const Triple<float> p =
-        closest_in_frame(frame_of(g, __builtin_ctz(here)), Triple<float>{box.center[0], box.center[1], box.center[2]});
+    const Triple<float> p = closest_in_frame(one_frame<float>(g, static_cast<std::uint32_t>(__builtin_ctz(here))),
+                                             Triple<float>{box.center[0], box.center[1], box.center[2]});
     q[0] = p.x;
     q[1] = p.y;
     q[2] = p.z;
@@ -182,8 +182,6 @@ int cull_table(const Lattice& lattice, CandidateTable& table, const CandidateTab
   for (int n = 0; n < count; ++n) {
     const CandidateTable::Group& g = table.groups[in[n].group];
     const Mask near = ~less(limit, WideFloat::load(table.distance[n]) - WideFloat::load(g.slack));
-    std::uint32_t lanes = near.to_bits() & in[n].lanes;
-    if (lanes == 0) continue;
     // |p| is at least the distance, and |p_a - q_a| at most that of the box's farther face.
     WideFloat spread(0);
     for (int axis = 0; axis < 3; ++axis) {
@@ -191,10 +189,9 @@ int cull_table(const Lattice& lattice, CandidateTable& table, const CandidateTab
       spread = fma(max(WideFloat::load(g.high[axis]) - at, at - WideFloat::load(g.low[axis])), half, spread);
     }
     const WideFloat nearest = max(WideFloat::load(table.distance[n]) - WideFloat::load(g.slack), WideFloat(0));
-    lanes &= less(fma(nearest, nearest, -spread), bisector).to_bits();
-    if (lanes == 0) continue;
+    const std::uint32_t lanes = (near & less(fma(nearest, nearest, -spread), bisector)).to_bits() & in[n].lanes;
     out[kept] = {in[n].group, static_cast<std::uint16_t>(lanes)};
-    ++kept;
+    kept += lanes != 0;
   }
   return kept;
 }
@@ -205,46 +202,41 @@ static_assert(kCellSide == kBlockX && kCellSide == kCellBlocks * kBlockY && kCel
 // With more candidates than this a cell's blocks choose among them once more, each for itself.
 constexpr int kManyCandidates = 32;
 
-// The active candidates against kBlocksYZ x kBlocksYZ blocks from (bx, by0, bz0) on.
-template <bool kNearest, int kBlocksYZ>
-DIFI_INLINE void gather_active(const Lattice& lattice, const Brick& brick, const Candidates& c,
-                               const CandidateTable& table, const CandidateTable::Active* active, int count, int bx,
-                               int by0, int bz0, BrickState& state) {
-  const WideFloat x = WideFloat::load(lattice.x[bx]);
+// Writes down the active candidates one by one, so that the loop over them has no branch to mispredict.
+DIFI_INLINE int listed(CandidateTable& table, const CandidateTable::Active* active, int count) {
+  int candidates = 0;
   for (int n = 0; n < count; ++n) {
-    const CandidateTable::Group& g = table.groups[active[n].group];
-    state.samples_examined += std::int64_t{kLanes} * kBlocksYZ * kBlocksYZ * __builtin_popcount(active[n].lanes);
-    for (std::uint32_t lanes = active[n].lanes; lanes; lanes &= lanes - 1) {
-      const int lane = __builtin_ctz(lanes);
-      if (g.is_long >> lane & 1) {
-        const TriangleLines<WideFloat> lines = make_lines<WideFloat>(double_frame(lattice, brick, c, g.index[lane]));
-        for (int n_block = 0; n_block < kBlocksYZ * kBlocksYZ; ++n_block) {
-          const int block = block_index(bx, by0 + n_block % kBlocksYZ, bz0 + n_block / kBlocksYZ);
-          lower<kNearest>(state, block, distance_sq(lines, block_samples(lattice, block)), g.index[lane]);
-        }
-        continue;
-      }
-      const auto number = [&](int i) __attribute__((always_inline)) { return WideFloat(g.one_frame[lane][i]); };
-      const TriangleFrame<WideFloat> f{{{number(0), number(1), number(2)}, number(3)},
-                                       {{number(4), number(5), number(6)}, number(7)},
-                                       {{number(8), number(9), number(10)}, number(11)},
-                                       {number(12), number(13), number(14), number(15)},
-                                       {number(16), number(17), number(18), number(19)}};
-#pragma GCC unroll 2
-      for (int bz = bz0; bz < bz0 + kBlocksYZ; ++bz) {
-        const WideFloat z = WideFloat::load(lattice.z[bz]);
-        const WideFloat qz = fma(z, f.q.g.z, f.q.c), yz = fma(z, f.y.g.z, f.y.c), zz = fma(z, f.z.g.z, f.z.c);
-#pragma GCC unroll 2
-        for (int by = by0; by < by0 + kBlocksYZ; ++by) {
-          const WideFloat y = WideFloat::load(lattice.y[by]);
-          const WideFloat d =
-              frame_distance_sq(f, fma(x, f.q.g.x, fma(y, f.q.g.y, qz)), fma(x, f.y.g.x, fma(y, f.y.g.y, yz)),
-                                fma(x, f.z.g.x, fma(y, f.z.g.y, zz)));
-          lower<kNearest>(state, block_index(bx, by, bz), d, g.index[lane]);
-        }
-      }
-    }
+    const WideUint first(static_cast<std::uint32_t>(active[n].group) * kLanes);
+    candidates += store_packed(table.list + candidates, mask_from_bits(active[n].lanes), first + lane_numbers());
   }
+  return candidates;
+}
+
+// The listed candidates against one block.
+template <bool kNearest>
+DIFI_INLINE void gather_block(const Lattice& lattice, const Brick& brick, const Candidates& c,
+                              const CandidateTable& table, int candidates, int block, BrickState& state) {
+  const WidePoint samples = block_samples(lattice, block);
+  WideFloat best = WideFloat::load(state.distance_sq[block]);
+  WideUint nearest(0);
+  if constexpr (kNearest) nearest = WideUint::load(state.nearest[block]);
+  for (int n = 0; n < candidates; ++n) {
+    const CandidateTable::Group& g = table.groups[table.list[n] / kLanes];
+    const std::uint32_t lane = table.list[n] % kLanes;
+    WideFloat d;
+    if (g.is_long >> lane & 1)
+      d = distance_sq(make_lines<WideFloat>(double_frame(lattice, brick, c, g.index[lane])), samples);
+    else
+      d = distance_sq(one_frame<WideFloat>(g, lane), samples);
+    if constexpr (kNearest) {
+      const WideUint mine(g.index[lane]);
+      nearest = select(less(d, best) | (equal(d, best) & less(mine, nearest)), mine, nearest);
+    }
+    best = min(d, best);
+  }
+  best.store(state.distance_sq[block]);
+  if constexpr (kNearest) nearest.store(state.nearest[block]);
+  state.samples_examined += std::int64_t{kLanes} * candidates;
 }
 
 // The samples [first, first + side) per axis of a brick.
@@ -267,17 +259,18 @@ void gather_cell(const Lattice& lattice, const Brick& brick, const Candidates& c
                  const int (&at)[3], BrickState& state) {
   const int in_cell = cull_table(lattice, table, table.of_tile, in_tile,
                                  sample_box(lattice, at, {kCellSide, kCellSide, kCellSide}), table.of_cell);
-  int candidates = 0;
-  for (int n = 0; n < in_cell; ++n) candidates += __builtin_popcount(table.of_cell[n].lanes);
+  int candidates = listed(table, table.of_cell, in_cell);
   const int bx = at[0] / kBlockX, by = at[1] / kBlockY, bz = at[2] / kBlockZ;
-  if (candidates <= kManyCandidates)
-    return gather_active<kNearest, kCellBlocks>(lattice, brick, c, table, table.of_cell, in_cell, bx, by, bz, state);
-  for (int block = 0; block < kCellBlocks * kCellBlocks; ++block) {
-    const int y = block % kCellBlocks, z = block / kCellBlocks;
-    const int corner[3] = {at[0], at[1] + y * kBlockY, at[2] + z * kBlockZ};
-    const int in_block = cull_table(lattice, table, table.of_cell, in_cell,
-                                    sample_box(lattice, corner, {kBlockX, kBlockY, kBlockZ}), table.of_block);
-    gather_active<kNearest, 1>(lattice, brick, c, table, table.of_block, in_block, bx, by + y, bz + z, state);
+  const bool many = candidates > kManyCandidates;
+  for (int n = 0; n < kCellBlocks * kCellBlocks; ++n) {
+    const int y = n % kCellBlocks, z = n / kCellBlocks;
+    if (many) {
+      const int corner[3] = {at[0], at[1] + y * kBlockY, at[2] + z * kBlockZ};
+      const int in_block = cull_table(lattice, table, table.of_cell, in_cell,
+                                      sample_box(lattice, corner, {kBlockX, kBlockY, kBlockZ}), table.of_block);
+      candidates = listed(table, table.of_block, in_block);
+    }
+    gather_block<kNearest>(lattice, brick, c, table, candidates, block_index(bx, by + y, bz + z), state);
   }
 }
 

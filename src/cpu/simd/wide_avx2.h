@@ -106,6 +106,13 @@ struct WideUint {
   }
 };
 
+DIFI_INLINE WideUint operator+(WideUint a, WideUint b) {
+  return {_mm256_add_epi32(a.lo, b.lo), _mm256_add_epi32(a.hi, b.hi)};
+}
+/// 0 to 15.
+DIFI_INLINE WideUint lane_numbers() {
+  return {_mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7), _mm256_setr_epi32(8, 9, 10, 11, 12, 13, 14, 15)};
+}
 DIFI_INLINE Mask less(WideUint a, WideUint b) {
   const __m256i flip = _mm256_set1_epi32(static_cast<int>(0x80000000u));  // AVX2 compares signed integers only
   const auto lower = [&](__m256i x, __m256i y) __attribute__((always_inline)) {

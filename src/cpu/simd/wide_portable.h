@@ -153,6 +153,18 @@ struct WideUint {
   DIFI_INLINE void store(std::uint32_t* p) const { __builtin_memcpy(p, v, sizeof v); }
 };
 
+DIFI_INLINE WideUint operator+(const WideUint& a, const WideUint& b) {
+  WideUint sum;
+  for (int part = 0; part < kParts; ++part) sum.v[part] = a.v[part] + b.v[part];
+  return sum;
+}
+/// 0 to 15.
+DIFI_INLINE WideUint lane_numbers() {
+  WideUint numbers;
+  for (std::uint32_t part = 0; part < kParts; ++part)
+    numbers.v[part] = Uints{0, 1, 2, 3} + part * kPartLanes;
+  return numbers;
+}
 DIFI_INLINE Mask less(const WideUint& a, const WideUint& b) {
   return by_parts<Mask>(DIFI_LANES { return a.v[part] < b.v[part]; });
 }
