@@ -21,7 +21,7 @@ void wing(Builder& b, const Frame& f, double side) {
     std::vector<Vec3> section;
     for (int k = 0; k < around; ++k) {
       const auto [c, s] = circle(double(k) / around);
-      section.push_back(at(double(i) / pieces, side * c, 0.012 * s));
+      section.push_back(at(double(i) / pieces, -side * c, 0.012 * s));
     }
     sections.push_back(section);
   }

@@ -130,37 +130,48 @@ Mesh make_open(std::int64_t triangles) {
   // A hemisphere, a tube without ends, a Moebius strip and three sheets on one edge.
   const std::int64_t share = std::max<std::int64_t>(triangles / 4, 8);
   Mesh mesh;
+  const std::int64_t pieces = share / 6;  // of the common edge of the sheets
   const Mesh sphere = sphere_of(std::max(1, sphere_n(2 * share)), {}, 1);
   mesh.vertices = sphere.vertices;
   mesh.triangles.assign(sphere.triangles.begin(), sphere.triangles.begin() + sphere.triangles.size() / 2);
-  const auto strip = [&](std::int64_t pieces, bool closed, bool twisted, auto&& point) {
+  const auto band = [&](std::int64_t count, bool twisted, auto&& point) {
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
-    const std::int64_t columns = pieces + (closed ? 0 : 1);
-    for (std::int64_t i = 0; i < columns; ++i)
-      for (int side = 0; side < 2; ++side) mesh.vertices.push_back(point(double(i) / double(pieces), side));
-    for (std::int64_t i = 0; i < pieces; ++i) {
-      const bool wraps = closed && i + 1 == pieces;
+    for (std::int64_t i = 0; i < count; ++i)
+      for (int side = 0; side < 2; ++side)
+        mesh.vertices.push_back(point(static_cast<double>(i) / static_cast<double>(count), side));
+    for (std::int64_t i = 0; i < count; ++i) {
+      const bool wraps = i + 1 == count;
       const auto a = first + static_cast<std::uint32_t>(2 * i), b = wraps ? first : a + 2;
       const std::uint32_t low = wraps && twisted ? 1 : 0, high = 1 - low;
       mesh.triangles.push_back({a, b + low, b + high});
       mesh.triangles.push_back({a, b + high, a + 1});
     }
   };
-  strip(share / 2, true, false, [](double t, int side) {
+  // The bands take what the hemisphere and the sheets leave; three pieces are the fewest that go around.
+  const std::int64_t left = (triangles - static_cast<std::int64_t>(mesh.triangles.size()) - 6 * pieces) / 2;
+  band(std::max<std::int64_t>(3, left / 2), false, [](double t, int side) {
     const auto [c, s] = circle(t);
     return Vec3{2.5 + 0.5 * c, side * 1.5, 0.5 * s};
   });
-  strip(share / 2, true, true, [](double t, int side) {
+  band(std::max<std::int64_t>(3, left - left / 2), true, [](double t, int side) {
     const auto [c, s] = circle(t);
     const auto [hc, hs] = circle(t / 2);
     const double offset = side - 0.5;
     return Vec3{c * (1 + offset * hc), -1.5 + offset * hs, s * (1 + offset * hc)};
   });
-  for (int sheet = 0; sheet < 3; ++sheet)
-    strip(share / 6, false, false, [&](double t, int side) {
-      const auto [c, s] = circle(sheet / 3.0);
-      return Vec3{2.5 + side * c, -1.5 + side * s, 2 * t - 1};
-    });
+  // The sheets share the vertices of their common edge: every edge on it has three triangles.
+  const auto spine = static_cast<std::uint32_t>(mesh.vertices.size());
+  const auto along = [&](std::int64_t i) { return 2.0 * static_cast<double>(i) / static_cast<double>(pieces) - 1; };
+  for (std::int64_t i = 0; i <= pieces; ++i) mesh.vertices.push_back({2.5, -1.5, along(i)});
+  for (int sheet = 0; sheet < 3; ++sheet) {
+    const auto [c, s] = circle(sheet / 3.0);
+    const auto outer = static_cast<std::uint32_t>(mesh.vertices.size());
+    for (std::int64_t i = 0; i <= pieces; ++i) mesh.vertices.push_back({2.5 + c, -1.5 + s, along(i)});
+    for (std::uint32_t i = 0; i < pieces; ++i) {
+      mesh.triangles.push_back({spine + i, spine + i + 1, outer + i + 1});
+      mesh.triangles.push_back({spine + i, outer + i + 1, outer + i});
+    }
+  }
   return mesh;
 }
 

@@ -16,6 +16,10 @@ struct Scene {
   std::int64_t triangles = 0;  ///< when no number is asked for
 };
 
+// The assemblies (all but the simple shapes) stand on y = 0, with y up, centred on the y axis. Their parts are closed
+/// and face outwards, but for the exhaust stubs of the plane and the chute of our_process; parts overlap as they do in
+/// CAD.
+
 /// All scenes, in the order of the documentation.
 std::vector<Scene> all();
 

@@ -106,10 +106,14 @@ double edge_for(Draw draw, std::int64_t triangles, double guess, double slender)
     return b.triangle_count();
   };
   // Counts fall as the edge grows, with small steps back: bracket, bisect, and keep the best that was seen.
-  double best = 0;
-  std::int64_t best_count = -1;
+  double best = 0, coarsest = guess;
+  std::int64_t best_count = 0, fewest = std::numeric_limits<std::int64_t>::max();
   const auto fits = [&](double edge) {
     const std::int64_t n = count(edge);
+    if (n > 0 && n < fewest) {
+      coarsest = edge;
+      fewest = n;
+    }
     if (n <= triangles && n > best_count) {
       best = edge;
       best_count = n;
@@ -127,7 +131,7 @@ double edge_for(Draw draw, std::int64_t triangles, double guess, double slender)
     const double middle = 0.5 * (fine + coarse);
     (fits(middle) ? coarse : fine) = middle;
   }
-  return best_count < 0 ? coarse : best;
+  return best_count > 0 ? best : coarsest;
 }
 
 void split_to(Mesh& mesh, std::int64_t triangles) {

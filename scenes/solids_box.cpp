@@ -26,8 +26,11 @@ class BoxSurface {
       return id(at);
     };
     for (int j = 0; j < pieces_[v]; ++j) {
-      for (int i = 0; i < pieces_[u]; ++i)
-        b_.quad(corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1));
+      for (int i = 0; i < pieces_[u]; ++i) {
+        // In braces: corners are numbered in this order whatever the compiler.
+        const std::array ids{corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)};
+        b_.quad(ids[0], ids[1], ids[2], ids[3]);
+      }
       b_.end_row();
     }
   }

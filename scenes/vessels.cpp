@@ -1,5 +1,7 @@
 #include "scenes/vessels.h"
 
+#include <algorithm>
+
 #include "scenes/steel.h"
 
 namespace difi::scenes {
@@ -37,6 +39,7 @@ void valve(Builder& b, const Frame& f, double r) {
   }
   cone(b, f.at(0, r, 0), 1.1 * r, 0.7 * r, 1.5 * r);
   flange(b, f.at(0, 2.6 * r, 0), 0.8 * r);
+  if (b.hides(3 * r, 0.4 * r)) return;  // no wheel without its spindle
   cylinder(b, f.at(0, 2 * r, 0), 0.2 * r, 3 * r, 6);
   torus(b, f.at(0, 4.6 * r, 0), 1.4 * r, 0.15 * r);
   for (int i = 0; i < 3; ++i) {
@@ -46,6 +49,7 @@ void valve(Builder& b, const Frame& f, double r) {
 }
 
 void nozzle(Builder& b, const Frame& f, double r, double reach) {
+  if (b.hides(2 * r, std::max(2 * r, reach))) return;  // no flange without its pipe
   cylinder(b, f, r, reach);
   flange(b, f.at(0, reach, 0), r);
 }
