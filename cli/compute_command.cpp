@@ -79,6 +79,7 @@ void Command::add_to(CLI::App& verb) {
 void Command::run() {
   if (!output.given()) output.set_path(mesh.stem() + ".vti");
   output.check(field_formats());
+  if (options.nearest_triangle) output.check_carries_nearest(field_formats());
   if (options.memory_limit == 0) options.memory_limit = default_memory_limit();
 
   auto start = std::chrono::steady_clock::now();

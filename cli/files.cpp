@@ -95,6 +95,14 @@ void FileOutput::check(const std::vector<Format>& formats) const {
     fail(ErrorCode::output, "permission denied; choose a file and folder that you may write");
 }
 
+void FileOutput::check_carries_nearest(const std::vector<Format>& formats) const {
+  for (const Format& format : formats)
+    if (format.extension == extension_of(path_) && !format.nearest)
+      throw Error(ErrorCode::usage,
+                  path_.string() + ": ." + format.extension +
+                      " cannot carry nearest triangles; write .vti or .npz, or leave out --with triangle");
+}
+
 std::string mesh_line(const std::string& name, const Mesh& mesh) {
   return name + ": " + counted(static_cast<std::int64_t>(mesh.triangles.size()), "triangle") + ", " +
          counted(static_cast<std::int64_t>(mesh.vertices.size()), "vertex");

@@ -53,6 +53,8 @@ class FileOutput {
   /// Tells before any work what would go wrong after it: an unknown extension (usage), a file in the way without -f
   /// (usage), a folder in the way or missing (output).
   void check(const std::vector<Format>& formats) const;
+  /// Throws Error{usage} when the file's format has no place for nearest triangles.
+  void check_carries_nearest(const std::vector<Format>& formats) const;
 
  private:
   std::filesystem::path path_;

@@ -7,8 +7,8 @@
 
 #include "difi/error.h"
 #include "field/triangle_groups.h"
-#include "tests/brute_force.h"
-#include "tests/random_mesh.h"
+#include "tests/support/closest_of_all.h"
+#include "tests/support/random_mesh.h"
 
 namespace difi {
 namespace {

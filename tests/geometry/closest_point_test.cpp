@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "difi/vec.h"
-#include "tests/random_mesh.h"
+#include "tests/support/random_mesh.h"
 
 namespace difi {
 namespace {

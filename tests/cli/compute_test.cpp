@@ -1,0 +1,213 @@
+// difi compute: grids, thickness, outputs, and what it says.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "difi/io.h"
+#include "tests/cli/program.h"
+
+namespace difi {
+namespace {
+
+using testing::Json;
+using testing::Ran;
+using testing::words;
+
+class Compute : public testing::ProgramTest {
+ protected:
+  // The box scene spans (-1, -0.75, -0.5) to (1, 0.75, 0.5).
+  Json planned(const std::string& options) const {
+    return done(words("compute scene:box --dry-run --json " + options)).json();
+  }
+  static Size3 size(const Json& json) {
+    const auto& n = json["grid"]["size"];
+    return {n[0], n[1], n[2]};
+  }
+  static Vec3 vec(const Json& json) { return {json[0], json[1], json[2]}; }
+};
+
+TEST_F(Compute, WritesBesideNothing) {
+  const Ran ran = done(words("compute scene:box -r 20"));
+  EXPECT_EQ(folder.names(), std::set<std::string>{"box.vti"});
+  EXPECT_EQ(ran.out, "");
+  EXPECT_TRUE(ran.says("12 triangles, 8 vertices")) << ran.err;
+  EXPECT_TRUE(ran.says("box.vti: ")) << ran.err;
+  EXPECT_FALSE(ran.says("\r")) << "a progress bar without a terminal";
+  const DistanceField field = read_field(folder / "box.vti");
+  EXPECT_EQ(field.grid().size.x, 20);
+  EXPECT_NEAR(field.interpolate({0, 0, 0}), 0.5, 0.1);
+  EXPECT_EQ(field.provenance.method, "tiles");
+  EXPECT_NE(field.provenance.mesh_hash, 0u);
+}
+
+TEST_F(Compute, EveryFormatHoldsTheSameField) {
+  for (const std::string name : {"a.vti --with triangle", "a.npz --with triangle", "a.nrrd"})
+    done(words("compute scene:box -r 20 -t 0.3 -o " + name));
+  const auto values = read_field(folder / "a.vti").to_dense();
+  for (const std::string name : {"a.nrrd", "a.npz"}) {
+    const DistanceField field = read_field(folder / name);
+    EXPECT_EQ(field.to_dense(), values) << name;
+    EXPECT_NEAR(field.thickness(), 0.3, 1e-9) << name;
+  }
+  EXPECT_TRUE(read_field(folder / "a.vti").has_nearest());
+}
+
+TEST_F(Compute, Json) {
+  const Json json = done(words("compute scene:box -r 20 -t 3s --json")).json();
+  EXPECT_EQ(json["mesh"]["triangles"], 12);
+  EXPECT_EQ(json["mesh"]["skipped"], 0);
+  EXPECT_EQ(json["grid"]["size"][0], 20);
+  EXPECT_EQ(json["grid"]["origin"].size(), 3u);
+  EXPECT_NEAR(json["thickness"].get<double>(), 3 * json["grid"]["spacing"][0].get<double>(), 1e-12);
+  EXPECT_GT(json["samples"]["examined"], 0);
+  EXPECT_GT(json["samples"]["band"], 0);
+  EXPECT_LT(json["samples"]["band"], json["samples"]["total"]);
+  for (const char* stage : {"load", "prepare", "compute", "write"}) EXPECT_GE(json["seconds"][stage], 0) << stage;
+  EXPECT_GT(json["peak_memory_bytes"], 1 << 20);
+  EXPECT_EQ(json["method"], "tiles");
+  EXPECT_EQ(json["device"], "cpu");
+  EXPECT_EQ(json["output"]["file"], "box.vti");
+  EXPECT_EQ(json["output"]["bytes"], std::filesystem::file_size(folder / "box.vti"));
+}
+
+TEST_F(Compute, FullFieldHasNoThicknessInJson) { EXPECT_TRUE(planned("-r 9")["thickness"].is_null()); }
+
+TEST_F(Compute, DryRunWritesNothing) {
+  const Ran text = done(words("compute scene:box --dry-run"));
+  EXPECT_NE(text.out.find("grid 256 x "), std::string::npos) << text.out;
+  EXPECT_NE(text.out.find("would write box.vti"), std::string::npos) << text.out;
+  EXPECT_EQ(text.err, "");
+  EXPECT_EQ(planned("")["dry_run"], true);
+  EXPECT_TRUE(folder.names().empty());
+  // It says so when the real run would be refused, and still succeeds.
+  EXPECT_NE(done(words("compute scene:box --dry-run --memory-limit 1M")).out.find("more than the limit"),
+            std::string::npos);
+}
+
+TEST_F(Compute, Resolution) {
+  EXPECT_EQ(size(planned("")).x, 256);
+  EXPECT_EQ(size(planned("-r 50")), (Size3{50, 39, 28}));
+  EXPECT_EQ(size(planned("--resolution=50")), (Size3{50, 39, 28}));
+  EXPECT_EQ(size(planned("-r 2")).x, 2);
+}
+
+TEST_F(Compute, Padding) {
+  const Json bare = planned("-r 21 --padding 0");
+  EXPECT_EQ(vec(bare["grid"]["origin"]), (Vec3{-1, -0.75, -0.5}));
+  EXPECT_EQ(size(bare), (Size3{21, 16, 11}));
+  const Json two = planned("-r 25 --padding 2");
+  EXPECT_NEAR(two["grid"]["spacing"][0].get<double>(), 0.1, 1e-12);
+  EXPECT_NEAR(two["grid"]["origin"][0].get<double>(), -1.2, 1e-12);
+  EXPECT_EQ(planned("-r 25")["grid"], two["grid"]) << "two samples is the default of a full field";
+  EXPECT_NEAR(planned("--spacing 0.1 --padding 3")["grid"]["origin"][0].get<double>(), -1.3, 1e-12);
+}
+
+TEST_F(Compute, BandLiesOnTheGrid) {
+  // The thickness, up to a tenth of the longest side.
+  EXPECT_NEAR(planned("-r 100 -t 0.15")["grid"]["origin"][0].get<double>(), -1.15, 1e-9);
+  EXPECT_NEAR(planned("-r 100 -t 5")["grid"]["origin"][0].get<double>(), -1.2, 1e-9);
+  EXPECT_NEAR(planned("--spacing 0.05 -t 3s")["grid"]["origin"][0].get<double>(), -1.15, 1e-9);
+  const Json samples = planned("-r 100 -t 5s");
+  EXPECT_NEAR(samples["grid"]["origin"][0].get<double>(), -1 - samples["thickness"].get<double>(), 1e-9);
+  const Json sized = planned("--size 100,60,20 -t 0.15");
+  EXPECT_LE(sized["grid"]["origin"][2].get<double>(), -0.65 + 1e-9);
+  EXPECT_NEAR(sized["grid"]["origin"][0].get<double>(), -1.15, 1e-9);
+}
+
+TEST_F(Compute, SpacingSizeBounds) {
+  const Json cubic = planned("--spacing 0.1 --padding 0");
+  EXPECT_EQ(size(cubic), (Size3{21, 16, 11}));
+  const Json flat = planned("--spacing 0.1,0.25,0.5 --padding 0 -t 2s");
+  EXPECT_EQ(size(flat), (Size3{21, 7, 3}));
+  EXPECT_EQ(flat["thickness"], 1.0) << "a sample is the largest spacing";
+  const Json sized = planned("--size 11,7,1 --padding 0");
+  EXPECT_EQ(size(sized), (Size3{11, 7, 1}));
+  EXPECT_NEAR(sized["grid"]["spacing"][1].get<double>(), 0.25, 1e-12);
+  const Json bounded = planned("--bounds -2,-3,-4,2,3,4 -r 9");
+  EXPECT_EQ(size(bounded), (Size3{5, 7, 9}));
+  EXPECT_EQ(vec(bounded["grid"]["origin"]), (Vec3{-2, -3, -4}));
+}
+
+// samples = (extent + 2 * thickness) / thickness * e, the factor growing with the speed.
+TEST_F(Compute, MinimumGridOfTheThesis) {
+  EXPECT_EQ(size(planned("--minimum 2 -t 0.5")), (Size3{12, 10, 8}));
+  EXPECT_EQ(size(planned("--minimum 3 -t 0.5")), (Size3{18, 15, 12}));
+  EXPECT_EQ(size(planned("--minimum 2 -t 0.5 --speed 0.25")), (Size3{18, 15, 12}));
+}
+
+TEST_F(Compute, ScaleAndUnit) {
+  EXPECT_EQ(planned("--scale 3 -r 9")["mesh"]["bounds"][1][0], 3.0);
+  EXPECT_EQ(planned("--unit mm -r 9")["mesh"]["bounds"][1][0], 0.001);
+  EXPECT_EQ(planned("--unit in -r 9")["mesh"]["bounds"][1][0], 0.0254);
+  done(words("generate box -o box.stl"));
+  const Json json = done(words("compute box.stl --unit km -r 9 --dry-run --json")).json();
+  EXPECT_EQ(json["mesh"]["bounds"][1][0], 1000.0);
+}
+
+TEST_F(Compute, MeshOfOnePoint) {
+  write_bytes(folder / "point.obj", "v 1 2 3\nf 1 1 1\n");
+  for (const std::string grid :
+       {"-r 9", "-r 9 -t 0.5", "-r 9 -t 2s", "--size 5,6,7", "--spacing 0.25", "--minimum 2 -t 1"}) {
+    done(words("compute point.obj -f -o p.vti " + grid));
+    const DistanceField field = read_field(folder / "p.vti");
+    EXPECT_NEAR(field.interpolate({1, 2, 3}), 0, field.grid().max_spacing()) << grid;
+    EXPECT_GT(field.grid().size.x, 1) << grid;
+  }
+}
+
+TEST_F(Compute, MethodsAgree) {
+  done(words("compute scene:box -r 30 -t 0.2 -o tiles.vti"));
+  const Ran ran = done(words("compute scene:box -r 30 -t 0.2 --method thesis --skip none -o thesis.vti"));
+  EXPECT_TRUE(ran.says("thesis on cpu")) << ran.err;
+  const auto a = read_field(folder / "tiles.vti").to_dense(), b = read_field(folder / "thesis.vti").to_dense();
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t n = 0; n < a.size(); ++n) ASSERT_NEAR(a[n], b[n], 1e-5);
+}
+
+TEST_F(Compute, SkipRulesAreCounted) {
+  const auto skipped = [&](const std::string& rule) {
+    return done(words("compute scene:duplicate -r 30 -t 0.1 -f --json --skip " + rule)).json()["mesh"]["skipped"];
+  };
+  EXPECT_EQ(skipped("none"), 0);
+  EXPECT_GT(skipped("exact"), 1000);
+  EXPECT_GE(skipped("neighbour:0.5"), skipped("neighbour"));
+}
+
+TEST_F(Compute, SameBytesForAnyThreads) {
+  done(words("compute scene:fly -r 60 -o one.nrrd -j 1"));
+  done(words("compute scene:fly -r 60 -o four.nrrd -j 4"));
+  EXPECT_EQ(read_bytes(folder / "one.nrrd"), read_bytes(folder / "four.nrrd"));
+}
+
+TEST_F(Compute, QuietAndVerbose) {
+  EXPECT_EQ(done(words("compute scene:box -r 20 -q")).err, "");
+  const Ran ran = done(words("compute scene:box -r 20 -v -f"));
+  EXPECT_TRUE(ran.says("peak memory")) << ran.err;
+  EXPECT_TRUE(ran.says("distances computed")) << ran.err;
+}
+
+TEST_F(Compute, ForceOverwrites) {
+  write_bytes(folder / "a.vti", "mine");
+  const Ran ran = run(words("compute scene:box -r 20 -o a.vti"));
+  EXPECT_EQ(ran.code, 2);
+  EXPECT_TRUE(ran.says("a.vti: it exists; give -f")) << ran.err;
+  EXPECT_EQ(read_bytes(folder / "a.vti"), "mine");
+  done(words("compute scene:box -r 20 -o a.vti -f"));
+  EXPECT_GT(read_bytes(folder / "a.vti").size(), 1000u);
+}
+
+TEST_F(Compute, OddFileNames) {
+  for (const std::string name :
+       {"with blank", "h\xC3\xA9risson \xF0\x9F\xA6\x94", "-dash", "a\nb", "quote'\"", "\xFF\xFE"}) {
+    const std::string mesh = "./" + name + ".stl";
+    done({"generate", "box", "-o", mesh});
+    const Json json = done({"compute", mesh, "-r", "9", "--json"}).json();
+    EXPECT_EQ(json["mesh"]["triangles"], 12);
+    EXPECT_TRUE(folder.names().contains(name + ".vti")) << name;
+    EXPECT_EQ(done({"info", "./" + name + ".vti", "--json"}).json()["kind"], "field");
+  }
+  done({"compute", "-r", "9", "-f", "--", "-dash.stl"});
+}
+
+}  // namespace
+}  // namespace difi

@@ -1,0 +1,211 @@
+// Every exit code, and the form of every message: `difi: error: WHERE: what; what to do`, on one line.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/cli/program.h"
+
+namespace difi {
+namespace {
+
+using testing::Ran;
+using testing::words;
+
+struct Case {
+  const char* command;
+  int code;
+  const char* message;  // part of it
+};
+
+class Errors : public testing::ProgramTest {
+ protected:
+  Errors() {
+    write_bytes(folder / "box.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    write_bytes(folder / "empty.stl", "");
+    write_bytes(folder / "nan.obj", "v 0 0 0\nv 1 0 0\nv nan 1 0\nf 1 2 3\n");
+    write_bytes(folder / "index.obj", "v 0 0 0\nv 1 0 0\nf 1 2 3\n");
+    write_bytes(folder / "points.obj", "v 0 0 0\nv 1 0 0\n");
+    write_bytes(folder / "broken.vti", "<?xml");
+    std::filesystem::create_directory(folder / "folder.stl");
+    std::filesystem::create_directory(folder / "folder.vti");
+    before_ = folder.names();
+  }
+
+  void expect(const Case& test) const {
+    const Ran ran = run(words(test.command));
+    EXPECT_EQ(ran.code, test.code) << "difi " << test.command << "\n" << ran.err;
+    // One line, after whatever was said before it went wrong.
+    const auto error = ran.err.find("difi: error: ");
+    ASSERT_NE(error, std::string::npos) << "difi " << test.command << "\n" << ran.err;
+    EXPECT_TRUE(error == 0 || ran.err[error - 1] == '\n') << "difi " << test.command << "\n" << ran.err;
+    EXPECT_EQ(std::count(ran.err.begin() + static_cast<std::ptrdiff_t>(error), ran.err.end(), '\n'), 1)
+        << "difi " << test.command << "\n"
+        << ran.err;
+    EXPECT_TRUE(ran.says(test.message)) << "difi " << test.command << "\n" << ran.err << "lacks " << test.message;
+    EXPECT_EQ(ran.out, "") << "difi " << test.command;
+    EXPECT_EQ(folder.names(), before_) << "difi " << test.command;
+  }
+  template <std::size_t N>
+  void expect_all(const Case (&tests)[N]) const {
+    for (const Case& test : tests) expect(test);
+  }
+
+ private:
+  std::set<std::string> before_;
+};
+
+TEST_F(Errors, UsageOfVerbs) {
+  expect_all({
+      {"", 2, "no verb given; see difi help"},
+      {"frobnicate", 2, "'frobnicate' is no verb; see difi help"},
+      {"compuet box.obj", 2, "did you mean 'compute'?"},
+      {"box.obj", 2, "difi compute box.obj"},
+      {"help frobnicate", 2, "'frobnicate' is no verb"},
+      {"compute", 2, "MESH is required; see difi help compute"},
+      {"compute box.obj too.obj", 2, "'too.obj' is one argument too many"},
+      {"compute box.obj --treads 2", 2, "unknown option '--treads'; did you mean '--threads'?"},
+      {"compute box.obj -x", 2, "unknown option '-x'"},
+      {"compute box.obj -o", 2, "--output: its value is missing"},
+      {"compute box.obj -r 10 -r 20", 2, "--resolution: given more than once"},
+      {"info", 2, "FILE is required"},
+      {"slice", 2, "FIELD is required"},
+      {"verify broken.vti", 2, "MESH is required"},
+      {"generate", 2, "no SCENE given; see difi generate --list"},
+      {"generate nowhere", 2, "nowhere"},
+      {"compute scene:nowhere", 2, "nowhere"},
+      {"compute scene:sphere:many", 2, "scene:sphere 'many': give a whole number"},
+      {"convert box.obj", 2, "--output is required"},
+      {"convert box.obj -o a.vti", 2, "use difi compute"},
+      {"convert broken.vti -o a.stl", 2, "a field can only become a field"},
+      {"convert broken.vti -o a.npz --scale 2", 2, "--scale and --unit are for meshes"},
+  });
+}
+
+TEST_F(Errors, UsageOfValues) {
+  expect_all({
+      {"compute box.obj -r 1", 2, "--resolution '1': give a whole number from 2"},
+      {"compute box.obj -r ten", 2, "--resolution 'ten': give a whole number"},
+      {"compute box.obj -r 10.5", 2, "--resolution '10.5'"},
+      {"compute box.obj -r 99999999999999999999", 2, "--resolution"},
+      {"compute box.obj --spacing 0", 2, "--spacing '0': must be above zero"},
+      {"compute box.obj --spacing 1,2", 2, "--spacing '1,2': give one number, or three"},
+      {"compute box.obj --spacing 1,2,x", 2, "'x' is not a number"},
+      {"compute box.obj --spacing nan", 2, "'nan' is not a number"},
+      {"compute box.obj --spacing 1e-300", 2, "spacing is too small"},
+      {"compute box.obj --size 1,2", 2, "--size '1,2': give three whole numbers"},
+      {"compute box.obj --size 1,0,2", 2, "--size '0'"},
+      {"compute box.obj --bounds 1,2,3", 2, "--bounds '1,2,3': give six numbers"},
+      {"compute box.obj --bounds 1,0,0,0,1,1", 2, "the first corner must not exceed"},
+      {"compute box.obj --padding -1", 2, "--padding '-1': give zero or more"},
+      {"compute box.obj -r 10 --padding 5", 2, "leaves no samples for the mesh"},
+      {"compute box.obj -t 0", 2, "--thickness '0': the thickness must be above zero"},
+      {"compute box.obj -t -2", 2, "the thickness must be above zero"},
+      {"compute box.obj -t nan", 2, "--thickness 'nan'"},
+      {"compute box.obj -t s", 2, "--thickness 's'"},
+      {"compute box.obj --minimum 0.5 -t 1", 2, "factor e must be at least 1"},
+      {"compute box.obj --minimum 2 -t 1 --speed -1", 2, "the speed must be zero or more"},
+      {"compute box.obj --method magic", 2, "--method 'magic': give tiles or thesis"},
+      {"compute box.obj --skip some", 2, "--skip 'some': give none, neighbour or exact"},
+      {"compute box.obj --skip neighbour:2", 2, "the fraction must be above 0 and at most 1"},
+      {"compute box.obj --skip exact:0.5", 2, "only neighbour takes a fraction"},
+      {"compute box.obj --with color", 2, "--with 'color': give triangle"},
+      {"compute box.obj --device tpu", 2, "--device 'tpu': give auto, cpu or cuda"},
+      {"compute box.obj -j 0", 2, "--threads '0'"},
+      {"compute box.obj --memory-limit 8Q", 2, "--memory-limit '8Q'"},
+      {"compute box.obj --memory-limit -1", 2, "--memory-limit '-1'"},
+      {"compute box.obj --scale 0", 2, "--scale '0': must be above zero"},
+      {"compute box.obj --unit parsec", 2, "--unit 'parsec': give mm, cm, m, in, ft or km"},
+      {"compute box.obj --progress always", 2, "--progress 'always': give auto or never"},
+      {"slice broken.vti --axis w", 2, "--axis 'w': give x, y or z"},
+      {"slice broken.vti --at 1.5", 2, "--at '1.5': give a number from 0 to 1"},
+      {"slice broken.vti --colormap jet", 2, "--colormap 'jet': give viridis or thesis"},
+      {"verify broken.vti box.obj --samples 0", 2, "--samples '0'"},
+      {"generate box --triangles 0", 2, "--triangles '0'"},
+  });
+}
+
+TEST_F(Errors, OptionsThatCannotGoTogetherAreBothNamed) {
+  expect_all({
+      {"compute box.obj -r 10 --spacing 1", 2, "--resolution and --spacing cannot go together"},
+      {"compute box.obj -r 10 --size 1,1,1", 2, "--resolution and --size cannot go together"},
+      {"compute box.obj --spacing 1 --size 1,1,1", 2, "--spacing and --size cannot go together"},
+      {"compute box.obj -t 1 --minimum 2 -r 10", 2, "--resolution and --minimum cannot go together"},
+      {"compute box.obj -t 1 --minimum 2 --padding 1", 2, "--minimum and --padding cannot go together"},
+      {"compute box.obj -t 1 --minimum 2 --bounds 0,0,0,1,1,1", 2, "--minimum and --bounds cannot go together"},
+      {"compute box.obj --bounds 0,0,0,1,1,1 --padding 1", 2, "--bounds and --padding cannot go together"},
+      {"compute box.obj --minimum 2", 2, "--minimum needs --thickness"},
+      {"compute box.obj --minimum 2 -t inf", 2, "--minimum: needs a --thickness in world units"},
+      {"compute box.obj --minimum 2 -t 3s", 2, "--minimum: needs a --thickness in world units"},
+      {"compute box.obj --speed 1", 2, "--speed needs --minimum"},
+      {"compute box.obj -q -v", 2, "--quiet and --verbose cannot go together"},
+      {"compute box.obj --scale 1 --unit mm", 2, "--scale and --unit cannot go together"},
+      {"slice broken.vti --at 0.5 --index 1", 2, "--at and --index cannot go together"},
+      {"generate --list box", 2, "SCENE and --list cannot go together"},
+      {"generate --list --triangles 3", 2, "--list and --triangles cannot go together"},
+  });
+}
+
+TEST_F(Errors, Input) {
+  expect_all({
+      {"compute missing.stl", 3, "missing.stl: "},
+      {"compute folder.stl -o a.vti", 3, "folder.stl: "},
+      {"compute empty.stl", 3, "empty.stl: "},
+      {"compute nan.obj", 3, "nan.obj:"},
+      {"compute index.obj", 3, "index.obj:"},
+      {"compute points.obj", 3, "points.obj: "},
+      {"info missing.vti", 3, "missing.vti: "},
+      {"info broken.vti", 3, "broken.vti:"},
+      {"info folder.vti", 3, "folder.vti: "},
+      {"slice broken.vti", 3, "broken.vti:"},
+      {"verify missing.vti box.obj", 3, "missing.vti: "},
+      {"convert missing.obj -o a.stl", 3, "missing.obj: "},
+      {"convert missing.npz -o a.vti", 3, "missing.npz: "},
+  });
+}
+
+TEST_F(Errors, Output) {
+  expect_all({
+      {"compute box.obj -o a.jpg", 2, "a.jpg: cannot write .jpg here; use .vti, .nrrd or .npz"},
+      {"compute box.obj -o a", 2, "a: the name has no extension; use .vti"},
+      {"compute box.obj -o box.obj -f", 2, "box.obj: cannot write .obj here"},
+      {"compute box.obj -o broken.vti", 2, "broken.vti: it exists; give -f"},
+      {"compute box.obj -o no/a.vti", 4, "no/a.vti: the folder no does not exist; create it first"},
+      {"compute box.obj -o folder.vti -f", 4, "folder.vti: it is a folder"},
+      {"compute box.obj -o .", 4, ".: it is a folder"},
+      {"compute box.obj -o box.obj/a.vti", 4, "box.obj/a.vti: the folder box.obj does not exist"},
+      {"compute box.obj -r 9 -o /proc/a.vti", 4, "/proc/a.vti: "},
+      {"slice broken.vti -o a.gif", 2, "a.gif: cannot write .gif here; use .png"},
+      {"slice broken.vti -o no/a.png", 4, "no/a.png: the folder no does not exist"},
+      {"generate box -o no/a.ply", 4, "no/a.ply: the folder no does not exist"},
+      {"generate box -o a.vti", 2, "a.vti: cannot write .vti here"},
+      {"generate box -o box.obj", 2, "box.obj: it exists; give -f"},
+      {"convert box.obj -o no/a.stl", 4, "no/a.stl: the folder no does not exist"},
+      {"convert box.obj -o empty.stl", 2, "empty.stl: it exists; give -f"},
+  });
+}
+
+TEST_F(Errors, Limit) {
+  expect_all({
+      {"compute box.obj -r 500 --memory-limit 1M", 5, "more than the limit of 1 MiB; take at most about"},
+      {"compute box.obj -r 500 --memory-limit 1M", 5, "a smaller thickness"},
+      {"compute box.obj -r 1000000", 5, "more than the limit of"},
+      {"compute box.obj --size 1000000000000,1000000000,1", 2, "too many samples to count"},
+  });
+}
+
+TEST_F(Errors, Device) { expect_all({{"compute box.obj --device cuda", 6, "--device cpu"}}); }
+
+TEST_F(Errors, ANewlineInANameStaysOnTheLine) {
+  const Ran ran = run({"compute", "no\nsuch.stl"});
+  EXPECT_EQ(ran.code, 3);
+  EXPECT_EQ(std::ranges::count(ran.err, '\n'), 1) << ran.err;
+}
+
+TEST_F(Errors, JsonStaysSilentOnErrors) {
+  const Ran ran = run(words("compute missing.stl --json"));
+  EXPECT_EQ(ran.code, 3);
+  EXPECT_EQ(ran.out, "");
+}
+
+}  // namespace
+}  // namespace difi

@@ -1,0 +1,189 @@
+// Signals, full disks, closed pipes and terminals: nothing half-written stays, whatever happens.
+#include <gtest/gtest.h>
+#include <stdlib.h>
+#include <sys/stat.h>
+
+#include <chrono>
+#include <thread>
+
+#include "tests/cli/program.h"
+
+namespace difi {
+namespace {
+
+using testing::Process;
+using testing::Ran;
+using testing::words;
+
+// Would take hours: Algorithm 1 tests every triangle at every sample of a full field. Little memory.
+const testing::Arguments kEndless = words("compute scene:sphere:200000 -r 300 --method thesis --skip none -o a.vti -f");
+
+class Interrupt : public testing::ProgramTest {
+ protected:
+  // Started, and so far that the computation has begun or is about to.
+  Process& started(const Process::Setup& how) {
+    process_.emplace(kEndless, how);
+    EXPECT_TRUE(process_->wait_for("full field\n"));
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    return *process_;
+  }
+
+ private:
+  std::optional<Process> process_;
+};
+
+TEST_F(Interrupt, SignalsEndItWithoutATrace) {
+  write_bytes(folder / "a.vti", "mine");
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    Process& process = started(setup());
+    process.send(signal);
+    const Ran ran = process.wait();
+    EXPECT_EQ(ran.code, 130) << ran.err;
+    EXPECT_TRUE(ran.says("difi: error: interrupted")) << ran.err;
+    EXPECT_EQ(ran.out, "");
+    EXPECT_EQ(folder.names(), std::set<std::string>{"a.vti"});
+    EXPECT_EQ(read_bytes(folder / "a.vti"), "mine");
+  }
+}
+
+TEST_F(Interrupt, SecondSignalEndsItAtOnce) {
+  Process& process = started(setup());
+  process.send(SIGINT);
+  process.send(SIGTERM);
+  EXPECT_EQ(process.wait().code, 130);
+  EXPECT_TRUE(folder.names().empty());
+}
+
+TEST_F(Interrupt, KilledLeavesNothing) {
+  Process& process = started(setup());
+  process.send(SIGKILL);
+  EXPECT_EQ(process.wait().code, 128 + SIGKILL);
+  EXPECT_TRUE(folder.names().empty());
+}
+
+TEST_F(Interrupt, NohupIsHonoured) {
+  auto how = setup();
+  how.ignore_hangup = true;
+  Process& process = started(how);
+  process.send(SIGHUP);
+  process.send(SIGTERM);
+  const Ran ran = process.wait();
+  EXPECT_EQ(ran.code, 130);  // of SIGTERM: one line, for a second signal would have given another
+  EXPECT_TRUE(folder.names().empty());
+}
+
+// While it writes into a pipe that nobody reads, a signal must not have to wait.
+TEST_F(Interrupt, WhileWriting) {
+  ASSERT_EQ(::mkfifo((folder / "pipe.nrrd").c_str(), 0600), 0);
+  const int reader = ::open((folder / "pipe.nrrd").c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  ASSERT_GE(reader, 0);
+  Process process(words("compute scene:box -r 100 -o pipe.nrrd"), setup());
+  pollfd ready{reader, POLLIN, 0};
+  ASSERT_EQ(::poll(&ready, 1, 60'000), 1);
+  process.send(SIGINT);
+  const Ran ran = process.wait();
+  ::close(reader);
+  EXPECT_EQ(ran.code, 130) << ran.err;
+  EXPECT_TRUE(ran.says("difi: error: interrupted")) << ran.err;
+}
+
+TEST_F(Interrupt, Verify) {
+  ASSERT_EQ(run(words("compute scene:fly -r 100 -o a.vti")).code, 0);
+  Process process(words("verify a.vti scene:soup:2000000 --samples 1000000000 -j 2"), setup());
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  process.send(SIGINT);
+  EXPECT_EQ(process.wait().code, 130);
+}
+
+// A full disk, met while writing.
+TEST_F(Interrupt, FullDisk) {
+  ASSERT_EQ(::symlink("/dev/full", (folder / "full.nrrd").c_str()), 0);
+  const Ran ran = run(words("compute scene:box -r 40 -o full.nrrd"));
+  EXPECT_EQ(ran.code, 4);
+  EXPECT_TRUE(ran.says("difi: error: full.nrrd: ")) << ran.err;
+  EXPECT_TRUE(ran.says("no space left")) << ran.err;
+}
+
+TEST_F(Interrupt, FileSizeLimit) {
+  auto how = setup();
+  how.file_size = 100'000;
+  for (const std::string command :
+       {"compute scene:box -r 60 -o a.vti", "compute scene:box -r 60 -o a.nrrd", "compute scene:box -r 60 -o a.npz",
+        "generate sphere -o a.ply", "generate sphere -o a.stl", "generate sphere -o a.obj"}) {
+    const Ran ran = run(words(command), how);
+    EXPECT_EQ(ran.code, 4) << command << "\n" << ran.err;
+    EXPECT_TRUE(ran.says("difi: error: a.")) << ran.err;
+    EXPECT_TRUE(folder.names().empty()) << command;
+  }
+}
+
+TEST_F(Interrupt, StandardOutputClosedOrFull) {
+  {
+    Process process(words("generate --list"), setup());
+    process.close_out();
+    const Ran ran = process.wait();
+    EXPECT_TRUE(ran.code == 0 || ran.code == 4) << ran.code;  // 0 when it was faster than we
+  }
+  auto how = setup();
+  how.out = ::open("/dev/full", O_WRONLY | O_CLOEXEC);
+  const Ran ran = run(words("info scene:box --json"), how);
+  ::close(how.out);
+  EXPECT_EQ(ran.code, 4);
+  EXPECT_TRUE(ran.says("difi: error: standard output: ")) << ran.err;
+}
+
+TEST_F(Interrupt, BrokenPipeIsAWriteError) {
+  int ends[2];
+  ASSERT_EQ(::pipe2(ends, O_CLOEXEC), 0);
+  ::close(ends[0]);
+  auto how = setup();
+  how.out = ends[1];
+  const Ran ran = run(words("info scene:box --json"), how);
+  ::close(ends[1]);
+  EXPECT_EQ(ran.code, 4) << ran.err;
+}
+
+// A pseudo-terminal for stderr: the bar is drawn there, and wiped away.
+class Terminal : public Interrupt {
+ protected:
+  std::string said_on_a_terminal(const testing::Arguments& arguments, int signal_after_bar) const {
+    const int terminal = ::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
+    EXPECT_GE(terminal, 0);
+    ::grantpt(terminal);
+    ::unlockpt(terminal);
+    auto how = setup();
+    how.err = ::open(::ptsname(terminal), O_RDWR | O_NOCTTY | O_CLOEXEC);
+    Process process(arguments, how);
+    ::close(how.err);
+    std::string said;
+    char buffer[1024];
+    // The read fails once the program has gone.
+    for (ssize_t count; (count = ::read(terminal, buffer, sizeof buffer)) > 0;) {
+      said.append(buffer, static_cast<std::size_t>(count));
+      if (signal_after_bar != 0 && said.find(" % ") != std::string::npos)
+        process.send(std::exchange(signal_after_bar, 0));
+    }
+    process.wait();
+    ::close(terminal);
+    return said;
+  }
+};
+
+TEST_F(Terminal, HasABar) {
+  const std::string said = said_on_a_terminal(kEndless, SIGINT);
+  EXPECT_NE(said.find("....]"), std::string::npos) << said;
+  // Wiped before the last word.
+  EXPECT_NE(said.find("\r\033[Kdifi: error: interrupted"), std::string::npos) << said;
+}
+
+TEST_F(Terminal, HasNoneWhenAskedSo) {
+  for (const std::string option : {"-q", "--progress=never"}) {
+    auto arguments = words("compute scene:sphere -r 200 --method thesis -t 10s");
+    arguments.push_back(option);
+    arguments.push_back("-f");
+    EXPECT_EQ(said_on_a_terminal(arguments, 0).find(" % "), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace difi

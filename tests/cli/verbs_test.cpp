@@ -1,0 +1,184 @@
+// info, slice, verify, generate, convert, version and help.
+#include <gtest/gtest.h>
+
+#include "difi/io.h"
+#include "scenes/scenes.h"
+#include "tests/cli/program.h"
+
+namespace difi {
+namespace {
+
+using testing::Json;
+using testing::Ran;
+using testing::words;
+
+class Verbs : public testing::ProgramTest {
+ protected:
+  static bool holds(const std::string& text, const std::string& words) { return text.find(words) != std::string::npos; }
+  static bool is_png(const std::string& bytes) { return bytes.starts_with("\x89PNG\r\n\x1a\n"); }
+};
+
+TEST_F(Verbs, VersionAndHelp) {
+  EXPECT_EQ(done({"version"}).out, done({"--version"}).out);
+  EXPECT_TRUE(done({"version"}).out.starts_with("difi "));
+  const std::string all = done({"help"}).out;
+  EXPECT_EQ(all, done({"--help"}).out);
+  EXPECT_EQ(all, done({"-h"}).out);
+  for (const std::string verb : {"compute", "info", "slice", "verify", "generate", "convert"}) {
+    EXPECT_TRUE(holds(all, "\n  " + verb + " ")) << verb;
+    const std::string help = done({"help", verb}).out;
+    EXPECT_EQ(help, done({verb, "--help"}).out);
+    // Examples first, then the usage, then options; exit codes last.
+    EXPECT_LT(help.find("Examples:\n  difi " + verb), help.find("Usage: difi " + verb + " ")) << help;
+    EXPECT_LT(help.find("Usage: "), help.find("\nOptions:")) << help;
+    EXPECT_LT(help.find("\nOptions:"), help.find("Exit codes: ")) << help;
+    for (std::size_t start = 0, end; (end = help.find('\n', start)) != std::string::npos; start = end + 1)
+      EXPECT_LE(end - start, 120u) << help.substr(start, end - start);
+  }
+}
+
+TEST_F(Verbs, InfoOfAMesh) {
+  const Json box = done(words("info scene:box --json")).json();
+  EXPECT_EQ(box["kind"], "mesh");
+  EXPECT_EQ(box["mesh"]["triangles"], 12);
+  EXPECT_EQ(box["mesh"]["vertices"], 8);
+  EXPECT_EQ(box["mesh"]["closed"], true);
+  EXPECT_EQ(box["mesh"]["extent"], Json({2.0, 1.5, 1.0}));
+  EXPECT_DOUBLE_EQ(box["mesh"]["area"], 2 * (2 * 1.5 + 2 * 1.0 + 1.5 * 1.0));
+  EXPECT_TRUE(holds(done(words("info scene:box")).out, "closed        yes"));
+
+  // Two triangles and one of them again, a sliver of no area, and a fin on the shared edge: by hand.
+  write_bytes(folder / "odd.obj",
+              "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 2 0 0\n"
+              "f 1 2 3\nf 2 4 3\nf 3 1 2\nf 1 2 6\nf 2 3 5\n");
+  const Json odd = done(words("info odd.obj --json")).json()["mesh"];
+  EXPECT_EQ(odd["triangles"], 5);
+  EXPECT_EQ(odd["degenerate"], 1);
+  EXPECT_EQ(odd["duplicate"], 1);
+  EXPECT_EQ(odd["nonmanifold_edges"], 2) << "2-3 has four triangles, 1-2 three";
+  EXPECT_EQ(odd["boundary_edges"], 6) << "2-4, 3-4, 2-6, 1-6, 2-5, 3-5";
+  EXPECT_EQ(odd["closed"], false);
+}
+
+TEST_F(Verbs, InfoOfAField) {
+  done(words("compute scene:box -r 40 -t 0.125 -o a.npz"));
+  const Json json = done(words("info a.npz --json")).json();
+  EXPECT_EQ(json["kind"], "field");
+  EXPECT_EQ(json["grid"]["size"][0], 40);
+  EXPECT_EQ(json["thickness"], 0.125);
+  EXPECT_EQ(json["values"]["max"], 0.125);
+  EXPECT_LT(json["values"]["min"], 0.05);
+  EXPECT_EQ(json["values"]["nan"], 0);
+  EXPECT_LT(json["tiles"]["stored"], json["tiles"]["total"]);
+  EXPECT_EQ(json["method"], "tiles");
+  EXPECT_EQ(json["mesh_hash"], done(words("info scene:box --json")).json()["mesh"]["hash"]);
+  const std::string text = done(words("info a.npz")).out;
+  EXPECT_TRUE(holds(text, "thickness     0.125")) << text;
+  done(words("compute scene:box -r 20 -o full.vti"));
+  EXPECT_TRUE(done(words("info full.vti --json")).json()["thickness"].is_null());
+  EXPECT_TRUE(holds(done(words("info full.vti")).out, "infinite"));
+}
+
+TEST_F(Verbs, Slice) {
+  done(words("compute scene:fly -r 40 -o a.vti"));
+  const Ran ran = done(words("slice a.vti"));
+  EXPECT_TRUE(is_png(read_bytes(folder / "a.png")));
+  EXPECT_TRUE(ran.says("a.png: ")) << ran.err;
+  EXPECT_EQ(ran.out, "");
+  std::set<std::string> pictures;
+  for (const std::string options :
+       {"", "--axis x", "--axis y", "--at 0.2", "--index 0", "--colormap thesis", "--pixels 1024"}) {
+    done(words("slice a.vti -q -f -o b.png " + options));
+    pictures.insert(read_bytes(folder / "b.png"));
+    EXPECT_TRUE(is_png(*pictures.rbegin())) << options;
+  }
+  EXPECT_EQ(pictures.size(), 7u) << "two options gave the same picture";
+  EXPECT_EQ(run(words("slice a.vti -o b.png")).code, 2);
+  EXPECT_EQ(run(words("slice a.vti -o c.png --index 1000")).code, 2);
+}
+
+TEST_F(Verbs, VerifyPasses) {
+  done(words("generate fly -o fly.ply"));
+  for (const std::string options : {"-r 40", "-r 60 -t 3s --with triangle"}) {
+    done(words("compute fly.ply -f " + options));
+    const Ran ran = done(words("verify fly.vti fly.ply"));
+    EXPECT_TRUE(holds(ran.out, "1,000 samples tested")) << ran.out;
+    EXPECT_TRUE(holds(ran.out, "largest error ")) << ran.out;
+    EXPECT_TRUE(ran.says("the field matches the mesh")) << ran.err;
+  }
+  const Json json = done(words("verify fly.vti fly.ply --samples 77 --json")).json();
+  EXPECT_EQ(json["ok"], true);
+  EXPECT_EQ(json["samples"]["tested"], 77);
+  EXPECT_EQ(json["same_mesh"], true);
+  EXPECT_LE(json["largest"]["error"], json["largest"]["allowed"]);
+}
+
+TEST_F(Verbs, VerifyFails) {
+  done(words("compute scene:box -r 20 -o a.vti"));
+  DistanceField field = read_field(folder / "a.vti");
+  auto values = field.to_dense();
+  values[static_cast<std::size_t>(field.grid().index(3, 4, 5))] += 0.01f;
+  DistanceField wrong = DistanceField::from_dense(field.grid(), field.thickness(), values);
+  wrong.provenance = field.provenance;
+  write_field(folder / "wrong.vti", wrong);
+  const Ran ran = run(words("verify wrong.vti scene:box --samples 1000000"));
+  EXPECT_EQ(ran.code, 7);
+  EXPECT_TRUE(ran.says("difi: error: wrong.vti: sample (3, 4, 5) at ")) << ran.err;
+  EXPECT_TRUE(ran.says("as 1 sample of ")) << ran.err;
+  const Ran as_json = run(words("verify wrong.vti scene:box --samples 1000000 --json"));
+  EXPECT_EQ(as_json.code, 7);
+  EXPECT_EQ(as_json.json()["ok"], false);
+  EXPECT_EQ(as_json.json()["samples"]["wrong"], 1);
+  EXPECT_EQ(as_json.json()["worst"]["sample"], Json({3, 4, 5}));
+}
+
+TEST_F(Verbs, VerifySaysWhenTheMeshIsAnother) {
+  done(words("compute scene:box -r 20 -o a.vti --scale 2"));
+  const Ran other = run(words("verify a.vti scene:box"));
+  EXPECT_EQ(other.code, 7);
+  EXPECT_TRUE(other.says("difi: warning: a.vti: computed from another mesh")) << other.err;
+  EXPECT_FALSE(done(words("verify a.vti scene:box --scale 2")).says("warning"));
+}
+
+TEST_F(Verbs, Generate) {
+  const std::string list = done(words("generate --list")).out;
+  const Json json = done(words("generate --list --json")).json();
+  EXPECT_EQ(json.size(), scenes::all().size());
+  for (const auto& scene : scenes::all()) EXPECT_TRUE(holds(list, scene.name + " ")) << scene.name;
+  EXPECT_TRUE(folder.names().empty());
+
+  done(words("generate box"));
+  EXPECT_EQ(read_mesh(folder / "box.ply").triangles, scenes::make("box").triangles);
+  const Json made = done(words("generate sphere --triangles 5000 -o s.stl --json")).json();
+  EXPECT_NEAR(made["mesh"]["triangles"].get<double>(), 5000, 1000);
+  EXPECT_EQ(made["mesh"]["triangles"], read_mesh(folder / "s.stl").triangles.size());
+  const Json same = done(words("info scene:sphere:5000 --json")).json();
+  EXPECT_EQ(same["mesh"]["triangles"], made["mesh"]["triangles"]);
+}
+
+TEST_F(Verbs, ConvertMeshes) {
+  done(words("generate fly -o fly.ply"));
+  const auto triangles = read_mesh(folder / "fly.ply").triangles.size();
+  for (const std::string name : {"fly.stl", "fly.obj"}) {
+    done({"convert", "fly.ply", "-o", name});
+    EXPECT_EQ(read_mesh(folder / name).triangles.size(), triangles) << name;
+  }
+  done(words("convert fly.ply -o cm.ply --unit cm"));
+  EXPECT_NEAR(bounds(read_mesh(folder / "cm.ply")).max.x, bounds(read_mesh(folder / "fly.ply")).max.x / 100, 1e-12);
+  done(words("convert cm.ply -o cm.ply -f --scale 100"));
+  EXPECT_EQ(read_mesh(folder / "cm.ply").triangles.size(), triangles);
+}
+
+TEST_F(Verbs, ConvertFields) {
+  done(words("compute scene:fly -r 40 -t 3s -o a.vti"));
+  done(words("convert a.vti -o a.nrrd"));
+  done(words("convert a.nrrd -o a.npz"));
+  const DistanceField from = read_field(folder / "a.vti"), to = read_field(folder / "a.npz");
+  EXPECT_EQ(to.to_dense(), from.to_dense());
+  EXPECT_EQ(to.grid(), from.grid());
+  EXPECT_EQ(to.provenance.mesh_hash, from.provenance.mesh_hash);
+  EXPECT_EQ(done(words("verify a.npz scene:fly")).code, 0);
+}
+
+}  // namespace
+}  // namespace difi
