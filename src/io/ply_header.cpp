@@ -110,7 +110,8 @@ class Header {
     property.list = type_name == "list";
     if (property.list) {
       property.count_type = type(word());
-      if (property.count_type >= PlyType::float32) text_.fail("the count of a list must be an integer; the header is damaged");
+      if (property.count_type >= PlyType::float32)
+        text_.fail("the count of a list must be an integer; the header is damaged");
       type_name = word();
     }
     property.type = type(type_name);

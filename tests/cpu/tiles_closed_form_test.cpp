@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "difi/compute.h"
-#include "tests/support/random_mesh.h"
 #include "tests/support/fields.h"
+#include "tests/support/random_mesh.h"
 
 namespace difi {
 namespace {

@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "difi/compute.h"
-#include "tests/support/random_mesh.h"
 #include "tests/support/fields.h"
+#include "tests/support/random_mesh.h"
 
 namespace difi {
 namespace {

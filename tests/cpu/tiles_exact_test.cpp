@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "difi/compute.h"
-#include "tests/support/random_mesh.h"
 #include "tests/support/fields.h"
+#include "tests/support/random_mesh.h"
 
 namespace difi {
 namespace {

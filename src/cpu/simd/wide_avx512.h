@@ -62,9 +62,7 @@ struct WideUint {
 
 DIFI_INLINE WideUint operator+(WideUint a, WideUint b) { return _mm512_add_epi32(a.v, b.v); }
 /// 0 to 15.
-DIFI_INLINE WideUint lane_numbers() {
-  return _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-}
+DIFI_INLINE WideUint lane_numbers() { return _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15); }
 DIFI_INLINE Mask less(WideUint a, WideUint b) { return {_mm512_cmp_epu32_mask(a.v, b.v, _MM_CMPINT_LT)}; }
 DIFI_INLINE WideUint select(Mask m, WideUint yes, WideUint no) { return _mm512_mask_blend_epi32(m.bits, no.v, yes.v); }
 

@@ -161,8 +161,7 @@ DIFI_INLINE WideUint operator+(const WideUint& a, const WideUint& b) {
 /// 0 to 15.
 DIFI_INLINE WideUint lane_numbers() {
   WideUint numbers;
-  for (std::uint32_t part = 0; part < kParts; ++part)
-    numbers.v[part] = Uints{0, 1, 2, 3} + part * kPartLanes;
+  for (std::uint32_t part = 0; part < kParts; ++part) numbers.v[part] = Uints{0, 1, 2, 3} + part * kPartLanes;
   return numbers;
 }
 DIFI_INLINE Mask less(const WideUint& a, const WideUint& b) {
