@@ -69,7 +69,7 @@ struct Report {
   std::int64_t samples_examined = 0;  ///< sample-triangle distances computed
   std::int64_t samples_band = 0;      ///< samples whose distance is at most the thickness
   std::int64_t tiles = 0;             ///< tiles of the grid
-  std::int64_t tiles_stored = 0;      ///< tiles that hold a sample nearer than the thickness
+  std::int64_t tiles_stored = 0;      ///< tiles with a band sample; 0 from compute_into, which stores none
   struct Seconds {
     double prepare = 0;  ///< validation, bounds, skip rule
     double compute = 0;  ///< everything after that

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cpu/clusters.h"
+#include "cpu/radix_sort.h"
 #include "geometry/closest_point.h"
 
 namespace difi::cpu {
@@ -226,6 +227,12 @@ class Descent {
 void for_each_brick_by_descent(const Job& job, const Lattice& lattice, const Kernels& kernels,
                                const std::function<void(std::int64_t, std::span<const std::uint32_t>)>& use) {
   Descent(job, lattice, kernels, use).run();
+}
+
+std::int64_t descent_scratch_bytes(std::int64_t triangles) {
+  constexpr std::int64_t sorting = 2 * sizeof(KeyedIndex), order = sizeof(std::uint32_t), list = 7 * sizeof(float);
+  constexpr std::int64_t node = sizeof(ClusterBox) + sizeof(std::uint32_t) + 1;
+  return triangles * (sorting + order + list + node / (Clusters::kFanout - 1) + 1);
 }
 
 }  // namespace difi::cpu

@@ -17,4 +17,7 @@ namespace difi::cpu {
 void for_each_brick_by_descent(const Job& job, const Lattice& lattice, const Kernels& kernels,
                                const std::function<void(std::int64_t, std::span<const std::uint32_t>)>& use);
 
+/// Bytes that for_each_brick_by_descent may hold, its lists of candidates counted once for each triangle.
+std::int64_t descent_scratch_bytes(std::int64_t triangles);
+
 }  // namespace difi::cpu

@@ -50,6 +50,7 @@ void emit(const Lattice& lattice, const Brick& brick, const Kernels& kernels, Br
 // Up to this many spacings triangles are binned straight into bricks: nearly all that are binned then lie within the
 // thickness of some sample. Beyond, candidates are handed down, since most are farther than others everywhere.
 constexpr double kThinBand = 4;
+bool is_thin(const Grid& grid, double thickness) { return thickness <= kThinBand * grid.max_spacing(); }
 
 struct ThreadState {
   BrickState brick;
@@ -63,7 +64,7 @@ class TilesRun {
 
   Counts run() {
     job_.progress.stage("gather", lattice_.brick_count(), 0.2, 1);
-    if (job_.thickness <= kThinBand * job_.grid.max_spacing())
+    if (is_thin(job_.grid, job_.thickness))
       gather_bins();
     else
       gather_by_descent();
@@ -122,10 +123,10 @@ Counts run_tiles(const Job& job, Sink& sink) { return TilesRun(job, sink).run();
 std::string tiles_device(Simd requested) { return kernels_for(requested).name; }
 
 std::int64_t tiles_scratch_bytes(std::int64_t triangles, const Grid& grid, double thickness, int threads) {
-  const Lattice lattice = make_lattice(grid, thickness);
-  const std::int64_t keys = 4 * triangles, refs = 4 * most_refs(triangles);
-  const std::int64_t counters = 4 * lattice.brick_count() * (4 * threads + 1);
-  return keys + refs + counters + static_cast<std::int64_t>(sizeof(BrickState)) * threads;
+  const auto per_thread = static_cast<std::int64_t>(sizeof(BrickState)) * threads;
+  if (is_thin(grid, thickness))
+    return bins_scratch_bytes(triangles, make_lattice(grid, thickness), most_refs(triangles), threads) + per_thread;
+  return descent_scratch_bytes(triangles) + per_thread + static_cast<std::int64_t>(sizeof(CandidateTable)) * threads;
 }
 
 }  // namespace difi::cpu

@@ -102,6 +102,9 @@ Report fill(MeshView mesh, const Grid& grid, const Options& options, Sink& sink)
   report.device = backend.device(options.simd);
   report.threads = threads;
   report.samples = grid.sample_count();
+  constexpr std::int64_t side = DistanceField::kTileSide;
+  report.tiles =
+      ((grid.size.x + side - 1) / side) * ((grid.size.y + side - 1) / side) * ((grid.size.z + side - 1) / side);
   return report;
 }
 
@@ -131,7 +134,6 @@ Computed compute(MeshView mesh, const Grid& grid, const Options& options) {
   Computed computed{DistanceField(grid, options.thickness, options.nearest_triangle), {}};
   Sink sink(computed.field);
   computed.report = fill(mesh, grid, options, sink);
-  computed.report.tiles = computed.field.tile_count().count();
   computed.report.tiles_stored = computed.field.stored_tiles();
   computed.field.provenance.method = computed.report.method;
   computed.field.provenance.version = version();

@@ -172,7 +172,11 @@ Cell cell_at(const DistanceField& field, Vec3 p) {
   return cell;
 }
 
-double mix(double a, double b, double t) { return a == b ? a : a + (b - a) * t; }  // a == b: infinities stay
+// An infinite value at either end with a share in the result makes it infinite, never NaN.
+double mix(double a, double b, double t) {
+  if (a == b || t == 0) return a;
+  return std::isinf(a) ? a : a + (b - a) * t;
+}
 
 }  // namespace
 
@@ -267,7 +271,7 @@ DistanceField DistanceField::from_dense(const Grid& grid, double thickness, std:
               const auto from = grid.index(i, j, k);
               tile[within(i, j, k)] = values[from];
               if (!nearest.empty()) tile_nearest[within(i, j, k)] = nearest[from];
-              needed |= !(values[from] >= far);
+              needed |= !(values[from] >= far) || (!nearest.empty() && nearest[from] != kNoTriangle);
             }
         if (!needed) continue;
         std::ranges::copy(tile, field.store_tile(tx, ty, tz));
