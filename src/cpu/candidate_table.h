@@ -1,4 +1,4 @@
-// Room for the candidates of a brick while its cells are visited.
+// Room for the candidates of a tile while its cells are visited.
 #pragma once
 
 #include <cstdint>
@@ -7,32 +7,46 @@
 
 namespace difi::cpu {
 
-/// Some candidates of one brick, sixteen to a group: their boxes and frames relative to the brick's centre. More
-/// candidates than fit come one table after the other. About 1.6 MiB.
+/// Some candidates of one tile, sixteen to a group, relative to the brick's centre. More candidates than fit come one
+/// table after the other.
 struct CandidateTable {
-  static constexpr int kGroups = 512;
+  static constexpr int kGroups = 128;
   static constexpr int kFrameNumbers = 20;
 
   struct Group {
-    alignas(64) float low[3][kLanes];
-    alignas(64) float high[3][kLanes];
-    alignas(64) float frame[kFrameNumbers][kLanes];  ///< a register per number, to cull sixteen at once
-    /// The same frames one after the other, to evaluate one: two cache lines of it instead of twenty.
-    float one_frame[kLanes][kFrameNumbers];
-    alignas(64) float slack[kLanes];  ///< what the distance in the frame may be off by
+    alignas(64) float frame[kFrameNumbers][kLanes];
+    alignas(64) float slack[kLanes];  ///< what a distance from the frame may be off by
     alignas(64) std::uint32_t index[kLanes];
+    float low[3], high[3];  ///< the box around all of them
+    float less;             ///< what a squared distance from that box is lowered by, for the slack of the largest
+    std::uint32_t lanes;    ///< bits of the lanes in use
     std::uint32_t is_long;  ///< bits of the lanes whose samples need lines
   };
   Group groups[kGroups];
-  alignas(64) float distance[kGroups][kLanes];  ///< from the centre of the cell being culled
+  int count;  ///< groups in use
 
-  /// The groups that still have candidates for a cell, and which.
+  /// The lattice of the tile's 2x2x2 cells: its corners, and near each the nearest point of the surface that was found.
+  struct Corner {
+    float at[3];
+    float point[3];
+    float distance_sq;  ///< infinite while none was found
+    float slack;        ///< how far from the surface the point may be
+  };
+  static constexpr int kCorners = 3;
+  Corner corners[kCorners * kCorners * kCorners];  ///< x fastest
+  /// What the squared distance from each corner to each candidate is at least.
+  alignas(64) float corner_distance_sq[kCorners * kCorners * kCorners][kGroups][kLanes];
+
+  /// The groups a cell has to look at, and the lanes of each.
   struct Active {
     std::uint16_t group;
     std::uint16_t lanes;
   };
-  Active all[kGroups], of_tile[kGroups], of_cell[kGroups], of_block[kGroups];
+  Active active[kGroups];
+  int active_groups, active_candidates;
+
   std::uint32_t list[(kGroups + 1) * kLanes];  ///< candidates one by one: group * 16 + lane; room for a register more
+  int listed;
 };
 
 }  // namespace difi::cpu

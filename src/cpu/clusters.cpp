@@ -19,35 +19,35 @@ constexpr std::uint32_t spread(std::uint32_t v) {
   return (v | v << 2) & 0x09249249;
 }
 
-ClusterBox united(const ClusterBox& a, const ClusterBox& b) {
-  ClusterBox box;
-  for (int axis = 0; axis < 3; ++axis) {
-    box.low[axis] = std::min(a.low[axis], b.low[axis]);
-    box.high[axis] = std::max(a.high[axis], b.high[axis]);
-  }
-  return box;
-}
-
 }  // namespace
 
 Clusters::Clusters(const Job& job, const Lattice& lattice) : job_(job), lattice_(lattice) {
   for (int axis = 0; axis < 3; ++axis)
-    center[axis] = (lattice.origin[axis] + lattice.spacing[axis] * static_cast<double>(lattice.size[axis] - 1) / 2) *
-                   lattice.scale;
+    center_[axis] = (lattice.origin[axis] + lattice.spacing[axis] * static_cast<double>(lattice.size[axis] - 1) / 2) *
+                    lattice.scale;
+  triangles_ = static_cast<std::uint32_t>(job.triangle_count());
+  std::uint32_t packs = 0;
+  for (std::uint32_t count = triangles_; packs == 0 || count > 1;) {
+    level_begin_.push_back(packs);
+    count = (count + kFanout - 1) / kFanout;
+    packs += count;
+  }
+  level_begin_.push_back(packs);
+  packs_ = std::make_unique_for_overwrite<Pack[]>(packs);
   sort();
-  build_nodes();
+  box_triangles();
+  box_packs();
 }
 
-ClusterBox Clusters::triangle_box(std::uint32_t triangle) const {
-  const Vec3 a = job_.mesh.corner(triangle, 0), b = job_.mesh.corner(triangle, 1), c = job_.mesh.corner(triangle, 2);
-  const Vec3 low = min(a, min(b, c)), high = max(a, max(b, c));
-  const double lows[3] = {low.x, low.y, low.z}, highs[3] = {high.x, high.y, high.z};
-  ClusterBox box;
-  for (int axis = 0; axis < 3; ++axis) {
-    box.low[axis] = static_cast<float>(lows[axis] * lattice_.scale - center[axis]) - slack_;
-    box.high[axis] = static_cast<float>(highs[axis] * lattice_.scale - center[axis]) + slack_;
-  }
-  return box;
+Clusters::Children Clusters::children(std::uint32_t entry) const {
+  const std::uint32_t pack = entry - triangles_;
+  std::size_t level = 0;
+  while (pack >= level_begin_[level + 1]) ++level;
+  // Of a level of n packs or triangles the k-th pack holds 8k to 8k + 7.
+  const std::uint32_t begin = level == 0 ? 0 : triangles_ + level_begin_[level - 1];
+  const std::uint32_t end = level == 0 ? triangles_ : triangles_ + level_begin_[level];
+  const std::uint32_t first = begin + kFanout * (pack - level_begin_[level]);
+  return {first, static_cast<int>(std::min<std::uint32_t>(kFanout, end - first)), &packs_[pack]};
 }
 
 void Clusters::sort() {
@@ -68,8 +68,8 @@ void Clusters::sort() {
   const double lows[3] = {box.min.x, box.min.y, box.min.z}, highs[3] = {box.max.x, box.max.y, box.max.z};
   for (int axis = 0; axis < 3; ++axis) {
     const double half = lattice_.spacing[axis] * lattice_.scale * static_cast<double>(lattice_.size[axis]);
-    farthest = std::max({farthest, half, std::abs(lows[axis] * lattice_.scale - center[axis]),
-                         std::abs(highs[axis] * lattice_.scale - center[axis])});
+    farthest = std::max({farthest, half, std::abs(lows[axis] * lattice_.scale - center_[axis]),
+                         std::abs(highs[axis] * lattice_.scale - center_[axis])});
   }
   slack_ = static_cast<float>(farthest * 0x1p-20);
 
@@ -87,34 +87,47 @@ void Clusters::sort() {
     }
   });
   radix_sort(keyed, job_.threads);
-  order.resize(keyed.size());
+  order_.resize(keyed.size());
   tbb::parallel_for(tbb::blocked_range<std::int64_t>(0, count, 65536), [&](const auto& range) {
-    for (std::int64_t n = range.begin(); n < range.end(); ++n) order[n] = keyed[n].index;
+    for (std::int64_t n = range.begin(); n < range.end(); ++n) order_[n] = keyed[n].index;
   });
 }
 
-void Clusters::build_nodes() {
-  std::uint32_t begin = 0, end = triangles();
-  roots_begin_ = begin;
-  while (end - begin > kFanout) {
-    const std::uint32_t nodes = (end - begin + kFanout - 1) / kFanout;
-    const std::size_t base = boxes_.size();
-    boxes_.resize(base + nodes);
-    first_.resize(base + nodes);
-    count_.resize(base + nodes);
-    tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, nodes, 1024), [&](const auto& range) {
-      for (std::uint32_t n = range.begin(); n < range.end(); ++n) {
-        const std::uint32_t first = begin + n * kFanout, last = std::min(first + kFanout, end);
-        ClusterBox united_box = box(first);
-        for (std::uint32_t child = first + 1; child < last; ++child) united_box = united(united_box, box(child));
-        boxes_[base + n] = united_box;
-        first_[base + n] = first;
-        count_[base + n] = static_cast<std::uint8_t>(last - first);
+void Clusters::box_triangles() {
+  tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, level_begin_[1], 512), [&](const auto& range) {
+    for (std::uint32_t pack = range.begin(); pack < range.end(); ++pack) {
+      const std::uint32_t first = kFanout * pack, count = std::min<std::uint32_t>(kFanout, triangles_ - first);
+      for (std::uint32_t n = 0; n < count; ++n) {
+        const std::uint32_t triangle = order_[first + n];
+        const Vec3 a = job_.mesh.corner(triangle, 0), b = job_.mesh.corner(triangle, 1),
+                   c = job_.mesh.corner(triangle, 2);
+        const Vec3 low = min(a, min(b, c)), high = max(a, max(b, c));
+        const double lows[3] = {low.x, low.y, low.z}, highs[3] = {high.x, high.y, high.z};
+        for (int axis = 0; axis < 3; ++axis) {
+          packs_[pack].low[axis][n] = static_cast<float>(lows[axis] * lattice_.scale - center_[axis]) - slack_;
+          packs_[pack].high[axis][n] = static_cast<float>(highs[axis] * lattice_.scale - center_[axis]) + slack_;
+        }
+      }
+    }
+  });
+}
+
+void Clusters::box_packs() {
+  for (std::size_t level = 1; level + 1 < level_begin_.size(); ++level) {
+    const tbb::blocked_range<std::uint32_t> all(level_begin_[level], level_begin_[level + 1], 512);
+    tbb::parallel_for(all, [&](const auto& range) {
+      for (std::uint32_t pack = range.begin(); pack < range.end(); ++pack) {
+        const Children packed = children(triangles_ + pack);
+        for (int n = 0; n < packed.count; ++n) {
+          const Children inner = children(packed.first + static_cast<std::uint32_t>(n));
+          for (int axis = 0; axis < 3; ++axis) {
+            const float *low = inner.boxes->low[axis], *high = inner.boxes->high[axis];
+            packs_[pack].low[axis][n] = *std::min_element(low, low + inner.count);
+            packs_[pack].high[axis][n] = *std::max_element(high, high + inner.count);
+          }
+        }
       }
     });
-    begin = triangles() + static_cast<std::uint32_t>(base);
-    end = begin + nodes;
-    roots_begin_ = begin;
   }
 }
 

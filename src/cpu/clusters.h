@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "cpu/lattice.h"
@@ -10,47 +11,56 @@
 
 namespace difi::cpu {
 
-/// A box in float, grid units relative to the centre of the grid, rounded outwards and a little more: `slack` covers
-/// what later subtractions in float lose.
-struct ClusterBox {
-  float low[3], high[3];
-};
-
-/// Triangles sorted along a Morton curve; nodes of up to kFanout consecutive triangles, or nodes of the level below.
-/// An entry is a position in `order` (below triangles()) or, from there on, a node.
+/// Triangles sorted along a Morton curve and packed by eight, packs packed by eight, and so on. An entry of a list is a
+/// triangle, by its position on the curve (below triangles()), or from there on a whole pack. Boxes are in float, grid
+/// units relative to the centre of the grid, rounded outwards and a little more, so that they cover what later
+/// subtractions in float lose.
 class Clusters {
  public:
   static constexpr int kFanout = 8;
 
+  /// The boxes of consecutive entries, together because they are looked at together.
+  struct Pack {
+    float low[3][kFanout], high[3][kFanout];
+  };
+
   Clusters(const Job& job, const Lattice& lattice);
 
-  std::uint32_t triangles() const { return static_cast<std::uint32_t>(order.size()); }
-  bool is_node(std::uint32_t entry) const { return entry >= triangles(); }
-  /// The entries of a node: `child_count` consecutive ones from `first_child` on.
-  std::uint32_t first_child(std::uint32_t entry) const { return first_[entry - triangles()]; }
-  std::uint32_t child_count(std::uint32_t entry) const { return count_[entry - triangles()]; }
-  /// The top: entries [roots_begin, roots_end) hold all triangles.
-  std::uint32_t roots_begin() const { return roots_begin_; }
-  std::uint32_t roots_end() const { return triangles() + static_cast<std::uint32_t>(boxes_.size()); }
-  ClusterBox box(std::uint32_t entry) const {
-    return is_node(entry) ? boxes_[entry - triangles()] : triangle_box(order[entry]);
-  }
+  std::uint32_t triangles() const { return triangles_; }
+  /// The mesh index of an entry that is a triangle.
+  std::uint32_t triangle(std::uint32_t entry) const { return order_[entry]; }
+  bool is_pack(std::uint32_t entry) const { return entry >= triangles_; }
+  /// The pack that holds all others.
+  std::uint32_t top() const { return triangles_ + level_begin_.back() - 1; }
 
-  std::vector<std::uint32_t> order;  ///< mesh indices of the triangles, sorted
-  double center[3];                  ///< of the grid, world units times scale
+  /// What is in the pack that an entry stands for: `count` consecutive entries from `first` on, and their boxes.
+  struct Children {
+    std::uint32_t first;
+    int count;
+    const Pack* boxes;
+  };
+  Children children(std::uint32_t entry) const;
+  /// Asks the memory for the boxes of a pack that will be looked at soon.
+  void prefetch(std::uint32_t entry) const {
+    const char* pack = reinterpret_cast<const char*>(&packs_[entry - triangles_]);
+    for (std::size_t line = 0; line < sizeof(Pack); line += 64) __builtin_prefetch(pack + line);
+  }
+  /// Of the grid, world units times scale.
+  const double* center() const { return center_; }
 
  private:
-  ClusterBox triangle_box(std::uint32_t triangle) const;
   void sort();
-  void build_nodes();
+  void box_triangles();
+  void box_packs();
 
   const Job& job_;
   const Lattice& lattice_;
+  double center_[3];
   float slack_ = 0;
-  std::vector<ClusterBox> boxes_;
-  std::vector<std::uint32_t> first_;
-  std::vector<std::uint8_t> count_;
-  std::uint32_t roots_begin_ = 0;
+  std::uint32_t triangles_ = 0;
+  std::vector<std::uint32_t> order_;
+  std::vector<std::uint32_t> level_begin_;  // the first pack of each level, those of triangles first; and the end
+  std::unique_ptr<Pack[]> packs_;
 };
 
 }  // namespace difi::cpu

@@ -42,6 +42,14 @@ struct CullCell {
   float reach;
 };
 
+/// Points of the surface, any: what lies farther from all samples of a cell than one of them is left out there. Those
+/// nearest to the cell's corners leave out the most.
+struct References {
+  static constexpr int kMost = 8;
+  float at[kMost][3];
+  int count = 0;
+};
+
 struct Kernels {
   const char* name;
   /// Forgets all distances.
@@ -53,14 +61,15 @@ struct Kernels {
   /// Writes one tile's distances in world units, clamped by the thickness, and its nearest triangles where asked for.
   void (*write_tile)(const Lattice&, const BrickState&, int tile, const TileTarget&);
 
-  /// The entry whose box has its centre nearest to the point. Requires one entry at least.
+  /// The position in the list of the box with its centre nearest to the point. Requires one box at least.
   std::int64_t (*nearest_box)(const BoxArrays&, const float* point);
-  /// Drops, in place, the entries that are out of the cell's reach or farther from each of its samples than `point`, a
-  /// point of the surface. Returns how many are left.
-  std::int64_t (*cull_boxes)(const BoxArrays&, const CullCell&, const float* point);
-  /// As gather_band, for candidates of which each sample needs few: chooses them cell by cell of 4x4x4 samples.
-  void (*gather_cells)(const Lattice&, const Brick&, const Candidates&, bool with_nearest, CandidateTable&,
-                       BrickState&);
+  /// Copies to `kept`, which has the room, the boxes within the cell's reach that may hold a point nearer to some of
+  /// its samples than each of the references is, and sets its count. `kept` may be the list itself.
+  void (*cull_boxes)(const BoxArrays&, const CullCell&, const References&, BoxArrays& kept);
+  /// Lowers the distances of a tile's samples, as gather_band, for candidates of which each sample needs few: chooses
+  /// them for each cell of 4x4x4 samples.
+  void (*gather_tile)(const Lattice&, const Brick&, int tile, const Candidates&, bool with_nearest, CandidateTable&,
+                      BrickState&);
 };
 
 /// The kernels for an instruction set; the best one there is for Simd::automatic. Throws Error{usage} where the

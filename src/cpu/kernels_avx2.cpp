@@ -11,11 +11,12 @@ namespace {
 using namespace difi::avx2;
 #include "cpu/kernels_body.h"
 #include "cpu/kernels_cells.h"
+#include "cpu/kernels_cull.h"
 
 }  // namespace
 
 extern const Kernels kKernels{"avx2",     clear,       gather_band_any, band_tiles,
-                              write_tile, nearest_box, cull_boxes,      gather_cells_any};
+                              write_tile, nearest_box, cull_boxes,      gather_tile_any};
 
 }  // namespace difi::cpu::avx2
 

@@ -1,92 +1,18 @@
-// The kernels for thick bands and full fields, where each sample has many candidates and needs few. Included like
-// kernels_body.h, after it.
+// The kernel for thick bands and full fields, where each sample has many candidates and needs few. Included like
+// kernels_body.h, after kernels_cull.h.
 //
-// Culling. With the cell's centre as origin, its half extents h and a point q of the surface, a candidate whose box
-// holds p can be nearer than q to the sample x only if |x-p|^2 < |x-q|^2, that is |p|^2 - |q|^2 < 2 x.(p-q). The right
-// side is at most 2 sum h_a |p_a - q_a| over the cell, so the candidate is out when
-//     sum over axes a of min over p_a in its box of (p_a^2 - 2 h_a |p_a - q_a|)  >=  |q|^2.
-// The axes part. On one axis -|d| is the smaller of -d and d, and each of the two parabolas has its least value where
-// p_a = +-h_a, clamped to the box. Far from a flat sheet this leaves a patch a few cells wide; distance alone, a disc
-// that grows with the distance.
+// The candidates of a tile are set up once, in groups of sixteen, and measured from the corners of its 2x2x2 cells. The
+// nearest point found from a corner is a reference q for the cells around it.
+//
+// A cell chooses its candidates. A candidate beats q at a sample x of the cell when it holds a point p with
+// |x-p|^2 < |x-q|^2. For a given p the two sides differ by a linear function of x, so if p beats q anywhere in the cell
+// it does so at a corner; and so a candidate is out when, for some q, its distance from each corner is at least that of
+// q. Unlike the test for boxes (kernels_cull.h) this one is not fooled by tilted triangles, whose boxes reach far out
+// of them. Where many candidates are left, each block leaves out the groups whose boxes lie too far for its samples.
 
-// The least of p^2 - 2h|p - q| over low <= p <= high.
-DIFI_INLINE WideFloat least_on_axis(const WideFloat& low, const WideFloat& high, float h, float q) {
-  const WideFloat plus(h), minus(-h), twice(2 * h), shift(2 * h * q);
-  const WideFloat a = min(max(plus, low), high), b = min(max(minus, low), high);
-  const WideFloat on_a = fma(a, a, shift - twice * a), on_b = fma(b, b, twice * b - shift);
-  return min(on_a, on_b);
-}
-
-// Which boxes, relative to the cell's centre, can hold a point nearer to some sample than q is.
-DIFI_INLINE Mask may_beat(const WidePoint& low, const WidePoint& high, const float* half, const float* q) {
-  const float q_sq = q[0] * q[0] + q[1] * q[1] + q[2] * q[2];
-  const float half_sq = half[0] * half[0] + half[1] * half[1] + half[2] * half[2];
-  // A margin for the rounding of the terms, which are of the order of the squares on the right.
-  const float limit = q_sq + 2e-5f * (q_sq + half_sq);
-  const WideFloat sum = least_on_axis(low.x, high.x, half[0], q[0]) + least_on_axis(low.y, high.y, half[1], q[1]) +
-                        least_on_axis(low.z, high.z, half[2], q[2]);
-  return less(sum, WideFloat(limit));
-}
-
-// The squared distance from the cell's samples to boxes relative to its centre, at least.
-DIFI_INLINE WideFloat gap_sq(const WidePoint& low, const WidePoint& high, const float* half) {
-  const WideFloat zero(0);
-  const auto gap = [&](const WideFloat& l, const WideFloat& h, float extent) __attribute__((always_inline)) {
-    return max(max(l - WideFloat(extent), -h - WideFloat(extent)), zero);
-  };
-  const WideFloat x = gap(low.x, high.x, half[0]), y = gap(low.y, high.y, half[1]), z = gap(low.z, high.z, half[2]);
-  return fma(x, x, fma(y, y, z * z));
-}
-
-std::int64_t nearest_box(const BoxArrays& boxes, const float* point) {
-  float least = __builtin_inff();
-  std::int64_t best = 0;
-  for (std::int64_t first = 0; first < boxes.count; first += kLanes) {
-    const int used = boxes.count - first < kLanes ? static_cast<int>(boxes.count - first) : kLanes;
-    WideFloat distance_sq(0);
-    for (int axis = 0; axis < 3; ++axis) {
-      const WideFloat twice_off = load_some(boxes.low[axis] + first, used) + load_some(boxes.high[axis] + first, used) -
-                                  WideFloat(2 * point[axis]);
-      distance_sq = fma(twice_off, twice_off, distance_sq);
-    }
-    const std::uint32_t valid = (1u << used) - 1;
-    if ((less(distance_sq, WideFloat(least)).to_bits() & valid) == 0) continue;
-    alignas(64) float all[kLanes];
-    distance_sq.store(all);
-    for (int lane = 0; lane < used; ++lane)
-      if (all[lane] < least) {
-        least = all[lane];
-        best = first + lane;
-      }
-  }
-  return best;
-}
-
-std::int64_t cull_boxes(const BoxArrays& boxes, const CullCell& cell, const float* point) {
-  const float q[3] = {point[0] - cell.center[0], point[1] - cell.center[1], point[2] - cell.center[2]};
-  const WideFloat reach_sq(cell.reach * cell.reach * (1 + kSlack) + kSlack * kSlack);
-  std::int64_t kept = 0;
-  for (std::int64_t first = 0; first < boxes.count; first += kLanes) {
-    const int used = boxes.count - first < kLanes ? static_cast<int>(boxes.count - first) : kLanes;
-    const auto load = [&](float* const* side) __attribute__((always_inline)) {
-      return WidePoint{load_some(side[0] + first, used), load_some(side[1] + first, used),
-                       load_some(side[2] + first, used)};
-    };
-    const WidePoint low = load(boxes.low), high = load(boxes.high);
-    const WidePoint center{WideFloat(cell.center[0]), WideFloat(cell.center[1]), WideFloat(cell.center[2])};
-    const Mask near = may_beat(low - center, high - center, cell.half, q) &
-                      ~less(reach_sq, gap_sq(low - center, high - center, cell.half));
-    const Mask keep = near & mask_from_bits((1u << used) - 1);
-    // Packed in place: what is written lies before what is still to be read, or in the room past the end.
-    const WideFloat* const sides[6] = {&low.x, &low.y, &low.z, &high.x, &high.y, &high.z};
-    for (int axis = 0; axis < 3; ++axis) {
-      store_packed(boxes.low[axis] + kept, keep, *sides[axis]);
-      store_packed(boxes.high[axis] + kept, keep, *sides[3 + axis]);
-    }
-    kept += store_packed(boxes.entry + kept, keep, WideUint::load(boxes.entry + first));
-  }
-  return kept;
-}
+// What a squared distance is lowered by, so that the square of (distance - slack) is no less:
+// (d-s)^2 >= d^2 - 2ds >= d^2 (1-a) - s^2/a.
+constexpr float kSlackShare = 1e-4f;
 
 DIFI_INLINE TriangleFrame<WideFloat> frames_of(const CandidateTable::Group& g) {
   const auto number = [&](int n) __attribute__((always_inline)) { return WideFloat::load(g.frame[n]); };
@@ -100,7 +26,7 @@ DIFI_INLINE TriangleFrame<WideFloat> frames_of(const CandidateTable::Group& g) {
 // One candidate's frame, in all lanes when F is wide.
 template <class F>
 DIFI_INLINE TriangleFrame<F> one_frame(const CandidateTable::Group& g, std::uint32_t lane) {
-  const auto number = [&](int n) __attribute__((always_inline)) { return F(g.one_frame[lane][n]); };
+  const auto number = [&](int n) __attribute__((always_inline)) { return F(g.frame[n][lane]); };
   return {{{number(0), number(1), number(2)}, number(3)},
           {{number(4), number(5), number(6)}, number(7)},
           {{number(8), number(9), number(10)}, number(11)},
@@ -108,12 +34,12 @@ DIFI_INLINE TriangleFrame<F> one_frame(const CandidateTable::Group& g, std::uint
           {number(16), number(17), number(18), number(19)}};
 }
 
-// Sets up the candidates first, first + 1, ... as far as there is room; returns how many groups they are.
-DIFI_INLINE int fill_table(const Lattice& lattice, const Brick& brick, const Candidates& c, std::int64_t first,
-                           CandidateTable& table) {
-  int groups = 0;
-  for (; groups < CandidateTable::kGroups && first < c.count; ++groups, first += kLanes) {
-    CandidateTable::Group& g = table.groups[groups];
+// Sets up the candidates first, first + 1, ... as far as there is room.
+DIFI_INLINE void fill_table(const Lattice& lattice, const Brick& brick, const Candidates& c, std::int64_t first,
+                            CandidateTable& table) {
+  table.count = 0;
+  for (; table.count < CandidateTable::kGroups && first < c.count; ++table.count, first += kLanes) {
+    CandidateTable::Group& g = table.groups[table.count];
     Group loaded;
     load_group(lattice, brick, c, first, loaded);
     WideFloat longest(0), farthest(0);
@@ -123,184 +49,275 @@ DIFI_INLINE int fill_table(const Lattice& lattice, const Brick& brick, const Can
       const WideFloat low = min(a, min(b, d)), high = max(a, max(b, d));
       longest = max(longest, high - low);
       farthest = max(farthest, max(abs(low), abs(high)));
-      low.store(g.low[axis]);
-      high.store(g.high[axis]);
+      g.low[axis] = reduce_min(low);
+      g.high[axis] = reduce_max(high);
     }
-    fma(farthest, WideFloat(4e-6f), WideFloat(kSlack)).store(g.slack);
-    g.is_long = less(WideFloat(kLongTriangle), longest).to_bits();
+    const WideFloat slack = fma(farthest, WideFloat(4e-6f), WideFloat(kSlack));
+    slack.store(g.slack);
+    g.less = reduce_max(slack * slack) / kSlackShare;
     store_frames(make_frame(loaded.corner[0], loaded.corner[1], loaded.corner[2], WideFloat(kLeastLengthSq)), g.frame);
-    for (int lane = 0; lane < kLanes; ++lane)
-      for (int number = 0; number < CandidateTable::kFrameNumbers; ++number)
-        g.one_frame[lane][number] = g.frame[number][lane];
-    for (int lane = 0; lane < kLanes; ++lane) g.index[lane] = loaded.index[lane];
+    WideUint::load(loaded.index).store(g.index);
     const std::int64_t left = c.count - first;
-    table.all[groups] = {static_cast<std::uint16_t>(groups),
-                         static_cast<std::uint16_t>(left < kLanes ? (1u << left) - 1 : 0xffffu)};
+    g.lanes = left < kLanes ? (1u << left) - 1 : 0xffffu;
+    g.is_long = less(WideFloat(kLongTriangle), longest).to_bits();
   }
-  return groups;
-}
-
-// A box of samples of the brick: centre relative to the brick's, half extents and half diagonal.
-struct SampleBox {
-  float center[3], half[3], radius;
-};
-
-// Copies to `out` the candidates that may be nearest to a sample of the box, and returns how many groups have some.
-// `best_before` is what the box's samples are known to be within.
-int cull_table(const Lattice& lattice, CandidateTable& table, const CandidateTable::Active* in, int count,
-               const SampleBox& box, CandidateTable::Active* out) {
-  const WidePoint center{WideFloat(box.center[0]), WideFloat(box.center[1]), WideFloat(box.center[2])};
-  const WideFloat infinity(__builtin_inff());
-  WideFloat least = infinity;
-  for (int n = 0; n < count; ++n) {
-    const CandidateTable::Group& g = table.groups[in[n].group];
-    const WideFloat distance = sqrt(distance_sq(frames_of(g), center));
-    distance.store(table.distance[n]);
-    least = min(select(mask_from_bits(in[n].lanes), distance + WideFloat::load(g.slack), infinity), least);
-  }
-  const float best = reduce_min(least);
-  // The nearest candidate, the first of equals: its closest point is a point of the surface to compare all with.
-  float q[3] = {0, 0, 0};
-  bool found = false;
-  for (int n = 0; n < count && !found; ++n) {
-    const CandidateTable::Group& g = table.groups[in[n].group];
-    const std::uint32_t here =
-        equal(WideFloat::load(table.distance[n]) + WideFloat::load(g.slack), WideFloat(best)).to_bits() & in[n].lanes;
-    if (here == 0) continue;
-    const Triple<float> p = closest_in_frame(one_frame<float>(g, static_cast<std::uint32_t>(__builtin_ctz(here))),
-                                             Triple<float>{box.center[0], box.center[1], box.center[2]});
-    q[0] = p.x;
-    q[1] = p.y;
-    q[2] = p.z;
-    found = true;
-  }
-  const float by_best = best + 2 * box.radius * (1 + kSlack), by_reach = lattice.thickness * (1 + kSlack) + box.radius;
-  const WideFloat limit(difi::min(by_best, by_reach));
-  const float exact_best = best * (1 + 1e-5f);
-  const WideFloat bisector(exact_best * exact_best);
-  int kept = 0;
-  for (int n = 0; n < count; ++n) {
-    const CandidateTable::Group& g = table.groups[in[n].group];
-    const Mask near = ~less(limit, WideFloat::load(table.distance[n]) - WideFloat::load(g.slack));
-    // |p| is at least the distance, and |p_a - q_a| at most that of the box's farther face.
-    WideFloat spread(0);
-    for (int axis = 0; axis < 3; ++axis) {
-      const WideFloat at(q[axis]), half(2 * box.half[axis]);
-      spread = fma(max(WideFloat::load(g.high[axis]) - at, at - WideFloat::load(g.low[axis])), half, spread);
-    }
-    const WideFloat nearest = max(WideFloat::load(table.distance[n]) - WideFloat::load(g.slack), WideFloat(0));
-    const std::uint32_t lanes = (near & less(fma(nearest, nearest, -spread), bisector)).to_bits() & in[n].lanes;
-    out[kept] = {in[n].group, static_cast<std::uint16_t>(lanes)};
-    kept += lanes != 0;
-  }
-  return kept;
 }
 
 // Cells of 4x4x4 samples: one block wide, kCellBlocks high and deep.
-constexpr int kCellSide = 4, kCellBlocks = 2;
+constexpr int kCellSide = 4, kCellBlocks = 2, kTileCells = DistanceField::kTileSide / kCellSide;
 static_assert(kCellSide == kBlockX && kCellSide == kCellBlocks * kBlockY && kCellSide == kCellBlocks * kBlockZ);
-// With more candidates than this a cell's blocks choose among them once more, each for itself.
-constexpr int kManyCandidates = 32;
+static_assert(CandidateTable::kCorners == kTileCells + 1);
 
-// Writes down the active candidates one by one, so that the loop over them has no branch to mispredict.
-DIFI_INLINE int listed(CandidateTable& table, const CandidateTable::Active* active, int count) {
-  int candidates = 0;
-  for (int n = 0; n < count; ++n) {
-    const WideUint first(static_cast<std::uint32_t>(active[n].group) * kLanes);
-    candidates += store_packed(table.list + candidates, mask_from_bits(active[n].lanes), first + lane_numbers());
-  }
-  return candidates;
+// A coordinate of the tile's lattice of cells relative to the brick's centre: its faces lie on the outermost samples.
+DIFI_INLINE float corner_coordinate(const Lattice& lattice, int axis, int first_sample, int n) {
+  const float sample = n == 0            ? 0
+                       : n == kTileCells ? DistanceField::kTileSide - 1
+                                         : kCellSide * static_cast<float>(n) - 0.5f;
+  const float middle = (kBrickSide - 1) / 2.0f;
+  return (static_cast<float>(first_sample) + sample - middle) *
+         static_cast<float>(lattice.spacing[axis] * lattice.scale);
 }
 
-// The listed candidates against one block.
-template <bool kNearest>
-DIFI_INLINE void gather_block(const Lattice& lattice, const Brick& brick, const Candidates& c,
-                              const CandidateTable& table, int candidates, int block, BrickState& state) {
-  const WidePoint samples = block_samples(lattice, block);
-  WideFloat best = WideFloat::load(state.distance_sq[block]);
-  WideUint nearest(0);
-  if constexpr (kNearest) nearest = WideUint::load(state.nearest[block]);
-  for (int n = 0; n < candidates; ++n) {
-    const CandidateTable::Group& g = table.groups[table.list[n] / kLanes];
-    const std::uint32_t lane = table.list[n] % kLanes;
-    WideFloat d;
-    if (g.is_long >> lane & 1)
-      d = distance_sq(make_lines<WideFloat>(double_frame(lattice, brick, c, g.index[lane])), samples);
-    else
-      d = distance_sq(one_frame<WideFloat>(g, lane), samples);
-    if constexpr (kNearest) {
-      const WideUint mine(g.index[lane]);
-      nearest = select(less(d, best) | (equal(d, best) & less(mine, nearest)), mine, nearest);
-    }
-    best = min(d, best);
+// Measures all candidates of the table from a corner of the lattice, and finds the nearest point of the surface.
+DIFI_INLINE void look_from(CandidateTable& table, int number) {
+  CandidateTable::Corner& corner = table.corners[number];
+  const WidePoint point{WideFloat(corner.at[0]), WideFloat(corner.at[1]), WideFloat(corner.at[2])};
+  WideFloat least(__builtin_inff());
+  WideUint group_of(0);
+  for (int n = 0; n < table.count; ++n) {
+    const CandidateTable::Group& g = table.groups[n];
+    const WideFloat d = distance_sq(frames_of(g), point), slack = WideFloat::load(g.slack);
+    fma(d, WideFloat(1 - kSlackShare), slack * slack * WideFloat(-1 / kSlackShare))
+        .store(table.corner_distance_sq[number][n]);
+    group_of = select(less(d, least), WideUint(static_cast<std::uint32_t>(n)), group_of);
+    least = min(d, least);
   }
-  best.store(state.distance_sq[block]);
-  if constexpr (kNearest) nearest.store(state.nearest[block]);
-  state.samples_examined += std::int64_t{kLanes} * candidates;
+  const float best = reduce_min(least);
+  if (!(best < corner.distance_sq)) return;
+  const int lane = __builtin_ctz(equal(least, WideFloat(best)).to_bits());
+  alignas(64) std::uint32_t groups[kLanes];
+  group_of.store(groups);
+  const CandidateTable::Group& g = table.groups[groups[lane]];
+  const Triple<float> q = closest_in_frame(one_frame<float>(g, static_cast<std::uint32_t>(lane)),
+                                           Triple<float>{corner.at[0], corner.at[1], corner.at[2]});
+  corner.point[0] = q.x;
+  corner.point[1] = q.y;
+  corner.point[2] = q.z;
+  corner.distance_sq = best;
+  corner.slack = g.slack[lane];
 }
 
-// The samples [first, first + side) per axis of a brick.
-DIFI_INLINE SampleBox sample_box(const Lattice& lattice, const int (&first)[3], const int (&side)[3]) {
-  SampleBox box;
-  float radius_sq = 0;
+// A cell: its eight corners, each with its reference, and how near to a corner a candidate must be to beat a reference.
+struct CellCorners {
+  const float* distance_sq[8];                 // from a corner, of all candidates
+  const CandidateTable::Corner* reference[8];  // near a corner
+  float more[8];                               // what the reference's slack adds to squared distances
+  float limit[8][8];                           // of a reference, at a corner
+  float reach_sq;
+};
+
+DIFI_INLINE CellCorners cell_corners(const Lattice& lattice, const CandidateTable& table, const int (&cell)[3]) {
+  constexpr int kCorners = CandidateTable::kCorners;
+  CellCorners result;
+  int number[8];
+  for (int n = 0; n < 8; ++n) {
+    number[n] = cell[0] + (n & 1) + kCorners * (cell[1] + (n >> 1 & 1) + kCorners * (cell[2] + (n >> 2 & 1)));
+    result.distance_sq[n] = table.corner_distance_sq[number[n]][0];
+  }
+  float diagonal_sq = 0;
   for (int axis = 0; axis < 3; ++axis) {
-    const float spacing = static_cast<float>(lattice.spacing[axis] * lattice.scale);
-    box.center[axis] = (static_cast<float>(first[axis]) + static_cast<float>(side[axis] - kBrickSide) / 2) * spacing;
-    box.half[axis] = static_cast<float>(side[axis] - 1) / 2 * spacing * (1 + kSlack);
-    radius_sq += box.half[axis] * box.half[axis];
+    const float side = table.corners[number[7]].at[axis] - table.corners[number[0]].at[axis];
+    diagonal_sq += side * side;
   }
-  box.radius = difi::sqrt(radius_sq);
-  return box;
-}
-
-// One cell, from the candidates of its tile.
-template <bool kNearest>
-void gather_cell(const Lattice& lattice, const Brick& brick, const Candidates& c, CandidateTable& table, int in_tile,
-                 const int (&at)[3], BrickState& state) {
-  const int in_cell = cull_table(lattice, table, table.of_tile, in_tile,
-                                 sample_box(lattice, at, {kCellSide, kCellSide, kCellSide}), table.of_cell);
-  int candidates = listed(table, table.of_cell, in_cell);
-  const int bx = at[0] / kBlockX, by = at[1] / kBlockY, bz = at[2] / kBlockZ;
-  const bool many = candidates > kManyCandidates;
-  for (int n = 0; n < kCellBlocks * kCellBlocks; ++n) {
-    const int y = n % kCellBlocks, z = n / kCellBlocks;
-    if (many) {
-      const int corner[3] = {at[0], at[1] + y * kBlockY, at[2] + z * kBlockZ};
-      const int in_block = cull_table(lattice, table, table.of_cell, in_cell,
-                                      sample_box(lattice, corner, {kBlockX, kBlockY, kBlockZ}), table.of_block);
-      candidates = listed(table, table.of_block, in_block);
+  const float reach = (lattice.thickness + difi::sqrt(diagonal_sq)) * (1 + kSlack);
+  result.reach_sq = reach * reach;
+  for (int q = 0; q < 8; ++q) {
+    const CandidateTable::Corner& reference = table.corners[number[q]];
+    // The surface passes within the slack of the reference: (d+s)^2 <= d^2 (1+a) + s^2 (1+1/a).
+    const float more = reference.slack * reference.slack * (1 + 1 / kSlackShare);
+    result.reference[q] = &reference;
+    result.more[q] = more;
+    for (int n = 0; n < 8; ++n) {
+      const float* at = table.corners[number[n]].at;
+      const float x = at[0] - reference.point[0], y = at[1] - reference.point[1], z = at[2] - reference.point[2];
+      result.limit[q][n] = (x * x + y * y + z * z) * (1 + kSlackShare) + more;
     }
-    gather_block<kNearest>(lattice, brick, c, table, candidates, block_index(bx, by + y, bz + z), state);
+  }
+  return result;
+}
+
+// The lanes of a group that may be nearest to a sample of the cell.
+DIFI_INLINE std::uint32_t chosen(const CandidateTable::Group& g, int group, const CellCorners& cell) {
+  WideFloat d[8];
+  WideFloat least(__builtin_inff());
+  for (int n = 0; n < 8; ++n) {
+    d[n] = WideFloat::load(cell.distance_sq[n] + group * kLanes);
+    least = min(least, d[n]);
+  }
+  Mask may = ~less(WideFloat(cell.reach_sq), least) & mask_from_bits(g.lanes);
+  for (int q = 0; q < 8 && may.to_bits() != 0; ++q) {
+    Mask out = less(WideFloat(cell.limit[q][0]), d[0]);
+    for (int n = 1; n < 8; ++n) out = out & less(WideFloat(cell.limit[q][n]), d[n]);
+    may = may & ~out;
+  }
+  return may.to_bits();
+}
+
+// Writes down which groups and lanes a cell has to look at.
+DIFI_INLINE void choose(CandidateTable& table, const CellCorners& cell) {
+  table.active_groups = table.active_candidates = 0;
+  for (int n = 0; n < table.count; ++n) {
+    const std::uint32_t lanes = chosen(table.groups[n], n, cell);
+    table.active[table.active_groups] = {static_cast<std::uint16_t>(n), static_cast<std::uint16_t>(lanes)};
+    table.active_groups += lanes != 0;
+    table.active_candidates += __builtin_popcount(lanes);
+  }
+}
+
+// Adds a group's candidates to the list, one by one, so that the loop over them has no branch to mispredict.
+DIFI_INLINE void list_lanes(CandidateTable& table, const CandidateTable::Active& active) {
+  const WideUint first(static_cast<std::uint32_t>(active.group) * kLanes);
+  table.listed += store_packed(table.list + table.listed, mask_from_bits(active.lanes), first + lane_numbers());
+}
+
+// The squared distance of samples to a box, at least.
+DIFI_INLINE WideFloat gap_sq(const WidePoint& samples, const float* low, const float* high) {
+  const WideFloat zero(0);
+  const auto gap = [&](const WideFloat& s, int axis) __attribute__((always_inline)) {
+    return max(max(WideFloat(low[axis]) - s, s - WideFloat(high[axis])), zero);
+  };
+  const WideFloat x = gap(samples.x, 0), y = gap(samples.y, 1), z = gap(samples.z, 2);
+  return fma(x, x, fma(y, y, z * z));
+}
+
+// Lists the chosen groups that may hold what is nearest to a sample of the block: those whose boxes are no farther from
+// each sample than one of the references.
+DIFI_INLINE void list_for_block(const Lattice& lattice, CandidateTable& table, const CellCorners& cell,
+                                const WidePoint& samples) {
+  const float within = lattice.thickness * (1 + kSlack);
+  WideFloat known(within * within);
+  for (int q = 0; q < References::kMost; ++q) {
+    const float* at = cell.reference[q]->point;
+    const WideFloat x = samples.x - WideFloat(at[0]), y = samples.y - WideFloat(at[1]),
+                    z = samples.z - WideFloat(at[2]);
+    known = min(known, fma(fma(x, x, fma(y, y, z * z)), WideFloat(1 + kSlackShare), WideFloat(cell.more[q])));
+  }
+  table.listed = 0;
+  for (int n = 0; n < table.active_groups; ++n) {
+    const CandidateTable::Group& g = table.groups[table.active[n].group];
+    const WideFloat at_least = fma(gap_sq(samples, g.low, g.high), WideFloat(1 - kSlackShare), WideFloat(-g.less));
+    if ((~less(known, at_least)).to_bits() != 0) list_lanes(table, table.active[n]);
   }
 }
 
 template <bool kNearest>
-void gather_cells(const Lattice& lattice, const Brick& brick, const Candidates& c, CandidateTable& table,
-                  BrickState& state) {
-  constexpr int tile_side = DistanceField::kTileSide, cells = tile_side / kCellSide;
-  const int size[3] = {inside(lattice, brick, 0), inside(lattice, brick, 1), inside(lattice, brick, 2)};
-  for (std::int64_t first = 0; first < c.count; first += std::int64_t{CandidateTable::kGroups} * kLanes) {
-    const int groups = fill_table(lattice, brick, c, first, table);
-    for (int tile = 0; tile < kBrickTiles; ++tile) {
-      const int corner[3] = {(tile & 1) * tile_side, (tile >> 1 & 1) * tile_side, (tile >> 2) * tile_side};
-      if (corner[0] >= size[0] || corner[1] >= size[1] || corner[2] >= size[2]) continue;
-      const int in_tile = cull_table(lattice, table, table.all, groups,
-                                     sample_box(lattice, corner, {tile_side, tile_side, tile_side}), table.of_tile);
-      if (in_tile == 0) continue;
-      for (int cell = 0; cell < cells * cells * cells; ++cell) {
-        const int at[3] = {corner[0] + (cell & 1) * kCellSide, corner[1] + (cell >> 1 & 1) * kCellSide,
-                           corner[2] + (cell >> 2) * kCellSide};
-        if (at[0] >= size[0] || at[1] >= size[1] || at[2] >= size[2]) continue;
-        gather_cell<kNearest>(lattice, brick, c, table, in_tile, at, state);
+DIFI_INLINE void lower(WideFloat& best, WideUint& nearest, const WideFloat& d, std::uint32_t index) {
+  if constexpr (kNearest) {
+    const WideUint mine(index);
+    nearest = select(less(d, best) | (equal(d, best) & less(mine, nearest)), mine, nearest);
+  }
+  best = min(d, best);
+}
+
+// The listed candidates against the blocks (bx, by + j, bz + k), j and k below kSide.
+template <bool kNearest, int kSide>
+DIFI_INLINE void gather_listed(const Lattice& lattice, const Brick& brick, const Candidates& c,
+                               const CandidateTable& table, int bx, int by, int bz, BrickState& state) {
+  constexpr int kCount = kSide * kSide;
+  const auto block = [&](int n) __attribute__((always_inline)) {
+    return block_index(bx, by + n % kSide, bz + n / kSide);
+  };
+  const WideFloat x = WideFloat::load(lattice.x[bx]);
+  WideFloat y[kSide], z[kSide], best[kCount];
+  WideUint nearest[kCount];
+  for (int n = 0; n < kSide; ++n) {
+    y[n] = WideFloat::load(lattice.y[by + n]);
+    z[n] = WideFloat::load(lattice.z[bz + n]);
+  }
+  for (int n = 0; n < kCount; ++n) {
+    best[n] = WideFloat::load(state.distance_sq[block(n)]);
+    if constexpr (kNearest) nearest[n] = WideUint::load(state.nearest[block(n)]);
+  }
+  for (int m = 0; m < table.listed; ++m) {
+    const CandidateTable::Group& g = table.groups[table.list[m] / kLanes];
+    const std::uint32_t lane = table.list[m] % kLanes;
+    if (g.is_long >> lane & 1) {
+      const TriangleLines<WideFloat> lines = make_lines<WideFloat>(double_frame(lattice, brick, c, g.index[lane]));
+      for (int n = 0; n < kCount; ++n)
+        lower<kNearest>(best[n], nearest[n], distance_sq(lines, {x, y[n % kSide], z[n / kSide]}), g.index[lane]);
+      continue;
+    }
+    const TriangleFrame<WideFloat> f = one_frame<WideFloat>(g, lane);
+    for (int k = 0; k < kSide; ++k) {
+      const WideFloat qz = fma(z[k], f.q.g.z, f.q.c), yz = fma(z[k], f.y.g.z, f.y.c), zz = fma(z[k], f.z.g.z, f.z.c);
+      for (int j = 0; j < kSide; ++j) {
+        const WideFloat d =
+            frame_distance_sq(f, fma(x, f.q.g.x, fma(y[j], f.q.g.y, qz)), fma(x, f.y.g.x, fma(y[j], f.y.g.y, yz)),
+                              fma(x, f.z.g.x, fma(y[j], f.z.g.y, zz)));
+        lower<kNearest>(best[j + kSide * k], nearest[j + kSide * k], d, g.index[lane]);
       }
     }
   }
+  for (int n = 0; n < kCount; ++n) {
+    best[n].store(state.distance_sq[block(n)]);
+    if constexpr (kNearest) nearest[n].store(state.nearest[block(n)]);
+  }
+  state.samples_examined += std::int64_t{kLanes} * kCount * table.listed;
 }
 
-void gather_cells_any(const Lattice& lattice, const Brick& brick, const Candidates& c, bool with_nearest,
-                      CandidateTable& table, BrickState& state) {
+// With more candidates than this a cell's blocks choose among their groups once more, each for itself.
+constexpr int kManyCandidates = 64;
+
+// One cell, from the candidates of its tile.
+template <bool kNearest>
+DIFI_INLINE void gather_cell(const Lattice& lattice, const Brick& brick, const Candidates& c, CandidateTable& table,
+                             const CellCorners& cell, const int (&at)[3], BrickState& state) {
+  const int bx = at[0] / kBlockX, by = at[1] / kBlockY, bz = at[2] / kBlockZ;
+  choose(table, cell);
+  if (table.active_candidates <= kManyCandidates) {
+    table.listed = 0;
+    for (int n = 0; n < table.active_groups; ++n) list_lanes(table, table.active[n]);
+    return gather_listed<kNearest, kCellBlocks>(lattice, brick, c, table, bx, by, bz, state);
+  }
+  for (int n = 0; n < kCellBlocks * kCellBlocks; ++n) {
+    const int y = by + n % kCellBlocks, z = bz + n / kCellBlocks;
+    list_for_block(lattice, table, cell, block_samples(lattice, block_index(bx, y, z)));
+    gather_listed<kNearest, 1>(lattice, brick, c, table, bx, y, z, state);
+  }
+}
+
+template <bool kNearest>
+void gather_tile(const Lattice& lattice, const Brick& brick, int tile, const Candidates& c, CandidateTable& table,
+                 BrickState& state) {
+  constexpr int tile_side = DistanceField::kTileSide;
+  const int corner[3] = {(tile & 1) * tile_side, (tile >> 1 & 1) * tile_side, (tile >> 2) * tile_side};
+  constexpr int kCorners = CandidateTable::kCorners, kAll = kCorners * kCorners * kCorners;
+  for (int n = 0; n < kAll; ++n) {
+    CandidateTable::Corner& at = table.corners[n];
+    at.distance_sq = __builtin_inff();
+    at.at[0] = corner_coordinate(lattice, 0, corner[0], n % kCorners);
+    at.at[1] = corner_coordinate(lattice, 1, corner[1], n / kCorners % kCorners);
+    at.at[2] = corner_coordinate(lattice, 2, corner[2], n / (kCorners * kCorners));
+  }
+  for (std::int64_t first = 0; first < c.count; first += std::int64_t{CandidateTable::kGroups} * kLanes) {
+    fill_table(lattice, brick, c, first, table);
+    for (int n = 0; n < kAll; ++n) look_from(table, n);
+    for (int n = 0; n < kTileCells * kTileCells * kTileCells; ++n) {
+      const int cell[3] = {n & 1, n >> 1 & 1, n >> 2};
+      const int at[3] = {corner[0] + cell[0] * kCellSide, corner[1] + cell[1] * kCellSide,
+                         corner[2] + cell[2] * kCellSide};
+      if (at[0] >= inside(lattice, brick, 0) || at[1] >= inside(lattice, brick, 1) ||
+          at[2] >= inside(lattice, brick, 2))
+        continue;
+      gather_cell<kNearest>(lattice, brick, c, table, cell_corners(lattice, table, cell), at, state);
+    }
+  }
+}
+
+void gather_tile_any(const Lattice& lattice, const Brick& brick, int tile, const Candidates& c, bool with_nearest,
+                     CandidateTable& table, BrickState& state) {
   if (with_nearest)
-    gather_cells<true>(lattice, brick, c, table, state);
+    gather_tile<true>(lattice, brick, tile, c, table, state);
   else
-    gather_cells<false>(lattice, brick, c, table, state);
+    gather_tile<false>(lattice, brick, tile, c, table, state);
 }

@@ -94,12 +94,14 @@ class TilesRun {
   }
 
   void gather_by_descent() {
-    for_each_brick_by_descent(job_, lattice_, kernels_, [&](std::int64_t n, std::span<const std::uint32_t> refs) {
+    for_each_brick_by_descent(job_, lattice_, kernels_, [&](std::int64_t n, const BrickCandidates& found) {
       ThreadState& state = states_.local();
       if (!state.table) state.table = std::make_unique_for_overwrite<CandidateTable>();
       const Brick brick = brick_at(lattice_, n);
       kernels_.clear(sink_.with_nearest(), state.brick);
-      kernels_.gather_cells(lattice_, brick, candidates(refs), sink_.with_nearest(), *state.table, state.brick);
+      for (int tile = 0; tile < kBrickTiles; ++tile)
+        kernels_.gather_tile(lattice_, brick, tile, candidates(found.of_tile(tile)), sink_.with_nearest(), *state.table,
+                             state.brick);
       emit(lattice_, brick, kernels_, state.brick, sink_);
     });
   }
