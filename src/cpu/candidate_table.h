@@ -12,10 +12,14 @@ namespace difi::cpu {
 struct CandidateTable {
   static constexpr int kGroups = 128;
   static constexpr int kFrameNumbers = 20;
+  static constexpr int kCornersPerAxis = 3;
+  static constexpr int kCorners = kCornersPerAxis * kCornersPerAxis * kCornersPerAxis;
 
   struct Group {
     alignas(64) float frame[kFrameNumbers][kLanes];
     alignas(64) float slack[kLanes];  ///< what a distance from the frame may be off by
+    /// What the squared distance from each corner of the lattice is at least.
+    alignas(64) float corner_distance_sq[kCorners][kLanes];
     alignas(64) std::uint32_t index[kLanes];
     float low[3], high[3];  ///< the box around all of them
     float less;             ///< what a squared distance from that box is lowered by, for the slack of the largest
@@ -25,17 +29,14 @@ struct CandidateTable {
   Group groups[kGroups];
   int count;  ///< groups in use
 
-  /// The lattice of the tile's 2x2x2 cells: its corners, and near each the nearest point of the surface that was found.
+  /// The lattice of the tile's 2x2x2 cells, x fastest, and near each corner the nearest point of the surface found.
   struct Corner {
     float at[3];
     float point[3];
     float distance_sq;  ///< infinite while none was found
     float slack;        ///< how far from the surface the point may be
   };
-  static constexpr int kCorners = 3;
-  Corner corners[kCorners * kCorners * kCorners];  ///< x fastest
-  /// What the squared distance from each corner to each candidate is at least.
-  alignas(64) float corner_distance_sq[kCorners * kCorners * kCorners][kGroups][kLanes];
+  Corner corners[kCorners];
 
   /// The groups a cell has to look at, and the lanes of each.
   struct Active {

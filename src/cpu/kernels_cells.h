@@ -66,7 +66,7 @@ DIFI_INLINE void fill_table(const Lattice& lattice, const Brick& brick, const Ca
 // Cells of 4x4x4 samples: one block wide, kCellBlocks high and deep.
 constexpr int kCellSide = 4, kCellBlocks = 2, kTileCells = DistanceField::kTileSide / kCellSide;
 static_assert(kCellSide == kBlockX && kCellSide == kCellBlocks * kBlockY && kCellSide == kCellBlocks * kBlockZ);
-static_assert(CandidateTable::kCorners == kTileCells + 1);
+static_assert(CandidateTable::kCornersPerAxis == kTileCells + 1);
 
 // A coordinate of the tile's lattice of cells relative to the brick's centre: its faces lie on the outermost samples.
 DIFI_INLINE float corner_coordinate(const Lattice& lattice, int axis, int first_sample, int n) {
@@ -78,26 +78,32 @@ DIFI_INLINE float corner_coordinate(const Lattice& lattice, int axis, int first_
          static_cast<float>(lattice.spacing[axis] * lattice.scale);
 }
 
-// Measures all candidates of the table from a corner of the lattice, and finds the nearest point of the surface.
-DIFI_INLINE void look_from(CandidateTable& table, int number) {
-  CandidateTable::Corner& corner = table.corners[number];
-  const WidePoint point{WideFloat(corner.at[0]), WideFloat(corner.at[1]), WideFloat(corner.at[2])};
-  WideFloat least(__builtin_inff());
-  WideUint group_of(0);
-  for (int n = 0; n < table.count; ++n) {
-    const CandidateTable::Group& g = table.groups[n];
-    const WideFloat d = distance_sq(frames_of(g), point), slack = WideFloat::load(g.slack);
-    fma(d, WideFloat(1 - kSlackShare), slack * slack * WideFloat(-1 / kSlackShare))
-        .store(table.corner_distance_sq[number][n]);
-    group_of = select(less(d, least), WideUint(static_cast<std::uint32_t>(n)), group_of);
-    least = min(d, least);
+// The lattice of a tile's cells; nothing is known near its corners yet.
+DIFI_INLINE void place_corners(const Lattice& lattice, const int (&first_sample)[3], CandidateTable& table) {
+  constexpr int kSide = CandidateTable::kCornersPerAxis;
+  for (int n = 0; n < CandidateTable::kCorners; ++n) {
+    CandidateTable::Corner& corner = table.corners[n];
+    const int number[3] = {n % kSide, n / kSide % kSide, n / (kSide * kSide)};
+    for (int axis = 0; axis < 3; ++axis)
+      corner.at[axis] = corner_coordinate(lattice, axis, first_sample[axis], number[axis]);
+    corner.distance_sq = __builtin_inff();
   }
-  const float best = reduce_min(least);
+}
+
+// The nearest candidate of a group found so far from a corner, lane by lane.
+struct NearestOfLanes {
+  alignas(64) float distance_sq[kLanes];
+  alignas(64) std::uint32_t group[kLanes];
+};
+
+// Remembers the point of the surface nearest to a corner.
+DIFI_INLINE void take_nearest(const CandidateTable& table, const NearestOfLanes& found,
+                              CandidateTable::Corner& corner) {
+  const WideFloat distances = WideFloat::load(found.distance_sq);
+  const float best = reduce_min(distances);
   if (!(best < corner.distance_sq)) return;
-  const int lane = __builtin_ctz(equal(least, WideFloat(best)).to_bits());
-  alignas(64) std::uint32_t groups[kLanes];
-  group_of.store(groups);
-  const CandidateTable::Group& g = table.groups[groups[lane]];
+  const int lane = __builtin_ctz(equal(distances, WideFloat(best)).to_bits());
+  const CandidateTable::Group& g = table.groups[found.group[lane]];
   const Triple<float> q = closest_in_frame(one_frame<float>(g, static_cast<std::uint32_t>(lane)),
                                            Triple<float>{corner.at[0], corner.at[1], corner.at[2]});
   corner.point[0] = q.x;
@@ -107,9 +113,43 @@ DIFI_INLINE void look_from(CandidateTable& table, int number) {
   corner.slack = g.slack[lane];
 }
 
+// Measures all candidates of the table from all corners of the lattice, and finds the surface near each.
+DIFI_INLINE void look_from_corners(CandidateTable& table) {
+  constexpr int kSide = CandidateTable::kCornersPerAxis;
+  NearestOfLanes found[CandidateTable::kCorners];
+  for (NearestOfLanes& near_corner : found) WideFloat(__builtin_inff()).store(near_corner.distance_sq);
+  const auto coordinate = [&](int n, int axis) __attribute__((always_inline)) {
+    return WideFloat(table.corners[n].at[axis]);
+  };
+  for (int n = 0; n < table.count; ++n) {
+    CandidateTable::Group& g = table.groups[n];
+    const WideUint number(static_cast<std::uint32_t>(n));
+    const TriangleFrame<WideFloat> f = frames_of(g);
+    const WideFloat slack = WideFloat::load(g.slack), less_slack = slack * slack * WideFloat(-1 / kSlackShare);
+    for (int k = 0, corner = 0; k < kSide; ++k) {
+      const WideFloat z = coordinate(corner, 2);
+      const WideFloat qz = fma(z, f.q.g.z, f.q.c), yz = fma(z, f.y.g.z, f.y.c), zz = fma(z, f.z.g.z, f.z.c);
+      for (int j = 0; j < kSide; ++j) {
+        const WideFloat y = coordinate(corner, 1);
+        const WideFloat qy = fma(y, f.q.g.y, qz), yy = fma(y, f.y.g.y, yz), zy = fma(y, f.z.g.y, zz);
+        for (int i = 0; i < kSide; ++i, ++corner) {
+          const WideFloat x = coordinate(corner, 0);
+          const WideFloat d = frame_distance_sq(f, fma(x, f.q.g.x, qy), fma(x, f.y.g.x, yy), fma(x, f.z.g.x, zy));
+          fma(d, WideFloat(1 - kSlackShare), less_slack).store(g.corner_distance_sq[corner]);
+          NearestOfLanes& best = found[corner];
+          const WideFloat before = WideFloat::load(best.distance_sq);
+          select(less(d, before), number, WideUint::load(best.group)).store(best.group);
+          min(d, before).store(best.distance_sq);
+        }
+      }
+    }
+  }
+  for (int n = 0; n < CandidateTable::kCorners; ++n) take_nearest(table, found[n], table.corners[n]);
+}
+
 // A cell: its eight corners, each with its reference, and how near to a corner a candidate must be to beat a reference.
 struct CellCorners {
-  const float* distance_sq[8];                 // from a corner, of all candidates
+  int number[8];                               // in the tile's lattice
   const CandidateTable::Corner* reference[8];  // near a corner
   float more[8];                               // what the reference's slack adds to squared distances
   float limit[8][8];                           // of a reference, at a corner
@@ -117,13 +157,11 @@ struct CellCorners {
 };
 
 DIFI_INLINE CellCorners cell_corners(const Lattice& lattice, const CandidateTable& table, const int (&cell)[3]) {
-  constexpr int kCorners = CandidateTable::kCorners;
+  constexpr int kSide = CandidateTable::kCornersPerAxis;
   CellCorners result;
-  int number[8];
-  for (int n = 0; n < 8; ++n) {
-    number[n] = cell[0] + (n & 1) + kCorners * (cell[1] + (n >> 1 & 1) + kCorners * (cell[2] + (n >> 2 & 1)));
-    result.distance_sq[n] = table.corner_distance_sq[number[n]][0];
-  }
+  const int(&number)[8] = result.number;
+  for (int n = 0; n < 8; ++n)
+    result.number[n] = cell[0] + (n & 1) + kSide * (cell[1] + (n >> 1 & 1) + kSide * (cell[2] + (n >> 2 & 1)));
   float diagonal_sq = 0;
   for (int axis = 0; axis < 3; ++axis) {
     const float side = table.corners[number[7]].at[axis] - table.corners[number[0]].at[axis];
@@ -147,11 +185,11 @@ DIFI_INLINE CellCorners cell_corners(const Lattice& lattice, const CandidateTabl
 }
 
 // The lanes of a group that may be nearest to a sample of the cell.
-DIFI_INLINE std::uint32_t chosen(const CandidateTable::Group& g, int group, const CellCorners& cell) {
+DIFI_INLINE std::uint32_t chosen(const CandidateTable::Group& g, const CellCorners& cell) {
   WideFloat d[8];
   WideFloat least(__builtin_inff());
   for (int n = 0; n < 8; ++n) {
-    d[n] = WideFloat::load(cell.distance_sq[n] + group * kLanes);
+    d[n] = WideFloat::load(g.corner_distance_sq[cell.number[n]]);
     least = min(least, d[n]);
   }
   Mask may = ~less(WideFloat(cell.reach_sq), least) & mask_from_bits(g.lanes);
@@ -167,7 +205,7 @@ DIFI_INLINE std::uint32_t chosen(const CandidateTable::Group& g, int group, cons
 DIFI_INLINE void choose(CandidateTable& table, const CellCorners& cell) {
   table.active_groups = table.active_candidates = 0;
   for (int n = 0; n < table.count; ++n) {
-    const std::uint32_t lanes = chosen(table.groups[n], n, cell);
+    const std::uint32_t lanes = chosen(table.groups[n], cell);
     table.active[table.active_groups] = {static_cast<std::uint16_t>(n), static_cast<std::uint16_t>(lanes)};
     table.active_groups += lanes != 0;
     table.active_candidates += __builtin_popcount(lanes);
@@ -291,17 +329,10 @@ void gather_tile(const Lattice& lattice, const Brick& brick, int tile, const Can
                  BrickState& state) {
   constexpr int tile_side = DistanceField::kTileSide;
   const int corner[3] = {(tile & 1) * tile_side, (tile >> 1 & 1) * tile_side, (tile >> 2) * tile_side};
-  constexpr int kCorners = CandidateTable::kCorners, kAll = kCorners * kCorners * kCorners;
-  for (int n = 0; n < kAll; ++n) {
-    CandidateTable::Corner& at = table.corners[n];
-    at.distance_sq = __builtin_inff();
-    at.at[0] = corner_coordinate(lattice, 0, corner[0], n % kCorners);
-    at.at[1] = corner_coordinate(lattice, 1, corner[1], n / kCorners % kCorners);
-    at.at[2] = corner_coordinate(lattice, 2, corner[2], n / (kCorners * kCorners));
-  }
+  place_corners(lattice, corner, table);
   for (std::int64_t first = 0; first < c.count; first += std::int64_t{CandidateTable::kGroups} * kLanes) {
     fill_table(lattice, brick, c, first, table);
-    for (int n = 0; n < kAll; ++n) look_from(table, n);
+    look_from_corners(table);
     for (int n = 0; n < kTileCells * kTileCells * kTileCells; ++n) {
       const int cell[3] = {n & 1, n >> 1 & 1, n >> 2};
       const int at[3] = {corner[0] + cell[0] * kCellSide, corner[1] + cell[1] * kCellSide,
