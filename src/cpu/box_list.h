@@ -1,11 +1,11 @@
 // Boxes of entries, an array per coordinate, as the culling kernels read and write them.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
-#include <cstring>
 #include <memory>
+#include <utility>
 
-#include "cpu/clusters.h"
 #include "cpu/kernels.h"
 #include "cpu/lattice.h"
 
@@ -15,51 +15,54 @@ namespace difi::cpu {
 /// the last entry, which the kernels may touch.
 class BoxList {
  public:
-  BoxList() = default;
-  explicit BoxList(std::int64_t room) { clear_for(room); }
-
   std::int64_t size() const { return arrays_.count; }
   std::uint32_t entry(std::int64_t n) const { return arrays_.entry[n]; }
   const BoxArrays& arrays() const { return arrays_; }
-  /// For kernels that fill the list: they set the count.
+  /// For kernels that add to the list.
   BoxArrays& arrays() { return arrays_; }
 
-  /// Forgets all entries and makes room for this many.
-  void clear_for(std::int64_t room) {
-    arrays_.count = 0;
-    if (room + kLanes <= stride_) return;
-    stride_ = room + room / 2 + kLanes;
-    memory_ = std::make_unique_for_overwrite<float[]>(static_cast<std::size_t>(6 * stride_));
-    entries_ = std::make_unique_for_overwrite<std::uint32_t[]>(static_cast<std::size_t>(stride_));
-    for (int axis = 0; axis < 3; ++axis) {
-      arrays_.low[axis] = memory_.get() + axis * stride_;
-      arrays_.high[axis] = memory_.get() + (3 + axis) * stride_;
-    }
-    arrays_.entry = entries_.get();
-  }
-
-  /// Adds a pack's boxes as entries first, first + 1, ... The room for all eight must be there.
-  void add(const Clusters::Children& pack) {
-    const std::int64_t at = arrays_.count;
-    for (int axis = 0; axis < 3; ++axis) {
-      std::memcpy(arrays_.low[axis] + at, pack.boxes->low[axis], sizeof pack.boxes->low[axis]);
-      std::memcpy(arrays_.high[axis] + at, pack.boxes->high[axis], sizeof pack.boxes->high[axis]);
-    }
-    for (int n = 0; n < Clusters::kFanout; ++n) arrays_.entry[at + n] = pack.first + static_cast<std::uint32_t>(n);
-    arrays_.count = at + pack.count;
-  }
-
-  /// Adds entry n of another list.
-  void add(const BoxArrays& from, std::int64_t n) {
+  void clear() { arrays_.count = 0; }
+  void add(std::uint32_t entry, const BoxPack& boxes, int lane) {
     const std::int64_t at = arrays_.count++;
     for (int axis = 0; axis < 3; ++axis) {
-      arrays_.low[axis][at] = from.low[axis][n];
-      arrays_.high[axis][at] = from.high[axis][n];
+      arrays_.low[axis][at] = boxes.low[axis][lane];
+      arrays_.high[axis][at] = boxes.high[axis][lane];
     }
-    arrays_.entry[at] = from.entry[n];
+    arrays_.entry[at] = entry;
+  }
+  /// Moves entry n to position `to`, not behind it.
+  void move(std::int64_t n, std::int64_t to) {
+    for (int axis = 0; axis < 3; ++axis) {
+      arrays_.low[axis][to] = arrays_.low[axis][n];
+      arrays_.high[axis][to] = arrays_.high[axis][n];
+    }
+    arrays_.entry[to] = arrays_.entry[n];
+  }
+
+  /// Makes room for `more` entries behind those there are.
+  void make_room(std::int64_t more) {
+    const std::int64_t needed = arrays_.count + more + kLanes;
+    if (needed <= stride_) return;
+    const std::int64_t stride = needed + needed / 2;
+    auto memory = std::make_unique_for_overwrite<float[]>(static_cast<std::size_t>(6 * stride));
+    auto entries = std::make_unique_for_overwrite<std::uint32_t[]>(static_cast<std::size_t>(stride));
+    for (int axis = 0; axis < 3; ++axis) {
+      arrays_.low[axis] = moved(arrays_.low[axis], memory.get() + axis * stride);
+      arrays_.high[axis] = moved(arrays_.high[axis], memory.get() + (3 + axis) * stride);
+    }
+    arrays_.entry = moved(arrays_.entry, entries.get());
+    memory_ = std::move(memory);
+    entries_ = std::move(entries);
+    stride_ = stride;
   }
 
  private:
+  template <class T>
+  T* moved(const T* from, T* to) const {
+    std::copy(from, from + arrays_.count, to);
+    return to;
+  }
+
   BoxArrays arrays_{};
   std::int64_t stride_ = 0;
   std::unique_ptr<float[]> memory_;

@@ -33,17 +33,17 @@ Clusters::Clusters(const Job& job, const Lattice& lattice) : job_(job), lattice_
     packs += count;
   }
   level_begin_.push_back(packs);
-  packs_ = std::make_unique_for_overwrite<Pack[]>(packs);
+  packs_ = std::make_unique_for_overwrite<BoxPack[]>(packs);
   sort();
   box_triangles();
   box_packs();
 }
 
-Clusters::Children Clusters::children(std::uint32_t entry) const {
+PackContents Clusters::contents(std::uint32_t entry) const {
   const std::uint32_t pack = entry - triangles_;
   std::size_t level = 0;
   while (pack >= level_begin_[level + 1]) ++level;
-  // Of a level of n packs or triangles the k-th pack holds 8k to 8k + 7.
+  // Of a level of n packs or triangles the k-th pack holds kFanout, from k * kFanout on.
   const std::uint32_t begin = level == 0 ? 0 : triangles_ + level_begin_[level - 1];
   const std::uint32_t end = level == 0 ? triangles_ : triangles_ + level_begin_[level];
   const std::uint32_t first = begin + kFanout * (pack - level_begin_[level]);
@@ -117,9 +117,9 @@ void Clusters::box_packs() {
     const tbb::blocked_range<std::uint32_t> all(level_begin_[level], level_begin_[level + 1], 512);
     tbb::parallel_for(all, [&](const auto& range) {
       for (std::uint32_t pack = range.begin(); pack < range.end(); ++pack) {
-        const Children packed = children(triangles_ + pack);
+        const PackContents packed = contents(triangles_ + pack);
         for (int n = 0; n < packed.count; ++n) {
-          const Children inner = children(packed.first + static_cast<std::uint32_t>(n));
+          const PackContents inner = contents(packed.first + static_cast<std::uint32_t>(n));
           for (int axis = 0; axis < 3; ++axis) {
             const float *low = inner.boxes->low[axis], *high = inner.boxes->high[axis];
             packs_[pack].low[axis][n] = *std::min_element(low, low + inner.count);

@@ -6,23 +6,19 @@
 #include <memory>
 #include <vector>
 
+#include "cpu/kernels.h"
 #include "cpu/lattice.h"
 #include "field/backend.h"
 
 namespace difi::cpu {
 
-/// Triangles sorted along a Morton curve and packed by eight, packs packed by eight, and so on. An entry of a list is a
-/// triangle, by its position on the curve (below triangles()), or from there on a whole pack. Boxes are in float, grid
-/// units relative to the centre of the grid, rounded outwards and a little more, so that they cover what later
+/// Triangles sorted along a Morton curve and packed by sixteen, packs packed by sixteen, and so on. An entry of a list
+/// is a triangle, by its position on the curve (below triangles()), or from there on a whole pack. Boxes are in float,
+/// grid units relative to the centre of the grid, rounded outwards and a little more, so that they cover what later
 /// subtractions in float lose.
 class Clusters {
  public:
-  static constexpr int kFanout = 8;
-
-  /// The boxes of consecutive entries, together because they are looked at together.
-  struct Pack {
-    float low[3][kFanout], high[3][kFanout];
-  };
+  static constexpr int kFanout = kLanes;
 
   Clusters(const Job& job, const Lattice& lattice);
 
@@ -33,17 +29,12 @@ class Clusters {
   /// The pack that holds all others.
   std::uint32_t top() const { return triangles_ + level_begin_.back() - 1; }
 
-  /// What is in the pack that an entry stands for: `count` consecutive entries from `first` on, and their boxes.
-  struct Children {
-    std::uint32_t first;
-    int count;
-    const Pack* boxes;
-  };
-  Children children(std::uint32_t entry) const;
+  /// What the pack that an entry stands for holds.
+  PackContents contents(std::uint32_t entry) const;
   /// Asks the memory for the boxes of a pack that will be looked at soon.
   void prefetch(std::uint32_t entry) const {
     const char* pack = reinterpret_cast<const char*>(&packs_[entry - triangles_]);
-    for (std::size_t line = 0; line < sizeof(Pack); line += 64) __builtin_prefetch(pack + line);
+    for (std::size_t line = 0; line < sizeof(BoxPack); line += 64) __builtin_prefetch(pack + line);
   }
   /// Of the grid, world units times scale.
   const double* center() const { return center_; }
@@ -60,7 +51,7 @@ class Clusters {
   std::uint32_t triangles_ = 0;
   std::vector<std::uint32_t> order_;
   std::vector<std::uint32_t> level_begin_;  // the first pack of each level, those of triangles first; and the end
-  std::unique_ptr<Pack[]> packs_;
+  std::unique_ptr<BoxPack[]> packs_;
 };
 
 }  // namespace difi::cpu

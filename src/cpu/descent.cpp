@@ -37,8 +37,9 @@ class Descent {
 
   void run() {
     BoxList roots;
-    roots.clear_for(Clusters::kFanout);
-    roots.add(clusters_.children(clusters_.top()));
+    const PackContents top = clusters_.contents(clusters_.top());
+    roots.make_room(top.count);
+    for (int n = 0; n < top.count; ++n) roots.add(top.first + static_cast<std::uint32_t>(n), *top.boxes, n);
     Cell whole{{0, 0, 0}, {lattice_.size[0], lattice_.size[1], lattice_.size[2]}, kBrickSide};
     while (whole.side < *std::max_element(lattice_.size, lattice_.size + 3)) whole.side *= 2;
     visit(whole, roots.arrays(), {});
@@ -47,7 +48,8 @@ class Descent {
  private:
   // Lists that a thread uses again for each brick.
   struct Scratch {
-    BoxList brick, tile, opened;
+    BoxList brick, tile;
+    std::vector<PackContents> packs;
     std::vector<std::uint32_t> triangles;
   };
 
@@ -86,7 +88,7 @@ class Descent {
   // A point of the surface near `at`: the closest point of a triangle found by following the nearest boxes down.
   std::array<float, 3> surface_point(std::uint32_t entry, const float (&at)[3]) const {
     while (clusters_.is_pack(entry)) {
-      const Clusters::Children pack = clusters_.children(entry);
+      const PackContents pack = clusters_.contents(entry);
       int best = 0;
       float least = std::numeric_limits<float>::infinity();
       for (int n = 0; n < pack.count; ++n) {
@@ -141,34 +143,34 @@ class Descent {
     return corners;
   }
 
-  // Copies `list`, packs that are longer than `largest` replaced by what they hold. Returns whether there were any.
-  bool open(const BoxArrays& list, float largest, BoxList& result) const {
-    constexpr std::int64_t kAhead = 4;
-    result.clear_for(Clusters::kFanout * list.count);
-    bool any = false;
-    for (std::int64_t n = 0; n < list.count; ++n) {
-      if (n + kAhead < list.count && clusters_.is_pack(list.entry[n + kAhead]))
-        clusters_.prefetch(list.entry[n + kAhead]);
+  // Takes the packs that are longer than `largest` out of the list.
+  void take_large(float largest, BoxList& list, std::vector<PackContents>& packs) const {
+    packs.clear();
+    const BoxArrays& boxes = list.arrays();
+    std::int64_t kept = 0;
+    for (std::int64_t n = 0; n < list.size(); ++n) {
       const float longest = std::max(
-          {list.high[0][n] - list.low[0][n], list.high[1][n] - list.low[1][n], list.high[2][n] - list.low[2][n]});
-      if (clusters_.is_pack(list.entry[n]) && longest > largest) {
-        result.add(clusters_.children(list.entry[n]));
-        any = true;
+          {boxes.high[0][n] - boxes.low[0][n], boxes.high[1][n] - boxes.low[1][n], boxes.high[2][n] - boxes.low[2][n]});
+      if (clusters_.is_pack(boxes.entry[n]) && longest > largest) {
+        clusters_.prefetch(boxes.entry[n]);
+        packs.push_back(clusters_.contents(boxes.entry[n]));
       } else {
-        result.add(list, n);
+        list.move(n, kept++);
       }
     }
-    return any;
+    list.arrays().count = kept;
   }
 
   // What of the parent's list may be nearest to a sample of the cell, with no pack longer than `largest`.
   void narrow(const BoxArrays& parent, const CullCell& cell, const References& corners, float largest, BoxList& result,
-              BoxList& scratch) const {
-    result.clear_for(parent.count);
+              std::vector<PackContents>& packs) const {
+    result.clear();
+    result.make_room(parent.count);
     kernels_.cull_boxes(parent, cell, corners, result.arrays());
-    while (open(result.arrays(), largest, scratch)) {
-      result.clear_for(scratch.size());
-      kernels_.cull_boxes(scratch.arrays(), cell, corners, result.arrays());
+    for (take_large(largest, result, packs); !packs.empty(); take_large(largest, result, packs)) {
+      const auto count = static_cast<std::int64_t>(packs.size());
+      result.make_room(Clusters::kFanout * count);
+      kernels_.cull_packs(packs.data(), count, cell, corners, result.arrays());
     }
   }
 
@@ -177,8 +179,9 @@ class Descent {
   void visit(const Cell& cell, const BoxArrays& parent, const References& corners) {
     if (cell.side == kBrickSide) return visit_brick(cell, parent, corners);
     const CullCell samples = samples_of(cell);
-    BoxList list, scratch;
-    narrow(parent, samples, corners, longest_side(samples) / 2, list, scratch);
+    BoxList list;
+    std::vector<PackContents> packs;
+    narrow(parent, samples, corners, longest_side(samples) / 2, list, packs);
     if (list.size() == 0) {
       job_.progress.advance(bricks_in(cell));
       return;
@@ -199,7 +202,7 @@ class Descent {
   void visit_brick(const Cell& cell, const BoxArrays& parent, const References& corners) {
     const CullCell samples = samples_of(cell);
     Scratch& scratch = scratch_.local();
-    narrow(parent, samples, corners, longest_side(samples) / 2, scratch.brick, scratch.opened);
+    narrow(parent, samples, corners, longest_side(samples) / 2, scratch.brick, scratch.packs);
     if (scratch.brick.size() != 0) {
       const Points points = points_of(samples, scratch.brick.arrays());
       scratch.triangles.clear();
@@ -210,7 +213,7 @@ class Descent {
         const bool inside = n < count && tile_in(cell, tiles[n]) == tile;
         if (inside) {
           narrow(scratch.brick.arrays(), samples_of(tiles[n]), corners_of(points, cell, tiles[n]), 0, scratch.tile,
-                 scratch.opened);
+                 scratch.packs);
           for (std::int64_t k = 0; k < scratch.tile.size(); ++k)
             scratch.triangles.push_back(clusters_.triangle(scratch.tile.entry(k)));
           ++n;

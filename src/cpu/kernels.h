@@ -35,6 +35,19 @@ struct BoxArrays {
   std::int64_t count;
 };
 
+/// The boxes of up to kLanes consecutive entries, together because they are looked at together.
+struct BoxPack {
+  alignas(64) float low[3][kLanes];
+  alignas(64) float high[3][kLanes];
+};
+
+/// What a pack holds: `count` consecutive entries from `first` on, and their boxes.
+struct PackContents {
+  std::uint32_t first;
+  int count;
+  const BoxPack* boxes;
+};
+
 /// The samples of a cell: a box around them, and how far a triangle may be to matter.
 struct CullCell {
   float center[3];
@@ -63,9 +76,12 @@ struct Kernels {
 
   /// The position in the list of the box with its centre nearest to the point. Requires one box at least.
   std::int64_t (*nearest_box)(const BoxArrays&, const float* point);
-  /// Copies to `kept`, which has the room, the boxes within the cell's reach that may hold a point nearer to some of
-  /// its samples than each of the references is, and sets its count. `kept` may be the list itself.
+  /// Adds to `kept`, which has the room, the boxes within the cell's reach that may hold a point nearer to some of its
+  /// samples than each of the references is.
   void (*cull_boxes)(const BoxArrays&, const CullCell&, const References&, BoxArrays& kept);
+  /// The same for the boxes of packs.
+  void (*cull_packs)(const PackContents* packs, std::int64_t count, const CullCell&, const References&,
+                     BoxArrays& kept);
   /// Lowers the distances of a tile's samples, as gather_band, for candidates of which each sample needs few: chooses
   /// them for each cell of 4x4x4 samples.
   void (*gather_tile)(const Lattice&, const Brick&, int tile, const Candidates&, bool with_nearest, CandidateTable&,

@@ -15,8 +15,8 @@ using namespace difi::avx2;
 
 }  // namespace
 
-extern const Kernels kKernels{"avx2",     clear,       gather_band_any, band_tiles,
-                              write_tile, nearest_box, cull_boxes,      gather_tile_any};
+extern const Kernels kKernels{"avx2",      clear,      gather_band_any, band_tiles,     write_tile,
+                              nearest_box, cull_boxes, cull_packs,      gather_tile_any};
 
 }  // namespace difi::cpu::avx2
 

@@ -15,8 +15,8 @@ using namespace difi::avx512;
 
 }  // namespace
 
-extern const Kernels kKernels{"avx512",   clear,       gather_band_any, band_tiles,
-                              write_tile, nearest_box, cull_boxes,      gather_tile_any};
+extern const Kernels kKernels{"avx512",    clear,      gather_band_any, band_tiles,     write_tile,
+                              nearest_box, cull_boxes, cull_packs,      gather_tile_any};
 
 }  // namespace difi::cpu::avx512
 

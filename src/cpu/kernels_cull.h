@@ -74,40 +74,69 @@ std::int64_t nearest_box(const BoxArrays& boxes, const float* point) {
   return best;
 }
 
-void cull_boxes(const BoxArrays& boxes, const CullCell& cell, const References& references, BoxArrays& result) {
-  CullReference prepared[References::kMost];
+// A cell and its references, ready for the tests.
+struct Culling {
+  WidePoint center;
+  const float* half;
+  WideFloat reach_sq;
+  CullReference references[References::kMost];
+  int count;
+};
+
+DIFI_INLINE Culling culling(const CullCell& cell, const References& references) {
+  Culling c;
+  c.center = {WideFloat(cell.center[0]), WideFloat(cell.center[1]), WideFloat(cell.center[2])};
+  c.half = cell.half;
+  c.reach_sq = WideFloat(cell.reach * cell.reach * (1 + kSlack) + kSlack * kSlack);
+  c.count = references.count;
   const float half_sq = cell.half[0] * cell.half[0] + cell.half[1] * cell.half[1] + cell.half[2] * cell.half[2];
   for (int n = 0; n < references.count; ++n) {
     float q_sq = 0;
     for (int axis = 0; axis < 3; ++axis) {
       const float q = references.at[n][axis] - cell.center[axis];
-      prepared[n].shift[axis] = 2 * cell.half[axis] * q;
+      c.references[n].shift[axis] = 2 * cell.half[axis] * q;
       q_sq += q * q;
     }
-    prepared[n].limit = q_sq + 2e-5f * (q_sq + half_sq);
+    c.references[n].limit = q_sq + 2e-5f * (q_sq + half_sq);
   }
-  const WideFloat reach_sq(cell.reach * cell.reach * (1 + kSlack) + kSlack * kSlack);
-  const WidePoint center{WideFloat(cell.center[0]), WideFloat(cell.center[1]), WideFloat(cell.center[2])};
-  const std::int64_t count = boxes.count;
-  std::int64_t kept = 0;
-  for (std::int64_t first = 0; first < count; first += kLanes) {
-    const int used = count - first < kLanes ? static_cast<int>(count - first) : kLanes;
+  return c;
+}
+
+// Adds those of sixteen boxes that are within reach and may beat the references.
+DIFI_INLINE void keep_some(const Culling& c, const WidePoint& low, const WidePoint& high, const WideUint& entries,
+                           int used, BoxArrays& kept) {
+  const WidePoint l = low - c.center, h = high - c.center;
+  const Mask in_reach = ~less(c.reach_sq, gap_sq(l, h, c.half)) & mask_from_bits((1u << used) - 1);
+  const Mask keep = may_beat(l, h, c.half, c.references, c.count, in_reach);
+  if (keep.to_bits() == 0) return;
+  const WideFloat* const sides[6] = {&low.x, &low.y, &low.z, &high.x, &high.y, &high.z};
+  for (int axis = 0; axis < 3; ++axis) {
+    store_packed(kept.low[axis] + kept.count, keep, *sides[axis]);
+    store_packed(kept.high[axis] + kept.count, keep, *sides[3 + axis]);
+  }
+  kept.count += store_packed(kept.entry + kept.count, keep, entries);
+}
+
+void cull_boxes(const BoxArrays& boxes, const CullCell& cell, const References& references, BoxArrays& kept) {
+  const Culling c = culling(cell, references);
+  for (std::int64_t first = 0; first < boxes.count; first += kLanes) {
+    const int used = boxes.count - first < kLanes ? static_cast<int>(boxes.count - first) : kLanes;
     const auto load = [&](float* const* side) __attribute__((always_inline)) {
-      return WidePoint{load_some(side[0] + first, used), load_some(side[1] + first, used),
-                       load_some(side[2] + first, used)};
+      return WidePoint{WideFloat::load(side[0] + first), WideFloat::load(side[1] + first),
+                       WideFloat::load(side[2] + first)};
     };
-    const WidePoint low = load(boxes.low), high = load(boxes.high);
-    const Mask in_reach =
-        ~less(reach_sq, gap_sq(low - center, high - center, cell.half)) & mask_from_bits((1u << used) - 1);
-    const Mask keep = may_beat(low - center, high - center, cell.half, prepared, references.count, in_reach);
-    if (keep.to_bits() == 0) continue;
-    // Packed: in place, what is written lies before what is still to be read, or in the room past the end.
-    const WideFloat* const sides[6] = {&low.x, &low.y, &low.z, &high.x, &high.y, &high.z};
-    for (int axis = 0; axis < 3; ++axis) {
-      store_packed(result.low[axis] + kept, keep, *sides[axis]);
-      store_packed(result.high[axis] + kept, keep, *sides[3 + axis]);
-    }
-    kept += store_packed(result.entry + kept, keep, WideUint::load(boxes.entry + first));
+    keep_some(c, load(boxes.low), load(boxes.high), WideUint::load(boxes.entry + first), used, kept);
   }
-  result.count = kept;
+}
+
+void cull_packs(const PackContents* packs, std::int64_t count, const CullCell& cell, const References& references,
+                BoxArrays& kept) {
+  const Culling c = culling(cell, references);
+  for (std::int64_t n = 0; n < count; ++n) {
+    const BoxPack& boxes = *packs[n].boxes;
+    const auto load = [&](const float(&side)[3][kLanes]) __attribute__((always_inline)) {
+      return WidePoint{WideFloat::load(side[0]), WideFloat::load(side[1]), WideFloat::load(side[2])};
+    };
+    keep_some(c, load(boxes.low), load(boxes.high), WideUint(packs[n].first) + lane_numbers(), packs[n].count, kept);
+  }
 }

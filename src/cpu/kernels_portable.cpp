@@ -13,7 +13,7 @@ using namespace difi::portable;
 
 }  // namespace
 
-extern const Kernels kKernels{"portable", clear,       gather_band_any, band_tiles,
-                              write_tile, nearest_box, cull_boxes,      gather_tile_any};
+extern const Kernels kKernels{"portable",  clear,      gather_band_any, band_tiles,     write_tile,
+                              nearest_box, cull_boxes, cull_packs,      gather_tile_any};
 
 }  // namespace difi::cpu::portable
