@@ -99,7 +99,6 @@ void Command::run() {
   }();
   options.progress = nullptr;  // and the bar with it
   if (interrupted()) throw Error(ErrorCode::interrupted, "interrupted");
-  computed.field.provenance.mesh_hash = content_hash(loaded);
 
   start = std::chrono::steady_clock::now();
   write_field(output.path(), computed.field);
