@@ -193,6 +193,19 @@ TEST_F(Errors, Limit) {
   });
 }
 
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // which need terabytes of addresses
+// Memory that is not there although no limit of ours was met.
+TEST_F(Errors, OutOfMemory) {
+  auto how = setup();
+  how.memory = rlim_t{600} << 20;
+  const Ran ran = run(words("compute box.obj -r 600 -j 1 --memory-limit 100G -o a.vti"), how);
+  EXPECT_EQ(ran.code, 5) << ran.err;
+  EXPECT_TRUE(ran.says("difi: error: ")) << ran.err;
+  EXPECT_TRUE(ran.says("memory")) << ran.err;
+  EXPECT_FALSE(std::filesystem::exists(folder / "a.vti"));
+}
+#endif
+
 TEST_F(Errors, Device) { expect_all({{"compute box.obj --device cuda", 6, "--device cpu"}}); }
 
 TEST_F(Errors, ANewlineInANameStaysOnTheLine) {
