@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "difi/version.h"
 #include "tests/io/expect_error.h"
 #include "tests/support/random_mesh.h"
 
