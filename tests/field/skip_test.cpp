@@ -114,6 +114,17 @@ TEST(NeighbourRule, DropsMoreAtSmallerFractions) {
   EXPECT_GE(before, 1u);
 }
 
+// "At least" the fraction: half of each box lies in the other, exactly.
+TEST(NeighbourRule, TheFractionItselfIsEnough) {
+  Mesh mesh;
+  add_cube(mesh, 0, 1);
+  add_cube(mesh, 1, 1);
+  EXPECT_EQ(kept_by_neighbour_rule(mesh, kInfinity, 0.5), (Kept{0}));
+  EXPECT_EQ(kept_by_neighbour_rule(mesh, kInfinity, 0.5000001), (Kept{0, 1}));
+  EXPECT_EQ(kept_by_neighbour_rule(mesh, 1, 0.75), (Kept{0}));
+  EXPECT_EQ(kept_by_neighbour_rule(mesh, 1, 0.7500001), (Kept{0, 1}));
+}
+
 TEST(ShareInside, IsTheShareOfTheGrownVolume) {
   const Box unit{{0, 0, 0}, {2, 2, 2}}, shifted{{1, 0, 0}, {3, 2, 2}}, flat{{0, 0, 1}, {2, 2, 1}};
   EXPECT_EQ(share_inside(unit, unit, 1), 1);
