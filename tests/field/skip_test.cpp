@@ -196,6 +196,12 @@ TEST(ExactRule, FindsEveryCopyInALargeMeshOnAnyNumberOfThreads) {
   for (int threads = 2; threads <= 8; ++threads) ASSERT_EQ(kept_triangles(mesh, kGrid, 1, rule, threads), kept);
 }
 
+// Of so many triangles some pairs have the same hash of 32 bits by chance, and are no copies all the same.
+TEST(ExactRule, DifferentTrianglesOfOneHashStay) {
+  const Mesh mesh = random_soup(8, 400000, 3.9, 0.1);
+  EXPECT_EQ(kept_by_exact_rule(mesh, kGrid, 1).size(), mesh.triangles.size());
+}
+
 Computed computed(MeshView mesh, double thickness, Method method, SkipRule::Kind rule) {
   Options options;
   options.thickness = thickness;
