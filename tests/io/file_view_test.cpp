@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 
 #include <thread>
+#include <vector>
 
 #include "difi/io.h"
 #include "io/mesh_format.h"
@@ -67,6 +68,13 @@ TEST(FileView, AFileShortenedWhileItIsReadIsNoCrash) {
   const FileView file(path);
   std::filesystem::resize_file(path, 100);
   EXPECT_EQ(read_stl(file).triangles.size(), 5000u);
+}
+
+// A fuzzer's find, which only the address sanitizer sees: past the word "ply" the byte after the file was looked at.
+TEST(FileView, APlyOfOneWordIsReadNoFurther) {
+  const std::vector<char> bytes{'p', 'l', 'y'};
+  const FileView file("a.ply", {bytes.data(), bytes.size()});
+  expect_error([&] { read_ply(file); }, ErrorCode::input, "a.ply:");
 }
 
 }  // namespace
