@@ -13,6 +13,7 @@
 #include "cli/signals.h"
 #include "cli/talk.h"
 #include "cli/usage.h"
+#include "cli/waiting.h"
 #include "difi/compute.h"
 #include "difi/error.h"
 #include "difi/io.h"
@@ -83,7 +84,7 @@ void Command::run() {
   if (options.memory_limit == 0) options.memory_limit = default_memory_limit();
 
   auto start = std::chrono::steady_clock::now();
-  const Mesh loaded = mesh.read();
+  const Mesh loaded = waiting(talk, "reading " + mesh.name(), [&] { return mesh.read(); });
   validate(loaded);
   Plan plan{mesh.name(), loaded, grid.choose(bounds(loaded)), output.path().string()};
   plan.load_seconds = seconds_since(start);
@@ -99,10 +100,9 @@ void Command::run() {
   }();
   options.progress = nullptr;  // and the bar with it
   if (interrupted()) throw Error(ErrorCode::interrupted, "interrupted");
-  computed.field.provenance.mesh_hash = content_hash(loaded);
 
   start = std::chrono::steady_clock::now();
-  write_field(output.path(), computed.field);
+  waiting(talk, "writing " + output.path().string(), [&] { write_field(output.path(), computed.field); });
   Outcome outcome{plan, computed.report, computed.field.provenance.mesh_hash};
   outcome.write_seconds = seconds_since(start);
   std::error_code ignored;  // a pipe has no size

@@ -6,6 +6,7 @@
 #include "cli/talk.h"
 #include "cli/text.h"
 #include "cli/usage.h"
+#include "cli/waiting.h"
 #include "difi/error.h"
 #include "difi/io.h"
 
@@ -37,14 +38,15 @@ void Command::run() {
   if (is_field && input.scaled())
     throw Error(ErrorCode::usage, "--scale and --unit are for meshes; compute " + input.name() + " again with them");
   output.check(is_field ? field_formats() : mesh_formats());
+  const std::string reading = "reading " + input.name(), writing = "writing " + output.path().string();
   if (is_field) {
-    const DistanceField field = read_field(input.name());
-    write_field(output.path(), field);
+    const DistanceField field = waiting(talk, reading, [&] { return read_field(input.name()); });
+    waiting(talk, writing, [&] { write_field(output.path(), field); });
     return talk.say(output.path().string() + ": " + size_text(field.grid().size) + " samples");
   }
-  const Mesh mesh = input.read();
+  const Mesh mesh = waiting(talk, reading, [&] { return input.read(); });
   validate(mesh);
-  write_mesh(output.path(), mesh);
+  waiting(talk, writing, [&] { write_mesh(output.path(), mesh); });
   talk.say(mesh_line(output.path().string(), mesh));
 }
 

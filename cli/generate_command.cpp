@@ -8,6 +8,7 @@
 #include "cli/talk.h"
 #include "cli/text.h"
 #include "cli/usage.h"
+#include "cli/waiting.h"
 #include "difi/error.h"
 #include "difi/io.h"
 #include "scenes/scenes.h"
@@ -57,7 +58,7 @@ void Command::run() {
   if (!output.given()) output.set_path(scene + ".ply");
   output.check(mesh_formats());
   const Mesh mesh = scenes::make(scene, triangles);
-  write_mesh(output.path(), mesh);
+  waiting(talk, "writing " + output.path().string(), [&] { write_mesh(output.path(), mesh); });
   talk.say(mesh_line(output.path().string(), mesh));
   if (!talk.json()) return;
   print(Json{{"scene", scene},

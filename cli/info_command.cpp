@@ -9,6 +9,7 @@
 #include "cli/talk.h"
 #include "cli/text.h"
 #include "cli/usage.h"
+#include "cli/waiting.h"
 #include "difi/io.h"
 
 namespace difi::cli {
@@ -28,7 +29,7 @@ std::string row(const char* name, const std::string& value) {
 std::string none_or(std::int64_t n) { return n == 0 ? "none" : grouped(n); }
 
 void tell_mesh(const MeshInput& input, const Talk& talk) {
-  const Mesh mesh = input.read();
+  const Mesh mesh = waiting(talk, "reading " + input.name(), [&] { return input.read(); });
   validate(mesh);
   const Box box = bounds(mesh);
   const MeshFacts found = facts(mesh);
@@ -60,7 +61,7 @@ void tell_mesh(const MeshInput& input, const Talk& talk) {
 }
 
 void tell_field(const std::string& name, const Talk& talk) {
-  const DistanceField field = read_field(name);
+  const DistanceField field = waiting(talk, "reading " + name, [&] { return read_field(name); });
   const Grid& g = field.grid();
   const FieldFacts found = facts(field);
   const Provenance& from = field.provenance;

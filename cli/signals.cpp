@@ -14,14 +14,27 @@ namespace {
 
 std::atomic<bool> asked{false};
 std::atomic<int> cancellable{0};
+std::atomic<bool> line_drawn{false};
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
+
+template <std::size_t size>
+[[noreturn]] void end(const char (&message)[size], ErrorCode code) {
+  static constexpr char kWipe[] = "\r\033[K";
+  remove_unfinished_files();
+  if (line_drawn) (void)!::write(STDERR_FILENO, kWipe, sizeof kWipe - 1);
+  (void)!::write(STDERR_FILENO, message, size - 1);
+  ::_exit(static_cast<int>(code));
+}
 
 extern "C" void on_signal(int) {
   if (!asked.exchange(true) && cancellable > 0) return;
-  remove_unfinished_files();
-  static constexpr char kMessage[] = "difi: error: interrupted; no partial file was left, run it again\n";
-  (void)!::write(STDERR_FILENO, kMessage, sizeof kMessage - 1);
-  ::_exit(static_cast<int>(ErrorCode::interrupted));
+  end("difi: error: interrupted; no partial file was left, run it again\n", ErrorCode::interrupted);
+}
+
+// Field files are read from a mapping; what was there a moment ago is gone.
+extern "C" void on_lost_file(int) {
+  end("difi: error: a file that was being read became shorter or its disk failed; see who writes to it, run it again\n",
+      ErrorCode::input);
 }
 
 }  // namespace
@@ -36,6 +49,7 @@ void install_signal_handlers() {
     ::sigaction(signal, nullptr, &before);
     if (before.sa_handler != SIG_IGN) ::sigaction(signal, &action, nullptr);
   }
+  std::signal(SIGBUS, on_lost_file);
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
 }
@@ -44,5 +58,7 @@ Cancellable::Cancellable() { ++cancellable; }
 Cancellable::~Cancellable() { --cancellable; }
 
 bool interrupted() { return asked; }
+
+void line_is_drawn(bool drawn) { line_drawn = drawn; }
 
 }  // namespace difi::cli

@@ -4,7 +4,8 @@
 namespace difi::cli {
 
 /// Installs the handlers. Signals that the parent has set to be ignored (nohup) stay ignored. A closed pipe and a file
-/// past its size limit become ordinary write errors.
+/// past its size limit become ordinary write errors; a file that is shortened while it is read ends the program with a
+/// word.
 void install_signal_handlers();
 
 /// While one lives, the first signal only makes interrupted() true, for work that asks; a second one ends the program.
@@ -18,5 +19,8 @@ class Cancellable {
 };
 
 bool interrupted();
+
+/// Whether a line on the terminal waits to be wiped; what a signal has to say then wipes it first.
+void line_is_drawn(bool drawn);
 
 }  // namespace difi::cli

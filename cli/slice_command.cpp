@@ -11,6 +11,7 @@
 #include "cli/talk.h"
 #include "cli/text.h"
 #include "cli/usage.h"
+#include "cli/waiting.h"
 #include "difi/error.h"
 #include "difi/io.h"
 
@@ -63,7 +64,7 @@ void Command::add_to(CLI::App& verb) {
 void Command::run() {
   if (!output.given()) output.set_path(std::filesystem::path(field).stem().string() + ".png");
   output.check({{"png", "PNG picture", false, true}});
-  const DistanceField loaded = read_field(field);
+  const DistanceField loaded = waiting(talk, "reading " + field, [&] { return read_field(field); });
   write_slice_png(output.path(), loaded, options);
   const char* axis = options.axis == Axis::x ? "x" : options.axis == Axis::y ? "y" : "z";
   talk.say(output.path().string() + ": the plane of " + field + " at " +

@@ -23,7 +23,9 @@ class Bar {
   Bar(const Bar&) = delete;
   Bar& operator=(const Bar&) = delete;
   ~Bar() {
-    if (drawn_) std::fputs("\r\033[K", stderr);
+    if (!drawn_) return;
+    std::fputs("\r\033[K", stderr);
+    line_is_drawn(false);
   }
 
   void draw(const Progress& progress) {
@@ -32,6 +34,7 @@ class Bar {
     if (now - last_ < 100ms || now - start_ < 300ms) return;  // short work gets no bar, long work ten a second
     last_ = now;
     drawn_ = true;
+    line_is_drawn(true);
     constexpr int kWidth = 30;
     const int filled = static_cast<int>(progress.fraction * kWidth);
     const double elapsed = std::chrono::duration<double>(now - start_).count();
@@ -95,9 +98,10 @@ void Talk::detail(const std::string& line) const {
 
 void Talk::warn(const std::string& line) const { to_stderr("difi: warning: " + line); }
 
+bool Talk::shows_progress() const { return progress_ == "auto" && !quiet_ && ::isatty(STDERR_FILENO); }
+
 std::function<bool(const Progress&)> Talk::progress() const {
-  const bool shown = progress_ == "auto" && !quiet_ && ::isatty(STDERR_FILENO);
-  const auto bar = shown ? std::make_shared<Bar>() : nullptr;
+  const auto bar = shows_progress() ? std::make_shared<Bar>() : nullptr;
   return [bar](const Progress& progress) {
     if (bar) bar->draw(progress);
     return !interrupted();

@@ -28,6 +28,8 @@ class Talk {
   void detail(const std::string& line) const;
   /// A line on stderr, always: the result is good, but not what one may think.
   void warn(const std::string& line) const;
+  /// Whether stderr is a terminal whose user wants to see how far work has come.
+  bool shows_progress() const;
   /// A callback for long work, which draws a bar when stderr is a terminal and stops the work on a signal.
   std::function<bool(const Progress&)> progress() const;
 

@@ -9,6 +9,7 @@
 #include "cli/talk.h"
 #include "cli/text.h"
 #include "cli/usage.h"
+#include "cli/waiting.h"
 #include "difi/error.h"
 #include "difi/io.h"
 #include "difi/verify.h"
@@ -42,8 +43,8 @@ Json sample_json(const SampleCheck& at) {
 }
 
 void Command::run() {
-  const DistanceField loaded = read_field(field);
-  const Mesh triangles = mesh.read();
+  const DistanceField loaded = waiting(talk, "reading " + field, [&] { return read_field(field); });
+  const Mesh triangles = waiting(talk, "reading " + mesh.name(), [&] { return mesh.read(); });
   const Verified found = [&] {
     const Cancellable cancellable;
     options.progress = talk.progress();

@@ -25,8 +25,8 @@ struct Grid {
   double max_spacing() const { return std::max({spacing.x, spacing.y, spacing.z}); }
 };
 
-/// Throws Error{usage} unless sizes are positive and their product fits 62 bits, spacings are positive and finite,
-/// and the origin is finite.
+/// Throws Error{usage} unless sizes and spacings are positive, spacings, origin and extent finite, and Error{limit}
+/// where a side is of more than 2^40 samples or all of them are more than 2^62. The helpers below check their grids so.
 void validate(const Grid& grid);
 
 /// Samples along the longest side when nothing else is said.

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <stdexcept>
 #include <thread>
 
 #include "difi/version.h"
@@ -83,8 +84,12 @@ Report fill(MeshView mesh, const Grid& grid, const Options& options, Sink& sink)
     validate(mesh);
     const SkipRule rule = effective_rule(options);
     std::vector<std::uint32_t> kept;
-    if (rule.kind != SkipRule::Kind::none) kept = kept_triangles(mesh, grid, options.thickness, rule, threads);
-    if (kept.size() == mesh.triangles.size()) kept.clear();
+    if (rule.kind != SkipRule::Kind::none) {
+      kept = kept_triangles(mesh, grid, options.thickness, rule, threads);
+      // To a Job an empty list means all triangles.
+      if (kept.empty()) throw std::logic_error("the skip rule left no triangle");
+      if (kept.size() == mesh.triangles.size()) kept.clear();
+    }
     report.seconds.prepare = watch.lap();
 
     progress.stage("bin", 1, 0.1, 0.2);
@@ -122,7 +127,8 @@ std::int64_t memory_needed(std::int64_t triangles, const Grid& grid, const Optio
   if (!dense) output = tiles * (tile_bytes * per_value + sizeof(std::int32_t));
   const double scratch =
       static_cast<double>(backend.scratch_bytes(triangles, grid, options.thickness, thread_count(options)));
-  const double kept = effective_rule(options).kind == SkipRule::Kind::none ? 0 : 4.0 * static_cast<double>(triangles);
+  const SkipRule rule = effective_rule(options);
+  const double kept = rule.kind == SkipRule::Kind::none ? 0 : static_cast<double>(skip_bytes(triangles, rule));
   const double total = output + scratch + kept;
   return total < 0x1p62 ? static_cast<std::int64_t>(total) : std::int64_t{1} << 62;
 }
@@ -135,6 +141,7 @@ Computed compute(MeshView mesh, const Grid& grid, const Options& options) {
   Sink sink(computed.field);
   computed.report = fill(mesh, grid, options, sink);
   computed.report.tiles_stored = computed.field.stored_tiles();
+  computed.field.provenance.mesh_hash = content_hash(mesh);
   computed.field.provenance.method = computed.report.method;
   computed.field.provenance.version = version();
   return computed;

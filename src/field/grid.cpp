@@ -10,6 +10,7 @@ namespace difi {
 namespace {
 
 [[noreturn]] void fail(const std::string& what) { throw Error(ErrorCode::usage, "grid: " + what); }
+[[noreturn]] void fail_at_limit(const std::string& what) { throw Error(ErrorCode::limit, "grid: " + what); }
 
 Box padded(const Box& box, double padding) {
   if (box.empty()) fail("the box to cover is empty; give a mesh with triangles");
@@ -23,7 +24,7 @@ Box padded(const Box& box, double padding) {
 // Samples so that (samples - 1) * spacing covers the extent. Quotients within rounding of a whole number count as it.
 std::int64_t covering(double extent, double spacing) {
   const double cells = extent / spacing;
-  if (!(cells < 0x1p40)) fail("the spacing is too small for the box: more than 2^40 samples on a side");
+  if (!(cells < 0x1p40)) fail_at_limit("more than 2^40 samples on a side; take a larger spacing");
   return static_cast<std::int64_t>(std::ceil(cells * (1 - 1e-12))) + 1;
 }
 
@@ -48,7 +49,7 @@ void validate(const Grid& grid) {
   constexpr std::int64_t kMaxSide = std::int64_t{1} << 40;
   if (s.x > kMaxSide || s.y > kMaxSide || s.z > kMaxSide ||
       static_cast<double>(s.x) * static_cast<double>(s.y) * static_cast<double>(s.z) > 0x1p62)
-    fail("too many samples to count; take fewer");
+    fail_at_limit("too many samples to count; take fewer");
   for (const double h : {grid.spacing.x, grid.spacing.y, grid.spacing.z})
     if (!(h > 0) || !std::isfinite(h)) fail("the spacing must be positive and finite");
   if (!is_finite(grid.origin) || !is_finite(grid.bounds().max)) fail("the origin and extent must be finite");
@@ -97,7 +98,7 @@ Grid minimum_grid(const Box& box, double thickness, double e, double speed) {
   const double per_unit = e * (1 + speed / thickness) / thickness;
   const auto samples = [&](double side) {
     const double n = std::ceil(side * per_unit * (1 - 1e-12));
-    if (!(n < 0x1p40)) fail("the thickness is too small for the box: more than 2^40 samples on a side");
+    if (!(n < 0x1p40)) fail_at_limit("more than 2^40 samples on a side; take a larger thickness");
     return std::max<std::int64_t>(2, static_cast<std::int64_t>(n));
   };
   return fit_size(grown, {samples(extent.x), samples(extent.y), samples(extent.z)});

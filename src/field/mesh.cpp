@@ -1,6 +1,7 @@
 #include "difi/mesh.h"
 
-#include <bit>
+#include <array>
+#include <cstring>
 #include <string>
 
 #include "difi/error.h"
@@ -40,14 +41,36 @@ constexpr std::uint64_t mixed(std::uint64_t h, std::uint64_t value) {
   return h ^ (h >> 31);
 }
 
+// The hash of word(0), ..., word(count - 1) in eight chains side by side: one chain would wait for its own
+// multiplications, and compute() hashes every mesh.
+template <class Word>
+std::uint64_t hash_of_words(std::size_t count, Word word) {
+  constexpr std::size_t kChains = 8;
+  std::array<std::uint64_t, kChains> chain{};
+  std::size_t n = 0;
+  for (; n + kChains <= count; n += kChains)
+    for (std::size_t c = 0; c < kChains; ++c) chain[c] = mixed(chain[c], word(n + c));
+  for (; n < count; ++n) chain[n % kChains] = mixed(chain[n % kChains], word(n));
+  std::uint64_t h = count;
+  for (const std::uint64_t end : chain) h = mixed(h, end);
+  return h;
+}
+
 }  // namespace
 
 std::uint64_t content_hash(MeshView mesh) {
-  std::uint64_t h = mixed(mesh.vertices.size(), mesh.triangles.size());
-  for (const Vec3& v : mesh.vertices)
-    for (const double c : {v.x, v.y, v.z}) h = mixed(h, std::bit_cast<std::uint64_t>(c));
-  for (const Triangle& t : mesh.triangles) h = mixed(mixed(h, (std::uint64_t{t[0]} << 32) | t[1]), t[2]);
-  return h;
+  static_assert(sizeof(Vec3) == 3 * sizeof(double));
+  const auto* coordinates = reinterpret_cast<const char*>(mesh.vertices.data());
+  const std::uint64_t vertices = hash_of_words(3 * mesh.vertices.size(), [&](std::size_t n) {
+    std::uint64_t bits;
+    std::memcpy(&bits, coordinates + n * sizeof bits, sizeof bits);
+    return bits;
+  });
+  const std::uint64_t triangles = hash_of_words(2 * mesh.triangles.size(), [&](std::size_t n) {
+    const Triangle& t = mesh.triangles[n / 2];
+    return n % 2 == 0 ? (std::uint64_t{t[0]} << 32) | t[1] : t[2];
+  });
+  return mixed(vertices, triangles);
 }
 
 }  // namespace difi

@@ -13,6 +13,7 @@
 #include <string>
 
 #include "difi/error.h"
+#include "io/assimp_losses.h"
 #include "io/mesh_builder.h"
 #include "io/mesh_format.h"
 #include "io/mesh_text.h"
@@ -115,10 +116,12 @@ void keep_importers(Assimp::Importer& importer, const std::string& extension) {
 
 Mesh read_with_assimp(const FileView& file, const char* extension) {
   try {
+    const AssimpLosses losses;
     Assimp::Importer importer;
     keep_importers(importer, extension);
     const aiScene* scene = importer.ReadFile(file.path().string(), aiProcess_ValidateDataStructure);
     if (!scene) fail(file, importer.GetErrorString());
+    if (!losses.first().empty()) fail(file, losses.first());
     return SceneReader(file, *scene).read();
   } catch (const Error&) {
     throw;

@@ -41,7 +41,8 @@ std::vector<Format> field_formats() {
 
 DistanceField read_field(const std::filesystem::path& path) {
   const FieldFormat& format = format_of(path, ErrorCode::input);
-  const FileView view(path);
+  // Dense files can be larger than memory, and sparse fields of theirs small.
+  const FileView view(path, FileView::Access::map);
   const FieldInput file(view);
   if (file.size() == 0) file.fail("the file is empty; write it again");
   try {

@@ -5,7 +5,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <cstring>
+#include <new>
 #include <system_error>
 
 #include "difi/error.h"
@@ -37,18 +40,18 @@ std::string reason(int error) {
 
 }  // namespace
 
-FileView::FileView(const std::filesystem::path& path) : path_(path) {
+FileView::FileView(const std::filesystem::path& path, Access access) : path_(path) {
   const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
   struct stat about {};
   if (file.number < 0 || ::fstat(file.number, &about) != 0) fail("", reason(errno));
   if (S_ISDIR(about.st_mode)) fail("", reason(EISDIR));
-  if (S_ISFIFO(about.st_mode)) {
-    read_all(file.number);
+  if (!S_ISFIFO(about.st_mode) && !S_ISREG(about.st_mode)) fail("", "it is a device; give the name of a file");
+  const auto size = static_cast<std::size_t>(about.st_size);
+  if (S_ISFIFO(about.st_mode) || access == Access::copy) {
+    read_all(file.number, size);
     return;
   }
-  if (!S_ISREG(about.st_mode)) fail("", "it is a device; give the name of a file");
-  if (about.st_size == 0) return;
-  const auto size = static_cast<std::size_t>(about.st_size);
+  if (size == 0) return;
   void* mapped = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file.number, 0);
   if (mapped == MAP_FAILED) fail("", reason(errno));
   mapped_ = mapped;
@@ -59,18 +62,29 @@ FileView::~FileView() {
   if (mapped_) ::munmap(mapped_, bytes_.size());
 }
 
-void FileView::read_all(int descriptor) {
-  constexpr std::size_t kStep = std::size_t{1} << 20;
-  for (;;) {
-    const std::size_t before = read_.size();
-    read_.resize(before + kStep);
-    const auto got = ::read(descriptor, read_.data() + before, kStep);
-    read_.resize(before + static_cast<std::size_t>(got > 0 ? got : 0));
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) fail("", reason(errno));
-    if (got == 0) break;
+void FileView::read_all(int descriptor, std::size_t expected) {
+  constexpr std::size_t kLeast = std::size_t{1} << 16, kMostAtOnce = std::size_t{1} << 30;
+  // One byte more than expected, so that the end is met without room for more.
+  std::size_t room = std::max(expected + 1, kLeast), size = 0;
+  try {
+    read_ = std::make_unique_for_overwrite<char[]>(room);
+    for (;;) {
+      if (size == room) {
+        auto larger = std::make_unique_for_overwrite<char[]>(2 * room);
+        std::memcpy(larger.get(), read_.get(), size);
+        read_ = std::move(larger);
+        room *= 2;
+      }
+      const auto got = ::read(descriptor, read_.get() + size, std::min(room - size, kMostAtOnce));
+      if (got < 0 && errno == EINTR) continue;
+      if (got < 0) fail("", reason(errno));
+      if (got == 0) break;
+      size += static_cast<std::size_t>(got);
+    }
+  } catch (const std::bad_alloc&) {
+    throw Error(ErrorCode::limit, path_.string() + ": not enough memory to read it; use a machine with more");
   }
-  bytes_ = read_;
+  bytes_ = {read_.get(), size};
 }
 
 void FileView::fail(const std::string& where, const std::string& message) const {

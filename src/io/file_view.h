@@ -1,20 +1,26 @@
-// The bytes of an input file, mapped into memory.
+// The bytes of an input file.
 #pragma once
 
 #include <cstddef>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <string_view>
 
 namespace difi {
 
-/// A file's bytes for as long as the view lives, and the way to complain about them. Regular files are mapped: nothing
-/// is copied, and the system may drop pages that are not in use. A program that shortens the file meanwhile ends ours
-/// with SIGBUS, as with every mapping. Pipes are read to their end.
+/// A file's bytes for as long as the view lives, and the way to complain about them.
 class FileView {
  public:
-  /// Errors: input, for files that are missing, folders, or unreadable.
-  explicit FileView(const std::filesystem::path& path);
+  enum class Access {
+    copy,  ///< read to its end: what another program does to the file meanwhile does not matter
+    /// Nothing is copied, and the system may drop pages that are not in use: for files larger than memory. A program
+    /// that shortens the file meanwhile ends ours with SIGBUS, as with every mapping. Pipes are copied all the same.
+    map,
+  };
+
+  /// Errors: input, for files that are missing, folders, or unreadable; limit, for those that memory cannot hold.
+  explicit FileView(const std::filesystem::path& path, Access access = Access::copy);
   /// A view of somebody else's bytes, which must outlive it; `name` stands in messages.
   FileView(const std::filesystem::path& name, std::string_view bytes) : path_(name), bytes_(bytes) {}
   FileView(const FileView&) = delete;
@@ -29,11 +35,11 @@ class FileView {
   [[noreturn]] void fail(const std::string& where, const std::string& message) const;
 
  private:
-  void read_all(int descriptor);
+  void read_all(int descriptor, std::size_t expected);
 
   std::filesystem::path path_;
   std::string_view bytes_;
-  std::string read_;  // what was read from a pipe
+  std::unique_ptr<char[]> read_;
   void* mapped_ = nullptr;
 };
 

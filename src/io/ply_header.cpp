@@ -35,7 +35,8 @@ class Header {
     if (word() != "ply") text_.fail("a PLY file starts with a line that says ply; check that it is one");
     const char* line_end = text_.position();
     text_.skip_line();
-    const bool lone_cr = *line_end == '\r' && text_.position() == line_end + 1;
+    // In this order: where the file ends with its first word, there is no byte to look at.
+    const bool lone_cr = text_.position() == line_end + 1 && *line_end == '\r';
     while (read_line()) {
     }
     if (!format_known_) text_.fail("the header has no format line; add one, such as format ascii 1.0");

@@ -75,6 +75,9 @@ class Reader {
                  "no '_' begins the appended data; the file is damaged, write it again");
     data_ = mark + 1;
     auto tags = read_vti_tags(file_, head_.substr(0, close + 1));
+    // It may stand in a comment or in a processing instruction, after which nothing may be left.
+    if (tags.empty() || tags.back().name != kAppended.substr(1))
+      file_.fail("byte " + std::to_string(start), "the XML header is damaged; write the file again");
     if (const std::string* encoding = tags.back().find("encoding"); !encoding || *encoding != "raw")
       fail(tags.back(), "the appended data is not raw; save it with encoding raw");
     return tags;

@@ -2,8 +2,6 @@
 
 #include <numbers>
 
-#include "difi/error.h"
-
 namespace difi {
 namespace {
 
@@ -26,10 +24,14 @@ Vec3 from_z_up(Vec3 v, Axis up) {
 }  // namespace
 
 Camera::Camera(const Box& bounds, const PictureOptions& options) : perspective_(options.perspective) {
-  const double radius = length(bounds.extent() * 0.5);
-  if (!std::isfinite(radius)) throw Error(ErrorCode::input, "picture: the mesh is too large to draw; scale it down");
-  if (radius > 0) scale_ = 1 / radius;
-  center_ = bounds.center();
+  // Halves before sums and quotients before squares: whatever fits a double is drawn, near its ends as well.
+  center_ = bounds.min * 0.5 + bounds.max * 0.5;
+  const Vec3 half = bounds.max * 0.5 - bounds.min * 0.5;
+  const double longest = std::max({half.x, half.y, half.z});
+  if (longest > 0) {
+    unit_ = longest;
+    scale_ = 1 / length({half.x / longest, half.y / longest, half.z / longest});
+  }
   const double turn = options.azimuth_deg * std::numbers::pi / 180;
   const double rise = options.elevation_deg * std::numbers::pi / 180;
   const Vec3 back{std::cos(rise) * std::sin(turn), -std::cos(rise) * std::cos(turn), std::sin(rise)};
@@ -38,6 +40,8 @@ Camera::Camera(const Box& bounds, const PictureOptions& options) : perspective_(
   back_ = from_z_up(back, options.up);
   up_ = from_z_up(cross(back, right), options.up);
 }
+
+Vec3 Camera::placed(Vec3 point) const { return turned((point - center_) / Vec3{unit_, unit_, unit_} * scale_); }
 
 Vec3 Camera::turned(Vec3 d) const { return {dot(d, right_), dot(d, up_), dot(d, back_)}; }
 

@@ -33,11 +33,12 @@ class Camera {
   struct Seen {
     double u, v, depth;
   };
-  Vec3 placed(Vec3 point) const { return turned((point - center_) * scale_); }
+  Vec3 placed(Vec3 point) const;
   Seen seen(Vec3 point) const;
 
   Vec3 center_, right_, up_, back_;
-  double scale_ = 1;  // brings the mesh into the unit ball
+  // Divided by unit_, then times scale_, the mesh is in the unit ball. One factor could not be a double for all meshes.
+  double unit_ = 1, scale_ = 1;
   bool perspective_;
 };
 

@@ -54,6 +54,31 @@ TEST_F(Interrupt, SecondSignalEndsItAtOnce) {
   EXPECT_TRUE(folder.names().empty());
 }
 
+// Two signals that arrive together, for the program was stopped: the first asks it to end, the second ends it, and only
+// one of them says so.
+TEST_F(Interrupt, TwoSignalsAreOneMessage) {
+  Process& process = started(setup());
+  process.send(SIGSTOP);
+  process.send(SIGINT);
+  process.send(SIGTERM);
+  process.send(SIGCONT);
+  const Ran ran = process.wait();
+  EXPECT_EQ(ran.code, 130);
+  const auto first = ran.err.find("interrupted");
+  ASSERT_NE(first, std::string::npos) << ran.err;
+  EXPECT_EQ(ran.err.find("interrupted", first + 1), std::string::npos) << ran.err;
+}
+
+// What a mapped field brings that another program shortens. It was the end without a word.
+TEST_F(Interrupt, ALostFileIsAnInputError) {
+  Process& process = started(setup());
+  process.send(SIGBUS);
+  const Ran ran = process.wait();
+  EXPECT_EQ(ran.code, 3);
+  EXPECT_TRUE(ran.says("difi: error: a file that was being read became shorter")) << ran.err;
+  EXPECT_TRUE(folder.names().empty());
+}
+
 TEST_F(Interrupt, KilledLeavesNothing) {
   Process& process = started(setup());
   process.send(SIGKILL);
@@ -146,7 +171,8 @@ TEST_F(Interrupt, BrokenPipeIsAWriteError) {
 // A pseudo-terminal for stderr: the bar is drawn there, and wiped away.
 class Terminal : public Interrupt {
  protected:
-  std::string said_on_a_terminal(const testing::Arguments& arguments, int signal_after_bar) const {
+  std::string said_on_a_terminal(const testing::Arguments& arguments, int signal_after_bar,
+                                 const char* bar = " % ") const {
     const int terminal = ::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
     EXPECT_GE(terminal, 0);
     ::grantpt(terminal);
@@ -160,7 +186,7 @@ class Terminal : public Interrupt {
     // The read fails once the program has gone.
     for (ssize_t count; (count = ::read(terminal, buffer, sizeof buffer)) > 0;) {
       said.append(buffer, static_cast<std::size_t>(count));
-      if (signal_after_bar != 0 && said.find(" % ") != std::string::npos)
+      if (signal_after_bar != 0 && said.find(bar) != std::string::npos)
         process.send(std::exchange(signal_after_bar, 0));
     }
     process.wait();
@@ -174,6 +200,23 @@ TEST_F(Terminal, HasABar) {
   EXPECT_NE(said.find("....]"), std::string::npos) << said;
   // Wiped before the last word.
   EXPECT_NE(said.find("\r\033[Kdifi: error: interrupted"), std::string::npos) << said;
+}
+
+// Files are read and written for long without a word from the library: a pipe that nobody serves, forever.
+TEST_F(Terminal, SaysWhatItWaitsFor) {
+  ASSERT_EQ(::mkfifo((folder / "pipe.stl").c_str(), 0600), 0);
+  ASSERT_EQ(::mkfifo((folder / "pipe.nrrd").c_str(), 0600), 0);
+  const int reader = ::open((folder / "pipe.nrrd").c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  for (const char* command : {"info pipe.stl", "compute pipe.stl -o a.vti", "convert pipe.stl -o a.ply"}) {
+    const std::string said = said_on_a_terminal(words(command), SIGINT, "reading pipe.stl, ");
+    EXPECT_NE(said.find("\r\033[Kreading pipe.stl, "), std::string::npos) << said;
+    EXPECT_NE(said.find("\r\033[Kdifi: error: interrupted"), std::string::npos) << said;
+  }
+  const std::string said =
+      said_on_a_terminal(words("compute scene:box -r 100 -o pipe.nrrd"), SIGINT, "writing pipe.nrrd, ");
+  EXPECT_NE(said.find("\r\033[Kwriting pipe.nrrd, "), std::string::npos) << said;
+  EXPECT_NE(said.find("\r\033[Kdifi: error: interrupted"), std::string::npos) << said;
+  ::close(reader);
 }
 
 TEST_F(Terminal, HasNoneWhenAskedSo) {

@@ -40,7 +40,8 @@ class Process {
     int out = -1;        ///< file descriptors to use in place of pipes
     int err = -1;
     rlim_t file_size = RLIM_INFINITY;
-    bool ignore_hangup = false;  ///< as nohup does
+    rlim_t memory = RLIM_INFINITY;  ///< address space
+    bool ignore_hangup = false;     ///< as nohup does
   };
 
   Process(const Arguments& arguments, const Setup& setup) {
@@ -62,6 +63,10 @@ class Process {
       if (setup.file_size != RLIM_INFINITY) {
         const rlimit limit{setup.file_size, setup.file_size};
         ::setrlimit(RLIMIT_FSIZE, &limit);
+      }
+      if (setup.memory != RLIM_INFINITY) {
+        const rlimit limit{setup.memory, setup.memory};
+        ::setrlimit(RLIMIT_AS, &limit);
       }
       if (::chdir(setup.folder.c_str()) != 0) ::_exit(126);
       ::execv(argv[0], argv.data());

@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "difi/version.h"
 #include "tests/io/expect_error.h"
 #include "tests/support/random_mesh.h"
 
@@ -90,6 +91,18 @@ TEST(Compute, MemoryNeededBoundsTheField) {
   EXPECT_GT(memory_needed(1, {{large, 1 << 22, 1}, {}, {1, 1, 1}}, options), large) << "does not overflow";
 }
 
+TEST(Compute, MemoryNeededCountsTheSkipRule) {
+  const auto needed = [](SkipRule::Kind kind) {
+    Options options;
+    options.thickness = 1;
+    options.skip.kind = kind;
+    return memory_needed(1'000'000, kGrid, options);
+  };
+  const auto none = needed(SkipRule::Kind::none);
+  EXPECT_EQ(needed(SkipRule::Kind::neighbour) - none, 4'000'000);
+  EXPECT_EQ(needed(SkipRule::Kind::exact) - none, 18'000'000) << "it sorts hashes";
+}
+
 TEST(Compute, ProgressNeverFallsAndEndsAtOne) {
   for (const double thickness : {0.5, 4.0}) {
     Options options;
@@ -141,6 +154,8 @@ TEST(Compute, ReportsWhatItDid) {
   EXPECT_EQ(report.samples_band, band);
   EXPECT_GE(report.samples_examined, band);
   EXPECT_EQ(done.field.provenance.method, "tiles");
+  EXPECT_EQ(done.field.provenance.mesh_hash, content_hash(soup()));
+  EXPECT_EQ(done.field.provenance.version, version());
   EXPECT_EQ(done.field.thickness(), 0.5);
 }
 

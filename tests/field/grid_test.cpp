@@ -70,7 +70,8 @@ TEST(Grid, HelpersSayWhatIsWrong) {
     expect_error([&] { fit_samples(kBox, 9, padding); }, usage, "padding");
   for (const double h : {0.0, -1.0, kNaN, kInfinity})
     expect_error([&] { fit_spacing(kBox, {1, h, 1}); }, usage, "spacing");
-  expect_error([] { fit_spacing(kBox, {1e-300, 1, 1}); }, usage, "too small");
+  expect_error([] { fit_spacing(kBox, {1e-300, 1, 1}); }, ErrorCode::limit, "larger spacing");
+  expect_error([] { minimum_grid(kBox, 1e-300); }, ErrorCode::limit, "larger thickness");
   expect_error([] { fit_size(kBox, {4, 0, 4}); }, usage, "at least one sample");
   for (const double t : {0.0, -1.0, kNaN, kInfinity}) expect_error([&] { minimum_grid(kBox, t); }, usage, "thickness");
   for (const double e : {0.5, kNaN, kInfinity}) expect_error([&] { minimum_grid(kBox, 1, e); }, usage, "factor e");
@@ -83,8 +84,8 @@ TEST(Grid, ValidateNamesWhatIsWrong) {
   expect_error([] { validate(Grid{{0, 1, 1}, {}, {1, 1, 1}}); }, usage, "at least one sample");
   expect_error([] { validate(Grid{{1, -5, 1}, {}, {1, 1, 1}}); }, usage, "at least one sample");
   const std::int64_t large = std::int64_t{1} << 40;
-  expect_error([&] { validate(Grid{{large, large, 1}, {}, {1, 1, 1}}); }, usage, "too many samples");
-  expect_error([&] { validate(Grid{{large + 1, 1, 1}, {}, {1, 1, 1}}); }, usage, "too many samples");
+  expect_error([&] { validate(Grid{{large, large, 1}, {}, {1, 1, 1}}); }, ErrorCode::limit, "too many samples");
+  expect_error([&] { validate(Grid{{large + 1, 1, 1}, {}, {1, 1, 1}}); }, ErrorCode::limit, "too many samples");
   for (const double h : {0.0, -1.0, kNaN, kInfinity})
     expect_error([&] { validate(Grid{{2, 2, 2}, {}, {1, 1, h}}); }, usage, "spacing");
   expect_error([] { validate(Grid{{2, 2, 2}, {0, kNaN, 0}, {1, 1, 1}}); }, usage, "finite");

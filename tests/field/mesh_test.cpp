@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <set>
 
 #include "tests/io/expect_error.h"
 
@@ -49,6 +50,40 @@ TEST(Mesh, ContentHashSeesEveryChange) {
   mesh = kMesh;
   mesh.triangles.pop_back();
   EXPECT_NE(content_hash(mesh), hash);
+}
+
+// Hashing goes in chains side by side: every place counts in each of them, and its order with the others.
+TEST(Mesh, ContentHashSeesEveryPlace) {
+  Mesh mesh;
+  for (std::uint32_t n = 0; n < 30; ++n) {
+    mesh.vertices.push_back({double(n), 0.5 * n, -1.0 * n});
+    mesh.triangles.push_back({n, (n + 1) % 30, (n + 2) % 30});
+  }
+  std::set<std::uint64_t> hashes{content_hash(mesh)};
+  std::size_t changes = 1;
+  const auto expect_new = [&](const Mesh& changed) {
+    hashes.insert(content_hash(changed));
+    EXPECT_EQ(hashes.size(), ++changes);
+  };
+  for (std::size_t n = 0; n < 30; ++n) {
+    for (double Vec3::*axis : {&Vec3::x, &Vec3::y, &Vec3::z}) {
+      Mesh changed = mesh;
+      changed.vertices[n].*axis += 100;
+      expect_new(changed);
+    }
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      Mesh changed = mesh;
+      changed.triangles[n][corner] += 100;
+      expect_new(changed);
+    }
+    if (n + 8 >= 30) continue;
+    Mesh changed = mesh;
+    std::swap(changed.triangles[n], changed.triangles[n + 8]);
+    expect_new(changed);
+    changed = mesh;
+    std::swap(changed.vertices[n], changed.vertices[n + 8]);
+    expect_new(changed);
+  }
 }
 
 }  // namespace

@@ -114,6 +114,17 @@ TEST(NeighbourRule, DropsMoreAtSmallerFractions) {
   EXPECT_GE(before, 1u);
 }
 
+// "At least" the fraction: half of each box lies in the other, exactly.
+TEST(NeighbourRule, TheFractionItselfIsEnough) {
+  Mesh mesh;
+  add_cube(mesh, 0, 1);
+  add_cube(mesh, 1, 1);
+  EXPECT_EQ(kept_by_neighbour_rule(mesh, kInfinity, 0.5), (Kept{0}));
+  EXPECT_EQ(kept_by_neighbour_rule(mesh, kInfinity, 0.5000001), (Kept{0, 1}));
+  EXPECT_EQ(kept_by_neighbour_rule(mesh, 1, 0.75), (Kept{0}));
+  EXPECT_EQ(kept_by_neighbour_rule(mesh, 1, 0.7500001), (Kept{0, 1}));
+}
+
 TEST(ShareInside, IsTheShareOfTheGrownVolume) {
   const Box unit{{0, 0, 0}, {2, 2, 2}}, shifted{{1, 0, 0}, {3, 2, 2}}, flat{{0, 0, 1}, {2, 2, 1}};
   EXPECT_EQ(share_inside(unit, unit, 1), 1);
@@ -183,6 +194,12 @@ TEST(ExactRule, FindsEveryCopyInALargeMeshOnAnyNumberOfThreads) {
   EXPECT_EQ(kept.size(), 60000u);
   for (const std::uint32_t t : kept) ASSERT_FALSE(copies.contains(t));
   for (int threads = 2; threads <= 8; ++threads) ASSERT_EQ(kept_triangles(mesh, kGrid, 1, rule, threads), kept);
+}
+
+// Of so many triangles some pairs have the same hash of 32 bits by chance, and are no copies all the same.
+TEST(ExactRule, DifferentTrianglesOfOneHashStay) {
+  const Mesh mesh = random_soup(8, 400000, 3.9, 0.1);
+  EXPECT_EQ(kept_by_exact_rule(mesh, kGrid, 1).size(), mesh.triangles.size());
 }
 
 Computed computed(MeshView mesh, double thickness, Method method, SkipRule::Kind rule) {

@@ -112,6 +112,13 @@ TEST(DamagedField, Vti) {
       true);
 }
 
+// A fuzzer's find: what looked like the last tag was none, and the reader took the last of no tags.
+TEST(DamagedField, VtiWhoseAppendedDataIsNoTag) {
+  expect_refused("vti", "<?xml <AppendedData encoding=\"raw\"?>_", ":byte 6: the XML header is damaged");
+  expect_refused("vti", "<?xml ?><!-- <AppendedData encoding=\"raw\">-->_", "no '_' begins the appended data");
+  expect_refused("vti", "<VTKFile encoding=\"raw\"><AppendedDataset encoding=\"raw\">_", "the XML header is damaged");
+}
+
 TEST(DamagedField, VtiLengths) {
   const std::string good = bytes_of("vti");
   const auto data = good.find("\n_") + 2;

@@ -88,14 +88,14 @@ TEST(Closed, EveryPartOfTheLibraryAtSeveralFinenesses) {
     }
 }
 
-class ClosedScene : public testing::TestWithParam<const char*> {};
+class ClosedScene : public testing::TestWithParam<std::string> {};
 
 TEST_P(ClosedScene, AllPartsAreSolid) { expect_solids(make(GetParam()), GetParam()); }
 
 INSTANTIATE_TEST_SUITE_P(Table, ClosedScene,
                          testing::Values("machine_1", "bender", "catapult", "process", "labyrinth", "fly", "sphere",
                                          "box"),
-                         [](const auto& test) { return std::string(test.param); });
+                         [](const auto& test) { return test.param; });
 
 TEST(Closed, TheFactoryIsSolidAtASmallSizeToo) { expect_solids(make("factory", 300000), "factory"); }
 

@@ -75,6 +75,8 @@ double examined(const Mesh& mesh, const std::vector<std::uint32_t>& kept, const 
   return sum;
 }
 
+void PrintTo(const ThesisMesh& mesh, std::ostream* out) { *out << mesh.scene; }
+
 class ThesisCounts : public testing::TestWithParam<ThesisMesh> {};
 
 TEST_P(ThesisCounts, AreAlike) {

@@ -1,0 +1,39 @@
+#include "cli/failure.h"
+
+#include <cstdio>
+#include <exception>
+#include <new>
+#include <string>
+
+#include "difi/error.h"
+
+namespace difi::cli {
+namespace {
+
+int fail(ErrorCode code, std::string message) {
+  for (char& c : message)
+    if (c == '\n' || c == '\r') c = ' ';  // one error, one line, whatever a file is called
+  std::fprintf(stderr, "difi: error: %s\n", message.c_str());
+  return static_cast<int>(code);
+}
+
+}  // namespace
+
+int exit_code_of(const std::function<void()>& run) {
+  try {
+    run();
+    return 0;
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::interrupted)
+      return fail(error.code(), "interrupted; no partial file was left, run it again");
+    return fail(error.code(), error.what());
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorCode::limit,
+                "out of memory; take fewer samples, a smaller thickness, or a machine with more memory");
+  } catch (const std::exception& error) {
+    return fail(ErrorCode::internal,
+                "internal: " + std::string(error.what()) + "; this is a bug in difi, please report it");
+  }
+}
+
+}  // namespace difi::cli

@@ -1,0 +1,12 @@
+// From exceptions to exit codes and what the user is told.
+#pragma once
+
+#include <functional>
+
+namespace difi::cli {
+
+/// Runs the program and returns its exit code: 0, or what ErrorCode says for an exception, after one line on stderr of
+/// the form `difi: error: what; what to do`.
+int exit_code_of(const std::function<void()>& run);
+
+}  // namespace difi::cli

@@ -1,0 +1,48 @@
+#include "cli/waiting.h"
+
+#include <chrono>
+#include <cstdio>
+#include <system_error>
+
+#include "cli/signals.h"
+#include "cli/text.h"
+
+namespace difi::cli {
+
+Waiting::Waiting(const Talk& talk, const std::string& what) : what_(what) {
+  for (char& c : what_)
+    if (static_cast<unsigned char>(c) < 0x20) c = ' ';  // a file's name must not move the cursor
+  if (!talk.shows_progress()) return;
+  try {
+    thread_ = std::thread([this] { show(); });
+  } catch (const std::system_error&) {
+    // No thread to be had: then the terminal stays silent.
+  }
+}
+
+Waiting::~Waiting() {
+  if (!thread_.joinable()) return;
+  {
+    const std::lock_guard lock(mutex_);
+    over_ = true;
+  }
+  ended_.notify_one();
+  thread_.join();
+}
+
+void Waiting::show() {
+  using namespace std::chrono_literals;
+  const auto start = std::chrono::steady_clock::now();
+  std::unique_lock lock(mutex_);
+  if (ended_.wait_for(lock, 300ms, [this] { return over_; })) return;
+  line_is_drawn(true);
+  do {
+    const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    std::fprintf(stderr, "\r\033[K%s, %s", what_.c_str(), seconds_text(elapsed).c_str());
+    std::fflush(stderr);
+  } while (!ended_.wait_for(lock, 100ms, [this] { return over_; }));
+  std::fputs("\r\033[K", stderr);
+  line_is_drawn(false);
+}
+
+}  // namespace difi::cli

@@ -1,0 +1,47 @@
+#ifdef DIFI_HAVE_ASSIMP
+
+#include "io/assimp_losses.h"
+
+#include <assimp/DefaultLogger.hpp>
+#include <assimp/LogStream.hpp>
+#include <mutex>
+#include <string_view>
+#include <thread>
+
+namespace difi {
+namespace {
+
+std::mutex one_at_a_time;
+
+}  // namespace
+
+struct AssimpLosses::Listener : Assimp::LogStream {
+  void write(const char* text) override {
+    if (std::this_thread::get_id() != reader || !first.empty()) return;
+    // glTF: faces whose indices are out of range, and a last one that lacks corners.
+    const std::string_view message = text;
+    for (const char* loss : {"faces were dropped", "not compatible with the TRIANGLES mode"})
+      if (message.find(loss) != message.npos) first = message;
+  }
+
+  std::unique_lock<std::mutex> alone{one_at_a_time};
+  std::thread::id reader = std::this_thread::get_id();
+  std::string first;
+};
+
+AssimpLosses::AssimpLosses() : listener_(std::make_unique<Listener>()) {
+  own_logger_ = Assimp::DefaultLogger::isNullLogger();
+  if (own_logger_) Assimp::DefaultLogger::create("", Assimp::Logger::NORMAL, 0);
+  Assimp::DefaultLogger::get()->attachStream(listener_.get(), Assimp::Logger::Warn);
+}
+
+AssimpLosses::~AssimpLosses() {
+  Assimp::DefaultLogger::get()->detachStream(listener_.get(), Assimp::Logger::Warn);
+  if (own_logger_) Assimp::DefaultLogger::kill();
+}
+
+const std::string& AssimpLosses::first() const { return listener_->first; }
+
+}  // namespace difi
+
+#endif  // DIFI_HAVE_ASSIMP

@@ -1,0 +1,57 @@
+// Exit codes of failures that no command line brings about at will: bugs of our own, and memory that is not there.
+#include "cli/failure.h"
+
+#include <gtest/gtest.h>
+
+#include <new>
+#include <stdexcept>
+
+#include "difi/error.h"
+
+namespace difi::cli {
+namespace {
+
+struct Told {
+  int code;
+  std::string words;
+};
+
+template <class Run>
+Told told(Run run) {
+  ::testing::internal::CaptureStderr();
+  const int code = exit_code_of(run);
+  return {code, ::testing::internal::GetCapturedStderr()};
+}
+
+TEST(Failure, NoneIsZeroAndSilent) {
+  const Told none = told([] {});
+  EXPECT_EQ(none.code, 0);
+  EXPECT_EQ(none.words, "");
+}
+
+TEST(Failure, BugsAreOne) {
+  const Told bug = told([] { throw std::logic_error("a thing that\ncannot be"); });
+  EXPECT_EQ(bug.code, 1);
+  EXPECT_EQ(bug.words, "difi: error: internal: a thing that cannot be; this is a bug in difi, please report it\n");
+}
+
+TEST(Failure, MemoryThatIsNotThereIsALimit) {
+  const Told memory = told([] { throw std::bad_alloc(); });
+  EXPECT_EQ(memory.code, 5);
+  EXPECT_EQ(memory.words.rfind("difi: error: out of memory; take fewer samples", 0), 0u) << memory.words;
+}
+
+TEST(Failure, ErrorsAreWhatTheySay) {
+  for (const ErrorCode code : {ErrorCode::internal, ErrorCode::usage, ErrorCode::input, ErrorCode::output,
+                               ErrorCode::limit, ErrorCode::device, ErrorCode::verify}) {
+    const Told error = told([&] { throw Error(code, "a.stl: what\rit is; what to do"); });
+    EXPECT_EQ(error.code, static_cast<int>(code));
+    EXPECT_EQ(error.words, "difi: error: a.stl: what it is; what to do\n");
+  }
+  const Told interrupted = told([] { throw Error(ErrorCode::interrupted, "compute: cancelled"); });
+  EXPECT_EQ(interrupted.code, 130);
+  EXPECT_EQ(interrupted.words, "difi: error: interrupted; no partial file was left, run it again\n");
+}
+
+}  // namespace
+}  // namespace difi::cli

@@ -1,0 +1,19 @@
+// The wide types of AVX2.
+#ifdef __AVX2__
+
+#include "cpu/simd/wide_avx2.h"
+#include "tests/cpu/simd/operations.h"
+
+namespace difi::testing {
+namespace {
+
+using namespace difi::avx2;
+#include "tests/cpu/simd/operations_body.h"
+
+}  // namespace
+
+extern const SimdOperations kAvx2Operations = operations_of_this_target("avx2");
+
+}  // namespace difi::testing
+
+#endif

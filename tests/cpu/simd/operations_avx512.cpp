@@ -1,0 +1,19 @@
+// The wide types of AVX512.
+#ifdef __AVX512F__
+
+#include "cpu/simd/wide_avx512.h"
+#include "tests/cpu/simd/operations.h"
+
+namespace difi::testing {
+namespace {
+
+using namespace difi::avx512;
+#include "tests/cpu/simd/operations_body.h"
+
+}  // namespace
+
+extern const SimdOperations kAvx512Operations = operations_of_this_target("avx512");
+
+}  // namespace difi::testing
+
+#endif

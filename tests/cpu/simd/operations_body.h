@@ -1,0 +1,63 @@
+// The table of operations for the target whose wide types are in scope. Included once per target into a namespace
+// without a name, as the kernels are: no copy compiled for one processor may serve others.
+
+#define DIFI_UNARY(expression)         \
+  [](Floats p, float* out) {           \
+    const auto a = WideFloat::load(p); \
+    (expression).store(out);           \
+  }
+#define DIFI_BINARY(expression)                                \
+  [](Floats p, Floats q, float* out) {                         \
+    const auto a = WideFloat::load(p), b = WideFloat::load(q); \
+    (expression).store(out);                                   \
+  }
+
+constexpr SimdOperations operations_of_this_target(const char* name) {
+  SimdOperations o{};
+  o.name = name;
+  o.add = DIFI_BINARY(a + b);
+  o.subtract = DIFI_BINARY(a - b);
+  o.multiply = DIFI_BINARY(a * b);
+  o.divide = DIFI_BINARY(a / b);
+  o.min = DIFI_BINARY(min(a, b));
+  o.max = DIFI_BINARY(max(a, b));
+  o.negate = DIFI_UNARY(-a);
+  o.sqrt = DIFI_UNARY(sqrt(a));
+  o.abs = DIFI_UNARY(abs(a));
+  o.fma = [](Floats a, Floats b, Floats c, float* out) {
+    fma(WideFloat::load(a), WideFloat::load(b), WideFloat::load(c)).store(out);
+  };
+  o.broadcast = [](float value, float* out) { WideFloat(value).store(out); };
+  o.broadcast_int = [](int value, float* out) { WideFloat(value).store(out); };
+  o.reduce_max = [](Floats a) { return reduce_max(WideFloat::load(a)); };
+  o.reduce_min = [](Floats a) { return reduce_min(WideFloat::load(a)); };
+  o.truncate = [](Floats a, int* out) { store_truncated(out, WideFloat::load(a)); };
+  o.less = [](Floats a, Floats b) { return Bits{less(WideFloat::load(a), WideFloat::load(b)).to_bits()}; };
+  o.equal = [](Floats a, Floats b) { return Bits{equal(WideFloat::load(a), WideFloat::load(b)).to_bits()}; };
+  o.mask_not = [](Bits a) { return Bits{(~mask_from_bits(a)).to_bits()}; };
+  o.mask_and = [](Bits a, Bits b) { return Bits{(mask_from_bits(a) & mask_from_bits(b)).to_bits()}; };
+  o.mask_or = [](Bits a, Bits b) { return Bits{(mask_from_bits(a) | mask_from_bits(b)).to_bits()}; };
+  o.select = [](Bits m, Floats yes, Floats no, float* out) {
+    select(mask_from_bits(m), WideFloat::load(yes), WideFloat::load(no)).store(out);
+  };
+  o.pack = [](Bits m, Floats a, float* out) { store_packed(out, mask_from_bits(m), WideFloat::load(a)); };
+  o.load_some = [](Floats a, int count, float* out) { load_some(a, count).store(out); };
+  o.load_column = [](const float(*rows)[4], int axis, float* out) { load_column(rows, axis).store(out); };
+  o.store_local = [](const double* v, double scale, const double* center, float* out) {
+    store_local(out, v, scale, center);
+  };
+  o.add_uints = [](Uints a, Uints b, std::uint32_t* out) { (WideUint::load(a) + WideUint::load(b)).store(out); };
+  o.broadcast_uint = [](std::uint32_t value, std::uint32_t* out) { WideUint(value).store(out); };
+  o.lane_numbers = [](std::uint32_t* out) { lane_numbers().store(out); };
+  o.less_uints = [](Uints a, Uints b) { return Bits{less(WideUint::load(a), WideUint::load(b)).to_bits()}; };
+  o.select_uints = [](Bits m, Uints yes, Uints no, std::uint32_t* out) {
+    select(mask_from_bits(m), WideUint::load(yes), WideUint::load(no)).store(out);
+  };
+  o.pack_uints = [](Bits m, Uints a, std::uint32_t* out) {
+    return store_packed(out, mask_from_bits(m), WideUint::load(a));
+  };
+  return o;
+}
+
+#undef DIFI_UNARY
+#undef DIFI_BINARY

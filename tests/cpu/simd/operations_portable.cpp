@@ -1,0 +1,15 @@
+// The wide types of every processor.
+#include "cpu/simd/wide_portable.h"
+#include "tests/cpu/simd/operations.h"
+
+namespace difi::testing {
+namespace {
+
+using namespace difi::portable;
+#include "tests/cpu/simd/operations_body.h"
+
+}  // namespace
+
+extern const SimdOperations kPortableOperations = operations_of_this_target("portable");
+
+}  // namespace difi::testing

@@ -1,0 +1,283 @@
+// Distance fields as containers: what is stored, what is read back, and what lies between the samples.
+#include "difi/field.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "difi/error.h"
+#include "tests/support/fields.h"
+
+namespace difi {
+namespace {
+
+using testing::for_each_sample;
+using testing::kInfinity;
+
+// No axis a multiple of a tile, none alike.
+const Grid kGrid{{19, 10, 26}, {-1, 2, 30}, {0.5, 0.25, 2}};
+
+std::vector<float> numbers(const Grid& grid, float most) {
+  std::mt19937 random(5);
+  std::vector<float> values(static_cast<std::size_t>(grid.sample_count()));
+  for (float& value : values) value = most * static_cast<float>(random() % 1000) / 1000;
+  return values;
+}
+
+// A linear function has itself as its trilinear interpolation and its slope as the gradient.
+constexpr Vec3 kSlope{2, -3, 0.5};
+double linear(Vec3 p) { return 100 + dot(kSlope, p); }
+DistanceField linear_field(const Grid& grid) {
+  std::vector<float> values;
+  for_each_sample(
+      grid, [&](auto i, auto j, auto k) { values.push_back(static_cast<float>(linear(grid.position(i, j, k)))); });
+  return DistanceField::from_dense(grid, kInfinity, values);
+}
+
+ErrorCode code_of(const std::function<void()>& call) {
+  try {
+    call();
+  } catch (const Error& error) {
+    return error.code();
+  }
+  return ErrorCode::internal;
+}
+
+TEST(DistanceField, NewOnesAreFarEverywhere) {
+  const DistanceField field(kGrid, 3.5, true);
+  EXPECT_EQ(field.grid(), kGrid);
+  EXPECT_EQ(field.thickness(), 3.5);
+  EXPECT_EQ(field.tile_count(), (Size3{3, 2, 4}));
+  EXPECT_EQ(field.stored_tiles(), 0);
+  EXPECT_EQ(field.tile(2, 1, 3), nullptr);
+  EXPECT_EQ(field.tile_nearest(2, 1, 3), nullptr);
+  for_each_sample(kGrid, [&](auto i, auto j, auto k) {
+    ASSERT_EQ(field.value(i, j, k), 3.5f);
+    ASSERT_EQ(field.nearest(i, j, k), kNoTriangle);
+  });
+  EXPECT_EQ(field.interpolate(kGrid.position(3, 4, 5)), 3.5);
+  EXPECT_EQ(field.gradient(kGrid.position(3, 4, 5)), Vec3{});
+}
+
+TEST(DistanceField, RefusesWhatCannotBe) {
+  const auto made = [](const Grid& grid, double thickness) { return [=] { DistanceField(grid, thickness); }; };
+  EXPECT_EQ(code_of(made(kGrid, 0)), ErrorCode::usage);
+  EXPECT_EQ(code_of(made(kGrid, -1)), ErrorCode::usage);
+  EXPECT_EQ(code_of(made(kGrid, std::nan(""))), ErrorCode::usage);
+  EXPECT_EQ(code_of(made(Grid{{0, 1, 1}, {}, {1, 1, 1}}, 1)), ErrorCode::usage);
+  // 2^33 tiles: more than their table counts, and refused before it is made.
+  EXPECT_EQ(code_of(made(Grid{{1 << 14, 1 << 14, 1 << 14}, {}, {1, 1, 1}}, 1)), ErrorCode::limit);
+  const std::vector<float> few(5);
+  EXPECT_EQ(code_of([&] { DistanceField::from_dense(kGrid, 1, few); }), ErrorCode::usage);
+  const std::vector<float> all(static_cast<std::size_t>(kGrid.sample_count()));
+  const std::vector<std::uint32_t> few_nearest(5);
+  EXPECT_EQ(code_of([&] { DistanceField::from_dense(kGrid, 1, all, few_nearest); }), ErrorCode::usage);
+}
+
+TEST(DistanceField, DenseInIsDenseOut) {
+  const auto values = numbers(kGrid, 3);
+  std::vector<std::uint32_t> nearest;
+  for (std::size_t n = 0; n < values.size(); ++n) nearest.push_back(static_cast<std::uint32_t>(7 * n));
+  const auto field = DistanceField::from_dense(kGrid, 3.5, values, nearest);
+  EXPECT_TRUE(field.has_nearest());
+  EXPECT_EQ(field.to_dense(), values);
+  EXPECT_EQ(testing::all_nearest(field), nearest);
+  for_each_sample(kGrid, [&](auto i, auto j, auto k) {
+    ASSERT_EQ(field.value(i, j, k), values[kGrid.index(i, j, k)]);
+    ASSERT_EQ(field.nearest(i, j, k), nearest[kGrid.index(i, j, k)]);
+  });
+}
+
+TEST(DistanceField, OnlyTilesWithAValueBelowTheThicknessAreStored) {
+  std::vector<float> values(static_cast<std::size_t>(kGrid.sample_count()), 2);
+  values[kGrid.index(8, 7, 23)] = 1.5f;   // tile (1, 0, 2)
+  values[kGrid.index(18, 9, 25)] = 0.5f;  // the last sample, tile (2, 1, 3)
+  const auto field = DistanceField::from_dense(kGrid, 2, values);
+  EXPECT_EQ(field.stored_tiles(), 2);
+  for (std::int64_t z = 0; z < 4; ++z)
+    for (std::int64_t y = 0; y < 2; ++y)
+      for (std::int64_t x = 0; x < 3; ++x)
+        EXPECT_EQ(field.tile(x, y, z) != nullptr, (x == 1 && y == 0 && z == 2) || (x == 2 && y == 1 && z == 3))
+            << x << y << z;
+  EXPECT_EQ(field.to_dense(), values);
+  // Past the grid a stored tile holds the thickness.
+  const float* last = field.tile(2, 1, 3);
+  EXPECT_EQ(last[2 + 8 * (1 + 8 * 1)], 0.5f);
+  EXPECT_EQ(last[3 + 8 * (1 + 8 * 1)], 2);
+  EXPECT_EQ(last[7 + 8 * (7 + 8 * 7)], 2);
+  EXPECT_EQ(field.memory_bytes(), 2 * 512 * 4 + 24 * 4);
+}
+
+TEST(DistanceField, TilesWithNearestTrianglesAtTheThicknessAreStored) {
+  const Grid grid{{8, 8, 8}, {}, {1, 1, 1}};
+  const std::vector<float> values(512, 2);
+  std::vector<std::uint32_t> nearest(512, kNoTriangle);
+  EXPECT_EQ(DistanceField::from_dense(grid, 2, values, nearest).stored_tiles(), 0);
+  nearest[100] = 3;
+  const auto field = DistanceField::from_dense(grid, 2, values, nearest);
+  EXPECT_EQ(field.stored_tiles(), 1);
+  EXPECT_EQ(testing::all_nearest(field), nearest);
+}
+
+TEST(DistanceField, StoredTilesAreReadBack) {
+  DistanceField field(kGrid, 9, true);
+  float* values = field.store_tile(1, 1, 2);
+  std::uint32_t* nearest = field.store_nearest(1, 1, 2);
+  for (int n = 0; n < 512; ++n) values[n] = static_cast<float>(n) / 100, nearest[n] = static_cast<std::uint32_t>(n);
+  EXPECT_EQ(field.stored_tiles(), 1);
+  EXPECT_EQ(field.value(8, 8, 16), 0);
+  EXPECT_EQ(field.value(9, 8, 16), 0.01f);
+  EXPECT_EQ(field.value(8, 9, 16), 0.08f);
+  EXPECT_EQ(field.value(8, 8, 17), 0.64f);
+  EXPECT_EQ(field.nearest(15, 9, 23), 7u + 8 + 7 * 64);
+  EXPECT_EQ(field.value(7, 8, 16), 9);
+  EXPECT_EQ(field.nearest(7, 8, 16), kNoTriangle);
+}
+
+TEST(DistanceField, SlicesAreCopied) {
+  const auto values = numbers(kGrid, 3);
+  const auto field = DistanceField::from_dense(kGrid, 3.5, values);
+  const auto slice = static_cast<std::size_t>(kGrid.size.x * kGrid.size.y);
+  for (const auto& [first, count] : {std::pair<std::size_t, std::size_t>{0, 1}, {7, 2}, {25, 1}, {3, 0}}) {
+    std::vector<float> out(slice * count);
+    field.copy_slices(static_cast<std::int64_t>(first), static_cast<std::int64_t>(count), out);
+    EXPECT_TRUE(std::equal(out.begin(), out.end(), values.begin() + static_cast<std::ptrdiff_t>(first * slice)));
+  }
+  std::vector<float> out(slice);
+  std::vector<std::uint32_t> nearest(slice);
+  EXPECT_EQ(code_of([&] { field.copy_slices(-1, 1, out); }), ErrorCode::usage);
+  EXPECT_EQ(code_of([&] { field.copy_slices(26, 1, out); }), ErrorCode::usage);
+  EXPECT_EQ(code_of([&] { field.copy_slices(0, 2, out); }), ErrorCode::usage);
+  EXPECT_EQ(code_of([&] { field.copy_slices(0, -1, out); }), ErrorCode::usage);
+  EXPECT_EQ(code_of([&] { field.copy_nearest_slices(0, 1, nearest); }), ErrorCode::usage);  // it has none
+}
+
+TEST(DistanceField, CopiesAreDeepAndMovesAreWhole) {
+  const auto values = numbers(kGrid, 3);
+  const std::vector<std::uint32_t> nearest(values.size(), 5);
+  auto field = DistanceField::from_dense(kGrid, 3.5, values, nearest);
+  field.provenance = {"tiles", 42, "1.2.3"};
+  DistanceField copy(field);
+  EXPECT_EQ(copy.provenance.method, "tiles");
+  EXPECT_EQ(copy.provenance.mesh_hash, 42u);
+  EXPECT_EQ(copy.provenance.version, "1.2.3");
+  EXPECT_EQ(copy.memory_bytes(), field.memory_bytes());
+  const_cast<float*>(field.tile(0, 0, 0))[0] = 3.25f;
+  EXPECT_EQ(field.value(0, 0, 0), 3.25f);
+  EXPECT_EQ(copy.to_dense(), values);
+  EXPECT_EQ(testing::all_nearest(copy), nearest);
+
+  DistanceField assigned(Grid{{1, 1, 1}, {}, {1, 1, 1}}, 1);
+  assigned = copy;
+  const DistanceField& itself = assigned;
+  assigned = itself;
+  EXPECT_EQ(assigned.to_dense(), values);
+  const DistanceField moved(std::move(copy));
+  EXPECT_EQ(moved.to_dense(), values);
+  EXPECT_EQ(moved.grid(), kGrid);
+
+  const DistanceField empty;
+  EXPECT_EQ(DistanceField(empty).stored_tiles(), 0);
+}
+
+// More tiles than a chunk of the pool holds.
+TEST(DistanceField, CopiesManyTiles) {
+  const Grid grid{{64, 64, 72}, {}, {1, 1, 1}};
+  const auto values = numbers(grid, 3);
+  const auto field = DistanceField::from_dense(grid, 3.5, values);
+  EXPECT_EQ(field.stored_tiles(), 576);
+  EXPECT_EQ(DistanceField(field).to_dense(), values);
+}
+
+TEST(DistanceField, InterpolatesLinearFunctionsExactly) {
+  const auto field = linear_field(kGrid);
+  std::mt19937 random(8);
+  const Box box = kGrid.bounds();
+  for (int n = 0; n < 500; ++n) {
+    const auto share = [&] { return static_cast<double>(random() % 1001) / 1000; };
+    const Vec3 p = box.min + box.extent() * Vec3{share(), share(), share()};
+    EXPECT_NEAR(field.interpolate(p), linear(p), 1e-4);
+    const Vec3 slope = field.gradient(p);
+    EXPECT_LT(length(slope - kSlope), 1e-3) << slope.x << " " << slope.y << " " << slope.z;
+  }
+}
+
+TEST(DistanceField, InterpolationAtSamplesIsTheirValue) {
+  const auto values = numbers(kGrid, 3);
+  const auto field = DistanceField::from_dense(kGrid, 3.5, values);
+  for_each_sample(kGrid, [&](auto i, auto j, auto k) {
+    ASSERT_EQ(field.interpolate(kGrid.position(i, j, k)), values[kGrid.index(i, j, k)]) << i << " " << j << " " << k;
+  });
+}
+
+// Within a cell by definition: the eight corners, each with the volume opposite to it.
+TEST(DistanceField, InterpolatesBetweenTheCorners) {
+  const Grid grid{{2, 2, 2}, {1, 2, 3}, {2, 4, 8}};
+  const std::vector<float> values{0, 1, 2, 4, 8, 16, 32, 64};
+  const auto field = DistanceField::from_dense(grid, kInfinity, values);
+  for (const Vec3 t : {Vec3{0.5, 0.5, 0.5}, Vec3{0.25, 0.5, 0.125}, Vec3{1, 0, 0.75}}) {
+    double expected = 0;
+    for (int c = 0; c < 8; ++c)
+      expected += values[c] * (c & 1 ? t.x : 1 - t.x) * (c & 2 ? t.y : 1 - t.y) * (c & 4 ? t.z : 1 - t.z);
+    const Vec3 p = grid.origin + grid.spacing * t;
+    EXPECT_NEAR(field.interpolate(p), expected, 1e-12);
+    // The derivative of a trilinear function along an axis is its difference over any step within the cell.
+    const Vec3 slope = field.gradient(p);
+    const auto difference = [&](Vec3 d) {
+      return (field.interpolate(p + d) - field.interpolate(p - d)) / (2 * length(d));
+    };
+    if (t.x > 0 && t.x < 1) {
+      EXPECT_NEAR(slope.x, difference({0.1, 0, 0}), 1e-9);
+    }
+    if (t.y > 0 && t.y < 1) {
+      EXPECT_NEAR(slope.y, difference({0, 0.1, 0}), 1e-9);
+    }
+    EXPECT_NEAR(slope.z, difference({0, 0, 0.1}), 1e-9);
+  }
+}
+
+TEST(DistanceField, OutsideTheGridTheNearestPointOfItCounts) {
+  const auto field = linear_field(kGrid);
+  const Box box = kGrid.bounds();
+  for (const Vec3 p : {box.min - Vec3{1, 2, 3}, box.max + Vec3{1e9, 0, 0}, Vec3{box.min.x, box.max.y + 5, 31.5},
+                       Vec3{kInfinity, -kInfinity, 31}}) {
+    const Vec3 inside = max(box.min, min(box.max, p));
+    EXPECT_EQ(field.interpolate(p), field.interpolate(inside));
+    EXPECT_EQ(field.gradient(p), field.gradient(inside));
+  }
+  EXPECT_EQ(code_of([&] { field.interpolate({0, std::nan(""), 0}); }), ErrorCode::usage);
+  EXPECT_EQ(code_of([&] { field.gradient({0, 0, std::nan("")}); }), ErrorCode::usage);
+}
+
+TEST(DistanceField, AxesOfOneSample) {
+  const auto field = linear_field({{5, 1, 1}, {0, 7, 8}, {1, 1, 1}});
+  EXPECT_NEAR(field.interpolate({2.25, -100, 100}), linear({2.25, 7, 8}), 1e-4);
+  EXPECT_EQ(field.gradient({2.25, 0, 0}), (Vec3{kSlope.x, 0, 0}));
+  const auto point = linear_field({{1, 1, 1}, {0, 7, 8}, {1, 1, 1}});
+  EXPECT_EQ(point.interpolate({3, 3, 3}), static_cast<float>(linear({0, 7, 8})));
+  EXPECT_EQ(point.gradient({3, 3, 3}), Vec3{});
+}
+
+// Infinity less infinity would be no number.
+TEST(DistanceField, InfiniteValuesGiveInfinityNeverNaN) {
+  const float infinite = std::numeric_limits<float>::infinity();
+  const Grid grid{{2, 2, 2}, {}, {1, 1, 1}};
+  const auto none = DistanceField::from_dense(grid, kInfinity, std::vector<float>(8, infinite));
+  EXPECT_EQ(none.interpolate({0.5, 0.5, 0.5}), kInfinity);
+  EXPECT_EQ(none.gradient({0.5, 0.5, 0.5}), Vec3{});
+  const auto half = DistanceField::from_dense(grid, kInfinity,
+                                              std::vector<float>{1, infinite, 1, infinite, 1, infinite, 1, infinite});
+  EXPECT_EQ(half.interpolate({0, 0.5, 0.5}), 1);  // no share of the infinite corners
+  EXPECT_EQ(half.interpolate({0.5, 0.5, 0.5}), kInfinity);
+  for (const double t : {0.0, 0.25, 1.0}) {
+    EXPECT_FALSE(std::isnan(half.interpolate({t, 0.5, 0.5}))) << t;
+    const Vec3 slope = half.gradient({t, 0.5, 0.5});
+    EXPECT_FALSE(std::isnan(slope.x + slope.y + slope.z)) << t;
+  }
+}
+
+}  // namespace
+}  // namespace difi

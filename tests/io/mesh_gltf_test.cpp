@@ -1,0 +1,83 @@
+// glTF files that assimp reads in part: what it drops must be an error.
+#ifdef DIFI_HAVE_ASSIMP
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <initializer_list>
+#include <thread>
+#include <vector>
+
+#include "difi/io.h"
+#include "tests/io/expect_error.h"
+#include "tests/io/temp_folder.h"
+
+namespace difi {
+namespace {
+
+// A binary glTF of the four corners of a square and these indices.
+std::string square(std::initializer_list<std::uint16_t> indices) {
+  const float positions[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0};
+  std::string data(reinterpret_cast<const char*>(positions), sizeof positions);
+  for (const std::uint16_t index : indices) data.append(reinterpret_cast<const char*>(&index), sizeof index);
+  data.resize((data.size() + 3) / 4 * 4);
+  std::string json =
+      R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],)"
+      R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],"buffers":[{"byteLength":)" +
+      std::to_string(data.size()) +
+      R"(}],"bufferViews":[{"buffer":0,"byteOffset":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":)" +
+      std::to_string(2 * indices.size()) +
+      R"(}],"accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","min":[0,0,0],"max":[1,1,0]},)"
+      R"({"bufferView":1,"componentType":5123,"count":)" +
+      std::to_string(indices.size()) + R"(,"type":"SCALAR"}]})";
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  const auto number = [](std::size_t n) {
+    const auto word = static_cast<std::uint32_t>(n);
+    return std::string(reinterpret_cast<const char*>(&word), sizeof word);
+  };
+  return "glTF" + number(2) + number(28 + json.size() + data.size()) + number(json.size()) + "JSON" + json +
+         number(data.size()) + std::string("BIN\0", 4) + data;
+}
+
+TEST(Gltf, ASquareIsRead) {
+  const TempFolder folder;
+  const Mesh mesh = read_mesh(folder.file("a.glb", square({0, 1, 2, 1, 3, 2})));
+  EXPECT_EQ(mesh.triangles.size(), 2u);
+  EXPECT_EQ(mesh.vertices.size(), 4u);
+}
+
+// Assimp left such faces out, said so in its log alone, and the mesh had a hole that nobody was told of.
+TEST(Gltf, FacesThatAssimpDropsAreErrors) {
+  const TempFolder folder;
+  const auto refused = [&](const std::string& bytes, const char* words) {
+    const auto path = folder.file("a.glb", bytes);
+    expect_error([&] { read_mesh(path); }, ErrorCode::input, words);
+    expect_error([&] { read_mesh(path); }, ErrorCode::input, path.string() + ": ");
+  };
+  refused(square({0, 1, 2, 1, 9, 2}), "out-of-range indices");
+  refused(square({0, 1, 9}), "no faces");
+  refused(square({0, 1, 2, 1, 3}), "TRIANGLES mode");
+  // And the next file is none the worse for it.
+  EXPECT_EQ(read_mesh(folder.file("b.glb", square({0, 1, 2}))).triangles.size(), 1u);
+}
+
+TEST(Gltf, ThreadsHearOfTheirOwnFilesOnly) {
+  const TempFolder folder;
+  const auto good = folder.file("good.glb", square({0, 1, 2, 1, 3, 2}));
+  const auto bad = folder.file("bad.glb", square({0, 1, 2, 1, 9, 2}));
+  std::vector<std::thread> threads;
+  for (int n = 0; n < 4; ++n)
+    threads.emplace_back([&, n] {
+      for (int times = 0; times < 20; ++times) {
+        if (n % 2 == 0) {
+          EXPECT_EQ(read_mesh(good).triangles.size(), 2u);
+        } else {
+          EXPECT_THROW(read_mesh(bad), Error);
+        }
+      }
+    });
+  for (std::thread& thread : threads) thread.join();
+}
+
+}  // namespace
+}  // namespace difi
+#endif  // DIFI_HAVE_ASSIMP
