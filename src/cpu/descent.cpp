@@ -1,7 +1,7 @@
 #include "cpu/descent.h"
 
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for_each.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -189,8 +189,7 @@ class Descent {
     const Points points = points_of(samples, list.arrays());
     Cell parts[8];
     const int count = halves(cell, parts);
-    tbb::parallel_for_each(parts, parts + count,
-                           [&](const Cell& part) { visit(part, list.arrays(), corners_of(points, cell, part)); });
+    tbb::parallel_for(0, count, [&](int n) { visit(parts[n], list.arrays(), corners_of(points, cell, parts[n])); });
   }
 
   static std::int64_t bricks_in(const Cell& cell) {

@@ -141,7 +141,7 @@ Computed compute(MeshView mesh, const Grid& grid, const Options& options) {
   Sink sink(computed.field);
   computed.report = fill(mesh, grid, options, sink);
   computed.report.tiles_stored = computed.field.stored_tiles();
-  computed.field.provenance.mesh_hash = content_hash(mesh);
+  tbb::task_arena(computed.report.threads).execute([&] { computed.field.provenance.mesh_hash = content_hash(mesh); });
   computed.field.provenance.method = computed.report.method;
   computed.field.provenance.version = version();
   return computed;

@@ -1,5 +1,7 @@
 #include "difi/mesh.h"
 
+#include <tbb/parallel_invoke.h>
+
 #include <array>
 #include <cstring>
 #include <string>
@@ -61,15 +63,21 @@ std::uint64_t hash_of_words(std::size_t count, Word word) {
 std::uint64_t content_hash(MeshView mesh) {
   static_assert(sizeof(Vec3) == 3 * sizeof(double));
   const auto* coordinates = reinterpret_cast<const char*>(mesh.vertices.data());
-  const std::uint64_t vertices = hash_of_words(3 * mesh.vertices.size(), [&](std::size_t n) {
-    std::uint64_t bits;
-    std::memcpy(&bits, coordinates + n * sizeof bits, sizeof bits);
-    return bits;
-  });
-  const std::uint64_t triangles = hash_of_words(2 * mesh.triangles.size(), [&](std::size_t n) {
-    const Triangle& t = mesh.triangles[n / 2];
-    return n % 2 == 0 ? (std::uint64_t{t[0]} << 32) | t[1] : t[2];
-  });
+  std::uint64_t vertices = 0, triangles = 0;
+  const auto hash_vertices = [&] {
+    vertices = hash_of_words(3 * mesh.vertices.size(), [&](std::size_t n) {
+      std::uint64_t bits;
+      std::memcpy(&bits, coordinates + n * sizeof bits, sizeof bits);
+      return bits;
+    });
+  };
+  const auto hash_triangles = [&] {
+    triangles = hash_of_words(2 * mesh.triangles.size(), [&](std::size_t n) {
+      const Triangle& t = mesh.triangles[n / 2];
+      return n % 2 == 0 ? (std::uint64_t{t[0]} << 32) | t[1] : t[2];
+    });
+  };
+  tbb::parallel_invoke(hash_vertices, hash_triangles);
   return mixed(vertices, triangles);
 }
 
