@@ -1,0 +1,43 @@
+# The GPU backend: on CUDA where nvcc is found, and always emulated on the CPU.
+#
+# DIFI_CUDA_FLAGS keep the arithmetic the CPU's: nothing is fused that the source does not fuse.
+set(DIFI_CUDA_FLAGS --fmad=false --expt-relaxed-constexpr -Xcompiler=-ffp-contract=off -Xcompiler=-fno-math-errno)
+
+# Sanitizers and coverage watch the emulation instead.
+if(DIFI_WITH_CUDA AND NOT DIFI_SANITIZE AND NOT DIFI_COVERAGE)
+  include(CheckLanguage)
+  check_language(CUDA)
+endif()
+if(DIFI_WITH_CUDA AND CMAKE_CUDA_COMPILER AND NOT DIFI_SANITIZE AND NOT DIFI_COVERAGE)
+  if(NOT CMAKE_CUDA_ARCHITECTURES)
+    set(CMAKE_CUDA_ARCHITECTURES 75-real;80-real;86-real;89-real;90 CACHE STRING "GPUs to compile for; the last as PTX too")
+  endif()
+  enable_language(CUDA)
+  # CMake before 3.27 does not know how nvcc is told C++20.
+  if(NOT CMAKE_CUDA20_STANDARD_COMPILE_OPTION)
+    set(CMAKE_CUDA20_STANDARD_COMPILE_OPTION -std=c++20)
+    set(CMAKE_CUDA20_EXTENSION_COMPILE_OPTION -std=c++20)
+  endif()
+  set(CMAKE_CUDA_STANDARD 20)
+  set(DIFI_HAVE_CUDA ON)
+  file(GLOB DIFI_CUDA_SOURCES CONFIGURE_DEPENDS src/cuda/*.cu)
+  target_sources(difi PRIVATE ${DIFI_CUDA_SOURCES})
+  set_source_files_properties(${DIFI_CUDA_SOURCES} PROPERTIES COMPILE_OPTIONS "${DIFI_CUDA_FLAGS}")
+else()
+  set(DIFI_HAVE_CUDA OFF)
+  if(DIFI_WITH_CUDA AND NOT DIFI_SANITIZE AND NOT DIFI_COVERAGE)
+    message(STATUS "nvcc not found: no CUDA backend (docs/cuda.md says how to get it)")
+  endif()
+  target_sources(difi PRIVATE src/cuda/without_cuda.cpp)
+endif()
+
+file(GLOB DIFI_EMULATION_SOURCES CONFIGURE_DEPENDS src/cuda/*emulated*.cpp src/cuda/emulation/*.cpp)
+target_sources(difi PRIVATE src/cuda/api.cpp ${DIFI_EMULATION_SOURCES})
+find_package(boost_context QUIET CONFIG)
+if(boost_context_FOUND)
+  target_link_libraries(difi PRIVATE Boost::context)
+  set_source_files_properties(src/cuda/emulation/fiber.cpp PROPERTIES COMPILE_DEFINITIONS DIFI_HAVE_BOOST_CONTEXT)
+  list(APPEND DIFI_LINKED_PACKAGES boost_context)
+else()
+  message(STATUS "Boost.Context not found: --device emulated is slower (Debian: libboost-context-dev)")
+endif()
