@@ -4,7 +4,10 @@
 #include <algorithm>
 #include <vector>
 
-#include "cuda/enqueue.cuh"
+#include "cuda/emulated.h"
+#include "cuda/guess.h"
+#include "cuda/lattice.h"
+#include "cuda/platform.cuh"
 #include "field/backend.h"
 
 namespace difi::DIFI_PLATFORM {
@@ -85,9 +88,9 @@ inline Counts run(const Job& job, Sink& sink, Method method) {
     const Memory values(value_bytes), nearest(sink.with_nearest() ? value_bytes : 1);
     task.output = {values.as<float>(), sink.with_nearest() ? nearest.as<std::uint32_t>() : nullptr,
                    slots.as<std::int32_t>(), slot_capacity};
-    const std::int64_t bytes = needed_bytes(triangles, job.grid, job.thickness, method, entries);
+    const std::int64_t bytes = workspace_bytes(triangles, job.grid, job.thickness, method, entries);
     const Memory workspace(bytes);
-    enqueue_task(task, workspace.as<void>(), bytes, nullptr);
+    DIFI_PLATFORM::enqueue(task, workspace.as<void>(), bytes, nullptr);
     Outcome outcome;
     copy_out(&outcome, task.outcome, sizeof outcome);
     if (outcome.stopped == 0) {

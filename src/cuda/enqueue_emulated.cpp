@@ -9,6 +9,8 @@ std::int64_t workspace_bytes(std::int64_t triangles, const Grid& grid, double th
   return needed_bytes(triangles, grid, thickness, method, entries);
 }
 
-void enqueue(const Task& task, void* workspace, std::int64_t bytes) { enqueue_task(task, workspace, bytes, nullptr); }
+void enqueue(const Task& task, void* workspace, std::int64_t bytes, Stream stream) {
+  enqueue_task(task, workspace, bytes, stream);
+}
 
 }  // namespace difi::emulated
