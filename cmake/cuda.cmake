@@ -1,7 +1,5 @@
 # The GPU backend: on CUDA where nvcc is found, and always emulated on the CPU.
-#
-# DIFI_CUDA_FLAGS keep the arithmetic the CPU's: nothing is fused that the source does not fuse.
-set(DIFI_CUDA_FLAGS --fmad=false --expt-relaxed-constexpr -Xcompiler=-ffp-contract=off -Xcompiler=-fno-math-errno)
+include(cmake/cuda_flags.cmake)
 
 # Sanitizers and coverage watch the emulation instead.
 if(DIFI_WITH_CUDA AND NOT DIFI_SANITIZE AND NOT DIFI_COVERAGE)
