@@ -33,7 +33,7 @@ struct Thread {
 // Two alternating tags: with one, a thread that runs ahead to the next barrier would hide races of those behind it.
 struct Tags {
   char of_block[2] = {};
-  char of_end = 0;
+  char of_start = 0, of_end = 0;
 };
 
 struct Running {
@@ -60,17 +60,28 @@ DIFI_UNWATCHED void wait(State state, const std::source_location& at) {
 }
 
 DIFI_UNWATCHED void run_thread() {
+  acquire(&running.tags.of_start);
   (*running.body)();
   release(&running.tags.of_end);
   running.current->state = State::done;
   running.current->fiber.finish();
 }
 
-std::string place(const std::source_location& at) {
-  return std::string(at.file_name()) + ":" + std::to_string(at.line());
+// Where a thread waits: its file and line.
+struct Place {
+  const char* file;
+  std::uint_least32_t line;
+};
+DIFI_UNWATCHED Place place_of(unsigned n) {
+  const std::source_location& at = running.threads[n]->at;
+  return {at.file_name(), at.line()};
 }
 
 [[noreturn]] void fail(const std::string& what) {
+  // The threads that wait will not go on: what they did is over.
+  for (char& tag : running.tags.of_block) acquire(&tag);
+  acquire(&running.tags.of_end);
+  for (unsigned n = 0; n < 2 * (running.count / kWarp + 1); ++n) acquire(&running.warp_tags[n]);
   throw Error(ErrorCode::internal, std::string("emulation: kernel '") + running.label + "', block " +
                                        std::to_string(running.at.x) + "," + std::to_string(running.at.y) + "," +
                                        std::to_string(running.at.z) + ": " + what);
@@ -83,6 +94,7 @@ class BlockRun {
   }
 
   void run() {
+    release(&running.tags.of_start);
     for (unsigned n = 0; n < running.count; ++n) {
       Thread& t = *running.threads[n];
       const unsigned width = running.block.x, height = running.block.y;
@@ -149,9 +161,8 @@ class BlockRun {
     if (done != 0)
       fail("divergent barrier: " + std::to_string(done) + " of " + std::to_string(running.count) +
            " threads have ended, the others wait at " + waiting_places());
-    const std::source_location& at = running.threads[0]->at;
     for (unsigned n = 0; n < running.count; ++n)
-      if (running.threads[n]->at.line() != at.line())
+      if (place_of(n).line != place_of(0).line)
         fail("divergent barrier: threads wait at different places, " + waiting_places());
     for (unsigned n = 0; n < running.count; ++n) running.threads[n]->state = State::ready;
     return true;
@@ -160,7 +171,8 @@ class BlockRun {
   std::string waiting_places() const {
     std::vector<std::string> places;
     for (unsigned n = 0; n < running.count; ++n)
-      if (running.threads[n]->state != State::done) places.push_back(place(running.threads[n]->at));
+      if (running.threads[n]->state != State::done)
+        places.push_back(std::string(place_of(n).file) + ":" + std::to_string(place_of(n).line));
     std::sort(places.begin(), places.end());
     places.erase(std::unique(places.begin(), places.end()), places.end());
     std::string all;
