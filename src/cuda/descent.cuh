@@ -89,9 +89,9 @@ DIFI_DEVICE std::int64_t parent_of(const Step& step, Counter chunk) {
   return low;
 }
 
-/// Begins a chunk: all threads of the block take part.
+/// Begins a chunk: all threads of the block take part. No barrier comes first: what others than the first eight threads
+/// may still read of the chunk before, `base`, is not written here.
 DIFI_DEVICE void begin_chunk(const gpu::Lattice& l, const Step& step, Counter number, Chunk& chunk) {
-  __syncthreads();  // the chunk before has been used
   const int t = static_cast<int>(threadIdx.x);
   if (t < 8) {
     const std::int64_t parent = parent_of(step, number);

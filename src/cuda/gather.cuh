@@ -164,7 +164,7 @@ __global__ void __launch_bounds__(kGatherThreads, 2)
       __syncthreads();
       measured += gather_stage<kNearest>(l, stage, count, sample, warp_center, in_grid, known_within, best);
     }
-    __syncthreads();  // the counters are zero
+    __syncthreads();  // the counters are zero, also where no triangle came by
     if (thread % 32 == 0) atomicAdd(&finished.measured, static_cast<unsigned>(measured));
     const bool in_band = in_grid && !(l.thickness_sq < best.distance_sq);
     const float value = in_grid ? min(sqrt(best.distance_sq) * l.unscale, l.thickness_world) : l.thickness_world;

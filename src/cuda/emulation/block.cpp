@@ -89,8 +89,9 @@ DIFI_UNWATCHED Place place_of(unsigned n) {
 
 class BlockRun {
  public:
-  explicit BlockRun(std::mt19937& random) : random_(random), order_(running.count) {
-    for (unsigned n = 0; n < running.count; ++n) order_[n] = order_now == Order::reverse ? running.count - 1 - n : n;
+  explicit BlockRun(std::mt19937& random) : random_(random), warps_((running.count + kWarp - 1) / kWarp) {
+    for (unsigned n = 0; n < warps_.size(); ++n) warps_[n] = n;
+    if (order_now == Order::reverse) std::reverse(warps_.begin(), warps_.end());
   }
 
   void run() {
@@ -106,7 +107,6 @@ class BlockRun {
     }
     while (!all_done()) {
       bool moved = take_turns();
-      moved |= open_warp_barriers();
       moved |= open_block_barrier();
       if (!moved) fail("threads wait for each other at " + waiting_places());
     }
@@ -114,17 +114,33 @@ class BlockRun {
   }
 
  private:
-  DIFI_UNWATCHED bool take_turns() {
-    if (order_now == Order::random) std::shuffle(order_.begin(), order_.end(), random_);
+  // Each warp runs on its own as far as it can before the next one does, so that what only a barrier of the block would
+  // order happens too early or too late. In random order it stops now and then, too.
+  bool take_turns() {
+    if (order_now == Order::random) std::shuffle(warps_.begin(), warps_.end(), random_);
     bool moved = false;
-    for (const unsigned n : order_) {
-      Thread& t = *running.threads[n];
+    for (const unsigned warp : warps_) {
+      int rounds = order_now == Order::random ? static_cast<int>(random_() % 4) : -1;
+      for (; rounds != 0 && run_warp(warp); --rounds) moved = true;
+    }
+    if (!moved)  // perhaps those that could run were passed over
+      for (const unsigned warp : warps_) moved |= run_warp(warp);
+    return moved;
+  }
+
+  // Lets every thread of the warp run that can, then opens its barriers.
+  DIFI_UNWATCHED bool run_warp(unsigned warp) {
+    const unsigned first = warp * kWarp, count = std::min(kWarp, running.count - first);
+    const unsigned shift = order_now == Order::random ? random_() % count : 0;
+    bool moved = false;
+    for (unsigned n = 0; n < count; ++n) {
+      Thread& t = *running.threads[first + (order_now == Order::reverse ? count - 1 - n : (n + shift) % count)];
       if (t.state != State::ready) continue;
       running.current = &t;
       t.fiber.resume();
       moved = true;
     }
-    return moved;
+    return open_warp_barriers(first, first + count) || moved;
   }
 
   unsigned count(State state) const {
@@ -134,13 +150,12 @@ class BlockRun {
   }
   bool all_done() const { return count(State::done) == running.count; }
 
-  // Opens the barriers of warps that all threads in the mask have reached.
-  bool open_warp_barriers() {
+  // Opens the barriers of a warp, threads first to end, that all threads in the mask have reached.
+  bool open_warp_barriers(unsigned first, unsigned end) {
     bool moved = false;
-    for (unsigned n = 0; n < running.count; ++n) {
+    for (unsigned n = first; n < end; ++n) {
       const Thread& t = *running.threads[n];
       if (t.state != State::at_warp_barrier) continue;
-      const unsigned first = n / kWarp * kWarp, end = std::min(first + kWarp, running.count);
       bool all = true;
       for (unsigned m = first; m < end; ++m) {
         const Thread& other = *running.threads[m];
@@ -181,7 +196,7 @@ class BlockRun {
   }
 
   std::mt19937& random_;
-  std::vector<unsigned> order_;
+  std::vector<unsigned> warps_;  // in the order of their turns
 };
 
 }  // namespace

@@ -16,7 +16,8 @@
 
 namespace difi::emulation {
 
-/// The order in which the threads of a block take turns.
+/// The order in which the threads of a block take turns. Forward and reverse let each warp run alone as far as it can,
+/// the first or the last one first; random mixes warps and stops them now and then.
 enum class Order { forward, reverse, random };
 
 /// For as long as it lives, launches run in this order. Not for use by several threads at once.
