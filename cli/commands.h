@@ -11,5 +11,6 @@ void add_slice(CLI::App& program);
 void add_verify(CLI::App& program);
 void add_generate(CLI::App& program);
 void add_convert(CLI::App& program);
+void add_devices(CLI::App& program);
 
 }  // namespace difi::cli

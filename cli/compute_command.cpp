@@ -68,7 +68,8 @@ void Command::add_to(CLI::App& verb) {
     parse_choice(o, t, {"triangle"});
     options.nearest_triangle = true;
   });
-  add("--device", "NAME", "auto (default), cpu or cuda", [this](S o, S t) { options.backend = parse_backend(o, t); });
+  add("--device", "NAME", "auto (default), cpu, cuda, cuda:N or emulated; see difi\ndevices",
+      [this](S o, S t) { options.backend = parse_backend(o, t, options.device); });
   add("-j,--threads", "N", "threads (default: all)",
       [this](S o, S t) { options.threads = static_cast<int>(parse_count(o, t, 1, 4096)); });
   add("--memory-limit", "SIZE",

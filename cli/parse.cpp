@@ -145,9 +145,17 @@ Method parse_method(const std::string& option, const std::string& text) {
   return parse_choice(option, text, {"tiles", "thesis"}) == 0 ? Method::tiles : Method::thesis;
 }
 
-Backend parse_backend(const std::string& option, const std::string& text) {
-  constexpr Backend backends[] = {Backend::automatic, Backend::cpu, Backend::cuda};
-  return backends[parse_choice(option, text, {"auto", "cpu", "cuda"})];
+Backend parse_backend(const std::string& option, const std::string& text, int& device) {
+  constexpr Backend backends[] = {Backend::automatic, Backend::cpu, Backend::cuda, Backend::emulated};
+  const auto colon = text.find(':');
+  const std::string name = text.substr(0, colon);
+  const Backend backend = backends[parse_choice(option, name, {"auto", "cpu", "cuda", "emulated"})];
+  if (colon == std::string::npos) return backend;
+  if (backend != Backend::cuda) reject(option, text, "only cuda takes a number, as in cuda:1");
+  const auto number = whole_text<int>(std::string_view(text).substr(colon + 1));
+  if (!number || *number < 0) reject(option, text, "give the number of a GPU, from 0 on; see `difi devices`");
+  device = *number;
+  return backend;
 }
 
 double parse_unit(const std::string& option, const std::string& text) {

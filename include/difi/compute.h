@@ -20,8 +20,13 @@ enum class Method {
   thesis,  ///< Algorithm 1 of the 2008 thesis (docs/thesis.md): not exact where its skip rule drops a triangle
 };
 
-/// Where a method runs.
-enum class Backend { automatic, cpu, cuda };
+/// Where a method runs (docs/cuda.md).
+enum class Backend {
+  automatic,  ///< an NVIDIA GPU where there is one and the job is large enough for it, else the CPU
+  cpu,
+  cuda,      ///< an NVIDIA GPU
+  emulated,  ///< the GPU's kernels on the CPU, thread by thread: slow, to find faults with
+};
 
 /// Which triangles may be left out before any distance is computed (docs/skip.md).
 struct SkipRule {
@@ -53,6 +58,7 @@ struct Options {
   std::int64_t memory_limit = 0;  ///< bytes of output and scratch together; 0: no limit
   bool nearest_triangle = false;  ///< also store the nearest triangle's index per band sample, lowest on ties
   Simd simd = Simd::automatic;
+  int device = 0;  ///< which GPU, from 0, for Backend::cuda
   /// Called now and then, from one thread at a time; return false to cancel, which throws Error{interrupted}.
   std::function<bool(const Progress&)> progress;
 };
@@ -60,7 +66,7 @@ struct Options {
 /// What a computation did.
 struct Report {
   std::string method;   ///< "tiles" or "thesis"
-  std::string backend;  ///< "cpu" or "cuda"
+  std::string backend;  ///< "cpu", "cuda" or "emulated"
   std::string device;   ///< the instruction set or the GPU's name
   int threads = 0;
   std::int64_t triangles = 0;

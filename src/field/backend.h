@@ -21,6 +21,7 @@ struct Job {
   int threads;  ///< at least 1
   Simd simd;
   ProgressMeter& progress;
+  int device = 0;  ///< which GPU
 
   std::int64_t triangle_count() const {
     return static_cast<std::int64_t>(kept.empty() ? mesh.triangles.size() : kept.size());
@@ -43,14 +44,16 @@ struct BackendRow {
   const char* backend_name;
   const char* method_name;
   bool (*available)();
-  std::string (*device)(Simd requested);  ///< what Report::device says
+  std::string (*device)(Simd requested, int device);  ///< what Report::device says
   Counts (*run)(const Job&, Sink&);
   /// Bytes of scratch in the worst case, the output not counted.
   std::int64_t (*scratch_bytes)(std::int64_t triangles, const Grid&, double thickness, int threads);
 };
 
-/// The rows of the table; `find_backend` throws Error{device} when nothing fits.
+/// The rows of the table.
 std::span<const BackendRow> backends();
-const BackendRow& find_backend(Backend backend, Method method);
+/// The row for a job of this size; Backend::automatic takes a GPU that is there if the job is large enough for it.
+/// Throws Error{device} when nothing fits.
+const BackendRow& find_backend(Backend backend, Method method, std::int64_t triangles, const Grid& grid);
 
 }  // namespace difi

@@ -73,7 +73,8 @@ void check_memory(std::int64_t triangles, const Grid& grid, const Options& optio
 
 // Everything but the output's own memory, which differs between compute and compute_into.
 Report fill(MeshView mesh, const Grid& grid, const Options& options, Sink& sink) {
-  const BackendRow& backend = find_backend(options.backend, options.method);
+  const BackendRow& backend =
+      find_backend(options.backend, options.method, static_cast<std::int64_t>(mesh.triangles.size()), grid);
   const int threads = thread_count(options);
   Report report;
   ProgressMeter progress(options);
@@ -93,7 +94,7 @@ Report fill(MeshView mesh, const Grid& grid, const Options& options, Sink& sink)
     report.seconds.prepare = watch.lap();
 
     progress.stage("bin", 1, 0.1, 0.2);
-    const Job job{mesh, kept, grid, options.thickness, threads, options.simd, progress};
+    const Job job{mesh, kept, grid, options.thickness, threads, options.simd, progress, options.device};
     const Counts counts = backend.run(job, sink);
     report.seconds.compute = watch.lap();
     report.triangles = static_cast<std::int64_t>(mesh.triangles.size());
@@ -104,7 +105,7 @@ Report fill(MeshView mesh, const Grid& grid, const Options& options, Sink& sink)
   progress.stage("done", 1, 1, 1);
   report.method = backend.method_name;
   report.backend = backend.backend_name;
-  report.device = backend.device(options.simd);
+  report.device = backend.device(options.simd, options.device);
   report.threads = threads;
   report.samples = grid.sample_count();
   constexpr std::int64_t side = DistanceField::kTileSide;
@@ -117,7 +118,7 @@ Report fill(MeshView mesh, const Grid& grid, const Options& options, Sink& sink)
 
 std::int64_t memory_needed(std::int64_t triangles, const Grid& grid, const Options& options, bool dense) {
   validate(grid);
-  const BackendRow& backend = find_backend(options.backend, options.method);
+  const BackendRow& backend = find_backend(options.backend, options.method, triangles, grid);
   constexpr double side = DistanceField::kTileSide, tile_bytes = DistanceField::kTileSamples * sizeof(float);
   const double tiles = std::ceil(static_cast<double>(grid.size.x) / side) *
                        std::ceil(static_cast<double>(grid.size.y) / side) *

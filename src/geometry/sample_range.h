@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "difi/grid.h"
+#include "geometry/host_device.h"
 
 namespace difi {
 
@@ -12,17 +13,17 @@ namespace difi {
 struct SampleRange {
   Size3 begin, end;
 
-  bool empty() const { return begin.x >= end.x || begin.y >= end.y || begin.z >= end.z; }
-  std::int64_t count() const { return empty() ? 0 : (end.x - begin.x) * (end.y - begin.y) * (end.z - begin.z); }
+  DIFI_HD bool empty() const { return begin.x >= end.x || begin.y >= end.y || begin.z >= end.z; }
+  DIFI_HD std::int64_t count() const { return empty() ? 0 : (end.x - begin.x) * (end.y - begin.y) * (end.z - begin.z); }
 };
 
-inline SampleRange intersection(const SampleRange& a, const SampleRange& b) {
+DIFI_HD inline SampleRange intersection(const SampleRange& a, const SampleRange& b) {
   return {{std::max(a.begin.x, b.begin.x), std::max(a.begin.y, b.begin.y), std::max(a.begin.z, b.begin.z)},
           {std::min(a.end.x, b.end.x), std::min(a.end.y, b.end.y), std::min(a.end.z, b.end.z)}};
 }
 
 /// The samples of the grid in the box, its faces included. The box may be infinite, and empty on some axis.
-inline SampleRange samples_in(const Box& box, const Grid& grid) {
+DIFI_HD inline SampleRange samples_in(const Box& box, const Grid& grid) {
   // Not ceil and floor: without SSE4.1 they are calls of the C library, and every triangle of every brick comes here.
   const auto first = [](double low, double origin, double spacing, std::int64_t size) {
     const double sample = std::clamp((low - origin) / spacing, 0.0, static_cast<double>(size));

@@ -1,0 +1,101 @@
+// Distance fields for those who live on the GPU: mesh, workspace and output in device memory, on the caller's stream.
+//
+// Nothing here allocates, waits for the GPU or reads from it, so that calls can be captured into a CUDA graph. For host
+// memory use compute() with Options::backend = Backend::cuda, which is built on this. See docs/cuda.md.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "difi/compute.h"
+#include "difi/field.h"
+#include "difi/grid.h"
+
+struct CUstream_st;
+
+namespace difi::cuda {
+
+/// A cudaStream_t.
+using Stream = CUstream_st*;
+
+/// A mesh in device memory: three doubles a vertex in world units, three indices a triangle.
+struct DeviceMesh {
+  const double* vertices = nullptr;
+  std::int64_t vertex_count = 0;
+  const std::uint32_t* triangles = nullptr;
+  std::int64_t triangle_count = 0;  ///< 1 to 2^32 - 2
+  /// The triangles to use, ascending; null: all of them. `kept_count` of them.
+  const std::uint32_t* kept = nullptr;
+  std::int64_t kept_count = 0;
+
+  constexpr std::int64_t used_count() const { return kept ? kept_count : triangle_count; }
+};
+
+/// Where the field goes, in device memory. Dense: `slots` is null, and `values` holds one value a sample, x fastest.
+/// Sparse: `slots` holds one entry a tile of 8x8x8 samples (x fastest): the tile's slot, or -1 where every sample is
+/// farther than the thickness. Tile values stand at values + 512 * slot, x fastest. Slots ascend with the tiles; some
+/// may stay unused.
+struct DeviceOutput {
+  float* values = nullptr;
+  std::uint32_t* nearest = nullptr;  ///< as long as values, or null where nearest triangles are not wanted
+  std::int32_t* slots = nullptr;
+  std::int64_t slot_capacity = 0;  ///< sparse: how many tiles `values` has room for
+};
+
+/// What happened, in device memory; written by enqueue's work. Copy it back when it suits you.
+struct Outcome {
+  static constexpr unsigned long long kNone = ~0ull;
+  unsigned long long stopped;       ///< not 0: something below is wrong, and the output was not written
+  unsigned long long bad_triangle;  ///< the first triangle with an index out of range or a corner not finite, or kNone
+  unsigned long long needed_entries;    ///< triangle list entries needed; where too few were given, so far
+  unsigned long long needed_slots;      ///< tiles that may have to be stored (sparse output)
+  unsigned long long samples_examined;  ///< as in Report
+  unsigned long long samples_band;
+};
+
+/// One field to compute.
+struct Task {
+  DeviceMesh mesh;
+  Grid grid;
+  double thickness = 0;  ///< world units, may be infinite
+  Method method = Method::tiles;
+  DeviceOutput output;
+  Outcome* outcome = nullptr;
+};
+
+/// Room for triangle lists that most meshes of this size get by with. A guess: what is really needed stands in the
+/// Outcome, and no guess gives a wrong field.
+std::int64_t likely_entries(std::int64_t triangles, const Grid& grid, double thickness, Method method = Method::tiles);
+
+/// Bytes of device memory that enqueue wants for a mesh of at most `triangles` used triangles with room for `entries`
+/// list entries.
+std::int64_t workspace_bytes(std::int64_t triangles, const Grid& grid, double thickness, Method method,
+                             std::int64_t entries);
+
+/// Puts the computation on the stream and returns. `workspace` (device memory, 256-byte aligned) is in use until the
+/// work is done; its content before and after means nothing. The field is the one that compute() gives.
+/// Errors: usage (grid, thickness, null pointers, too small a workspace: it says how large), device.
+void enqueue(const Task& task, void* workspace, std::int64_t bytes, Stream stream);
+
+/// Several fields, one after the other on the stream, through one workspace that is large enough for each.
+void enqueue(std::span<const Task> tasks, void* workspace, std::int64_t bytes, Stream stream);
+
+/// Throws what the outcome (copied to the host) says: Error{input} for a bad triangle, Error{limit} for too little
+/// room. Returns where all is well.
+void check(const Outcome& outcome, const Task& task);
+
+/// A GPU, or why there is none.
+struct DeviceInfo {
+  std::string name;
+  int major = 0, minor = 0;  ///< compute capability
+  std::int64_t memory_bytes = 0;
+};
+
+/// The GPUs that difi can use, in CUDA's order. Empty without a driver, a device, or CUDA in this build.
+std::vector<DeviceInfo> devices();
+/// In a sentence: why devices() is empty, or an empty text.
+std::string why_no_device();
+
+}  // namespace difi::cuda

@@ -1,0 +1,33 @@
+// The parts of difi/cuda.h that need no GPU.
+#include "difi/cuda.h"
+
+#include <string>
+
+#include "cuda/backend.h"
+#include "cuda/guess.h"
+#include "difi/error.h"
+
+namespace difi::cuda {
+
+std::int64_t likely_entries(std::int64_t triangles, const Grid& grid, double thickness, Method method) {
+  validate(grid);
+  return gpu::likely_entries(triangles, grid, thickness, method);
+}
+
+std::int64_t scratch_bytes(std::int64_t, const Grid& grid, double, int) { return gpu::host_scratch_bytes(grid); }
+
+void check(const Outcome& outcome, const Task& task) {
+  if (outcome.stopped == 0) return;
+  if (outcome.bad_triangle != Outcome::kNone)
+    throw Error(ErrorCode::input, "cuda: triangle " + std::to_string(outcome.bad_triangle) +
+                                      " has an index out of range or a corner that is not finite; repair the mesh");
+  if (outcome.needed_slots > static_cast<unsigned long long>(task.output.slot_capacity))
+    throw Error(ErrorCode::limit, "cuda: the output has room for " + std::to_string(task.output.slot_capacity) +
+                                      " tiles, " + std::to_string(outcome.needed_slots) +
+                                      " are needed; nothing was written, give it more");
+  throw Error(ErrorCode::limit, "cuda: the triangle lists need room for at least " +
+                                    std::to_string(outcome.needed_entries) +
+                                    " entries; nothing was written, give a workspace for more (workspace_bytes)");
+}
+
+}  // namespace difi::cuda

@@ -1,0 +1,24 @@
+// The GPU backends as the table of backends sees them (src/field/backend.cpp): on CUDA, and emulated on the CPU.
+#pragma once
+
+#include <string>
+
+#include "field/backend.h"
+
+namespace difi::cuda {
+bool available();
+/// Why it is not, in a sentence with what to do.
+std::string why_not_available();
+std::string device_name(int device);
+Counts run_tiles(const Job& job, Sink& sink);
+Counts run_thesis(const Job& job, Sink& sink);
+/// Bytes of host memory beside the output; the GPU's own memory is not counted.
+std::int64_t scratch_bytes(std::int64_t triangles, const Grid& grid, double thickness, int threads);
+}  // namespace difi::cuda
+
+namespace difi::emulated {
+Counts run_tiles(const Job& job, Sink& sink);
+Counts run_thesis(const Job& job, Sink& sink);
+/// The same, and the memory that stands for the GPU's.
+std::int64_t scratch_bytes(std::int64_t triangles, const Grid& grid, double thickness, int threads);
+}  // namespace difi::emulated

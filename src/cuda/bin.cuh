@@ -1,0 +1,110 @@
+// Thin bands: which triangles each tile has to look at, by counting. A triangle goes into the tiles that its box grown
+// by the thickness touches. One that touches more than two in a row is compared with their centres, exactly, by a block
+// of threads of its own.
+#pragma once
+
+#include "cuda/corners.cuh"
+
+namespace difi::DIFI_PLATFORM {
+
+/// Tiles low[axis] to high[axis]; low > high on some axis for none.
+struct TileRange {
+  std::int64_t low[3], high[3];
+
+  DIFI_HD bool empty() const { return low[0] > high[0] || low[1] > high[1] || low[2] > high[2]; }
+  DIFI_HD bool is_small() const { return high[0] - low[0] <= 1 && high[1] - low[1] <= 1 && high[2] - low[2] <= 1; }
+};
+
+/// The tiles with samples in the triangle's grown box.
+DIFI_DEVICE TileRange tiles_of(const gpu::Lattice& l, const Corners& c) {
+  const BoxOf<double> box = box_of(c.at[0], c.at[1], c.at[2]);
+  const double lows[3] = {box.low.x, box.low.y, box.low.z}, highs[3] = {box.high.x, box.high.y, box.high.z};
+  TileRange range;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double past = static_cast<double>(l.size[axis]);
+    const double from = (lows[axis] - l.origin[axis]) * l.to_samples[axis] - l.reach[axis];
+    const double to = (highs[axis] - l.origin[axis]) * l.to_samples[axis] + l.reach[axis];
+    // The first sample at or above `from` and the last at or below `to`, by truncation of what is not negative.
+    const auto first = static_cast<std::int64_t>(min(max(from + (1 - gpu::kBoxSlack), 0.0), past));
+    const auto last = static_cast<std::int64_t>(min(max(to + 1, 0.0), past)) - 1;
+    range.low[axis] = first / gpu::kTileSide;
+    range.high[axis] = last < first ? -1 : last / gpu::kTileSide;
+  }
+  return range;
+}
+
+/// The triangles of each tile: entries[start[tile]] to entries[start[tile + 1] - 1].
+struct TileLists {
+  std::uint32_t* counts;   // per tile, and a zero behind the last
+  Counter* start;          // as long
+  std::uint32_t* entries;  // triangles
+  Counter capacity;        // of entries
+};
+
+/// Triangles that touch many tiles.
+struct LongList {
+  std::uint32_t* triangles;
+  Counter* count;
+};
+
+/// First pass: counts. Second pass: fills the lists from their ends, taking the counts back down to zero.
+template <bool kPlace>
+DIFI_DEVICE void use_tile(const TileLists& lists, std::int64_t tile, std::uint32_t triangle) {
+  if (kPlace)
+    lists.entries[lists.start[tile] + atomicSub(&lists.counts[tile], 1u) - 1] = triangle;
+  else
+    atomicAdd(&lists.counts[tile], 1u);
+}
+
+/// A thread a triangle. Lists the long ones in the first pass.
+template <bool kPlace>
+__global__ void bin_small(gpu::Lattice l, DeviceMesh mesh, TileLists lists, LongList long_ones, Outcome* outcome) {
+  const std::int64_t n = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
+  if (n >= mesh.used_count()) return;
+  if (kPlace && outcome->stopped) return;
+  const std::uint32_t triangle = used_triangle(mesh, n);
+  if (!kPlace && !is_valid(mesh, triangle, outcome)) return;
+  const TileRange r = tiles_of(l, corners_of(mesh, triangle));
+  if (r.empty()) return;
+  if (!r.is_small()) {
+    if (!kPlace) long_ones.triangles[atomicAdd(long_ones.count, Counter{1})] = triangle;
+    return;
+  }
+  for (std::int64_t z = r.low[2]; z <= r.high[2]; ++z)
+    for (std::int64_t y = r.low[1]; y <= r.high[1]; ++y)
+      for (std::int64_t x = r.low[0]; x <= r.high[0]; ++x) use_tile<kPlace>(lists, l.tile(x, y, z), triangle);
+}
+
+/// A block a long triangle, a thread a tile of its range.
+template <bool kPlace>
+__global__ void bin_long(gpu::Lattice l, DeviceMesh mesh, TileLists lists, LongList long_ones, Outcome* outcome) {
+  if (outcome->stopped) return;
+  double radius_sq = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double half = l.unit[axis] * (gpu::kTileSide - 1) / 2;
+    radius_sq += half * half;
+  }
+  const double reach = (l.thickness_units + sqrt(radius_sq)) * (1 + gpu::kBoxSlack);
+  const Counter count = *long_ones.count;
+  for (Counter n = blockIdx.x; n < count; n += gridDim.x) {
+    const std::uint32_t triangle = long_ones.triangles[n];
+    const Corners c = corners_of(mesh, triangle);
+    const TileRange r = tiles_of(l, c);
+    constexpr double middle = (gpu::kTileSide - 1) / 2.0;
+    const auto center = [&](std::int64_t x, std::int64_t y, std::int64_t z) {
+      return place(l, static_cast<double>(x * gpu::kTileSide) + middle,
+                   static_cast<double>(y * gpu::kTileSide) + middle, static_cast<double>(z * gpu::kTileSide) + middle);
+    };
+    const Triple<double> first = center(r.low[0], r.low[1], r.low[2]);
+    const TriangleFrame<double> frame =
+        make_frame(local(l, c.at[0], first), local(l, c.at[1], first), local(l, c.at[2], first), 1e-24);
+    const std::int64_t nx = r.high[0] - r.low[0] + 1, ny = r.high[1] - r.low[1] + 1, nz = r.high[2] - r.low[2] + 1;
+    for (std::int64_t at = threadIdx.x; at < nx * ny * nz; at += blockDim.x) {
+      const std::int64_t x = r.low[0] + at % nx, y = r.low[1] + at / nx % ny, z = r.low[2] + at / (nx * ny);
+      const Triple<double> here = center(x, y, z) - first;
+      if (distance_sq(frame, here) <= reach * reach) use_tile<kPlace>(lists, l.tile(x, y, z), triangle);
+    }
+  }
+}
+
+}  // namespace difi::DIFI_PLATFORM

@@ -1,0 +1,12 @@
+// The functions of difi/cuda.h over plain memory, emulated on the CPU: for tests.
+#pragma once
+
+#include "difi/cuda.h"
+
+namespace difi::emulated {
+
+std::int64_t workspace_bytes(std::int64_t triangles, const Grid& grid, double thickness, Method method,
+                             std::int64_t entries);
+void enqueue(const cuda::Task& task, void* workspace, std::int64_t bytes, cuda::Stream stream = nullptr);
+
+}  // namespace difi::emulated

@@ -1,0 +1,65 @@
+// Runs CUDA kernels on the CPU, to test them where there is no GPU: the threads of a block are fibers that take turns,
+// blocks come one after the other. The words that kernels are written in stand in words.h.
+//
+// Found: missing barriers (run in all three orders: results differ), races within a block (under the thread sanitizer),
+// accesses out of bounds (under the address sanitizer; shared memory is plain static memory), barriers that not all
+// threads of a block reach, or reach at different places (an Error that names them).
+// Not covered: races between blocks, which never run side by side here; the order in which other threads see writes to
+// memory; cooperative groups; asynchronous copies; streams, which are in order here; bank conflicts and all else that
+// is about time; shared memory read before it is written, which holds what the block before left there. Stricter than
+// the hardware: a barrier is a fault once a thread of the block has ended.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <source_location>
+
+namespace difi::emulation {
+
+/// The order in which the threads of a block take turns. Forward and reverse let each warp run alone as far as it can,
+/// the first or the last one first; random mixes warps and stops them now and then.
+enum class Order { forward, reverse, random };
+
+/// For as long as it lives, launches run in this order. Not for use by several threads at once.
+class OrderScope {
+ public:
+  explicit OrderScope(Order order, unsigned seed = 1);
+  ~OrderScope();
+  OrderScope(const OrderScope&) = delete;
+  OrderScope& operator=(const OrderScope&) = delete;
+
+ private:
+  Order before_;
+  unsigned seed_before_;
+};
+
+struct Index3 {
+  unsigned x, y, z;
+};
+
+struct Extent3 {
+  unsigned x = 1, y = 1, z = 1;
+  Extent3(unsigned width = 1, unsigned height = 1, unsigned depth = 1) : x(width), y(height), z(depth) {}
+};
+
+/// Runs `body` once for every thread of every block. One launch at a time; others wait. Throws Error{internal} where
+/// threads wait for each other for ever.
+void launch(const char* label, Extent3 grid, Extent3 block, const std::function<void()>& body);
+
+// What a running thread knows.
+Index3 thread_index();
+Index3 block_index();
+Extent3 block_extent();
+Extent3 grid_extent();
+unsigned lane();
+
+/// Waits for all threads of the block.
+void block_barrier(const std::source_location& at);
+/// Waits for the threads of the warp named in `mask`.
+void warp_barrier(std::uint32_t mask, const std::source_location& at);
+/// A slot per lane of the calling thread's warp, for shuffles and votes.
+std::uint64_t& exchange_slot(unsigned of_lane);
+/// The lanes of the warp that exist.
+std::uint32_t existing_lanes();
+
+}  // namespace difi::emulation

@@ -1,0 +1,54 @@
+// From a task and a piece of memory to the launches of the way that fits it.
+#pragma once
+
+#include <string>
+
+#include "cuda/guess.h"
+#include "cuda/pipeline.cuh"
+
+namespace difi::DIFI_PLATFORM {
+
+/// Calls use.template operator()<Arrays>(enqueue function) with those of the method's way.
+template <class Use>
+auto with_way(Method method, const Grid& grid, double thickness, Use use) {
+  if (method == Method::thesis) return use.template operator()<ThesisArrays>(enqueue_thesis);
+  if (gpu::is_thin(grid, thickness)) return use.template operator()<ThinArrays>(enqueue_thin);
+  return use.template operator()<ThickArrays>(enqueue_thick);
+}
+
+// What cutting the memory into arrays may lose to their alignment.
+inline constexpr std::int64_t kAlignmentLoss = 4096;
+
+inline std::int64_t needed_bytes(std::int64_t triangles, const Grid& grid, double thickness, Method method,
+                                 std::int64_t entries) {
+  const gpu::Lattice l = gpu::make_lattice(grid, thickness);
+  return with_way(method, grid, thickness, [&]<class Arrays>(auto) {
+    gpu::Workspace memory(nullptr);
+    const Arrays arrays(memory, triangles, l, 0);
+    return memory.used() + std::max(entries, triangles) * Arrays::kBytesPerEntry + kAlignmentLoss;
+  });
+}
+
+inline void enqueue_task(const Task& task, void* workspace, std::int64_t bytes, Stream stream) {
+  const auto fail = [](const std::string& what) { throw Error(ErrorCode::usage, "cuda: " + what); };
+  validate(task.grid);
+  if (!(task.thickness > 0)) fail("the thickness must be positive; infinity gives a full field");
+  const std::int64_t triangles = task.mesh.used_count();
+  if (triangles < 1 || task.mesh.triangle_count >= kNoTriangle)
+    fail("the mesh has " + std::to_string(triangles) + " triangles to use; give it 1 to 4294967294");
+  if (!task.mesh.vertices || !task.mesh.triangles || !task.output.values || !task.outcome)
+    fail("vertices, triangles, values and outcome must point to device memory; one is null");
+  const std::int64_t least = needed_bytes(triangles, task.grid, task.thickness, task.method, 0);
+  if (!workspace || bytes < least)
+    fail("the workspace has " + std::to_string(bytes) + " bytes, this field wants " + std::to_string(least) +
+         " at least; ask workspace_bytes()");
+  const gpu::Lattice l = gpu::make_lattice(task.grid, task.thickness);
+  with_way(task.method, task.grid, task.thickness, [&]<class Arrays>(auto enqueue_way) {
+    gpu::Workspace measure(nullptr), memory(workspace);
+    const Arrays empty(measure, triangles, l, 0);
+    const std::int64_t entries = (bytes - measure.used() - kAlignmentLoss) / Arrays::kBytesPerEntry;
+    enqueue_way(l, task, Arrays(memory, triangles, l, entries), stream);
+  });
+}
+
+}  // namespace difi::DIFI_PLATFORM

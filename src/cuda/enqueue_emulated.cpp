@@ -1,0 +1,16 @@
+#include "cuda/emulated.h"
+#include "cuda/enqueue.cuh"
+
+namespace difi::emulated {
+
+std::int64_t workspace_bytes(std::int64_t triangles, const Grid& grid, double thickness, Method method,
+                             std::int64_t entries) {
+  validate(grid);
+  return needed_bytes(triangles, grid, thickness, method, entries);
+}
+
+void enqueue(const Task& task, void* workspace, std::int64_t bytes, Stream stream) {
+  enqueue_task(task, workspace, bytes, stream);
+}
+
+}  // namespace difi::emulated

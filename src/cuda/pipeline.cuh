@@ -1,0 +1,170 @@
+// The launches of one field by each way, in order, into memory that is all there beforehand.
+#pragma once
+
+#include "cuda/descent.cuh"
+#include "cuda/outcome.cuh"
+#include "cuda/thesis.cuh"
+#include "cuda/workspace.h"
+
+namespace difi::DIFI_PLATFORM {
+
+inline constexpr unsigned kThreads = 256;
+
+inline std::int64_t blocks_for(std::int64_t items) { return (items + kThreads - 1) / kThreads; }
+
+/// What every way needs: which tiles are used, and scratch for running sums over the tiles.
+struct TileArrays {
+  std::uint32_t* used;  // per tile, and a zero behind the last
+  Counter* rank;        // their running sum
+  void* sum_scratch;
+  std::int64_t sum_scratch_bytes;
+
+  TileArrays(gpu::Workspace& memory, std::int64_t tiles)
+      : used(memory.take<std::uint32_t>(tiles + 1)),
+        rank(memory.take<Counter>(tiles + 1)),
+        sum_scratch_bytes(running_sum_bytes(tiles + 1)) {
+    sum_scratch = memory.take<char>(sum_scratch_bytes);
+  }
+
+  void sum(const std::uint32_t* counts, Counter* start, std::int64_t count, Stream stream) const {
+    running_sum(stream, sum_scratch, sum_scratch_bytes, counts, start, count);
+  }
+  /// Slots for the tiles marked as used.
+  void give(const gpu::Lattice& l, const Task& task, Stream stream) const {
+    const std::int64_t tiles = l.tile_count();
+    sum(used, rank, tiles + 1, stream);
+    launch(stream, "give slots", give_slots, blocks_for(tiles + 1), kThreads, used, rank, tiles, task.output,
+           task.outcome);
+  }
+  /// Slots for the tiles that have triangles.
+  void give(const gpu::Lattice& l, const Task& task, const Counter* start, Stream stream) const {
+    const std::int64_t tiles = l.tile_count();
+    launch(stream, "mark tiles", mark_used_tiles, blocks_for(tiles + 1), kThreads, start, tiles, used);
+    give(l, task, stream);
+  }
+};
+
+/// The arrays of the way for thin bands.
+struct ThinArrays {
+  static constexpr std::int64_t kBytesPerEntry = 4;
+  TileArrays tiles;
+  TileLists lists;
+  LongList long_ones;
+
+  ThinArrays(gpu::Workspace& memory, std::int64_t triangles, const gpu::Lattice& l, std::int64_t entries)
+      : tiles(memory, l.tile_count()) {
+    lists.counts = memory.take<std::uint32_t>(l.tile_count() + 1);
+    lists.start = memory.take<Counter>(l.tile_count() + 1);
+    lists.entries = memory.take<std::uint32_t>(entries);
+    lists.capacity = static_cast<Counter>(entries);
+    long_ones.triangles = memory.take<std::uint32_t>(triangles);
+    long_ones.count = memory.take<Counter>(1);
+  }
+};
+
+/// The lists of one level of a descent, and those of its parents: the two swap from level to level.
+struct ThickArrays {
+  static constexpr std::int64_t kBytesPerEntry = 4 + 4 + 1;
+  TileArrays tiles;
+  std::uint32_t* counts;
+  Counter* start[2];
+  std::uint32_t* entries[2];
+  unsigned char* keep;
+  Counter* bound;
+  Counter* chunk_start;
+  Counter capacity;
+
+  ThickArrays(gpu::Workspace& memory, std::int64_t, const gpu::Lattice& l, std::int64_t most)
+      : tiles(memory, l.tile_count()), capacity(static_cast<Counter>(most)) {
+    const std::int64_t cells = l.tile_count() + 1;  // no level has more
+    counts = memory.take<std::uint32_t>(cells);
+    for (auto& one : start) one = memory.take<Counter>(cells > 2 ? cells : 2);
+    for (auto& one : entries) one = memory.take<std::uint32_t>(most);
+    keep = memory.take<unsigned char>(most);
+    bound = memory.take<Counter>(cells);
+    chunk_start = memory.take<Counter>(cells);
+  }
+};
+
+/// The method thesis keeps a number per sample.
+struct ThesisArrays {
+  static constexpr std::int64_t kBytesPerEntry = 1;  // it has no lists
+  TileArrays tiles;
+  Counter* nearest;
+
+  ThesisArrays(gpu::Workspace& memory, std::int64_t, const gpu::Lattice& l, std::int64_t)
+      : tiles(memory, l.tile_count()), nearest(memory.take<Counter>(l.size[0] * l.size[1] * l.size[2])) {}
+};
+
+inline void launch_gather(const gpu::Lattice& l, const Task& task, const GatherLists& lists, Stream stream) {
+  // Sparse: most tiles are empty, so blocks look for those that are not.
+  const std::int64_t tiles = l.tile_count(), most = task.output.slots ? std::int64_t{kManyBlocks} * 4 : 0x7fffffff;
+  launch(stream, "gather", task.output.nearest ? gather<true> : gather<false>, tiles < most ? tiles : most,
+         kGatherThreads, l, task.mesh, lists, task.output, task.outcome);
+}
+
+inline void enqueue_thin(const gpu::Lattice& l, const Task& task, const ThinArrays& a, Stream stream) {
+  const std::int64_t tiles = l.tile_count(), per_triangle = blocks_for(task.mesh.used_count());
+  launch(stream, "clear", clear_outcome, 1, 1, task.outcome, a.long_ones.count);
+  fill_bytes(stream, a.lists.counts, 0, (tiles + 1) * static_cast<std::int64_t>(sizeof(std::uint32_t)));
+  launch(stream, "count small", bin_small<false>, per_triangle, kThreads, l, task.mesh, a.lists, a.long_ones,
+         task.outcome);
+  launch(stream, "count long", bin_long<false>, kManyBlocks, kThreads, l, task.mesh, a.lists, a.long_ones,
+         task.outcome);
+  a.tiles.sum(a.lists.counts, a.lists.start, tiles + 1, stream);
+  launch(stream, "check room", check_entries, 1, 1, a.lists.start + tiles, a.lists.capacity, task.outcome);
+  if (task.output.slots) a.tiles.give(l, task, a.lists.start, stream);
+  launch(stream, "list small", bin_small<true>, per_triangle, kThreads, l, task.mesh, a.lists, a.long_ones,
+         task.outcome);
+  launch(stream, "list long", bin_long<true>, kManyBlocks, kThreads, l, task.mesh, a.lists, a.long_ones, task.outcome);
+  launch_gather(l, task, {a.lists.start, a.lists.entries, nullptr}, stream);
+}
+
+/// One level of the descent: from the parents' lists in half `from` of the arrays to the children's in the other.
+inline void enqueue_level(const gpu::Lattice& l, const Task& task, const ThickArrays& a, const gpu::Level& parent,
+                          const gpu::Level& child, int from, Stream stream) {
+  const Step step{parent, child,   a.start[from], a.entries[from],   a.chunk_start,
+                  a.keep, a.bound, a.counts,      a.start[1 - from], a.entries[1 - from]};
+  const std::int64_t parents = parent.count(), children = child.count();
+  launch(stream, "count chunks", count_chunks, blocks_for(parents + 1), kThreads, step.parent_start, parents, a.counts,
+         task.outcome);
+  a.tiles.sum(a.counts, a.chunk_start, parents + 1, stream);
+  launch(stream, "clear bounds", clear_bounds, blocks_for(children), kThreads, a.bound, children);
+  fill_bytes(stream, a.counts, 0, (children + 1) * static_cast<std::int64_t>(sizeof(std::uint32_t)));
+  launch(stream, "bound", bound_children, kManyBlocks, kChunk, l, task.mesh, step, task.outcome);
+  launch(stream, "keep", keep_candidates, kManyBlocks, kChunk, l, task.mesh, step, task.outcome);
+  a.tiles.sum(a.counts, a.start[1 - from], children + 1, stream);
+  launch(stream, "check room", check_entries, 1, 1, a.start[1 - from] + children, a.capacity, task.outcome);
+  launch(stream, "hand down", hand_down, kManyBlocks, kChunk, l, step, task.outcome);
+}
+
+inline void enqueue_thick(const gpu::Lattice& l, const Task& task, const ThickArrays& a, Stream stream) {
+  launch(stream, "clear", clear_outcome, 1, 1, task.outcome, static_cast<Counter*>(nullptr));
+  launch(stream, "list all", list_all, blocks_for(task.mesh.used_count()), kThreads, task.mesh, a.entries[0],
+         a.start[0], task.outcome);
+  int half = 0;
+  const int top = gpu::top_level(l);
+  for (int number = top; number > 0; --number, half = 1 - half)
+    enqueue_level(l, task, a, gpu::level_of(l, number), gpu::level_of(l, number - 1), half, stream);
+  if (task.output.slots) a.tiles.give(l, task, a.start[half], stream);
+  launch_gather(l, task, {a.start[half], a.entries[half], top > 0 ? a.bound : nullptr}, stream);
+}
+
+inline void enqueue_thesis(const gpu::Lattice& l, const Task& task, const ThesisArrays& a, Stream stream) {
+  const std::int64_t tiles = l.tile_count(), samples = task.grid.sample_count();
+  const std::int64_t tile_blocks = tiles < kManyBlocks * 4 ? tiles : kManyBlocks * 4;
+  const std::int64_t warps = blocks_for(32 * task.mesh.used_count());
+  launch(stream, "clear", clear_outcome, 1, 1, task.outcome, static_cast<Counter*>(nullptr));
+  launch(stream, "clear samples", clear_samples, kManyBlocks, kThreads, a.nearest, samples);
+  launch(stream, "Algorithm 1", lower_samples, warps < kManyBlocks * 8 ? warps : kManyBlocks * 8, kThreads, l,
+         task.mesh, task.grid, task.thickness, a.nearest, task.outcome);
+  if (task.output.slots) {
+    fill_bytes(stream, a.tiles.used, 0, (tiles + 1) * static_cast<std::int64_t>(sizeof(std::uint32_t)));
+    launch(stream, "mark tiles", mark_near_tiles, tile_blocks, kGatherThreads, l, a.nearest, a.tiles.used,
+           task.outcome);
+    a.tiles.give(l, task, stream);
+  }
+  launch(stream, "write", write_samples, tile_blocks, kGatherThreads, l, a.nearest, task.output, task.outcome);
+}
+
+}  // namespace difi::DIFI_PLATFORM

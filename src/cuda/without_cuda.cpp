@@ -1,0 +1,29 @@
+// What stands for the CUDA backend where difi is built without a CUDA compiler.
+#include "cuda/backend.h"
+#include "difi/cuda.h"
+
+namespace difi::cuda {
+namespace {
+
+constexpr const char* kWhyNot = "this build of difi has no CUDA backend (it was built without nvcc)";
+
+[[noreturn]] void fail() { throw Error(ErrorCode::device, why_not_available()); }
+
+}  // namespace
+
+bool available() { return false; }
+std::string why_no_device() { return kWhyNot; }
+std::string why_not_available() {
+  return std::string("cuda: ") + kWhyNot + "; use the CPU (--device cpu), or build it where nvcc is (docs/cuda.md)";
+}
+std::string device_name(int) { return "no device"; }
+std::vector<DeviceInfo> devices() { return {}; }
+
+Counts run_tiles(const Job&, Sink&) { fail(); }
+Counts run_thesis(const Job&, Sink&) { fail(); }
+
+std::int64_t workspace_bytes(std::int64_t, const Grid&, double, Method, std::int64_t) { fail(); }
+void enqueue(const Task&, void*, std::int64_t, Stream) { fail(); }
+void enqueue(std::span<const Task>, void*, std::int64_t, Stream) { fail(); }
+
+}  // namespace difi::cuda

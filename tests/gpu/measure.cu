@@ -1,0 +1,130 @@
+// gpu-check, second part: how long fields take, device memory to device memory, by CUDA events. Reads jobs from stdin,
+// a line each:
+//   TABLE SCENE TRIANGLES METHOD OUTPUT NX NY NZ EX EY EZ SCALE MARGIN THICKNESS
+// TRIANGLES 0: the scene's own. OUTPUT: dense, sparse, graph (dense, replayed as a CUDA graph), host (from host memory
+// to host memory, dense), counting (the part of dense before triangles are listed). The grid has NX NY NZ cells in a
+// box of EX EY EZ units, a sample in the middle of each. SCALE is the mesh's, or 0 to stretch it until MARGIN units are
+// left on each side. THICKNESS in units, or inf. Writes a CSV line each.
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <iostream>
+#include <string>
+
+#include "cuda/timing.cuh"
+#include "difi/error.h"
+#include "scenes/scenes.h"
+#include "tests/gpu/field_on_device.cuh"
+
+namespace difi::DIFI_PLATFORM {
+namespace {
+
+struct Line {
+  std::string table, scene, method, output, thickness;
+  std::int64_t triangles;
+  Size3 size;
+  Vec3 extent;
+  double scale, margin;
+};
+
+bool read(Line& l) {
+  return static_cast<bool>(std::cin >> l.table >> l.scene >> l.triangles >> l.method >> l.output >> l.size.x >>
+                           l.size.y >> l.size.z >> l.extent.x >> l.extent.y >> l.extent.z >> l.scale >> l.margin >>
+                           l.thickness);
+}
+
+/// The mesh, scaled or stretched, in the middle of the box from the origin to `extent`.
+Mesh placed(const Line& l) {
+  Mesh mesh = scenes::make(l.scene, l.triangles);
+  const Box box = bounds(mesh);
+  const Vec3 old = box.extent(), target = l.extent - Vec3{2, 2, 2} * l.margin;
+  const auto factor = [&](double to, double from) { return l.scale > 0 ? l.scale : from > 0 ? to / from : 1; };
+  const Vec3 scale{factor(target.x, old.x), factor(target.y, old.y), factor(target.z, old.z)};
+  for (Vec3& v : mesh.vertices) v = (v - box.center()) * scale + 0.5 * l.extent;
+  return mesh;
+}
+
+struct Times {
+  double median, least;
+  int runs;
+};
+
+/// Once to warm up, then as often as fits into a second, 5 to 50 times.
+template <class Once>
+Times repeated(Once once) {
+  std::vector<double> all;
+  double total = once();
+  total = 0;
+  while (all.size() < 5 || (all.size() < 50 && total < 1000)) {
+    all.push_back(once());
+    total += all.back();
+  }
+  std::sort(all.begin(), all.end());
+  return {all[all.size() / 2], all.front(), static_cast<int>(all.size())};
+}
+
+Times measure(const Line& l, const Mesh& mesh, FieldOnDevice& field) {
+  StreamClock clock;
+  if (l.output == "graph") {
+    Recorded recorded([&](Stream stream) { field.enqueue(stream); });
+    return repeated([&] {
+      clock.start(recorded.stream());
+      recorded.play();
+      return clock.stop(recorded.stream());
+    });
+  }
+  if (l.output == "host")
+    return repeated([&] {
+      const auto began = std::chrono::steady_clock::now();
+      field.upload(mesh);
+      field.enqueue(nullptr);
+      const std::vector<float> values = field.values();
+      return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - began).count();
+    });
+  if (l.output == "counting") field.take_entries_away();
+  return repeated([&] {
+    clock.start(nullptr);
+    field.enqueue(nullptr);
+    return clock.stop(nullptr);
+  });
+}
+
+void run(const Line& l) {
+  const Mesh mesh = placed(l);
+  const Vec3 counts{double(l.size.x), double(l.size.y), double(l.size.z)}, spacing = l.extent / counts;
+  const Grid grid{l.size, 0.5 * spacing, spacing};
+  const double thickness = l.thickness == "inf" ? std::numeric_limits<double>::infinity() : std::stod(l.thickness);
+  const Method method = l.method == "thesis" ? Method::thesis : Method::tiles;
+  FieldOnDevice field(mesh, grid, thickness, method, l.output == "sparse" ? Layout::sparse : Layout::dense, false);
+  const Outcome outcome = field.run();
+  const double workspace = static_cast<double>(field.workspace_bytes()) / (1 << 20);
+  const Times t = measure(l, mesh, field);
+  const double written =
+      4.0 * static_cast<double>(l.output == "sparse" ? outcome.needed_slots * gpu::kTileSamples : grid.sample_count());
+  std::printf("%s,%s,%zu,%s,%s,%lldx%lldx%lld,%g,%.4f,%.4f,%d,%llu,%llu,%llu,%.1f,%.1f\n", l.table.c_str(),
+              l.scene.c_str(), mesh.triangles.size(), l.method.c_str(), l.output.c_str(),
+              static_cast<long long>(l.size.x), static_cast<long long>(l.size.y), static_cast<long long>(l.size.z),
+              thickness, t.median, t.least, t.runs, outcome.samples_examined, outcome.samples_band,
+              outcome.needed_entries, workspace, written / t.median / 1e6);
+  std::fflush(stdout);
+}
+
+}  // namespace
+}  // namespace difi::DIFI_PLATFORM
+
+int main() {
+  using namespace difi::DIFI_PLATFORM;
+  std::puts(
+      "table,scene,triangles,method,output,grid,thickness,median_ms,least_ms,runs,samples_examined,samples_band,"
+      "list_entries,workspace_mib,written_gb_per_s");
+  int failed = 0;
+  for (Line line; read(line);) {
+    try {
+      run(line);
+    } catch (const std::exception& error) {
+      std::fprintf(stderr, "measure: %s %s: %s\n", line.table.c_str(), line.scene.c_str(), error.what());
+      failed = 1;
+    }
+  }
+  return failed;
+}
