@@ -1,7 +1,7 @@
 # The gather kernels are compiled once per instruction set and chosen at run time (src/cpu/simd/).
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
-  set_source_files_properties(src/cpu/kernels_avx2.cpp PROPERTIES COMPILE_OPTIONS "-mavx2;-mfma")
-  set_source_files_properties(src/cpu/kernels_avx512.cpp PROPERTIES COMPILE_OPTIONS
+  set_source_files_properties(src/cpu/kernels_avx2.cpp src/collision/kernels_avx2.cpp PROPERTIES COMPILE_OPTIONS "-mavx2;-mfma")
+  set_source_files_properties(src/cpu/kernels_avx512.cpp src/collision/kernels_avx512.cpp PROPERTIES COMPILE_OPTIONS
     # GCC 12 warns of its own header's undefined registers.
     "-mavx512f;-mavx512dq;-mavx512bw;-mavx512vl;-mfma;-mprefer-vector-width=512;-Wno-uninitialized;-Wno-maybe-uninitialized")
 endif()

@@ -1,0 +1,17 @@
+// The kernels for AVX2.
+#ifdef __AVX2__
+
+#include "collision/kernels.h"
+
+namespace difi::collision::avx2 {
+namespace {
+
+#include "collision/kernels_body.h"
+
+}  // namespace
+
+extern const Kernels kKernels{"avx2", gaps, gaps_at, overlaps, distances_sq};
+
+}  // namespace difi::collision::avx2
+
+#endif
