@@ -149,13 +149,13 @@ Swept sweep(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b
 
 /// The same for many poses of b, spread over threads (0: all hardware threads). The same answers in the same order
 /// whatever the number of threads.
-std::vector<Collided> collide(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                              std::span<const Pose> poses_b, const CollideOptions& options, int threads = 0);
-std::vector<Distance> distance(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                               std::span<const Pose> poses_b, const DistanceOptions& options, int threads = 0);
-std::vector<Contacts> contacts(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                               std::span<const Pose> poses_b, const ContactOptions& options, int threads = 0);
-std::vector<Swept> sweep(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                         std::span<const Motion> motions, const SweepOptions& options, int threads = 0);
+std::vector<Collided> collide_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                                  std::span<const Pose> poses_b, const CollideOptions& options, int threads = 0);
+std::vector<Distance> distance_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                                   std::span<const Pose> poses_b, const DistanceOptions& options, int threads = 0);
+std::vector<Contacts> contacts_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                                   std::span<const Pose> poses_b, const ContactOptions& options, int threads = 0);
+std::vector<Swept> sweep_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                             std::span<const Motion> motions, const SweepOptions& options, int threads = 0);
 
 }  // namespace difi

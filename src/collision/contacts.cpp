@@ -1,0 +1,157 @@
+// Where two surfaces touch. Packets of the tree's triangles that may touch are gone through in an order that jumps over
+// the whole contact area, and give a few pairs each; what room is left is filled by a second round.
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "collision/batch.h"
+#include "collision/pair.h"
+
+namespace difi {
+namespace collision {
+namespace {
+
+class Gather {
+ public:
+  Gather(const Pair& pair, const ContactOptions& options)
+      : pair_(pair),
+        kernels_(kernels()),
+        margin_(options.margin),
+        limit_(static_cast<float>(options.margin) * 1.000001f + pair.slack),
+        most_(static_cast<std::size_t>(options.most)) {}
+
+  Contacts run() {
+    if (pair_.root_gap() > margin_ + pair_.slack) return {};
+    find_packets(pair_.tree.body->tree.top(), 0);
+    const std::size_t count = packets_.size();
+    const std::size_t share = std::max<std::size_t>(1, (most_ + count) / std::max<std::size_t>(1, count));
+    // Numbers with their bits turned around: each falls into the largest gap the ones before it have left.
+    const int bits = std::bit_width(count);
+    std::vector<std::uint32_t> unfinished;
+    for (std::size_t n = 0; n < std::size_t{1} << bits && !full(); ++n) {
+      std::size_t at = 0;
+      for (int bit = 0; bit < bits; ++bit) at |= (n >> bit & 1) << (bits - 1 - bit);
+      if (at < count && !take(packets_[at], 0, share)) unfinished.push_back(packets_[at]);
+    }
+    for (std::size_t n = 0; n < unfinished.size() && !full(); ++n) take(unfinished[n], share, most_ + 1);
+    return std::move(result_);
+  }
+
+ private:
+  bool full() const { return result_.overflow; }
+
+  void find_packets(int level, std::uint32_t packet) {
+    if (level == 0) return packets_.push_back(packet);
+    alignas(64) float gap[kLanes];
+    kernels_.gaps(pair_.field.body->view, pair_.place, pair_.tree.body->tree.levels[level].balls[packet], limit_, gap);
+    for (int n = 0; n < kLanes; ++n)
+      if (gap[n] <= limit_) find_packets(level - 1, packet * kLanes + n);
+  }
+
+  // Adds the pairs of a packet from the `first`-th up to the `end`-th; false when there may be more.
+  bool take(std::uint32_t packet, std::size_t first, std::size_t end) {
+    alignas(64) float gap[kLanes];
+    kernels_.gaps(pair_.field.body->view, pair_.place, pair_.tree.body->tree.levels[0].balls[packet], limit_, gap);
+    lanes_ = 0;
+    all_ = {};
+    for (int n = 0; n < kLanes; ++n) {
+      if (gap[n] > limit_) continue;
+      places_[lanes_] = packet * kLanes + n;
+      boxes_[lanes_] = pair_.box_of(packet * kLanes + n);
+      boxes_[lanes_].grow(limit_);
+      corners_[lanes_] = pair_.tree.world(places_[lanes_]);
+      all_.include(boxes_[lanes_++]);
+    }
+    if (lanes_ == 0) return true;
+    seen_ = 0, first_ = first, end_ = end;
+    return descend(pair_.field.body->tree.top(), 0);
+  }
+
+  bool descend(int level, std::uint32_t node) {
+    const Level& nodes = pair_.field.body->tree.levels[level];
+    if (level > 0) {
+      for (std::uint32_t mask = kernels_.overlaps(nodes.boxes[node], all_); mask != 0; mask &= mask - 1)
+        if (!descend(level - 1, node * kLanes + std::countr_zero(mask))) return false;
+      return true;
+    }
+    for (int n = 0; n < lanes_; ++n)
+      for (std::uint32_t mask = kernels_.overlaps(nodes.boxes[node], boxes_[n]); mask != 0; mask &= mask - 1)
+        if (!test(node * kLanes + std::countr_zero(mask), n)) return false;
+    return true;
+  }
+
+  // False when no more is wanted.
+  bool test(std::uint32_t field_place, int lane) {
+    const Corners p = pair_.field.world(field_place);
+    const Corners& q = corners_[lane];
+    Overlap found;
+    if (triangles_touch(p, q)) {
+      if (++seen_ <= first_) return true;
+      found = overlap(p, q);
+    } else {
+      if (!(margin_ > 0)) return true;
+      const ClosestPair pair = closest_points(p, q);
+      if (!(pair.distance_sq <= margin_ * margin_)) return true;
+      if (++seen_ <= first_) return true;
+      const double apart = std::sqrt(pair.distance_sq);
+      found = {(pair.on_p + pair.on_q) * 0.5, (pair.on_q - pair.on_p) * (1 / apart), -apart};
+    }
+    if (result_.contacts.size() == most_) {
+      result_.overflow = true;
+      return false;
+    }
+    const std::uint32_t of_field = pair_.field.triangle(field_place), of_tree = pair_.tree.triangle(places_[lane]);
+    ContactPoint contact{found.point, found.normal, found.depth, of_field, of_tree};
+    if (pair_.swapped) {
+      contact.normal = contact.normal * -1.0;
+      std::swap(contact.triangle_a, contact.triangle_b);
+    }
+    result_.contacts.push_back(contact);
+    return seen_ < end_;
+  }
+
+  const Pair& pair_;
+  const Kernels& kernels_;
+  const double margin_;
+  const float limit_;
+  const std::size_t most_;
+  std::vector<std::uint32_t> packets_;
+  Contacts result_;
+  // The packet at work.
+  int lanes_ = 0;
+  std::uint32_t places_[kLanes];
+  FloatBox boxes_[kLanes], all_;
+  Corners corners_[kLanes];
+  std::size_t seen_ = 0, first_ = 0, end_ = 0;
+};
+
+void check(const ContactOptions& options) {
+  if (options.most < 1) throw Error(ErrorCode::usage, "contacts: the number of contacts must be one or more");
+  if (!(options.margin >= 0) || !(options.margin <= 1e30))
+    throw Error(ErrorCode::usage, "contacts: the margin must be zero or more, and finite");
+}
+
+}  // namespace
+}  // namespace collision
+
+Contacts contacts(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
+                  const ContactOptions& options) {
+  collision::check(options);
+  validate(pose_a);
+  validate(pose_b);
+  const collision::Pair pair(a, pose_a, b, pose_b);
+  return collision::Gather(pair, options).run();
+}
+
+std::vector<Contacts> contacts_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                                   std::span<const Pose> poses_b, const ContactOptions& options, int threads) {
+  collision::check(options);
+  validate(pose_a);
+  collision::validate_all(poses_b);
+  return collision::for_each<Contacts>(poses_b.size(), threads, [&](std::size_t n) {
+    const collision::Pair pair(a, pose_a, b, poses_b[n]);
+    return collision::Gather(pair, options).run();
+  });
+}
+
+}  // namespace difi
