@@ -12,6 +12,8 @@
 #include <vector>
 
 #include "difi/error.h"
+#include "difi/field.h"
+#include "difi/grid.h"
 #include "difi/mesh.h"
 #include "difi/pose.h"
 
@@ -32,8 +34,8 @@ class CollisionModel {
   /// The mesh the model was built from.
   MeshView mesh() const;
   Box bounds() const;
-  /// The spacing of its field, and how far from the surface that field reaches; world units.
-  double spacing() const;
+  /// The samples of its field, and how far from the surface that field reaches; world units.
+  Grid grid() const;
   double band() const;
   std::int64_t memory_bytes() const;
 
@@ -47,6 +49,7 @@ class CollisionModel {
 
  private:
   explicit CollisionModel(std::shared_ptr<const Data> data) : data_(std::move(data)) {}
+  static void place(Data& data, double spacing);
   std::shared_ptr<const Data> data_;
 };
 
@@ -143,7 +146,8 @@ struct Swept {
 };
 
 /// When b, in motion, first comes within the tolerance of a, which rests. Never free where the bodies touch on the way,
-/// at any speed; a hit may be told where they pass within the tolerance.
+/// at any speed; a hit may be told where they pass within the tolerance. Bodies that are within it at the start, but do
+/// not touch, are free to part.
 Swept sweep(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Motion& motion,
             const SweepOptions& options = {});
 
@@ -157,5 +161,18 @@ std::vector<Contacts> contacts_all(const CollisionModel& a, const Pose& pose_a, 
                                    std::span<const Pose> poses_b, const ContactOptions& options, int threads = 0);
 std::vector<Swept> sweep_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
                              std::span<const Motion> motions, const SweepOptions& options, int threads = 0);
+
+/// Algorithm 2 of the 2008 thesis, for comparison: samples of one field that lie in the other's grid are visited, and
+/// where both fields have a value (below their thickness) at the sample and at the sample nearest to it, the bodies are
+/// said to collide if the sum of both is below `threshold`. It may be wrong either way: docs/collision.md tells how
+/// often.
+struct ThesisCollided {
+  bool hit = false;
+  std::int64_t samples = 0;  ///< visited
+};
+ThesisCollided collide_thesis(const DistanceField& a, const Pose& pose_a, const DistanceField& b, const Pose& pose_b,
+                              double threshold);
+/// The least such sum, with which the threshold can be chosen; infinite where no sample counts.
+double thesis_sum(const DistanceField& a, const Pose& pose_a, const DistanceField& b, const Pose& pose_b);
 
 }  // namespace difi

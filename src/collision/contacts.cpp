@@ -26,7 +26,7 @@ class Gather {
     const std::size_t count = packets_.size();
     const std::size_t share = std::max<std::size_t>(1, (most_ + count) / std::max<std::size_t>(1, count));
     // Numbers with their bits turned around: each falls into the largest gap the ones before it have left.
-    const int bits = std::bit_width(count);
+    const int bits = static_cast<int>(std::bit_width(count));
     std::vector<std::uint32_t> unfinished;
     for (std::size_t n = 0; n < std::size_t{1} << bits && !full(); ++n) {
       std::size_t at = 0;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kSamples = 12e6;
 constexpr double kEdgeShare = 0.25;
-constexpr std::int64_t kMostCoarse = std::int64_t{1} << 28;
+constexpr double kMostCoarse = 0x1p28;
 constexpr int kTile = DistanceField::kTileSide;
 
 // compute() promises this error; stored bounds are lowered by it.
@@ -62,26 +62,31 @@ double default_spacing(MeshView mesh, const Box& box) {
   return std::max({std::cbrt(volume / kSamples), kEdgeShare * mean_edge, longest / 1024});
 }
 
-FieldBounds build_field_bounds(MeshView mesh, Vec3 middle, double spacing, int threads) {
+FieldBounds plan_field_bounds(const Box& box, double spacing) {
   FieldBounds bounds;
   bounds.spacing = spacing;
-  std::vector<Vec3> vertices(mesh.vertices.size());
-  tbb::parallel_for(std::size_t{0}, vertices.size(), [&](std::size_t v) { vertices[v] = mesh.vertices[v] - middle; });
-  const MeshView moved{vertices, mesh.triangles};
-  bounds.box = difi::bounds(moved);
-  const Grid fine = fit_spacing(bounds.box, {spacing, spacing, spacing}, bounds.band());
-  Grid coarse = fine;
-  coarse.spacing = fine.spacing * double{kCoarseStep};
-  for (auto n : {&Size3::x, &Size3::y, &Size3::z}) coarse.size.*n = (fine.size.*n + kCoarseStep - 2) / kCoarseStep + 1;
-  if (static_cast<double>(coarse.size.x) * static_cast<double>(coarse.size.y) * static_cast<double>(coarse.size.z) >
-      static_cast<double>(kMostCoarse))
+  bounds.box = box;
+  const Grid fine = fit_spacing(box, {spacing, spacing, spacing}, bounds.band());
+  Size3 coarse;
+  for (auto n : {&Size3::x, &Size3::y, &Size3::z}) coarse.*n = (fine.size.*n + kCoarseStep - 2) / kCoarseStep + 1;
+  if (static_cast<double>(coarse.x) * static_cast<double>(coarse.y) * static_cast<double>(coarse.z) > kMostCoarse)
     throw Error(ErrorCode::limit, "model: a spacing of " + std::to_string(spacing) + " makes a field of " +
                                       std::to_string(fine.size.x) + " x " + std::to_string(fine.size.y) + " x " +
                                       std::to_string(fine.size.z) + " samples; take a larger spacing");
   bounds.size = fine.size;
-  bounds.coarse_size = coarse.size;
+  bounds.coarse_size = coarse;
   bounds.origin = fine.origin;
+  return bounds;
+}
 
+FieldBounds build_field_bounds(MeshView mesh, Vec3 middle, double spacing, int threads) {
+  std::vector<Vec3> vertices(mesh.vertices.size());
+  tbb::parallel_for(std::size_t{0}, vertices.size(), [&](std::size_t v) { vertices[v] = mesh.vertices[v] - middle; });
+  const MeshView moved{vertices, mesh.triangles};
+  FieldBounds bounds = plan_field_bounds(difi::bounds(moved), spacing);
+  const double coarse_spacing = kCoarseStep * spacing;
+  const Grid fine{bounds.size, bounds.origin, {spacing, spacing, spacing}};
+  const Grid coarse{bounds.coarse_size, bounds.origin, {coarse_spacing, coarse_spacing, coarse_spacing}};
   Options options;
   options.threads = threads;
   options.thickness = bounds.band();
@@ -89,7 +94,7 @@ FieldBounds build_field_bounds(MeshView mesh, Vec3 middle, double spacing, int t
   options.thickness = std::numeric_limits<double>::infinity();
   bounds.coarse.resize(static_cast<std::size_t>(coarse.sample_count()));
   compute_into(moved, coarse, bounds.coarse, options);
-  for (float& value : bounds.coarse) value = static_cast<float>(value - promised_error(value, kCoarseStep * spacing));
+  for (float& value : bounds.coarse) value = static_cast<float>(value - promised_error(value, coarse_spacing));
   return bounds;
 }
 

@@ -34,6 +34,9 @@ struct FieldBounds {
 /// quarter of its mean edge, below which a finer field tells no more.
 double default_spacing(MeshView mesh, const Box& box);
 
+/// The fields' grids for a mesh of that box, without samples. Errors: limit.
+FieldBounds plan_field_bounds(const Box& box, double spacing);
+
 /// Builds the fields through compute(). Errors: limit.
 FieldBounds build_field_bounds(MeshView mesh, Vec3 middle, double spacing, int threads);
 

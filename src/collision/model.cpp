@@ -22,21 +22,27 @@ void CollisionModel::Data::finish() {
   }
 }
 
-CollisionModel::CollisionModel(MeshView mesh, const ModelOptions& options) {
-  validate(mesh);
-  if (options.threads < 0) throw Error(ErrorCode::usage, "model: the number of threads must be zero (all) or more");
-  if (!(options.spacing >= 0) || !std::isfinite(options.spacing))
+// What follows from mesh and spacing before there is a field: box and middle, and whether they will do.
+void CollisionModel::place(Data& data, double spacing) {
+  validate(data.mesh);
+  if (!(spacing >= 0) || !std::isfinite(spacing))
     throw Error(ErrorCode::usage, "model: the spacing must be positive and finite, or zero to have it chosen");
-  const auto data = std::make_shared<Data>();
-  data->box = difi::bounds(mesh);
-  data->middle = data->box.center();
-  const Vec3 extent = data->box.extent();
+  data.box = difi::bounds(data.mesh);
+  data.middle = data.box.center();
+  const Vec3 extent = data.box.extent();
   const double size = std::max({extent.x, extent.y, extent.z});
-  if (!(size <= kMostSize) || (size > 0 && size < kLeastSize) || !(length(data->middle) < 1e90))
+  if (!(size <= kMostSize) || (size > 0 && size < kLeastSize) || !(length(data.middle) < 1e90))
     throw Error(ErrorCode::input,
                 "model: the mesh is " + std::to_string(size) +
                     " across; scale it to between 1e-12 and 1e12, and nearer than 1e90 to the origin");
+  data.field.box = {data.box.min - data.middle, data.box.max - data.middle};
+}
+
+CollisionModel::CollisionModel(MeshView mesh, const ModelOptions& options) {
+  if (options.threads < 0) throw Error(ErrorCode::usage, "model: the number of threads must be zero (all) or more");
+  const auto data = std::make_shared<Data>();
   data->mesh = {{mesh.vertices.begin(), mesh.vertices.end()}, {mesh.triangles.begin(), mesh.triangles.end()}};
+  place(*data, options.spacing);
   const double spacing = options.spacing > 0 ? options.spacing : collision::default_spacing(mesh, data->box);
   tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
   arena.execute([&] {
@@ -49,7 +55,10 @@ CollisionModel::CollisionModel(MeshView mesh, const ModelOptions& options) {
 
 MeshView CollisionModel::mesh() const { return data_->mesh; }
 Box CollisionModel::bounds() const { return data_->box; }
-double CollisionModel::spacing() const { return data_->field.spacing; }
+Grid CollisionModel::grid() const {
+  const double h = data_->field.spacing;
+  return {data_->field.size, data_->field.origin + data_->middle, {h, h, h}};
+}
 double CollisionModel::band() const { return data_->field.band(); }
 
 std::int64_t CollisionModel::memory_bytes() const {

@@ -189,10 +189,11 @@ class Follow {
       const double apart = std::sqrt(pair.distance_sq);
       const Vec3 way = pair.on_q - pair.on_p;
       const Vec3 normal = apart > 0 ? way * (1 / apart) : Vec3{};
-      if (!(apart > tolerance_)) return record(t, field_place, tree_place, (pair.on_p + pair.on_q) * 0.5, normal);
       const double approach =
           -dot(normal, course_.velocity) + length(cross(normal, course_.turn.axis)) * course_.turn.angle_rad * away;
-      if (!(approach > 0)) return;
+      // However near, they only part; but nearer than this the direction may be one of rounding.
+      if (apart > 1e-3 * tolerance_ && !(approach > 0)) return;
+      if (!(apart > tolerance_)) return record(t, field_place, tree_place, (pair.on_p + pair.on_q) * 0.5, normal);
       const double later = t + (apart - tolerance_ / 2) / approach;
       if (!(later > t)) return record(t, field_place, tree_place, (pair.on_p + pair.on_q) * 0.5, normal);
       t = later;
