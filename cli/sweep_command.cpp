@@ -35,7 +35,7 @@ void Command::run() const {
                       {"normal", found.hit ? json_point(found.normal) : Json()},
                       {"triangle_a", json_triangle(found.triangle_a)},
                       {"triangle_b", json_triangle(found.triangle_b)}});
-  if (!found.hit) return print("free all the way\n");
+  if (!found.hit) return print(std::string("free all the way\n"));
   print("hit at time " + exact_number(found.time) + " of 1, at " + point_text(found.point) + ": triangle " +
         std::to_string(found.triangle_a) + " of A and " + std::to_string(found.triangle_b) + " of B\n");
 }

@@ -13,6 +13,7 @@ void check(const CollideOptions& options) {
 Collided collide_checked(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
                          const CollideOptions& options) {
   const collision::Pair pair(a, pose_a, b, pose_b);
+  if (options.mode == CollideMode::certified) return {.contact = collision::certify(pair, options.margin)};
   const auto found = collision::find_touching(pair, options.margin);
   if (!found) return {};
   std::uint32_t first = pair.field.triangle(found->of_field), second = pair.tree.triangle(found->of_tree);

@@ -16,4 +16,7 @@ struct Touching {
 /// A pair of triangles that touch or are within the margin; nothing where there is none.
 std::optional<Touching> find_touching(const Pair& pair, double margin);
 
+/// Free, hit or ambiguous, from the field alone.
+Contact certify(const Pair& pair, double margin);
+
 }  // namespace difi::collision

@@ -149,8 +149,8 @@ TEST(Bounds, AStoredNearestTriangleIsAnUpperBoundOnly) {
                  random.between(0, double(grid.size.z - 1))};
     const Vec3 x = grid.origin + grid.spacing * u;
     const double d = reference_distance(mesh, x),
-                 to_stored = reference_distance(
-                     mesh, field.nearest(std::lround(u.x), std::lround(u.y), std::lround(u.z)), x);
+                 to_stored =
+                     reference_distance(mesh, field.nearest(std::lround(u.x), std::lround(u.y), std::lround(u.z)), x);
     ASSERT_GE(to_stored, d - 1e-9);
     wrong += to_stored > d + 1e-6;
   }
@@ -178,7 +178,8 @@ TEST(Predicates, SignsOfNearlyFlatTetrahedra) {
   EXPECT_EQ(orient3d({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.3, 0.7, 0}), 0);
   EXPECT_EQ(orient3d({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.3, 0.7, 1e-80}), 1);
   EXPECT_EQ(orient2d({0, 0}, {0.1, 0.1}, {0.3, 0.3}), 0);
-  EXPECT_EQ(orient2d({0.1, 0.1}, {0.2, 0.2}, {0.3, 0.30000000000000004}), orient2d({0.2, 0.2}, {0.3, 0.30000000000000004}, {0.1, 0.1}));
+  EXPECT_EQ(orient2d({0.1, 0.1}, {0.2, 0.2}, {0.3, 0.30000000000000004}),
+            orient2d({0.2, 0.2}, {0.3, 0.30000000000000004}, {0.1, 0.1}));
 }
 
 }  // namespace

@@ -199,7 +199,8 @@ TEST(Properties, TheNumberOfThreadsDoesNotShow) {
   for (int n = 0; n + 1 < 300; ++n) motions.push_back({poses[n], poses[n + 1], {0.1, 0.2, 0.3}});
   const auto one = collide_all(a, {}, b, poses, {}, 1), four = collide_all(a2, {}, b, poses, {}, 4);
   const auto near_one = distance_all(a, {}, b, poses, {}, 1), near_four = distance_all(a2, {}, b, poses, {}, 4);
-  const auto at_one = contacts_all(a, {}, b, poses, {.most = 5}, 1), at_four = contacts_all(a2, {}, b, poses, {.most = 5}, 4);
+  const auto at_one = contacts_all(a, {}, b, poses, {.most = 5}, 1),
+             at_four = contacts_all(a2, {}, b, poses, {.most = 5}, 4);
   const auto swept_one = sweep_all(a, {}, b, motions, {}, 1), swept_four = sweep_all(a2, {}, b, motions, {}, 4);
   for (std::size_t n = 0; n < poses.size(); ++n) {
     EXPECT_EQ(one[n].triangle_a, four[n].triangle_a);
