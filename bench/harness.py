@@ -12,7 +12,7 @@ import sys
 from pathlib import Path
 
 BENCH = Path(__file__).resolve().parent
-PROGRAMS = {"difi": "bench_difi", "openvdb": "peer_openvdb", "embree": "peer_embree"}
+PROGRAMS = {"difi": "bench_difi", "openvdb": "peer_openvdb", "embree": "peer_embree", "fcl": "peer_fcl"}
 
 
 class Drivers:

@@ -45,6 +45,7 @@ void Command::run() {
   {
     const Cancellable cancellable;
     options.progress = talk.progress();
+    options.room = maze.bounds();
     World world(flier, options);
     world.add(maze);
     grid = world.grid(0);

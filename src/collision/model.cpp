@@ -31,10 +31,10 @@ void CollisionModel::place(Data& data, double spacing) {
   data.middle = data.box.center();
   const Vec3 extent = data.box.extent();
   const double size = std::max({extent.x, extent.y, extent.z});
-  if (!(size <= kMostSize) || (size > 0 && size < kLeastSize) || !(length(data.middle) < 1e90))
+  if (!(size <= kMostSize) || (size > 0 && size < kLeastSize) || !(length(data.middle) < 1e15))
     throw Error(ErrorCode::input,
                 "model: the mesh is " + std::to_string(size) +
-                    " across; scale it to between 1e-12 and 1e12, and nearer than 1e90 to the origin");
+                    " across; scale it to between 1e-12 and 1e12, and nearer than 1e15 to the origin");
   data.field.box = {data.box.min - data.middle, data.box.max - data.middle};
 }
 

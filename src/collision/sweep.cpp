@@ -23,6 +23,15 @@ constexpr float kWorthAStep = 0.5f;
 // A triangle followed exactly looks this many field spacings ahead.
 constexpr double kAhead = 1.0;
 
+// Times near 1 are rounded by 1e-16: on very long ways that is a distance that counts. In terms of the speed.
+constexpr double kTimeRounding = 4e-16;
+
+// What the place of a body on its way is uncertain by.
+double rounding(const Course& course) {
+  const double turning = course.turn.angle_rad * length(course.motion.center);
+  return 4 * kTimeRounding * (length(course.velocity) + length(course.center) + turning);
+}
+
 class Follow {
  public:
   Follow(const Pair& pair, const Course& course, double tolerance)
@@ -31,7 +40,7 @@ class Follow {
         relative_(pair, course),
         kernels_(kernels()),
         tolerance_(tolerance),
-        keep_(static_cast<float>(tolerance) * 1.000001f + pair.slack),
+        keep_(static_cast<float>(tolerance) * 1.000001f + pair.slack + static_cast<float>(rounding(course))),
         enough_(static_cast<float>(pair.field.body->field.spacing)) {}
 
   Swept run() {
@@ -194,7 +203,8 @@ class Follow {
       // However near, they only part; but nearer than this the direction may be one of rounding.
       if (apart > 1e-3 * tolerance_ && !(approach > 0)) return;
       if (!(apart > tolerance_)) return record(t, field_place, tree_place, (pair.on_p + pair.on_q) * 0.5, normal);
-      const double later = t + (apart - tolerance_ / 2) / approach;
+      // Rounding of the time must not carry them past each other.
+      const double later = t + std::max(0.0, apart - std::max(tolerance_ / 2, kTimeRounding * approach)) / approach;
       if (!(later > t)) return record(t, field_place, tree_place, (pair.on_p + pair.on_q) * 0.5, normal);
       t = later;
     }

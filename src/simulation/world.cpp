@@ -80,6 +80,7 @@ struct World::State {
   }
 
   void step(Flier& it) const;
+  bool leaves_room(const Pose& pose) const;
   bool thesis_step(Flier& it, const Pose& next) const;
   bool sweep_step(Flier& it, Pose& next) const;
 };
@@ -113,9 +114,20 @@ bool World::State::sweep_step(Flier& it, Pose& next) const {
   return true;
 }
 
+bool World::State::leaves_room(const Pose& pose) const {
+  if (options.room.empty()) return false;
+  const Vec3 at = apply(pose, flier.bounds().center());
+  return min(max(at, options.room.min), options.room.max) != at;
+}
+
 void World::State::step(Flier& it) const {
   Pose next = it.pose;
   next.translation = next.translation + it.direction * options.speed;
+  if (leaves_room(next)) {
+    it.direction = scattered(it.direction * -1.0, options.scatter_rad, it.seed);
+    ++it.turns;
+    return;
+  }
   if (options.mode == FlightMode::thesis) {
     if (thesis_step(it, next)) {
       ++it.collisions;
@@ -185,9 +197,9 @@ void World::run(std::int64_t steps, const Visit& visit) {
     Flier& it = state.fliers[n];
     if (visit) visit(n, 0, it.pose);
     for (std::int64_t k = 0; k < steps && !cancelled; ++k) {
-      const std::int64_t before = it.collisions;
+      const std::int64_t before = it.collisions + it.turns;
       state.step(it);
-      if (visit && (it.collisions != before || k + 1 == steps)) visit(n, k + 1, it.pose);
+      if (visit && (it.collisions + it.turns != before || k + 1 == steps)) visit(n, k + 1, it.pose);
       if ((k + 1) % kStepsAtOnce != 0 && k + 1 != steps) continue;
       done += k % kStepsAtOnce + 1;
       if (!state.options.progress) continue;
