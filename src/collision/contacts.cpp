@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "collision/batch.h"
+#include "collision/close_pairs.h"
 #include "collision/pair.h"
 
 namespace difi {
@@ -18,7 +19,8 @@ class Gather {
         kernels_(kernels()),
         margin_(options.margin),
         limit_(static_cast<float>(options.margin) * 1.000001f + pair.slack),
-        most_(static_cast<std::size_t>(options.most)) {}
+        most_(static_cast<std::size_t>(options.most)),
+        close_(pair, kernels_, limit_) {}
 
   Contacts run() {
     if (pair_.root_gap() > margin_ + pair_.slack) return {};
@@ -52,38 +54,16 @@ class Gather {
   bool take(std::uint32_t packet, std::size_t first, std::size_t end) {
     alignas(64) float gap[kLanes];
     kernels_.gaps(pair_.field.body->view, pair_.place, pair_.tree.body->tree.levels[0].balls[packet], limit_, gap);
-    lanes_ = 0;
-    all_ = {};
-    for (int n = 0; n < kLanes; ++n) {
-      if (gap[n] > limit_) continue;
-      places_[lanes_] = packet * kLanes + n;
-      boxes_[lanes_] = pair_.box_of(packet * kLanes + n);
-      boxes_[lanes_].grow(limit_);
-      corners_[lanes_] = pair_.tree.world(places_[lanes_]);
-      all_.include(boxes_[lanes_++]);
-    }
-    if (lanes_ == 0) return true;
+    std::uint32_t lanes = 0;
+    for (int n = 0; n < kLanes; ++n) lanes |= std::uint32_t{gap[n] <= limit_} << n;
+    if (lanes == 0) return true;
     seen_ = 0, first_ = first, end_ = end;
-    return descend(pair_.field.body->tree.top(), 0);
-  }
-
-  bool descend(int level, std::uint32_t node) {
-    const Level& nodes = pair_.field.body->tree.levels[level];
-    if (level > 0) {
-      for (std::uint32_t mask = kernels_.overlaps(nodes.boxes[node], all_); mask != 0; mask &= mask - 1)
-        if (!descend(level - 1, node * kLanes + std::countr_zero(mask))) return false;
-      return true;
-    }
-    for (int n = 0; n < lanes_; ++n)
-      for (std::uint32_t mask = kernels_.overlaps(nodes.boxes[node], boxes_[n]); mask != 0; mask &= mask - 1)
-        if (!test(node * kLanes + std::countr_zero(mask), n)) return false;
-    return true;
+    return close_.visit(packet, lanes, [this](std::uint32_t f, std::uint32_t t) { return test(f, t); });
   }
 
   // False when no more is wanted.
-  bool test(std::uint32_t field_place, int lane) {
-    const Corners p = pair_.field.world(field_place);
-    const Corners& q = corners_[lane];
+  bool test(std::uint32_t field_place, std::uint32_t tree_place) {
+    const Corners p = pair_.field.world(field_place), q = pair_.tree.world(tree_place);
     Overlap found;
     if (triangles_touch(p, q)) {
       if (++seen_ <= first_) return true;
@@ -100,7 +80,7 @@ class Gather {
       result_.overflow = true;
       return false;
     }
-    const std::uint32_t of_field = pair_.field.triangle(field_place), of_tree = pair_.tree.triangle(places_[lane]);
+    const std::uint32_t of_field = pair_.field.triangle(field_place), of_tree = pair_.tree.triangle(tree_place);
     ContactPoint contact{found.point, found.normal, found.depth, of_field, of_tree};
     if (pair_.swapped) {
       contact.normal = contact.normal * -1.0;
@@ -115,13 +95,10 @@ class Gather {
   const double margin_;
   const float limit_;
   const std::size_t most_;
+  ClosePairs close_;
   std::vector<std::uint32_t> packets_;
   Contacts result_;
   // The packet at work.
-  int lanes_ = 0;
-  std::uint32_t places_[kLanes];
-  FloatBox boxes_[kLanes], all_;
-  Corners corners_[kLanes];
   std::size_t seen_ = 0, first_ = 0, end_ = 0;
 };
 

@@ -18,6 +18,11 @@ struct Kernels {
   std::uint32_t (*overlaps)(const Boxes&, const FloatBox& box);
   /// Squared distances between the boxes and `box`.
   void (*distances_sq)(const Boxes&, const FloatBox& box, float* distance_sq);
+  /// Places 16 triangles in another frame, and their boxes grown by `by`.
+  void (*place_faces)(const FloatPlace&, const Faces&, float by, Faces& placed, Boxes& boxes);
+  /// Bit n: neither the plane of face n nor that of lane `lane` of `others` keeps the two triangles more than `apart`
+  /// from each other.
+  std::uint32_t (*not_parted)(const Faces&, const Faces& others, int lane, float apart);
 };
 
 /// The kernels for this processor.

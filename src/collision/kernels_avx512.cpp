@@ -3,6 +3,8 @@
 
 #include "collision/kernels.h"
 
+#include <immintrin.h>
+
 namespace difi::collision::avx512 {
 namespace {
 
@@ -10,7 +12,7 @@ namespace {
 
 }  // namespace
 
-extern const Kernels kKernels{"avx512", gaps, gaps_at, overlaps, distances_sq};
+extern const Kernels kKernels{"avx512", gaps, gaps_at, overlaps, distances_sq, place_faces, not_parted};
 
 }  // namespace difi::collision::avx512
 

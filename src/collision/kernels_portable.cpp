@@ -8,6 +8,6 @@ namespace {
 
 }  // namespace
 
-extern const Kernels kKernels{"portable", gaps, gaps_at, overlaps, distances_sq};
+extern const Kernels kKernels{"portable", gaps, gaps_at, overlaps, distances_sq, place_faces, not_parted};
 
 }  // namespace difi::collision::portable

@@ -19,6 +19,11 @@ struct alignas(64) Boxes {
   float max[3][kLanes];
 };
 
+/// Triangles: corner, axis, lane.
+struct alignas(64) Faces {
+  float corner[3][3][kLanes];
+};
+
 /// One box.
 struct FloatBox {
   float min[3] = {kNothing, kNothing, kNothing};

@@ -37,7 +37,8 @@ void validate(const Pose& pose) {
   for (const double r : pose.rotation)
     if (!std::isfinite(r)) fail("the rotation holds a number that is not finite; give nine finite numbers");
   const Vec3 t = pose.translation;
-  if (!is_finite(t) || std::max({std::abs(t.x), std::abs(t.y), std::abs(t.z)}) > 1e15)  // its square is within single precision's range
+  if (!is_finite(t) ||
+      std::max({std::abs(t.x), std::abs(t.y), std::abs(t.z)}) > 1e15)  // its square is within single precision's range
     fail("the translation is not finite or past 1e15; give three finite numbers, or another unit of length");
   const auto& r = pose.rotation;
   const Vec3 rows[3] = {{r[0], r[1], r[2]}, {r[3], r[4], r[5]}, {r[6], r[7], r[8]}};

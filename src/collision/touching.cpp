@@ -5,6 +5,8 @@
 #include <bit>
 #include <cmath>
 
+#include "collision/close_pairs.h"
+
 namespace difi::collision {
 namespace {
 
@@ -14,7 +16,8 @@ class Search {
       : pair_(pair),
         kernels_(kernels()),
         margin_(margin),
-        limit_(static_cast<float>(margin) * 1.000001f + pair.slack) {}
+        limit_(static_cast<float>(margin) * 1.000001f + pair.slack),
+        close_(pair, kernels_, limit_) {}
 
   std::optional<Touching> run() {
     if (pair_.root_gap() > margin_ + pair_.slack || !visit(pair_.tree.body->tree.top(), 0)) return {};
@@ -30,36 +33,14 @@ class Search {
     for (int n = 0; n < kLanes; ++n)
       if (gap[n] <= limit_) lanes[count++] = n;
     if (count == 0) return false;
-    if (level == 0) return test_triangles(packet, lanes, count);
+    if (level == 0) {
+      std::uint32_t bits = 0;
+      for (int n = 0; n < count; ++n) bits |= 1u << lanes[n];
+      return !close_.visit(packet, bits, [this](std::uint32_t f, std::uint32_t t) { return !test(f, t); });
+    }
     std::sort(lanes, lanes + count, [&gap](int a, int b) { return gap[a] < gap[b]; });
     for (int n = 0; n < count; ++n)
       if (visit(level - 1, packet * kLanes + lanes[n])) return true;
-    return false;
-  }
-
-  // The triangles `lanes` of a packet of the tree's body against those of the field's body near them.
-  bool test_triangles(std::uint32_t packet, const int* lanes, int count) {
-    FloatBox boxes[kLanes], all;
-    for (int n = 0; n < count; ++n) {
-      boxes[n] = pair_.box_of(packet * kLanes + lanes[n]);
-      boxes[n].grow(limit_);
-      all.include(boxes[n]);
-    }
-    const Tree& tree = pair_.field.body->tree;
-    return descend(tree.top(), 0, packet, lanes, count, boxes, all);
-  }
-
-  bool descend(int level, std::uint32_t node, std::uint32_t packet, const int* lanes, int count, const FloatBox* boxes,
-               const FloatBox& all) {
-    const Level& nodes = pair_.field.body->tree.levels[level];
-    if (level > 0) {
-      for (std::uint32_t mask = kernels_.overlaps(nodes.boxes[node], all); mask != 0; mask &= mask - 1)
-        if (descend(level - 1, node * kLanes + std::countr_zero(mask), packet, lanes, count, boxes, all)) return true;
-      return false;
-    }
-    for (int n = 0; n < count; ++n)
-      for (std::uint32_t mask = kernels_.overlaps(nodes.boxes[node], boxes[n]); mask != 0; mask &= mask - 1)
-        if (test(node * kLanes + std::countr_zero(mask), packet * kLanes + lanes[n])) return true;
     return false;
   }
 
@@ -75,6 +56,7 @@ class Search {
   const Kernels& kernels_;
   const double margin_;
   const float limit_;  // balls and boxes farther away than this are farther than the margin
+  ClosePairs close_;
   Touching found_{};
 };
 

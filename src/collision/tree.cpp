@@ -60,6 +60,12 @@ void fill_levels(Tree& tree, MeshView mesh, Vec3 middle) {
   tbb::parallel_for(std::int64_t{0}, count, [&](std::int64_t n) {
     for (int k = 0; k < 3; ++k) corners[3 * n + k] = place(mesh.corner(tree.order[n], k), middle);
   });
+  tree.faces.assign(static_cast<std::size_t>((count + kLanes - 1) / kLanes), Faces{});
+  tbb::parallel_for(std::int64_t{0}, count, [&](std::int64_t n) {
+    for (int k = 0; k < 3; ++k)
+      for (int axis = 0; axis < 3; ++axis)
+        tree.faces[n / kLanes].corner[k][axis][n % kLanes] = corners[3 * n + k].x[axis];
+  });
   tree.levels.clear();
   for (std::int64_t size = 1;; size *= kLanes) {  // triangles of a node
     const std::int64_t nodes = (count + size - 1) / size, packets = (nodes + kLanes - 1) / kLanes;

@@ -19,6 +19,7 @@ struct Level {
 struct Tree {
   std::vector<std::uint32_t> order;  ///< triangles of the mesh, by their place in the tree
   std::vector<Level> levels;         ///< the last one has a single packet
+  std::vector<Faces> faces;          ///< the triangles, in packets of the lowest level; lanes without one are points
   int top() const { return static_cast<int>(levels.size()) - 1; }
 };
 

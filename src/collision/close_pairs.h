@@ -1,0 +1,74 @@
+// Triangles of the tree's body with the field body's triangles near them: what exact tests are made on.
+#pragma once
+
+#include <bit>
+
+#include "collision/pair.h"
+
+namespace difi::collision {
+
+class ClosePairs {
+ public:
+  /// Pairs farther from each other than `limit` are left out as far as boxes and the triangles' planes show it.
+  ClosePairs(const Pair& pair, const Kernels& kernels, float limit) : pair_(pair), kernels_(kernels), limit_(limit) {}
+
+  /// Calls use(place in the field's tree, place in the tree's tree) for the lanes of a packet given as bits, until it
+  /// returns false. False when it did.
+  template <class Use>
+  bool visit(std::uint32_t packet, std::uint32_t lanes, Use use) {
+    kernels_.place_faces(pair_.place, pair_.tree.body->tree.faces[packet], limit_, placed_, boxes_);
+    all_ = {};
+    for (std::uint32_t left = lanes; left != 0; left &= left - 1) all_.include(box(boxes_, std::countr_zero(left)));
+    packet_ = packet;
+    lanes_ = lanes;
+    return descend(pair_.field.body->tree.top(), 0, use);
+  }
+
+ private:
+  static FloatBox box(const Boxes& boxes, int lane) {
+    FloatBox one;
+    for (int axis = 0; axis < 3; ++axis) one.min[axis] = boxes.min[axis][lane], one.max[axis] = boxes.max[axis][lane];
+    return one;
+  }
+
+  template <class Use>
+  bool descend(int level, std::uint32_t node, Use& use) {
+    const Boxes& nodes = pair_.field.body->tree.levels[level].boxes[node];
+    if (level > 1) {
+      for (std::uint32_t left = kernels_.overlaps(nodes, all_); left != 0; left &= left - 1)
+        if (!descend(level - 1, node * kLanes + std::countr_zero(left), use)) return false;
+      return true;
+    }
+    if (level == 0) return meet(node, lanes_, use);
+    // Which of the packet's triangles reach the box of a leaf, before its sixteen triangles are fetched.
+    for (std::uint32_t left = kernels_.overlaps(nodes, all_); left != 0; left &= left - 1) {
+      const int leaf = std::countr_zero(left);
+      const std::uint32_t reaching = kernels_.overlaps(boxes_, box(nodes, leaf)) & lanes_;
+      if (reaching != 0 && !meet(node * kLanes + leaf, reaching, use)) return false;
+    }
+    return true;
+  }
+
+  template <class Use>
+  bool meet(std::uint32_t leaf, std::uint32_t lanes, Use& use) {
+    const Tree& tree = pair_.field.body->tree;
+    for (; lanes != 0; lanes &= lanes - 1) {
+      const int lane = std::countr_zero(lanes);
+      std::uint32_t left = kernels_.overlaps(tree.levels[0].boxes[leaf], box(boxes_, lane));
+      if (left != 0) left &= kernels_.not_parted(tree.faces[leaf], placed_, lane, limit_);
+      for (; left != 0; left &= left - 1)
+        if (!use(leaf * kLanes + std::countr_zero(left), packet_ * kLanes + lane)) return false;
+    }
+    return true;
+  }
+
+  const Pair& pair_;
+  const Kernels& kernels_;
+  const float limit_;
+  Faces placed_;
+  Boxes boxes_;
+  FloatBox all_;
+  std::uint32_t packet_ = 0, lanes_ = 0;
+};
+
+}  // namespace difi::collision
