@@ -12,6 +12,10 @@ namespace difi {
 namespace collision {
 namespace {
 
+// Contacts that a packet of sixteen triangles gives in the first round, at least: fewer would be spread better, but
+// make more packets to fetch.
+constexpr std::size_t kShare = 4;
+
 class Gather {
  public:
   Gather(const Pair& pair, const ContactOptions& options)
@@ -26,7 +30,7 @@ class Gather {
     if (pair_.root_gap() > margin_ + pair_.slack) return {};
     find_packets(pair_.tree.body->tree.top(), 0);
     const std::size_t count = packets_.size();
-    const std::size_t share = std::max<std::size_t>(1, (most_ + count) / std::max<std::size_t>(1, count));
+    const std::size_t share = std::max<std::size_t>(kShare, (most_ + count) / std::max<std::size_t>(1, count));
     // Numbers with their bits turned around: each falls into the largest gap the ones before it have left.
     const int bits = static_cast<int>(std::bit_width(count));
     std::vector<std::uint32_t> unfinished;
@@ -52,11 +56,10 @@ class Gather {
 
   // Adds the pairs of a packet from the `first`-th up to the `end`-th; false when there may be more.
   bool take(std::uint32_t packet, std::size_t first, std::size_t end) {
-    alignas(64) float gap[kLanes];
-    kernels_.gaps(pair_.field.body->view, pair_.place, pair_.tree.body->tree.levels[0].balls[packet], limit_, gap);
-    std::uint32_t lanes = 0;
-    for (int n = 0; n < kLanes; ++n) lanes |= std::uint32_t{gap[n] <= limit_} << n;
-    if (lanes == 0) return true;
+    // Packets come here because they reach the surface: asking the field for each triangle would cost more than it
+    // saves.
+    const auto left = static_cast<std::uint32_t>(pair_.tree.body->tree.order.size()) - packet * kLanes;
+    const std::uint32_t lanes = left < kLanes ? (1u << left) - 1 : 0xffffu;
     seen_ = 0, first_ = first, end_ = end;
     return close_.visit(packet, lanes, [this](std::uint32_t f, std::uint32_t t) { return test(f, t); });
   }

@@ -9,8 +9,7 @@ namespace difi {
 namespace {
 
 constexpr double kEps = 0x1p-53;
-// Shewchuk's bounds of the first stage, in terms of the sum of the products' magnitudes.
-constexpr double kBound3d = (7 + 56 * kEps) * kEps;
+// Shewchuk's bound of the first stage, in terms of the sum of the products' magnitudes.
 constexpr double kBound2d = (3 + 16 * kEps) * kEps;
 
 constexpr int sign(double value) { return value > 0 ? 1 : value < 0 ? -1 : 0; }
@@ -69,6 +68,8 @@ void add_product(Expansion& sum, const Parts& x, const Parts& y, const Parts& z,
     }
 }
 
+}  // namespace
+
 int orient3d_exactly(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   const Parts bx = difference(a.x, b.x), by = difference(a.y, b.y), bz = difference(a.z, b.z);
   const Parts cx = difference(a.x, c.x), cy = difference(a.y, c.y), cz = difference(a.z, c.z);
@@ -81,23 +82,6 @@ int orient3d_exactly(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d)
   add_product(sum, by, cx, dz, -1);
   add_product(sum, bz, cy, dx, -1);
   return sum.sign();
-}
-
-}  // namespace
-
-int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
-  const Vec3 u = b - a, v = c - a, w = d - a;
-  const double vxwy = v.x * w.y, vywx = v.y * w.x, uxwy = u.x * w.y, uywx = u.y * w.x, uxvy = u.x * v.y,
-               uyvx = u.y * v.x;
-  const double det = u.z * (vxwy - vywx) - v.z * (uxwy - uywx) + w.z * (uxvy - uyvx);
-  const double size = (std::abs(vxwy) + std::abs(vywx)) * std::abs(u.z) +
-                      (std::abs(uxwy) + std::abs(uywx)) * std::abs(v.z) +
-                      (std::abs(uxvy) + std::abs(uyvx)) * std::abs(w.z);
-  // The bound holds where nothing underflows; products below 1e-290 go the exact way, which loses nothing above 1e-90.
-  const double bound = kBound3d * size + 1e-290;
-  if (det > bound) return 1;
-  if (-det > bound) return -1;
-  return orient3d_exactly(a, b, c, d);
 }
 
 int orient2d(const Flat& a, const Flat& b, const Flat& c) {

@@ -26,6 +26,12 @@ class Search {
 
  private:
   bool visit(int level, std::uint32_t packet) {
+    if (level == 0) {
+      // The packet reaches the surface: its triangles' boxes tell more than the field would.
+      const auto left = static_cast<std::uint32_t>(pair_.tree.body->tree.order.size()) - packet * kLanes;
+      return !close_.visit(packet, left < kLanes ? (1u << left) - 1 : 0xffffu,
+                           [this](std::uint32_t f, std::uint32_t t) { return !test(f, t); });
+    }
     alignas(64) float gap[kLanes];
     const Level& nodes = pair_.tree.body->tree.levels[level];
     kernels_.gaps(pair_.field.body->view, pair_.place, nodes.balls[packet], limit_, gap);
@@ -33,11 +39,6 @@ class Search {
     for (int n = 0; n < kLanes; ++n)
       if (gap[n] <= limit_) lanes[count++] = n;
     if (count == 0) return false;
-    if (level == 0) {
-      std::uint32_t bits = 0;
-      for (int n = 0; n < count; ++n) bits |= 1u << lanes[n];
-      return !close_.visit(packet, bits, [this](std::uint32_t f, std::uint32_t t) { return !test(f, t); });
-    }
     std::sort(lanes, lanes + count, [&gap](int a, int b) { return gap[a] < gap[b]; });
     for (int n = 0; n < count; ++n)
       if (visit(level - 1, packet * kLanes + lanes[n])) return true;
