@@ -12,9 +12,9 @@ namespace difi {
 namespace collision {
 namespace {
 
-// Contacts that a packet of sixteen triangles gives in the first round, at least: fewer would be spread better, but
-// make more packets to fetch.
-constexpr std::size_t kShare = 4;
+// Packets that share the contacts in the first round, at most: more would spread them better, but each has to be
+// fetched.
+constexpr std::size_t kSharers = 32;
 
 class Gather {
  public:
@@ -30,7 +30,7 @@ class Gather {
     if (pair_.root_gap() > margin_ + pair_.slack) return {};
     find_packets(pair_.tree.body->tree.top(), 0);
     const std::size_t count = packets_.size();
-    const std::size_t share = std::max<std::size_t>(kShare, (most_ + count) / std::max<std::size_t>(1, count));
+    const std::size_t share = most_ / std::clamp<std::size_t>(count, 1, kSharers) + 1;
     // Numbers with their bits turned around: each falls into the largest gap the ones before it have left.
     const int bits = static_cast<int>(std::bit_width(count));
     std::vector<std::uint32_t> unfinished;
