@@ -25,6 +25,13 @@ class ClosePairs {
   }
 
  private:
+  // Asks for all lines of a packet before the first is needed.
+  template <class T>
+  static void fetch(const T& packet) {
+    for (std::size_t line = 0; line < sizeof(T); line += 64)
+      __builtin_prefetch(reinterpret_cast<const char*>(&packet) + line);
+  }
+
   static FloatBox box(const Boxes& boxes, int lane) {
     FloatBox one;
     for (int axis = 0; axis < 3; ++axis) one.min[axis] = boxes.min[axis][lane], one.max[axis] = boxes.max[axis][lane];
@@ -35,13 +42,23 @@ class ClosePairs {
   bool descend(int level, std::uint32_t node, Use& use) {
     const Boxes& nodes = pair_.field.body->tree.levels[level].boxes[node];
     if (level > 1) {
-      for (std::uint32_t left = kernels_.overlaps(nodes, all_); left != 0; left &= left - 1)
+      const std::uint32_t reached = kernels_.overlaps(nodes, all_);
+      const Level& below = pair_.field.body->tree.levels[level - 1];
+      for (std::uint32_t left = reached; left != 0; left &= left - 1)
+        fetch(below.boxes[node * kLanes + std::countr_zero(left)]);
+      for (std::uint32_t left = reached; left != 0; left &= left - 1)
         if (!descend(level - 1, node * kLanes + std::countr_zero(left), use)) return false;
       return true;
     }
     if (level == 0) return meet(node, lanes_, use);
     // Which of the packet's triangles reach the box of a leaf, before its sixteen triangles are fetched.
-    for (std::uint32_t left = kernels_.overlaps(nodes, all_); left != 0; left &= left - 1) {
+    const std::uint32_t reached = kernels_.overlaps(nodes, all_);
+    for (std::uint32_t left = reached; left != 0; left &= left - 1) {
+      const std::uint32_t leaf = node * kLanes + std::countr_zero(left);
+      fetch(pair_.field.body->tree.levels[0].boxes[leaf]);
+      fetch(pair_.field.body->tree.faces[leaf]);
+    }
+    for (std::uint32_t left = reached; left != 0; left &= left - 1) {
       const int leaf = std::countr_zero(left);
       const std::uint32_t reaching = kernels_.overlaps(boxes_, box(nodes, leaf)) & lanes_;
       if (reaching != 0 && !meet(node * kLanes + leaf, reaching, use)) return false;

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
+#include "collision/big_vector.h"
 #include "collision/packets.h"
 #include "difi/field.h"
 #include "difi/mesh.h"
@@ -21,10 +21,10 @@ struct FieldBounds {
   double spacing = 1;
   Size3 size, coarse_size;
   Vec3 origin;
-  Box box;                          ///< of the surface
-  std::vector<std::int32_t> slots;  ///< per tile; tile 0 of the samples is all far
-  std::vector<std::uint8_t> samples;
-  std::vector<float> coarse;  ///< distances, rounded down; no clamping
+  Box box;                        ///< of the surface
+  BigVector<std::int32_t> slots;  ///< per tile; tile 0 of the samples is all far
+  BigVector<std::uint8_t> samples;
+  BigVector<float> coarse;  ///< distances, rounded down; no clamping
 
   double band() const { return kBandSamples * spacing; }
   FieldView view() const;

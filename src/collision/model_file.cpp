@@ -57,8 +57,9 @@ class Checksum {
 class Arrays {
  public:
   Arrays(const FileView& file, std::size_t at) : file_(file), at_(at) {}
-  template <class T>
-  void take(std::vector<T>& to, std::uint64_t count, Checksum& sum) {
+  template <class Vector>
+  void take(Vector& to, std::uint64_t count, Checksum& sum) {
+    using T = typename Vector::value_type;
     // Division, for the product may overflow.
     if (count > (file_.size() - at_) / sizeof(T))
       file_.fail("byte " + std::to_string(at_), "the file ends too early; save the body again");

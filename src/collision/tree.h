@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "collision/big_vector.h"
 #include "collision/packets.h"
 #include "collision/triangle_pair.h"
 #include "difi/mesh.h"
@@ -12,14 +13,14 @@
 namespace difi::collision {
 
 struct Level {
-  std::vector<Balls> balls;  ///< packet n: the children of node n of the level above
-  std::vector<Boxes> boxes;
+  BigVector<Balls> balls;  ///< packet n: the children of node n of the level above
+  BigVector<Boxes> boxes;
 };
 
 struct Tree {
   std::vector<std::uint32_t> order;  ///< triangles of the mesh, by their place in the tree
   std::vector<Level> levels;         ///< the last one has a single packet
-  std::vector<Faces> faces;          ///< the triangles, in packets of the lowest level; lanes without one are points
+  BigVector<Faces> faces;            ///< the triangles, in packets of the lowest level; lanes without one are points
   int top() const { return static_cast<int>(levels.size()) - 1; }
 };
 
