@@ -12,6 +12,42 @@ namespace difi {
 namespace collision {
 namespace {
 
+// The best of the bounds s - |x - x_i| from the eight samples around x: of the fine field, or of the coarse one where
+// the fine one is clamped. The sample behind x, seen from the surface, loses little, whereas the nearest one loses up
+// to sqrt(3)/2 spacings; each look costs as much as all sixteen lanes of the kernel, so it is for balls that are left
+// over.
+float bound_from_eight(const FieldView& f, const float* x) {
+  const auto best_of = [x, &f](float spacing, float per_spacing, const float* last, auto value) {
+    std::int32_t cell[3];
+    float at[3];
+    for (int axis = 0; axis < 3; ++axis) {
+      at[axis] = (x[axis] - f.origin[axis]) * per_spacing;
+      if (!(at[axis] >= 0 && at[axis] < last[axis])) return -kNothing;
+      cell[axis] = static_cast<std::int32_t>(at[axis]);
+    }
+    float best = -kNothing;
+    for (int corner = 0; corner < 8; ++corner) {
+      const std::int32_t i = cell[0] + (corner & 1), j = cell[1] + (corner >> 1 & 1), k = cell[2] + (corner >> 2);
+      const float u = at[0] - static_cast<float>(i), v = at[1] - static_cast<float>(j),
+                  w = at[2] - static_cast<float>(k);
+      best = std::max(best, value(i, j, k) - spacing * std::sqrt(u * u + v * v + w * w));
+    }
+    return best;
+  };
+  bool clamped = false;
+  const float fine = best_of(f.spacing, f.per_spacing, f.last, [&](std::int32_t i, std::int32_t j, std::int32_t k) {
+    const std::int64_t slot = f.slots[((k >> 3) * f.tiles[1] + (j >> 3)) * f.tiles[0] + (i >> 3)];
+    const std::uint8_t sample = f.samples[(slot << 9) + ((k & 7) << 6 | (j & 7) << 3 | (i & 7))];
+    clamped = clamped || sample == 255;
+    return static_cast<float>(sample) * f.step;
+  });
+  if (!clamped) return fine;
+  return std::max(fine, best_of(f.coarse_spacing, f.per_coarse_spacing, f.coarse_last,
+                                [&](std::int32_t i, std::int32_t j, std::int32_t k) {
+                                  return f.coarse[(k * f.coarse_size[1] + j) * f.coarse_size[0] + i];
+                                }));
+}
+
 class Nearest {
  public:
   Nearest(const Pair& pair, double tolerance, double limit)
@@ -45,6 +81,7 @@ class Nearest {
       if (gap[n] <= reach_) lanes[count++] = n;
     std::sort(lanes, lanes + count, [&gap](int a, int b) { return gap[a] < gap[b]; });
     for (int n = 0; n < count && gap[lanes[n]] <= reach_; ++n) {
+      if (found_ && level <= 1 && closer_look(nodes.balls[packet], lanes[n]) > reach_) continue;
       const std::uint32_t child = packet * kLanes + lanes[n];
       if (level > 0) {
         visit(level - 1, child);
@@ -53,6 +90,15 @@ class Nearest {
         descend(pair_.field.body->tree.top(), 0, child, pair_.box_of(child));
       }
     }
+  }
+
+  float closer_look(const Balls& balls, int lane) const {
+    const float* r = pair_.place.rotation;
+    float x[3];
+    for (int axis = 0; axis < 3; ++axis)
+      x[axis] = r[3 * axis] * balls.center[0][lane] + r[3 * axis + 1] * balls.center[1][lane] +
+                r[3 * axis + 2] * balls.center[2][lane] + pair_.place.translation[axis];
+    return bound_from_eight(pair_.field.body->view, x) - balls.radius[lane];
   }
 
   void descend(int level, std::uint32_t node, std::uint32_t tree_place, const FloatBox& box) {

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <optional>
 
 #include "collision/predicates.h"
-#include "geometry/closest_point.h"
 
 namespace difi {
 namespace {
@@ -78,9 +78,6 @@ bool touches(const Vec3& p, const Vec3& q, int from, int to, const Corners& t) {
   return ab * ca >= 0 && bc * ca >= 0;
 }
 
-Triple<double> triple(const Vec3& v) { return {v.x, v.y, v.z}; }
-Vec3 vec(const Triple<double>& t) { return {t.x, t.y, t.z}; }
-
 // The closest points of two segments (Ericson, Real-Time Collision Detection, 5.1.9).
 ClosestPair closest_of_segments(const Vec3& p0, const Vec3& p1, const Vec3& q0, const Vec3& q1) {
   const Vec3 u = p1 - p0, v = q1 - q0, r = p0 - q0;
@@ -109,6 +106,19 @@ ClosestPair closest_of_segments(const Vec3& p0, const Vec3& p1, const Vec3& q0, 
 
 Vec3 face_normal(const Corners& t) { return cross(t[1] - t[0], t[2] - t[0]); }
 
+// The foot of the perpendicular from v, where it lies inside the triangle: a mean of the corners with positive weights,
+// so that even for slivers it is a point of the triangle, and no distance to it too small.
+std::optional<Vec3> foot_inside(const Vec3& v, const Corners& t) {
+  const Vec3 n = face_normal(t);
+  double weight[3];  // of the corner opposite to edge k to k + 1
+  for (int k = 0; k < 3; ++k) {
+    weight[k] = dot(n, cross(t[(k + 1) % 3] - t[k], v - t[k]));
+    if (!(weight[k] > 0)) return {};
+  }
+  const double sum = weight[0] + weight[1] + weight[2];
+  return t[0] + (t[1] - t[0]) * (weight[2] / sum) + (t[2] - t[0]) * (weight[0] / sum);
+}
+
 }  // namespace
 
 bool triangles_touch(const Corners& p, const Corners& q) {
@@ -124,18 +134,22 @@ bool triangles_touch(const Corners& p, const Corners& q) {
 
 ClosestPair closest_points(const Corners& p, const Corners& q) {
   ClosestPair best{std::numeric_limits<double>::infinity(), {}, {}};
+  struct Candidate {
+    Vec3 way, on_p, on_q;
+  };
+  const auto take = [&best](const Candidate& c) {
+    if (const double distance_sq = dot(c.way, c.way); distance_sq < best.distance_sq)
+      best = {distance_sq, c.on_p, c.on_q};
+  };
   for (int n = 0, m = 2; n < 3; m = n++)
     for (int k = 0, j = 2; k < 3; j = k++) {
       const ClosestPair pair = closest_of_segments(p[m], p[n], q[j], q[k]);
       if (pair.distance_sq < best.distance_sq) best = pair;
     }
+  // What is left is a corner over the inside of the other's face.
   for (int n = 0; n < 3; ++n) {
-    const Vec3 on_q = vec(closest_on_triangle(triple(p[n]), triple(q[0]), triple(q[1]), triple(q[2])));
-    const Vec3 d = p[n] - on_q;
-    if (dot(d, d) < best.distance_sq) best = {dot(d, d), p[n], on_q};
-    const Vec3 on_p = vec(closest_on_triangle(triple(q[n]), triple(p[0]), triple(p[1]), triple(p[2])));
-    const Vec3 e = q[n] - on_p;
-    if (dot(e, e) < best.distance_sq) best = {dot(e, e), on_p, q[n]};
+    if (const auto foot = foot_inside(p[n], q)) take({p[n] - *foot, p[n], *foot});
+    if (const auto foot = foot_inside(q[n], p)) take({q[n] - *foot, *foot, q[n]});
   }
   return best;
 }
