@@ -66,13 +66,26 @@ class ClosePairs {
     return true;
   }
 
+  // Sixteen against sixteen, one by one on the side that has fewer left.
   template <class Use>
   bool meet(std::uint32_t leaf, std::uint32_t lanes, Use& use) {
-    const Tree& tree = pair_.field.body->tree;
+    const Boxes& resting = pair_.field.body->tree.levels[0].boxes[leaf];
+    const Faces& faces = pair_.field.body->tree.faces[leaf];
+    std::uint32_t others = kernels_.overlaps(resting, all_);
+    if (std::popcount(others) < std::popcount(lanes)) {
+      for (; others != 0; others &= others - 1) {
+        const int other = std::countr_zero(others);
+        std::uint32_t left = kernels_.overlaps(boxes_, box(resting, other)) & lanes;
+        if (left != 0) left &= kernels_.not_parted(placed_, faces, other, limit_);
+        for (; left != 0; left &= left - 1)
+          if (!use(leaf * kLanes + other, packet_ * kLanes + std::countr_zero(left))) return false;
+      }
+      return true;
+    }
     for (; lanes != 0; lanes &= lanes - 1) {
       const int lane = std::countr_zero(lanes);
-      std::uint32_t left = kernels_.overlaps(tree.levels[0].boxes[leaf], box(boxes_, lane));
-      if (left != 0) left &= kernels_.not_parted(tree.faces[leaf], placed_, lane, limit_);
+      std::uint32_t left = kernels_.overlaps(resting, box(boxes_, lane)) & others;
+      if (left != 0) left &= kernels_.not_parted(faces, placed_, lane, limit_);
       for (; left != 0; left &= left - 1)
         if (!use(leaf * kLanes + std::countr_zero(left), packet_ * kLanes + lane)) return false;
     }
