@@ -56,10 +56,11 @@ def run(workloads, build):
     program, job = Path(build) / "difi", workloads["fly"]
     if not program.exists():
         raise SystemExit(f"bench: no {program}; build it with script/bench")
-    common = ["--steps", job["steps"], "--flies", 4, "-j", 1]
-    by_grid = [row_of(fly(program, *common, "--mode", "thesis", "--minimum", e, "--speed", speed), e)
+    common = ["--flies", 4, "-j", 1]
+    by_grid = [row_of(fly(program, *common, "--steps", job["grid_steps"], "--mode", "thesis", "--minimum", e, "--speed",
+                          speed), e)
                for speed in job["grid_speeds"] for e in job["minimums"]]
-    by_speed = [row_of(fly(program, *common, "--mode", mode, "--speed", speed))
+    by_speed = [row_of(fly(program, *common, "--steps", job["steps"], "--mode", mode, "--speed", speed))
                 for mode in ("thesis", "sweep") for speed in job["speeds"]]
     header, folder = machine_lines(build), results_folder()
     print(markdown(by_grid) + "\n\n" + markdown(by_speed))

@@ -28,7 +28,8 @@ struct ModelOptions {
 /// tree over the triangles. Cheap to copy: copies share. Safe to use from many threads.
 class CollisionModel {
  public:
-  /// Errors: input (mesh; larger than 1e12 or smaller than 1e-12, or past 1e15), usage (options), limit (a field of too many samples).
+  /// Errors: input (mesh; larger than 1e12 or smaller than 1e-12, or past 1e15), usage (options), limit (a field of too
+  /// many samples).
   explicit CollisionModel(MeshView mesh, const ModelOptions& options = {});
 
   /// The mesh the model was built from.

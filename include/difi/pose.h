@@ -44,8 +44,8 @@ Pose make_pose(Vec3 axis, double angle_rad, Vec3 translation);
 /// that was stored in single precision keeps.
 inline constexpr double kRigidTolerance = 1e-6;
 
-/// Throws Error{usage} unless all numbers are finite, the translation below 1e15, and the rotation is one: no scaling, shear or
-/// mirror.
+/// Throws Error{usage} unless all numbers are finite, the translation below 1e15, and the rotation is one: no scaling,
+/// shear or mirror.
 void validate(const Pose& pose);
 
 }  // namespace difi

@@ -1,10 +1,10 @@
 // Bodies that fly among bodies that stand: the thesis's fly in the labyrinth (docs/collision.md).
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -30,7 +30,7 @@ struct FlightOptions {
   OnContact on_contact = OnContact::turn_back;
   double speed = 0.02;       ///< world units a step
   double scatter_rad = 0.5;  ///< after a contact the direction is turned at random by up to this much; 0: never
-  Box room;  ///< moving bodies turn back where the middle of their box would leave this; empty: endless
+  Box room;                  ///< moving bodies turn back where the middle of their box would leave this; empty: endless
   double tolerance = 1e-4;   ///< sweep mode: surfaces this near count as touching
   double thickness = 2;      ///< thesis mode: of both fields
   double minimum = 2;        ///< thesis mode: e of minimum_grid()
