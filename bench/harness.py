@@ -12,7 +12,7 @@ import sys
 from pathlib import Path
 
 BENCH = Path(__file__).resolve().parent
-PROGRAMS = {"difi": "bench_difi", "openvdb": "peer_openvdb", "embree": "peer_embree"}
+PROGRAMS = {"difi": "bench_difi", "openvdb": "peer_openvdb", "embree": "peer_embree", "fcl": "peer_fcl"}
 
 
 class Drivers:
@@ -26,7 +26,9 @@ class Drivers:
 
     def run(self, driver, args, repeats, **options):
         """One process; returns what its JSON line says. Options become --name value, or --name when True."""
-        command = [str(self.folder / PROGRAMS[driver]), *args, "--repeats", str(repeats)]
+        command = [str(self.folder / PROGRAMS[driver]), *args]
+        if repeats is not None:
+            command += ["--repeats", str(repeats)]
         for name, value in options.items():
             command += [f"--{name}"] if value is True else [f"--{name}", str(value)]
         print("  " + " ".join(command), file=sys.stderr)

@@ -5,13 +5,17 @@
   run.py --peers         the same, alternating with OpenVDB and Embree
   run.py scaling         time against triangles and samples, with plots
   run.py thesis          the tables of the 2008 thesis, rebuilt
+  run.py collision       collision queries beside FCL (needs --peers)
+  run.py fly             the fly in the labyrinth: Figure 5.5 of the thesis, and what both modes miss
 Tables go to stdout, progress to stderr, CSV files to bench/results/<machine>/."""
 
 import argparse
 import json
 from pathlib import Path
 
+import collision
 import contests
+import fly
 import scaling
 import thesis_tables
 from harness import BENCH, Drivers
@@ -19,7 +23,7 @@ from harness import BENCH, Drivers
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", nargs="?", default="contests", choices=["contests", "scaling", "thesis"])
+    parser.add_argument("what", nargs="?", default="contests", choices=["contests", "scaling", "thesis", "collision", "fly"])
     parser.add_argument("--peers", action="store_true", help="run OpenVDB and Embree too (built with DIFI_BENCH_PEERS)")
     parser.add_argument("--build", default=str(BENCH.parent / "build" / "bench"), help="build folder of the drivers")
     parser.add_argument("--only", help="workloads or tables whose name holds this; nothing is written then")
@@ -30,9 +34,15 @@ def main():
     workloads = json.loads(Path(BENCH / "workloads.json").read_text())
     drivers = Drivers(arguments.build)
     if arguments.list:
-        for contest in workloads["contests"] + workloads["scaling"]:
+        for contest in workloads["contests"] + workloads["scaling"] + workloads["collision"]:
             print(f"{contest['name']:24} {contest['what']}")
         return
+    if arguments.what == "fly":
+        return fly.run(workloads, arguments.build)
+    if arguments.what == "collision":
+        if not drivers.has("fcl"):
+            parser.error(f"no peer_fcl in {drivers.folder}; build it with script/bench collision --peers")
+        return collision.run(drivers, workloads, arguments.only, arguments.rounds, arguments.build)
     if not drivers.has("difi"):
         parser.error(f"no drivers in {drivers.folder}; build them with script/bench")
     if arguments.peers and not (drivers.has("openvdb") or drivers.has("embree")):

@@ -68,9 +68,9 @@ Mesh MeshInput::read() const {
   return mesh;
 }
 
-void FileOutput::add_to(CLI::App& verb, const char* placeholder, const std::string& what) {
+void FileOutput::add_to(CLI::App& verb, const char* placeholder, const std::string& what, const char* name) {
   // Not bound to a path: the stream operator of paths stops at spaces.
-  add_parsed(verb, {"-o,--output", placeholder, what.c_str(), "Output"},
+  add_parsed(verb, {name, placeholder, what.c_str(), "Output"},
              [this](const std::string&, const std::string& text) { path_ = text; });
   verb.add_flag("-f,--force", force_, "overwrite the output when it exists")->group("Output");
 }

@@ -45,7 +45,7 @@ class MeshInput {
 class FileOutput {
  public:
   /// Adds -o and -f. `what` goes into the help: "the field: .vti (default), .nrrd or .npz".
-  void add_to(CLI::App& verb, const char* placeholder, const std::string& what);
+  void add_to(CLI::App& verb, const char* placeholder, const std::string& what, const char* name = "-o,--output");
 
   bool given() const { return !path_.empty(); }
   const std::filesystem::path& path() const { return path_; }

@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include "cli/text.h"
@@ -161,6 +162,35 @@ Backend parse_backend(const std::string& option, const std::string& text, int& d
 double parse_unit(const std::string& option, const std::string& text) {
   constexpr double metres[] = {0.001, 0.01, 1, 0.0254, 0.3048, 1000};
   return metres[parse_choice(option, text, {"mm", "cm", "m", "in", "ft", "km"})];
+}
+
+Vec3 parse_point(const std::string& option, const std::string& text) {
+  const auto v = parse_numbers(option, text);
+  if (v.size() != 3) reject(option, text, "give three numbers: x,y,z");
+  return {v[0], v[1], v[2]};
+}
+
+Pose parse_pose(const std::string& option, const std::string& text) {
+  const auto v = parse_numbers(option, text);
+  Pose pose;
+  if (v.size() == 3) {
+    pose.translation = {v[0], v[1], v[2]};
+  } else if (v.size() == 7) {
+    if (v[3] == 0 && v[4] == 0 && v[5] == 0)
+      reject(option, text, "the axis has no direction; one of its numbers must not be zero");
+    pose = make_pose({v[3], v[4], v[5]}, v[6] * std::numbers::pi / 180, {v[0], v[1], v[2]});
+  } else if (v.size() == 12) {
+    for (std::size_t n = 0; n < 9; ++n) pose.rotation[n] = v[n / 3 * 4 + n % 3];
+    pose.translation = {v[3], v[7], v[11]};
+  } else {
+    reject(option, text, "give x,y,z; or x,y,z,ax,ay,az,degrees; or the twelve numbers of a 3x4 matrix, row by row");
+  }
+  try {
+    validate(pose);
+  } catch (const Error& error) {
+    reject(option, text, error.what());
+  }
+  return pose;
 }
 
 }  // namespace difi::cli

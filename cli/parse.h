@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "difi/compute.h"
+#include "difi/pose.h"
 #include "difi/vec.h"
 
 namespace difi::cli {
@@ -43,6 +44,12 @@ Method parse_method(const std::string& option, const std::string& text);
 Backend parse_backend(const std::string& option, const std::string& text, int& device);
 /// Metres per mm, cm, m, in, ft or km.
 double parse_unit(const std::string& option, const std::string& text);
+
+/// x,y,z (moved), x,y,z,ax,ay,az,degrees (turned about an axis, then moved), or twelve numbers: a 3x4 matrix row by
+/// row.
+Pose parse_pose(const std::string& option, const std::string& text);
+/// Three numbers: x,y,z.
+Vec3 parse_point(const std::string& option, const std::string& text);
 
 /// The index of `text` among `choices`.
 std::size_t parse_choice(const std::string& option, const std::string& text, const std::vector<std::string>& choices);

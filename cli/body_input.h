@@ -1,0 +1,37 @@
+// The bodies that collide, distance, sweep and fly are about.
+#pragma once
+
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "cli/files.h"
+#include "cli/talk.h"
+#include "difi/collision.h"
+
+namespace difi::cli {
+
+/// A mesh made into a body, or a body that --save kept: NAME.body.
+CollisionModel read_body(const std::string& name);
+
+/// Two bodies A and B, and where A is.
+class PairInput {
+ public:
+  /// Adds the arguments A and B and the option --pose-a.
+  void add_to(CLI::App& verb);
+  CollisionModel read_a() const { return read_body(a_); }
+  CollisionModel read_b() const { return read_body(b_); }
+  const Pose& pose_a() const { return pose_a_; }
+
+ private:
+  std::string a_, b_;
+  Pose pose_a_;
+};
+
+/// Adds an option that takes a pose.
+CLI::Option* add_pose(CLI::App& verb, const char* name, const char* help, Pose& pose);
+
+/// The index, or null for kNoTriangle.
+Json json_triangle(std::uint32_t triangle);
+
+}  // namespace difi::cli

@@ -1,0 +1,135 @@
+// difi fly: the fly in the labyrinth, as in the thesis and without its accidents.
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <mutex>
+#include <numbers>
+
+#include "cli/body_input.h"
+#include "cli/commands.h"
+#include "cli/option.h"
+#include "cli/parse.h"
+#include "cli/signals.h"
+#include "cli/talk.h"
+#include "cli/text.h"
+#include "cli/usage.h"
+#include "difi/simulation.h"
+
+namespace difi::cli {
+namespace {
+
+constexpr const char* kExamples =
+    R"(  difi fly --steps 100000 --speed 0.04 --path out.csv      one fly, where it flew as a table
+  difi fly --mode thesis --minimum 3 --speed 0.5           Algorithm 2: watch the wall crossings
+  difi fly --flies 1000 --steps 1000 --json                many at once
+)";
+
+struct Command {
+  std::string labyrinth = "scene:labyrinth", fly = "scene:fly";
+  std::int64_t steps = 10'000, flies = 1;
+  FlightOptions options;
+  FileOutput path;
+  Talk talk;
+
+  void run();
+};
+
+void Command::run() {
+  if (path.given()) path.check({{"csv", "", false, true, false}, {"ply", "", false, true, false}});
+  const CollisionModel maze = read_body(labyrinth), flier = read_body(fly);
+  std::vector<PathPoint> points;
+  std::mutex adding;
+  double seconds = 0;
+  std::int64_t collisions = 0, crossings = 0;
+  Grid grid;
+  {
+    const Cancellable cancellable;
+    options.progress = talk.progress();
+    options.room = maze.bounds();
+    World world(flier, options);
+    world.add(maze);
+    grid = world.grid(0);
+    for (std::int64_t n = 0; n < flies; ++n) world.add_flier(maze.bounds());
+    const Vec3 middle = flier.bounds().center();
+    World::Visit visit;
+    if (path.given())
+      visit = [&](std::size_t n, std::int64_t step, const Pose& pose) {
+        const std::lock_guard lock(adding);
+        points.push_back({static_cast<std::int64_t>(n), step, apply(pose, middle)});
+      };
+    const auto start = std::chrono::steady_clock::now();
+    world.run(steps, visit);
+    seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    for (const Flier& it : world.fliers()) collisions += it.collisions, crossings += it.crossings;
+  }
+  options.progress = nullptr;
+  if (interrupted()) throw Error(ErrorCode::interrupted, "interrupted");
+  if (path.given()) {
+    std::ranges::sort(points, {}, [](const PathPoint& p) { return std::pair(p.flier, p.step); });
+    write_path(path.path(), points);
+  }
+  const double rate = static_cast<double>(steps * flies) / std::max(seconds, 1e-9);
+  const bool thesis = options.mode == FlightMode::thesis;
+  if (talk.json())
+    return print(Json{{"mode", thesis ? "thesis" : "sweep"},
+                      {"steps", steps},
+                      {"flies", flies},
+                      {"speed", options.speed},
+                      {"seed", options.seed},
+                      {"steps_per_second", rate},
+                      {"collisions", collisions},
+                      {"wall_crossings", options.check ? Json(crossings) : Json()},
+                      {"grid", {{"size", json_size(grid.size)}, {"spacing", json_point(grid.spacing)}}}});
+  print(counted(steps * flies, "step") + ", " + number(rate) + " a second; grid " + size_text(grid.size) + "\n" +
+        counted(collisions, "collision") + (options.check ? ", " + counted(crossings, "wall crossing") : "") + "\n");
+}
+
+}  // namespace
+
+void add_fly(CLI::App& program) {
+  auto* verb = add_verb(program, "fly", "let flies fly through a labyrinth", kExamples);
+  const auto command = std::make_shared<Command>();
+  Command* const it = command.get();
+  FlightOptions& options = it->options;
+  using S = const std::string&;
+  const auto add = [verb](const char* name, const char* value, const char* help, const char* group, auto set) {
+    return add_parsed(*verb, {name, value, help, group}, set);
+  };
+  verb->add_option("--labyrinth", it->labyrinth, "the standing body: a mesh, scene:NAME or .body (scene:labyrinth)")
+      ->option_text("BODY")
+      ->group("Bodies");
+  verb->add_option("--fly", it->fly, "the flying body (scene:fly)")->option_text("BODY")->group("Bodies");
+  add("--flies", "K", "how many (default 1)", "Bodies",
+      [it](S o, S t) { it->flies = parse_count(o, t, 1, 10'000'000); });
+  add("--steps", "N", "of each fly (default 10000)", "Flight",
+      [it](S o, S t) { it->steps = parse_count(o, t, 1, 1'000'000'000'000); });
+  add("--speed", "V", "world units a step (default 0.02)", "Flight",
+      [&options](S o, S t) { options.speed = parse_positive(o, t); });
+  add("--seed", "S", "of places and directions (default 1)", "Flight", [&options](S o, S t) {
+    options.seed = static_cast<std::uint64_t>(parse_count(o, t, 0, std::numeric_limits<std::int64_t>::max()));
+  });
+  add("--on-contact", "WHAT", "back (default) or reflect", "Flight", [&options](S o, S t) {
+    options.on_contact = parse_choice(o, t, {"back", "reflect"}) == 0 ? OnContact::turn_back : OnContact::reflect;
+  });
+  add("--scatter", "DEGREES", "turn at random by up to this after a contact (default 28.6)", "Flight",
+      [&options](S o, S t) { options.scatter_rad = parse_number(o, t) * std::numbers::pi / 180; });
+  add("--mode", "MODE", "sweep (default) or thesis", "Collision", [&options](S o, S t) {
+    options.mode = parse_choice(o, t, {"sweep", "thesis"}) == 0 ? FlightMode::sweep : FlightMode::thesis;
+  });
+  add("--minimum", "E", "thesis: the minimum grid's factor, 2 to 4 (default 2)", "Collision",
+      [&options](S o, S t) { options.minimum = parse_positive(o, t); });
+  add("--thickness", "T", "thesis: of the fields (default 2)", "Collision",
+      [&options](S o, S t) { options.thickness = parse_positive(o, t); });
+  add("--threshold", "D", "thesis: of the sum of two values (default: the larger spacing)", "Collision",
+      [&options](S o, S t) { options.threshold = parse_positive(o, t); });
+  add("--tolerance", "D", "sweep: as near as this is touching (default 1e-4)", "Collision",
+      [&options](S o, S t) { options.tolerance = parse_positive(o, t); });
+  verb->add_flag("!--no-check", options.check, "do not look for wall crossings: faster")->group("Collision");
+  add("-j,--threads", "N", "threads (default: all)", "Flight",
+      [&options](S o, S t) { options.threads = static_cast<int>(parse_count(o, t, 1, 4096)); });
+  it->path.add_to(*verb, "FILE", "where each fly starts, turns and ends: .csv or .ply", "--path");
+  it->talk.add_to(*verb, Talk::kMessages | Talk::kJson | Talk::kProgress);
+  verb->callback([command] { command->run(); });
+}
+
+}  // namespace difi::cli

@@ -1,0 +1,179 @@
+// Do two rigid bodies touch, how near are they, where do they touch, and when will they? (docs/collision.md)
+//
+// A body is its surface: any triangles, open or closed. Bodies inside one another without touching surfaces are free.
+// Answers are exact for the triangles as they stand in the world: each corner `apply(pose, corner)`, rounded to double.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "difi/error.h"
+#include "difi/field.h"
+#include "difi/grid.h"
+#include "difi/mesh.h"
+#include "difi/pose.h"
+
+namespace difi {
+
+struct ModelOptions {
+  double spacing = 0;  ///< of the model's field, world units; 0: chosen from the mesh
+  int threads = 0;     ///< used to build; 0: all hardware threads
+};
+
+/// What queries need of a body, built once: a sparse distance field near the surface, a coarse one around it, and a
+/// tree over the triangles. Cheap to copy: copies share. Safe to use from many threads.
+class CollisionModel {
+ public:
+  /// Errors: input (mesh; larger than 1e12 or smaller than 1e-12, or past 1e15), usage (options), limit (a field of too
+  /// many samples).
+  explicit CollisionModel(MeshView mesh, const ModelOptions& options = {});
+
+  /// The mesh the model was built from.
+  MeshView mesh() const;
+  Box bounds() const;
+  /// The samples of its field, and how far from the surface that field reaches; world units.
+  Grid grid() const;
+  double band() const;
+  std::int64_t memory_bytes() const;
+
+  /// Writes the model; the file appears whole or not at all. Errors: output.
+  void save(const std::filesystem::path& path) const;
+  /// Reads a model that save() wrote. Errors: input, for anything else and for damaged files.
+  static CollisionModel load(const std::filesystem::path& path);
+
+  struct Data;
+  const Data& data() const { return *data_; }
+
+ private:
+  explicit CollisionModel(std::shared_ptr<const Data> data) : data_(std::move(data)) {}
+  static void place(Data& data, double spacing);
+  std::shared_ptr<const Data> data_;
+};
+
+enum class CollideMode {
+  exact,      ///< free or hit, decided by triangles where the field cannot
+  certified,  ///< from the field alone: free, hit (only where the margin is positive) or ambiguous
+};
+
+enum class Contact { free, hit, ambiguous };
+
+struct CollideOptions {
+  double margin = 0;  ///< nearer than this, or as near, is a hit; world units, finite, not negative
+  CollideMode mode = CollideMode::exact;
+};
+
+struct Collided {
+  Contact contact = Contact::free;
+  /// A pair of triangles that touch, or are within the margin; kNoTriangle unless an exact hit.
+  std::uint32_t triangle_a = std::numeric_limits<std::uint32_t>::max();
+  std::uint32_t triangle_b = std::numeric_limits<std::uint32_t>::max();
+
+  bool hit() const { return contact == Contact::hit; }
+};
+
+/// Do the bodies touch? Errors of all queries: usage, for poses that are not rigid or not finite, and for options.
+Collided collide(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
+                 const CollideOptions& options = {});
+
+struct DistanceOptions {
+  double tolerance = 0;  ///< upper - lower may be this much more than rounding; world units
+  double limit = std::numeric_limits<double>::infinity();  ///< nothing farther than this is looked for
+};
+
+struct Distance {
+  double lower = 0;  ///< the distance is at least this; 0 where the bodies touch
+  double upper = 0;  ///< and at most this: that of the two points. Infinite where nothing lies within the limit
+  Vec3 point_a;      ///< on a's surface, in the world
+  Vec3 point_b;      ///< on b's
+  std::uint32_t triangle_a = std::numeric_limits<std::uint32_t>::max();
+  std::uint32_t triangle_b = std::numeric_limits<std::uint32_t>::max();
+};
+
+/// The least distance between the surfaces. `lower` is within `tolerance` and 1e-6 * (size of the bodies) of `upper`;
+/// where the tolerance is 0, `upper` itself is the least distance of all pairs of triangles, up to double rounding.
+Distance distance(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
+                  const DistanceOptions& options = {});
+
+struct ContactOptions {
+  std::int64_t most = 100;  ///< contacts to report, at least 1
+  double margin = 0;        ///< pairs within this distance are contacts too
+};
+
+/// Two triangles that touch.
+struct ContactPoint {
+  Vec3 point;   ///< in the world: the middle of the segment both share, or of the shortest segment between them
+  Vec3 normal;  ///< unit length, the way b has to go
+  /// How far b has to move along `normal` until this pair is apart; minus their distance where the pair is apart.
+  double depth = 0;
+  std::uint32_t triangle_a = 0;
+  std::uint32_t triangle_b = 0;
+};
+
+struct Contacts {
+  std::vector<ContactPoint> contacts;
+  /// There are more pairs than `contacts` holds; what it holds is then spread over the contact area.
+  bool overflow = false;
+};
+
+Contacts contacts(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
+                  const ContactOptions& options = {});
+
+/// A rigid motion during time 0 to 1: the rotation turns evenly about one axis through the body's point `center`, which
+/// itself moves evenly on a straight line. At both ends the body is at the poses given.
+struct Motion {
+  Pose from, to;
+  Vec3 center;  ///< of the body
+};
+
+/// The pose at time t in [0, 1].
+Pose pose_at(const Motion& motion, double t);
+
+struct SweepOptions {
+  double tolerance = 1e-4;  ///< surfaces this near count as touching; world units, positive
+};
+
+struct Swept {
+  bool hit = false;
+  /// The bodies are apart during [0, time); where there is a hit they are within the tolerance at `time`. 1 where free.
+  double time = 1;
+  std::uint32_t triangle_a = std::numeric_limits<std::uint32_t>::max();
+  std::uint32_t triangle_b = std::numeric_limits<std::uint32_t>::max();
+  Vec3 point;   ///< where they meet, in the world
+  Vec3 normal;  ///< unit length, from a to b; zero where the bodies touch at the start
+};
+
+/// When b, in motion, first comes within the tolerance of a, which rests. Never free where the bodies touch on the way,
+/// at any speed; a hit may be told where they pass within the tolerance. Bodies that are within it at the start, but do
+/// not touch, are free to part.
+Swept sweep(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Motion& motion,
+            const SweepOptions& options = {});
+
+/// The same for many poses of b, spread over threads (0: all hardware threads). The same answers in the same order
+/// whatever the number of threads.
+std::vector<Collided> collide_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                                  std::span<const Pose> poses_b, const CollideOptions& options, int threads = 0);
+std::vector<Distance> distance_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                                   std::span<const Pose> poses_b, const DistanceOptions& options, int threads = 0);
+std::vector<Contacts> contacts_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                                   std::span<const Pose> poses_b, const ContactOptions& options, int threads = 0);
+std::vector<Swept> sweep_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                             std::span<const Motion> motions, const SweepOptions& options, int threads = 0);
+
+/// Algorithm 2 of the 2008 thesis, for comparison: samples of one field that lie in the other's grid are visited, and
+/// where both fields have a value (below their thickness) at the sample and at the sample nearest to it, the bodies are
+/// said to collide if the sum of both is below `threshold`. It may be wrong either way: docs/collision.md tells how
+/// often.
+struct ThesisCollided {
+  bool hit = false;
+  std::int64_t samples = 0;  ///< visited
+};
+ThesisCollided collide_thesis(const DistanceField& a, const Pose& pose_a, const DistanceField& b, const Pose& pose_b,
+                              double threshold);
+/// The least such sum, with which the threshold can be chosen; infinite where no sample counts.
+double thesis_sum(const DistanceField& a, const Pose& pose_a, const DistanceField& b, const Pose& pose_b);
+
+}  // namespace difi

@@ -1,0 +1,95 @@
+// Bodies that fly among bodies that stand: the thesis's fly in the labyrinth (docs/collision.md).
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "difi/collision.h"
+#include "difi/compute.h"
+
+namespace difi {
+
+/// How a moving body finds out that it meets a standing one.
+enum class FlightMode {
+  sweep,   ///< the way of a step is swept: nothing is passed through, at any speed
+  thesis,  ///< the place after the step is tested by Algorithm 2: fast bodies pass through
+};
+
+/// What it does then.
+enum class OnContact {
+  turn_back,  ///< flies back where it came from, as in the thesis, but for `scatter_rad`
+  reflect,    ///< off the surface it met, like light (thesis mode knows no normals: it turns back)
+};
+
+struct FlightOptions {
+  FlightMode mode = FlightMode::sweep;
+  OnContact on_contact = OnContact::turn_back;
+  double speed = 0.02;       ///< world units a step
+  double scatter_rad = 0.5;  ///< after a contact the direction is turned at random by up to this much; 0: never
+  Box room;                  ///< moving bodies turn back where the middle of their box would leave this; empty: endless
+  double tolerance = 1e-4;   ///< sweep mode: surfaces this near count as touching
+  double thickness = 2;      ///< thesis mode: of both fields
+  double minimum = 2;        ///< thesis mode: e of minimum_grid()
+  double threshold = 0;      ///< thesis mode: of the sum; 0: the larger spacing of the two grids
+  std::uint64_t seed = 1;
+  int threads = 0;    ///< 0: all hardware threads
+  bool check = true;  ///< count wall crossings by the independent check
+  /// As in Options.
+  std::function<bool(const Progress&)> progress;
+};
+
+/// One moving body. It keeps its orientation.
+struct Flier {
+  Pose pose;
+  Vec3 direction;  ///< unit length
+  std::int64_t collisions = 0;
+  std::int64_t turns = 0;      ///< where it would have left the room
+  std::int64_t crossings = 0;  ///< steps on which it crossed a standing surface, by the independent check
+  std::uint64_t seed = 0;      ///< of its random numbers; changes as they are drawn
+};
+
+/// Standing bodies, and any number of moving ones of one shape, which take no notice of each other.
+class World {
+ public:
+  /// Errors: usage (options), input.
+  World(const CollisionModel& flier, const FlightOptions& options);
+  World(const World&) = delete;
+  World& operator=(const World&) = delete;
+  ~World();
+
+  /// A standing body. Errors: usage (pose).
+  void add(const CollisionModel& body, const Pose& pose = {});
+  /// A moving body at a random place inside `box`, apart from all standing ones, upright and turned and sent off at
+  /// random: the n-th is the same whatever came before. Errors: input when no free place is found in 10,000 tries.
+  void add_flier(const Box& box);
+  std::span<const Flier> fliers() const;
+
+  /// `steps` steps of all moving bodies, spread over threads; the result does not depend on how many.
+  /// `visit(flier, step, pose)`, where given, is called at the place each flier starts from, wherever it
+  /// turns and where it ends; for one flier in order, for different ones from different threads.
+  using Visit = std::function<void(std::size_t flier, std::int64_t step, const Pose& pose)>;
+  void run(std::int64_t steps, const Visit& visit = {});
+
+  /// Thesis mode: the grid of the n-th standing body's field; sweep mode: that of its model.
+  Grid grid(std::size_t n) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// A corner of a path.
+struct PathPoint {
+  std::int64_t flier, step;
+  Vec3 point;
+};
+
+/// Writes paths, sorted by flier and step, as .csv (flier,step,x,y,z) or as .ply with vertices and edges; the file
+/// appears whole or not at all. Errors: output, usage (another extension).
+void write_path(const std::filesystem::path& path, std::span<const PathPoint> points);
+
+}  // namespace difi

@@ -1,0 +1,41 @@
+// The same query many times, spread over threads.
+#pragma once
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "difi/error.h"
+#include "difi/pose.h"
+
+namespace difi::collision {
+
+/// Throws Error{usage} that names the first pose that is not rigid.
+inline void validate_all(std::span<const Pose> poses) {
+  for (std::size_t n = 0; n < poses.size(); ++n) try {
+      validate(poses[n]);
+    } catch (const Error& error) {
+      throw Error(error.code(), std::string(error.what()) + " (pose " + std::to_string(n) + ")");
+    }
+}
+
+/// The results of query(0) to query(count - 1), in this order. Queries are handed out in small groups: some take a
+/// thousand times as long as others.
+template <class Result, class Query>
+std::vector<Result> for_each(std::size_t count, int threads, Query query) {
+  if (threads < 0) throw Error(ErrorCode::usage, "batch: the number of threads must be zero (all) or more");
+  std::vector<Result> results(count);
+  tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
+  arena.execute([&] {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 16), [&](const auto& range) {
+      for (std::size_t n = range.begin(); n < range.end(); ++n) results[n] = query(n);
+    });
+  });
+  return results;
+}
+
+}  // namespace difi::collision

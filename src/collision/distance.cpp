@@ -1,0 +1,194 @@
+// The least distance of two surfaces: the tree's balls against the field, nearest first, and where a ball may still be
+// nearer than the best pair found, its triangles against the other tree's boxes.
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "collision/batch.h"
+#include "collision/pair.h"
+#include "collision/touching.h"
+
+namespace difi {
+namespace collision {
+namespace {
+
+// The best of the bounds s - |x - x_i| from the eight samples around x: of the fine field, or of the coarse one where
+// the fine one is clamped. The sample behind x, seen from the surface, loses little, whereas the nearest one loses up
+// to sqrt(3)/2 spacings; each look costs as much as all sixteen lanes of the kernel, so it is for balls that are left
+// over.
+float bound_from_eight(const FieldView& f, const float* x) {
+  const auto best_of = [x, &f](float spacing, float per_spacing, const float* last, auto value) {
+    std::int32_t cell[3];
+    float at[3];
+    for (int axis = 0; axis < 3; ++axis) {
+      at[axis] = (x[axis] - f.origin[axis]) * per_spacing;
+      if (!(at[axis] >= 0 && at[axis] < last[axis])) return -kNothing;
+      cell[axis] = static_cast<std::int32_t>(at[axis]);
+    }
+    float best = -kNothing;
+    for (int corner = 0; corner < 8; ++corner) {
+      const std::int32_t i = cell[0] + (corner & 1), j = cell[1] + (corner >> 1 & 1), k = cell[2] + (corner >> 2);
+      const float u = at[0] - static_cast<float>(i), v = at[1] - static_cast<float>(j),
+                  w = at[2] - static_cast<float>(k);
+      best = std::max(best, value(i, j, k) - spacing * std::sqrt(u * u + v * v + w * w));
+    }
+    return best;
+  };
+  bool clamped = false;
+  const float fine = best_of(f.spacing, f.per_spacing, f.last, [&](std::int32_t i, std::int32_t j, std::int32_t k) {
+    const std::int64_t slot = f.slots[((k >> 3) * f.tiles[1] + (j >> 3)) * f.tiles[0] + (i >> 3)];
+    const std::uint8_t sample = f.samples[(slot << 9) + ((k & 7) << 6 | (j & 7) << 3 | (i & 7))];
+    clamped = clamped || sample == 255;
+    return static_cast<float>(sample) * f.step;
+  });
+  if (!clamped) return fine;
+  return std::max(fine, best_of(f.coarse_spacing, f.per_coarse_spacing, f.coarse_last,
+                                [&](std::int32_t i, std::int32_t j, std::int32_t k) {
+                                  return f.coarse[(k * f.coarse_size[1] + j) * f.coarse_size[0] + i];
+                                }));
+}
+
+class Nearest {
+ public:
+  Nearest(const Pair& pair, double tolerance, double limit)
+      : pair_(pair), kernels_(kernels()), tolerance_(tolerance), best_(limit) {
+    lower_reach();
+  }
+
+  void run() {
+    if (pair_.root_gap() > reach_) return;
+    visit(pair_.tree.body->tree.top(), 0);
+  }
+
+  double best() const { return best_; }
+  bool found() const { return found_; }
+  ClosestPair closest{};
+  std::uint32_t of_field = 0, of_tree = 0;  ///< places in the trees
+
+ private:
+  // Bounds above this cannot hide a pair that is nearer than the best one by more than the tolerance.
+  void lower_reach() {
+    reach_ = static_cast<float>(std::min((best_ - tolerance_) * (1 + 1e-6), 1e30)) + pair_.slack;
+    reach_sq_ = reach_ < 0 ? -1 : reach_ * reach_ * (1 + 1e-6f);
+  }
+
+  void visit(int level, std::uint32_t packet) {
+    alignas(64) float gap[kLanes];
+    const Level& nodes = pair_.tree.body->tree.levels[level];
+    kernels_.gaps(pair_.field.body->view, pair_.place, nodes.balls[packet], reach_, gap);
+    int lanes[kLanes], count = 0;
+    for (int n = 0; n < kLanes; ++n)
+      if (gap[n] <= reach_) lanes[count++] = n;
+    std::sort(lanes, lanes + count, [&gap](int a, int b) { return gap[a] < gap[b]; });
+    for (int n = 0; n < count && gap[lanes[n]] <= reach_; ++n) {
+      if (found_ && level <= 1 && closer_look(nodes.balls[packet], lanes[n]) > reach_) continue;
+      const std::uint32_t child = packet * kLanes + lanes[n];
+      if (level > 0) {
+        visit(level - 1, child);
+      } else {
+        world_ = pair_.tree.world(child);
+        descend(pair_.field.body->tree.top(), 0, child, pair_.box_of(child));
+      }
+    }
+  }
+
+  float closer_look(const Balls& balls, int lane) const {
+    const float* r = pair_.place.rotation;
+    float x[3];
+    for (int axis = 0; axis < 3; ++axis)
+      x[axis] = r[3 * axis] * balls.center[0][lane] + r[3 * axis + 1] * balls.center[1][lane] +
+                r[3 * axis + 2] * balls.center[2][lane] + pair_.place.translation[axis];
+    return bound_from_eight(pair_.field.body->view, x) - balls.radius[lane];
+  }
+
+  void descend(int level, std::uint32_t node, std::uint32_t tree_place, const FloatBox& box) {
+    alignas(64) float distance_sq[kLanes];
+    kernels_.distances_sq(pair_.field.body->tree.levels[level].boxes[node], box, distance_sq);
+    int lanes[kLanes], count = 0;
+    for (int n = 0; n < kLanes; ++n)
+      if (distance_sq[n] <= reach_sq_) lanes[count++] = n;
+    std::sort(lanes, lanes + count, [&](int a, int b) { return distance_sq[a] < distance_sq[b]; });
+    for (int n = 0; n < count && distance_sq[lanes[n]] <= reach_sq_; ++n) {
+      const std::uint32_t child = node * kLanes + lanes[n];
+      if (level > 0)
+        descend(level - 1, child, tree_place, box);
+      else
+        test(child, tree_place);
+    }
+  }
+
+  void test(std::uint32_t field_place, std::uint32_t tree_place) {
+    const ClosestPair pair = closest_points(pair_.field.world(field_place), world_);
+    if (!(pair.distance_sq < best_ * best_)) return;
+    best_ = std::sqrt(pair.distance_sq);
+    closest = pair;
+    of_field = field_place, of_tree = tree_place;
+    found_ = true;
+    lower_reach();
+  }
+
+  const Pair& pair_;
+  const Kernels& kernels_;
+  const double tolerance_;
+  double best_;
+  float reach_ = 0, reach_sq_ = 0;
+  bool found_ = false;
+  Corners world_{};
+};
+
+Distance distance_checked(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
+                          const DistanceOptions& options) {
+  const Pair pair(a, pose_a, b, pose_b);
+  Distance result;
+  std::uint32_t first = 0, second = 0;
+  Vec3 on_first, on_second;
+  if (const auto touching = find_touching(pair, 0)) {
+    first = touching->of_field, second = touching->of_tree;
+    on_first = on_second = overlap(pair.field.world(first), pair.tree.world(second)).point;
+  } else {
+    Nearest search(pair, options.tolerance, options.limit);
+    search.run();
+    if (!search.found()) {
+      result.lower = options.limit;
+      result.upper = std::numeric_limits<double>::infinity();
+      return result;
+    }
+    first = search.of_field, second = search.of_tree;
+    on_first = search.closest.on_p, on_second = search.closest.on_q;
+    result.upper = search.best();
+    result.lower = std::max(0.0, result.upper - options.tolerance);
+  }
+  if (pair.swapped) std::swap(on_first, on_second);
+  result.point_a = on_first, result.point_b = on_second;
+  result.triangle_a = pair.field.triangle(first), result.triangle_b = pair.tree.triangle(second);
+  if (pair.swapped) result.triangle_a = pair.tree.triangle(second), result.triangle_b = pair.field.triangle(first);
+  return result;
+}
+
+void check(const DistanceOptions& options) {
+  if (!(options.tolerance >= 0) || !(options.limit >= 0) || !std::isfinite(options.tolerance))
+    throw Error(ErrorCode::usage, "distance: tolerance and limit must be zero or more, and the tolerance finite");
+}
+
+}  // namespace
+}  // namespace collision
+
+Distance distance(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
+                  const DistanceOptions& options) {
+  collision::check(options);
+  validate(pose_a);
+  validate(pose_b);
+  return collision::distance_checked(a, pose_a, b, pose_b, options);
+}
+
+std::vector<Distance> distance_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                                   std::span<const Pose> poses_b, const DistanceOptions& options, int threads) {
+  collision::check(options);
+  validate(pose_a);
+  collision::validate_all(poses_b);
+  return collision::for_each<Distance>(poses_b.size(), threads, [&](std::size_t n) {
+    return collision::distance_checked(a, pose_a, b, poses_b[n], options);
+  });
+}
+
+}  // namespace difi

@@ -1,0 +1,19 @@
+// The kernels for AVX2.
+#ifdef __AVX2__
+
+#include "collision/kernels.h"
+
+#include <immintrin.h>
+
+namespace difi::collision::avx2 {
+namespace {
+
+#include "collision/kernels_body.h"
+
+}  // namespace
+
+extern const Kernels kKernels{"avx2", gaps, gaps_at, overlaps, distances_sq, place_faces, not_parted};
+
+}  // namespace difi::collision::avx2
+
+#endif

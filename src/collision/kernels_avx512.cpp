@@ -1,0 +1,19 @@
+// The kernels for AVX-512.
+#ifdef __AVX512F__
+
+#include "collision/kernels.h"
+
+#include <immintrin.h>
+
+namespace difi::collision::avx512 {
+namespace {
+
+#include "collision/kernels_body.h"
+
+}  // namespace
+
+extern const Kernels kKernels{"avx512", gaps, gaps_at, overlaps, distances_sq, place_faces, not_parted};
+
+}  // namespace difi::collision::avx512
+
+#endif

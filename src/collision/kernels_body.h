@@ -1,0 +1,165 @@
+// The kernels' source, included by each kernels_*.cpp in a namespace of its own: plain loops over 16 lanes, which the
+// compiler turns into vectors. Nothing is fused, so all instruction sets round alike.
+//
+// The bounds (docs/collision.md): distance is 1-Lipschitz, so a sample s at x_i gives d(x) >= s - |x - x_i| for every
+// x, and a ball (x, r) is at least d(x) - r away. The nearest sample is taken, of the coarse field and then of the fine
+// one; a sample clamped by the band's half-width is still a lower bound. So is the distance to the surface's box.
+
+inline float least(float a, float b) { return a < b ? a : b; }
+inline float most(float a, float b) { return a > b ? a : b; }
+
+// Bit n: flags[n] is all ones (they are all ones or zero).
+inline std::uint32_t bits_of(const std::int32_t* flags) {
+#if defined(__AVX512F__)
+  const __m512i all = _mm512_load_si512(flags);
+  return _mm512_test_epi32_mask(all, all);
+#elif defined(__AVX2__)
+  const auto low = _mm256_load_si256(reinterpret_cast<const __m256i*>(flags));
+  const auto high = _mm256_load_si256(reinterpret_cast<const __m256i*>(flags + 8));
+  return static_cast<std::uint32_t>(_mm256_movemask_ps(_mm256_castsi256_ps(low))) |
+         static_cast<std::uint32_t>(_mm256_movemask_ps(_mm256_castsi256_ps(high))) << 8;
+#else
+  std::uint32_t bits = 0;
+  for (int n = 0; n < kLanes; ++n) bits |= static_cast<std::uint32_t>(flags[n] & 1) << n;
+  return bits;
+#endif
+}
+
+void gaps_at(const FieldView& f, const float (*center)[kLanes], const float* radius, float enough, float* gap) {
+  alignas(64) std::int32_t coarse_at[kLanes], tile[kLanes], within[kLanes];
+  alignas(64) float coarse_off[kLanes], fine_off[kLanes], outside[kLanes];
+  for (int n = 0; n < kLanes; ++n) {
+    float box_sq = 0, coarse_sq = 0, fine_sq = 0;
+    std::int32_t coarse_index[3], fine_index[3];
+    for (int axis = 0; axis < 3; ++axis) {
+      const float x = center[axis][n];
+      const float out = most(most(f.min[axis] - x, x - f.max[axis]), 0.0f);
+      box_sq += out * out;
+      const float u = (x - f.origin[axis]) * f.per_coarse_spacing;
+      coarse_index[axis] = static_cast<std::int32_t>(least(most(u, 0.0f), f.coarse_last[axis]) + 0.5f);
+      const float du = u - static_cast<float>(coarse_index[axis]);
+      coarse_sq += du * du;
+      const float v = (x - f.origin[axis]) * f.per_spacing;
+      fine_index[axis] = static_cast<std::int32_t>(least(most(v, 0.0f), f.last[axis]) + 0.5f);
+      const float dv = v - static_cast<float>(fine_index[axis]);
+      fine_sq += dv * dv;
+    }
+    outside[n] = __builtin_sqrtf(box_sq) - radius[n];
+    coarse_off[n] = __builtin_sqrtf(coarse_sq) * f.coarse_spacing + radius[n];
+    fine_off[n] = __builtin_sqrtf(fine_sq) * f.spacing + radius[n];
+    coarse_at[n] = (coarse_index[2] * f.coarse_size[1] + coarse_index[1]) * f.coarse_size[0] + coarse_index[0];
+    tile[n] = ((fine_index[2] >> 3) * f.tiles[1] + (fine_index[1] >> 3)) * f.tiles[0] + (fine_index[0] >> 3);
+    within[n] = (fine_index[2] & 7) << 6 | (fine_index[1] & 7) << 3 | (fine_index[0] & 7);
+  }
+  alignas(64) float bound[kLanes];
+  for (int n = 0; n < kLanes; ++n) bound[n] = f.coarse[coarse_at[n]];
+  alignas(64) std::int32_t asked[kLanes];
+  for (int n = 0; n < kLanes; ++n) {
+    gap[n] = most(outside[n], bound[n] - coarse_off[n]);
+    asked[n] = -!(gap[n] > enough);
+  }
+  for (std::uint32_t mask = bits_of(asked); mask != 0; mask &= mask - 1) {
+    const int n = __builtin_ctz(mask);
+    const std::uint8_t sample = f.samples[(static_cast<std::int64_t>(f.slots[tile[n]]) << 9) + within[n]];
+    gap[n] = most(gap[n], static_cast<float>(sample) * f.step - fine_off[n]);
+  }
+}
+
+void gaps(const FieldView& f, const FloatPlace& place, const Balls& balls, float enough, float* gap) {
+  alignas(64) float center[3][kLanes];
+  const float* r = place.rotation;
+  for (int axis = 0; axis < 3; ++axis)
+    for (int n = 0; n < kLanes; ++n)
+      center[axis][n] = r[3 * axis] * balls.center[0][n] + r[3 * axis + 1] * balls.center[1][n] +
+                        r[3 * axis + 2] * balls.center[2][n] + place.translation[axis];
+  gaps_at(f, center, balls.radius, enough, gap);
+}
+
+std::uint32_t overlaps(const Boxes& boxes, const FloatBox& box) {
+  alignas(64) std::int32_t meets[kLanes];
+  for (int n = 0; n < kLanes; ++n)
+    meets[n] = -((boxes.min[0][n] <= box.max[0]) & (boxes.max[0][n] >= box.min[0]) & (boxes.min[1][n] <= box.max[1]) &
+                 (boxes.max[1][n] >= box.min[1]) & (boxes.min[2][n] <= box.max[2]) & (boxes.max[2][n] >= box.min[2]));
+  return bits_of(meets);
+}
+
+void place_faces(const FloatPlace& place, const Faces& faces, float by, Faces& placed, Boxes& boxes) {
+  const float* r = place.rotation;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int k = 0; k < 3; ++k)
+      for (int n = 0; n < kLanes; ++n)
+        placed.corner[k][axis][n] = r[3 * axis] * faces.corner[k][0][n] + r[3 * axis + 1] * faces.corner[k][1][n] +
+                                    r[3 * axis + 2] * faces.corner[k][2][n] + place.translation[axis];
+    for (int n = 0; n < kLanes; ++n) {
+      const float a = placed.corner[0][axis][n], b = placed.corner[1][axis][n], c = placed.corner[2][axis][n];
+      boxes.min[axis][n] = least(a, least(b, c)) - by;
+      boxes.max[axis][n] = most(a, most(b, c)) + by;
+    }
+  }
+}
+
+// Sixteen floats; the compiler makes of them what the instruction set has.
+using Wide = float __attribute__((vector_size(4 * kLanes)));
+using WideInts = std::int32_t __attribute__((vector_size(4 * kLanes)));
+inline Wide wide(const float* from) { return *reinterpret_cast<const Wide*>(from); }
+inline Wide wide(float value) { return Wide{} + value; }
+inline Wide least(Wide a, Wide b) { return a < b ? a : b; }
+inline Wide most(Wide a, Wide b) { return a > b ? a : b; }
+inline Wide size(Wide a) { return most(a, -a); }
+
+// Two triangles are apart where their shadows on some axis are. The axes tried are the two normals; that they are
+// rounded does no harm, for any axis will do. Only the shadows' own rounding counts: a few roundings of products no
+// larger than |normal| (the sum of its magnitudes) times the span of the corners.
+std::uint32_t not_parted(const Faces& faces, const Faces& others, int lane, float apart) {
+  constexpr float kRounding = 4e-6f;
+  float q[3][3], f1[3], f2[3], m[3];
+  for (int k = 0; k < 3; ++k)
+    for (int axis = 0; axis < 3; ++axis) q[k][axis] = others.corner[k][axis][lane];
+  for (int axis = 0; axis < 3; ++axis) f1[axis] = q[1][axis] - q[0][axis], f2[axis] = q[2][axis] - q[0][axis];
+  for (int axis = 0; axis < 3; ++axis) {
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    m[axis] = f1[u] * f2[v] - f1[v] * f2[u];
+  }
+  const float m_size = most(m[0], -m[0]) + most(m[1], -m[1]) + most(m[2], -m[2]);
+  const float q1 = m[0] * f1[0] + m[1] * f1[1] + m[2] * f1[2], q2 = m[0] * f2[0] + m[1] * f2[1] + m[2] * f2[2];
+  const float q_low = least(0.0f, least(q1, q2)), q_high = most(0.0f, most(q1, q2));
+
+  Wide p[3][3], e1[3], e2[3], normal[3];
+  for (int k = 0; k < 3; ++k)
+    for (int axis = 0; axis < 3; ++axis) p[k][axis] = wide(faces.corner[k][axis]);
+  for (int axis = 0; axis < 3; ++axis) e1[axis] = p[1][axis] - p[0][axis], e2[axis] = p[2][axis] - p[0][axis];
+  for (int axis = 0; axis < 3; ++axis) {
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    normal[axis] = e1[u] * e2[v] - e1[v] * e2[u];
+  }
+  const Wide normal_size = size(normal[0]) + size(normal[1]) + size(normal[2]);
+  Wide span{}, shadow[3], back[3];
+  for (int k = 0; k < 3; ++k) {
+    shadow[k] = back[k] = Wide{};
+    for (int axis = 0; axis < 3; ++axis) {
+      const Wide d = q[k][axis] - p[0][axis], o = p[k][axis] - q[0][axis];
+      shadow[k] += normal[axis] * d;
+      back[k] += m[axis] * o;
+      span = most(span, most(size(d), size(o)));
+    }
+  }
+  const Wide keep = apart + kRounding * span, by_face = normal_size * keep, by_other = m_size * keep;
+  const WideInts near = (least(shadow[0], least(shadow[1], shadow[2])) <= by_face) &
+                        (most(shadow[0], most(shadow[1], shadow[2])) >= -by_face) &
+                        (least(back[0], least(back[1], back[2])) <= q_high + by_other) &
+                        (most(back[0], most(back[1], back[2])) >= q_low - by_other);
+  alignas(64) std::int32_t flags[kLanes];
+  *reinterpret_cast<WideInts*>(flags) = near;
+  return bits_of(flags);
+}
+
+void distances_sq(const Boxes& boxes, const FloatBox& box, float* distance_sq) {
+  for (int n = 0; n < kLanes; ++n) {
+    float sum = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const float out = most(most(boxes.min[axis][n] - box.max[axis], box.min[axis] - boxes.max[axis][n]), 0.0f);
+      sum += out * out;
+    }
+    distance_sq[n] = sum;
+  }
+}

@@ -1,0 +1,24 @@
+// What a CollisionModel holds.
+#pragma once
+
+#include "collision/field_bounds.h"
+#include "collision/tree.h"
+#include "difi/collision.h"
+
+namespace difi {
+
+struct CollisionModel::Data {
+  Mesh mesh;
+  Box box;            ///< of the corners
+  Vec3 middle;        ///< tree and field are relative to it
+  double radius = 0;  ///< of a ball about the middle that holds all corners
+  collision::FieldBounds field;
+  collision::FieldView view{};  ///< of `field`
+  collision::Tree tree;
+  collision::BigVector<Corners> corners;  ///< of the triangles, in tree order
+
+  /// Everything that follows from mesh, field and tree order. Called once all three are there.
+  void finish();
+};
+
+}  // namespace difi

@@ -1,0 +1,120 @@
+#include "collision/motion.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace difi {
+namespace collision {
+namespace {
+
+// outer^T inner, as matrices.
+std::array<double, 9> transposed_times(const std::array<double, 9>& outer, const std::array<double, 9>& inner) {
+  std::array<double, 9> product{};
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      for (int k = 0; k < 3; ++k) product[3 * i + j] += outer[3 * k + i] * inner[3 * k + j];
+  return product;
+}
+// outer inner^T.
+std::array<double, 9> times_transposed(const std::array<double, 9>& outer, const std::array<double, 9>& inner) {
+  std::array<double, 9> product{};
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      for (int k = 0; k < 3; ++k) product[3 * i + j] += outer[3 * i + k] * inner[3 * j + k];
+  return product;
+}
+
+}  // namespace
+
+Turn turn_of(const std::array<double, 9>& r) {
+  const Vec3 skew = Vec3{r[7] - r[5], r[2] - r[6], r[3] - r[1]} * 0.5;  // sin(angle) axis
+  const double sine = length(skew), cosine = (r[0] + r[4] + r[8] - 1) / 2;
+  Turn turn;
+  turn.angle_rad = std::atan2(sine, cosine);
+  if (cosine > 0 || sine > 1e-3) {
+    if (sine > 0) turn.axis = skew * (1 / sine);
+    return turn;
+  }
+  // Near half a turn the skew part is lost in rounding; (R + R^T) / 2 = cos + (1 - cos) axis axis^T is not.
+  const double square[3] = {r[0] - cosine, r[4] - cosine, r[8] - cosine};
+  int largest = 0;
+  for (int n = 1; n < 3; ++n)
+    if (square[n] > square[largest]) largest = n;
+  double column[3];
+  for (int n = 0; n < 3; ++n) column[n] = n == largest ? square[n] : (r[3 * n + largest] + r[3 * largest + n]) / 2;
+  Vec3 axis{column[0], column[1], column[2]};
+  axis = axis * (1 / length(axis));
+  if (dot(axis, skew) < 0) axis = axis * -1.0;
+  turn.axis = axis;
+  return turn;
+}
+
+Vec3 turned(Vec3 v, Vec3 axis, double angle_rad) {
+  if (angle_rad == 0) return v;
+  const double c = std::cos(angle_rad), s = std::sin(angle_rad);
+  return v * c + cross(axis, v) * s + axis * (dot(axis, v) * (1 - c));
+}
+
+Course::Course(const Motion& m)
+    : motion(m),
+      turn(m.from.rotation == m.to.rotation ? Turn{} : turn_of(times_transposed(m.to.rotation, m.from.rotation))),
+      center(apply(m.from, m.center)),
+      velocity(apply(m.to, m.center) - center) {}
+
+Pose Course::at(double t) const {
+  if (t <= 0) return motion.from;
+  if (t >= 1) return motion.to;
+  Pose pose = motion.from;
+  if (turn.angle_rad != 0) {
+    const auto& r = motion.from.rotation;
+    const double angle = turn.angle_rad * t;
+    for (int column = 0; column < 3; ++column) {
+      const Vec3 v = turned({r[column], r[3 + column], r[6 + column]}, turn.axis, angle);
+      pose.rotation[column] = v.x, pose.rotation[3 + column] = v.y, pose.rotation[6 + column] = v.z;
+    }
+    pose.translation = center + velocity * t - rotate(pose, motion.center);
+  } else {
+    pose.translation = motion.from.translation + (motion.to.translation - motion.from.translation) * t;
+  }
+  return pose;
+}
+
+RelativeMotion::RelativeMotion(const Pair& pair, const Course& course) : field_moves_(pair.swapped) {
+  // In the pair the field stands at its pose; where it moves that is its pose at time 0.
+  const Pose &field = pair.field.pose, &tree = pair.tree.pose;
+  turn_.angle_rad = field_moves_ ? -course.turn.angle_rad : course.turn.angle_rad;
+  turn_.axis = rotate_back(field, course.turn.axis);
+  velocity_ = rotate_back(field, course.velocity);
+  way_ = length(velocity_);
+  base_ = apply_inverse(field, course.center) - pair.field.body->middle;
+  start_.rotation = transposed_times(field.rotation, tree.rotation);
+  start_.translation = rotate_back(field, apply(tree, pair.tree.body->middle) - course.center);
+}
+
+Vec3 RelativeMotion::at(Vec3 offset, double t) const {
+  if (field_moves_) return base_ + turned(offset - velocity_ * t, turn_.axis, turn_.angle_rad * t);
+  return base_ + velocity_ * t + turned(offset, turn_.axis, turn_.angle_rad * t);
+}
+
+// The farthest the point gets from the centre it turns about: that centre moves straight, so one end or the other.
+double RelativeMotion::speed(Vec3 offset) const {
+  const double away = field_moves_ ? std::max(length(offset), length(offset - velocity_)) : length(offset);
+  return way_ + std::abs(turn_.angle_rad) * away;
+}
+
+double RelativeMotion::acceleration(Vec3 offset) const {
+  const double rate = std::abs(turn_.angle_rad);
+  if (!field_moves_) return rate * rate * length(offset);
+  return rate * (rate * std::max(length(offset), length(offset - velocity_)) + 2 * way_);
+}
+
+}  // namespace collision
+
+Pose pose_at(const Motion& motion, double t) {
+  validate(motion.from);
+  validate(motion.to);
+  if (!(t >= 0 && t <= 1)) throw Error(ErrorCode::usage, "motion: the time must be from 0 to 1");
+  return collision::Course(motion).at(t);
+}
+
+}  // namespace difi

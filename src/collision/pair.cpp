@@ -1,0 +1,71 @@
+#include "collision/pair.h"
+
+#include <cmath>
+
+namespace difi::collision {
+namespace {
+
+// How far a pose's matrix is from a rotation, as validate() measures it.
+double rigid_error(const Pose& pose) {
+  const auto& r = pose.rotation;
+  const Vec3 rows[3] = {{r[0], r[1], r[2]}, {r[3], r[4], r[5]}, {r[6], r[7], r[8]}};
+  double off = 0;
+  for (int i = 0; i < 3; ++i)
+    for (int j = i; j < 3; ++j) off = std::max(off, std::abs(dot(rows[i], rows[j]) - (i == j ? 1 : 0)));
+  return off;
+}
+
+double magnitude(Vec3 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
+
+double size_of(const CollisionModel& model) {
+  const Vec3 e = model.data().box.extent();
+  return std::max({e.x, e.y, e.z});
+}
+
+}  // namespace
+
+Pair::Pair(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b)
+    : field(a.data(), pose_a), tree(b.data(), pose_b), swapped(size_of(b) > size_of(a)) {
+  if (swapped) std::swap(field, tree);
+  // relative = (field's pose)^-1 (tree's pose), between coordinates relative to the middles.
+  const Pose &f = field.pose, &t = tree.pose;
+  for (int column = 0; column < 3; ++column) {
+    const auto& r = t.rotation;
+    const Vec3 turned = rotate_back(f, {r[column], r[3 + column], r[6 + column]});
+    relative.rotation[column] = turned.x, relative.rotation[3 + column] = turned.y,
+    relative.rotation[6 + column] = turned.z;
+  }
+  const Vec3 world_middle = apply(t, tree.body->middle) - apply(f, field.body->middle);
+  relative.translation = rotate_back(f, world_middle);
+  const Vec3 d = relative.translation;
+  for (int n = 0; n < 9; ++n) place.rotation[n] = static_cast<float>(relative.rotation[n]);
+  place.translation[0] = static_cast<float>(d.x);
+  place.translation[1] = static_cast<float>(d.y);
+  place.translation[2] = static_cast<float>(d.z);
+  // What is lost: single precision in placing a ball (four roundings of numbers no larger than `reach`), in looking up
+  // and subtracting (about ten more), the middles' own rounding; a matrix that is a rotation only nearly; and double
+  // rounding of coordinates far from the world's origin. A unit of single precision is 6e-8.
+  const double reach = field.body->radius + 2 * tree.body->radius + field.body->field.band();
+  const double far = magnitude(f.translation) + magnitude(t.translation) + magnitude(field.body->middle) +
+                     magnitude(tree.body->middle);
+  slack = static_cast<float>((2e-6 + 4 * (rigid_error(f) + rigid_error(t))) * reach + 1e-14 * far);
+}
+
+double Pair::root_gap() const {
+  const Vec3 d = relative.translation;
+  const Box& box = field.body->field.box;
+  const Vec3 out = max(max(box.min - d, d - box.max), Vec3{0, 0, 0});
+  return length(out) - tree.body->radius;
+}
+
+FloatBox Pair::box_of(std::uint32_t place_in_tree) const {
+  FloatBox box;
+  for (const Vec3& corner : tree.body->corners[place_in_tree]) {
+    const Vec3 p = apply(relative, corner - tree.body->middle);
+    const float at[3] = {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
+    box.include(at);
+  }
+  return box;
+}
+
+}  // namespace difi::collision

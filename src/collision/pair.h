@@ -1,0 +1,43 @@
+// Two placed bodies, one giving its field and the other its tree.
+#pragma once
+
+#include "collision/kernels.h"
+#include "collision/model.h"
+
+namespace difi::collision {
+
+/// A body in the world.
+struct Placed {
+  const CollisionModel::Data* body;
+  Pose pose;
+  bool moved;  ///< the pose is not the identity
+
+  Placed(const CollisionModel::Data& data, const Pose& at) : body(&data), pose(at), moved(!(at == Pose{})) {}
+  /// The corners in the world of a triangle, by its place in the tree: what all exact answers are about.
+  Corners world(std::uint32_t place) const {
+    const Corners& c = body->corners[place];
+    if (!moved) return c;
+    return {apply(pose, c[0]), apply(pose, c[1]), apply(pose, c[2])};
+  }
+  std::uint32_t triangle(std::uint32_t place) const { return body->tree.order[place]; }
+};
+
+/// `field` is the body whose field is asked, the larger one; `tree` the one whose balls are placed in it. `place` takes
+/// coordinates of the tree's body to those of the field's, both relative to their middles.
+struct Pair {
+  Placed field, tree;
+  bool swapped;  ///< a is the tree
+  Pose relative;
+  FloatPlace place;
+  /// How much bounds in single precision, in the field's frame, may be wrong about the world: see pair.cpp.
+  float slack;
+
+  Pair(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b);
+
+  /// A lower bound of the distance of the bodies from the tree's ball and the field's box alone.
+  double root_gap() const;
+  /// A triangle of the tree's body, in the field's frame.
+  FloatBox box_of(std::uint32_t place_in_tree) const;
+};
+
+}  // namespace difi::collision

@@ -1,0 +1,270 @@
+// When two bodies first touch. Balls of the tree move along until the field no longer tells them free, first those that
+// stop first; their children start from there. Triangles that stop are followed exactly, against the triangles their
+// way may meet.
+//
+// A ball (c, r) whose centre is L or more from the surface at time t is free until t + (L - r - tolerance) / speed,
+// `speed` being no less than its centre's: distance is 1-Lipschitz, and a ball does not change as it turns about its
+// own centre. So a child may start at the time up to which its parent is free: it lies within it, but for rounding,
+// which the slack covers.
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "collision/batch.h"
+#include "collision/motion.h"
+
+namespace difi {
+namespace collision {
+namespace {
+
+// A ball goes on as long as its steps are longer than this share of its radius: smaller steps cost more than asking its
+// sixteen children.
+constexpr float kWorthAStep = 0.5f;
+// A triangle followed exactly looks this many field spacings ahead.
+constexpr double kAhead = 1.0;
+
+// Times near 1 are rounded by 1e-16: on very long ways that is a distance that counts. In terms of the speed.
+constexpr double kTimeRounding = 4e-16;
+
+// What the place of a body on its way is uncertain by.
+double rounding(const Course& course) {
+  const double turning = course.turn.angle_rad * length(course.motion.center);
+  return 4 * kTimeRounding * (length(course.velocity) + length(course.center) + turning);
+}
+
+class Follow {
+ public:
+  Follow(const Pair& pair, const Course& course, double tolerance)
+      : pair_(pair),
+        course_(course),
+        relative_(pair, course),
+        kernels_(kernels()),
+        tolerance_(tolerance),
+        keep_(static_cast<float>(tolerance) * 1.000001f + pair.slack + static_cast<float>(rounding(course))),
+        enough_(static_cast<float>(pair.field.body->field.spacing)) {}
+
+  Swept run() {
+    visit(pair_.tree.body->tree.top(), 0, 0);
+    return result_;
+  }
+
+ private:
+  // Balls of one packet, each with its time.
+  struct Lanes {
+    Vec3 offset[kLanes];
+    double speed[kLanes], time[kLanes];
+    alignas(64) float gap[kLanes];
+    alignas(64) float radius[kLanes];
+    bool active[kLanes];
+  };
+
+  double end() const { return result_.time; }  // nothing later is of interest
+
+  void visit(int level, std::uint32_t packet, double start) {
+    const Balls& balls = pair_.tree.body->tree.levels[level].balls[packet];
+    Lanes lanes;
+    for (int n = 0; n < kLanes; ++n) {
+      lanes.radius[n] = balls.radius[n];
+      lanes.time[n] = start;
+      lanes.active[n] = balls.radius[n] >= 0;
+      lanes.offset[n] = relative_.offset({balls.center[0][n], balls.center[1][n], balls.center[2][n]});
+      lanes.speed[n] = relative_.speed(lanes.offset[n]);
+    }
+    advance(lanes, level);
+    int order[kLanes], stopped = 0;
+    for (int n = 0; n < kLanes; ++n)
+      if (balls.radius[n] >= 0 && lanes.time[n] < end()) order[stopped++] = n;
+    std::sort(order, order + stopped, [&lanes](int a, int b) {
+      return lanes.time[a] != lanes.time[b] ? lanes.time[a] < lanes.time[b] : lanes.gap[a] < lanes.gap[b];
+    });
+    for (int k = 0; k < stopped; ++k) {
+      const int n = order[k];
+      if (done(lanes.time[n])) return;
+      const std::uint32_t child = packet * kLanes + n;
+      if (level > 0)
+        visit(level - 1, child, lanes.time[n]);
+      else
+        follow(child, lanes.time[n]);
+    }
+  }
+
+  bool done(double time) const { return time >= end(); }
+
+  // Moves all lanes on until their steps are not worth it.
+  void advance(Lanes& lanes, int level) {
+    const float least = level == 0 ? 0.25f * static_cast<float>(pair_.field.body->field.spacing) : 0;
+    alignas(64) float center[3][kLanes] = {};
+    for (;;) {
+      bool any = false;
+      for (int n = 0; n < kLanes; ++n) {
+        if (!lanes.active[n]) continue;
+        const Vec3 x = relative_.at(lanes.offset[n], lanes.time[n]);
+        center[0][n] = static_cast<float>(x.x), center[1][n] = static_cast<float>(x.y),
+        center[2][n] = static_cast<float>(x.z);
+        any = true;
+      }
+      if (!any) return;
+      kernels_.gaps_at(pair_.field.body->view, center, lanes.radius, enough_, lanes.gap);
+      for (int n = 0; n < kLanes; ++n) {
+        if (!lanes.active[n]) continue;
+        // Far away single precision errs in proportion to the distance.
+        const float step = lanes.gap[n] * (1 - 1e-6f) - keep_;
+        const double before = lanes.time[n];
+        if (step > 0) lanes.time[n] = lanes.speed[n] > 0 ? before + step / lanes.speed[n] : 2;
+        lanes.active[n] =
+            lanes.time[n] > before && lanes.time[n] < end() && step > std::max(kWorthAStep * lanes.radius[n], least);
+      }
+    }
+  }
+
+  // One triangle from time `from` on, against all that its way may meet.
+  void follow(std::uint32_t tree_place, double from) {
+    Vec3 offset[3];
+    double speed = 0, acceleration = 0;
+    for (int k = 0; k < 3; ++k) {
+      offset[k] = relative_.offset(pair_.tree.body->corners[tree_place][k] - pair_.tree.body->middle);
+      speed = std::max(speed, relative_.speed(offset[k]));
+      acceleration = std::max(acceleration, relative_.acceleration(offset[k]));
+    }
+    const double ahead = kAhead * pair_.field.body->field.spacing;
+    for (double t = from; !done(t);) {
+      const double until = std::min(end(), speed > 0 ? std::max(t + ahead / speed, std::nextafter(t, 2)) : 2);
+      // A way between two times leaves the chord by an eighth of the acceleration times the time squared at the most.
+      FloatBox box;
+      for (const Vec3& o : offset)
+        for (const double time : {t, until}) {
+          const Vec3 x = relative_.at(o, time);
+          const float at[3] = {static_cast<float>(x.x), static_cast<float>(x.y), static_cast<float>(x.z)};
+          box.include(at);
+        }
+      const double bend = acceleration * (until - t) * (until - t) / 8;
+      box.grow(keep_ + static_cast<float>(bend) * 1.000001f);
+      from_ = t, until_ = until;
+      descend(pair_.field.body->tree.top(), 0, tree_place, box);
+      t = until;
+      if (!done(t)) t = jump(tree_place, t);
+    }
+  }
+
+  // As far as the field lets the triangle's ball go from a time at which it is free.
+  double jump(std::uint32_t tree_place, double t) {
+    const Balls& balls = pair_.tree.body->tree.levels[0].balls[tree_place / kLanes];
+    const int n = static_cast<int>(tree_place % kLanes);
+    const Vec3 offset = relative_.offset({balls.center[0][n], balls.center[1][n], balls.center[2][n]});
+    const double speed = relative_.speed(offset);
+    if (!(speed > 0)) return 2;
+    alignas(64) float center[3][kLanes] = {}, radius[kLanes], gap[kLanes];
+    std::fill_n(radius, kLanes, -kNothing);
+    radius[0] = balls.radius[n];
+    while (t < end()) {
+      const Vec3 x = relative_.at(offset, t);
+      center[0][0] = static_cast<float>(x.x), center[1][0] = static_cast<float>(x.y),
+      center[2][0] = static_cast<float>(x.z);
+      kernels_.gaps_at(pair_.field.body->view, center, radius, enough_, gap);
+      const float step = gap[0] * (1 - 1e-6f) - keep_;
+      if (step > 0) t += step / speed;
+      if (!(step > 0.25f * static_cast<float>(pair_.field.body->field.spacing))) break;
+    }
+    return t;
+  }
+
+  void descend(int level, std::uint32_t node, std::uint32_t tree_place, const FloatBox& box) {
+    for (std::uint32_t mask = kernels_.overlaps(pair_.field.body->tree.levels[level].boxes[node], box); mask != 0;
+         mask &= mask - 1) {
+      const std::uint32_t child = node * kLanes + std::countr_zero(mask);
+      if (level > 0)
+        descend(level - 1, child, tree_place, box);
+      else
+        meet(child, tree_place);
+    }
+  }
+
+  // The motion of b's triangle towards a's, step by step. The closest points span a slab that separates both; along its
+  // normal n the corners come nearer by no more than -n.v + |n x w| * (their distance from the turning point) per time.
+  void meet(std::uint32_t field_place, std::uint32_t tree_place) {
+    const Corners resting = pair_.swapped ? pair_.tree.world(tree_place) : pair_.field.world(field_place);
+    const Corners& moving =
+        pair_.swapped ? pair_.field.body->corners[field_place] : pair_.tree.body->corners[tree_place];
+    double away = 0;
+    if (course_.turn.angle_rad != 0)
+      for (const Vec3& corner : moving)
+        away = std::max(away, length(rotate(course_.motion.from, corner - course_.motion.center)));
+    for (double t = from_; t < until_;) {
+      const Pose pose = course_.at(t);
+      const Corners at{apply(pose, moving[0]), apply(pose, moving[1]), apply(pose, moving[2])};
+      if (t == 0 && triangles_touch(resting, at))
+        return record(t, field_place, tree_place, overlap(resting, at).point, {});
+      const ClosestPair pair = closest_points(resting, at);
+      const double apart = std::sqrt(pair.distance_sq);
+      const Vec3 way = pair.on_q - pair.on_p;
+      const Vec3 normal = apart > 0 ? way * (1 / apart) : Vec3{};
+      const double approach =
+          -dot(normal, course_.velocity) + length(cross(normal, course_.turn.axis)) * course_.turn.angle_rad * away;
+      // However near, they only part; but nearer than this the direction may be one of rounding.
+      if (apart > 1e-3 * tolerance_ && !(approach > 0)) return;
+      if (!(apart > tolerance_)) return record(t, field_place, tree_place, (pair.on_p + pair.on_q) * 0.5, normal);
+      // Rounding of the time must not carry them past each other.
+      const double later = t + std::max(0.0, apart - std::max(tolerance_ / 2, kTimeRounding * approach)) / approach;
+      if (!(later > t)) return record(t, field_place, tree_place, (pair.on_p + pair.on_q) * 0.5, normal);
+      t = later;
+    }
+  }
+
+  void record(double t, std::uint32_t field_place, std::uint32_t tree_place, Vec3 point, Vec3 normal) {
+    std::uint32_t a = pair_.field.triangle(field_place), b = pair_.tree.triangle(tree_place);
+    if (pair_.swapped) std::swap(a, b);
+    result_ = {true, t, a, b, point, normal};
+    until_ = std::min(until_, t);
+  }
+
+  const Pair& pair_;
+  const Course& course_;
+  const RelativeMotion relative_;
+  const Kernels& kernels_;
+  const double tolerance_;
+  const float keep_;    // distance left after every step
+  const float enough_;  // steps this long are taken without asking the fine field
+  double from_ = 0, until_ = 0;
+  Swept result_;
+};
+
+void check(const SweepOptions& options) {
+  if (!(options.tolerance > 0) || !(options.tolerance <= 1e30))
+    throw Error(ErrorCode::usage, "sweep: the tolerance must be positive and finite");
+}
+
+void check(const Motion& motion) {
+  validate(motion.from);
+  validate(motion.to);
+  if (!is_finite(motion.center)) throw Error(ErrorCode::usage, "sweep: the motion's center is not finite");
+}
+
+Swept sweep_checked(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Motion& motion,
+                    const SweepOptions& options) {
+  const Course course(motion);
+  Pair pair(a, pose_a, b, motion.from);
+  return Follow(pair, course, options.tolerance).run();
+}
+
+}  // namespace
+}  // namespace collision
+
+Swept sweep(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Motion& motion,
+            const SweepOptions& options) {
+  collision::check(options);
+  collision::check(motion);
+  validate(pose_a);
+  return collision::sweep_checked(a, pose_a, b, motion, options);
+}
+
+std::vector<Swept> sweep_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                             std::span<const Motion> motions, const SweepOptions& options, int threads) {
+  collision::check(options);
+  for (const Motion& motion : motions) collision::check(motion);
+  validate(pose_a);
+  return collision::for_each<Swept>(motions.size(), threads, [&](std::size_t n) {
+    return collision::sweep_checked(a, pose_a, b, motions[n], options);
+  });
+}
+
+}  // namespace difi

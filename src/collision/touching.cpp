@@ -1,0 +1,68 @@
+// Balls of one body's tree against the other's field, nearest first; where the field cannot tell, triangles.
+#include "collision/touching.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "collision/close_pairs.h"
+
+namespace difi::collision {
+namespace {
+
+class Search {
+ public:
+  Search(const Pair& pair, double margin)
+      : pair_(pair),
+        kernels_(kernels()),
+        margin_(margin),
+        limit_(static_cast<float>(margin) * 1.000001f + pair.slack),
+        close_(pair, kernels_, limit_) {}
+
+  std::optional<Touching> run() {
+    if (pair_.root_gap() > margin_ + pair_.slack || !visit(pair_.tree.body->tree.top(), 0)) return {};
+    return found_;
+  }
+
+ private:
+  bool visit(int level, std::uint32_t packet) {
+    if (level == 0) {
+      // The packet reaches the surface: its triangles' boxes tell more than the field would.
+      const auto left = static_cast<std::uint32_t>(pair_.tree.body->tree.order.size()) - packet * kLanes;
+      return !close_.visit(packet, left < kLanes ? (1u << left) - 1 : 0xffffu,
+                           [this](std::uint32_t f, std::uint32_t t) { return !test(f, t); });
+    }
+    alignas(64) float gap[kLanes];
+    const Level& nodes = pair_.tree.body->tree.levels[level];
+    kernels_.gaps(pair_.field.body->view, pair_.place, nodes.balls[packet], limit_, gap);
+    int lanes[kLanes], count = 0;
+    for (int n = 0; n < kLanes; ++n)
+      if (gap[n] <= limit_) lanes[count++] = n;
+    if (count == 0) return false;
+    std::sort(lanes, lanes + count, [&gap](int a, int b) { return gap[a] < gap[b]; });
+    for (int n = 0; n < count; ++n)
+      if (visit(level - 1, packet * kLanes + lanes[n])) return true;
+    return false;
+  }
+
+  bool test(std::uint32_t field_place, std::uint32_t tree_place) {
+    const Corners p = pair_.field.world(field_place), q = pair_.tree.world(tree_place);
+    bool hit = triangles_touch(p, q);
+    if (!hit && margin_ > 0) hit = closest_points(p, q).distance_sq <= margin_ * margin_;
+    if (hit) found_ = {field_place, tree_place};
+    return hit;
+  }
+
+  const Pair& pair_;
+  const Kernels& kernels_;
+  const double margin_;
+  const float limit_;  // balls and boxes farther away than this are farther than the margin
+  ClosePairs close_;
+  Touching found_{};
+};
+
+}  // namespace
+
+std::optional<Touching> find_touching(const Pair& pair, double margin) { return Search(pair, margin).run(); }
+
+}  // namespace difi::collision

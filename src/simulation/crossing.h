@@ -1,0 +1,39 @@
+// The independent check: does a straight way cross a surface? Triangles in the cells of a plain grid, each tested
+// exactly; no field, no ball, nothing of the queries but the test of two triangles.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "collision/triangle_pair.h"
+#include "difi/mesh.h"
+#include "difi/pose.h"
+
+namespace difi {
+
+class CrossingCheck {
+ public:
+  /// Where the triangles of a mesh stand in the world.
+  CrossingCheck(MeshView mesh, const Pose& pose);
+  /// The segment and the surface have a point in common.
+  bool crosses(Vec3 from, Vec3 to) const;
+
+ private:
+  struct Range {
+    std::int64_t begin[3], end[3];
+  };
+  Range cells(const Box& box) const;
+
+  std::vector<Corners> triangles_;
+  std::vector<Box> boxes_;
+  Box box_;
+  double cell_ = 1;
+  std::int64_t size_[3] = {1, 1, 1};
+  std::vector<std::uint32_t> first_, members_;  // of cell n: members_[first_[n]] to members_[first_[n + 1]]
+};
+
+/// Corners of the mesh that stick out farthest in directions all around, and the middle of its box: the points whose
+/// ways are checked.
+std::vector<Vec3> outermost_points(MeshView mesh);
+
+}  // namespace difi

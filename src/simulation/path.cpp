@@ -1,0 +1,51 @@
+// Paths as tables and as polylines.
+#include <cstdio>
+#include <string>
+
+#include "difi/simulation.h"
+#include "io/atomic_file.h"
+
+namespace difi {
+namespace {
+
+void write(AtomicFile& file, const std::string& text) { file.write(text.data(), text.size()); }
+
+std::string exact(Vec3 p, char between) {
+  char text[96];
+  const int length = std::snprintf(text, sizeof text, "%.17g%c%.17g%c%.17g\n", p.x, between, p.y, between, p.z);
+  return {text, static_cast<std::size_t>(length)};
+}
+
+void write_csv(AtomicFile& file, std::span<const PathPoint> points) {
+  write(file, "flier,step,x,y,z\n");
+  for (const PathPoint& p : points)
+    write(file, std::to_string(p.flier) + ',' + std::to_string(p.step) + ',' + exact(p.point, ','));
+}
+
+void write_ply(AtomicFile& file, std::span<const PathPoint> points) {
+  std::size_t edges = 0;
+  for (std::size_t n = 1; n < points.size(); ++n) edges += points[n].flier == points[n - 1].flier;
+  write(file, "ply\nformat ascii 1.0\nelement vertex " + std::to_string(points.size()) +
+                  "\nproperty double x\nproperty double y\nproperty double z\nelement edge " + std::to_string(edges) +
+                  "\nproperty int vertex1\nproperty int vertex2\nend_header\n");
+  for (const PathPoint& p : points) write(file, exact(p.point, ' '));
+  for (std::size_t n = 1; n < points.size(); ++n)
+    if (points[n].flier == points[n - 1].flier) write(file, std::to_string(n - 1) + ' ' + std::to_string(n) + '\n');
+}
+
+}  // namespace
+
+void write_path(const std::filesystem::path& path, std::span<const PathPoint> points) {
+  const std::string extension = path.extension().string();
+  if (extension != ".csv" && extension != ".ply")
+    throw Error(ErrorCode::usage,
+                path.string() + ": a path is written as .csv or .ply; give the file one of these names");
+  AtomicFile file(path);
+  if (extension == ".csv")
+    write_csv(file, points);
+  else
+    write_ply(file, points);
+  file.commit();
+}
+
+}  // namespace difi

@@ -1,0 +1,220 @@
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <atomic>
+#include <cmath>
+#include <mutex>
+#include <numbers>
+#include <optional>
+#include <string>
+
+#include "difi/simulation.h"
+#include "simulation/crossing.h"
+
+namespace difi {
+namespace {
+
+constexpr int kTries = 10'000;
+// Steps a flier makes before another one has its turn, and progress is told.
+constexpr std::int64_t kStepsAtOnce = 1000;
+
+// splitmix64: numbers in [0, 1) from a state of 64 bits.
+double draw(std::uint64_t& state) {
+  state += 0x9e3779b97f4a7c15u;
+  std::uint64_t h = state;
+  h = (h ^ (h >> 30)) * 0xbf58476d1ce4e5b9u;
+  h = (h ^ (h >> 27)) * 0x94d049bb133111ebu;
+  h ^= h >> 31;
+  return static_cast<double>(h >> 11) * 0x1p-53;
+}
+
+Vec3 random_direction(std::uint64_t& state) {
+  const double z = 2 * draw(state) - 1, angle = 2 * std::numbers::pi * draw(state), r = std::sqrt(1 - z * z);
+  return {r * std::cos(angle), r * std::sin(angle), z};
+}
+
+Vec3 unit(Vec3 v) { return v * (1 / length(v)); }
+
+// At random within an angle of `direction`.
+Vec3 scattered(Vec3 direction, double angle_rad, std::uint64_t& state) {
+  if (!(angle_rad > 0)) return direction;
+  const Vec3 across = cross(direction, random_direction(state));
+  if (!(length(across) > 1e-6)) return direction;
+  const double angle = angle_rad * draw(state);
+  return unit(direction * std::cos(angle) + unit(across) * std::sin(angle));
+}
+
+void check(const FlightOptions& o) {
+  const auto fail = [](const char* what) { throw Error(ErrorCode::usage, std::string("simulation: ") + what); };
+  if (!(o.speed >= 0) || !std::isfinite(o.speed)) fail("the speed must be zero or more, and finite");
+  if (!(o.scatter_rad >= 0 && o.scatter_rad <= std::numbers::pi)) fail("the scatter must be from 0 to pi");
+  if (!(o.tolerance > 0) || !std::isfinite(o.tolerance)) fail("the tolerance must be positive and finite");
+  if (!(o.thickness > 0) || !std::isfinite(o.thickness)) fail("the thickness must be positive and finite");
+  if (!(o.threshold >= 0) || !std::isfinite(o.threshold)) fail("the threshold must be zero or more, and finite");
+  if (o.threads < 0) fail("the number of threads must be zero (all) or more");
+}
+
+}  // namespace
+
+struct World::State {
+  struct Standing {
+    CollisionModel model;
+    Pose pose;
+    std::optional<DistanceField> field;  // thesis mode
+    std::optional<CrossingCheck> check;
+  };
+
+  CollisionModel flier;
+  FlightOptions options;
+  std::vector<Standing> standing;
+  std::vector<Flier> fliers;
+  std::optional<DistanceField> field;  // of the flier, in thesis mode
+  std::vector<Vec3> marks;             // the points whose ways are checked
+
+  DistanceField thesis_field(const CollisionModel& model) const {
+    const Grid grid = minimum_grid(model.bounds(), options.thickness, options.minimum, options.speed);
+    Options compute_options;
+    compute_options.thickness = options.thickness;
+    compute_options.threads = options.threads;
+    return compute(model.mesh(), grid, compute_options).field;
+  }
+
+  void step(Flier& it) const;
+  bool leaves_room(const Pose& pose) const;
+  bool thesis_step(Flier& it, const Pose& next) const;
+  bool sweep_step(Flier& it, Pose& next) const;
+};
+
+// True where the flier collides at `next`; it then stays where it is.
+bool World::State::thesis_step(Flier& it, const Pose& next) const {
+  for (const Standing& body : standing) {
+    const double spacing = std::max(body.field->grid().max_spacing(), field->grid().max_spacing());
+    const double threshold = options.threshold > 0 ? options.threshold : spacing;
+    if (!collide_thesis(*body.field, body.pose, *field, next, threshold).hit) continue;
+    it.direction = scattered(it.direction * -1.0, options.scatter_rad, it.seed);
+    return true;
+  }
+  return false;
+}
+
+// True where the flier meets something on its way to `next`, which becomes the place where it stops: short of the
+// contact by the tolerance, so that it may part again.
+bool World::State::sweep_step(Flier& it, Pose& next) const {
+  Swept first;
+  for (const Standing& body : standing) {
+    const Swept swept = sweep(body.model, body.pose, flier, {it.pose, next, {}}, {options.tolerance});
+    if (swept.hit && (!first.hit || swept.time < first.time)) first = swept;
+  }
+  if (!first.hit) return false;
+  const double time = std::max(0.0, first.time - (options.speed > 0 ? options.tolerance / options.speed : 0));
+  next.translation = it.pose.translation + (next.translation - it.pose.translation) * time;
+  const bool mirror = options.on_contact == OnContact::reflect && length(first.normal) > 0;
+  const Vec3 away = mirror ? it.direction - first.normal * (2 * dot(first.normal, it.direction)) : it.direction * -1.0;
+  it.direction = unit(scattered(unit(away), options.scatter_rad, it.seed));
+  return true;
+}
+
+bool World::State::leaves_room(const Pose& pose) const {
+  if (options.room.empty()) return false;
+  const Vec3 at = apply(pose, flier.bounds().center());
+  return min(max(at, options.room.min), options.room.max) != at;
+}
+
+void World::State::step(Flier& it) const {
+  Pose next = it.pose;
+  next.translation = next.translation + it.direction * options.speed;
+  if (leaves_room(next)) {
+    it.direction = scattered(it.direction * -1.0, options.scatter_rad, it.seed);
+    ++it.turns;
+    return;
+  }
+  if (options.mode == FlightMode::thesis) {
+    if (thesis_step(it, next)) {
+      ++it.collisions;
+      return;
+    }
+  } else if (sweep_step(it, next)) {
+    ++it.collisions;
+  }
+  if (options.check) {
+    bool crossed = false;
+    for (const Standing& body : standing)
+      for (const Vec3& mark : marks) crossed = crossed || body.check->crosses(apply(it.pose, mark), apply(next, mark));
+    it.crossings += crossed;
+  }
+  it.pose = next;
+}
+
+World::World(const CollisionModel& flier, const FlightOptions& options)
+    : state_(new State{flier, options, {}, {}, {}, {}}) {
+  check(options);
+  if (options.mode == FlightMode::thesis) state_->field = state_->thesis_field(flier);
+  if (options.check) state_->marks = outermost_points(flier.mesh());
+}
+
+World::~World() = default;
+
+void World::add(const CollisionModel& body, const Pose& pose) {
+  validate(pose);
+  State::Standing standing{body, pose, {}, {}};
+  if (state_->options.mode == FlightMode::thesis) standing.field = state_->thesis_field(body);
+  if (state_->options.check) standing.check.emplace(body.mesh(), pose);
+  state_->standing.push_back(std::move(standing));
+}
+
+void World::add_flier(const Box& box) {
+  if (box.empty() || !is_finite(box.min) || !is_finite(box.max))
+    throw Error(ErrorCode::usage, "simulation: the box to start in is empty or not finite");
+  Flier it;
+  it.seed = state_->options.seed * 0xd1342543de82ef95u + state_->fliers.size() * 0x2545f4914f6cdd1du;
+  const Vec3 middle = state_->flier.bounds().center();
+  for (int n = 0; n < kTries; ++n) {
+    const Vec3 at = box.min + box.extent() * Vec3{draw(it.seed), draw(it.seed), draw(it.seed)};
+    it.pose = make_pose({0, 1, 0}, 2 * std::numbers::pi * draw(it.seed), {});
+    it.pose.translation = at - rotate(it.pose, middle);
+    bool free = true;
+    for (const auto& body : state_->standing)
+      free = free &&
+             !collide(body.model, body.pose, state_->flier, it.pose, {.margin = 2 * state_->options.tolerance}).hit();
+    if (!free) continue;
+    it.direction = random_direction(it.seed);
+    state_->fliers.push_back(it);
+    return;
+  }
+  throw Error(ErrorCode::input,
+              "simulation: no free place for a moving body in 10,000 tries; give it more room or make it smaller");
+}
+
+std::span<const Flier> World::fliers() const { return state_->fliers; }
+
+void World::run(std::int64_t steps, const Visit& visit) {
+  State& state = *state_;
+  std::atomic<std::int64_t> done{0};
+  std::atomic<bool> cancelled{false};
+  std::mutex telling;
+  const double all = static_cast<double>(steps) * static_cast<double>(state.fliers.size());
+  const auto fly = [&](std::size_t n) {
+    Flier& it = state.fliers[n];
+    if (visit) visit(n, 0, it.pose);
+    for (std::int64_t k = 0; k < steps && !cancelled; ++k) {
+      const std::int64_t before = it.collisions + it.turns;
+      state.step(it);
+      if (visit && (it.collisions + it.turns != before || k + 1 == steps)) visit(n, k + 1, it.pose);
+      if ((k + 1) % kStepsAtOnce != 0 && k + 1 != steps) continue;
+      done += k % kStepsAtOnce + 1;
+      if (!state.options.progress) continue;
+      if (const std::unique_lock lock(telling, std::try_to_lock); lock && !cancelled)
+        cancelled = !state.options.progress({"fly", static_cast<double>(done) / all});
+    }
+  };
+  tbb::task_arena arena(state.options.threads > 0 ? state.options.threads : tbb::task_arena::automatic);
+  arena.execute([&] { tbb::parallel_for(std::size_t{0}, state.fliers.size(), fly); });
+  if (cancelled) throw Error(ErrorCode::interrupted, "simulation: cancelled");
+}
+
+Grid World::grid(std::size_t n) const {
+  const State::Standing& body = state_->standing.at(n);
+  return body.field ? body.field->grid() : body.model.grid();
+}
+
+}  // namespace difi

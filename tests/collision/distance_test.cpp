@@ -1,0 +1,48 @@
+// Distances against every pair of triangles.
+#include <gtest/gtest.h>
+
+#include "difi/collision.h"
+#include "tests/collision/bodies.h"
+
+namespace difi {
+namespace {
+
+using namespace difi::testing;
+
+void expect_as_brute_force(const Mesh& a, const Mesh& b, int poses, double half, unsigned seed) {
+  const CollisionModel model_a(a), model_b(b);
+  Random random(seed);
+  for (int n = 0; n < poses; ++n) {
+    const Pose pose_a = n % 2 ? Pose{} : random_pose(random, half), pose_b = random_pose(random, half);
+    const double expected = brute_pair_distance(a, pose_a, b, pose_b);
+    const double allowed = 1e-12 * (1 + expected);
+    const Distance found = distance(model_a, pose_a, model_b, pose_b);
+    ASSERT_NEAR(found.upper, expected, allowed) << "pose " << n;
+    ASSERT_EQ(found.lower, found.upper);
+    ASSERT_NEAR(length(found.point_a - found.point_b), expected, allowed);
+    const Corners p = corners_at(a, found.triangle_a, pose_a), q = corners_at(b, found.triangle_b, pose_b);
+    ASSERT_NEAR(expected > 0 ? std::sqrt(closest_points(p, q).distance_sq) : 0, expected, allowed);
+    const Distance turned = distance(model_b, pose_b, model_a, pose_a);
+    ASSERT_NEAR(turned.upper, expected, allowed);
+    for (const double tolerance : {0.01, 0.3}) {
+      const Distance rough = distance(model_a, pose_a, model_b, pose_b, {.tolerance = tolerance});
+      ASSERT_LE(rough.lower, expected + allowed);
+      ASSERT_GE(rough.upper, expected - allowed);
+      ASSERT_LE(rough.upper - rough.lower, tolerance + allowed);
+    }
+    const Distance limited = distance(model_a, pose_a, model_b, pose_b, {.limit = 0.5 * expected});
+    ASSERT_TRUE(expected == 0 || limited.upper == std::numeric_limits<double>::infinity());
+    ASSERT_EQ(limited.lower, 0.5 * expected);
+  }
+}
+
+TEST(Distance, AgreesWithEveryPairOfTriangles) {
+  expect_as_brute_force(ball_mesh(1, 5), ball_mesh(0.5, 3), 100, 2, 1);
+  expect_as_brute_force(random_soup(3, 100, 1, 0.2), ball_mesh(0.5, 3), 100, 2, 2);
+  expect_as_brute_force(random_soup(3, 20, 1, 0.9), random_soup(4, 20, 1, 0.5), 200, 5, 3);
+}
+
+TEST(Distance, FarBodies) { expect_as_brute_force(ball_mesh(1, 3), ball_mesh(0.5, 2), 20, 1000, 4); }
+
+}  // namespace
+}  // namespace difi

@@ -1,0 +1,72 @@
+// Sweeps against the bodies at many times on the way, each tested with every pair of triangles.
+#include <gtest/gtest.h>
+
+#include "difi/collision.h"
+#include "tests/collision/bodies.h"
+
+namespace difi {
+namespace {
+
+using namespace difi::testing;
+
+struct Case {
+  Pose pose_a;
+  Motion motion;
+};
+
+Case random_case(Random& random, double half, double way, double turn, bool at_rest_at_origin) {
+  Case c;
+  if (!at_rest_at_origin) c.pose_a = random_pose(random, half);
+  c.motion.from = random_pose(random, half);
+  c.motion.center = random.in_cube(0.5);
+  const Pose delta = make_pose(random.in_cube(1) + Vec3{1e-3, 0, 0}, random.between(0, turn), {});
+  c.motion.to.rotation = compose(delta, c.motion.from).rotation;
+  c.motion.to.translation = c.motion.from.translation + random.in_cube(way);
+  return c;
+}
+
+void expect_sound(const Mesh& a, const Mesh& b, int cases, double half, double way, double turn, unsigned seed) {
+  const CollisionModel model_a(a), model_b(b);
+  Random random(seed);
+  constexpr double kTolerance = 1e-3;
+  int hits = 0, frees = 0;
+  for (int n = 0; n < cases; ++n) {
+    SCOPED_TRACE("case " + std::to_string(n));
+    const Case c = random_case(random, half, way, turn, n % 2);
+    const Swept swept = sweep(model_a, c.pose_a, model_b, c.motion, {.tolerance = kTolerance});
+    constexpr int kTimes = 40;
+    for (int k = 0; k <= kTimes; ++k) {
+      const double t = swept.time * k / kTimes;
+      if (swept.hit && (k == kTimes || swept.time == 0)) break;
+      ASSERT_FALSE(brute_touch(a, c.pose_a, b, pose_at(c.motion, t))) << "at " << t << " before " << swept.time;
+    }
+    hits += swept.hit && swept.time > 0;
+    frees += !swept.hit;
+    if (!swept.hit) continue;
+    const double apart = brute_pair_distance(a, c.pose_a, b, pose_at(c.motion, swept.time));
+    ASSERT_LE(apart, kTolerance * (1 + 1e-9));
+    const Corners p = corners_at(a, swept.triangle_a, c.pose_a),
+                  q = corners_at(b, swept.triangle_b, pose_at(c.motion, swept.time));
+    ASSERT_TRUE(triangles_touch(p, q) || closest_points(p, q).distance_sq <= kTolerance * kTolerance * (1 + 1e-9));
+  }
+  EXPECT_GT(hits, cases / 20);
+  EXPECT_GT(frees, cases / 20);
+}
+
+TEST(Sweep, Straight) {
+  expect_sound(ball_mesh(1, 4), ball_mesh(0.4, 2), 200, 2, 4, 0, 1);
+  expect_sound(random_soup(3, 40, 1, 0.5), random_soup(4, 15, 0.3, 0.3), 200, 2, 4, 0, 2);
+}
+
+TEST(Sweep, Turning) {
+  expect_sound(ball_mesh(1, 3), random_soup(5, 15, 0.3, 0.5), 200, 2, 3, 3.1, 3);
+  expect_sound(random_soup(3, 40, 1, 0.5), random_soup(4, 15, 0.3, 0.3), 200, 2, 3, 1, 4);
+}
+
+TEST(Sweep, TheLargerBodyMoves) {
+  expect_sound(random_soup(4, 15, 0.3, 0.3), random_soup(3, 40, 1, 0.5), 200, 2, 3, 3, 5);
+  expect_sound(ball_mesh(0.4, 2), ball_mesh(1, 3), 100, 2, 4, 0, 6);
+}
+
+}  // namespace
+}  // namespace difi

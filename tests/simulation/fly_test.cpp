@@ -1,0 +1,146 @@
+// Flies in a small labyrinth: what they pass through, what repeats, what is written.
+#include <gtest/gtest.h>
+
+#include <mutex>
+
+#include "difi/simulation.h"
+#include "simulation/crossing.h"
+#include "tests/collision/bodies.h"
+#include "tests/io/temp_folder.h"
+
+namespace difi {
+namespace {
+
+using namespace difi::testing;
+
+// A room of thin walls with a wall through the middle that has a hole.
+Mesh room() {
+  Mesh mesh;
+  const auto quad = [&](Vec3 a, Vec3 u, Vec3 v) {
+    add_triangle(mesh, a, a + u, a + u + v);
+    add_triangle(mesh, a, a + u + v, a + v);
+  };
+  const Vec3 x{10, 0, 0}, y{0, 4, 0}, z{0, 0, 6};
+  quad({0, 0, 0}, x, y), quad({0, 0, 6}, x, y);
+  quad({0, 0, 0}, x, z), quad({0, 4, 0}, x, z);
+  quad({0, 0, 0}, y, z), quad({10, 0, 0}, y, z);
+  quad({5, 0, 0}, y, {0, 0, 4});
+  return mesh;
+}
+
+struct Flown {
+  std::vector<Flier> fliers;
+  std::vector<PathPoint> path;
+};
+
+Flown fly(FlightOptions options, std::int64_t steps, int count) {
+  const CollisionModel walls(room()), body(ball_mesh(0.3, 3));
+  World world(body, options);
+  world.add(walls);
+  for (int n = 0; n < count; ++n) world.add_flier({{0.5, 0.5, 0.5}, {9.5, 3.5, 5.5}});
+  Flown flown;
+  std::mutex adding;
+  world.run(steps, [&](std::size_t n, std::int64_t step, const Pose& pose) {
+    const std::lock_guard lock(adding);
+    flown.path.push_back({static_cast<std::int64_t>(n), step, pose.translation});
+  });
+  flown.fliers.assign(world.fliers().begin(), world.fliers().end());
+  return flown;
+}
+
+std::int64_t total(const Flown& flown, std::int64_t Flier::*what) {
+  std::int64_t sum = 0;
+  for (const Flier& it : flown.fliers) sum += it.*what;
+  return sum;
+}
+
+TEST(Fly, SweptOnesPassThroughNothingAtAnySpeed) {
+  for (const OnContact what : {OnContact::turn_back, OnContact::reflect})
+    for (const double speed : {0.02, 0.5, 5.0, 100.0}) {
+      FlightOptions options;
+      options.speed = speed;
+      options.on_contact = what;
+      const Flown flown = fly(options, 1000, 8);
+      EXPECT_EQ(total(flown, &Flier::crossings), 0) << speed;
+      EXPECT_GT(total(flown, &Flier::collisions), 0) << speed;
+      for (const Flier& it : flown.fliers) {
+        const Vec3 p = it.pose.translation;
+        EXPECT_TRUE(p.x > 0 && p.x < 10 && p.y > 0 && p.y < 4 && p.z > 0 && p.z < 6) << speed;
+      }
+    }
+}
+
+TEST(Fly, TheThesisMissesWhatIsFast) {
+  FlightOptions options;
+  options.mode = FlightMode::thesis;
+  options.thickness = 0.5;
+  options.speed = 0.02;
+  const Flown slow = fly(options, 2000, 8);
+  EXPECT_EQ(total(slow, &Flier::crossings), 0);
+  EXPECT_GT(total(slow, &Flier::collisions), 0);
+  options.speed = 5;
+  EXPECT_GT(total(fly(options, 200, 8), &Flier::crossings), 0);
+}
+
+TEST(Fly, RepeatsWithItsSeedOnAnyNumberOfThreads) {
+  FlightOptions options;
+  options.speed = 0.3;
+  options.threads = 1;
+  const Flown one = fly(options, 500, 6);
+  options.threads = 4;
+  const Flown four = fly(options, 500, 6);
+  options.seed = 2;
+  const Flown other = fly(options, 500, 6);
+  for (std::size_t n = 0; n < one.fliers.size(); ++n) {
+    EXPECT_EQ(one.fliers[n].pose, four.fliers[n].pose);
+    EXPECT_EQ(one.fliers[n].collisions, four.fliers[n].collisions);
+    EXPECT_NE(one.fliers[n].pose, other.fliers[n].pose);
+  }
+}
+
+TEST(Fly, StaysInItsRoom) {
+  FlightOptions options;
+  options.speed = 0.5;
+  options.room = {{1, 1, 1}, {4, 3, 3}};
+  const CollisionModel walls(room()), body(ball_mesh(0.3, 3));
+  World world(body, options);
+  world.add(walls);
+  world.add_flier({{1.5, 1.5, 1.5}, {2, 2, 2}});
+  world.run(1000);
+  EXPECT_GT(world.fliers()[0].turns, 0);
+  const Vec3 p = world.fliers()[0].pose.translation;
+  EXPECT_TRUE(p.x >= 1 && p.x <= 4 && p.y >= 1 && p.y <= 3 && p.z >= 1 && p.z <= 3);
+}
+
+TEST(Fly, PathsAreTablesAndPolylines) {
+  const TempFolder folder;
+  const std::vector<PathPoint> points{{0, 0, {1, 2, 3}}, {0, 7, {1.5, 2, 3}}, {1, 0, {0, 0, 0.1}}};
+  write_path(folder.path() / "p.csv", points);
+  EXPECT_EQ(read_bytes(folder.path() / "p.csv"),
+            "flier,step,x,y,z\n0,0,1,2,3\n0,7,1.5,2,3\n1,0,0,0,0.10000000000000001\n");
+  write_path(folder.path() / "p.ply", points);
+  const std::string ply = read_bytes(folder.path() / "p.ply");
+  EXPECT_NE(ply.find("element vertex 3"), std::string::npos);
+  EXPECT_NE(ply.find("element edge 1\n"), std::string::npos);
+  EXPECT_TRUE(ply.ends_with("0 0 0.10000000000000001\n0 1\n"));
+  EXPECT_THROW(write_path(folder.path() / "p.txt", points), Error);
+}
+
+TEST(Crossing, AgreesWithEveryTriangle) {
+  const Mesh mesh = random_soup(3, 300, 1, 0.3);
+  const CrossingCheck check(mesh, {});
+  Random random(1);
+  int crossed = 0;
+  for (int n = 0; n < 2000; ++n) {
+    const Vec3 from = random.in_cube(1.5), to = from + random.in_cube(n % 2 ? 0.3 : 3);
+    bool expected = false;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+      expected = expected || triangles_touch({from, to, to}, corners_at(mesh, t, {}));
+    ASSERT_EQ(check.crosses(from, to), expected);
+    crossed += expected;
+  }
+  EXPECT_GT(crossed, 100);
+}
+
+}  // namespace
+}  // namespace difi
