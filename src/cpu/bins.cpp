@@ -148,7 +148,17 @@ void for_each_batch(const Job& job, const Lattice& lattice, std::int64_t most_re
     }
   });
 
+  // Room for the largest batch, so that no batch has to move to a larger place while the old one is still held.
+  std::int64_t all = 0, fullest = 0;
+  for (std::int64_t brick = 0; brick < bricks; ++brick) {
+    std::int64_t here = 0;
+    for (const auto& count : counts) here += count[brick];
+    all += here;
+    fullest = std::max(fullest, here);
+  }
   Bins bins;
+  bins.refs.reserve(static_cast<std::size_t>(std::min(all, std::max(most_refs, fullest))));
+  bins.start.reserve(static_cast<std::size_t>(bricks + 1));
   for (std::int64_t first = 0; first < bricks;) {
     // Take bricks until the batch is full, turning counts into positions.
     bins.first_brick = first;
@@ -182,7 +192,8 @@ void for_each_batch(const Job& job, const Lattice& lattice, std::int64_t most_re
 }
 
 std::int64_t bins_scratch_bytes(std::int64_t triangles, const Lattice& lattice, std::int64_t most_refs, int threads) {
-  const std::int64_t keys = triangles, counters = lattice.brick_count() * (4 * std::int64_t{threads} + 1);
+  const std::int64_t keys = triangles, bricks = lattice.brick_count();
+  const std::int64_t counters = bricks * (chunk_count(triangles, bricks, threads) + 1) + 1;
   return static_cast<std::int64_t>(sizeof(std::uint32_t)) * (keys + most_refs + counters);
 }
 

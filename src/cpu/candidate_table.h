@@ -22,7 +22,7 @@ struct CandidateTable {
     alignas(64) float corner_distance_sq[kCorners][kLanes];
     alignas(64) std::uint32_t index[kLanes];
     float low[3], high[3];  ///< the box around all of them
-    float less;             ///< what a squared distance from that box is lowered by, for the slack of the largest
+    float lowered_by;       ///< what a squared distance from that box is lowered by, for the slack of the largest
     std::uint32_t lanes;    ///< bits of the lanes in use
     std::uint32_t is_long;  ///< bits of the lanes whose samples need lines
   };

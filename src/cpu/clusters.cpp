@@ -25,6 +25,9 @@ Clusters::Clusters(const Job& job, const Lattice& lattice) : job_(job), lattice_
   for (int axis = 0; axis < 3; ++axis)
     center_[axis] = (lattice.origin[axis] + lattice.spacing[axis] * static_cast<double>(lattice.size[axis] - 1) / 2) *
                     lattice.scale;
+  for (int axis = 0; axis < 3; ++axis)
+    extent_ = std::max(extent_, static_cast<float>(lattice.spacing[axis] * lattice.scale *
+                                                   static_cast<double>(lattice.size[axis]) / 2));
   triangles_ = static_cast<std::uint32_t>(job.triangle_count());
   std::uint32_t packs = 0;
   for (std::uint32_t count = triangles_; packs == 0 || count > 1;) {
@@ -64,15 +67,6 @@ void Clusters::sort() {
   };
   const Box box = tbb::parallel_reduce(tbb::blocked_range<std::int64_t>(0, count, 4096), Box{}, included, both);
 
-  double farthest = 0;
-  const double lows[3] = {box.min.x, box.min.y, box.min.z}, highs[3] = {box.max.x, box.max.y, box.max.z};
-  for (int axis = 0; axis < 3; ++axis) {
-    const double half = lattice_.spacing[axis] * lattice_.scale * static_cast<double>(lattice_.size[axis]);
-    farthest = std::max({farthest, half, std::abs(lows[axis] * lattice_.scale - center_[axis]),
-                         std::abs(highs[axis] * lattice_.scale - center_[axis])});
-  }
-  slack_ = static_cast<float>(farthest * 0x1p-20);
-
   const double longest = std::max({box.extent().x, box.extent().y, box.extent().z});
   const double to_cells = longest > 0 ? 1023 / longest : 0;
   std::vector<KeyedIndex> keyed(static_cast<std::size_t>(count));
@@ -93,6 +87,10 @@ void Clusters::sort() {
   });
 }
 
+// What a box is grown by: 16 units of float rounding. Its own rounding takes 1, that of a reference sqrt(3) and that of
+// a cell's centre sqrt(3)/2, all of coordinates within the grid. References far outside are covered by kCullMargin.
+float Clusters::slack_at(float coordinate) const { return 0x1p-20f * std::max(extent_, std::abs(coordinate)); }
+
 void Clusters::box_triangles() {
   tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, level_begin_[1], 512), [&](const auto& range) {
     for (std::uint32_t pack = range.begin(); pack < range.end(); ++pack) {
@@ -104,8 +102,10 @@ void Clusters::box_triangles() {
         const Vec3 low = min(a, min(b, c)), high = max(a, max(b, c));
         const double lows[3] = {low.x, low.y, low.z}, highs[3] = {high.x, high.y, high.z};
         for (int axis = 0; axis < 3; ++axis) {
-          packs_[pack].low[axis][n] = static_cast<float>(lows[axis] * lattice_.scale - center_[axis]) - slack_;
-          packs_[pack].high[axis][n] = static_cast<float>(highs[axis] * lattice_.scale - center_[axis]) + slack_;
+          const auto low_at = static_cast<float>(lows[axis] * lattice_.scale - center_[axis]);
+          const auto high_at = static_cast<float>(highs[axis] * lattice_.scale - center_[axis]);
+          packs_[pack].low[axis][n] = low_at - slack_at(low_at);
+          packs_[pack].high[axis][n] = high_at + slack_at(high_at);
         }
       }
     }

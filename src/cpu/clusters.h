@@ -12,10 +12,10 @@
 
 namespace difi::cpu {
 
-/// Triangles sorted along a Morton curve and packed by sixteen, packs packed by sixteen, and so on. An entry of a list
-/// is a triangle, by its position on the curve (below triangles()), or from there on a whole pack. Boxes are in float,
-/// grid units relative to the centre of the grid, rounded outwards and a little more, so that they cover what later
-/// subtractions in float lose.
+/// A hierarchy of boxes without pointers: triangles sorted along a Morton curve and packed by sixteen, packs packed by
+/// sixteen, and so on. An entry of a list is a triangle, by its position on the curve (below triangles()), or from
+/// there on a whole pack. Boxes are in float, grid units relative to the centre of the grid, rounded outwards and a
+/// little more, so that they cover what later subtractions in float lose.
 class Clusters {
  public:
   static constexpr int kFanout = kLanes;
@@ -40,6 +40,7 @@ class Clusters {
   const double* center() const { return center_; }
 
  private:
+  float slack_at(float coordinate) const;
   void sort();
   void box_triangles();
   void box_packs();
@@ -47,7 +48,7 @@ class Clusters {
   const Job& job_;
   const Lattice& lattice_;
   double center_[3];
-  float slack_ = 0;
+  float extent_ = 0;  // half the longest side of the grid
   std::uint32_t triangles_ = 0;
   std::vector<std::uint32_t> order_;
   std::vector<std::uint32_t> level_begin_;  // the first pack of each level, those of triangles first; and the end

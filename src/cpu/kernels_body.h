@@ -5,7 +5,8 @@
 // function compiled for AVX-512 that the linker shares with the rest of the program would crash older processors.
 
 // Triangles at most this long, in grid units, are set up in float, sixteen at once; longer ones in double, one by one.
-// At 16 the corners lie within 40 units of the brick's centre, where float resolves 4e-6: below the promised 1.6e-5.
+// At 16 the corners lie within 40 units of the brick's centre, where float resolves 4e-6 against the promised 1.6e-5:
+// the tests of exactness measure a quarter of the promise at most.
 constexpr float kLongTriangle = 16;
 // Shorter edges and altitudes count as zero, squared grid units: a tenth of the promised error.
 constexpr float kLeastLengthSq = 1e-12f;
@@ -67,8 +68,8 @@ DIFI_INLINE WideFloat block_ranges(const Lattice& lattice, const Group& group, B
     longest = max(longest, high - low);
     const WideFloat reach(lattice.thickness), inverse(lattice.inverse_spacing[axis]);
     // The first sample at or above `low - reach`, and one past the last at or below `high + reach`.
-    const WideFloat begin = fma(low - reach, inverse, middle) + (one - slack);
-    const WideFloat end = fma(high + reach, inverse, middle) + (one + slack);
+    const WideFloat begin = fma(low - (reach + slack), inverse, middle) + (one - slack);
+    const WideFloat end = fma(high + (reach + slack), inverse, middle) + (one + slack);
     store_truncated(ranges.first[axis], max(zero, min(begin, side)));
     store_truncated(ranges.last[axis], max(zero, min(end, side)));
     for (int lane = 0; lane < kLanes; ++lane) {
@@ -113,13 +114,20 @@ DIFI_INLINE void store_frames(const TriangleFrame<WideFloat>& f, float (*number)
 }
 
 // One triangle's frame in all lanes.
-DIFI_INLINE TriangleFrame<WideFloat> broadcast_frame(const FrameTable& table, int lane) {
-  const auto number = [&](int n) __attribute__((always_inline)) { return WideFloat(table.number[n][lane]); };
+// The frame whose n-th number is number(n), in the order of store_frames.
+template <class F, class Number>
+DIFI_INLINE TriangleFrame<F> frame_from(Number number) {
   return {{{number(0), number(1), number(2)}, number(3)},
           {{number(4), number(5), number(6)}, number(7)},
           {{number(8), number(9), number(10)}, number(11)},
           {number(12), number(13), number(14), number(15)},
           {number(16), number(17), number(18), number(19)}};
+}
+
+// One triangle's frame, in all lanes when F is wide.
+template <class F>
+DIFI_INLINE TriangleFrame<F> frame_of_lane(const float (*numbers)[kLanes], std::uint32_t lane) {
+  return frame_from<F>([&](int n) __attribute__((always_inline)) { return F(numbers[n][lane]); });
 }
 
 DIFI_INLINE TriangleFrame<double> double_frame(const Lattice& lattice, const Brick& brick, const Candidates& c,
@@ -164,7 +172,7 @@ DIFI_INLINE void gather_short(const Lattice& lattice, const BlockRanges& ranges,
             ny = ranges.last[1][lane] - ranges.first[1][lane] + 1,
             nz = ranges.last[2][lane] - ranges.first[2][lane] + 1;
   if (nx <= 0 || ny <= 0 || nz <= 0) return;
-  const TriangleFrame<WideFloat> f = broadcast_frame(frames, lane);
+  const TriangleFrame<WideFloat> f = frame_of_lane<WideFloat>(frames.number, static_cast<std::uint32_t>(lane));
   static_assert(kBlocksX == 4);
   if (nx == 1)
     gather_rows<kNearest, 1>(lattice, ranges, f, lane, index, state);

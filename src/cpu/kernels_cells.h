@@ -1,5 +1,5 @@
 // The kernel for thick bands and full fields, where each sample has many candidates and needs few. Included like
-// kernels_body.h, after kernels_cull.h.
+// kernels_body.h, after it and kernels_cull.h.
 //
 // The candidates of a tile are set up once, in groups of sixteen, and measured from the corners of its 2x2x2 cells. The
 // nearest point found from a corner is a reference q for the cells around it.
@@ -10,28 +10,15 @@
 // q. Unlike the test for boxes (kernels_cull.h) this one is not fooled by tilted triangles, whose boxes reach far out
 // of them. Where many candidates are left, each block leaves out the groups whose boxes lie too far for its samples.
 
+// What a distance in a frame may be off by, as a share of the largest coordinate: 32 units of rounding of a length up
+// to sqrt(3) times as large (geometry/triangle_frame.h).
+constexpr float kFrameError = 32 * 1.7320508f * 0x1p-23f;
 // What a squared distance is lowered by, so that the square of (distance - slack) is no less:
 // (d-s)^2 >= d^2 - 2ds >= d^2 (1-a) - s^2/a.
 constexpr float kSlackShare = 1e-4f;
 
 DIFI_INLINE TriangleFrame<WideFloat> frames_of(const CandidateTable::Group& g) {
-  const auto number = [&](int n) __attribute__((always_inline)) { return WideFloat::load(g.frame[n]); };
-  return {{{number(0), number(1), number(2)}, number(3)},
-          {{number(4), number(5), number(6)}, number(7)},
-          {{number(8), number(9), number(10)}, number(11)},
-          {number(12), number(13), number(14), number(15)},
-          {number(16), number(17), number(18), number(19)}};
-}
-
-// One candidate's frame, in all lanes when F is wide.
-template <class F>
-DIFI_INLINE TriangleFrame<F> one_frame(const CandidateTable::Group& g, std::uint32_t lane) {
-  const auto number = [&](int n) __attribute__((always_inline)) { return F(g.frame[n][lane]); };
-  return {{{number(0), number(1), number(2)}, number(3)},
-          {{number(4), number(5), number(6)}, number(7)},
-          {{number(8), number(9), number(10)}, number(11)},
-          {number(12), number(13), number(14), number(15)},
-          {number(16), number(17), number(18), number(19)}};
+  return frame_from<WideFloat>([&](int n) __attribute__((always_inline)) { return WideFloat::load(g.frame[n]); });
 }
 
 // Sets up the candidates first, first + 1, ... as far as there is room.
@@ -52,9 +39,9 @@ DIFI_INLINE void fill_table(const Lattice& lattice, const Brick& brick, const Ca
       g.low[axis] = reduce_min(low);
       g.high[axis] = reduce_max(high);
     }
-    const WideFloat slack = fma(farthest, WideFloat(4e-6f), WideFloat(kSlack));
+    const WideFloat slack = fma(farthest, WideFloat(kFrameError), WideFloat(kSlack));
     slack.store(g.slack);
-    g.less = reduce_max(slack * slack) / kSlackShare;
+    g.lowered_by = reduce_max(slack * slack) / kSlackShare;
     store_frames(make_frame(loaded.corner[0], loaded.corner[1], loaded.corner[2], WideFloat(kLeastLengthSq)), g.frame);
     WideUint::load(loaded.index).store(g.index);
     const std::int64_t left = c.count - first;
@@ -86,6 +73,7 @@ DIFI_INLINE void place_corners(const Lattice& lattice, const int (&first_sample)
     const int number[3] = {n % kSide, n / kSide % kSide, n / (kSide * kSide)};
     for (int axis = 0; axis < 3; ++axis)
       corner.at[axis] = corner_coordinate(lattice, axis, first_sample[axis], number[axis]);
+    corner.point[0] = corner.point[1] = corner.point[2] = corner.slack = 0;
     corner.distance_sq = __builtin_inff();
   }
 }
@@ -104,7 +92,7 @@ DIFI_INLINE void take_nearest(const CandidateTable& table, const NearestOfLanes&
   if (!(best < corner.distance_sq)) return;
   const int lane = __builtin_ctz(equal(distances, WideFloat(best)).to_bits());
   const CandidateTable::Group& g = table.groups[found.group[lane]];
-  const Triple<float> q = closest_in_frame(one_frame<float>(g, static_cast<std::uint32_t>(lane)),
+  const Triple<float> q = closest_in_frame(frame_of_lane<float>(g.frame, static_cast<std::uint32_t>(lane)),
                                            Triple<float>{corner.at[0], corner.at[1], corner.at[2]});
   corner.point[0] = q.x;
   corner.point[1] = q.y;
@@ -151,7 +139,7 @@ DIFI_INLINE void look_from_corners(CandidateTable& table) {
 struct CellCorners {
   int number[8];                               // in the tile's lattice
   const CandidateTable::Corner* reference[8];  // near a corner
-  float more[8];                               // what the reference's slack adds to squared distances
+  float added_sq[8];                           // what the reference's slack adds to squared distances
   float limit[8][8];                           // of a reference, at a corner
   float reach_sq;
 };
@@ -167,18 +155,19 @@ DIFI_INLINE CellCorners cell_corners(const Lattice& lattice, const CandidateTabl
     const float side = table.corners[number[7]].at[axis] - table.corners[number[0]].at[axis];
     diagonal_sq += side * side;
   }
-  const float reach = (lattice.thickness + difi::sqrt(diagonal_sq)) * (1 + kSlack);
+  // No sample is farther than half the diagonal from the nearest corner.
+  const float reach = (lattice.thickness + difi::sqrt(diagonal_sq) / 2) * (1 + kSlack);
   result.reach_sq = reach * reach;
   for (int q = 0; q < 8; ++q) {
     const CandidateTable::Corner& reference = table.corners[number[q]];
     // The surface passes within the slack of the reference: (d+s)^2 <= d^2 (1+a) + s^2 (1+1/a).
-    const float more = reference.slack * reference.slack * (1 + 1 / kSlackShare);
+    const float added_sq = reference.slack * reference.slack * (1 + 1 / kSlackShare);
     result.reference[q] = &reference;
-    result.more[q] = more;
+    result.added_sq[q] = added_sq;
     for (int n = 0; n < 8; ++n) {
       const float* at = table.corners[number[n]].at;
       const float x = at[0] - reference.point[0], y = at[1] - reference.point[1], z = at[2] - reference.point[2];
-      result.limit[q][n] = (x * x + y * y + z * z) * (1 + kSlackShare) + more;
+      result.limit[q][n] = (x * x + y * y + z * z) * (1 + kSlackShare) + added_sq;
     }
   }
   return result;
@@ -231,19 +220,20 @@ DIFI_INLINE WideFloat gap_sq(const WidePoint& samples, const float* low, const f
 // Lists the chosen groups that may hold what is nearest to a sample of the block: those whose boxes are no farther from
 // each sample than one of the references.
 DIFI_INLINE void list_for_block(const Lattice& lattice, CandidateTable& table, const CellCorners& cell,
-                                const WidePoint& samples) {
+                                const WidePoint& samples, const float* best) {
   const float within = lattice.thickness * (1 + kSlack);
-  WideFloat known(within * within);
+  WideFloat known = min(WideFloat(within * within), WideFloat::load(best));
   for (int q = 0; q < References::kMost; ++q) {
     const float* at = cell.reference[q]->point;
     const WideFloat x = samples.x - WideFloat(at[0]), y = samples.y - WideFloat(at[1]),
                     z = samples.z - WideFloat(at[2]);
-    known = min(known, fma(fma(x, x, fma(y, y, z * z)), WideFloat(1 + kSlackShare), WideFloat(cell.more[q])));
+    known = min(known, fma(fma(x, x, fma(y, y, z * z)), WideFloat(1 + kSlackShare), WideFloat(cell.added_sq[q])));
   }
   table.listed = 0;
   for (int n = 0; n < table.active_groups; ++n) {
     const CandidateTable::Group& g = table.groups[table.active[n].group];
-    const WideFloat at_least = fma(gap_sq(samples, g.low, g.high), WideFloat(1 - kSlackShare), WideFloat(-g.less));
+    const WideFloat at_least =
+        fma(gap_sq(samples, g.low, g.high), WideFloat(1 - kSlackShare), WideFloat(-g.lowered_by));
     if ((~less(known, at_least)).to_bits() != 0) list_lanes(table, table.active[n]);
   }
 }
@@ -285,7 +275,7 @@ DIFI_INLINE void gather_listed(const Lattice& lattice, const Brick& brick, const
         lower<kNearest>(best[n], nearest[n], distance_sq(lines, {x, y[n % kSide], z[n / kSide]}), g.index[lane]);
       continue;
     }
-    const TriangleFrame<WideFloat> f = one_frame<WideFloat>(g, lane);
+    const TriangleFrame<WideFloat> f = frame_of_lane<WideFloat>(g.frame, lane);
     for (int k = 0; k < kSide; ++k) {
       const WideFloat qz = fma(z[k], f.q.g.z, f.q.c), yz = fma(z[k], f.y.g.z, f.y.c), zz = fma(z[k], f.z.g.z, f.z.c);
       for (int j = 0; j < kSide; ++j) {
@@ -318,8 +308,8 @@ DIFI_INLINE void gather_cell(const Lattice& lattice, const Brick& brick, const C
     return gather_listed<kNearest, kCellBlocks>(lattice, brick, c, table, bx, by, bz, state);
   }
   for (int n = 0; n < kCellBlocks * kCellBlocks; ++n) {
-    const int y = by + n % kCellBlocks, z = bz + n / kCellBlocks;
-    list_for_block(lattice, table, cell, block_samples(lattice, block_index(bx, y, z)));
+    const int y = by + n % kCellBlocks, z = bz + n / kCellBlocks, block = block_index(bx, y, z);
+    list_for_block(lattice, table, cell, block_samples(lattice, block), state.distance_sq[block]);
     gather_listed<kNearest, 1>(lattice, brick, c, table, bx, y, z, state);
   }
 }

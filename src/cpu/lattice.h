@@ -12,7 +12,6 @@
 namespace difi::cpu {
 
 inline constexpr int kBrickSide = 16;
-inline constexpr int kBrickSamples = kBrickSide * kBrickSide * kBrickSide;
 inline constexpr int kBrickTiles = 8;
 inline constexpr int kLanes = 16;
 inline constexpr int kBlockX = 4, kBlockY = 2, kBlockZ = 2;

@@ -163,7 +163,7 @@ std::int64_t emit(const Shared& shared, const Brick& brick, const BrickSamples& 
           const float value = std::sqrt(samples.distance_sq[z0 + z][y0 + y][x0 + x]) * unscale;
           values[z][y][x] = value;
           band += value <= limit;
-          needed |= value < limit;
+          needed |= value <= limit;
         }
     if (!needed) continue;
     const TileTarget target =

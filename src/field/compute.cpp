@@ -13,6 +13,7 @@
 
 #include "difi/version.h"
 #include "field/backend.h"
+#include "field/domain.h"
 #include "field/progress.h"
 #include "field/skip.h"
 
@@ -83,6 +84,7 @@ Report fill(MeshView mesh, const Grid& grid, const Options& options, Sink& sink)
     Stopwatch watch;
     progress.stage("prepare", 1, 0, 0.1);
     validate(mesh);
+    check_domain(mesh, grid);
     const SkipRule rule = effective_rule(options);
     std::vector<std::uint32_t> kept;
     if (rule.kind != SkipRule::Kind::none) {

@@ -1,0 +1,43 @@
+#include "field/domain.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "difi/error.h"
+
+namespace difi {
+namespace {
+
+constexpr double kFarthest = 0x1p60;  // spacings
+constexpr double kLeastSpacing = 0x1p-110, kLargestSpacing = 0x1p60;
+
+double largest(Vec3 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
+
+}  // namespace
+
+void check_domain(MeshView mesh, const Grid& grid) {
+  const double spacing = grid.max_spacing();
+  if (spacing < kLeastSpacing || spacing > kLargestSpacing)
+    throw Error(ErrorCode::limit, "compute: the spacing is " + std::to_string(std::ilogb(spacing)) +
+                                      " binary orders from one, too many for values in float; scale mesh and grid");
+  const Vec3 center = grid.bounds().center();
+  const double limit = kFarthest * spacing;
+  const auto is_far = [&](const tbb::blocked_range<std::size_t>& range, std::size_t first) {
+    for (std::size_t t = range.begin(); t < range.end() && t < first; ++t)
+      for (int k = 0; k < 3; ++k)
+        if (!(largest(mesh.corner(t, k) - center) <= limit)) return t;
+    return first;
+  };
+  const std::size_t none = mesh.triangles.size();
+  const std::size_t found = tbb::parallel_reduce(tbb::blocked_range<std::size_t>(0, none, 8192), none, is_far,
+                                                 [](std::size_t a, std::size_t b) { return std::min(a, b); });
+  if (found != none)
+    throw Error(ErrorCode::limit, "mesh: triangle " + std::to_string(found) +
+                                      " is farther than 2^60 spacings from the grid; remove it or coarsen the grid");
+}
+
+}  // namespace difi

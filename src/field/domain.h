@@ -1,0 +1,14 @@
+// How far apart mesh and grid may be.
+#pragma once
+
+#include "difi/grid.h"
+#include "difi/mesh.h"
+
+namespace difi {
+
+/// Backends compute squared distances in float, in units of the spacing. Throws Error{limit} where those, or the
+/// distances in world units, would not be normal floats: the mesh reaches farther than 2^60 spacings from the grid's
+/// centre, or the largest spacing is not within 2^-110 and 2^60. Requires a valid mesh and grid.
+void check_domain(MeshView mesh, const Grid& grid);
+
+}  // namespace difi
