@@ -131,7 +131,7 @@ class BlockRun {
   // Lets every thread of the warp run that can, then opens its barriers.
   DIFI_UNWATCHED bool run_warp(unsigned warp) {
     const unsigned first = warp * kWarp, count = std::min(kWarp, running.count - first);
-    const unsigned shift = order_now == Order::random ? random_() % count : 0;
+    const unsigned shift = order_now == Order::random ? static_cast<unsigned>(random_() % count) : 0;
     bool moved = false;
     for (unsigned n = 0; n < count; ++n) {
       Thread& t = *running.threads[first + (order_now == Order::reverse ? count - 1 - n : (n + shift) % count)];
