@@ -16,7 +16,8 @@ if(DIFI_WITH_CUDA AND CMAKE_CUDA_COMPILER AND NOT DIFI_SANITIZE AND NOT DIFI_COV
     set(CMAKE_CUDA20_STANDARD_COMPILE_OPTION -std=c++20)
     set(CMAKE_CUDA20_EXTENSION_COMPILE_OPTION -std=c++20)
   endif()
-  set(CMAKE_CUDA_STANDARD 20)
+  # The target is older than these, so it is told by name.
+  set_target_properties(difi PROPERTIES CUDA_ARCHITECTURES "${CMAKE_CUDA_ARCHITECTURES}" CUDA_STANDARD 20)
   # The runtime is linked by name, so that those who link an installed static library are told of it.
   set_target_properties(difi PROPERTIES CUDA_RUNTIME_LIBRARY None)
   find_package(CUDAToolkit REQUIRED)
