@@ -18,6 +18,11 @@ if(DIFI_WITH_CUDA AND CMAKE_CUDA_COMPILER AND NOT DIFI_SANITIZE AND NOT DIFI_COV
   endif()
   # The target is older than these, so it is told by name.
   set_target_properties(difi PROPERTIES CUDA_ARCHITECTURES "${CMAKE_CUDA_ARCHITECTURES}" CUDA_STANDARD 20)
+  # The runtime is linked by name, so that those who link an installed static library are told of it.
+  set_target_properties(difi PROPERTIES CUDA_RUNTIME_LIBRARY None)
+  find_package(CUDAToolkit REQUIRED)
+  target_link_libraries(difi PRIVATE $<LINK_ONLY:CUDA::cudart_static>)
+  list(APPEND DIFI_LINKED_PACKAGES CUDAToolkit)
   set(DIFI_HAVE_CUDA ON)
   file(GLOB DIFI_CUDA_SOURCES CONFIGURE_DEPENDS src/cuda/*.cu)
   target_sources(difi PRIVATE ${DIFI_CUDA_SOURCES})
@@ -34,7 +39,7 @@ file(GLOB DIFI_EMULATION_SOURCES CONFIGURE_DEPENDS src/cuda/*emulated*.cpp src/c
 target_sources(difi PRIVATE src/cuda/api.cpp ${DIFI_EMULATION_SOURCES})
 find_package(boost_context QUIET CONFIG)
 if(boost_context_FOUND)
-  target_link_libraries(difi PRIVATE Boost::context)
+  target_link_libraries(difi PRIVATE $<LINK_ONLY:Boost::context>)
   set_source_files_properties(src/cuda/emulation/fiber.cpp PROPERTIES COMPILE_DEFINITIONS DIFI_HAVE_BOOST_CONTEXT)
   list(APPEND DIFI_LINKED_PACKAGES boost_context)
 else()

@@ -24,7 +24,7 @@ struct Thread {
   Index3 index{};
   unsigned rank = 0;
   State state = State::done;
-  std::source_location at{};    // the barrier it waits at
+  Place at{};                   // the barrier it waits at
   std::uint32_t mask = 0;       // of that barrier
   unsigned block_barriers = 0;  // passed so far
   unsigned warp_barriers = 0;
@@ -53,7 +53,7 @@ std::mutex one_at_a_time;
 Order order_now = Order::forward;
 unsigned seed_now = 1;
 
-DIFI_UNWATCHED void wait(State state, const std::source_location& at) {
+DIFI_UNWATCHED void wait(State state, const Place& at) {
   running.current->state = state;
   running.current->at = at;
   running.current->fiber.park();
@@ -67,15 +67,7 @@ DIFI_UNWATCHED void run_thread() {
   running.current->fiber.finish();
 }
 
-// Where a thread waits: its file and line.
-struct Place {
-  const char* file;
-  std::uint_least32_t line;
-};
-DIFI_UNWATCHED Place place_of(unsigned n) {
-  const std::source_location& at = running.threads[n]->at;
-  return {at.file_name(), at.line()};
-}
+DIFI_UNWATCHED Place place_of(unsigned n) { return running.threads[n]->at; }
 
 [[noreturn]] void fail(const std::string& what) {
   // The threads that wait will not go on: what they did is over.
@@ -131,7 +123,7 @@ class BlockRun {
   // Lets every thread of the warp run that can, then opens its barriers.
   DIFI_UNWATCHED bool run_warp(unsigned warp) {
     const unsigned first = warp * kWarp, count = std::min(kWarp, running.count - first);
-    const unsigned shift = order_now == Order::random ? random_() % count : 0;
+    const unsigned shift = order_now == Order::random ? static_cast<unsigned>(random_() % count) : 0;
     bool moved = false;
     for (unsigned n = 0; n < count; ++n) {
       Thread& t = *running.threads[first + (order_now == Order::reverse ? count - 1 - n : (n + shift) % count)];
@@ -240,14 +232,14 @@ DIFI_UNWATCHED Extent3 block_extent() { return running.block; }
 DIFI_UNWATCHED Extent3 grid_extent() { return running.grid; }
 DIFI_UNWATCHED unsigned lane() { return running.current->rank % kWarp; }
 
-DIFI_UNWATCHED void block_barrier(const std::source_location& at) {
+DIFI_UNWATCHED void block_barrier(const Place& at) {
   char* tag = &running.tags.of_block[running.current->block_barriers++ & 1];
   release(tag);
   wait(State::at_block_barrier, at);
   acquire(tag);
 }
 
-DIFI_UNWATCHED void warp_barrier(std::uint32_t mask, const std::source_location& at) {
+DIFI_UNWATCHED void warp_barrier(std::uint32_t mask, const Place& at) {
   char* tag = &running.warp_tags[2 * (running.current->rank / kWarp) + (running.current->warp_barriers++ & 1)];
   release(tag);
   running.current->mask = mask & existing_lanes();

@@ -12,7 +12,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <source_location>
 
 namespace difi::emulation {
 
@@ -53,10 +52,16 @@ Extent3 block_extent();
 Extent3 grid_extent();
 unsigned lane();
 
+/// Where in the source a thread waits.
+struct Place {
+  const char* file;
+  int line;
+};
+
 /// Waits for all threads of the block.
-void block_barrier(const std::source_location& at);
+void block_barrier(const Place& at);
 /// Waits for the threads of the warp named in `mask`.
-void warp_barrier(std::uint32_t mask, const std::source_location& at);
+void warp_barrier(std::uint32_t mask, const Place& at);
 /// A slot per lane of the calling thread's warp, for shuffles and votes.
 std::uint64_t& exchange_slot(unsigned of_lane);
 /// The lanes of the warp that exist.
