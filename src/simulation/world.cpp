@@ -81,16 +81,21 @@ struct World::State {
 
   void step(Flier& it) const;
   bool leaves_room(const Pose& pose) const;
+  bool thesis_hit(const Standing& body, const Pose& at) const;
   bool thesis_step(Flier& it, const Pose& next) const;
   bool sweep_step(Flier& it, Pose& next) const;
 };
 
+bool World::State::thesis_hit(const Standing& body, const Pose& at) const {
+  const double spacing = std::max(body.field->grid().max_spacing(), field->grid().max_spacing());
+  const double threshold = options.threshold > 0 ? options.threshold : spacing;
+  return collide_thesis(*body.field, body.pose, *field, at, threshold).hit;
+}
+
 // True where the flier collides at `next`; it then stays where it is.
 bool World::State::thesis_step(Flier& it, const Pose& next) const {
   for (const Standing& body : standing) {
-    const double spacing = std::max(body.field->grid().max_spacing(), field->grid().max_spacing());
-    const double threshold = options.threshold > 0 ? options.threshold : spacing;
-    if (!collide_thesis(*body.field, body.pose, *field, next, threshold).hit) continue;
+    if (!thesis_hit(body, next)) continue;
     it.direction = scattered(it.direction * -1.0, options.scatter_rad, it.seed);
     return true;
   }
@@ -176,6 +181,9 @@ void World::add_flier(const Box& box) {
     for (const auto& body : state_->standing)
       free = free &&
              !collide(body.model, body.pose, state_->flier, it.pose, {.margin = 2 * state_->options.tolerance}).hit();
+    // Nor where the thesis's test would see a collision for ever.
+    for (const auto& body : state_->standing)
+      free = free && (state_->options.mode != FlightMode::thesis || !state_->thesis_hit(body, it.pose));
     if (!free) continue;
     it.direction = random_direction(it.seed);
     state_->fliers.push_back(it);
