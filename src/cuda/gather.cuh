@@ -92,25 +92,24 @@ DIFI_DEVICE void write_tile(const gpu::Lattice& l, const std::int64_t* tile, std
   if (output.nearest) output.nearest[at] = finished.nearest[t];
 }
 
-/// Clamps the samples, leaves them in `finished`, and writes the tile. `is_stored` is what the method says of the
-/// sample: a tile without any stays unstored (sparse). All threads of the block take part.
+/// Clamps the samples, leaves them in `finished`, and writes the tile; one without a band sample stays unstored
+/// (sparse). All threads of the block take part.
 DIFI_DEVICE void finish_tile(const gpu::Lattice& l, const std::int64_t* tile, std::int64_t index, const SampleAt& at,
-                             float value, std::uint32_t nearest, bool is_band, bool is_stored, Finished& finished,
+                             float value, std::uint32_t nearest, bool is_band, Finished& finished,
                              const DeviceOutput& output, Outcome* outcome) {
   const int t = at.x + 8 * at.y + 64 * at.z;
   finished.value[t] = value;
   finished.nearest[t] = nearest;
-  const std::uint32_t band = __ballot_sync(0xffffffffu, is_band), stored = __ballot_sync(0xffffffffu, is_stored);
-  // The upper half counts warps with samples to store.
-  if (threadIdx.x % 32 == 0) atomicAdd(&finished.band, static_cast<unsigned>(__popc(band)) + (stored ? 0x10000u : 0u));
+  const std::uint32_t band = __ballot_sync(0xffffffffu, is_band);
+  if (threadIdx.x % 32 == 0) atomicAdd(&finished.band, static_cast<unsigned>(__popc(band)));
   __syncthreads();
-  if (!output.slots || finished.band >= 0x10000u) write_tile(l, tile, index, finished, output);
+  if (!output.slots || finished.band != 0) write_tile(l, tile, index, finished, output);
   if (threadIdx.x == 0) {
-    atomicAdd(&outcome->samples_band, static_cast<Counter>(finished.band & 0xffffu));
+    atomicAdd(&outcome->samples_band, Counter{finished.band});
     atomicAdd(&outcome->samples_examined, Counter{32} * finished.measured);
   }
   __syncthreads();
-  if (threadIdx.x == 0 && output.slots && finished.band < 0x10000u) output.slots[index] = -1;
+  if (threadIdx.x == 0 && output.slots && finished.band == 0) output.slots[index] = -1;
 }
 
 /// The triangles of every tile, however they were found.
@@ -168,8 +167,7 @@ __global__ void __launch_bounds__(kGatherThreads, 2)
     if (thread % 32 == 0) atomicAdd(&finished.measured, static_cast<unsigned>(measured));
     const bool in_band = in_grid && !(l.thickness_sq < best.distance_sq);
     const float value = in_grid ? min(sqrt(best.distance_sq) * l.unscale, l.thickness_world) : l.thickness_world;
-    finish_tile(l, tile, index, at, value, in_band ? best.triangle : kNoTriangle, in_band, in_band, finished, output,
-                outcome);
+    finish_tile(l, tile, index, at, value, in_band ? best.triangle : kNoTriangle, in_band, finished, output, outcome);
   }
 }
 

@@ -66,7 +66,7 @@ __global__ void lower_samples(gpu::Lattice l, DeviceMesh mesh, Grid grid, double
   if (threadIdx.x % 32 == 0) atomicAdd(&outcome->samples_examined, examined);
 }
 
-/// Sparse output: 1 for each tile with a sample nearer than the thickness, 0 behind the last. Blocks of 512 threads
+/// Sparse output: 1 for each tile with a band sample, 0 behind the last. Blocks of 512 threads
 /// stride over the tiles.
 __global__ void __launch_bounds__(kGatherThreads)
     mark_near_tiles(gpu::Lattice l, const Counter* nearest, std::uint32_t* used, Outcome* outcome) {
@@ -79,7 +79,7 @@ __global__ void __launch_bounds__(kGatherThreads)
     const std::int64_t sample =
         tile[0] * 8 + at.x + l.size[0] * (tile[1] * 8 + at.y + l.size[1] * (tile[2] * 8 + at.z));
     const float d = __uint_as_float(static_cast<std::uint32_t>(nearest[sample] >> 32));
-    if (sqrt(d) * l.unscale < l.thickness_world) atomicOr(&used[index], 1u);
+    if (sqrt(d) * l.unscale <= l.thickness_world) atomicOr(&used[index], 1u);
   }
 }
 
@@ -104,10 +104,8 @@ __global__ void __launch_bounds__(kGatherThreads)
     if (threadIdx.x == 0) finished.band = finished.measured = 0;
     __syncthreads();
     const bool in_band = in_grid && value <= l.thickness_world;
-    // A tile without a slot has samples on the rim of the band at most: they count, and read as the thickness.
-    const bool has_slot = !output.slots || output.slots[index] >= 0;
-    finish_tile(l, tile, index, at, min(value, l.thickness_world), in_band ? triangle : kNoTriangle, in_band,
-                has_slot && in_grid && value < l.thickness_world, finished, output, outcome);
+    finish_tile(l, tile, index, at, min(value, l.thickness_world), in_band ? triangle : kNoTriangle, in_band, finished,
+                output, outcome);
   }
 }
 
