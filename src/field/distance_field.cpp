@@ -9,6 +9,7 @@
 
 #include "difi/error.h"
 #include "difi/field.h"
+#include "field/memory.h"
 
 namespace difi {
 namespace {
@@ -62,6 +63,13 @@ struct DistanceField::Pool {
   std::mutex grow;
   bool with_nearest;
 };
+
+double field_bytes(double stored_tiles, double all_tiles, bool with_nearest) {
+  constexpr double kTileBytes = sizeof(float) * kSamples;
+  const auto chunks = [](double tiles) { return std::ceil(tiles / static_cast<double>(kChunkTiles)); };
+  return chunks(stored_tiles) * kChunkTiles * kTileBytes * (with_nearest ? 2 : 1) + all_tiles * sizeof(std::int32_t) +
+         chunks(all_tiles) * 2 * sizeof(void*);
+}
 
 DistanceField::DistanceField(const Grid& grid, double thickness, bool with_nearest)
     : grid_(grid), thickness_(thickness), with_nearest_(with_nearest) {
