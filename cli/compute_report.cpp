@@ -17,7 +17,7 @@ std::int64_t tile_count(Size3 size) {
 }
 
 std::int64_t bytes_needed(const Plan& plan, const Options& options) {
-  return memory_needed(static_cast<std::int64_t>(plan.mesh.triangles.size()), plan.choice.grid, options);
+  return memory_needed(plan.mesh, plan.choice.grid, options);
 }
 
 Json description(const Plan& plan) {

@@ -57,6 +57,7 @@ FieldFacts facts(const DistanceField& field) {
   const Size3 size = field.grid().size;
   FieldFacts found{infinity, -infinity};
   std::vector<float> slice(static_cast<std::size_t>(size.x * size.y));
+  std::vector<std::uint32_t> nearest(field.has_nearest() ? slice.size() : 0);
   for (std::int64_t k = 0; k < size.z; ++k) {
     field.copy_slices(k, 1, slice);
     for (const float value : slice) {
@@ -66,8 +67,11 @@ FieldFacts facts(const DistanceField& field) {
       }
       found.least = std::min(found.least, double{value});
       found.most = std::max(found.most, double{value});
-      found.band += std::abs(value) < far;
+      if (!field.has_nearest()) found.band += std::abs(value) < far;
     }
+    if (!field.has_nearest()) continue;
+    field.copy_nearest_slices(k, 1, nearest);
+    found.band += std::ranges::count_if(nearest, [](std::uint32_t triangle) { return triangle != kNoTriangle; });
   }
   return found;
 }

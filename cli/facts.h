@@ -24,9 +24,11 @@ MeshFacts facts(MeshView mesh);
 struct FieldFacts {
   double least = 0;
   double most = 0;
-  std::int64_t band = 0;        ///< samples nearer than the thickness
+  std::int64_t band = 0;        ///< see facts below
   std::int64_t not_number = 0;  ///< samples that are NaN; least and most leave them out
 };
+/// The band is counted by the stored nearest triangles: what has one lies no farther than the thickness, as compute
+/// counts. Without them it is counted by the values below the thickness, for one that equals it may have been clamped.
 FieldFacts facts(const DistanceField& field);
 
 }  // namespace difi::cli

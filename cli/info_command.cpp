@@ -90,7 +90,8 @@ void tell_field(const std::string& name, const Talk& talk) {
             std::isinf(field.thickness()) ? "infinite: every sample is a distance" : number(field.thickness())) +
         row("values", number(found.least) + " to " + number(found.most) +
                           (found.not_number > 0 ? "; " + counted(found.not_number, "sample") + " not a number" : "")) +
-        row("band", counted(found.band, "sample")) +
+        row("band", counted(found.band, "sample") +
+                        (field.has_nearest() || std::isinf(field.thickness()) ? "" : " nearer than the thickness")) +
         row("tiles", grouped(field.stored_tiles()) + " of " + grouped(tiles) + " stored, " +
                          bytes_text(field.memory_bytes()) + " in memory") +
         row("nearest", field.has_nearest() ? "triangles stored" : "not stored") + row("method", made) +

@@ -44,7 +44,7 @@ struct SkipRule {
 enum class Simd { automatic, portable, avx2, avx512 };
 
 struct Progress {
-  const char* stage = "";  ///< "prepare", "bin", "gather"
+  const char* stage = "";  ///< "prepare", "bin", "gather", "copy" (from a GPU), "hash" (not of compute_into), "done"
   double fraction = 0;     ///< of the whole computation, 0 to 1, never falling
 };
 
@@ -54,7 +54,7 @@ struct Options {
   Method method = Method::tiles;
   Backend backend = Backend::automatic;
   SkipRule skip;
-  int threads = 0;                ///< 0: all hardware threads
+  int threads = 0;                ///< 0: as many as TBB gives the calling thread, which is all unless told otherwise
   std::int64_t memory_limit = 0;  ///< bytes of output and scratch together; 0: no limit
   bool nearest_triangle = false;  ///< also store the nearest triangle's index per band sample, lowest on ties
   Simd simd = Simd::automatic;
@@ -77,8 +77,8 @@ struct Report {
   std::int64_t tiles = 0;             ///< tiles of the grid
   std::int64_t tiles_stored = 0;      ///< tiles with a band sample; 0 from compute_into, which stores none
   struct Seconds {
-    double prepare = 0;  ///< validation, bounds, skip rule
-    double compute = 0;  ///< everything after that
+    double prepare = 0;  ///< validation, skip rule
+    double compute = 0;  ///< the backend's work, and from compute the mesh's hash
   } seconds;
 };
 
@@ -87,9 +87,10 @@ struct Computed {
   Report report;
 };
 
-/// Computes the field of `mesh` on `grid`. `tiles` promises |value - min(distance, thickness)| <= 1e-6 * (distance +
-/// 16 * max spacing) against double precision, for every valid mesh, and the same bits for any number of threads.
-/// Errors: usage (options or grid), input (mesh), limit (memory), device, interrupted.
+/// Computes the field of `mesh` on `grid`. `tiles` promises |value - d| <= 1e-6 * (d + 16 * max spacing) + 4 * epsilon
+/// * C against double precision, for every valid mesh, and the same bits for any number of threads. Here d is
+/// min(distance, thickness), epsilon that of double, and C the grid's largest coordinate in magnitude: allowed_error()
+/// of difi/verify.h. Errors: usage (options or grid), input (mesh), limit (memory), device, interrupted.
 Computed compute(MeshView mesh, const Grid& grid, const Options& options = {});
 
 /// The same into the caller's memory: one value per sample, x fastest; every element is written, whatever it held.
@@ -100,7 +101,11 @@ inline Report compute_into(MeshView mesh, const Grid& grid, std::span<float> val
   return compute_into(mesh, grid, values, {}, options);
 }
 
-/// Bytes that compute (dense = false) or compute_into (dense = true) may need in the worst case, the mesh not counted.
+/// Bytes that compute (dense = false) or compute_into (dense = true) may need, the mesh not counted: no tile is counted
+/// that no triangle's box, grown by the thickness, reaches. What compute and compute_into hold against the memory
+/// limit. Takes one pass over the triangles. Errors: usage (grid), input (mesh), limit (mesh), device.
+std::int64_t memory_needed(MeshView mesh, const Grid& grid, const Options& options, bool dense = false);
+/// The same for whatever mesh of so many triangles: a sparse field may store every tile of the grid.
 std::int64_t memory_needed(std::int64_t triangles, const Grid& grid, const Options& options, bool dense = false);
 
 }  // namespace difi

@@ -25,19 +25,23 @@ struct Provenance {
   std::string version;          ///< version of difi that computed it
 };
 
-/// Values on a grid: min(distance, thickness) at every sample. Samples live in tiles of 8x8x8; a tile in which every
-/// sample is at least `thickness` away is not stored. Moves are cheap; copies are deep.
+/// Values on a grid: min(distance, thickness) at every sample. Samples live in tiles of 8x8x8; a tile without a band
+/// sample, one whose distance is at most `thickness`, need not be stored, and compute() stores none. Moves are cheap;
+/// copies are deep.
 class DistanceField {
  public:
   static constexpr int kTileSide = 8;
   static constexpr int kTileSamples = kTileSide * kTileSide * kTileSide;
 
+  /// An empty field: one sample at the origin, infinitely far from everything, and no room for tiles: tile() is
+  /// nullptr. A field that was moved from is the same.
   DistanceField();
   /// A field without stored tiles: every value is `thickness` (which may be infinite). Validates the grid.
   /// `with_nearest` reserves a nearest-triangle index beside every stored sample.
   DistanceField(const Grid& grid, double thickness, bool with_nearest = false);
-  /// A field from one value per sample, x fastest. Tiles in which no value is below the thickness are not stored.
-  /// Errors: usage when the number of values is not the number of samples.
+  /// A field from one value per sample, x fastest. Tiles in which no value is below the thickness and no sample has a
+  /// nearest triangle are not stored: without nearest triangles a distance that equals the thickness cannot be told
+  /// from one beyond it. Errors: usage when the number of values is not the number of samples.
   static DistanceField from_dense(const Grid& grid, double thickness, std::span<const float> values,
                                   std::span<const std::uint32_t> nearest = {});
 
@@ -59,21 +63,25 @@ class DistanceField {
   /// The trilinear interpolation at a point (world units); outside the grid, that of the nearest point of the grid.
   /// Within (sqrt(3)/2) * spacing of the distance where no corner is clamped by the thickness (cubic cells).
   double interpolate(Vec3 point) const;
-  /// The gradient of the trilinear interpolation, by its analytic derivative; zero along axes with one sample.
+  /// The gradient of the trilinear interpolation, by its analytic derivative; zero along axes with one sample. Outside
+  /// the grid, that of the nearest point of the grid, from within: interpolate() itself does not change there along the
+  /// axes on which the point lies outside.
   Vec3 gradient(Vec3 point) const;
 
   /// Tiles per axis; the last ones may reach past the grid.
   Size3 tile_count() const;
   std::int64_t stored_tiles() const;
-  /// The 512 values of a stored tile, x fastest, or nullptr. Samples past the grid hold the thickness.
+  /// The 512 values of a stored tile, x fastest, or nullptr. Samples past the grid hold the thickness. Requires the
+  /// tile to be one of tile_count().
   const float* tile(std::int64_t tx, std::int64_t ty, std::int64_t tz) const;
   /// The 512 nearest-triangle indices of a stored tile, or nullptr. Requires has_nearest().
   const std::uint32_t* tile_nearest(std::int64_t tx, std::int64_t ty, std::int64_t tz) const;
 
   /// Stores a tile with undefined content and returns its 512 values to fill in. Safe to call from many threads for
-  /// different tiles. Requires that the tile is not stored yet.
+  /// different tiles. Throws std::logic_error when the tile is stored already or not one of tile_count(), and when the
+  /// field is empty.
   float* store_tile(std::int64_t tx, std::int64_t ty, std::int64_t tz);
-  /// The indices of a stored tile to fill in. Requires has_nearest().
+  /// The indices of a stored tile to fill in. Throws std::logic_error when it is not stored, or without has_nearest().
   std::uint32_t* store_nearest(std::int64_t tx, std::int64_t ty, std::int64_t tz);
 
   /// Writes the dense values of the slices k in [first, first + count), x fastest.
@@ -87,10 +95,14 @@ class DistanceField {
 
  private:
   struct Pool;
-  std::int64_t tile_index(std::int64_t tx, std::int64_t ty, std::int64_t tz) const;
+  static constexpr Grid kEmptyGrid{{1, 1, 1}, {}, {1, 1, 1}};
+  static constexpr double kEmptyThickness = std::numeric_limits<double>::infinity();
 
-  Grid grid_{{1, 1, 1}, {}, {1, 1, 1}};
-  double thickness_ = std::numeric_limits<double>::infinity();
+  std::int64_t tile_index(std::int64_t tx, std::int64_t ty, std::int64_t tz) const;
+  std::int32_t& entry_of(std::int64_t tx, std::int64_t ty, std::int64_t tz);
+
+  Grid grid_ = kEmptyGrid;
+  double thickness_ = kEmptyThickness;
   bool with_nearest_ = false;
   std::vector<std::int32_t> slots_;  // per tile, x fastest: its slot in the pool, or kNotStored
   std::unique_ptr<Pool> pool_;

@@ -22,6 +22,9 @@ struct MeshView {
   Vec3 corner(std::size_t triangle, int k) const { return vertices[triangles[triangle][k]]; }
 };
 
+/// The most triangles a mesh may have. An index of one fits in 32 bits, with room for a few marks.
+inline constexpr std::uint64_t kMaxTriangles = 4'000'000'000;
+
 /// A mesh that owns its vertices (world units) and triangles.
 struct Mesh {
   std::vector<Vec3> vertices;
@@ -31,7 +34,8 @@ struct Mesh {
 };
 
 /// Throws Error{input} that names the first triangle whose indices are out of range or whose corners are not finite,
-/// or says that there are no triangles. Vertices that no triangle uses are not looked at.
+/// or says that there are no triangles, and Error{limit} for more than kMaxTriangles triangles or 2^32 - 1 vertices.
+/// Vertices that no triangle uses are not looked at.
 void validate(MeshView mesh);
 
 /// The box of all corners of all triangles; empty for a mesh without triangles. Requires a valid mesh.

@@ -31,7 +31,7 @@ struct SampleCheck {
 
 struct Verified {
   std::int64_t samples = 0;        ///< samples tested
-  std::int64_t samples_band = 0;   ///< of those, the ones nearer than the thickness
+  std::int64_t samples_band = 0;   ///< of those, the ones no farther than the thickness
   std::int64_t samples_wrong = 0;  ///< of those, the ones whose error is above the bound
   std::int64_t nearest_wrong = 0;  ///< samples whose stored nearest triangle is farther than the distance allows
   SampleCheck largest;             ///< the sample with the largest error

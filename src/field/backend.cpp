@@ -33,8 +33,6 @@ constexpr std::int64_t kSmallJob = std::int64_t{1} << 22;
 
 }  // namespace
 
-std::span<const BackendRow> backends() { return kRows; }
-
 const BackendRow& find_backend(Backend backend, Method method, std::int64_t triangles, const Grid& grid) {
   const bool is_small = triangles + grid.sample_count() < kSmallJob;
   const Backend wanted = backend == Backend::automatic && is_small ? Backend::cpu : backend;

@@ -50,8 +50,6 @@ struct BackendRow {
   std::int64_t (*scratch_bytes)(std::int64_t triangles, const Grid&, double thickness, int threads);
 };
 
-/// The rows of the table.
-std::span<const BackendRow> backends();
 /// The row for a job of this size; Backend::automatic takes a GPU that is there if the job is large enough for it.
 /// Throws Error{device} when nothing fits.
 const BackendRow& find_backend(Backend backend, Method method, std::int64_t triangles, const Grid& grid);

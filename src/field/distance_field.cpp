@@ -4,9 +4,12 @@
 #include <cmath>
 #include <cstring>
 #include <mutex>
+#include <stdexcept>
+#include <utility>
 
 #include "difi/error.h"
 #include "difi/field.h"
+#include "field/memory.h"
 
 namespace difi {
 namespace {
@@ -14,19 +17,22 @@ namespace {
 constexpr int kSide = DistanceField::kTileSide;
 constexpr int kSamples = DistanceField::kTileSamples;
 constexpr std::int32_t kNotStored = -1;
+// Tiles asked for at once: 512 KiB, small against any field worth storing, large against the cost of asking for it.
+constexpr std::int64_t kChunkTiles = 256;
 
 constexpr std::int64_t tiles_along(std::int64_t samples) { return (samples + kSide - 1) / kSide; }
 constexpr int within(std::int64_t i, std::int64_t j, std::int64_t k) {
   return static_cast<int>((i % kSide) + kSide * ((j % kSide) + kSide * (k % kSide)));
 }
 
+std::string name(std::int64_t tx, std::int64_t ty, std::int64_t tz) {
+  return "(" + std::to_string(tx) + "," + std::to_string(ty) + "," + std::to_string(tz) + ")";
+}
+
 }  // namespace
 
-// Tiles live in chunks that never move, so that threads fill tiles while others add some. A chunk is 512 KiB: small
-// against any field worth storing, large against the cost of asking for it.
+// Tiles live in chunks that never move, so that threads fill tiles while others add some.
 struct DistanceField::Pool {
-  static constexpr std::int64_t kChunkTiles = 256;
-
   struct Chunk {
     std::unique_ptr<float[]> values;
     std::unique_ptr<std::uint32_t[]> nearest;
@@ -58,6 +64,13 @@ struct DistanceField::Pool {
   bool with_nearest;
 };
 
+double field_bytes(double stored_tiles, double all_tiles, bool with_nearest) {
+  constexpr double kTileBytes = sizeof(float) * kSamples;
+  const auto chunks = [](double tiles) { return std::ceil(tiles / static_cast<double>(kChunkTiles)); };
+  return chunks(stored_tiles) * kChunkTiles * kTileBytes * (with_nearest ? 2 : 1) + all_tiles * sizeof(std::int32_t) +
+         chunks(all_tiles) * 2 * sizeof(void*);
+}
+
 DistanceField::DistanceField(const Grid& grid, double thickness, bool with_nearest)
     : grid_(grid), thickness_(thickness), with_nearest_(with_nearest) {
   validate(grid);
@@ -71,9 +84,20 @@ DistanceField::DistanceField(const Grid& grid, double thickness, bool with_neare
 }
 
 DistanceField::DistanceField() = default;
-DistanceField::DistanceField(DistanceField&&) noexcept = default;
-DistanceField& DistanceField::operator=(DistanceField&&) noexcept = default;
 DistanceField::~DistanceField() = default;
+
+DistanceField::DistanceField(DistanceField&& other) noexcept { *this = std::move(other); }
+
+DistanceField& DistanceField::operator=(DistanceField&& other) noexcept {
+  // Each member of `other` becomes what a new field's is; to itself a field can be assigned as well.
+  provenance = std::exchange(other.provenance, {});
+  grid_ = std::exchange(other.grid_, kEmptyGrid);
+  thickness_ = std::exchange(other.thickness_, kEmptyThickness);
+  with_nearest_ = std::exchange(other.with_nearest_, false);
+  slots_ = std::exchange(other.slots_, {});
+  pool_ = std::exchange(other.pool_, nullptr);
+  return *this;
+}
 
 DistanceField::DistanceField(const DistanceField& other)
     : provenance(other.provenance),
@@ -109,23 +133,38 @@ std::int64_t DistanceField::tile_index(std::int64_t tx, std::int64_t ty, std::in
 std::int64_t DistanceField::stored_tiles() const { return pool_ ? pool_->used.load() : 0; }
 
 const float* DistanceField::tile(std::int64_t tx, std::int64_t ty, std::int64_t tz) const {
+  if (!pool_) return nullptr;
   const std::int32_t slot = slots_[tile_index(tx, ty, tz)];
   return slot == kNotStored ? nullptr : pool_->values(slot);
 }
 
 const std::uint32_t* DistanceField::tile_nearest(std::int64_t tx, std::int64_t ty, std::int64_t tz) const {
+  if (!pool_) return nullptr;
   const std::int32_t slot = slots_[tile_index(tx, ty, tz)];
   return slot == kNotStored ? nullptr : pool_->nearest(slot);
 }
 
+std::int32_t& DistanceField::entry_of(std::int64_t tx, std::int64_t ty, std::int64_t tz) {
+  const Size3 n = tile_count();
+  const auto inside = [](std::int64_t t, std::int64_t count) { return t >= 0 && t < count; };
+  if (!pool_ || !inside(tx, n.x) || !inside(ty, n.y) || !inside(tz, n.z))
+    throw std::logic_error("field: there is no tile " + name(tx, ty, tz) + " to store");
+  return slots_[static_cast<std::size_t>(tile_index(tx, ty, tz))];
+}
+
 float* DistanceField::store_tile(std::int64_t tx, std::int64_t ty, std::int64_t tz) {
+  std::int32_t& entry = entry_of(tx, ty, tz);
+  if (entry != kNotStored) throw std::logic_error("field: the tile " + name(tx, ty, tz) + " is stored already");
   const std::int64_t slot = pool_->add();
-  slots_[tile_index(tx, ty, tz)] = static_cast<std::int32_t>(slot);
+  entry = static_cast<std::int32_t>(slot);
   return pool_->values(slot);
 }
 
 std::uint32_t* DistanceField::store_nearest(std::int64_t tx, std::int64_t ty, std::int64_t tz) {
-  return pool_->nearest(slots_[tile_index(tx, ty, tz)]);
+  const std::int32_t slot = entry_of(tx, ty, tz);
+  if (slot == kNotStored || !with_nearest_)
+    throw std::logic_error("field: the tile " + name(tx, ty, tz) + " has no nearest triangles; store it first");
+  return pool_->nearest(slot);
 }
 
 float DistanceField::value(std::int64_t i, std::int64_t j, std::int64_t k) const {

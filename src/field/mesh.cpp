@@ -9,10 +9,21 @@
 #include "difi/error.h"
 
 namespace difi {
+namespace {
+
+// Their indices fit in 32 bits.
+constexpr std::uint64_t kMaxVertices = 0xffff'ffffu;
+
+}  // namespace
 
 void validate(MeshView mesh) {
   if (mesh.triangles.empty()) throw Error(ErrorCode::input, "mesh: no triangles; give a mesh with at least one");
   const auto vertices = mesh.vertices.size();
+  if (mesh.triangles.size() > kMaxTriangles || vertices > kMaxVertices)
+    throw Error(ErrorCode::limit, "mesh: " + std::to_string(mesh.triangles.size()) + " triangles over " +
+                                      std::to_string(vertices) + " vertices are more than " +
+                                      std::to_string(kMaxTriangles) + " over " + std::to_string(kMaxVertices) +
+                                      "; split the mesh");
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     for (const auto v : mesh.triangles[t]) {
       if (v >= vertices)

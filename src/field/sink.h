@@ -19,7 +19,7 @@ struct TileTarget {
   Size3 size;
 };
 
-/// Backends call `open` once for each tile that holds a sample nearer than the thickness, from any thread, and write
+/// Backends call `open` once for each tile with a band sample (distance <= thickness), from any thread, and write
 /// every sample of it. Tiles never opened read as the thickness, without a nearest triangle.
 class Sink {
  public:

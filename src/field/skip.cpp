@@ -1,18 +1,15 @@
 #include "field/skip.h"
 
-#include <tbb/task_arena.h>
-
 #include <numeric>
 
 namespace difi {
 
-std::vector<std::uint32_t> kept_triangles(MeshView mesh, const Grid& grid, double thickness, SkipRule rule,
-                                          int threads) {
+std::vector<std::uint32_t> kept_triangles(MeshView mesh, const Grid& grid, double thickness, SkipRule rule) {
   switch (rule.kind) {
     case SkipRule::Kind::neighbour:
       return kept_by_neighbour_rule(mesh, thickness, rule.fraction);
     case SkipRule::Kind::exact:
-      return tbb::task_arena(threads).execute([&] { return kept_by_exact_rule(mesh, grid, thickness); });
+      return kept_by_exact_rule(mesh, grid, thickness);
     case SkipRule::Kind::automatic:
     case SkipRule::Kind::none:
       break;

@@ -10,9 +10,9 @@
 namespace difi {
 
 /// The triangles that stay, ascending; at least one of a mesh that has any. The mesh must be valid, and grown boxes are
-/// the triangles' boxes grown by `thickness` on all sides. Kind::none and Kind::automatic keep every triangle.
-std::vector<std::uint32_t> kept_triangles(MeshView mesh, const Grid& grid, double thickness, SkipRule rule,
-                                          int threads);
+/// the triangles' boxes grown by `thickness` on all sides. Kind::none and Kind::automatic keep every triangle. Uses the
+/// caller's arena.
+std::vector<std::uint32_t> kept_triangles(MeshView mesh, const Grid& grid, double thickness, SkipRule rule);
 
 /// Bytes that kept_triangles may need, its result included.
 std::int64_t skip_bytes(std::int64_t triangles, SkipRule rule);

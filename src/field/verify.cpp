@@ -79,7 +79,7 @@ Finding check(const DistanceField& field, const TriangleGroups& groups, const Sa
   sample.allowed = allowed_error(field.grid(), sample.expected);
   sample.error = std::abs(sample.stored - sample.expected);
   if (std::isnan(sample.error)) sample.error = std::numeric_limits<double>::infinity();
-  finding.in_band = distance < field.thickness();
+  finding.in_band = distance <= field.thickness();
   finding.wrong = sample.error > sample.allowed;
   if (!field.has_nearest()) return finding;
   // Near the thickness rounding decides whether there is a nearest triangle.

@@ -62,6 +62,13 @@ TileContent content(const std::array<float, kTile>& tile, float far) {
   return good != static_cast<int>(kTile) ? TileContent::bad : near ? TileContent::near : TileContent::far;
 }
 
+// Branch-free as well: most tiles of a band's file have no triangle.
+bool has_triangle(const std::array<std::uint32_t, kTile>& tile) {
+  int found = 0;
+  for (const std::uint32_t triangle : tile) found |= static_cast<int>(triangle != kNoTriangle);
+  return found != 0;
+}
+
 [[noreturn]] void fail_at_bad(const FieldInput& file, const std::array<float, kTile>& tile, float far, Size3 first) {
   const auto bad = std::ranges::find_if(tile, [far](float value) { return !(value <= far); });
   const std::int64_t at = bad - tile.begin();
@@ -100,11 +107,11 @@ DistanceField load(const FieldInput& file, const StoredField& stored) {
         values.read(first, far, tile);
         const TileContent found = content(tile, far);
         if (found == TileContent::bad) fail_at_bad(file, tile, far, first);
-        if (found == TileContent::far) continue;
+        if (nearest) nearest->read(first, kNoTriangle, nearest_tile);
+        // A distance that equals the thickness lies in the band: only its nearest triangle tells it from a clamped one.
+        if (found == TileContent::far && !(nearest && has_triangle(nearest_tile))) continue;
         std::ranges::copy(tile, field.store_tile(tx, ty, tz));
-        if (!nearest) continue;
-        nearest->read(first, kNoTriangle, nearest_tile);
-        std::ranges::copy(nearest_tile, field.store_nearest(tx, ty, tz));
+        if (nearest) std::ranges::copy(nearest_tile, field.store_nearest(tx, ty, tz));
       }
   return field;
 }

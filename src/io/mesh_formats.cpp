@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <new>
 #include <span>
 #include <string>
 
@@ -105,11 +106,15 @@ std::vector<Format> mesh_formats() {
 Mesh read_mesh(const std::filesystem::path& path, const MeshReadOptions& options) {
   if (!(std::isfinite(options.scale) && options.scale > 0))
     throw Error(ErrorCode::usage, "scale must be positive and finite; give 0.001 for millimetres to metres");
-  const FileView file(path);
-  if (file.size() == 0) file.fail("", "the file is empty; check the program that wrote it");
-  Mesh mesh = format_to_read(file).read(file);
-  scale_vertices(file, mesh, options.scale);
-  return mesh;
+  try {
+    const FileView file(path);
+    if (file.size() == 0) file.fail("", "the file is empty; check the program that wrote it");
+    Mesh mesh = format_to_read(file).read(file);
+    scale_vertices(file, mesh, options.scale);
+    return mesh;
+  } catch (const std::bad_alloc&) {
+    throw Error(ErrorCode::limit, path.string() + ": not enough memory for its triangles; use a machine with more");
+  }
 }
 
 void write_mesh(const std::filesystem::path& path, MeshView mesh) {

@@ -186,8 +186,8 @@ TEST_F(Errors, Output) {
 
 TEST_F(Errors, Limit) {
   expect_all({
-      {"compute box.obj -r 500 --memory-limit 1M", 5, "more than the limit of 1 MiB; take at most about"},
-      {"compute box.obj -r 500 --memory-limit 1M", 5, "a smaller thickness"},
+      {"compute box.obj -r 500 -j 1 --memory-limit 300M", 5, "more than the limit of 300 MiB; take at most about"},
+      {"compute box.obj -r 500 -j 1 --memory-limit 300M", 5, "a smaller thickness"},
       {"compute box.obj -r 1000000", 5, "more than the limit of"},
       {"compute box.obj --size 1000000000000,1000000000,1", 5, "too many samples to count"},
   });

@@ -80,6 +80,22 @@ TEST_F(Verbs, InfoOfAField) {
   EXPECT_TRUE(holds(done(words("info full.vti")).out, "infinite"));
 }
 
+// Samples as far as the thickness lie in the band; only a nearest triangle tells them from those beyond.
+TEST_F(Verbs, InfoCountsTheBandAsComputeDoes) {
+  write_mesh(folder / "plane.obj", Mesh{{{-1, -1, 7}, {17, -1, 7}, {-1, 17, 7}, {17, 17, 7}}, {{0, 1, 2}, {1, 3, 2}}});
+  const auto band = [&](const std::string& command) {
+    return done(words(command + " --json")).json()["samples"]["band"];
+  };
+  const std::string plane = "compute plane.obj --bounds 0,0,0,15,15,15 --spacing 1 -t 1 -o ";
+  EXPECT_EQ(band(plane + "a.vti --with triangle"), 3 * 256);
+  EXPECT_EQ(band("info a.vti"), 3 * 256);
+  EXPECT_EQ(band(plane + "b.vti"), 3 * 256);
+  EXPECT_EQ(band("info b.vti"), 256);
+  const std::string exact = done(words("info a.vti")).out, lower = done(words("info b.vti")).out;
+  EXPECT_TRUE(holds(exact, "band          768 samples\n")) << exact;
+  EXPECT_TRUE(holds(lower, "band          256 samples nearer than the thickness\n")) << lower;
+}
+
 TEST_F(Verbs, Slice) {
   done(words("compute scene:fly -r 40 -o a.vti"));
   const Ran ran = done(words("slice a.vti"));

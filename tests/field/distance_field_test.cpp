@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <stdexcept>
 #include <vector>
 
 #include "difi/error.h"
@@ -178,9 +179,59 @@ TEST(DistanceField, CopiesAreDeepAndMovesAreWhole) {
   const DistanceField moved(std::move(copy));
   EXPECT_EQ(moved.to_dense(), values);
   EXPECT_EQ(moved.grid(), kGrid);
+}
 
-  const DistanceField empty;
-  EXPECT_EQ(DistanceField(empty).stored_tiles(), 0);
+void expect_empty(DistanceField& field) {
+  EXPECT_EQ(field.grid(), (Grid{{1, 1, 1}, {}, {1, 1, 1}}));
+  EXPECT_EQ(field.thickness(), kInfinity);
+  EXPECT_FALSE(field.has_nearest());
+  EXPECT_EQ(field.provenance.method, "");
+  EXPECT_EQ(field.provenance.mesh_hash, 0u);
+  EXPECT_EQ(field.tile_count(), (Size3{1, 1, 1}));
+  EXPECT_EQ(field.stored_tiles(), 0);
+  EXPECT_EQ(field.memory_bytes(), 0);
+  EXPECT_EQ(field.tile(0, 0, 0), nullptr);
+  EXPECT_EQ(field.tile_nearest(0, 0, 0), nullptr);
+  EXPECT_EQ(field.value(0, 0, 0), kInfinity);
+  EXPECT_EQ(field.nearest(0, 0, 0), kNoTriangle);
+  EXPECT_EQ(field.interpolate({3, 4, 5}), kInfinity);
+  EXPECT_EQ(field.gradient({3, 4, 5}), Vec3{});
+  EXPECT_EQ(field.to_dense(), std::vector<float>{std::numeric_limits<float>::infinity()});
+  EXPECT_THROW(field.store_tile(0, 0, 0), std::logic_error);
+  EXPECT_EQ(DistanceField(field).stored_tiles(), 0);
+}
+
+TEST(DistanceField, EmptyOnesAreFarEverywhere) {
+  DistanceField empty;
+  expect_empty(empty);
+}
+
+TEST(DistanceField, MovedFromOnesAreEmpty) {
+  const auto values = numbers(kGrid, 3);
+  auto field = DistanceField::from_dense(kGrid, 3.5, values, std::vector<std::uint32_t>(values.size(), 5));
+  field.provenance = {"tiles", 42, "1.2.3"};
+  DistanceField moved(std::move(field));
+  expect_empty(field);
+  field = std::move(moved);
+  expect_empty(moved);
+  DistanceField& itself = field;
+  field = std::move(itself);
+  EXPECT_EQ(field.to_dense(), values);
+  EXPECT_EQ(field.provenance.mesh_hash, 42u);
+}
+
+TEST(DistanceField, TilesAreStoredOnce) {
+  DistanceField field(kGrid, 9, true);
+  EXPECT_THROW(field.store_nearest(1, 1, 2), std::logic_error) << "not stored";
+  field.store_tile(1, 1, 2);
+  EXPECT_NO_THROW(field.store_nearest(1, 1, 2));
+  EXPECT_THROW(field.store_tile(1, 1, 2), std::logic_error);
+  for (const Size3 t : {Size3{-1, 0, 0}, {3, 0, 0}, {0, 2, 0}, {0, 0, 4}})
+    EXPECT_THROW(field.store_tile(t.x, t.y, t.z), std::logic_error) << t.x << t.y << t.z;
+  EXPECT_EQ(field.stored_tiles(), 1);
+  DistanceField plain(kGrid, 9);
+  plain.store_tile(0, 0, 0);
+  EXPECT_THROW(plain.store_nearest(0, 0, 0), std::logic_error);
 }
 
 // More tiles than a chunk of the pool holds.

@@ -1,7 +1,9 @@
 #include "difi/mesh.h"
 
 #include <gtest/gtest.h>
+#include <sys/mman.h>
 
+#include <algorithm>
 #include <limits>
 #include <set>
 
@@ -26,6 +28,21 @@ TEST(Mesh, ValidateNamesTheTriangle) {
     mesh.vertices[4].x = bad;
     EXPECT_NO_THROW(validate(mesh)) << "no triangle uses it";
   }
+}
+
+// Lengths alone decide: the memory behind them is reserved and cannot be read.
+TEST(Mesh, ValidateRefusesWhatIndicesCannotCount) {
+  const std::size_t vertices = std::size_t{1} << 32, triangles = 4'000'000'001;
+  const std::size_t bytes = std::max(vertices * sizeof(Vec3), triangles * sizeof(Triangle));
+  void* reserved = ::mmap(nullptr, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (reserved == MAP_FAILED) GTEST_SKIP() << "no " << bytes << " bytes of addresses";
+  MeshView mesh = kMesh;
+  mesh.vertices = {static_cast<const Vec3*>(reserved), vertices};
+  expect_error([&] { validate(mesh); }, ErrorCode::limit, "2 triangles over 4294967296 vertices are more than");
+  mesh = kMesh;
+  mesh.triangles = {static_cast<const Triangle*>(reserved), triangles};
+  expect_error([&] { validate(mesh); }, ErrorCode::limit, "4000000001 triangles over 5 vertices are more than");
+  ::munmap(reserved, bytes);
 }
 
 TEST(Mesh, BoundsAreThoseOfUsedVertices) {

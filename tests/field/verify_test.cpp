@@ -85,6 +85,15 @@ TEST(Verify, TrueFieldsPass) {
   }
 }
 
+TEST(Verify, SamplesAtTheThicknessLieInTheBand) {
+  const Mesh plane{{{-1, -1, 7}, {17, -1, 7}, {-1, 17, 7}, {17, 17, 7}}, {{0, 1, 2}, {1, 3, 2}}};
+  Options options;
+  options.thickness = 1;
+  const Computed computed = compute(plane, {{16, 16, 16}, {}, {1, 1, 1}}, options);
+  EXPECT_EQ(computed.report.samples_band, 3 * 256);
+  EXPECT_EQ(verify(computed.field, plane, every_sample()).samples_band, 3 * 256);
+}
+
 TEST(Verify, FindsOneWrongSample) {
   const Mesh mesh = random_soup(2, 40, 1, 0.4);
   const auto wrong_by = [&](double factor) {

@@ -2,6 +2,7 @@
 
 #include <random>
 
+#include "difi/compute.h"
 #include "difi/io.h"
 #include "expect_error.h"
 #include "io/field_samples.h"
@@ -89,6 +90,23 @@ TEST_P(FieldFile, KeepsNearestTrianglesOrSaysThatItCannot) {
   expect_error([&] { write_field(path(), field); }, ErrorCode::usage,
                "cannot carry nearest triangles; write .vti or .npz, or compute without them");
   EXPECT_TRUE(folder.names().empty());
+}
+
+// Samples as far from the plane as the thickness lie in the band: here they are all that the upper tiles hold.
+TEST_P(FieldFile, KeepsTilesWhoseLeastValueIsTheThickness) {
+  const Mesh plane{{{-1, -1, 7}, {17, -1, 7}, {-1, 17, 7}, {17, 17, 7}}, {{0, 1, 2}, {1, 3, 2}}};
+  Options options;
+  options.thickness = 1;
+  options.nearest_triangle = GetParam().nearest;
+  const DistanceField field = compute(plane, {{16, 16, 16}, {}, {1, 1, 1}}, options).field;
+  ASSERT_EQ(field.stored_tiles(), 8);
+  ASSERT_EQ(field.value(3, 4, 8), 1);
+  const DistanceField read = through_file(field);
+  if (GetParam().nearest) expect_same(read, field);
+  EXPECT_TRUE(read.to_dense() == field.to_dense());
+  const std::string bytes = read_bytes(path());
+  write_field(path(), read);
+  EXPECT_TRUE(read_bytes(path()) == bytes);
 }
 
 TEST_P(FieldFile, WritesTheSameBytesTwice) {

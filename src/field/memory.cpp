@@ -1,0 +1,159 @@
+#include "field/memory.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <string>
+
+#include "difi/verify.h"
+#include "field/backend.h"
+#include "field/options.h"
+#include "field/skip.h"
+#include "geometry/sample_range.h"
+
+namespace difi {
+namespace {
+
+constexpr std::int64_t kSide = DistanceField::kTileSide;
+
+double tiles_of(const Size3& size) {
+  const auto along = [](std::int64_t samples) { return static_cast<double>((samples + kSide - 1) / kSide); };
+  return along(size.x) * along(size.y) * along(size.z);
+}
+
+double tiles_of(const SampleRange& range) {
+  if (range.empty()) return 0;
+  const auto along = [](std::int64_t begin, std::int64_t end) {
+    return static_cast<double>((end - 1) / kSide - begin / kSide + 1);
+  };
+  return along(range.begin.x, range.end.x) * along(range.begin.y, range.end.y) * along(range.begin.z, range.end.z);
+}
+
+// No more tiles hold a band sample than lie in all triangles' grown boxes together. Sums of whole numbers are exact up
+// to 2^53, in any order; beyond that nothing fits.
+double tiles_reached(MeshView mesh, const Grid& grid, const Options& options) {
+  const double all = tiles_of(grid.size);
+  if (std::isinf(options.thickness)) return all;
+  // More than any method's rounding, which could find a sample nearer than it is.
+  const double reach = options.thickness + 10 * allowed_error(grid, options.thickness);
+  const auto add = [&](const tbb::blocked_range<std::size_t>& triangles, double sum) {
+    for (std::size_t t = triangles.begin(); t < triangles.end(); ++t) {
+      const Vec3 a = mesh.corner(t, 0), b = mesh.corner(t, 1), c = mesh.corner(t, 2);
+      sum += tiles_of(samples_in(Box{min(a, min(b, c)), max(a, max(b, c))}.grown(reach), grid));
+    }
+    return sum;
+  };
+  constexpr std::size_t kGrain = std::size_t{1} << 14;
+  return tbb::task_arena(thread_count(options)).execute([&] {
+    return std::min(all, tbb::parallel_reduce(tbb::blocked_range<std::size_t>(0, mesh.triangles.size(), kGrain), 0.0,
+                                              add, std::plus<>()));
+  });
+}
+
+std::int64_t bytes_needed(std::int64_t triangles, double tiles, const Grid& grid, const Options& options, bool dense) {
+  const BackendRow& backend = find_backend(options.backend, options.method, triangles, grid);
+  const double output = dense ? 4.0 * static_cast<double>(grid.sample_count()) * (options.nearest_triangle ? 2 : 1)
+                              : field_bytes(tiles, tiles_of(grid.size), options.nearest_triangle);
+  const double scratch =
+      static_cast<double>(backend.scratch_bytes(triangles, grid, options.thickness, thread_count(options)));
+  const SkipRule rule = effective_rule(options);
+  const double kept = rule.kind == SkipRule::Kind::none ? 0 : static_cast<double>(skip_bytes(triangles, rule));
+  const double total = output + scratch + kept;
+  return total < 0x1p62 ? static_cast<std::int64_t>(total) : std::int64_t{1} << 62;
+}
+
+// Requires a valid mesh and grid.
+std::int64_t bytes_for_mesh(MeshView mesh, const Grid& grid, const Options& options, bool dense) {
+  const double tiles = dense ? 0 : tiles_reached(mesh, grid, options);
+  return bytes_needed(static_cast<std::int64_t>(mesh.triangles.size()), tiles, grid, options, dense);
+}
+
+std::string mebibytes(std::int64_t bytes) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.0f MiB", std::ceil(static_cast<double>(bytes) / (1 << 20)));
+  return text;
+}
+
+// What may be said to help is what has been seen to help.
+class Advice {
+ public:
+  Advice(MeshView mesh, const Grid& grid, const Options& options, bool dense)
+      : mesh_(mesh), grid_(grid), options_(options), dense_(dense) {}
+
+  std::string text() const {
+    std::string text;
+    if (const std::int64_t side = largest_side(); side > 0)
+      text += "take at most about " + std::to_string(side) + " samples on the longest side, ";
+    if (thinner_helps()) text += "take a smaller thickness, ";
+    return text + (text.empty() ? "give a higher limit" : "or give a higher limit");
+  }
+
+ private:
+  bool fits(const Grid& grid, const Options& options) const {
+    return bytes_for_mesh(mesh_, grid, options, dense_) <= options.memory_limit;
+  }
+
+  // A band one sample wide.
+  bool thinner_helps() const {
+    Options thin = options_;
+    thin.thickness = grid_.max_spacing();
+    return thin.thickness < options_.thickness && fits(grid_, thin);
+  }
+
+  // Samples on the longest side of a coarser grid of the same extent, or 0. The thickness is taken to be a number of
+  // samples, and grows with them: should it stay what it is, the field is smaller still.
+  std::int64_t largest_side() const {
+    const std::int64_t longest = std::max({grid_.size.x, grid_.size.y, grid_.size.z});
+    std::int64_t fitting = 0, too_many = longest;
+    while (too_many - fitting > 1 + fitting / 32) {
+      const std::int64_t side = fitting + (too_many - fitting) / 2;
+      (fits_with(side, longest) ? fitting : too_many) = side;
+    }
+    return fitting;
+  }
+  bool fits_with(std::int64_t side, std::int64_t longest) const {
+    const double share = static_cast<double>(side) / static_cast<double>(longest);
+    Grid coarse = grid_;
+    for (std::int64_t* samples : {&coarse.size.x, &coarse.size.y, &coarse.size.z})
+      *samples = std::max<std::int64_t>(1, std::llround(share * static_cast<double>(*samples)));
+    coarse.spacing = grid_.spacing / Vec3{share, share, share};
+    Options options = options_;
+    options.thickness = options_.thickness / share;
+    return fits(coarse, options);
+  }
+
+  MeshView mesh_;
+  const Grid& grid_;
+  const Options& options_;
+  bool dense_;
+};
+
+}  // namespace
+
+std::int64_t memory_needed(std::int64_t triangles, const Grid& grid, const Options& options, bool dense) {
+  validate(grid);
+  return bytes_needed(triangles, tiles_of(grid.size), grid, options, dense);
+}
+
+std::int64_t memory_needed(MeshView mesh, const Grid& grid, const Options& options, bool dense) {
+  validate(grid);
+  validate(mesh);
+  return bytes_for_mesh(mesh, grid, options, dense);
+}
+
+void check_memory(MeshView mesh, const Grid& grid, const Options& options, bool dense) {
+  const std::int64_t limit = options.memory_limit;
+  if (limit == 0) return;
+  if (memory_needed(static_cast<std::int64_t>(mesh.triangles.size()), grid, options, dense) <= limit) return;
+  const std::int64_t needed = memory_needed(mesh, grid, options, dense);
+  if (needed <= limit) return;
+  throw Error(ErrorCode::limit, "compute: the field may need " + mebibytes(needed) + ", more than the limit of " +
+                                    mebibytes(limit) + "; " + Advice(mesh, grid, options, dense).text());
+}
+
+}  // namespace difi

@@ -1,0 +1,15 @@
+// How much memory a computation may need, before it starts.
+#pragma once
+
+#include "difi/compute.h"
+
+namespace difi {
+
+/// Bytes that a DistanceField takes with so many tiles stored, of so many in its grid.
+double field_bytes(double stored_tiles, double all_tiles, bool with_nearest);
+
+/// Throws Error{limit} where the computation may need more than options.memory_limit, with what would fit. Looks at the
+/// triangles only if no bound without them is small enough. Errors: input (mesh) and limit (mesh) if it looks.
+void check_memory(MeshView mesh, const Grid& grid, const Options& options, bool dense);
+
+}  // namespace difi

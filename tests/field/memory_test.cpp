@@ -1,0 +1,240 @@
+// Memory: what a computation says that it needs against what it takes, and what happens when there is none.
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstdlib>
+#include <limits>
+#include <new>
+#include <regex>
+
+#include "difi/compute.h"
+#include "difi/io.h"
+#include "tests/io/expect_error.h"
+#include "tests/io/temp_folder.h"
+#include "tests/support/random_mesh.h"
+
+namespace {
+
+constexpr std::int64_t kUnlimited = std::numeric_limits<std::int64_t>::max();
+std::atomic<std::int64_t> held{0}, most{0}, limit{kUnlimited};
+
+// Every block begins with its length, in as many bytes as its alignment.
+void* take(std::size_t bytes, std::size_t alignment) {
+  const std::int64_t now = held.fetch_add(static_cast<std::int64_t>(bytes)) + static_cast<std::int64_t>(bytes);
+  void* block = now > limit ? nullptr : std::aligned_alloc(alignment, (bytes / alignment + 2) * alignment);
+  if (!block) {
+    held -= static_cast<std::int64_t>(bytes);
+    throw std::bad_alloc();
+  }
+  for (std::int64_t before = most; before < now && !most.compare_exchange_weak(before, now);) {
+  }
+  *static_cast<std::size_t*>(block) = bytes;
+  return static_cast<char*>(block) + alignment;
+}
+void give(void* block, std::size_t alignment) noexcept {
+  if (!block) return;
+  char* begin = static_cast<char*>(block) - alignment;
+  held -= static_cast<std::int64_t>(*reinterpret_cast<std::size_t*>(begin));
+  std::free(begin);
+}
+constexpr std::size_t kUsual = __STDCPP_DEFAULT_NEW_ALIGNMENT__;
+
+}  // namespace
+
+void* operator new(std::size_t bytes) { return take(bytes, kUsual); }
+void* operator new[](std::size_t bytes) { return take(bytes, kUsual); }
+void* operator new(std::size_t bytes, std::align_val_t alignment) { return take(bytes, std::size_t(alignment)); }
+void* operator new[](std::size_t bytes, std::align_val_t alignment) { return take(bytes, std::size_t(alignment)); }
+void operator delete(void* block) noexcept { give(block, kUsual); }
+void operator delete[](void* block) noexcept { give(block, kUsual); }
+void operator delete(void* block, std::size_t) noexcept { give(block, kUsual); }
+void operator delete[](void* block, std::size_t) noexcept { give(block, kUsual); }
+void operator delete(void* block, std::align_val_t alignment) noexcept { give(block, std::size_t(alignment)); }
+void operator delete[](void* block, std::align_val_t alignment) noexcept { give(block, std::size_t(alignment)); }
+void operator delete(void* block, std::size_t, std::align_val_t alignment) noexcept {
+  give(block, std::size_t(alignment));
+}
+void operator delete[](void* block, std::size_t, std::align_val_t alignment) noexcept {
+  give(block, std::size_t(alignment));
+}
+
+namespace difi {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+const Mesh kTriangle{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
+
+Grid cube(std::int64_t side, Vec3 origin, double extent) {
+  const double spacing = extent / static_cast<double>(side - 1);
+  return {{side, side, side}, origin, {spacing, spacing, spacing}};
+}
+
+// The most bytes on the heap while `call` runs, those before not counted.
+template <class Call>
+std::int64_t most_held(Call call) {
+  const std::int64_t before = held;
+  most = before;
+  call();
+  return most - before;
+}
+
+class Limit {
+ public:
+  explicit Limit(std::int64_t bytes) { limit = held + bytes; }
+  ~Limit() { limit = kUnlimited; }
+};
+
+// What TBB, the callback and the texts of a report take.
+constexpr std::int64_t kSmallThings = 64 << 10;
+
+void expect_enough(const Mesh& mesh, double thickness) {
+  const Grid grid = cube(64, {-5, -5, -5}, 10);
+  const tbb::global_control really_so_many(tbb::global_control::max_allowed_parallelism, 8);
+  for (const int threads : {1, 8})
+    for (const bool nearest : {false, true}) {
+      Options options;
+      options.backend = Backend::cpu;
+      options.thickness = thickness;
+      options.threads = threads;
+      options.nearest_triangle = nearest;
+      const std::int64_t needed = memory_needed(mesh, grid, options);
+      const std::int64_t taken = most_held([&] { compute(mesh, grid, options); });
+      EXPECT_LE(taken, needed + kSmallThings)
+          << mesh.triangles.size() << " triangles, thickness " << thickness << ", " << threads << " threads";
+      EXPECT_LE(needed, memory_needed(std::int64_t(mesh.triangles.size()), grid, options));
+    }
+}
+
+TEST(Memory, ThinBandsTakeNoMoreThanWasSaid) {
+  for (const double size : {4.0, 0.1}) expect_enough(testing::random_soup(5, 2000, 4, size), 0.3);
+  expect_enough(kTriangle, 0.3);
+}
+
+// Of one triangle only: the lists of candidates, which wide bands hand down, are counted once for each triangle.
+TEST(Memory, FieldsOfOneTriangleTakeNoMoreThanWasSaid) {
+  for (const double thickness : {2.0, kInfinity}) expect_enough(kTriangle, thickness);
+}
+
+// A band around one triangle stores a few tiles of a grid whose samples would fill 32 GB.
+TEST(Memory, SparseBandsAreNotRefusedForTheirGrid) {
+  Options options;
+  options.backend = Backend::cpu;
+  options.threads = 2;
+  const Grid grid = cube(2000, {0, 0, -0.5}, 1);
+  options.thickness = 2 * grid.spacing.x;
+  options.memory_limit = std::int64_t{1} << 30;
+  EXPECT_GT(memory_needed(1, grid, options), 30'000'000'000);
+  const std::int64_t needed = memory_needed(kTriangle, grid, options);
+  EXPECT_LE(needed, options.memory_limit);
+  EXPECT_LE(most_held([&] { EXPECT_GT(compute(kTriangle, grid, options).field.stored_tiles(), 1000); }), needed);
+}
+
+TEST(Memory, TilesAreCountedWhereTrianglesReach) {
+  Options options;
+  options.threads = 1;
+  options.thickness = 0.5;
+  const Grid grid{{4096, 4096, 8}, {}, {1, 1, 1}};
+  const auto needed = [&](const Mesh& mesh) { return memory_needed(mesh, grid, options); };
+  // Triangles of one place lie in the same tiles, but the bound adds them up; those off the grid count nothing.
+  const auto mesh_of = [](int count, double at) {
+    Mesh mesh;
+    for (int n = 0; n < count; ++n) {
+      const auto v = static_cast<std::uint32_t>(3 * n);
+      for (const Vec3 corner : {Vec3{0, 0, 0}, Vec3{2, 0, 0}, Vec3{0, 2, 2}})
+        mesh.vertices.push_back(corner + Vec3{at, 3, 3});
+      mesh.triangles.push_back({v, v + 1, v + 2});
+    }
+    return mesh;
+  };
+  constexpr std::int64_t kChunk = 256 * 512 * 4;
+  const std::int64_t none = needed(mesh_of(1, -1000)), some = needed(mesh_of(1, 3));
+  EXPECT_EQ(some - none, kChunk);
+  EXPECT_EQ(needed(mesh_of(256, 3)) - needed(mesh_of(256, -1000)), kChunk);
+  EXPECT_EQ(needed(mesh_of(257, 3)) - needed(mesh_of(257, -1000)), 2 * kChunk);
+  EXPECT_EQ(needed(mesh_of(129, 6.9)) - needed(mesh_of(129, -1000)), 2 * kChunk) << "two tiles each";
+  const double infinite = kInfinity;
+  options.thickness = infinite;
+  EXPECT_EQ(needed(mesh_of(1, 3)), memory_needed(1, grid, options));
+}
+
+// The message of the refusal, or "".
+std::string refusal(const Mesh& mesh, const Grid& grid, const Options& options) {
+  try {
+    compute(mesh, grid, options);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::limit);
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Memory, WhatIsAdvisedHelps) {
+  const Mesh mesh = testing::random_soup(5, 300, 4, 1);
+  for (const double thickness : {0.5, kInfinity}) {
+    Options options;
+    options.backend = Backend::cpu;
+    options.threads = 1;
+    options.thickness = thickness;
+    const Grid grid = cube(400, {-5, -5, -5}, 10);
+    options.memory_limit = std::int64_t{230} << 20;
+    const std::string told = refusal(mesh, grid, options);
+    std::smatch side;
+    ASSERT_TRUE(std::regex_search(told, side, std::regex("at most about ([0-9]+) samples"))) << told;
+    EXPECT_NE(told.find("smaller thickness"), std::string::npos) << told;
+    EXPECT_LE(memory_needed(mesh, cube(std::stoll(side[1]), {-5, -5, -5}, 10), options), options.memory_limit);
+    options.thickness = grid.spacing.x;
+    EXPECT_LE(memory_needed(mesh, grid, options), options.memory_limit);
+  }
+}
+
+TEST(Memory, NothingIsAdvisedThatDoesNotHelp) {
+  Options options;
+  options.backend = Backend::cpu;
+  options.threads = 1;
+  options.thickness = 0.5;
+  const Grid grid = cube(400, {-5, -5, -5}, 10);
+  options.memory_limit = std::int64_t{32} << 20;  // less than the table of tiles and the lists of triangles
+  const std::string thin = refusal(kTriangle, grid, options);
+  EXPECT_EQ(thin.find("smaller thickness"), std::string::npos) << thin;
+  options.memory_limit = 1;
+  const std::string none = refusal(kTriangle, grid, options);
+  EXPECT_EQ(none.find("take"), std::string::npos) << none;
+  EXPECT_NE(none.find("; give a higher limit"), std::string::npos) << none;
+}
+
+TEST(Memory, WhenThereIsNoneItIsALimitError) {
+  const Mesh mesh = testing::random_soup(5, 500, 4, 1);
+  const Grid grid = cube(100, {-5, -5, -5}, 10);
+  std::vector<float> values(static_cast<std::size_t>(grid.sample_count()));
+  const TempFolder folder;
+  write_mesh(folder / "a.obj", mesh);
+  for (const std::int64_t bytes : {10'000, 40'000}) {
+    Options options;
+    options.backend = Backend::cpu;
+    options.threads = 1;
+    options.thickness = 0.5;
+    expect_error(
+        [&] {
+          Limit here(bytes);
+          compute(mesh, grid, options);
+        },
+        ErrorCode::limit, "not enough memory");
+    expect_error(
+        [&] {
+          Limit here(bytes);
+          compute_into(mesh, grid, values, options);
+        },
+        ErrorCode::limit, "not enough memory");
+    expect_error(
+        [&] {
+          Limit here(bytes);
+          read_mesh(folder / "a.obj");
+        },
+        ErrorCode::limit, "not enough memory");
+  }
+}
+
+}  // namespace
+}  // namespace difi
