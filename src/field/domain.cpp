@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kFarthest = 0x1p60;  // spacings
 constexpr double kLeastSpacing = 0x1p-110, kLargestSpacing = 0x1p60;
+constexpr double kMostUneven = 0x1p60;  // the largest spacing to the least
 
 double largest(Vec3 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 
@@ -24,6 +25,10 @@ void check_domain(MeshView mesh, const Grid& grid) {
   if (spacing < kLeastSpacing || spacing > kLargestSpacing)
     throw Error(ErrorCode::limit, "compute: the spacing is " + std::to_string(std::ilogb(spacing)) +
                                       " binary orders from one, too many for values in float; scale mesh and grid");
+  const Vec3 h = grid.spacing;
+  if (std::min({h.x, h.y, h.z}) < spacing / kMostUneven)
+    throw Error(ErrorCode::limit,
+                "compute: one spacing is less than 2^-60 of another, too little for float; take more even spacings");
   const Vec3 center = grid.bounds().center();
   const double limit = kFarthest * spacing;
   const auto is_far = [&](const tbb::blocked_range<std::size_t>& range, std::size_t first) {

@@ -8,7 +8,8 @@ namespace difi {
 
 /// Backends compute squared distances in float, in units of the spacing. Throws Error{limit} where those, or the
 /// distances in world units, would not be normal floats: the mesh reaches farther than 2^60 spacings from the grid's
-/// centre, or the largest spacing is not within 2^-110 and 2^60. Requires a valid mesh and grid.
+/// centre, the largest spacing is not within 2^-110 and 2^60, or one is less than 2^-60 of another. Requires a valid
+/// mesh and grid.
 void check_domain(MeshView mesh, const Grid& grid);
 
 }  // namespace difi
