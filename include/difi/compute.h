@@ -87,10 +87,11 @@ struct Computed {
   Report report;
 };
 
-/// Computes the field of `mesh` on `grid`. `tiles` promises |value - d| <= 1e-6 * (d + 16 * max spacing) + 4 * epsilon
-/// * C against double precision, for every valid mesh, and the same bits for any number of threads. Here d is
-/// min(distance, thickness), epsilon that of double, and C the grid's largest coordinate in magnitude: allowed_error()
-/// of difi/verify.h. Errors: usage (options or grid), input (mesh), limit (memory), device, interrupted.
+/// Computes the field of `mesh` on `grid`. For every valid mesh within 2^30 spacings of the grid `tiles` promises
+/// |value - d| <= 1e-6 * (d + 16 * max spacing) + 4 * epsilon * C against double precision, and the same bits for any
+/// number of threads. Here d is min(distance, thickness), epsilon that of double, and C the largest coordinate of the
+/// grid in magnitude: allowed_error() of difi/verify.h. Errors: usage (options or grid), input (mesh), limit (memory,
+/// sizes, distance of the mesh from the grid), device, interrupted.
 Computed compute(MeshView mesh, const Grid& grid, const Options& options = {});
 
 /// The same into the caller's memory: one value per sample, x fastest; every element is written, whatever it held.
@@ -101,9 +102,10 @@ inline Report compute_into(MeshView mesh, const Grid& grid, std::span<float> val
   return compute_into(mesh, grid, values, {}, options);
 }
 
-/// Bytes that compute (dense = false) or compute_into (dense = true) may need, the mesh not counted: no tile is counted
-/// that no triangle's box, grown by the thickness, reaches. What compute and compute_into hold against the memory
-/// limit. Takes one pass over the triangles. Errors: usage (grid), input (mesh), limit (mesh), device.
+/// Bytes that compute (dense = false) or compute_into (dense = true) may need, and hold against the memory limit. No
+/// tile is counted that no triangle's box, grown by the thickness, reaches; nor is the mesh, nor are the lists of
+/// candidates of wide bands and full fields, which are short unless many triangles are as large as the grid
+/// (docs/tiles.md). Takes one pass over the triangles. Errors: usage (grid), input (mesh), limit (mesh), device.
 std::int64_t memory_needed(MeshView mesh, const Grid& grid, const Options& options, bool dense = false);
 /// The same for whatever mesh of so many triangles: a sparse field may store every tile of the grid.
 std::int64_t memory_needed(std::int64_t triangles, const Grid& grid, const Options& options, bool dense = false);

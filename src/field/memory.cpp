@@ -86,11 +86,11 @@ class Advice {
       : mesh_(mesh), grid_(grid), options_(options), dense_(dense) {}
 
   std::string text() const {
-    std::string text;
-    if (const std::int64_t side = largest_side(); side > 0)
-      text += "take at most about " + std::to_string(side) + " samples on the longest side, ";
-    if (thinner_helps()) text += "take a smaller thickness, ";
-    return text + (text.empty() ? "give a higher limit" : "or give a higher limit");
+    const std::int64_t side = largest_side();
+    const std::string fewer = "at most about " + std::to_string(side) + " samples on the longest side";
+    const std::string thinner = "a smaller thickness", higher = "a higher limit";
+    if (thinner_helps()) return "take " + (side > 0 ? fewer + ", " + thinner + "," : thinner) + " or " + higher;
+    return side > 0 ? "take " + fewer + " or " + higher : "give " + higher;
   }
 
  private:

@@ -91,7 +91,6 @@ TEST_F(Errors, UsageOfValues) {
       {"compute box.obj --spacing 1,2", 2, "--spacing '1,2': give one number, or three"},
       {"compute box.obj --spacing 1,2,x", 2, "'x' is not a number"},
       {"compute box.obj --spacing nan", 2, "'nan' is not a number"},
-      {"compute box.obj --spacing 1e-300", 2, "spacing is too small"},
       {"compute box.obj --size 1,2", 2, "--size '1,2': give three whole numbers"},
       {"compute box.obj --size 1,0,2", 2, "--size '0'"},
       {"compute box.obj --bounds 1,2,3", 2, "--bounds '1,2,3': give six numbers"},
@@ -186,8 +185,9 @@ TEST_F(Errors, Output) {
 
 TEST_F(Errors, Limit) {
   expect_all({
-      {"compute box.obj -r 500 -j 1 --memory-limit 300M", 5, "more than the limit of 300 MiB; take at most about"},
-      {"compute box.obj -r 500 -j 1 --memory-limit 300M", 5, "a smaller thickness"},
+      {"compute scene:box -r 800 -j 1 --memory-limit 500M", 5, "more than the limit of 500 MiB; take at most about"},
+      {"compute scene:box -r 800 -j 1 --memory-limit 500M", 5, "a smaller thickness"},
+      {"compute box.obj --spacing 1e-300", 5, "more than 2^40 samples on a side; take a larger spacing"},
       {"compute box.obj -r 1000000", 5, "more than the limit of"},
       {"compute box.obj --size 1000000000000,1000000000,1", 5, "too many samples to count"},
   });
@@ -198,7 +198,7 @@ TEST_F(Errors, Limit) {
 TEST_F(Errors, OutOfMemory) {
   auto how = setup();
   how.memory = rlim_t{600} << 20;
-  const Ran ran = run(words("compute box.obj -r 600 -j 1 --memory-limit 100G -o a.vti"), how);
+  const Ran ran = run(words("compute scene:box -r 900 -j 1 --memory-limit 100G -o a.vti"), how);
   EXPECT_EQ(ran.code, 5) << ran.err;
   EXPECT_TRUE(ran.says("difi: error: ")) << ran.err;
   EXPECT_TRUE(ran.says("memory")) << ran.err;

@@ -5,9 +5,12 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdlib>
+#include <filesystem>
 #include <limits>
 #include <new>
 #include <regex>
+#include <string>
+#include <vector>
 
 #include "difi/compute.h"
 #include "difi/io.h"
@@ -112,7 +115,7 @@ TEST(Memory, ThinBandsTakeNoMoreThanWasSaid) {
   expect_enough(kTriangle, 0.3);
 }
 
-// Of one triangle only: the lists of candidates, which wide bands hand down, are counted once for each triangle.
+// Of one triangle only: the lists of candidates, which wide bands hand down, are not counted beforehand.
 TEST(Memory, FieldsOfOneTriangleTakeNoMoreThanWasSaid) {
   for (const double thickness : {2.0, kInfinity}) expect_enough(kTriangle, thickness);
 }
@@ -208,32 +211,26 @@ TEST(Memory, WhenThereIsNoneItIsALimitError) {
   const Mesh mesh = testing::random_soup(5, 500, 4, 1);
   const Grid grid = cube(100, {-5, -5, -5}, 10);
   std::vector<float> values(static_cast<std::size_t>(grid.sample_count()));
-  const TempFolder folder;
-  write_mesh(folder / "a.obj", mesh);
+  const auto expect_refused = [](std::int64_t bytes, const std::string& words, auto call) {
+    const auto limited = [&] {
+      const Limit here(bytes);
+      call();
+    };
+    expect_error(limited, ErrorCode::limit, words);
+  };
+  Options options;
+  options.backend = Backend::cpu;
+  options.threads = 1;
+  options.thickness = 0.5;
   for (const std::int64_t bytes : {10'000, 40'000}) {
-    Options options;
-    options.backend = Backend::cpu;
-    options.threads = 1;
-    options.thickness = 0.5;
-    expect_error(
-        [&] {
-          Limit here(bytes);
-          compute(mesh, grid, options);
-        },
-        ErrorCode::limit, "not enough memory");
-    expect_error(
-        [&] {
-          Limit here(bytes);
-          compute_into(mesh, grid, values, options);
-        },
-        ErrorCode::limit, "not enough memory");
-    expect_error(
-        [&] {
-          Limit here(bytes);
-          read_mesh(folder / "a.obj");
-        },
-        ErrorCode::limit, "not enough memory");
+    expect_refused(bytes, "not enough memory", [&] { compute(mesh, grid, options); });
+    expect_refused(bytes, "not enough memory", [&] { compute_into(mesh, grid, values, options); });
   }
+  const TempFolder folder;
+  const auto path = folder / "a.obj";
+  write_mesh(path, mesh);
+  const auto file_bytes = static_cast<std::int64_t>(std::filesystem::file_size(path));
+  expect_refused(file_bytes + 10'000, "not enough memory for its triangles", [&] { read_mesh(path); });
 }
 
 }  // namespace
