@@ -12,8 +12,9 @@
 namespace difi {
 namespace {
 
-constexpr double kFarthest = 0x1p60;  // spacings
-constexpr double kLeastSpacing = 0x1p-110, kLargestSpacing = 0x1p60;
+constexpr double kFarthest = 0x1p60;        // spacings
+constexpr double kFarthestWorld = 0x1p125;  // world units
+constexpr double kLeastSpacing = 0x1p-110, kLargestSpacing = 0x1p100;
 constexpr double kMostUneven = 0x1p60;  // the largest spacing to the least
 
 double largest(Vec3 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
@@ -30,7 +31,7 @@ void check_domain(MeshView mesh, const Grid& grid) {
     throw Error(ErrorCode::limit,
                 "compute: one spacing is less than 2^-60 of another, too little for float; take more even spacings");
   const Vec3 center = grid.bounds().center();
-  const double limit = kFarthest * spacing;
+  const double limit = std::min(kFarthest * spacing, kFarthestWorld);
   const auto is_far = [&](const tbb::blocked_range<std::size_t>& range, std::size_t first) {
     for (std::size_t t = range.begin(); t < range.end() && t < first; ++t)
       for (int k = 0; k < 3; ++k)
@@ -42,7 +43,8 @@ void check_domain(MeshView mesh, const Grid& grid) {
                                                  [](std::size_t a, std::size_t b) { return std::min(a, b); });
   if (found != none)
     throw Error(ErrorCode::limit, "mesh: triangle " + std::to_string(found) +
-                                      " is farther than 2^60 spacings from the grid; remove it or coarsen the grid");
+                                      " is farther than 2^60 spacings, or 2^125 units, from the grid; remove it, scale "
+                                      "the mesh or coarsen the grid");
 }
 
 }  // namespace difi
