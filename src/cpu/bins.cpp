@@ -194,7 +194,10 @@ void for_each_batch(const Job& job, const Lattice& lattice, std::int64_t most_re
 std::int64_t bins_scratch_bytes(std::int64_t triangles, const Lattice& lattice, std::int64_t most_refs, int threads) {
   const std::int64_t keys = triangles, bricks = lattice.brick_count();
   const std::int64_t counters = bricks * (chunk_count(triangles, bricks, threads) + 1) + 1;
-  return static_cast<std::int64_t>(sizeof(std::uint32_t)) * (keys + most_refs + counters);
+  // No triangle is in more bricks than there are.
+  const double entries = static_cast<double>(triangles) * static_cast<double>(bricks);
+  const std::int64_t refs = entries < static_cast<double>(most_refs) ? static_cast<std::int64_t>(entries) : most_refs;
+  return static_cast<std::int64_t>(sizeof(std::uint32_t)) * (keys + refs + counters);
 }
 
 }  // namespace difi::cpu
