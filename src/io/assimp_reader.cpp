@@ -15,6 +15,7 @@
 
 #include "difi/error.h"
 #include "io/assimp_losses.h"
+#include "io/collada_check.h"
 #include "io/gltf_check.h"
 #include "io/mesh_builder.h"
 #include "io/mesh_format.h"
@@ -118,6 +119,7 @@ void keep_importers(Assimp::Importer& importer, const std::string& extension) {
 void check_before(const FileView& file, std::string_view extension) {
   if (extension == "glb") check_glb(file);
   if (extension == "gltf") check_gltf(file);
+  if (extension == "dae") check_collada(file);
 }
 
 }  // namespace
