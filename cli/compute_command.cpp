@@ -1,5 +1,6 @@
 // difi compute: a mesh file into a field file.
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 
@@ -12,6 +13,7 @@
 #include "cli/parse.h"
 #include "cli/signals.h"
 #include "cli/talk.h"
+#include "cli/text.h"
 #include "cli/usage.h"
 #include "cli/waiting.h"
 #include "difi/compute.h"
@@ -45,6 +47,16 @@ struct Command {
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+// Beyond this the padding of the box or the squares of distances would be infinite.
+void check_extent(const std::string& name, const Box& box) {
+  constexpr double kFarthest = 1e150;
+  for (const Vec3 corner : {box.min, box.max})
+    for (const double c : {corner.x, corner.y, corner.z})
+      if (std::abs(c) > kFarthest)
+        throw Error(ErrorCode::input, name + ": a coordinate of " + number(c) +
+                                          ", too far out for a grid; repair the mesh, or scale it down with --scale");
 }
 
 void Command::add_to(CLI::App& verb) {
@@ -87,7 +99,9 @@ void Command::run() {
   auto start = std::chrono::steady_clock::now();
   const Mesh loaded = waiting(talk, "reading " + mesh.name(), [&] { return mesh.read(); });
   validate(loaded);
-  Plan plan{mesh.name(), loaded, grid.choose(bounds(loaded)), output.path().string()};
+  const Box box = bounds(loaded);
+  check_extent(mesh.name(), box);
+  Plan plan{mesh.name(), loaded, grid.choose(box), output.path().string()};
   plan.load_seconds = seconds_since(start);
   options.thickness = plan.choice.thickness;
   if (dry_run) return talk.json() ? print(plan_json(plan, options)) : print(plan_text(plan, options));
@@ -103,6 +117,7 @@ void Command::run() {
   if (interrupted()) throw Error(ErrorCode::interrupted, "interrupted");
 
   start = std::chrono::steady_clock::now();
+  output.check_still_free();
   waiting(talk, "writing " + output.path().string(), [&] { write_field(output.path(), computed.field); });
   Outcome outcome{plan, computed.report, computed.field.provenance.mesh_hash};
   outcome.write_seconds = seconds_since(start);

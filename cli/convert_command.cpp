@@ -41,11 +41,13 @@ void Command::run() {
   const std::string reading = "reading " + input.name(), writing = "writing " + output.path().string();
   if (is_field) {
     const DistanceField field = waiting(talk, reading, [&] { return read_field(input.name()); });
+    output.check_still_free();
     waiting(talk, writing, [&] { write_field(output.path(), field); });
     return talk.say(output.path().string() + ": " + size_text(field.grid().size) + " samples");
   }
   const Mesh mesh = waiting(talk, reading, [&] { return input.read(); });
   validate(mesh);
+  output.check_still_free();
   waiting(talk, writing, [&] { write_mesh(output.path(), mesh); });
   talk.say(mesh_line(output.path().string(), mesh));
 }

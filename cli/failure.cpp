@@ -5,15 +5,14 @@
 #include <new>
 #include <string>
 
+#include "cli/one_line.h"
 #include "difi/error.h"
 
 namespace difi::cli {
 namespace {
 
-int fail(ErrorCode code, std::string message) {
-  for (char& c : message)
-    if (c == '\n' || c == '\r') c = ' ';  // one error, one line, whatever a file is called
-  std::fprintf(stderr, "difi: error: %s\n", message.c_str());
+int fail(ErrorCode code, const std::string& message) {
+  std::fprintf(stderr, "difi: error: %s\n", one_line(message).c_str());
   return static_cast<int>(code);
 }
 

@@ -71,7 +71,10 @@ Mesh MeshInput::read() const {
 void FileOutput::add_to(CLI::App& verb, const char* placeholder, const std::string& what, const char* name) {
   // Not bound to a path: the stream operator of paths stops at spaces.
   add_parsed(verb, {name, placeholder, what.c_str(), "Output"},
-             [this](const std::string&, const std::string& text) { path_ = text; });
+             [this](const std::string& option, const std::string& text) {
+               if (text.empty()) throw Error(ErrorCode::usage, option + " '': give the name of a file");
+               path_ = text;
+             });
   verb.add_flag("-f,--force", force_, "overwrite the output when it exists")->group("Output");
 }
 
@@ -93,6 +96,14 @@ void FileOutput::check(const std::vector<Format>& formats) const {
     fail(ErrorCode::output, "the folder " + folder.string() + " does not exist; create it first");
   if (::access(fs::exists(status) ? path_.c_str() : folder.c_str(), W_OK) != 0)
     fail(ErrorCode::output, "permission denied; choose a file and folder that you may write");
+}
+
+void FileOutput::check_still_free() const {
+  std::error_code ignored;
+  if (!force_ && fs::is_regular_file(path_, ignored))
+    throw Error(ErrorCode::output, path_.string() +
+                                       ": another program has written it meanwhile, it stays as it is; give another "
+                                       "name, or -f to overwrite it");
 }
 
 void FileOutput::check_carries_nearest(const std::vector<Format>& formats) const {

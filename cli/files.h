@@ -53,6 +53,8 @@ class FileOutput {
   /// Tells before any work what would go wrong after it: an unknown extension (usage), a file in the way without -f
   /// (usage), a folder in the way or missing (output).
   void check(const std::vector<Format>& formats) const;
+  /// Tells after the work, before writing, of a file that has appeared meanwhile (output), unless -f was given.
+  void check_still_free() const;
   /// Throws Error{usage} when the file's format has no place for nearest triangles.
   void check_carries_nearest(const std::vector<Format>& formats) const;
 

@@ -66,6 +66,7 @@ void Command::run() {
   if (interrupted()) throw Error(ErrorCode::interrupted, "interrupted");
   if (path.given()) {
     std::ranges::sort(points, {}, [](const PathPoint& p) { return std::pair(p.flier, p.step); });
+    path.check_still_free();
     write_path(path.path(), points);
   }
   const double rate = static_cast<double>(steps * flies) / std::max(seconds, 1e-9);

@@ -34,10 +34,10 @@ struct Command {
 
 void Command::print_list() const {
   if (talk.json()) {
-    Json json = Json::array();
+    Json described = Json::array();
     for (const auto& known : scenes::all())
-      json.push_back({{"name", known.name}, {"triangles", known.triangles}, {"description", known.description}});
-    return print(json);
+      described.push_back({{"name", known.name}, {"triangles", known.triangles}, {"description", known.description}});
+    return print(Json{{"scenes", described}});
   }
   constexpr std::size_t kNameWidth = 18, kCountWidth = 10;
   const auto blanks = [](std::size_t width, const std::string& beside) {
@@ -58,6 +58,7 @@ void Command::run() {
   if (!output.given()) output.set_path(scene + ".ply");
   output.check(mesh_formats());
   const Mesh mesh = scenes::make(scene, triangles);
+  output.check_still_free();
   waiting(talk, "writing " + output.path().string(), [&] { write_mesh(output.path(), mesh); });
   talk.say(mesh_line(output.path().string(), mesh));
   if (!talk.json()) return;

@@ -65,6 +65,7 @@ void Command::run() {
   if (!output.given()) output.set_path(std::filesystem::path(field).stem().string() + ".png");
   output.check({{"png", "PNG picture", false, true}});
   const DistanceField loaded = waiting(talk, "reading " + field, [&] { return read_field(field); });
+  output.check_still_free();
   write_slice_png(output.path(), loaded, options);
   const char* axis = options.axis == Axis::x ? "x" : options.axis == Axis::y ? "y" : "z";
   talk.say(output.path().string() + ": the plane of " + field + " at " +

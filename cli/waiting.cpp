@@ -4,14 +4,13 @@
 #include <cstdio>
 #include <system_error>
 
+#include "cli/one_line.h"
 #include "cli/signals.h"
 #include "cli/text.h"
 
 namespace difi::cli {
 
-Waiting::Waiting(const Talk& talk, const std::string& what) : what_(what) {
-  for (char& c : what_)
-    if (static_cast<unsigned char>(c) < 0x20) c = ' ';  // a file's name must not move the cursor
+Waiting::Waiting(const Talk& talk, const std::string& what) : what_(one_line(what)) {
   if (!talk.shows_progress()) return;
   try {
     thread_ = std::thread([this] { show(); });

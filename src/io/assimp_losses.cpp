@@ -18,9 +18,10 @@ std::mutex one_at_a_time;
 struct AssimpLosses::Listener : Assimp::LogStream {
   void write(const char* text) override {
     if (std::this_thread::get_id() != reader || !first.empty()) return;
-    // glTF: faces whose indices are out of range, and a last one that lacks corners.
+    // glTF: faces whose indices are out of range, and a last one that lacks corners. 3DS: a corner that is no vertex,
+    // which assimp replaces by the last one.
     const std::string_view message = text;
-    for (const char* loss : {"faces were dropped", "not compatible with the TRIANGLES mode"})
+    for (const char* loss : {"faces were dropped", "not compatible with the TRIANGLES mode", "Vertex index overflow"})
       if (message.find(loss) != message.npos) first = message;
   }
 

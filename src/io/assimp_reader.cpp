@@ -11,9 +11,12 @@
 #include <new>
 #include <set>
 #include <string>
+#include <string_view>
 
 #include "difi/error.h"
 #include "io/assimp_losses.h"
+#include "io/collada_check.h"
+#include "io/gltf_check.h"
 #include "io/mesh_builder.h"
 #include "io/mesh_format.h"
 #include "io/mesh_text.h"
@@ -112,9 +115,17 @@ void keep_importers(Assimp::Importer& importer, const std::string& extension) {
   }
 }
 
+// Finds what would make assimp crash or take all memory.
+void check_before(const FileView& file, std::string_view extension) {
+  if (extension == "glb") check_glb(file);
+  if (extension == "gltf") check_gltf(file);
+  if (extension == "dae") check_collada(file);
+}
+
 }  // namespace
 
 Mesh read_with_assimp(const FileView& file, const char* extension) {
+  check_before(file, extension);
   try {
     const AssimpLosses losses;
     Assimp::Importer importer;

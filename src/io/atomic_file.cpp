@@ -63,6 +63,18 @@ std::string unfinished_name() {
   return name.data();
 }
 
+// Where the links of a name end, even if nothing is there yet. Where they lead in a circle, opening the file says so.
+std::filesystem::path end_of_links(std::filesystem::path path) {
+  constexpr int kMostLinks = 40;  // as many as Linux follows
+  std::error_code no_link;
+  for (int n = 0; n < kMostLinks; ++n) {
+    const auto next = std::filesystem::read_symlink(path, no_link);
+    if (no_link) break;
+    path = path.parent_path() / next;  // an absolute one replaces the folder
+  }
+  return path;
+}
+
 std::string handle_of(int file) { return "/proc/self/fd/" + std::to_string(file); }
 
 }  // namespace
@@ -71,8 +83,7 @@ AtomicFile::AtomicFile(const std::filesystem::path& target, Unfinished unfinishe
   std::error_code ignored;
   if (target.empty()) throw Error(ErrorCode::output, "cannot write a file without a name; give one");
   if (!target.has_filename()) fail(EISDIR);
-  target_ = std::filesystem::is_symlink(target, ignored) ? std::filesystem::weakly_canonical(target, ignored) : target;
-  target_ = std::filesystem::absolute(target_, ignored);
+  target_ = std::filesystem::absolute(end_of_links(target), ignored);
 
   struct stat existing {};
   const bool exists = ::stat(target_.c_str(), &existing) == 0;

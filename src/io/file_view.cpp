@@ -88,7 +88,11 @@ void FileView::read_all(int descriptor, std::size_t expected) {
 }
 
 void FileView::fail(const std::string& where, const std::string& message) const {
-  throw Error(ErrorCode::input, path_.string() + (where.empty() ? "" : ":" + where) + ": " + message);
+  std::string text = path_.string() + (where.empty() ? "" : ":" + where) + ": " + message;
+  // Both may hold words of the file, and a zero byte would end the message.
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
+  throw Error(ErrorCode::input, text);
 }
 
 }  // namespace difi

@@ -18,6 +18,7 @@ void MeshBuilder::add_face(std::span<const std::uint32_t> corners) {
 Mesh MeshBuilder::finish(const std::function<std::string(std::size_t)>& where) {
   if (triangles.empty()) fail_no_triangles(file_);
   check_counts(file_, vertices.size(), triangles.size());
+  check_indices();
   check_vertices(where);
   for (const Polygon& polygon : polygons_) {
     const auto fan = std::span(triangles).subspan(polygon.first, polygon.count);
@@ -39,6 +40,15 @@ Mesh MeshBuilder::finish(const std::function<std::string(std::size_t)>& where) {
   for (Triangle& t : mesh.triangles)
     for (auto& v : t) v = number[v];
   return mesh;
+}
+
+// Readers say better where a wrong index stands; this is what the memory of everything after it rests on.
+void MeshBuilder::check_indices() const {
+  std::uint32_t highest = 0;
+  for (const Triangle& t : triangles) highest = std::max({highest, t[0], t[1], t[2]});
+  if (highest >= vertices.size())
+    file_.fail("", "vertex index " + std::to_string(highest) + " is out of range, there are " +
+                       std::to_string(vertices.size()) + " vertices; repair the mesh");
 }
 
 // Nearly always all vertices are finite, and looking at them in order is cheap. Only otherwise does it matter which are

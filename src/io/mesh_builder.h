@@ -24,12 +24,14 @@ class MeshBuilder {
   void add_face(std::span<const std::uint32_t> corners);
 
   /// Checks, triangulates and welds: equal vertices become one, numbered in the order of the file, and vertices that no
-  /// triangle uses stay. Requires indices in range. `where(v)` says where vertex v stands in the file, for messages.
-  /// Errors: input when there are no triangles, a vertex in use is not finite, or a polygon cannot be triangulated;
+  /// triangle uses stay. `where(v)` says where vertex v stands in the file, for messages.
+  /// Errors: input when there are no triangles, an index is out of range, a vertex in use is not finite, or a polygon
+  /// cannot be triangulated;
   /// limit when there are more than 32-bit numbers can count. The builder is empty afterwards.
   Mesh finish(const std::function<std::string(std::size_t)>& where);
 
  private:
+  void check_indices() const;
   void check_vertices(const std::function<std::string(std::size_t)>& where) const;
 
   // Triangles [first, first + count) are the fan of one polygon.

@@ -129,15 +129,17 @@ class PlyReader {
   void read_element(const PlyElement& element) {
     row_.element = &element;
     row_.number = 0;
-    // Rows without content need no loop, however many the header claims.
+    const bool is_vertex = element.name == "vertex", is_face = element.name == "face";
     const std::uint64_t least = element.least_bytes(Body::kAscii);
-    if (least == 0) return;
-    if (element.count > (body_.bytes_left() + Body::kAscii) / least)
+    // Rows without content need no loop, however many the header claims. Vertices and faces without any are refused
+    // below.
+    if (least == 0 && !is_vertex && !is_face) return;
+    if (least > 0 && element.count > (body_.bytes_left() + Body::kAscii) / least)
       file_.fail("header", "it promises " + std::to_string(element.count) + " of element " + in_quotes(element.name) +
                                ", more than the file can hold; it is cut off or damaged");
-    if (element.name == "vertex")
+    if (is_vertex)
       read_vertices(element);
-    else if (element.name == "face")
+    else if (is_face)
       read_faces(element);
     else
       for_each_row(element, [&](const PlyProperty& property) { skip(property); });

@@ -196,6 +196,23 @@ TEST_F(Compute, ForceOverwrites) {
   EXPECT_GT(read_bytes(folder / "a.vti").size(), 1000u);
 }
 
+// A file that is not there at the start, but before the field is written, is another program's.
+TEST_F(Compute, AFileThatAppearsMeanwhileStays) {
+  for (const bool force : {false, true}) {
+    auto command = words("compute scene:sphere:20000 -r 150 -j 1 -o a.vti");
+    if (force) command.emplace_back("-f");
+    std::filesystem::remove(folder / "a.vti");
+    testing::Process process(command, setup());
+    ASSERT_TRUE(process.wait_for("full field\n"));
+    write_bytes(folder / "a.vti", "theirs");
+    const Ran ran = process.wait();
+    EXPECT_EQ(ran.code, force ? 0 : 4) << ran.err;
+    EXPECT_EQ(ran.says("difi: error: a.vti: another program has written it meanwhile, it stays as it is"), !force);
+    EXPECT_EQ(read_bytes(folder / "a.vti") == "theirs", !force);
+    EXPECT_EQ(folder.names(), std::set<std::string>{"a.vti"});
+  }
+}
+
 TEST_F(Compute, OddFileNames) {
   for (const std::string name :
        {"with blank", "h\xC3\xA9risson \xF0\x9F\xA6\x94", "-dash", "a\nb", "quote'\"", "\xFF\xFE"}) {

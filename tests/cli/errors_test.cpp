@@ -26,6 +26,7 @@ class Errors : public testing::ProgramTest {
     write_bytes(folder / "index.obj", "v 0 0 0\nv 1 0 0\nf 1 2 3\n");
     write_bytes(folder / "points.obj", "v 0 0 0\nv 1 0 0\n");
     write_bytes(folder / "broken.vti", "<?xml");
+    write_bytes(folder / "huge.obj", "v 0 0 0\nv 1e308 0 0\nv 0 -1e308 0\nf 1 2 3\n");
     std::filesystem::create_directory(folder / "folder.stl");
     std::filesystem::create_directory(folder / "folder.vti");
     before_ = folder.names();
@@ -152,6 +153,7 @@ TEST_F(Errors, Input) {
       {"compute nan.obj", 3, "nan.obj:"},
       {"compute index.obj", 3, "index.obj:"},
       {"compute points.obj", 3, "points.obj: "},
+      {"compute huge.obj", 3, "huge.obj: a coordinate of -1e+308, too far out for a grid; repair the mesh, or scale"},
       {"info missing.vti", 3, "missing.vti: "},
       {"info broken.vti", 3, "broken.vti:"},
       {"info folder.vti", 3, "folder.vti: "},
@@ -217,6 +219,29 @@ TEST_F(Errors, ANewlineInANameStaysOnTheLine) {
   const Ran ran = run({"compute", "no\nsuch.stl"});
   EXPECT_EQ(ran.code, 3);
   EXPECT_EQ(std::ranges::count(ran.err, '\n'), 1) << ran.err;
+}
+
+// A message is one whole line and steers no terminal, whatever a name or a file holds.
+TEST_F(Errors, ControlBytesAreShownAsQuestionMarks) {
+  const auto clean = [](const std::string& text) {
+    return std::ranges::none_of(text, [](unsigned char c) { return (c < 0x20 && c != '\n') || c == 0x7f; });
+  };
+  const Ran name = run({"compute", "a\x1b[31m\x7f.stl"});
+  EXPECT_EQ(name.err, "difi: error: a?[31m?.stl: no such file; check the name\n");
+  write_bytes(folder / "zero.ply", std::string("ply\nformat ascii 1.0\nelement a\0\x1b 1\nproperty list char char b\n"
+                                               "end_header\n-1\n",
+                                               79));
+  const Ran file = run(words("info zero.ply"));
+  EXPECT_TRUE(file.says("zero.ply:a?? 0: a list of -1 values; the file is damaged\n")) << file.err;
+  EXPECT_TRUE(clean(file.err)) << file.err;
+  const Ran said = run({"convert", "box.obj", "-o", "a\x1b[31m\n.stl"});
+  EXPECT_EQ(said.err, "a?[31m .stl: 1 triangle, 3 vertices\n");
+}
+
+TEST_F(Errors, AnEmptyOutputIsNoName) {
+  const Ran ran = run({"compute", "box.obj", "-o", ""});
+  EXPECT_EQ(ran.code, 2);
+  EXPECT_EQ(ran.err, "difi: error: --output '': give the name of a file\n");
 }
 
 TEST_F(Errors, JsonStaysSilentOnErrors) {

@@ -111,6 +111,23 @@ TEST(AtomicFile, FollowsLinks) {
   EXPECT_EQ(read_bytes(folder / "target"), "new");
 }
 
+// What a link promises may not be there yet: it is made where the link says, and the link stays.
+TEST(AtomicFile, FollowsLinksToNothing) {
+  const TempFolder folder;
+  std::filesystem::create_directory(folder / "far");
+  std::filesystem::create_symlink("far/second", folder / "first");
+  std::filesystem::create_symlink("target", folder / "far/second");
+  write_text(folder / "first", "new");
+  EXPECT_TRUE(std::filesystem::is_symlink(folder / "first"));
+  EXPECT_TRUE(std::filesystem::is_symlink(folder / "far/second"));
+  EXPECT_EQ(read_bytes(folder / "far/target"), "new");
+  std::filesystem::create_symlink(folder / "missing/a", folder / "lost");
+  expect_error([&] { write_text(folder / "lost", "new"); }, ErrorCode::output,
+               "the folder " + (folder / "missing").string() + " does not exist");
+  std::filesystem::create_symlink("circle", folder / "circle");
+  expect_error([&] { write_text(folder / "circle", "new"); }, ErrorCode::output, "circle: cannot write it: ");
+}
+
 TEST(AtomicFile, WritesDevicesStraight) {
   const TempFolder folder;
   std::filesystem::create_symlink("/dev/null", folder / "link");

@@ -60,6 +60,49 @@ TEST(Gltf, FacesThatAssimpDropsAreErrors) {
   EXPECT_EQ(read_mesh(folder.file("b.glb", square({0, 1, 2}))).triangles.size(), 1u);
 }
 
+// Assimp took gigabytes for a chunk that the file only claims.
+TEST(Gltf, LengthsAreHeldAgainstTheFile) {
+  const TempFolder folder;
+  const auto refused = [&](std::size_t at, std::uint32_t number, const char* words) {
+    std::string bytes = square({0, 1, 2});
+    std::memcpy(bytes.data() + at, &number, sizeof number);
+    const auto path = folder.file("a.glb", bytes);
+    expect_error([&] { read_mesh(path); }, ErrorCode::input, words);
+  };
+  refused(4, 3, "byte 4: version 3 of glTF; convert");
+  refused(8, 0xfffffff0, "byte 8: it promises 4294967280 bytes");
+  refused(8, 12, "byte 8: it promises 12 bytes");
+  refused(12, 0xfffffff0, "byte 12: a chunk of 4294967280 bytes");
+  const std::string whole = square({0, 1, 2});
+  std::uint32_t json;
+  std::memcpy(&json, whole.data() + 12, sizeof json);
+  refused(20 + json, 1000, "a chunk of 1000 bytes, where 56 are left");
+  const auto cut = folder.file("a.glb", whole.substr(0, 16));
+  expect_error([&] { read_mesh(cut); }, ErrorCode::input, "the file ends in its header");
+}
+
+// Assimp's JSON parser calls itself for every level, until the stack ends.
+TEST(Gltf, NestingHasAnEnd) {
+  const TempFolder folder;
+  const auto text = [&](int depth) {
+    const auto levels = static_cast<std::size_t>(depth);
+    return folder.file("a.gltf", R"({"asset":{"version":"2.0"},"extras":)" + std::string(levels, '[') +
+                                     std::string(levels, ']') + "}");
+  };
+  const auto deep = text(200'000);
+  expect_error([&] { read_mesh(deep); }, ErrorCode::input, "its JSON is nested more than 200 deep");
+  // Brackets in strings are no nesting; what is wrong with this one is that it holds nothing.
+  const auto words =
+      folder.file("b.gltf", R"({"asset":{"version":"2.0","generator":"\")" + std::string(300, '[') + "\"}}");
+  expect_error([&] { read_mesh(words); }, ErrorCode::input, "No scene");
+  std::string binary = square({0, 1, 2});
+  std::uint32_t json;
+  std::memcpy(&json, binary.data() + 12, sizeof json);
+  std::memset(binary.data() + 20, '[', json);
+  const auto path = folder.file("a.glb", binary);
+  expect_error([&] { read_mesh(path); }, ErrorCode::input, "its JSON is nested more than 200 deep");
+}
+
 TEST(Gltf, ThreadsHearOfTheirOwnFilesOnly) {
   const TempFolder folder;
   const auto good = folder.file("good.glb", square({0, 1, 2, 1, 3, 2}));

@@ -129,6 +129,10 @@ write("ply_unknown_format.ply", ply("binary_middle_endian"))
 write("ply_unknown_type.ply", ply().replace(b"float x", b"half x"))
 write("ply_no_format.ply", ply().replace(b"format ascii 1.0\n", b""))
 write("ply_no_positions.ply", ply().replace(b"float x", b"float u"))
+write("ply_no_vertex_properties.ply", "ply\nformat ascii 1.0\nelement vertex 4000000000\nelement face 1\n"
+      "property list uchar uint vertex_indices\nend_header\n3 0 1 3999999999\n")
+write("ply_no_face_properties.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+      "property float z\nelement face 4000000000\nend_header\n0 0 0\n1 0 0\n0 1 0\n")
 write("ply_no_faces.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
       "property float z\nend_header\n0 0 0\n")
 write("ply_float_indices.ply", ply().replace(b"uchar int", b"uchar float"))

@@ -1,0 +1,87 @@
+#include "io/collada_nodes.h"
+
+#include <algorithm>
+#include <string>
+
+namespace difi {
+namespace {
+
+// Beyond any scene that was meant. Each level takes frames of assimp's stack, each node a kilobyte.
+constexpr int kDeepest = 1000;
+constexpr double kMost = 1e6;
+
+}  // namespace
+
+void ColladaNodes::see(const XmlTag& tag) {
+  const bool close = tag.kind == XmlTag::Kind::close;
+  if (tag.name == "library_nodes") in_library_ = tag.kind == XmlTag::Kind::open;
+  if (tag.name == "node" && !close) open(tag);
+  if (tag.name == "node" && tag.kind != XmlTag::Kind::open && !open_.empty()) open_.pop_back();
+  if (tag.name != "instance_node" || close || open_.empty()) return;
+  const std::string_view url = plain(tag, "url");
+  nodes_[open_.back()].instances.push_back(url.substr(std::min<std::size_t>(url.size(), 1)));
+  instances_ = true;
+}
+
+void ColladaNodes::open(const XmlTag& tag) {
+  const std::size_t node = nodes_.size();
+  nodes_.emplace_back();
+  const std::string_view id = plain(tag, "id"), name = plain(tag, "name");
+  if (in_library_ && open_.empty()) library_.emplace(id, node);
+  all_.emplace(id, node);
+  if (name != id) all_.emplace(name, node);
+  if (!open_.empty()) nodes_[open_.back()].children.push_back(node);
+  open_.push_back(node);
+}
+
+// Characters that are written in several ways could hide that two names are one.
+std::string_view ColladaNodes::plain(const XmlTag& tag, std::string_view attribute) {
+  const std::string_view value = tag.attribute(attribute);
+  odd_names_ |= std::any_of(value.begin(), value.end(), [](unsigned char c) { return c < 0x20 || c == '&'; });
+  return value;
+}
+
+void ColladaNodes::check() {
+  if (instances_ && odd_names_) scan_.fail("names of nodes hold '&' or line ends; rename them, or flatten the scene");
+  for (std::size_t node = 0; node < nodes_.size(); ++node) unfold(node, 0);
+}
+
+void ColladaNodes::unfold(std::size_t index, int depth) {
+  Node& node = nodes_[index];
+  if (node.unfolded > 0) return;
+  if (node.entered) scan_.fail("a node instances itself; repair the scene in the program that wrote it");
+  if (depth > kDeepest) scan_.fail("its nodes are nested too deep; flatten the scene in the program that wrote it");
+  node.entered = true;
+  Node sum{{}, {}, 1, 1, false};
+  for (const std::size_t child : node.children) add(sum, child, depth);
+  for (const std::string_view target : node.instances) add_instance(sum, target, depth);
+  if (sum.height > kDeepest)
+    scan_.fail("its nodes are nested too deep; flatten the scene in the program that wrote it");
+  if (sum.unfolded > kMost) scan_.fail("its nodes unfold to more than a million; instance fewer");
+  node.unfolded = sum.unfolded;
+  node.height = sum.height;
+}
+
+void ColladaNodes::add(Node& node, std::size_t part, int depth) {
+  unfold(part, depth + 1);
+  node.unfolded += nodes_[part].unfolded;
+  node.height = std::max(node.height, nodes_[part].height + 1);
+}
+
+// As assimp looks: by id in the library, then by id or name everywhere. Of several it takes one; any must do.
+void ColladaNodes::add_instance(Node& node, std::string_view target, int depth) {
+  constexpr std::ptrdiff_t kMostAlike = 1000;  // each instance looks at all that share the name
+  const auto& names = library_.contains(target) ? library_ : all_;
+  const auto [begin, end] = names.equal_range(target);
+  if (std::distance(begin, end) > kMostAlike) scan_.fail("more than a thousand nodes share a name; rename them");
+  double largest = 0;
+  for (auto found = begin; found != end; ++found) {
+    Node one{{}, {}, 0, 0, false};
+    add(one, found->second, depth);
+    largest = std::max(largest, one.unfolded);
+    node.height = std::max(node.height, one.height);
+  }
+  node.unfolded += largest;
+}
+
+}  // namespace difi

@@ -1,0 +1,47 @@
+// Which nodes of a COLLADA scene instance which.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <string_view>
+#include <vector>
+
+#include "io/xml_scan.h"
+
+namespace difi {
+
+/// Collects nodes and their instances; at the end they must unfold to a tree that fits memory and stack.
+class ColladaNodes {
+ public:
+  explicit ColladaNodes(const XmlScan& scan) : scan_(scan) {}
+
+  /// Sees every tag.
+  void see(const XmlTag& tag);
+  /// Throws where nodes instance themselves, or unfold too far.
+  void check();
+
+ private:
+  struct Node {
+    std::vector<std::size_t> children;
+    std::vector<std::string_view> instances;
+    double unfolded = 0;  // nodes; zero until known
+    int height = 0;
+    bool entered = false;
+  };
+
+  void open(const XmlTag& tag);
+  std::string_view plain(const XmlTag& tag, std::string_view attribute);
+  void unfold(std::size_t node, int depth);
+  void add(Node& node, std::size_t part, int depth);
+  void add_instance(Node& node, std::string_view target, int depth);
+
+  const XmlScan& scan_;
+  std::vector<Node> nodes_;
+  std::vector<std::size_t> open_;
+  bool in_library_ = false;
+  bool instances_ = false;
+  bool odd_names_ = false;
+  std::multimap<std::string_view, std::size_t> library_, all_;
+};
+
+}  // namespace difi

@@ -1,0 +1,157 @@
+// Files that assimp reads wrongly, or that end the program in it: they must be errors before or after it.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <initializer_list>
+
+#include "difi/io.h"
+#include "tests/io/expect_error.h"
+#include "tests/io/temp_folder.h"
+
+namespace difi {
+namespace {
+
+bool reads(const std::string& extension) {
+  return std::ranges::any_of(mesh_formats(), [&](const Format& f) { return f.extension == extension && f.readable; });
+}
+
+class Assimp : public ::testing::Test {
+ protected:
+  const TempFolder folder;
+
+  void SetUp() override {
+    if (!reads("dae")) GTEST_SKIP() << "this build has no assimp";
+  }
+  void refused(const std::string& name, const std::string& bytes, const std::string& words) const {
+    SCOPED_TRACE(bytes.substr(0, 300));
+    const auto path = folder.file(name, bytes);
+    expect_error([&] { read_mesh(path); }, ErrorCode::input, words);
+  }
+  std::size_t triangles(const std::string& name, const std::string& bytes) const {
+    return read_mesh(folder.file(name, bytes)).triangles.size();
+  }
+};
+
+template <class Value>
+std::string bytes_of(std::initializer_list<Value> values) {
+  return {reinterpret_cast<const char*>(values.begin()), values.size() * sizeof(Value)};
+}
+
+std::string chunk(std::uint16_t id, const std::string& content) {
+  return bytes_of<std::uint16_t>({id}) + bytes_of({static_cast<std::uint32_t>(6 + content.size())}) + content;
+}
+
+// A 3DS of the four corners of a tetrahedron and one face.
+std::string tetrahedron(std::uint16_t a, std::uint16_t b, std::uint16_t c) {
+  const std::string corners = bytes_of<std::uint16_t>({4}) + bytes_of<float>({0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1});
+  const std::string faces = bytes_of<std::uint16_t>({1, a, b, c, 0});
+  const std::string mesh = chunk(0x4100, chunk(0x4110, corners) + chunk(0x4120, faces));
+  return chunk(0x4d4d, chunk(0x3d3d, chunk(0x4000, std::string("a\0", 2) + mesh)));
+}
+
+// Assimp put the last vertex in the place of one that is not there, and said so in its log alone.
+TEST_F(Assimp, CornersOf3dsThatAreNoVertices) {
+  EXPECT_EQ(triangles("a.3ds", tetrahedron(0, 1, 2)), 1u);
+  refused("a.3ds", tetrahedron(0, 1, 60000), "Vertex index overflow");
+}
+
+// A COLLADA tetrahedron, of which a test changes parts.
+struct Collada {
+  std::string before = "", kind = "triangles", count = "4", offset = "0", more = "";
+  std::string indices = "0 1 2 0 1 3 0 2 3 1 2 3";
+  std::string vertices = "4", stride = "3", floats = "12";
+  std::string library = "", nodes = R"(<node id="n"><instance_geometry url="#g"/></node>)";
+
+  std::string text() const {
+    return R"(<?xml version="1.0"?>)" + before + R"(<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" )" +
+           R"(version="1.4.1"><asset><up_axis>Y_UP</up_axis></asset><library_geometries><geometry id="g"><mesh>)" +
+           R"(<source id="s"><float_array id="a" count=")" + floats + R"(">0 0 0 1 0 0 0 1 0 0 0 1</float_array>)" +
+           R"(<technique_common><accessor source="#a" count=")" + vertices + R"(" stride=")" + stride +
+           R"("><param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/>)" +
+           R"(</accessor></technique_common></source><vertices id="v"><input semantic="POSITION" source="#s"/>)" +
+           "</vertices>\n<" + kind + R"( count=")" + count + R"("><input semantic="VERTEX" source="#v" offset=")" +
+           offset + "\"/>" + more + "\n<p>" + indices + "</p></" + kind + "></mesh></geometry></library_geometries>" +
+           library + R"(<library_visual_scenes><visual_scene id="vs">)" + nodes +
+           "</visual_scene></library_visual_scenes>" + R"(<scene><instance_visual_scene url="#vs"/></scene></COLLADA>)";
+  }
+};
+
+std::string nested(int levels, const std::string& begin, const std::string& end) {
+  std::string text;
+  for (int n = 0; n < levels; ++n) text += begin;
+  for (int n = 0; n < levels; ++n) text += end;
+  return text;
+}
+
+TEST_F(Assimp, ColladaIsRead) {
+  EXPECT_EQ(triangles("a.dae", Collada().text()), 4u);
+  EXPECT_EQ(triangles("a.dae", Collada{.before = "<!-- <p>-1</p> -->"}.text()), 4u);
+  EXPECT_EQ(triangles("a.dae", Collada{.kind = "polylist", .more = "<vcount>3 3 3 3</vcount>"}.text()), 4u);
+  EXPECT_EQ(triangles("a.dae", Collada{.kind = "polygons", .count = "1"}.text()), 10u);
+  const std::string twice = R"(<node id="m"><instance_node url="#n"/><instance_node url="#n"/></node>)";
+  EXPECT_EQ(triangles("a.dae", Collada{.nodes = Collada().nodes + twice}.text()), 12u);
+  // A node may have the name of one in the library that it instances.
+  EXPECT_EQ(triangles("a.dae", Collada{.library = "<library_nodes>" + Collada().nodes + "</library_nodes>",
+                                       .nodes = R"(<node id="k" name="n"><instance_node url="#n"/></node>)"}
+                                   .text()),
+            4u);
+}
+
+// Assimp took -1 for 0, and never came to the end of 1e308.
+TEST_F(Assimp, IndicesOfColladaAreWholeNumbers) {
+  for (const char* word : {"-1", "1e308", "1.5", "x", "3000000000", "99999999999999999999"})
+    refused("a.dae", Collada{.count = "1", .indices = std::string("0 1 ") + word}.text(),
+            ":line 3: element p must hold whole numbers from 0 on, found '" + std::string(word) + "'");
+  refused("a.dae", Collada{.indices = "0 1 2 <!-- --> 0 1 3"}.text(), "element p must hold numbers only");
+}
+
+// Assimp made eight triangles of four when the count was zero, and read past the end of strips.
+TEST_F(Assimp, CountsOfColladaFit) {
+  refused("a.dae", Collada{.indices = "0 1 2 0 1"}.text(), "5 indices, where the count of triangles asks for 12");
+  refused("a.dae", Collada{.count = "0"}.text(), "12 indices, where the count of triangles asks for 0");
+  refused("a.dae", Collada{.count = "-1"}.text(), "attribute count must be a whole number");
+  refused("a.dae", Collada{.offset = "-1"}.text(), "attribute offset must be a whole number");
+  refused("a.dae", Collada{.offset = "256"}.text(), "an offset of 256");
+  refused("a.dae", Collada{.kind = "polylist", .more = "<vcount>3 3 3 4</vcount>"}.text(), "asks for 13");
+  refused("a.dae", Collada{.kind = "polylist", .more = "<vcount>6 6</vcount>"}.text(), "2 numbers in vcount for 4");
+  refused("a.dae", Collada{.kind = "tristrips", .indices = "0 1"}.text(), "2 indices do not fit tristrips");
+  refused("a.dae", Collada{.kind = "polygons"}.text(), "1 elements p, where the count of polygons asks for 4");
+  refused("a.dae", Collada{.before = "<triangles count='3'/>"}.text(), "0 elements p, where the count");
+  refused("a.dae", Collada{.more = "<p>0 1 2 0 1 3 0 2 3 1 2 3</p>"}.text(), "2 elements p, where the count");
+  refused("a.dae", Collada{.more = "<lines count='1'>"}.text(), "a list of faces inside of another");
+  refused("a.dae", Collada{.vertices = "5000000"}.text(), "the accessor of '#a' reaches past its 12 values");
+  refused("a.dae", Collada{.stride = "4"}.text(), "the accessor of '#a' reaches past its 12 values");
+}
+
+TEST_F(Assimp, NodesOfColladaUnfold) {
+  const std::string instance = R"(<instance_node url="#)";
+  refused("a.dae", Collada{.nodes = R"(<node id="n"><instance_node url="#n"/></node>)"}.text(),
+          "a node instances itself");
+  refused("a.dae", Collada{.nodes = R"(<node name="n"><node><instance_node url="#n"/></node></node>)"}.text(),
+          "a node instances itself");
+  refused("a.dae", Collada{.nodes = R"(<node id="n"><instance_node url="#&#110;"/></node>)"}.text(), "hold '&'");
+  std::string doubling, chain;
+  for (int n = 0; n < 5000; ++n) {
+    const std::string node = "<node id=\"n" + std::to_string(n) + "\">",
+                      next = instance + "n" + std::to_string(n + 1) + "\"/>";
+    if (n < 40) doubling += node + next + next + "</node>";
+    chain += node + next + "</node>";
+  }
+  refused("a.dae", Collada{.nodes = doubling}.text(), "unfold to more than a million");
+  refused("a.dae", Collada{.nodes = chain}.text(), "nested too deep");
+  refused("a.dae", Collada{.nodes = nested(200'000, "<node>", "</node>")}.text(), "nested more than 500 deep");
+  EXPECT_EQ(triangles("a.dae", Collada{.nodes = Collada().nodes + nested(450, "<node>", "</node>")}.text()), 4u);
+}
+
+TEST_F(Assimp, ColladaThatIsNoPlainXml) {
+  refused("a.dae", Collada{.before = "<!DOCTYPE COLLADA [<!ENTITY a \"1\">]>"}.text(), "a document type is not read");
+  refused("a.dae", Collada().text() + std::string(1, '\0'), "a zero byte");
+  refused("a.dae", Collada{.before = "<!-- "}.text(), "it is cut off");
+  refused("a.dae", Collada{.before = "<a b>"}.text(), "a tag that is none");
+  const std::string whole = Collada().text();
+  for (std::size_t size = 60; size < whole.size(); size += 7) refused("a.dae", whole.substr(0, size), "a.dae");
+}
+
+}  // namespace
+}  // namespace difi
