@@ -140,10 +140,10 @@ class ColladaCheck {
   void check_indices(std::uint64_t indices) const {
     const auto& [kind, count, offsets, lists, has_vertices, corners] = primitive_;
     if (!has_vertices) scan_.fail("no input before the indices is called VERTEX; repair the file");
-    const auto expect = [&](std::uint64_t expected) {
+    const auto expect = [this, indices](std::uint64_t expected) {
       if (indices != expected)
-        scan_.fail(std::to_string(indices) + " indices, where the count of " + std::string(kind) + " asks for " +
-                   std::to_string(expected) + "; repair the mesh");
+        scan_.fail(std::to_string(indices) + " indices, where the count of " + std::string(primitive_.kind) +
+                   " asks for " + std::to_string(expected) + "; repair the mesh");
     };
     if (kind == "triangles") return expect(3 * count * offsets);
     if (kind == "polylist") {
