@@ -1,5 +1,5 @@
-// Mesh and grid so far apart, or so uneven, that squared distances in float would mean nothing: an error, by both methods,
-// where fields of infinities, a loop without end and a crash were seen.
+// Mesh and grid so far apart, or so uneven, that squared distances in float would mean nothing: an error, by both
+// methods, where fields of infinities, a loop without end and a crash were seen.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,9 +11,7 @@
 namespace difi {
 namespace {
 
-Mesh triangle_at(double x, double size = 1) {
-  return {{{x, 0, 0}, {x + size, 0, 0}, {x, size, 0}}, {{0, 1, 2}}};
-}
+Mesh triangle_at(double x, double size = 1) { return {{{x, 0, 0}, {x + size, 0, 0}, {x, size, 0}}, {{0, 1, 2}}}; }
 
 void expect_limit(const Mesh& mesh, const Grid& grid, const char* says) {
   for (const Method method : {Method::tiles, Method::thesis})
