@@ -119,10 +119,13 @@ requires std::is_invocable_v<const Function&, const Range&, Value> Value paralle
                                                                                          const Value& identity,
                                                                                          const Function& function,
                                                                                          const Join& join) {
-  std::vector<Value> found(range.parts(), identity);
-  stand_in::run(found.size(), [&](std::size_t n) { found[n] = function(range.part(n), identity); });
+  struct Part {
+    Value value;
+  };
+  std::vector<Part> found(range.parts(), Part{identity});  // a vector of bool would share words between threads
+  stand_in::run(found.size(), [&](std::size_t n) { found[n].value = function(range.part(n), identity); });
   Value result = identity;
-  for (const Value& part : found) result = join(result, part);
+  for (const Part& part : found) result = join(result, part.value);
   return result;
 }
 
