@@ -1,6 +1,8 @@
 // Chooses the kernels at run time.
 #include "collision/kernels.h"
 
+#include "geometry/instruction_sets.h"
+
 namespace difi::collision {
 
 namespace portable {
@@ -22,10 +24,8 @@ struct Available {
   Available() {
     int n = 0;
 #ifdef __x86_64__
-    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw") &&
-        __builtin_cpu_supports("avx512vl"))
-      rows[n++] = &avx512::kKernels;
-    if (__builtin_cpu_supports("avx2")) rows[n++] = &avx2::kKernels;
+    if (has_avx512()) rows[n++] = &avx512::kKernels;
+    if (has_avx2()) rows[n++] = &avx2::kKernels;
 #endif
     rows[n] = &portable::kKernels;
   }

@@ -2,6 +2,7 @@
 #include "cpu/kernels.h"
 
 #include "difi/error.h"
+#include "geometry/instruction_sets.h"
 
 namespace difi::cpu {
 
@@ -20,12 +21,8 @@ extern const Kernels kKernels;
 namespace {
 
 bool supports(Simd simd) {
-#ifdef __x86_64__
-  if (simd == Simd::avx2) return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
-  if (simd == Simd::avx512)
-    return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-           __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl");
-#endif
+  if (simd == Simd::avx2) return has_avx2();
+  if (simd == Simd::avx512) return has_avx512();
   return simd == Simd::portable;
 }
 

@@ -1,5 +1,5 @@
 // The kernel for thick bands and full fields, where each sample has many candidates and needs few. Included like
-// kernels_body.h, after it and kernels_cull.h.
+// kernels_body.h, after it.
 //
 // The candidates of a tile are set up once, in groups of sixteen, and measured from the corners of its 2x2x2 cells. The
 // nearest point found from a corner is a reference q for the cells around it.
