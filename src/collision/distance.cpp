@@ -76,10 +76,8 @@ class Nearest {
     alignas(64) float gap[kLanes];
     const Level& nodes = pair_.tree.body->tree.levels[level];
     kernels_.gaps(pair_.field.body->view, pair_.place, nodes.balls[packet], reach_, gap);
-    int lanes[kLanes], count = 0;
-    for (int n = 0; n < kLanes; ++n)
-      if (gap[n] <= reach_) lanes[count++] = n;
-    std::sort(lanes, lanes + count, [&gap](int a, int b) { return gap[a] < gap[b]; });
+    int lanes[kLanes];
+    const int count = lanes_within(gap, reach_, lanes);
     for (int n = 0; n < count && gap[lanes[n]] <= reach_; ++n) {
       if (found_ && level <= 1 && closer_look(nodes.balls[packet], lanes[n]) > reach_) continue;
       const std::uint32_t child = packet * kLanes + lanes[n];

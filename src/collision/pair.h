@@ -1,6 +1,8 @@
 // Two placed bodies, one giving its field and the other its tree.
 #pragma once
 
+#include <algorithm>
+
 #include "collision/kernels.h"
 #include "collision/model.h"
 
@@ -39,5 +41,14 @@ struct Pair {
   /// A triangle of the tree's body, in the field's frame.
   FloatBox box_of(std::uint32_t place_in_tree) const;
 };
+
+/// The lanes whose gap is at most `limit`, the nearest first. Returns how many.
+inline int lanes_within(const float (&gap)[kLanes], float limit, int (&lanes)[kLanes]) {
+  int count = 0;
+  for (int n = 0; n < kLanes; ++n)
+    if (gap[n] <= limit) lanes[count++] = n;
+  std::sort(lanes, lanes + count, [&gap](int a, int b) { return gap[a] < gap[b]; });
+  return count;
+}
 
 }  // namespace difi::collision

@@ -35,11 +35,8 @@ class Search {
     alignas(64) float gap[kLanes];
     const Level& nodes = pair_.tree.body->tree.levels[level];
     kernels_.gaps(pair_.field.body->view, pair_.place, nodes.balls[packet], limit_, gap);
-    int lanes[kLanes], count = 0;
-    for (int n = 0; n < kLanes; ++n)
-      if (gap[n] <= limit_) lanes[count++] = n;
-    if (count == 0) return false;
-    std::sort(lanes, lanes + count, [&gap](int a, int b) { return gap[a] < gap[b]; });
+    int lanes[kLanes];
+    const int count = lanes_within(gap, limit_, lanes);
     for (int n = 0; n < count; ++n)
       if (visit(level - 1, packet * kLanes + lanes[n])) return true;
     return false;
