@@ -1,20 +1,39 @@
 // Where two surfaces touch. Packets of the tree's triangles that may touch are gone through in an order that jumps over
-// the whole contact area, and give a few pairs each; what room is left is filled by a second round.
+// the whole contact area; the pairs they give are decided in turns, one of each packet after the other, until there are
+// enough.
 #include <algorithm>
 #include <bit>
 #include <cmath>
 
 #include "collision/batch.h"
 #include "collision/close_pairs.h"
-#include "collision/pair.h"
+#include "collision/pair_batch.h"
 
 namespace difi {
 namespace collision {
 namespace {
 
-// Packets that share the contacts in the first round, at most: more would spread them better, but each has to be
-// fetched.
-constexpr std::size_t kSharers = 32;
+// Packets whose pairs take turns, at least: more would spread the contacts better, but each has to be looked up.
+constexpr std::size_t kTakeTurns = 32;
+
+// Packets asked for from memory before they are looked up.
+constexpr std::size_t kAhead = 2;
+
+// The packets in the order of their numbers with the bits turned around: each falls into the largest gap the ones
+// before it have left.
+std::vector<std::uint32_t> spread(const std::vector<std::uint32_t>& packets) {
+  std::vector<std::uint32_t> result;
+  result.reserve(packets.size());
+  const std::size_t end = std::bit_ceil(packets.size());
+  std::size_t at = 0;
+  for (std::size_t number = 0; number < end; ++number) {
+    if (at < packets.size()) result.push_back(packets[at]);
+    std::size_t bit = end / 2;  // one is added from the other end
+    for (; (at & bit) != 0; bit /= 2) at ^= bit;
+    at |= bit;
+  }
+  return result;
+}
 
 class Gather {
  public:
@@ -24,27 +43,29 @@ class Gather {
         margin_(options.margin),
         limit_(static_cast<float>(options.margin) * 1.000001f + pair.slack),
         most_(static_cast<std::size_t>(options.most)),
-        close_(pair, kernels_, limit_) {}
+        close_(pair, kernels_, limit_),
+        batch_(pair, kernels_) {}
 
   Contacts run() {
     if (pair_.root_gap() > margin_ + pair_.slack) return {};
     find_packets(pair_.tree.body->tree.top(), 0);
-    const std::size_t count = packets_.size();
-    const std::size_t share = most_ / std::clamp<std::size_t>(count, 1, kSharers) + 1;
-    // Numbers with their bits turned around: each falls into the largest gap the ones before it have left.
-    const int bits = static_cast<int>(std::bit_width(count));
-    std::vector<std::uint32_t> unfinished;
-    for (std::size_t n = 0; n < std::size_t{1} << bits && !full(); ++n) {
-      std::size_t at = 0;
-      for (int bit = 0; bit < bits; ++bit) at |= (n >> bit & 1) << (bits - 1 - bit);
-      if (at < count && !take(packets_[at], 0, share)) unfinished.push_back(packets_[at]);
-    }
-    for (std::size_t n = 0; n < unfinished.size() && !full(); ++n) take(unfinished[n], share, most_ + 1);
+    packets_ = spread(packets_);
+    std::size_t next = 0;
+    do {
+      candidates_.clear();
+      ends_.clear();
+      for (; next < packets_.size() && !enough(next); ++next) {
+        if (next + kAhead < packets_.size()) fetch(pair_.tree.body->tree.faces[packets_[next + kAhead]]);
+        look_up(packets_[next]);
+      }
+    } while (decide_in_turns() && next < packets_.size());
     return std::move(result_);
   }
 
  private:
-  bool full() const { return result_.overflow; }
+  struct Candidate {
+    std::uint32_t field_place, tree_place;
+  };
 
   void find_packets(int level, std::uint32_t packet) {
     if (level == 0) return packets_.push_back(packet);
@@ -54,31 +75,52 @@ class Gather {
       if (gap[n] <= limit_) find_packets(level - 1, packet * kLanes + n);
   }
 
-  // Adds the pairs of a packet from the `first`-th up to the `end`-th; false when there may be more.
-  bool take(std::uint32_t packet, std::size_t first, std::size_t end) {
-    // Packets come here because they reach the surface: asking the field for each triangle would cost more than it
-    // saves.
-    const auto left = static_cast<std::uint32_t>(pair_.tree.body->tree.order.size()) - packet * kLanes;
-    const std::uint32_t lanes = left < kLanes ? (1u << left) - 1 : 0xffffu;
-    seen_ = 0, first_ = first, end_ = end;
-    return close_.visit(packet, lanes, [this](std::uint32_t f, std::uint32_t t) { return test(f, t); });
+  // About every second candidate turns out to touch.
+  bool enough(std::size_t looked_up) const {
+    return looked_up >= kTakeTurns && candidates_.size() / 2 > most_ - result_.contacts.size();
   }
 
-  // False when no more is wanted.
-  bool test(std::uint32_t field_place, std::uint32_t tree_place) {
-    const Corners p = pair_.field.world(field_place), q = pair_.tree.world(tree_place);
-    Overlap found;
-    if (triangles_touch(p, q)) {
-      if (++seen_ <= first_) return true;
-      found = overlap(p, q);
-    } else {
-      if (!(margin_ > 0)) return true;
-      const ClosestPair pair = closest_points(p, q);
-      if (!(pair.distance_sq <= margin_ * margin_)) return true;
-      if (++seen_ <= first_) return true;
-      const double apart = std::sqrt(pair.distance_sq);
-      found = {(pair.on_p + pair.on_q) * 0.5, (pair.on_q - pair.on_p) * (1 / apart), -apart};
+  // Packets come here because they reach the surface: asking the field for each triangle would cost more than it saves.
+  void look_up(std::uint32_t packet) {
+    close_.visit(packet, [this](std::uint32_t field_place, std::uint32_t tree_place) {
+      fetch(pair_.field.body->corners[field_place]);
+      fetch(pair_.tree.body->corners[tree_place]);
+      candidates_.push_back({field_place, tree_place});
+      return true;
+    });
+    if (candidates_.size() > (ends_.empty() ? 0 : ends_.back())) ends_.push_back(candidates_.size());
+  }
+
+  // False when there are more contacts than wanted.
+  bool decide_in_turns() {
+    result_.contacts.reserve(std::min(most_, result_.contacts.size() + candidates_.size()));
+    for (std::size_t turn = 0, left = ends_.size(); left > 0; ++turn) {
+      left = 0;
+      for (std::size_t n = 0; n < ends_.size(); ++n) {
+        const std::size_t at = (n == 0 ? 0 : ends_[n - 1]) + turn;
+        if (at >= ends_[n]) continue;
+        ++left;
+        batch_.add(candidates_[at].field_place, candidates_[at].tree_place);
+        if (batch_.full() && !settle()) return false;
+      }
     }
+    return settle();
+  }
+
+  bool settle() {
+    return batch_.settle([this](std::uint32_t field_place, std::uint32_t tree_place, const Overlap* touching) {
+      if (touching) return add(field_place, tree_place, *touching);
+      if (!(margin_ > 0)) return true;
+      const ClosestPair pair = closest_points(pair_.field.world(field_place), pair_.tree.world(tree_place));
+      if (!(pair.distance_sq <= margin_ * margin_)) return true;
+      const double apart = std::sqrt(pair.distance_sq);
+      return add(field_place, tree_place,
+                 {(pair.on_p + pair.on_q) * 0.5, (pair.on_q - pair.on_p) * (1 / apart), -apart});
+    });
+  }
+
+  // False when there is no room.
+  bool add(std::uint32_t field_place, std::uint32_t tree_place, const Overlap& found) {
     if (result_.contacts.size() == most_) {
       result_.overflow = true;
       return false;
@@ -90,7 +132,7 @@ class Gather {
       std::swap(contact.triangle_a, contact.triangle_b);
     }
     result_.contacts.push_back(contact);
-    return seen_ < end_;
+    return true;
   }
 
   const Pair& pair_;
@@ -99,10 +141,11 @@ class Gather {
   const float limit_;
   const std::size_t most_;
   ClosePairs close_;
+  PairBatch batch_;
   std::vector<std::uint32_t> packets_;
+  std::vector<Candidate> candidates_;  // of some packets, one packet after the other
+  std::vector<std::size_t> ends_;      // where each packet's candidates end
   Contacts result_;
-  // The packet at work.
-  std::size_t seen_ = 0, first_ = 0, end_ = 0;
 };
 
 void check(const ContactOptions& options) {

@@ -18,11 +18,14 @@ struct Kernels {
   std::uint32_t (*overlaps)(const Boxes&, const FloatBox& box);
   /// Squared distances between the boxes and `box`.
   void (*distances_sq)(const Boxes&, const FloatBox& box, float* distance_sq);
-  /// Places 16 triangles in another frame, and their boxes grown by `by`.
-  void (*place_faces)(const FloatPlace&, const Faces&, float by, Faces& placed, Boxes& boxes);
-  /// Bit n: neither the plane of face n nor that of lane `lane` of `others` keeps the two triangles more than `apart`
-  /// from each other.
-  std::uint32_t (*not_parted)(const Faces&, const Faces& others, int lane, float apart);
+  /// Places 16 triangles in another frame, and their boxes grown by `by`; `all` becomes the box around those.
+  void (*place_faces)(const FloatPlace&, const Faces&, float by, Faces& placed, Boxes& boxes, FloatBox& all);
+  /// The pairs of triangles, one of each packet, whose boxes share a point and which neither triangle's plane keeps
+  /// more than `apart` from each other. Fastest where b is the one with fewer lanes. Returns how many.
+  int (*close_lanes)(const Packet& a, const Packet& b, float apart, LanePair* pairs);
+  /// Decides eight pairs in the world; where `place_p` or `place_q` is given, their corners are still to be taken
+  /// there.
+  void (*meet)(const TrianglePairs&, const DoublePlace* place_p, const DoublePlace* place_q, Meetings&);
 };
 
 /// The kernels for this processor.

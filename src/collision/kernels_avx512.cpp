@@ -9,10 +9,11 @@ namespace difi::collision::avx512 {
 namespace {
 
 #include "collision/kernels_body.h"
+#include "collision/kernels_pairs.h"
 
 }  // namespace
 
-extern const Kernels kKernels{"avx512", gaps, gaps_at, overlaps, distances_sq, place_faces, not_parted};
+extern const Kernels kKernels{"avx512", gaps, gaps_at, overlaps, distances_sq, place_faces, close_lanes, meet};
 
 }  // namespace difi::collision::avx512
 

@@ -5,6 +5,9 @@
 // x, and a ball (x, r) is at least d(x) - r away. The nearest sample is taken, of the coarse field and then of the fine
 // one; a sample clamped by the band's half-width is still a lower bound. So is the distance to the surface's box.
 
+// Wide values are passed within this file alone: how others would pass them is of no account.
+#pragma GCC diagnostic ignored "-Wpsabi"
+
 inline float least(float a, float b) { return a < b ? a : b; }
 inline float most(float a, float b) { return a > b ? a : b; }
 
@@ -22,6 +25,26 @@ inline std::uint32_t bits_of(const std::int32_t* flags) {
   std::uint32_t bits = 0;
   for (int n = 0; n < kLanes; ++n) bits |= static_cast<std::uint32_t>(flags[n] & 1) << n;
   return bits;
+#endif
+}
+
+// The least and the most of sixteen.
+inline float least_of(const float* values) {
+#if defined(__AVX512F__)
+  return _mm512_reduce_min_ps(_mm512_load_ps(values));
+#else
+  float result = values[0];
+  for (int n = 1; n < kLanes; ++n) result = least(result, values[n]);
+  return result;
+#endif
+}
+inline float most_of(const float* values) {
+#if defined(__AVX512F__)
+  return _mm512_reduce_max_ps(_mm512_load_ps(values));
+#else
+  float result = values[0];
+  for (int n = 1; n < kLanes; ++n) result = most(result, values[n]);
+  return result;
 #endif
 }
 
@@ -83,7 +106,7 @@ std::uint32_t overlaps(const Boxes& boxes, const FloatBox& box) {
   return bits_of(meets);
 }
 
-void place_faces(const FloatPlace& place, const Faces& faces, float by, Faces& placed, Boxes& boxes) {
+void place_faces(const FloatPlace& place, const Faces& faces, float by, Faces& placed, Boxes& boxes, FloatBox& all) {
   const float* r = place.rotation;
   for (int axis = 0; axis < 3; ++axis) {
     for (int k = 0; k < 3; ++k)
@@ -95,6 +118,7 @@ void place_faces(const FloatPlace& place, const Faces& faces, float by, Faces& p
       boxes.min[axis][n] = least(a, least(b, c)) - by;
       boxes.max[axis][n] = most(a, most(b, c)) + by;
     }
+    all.min[axis] = least_of(boxes.min[axis]), all.max[axis] = most_of(boxes.max[axis]);
   }
 }
 
@@ -103,54 +127,87 @@ using Wide = float __attribute__((vector_size(4 * kLanes)));
 using WideInts = std::int32_t __attribute__((vector_size(4 * kLanes)));
 inline Wide wide(const float* from) { return *reinterpret_cast<const Wide*>(from); }
 inline Wide wide(float value) { return Wide{} + value; }
-inline Wide least(Wide a, Wide b) { return a < b ? a : b; }
-inline Wide most(Wide a, Wide b) { return a > b ? a : b; }
-inline Wide size(Wide a) { return most(a, -a); }
+inline Wide least(const Wide& a, const Wide& b) { return a < b ? a : b; }
+inline Wide most(const Wide& a, const Wide& b) { return a > b ? a : b; }
+inline Wide size(const Wide& a) { return most(a, -a); }
 
 // Two triangles are apart where their shadows on some axis are. The axes tried are the two normals; that they are
 // rounded does no harm, for any axis will do. Only the shadows' own rounding counts: a few roundings of products no
 // larger than |normal| (the sum of its magnitudes) times the span of the corners.
-std::uint32_t not_parted(const Faces& faces, const Faces& others, int lane, float apart) {
-  constexpr float kRounding = 4e-6f;
-  float q[3][3], f1[3], f2[3], m[3];
-  for (int k = 0; k < 3; ++k)
-    for (int axis = 0; axis < 3; ++axis) q[k][axis] = others.corner[k][axis][lane];
-  for (int axis = 0; axis < 3; ++axis) f1[axis] = q[1][axis] - q[0][axis], f2[axis] = q[2][axis] - q[0][axis];
-  for (int axis = 0; axis < 3; ++axis) {
-    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-    m[axis] = f1[u] * f2[v] - f1[v] * f2[u];
-  }
-  const float m_size = most(m[0], -m[0]) + most(m[1], -m[1]) + most(m[2], -m[2]);
-  const float q1 = m[0] * f1[0] + m[1] * f1[1] + m[2] * f1[2], q2 = m[0] * f2[0] + m[1] * f2[1] + m[2] * f2[2];
-  const float q_low = least(0.0f, least(q1, q2)), q_high = most(0.0f, most(q1, q2));
+constexpr float kShadowRounding = 4e-6f;
 
-  Wide p[3][3], e1[3], e2[3], normal[3];
+struct Planes {
+  Wide corner[3][3];
+  Wide normal[3], normal_size;
+};
+inline Planes planes_of(const Faces& faces) {
+  Planes p;
   for (int k = 0; k < 3; ++k)
-    for (int axis = 0; axis < 3; ++axis) p[k][axis] = wide(faces.corner[k][axis]);
-  for (int axis = 0; axis < 3; ++axis) e1[axis] = p[1][axis] - p[0][axis], e2[axis] = p[2][axis] - p[0][axis];
+    for (int axis = 0; axis < 3; ++axis) p.corner[k][axis] = wide(faces.corner[k][axis]);
   for (int axis = 0; axis < 3; ++axis) {
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-    normal[axis] = e1[u] * e2[v] - e1[v] * e2[u];
+    p.normal[axis] = (p.corner[1][u] - p.corner[0][u]) * (p.corner[2][v] - p.corner[0][v]) -
+                     (p.corner[1][v] - p.corner[0][v]) * (p.corner[2][u] - p.corner[0][u]);
   }
-  const Wide normal_size = size(normal[0]) + size(normal[1]) + size(normal[2]);
+  p.normal_size = size(p.normal[0]) + size(p.normal[1]) + size(p.normal[2]);
+  return p;
+}
+
+// Normals and shadows on them of sixteen triangles, for one lane at a time.
+struct Shadows {
+  alignas(64) float normal[3][kLanes], normal_size[kLanes], low[kLanes], high[kLanes];
+};
+inline Shadows shadows_of(const Faces& faces) {
+  const Planes p = planes_of(faces);
+  Wide reach[2] = {};
+  for (int k = 0; k < 2; ++k)
+    for (int axis = 0; axis < 3; ++axis) reach[k] += p.normal[axis] * (p.corner[k + 1][axis] - p.corner[0][axis]);
+  Shadows s;
+  const auto store = [](const Wide& value, float* to) { *reinterpret_cast<Wide*>(to) = value; };
+  for (int axis = 0; axis < 3; ++axis) store(p.normal[axis], s.normal[axis]);
+  store(p.normal_size, s.normal_size);
+  store(least(Wide{}, least(reach[0], reach[1])), s.low);
+  store(most(Wide{}, most(reach[0], reach[1])), s.high);
+  return s;
+}
+
+inline std::uint32_t not_parted(const Planes& planes, const Faces& others, const Shadows& shadows, int lane,
+                                float apart) {
+  const float *const low = shadows.low, *const high = shadows.high;
   Wide span{}, shadow[3], back[3];
   for (int k = 0; k < 3; ++k) {
     shadow[k] = back[k] = Wide{};
     for (int axis = 0; axis < 3; ++axis) {
-      const Wide d = q[k][axis] - p[0][axis], o = p[k][axis] - q[0][axis];
-      shadow[k] += normal[axis] * d;
-      back[k] += m[axis] * o;
+      const Wide d = others.corner[k][axis][lane] - planes.corner[0][axis],
+                 o = planes.corner[k][axis] - others.corner[0][axis][lane];
+      shadow[k] += planes.normal[axis] * d;
+      back[k] += shadows.normal[axis][lane] * o;
       span = most(span, most(size(d), size(o)));
     }
   }
-  const Wide keep = apart + kRounding * span, by_face = normal_size * keep, by_other = m_size * keep;
+  const Wide keep = apart + kShadowRounding * span, by_face = planes.normal_size * keep,
+             by_other = shadows.normal_size[lane] * keep;
   const WideInts near = (least(shadow[0], least(shadow[1], shadow[2])) <= by_face) &
                         (most(shadow[0], most(shadow[1], shadow[2])) >= -by_face) &
-                        (least(back[0], least(back[1], back[2])) <= q_high + by_other) &
-                        (most(back[0], most(back[1], back[2])) >= q_low - by_other);
+                        (least(back[0], least(back[1], back[2])) <= high[lane] + by_other) &
+                        (most(back[0], most(back[1], back[2])) >= low[lane] - by_other);
   alignas(64) std::int32_t flags[kLanes];
   *reinterpret_cast<WideInts*>(flags) = near;
   return bits_of(flags);
+}
+
+int close_lanes(const Packet& a, const Packet& b, float apart, LanePair* pairs) {
+  const Planes planes = planes_of(*a.faces);
+  const Shadows shadows = shadows_of(*b.faces);
+  int count = 0;
+  for (std::uint32_t left = b.lanes; left != 0; left &= left - 1) {
+    const int lane = __builtin_ctz(left);
+    std::uint32_t near = overlaps(*a.boxes, lane_of(*b.boxes, lane)) & a.lanes;
+    if (near != 0) near &= not_parted(planes, *b.faces, shadows, lane, apart);
+    for (; near != 0; near &= near - 1)
+      pairs[count++] = {static_cast<std::uint8_t>(__builtin_ctz(near)), static_cast<std::uint8_t>(lane)};
+  }
+  return count;
 }
 
 void distances_sq(const Boxes& boxes, const FloatBox& box, float* distance_sq) {

@@ -5,9 +5,10 @@ namespace difi::collision::portable {
 namespace {
 
 #include "collision/kernels_body.h"
+#include "collision/kernels_pairs.h"
 
 }  // namespace
 
-extern const Kernels kKernels{"portable", gaps, gaps_at, overlaps, distances_sq, place_faces, not_parted};
+extern const Kernels kKernels{"portable", gaps, gaps_at, overlaps, distances_sq, place_faces, close_lanes, meet};
 
 }  // namespace difi::collision::portable

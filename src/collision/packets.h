@@ -1,6 +1,7 @@
 // Sixteen balls or boxes at a time: what the kernels work on. Lanes without content hold an empty ball or box.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 
@@ -24,6 +25,30 @@ struct alignas(64) Faces {
   float corner[3][3][kLanes];
 };
 
+/// Pairs of triangles at a time: as many doubles as a 512-bit register holds.
+inline constexpr int kPairs = 8;
+
+/// Corner, axis, lane.
+struct alignas(64) TrianglePairs {
+  double p[3][3][kPairs], q[3][3][kPairs];
+};
+
+/// Which of eight pairs touch, and where and how deep they are in each other: as Overlap in triangle_pair.h.
+struct alignas(64) Meetings {
+  double point[3][kPairs];
+  double normal[3][kPairs];
+  double depth[kPairs];
+  std::uint32_t touching;  ///< bit n: pair n touches, for certain; only then its numbers mean something
+  std::uint32_t unsure;    ///< bit n: rounding may hide the answer
+};
+
+/// Asks the memory for all lines of something before the first is needed.
+template <class T>
+inline void fetch(const T& what) {
+  for (std::size_t line = 0; line < sizeof(T); line += 64)
+    __builtin_prefetch(reinterpret_cast<const char*>(&what) + line);
+}
+
 /// One box.
 struct FloatBox {
   float min[3] = {kNothing, kNothing, kNothing};
@@ -44,10 +69,32 @@ struct FloatBox {
   }
 };
 
+inline FloatBox lane_of(const Boxes& boxes, int lane) {
+  FloatBox box;
+  for (int axis = 0; axis < 3; ++axis) box.min[axis] = boxes.min[axis][lane], box.max[axis] = boxes.max[axis][lane];
+  return box;
+}
+
+/// Some of sixteen triangles, and their boxes.
+struct Packet {
+  const Faces* faces;
+  const Boxes* boxes;
+  std::uint32_t lanes;  ///< bits
+};
+
+/// A lane of one packet and one of another.
+struct LanePair {
+  std::uint8_t a, b;
+};
+
 /// Coordinates of one frame in another: x -> rotation * x + translation.
 struct FloatPlace {
   float rotation[9];
   float translation[3];
+};
+struct DoublePlace {
+  double rotation[9];
+  double translation[3];
 };
 
 /// The fields of a body, as the kernels read them (field_bounds.h). Positions are relative to the body's middle.

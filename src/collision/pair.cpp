@@ -58,6 +58,20 @@ double Pair::root_gap() const {
   return length(out) - tree.body->radius;
 }
 
+FloatBox Pair::region(float by) const {
+  const Vec3 half = tree.body->box.extent() * 0.5, offset = tree.body->box.center() - tree.body->middle;
+  const Vec3 center = apply(relative, offset);
+  const double at[3] = {center.x, center.y, center.z};
+  FloatBox box;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double* r = &relative.rotation[3 * axis];
+    const double reach = std::abs(r[0]) * half.x + std::abs(r[1]) * half.y + std::abs(r[2]) * half.z;
+    box.min[axis] = static_cast<float>(at[axis] - reach) - by - slack;
+    box.max[axis] = static_cast<float>(at[axis] + reach) + by + slack;
+  }
+  return box;
+}
+
 FloatBox Pair::box_of(std::uint32_t place_in_tree) const {
   FloatBox box;
   for (const Vec3& corner : tree.body->corners[place_in_tree]) {

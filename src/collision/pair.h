@@ -38,6 +38,8 @@ struct Pair {
 
   /// A lower bound of the distance of the bodies from the tree's ball and the field's box alone.
   double root_gap() const;
+  /// A box around the tree's body in the field's frame, grown by `by`.
+  FloatBox region(float by) const;
   /// A triangle of the tree's body, in the field's frame.
   FloatBox box_of(std::uint32_t place_in_tree) const;
 };

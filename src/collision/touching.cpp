@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "collision/close_pairs.h"
+#include "collision/pair_batch.h"
 
 namespace difi::collision {
 namespace {
@@ -17,7 +18,8 @@ class Search {
         kernels_(kernels()),
         margin_(margin),
         limit_(static_cast<float>(margin) * 1.000001f + pair.slack),
-        close_(pair, kernels_, limit_) {}
+        close_(pair, kernels_, limit_),
+        batch_(pair, kernels_) {}
 
   std::optional<Touching> run() {
     if (pair_.root_gap() > margin_ + pair_.slack || !visit(pair_.tree.body->tree.top(), 0)) return {};
@@ -28,9 +30,11 @@ class Search {
   bool visit(int level, std::uint32_t packet) {
     if (level == 0) {
       // The packet reaches the surface: its triangles' boxes tell more than the field would.
-      const auto left = static_cast<std::uint32_t>(pair_.tree.body->tree.order.size()) - packet * kLanes;
-      return !close_.visit(packet, left < kLanes ? (1u << left) - 1 : 0xffffu,
-                           [this](std::uint32_t f, std::uint32_t t) { return !test(f, t); });
+      const bool none = close_.visit(packet, [this](std::uint32_t field_place, std::uint32_t tree_place) {
+        batch_.add(field_place, tree_place);
+        return !batch_.full() || settle();
+      });
+      return !(none && settle());
     }
     alignas(64) float gap[kLanes];
     const Level& nodes = pair_.tree.body->tree.levels[level];
@@ -42,12 +46,17 @@ class Search {
     return false;
   }
 
-  bool test(std::uint32_t field_place, std::uint32_t tree_place) {
-    const Corners p = pair_.field.world(field_place), q = pair_.tree.world(tree_place);
-    bool hit = triangles_touch(p, q);
-    if (!hit && margin_ > 0) hit = closest_points(p, q).distance_sq <= margin_ * margin_;
-    if (hit) found_ = {field_place, tree_place};
-    return hit;
+  // False when one of the pairs that wait touches.
+  bool settle() {
+    return batch_.settle([this](std::uint32_t field_place, std::uint32_t tree_place, const Overlap* touching) {
+      bool hit = touching != nullptr;
+      if (!hit && margin_ > 0) {
+        const Corners p = pair_.field.world(field_place), q = pair_.tree.world(tree_place);
+        hit = closest_points(p, q).distance_sq <= margin_ * margin_;
+      }
+      if (hit) found_ = {field_place, tree_place};
+      return !hit;
+    });
   }
 
   const Pair& pair_;
@@ -55,6 +64,7 @@ class Search {
   const double margin_;
   const float limit_;  // balls and boxes farther away than this are farther than the margin
   ClosePairs close_;
+  PairBatch batch_;
   Touching found_{};
 };
 

@@ -60,11 +60,11 @@ void fill_levels(Tree& tree, MeshView mesh, Vec3 middle) {
   tbb::parallel_for(std::int64_t{0}, count, [&](std::int64_t n) {
     for (int k = 0; k < 3; ++k) corners[3 * n + k] = place(mesh.corner(tree.order[n], k), middle);
   });
-  tree.faces.assign(static_cast<std::size_t>((count + kLanes - 1) / kLanes), Faces{});
-  tbb::parallel_for(std::int64_t{0}, count, [&](std::int64_t n) {
+  tree.faces.resize(static_cast<std::size_t>((count + kLanes - 1) / kLanes));
+  tbb::parallel_for(std::int64_t{0}, static_cast<std::int64_t>(tree.faces.size()) * kLanes, [&](std::int64_t n) {
+    const Place* const from = corners.data() + 3 * std::min(n, count - 1);
     for (int k = 0; k < 3; ++k)
-      for (int axis = 0; axis < 3; ++axis)
-        tree.faces[n / kLanes].corner[k][axis][n % kLanes] = corners[3 * n + k].x[axis];
+      for (int axis = 0; axis < 3; ++axis) tree.faces[n / kLanes].corner[k][axis][n % kLanes] = from[k].x[axis];
   });
   tree.levels.clear();
   for (std::int64_t size = 1;; size *= kLanes) {  // triangles of a node

@@ -20,7 +20,7 @@ struct Level {
 struct Tree {
   std::vector<std::uint32_t> order;  ///< triangles of the mesh, by their place in the tree
   std::vector<Level> levels;         ///< the last one has a single packet
-  BigVector<Faces> faces;            ///< the triangles, in packets of the lowest level; lanes without one are points
+  BigVector<Faces> faces;  ///< the triangles, in packets of the lowest level; lanes left over repeat the last one
   int top() const { return static_cast<int>(levels.size()) - 1; }
 };
 

@@ -1,0 +1,81 @@
+// Pairs of triangles that wait to be decided together.
+#pragma once
+
+#include <optional>
+
+#include "collision/pair.h"
+#include "collision/triangle_pair.h"
+
+namespace difi::collision {
+
+class PairBatch {
+ public:
+  PairBatch(const Pair& pair, const Kernels& kernels)
+      : pair_(pair), kernels_(kernels), place_p_(place_of(pair.field.pose)), place_q_(place_of(pair.tree.pose)) {}
+
+  bool full() const { return count_ == kPairs; }
+
+  /// Adds a pair by its places in the field's and the tree's tree. Requires room.
+  void add(std::uint32_t field_place, std::uint32_t tree_place) {
+    const auto put = [this](double(&to)[3][3][kPairs], const Corners& corners) {
+      for (int k = 0; k < 3; ++k)
+        to[k][0][count_] = corners[k].x, to[k][1][count_] = corners[k].y, to[k][2][count_] = corners[k].z;
+    };
+    put(pairs_.p, pair_.field.body->corners[field_place]);
+    put(pairs_.q, pair_.tree.body->corners[tree_place]);
+    field_[count_] = field_place, tree_[count_] = tree_place;
+    ++count_;
+  }
+
+  /// Decides what waits, in the order it came, and calls use(field place, tree place, overlap or nullptr where they do
+  /// not touch), until it returns false. False when it did; nothing waits afterwards.
+  template <class Use>
+  bool settle(Use use) {
+    if (count_ == 0) return true;
+    for (int n = count_; n < kPairs; ++n)
+      for (int k = 0; k < 3; ++k)
+        for (int axis = 0; axis < 3; ++axis)
+          pairs_.p[k][axis][n] = pairs_.p[k][axis][0], pairs_.q[k][axis][n] = pairs_.q[k][axis][0];
+    Meetings met;
+    kernels_.meet(pairs_, pair_.field.moved ? &place_p_ : nullptr, pair_.tree.moved ? &place_q_ : nullptr, met);
+    const int count = count_;
+    count_ = 0;
+    for (int n = 0; n < count; ++n) {
+      Overlap found;
+      const Overlap* touching = nullptr;
+      if (met.touching >> n & 1) {
+        found = {{met.point[0][n], met.point[1][n], met.point[2][n]},
+                 {met.normal[0][n], met.normal[1][n], met.normal[2][n]},
+                 met.depth[n]};
+        touching = &found;
+      } else if (met.unsure >> n & 1) {
+        const Corners p = pair_.field.world(field_[n]), q = pair_.tree.world(tree_[n]);
+        if (triangles_touch(p, q)) {
+          found = overlap(p, q);
+          touching = &found;
+        }
+      }
+      if (!use(field_[n], tree_[n], touching)) return false;
+    }
+    return true;
+  }
+
+ private:
+  static DoublePlace place_of(const Pose& pose) {
+    DoublePlace place;
+    for (int n = 0; n < 9; ++n) place.rotation[n] = pose.rotation[n];
+    place.translation[0] = pose.translation.x;
+    place.translation[1] = pose.translation.y;
+    place.translation[2] = pose.translation.z;
+    return place;
+  }
+
+  const Pair& pair_;
+  const Kernels& kernels_;
+  const DoublePlace place_p_, place_q_;
+  TrianglePairs pairs_;
+  std::uint32_t field_[kPairs], tree_[kPairs];
+  int count_ = 0;
+};
+
+}  // namespace difi::collision
