@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "collision/batch.h"
-#include "collision/pair.h"
+#include "collision/pair_batch.h"
 #include "collision/touching.h"
 
 namespace difi {
@@ -51,7 +51,7 @@ float bound_from_eight(const FieldView& f, const float* x) {
 class Nearest {
  public:
   Nearest(const Pair& pair, double tolerance, double limit)
-      : pair_(pair), kernels_(kernels()), tolerance_(tolerance), best_(limit) {
+      : pair_(pair), kernels_(kernels()), tolerance_(tolerance), best_(limit), batch_(pair, kernels_) {
     lower_reach();
   }
 
@@ -84,10 +84,10 @@ class Nearest {
       if (level > 0) {
         visit(level - 1, child);
       } else {
-        world_ = pair_.tree.world(child);
         descend(pair_.field.body->tree.top(), 0, child, pair_.box_of(child));
       }
     }
+    if (level == 0) measure();
   }
 
   float closer_look(const Balls& balls, int lane) const {
@@ -111,18 +111,26 @@ class Nearest {
       if (level > 0)
         descend(level - 1, child, tree_place, box);
       else
-        test(child, tree_place);
+        add(child, tree_place);
     }
   }
 
-  void test(std::uint32_t field_place, std::uint32_t tree_place) {
-    const ClosestPair pair = closest_points(pair_.field.world(field_place), world_);
-    if (!(pair.distance_sq < best_ * best_)) return;
-    best_ = std::sqrt(pair.distance_sq);
-    closest = pair;
-    of_field = field_place, of_tree = tree_place;
-    found_ = true;
-    lower_reach();
+  // While nothing is found every pair counts; later the reach may lag behind a little.
+  void add(std::uint32_t field_place, std::uint32_t tree_place) {
+    batch_.add(field_place, tree_place);
+    if (batch_.full() || !found_) measure();
+  }
+
+  void measure() {
+    bool nearer = false;
+    batch_.measure([&](std::uint32_t field_place, std::uint32_t tree_place, const ClosestPair& pair) {
+      if (!(pair.distance_sq < best_ * best_)) return;
+      best_ = std::sqrt(pair.distance_sq);
+      closest = pair;
+      of_field = field_place, of_tree = tree_place;
+      found_ = nearer = true;
+    });
+    if (nearer) lower_reach();
   }
 
   const Pair& pair_;
@@ -131,7 +139,7 @@ class Nearest {
   double best_;
   float reach_ = 0, reach_sq_ = 0;
   bool found_ = false;
-  Corners world_{};
+  PairBatch batch_;
 };
 
 Distance distance_checked(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,

@@ -26,6 +26,8 @@ struct Kernels {
   /// Decides eight pairs in the world; where `place_p` or `place_q` is given, their corners are still to be taken
   /// there.
   void (*meet)(const TrianglePairs&, const DoublePlace* place_p, const DoublePlace* place_q, Meetings&);
+  /// The closest points of eight pairs that do not cross, placed as for `meet`.
+  void (*closest)(const TrianglePairs&, const DoublePlace* place_p, const DoublePlace* place_q, ClosestOfPairs&);
 };
 
 /// The kernels for this processor.

@@ -1,6 +1,7 @@
 // The kernels for AVX-512.
 #ifdef __AVX512F__
 
+#include "collision/closest_pair.h"
 #include "collision/kernels.h"
 
 #include <immintrin.h>
@@ -13,7 +14,7 @@ namespace {
 
 }  // namespace
 
-extern const Kernels kKernels{"avx512", gaps, gaps_at, overlaps, distances_sq, place_faces, close_lanes, meet};
+extern const Kernels kKernels{"avx512", gaps, gaps_at, overlaps, distances_sq, place_faces, close_lanes, meet, closest};
 
 }  // namespace difi::collision::avx512
 

@@ -1,4 +1,5 @@
 // The kernels for any processor.
+#include "collision/closest_pair.h"
 #include "collision/kernels.h"
 
 namespace difi::collision::portable {
@@ -9,6 +10,7 @@ namespace {
 
 }  // namespace
 
-extern const Kernels kKernels{"portable", gaps, gaps_at, overlaps, distances_sq, place_faces, close_lanes, meet};
+extern const Kernels kKernels{"portable",  gaps,        gaps_at, overlaps, distances_sq,
+                              place_faces, close_lanes, meet,    closest};
 
 }  // namespace difi::collision::portable

@@ -42,6 +42,12 @@ struct alignas(64) Meetings {
   std::uint32_t unsure;    ///< bit n: rounding may hide the answer
 };
 
+/// The closest points of eight pairs that do not cross.
+struct alignas(64) ClosestOfPairs {
+  double distance_sq[kPairs];
+  double on_p[3][kPairs], on_q[3][kPairs];
+};
+
 /// Asks the memory for all lines of something before the first is needed.
 template <class T>
 inline void fetch(const T& what) {

@@ -1,7 +1,7 @@
 // Pairs of triangles that wait to be decided together.
 #pragma once
 
-#include <optional>
+#include <utility>
 
 #include "collision/pair.h"
 #include "collision/triangle_pair.h"
@@ -31,15 +31,8 @@ class PairBatch {
   /// not touch), until it returns false. False when it did; nothing waits afterwards.
   template <class Use>
   bool settle(Use use) {
-    if (count_ == 0) return true;
-    for (int n = count_; n < kPairs; ++n)
-      for (int k = 0; k < 3; ++k)
-        for (int axis = 0; axis < 3; ++axis)
-          pairs_.p[k][axis][n] = pairs_.p[k][axis][0], pairs_.q[k][axis][n] = pairs_.q[k][axis][0];
     Meetings met;
-    kernels_.meet(pairs_, pair_.field.moved ? &place_p_ : nullptr, pair_.tree.moved ? &place_q_ : nullptr, met);
-    const int count = count_;
-    count_ = 0;
+    const int count = take(kernels_.meet, met);
     for (int n = 0; n < count; ++n) {
       Overlap found;
       const Overlap* touching = nullptr;
@@ -60,7 +53,31 @@ class PairBatch {
     return true;
   }
 
+  /// Measures what waits, pairs that do not cross, and calls use(field place, tree place, closest points).
+  template <class Use>
+  void measure(Use use) {
+    ClosestOfPairs found;
+    const int count = take(kernels_.closest, found);
+    for (int n = 0; n < count; ++n)
+      use(field_[n], tree_[n],
+          ClosestPair{found.distance_sq[n],
+                      {found.on_p[0][n], found.on_p[1][n], found.on_p[2][n]},
+                      {found.on_q[0][n], found.on_q[1][n], found.on_q[2][n]}});
+  }
+
  private:
+  // Runs a kernel on what waits; returns how many pairs that was.
+  template <class Kernel, class Result>
+  int take(Kernel kernel, Result& result) {
+    if (count_ == 0) return 0;
+    for (int n = count_; n < kPairs; ++n)
+      for (int k = 0; k < 3; ++k)
+        for (int axis = 0; axis < 3; ++axis)
+          pairs_.p[k][axis][n] = pairs_.p[k][axis][0], pairs_.q[k][axis][n] = pairs_.q[k][axis][0];
+    kernel(pairs_, pair_.field.moved ? &place_p_ : nullptr, pair_.tree.moved ? &place_q_ : nullptr, result);
+    return std::exchange(count_, 0);
+  }
+
   static DoublePlace place_of(const Pose& pose) {
     DoublePlace place;
     for (int n = 0; n < 9; ++n) place.rotation[n] = pose.rotation[n];

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
-#include <optional>
 
+#include "collision/closest_pair.h"
 #include "collision/predicates.h"
 
 namespace difi {
@@ -78,46 +78,7 @@ bool touches(const Vec3& p, const Vec3& q, int from, int to, const Corners& t) {
   return ab * ca >= 0 && bc * ca >= 0;
 }
 
-// The closest points of two segments (Ericson, Real-Time Collision Detection, 5.1.9).
-ClosestPair closest_of_segments(const Vec3& p0, const Vec3& p1, const Vec3& q0, const Vec3& q1) {
-  const Vec3 u = p1 - p0, v = q1 - q0, r = p0 - q0;
-  const double uu = dot(u, u), vv = dot(v, v), vr = dot(v, r), ur = dot(u, r), uv = dot(u, v);
-  const auto clamp = [](double t) { return t < 0 ? 0.0 : t > 1 ? 1.0 : t; };
-  double s = 0, t = 0;
-  if (uu <= 0) {
-    t = vv <= 0 ? 0 : clamp(vr / vv);
-  } else if (vv <= 0) {
-    s = clamp(-ur / uu);
-  } else {
-    const double denominator = uu * vv - uv * uv;
-    s = denominator > 0 ? clamp((uv * vr - ur * vv) / denominator) : 0;
-    t = (uv * s + vr) / vv;
-    if (t < 0) {
-      t = 0;
-      s = clamp(-ur / uu);
-    } else if (t > 1) {
-      t = 1;
-      s = clamp((uv - ur) / uu);
-    }
-  }
-  const Vec3 on_p = p0 + u * s, on_q = q0 + v * t, d = on_p - on_q;
-  return {dot(d, d), on_p, on_q};
-}
-
 Vec3 face_normal(const Corners& t) { return cross(t[1] - t[0], t[2] - t[0]); }
-
-// The foot of the perpendicular from v, where it lies inside the triangle: a mean of the corners with positive weights,
-// so that even for slivers it is a point of the triangle, and no distance to it too small.
-std::optional<Vec3> foot_inside(const Vec3& v, const Corners& t) {
-  const Vec3 n = face_normal(t);
-  double weight[3];  // of the corner opposite to edge k to k + 1
-  for (int k = 0; k < 3; ++k) {
-    weight[k] = dot(n, cross(t[(k + 1) % 3] - t[k], v - t[k]));
-    if (!(weight[k] > 0)) return {};
-  }
-  const double sum = weight[0] + weight[1] + weight[2];
-  return t[0] + (t[1] - t[0]) * (weight[2] / sum) + (t[2] - t[0]) * (weight[0] / sum);
-}
 
 }  // namespace
 
@@ -133,25 +94,12 @@ bool triangles_touch(const Corners& p, const Corners& q) {
 }
 
 ClosestPair closest_points(const Corners& p, const Corners& q) {
-  ClosestPair best{std::numeric_limits<double>::infinity(), {}, {}};
-  struct Candidate {
-    Vec3 way, on_p, on_q;
-  };
-  const auto take = [&best](const Candidate& c) {
-    if (const double distance_sq = dot(c.way, c.way); distance_sq < best.distance_sq)
-      best = {distance_sq, c.on_p, c.on_q};
-  };
-  for (int n = 0, m = 2; n < 3; m = n++)
-    for (int k = 0, j = 2; k < 3; j = k++) {
-      const ClosestPair pair = closest_of_segments(p[m], p[n], q[j], q[k]);
-      if (pair.distance_sq < best.distance_sq) best = pair;
-    }
-  // What is left is a corner over the inside of the other's face.
-  for (int n = 0; n < 3; ++n) {
-    if (const auto foot = foot_inside(p[n], q)) take({p[n] - *foot, p[n], *foot});
-    if (const auto foot = foot_inside(q[n], p)) take({q[n] - *foot, *foot, q[n]});
-  }
-  return best;
+  const auto triple = [](const Vec3& v) { return Triple<double>{v.x, v.y, v.z}; };
+  const auto vec = [](const Triple<double>& v) { return Vec3{v.x, v.y, v.z}; };
+  const Triple<double> of_p[3] = {triple(p[0]), triple(p[1]), triple(p[2])},
+                       of_q[3] = {triple(q[0]), triple(q[1]), triple(q[2])};
+  const auto found = collision::closest_pair(of_p, of_q);
+  return {found.distance_sq, vec(found.on_p), vec(found.on_q)};
 }
 
 Overlap overlap(const Corners& p, const Corners& q) {

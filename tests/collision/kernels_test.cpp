@@ -8,6 +8,7 @@
 #include "collision/kernels.h"
 #include "collision/triangle_pair.h"
 #include "difi/pose.h"
+#include "geometry/closest_point.h"
 #include "tests/support/random_mesh.h"
 
 namespace difi {
@@ -132,6 +133,85 @@ TEST(PairKernels, MeetTellsWhereAndHowDeep) {
     }
   }
   EXPECT_GT(compared, 300);
+}
+
+// The distance of two convex sets by projecting onto one and the other in turns: slow, and nothing like the kernel.
+double distance_by_projections(const Corners& p, const Corners& q) {
+  const auto triple = [](const Vec3& v) { return Triple<double>{v.x, v.y, v.z}; };
+  // A segment's closest point is on one of its edges.
+  const auto onto = [&](const Triple<double>& x, const Corners& t) {
+    Triple<double> best = closest_on_triangle(x, triple(t[0]), triple(t[1]), triple(t[2]));
+    for (int k = 0; k < 3; ++k) {
+      const Triple<double> other = closest_on_segment(x, triple(t[k]), triple(t[(k + 1) % 3]));
+      if (dot(other - x, other - x) < dot(best - x, best - x)) best = other;
+    }
+    return best;
+  };
+  double least = 1e300;
+  for (const Vec3& start : p) {
+    Triple<double> on_p = triple(start), on_q = onto(on_p, q);
+    for (int n = 0; n < 3000; ++n) on_p = onto(on_q, p), on_q = onto(on_p, q);
+    const Triple<double> way = on_q - on_p;
+    least = std::min(least, std::sqrt(dot(way, way)));
+  }
+  return least;
+}
+
+double distance_from(const Vec3& point, const Corners& t) {
+  const auto triple = [](const Vec3& v) { return Triple<double>{v.x, v.y, v.z}; };
+  return std::sqrt(closest_distance_sq(triple(point), triple(t[0]), triple(t[1]), triple(t[2])));
+}
+
+TEST(PairKernels, ClosestPointsAreOnTheTrianglesAndNoOthersAreCloser) {
+  Random random(13);
+  double farthest_off = 0, off_surface = 0;
+  int apart = 0;
+  for (int round = 0; round < 60; ++round) {
+    TrianglePairs pairs;
+    TwoTriangles two[kPairs];
+    for (int n = 0; n < kPairs; ++n) {
+      two[n] = {random_triangle(random, {}, 1), random_triangle(random, {0.7, 0.7, 0.7}, 1)};
+      if (n == 1) two[n].q[1] = two[n].q[0];                                // a segment
+      if (n == 2) two[n].p[2] = two[n].p[1] = two[n].p[0];                  // a point
+      if (n == 3) two[n].q[1] = two[n].q[0] + (two[n].p[1] - two[n].p[0]);  // parallel edges
+      put(two[n].p, n, pairs.p), put(two[n].q, n, pairs.q);
+    }
+    ClosestOfPairs found;
+    kernels().closest(pairs, nullptr, nullptr, found);
+    for (int n = 0; n < kPairs; ++n) {
+      if (triangles_touch(two[n].p, two[n].q)) continue;
+      const Vec3 on_p{found.on_p[0][n], found.on_p[1][n], found.on_p[2][n]},
+          on_q{found.on_q[0][n], found.on_q[1][n], found.on_q[2][n]};
+      const double distance = std::sqrt(found.distance_sq[n]);
+      off_surface = std::max({off_surface, distance_from(on_p, two[n].p), distance_from(on_q, two[n].q),
+                              std::abs(length(on_q - on_p) - distance)});
+      farthest_off = std::max(farthest_off, std::abs(distance - distance_by_projections(two[n].p, two[n].q)));
+      ++apart;
+    }
+  }
+  EXPECT_GT(apart, 300);
+  EXPECT_LT(off_surface, 1e-14);
+  EXPECT_LT(farthest_off, 1e-6) << "projections in turns come that near";
+}
+
+TEST(PairKernels, EightAtATimeAreMeasuredAsOneByOne) {
+  const std::vector<TwoTriangles> all = pairs_of_all_kinds();
+  const DoublePlace place = place_of(make_pose({1, 2, 3}, 0.7, {1, 2, 3}));
+  const Pose pose = make_pose({1, 2, 3}, 0.7, {1, 2, 3});
+  for (std::size_t first = 0; first < all.size(); first += kPairs) {
+    TrianglePairs pairs;
+    for (int n = 0; n < kPairs; ++n) put(all[first + n].p, n, pairs.p), put(all[first + n].q, n, pairs.q);
+    for (int k = 0; all_kernels()[k] != nullptr; ++k) {
+      ClosestOfPairs found;
+      all_kernels()[k]->closest(pairs, nullptr, &place, found);
+      for (int n = 0; n < kPairs; ++n) {
+        const ClosestPair one = closest_points(all[first + n].p, placed(pose, all[first + n].q));
+        ASSERT_EQ(found.distance_sq[n], one.distance_sq) << all_kernels()[k]->name << ", pair " << first + n;
+        ASSERT_EQ(found.on_p[0][n], one.on_p.x);
+        ASSERT_EQ(found.on_q[2][n], one.on_q.z);
+      }
+    }
+  }
 }
 
 struct Sixteen {
