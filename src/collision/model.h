@@ -15,7 +15,7 @@ struct CollisionModel::Data {
   collision::FieldBounds field;
   collision::FieldView view{};  ///< of `field`
   collision::Tree tree;
-  collision::BigVector<Corners> corners;  ///< of the triangles, in tree order
+  BigVector<Corners> corners;  ///< of the triangles, in tree order
 
   /// Everything that follows from mesh, field and tree order. Called once all three are there.
   void finish();

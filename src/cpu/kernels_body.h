@@ -190,23 +190,58 @@ DIFI_INLINE WidePoint block_samples(const Lattice& lattice, int block) {
           WideFloat::load(lattice.z[block / (kBlocksX * kBlocksY)])};
 }
 
-// A long triangle: blocks are chosen by the exact distance of their centres.
+// The numbers of block_of_clump.
+struct ClumpBlocks {
+  std::uint8_t block[kClumps][kLanes];
+  constexpr ClumpBlocks() : block() {
+    for (int clump = 0; clump < kClumps; ++clump)
+      for (int lane = 0; lane < kLanes; ++lane)
+        block[clump][lane] = static_cast<std::uint8_t>(block_of_clump(clump, lane));
+  }
+};
+constexpr ClumpBlocks kClumpBlocks;
+
+DIFI_INLINE WidePoint sixteen_points(const float (&at)[3][kLanes]) {
+  return {WideFloat::load(at[0]), WideFloat::load(at[1]), WideFloat::load(at[2])};
+}
+
+// A long triangle: clumps of blocks, and of those the blocks, are chosen by the exact distance of their centres. Most
+// blocks lie in one half of the triangle as a whole, for which half of its lines will do.
 template <bool kNearest>
 DIFI_INLINE void gather_long(const Lattice& lattice, const Brick& brick, const Candidates& c, std::uint32_t index,
                              BrickState& state) {
   const TriangleLines<WideFloat> lines = make_lines<WideFloat>(double_frame(lattice, brick, c, index));
-  const float reach = (lattice.thickness + lattice.block_radius) * (1 + kSlack) + kSlack;
-  const WideFloat reach_sq(reach * reach);
-  for (int sixteen = 0; sixteen < kBlocks / kLanes; ++sixteen) {
-    const WidePoint center{WideFloat::load(lattice.block_centers[sixteen][0]),
-                           WideFloat::load(lattice.block_centers[sixteen][1]),
-                           WideFloat::load(lattice.block_centers[sixteen][2])};
-    std::uint32_t near_blocks = less(distance_sq(lines, center), reach_sq).to_bits();
+  const auto grown = [&](float radius) __attribute__((always_inline)) { return radius * (1 + kSlack) + kSlack; };
+  const auto within = [&](float radius) __attribute__((always_inline)) {
+    const float reach = grown(lattice.thickness + radius);
+    return WideFloat(reach * reach);
+  };
+  const WideFloat reach_sq = within(lattice.block_radius), beside(grown(lattice.block_radius));
+  std::uint32_t clumps =
+      less(distance_sq(lines, sixteen_points(lattice.clump_centers)), within(lattice.clump_radius)).to_bits();
+  for (; clumps; clumps &= clumps - 1) {
+    const int clump = __builtin_ctz(clumps);
+    const WidePoint center = sixteen_points(lattice.block_centers[clump]);
+    const std::uint32_t near_blocks = less(distance_sq(lines, center), reach_sq).to_bits();
+    const WideFloat q = evaluate(lines.q, center);
+    const std::uint32_t left = near_blocks & less(q, -beside).to_bits(),
+                        right = near_blocks & less(beside, q).to_bits();
     state.samples_examined += std::int64_t{kLanes} * __builtin_popcount(near_blocks);
-    for (; near_blocks; near_blocks &= near_blocks - 1) {
-      const int block = kLanes * sixteen + __builtin_ctz(near_blocks);
-      lower<kNearest>(state, block, distance_sq(lines, block_samples(lattice, block)), index);
-    }
+    const auto for_each = [&](std::uint32_t blocks, auto distance) __attribute__((always_inline)) {
+      for (; blocks; blocks &= blocks - 1) {
+        const int block = kClumpBlocks.block[clump][__builtin_ctz(blocks)];
+        lower<kNearest>(state, block, distance(block_samples(lattice, block)), index);
+      }
+    };
+    for_each(
+        left, [&](const WidePoint& p)
+                  __attribute__((always_inline)) { return distance_sq_in_half(lines, lines.left, p); });
+    for_each(
+        right, [&](const WidePoint& p)
+                   __attribute__((always_inline)) { return distance_sq_in_half(lines, lines.right, p); });
+    for_each(
+        near_blocks & ~(left | right), [&](const WidePoint& p)
+                                           __attribute__((always_inline)) { return distance_sq(lines, p); });
   }
 }
 

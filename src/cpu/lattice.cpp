@@ -31,15 +31,25 @@ Lattice make_lattice(const Grid& grid, double thickness) {
     for (int b = 0; b < kBlocksY; ++b) lattice.y[b][lane] = coordinate(b * kBlockY + ly, 1);
     for (int b = 0; b < kBlocksZ; ++b) lattice.z[b][lane] = coordinate(b * kBlockZ + lz, 2);
   }
-  for (int block = 0; block < kBlocks; ++block) {
-    const double at[3] = {(block % kBlocksX + 0.5) * kBlockX, (block / kBlocksX % kBlocksY + 0.5) * kBlockY,
-                          (block / (kBlocksX * kBlocksY) + 0.5) * kBlockZ};
-    for (int axis = 0; axis < 3; ++axis)
-      lattice.block_centers[block / kLanes][axis][block % kLanes] =
-          static_cast<float>((at[axis] - kBrickSide / 2.0) * in_units[axis]);
-  }
-  const Vec3 half = spacing * Vec3{(kBlockX - 1) / 2.0, (kBlockY - 1) / 2.0, (kBlockZ - 1) / 2.0};
-  lattice.block_radius = static_cast<float>(length(half));
+  // Of a box of samples: its middle relative to the brick's, from its lowest sample.
+  const auto middle = [&](int first, int count, int axis) {
+    return static_cast<float>((first + count / 2.0 - kBrickSide / 2.0) * in_units[axis]);
+  };
+  const auto radius = [&](int x, int y, int z) {
+    return static_cast<float>(length(spacing * Vec3{(x - 1) / 2.0, (y - 1) / 2.0, (z - 1) / 2.0}));
+  };
+  constexpr int kBlockSide[3] = {kBlockX, kBlockY, kBlockZ}, kClumpSide[3] = {2 * kBlockX, 4 * kBlockY, 2 * kBlockZ};
+  for (int clump = 0; clump < kClumps; ++clump)
+    for (int axis = 0; axis < 3; ++axis) {
+      for (int lane = 0; lane < kLanes; ++lane) {
+        const int block = block_of_clump(clump, lane);
+        const int at[3] = {block % kBlocksX, block / kBlocksX % kBlocksY, block / (kBlocksX * kBlocksY)};
+        lattice.block_centers[clump][axis][lane] = middle(at[axis] * kBlockSide[axis], kBlockSide[axis], axis);
+        if (lane == 0) lattice.clump_centers[axis][clump] = middle(at[axis] * kBlockSide[axis], kClumpSide[axis], axis);
+      }
+    }
+  lattice.block_radius = radius(kBlockX, kBlockY, kBlockZ);
+  lattice.clump_radius = radius(kClumpSide[0], kClumpSide[1], kClumpSide[2]);
   return lattice;
 }
 

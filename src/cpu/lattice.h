@@ -21,6 +21,14 @@ inline constexpr int kBlocks = kBlocksX * kBlocksY * kBlocksZ;
 /// Block (bx,by,bz) of a brick; x fastest.
 constexpr int block_index(int bx, int by, int bz) { return bx + kBlocksX * (by + kBlocksY * bz); }
 
+/// Sixteen blocks that lie together, 2x4x2 of them, and sixteen such clumps to a brick.
+inline constexpr int kClumps = kBlocks / kLanes;
+constexpr int block_of_clump(int clump, int lane) {
+  return block_index(2 * (clump & 1) + (lane & 1), 4 * (clump >> 1 & 1) + (lane >> 1 & 3),
+                     2 * (clump >> 2) + (lane >> 3));
+}
+static_assert(kLanes == 16 && kClumps == 16 && kBlocksX == 4 && kBlocksY == 8 && kBlocksZ == 8);
+
 /// What all bricks of a grid share. Lengths are in grid units: world units times `scale`, a power of two that brings
 /// the largest spacing to [1, 2). So nothing is lost by scaling, and no mesh is too small or too large for float.
 struct Lattice {
@@ -34,12 +42,13 @@ struct Lattice {
   float thickness_world;
   float inverse_spacing[3];               ///< 1 / grid units
   float block_radius;                     ///< half the diagonal of a block, grid units
+  float clump_radius;                     ///< of a clump
   alignas(64) float x[kBlocksX][kLanes];  ///< sample coordinates relative to the brick's centre, by block column
   alignas(64) float y[kBlocksY][kLanes];
   alignas(64) float z[kBlocksZ][kLanes];
 
-  alignas(
-      64) float block_centers[kBlocks / kLanes][3][kLanes];  ///< relative to the brick's centre, sixteen blocks a row
+  alignas(64) float clump_centers[3][kClumps];  ///< relative to the brick's centre
+  alignas(64) float block_centers[kClumps][3][kLanes];
 
   std::int64_t brick_count() const { return bricks[0] * bricks[1] * bricks[2]; }
 };

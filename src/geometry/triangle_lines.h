@@ -74,4 +74,12 @@ DIFI_INLINE F distance_sq(const TriangleLines<F>& t, const Triple<F>& p) {
                          evaluate(Linear<F>{t.right.along.g, zero}, p)});
 }
 
+/// The same for a point that lies in `half` of the triangle, left of the altitude or right of it: the same bits.
+template <class F>
+DIFI_INLINE F distance_sq_in_half(const TriangleLines<F>& t, const HalfLines<F>& half, const Triple<F>& p) {
+  const F along = evaluate(Linear<F>{half.along.g, F(0)}, p);
+  return combined_distance_sq(evaluate(t.z, p), evaluate(half.across, p), along + half.along.c, along + half.along_apex,
+                              evaluate(half.past, p), evaluate(t.y, p));
+}
+
 }  // namespace difi
