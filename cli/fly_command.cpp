@@ -36,7 +36,7 @@ struct Command {
 
 void Command::run() {
   if (path.given()) path.check({{"csv", "", false, true, false}, {"ply", "", false, true, false}});
-  const CollisionModel maze = read_body(labyrinth), flier = read_body(fly);
+  const CollisionModel maze = read_body(labyrinth, talk), flier = read_body(fly, talk);
   std::vector<PathPoint> points;
   std::mutex adding;
   double seconds = 0;

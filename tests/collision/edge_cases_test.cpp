@@ -2,34 +2,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 
 #include "difi/collision.h"
 #include "difi/compute.h"
 #include "tests/collision/bodies.h"
-#include "tests/io/temp_folder.h"
 
 namespace difi {
 namespace {
 
 using namespace difi::testing;
-
-Pose moved(Vec3 by) {
-  Pose pose;
-  pose.translation = by;
-  return pose;
-}
-
-template <class Call>
-ErrorCode code_of(Call call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    return error.code();
-  }
-  return ErrorCode::internal;
-}
 
 TEST(EdgeCases, IdenticalBodiesTouch) {
   const CollisionModel ball(ball_mesh(1, 8));
@@ -190,33 +171,6 @@ TEST(Properties, LargerBodiesMeetEarlier) {
   }
 }
 
-TEST(Properties, TheNumberOfThreadsDoesNotShow) {
-  const CollisionModel a(random_soup(1, 400, 1, 0.3), {.threads = 1}), a2(random_soup(1, 400, 1, 0.3), {.threads = 4});
-  const CollisionModel b(ball_mesh(0.4, 3));
-  Random random(5);
-  std::vector<Pose> poses;
-  std::vector<Motion> motions;
-  for (int n = 0; n < 300; ++n) poses.push_back(random_pose(random, 1.5));
-  for (int n = 0; n + 1 < 300; ++n) motions.push_back({poses[n], poses[n + 1], {0.1, 0.2, 0.3}});
-  const auto one = collide_all(a, {}, b, poses, {}, 1), four = collide_all(a2, {}, b, poses, {}, 4);
-  const auto near_one = distance_all(a, {}, b, poses, {}, 1), near_four = distance_all(a2, {}, b, poses, {}, 4);
-  const auto at_one = contacts_all(a, {}, b, poses, {.most = 5}, 1),
-             at_four = contacts_all(a2, {}, b, poses, {.most = 5}, 4);
-  const auto swept_one = sweep_all(a, {}, b, motions, {}, 1), swept_four = sweep_all(a2, {}, b, motions, {}, 4);
-  for (std::size_t n = 0; n < poses.size(); ++n) {
-    EXPECT_EQ(one[n].triangle_a, four[n].triangle_a);
-    EXPECT_EQ(one[n].triangle_b, four[n].triangle_b);
-    EXPECT_EQ(near_one[n].upper, near_four[n].upper);
-    EXPECT_EQ(near_one[n].point_a, near_four[n].point_a);
-    ASSERT_EQ(at_one[n].contacts.size(), at_four[n].contacts.size());
-    for (std::size_t k = 0; k < at_one[n].contacts.size(); ++k) {
-      EXPECT_EQ(at_one[n].contacts[k].point, at_four[n].contacts[k].point);
-      EXPECT_EQ(at_one[n].contacts[k].triangle_a, at_four[n].contacts[k].triangle_a);
-    }
-  }
-  for (std::size_t n = 0; n < motions.size(); ++n) EXPECT_EQ(swept_one[n].time, swept_four[n].time);
-}
-
 TEST(Thesis, FindsWhatIsDeepAndNothingFar) {
   const Mesh a = ball_mesh(1, 6), b = ball_mesh(0.7, 5);
   Options options;
@@ -235,54 +189,6 @@ TEST(Thesis, FindsWhatIsDeepAndNothingFar) {
     const double off = std::sqrt(3) / 2 * of_a.grid().max_spacing();
     EXPECT_GE(sum, distance(CollisionModel(a), {}, CollisionModel(b), pose).upper - off - 1e-5);
   }
-}
-
-class ModelFile : public ::testing::Test {
- protected:
-  TempFolder folder_;
-  std::filesystem::path file_ = folder_.path() / "ball.body";
-  static std::string bytes(const std::filesystem::path& path) {
-    std::ifstream in(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-  }
-  static void write(const std::filesystem::path& path, const std::string& text) {
-    std::ofstream(path, std::ios::binary) << text;
-  }
-};
-
-TEST_F(ModelFile, GivesTheSameAnswers) {
-  const CollisionModel a(ball_mesh(1, 5)), b(random_soup(2, 50, 0.5, 0.3));
-  a.save(file_);
-  const CollisionModel loaded = CollisionModel::load(file_);
-  EXPECT_EQ(loaded.memory_bytes(), a.memory_bytes());
-  Random random(7);
-  for (int n = 0; n < 100; ++n) {
-    const Pose pose = random_pose(random, 1.5);
-    const Distance d = distance(a, {}, b, pose), e = distance(loaded, {}, b, pose);
-    EXPECT_EQ(d.upper, e.upper);
-    EXPECT_EQ(d.triangle_a, e.triangle_a);
-  }
-}
-
-TEST_F(ModelFile, DamageIsAnError) {
-  CollisionModel(ball_mesh(1, 2), {.spacing = 0.3}).save(file_);
-  const std::string good = bytes(file_);
-  const auto code = [&] { return code_of([&] { CollisionModel::load(file_); }); };
-  Random random(8);
-  for (int n = 0; n < 300; ++n) {
-    std::string bad = good;
-    bad[random.below(static_cast<std::uint32_t>(n % 2 ? 64 : bad.size()))] ^= static_cast<char>(1 << random.below(8));
-    if (bad == good) continue;
-    write(file_, bad);
-    EXPECT_EQ(code(), ErrorCode::input) << n;
-  }
-  for (const std::size_t length : {std::size_t{0}, std::size_t{7}, std::size_t{63}, good.size() / 2, good.size() - 1}) {
-    write(file_, good.substr(0, length));
-    EXPECT_EQ(code(), ErrorCode::input) << length;
-  }
-  write(file_, good + "x");
-  EXPECT_EQ(code(), ErrorCode::input);
-  EXPECT_EQ(code_of([&] { CollisionModel::load(folder_.path() / "none.body"); }), ErrorCode::input);
 }
 
 }  // namespace
