@@ -12,6 +12,7 @@
 
 #include "collision/batch.h"
 #include "collision/motion.h"
+#include "collision/touching.h"
 
 namespace difi {
 namespace collision {
@@ -239,11 +240,34 @@ void check(const Motion& motion) {
   if (!is_finite(motion.center)) throw Error(ErrorCode::usage, "sweep: the motion's center is not finite");
 }
 
+// How far a point of the body is at the end from where the even turn leads it: rotations need only nearly be some.
+double jump_at_end(const Course& course, const CollisionModel::Data& body) {
+  const Motion& m = course.motion;
+  double off_sq = 0;
+  for (int column = 0; column < 3; ++column) {
+    const auto of = [column](const Pose& pose) {
+      return Vec3{pose.rotation[column], pose.rotation[3 + column], pose.rotation[6 + column]};
+    };
+    const Vec3 off = of(m.to) - turned(of(m.from), course.turn.axis, course.turn.angle_rad);
+    off_sq += dot(off, off);
+  }
+  return std::sqrt(off_sq) * (length(body.middle - m.center) + body.radius);
+}
+
 Swept sweep_checked(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Motion& motion,
                     const SweepOptions& options) {
   const Course course(motion);
-  Pair pair(a, pose_a, b, motion.from);
-  return Follow(pair, course, options.tolerance).run();
+  const Swept swept = Follow(Pair(a, pose_a, b, motion.from), course, options.tolerance).run();
+  // All the way they were half the tolerance apart; what jumps less has not met.
+  if (swept.hit || jump_at_end(course, b.data()) < options.tolerance / 4) return swept;
+  const Pair end(a, pose_a, b, motion.to);
+  const auto found = find_touching(end, 0);
+  if (!found) return swept;
+  const Corners of_field = end.field.world(found->of_field), of_tree = end.tree.world(found->of_tree);
+  const Overlap where = end.swapped ? overlap(of_tree, of_field) : overlap(of_field, of_tree);
+  std::uint32_t of_a = end.field.triangle(found->of_field), of_b = end.tree.triangle(found->of_tree);
+  if (end.swapped) std::swap(of_a, of_b);
+  return {true, 1, of_a, of_b, where.point, where.normal};
 }
 
 }  // namespace

@@ -153,6 +153,25 @@ TEST(EdgeCases, NoMotionAndHugeMotion) {
   EXPECT_FALSE(sweep(wall, {}, ball, {moved({5, 0, 1e9}), moved({5, 0, -1e9}), {}}).hit);
 }
 
+// Matrices may be off by a millionth, and not by the same at both ends: what the last one alone makes touch is a hit.
+TEST(EdgeCases, WhatARoundedMatrixMakesTouchAtTheEndIsAHit) {
+  const CollisionModel wall(one_triangle({1000.0002, -1, -1}, {1000.0002, 1, -1}, {1000.0002, 0, 1}));
+  const CollisionModel rod(one_triangle({0, 0, 0}, {1000, 0, 0}, {0, 1, 0}));
+  for (const double turn : {0.0, 1e-7}) {
+    Motion motion;
+    motion.to = make_pose({0, 0, 1}, turn, {});
+    EXPECT_FALSE(sweep(wall, {}, rod, motion, {1e-6}).hit);
+    for (double& r : motion.to.rotation) r *= 1 + 4e-7;
+    ASSERT_TRUE(collide(wall, {}, rod, motion.to).hit());
+    const Swept swept = sweep(wall, {}, rod, motion, {1e-6});
+    ASSERT_TRUE(swept.hit);
+    EXPECT_EQ(swept.time, 1);
+    EXPECT_EQ(swept.triangle_a, 0u);
+    EXPECT_EQ(swept.triangle_b, 0u);
+    EXPECT_NEAR(length(swept.normal), 1, 1e-9);
+  }
+}
+
 TEST(EdgeCases, PartingBodiesWithinTheToleranceAreFree) {
   const CollisionModel wall(one_triangle({-1, -1, 0}, {1, -1, 0}, {0, 1, 0})), ball(ball_mesh(0.5, 4));
   const Pose near = moved({0, 0, 0.5 + 5e-5});
