@@ -68,6 +68,24 @@ TEST(Sweep, TheLargerBodyMoves) {
   expect_sound(ball_mesh(0.4, 2), ball_mesh(1, 3), 100, 2, 4, 0, 6);
 }
 
+// The tip of a hand that turns about z starts along a wall and curves into it: at first it comes no nearer at all.
+TEST(Sweep, AHandThatStartsAlongAWallMeetsIt) {
+  Mesh wall;
+  add_triangle(wall, {0.9, -9, -5}, {0.9, 9, -5}, {0.9, 0, 9});
+  const CollisionModel resting(wall), tip(one_triangle({1, 0, 0}, {1.1, 0, 0.05}, {1.1, 0, -0.05}));
+  constexpr double kTolerance = 1e-6;
+  for (const double turn : {0.5, 1.5, 3.1})
+    for (const bool wall_turns : {false, true}) {
+      SCOPED_TRACE(turn);
+      const Motion motion{{}, make_pose({0, 0, 1}, turn, {}), {}};
+      const Swept swept =
+          wall_turns ? sweep(tip, {}, resting, motion, {kTolerance}) : sweep(resting, {}, tip, motion, {kTolerance});
+      ASSERT_TRUE(swept.hit);
+      EXPECT_LE(swept.time * turn, std::acos(0.9) + 1e-12);
+      EXPECT_GE(swept.time * turn, std::acos(0.9 + kTolerance) - 1e-9);
+    }
+}
+
 // A hexagonal shaft turns in a hexagonal sleeve: its edges, 1 from the axis, meet the sleeve's sides, `apothem` from
 // it, where the cosine of the angle to a side's normal is the apothem. Nearly all of the turn is sliding along.
 TEST(Sweep, AShaftTurnsInItsSleeve) {
