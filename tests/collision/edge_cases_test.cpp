@@ -225,6 +225,18 @@ TEST(EdgeCases, PosesThatAreNoneAreErrors) {
   EXPECT_EQ(code_of([&] { CollisionModel(Mesh{}); }), ErrorCode::input);
 }
 
+TEST(EdgeCases, NoPosesAndTooFewThreads) {
+  const CollisionModel ball(ball_mesh(1, 2));
+  EXPECT_TRUE(collide_all(ball, {}, ball, {}, {}).empty());
+  EXPECT_TRUE(distance_all(ball, {}, ball, {}, {}).empty());
+  EXPECT_TRUE(contacts_all(ball, {}, ball, {}, {}).empty());
+  EXPECT_TRUE(sweep_all(ball, {}, ball, {}, {}).empty());
+  EXPECT_EQ(code_of([&] { collide_all(ball, {}, ball, {}, {}, -1); }), ErrorCode::usage);
+  EXPECT_EQ(code_of([&] { CollisionModel(ball_mesh(1, 2), {.threads = -1}); }), ErrorCode::usage);
+  EXPECT_EQ(code_of([&] { CollisionModel(ball_mesh(1, 2), {.spacing = -1}); }), ErrorCode::usage);
+  EXPECT_EQ(code_of([&] { CollisionModel(ball_mesh(1, 2), {.spacing = 1e-9}); }), ErrorCode::limit);
+}
+
 TEST(EdgeCases, MarginsWiderThanTheBand) {
   const CollisionModel a(ball_mesh(1, 4)), b(ball_mesh(0.5, 3));
   const Pose pose = moved({6, 0, 0});
