@@ -21,6 +21,11 @@ long from_environment(const char* name, long otherwise) {
   return text == nullptr ? otherwise : std::atol(text);
 }
 
+// Of a million questions.
+void tell(const char* what, long done, long all) {
+  if (done > 0 && done % 100'000 == 0) std::fprintf(stderr, "%ld of %ld %s\n", done, all, what);
+}
+
 struct Labyrinth : ::testing::Test {
   static inline const Mesh walls = scenes::make("labyrinth"), fly = scenes::make("fly");
   static inline const CollisionModel model{walls}, flier{fly};
@@ -45,6 +50,7 @@ TEST_F(Labyrinth, PosesAgreeWithAnIndependentExactTest) {
   const long poses = from_environment("DIFI_CHECK_POSES", 400);
   long hits = 0, ambiguous = 0;
   for (long n = 0; n < poses; ++n) {
+    tell("poses", n, poses);
     const Pose pose = pose_inside();
     const bool expected = touches_at(pose);
     const Collided found = collide(model, {}, flier, pose);
@@ -75,6 +81,7 @@ TEST_F(Labyrinth, SweepsMissNothing) {
   constexpr double kTolerance = 1e-4, kRounding = 1e-9;
   long hits = 0, turning = 0, sampled = 0, straight_hits = 0, seen = 0;
   for (long n = 0; n < sweeps; ++n) {
+    tell("sweeps", n, sweeps);
     SCOPED_TRACE("sweep " + std::to_string(n));
     Motion motion;
     do motion.from = pose_inside();
