@@ -4,18 +4,21 @@
 
 #include "cli/option.h"
 #include "cli/parse.h"
+#include "cli/waiting.h"
 
 namespace difi::cli {
 
-CollisionModel read_body(const std::string& name) {
-  if (name.ends_with(".body")) return CollisionModel::load(name);
-  MeshInput mesh;
-  mesh.set_name(name);
-  return CollisionModel(mesh.read());
+CollisionModel read_body(const std::string& name, const Talk& talk) {
+  if (kind_of(name) == FileKind::body)
+    return waiting(talk, "reading " + name, [&] { return CollisionModel::load(name); });
+  MeshInput input;
+  input.set_name(name);
+  const Mesh mesh = waiting(talk, "reading " + name, [&] { return input.read(); });
+  return waiting(talk, "building the body of " + name, [&] { return CollisionModel(mesh); });
 }
 
 void PairInput::add_to(CLI::App& verb) {
-  verb.add_option("A", a_, "a mesh file, scene:NAME[:TRIANGLES], or a body saved as .body")->required();
+  verb.add_option("A", a_, "a mesh file, scene:NAME[:TRIANGLES], or a body that difi build made")->required();
   verb.add_option("B", b_, "the other one")->required();
   add_pose(verb, "--pose-a", "where A is (default: where its file puts it)", pose_a_);
 }
@@ -23,6 +26,19 @@ void PairInput::add_to(CLI::App& verb) {
 CLI::Option* add_pose(CLI::App& verb, const char* name, const char* help, Pose& pose) {
   return add_parsed(verb, {name, "POSE", help, "Place"},
                     [&pose](const std::string& o, const std::string& t) { pose = parse_pose(o, t); });
+}
+
+Json json_body(const CollisionModel& body) {
+  const Grid grid = body.grid();
+  return {
+      {"mesh",
+       {{"triangles", body.mesh().triangles.size()},
+        {"vertices", body.mesh().vertices.size()},
+        {"bounds", {json_point(body.bounds().min), json_point(body.bounds().max)}}}},
+      {"grid",
+       {{"size", json_size(grid.size)}, {"origin", json_point(grid.origin)}, {"spacing", json_point(grid.spacing)}}},
+      {"band", body.band()},
+      {"memory_bytes", body.memory_bytes()}};
 }
 
 Json json_triangle(std::uint32_t triangle) {

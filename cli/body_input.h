@@ -11,16 +11,16 @@
 
 namespace difi::cli {
 
-/// A mesh made into a body, or a body that --save kept: NAME.body.
-CollisionModel read_body(const std::string& name);
+/// A mesh made into a body, or a body that difi build made: NAME.body. Terminals are shown what is waited for.
+CollisionModel read_body(const std::string& name, const Talk& talk);
 
 /// Two bodies A and B, and where A is.
 class PairInput {
  public:
   /// Adds the arguments A and B and the option --pose-a.
   void add_to(CLI::App& verb);
-  CollisionModel read_a() const { return read_body(a_); }
-  CollisionModel read_b() const { return read_body(b_); }
+  CollisionModel read_a(const Talk& talk) const { return read_body(a_, talk); }
+  CollisionModel read_b(const Talk& talk) const { return read_body(b_, talk); }
   const Pose& pose_a() const { return pose_a_; }
 
  private:
@@ -30,6 +30,9 @@ class PairInput {
 
 /// Adds an option that takes a pose.
 CLI::Option* add_pose(CLI::App& verb, const char* name, const char* help, Pose& pose);
+
+/// Mesh, grid, band and memory of a body.
+Json json_body(const CollisionModel& body);
 
 /// The index, or null for kNoTriangle.
 Json json_triangle(std::uint32_t triangle);

@@ -38,7 +38,7 @@ Json contact_json(const ContactPoint& contact) {
 }
 
 void Command::run() const {
-  const CollisionModel a = bodies.read_a(), b = bodies.read_b();
+  const CollisionModel a = bodies.read_a(talk), b = bodies.read_b(talk);
   const CollideMode mode = certified ? CollideMode::certified : CollideMode::exact;
   const Collided found = collide(a, bodies.pose_a(), b, pose, {.margin = margin, .mode = mode});
   const char* const word = found.contact == Contact::free ? "free" : found.hit() ? "hit" : "ambiguous";

@@ -37,6 +37,8 @@ void Command::run() {
                 output.path().string() + ": convert does not make a field of a mesh; use difi compute");
   if (is_field && input.scaled())
     throw Error(ErrorCode::usage, "--scale and --unit are for meshes; compute " + input.name() + " again with them");
+  if (kind_of(output.path()) == FileKind::body)
+    throw Error(ErrorCode::usage, output.path().string() + ": convert does not make a body of a mesh; use difi build");
   output.check(is_field ? field_formats() : mesh_formats());
   const std::string reading = "reading " + input.name(), writing = "writing " + output.path().string();
   if (is_field) {

@@ -27,7 +27,7 @@ struct Command {
 };
 
 void Command::run() const {
-  const CollisionModel a = bodies.read_a(), b = bodies.read_b();
+  const CollisionModel a = bodies.read_a(talk), b = bodies.read_b(talk);
   const Distance found = distance(a, bodies.pose_a(), b, pose, options);
   if (talk.json()) {
     const bool any = std::isfinite(found.upper);

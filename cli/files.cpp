@@ -33,6 +33,7 @@ bool knows(const std::vector<Format>& formats, const std::string& extension, boo
 }  // namespace
 
 FileKind kind_of(const fs::path& path) {
+  if (extension_of(path) == "body") return FileKind::body;
   return knows(field_formats(), extension_of(path), false) ? FileKind::field : FileKind::mesh;
 }
 
@@ -56,6 +57,10 @@ std::string MeshInput::stem() const {
 }
 
 Mesh MeshInput::read() const {
+  if (kind_of(name_) == FileKind::body)
+    throw Error(ErrorCode::input, name_ +
+                                      ": this is a body, for collide, distance, sweep and fly; give the mesh it "
+                                      "was built from");
   const double scale = scale_ ? *scale_ : unit_.value_or(1);
   if (!name_.starts_with(kScene)) return read_mesh(name_, {scale});
   const auto colon = name_.find(':', kScene.size());

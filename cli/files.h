@@ -13,7 +13,7 @@
 
 namespace difi::cli {
 
-enum class FileKind { mesh, field };
+enum class FileKind { mesh, field, body };
 
 /// By the extension; a name that says nothing is a mesh's, for those are recognised by content.
 FileKind kind_of(const std::filesystem::path& path);
@@ -30,6 +30,7 @@ class MeshInput {
   const std::string& name() const { return name_; }
   /// What the mesh would be called without folder and extension.
   std::string stem() const;
+  /// Errors: input, also for a body, which is no mesh any more.
   Mesh read() const;
 
   /// The same for a name taken from elsewhere.

@@ -36,7 +36,7 @@ struct Command {
 
 void Command::run() {
   if (path.given()) path.check({{"csv", "", false, true, false}, {"ply", "", false, true, false}});
-  const CollisionModel maze = read_body(labyrinth), flier = read_body(fly);
+  const CollisionModel maze = read_body(labyrinth, talk), flier = read_body(fly, talk);
   std::vector<PathPoint> points;
   std::mutex adding;
   double seconds = 0;
@@ -103,7 +103,7 @@ void add_fly(CLI::App& program) {
   add("--flies", "K", "how many (default 1)", "Bodies",
       [it](S o, S t) { it->flies = parse_count(o, t, 1, 10'000'000); });
   add("--steps", "N", "of each fly (default 10000)", "Flight",
-      [it](S o, S t) { it->steps = parse_count(o, t, 1, 1'000'000'000'000); });
+      [it](S o, S t) { it->steps = parse_count(o, t, 1, 100'000'000'000); });
   add("--speed", "V", "world units a step (default 0.02)", "Flight",
       [&options](S o, S t) { options.speed = parse_positive(o, t); });
   add("--seed", "S", "of places and directions (default 1)", "Flight", [&options](S o, S t) {

@@ -1,7 +1,8 @@
-// difi info: what is in a mesh or field file.
+// difi info: what is in a mesh, field or body file.
 #include <cmath>
 #include <memory>
 
+#include "cli/body_input.h"
 #include "cli/commands.h"
 #include "cli/facts.h"
 #include "cli/files.h"
@@ -98,12 +99,31 @@ void tell_field(const std::string& name, const Talk& talk) {
         row("mesh hash", from.mesh_hash == 0 ? "unknown" : hash_text(from.mesh_hash)));
 }
 
+void tell_body(const std::string& name, const Talk& talk) {
+  const CollisionModel body = waiting(talk, "reading " + name, [&] { return CollisionModel::load(name); });
+  if (talk.json()) {
+    Json json{{"file", name}, {"kind", "body"}};
+    json.update(json_body(body));
+    return print(json);
+  }
+  const auto count = [](std::size_t n) { return grouped(static_cast<std::int64_t>(n)); };
+  const Box box = body.bounds();
+  const Grid grid = body.grid();
+  print(row("body", name) + row("triangles", count(body.mesh().triangles.size())) +
+        row("vertices", count(body.mesh().vertices.size())) + row("from", point_text(box.min)) +
+        row("to", point_text(box.max)) +
+        row("field", size_text(grid.size) + ", " + counted(grid.sample_count(), "sample")) +
+        row("spacing", spacing_text(grid.spacing)) + row("band", number(body.band())) +
+        row("memory", bytes_text(body.memory_bytes())));
+}
+
 struct Command {
   MeshInput input;
   Talk talk;
 
   void run() const {
     if (kind_of(input.name()) == FileKind::field) return tell_field(input.name(), talk);
+    if (kind_of(input.name()) == FileKind::body) return tell_body(input.name(), talk);
     tell_mesh(input, talk);
   }
 };
@@ -111,7 +131,7 @@ struct Command {
 }  // namespace
 
 void add_info(CLI::App& program) {
-  auto* verb = add_verb(program, "info", "say what is in a mesh or field", kExamples);
+  auto* verb = add_verb(program, "info", "say what is in a mesh, field or body", kExamples);
   const auto command = std::make_shared<Command>();
   command->input.add_to(*verb, "FILE");
   command->talk.add_to(*verb, Talk::kJson);

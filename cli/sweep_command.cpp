@@ -26,7 +26,7 @@ struct Command {
 };
 
 void Command::run() const {
-  const CollisionModel a = bodies.read_a(), b = bodies.read_b();
+  const CollisionModel a = bodies.read_a(talk), b = bodies.read_b(talk);
   const Swept found = sweep(a, bodies.pose_a(), b, motion, options);
   if (talk.json())
     return print(Json{{"hit", found.hit},

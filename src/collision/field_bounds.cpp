@@ -14,6 +14,9 @@ namespace {
 constexpr double kSamples = 12e6;
 constexpr double kEdgeShare = 0.25;
 constexpr double kMostCoarse = 0x1p28;
+// Per axis: the kernels round sample numbers in single precision, where the next half past this is lost, and with it
+// the last sample.
+constexpr std::int64_t kMostAlong = (std::int64_t{1} << 23) - 1;
 constexpr int kTile = DistanceField::kTileSide;
 
 // compute() promises this error; stored bounds are lowered by it.
@@ -69,7 +72,8 @@ FieldBounds plan_field_bounds(const Box& box, double spacing) {
   const Grid fine = fit_spacing(box, {spacing, spacing, spacing}, bounds.band());
   Size3 coarse;
   for (auto n : {&Size3::x, &Size3::y, &Size3::z}) coarse.*n = (fine.size.*n + kCoarseStep - 2) / kCoarseStep + 1;
-  if (static_cast<double>(coarse.x) * static_cast<double>(coarse.y) * static_cast<double>(coarse.z) > kMostCoarse)
+  if (std::max({fine.size.x, fine.size.y, fine.size.z}) > kMostAlong ||
+      static_cast<double>(coarse.x) * static_cast<double>(coarse.y) * static_cast<double>(coarse.z) > kMostCoarse)
     throw Error(ErrorCode::limit, "model: a spacing of " + std::to_string(spacing) + " makes a field of " +
                                       std::to_string(fine.size.x) + " x " + std::to_string(fine.size.y) + " x " +
                                       std::to_string(fine.size.z) + " samples; take a larger spacing");

@@ -7,6 +7,9 @@
 
 namespace difi {
 
+class FileView;
+enum class BodyChecksum;
+
 struct CollisionModel::Data {
   Mesh mesh;
   Box box;            ///< of the corners
@@ -19,6 +22,9 @@ struct CollisionModel::Data {
 
   /// Everything that follows from mesh, field and tree order. Called once all three are there.
   void finish();
+
+  /// What load() makes of a file's bytes: model_file.h.
+  static CollisionModel read(const FileView& file, BodyChecksum checksum);
 };
 
 }  // namespace difi

@@ -96,16 +96,20 @@ Vec3 RelativeMotion::at(Vec3 offset, double t) const {
   return base_ + velocity_ * t + turned(offset, turn_.axis, turn_.angle_rad * t);
 }
 
-// The farthest the point gets from the centre it turns about: that centre moves straight, so one end or the other.
-double RelativeMotion::speed(Vec3 offset) const {
-  const double away = field_moves_ ? std::max(length(offset), length(offset - velocity_)) : length(offset);
-  return way_ + std::abs(turn_.angle_rad) * away;
+// The farthest the point gets from the axis it turns about: that axis moves straight, so one end or the other. The
+// axis may be longer than it should be by what rotations are off.
+double RelativeMotion::from_axis(Vec3 offset) const {
+  if (turn_.angle_rad == 0) return 0;
+  const double at_start = length(cross(turn_.axis, offset));
+  const double away = field_moves_ ? std::max(at_start, length(cross(turn_.axis, offset - velocity_))) : at_start;
+  return away * (1 + 4 * kRigidTolerance);
 }
+
+double RelativeMotion::speed(Vec3 offset) const { return way_ + std::abs(turn_.angle_rad) * from_axis(offset); }
 
 double RelativeMotion::acceleration(Vec3 offset) const {
   const double rate = std::abs(turn_.angle_rad);
-  if (!field_moves_) return rate * rate * length(offset);
-  return rate * (rate * std::max(length(offset), length(offset - velocity_)) + 2 * way_);
+  return rate * (rate * from_axis(offset) + (field_moves_ ? 2 * way_ : 0));
 }
 
 }  // namespace collision

@@ -41,6 +41,8 @@ class RelativeMotion {
   double acceleration(Vec3 offset) const;
 
  private:
+  double from_axis(Vec3 offset) const;
+
   bool field_moves_;
   Vec3 base_, velocity_;
   double way_;  // the velocity's length

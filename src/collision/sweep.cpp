@@ -12,6 +12,7 @@
 
 #include "collision/batch.h"
 #include "collision/motion.h"
+#include "collision/touching.h"
 
 namespace difi {
 namespace collision {
@@ -180,15 +181,18 @@ class Follow {
   }
 
   // The motion of b's triangle towards a's, step by step. The closest points span a slab that separates both; along its
-  // normal n the corners come nearer by no more than -n.v + |n x w| * (their distance from the turning point) per time.
+  // normal n the corners come nearer by no more than `approach` per time, -n.v + |n x w| * (their distance from the
+  // axis): the next time to look. Where that is not positive they only part.
   void meet(std::uint32_t field_place, std::uint32_t tree_place) {
     const Corners resting = pair_.swapped ? pair_.tree.world(tree_place) : pair_.field.world(field_place);
     const Corners& moving =
         pair_.swapped ? pair_.field.body->corners[field_place] : pair_.tree.body->corners[tree_place];
+    const double rate = course_.turn.angle_rad;
     double away = 0;
-    if (course_.turn.angle_rad != 0)
+    if (rate != 0)
       for (const Vec3& corner : moving)
-        away = std::max(away, length(rotate(course_.motion.from, corner - course_.motion.center)));
+        away = std::max(away,
+                        length(cross(course_.turn.axis, rotate(course_.motion.from, corner - course_.motion.center))));
     for (double t = from_; t < until_;) {
       const Pose pose = course_.at(t);
       const Corners at{apply(pose, moving[0]), apply(pose, moving[1]), apply(pose, moving[2])};
@@ -198,16 +202,44 @@ class Follow {
       const double apart = std::sqrt(pair.distance_sq);
       const Vec3 way = pair.on_q - pair.on_p;
       const Vec3 normal = apart > 0 ? way * (1 / apart) : Vec3{};
-      const double approach =
-          -dot(normal, course_.velocity) + length(cross(normal, course_.turn.axis)) * course_.turn.angle_rad * away;
+      const double across = rate == 0 ? 0 : length(cross(normal, course_.turn.axis)) * rate * away;
+      const double approach = across - dot(normal, course_.velocity);
       // However near, they only part; but nearer than this the direction may be one of rounding.
       if (apart > 1e-3 * tolerance_ && !(approach > 0)) return;
       if (!(apart > tolerance_)) return record(t, field_place, tree_place, (pair.on_p + pair.on_q) * 0.5, normal);
       // Rounding of the time must not carry them past each other.
-      const double later = t + std::max(0.0, apart - std::max(tolerance_ / 2, kTimeRounding * approach)) / approach;
+      const double reserve = std::max(tolerance_ / 2, kTimeRounding * approach);
+      double step = std::max(0.0, apart - reserve) / approach;
+      if (rate != 0) step = std::max(step, turning_step(at, t, {pair.on_q, normal}, apart - reserve, across * rate));
+      const double later = t + step;
       if (!(later > t)) return record(t, field_place, tree_place, (pair.on_p + pair.on_q) * 0.5, normal);
       t = later;
     }
+  }
+
+  struct Plane {
+    Vec3 point, normal;
+  };
+
+  // How long it takes at least until a corner, above a plane now, has come nearer than it by `room`. A turn that slides
+  // along hardly comes nearer now, and what it does later is known: along the normal no corner is accelerated by more
+  // than `bend`. So a corner comes nearer by no more than its approach now times s, plus bend s^2 / 2.
+  double turning_step(const Corners& at, double t, const Plane& plane, double room, double bend) const {
+    if (!(room > 0)) return 0;
+    const Vec3 center = course_.center + course_.velocity * t;
+    double step = 2;
+    for (const Vec3& corner : at) {
+      const Vec3 velocity = course_.velocity + cross(course_.turn.axis, corner - center) * course_.turn.angle_rad;
+      const double nearing = -dot(plane.normal, velocity);
+      const double above = room + std::max(0.0, dot(plane.normal, corner - plane.point));
+      const double root = std::sqrt(nearing * nearing + 2 * bend * above);
+      // The same number twice; each loses its digits where the other does not.
+      if (nearing > 0)
+        step = std::min(step, 2 * above / (nearing + root));
+      else if (bend > 0)
+        step = std::min(step, (root - nearing) / bend);
+    }
+    return step;
   }
 
   void record(double t, std::uint32_t field_place, std::uint32_t tree_place, Vec3 point, Vec3 normal) {
@@ -239,11 +271,35 @@ void check(const Motion& motion) {
   if (!is_finite(motion.center)) throw Error(ErrorCode::usage, "sweep: the motion's center is not finite");
 }
 
+// How far a point of the body is at the end from where the even turn leads it: rotations need only nearly be some.
+double jump_at_end(const Course& course, const CollisionModel::Data& body) {
+  const Motion& m = course.motion;
+  if (m.from.rotation == m.to.rotation) return 0;
+  double off_sq = 0;
+  for (int column = 0; column < 3; ++column) {
+    const auto of = [column](const Pose& pose) {
+      return Vec3{pose.rotation[column], pose.rotation[3 + column], pose.rotation[6 + column]};
+    };
+    const Vec3 off = of(m.to) - turned(of(m.from), course.turn.axis, course.turn.angle_rad);
+    off_sq += dot(off, off);
+  }
+  return std::sqrt(off_sq) * (length(body.middle - m.center) + body.radius);
+}
+
 Swept sweep_checked(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Motion& motion,
                     const SweepOptions& options) {
   const Course course(motion);
-  Pair pair(a, pose_a, b, motion.from);
-  return Follow(pair, course, options.tolerance).run();
+  const Swept swept = Follow(Pair(a, pose_a, b, motion.from), course, options.tolerance).run();
+  // All the way they were half the tolerance apart; what jumps less has not met.
+  if (swept.hit || jump_at_end(course, b.data()) < options.tolerance / 4) return swept;
+  const Pair end(a, pose_a, b, motion.to);
+  const auto found = find_touching(end, 0);
+  if (!found) return swept;
+  const Corners of_field = end.field.world(found->of_field), of_tree = end.tree.world(found->of_tree);
+  const Overlap where = end.swapped ? overlap(of_tree, of_field) : overlap(of_field, of_tree);
+  std::uint32_t of_a = end.field.triangle(found->of_field), of_b = end.tree.triangle(found->of_tree);
+  if (end.swapped) std::swap(of_a, of_b);
+  return {true, 1, of_a, of_b, where.point, where.normal};
 }
 
 }  // namespace

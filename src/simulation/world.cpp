@@ -221,7 +221,9 @@ void World::run(std::int64_t steps, const Visit& visit) {
 }
 
 Grid World::grid(std::size_t n) const {
-  const State::Standing& body = state_->standing.at(n);
+  if (n >= state_->standing.size())
+    throw Error(ErrorCode::usage, "simulation: there is no standing body " + std::to_string(n) + "; add it first");
+  const State::Standing& body = state_->standing[n];
   return body.field ? body.field->grid() : body.model.grid();
 }
 

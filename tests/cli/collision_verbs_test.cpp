@@ -1,5 +1,8 @@
-// collide, distance, sweep and fly.
+// build, collide, distance, sweep and fly.
 #include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
 
 #include "tests/cli/program.h"
 
@@ -38,6 +41,42 @@ TEST_F(CollisionVerbs, DistanceAndSweep) {
   EXPECT_EQ(done(words("sweep scene:box scene:box --from 5,9,0 --to -5,9,0")).out, "free all the way\n");
 }
 
+TEST_F(CollisionVerbs, BodiesAreBuiltOnceForEveryQuestion) {
+  const Json built = done(words("build scene:box --json")).json();
+  EXPECT_EQ(built["mesh"]["triangles"], 12);
+  EXPECT_EQ(built["output"]["file"], "box.body");
+  EXPECT_EQ(built["output"]["bytes"], read_bytes(folder / "box.body").size());
+  const Json told = done(words("info box.body --json")).json();
+  EXPECT_EQ(told["kind"], "body");
+  for (const char* what : {"mesh", "grid", "band", "memory_bytes"}) EXPECT_EQ(told[what], built[what]) << what;
+  EXPECT_NE(done(words("info box.body")).out.find("triangles     12\n"), std::string::npos);
+  // The same answers from the file as from the mesh, wherever a body may stand.
+  for (const std::string line :
+       {"collide A B --pose 1.5,0.25,0.25 --contacts 9", "distance A B --pose 5,1,0,1,2,3,40",
+        "sweep A B --from 5,0,0 --to -5,0,0,0,1,0,90", "fly --labyrinth A --fly B --steps 20 --speed 1"}) {
+    const auto with = [&](const std::string& a, const std::string& b) {
+      std::string text = line;
+      text.replace(text.find('A'), 1, a);
+      text.replace(text.find('B'), 1, b);
+      Json json = done(words(text + " --json")).json();
+      json.erase("steps_per_second");
+      return json;
+    };
+    if (line.starts_with("fly")) {
+      done(words("build scene:labyrinth:20000"));
+      EXPECT_EQ(with("labyrinth.body", "box.body"), with("scene:labyrinth:20000", "scene:box"));
+    } else {
+      EXPECT_EQ(with("box.body", "box.body"), with("scene:box", "scene:box")) << line;
+    }
+  }
+  // Options of the mesh and of the field; the extension in any case.
+  done(words("build scene:box --scale 10 --spacing 2 -o LARGE.BODY"));
+  const Json large = done(words("info LARGE.BODY --json")).json();
+  EXPECT_EQ(large["mesh"]["bounds"][1][0], 10);
+  EXPECT_EQ(large["grid"]["spacing"][0], 2);
+  EXPECT_EQ(done(words("distance LARGE.BODY box.body --pose 12,0,0")).out.substr(0, 1), "1");
+}
+
 TEST_F(CollisionVerbs, Fly) {
   const Json sweep =
       done(words("fly --fly scene:box --labyrinth scene:labyrinth:20000 --steps 200 --speed 1 --json")).json();
@@ -63,6 +102,23 @@ TEST_F(CollisionVerbs, ErrorsSayWhatToDo) {
   expect("collide scene:box scene:box --pose 2,0,0,0,0,2,0,0,0,0,2,0", 2, "the matrix is no rotation");
   expect("collide scene:box nowhere.stl", 3, "nowhere.stl");
   expect("collide scene:box nowhere.body", 3, "nowhere.body");
+  done(words("build scene:box"));
+  expect("build scene:box", 2, "box.body: it exists; give -f to overwrite it");
+  done(words("build scene:box -f -q"));
+  expect("build scene:box -o box.stl", 2, "box.stl: cannot write .stl here; use .body");
+  expect("build scene:box -o there/box.body", 4, "the folder there does not exist");
+  expect("build scene:box -o fine.body --spacing 1e-6", 5, "take a larger spacing");
+  expect("build scene:box -o fine.body --spacing 0", 2, "--spacing '0': must be above zero");
+  EXPECT_FALSE(std::filesystem::exists(folder / "fine.body"));
+  // A body is no mesh any more.
+  expect("build box.body -o two.body", 3, "box.body: this is a body");
+  expect("compute box.body", 3, "box.body: this is a body");
+  expect("convert box.body -o box.stl", 3, "box.body: this is a body");
+  expect("convert scene:box -o two.body", 2, "use difi build");
+  std::ofstream(folder / "text.body") << "solid nothing";
+  expect("collide text.body scene:box", 3, "text.body: this is no body that difi saved");
+  std::filesystem::resize_file(folder / "box.body", 1000);
+  expect("info box.body", 3, "box.body:byte ");
   expect("sweep scene:box scene:box", 2, "--to");
   expect("sweep scene:box scene:box --to 1,0,0 --tolerance 0", 2, "--tolerance '0': must be above zero");
   expect("fly --steps 10 --path a.txt", 2, "cannot write .txt here; use .csv or .ply");

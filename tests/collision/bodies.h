@@ -15,6 +15,12 @@ inline Pose random_pose(Random& random, double half) {
   return make_pose(random.in_cube(1) + Vec3{0, 0, 1e-3}, random.between(0, 2 * std::numbers::pi), random.in_cube(half));
 }
 
+inline Pose moved(Vec3 by) {
+  Pose pose;
+  pose.translation = by;
+  return pose;
+}
+
 inline Corners corners_at(MeshView mesh, std::size_t t, const Pose& pose) {
   return {apply(pose, mesh.corner(t, 0)), apply(pose, mesh.corner(t, 1)), apply(pose, mesh.corner(t, 2))};
 }
@@ -59,6 +65,17 @@ inline Mesh one_triangle(Vec3 a, Vec3 b, Vec3 c) {
   Mesh mesh;
   add_triangle(mesh, a, b, c);
   return mesh;
+}
+
+/// What a call throws; internal where it throws nothing.
+template <class Call>
+ErrorCode code_of(Call call) {
+  try {
+    call();
+  } catch (const Error& error) {
+    return error.code();
+  }
+  return ErrorCode::internal;
 }
 
 }  // namespace difi::testing

@@ -68,5 +68,60 @@ TEST(Sweep, TheLargerBodyMoves) {
   expect_sound(ball_mesh(0.4, 2), ball_mesh(1, 3), 100, 2, 4, 0, 6);
 }
 
+// The tip of a hand that turns about z starts along a wall and curves into it: at first it comes no nearer at all.
+TEST(Sweep, AHandThatStartsAlongAWallMeetsIt) {
+  Mesh wall;
+  add_triangle(wall, {0.9, -9, -5}, {0.9, 9, -5}, {0.9, 0, 9});
+  const CollisionModel resting(wall), tip(one_triangle({1, 0, 0}, {1.1, 0, 0.05}, {1.1, 0, -0.05}));
+  constexpr double kTolerance = 1e-6;
+  for (const double turn : {0.5, 1.5, 3.1})
+    for (const bool wall_turns : {false, true}) {
+      SCOPED_TRACE(turn);
+      const Motion motion{{}, make_pose({0, 0, 1}, turn, {}), {}};
+      const Swept swept =
+          wall_turns ? sweep(tip, {}, resting, motion, {kTolerance}) : sweep(resting, {}, tip, motion, {kTolerance});
+      ASSERT_TRUE(swept.hit);
+      EXPECT_LE(swept.time * turn, std::acos(0.9) + 1e-12);
+      EXPECT_GE(swept.time * turn, std::acos(0.9 + kTolerance) - 1e-9);
+    }
+}
+
+// A hexagonal shaft turns in a hexagonal sleeve: its edges, 1 from the axis, meet the sleeve's sides, `apothem` from
+// it, where the cosine of the angle to a side's normal is the apothem. Nearly all of the turn is sliding along.
+TEST(Sweep, AShaftTurnsInItsSleeve) {
+  const auto tube = [](double radius) {
+    Mesh mesh;
+    const auto at = [&](int side, int ring) {
+      const double angle = side * std::numbers::pi / 3;
+      return Vec3{radius * std::cos(angle), radius * std::sin(angle), ring * 0.5};
+    };
+    for (int side = 0; side < 6; ++side)
+      for (int ring = 0; ring < 4; ++ring) {
+        add_triangle(mesh, at(side, ring), at(side + 1, ring), at(side, ring + 1));
+        add_triangle(mesh, at(side + 1, ring), at(side + 1, ring + 1), at(side, ring + 1));
+      }
+    return mesh;
+  };
+  const CollisionModel shaft(tube(1));
+  constexpr double kTolerance = 1e-5, kTurn = 3;
+  const double sixth = std::numbers::pi / 6;
+  for (const double apothem : {0.9, 0.99, 0.9999, 1.0001, 1.1}) {
+    SCOPED_TRACE(apothem);
+    const CollisionModel sleeve(tube(apothem / std::cos(sixth)));
+    for (const Vec3 axis : {Vec3{0, 0, 1}, Vec3{0, 0, -1}})
+      for (const bool sleeve_turns : {false, true}) {
+        Random random(1);
+        const Pose world = random_pose(random, 3);
+        const Motion motion{world, compose(world, make_pose(axis, kTurn, {})), {0, 0, 0.3}};
+        const Swept swept = sleeve_turns ? sweep(shaft, world, sleeve, motion, {kTolerance})
+                                         : sweep(sleeve, world, shaft, motion, {kTolerance});
+        ASSERT_EQ(swept.hit, apothem < 1 + kTolerance);
+        if (!swept.hit) continue;
+        EXPECT_LE(swept.time * kTurn, sixth - std::acos(apothem) + 1e-12);
+        EXPECT_GE(swept.time * kTurn, sixth - std::acos(apothem - kTolerance) - 1e-9);
+      }
+  }
+}
+
 }  // namespace
 }  // namespace difi

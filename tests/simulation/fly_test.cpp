@@ -1,52 +1,16 @@
 // Flies in a small labyrinth: what they pass through, what repeats, what is written.
 #include <gtest/gtest.h>
 
-#include <mutex>
-
 #include "difi/simulation.h"
 #include "simulation/crossing.h"
 #include "tests/collision/bodies.h"
 #include "tests/io/temp_folder.h"
+#include "tests/simulation/room.h"
 
 namespace difi {
 namespace {
 
 using namespace difi::testing;
-
-// A room of thin walls with a wall through the middle that has a hole.
-Mesh room() {
-  Mesh mesh;
-  const auto quad = [&](Vec3 a, Vec3 u, Vec3 v) {
-    add_triangle(mesh, a, a + u, a + u + v);
-    add_triangle(mesh, a, a + u + v, a + v);
-  };
-  const Vec3 x{10, 0, 0}, y{0, 4, 0}, z{0, 0, 6};
-  quad({0, 0, 0}, x, y), quad({0, 0, 6}, x, y);
-  quad({0, 0, 0}, x, z), quad({0, 4, 0}, x, z);
-  quad({0, 0, 0}, y, z), quad({10, 0, 0}, y, z);
-  quad({5, 0, 0}, y, {0, 0, 4});
-  return mesh;
-}
-
-struct Flown {
-  std::vector<Flier> fliers;
-  std::vector<PathPoint> path;
-};
-
-Flown fly(FlightOptions options, std::int64_t steps, int count) {
-  const CollisionModel walls(room()), body(ball_mesh(0.3, 3));
-  World world(body, options);
-  world.add(walls);
-  for (int n = 0; n < count; ++n) world.add_flier({{0.5, 0.5, 0.5}, {9.5, 3.5, 5.5}});
-  Flown flown;
-  std::mutex adding;
-  world.run(steps, [&](std::size_t n, std::int64_t step, const Pose& pose) {
-    const std::lock_guard lock(adding);
-    flown.path.push_back({static_cast<std::int64_t>(n), step, pose.translation});
-  });
-  flown.fliers.assign(world.fliers().begin(), world.fliers().end());
-  return flown;
-}
 
 std::int64_t total(const Flown& flown, std::int64_t Flier::*what) {
   std::int64_t sum = 0;
@@ -60,7 +24,7 @@ TEST(Fly, SweptOnesPassThroughNothingAtAnySpeed) {
       FlightOptions options;
       options.speed = speed;
       options.on_contact = what;
-      const Flown flown = fly(options, 1000, 8);
+      const Flown flown = fly(options, 300, 8);
       EXPECT_EQ(total(flown, &Flier::crossings), 0) << speed;
       EXPECT_GT(total(flown, &Flier::collisions), 0) << speed;
       for (const Flier& it : flown.fliers) {
@@ -80,22 +44,6 @@ TEST(Fly, TheThesisMissesWhatIsFast) {
   EXPECT_GT(total(slow, &Flier::collisions), 0);
   options.speed = 5;
   EXPECT_GT(total(fly(options, 200, 8), &Flier::crossings), 0);
-}
-
-TEST(Fly, RepeatsWithItsSeedOnAnyNumberOfThreads) {
-  FlightOptions options;
-  options.speed = 0.3;
-  options.threads = 1;
-  const Flown one = fly(options, 500, 6);
-  options.threads = 4;
-  const Flown four = fly(options, 500, 6);
-  options.seed = 2;
-  const Flown other = fly(options, 500, 6);
-  for (std::size_t n = 0; n < one.fliers.size(); ++n) {
-    EXPECT_EQ(one.fliers[n].pose, four.fliers[n].pose);
-    EXPECT_EQ(one.fliers[n].collisions, four.fliers[n].collisions);
-    EXPECT_NE(one.fliers[n].pose, other.fliers[n].pose);
-  }
 }
 
 TEST(Fly, StaysInItsRoom) {
@@ -131,7 +79,7 @@ TEST(Crossing, AgreesWithEveryTriangle) {
   const CrossingCheck check(mesh, {});
   Random random(1);
   int crossed = 0;
-  for (int n = 0; n < 2000; ++n) {
+  for (int n = 0; n < 1000; ++n) {
     const Vec3 from = random.in_cube(1.5), to = from + random.in_cube(n % 2 ? 0.3 : 3);
     bool expected = false;
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
@@ -139,7 +87,7 @@ TEST(Crossing, AgreesWithEveryTriangle) {
     ASSERT_EQ(check.crosses(from, to), expected);
     crossed += expected;
   }
-  EXPECT_GT(crossed, 100);
+  EXPECT_GT(crossed, 50);
 }
 
 }  // namespace

@@ -1,0 +1,66 @@
+// difi build: a mesh made into a body, once, for many questions.
+#include <filesystem>
+#include <memory>
+
+#include "cli/body_input.h"
+#include "cli/commands.h"
+#include "cli/option.h"
+#include "cli/parse.h"
+#include "cli/talk.h"
+#include "cli/text.h"
+#include "cli/usage.h"
+#include "cli/waiting.h"
+
+namespace difi::cli {
+namespace {
+
+constexpr const char* kExamples =
+    R"(  difi build maze.stl                              maze.body, for collide, distance, sweep and fly
+  difi build maze.stl -o out/maze.body --unit mm   in metres, elsewhere
+  difi collide maze.body fly.stl --pose 3,1,2      nothing is built again
+)";
+
+struct Command {
+  MeshInput input;
+  FileOutput output;
+  ModelOptions options;
+  Talk talk;
+
+  void run();
+};
+
+void Command::run() {
+  if (!output.given()) output.set_path(input.stem() + ".body");
+  output.check({{"body", "", true, true, false}});
+  const Mesh mesh = waiting(talk, "reading " + input.name(), [&] { return input.read(); });
+  const std::string file = output.path().string();
+  const CollisionModel body = waiting(talk, "building " + file, [&] { return CollisionModel(mesh, options); });
+  output.check_still_free();
+  waiting(talk, "writing " + file, [&] { body.save(output.path()); });
+  talk.say(mesh_line(file, mesh) + ", field of " + size_text(body.grid().size) + " samples, " +
+           bytes_text(body.memory_bytes()) + " in memory");
+  if (!talk.json()) return;
+  Json json = json_body(body);
+  json["output"] = {{"file", file}, {"bytes", std::filesystem::file_size(output.path())}};
+  print(json);
+}
+
+}  // namespace
+
+void add_build(CLI::App& program) {
+  auto* verb = add_verb(program, "build", "make a body of a mesh, once for many questions", kExamples);
+  const auto command = std::make_shared<Command>();
+  ModelOptions& options = command->options;
+  using S = const std::string&;
+  command->input.add_to(*verb);
+  command->input.add_scale_to(*verb);
+  add_parsed(*verb, {"--spacing", "S", "of the body's field (default: chosen from the mesh)", "Body"},
+             [&options](S o, S t) { options.spacing = parse_positive(o, t); });
+  add_parsed(*verb, {"-j,--threads", "N", "threads (default: all)", "Body"},
+             [&options](S o, S t) { options.threads = static_cast<int>(parse_count(o, t, 1, 4096)); });
+  command->output.add_to(*verb, "BODY", "the body: .body (default: the mesh's name with .body, here)");
+  command->talk.add_to(*verb, Talk::kMessages | Talk::kJson);
+  verb->callback([command] { command->run(); });
+}
+
+}  // namespace difi::cli

@@ -1,0 +1,11 @@
+// Bodies in files, for load() and for the fuzzer, whose changed bytes would end at the checksum.
+#pragma once
+
+#include "collision/model.h"
+#include "io/file_view.h"
+
+namespace difi {
+
+enum class BodyChecksum { checked, ignored };
+
+}  // namespace difi

@@ -1,0 +1,138 @@
+// The fly in the labyrinth against answers found another way (independent.h). A few hundred questions by default; for
+// as many as docs/collision.md tells of, run this program with the environment variables below.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <cstdlib>
+
+#include "difi/collision.h"
+#include "scenes/scenes.h"
+#include "tests/collision/bodies.h"
+#include "tests/collision/independent.h"
+
+namespace difi {
+namespace {
+
+using namespace difi::testing;
+
+// DIFI_CHECK_POSES, DIFI_CHECK_SWEEPS: how many; DIFI_CHECK_SEED: which.
+long from_environment(const char* name, long otherwise) {
+  const char* const text = std::getenv(name);
+  return text == nullptr ? otherwise : std::atol(text);
+}
+
+// Of a million questions.
+void tell(const char* what, long done, long all) {
+  if (done > 0 && done % 100'000 == 0) std::fprintf(stderr, "%ld of %ld %s\n", done, all, what);
+}
+
+struct Labyrinth : ::testing::Test {
+  static inline const Mesh walls = scenes::make("labyrinth"), fly = scenes::make("fly");
+  static inline const CollisionModel model{walls}, flier{fly};
+  IndependentBody still{walls}, moving{fly};
+  Random random{static_cast<unsigned>(from_environment("DIFI_CHECK_SEED", 1))};
+
+  Pose pose_inside() {
+    const Box box = model.bounds();
+    Pose pose = make_pose(random.in_cube(1) + Vec3{0, 0, 1e-3}, random.between(0, 2 * std::numbers::pi), {});
+    const Vec3 at{random.between(box.min.x, box.max.x), random.between(box.min.y, box.max.y),
+                  random.between(box.min.z, box.max.z)};
+    pose.translation = at - rotate(pose, flier.bounds().center());
+    return pose;
+  }
+  bool touches_at(const Pose& pose) {
+    moving.place(pose);
+    return moving.touches(still);
+  }
+};
+
+TEST_F(Labyrinth, PosesAgreeWithAnIndependentExactTest) {
+  const long poses = from_environment("DIFI_CHECK_POSES", 400);
+  long hits = 0, ambiguous = 0;
+  for (long n = 0; n < poses; ++n) {
+    tell("poses", n, poses);
+    const Pose pose = pose_inside();
+    const bool expected = touches_at(pose);
+    const Collided found = collide(model, {}, flier, pose);
+    ASSERT_EQ(found.hit(), expected) << "pose " << n;
+    if (expected) {
+      ASSERT_TRUE(independent_touch(still.triangle(found.triangle_a), moving.triangle(found.triangle_b)));
+    }
+    ASSERT_EQ(collide(flier, pose, model, {}).hit(), expected) << "pose " << n << ", turned round";
+    const Contact certified = collide(model, {}, flier, pose, {.mode = CollideMode::certified}).contact;
+    ASSERT_TRUE(certified == Contact::ambiguous || (certified == Contact::hit) == expected) << "pose " << n;
+    ambiguous += certified == Contact::ambiguous;
+    hits += expected;
+    if (n % 16 != 0) continue;
+    ASSERT_EQ(distance(model, {}, flier, pose).upper == 0, expected) << "pose " << n;
+    const Contacts some = contacts(model, {}, flier, pose, {.most = 20});
+    ASSERT_EQ(!some.contacts.empty(), expected) << "pose " << n;
+    for (const ContactPoint& it : some.contacts)
+      ASSERT_TRUE(independent_touch(still.triangle(it.triangle_a), moving.triangle(it.triangle_b))) << "pose " << n;
+  }
+  std::printf("%ld poses, %ld touching, %ld free, %ld ambiguous to the field alone; none differs\n", poses, hits,
+              poses - hits, ambiguous);
+  EXPECT_GT(hits, poses / 5);
+  EXPECT_LT(hits, poses * 4 / 5);
+}
+
+TEST_F(Labyrinth, SweepsMissNothing) {
+  const long sweeps = from_environment("DIFI_CHECK_SWEEPS", 100);
+  constexpr double kTolerance = 1e-4, kRounding = 1e-9;
+  long hits = 0, turning = 0, sampled = 0, straight_hits = 0, seen = 0;
+  for (long n = 0; n < sweeps; ++n) {
+    tell("sweeps", n, sweeps);
+    SCOPED_TRACE("sweep " + std::to_string(n));
+    Motion motion;
+    do motion.from = pose_inside();
+    while (touches_at(motion.from));
+    // Ways of 0.02 to 10, as many short as long ones.
+    const double speed = 0.02 * std::pow(500, random.between(0, 1));
+    const Vec3 direction = random.in_cube(1) + Vec3{0, 0, 1e-3};
+    const bool turns = n % 5 == 0;
+    motion.center = flier.bounds().center();
+    motion.to = motion.from;
+    if (turns) {
+      const Pose turn = make_pose(random.in_cube(1) + Vec3{1e-3, 0, 0}, random.between(0, 3), {});
+      motion.to.rotation = compose(turn, motion.from).rotation;
+    }
+    motion.to.translation =
+        apply(motion.from, motion.center) + direction * (speed / length(direction)) - rotate(motion.to, motion.center);
+    const Swept swept = sweep(model, {}, flier, motion, {.tolerance = kTolerance});
+    hits += swept.hit;
+    if (turns) {
+      // Places on the way, as many as a way has lengths of a thin part of the fly, and always some.
+      ++turning;
+      const int times = 12 + static_cast<int>(speed * 4);
+      for (int k = 1; k <= times; ++k) {
+        const double t = swept.time * (k - random.between(0, 1)) / times;
+        ASSERT_FALSE(touches_at(pose_at(motion, t))) << "at " << t << " before " << swept.time;
+        ++sampled;
+      }
+    } else {
+      moving.place(motion.from);
+      const Vec3 way = motion.to.translation - motion.from.translation;
+      ASSERT_FALSE(moving.passes_through(still, way * swept.time, kRounding)) << "before " << swept.time;
+      // A check that saw nothing would pass everything: it must see what the whole way leads through.
+      if (swept.hit) {
+        ++straight_hits;
+        moving.place(motion.from);
+        seen += moving.passes_through(still, way, kRounding);
+      }
+    }
+    if (!swept.hit) continue;
+    moving.place(pose_at(motion, swept.time));
+    const auto p = moving.triangle(swept.triangle_b), q = still.triangle(swept.triangle_a);
+    ASSERT_TRUE(independent_touch(p, q) || gap_of(p, q) <= kTolerance * (1 + 1e-6)) << gap_of(p, q);
+  }
+  std::printf(
+      "%ld sweeps of 0.02 to 10, %ld of them turning (%ld places tested), %ld hits; none missed (%ld of %ld straight "
+      "hits lead through)\n",
+      sweeps, turning, sampled, hits, seen, straight_hits);
+  EXPECT_GT(seen, straight_hits * 9 / 10);  // others only come within the tolerance
+  EXPECT_GT(hits, sweeps / 20);
+  EXPECT_LT(hits, sweeps * 9 / 10);
+}
+
+}  // namespace
+}  // namespace difi

@@ -1,0 +1,126 @@
+// What a world refuses, and flights whose course is known.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "tests/simulation/room.h"
+
+namespace difi {
+namespace {
+
+using namespace difi::testing;
+
+const CollisionModel& ball() {
+  static const CollisionModel model(ball_mesh(0.3, 3));
+  return model;
+}
+
+ErrorCode code_with(auto FlightOptions::*what, auto value) {
+  FlightOptions options;
+  options.*what = value;
+  return code_of([&] { World world(ball(), options); });
+}
+
+TEST(World, RefusesWhatMakesNoSense) {
+  const double nan = std::nan(""), infinity = std::numeric_limits<double>::infinity();
+  for (const double bad : {-1.0, nan, infinity}) {
+    EXPECT_EQ(code_with(&FlightOptions::speed, bad), ErrorCode::usage) << bad;
+    EXPECT_EQ(code_with(&FlightOptions::tolerance, bad), ErrorCode::usage) << bad;
+    EXPECT_EQ(code_with(&FlightOptions::thickness, bad), ErrorCode::usage) << bad;
+    EXPECT_EQ(code_with(&FlightOptions::threshold, bad), ErrorCode::usage) << bad;
+    EXPECT_EQ(code_with(&FlightOptions::scatter_rad, bad), ErrorCode::usage) << bad;
+  }
+  EXPECT_EQ(code_with(&FlightOptions::tolerance, 0.0), ErrorCode::usage);
+  EXPECT_EQ(code_with(&FlightOptions::threads, -1), ErrorCode::usage);
+  World world(ball(), {});
+  Pose bad;
+  bad.rotation[0] = nan;
+  EXPECT_EQ(code_of([&] { world.add(ball(), bad); }), ErrorCode::usage);
+  bad.rotation[0] = 2;
+  EXPECT_EQ(code_of([&] { world.add(ball(), bad); }), ErrorCode::usage);
+  EXPECT_EQ(code_of([&] { world.add_flier({}); }), ErrorCode::usage);
+  EXPECT_EQ(code_of([&] { world.add_flier({{0, 0, 0}, {1, infinity, 1}}); }), ErrorCode::usage);
+  EXPECT_EQ(code_of([&] { world.grid(0); }), ErrorCode::usage) << "nothing stands there";
+  world.add(ball());
+  EXPECT_EQ(world.grid(0), ball().grid());
+  EXPECT_EQ(code_of([&] { world.grid(1); }), ErrorCode::usage);
+  EXPECT_EQ(code_of([&] {
+              world.add_flier({{-0.01, -0.01, 0.29}, {0.01, 0.01, 0.31}});
+            }),
+            ErrorCode::input)
+      << "no free place";
+}
+
+TEST(World, FliesStraightWhereNothingIs) {
+  FlightOptions options;
+  options.speed = 0.5;
+  World world(ball(), options);
+  world.add_flier({{-1, -1, -1}, {1, 1, 1}});
+  const Flier start = world.fliers()[0];
+  world.run(100);
+  world.run(0);
+  const Flier end = world.fliers()[0];
+  EXPECT_NEAR(length(start.direction), 1, 1e-12);
+  EXPECT_NEAR(length(end.pose.translation - (start.pose.translation + start.direction * 50)), 0, 1e-12);
+  EXPECT_EQ(end.direction, start.direction);
+  EXPECT_EQ(end.pose.rotation, start.pose.rotation);
+  EXPECT_EQ(end.collisions + end.turns + end.crossings, 0);
+}
+
+TEST(World, NoSpeedIsNoMotion) {
+  FlightOptions options;
+  options.speed = 0;
+  const Flown flown = fly(options, 50, 3);
+  for (const Flier& it : flown.fliers) EXPECT_EQ(it.collisions + it.crossings, 0);
+  for (const PathPoint& point : flown.path) EXPECT_EQ(point.point, flown.path[point.flier * 2].point);
+}
+
+// A ball on its way down to a wide floor.
+Flier after_the_floor(FlightOptions options, Flier& before) {
+  options.scatter_rad = 0;
+  const CollisionModel floor(one_triangle({-1e4, 0, -1e4}, {3e4, 0, -1e4}, {-1e4, 0, 3e4}));
+  for (options.seed = 1;; ++options.seed) {
+    World world(ball(), options);
+    world.add(floor);
+    world.add_flier({{-1, 4, -1}, {1, 6, 1}});
+    before = world.fliers()[0];
+    if (before.direction.y > -0.3) continue;
+    while (world.fliers()[0].collisions == 0) world.run(1);
+    return world.fliers()[0];
+  }
+}
+
+TEST(World, TurnsBackOrReflects) {
+  for (const double speed : {0.02, 0.7, 1000.0}) {
+    SCOPED_TRACE(speed);
+    FlightOptions options;
+    options.speed = speed;
+    Flier before;
+    const Flier back = after_the_floor(options, before);
+    EXPECT_NEAR(length(back.direction + before.direction), 0, 1e-12);
+    options.on_contact = OnContact::reflect;
+    const Flier up = after_the_floor(options, before);
+    const Vec3 mirrored{before.direction.x, -before.direction.y, before.direction.z};
+    EXPECT_NEAR(length(up.direction - mirrored), 0, 1e-6);
+    // It stopped where its lowest corner is just above the floor.
+    double lowest = 1e9;
+    const MeshView mesh = ball().mesh();
+    for (const Vec3& v : mesh.vertices) lowest = std::min(lowest, apply(up.pose, v).y);
+    EXPECT_GT(lowest, 0);
+    EXPECT_LT(lowest, 4 * options.tolerance);
+  }
+}
+
+TEST(World, ManyFliesAtOnceCrossNothing) {
+  FlightOptions options;
+  options.speed = 2;
+  const Flown flown = fly(options, 4, 3000);
+  std::int64_t collisions = 0, crossings = 0;
+  for (const Flier& it : flown.fliers) collisions += it.collisions, crossings += it.crossings;
+  EXPECT_GT(collisions, 1000);
+  EXPECT_EQ(crossings, 0);
+}
+
+}  // namespace
+}  // namespace difi

@@ -1,0 +1,44 @@
+// Flies on many threads fly as on one.
+#include <gtest/gtest.h>
+
+#include <atomic>
+
+#include "tests/simulation/room.h"
+
+namespace difi {
+namespace {
+
+using namespace difi::testing;
+
+TEST(Fly, RepeatsWithItsSeedOnAnyNumberOfThreads) {
+  FlightOptions options;
+  options.speed = 0.3;
+  options.threads = 1;
+  const Flown one = fly(options, 500, 6);
+  options.threads = 4;
+  const Flown four = fly(options, 500, 6);
+  options.seed = 2;
+  const Flown other = fly(options, 500, 6);
+  for (std::size_t n = 0; n < one.fliers.size(); ++n) {
+    EXPECT_EQ(one.fliers[n].pose, four.fliers[n].pose);
+    EXPECT_EQ(one.fliers[n].collisions, four.fliers[n].collisions);
+    EXPECT_NE(one.fliers[n].pose, other.fliers[n].pose);
+  }
+}
+
+TEST(Fly, ProgressIsToldByOneThreadAtATimeAndStops) {
+  FlightOptions options;
+  options.speed = 0.3;
+  options.threads = 4;
+  std::atomic<int> inside{0}, told{0};
+  options.progress = [&](const Progress&) {
+    EXPECT_EQ(inside++, 0);
+    --inside;
+    return ++told < 3;
+  };
+  EXPECT_EQ(code_of([&] { fly(options, 1'000'000, 6); }), ErrorCode::interrupted);
+  EXPECT_GE(told, 3);
+}
+
+}  // namespace
+}  // namespace difi
