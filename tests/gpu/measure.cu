@@ -4,7 +4,7 @@
 // TRIANGLES 0: the scene's own. OUTPUT: dense, sparse, graph (dense, replayed as a CUDA graph), host (from host memory
 // to host memory, dense), counting (the part of dense before triangles are listed). The grid has NX NY NZ cells in a
 // box of EX EY EZ units, a sample in the middle of each. SCALE is the mesh's, or 0 to stretch it until MARGIN units are
-// left on each side. THICKNESS in units, or inf. Writes a CSV line each.
+// left on each side. THICKNESS in units, or inf. Writes a CSV line each. measure --once: each is run once, to try it.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -49,13 +49,15 @@ struct Times {
   int runs;
 };
 
-/// Once to warm up, then as often as fits into a second, 5 to 50 times.
+std::size_t least_runs = 5, most_runs = 50;
+
+/// Once to warm up, then as often as fits into a second, within bounds.
 template <class Once>
 Times repeated(Once once) {
   std::vector<double> all;
-  double total = once();
-  total = 0;
-  while (all.size() < 5 || (all.size() < 50 && total < 1000)) {
+  double total = 0;
+  once();
+  while (all.size() < least_runs || (all.size() < most_runs && total < 1000)) {
     all.push_back(once());
     total += all.back();
   }
@@ -112,8 +114,9 @@ void run(const Line& l) {
 }  // namespace
 }  // namespace difi::DIFI_PLATFORM
 
-int main() {
+int main(int argc, char** argv) {
   using namespace difi::DIFI_PLATFORM;
+  if (argc > 1 && std::string(argv[1]) == "--once") least_runs = most_runs = 1;
   std::puts(
       "table,scene,triangles,method,output,grid,thickness,median_ms,least_ms,runs,samples_examined,samples_band,"
       "list_entries,workspace_mib,written_gb_per_s");

@@ -1,0 +1,19 @@
+# script/gpu-check from its first line to its last, on the emulated GPU: its programs build without the rest of difi and
+# its dependencies, every job runs, every table has its rows.
+set -euo pipefail
+JOBS=1 "$DIFI_SOURCE_DIR/script/gpu-check" --emulated --out "$PWD/results" >log 2>&1 || { cat log; exit 1; }
+
+fail() { echo "$*"; cat log; exit 1; }
+grep -q '^0 of [0-9]* checks went wrong' results/check.txt || fail "check.txt has no sum"
+rows() { awk -F, -v table="$1" '$1 == table' results/gpu.csv | wc -l; }
+while read -r table count; do
+  [[ $(rows "$table") == "$count" ]] || fail "gpu.csv has $(rows "$table") rows of $table, not $count"
+done <<'END'
+figure_1.1 1
+table_5.1 52
+table_5.2 16
+table_5.3 18
+table_5.5 12
+END
+awk -F, 'NR > 1 && !($8 > 0)' results/gpu.csv | grep . && fail "a job took no time"
+echo "script/gpu-check runs"
