@@ -79,7 +79,8 @@ std::int64_t workspace_bytes(std::int64_t triangles, const Grid& grid, double th
 /// Errors: usage (grid, thickness, null pointers, too small a workspace: it says how large), device.
 void enqueue(const Task& task, void* workspace, std::int64_t bytes, Stream stream);
 
-/// Several fields, one after the other on the stream, through one workspace that is large enough for each.
+/// Several fields, one after the other on the stream, through one workspace that is large enough for each. Where a task
+/// is refused, none is put on the stream.
 void enqueue(std::span<const Task> tasks, void* workspace, std::int64_t bytes, Stream stream);
 
 /// Throws what the outcome (copied to the host) says: Error{input} for a bad triangle, Error{limit} for too little

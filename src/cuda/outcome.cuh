@@ -22,16 +22,19 @@ __global__ void mark_used_tiles(const Counter* start, std::int64_t tiles, std::u
   if (tile <= tiles) used[tile] = tile < tiles && start[tile + 1] > start[tile];
 }
 
-/// From the running sum of `used`: each tile's slot or -1. A thread a tile.
+/// From the running sum of `used`: each tile's slot or -1, where there is room for all. A thread a tile.
 __global__ void give_slots(const std::uint32_t* used, const Counter* rank, std::int64_t tiles, DeviceOutput output,
                            Outcome* outcome) {
   const std::int64_t tile = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
   if (tile > tiles) return;
+  const Counter needed = rank[tiles];
+  const bool fits = needed <= static_cast<Counter>(output.slot_capacity);
   if (tile == tiles) {
-    outcome->needed_slots = rank[tiles];
-    if (rank[tiles] > static_cast<Counter>(output.slot_capacity)) stop(outcome);
+    outcome->needed_slots = needed;
+    if (!fits) stop(outcome);
     return;
   }
+  if (!fits || outcome->stopped) return;
   output.slots[tile] = used[tile] ? static_cast<std::int32_t>(rank[tile]) : -1;
 }
 

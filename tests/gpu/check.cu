@@ -31,6 +31,10 @@ struct Reference {
   cuda::Outcome outcome;
 };
 
+struct alignas(256) Aligned {
+  char bytes[256];
+};
+
 Reference emulate(const Case& c, Method method) {
   const auto samples = static_cast<std::size_t>(c.grid.sample_count());
   Reference r{std::vector<float>(samples), std::vector<std::uint32_t>(samples), {}};
@@ -46,7 +50,7 @@ Reference emulate(const Case& c, Method method) {
   do {
     const std::int64_t bytes =
         emulated::workspace_bytes(task.mesh.triangle_count, c.grid, c.thickness, method, entries);
-    std::vector<double> workspace(static_cast<std::size_t>(bytes) / sizeof(double) + 1);
+    std::vector<Aligned> workspace(static_cast<std::size_t>(bytes) / sizeof(Aligned) + 1);
     emulated::enqueue(task, workspace.data(), bytes);
     entries *= 4;
   } while (r.outcome.stopped != 0 && r.outcome.bad_triangle == cuda::Outcome::kNone);
