@@ -10,11 +10,12 @@
 
 namespace difi::DIFI_PLATFORM {
 
-/// Calls use.template operator()<Arrays>(enqueue function) with those of the method's way.
-template <class Use>
+/// Parts can be left out of the ways for thin bands and of Algorithm 1. Calls use.template operator()<Arrays>(enqueue
+/// function) with those of the method's way.
+template <Through kThrough = Through::write, class Use>
 auto with_way(Method method, const Grid& grid, double thickness, Use use) {
-  if (method == Method::thesis) return use.template operator()<ThesisArrays>(enqueue_thesis);
-  if (gpu::is_thin(grid, thickness)) return use.template operator()<ThinArrays>(enqueue_thin);
+  if (method == Method::thesis) return use.template operator()<ThesisArrays>(enqueue_thesis<kThrough>);
+  if (gpu::is_thin(grid, thickness)) return use.template operator()<ThinArrays>(enqueue_thin<kThrough>);
   return use.template operator()<ThickArrays>(enqueue_thick);
 }
 
@@ -53,10 +54,11 @@ inline void check_task(const Task& task, const void* workspace, std::int64_t byt
 }
 
 /// Requires a task that was checked.
-inline void enqueue_task(const Task& task, void* workspace, std::int64_t bytes, Stream stream) {
+template <Through kThrough = Through::write>
+void enqueue_task(const Task& task, void* workspace, std::int64_t bytes, Stream stream) {
   const std::int64_t triangles = task.mesh.used_count();
   const gpu::Lattice l = gpu::make_lattice(task.grid, task.thickness);
-  with_way(task.method, task.grid, task.thickness, [&]<class Arrays>(auto enqueue_way) {
+  with_way<kThrough>(task.method, task.grid, task.thickness, [&]<class Arrays>(auto enqueue_way) {
     gpu::Workspace measure(nullptr), memory(workspace);
     const Arrays empty(measure, triangles, l, 0);
     const std::int64_t entries = (bytes - measure.used() - kAlignmentLoss) / Arrays::kBytesPerEntry;

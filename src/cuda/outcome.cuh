@@ -5,26 +5,26 @@
 
 namespace difi::DIFI_PLATFORM {
 
-__global__ void clear_outcome(Outcome* outcome, Counter* long_count) {
+DIFI_KERNEL void clear_outcome(Outcome* outcome, Counter* long_count) {
   *outcome = {0, Outcome::kNone, 0, 0, 0, 0};
   if (long_count) *long_count = 0;
 }
 
 /// Stops all that follows where the lists do not fit.
-__global__ void check_entries(const Counter* total, Counter capacity, Outcome* outcome) {
+DIFI_KERNEL void check_entries(const Counter* total, Counter capacity, Outcome* outcome) {
   if (*total > outcome->needed_entries) outcome->needed_entries = *total;
   if (*total > capacity) stop(outcome);
 }
 
 /// 1 for each tile with triangles, 0 behind the last.
-__global__ void mark_used_tiles(const Counter* start, std::int64_t tiles, std::uint32_t* used) {
+DIFI_KERNEL void mark_used_tiles(const Counter* start, std::int64_t tiles, std::uint32_t* used) {
   const std::int64_t tile = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
   if (tile <= tiles) used[tile] = tile < tiles && start[tile + 1] > start[tile];
 }
 
 /// From the running sum of `used`: each tile's slot or -1, where there is room for all. A thread a tile.
-__global__ void give_slots(const std::uint32_t* used, const Counter* rank, std::int64_t tiles, DeviceOutput output,
-                           Outcome* outcome) {
+DIFI_KERNEL void give_slots(const std::uint32_t* used, const Counter* rank, std::int64_t tiles, DeviceOutput output,
+                            Outcome* outcome) {
   const std::int64_t tile = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
   if (tile > tiles) return;
   const Counter needed = rank[tiles];

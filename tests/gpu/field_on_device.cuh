@@ -42,6 +42,9 @@ class FieldOnDevice {
     copy_in(triangles_.as<void>(), mesh.triangles.data(), bytes_of(mesh.triangles));
   }
 
+  /// The field into host memory that is there. Requires dense output.
+  void download(std::vector<float>& values) const { copy_out(values.data(), task_.output.values, bytes_of(values)); }
+
   void enqueue(Stream stream) { DIFI_PLATFORM::enqueue(task_, workspace_.as<void>(), workspace_bytes_, stream); }
 
   Outcome outcome() const {
@@ -71,8 +74,8 @@ class FieldOnDevice {
   std::vector<float> values() const { return dense<float>(task_.output.values, static_cast<float>(task_.thickness)); }
   std::vector<std::uint32_t> nearest() const { return dense<std::uint32_t>(task_.output.nearest, kNoTriangle); }
 
+  void* workspace() const { return workspace_.as<void>(); }
   std::int64_t workspace_bytes() const { return workspace_bytes_; }
-  std::int64_t entries() const { return entries_; }
   const Task& task() const { return task_; }
   /// Room for no list entry: then the work ends after counting.
   void take_entries_away() { make_workspace(0); }

@@ -1,3 +1,4 @@
+#!/usr/bin/env bash
 # script/gpu-check from its first line to its last, on the emulated GPU: its programs build without the rest of difi and
 # its dependencies, every job runs, every table has its rows.
 set -euo pipefail
@@ -9,11 +10,15 @@ rows() { awk -F, -v table="$1" '$1 == table' results/gpu.csv | wc -l; }
 while read -r table count; do
   [[ $(rows "$table") == "$count" ]] || fail "gpu.csv has $(rows "$table") rows of $table, not $count"
 done <<'END'
-figure_1.1 1
+goal 13
+figure_1.1 2
 table_5.1 52
 table_5.2 16
 table_5.3 18
+table_5.4 11
 table_5.5 12
 END
 awk -F, 'NR > 1 && !($8 > 0)' results/gpu.csv | grep . && fail "a job took no time"
+grep -q '^table_5.1,factory,.*,0.64,-$' results/gpu.csv || fail "gpu.csv lacks the thesis's times"
+[[ $(awk -F, '$3 ~ /^-?[0-9]/ && NF == 4' results/table-5.4.csv | wc -l) == 13 ]] || fail "table-5.4.csv lacks parts"
 echo "script/gpu-check runs"
