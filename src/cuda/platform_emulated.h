@@ -5,7 +5,6 @@
 #include <atomic>
 #include <cstdint>
 #include <cstring>
-#include <limits>
 #include <memory>
 #include <new>
 #include <utility>
@@ -49,7 +48,7 @@ inline void copy_out(void* to, const void* from, std::int64_t bytes) {
 
 /// The emulated GPU's memory: how much of it is taken, and how much there is, for tests to change.
 inline std::atomic<std::int64_t> memory_taken{0};
-inline std::atomic<std::int64_t> memory_total{std::numeric_limits<std::int64_t>::max()};
+inline std::atomic<std::int64_t> memory_total{std::int64_t{1} << 40};
 
 /// Throws Error{limit} where so much memory is not free now.
 inline void expect_room(std::int64_t bytes) {

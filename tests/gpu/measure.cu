@@ -8,6 +8,7 @@
 // left on each side. THICKNESS in units, or inf. SECONDS_2008: the thesis's time;
 // AT_MOST_MS: what we want; either may be -, and both are only written beside what is measured. Writes a CSV line each.
 // measure --once: each is run once, to try it.
+// measure --export FOLDER: measures nothing, but writes SCENE-THICKNESS.bin for peers (peer_file.h).
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -19,6 +20,7 @@
 #include "scenes/scenes.h"
 #include "tests/gpu/field_on_device.cuh"
 #include "tests/gpu/parts.cuh"
+#include "tests/gpu/peer_file.h"
 
 namespace difi::DIFI_PLATFORM {
 namespace {
@@ -53,6 +55,7 @@ struct Times {
   int runs;
 };
 
+std::string export_folder;
 std::size_t least_runs = 5, most_runs = 50;
 
 /// Once to warm up, then as often as fits into a second, within bounds.
@@ -120,6 +123,9 @@ void run(const Line& l) {
   const Method method = l.method == "thesis" ? Method::thesis : Method::tiles;
   FieldOnDevice field(mesh, grid, thickness, method, l.output == "sparse" ? Layout::sparse : Layout::dense, false);
   const Outcome outcome = field.run();
+  if (!export_folder.empty())
+    return write_peer_file(export_folder + "/" + l.scene + "-" + l.thickness + ".bin", mesh, grid, thickness,
+                           field.values());
   const double workspace = static_cast<double>(field.workspace_bytes()) / (1 << 20);
   const Times t = measure(l, mesh, field);
   const double written =
@@ -138,10 +144,15 @@ void run(const Line& l) {
 
 int main(int argc, char** argv) {
   using namespace difi::DIFI_PLATFORM;
-  if (argc > 1 && std::string(argv[1]) == "--once") least_runs = most_runs = 1;
-  std::puts(
-      "table,scene,triangles,method,output,grid,thickness,median_ms,least_ms,runs,samples_examined,samples_band,"
-      "list_entries,workspace_mib,written_gb_per_s,seconds_2008,at_most_ms");
+  for (int n = 1; n < argc; ++n) {
+    const std::string option = argv[n];
+    if (option == "--once") least_runs = most_runs = 1;
+    if (option == "--export" && n + 1 < argc) export_folder = argv[++n];
+  }
+  if (export_folder.empty())
+    std::puts(
+        "table,scene,triangles,method,output,grid,thickness,median_ms,least_ms,runs,samples_examined,samples_band,"
+        "list_entries,workspace_mib,written_gb_per_s,seconds_2008,at_most_ms");
   int failed = 0;
   for (Line line; read(line);) {
     try {
