@@ -94,7 +94,8 @@ struct DeviceInfo {
   std::int64_t memory_bytes = 0;
 };
 
-/// The GPUs that difi can use, in CUDA's order. Empty without a driver, a device, or CUDA in this build.
+/// The GPUs, in CUDA's order; the name of one that is too old for this build says so. Empty without a driver, a GPU
+/// that difi can use, or CUDA in this build.
 std::vector<DeviceInfo> devices();
 /// In a sentence: why devices() is empty, or an empty text.
 std::string why_no_device();
