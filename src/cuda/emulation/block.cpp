@@ -1,6 +1,7 @@
 #include "cuda/emulation/block.h"
 
 #include <algorithm>
+#include <cstring>
 #include <memory>
 #include <mutex>
 #include <random>
@@ -68,6 +69,9 @@ DIFI_UNWATCHED void run_thread() {
 }
 
 DIFI_UNWATCHED Place place_of(unsigned n) { return running.threads[n]->at; }
+DIFI_UNWATCHED bool same(const Place& a, const Place& b) {
+  return a.line == b.line && std::strcmp(a.file, b.file) == 0;
+}
 
 [[noreturn]] void fail(const std::string& what) {
   // The threads that wait will not go on: what they did is over.
@@ -155,8 +159,12 @@ class BlockRun {
       }
       if (!all) continue;
       const std::uint32_t mask = t.mask;
-      for (unsigned m = first; m < end; ++m)
-        if (mask >> (m - first) & 1) running.threads[m]->state = State::ready;
+      for (unsigned m = first; m < end; ++m) {
+        if (!(mask >> (m - first) & 1)) continue;
+        if (!same(place_of(m), place_of(n)))
+          fail("divergent warp: lanes wait at different places, " + waiting_places());
+        running.threads[m]->state = State::ready;
+      }
       moved = true;
     }
     return moved;
@@ -169,7 +177,7 @@ class BlockRun {
       fail("divergent barrier: " + std::to_string(done) + " of " + std::to_string(running.count) +
            " threads have ended, the others wait at " + waiting_places());
     for (unsigned n = 0; n < running.count; ++n)
-      if (place_of(n).line != place_of(0).line)
+      if (!same(place_of(n), place_of(0)))
         fail("divergent barrier: threads wait at different places, " + waiting_places());
     for (unsigned n = 0; n < running.count; ++n) running.threads[n]->state = State::ready;
     return true;
