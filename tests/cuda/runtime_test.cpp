@@ -157,6 +157,20 @@ TEST_F(CudaRuntime, GpusThatAreTooOldAreNamedAndNotTaken) {
   EXPECT_NE(failure_of(second).what.find("no GPU 2, only 0 to 1"), std::string::npos);
 }
 
+TEST_F(CudaRuntime, AutomaticTakesAGpuThatIsThereForLargeJobs) {
+  const auto taken = [](std::int64_t side) {
+    Options options = on_gpu();
+    options.backend = Backend::automatic;
+    return compute(kMesh, {{side, side, side}, {-4, -4, -4}, {0.1, 0.1, 0.1}}, options).report.backend;
+  };
+  EXPECT_EQ(taken(20), "cpu");
+  EXPECT_EQ(taken(170), "cuda");
+  gpu.capabilities = {61};
+  EXPECT_EQ(taken(170), "cpu");
+  gpu.no_gpu = cudaErrorNoDevice;
+  EXPECT_EQ(taken(170), "cpu");
+}
+
 TEST_F(CudaRuntime, TheCallersDeviceStaysCurrent) {
   Options second = on_gpu();
   second.device = 1;
