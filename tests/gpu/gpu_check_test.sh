@@ -26,4 +26,9 @@ if python3 -c 'import warp' 2>/dev/null; then
 else
   grep -q 'no module warp .*: skipped' log || fail "nothing is said of the peer that is not there"
 fi
+python3 -B "$DIFI_SOURCE_DIR/bench/gpu_tables.py" results >tables.md || fail "no tables"
+for title in Goals "Figure 1.1" "Table 5.1" "Table 5.2" "Table 5.3" "Table 5.4: where" "Table 5.5"; do
+  grep -q "^## $title" tables.md || fail "the tables lack $title"
+done
+grep -q '^| bender .*| 0\.02 |' tables.md || fail "the tables lack the thesis's times"
 echo "script/gpu-check runs"
