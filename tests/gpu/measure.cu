@@ -160,6 +160,10 @@ int main(int argc, char** argv) {
   for (Line line; read(line);) {
     try {
       run(line);
+    } catch (const difi::Error& error) {
+      std::fprintf(stderr, "measure: %s %s: %s\n", line.table.c_str(), line.scene.c_str(), error.what());
+      failed = static_cast<int>(error.code());
+      if (error.code() == difi::ErrorCode::device) break;  // most such errors stay until the program ends
     } catch (const std::exception& error) {
       std::fprintf(stderr, "measure: %s %s: %s\n", line.table.c_str(), line.scene.c_str(), error.what());
       failed = 1;
