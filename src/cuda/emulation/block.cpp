@@ -152,19 +152,18 @@ class BlockRun {
     for (unsigned n = first; n < end; ++n) {
       const Thread& t = *running.threads[n];
       if (t.state != State::at_warp_barrier) continue;
-      bool all = true;
+      bool all = true, together = true;
       for (unsigned m = first; m < end; ++m) {
+        if (!(t.mask >> (m - first) & 1)) continue;
         const Thread& other = *running.threads[m];
-        if ((t.mask >> (m - first) & 1) && (other.state != State::at_warp_barrier || other.mask != t.mask)) all = false;
+        all &= other.state == State::at_warp_barrier && other.mask == t.mask;
+        together &= !all || same(other.at, t.at);
       }
       if (!all) continue;
+      if (!together) fail("divergent warp: lanes wait at different places, " + waiting_places());
       const std::uint32_t mask = t.mask;
-      for (unsigned m = first; m < end; ++m) {
-        if (!(mask >> (m - first) & 1)) continue;
-        if (!same(place_of(m), place_of(n)))
-          fail("divergent warp: lanes wait at different places, " + waiting_places());
-        running.threads[m]->state = State::ready;
-      }
+      for (unsigned m = first; m < end; ++m)
+        if (mask >> (m - first) & 1) running.threads[m]->state = State::ready;
       moved = true;
     }
     return moved;
@@ -186,7 +185,7 @@ class BlockRun {
   std::string waiting_places() const {
     std::vector<std::string> places;
     for (unsigned n = 0; n < running.count; ++n)
-      if (running.threads[n]->state != State::done)
+      if (running.threads[n]->state == State::at_block_barrier || running.threads[n]->state == State::at_warp_barrier)
         places.push_back(std::string(place_of(n).file) + ":" + std::to_string(place_of(n).line));
     std::sort(places.begin(), places.end());
     places.erase(std::unique(places.begin(), places.end()), places.end());
