@@ -11,6 +11,7 @@
 #include <string>
 #include <utility>
 
+#include "cuda/driver.cuh"
 #include "cuda/timing.cuh"
 #include "difi/error.h"
 #include "scenes/scenes.h"
@@ -184,6 +185,30 @@ int run_graph() {
   return faults;
 }
 
+/// The blocking way, from host memory to host memory, against what lies in device memory.
+int run_blocking() {
+  using namespace DIFI_PLATFORM;
+  const Mesh mesh = testing::random_soup(80, 200, 5, 1);
+  const Grid grid{{37, 30, 21}, {-6, -5, -4}, {0.35, 0.35, 0.4}};
+  int faults = 0;
+  for (const Method method : {Method::tiles, Method::thesis})
+    for (const double thickness : {0.7, 2.9}) {
+      FieldOnDevice expected(mesh, grid, thickness, method, Layout::dense, true);
+      const cuda::Outcome outcome = expected.run();
+      std::vector<float> values(static_cast<std::size_t>(grid.sample_count()), static_cast<float>(thickness));
+      std::vector<std::uint32_t> nearest(values.size(), kNoTriangle);
+      const Options options;
+      ProgressMeter progress(options);
+      const Job job{mesh, {}, grid, thickness, 1, Simd::automatic, progress};
+      Sink sink(grid, values, nearest);
+      const Counts counts = DIFI_PLATFORM::run(job, sink, method);
+      faults += judge(different(values, expected.values()) == 0 && different(nearest, expected.nearest()) == 0 &&
+                          counts.samples_band == static_cast<std::int64_t>(outcome.samples_band),
+                      "from host memory to host memory");
+    }
+  return faults;
+}
+
 /// More samples than 32 bits count: distances in the last corner of 2048^3 samples, by definition.
 int run_large() {
   using namespace DIFI_PLATFORM;
@@ -207,7 +232,7 @@ int run_large() {
 }
 
 int run_all(bool quick) {
-  int faults = run_faults() + run_graph(), count = 6;
+  int faults = run_faults() + run_graph() + run_blocking(), count = 10;
   if (!quick) {
     faults += run_large();
     ++count;
