@@ -79,7 +79,8 @@ std::int64_t workspace_bytes(std::int64_t triangles, const Grid& grid, double th
 /// Errors: usage (grid, thickness, null pointers, too small a workspace: it says how large), device.
 void enqueue(const Task& task, void* workspace, std::int64_t bytes, Stream stream);
 
-/// Several fields, one after the other on the stream, through one workspace that is large enough for each.
+/// Several fields, one after the other on the stream, through one workspace that is large enough for each. Where a task
+/// is refused, none is put on the stream.
 void enqueue(std::span<const Task> tasks, void* workspace, std::int64_t bytes, Stream stream);
 
 /// Throws what the outcome (copied to the host) says: Error{input} for a bad triangle, Error{limit} for too little
@@ -93,7 +94,8 @@ struct DeviceInfo {
   std::int64_t memory_bytes = 0;
 };
 
-/// The GPUs that difi can use, in CUDA's order. Empty without a driver, a device, or CUDA in this build.
+/// The GPUs, in CUDA's order; the name of one that is too old for this build says so. Empty without a driver, a GPU
+/// that difi can use, or CUDA in this build.
 std::vector<DeviceInfo> devices();
 /// In a sentence: why devices() is empty, or an empty text.
 std::string why_no_device();

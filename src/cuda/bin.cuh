@@ -58,7 +58,7 @@ DIFI_DEVICE void use_tile(const TileLists& lists, std::int64_t tile, std::uint32
 
 /// A thread a triangle. Lists the long ones in the first pass.
 template <bool kPlace>
-__global__ void bin_small(gpu::Lattice l, DeviceMesh mesh, TileLists lists, LongList long_ones, Outcome* outcome) {
+DIFI_KERNEL void bin_small(gpu::Lattice l, DeviceMesh mesh, TileLists lists, LongList long_ones, Outcome* outcome) {
   const std::int64_t n = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
   if (n >= mesh.used_count()) return;
   if (kPlace && outcome->stopped) return;
@@ -77,7 +77,7 @@ __global__ void bin_small(gpu::Lattice l, DeviceMesh mesh, TileLists lists, Long
 
 /// A block a long triangle, a thread a tile of its range.
 template <bool kPlace>
-__global__ void bin_long(gpu::Lattice l, DeviceMesh mesh, TileLists lists, LongList long_ones, Outcome* outcome) {
+DIFI_KERNEL void bin_long(gpu::Lattice l, DeviceMesh mesh, TileLists lists, LongList long_ones, Outcome* outcome) {
   if (outcome->stopped) return;
   double radius_sq = 0;
   for (int axis = 0; axis < 3; ++axis) {

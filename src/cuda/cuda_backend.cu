@@ -1,33 +1,28 @@
 // The GPU backend on CUDA.
+#include <algorithm>
+#include <iterator>
+
 #include "cuda/backend.h"
 #include "cuda/driver.cuh"
 
 namespace difi::cuda {
 namespace {
 
-/// Makes a device the current one for as long as it lives.
-class DeviceScope {
- public:
-  explicit DeviceScope(int device) {
-    const auto known = devices();
-    if (known.empty()) throw Error(ErrorCode::device, why_not_available());
-    if (device < 0 || device >= static_cast<int>(known.size()))
-      throw Error(ErrorCode::device, "cuda: there is no GPU " + std::to_string(device) + ", only 0 to " +
-                                         std::to_string(known.size() - 1) + "; see `difi devices`");
-    check_call(cudaGetDevice(&before_), "cudaGetDevice");
-    check_call(cudaSetDevice(device), "cudaSetDevice");
-  }
-  ~DeviceScope() { cudaSetDevice(before_); }
-  DeviceScope(const DeviceScope&) = delete;
-  DeviceScope& operator=(const DeviceScope&) = delete;
+/// The lowest compute capability that kernels were compiled for, times ten.
+int lowest_capability() {
+  constexpr int all[] = {__CUDA_ARCH_LIST__};
+  return *std::min_element(std::begin(all), std::end(all)) / 10;
+}
+std::string text(int capability) { return std::to_string(capability / 10) + "." + std::to_string(capability % 10); }
 
- private:
-  int before_ = 0;
-};
+bool is_too_old(const DeviceInfo& device) { return device.major * 10 + device.minor < lowest_capability(); }
+std::string age_of(const DeviceInfo& device) {
+  return "it has compute capability " + text(device.major * 10 + device.minor) + ", this build of difi needs " +
+         text(lowest_capability());
+}
 
-}  // namespace
-
-std::vector<DeviceInfo> devices() {
+/// All that CUDA names, in its order; none without a driver or a GPU.
+std::vector<DeviceInfo> all_devices() {
   std::vector<DeviceInfo> all;
   int count = 0;  // left untouched where there is no driver
   if (cudaGetDeviceCount(&count) != cudaSuccess) {
@@ -43,11 +38,55 @@ std::vector<DeviceInfo> devices() {
   return all;
 }
 
+/// Makes a device the current one for as long as it lives.
+class DeviceScope {
+ public:
+  explicit DeviceScope(int device) {
+    const auto known = devices();
+    if (known.empty()) throw Error(ErrorCode::device, why_not_available());
+    if (device < 0 || device >= static_cast<int>(known.size()))
+      throw Error(ErrorCode::device, "cuda: there is no GPU " + std::to_string(device) + ", only 0 to " +
+                                         std::to_string(known.size() - 1) + "; see `difi devices`");
+    const DeviceInfo& wanted = known[static_cast<std::size_t>(device)];
+    if (is_too_old(wanted))
+      throw Error(ErrorCode::device, "cuda: GPU " + std::to_string(device) + " is too old: " + age_of(wanted) +
+                                         "; take another (see `difi devices`) or the CPU (--device cpu)");
+    check_call(cudaGetDevice(&before_), "cudaGetDevice");
+    if (device == before_) return;
+    check_call(cudaSetDevice(device), "cudaSetDevice");
+    changed_ = true;
+  }
+  // Only where it must be: setting a device starts CUDA on it.
+  ~DeviceScope() {
+    if (changed_) cudaSetDevice(before_);
+  }
+  DeviceScope(const DeviceScope&) = delete;
+  DeviceScope& operator=(const DeviceScope&) = delete;
+
+ private:
+  int before_ = 0;
+  bool changed_ = false;
+};
+
+}  // namespace
+
+std::vector<DeviceInfo> devices() {
+  std::vector<DeviceInfo> all = all_devices();
+  if (std::all_of(all.begin(), all.end(), is_too_old)) return {};
+  for (DeviceInfo& one : all)
+    if (is_too_old(one)) one.name += " (too old: " + age_of(one) + ")";
+  return all;
+}
+
 std::string why_no_device() {
   int count = 0, driver = 0;
   const cudaError_t result = cudaGetDeviceCount(&count);
   cudaGetLastError();
-  if (result == cudaSuccess && count > 0) return "";
+  if (result == cudaSuccess && count > 0) {
+    const auto all = all_devices();
+    const bool usable = !std::all_of(all.begin(), all.end(), is_too_old);
+    return usable ? "" : "GPU 0, " + all[0].name + ", is too old: " + age_of(all[0]);
+  }
   cudaDriverGetVersion(&driver);
   cudaGetLastError();
   const auto version = [](int v) { return std::to_string(v / 1000) + "." + std::to_string(v % 1000 / 10); };

@@ -29,7 +29,7 @@ struct Step {
 };
 
 /// The root's list: all triangles. A thread a triangle.
-__global__ void list_all(DeviceMesh mesh, std::uint32_t* entries, Counter* start, Outcome* outcome) {
+DIFI_KERNEL void list_all(DeviceMesh mesh, std::uint32_t* entries, Counter* start, Outcome* outcome) {
   const std::int64_t n = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
   if (n == 0) {
     start[0] = 0;
@@ -42,7 +42,7 @@ __global__ void list_all(DeviceMesh mesh, std::uint32_t* entries, Counter* start
 }
 
 /// How many chunks each parent has, 0 behind the last. A thread a parent.
-__global__ void count_chunks(const Counter* start, std::int64_t parents, std::uint32_t* chunks, Outcome* outcome) {
+DIFI_KERNEL void count_chunks(const Counter* start, std::int64_t parents, std::uint32_t* chunks, Outcome* outcome) {
   const std::int64_t n = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
   if (n > parents) return;
   chunks[n] = n < parents && !outcome->stopped
@@ -51,7 +51,7 @@ __global__ void count_chunks(const Counter* start, std::int64_t parents, std::ui
 }
 
 /// No bound yet. A thread a child.
-__global__ void clear_bounds(Counter* bound, std::int64_t children) {
+DIFI_KERNEL void clear_bounds(Counter* bound, std::int64_t children) {
   const std::int64_t n = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
   if (n < children) bound[n] = ~Counter{0};
 }
@@ -138,7 +138,8 @@ DIFI_DEVICE Candidate candidate(const gpu::Lattice& l, const DeviceMesh& mesh, s
           fma(max(farthest_coordinate(box), chunk.extent), gpu::kSlackShare, gpu::kSlack)};
 }
 
-__global__ void __launch_bounds__(kChunk) bound_children(gpu::Lattice l, DeviceMesh mesh, Step step, Outcome* outcome) {
+DIFI_KERNEL void __launch_bounds__(kChunk)
+    bound_children(gpu::Lattice l, DeviceMesh mesh, Step step, Outcome* outcome) {
   __shared__ Chunk chunk;
   if (outcome->stopped) return;
   const int t = static_cast<int>(threadIdx.x);
@@ -179,7 +180,7 @@ DIFI_DEVICE bool may_be_nearest(const gpu::Lattice& l, const Candidate& c, const
   return fma(least, least, -spread) < within * within;
 }
 
-__global__ void __launch_bounds__(kChunk)
+DIFI_KERNEL void __launch_bounds__(kChunk)
     keep_candidates(gpu::Lattice l, DeviceMesh mesh, Step step, Outcome* outcome) {
   __shared__ Chunk chunk;
   if (outcome->stopped) return;
@@ -211,7 +212,7 @@ __global__ void __launch_bounds__(kChunk)
   }
 }
 
-__global__ void __launch_bounds__(kChunk) hand_down(gpu::Lattice l, Step step, Outcome* outcome) {
+DIFI_KERNEL void __launch_bounds__(kChunk) hand_down(gpu::Lattice l, Step step, Outcome* outcome) {
   __shared__ Chunk chunk;
   if (outcome->stopped) return;
   const int t = static_cast<int>(threadIdx.x);

@@ -28,6 +28,9 @@ class MeshOnDevice {
              static_cast<std::int64_t>(job.kept.size())};
   }
   const DeviceMesh& mesh() const { return mesh_; }
+  static std::int64_t bytes_of(const Job& job) {
+    return bytes(job.mesh.vertices) + bytes(job.mesh.triangles) + bytes(job.kept);
+  }
 
  private:
   template <class T>
@@ -76,16 +79,22 @@ inline void hand_over(const DeviceOutput& output, const gpu::Lattice& l, std::in
 inline Counts run(const Job& job, Sink& sink, Method method) {
   job.progress.stage("gather", 1, 0.2, 0.9);
   const gpu::Lattice l = gpu::make_lattice(job.grid, job.thickness);
-  const MeshOnDevice mesh(job);
   const std::int64_t triangles = job.triangle_count(), tiles = l.tile_count();
-  const Memory slots(tiles * static_cast<std::int64_t>(sizeof(std::int32_t))), outcome_memory(sizeof(Outcome));
-
+  const std::int64_t slot_bytes = tiles * static_cast<std::int64_t>(sizeof(std::int32_t));
   std::int64_t entries = gpu::likely_entries(triangles, job.grid, job.thickness, method);
   std::int64_t slot_capacity = std::min(tiles, gpu::kTilesAtOnce);
+  const auto value_bytes = [&] { return slot_capacity * gpu::kTileSamples * 4; };
+  const auto round_bytes = [&] {  // of what is allocated anew for every round
+    return (sink.with_nearest() ? 2 : 1) * value_bytes() +
+           workspace_bytes(triangles, job.grid, job.thickness, method, entries);
+  };
+  expect_room(MeshOnDevice::bytes_of(job) + slot_bytes + round_bytes());
+  const MeshOnDevice mesh(job);
+  const Memory slots(slot_bytes), outcome_memory(sizeof(Outcome));
   for (;;) {
+    expect_room(round_bytes());
     Task task{mesh.mesh(), job.grid, job.thickness, method, {}, outcome_memory.as<Outcome>()};
-    const std::int64_t value_bytes = slot_capacity * gpu::kTileSamples * 4;
-    const Memory values(value_bytes), nearest(sink.with_nearest() ? value_bytes : 1);
+    const Memory values(value_bytes()), nearest(sink.with_nearest() ? value_bytes() : 1);
     task.output = {values.as<float>(), sink.with_nearest() ? nearest.as<std::uint32_t>() : nullptr,
                    slots.as<std::int32_t>(), slot_capacity};
     const std::int64_t bytes = workspace_bytes(triangles, job.grid, job.thickness, method, entries);

@@ -10,7 +10,11 @@ std::int64_t workspace_bytes(std::int64_t triangles, const Grid& grid, double th
 }
 
 void enqueue(const Task& task, void* workspace, std::int64_t bytes, Stream stream) {
-  enqueue_task(task, workspace, bytes, stream);
+  enqueue_tasks({&task, 1}, workspace, bytes, stream);
+}
+
+void enqueue(std::span<const Task> tasks, void* workspace, std::int64_t bytes, Stream stream) {
+  enqueue_tasks(tasks, workspace, bytes, stream);
 }
 
 }  // namespace difi::emulated

@@ -7,8 +7,11 @@
 #pragma once
 
 #include "cuda/stage.cuh"
+#include "cuda/through.h"
 
 namespace difi::DIFI_PLATFORM {
+
+using gpu::Through;
 
 inline constexpr int kGatherThreads = gpu::kTileSamples;
 inline constexpr int kWarps = kGatherThreads / 32;
@@ -42,7 +45,7 @@ struct Nearest {
 };
 
 /// Measures from a warp's samples to the staged triangles, `count` of them. Returns how many were measured.
-template <bool kNearest>
+template <bool kNearest, Through kThrough>
 DIFI_DEVICE int gather_stage(const gpu::Lattice& l, const Stage& stage, int count, const Triple<float>& sample,
                              const Triple<float>& warp_center, bool in_grid, float known_within, Nearest& best) {
   const int lane = static_cast<int>(threadIdx.x) % 32;
@@ -56,7 +59,7 @@ DIFI_DEVICE int gather_stage(const gpu::Lattice& l, const Stage& stage, int coun
         mine < count && sqrt(staged_distance_sq(stage, mine, warp_center)) - stage.slack[mine] <= within;
     std::uint32_t left = __ballot_sync(0xffffffffu, is_near);
     measured += __popc(left);
-    for (; left; left &= left - 1) {
+    for (; kThrough >= Through::distance && left; left &= left - 1) {
       const int n = first + __ffs(static_cast<int>(left)) - 1;
       const float d = staged_distance_sq(stage, n, sample);
       if (kNearest) {
@@ -94,6 +97,7 @@ DIFI_DEVICE void write_tile(const gpu::Lattice& l, const std::int64_t* tile, std
 
 /// Clamps the samples, leaves them in `finished`, and writes the tile; one without a band sample stays unstored
 /// (sparse). All threads of the block take part.
+template <Through kThrough = Through::write>
 DIFI_DEVICE void finish_tile(const gpu::Lattice& l, const std::int64_t* tile, std::int64_t index, const SampleAt& at,
                              float value, std::uint32_t nearest, bool is_band, Finished& finished,
                              const DeviceOutput& output, Outcome* outcome) {
@@ -103,7 +107,8 @@ DIFI_DEVICE void finish_tile(const gpu::Lattice& l, const std::int64_t* tile, st
   const std::uint32_t band = __ballot_sync(0xffffffffu, is_band);
   if (threadIdx.x % 32 == 0) atomicAdd(&finished.band, static_cast<unsigned>(__popc(band)));
   __syncthreads();
-  if (!output.slots || finished.band != 0) write_tile(l, tile, index, finished, output);
+  const bool writes = kThrough >= Through::write || __float_as_uint(finished.value[t]) == gpu::kNever;
+  if (writes && (!output.slots || finished.band != 0)) write_tile(l, tile, index, finished, output);
   if (threadIdx.x == 0) {
     atomicAdd(&outcome->samples_band, Counter{finished.band});
     atomicAdd(&outcome->samples_examined, Counter{32} * finished.measured);
@@ -120,8 +125,8 @@ struct GatherLists {
 };
 
 /// Blocks stride over the tiles.
-template <bool kNearest>
-__global__ void __launch_bounds__(kGatherThreads, 2)
+template <bool kNearest, Through kThrough = Through::write>
+DIFI_KERNEL void __launch_bounds__(kGatherThreads, 2)
     gather(gpu::Lattice l, DeviceMesh mesh, GatherLists lists, DeviceOutput output, Outcome* outcome) {
   __shared__ Stage stage;
   __shared__ Finished finished;
@@ -159,15 +164,20 @@ __global__ void __launch_bounds__(kGatherThreads, 2)
     for (Counter first = lists.start[index]; first < end; first += Stage::kTriangles) {
       const int count = end - first < Stage::kTriangles ? static_cast<int>(end - first) : Stage::kTriangles;
       __syncthreads();  // the last stage has been read
-      if (thread < count) set_up(l, mesh, lists.entries[first + static_cast<Counter>(thread)], center, stage, thread);
+      if (kThrough >= Through::set_up && thread < count)
+        set_up(l, mesh, lists.entries[first + static_cast<Counter>(thread)], center, stage, thread);
       __syncthreads();
-      measured += gather_stage<kNearest>(l, stage, count, sample, warp_center, in_grid, known_within, best);
+      if constexpr (kThrough >= Through::vote)
+        measured += gather_stage<kNearest, kThrough>(l, stage, count, sample, warp_center, in_grid, known_within, best);
+      else
+        measured += __float_as_uint(stage.setup[thread % Stage::kTriangles].number[count % 32]) == gpu::kNever;
     }
     __syncthreads();  // the counters are zero, also where no triangle came by
     if (thread % 32 == 0) atomicAdd(&finished.measured, static_cast<unsigned>(measured));
     const bool in_band = in_grid && !(l.thickness_sq < best.distance_sq);
     const float value = in_grid ? min(sqrt(best.distance_sq) * l.unscale, l.thickness_world) : l.thickness_world;
-    finish_tile(l, tile, index, at, value, in_band ? best.triangle : kNoTriangle, in_band, finished, output, outcome);
+    finish_tile<kThrough>(l, tile, index, at, value, in_band ? best.triangle : kNoTriangle, in_band, finished, output,
+                          outcome);
   }
 }
 

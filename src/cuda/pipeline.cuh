@@ -96,14 +96,16 @@ struct ThesisArrays {
       : tiles(memory, l.tile_count()), nearest(memory.take<Counter>(l.size[0] * l.size[1] * l.size[2])) {}
 };
 
-inline void launch_gather(const gpu::Lattice& l, const Task& task, const GatherLists& lists, Stream stream) {
+template <Through kThrough = Through::write>
+void launch_gather(const gpu::Lattice& l, const Task& task, const GatherLists& lists, Stream stream) {
   // Sparse: most tiles are empty, so blocks look for those that are not.
   const std::int64_t tiles = l.tile_count(), most = task.output.slots ? std::int64_t{kManyBlocks} * 4 : 0x7fffffff;
-  launch(stream, "gather", task.output.nearest ? gather<true> : gather<false>, tiles < most ? tiles : most,
-         kGatherThreads, l, task.mesh, lists, task.output, task.outcome);
+  launch(stream, "gather", task.output.nearest ? gather<true, kThrough> : gather<false, kThrough>,
+         tiles < most ? tiles : most, kGatherThreads, l, task.mesh, lists, task.output, task.outcome);
 }
 
-inline void enqueue_thin(const gpu::Lattice& l, const Task& task, const ThinArrays& a, Stream stream) {
+template <Through kThrough>
+void enqueue_thin(const gpu::Lattice& l, const Task& task, const ThinArrays& a, Stream stream) {
   const std::int64_t tiles = l.tile_count(), per_triangle = blocks_for(task.mesh.used_count());
   launch(stream, "clear", clear_outcome, 1, 1, task.outcome, a.long_ones.count);
   fill_bytes(stream, a.lists.counts, 0, (tiles + 1) * static_cast<std::int64_t>(sizeof(std::uint32_t)));
@@ -117,7 +119,7 @@ inline void enqueue_thin(const gpu::Lattice& l, const Task& task, const ThinArra
   launch(stream, "list small", bin_small<true>, per_triangle, kThreads, l, task.mesh, a.lists, a.long_ones,
          task.outcome);
   launch(stream, "list long", bin_long<true>, kManyBlocks, kThreads, l, task.mesh, a.lists, a.long_ones, task.outcome);
-  launch_gather(l, task, {a.lists.start, a.lists.entries, nullptr}, stream);
+  launch_gather<kThrough>(l, task, {a.lists.start, a.lists.entries, nullptr}, stream);
 }
 
 /// One level of the descent: from the parents' lists in half `from` of the arrays to the children's in the other.
@@ -150,13 +152,14 @@ inline void enqueue_thick(const gpu::Lattice& l, const Task& task, const ThickAr
   launch_gather(l, task, {a.start[half], a.entries[half], top > 0 ? a.bound : nullptr}, stream);
 }
 
-inline void enqueue_thesis(const gpu::Lattice& l, const Task& task, const ThesisArrays& a, Stream stream) {
+template <Through kThrough>
+void enqueue_thesis(const gpu::Lattice& l, const Task& task, const ThesisArrays& a, Stream stream) {
   const std::int64_t tiles = l.tile_count(), samples = task.grid.sample_count();
   const std::int64_t tile_blocks = tiles < kManyBlocks * 4 ? tiles : kManyBlocks * 4;
   const std::int64_t warps = blocks_for(32 * task.mesh.used_count());
   launch(stream, "clear", clear_outcome, 1, 1, task.outcome, static_cast<Counter*>(nullptr));
   launch(stream, "clear samples", clear_samples, kManyBlocks, kThreads, a.nearest, samples);
-  launch(stream, "Algorithm 1", lower_samples, warps < kManyBlocks * 8 ? warps : kManyBlocks * 8, kThreads, l,
+  launch(stream, "Algorithm 1", lower_samples<kThrough>, warps < kManyBlocks * 8 ? warps : kManyBlocks * 8, kThreads, l,
          task.mesh, task.grid, task.thickness, a.nearest, task.outcome);
   if (task.output.slots) {
     fill_bytes(stream, a.tiles.used, 0, (tiles + 1) * static_cast<std::int64_t>(sizeof(std::uint32_t)));

@@ -10,5 +10,7 @@
 #include "cuda/platform_emulated.h"
 #endif
 
+// A kernel: every file that launches it has one of its own.
+#define DIFI_KERNEL [[maybe_unused]] static __global__
 // A function that kernels call.
 #define DIFI_DEVICE __device__ __forceinline__

@@ -3,19 +3,26 @@
 
 #include <cuda_runtime.h>
 
+#if __has_include(<nvtx3/nvToolsExt.h>)  // comes with the whole toolkit, not with nvcc alone
 #include <nvtx3/nvToolsExt.h>
+#define DIFI_HAVE_NVTX 1
+#endif
 #include <cstdint>
 #include <source_location>
 #include <string>
+#include <utility>
 
+#include "cuda/room.h"
 #include "difi/cuda.h"
 #include "difi/error.h"
 
 namespace difi::cuda {
 
-/// Throws Error{device} where a call of CUDA failed. The error is taken from CUDA, so that later calls do not see it.
-inline void check_call(cudaError_t result, const char* call,
-                       const std::source_location& at = std::source_location::current()) {
+using Place = std::source_location;
+
+/// Throws Error{device} where a call of CUDA failed, at the place in difi that wanted it. The error is taken from CUDA,
+/// so that later calls do not see it.
+inline void check_call(cudaError_t result, const char* call, const Place& at = Place::current()) {
   if (result == cudaSuccess) return;
   cudaGetLastError();
   throw Error(ErrorCode::device, std::string("cuda: ") + call + " failed at " + at.file_name() + ":" +
@@ -26,8 +33,12 @@ inline void check_call(cudaError_t result, const char* call,
 /// Names what the host does, for NVIDIA's profilers.
 class Label {
  public:
+#ifdef DIFI_HAVE_NVTX
   explicit Label(const char* text) { nvtxRangePushA(text); }
   ~Label() { nvtxRangePop(); }
+#else
+  explicit Label(const char*) {}
+#endif
   Label(const Label&) = delete;
   Label& operator=(const Label&) = delete;
 };
@@ -41,40 +52,58 @@ __device__ __forceinline__ T load_relaxed(T* at) {
 /// Enough blocks to fill a GPU, for kernels that stride over work of unknown size.
 inline constexpr unsigned kManyBlocks = 2048;
 
+/// What a launch is called, and where it stands.
+struct LaunchName {
+  const char* label;
+  Place at;
+  LaunchName(const char* text, const Place& place = Place::current()) : label(text), at(place) {}
+};
+
 template <class... Parameters, class... Arguments>
-void launch(Stream stream, const char* label, void (*kernel)(Parameters...), std::int64_t blocks, unsigned threads,
+void launch(Stream stream, const LaunchName& name, void (*kernel)(Parameters...), std::int64_t blocks, unsigned threads,
             const Arguments&... arguments) {
-  const Label named(label);
-  kernel<<<static_cast<unsigned>(blocks), threads, 0, stream>>>(arguments...);
-  check_call(cudaPeekAtLastError(), label);
+  const Label named(name.label);
+  cudaLaunchConfig_t shape{};
+  shape.gridDim = dim3(static_cast<unsigned>(blocks));
+  shape.blockDim = dim3(threads);
+  shape.stream = stream;
+  // Unlike <<<>>> it returns its own error: one that the caller of difi left unread is none of ours.
+  check_call(cudaLaunchKernelEx(&shape, kernel, Parameters(arguments)...), name.label, name.at);
 }
 
-inline void fill_bytes(Stream stream, void* at, int value, std::int64_t bytes) {
-  check_call(cudaMemsetAsync(at, value, static_cast<std::size_t>(bytes), stream), "cudaMemsetAsync");
+inline void fill_bytes(Stream stream, void* to, int value, std::int64_t bytes, const Place& at = Place::current()) {
+  check_call(cudaMemsetAsync(to, value, static_cast<std::size_t>(bytes), stream), "cudaMemsetAsync", at);
 }
-inline void copy_in(void* to, const void* from, std::int64_t bytes) {
-  check_call(cudaMemcpy(to, from, static_cast<std::size_t>(bytes), cudaMemcpyHostToDevice), "cudaMemcpy to the GPU");
+inline void copy_in(void* to, const void* from, std::int64_t bytes, const Place& at = Place::current()) {
+  check_call(cudaMemcpy(to, from, static_cast<std::size_t>(bytes), cudaMemcpyHostToDevice), "cudaMemcpy to the GPU",
+             at);
 }
-inline void copy_out(void* to, const void* from, std::int64_t bytes) {
-  check_call(cudaMemcpy(to, from, static_cast<std::size_t>(bytes), cudaMemcpyDeviceToHost), "cudaMemcpy from the GPU");
+inline void copy_out(void* to, const void* from, std::int64_t bytes, const Place& at = Place::current()) {
+  check_call(cudaMemcpy(to, from, static_cast<std::size_t>(bytes), cudaMemcpyDeviceToHost), "cudaMemcpy from the GPU",
+             at);
+}
+
+/// Throws Error{limit} where so much memory is not free now.
+inline void expect_room(std::int64_t bytes, const Place& at = Place::current()) {
+  std::size_t free = 0, total = 0;
+  check_call(cudaMemGetInfo(&free, &total), "cudaMemGetInfo", at);
+  if (bytes > static_cast<std::int64_t>(free))
+    gpu::fail_for_room(bytes, static_cast<std::int64_t>(free), static_cast<std::int64_t>(total));
 }
 
 /// Device memory that frees itself.
 class Memory {
  public:
   Memory() = default;
-  explicit Memory(std::int64_t bytes) {
+  explicit Memory(std::int64_t bytes, const Place& at = Place::current()) {
     const cudaError_t result = cudaMalloc(&at_, static_cast<std::size_t>(bytes > 0 ? bytes : 1));
     if (result == cudaErrorMemoryAllocation) {
       cudaGetLastError();
       std::size_t free = 0, total = 0;
       cudaMemGetInfo(&free, &total);
-      throw Error(ErrorCode::limit, "cuda: the GPU has no room for " + std::to_string(bytes >> 20) + " MiB more; " +
-                                        std::to_string(free >> 20) + " of " + std::to_string(total >> 20) +
-                                        " MiB are free; take fewer samples or a smaller thickness, or use the CPU "
-                                        "(--device cpu)");
+      gpu::fail_for_room(bytes, static_cast<std::int64_t>(free), static_cast<std::int64_t>(total));
     }
-    check_call(result, "cudaMalloc");
+    check_call(result, "cudaMalloc", at);
   }
   ~Memory() { cudaFree(at_); }
   Memory(Memory&& other) noexcept : at_(other.at_) { other.at_ = nullptr; }

@@ -2,6 +2,7 @@
 // what was there.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <cstring>
 #include <memory>
@@ -9,6 +10,7 @@
 #include <utility>
 
 #include "cuda/emulation/words.h"
+#include "cuda/room.h"
 #include "difi/cuda.h"
 
 namespace difi::emulated {
@@ -44,11 +46,23 @@ inline void copy_out(void* to, const void* from, std::int64_t bytes) {
   std::memcpy(to, from, static_cast<std::size_t>(bytes));
 }
 
+/// The emulated GPU's memory: how much of it is taken, and how much there is, for tests to change.
+inline std::atomic<std::int64_t> memory_taken{0};
+inline std::atomic<std::int64_t> memory_total{std::int64_t{1} << 40};
+
+/// Throws Error{limit} where so much memory is not free now.
+inline void expect_room(std::int64_t bytes) {
+  const std::int64_t free = memory_total - memory_taken;
+  if (bytes > free) gpu::fail_for_room(bytes, free, memory_total);
+}
+
 class Memory {
  public:
   Memory() = default;
-  explicit Memory(std::int64_t bytes)
-      : at_(::operator new (static_cast<std::size_t>(bytes), std::align_val_t{kAlignment})) {
+  explicit Memory(std::int64_t bytes) {
+    expect_room(bytes);
+    at_ = {::operator new (static_cast<std::size_t>(bytes), std::align_val_t{kAlignment}), Release{bytes}};
+    memory_taken += bytes;
     std::memset(at_.get(), 0xcd, static_cast<std::size_t>(bytes));
   }
   template <class T>
@@ -59,7 +73,11 @@ class Memory {
  private:
   static constexpr std::size_t kAlignment = 256;  // cudaMalloc's
   struct Release {
-    void operator()(void* at) const { ::operator delete (at, std::align_val_t{kAlignment}); }
+    std::int64_t bytes;
+    void operator()(void* at) const {
+      ::operator delete (at, std::align_val_t{kAlignment});
+      memory_taken -= bytes;
+    }
   };
   std::unique_ptr<void, Release> at_;
 };

@@ -11,7 +11,7 @@
 
 namespace difi::DIFI_PLATFORM {
 
-__global__ void clear_samples(Counter* nearest, std::int64_t samples) {
+DIFI_KERNEL void clear_samples(Counter* nearest, std::int64_t samples) {
   const Counter infinite = Counter{__float_as_uint(__builtin_inff())} << 32 | kNoTriangle;
   for (std::int64_t n = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x; n < samples;
        n += std::int64_t{blockDim.x} * gridDim.x)
@@ -19,6 +19,7 @@ __global__ void clear_samples(Counter* nearest, std::int64_t samples) {
 }
 
 /// The samples of one brick in a triangle's range.
+template <Through kThrough>
 DIFI_DEVICE void lower_brick(const gpu::Lattice& l, const Corners& c, std::uint32_t triangle, const SampleRange& range,
                              const Size3& brick, Counter* nearest) {
   const Size3 first{brick.x * gpu::kBrickSide, brick.y * gpu::kBrickSide, brick.z * gpu::kBrickSide};
@@ -35,16 +36,23 @@ DIFI_DEVICE void lower_brick(const gpu::Lattice& l, const Corners& c, std::uint3
   for (std::int64_t n = threadIdx.x % 32; n < count; n += 32) {
     const std::int64_t x = here.begin.x + n % nx, y = here.begin.y + n / nx % ny, z = here.begin.z + n / (nx * ny);
     const Triple<float> p{l.coordinate[0][x - first.x], l.coordinate[1][y - first.y], l.coordinate[2][z - first.z]};
+    if (kThrough < Through::distance) {
+      if (__float_as_uint(p.x + p.y + p.z) == gpu::kNever) *nearest = triangle;
+      continue;
+    }
     const Counter mine = Counter{__float_as_uint(distance_sq(t, p))} << 32 | triangle;
     Counter* const sample = nearest + x + l.size[0] * (y + l.size[1] * z);
     // What was read may be old, then the atomic minimum decides; it is never too small.
-    if (mine < load_relaxed(sample)) atomicMin(sample, mine);
+    const bool lower = (kThrough != Through::read && kThrough != Through::write) || mine < load_relaxed(sample);
+    const bool writes = kThrough >= Through::write || mine >> 32 == gpu::kNever;
+    if (lower && writes) atomicMin(sample, mine);
   }
 }
 
 /// Warps stride over the triangles.
-__global__ void lower_samples(gpu::Lattice l, DeviceMesh mesh, Grid grid, double thickness, Counter* nearest,
-                              Outcome* outcome) {
+template <Through kThrough>
+DIFI_KERNEL void lower_samples(gpu::Lattice l, DeviceMesh mesh, Grid grid, double thickness, Counter* nearest,
+                               Outcome* outcome) {
   const std::int64_t warps = std::int64_t{gridDim.x} * (blockDim.x / 32);
   Counter examined = 0;
   for (std::int64_t n = std::int64_t{blockIdx.x} * (blockDim.x / 32) + threadIdx.x / 32; n < mesh.used_count();
@@ -61,14 +69,14 @@ __global__ void lower_samples(gpu::Lattice l, DeviceMesh mesh, Grid grid, double
     for (std::int64_t z = range.begin.z / side; z <= (range.end.z - 1) / side; ++z)
       for (std::int64_t y = range.begin.y / side; y <= (range.end.y - 1) / side; ++y)
         for (std::int64_t x = range.begin.x / side; x <= (range.end.x - 1) / side; ++x)
-          lower_brick(l, c, triangle, range, {x, y, z}, nearest);
+          lower_brick<kThrough>(l, c, triangle, range, {x, y, z}, nearest);
   }
   if (threadIdx.x % 32 == 0) atomicAdd(&outcome->samples_examined, examined);
 }
 
 /// Sparse output: 1 for each tile with a band sample, 0 behind the last. Blocks of 512 threads
 /// stride over the tiles.
-__global__ void __launch_bounds__(kGatherThreads)
+DIFI_KERNEL void __launch_bounds__(kGatherThreads)
     mark_near_tiles(gpu::Lattice l, const Counter* nearest, std::uint32_t* used, Outcome* outcome) {
   if (outcome->stopped) return;
   const SampleAt at = sample_of_thread(static_cast<int>(threadIdx.x));
@@ -84,7 +92,7 @@ __global__ void __launch_bounds__(kGatherThreads)
 }
 
 /// From least squared distances to the field. A block a tile, striding.
-__global__ void __launch_bounds__(kGatherThreads)
+DIFI_KERNEL void __launch_bounds__(kGatherThreads)
     write_samples(gpu::Lattice l, const Counter* nearest, DeviceOutput output, Outcome* outcome) {
   __shared__ Finished finished;
   if (outcome->stopped) return;

@@ -10,19 +10,30 @@ namespace difi::DIFI_PLATFORM {
 
 #ifdef __CUDACC__
 
+/// Something of CUDA's that is given back, whatever happens.
+template <class T, cudaError_t (*kDestroy)(T)>
+class Owned {
+ public:
+  Owned() = default;
+  ~Owned() {
+    if (it_) kDestroy(it_);
+  }
+  Owned(const Owned&) = delete;
+  Owned& operator=(const Owned&) = delete;
+  T* made() { return &it_; }
+  operator T() const { return it_; }
+
+ private:
+  T it_ = nullptr;
+};
+
 /// Milliseconds between two points of a stream, by CUDA events.
 class StreamClock {
  public:
   StreamClock() {
-    check_call(cudaEventCreate(&begin_), "cudaEventCreate");
-    check_call(cudaEventCreate(&end_), "cudaEventCreate");
+    check_call(cudaEventCreate(begin_.made()), "cudaEventCreate");
+    check_call(cudaEventCreate(end_.made()), "cudaEventCreate");
   }
-  ~StreamClock() {
-    cudaEventDestroy(begin_);
-    cudaEventDestroy(end_);
-  }
-  StreamClock(const StreamClock&) = delete;
-  StreamClock& operator=(const StreamClock&) = delete;
   void start(Stream stream) { check_call(cudaEventRecord(begin_, stream), "cudaEventRecord"); }
   /// Waits for what was put on the stream since start().
   double stop(Stream stream) {
@@ -34,33 +45,28 @@ class StreamClock {
   }
 
  private:
-  cudaEvent_t begin_ = nullptr, end_ = nullptr;
+  Owned<cudaEvent_t, cudaEventDestroy> begin_, end_;
 };
 
-/// A stream of its own, and what was put on it once, as a CUDA graph.
+/// A stream of its own, which waits for what is on the default one and lets it wait, and what was put on it once, as a
+/// CUDA graph.
 class Recorded {
  public:
   explicit Recorded(const std::function<void(Stream)>& enqueue) {
-    check_call(cudaStreamCreate(&stream_), "cudaStreamCreate");
+    check_call(cudaStreamCreate(stream_.made()), "cudaStreamCreate");
     check_call(cudaStreamBeginCapture(stream_, cudaStreamCaptureModeThreadLocal), "cudaStreamBeginCapture");
+    Owned<cudaGraph_t, cudaGraphDestroy> graph;
     enqueue(stream_);
-    cudaGraph_t graph = nullptr;
-    check_call(cudaStreamEndCapture(stream_, &graph), "cudaStreamEndCapture");
-    check_call(cudaGraphInstantiate(&graph_, graph, 0), "cudaGraphInstantiate");
-    cudaGraphDestroy(graph);
+    check_call(cudaStreamEndCapture(stream_, graph.made()), "cudaStreamEndCapture");
+    check_call(cudaGraphInstantiate(graph_.made(), graph, 0), "cudaGraphInstantiate");
   }
-  ~Recorded() {
-    cudaGraphExecDestroy(graph_);
-    cudaStreamDestroy(stream_);
-  }
-  Recorded(const Recorded&) = delete;
-  Recorded& operator=(const Recorded&) = delete;
   Stream stream() const { return stream_; }
   void play() { check_call(cudaGraphLaunch(graph_, stream_), "cudaGraphLaunch"); }
+  void wait() { check_call(cudaStreamSynchronize(stream_), "cudaStreamSynchronize"); }
 
  private:
-  cudaStream_t stream_ = nullptr;
-  cudaGraphExec_t graph_ = nullptr;
+  Owned<cudaStream_t, cudaStreamDestroy> stream_;
+  Owned<cudaGraphExec_t, cudaGraphExecDestroy> graph_;
 };
 
 #else
@@ -81,6 +87,7 @@ class Recorded {
   explicit Recorded(std::function<void(Stream)> enqueue) : enqueue_(std::move(enqueue)) {}
   Stream stream() const { return nullptr; }
   void play() { enqueue_(nullptr); }
+  void wait() {}
 
  private:
   std::function<void(Stream)> enqueue_;

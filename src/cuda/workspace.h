@@ -7,6 +7,9 @@ namespace difi::gpu {
 
 class Workspace {
  public:
+  /// Of every array.
+  static constexpr std::int64_t kAlignment = 256;
+
   /// Over `memory`, or over nothing to find out how much is needed.
   explicit Workspace(void* memory) : memory_(static_cast<char*>(memory)) {}
 
@@ -20,7 +23,6 @@ class Workspace {
   std::int64_t used() const { return used_; }
 
  private:
-  static constexpr std::int64_t kAlignment = 256;
   char* memory_;
   std::int64_t used_ = 0;
 };

@@ -1,6 +1,7 @@
 // difi/cuda.h, emulated: dense and sparse output in memory that held something else, too little room, bad triangles.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -41,6 +42,7 @@ class OnDevice {
   void dense() {
     values.assign(static_cast<std::size_t>(kGrid.sample_count()), kRubbish);
     nearest.assign(values.size(), 4711);
+    slots.clear();
     task.output = {values.data(), nearest.data(), nullptr, 0};
   }
   void sparse(std::int64_t capacity) {
@@ -48,6 +50,10 @@ class OnDevice {
     nearest.assign(values.size(), 4711);
     slots.assign(3 * 3 * 2, 4711);
     task.output = {values.data(), nearest.data(), slots.data(), capacity};
+  }
+  void expect_nothing_written() const {
+    for (const float value : values) ASSERT_EQ(value, kRubbish);
+    for (const std::int32_t slot : slots) ASSERT_EQ(slot, 4711);
   }
   void run() { emulated::enqueue(task, workspace(), bytes); }
   void* workspace() {
@@ -130,9 +136,14 @@ TEST(CudaDeviceMemory, TooFewEntriesAreReportedAndNothingIsWritten) {
     on.run();
     EXPECT_NE(on.outcome.stopped, 0u);
     EXPECT_THROW(cuda::check(on.outcome, on.task), Error);
-    for (const float value : on.values) ASSERT_EQ(value, OnDevice::kRubbish);
+    on.expect_nothing_written();
+    on.sparse(18);
+    on.run();
+    EXPECT_NE(on.outcome.stopped, 0u);
+    on.expect_nothing_written();
     if (std::isinf(thickness)) continue;
     // The number asked for is enough.
+    on.dense();
     on.give_entries(static_cast<std::int64_t>(on.outcome.needed_entries));
     on.run();
     EXPECT_NO_THROW(cuda::check(on.outcome, on.task));
@@ -152,7 +163,7 @@ TEST(CudaDeviceMemory, TooFewSlotsAreReportedAndNothingIsWritten) {
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::limit);
     }
-    for (const float value : on.values) ASSERT_EQ(value, OnDevice::kRubbish);
+    on.expect_nothing_written();
   }
 }
 
@@ -174,7 +185,11 @@ TEST(CudaDeviceMemory, BadTrianglesAreNamed) {
         EXPECT_EQ(error.code(), ErrorCode::input);
         EXPECT_NE(std::string(error.what()).find("triangle 33"), std::string::npos);
       }
-      for (const float value : on.values) ASSERT_EQ(value, OnDevice::kRubbish);
+      on.expect_nothing_written();
+      on.sparse(18);
+      on.run();
+      EXPECT_EQ(on.outcome.bad_triangle, 33u);
+      on.expect_nothing_written();
     }
 }
 
@@ -203,6 +218,29 @@ TEST(CudaDeviceMemory, OnlyTheTrianglesToUse) {
   }
 }
 
+// Meshes of their own sizes and grids of one size, through the largest of their workspaces.
+TEST(CudaDeviceMemory, ManyMeshesInOneCall) {
+  const Mesh first = some_mesh(), second = testing::random_soup(63, 30, 4, 2),
+             third = testing::random_soup(64, 1, 1, 1);
+  OnDevice a(first, testing::kInfinity), b(second, 1.0), c(third, 1.0, Method::thesis);
+  const std::vector<OnDevice*> fields{&a, &b, &c};
+  for (OnDevice* one : fields) one->dense();
+  std::vector<Task> tasks{a.task, b.task, c.task};
+  OnDevice& roomy =
+      **std::max_element(fields.begin(), fields.end(), [](auto* x, auto* y) { return x->bytes < y->bytes; });
+  emulated::enqueue(tasks, roomy.workspace(), roomy.bytes);
+  for (OnDevice* one : fields) cuda::check(one->outcome, one->task);
+  EXPECT_TRUE(testing::bits_of(a.values) == testing::bits_of(expected(first, testing::kInfinity).to_dense()));
+  EXPECT_TRUE(testing::bits_of(b.values) == testing::bits_of(expected(second, 1.0).to_dense()));
+  EXPECT_TRUE(testing::bits_of(c.values) == testing::bits_of(expected(third, 1.0, Method::thesis).to_dense()));
+
+  // One that makes no sense keeps all from being computed.
+  for (OnDevice* one : fields) one->dense();
+  tasks[2].thickness = 0;
+  EXPECT_THROW(emulated::enqueue(tasks, roomy.workspace(), roomy.bytes), Error);
+  a.expect_nothing_written();
+}
+
 TEST(CudaDeviceMemory, CallsThatMakeNoSenseAreRefused) {
   const Mesh mesh = some_mesh();
   OnDevice on(mesh, 1.0);
@@ -220,6 +258,10 @@ TEST(CudaDeviceMemory, CallsThatMakeNoSenseAreRefused) {
   refused([](Task& task) { task.mesh.vertices = nullptr; });
   refused([](Task& task) { task.output.values = nullptr; });
   refused([](Task& task) { task.outcome = nullptr; });
+  on.sparse(18);
+  refused([](Task& task) { task.output.slot_capacity = -1; });
+  EXPECT_THROW(emulated::enqueue(on.task, static_cast<char*>(on.workspace()) + 8, on.bytes), Error);
+  EXPECT_NO_THROW(on.run());
   on.bytes = 100;
   EXPECT_THROW(on.run(), Error);
 }

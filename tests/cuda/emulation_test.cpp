@@ -83,6 +83,21 @@ TEST(Emulation, BarriersAtDifferentPlacesAreNamed) {
   EXPECT_NE(fault.find("divergent barrier: threads wait at different places"), std::string::npos) << fault;
 }
 
+TEST(Emulation, BarriersOnTheSameLineOfDifferentFilesAreNamed) {
+  const std::string fault = fault_of([] { __syncthreads(threadIdx.x < 40 ? "one.cuh" : "other.cuh", 7); });
+  EXPECT_NE(fault.find("threads wait at different places, one.cuh:7 and other.cuh:7"), std::string::npos) << fault;
+}
+
+TEST(Emulation, VotesOfOneWarpAtDifferentPlacesAreNamed) {
+  const std::string fault = fault_of([] {
+    if (threadIdx.x % 2)
+      __ballot_sync(0xffffffffu, 1);
+    else
+      __ballot_sync(0xffffffffu, 0);
+  });
+  EXPECT_NE(fault.find("divergent warp: lanes wait at different places"), std::string::npos) << fault;
+}
+
 TEST(Emulation, AShuffleWithoutItsWarpIsNamed) {
   const std::string fault = fault_of([] {
     if (threadIdx.x % 32 < 20) __shfl_sync(0xffffffffu, 1, 0);

@@ -16,6 +16,10 @@ namespace difi::DIFI_PLATFORM {
 
 enum class Layout { dense, sparse };
 
+/// Whether workspaces are filled with rubbish before use: shows what depends on it, but hides from a tool what reads
+/// memory that nobody wrote.
+inline bool poisons_workspace = true;
+
 /// Everything enqueue() wants, allocated once; room for lists and tiles grows until the field fits.
 class FieldOnDevice {
  public:
@@ -41,6 +45,9 @@ class FieldOnDevice {
     copy_in(vertices_.as<void>(), mesh.vertices.data(), bytes_of(mesh.vertices));
     copy_in(triangles_.as<void>(), mesh.triangles.data(), bytes_of(mesh.triangles));
   }
+
+  /// The field into host memory that is there. Requires dense output.
+  void download(std::vector<float>& values) const { copy_out(values.data(), task_.output.values, bytes_of(values)); }
 
   void enqueue(Stream stream) { DIFI_PLATFORM::enqueue(task_, workspace_.as<void>(), workspace_bytes_, stream); }
 
@@ -71,8 +78,21 @@ class FieldOnDevice {
   std::vector<float> values() const { return dense<float>(task_.output.values, static_cast<float>(task_.thickness)); }
   std::vector<std::uint32_t> nearest() const { return dense<std::uint32_t>(task_.output.nearest, kNoTriangle); }
 
+  /// Sparse: a slot or -1 for each tile, and the values of all slots.
+  std::vector<std::int32_t> slots() const {
+    std::vector<std::int32_t> slots(static_cast<std::size_t>(gpu::tile_count(task_.grid)));
+    copy_out(slots.data(), task_.output.slots, bytes_of(slots));
+    return slots;
+  }
+  template <class T>
+  std::vector<T> pool(const T* on_device) const {
+    std::vector<T> pool(static_cast<std::size_t>(task_.output.slot_capacity) * gpu::kTileSamples);
+    copy_out(pool.data(), on_device, bytes_of(pool));
+    return pool;
+  }
+
+  void* workspace() const { return workspace_.as<void>(); }
   std::int64_t workspace_bytes() const { return workspace_bytes_; }
-  std::int64_t entries() const { return entries_; }
   const Task& task() const { return task_; }
   /// Room for no list entry: then the work ends after counting.
   void take_entries_away() { make_workspace(0); }
@@ -101,7 +121,7 @@ class FieldOnDevice {
         DIFI_PLATFORM::workspace_bytes(task_.mesh.triangle_count, task_.grid, task_.thickness, task_.method, entries);
     workspace_ = Memory();
     workspace_ = Memory(workspace_bytes_);
-    fill_bytes(nullptr, workspace_.as<void>(), 0xcd, workspace_bytes_);
+    if (poisons_workspace) fill_bytes(nullptr, workspace_.as<void>(), 0xcd, workspace_bytes_);
   }
 
   template <class T>
@@ -113,10 +133,8 @@ class FieldOnDevice {
       return all;
     }
     const gpu::Lattice l = gpu::make_lattice(grid, task_.thickness);
-    std::vector<std::int32_t> slots(static_cast<std::size_t>(l.tile_count()));
-    copy_out(slots.data(), task_.output.slots, bytes_of(slots));
-    std::vector<T> pool(static_cast<std::size_t>(task_.output.slot_capacity) * gpu::kTileSamples);
-    copy_out(pool.data(), on_device, bytes_of(pool));
+    const std::vector<std::int32_t> slots = this->slots();
+    const std::vector<T> pool = this->pool(on_device);
     for (std::int64_t k = 0; k < grid.size.z; ++k)
       for (std::int64_t j = 0; j < grid.size.y; ++j)
         for (std::int64_t i = 0; i < grid.size.x; ++i) {

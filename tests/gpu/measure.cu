@@ -1,10 +1,14 @@
 // gpu-check, second part: how long fields take, device memory to device memory, by CUDA events. Reads jobs from stdin,
 // a line each:
-//   TABLE SCENE TRIANGLES METHOD OUTPUT NX NY NZ EX EY EZ SCALE MARGIN THICKNESS
+//   TABLE SCENE TRIANGLES METHOD OUTPUT NX NY NZ EX EY EZ SCALE MARGIN THICKNESS SECONDS_2008 AT_MOST_MS
 // TRIANGLES 0: the scene's own. OUTPUT: dense, sparse, graph (dense, replayed as a CUDA graph), host (from host memory
-// to host memory, dense), counting (the part of dense before triangles are listed). The grid has NX NY NZ cells in a
+// to host memory, dense), upload and download (its copies alone), counting (the part of dense before triangles are
+// listed), or dense with parts left out (parts.cuh). The grid has NX NY NZ cells in a
 // box of EX EY EZ units, a sample in the middle of each. SCALE is the mesh's, or 0 to stretch it until MARGIN units are
-// left on each side. THICKNESS in units, or inf. Writes a CSV line each.
+// left on each side. THICKNESS in units, or inf. SECONDS_2008: the thesis's time;
+// AT_MOST_MS: what we want; either may be -, and both are only written beside what is measured. Writes a CSV line each.
+// measure --once: each is run once, to try it.
+// measure --export FOLDER: measures nothing, but writes SCENE-THICKNESS.bin for peers (peer_file.h).
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -15,12 +19,14 @@
 #include "difi/error.h"
 #include "scenes/scenes.h"
 #include "tests/gpu/field_on_device.cuh"
+#include "tests/gpu/parts.cuh"
+#include "tests/gpu/peer_file.h"
 
 namespace difi::DIFI_PLATFORM {
 namespace {
 
 struct Line {
-  std::string table, scene, method, output, thickness;
+  std::string table, scene, method, output, thickness, seconds_2008, at_most_ms;
   std::int64_t triangles;
   Size3 size;
   Vec3 extent;
@@ -30,7 +36,7 @@ struct Line {
 bool read(Line& l) {
   return static_cast<bool>(std::cin >> l.table >> l.scene >> l.triangles >> l.method >> l.output >> l.size.x >>
                            l.size.y >> l.size.z >> l.extent.x >> l.extent.y >> l.extent.z >> l.scale >> l.margin >>
-                           l.thickness);
+                           l.thickness >> l.seconds_2008 >> l.at_most_ms);
 }
 
 /// The mesh, scaled or stretched, in the middle of the box from the origin to `extent`.
@@ -49,13 +55,16 @@ struct Times {
   int runs;
 };
 
-/// Once to warm up, then as often as fits into a second, 5 to 50 times.
+std::string export_folder;
+std::size_t least_runs = 5, most_runs = 50;
+
+/// Once to warm up, then as often as fits into a second, within bounds.
 template <class Once>
 Times repeated(Once once) {
   std::vector<double> all;
-  double total = once();
-  total = 0;
-  while (all.size() < 5 || (all.size() < 50 && total < 1000)) {
+  double total = 0;
+  once();
+  while (all.size() < least_runs || (all.size() < most_runs && total < 1000)) {
     all.push_back(once());
     total += all.back();
   }
@@ -63,7 +72,18 @@ Times repeated(Once once) {
   return {all[all.size() / 2], all.front(), static_cast<int>(all.size())};
 }
 
+/// Milliseconds on the host's clock: for work that ends with its call.
+template <class Work>
+double on_host(Work work) {
+  const auto began = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - began).count();
+}
+
 Times measure(const Line& l, const Mesh& mesh, FieldOnDevice& field) {
+  std::vector<float> values;
+  if (l.output == "host" || l.output == "download")
+    values.resize(static_cast<std::size_t>(field.task().grid.sample_count()));
   StreamClock clock;
   if (l.output == "graph") {
     Recorded recorded([&](Stream stream) { field.enqueue(stream); });
@@ -75,16 +95,24 @@ Times measure(const Line& l, const Mesh& mesh, FieldOnDevice& field) {
   }
   if (l.output == "host")
     return repeated([&] {
-      const auto began = std::chrono::steady_clock::now();
-      field.upload(mesh);
-      field.enqueue(nullptr);
-      const std::vector<float> values = field.values();
-      return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - began).count();
+      return on_host([&] {
+        field.upload(mesh);
+        field.enqueue(nullptr);
+        field.download(values);
+      });
     });
+  if (l.output == "upload") return repeated([&] { return on_host([&] { field.upload(mesh); }); });
+  if (l.output == "download") return repeated([&] { return on_host([&] { field.download(values); }); });
   if (l.output == "counting") field.take_entries_away();
+  const Part* const part = find_part(l.output);
+  if (!part && l.output != "counting" && l.output != "dense" && l.output != "sparse")
+    throw Error(ErrorCode::usage, "no output '" + l.output + "'");
   return repeated([&] {
     clock.start(nullptr);
-    field.enqueue(nullptr);
+    if (part)
+      part->enqueue(field.task(), field.workspace(), field.workspace_bytes(), nullptr);
+    else
+      field.enqueue(nullptr);
     return clock.stop(nullptr);
   });
 }
@@ -97,30 +125,45 @@ void run(const Line& l) {
   const Method method = l.method == "thesis" ? Method::thesis : Method::tiles;
   FieldOnDevice field(mesh, grid, thickness, method, l.output == "sparse" ? Layout::sparse : Layout::dense, false);
   const Outcome outcome = field.run();
+  if (!export_folder.empty())
+    return write_peer_file(export_folder + "/" + l.scene + "-" + l.thickness + ".bin", mesh, grid, thickness,
+                           field.values());
   const double workspace = static_cast<double>(field.workspace_bytes()) / (1 << 20);
   const Times t = measure(l, mesh, field);
-  const double written =
+  double written =
       4.0 * static_cast<double>(l.output == "sparse" ? outcome.needed_slots * gpu::kTileSamples : grid.sample_count());
-  std::printf("%s,%s,%zu,%s,%s,%lldx%lldx%lld,%g,%.4f,%.4f,%d,%llu,%llu,%llu,%.1f,%.1f\n", l.table.c_str(),
+  if (l.output == "upload") written = static_cast<double>(24 * mesh.vertices.size() + 12 * mesh.triangles.size());
+  std::printf("%s,%s,%zu,%s,%s,%lldx%lldx%lld,%g,%.4f,%.4f,%d,%llu,%llu,%llu,%.1f,%.1f,%s,%s\n", l.table.c_str(),
               l.scene.c_str(), mesh.triangles.size(), l.method.c_str(), l.output.c_str(),
               static_cast<long long>(l.size.x), static_cast<long long>(l.size.y), static_cast<long long>(l.size.z),
               thickness, t.median, t.least, t.runs, outcome.samples_examined, outcome.samples_band,
-              outcome.needed_entries, workspace, written / t.median / 1e6);
+              outcome.needed_entries, workspace, written / t.median / 1e6, l.seconds_2008.c_str(),
+              l.at_most_ms.c_str());
   std::fflush(stdout);
 }
 
 }  // namespace
 }  // namespace difi::DIFI_PLATFORM
 
-int main() {
+int main(int argc, char** argv) {
   using namespace difi::DIFI_PLATFORM;
-  std::puts(
-      "table,scene,triangles,method,output,grid,thickness,median_ms,least_ms,runs,samples_examined,samples_band,"
-      "list_entries,workspace_mib,written_gb_per_s");
+  for (int n = 1; n < argc; ++n) {
+    const std::string option = argv[n];
+    if (option == "--once") least_runs = most_runs = 1;
+    if (option == "--export" && n + 1 < argc) export_folder = argv[++n];
+  }
+  if (export_folder.empty())
+    std::puts(
+        "table,scene,triangles,method,output,grid,thickness,median_ms,least_ms,runs,samples_examined,samples_band,"
+        "list_entries,workspace_mib,written_gb_per_s,seconds_2008,at_most_ms");
   int failed = 0;
   for (Line line; read(line);) {
     try {
       run(line);
+    } catch (const difi::Error& error) {
+      std::fprintf(stderr, "measure: %s %s: %s\n", line.table.c_str(), line.scene.c_str(), error.what());
+      failed = static_cast<int>(error.code());
+      if (error.code() == difi::ErrorCode::device) break;  // most such errors stay until the program ends
     } catch (const std::exception& error) {
       std::fprintf(stderr, "measure: %s %s: %s\n", line.table.c_str(), line.scene.c_str(), error.what());
       failed = 1;

@@ -1,6 +1,7 @@
 #include "cuda/emulation/block.h"
 
 #include <algorithm>
+#include <cstring>
 #include <memory>
 #include <mutex>
 #include <random>
@@ -68,6 +69,9 @@ DIFI_UNWATCHED void run_thread() {
 }
 
 DIFI_UNWATCHED Place place_of(unsigned n) { return running.threads[n]->at; }
+DIFI_UNWATCHED bool same(const Place& a, const Place& b) {
+  return a.line == b.line && std::strcmp(a.file, b.file) == 0;
+}
 
 [[noreturn]] void fail(const std::string& what) {
   // The threads that wait will not go on: what they did is over.
@@ -148,12 +152,15 @@ class BlockRun {
     for (unsigned n = first; n < end; ++n) {
       const Thread& t = *running.threads[n];
       if (t.state != State::at_warp_barrier) continue;
-      bool all = true;
+      bool all = true, together = true;
       for (unsigned m = first; m < end; ++m) {
+        if (!(t.mask >> (m - first) & 1)) continue;
         const Thread& other = *running.threads[m];
-        if ((t.mask >> (m - first) & 1) && (other.state != State::at_warp_barrier || other.mask != t.mask)) all = false;
+        all &= other.state == State::at_warp_barrier && other.mask == t.mask;
+        together &= !all || same(other.at, t.at);
       }
       if (!all) continue;
+      if (!together) fail("divergent warp: lanes wait at different places, " + waiting_places());
       const std::uint32_t mask = t.mask;
       for (unsigned m = first; m < end; ++m)
         if (mask >> (m - first) & 1) running.threads[m]->state = State::ready;
@@ -169,7 +176,7 @@ class BlockRun {
       fail("divergent barrier: " + std::to_string(done) + " of " + std::to_string(running.count) +
            " threads have ended, the others wait at " + waiting_places());
     for (unsigned n = 0; n < running.count; ++n)
-      if (place_of(n).line != place_of(0).line)
+      if (!same(place_of(n), place_of(0)))
         fail("divergent barrier: threads wait at different places, " + waiting_places());
     for (unsigned n = 0; n < running.count; ++n) running.threads[n]->state = State::ready;
     return true;
@@ -178,7 +185,7 @@ class BlockRun {
   std::string waiting_places() const {
     std::vector<std::string> places;
     for (unsigned n = 0; n < running.count; ++n)
-      if (running.threads[n]->state != State::done)
+      if (running.threads[n]->state == State::at_block_barrier || running.threads[n]->state == State::at_warp_barrier)
         places.push_back(std::string(place_of(n).file) + ":" + std::to_string(place_of(n).line));
     std::sort(places.begin(), places.end());
     places.erase(std::unique(places.begin(), places.end()), places.end());

@@ -3,11 +3,11 @@
 //
 // Found: missing barriers (run in all three orders: results differ), races within a block (under the thread sanitizer),
 // accesses out of bounds (under the address sanitizer; shared memory is plain static memory), barriers that not all
-// threads of a block reach, or reach at different places (an Error that names them).
-// Not covered: races between blocks, which never run side by side here; the order in which other threads see writes to
-// memory; cooperative groups; asynchronous copies; streams, which are in order here; bank conflicts and all else that
-// is about time; shared memory read before it is written, which holds what the block before left there. Stricter than
-// the hardware: a barrier is a fault once a thread of the block has ended.
+// threads of a block reach, or reach at different places, and the same of a warp's votes and shuffles (an Error that
+// names them). Not covered: races between blocks, which never run side by side here; the order in which other threads
+// see writes to memory; cooperative groups; asynchronous copies; streams, which are in order here; bank conflicts and
+// all else that is about time; shared memory read before it is written, which holds what the block before left there.
+// Stricter than the hardware: a barrier is a fault once a thread of the block has ended.
 #pragma once
 
 #include <cstdint>

@@ -1,0 +1,76 @@
+"""gpu_tables.py FOLDER: what script/gpu-check measured, as tables beside the thesis's figures and our goals.
+
+Reads gpu.csv, table-5.4.csv and, where it is there, peer.csv; prints Markdown."""
+
+import csv
+import sys
+from pathlib import Path
+
+from harness import markdown
+
+
+def rows_of(path):
+    with path.open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def ms(text):
+    return f"{float(text):.3g}"
+
+
+def goals(rows, peers):
+    """Our jobs; beside the dense ones how many times longer the peer took."""
+    peer = {}
+    for row in peers:
+        if row["query"] == "mesh_query_point":
+            peer[row["job"]] = float(row["median_ms"])
+    shown = []
+    for row in rows:
+        job = f"{row['scene']}-{row['thickness']}"
+        compared = row["method"] == "tiles" and row["output"] == "dense" and job in peer
+        shown.append({"scene": row["scene"], "triangles": f"{int(row['triangles']):,}", "method": row["method"],
+                      "output": row["output"], "grid": row["grid"], "thickness": row["thickness"],
+                      "ms": ms(row["median_ms"]), "at most": row["at_most_ms"],
+                      "GB/s written": row["written_gb_per_s"],
+                      "Warp, times as long": f"{peer[job] / float(row['median_ms']):.3g}" if compared else ""})
+    return shown
+
+
+def beside_thesis(rows):
+    """A row a job of the thesis, both methods in it."""
+    jobs = {}
+    for row in rows:
+        key = (row["scene"], row["grid"], row["thickness"])
+        job = jobs.setdefault(key, {"scene": row["scene"], "triangles": f"{int(row['triangles']):,}",
+                                    "grid": row["grid"], "thickness": row["thickness"],
+                                    "2008, s": row["seconds_2008"]})
+        job[f"{row['method']}, ms"] = ms(row["median_ms"])
+        if row["method"] == "thesis":
+            job["examined"] = f"{int(row['samples_examined']):,}"
+    columns = list(dict.fromkeys(name for job in jobs.values() for name in job))
+    return [{name: job.get(name, "") for name in columns} for job in jobs.values()]
+
+
+def main():
+    if len(sys.argv) != 2:
+        raise SystemExit(__doc__)
+    folder = Path(sys.argv[1])
+    rows = rows_of(folder / "gpu.csv")
+    peers = rows_of(folder / "peer.csv") if (folder / "peer.csv").exists() else []
+    print("# What script/gpu-check measured\n")
+    print("Scenes made by code stand in for the thesis's meshes. Medians, device memory to device memory.\n")
+    print((folder / "machine.txt").read_text())
+    print(f"## Goals\n\n{markdown(goals([r for r in rows if r['table'] == 'goal'], peers))}\n")
+    for table in ("figure_1.1", "table_5.1", "table_5.2", "table_5.3", "table_5.5"):
+        title = table.replace("_", " ").capitalize()
+        print(f"## {title}\n\n{markdown(beside_thesis([r for r in rows if r['table'] == table]))}\n")
+    parts = rows_of(folder / "table-5.4.csv")
+    print("## Table 5.4: where the time goes\n")
+    print(markdown([{"method": p["method"], "part": p["part"], "ms": ms(p["ms"]), "2008, s": p["seconds_2008"]}
+                    for p in parts]))
+    if peers:
+        print(f"\n## Peer\n\n{markdown(peers)}")
+
+
+if __name__ == "__main__":
+    main()

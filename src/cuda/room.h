@@ -1,0 +1,20 @@
+// What is said where the GPU's memory is too small.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "difi/error.h"
+
+namespace difi::gpu {
+
+/// Throws Error{limit}: `need` bytes were wanted, `free` of `total` were there.
+[[noreturn]] inline void fail_for_room(std::int64_t need, std::int64_t free, std::int64_t total) {
+  const auto mib = [](std::int64_t bytes) { return std::to_string((bytes + (1 << 20) - 1) >> 20); };
+  throw Error(ErrorCode::limit, "cuda: this field needs " + mib(need) + " MiB more of the GPU's memory, " +
+                                    std::to_string(free >> 20) + " of " + mib(total) +
+                                    " MiB are free; take fewer samples or a smaller thickness, or use the CPU "
+                                    "(--device cpu)");
+}
+
+}  // namespace difi::gpu

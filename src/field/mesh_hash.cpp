@@ -1,0 +1,58 @@
+// A number that tells meshes apart.
+#include <tbb/parallel_invoke.h>
+
+#include <array>
+#include <cstring>
+
+#include "difi/mesh.h"
+
+namespace difi {
+namespace {
+
+// One round of the splitmix64 finaliser: every input bit reaches every output bit.
+constexpr std::uint64_t mixed(std::uint64_t h, std::uint64_t value) {
+  h = (h ^ value) + 0x9e3779b97f4a7c15u;
+  h = (h ^ (h >> 30)) * 0xbf58476d1ce4e5b9u;
+  h = (h ^ (h >> 27)) * 0x94d049bb133111ebu;
+  return h ^ (h >> 31);
+}
+
+// The hash of word(0), ..., word(count - 1) in eight chains side by side: one chain would wait for its own
+// multiplications, and compute() hashes every mesh.
+template <class Word>
+std::uint64_t hash_of_words(std::size_t count, Word word) {
+  constexpr std::size_t kChains = 8;
+  std::array<std::uint64_t, kChains> chain{};
+  std::size_t n = 0;
+  for (; n + kChains <= count; n += kChains)
+    for (std::size_t c = 0; c < kChains; ++c) chain[c] = mixed(chain[c], word(n + c));
+  for (; n < count; ++n) chain[n % kChains] = mixed(chain[n % kChains], word(n));
+  std::uint64_t h = count;
+  for (const std::uint64_t end : chain) h = mixed(h, end);
+  return h;
+}
+
+}  // namespace
+
+std::uint64_t content_hash(MeshView mesh) {
+  static_assert(sizeof(Vec3) == 3 * sizeof(double));
+  const auto* coordinates = reinterpret_cast<const char*>(mesh.vertices.data());
+  std::uint64_t vertices = 0, triangles = 0;
+  const auto hash_vertices = [&] {
+    vertices = hash_of_words(3 * mesh.vertices.size(), [&](std::size_t n) {
+      std::uint64_t bits;
+      std::memcpy(&bits, coordinates + n * sizeof bits, sizeof bits);
+      return bits;
+    });
+  };
+  const auto hash_triangles = [&] {
+    triangles = hash_of_words(2 * mesh.triangles.size(), [&](std::size_t n) {
+      const Triangle& t = mesh.triangles[n / 2];
+      return n % 2 == 0 ? (std::uint64_t{t[0]} << 32) | t[1] : t[2];
+    });
+  };
+  tbb::parallel_invoke(hash_vertices, hash_triangles);
+  return mixed(vertices, triangles);
+}
+
+}  // namespace difi

@@ -1,0 +1,34 @@
+#!/usr/bin/env bash
+# script/gpu-check from its first line to its last, on the emulated GPU: its programs build without the rest of difi and
+# its dependencies, every job runs, every table has its rows.
+set -euo pipefail
+JOBS=1 "$DIFI_SOURCE_DIR/script/gpu-check" --emulated --out "$PWD/results" >log 2>&1 || { cat log; exit 1; }
+
+fail() { echo "$*"; cat log; exit 1; }
+grep -q '^0 of [0-9]* checks went wrong' results/check.txt || fail "check.txt has no sum"
+rows() { awk -F, -v table="$1" '$1 == table' results/gpu.csv | wc -l; }
+while read -r table count; do
+  [[ $(rows "$table") == "$count" ]] || fail "gpu.csv has $(rows "$table") rows of $table, not $count"
+done <<'END'
+goal 13
+figure_1.1 2
+table_5.1 52
+table_5.2 16
+table_5.3 18
+table_5.4 11
+table_5.5 12
+END
+awk -F, 'NR > 1 && !($8 > 0)' results/gpu.csv | grep . && fail "a job took no time"
+grep -q '^table_5.1,factory,.*,0.64,-$' results/gpu.csv || fail "gpu.csv lacks the thesis's times"
+[[ $(awk -F, '$3 ~ /^-?[0-9]/ && NF == 4' results/table-5.4.csv | wc -l) == 13 ]] || fail "table-5.4.csv lacks parts"
+if python3 -c 'import warp' 2>/dev/null; then
+  [[ $(grep -c ',mesh_query_point' results/peer.csv) == 6 ]] || fail "peer.csv lacks jobs"
+else
+  grep -q 'no module warp .*: skipped' log || fail "nothing is said of the peer that is not there"
+fi
+python3 -B "$DIFI_SOURCE_DIR/bench/gpu_tables.py" results >tables.md || fail "no tables"
+for title in Goals "Figure 1.1" "Table 5.1" "Table 5.2" "Table 5.3" "Table 5.4: where" "Table 5.5"; do
+  grep -q "^## $title" tables.md || fail "the tables lack $title"
+done
+grep -q '^| bender .*| 0\.02 |' tables.md || fail "the tables lack the thesis's times"
+echo "script/gpu-check runs"

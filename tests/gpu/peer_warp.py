@@ -1,0 +1,118 @@
+"""peer_warp.py [--once] FILE.bin...: NVIDIA Warp's mesh_query_point at the jobs that `measure --export` wrote.
+
+A thread a sample asks Warp's tree of the mesh for the closest point, no farther than the thickness, and writes the
+distance: device memory to device memory, the median of some runs by CUDA events (on a machine without a GPU Warp runs on
+its CPU, to try this). The tree is built before; how long that takes stands apart. A CSV line for each job and query, with
+how far Warp's distances are from ours at most.
+"""
+
+import os
+import statistics
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import warp as wp
+
+LEAST_RUNS, MOST_RUNS, ENOUGH_MS = 3, 20, 3000
+
+
+@wp.kernel
+def query_unsigned(mesh: wp.uint64, origin: wp.vec3, spacing: wp.vec3, nx: int, ny: int, thickness: float,
+                   values: wp.array(dtype=float)):
+    n = wp.tid()
+    at = wp.vec3(float(n % nx), float((n // nx) % ny), float(n // (nx * ny)))
+    p = origin + wp.cw_mul(spacing, at)
+    found = wp.mesh_query_point_no_sign(mesh, p, thickness)
+    d = thickness
+    if found.result:
+        d = wp.min(thickness, wp.length(wp.mesh_eval_position(mesh, found.face, found.u, found.v) - p))
+    values[n] = d
+
+
+@wp.kernel
+def query_signed(mesh: wp.uint64, origin: wp.vec3, spacing: wp.vec3, nx: int, ny: int, thickness: float,
+                 values: wp.array(dtype=float)):
+    n = wp.tid()
+    at = wp.vec3(float(n % nx), float((n // nx) % ny), float(n // (nx * ny)))
+    p = origin + wp.cw_mul(spacing, at)
+    found = wp.mesh_query_point(mesh, p, thickness)
+    d = thickness
+    if found.result:
+        d = wp.min(thickness, wp.length(wp.mesh_eval_position(mesh, found.face, found.u, found.v) - p))
+    values[n] = d
+
+
+QUERIES = {"mesh_query_point_no_sign": query_unsigned, "mesh_query_point": query_signed}
+
+
+def read(path):
+    """What peer_file.h wrote."""
+    data, at = path.read_bytes(), 0
+
+    def take(kind, count):
+        nonlocal at
+        array = np.frombuffer(data, kind, count, at)
+        at += array.nbytes
+        return array
+
+    vertices, triangles, *size = (int(n) for n in take("<i8", 5))
+    origin, spacing, thickness = take("<f8", 3), take("<f8", 3), float(take("<f8", 1)[0])
+    return {"size": size, "origin": origin, "spacing": spacing, "thickness": thickness,
+            "vertices": take("<f8", 3 * vertices).reshape(-1, 3), "triangles": take("<u4", 3 * triangles),
+            "values": take("<f4", size[0] * size[1] * size[2])}
+
+
+def milliseconds(launch, on_gpu):
+    """How long one launch takes."""
+    if not on_gpu:
+        began = time.perf_counter()
+        launch()
+        return 1e3 * (time.perf_counter() - began)
+    start, end = wp.Event(enable_timing=True), wp.Event(enable_timing=True)
+    wp.record_event(start)
+    launch()
+    wp.record_event(end)
+    return wp.get_event_elapsed_time(start, end)
+
+
+def measure(path, once, csv):
+    job = read(path)
+    nx, ny, nz = job["size"]
+    thickness = min(job["thickness"], 1e30)
+    on_gpu = wp.get_preferred_device().is_cuda
+    began = time.perf_counter()
+    mesh = wp.Mesh(points=wp.array(job["vertices"].astype(np.float32), dtype=wp.vec3),
+                   indices=wp.array(job["triangles"].astype(np.int32), dtype=wp.int32))
+    wp.synchronize()
+    build_ms = 1e3 * (time.perf_counter() - began)
+    values = wp.zeros(nx * ny * nz, dtype=float)
+    inputs = [mesh.id, wp.vec3(*job["origin"]), wp.vec3(*job["spacing"]), nx, ny, thickness]
+    for name, kernel in QUERIES.items():
+        def launch(kernel=kernel):
+            wp.launch(kernel, dim=nx * ny * nz, inputs=inputs, outputs=[values])
+        launch()
+        wp.synchronize()
+        runs = []
+        while len(runs) < (1 if once else LEAST_RUNS) or (not once and len(runs) < MOST_RUNS and sum(runs) < ENOUGH_MS):
+            runs.append(milliseconds(launch, on_gpu))
+        off = float(np.max(np.abs(values.numpy() - np.minimum(job["values"], np.float32(thickness)))))
+        print(f"{path.stem},{len(job['triangles']) // 3},{name},{nx}x{ny}x{nz},{job['thickness']:g},"
+              f"{statistics.median(runs):.4f},{min(runs):.4f},{len(runs)},{build_ms:.1f},{off:.6g},"
+              f"warp {wp.config.version} on {wp.get_preferred_device()}", file=csv, flush=True)
+
+
+def main():
+    csv = os.fdopen(os.dup(1), "w")
+    os.dup2(2, 1)  # Warp talks on stdout, which is ours
+    wp.init()
+    print("job,triangles,query,grid,thickness,median_ms,least_ms,runs,tree_ms,largest_difference,peer", file=csv)
+    once = "--once" in sys.argv
+    for path in sys.argv[1:]:
+        if path != "--once":
+            measure(Path(path), once, csv)
+
+
+if __name__ == "__main__":
+    main()
