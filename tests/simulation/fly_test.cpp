@@ -39,7 +39,7 @@ TEST(Fly, TheThesisMissesWhatIsFast) {
   options.mode = FlightMode::thesis;
   options.thickness = 0.5;
   options.speed = 0.02;
-  const Flown slow = fly(options, 2000, 8);
+  const Flown slow = fly(options, 1200, 8);
   EXPECT_EQ(total(slow, &Flier::crossings), 0);
   EXPECT_GT(total(slow, &Flier::collisions), 0);
   options.speed = 5;
