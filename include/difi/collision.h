@@ -163,10 +163,11 @@ struct Batch {
 
 /// What a batch did.
 struct BatchReport {
-  std::string backend;          ///< "cpu", "cuda" or "emulated"
-  std::string device;           ///< the GPU's name
-  std::int64_t on_device = 0;   ///< queries that the device decided; the CPU decided the others
-  std::int64_t undecided = 0;   ///< of these, those that the device could not decide: rounding hid the answer
+  std::string backend;         ///< "cpu", "cuda" or "emulated"
+  std::string device;          ///< the GPU's name
+  std::int64_t on_device = 0;  ///< queries that the device decided; the CPU decided the others
+  /// Of these, those that the device could not decide: rounding hid the answer, or a sweep is not certainly free.
+  std::int64_t undecided = 0;
   std::int64_t overflowed = 0;  ///< and those for which its lists were too short
 };
 
@@ -186,6 +187,11 @@ std::vector<Contacts> contacts_all(const CollisionModel& a, const Pose& pose_a, 
                                    std::span<const Pose> poses_b, const ContactOptions& options, int threads = 0);
 std::vector<Swept> sweep_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
                              std::span<const Motion> motions, const SweepOptions& options, int threads = 0);
+/// The same on a device, which finds the motions that are certainly free, and until when the others are; the CPU takes
+/// them from there, so that times may differ from the CPU's within the tolerance. Errors: device, limit.
+std::vector<Swept> sweep_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                             std::span<const Motion> motions, const SweepOptions& options, const Batch& batch,
+                             BatchReport* report = nullptr);
 
 /// Algorithm 2 of the 2008 thesis, for comparison: samples of one field that lie in the other's grid are visited, and
 /// where both fields have a value (below their thickness) at the sample and at the sample nearest to it, the bodies are

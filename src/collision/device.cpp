@@ -10,9 +10,9 @@ namespace difi::collision {
 namespace {
 
 constexpr std::array kRows{
-    DeviceRow{Backend::cuda, "cuda", cuda::available, cuda::device_name, cuda::collide},
+    DeviceRow{Backend::cuda, "cuda", cuda::available, cuda::device_name, cuda::collide, cuda::sweep},
     DeviceRow{Backend::emulated, "emulated", [] { return true; },
-              [](int) { return std::string("emulated on the CPU"); }, emulated::collide},
+              [](int) { return std::string("emulated on the CPU"); }, emulated::collide, emulated::sweep},
 };
 
 // A copy to the GPU and back must be worth it. The value is a guess: it was not measured.

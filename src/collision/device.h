@@ -7,6 +7,7 @@
 
 #include "collision/model.h"
 #include "collision/packets.h"
+#include "collision/way.h"
 
 namespace difi::collision {
 
@@ -44,6 +45,25 @@ struct CollideJob {
   int stack = kDeviceStack;  ///< nodes that may wait at a time; fewer to test what happens then
 };
 
+/// A motion of b.
+struct SweepQuery {
+  Way way;
+  float keep;  ///< distance left after every step
+};
+
+struct SweepAnswer {
+  Verdict verdict;  ///< free, or undecided, or overflow
+  double time;      ///< until when the bodies are certainly apart
+};
+
+struct SweepJob {
+  const CollisionModel::Data &field, &tree;
+  std::span<const SweepQuery> queries;
+  std::span<SweepAnswer> answers;  ///< as many
+  int device;
+  int stack = kDeviceStack;
+};
+
 /// One kind of device. They stand in the table in device.cpp.
 struct DeviceRow {
   Backend backend;
@@ -51,6 +71,7 @@ struct DeviceRow {
   bool (*available)();
   std::string (*device_name)(int device);
   void (*collide)(const CollideJob&);
+  void (*sweep)(const SweepJob&);
 };
 
 /// The row for a batch of `count` queries; null for the CPU. Throws Error{device} where there is no such device.

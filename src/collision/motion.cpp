@@ -79,33 +79,23 @@ Pose Course::at(double t) const {
   return pose;
 }
 
-RelativeMotion::RelativeMotion(const Pair& pair, const Course& course) : field_moves_(pair.swapped) {
+RelativeMotion::RelativeMotion(const Pair& pair, const Course& course) {
   // In the pair the field stands at its pose; where it moves that is its pose at time 0.
   const Pose &field = pair.field.pose, &tree = pair.tree.pose;
-  turn_.angle_rad = field_moves_ ? -course.turn.angle_rad : course.turn.angle_rad;
-  turn_.axis = rotate_back(field, course.turn.axis);
-  velocity_ = rotate_back(field, course.velocity);
-  way_ = length(velocity_);
-  base_ = apply_inverse(field, course.center) - pair.field.body->middle;
-  start_.rotation = transposed_times(field.rotation, tree.rotation);
-  start_.translation = rotate_back(field, apply(tree, pair.tree.body->middle) - course.center);
-}
-
-Vec3 RelativeMotion::at(Vec3 offset, double t) const {
-  if (field_moves_) return base_ + turned(offset - velocity_ * t, turn_.axis, turn_.angle_rad * t);
-  return base_ + velocity_ * t + turned(offset, turn_.axis, turn_.angle_rad * t);
-}
-
-// The farthest the point gets from the centre it turns about: that centre moves straight, so one end or the other.
-double RelativeMotion::speed(Vec3 offset) const {
-  const double away = field_moves_ ? std::max(length(offset), length(offset - velocity_)) : length(offset);
-  return way_ + std::abs(turn_.angle_rad) * away;
+  way_.field_moves = pair.swapped;
+  way_.angle_rad = pair.swapped ? -course.turn.angle_rad : course.turn.angle_rad;
+  way_.axis = triple(rotate_back(field, course.turn.axis));
+  const Vec3 velocity = rotate_back(field, course.velocity);
+  way_.velocity = triple(velocity);
+  way_.straight = difi::length(velocity);
+  way_.base = triple(apply_inverse(field, course.center) - pair.field.body->middle);
+  way_.start = place_of({transposed_times(field.rotation, tree.rotation),
+                         rotate_back(field, apply(tree, pair.tree.body->middle) - course.center)});
 }
 
 double RelativeMotion::acceleration(Vec3 offset) const {
-  const double rate = std::abs(turn_.angle_rad);
-  if (!field_moves_) return rate * rate * length(offset);
-  return rate * (rate * std::max(length(offset), length(offset - velocity_)) + 2 * way_);
+  const double rate = std::abs(way_.angle_rad), turning = rate * rate * way_.farthest(triple(offset));
+  return way_.field_moves ? turning + 2 * rate * way_.straight : turning;
 }
 
 }  // namespace collision

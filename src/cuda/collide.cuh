@@ -6,7 +6,7 @@
 
 #include "collision/ball_bound.h"
 #include "collision/meeting.h"
-#include "cuda/node_stack.cuh"
+#include "cuda/queries.cuh"
 
 namespace difi::DIFI_PLATFORM {
 
@@ -39,16 +39,18 @@ struct SearchRoom {
 };
 
 class PoseSearch {
+  using Nodes = NodeStack<std::uint32_t>;
+
  public:
   DIFI_DEVICE PoseSearch(const CollideTask& task, const PoseQuery& query, SearchRoom& room)
       : task_(task), query_(query), room_(room), lane_(lane_in_warp()) {}
 
   DIFI_DEVICE PoseAnswer run() {
-    NodeStack nodes(room_.nodes, task_.stack, task_.tree.top);
+    Nodes nodes(room_.nodes, task_.stack, packet_word(task_.tree.top, 0));
     while (!nodes.empty() && verdict_ != Verdict::hit && verdict_ != Verdict::overflow) {
       // Where undecided a pair that surely touches may still come.
-      const bool triangles = level_of(nodes.top()) == 0;
-      const std::uint32_t word = nodes.take(triangles ? kMostLevels : 1);
+      const bool triangles = nodes.top_level() == 0;
+      const std::uint32_t word = nodes.take(triangles ? kMostLevels : 1, kNoPacket);
       if (triangles)
         meet_packet(packet_of(__shfl_sync(kWarp, word, 0)));
       else
@@ -63,7 +65,7 @@ class PoseSearch {
   }
 
   // Puts the packets below the nodes whose balls come near on the stack, the nearest on top.
-  DIFI_DEVICE void open(NodeStack& nodes, std::uint32_t word) {
+  DIFI_DEVICE void open(Nodes& nodes, std::uint32_t word) {
     const int level = level_of(word), n = static_cast<int>(lane_ % kLanes);
     float gap = collision::kNothing;
     if (word != kNoPacket) {
@@ -74,12 +76,7 @@ class PoseSearch {
     }
     const bool near = gap <= query_.limit;
     const std::uint32_t lanes = __ballot_sync(kWarp, near);
-    room_.gap[lane_] = gap;
-    __syncwarp();
-    int farther = 0;
-    for (std::uint32_t m = 0; m < 32; ++m)
-      if (lanes >> m & 1) farther += room_.gap[m] > gap || (room_.gap[m] == gap && m > lane_);
-    __syncwarp();
+    const int farther = larger_keys(lanes, gap, room_.gap);
     if (!nodes.put(lanes, farther, packet_word(level - 1, packet_of(word) * kLanes + n))) verdict_ = Verdict::overflow;
   }
 
@@ -87,9 +84,9 @@ class PoseSearch {
   DIFI_DEVICE void meet_packet(std::uint32_t packet) {
     place_boxes(packet);
     int waiting = 0;
-    NodeStack nodes(room_.field_nodes, task_.stack, task_.field.top);
+    Nodes nodes(room_.field_nodes, task_.stack, packet_word(task_.field.top, 0));
     while (!nodes.empty()) {
-      const std::uint32_t word = nodes.take(0);
+      const std::uint32_t word = nodes.take(0, kNoPacket);
       const int level = level_of(word);
       const std::uint32_t child = packet_of(word) * kLanes + lane_ % kLanes;
       float low[3] = {}, high[3] = {};
@@ -190,14 +187,12 @@ class PoseSearch {
   std::uint32_t of_field_ = 0, of_tree_ = 0;
 };
 
-/// Warps take one pose after the other: some take a thousand times as long as others.
+/// Warps take one pose after the other.
 __global__ void __launch_bounds__(kCollideThreads) collide_poses(CollideTask task) {
   __shared__ SearchRoom rooms[kCollideThreads / 32];
   SearchRoom& room = rooms[threadIdx.x / 32];
   for (;;) {
-    std::uint32_t n = 0;
-    if (lane_in_warp() == 0) n = atomicAdd(task.next, std::uint32_t{1});
-    n = __shfl_sync(kWarp, n, 0);
+    const std::uint32_t n = take_query(task.next);
     if (n >= task.count) return;
     const PoseAnswer answer = PoseSearch(task, task.queries[n], room).run();
     if (lane_in_warp() == 0) task.answers[n] = answer;
@@ -207,25 +202,12 @@ __global__ void __launch_bounds__(kCollideThreads) collide_poses(CollideTask tas
 /// Decides a batch on the current device.
 inline void run_collide(const collision::CollideJob& job, Backend backend) {
   const auto field = on_device(job.field, backend, job.device), tree = on_device(job.tree, backend, job.device);
-  const auto count = static_cast<std::int64_t>(job.queries.size());
-  const Memory queries(count * static_cast<std::int64_t>(sizeof(PoseQuery))),
-      answers(count * static_cast<std::int64_t>(sizeof(PoseAnswer))), next(sizeof(std::uint32_t));
-  copy_in(queries.as<void>(), job.queries.data(), static_cast<std::int64_t>(job.queries.size_bytes()));
-  fill_bytes(nullptr, next.as<void>(), 0, sizeof(std::uint32_t));
-  const CollideTask task{field->view(),
-                         tree->view(),
-                         job.field_is_b,
-                         job.of_a,
-                         job.margin,
-                         queries.as<PoseQuery>(),
-                         answers.as<PoseAnswer>(),
-                         static_cast<std::uint32_t>(count),
-                         next.as<std::uint32_t>(),
-                         job.stack};
-  constexpr std::int64_t kPosesAtOnce = kCollideThreads / 32;
-  const auto blocks = std::min<std::int64_t>(kManyBlocks, (count + kPosesAtOnce - 1) / kPosesAtOnce);
-  launch(nullptr, "collide_poses", collide_poses, blocks, kCollideThreads, task);
-  copy_out(job.answers.data(), answers.as<void>(), static_cast<std::int64_t>(job.answers.size_bytes()));
+  run_queries<kCollideThreads>(
+      "collide_poses", collide_poses, job.queries, job.answers,
+      [&](const PoseQuery* queries, PoseAnswer* answers, std::uint32_t count, std::uint32_t* next) {
+        return CollideTask{field->view(), tree->view(), job.field_is_b, job.of_a, job.margin,
+                           queries,       answers,      count,          next,     job.stack};
+      });
 }
 
 }  // namespace difi::DIFI_PLATFORM

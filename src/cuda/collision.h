@@ -6,8 +6,10 @@
 
 namespace difi::cuda {
 void collide(const collision::CollideJob& job);
+void sweep(const collision::SweepJob& job);
 }  // namespace difi::cuda
 
 namespace difi::emulated {
 void collide(const collision::CollideJob& job);
+void sweep(const collision::SweepJob& job);
 }  // namespace difi::emulated
