@@ -9,8 +9,10 @@
 #include <limits>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
+#include "difi/compute.h"
 #include "difi/error.h"
 #include "difi/field.h"
 #include "difi/grid.h"
@@ -152,16 +154,44 @@ struct Swept {
 Swept sweep(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Motion& motion,
             const SweepOptions& options = {});
 
+/// Where a batch of queries runs (docs/cuda.md).
+struct Batch {
+  int threads = 0;                 ///< of the CPU; 0: all hardware threads
+  Backend backend = Backend::cpu;  ///< automatic: a GPU where there is one and the batch is large enough for it
+  int device = 0;                  ///< which GPU, from 0, for Backend::cuda
+};
+
+/// What a batch did.
+struct BatchReport {
+  std::string backend;         ///< "cpu", "cuda" or "emulated"
+  std::string device;          ///< the GPU's name
+  std::int64_t on_device = 0;  ///< queries that the device decided; the CPU decided the others
+  /// Of these, those that the device could not decide: rounding hid the answer, or a sweep is not certainly free.
+  std::int64_t undecided = 0;
+  std::int64_t overflowed = 0;  ///< and those for which its lists were too short
+};
+
 /// The same for many poses of b, spread over threads (0: all hardware threads). The same answers in the same order
 /// whatever the number of threads.
 std::vector<Collided> collide_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
                                   std::span<const Pose> poses_b, const CollideOptions& options, int threads = 0);
+/// The same on a device, which keeps what it needs of the bodies for as long as they live. Free and hit are the CPU's
+/// answers; of several pairs of triangles that touch it may tell another one. Errors: usage (certified answers come
+/// from the CPU alone), device (none there, or it failed), limit (too little memory on it).
+std::vector<Collided> collide_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                                  std::span<const Pose> poses_b, const CollideOptions& options, const Batch& batch,
+                                  BatchReport* report = nullptr);
 std::vector<Distance> distance_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
                                    std::span<const Pose> poses_b, const DistanceOptions& options, int threads = 0);
 std::vector<Contacts> contacts_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
                                    std::span<const Pose> poses_b, const ContactOptions& options, int threads = 0);
 std::vector<Swept> sweep_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
                              std::span<const Motion> motions, const SweepOptions& options, int threads = 0);
+/// The same on a device, which finds the motions that are certainly free, and until when the others are; the CPU takes
+/// them from there, so that times may differ from the CPU's within the tolerance. Errors: device, limit.
+std::vector<Swept> sweep_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                             std::span<const Motion> motions, const SweepOptions& options, const Batch& batch,
+                             BatchReport* report = nullptr);
 
 /// Algorithm 2 of the 2008 thesis, for comparison: samples of one field that lie in the other's grid are visited, and
 /// where both fields have a value (below their thickness) at the sample and at the sample nearest to it, the bodies are

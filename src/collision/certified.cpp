@@ -11,13 +11,10 @@ namespace {
 class Certify {
  public:
   Certify(const Pair& pair, double margin)
-      : pair_(pair),
-        kernels_(kernels()),
-        margin_(margin),
-        limit_(static_cast<float>(margin) * 1.000001f + pair.slack) {}
+      : pair_(pair), kernels_(kernels()), margin_(margin), limit_(pair.limit(margin)) {}
 
   Contact run() {
-    if (pair_.root_gap() > margin_ + pair_.slack) return Contact::free;
+    if (pair_.apart(margin_)) return Contact::free;
     visit(pair_.tree.body->tree.top(), 0);
     return hit_ ? Contact::hit : near_ ? Contact::ambiguous : Contact::free;
   }

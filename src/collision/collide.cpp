@@ -1,8 +1,20 @@
 // Yes or no.
 #include "collision/batch.h"
+#include "collision/collide_on_device.h"
 #include "collision/touching.h"
 
 namespace difi {
+
+Collided collision::collide_exactly(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                                    const Pose& pose_b, double margin) {
+  const Pair pair(a, pose_a, b, pose_b);
+  const auto found = find_touching(pair, margin);
+  if (!found) return {};
+  std::uint32_t first = pair.field.triangle(found->of_field), second = pair.tree.triangle(found->of_tree);
+  if (pair.swapped) std::swap(first, second);
+  return {Contact::hit, first, second};
+}
+
 namespace {
 
 void check(const CollideOptions& options) {
@@ -12,13 +24,8 @@ void check(const CollideOptions& options) {
 
 Collided collide_checked(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
                          const CollideOptions& options) {
-  const collision::Pair pair(a, pose_a, b, pose_b);
-  if (options.mode == CollideMode::certified) return {.contact = collision::certify(pair, options.margin)};
-  const auto found = collision::find_touching(pair, options.margin);
-  if (!found) return {};
-  std::uint32_t first = pair.field.triangle(found->of_field), second = pair.tree.triangle(found->of_tree);
-  if (pair.swapped) std::swap(first, second);
-  return {Contact::hit, first, second};
+  if (options.mode == CollideMode::exact) return collision::collide_exactly(a, pose_a, b, pose_b, options.margin);
+  return {.contact = collision::certify(collision::Pair(a, pose_a, b, pose_b), options.margin)};
 }
 
 }  // namespace
@@ -38,6 +45,26 @@ std::vector<Collided> collide_all(const CollisionModel& a, const Pose& pose_a, c
   collision::validate_all(poses_b);
   return collision::for_each<Collided>(
       poses_b.size(), threads, [&](std::size_t n) { return collide_checked(a, pose_a, b, poses_b[n], options); });
+}
+
+std::vector<Collided> collide_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                                  std::span<const Pose> poses_b, const CollideOptions& options, const Batch& batch,
+                                  BatchReport* report) {
+  const collision::DeviceRow* const row = collision::find_device(batch.backend, poses_b.size());
+  BatchReport done{row ? row->name : "cpu", row ? row->device_name(batch.device) : ""};
+  std::vector<Collided> results;
+  if (row) {
+    check(options);
+    if (options.mode == CollideMode::certified)
+      throw Error(ErrorCode::usage, "collide: certified answers come from the CPU alone; take that backend");
+    validate(pose_a);
+    collision::validate_all(poses_b);
+    results = collision::collide_on_device(*row, a, pose_a, b, poses_b, options.margin, batch, done);
+  } else {
+    results = collide_all(a, pose_a, b, poses_b, options, batch.threads);
+  }
+  if (report) *report = done;
+  return results;
 }
 
 }  // namespace difi

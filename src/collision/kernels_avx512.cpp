@@ -1,8 +1,9 @@
 // The kernels for AVX-512.
 #ifdef __AVX512F__
 
-#include "collision/closest_pair.h"
+#include "collision/ball_bound.h"
 #include "collision/kernels.h"
+#include "collision/meeting.h"
 
 #include <immintrin.h>
 

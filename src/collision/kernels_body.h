@@ -1,9 +1,5 @@
 // The kernels' source, included by each kernels_*.cpp in a namespace of its own: plain loops over 16 lanes, which the
 // compiler turns into vectors. Nothing is fused, so all instruction sets round alike.
-//
-// The bounds (docs/collision.md): distance is 1-Lipschitz, so a sample s at x_i gives d(x) >= s - |x - x_i| for every
-// x, and a ball (x, r) is at least d(x) - r away. The nearest sample is taken, of the coarse field and then of the fine
-// one; a sample clamped by the band's half-width is still a lower bound. So is the distance to the surface's box.
 
 // Wide values are passed within this file alone: how others would pass them is of no account.
 #pragma GCC diagnostic ignored "-Wpsabi"
@@ -52,27 +48,9 @@ void gaps_at(const FieldView& f, const float (*center)[kLanes], const float* rad
   alignas(64) std::int32_t coarse_at[kLanes], tile[kLanes], within[kLanes];
   alignas(64) float coarse_off[kLanes], fine_off[kLanes], outside[kLanes];
   for (int n = 0; n < kLanes; ++n) {
-    float box_sq = 0, coarse_sq = 0, fine_sq = 0;
-    std::int32_t coarse_index[3], fine_index[3];
-    for (int axis = 0; axis < 3; ++axis) {
-      const float x = center[axis][n];
-      const float out = most(most(f.min[axis] - x, x - f.max[axis]), 0.0f);
-      box_sq += out * out;
-      const float u = (x - f.origin[axis]) * f.per_coarse_spacing;
-      coarse_index[axis] = static_cast<std::int32_t>(least(most(u, 0.0f), f.coarse_last[axis]) + 0.5f);
-      const float du = u - static_cast<float>(coarse_index[axis]);
-      coarse_sq += du * du;
-      const float v = (x - f.origin[axis]) * f.per_spacing;
-      fine_index[axis] = static_cast<std::int32_t>(least(most(v, 0.0f), f.last[axis]) + 0.5f);
-      const float dv = v - static_cast<float>(fine_index[axis]);
-      fine_sq += dv * dv;
-    }
-    outside[n] = __builtin_sqrtf(box_sq) - radius[n];
-    coarse_off[n] = __builtin_sqrtf(coarse_sq) * f.coarse_spacing + radius[n];
-    fine_off[n] = __builtin_sqrtf(fine_sq) * f.spacing + radius[n];
-    coarse_at[n] = (coarse_index[2] * f.coarse_size[1] + coarse_index[1]) * f.coarse_size[0] + coarse_index[0];
-    tile[n] = ((fine_index[2] >> 3) * f.tiles[1] + (fine_index[1] >> 3)) * f.tiles[0] + (fine_index[0] >> 3);
-    within[n] = (fine_index[2] & 7) << 6 | (fine_index[1] & 7) << 3 | (fine_index[0] & 7);
+    const BallSamples at = samples_near(f, center[0][n], center[1][n], center[2][n], radius[n]);
+    outside[n] = at.outside, coarse_off[n] = at.coarse_off, fine_off[n] = at.fine_off;
+    coarse_at[n] = at.coarse, tile[n] = at.tile, within[n] = at.within;
   }
   alignas(64) float bound[kLanes];
   for (int n = 0; n < kLanes; ++n) bound[n] = f.coarse[coarse_at[n]];
@@ -83,8 +61,7 @@ void gaps_at(const FieldView& f, const float (*center)[kLanes], const float* rad
   }
   for (std::uint32_t mask = bits_of(asked); mask != 0; mask &= mask - 1) {
     const int n = __builtin_ctz(mask);
-    const std::uint8_t sample = f.samples[(static_cast<std::int64_t>(f.slots[tile[n]]) << 9) + within[n]];
-    gap[n] = most(gap[n], static_cast<float>(sample) * f.step - fine_off[n]);
+    gap[n] = most(gap[n], static_cast<float>(fine_sample(f, tile[n], within[n])) * f.step - fine_off[n]);
   }
 }
 

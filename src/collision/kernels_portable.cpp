@@ -1,6 +1,7 @@
 // The kernels for any processor.
-#include "collision/closest_pair.h"
+#include "collision/ball_bound.h"
 #include "collision/kernels.h"
+#include "collision/meeting.h"
 
 namespace difi::collision::portable {
 namespace {

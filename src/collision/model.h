@@ -1,6 +1,7 @@
 // What a CollisionModel holds.
 #pragma once
 
+#include "collision/device_copies.h"
 #include "collision/field_bounds.h"
 #include "collision/tree.h"
 #include "difi/collision.h"
@@ -18,7 +19,8 @@ struct CollisionModel::Data {
   collision::FieldBounds field;
   collision::FieldView view{};  ///< of `field`
   collision::Tree tree;
-  BigVector<Corners> corners;  ///< of the triangles, in tree order
+  BigVector<Corners> corners;      ///< of the triangles, in tree order
+  collision::DeviceCopies copies;  ///< what GPUs keep of all this
 
   /// Everything that follows from mesh, field and tree order. Called once all three are there.
   void finish();

@@ -79,37 +79,18 @@ Pose Course::at(double t) const {
   return pose;
 }
 
-RelativeMotion::RelativeMotion(const Pair& pair, const Course& course) : field_moves_(pair.swapped) {
+RelativeMotion::RelativeMotion(const Pair& pair, const Course& course) {
   // In the pair the field stands at its pose; where it moves that is its pose at time 0.
   const Pose &field = pair.field.pose, &tree = pair.tree.pose;
-  turn_.angle_rad = field_moves_ ? -course.turn.angle_rad : course.turn.angle_rad;
-  turn_.axis = rotate_back(field, course.turn.axis);
-  velocity_ = rotate_back(field, course.velocity);
-  way_ = length(velocity_);
-  base_ = apply_inverse(field, course.center) - pair.field.body->middle;
-  start_.rotation = transposed_times(field.rotation, tree.rotation);
-  start_.translation = rotate_back(field, apply(tree, pair.tree.body->middle) - course.center);
-}
-
-Vec3 RelativeMotion::at(Vec3 offset, double t) const {
-  if (field_moves_) return base_ + turned(offset - velocity_ * t, turn_.axis, turn_.angle_rad * t);
-  return base_ + velocity_ * t + turned(offset, turn_.axis, turn_.angle_rad * t);
-}
-
-// The farthest the point gets from the axis it turns about: that axis moves straight, so one end or the other. The
-// axis may be longer than it should be by what rotations are off.
-double RelativeMotion::from_axis(Vec3 offset) const {
-  if (turn_.angle_rad == 0) return 0;
-  const double at_start = length(cross(turn_.axis, offset));
-  const double away = field_moves_ ? std::max(at_start, length(cross(turn_.axis, offset - velocity_))) : at_start;
-  return away * (1 + 4 * kRigidTolerance);
-}
-
-double RelativeMotion::speed(Vec3 offset) const { return way_ + std::abs(turn_.angle_rad) * from_axis(offset); }
-
-double RelativeMotion::acceleration(Vec3 offset) const {
-  const double rate = std::abs(turn_.angle_rad);
-  return rate * (rate * from_axis(offset) + (field_moves_ ? 2 * way_ : 0));
+  way_.field_moves = pair.swapped;
+  way_.angle_rad = pair.swapped ? -course.turn.angle_rad : course.turn.angle_rad;
+  way_.axis = triple(rotate_back(field, course.turn.axis));
+  const Vec3 velocity = rotate_back(field, course.velocity);
+  way_.velocity = triple(velocity);
+  way_.straight = difi::length(velocity);
+  way_.base = triple(apply_inverse(field, course.center) - pair.field.body->middle);
+  way_.start = place_of({transposed_times(field.rotation, tree.rotation),
+                         rotate_back(field, apply(tree, pair.tree.body->middle) - course.center)});
 }
 
 }  // namespace collision

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "collision/pair.h"
+#include "collision/way.h"
 
 namespace difi::collision {
 
@@ -25,29 +26,24 @@ struct Course {
   Pose at(double t) const;
 };
 
-/// The motion of points of the pair's tree body in the frame of its field body (relative to the middles). Points are
-/// told by their offset from a base point at time 0. Where the tree moves, x(t) = base + V t + turn(+angle t) offset;
-/// where the field moves, x(t) = base + turn(-angle t) (offset - V t).
+/// The way of the pair's tree body in the frame of its field body.
 class RelativeMotion {
  public:
   RelativeMotion(const Pair& pair, const Course& course);
+  const Way& way() const { return way_; }
 
   /// The offset of a point of the tree's body (relative to its middle).
-  Vec3 offset(Vec3 point) const { return apply(start_, point); }
-  Vec3 at(Vec3 offset, double t) const;
+  Vec3 offset(Vec3 point) const { return vec(way_.offset(triple(point))); }
+  Vec3 at(Vec3 offset, double t) const { return vec(way_.at(triple(offset), t)); }
   /// The point moves no faster than this at any time, in world units per unit of time.
-  double speed(Vec3 offset) const;
+  double speed(Vec3 offset) const { return way_.speed(triple(offset)); }
   /// Nor does its velocity change faster than this.
-  double acceleration(Vec3 offset) const;
+  double acceleration(Vec3 offset) const { return way_.acceleration(triple(offset)); }
 
  private:
-  double from_axis(Vec3 offset) const;
-
-  bool field_moves_;
-  Vec3 base_, velocity_;
-  double way_;  // the velocity's length
-  Turn turn_;
-  Pose start_;
+  static Triple<double> triple(Vec3 v) { return {v.x, v.y, v.z}; }
+  static Vec3 vec(const Triple<double>& v) { return {v.x, v.y, v.z}; }
+  Way way_;
 };
 
 }  // namespace difi::collision

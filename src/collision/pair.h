@@ -8,6 +8,16 @@
 
 namespace difi::collision {
 
+/// A pose as kernels take it.
+inline DoublePlace place_of(const Pose& pose) {
+  DoublePlace place;
+  for (int n = 0; n < 9; ++n) place.rotation[n] = pose.rotation[n];
+  place.translation[0] = pose.translation.x;
+  place.translation[1] = pose.translation.y;
+  place.translation[2] = pose.translation.z;
+  return place;
+}
+
 /// A body in the world.
 struct Placed {
   const CollisionModel::Data* body;
@@ -38,6 +48,10 @@ struct Pair {
 
   /// A lower bound of the distance of the bodies from the tree's ball and the field's box alone.
   double root_gap() const;
+  /// Balls and boxes farther apart than this are farther than the margin.
+  float limit(double margin) const { return static_cast<float>(margin) * 1.000001f + slack; }
+  /// The bodies are farther apart than the margin, from that ball and that box alone.
+  bool apart(double margin) const { return root_gap() > margin + slack; }
   /// A box around the tree's body in the field's frame, grown by `by`.
   FloatBox region(float by) const;
   /// A triangle of the tree's body, in the field's frame.

@@ -78,15 +78,6 @@ class PairBatch {
     return std::exchange(count_, 0);
   }
 
-  static DoublePlace place_of(const Pose& pose) {
-    DoublePlace place;
-    for (int n = 0; n < 9; ++n) place.rotation[n] = pose.rotation[n];
-    place.translation[0] = pose.translation.x;
-    place.translation[1] = pose.translation.y;
-    place.translation[2] = pose.translation.z;
-    return place;
-  }
-
   const Pair& pair_;
   const Kernels& kernels_;
   const DoublePlace place_p_, place_q_;

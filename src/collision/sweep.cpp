@@ -12,26 +12,15 @@
 
 #include "collision/batch.h"
 #include "collision/motion.h"
+#include "collision/sweep_on_device.h"
 #include "collision/touching.h"
 
 namespace difi {
 namespace collision {
 namespace {
 
-// A ball goes on as long as its steps are longer than this share of its radius: smaller steps cost more than asking its
-// sixteen children.
-constexpr float kWorthAStep = 0.5f;
-// A triangle followed exactly looks this many field spacings ahead.
-constexpr double kAhead = 1.0;
-
-// Times near 1 are rounded by 1e-16: on very long ways that is a distance that counts. In terms of the speed.
+// Times near 1 are rounded by 1e-16. In terms of the speed.
 constexpr double kTimeRounding = 4e-16;
-
-// What the place of a body on its way is uncertain by.
-double rounding(const Course& course) {
-  const double turning = course.turn.angle_rad * length(course.motion.center);
-  return 4 * kTimeRounding * (length(course.velocity) + length(course.center) + turning);
-}
 
 class Follow {
  public:
@@ -41,19 +30,18 @@ class Follow {
         relative_(pair, course),
         kernels_(kernels()),
         tolerance_(tolerance),
-        keep_(static_cast<float>(tolerance) * 1.000001f + pair.slack + static_cast<float>(rounding(course))),
+        keep_(distance_kept(pair, course, tolerance)),
         enough_(static_cast<float>(pair.field.body->field.spacing)) {}
 
-  Swept run() {
-    visit(pair_.tree.body->tree.top(), 0, 0);
+  Swept run(double start) {
+    visit(pair_.tree.body->tree.top(), 0, start);
     return result_;
   }
 
  private:
   // Balls of one packet, each with its time.
   struct Lanes {
-    Vec3 offset[kLanes];
-    double speed[kLanes], time[kLanes];
+    MovingBall ball[kLanes];
     alignas(64) float gap[kLanes];
     alignas(64) float radius[kLanes];
     bool active[kLanes];
@@ -65,27 +53,29 @@ class Follow {
     const Balls& balls = pair_.tree.body->tree.levels[level].balls[packet];
     Lanes lanes;
     for (int n = 0; n < kLanes; ++n) {
+      const Way& way = relative_.way();
+      const Triple<double> offset = way.offset({balls.center[0][n], balls.center[1][n], balls.center[2][n]});
+      lanes.ball[n] = {offset, way.speed(offset), start, balls.radius[n]};
       lanes.radius[n] = balls.radius[n];
-      lanes.time[n] = start;
       lanes.active[n] = balls.radius[n] >= 0;
-      lanes.offset[n] = relative_.offset({balls.center[0][n], balls.center[1][n], balls.center[2][n]});
-      lanes.speed[n] = relative_.speed(lanes.offset[n]);
     }
     advance(lanes, level);
     int order[kLanes], stopped = 0;
     for (int n = 0; n < kLanes; ++n)
-      if (balls.radius[n] >= 0 && lanes.time[n] < end()) order[stopped++] = n;
+      if (balls.radius[n] >= 0 && lanes.ball[n].time < end()) order[stopped++] = n;
     std::sort(order, order + stopped, [&lanes](int a, int b) {
-      return lanes.time[a] != lanes.time[b] ? lanes.time[a] < lanes.time[b] : lanes.gap[a] < lanes.gap[b];
+      const double at_a = lanes.ball[a].time, at_b = lanes.ball[b].time;
+      return at_a != at_b ? at_a < at_b : lanes.gap[a] < lanes.gap[b];
     });
     for (int k = 0; k < stopped; ++k) {
       const int n = order[k];
-      if (done(lanes.time[n])) return;
+      const double time = lanes.ball[n].time;
+      if (done(time)) return;
       const std::uint32_t child = packet * kLanes + n;
       if (level > 0)
-        visit(level - 1, child, lanes.time[n]);
+        visit(level - 1, child, time);
       else
-        follow(child, lanes.time[n]);
+        follow(child, time);
     }
   }
 
@@ -93,28 +83,21 @@ class Follow {
 
   // Moves all lanes on until their steps are not worth it.
   void advance(Lanes& lanes, int level) {
-    const float least = level == 0 ? 0.25f * static_cast<float>(pair_.field.body->field.spacing) : 0;
+    const float least = level == 0 ? kWorthATrianglesStep * enough_ : 0;
     alignas(64) float center[3][kLanes] = {};
     for (;;) {
       bool any = false;
       for (int n = 0; n < kLanes; ++n) {
         if (!lanes.active[n]) continue;
-        const Vec3 x = relative_.at(lanes.offset[n], lanes.time[n]);
+        const Triple<double> x = relative_.way().at(lanes.ball[n].offset, lanes.ball[n].time);
         center[0][n] = static_cast<float>(x.x), center[1][n] = static_cast<float>(x.y),
         center[2][n] = static_cast<float>(x.z);
         any = true;
       }
       if (!any) return;
       kernels_.gaps_at(pair_.field.body->view, center, lanes.radius, enough_, lanes.gap);
-      for (int n = 0; n < kLanes; ++n) {
-        if (!lanes.active[n]) continue;
-        // Far away single precision errs in proportion to the distance.
-        const float step = lanes.gap[n] * (1 - 1e-6f) - keep_;
-        const double before = lanes.time[n];
-        if (step > 0) lanes.time[n] = lanes.speed[n] > 0 ? before + step / lanes.speed[n] : 2;
-        lanes.active[n] =
-            lanes.time[n] > before && lanes.time[n] < end() && step > std::max(kWorthAStep * lanes.radius[n], least);
-      }
+      for (int n = 0; n < kLanes; ++n)
+        if (lanes.active[n]) lanes.active[n] = lanes.ball[n].step(lanes.gap[n], keep_, end(), least);
     }
   }
 
@@ -164,7 +147,7 @@ class Follow {
       kernels_.gaps_at(pair_.field.body->view, center, radius, enough_, gap);
       const float step = gap[0] * (1 - 1e-6f) - keep_;
       if (step > 0) t += step / speed;
-      if (!(step > 0.25f * static_cast<float>(pair_.field.body->field.spacing))) break;
+      if (!(step > kWorthATrianglesStep * enough_)) break;
     }
     return t;
   }
@@ -288,10 +271,29 @@ double jump_at_end(const Course& course, const CollisionModel::Data& body) {
 
 Swept sweep_checked(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Motion& motion,
                     const SweepOptions& options) {
+  return sweep_from(0, a, pose_a, b, motion, options.tolerance);
+}
+
+}  // namespace
+
+// Times near 1 are rounded by 1e-16, which counts on very long ways: so much the place of a body on its way is
+// uncertain.
+float distance_kept(const Pair& pair, const Course& course, double tolerance) {
+  const double turning = course.turn.angle_rad * length(course.motion.center);
+  const double rounding = 4 * kTimeRounding * (length(course.velocity) + length(course.center) + turning);
+  return static_cast<float>(tolerance) * 1.000001f + pair.slack + static_cast<float>(rounding);
+}
+
+// All the way they were half the tolerance apart; what jumps less has not met.
+bool may_jump_at_end(const Course& course, const CollisionModel& moving, double tolerance) {
+  return !(jump_at_end(course, moving.data()) < tolerance / 4);
+}
+
+Swept sweep_from(double start, const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                 const Motion& motion, double tolerance) {
   const Course course(motion);
-  const Swept swept = Follow(Pair(a, pose_a, b, motion.from), course, options.tolerance).run();
-  // All the way they were half the tolerance apart; what jumps less has not met.
-  if (swept.hit || jump_at_end(course, b.data()) < options.tolerance / 4) return swept;
+  const Swept swept = Follow(Pair(a, pose_a, b, motion.from), course, tolerance).run(start);
+  if (swept.hit || !may_jump_at_end(course, b, tolerance)) return swept;
   const Pair end(a, pose_a, b, motion.to);
   const auto found = find_touching(end, 0);
   if (!found) return swept;
@@ -302,7 +304,6 @@ Swept sweep_checked(const CollisionModel& a, const Pose& pose_a, const Collision
   return {true, 1, of_a, of_b, where.point, where.normal};
 }
 
-}  // namespace
 }  // namespace collision
 
 Swept sweep(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Motion& motion,
@@ -321,6 +322,24 @@ std::vector<Swept> sweep_all(const CollisionModel& a, const Pose& pose_a, const 
   return collision::for_each<Swept>(motions.size(), threads, [&](std::size_t n) {
     return collision::sweep_checked(a, pose_a, b, motions[n], options);
   });
+}
+
+std::vector<Swept> sweep_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                             std::span<const Motion> motions, const SweepOptions& options, const Batch& batch,
+                             BatchReport* report) {
+  const collision::DeviceRow* const row = collision::find_device(batch.backend, motions.size());
+  BatchReport done{row ? row->name : "cpu", row ? row->device_name(batch.device) : ""};
+  std::vector<Swept> results;
+  if (row) {
+    collision::check(options);
+    for (const Motion& motion : motions) collision::check(motion);
+    validate(pose_a);
+    results = collision::sweep_on_device(*row, a, pose_a, b, motions, options.tolerance, batch, done);
+  } else {
+    results = sweep_all(a, pose_a, b, motions, options, batch.threads);
+  }
+  if (report) *report = done;
+  return results;
 }
 
 }  // namespace difi

@@ -17,12 +17,12 @@ class Search {
       : pair_(pair),
         kernels_(kernels()),
         margin_(margin),
-        limit_(static_cast<float>(margin) * 1.000001f + pair.slack),
+        limit_(pair.limit(margin)),
         close_(pair, kernels_, limit_),
         batch_(pair, kernels_) {}
 
   std::optional<Touching> run() {
-    if (pair_.root_gap() > margin_ + pair_.slack || !visit(pair_.tree.body->tree.top(), 0)) return {};
+    if (pair_.apart(margin_) || !visit(pair_.tree.body->tree.top(), 0)) return {};
     return found_;
   }
 

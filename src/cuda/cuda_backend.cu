@@ -3,6 +3,7 @@
 #include <iterator>
 
 #include "cuda/backend.h"
+#include "cuda/device_scope.cuh"
 #include "cuda/driver.cuh"
 
 namespace difi::cuda {
@@ -38,37 +39,19 @@ std::vector<DeviceInfo> all_devices() {
   return all;
 }
 
-/// Makes a device the current one for as long as it lives.
-class DeviceScope {
- public:
-  explicit DeviceScope(int device) {
-    const auto known = devices();
-    if (known.empty()) throw Error(ErrorCode::device, why_not_available());
-    if (device < 0 || device >= static_cast<int>(known.size()))
-      throw Error(ErrorCode::device, "cuda: there is no GPU " + std::to_string(device) + ", only 0 to " +
-                                         std::to_string(known.size() - 1) + "; see `difi devices`");
-    const DeviceInfo& wanted = known[static_cast<std::size_t>(device)];
-    if (is_too_old(wanted))
-      throw Error(ErrorCode::device, "cuda: GPU " + std::to_string(device) + " is too old: " + age_of(wanted) +
-                                         "; take another (see `difi devices`) or the CPU (--device cpu)");
-    check_call(cudaGetDevice(&before_), "cudaGetDevice");
-    if (device == before_) return;
-    check_call(cudaSetDevice(device), "cudaSetDevice");
-    changed_ = true;
-  }
-  // Only where it must be: setting a device starts CUDA on it.
-  ~DeviceScope() {
-    if (changed_) cudaSetDevice(before_);
-  }
-  DeviceScope(const DeviceScope&) = delete;
-  DeviceScope& operator=(const DeviceScope&) = delete;
-
- private:
-  int before_ = 0;
-  bool changed_ = false;
-};
-
 }  // namespace
+
+void check_usable(int device) {
+  const auto known = devices();
+  if (known.empty()) throw Error(ErrorCode::device, why_not_available());
+  if (device < 0 || device >= static_cast<int>(known.size()))
+    throw Error(ErrorCode::device, "cuda: there is no GPU " + std::to_string(device) + ", only 0 to " +
+                                       std::to_string(known.size() - 1) + "; see `difi devices`");
+  const DeviceInfo& wanted = known[static_cast<std::size_t>(device)];
+  if (is_too_old(wanted))
+    throw Error(ErrorCode::device, "cuda: GPU " + std::to_string(device) + " is too old: " + age_of(wanted) +
+                                       "; take another (see `difi devices`) or the CPU (--device cpu)");
+}
 
 std::vector<DeviceInfo> devices() {
   std::vector<DeviceInfo> all = all_devices();

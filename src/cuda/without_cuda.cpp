@@ -1,5 +1,6 @@
 // What stands for the CUDA backend where difi is built without a CUDA compiler.
 #include "cuda/backend.h"
+#include "cuda/collision.h"
 #include "difi/cuda.h"
 
 namespace difi::cuda {
@@ -21,6 +22,8 @@ std::vector<DeviceInfo> devices() { return {}; }
 
 Counts run_tiles(const Job&, Sink&) { fail(); }
 Counts run_thesis(const Job&, Sink&) { fail(); }
+void collide(const collision::CollideJob&) { fail(); }
+void sweep(const collision::SweepJob&) { fail(); }
 
 std::int64_t workspace_bytes(std::int64_t, const Grid&, double, Method, std::int64_t) { fail(); }
 void enqueue(const Task&, void*, std::int64_t, Stream) { fail(); }

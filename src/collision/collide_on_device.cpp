@@ -1,0 +1,74 @@
+// Poses go to the device in pieces, but those that a ball and a box alone tell free. What it leaves undecided the CPU
+// decides.
+#include "collision/collide_on_device.h"
+
+#include <algorithm>
+
+#include "collision/batch.h"
+#include "collision/pair.h"
+
+namespace difi::collision {
+namespace {
+
+// Poses at a time: enough to fill any GPU, at some 150 bytes each.
+constexpr std::size_t kPiece = std::size_t{1} << 18;
+
+struct Prepared {
+  PoseQuery query;
+  bool apart;
+};
+
+Prepared prepare(const Pair& pair, double margin) {
+  const Pose& of_b = pair.swapped ? pair.field.pose : pair.tree.pose;
+  return {{place_of(of_b), pair.place, pair.limit(margin)}, pair.apart(margin)};
+}
+
+Collided told(const Pair& bodies, const PoseAnswer& answer) {
+  if (answer.verdict != Verdict::hit) return {};
+  std::uint32_t first = bodies.field.triangle(answer.of_field), second = bodies.tree.triangle(answer.of_tree);
+  if (bodies.swapped) std::swap(first, second);
+  return {Contact::hit, first, second};
+}
+
+}  // namespace
+
+std::vector<Collided> collide_on_device(const DeviceRow& row, const CollisionModel& a, const Pose& pose_a,
+                                        const CollisionModel& b, std::span<const Pose> poses_b, double margin,
+                                        const Batch& batch, BatchReport& report, int stack) {
+  std::vector<Collided> results(poses_b.size());
+  const Pair bodies(a, pose_a, b, {});  // which of them gives its field does not depend on poses
+  for (std::size_t first = 0; first < poses_b.size(); first += kPiece) {
+    const auto poses = poses_b.subspan(first, std::min(kPiece, poses_b.size() - first));
+    const auto prepared = for_each<Prepared>(
+        poses.size(), batch.threads, [&](std::size_t n) { return prepare(Pair(a, pose_a, b, poses[n]), margin); });
+    std::vector<PoseQuery> queries;
+    std::vector<std::size_t> which;
+    for (std::size_t n = 0; n < prepared.size(); ++n)
+      if (!prepared[n].apart) queries.push_back(prepared[n].query), which.push_back(n);
+    std::vector<PoseAnswer> answers(queries.size());
+    if (!queries.empty())
+      row.collide({.field = *bodies.field.body,
+                   .tree = *bodies.tree.body,
+                   .field_is_b = bodies.swapped,
+                   .of_a = place_of(pose_a),
+                   .margin = margin,
+                   .queries = queries,
+                   .answers = answers,
+                   .device = batch.device,
+                   .stack = stack});
+    const auto found = for_each<Collided>(answers.size(), batch.threads, [&](std::size_t n) {
+      const bool decided = answers[n].verdict == Verdict::free || answers[n].verdict == Verdict::hit;
+      return decided ? told(bodies, answers[n]) : collide_exactly(a, pose_a, b, poses[which[n]], margin);
+    });
+    for (std::size_t n = 0; n < found.size(); ++n) {
+      results[first + which[n]] = found[n];
+      report.undecided += answers[n].verdict == Verdict::undecided;
+      report.overflowed += answers[n].verdict == Verdict::overflow;
+    }
+    report.on_device += static_cast<std::int64_t>(answers.size());
+  }
+  report.on_device -= report.undecided + report.overflowed;
+  return results;
+}
+
+}  // namespace difi::collision

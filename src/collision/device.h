@@ -1,0 +1,80 @@
+// The seam between batches of queries and the devices that answer them.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "collision/model.h"
+#include "collision/packets.h"
+#include "collision/way.h"
+
+namespace difi::collision {
+
+/// A pose of b. Bounds are the CPU's: they are made by Pair on the host.
+struct PoseQuery {
+  DoublePlace of_b;  ///< b in the world
+  FloatPlace place;  ///< from the tree's body to the field's, both relative to their middles
+  float limit;       ///< balls and boxes farther apart than this are farther than the margin
+};
+
+enum class Verdict : std::uint32_t {
+  free,
+  hit,
+  undecided,  ///< rounding may hide a touching pair, and no other pair touches for certain
+  overflow,   ///< more nodes waited than the stack holds
+};
+
+struct PoseAnswer {
+  Verdict verdict;
+  std::uint32_t of_field, of_tree;  ///< the places in the trees of two triangles that touch, where there is a hit
+};
+
+/// The largest stack of nodes that devices have, for each of the two trees.
+inline constexpr int kDeviceStack = 256;
+
+/// Poses to be decided. A verdict of free or hit is that of the CPU.
+struct CollideJob {
+  const CollisionModel::Data &field, &tree;
+  bool field_is_b;   ///< else it is a
+  DoublePlace of_a;  ///< a in the world
+  double margin;
+  std::span<const PoseQuery> queries;
+  std::span<PoseAnswer> answers;  ///< as many
+  int device;
+  int stack = kDeviceStack;  ///< nodes that may wait at a time; fewer to test what happens then
+};
+
+/// A motion of b.
+struct SweepQuery {
+  Way way;
+  float keep;  ///< distance left after every step
+};
+
+struct SweepAnswer {
+  Verdict verdict;  ///< free, or undecided, or overflow
+  double time;      ///< until when the bodies are certainly apart
+};
+
+struct SweepJob {
+  const CollisionModel::Data &field, &tree;
+  std::span<const SweepQuery> queries;
+  std::span<SweepAnswer> answers;  ///< as many
+  int device;
+  int stack = kDeviceStack;
+};
+
+/// One kind of device. They stand in the table in device.cpp.
+struct DeviceRow {
+  Backend backend;
+  const char* name;
+  bool (*available)();
+  std::string (*device_name)(int device);
+  void (*collide)(const CollideJob&);
+  void (*sweep)(const SweepJob&);
+};
+
+/// The row for a batch of `count` queries; null for the CPU. Throws Error{device} where there is no such device.
+const DeviceRow* find_device(Backend backend, std::size_t count);
+
+}  // namespace difi::collision

@@ -1,0 +1,51 @@
+// Motions go to the device in pieces. It moves balls; triangles that are stopped are left to the CPU, from the time up
+// to which the whole body is free.
+#include "collision/sweep_on_device.h"
+
+#include <algorithm>
+
+#include "collision/batch.h"
+
+namespace difi::collision {
+namespace {
+
+// Motions at a time: enough to fill any GPU, at some 200 bytes each.
+constexpr std::size_t kPiece = std::size_t{1} << 17;
+
+}  // namespace
+
+std::vector<Swept> sweep_on_device(const DeviceRow& row, const CollisionModel& a, const Pose& pose_a,
+                                   const CollisionModel& b, std::span<const Motion> motions, double tolerance,
+                                   const Batch& batch, BatchReport& report, int stack) {
+  std::vector<Swept> results;
+  results.reserve(motions.size());
+  const Pair bodies(a, pose_a, b, {});  // which of them gives its field does not depend on motions
+  for (std::size_t first = 0; first < motions.size(); first += kPiece) {
+    const auto piece = motions.subspan(first, std::min(kPiece, motions.size() - first));
+    const auto queries = for_each<SweepQuery>(piece.size(), batch.threads, [&](std::size_t n) {
+      const Course course(piece[n]);
+      const Pair pair(a, pose_a, b, piece[n].from);
+      return SweepQuery{RelativeMotion(pair, course).way(), distance_kept(pair, course, tolerance)};
+    });
+    std::vector<SweepAnswer> answers(piece.size());
+    row.sweep({.field = *bodies.field.body,
+               .tree = *bodies.tree.body,
+               .queries = queries,
+               .answers = answers,
+               .device = batch.device,
+               .stack = stack});
+    const auto found = for_each<Swept>(piece.size(), batch.threads, [&](std::size_t n) {
+      if (answers[n].verdict == Verdict::free && !may_jump_at_end(Course(piece[n]), b, tolerance)) return Swept{};
+      return sweep_from(answers[n].time, a, pose_a, b, piece[n], tolerance);
+    });
+    results.insert(results.end(), found.begin(), found.end());
+    for (const SweepAnswer& answer : answers) {
+      report.on_device += answer.verdict == Verdict::free;
+      report.undecided += answer.verdict == Verdict::undecided;
+      report.overflowed += answer.verdict == Verdict::overflow;
+    }
+  }
+  return results;
+}
+
+}  // namespace difi::collision

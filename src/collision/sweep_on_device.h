@@ -1,0 +1,26 @@
+// Sweeps for many motions at once, on a device.
+#pragma once
+
+#include <vector>
+
+#include "collision/device.h"
+#include "collision/motion.h"
+
+namespace difi::collision {
+
+/// The distance that a ball leaves between itself and the surface after every step.
+float distance_kept(const Pair& pair, const Course& course, double tolerance);
+
+/// Whether the last pose, a rotation only nearly, lies so far from where the even turn leads that it must be looked at.
+bool may_jump_at_end(const Course& course, const CollisionModel& moving, double tolerance);
+
+/// The CPU's answer for a motion that is free before `start`.
+Swept sweep_from(double start, const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                 const Motion& motion, double tolerance);
+
+/// What is certainly free the device decides; the others go to the CPU, and are counted. Motions must be valid.
+std::vector<Swept> sweep_on_device(const DeviceRow& row, const CollisionModel& a, const Pose& pose_a,
+                                   const CollisionModel& b, std::span<const Motion> motions, double tolerance,
+                                   const Batch& batch, BatchReport& report, int stack = kDeviceStack);
+
+}  // namespace difi::collision

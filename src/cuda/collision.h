@@ -1,0 +1,15 @@
+// Collision queries on GPUs as the table of devices sees them (src/collision/device.cpp): on CUDA, and emulated on the
+// CPU.
+#pragma once
+
+#include "collision/device.h"
+
+namespace difi::cuda {
+void collide(const collision::CollideJob& job);
+void sweep(const collision::SweepJob& job);
+}  // namespace difi::cuda
+
+namespace difi::emulated {
+void collide(const collision::CollideJob& job);
+void sweep(const collision::SweepJob& job);
+}  // namespace difi::emulated

@@ -1,0 +1,33 @@
+// The device that CUDA's calls are about.
+#pragma once
+
+#include "cuda/backend.h"
+#include "cuda/platform_cuda.cuh"
+
+namespace difi::cuda {
+
+/// Throws Error{device} that says why a GPU cannot be used: it is not there, or older than the kernels.
+void check_usable(int device);
+
+/// Makes a device the current one for as long as it lives. Only where it must: setting one starts CUDA on it.
+class DeviceScope {
+ public:
+  explicit DeviceScope(int device) {
+    check_usable(device);
+    check_call(cudaGetDevice(&before_), "cudaGetDevice");
+    if (device == before_) return;
+    check_call(cudaSetDevice(device), "cudaSetDevice");
+    changed_ = true;
+  }
+  ~DeviceScope() {
+    if (changed_) cudaSetDevice(before_);
+  }
+  DeviceScope(const DeviceScope&) = delete;
+  DeviceScope& operator=(const DeviceScope&) = delete;
+
+ private:
+  int before_ = 0;
+  bool changed_ = false;
+};
+
+}  // namespace difi::cuda

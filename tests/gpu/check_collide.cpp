@@ -1,0 +1,129 @@
+// gpu-check, collisions: poses decided and motions swept on this machine's GPU against the CPU's answers.
+//
+// check_collide [--quick] [--emulated]: prints a line per case and how many were wrong; exit code 0 where none was.
+// --emulated checks the check: the emulation takes the GPU's part, and no GPU is needed.
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "difi/collision.h"
+#include "difi/error.h"
+#include "scenes/scenes.h"
+#include "tests/support/random_mesh.h"
+
+namespace difi {
+namespace {
+
+struct Case {
+  std::string name;
+  Mesh a, b;
+  Pose pose_a;
+  double margin;
+  bool on_lattice;  // whole translations: triangles that touch exactly
+};
+
+Pose random_pose(testing::Random& random) {
+  return make_pose(random.in_cube(1) + Vec3{0, 0, 1e-3}, random.between(0, 6.28), {});
+}
+
+std::vector<Pose> poses_for(const Case& c, int count) {
+  testing::Random random(81);
+  const Box box = bounds(c.a);
+  const Vec3 half = 0.5 * box.extent() + Vec3{1, 1, 1} * (0.3 * length(bounds(c.b).extent()));
+  std::vector<Pose> poses;
+  for (int n = 0; n < count; ++n) {
+    Pose pose = c.on_lattice ? Pose{} : random_pose(random);
+    const Vec3 at = box.center() + random.in_cube(1) * half;
+    pose.translation = c.on_lattice ? Vec3{std::round(at.x), std::round(at.y), std::round(at.z)} : apply(c.pose_a, at);
+    poses.push_back(pose);
+  }
+  return poses;
+}
+
+std::vector<Case> cases(bool quick) {
+  std::vector<Case> all;
+  const Mesh soup = testing::random_soup(82, 300, 1, 0.2), nasty = testing::nasty_soup(83, 40, 2);
+  all.push_back({"soup", soup, testing::random_soup(84, 60, 0.4, 0.2), {}, 0, false});
+  all.push_back({"on a lattice", nasty, testing::nasty_soup(85, 20, 2), {}, 0, true});
+  if (quick) return all;
+  testing::Random random(86);
+  Pose moved = random_pose(random);
+  moved.translation = {30, -7, 2};
+  all.push_back({"both moved", soup, testing::random_soup(87, 60, 0.4, 0.2), moved, 0, false});
+  all.push_back({"b the larger", testing::random_soup(88, 60, 0.4, 0.2), soup, moved, 0, false});
+  all.push_back({"within a margin", soup, testing::random_soup(89, 60, 0.4, 0.2), moved, 0.1, false});
+  all.push_back({"labyrinth and fly", scenes::make("labyrinth", 20000), scenes::make("fly", 2000), {}, 0, false});
+  return all;
+}
+
+int tell(const char* query, const Case& c, std::size_t count, int wrong, int hits, const BatchReport& report) {
+  std::printf("%-6s %-7s %-18s %d of %zu differ, %d hits; decided by %s: %lld, undecided: %lld, overflows: %lld\n",
+              wrong == 0 ? "ok" : "WRONG", query, c.name.c_str(), wrong, count, hits, report.backend.c_str(),
+              static_cast<long long>(report.on_device), static_cast<long long>(report.undecided),
+              static_cast<long long>(report.overflowed));
+  std::fflush(stdout);
+  return wrong != 0;
+}
+
+int run(const Case& c, Backend backend, int count) {
+  const CollisionModel a(c.a), b(c.b);
+  const std::vector<Pose> poses = poses_for(c, count);
+  BatchReport report;
+  const auto found = collide_all(a, c.pose_a, b, poses, {.margin = c.margin}, Batch{.backend = backend}, &report);
+  const auto expected = collide_all(a, c.pose_a, b, poses, {.margin = c.margin});
+  int wrong = 0, hits = 0;
+  for (std::size_t n = 0; n < poses.size(); ++n)
+    wrong += found[n].contact != expected[n].contact, hits += expected[n].hit();
+  return tell("collide", c, poses.size(), wrong, hits, report);
+}
+
+int run_sweeps(const Case& c, Backend backend, int count) {
+  const CollisionModel a(c.a), b(c.b);
+  testing::Random random(90);
+  const double way = 0.2 * length(bounds(c.b).extent());
+  std::vector<Motion> motions;
+  for (const Pose& from : poses_for(c, count)) {
+    Pose to = compose(from, make_pose({1, 2, 3}, random.between(0, 0.5), {}));
+    to.translation = from.translation + random.in_cube(way);
+    motions.push_back({from, to, {}});
+  }
+  BatchReport report;
+  const auto found = sweep_all(a, c.pose_a, b, motions, {}, Batch{.backend = backend}, &report);
+  const auto expected = sweep_all(a, c.pose_a, b, motions, {});
+  int wrong = 0, hits = 0;
+  for (std::size_t n = 0; n < motions.size(); ++n)
+    wrong += found[n].hit != expected[n].hit || !(std::abs(found[n].time - expected[n].time) <= 0.02),
+        hits += expected[n].hit;
+  return tell("sweep", c, motions.size(), wrong, hits, report);
+}
+
+int run_all(bool quick, Backend backend) {
+  int faults = 0, count = 0;
+  for (const Case& c : cases(quick)) {
+    const bool few = quick || backend == Backend::emulated;
+    faults += run(c, backend, few ? 300 : 20000) + run_sweeps(c, backend, few ? 100 : 5000);
+    count += 2;
+  }
+  std::printf("%d of %d checks went wrong\n", faults, count);
+  return faults == 0 ? 0 : 7;
+}
+
+}  // namespace
+}  // namespace difi
+
+int main(int argc, char** argv) {
+  bool quick = false;
+  difi::Backend backend = difi::Backend::cuda;
+  for (int n = 1; n < argc; ++n) {
+    const std::string option = argv[n];
+    if (option == "--quick") quick = true;
+    if (option == "--emulated") backend = difi::Backend::emulated;
+  }
+  try {
+    return difi::run_all(quick, backend);
+  } catch (const difi::Error& error) {
+    std::fprintf(stderr, "check_collide: error: %s\n", error.what());
+    return static_cast<int>(error.code());
+  }
+}
