@@ -93,11 +93,6 @@ RelativeMotion::RelativeMotion(const Pair& pair, const Course& course) {
                          rotate_back(field, apply(tree, pair.tree.body->middle) - course.center)});
 }
 
-double RelativeMotion::acceleration(Vec3 offset) const {
-  const double rate = std::abs(way_.angle_rad), turning = rate * rate * way_.farthest(triple(offset));
-  return way_.field_moves ? turning + 2 * rate * way_.straight : turning;
-}
-
 }  // namespace collision
 
 Pose pose_at(const Motion& motion, double t) {

@@ -38,7 +38,7 @@ class RelativeMotion {
   /// The point moves no faster than this at any time, in world units per unit of time.
   double speed(Vec3 offset) const { return way_.speed(triple(offset)); }
   /// Nor does its velocity change faster than this.
-  double acceleration(Vec3 offset) const;
+  double acceleration(Vec3 offset) const { return way_.acceleration(triple(offset)); }
 
  private:
   static Triple<double> triple(Vec3 v) { return {v.x, v.y, v.z}; }

@@ -21,9 +21,6 @@ namespace {
 // Times near 1 are rounded by 1e-16. In terms of the speed.
 constexpr double kTimeRounding = 4e-16;
 
-// A triangle followed exactly looks this many field spacings ahead.
-constexpr double kAhead = 1.0;
-
 class Follow {
  public:
   Follow(const Pair& pair, const Course& course, double tolerance)

@@ -34,7 +34,15 @@ struct Way {
   }
   /// The point moves no faster than this at any time, in world units per unit of time.
   DIFI_INLINE double speed(const Triple<double>& offset) const { return straight + abs(angle_rad) * farthest(offset); }
+  /// Nor does its velocity change faster than this.
+  DIFI_INLINE double acceleration(const Triple<double>& offset) const {
+    const double rate = abs(angle_rad), turning = rate * rate * farthest(offset);
+    return field_moves ? turning + 2 * rate * straight : turning;
+  }
 };
+
+// A triangle followed exactly looks this many field spacings ahead.
+inline constexpr double kAhead = 1.0;
 
 // A ball goes on as long as its steps are longer than this share of its radius: smaller steps cost more than asking its
 // sixteen children. A triangle's own ball has none, it stops at a share of the field's spacing.

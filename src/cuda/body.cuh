@@ -20,6 +20,7 @@ struct BodyView {
   const collision::Boxes* boxes[kMostLevels];
   const collision::Faces* faces;
   const double* corners;  ///< nine a triangle, by place in the tree
+  Triple<double> middle;
   std::uint32_t triangles;
   int top;  ///< level
 };
@@ -63,6 +64,7 @@ class BodyOnDevice : public collision::OnDevice {
     }
     view_.faces = put(data.tree.faces);
     view_.corners = reinterpret_cast<const double*>(put(data.corners));
+    view_.middle = {data.middle.x, data.middle.y, data.middle.z};
     view_.triangles = static_cast<std::uint32_t>(data.tree.order.size());
   }
 

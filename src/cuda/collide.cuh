@@ -6,6 +6,7 @@
 
 #include "collision/ball_bound.h"
 #include "collision/meeting.h"
+#include "cuda/field_boxes.cuh"
 #include "cuda/queries.cuh"
 
 namespace difi::DIFI_PLATFORM {
@@ -33,8 +34,7 @@ struct SearchRoom {
   static constexpr int kWaiting = 64;  // 31 and what 32 lanes add
   std::uint32_t nodes[collision::kDeviceStack], field_nodes[collision::kDeviceStack];
   float gap[32];
-  float box[6][kLanes];  // of the placed triangles: the low sides, then the high ones
-  float all[6];
+  FlatBox box[kLanes], all;  // of the placed triangles
   std::uint32_t of_field[kWaiting], of_tree[kWaiting];
 };
 
@@ -84,46 +84,28 @@ class PoseSearch {
   DIFI_DEVICE void meet_packet(std::uint32_t packet) {
     place_boxes(packet);
     int waiting = 0;
-    Nodes nodes(room_.field_nodes, task_.stack, packet_word(task_.field.top, 0));
-    while (!nodes.empty()) {
-      const std::uint32_t word = nodes.take(0, kNoPacket);
-      const int level = level_of(word);
-      const std::uint32_t child = packet_of(word) * kLanes + lane_ % kLanes;
-      float low[3] = {}, high[3] = {};
-      bool near = word != kNoPacket;
-      if (near) {
-        const collision::Boxes& boxes = task_.field.boxes[level][packet_of(word)];
-        for (int axis = 0; axis < 3; ++axis) {
-          low[axis] = boxes.min[axis][lane_ % kLanes], high[axis] = boxes.max[axis][lane_ % kLanes];
-          near = near && low[axis] <= room_.all[3 + axis] && high[axis] >= room_.all[axis];
-        }
-      }
-      const std::uint32_t inner = __ballot_sync(kWarp, near && level > 0);
-      if (!nodes.put(inner, __popc(inner & lanes_below(lane_)), packet_word(level - 1, child))) {
-        verdict_ = Verdict::overflow;
-        return;
-      }
-      near = near && level == 0;
-      if (__ballot_sync(kWarp, near) == 0) continue;
+    const auto use = [&](bool near, std::uint32_t place, const FlatBox& box) {
       for (int t = 0; t < kLanes; ++t) {
-        bool meets = near;
-        for (int axis = 0; axis < 3; ++axis)
-          meets = meets && low[axis] <= room_.box[3 + axis][t] && high[axis] >= room_.box[axis][t];
+        const bool meets = near && meet(box, room_.box[t]);
         const std::uint32_t lanes = __ballot_sync(kWarp, meets);
         if (lanes == 0) continue;
         if (meets) {
           const int at = waiting + __popc(lanes & lanes_below(lane_));
-          room_.of_field[at] = child, room_.of_tree[at] = packet * kLanes + static_cast<std::uint32_t>(t);
+          room_.of_field[at] = place, room_.of_tree[at] = packet * kLanes + static_cast<std::uint32_t>(t);
         }
         waiting += __popc(lanes);
         __syncwarp();
         if (waiting < 32) continue;
         waiting -= 32;
         settle(waiting, 32);
-        if (verdict_ == Verdict::hit) return;
+        if (verdict_ == Verdict::hit) return false;
       }
-    }
-    if (waiting > 0) settle(0, waiting);
+      return true;
+    };
+    if (!for_boxes_that_meet(room_.all, task_.field, room_.field_nodes, task_.stack, use))
+      verdict_ = Verdict::overflow;
+    else if (waiting > 0 && verdict_ != Verdict::hit)
+      settle(0, waiting);
   }
 
   // The boxes of a packet's triangles in the field's frame, grown by the limit, and the box around them.
@@ -138,15 +120,15 @@ class PoseSearch {
           const float at = placed(axis, corner[0][lane_], corner[1][lane_], corner[2][lane_]);
           low = min(at, low), high = max(at, high);
         }
-        room_.box[axis][lane_] = low - query_.limit, room_.box[3 + axis][lane_] = high + query_.limit;
+        room_.box[lane_].side[axis] = low - query_.limit, room_.box[lane_].side[3 + axis] = high + query_.limit;
       }
     }
     __syncwarp();
     if (lane_ < 6) {
-      float side = room_.box[lane_][0];
+      float side = room_.box[0].side[lane_];
       for (int n = 1; n < kLanes; ++n)
-        side = lane_ < 3 ? min(side, room_.box[lane_][n]) : max(side, room_.box[lane_][n]);
-      room_.all[lane_] = side;
+        side = lane_ < 3 ? min(side, room_.box[n].side[lane_]) : max(side, room_.box[n].side[lane_]);
+      room_.all.side[lane_] = side;
     }
     __syncwarp();
   }

@@ -4,6 +4,8 @@
 #pragma once
 
 #include "collision/ball_bound.h"
+#include "collision/meeting.h"
+#include "cuda/field_boxes.cuh"
 #include "cuda/queries.cuh"
 
 namespace difi::DIFI_PLATFORM {
@@ -24,8 +26,17 @@ struct SweepTask {
 
 /// A warp's part of shared memory.
 struct SweepRoom {
+  static constexpr int kWaiting = 64;  // 31 and what 32 lanes add
   TimedPacket nodes[collision::kDeviceStack];
+  std::uint32_t field_nodes[collision::kDeviceStack];
   double time[32];
+  std::uint32_t of_field[kWaiting];
+};
+
+/// A triangle of the tree's body on its way: its corners' offsets, and what bounds their way.
+struct MovingTriangle {
+  Triple<double> offset[3];
+  double away, speed, acceleration;  ///< the most of the corners'
 };
 
 /// The least of the warp's values, in all lanes.
@@ -52,13 +63,16 @@ class MotionSearch {
           time =
               moved({balls.center[0][n], balls.center[1][n], balls.center[2][n]}, balls.radius[n], packet.time, level);
       }
-      end_ = min(end_, least_in_warp(level == 0 ? time : 2));
+      const std::uint32_t child = packet_of(packet.word) * kLanes + n;
+      follow_all(level == 0 && time < end_, child, time);
+      if (overflow_) break;
       const bool inner = level > 0 && time < end_;
       const std::uint32_t lanes = __ballot_sync(kWarp, inner);
       const int later = larger_keys(lanes, time, room_.time);
-      if (!nodes.put(lanes, later, {time, packet_word(level - 1, packet_of(packet.word) * kLanes + n)}))
-        return {collision::Verdict::overflow, 0};
+      overflow_ = !nodes.put(lanes, later, {time, packet_word(level - 1, child)});
+      if (overflow_) break;
     }
+    if (overflow_) return {collision::Verdict::overflow, 0};
     return {end_ < 1 ? collision::Verdict::undecided : collision::Verdict::free, end_};
   }
 
@@ -78,10 +92,127 @@ class MotionSearch {
     return ball.time;
   }
 
+  // Follows the triangles of those lanes that stopped, the first to stop first.
+  DIFI_DEVICE void follow_all(bool stopped, std::uint32_t place, double time) {
+    for (std::uint32_t left = __ballot_sync(kWarp, stopped); left != 0 && !overflow_;) {
+      const bool waits = left >> lane_in_warp() & 1;
+      const double first = least_in_warp(waits ? time : 2);
+      if (!(first < end_)) return;
+      const int lane = __ffs(static_cast<int>(__ballot_sync(kWarp, waits && time == first))) - 1;
+      follow(__shfl_sync(kWarp, place, lane), first);
+      left &= ~(1u << lane);
+    }
+  }
+
+  DIFI_DEVICE MovingTriangle triangle_at(std::uint32_t place) const {
+    MovingTriangle t{};
+    load_corners(task_.tree, place, t.offset);
+    for (Triple<double>& offset : t.offset) {
+      offset = query_.way.offset(offset - task_.tree.middle);
+      t.away = max(t.away, collision::length(offset));
+      t.speed = max(t.speed, query_.way.speed(offset));
+      t.acceleration = max(t.acceleration, query_.way.acceleration(offset));
+    }
+    return t;
+  }
+
+  // One triangle from a time on at which it is free, but at 0.
+  DIFI_DEVICE void follow(std::uint32_t place, double from) {
+    const MovingTriangle triangle = triangle_at(place);
+    const double ahead = collision::kAhead * static_cast<double>(task_.field.field.spacing);
+    for (double t = from; t < end_ && !overflow_;) {
+      double until = triangle.speed > 0 ? t + ahead / triangle.speed : 2;
+      if (!(until > t)) end_ = t;  // no time is left between two numbers
+      until = min(until, end_);
+      int waiting = 0;
+      const auto use = [&](bool near, std::uint32_t of_field, const FlatBox&) {
+        const std::uint32_t lanes = __ballot_sync(kWarp, near);
+        if (near) room_.of_field[waiting + __popc(lanes & lanes_below(lane_in_warp()))] = of_field;
+        waiting += __popc(lanes);
+        __syncwarp();
+        if (waiting < 32) return true;
+        waiting -= 32;
+        advance(triangle, t, until, waiting, 32);
+        return true;
+      };
+      overflow_ =
+          !for_boxes_that_meet(box_of_way(triangle, t, until), task_.field, room_.field_nodes, task_.stack, use);
+      if (waiting > 0) advance(triangle, t, until, 0, waiting);
+      t = until;
+      if (t < end_) t = moved_triangle(place, t);
+    }
+  }
+
+  // A way between two times leaves the chord by an eighth of the acceleration times the time squared at the most.
+  DIFI_DEVICE FlatBox box_of_way(const MovingTriangle& triangle, double t, double until) const {
+    const double bend = triangle.acceleration * (until - t) * (until - t) / 8;
+    const float by = query_.keep * 2 + static_cast<float>(bend) * 1.000001f;
+    float low[3], high[3];
+    for (int axis = 0; axis < 3; ++axis) low[axis] = collision::kNothing, high[axis] = -collision::kNothing;
+    for (int k = 0; k < 6; ++k) {
+      const Triple<double> x = query_.way.at(triangle.offset[k % 3], k < 3 ? t : until);
+      const float at[3] = {static_cast<float>(x.x), static_cast<float>(x.y), static_cast<float>(x.z)};
+      for (int axis = 0; axis < 3; ++axis) low[axis] = min(at[axis], low[axis]), high[axis] = max(at[axis], high[axis]);
+    }
+    return {{low[0] - by, low[1] - by, low[2] - by, high[0] + by, high[1] + by, high[2] + by}};
+  }
+
+  // As far as the field lets the triangle's ball go.
+  DIFI_DEVICE double moved_triangle(std::uint32_t place, double start) const {
+    const collision::Balls& balls = task_.tree.balls[0][place / kLanes];
+    const std::uint32_t n = place % kLanes;
+    return moved({balls.center[0][n], balls.center[1][n], balls.center[2][n]}, balls.radius[n], start, 0);
+  }
+
+  // The triangle against `count` of those that wait, from `first` on.
+  DIFI_DEVICE void advance(const MovingTriangle& triangle, double t, double until, int first, int count) {
+    const int lane = static_cast<int>(lane_in_warp());
+    const double stop = lane < count ? stopped_by(room_.of_field[first + lane], triangle, t, until) : 2;
+    end_ = min(end_, least_in_warp(stop));
+  }
+
+  // When the triangle first comes nearer to one of the field's than twice the distance to be kept; 2 where it does not
+  // before `until`.
+  DIFI_DEVICE double stopped_by(std::uint32_t of_field, const MovingTriangle& triangle, double t, double until) const {
+    const double keep = static_cast<double>(query_.keep);
+    Triple<double> p[3], q[3];
+    load_corners(task_.field, of_field, p);
+    for (Triple<double>& corner : p) corner = corner - task_.field.middle;
+    while (t < until) {
+      for (int k = 0; k < 3; ++k) q[k] = query_.way.at(triangle.offset[k], t);
+      // At the start they may cross, where the distance of edges and corners says nothing.
+      if (t == 0) {
+        const collision::Meeting<double> met = collision::meeting(p, q);
+        if (met.touch || met.unsure) return t;
+      }
+      const collision::PairPoints<double> pair = collision::closest_pair(p, q);
+      const double apart = sqrt(pair.distance_sq);
+      if (!(apart > 2 * keep)) return t;
+      const double nearing = approach((pair.on_q - pair.on_p) * (1 / apart), triangle);
+      if (!(nearing > 0)) return 2;
+      const double later = t + (apart - keep) / nearing;
+      if (!(later > t)) return t;
+      t = later;
+    }
+    return 2;
+  }
+
+  // No corner of the triangle moves against the unit vector n faster than this.
+  DIFI_DEVICE double approach(const Triple<double>& n, const MovingTriangle& triangle) const {
+    const collision::Way& way = query_.way;
+    if (way.angle_rad == 0)
+      return way.field_moves ? collision::plain_dot(n, way.velocity) : -collision::plain_dot(n, way.velocity);
+    if (way.field_moves) return triangle.speed;
+    const double turning = collision::length(collision::plain_cross(n, way.axis)) * abs(way.angle_rad);
+    return turning * triangle.away - collision::plain_dot(n, way.velocity);
+  }
+
   const SweepTask& task_;
   const SweepQuery& query_;
   SweepRoom& room_;
-  double end_ = 1;  // nothing later is of interest; the same in all lanes
+  // The same in all lanes.
+  double end_ = 1;  // nothing later is of interest
+  bool overflow_ = false;
 };
 
 /// Warps take one motion after the other.
