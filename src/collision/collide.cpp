@@ -50,12 +50,14 @@ std::vector<Collided> collide_all(const CollisionModel& a, const Pose& pose_a, c
 std::vector<Collided> collide_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
                                   std::span<const Pose> poses_b, const CollideOptions& options, const Batch& batch,
                                   BatchReport* report) {
-  const collision::DeviceRow* const row = collision::find_device(batch.backend, poses_b.size());
+  const bool certified = options.mode == CollideMode::certified;
+  const Backend backend = certified && batch.backend == Backend::automatic ? Backend::cpu : batch.backend;
+  const collision::DeviceRow* const row = collision::find_device(backend, poses_b.size());
   BatchReport done{row ? row->name : "cpu", row ? row->device_name(batch.device) : ""};
   std::vector<Collided> results;
   if (row) {
     check(options);
-    if (options.mode == CollideMode::certified)
+    if (certified)
       throw Error(ErrorCode::usage, "collide: certified answers come from the CPU alone; take that backend");
     validate(pose_a);
     collision::validate_all(poses_b);

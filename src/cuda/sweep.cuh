@@ -1,6 +1,8 @@
 // Until when are moving bodies certainly apart? A warp per motion: the tree's balls move along until the field no
 // longer tells them free, two packets of sixteen at a time, the first to stop first; their children start from there.
-// The least time at which a triangle's ball is stopped is the answer. The steps are the CPU's (way.h).
+// Triangles that stop are followed against those that their way may meet, a lane each, until one is nearer than twice
+// the distance to be kept: the least time at which that comes about is the answer. Bounds and steps are the CPU's
+// (way.h, sweep.cpp), but in the field's frame, for whose rounding the distance kept has room.
 #pragma once
 
 #include "collision/ball_bound.h"

@@ -162,6 +162,9 @@ TEST(CudaCollide, WhereTheStackIsFullTheCpuAnswers) {
     before = counts.report.overflowed;
   }
   EXPECT_GT(before, 30);
+  // Of one triangle's tree nothing waits: it is the boxes of the other body that overflow.
+  const CollisionModel one(one_triangle({0, 0, 0}, {0.3, 0, 0}, {0, 0.3, 0}));
+  EXPECT_GT(expect_as_cpu(soup, {}, one, poses, 0, 2).report.overflowed, 20);
 }
 
 TEST(CudaCollide, ThePublicCallSaysWhatItDid) {

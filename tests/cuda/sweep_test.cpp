@@ -113,6 +113,19 @@ TEST(CudaSweep, WhatPassesWithinTheToleranceIsNotFree) {
   expect_both(counts, 300);
 }
 
+// Coarse fields let triangles look far ahead, where their ways are arcs: a stake that stands where the arc is farthest
+// from its chord.
+TEST(CudaSweep, TurningOnTheSpot) {
+  const CollisionModel stake(one_triangle({1, 0, -0.5}, {1.01, 0, 0.5}, {1.01, 0.01, 0.5}), {.spacing = 1}),
+      fin(one_triangle({1, 0, -0.3}, {1.01, 0, 0.3}, {1.02, 0.01, 0.3}));
+  std::vector<Motion> motions;
+  for (double angle = -1.2; angle < 0.3; angle += 0.02)
+    motions.push_back({make_pose({0, 0, 1}, angle, {}), make_pose({0, 0, 1}, angle + 3, {}), {}});
+  const Counts counts = expect_as_cpu(stake, {}, fin, motions, 1e-4);
+  EXPECT_GT(counts.hits, 50);
+  EXPECT_GT(counts.report.on_device, 5);
+}
+
 TEST(CudaSweep, FastAndSlowAndNotAtAll) {
   const CollisionModel large(ball_mesh(1, 7)), small(ball_mesh(0.3, 3));
   for (const double way : {0.02, 40.0}) {
@@ -148,6 +161,9 @@ TEST(CudaSweep, WhereTheStackIsFullTheCpuAnswers) {
     before = counts.report.overflowed;
   }
   EXPECT_GT(before, 20);
+  // Of one triangle's tree nothing waits: it is the boxes of the other body that overflow.
+  const CollisionModel one(one_triangle({0, 0, 0}, {0.3, 0, 0}, {0, 0.3, 0}));
+  EXPECT_GT(expect_as_cpu(soup, {}, one, random_motions(18, 80, 1, 1, 1), 1e-3, 2).report.overflowed, 20);
 }
 
 TEST(CudaSweep, ThePublicCallSaysWhatItDid) {
