@@ -205,43 +205,46 @@ DIFI_INLINE WidePoint sixteen_points(const float (&at)[3][kLanes]) {
   return {WideFloat::load(at[0]), WideFloat::load(at[1]), WideFloat::load(at[2])};
 }
 
+// Calls of their own, for all that inline them cost minutes to compile: which of sixteen points are nearer than a
+// limit, and where a whole block lies in neither half of the triangle.
+__attribute__((noinline)) std::uint32_t points_within(const TriangleLines<WideFloat>& lines, const WidePoint& points,
+                                                      float limit_sq) {
+  return less(distance_sq(lines, points), WideFloat(limit_sq)).to_bits();
+}
+__attribute__((noinline)) WideFloat distance_sq_in_both(const TriangleLines<WideFloat>& lines,
+                                                        const WidePoint& points) {
+  return distance_sq(lines, points);
+}
+
 // A long triangle: clumps of blocks, and of those the blocks, are chosen by the exact distance of their centres. Most
 // blocks lie in one half of the triangle as a whole, for which half of its lines will do.
 template <bool kNearest>
 DIFI_INLINE void gather_long(const Lattice& lattice, const Brick& brick, const Candidates& c, std::uint32_t index,
                              BrickState& state) {
   const TriangleLines<WideFloat> lines = make_lines<WideFloat>(double_frame(lattice, brick, c, index));
-  const auto grown = [&](float radius) __attribute__((always_inline)) { return radius * (1 + kSlack) + kSlack; };
   const auto within = [&](float radius) __attribute__((always_inline)) {
-    const float reach = grown(lattice.thickness + radius);
-    return WideFloat(reach * reach);
+    const float reach = (lattice.thickness + radius) * (1 + kSlack) + kSlack;
+    return reach * reach;
   };
-  const WideFloat reach_sq = within(lattice.block_radius), beside(grown(lattice.block_radius));
-  std::uint32_t clumps =
-      less(distance_sq(lines, sixteen_points(lattice.clump_centers)), within(lattice.clump_radius)).to_bits();
+  const float reach_sq = within(lattice.block_radius);
+  const WideFloat beside(lattice.block_radius * (1 + kSlack) + kSlack);
+  std::uint32_t clumps = points_within(lines, sixteen_points(lattice.clump_centers), within(lattice.clump_radius));
   for (; clumps; clumps &= clumps - 1) {
     const int clump = __builtin_ctz(clumps);
     const WidePoint center = sixteen_points(lattice.block_centers[clump]);
-    const std::uint32_t near_blocks = less(distance_sq(lines, center), reach_sq).to_bits();
+    std::uint32_t near_blocks = points_within(lines, center, reach_sq);
     const WideFloat q = evaluate(lines.q, center);
-    const std::uint32_t left = near_blocks & less(q, -beside).to_bits(),
-                        right = near_blocks & less(beside, q).to_bits();
+    const std::uint32_t left = less(q, -beside).to_bits(), right = less(beside, q).to_bits();
     state.samples_examined += std::int64_t{kLanes} * __builtin_popcount(near_blocks);
-    const auto for_each = [&](std::uint32_t blocks, auto distance) __attribute__((always_inline)) {
-      for (; blocks; blocks &= blocks - 1) {
-        const int block = kClumpBlocks.block[clump][__builtin_ctz(blocks)];
-        lower<kNearest>(state, block, distance(block_samples(lattice, block)), index);
-      }
-    };
-    for_each(
-        left, [&](const WidePoint& p)
-                  __attribute__((always_inline)) { return distance_sq_in_half(lines, lines.left, p); });
-    for_each(
-        right, [&](const WidePoint& p)
-                   __attribute__((always_inline)) { return distance_sq_in_half(lines, lines.right, p); });
-    for_each(
-        near_blocks & ~(left | right), [&](const WidePoint& p)
-                                           __attribute__((always_inline)) { return distance_sq(lines, p); });
+    for (std::uint32_t halved = near_blocks & (left | right); halved; halved &= halved - 1) {
+      const int n = __builtin_ctz(halved), block = kClumpBlocks.block[clump][n];
+      const HalfLines<WideFloat>& half = left >> n & 1 ? lines.left : lines.right;
+      lower<kNearest>(state, block, distance_sq_in_half(lines, half, block_samples(lattice, block)), index);
+    }
+    for (near_blocks &= ~(left | right); near_blocks; near_blocks &= near_blocks - 1) {
+      const int block = kClumpBlocks.block[clump][__builtin_ctz(near_blocks)];
+      lower<kNearest>(state, block, distance_sq_in_both(lines, block_samples(lattice, block)), index);
+    }
   }
 }
 
