@@ -113,6 +113,21 @@ TEST(CudaSweep, WhatPassesWithinTheToleranceIsNotFree) {
   expect_both(counts, 300);
 }
 
+TEST(CudaSweep, FarFromTheOriginAndInOtherUnits) {
+  for (const double unit : {1e-9, 1e9}) {
+    SCOPED_TRACE(unit);
+    const Vec3 far = Vec3{3e3, -2e4, 77} * unit;
+    const CollisionModel large(ball_mesh(unit, 5, far)), small(random_soup(22, 30, 0.3 * unit, 0.4 * unit));
+    std::vector<Motion> motions = random_motions(23, 120, 2.5, 3, 2);
+    for (Motion& motion : motions) {
+      motion.center = motion.center * unit;
+      for (Pose* pose : {&motion.from, &motion.to}) pose->translation = pose->translation * unit + far;
+    }
+    expect_both(expect_as_cpu(large, {}, small, motions, 1e-3 * unit), 120);
+    expect_as_cpu(small, {}, large, motions, 1e-3 * unit);
+  }
+}
+
 // Coarse fields let triangles look far ahead, where their ways are arcs: a stake that stands where the arc is farthest
 // from its chord.
 TEST(CudaSweep, TurningOnTheSpot) {
