@@ -187,8 +187,8 @@ std::vector<Contacts> contacts_all(const CollisionModel& a, const Pose& pose_a, 
                                    std::span<const Pose> poses_b, const ContactOptions& options, int threads = 0);
 std::vector<Swept> sweep_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
                              std::span<const Motion> motions, const SweepOptions& options, int threads = 0);
-/// The same on a device, which finds the motions that are certainly free, and until when the others are; the CPU takes
-/// them from there, so that times may differ from the CPU's within the tolerance. Errors: device, limit.
+/// The same answers from a device, which finds the motions that are certainly free; the CPU sweeps the others. Errors:
+/// device, limit.
 std::vector<Swept> sweep_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
                              std::span<const Motion> motions, const SweepOptions& options, const Batch& batch,
                              BatchReport* report = nullptr);

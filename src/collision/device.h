@@ -52,8 +52,7 @@ struct SweepQuery {
 };
 
 struct SweepAnswer {
-  Verdict verdict;  ///< free, or undecided, or overflow
-  double time;      ///< until when the bodies are certainly apart
+  Verdict verdict;  ///< free for certain, undecided, or overflow
 };
 
 struct SweepJob {

@@ -33,8 +33,8 @@ class Follow {
         keep_(distance_kept(pair, course, tolerance)),
         enough_(static_cast<float>(pair.field.body->field.spacing)) {}
 
-  Swept run(double start) {
-    visit(pair_.tree.body->tree.top(), 0, start);
+  Swept run() {
+    visit(pair_.tree.body->tree.top(), 0, 0);
     return result_;
   }
 
@@ -271,7 +271,7 @@ double jump_at_end(const Course& course, const CollisionModel::Data& body) {
 
 Swept sweep_checked(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Motion& motion,
                     const SweepOptions& options) {
-  return sweep_from(0, a, pose_a, b, motion, options.tolerance);
+  return sweep_exactly(a, pose_a, b, motion, options.tolerance);
 }
 
 }  // namespace
@@ -289,10 +289,10 @@ bool may_jump_at_end(const Course& course, const CollisionModel& moving, double 
   return !(jump_at_end(course, moving.data()) < tolerance / 4);
 }
 
-Swept sweep_from(double start, const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                 const Motion& motion, double tolerance) {
+Swept sweep_exactly(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Motion& motion,
+                    double tolerance) {
   const Course course(motion);
-  const Swept swept = Follow(Pair(a, pose_a, b, motion.from), course, tolerance).run(start);
+  const Swept swept = Follow(Pair(a, pose_a, b, motion.from), course, tolerance).run();
   if (swept.hit || !may_jump_at_end(course, b, tolerance)) return swept;
   const Pair end(a, pose_a, b, motion.to);
   const auto found = find_touching(end, 0);

@@ -1,5 +1,5 @@
-// Motions go to the device in pieces. It moves balls; triangles that are stopped are left to the CPU, from the time up
-// to which the whole body is free.
+// Motions go to the device in pieces. What is not certainly free the CPU sweeps from the beginning: begun later its
+// steps would be others, and with them the time of a hit, and whether what passes within the tolerance is told as one.
 #include "collision/sweep_on_device.h"
 
 #include <algorithm>
@@ -36,7 +36,7 @@ std::vector<Swept> sweep_on_device(const DeviceRow& row, const CollisionModel& a
                .stack = stack});
     const auto found = for_each<Swept>(piece.size(), batch.threads, [&](std::size_t n) {
       if (answers[n].verdict == Verdict::free && !may_jump_at_end(Course(piece[n]), b, tolerance)) return Swept{};
-      return sweep_from(answers[n].time, a, pose_a, b, piece[n], tolerance);
+      return sweep_exactly(a, pose_a, b, piece[n], tolerance);
     });
     results.insert(results.end(), found.begin(), found.end());
     for (const SweepAnswer& answer : answers) {

@@ -14,9 +14,9 @@ float distance_kept(const Pair& pair, const Course& course, double tolerance);
 /// Whether the last pose, a rotation only nearly, lies so far from where the even turn leads that it must be looked at.
 bool may_jump_at_end(const Course& course, const CollisionModel& moving, double tolerance);
 
-/// The CPU's answer for a motion that is free before `start`.
-Swept sweep_from(double start, const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                 const Motion& motion, double tolerance);
+/// The CPU's answer.
+Swept sweep_exactly(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Motion& motion,
+                    double tolerance);
 
 /// What is certainly free the device decides; the others go to the CPU, and are counted. Motions must be valid.
 std::vector<Swept> sweep_on_device(const DeviceRow& row, const CollisionModel& a, const Pose& pose_a,

@@ -1,8 +1,8 @@
-// Until when are moving bodies certainly apart? A warp per motion: the tree's balls move along until the field no
-// longer tells them free, two packets of sixteen at a time, the first to stop first; their children start from there.
-// Triangles that stop are followed against those that their way may meet, a lane each, until one is nearer than twice
-// the distance to be kept: the least time at which that comes about is the answer. Bounds and steps are the CPU's
-// (way.h, sweep.cpp), but in the field's frame, for whose rounding the distance kept has room.
+// Which moving bodies are certainly free? A warp per motion: the tree's balls move along until the field no longer
+// tells them free, two packets of sixteen at a time, the first to stop first; their children start from there.
+// Triangles that stop are followed against those that their way may meet, a lane each; where one comes nearer than
+// twice the distance to be kept, the motion is undecided. Bounds and steps are the CPU's (way.h, sweep.cpp), but in the
+// field's frame, for whose rounding the distance kept has room.
 #pragma once
 
 #include "collision/ball_bound.h"
@@ -14,6 +14,7 @@ namespace difi::DIFI_PLATFORM {
 
 using collision::SweepAnswer;
 using collision::SweepQuery;
+using collision::Verdict;
 
 inline constexpr unsigned kSweepThreads = 128;
 
@@ -41,12 +42,6 @@ struct MovingTriangle {
   double away, speed, acceleration;  ///< the most of the corners'
 };
 
-/// The least of the warp's values, in all lanes.
-DIFI_DEVICE double least_in_warp(double value) {
-  for (int bits = 16; bits > 0; bits /= 2) value = min(value, __shfl_xor_sync(kWarp, value, bits));
-  return value;
-}
-
 class MotionSearch {
  public:
   DIFI_DEVICE MotionSearch(const SweepTask& task, const SweepQuery& query, SweepRoom& room)
@@ -54,31 +49,30 @@ class MotionSearch {
 
   DIFI_DEVICE SweepAnswer run() {
     NodeStack<TimedPacket> nodes(room_.nodes, task_.stack, {0, packet_word(task_.tree.top, 0)});
-    while (!nodes.empty()) {
+    while (!nodes.empty() && verdict_ == Verdict::free) {
       const TimedPacket packet = nodes.take(0, {0, kNoPacket});
       const int level = level_of(packet.word);
       const std::uint32_t n = lane_in_warp() % kLanes;
       double time = 2;
-      if (packet.word != kNoPacket && packet.time < end_) {
+      if (packet.word != kNoPacket) {
         const collision::Balls& balls = task_.tree.balls[level][packet_of(packet.word)];
         if (balls.radius[n] >= 0)
           time =
               moved({balls.center[0][n], balls.center[1][n], balls.center[2][n]}, balls.radius[n], packet.time, level);
       }
       const std::uint32_t child = packet_of(packet.word) * kLanes + n;
-      follow_all(level == 0 && time < end_, child, time);
-      if (overflow_) break;
-      const bool inner = level > 0 && time < end_;
+      follow_all(level == 0 && time < kEnd, child, time);
+      const bool inner = level > 0 && time < kEnd;
       const std::uint32_t lanes = __ballot_sync(kWarp, inner);
       const int later = larger_keys(lanes, time, room_.time);
-      overflow_ = !nodes.put(lanes, later, {time, packet_word(level - 1, child)});
-      if (overflow_) break;
+      if (!nodes.put(lanes, later, {time, packet_word(level - 1, child)})) verdict_ = Verdict::overflow;
     }
-    if (overflow_) return {collision::Verdict::overflow, 0};
-    return {end_ < 1 ? collision::Verdict::undecided : collision::Verdict::free, end_};
+    return {verdict_};
   }
 
  private:
+  static constexpr double kEnd = 1;
+
   // Until when a ball is free that is so until `start`, or somewhat less.
   DIFI_DEVICE double moved(const Triple<double>& center, float radius, double start, int level) const {
     const collision::FieldView& field = task_.field.field;
@@ -89,20 +83,16 @@ class MotionSearch {
       const Triple<double> x = query_.way.at(offset, ball.time);
       const float gap = collision::gap_of_ball(field, static_cast<float>(x.x), static_cast<float>(x.y),
                                                static_cast<float>(x.z), radius, field.spacing);
-      goes_on = ball.step(gap, query_.keep, end_, least);
+      goes_on = ball.step(gap, query_.keep, kEnd, least);
     }
     return ball.time;
   }
 
-  // Follows the triangles of those lanes that stopped, the first to stop first.
+  // Follows the triangles of those lanes that stopped.
   DIFI_DEVICE void follow_all(bool stopped, std::uint32_t place, double time) {
-    for (std::uint32_t left = __ballot_sync(kWarp, stopped); left != 0 && !overflow_;) {
-      const bool waits = left >> lane_in_warp() & 1;
-      const double first = least_in_warp(waits ? time : 2);
-      if (!(first < end_)) return;
-      const int lane = __ffs(static_cast<int>(__ballot_sync(kWarp, waits && time == first))) - 1;
-      follow(__shfl_sync(kWarp, place, lane), first);
-      left &= ~(1u << lane);
+    for (std::uint32_t left = __ballot_sync(kWarp, stopped); left != 0 && verdict_ == Verdict::free; left &= left - 1) {
+      const int lane = __ffs(static_cast<int>(left)) - 1;
+      follow(__shfl_sync(kWarp, place, lane), __shfl_sync(kWarp, time, lane));
     }
   }
 
@@ -122,10 +112,10 @@ class MotionSearch {
   DIFI_DEVICE void follow(std::uint32_t place, double from) {
     const MovingTriangle triangle = triangle_at(place);
     const double ahead = collision::kAhead * static_cast<double>(task_.field.field.spacing);
-    for (double t = from; t < end_ && !overflow_;) {
-      double until = triangle.speed > 0 ? t + ahead / triangle.speed : 2;
-      if (!(until > t)) end_ = t;  // no time is left between two numbers
-      until = min(until, end_);
+    for (double t = from; t < kEnd && verdict_ == Verdict::free;) {
+      double until = triangle.speed > 0 ? t + ahead / triangle.speed : kEnd;
+      if (!(until > t)) verdict_ = Verdict::undecided;  // there is no time between t and the next one
+      until = min(until, kEnd);
       int waiting = 0;
       const auto use = [&](bool near, std::uint32_t of_field, const FlatBox&) {
         const std::uint32_t lanes = __ballot_sync(kWarp, near);
@@ -135,13 +125,13 @@ class MotionSearch {
         if (waiting < 32) return true;
         waiting -= 32;
         advance(triangle, t, until, waiting, 32);
-        return true;
+        return verdict_ == Verdict::free;
       };
-      overflow_ =
-          !for_boxes_that_meet(box_of_way(triangle, t, until), task_.field, room_.field_nodes, task_.stack, use);
-      if (waiting > 0) advance(triangle, t, until, 0, waiting);
+      if (!for_boxes_that_meet(box_of_way(triangle, t, until), task_.field, room_.field_nodes, task_.stack, use))
+        verdict_ = Verdict::overflow;
+      if (waiting > 0 && verdict_ == Verdict::free) advance(triangle, t, until, 0, waiting);
       t = until;
-      if (t < end_) t = moved_triangle(place, t);
+      if (t < kEnd) t = moved_triangle(place, t);
     }
   }
 
@@ -169,13 +159,12 @@ class MotionSearch {
   // The triangle against `count` of those that wait, from `first` on.
   DIFI_DEVICE void advance(const MovingTriangle& triangle, double t, double until, int first, int count) {
     const int lane = static_cast<int>(lane_in_warp());
-    const double stop = lane < count ? stopped_by(room_.of_field[first + lane], triangle, t, until) : 2;
-    end_ = min(end_, least_in_warp(stop));
+    const bool near = lane < count && comes_near(room_.of_field[first + lane], triangle, t, until);
+    if (__ballot_sync(kWarp, near) != 0) verdict_ = Verdict::undecided;
   }
 
-  // When the triangle first comes nearer to one of the field's than twice the distance to be kept; 2 where it does not
-  // before `until`.
-  DIFI_DEVICE double stopped_by(std::uint32_t of_field, const MovingTriangle& triangle, double t, double until) const {
+  // Whether the triangle may come nearer to one of the field's than twice the distance to be kept, before `until`.
+  DIFI_DEVICE bool comes_near(std::uint32_t of_field, const MovingTriangle& triangle, double t, double until) const {
     const double keep = static_cast<double>(query_.keep);
     Triple<double> p[3], q[3];
     load_corners(task_.field, of_field, p);
@@ -185,18 +174,18 @@ class MotionSearch {
       // At the start they may cross, where the distance of edges and corners says nothing.
       if (t == 0) {
         const collision::Meeting<double> met = collision::meeting(p, q);
-        if (met.touch || met.unsure) return t;
+        if (met.touch || met.unsure) return true;
       }
       const collision::PairPoints<double> pair = collision::closest_pair(p, q);
       const double apart = sqrt(pair.distance_sq);
-      if (!(apart > 2 * keep)) return t;
+      if (!(apart > 2 * keep)) return true;
       const double nearing = approach((pair.on_q - pair.on_p) * (1 / apart), triangle);
-      if (!(nearing > 0)) return 2;
+      if (!(nearing > 0)) return false;
       const double later = t + (apart - keep) / nearing;
-      if (!(later > t)) return t;
+      if (!(later > t)) return true;
       t = later;
     }
-    return 2;
+    return false;
   }
 
   // No corner of the triangle moves against the unit vector n faster than this.
@@ -212,9 +201,7 @@ class MotionSearch {
   const SweepTask& task_;
   const SweepQuery& query_;
   SweepRoom& room_;
-  // The same in all lanes.
-  double end_ = 1;  // nothing later is of interest
-  bool overflow_ = false;
+  Verdict verdict_ = Verdict::free;  // the same in all lanes
 };
 
 /// Warps take one motion after the other.

@@ -93,8 +93,7 @@ int run_sweeps(const Case& c, Backend backend, int count) {
   const auto expected = sweep_all(a, c.pose_a, b, motions, {});
   int wrong = 0, hits = 0;
   for (std::size_t n = 0; n < motions.size(); ++n)
-    wrong += found[n].hit != expected[n].hit || !(std::abs(found[n].time - expected[n].time) <= 0.02),
-        hits += expected[n].hit;
+    wrong += found[n].hit != expected[n].hit || found[n].time != expected[n].time, hits += expected[n].hit;
   return tell("sweep", c, motions.size(), wrong, hits, report);
 }
 
