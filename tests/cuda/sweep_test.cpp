@@ -123,6 +123,7 @@ TEST(CudaSweep, TurningOnTheSpot) {
   const Counts counts = expect_as_cpu(stake, {}, fin, motions, 1e-4);
   EXPECT_GT(counts.hits, 50);
   EXPECT_GT(counts.report.on_device, 5);
+  EXPECT_GT(expect_as_cpu(fin, {}, stake, motions, 1e-4).hits, 50);  // now the body with the field turns
 }
 
 TEST(CudaSweep, FastAndSlowAndNotAtAll) {
