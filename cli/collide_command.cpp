@@ -80,7 +80,7 @@ void add_collide(CLI::App& program) {
                                    "from the fields alone: free, hit or ambiguous, no triangle is looked at");
   certified->group("Question");
   add_parsed(*verb, {"--margin", "D", "as near as this is a hit too (default 0)", "Question"},
-             [command = command.get()](S o, S t) { command->margin = parse_positive(o, t); });
+             [command = command.get()](S o, S t) { command->margin = parse_not_negative(o, t); });
   add_parsed(*verb, {"--contacts", "N", "list up to N pairs of triangles that touch", "Question"},
              [command = command.get()](S o, S t) { command->contacts = parse_count(o, t, 1, 1'000'000'000); })
       ->excludes(certified);

@@ -38,7 +38,7 @@ void Command::run() const {
                       {"triangle_a", json_triangle(found.triangle_a)},
                       {"triangle_b", json_triangle(found.triangle_b)}});
   }
-  if (!std::isfinite(found.upper)) return print("farther than " + exact_number(options.limit) + "\n");
+  if (!std::isfinite(found.upper)) return print("at least " + exact_number(options.limit) + ", the limit\n");
   print(exact_number(found.upper) + " from " + point_text(found.point_a) + " of A to " + point_text(found.point_b) +
         " of B" + (found.lower < found.upper ? ", at least " + exact_number(found.lower) : "") + "\n");
 }
@@ -53,9 +53,9 @@ void add_distance(CLI::App& program) {
   using S = const std::string&;
   DistanceOptions& options = command->options;
   add_parsed(*verb, {"--tolerance", "D", "how wrong it may be (default 0)", "Question"},
-             [&options](S o, S t) { options.tolerance = parse_positive(o, t); });
+             [&options](S o, S t) { options.tolerance = parse_not_negative(o, t); });
   add_parsed(*verb, {"--limit", "D", "look no farther than this", "Question"},
-             [&options](S o, S t) { options.limit = parse_positive(o, t); });
+             [&options](S o, S t) { options.limit = parse_not_negative(o, t); });
   command->talk.add_to(*verb, Talk::kMessages | Talk::kJson);
   verb->callback([command] { command->run(); });
 }

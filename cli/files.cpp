@@ -103,6 +103,12 @@ void FileOutput::check(const std::vector<Format>& formats) const {
     fail(ErrorCode::output, "permission denied; choose a file and folder that you may write");
 }
 
+void FileOutput::check_differs(const std::string& input) const {
+  std::error_code ignored;
+  if (fs::equivalent(path_, input, ignored))
+    throw Error(ErrorCode::usage, path_.string() + ": it is an input, and would be lost; give another name");
+}
+
 void FileOutput::check_still_free() const {
   std::error_code ignored;
   if (!force_ && fs::is_regular_file(path_, ignored))

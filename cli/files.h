@@ -54,6 +54,8 @@ class FileOutput {
   /// Tells before any work what would go wrong after it: an unknown extension (usage), a file in the way without -f
   /// (usage), a folder in the way or missing (output).
   void check(const std::vector<Format>& formats) const;
+  /// Throws Error{usage} where the output is the file that an input comes from, also with -f.
+  void check_differs(const std::string& input) const;
   /// Tells after the work, before writing, of a file that has appeared meanwhile (output), unless -f was given.
   void check_still_free() const;
   /// Throws Error{usage} when the file's format has no place for nearest triangles.

@@ -20,7 +20,7 @@ namespace {
 
 constexpr const char* kExamples =
     R"(  difi fly --steps 100000 --speed 0.04 --path out.csv      one fly, where it flew as a table
-  difi fly --mode thesis --minimum 3 --speed 0.5           Algorithm 2: watch the wall crossings
+  difi fly --mode thesis --minimum 3 --speed 5             Algorithm 2: watch the wall crossings
   difi fly --flies 1000 --steps 1000 --json                many at once
 )";
 
@@ -35,7 +35,11 @@ struct Command {
 };
 
 void Command::run() {
-  if (path.given()) path.check({{"csv", "", false, true, false}, {"ply", "", false, true, false}});
+  if (path.given()) {
+    path.check({{"csv", "", false, true, false}, {"ply", "", false, true, false}});
+    path.check_differs(labyrinth);
+    path.check_differs(fly);
+  }
   const CollisionModel maze = read_body(labyrinth, talk), flier = read_body(fly, talk);
   std::vector<PathPoint> points;
   std::mutex adding;
@@ -113,7 +117,7 @@ void add_fly(CLI::App& program) {
     options.on_contact = parse_choice(o, t, {"back", "reflect"}) == 0 ? OnContact::turn_back : OnContact::reflect;
   });
   add("--scatter", "DEGREES", "turn at random by up to this after a contact (default 28.6)", "Flight",
-      [&options](S o, S t) { options.scatter_rad = parse_number(o, t) * std::numbers::pi / 180; });
+      [&options](S o, S t) { options.scatter_rad = parse_degrees(o, t, 180) * std::numbers::pi / 180; });
   add("--mode", "MODE", "sweep (default) or thesis", "Collision", [&options](S o, S t) {
     options.mode = parse_choice(o, t, {"sweep", "thesis"}) == 0 ? FlightMode::sweep : FlightMode::thesis;
   });
@@ -125,7 +129,9 @@ void add_fly(CLI::App& program) {
       [&options](S o, S t) { options.threshold = parse_positive(o, t); });
   add("--tolerance", "D", "sweep: as near as this is touching (default 1e-4)", "Collision",
       [&options](S o, S t) { options.tolerance = parse_positive(o, t); });
-  verb->add_flag("!--no-check", options.check, "do not look for wall crossings: faster")->group("Collision");
+  verb->add_flag_callback(
+          "--no-check", [&options] { options.check = false; }, "do not look for wall crossings: faster")
+      ->group("Collision");
   add("-j,--threads", "N", "threads (default: all)", "Flight",
       [&options](S o, S t) { options.threads = static_cast<int>(parse_count(o, t, 1, 4096)); });
   it->path.add_to(*verb, "FILE", "where each fly starts, turns and ends: .csv or .ply", "--path");

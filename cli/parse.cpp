@@ -61,6 +61,18 @@ double parse_positive(const std::string& option, const std::string& text) {
   return value;
 }
 
+double parse_not_negative(const std::string& option, const std::string& text) {
+  const double value = parse_number(option, text);
+  if (!(value >= 0)) reject(option, text, "must be zero or more");
+  return value;
+}
+
+double parse_degrees(const std::string& option, const std::string& text, double most) {
+  const double value = parse_number(option, text);
+  if (!(value >= 0 && value <= most)) reject(option, text, "give degrees from 0 to " + number(most));
+  return value;
+}
+
 std::int64_t parse_count(const std::string& option, const std::string& text, std::int64_t least, std::int64_t most) {
   const auto value = whole_text<std::int64_t>(text);
   if (!value || *value < least || *value > most)

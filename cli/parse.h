@@ -25,6 +25,10 @@ struct Thickness {
 double parse_number(const std::string& option, const std::string& text);
 /// A finite number above zero.
 double parse_positive(const std::string& option, const std::string& text);
+/// A finite number, zero or above.
+double parse_not_negative(const std::string& option, const std::string& text);
+/// Degrees in [0, most].
+double parse_degrees(const std::string& option, const std::string& text, double most);
 /// A whole number in [least, most].
 std::int64_t parse_count(const std::string& option, const std::string& text, std::int64_t least, std::int64_t most);
 /// One positive number for all axes, or three.

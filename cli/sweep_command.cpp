@@ -48,7 +48,7 @@ void add_sweep(CLI::App& program) {
   command->bodies.add_to(*verb);
   Motion& motion = command->motion;
   add_pose(*verb, "--from", "where B starts: x,y,z; x,y,z,ax,ay,az,degrees; or a 3x4 matrix", motion.from);
-  add_pose(*verb, "--to", "where B ends", motion.to)->required();
+  add_pose(*verb, "--to", "where B ends; it turns the shorter way round", motion.to)->required();
   using S = const std::string&;
   add_parsed(*verb, {"--center", "X,Y,Z", "the point of B that goes straight (default 0,0,0)", "Place"},
              [&motion](S o, S t) { motion.center = parse_point(o, t); });

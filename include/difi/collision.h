@@ -125,10 +125,11 @@ Contacts contacts(const CollisionModel& a, const Pose& pose_a, const CollisionMo
                   const ContactOptions& options = {});
 
 /// A rigid motion during time 0 to 1: the rotation turns evenly about one axis through the body's point `center`, which
-/// itself moves evenly on a straight line. At both ends the body is at the poses given.
+/// itself moves evenly on a straight line. At both ends the body is at the poses given. Poses do not tell how often a
+/// body turns: it takes the shorter way round, half a turn at the most; ask for longer ones in parts.
 struct Motion {
   Pose from, to;
-  Vec3 center;  ///< of the body
+  Vec3 center;  ///< of the body; at most 1e15 from its origin
 };
 
 /// The pose at time t in [0, 1].

@@ -19,7 +19,7 @@ namespace {
 
 void check(const CollideOptions& options) {
   if (!(options.margin >= 0) || !(options.margin <= 1e30))
-    throw Error(ErrorCode::usage, "collide: the margin must be zero or more, and finite");
+    throw Error(ErrorCode::usage, "collide: the margin must be from 0 to 1e30");
 }
 
 Collided collide_checked(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,

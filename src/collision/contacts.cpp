@@ -151,7 +151,7 @@ class Gather {
 void check(const ContactOptions& options) {
   if (options.most < 1) throw Error(ErrorCode::usage, "contacts: the number of contacts must be one or more");
   if (!(options.margin >= 0) || !(options.margin <= 1e30))
-    throw Error(ErrorCode::usage, "contacts: the margin must be zero or more, and finite");
+    throw Error(ErrorCode::usage, "contacts: the margin must be from 0 to 1e30");
 }
 
 }  // namespace

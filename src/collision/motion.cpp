@@ -57,9 +57,12 @@ Vec3 turned(Vec3 v, Vec3 axis, double angle_rad) {
 
 Course::Course(const Motion& m)
     : motion(m),
-      turn(m.from.rotation == m.to.rotation ? Turn{} : turn_of(times_transposed(m.to.rotation, m.from.rotation))),
-      center(apply(m.from, m.center)),
-      velocity(apply(m.to, m.center) - center) {}
+      turn(m.from.rotation == m.to.rotation ? Turn{} : turn_of(times_transposed(m.to.rotation, m.from.rotation))) {
+  // Without a turn all points go straight, and a centre far away would only bring its rounding.
+  if (m.from.rotation == m.to.rotation) motion.center = {};
+  center = apply(m.from, motion.center);
+  velocity = apply(m.to, motion.center) - center;
+}
 
 Pose Course::at(double t) const {
   if (t <= 0) return motion.from;

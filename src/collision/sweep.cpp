@@ -245,13 +245,15 @@ class Follow {
 
 void check(const SweepOptions& options) {
   if (!(options.tolerance > 0) || !(options.tolerance <= 1e30))
-    throw Error(ErrorCode::usage, "sweep: the tolerance must be positive and finite");
+    throw Error(ErrorCode::usage, "sweep: the tolerance must be above 0 and at most 1e30");
 }
 
 void check(const Motion& motion) {
   validate(motion.from);
   validate(motion.to);
-  if (!is_finite(motion.center)) throw Error(ErrorCode::usage, "sweep: the motion's center is not finite");
+  const Vec3 c = motion.center;
+  if (!is_finite(c) || std::max({std::abs(c.x), std::abs(c.y), std::abs(c.z)}) > 1e15)
+    throw Error(ErrorCode::usage, "sweep: the motion's center is not finite or past 1e15; give a point of the body");
 }
 
 // How far a point of the body is at the end from where the even turn leads it: rotations need only nearly be some.

@@ -34,11 +34,19 @@ TEST_F(CollisionVerbs, DistanceAndSweep) {
   const Json near = done(words("distance scene:box scene:box --pose 5,0,0 --json")).json();
   EXPECT_DOUBLE_EQ(near["upper"].get<double>(), 3);
   EXPECT_DOUBLE_EQ(near["lower"].get<double>(), 3);
-  EXPECT_EQ(done(words("distance scene:box scene:box --pose 5,0,0 --limit 2")).out, "farther than 2\n");
+  EXPECT_EQ(done(words("distance scene:box scene:box --pose 5,0,0 --limit 2")).out, "at least 2, the limit\n");
   const Json swept = done(words("sweep scene:box scene:box --from 5,0,0 --to -5,0,0 --json")).json();
   EXPECT_EQ(swept["hit"], true);
   EXPECT_NEAR(swept["time"].get<double>(), 0.3, 1e-5);
   EXPECT_EQ(done(words("sweep scene:box scene:box --from 5,9,0 --to -5,9,0")).out, "free all the way\n");
+}
+
+TEST_F(CollisionVerbs, ZeroIsAsGoodAsTheDefault) {
+  EXPECT_EQ(done(words("collide scene:box scene:box --pose 2.5,0,0 --margin 0")).out, "free\n");
+  EXPECT_TRUE(done(words("distance scene:box scene:box --pose 5,0,0 --tolerance 0")).out.starts_with("3 from"));
+  EXPECT_EQ(done(words("fly --labyrinth scene:labyrinth:20000 --fly scene:box --steps 3 --no-check --json"))
+                .json()["wall_crossings"],
+            Json());
 }
 
 TEST_F(CollisionVerbs, BodiesAreBuiltOnceForEveryQuestion) {
@@ -122,6 +130,11 @@ TEST_F(CollisionVerbs, ErrorsSayWhatToDo) {
   expect("sweep scene:box scene:box", 2, "--to");
   expect("sweep scene:box scene:box --to 1,0,0 --tolerance 0", 2, "--tolerance '0': must be above zero");
   expect("fly --steps 10 --path a.txt", 2, "cannot write .txt here; use .csv or .ply");
+  // The labyrinth was once lost for its path.
+  done(words("generate box -o room.ply"));
+  expect("fly --steps 5 --labyrinth room.ply --path room.ply -f", 2, "room.ply: it is an input");
+  expect("fly --steps 5 --scatter 181", 2, "--scatter '181': give degrees from 0 to 180");
+  expect("sweep scene:box scene:box --to 1,0,0 --center 1e16,0,0", 2, "past 1e15");
   expect("fly --mode fast", 2, "--mode 'fast': give sweep or thesis");
 }
 

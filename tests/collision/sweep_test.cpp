@@ -68,6 +68,24 @@ TEST(Sweep, TheLargerBodyMoves) {
   expect_sound(ball_mesh(0.4, 2), ball_mesh(1, 3), 100, 2, 4, 0, 6);
 }
 
+// A straight way is the same whatever point of the body is said to go straight: a far one once brought its rounding,
+// and the body through the wall.
+TEST(Sweep, AStraightWayDoesNotDependOnTheCenter) {
+  Mesh wall;
+  add_triangle(wall, {0, -9, -9}, {0, 9, -9}, {0, 0, 9});
+  const CollisionModel resting(wall), box(ball_mesh(0.5, 2));
+  Motion motion;
+  motion.from.translation = {-10, 0, 0}, motion.to.translation = {10, 0, 0};
+  const Swept near = sweep(resting, {}, box, motion);
+  ASSERT_TRUE(near.hit);
+  motion.center = {1e15, -1e15, 3};
+  const Swept far = sweep(resting, {}, box, motion);
+  EXPECT_TRUE(far.hit);
+  EXPECT_EQ(far.time, near.time);
+  motion.center.x = 2e15;
+  EXPECT_THROW(sweep(resting, {}, box, motion), Error);
+}
+
 // The tip of a hand that turns about z starts along a wall and curves into it: at first it comes no nearer at all.
 TEST(Sweep, AHandThatStartsAlongAWallMeetsIt) {
   Mesh wall;
