@@ -3,10 +3,10 @@
 
 #include <cstdint>
 
+#include "collision/big_vector.h"
 #include "collision/packets.h"
 #include "difi/field.h"
 #include "difi/mesh.h"
-#include "field/big_memory.h"
 
 namespace difi::collision {
 

@@ -19,8 +19,8 @@ struct CollisionModel::Data {
   collision::FieldBounds field;
   collision::FieldView view{};  ///< of `field`
   collision::Tree tree;
-  BigVector<Corners> corners;      ///< of the triangles, in tree order
-  collision::DeviceCopies copies;  ///< what GPUs keep of all this
+  collision::BigVector<Corners> corners;  ///< of the triangles, in tree order
+  collision::DeviceCopies copies;         ///< what GPUs keep of all this
 
   /// Everything that follows from mesh, field and tree order. Called once all three are there.
   void finish();

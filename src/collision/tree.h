@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "collision/big_vector.h"
 #include "collision/packets.h"
 #include "collision/triangle_pair.h"
 #include "difi/mesh.h"
-#include "field/big_memory.h"
 
 namespace difi::collision {
 
