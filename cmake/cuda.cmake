@@ -1,5 +1,4 @@
 # The GPU backend: on CUDA where nvcc is found, and always emulated on the CPU.
-include(cmake/cuda_flags.cmake)
 
 # Sanitizers and coverage watch the emulation instead.
 if(DIFI_WITH_CUDA AND NOT DIFI_SANITIZE AND NOT DIFI_COVERAGE)
@@ -11,11 +10,7 @@ if(DIFI_WITH_CUDA AND CMAKE_CUDA_COMPILER AND NOT DIFI_SANITIZE AND NOT DIFI_COV
     set(CMAKE_CUDA_ARCHITECTURES 75-real;80-real;86-real;89-real;90 CACHE STRING "GPUs to compile for; the last as PTX too")
   endif()
   enable_language(CUDA)
-  # CMake before 3.27 does not know how nvcc is told C++20.
-  if(NOT CMAKE_CUDA20_STANDARD_COMPILE_OPTION)
-    set(CMAKE_CUDA20_STANDARD_COMPILE_OPTION -std=c++20)
-    set(CMAKE_CUDA20_EXTENSION_COMPILE_OPTION -std=c++20)
-  endif()
+  include(cmake/cuda_flags.cmake)
   # The target is older than these, so it is told by name.
   set_target_properties(difi PROPERTIES CUDA_ARCHITECTURES "${CMAKE_CUDA_ARCHITECTURES}" CUDA_STANDARD 20)
   # The runtime is linked by name, so that those who link an installed static library are told of it.

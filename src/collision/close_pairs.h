@@ -16,7 +16,7 @@ class ClosePairs {
   /// false. False when it did.
   template <class Use>
   bool visit(std::uint32_t packet, Use use) {
-    if (front_count_ == 0) find_front();
+    if (front_level_ < 0) find_front();
     kernels_.place_faces(pair_.place, pair_.tree.body->tree.faces[packet], limit_, placed_, boxes_, all_);
     const auto count = static_cast<std::uint32_t>(pair_.tree.body->tree.order.size()) - packet * kLanes;
     packet_ = packet;
@@ -129,8 +129,8 @@ class ClosePairs {
   const Pair& pair_;
   const Kernels& kernels_;
   const float limit_;
-  // Nodes of one level and their boxes; none before the first visit.
-  int front_level_ = 0, front_count_ = 0;
+  // Nodes of one level and their boxes; no level before the first visit.
+  int front_level_ = -1, front_count_ = 0;
   std::uint32_t front_[kFront];
   Boxes front_boxes_[kFront / kLanes];
   // The packet at work, in the field's frame.

@@ -41,13 +41,13 @@ class Gather {
       : pair_(pair),
         kernels_(kernels()),
         margin_(options.margin),
-        limit_(static_cast<float>(options.margin) * 1.000001f + pair.slack),
+        limit_(pair.limit(options.margin)),
         most_(static_cast<std::size_t>(options.most)),
         close_(pair, kernels_, limit_),
         batch_(pair, kernels_) {}
 
   Contacts run() {
-    if (pair_.root_gap() > margin_ + pair_.slack) return {};
+    if (pair_.apart(margin_)) return {};
     find_packets(pair_.tree.body->tree.top(), 0);
     packets_ = spread(packets_);
     std::size_t next = 0;

@@ -66,6 +66,7 @@ FloatBox Pair::region(float by) const {
   for (int axis = 0; axis < 3; ++axis) {
     const double* r = &relative.rotation[3 * axis];
     const double reach = std::abs(r[0]) * half.x + std::abs(r[1]) * half.y + std::abs(r[2]) * half.z;
+    // Beyond `by`, what it holds may be placed off by the slack.
     box.min[axis] = static_cast<float>(at[axis] - reach) - by - slack;
     box.max[axis] = static_cast<float>(at[axis] + reach) + by + slack;
   }

@@ -10,6 +10,7 @@
 #include <bit>
 #include <cmath>
 
+#include "collision/ball_bound.h"
 #include "collision/batch.h"
 #include "collision/motion.h"
 #include "collision/sweep_on_device.h"
@@ -137,15 +138,12 @@ class Follow {
     const Vec3 offset = relative_.offset({balls.center[0][n], balls.center[1][n], balls.center[2][n]});
     const double speed = relative_.speed(offset);
     if (!(speed > 0)) return 2;
-    alignas(64) float center[3][kLanes] = {}, radius[kLanes], gap[kLanes];
-    std::fill_n(radius, kLanes, -kNothing);
-    radius[0] = balls.radius[n];
+    const float radius = balls.radius[n];
     while (t < end()) {
       const Vec3 x = relative_.at(offset, t);
-      center[0][0] = static_cast<float>(x.x), center[1][0] = static_cast<float>(x.y),
-      center[2][0] = static_cast<float>(x.z);
-      kernels_.gaps_at(pair_.field.body->view, center, radius, enough_, gap);
-      const float step = gap[0] * (1 - 1e-6f) - keep_;
+      const float gap = gap_of_ball(pair_.field.body->view, static_cast<float>(x.x), static_cast<float>(x.y),
+                                    static_cast<float>(x.z), radius, enough_);
+      const float step = gap * (1 - 1e-6f) - keep_;
       if (step > 0) t += step / speed;
       if (!(step > kWorthATrianglesStep * enough_)) break;
     }
@@ -271,11 +269,6 @@ double jump_at_end(const Course& course, const CollisionModel::Data& body) {
   return std::sqrt(off_sq) * (length(body.middle - m.center) + body.radius);
 }
 
-Swept sweep_checked(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Motion& motion,
-                    const SweepOptions& options) {
-  return sweep_exactly(a, pose_a, b, motion, options.tolerance);
-}
-
 }  // namespace
 
 // Times near 1 are rounded by 1e-16, which counts on very long ways: so much the place of a body on its way is
@@ -283,7 +276,7 @@ Swept sweep_checked(const CollisionModel& a, const Pose& pose_a, const Collision
 float distance_kept(const Pair& pair, const Course& course, double tolerance) {
   const double turning = course.turn.angle_rad * length(course.motion.center);
   const double rounding = 4 * kTimeRounding * (length(course.velocity) + length(course.center) + turning);
-  return static_cast<float>(tolerance) * 1.000001f + pair.slack + static_cast<float>(rounding);
+  return pair.limit(tolerance) + static_cast<float>(rounding);
 }
 
 // All the way they were half the tolerance apart; what jumps less has not met.
@@ -313,7 +306,7 @@ Swept sweep(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b
   collision::check(options);
   collision::check(motion);
   validate(pose_a);
-  return collision::sweep_checked(a, pose_a, b, motion, options);
+  return collision::sweep_exactly(a, pose_a, b, motion, options.tolerance);
 }
 
 std::vector<Swept> sweep_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
@@ -322,7 +315,7 @@ std::vector<Swept> sweep_all(const CollisionModel& a, const Pose& pose_a, const 
   for (const Motion& motion : motions) collision::check(motion);
   validate(pose_a);
   return collision::for_each<Swept>(motions.size(), threads, [&](std::size_t n) {
-    return collision::sweep_checked(a, pose_a, b, motions[n], options);
+    return collision::sweep_exactly(a, pose_a, b, motions[n], options.tolerance);
   });
 }
 

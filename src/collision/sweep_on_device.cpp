@@ -12,6 +12,16 @@ namespace {
 // Motions at a time: enough to fill any GPU, at some 200 bytes each.
 constexpr std::size_t kPiece = std::size_t{1} << 17;
 
+struct Prepared {
+  SweepQuery query;
+  bool jumps;  ///< the last pose must be looked at
+};
+
+// Only what is free all the way, and does not jump after it, needs no CPU.
+bool decided(const Prepared& motion, const SweepAnswer& answer) {
+  return answer.verdict == Verdict::free && !motion.jumps;
+}
+
 }  // namespace
 
 std::vector<Swept> sweep_on_device(const DeviceRow& row, const CollisionModel& a, const Pose& pose_a,
@@ -22,11 +32,15 @@ std::vector<Swept> sweep_on_device(const DeviceRow& row, const CollisionModel& a
   const Pair bodies(a, pose_a, b, {});  // which of them gives its field does not depend on motions
   for (std::size_t first = 0; first < motions.size(); first += kPiece) {
     const auto piece = motions.subspan(first, std::min(kPiece, motions.size() - first));
-    const auto queries = for_each<SweepQuery>(piece.size(), batch.threads, [&](std::size_t n) {
+    const auto prepared = for_each<Prepared>(piece.size(), batch.threads, [&](std::size_t n) {
       const Course course(piece[n]);
       const Pair pair(a, pose_a, b, piece[n].from);
-      return SweepQuery{RelativeMotion(pair, course).way(), distance_kept(pair, course, tolerance)};
+      return Prepared{{RelativeMotion(pair, course).way(), distance_kept(pair, course, tolerance)},
+                      may_jump_at_end(course, b, tolerance)};
     });
+    std::vector<SweepQuery> queries;
+    queries.reserve(prepared.size());
+    for (const Prepared& one : prepared) queries.push_back(one.query);
     std::vector<SweepAnswer> answers(piece.size());
     row.sweep({.field = *bodies.field.body,
                .tree = *bodies.tree.body,
@@ -35,14 +49,14 @@ std::vector<Swept> sweep_on_device(const DeviceRow& row, const CollisionModel& a
                .device = batch.device,
                .stack = stack});
     const auto found = for_each<Swept>(piece.size(), batch.threads, [&](std::size_t n) {
-      if (answers[n].verdict == Verdict::free && !may_jump_at_end(Course(piece[n]), b, tolerance)) return Swept{};
-      return sweep_exactly(a, pose_a, b, piece[n], tolerance);
+      return decided(prepared[n], answers[n]) ? Swept{} : sweep_exactly(a, pose_a, b, piece[n], tolerance);
     });
     results.insert(results.end(), found.begin(), found.end());
-    for (const SweepAnswer& answer : answers) {
-      report.on_device += answer.verdict == Verdict::free;
-      report.undecided += answer.verdict == Verdict::undecided;
-      report.overflowed += answer.verdict == Verdict::overflow;
+    for (std::size_t n = 0; n < answers.size(); ++n) {
+      const bool overflowed = answers[n].verdict == Verdict::overflow;
+      report.on_device += decided(prepared[n], answers[n]);
+      report.undecided += !overflowed && !decided(prepared[n], answers[n]);
+      report.overflowed += overflowed;
     }
   }
   return results;

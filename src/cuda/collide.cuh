@@ -172,13 +172,7 @@ class PoseSearch {
 /// Warps take one pose after the other.
 __global__ void __launch_bounds__(kCollideThreads) collide_poses(CollideTask task) {
   __shared__ SearchRoom rooms[kCollideThreads / 32];
-  SearchRoom& room = rooms[threadIdx.x / 32];
-  for (;;) {
-    const std::uint32_t n = take_query(task.next);
-    if (n >= task.count) return;
-    const PoseAnswer answer = PoseSearch(task, task.queries[n], room).run();
-    if (lane_in_warp() == 0) task.answers[n] = answer;
-  }
+  answer_queries<PoseSearch>(task, rooms);
 }
 
 /// Decides a batch on the current device.

@@ -15,6 +15,17 @@ DIFI_DEVICE std::uint32_t take_query(std::uint32_t* next) {
   return __shfl_sync(kWarp, n, 0);
 }
 
+/// Answers queries until none is left, a warp each: its search of a task, a query and the warp's room.
+template <class Search, class Task, class Room>
+DIFI_DEVICE void answer_queries(const Task& task, Room* rooms) {
+  for (;;) {
+    const std::uint32_t n = take_query(task.next);
+    if (n >= task.count) return;
+    const auto answer = Search(task, task.queries[n], rooms[threadIdx.x / 32]).run();
+    if (lane_in_warp() == 0) task.answers[n] = answer;
+  }
+}
+
 /// Runs a kernel over queries on the current device. make_task gets queries, answers and a counter in device memory.
 template <unsigned kThreads, class Task, class Query, class Answer, class MakeTask>
 void run_queries(const char* label, void (*kernel)(Task), std::span<const Query> queries, std::span<Answer> answers,

@@ -207,13 +207,7 @@ class MotionSearch {
 /// Warps take one motion after the other.
 __global__ void __launch_bounds__(kSweepThreads) advance_motions(SweepTask task) {
   __shared__ SweepRoom rooms[kSweepThreads / 32];
-  SweepRoom& room = rooms[threadIdx.x / 32];
-  for (;;) {
-    const std::uint32_t n = take_query(task.next);
-    if (n >= task.count) return;
-    const SweepAnswer answer = MotionSearch(task, task.queries[n], room).run();
-    if (lane_in_warp() == 0) task.answers[n] = answer;
-  }
+  answer_queries<MotionSearch>(task, rooms);
 }
 
 inline void run_sweep(const collision::SweepJob& job, Backend backend) {

@@ -7,6 +7,7 @@
 
 #include "collision/triangle_pair.h"
 #include "difi/collision.h"
+#include "tests/support/error_code.h"
 #include "tests/support/random_mesh.h"
 
 namespace difi::testing {
@@ -65,17 +66,6 @@ inline Mesh one_triangle(Vec3 a, Vec3 b, Vec3 c) {
   Mesh mesh;
   add_triangle(mesh, a, b, c);
   return mesh;
-}
-
-/// What a call throws; internal where it throws nothing.
-template <class Call>
-ErrorCode code_of(Call call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    return error.code();
-  }
-  return ErrorCode::internal;
 }
 
 }  // namespace difi::testing

@@ -184,15 +184,6 @@ TEST(CudaCollide, ThePublicCallSaysWhatItDid) {
   EXPECT_EQ(report.backend, "cpu");
 }
 
-ErrorCode code_of(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    return error.code();
-  }
-  return ErrorCode::internal;
-}
-
 TEST(CudaCollide, Errors) {
   const CollisionModel a(ball_mesh(1, 2));
   std::vector<Pose> poses(3);

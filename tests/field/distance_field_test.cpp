@@ -10,11 +10,13 @@
 #include <vector>
 
 #include "difi/error.h"
+#include "tests/support/error_code.h"
 #include "tests/support/fields.h"
 
 namespace difi {
 namespace {
 
+using testing::code_of;
 using testing::for_each_sample;
 using testing::kInfinity;
 
@@ -36,15 +38,6 @@ DistanceField linear_field(const Grid& grid) {
   for_each_sample(
       grid, [&](auto i, auto j, auto k) { values.push_back(static_cast<float>(linear(grid.position(i, j, k)))); });
   return DistanceField::from_dense(grid, kInfinity, values);
-}
-
-ErrorCode code_of(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    return error.code();
-  }
-  return ErrorCode::internal;
 }
 
 TEST(DistanceField, NewOnesAreFarEverywhere) {

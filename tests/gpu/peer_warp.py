@@ -18,30 +18,31 @@ import warp as wp
 LEAST_RUNS, MOST_RUNS, ENOUGH_MS = 3, 20, 3000
 
 
-@wp.kernel
-def query_unsigned(mesh: wp.uint64, origin: wp.vec3, spacing: wp.vec3, nx: int, ny: int, thickness: float,
-                   values: wp.array(dtype=float)):
-    n = wp.tid()
-    at = wp.vec3(float(n % nx), float((n // nx) % ny), float(n // (nx * ny)))
-    p = origin + wp.cw_mul(spacing, at)
-    found = wp.mesh_query_point_no_sign(mesh, p, thickness)
+@wp.func
+def position(n: int, origin: wp.vec3, spacing: wp.vec3, nx: int, ny: int):
+    return origin + wp.cw_mul(spacing, wp.vec3(float(n % nx), float((n // nx) % ny), float(n // (nx * ny))))
+
+
+@wp.func
+def distance(mesh: wp.uint64, p: wp.vec3, found: wp.MeshQueryPoint, thickness: float):
     d = thickness
     if found.result:
         d = wp.min(thickness, wp.length(wp.mesh_eval_position(mesh, found.face, found.u, found.v) - p))
-    values[n] = d
+    return d
+
+
+@wp.kernel
+def query_unsigned(mesh: wp.uint64, origin: wp.vec3, spacing: wp.vec3, nx: int, ny: int, thickness: float,
+                   values: wp.array(dtype=float)):
+    p = position(wp.tid(), origin, spacing, nx, ny)
+    values[wp.tid()] = distance(mesh, p, wp.mesh_query_point_no_sign(mesh, p, thickness), thickness)
 
 
 @wp.kernel
 def query_signed(mesh: wp.uint64, origin: wp.vec3, spacing: wp.vec3, nx: int, ny: int, thickness: float,
                  values: wp.array(dtype=float)):
-    n = wp.tid()
-    at = wp.vec3(float(n % nx), float((n // nx) % ny), float(n // (nx * ny)))
-    p = origin + wp.cw_mul(spacing, at)
-    found = wp.mesh_query_point(mesh, p, thickness)
-    d = thickness
-    if found.result:
-        d = wp.min(thickness, wp.length(wp.mesh_eval_position(mesh, found.face, found.u, found.v) - p))
-    values[n] = d
+    p = position(wp.tid(), origin, spacing, nx, ny)
+    values[wp.tid()] = distance(mesh, p, wp.mesh_query_point(mesh, p, thickness), thickness)
 
 
 QUERIES = {"mesh_query_point_no_sign": query_unsigned, "mesh_query_point": query_signed}

@@ -1,0 +1,19 @@
+// Which error a call ends in.
+#pragma once
+
+#include "difi/error.h"
+
+namespace difi::testing {
+
+/// The code of the difi::Error that the call throws; internal where it throws none.
+template <class Call>
+ErrorCode code_of(Call call) {
+  try {
+    call();
+  } catch (const Error& error) {
+    return error.code();
+  }
+  return ErrorCode::internal;
+}
+
+}  // namespace difi::testing
