@@ -1,39 +1,22 @@
-// Where two surfaces touch. Packets of the tree's triangles that may touch are gone through in an order that jumps over
-// the whole contact area; the pairs they give are decided in turns, one of each packet after the other, until there are
-// enough.
+// Where two surfaces touch. Packets of the tree's triangles that may touch come in an order that jumps over the whole
+// contact area; the pairs they give are decided in turns, one of each packet after the other, until there are enough.
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include "collision/batch.h"
 #include "collision/close_pairs.h"
 #include "collision/pair_batch.h"
+#include "collision/spread_walk.h"
 
 namespace difi {
 namespace collision {
 namespace {
 
-// Packets whose pairs take turns, at least: more would spread the contacts better, but each has to be looked up.
+// Packets whose pairs take turns: more would spread the contacts better, but each has to be looked up.
 constexpr std::size_t kTakeTurns = 32;
 
 // Packets asked for from memory before they are looked up.
 constexpr std::size_t kAhead = 2;
-
-// The packets in the order of their numbers with the bits turned around: each falls into the largest gap the ones
-// before it have left.
-std::vector<std::uint32_t> spread(const std::vector<std::uint32_t>& packets) {
-  std::vector<std::uint32_t> result;
-  result.reserve(packets.size());
-  const std::size_t end = std::bit_ceil(packets.size());
-  std::size_t at = 0;
-  for (std::size_t number = 0; number < end; ++number) {
-    if (at < packets.size()) result.push_back(packets[at]);
-    std::size_t bit = end / 2;  // one is added from the other end
-    for (; (at & bit) != 0; bit /= 2) at ^= bit;
-    at |= bit;
-  }
-  return result;
-}
 
 class Gather {
  public:
@@ -43,22 +26,15 @@ class Gather {
         margin_(options.margin),
         limit_(pair.limit(options.margin)),
         most_(static_cast<std::size_t>(options.most)),
+        some_(std::max<std::size_t>(2 * most_ / kTakeTurns, kPairs)),
+        walk_(pair, kernels_, limit_, kTakeTurns),
         close_(pair, kernels_, limit_),
         batch_(pair, kernels_) {}
 
   Contacts run() {
     if (pair_.apart(margin_)) return {};
-    find_packets(pair_.tree.body->tree.top(), 0);
-    packets_ = spread(packets_);
-    std::size_t next = 0;
-    do {
-      candidates_.clear();
-      ends_.clear();
-      for (; next < packets_.size() && !enough(next); ++next) {
-        if (next + kAhead < packets_.size()) fetch(pair_.tree.body->tree.faces[packets_[next + kAhead]]);
-        look_up(packets_[next]);
-      }
-    } while (decide_in_turns() && next < packets_.size());
+    while (look_up_some() && decide_in_turns()) {
+    }
     return std::move(result_);
   }
 
@@ -66,34 +42,61 @@ class Gather {
   struct Candidate {
     std::uint32_t field_place, tree_place;
   };
+  static constexpr std::size_t kAll = static_cast<std::size_t>(-1);
 
-  void find_packets(int level, std::uint32_t packet) {
-    if (level == 0) return packets_.push_back(packet);
-    alignas(64) float gap[kLanes];
-    kernels_.gaps(pair_.field.body->view, pair_.place, pair_.tree.body->tree.levels[level].balls[packet], limit_, gap);
-    for (int n = 0; n < kLanes; ++n)
-      if (gap[n] <= limit_) find_packets(level - 1, packet * kLanes + n);
-  }
-
-  // About every second candidate turns out to touch.
-  bool enough(std::size_t looked_up) const {
-    return looked_up >= kTakeTurns && candidates_.size() / 2 > most_ - result_.contacts.size();
-  }
+  // There are more candidates than `times` the contacts that are still wanted.
+  bool exceed(std::size_t times) const { return candidates_.size() / times > most_ - result_.contacts.size(); }
 
   // Packets come here because they reach the surface: asking the field for each triangle would cost more than it saves.
-  void look_up(std::uint32_t packet) {
-    close_.visit(packet, [this](std::uint32_t field_place, std::uint32_t tree_place) {
-      fetch(pair_.field.body->corners[field_place]);
-      fetch(pair_.tree.body->corners[tree_place]);
-      candidates_.push_back({field_place, tree_place});
+  // About every second candidate turns out to touch; once there are far more, the next packets only add some of theirs,
+  // for the sake of spread. False when there is nothing left to look up.
+  bool look_up_some() {
+    candidates_.clear();
+    ends_.clear();
+    const std::size_t before = looked_up_;
+    for (; looked_up_ < kTakeTurns || !exceed(2); ++looked_up_) {
+      while (packets_.size() <= next_ + kAhead && walk_on()) {
+      }
+      if (next_ < packets_.size()) {
+        const std::uint32_t packet = packets_[next_++];
+        if (!look_up(packet, 0, exceed(2) ? some_ : kAll)) cut_short_.push_back(packet);
+      } else if (!cut_short_.empty()) {
+        look_up(cut_short_.back(), some_, kAll);
+        cut_short_.pop_back();
+      } else {
+        break;
+      }
+    }
+    return looked_up_ > before;
+  }
+
+  // Asks the memory for the next packet. False when there is none.
+  bool walk_on() {
+    const auto packet = walk_.next();
+    if (packet) fetch(pair_.tree.body->tree.faces[packets_.emplace_back(*packet)]);
+    return packet.has_value();
+  }
+
+  // Takes a packet's candidates from the `first` to before the `last`. False when there are more.
+  bool look_up(std::uint32_t packet, std::size_t first, std::size_t last) {
+    const std::size_t before = candidates_.size();
+    std::size_t seen = 0;
+    const bool whole = close_.visit(packet, [&](std::uint32_t field_place, std::uint32_t tree_place) {
+      if (seen == last) return false;
+      if (seen++ >= first) {
+        fetch(pair_.field.body->corners[field_place]);
+        fetch(pair_.tree.body->corners[tree_place]);
+        candidates_.push_back({field_place, tree_place});
+      }
       return true;
     });
-    if (candidates_.size() > (ends_.empty() ? 0 : ends_.back())) ends_.push_back(candidates_.size());
+    if (candidates_.size() > before) ends_.push_back(candidates_.size());
+    return whole;
   }
 
   // False when there are more contacts than wanted.
   bool decide_in_turns() {
-    result_.contacts.reserve(std::min(most_, result_.contacts.size() + candidates_.size()));
+    if (result_.contacts.empty()) result_.contacts.reserve(std::min(most_, candidates_.size()));
     for (std::size_t turn = 0, left = ends_.size(); left > 0; ++turn) {
       left = 0;
       for (std::size_t n = 0; n < ends_.size(); ++n) {
@@ -139,10 +142,13 @@ class Gather {
   const Kernels& kernels_;
   const double margin_;
   const float limit_;
-  const std::size_t most_;
+  const std::size_t most_, some_;
+  SpreadWalk walk_;
+  std::vector<std::uint32_t> packets_;  // in the order of the walk
+  std::size_t next_ = 0, looked_up_ = 0;
+  std::vector<std::uint32_t> cut_short_;  // those that have more than some_ candidates
   ClosePairs close_;
   PairBatch batch_;
-  std::vector<std::uint32_t> packets_;
   std::vector<Candidate> candidates_;  // of some packets, one packet after the other
   std::vector<std::size_t> ends_;      // where each packet's candidates end
   Contacts result_;

@@ -80,9 +80,17 @@ bool touches(const Vec3& p, const Vec3& q, int from, int to, const Corners& t) {
 
 Vec3 face_normal(const Corners& t) { return cross(t[1] - t[0], t[2] - t[0]); }
 
+// A corner that both have; neighbours in one mesh, and bodies that lie in the same place, have one.
+const Vec3* common_corner(const Corners& p, const Corners& q) {
+  for (const Vec3& corner : p)
+    if (corner == q[0] || corner == q[1] || corner == q[2]) return &corner;
+  return nullptr;
+}
+
 }  // namespace
 
 bool triangles_touch(const Corners& p, const Corners& q) {
+  if (common_corner(p, q)) return true;
   int of_p[3], of_q[3];
   for (int n = 0; n < 3; ++n) of_p[n] = orient3d(q[0], q[1], q[2], p[n]);
   if (std::abs(of_p[0] + of_p[1] + of_p[2]) == 3) return false;
@@ -124,6 +132,8 @@ Overlap overlap(const Corners& p, const Corners& q) {
   add_crossings(q, p);
   if (count > 0) {
     result.point = sum * (1.0 / count);
+  } else if (const Vec3* const corner = common_corner(p, q)) {
+    result.point = *corner;
   } else {  // in one plane, or touching at less than rounding can tell
     const ClosestPair pair = closest_points(p, q);
     result.point = (pair.on_p + pair.on_q) * 0.5;

@@ -1,6 +1,9 @@
 // Contacts against every pair of triangles.
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
+#include <map>
 #include <set>
 
 #include "difi/collision.h"
@@ -67,22 +70,82 @@ TEST(Contacts, AreAllPairsThatTouch) {
 
 TEST(Contacts, AreAllPairsWithinTheMargin) { expect_as_brute_force(ball_mesh(1, 3), ball_mesh(0.5, 3), 50, 1, 0.1, 4); }
 
+// A flat plate of triangles in the middle of the world, its points moved by `height`.
+template <class Height>
+Mesh plate(int cells, double side, Height height) {
+  Mesh mesh;
+  const auto at = [&](int u, int v) {
+    const double s = side / cells;
+    return Vec3{u * s - side / 2, v * s - side / 2, height(u, v)};
+  };
+  for (int i = 0; i < cells; ++i)
+    for (int j = 0; j < cells; ++j) {
+      add_triangle(mesh, at(i, j), at(i + 1, j), at(i, j + 1));
+      add_triangle(mesh, at(i + 1, j), at(i + 1, j + 1), at(i, j + 1));
+    }
+  return mesh;
+}
+
+// However many are asked for, so many come, as long as there are any, and `overflow` tells whether there are more.
+void expect_so_many_as_wanted(const Mesh& a, const Mesh& b, std::size_t expected) {
+  const CollisionModel model_a(a), model_b(b);
+  const auto all = static_cast<std::int64_t>(expected);
+  for (const std::int64_t most : {std::int64_t{1}, std::int64_t{7}, std::int64_t{100}, all - 1, all, all + 1}) {
+    if (most < 1) continue;
+    const Contacts found = contacts(model_a, {}, model_b, {}, {.most = most});
+    EXPECT_EQ(found.contacts.size(), std::min(expected, static_cast<std::size_t>(most))) << "of " << most;
+    EXPECT_EQ(found.overflow, most < all) << "of " << most;
+    Pairs pairs;
+    for (const ContactPoint& c : found.contacts) {
+      EXPECT_TRUE(triangles_touch(corners_at(a, c.triangle_a, {}), corners_at(b, c.triangle_b, {})));
+      pairs.insert({c.triangle_a, c.triangle_b});
+    }
+    EXPECT_EQ(pairs.size(), found.contacts.size());
+  }
+}
+
+// In the same place each triangle touches itself and those it shares a corner with: of a plate's inner ones 13 in all.
+TEST(Contacts, OfBodiesInTheSamePlaceAreAllNeighbours) {
+  constexpr int kCells = 80;
+  const Mesh wave = plate(kCells, 2, [](int u, int v) { return 0.02 * std::sin(0.7 * u + 0.3 * v); });
+  // Pairs of triangles by their common corners: n at a corner make n^2, counted twice for edges, thrice for triangles.
+  const auto key = [](Vec3 p) { return std::array{p.x, p.y, p.z}; };
+  std::map<std::array<double, 3>, std::vector<std::uint32_t>> around;
+  for (std::uint32_t t = 0; t < wave.triangles.size(); ++t)
+    for (const Vec3& corner : corners_at(wave, t, {})) around[key(corner)].push_back(t);
+  Pairs pairs;
+  for (const auto& [corner, triangles] : around)
+    for (const std::uint32_t s : triangles)
+      for (const std::uint32_t t : triangles) pairs.insert({s, t});
+  expect_so_many_as_wanted(wave, wave, pairs.size());
+}
+
+void expect_all_of_a_sheet_on_a_floor(const Mesh& floor, const Mesh& sheet) {
+  std::size_t expected = 0;
+  for (std::uint32_t t = 0; t < sheet.triangles.size(); ++t) {
+    const Corners q = corners_at(sheet, t, {});
+    const auto [low, high] = std::minmax({q[0].z, q[1].z, q[2].z});
+    for (std::uint32_t s = 0; low <= 0 && high >= 0 && s < floor.triangles.size(); ++s)
+      expected += triangles_touch(corners_at(floor, s, {}), q);
+  }
+  EXPECT_GT(expected, 8u);
+  expect_so_many_as_wanted(floor, sheet, expected);
+}
+
+TEST(Contacts, AreFoundAmongManyThatNearlyTouch) {
+  constexpr int kCells = 80;
+  const Mesh floor = plate(kCells, 2, [](int, int) { return 0.0; });
+  // All over the plates rounding hides whether they touch: nearly all candidates of all packets turn out not to.
+  expect_all_of_a_sheet_on_a_floor(floor, plate(kCells, 2, [](int u, int v) { return u + v < 4 ? -0.01 : 1e-9; }));
+  // Some branches of the tree have many packets that touch, some few, and some none.
+  expect_all_of_a_sheet_on_a_floor(
+      floor, plate(kCells, 2, [](int u, int v) { return std::sin(0.4 * u) * std::sin(0.3 * v) + 0.01 * u - 0.2; }));
+}
+
 // A floor and a plate on it: the contacts reported come from all over the plate.
 TEST(Contacts, AreSpreadOverTheArea) {
-  const auto plate = [](int cells, double side, double tilt) {
-    Mesh mesh;
-    for (int i = 0; i < cells; ++i)
-      for (int j = 0; j < cells; ++j) {
-        const auto at = [&](int u, int v) {
-          const double s = side / cells;
-          return Vec3{u * s - side / 2, v * s - side / 2, (u + v) % 2 ? tilt : -tilt};
-        };
-        add_triangle(mesh, at(i, j), at(i + 1, j), at(i, j + 1));
-        add_triangle(mesh, at(i + 1, j), at(i + 1, j + 1), at(i, j + 1));
-      }
-    return mesh;
-  };
-  const CollisionModel floor(plate(80, 2, 0)), sheet(plate(60, 1, 0.01));
+  const CollisionModel floor(plate(80, 2, [](int, int) { return 0.0; })),
+      sheet(plate(60, 1, [](int u, int v) { return (u + v) % 2 ? 0.01 : -0.01; }));
   const Contacts found = contacts(floor, {}, sheet, {}, {.most = 64});
   EXPECT_TRUE(found.overflow);
   ASSERT_EQ(found.contacts.size(), 64u);

@@ -1,0 +1,123 @@
+// The packets of the tree's triangles that may reach the field's surface, in an order that jumps over the whole of it.
+// All of them are looked up at once where they are few; else some nodes of one level, which then give their packets in
+// turns, and so do their branches: of a large contact area no more is looked up than is asked for.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "collision/pair.h"
+
+namespace difi::collision {
+
+class SpreadWalk {
+ public:
+  /// Packets farther than `limit` are left out as far as their balls show it. At least `breadth` nodes take turns,
+  /// where there are as many.
+  SpreadWalk(const Pair& pair, const Kernels& kernels, float limit, std::size_t breadth)
+      : pair_(pair), kernels_(kernels), limit_(limit) {
+    int level = pair.tree.body->tree.top();
+    std::vector<std::uint32_t> front, below;
+    front.reserve(kLanes * breadth);
+    below.reserve(kLanes * breadth);
+    front.push_back(0);
+    for (; level > 0 && front.size() < breadth; --level) {
+      below.clear();
+      for (const std::uint32_t packet : front) add_branches(level, packet, below);
+      front.swap(below);
+    }
+    nodes_.reserve(2 * front.size());
+    all_ = spread(front, level);
+  }
+
+  /// The next packet of the lowest level; none when all have been given.
+  std::optional<std::uint32_t> next() { return next(all_); }
+
+ private:
+  // Nodes that stand together in nodes_, and whose turn it is.
+  struct Turns {
+    std::uint32_t first = 0, count = 0, now = 0;
+  };
+  struct Node {
+    std::uint32_t packet;
+    std::int16_t level;
+    bool open = false;
+    Turns branches;
+  };
+
+  std::optional<std::uint32_t> next(Turns& turns) {
+    while (turns.count > 0) {
+      if (turns.now == turns.count) turns.now = 0;
+      const std::uint32_t at = turns.first + turns.now;
+      if (nodes_[at].level == 0) {
+        const std::uint32_t packet = nodes_[at].packet;
+        leave(turns);
+        return packet;
+      }
+      if (!nodes_[at].open) open(at);
+      Turns branches = nodes_[at].branches;  // nodes_ may move
+      const auto packet = next(branches);
+      nodes_[at].branches = branches;
+      if (packet) {
+        ++turns.now;
+        return packet;
+      }
+      leave(turns);
+    }
+    return {};
+  }
+
+  // The one whose turn it is has nothing more to give.
+  void leave(Turns& turns) {
+    --turns.count;
+    if (turns.now == 0)
+      ++turns.first;
+    else
+      std::move(nodes_.begin() + turns.first + turns.now + 1, nodes_.begin() + turns.first + turns.count + 1,
+                nodes_.begin() + turns.first + turns.now);
+  }
+
+  void open(std::uint32_t at) {
+    std::vector<std::uint32_t> packets;
+    packets.reserve(kLanes);
+    add_branches(nodes_[at].level, nodes_[at].packet, packets);
+    nodes_[at].branches = spread(packets, nodes_[at].level - 1);
+    nodes_[at].open = true;
+  }
+
+  void add_branches(int level, std::uint32_t packet, std::vector<std::uint32_t>& packets) const {
+    alignas(64) float gap[kLanes];
+    kernels_.gaps(pair_.field.body->view, pair_.place, pair_.tree.body->tree.levels[level].balls[packet], limit_, gap);
+    for (std::uint32_t n = 0; n < kLanes; ++n) {
+      if (!(gap[n] <= limit_)) continue;
+      packets.push_back(packet * kLanes + n);
+      if (level > 1) fetch(pair_.tree.body->tree.levels[level - 1].balls[packets.back()]);
+    }
+  }
+
+  // Nodes in the order of their numbers with the bits turned around: each falls into the largest gap the ones before it
+  // have left.
+  Turns spread(const std::vector<std::uint32_t>& packets, int level) {
+    const auto count = static_cast<std::uint32_t>(packets.size()), end = std::bit_ceil(count);
+    const Turns turns{static_cast<std::uint32_t>(nodes_.size()), count};
+    std::uint32_t at = 0;
+    for (std::uint32_t number = 0; number < end; ++number) {
+      if (at < count) nodes_.push_back({packets[at], static_cast<std::int16_t>(level), false, {}});
+      std::uint32_t bit = end / 2;  // one is added from the other end
+      for (; (at & bit) != 0; bit /= 2) at ^= bit;
+      at |= bit;
+    }
+    return turns;
+  }
+
+  const Pair& pair_;
+  const Kernels& kernels_;
+  const float limit_;
+  std::vector<Node> nodes_;
+  Turns all_;
+};
+
+}  // namespace difi::collision
