@@ -7,8 +7,8 @@
 
 namespace difi::bench {
 
-/// Runs the job in a copy of this process, made by fork, and returns what it returned; nothing where it needed more
-/// than so many seconds (rounded up) of processor time. Errors of the job and crashes are thrown on as they are told.
+/// Runs the job in a copy of this process, made by fork, and returns what it returned; nothing where it took more than
+/// so many seconds of processor time. An error of the job goes to stderr; it and a crash end in a runtime_error here.
 std::optional<std::vector<double>> run_in_child(double limit_s, const std::function<std::vector<double>()>& job);
 
 }  // namespace difi::bench
