@@ -1,26 +1,15 @@
 // Two bodies, where the second one is, and what is asked: shared by the drivers that measure collision queries.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 
 #include "difi/collision.h"
+#include "question.h"
 
 namespace difi::bench {
-
-enum class Query { collide, contacts, all_contacts, distance, sweep };
-
-/// `collide`: of all poses drawn; `collide@X,Y,Z`: with b moved so far from its own place.
-struct Question {
-  Query query;
-  std::string name;  ///< of the query
-  std::optional<Vec3> place = {};
-};
-/// Errors: invalid_argument.
-Question parse_question(const std::string& text);
 
 struct CollisionSettings {
   std::string a = "labyrinth", b = "fly";
