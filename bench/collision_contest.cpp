@@ -176,8 +176,9 @@ void run(const Contest& contest, const std::string& peer_name, const MakePeer& m
   start = cpu_seconds();
   const std::unique_ptr<CollisionPeer> peer = make_peer(mesh_a, mesh_b);
   const double peer_build = cpu_seconds() - start;
-  for (const Question& question : questions) {
-    Asked asked{settings, question, make_poses(settings, question, a, b), {}};
+  for (std::size_t n = 0; n < questions.size(); ++n) {
+    if (questions.size() > 1) std::cerr << "    " << contest.questions[n] << std::endl;  // some take minutes
+    Asked asked{settings, questions[n], make_poses(settings, questions[n], a, b), {}};
     asked.motions = make_motions(settings, asked.poses);
     nlohmann::json line = measure_question(asked, a, b, *peer, contest.limit_s);
     line.update({{"peer", peer_name},

@@ -24,7 +24,7 @@ from harness import BENCH, Drivers
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", nargs="?", default="contests", 
+    parser.add_argument("what", nargs="?", default="contests",
                         choices=["contests", "scaling", "thesis", "collision", "terrains", "fly"])
     parser.add_argument("--peers", action="store_true", help="run the peers too (built with DIFI_BENCH_PEERS)")
     parser.add_argument("--build", default=str(BENCH.parent / "build" / "bench"), help="build folder of the drivers")
