@@ -94,9 +94,7 @@ def run_terrains(drivers, workloads, only, rounds, build):
     job = workloads["terrains"]
     asked = [(place, query) for place in job["places"] if not only or only in place["name"] for query in place["queries"]]
     args = [*job["args"], "--query", *(f"{query}@{place['at']}" for place, query in asked)]
-    rows = []
-    for peer in (peer for peer in PEERS if drivers.has(peer)):
-        processes = [drivers.run_lines(peer, args) for _ in range(rounds or 1)]
-        rows += [place_row(place, job["queries"][query], middle(lines))
-                 for (place, query), *lines in zip(asked, *processes, strict=True)]
-    write({"terrains": rows}, only, build)
+    processes = [[drivers.run_lines(peer, args) for _ in range(rounds or 1)] for peer in PEERS if drivers.has(peer)]
+    table = [place_row(place, job["queries"][query], middle([lines[n] for lines in of_peer]))
+             for n, (place, query) in enumerate(asked) for of_peer in processes]
+    write({"terrains": table}, only, build)
