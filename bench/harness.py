@@ -12,7 +12,8 @@ import sys
 from pathlib import Path
 
 BENCH = Path(__file__).resolve().parent
-PROGRAMS = {"difi": "bench_difi", "openvdb": "peer_openvdb", "embree": "peer_embree", "fcl": "peer_fcl"}
+PROGRAMS = {"difi": "bench_difi", "openvdb": "peer_openvdb", "embree": "peer_embree", "collision": "bench_collision",
+            "fcl": "peer_fcl", "coal": "peer_coal"}
 
 
 class Drivers:
@@ -26,16 +27,19 @@ class Drivers:
 
     def run(self, driver, args, repeats, **options):
         """One process; returns what its JSON line says. Options become --name value, or --name when True."""
-        command = [str(self.folder / PROGRAMS[driver]), *args]
-        if repeats is not None:
-            command += ["--repeats", str(repeats)]
+        more = [] if repeats is None else ["--repeats", str(repeats)]
         for name, value in options.items():
-            command += [f"--{name}"] if value is True else [f"--{name}", str(value)]
+            more += [f"--{name}"] if value is True else [f"--{name}", str(value)]
+        return self.run_lines(driver, [*args, *more])[-1]
+
+    def run_lines(self, driver, args):
+        """One process that prints a JSON line for each thing it measured."""
+        command = [str(self.folder / PROGRAMS[driver]), *args]
         print("  " + " ".join(command), file=sys.stderr)
         done = subprocess.run(command, stdout=subprocess.PIPE, text=True)
         if done.returncode:
             raise SystemExit(f"bench: {' '.join(command)} failed")
-        return json.loads(done.stdout)
+        return [json.loads(line) for line in done.stdout.splitlines()]
 
 
 def median(runs, key):
@@ -100,7 +104,7 @@ def write_csv(path, header_lines, rows):
 def markdown(rows):
     """A table in markdown, numbers to the right."""
     columns = columns_of(rows)
-    number = re.compile(r"[-\d.,]*x?")
+    number = re.compile(r"([<>] )?[-\d.,]*x?")
     numeric = [all(number.fullmatch(str(row.get(column, ""))) for row in rows) for column in columns]
     lines = ["| " + " | ".join(columns) + " |", "|" + "|".join("---:" if n else "---" for n in numeric) + "|"]
     lines += ["| " + " | ".join(str(row.get(column, "")) for column in columns) + " |" for row in rows]

@@ -5,7 +5,8 @@
   run.py --peers         the same, alternating with OpenVDB and Embree
   run.py scaling         time against triangles and samples, with plots
   run.py thesis          the tables of the 2008 thesis, rebuilt
-  run.py collision       collision queries beside FCL (needs --peers)
+  run.py collision       batches of collision queries with 1 and 2 threads; with --peers, queries beside FCL and Coal
+  run.py terrains        two surfaces that conform to each other, beside FCL and Coal (needs --peers)
   run.py fly             the fly in the labyrinth: Figure 5.5 of the thesis, and what both modes miss
 Tables go to stdout, progress to stderr, CSV files to bench/results/<machine>/."""
 
@@ -23,8 +24,9 @@ from harness import BENCH, Drivers
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", nargs="?", default="contests", choices=["contests", "scaling", "thesis", "collision", "fly"])
-    parser.add_argument("--peers", action="store_true", help="run OpenVDB and Embree too (built with DIFI_BENCH_PEERS)")
+    parser.add_argument("what", nargs="?", default="contests",
+                        choices=["contests", "scaling", "thesis", "collision", "terrains", "fly"])
+    parser.add_argument("--peers", action="store_true", help="run the peers too (built with DIFI_BENCH_PEERS)")
     parser.add_argument("--build", default=str(BENCH.parent / "build" / "bench"), help="build folder of the drivers")
     parser.add_argument("--only", help="workloads or tables whose name holds this; nothing is written then")
     parser.add_argument("--rounds", type=int, help="processes per driver, instead of what the workload says")
@@ -34,15 +36,20 @@ def main():
     workloads = json.loads(Path(BENCH / "workloads.json").read_text())
     drivers = Drivers(arguments.build)
     if arguments.list:
-        for contest in workloads["contests"] + workloads["scaling"] + workloads["collision"]:
-            print(f"{contest['name']:24} {contest['what']}")
+        kinds = [workloads[kind] for kind in ("contests", "scaling", "collision", "batches")] + [workloads["terrains"]["places"]]
+        for job in (job for jobs in kinds for job in jobs):
+            print(f"{job['name']:24} {job['what']}")
         return
     if arguments.what == "fly":
         return fly.run(workloads, arguments.build)
-    if arguments.what == "collision":
-        if not drivers.has("fcl"):
-            parser.error(f"no peer_fcl in {drivers.folder}; build it with script/bench collision --peers")
-        return collision.run(drivers, workloads, arguments.only, arguments.rounds, arguments.build)
+    if arguments.what in ("collision", "terrains"):
+        if arguments.what == "terrains" and not arguments.peers:
+            parser.error("terrains needs --peers")
+        if not drivers.has("collision") or arguments.peers and not any(map(drivers.has, collision.PEERS)):
+            parser.error(f"no drivers in {drivers.folder}; build them with script/bench {arguments.what} --peers")
+        if arguments.what == "terrains":
+            return collision.run_terrains(drivers, workloads, arguments.only, arguments.rounds, arguments.build)
+        return collision.run(drivers, workloads, arguments.peers, arguments.only, arguments.rounds, arguments.build)
     if not drivers.has("difi"):
         parser.error(f"no drivers in {drivers.folder}; build them with script/bench")
     if arguments.peers and not (drivers.has("openvdb") or drivers.has("embree")):

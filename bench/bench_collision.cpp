@@ -1,0 +1,95 @@
+// Batches of collision queries with one thread and with two, taking turns; seconds by the clock on the wall.
+#include <iostream>
+
+#include <nlohmann/json.hpp>
+
+#include "collision_workload.h"
+#include "measure.h"
+#include "scenes/scenes.h"
+
+namespace {
+
+using namespace difi;
+
+struct Batches {
+  bench::CollisionSettings settings;
+  std::vector<std::string> queries{"collide", "contacts", "distance", "sweep"};
+  int threads = 2;
+  int rounds = 9;
+};
+
+/// Answers one batch and forgets the answers.
+void answer(bench::Query query, const CollisionModel& a, const CollisionModel& b, const std::vector<Pose>& poses,
+            const std::vector<Motion>& motions, double tolerance, int threads) {
+  switch (query) {
+    case bench::Query::collide:
+      collide_all(a, {}, b, poses, {}, threads);
+      return;
+    case bench::Query::contacts:
+      contacts_all(a, {}, b, poses, {bench::kContacts}, threads);
+      return;
+    case bench::Query::all_contacts:
+      contacts_all(a, {}, b, poses, {bench::kAllContacts}, threads);
+      return;
+    case bench::Query::distance:
+      distance_all(a, {}, b, poses, {}, threads);
+      return;
+    case bench::Query::sweep:
+      sweep_all(a, {}, b, motions, {tolerance}, threads);
+      return;
+  }
+}
+
+/// Seconds of a batch, the least time of a turn being long enough to be measured.
+template <class Batch>
+double turn(Batch&& batch) {
+  constexpr double kLeast_s = 0.2;
+  int batches = 0;
+  const auto start = std::chrono::steady_clock::now();
+  for (double seconds = 0;;) {
+    batch();
+    ++batches;
+    seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (seconds >= kLeast_s) return seconds / batches;
+  }
+}
+
+void run(const Batches& batches) {
+  const bench::CollisionSettings& settings = batches.settings;
+  const CollisionModel a(scenes::make(settings.a, settings.triangles_a)),
+      b(scenes::make(settings.b, settings.triangles_b));
+  for (const std::string& text : batches.queries) {
+    const bench::Question question = bench::parse_question(text);
+    const std::vector<Pose> poses = bench::make_poses(settings, question, a, b);
+    const std::vector<Motion> motions = bench::make_motions(settings, poses);
+    std::vector<double> one_s, many_s, ratios;
+    for (int round = 0; round < batches.rounds; ++round) {
+      for (auto& [threads, seconds] : {std::pair{1, &one_s}, {batches.threads, &many_s}})
+        seconds->push_back(turn([&] { answer(question.query, a, b, poses, motions, settings.tolerance, threads); }));
+      ratios.push_back(one_s.back() / many_s.back());
+    }
+    const nlohmann::json line{{"query", question.name},        {"poses", poses.size()},
+                              {"threads", batches.threads},    {"rounds", batches.rounds},
+                              {"one_s", bench::median(one_s)}, {"many_s", bench::median(many_s)},
+                              {"ratio", bench::median(ratios)}};
+    std::cout << line.dump() << std::endl;
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("batches of collision queries with one thread and with many, in turns", "bench_collision");
+  Batches batches;
+  bench::add_options(app, batches.settings);
+  app.add_option("--query", batches.queries, "collide, contacts, all_contacts, distance or sweep");
+  app.add_option("--threads", batches.threads);
+  app.add_option("--rounds", batches.rounds);
+  CLI11_PARSE(app, argc, argv);
+  try {
+    run(batches);
+  } catch (const std::exception& error) {
+    std::cerr << "bench_collision: " << error.what() << "\n";
+    return 1;
+  }
+}

@@ -1,0 +1,214 @@
+#include "collision_contest.h"
+
+#include <cmath>
+#include <ctime>
+#include <iostream>
+
+#include <nlohmann/json.hpp>
+
+#include "child.h"
+#include "measure.h"
+#include "scenes/scenes.h"
+
+namespace difi::bench {
+namespace {
+
+/// Whole rounds: in shorter turns each would first have to fetch what the other drove out of the caches.
+constexpr int kRounds = 5;
+/// One pose is asked about again and again for so long, so that microseconds can be told from the clock's. Poses that
+/// are drawn are gone through once a turn: the quicker of both would get to know them by heart.
+constexpr double kLeastTurn_s = 0.2;
+/// No new round after this much of both: what takes seconds needs no median of five.
+constexpr double kEnough_s = 10;
+
+double cpu_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+/// A question all answer with a number.
+struct Asked {
+  const CollisionSettings& settings;
+  const Question& question;
+  std::vector<Pose> poses;
+  std::vector<Motion> motions;
+};
+
+/// A sweep's answer where it is free: later than any time.
+constexpr double kFree = 2;
+
+double ask_difi(const Asked& asked, const CollisionModel& a, const CollisionModel& b, std::size_t n) {
+  const Pose& pose = asked.poses[n];
+  switch (asked.question.query) {
+    case Query::collide:
+      return collide(a, {}, b, pose).hit();
+    case Query::contacts:
+      return static_cast<double>(contacts(a, {}, b, pose, {kContacts}).contacts.size());
+    case Query::all_contacts:
+      return static_cast<double>(contacts(a, {}, b, pose, {kAllContacts}).contacts.size());
+    case Query::distance:
+      return distance(a, {}, b, pose).upper;
+    case Query::sweep:
+      break;
+  }
+  const Swept swept = sweep(a, {}, b, asked.motions[n], {asked.settings.tolerance});
+  return swept.hit ? swept.time : kFree;
+}
+
+/// Conservative advancement: the way is straight, so no point is faster than it is long.
+double advance(const CollisionPeer& peer, const Motion& motion, double tolerance) {
+  const Vec3 way = motion.to.translation - motion.from.translation;
+  const double length = std::sqrt(dot(way, way));
+  Pose pose = motion.from;
+  for (double t = 0; t <= 1;) {
+    pose.translation = motion.from.translation + way * t;
+    const double apart = peer.distance(pose);
+    if (apart <= tolerance) return t;
+    t += (apart - tolerance / 2) / length;
+  }
+  return kFree;
+}
+
+double ask_peer(const Asked& asked, const CollisionPeer& peer, std::size_t n) {
+  const Pose& pose = asked.poses[n];
+  switch (asked.question.query) {
+    case Query::collide:
+      return peer.collide(pose);
+    case Query::contacts:
+      return static_cast<double>(peer.contacts(pose, kContacts));
+    case Query::all_contacts:
+      return static_cast<double>(peer.contacts(pose, kAllContacts));
+    case Query::distance:
+      return peer.distance(pose);
+    case Query::sweep:
+      break;
+  }
+  return advance(peer, asked.motions[n], asked.settings.tolerance);
+}
+
+bool is_hit(Query query, double answer) {
+  return query == Query::distance ? answer == 0 : query == Query::sweep ? answer <= 1 : answer > 0;
+}
+
+bool agree(Query query, double ours, double theirs) {
+  if (query == Query::distance) return std::abs(ours - theirs) <= 1e-6 * (1 + theirs);
+  // A sweep stops anywhere within the tolerance, so times differ; one that ends free where the peer found the bodies
+  // within half the tolerance would be a miss. What a contact is differs: one more or less is no error.
+  if (query == Query::sweep) return ours <= 1 || theirs > 1;
+  return is_hit(query, ours) == is_hit(query, theirs);
+}
+
+/// One's turns.
+struct Side {
+  std::vector<double> seconds;  ///< for all poses once, by round
+  std::vector<double> answers;
+  double spent = 0;
+  bool late = false;  ///< stopped at the limit, which is then its time
+};
+
+/// Asks about all poses, for at least so long.
+template <class Ask>
+void take_turn(Side& side, std::size_t poses, double least_s, double limit_s, Ask&& ask) {
+  const auto turn = run_in_child(limit_s, [&] {
+    std::vector<double> told(2 + poses);  // seconds, passes, answers
+    const double start = cpu_seconds();
+    do {
+      for (std::size_t n = 0; n < poses; ++n) told[2 + n] = ask(n);
+      ++told[1];
+      told[0] = cpu_seconds() - start;
+    } while (told[0] < least_s);
+    return told;
+  });
+  side.late = !turn;
+  side.spent += turn ? (*turn)[0] : limit_s;
+  side.seconds.push_back(turn ? (*turn)[0] / (*turn)[1] : limit_s);
+  if (turn) side.answers.assign(turn->begin() + 2, turn->end());
+}
+
+void write(nlohmann::json& line, const std::string& who, const Side& side) {
+  line[who + "_s"] = median(side.seconds);
+  line[who + "_late"] = side.late;
+  if (side.answers.size() == 1) line[who + "_answer"] = side.answers[0];
+}
+
+nlohmann::json measure_question(const Asked& asked, const CollisionModel& a, const CollisionModel& b,
+                                const CollisionPeer& peer, double limit_s) {
+  const std::size_t poses = asked.poses.size();
+  const double least_s = asked.question.place ? kLeastTurn_s : 0;
+  Side ours, theirs;
+  do {
+    take_turn(ours, poses, least_s, limit_s, [&](std::size_t n) { return ask_difi(asked, a, b, n); });
+    take_turn(theirs, poses, least_s, limit_s, [&](std::size_t n) { return ask_peer(asked, peer, n); });
+  } while (ours.seconds.size() < kRounds && ours.spent + theirs.spent < kEnough_s && !ours.late && !theirs.late);
+
+  const Query query = asked.question.query;
+  std::int64_t hits = 0, differ = 0;
+  for (const double answer : ours.answers) hits += is_hit(query, answer);
+  if (!ours.late && !theirs.late)
+    for (std::size_t n = 0; n < poses; ++n) differ += !agree(query, ours.answers[n], theirs.answers[n]);
+  nlohmann::json line{{"query", asked.question.name},
+                      {"poses", poses},
+                      {"rounds", ours.seconds.size()},
+                      {"hits", hits},
+                      {"differ", differ},
+                      {"ratio", median(theirs.seconds) / median(ours.seconds)}};
+  write(line, "difi", ours);
+  write(line, "peer", theirs);
+  return line;
+}
+
+struct Contest {
+  CollisionSettings settings;
+  std::vector<std::string> questions{"collide"};
+  double limit_s = 120;  // FCL may take minutes where surfaces conform
+};
+
+void run(const Contest& contest, const std::string& peer_name, const MakePeer& make_peer) {
+  std::vector<Question> questions;
+  for (const std::string& text : contest.questions) questions.push_back(parse_question(text));
+  const CollisionSettings& settings = contest.settings;
+  const Mesh mesh_a = scenes::make(settings.a, settings.triangles_a),
+             mesh_b = scenes::make(settings.b, settings.triangles_b);
+  double start = cpu_seconds();
+  const CollisionModel a(mesh_a), b(mesh_b);
+  const double build = cpu_seconds() - start;
+  start = cpu_seconds();
+  const std::unique_ptr<CollisionPeer> peer = make_peer(mesh_a, mesh_b);
+  const double peer_build = cpu_seconds() - start;
+  for (std::size_t n = 0; n < questions.size(); ++n) {
+    if (questions.size() > 1) std::cerr << "    " << contest.questions[n] << std::endl;  // some take minutes
+    Asked asked{settings, questions[n], make_poses(settings, questions[n], a, b), {}};
+    asked.motions = make_motions(settings, asked.poses);
+    nlohmann::json line = measure_question(asked, a, b, *peer, contest.limit_s);
+    line.update({{"peer", peer_name},
+                 {"a", settings.a},
+                 {"b", settings.b},
+                 {"triangles", {mesh_a.triangles.size(), mesh_b.triangles.size()}},
+                 {"difi_build_s", build},
+                 {"peer_build_s", peer_build}});
+    std::cout << line.dump() << std::endl;
+  }
+}
+
+}  // namespace
+
+int run_collision_contest(int argc, char** argv, const std::string& peer_name, const MakePeer& make_peer) {
+  CLI::App app("collision queries beside " + peer_name + ", in turns; processor time of one thread", argv[0]);
+  Contest contest;
+  add_options(app, contest.settings);
+  app.add_option("--query", contest.questions,
+                 "collide, contacts, all_contacts, distance or sweep, of poses drawn; QUERY@X,Y,Z: with b moved so far "
+                 "from its own place");
+  app.add_option("--limit", contest.limit_s, "processor time a turn may take, seconds")->check(CLI::Range(0.001, 1e6));
+  CLI11_PARSE(app, argc, argv);
+  try {
+    run(contest, peer_name, make_peer);
+  } catch (const std::exception& error) {
+    std::cerr << argv[0] << ": " << error.what() << "\n";
+    return 1;
+  }
+  return 0;
+}
+
+}  // namespace difi::bench

@@ -1,0 +1,114 @@
+"""The tables of bench/collision.py, from drivers that only pretend to measure: what is asked of them, which of several
+processes counts, and what is said of a peer that was stopped."""
+
+import contextlib
+import csv
+import io
+import json
+import os
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+BENCH = Path(os.environ["DIFI_SOURCE_DIR"]) / "bench"
+sys.path.insert(0, str(BENCH))
+import collision  # noqa: E402
+import harness  # noqa: E402
+
+WORKLOADS = json.loads((BENCH / "workloads.json").read_text())
+
+
+def line(query, ratio, **more):
+    return {"query": query, "peer": "FCL", "poses": 1, "hits": 1, "differ": 0, "rounds": 5, "ratio": ratio, "difi_s": 0.001,
+            "peer_s": 0.001 * ratio, "difi_late": False, "peer_late": False, "difi_answer": 1, "peer_answer": 1,
+            "difi_build_s": 1, "peer_build_s": 1, **more}
+
+
+class Pretended(harness.Drivers):
+    """Answers each call for lines with the next of `ratios`; keeps what was asked."""
+
+    def __init__(self, drivers, ratios):
+        super().__init__("nowhere")
+        self.drivers, self.ratios, self.asked = drivers, list(ratios), []
+
+    def has(self, driver):
+        return driver in self.drivers
+
+    def run_lines(self, driver, args):
+        self.asked.append((driver, args))
+        ratio = self.ratios.pop(0)
+        if driver == "collision":
+            return [{"query": "collide", "poses": 10, "threads": 2, "rounds": 9, "one_s": 0.2, "many_s": 0.2 / ratio, "ratio": ratio}]
+        questions = [question.split("@")[0] for question in args[args.index("--query") + 1:] if question[0] in "acds"]
+        return [line(query, ratio, peer={"fcl": "FCL", "coal": "Coal"}[driver]) for query in questions]
+
+
+def printed(run, *args):
+    with contextlib.redirect_stdout(io.StringIO()) as out:
+        run(*args)
+    return out.getvalue()
+
+
+class Tables(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+        collision.results_folder = lambda: self.folder
+
+    def test_late(self):
+        late = line("distance", 5000.04, peer_s=120, peer_late=True, peer_answer=None)
+        row = collision.place_row({"what": "here"}, "least distance", late)
+        self.assertEqual((row["ratio"], row["peer ms"], row["peer's answer"]), ("> 5000.0x", "> 120000", "?"))
+        late = line("distance", 0.01, difi_s=120, difi_late=True)
+        self.assertEqual((collision.ratio(late), collision.found(late, "difi")), ("< 0.01x", "?"))
+        self.assertEqual(collision.ratio(late | {"peer_late": True}), "-")
+
+    def test_answers(self):
+        answers = [("collide", 1, "yes"), ("collide", 0, "no"), ("sweep", 0.25, "at 0.25000"), ("sweep", 2, "free"),
+                   ("distance", 0.00012345678, "0.000123457"), ("all_contacts", 12978450.0, "12978450")]
+        for query, answer, text in answers:
+            self.assertEqual(collision.found(line(query, 1, difi_answer=answer), "difi"), text)
+
+    def test_milliseconds(self):
+        for seconds, text in [(120, "120000"), (0.0123, "12.3"), (2e-6, "0.00200")]:
+            self.assertEqual(collision.milliseconds(line("collide", 1, difi_s=seconds), "difi"), text)
+
+    def test_bounds_are_numbers_of_a_table(self):
+        self.assertIn("|---:|---|", harness.markdown([{"a": "> 4.0x", "b": "x > 4"}, {"a": "1.0x", "b": 1}]))
+
+    def test_contests(self):
+        drivers = Pretended(["fcl", "coal", "collision"], [9, 30, 11, 4, 5, 3, 1.7, 1.9, 1.8])
+        workloads = {"collision": WORKLOADS["collision"][:1], "batches": WORKLOADS["batches"][:1]}
+        text = printed(collision.run, drivers, workloads, True, None, None, "nowhere")
+        self.assertEqual([driver for driver, _ in drivers.asked], ["fcl"] * 3 + ["coal"] * 3 + ["collision"] * 3)
+        self.assertRegex(text, r"yes or no \| FCL \| .* \| 11\.0x \| 10x \| 25x \| yes \|")
+        self.assertRegex(text, r"yes or no \| Coal \| .* \| 4\.0x \| 10x \| 25x \| no \|")
+        self.assertRegex(text, r"yes or no \| 10 \| 0\.2000 \| 0\.1111 \| 1\.80x \| 1\.8x \| yes \|")
+        for name, count in (("collision.csv", 2), ("collision-threads.csv", 1)):
+            rows = [row for row in csv.reader((self.folder / name).read_text().splitlines()) if not row[0].startswith("#")]
+            self.assertEqual(len(rows), 1 + count)
+
+    def test_without_peers(self):
+        drivers = Pretended(["fcl", "collision"], [1.5])
+        printed(collision.run, drivers, WORKLOADS, False, "batch-sweep", 1, "nowhere")
+        self.assertEqual([driver for driver, _ in drivers.asked], ["collision"])
+        self.assertEqual(list(self.folder.glob("*.csv")), [])
+
+    def test_terrains(self):
+        drivers = Pretended(["fcl", "coal"], [2, 8, 5, 1])
+        text = printed(collision.run_terrains, drivers, WORKLOADS, "terrains-same", 2, "nowhere")
+        self.assertEqual([driver for driver, _ in drivers.asked], ["fcl", "fcl", "coal", "coal"])
+        args = drivers.asked[0][1]
+        self.assertEqual(args[args.index("--query") + 1:], [f"{query}@0,0,0" for query in ("collide", "distance", "contacts", "all_contacts")])
+        self.assertRegex(text, r"the same place \| all contacts \| FCL \| 1 \| 8 \| 8\.0x \|")
+        self.assertRegex(text, r"the same place \| all contacts \| Coal \| 1 \| 5 \| 5\.0x \|")
+
+    def test_every_query_of_the_terrains_has_words(self):
+        job = WORKLOADS["terrains"]
+        self.assertEqual({query for place in job["places"] for query in place["queries"]}, set(job["queries"]))
+
+
+if __name__ == "__main__":
+    unittest.main()
