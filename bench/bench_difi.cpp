@@ -1,4 +1,4 @@
-// difi's compute on a workload, through the public API.
+// difi's compute_into on a workload, through the public API.
 #include <map>
 #include <memory>
 
@@ -14,7 +14,7 @@ using bench::Workload;
 
 /// Where the field goes.
 enum class Output {
-  sparse,  ///< compute: new tiles for each call
+  sparse,  ///< compute_into: the same field for each call, empty before the first
   dense,   ///< compute_into: the same memory for each call, untouched before the first
 };
 
@@ -36,18 +36,18 @@ class Job {
     if (output_ == Output::dense) buffer_.reset(new float[samples()]);
   }
 
-  Computed operator()() {
-    if (output_ == Output::sparse) return compute(work_.mesh, work_.grid, options_);
-    return {{}, compute_into(work_.mesh, work_.grid, values(), options_)};
+  Report operator()() {
+    if (output_ == Output::sparse) return compute_into(work_.mesh, work_.grid, field_, options_);
+    return compute_into(work_.mesh, work_.grid, values(), options_);
   }
 
-  std::vector<float> to_dense(const Computed& computed) const {
-    if (output_ == Output::sparse) return computed.field.to_dense();
+  std::vector<float> to_dense() const {
+    if (output_ == Output::sparse) return field_.to_dense();
     return {values().begin(), values().end()};
   }
 
-  std::int64_t output_bytes(const Computed& computed) const {
-    return output_ == Output::sparse ? computed.field.memory_bytes() : static_cast<std::int64_t>(values().size_bytes());
+  std::int64_t output_bytes() const {
+    return output_ == Output::sparse ? field_.memory_bytes() : static_cast<std::int64_t>(values().size_bytes());
   }
 
  private:
@@ -57,22 +57,22 @@ class Job {
   const Workload& work_;
   Output output_;
   Options options_;
+  DistanceField field_;
   std::unique_ptr<float[]> buffer_;
 };
 
 nlohmann::json run(const Workload& work, const Settings& settings) {
   Job job(work, settings);
   bench::Measured measured;
-  const Computed result = bench::measure(work.repeats, measured, [&] { return job(); });
+  const Report report = bench::measure(work.repeats, measured, [&] { return job(); });
 
-  const Report& report = result.report;
   nlohmann::json line = work.describe();
   line["driver"] = "difi";
   line["version"] = version();
   line["method"] = report.method;
   line["device"] = report.device;
   line["output"] = settings.output == Output::sparse ? "sparse" : "dense";
-  line["output_bytes"] = job.output_bytes(result);
+  line["output_bytes"] = job.output_bytes();
   line["mesh_bytes"] = work.mesh.vertices.size() * sizeof(Vec3) + work.mesh.triangles.size() * sizeof(Triangle);
   line["skipped"] = report.skipped;
   line["samples_examined"] = report.samples_examined;
@@ -80,7 +80,7 @@ nlohmann::json run(const Workload& work, const Settings& settings) {
   line["prepare_s"] = report.seconds.prepare;
   line["compute_s"] = report.seconds.compute;
   measured.write(line);
-  if (work.check) line["check"] = bench::compare_with_exact(work, job.to_dense(result));
+  if (work.check) line["check"] = bench::compare_with_exact(work, job.to_dense());
   return line;
 }
 
@@ -98,7 +98,7 @@ int main(int argc, char** argv) {
                                                     {"none", SkipRule::Kind::none},
                                                     {"neighbour", SkipRule::Kind::neighbour},
                                                     {"exact", SkipRule::Kind::exact}};
-  app.add_option("--output", settings.output, "sparse, or dense: into the same memory at each call")
+  app.add_option("--output", settings.output, "sparse or dense, into the same memory at each call")
       ->transform(CLI::CheckedTransformer(outputs));
   app.add_option("--skip", settings.skip.kind, "skip rule")->transform(CLI::CheckedTransformer(skips));
   app.add_option("--method", settings.method, "tiles or thesis")->transform(CLI::CheckedTransformer(methods));

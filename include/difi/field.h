@@ -39,6 +39,9 @@ class DistanceField {
   /// A field without stored tiles: every value is `thickness` (which may be infinite). Validates the grid.
   /// `with_nearest` reserves a nearest-triangle index beside every stored sample.
   DistanceField(const Grid& grid, double thickness, bool with_nearest = false);
+  /// Makes the field what that constructor would, and keeps the memory of its tiles for those to come, as far as the
+  /// grid may need it: to get memory anew can take as long as to fill it.
+  void reset(const Grid& grid, double thickness, bool with_nearest = false);
   /// A field from one value per sample, x fastest. Tiles in which no value is below the thickness and no sample has a
   /// nearest triangle are not stored: without nearest triangles a distance that equals the thickness cannot be told
   /// from one beyond it. Errors: usage when the number of values is not the number of samples.
@@ -90,7 +93,7 @@ class DistanceField {
   void copy_nearest_slices(std::int64_t first, std::int64_t count, std::span<std::uint32_t> out) const;
   /// All values, x fastest.
   std::vector<float> to_dense() const;
-  /// Bytes held by tiles and their table.
+  /// Bytes of the stored tiles and of their table.
   std::int64_t memory_bytes() const;
 
  private:

@@ -90,17 +90,30 @@ Report fill(MeshView mesh, const Grid& grid, const Options& options, Sink& sink,
 
 }  // namespace
 
-Computed compute(MeshView mesh, const Grid& grid, const Options& options) try {
+Computed compute(MeshView mesh, const Grid& grid, const Options& options) {
+  Computed computed;
+  computed.report = compute_into(mesh, grid, computed.field, options);
+  return computed;
+}
+
+Report compute_into(MeshView mesh, const Grid& grid, DistanceField& field, const Options& options) try {
   validate(options);
   validate(grid);
   check_memory(mesh, grid, options, false);
-  Computed computed{DistanceField(grid, options.thickness, options.nearest_triangle), {}};
-  Sink sink(computed.field);
-  computed.report = fill(mesh, grid, options, sink, &computed.field.provenance.mesh_hash);
-  computed.report.tiles_stored = computed.field.stored_tiles();
-  computed.field.provenance.method = computed.report.method;
-  computed.field.provenance.version = version();
-  return computed;
+  const Grid where = grid;
+  try {
+    if (options.memory_limit != 0) field = {};
+    field.reset(where, options.thickness, options.nearest_triangle);
+    Sink sink(field);
+    Report report = fill(mesh, where, options, sink, &field.provenance.mesh_hash);
+    report.tiles_stored = field.stored_tiles();
+    field.provenance.method = report.method;
+    field.provenance.version = version();
+    return report;
+  } catch (...) {
+    field = {};
+    throw;
+  }
 } catch (const std::bad_alloc&) {
   fail_for_memory();
 }

@@ -23,6 +23,9 @@ constexpr std::int32_t kNotStored = -1;
 constexpr std::int64_t kChunkTiles = 256;
 
 constexpr std::int64_t tiles_along(std::int64_t samples) { return (samples + kSide - 1) / kSide; }
+constexpr Size3 tiles_of(const Size3& samples) {
+  return {tiles_along(samples.x), tiles_along(samples.y), tiles_along(samples.z)};
+}
 constexpr int within(std::int64_t i, std::int64_t j, std::int64_t k) {
   return static_cast<int>((i % kSide) + kSide * ((j % kSide) + kSide * (k % kSide)));
 }
@@ -40,17 +43,21 @@ struct DistanceField::Pool {
     std::unique_ptr<std::uint32_t[]> nearest;
   };
 
-  Pool(std::int64_t max_tiles, bool nearest)
-      : chunks(static_cast<std::size_t>((max_tiles + kChunkTiles - 1) / kChunkTiles)), with_nearest(nearest) {}
-
+  /// Forgets all tiles. Memory that is there stays for the next ones, as far as so many may use it.
+  void clear(std::int64_t max_tiles, bool nearest) {
+    chunks.resize(static_cast<std::size_t>((max_tiles + kChunkTiles - 1) / kChunkTiles));
+    used = 0;
+    with_nearest = nearest;
+    if (!with_nearest)
+      for (Chunk& chunk : chunks) chunk.nearest.reset();
+  }
   std::int64_t add() {
     const std::int64_t slot = used.fetch_add(1, std::memory_order_relaxed);
     Chunk& chunk = chunks[slot / kChunkTiles];
     const std::lock_guard lock(grow);
-    if (!chunk.values) {
-      chunk.values = std::make_unique_for_overwrite<float[]>(kChunkTiles * kSamples);
-      if (with_nearest) chunk.nearest = std::make_unique_for_overwrite<std::uint32_t[]>(kChunkTiles * kSamples);
-    }
+    if (!chunk.values) chunk.values = std::make_unique_for_overwrite<float[]>(kChunkTiles * kSamples);
+    if (with_nearest && !chunk.nearest)
+      chunk.nearest = std::make_unique_for_overwrite<std::uint32_t[]>(kChunkTiles * kSamples);
     return slot;
   }
   float* values(std::int64_t slot) const {
@@ -63,7 +70,7 @@ struct DistanceField::Pool {
   std::vector<Chunk> chunks;
   std::atomic<std::int64_t> used{0};
   std::mutex grow;
-  bool with_nearest;
+  bool with_nearest = false;
 };
 
 double field_bytes(double stored_tiles, double all_tiles, bool with_nearest) {
@@ -73,16 +80,27 @@ double field_bytes(double stored_tiles, double all_tiles, bool with_nearest) {
          chunks(all_tiles) * 2 * sizeof(void*);
 }
 
-DistanceField::DistanceField(const Grid& grid, double thickness, bool with_nearest)
-    : grid_(grid), thickness_(thickness), with_nearest_(with_nearest) {
+DistanceField::DistanceField(const Grid& grid, double thickness, bool with_nearest) {
+  reset(grid, thickness, with_nearest);
+}
+
+void DistanceField::reset(const Grid& grid, double thickness, bool with_nearest) {
   validate(grid);
   if (!(thickness > 0))
     throw Error(ErrorCode::usage, "field: the thickness must be positive; infinity gives a full field");
-  const std::int64_t tiles = tile_count().count();
+  const std::int64_t tiles = tiles_of(grid.size).count();
   if (tiles > std::numeric_limits<std::int32_t>::max())
     throw Error(ErrorCode::limit, "field: " + std::to_string(tiles) + " tiles are more than 2^31; take fewer samples");
+  // Without a pool the field has no tiles, should memory run out on the way.
+  std::unique_ptr<Pool> pool = std::exchange(pool_, nullptr);
+  if (!pool) pool = std::make_unique<Pool>();
+  provenance = {};
+  grid_ = grid;
+  thickness_ = thickness;
+  with_nearest_ = with_nearest;
   slots_.assign(static_cast<std::size_t>(tiles), kNotStored);
-  pool_ = std::make_unique<Pool>(tiles, with_nearest);
+  pool->clear(tiles, with_nearest);
+  pool_ = std::move(pool);
 }
 
 DistanceField::DistanceField() = default;
@@ -108,7 +126,8 @@ DistanceField::DistanceField(const DistanceField& other)
       with_nearest_(other.with_nearest_),
       slots_(other.slots_.size(), kNotStored) {
   if (!other.pool_) return;
-  pool_ = std::make_unique<Pool>(static_cast<std::int64_t>(slots_.size()), with_nearest_);
+  pool_ = std::make_unique<Pool>();
+  pool_->clear(static_cast<std::int64_t>(slots_.size()), with_nearest_);
   for (std::size_t t = 0; t < slots_.size(); ++t) {
     if (other.slots_[t] == kNotStored) continue;
     const std::int64_t slot = pool_->add();
@@ -123,9 +142,7 @@ DistanceField& DistanceField::operator=(const DistanceField& other) {
   return *this;
 }
 
-Size3 DistanceField::tile_count() const {
-  return {tiles_along(grid_.size.x), tiles_along(grid_.size.y), tiles_along(grid_.size.z)};
-}
+Size3 DistanceField::tile_count() const { return tiles_of(grid_.size); }
 
 std::int64_t DistanceField::tile_index(std::int64_t tx, std::int64_t ty, std::int64_t tz) const {
   const Size3 n = tile_count();

@@ -8,6 +8,7 @@
 
 #include "difi/version.h"
 #include "tests/io/expect_error.h"
+#include "tests/support/fields.h"
 #include "tests/support/random_mesh.h"
 
 namespace difi {
@@ -144,6 +145,72 @@ TEST(Compute, CancelsWhereverItIsAsked) {
       expect_error([&] { compute(soup(), kGrid, options); }, ErrorCode::interrupted, "cancelled");
       EXPECT_EQ(calls, most + 1) << "not asked again";
     }
+}
+
+// One field for jobs of all kinds, one after the other: nothing of one is left in the next.
+TEST(ComputeIntoAField, GivesWhatComputeGives) {
+  DistanceField field;
+  const Grid grids[] = {kGrid, {{9, 70, 20}, {-2, -3, -1}, {0.5, 0.1, 0.2}}, {{1, 1, 1}, {}, {1, 1, 1}}};
+  for (const bool nearest : {false, true, false})
+    for (const double thickness : {0.5, std::numeric_limits<double>::infinity(), 0.25})
+      for (const Grid& grid : grids) {
+        Options options;
+        options.thickness = thickness;
+        options.nearest_triangle = nearest;
+        const Computed expected = compute(soup(), grid, options);
+        const Report report = compute_into(soup(), grid, field, options);
+        EXPECT_EQ(report.tiles_stored, expected.report.tiles_stored);
+        EXPECT_EQ(field.grid(), grid);
+        EXPECT_EQ(field.thickness(), thickness);
+        EXPECT_EQ(field.has_nearest(), nearest);
+        EXPECT_EQ(field.to_dense(), expected.field.to_dense());
+        EXPECT_EQ(field.memory_bytes(), expected.field.memory_bytes());
+        EXPECT_EQ(field.provenance.method, "tiles");
+        EXPECT_EQ(field.provenance.mesh_hash, content_hash(soup()));
+        if (!nearest) continue;
+        EXPECT_EQ(testing::all_nearest(field), testing::all_nearest(expected.field));
+      }
+}
+
+const float* first_tile(const DistanceField& field) {
+  const Size3 n = field.tile_count();
+  const float* least = nullptr;
+  for (std::int64_t k = 0; k < n.z; ++k)
+    for (std::int64_t j = 0; j < n.y; ++j)
+      for (std::int64_t i = 0; i < n.x; ++i)
+        if (const float* tile = field.tile(i, j, k); tile && (!least || tile < least)) least = tile;
+  return least;
+}
+
+TEST(ComputeIntoAField, UsesItsMemoryAgain) {
+  DistanceField field;
+  compute_into(soup(), kGrid, field);
+  const float* const before = first_tile(field);
+  compute_into(soup(), field.grid(), field);
+  EXPECT_EQ(first_tile(field), before);
+  EXPECT_EQ(field.grid(), kGrid);
+}
+
+TEST(ComputeIntoAField, ThatFailsLeavesItEmptyOrAsItWas) {
+  DistanceField field;
+  const auto expect_refused = [&field](const Mesh& mesh, const Options& options, ErrorCode code, bool kept) {
+    compute_into(soup(), kGrid, field);
+    const std::vector<float> before = field.to_dense();
+    expect_error([&] { compute_into(mesh, kGrid, field, options); }, code, "");
+    EXPECT_EQ(field.to_dense() == before, kept);
+    EXPECT_EQ(field.stored_tiles() == 0, !kept);
+  };
+  Options options;
+  options.threads = -1;
+  expect_refused(soup(), options, ErrorCode::usage, true);
+  options = {};
+  options.memory_limit = 1000;
+  expect_refused(soup(), options, ErrorCode::limit, true);
+  options = {};
+  int calls = 0;
+  options.progress = [&](const Progress&) { return calls++ < 4; };
+  expect_refused(soup(), options, ErrorCode::interrupted, false);
+  expect_refused({}, {}, ErrorCode::input, false);
 }
 
 TEST(Compute, ReportsWhatItDid) {
