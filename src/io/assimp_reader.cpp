@@ -14,6 +14,7 @@
 #include <string_view>
 
 #include "difi/error.h"
+#include "io/assimp_files.h"
 #include "io/assimp_losses.h"
 #include "io/collada_check.h"
 #include "io/gltf_check.h"
@@ -129,6 +130,7 @@ Mesh read_with_assimp(const FileView& file, const char* extension) {
   try {
     const AssimpLosses losses;
     Assimp::Importer importer;
+    importer.SetIOHandler(new AssimpFiles(file));  // the importer deletes it
     keep_importers(importer, extension);
     const aiScene* scene = importer.ReadFile(file.path().string(), aiProcess_ValidateDataStructure);
     if (!scene) fail(file, importer.GetErrorString());

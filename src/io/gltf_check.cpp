@@ -4,8 +4,11 @@
 #include <bit>
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <string>
 #include <string_view>
+
+#include "io/json_view.h"
 
 namespace difi {
 namespace {
@@ -24,27 +27,54 @@ std::uint32_t number_at(std::string_view bytes, std::size_t at) {
 
 std::string at_byte(std::size_t byte) { return "byte " + std::to_string(byte); }
 
-// Brackets outside of strings. Whether they match is the reader's to find.
-void check_depth(const FileView& file, std::size_t begin, std::size_t end) {
-  int depth = 0;
-  bool in_string = false;
-  for (std::size_t at = begin; at < end; ++at) {
-    const char c = file.bytes()[at];
-    if (in_string) {
-      if (c == '\\')
-        ++at;
-      else if (c == '"')
-        in_string = false;
-    } else if (c == '"') {
-      in_string = true;
-    } else if (c == '{' || c == '[') {
-      if (++depth > kDeepest)
-        file.fail(at_byte(at), "its JSON is nested more than " + std::to_string(kDeepest) +
-                                   " deep; write the file again in the program that made it");
-    } else if (c == '}' || c == ']') {
-      --depth;
-    }
+// The whole number under a name, as assimp reads it: 0 or what is given where there is none.
+std::uint32_t whole(const JsonView& object, std::string_view name, std::uint32_t otherwise = 0) {
+  const JsonView* value = object.find(name);
+  return value ? value->whole().value_or(otherwise) : otherwise;
+}
+
+// Assimp takes the corners of a primitive for granted: without positions it reads through a null pointer, and of a
+// strip it takes one or two from the number of corners, be there none.
+class PrimitiveCheck {
+ public:
+  PrimitiveCheck(const FileView& file, const JsonView& scene) : file_(file), accessors_(scene.find("accessors")) {}
+
+  void operator()(const JsonView& primitive, const std::string& where) const {
+    const JsonView* attributes = primitive.find("attributes");
+    const JsonView* position = attributes ? attributes->find("POSITION") : nullptr;
+    if (!position || !position->whole())
+      file_.fail(where, "no POSITION in its attributes; it has no shape, write the file again without it");
+    const JsonView* indices = primitive.find("indices");
+    const JsonView& corners = indices && indices->whole() ? *indices : *position;
+    constexpr std::uint32_t kLineLoop = 2, kLineStrip = 3, kTriangles = 4, kStrip = 5, kFan = 6;
+    const std::uint32_t mode = whole(primitive, "mode", kTriangles);
+    const std::uint32_t least = mode == kStrip || mode == kFan ? 3 : mode == kLineLoop || mode == kLineStrip ? 2 : 0;
+    for (const JsonView* of : {position, &corners})
+      if (const auto count = counted(*of); count && *count < least)
+        file_.fail(where, std::to_string(*count) + " corners are too few for its mode, " + std::to_string(mode) +
+                              "; repair the mesh");
   }
+
+ private:
+  // Elements of the accessor; nothing where it is not there, which assimp tells.
+  std::optional<std::uint32_t> counted(const JsonView& index) const {
+    const JsonView* accessor = accessors_ ? accessors_->at(*index.whole()) : nullptr;
+    return accessor ? std::optional(whole(*accessor, "count")) : std::nullopt;
+  }
+
+  const FileView& file_;
+  const JsonView* accessors_;
+};
+
+void check_scene(const FileView& file, std::size_t begin, std::size_t end) {
+  const JsonView scene = JsonView::read(file, file.bytes().substr(begin, end - begin), begin, kDeepest);
+  const PrimitiveCheck check(file, scene);
+  const JsonView* meshes = scene.find("meshes");
+  if (!meshes) return;
+  for (std::size_t m = 0; m < meshes->elements().size(); ++m)
+    if (const JsonView* primitives = meshes->elements()[m].find("primitives"))
+      for (std::size_t p = 0; p < primitives->elements().size(); ++p)
+        check(primitives->elements()[p], "mesh " + std::to_string(m) + " primitive " + std::to_string(p));
 }
 
 }  // namespace
@@ -66,11 +96,11 @@ void check_glb(const FileView& file) {
       file.fail(at_byte(at), "a chunk of " + std::to_string(chunk) + " bytes, where " + std::to_string(left) +
                                  " are left; the file is cut off or damaged, get all of it");
     const std::size_t begin = at + kChunkHeader;
-    if (at == kHeader) check_depth(file, begin, begin + chunk);
+    if (at == kHeader) check_scene(file, begin, begin + chunk);
     at = std::min(length, begin + (chunk + 3) / 4 * 4);  // chunks are padded
   }
 }
 
-void check_gltf(const FileView& file) { check_depth(file, 0, file.size()); }
+void check_gltf(const FileView& file) { check_scene(file, 0, file.size()); }
 
 }  // namespace difi

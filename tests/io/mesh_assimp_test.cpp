@@ -1,9 +1,12 @@
 // Files that assimp reads wrongly, or that end the program in it: they must be errors before or after it.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <cstring>
+#include <filesystem>
 #include <initializer_list>
+#include <thread>
 
 #include "difi/io.h"
 #include "tests/io/expect_error.h"
@@ -54,6 +57,23 @@ std::string tetrahedron(std::uint16_t a, std::uint16_t b, std::uint16_t c) {
 TEST_F(Assimp, CornersOf3dsThatAreNoVertices) {
   EXPECT_EQ(triangles("a.3ds", tetrahedron(0, 1, 2)), 1u);
   refused("a.3ds", tetrahedron(0, 1, 60000), "Vertex index overflow");
+}
+
+// Assimp once opened the file a second time, after the checks: what it read could be another one, and a pipe was empty.
+TEST_F(Assimp, SeesTheBytesThatWereChecked) {
+  ASSERT_EQ(::mkfifo((folder / "pipe.3ds").c_str(), 0600), 0);
+  std::thread writer([&] { write_bytes(folder / "pipe.3ds", tetrahedron(0, 1, 2)); });
+  EXPECT_EQ(read_mesh(folder / "pipe.3ds").triangles.size(), 1u);
+  writer.join();
+}
+
+TEST_F(Assimp, ReadsTheSeedsOfTheFuzzers) {
+  const std::filesystem::path seeds = std::filesystem::path(DIFI_SOURCE_DIR) / "tests/corpus/assimp";
+  for (const char* name : {"tetrahedron.3ds", "tetrahedron.gltf", "tetrahedron.glb", "tetrahedron.dae"}) {
+    const Mesh mesh = read_mesh(seeds / name);
+    EXPECT_EQ(mesh.triangles.size(), 4u) << name;
+    EXPECT_EQ(mesh.vertices.size(), 4u) << name;
+  }
 }
 
 // A COLLADA tetrahedron, of which a test changes parts.

@@ -81,6 +81,49 @@ TEST(Gltf, LengthsAreHeldAgainstTheFile) {
   expect_error([&] { read_mesh(cut); }, ErrorCode::input, "the file ends in its header");
 }
 
+// Found by fuzzing: a primitive without positions ended the program, and a strip without corners asked for 64 GB.
+TEST(Gltf, PrimitivesHaveCorners) {
+  const TempFolder folder;
+  const auto text = [&](const std::string& primitive, const std::string& count = "3") {
+    return folder.file(
+        "a.gltf", R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":)"
+                  R"([{"primitives":[)" +
+                      primitive +
+                      R"(]}],"buffers":[{"byteLength":36,"uri":"data:application/octet-stream;base64,)"
+                      R"(AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}],"bufferViews":[{"buffer":0,)"
+                      R"("byteLength":36}],"accessors":[{"bufferView":0,"componentType":5126,"type":"VEC3","count":)" +
+                      count + "}]}");
+  };
+  const auto refused = [](const std::filesystem::path& path, const std::string& words) {
+    expect_error([&] { read_mesh(path); }, ErrorCode::input, path.string() + words);
+  };
+  EXPECT_EQ(read_mesh(text(R"({"attributes":{"POSITION":0}})")).triangles.size(), 1u);
+  EXPECT_EQ(read_mesh(text(R"({"attributes" :{ "NORMAL":0,"POSITION" : 0 } ,"mode":5})")).triangles.size(), 1u);
+  for (const char* without : {R"({"mode":2})", R"({"attributes":{},"mode":2})", R"({"attributes":{"POSITIO":0}})",
+                              R"({"attributes":{"POSITION":"0"}})", R"({"attributes":{"POSITION":-1}})", "{}", "7"})
+    refused(text(without), ":mesh 0 primitive 0: no POSITION in its attributes; it has no shape");
+  for (const std::string count : {"0", "1", "1.5", "\"3\""})
+    for (const int mode : {2, 3, 5, 6})
+      refused(text(R"({"attributes":{"POSITION":0},"mode":)" + std::to_string(mode) + "}", count),
+              ":mesh 0 primitive 0: " + std::string(count == "1" ? "1" : "0") + " corners are too few for its mode, " +
+                  std::to_string(mode) + "; repair the mesh");
+  refused(text(R"({"attributes":{"POSITION":0},"indices":0,"mode":5})", "2"), ":mesh 0 primitive 0: 2 corners are");
+}
+
+TEST(Gltf, DamagedJsonIsToldByItsByte) {
+  const TempFolder folder;
+  const auto refused = [&](const std::string& text, const std::string& words) {
+    const auto path = folder.file("a.gltf", text);
+    expect_error([&] { read_mesh(path); }, ErrorCode::input, path.string() + words);
+  };
+  refused(R"({"asset":{"version":"2.0"})", ":byte 26: its JSON is damaged: no '}' where one should stand; write");
+  refused(R"({"asset"{}})", ":byte 8: its JSON is damaged: no ':' where");
+  refused(R"({"asset":[1,]})", ":byte 12: its JSON is damaged: a value is missing");
+  refused(R"({"asset":"\"})", ":byte 13: its JSON is damaged: a string without an end");
+  refused(R"({"asset":1} 2)", ":byte 12: its JSON is damaged: text after its end");
+  refused(R"({asset:1,"asset":1})", ":byte 1: its JSON is damaged: no '\"' where");
+}
+
 // Assimp's JSON parser calls itself for every level, until the stack ends.
 TEST(Gltf, NestingHasAnEnd) {
   const TempFolder folder;
