@@ -14,6 +14,7 @@
 #include <string_view>
 
 #include "difi/error.h"
+#include "io/3ds_check.h"
 #include "io/assimp_files.h"
 #include "io/assimp_losses.h"
 #include "io/collada_check.h"
@@ -118,6 +119,7 @@ void keep_importers(Assimp::Importer& importer, const std::string& extension) {
 
 // Finds what would make assimp crash or take all memory.
 void check_before(const FileView& file, std::string_view extension) {
+  if (extension == "3ds") check_3ds(file);
   if (extension == "glb") check_glb(file);
   if (extension == "gltf") check_gltf(file);
   if (extension == "dae") check_collada(file);

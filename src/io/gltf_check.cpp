@@ -34,7 +34,8 @@ std::uint32_t whole(const JsonView& object, std::string_view name, std::uint32_t
 }
 
 // Assimp takes the corners of a primitive for granted: without positions it reads through a null pointer, and of a
-// strip it takes one or two from the number of corners, be there none.
+// strip it takes one or two from the number of corners, be there none. It closes a loop of lines through its first one,
+// also where it has dropped that for an index that is no vertex; to find this, one would have to read the buffers.
 class PrimitiveCheck {
  public:
   PrimitiveCheck(const FileView& file, const JsonView& scene) : file_(file), accessors_(scene.find("accessors")) {}
@@ -45,9 +46,12 @@ class PrimitiveCheck {
     if (!position || !position->whole())
       file_.fail(where, "no POSITION in its attributes; it has no shape, write the file again without it");
     const JsonView* indices = primitive.find("indices");
-    const JsonView& corners = indices && indices->whole() ? *indices : *position;
+    const bool indexed = indices && indices->whole();
     constexpr std::uint32_t kLineLoop = 2, kLineStrip = 3, kTriangles = 4, kStrip = 5, kFan = 6;
     const std::uint32_t mode = whole(primitive, "mode", kTriangles);
+    if (indexed && mode == kLineLoop)
+      file_.fail(where, "a loop of lines with indices is not read; leave the lines out, or write them one by one");
+    const JsonView& corners = indexed ? *indices : *position;
     const std::uint32_t least = mode == kStrip || mode == kFan ? 3 : mode == kLineLoop || mode == kLineStrip ? 2 : 0;
     for (const JsonView* of : {position, &corners})
       if (const auto count = counted(*of); count && *count < least)
@@ -66,15 +70,55 @@ class PrimitiveCheck {
   const JsonView* accessors_;
 };
 
+std::string_view text(const JsonView& object, std::string_view name) {
+  const JsonView* value = object.find(name);
+  return value ? value->text() : std::string_view();
+}
+
+// Whether a media type has both its halves, written without escapes but "\/": of others assimp looks for the second
+// half at the address 1.
+bool is_media_type(std::string_view type) {
+  for (std::size_t at = type.find('\\'); at != type.npos; at = type.find('\\', at + 2))
+    if (!type.substr(at).starts_with("\\/")) return false;
+  return type.empty() || type.find('/') != type.npos;
+}
+
+// Of an element of "buffers" or "images". Assimp keeps in the first bytes of a data URI where its parts begin, each in
+// a byte with a sign, and takes one that begins with the byte 16 for one of these.
+void check_uri(const FileView& file, const JsonView& element, const std::string& where) {
+  constexpr std::size_t kLongest = 100;  // far from 127; "data:application/octet-stream;base64," has 37
+  constexpr std::string_view kData = "data:";
+  const auto fail = [&](const std::string& what) {
+    file.fail(where, what + "; write the file again in the program that made it");
+  };
+  const std::string_view uri = text(element, "uri");
+  if (!uri.empty() && (uri[0] == '\\' || static_cast<unsigned char>(uri[0]) < ' '))
+    fail("its uri begins with an escape");
+  if (!is_media_type(text(element, "mimeType"))) fail("its mimeType is not of the form image/png");
+  if (!uri.starts_with(kData)) return;
+  const std::size_t comma = uri.find(',');
+  if (comma > kLongest) fail("its data has no beginning of the form data:image/png;base64,");
+  const std::string_view head = uri.substr(kData.size(), comma - kData.size());
+  if (!is_media_type(head.substr(0, head.find(';')))) fail("the type of its data is not of the form image/png");
+}
+
+// check(element, "NOUN 3") for the elements of a list.
+template <class Check>
+void for_each(const JsonView& parent, std::string_view list, const std::string& noun, Check check) {
+  const JsonView* found = parent.find(list);
+  for (std::size_t n = 0; found && n < found->elements().size(); ++n)
+    check(found->elements()[n], noun + " " + std::to_string(n));
+}
+
 void check_scene(const FileView& file, std::size_t begin, std::size_t end) {
   const JsonView scene = JsonView::read(file, file.bytes().substr(begin, end - begin), begin, kDeepest);
-  const PrimitiveCheck check(file, scene);
-  const JsonView* meshes = scene.find("meshes");
-  if (!meshes) return;
-  for (std::size_t m = 0; m < meshes->elements().size(); ++m)
-    if (const JsonView* primitives = meshes->elements()[m].find("primitives"))
-      for (std::size_t p = 0; p < primitives->elements().size(); ++p)
-        check(primitives->elements()[p], "mesh " + std::to_string(m) + " primitive " + std::to_string(p));
+  const PrimitiveCheck check_primitive(file, scene);
+  for_each(scene, "meshes", "mesh", [&](const JsonView& mesh, const std::string& where) {
+    for_each(mesh, "primitives", where + " primitive", check_primitive);
+  });
+  const auto check = [&](const JsonView& element, const std::string& where) { check_uri(file, element, where); };
+  for_each(scene, "buffers", "buffer", check);
+  for_each(scene, "images", "image", check);
 }
 
 }  // namespace

@@ -73,7 +73,7 @@ class JsonView::Reader {
       }
       --depth_;
     } else if (first == '"') {
-      string();
+      read.text_ = string();
     } else {
       const std::size_t end = std::min(text_.find_first_of(",]} \t\r\n", at_), text_.size());
       read.word_ = text_.substr(at_, end - at_);

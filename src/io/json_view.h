@@ -24,12 +24,15 @@ class JsonView {
   /// The n-th element of a list, or nullptr.
   const JsonView* at(std::uint64_t n) const { return n < elements_.size() ? &elements_[n] : nullptr; }
   const std::vector<JsonView>& elements() const { return elements_; }
+  /// Of a string.
+  std::string_view text() const { return text_; }
   /// A whole number from 0 to 2^32 - 1 written without fraction and exponent.
   std::optional<std::uint32_t> whole() const;
 
  private:
   class Reader;
 
+  std::string_view text_;
   std::string_view word_;                                       // numbers and literals
   std::vector<JsonView> elements_;                              // of a list
   std::vector<std::pair<std::string_view, JsonView>> members_;  // of an object

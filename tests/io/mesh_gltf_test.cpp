@@ -108,6 +108,41 @@ TEST(Gltf, PrimitivesHaveCorners) {
               ":mesh 0 primitive 0: " + std::string(count == "1" ? "1" : "0") + " corners are too few for its mode, " +
                   std::to_string(mode) + "; repair the mesh");
   refused(text(R"({"attributes":{"POSITION":0},"indices":0,"mode":5})", "2"), ":mesh 0 primitive 0: 2 corners are");
+  // Assimp closes a loop through its first line, which it may have dropped.
+  refused(text(R"({"attributes":{"POSITION":0},"indices":0,"mode":2})"),
+          ":mesh 0 primitive 0: a loop of lines with indices is not read; leave the lines out");
+  EXPECT_EQ(read_mesh(text(R"({"attributes":{"POSITION":0},"mode":6})")).triangles.size(), 1u);
+}
+
+// Found by fuzzing: the type of an image without a slash ended the program. The others are read past their ends.
+TEST(Gltf, DataSaysWhatItIs) {
+  const TempFolder folder;
+  const auto with = [&](const std::string& image, const std::string& uri = "data:application\\/octet-stream;base64,") {
+    return folder.file("a.gltf",
+                       R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":)"
+                       R"([{"primitives":[{"attributes":{"POSITION":0}}]}],"images":[)" +
+                           image + R"(],"buffers":[{"byteLength":36,"uri":")" + uri +
+                           R"(AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}],"bufferViews":[{"buffer":0,)"
+                           R"("byteLength":36}],"accessors":[{"bufferView":0,"componentType":5126,"type":"VEC3",)"
+                           R"("count":3}]})");
+  };
+  const auto refused = [](const std::filesystem::path& path, const std::string& words) {
+    expect_error([&] { read_mesh(path); }, ErrorCode::input, path.string() + words);
+  };
+  EXPECT_EQ(read_mesh(with("")).triangles.size(), 1u);
+  EXPECT_EQ(
+      read_mesh(with(R"({"uri":"data:image/png;base64,AAAA"},{"uri":"data:image\/png;base64,AAAA"})")).triangles.size(),
+      1u);
+  EXPECT_EQ(read_mesh(with(R"({"uri":"wood.png"},{"bufferView":0,"mimeType":"image/png"})")).triangles.size(), 1u);
+  const std::string type = ":image 0: the type of its data is not of the form image/png";
+  refused(with(R"({"uri":"data:imagepng;base64,AAAA"})"), type);
+  refused(with(R"({"uri":"data:image\u002cx/png;base64,AAAA"})"), type);
+  refused(with(R"({"bufferView":0,"mimeType":"png"})"), ":image 0: its mimeType is not of the form image/png");
+  refused(with(R"({"bufferView":0,"mimeType":"a\u0000/b"})"), ":image 0: its mimeType is not of the form image/png");
+  const std::string begins = ":buffer 0: its data has no beginning of the form data:image/png;base64,";
+  refused(with("", "data:a/" + std::string(200, 'b') + ";base64,"), begins);
+  refused(with("", "data:"), begins);
+  refused(with("", R"(\u0010data:a/b;base64,)"), ":buffer 0: its uri begins with an escape");
 }
 
 TEST(Gltf, DamagedJsonIsToldByItsByte) {
