@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "io/json_view.h"
 
@@ -102,6 +103,31 @@ void check_uri(const FileView& file, const JsonView& element, const std::string&
   if (!is_media_type(head.substr(0, head.find(';')))) fail("the type of its data is not of the form image/png");
 }
 
+// Of an element of "accessors": assimp holds the length of its numbers against that of their view, but not where they
+// begin there, and writes sparse ones wherever their indices say.
+void check_accessor(const FileView& file, const JsonView& scene, const JsonView& accessor, const std::string& where) {
+  constexpr std::pair<std::string_view, std::uint64_t> kTypes[] = {{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4},
+                                                                   {"MAT2", 4},   {"MAT3", 9}, {"MAT4", 16}};
+  constexpr std::uint32_t kByte = 5120, kShort = 5122, kUnsignedInt = 5125, kFloat = 5126;
+  const std::uint32_t component = whole(accessor, "componentType");
+  const auto* const type =
+      std::ranges::find(kTypes, text(accessor, "type"), &std::pair<std::string_view, std::uint64_t>::first);
+  if (type == std::end(kTypes) || component < kByte || component > kFloat)
+    file.fail(where, "its type or componentType is none of glTF's; repair the file");
+  if (accessor.find("sparse"))
+    file.fail(where, "sparse accessors are not read; write the file without in the program that made it");
+  const JsonView* index = accessor.find("bufferView");
+  const JsonView* views = scene.find("bufferViews");
+  const JsonView* view = index && index->whole() && views ? views->at(*index->whole()) : nullptr;
+  if (!view) return;  // assimp tells
+  const std::uint64_t width = type->second * (component >= kUnsignedInt ? 4 : component >= kShort ? 2 : 1);
+  const std::uint64_t count = whole(accessor, "count"),
+                      stride = std::max<std::uint64_t>(whole(*view, "byteStride"), width);
+  const std::uint64_t room = whole(*view, "byteLength");
+  if (count > 0 && whole(accessor, "byteOffset") + (count - 1) * stride + width > room)
+    file.fail(where, "its numbers reach past the " + std::to_string(room) + " bytes of their view; repair the file");
+}
+
 // check(element, "NOUN 3") for the elements of a list.
 template <class Check>
 void for_each(const JsonView& parent, std::string_view list, const std::string& noun, Check check) {
@@ -117,6 +143,8 @@ void check_scene(const FileView& file, std::size_t begin, std::size_t end) {
     for_each(mesh, "primitives", where + " primitive", check_primitive);
   });
   const auto check = [&](const JsonView& element, const std::string& where) { check_uri(file, element, where); };
+  for_each(scene, "accessors", "accessor",
+           [&](const JsonView& accessor, const std::string& where) { check_accessor(file, scene, accessor, where); });
   for_each(scene, "buffers", "buffer", check);
   for_each(scene, "images", "image", check);
 }

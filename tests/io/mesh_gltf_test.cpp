@@ -114,6 +114,34 @@ TEST(Gltf, PrimitivesHaveCorners) {
   EXPECT_EQ(read_mesh(text(R"({"attributes":{"POSITION":0},"mode":6})")).triangles.size(), 1u);
 }
 
+// Found by fuzzing: assimp read past the end of a view where an accessor begins late in it.
+TEST(Gltf, AccessorsStayInTheirViews) {
+  const TempFolder folder;
+  const auto with = [&](const std::string& accessor, const std::string& view = R"("byteLength":36)") {
+    return folder.file("a.gltf",
+                       R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":)"
+                       R"([{"primitives":[{"attributes":{"POSITION":0}}]}],"buffers":[{"byteLength":36,"uri":)"
+                       R"("data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}],)"
+                       R"("bufferViews":[{"buffer":0,)" +
+                           view + R"(}],"accessors":[{)" + accessor + R"(,"count":3,"bufferView":0}]})");
+  };
+  const auto refused = [](const std::filesystem::path& path, const std::string& words) {
+    expect_error([&] { read_mesh(path); }, ErrorCode::input, path.string() + ":accessor 0: " + words);
+  };
+  const std::string floats = R"("type":"VEC3","componentType":5126)";
+  EXPECT_EQ(read_mesh(with(floats)).triangles.size(), 1u);
+  EXPECT_EQ(read_mesh(with(floats + R"(,"byteOffset":0)")).triangles.size(), 1u);
+  refused(with(floats + R"(,"byteOffset":4)"), "its numbers reach past the 36 bytes of their view");
+  refused(with(floats + R"(,"byteOffset":4294967295)"), "its numbers reach past the 36 bytes of their view");
+  refused(with(floats, R"("byteLength":35)"), "its numbers reach past the 35 bytes of their view");
+  refused(with(floats, R"("byteLength":36,"byteStride":13)"), "its numbers reach past the 36 bytes of their view");
+  for (const char* type : {"VEC4", "MAT2", "MAT3", "MAT4"})
+    refused(with("\"componentType\":5125,\"type\":\"" + std::string(type) + '"'), "its numbers reach past");
+  refused(with(R"("componentType":5126,"type":"VEC\u0033")"), "its type or componentType is none of glTF's");
+  refused(with(R"("componentType":5127,"type":"VEC3")"), "its type or componentType is none of glTF's");
+  refused(with(floats + R"(,"sparse":{"count":1,"indices":{},"values":{}})"), "sparse accessors are not read");
+}
+
 // Found by fuzzing: the type of an image without a slash ended the program. The others are read past their ends.
 TEST(Gltf, DataSaysWhatItIs) {
   const TempFolder folder;
