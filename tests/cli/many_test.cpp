@@ -226,5 +226,18 @@ TEST_F(Many, ErrorsOfTheCommandLine) {
   EXPECT_EQ(folder.names(), (std::set<std::string>{"poses.csv", "ways.csv"}));
 }
 
+TEST_F(Many, AnInterruptLeavesNoTable) {
+  std::string poses;
+  for (int n = 0; n < 300'000; ++n) poses += "0.9,0,0\n";
+  write("poses.csv", poses);
+  testing::Process process(words("collide scene:labyrinth scene:fly --poses poses.csv -o out.csv --device emulated"),
+                           setup());
+  ::usleep(500'000);
+  process.send(SIGINT);
+  const Ran ran = process.wait();
+  EXPECT_EQ(ran.code, 130) << ran.err;
+  EXPECT_EQ(folder.names(), std::set<std::string>{"poses.csv"});
+}
+
 }  // namespace
 }  // namespace difi
