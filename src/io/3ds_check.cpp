@@ -12,11 +12,11 @@ namespace {
 constexpr std::size_t kHeader = 6;  // of a chunk: what it is, and its length with this header
 
 // Chunks that hold each other: the file, its keyframer, a node of it, a track of positions, rotations and so on.
-enum Level { kFile, kKeyframer, kNode, kTrack, kLevels };
+constexpr int kFile = 0, kTrack = 3;
 bool is_of(int level, std::uint16_t id) {
   constexpr struct {
     std::uint16_t first, last;
-  } kIds[kLevels] = {{0x4d4d, 0x4d4d}, {0xb000, 0xb000}, {0xb001, 0xb007}, {0xb020, 0xb029}};
+  } kIds[kTrack + 1] = {{0x4d4d, 0x4d4d}, {0xb000, 0xb000}, {0xb001, 0xb007}, {0xb020, 0xb029}};
   return id >= kIds[level].first && id <= kIds[level].last;
 }
 
