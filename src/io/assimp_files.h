@@ -5,8 +5,11 @@
 #include <assimp/DefaultIOSystem.h>
 #include <assimp/MemoryIOWrapper.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "io/file_view.h"
 
@@ -16,18 +19,24 @@ namespace difi {
 /// such as the buffers of glTF, from the disk.
 class AssimpFiles : public Assimp::DefaultIOSystem {
  public:
-  /// The view must outlive it.
-  explicit AssimpFiles(const FileView& file) : file_(file), name_(file.path().string()) {}
+  /// The view must outlive it. The bytes at `hidden` are shown as '_'.
+  AssimpFiles(const FileView& file, const std::vector<std::size_t>& hidden)
+      : name_(file.path().string()), bytes_(file.bytes()) {
+    if (hidden.empty()) return;
+    copy_ = bytes_;
+    for (const std::size_t at : hidden) copy_[at] = '_';
+    bytes_ = copy_;
+  }
 
   bool Exists(const char* name) const override { return name == name_ || DefaultIOSystem::Exists(name); }
   Assimp::IOStream* Open(const char* name, const char* mode) override {
     if (name != name_) return DefaultIOSystem::Open(name, mode);
-    return new Assimp::MemoryIOStream(reinterpret_cast<const std::uint8_t*>(file_.bytes().data()), file_.size());
+    return new Assimp::MemoryIOStream(reinterpret_cast<const std::uint8_t*>(bytes_.data()), bytes_.size());
   }
 
  private:
-  const FileView& file_;
-  std::string name_;
+  std::string name_, copy_;
+  std::string_view bytes_;
 };
 
 }  // namespace difi

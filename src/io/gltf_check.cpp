@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstdint>
 #include <cstring>
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -136,7 +137,25 @@ void for_each(const JsonView& parent, std::string_view list, const std::string& 
     check(found->elements()[n], noun + " " + std::to_string(n));
 }
 
-void check_scene(const FileView& file, std::size_t begin, std::size_t end) {
+// Notes the names of these members; those with escapes too, for they may say the same.
+void hide(const FileView& file, const JsonView& object, std::initializer_list<std::string_view> names,
+          std::vector<std::size_t>& hidden) {
+  for (const auto& [name, value] : object.members())
+    if (name.find('\\') != name.npos || std::ranges::find(names, name) != names.end())
+      hidden.push_back(static_cast<std::size_t>(name.data() - file.bytes().data()));
+}
+
+// Skins are not read: assimp takes it for granted that they have matrices, which they may leave out, and that the
+// joints which vertices name are there. Nor are animations.
+std::vector<std::size_t> hidden_names(const FileView& file, const JsonView& scene) {
+  std::vector<std::size_t> hidden;
+  hide(file, scene, {"skins", "animations"}, hidden);
+  if (const JsonView* nodes = scene.find("nodes"))
+    for (const JsonView& node : nodes->elements()) hide(file, node, {"skin"}, hidden);
+  return hidden;
+}
+
+std::vector<std::size_t> check_scene(const FileView& file, std::size_t begin, std::size_t end) {
   const JsonView scene = JsonView::read(file, file.bytes().substr(begin, end - begin), begin, kDeepest);
   const PrimitiveCheck check_primitive(file, scene);
   for_each(scene, "meshes", "mesh", [&](const JsonView& mesh, const std::string& where) {
@@ -147,11 +166,13 @@ void check_scene(const FileView& file, std::size_t begin, std::size_t end) {
            [&](const JsonView& accessor, const std::string& where) { check_accessor(file, scene, accessor, where); });
   for_each(scene, "buffers", "buffer", check);
   for_each(scene, "images", "image", check);
+  return hidden_names(file, scene);
 }
 
 }  // namespace
 
-void check_glb(const FileView& file) {
+std::vector<std::size_t> check_glb(const FileView& file) {
+  std::vector<std::size_t> hidden;
   const std::string_view bytes = file.bytes();
   if (!bytes.starts_with("glTF")) file.fail(at_byte(0), "a binary glTF starts with glTF; check that it is one");
   if (bytes.size() < kHeader + kChunkHeader)
@@ -168,11 +189,12 @@ void check_glb(const FileView& file) {
       file.fail(at_byte(at), "a chunk of " + std::to_string(chunk) + " bytes, where " + std::to_string(left) +
                                  " are left; the file is cut off or damaged, get all of it");
     const std::size_t begin = at + kChunkHeader;
-    if (at == kHeader) check_scene(file, begin, begin + chunk);
+    if (at == kHeader) hidden = check_scene(file, begin, begin + chunk);
     at = std::min(length, begin + (chunk + 3) / 4 * 4);  // chunks are padded
   }
+  return hidden;
 }
 
-void check_gltf(const FileView& file) { check_scene(file, 0, file.size()); }
+std::vector<std::size_t> check_gltf(const FileView& file) { return check_scene(file, 0, file.size()); }
 
 }  // namespace difi

@@ -24,6 +24,8 @@ class JsonView {
   /// The n-th element of a list, or nullptr.
   const JsonView* at(std::uint64_t n) const { return n < elements_.size() ? &elements_[n] : nullptr; }
   const std::vector<JsonView>& elements() const { return elements_; }
+  /// Of an object, in the file's order.
+  const std::vector<std::pair<std::string_view, JsonView>>& members() const { return members_; }
   /// Of a string.
   std::string_view text() const { return text_; }
   /// A whole number from 0 to 2^32 - 1 written without fraction and exponent.

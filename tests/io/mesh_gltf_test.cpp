@@ -142,6 +142,23 @@ TEST(Gltf, AccessorsStayInTheirViews) {
   refused(with(floats + R"(,"sparse":{"count":1,"indices":{},"values":{}})"), "sparse accessors are not read");
 }
 
+// Found by fuzzing: a skin without matrices, which glTF allows, ended the program. Skins change nothing that is read.
+TEST(Gltf, SkinsAreLeftOut) {
+  const TempFolder folder;
+  for (const std::string name : {"skin", "sk\\u0069n"}) {
+    const auto path = folder.file(
+        "a.gltf",
+        R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0,1]}],"nodes":[{"mesh":0,")" + name +
+            R"(":0},{}],"skins":[{"joints":[1]}],"animations":[{}],"meshes":[{"primitives":[{"attributes":)"
+            R"({"POSITION":0,"JOINTS_0":1,"WEIGHTS_0":2}}]}],"buffers":[{"byteLength":36,"uri":)"
+            R"("data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}],)"
+            R"("bufferViews":[{"buffer":0,"byteLength":36}],"accessors":[{"bufferView":0,"type":"VEC3",)"
+            R"("componentType":5126,"count":3},{"bufferView":0,"type":"VEC4","componentType":5121,"count":3},)"
+            R"({"bufferView":0,"type":"VEC4","componentType":5121,"count":3}]})");
+    EXPECT_EQ(read_mesh(path).triangles.size(), 1u);
+  }
+}
+
 // Found by fuzzing: the type of an image without a slash ended the program. The others are read past their ends.
 TEST(Gltf, DataSaysWhatItIs) {
   const TempFolder folder;
