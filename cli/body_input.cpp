@@ -5,6 +5,7 @@
 #include "cli/option.h"
 #include "cli/parse.h"
 #include "cli/waiting.h"
+#include "difi/error.h"
 
 namespace difi::cli {
 
@@ -14,7 +15,11 @@ CollisionModel read_body(const std::string& name, const Talk& talk) {
   MeshInput input;
   input.set_name(name);
   const Mesh mesh = waiting(talk, "reading " + name, [&] { return input.read(); });
-  return waiting(talk, "building the body of " + name, [&] { return CollisionModel(mesh); });
+  try {
+    return waiting(talk, "building the body of " + name, [&] { return CollisionModel(mesh); });
+  } catch (const Error& error) {
+    throw Error(error.code(), name + ": " + error.what());
+  }
 }
 
 void PairInput::add_to(CLI::App& verb) {

@@ -21,6 +21,8 @@ class PairInput {
   void add_to(CLI::App& verb);
   CollisionModel read_a(const Talk& talk) const { return read_body(a_, talk); }
   CollisionModel read_b(const Talk& talk) const { return read_body(b_, talk); }
+  const std::string& name_a() const { return a_; }
+  const std::string& name_b() const { return b_; }
   const Pose& pose_a() const { return pose_a_; }
 
  private:

@@ -4,6 +4,7 @@
 
 #include "cli/body_input.h"
 #include "cli/commands.h"
+#include "cli/device_options.h"
 #include "cli/option.h"
 #include "cli/parse.h"
 #include "cli/talk.h"
@@ -35,14 +36,13 @@ void Command::run() {
   const Mesh mesh = waiting(talk, "reading " + input.name(), [&] { return input.read(); });
   const std::string file = output.path().string();
   const CollisionModel body = waiting(talk, "building " + file, [&] { return CollisionModel(mesh, options); });
-  output.check_still_free();
-  waiting(talk, "writing " + file, [&] { body.save(output.path()); });
+  waiting(talk, "writing " + file, [&] { body.save(output.path(), output.existing()); });
   talk.say(mesh_line(file, mesh) + ", field of " + size_text(body.grid().size) + " samples, " +
            bytes_text(body.memory_bytes()) + " in memory");
   if (!talk.json()) return;
   Json json = json_body(body);
   json["output"] = {{"file", file}, {"bytes", std::filesystem::file_size(output.path())}};
-  print(json);
+  print(json, output.path());
 }
 
 }  // namespace
@@ -56,8 +56,7 @@ void add_build(CLI::App& program) {
   command->input.add_scale_to(*verb);
   add_parsed(*verb, {"--spacing", "S", "of the body's field (default: chosen from the mesh)", "Body"},
              [&options](S o, S t) { options.spacing = parse_positive(o, t); });
-  add_parsed(*verb, {"-j,--threads", "N", "threads (default: all)", "Body"},
-             [&options](S o, S t) { options.threads = static_cast<int>(parse_count(o, t, 1, 4096)); });
+  add_threads(*verb, "Body", options.threads);
   command->output.add_to(*verb, "BODY", "the body: .body (default: the mesh's name with .body, here)");
   command->talk.add_to(*verb, Talk::kMessages | Talk::kJson);
   verb->callback([command] { command->run(); });

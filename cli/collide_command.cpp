@@ -3,8 +3,10 @@
 
 #include "cli/body_input.h"
 #include "cli/commands.h"
+#include "cli/many.h"
 #include "cli/option.h"
 #include "cli/parse.h"
+#include "cli/pose_file.h"
 #include "cli/talk.h"
 #include "cli/text.h"
 #include "cli/usage.h"
@@ -16,6 +18,8 @@ constexpr const char* kExamples = R"(  difi collide maze.stl fly.stl --pose 3,1,
   difi collide maze.stl fly.stl --pose 3,1,2,0,1,0,90      turned by 90 degrees about the y axis, then moved
   difi collide a.stl b.stl --margin 0.01                   nearer than 0.01 counts
   difi collide a.stl b.stl --contacts 20 --json            where they touch
+  difi collide maze.stl fly.stl --poses poses.csv          a pose on each line; the answers as a table
+  difi collide maze.stl fly.stl --poses - -o hits.csv --device cuda < poses.csv
 )";
 
 struct Command {
@@ -24,9 +28,14 @@ struct Command {
   double margin = 0;
   std::int64_t contacts = 0;
   bool certified = false;
+  Many many;
   Talk talk;
 
-  void run() const;
+  CollideOptions options() const {
+    return {.margin = margin, .mode = certified ? CollideMode::certified : CollideMode::exact};
+  }
+  void run();
+  void run_many();
 };
 
 Json contact_json(const ContactPoint& contact) {
@@ -37,11 +46,34 @@ Json contact_json(const ContactPoint& contact) {
           {"triangle_b", contact.triangle_b}};
 }
 
-void Command::run() const {
+const char* word_of(Contact contact) {
+  return contact == Contact::free ? "free" : contact == Contact::hit ? "hit" : "ambiguous";
+}
+
+// Which of several triangles touch depends on the device: the table leaves it out, so that it does not.
+void Command::run_many() {
+  many.check({bodies.name_a(), bodies.name_b()});
+  const std::vector<Pose> poses = read_poses(many.file());
   const CollisionModel a = bodies.read_a(talk), b = bodies.read_b(talk);
-  const CollideMode mode = certified ? CollideMode::certified : CollideMode::exact;
-  const Collided found = collide(a, bodies.pose_a(), b, pose, {.margin = margin, .mode = mode});
-  const char* const word = found.contact == Contact::free ? "free" : found.hit() ? "hit" : "ambiguous";
+  const auto found = many.answers(talk, poses.size(), [&](BatchReport& report) {
+    return collide_all(a, bodies.pose_a(), b, poses, options(), many.batch(), &report);
+  });
+  Answers answers{Table("pose,result"), {{"free", 0}, {"hit", 0}}};
+  if (certified) answers.counts.emplace_back("ambiguous", 0);
+  for (std::size_t n = 0; n < found.size(); ++n) {
+    answers.table.cell(static_cast<std::int64_t>(n));
+    answers.table.cell(word_of(found[n].contact));
+    answers.table.end_row();
+    ++answers.counts[static_cast<std::size_t>(found[n].contact)].second;
+  }
+  many.deliver(answers, talk);
+}
+
+void Command::run() {
+  if (many.given()) return run_many();
+  const CollisionModel a = bodies.read_a(talk), b = bodies.read_b(talk);
+  const Collided found = collide(a, bodies.pose_a(), b, pose, options());
+  const char* const word = word_of(found.contact);
   Contacts all;
   if (contacts > 0) all = difi::contacts(a, bodies.pose_a(), b, pose, {.most = contacts, .margin = margin});
   if (talk.json()) {
@@ -74,16 +106,19 @@ void add_collide(CLI::App& program) {
   auto* verb = add_verb(program, "collide", "do two bodies touch, and where", kExamples);
   const auto command = std::make_shared<Command>();
   command->bodies.add_to(*verb);
-  add_pose(*verb, "--pose", "where B is: x,y,z; x,y,z,ax,ay,az,degrees; or a 3x4 matrix", command->pose);
+  auto* pose = add_pose(*verb, "--pose", "where B is: x,y,z; x,y,z,ax,ay,az,degrees; or a 3x4 matrix", command->pose);
   using S = const std::string&;
   auto* certified = verb->add_flag("--certified", command->certified,
                                    "from the fields alone: free, hit or ambiguous, no triangle is looked at");
   certified->group("Question");
   add_parsed(*verb, {"--margin", "D", "as near as this is a hit too (default 0)", "Question"},
-             [command = command.get()](S o, S t) { command->margin = parse_not_negative(o, t); });
-  add_parsed(*verb, {"--contacts", "N", "list up to N pairs of triangles that touch", "Question"},
-             [command = command.get()](S o, S t) { command->contacts = parse_count(o, t, 1, 1'000'000'000); })
-      ->excludes(certified);
+             [command = command.get()](S o, S t) { command->margin = parse_not_negative(o, t, kMostMargin); });
+  auto* contacts =
+      add_parsed(*verb, {"--contacts", "N", "list up to N pairs of triangles that touch", "Question"},
+                 [command = command.get()](S o, S t) { command->contacts = parse_count(o, t, 1, 1'000'000'000); });
+  contacts->excludes(certified);
+  command->many.add_to(*verb, "--poses", kPosesHelp, "pose")->excludes(pose)->excludes(contacts);
+  command->many.add_device_to(*verb);
   command->talk.add_to(*verb, Talk::kMessages | Talk::kJson);
   verb->callback([command] { command->run(); });
 }

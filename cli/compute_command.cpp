@@ -6,6 +6,7 @@
 
 #include "cli/commands.h"
 #include "cli/compute_report.h"
+#include "cli/device_options.h"
 #include "cli/files.h"
 #include "cli/grid_options.h"
 #include "cli/memory.h"
@@ -80,10 +81,8 @@ void Command::add_to(CLI::App& verb) {
     parse_choice(o, t, {"triangle"});
     options.nearest_triangle = true;
   });
-  add("--device", "NAME", "auto (default), cpu, cuda, cuda:N or emulated; see difi\ndevices",
-      [this](S o, S t) { options.backend = parse_backend(o, t, options.device); });
-  add("-j,--threads", "N", "threads (default: all)",
-      [this](S o, S t) { options.threads = static_cast<int>(parse_count(o, t, 1, 4096)); });
+  add_device(verb, "Method", options.backend, options.device);
+  add_threads(verb, "Method", options.threads);
   add("--memory-limit", "SIZE",
       "most memory for the field and its making, as in 500M or 8G\n(default: 80 % of the machine's)",
       [this](S o, S t) { options.memory_limit = parse_bytes(o, t); });
@@ -117,15 +116,15 @@ void Command::run() {
   if (interrupted()) throw Error(ErrorCode::interrupted, "interrupted");
 
   start = std::chrono::steady_clock::now();
-  output.check_still_free();
-  waiting(talk, "writing " + output.path().string(), [&] { write_field(output.path(), computed.field); });
+  waiting(talk, "writing " + output.path().string(),
+          [&] { write_field(output.path(), computed.field, output.existing()); });
   Outcome outcome{plan, computed.report, computed.field.provenance.mesh_hash};
   outcome.write_seconds = seconds_since(start);
   std::error_code ignored;  // a pipe has no size
   const auto size = std::filesystem::file_size(output.path(), ignored);
   outcome.written_bytes = ignored ? 0 : static_cast<std::int64_t>(size);
   say(outcome, talk);
-  if (talk.json()) print(outcome_json(outcome));
+  if (talk.json()) print(outcome_json(outcome), output.path());
 }
 
 }  // namespace

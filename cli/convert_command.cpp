@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "cli/commands.h"
+#include "cli/field_input.h"
 #include "cli/files.h"
 #include "cli/talk.h"
 #include "cli/text.h"
@@ -20,6 +21,7 @@ constexpr const char* kExamples = R"(  difi convert horse.3ds -o horse.stl      
 
 struct Command {
   MeshInput input;
+  FieldInput field_input;
   FileOutput output;
   Talk talk;
 
@@ -40,17 +42,16 @@ void Command::run() {
   if (kind_of(output.path()) == FileKind::body)
     throw Error(ErrorCode::usage, output.path().string() + ": convert does not make a body of a mesh; use difi build");
   output.check(is_field ? field_formats() : mesh_formats());
-  const std::string reading = "reading " + input.name(), writing = "writing " + output.path().string();
+  const std::string writing = "writing " + output.path().string();
   if (is_field) {
-    const DistanceField field = waiting(talk, reading, [&] { return read_field(input.name()); });
-    output.check_still_free();
-    waiting(talk, writing, [&] { write_field(output.path(), field); });
+    const DistanceField field = field_input.read(input.name(), talk);
+    waiting(talk, writing, [&] { write_field(output.path(), field, output.existing()); });
     return talk.say(output.path().string() + ": " + size_text(field.grid().size) + " samples");
   }
-  const Mesh mesh = waiting(talk, reading, [&] { return input.read(); });
+  field_input.check_unused(input.name());
+  const Mesh mesh = waiting(talk, "reading " + input.name(), [&] { return input.read(); });
   validate(mesh);
-  output.check_still_free();
-  waiting(talk, writing, [&] { write_mesh(output.path(), mesh); });
+  waiting(talk, writing, [&] { write_mesh(output.path(), mesh, output.existing()); });
   talk.say(mesh_line(output.path().string(), mesh));
 }
 
@@ -65,6 +66,7 @@ void add_convert(CLI::App& program) {
                          "the new file: " + extensions(mesh_formats(), true) + " for a mesh,\n" +
                              extensions(field_formats(), true) + " for a field");
   verb->get_option("--output")->required();
+  command->field_input.add_to(*verb);
   command->talk.add_to(*verb, Talk::kMessages);
   verb->callback([command] { command->run(); });
 }

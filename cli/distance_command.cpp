@@ -1,11 +1,15 @@
 // difi distance: how near are two bodies?
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 
 #include "cli/body_input.h"
 #include "cli/commands.h"
+#include "cli/many.h"
 #include "cli/option.h"
 #include "cli/parse.h"
+#include "cli/pose_file.h"
 #include "cli/talk.h"
 #include "cli/text.h"
 #include "cli/usage.h"
@@ -15,30 +19,65 @@ namespace {
 
 constexpr const char* kExamples = R"(  difi distance a.stl b.stl --pose 0,0,5
   difi distance a.stl b.stl --tolerance 0.01 --json        faster, and within 0.01
+  difi distance a.stl b.stl --poses poses.csv -o near.csv        a pose on each line, a distance for each
 )";
 
 struct Command {
   PairInput bodies;
   Pose pose;
   DistanceOptions options;
+  Many many;
   Talk talk;
 
-  void run() const;
+  // The library looks for what is nearer than its limit; here what is as far counts too.
+  DistanceOptions inclusive() const {
+    return {options.tolerance, std::nextafter(options.limit, std::numeric_limits<double>::infinity())};
+  }
+  double lower(const Distance& found) const { return std::min(found.lower, options.limit); }
+  void run();
+  void run_many();
 };
 
-void Command::run() const {
+void Command::run_many() {
+  many.check({bodies.name_a(), bodies.name_b()});
+  const std::vector<Pose> poses = read_poses(many.file());
   const CollisionModel a = bodies.read_a(talk), b = bodies.read_b(talk);
-  const Distance found = distance(a, bodies.pose_a(), b, pose, options);
+  const auto found = many.answers(talk, poses.size(), [&](BatchReport&) {
+    return distance_all(a, bodies.pose_a(), b, poses, inclusive(), many.batch().threads);
+  });
+  Answers answers{Table("pose,lower,upper,ax,ay,az,bx,by,bz,triangle_a,triangle_b"), {}};
+  std::int64_t touching = 0, beyond = 0;
+  for (std::size_t n = 0; n < found.size(); ++n) {
+    const Distance& it = found[n];
+    const bool any = std::isfinite(it.upper);
+    touching += it.upper == 0, beyond += !any;
+    answers.table.cell(static_cast<std::int64_t>(n));
+    answers.table.cell(lower(it));
+    answers.table.cell(it.upper);
+    answers.table.point(any, it.point_a);
+    answers.table.point(any, it.point_b);
+    answers.table.triangle(it.triangle_a);
+    answers.table.triangle(it.triangle_b);
+    answers.table.end_row();
+  }
+  answers.counts = {{"touching", touching}, {"beyond_limit", beyond}};
+  many.deliver(answers, talk);
+}
+
+void Command::run() {
+  if (many.given()) return run_many();
+  const CollisionModel a = bodies.read_a(talk), b = bodies.read_b(talk);
+  const Distance found = distance(a, bodies.pose_a(), b, pose, inclusive());
   if (talk.json()) {
     const bool any = std::isfinite(found.upper);
-    return print(Json{{"lower", json_number(found.lower)},
+    return print(Json{{"lower", json_number(lower(found))},
                       {"upper", json_number(found.upper)},
                       {"point_a", any ? json_point(found.point_a) : Json()},
                       {"point_b", any ? json_point(found.point_b) : Json()},
                       {"triangle_a", json_triangle(found.triangle_a)},
                       {"triangle_b", json_triangle(found.triangle_b)}});
   }
-  if (!std::isfinite(found.upper)) return print("at least " + exact_number(options.limit) + ", the limit\n");
+  if (!std::isfinite(found.upper)) return print("more than " + exact_number(options.limit) + ", the limit\n");
   print(exact_number(found.upper) + " from " + point_text(found.point_a) + " of A to " + point_text(found.point_b) +
         " of B" + (found.lower < found.upper ? ", at least " + exact_number(found.lower) : "") + "\n");
 }
@@ -49,13 +88,14 @@ void add_distance(CLI::App& program) {
   auto* verb = add_verb(program, "distance", "the least distance of two bodies", kExamples);
   const auto command = std::make_shared<Command>();
   command->bodies.add_to(*verb);
-  add_pose(*verb, "--pose", "where B is: x,y,z; x,y,z,ax,ay,az,degrees; or a 3x4 matrix", command->pose);
+  auto* pose = add_pose(*verb, "--pose", "where B is: x,y,z; x,y,z,ax,ay,az,degrees; or a 3x4 matrix", command->pose);
   using S = const std::string&;
   DistanceOptions& options = command->options;
   add_parsed(*verb, {"--tolerance", "D", "how wrong it may be (default 0)", "Question"},
              [&options](S o, S t) { options.tolerance = parse_not_negative(o, t); });
   add_parsed(*verb, {"--limit", "D", "look no farther than this", "Question"},
              [&options](S o, S t) { options.limit = parse_not_negative(o, t); });
+  command->many.add_to(*verb, "--poses", kPosesHelp, "pose")->excludes(pose);
   command->talk.add_to(*verb, Talk::kMessages | Talk::kJson);
   verb->callback([command] { command->run(); });
 }

@@ -66,7 +66,7 @@ Mesh MeshInput::read() const {
   const auto colon = name_.find(':', kScene.size());
   std::int64_t triangles = 0;
   if (colon != std::string::npos)
-    triangles = parse_count(name_.substr(0, colon), name_.substr(colon + 1), 1, std::int64_t{1} << 32);
+    triangles = parse_count(name_.substr(0, colon) + ":TRIANGLES", name_.substr(colon + 1), 1, std::int64_t{1} << 32);
   Mesh mesh = scenes::make(stem(), triangles);
   if (scale != 1)
     for (Vec3& vertex : mesh.vertices) vertex = vertex * scale;
@@ -107,14 +107,6 @@ void FileOutput::check_differs(const std::string& input) const {
   std::error_code ignored;
   if (fs::equivalent(path_, input, ignored))
     throw Error(ErrorCode::usage, path_.string() + ": it is an input, and would be lost; give another name");
-}
-
-void FileOutput::check_still_free() const {
-  std::error_code ignored;
-  if (!force_ && fs::is_regular_file(path_, ignored))
-    throw Error(ErrorCode::output, path_.string() +
-                                       ": another program has written it meanwhile, it stays as it is; give another "
-                                       "name, or -f to overwrite it");
 }
 
 void FileOutput::check_carries_nearest(const std::vector<Format>& formats) const {

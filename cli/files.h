@@ -56,8 +56,8 @@ class FileOutput {
   void check(const std::vector<Format>& formats) const;
   /// Throws Error{usage} where the output is the file that an input comes from, also with -f.
   void check_differs(const std::string& input) const;
-  /// Tells after the work, before writing, of a file that has appeared meanwhile (output), unless -f was given.
-  void check_still_free() const;
+  /// A file that has appeared since the check stays, unless -f was given.
+  Existing existing() const { return force_ ? Existing::replace : Existing::keep; }
   /// Throws Error{usage} when the file's format has no place for nearest triangles.
   void check_carries_nearest(const std::vector<Format>& formats) const;
 

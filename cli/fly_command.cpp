@@ -7,6 +7,7 @@
 
 #include "cli/body_input.h"
 #include "cli/commands.h"
+#include "cli/device_options.h"
 #include "cli/option.h"
 #include "cli/parse.h"
 #include "cli/signals.h"
@@ -31,10 +32,24 @@ struct Command {
   FileOutput path;
   Talk talk;
 
+  std::vector<const CLI::Option*> of_thesis, of_sweep;  // options that the other mode does not know
+
+  void check_mode() const;
   void run();
 };
 
+void Command::check_mode() const {
+  const bool thesis = options.mode == FlightMode::thesis;
+  for (const CLI::Option* option : thesis ? of_sweep : of_thesis)
+    if (option->count() > 0)
+      throw Error(ErrorCode::usage, option->get_name() + ": only --mode " + (thesis ? "sweep" : "thesis") +
+                                        " knows it; leave it out, or fly in that mode");
+  if (thesis && options.on_contact == OnContact::reflect)
+    throw Error(ErrorCode::usage, "--on-contact 'reflect': --mode thesis knows no normals to reflect by; give back");
+}
+
 void Command::run() {
+  check_mode();
   if (path.given()) {
     path.check({{"csv", "", false, true, false}, {"ply", "", false, true, false}});
     path.check_differs(labyrinth);
@@ -70,23 +85,24 @@ void Command::run() {
   if (interrupted()) throw Error(ErrorCode::interrupted, "interrupted");
   if (path.given()) {
     std::ranges::sort(points, {}, [](const PathPoint& p) { return std::pair(p.flier, p.step); });
-    path.check_still_free();
-    write_path(path.path(), points);
+    write_path(path.path(), points, path.existing());
   }
   const double rate = static_cast<double>(steps * flies) / std::max(seconds, 1e-9);
   const bool thesis = options.mode == FlightMode::thesis;
+  const auto tell = [this](const auto& what) { path.given() ? print(what, path.path()) : print(what); };
   if (talk.json())
-    return print(Json{{"mode", thesis ? "thesis" : "sweep"},
-                      {"steps", steps},
-                      {"flies", flies},
-                      {"speed", options.speed},
-                      {"seed", options.seed},
-                      {"steps_per_second", rate},
-                      {"collisions", collisions},
-                      {"wall_crossings", options.check ? Json(crossings) : Json()},
-                      {"grid", {{"size", json_size(grid.size)}, {"spacing", json_point(grid.spacing)}}}});
-  print(counted(steps * flies, "step") + ", " + number(rate) + " a second; grid " + size_text(grid.size) + "\n" +
-        counted(collisions, "collision") + (options.check ? ", " + counted(crossings, "wall crossing") : "") + "\n");
+    return tell(Json{{"mode", thesis ? "thesis" : "sweep"},
+                     {"steps", steps},
+                     {"flies", flies},
+                     {"speed", options.speed},
+                     {"seed", options.seed},
+                     {"steps_per_second", rate},
+                     {"collisions", collisions},
+                     {"wall_crossings", options.check ? Json(crossings) : Json()},
+                     {"grid", {{"size", json_size(grid.size)}, {"spacing", json_point(grid.spacing)}}}});
+  tell(counted(steps, "step") + (flies > 1 ? " of each of " + grouped(flies) + " flies" : "") + ", " + number(rate) +
+       " a second" + (flies > 1 ? " in all" : "") + "; grid " + size_text(grid.size) + "\n" +
+       counted(collisions, "collision") + (options.check ? ", " + counted(crossings, "wall crossing") : "") + "\n");
 }
 
 }  // namespace
@@ -121,20 +137,20 @@ void add_fly(CLI::App& program) {
   add("--mode", "MODE", "sweep (default) or thesis", "Collision", [&options](S o, S t) {
     options.mode = parse_choice(o, t, {"sweep", "thesis"}) == 0 ? FlightMode::sweep : FlightMode::thesis;
   });
-  add("--minimum", "E", "thesis: the minimum grid's factor, 2 to 4 (default 2)", "Collision",
-      [&options](S o, S t) { options.minimum = parse_positive(o, t); });
-  add("--thickness", "T", "thesis: of the fields (default 2)", "Collision",
-      [&options](S o, S t) { options.thickness = parse_positive(o, t); });
-  add("--threshold", "D", "thesis: of the sum of two values (default: the larger spacing)", "Collision",
-      [&options](S o, S t) { options.threshold = parse_positive(o, t); });
-  add("--tolerance", "D", "sweep: as near as this is touching (default 1e-4)", "Collision",
-      [&options](S o, S t) { options.tolerance = parse_positive(o, t); });
+  it->of_thesis.push_back(add("--minimum", "E", "thesis: the minimum grid's factor, 2 to 4 (default 2)", "Collision",
+                              [&options](S o, S t) { options.minimum = parse_positive(o, t); }));
+  it->of_thesis.push_back(add("--thickness", "T", "thesis: of the fields (default 2)", "Collision",
+                              [&options](S o, S t) { options.thickness = parse_positive(o, t); }));
+  it->of_thesis.push_back(add("--threshold", "D", "thesis: of the sum of two values (default: the larger spacing)",
+                              "Collision", [&options](S o, S t) { options.threshold = parse_positive(o, t); }));
+  it->of_sweep.push_back(add("--tolerance", "D", "sweep: as near as this is touching (default 1e-4)", "Collision",
+                             [&options](S o, S t) { options.tolerance = parse_positive(o, t); }));
   verb->add_flag_callback(
           "--no-check", [&options] { options.check = false; }, "do not look for wall crossings: faster")
       ->group("Collision");
-  add("-j,--threads", "N", "threads (default: all)", "Flight",
-      [&options](S o, S t) { options.threads = static_cast<int>(parse_count(o, t, 1, 4096)); });
+  add_threads(*verb, "Flight", options.threads);
   it->path.add_to(*verb, "FILE", "where each fly starts, turns and ends: .csv or .ply", "--path");
+  verb->get_option("--force")->needs(verb->get_option("--path"));
   it->talk.add_to(*verb, Talk::kMessages | Talk::kJson | Talk::kProgress);
   verb->callback([command] { command->run(); });
 }

@@ -58,13 +58,13 @@ void Command::run() {
   if (!output.given()) output.set_path(scene + ".ply");
   output.check(mesh_formats());
   const Mesh mesh = scenes::make(scene, triangles);
-  output.check_still_free();
-  waiting(talk, "writing " + output.path().string(), [&] { write_mesh(output.path(), mesh); });
+  waiting(talk, "writing " + output.path().string(), [&] { write_mesh(output.path(), mesh, output.existing()); });
   talk.say(mesh_line(output.path().string(), mesh));
   if (!talk.json()) return;
   print(Json{{"scene", scene},
              {"mesh", {{"triangles", mesh.triangles.size()}, {"vertices", mesh.vertices.size()}}},
-             {"output", {{"file", output.path().string()}}}});
+             {"output", {{"file", output.path().string()}}}},
+        output.path());
 }
 
 }  // namespace

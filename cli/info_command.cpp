@@ -5,6 +5,7 @@
 #include "cli/body_input.h"
 #include "cli/commands.h"
 #include "cli/facts.h"
+#include "cli/field_input.h"
 #include "cli/files.h"
 #include "cli/signals.h"
 #include "cli/talk.h"
@@ -61,8 +62,8 @@ void tell_mesh(const MeshInput& input, const Talk& talk) {
         row("hash", hash_text(content_hash(mesh))));
 }
 
-void tell_field(const std::string& name, const Talk& talk) {
-  const DistanceField field = waiting(talk, "reading " + name, [&] { return read_field(name); });
+void tell_field(const std::string& name, const FieldInput& input, const Talk& talk) {
+  const DistanceField field = input.read(name, talk);
   const Grid& g = field.grid();
   const FieldFacts found = facts(field);
   const Provenance& from = field.provenance;
@@ -119,10 +120,12 @@ void tell_body(const std::string& name, const Talk& talk) {
 
 struct Command {
   MeshInput input;
+  FieldInput field;
   Talk talk;
 
   void run() const {
-    if (kind_of(input.name()) == FileKind::field) return tell_field(input.name(), talk);
+    if (kind_of(input.name()) == FileKind::field) return tell_field(input.name(), field, talk);
+    field.check_unused(input.name());
     if (kind_of(input.name()) == FileKind::body) return tell_body(input.name(), talk);
     tell_mesh(input, talk);
   }
@@ -134,6 +137,7 @@ void add_info(CLI::App& program) {
   auto* verb = add_verb(program, "info", "say what is in a mesh, field or body", kExamples);
   const auto command = std::make_shared<Command>();
   command->input.add_to(*verb, "FILE");
+  command->field.add_to(*verb);
   command->talk.add_to(*verb, Talk::kJson);
   verb->callback([command] { command->run(); });
 }

@@ -1,5 +1,6 @@
 #include "cli/parse.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <numbers>
@@ -34,15 +35,23 @@ std::vector<std::string> parts(const std::string& text) {
   return found;
 }
 
-std::vector<double> parse_numbers(const std::string& option, const std::string& text) {
-  std::vector<double> numbers;
-  for (const auto& part : parts(text)) {
-    const auto value = whole_text<double>(part);
-    if (!value || !std::isfinite(*value))
-      reject(option, text, "'" + part + "' is not a number; separate numbers by commas");
-    numbers.push_back(*value);
+// What `read` makes of the text; what it has against it is told with the option's name.
+template <class Read>
+auto read_or_reject(const std::string& option, const std::string& text, Read read) {
+  try {
+    return read();
+  } catch (const Error& error) {
+    reject(option, text, error.what());
   }
-  return numbers;
+}
+
+std::vector<double> parse_numbers(const std::string& option, const std::string& text) {
+  return read_or_reject(option, text, [&] { return numbers_in(text); });
+}
+
+double at_most(const std::string& option, const std::string& text, double value, double most) {
+  if (value > most) reject(option, text, "must be at most " + number(most));
+  return value;
 }
 
 }  // namespace
@@ -55,16 +64,16 @@ double parse_number(const std::string& option, const std::string& text) {
   return *value;
 }
 
-double parse_positive(const std::string& option, const std::string& text) {
+double parse_positive(const std::string& option, const std::string& text, double most) {
   const double value = parse_number(option, text);
   if (!(value > 0)) reject(option, text, "must be above zero");
-  return value;
+  return at_most(option, text, value, most);
 }
 
-double parse_not_negative(const std::string& option, const std::string& text) {
+double parse_not_negative(const std::string& option, const std::string& text, double most) {
   const double value = parse_number(option, text);
   if (!(value >= 0)) reject(option, text, "must be zero or more");
-  return value;
+  return at_most(option, text, value, most);
 }
 
 double parse_degrees(const std::string& option, const std::string& text, double most) {
@@ -179,30 +188,48 @@ double parse_unit(const std::string& option, const std::string& text) {
 Vec3 parse_point(const std::string& option, const std::string& text) {
   const auto v = parse_numbers(option, text);
   if (v.size() != 3) reject(option, text, "give three numbers: x,y,z");
+  for (const double c : v)
+    if (std::abs(c) > 1e15) reject(option, text, "a number past 1e15; give a point of the body");
   return {v[0], v[1], v[2]};
 }
 
 Pose parse_pose(const std::string& option, const std::string& text) {
-  const auto v = parse_numbers(option, text);
+  return read_or_reject(option, text, [&] { return pose_of(numbers_in(text)); });
+}
+
+Pose pose_of(std::span<const double> v) {
   Pose pose;
   if (v.size() == 3) {
     pose.translation = {v[0], v[1], v[2]};
   } else if (v.size() == 7) {
     if (v[3] == 0 && v[4] == 0 && v[5] == 0)
-      reject(option, text, "the axis has no direction; one of its numbers must not be zero");
+      throw Error(ErrorCode::usage, "the axis has no direction; one of its numbers must not be zero");
     pose = make_pose({v[3], v[4], v[5]}, v[6] * std::numbers::pi / 180, {v[0], v[1], v[2]});
   } else if (v.size() == 12) {
     for (std::size_t n = 0; n < 9; ++n) pose.rotation[n] = v[n / 3 * 4 + n % 3];
     pose.translation = {v[3], v[7], v[11]};
   } else {
-    reject(option, text, "give x,y,z; or x,y,z,ax,ay,az,degrees; or the twelve numbers of a 3x4 matrix, row by row");
+    throw Error(ErrorCode::usage,
+                "give x,y,z; or x,y,z,ax,ay,az,degrees; or the twelve numbers of a 3x4 matrix, row by row");
   }
-  try {
-    validate(pose);
-  } catch (const Error& error) {
-    reject(option, text, error.what());
-  }
+  validate(pose);
   return pose;
+}
+
+std::vector<double> numbers_in(std::string_view text) {
+  std::vector<double> numbers;
+  for (std::size_t from = 0; from <= text.size();) {
+    const std::size_t comma = std::min(text.find(',', from), text.size());
+    std::string_view part = text.substr(from, comma - from);
+    part.remove_prefix(std::min(part.find_first_not_of(" \t"), part.size()));
+    part.remove_suffix(part.size() - (part.find_last_not_of(" \t") + 1));
+    const auto value = whole_text<double>(part);
+    if (!value || !std::isfinite(*value))
+      throw Error(ErrorCode::usage, "'" + std::string(part) + "' is not a number; separate numbers by commas");
+    numbers.push_back(*value);
+    from = comma + 1;
+  }
+  return numbers;
 }
 
 }  // namespace difi::cli

@@ -2,7 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "difi/compute.h"
@@ -23,10 +26,15 @@ struct Thickness {
 
 /// A finite number.
 double parse_number(const std::string& option, const std::string& text);
+/// What collision queries take for a margin or a tolerance.
+inline constexpr double kMostMargin = 1e30;
+
 /// A finite number above zero.
-double parse_positive(const std::string& option, const std::string& text);
+double parse_positive(const std::string& option, const std::string& text,
+                      double most = std::numeric_limits<double>::max());
 /// A finite number, zero or above.
-double parse_not_negative(const std::string& option, const std::string& text);
+double parse_not_negative(const std::string& option, const std::string& text,
+                          double most = std::numeric_limits<double>::max());
 /// Degrees in [0, most].
 double parse_degrees(const std::string& option, const std::string& text, double most);
 /// A whole number in [least, most].
@@ -52,7 +60,12 @@ double parse_unit(const std::string& option, const std::string& text);
 /// x,y,z (moved), x,y,z,ax,ay,az,degrees (turned about an axis, then moved), or twelve numbers: a 3x4 matrix row by
 /// row.
 Pose parse_pose(const std::string& option, const std::string& text);
-/// Three numbers: x,y,z.
+
+/// The same for text that is no option's. Errors: usage, as `what; what to give`.
+Pose pose_of(std::span<const double> numbers);
+/// Finite numbers with commas between them, and blanks around them. Errors: usage, as above.
+std::vector<double> numbers_in(std::string_view text);
+/// Three numbers: x,y,z, none past 1e15.
 Vec3 parse_point(const std::string& option, const std::string& text);
 
 /// The index of `text` among `choices`.

@@ -5,15 +5,14 @@
 #include <memory>
 
 #include "cli/commands.h"
+#include "cli/field_input.h"
 #include "cli/files.h"
 #include "cli/option.h"
 #include "cli/parse.h"
 #include "cli/talk.h"
 #include "cli/text.h"
 #include "cli/usage.h"
-#include "cli/waiting.h"
 #include "difi/error.h"
-#include "difi/io.h"
 
 namespace difi::cli {
 namespace {
@@ -27,6 +26,7 @@ constexpr const char* kExamples =
 
 struct Command {
   std::string field;
+  FieldInput input;
   FileOutput output;
   SliceOptions options;
   Talk talk;
@@ -58,15 +58,15 @@ void Command::add_to(CLI::App& verb) {
   });
   add("--pixels", "N", "enlarge the longer side to at least this (default 512)",
       [this](S o, S t) { options.pixels = static_cast<int>(parse_count(o, t, 1, 8192)); });
+  input.add_to(verb);
   talk.add_to(verb, Talk::kMessages);
 }
 
 void Command::run() {
   if (!output.given()) output.set_path(std::filesystem::path(field).stem().string() + ".png");
   output.check({{"png", "PNG picture", false, true}});
-  const DistanceField loaded = waiting(talk, "reading " + field, [&] { return read_field(field); });
-  output.check_still_free();
-  write_slice_png(output.path(), loaded, options);
+  const DistanceField loaded = input.read(field, talk);
+  write_slice_png(output.path(), loaded, options, output.existing());
   const char* axis = options.axis == Axis::x ? "x" : options.axis == Axis::y ? "y" : "z";
   talk.say(output.path().string() + ": the plane of " + field + " at " +
            (options.index ? "sample " + std::to_string(*options.index) : number(options.at)) + " along " + axis);

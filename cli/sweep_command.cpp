@@ -3,29 +3,63 @@
 
 #include "cli/body_input.h"
 #include "cli/commands.h"
+#include "cli/many.h"
 #include "cli/option.h"
 #include "cli/parse.h"
+#include "cli/pose_file.h"
 #include "cli/talk.h"
 #include "cli/text.h"
 #include "cli/usage.h"
+#include "difi/error.h"
 
 namespace difi::cli {
 namespace {
 
 constexpr const char* kExamples = R"(  difi sweep maze.stl fly.stl --from 3,1,2 --to 9,1,2
   difi sweep a.stl b.stl --from 0,0,5 --to 0,0,0,0,0,1,90 --json   turning as it goes
+  difi sweep maze.stl fly.stl --motions ways.csv -o hits.csv       from and to on each line
 )";
 
 struct Command {
   PairInput bodies;
   Motion motion;
   SweepOptions options;
+  Many many;
+  bool has_end = false;
   Talk talk;
 
-  void run() const;
+  void run();
+  void run_many();
 };
 
-void Command::run() const {
+void Command::run_many() {
+  many.check({bodies.name_a(), bodies.name_b()});
+  const std::vector<Motion> motions = read_motions(many.file(), motion.center);
+  const CollisionModel a = bodies.read_a(talk), b = bodies.read_b(talk);
+  const auto found = many.answers(talk, motions.size(), [&](BatchReport& report) {
+    return sweep_all(a, bodies.pose_a(), b, motions, options, many.batch(), &report);
+  });
+  Answers answers{Table("motion,result,time,x,y,z,nx,ny,nz,triangle_a,triangle_b"), {}};
+  std::int64_t hits = 0;
+  for (std::size_t n = 0; n < found.size(); ++n) {
+    const Swept& it = found[n];
+    hits += it.hit;
+    answers.table.cell(static_cast<std::int64_t>(n));
+    answers.table.cell(it.hit ? "hit" : "free");
+    answers.table.cell(it.time);
+    answers.table.point(it.hit, it.point);
+    answers.table.point(it.hit, it.normal);
+    answers.table.triangle(it.triangle_a);
+    answers.table.triangle(it.triangle_b);
+    answers.table.end_row();
+  }
+  answers.counts = {{"free", static_cast<std::int64_t>(found.size()) - hits}, {"hit", hits}};
+  many.deliver(answers, talk);
+}
+
+void Command::run() {
+  if (many.given()) return run_many();
+  if (!has_end) throw Error(ErrorCode::usage, "sweep: no --to given, where B ends; or give --motions with a file");
   const CollisionModel a = bodies.read_a(talk), b = bodies.read_b(talk);
   const Swept found = sweep(a, bodies.pose_a(), b, motion, options);
   if (talk.json())
@@ -47,15 +81,26 @@ void add_sweep(CLI::App& program) {
   const auto command = std::make_shared<Command>();
   command->bodies.add_to(*verb);
   Motion& motion = command->motion;
-  add_pose(*verb, "--from", "where B starts: x,y,z; x,y,z,ax,ay,az,degrees; or a 3x4 matrix", motion.from);
-  add_pose(*verb, "--to", "where B ends; it turns the shorter way round", motion.to)->required();
+  auto* from = add_pose(*verb, "--from", "where B starts: x,y,z; x,y,z,ax,ay,az,degrees; or a 3x4 matrix", motion.from);
+  auto* to = add_pose(*verb, "--to", "where B ends; it turns the shorter way round", motion.to);
   using S = const std::string&;
   add_parsed(*verb, {"--center", "X,Y,Z", "the point of B that goes straight (default 0,0,0)", "Place"},
              [&motion](S o, S t) { motion.center = parse_point(o, t); });
   add_parsed(*verb, {"--tolerance", "D", "as near as this is a hit (default 1e-4)", "Question"},
-             [command = command.get()](S o, S t) { command->options.tolerance = parse_positive(o, t); });
+             [command = command.get()](S o, S t) { command->options.tolerance = parse_positive(o, t, kMostMargin); });
+  command->many
+      .add_to(*verb, "--motions",
+              "where B starts and ends, many times: a file with the\nnumbers of --from and --to on each line, - for "
+              "standard\ninput",
+              "motion")
+      ->excludes(from)
+      ->excludes(to);
+  command->many.add_device_to(*verb);
   command->talk.add_to(*verb, Talk::kMessages | Talk::kJson);
-  verb->callback([command] { command->run(); });
+  verb->callback([command, to] {
+    command->has_end = to->count() > 0;
+    command->run();
+  });
 }
 
 }  // namespace difi::cli

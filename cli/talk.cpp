@@ -117,6 +117,17 @@ void print(const std::string& text) {
 
 void print(const Json& json) { print(json_text(json, "") + "\n"); }
 
+void print(const std::string& text, const std::filesystem::path& written) {
+  try {
+    print(text);
+  } catch (const Error& error) {
+    throw Error(error.code(),
+                std::string(error.what()) + "; " + written.string() + " was written before, and is whole");
+  }
+}
+
+void print(const Json& json, const std::filesystem::path& written) { print(json_text(json, "") + "\n", written); }
+
 Json json_number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 Json json_point(Vec3 v) { return {v.x, v.y, v.z}; }
 Json json_size(Size3 size) { return {size.x, size.y, size.z}; }

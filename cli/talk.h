@@ -1,6 +1,7 @@
 // What the program says: people's messages and the progress bar on stderr, data on stdout.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
@@ -44,6 +45,10 @@ class Talk {
 void print(const std::string& text);
 /// One object or list on stdout.
 void print(const Json& json);
+
+/// The same once a file was written: should stdout fail, the message says that the file is there, whole.
+void print(const std::string& text, const std::filesystem::path& written);
+void print(const Json& json, const std::filesystem::path& written);
 
 /// The number, or null where JSON has none for it (infinity).
 Json json_number(double value);

@@ -2,6 +2,8 @@
 #include <memory>
 
 #include "cli/commands.h"
+#include "cli/device_options.h"
+#include "cli/field_input.h"
 #include "cli/files.h"
 #include "cli/option.h"
 #include "cli/parse.h"
@@ -11,7 +13,6 @@
 #include "cli/usage.h"
 #include "cli/waiting.h"
 #include "difi/error.h"
-#include "difi/io.h"
 #include "difi/verify.h"
 
 namespace difi::cli {
@@ -24,6 +25,7 @@ constexpr const char* kExamples = R"(  difi verify bunny.vti bunny.obj          
 
 struct Command {
   std::string field;
+  FieldInput input;
   MeshInput mesh;
   VerifyOptions options;
   Talk talk;
@@ -43,7 +45,7 @@ Json sample_json(const SampleCheck& at) {
 }
 
 void Command::run() {
-  const DistanceField loaded = waiting(talk, "reading " + field, [&] { return read_field(field); });
+  const DistanceField loaded = input.read(field, talk);
   const Mesh triangles = waiting(talk, "reading " + mesh.name(), [&] { return mesh.read(); });
   const Verified found = [&] {
     const Cancellable cancellable;
@@ -95,8 +97,8 @@ void add_verify(CLI::App& program) {
   add_parsed(*verb, {"--seed", "N", "chooses the samples (default 1)", kGroup}, [&options](S o, S t) {
     options.seed = static_cast<std::uint64_t>(parse_count(o, t, 0, std::numeric_limits<std::int64_t>::max()));
   });
-  add_parsed(*verb, {"-j,--threads", "N", "threads (default: all)", kGroup},
-             [&options](S o, S t) { options.threads = static_cast<int>(parse_count(o, t, 1, 4096)); });
+  add_threads(*verb, kGroup, options.threads);
+  command->input.add_to(*verb);
   command->talk.add_to(*verb, Talk::kMessages | Talk::kJson | Talk::kProgress);
   verb->callback([command] { command->run(); });
 }

@@ -14,6 +14,7 @@
 
 #include "difi/compute.h"
 #include "difi/error.h"
+#include "difi/existing.h"
 #include "difi/field.h"
 #include "difi/grid.h"
 #include "difi/mesh.h"
@@ -43,7 +44,7 @@ class CollisionModel {
   std::int64_t memory_bytes() const;
 
   /// Writes the model; the file appears whole or not at all. Errors: output.
-  void save(const std::filesystem::path& path) const;
+  void save(const std::filesystem::path& path, Existing existing = Existing::replace) const;
   /// Reads a model that save() wrote. Errors: input, for anything else and for damaged files.
   static CollisionModel load(const std::filesystem::path& path);
 

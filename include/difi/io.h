@@ -1,11 +1,14 @@
 // Reading and writing meshes and fields.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "difi/error.h"
+#include "difi/existing.h"
 #include "difi/field.h"
 #include "difi/mesh.h"
 
@@ -34,14 +37,23 @@ struct MeshReadOptions {
 Mesh read_mesh(const std::filesystem::path& path, const MeshReadOptions& options = {});
 
 /// Writes a mesh; the file appears whole or not at all. Errors: output, usage (unknown extension).
-void write_mesh(const std::filesystem::path& path, MeshView mesh);
+void write_mesh(const std::filesystem::path& path, MeshView mesh, Existing existing = Existing::replace);
+
+struct FieldReadOptions {
+  std::int64_t memory_limit = 0;  ///< most bytes the field may take, 0: no limit; looked at before they are taken
+};
 
 /// Reads a field written by write_field: the same values, thickness, nearest triangles and provenance. Errors: input;
-/// limit when memory runs out.
-DistanceField read_field(const std::filesystem::path& path);
+/// limit, also when memory runs out.
+DistanceField read_field(const std::filesystem::path& path, const FieldReadOptions& options = {});
 
 /// Writes a field as .vti, .nrrd or .npz (docs/formats.md); the file appears whole or not at all. Values are never held
 /// densely. Errors: output, usage (unknown extension, or nearest triangles in a format that cannot carry them).
-void write_field(const std::filesystem::path& path, const DistanceField& field);
+void write_field(const std::filesystem::path& path, const DistanceField& field, Existing existing = Existing::replace);
+
+/// The bytes of a file. Errors: input; limit when memory runs out.
+std::string read_text(const std::filesystem::path& path);
+/// Writes bytes as they are; the file appears whole or not at all. Errors: output.
+void write_text(const std::filesystem::path& path, std::string_view text, Existing existing = Existing::replace);
 
 }  // namespace difi

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "difi/axis.h"
+#include "difi/existing.h"
 #include "difi/mesh.h"
 
 namespace difi {
@@ -21,6 +22,7 @@ struct PictureOptions {
 /// Draws a mesh, flatly shaded, both sides of every triangle alike, and writes it as a PNG picture, which appears whole
 /// or not at all. Takes about 30 bytes per vertex and 32 per pixel.
 /// Errors: input (mesh), usage (options, or built without libpng), output.
-void write_mesh_png(const std::filesystem::path& path, MeshView mesh, const PictureOptions& options = {});
+void write_mesh_png(const std::filesystem::path& path, MeshView mesh, const PictureOptions& options = {},
+                    Existing existing = Existing::replace);
 
 }  // namespace difi

@@ -90,6 +90,7 @@ struct PathPoint {
 
 /// Writes paths, sorted by flier and step, as .csv (flier,step,x,y,z) or as .ply with vertices and edges; the file
 /// appears whole or not at all. Errors: output, usage (another extension).
-void write_path(const std::filesystem::path& path, std::span<const PathPoint> points);
+void write_path(const std::filesystem::path& path, std::span<const PathPoint> points,
+                Existing existing = Existing::replace);
 
 }  // namespace difi

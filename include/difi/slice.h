@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "difi/axis.h"
+#include "difi/existing.h"
 #include "difi/field.h"
 
 namespace difi {
@@ -28,6 +29,7 @@ struct SliceOptions {
 /// for y, y and z for x. Colors span the finite values of the plane; infinite ones are grey. Planes of more than 8192
 /// pixels on a side are thinned to that.
 /// Errors: usage (options out of range, or built without libpng), output.
-void write_slice_png(const std::filesystem::path& path, const DistanceField& field, const SliceOptions& options = {});
+void write_slice_png(const std::filesystem::path& path, const DistanceField& field, const SliceOptions& options = {},
+                     Existing existing = Existing::replace);
 
 }  // namespace difi

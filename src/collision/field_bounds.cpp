@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "collision/number_text.h"
 #include "difi/compute.h"
 #include "difi/error.h"
 
@@ -74,7 +75,7 @@ FieldBounds plan_field_bounds(const Box& box, double spacing) {
   for (auto n : {&Size3::x, &Size3::y, &Size3::z}) coarse.*n = (fine.size.*n + kCoarseStep - 2) / kCoarseStep + 1;
   if (std::max({fine.size.x, fine.size.y, fine.size.z}) > kMostAlong ||
       static_cast<double>(coarse.x) * static_cast<double>(coarse.y) * static_cast<double>(coarse.z) > kMostCoarse)
-    throw Error(ErrorCode::limit, "model: a spacing of " + std::to_string(spacing) + " makes a field of " +
+    throw Error(ErrorCode::limit, "model: a spacing of " + number_text(spacing) + " makes a field of " +
                                       std::to_string(fine.size.x) + " x " + std::to_string(fine.size.y) + " x " +
                                       std::to_string(fine.size.z) + " samples; take a larger spacing");
   bounds.size = fine.size;

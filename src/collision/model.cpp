@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "collision/number_text.h"
+
 namespace difi {
 namespace {
 
@@ -33,7 +35,7 @@ void CollisionModel::place(Data& data, double spacing) {
   const double size = std::max({extent.x, extent.y, extent.z});
   if (!(size <= kMostSize) || (size > 0 && size < kLeastSize) || !(length(data.middle) < 1e15))
     throw Error(ErrorCode::input,
-                "model: the mesh is " + std::to_string(size) +
+                "model: the mesh is " + collision::number_text(size) +
                     " across; scale it to between 1e-12 and 1e12, and nearer than 1e15 to the origin");
   data.field.box = {data.box.min - data.middle, data.box.max - data.middle};
 }

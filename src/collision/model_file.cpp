@@ -11,13 +11,13 @@
 #include <cstring>
 
 #include "io/atomic_file.h"
+#include "io/body_magic.h"
 
 namespace difi {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "arrays are written as they lie in memory");
 
-constexpr char kMagic[8] = {'d', 'i', 'f', 'i', 'b', 'o', 'd', 'y'};
 constexpr std::uint32_t kVersion = 1;
 
 struct Header {
@@ -27,6 +27,7 @@ struct Header {
   std::uint64_t vertices, triangles, slots, samples, coarse;
   double spacing;
 };
+static_assert(sizeof(Header::magic) == kBodyMagic.size());
 static_assert(sizeof(Header) == 64 && sizeof(Vec3) == 24 && sizeof(Triangle) == 12);
 
 // Eight bytes at a time, each round of splitmix64 mixing all bits: finds every changed bit with certainty enough.
@@ -92,9 +93,9 @@ void check_field(const FileView& file, const collision::FieldBounds& field, cons
 
 }  // namespace
 
-void CollisionModel::save(const std::filesystem::path& path) const {
+void CollisionModel::save(const std::filesystem::path& path, Existing existing) const {
   const Data& d = *data_;
-  AtomicFile file(path);
+  AtomicFile file(path, existing);
   Checksum sum;
   const auto put = [&](const void* data, std::size_t bytes) {
     file.write(data, bytes);
@@ -110,7 +111,7 @@ void CollisionModel::save(const std::filesystem::path& path) const {
                 d.field.samples.size(),
                 d.field.coarse.size(),
                 d.field.spacing};
-  std::copy_n(kMagic, sizeof kMagic, header.magic);
+  kBodyMagic.copy(header.magic, sizeof header.magic);
   put(&header, sizeof header);
   put_all(d.mesh.vertices);
   put_all(d.mesh.triangles);
@@ -129,8 +130,7 @@ CollisionModel CollisionModel::load(const std::filesystem::path& path) {
 
 CollisionModel CollisionModel::Data::read(const FileView& file, BodyChecksum checksum) {
   Header header{};
-  if (file.size() < sizeof header + sizeof(std::uint64_t) ||
-      std::memcmp(file.bytes().data(), kMagic, sizeof kMagic) != 0)
+  if (file.size() < sizeof header + sizeof(std::uint64_t) || !file.bytes().starts_with(kBodyMagic))
     file.fail("", "this is no body that difi saved; give a mesh, or save a body again");
   std::memcpy(&header, file.bytes().data(), sizeof header);
   if (header.version != kVersion)

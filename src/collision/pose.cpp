@@ -1,8 +1,10 @@
 #include "difi/pose.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
+#include "collision/number_text.h"
 #include "difi/error.h"
 
 namespace difi {
@@ -19,10 +21,13 @@ Pose compose(const Pose& outer, const Pose& inner) {
 }
 
 Pose make_pose(Vec3 axis, double angle_rad, Vec3 translation) {
-  const double size = length(axis);
-  if (!(size > 0) || !std::isfinite(size) || !std::isfinite(angle_rad) || !is_finite(translation))
+  const double largest = std::max({std::abs(axis.x), std::abs(axis.y), std::abs(axis.z)});
+  if (!(largest > 0) || !is_finite(axis) || !std::isfinite(angle_rad) || !is_finite(translation))
     throw Error(ErrorCode::usage, "pose: the axis needs a direction, and all numbers must be finite");
-  const Vec3 u = axis * (1 / size);
+  // A power of two changes no digit of the direction, and keeps the squares of the smallest and largest within range.
+  const int exponent = -std::ilogb(largest);
+  const Vec3 scaled{std::scalbn(axis.x, exponent), std::scalbn(axis.y, exponent), std::scalbn(axis.z, exponent)};
+  const Vec3 u = scaled * (1 / length(scaled));
   const double c = std::cos(angle_rad), s = std::sin(angle_rad), k = 1 - c;
   Pose pose;
   pose.rotation = {c + u.x * u.x * k,       u.x * u.y * k - u.z * s, u.x * u.z * k + u.y * s,
@@ -46,7 +51,7 @@ void validate(const Pose& pose) {
   for (int i = 0; i < 3; ++i)
     for (int j = i; j < 3; ++j) off = std::max(off, std::abs(dot(rows[i], rows[j]) - (i == j ? 1 : 0)));
   if (!(off <= kRigidTolerance))
-    fail("the matrix is no rotation: its rows are off unit length and right angles by " + std::to_string(off) +
+    fail("the matrix is no rotation: its rows are off unit length and right angles by " + collision::number_text(off) +
          "; take scaling and shear out of it");
   if (!(dot(cross(rows[0], rows[1]), rows[2]) > 0)) fail("the matrix mirrors; a rigid body cannot, negate one axis");
 }

@@ -12,8 +12,11 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "difi/error.h"
+#include "io/3ds_check.h"
+#include "io/assimp_files.h"
 #include "io/assimp_losses.h"
 #include "io/collada_check.h"
 #include "io/gltf_check.h"
@@ -115,20 +118,23 @@ void keep_importers(Assimp::Importer& importer, const std::string& extension) {
   }
 }
 
-// Finds what would make assimp crash or take all memory.
-void check_before(const FileView& file, std::string_view extension) {
-  if (extension == "glb") check_glb(file);
-  if (extension == "gltf") check_gltf(file);
+// Finds what would make assimp crash or take all memory; returns the bytes to hide from it.
+std::vector<std::size_t> check_before(const FileView& file, std::string_view extension) {
+  if (extension == "3ds") check_3ds(file);
+  if (extension == "glb") return check_glb(file);
+  if (extension == "gltf") return check_gltf(file);
   if (extension == "dae") check_collada(file);
+  return {};
 }
 
 }  // namespace
 
 Mesh read_with_assimp(const FileView& file, const char* extension) {
-  check_before(file, extension);
+  const std::vector<std::size_t> hidden = check_before(file, extension);
   try {
     const AssimpLosses losses;
     Assimp::Importer importer;
+    importer.SetIOHandler(new AssimpFiles(file, hidden));  // the importer deletes it
     keep_importers(importer, extension);
     const aiScene* scene = importer.ReadFile(file.path().string(), aiProcess_ValidateDataStructure);
     if (!scene) fail(file, importer.GetErrorString());

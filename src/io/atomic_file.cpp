@@ -40,11 +40,15 @@ std::string reason(int error, const std::filesystem::path& folder) {
     case EROFS:
       return "the file system is read-only; write to another folder";
     case ENOENT:
+      if (std::error_code ignored; std::filesystem::is_directory(folder, ignored))  // as /proc and /sys say it
+        return "the folder " + folder.string() + " takes no new files; choose another place";
       return "the folder " + folder.string() + " does not exist; create it first";
     case ENOTDIR:
       return folder.string() + " is not a folder; choose another place";
     case EISDIR:
       return "it is a folder; give the name of a file";
+    case EEXIST:
+      return "somebody has written it, and it stays as it is; give another name, or overwrite it (-f)";
     case ENAMETOOLONG:
       return "the name is too long; choose a shorter one";
     case ESPIPE:
@@ -79,27 +83,29 @@ std::string handle_of(int file) { return "/proc/self/fd/" + std::to_string(file)
 
 }  // namespace
 
-AtomicFile::AtomicFile(const std::filesystem::path& target, Unfinished unfinished) : shown_(target) {
+AtomicFile::AtomicFile(const std::filesystem::path& target, Existing existing, Unfinished unfinished)
+    : shown_(target), existing_(existing) {
   std::error_code ignored;
   if (target.empty()) throw Error(ErrorCode::output, "cannot write a file without a name; give one");
   if (!target.has_filename()) fail(EISDIR);
   target_ = std::filesystem::absolute(end_of_links(target), ignored);
 
-  struct stat existing {};
-  const bool exists = ::stat(target_.c_str(), &existing) == 0;
+  struct stat there {};
+  const bool exists = ::stat(target_.c_str(), &there) == 0;
   if (!exists && errno != ENOENT) fail(errno);
-  if (exists && S_ISDIR(existing.st_mode)) fail(EISDIR);
+  if (exists && S_ISDIR(there.st_mode)) fail(EISDIR);
   // A file that its owner has made read-only stays, although renaming over it would work.
   if (exists && ::access(target_.c_str(), W_OK) != 0) fail(errno);
-  if (exists && !S_ISREG(existing.st_mode)) {
+  if (exists && !S_ISREG(there.st_mode)) {
     kind_ = Kind::straight;
     file_ = ::open(target_.c_str(), kOpen);
     if (file_ < 0) fail(errno);
     return;
   }
+  if (exists && existing_ == Existing::keep) fail(EEXIST);
   const auto folder = target_.parent_path();
   if (unfinished == Unfinished::named || !open_unnamed(folder)) open_named(folder);
-  if (exists) (void)!::fchmod(file_, existing.st_mode & 0777);
+  if (exists) (void)!::fchmod(file_, there.st_mode & 0777);
 }
 
 bool AtomicFile::open_unnamed([[maybe_unused]] const std::filesystem::path& folder) {
@@ -171,7 +177,7 @@ void AtomicFile::commit() {
   if (kind_ == Kind::unnamed) link_unnamed();
   close();
   if (kind_ == Kind::straight) return;
-  if (unfinished_ != target_ && ::rename(unfinished_.c_str(), target_.c_str()) != 0) fail(errno);
+  if (unfinished_ != target_) take_name();
   unfinished_.clear();
   forget_unfinished(slot_);
   slot_ = -1;
@@ -187,10 +193,30 @@ void AtomicFile::link_unnamed() {
     unfinished_ = target_;  // until it is closed without an error
     return;
   }
-  if (errno != EEXIST) fail(errno);
+  if (errno != EEXIST || existing_ == Existing::keep) fail(errno);
   unfinished_ = target_.parent_path() / unfinished_name();
   slot_ = note_unfinished(unfinished_);
   if (!link_as(unfinished_)) fail(errno);
+}
+
+// From the unfinished file's name to the target's.
+void AtomicFile::take_name() {
+  const char *const from = unfinished_.c_str(), *const to = target_.c_str();
+  if (existing_ == Existing::keep) {
+    // A link replaces nothing, and a rename only where it may. There are file systems that lack either (FAT knows no
+    // links, NFS no such renames) and a few that lack both: there the look comes a moment before the rename.
+    if (::link(from, to) == 0) {
+      ::unlink(from);
+      return;
+    }
+    if (errno == EEXIST) fail(EEXIST);
+#ifdef RENAME_NOREPLACE
+    if (::renameat2(AT_FDCWD, from, AT_FDCWD, to, RENAME_NOREPLACE) == 0) return;
+    if (errno == EEXIST) fail(EEXIST);
+#endif
+    if (::access(to, F_OK) == 0) fail(EEXIST);
+  }
+  if (::rename(from, to) != 0) fail(errno);
 }
 
 void AtomicFile::close() {

@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <memory>
 
+#include "difi/existing.h"
+
 namespace difi {
 
 /// Writes beside the target and takes its place on commit. Without a commit the target stays as it was and nothing is
@@ -20,8 +22,9 @@ class AtomicFile {
     named,  ///< as on file systems that know no unnamed files; for tests
   };
 
-  /// Opens the unfinished file. Refuses folders, missing parents and files that may not be written.
-  explicit AtomicFile(const std::filesystem::path& target, Unfinished unfinished = Unfinished::unnamed_if_possible);
+  /// Opens the unfinished file. Refuses folders, missing parents, files that may not be written, and those to be kept.
+  explicit AtomicFile(const std::filesystem::path& target, Existing existing = Existing::replace,
+                      Unfinished unfinished = Unfinished::unnamed_if_possible);
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
   ~AtomicFile();
@@ -34,7 +37,8 @@ class AtomicFile {
   void overwrite(std::uint64_t offset, const void* data, std::size_t bytes);
   /// Bytes appended so far.
   std::uint64_t size() const { return size_; }
-  /// Writes what is buffered and puts the file in the target's place. Nothing may be written after it.
+  /// Writes what is buffered and puts the file in the target's place. Nothing may be written after it. A target to be
+  /// kept that has appeared since is an error; looking for it and taking its name is one step.
   void commit();
 
  private:
@@ -44,6 +48,7 @@ class AtomicFile {
   void append(const char* data, std::size_t bytes);
   void close();
   void link_unnamed();
+  void take_name();
   void discard() noexcept;
   [[noreturn]] void fail(int error) const;
 
@@ -53,6 +58,7 @@ class AtomicFile {
   std::filesystem::path target_;  // absolute, links followed
   std::filesystem::path unfinished_;
   Kind kind_ = Kind::named;
+  Existing existing_;
   int file_ = -1;
   int slot_ = -1;  // in the table of unfinished files
   std::uint64_t size_ = 0;

@@ -39,11 +39,12 @@ std::vector<Format> field_formats() {
   return formats;
 }
 
-DistanceField read_field(const std::filesystem::path& path) {
+DistanceField read_field(const std::filesystem::path& path, const FieldReadOptions& options) {
+  if (options.memory_limit < 0) throw Error(ErrorCode::usage, "a memory limit must be zero (none) or more bytes");
   const FieldFormat& format = format_of(path, ErrorCode::input);
   // Dense files can be larger than memory, and sparse fields of theirs small.
   const FileView view(path, FileView::Access::map);
-  const FieldInput file(view);
+  const FieldInput file(view, options.memory_limit);
   if (file.size() == 0) file.fail("the file is empty; write it again");
   try {
     return format.read(file);
@@ -52,12 +53,12 @@ DistanceField read_field(const std::filesystem::path& path) {
   }
 }
 
-void write_field(const std::filesystem::path& path, const DistanceField& field) {
+void write_field(const std::filesystem::path& path, const DistanceField& field, Existing existing) {
   const FieldFormat& format = format_of(path, ErrorCode::usage);
   if (field.has_nearest() && !format.nearest)
     throw Error(ErrorCode::usage, path.string() + ": ." + format.extension +
                                       " cannot carry nearest triangles; write .vti or .npz, or compute without them");
-  AtomicFile file(path);
+  AtomicFile file(path, existing);
   format.write(file, field);
   file.commit();
 }

@@ -16,10 +16,13 @@ namespace difi {
 /// `FILE:WHERE: what; what to do`.
 class FieldInput {
  public:
-  explicit FieldInput(const FileView& view) : view_(view) {}
+  /// A limit of 0 bytes is none.
+  explicit FieldInput(const FileView& view, std::int64_t memory_limit = 0) : view_(view), memory_limit_(memory_limit) {}
 
   const std::filesystem::path& path() const { return view_.path(); }
   std::uint64_t size() const { return view_.size(); }
+  /// Most bytes that the field in memory may take; 0: as many as it needs.
+  std::int64_t memory_limit() const { return memory_limit_; }
   /// Fills `bytes` from the file.
   void read(std::uint64_t offset, std::span<std::byte> bytes) const {
     require(offset, bytes.size(), "data");
@@ -46,6 +49,7 @@ class FieldInput {
   [[noreturn]] void fail_short(std::uint64_t offset, std::uint64_t bytes, const char* what) const;
 
   const FileView& view_;
+  std::int64_t memory_limit_;
 };
 
 }  // namespace difi

@@ -1,11 +1,13 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <optional>
 #include <string>
 
 #include "difi/error.h"
+#include "field/memory.h"
 #include "io/field_samples.h"
 #include "io/field_text.h"
 
@@ -87,32 +89,78 @@ void check(const FieldInput& file, const StoredField& stored) {
   if (stored.nearest) file.require(stored.nearest->offset, sample_bytes(stored.grid), "the array of nearest triangles");
 }
 
+// Goes through the tiles of a file in order.
+class TileWalk {
+ public:
+  TileWalk(const FieldInput& file, const StoredField& stored)
+      : file_(file),
+        size_(stored.grid.size),
+        far_(static_cast<float>(stored.thickness)),
+        values_(file, stored.distance, size_) {
+    if (stored.nearest) nearest_.emplace(file, *stored.nearest, size_);
+  }
+
+  Size3 tile_count() const {
+    const auto along = [](std::int64_t samples) { return (samples + kSide - 1) / kSide; };
+    return {along(size_.x), along(size_.y), along(size_.z)};
+  }
+
+  // visit(tx, ty, tz, values, nearest) for each tile that is to be stored. Throws at a value that is none.
+  template <class Visit>
+  void operator()(Visit visit) const {
+    std::array<float, kTile> tile;
+    std::array<std::uint32_t, kTile> nearest;
+    const Size3 tiles = tile_count();
+    for (std::int64_t tz = 0; tz < tiles.z; ++tz)
+      for (std::int64_t ty = 0; ty < tiles.y; ++ty)
+        for (std::int64_t tx = 0; tx < tiles.x; ++tx) {
+          const Size3 first{tx * kSide, ty * kSide, tz * kSide};
+          values_.read(first, far_, tile);
+          const TileContent found = content(tile, far_);
+          if (found == TileContent::bad) fail_at_bad(file_, tile, far_, first);
+          if (nearest_) nearest_->read(first, kNoTriangle, nearest);
+          // A distance that equals the thickness lies in the band: only its nearest triangle tells it from a clamped
+          // one.
+          if (found == TileContent::far && !(nearest_ && has_triangle(nearest))) continue;
+          visit(tx, ty, tz, tile, nearest);
+        }
+  }
+
+ private:
+  const FieldInput& file_;
+  Size3 size_;
+  float far_;
+  TileReader<float> values_;
+  std::optional<TileReader<std::uint32_t>> nearest_;
+};
+
+// A file whose tiles might not fit, were all of them stored, is gone through once to count them.
+void check_memory(const FieldInput& file, const TileWalk& walk, bool with_nearest) {
+  if (file.memory_limit() == 0) return;
+  const auto limit = static_cast<double>(file.memory_limit()), all = static_cast<double>(walk.tile_count().count());
+  if (field_bytes(all, all, with_nearest) <= limit) return;
+  double stored = 0;
+  if (field_bytes(0, all, with_nearest) <= limit) walk([&](auto&&...) { ++stored; });
+  const double needed = field_bytes(stored, all, with_nearest);
+  if (needed <= limit) return;
+  const auto mebibytes = [](double bytes) {
+    return std::to_string(std::llround(std::ceil(bytes / (1 << 20)))) + " MiB";
+  };
+  throw Error(ErrorCode::limit, "its tiles need " + std::string(stored == 0 ? "more than " : "") + mebibytes(needed) +
+                                    ", more than the limit of " + mebibytes(limit) + "; give a higher limit");
+}
+
 DistanceField load(const FieldInput& file, const StoredField& stored) {
   check(file, stored);
-  const Size3& size = stored.grid.size;
-  DistanceField field(stored.grid, stored.thickness, stored.nearest.has_value());
+  const bool with_nearest = stored.nearest.has_value();
+  const TileWalk walk(file, stored);
+  check_memory(file, walk, with_nearest);
+  DistanceField field(stored.grid, stored.thickness, with_nearest);
   field.provenance = stored.provenance;
-  const auto far = static_cast<float>(stored.thickness);
-  const TileReader<float> values(file, stored.distance, size);
-  std::optional<TileReader<std::uint32_t>> nearest;
-  if (stored.nearest) nearest.emplace(file, *stored.nearest, size);
-
-  std::array<float, kTile> tile;
-  std::array<std::uint32_t, kTile> nearest_tile;
-  const Size3 tiles = field.tile_count();
-  for (std::int64_t tz = 0; tz < tiles.z; ++tz)
-    for (std::int64_t ty = 0; ty < tiles.y; ++ty)
-      for (std::int64_t tx = 0; tx < tiles.x; ++tx) {
-        const Size3 first{tx * kSide, ty * kSide, tz * kSide};
-        values.read(first, far, tile);
-        const TileContent found = content(tile, far);
-        if (found == TileContent::bad) fail_at_bad(file, tile, far, first);
-        if (nearest) nearest->read(first, kNoTriangle, nearest_tile);
-        // A distance that equals the thickness lies in the band: only its nearest triangle tells it from a clamped one.
-        if (found == TileContent::far && !(nearest && has_triangle(nearest_tile))) continue;
-        std::ranges::copy(tile, field.store_tile(tx, ty, tz));
-        if (nearest) std::ranges::copy(nearest_tile, field.store_nearest(tx, ty, tz));
-      }
+  walk([&](std::int64_t tx, std::int64_t ty, std::int64_t tz, const auto& values, const auto& nearest) {
+    std::ranges::copy(values, field.store_tile(tx, ty, tz));
+    if (with_nearest) std::ranges::copy(nearest, field.store_nearest(tx, ty, tz));
+  });
   return field;
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "difi/io.h"
+#include "io/body_magic.h"
 #include "io/mesh_format.h"
 #include "io/mesh_text.h"
 
@@ -69,6 +70,8 @@ std::string extensions(const Wanted& wanted) {
 }
 
 const MeshFormat& format_to_read(const FileView& file) {
+  if (file.bytes().starts_with(kBodyMagic))
+    file.fail("byte 0", "the content is a body that difi build made, and no mesh; rename it to end in .body");
   const MeshFormat* named = format_by_extension(file.path());
   const MeshFormat* found = named && named->recognises(file.bytes()) ? named : format_by_content(file.bytes());
   if (!named && !found)
@@ -117,13 +120,13 @@ Mesh read_mesh(const std::filesystem::path& path, const MeshReadOptions& options
   }
 }
 
-void write_mesh(const std::filesystem::path& path, MeshView mesh) {
+void write_mesh(const std::filesystem::path& path, MeshView mesh, Existing existing) {
   const MeshFormat* format = format_by_extension(path);
   if (!format || !format->write)
     throw Error(ErrorCode::usage, path.string() + ": no mesh format to write goes by this extension; use one of " +
                                       extensions([](const MeshFormat& f) { return f.write != nullptr; }));
   validate(mesh);
-  AtomicFile file(path);
+  AtomicFile file(path, existing);
   format->write(file, mesh);
   file.commit();
 }

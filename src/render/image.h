@@ -7,6 +7,8 @@
 #include <filesystem>
 #include <vector>
 
+#include "difi/existing.h"
+
 namespace difi {
 
 /// sRGB, 8 bits per channel.
@@ -37,6 +39,6 @@ struct Image {
 void require_png();
 
 /// Writes a PNG file, whole or not at all. Errors: usage (built without libpng), output.
-void write_png(const std::filesystem::path& path, const Image& image);
+void write_png(const std::filesystem::path& path, const Image& image, Existing existing);
 
 }  // namespace difi

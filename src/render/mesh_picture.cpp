@@ -50,9 +50,10 @@ Image draw_mesh(MeshView mesh, const PictureOptions& options) {
   return halved(raster.image());
 }
 
-void write_mesh_png(const std::filesystem::path& path, MeshView mesh, const PictureOptions& options) {
+void write_mesh_png(const std::filesystem::path& path, MeshView mesh, const PictureOptions& options,
+                    Existing existing) {
   require_png();
-  write_png(path, draw_mesh(mesh, options));
+  write_png(path, draw_mesh(mesh, options), existing);
 }
 
 }  // namespace difi

@@ -14,8 +14,8 @@ namespace difi {
 
 void require_png() {}
 
-void write_png(const std::filesystem::path& path, const Image& image) {
-  AtomicFile file(path);
+void write_png(const std::filesystem::path& path, const Image& image, Existing existing) {
+  AtomicFile file(path, existing);
   // libpng's simplified interface reports errors without longjmp, which must not skip destructors.
   png_image header{};
   header.version = PNG_IMAGE_VERSION;
@@ -37,7 +37,7 @@ void require_png() {
               "pictures need libpng, which this build of difi lacks; install it (Debian: libpng-dev) and build again");
 }
 
-void write_png(const std::filesystem::path&, const Image&) { require_png(); }
+void write_png(const std::filesystem::path&, const Image&, Existing) { require_png(); }
 
 #endif
 

@@ -80,9 +80,10 @@ SlicePicture draw_slice(const DistanceField& field, const SliceOptions& options)
   return picture;
 }
 
-void write_slice_png(const std::filesystem::path& path, const DistanceField& field, const SliceOptions& options) {
+void write_slice_png(const std::filesystem::path& path, const DistanceField& field, const SliceOptions& options,
+                     Existing existing) {
   require_png();
-  write_png(path, draw_slice(field, options).image);
+  write_png(path, draw_slice(field, options).image, existing);
 }
 
 }  // namespace difi

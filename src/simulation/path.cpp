@@ -35,12 +35,12 @@ void write_ply(AtomicFile& file, std::span<const PathPoint> points) {
 
 }  // namespace
 
-void write_path(const std::filesystem::path& path, std::span<const PathPoint> points) {
+void write_path(const std::filesystem::path& path, std::span<const PathPoint> points, Existing existing) {
   const std::string extension = path.extension().string();
   if (extension != ".csv" && extension != ".ply")
     throw Error(ErrorCode::usage,
                 path.string() + ": a path is written as .csv or .ply; give the file one of these names");
-  AtomicFile file(path);
+  AtomicFile file(path, existing);
   if (extension == ".csv")
     write_csv(file, points);
   else

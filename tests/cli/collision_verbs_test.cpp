@@ -34,7 +34,12 @@ TEST_F(CollisionVerbs, DistanceAndSweep) {
   const Json near = done(words("distance scene:box scene:box --pose 5,0,0 --json")).json();
   EXPECT_DOUBLE_EQ(near["upper"].get<double>(), 3);
   EXPECT_DOUBLE_EQ(near["lower"].get<double>(), 3);
-  EXPECT_EQ(done(words("distance scene:box scene:box --pose 5,0,0 --limit 2")).out, "at least 2, the limit\n");
+  EXPECT_EQ(done(words("distance scene:box scene:box --pose 5,0,0 --limit 2")).out, "more than 2, the limit\n");
+  // What is as far as the limit is not beyond it.
+  EXPECT_TRUE(done(words("distance scene:box scene:box --pose 5,0,0 --limit 3")).out.starts_with("3 from "));
+  const Json beyond = done(words("distance scene:box scene:box --pose 5,0,0 --limit 2 --json")).json();
+  EXPECT_EQ(beyond["lower"], 2);
+  EXPECT_TRUE(beyond["upper"].is_null());
   const Json swept = done(words("sweep scene:box scene:box --from 5,0,0 --to -5,0,0 --json")).json();
   EXPECT_EQ(swept["hit"], true);
   EXPECT_NEAR(swept["time"].get<double>(), 0.3, 1e-5);
@@ -134,8 +139,43 @@ TEST_F(CollisionVerbs, ErrorsSayWhatToDo) {
   done(words("generate box -o room.ply"));
   expect("fly --steps 5 --labyrinth room.ply --path room.ply -f", 2, "room.ply: it is an input");
   expect("fly --steps 5 --scatter 181", 2, "--scatter '181': give degrees from 0 to 180");
-  expect("sweep scene:box scene:box --to 1,0,0 --center 1e16,0,0", 2, "past 1e15");
+  expect("sweep scene:box scene:box --to 1,0,0 --center 1e16,0,0", 2, "--center '1e16,0,0': a number past 1e15");
   expect("fly --mode fast", 2, "--mode 'fast': give sweep or thesis");
+  // These messages once said nothing of the option, or thousands of digits of the number.
+  expect("collide scene:box scene:box --margin 1e31", 2, "--margin '1e31': must be at most 1e+30");
+  expect("sweep scene:box scene:box --to 1,0,0 --tolerance 1e31", 2, "--tolerance '1e31': must be at most 1e+30");
+  expect("collide scene:box scene:box --pose 2,0,0,0,0,1e200,0,0,0,0,2,0", 2, "--pose '2,0,0,0,0,1e200");
+  expect("collide scene:box scene:box --pose 1e9,0,0,0,0,1e9,0,0,0,0,1e9,0", 2, "right angles by 1e+18;");
+  expect("collide scene:fly:0 scene:box", 2, "scene:fly:TRIANGLES '0': give a whole number from 1 to ");
+  write_bytes(folder / "huge.obj", "v 0 0 0\nv 1e21 0 0\nv 0 -1 0\nf 1 2 3\n");
+  expect("collide huge.obj scene:box", 3, "huge.obj: model: the mesh is 1e+21 across; scale it");
+  expect("build scene:box -o fine.body --spacing 1e-6", 5, "a spacing of 1e-06 makes");
+  // A body by another name.
+  done(words("build scene:box -o room.body"));
+  std::filesystem::rename(folder / "room.body", folder / "room.stl");
+  expect("info room.stl", 3, "room.stl:byte 0: the content is a body that difi build made, and no mesh; rename it");
+}
+
+// What only the other mode knows was once left unsaid, and ignored.
+TEST_F(CollisionVerbs, FlyTakesNoOptionOfTheOtherMode) {
+  const auto expect = [this](const std::string& line, const std::string& part) {
+    const Ran ran = run(words(line));
+    EXPECT_EQ(ran.code, 2) << line;
+    EXPECT_NE(ran.err.find(part), std::string::npos) << line << ": " << ran.err;
+  };
+  for (const std::string option : {"--minimum", "--thickness", "--threshold"})
+    expect("fly " + option + " 3", option + ": only --mode thesis knows it; leave it out");
+  expect("fly --mode thesis --tolerance 0.1", "--tolerance: only --mode sweep knows it; leave it out");
+  expect("fly --mode thesis --on-contact reflect", "--on-contact 'reflect': --mode thesis knows no normals");
+  expect("fly -f", "--force needs --path");
+}
+
+// The text once counted the steps of all flies, the JSON those of one.
+TEST_F(CollisionVerbs, FlySaysTheSameStepsInTextAndJson) {
+  const std::string line = "fly --fly scene:box --labyrinth scene:labyrinth:20000 --steps 30 --speed 1 --flies ";
+  EXPECT_EQ(done(words(line + "3 --json")).json()["steps"], 30);
+  EXPECT_TRUE(done(words(line + "3")).out.starts_with("30 steps of each of 3 flies, "));
+  EXPECT_TRUE(done(words(line + "1")).out.starts_with("30 steps, "));
 }
 
 }  // namespace

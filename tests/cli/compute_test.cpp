@@ -207,7 +207,7 @@ TEST_F(Compute, AFileThatAppearsMeanwhileStays) {
     write_bytes(folder / "a.vti", "theirs");
     const Ran ran = process.wait();
     EXPECT_EQ(ran.code, force ? 0 : 4) << ran.err;
-    EXPECT_EQ(ran.says("difi: error: a.vti: another program has written it meanwhile, it stays as it is"), !force);
+    EXPECT_EQ(ran.says("difi: error: a.vti: cannot write it: somebody has written it, and it stays as it is"), !force);
     EXPECT_EQ(read_bytes(folder / "a.vti") == "theirs", !force);
     EXPECT_EQ(folder.names(), std::set<std::string>{"a.vti"});
   }

@@ -74,7 +74,7 @@ TEST_F(Errors, UsageOfVerbs) {
       {"generate", 2, "no SCENE given; see difi generate --list"},
       {"generate nowhere", 2, "nowhere"},
       {"compute scene:nowhere", 2, "nowhere"},
-      {"compute scene:sphere:many", 2, "scene:sphere 'many': give a whole number"},
+      {"compute scene:sphere:many", 2, "scene:sphere:TRIANGLES 'many': give a whole number"},
       {"convert box.obj", 2, "--output is required"},
       {"convert box.obj -o a.vti", 2, "use difi compute"},
       {"convert broken.vti -o a.stl", 2, "a field can only become a field"},
@@ -174,7 +174,7 @@ TEST_F(Errors, Output) {
       {"compute box.obj -o folder.vti -f", 4, "folder.vti: it is a folder"},
       {"compute box.obj -o .", 4, ".: it is a folder"},
       {"compute box.obj -o box.obj/a.vti", 4, "box.obj/a.vti: the folder box.obj does not exist"},
-      {"compute box.obj -r 9 -o /proc/a.vti", 4, "/proc/a.vti: "},
+      {"compute box.obj -r 9 -o /proc/a.vti", 4, "/proc/a.vti: cannot write it: the folder /proc takes no new files"},
       {"slice broken.vti -o a.gif", 2, "a.gif: cannot write .gif here; use .png"},
       {"slice broken.vti -o no/a.png", 4, "no/a.png: the folder no does not exist"},
       {"generate box -o no/a.ply", 4, "no/a.ply: the folder no does not exist"},
@@ -183,6 +183,60 @@ TEST_F(Errors, Output) {
       {"convert box.obj -o no/a.stl", 4, "no/a.stl: the folder no does not exist"},
       {"convert box.obj -o empty.stl", 2, "empty.stl: it exists; give -f"},
   });
+}
+
+// A file that was written stays where only the word of it is lost: nobody has to compute it again.
+TEST_F(Errors, StandardOutputThatFailsLosesNoFile) {
+  const int full = ::open("/dev/full", O_WRONLY | O_CLOEXEC);
+  ASSERT_GE(full, 0);
+  auto how = setup();
+  how.out = full;
+  write_bytes(folder / "poses.csv", "1,2,3\n");
+  for (const std::string line :
+       {"compute box.obj -r 9 -o a.vti", "build box.obj -o a.body", "generate box -o a.ply",
+        "fly --fly scene:box --labyrinth scene:labyrinth:20000 --steps 3 --no-check --path a.csv",
+        "collide scene:box scene:box --poses poses.csv -o b.csv"}) {
+    const Ran ran = run(words(line + " --json"), how);
+    EXPECT_EQ(ran.code, 4) << line;
+    const std::string file = line.substr(line.rfind(' ') + 1);
+    EXPECT_TRUE(ran.says("difi: error: standard output: cannot write to it: ")) << ran.err;
+    EXPECT_TRUE(ran.says("; " + file + " was written before, and is whole\n")) << ran.err;
+    EXPECT_GT(std::filesystem::file_size(folder / file), 10u) << line;
+  }
+  // The text of fly comes after its file too; what writes no file says nothing of one.
+  const Ran fly =
+      run(words("fly --fly scene:box --labyrinth scene:labyrinth:20000 --steps 3 --no-check --path c.csv"), how);
+  EXPECT_EQ(fly.code, 4);
+  EXPECT_TRUE(fly.says("; c.csv was written before, and is whole\n")) << fly.err;
+  for (const std::string line : {"info box.obj", "collide box.obj box.obj", "devices --json"}) {
+    const Ran ran = run(words(line), how);
+    EXPECT_EQ(ran.code, 4) << line;
+    EXPECT_FALSE(ran.says("was written")) << ran.err;
+  }
+  ::close(full);
+}
+
+// Fields are looked at before they take memory: a file of few tiles may be larger than the limit.
+TEST_F(Errors, FieldsThatAreReadKeepTheLimit) {
+  done(words("compute scene:box -r 150 -o full.vti"));
+  done(words("compute scene:box -r 150 -t 1s -o band.npz --with triangle"));
+  for (const std::string line :
+       {"info full.vti", "slice full.vti", "verify full.vti scene:box", "convert full.vti -o b.vti"}) {
+    const Ran ran = run(words(line + " --memory-limit 5M"));
+    EXPECT_EQ(ran.code, 5) << line;
+    EXPECT_TRUE(ran.says("difi: error: full.vti: its tiles need ")) << ran.err;
+    EXPECT_TRUE(ran.says(" MiB, more than the limit of 5 MiB; give a higher limit\n")) << ran.err;
+    done(words(line + " --memory-limit 40M"));
+  }
+  const std::int64_t size = static_cast<std::int64_t>(std::filesystem::file_size(folder / "band.npz"));
+  ASSERT_GT(size, std::int64_t{10} << 20);
+  done(words("info band.npz --memory-limit 9M"));
+  EXPECT_EQ(run(words("info band.npz --memory-limit 1M")).code, 5);
+  for (const std::string line : {"info box.obj", "convert box.obj -o c.stl"}) {
+    const Ran ran = run(words(line + " --memory-limit 5M"));
+    EXPECT_EQ(ran.code, 2) << line;
+    EXPECT_TRUE(ran.says("--memory-limit: it is for fields, and box.obj is none; leave it out")) << ran.err;
+  }
 }
 
 TEST_F(Errors, Limit) {

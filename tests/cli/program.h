@@ -37,7 +37,8 @@ class Process {
  public:
   struct Setup {
     std::string folder;  ///< to start in
-    int out = -1;        ///< file descriptors to use in place of pipes
+    int in = -1;         ///< file descriptors to use in place of nothing to read
+    int out = -1;        ///< and in place of pipes
     int err = -1;
     rlim_t file_size = RLIM_INFINITY;
     rlim_t memory = RLIM_INFINITY;  ///< address space
@@ -55,7 +56,7 @@ class Process {
     pid_ = ::fork();
     if (pid_ == 0) {
       const int null = ::open("/dev/null", O_RDONLY);
-      ::dup2(null, STDIN_FILENO);
+      ::dup2(setup.in < 0 ? null : setup.in, STDIN_FILENO);
       ::dup2(setup.out < 0 ? out_[1] : setup.out, STDOUT_FILENO);
       ::dup2(setup.err < 0 ? err_[1] : setup.err, STDERR_FILENO);
       for (const int signal : {SIGINT, SIGTERM, SIGPIPE, SIGXFSZ}) ::signal(signal, SIG_DFL);

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <string>
 #include <string_view>
 
 #include "difi/error.h"
@@ -11,14 +12,15 @@
 
 namespace difi {
 
-/// Any bytes give a valid mesh or Error{input}; anything else ends the process.
-inline int fuzz_mesh(Mesh (*read)(const FileView&), const std::uint8_t* data, std::size_t size) {
+/// Any bytes of a file called `name` give a valid mesh or Error{input}; anything else ends the process.
+inline int fuzz_mesh(Mesh (*read)(const FileView&), const std::uint8_t* data, std::size_t size,
+                     const std::string& name = "fuzzed") {
   if (size == 0) return 0;
   try {
-    validate(read(FileView("fuzzed", std::string_view(reinterpret_cast<const char*>(data), size))));
+    validate(read(FileView(name, std::string_view(reinterpret_cast<const char*>(data), size))));
   } catch (const Error& error) {
     const std::string_view message = error.what();
-    if (error.code() != ErrorCode::input || !message.starts_with("fuzzed:")) std::abort();
+    if (error.code() != ErrorCode::input || !message.starts_with(name + ":")) std::abort();
   }
   return 0;
 }

@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <csignal>
 #include <thread>
 #include <vector>
@@ -49,7 +50,7 @@ INSTANTIATE_TEST_SUITE_P(AtomicFile, BothKinds,
                          ::testing::Values(AtomicFile::Unfinished::unnamed_if_possible, AtomicFile::Unfinished::named));
 
 TEST_P(BothKinds, AppearOnCommitAndNotBefore) {
-  AtomicFile file(folder / "a", GetParam());
+  AtomicFile file(folder / "a", Existing::replace, GetParam());
   file.write("one ", 4);
   file.write("two", 3);
   EXPECT_FALSE(std::filesystem::exists(folder / "a"));
@@ -63,18 +64,64 @@ TEST_P(BothKinds, KeepTheOldFileUntilCommit) {
   write_text(folder / "a", "old");
   ASSERT_EQ(::chmod((folder / "a").c_str(), 0640), 0);
   {
-    AtomicFile file(folder / "a", GetParam());
+    AtomicFile file(folder / "a", Existing::replace, GetParam());
     file.write("new", 3);
     EXPECT_EQ(read_bytes(folder / "a"), "old");
   }
   EXPECT_EQ(read_bytes(folder / "a"), "old");
   EXPECT_EQ(folder.names(), Names{"a"});
-  AtomicFile file(folder / "a", GetParam());
+  AtomicFile file(folder / "a", Existing::replace, GetParam());
   file.write("new", 3);
   file.commit();
   EXPECT_EQ(read_bytes(folder / "a"), "new");
   EXPECT_EQ(std::filesystem::status(folder / "a").permissions(), std::filesystem::perms{0640});
   EXPECT_EQ(folder.names(), Names{"a"});
+}
+
+// Without leave to overwrite, who comes first stays: at the start, and while ours was being written.
+TEST_P(BothKinds, LeaveWhatIsToBeKept) {
+  write_text(folder / "a", "theirs");
+  const std::string told = "a: cannot write it: somebody has written it, and it stays as it is; give another name";
+  expect_error([&] { AtomicFile(folder / "a", Existing::keep, GetParam()); }, ErrorCode::output, told);
+  std::filesystem::create_symlink("later", folder / "link");
+  for (const char* name : {"b", "link"}) {
+    AtomicFile file(folder / name, Existing::keep, GetParam());
+    file.write("ours", 4);
+    write_bytes(folder / (name == std::string("b") ? "b" : "later"), "theirs");
+    expect_error([&] { file.commit(); }, ErrorCode::output, "somebody has written it, and it stays");
+    EXPECT_EQ(read_bytes(folder / name), "theirs");
+  }
+  EXPECT_EQ(read_bytes(folder / "a"), "theirs");
+  EXPECT_EQ(folder.names(), (Names{"a", "b", "later", "link"}));
+  AtomicFile file(folder / "c", Existing::keep, GetParam());
+  file.write("ours", 4);
+  file.commit();
+  EXPECT_EQ(read_bytes(folder / "c"), "ours");
+  EXPECT_EQ(folder.names(), (Names{"a", "b", "c", "later", "link"}));
+}
+
+// One of many wins, whole; the others are told.
+TEST_P(BothKinds, OnlyOneOfManyTakesAFreeName) {
+  std::vector<std::thread> threads;
+  std::atomic<int> won{0}, lost{0};
+  for (int t = 0; t < 8; ++t)
+    threads.emplace_back([&, t] {
+      const std::string text(1000, static_cast<char>('a' + t));
+      try {
+        AtomicFile file(folder / "same", Existing::keep, GetParam());
+        file.write(text.data(), text.size());
+        file.commit();
+        ++won;
+      } catch (const Error&) {
+        ++lost;
+      }
+    });
+  for (auto& thread : threads) thread.join();
+  EXPECT_EQ(won, 1);
+  EXPECT_EQ(lost, 7);
+  const std::string text = read_bytes(folder / "same");
+  EXPECT_EQ(text, std::string(1000, text.at(0)));
+  EXPECT_EQ(folder.names(), Names{"same"});
 }
 
 TEST(AtomicFile, NewFilesObeyTheUmask) {
@@ -227,7 +274,7 @@ TEST(AtomicFile, PipesAreWrittenButNotRewritten) {
 
 TEST_P(BothKinds, LeaveNoVisibleFileWhenKilled) {
   const int status = in_child(false, [&] {
-    AtomicFile file(folder / "a", GetParam());
+    AtomicFile file(folder / "a", Existing::replace, GetParam());
     const std::string part(1000000, 'x');
     file.write(part.data(), part.size());
     ::kill(::getpid(), SIGKILL);
@@ -252,7 +299,7 @@ TEST(AtomicFile, ManyAtATimeDoNotMeet) {
 TEST(UnfinishedFiles, AreRemovedByASignalHandlerAndNeverCommitted) {
   const TempFolder folder;
   write_text(folder / "a", "old");
-  AtomicFile file(folder / "a", AtomicFile::Unfinished::named);
+  AtomicFile file(folder / "a", Existing::replace, AtomicFile::Unfinished::named);
   file.write("new", 3);
   EXPECT_EQ(folder.names().size(), 2u);
   remove_unfinished_files();

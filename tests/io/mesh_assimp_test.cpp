@@ -1,9 +1,12 @@
 // Files that assimp reads wrongly, or that end the program in it: they must be errors before or after it.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <cstring>
+#include <filesystem>
 #include <initializer_list>
+#include <thread>
 
 #include "difi/io.h"
 #include "tests/io/expect_error.h"
@@ -54,6 +57,43 @@ std::string tetrahedron(std::uint16_t a, std::uint16_t b, std::uint16_t c) {
 TEST_F(Assimp, CornersOf3dsThatAreNoVertices) {
   EXPECT_EQ(triangles("a.3ds", tetrahedron(0, 1, 2)), 1u);
   refused("a.3ds", tetrahedron(0, 1, 60000), "Vertex index overflow");
+}
+
+// Found by fuzzing: assimp asked for the memory of as many keys as a track claims, up to 100 GB.
+TEST_F(Assimp, TracksOf3dsHaveTheKeysTheyClaim) {
+  const auto animated = [](std::uint16_t track, std::uint32_t keys, std::size_t bytes) {
+    const std::string name = chunk(0xb010, std::string("a\0", 2) + bytes_of<std::uint16_t>({0, 0, 0xffff}));
+    const std::string content = std::string(10, '\0') + bytes_of({keys}) + std::string(bytes, '\0');
+    const std::string node = chunk(0xb002, chunk(0xb030, bytes_of<std::uint16_t>({0})) + name + chunk(track, content));
+    std::string file = tetrahedron(0, 1, 2) + chunk(0xb000, node);
+    const auto size = static_cast<std::uint32_t>(file.size());
+    std::memcpy(file.data() + 2, &size, sizeof size);
+    return file;
+  };
+  EXPECT_EQ(triangles("a.3ds", animated(0xb020, 2, 36)), 1u);
+  EXPECT_EQ(triangles("a.3ds", animated(0xb020, 0, 0)), 1u);
+  for (const std::uint16_t track :
+       {std::uint16_t{0xb020}, std::uint16_t{0xb021}, std::uint16_t{0xb022}, std::uint16_t{0xb029}}) {
+    refused("a.3ds", animated(track, 0xfffffff0, 36), "a track of 4294967280 keys, where 36 bytes are left");
+    refused("a.3ds", animated(track, 7, 36), "a track of 7 keys, where 36 bytes are left; the file is cut off");
+  }
+}
+
+// Assimp once opened the file a second time, after the checks: what it read could be another one, and a pipe was empty.
+TEST_F(Assimp, SeesTheBytesThatWereChecked) {
+  ASSERT_EQ(::mkfifo((folder / "pipe.3ds").c_str(), 0600), 0);
+  std::thread writer([&] { write_bytes(folder / "pipe.3ds", tetrahedron(0, 1, 2)); });
+  EXPECT_EQ(read_mesh(folder / "pipe.3ds").triangles.size(), 1u);
+  writer.join();
+}
+
+TEST_F(Assimp, ReadsTheSeedsOfTheFuzzers) {
+  const std::filesystem::path seeds = std::filesystem::path(DIFI_SOURCE_DIR) / "tests/corpus/assimp";
+  for (const char* name : {"tetrahedron.3ds", "tetrahedron.gltf", "tetrahedron.glb", "tetrahedron.dae"}) {
+    const Mesh mesh = read_mesh(seeds / name);
+    EXPECT_EQ(mesh.triangles.size(), 4u) << name;
+    EXPECT_EQ(mesh.vertices.size(), 4u) << name;
+  }
 }
 
 // A COLLADA tetrahedron, of which a test changes parts.

@@ -1,0 +1,15 @@
+// Where work runs: options that several verbs have.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "difi/compute.h"
+
+namespace difi::cli {
+
+/// Adds --device.
+CLI::Option* add_device(CLI::App& verb, const char* group, Backend& backend, int& device);
+/// Adds -j.
+CLI::Option* add_threads(CLI::App& verb, const char* group, int& threads);
+
+}  // namespace difi::cli

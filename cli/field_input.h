@@ -1,0 +1,28 @@
+// A field that a verb reads.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "cli/talk.h"
+#include "difi/field.h"
+
+namespace difi::cli {
+
+class FieldInput {
+ public:
+  /// Adds --memory-limit.
+  void add_to(CLI::App& verb);
+  /// Terminals are shown what is waited for. Errors: input; limit, before any memory is taken.
+  DistanceField read(const std::string& name, const Talk& talk) const;
+  /// Throws Error{usage} where the option was given: `name` is no field.
+  void check_unused(const std::string& name) const;
+
+ private:
+  std::optional<std::int64_t> memory_limit_;
+};
+
+}  // namespace difi::cli

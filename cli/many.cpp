@@ -1,0 +1,85 @@
+#include "cli/many.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <limits>
+
+#include "cli/device_options.h"
+#include "cli/option.h"
+#include "cli/text.h"
+#include "difi/error.h"
+#include "difi/io.h"
+
+namespace difi::cli {
+namespace {
+
+constexpr const char* kGroup = "Many at once";
+
+}  // namespace
+
+void Table::cell(double value) { cell(exact_number(value)); }
+
+void Table::point(bool there, Vec3 point) {
+  for (const double c : {point.x, point.y, point.z}) cell(there ? exact_number(c) : "");
+}
+
+void Table::triangle(std::uint32_t index) {
+  cell(index == std::numeric_limits<std::uint32_t>::max() ? "" : std::to_string(index));
+}
+
+CLI::Option* Many::add_to(CLI::App& verb, const char* name, const char* help, const char* noun) {
+  noun_ = noun;
+  option_ = add_parsed(verb, {name, "FILE", help, kGroup}, [this](const std::string& option, const std::string& text) {
+    if (text.empty()) throw Error(ErrorCode::usage, option + " '': give the name of a file, or - for standard input");
+    file_ = text;
+  });
+  output_.add_to(verb, "CSV", "the answers, one on each line: .csv (default: standard output)");
+  auto* output = verb.get_option("--output");
+  output->needs(option_);
+  verb.get_option("--force")->needs(output);
+  add_threads(verb, kGroup, batch_.threads)->needs(option_);
+  return option_;
+}
+
+void Many::add_device_to(CLI::App& verb) { add_device(verb, kGroup, batch_.backend, batch_.device)->needs(option_); }
+
+void Many::check(std::initializer_list<std::string> inputs) const {
+  if (!output_.given()) return;
+  output_.check({{"csv", "", false, true, false}});
+  output_.check_differs(file_);
+  for (const std::string& input : inputs) output_.check_differs(input);
+}
+
+std::string Many::asked() const { return counted(count_, noun_); }
+
+void Many::deliver(const Answers& answers, const Talk& talk) const {
+  const std::string& table = answers.table.text();
+  const std::string file = output_.path().string();
+  if (output_.given())
+    waiting(talk, "writing " + file, [&] { write_text(output_.path(), table, output_.existing()); });
+  else if (!talk.json())
+    print(table);
+  std::string kinds;
+  for (const auto& [kind, count] : answers.counts) {
+    std::string words = kind;
+    std::ranges::replace(words, '_', ' ');
+    kinds += (kinds.empty() ? "" : ", ") + grouped(count) + " " + words;
+  }
+  const std::int64_t again = report_.undecided + report_.overflowed;
+  talk.say((output_.given() ? file + ": " : "") + asked() + ": " + kinds + "; in " + seconds_text(seconds_) + " on " +
+           report_.backend + (report_.device.empty() ? "" : " (" + report_.device + ")") +
+           (report_.backend == "cpu" ? "" : ", " + grouped(again) + " of them taken again by the CPU"));
+  if (!talk.json()) return;
+  Json json{{std::string(noun_) + "s", count_}};
+  for (const auto& [kind, count] : answers.counts) json[kind] = count;
+  json["seconds"] = seconds_;
+  json["device"] = report_.backend;
+  json["device_name"] = report_.device;
+  json["on_device"] = report_.on_device;
+  json["taken_again"] = {{"undecided", report_.undecided}, {"overflowed", report_.overflowed}};
+  if (!output_.given()) return print(json);
+  json["output"] = {{"file", file}, {"bytes", table.size()}};
+  print(json, output_.path());
+}
+
+}  // namespace difi::cli

@@ -1,0 +1,93 @@
+// Many questions at once: what the batches of collide, distance and sweep share.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <initializer_list>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "cli/files.h"
+#include "cli/talk.h"
+#include "cli/waiting.h"
+#include "difi/collision.h"
+
+namespace difi::cli {
+
+/// The help of --poses.
+inline constexpr const char* kPosesHelp =
+    "where B is, many times: a file with a --pose on each line,\n- for standard input";
+
+/// Rows of a table with commas between cells.
+class Table {
+ public:
+  explicit Table(const char* head) : text_(std::string(head) + '\n') {}
+
+  void cell(const std::string& text) {
+    if (begun_) text_ += ',';
+    text_ += text;
+    begun_ = true;
+  }
+  void cell(std::int64_t n) { cell(std::to_string(n)); }
+  void cell(double value);
+  /// Three cells, empty where there is no point.
+  void point(bool there, Vec3 point);
+  /// Empty for kNoTriangle.
+  void triangle(std::uint32_t index);
+  void end_row() { text_ += '\n', begun_ = false; }
+  const std::string& text() const { return text_; }
+
+ private:
+  std::string text_;
+  bool begun_ = false;
+};
+
+/// What was found out: the table, and how many answers were of which kind.
+struct Answers {
+  Table table;
+  std::vector<std::pair<const char*, std::int64_t>> counts;  ///< {"hit", 12}; the words are JSON's keys
+};
+
+class Many {
+ public:
+  /// Adds the option `name` for the file of `noun`s ("pose"), and -o, -f and -j, which need it.
+  CLI::Option* add_to(CLI::App& verb, const char* name, const char* help, const char* noun);
+  /// Adds --device, which needs it too.
+  void add_device_to(CLI::App& verb);
+
+  bool given() const { return !file_.empty(); }
+  const std::string& file() const { return file_; }
+  const Batch& batch() const { return batch_; }
+  /// Tells before any work what is wrong with the output.
+  void check(std::initializer_list<std::string> inputs) const;
+
+  /// The results of ask(report), and how long it took.
+  template <class Ask>
+  auto answers(const Talk& talk, std::size_t count, Ask ask) {
+    using Clock = std::chrono::steady_clock;
+    count_ = static_cast<std::int64_t>(count);
+    const auto start = Clock::now();
+    auto results = waiting(talk, asked(), [&] { return ask(report_); });
+    seconds_ = std::chrono::duration<double>(Clock::now() - start).count();
+    return results;
+  }
+  /// The table into its file, or on stdout where no JSON is asked for; then what there is to say.
+  void deliver(const Answers& answers, const Talk& talk) const;
+
+ private:
+  std::string asked() const;
+
+  const char* noun_ = "";
+  CLI::Option* option_ = nullptr;
+  std::string file_;
+  FileOutput output_;
+  Batch batch_{.backend = Backend::automatic};
+  BatchReport report_{"cpu", ""};
+  std::int64_t count_ = 0;
+  double seconds_ = 0;
+};
+
+}  // namespace difi::cli

@@ -1,0 +1,18 @@
+// Files with one pose or motion on each line.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "difi/collision.h"
+
+namespace difi::cli {
+
+/// The poses in a file; "-" is the standard input. A line holds the numbers of one pose as --pose takes them, with
+/// commas between them; what follows a # is a comment, and empty lines are left out. Errors: input, as `FILE:LINE:
+/// what`.
+std::vector<Pose> read_poses(const std::string& name);
+/// The same with the numbers of two poses on a line: where the motion begins, and where it ends.
+std::vector<Motion> read_motions(const std::string& name, Vec3 center);
+
+}  // namespace difi::cli

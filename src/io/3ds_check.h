@@ -1,0 +1,12 @@
+// What must hold of a 3DS file before assimp may see it.
+#pragma once
+
+#include "io/file_view.h"
+
+namespace difi {
+
+/// Errors: input, when the tracks of its animation claim more keys than there are bytes: assimp asks for their memory
+/// first, up to 100 GB.
+void check_3ds(const FileView& file);
+
+}  // namespace difi

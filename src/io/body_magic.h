@@ -1,0 +1,10 @@
+// How the files of bodies begin (src/collision/model_file.cpp): readers of meshes tell them apart by it.
+#pragma once
+
+#include <string_view>
+
+namespace difi {
+
+inline constexpr std::string_view kBodyMagic = "difibody";
+
+}  // namespace difi
