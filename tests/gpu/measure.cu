@@ -133,7 +133,7 @@ void run(const Line& l) {
   double written =
       4.0 * static_cast<double>(l.output == "sparse" ? outcome.needed_slots * gpu::kTileSamples : grid.sample_count());
   if (l.output == "upload") written = static_cast<double>(24 * mesh.vertices.size() + 12 * mesh.triangles.size());
-  std::printf("%s,%s,%zu,%s,%s,%lldx%lldx%lld,%g,%.4f,%.4f,%d,%llu,%llu,%llu,%.1f,%.1f,%s,%s\n", l.table.c_str(),
+  std::printf("%s,%s,%zu,%s,%s,%lldx%lldx%lld,%g,%.6f,%.6f,%d,%llu,%llu,%llu,%.1f,%.1f,%s,%s\n", l.table.c_str(),
               l.scene.c_str(), mesh.triangles.size(), l.method.c_str(), l.output.c_str(),
               static_cast<long long>(l.size.x), static_cast<long long>(l.size.y), static_cast<long long>(l.size.z),
               thickness, t.median, t.least, t.runs, outcome.samples_examined, outcome.samples_band,
