@@ -12,15 +12,17 @@ class ClosePairs {
   /// Pairs farther from each other than `limit` are left out as far as boxes and the triangles' planes show it.
   ClosePairs(const Pair& pair, const Kernels& kernels, float limit) : pair_(pair), kernels_(kernels), limit_(limit) {}
 
-  /// Calls use(place in the field's tree, place in the tree's tree) for the triangles of a packet, until it returns
-  /// false. False when it did.
+  static constexpr std::uint32_t kAllLanes = (1u << kLanes) - 1;
+
+  /// Calls use(place in the field's tree, place in the tree's tree) for the triangles in some lanes of a packet, until
+  /// it returns false. False when it did.
   template <class Use>
-  bool visit(std::uint32_t packet, Use use) {
+  bool visit(std::uint32_t packet, std::uint32_t lanes, Use use) {
     if (front_level_ < 0) find_front();
     kernels_.place_faces(pair_.place, pair_.tree.body->tree.faces[packet], limit_, placed_, boxes_, all_);
     const auto count = static_cast<std::uint32_t>(pair_.tree.body->tree.order.size()) - packet * kLanes;
     packet_ = packet;
-    lanes_ = count < kLanes ? (1u << count) - 1 : 0xffffu;
+    lanes_ = count < kLanes ? lanes & ((1u << count) - 1) : lanes;
     for (int first = 0; first < front_count_; first += kLanes) {
       const Boxes& boxes = front_boxes_[first / kLanes];
       const std::uint32_t reached = kernels_.overlaps(boxes, all_);

@@ -13,7 +13,11 @@ namespace collision {
 namespace {
 
 // Packets whose pairs take turns: more would spread the contacts better, but each has to be looked up.
-constexpr std::size_t kTakeTurns = 32;
+constexpr std::size_t kTakeTurns = 24;
+
+// Nodes from which the walk begins, at least: below a tree with so few of them all packets are found at once, which
+// costs less for each.
+constexpr std::size_t kRoots = 2 * kLanes;
 
 // Packets asked for from memory before they are looked up.
 constexpr std::size_t kAhead = 2;
@@ -26,8 +30,8 @@ class Gather {
         margin_(options.margin),
         limit_(pair.limit(options.margin)),
         most_(static_cast<std::size_t>(options.most)),
-        some_(std::max<std::size_t>(2 * most_ / kTakeTurns, kPairs)),
-        walk_(pair, kernels_, limit_, kTakeTurns),
+        some_(ClosePairs::kAllLanes >> (kLanes - std::clamp<std::size_t>(most_ / kTakeTurns / 4, 1, kLanes))),
+        walk_(pair, kernels_, limit_, kRoots),
         close_(pair, kernels_, limit_),
         batch_(pair, kernels_) {}
 
@@ -42,26 +46,27 @@ class Gather {
   struct Candidate {
     std::uint32_t field_place, tree_place;
   };
-  static constexpr std::size_t kAll = static_cast<std::size_t>(-1);
 
-  // There are more candidates than `times` the contacts that are still wanted.
-  bool exceed(std::size_t times) const { return candidates_.size() / times > most_ - result_.contacts.size(); }
+  // About every second candidate turns out to touch.
+  bool plenty() const { return candidates_.size() / 2 > most_ - result_.contacts.size(); }
 
   // Packets come here because they reach the surface: asking the field for each triangle would cost more than it saves.
-  // About every second candidate turns out to touch; once there are far more, the next packets only add some of theirs,
-  // for the sake of spread. False when there is nothing left to look up.
+  // Once there are plenty of candidates, packets only add those of some triangles, for the sake of spread. False when
+  // there is nothing left to look up.
   bool look_up_some() {
     candidates_.clear();
     ends_.clear();
     const std::size_t before = looked_up_;
-    for (; looked_up_ < kTakeTurns || !exceed(2); ++looked_up_) {
+    for (; looked_up_ < kTakeTurns || !plenty(); ++looked_up_) {
       while (packets_.size() <= next_ + kAhead && walk_on()) {
       }
       if (next_ < packets_.size()) {
         const std::uint32_t packet = packets_[next_++];
-        if (!look_up(packet, 0, exceed(2) ? some_ : kAll)) cut_short_.push_back(packet);
+        const bool briefly = plenty();
+        look_up(packet, briefly ? some_ : ClosePairs::kAllLanes);
+        if (briefly) cut_short_.push_back(packet);
       } else if (!cut_short_.empty()) {
-        look_up(cut_short_.back(), some_, kAll);
+        look_up(cut_short_.back(), ~some_ & ClosePairs::kAllLanes);
         cut_short_.pop_back();
       } else {
         break;
@@ -77,21 +82,15 @@ class Gather {
     return packet.has_value();
   }
 
-  // Takes a packet's candidates from the `first` to before the `last`. False when there are more.
-  bool look_up(std::uint32_t packet, std::size_t first, std::size_t last) {
+  void look_up(std::uint32_t packet, std::uint32_t lanes) {
     const std::size_t before = candidates_.size();
-    std::size_t seen = 0;
-    const bool whole = close_.visit(packet, [&](std::uint32_t field_place, std::uint32_t tree_place) {
-      if (seen == last) return false;
-      if (seen++ >= first) {
-        fetch(pair_.field.body->corners[field_place]);
-        fetch(pair_.tree.body->corners[tree_place]);
-        candidates_.push_back({field_place, tree_place});
-      }
+    close_.visit(packet, lanes, [this](std::uint32_t field_place, std::uint32_t tree_place) {
+      fetch(pair_.field.body->corners[field_place]);
+      fetch(pair_.tree.body->corners[tree_place]);
+      candidates_.push_back({field_place, tree_place});
       return true;
     });
     if (candidates_.size() > before) ends_.push_back(candidates_.size());
-    return whole;
   }
 
   // False when there are more contacts than wanted.
@@ -142,11 +141,12 @@ class Gather {
   const Kernels& kernels_;
   const double margin_;
   const float limit_;
-  const std::size_t most_, some_;
+  const std::size_t most_;
+  const std::uint32_t some_;  // lanes of a packet, each with a few candidates where bodies lie on each other
   SpreadWalk walk_;
   std::vector<std::uint32_t> packets_;  // in the order of the walk
   std::size_t next_ = 0, looked_up_ = 0;
-  std::vector<std::uint32_t> cut_short_;  // those that have more than some_ candidates
+  std::vector<std::uint32_t> cut_short_;  // packets of which only some_ were looked at
   ClosePairs close_;
   PairBatch batch_;
   std::vector<Candidate> candidates_;  // of some packets, one packet after the other

@@ -7,6 +7,7 @@
 #include <bit>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "collision/pair.h"
@@ -26,7 +27,10 @@ class SpreadWalk {
     front.push_back(0);
     for (; level > 0 && front.size() < breadth; --level) {
       below.clear();
-      for (const std::uint32_t packet : front) add_branches(level, packet, below);
+      for (const std::uint32_t packet : front) {
+        const Branches branches = reaching(level, packet);
+        below.insert(below.end(), branches.packet, branches.packet + branches.count);
+      }
       front.swap(below);
     }
     nodes_.reserve(2 * front.size());
@@ -81,26 +85,32 @@ class SpreadWalk {
   }
 
   void open(std::uint32_t at) {
-    std::vector<std::uint32_t> packets;
-    packets.reserve(kLanes);
-    add_branches(nodes_[at].level, nodes_[at].packet, packets);
-    nodes_[at].branches = spread(packets, nodes_[at].level - 1);
+    const int level = nodes_[at].level;
+    const Branches branches = reaching(level, nodes_[at].packet);
+    const Turns turns = spread(std::span(branches.packet, branches.count), level - 1);
+    nodes_[at].branches = turns;
     nodes_[at].open = true;
   }
 
-  void add_branches(int level, std::uint32_t packet, std::vector<std::uint32_t>& packets) const {
+  struct Branches {
+    std::uint32_t packet[kLanes];
+    std::size_t count = 0;
+  };
+  Branches reaching(int level, std::uint32_t packet) const {
     alignas(64) float gap[kLanes];
     kernels_.gaps(pair_.field.body->view, pair_.place, pair_.tree.body->tree.levels[level].balls[packet], limit_, gap);
-    for (std::uint32_t n = 0; n < kLanes; ++n) {
-      if (!(gap[n] <= limit_)) continue;
-      packets.push_back(packet * kLanes + n);
-      if (level > 1) fetch(pair_.tree.body->tree.levels[level - 1].balls[packets.back()]);
-    }
+    Branches branches;
+    for (std::uint32_t n = 0; n < kLanes; ++n)
+      if (gap[n] <= limit_) branches.packet[branches.count++] = packet * kLanes + n;
+    if (level > 1)
+      for (std::size_t n = 0; n < branches.count; ++n)
+        fetch(pair_.tree.body->tree.levels[level - 1].balls[branches.packet[n]]);
+    return branches;
   }
 
   // Nodes in the order of their numbers with the bits turned around: each falls into the largest gap the ones before it
   // have left.
-  Turns spread(const std::vector<std::uint32_t>& packets, int level) {
+  Turns spread(std::span<const std::uint32_t> packets, int level) {
     const auto count = static_cast<std::uint32_t>(packets.size()), end = std::bit_ceil(count);
     const Turns turns{static_cast<std::uint32_t>(nodes_.size()), count};
     std::uint32_t at = 0;

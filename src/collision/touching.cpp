@@ -30,10 +30,11 @@ class Search {
   bool visit(int level, std::uint32_t packet) {
     if (level == 0) {
       // The packet reaches the surface: its triangles' boxes tell more than the field would.
-      const bool none = close_.visit(packet, [this](std::uint32_t field_place, std::uint32_t tree_place) {
-        batch_.add(field_place, tree_place);
-        return !batch_.full() || settle();
-      });
+      const bool none =
+          close_.visit(packet, ClosePairs::kAllLanes, [this](std::uint32_t field_place, std::uint32_t tree_place) {
+            batch_.add(field_place, tree_place);
+            return !batch_.full() || settle();
+          });
       return !(none && settle());
     }
     alignas(64) float gap[kLanes];
