@@ -36,12 +36,12 @@ DIFI_INLINE void fill_table(const Lattice& lattice, const Brick& brick, const Ca
       const WideFloat low = min(a, min(b, d)), high = max(a, max(b, d));
       longest = max(longest, high - low);
       farthest = max(farthest, max(abs(low), abs(high)));
-      g.low[axis] = reduce_min(low);
-      g.high[axis] = reduce_max(high);
+      low.store(g.extent[axis]);
+      high.store(g.extent[3 + axis]);
+      ((a + b + d) * WideFloat(1 / 3.0f)).store(g.extent[6 + axis]);
     }
     const WideFloat slack = fma(farthest, WideFloat(kFrameError), WideFloat(kSlack));
     slack.store(g.slack);
-    g.lowered_by = reduce_max(slack * slack) / kSlackShare;
     store_frames(make_frame(loaded.corner[0], loaded.corner[1], loaded.corner[2], WideFloat(kLeastLengthSq)), g.frame);
     WideUint::load(loaded.index).store(g.index);
     const std::int64_t left = c.count - first;
@@ -201,40 +201,120 @@ DIFI_INLINE void choose(CandidateTable& table, const CellCorners& cell) {
   }
 }
 
-// Adds a group's candidates to the list, one by one, so that the loop over them has no branch to mispredict.
-DIFI_INLINE void list_lanes(CandidateTable& table, const CandidateTable::Active& active) {
-  const WideUint first(static_cast<std::uint32_t>(active.group) * kLanes);
-  table.listed += store_packed(table.list + table.listed, mask_from_bits(active.lanes), first + lane_numbers());
-}
-
-// The squared distance of samples to a box, at least.
-DIFI_INLINE WideFloat gap_sq(const WidePoint& samples, const float* low, const float* high) {
-  const WideFloat zero(0);
-  const auto gap = [&](const WideFloat& s, int axis) __attribute__((always_inline)) {
-    return max(max(WideFloat(low[axis]) - s, s - WideFloat(high[axis])), zero);
-  };
-  const WideFloat x = gap(samples.x, 0), y = gap(samples.y, 1), z = gap(samples.z, 2);
-  return fma(x, x, fma(y, y, z * z));
-}
-
-// Lists the chosen groups that may hold what is nearest to a sample of the block: those whose boxes are no farther from
-// each sample than one of the references.
-DIFI_INLINE void list_for_block(const Lattice& lattice, CandidateTable& table, const CellCorners& cell,
-                                const WidePoint& samples, const float* best) {
-  const float within = lattice.thickness * (1 + kSlack);
-  WideFloat known = min(WideFloat(within * within), WideFloat::load(best));
-  for (int q = 0; q < References::kMost; ++q) {
-    const float* at = cell.reference[q]->point;
-    const WideFloat x = samples.x - WideFloat(at[0]), y = samples.y - WideFloat(at[1]),
-                    z = samples.z - WideFloat(at[2]);
-    known = min(known, fma(fma(x, x, fma(y, y, z * z)), WideFloat(1 + kSlackShare), WideFloat(cell.added_sq[q])));
-  }
-  table.listed = 0;
+// Lists the chosen candidates, one by one, so that the loop over them has no branch to mispredict.
+DIFI_INLINE void list_chosen(CandidateTable& table) {
+  table.list.count = 0;
   for (int n = 0; n < table.active_groups; ++n) {
-    const CandidateTable::Group& g = table.groups[table.active[n].group];
-    const WideFloat at_least =
-        fma(gap_sq(samples, g.low, g.high), WideFloat(1 - kSlackShare), WideFloat(-g.lowered_by));
-    if ((~less(known, at_least)).to_bits() != 0) list_lanes(table, table.active[n]);
+    const CandidateTable::Active& active = table.active[n];
+    const Mask lanes = mask_from_bits(active.lanes);
+    const WideUint first(static_cast<std::uint32_t>(active.group) * kLanes);
+    table.list.count += store_packed(table.list.candidate + table.list.count, lanes, first + lane_numbers());
+  }
+}
+
+// The same for their extents. What fills up the last register lies far from everything.
+DIFI_INLINE void list_extents(CandidateTable& table) {
+  constexpr float kFarAway = 0x1p60f;
+  int count = 0;
+  for (int n = 0; n < table.active_groups; ++n) {
+    const CandidateTable::Active& active = table.active[n];
+    const Mask lanes = mask_from_bits(active.lanes);
+    for (int k = 0; k < CandidateTable::kExtentNumbers; ++k)
+      store_packed(table.listed_extent[k] + count, lanes, WideFloat::load(table.groups[active.group].extent[k]));
+    count += __builtin_popcount(active.lanes);
+  }
+  for (float* const numbers : table.listed_extent) WideFloat(kFarAway).store(numbers + count);
+}
+
+// What is known of the distances of a cell's samples before candidates are measured.
+struct Known {
+  WideFloat distance_sq[kCellBlocks * kCellBlocks];  // of each block, at most
+  float lowered_by;                                  // what squared distances from boxes are lowered by
+};
+
+// No sample is farther from the surface than from a point of each candidate, or from the references.
+DIFI_INLINE Known known_distances(const Lattice& lattice, const CandidateTable& table, const CellCorners& cell, int bx,
+                                  int by, int bz, const BrickState& state) {
+  const WideFloat x = WideFloat::load(lattice.x[bx]);
+  WideFloat y[kCellBlocks], z[kCellBlocks], least[kCellBlocks * kCellBlocks];
+  for (int n = 0; n < kCellBlocks; ++n) {
+    y[n] = WideFloat::load(lattice.y[by + n]);
+    z[n] = WideFloat::load(lattice.z[bz + n]);
+  }
+  for (WideFloat& l : least) l = WideFloat(__builtin_inff());
+  const auto look_at = [&](const float& px, const float& py, const float& pz) __attribute__((always_inline)) {
+    const WideFloat dx = x - WideFloat(px), dx_sq = dx * dx;
+    for (int k = 0; k < kCellBlocks; ++k) {
+      const WideFloat dz = z[k] - WideFloat(pz), dxz_sq = fma(dz, dz, dx_sq);
+      for (int j = 0; j < kCellBlocks; ++j) {
+        const WideFloat dy = y[j] - WideFloat(py);
+        least[j + kCellBlocks * k] = min(least[j + kCellBlocks * k], fma(dy, dy, dxz_sq));
+      }
+    }
+  };
+  for (int n = 0; n < table.list.count; ++n)
+    look_at(table.listed_extent[6][n], table.listed_extent[7][n], table.listed_extent[8][n]);
+  for (const CandidateTable::Corner* reference : cell.reference)
+    look_at(reference->point[0], reference->point[1], reference->point[2]);
+
+  WideFloat slack(0);
+  for (int n = 0; n < table.active_groups; ++n)
+    slack = max(slack, WideFloat::load(table.groups[table.active[n].group].slack));
+  for (const CandidateTable::Corner* reference : cell.reference) slack = max(slack, WideFloat(reference->slack));
+  const float slack_sq = reduce_max(slack * slack);
+  Known known;
+  known.lowered_by = slack_sq / kSlackShare;
+  // The surface passes within the slack of the points: (d+s)^2 <= d^2 (1+a) + s^2 (1+1/a).
+  const WideFloat added(slack_sq * (1 + 1 / kSlackShare));
+  const float within = lattice.thickness * (1 + kSlack);
+  for (int n = 0; n < kCellBlocks * kCellBlocks; ++n) {
+    const int block = block_index(bx, by + n % kCellBlocks, bz + n / kCellBlocks);
+    const WideFloat before = min(WideFloat(within * within), WideFloat::load(state.distance_sq[block]));
+    known.distance_sq[n] = min(before, fma(least[n], WideFloat(1 + kSlackShare), added));
+  }
+  return known;
+}
+
+// Lists for each block of the cell the candidates whose boxes are no farther from some sample than is known of it:
+// sixteen candidates at a time, and all samples, whose squared distances from a box are sums of three numbers of which
+// there are four for each axis.
+DIFI_INLINE void choose_for_blocks(const Lattice& lattice, CandidateTable& table, const CellCorners& cell, int bx,
+                                   int by, int bz, const BrickState& state) {
+  list_extents(table);
+  const Known known = known_distances(lattice, table, cell, bx, by, bz, state);
+  // A box is out when gap^2 (1-a) - lowered > known, and 1/(1-a) < 1 + 2a.
+  alignas(64) float limit[kCellBlocks * kCellBlocks][kLanes];
+  for (int n = 0; n < kCellBlocks * kCellBlocks; ++n) {
+    ((known.distance_sq[n] + WideFloat(known.lowered_by)) * WideFloat(1 + 2 * kSlackShare)).store(limit[n]);
+    table.block_list[n].count = 0;
+  }
+  for (int first = 0; first < table.list.count; first += kLanes) {
+    WideFloat gap_sq[3][kCellSide];
+    for (int axis = 0; axis < 3; ++axis) {
+      const WideFloat low = WideFloat::load(table.listed_extent[axis] + first),
+                      high = WideFloat::load(table.listed_extent[3 + axis] + first);
+      for (int n = 0; n < kCellSide; ++n) {
+        const float at = axis == 0   ? lattice.x[bx][n]
+                         : axis == 1 ? lattice.y[by + n / kBlockY][n % kBlockY * kBlockX]
+                                     : lattice.z[bz + n / kBlockZ][n % kBlockZ * kBlockX * kBlockY];
+        const WideFloat gap = max(max(low - WideFloat(at), WideFloat(at) - high), WideFloat(0));
+        gap_sq[axis][n] = gap * gap;
+      }
+    }
+    const WideUint candidates = WideUint::load(table.list.candidate + first);
+    const int left = table.list.count - first;
+    const Mask used = mask_from_bits(left < kLanes ? (1u << left) - 1 : 0xffffu);
+    for (int block = 0; block < kCellBlocks * kCellBlocks; ++block) {
+      WideFloat beyond(__builtin_inff());  // by how much the farthest limit is missed
+      for (int row = 0; row < kBlockY * kBlockZ; ++row) {
+        const WideFloat yz = gap_sq[1][block % kCellBlocks * kBlockY + row % kBlockY] +
+                             gap_sq[2][block / kCellBlocks * kBlockZ + row / kBlockY];
+        for (int i = 0; i < kBlockX; ++i)
+          beyond = min(beyond, (gap_sq[0][i] + yz) - WideFloat(limit[block][row * kBlockX + i]));
+      }
+      CandidateTable::List& list = table.block_list[block];
+      list.count += store_packed(list.candidate + list.count, ~less(WideFloat(0), beyond) & used, candidates);
+    }
   }
 }
 
@@ -250,7 +330,8 @@ DIFI_INLINE void lower(WideFloat& best, WideUint& nearest, const WideFloat& d, s
 // The listed candidates against the blocks (bx, by + j, bz + k), j and k below kSide.
 template <bool kNearest, int kSide>
 DIFI_INLINE void gather_listed(const Lattice& lattice, const Brick& brick, const Candidates& c,
-                               const CandidateTable& table, int bx, int by, int bz, BrickState& state) {
+                               const CandidateTable& table, const CandidateTable::List& list, int bx, int by, int bz,
+                               BrickState& state) {
   constexpr int kCount = kSide * kSide;
   const auto block = [&](int n) __attribute__((always_inline)) {
     return block_index(bx, by + n % kSide, bz + n / kSide);
@@ -266,9 +347,9 @@ DIFI_INLINE void gather_listed(const Lattice& lattice, const Brick& brick, const
     best[n] = WideFloat::load(state.distance_sq[block(n)]);
     if constexpr (kNearest) nearest[n] = WideUint::load(state.nearest[block(n)]);
   }
-  for (int m = 0; m < table.listed; ++m) {
-    const CandidateTable::Group& g = table.groups[table.list[m] / kLanes];
-    const std::uint32_t lane = table.list[m] % kLanes;
+  for (int m = 0; m < list.count; ++m) {
+    const CandidateTable::Group& g = table.groups[list.candidate[m] / kLanes];
+    const std::uint32_t lane = list.candidate[m] % kLanes;
     if (g.is_long >> lane & 1) {
       const TriangleLines<WideFloat> lines = make_lines<WideFloat>(double_frame(lattice, brick, c, g.index[lane]));
       for (int n = 0; n < kCount; ++n)
@@ -290,10 +371,10 @@ DIFI_INLINE void gather_listed(const Lattice& lattice, const Brick& brick, const
     best[n].store(state.distance_sq[block(n)]);
     if constexpr (kNearest) nearest[n].store(state.nearest[block(n)]);
   }
-  state.samples_examined += std::int64_t{kLanes} * kCount * table.listed;
+  state.samples_examined += std::int64_t{kLanes} * kCount * list.count;
 }
 
-// With more candidates than this a cell's blocks choose among their groups once more, each for itself.
+// With more candidates than this a cell's blocks choose among them once more, each for itself.
 constexpr int kManyCandidates = 64;
 
 // One cell, from the candidates of its tile.
@@ -302,16 +383,13 @@ DIFI_INLINE void gather_cell(const Lattice& lattice, const Brick& brick, const C
                              const CellCorners& cell, const int (&at)[3], BrickState& state) {
   const int bx = at[0] / kBlockX, by = at[1] / kBlockY, bz = at[2] / kBlockZ;
   choose(table, cell);
-  if (table.active_candidates <= kManyCandidates) {
-    table.listed = 0;
-    for (int n = 0; n < table.active_groups; ++n) list_lanes(table, table.active[n]);
-    return gather_listed<kNearest, kCellBlocks>(lattice, brick, c, table, bx, by, bz, state);
-  }
-  for (int n = 0; n < kCellBlocks * kCellBlocks; ++n) {
-    const int y = by + n % kCellBlocks, z = bz + n / kCellBlocks, block = block_index(bx, y, z);
-    list_for_block(lattice, table, cell, block_samples(lattice, block), state.distance_sq[block]);
-    gather_listed<kNearest, 1>(lattice, brick, c, table, bx, y, z, state);
-  }
+  list_chosen(table);
+  if (table.list.count <= kManyCandidates)
+    return gather_listed<kNearest, kCellBlocks>(lattice, brick, c, table, table.list, bx, by, bz, state);
+  choose_for_blocks(lattice, table, cell, bx, by, bz, state);
+  for (int n = 0; n < kCellBlocks * kCellBlocks; ++n)
+    gather_listed<kNearest, 1>(lattice, brick, c, table, table.block_list[n], bx, by + n % kCellBlocks,
+                               bz + n / kCellBlocks, state);
 }
 
 template <bool kNearest>
