@@ -375,7 +375,7 @@ DIFI_INLINE void gather_listed(const Lattice& lattice, const Brick& brick, const
 }
 
 // With more candidates than this a cell's blocks choose among them once more, each for itself.
-constexpr int kManyCandidates = 64;
+constexpr int kManyCandidates = 40;
 
 // One cell, from the candidates of its tile.
 template <bool kNearest>
