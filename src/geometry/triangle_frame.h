@@ -96,9 +96,10 @@ DIFI_INLINE Triple<F> closest_in_frame(const TriangleFrame<F>& f, const Triple<F
   const F past = abs(q) - leg;
   const F across = fma(nx, past, ny * y);
   const F along = min(max(fma(nx, y, F(-(ny * past))), zero), length);
-  // On the hypotenuse when p lies beyond it, else where it is inside, else on the base.
+  // On the hypotenuse when p lies beyond it, else where it is inside, else on the base. No leg leaves the hypotenuse
+  // upright, and p may lie on its line above the apex, which is nx * length high.
   const auto beyond = less(zero, across);
-  const F x_inside = min(abs(q), leg), y_inside = max(y, zero);
+  const F x_inside = min(abs(q), leg), y_inside = min(max(y, zero), F(nx * length));
   const F x = select(beyond, max(fma(F(-ny), along, leg), zero), x_inside);
   const F mirrored = select(is_left, F(-x), x);
   const F height = select(beyond, max(nx * along, zero), y_inside);
