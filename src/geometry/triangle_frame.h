@@ -140,13 +140,14 @@ DIFI_INLINE HalfTriangle<F> half_triangle(const F& leg, const F& height) {
 /// small against the accuracy wanted, large against underflow.
 template <class F>
 DIFI_INLINE TriangleFrame<F> make_frame(const Triple<F>& a, const Triple<F>& b, const Triple<F>& c, const F& least_sq) {
-  // Turn the corners so that the first edge is the longest.
+  // Turn the corners so that the first edge is the longest: of two, either will do, but not the third, which may have
+  // no direction.
   const F ab = dot(b - a, b - a), bc = dot(c - b, c - b), ca = dot(a - c, a - c);
-  const auto bc_longest = less(max(ab, ca), bc);
   const auto ca_longest = less(max(ab, bc), ca);
-  const Triple<F> start = select(bc_longest, b, select(ca_longest, c, a));
-  const Triple<F> end = select(bc_longest, c, select(ca_longest, a, b));
-  const Triple<F> apex = select(bc_longest, a, select(ca_longest, b, c));
+  const auto ab_shorter = less(ab, max(bc, ca));
+  const Triple<F> start = select(ca_longest, c, select(ab_shorter, b, a));
+  const Triple<F> end = select(ca_longest, a, select(ab_shorter, c, b));
+  const Triple<F> apex = select(ca_longest, b, select(ab_shorter, a, c));
 
   const F zero(0), one(1);
   const Triple<F> base = end - start;
