@@ -130,7 +130,8 @@ DIFI_INLINE Triple<F> any_perpendicular(const Triple<F>& u) {
 template <class F>
 DIFI_INLINE HalfTriangle<F> half_triangle(const F& leg, const F& height) {
   const F length_sq = fma(leg, leg, height * height);
-  const auto usable = less(F(0), length_sq);
+  // Rounding leaves heights of 1e-22, whose squares have lost most of their digits. 1e-36 is a normal float.
+  const auto usable = less(F(1e-36f), length_sq);
   const F length = sqrt(length_sq);
   const F inverse = F(1) / select(usable, length, F(1));
   return {leg, length, select(usable, height * inverse, F(1)), leg * inverse};

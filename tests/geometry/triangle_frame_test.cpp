@@ -112,7 +112,7 @@ TEST(TriangleFrame, AllOrdersOfCorners) {
 
 TEST(TriangleFrame, SegmentsAndPointsOnALattice) {
   // Two corners in one leave an edge without direction and two that are longest; a point may lie exactly above an apex.
-  const Vec3 steps[] = {{0, 0, 0}, {1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, 0, -1}, {1, 0, 1}};
+  const Vec3 steps[] = {{0, 0, 0}, {1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, 0, -1}, {1, 0, 1}, {-1, 1, 1}};
   for (const Vec3 step : steps)
     for (const double half_way : {0.0, 0.5, 1.0}) {
       const Corners corner{Vec3{0, 0, 0}, step, step * half_way};
