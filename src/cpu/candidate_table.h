@@ -11,7 +11,7 @@ namespace difi::cpu {
 /// table after the other.
 struct CandidateTable {
   static constexpr int kGroups = 128;
-  static constexpr int kFrameNumbers = 20;
+  static constexpr int kFrameNumbers = 20, kExtentNumbers = 9;
   static constexpr int kCornersPerAxis = 3;
   static constexpr int kCorners = kCornersPerAxis * kCornersPerAxis * kCornersPerAxis;
 
@@ -21,8 +21,8 @@ struct CandidateTable {
     /// What the squared distance from each corner of the lattice is at least.
     alignas(64) float corner_distance_sq[kCorners][kLanes];
     alignas(64) std::uint32_t index[kLanes];
-    float low[3], high[3];  ///< the box around all of them
-    float lowered_by;       ///< what a squared distance from that box is lowered by, for the slack of the largest
+    /// What blocks choose by: lowest and highest coordinates of each candidate, then those of a point of it.
+    alignas(64) float extent[kExtentNumbers][kLanes];
     std::uint32_t lanes;    ///< bits of the lanes in use
     std::uint32_t is_long;  ///< bits of the lanes whose samples need lines
   };
@@ -46,8 +46,16 @@ struct CandidateTable {
   Active active[kGroups];
   int active_groups, active_candidates;
 
-  std::uint32_t list[(kGroups + 1) * kLanes];  ///< candidates one by one: group * 16 + lane; room for a register more
-  int listed;
+  /// Candidates one by one: group * 16 + lane; room for a register more.
+  struct List {
+    std::uint32_t candidate[(kGroups + 1) * kLanes];
+    int count;
+  };
+  List list;
+  alignas(64) float listed_extent[kExtentNumbers][(kGroups + 1) * kLanes];  ///< of the candidates in the list
+
+  static constexpr int kBlocksOfCell = 4;
+  List block_list[kBlocksOfCell];  ///< those of the list that a block has to look at
 };
 
 }  // namespace difi::cpu

@@ -143,20 +143,23 @@ class Descent {
     return corners;
   }
 
-  // Takes the packs that are longer than `largest` out of the list.
-  void take_large(float largest, BoxList& list, std::vector<PackContents>& packs) const {
+  // Takes the packs that are longer than `largest` out of the list, looking at its entries from the first on.
+  void take_large(std::int64_t first, float largest, BoxList& list, std::vector<PackContents>& packs) const {
     packs.clear();
     const BoxArrays& boxes = list.arrays();
-    std::int64_t kept = 0;
-    for (std::int64_t n = 0; n < list.size(); ++n) {
-      const float longest = std::max(
-          {boxes.high[0][n] - boxes.low[0][n], boxes.high[1][n] - boxes.low[1][n], boxes.high[2][n] - boxes.low[2][n]});
-      if (clusters_.is_pack(boxes.entry[n]) && longest > largest) {
-        clusters_.prefetch(boxes.entry[n]);
-        packs.push_back(clusters_.contents(boxes.entry[n]));
-      } else {
-        list.move(n, kept++);
+    std::int64_t kept = first;
+    for (std::int64_t n = first; n < list.size(); ++n) {
+      if (clusters_.is_pack(boxes.entry[n])) {
+        const float longest = std::max({boxes.high[0][n] - boxes.low[0][n], boxes.high[1][n] - boxes.low[1][n],
+                                        boxes.high[2][n] - boxes.low[2][n]});
+        if (longest > largest) {
+          clusters_.prefetch(boxes.entry[n]);
+          packs.push_back(clusters_.contents(boxes.entry[n]));
+          continue;
+        }
       }
+      if (kept != n) list.move(n, kept);
+      ++kept;
     }
     list.arrays().count = kept;
   }
@@ -167,10 +170,13 @@ class Descent {
     result.clear();
     result.make_room(parent.count);
     kernels_.cull_boxes(parent, cell, corners, result.arrays());
-    for (take_large(largest, result, packs); !packs.empty(); take_large(largest, result, packs)) {
+    take_large(0, largest, result, packs);
+    while (!packs.empty()) {
       const auto count = static_cast<std::int64_t>(packs.size());
+      const std::int64_t first = result.size();
       result.make_room(Clusters::kFanout * count);
       kernels_.cull_packs(packs.data(), count, cell, corners, result.arrays());
+      take_large(first, largest, result, packs);
     }
   }
 

@@ -10,6 +10,8 @@ namespace {
 
 using namespace difi::avx2;
 #include "cpu/kernels_body.h"
+#include "cpu/kernels_candidates.h"
+#include "cpu/kernels_cell_blocks.h"
 #include "cpu/kernels_cells.h"
 #include "cpu/kernels_cull.h"
 

@@ -1,242 +1,6 @@
-// The kernel for thick bands and full fields, where each sample has many candidates and needs few. Included like
-// kernels_body.h, after it.
-//
-// The candidates of a tile are set up once, in groups of sixteen, and measured from the corners of its 2x2x2 cells. The
-// nearest point found from a corner is a reference q for the cells around it.
-//
-// A cell chooses its candidates. A candidate beats q at a sample x of the cell when it holds a point p with
-// |x-p|^2 < |x-q|^2. For a given p the two sides differ by a linear function of x, so if p beats q anywhere in the cell
-// it does so at a corner; and so a candidate is out when, for some q, its distance from each corner is at least that of
-// q. Unlike the test for boxes (kernels_cull.h) this one is not fooled by tilted triangles, whose boxes reach far out
-// of them. Where many candidates are left, each block leaves out the groups whose boxes lie too far for its samples.
-
-// What a distance in a frame may be off by, as a share of the largest coordinate: 32 units of rounding of a length up
-// to sqrt(3) times as large (geometry/triangle_frame.h).
-constexpr float kFrameError = 32 * 1.7320508f * 0x1p-23f;
-// What a squared distance is lowered by, so that the square of (distance - slack) is no less:
-// (d-s)^2 >= d^2 - 2ds >= d^2 (1-a) - s^2/a.
-constexpr float kSlackShare = 1e-4f;
-
-DIFI_INLINE TriangleFrame<WideFloat> frames_of(const CandidateTable::Group& g) {
-  return frame_from<WideFloat>([&](int n) __attribute__((always_inline)) { return WideFloat::load(g.frame[n]); });
-}
-
-// Sets up the candidates first, first + 1, ... as far as there is room.
-DIFI_INLINE void fill_table(const Lattice& lattice, const Brick& brick, const Candidates& c, std::int64_t first,
-                            CandidateTable& table) {
-  table.count = 0;
-  for (; table.count < CandidateTable::kGroups && first < c.count; ++table.count, first += kLanes) {
-    CandidateTable::Group& g = table.groups[table.count];
-    Group loaded;
-    load_group(lattice, brick, c, first, loaded);
-    WideFloat longest(0), farthest(0);
-    for (int axis = 0; axis < 3; ++axis) {
-      const WideFloat a = component(loaded.corner[0], axis), b = component(loaded.corner[1], axis),
-                      d = component(loaded.corner[2], axis);
-      const WideFloat low = min(a, min(b, d)), high = max(a, max(b, d));
-      longest = max(longest, high - low);
-      farthest = max(farthest, max(abs(low), abs(high)));
-      g.low[axis] = reduce_min(low);
-      g.high[axis] = reduce_max(high);
-    }
-    const WideFloat slack = fma(farthest, WideFloat(kFrameError), WideFloat(kSlack));
-    slack.store(g.slack);
-    g.lowered_by = reduce_max(slack * slack) / kSlackShare;
-    store_frames(make_frame(loaded.corner[0], loaded.corner[1], loaded.corner[2], WideFloat(kLeastLengthSq)), g.frame);
-    WideUint::load(loaded.index).store(g.index);
-    const std::int64_t left = c.count - first;
-    g.lanes = left < kLanes ? (1u << left) - 1 : 0xffffu;
-    g.is_long = less(WideFloat(kLongTriangle), longest).to_bits();
-  }
-}
-
-// Cells of 4x4x4 samples: one block wide, kCellBlocks high and deep.
-constexpr int kCellSide = 4, kCellBlocks = 2, kTileCells = DistanceField::kTileSide / kCellSide;
-static_assert(kCellSide == kBlockX && kCellSide == kCellBlocks * kBlockY && kCellSide == kCellBlocks * kBlockZ);
-static_assert(CandidateTable::kCornersPerAxis == kTileCells + 1);
-
-// A coordinate of the tile's lattice of cells relative to the brick's centre: its faces lie on the outermost samples.
-DIFI_INLINE float corner_coordinate(const Lattice& lattice, int axis, int first_sample, int n) {
-  const float sample = n == 0            ? 0
-                       : n == kTileCells ? DistanceField::kTileSide - 1
-                                         : kCellSide * static_cast<float>(n) - 0.5f;
-  const float middle = (kBrickSide - 1) / 2.0f;
-  return (static_cast<float>(first_sample) + sample - middle) *
-         static_cast<float>(lattice.spacing[axis] * lattice.scale);
-}
-
-// The lattice of a tile's cells; nothing is known near its corners yet.
-DIFI_INLINE void place_corners(const Lattice& lattice, const int (&first_sample)[3], CandidateTable& table) {
-  constexpr int kSide = CandidateTable::kCornersPerAxis;
-  for (int n = 0; n < CandidateTable::kCorners; ++n) {
-    CandidateTable::Corner& corner = table.corners[n];
-    const int number[3] = {n % kSide, n / kSide % kSide, n / (kSide * kSide)};
-    for (int axis = 0; axis < 3; ++axis)
-      corner.at[axis] = corner_coordinate(lattice, axis, first_sample[axis], number[axis]);
-    corner.point[0] = corner.point[1] = corner.point[2] = corner.slack = 0;
-    corner.distance_sq = __builtin_inff();
-  }
-}
-
-// The nearest candidate of a group found so far from a corner, lane by lane.
-struct NearestOfLanes {
-  alignas(64) float distance_sq[kLanes];
-  alignas(64) std::uint32_t group[kLanes];
-};
-
-// Remembers the point of the surface nearest to a corner.
-DIFI_INLINE void take_nearest(const CandidateTable& table, const NearestOfLanes& found,
-                              CandidateTable::Corner& corner) {
-  const WideFloat distances = WideFloat::load(found.distance_sq);
-  const float best = reduce_min(distances);
-  if (!(best < corner.distance_sq)) return;
-  const int lane = __builtin_ctz(equal(distances, WideFloat(best)).to_bits());
-  const CandidateTable::Group& g = table.groups[found.group[lane]];
-  const Triple<float> q = closest_in_frame(frame_of_lane<float>(g.frame, static_cast<std::uint32_t>(lane)),
-                                           Triple<float>{corner.at[0], corner.at[1], corner.at[2]});
-  corner.point[0] = q.x;
-  corner.point[1] = q.y;
-  corner.point[2] = q.z;
-  corner.distance_sq = best;
-  corner.slack = g.slack[lane];
-}
-
-// Measures all candidates of the table from all corners of the lattice, and finds the surface near each.
-DIFI_INLINE void look_from_corners(CandidateTable& table) {
-  constexpr int kSide = CandidateTable::kCornersPerAxis;
-  NearestOfLanes found[CandidateTable::kCorners];
-  for (NearestOfLanes& near_corner : found) WideFloat(__builtin_inff()).store(near_corner.distance_sq);
-  const auto coordinate = [&](int n, int axis) __attribute__((always_inline)) {
-    return WideFloat(table.corners[n].at[axis]);
-  };
-  for (int n = 0; n < table.count; ++n) {
-    CandidateTable::Group& g = table.groups[n];
-    const WideUint number(static_cast<std::uint32_t>(n));
-    const TriangleFrame<WideFloat> f = frames_of(g);
-    const WideFloat slack = WideFloat::load(g.slack), less_slack = slack * slack * WideFloat(-1 / kSlackShare);
-    for (int k = 0, corner = 0; k < kSide; ++k) {
-      const WideFloat z = coordinate(corner, 2);
-      const WideFloat qz = fma(z, f.q.g.z, f.q.c), yz = fma(z, f.y.g.z, f.y.c), zz = fma(z, f.z.g.z, f.z.c);
-      for (int j = 0; j < kSide; ++j) {
-        const WideFloat y = coordinate(corner, 1);
-        const WideFloat qy = fma(y, f.q.g.y, qz), yy = fma(y, f.y.g.y, yz), zy = fma(y, f.z.g.y, zz);
-        for (int i = 0; i < kSide; ++i, ++corner) {
-          const WideFloat x = coordinate(corner, 0);
-          const WideFloat d = frame_distance_sq(f, fma(x, f.q.g.x, qy), fma(x, f.y.g.x, yy), fma(x, f.z.g.x, zy));
-          fma(d, WideFloat(1 - kSlackShare), less_slack).store(g.corner_distance_sq[corner]);
-          NearestOfLanes& best = found[corner];
-          const WideFloat before = WideFloat::load(best.distance_sq);
-          select(less(d, before), number, WideUint::load(best.group)).store(best.group);
-          min(d, before).store(best.distance_sq);
-        }
-      }
-    }
-  }
-  for (int n = 0; n < CandidateTable::kCorners; ++n) take_nearest(table, found[n], table.corners[n]);
-}
-
-// A cell: its eight corners, each with its reference, and how near to a corner a candidate must be to beat a reference.
-struct CellCorners {
-  int number[8];                               // in the tile's lattice
-  const CandidateTable::Corner* reference[8];  // near a corner
-  float added_sq[8];                           // what the reference's slack adds to squared distances
-  float limit[8][8];                           // of a reference, at a corner
-  float reach_sq;
-};
-
-DIFI_INLINE CellCorners cell_corners(const Lattice& lattice, const CandidateTable& table, const int (&cell)[3]) {
-  constexpr int kSide = CandidateTable::kCornersPerAxis;
-  CellCorners result;
-  const int(&number)[8] = result.number;
-  for (int n = 0; n < 8; ++n)
-    result.number[n] = cell[0] + (n & 1) + kSide * (cell[1] + (n >> 1 & 1) + kSide * (cell[2] + (n >> 2 & 1)));
-  float diagonal_sq = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const float side = table.corners[number[7]].at[axis] - table.corners[number[0]].at[axis];
-    diagonal_sq += side * side;
-  }
-  // No sample is farther than half the diagonal from the nearest corner.
-  const float reach = (lattice.thickness + difi::sqrt(diagonal_sq) / 2) * (1 + kSlack);
-  result.reach_sq = reach * reach;
-  for (int q = 0; q < 8; ++q) {
-    const CandidateTable::Corner& reference = table.corners[number[q]];
-    // The surface passes within the slack of the reference: (d+s)^2 <= d^2 (1+a) + s^2 (1+1/a).
-    const float added_sq = reference.slack * reference.slack * (1 + 1 / kSlackShare);
-    result.reference[q] = &reference;
-    result.added_sq[q] = added_sq;
-    for (int n = 0; n < 8; ++n) {
-      const float* at = table.corners[number[n]].at;
-      const float x = at[0] - reference.point[0], y = at[1] - reference.point[1], z = at[2] - reference.point[2];
-      result.limit[q][n] = (x * x + y * y + z * z) * (1 + kSlackShare) + added_sq;
-    }
-  }
-  return result;
-}
-
-// The lanes of a group that may be nearest to a sample of the cell.
-DIFI_INLINE std::uint32_t chosen(const CandidateTable::Group& g, const CellCorners& cell) {
-  WideFloat d[8];
-  WideFloat least(__builtin_inff());
-  for (int n = 0; n < 8; ++n) {
-    d[n] = WideFloat::load(g.corner_distance_sq[cell.number[n]]);
-    least = min(least, d[n]);
-  }
-  Mask may = ~less(WideFloat(cell.reach_sq), least) & mask_from_bits(g.lanes);
-  for (int q = 0; q < 8 && may.to_bits() != 0; ++q) {
-    Mask out = less(WideFloat(cell.limit[q][0]), d[0]);
-    for (int n = 1; n < 8; ++n) out = out & less(WideFloat(cell.limit[q][n]), d[n]);
-    may = may & ~out;
-  }
-  return may.to_bits();
-}
-
-// Writes down which groups and lanes a cell has to look at.
-DIFI_INLINE void choose(CandidateTable& table, const CellCorners& cell) {
-  table.active_groups = table.active_candidates = 0;
-  for (int n = 0; n < table.count; ++n) {
-    const std::uint32_t lanes = chosen(table.groups[n], cell);
-    table.active[table.active_groups] = {static_cast<std::uint16_t>(n), static_cast<std::uint16_t>(lanes)};
-    table.active_groups += lanes != 0;
-    table.active_candidates += __builtin_popcount(lanes);
-  }
-}
-
-// Adds a group's candidates to the list, one by one, so that the loop over them has no branch to mispredict.
-DIFI_INLINE void list_lanes(CandidateTable& table, const CandidateTable::Active& active) {
-  const WideUint first(static_cast<std::uint32_t>(active.group) * kLanes);
-  table.listed += store_packed(table.list + table.listed, mask_from_bits(active.lanes), first + lane_numbers());
-}
-
-// The squared distance of samples to a box, at least.
-DIFI_INLINE WideFloat gap_sq(const WidePoint& samples, const float* low, const float* high) {
-  const WideFloat zero(0);
-  const auto gap = [&](const WideFloat& s, int axis) __attribute__((always_inline)) {
-    return max(max(WideFloat(low[axis]) - s, s - WideFloat(high[axis])), zero);
-  };
-  const WideFloat x = gap(samples.x, 0), y = gap(samples.y, 1), z = gap(samples.z, 2);
-  return fma(x, x, fma(y, y, z * z));
-}
-
-// Lists the chosen groups that may hold what is nearest to a sample of the block: those whose boxes are no farther from
-// each sample than one of the references.
-DIFI_INLINE void list_for_block(const Lattice& lattice, CandidateTable& table, const CellCorners& cell,
-                                const WidePoint& samples, const float* best) {
-  const float within = lattice.thickness * (1 + kSlack);
-  WideFloat known = min(WideFloat(within * within), WideFloat::load(best));
-  for (int q = 0; q < References::kMost; ++q) {
-    const float* at = cell.reference[q]->point;
-    const WideFloat x = samples.x - WideFloat(at[0]), y = samples.y - WideFloat(at[1]),
-                    z = samples.z - WideFloat(at[2]);
-    known = min(known, fma(fma(x, x, fma(y, y, z * z)), WideFloat(1 + kSlackShare), WideFloat(cell.added_sq[q])));
-  }
-  table.listed = 0;
-  for (int n = 0; n < table.active_groups; ++n) {
-    const CandidateTable::Group& g = table.groups[table.active[n].group];
-    const WideFloat at_least =
-        fma(gap_sq(samples, g.low, g.high), WideFloat(1 - kSlackShare), WideFloat(-g.lowered_by));
-    if ((~less(known, at_least)).to_bits() != 0) list_lanes(table, table.active[n]);
-  }
-}
+// The kernel for thick bands and full fields, where each sample has many candidates and needs few: cells choose them by
+// distances from their corners (kernels_candidates.h), and where many are left their blocks choose by the samples'
+// distances from boxes (kernels_cell_blocks.h). Included like kernels_body.h, after those two.
 
 template <bool kNearest>
 DIFI_INLINE void lower(WideFloat& best, WideUint& nearest, const WideFloat& d, std::uint32_t index) {
@@ -250,7 +14,8 @@ DIFI_INLINE void lower(WideFloat& best, WideUint& nearest, const WideFloat& d, s
 // The listed candidates against the blocks (bx, by + j, bz + k), j and k below kSide.
 template <bool kNearest, int kSide>
 DIFI_INLINE void gather_listed(const Lattice& lattice, const Brick& brick, const Candidates& c,
-                               const CandidateTable& table, int bx, int by, int bz, BrickState& state) {
+                               const CandidateTable& table, const CandidateTable::List& list, int bx, int by, int bz,
+                               BrickState& state) {
   constexpr int kCount = kSide * kSide;
   const auto block = [&](int n) __attribute__((always_inline)) {
     return block_index(bx, by + n % kSide, bz + n / kSide);
@@ -266,9 +31,9 @@ DIFI_INLINE void gather_listed(const Lattice& lattice, const Brick& brick, const
     best[n] = WideFloat::load(state.distance_sq[block(n)]);
     if constexpr (kNearest) nearest[n] = WideUint::load(state.nearest[block(n)]);
   }
-  for (int m = 0; m < table.listed; ++m) {
-    const CandidateTable::Group& g = table.groups[table.list[m] / kLanes];
-    const std::uint32_t lane = table.list[m] % kLanes;
+  for (int m = 0; m < list.count; ++m) {
+    const CandidateTable::Group& g = table.groups[list.candidate[m] / kLanes];
+    const std::uint32_t lane = list.candidate[m] % kLanes;
     if (g.is_long >> lane & 1) {
       const TriangleLines<WideFloat> lines = make_lines<WideFloat>(double_frame(lattice, brick, c, g.index[lane]));
       for (int n = 0; n < kCount; ++n)
@@ -290,11 +55,11 @@ DIFI_INLINE void gather_listed(const Lattice& lattice, const Brick& brick, const
     best[n].store(state.distance_sq[block(n)]);
     if constexpr (kNearest) nearest[n].store(state.nearest[block(n)]);
   }
-  state.samples_examined += std::int64_t{kLanes} * kCount * table.listed;
+  state.samples_examined += std::int64_t{kLanes} * kCount * list.count;
 }
 
-// With more candidates than this a cell's blocks choose among their groups once more, each for itself.
-constexpr int kManyCandidates = 64;
+// With more candidates than this a cell's blocks choose among them once more, each for itself.
+constexpr int kManyCandidates = 40;
 
 // One cell, from the candidates of its tile.
 template <bool kNearest>
@@ -302,16 +67,13 @@ DIFI_INLINE void gather_cell(const Lattice& lattice, const Brick& brick, const C
                              const CellCorners& cell, const int (&at)[3], BrickState& state) {
   const int bx = at[0] / kBlockX, by = at[1] / kBlockY, bz = at[2] / kBlockZ;
   choose(table, cell);
-  if (table.active_candidates <= kManyCandidates) {
-    table.listed = 0;
-    for (int n = 0; n < table.active_groups; ++n) list_lanes(table, table.active[n]);
-    return gather_listed<kNearest, kCellBlocks>(lattice, brick, c, table, bx, by, bz, state);
-  }
-  for (int n = 0; n < kCellBlocks * kCellBlocks; ++n) {
-    const int y = by + n % kCellBlocks, z = bz + n / kCellBlocks, block = block_index(bx, y, z);
-    list_for_block(lattice, table, cell, block_samples(lattice, block), state.distance_sq[block]);
-    gather_listed<kNearest, 1>(lattice, brick, c, table, bx, y, z, state);
-  }
+  list_chosen(table);
+  if (table.list.count <= kManyCandidates)
+    return gather_listed<kNearest, kCellBlocks>(lattice, brick, c, table, table.list, bx, by, bz, state);
+  choose_for_blocks(lattice, table, cell, bx, by, bz, state);
+  for (int n = 0; n < kCellBlocks * kCellBlocks; ++n)
+    gather_listed<kNearest, 1>(lattice, brick, c, table, table.block_list[n], bx, by + n % kCellBlocks,
+                               bz + n / kCellBlocks, state);
 }
 
 template <bool kNearest>

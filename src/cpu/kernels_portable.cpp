@@ -8,6 +8,8 @@ namespace {
 
 using namespace difi::portable;
 #include "cpu/kernels_body.h"
+#include "cpu/kernels_candidates.h"
+#include "cpu/kernels_cell_blocks.h"
 #include "cpu/kernels_cells.h"
 #include "cpu/kernels_cull.h"
 

@@ -96,9 +96,10 @@ DIFI_INLINE Triple<F> closest_in_frame(const TriangleFrame<F>& f, const Triple<F
   const F past = abs(q) - leg;
   const F across = fma(nx, past, ny * y);
   const F along = min(max(fma(nx, y, F(-(ny * past))), zero), length);
-  // On the hypotenuse when p lies beyond it, else where it is inside, else on the base.
+  // On the hypotenuse when p lies beyond it, else where it is inside, else on the base. No leg leaves the hypotenuse
+  // upright, and p may lie on its line above the apex, which is nx * length high.
   const auto beyond = less(zero, across);
-  const F x_inside = min(abs(q), leg), y_inside = max(y, zero);
+  const F x_inside = min(abs(q), leg), y_inside = min(max(y, zero), F(nx * length));
   const F x = select(beyond, max(fma(F(-ny), along, leg), zero), x_inside);
   const F mirrored = select(is_left, F(-x), x);
   const F height = select(beyond, max(nx * along, zero), y_inside);
@@ -129,7 +130,8 @@ DIFI_INLINE Triple<F> any_perpendicular(const Triple<F>& u) {
 template <class F>
 DIFI_INLINE HalfTriangle<F> half_triangle(const F& leg, const F& height) {
   const F length_sq = fma(leg, leg, height * height);
-  const auto usable = less(F(0), length_sq);
+  // Rounding leaves heights of 1e-22, whose squares have lost most of their digits. 1e-36 is a normal float.
+  const auto usable = less(F(1e-36f), length_sq);
   const F length = sqrt(length_sq);
   const F inverse = F(1) / select(usable, length, F(1));
   return {leg, length, select(usable, height * inverse, F(1)), leg * inverse};
@@ -139,13 +141,14 @@ DIFI_INLINE HalfTriangle<F> half_triangle(const F& leg, const F& height) {
 /// small against the accuracy wanted, large against underflow.
 template <class F>
 DIFI_INLINE TriangleFrame<F> make_frame(const Triple<F>& a, const Triple<F>& b, const Triple<F>& c, const F& least_sq) {
-  // Turn the corners so that the first edge is the longest.
+  // Turn the corners so that the first edge is the longest: of two, either will do, but not the third, which may have
+  // no direction.
   const F ab = dot(b - a, b - a), bc = dot(c - b, c - b), ca = dot(a - c, a - c);
-  const auto bc_longest = less(max(ab, ca), bc);
   const auto ca_longest = less(max(ab, bc), ca);
-  const Triple<F> start = select(bc_longest, b, select(ca_longest, c, a));
-  const Triple<F> end = select(bc_longest, c, select(ca_longest, a, b));
-  const Triple<F> apex = select(bc_longest, a, select(ca_longest, b, c));
+  const auto ab_shorter = less(ab, max(bc, ca));
+  const Triple<F> start = select(ca_longest, c, select(ab_shorter, b, a));
+  const Triple<F> end = select(ca_longest, a, select(ab_shorter, c, b));
+  const Triple<F> apex = select(ca_longest, b, select(ab_shorter, a, c));
 
   const F zero(0), one(1);
   const Triple<F> base = end - start;

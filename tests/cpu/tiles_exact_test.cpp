@@ -66,6 +66,21 @@ TEST(TilesExact, DegenerateAndRepeatedTriangles) {
   expect_exact_at_all_thicknesses(nasty_soup(19, 40, 5), coarse);
 }
 
+TEST(TilesExact, ManySmallDegenerateTrianglesOnSamples) {
+  testing::Random random(50);
+  Mesh mesh;
+  for (int n = 0; n < 600; ++n) {
+    const Vec3 at = random.in_cube(9);
+    const auto corner = [&] {
+      const Vec3 v = at + random.in_cube(0.6);
+      return Vec3{std::round(v.x), std::round(v.y), std::round(v.z)};
+    };
+    const Vec3 a = corner(), b = corner(), c = corner();
+    add_triangle(mesh, a, b, c);
+  }
+  expect_exact_at_all_thicknesses(mesh, {{19, 19, 19}, {-9, -9, -9}, {1, 1, 1}});
+}
+
 TEST(TilesExact, Slivers) {
   testing::Random random(20);
   for (const double length : {3.0, 12.0, 200.0}) {

@@ -2,6 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
+#include <span>
+#include <vector>
 
 #include "difi/compute.h"
 #include "tests/support/fields.h"
@@ -188,6 +191,44 @@ TEST(TilesProperties, BothWaysToGatherAgreeWhereBothKnow) {
       });
     }
   }
+}
+
+// Many more triangles than samples: a ball of them, and points on a sphere seen from inside and outside.
+Mesh crowd(unsigned seed, int triangles) {
+  Mesh mesh = random_soup(seed, triangles, 1.5, 0.15);
+  testing::Random random(seed + 1);
+  for (int n = 0; n < triangles; ++n) {
+    const Vec3 at = random.in_cube(1), on_sphere = at * (5 / length(at));
+    add_triangle(mesh, on_sphere, on_sphere + random.in_cube(0.2), on_sphere + random.in_cube(0.2));
+  }
+  return mesh;
+}
+
+TEST(TilesProperties, CrowdedCellsLoseNothing) {
+  // A field is the least of the fields of its parts, bit for bit; these are small enough that no block of theirs
+  // chooses among its cell's candidates.
+  constexpr std::size_t kPart = 40;
+  const Mesh mesh = crowd(42, 1200);
+  const Grid grids[] = {kGrid, {{20, 20, 20}, {-11, -3, 2}, {0.3, 1.1, 0.45}}};
+  for (const Grid& grid : grids)
+    for (const double thickness : {4.5 * grid.max_spacing(), kInfinity}) {
+      SCOPED_TRACE(::testing::Message() << grid.size.x << " samples wide, thickness " << thickness);
+      const DistanceField whole = computed(mesh, grid, thickness).field;
+      std::vector<DistanceField> parts;
+      for (std::size_t first = 0; first < mesh.triangles.size(); first += kPart) {
+        const MeshView part{mesh.vertices, std::span(mesh.triangles).subspan(first, kPart)};
+        parts.push_back(computed(part, grid, thickness).field);
+      }
+      for_each_sample(grid, [&](auto i, auto j, auto k) {
+        float least = std::numeric_limits<float>::infinity();
+        for (const DistanceField& part : parts) least = std::min(least, part.value(i, j, k));
+        ASSERT_EQ(whole.value(i, j, k), least) << i << ' ' << j << ' ' << k;
+        const std::uint32_t nearest = whole.nearest(i, j, k);
+        if (nearest != kNoTriangle) {
+          ASSERT_EQ(parts[nearest / kPart].value(i, j, k), least) << i << ' ' << j << ' ' << k;
+        }
+      });
+    }
 }
 
 }  // namespace

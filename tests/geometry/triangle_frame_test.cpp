@@ -110,6 +110,27 @@ TEST(TriangleFrame, AllOrdersOfCorners) {
   }
 }
 
+TEST(TriangleFrame, SegmentsAndPointsOnALattice) {
+  // Two corners in one leave an edge without direction and two that are longest; a point may lie exactly above an apex.
+  const Vec3 steps[] = {{0, 0, 0}, {1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, 0, -1}, {1, 0, 1}, {-1, 1, 1}};
+  for (const Vec3 step : steps)
+    for (const double half_way : {0.0, 0.5, 1.0}) {
+      const Corners corner{Vec3{0, 0, 0}, step, step * half_way};
+      std::array<int, 3> order{0, 1, 2};
+      do {
+        for (int n = 0; n < 125; ++n) {
+          const Vec3 p{n % 5 - 2.0, n / 5 % 5 - 2.0, n / 25 - 2.0};
+          const Rounded<float> r({corner[order[0]], corner[order[1]], corner[order[2]]}, p);
+          const double expected = reference_distance(p, {}, step, step * half_way);
+          ASSERT_NEAR(std::sqrt(distance_sq(r.frame(1e-12), r.p)), expected, 1e-6);
+          const Vec3 closest = exactly(closest_in_frame(r.frame(1e-12), r.p));
+          ASSERT_NEAR(length(closest - p), expected, 1e-6);
+          ASSERT_LE(reference_distance(closest, {}, step, step * half_way), 1e-6);
+        }
+      } while (std::ranges::next_permutation(order).found);
+    }
+}
+
 TEST(TriangleFrame, ShortEdgesAndAltitudesCountAsZero) {
   // Below the square root of least_sq a triangle is its edge or a point: wrong by its width at most.
   const double least = 1e-3;

@@ -1,0 +1,201 @@
+// Which candidates of a tile its cells have to look at. Included like kernels_body.h, after it.
+//
+// The candidates of a tile are set up once, in groups of sixteen, and measured from the corners of its 2x2x2 cells. The
+// nearest point found from a corner is a reference q for the cells around it.
+//
+// A cell chooses its candidates. A candidate beats q at a sample x of the cell when it holds a point p with
+// |x-p|^2 < |x-q|^2. For a given p the two sides differ by a linear function of x, so if p beats q anywhere in the cell
+// it does so at a corner; and so a candidate is out when, for some q, its distance from each corner is at least that of
+// q. Unlike the test for boxes (kernels_cull.h) this one is not fooled by tilted triangles, whose boxes reach far out
+// of them.
+
+// What a distance in a frame may be off by, as a share of the largest coordinate: 32 units of rounding of a length up
+// to sqrt(3) times as large (geometry/triangle_frame.h).
+constexpr float kFrameError = 32 * 1.7320508f * 0x1p-23f;
+// What a squared distance is lowered by, so that the square of (distance - slack) is no less:
+// (d-s)^2 >= d^2 - 2ds >= d^2 (1-a) - s^2/a.
+constexpr float kSlackShare = 1e-4f;
+
+DIFI_INLINE TriangleFrame<WideFloat> frames_of(const CandidateTable::Group& g) {
+  return frame_from<WideFloat>([&](int n) __attribute__((always_inline)) { return WideFloat::load(g.frame[n]); });
+}
+
+// Sets up the candidates first, first + 1, ... as far as there is room.
+DIFI_INLINE void fill_table(const Lattice& lattice, const Brick& brick, const Candidates& c, std::int64_t first,
+                            CandidateTable& table) {
+  table.count = 0;
+  for (; table.count < CandidateTable::kGroups && first < c.count; ++table.count, first += kLanes) {
+    CandidateTable::Group& g = table.groups[table.count];
+    Group loaded;
+    load_group(lattice, brick, c, first, loaded);
+    WideFloat longest(0), farthest(0);
+    for (int axis = 0; axis < 3; ++axis) {
+      const WideFloat a = component(loaded.corner[0], axis), b = component(loaded.corner[1], axis),
+                      d = component(loaded.corner[2], axis);
+      const WideFloat low = min(a, min(b, d)), high = max(a, max(b, d));
+      longest = max(longest, high - low);
+      farthest = max(farthest, max(abs(low), abs(high)));
+      low.store(g.extent[axis]);
+      high.store(g.extent[3 + axis]);
+      ((a + b + d) * WideFloat(1 / 3.0f)).store(g.extent[6 + axis]);
+    }
+    const WideFloat slack = fma(farthest, WideFloat(kFrameError), WideFloat(kSlack));
+    slack.store(g.slack);
+    store_frames(make_frame(loaded.corner[0], loaded.corner[1], loaded.corner[2], WideFloat(kLeastLengthSq)), g.frame);
+    WideUint::load(loaded.index).store(g.index);
+    const std::int64_t left = c.count - first;
+    g.lanes = left < kLanes ? (1u << left) - 1 : 0xffffu;
+    g.is_long = less(WideFloat(kLongTriangle), longest).to_bits();
+  }
+}
+
+// Cells of 4x4x4 samples: one block wide, kCellBlocks high and deep.
+constexpr int kCellSide = 4, kCellBlocks = 2, kTileCells = DistanceField::kTileSide / kCellSide;
+static_assert(kCellSide == kBlockX && kCellSide == kCellBlocks * kBlockY && kCellSide == kCellBlocks * kBlockZ);
+static_assert(CandidateTable::kCornersPerAxis == kTileCells + 1);
+
+// A coordinate of the tile's lattice of cells relative to the brick's centre: its faces lie on the outermost samples.
+DIFI_INLINE float corner_coordinate(const Lattice& lattice, int axis, int first_sample, int n) {
+  const float sample = n == 0            ? 0
+                       : n == kTileCells ? DistanceField::kTileSide - 1
+                                         : kCellSide * static_cast<float>(n) - 0.5f;
+  const float middle = (kBrickSide - 1) / 2.0f;
+  return (static_cast<float>(first_sample) + sample - middle) *
+         static_cast<float>(lattice.spacing[axis] * lattice.scale);
+}
+
+// The lattice of a tile's cells; nothing is known near its corners yet.
+DIFI_INLINE void place_corners(const Lattice& lattice, const int (&first_sample)[3], CandidateTable& table) {
+  constexpr int kSide = CandidateTable::kCornersPerAxis;
+  for (int n = 0; n < CandidateTable::kCorners; ++n) {
+    CandidateTable::Corner& corner = table.corners[n];
+    const int number[3] = {n % kSide, n / kSide % kSide, n / (kSide * kSide)};
+    for (int axis = 0; axis < 3; ++axis)
+      corner.at[axis] = corner_coordinate(lattice, axis, first_sample[axis], number[axis]);
+    corner.point[0] = corner.point[1] = corner.point[2] = corner.slack = 0;
+    corner.distance_sq = __builtin_inff();
+  }
+}
+
+// The nearest candidate of a group found so far from a corner, lane by lane.
+struct NearestOfLanes {
+  alignas(64) float distance_sq[kLanes];
+  alignas(64) std::uint32_t group[kLanes];
+};
+
+// Remembers the point of the surface nearest to a corner.
+DIFI_INLINE void take_nearest(const CandidateTable& table, const NearestOfLanes& found,
+                              CandidateTable::Corner& corner) {
+  const WideFloat distances = WideFloat::load(found.distance_sq);
+  const float best = reduce_min(distances);
+  if (!(best < corner.distance_sq)) return;
+  const int lane = __builtin_ctz(equal(distances, WideFloat(best)).to_bits());
+  const CandidateTable::Group& g = table.groups[found.group[lane]];
+  const Triple<float> q = closest_in_frame(frame_of_lane<float>(g.frame, static_cast<std::uint32_t>(lane)),
+                                           Triple<float>{corner.at[0], corner.at[1], corner.at[2]});
+  corner.point[0] = q.x;
+  corner.point[1] = q.y;
+  corner.point[2] = q.z;
+  corner.distance_sq = best;
+  corner.slack = g.slack[lane];
+}
+
+// Measures all candidates of the table from all corners of the lattice, and finds the surface near each.
+DIFI_INLINE void look_from_corners(CandidateTable& table) {
+  constexpr int kSide = CandidateTable::kCornersPerAxis;
+  NearestOfLanes found[CandidateTable::kCorners];
+  for (NearestOfLanes& near_corner : found) WideFloat(__builtin_inff()).store(near_corner.distance_sq);
+  const auto coordinate = [&](int n, int axis) __attribute__((always_inline)) {
+    return WideFloat(table.corners[n].at[axis]);
+  };
+  for (int n = 0; n < table.count; ++n) {
+    CandidateTable::Group& g = table.groups[n];
+    const WideUint number(static_cast<std::uint32_t>(n));
+    const TriangleFrame<WideFloat> f = frames_of(g);
+    const WideFloat slack = WideFloat::load(g.slack), less_slack = slack * slack * WideFloat(-1 / kSlackShare);
+    for (int k = 0, corner = 0; k < kSide; ++k) {
+      const WideFloat z = coordinate(corner, 2);
+      const WideFloat qz = fma(z, f.q.g.z, f.q.c), yz = fma(z, f.y.g.z, f.y.c), zz = fma(z, f.z.g.z, f.z.c);
+      for (int j = 0; j < kSide; ++j) {
+        const WideFloat y = coordinate(corner, 1);
+        const WideFloat qy = fma(y, f.q.g.y, qz), yy = fma(y, f.y.g.y, yz), zy = fma(y, f.z.g.y, zz);
+        for (int i = 0; i < kSide; ++i, ++corner) {
+          const WideFloat x = coordinate(corner, 0);
+          const WideFloat d = frame_distance_sq(f, fma(x, f.q.g.x, qy), fma(x, f.y.g.x, yy), fma(x, f.z.g.x, zy));
+          fma(d, WideFloat(1 - kSlackShare), less_slack).store(g.corner_distance_sq[corner]);
+          NearestOfLanes& best = found[corner];
+          const WideFloat before = WideFloat::load(best.distance_sq);
+          select(less(d, before), number, WideUint::load(best.group)).store(best.group);
+          min(d, before).store(best.distance_sq);
+        }
+      }
+    }
+  }
+  for (int n = 0; n < CandidateTable::kCorners; ++n) take_nearest(table, found[n], table.corners[n]);
+}
+
+// A cell: its eight corners, each with its reference, and how near to a corner a candidate must be to beat a reference.
+struct CellCorners {
+  int number[8];                               // in the tile's lattice
+  const CandidateTable::Corner* reference[8];  // near a corner
+  float added_sq[8];                           // what the reference's slack adds to squared distances
+  float limit[8][8];                           // of a reference, at a corner
+  float reach_sq;
+};
+
+DIFI_INLINE CellCorners cell_corners(const Lattice& lattice, const CandidateTable& table, const int (&cell)[3]) {
+  constexpr int kSide = CandidateTable::kCornersPerAxis;
+  CellCorners result;
+  const int(&number)[8] = result.number;
+  for (int n = 0; n < 8; ++n)
+    result.number[n] = cell[0] + (n & 1) + kSide * (cell[1] + (n >> 1 & 1) + kSide * (cell[2] + (n >> 2 & 1)));
+  float diagonal_sq = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const float side = table.corners[number[7]].at[axis] - table.corners[number[0]].at[axis];
+    diagonal_sq += side * side;
+  }
+  // No sample is farther than half the diagonal from the nearest corner.
+  const float reach = (lattice.thickness + difi::sqrt(diagonal_sq) / 2) * (1 + kSlack);
+  result.reach_sq = reach * reach;
+  for (int q = 0; q < 8; ++q) {
+    const CandidateTable::Corner& reference = table.corners[number[q]];
+    // The surface passes within the slack of the reference: (d+s)^2 <= d^2 (1+a) + s^2 (1+1/a).
+    const float added_sq = reference.slack * reference.slack * (1 + 1 / kSlackShare);
+    result.reference[q] = &reference;
+    result.added_sq[q] = added_sq;
+    for (int n = 0; n < 8; ++n) {
+      const float* at = table.corners[number[n]].at;
+      const float x = at[0] - reference.point[0], y = at[1] - reference.point[1], z = at[2] - reference.point[2];
+      result.limit[q][n] = (x * x + y * y + z * z) * (1 + kSlackShare) + added_sq;
+    }
+  }
+  return result;
+}
+
+// The lanes of a group that may be nearest to a sample of the cell.
+DIFI_INLINE std::uint32_t chosen(const CandidateTable::Group& g, const CellCorners& cell) {
+  WideFloat d[8];
+  WideFloat least(__builtin_inff());
+  for (int n = 0; n < 8; ++n) {
+    d[n] = WideFloat::load(g.corner_distance_sq[cell.number[n]]);
+    least = min(least, d[n]);
+  }
+  Mask may = ~less(WideFloat(cell.reach_sq), least) & mask_from_bits(g.lanes);
+  for (int q = 0; q < 8 && may.to_bits() != 0; ++q) {
+    Mask out = less(WideFloat(cell.limit[q][0]), d[0]);
+    for (int n = 1; n < 8; ++n) out = out & less(WideFloat(cell.limit[q][n]), d[n]);
+    may = may & ~out;
+  }
+  return may.to_bits();
+}
+
+// Writes down which groups and lanes a cell has to look at.
+DIFI_INLINE void choose(CandidateTable& table, const CellCorners& cell) {
+  table.active_groups = table.active_candidates = 0;
+  for (int n = 0; n < table.count; ++n) {
+    const std::uint32_t lanes = chosen(table.groups[n], cell);
+    table.active[table.active_groups] = {static_cast<std::uint16_t>(n), static_cast<std::uint16_t>(lanes)};
+    table.active_groups += lanes != 0;
+    table.active_candidates += __builtin_popcount(lanes);
+  }
+}
