@@ -46,7 +46,7 @@ void Many::add_device_to(CLI::App& verb) { add_device(verb, kGroup, batch_.backe
 void Many::check(std::initializer_list<std::string> inputs) const {
   if (!output_.given()) return;
   output_.check({{"csv", "", false, true, false}});
-  output_.check_differs(file_);
+  output_.check_differs(file_ == "-" ? "/dev/stdin" : file_);
   for (const std::string& input : inputs) output_.check_differs(input);
 }
 

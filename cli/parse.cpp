@@ -6,6 +6,7 @@
 #include <numbers>
 #include <optional>
 
+#include "cli/one_line.h"
 #include "cli/text.h"
 #include "difi/error.h"
 
@@ -18,7 +19,7 @@ namespace {
 
 template <class T>
 std::optional<T> whole_text(std::string_view text) {
-  if (text.starts_with('+')) text.remove_prefix(1);
+  if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
   T value{};
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc{} || end != text.data() + text.size()) return {};
@@ -47,6 +48,12 @@ auto read_or_reject(const std::string& option, const std::string& text, Read rea
 
 std::vector<double> parse_numbers(const std::string& option, const std::string& text) {
   return read_or_reject(option, text, [&] { return numbers_in(text); });
+}
+
+// As much of some text as a message needs.
+std::string beginning(std::string_view text) {
+  constexpr std::size_t kEnough = 40;
+  return one_line(std::string(text.substr(0, kEnough))) + (text.size() > kEnough ? "..." : "");
 }
 
 double at_most(const std::string& option, const std::string& text, double value, double most) {
@@ -204,7 +211,7 @@ Pose pose_of(std::span<const double> v) {
   } else if (v.size() == 7) {
     if (v[3] == 0 && v[4] == 0 && v[5] == 0)
       throw Error(ErrorCode::usage, "the axis has no direction; one of its numbers must not be zero");
-    pose = make_pose({v[3], v[4], v[5]}, v[6] * std::numbers::pi / 180, {v[0], v[1], v[2]});
+    pose = make_pose({v[3], v[4], v[5]}, std::fmod(v[6], 360) * std::numbers::pi / 180, {v[0], v[1], v[2]});
   } else if (v.size() == 12) {
     for (std::size_t n = 0; n < 9; ++n) pose.rotation[n] = v[n / 3 * 4 + n % 3];
     pose.translation = {v[3], v[7], v[11]};
@@ -225,7 +232,7 @@ std::vector<double> numbers_in(std::string_view text) {
     part.remove_suffix(part.size() - (part.find_last_not_of(" \t") + 1));
     const auto value = whole_text<double>(part);
     if (!value || !std::isfinite(*value))
-      throw Error(ErrorCode::usage, "'" + std::string(part) + "' is not a number; separate numbers by commas");
+      throw Error(ErrorCode::usage, "'" + beginning(part) + "' is not a number; separate numbers by commas");
     numbers.push_back(*value);
     from = comma + 1;
   }

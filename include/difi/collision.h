@@ -152,7 +152,8 @@ struct Swept {
 
 /// When b, in motion, first comes within the tolerance of a, which rests. Never free where the bodies touch on the way,
 /// at any speed; a hit may be told where they pass within the tolerance. Bodies that are within it at the start, but do
-/// not touch, are free to part.
+/// not touch, are free to part. Errors: usage, also for motions some 1e14 times as long as the bodies, on which
+/// rounding hides where they are.
 Swept sweep(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Motion& motion,
             const SweepOptions& options = {});
 

@@ -40,7 +40,8 @@ class DistanceField {
   /// `with_nearest` reserves a nearest-triangle index beside every stored sample.
   DistanceField(const Grid& grid, double thickness, bool with_nearest = false);
   /// Makes the field what that constructor would, and keeps the memory of its tiles for those to come, as far as the
-  /// grid may need it: to get memory anew can take as long as to fill it.
+  /// grid may need it: to get memory anew can take as long as to fill it. Errors: as the constructor; when memory runs
+  /// out, the field has no tiles and no room for any.
   void reset(const Grid& grid, double thickness, bool with_nearest = false);
   /// A field from one value per sample, x fastest. Tiles in which no value is below the thickness and no sample has a
   /// nearest triangle are not stored: without nearest triangles a distance that equals the thickness cannot be told

@@ -254,6 +254,24 @@ void check(const Motion& motion) {
     throw Error(ErrorCode::usage, "sweep: the motion's center is not finite or past 1e15; give a point of the body");
 }
 
+// Times are rounded, and where that alone moves a body by a good part of its size there is nothing left to follow.
+void check_length(const CollisionModel& a, const CollisionModel& b, const Motion& motion, double tolerance) {
+  const double way = length(apply(motion.to, motion.center) - apply(motion.from, motion.center));
+  if (kTimeRounding * way <= std::max(tolerance, (a.data().radius + b.data().radius) / 8)) return;
+  throw Error(ErrorCode::usage,
+              "sweep: the motion is so long that rounding alone moves bodies of this size by a good part of it; "
+              "sweep it in pieces");
+}
+
+void check_all(const CollisionModel& a, const CollisionModel& b, std::span<const Motion> motions,
+               const SweepOptions& options) {
+  check(options);
+  for (const Motion& motion : motions) {
+    check(motion);
+    check_length(a, b, motion, options.tolerance);
+  }
+}
+
 // How far a point of the body is at the end from where the even turn leads it: rotations need only nearly be some.
 double jump_at_end(const Course& course, const CollisionModel::Data& body) {
   const Motion& m = course.motion;
@@ -303,16 +321,14 @@ Swept sweep_exactly(const CollisionModel& a, const Pose& pose_a, const Collision
 
 Swept sweep(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Motion& motion,
             const SweepOptions& options) {
-  collision::check(options);
-  collision::check(motion);
+  collision::check_all(a, b, {&motion, 1}, options);
   validate(pose_a);
   return collision::sweep_exactly(a, pose_a, b, motion, options.tolerance);
 }
 
 std::vector<Swept> sweep_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
                              std::span<const Motion> motions, const SweepOptions& options, int threads) {
-  collision::check(options);
-  for (const Motion& motion : motions) collision::check(motion);
+  collision::check_all(a, b, motions, options);
   validate(pose_a);
   return collision::for_each<Swept>(motions.size(), threads, [&](std::size_t n) {
     return collision::sweep_exactly(a, pose_a, b, motions[n], options.tolerance);
@@ -326,8 +342,7 @@ std::vector<Swept> sweep_all(const CollisionModel& a, const Pose& pose_a, const 
   BatchReport done{row ? row->name : "cpu", row ? row->device_name(batch.device) : ""};
   std::vector<Swept> results;
   if (row) {
-    collision::check(options);
-    for (const Motion& motion : motions) collision::check(motion);
+    collision::check_all(a, b, motions, options);
     validate(pose_a);
     results = collision::sweep_on_device(*row, a, pose_a, b, motions, options.tolerance, batch, done);
   } else {

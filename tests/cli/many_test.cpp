@@ -100,6 +100,11 @@ TEST_F(Many, StandardInput) {
   EXPECT_EQ(bad.code, 3);
   EXPECT_TRUE(bad.says("difi: error: standard input:2: give x,y,z; or")) << bad.err;
   expect("collide scene:box scene:box --poses -", 3, "standard input: there is no pose in it");
+  how.in = ::open((folder / "poses.csv").c_str(), O_RDONLY | O_CLOEXEC);
+  const Ran lost = run(words("collide scene:box scene:box --poses - -f -o poses.csv"), how);
+  ::close(how.in);
+  EXPECT_EQ(lost.code, 2);
+  EXPECT_TRUE(lost.says("poses.csv: it is an input, and would be lost")) << lost.err;
 }
 
 TEST_F(Many, DistancesAndSweeps) {
@@ -185,6 +190,20 @@ TEST_F(Many, ErrorsNameFileAndLine) {
   expect("sweep scene:box scene:box --motions empty.csv", 3, "empty.csv: there is no motion in it");
   expect("collide scene:box scene:box --poses nowhere.csv", 3, "nowhere.csv: no such file");
   expect("collide scene:box scene:box --poses .", 3, ".: it is a folder");
+}
+
+// A message shows what it needs of a line, and all of itself.
+TEST_F(Many, OddLinesAreQuotedInPart) {
+  write("zero.csv", std::string("0\0x,0,0\n", 9));
+  expect("collide scene:box scene:box --poses zero.csv", 3,
+         "zero.csv:1: '0?x' is not a number; separate numbers by commas");
+  write("long.csv", std::string(1'000'000, 'x'));
+  expect("collide scene:box scene:box --poses long.csv", 3,
+         "long.csv:1: '" + std::string(40, 'x') + "...' is not a number");
+  write("signs.csv", "+-1,0,0\n");
+  expect("collide scene:box scene:box --poses signs.csv", 3, "signs.csv:1: '+-1' is not a number");
+  write("turns.csv", "5,0,0,0,1,0,1e308\n");
+  EXPECT_EQ(done(words("collide scene:box scene:box --poses turns.csv -q")).out, "pose,result\n0,free\n");
 }
 
 TEST_F(Many, ErrorsOfTheCommandLine) {

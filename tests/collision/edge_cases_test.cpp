@@ -150,6 +150,10 @@ TEST(EdgeCases, NoMotionAndHugeMotion) {
   // So far that time has no more digits: still never free.
   EXPECT_TRUE(sweep(wall, {}, ball, {moved({0, 0, 1e14}), moved({0, 0, -1e14}), {}}).hit);
   EXPECT_EQ(code_of([&] { sweep(wall, {}, ball, {moved({0, 0, 1e16}), moved({0, 0, 0}), {}}); }), ErrorCode::usage);
+  // Farther still, each step of the time jumps over the wall: once such a sweep did not come back.
+  const Motion too_far{moved({0, 0, 6e14}), moved({0, 0, -6e14}), {}};
+  EXPECT_EQ(code_of([&] { sweep(wall, {}, ball, too_far); }), ErrorCode::usage);
+  EXPECT_EQ(code_of([&] { sweep_all(wall, {}, ball, std::vector{too_far}, SweepOptions{}, 1); }), ErrorCode::usage);
   EXPECT_FALSE(sweep(wall, {}, ball, {moved({5, 0, 1e9}), moved({5, 0, -1e9}), {}}).hit);
 }
 

@@ -1,6 +1,7 @@
 // A small labyrinth, and flies in it.
 #pragma once
 
+#include <algorithm>
 #include <mutex>
 
 #include "difi/simulation.h"
@@ -39,6 +40,8 @@ inline Flown fly(FlightOptions options, std::int64_t steps, int count) {
     const std::lock_guard lock(adding);
     flown.path.push_back({static_cast<std::int64_t>(n), step, pose.translation});
   });
+  // Threads take the fliers in any order; those of one keep theirs.
+  std::ranges::stable_sort(flown.path, {}, &PathPoint::flier);
   flown.fliers.assign(world.fliers().begin(), world.fliers().end());
   return flown;
 }
