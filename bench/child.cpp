@@ -55,6 +55,7 @@ std::optional<std::vector<char>> read_until(double limit_s, int file, pid_t chil
   for (double left_s = limit_s;;) {
     pollfd waiting{file, POLLIN, 0};
     const int ready = poll(&waiting, 1, 1 + static_cast<int>(1000 * left_s));
+    if (ready < 0 && errno == EINTR) continue;
     if (ready < 0) fail("poll");
     if (ready == 0) {
       left_s = limit_s - seconds_of(child);
@@ -63,6 +64,7 @@ std::optional<std::vector<char>> read_until(double limit_s, int file, pid_t chil
     }
     char some[1 << 16];
     const ssize_t size = read(file, some, sizeof some);
+    if (size < 0 && errno == EINTR) continue;
     if (size < 0) fail("read");
     if (size == 0) return bytes;
     bytes.insert(bytes.end(), some, some + size);

@@ -138,7 +138,6 @@ DIFI_INLINE void look_from_corners(CandidateTable& table) {
 struct CellCorners {
   int number[8];                               // in the tile's lattice
   const CandidateTable::Corner* reference[8];  // near a corner
-  float added_sq[8];                           // what the reference's slack adds to squared distances
   float limit[8][8];                           // of a reference, at a corner
   float reach_sq;
 };
@@ -162,7 +161,6 @@ DIFI_INLINE CellCorners cell_corners(const Lattice& lattice, const CandidateTabl
     // The surface passes within the slack of the reference: (d+s)^2 <= d^2 (1+a) + s^2 (1+1/a).
     const float added_sq = reference.slack * reference.slack * (1 + 1 / kSlackShare);
     result.reference[q] = &reference;
-    result.added_sq[q] = added_sq;
     for (int n = 0; n < 8; ++n) {
       const float* at = table.corners[number[n]].at;
       const float x = at[0] - reference.point[0], y = at[1] - reference.point[1], z = at[2] - reference.point[2];

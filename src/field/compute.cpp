@@ -100,7 +100,7 @@ Report compute_into(MeshView mesh, const Grid& grid, DistanceField& field, const
   validate(options);
   validate(grid);
   check_memory(mesh, grid, options, false);
-  const Grid where = grid;
+  const Grid where = grid;  // it may be the field's own, which goes with the field
   try {
     if (options.memory_limit != 0) field = {};
     field.reset(where, options.thickness, options.nearest_triangle);

@@ -48,7 +48,8 @@ std::string reason(int error, const std::filesystem::path& folder) {
     case EISDIR:
       return "it is a folder; give the name of a file";
     case EEXIST:
-      return "somebody has written it, and it stays as it is; give another name, or overwrite it (-f)";
+      return "somebody has written it, and it stays as it is; give another name, or let it be replaced (the program's "
+             "-f)";
     case ENAMETOOLONG:
       return "the name is too long; choose a shorter one";
     case ESPIPE:

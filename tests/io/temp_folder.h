@@ -25,7 +25,8 @@ inline void write_bytes(const std::filesystem::path& path, std::string_view byte
 class TempFolder {
  public:
   TempFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "difi-test-XXXXXX").string();
+    std::string name = (std::filesystem::temp_directory_path() / "difi-test-").string();
+    name.append(6, 'X');  // what mkdtemp replaces
     if (!::mkdtemp(name.data())) throw std::filesystem::filesystem_error("mkdtemp", name, std::error_code());
     path_ = name;
   }
