@@ -6,6 +6,7 @@ import json
 import os
 import platform
 import re
+import shutil
 import statistics
 import subprocess
 import sys
@@ -61,16 +62,22 @@ def machine_name():
     return f"{os.cpu_count()}-core-{simd}"
 
 
+def commit():
+    """What is measured; empty outside a repository, or without git."""
+    if not shutil.which("git"):
+        return ""
+    return subprocess.run(["git", "-C", str(BENCH), "describe", "--always", "--dirty"], stdout=subprocess.PIPE,
+                          stderr=subprocess.DEVNULL, text=True).stdout.strip()
+
+
 def machine_lines(build):
     """What a reader must know about where numbers come from."""
     compiler = "unknown"
     for path in Path(build).glob("CMakeFiles/*/CMakeCXXCompiler.cmake"):
         found = dict(re.findall(r'set\(CMAKE_CXX_COMPILER_(ID|VERSION) "([^"]*)"', path.read_text()))
         compiler = f"{found.get('ID')} {found.get('VERSION')}"
-    commit = subprocess.run(["git", "-C", str(BENCH), "describe", "--always", "--dirty"], stdout=subprocess.PIPE,
-                            stderr=subprocess.DEVNULL, text=True).stdout.strip()
     return [
-        f"difi: {commit or 'unknown'}",
+        f"difi: {commit() or 'unknown'}",
         f"CPU: {cpu_info()[0]}, {os.cpu_count()} cores",
         f"compiler: {compiler}, system: {platform.system()} {platform.machine()}",
         f"date: {datetime.date.today().isoformat()}",

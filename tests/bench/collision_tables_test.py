@@ -9,6 +9,7 @@ import os
 import sys
 import tempfile
 import unittest
+import unittest.mock
 from pathlib import Path
 
 BENCH = Path(os.environ["DIFI_SOURCE_DIR"]) / "bench"
@@ -77,6 +78,11 @@ class Tables(unittest.TestCase):
 
     def test_bounds_are_numbers_of_a_table(self):
         self.assertIn("|---:|---|", harness.markdown([{"a": "> 4.0x", "b": "x > 4"}, {"a": "1.0x", "b": 1}]))
+
+    # A new machine has none; the tables used to end in a trace.
+    def test_without_git(self):
+        with unittest.mock.patch.dict(os.environ, PATH=""):
+            self.assertIn("difi: unknown", harness.machine_lines("nowhere"))
 
     def test_contests(self):
         drivers = Pretended(["fcl", "coal", "collision"], [9, 30, 11, 4, 5, 3, 1.7, 1.9, 1.8])
