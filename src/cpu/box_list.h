@@ -1,4 +1,4 @@
-// Boxes of entries, an array per coordinate, as the culling kernels read and write them.
+// A list of boxes that grows.
 #pragma once
 
 #include <algorithm>
@@ -6,7 +6,7 @@
 #include <memory>
 #include <utility>
 
-#include "cpu/kernels.h"
+#include "cpu/box_arrays.h"
 #include "cpu/lattice.h"
 
 namespace difi::cpu {
@@ -17,6 +17,10 @@ class BoxList {
  public:
   std::int64_t size() const { return arrays_.count; }
   std::uint32_t entry(std::int64_t n) const { return arrays_.entry[n]; }
+  float longest_side(std::int64_t n) const {
+    return std::max({arrays_.high[0][n] - arrays_.low[0][n], arrays_.high[1][n] - arrays_.low[1][n],
+                     arrays_.high[2][n] - arrays_.low[2][n]});
+  }
   const BoxArrays& arrays() const { return arrays_; }
   /// For kernels that add to the list.
   BoxArrays& arrays() { return arrays_; }

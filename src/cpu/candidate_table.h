@@ -7,24 +7,41 @@
 
 namespace difi::cpu {
 
-/// Some candidates of one tile, sixteen to a group, relative to the brick's centre. More candidates than fit come one
-/// table after the other.
+/// Cells of 4x4x4 samples: one block wide, kCellBlocks high and deep.
+inline constexpr int kCellSide = 4, kCellBlocks = 2, kBlocksOfCell = kCellBlocks * kCellBlocks;
+static_assert(kCellSide == kBlockX && kCellSide == kCellBlocks * kBlockY && kCellSide == kCellBlocks * kBlockZ);
+
+/// Sixteen triangles set up, relative to the brick's centre.
+struct FrameGroup {
+  static constexpr int kNumbers = 20;
+  alignas(64) float frame[kNumbers][kLanes];
+  alignas(64) std::uint32_t index[kLanes];  ///< in the mesh
+  std::uint32_t is_long;                    ///< bits of the lanes whose samples need lines
+};
+
+/// As many groups as are looked at together.
+inline constexpr int kTableGroups = 128;
+
+/// Candidates one by one: group * 16 + lane; room for a register more.
+struct CandidateList {
+  std::uint32_t candidate[(kTableGroups + 1) * kLanes];
+  int count;
+};
+
+/// Some candidates of one tile. More candidates than fit come one table after the other.
 struct CandidateTable {
-  static constexpr int kGroups = 128;
-  static constexpr int kFrameNumbers = 20, kExtentNumbers = 9;
+  static constexpr int kGroups = kTableGroups;
+  static constexpr int kExtentNumbers = 9;
   static constexpr int kCornersPerAxis = 3;
   static constexpr int kCorners = kCornersPerAxis * kCornersPerAxis * kCornersPerAxis;
 
-  struct Group {
-    alignas(64) float frame[kFrameNumbers][kLanes];
+  struct Group : FrameGroup {
     alignas(64) float slack[kLanes];  ///< what a distance from the frame may be off by
     /// What the squared distance from each corner of the lattice is at least.
     alignas(64) float corner_distance_sq[kCorners][kLanes];
-    alignas(64) std::uint32_t index[kLanes];
     /// What blocks choose by: lowest and highest coordinates of each candidate, then those of a point of it.
     alignas(64) float extent[kExtentNumbers][kLanes];
-    std::uint32_t lanes;    ///< bits of the lanes in use
-    std::uint32_t is_long;  ///< bits of the lanes whose samples need lines
+    std::uint32_t lanes;  ///< bits of the lanes in use
   };
   Group groups[kGroups];
   int count;  ///< groups in use
@@ -46,16 +63,9 @@ struct CandidateTable {
   Active active[kGroups];
   int active_groups, active_candidates;
 
-  /// Candidates one by one: group * 16 + lane; room for a register more.
-  struct List {
-    std::uint32_t candidate[(kGroups + 1) * kLanes];
-    int count;
-  };
-  List list;
+  CandidateList list;                                                       ///< those of a cell
   alignas(64) float listed_extent[kExtentNumbers][(kGroups + 1) * kLanes];  ///< of the candidates in the list
-
-  static constexpr int kBlocksOfCell = 4;
-  List block_list[kBlocksOfCell];  ///< those of the list that a block has to look at
+  CandidateList block_list[kBlocksOfCell];                                  ///< those that a block has to look at
 };
 
 }  // namespace difi::cpu

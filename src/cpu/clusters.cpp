@@ -37,6 +37,7 @@ Clusters::Clusters(const Job& job, const Lattice& lattice) : job_(job), lattice_
   }
   level_begin_.push_back(packs);
   packs_ = std::make_unique_for_overwrite<BoxPack[]>(packs);
+  points_ = std::make_unique_for_overwrite<float[][3]>(triangles_);
   sort();
   box_triangles();
   box_packs();
@@ -87,9 +88,7 @@ void Clusters::sort() {
   });
 }
 
-// What a box is grown by: 16 units of float rounding. Its own rounding takes 1, that of a reference sqrt(3) and that of
-// a cell's centre sqrt(3)/2, all of coordinates within the grid. References far outside are covered by kCullMargin.
-float Clusters::slack_at(float coordinate) const { return 0x1p-20f * std::max(extent_, std::abs(coordinate)); }
+float Clusters::slack_at(float coordinate) const { return kBoxError * std::max(extent_, std::abs(coordinate)); }
 
 void Clusters::box_triangles() {
   tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, level_begin_[1], 512), [&](const auto& range) {
@@ -100,8 +99,11 @@ void Clusters::box_triangles() {
         const Vec3 a = job_.mesh.corner(triangle, 0), b = job_.mesh.corner(triangle, 1),
                    c = job_.mesh.corner(triangle, 2);
         const Vec3 low = min(a, min(b, c)), high = max(a, max(b, c));
-        const double lows[3] = {low.x, low.y, low.z}, highs[3] = {high.x, high.y, high.z};
+        const Vec3 middle = (a + b + c) * (1.0 / 3);
+        const double lows[3] = {low.x, low.y, low.z}, highs[3] = {high.x, high.y, high.z},
+                     middles[3] = {middle.x, middle.y, middle.z};
         for (int axis = 0; axis < 3; ++axis) {
+          points_[first + n][axis] = static_cast<float>(middles[axis] * lattice_.scale - center_[axis]);
           const auto low_at = static_cast<float>(lows[axis] * lattice_.scale - center_[axis]);
           const auto high_at = static_cast<float>(highs[axis] * lattice_.scale - center_[axis]);
           packs_[pack].low[axis][n] = low_at - slack_at(low_at);

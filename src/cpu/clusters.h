@@ -25,6 +25,9 @@ class Clusters {
   std::uint32_t triangles() const { return triangles_; }
   /// The mesh index of an entry that is a triangle.
   std::uint32_t triangle(std::uint32_t entry) const { return order_[entry]; }
+  /// The same of all entries that are triangles, and a point of each, as exact as the boxes and in their coordinates.
+  const std::uint32_t* indices() const { return order_.data(); }
+  const float (*points() const)[3] { return points_.get(); }
   bool is_pack(std::uint32_t entry) const { return entry >= triangles_; }
   /// The pack that holds all others.
   std::uint32_t top() const { return triangles_ + level_begin_.back() - 1; }
@@ -38,6 +41,8 @@ class Clusters {
   }
   /// Of the grid, world units times scale.
   const double* center() const { return center_; }
+  /// Half the longest side of the grid.
+  float extent() const { return extent_; }
 
  private:
   float slack_at(float coordinate) const;
@@ -48,11 +53,12 @@ class Clusters {
   const Job& job_;
   const Lattice& lattice_;
   double center_[3];
-  float extent_ = 0;  // half the longest side of the grid
+  float extent_ = 0;
   std::uint32_t triangles_ = 0;
   std::vector<std::uint32_t> order_;
   std::vector<std::uint32_t> level_begin_;  // the first pack of each level, those of triangles first; and the end
   std::unique_ptr<BoxPack[]> packs_;
+  std::unique_ptr<float[][3]> points_;
 };
 
 }  // namespace difi::cpu

@@ -26,13 +26,12 @@ struct Cell {
 
 // The lattice that divides a cell into its eight children, and a point of the surface near each of its corners.
 struct Points {
-  float at[3][3][3][3];  // z, y, x, coordinate
+  float at[kLatticeSide][kLatticeSide][kLatticeSide][3];  // z, y, x, coordinate
 };
 
 class Descent {
  public:
-  Descent(const Job& job, const Lattice& lattice, const Kernels& kernels,
-          const std::function<void(std::int64_t, const BrickCandidates&)>& use)
+  Descent(const Job& job, const Lattice& lattice, const Kernels& kernels, CandidateUse& use)
       : job_(job), lattice_(lattice), kernels_(kernels), use_(use), clusters_(job, lattice) {}
 
   void run() {
@@ -48,7 +47,7 @@ class Descent {
  private:
   // Lists that a thread uses again for each brick.
   struct Scratch {
-    BoxList brick, tile;
+    BoxList brick, tile, cell;
     std::vector<PackContents> packs;
     std::vector<std::uint32_t> triangles;
   };
@@ -85,25 +84,12 @@ class Descent {
     return count;
   }
 
-  // A point of the surface near `at`: the closest point of a triangle found by following the nearest boxes down.
+  // A point of the surface near `at`: the closest point of a triangle found by following the nearest boxes
+  // down.
   std::array<float, 3> surface_point(std::uint32_t entry, const float (&at)[3]) const {
     while (clusters_.is_pack(entry)) {
       const PackContents pack = clusters_.contents(entry);
-      int best = 0;
-      float least = std::numeric_limits<float>::infinity();
-      for (int n = 0; n < pack.count; ++n) {
-        float distance_sq = 0;
-        for (int axis = 0; axis < 3; ++axis) {
-          const float low = pack.boxes->low[axis][n], high = pack.boxes->high[axis][n];
-          const float off = std::max({low - at[axis], at[axis] - high, 0.0f});
-          distance_sq += off * off;
-        }
-        if (distance_sq < least) {
-          least = distance_sq;
-          best = n;
-        }
-      }
-      entry = pack.first + static_cast<std::uint32_t>(best);
+      entry = pack.first + static_cast<std::uint32_t>(kernels_.nearest_in_pack(pack, at));
     }
     Triple<double> corner[3];
     for (int k = 0; k < 3; ++k) {
@@ -116,15 +102,17 @@ class Descent {
   }
 
   Points points_of(const CullCell& cell, const BoxArrays& list) const {
+    float at[3][kLatticeSide];
+    for (int axis = 0; axis < 3; ++axis)
+      for (int n = 0; n < kLatticeSide; ++n)
+        at[axis][n] = cell.center[axis] + static_cast<float>(n - 1) * cell.half[axis];
+    std::uint32_t nearest[kLatticeSide * kLatticeSide * kLatticeSide];
+    kernels_.nearest_to_lattice(list, at, nearest);
     Points points;
-    for (int z = 0; z < 3; ++z)
-      for (int y = 0; y < 3; ++y)
-        for (int x = 0; x < 3; ++x) {
-          const int n[3] = {x, y, z};
-          float at[3];
-          for (int axis = 0; axis < 3; ++axis)
-            at[axis] = cell.center[axis] + static_cast<float>(n[axis] - 1) * cell.half[axis];
-          const auto q = surface_point(list.entry[kernels_.nearest_box(list, at)], at);
+    for (int z = 0, n = 0; z < kLatticeSide; ++z)
+      for (int y = 0; y < kLatticeSide; ++y)
+        for (int x = 0; x < kLatticeSide; ++x, ++n) {
+          const auto q = surface_point(list.entry[nearest[n]], {at[0][x], at[1][y], at[2][z]});
           std::copy(q.begin(), q.end(), points.at[z][y][x]);
         }
     return points;
@@ -146,17 +134,12 @@ class Descent {
   // Takes the packs that are longer than `largest` out of the list, looking at its entries from the first on.
   void take_large(std::int64_t first, float largest, BoxList& list, std::vector<PackContents>& packs) const {
     packs.clear();
-    const BoxArrays& boxes = list.arrays();
     std::int64_t kept = first;
     for (std::int64_t n = first; n < list.size(); ++n) {
-      if (clusters_.is_pack(boxes.entry[n])) {
-        const float longest = std::max({boxes.high[0][n] - boxes.low[0][n], boxes.high[1][n] - boxes.low[1][n],
-                                        boxes.high[2][n] - boxes.low[2][n]});
-        if (longest > largest) {
-          clusters_.prefetch(boxes.entry[n]);
-          packs.push_back(clusters_.contents(boxes.entry[n]));
-          continue;
-        }
+      if (clusters_.is_pack(list.entry(n)) && list.longest_side(n) > largest) {
+        clusters_.prefetch(list.entry(n));
+        packs.push_back(clusters_.contents(list.entry(n)));
+        continue;
       }
       if (kept != n) list.move(n, kept);
       ++kept;
@@ -170,6 +153,12 @@ class Descent {
     result.clear();
     result.make_room(parent.count);
     kernels_.cull_boxes(parent, cell, corners, result.arrays());
+    open_packs(cell, corners, largest, result, packs);
+  }
+
+  // Puts in the place of packs longer than `largest` what of them may be nearest.
+  void open_packs(const CullCell& cell, const References& corners, float largest, BoxList& result,
+                  std::vector<PackContents>& packs) const {
     take_large(0, largest, result, packs);
     while (!packs.empty()) {
       const auto count = static_cast<std::int64_t>(packs.size());
@@ -209,27 +198,58 @@ class Descent {
     Scratch& scratch = scratch_.local();
     narrow(parent, samples, corners, longest_side(samples) / 2, scratch.brick, scratch.packs);
     if (scratch.brick.size() != 0) {
+      const auto at = [&](int axis) { return cell.low[axis] / kBrickSide; };
+      const Brick brick = brick_at(lattice_, at(0) + lattice_.bricks[0] * (at(1) + lattice_.bricks[1] * at(2)));
       const Points points = points_of(samples, scratch.brick.arrays());
-      scratch.triangles.clear();
-      BrickCandidates found{};
+      use_.begin_brick();
       Cell tiles[kBrickTiles];
       const int count = halves(cell, tiles);
-      for (int n = 0, tile = 0; tile < kBrickTiles; ++tile) {
-        const bool inside = n < count && tile_in(cell, tiles[n]) == tile;
-        if (inside) {
-          narrow(scratch.brick.arrays(), samples_of(tiles[n]), corners_of(points, cell, tiles[n]), 0, scratch.tile,
-                 scratch.packs);
-          for (std::int64_t k = 0; k < scratch.tile.size(); ++k)
-            scratch.triangles.push_back(clusters_.triangle(scratch.tile.entry(k)));
-          ++n;
-        }
-        found.ends[tile] = static_cast<std::int64_t>(scratch.triangles.size());
-      }
-      found.triangles = scratch.triangles;
-      const auto brick = [&](int axis) { return cell.low[axis] / kBrickSide; };
-      use_(brick(0) + lattice_.bricks[0] * (brick(1) + lattice_.bricks[1] * brick(2)), found);
+      for (int n = 0; n < count; ++n)
+        visit_tile(brick, tiles[n], tile_in(cell, tiles[n]), corners_of(points, cell, tiles[n]), scratch);
+      use_.end_brick(brick);
     }
     job_.progress.advance();
+  }
+
+  void visit_tile(const Brick& brick, const Cell& tile, int number, const References& corners, Scratch& scratch) const {
+    const CullCell samples = samples_of(tile);
+    BoxList& list = scratch.tile;
+    narrow(scratch.brick.arrays(), samples, corners, longest_side(samples) / 2, list, scratch.packs);
+    if (is_crowded(list, longest_side(samples) / 2)) {
+      const Points points = points_of(samples, list.arrays());
+      Cell cells[8];
+      const int count = halves(tile, cells);
+      for (int n = 0; n < count; ++n) visit_cell(brick, cells[n], corners_of(points, tile, cells[n]), scratch);
+      return;
+    }
+    open_packs(samples, corners, 0, list, scratch.packs);
+    scratch.triangles.clear();
+    for (std::int64_t n = 0; n < list.size(); ++n) scratch.triangles.push_back(clusters_.triangle(list.entry(n)));
+    use_.use_tile(brick, number, scratch.triangles);
+  }
+
+  // Whether a tile has so many candidates, small ones, that its cells had better choose theirs by boxes.
+  bool is_crowded(const BoxList& list, float small) const {
+    constexpr std::int64_t kCrowd = 800;
+    std::int64_t triangles = 0;
+    for (std::int64_t n = 0; n < list.size(); ++n)
+      triangles += clusters_.is_pack(list.entry(n)) ? Clusters::kFanout : list.longest_side(n) < small ? 1 : 0;
+    return triangles > kCrowd;
+  }
+
+  void visit_cell(const Brick& brick, const Cell& cell, const References& corners, Scratch& scratch) const {
+    narrow(scratch.tile.arrays(), samples_of(cell), corners, 0, scratch.cell, scratch.packs);
+    CrowdedCell found{.at = {},
+                      .boxes = scratch.cell.arrays(),
+                      .points = clusters_.points(),
+                      .index = clusters_.indices(),
+                      .brick_center = {},
+                      .extent = clusters_.extent()};
+    for (int axis = 0; axis < 3; ++axis) {
+      found.at[axis] = static_cast<int>(cell.low[axis] % kBrickSide);
+      found.brick_center[axis] = static_cast<float>(brick.center[axis] - clusters_.center()[axis]);
+    }
+    use_.use_cell(brick, found);
   }
 
   // Which of a brick's tiles a half of it is.
@@ -242,21 +262,21 @@ class Descent {
   const Job& job_;
   const Lattice& lattice_;
   const Kernels& kernels_;
-  const std::function<void(std::int64_t, const BrickCandidates&)>& use_;
+  CandidateUse& use_;
   const Clusters clusters_;
   tbb::enumerable_thread_specific<Scratch> scratch_;
 };
 
 }  // namespace
 
-void for_each_brick_by_descent(const Job& job, const Lattice& lattice, const Kernels& kernels,
-                               const std::function<void(std::int64_t, const BrickCandidates&)>& use) {
+void for_each_brick_by_descent(const Job& job, const Lattice& lattice, const Kernels& kernels, CandidateUse& use) {
   Descent(job, lattice, kernels, use).run();
 }
 
 std::int64_t descent_scratch_bytes(std::int64_t triangles) {
-  constexpr std::int64_t sorting = 2 * sizeof(KeyedIndex), order = sizeof(std::uint32_t), box = 6 * sizeof(float);
-  return triangles * (sorting + order + box + box / (Clusters::kFanout - 1) + 1);
+  constexpr std::int64_t sorting = 2 * sizeof(KeyedIndex), order = sizeof(std::uint32_t), box = 6 * sizeof(float),
+                         point = 3 * sizeof(float);
+  return triangles * (sorting + order + point + box + box / (Clusters::kFanout - 1) + 1);
 }
 
 }  // namespace difi::cpu

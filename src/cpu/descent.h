@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <span>
 
 #include "cpu/kernels.h"
@@ -12,21 +11,21 @@
 
 namespace difi::cpu {
 
-/// The candidates of a brick: those of tile n are triangles[ends[n - 1]] to triangles[ends[n] - 1], mesh indices.
-struct BrickCandidates {
-  std::span<const std::uint32_t> triangles;
-  std::int64_t ends[kBrickTiles];
-
-  std::span<const std::uint32_t> of_tile(int tile) const {
-    const std::int64_t begin = tile == 0 ? 0 : ends[tile - 1];
-    return triangles.subspan(static_cast<std::size_t>(begin), static_cast<std::size_t>(ends[tile] - begin));
-  }
+/// What is done with the candidates of bricks. Many threads call it, each with one brick after the other.
+class CandidateUse {
+ public:
+  virtual ~CandidateUse() = default;
+  virtual void begin_brick() = 0;
+  /// A tile of the brick, and at least all triangles (mesh indices) that are nearest to some sample of it within the
+  /// thickness.
+  virtual void use_tile(const Brick& brick, int tile, std::span<const std::uint32_t> triangles) = 0;
+  /// The same for a cell, where the tile would have too many.
+  virtual void use_cell(const Brick& brick, const CrowdedCell& cell) = 0;
+  virtual void end_brick(const Brick& brick) = 0;
 };
 
-/// Calls use(brick, candidates) for every brick that may hold samples within the thickness, from many threads. A tile's
-/// candidates are at least all triangles that are nearest to some sample of it within the thickness.
-void for_each_brick_by_descent(const Job& job, const Lattice& lattice, const Kernels& kernels,
-                               const std::function<void(std::int64_t, const BrickCandidates&)>& use);
+/// Tells `use` of every brick that may hold samples within the thickness.
+void for_each_brick_by_descent(const Job& job, const Lattice& lattice, const Kernels& kernels, CandidateUse& use);
 
 /// Bytes that for_each_brick_by_descent may hold, its lists of candidates counted once for each triangle.
 std::int64_t descent_scratch_bytes(std::int64_t triangles);

@@ -4,7 +4,9 @@
 
 #include <cstdint>
 
+#include "cpu/box_arrays.h"
 #include "cpu/candidate_table.h"
+#include "cpu/crowded_cell.h"
 #include "cpu/lattice.h"
 #include "difi/compute.h"
 #include "field/sink.h"
@@ -27,27 +29,6 @@ struct Candidates {
   std::int64_t count;
 };
 
-/// Boxes of entries, an array per coordinate with room for a whole register past the last.
-struct BoxArrays {
-  float* low[3];
-  float* high[3];
-  std::uint32_t* entry;
-  std::int64_t count;
-};
-
-/// The boxes of up to kLanes consecutive entries, together because they are looked at together.
-struct BoxPack {
-  alignas(64) float low[3][kLanes];
-  alignas(64) float high[3][kLanes];
-};
-
-/// What a pack holds: `count` consecutive entries from `first` on, and their boxes.
-struct PackContents {
-  std::uint32_t first;
-  int count;
-  const BoxPack* boxes;
-};
-
 /// The samples of a cell: a box around them, and how far a triangle may be to matter.
 struct CullCell {
   float center[3];
@@ -63,6 +44,9 @@ struct References {
   int count = 0;
 };
 
+/// Points per axis of the lattice that halves a cell: its faces and its middle.
+inline constexpr int kLatticeSide = 3;
+
 struct Kernels {
   const char* name;
   /// Forgets all distances.
@@ -74,8 +58,11 @@ struct Kernels {
   /// Writes one tile's distances in world units, clamped by the thickness, and its nearest triangles where asked for.
   void (*write_tile)(const Lattice&, const BrickState&, int tile, const TileTarget&);
 
-  /// The position in the list of the box with its centre nearest to the point. Requires one box at least.
-  std::int64_t (*nearest_box)(const BoxArrays&, const float* point);
+  /// For each point of a lattice, x fastest, the position in the list of the box whose centre is nearest. Requires one
+  /// box at least.
+  void (*nearest_to_lattice)(const BoxArrays&, const float (&at)[3][kLatticeSide], std::uint32_t* nearest);
+  /// The position in the pack of the box whose centre is nearest to the point.
+  int (*nearest_in_pack)(const PackContents&, const float* point);
   /// Adds to `kept`, which has the room, the boxes within the cell's reach that may hold a point nearer to some of its
   /// samples than each of the references is.
   void (*cull_boxes)(const BoxArrays&, const CullCell&, const References&, BoxArrays& kept);
@@ -86,6 +73,9 @@ struct Kernels {
   /// them for each cell of 4x4x4 samples.
   void (*gather_tile)(const Lattice&, const Brick&, int tile, const Candidates&, bool with_nearest, CandidateTable&,
                       BrickState&);
+  /// The same for one cell and the candidates that its boxes stand for; `mesh` lists none.
+  void (*gather_crowded)(const Lattice&, const Brick&, const CrowdedCell&, const Candidates& mesh, bool with_nearest,
+                         CrowdedTable&, BrickState&);
 };
 
 /// The kernels for an instruction set; the best one there is for Simd::automatic. Throws Error{usage} where the

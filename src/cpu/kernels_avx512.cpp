@@ -13,12 +13,15 @@ using namespace difi::avx512;
 #include "cpu/kernels_candidates.h"
 #include "cpu/kernels_cell_blocks.h"
 #include "cpu/kernels_cells.h"
+#include "cpu/kernels_crowded.h"
 #include "cpu/kernels_cull.h"
+#include "cpu/kernels_nearest.h"
 
 }  // namespace
 
-extern const Kernels kKernels{"avx512",    clear,      gather_band_any, band_tiles,     write_tile,
-                              nearest_box, cull_boxes, cull_packs,      gather_tile_any};
+extern const Kernels kKernels{"avx512",           clear,           gather_band_any, band_tiles, write_tile,
+                              nearest_to_lattice, nearest_in_pack, cull_boxes,      cull_packs, gather_tile_any,
+                              gather_crowded_any};
 
 }  // namespace difi::cpu::avx512
 

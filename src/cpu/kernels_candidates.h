@@ -20,6 +20,18 @@ DIFI_INLINE TriangleFrame<WideFloat> frames_of(const CandidateTable::Group& g) {
   return frame_from<WideFloat>([&](int n) __attribute__((always_inline)) { return WideFloat::load(g.frame[n]); });
 }
 
+DIFI_INLINE void set_up(const Group& loaded, FrameGroup& g) {
+  WideFloat longest(0);
+  for (int axis = 0; axis < 3; ++axis) {
+    const WideFloat a = component(loaded.corner[0], axis), b = component(loaded.corner[1], axis),
+                    c = component(loaded.corner[2], axis);
+    longest = max(longest, max(a, max(b, c)) - min(a, min(b, c)));
+  }
+  g.is_long = less(WideFloat(kLongTriangle), longest).to_bits();
+  store_frames(make_frame(loaded.corner[0], loaded.corner[1], loaded.corner[2], WideFloat(kLeastLengthSq)), g.frame);
+  WideUint::load(loaded.index).store(g.index);
+}
+
 // Sets up the candidates first, first + 1, ... as far as there is room.
 DIFI_INLINE void fill_table(const Lattice& lattice, const Brick& brick, const Candidates& c, std::int64_t first,
                             CandidateTable& table) {
@@ -28,12 +40,12 @@ DIFI_INLINE void fill_table(const Lattice& lattice, const Brick& brick, const Ca
     CandidateTable::Group& g = table.groups[table.count];
     Group loaded;
     load_group(lattice, brick, c, first, loaded);
-    WideFloat longest(0), farthest(0);
+    set_up(loaded, g);
+    WideFloat farthest(0);
     for (int axis = 0; axis < 3; ++axis) {
       const WideFloat a = component(loaded.corner[0], axis), b = component(loaded.corner[1], axis),
                       d = component(loaded.corner[2], axis);
       const WideFloat low = min(a, min(b, d)), high = max(a, max(b, d));
-      longest = max(longest, high - low);
       farthest = max(farthest, max(abs(low), abs(high)));
       low.store(g.extent[axis]);
       high.store(g.extent[3 + axis]);
@@ -41,17 +53,12 @@ DIFI_INLINE void fill_table(const Lattice& lattice, const Brick& brick, const Ca
     }
     const WideFloat slack = fma(farthest, WideFloat(kFrameError), WideFloat(kSlack));
     slack.store(g.slack);
-    store_frames(make_frame(loaded.corner[0], loaded.corner[1], loaded.corner[2], WideFloat(kLeastLengthSq)), g.frame);
-    WideUint::load(loaded.index).store(g.index);
     const std::int64_t left = c.count - first;
     g.lanes = left < kLanes ? (1u << left) - 1 : 0xffffu;
-    g.is_long = less(WideFloat(kLongTriangle), longest).to_bits();
   }
 }
 
-// Cells of 4x4x4 samples: one block wide, kCellBlocks high and deep.
-constexpr int kCellSide = 4, kCellBlocks = 2, kTileCells = DistanceField::kTileSide / kCellSide;
-static_assert(kCellSide == kBlockX && kCellSide == kCellBlocks * kBlockY && kCellSide == kCellBlocks * kBlockZ);
+constexpr int kTileCells = DistanceField::kTileSide / kCellSide;
 static_assert(CandidateTable::kCornersPerAxis == kTileCells + 1);
 
 // A coordinate of the tile's lattice of cells relative to the brick's centre: its faces lie on the outermost samples.

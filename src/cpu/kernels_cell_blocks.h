@@ -1,122 +1,107 @@
-// Which of a cell's candidates its blocks have to look at. Included like kernels_body.h, after kernels_candidates.h.
+// How the blocks of a cell choose among its candidates. Included like kernels_body.h, after kernels_candidates.h.
 //
 // Between the corners of a cell many candidates may be nearest to some point, but there are few samples. Each candidate
 // holds a point, so none of the samples is farther from the surface than from that; and a candidate is out for a block
 // when its box is farther from each of the block's samples.
 
-// Lists the chosen candidates, one by one, so that the loop over them has no branch to mispredict.
-DIFI_INLINE void list_chosen(CandidateTable& table) {
-  table.list.count = 0;
-  for (int n = 0; n < table.active_groups; ++n) {
-    const CandidateTable::Active& active = table.active[n];
-    const Mask lanes = mask_from_bits(active.lanes);
-    const WideUint first(static_cast<std::uint32_t>(active.group) * kLanes);
-    table.list.count += store_packed(table.list.candidate + table.list.count, lanes, first + lane_numbers());
-  }
-}
-
-// The same for their extents. What fills up the last register lies far from everything.
-DIFI_INLINE void list_extents(CandidateTable& table) {
-  constexpr float kFarAway = 0x1p60f;
-  int count = 0;
-  for (int n = 0; n < table.active_groups; ++n) {
-    const CandidateTable::Active& active = table.active[n];
-    const Mask lanes = mask_from_bits(active.lanes);
-    for (int k = 0; k < CandidateTable::kExtentNumbers; ++k)
-      store_packed(table.listed_extent[k] + count, lanes, WideFloat::load(table.groups[active.group].extent[k]));
-    count += __builtin_popcount(active.lanes);
-  }
-  for (float* const numbers : table.listed_extent) WideFloat(kFarAway).store(numbers + count);
-}
-
-// What is known of the distances of a cell's samples before candidates are measured.
-struct Known {
-  WideFloat distance_sq[kCellBlocks * kCellBlocks];  // of each block, at most
-  float lowered_by;                                  // what squared distances from boxes are lowered by
+// The samples of a cell: of its blocks, and along the axes.
+struct CellSamples {
+  WideFloat x, y[kCellBlocks], z[kCellBlocks];
+  float plane[3][kCellSide];
 };
 
-// No sample is farther from the surface than from a point of each candidate, or from the references.
-DIFI_INLINE Known known_distances(const Lattice& lattice, const CandidateTable& table, const CellCorners& cell, int bx,
-                                  int by, int bz, const BrickState& state) {
-  const WideFloat x = WideFloat::load(lattice.x[bx]);
-  WideFloat y[kCellBlocks], z[kCellBlocks], least[kCellBlocks * kCellBlocks];
+// Those of the cell whose first sample is `at`, moved by `offset`.
+DIFI_INLINE CellSamples cell_samples(const Lattice& lattice, const int (&at)[3], const float (&offset)[3]) {
+  const int bx = at[0] / kBlockX, by = at[1] / kBlockY, bz = at[2] / kBlockZ;
+  CellSamples s;
+  s.x = WideFloat::load(lattice.x[bx]) + WideFloat(offset[0]);
   for (int n = 0; n < kCellBlocks; ++n) {
-    y[n] = WideFloat::load(lattice.y[by + n]);
-    z[n] = WideFloat::load(lattice.z[bz + n]);
+    s.y[n] = WideFloat::load(lattice.y[by + n]) + WideFloat(offset[1]);
+    s.z[n] = WideFloat::load(lattice.z[bz + n]) + WideFloat(offset[2]);
   }
-  for (WideFloat& l : least) l = WideFloat(__builtin_inff());
-  const auto look_at = [&](const float& px, const float& py, const float& pz) __attribute__((always_inline)) {
-    const WideFloat dx = x - WideFloat(px), dx_sq = dx * dx;
-    for (int k = 0; k < kCellBlocks; ++k) {
-      const WideFloat dz = z[k] - WideFloat(pz), dxz_sq = fma(dz, dz, dx_sq);
-      for (int j = 0; j < kCellBlocks; ++j) {
-        const WideFloat dy = y[j] - WideFloat(py);
-        least[j + kCellBlocks * k] = min(least[j + kCellBlocks * k], fma(dy, dy, dxz_sq));
-      }
-    }
-  };
-  for (int n = 0; n < table.list.count; ++n)
-    look_at(table.listed_extent[6][n], table.listed_extent[7][n], table.listed_extent[8][n]);
-  for (const CandidateTable::Corner* reference : cell.reference)
-    look_at(reference->point[0], reference->point[1], reference->point[2]);
-
-  WideFloat slack(0);
-  for (int n = 0; n < table.active_groups; ++n)
-    slack = max(slack, WideFloat::load(table.groups[table.active[n].group].slack));
-  for (const CandidateTable::Corner* reference : cell.reference) slack = max(slack, WideFloat(reference->slack));
-  const float slack_sq = reduce_max(slack * slack);
-  Known known;
-  known.lowered_by = slack_sq / kSlackShare;
-  // The surface passes within the slack of the points: (d+s)^2 <= d^2 (1+a) + s^2 (1+1/a).
-  const WideFloat added(slack_sq * (1 + 1 / kSlackShare));
-  const float within = lattice.thickness * (1 + kSlack);
-  for (int n = 0; n < kCellBlocks * kCellBlocks; ++n) {
-    const int block = block_index(bx, by + n % kCellBlocks, bz + n / kCellBlocks);
-    const WideFloat before = min(WideFloat(within * within), WideFloat::load(state.distance_sq[block]));
-    known.distance_sq[n] = min(before, fma(least[n], WideFloat(1 + kSlackShare), added));
+  for (int n = 0; n < kCellSide; ++n) {
+    s.plane[0][n] = lattice.x[bx][n] + offset[0];
+    s.plane[1][n] = lattice.y[by + n / kBlockY][n % kBlockY * kBlockX] + offset[1];
+    s.plane[2][n] = lattice.z[bz + n / kBlockZ][n % kBlockZ * kBlockX * kBlockY] + offset[2];
   }
-  return known;
+  return s;
 }
 
-// Lists for each block of the cell the candidates whose boxes are no farther from some sample than is known of it:
-// sixteen candidates at a time, and all samples, whose squared distances from a box are sums of three numbers of which
-// there are four for each axis.
-DIFI_INLINE void choose_for_blocks(const Lattice& lattice, CandidateTable& table, const CellCorners& cell, int bx,
-                                   int by, int bz, const BrickState& state) {
-  list_extents(table);
-  const Known known = known_distances(lattice, table, cell, bx, by, bz, state);
-  // A box is out when gap^2 (1-a) - lowered > known, and 1/(1-a) < 1 + 2a.
-  alignas(64) float limit[kCellBlocks * kCellBlocks][kLanes];
-  for (int n = 0; n < kCellBlocks * kCellBlocks; ++n) {
-    ((known.distance_sq[n] + WideFloat(known.lowered_by)) * WideFloat(1 + 2 * kSlackShare)).store(limit[n]);
-    table.block_list[n].count = 0;
+// Squared distances of a cell's samples from the nearest of the points looked at.
+struct PointDistances {
+  WideFloat least_sq[kBlocksOfCell];
+
+  DIFI_INLINE PointDistances() {
+    for (WideFloat& l : least_sq) l = WideFloat(__builtin_inff());
   }
-  for (int first = 0; first < table.list.count; first += kLanes) {
+  DIFI_INLINE void look_at(const CellSamples& s, const float& px, const float& py, const float& pz) {
+    const WideFloat dx = s.x - WideFloat(px), dx_sq = dx * dx;
+    for (int k = 0; k < kCellBlocks; ++k) {
+      const WideFloat dz = s.z[k] - WideFloat(pz), dxz_sq = fma(dz, dz, dx_sq);
+      for (int j = 0; j < kCellBlocks; ++j) {
+        const WideFloat dy = s.y[j] - WideFloat(py);
+        least_sq[j + kCellBlocks * k] = min(least_sq[j + kCellBlocks * k], fma(dy, dy, dxz_sq));
+      }
+    }
+  }
+};
+
+// The n-th block of the cell whose first sample is `at`.
+DIFI_INLINE int block_of_cell(const int (&at)[3], int n) {
+  return block_index(at[0] / kBlockX, at[1] / kBlockY + n % kCellBlocks, at[2] / kBlockZ + n / kCellBlocks);
+}
+
+// The squared distances that boxes must not exceed, sample by sample.
+struct BlockLimits {
+  alignas(64) float distance_sq[kBlocksOfCell][kLanes];
+};
+
+// The points looked at, the boxes and what is computed for their triangles may be off by `slack`.
+DIFI_INLINE BlockLimits block_limits(const Lattice& lattice, const int (&at)[3], const PointDistances& points,
+                                     float slack, const BrickState& state) {
+  const float slack_sq = slack * slack, within = lattice.thickness * (1 + kSlack);
+  // The surface passes within the slack of the points: (d+s)^2 <= d^2 (1+a) + s^2 (1+1/a).
+  const WideFloat added(slack_sq * (1 + 1 / kSlackShare));
+  // A box is out when gap^2 (1-a) - s^2/a > known, and 1/(1-a) < 1 + 2a.
+  const WideFloat lowered_by(slack_sq / kSlackShare);
+  BlockLimits limits;
+  for (int n = 0; n < kBlocksOfCell; ++n) {
+    const WideFloat before = min(WideFloat(within * within), WideFloat::load(state.distance_sq[block_of_cell(at, n)]));
+    const WideFloat known = min(before, fma(points.least_sq[n], WideFloat(1 + kSlackShare), added));
+    ((known + lowered_by) * WideFloat(1 + 2 * kSlackShare)).store(limits.distance_sq[n]);
+  }
+  return limits;
+}
+
+// Calls take(first, chosen) for the boxes first to first + 15 and so on; chosen[n] are those that the n-th block has to
+// look at. Sixteen boxes at a time, and all samples, whose squared distances from a box are sums of three numbers of
+// which there are four for each axis.
+template <class Take>
+DIFI_INLINE void choose_for_blocks(const CellSamples& samples, const BlockLimits& limits, const float* const (&low)[3],
+                                   const float* const (&high)[3], int count, Take take) {
+  for (int first = 0; first < count; first += kLanes) {
     WideFloat gap_sq[3][kCellSide];
     for (int axis = 0; axis < 3; ++axis) {
-      const WideFloat low = WideFloat::load(table.listed_extent[axis] + first),
-                      high = WideFloat::load(table.listed_extent[3 + axis] + first);
+      const WideFloat l = WideFloat::load(low[axis] + first), h = WideFloat::load(high[axis] + first);
       for (int n = 0; n < kCellSide; ++n) {
-        const float at = axis == 0   ? lattice.x[bx][n]
-                         : axis == 1 ? lattice.y[by + n / kBlockY][n % kBlockY * kBlockX]
-                                     : lattice.z[bz + n / kBlockZ][n % kBlockZ * kBlockX * kBlockY];
-        const WideFloat gap = max(max(low - WideFloat(at), WideFloat(at) - high), WideFloat(0));
+        const WideFloat at(samples.plane[axis][n]), gap = max(max(l - at, at - h), WideFloat(0));
         gap_sq[axis][n] = gap * gap;
       }
     }
-    const WideUint candidates = WideUint::load(table.list.candidate + first);
-    const int left = table.list.count - first;
+    const int left = count - first;
     const Mask used = mask_from_bits(left < kLanes ? (1u << left) - 1 : 0xffffu);
-    for (int block = 0; block < kCellBlocks * kCellBlocks; ++block) {
+    Mask chosen[kBlocksOfCell];
+    for (int block = 0; block < kBlocksOfCell; ++block) {
       WideFloat beyond(__builtin_inff());  // by how much the farthest limit is missed
       for (int row = 0; row < kBlockY * kBlockZ; ++row) {
-        const WideFloat yz = gap_sq[1][block % kCellBlocks * kBlockY + row % kBlockY] +
-                             gap_sq[2][block / kCellBlocks * kBlockZ + row / kBlockY];
+        WideFloat in_row(__builtin_inff());
         for (int i = 0; i < kBlockX; ++i)
-          beyond = min(beyond, (gap_sq[0][i] + yz) - WideFloat(limit[block][row * kBlockX + i]));
+          in_row = min(in_row, gap_sq[0][i] - WideFloat(limits.distance_sq[block][row * kBlockX + i]));
+        beyond = min(beyond, in_row + (gap_sq[1][block % kCellBlocks * kBlockY + row % kBlockY] +
+                                       gap_sq[2][block / kCellBlocks * kBlockZ + row / kBlockY]));
       }
-      CandidateTable::List& list = table.block_list[block];
-      list.count += store_packed(list.candidate + list.count, ~less(WideFloat(0), beyond) & used, candidates);
+      chosen[block] = ~less(WideFloat(0), beyond) & used;
     }
+    take(first, chosen);
   }
 }

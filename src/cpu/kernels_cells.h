@@ -2,6 +2,59 @@
 // distances from their corners (kernels_candidates.h), and where many are left their blocks choose by the samples'
 // distances from boxes (kernels_cell_blocks.h). Included like kernels_body.h, after those two.
 
+// Lists the chosen candidates, one by one, so that the loop over them has no branch to mispredict.
+DIFI_INLINE void list_chosen(CandidateTable& table) {
+  table.list.count = 0;
+  for (int n = 0; n < table.active_groups; ++n) {
+    const CandidateTable::Active& active = table.active[n];
+    const Mask lanes = mask_from_bits(active.lanes);
+    const WideUint first(static_cast<std::uint32_t>(active.group) * kLanes);
+    table.list.count += store_packed(table.list.candidate + table.list.count, lanes, first + lane_numbers());
+  }
+}
+
+// The same for their extents. What fills up the last register lies far from everything.
+DIFI_INLINE void list_extents(CandidateTable& table) {
+  constexpr float kFarAway = 0x1p60f;
+  int count = 0;
+  for (int n = 0; n < table.active_groups; ++n) {
+    const CandidateTable::Active& active = table.active[n];
+    const Mask lanes = mask_from_bits(active.lanes);
+    for (int k = 0; k < CandidateTable::kExtentNumbers; ++k)
+      store_packed(table.listed_extent[k] + count, lanes, WideFloat::load(table.groups[active.group].extent[k]));
+    count += __builtin_popcount(active.lanes);
+  }
+  for (float* const numbers : table.listed_extent) WideFloat(kFarAway).store(numbers + count);
+}
+
+// Lists for each block of the cell the candidates that it chooses.
+DIFI_INLINE void list_for_blocks(const Lattice& lattice, CandidateTable& table, const CellCorners& cell,
+                                 const int (&at)[3], const BrickState& state) {
+  list_extents(table);
+  const CellSamples samples = cell_samples(lattice, at, {0, 0, 0});
+  const auto& extent = table.listed_extent;
+  PointDistances distances;
+  for (int n = 0; n < table.list.count; ++n) distances.look_at(samples, extent[6][n], extent[7][n], extent[8][n]);
+  WideFloat slack(0);
+  for (const CandidateTable::Corner* reference : cell.reference) {
+    distances.look_at(samples, reference->point[0], reference->point[1], reference->point[2]);
+    slack = max(slack, WideFloat(reference->slack));
+  }
+  for (int n = 0; n < table.active_groups; ++n)
+    slack = max(slack, WideFloat::load(table.groups[table.active[n].group].slack));
+  const BlockLimits limits = block_limits(lattice, at, distances, reduce_max(slack), state);
+  for (CandidateList& list : table.block_list) list.count = 0;
+  choose_for_blocks(
+      samples, limits, {extent[0], extent[1], extent[2]}, {extent[3], extent[4], extent[5]},
+      table.list.count, [&](int first, const Mask(&chosen)[kBlocksOfCell]) __attribute__((always_inline)) {
+        const WideUint candidates = WideUint::load(table.list.candidate + first);
+        for (int n = 0; n < kBlocksOfCell; ++n) {
+          CandidateList& list = table.block_list[n];
+          list.count += store_packed(list.candidate + list.count, chosen[n], candidates);
+        }
+      });
+}
+
 template <bool kNearest>
 DIFI_INLINE void lower(WideFloat& best, WideUint& nearest, const WideFloat& d, std::uint32_t index) {
   if constexpr (kNearest) {
@@ -11,11 +64,10 @@ DIFI_INLINE void lower(WideFloat& best, WideUint& nearest, const WideFloat& d, s
   best = min(d, best);
 }
 
-// The listed candidates against the blocks (bx, by + j, bz + k), j and k below kSide.
-template <bool kNearest, int kSide>
-DIFI_INLINE void gather_listed(const Lattice& lattice, const Brick& brick, const Candidates& c,
-                               const CandidateTable& table, const CandidateTable::List& list, int bx, int by, int bz,
-                               BrickState& state) {
+// The listed candidates of the groups against the blocks (bx, by + j, bz + k), j and k below kSide.
+template <bool kNearest, int kSide, class Group>
+DIFI_INLINE void gather_listed(const Lattice& lattice, const Brick& brick, const Candidates& c, const Group* groups,
+                               const CandidateList& list, int bx, int by, int bz, BrickState& state) {
   constexpr int kCount = kSide * kSide;
   const auto block = [&](int n) __attribute__((always_inline)) {
     return block_index(bx, by + n % kSide, bz + n / kSide);
@@ -32,7 +84,7 @@ DIFI_INLINE void gather_listed(const Lattice& lattice, const Brick& brick, const
     if constexpr (kNearest) nearest[n] = WideUint::load(state.nearest[block(n)]);
   }
   for (int m = 0; m < list.count; ++m) {
-    const CandidateTable::Group& g = table.groups[list.candidate[m] / kLanes];
+    const FrameGroup& g = groups[list.candidate[m] / kLanes];
     const std::uint32_t lane = list.candidate[m] % kLanes;
     if (g.is_long >> lane & 1) {
       const TriangleLines<WideFloat> lines = make_lines<WideFloat>(double_frame(lattice, brick, c, g.index[lane]));
@@ -69,10 +121,10 @@ DIFI_INLINE void gather_cell(const Lattice& lattice, const Brick& brick, const C
   choose(table, cell);
   list_chosen(table);
   if (table.list.count <= kManyCandidates)
-    return gather_listed<kNearest, kCellBlocks>(lattice, brick, c, table, table.list, bx, by, bz, state);
-  choose_for_blocks(lattice, table, cell, bx, by, bz, state);
-  for (int n = 0; n < kCellBlocks * kCellBlocks; ++n)
-    gather_listed<kNearest, 1>(lattice, brick, c, table, table.block_list[n], bx, by + n % kCellBlocks,
+    return gather_listed<kNearest, kCellBlocks>(lattice, brick, c, table.groups, table.list, bx, by, bz, state);
+  list_for_blocks(lattice, table, cell, at, state);
+  for (int n = 0; n < kBlocksOfCell; ++n)
+    gather_listed<kNearest, 1>(lattice, brick, c, table.groups, table.block_list[n], bx, by + n % kCellBlocks,
                                bz + n / kCellBlocks, state);
 }
 

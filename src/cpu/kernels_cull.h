@@ -55,35 +55,12 @@ DIFI_INLINE WideFloat gap_sq(const WidePoint& low, const WidePoint& high, const 
   return fma(x, x, fma(y, y, z * z));
 }
 
-std::int64_t nearest_box(const BoxArrays& boxes, const float* point) {
-  float least = __builtin_inff();
-  std::int64_t best = 0;
-  for (std::int64_t first = 0; first < boxes.count; first += kLanes) {
-    const int used = boxes.count - first < kLanes ? static_cast<int>(boxes.count - first) : kLanes;
-    WideFloat distance_sq(0);
-    for (int axis = 0; axis < 3; ++axis) {
-      const WideFloat twice_off = load_some(boxes.low[axis] + first, used) + load_some(boxes.high[axis] + first, used) -
-                                  WideFloat(2 * point[axis]);
-      distance_sq = fma(twice_off, twice_off, distance_sq);
-    }
-    const std::uint32_t valid = (1u << used) - 1;
-    if ((less(distance_sq, WideFloat(least)).to_bits() & valid) == 0) continue;
-    alignas(64) float all[kLanes];
-    distance_sq.store(all);
-    for (int lane = 0; lane < used; ++lane)
-      if (all[lane] < least) {
-        least = all[lane];
-        best = first + lane;
-      }
-  }
-  return best;
-}
-
 // A cell and its references, ready for the tests.
 struct Culling {
   WidePoint center;
   const float* half;
   WideFloat reach_sq;
+  bool is_limited;  // by the reach
   CullReference references[References::kMost];
   int count;
 };
@@ -93,6 +70,7 @@ DIFI_INLINE Culling culling(const CullCell& cell, const References& references) 
   c.center = {WideFloat(cell.center[0]), WideFloat(cell.center[1]), WideFloat(cell.center[2])};
   c.half = cell.half;
   c.reach_sq = WideFloat(cell.reach * cell.reach * (1 + kSlack) + kSlack * kSlack);
+  c.is_limited = cell.reach < __builtin_inff();
   c.count = references.count;
   const float half_sq = cell.half[0] * cell.half[0] + cell.half[1] * cell.half[1] + cell.half[2] * cell.half[2];
   for (int n = 0; n < references.count; ++n) {
@@ -111,7 +89,8 @@ DIFI_INLINE Culling culling(const CullCell& cell, const References& references) 
 DIFI_INLINE void keep_some(const Culling& c, const WidePoint& low, const WidePoint& high, const WideUint& entries,
                            int used, BoxArrays& kept) {
   const WidePoint l = low - c.center, h = high - c.center;
-  const Mask in_reach = ~less(c.reach_sq, gap_sq(l, h, c.half)) & mask_from_bits((1u << used) - 1);
+  Mask in_reach = mask_from_bits((1u << used) - 1);
+  if (c.is_limited) in_reach = in_reach & ~less(c.reach_sq, gap_sq(l, h, c.half));
   const Mask keep = may_beat(l, h, c.half, c.references, c.count, in_reach);
   if (keep.to_bits() == 0) return;
   const WideFloat* const sides[6] = {&low.x, &low.y, &low.z, &high.x, &high.y, &high.z};

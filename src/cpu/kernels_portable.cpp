@@ -11,11 +11,14 @@ using namespace difi::portable;
 #include "cpu/kernels_candidates.h"
 #include "cpu/kernels_cell_blocks.h"
 #include "cpu/kernels_cells.h"
+#include "cpu/kernels_crowded.h"
 #include "cpu/kernels_cull.h"
+#include "cpu/kernels_nearest.h"
 
 }  // namespace
 
-extern const Kernels kKernels{"portable",  clear,      gather_band_any, band_tiles,     write_tile,
-                              nearest_box, cull_boxes, cull_packs,      gather_tile_any};
+extern const Kernels kKernels{"portable",         clear,           gather_band_any, band_tiles, write_tile,
+                              nearest_to_lattice, nearest_in_pack, cull_boxes,      cull_packs, gather_tile_any,
+                              gather_crowded_any};
 
 }  // namespace difi::cpu::portable

@@ -52,12 +52,17 @@ void emit(const Lattice& lattice, const Brick& brick, const Kernels& kernels, Br
 constexpr double kThinBand = 4;
 bool is_thin(const Grid& grid, double thickness) { return thickness <= kThinBand * grid.max_spacing(); }
 
-struct ThreadState {
-  BrickState brick;
-  std::unique_ptr<CandidateTable> table;
+struct Tables {
+  CandidateTable tile;
+  CrowdedTable crowded;
 };
 
-class TilesRun {
+struct ThreadState {
+  BrickState brick;
+  std::unique_ptr<Tables> tables;  // where candidates are handed down
+};
+
+class TilesRun : private CandidateUse {
  public:
   TilesRun(const Job& job, Sink& sink)
       : job_(job), sink_(sink), lattice_(make_lattice(job.grid, job.thickness)), kernels_(kernels_for(job.simd)) {}
@@ -67,7 +72,7 @@ class TilesRun {
     if (is_thin(job_.grid, job_.thickness))
       gather_bins();
     else
-      gather_by_descent();
+      for_each_brick_by_descent(job_, lattice_, kernels_, *this);
     Counts counts;
     for (const ThreadState& state : states_) {
       counts.samples_examined += state.brick.samples_examined;
@@ -93,18 +98,22 @@ class TilesRun {
     });
   }
 
-  void gather_by_descent() {
-    for_each_brick_by_descent(job_, lattice_, kernels_, [&](std::int64_t n, const BrickCandidates& found) {
-      ThreadState& state = states_.local();
-      if (!state.table) state.table = std::make_unique_for_overwrite<CandidateTable>();
-      const Brick brick = brick_at(lattice_, n);
-      kernels_.clear(sink_.with_nearest(), state.brick);
-      for (int tile = 0; tile < kBrickTiles; ++tile)
-        kernels_.gather_tile(lattice_, brick, tile, candidates(found.of_tile(tile)), sink_.with_nearest(), *state.table,
-                             state.brick);
-      emit(lattice_, brick, kernels_, state.brick, sink_);
-    });
+  void begin_brick() override {
+    ThreadState& state = states_.local();
+    if (!state.tables) state.tables = std::make_unique_for_overwrite<Tables>();
+    kernels_.clear(sink_.with_nearest(), state.brick);
   }
+  void use_tile(const Brick& brick, int tile, std::span<const std::uint32_t> triangles) override {
+    ThreadState& state = states_.local();
+    kernels_.gather_tile(lattice_, brick, tile, candidates(triangles), sink_.with_nearest(), state.tables->tile,
+                         state.brick);
+  }
+  void use_cell(const Brick& brick, const CrowdedCell& cell) override {
+    ThreadState& state = states_.local();
+    kernels_.gather_crowded(lattice_, brick, cell, candidates({}), sink_.with_nearest(), state.tables->crowded,
+                            state.brick);
+  }
+  void end_brick(const Brick& brick) override { emit(lattice_, brick, kernels_, states_.local().brick, sink_); }
 
   Candidates candidates(std::span<const std::uint32_t> refs) const {
     return {&job_.mesh.vertices.data()->x, job_.mesh.triangles.data()->data(), refs.data(),
@@ -128,7 +137,7 @@ std::int64_t tiles_scratch_bytes(std::int64_t triangles, const Grid& grid, doubl
   const auto per_thread = static_cast<std::int64_t>(sizeof(BrickState)) * threads;
   if (is_thin(grid, thickness))
     return bins_scratch_bytes(triangles, make_lattice(grid, thickness), most_refs(triangles), threads) + per_thread;
-  return descent_scratch_bytes(triangles) + per_thread + static_cast<std::int64_t>(sizeof(CandidateTable)) * threads;
+  return descent_scratch_bytes(triangles) + per_thread + static_cast<std::int64_t>(sizeof(Tables)) * threads;
 }
 
 }  // namespace difi::cpu

@@ -204,31 +204,46 @@ Mesh crowd(unsigned seed, int triangles) {
   return mesh;
 }
 
-TEST(TilesProperties, CrowdedCellsLoseNothing) {
-  // A field is the least of the fields of its parts, bit for bit; these are small enough that no block of theirs
-  // chooses among its cell's candidates.
+// A field is the least of the fields of its parts, bit for bit; these are small enough that no block of theirs chooses
+// among its cell's candidates.
+void expect_least_of_parts(const Mesh& mesh, const Grid& grid, double thickness) {
+  SCOPED_TRACE(::testing::Message() << grid.size.x << " samples wide, thickness " << thickness);
   constexpr std::size_t kPart = 40;
+  const DistanceField whole = computed(mesh, grid, thickness).field;
+  std::vector<DistanceField> parts;
+  for (std::size_t first = 0; first < mesh.triangles.size(); first += kPart) {
+    const auto all = std::span(mesh.triangles);
+    const MeshView part{mesh.vertices, all.subspan(first, std::min(kPart, all.size() - first))};
+    parts.push_back(computed(part, grid, thickness).field);
+  }
+  for_each_sample(grid, [&](auto i, auto j, auto k) {
+    float least = std::numeric_limits<float>::infinity();
+    for (const DistanceField& part : parts) least = std::min(least, part.value(i, j, k));
+    ASSERT_EQ(whole.value(i, j, k), least) << i << ' ' << j << ' ' << k;
+    const std::uint32_t nearest = whole.nearest(i, j, k);
+    if (nearest != kNoTriangle) {
+      ASSERT_EQ(parts[nearest / kPart].value(i, j, k), least) << i << ' ' << j << ' ' << k;
+    }
+  });
+}
+
+TEST(TilesProperties, CrowdedCellsLoseNothing) {
   const Mesh mesh = crowd(42, 1200);
   const Grid grids[] = {kGrid, {{20, 20, 20}, {-11, -3, 2}, {0.3, 1.1, 0.45}}};
   for (const Grid& grid : grids)
-    for (const double thickness : {4.5 * grid.max_spacing(), kInfinity}) {
-      SCOPED_TRACE(::testing::Message() << grid.size.x << " samples wide, thickness " << thickness);
-      const DistanceField whole = computed(mesh, grid, thickness).field;
-      std::vector<DistanceField> parts;
-      for (std::size_t first = 0; first < mesh.triangles.size(); first += kPart) {
-        const MeshView part{mesh.vertices, std::span(mesh.triangles).subspan(first, kPart)};
-        parts.push_back(computed(part, grid, thickness).field);
-      }
-      for_each_sample(grid, [&](auto i, auto j, auto k) {
-        float least = std::numeric_limits<float>::infinity();
-        for (const DistanceField& part : parts) least = std::min(least, part.value(i, j, k));
-        ASSERT_EQ(whole.value(i, j, k), least) << i << ' ' << j << ' ' << k;
-        const std::uint32_t nearest = whole.nearest(i, j, k);
-        if (nearest != kNoTriangle) {
-          ASSERT_EQ(parts[nearest / kPart].value(i, j, k), least) << i << ' ' << j << ' ' << k;
-        }
-      });
-    }
+    for (const double thickness : {4.5 * grid.max_spacing(), kInfinity}) expect_least_of_parts(mesh, grid, thickness);
+}
+
+TEST(TilesProperties, CrowdedTilesLoseNothing) {
+  // More triangles a cell than are looked at together, and among the small ones some as long as the grid.
+  Mesh mesh = crowd(43, 6000);
+  testing::Random random(44);
+  for (int n = 0; n < 10; ++n) add_triangle(mesh, random.in_cube(9), random.in_cube(9), random.in_cube(9));
+  const Grid grids[] = {{{12, 11, 10}, {-3, -3, -3}, {0.6, 0.6, 0.6}},
+                        {{9, 17, 5}, {-2, -6, -4}, {0.5, 0.7, 1.9}},
+                        {{8, 8, 8}, {4000, 2000, -1000}, {30, 40, 50}}};
+  for (const Grid& grid : grids)
+    for (const double thickness : {4.5 * grid.max_spacing(), kInfinity}) expect_least_of_parts(mesh, grid, thickness);
 }
 
 }  // namespace

@@ -1,0 +1,85 @@
+// The kernel for cells of tiles with very many candidates, which are small against the spacing: their boxes are tested
+// before anything is known of the triangles, and only those that some block of the cell chooses (kernels_cell_blocks.h)
+// are set up and measured. Included like kernels_body.h, after kernels_cells.h.
+
+// What the points and boxes of candidates, and the distances computed for them, may be off by.
+DIFI_INLINE float slack_of(const CrowdedCell& cell, std::int64_t first, int count) {
+  WideFloat from_brick(0), coordinate(cell.extent);
+  for (int n = 0; n < count; n += kLanes) {
+    const int used = count - n < kLanes ? count - n : kLanes;
+    for (int axis = 0; axis < 3; ++axis)
+      for (const float* side : {cell.boxes.low[axis], cell.boxes.high[axis]}) {
+        const WideFloat at = load_some(side + first + n, used);
+        coordinate = max(coordinate, abs(at));
+        from_brick = max(from_brick, abs(at - WideFloat(cell.brick_center[axis])));
+      }
+  }
+  return reduce_max(from_brick) * kFrameError + reduce_max(coordinate) * kBoxError + kSlack;
+}
+
+// Lists for each block the candidates it chooses, numbered in the order of all that are chosen.
+DIFI_INLINE void choose_crowded(const CrowdedCell& cell, const CellSamples& samples, const BlockLimits& limits,
+                                std::int64_t first, int count, CrowdedTable& table) {
+  table.chosen_count = 0;
+  for (CandidateList& list : table.block_list) list.count = 0;
+  alignas(64) std::uint32_t number[kLanes] = {};
+  const auto side = [&](float* const* sides, int axis) { return sides[axis] + first; };
+  const BoxArrays& b = cell.boxes;
+  choose_for_blocks(
+      samples, limits, {side(b.low, 0), side(b.low, 1), side(b.low, 2)},
+      {side(b.high, 0), side(b.high, 1), side(b.high, 2)},
+      count, [&](int at, const Mask(&chosen)[kBlocksOfCell]) __attribute__((always_inline)) {
+        std::uint32_t any = 0;
+        for (const Mask& mask : chosen) any |= mask.to_bits();
+        if (any == 0) return;
+        for (; any != 0; any &= any - 1) {
+          const int lane = __builtin_ctz(any);
+          number[lane] = static_cast<std::uint32_t>(table.chosen_count);
+          table.chosen[table.chosen_count++] = cell.index[b.entry[first + at + lane]];
+        }
+        const WideUint numbers = WideUint::load(number);
+        for (int n = 0; n < kBlocksOfCell; ++n) {
+          CandidateList& list = table.block_list[n];
+          list.count += store_packed(list.candidate + list.count, chosen[n], numbers);
+        }
+      });
+}
+
+DIFI_INLINE void set_up_chosen(const Lattice& lattice, const Brick& brick, const Candidates& mesh,
+                               CrowdedTable& table) {
+  const Candidates chosen{mesh.vertices, mesh.triangles, table.chosen, table.chosen_count};
+  for (int first = 0; first < table.chosen_count; first += kLanes) {
+    Group loaded;
+    load_group(lattice, brick, chosen, first, loaded);
+    set_up(loaded, table.groups[first / kLanes]);
+  }
+}
+
+template <bool kNearest>
+void gather_crowded(const Lattice& lattice, const Brick& brick, const CrowdedCell& cell, const Candidates& mesh,
+                    CrowdedTable& table, BrickState& state) {
+  const CellSamples samples = cell_samples(lattice, cell.at, cell.brick_center);
+  for (std::int64_t first = 0; first < cell.boxes.count; first += CrowdedTable::kMost) {
+    const std::int64_t left = cell.boxes.count - first;
+    const int count = left < CrowdedTable::kMost ? static_cast<int>(left) : CrowdedTable::kMost;
+    PointDistances distances;
+    for (int n = 0; n < count; ++n) {
+      const float* const point = cell.points[cell.boxes.entry[first + n]];
+      distances.look_at(samples, point[0], point[1], point[2]);
+    }
+    const BlockLimits limits = block_limits(lattice, cell.at, distances, slack_of(cell, first, count), state);
+    choose_crowded(cell, samples, limits, first, count, table);
+    set_up_chosen(lattice, brick, mesh, table);
+    for (int n = 0; n < kBlocksOfCell; ++n)
+      gather_listed<kNearest, 1>(lattice, brick, mesh, table.groups, table.block_list[n], cell.at[0] / kBlockX,
+                                 cell.at[1] / kBlockY + n % kCellBlocks, cell.at[2] / kBlockZ + n / kCellBlocks, state);
+  }
+}
+
+void gather_crowded_any(const Lattice& lattice, const Brick& brick, const CrowdedCell& cell, const Candidates& mesh,
+                        bool with_nearest, CrowdedTable& table, BrickState& state) {
+  if (with_nearest)
+    gather_crowded<true>(lattice, brick, cell, mesh, table, state);
+  else
+    gather_crowded<false>(lattice, brick, cell, mesh, table, state);
+}
