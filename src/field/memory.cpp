@@ -73,12 +73,6 @@ std::int64_t bytes_for_mesh(MeshView mesh, const Grid& grid, const Options& opti
   return bytes_needed(static_cast<std::int64_t>(mesh.triangles.size()), tiles, grid, options, dense);
 }
 
-std::string mebibytes(std::int64_t bytes) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.0f MiB", std::ceil(static_cast<double>(bytes) / (1 << 20)));
-  return text;
-}
-
 // What may be said to help is what has been seen to help.
 class Advice {
  public:
@@ -135,6 +129,22 @@ class Advice {
 
 }  // namespace
 
+std::string over_the_limit(double needed, double limit) {
+  double unit = 1;
+  const char* name = "B";
+  for (const char* larger : {"KiB", "MiB"}) {
+    const double in_larger = limit / (1024 * unit);
+    if (in_larger < 10 && (in_larger < 1 || in_larger != std::floor(in_larger))) break;
+    unit *= 1024;
+    name = larger;
+  }
+  // Rounded away from each other, so that they differ.
+  char text[96];
+  std::snprintf(text, sizeof text, "%.0f %s, more than the limit of %.0f %s", std::ceil(needed / unit), name,
+                std::floor(limit / unit), name);
+  return text;
+}
+
 std::int64_t memory_needed(std::int64_t triangles, const Grid& grid, const Options& options, bool dense) {
   validate(grid);
   return bytes_needed(triangles, tiles_of(grid.size), grid, options, dense);
@@ -152,8 +162,9 @@ void check_memory(MeshView mesh, const Grid& grid, const Options& options, bool 
   if (memory_needed(static_cast<std::int64_t>(mesh.triangles.size()), grid, options, dense) <= limit) return;
   const std::int64_t needed = memory_needed(mesh, grid, options, dense);
   if (needed <= limit) return;
-  throw Error(ErrorCode::limit, "compute: the field may need " + mebibytes(needed) + ", more than the limit of " +
-                                    mebibytes(limit) + "; " + Advice(mesh, grid, options, dense).text());
+  throw Error(ErrorCode::limit, "compute: the field may need " +
+                                    over_the_limit(static_cast<double>(needed), static_cast<double>(limit)) + "; " +
+                                    Advice(mesh, grid, options, dense).text());
 }
 
 }  // namespace difi

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
 #include <cstring>
 #include <optional>
 #include <string>
@@ -139,15 +138,14 @@ void check_memory(const FieldInput& file, const TileWalk& walk, bool with_neares
   if (file.memory_limit() == 0) return;
   const auto limit = static_cast<double>(file.memory_limit()), all = static_cast<double>(walk.tile_count().count());
   if (field_bytes(all, all, with_nearest) <= limit) return;
+  const double least = field_bytes(0, all, with_nearest);
+  if (least > limit)
+    throw Error(ErrorCode::limit, "its tiles need more than " + over_the_limit(least, limit) + "; give a higher limit");
   double stored = 0;
-  if (field_bytes(0, all, with_nearest) <= limit) walk([&](auto&&...) { ++stored; });
+  walk([&](auto&&...) { ++stored; });
   const double needed = field_bytes(stored, all, with_nearest);
-  if (needed <= limit) return;
-  const auto mebibytes = [](double bytes) {
-    return std::to_string(std::llround(std::ceil(bytes / (1 << 20)))) + " MiB";
-  };
-  throw Error(ErrorCode::limit, "its tiles need " + std::string(stored == 0 ? "more than " : "") + mebibytes(needed) +
-                                    ", more than the limit of " + mebibytes(limit) + "; give a higher limit");
+  if (needed > limit)
+    throw Error(ErrorCode::limit, "its tiles need " + over_the_limit(needed, limit) + "; give a higher limit");
 }
 
 DistanceField load(const FieldInput& file, const StoredField& stored) {

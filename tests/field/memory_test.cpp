@@ -14,6 +14,7 @@
 
 #include "difi/compute.h"
 #include "difi/io.h"
+#include "field/memory.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temp_folder.h"
 #include "tests/support/random_mesh.h"
@@ -231,6 +232,19 @@ TEST(Memory, WhenThereIsNoneItIsALimitError) {
   write_mesh(path, mesh);
   const auto file_bytes = static_cast<std::int64_t>(std::filesystem::file_size(path));
   expect_refused(file_bytes + 10'000, "not enough memory for its triangles", [&] { read_mesh(path); });
+}
+
+// Both were rounded up to MiB: "needs 1 MiB, more than the limit of 1 MiB".
+TEST(Memory, ALimitAndWhatIsOverItLookDifferent) {
+  struct {
+    double needed, limit;
+    const char* text;
+  } const cases[] = {{2, 1, "2 B, more than the limit of 1 B"},
+                     {1025, 1024, "2 KiB, more than the limit of 1 KiB"},
+                     {1'060'000, 1'050'000, "1036 KiB, more than the limit of 1025 KiB"},
+                     {(1 << 20) + 1, 1 << 20, "2 MiB, more than the limit of 1 MiB"},
+                     {5e9, 160.5 * (1 << 20), "4769 MiB, more than the limit of 160 MiB"}};
+  for (const auto& c : cases) EXPECT_EQ(over_the_limit(c.needed, c.limit), c.text);
 }
 
 }  // namespace
