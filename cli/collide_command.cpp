@@ -53,6 +53,8 @@ const char* word_of(Contact contact) {
 // Which of several triangles touch depends on the device: the table leaves it out, so that it does not.
 void Command::run_many() {
   many.check({bodies.name_a(), bodies.name_b()});
+  if (certified && many.batch().backend != Backend::automatic && many.batch().backend != Backend::cpu)
+    throw Error(ErrorCode::usage, "--certified: comes from the CPU alone; leave --device out");
   const std::vector<Pose> poses = read_poses(many.file());
   const CollisionModel a = bodies.read_a(talk), b = bodies.read_b(talk);
   const auto found = many.answers(talk, poses.size(), [&](BatchReport& report) {

@@ -2,7 +2,7 @@
 #include <memory>
 
 #include "cli/commands.h"
-#include "cli/field_input.h"
+#include "cli/field_argument.h"
 #include "cli/files.h"
 #include "cli/talk.h"
 #include "cli/text.h"
@@ -21,7 +21,7 @@ constexpr const char* kExamples = R"(  difi convert horse.3ds -o horse.stl      
 
 struct Command {
   MeshInput input;
-  FieldInput field_input;
+  FieldArgument field_argument;
   FileOutput output;
   Talk talk;
 
@@ -44,11 +44,11 @@ void Command::run() {
   output.check(is_field ? field_formats() : mesh_formats());
   const std::string writing = "writing " + output.path().string();
   if (is_field) {
-    const DistanceField field = field_input.read(input.name(), talk);
+    const DistanceField field = field_argument.read(input.name(), talk);
     waiting(talk, writing, [&] { write_field(output.path(), field, output.existing()); });
     return talk.say(output.path().string() + ": " + size_text(field.grid().size) + " samples");
   }
-  field_input.check_unused(input.name());
+  field_argument.check_unused(input.name());
   const Mesh mesh = waiting(talk, "reading " + input.name(), [&] { return input.read(); });
   validate(mesh);
   waiting(talk, writing, [&] { write_mesh(output.path(), mesh, output.existing()); });
@@ -66,7 +66,7 @@ void add_convert(CLI::App& program) {
                          "the new file: " + extensions(mesh_formats(), true) + " for a mesh,\n" +
                              extensions(field_formats(), true) + " for a field");
   verb->get_option("--output")->required();
-  command->field_input.add_to(*verb);
+  command->field_argument.add_to(*verb);
   command->talk.add_to(*verb, Talk::kMessages);
   verb->callback([command] { command->run(); });
 }

@@ -137,7 +137,7 @@ void add_fly(CLI::App& program) {
   add("--mode", "MODE", "sweep (default) or thesis", "Collision", [&options](S o, S t) {
     options.mode = parse_choice(o, t, {"sweep", "thesis"}) == 0 ? FlightMode::sweep : FlightMode::thesis;
   });
-  it->of_thesis.push_back(add("--minimum", "E", "thesis: the minimum grid's factor, 2 to 4 (default 2)", "Collision",
+  it->of_thesis.push_back(add("--minimum", "E", "thesis: the minimum grid's factor, 1 or more (default 2)", "Collision",
                               [&options](S o, S t) { options.minimum = parse_positive(o, t); }));
   it->of_thesis.push_back(add("--thickness", "T", "thesis: of the fields (default 2)", "Collision",
                               [&options](S o, S t) { options.thickness = parse_positive(o, t); }));

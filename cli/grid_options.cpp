@@ -36,8 +36,9 @@ void GridOptions::add_to(CLI::App& verb) {
                       [this](S o, S t) { spacing_ = parse_spacing(o, t); });
   auto* size = add("--size", "NX,NY,NZ", "samples per axis; the spacing may then differ per axis",
                    [this](S o, S t) { size_ = parse_size(o, t); });
-  auto* minimum = add("--minimum", "E", "the smallest grid for collision: E samples per thickness\n(2 to 4)",
-                      [this](S o, S t) { minimum_ = parse_number(o, t); });
+  auto* minimum =
+      add("--minimum", "E", "the smallest grid for collision: E samples per thickness\n(2 to 4 in the thesis)",
+          [this](S o, S t) { minimum_ = parse_number(o, t); });
   auto* speed = add("--speed", "V", "with --minimum: how far a body moves in one step",
                     [this](S o, S t) { speed_ = parse_number(o, t); });
   auto* bounds = add("--bounds", "x0,..,z1", "cover this box (x0,y0,z0,x1,y1,z1) and not the mesh's",

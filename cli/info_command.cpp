@@ -5,7 +5,7 @@
 #include "cli/body_input.h"
 #include "cli/commands.h"
 #include "cli/facts.h"
-#include "cli/field_input.h"
+#include "cli/field_argument.h"
 #include "cli/files.h"
 #include "cli/signals.h"
 #include "cli/talk.h"
@@ -62,7 +62,7 @@ void tell_mesh(const MeshInput& input, const Talk& talk) {
         row("hash", hash_text(content_hash(mesh))));
 }
 
-void tell_field(const std::string& name, const FieldInput& input, const Talk& talk) {
+void tell_field(const std::string& name, const FieldArgument& input, const Talk& talk) {
   const DistanceField field = input.read(name, talk);
   const Grid& g = field.grid();
   const FieldFacts found = facts(field);
@@ -120,7 +120,7 @@ void tell_body(const std::string& name, const Talk& talk) {
 
 struct Command {
   MeshInput input;
-  FieldInput field;
+  FieldArgument field;
   Talk talk;
 
   void run() const {

@@ -17,9 +17,14 @@ namespace {
   throw Error(ErrorCode::usage, option + " '" + text + "': " + why);
 }
 
+// from_chars knows no plus sign.
+std::string_view without_plus(std::string_view text) {
+  return text.starts_with('+') && !text.starts_with("+-") ? text.substr(1) : text;
+}
+
 template <class T>
 std::optional<T> whole_text(std::string_view text) {
-  if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
+  text = without_plus(text);
   T value{};
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc{} || end != text.data() + text.size()) return {};
@@ -56,6 +61,15 @@ std::string beginning(std::string_view text) {
   return one_line(std::string(text.substr(0, kEnough))) + (text.size() > kEnough ? "..." : "");
 }
 
+// Why a text is no finite number, in the words of an error.
+std::string no_number(std::string_view text) {
+  text = without_plus(text);
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const bool whole = end == text.data() + text.size();
+  return whole && error == std::errc::result_out_of_range ? "out of the range of numbers" : "not a number";
+}
+
 double at_most(const std::string& option, const std::string& text, double value, double most) {
   if (value > most) reject(option, text, "must be at most " + number(most));
   return value;
@@ -67,7 +81,7 @@ bool Thickness::infinite() const { return std::isinf(value); }
 
 double parse_number(const std::string& option, const std::string& text) {
   const auto value = whole_text<double>(text);
-  if (!value || !std::isfinite(*value)) reject(option, text, "not a number; give one such as 0.5 or 1e-3");
+  if (!value || !std::isfinite(*value)) reject(option, text, no_number(text) + "; give one such as 0.5 or 1e-3");
   return *value;
 }
 
@@ -232,7 +246,7 @@ std::vector<double> numbers_in(std::string_view text) {
     part.remove_suffix(part.size() - (part.find_last_not_of(" \t") + 1));
     const auto value = whole_text<double>(part);
     if (!value || !std::isfinite(*value))
-      throw Error(ErrorCode::usage, "'" + beginning(part) + "' is not a number; separate numbers by commas");
+      throw Error(ErrorCode::usage, "'" + beginning(part) + "' is " + no_number(part) + "; separate numbers by commas");
     numbers.push_back(*value);
     from = comma + 1;
   }

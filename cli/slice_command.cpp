@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "cli/commands.h"
-#include "cli/field_input.h"
+#include "cli/field_argument.h"
 #include "cli/files.h"
 #include "cli/option.h"
 #include "cli/parse.h"
@@ -26,7 +26,7 @@ constexpr const char* kExamples =
 
 struct Command {
   std::string field;
-  FieldInput input;
+  FieldArgument input;
   FileOutput output;
   SliceOptions options;
   Talk talk;

@@ -3,7 +3,7 @@
 
 #include "cli/commands.h"
 #include "cli/device_options.h"
-#include "cli/field_input.h"
+#include "cli/field_argument.h"
 #include "cli/files.h"
 #include "cli/option.h"
 #include "cli/parse.h"
@@ -25,7 +25,7 @@ constexpr const char* kExamples = R"(  difi verify bunny.vti bunny.obj          
 
 struct Command {
   std::string field;
-  FieldInput input;
+  FieldArgument input;
   MeshInput mesh;
   VerifyOptions options;
   Talk talk;

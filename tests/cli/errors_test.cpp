@@ -92,6 +92,8 @@ TEST_F(Errors, UsageOfValues) {
       {"compute box.obj --spacing 1,2", 2, "--spacing '1,2': give one number, or three"},
       {"compute box.obj --spacing 1,2,x", 2, "'x' is not a number"},
       {"compute box.obj --spacing nan", 2, "'nan' is not a number"},
+      {"compute box.obj --spacing +1e999", 2, "'+1e999' is out of the range of numbers"},
+      {"compute box.obj --spacing 1e999x", 2, "'1e999x' is not a number"},
       {"compute box.obj --size 1,2", 2, "--size '1,2': give three whole numbers"},
       {"compute box.obj --size 1,0,2", 2, "--size '0'"},
       {"compute box.obj --bounds 1,2,3", 2, "--bounds '1,2,3': give six numbers"},

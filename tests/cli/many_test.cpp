@@ -173,7 +173,7 @@ TEST_F(Many, ErrorsNameFileAndLine) {
   bad("1,,3", "'' is not a number");
   bad("1,2,", "'' is not a number");
   bad("1,2,nan", "'nan' is not a number");
-  bad("1,2,1e999", "'1e999' is not a number");
+  bad("1,2,1e999", "'1e999' is out of the range of numbers; separate");
   bad("1,2", "give x,y,z; or x,y,z,ax,ay,az,degrees; or the twelve numbers of a 3x4 matrix, row by row");
   bad("1,2,3,4,5,6", "give x,y,z; or");
   bad("1,2,3,0,0,0,90", "the axis has no direction");
@@ -227,7 +227,7 @@ TEST_F(Many, ErrorsOfTheCommandLine) {
   expect(collide + "--poses poses.csv --device cuda:99", 6, "cuda: ");
   expect(sweep + "--motions ways.csv --device cuda:99", 6, "cuda: ");
   expect(collide + "--poses poses.csv --certified --device emulated", 2,
-         "collide: certified answers come from the CPU");
+         "--certified: comes from the CPU alone; leave --device out");
   expect(collide + "--poses poses.csv -o out.txt", 2, "out.txt: cannot write .txt here; use .csv");
   expect(collide + "--poses poses.csv -o no/out.csv", 4, "no/out.csv: the folder no does not exist");
   expect(collide + "--poses poses.csv -o poses.csv -f", 2, "poses.csv: it is an input, and would be lost");

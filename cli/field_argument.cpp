@@ -1,4 +1,4 @@
-#include "cli/field_input.h"
+#include "cli/field_argument.h"
 
 #include "cli/memory.h"
 #include "cli/option.h"
@@ -9,19 +9,19 @@
 
 namespace difi::cli {
 
-void FieldInput::add_to(CLI::App& verb) {
+void FieldArgument::add_to(CLI::App& verb) {
   add_parsed(verb,
              {"--memory-limit", "SIZE",
               "most memory for the field that is read, as in 500M or 8G\n(default: 80 % of the machine's)", "Input"},
              [this](const std::string& o, const std::string& t) { memory_limit_ = parse_bytes(o, t); });
 }
 
-DistanceField FieldInput::read(const std::string& name, const Talk& talk) const {
+DistanceField FieldArgument::read(const std::string& name, const Talk& talk) const {
   const std::int64_t limit = memory_limit_ ? *memory_limit_ : default_memory_limit();
   return waiting(talk, "reading " + name, [&] { return read_field(name, {.memory_limit = limit}); });
 }
 
-void FieldInput::check_unused(const std::string& name) const {
+void FieldArgument::check_unused(const std::string& name) const {
   if (memory_limit_)
     throw Error(ErrorCode::usage, "--memory-limit: it is for fields, and " + name + " is none; leave it out");
 }

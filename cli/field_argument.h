@@ -12,7 +12,7 @@
 
 namespace difi::cli {
 
-class FieldInput {
+class FieldArgument {
  public:
   /// Adds --memory-limit.
   void add_to(CLI::App& verb);
