@@ -17,6 +17,9 @@ constexpr std::uint32_t kLong = 0xfffffffeu;
 constexpr int kSpanBits = 3;
 constexpr std::int64_t kMostKeyedBricks = (std::int64_t{1} << (32 - kSpanBits)) - 1;
 
+// Triangles between two chances for the caller to stop; long ones may touch a million bricks each.
+constexpr std::int64_t kCheckEvery = 256;
+
 // What rounding may add to a box or a distance, in samples or grid units: far above double's, far below one sample.
 constexpr double kSlack = 1e-6;
 
@@ -142,6 +145,7 @@ void for_each_batch(const Job& job, const Lattice& lattice, std::int64_t most_re
     auto& count = counts[chunk];
     count.assign(static_cast<std::size_t>(bricks), 0);
     for (std::int64_t n = chunk_begin(chunk); n < chunk_begin(chunk + 1); ++n) {
+      if (n % kCheckEvery == 0) job.progress.check();
       const std::uint32_t triangle = job.triangle(n);
       keys[n] = binning.key(triangle);
       binning.for_each_brick(triangle, keys[n], [&](std::int64_t brick) { ++count[brick]; });
@@ -180,6 +184,7 @@ void for_each_batch(const Job& job, const Lattice& lattice, std::int64_t most_re
     tbb::parallel_for(std::int64_t{0}, chunks, [&](std::int64_t chunk) {
       auto& position = counts[chunk];
       for (std::int64_t n = chunk_begin(chunk); n < chunk_begin(chunk + 1); ++n) {
+        if (n % kCheckEvery == 0) job.progress.check();
         const std::uint32_t triangle = job.triangle(n);
         binning.for_each_brick(triangle, keys[n], [&](std::int64_t brick) {
           if (brick >= first && brick < end) bins.refs[position[brick]++] = triangle;

@@ -72,6 +72,7 @@ void Clusters::sort() {
   const double to_cells = longest > 0 ? 1023 / longest : 0;
   std::vector<KeyedIndex> keyed(static_cast<std::size_t>(count));
   tbb::parallel_for(tbb::blocked_range<std::int64_t>(0, count, 4096), [&](const auto& range) {
+    job_.progress.check();
     for (std::int64_t n = range.begin(); n < range.end(); ++n) {
       const std::uint32_t triangle = job_.triangle(n);
       Box own;
@@ -92,6 +93,7 @@ float Clusters::slack_at(float coordinate) const { return kBoxError * std::max(e
 
 void Clusters::box_triangles() {
   tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, level_begin_[1], 512), [&](const auto& range) {
+    job_.progress.check();
     for (std::uint32_t pack = range.begin(); pack < range.end(); ++pack) {
       const std::uint32_t first = kFanout * pack, count = std::min<std::uint32_t>(kFanout, triangles_ - first);
       for (std::uint32_t n = 0; n < count; ++n) {

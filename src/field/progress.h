@@ -21,6 +21,9 @@ class ProgressMeter {
     tell();
   }
 
+  /// Lets the caller stop long work that is no step of its own, from any thread. Throws as advance() does.
+  void check() { advance(0); }
+
   /// Counts finished steps, from any thread. Throws Error{interrupted} once the caller has asked to stop.
   void advance(std::int64_t units = 1) {
     if (!callback_) return;

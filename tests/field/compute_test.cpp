@@ -147,6 +147,22 @@ TEST(Compute, CancelsWhereverItIsAsked) {
     }
 }
 
+// Millions of triangles are binned or sorted before the first brick is done: the caller used to wait for that.
+TEST(Compute, CancelsBeforeTheFirstBrick) {
+  const Mesh mesh = testing::random_soup(5, 3000, 2, 0.5);
+  for (const double thickness : {0.5, 4.0}) {
+    int before_bricks = 0;
+    Options options;
+    options.thickness = thickness;
+    options.threads = 1;
+    options.progress = [&](const Progress& progress) {
+      before_bricks += progress.stage == std::string("gather") && progress.fraction == 0.2;
+      return before_bricks < 3;
+    };
+    expect_error([&] { compute(mesh, kGrid, options); }, ErrorCode::interrupted, "cancelled");
+  }
+}
+
 // One field for jobs of all kinds, one after the other: nothing of one is left in the next.
 TEST(ComputeIntoAField, GivesWhatComputeGives) {
   DistanceField field;
