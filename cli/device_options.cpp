@@ -1,5 +1,9 @@
 #include "cli/device_options.h"
 
+#include <algorithm>
+#include <cstdint>
+#include <thread>
+
 #include "cli/option.h"
 #include "cli/parse.h"
 
@@ -13,9 +17,16 @@ CLI::Option* add_device(CLI::App& verb, const char* group, Backend& backend, int
                     [&](S o, S t) { backend = parse_backend(o, t, device); });
 }
 
+namespace {
+
+// TBB never starts more than this, and warns on stderr when it is asked to.
+std::int64_t most_threads() { return std::max(256u, 4 * std::thread::hardware_concurrency()); }
+
+}  // namespace
+
 CLI::Option* add_threads(CLI::App& verb, const char* group, int& threads) {
   return add_parsed(verb, {"-j,--threads", "N", "threads (default: all)", group},
-                    [&](S o, S t) { threads = static_cast<int>(parse_count(o, t, 1, 4096)); });
+                    [&](S o, S t) { threads = static_cast<int>(parse_count(o, t, 1, most_threads())); });
 }
 
 }  // namespace difi::cli
