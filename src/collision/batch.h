@@ -2,7 +2,6 @@
 #pragma once
 
 #include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include <cstddef>
 #include <span>
@@ -11,6 +10,7 @@
 
 #include "difi/error.h"
 #include "difi/pose.h"
+#include "field/threads.h"
 
 namespace difi::collision {
 
@@ -29,8 +29,7 @@ template <class Result, class Query>
 std::vector<Result> for_each(std::size_t count, int threads, Query query) {
   if (threads < 0) throw Error(ErrorCode::usage, "batch: the number of threads must be zero (all) or more");
   std::vector<Result> results(count);
-  tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
-  arena.execute([&] {
+  Threads(threads).run([&] {
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 16), [&](const auto& range) {
       for (std::size_t n = range.begin(); n < range.end(); ++n) results[n] = query(n);
     });

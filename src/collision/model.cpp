@@ -1,10 +1,9 @@
 #include "collision/model.h"
 
-#include <tbb/task_arena.h>
-
 #include <cmath>
 
 #include "collision/number_text.h"
+#include "field/threads.h"
 
 namespace difi {
 namespace {
@@ -46,8 +45,7 @@ CollisionModel::CollisionModel(MeshView mesh, const ModelOptions& options) {
   data->mesh = {{mesh.vertices.begin(), mesh.vertices.end()}, {mesh.triangles.begin(), mesh.triangles.end()}};
   place(*data, options.spacing);
   const double spacing = options.spacing > 0 ? options.spacing : collision::default_spacing(mesh, data->box);
-  tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
-  arena.execute([&] {
+  Threads(options.threads).run([&] {
     data->field = collision::build_field_bounds(mesh, data->middle, spacing, options.threads);
     data->tree = collision::build_tree(mesh, data->middle);
     data->finish();

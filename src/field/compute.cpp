@@ -1,7 +1,6 @@
 #include "difi/compute.h"
 
 #include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <chrono>
@@ -15,6 +14,7 @@
 #include "field/options.h"
 #include "field/progress.h"
 #include "field/skip.h"
+#include "field/threads.h"
 
 namespace difi {
 namespace {
@@ -44,11 +44,10 @@ class Stopwatch {
 Report fill(MeshView mesh, const Grid& grid, const Options& options, Sink& sink, std::uint64_t* hash = nullptr) {
   const BackendRow& backend =
       find_backend(options.backend, options.method, static_cast<std::int64_t>(mesh.triangles.size()), grid);
-  const int threads = thread_count(options);
+  Threads threads(options.threads);
   Report report;
   ProgressMeter progress(options);
-  tbb::task_arena arena(threads);
-  arena.execute([&] {
+  threads.run([&] {
     Stopwatch watch;
     progress.stage("prepare", 1, 0, 0.1);
     validate(mesh);
@@ -64,7 +63,7 @@ Report fill(MeshView mesh, const Grid& grid, const Options& options, Sink& sink,
     report.seconds.prepare = watch.lap();
 
     progress.stage("bin", 1, 0.1, 0.2);
-    const Job job{mesh, kept, grid, options.thickness, threads, options.simd, progress, options.device};
+    const Job job{mesh, kept, grid, options.thickness, threads.count(), options.simd, progress, options.device};
     const Counts counts = backend.run(job, sink);
     if (hash) {
       progress.stage("hash", 1, 1, 1);
@@ -80,7 +79,7 @@ Report fill(MeshView mesh, const Grid& grid, const Options& options, Sink& sink,
   report.method = backend.method_name;
   report.backend = backend.backend_name;
   report.device = backend.device(options.simd, options.device);
-  report.threads = threads;
+  report.threads = threads.count();
   report.samples = grid.sample_count();
   constexpr std::int64_t side = DistanceField::kTileSide;
   report.tiles =
@@ -128,8 +127,7 @@ Report compute_into(MeshView mesh, const Grid& grid, std::span<float> values, st
     throw Error(ErrorCode::usage, "compute: the memory given does not hold " + std::to_string(samples) +
                                       " values (and as many nearest triangles where they are asked for)");
   check_memory(mesh, grid, options, true);
-  tbb::task_arena arena(thread_count(options));
-  arena.execute([&] {
+  Threads(options.threads).run([&] {
     constexpr std::size_t kGrain = std::size_t{1} << 18;
     const auto far = static_cast<float>(options.thickness);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, samples, kGrain), [&](const auto& range) {

@@ -2,7 +2,6 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,6 +13,7 @@
 #include "field/backend.h"
 #include "field/options.h"
 #include "field/skip.h"
+#include "field/threads.h"
 #include "geometry/sample_range.h"
 
 namespace difi {
@@ -49,7 +49,7 @@ double tiles_reached(MeshView mesh, const Grid& grid, const Options& options) {
     return sum;
   };
   constexpr std::size_t kGrain = std::size_t{1} << 14;
-  return tbb::task_arena(thread_count(options)).execute([&] {
+  return Threads(options.threads).run([&] {
     return std::min(all, tbb::parallel_reduce(tbb::blocked_range<std::size_t>(0, mesh.triangles.size(), kGrain), 0.0,
                                               add, std::plus<>()));
   });
@@ -60,7 +60,7 @@ std::int64_t bytes_needed(std::int64_t triangles, double tiles, const Grid& grid
   const double output = dense ? 4.0 * static_cast<double>(grid.sample_count()) * (options.nearest_triangle ? 2 : 1)
                               : field_bytes(tiles, tiles_of(grid.size), options.nearest_triangle);
   const double scratch =
-      static_cast<double>(backend.scratch_bytes(triangles, grid, options.thickness, thread_count(options)));
+      static_cast<double>(backend.scratch_bytes(triangles, grid, options.thickness, thread_count(options.threads)));
   const SkipRule rule = effective_rule(options);
   const double kept = rule.kind == SkipRule::Kind::none ? 0 : static_cast<double>(skip_bytes(triangles, rule));
   const double total = output + scratch + kept;

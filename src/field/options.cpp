@@ -1,8 +1,5 @@
 #include "field/options.h"
 
-#include <tbb/task_arena.h>
-
-#include <algorithm>
 #include <string>
 
 namespace difi {
@@ -14,11 +11,6 @@ void validate(const Options& options) {
   if (options.memory_limit < 0) fail("the memory limit must be zero (none) or more");
   if (options.skip.kind == SkipRule::Kind::neighbour && !(options.skip.fraction > 0 && options.skip.fraction <= 1))
     fail("the neighbour rule's fraction must be above 0 and at most 1");
-}
-
-int thread_count(const Options& options) {
-  if (options.threads > 0) return options.threads;
-  return std::max(1, tbb::this_task_arena::max_concurrency());
 }
 
 SkipRule effective_rule(const Options& options) {

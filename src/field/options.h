@@ -7,8 +7,6 @@ namespace difi {
 
 /// Throws Error{usage} for options that make no sense.
 void validate(const Options& options);
-/// The threads to use, at least 1.
-int thread_count(const Options& options);
 /// The skip rule of the method where none is named; never automatic.
 SkipRule effective_rule(const Options& options);
 

@@ -1,7 +1,6 @@
 #include "difi/verify.h"
 
 #include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include <vector>
 
 #include "field/progress.h"
+#include "field/threads.h"
 #include "field/triangle_groups.h"
 
 namespace difi {
@@ -111,8 +111,7 @@ Verified verify(const DistanceField& field, MeshView mesh, const VerifyOptions& 
   ProgressMeter progress(talk);
   const auto samples = choose_samples(field, options.samples, options.seed);
   std::vector<Finding> findings(samples.size());
-  tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
-  arena.execute([&] {
+  Threads(options.threads).run([&] {
     progress.stage("sort", 1, 0, 0.05);
     const TriangleGroups groups(mesh);
     progress.stage("verify", static_cast<std::int64_t>(samples.size()), 0.05, 1);

@@ -1,5 +1,4 @@
 #include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include <atomic>
 #include <cmath>
@@ -9,6 +8,7 @@
 #include <string>
 
 #include "difi/simulation.h"
+#include "field/threads.h"
 #include "simulation/crossing.h"
 
 namespace difi {
@@ -215,8 +215,7 @@ void World::run(std::int64_t steps, const Visit& visit) {
         cancelled = !state.options.progress({"fly", static_cast<double>(done) / all});
     }
   };
-  tbb::task_arena arena(state.options.threads > 0 ? state.options.threads : tbb::task_arena::automatic);
-  arena.execute([&] { tbb::parallel_for(std::size_t{0}, state.fliers.size(), fly); });
+  Threads(state.options.threads).run([&] { tbb::parallel_for(std::size_t{0}, state.fliers.size(), fly); });
   if (cancelled) throw Error(ErrorCode::interrupted, "simulation: cancelled");
 }
 

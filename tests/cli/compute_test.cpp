@@ -72,6 +72,12 @@ TEST_F(Compute, Json) {
 
 TEST_F(Compute, FullFieldHasNoThicknessInJson) { EXPECT_TRUE(planned("-r 9")["thickness"].is_null()); }
 
+// TBB refused threads beyond the cores, with a warning of its own on stderr.
+TEST_F(Compute, MoreThreadsThanCores) {
+  const Ran ran = done(words("compute scene:box -r 20 -o a.vti -q -j 200"));
+  EXPECT_EQ(ran.err, "");
+}
+
 TEST_F(Compute, DryRunWritesNothing) {
   const Ran text = done(words("compute scene:box --dry-run"));
   EXPECT_NE(text.out.find("grid 256 x "), std::string::npos) << text.out;

@@ -1,13 +1,12 @@
 #include "cpu/thesis.h"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
-#include <tbb/task_arena.h>
 
 #include <cmath>
 #include <vector>
 
 #include "field/skip.h"
+#include "field/threads.h"
 #include "tests/support/fields.h"
 #include "tests/support/random_mesh.h"
 
@@ -32,7 +31,7 @@ Outcome run(MeshView mesh, const Grid& grid, double thickness, int threads = 2, 
   Sink sink(result.field);
   ProgressMeter progress(options);
   const Job job{mesh, kept, grid, thickness, threads, Simd::automatic, progress};
-  tbb::task_arena(threads).execute([&] { result.counts = cpu::run_thesis(job, sink); });
+  Threads(threads).run([&] { result.counts = cpu::run_thesis(job, sink); });
   return result;
 }
 
@@ -132,7 +131,6 @@ TEST(Thesis, GivesTheSameBitsForAnyNumberOfThreads) {
   const std::size_t originals = mesh.triangles.size();
   for (std::size_t t = 0; t < originals; ++t) mesh.triangles.push_back(mesh.triangles[t]);
   const Grid grid{{20, 18, 17}, {-5, -4.5, -4}, {0.5, 0.5, 0.5}};
-  const tbb::global_control more_than_cores(tbb::global_control::max_allowed_parallelism, 8);
   const Outcome one = run(mesh, grid, 1, 1);
   for (int threads = 2; threads <= 8; ++threads) {
     const Outcome many = run(mesh, grid, 1, threads);

@@ -1,6 +1,5 @@
 // Memory: what a computation says that it needs against what it takes, and what happens when there is none.
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <atomic>
@@ -95,7 +94,6 @@ constexpr std::int64_t kSmallThings = 64 << 10;
 
 void expect_enough(const Mesh& mesh, double thickness) {
   const Grid grid = cube(64, {-5, -5, -5}, 10);
-  const tbb::global_control really_so_many(tbb::global_control::max_allowed_parallelism, 8);
   for (const int threads : {1, 8})
     for (const bool nearest : {false, true}) {
       Options options;

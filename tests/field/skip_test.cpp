@@ -1,8 +1,7 @@
 #include "field/skip.h"
+#include "field/threads.h"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
@@ -189,10 +188,9 @@ TEST(ExactRule, FindsEveryCopyInALargeMeshOnAnyNumberOfThreads) {
     copies.insert(static_cast<std::uint32_t>(mesh.triangles.size()));
     mesh.triangles.push_back(mesh.triangles[random.below(60000)]);
   }
-  const tbb::global_control more_than_cores(tbb::global_control::max_allowed_parallelism, 8);
   const SkipRule rule{SkipRule::Kind::exact, 1};
   const auto kept_with = [&](int threads) {
-    return tbb::task_arena(threads).execute([&] { return kept_triangles(mesh, kGrid, 1, rule); });
+    return Threads(threads).run([&] { return kept_triangles(mesh, kGrid, 1, rule); });
   };
   const Kept kept = kept_with(1);
   EXPECT_EQ(kept.size(), 60000u);
