@@ -92,7 +92,7 @@ TEST_F(Errors, UsageOfValues) {
       {"compute box.obj --spacing 1,2", 2, "--spacing '1,2': give one number, or three"},
       {"compute box.obj --spacing 1,2,x", 2, "'x' is not a number"},
       {"compute box.obj --spacing nan", 2, "'nan' is not a number"},
-      {"compute box.obj -j 1000000", 2, "-j '1000000': give a whole number from 1 to "},
+      {"compute box.obj -j 1000000", 2, "--threads '1000000': give a whole number from 1 to "},
       {"compute box.obj --spacing +1e999", 2, "'+1e999' is out of the range of numbers"},
       {"compute box.obj --spacing 1e999x", 2, "'1e999x' is not a number"},
       {"compute box.obj --size 1,2", 2, "--size '1,2': give three whole numbers"},
