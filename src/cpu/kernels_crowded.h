@@ -2,17 +2,20 @@
 // before anything is known of the triangles, and only those that some block of the cell chooses (kernels_cell_blocks.h)
 // are set up and measured. Included like kernels_body.h, after kernels_cells.h.
 
-// What the points and boxes of candidates, and the distances computed for them, may be off by.
+// What the points and boxes of candidates, and the distances computed for them, may be off by. What lies past the last
+// box counts as the brick's centre, which adds nothing.
 DIFI_INLINE float slack_of(const CrowdedCell& cell, std::int64_t first, int count) {
   WideFloat from_brick(0), coordinate(cell.extent);
   for (int n = 0; n < count; n += kLanes) {
-    const int used = count - n < kLanes ? count - n : kLanes;
-    for (int axis = 0; axis < 3; ++axis)
+    const Mask used = lanes_in_use(count - n);
+    for (int axis = 0; axis < 3; ++axis) {
+      const WideFloat center(cell.brick_center[axis]);
       for (const float* side : {cell.boxes.low[axis], cell.boxes.high[axis]}) {
-        const WideFloat at = load_some(side + first + n, used);
+        const WideFloat at = select(used, WideFloat::load(side + first + n), center);
         coordinate = max(coordinate, abs(at));
-        from_brick = max(from_brick, abs(at - WideFloat(cell.brick_center[axis])));
+        from_brick = max(from_brick, abs(at - center));
       }
+    }
   }
   return reduce_max(from_brick) * kFrameError + reduce_max(coordinate) * kBoxError + kSlack;
 }

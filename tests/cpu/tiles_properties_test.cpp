@@ -15,6 +15,7 @@ namespace {
 
 using testing::add_triangle;
 using testing::computed;
+using testing::crowd;
 using testing::expect_same_bits;
 using testing::for_each_sample;
 using testing::kInfinity;
@@ -191,17 +192,6 @@ TEST(TilesProperties, BothWaysToGatherAgreeWhereBothKnow) {
       });
     }
   }
-}
-
-// Many more triangles than samples: a ball of them, and points on a sphere seen from inside and outside.
-Mesh crowd(unsigned seed, int triangles) {
-  Mesh mesh = random_soup(seed, triangles, 1.5, 0.15);
-  testing::Random random(seed + 1);
-  for (int n = 0; n < triangles; ++n) {
-    const Vec3 at = random.in_cube(1), on_sphere = at * (5 / length(at));
-    add_triangle(mesh, on_sphere, on_sphere + random.in_cube(0.2), on_sphere + random.in_cube(0.2));
-  }
-  return mesh;
 }
 
 // A field is the least of the fields of its parts, bit for bit; these are small enough that no block of theirs chooses
