@@ -47,9 +47,6 @@ DIFI_INLINE void load_group(const Lattice& lattice, const Brick& brick, const Ca
     group.corner[which] = {load_column(rows[which], 0), load_column(rows[which], 1), load_column(rows[which], 2)};
 }
 
-// The lanes that hold one of `left` things, of which sixteen are looked at together.
-DIFI_INLINE Mask lanes_in_use(std::int64_t left) { return mask_from_bits(left < kLanes ? (1u << left) - 1 : 0xffffu); }
-
 DIFI_INLINE const WideFloat& component(const WidePoint& p, int axis) { return axis == 0 ? p.x : axis == 1 ? p.y : p.z; }
 
 // The blocks that hold samples within the thickness of each triangle's box, per axis: first > last for none.

@@ -88,7 +88,8 @@ DIFI_INLINE void choose_for_blocks(const CellSamples& samples, const BlockLimits
         gap_sq[axis][n] = gap * gap;
       }
     }
-    const Mask used = lanes_in_use(count - first);
+    const int left = count - first;
+    const Mask used = mask_from_bits(left < kLanes ? (1u << left) - 1 : 0xffffu);
     Mask chosen[kBlocksOfCell];
     for (int block = 0; block < kBlocksOfCell; ++block) {
       WideFloat beyond(__builtin_inff());  // by how much the farthest limit is missed
