@@ -12,7 +12,7 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   set_source_files_properties(src/cpu/kernels_avx2.cpp src/collision/kernels_avx2.cpp PROPERTIES COMPILE_OPTIONS "${DIFI_AVX2_FLAGS}")
   set_source_files_properties(src/cpu/kernels_avx512.cpp src/collision/kernels_avx512.cpp PROPERTIES COMPILE_OPTIONS "${DIFI_AVX512_FLAGS}")
 endif()
-# What the address sanitizer sees as well, at a third of the time these kernels take to compile.
+# Pointers are left to the address sanitizer here: with these checks the kernels take three times as long to compile.
 if("undefined" IN_LIST DIFI_SANITIZE AND "address" IN_LIST DIFI_SANITIZE)
   set_source_files_properties(src/cpu/kernels_portable.cpp PROPERTIES COMPILE_OPTIONS "-fno-sanitize=alignment,null,object-size")
 endif()

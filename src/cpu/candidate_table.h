@@ -61,7 +61,7 @@ struct CandidateTable {
     std::uint16_t lanes;
   };
   Active active[kGroups];
-  int active_groups, active_candidates;
+  int active_groups;
 
   CandidateList list;                                                       ///< those of a cell
   alignas(64) float listed_extent[kExtentNumbers][(kGroups + 1) * kLanes];  ///< of the candidates in the list

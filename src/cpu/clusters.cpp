@@ -45,8 +45,7 @@ Clusters::Clusters(const Job& job, const Lattice& lattice) : job_(job), lattice_
 
 PackContents Clusters::contents(std::uint32_t entry) const {
   const std::uint32_t pack = entry - triangles_;
-  std::size_t level = 0;
-  while (pack >= level_begin_[level + 1]) ++level;
+  const std::size_t level = level_of(pack);
   // Of a level of n packs or triangles the k-th pack holds kFanout, from k * kFanout on.
   const std::uint32_t begin = level == 0 ? 0 : triangles_ + level_begin_[level - 1];
   const std::uint32_t end = level == 0 ? triangles_ : triangles_ + level_begin_[level];

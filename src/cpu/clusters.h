@@ -32,6 +32,10 @@ class Clusters {
   /// The pack that holds all others.
   std::uint32_t top() const { return triangles_ + level_begin_.back() - 1; }
 
+  /// How many triangles an entry stands for, at most: the last pack of a level may hold fewer.
+  std::int64_t triangles_in(std::uint32_t entry) const {
+    return is_pack(entry) ? std::int64_t{kFanout} << 4 * level_of(entry - triangles_) : 1;
+  }
   /// What the pack that an entry stands for holds.
   PackContents contents(std::uint32_t entry) const;
   /// Asks the memory for the boxes of a pack that will be looked at soon.
@@ -45,6 +49,12 @@ class Clusters {
   float extent() const { return extent_; }
 
  private:
+  static_assert(kFanout == 1 << 4);
+  std::size_t level_of(std::uint32_t pack) const {
+    std::size_t level = 0;
+    while (pack >= level_begin_[level + 1]) ++level;
+    return level;
+  }
   float slack_at(float coordinate) const;
   void sort();
   void box_triangles();

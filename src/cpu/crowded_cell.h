@@ -22,7 +22,7 @@ struct CrowdedCell {
 struct CrowdedTable {
   static constexpr int kMost = kTableGroups * kLanes;
 
-  std::uint32_t chosen[kMost + kLanes];  ///< mesh indices
+  std::uint32_t chosen[kMost];  ///< mesh indices
   int chosen_count;
   FrameGroup groups[kTableGroups];          ///< the same set up
   CandidateList block_list[kBlocksOfCell];  ///< of those, the ones that a block has to look at

@@ -233,7 +233,7 @@ class Descent {
     constexpr std::int64_t kCrowd = 800;
     std::int64_t triangles = 0;
     for (std::int64_t n = 0; n < list.size(); ++n)
-      triangles += clusters_.is_pack(list.entry(n)) ? Clusters::kFanout : list.longest_side(n) < small ? 1 : 0;
+      if (list.longest_side(n) < small) triangles += clusters_.triangles_in(list.entry(n));
     return triangles > kCrowd;
   }
 

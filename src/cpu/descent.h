@@ -27,7 +27,7 @@ class CandidateUse {
 /// Tells `use` of every brick that may hold samples within the thickness.
 void for_each_brick_by_descent(const Job& job, const Lattice& lattice, const Kernels& kernels, CandidateUse& use);
 
-/// Bytes that for_each_brick_by_descent may hold, its lists of candidates counted once for each triangle.
+/// Bytes that for_each_brick_by_descent may hold, but for its lists of candidates (docs/tiles.md, Memory).
 std::int64_t descent_scratch_bytes(std::int64_t triangles);
 
 }  // namespace difi::cpu

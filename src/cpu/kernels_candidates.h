@@ -196,11 +196,10 @@ DIFI_INLINE std::uint32_t chosen(const CandidateTable::Group& g, const CellCorne
 
 // Writes down which groups and lanes a cell has to look at.
 DIFI_INLINE void choose(CandidateTable& table, const CellCorners& cell) {
-  table.active_groups = table.active_candidates = 0;
+  table.active_groups = 0;
   for (int n = 0; n < table.count; ++n) {
     const std::uint32_t lanes = chosen(table.groups[n], cell);
     table.active[table.active_groups] = {static_cast<std::uint16_t>(n), static_cast<std::uint16_t>(lanes)};
     table.active_groups += lanes != 0;
-    table.active_candidates += __builtin_popcount(lanes);
   }
 }

@@ -13,9 +13,8 @@ DIFI_INLINE void list_chosen(CandidateTable& table) {
   }
 }
 
-// The same for their extents. What fills up the last register lies far from everything.
+// The same for their extents.
 DIFI_INLINE void list_extents(CandidateTable& table) {
-  constexpr float kFarAway = 0x1p60f;
   int count = 0;
   for (int n = 0; n < table.active_groups; ++n) {
     const CandidateTable::Active& active = table.active[n];
@@ -24,7 +23,6 @@ DIFI_INLINE void list_extents(CandidateTable& table) {
       store_packed(table.listed_extent[k] + count, lanes, WideFloat::load(table.groups[active.group].extent[k]));
     count += __builtin_popcount(active.lanes);
   }
-  for (float* const numbers : table.listed_extent) WideFloat(kFarAway).store(numbers + count);
 }
 
 // Lists for each block of the cell the candidates that it chooses.

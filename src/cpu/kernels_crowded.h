@@ -2,19 +2,16 @@
 // before anything is known of the triangles, and only those that some block of the cell chooses (kernels_cell_blocks.h)
 // are set up and measured. Included like kernels_body.h, after kernels_cells.h.
 
-// What the points and boxes of candidates, and the distances computed for them, may be off by.
-DIFI_INLINE float slack_of(const CrowdedCell& cell, std::int64_t first, int count) {
-  WideFloat from_brick(0), coordinate(cell.extent);
-  for (int n = 0; n < count; n += kLanes) {
-    const int used = count - n < kLanes ? count - n : kLanes;
-    for (int axis = 0; axis < 3; ++axis)
-      for (const float* side : {cell.boxes.low[axis], cell.boxes.high[axis]}) {
-        const WideFloat at = load_some(side + first + n, used);
-        coordinate = max(coordinate, abs(at));
-        from_brick = max(from_brick, abs(at - WideFloat(cell.brick_center[axis])));
-      }
-  }
-  return reduce_max(from_brick) * kFrameError + reduce_max(coordinate) * kBoxError + kSlack;
+// What the points of candidates, and the distances computed for them, may be off by beside the share of themselves that
+// block_limits() adds. Points are rounded to kBoxError of the grid, or, where they lie far outside, to a share of their
+// distance. Distances in a frame may be off by kFrameError of how far the triangle reaches from the brick's centre. Up
+// to kNear that is less than kSlack; beyond, a triangle that is not long is half as far from each sample, and the share
+// covers it. Long triangles are measured by lines, which do not lose more the longer they are.
+DIFI_INLINE float slack_in(const CrowdedCell& cell) {
+  constexpr float kNear = 64;
+  static_assert(kNear * kFrameError < kSlack && kNear >= 2 * (kLongTriangle + kBrickSide));
+  static_assert(2 * kFrameError < kSlackShare / 2);
+  return cell.extent * kBoxError + kSlack;
 }
 
 // Lists for each block the candidates it chooses, numbered in the order of all that are chosen.
@@ -67,7 +64,7 @@ void gather_crowded(const Lattice& lattice, const Brick& brick, const CrowdedCel
       const float* const point = cell.points[cell.boxes.entry[first + n]];
       distances.look_at(samples, point[0], point[1], point[2]);
     }
-    const BlockLimits limits = block_limits(lattice, cell.at, distances, slack_of(cell, first, count), state);
+    const BlockLimits limits = block_limits(lattice, cell.at, distances, slack_in(cell), state);
     choose_crowded(cell, samples, limits, first, count, table);
     set_up_chosen(lattice, brick, mesh, table);
     for (int n = 0; n < kBlocksOfCell; ++n)

@@ -254,17 +254,6 @@ TEST(Simd, PacksTheLanesOfAMask) {
   });
 }
 
-// Past `count` nothing may be read: memory may end there, which the address sanitizer watches.
-TEST(Simd, LoadsSomeLanes) {
-  for (const SimdOperations* target : targets())
-    for (int count = 0; count <= kLanes; ++count) {
-      const std::vector<float> some(static_cast<std::size_t>(count), 2.5f);
-      Lanes out;
-      target->load_some(some.data(), count, out.data());
-      for (int n = 0; n < kLanes; ++n) EXPECT_EQ(out[n], n < count ? 2.5f : 0.0f) << target->name << " " << count;
-    }
-}
-
 TEST(Simd, LoadsColumnsOfRows) {
   float rows[kLanes][4];
   for (int n = 0; n < kLanes; ++n)

@@ -1,6 +1,7 @@
 // The method tiles: the same bits for any number of threads, any run, any instruction set and either kind of memory.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <limits>
 
@@ -57,9 +58,7 @@ TEST(TilesDeterminism, AnyNumberOfThreadsAndAnyRun) {
   }
 }
 
-TEST(TilesDeterminism, AnyInstructionSet) {
-  const Mesh mesh = mixed_mesh(100);
-  const Grid grid{{19, 18, 21}, {-4.4, -4.3, -4.6}, {0.5, 0.5, 0.5}};
+void expect_any_instruction_set(const Mesh& mesh, const Grid& grid) {
   for (const double thickness : kThicknesses) {
     const Computed portable = computed(mesh, grid, thickness, Simd::portable);
     EXPECT_EQ(portable.report.device, "portable");
@@ -73,6 +72,23 @@ TEST(TilesDeterminism, AnyInstructionSet) {
       EXPECT_EQ(portable.report.samples_band, wide.report.samples_band);
     }
   }
+}
+
+TEST(TilesDeterminism, AnyInstructionSet) {
+  expect_any_instruction_set(mixed_mesh(100), {{19, 18, 21}, {-4.4, -4.3, -4.6}, {0.5, 0.5, 0.5}});
+}
+
+TEST(TilesDeterminism, AnyInstructionSetWhereTilesAreCrowded) {
+  expect_any_instruction_set(testing::crowd(45, 3000), {{13, 11, 9}, {-3, -3, -3}, {0.6, 0.6, 0.6}});
+}
+
+TEST(TilesDeterminism, TheOrderOfTrianglesOfACrowd) {
+  const Grid grid{{21, 13, 17}, {-6, -3, -5}, {0.6, 0.45, 0.3}};
+  Mesh mesh = testing::crowd(46, 3000);
+  const Computed before = computed(mesh, grid, kInfinity);
+  std::ranges::reverse(mesh.triangles);
+  EXPECT_TRUE(testing::bits_of(before.field.to_dense()) ==
+              testing::bits_of(computed(mesh, grid, kInfinity).field.to_dense()));
 }
 
 TEST(TilesDeterminism, DenseMemoryIsFilledWhateverItHeld) {

@@ -136,9 +136,10 @@ TEST(TilesExact, SpacingsJustAboveAPowerOfTwo) {
 }
 
 TEST(TilesExact, SeveralBricksAndManyTriangles) {
-  // More candidates than one table of 8192 holds, all near one point.
-  const Mesh mesh = random_soup(26, 9000, 0.02, 0.01);
-  expect_exact(mesh, {{3, 3, 3}, {-5, -5, -5}, {5, 5, 5}}, {kInfinity});
+  // More candidates than one table of 2048 holds: small ones, of which cells choose first, and too large for that.
+  const Grid grid{{3, 3, 3}, {-5, -5, -5}, {5, 5, 5}};
+  expect_exact(random_soup(26, 9000, 0.02, 0.01), grid, {kInfinity});
+  expect_exact(random_soup(30, 4000, 8, 7.5), grid, {kInfinity});
   expect_exact(random_soup(27, 300, 12, 0.7), {{37, 10, 33}, {-12, -3, -10}, {0.7, 0.7, 0.7}}, {4, kInfinity});
 }
 

@@ -15,6 +15,7 @@ namespace {
 
 using testing::add_triangle;
 using testing::computed;
+using testing::crowd;
 using testing::expect_same_bits;
 using testing::for_each_sample;
 using testing::kInfinity;
@@ -193,17 +194,6 @@ TEST(TilesProperties, BothWaysToGatherAgreeWhereBothKnow) {
   }
 }
 
-// Many more triangles than samples: a ball of them, and points on a sphere seen from inside and outside.
-Mesh crowd(unsigned seed, int triangles) {
-  Mesh mesh = random_soup(seed, triangles, 1.5, 0.15);
-  testing::Random random(seed + 1);
-  for (int n = 0; n < triangles; ++n) {
-    const Vec3 at = random.in_cube(1), on_sphere = at * (5 / length(at));
-    add_triangle(mesh, on_sphere, on_sphere + random.in_cube(0.2), on_sphere + random.in_cube(0.2));
-  }
-  return mesh;
-}
-
 // A field is the least of the fields of its parts, bit for bit; these are small enough that no block of theirs chooses
 // among its cell's candidates.
 void expect_least_of_parts(const Mesh& mesh, const Grid& grid, double thickness) {
@@ -232,6 +222,23 @@ TEST(TilesProperties, CrowdedCellsLoseNothing) {
   const Grid grids[] = {kGrid, {{20, 20, 20}, {-11, -3, 2}, {0.3, 1.1, 0.45}}};
   for (const Grid& grid : grids)
     for (const double thickness : {4.5 * grid.max_spacing(), kInfinity}) expect_least_of_parts(mesh, grid, thickness);
+}
+
+TEST(TilesProperties, BlocksOfACrowdWithinASpacingLookAtFewTriangles) {
+  // So small against the spacing that tiles are handed packs of packs. Where each counts as sixteen triangles, tiles
+  // are not found to be crowded, and 34,000 distances are computed instead of 22,000.
+  const Mesh mesh = random_soup(26, 20000, 1, 0.018);
+  const Computed found = computed(mesh, {{9, 9, 9}, {-5, -5, -5}, {1.25, 1.25, 1.25}}, kInfinity);
+  EXPECT_LT(found.report.samples_examined, 28000);
+}
+
+TEST(TilesProperties, ALongTriangleDoesNotMakeBlocksOfACrowdLookAtMore) {
+  const Grid grid{{12, 12, 12}, {-3, -3, -3}, {0.6, 0.6, 0.6}};
+  Mesh mesh = crowd(47, 6000);
+  const auto examined = [&] { return computed(mesh, grid, kInfinity).report.samples_examined; };
+  const std::int64_t before = examined();
+  add_triangle(mesh, {-3e5, -2e5, -1}, {3e5, -2e5, -1}, {0, 4e5, -1});
+  EXPECT_LT(examined(), before + before / 10);
 }
 
 TEST(TilesProperties, CrowdedTilesLoseNothing) {

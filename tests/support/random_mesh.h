@@ -69,4 +69,15 @@ inline Mesh nasty_soup(unsigned seed, int triangles, double half) {
   return mesh;
 }
 
+/// Many more triangles than samples: a ball of them, and points on a sphere seen from inside and outside.
+inline Mesh crowd(unsigned seed, int triangles) {
+  Mesh mesh = random_soup(seed, triangles, 1.5, 0.15);
+  Random random(seed + 1);
+  for (int n = 0; n < triangles; ++n) {
+    const Vec3 at = random.in_cube(1), on_sphere = at * (5 / length(at));
+    add_triangle(mesh, on_sphere, on_sphere + random.in_cube(0.2), on_sphere + random.in_cube(0.2));
+  }
+  return mesh;
+}
+
 }  // namespace difi::testing

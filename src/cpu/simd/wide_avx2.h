@@ -145,13 +145,6 @@ DIFI_INLINE WideFloat load_column(const float (*rows)[4], int axis) {
   return {_mm256_i32gather_ps(rows[0] + axis, from, 4), _mm256_i32gather_ps(rows[8] + axis, from, 4)};
 }
 
-/// Lanes p[0] to p[count - 1]; the others zero, their memory untouched. `count` from 0 to 16.
-DIFI_INLINE WideFloat load_some(const float* p, int count) {
-  const __m256i lane = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
-  const __m256i low = _mm256_cmpgt_epi32(_mm256_set1_epi32(count), lane);
-  const __m256i high = _mm256_cmpgt_epi32(_mm256_set1_epi32(count - 8), lane);
-  return {_mm256_maskload_ps(p, low), _mm256_maskload_ps(p + 8, high)};
-}
 DIFI_INLINE Mask mask_from_bits(std::uint32_t bits) {
   const __m256i bit = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
   const auto half = [&](std::uint32_t byte) __attribute__((always_inline)) {

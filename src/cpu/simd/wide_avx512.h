@@ -87,10 +87,6 @@ DIFI_INLINE WideFloat load_column(const float (*rows)[4], int axis) {
   return _mm512_mask_blend_ps(0xff00, low, high);
 }
 
-/// Lanes p[0] to p[count - 1]; the others zero, their memory untouched. `count` from 0 to 16.
-DIFI_INLINE WideFloat load_some(const float* p, int count) {
-  return _mm512_maskz_loadu_ps(static_cast<__mmask16>((1u << count) - 1), p);
-}
 DIFI_INLINE Mask mask_from_bits(std::uint32_t bits) { return {static_cast<__mmask16>(bits)}; }
 
 /// Stores the lanes of `a` whose mask bit is set, packed. `p` must have room for sixteen.

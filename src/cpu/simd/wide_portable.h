@@ -202,12 +202,6 @@ DIFI_INLINE WideFloat load_column(const float (*rows)[4], int axis) {
   return WideFloat::load(column);
 }
 
-/// Lanes p[0] to p[count - 1]; the others zero, their memory untouched. `count` from 0 to 16.
-DIFI_INLINE WideFloat load_some(const float* p, int count) {
-  float some[16] = {};
-  for (int i = 0; i < count; ++i) some[i] = p[i];
-  return WideFloat::load(some);
-}
 DIFI_INLINE Mask mask_from_bits(std::uint32_t bits) {
   Mask m;
   for (int part = 0; part < kParts; ++part) {

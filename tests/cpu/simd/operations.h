@@ -34,7 +34,6 @@ struct SimdOperations {
   Bits (*mask_or)(Bits, Bits);
   void (*select)(Bits, Floats yes, Floats no, float* out);
   void (*pack)(Bits, Floats, float* out);
-  void (*load_some)(Floats, int count, float* out);                         ///< `count` lanes to read
   void (*load_column)(const float (*rows)[4], int axis, float* out);        ///< sixteen rows
   void (*store_local)(const double* v, double scale, const double* center,  ///< three and four doubles
                       float* out);                                          ///< four, aligned to 16 bytes

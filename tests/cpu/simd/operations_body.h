@@ -41,7 +41,6 @@ constexpr SimdOperations operations_of_this_target(const char* name) {
     select(mask_from_bits(m), WideFloat::load(yes), WideFloat::load(no)).store(out);
   };
   o.pack = [](Bits m, Floats a, float* out) { store_packed(out, mask_from_bits(m), WideFloat::load(a)); };
-  o.load_some = [](Floats a, int count, float* out) { load_some(a, count).store(out); };
   o.load_column = [](const float(*rows)[4], int axis, float* out) { load_column(rows, axis).store(out); };
   o.store_local = [](const double* v, double scale, const double* center, float* out) {
     store_local(out, v, scale, center);
