@@ -9,10 +9,10 @@
 // points q cost little more than one. Far from a flat sheet, with q nearest to the cell's corners, this leaves the
 // patch under the cell; comparing distances leaves a disc that grows with the distance.
 
-// What the squares on the right are raised by, as a share of them and of the cell's. Rounding of the sum is below 2e-6
-// of that; the rest, 1e-5 |q| of distance, covers what the distances that the gather computes in float may be off by,
-// so that culling changes no bit.
-constexpr float kCullMargin = 2e-5f;
+// What the squares on the right are raised by, as a share of them and of the cell's, which is nothing for a cell of one
+// sample and counts as kLeastCellSq there at least. Rounding of the sum is below 2e-6 of that; the rest, 1e-5 |q| of
+// distance, covers what the distances that the gather computes in float may be off by, so that culling changes no bit.
+constexpr float kCullMargin = 2e-5f, kLeastCellSq = 4;
 
 // The least values of p^2 - 2hp and of p^2 + 2hp over low <= p <= high.
 struct LeastOnAxis {
@@ -80,7 +80,7 @@ DIFI_INLINE Culling culling(const CullCell& cell, const References& references) 
       c.references[n].shift[axis] = 2 * cell.half[axis] * q;
       q_sq += q * q;
     }
-    c.references[n].limit = q_sq + kCullMargin * (q_sq + half_sq);
+    c.references[n].limit = q_sq + kCullMargin * (q_sq + half_sq + kLeastCellSq);
   }
   return c;
 }
