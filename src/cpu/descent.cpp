@@ -84,8 +84,7 @@ class Descent {
     return count;
   }
 
-  // A point of the surface near `at`: the closest point of a triangle found by following the nearest boxes
-  // down.
+  // A point of the surface near `at`: the closest point of a triangle found by following the nearest boxes down.
   std::array<float, 3> surface_point(std::uint32_t entry, const float (&at)[3]) const {
     while (clusters_.is_pack(entry)) {
       const PackContents pack = clusters_.contents(entry);

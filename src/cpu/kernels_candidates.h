@@ -16,6 +16,9 @@ constexpr float kFrameError = 32 * 1.7320508f * 0x1p-23f;
 // (d-s)^2 >= d^2 - 2ds >= d^2 (1-a) - s^2/a.
 constexpr float kSlackShare = 1e-4f;
 
+// A coordinate far from all samples, the square of which is still a number.
+constexpr float kFarAway = 0x1p60f;
+
 DIFI_INLINE TriangleFrame<WideFloat> frames_of(const CandidateTable::Group& g) {
   return frame_from<WideFloat>([&](int n) __attribute__((always_inline)) { return WideFloat::load(g.frame[n]); });
 }
@@ -41,6 +44,7 @@ DIFI_INLINE void fill_table(const Lattice& lattice, const Brick& brick, const Ca
     Group loaded;
     load_group(lattice, brick, c, first, loaded);
     set_up(loaded, g);
+    const Mask is_long = mask_from_bits(g.is_long);
     WideFloat farthest(0);
     for (int axis = 0; axis < 3; ++axis) {
       const WideFloat a = component(loaded.corner[0], axis), b = component(loaded.corner[1], axis),
@@ -49,7 +53,8 @@ DIFI_INLINE void fill_table(const Lattice& lattice, const Brick& brick, const Ca
       farthest = max(farthest, max(abs(low), abs(high)));
       low.store(g.extent[axis]);
       high.store(g.extent[3 + axis]);
-      ((a + b + d) * WideFloat(1 / 3.0f)).store(g.extent[6 + axis]);
+      // Rounding may leave that of a long triangle far off it: somewhere else, where it limits nothing.
+      select(is_long, WideFloat(kFarAway), (a + b + d) * WideFloat(1 / 3.0f)).store(g.extent[6 + axis]);
     }
     const WideFloat slack = fma(farthest, WideFloat(kFrameError), WideFloat(kSlack));
     slack.store(g.slack);

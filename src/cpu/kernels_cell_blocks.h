@@ -27,6 +27,10 @@ DIFI_INLINE CellSamples cell_samples(const Lattice& lattice, const int (&at)[3],
   return s;
 }
 
+// What is added to a squared distance, beside a share of it, where the surface passes within the slack of its point:
+// (d+s)^2 <= d^2 (1+a) + s^2 (1+1/a).
+DIFI_INLINE float beyond_slack(float slack) { return slack * slack * (1 + 1 / kSlackShare); }
+
 // Squared distances of a cell's samples from the nearest of the points looked at.
 struct PointDistances {
   WideFloat least_sq[kBlocksOfCell];
@@ -34,8 +38,9 @@ struct PointDistances {
   DIFI_INLINE PointDistances() {
     for (WideFloat& l : least_sq) l = WideFloat(__builtin_inff());
   }
-  DIFI_INLINE void look_at(const CellSamples& s, const float& px, const float& py, const float& pz) {
-    const WideFloat dx = s.x - WideFloat(px), dx_sq = dx * dx;
+  // A point of which it is known only that the surface passes near, by a squared distance that is this much larger.
+  DIFI_INLINE void look_at(const CellSamples& s, float px, float py, float pz, float added_sq = 0) {
+    const WideFloat dx = s.x - WideFloat(px), dx_sq = fma(dx, dx, WideFloat(added_sq));
     for (int k = 0; k < kCellBlocks; ++k) {
       const WideFloat dz = s.z[k] - WideFloat(pz), dxz_sq = fma(dz, dz, dx_sq);
       for (int j = 0; j < kCellBlocks; ++j) {
@@ -60,8 +65,7 @@ struct BlockLimits {
 DIFI_INLINE BlockLimits block_limits(const Lattice& lattice, const int (&at)[3], const PointDistances& points,
                                      float slack, const BrickState& state) {
   const float slack_sq = slack * slack, within = lattice.thickness * (1 + kSlack);
-  // The surface passes within the slack of the points: (d+s)^2 <= d^2 (1+a) + s^2 (1+1/a).
-  const WideFloat added(slack_sq * (1 + 1 / kSlackShare));
+  const WideFloat added(beyond_slack(slack));
   // A box is out when gap^2 (1-a) - s^2/a > known, and 1/(1-a) < 1 + 2a.
   const WideFloat lowered_by(slack_sq / kSlackShare);
   BlockLimits limits;

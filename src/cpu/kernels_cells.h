@@ -33,14 +33,17 @@ DIFI_INLINE void list_for_blocks(const Lattice& lattice, CandidateTable& table, 
   const auto& extent = table.listed_extent;
   PointDistances distances;
   for (int n = 0; n < table.list.count; ++n) distances.look_at(samples, extent[6][n], extent[7][n], extent[8][n]);
-  WideFloat slack(0);
-  for (const CandidateTable::Corner* reference : cell.reference) {
-    distances.look_at(samples, reference->point[0], reference->point[1], reference->point[2]);
-    slack = max(slack, WideFloat(reference->slack));
+  // Long triangles are measured by lines, which do not lose more the longer they are.
+  WideFloat widest(kSlack);
+  for (int n = 0; n < table.active_groups; ++n) {
+    const CandidateTable::Group& g = table.groups[table.active[n].group];
+    widest = max(widest, select(mask_from_bits(g.is_long), WideFloat(0), WideFloat::load(g.slack)));
   }
-  for (int n = 0; n < table.active_groups; ++n)
-    slack = max(slack, WideFloat::load(table.groups[table.active[n].group].slack));
-  const BlockLimits limits = block_limits(lattice, at, distances, reduce_max(slack), state);
+  const float slack = reduce_max(widest);
+  for (const CandidateTable::Corner* reference : cell.reference)
+    distances.look_at(samples, reference->point[0], reference->point[1], reference->point[2],
+                      reference->slack > slack ? beyond_slack(reference->slack) : 0);
+  const BlockLimits limits = block_limits(lattice, at, distances, slack, state);
   for (CandidateList& list : table.block_list) list.count = 0;
   choose_for_blocks(
       samples, limits, {extent[0], extent[1], extent[2]}, {extent[3], extent[4], extent[5]},
