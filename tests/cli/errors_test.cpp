@@ -285,9 +285,8 @@ TEST_F(Errors, ControlBytesAreShownAsQuestionMarks) {
   };
   const Ran name = run({"compute", "a\x1b[31m\x7f.stl"});
   EXPECT_EQ(name.err, "difi: error: a?[31m?.stl: no such file; check the name\n");
-  write_bytes(folder / "zero.ply", std::string("ply\nformat ascii 1.0\nelement a\0\x1b 1\nproperty list char char b\n"
-                                               "end_header\n-1\n",
-                                               79));
+  constexpr char kZero[] = "ply\nformat ascii 1.0\nelement a\0\x1b 1\nproperty list char char b\nend_header\n-1\n";
+  write_bytes(folder / "zero.ply", std::string(kZero, sizeof kZero - 1));
   const Ran file = run(words("info zero.ply"));
   EXPECT_TRUE(file.says("zero.ply:a?? 0: a list of -1 values; the file is damaged\n")) << file.err;
   EXPECT_TRUE(clean(file.err)) << file.err;
