@@ -2,6 +2,11 @@
 //
 // They lie on an edge of each, or on a corner of one and over the inside of the other: nine pairs of segments and six
 // corners. Nothing is fused, so that all instruction sets round alike.
+//
+// The distance errs by a few roundings of the pair's extent, whatever the shapes (docs/collision.md says how many, a
+// test holds it): places on an edge and over a face come from vectors that are made perpendicular to one another, not
+// from determinants, whose errors grow as nearly parallel edges and slivers get thinner. What is off then is a place
+// along such an edge, and only by so much that the distance there differs by a rounding.
 #pragma once
 
 #include "geometry/triple.h"
@@ -29,7 +34,6 @@ template <class F>
 struct Edges {
   Triple<F> corner[3], way[3];
   F inverse_sq[3];  ///< of the length; 0 for none
-  F length_sq[3];
 };
 
 template <class F>
@@ -38,9 +42,9 @@ DIFI_INLINE Edges<F> edges_of(const Triple<F> (&corner)[3]) {
   for (int k = 0; k < 3; ++k) {
     e.corner[k] = corner[k];
     e.way[k] = corner[(k + 1) % 3] - corner[k];
-    e.length_sq[k] = plain_dot(e.way[k], e.way[k]);
-    const auto some = less(F(0), e.length_sq[k]);
-    e.inverse_sq[k] = select(some, F(1) / select(some, e.length_sq[k], F(1)), F(0));
+    const F length_sq = plain_dot(e.way[k], e.way[k]);
+    const auto some = less(F(0), length_sq);
+    e.inverse_sq[k] = select(some, F(1) / select(some, length_sq, F(1)), F(0));
   }
   return e;
 }
@@ -55,19 +59,21 @@ DIFI_INLINE void take_if_nearer(PairPoints<F>& best, const Triple<F>& on_p, cons
   best.on_q = select(nearer, on_q, best.on_q);
 }
 
-/// Edge i of p and edge j of q. The first guess at the place on p's edge is that of the lines, the place on q's edge is
-/// the best for it, and the place on p's edge then the best for that: each step only comes nearer, and together they
-/// find the least distance (Ericson, Real-Time Collision Detection, 5.1.9).
+/// Edge i of p and edge j of q. The place on p's edge is first that of the lines: where what p's edge has across q's,
+/// `across`, takes most from what the start has across it, `start`. The place on q's edge is the best for that, and the
+/// place on p's edge then the best for this one: each step only comes nearer, and together they find the least distance
+/// (Ericson, Real-Time Collision Detection, 5.1.9).
 template <class F>
 DIFI_INLINE void try_edges(const Edges<F>& p, int i, const Edges<F>& q, int j, PairPoints<F>& best) {
   const auto within = [](const F& t) __attribute__((always_inline)) { return min(max(t, F(0)), F(1)); };
   const Triple<F>&u = p.way[i], &v = q.way[j], r = p.corner[i] - q.corner[j];
-  const F ur = plain_dot(u, r), vr = plain_dot(v, r), uv = plain_dot(u, v);
-  const F denominator = p.length_sq[i] * q.length_sq[j] - uv * uv;
-  const auto skew = less(F(0), denominator);
-  const F guess = select(skew, within((uv * vr - ur * q.length_sq[j]) / select(skew, denominator, F(1))), F(0));
-  const F t = within((uv * guess + vr) * q.inverse_sq[j]);
-  const F s = within((uv * t - ur) * p.inverse_sq[i]);
+  const F uv = plain_dot(u, v), u_on_v = uv * q.inverse_sq[j], r_on_v = plain_dot(v, r) * q.inverse_sq[j];
+  const Triple<F> across = u - v * u_on_v, start = r - v * r_on_v;
+  const F across_sq = plain_dot(across, across);
+  const auto skew = less(F(0), across_sq);
+  const F guess = select(skew, within(-plain_dot(across, start) / select(skew, across_sq, F(1))), F(0));
+  const F t = within(u_on_v * guess + r_on_v);
+  const F s = within((uv * t - plain_dot(u, r)) * p.inverse_sq[i]);
   take_if_nearer(best, p.corner[i] + u * s, q.corner[j] + v * t);
 }
 
@@ -75,28 +81,37 @@ DIFI_INLINE void try_edges(const Edges<F>& p, int i, const Edges<F>& q, int j, P
 /// weights, so that even for slivers it is a point of the triangle, and no distance to it too small.
 template <class F>
 struct Feet {
-  Triple<F> corner[3], inward[3], way_1, way_2;
+  Triple<F> corner, along, side;     ///< the first corner, and the edges from it
+  Triple<F> across;                  ///< what `side` has across `along`
+  F along_inverse_sq, across_inverse_sq, side_on_along;
 
   DIFI_INLINE explicit Feet(const Edges<F>& e)
-      : corner{e.corner[0], e.corner[1], e.corner[2]}, way_1(e.way[0]), way_2(e.corner[2] - e.corner[0]) {
-    const Triple<F> normal = plain_cross(way_1, way_2);
-    for (int k = 0; k < 3; ++k) inward[k] = plain_cross(normal, e.way[k]);
+      : corner(e.corner[0]), along(e.way[0]), side(e.corner[2] - e.corner[0]), along_inverse_sq(e.inverse_sq[0]) {
+    side_on_along = plain_dot(along, side) * along_inverse_sq;
+    across = side - along * side_on_along;
+    // Once more: rounding has left it some of `along`, which for a sliver is much of it.
+    across = across - along * (plain_dot(along, across) * along_inverse_sq);
+    const F across_sq = plain_dot(across, across);
+    const auto flat = less(F(0), across_sq);
+    across_inverse_sq = select(flat, F(1) / select(flat, across_sq, F(1)), F(0));
   }
   /// Sets `foot`, and tells where it lies inside.
   DIFI_INLINE auto below(const Triple<F>& point, Triple<F>& foot) const {
-    const F a = plain_dot(inward[0], point - corner[0]), b = plain_dot(inward[1], point - corner[1]),
-            c = plain_dot(inward[2], point - corner[2]);
-    const auto inside = less(F(0), min(a, min(b, c)));
-    const F inverse = F(1) / select(inside, a + b + c, F(1));
-    foot = corner[0] + way_1 * (c * inverse) + way_2 * (a * inverse);
-    return inside;
+    const Triple<F> r = point - corner;
+    const F y = plain_dot(across, r) * across_inverse_sq;
+    const F x = plain_dot(along, r) * along_inverse_sq - y * side_on_along;
+    foot = corner + along * x + side * y;
+    return less(F(0), min(min(x, y), F(1) - x - y));
   }
 };
 
-/// Errors are those of the arithmetic of F. Of triangles that touch at an edge the result is where; of crossing ones it
-/// is that of their edges and corners.
+/// Of triangles that touch at an edge the result is where; of crossing ones it is that of their edges and corners.
 template <class F>
-DIFI_INLINE PairPoints<F> closest_pair(const Triple<F> (&p)[3], const Triple<F> (&q)[3]) {
+DIFI_INLINE PairPoints<F> closest_pair(const Triple<F> (&world_p)[3], const Triple<F> (&world_q)[3]) {
+  // Relative to a corner: far from the origin nothing is lost.
+  const Triple<F> origin = world_p[0];
+  const Triple<F> p[3] = {world_p[0] - origin, world_p[1] - origin, world_p[2] - origin},
+                  q[3] = {world_q[0] - origin, world_q[1] - origin, world_q[2] - origin};
   const Edges<F> edges_p = edges_of(p), edges_q = edges_of(q);
   PairPoints<F> best{F(__builtin_inf()), p[0], q[0]};
   for (int i = 0; i < 3; ++i)
@@ -110,6 +125,7 @@ DIFI_INLINE PairPoints<F> closest_pair(const Triple<F> (&p)[3], const Triple<F> 
     const auto over_p = feet_p.below(q[k], foot);
     take_if_nearer(best, select(over_p, foot, p[0]), q[k]);
   }
+  best.on_p = best.on_p + origin, best.on_q = best.on_q + origin;
   return best;
 }
 

@@ -19,8 +19,20 @@ constexpr std::size_t kTakeTurns = 24;
 // costs less for each.
 constexpr std::size_t kRoots = 2 * kLanes;
 
+// Closest points nearer than this, in terms of the pair's extent, differ by little more than rounding.
+constexpr double kDirectionTold = 1e6 * kDistanceRounding;
+
 // Packets asked for from memory before they are looked up.
 constexpr std::size_t kAhead = 2;
+
+// Of triangles that do not touch: their closest points, whose direction is one of rounding where they are very near.
+Overlap between(const Corners& p, const Corners& q, const ClosestPair& pair) {
+  const double apart = std::sqrt(pair.distance_sq);
+  const Vec3 way = pair.on_q - pair.on_p;
+  const bool has_direction = apart > kDirectionTold * extent_of(p, q);
+  const Vec3 normal = has_direction ? way * (1 / length(way)) : overlap(p, q).normal;
+  return {pair.on_p + way * 0.5, normal, -apart};
+}
 
 class Gather {
  public:
@@ -110,14 +122,13 @@ class Gather {
   }
 
   bool settle() {
-    return batch_.settle([this](std::uint32_t field_place, std::uint32_t tree_place, const Overlap* touching) {
-      if (touching) return add(field_place, tree_place, *touching);
+    return batch_.settle([this](std::uint32_t field_place, std::uint32_t tree_place, bool touch, auto where) {
+      if (touch) return add(field_place, tree_place, where());
       if (!(margin_ > 0)) return true;
-      const ClosestPair pair = closest_points(pair_.field.world(field_place), pair_.tree.world(tree_place));
+      const Corners p = pair_.field.world(field_place), q = pair_.tree.world(tree_place);
+      const ClosestPair pair = closest_points(p, q);
       if (!(pair.distance_sq <= margin_ * margin_)) return true;
-      const double apart = std::sqrt(pair.distance_sq);
-      return add(field_place, tree_place,
-                 {(pair.on_p + pair.on_q) * 0.5, (pair.on_q - pair.on_p) * (1 / apart), -apart});
+      return add(field_place, tree_place, between(p, q, pair));
     });
   }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "collision/batch.h"
+#include "collision/overlap.h"
 #include "collision/pair_batch.h"
 #include "collision/touching.h"
 

@@ -108,25 +108,34 @@ inline Wide least(const Wide& a, const Wide& b) { return a < b ? a : b; }
 inline Wide most(const Wide& a, const Wide& b) { return a > b ? a : b; }
 inline Wide size(const Wide& a) { return most(a, -a); }
 
-// Two triangles are apart where their shadows on some axis are. The axes tried are the two normals; that they are
-// rounded does no harm, for any axis will do. Only the shadows' own rounding counts: a few roundings of products no
-// larger than |normal| (the sum of its magnitudes) times the span of the corners.
-constexpr float kShadowRounding = 4e-6f;
+// Two triangles are apart where their shadows on some axis are. The axes tried are the two normals. They are rounded,
+// and a sliver's may point anywhere: any axis will do, so long as the shadows of both triangles are measured on it, for
+// a sliver is no point on its own rounded normal. Shadows are off by a few roundings of products no larger than
+// |normal| (the sum of its magnitudes) times the span of the corners, and by what underflows, also in programs that have
+// denormals flushed to zero.
+constexpr float kShadowRounding = 4e-6f, kShadowUnderflow = 1e-36f;
 
+// Sixteen triangles, their normals, and their own shadows on these, relative to the first corners.
 struct Planes {
   Wide corner[3][3];
   Wide normal[3], normal_size;
+  Wide low, high;
 };
 inline Planes planes_of(const Faces& faces) {
   Planes p;
   for (int k = 0; k < 3; ++k)
     for (int axis = 0; axis < 3; ++axis) p.corner[k][axis] = wide(faces.corner[k][axis]);
+  Wide edge[2][3], shadow[2] = {};
+  for (int k = 0; k < 2; ++k)
+    for (int axis = 0; axis < 3; ++axis) edge[k][axis] = p.corner[k + 1][axis] - p.corner[0][axis];
   for (int axis = 0; axis < 3; ++axis) {
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-    p.normal[axis] = (p.corner[1][u] - p.corner[0][u]) * (p.corner[2][v] - p.corner[0][v]) -
-                     (p.corner[1][v] - p.corner[0][v]) * (p.corner[2][u] - p.corner[0][u]);
+    p.normal[axis] = edge[0][u] * edge[1][v] - edge[0][v] * edge[1][u];
+    for (int k = 0; k < 2; ++k) shadow[k] += p.normal[axis] * edge[k][axis];
   }
   p.normal_size = size(p.normal[0]) + size(p.normal[1]) + size(p.normal[2]);
+  p.low = least(Wide{}, least(shadow[0], shadow[1]));
+  p.high = most(Wide{}, most(shadow[0], shadow[1]));
   return p;
 }
 
@@ -136,21 +145,17 @@ struct Shadows {
 };
 inline Shadows shadows_of(const Faces& faces) {
   const Planes p = planes_of(faces);
-  Wide reach[2] = {};
-  for (int k = 0; k < 2; ++k)
-    for (int axis = 0; axis < 3; ++axis) reach[k] += p.normal[axis] * (p.corner[k + 1][axis] - p.corner[0][axis]);
   Shadows s;
   const auto store = [](const Wide& value, float* to) { *reinterpret_cast<Wide*>(to) = value; };
   for (int axis = 0; axis < 3; ++axis) store(p.normal[axis], s.normal[axis]);
   store(p.normal_size, s.normal_size);
-  store(least(Wide{}, least(reach[0], reach[1])), s.low);
-  store(most(Wide{}, most(reach[0], reach[1])), s.high);
+  store(p.low, s.low);
+  store(p.high, s.high);
   return s;
 }
 
 inline std::uint32_t not_parted(const Planes& planes, const Faces& others, const Shadows& shadows, int lane,
                                 float apart) {
-  const float *const low = shadows.low, *const high = shadows.high;
   Wide span{}, shadow[3], back[3];
   for (int k = 0; k < 3; ++k) {
     shadow[k] = back[k] = Wide{};
@@ -162,12 +167,12 @@ inline std::uint32_t not_parted(const Planes& planes, const Faces& others, const
       span = most(span, most(size(d), size(o)));
     }
   }
-  const Wide keep = apart + kShadowRounding * span, by_face = planes.normal_size * keep,
-             by_other = shadows.normal_size[lane] * keep;
-  const WideInts near = (least(shadow[0], least(shadow[1], shadow[2])) <= by_face) &
-                        (most(shadow[0], most(shadow[1], shadow[2])) >= -by_face) &
-                        (least(back[0], least(back[1], back[2])) <= high[lane] + by_other) &
-                        (most(back[0], most(back[1], back[2])) >= low[lane] - by_other);
+  const Wide keep = apart + kShadowRounding * span, by_face = planes.normal_size * keep + kShadowUnderflow,
+             by_other = shadows.normal_size[lane] * keep + kShadowUnderflow;
+  const WideInts near = (least(shadow[0], least(shadow[1], shadow[2])) <= planes.high + by_face) &
+                        (most(shadow[0], most(shadow[1], shadow[2])) >= planes.low - by_face) &
+                        (least(back[0], least(back[1], back[2])) <= shadows.high[lane] + by_other) &
+                        (most(back[0], most(back[1], back[2])) >= shadows.low[lane] - by_other);
   alignas(64) std::int32_t flags[kLanes];
   *reinterpret_cast<WideInts*>(flags) = near;
   return bits_of(flags);

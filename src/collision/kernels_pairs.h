@@ -73,12 +73,37 @@ inline void lower(Eight& depth, Points& normal, const Eight& other, const Points
   normal = select(shallower, way, normal);
 }
 
+// Below this a normal, in terms of the two edges it is made of, or the angle at which an edge passes through a plane, has
+// lost so much to rounding that the place of a contact errs by more than 1e-9 of the pair's extent: by 8 roundings of it,
+// each magnified by one over the normal's size, and again by one over the angle.
+constexpr double kBlunt = 1e-3;
+
+// The numbers of these pairs are right: no triangle is a sliver, and no edge grazes the other's plane.
+inline EightFlags distinct(const Meeting<Eight>& m, const EightPairs& pair) {
+  const Eight p_normal_sq = plain_dot(m.p_normal, m.p_normal), q_normal_sq = plain_dot(m.q_normal, m.q_normal),
+              blunt_sq(kBlunt * kBlunt);
+  const auto squared = [](const Points& v) { return plain_dot(v, v); };
+  const auto fat = [&](const Points(&t)[3], const Eight& normal_sq) {
+    return less(blunt_sq * squared(t[1] - t[0]) * squared(t[2] - t[0]), normal_sq);
+  };
+  const auto steep = [&](const Eight& from, const Eight& to, const Points& edge, const Eight& normal_sq) {
+    const Eight drop = from - to;
+    return less(blunt_sq * squared(edge) * normal_sq, drop * drop);
+  };
+  return fat(pair.p, p_normal_sq) & fat(pair.q, q_normal_sq) &
+         steep(m.a.height[0], m.a.height[1], m.a1, q_normal_sq) & steep(m.a.height[0], m.a.height[2], m.a2, q_normal_sq) &
+         steep(m.b.height[0], m.b.height[1], m.b1 - m.b0, p_normal_sq) &
+         steep(m.b.height[0], m.b.height[2], m.b2 - m.b0, p_normal_sq);
+}
+
 void meet(const TrianglePairs& pairs, const DoublePlace* place_p, const DoublePlace* place_q, Meetings& out) {
   const EightPairs pair = placed(pairs, place_p, place_q);
   const Meeting<Eight> m = meeting(pair.p, pair.q);
   out.touching = bits_of(m.touch);
   out.unsure = bits_of(m.unsure);
+  out.rough = 0;
   if (out.touching == 0) return;
+  out.rough = out.touching & ~bits_of(distinct(m, pair));
 
   // The segment both share lies between the second and the third of the four points.
   const Points along = plain_cross(m.p_normal, m.q_normal);

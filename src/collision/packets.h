@@ -33,12 +33,13 @@ struct alignas(64) TrianglePairs {
   double p[3][3][kPairs], q[3][3][kPairs];
 };
 
-/// Which of eight pairs touch, and where and how deep they are in each other: as Overlap in triangle_pair.h.
+/// Which of eight pairs touch, and where and how deep they are in each other: as overlap() tells it.
 struct alignas(64) Meetings {
   double point[3][kPairs];
   double normal[3][kPairs];
   double depth[kPairs];
   std::uint32_t touching;  ///< bit n: pair n touches, for certain; only then its numbers mean something
+  std::uint32_t rough;     ///< bit n: it touches, but point, normal and depth may err by more than overlap() promises
   std::uint32_t unsure;    ///< bit n: rounding may hide the answer
 };
 

@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "collision/overlap.h"
 #include "collision/pair.h"
 #include "collision/triangle_pair.h"
 
@@ -27,28 +28,24 @@ class PairBatch {
     ++count_;
   }
 
-  /// Decides what waits, in the order it came, and calls use(field place, tree place, overlap or nullptr where they do
-  /// not touch), until it returns false. False when it did; nothing waits afterwards.
+  /// Decides what waits, in the order it came, and calls use(field place, tree place, whether they touch, where), until
+  /// it returns false. False when it did; nothing waits afterwards. `where()` gives the Overlap of those that touch.
   template <class Use>
   bool settle(Use use) {
     Meetings met;
     const int count = take(kernels_.meet, met);
+    const auto is = [](std::uint32_t bits, int n) { return (bits >> n & 1) != 0; };
     for (int n = 0; n < count; ++n) {
-      Overlap found;
-      const Overlap* touching = nullptr;
-      if (met.touching >> n & 1) {
-        found = {{met.point[0][n], met.point[1][n], met.point[2][n]},
-                 {met.normal[0][n], met.normal[1][n], met.normal[2][n]},
-                 met.depth[n]};
-        touching = &found;
-      } else if (met.unsure >> n & 1) {
-        const Corners p = pair_.field.world(field_[n]), q = pair_.tree.world(tree_[n]);
-        if (triangles_touch(p, q)) {
-          found = overlap(p, q);
-          touching = &found;
-        }
-      }
-      if (!use(field_[n], tree_[n], touching)) return false;
+      const auto p = [&] { return pair_.field.world(field_[n]); };
+      const auto q = [&] { return pair_.tree.world(tree_[n]); };
+      const auto where = [&]() -> Overlap {
+        if (is(met.unsure | met.rough, n)) return overlap(p(), q());
+        return {{met.point[0][n], met.point[1][n], met.point[2][n]},
+                {met.normal[0][n], met.normal[1][n], met.normal[2][n]},
+                met.depth[n]};
+      };
+      const bool touch = is(met.touching, n) || (is(met.unsure, n) && triangles_touch(p(), q()));
+      if (!use(field_[n], tree_[n], touch, where)) return false;
     }
     return true;
   }

@@ -12,7 +12,8 @@ constexpr double kEps = 0x1p-53;
 // Shewchuk's bound of the first stage, in terms of the sum of the products' magnitudes.
 constexpr double kBound2d = (3 + 16 * kEps) * kEps;
 
-constexpr int sign(double value) { return value > 0 ? 1 : value < 0 ? -1 : 0; }
+// Where a determinant is not small against its products, these bounds leave its value no farther off than 1e-12 of it.
+constexpr double kTellsValue = 1e-3, kTellsValueAbove = 1e-280;
 
 // value + tail is the exact result.
 struct Two {
@@ -41,7 +42,12 @@ class Expansion {
     if (value != 0) parts_[kept++] = value;
     count_ = kept;
   }
-  int sign() const { return count_ == 0 ? 0 : difi::sign(parts_[count_ - 1]); }
+  // The sum, rounded: the sign is that of its largest part.
+  double value() const {
+    double sum = 0;
+    for (int n = 0; n < count_; ++n) sum += parts_[n];
+    return sum;
+  }
 
  private:
   std::array<double, 200> parts_;  // as many as are ever added: 6 permutations, 8 choices of parts, 4 parts of each
@@ -68,9 +74,22 @@ void add_product(Expansion& sum, const Parts& x, const Parts& y, const Parts& z,
     }
 }
 
+RoundedDeterminant rounded_determinant2d(const Flat& a, const Flat& b, const Flat& c) {
+  const double left = (b.x - a.x) * (c.y - a.y), right = (b.y - a.y) * (c.x - a.x);
+  return {left - right, std::abs(left) + std::abs(right)};
+}
+
+double determinant2d_exactly(const Flat& a, const Flat& b, const Flat& c) {
+  const Parts one = {1, 0};
+  Expansion sum;
+  add_product(sum, difference(a.x, b.x), difference(a.y, c.y), one, 1);
+  add_product(sum, difference(a.y, b.y), difference(a.x, c.x), one, -1);
+  return sum.value();
+}
+
 }  // namespace
 
-int orient3d_exactly(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+double determinant3d_exactly(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   const Parts bx = difference(a.x, b.x), by = difference(a.y, b.y), bz = difference(a.z, b.z);
   const Parts cx = difference(a.x, c.x), cy = difference(a.y, c.y), cz = difference(a.z, c.z);
   const Parts dx = difference(a.x, d.x), dy = difference(a.y, d.y), dz = difference(a.z, d.z);
@@ -81,19 +100,27 @@ int orient3d_exactly(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d)
   add_product(sum, bx, cz, dy, -1);
   add_product(sum, by, cx, dz, -1);
   add_product(sum, bz, cy, dx, -1);
-  return sum.sign();
+  return sum.value();
+}
+
+double determinant3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  const RoundedDeterminant det = rounded_determinant3d(a, b, c, d);
+  if (std::abs(det.value) > kTellsValue * det.magnitude + kTellsValueAbove) return det.value;
+  return determinant3d_exactly(a, b, c, d);
 }
 
 int orient2d(const Flat& a, const Flat& b, const Flat& c) {
-  const double left = (b.x - a.x) * (c.y - a.y), right = (b.y - a.y) * (c.x - a.x);
-  const double det = left - right, bound = kBound2d * (std::abs(left) + std::abs(right)) + 1e-290;
-  if (det > bound) return 1;
-  if (-det > bound) return -1;
-  const Parts one = {1, 0};
-  Expansion sum;
-  add_product(sum, difference(a.x, b.x), difference(a.y, c.y), one, 1);
-  add_product(sum, difference(a.y, b.y), difference(a.x, c.x), one, -1);
-  return sum.sign();
+  const RoundedDeterminant det = rounded_determinant2d(a, b, c);
+  const double bound = kBound2d * det.magnitude + 1e-290;
+  if (std::abs(det.value) > bound) return det.value > 0 ? 1 : -1;
+  const double exact = determinant2d_exactly(a, b, c);
+  return exact > 0 ? 1 : exact < 0 ? -1 : 0;
+}
+
+double determinant2d(const Flat& a, const Flat& b, const Flat& c) {
+  const RoundedDeterminant det = rounded_determinant2d(a, b, c);
+  if (std::abs(det.value) > kTellsValue * det.magnitude + kTellsValueAbove) return det.value;
+  return determinant2d_exactly(a, b, c);
 }
 
 }  // namespace difi

@@ -13,6 +13,7 @@
 #include "collision/ball_bound.h"
 #include "collision/batch.h"
 #include "collision/motion.h"
+#include "collision/overlap.h"
 #include "collision/sweep_on_device.h"
 #include "collision/touching.h"
 
@@ -161,9 +162,9 @@ class Follow {
     }
   }
 
-  // The motion of b's triangle towards a's, step by step. The closest points span a slab that separates both; along its
-  // normal n the corners come nearer by no more than `approach` per time, -n.v + |n x w| * (their distance from the
-  // axis): the next time to look. Where that is not positive they only part.
+  // The motion of b's triangle towards a's, step by step. Along the direction n of the closest points there is a slab
+  // between both, which is measured: n is rounded. Along n the corners come nearer by no more than `approach` per time,
+  // -n.v + |n x w| * (their distance from the axis): the next time to look. Where that is not positive they only part.
   void meet(std::uint32_t field_place, std::uint32_t tree_place) {
     const Corners resting = pair_.swapped ? pair_.tree.world(tree_place) : pair_.field.world(field_place);
     const Corners& moving =
@@ -185,34 +186,46 @@ class Follow {
       const Vec3 normal = apart > 0 ? way * (1 / apart) : Vec3{};
       const double across = rate == 0 ? 0 : length(cross(normal, course_.turn.axis)) * rate * away;
       const double approach = across - dot(normal, course_.velocity);
+      const Slab slab = slab_between(resting, at, normal);
       // However near, they only part; but nearer than this the direction may be one of rounding.
-      if (apart > 1e-3 * tolerance_ && !(approach > 0)) return;
+      if (apart > 1e-3 * tolerance_ && slab.thickness > 0 && !(approach > 0)) return;
       if (!(apart > tolerance_)) return record(t, field_place, tree_place, (pair.on_p + pair.on_q) * 0.5, normal);
       // Rounding of the time must not carry them past each other.
       const double reserve = std::max(tolerance_ / 2, kTimeRounding * approach);
-      double step = std::max(0.0, apart - reserve) / approach;
-      if (rate != 0) step = std::max(step, turning_step(at, t, {pair.on_q, normal}, apart - reserve, across * rate));
+      double step = approach > 0 ? std::max(0.0, slab.thickness - reserve) / approach : 0;
+      if (rate != 0) step = std::max(step, turning_step(at, t, slab, reserve, across * rate));
       const double later = t + step;
       if (!(later > t)) return record(t, field_place, tree_place, (pair.on_p + pair.on_q) * 0.5, normal);
       t = later;
     }
   }
 
-  struct Plane {
-    Vec3 point, normal;
+  // What lies between two triangles along a direction, and how high the second one's corners are over the first.
+  struct Slab {
+    Vec3 normal;
+    double height[3], thickness;
   };
+  static Slab slab_between(const Corners& low, const Corners& high, const Vec3& normal) {
+    double top = 0;
+    for (const Vec3& corner : low) top = std::max(top, dot(normal, corner - low[0]));
+    Slab slab{normal, {}, std::numeric_limits<double>::infinity()};
+    for (int k = 0; k < 3; ++k) {
+      slab.height[k] = dot(normal, high[k] - low[0]) - top;
+      slab.thickness = std::min(slab.thickness, slab.height[k]);
+    }
+    return slab;
+  }
 
-  // How long it takes at least until a corner, above a plane now, has come nearer than it by `room`. A turn that slides
-  // along hardly comes nearer now, and what it does later is known: along the normal no corner is accelerated by more
-  // than `bend`. So a corner comes nearer by no more than its approach now times s, plus bend s^2 / 2.
-  double turning_step(const Corners& at, double t, const Plane& plane, double room, double bend) const {
-    if (!(room > 0)) return 0;
+  // How long it takes at least until a corner over the slab has come down to the reserve. A turn that slides along
+  // hardly comes nearer now, and what it does later is known: along the normal no corner is accelerated by more than
+  // `bend`. So a corner comes nearer by no more than its approach now times s, plus bend s^2 / 2.
+  double turning_step(const Corners& at, double t, const Slab& slab, double reserve, double bend) const {
+    if (!(slab.thickness > reserve)) return 0;
     const Vec3 center = course_.center + course_.velocity * t;
     double step = 2;
-    for (const Vec3& corner : at) {
-      const Vec3 velocity = course_.velocity + cross(course_.turn.axis, corner - center) * course_.turn.angle_rad;
-      const double nearing = -dot(plane.normal, velocity);
-      const double above = room + std::max(0.0, dot(plane.normal, corner - plane.point));
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 velocity = course_.velocity + cross(course_.turn.axis, at[k] - center) * course_.turn.angle_rad;
+      const double nearing = -dot(slab.normal, velocity), above = slab.height[k] - reserve;
       const double root = std::sqrt(nearing * nearing + 2 * bend * above);
       // The same number twice; each loses its digits where the other does not.
       if (nearing > 0)

@@ -49,8 +49,7 @@ class Search {
 
   // False when one of the pairs that wait touches.
   bool settle() {
-    return batch_.settle([this](std::uint32_t field_place, std::uint32_t tree_place, const Overlap* touching) {
-      bool hit = touching != nullptr;
+    return batch_.settle([this](std::uint32_t field_place, std::uint32_t tree_place, bool hit, auto&&) {
       if (!hit && margin_ > 0) {
         const Corners p = pair_.field.world(field_place), q = pair_.tree.world(tree_place);
         hit = closest_points(p, q).distance_sq <= margin_ * margin_;

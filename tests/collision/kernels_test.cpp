@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "collision/kernels.h"
+#include "collision/overlap.h"
 #include "collision/triangle_pair.h"
 #include "difi/pose.h"
 #include "geometry/closest_point.h"
