@@ -179,15 +179,22 @@ inline std::uint32_t not_parted(const Planes& planes, const Faces& others, const
 }
 
 int close_lanes(const Packet& a, const Packet& b, float apart, LanePair* pairs) {
+  // Boxes first: often they leave nothing whose planes would be needed.
+  std::uint32_t near[kLanes], lanes = 0;
+  for (std::uint32_t left = b.lanes; left != 0; left &= left - 1) {
+    const int lane = __builtin_ctz(left);
+    near[lane] = overlaps(*a.boxes, lane_of(*b.boxes, lane)) & a.lanes;
+    if (near[lane] != 0) lanes |= 1u << lane;
+  }
+  if (lanes == 0) return 0;
   const Planes planes = planes_of(*a.faces);
   const Shadows shadows = shadows_of(*b.faces);
   int count = 0;
-  for (std::uint32_t left = b.lanes; left != 0; left &= left - 1) {
-    const int lane = __builtin_ctz(left);
-    std::uint32_t near = overlaps(*a.boxes, lane_of(*b.boxes, lane)) & a.lanes;
-    if (near != 0) near &= not_parted(planes, *b.faces, shadows, lane, apart);
-    for (; near != 0; near &= near - 1)
-      pairs[count++] = {static_cast<std::uint8_t>(__builtin_ctz(near)), static_cast<std::uint8_t>(lane)};
+  for (; lanes != 0; lanes &= lanes - 1) {
+    const int lane = __builtin_ctz(lanes);
+    for (std::uint32_t left = near[lane] & not_parted(planes, *b.faces, shadows, lane, apart); left != 0;
+         left &= left - 1)
+      pairs[count++] = {static_cast<std::uint8_t>(__builtin_ctz(left)), static_cast<std::uint8_t>(lane)};
   }
   return count;
 }
