@@ -17,6 +17,7 @@ template <class F>
 struct PairPoints {
   F distance_sq;
   Triple<F> on_p, on_q;
+  Triple<F> way;  ///< from the one to the other: far from the origin their difference would have lost digits
 };
 
 /// Without fused operations, unlike those of the geometry room.
@@ -113,7 +114,7 @@ DIFI_INLINE PairPoints<F> closest_pair(const Triple<F> (&world_p)[3], const Trip
   const Triple<F> p[3] = {world_p[0] - origin, world_p[1] - origin, world_p[2] - origin},
                   q[3] = {world_q[0] - origin, world_q[1] - origin, world_q[2] - origin};
   const Edges<F> edges_p = edges_of(p), edges_q = edges_of(q);
-  PairPoints<F> best{F(__builtin_inf()), p[0], q[0]};
+  PairPoints<F> best{F(__builtin_inf()), p[0], q[0], {}};
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) try_edges(edges_p, i, edges_q, j, best);
   const Feet<F> feet_p(edges_p), feet_q(edges_q);
@@ -125,6 +126,7 @@ DIFI_INLINE PairPoints<F> closest_pair(const Triple<F> (&world_p)[3], const Trip
     const auto over_p = feet_p.below(q[k], foot);
     take_if_nearer(best, select(over_p, foot, p[0]), q[k]);
   }
+  best.way = best.on_q - best.on_p;
   best.on_p = best.on_p + origin, best.on_q = best.on_q + origin;
   return best;
 }

@@ -28,10 +28,8 @@ constexpr std::size_t kAhead = 2;
 // Of triangles that do not touch: their closest points, whose direction is one of rounding where they are very near.
 Overlap between(const Corners& p, const Corners& q, const ClosestPair& pair) {
   const double apart = std::sqrt(pair.distance_sq);
-  const Vec3 way = pair.on_q - pair.on_p;
   const bool has_direction = apart > kDirectionTold * extent_of(p, q);
-  const Vec3 normal = has_direction ? way * (1 / length(way)) : overlap(p, q).normal;
-  return {pair.on_p + way * 0.5, normal, -apart};
+  return {pair.on_p + pair.way * 0.5, has_direction ? pair.way * (1 / apart) : overlap(p, q).normal, -apart};
 }
 
 class Gather {

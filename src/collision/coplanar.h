@@ -17,6 +17,15 @@ inline Flat dropped(const Vec3& v, int axis) {
   return {v.x, v.y};
 }
 
+/// The direction of a triangle's normal, of any length, zero for none. Its components are determinants, right however thin
+/// the triangle is.
+inline Vec3 normal_direction(const Corners& t) {
+  const auto component = [&t](int axis) {
+    return determinant2d(dropped(t[0], axis), dropped(t[1], axis), dropped(t[2], axis));
+  };
+  return {component(0), component(1), component(2)};
+}
+
 /// An axis along which the points may be dropped into a plane without two of them falling together; -1: they lie on a
 /// line.
 int upright_axis(const Vec3& a, const Vec3& b, const Vec3& c);

@@ -63,7 +63,7 @@ class Nearest {
 
   double best() const { return best_; }
   bool found() const { return found_; }
-  ClosestPair closest{};
+  Vec3 on_field, on_tree;                   ///< the closest points
   std::uint32_t of_field = 0, of_tree = 0;  ///< places in the trees
 
  private:
@@ -124,10 +124,10 @@ class Nearest {
 
   void measure() {
     bool nearer = false;
-    batch_.measure([&](std::uint32_t field_place, std::uint32_t tree_place, const ClosestPair& pair) {
-      if (!(pair.distance_sq < best_ * best_)) return;
-      best_ = std::sqrt(pair.distance_sq);
-      closest = pair;
+    batch_.measure([&](std::uint32_t field_place, std::uint32_t tree_place, double distance_sq, Vec3 of_p, Vec3 of_q) {
+      if (!(distance_sq < best_ * best_)) return;
+      best_ = std::sqrt(distance_sq);
+      on_field = of_p, on_tree = of_q;
       of_field = field_place, of_tree = tree_place;
       found_ = nearer = true;
     });
@@ -161,7 +161,7 @@ Distance distance_checked(const CollisionModel& a, const Pose& pose_a, const Col
       return result;
     }
     first = search.of_field, second = search.of_tree;
-    on_first = search.closest.on_p, on_second = search.closest.on_q;
+    on_first = search.on_field, on_second = search.on_tree;
     result.upper = search.best();
     result.lower = std::max(0.0, result.upper - options.tolerance);
   }

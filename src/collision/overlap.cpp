@@ -91,15 +91,7 @@ Vec3 common_point(const Corners& p, const Corners& q) {
     for (int n = 0, m = 2; n < 3; m = n++) add_crossing(p[j], p[k], q[m], q[n], shared);
   if (shared.any()) return shared.middle();
   const ClosestPair pair = closest_points(p, q);
-  return pair.on_p + (pair.on_q - pair.on_p) * 0.5;
-}
-
-// Each component is a determinant, right however thin the triangle is.
-Vec3 direction_of_normal(const Corners& t) {
-  const auto component = [&t](int axis) {
-    return determinant2d(dropped(t[0], axis), dropped(t[1], axis), dropped(t[2], axis));
-  };
-  return {component(0), component(1), component(2)};
+  return pair.on_p + pair.way * 0.5;
 }
 
 bool is_zero(const Vec3& v) { return v == Vec3{}; }
@@ -156,8 +148,8 @@ Vec3 across(const Vec3& v) {
 
 Overlap overlap(const Corners& p, const Corners& q) {
   WayOut way(p, q);
-  way.try_along(direction_of_normal(p));
-  way.try_along(direction_of_normal(q));
+  way.try_along(normal_direction(p));
+  way.try_along(normal_direction(q));
   if (!way.any()) {  // segments and points: across both, or across the one that is no point
     const Vec3 along_p = longest_edge(p), along_q = longest_edge(q);
     way.try_along(cross(along_p, along_q));

@@ -50,16 +50,15 @@ class PairBatch {
     return true;
   }
 
-  /// Measures what waits, pairs that do not cross, and calls use(field place, tree place, closest points).
+  /// Measures what waits, pairs that do not cross, and calls use(field place, tree place, squared distance, point of the
+  /// field's triangle, point of the tree's).
   template <class Use>
   void measure(Use use) {
     ClosestOfPairs found;
     const int count = take(kernels_.closest, found);
     for (int n = 0; n < count; ++n)
-      use(field_[n], tree_[n],
-          ClosestPair{found.distance_sq[n],
-                      {found.on_p[0][n], found.on_p[1][n], found.on_p[2][n]},
-                      {found.on_q[0][n], found.on_q[1][n], found.on_q[2][n]}});
+      use(field_[n], tree_[n], found.distance_sq[n], Vec3{found.on_p[0][n], found.on_p[1][n], found.on_p[2][n]},
+          Vec3{found.on_q[0][n], found.on_q[1][n], found.on_q[2][n]});
   }
 
  private:

@@ -14,6 +14,7 @@
 #include "collision/batch.h"
 #include "collision/motion.h"
 #include "collision/overlap.h"
+#include "collision/slab.h"
 #include "collision/sweep_on_device.h"
 #include "collision/touching.h"
 
@@ -162,9 +163,9 @@ class Follow {
     }
   }
 
-  // The motion of b's triangle towards a's, step by step. Along the direction n of the closest points there is a slab
-  // between both, which is measured: n is rounded. Along n the corners come nearer by no more than `approach` per time,
-  // -n.v + |n x w| * (their distance from the axis): the next time to look. Where that is not positive they only part.
+  // The motion of b's triangle towards a's, step by step. Along the normal n of the slab between both, the corners come
+  // nearer by no more than `approach` per time, -n.v + |n x w| * (their distance from the axis): the next time to look.
+  // Where that is not positive they only part. Nor do they come nearer in any way than the fastest corner's speed.
   void meet(std::uint32_t field_place, std::uint32_t tree_place) {
     const Corners resting = pair_.swapped ? pair_.tree.world(tree_place) : pair_.field.world(field_place);
     const Corners& moving =
@@ -175,6 +176,7 @@ class Follow {
       for (const Vec3& corner : moving)
         away = std::max(away,
                         length(cross(course_.turn.axis, rotate(course_.motion.from, corner - course_.motion.center))));
+    const double fastest = length(course_.velocity) + rate * away;
     for (double t = from_; t < until_;) {
       const Pose pose = course_.at(t);
       const Corners at{apply(pose, moving[0]), apply(pose, moving[1]), apply(pose, moving[2])};
@@ -182,38 +184,21 @@ class Follow {
         return record(t, field_place, tree_place, overlap(resting, at).point, {});
       const ClosestPair pair = closest_points(resting, at);
       const double apart = std::sqrt(pair.distance_sq);
-      const Vec3 way = pair.on_q - pair.on_p;
-      const Vec3 normal = apart > 0 ? way * (1 / apart) : Vec3{};
-      const double across = rate == 0 ? 0 : length(cross(normal, course_.turn.axis)) * rate * away;
-      const double approach = across - dot(normal, course_.velocity);
-      const Slab slab = slab_between(resting, at, normal);
+      const Slab slab = slab_between(resting, at, pair);
+      const double across = rate == 0 ? 0 : length(cross(slab.normal, course_.turn.axis)) * rate * away;
+      const double approach = across - dot(slab.normal, course_.velocity);
       // However near, they only part; but nearer than this the direction may be one of rounding.
       if (apart > 1e-3 * tolerance_ && slab.thickness > 0 && !(approach > 0)) return;
-      if (!(apart > tolerance_)) return record(t, field_place, tree_place, (pair.on_p + pair.on_q) * 0.5, normal);
+      if (!(apart > tolerance_)) return record(t, field_place, tree_place, pair);
       // Rounding of the time must not carry them past each other.
       const double reserve = std::max(tolerance_ / 2, kTimeRounding * approach);
-      double step = approach > 0 ? std::max(0.0, slab.thickness - reserve) / approach : 0;
+      double step = std::max(0.0, approach > 0 ? (slab.thickness - reserve) / approach : 0);
+      if (fastest > 0) step = std::max(step, (apart - kDistanceRounding * extent_of(resting, at) - reserve) / fastest);
       if (rate != 0) step = std::max(step, turning_step(at, t, slab, reserve, across * rate));
       const double later = t + step;
-      if (!(later > t)) return record(t, field_place, tree_place, (pair.on_p + pair.on_q) * 0.5, normal);
+      if (!(later > t)) return record(t, field_place, tree_place, pair);
       t = later;
     }
-  }
-
-  // What lies between two triangles along a direction, and how high the second one's corners are over the first.
-  struct Slab {
-    Vec3 normal;
-    double height[3], thickness;
-  };
-  static Slab slab_between(const Corners& low, const Corners& high, const Vec3& normal) {
-    double top = 0;
-    for (const Vec3& corner : low) top = std::max(top, dot(normal, corner - low[0]));
-    Slab slab{normal, {}, std::numeric_limits<double>::infinity()};
-    for (int k = 0; k < 3; ++k) {
-      slab.height[k] = dot(normal, high[k] - low[0]) - top;
-      slab.thickness = std::min(slab.thickness, slab.height[k]);
-    }
-    return slab;
   }
 
   // How long it takes at least until a corner over the slab has come down to the reserve. A turn that slides along
@@ -236,6 +221,10 @@ class Follow {
     return step;
   }
 
+  void record(double t, std::uint32_t field_place, std::uint32_t tree_place, const ClosestPair& pair) {
+    const double apart = std::sqrt(pair.distance_sq);
+    record(t, field_place, tree_place, pair.on_p + pair.way * 0.5, apart > 0 ? pair.way * (1 / apart) : Vec3{});
+  }
   void record(double t, std::uint32_t field_place, std::uint32_t tree_place, Vec3 point, Vec3 normal) {
     std::uint32_t a = pair_.field.triangle(field_place), b = pair_.tree.triangle(tree_place);
     if (pair_.swapped) std::swap(a, b);

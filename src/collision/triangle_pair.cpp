@@ -40,7 +40,7 @@ ClosestPair closest_points(const Corners& p, const Corners& q) {
   const Triple<double> of_p[3] = {triple(p[0]), triple(p[1]), triple(p[2])},
                        of_q[3] = {triple(q[0]), triple(q[1]), triple(q[2])};
   const auto found = collision::closest_pair(of_p, of_q);
-  return {found.distance_sq, vec(found.on_p), vec(found.on_q)};
+  return {found.distance_sq, vec(found.on_p), vec(found.on_q), vec(found.way)};
 }
 
 double extent_of(const Corners& p, const Corners& q) {

@@ -11,6 +11,7 @@ bool triangles_touch(const Corners& p, const Corners& q);
 struct ClosestPair {
   double distance_sq;
   Vec3 on_p, on_q;
+  Vec3 way;  ///< from on_p to on_q; far from the origin their difference would have lost digits
 };
 
 /// The closest points of two triangles that do not cross: of touching ones where they touch at an edge, of crossing

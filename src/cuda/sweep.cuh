@@ -179,7 +179,7 @@ class MotionSearch {
       const collision::PairPoints<double> pair = collision::closest_pair(p, q);
       const double apart = sqrt(pair.distance_sq);
       if (!(apart > 2 * keep)) return true;
-      const double nearing = approach((pair.on_q - pair.on_p) * (1 / apart), triangle);
+      const double nearing = approach(pair.way * (1 / apart), triangle);
       if (!(nearing > 0)) return false;
       const double later = t + (apart - keep) / nearing;
       if (!(later > t)) return true;
