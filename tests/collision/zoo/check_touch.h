@@ -59,11 +59,11 @@ inline void check_contact(const PlacedPair& at, const ContactPoint& it, Findings
   found.off("contacts: length of a normal", std::abs(length(it.normal) - 1) / kEpsilon, kUnitLengthUnits);
   found.expect(it.depth >= 0 && it.depth <= 4 * (at.unit / kEpsilon), "contacts: a depth below 0 or past the bodies");
   const auto from = [&](const Corners& t) { return root_of(point_triangle_sq(it.point, t)) / at.world_unit; };
-  found.off("contacts: a point from its triangles", std::max(from(p), from(q)), kPointUnits);
+  found.off("contacts: a point from its triangles", std::max(from(p), from(q)), kContactUnits);
   // How many units beyond the depth it takes, by powers of two.
   double units = 0.25;
   while (units < 1e18 && touch(p, moved_by(q, it.normal * (it.depth + units * at.world_unit)))) units *= 2;
-  found.off("contacts: beyond the depth, until a pair is apart", units, kPartingUnits);
+  found.off("contacts: beyond the depth, until a pair is apart", units, kContactUnits);
 }
 
 inline TrianglePairs sorted_pairs(const Contacts& found, bool turned) {

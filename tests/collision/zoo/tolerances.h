@@ -7,10 +7,11 @@ namespace difi::testing {
 
 // Distances, and so what a margin decides.
 inline constexpr double kDistanceUnits = 16;
-// Points that are said to lie on a triangle, from the triangle.
-inline constexpr double kPointUnits = 16;
-// What a pair of triangles is moved along a contact's normal beyond its depth until it is apart.
-inline constexpr double kPartingUnits = 16;
+// Nearest points, from the triangles they are said to lie on.
+inline constexpr double kPointUnits = 32;
+// A contact's point from both of its triangles, and what b moves along its normal beyond its depth until they are apart:
+// 1e-9 of the size, where edges graze the other's plane.
+inline constexpr double kContactUnits = 4.5e6;
 // The place of a body on its way, at a time that is a double.
 inline constexpr double kWayUnits = 64;
 // Lengths of unit vectors, in epsilons.

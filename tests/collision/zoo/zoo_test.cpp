@@ -1,9 +1,12 @@
 // Bodies of the zoo, in millions of poses, motions and distances if so many are asked for, against exact answers.
 //
 // DIFI_CHECK_ZOO: poses; a tenth of them are asked for their distance too, a tenth for a sweep. DIFI_CHECK_SEED: the
-// first pair of bodies'. What is printed of a wrong answer is the seed of its pair, and which of its poses it is.
+// first pair of bodies'. What is printed of a wrong answer is the seed of its pair, and which of its poses it is:
+// with these in DIFI_CHECK_SEED and DIFI_CHECK_POSE the bodies are written as zoo_a.obj and zoo_b.obj, and the poses as
+// the program takes them.
 #include <gtest/gtest.h>
 
+#include "difi/io.h"
 #include "tests/collision/zoo/animals.h"
 #include "tests/collision/zoo/ask.h"
 #include "tests/collision/zoo/check_distance.h"
@@ -25,7 +28,8 @@ struct Herds {
 };
 Mesh in_limits(const Mesh& mesh, double unit, Vec3 at) {
   const double size = longest(bounds(mesh));
-  if (size * unit > 1e12 || (size > 0 && size * unit < 1e-12)) unit = (unit > 1 ? 1e11 : 1e-11) / size;
+  if (size * unit > 1e12) unit = 1e11 / size;
+  if (size > 0 && size * unit < 1e-12) unit = 1e-11 / size;
   return in_units(mesh, unit, at * std::min(unit, 1e7));
 }
 Herds herds(Random& random) {
@@ -72,9 +76,26 @@ Motion motion_through(Random& random, const Pose& pose, double meeting, double s
   return motion;
 }
 
-void check_sweeps(const PlacedPair& at, double size, int n, Random& random, Findings& found) {
+// --pose: a 3x4 matrix, row by row.
+void print(const char* option, const Pose& pose) {
+  std::printf("%s=", option);
+  const double along[] = {pose.translation.x, pose.translation.y, pose.translation.z};
+  for (int row = 0; row < 3; ++row) {
+    for (int k = 0; k < 3; ++k) std::printf("%.17g,", pose.rotation[3 * row + k]);
+    std::printf("%.17g%s", along[row], row < 2 ? "," : "\n");
+  }
+}
+void show(const Motion& motion, double tolerance) {
+  print("--from", motion.from);
+  print("--to", motion.to);
+  std::printf("--center=%.17g,%.17g,%.17g --tolerance=%.17g\n", motion.center.x, motion.center.y, motion.center.z,
+              tolerance);
+}
+
+void check_sweeps(const PlacedPair& at, double size, int n, Random& random, bool shown, Findings& found) {
   const double tolerance = std::max(size * log_between(random, 1e-9, 1e-2), 1e4 * at.world_unit);
   if (n % 3 == 0) {  // no way at all
+    if (shown) show({at.pose_b, at.pose_b, {}}, tolerance);
     check_sweep(at, {at.pose_b, at.pose_b, {}}, tolerance, 0, random, found);
     return;
   }
@@ -87,6 +108,7 @@ void check_sweeps(const PlacedPair& at, double size, int n, Random& random, Find
     motion.center = at.model_b.bounds().center();
     meeting = 1;
   }
+  if (shown) show(motion, tolerance);
   const PlacedPair start(at.model_a, at.pose_a, at.model_b, motion.from);
   check_sweep(start, motion, tolerance, meeting, random, found);
 }
@@ -119,6 +141,13 @@ void check_emulated(const CollisionModel& a, const Pose& pose_a, const Collision
   }
 }
 
+void show(const Herds& of, const Pose& pose_a, const Pose& pose_b) {
+  write_mesh("zoo_a.obj", of.a);
+  write_mesh("zoo_b.obj", of.b);
+  print("--pose-a", pose_a);
+  print("--pose", pose_b);
+}
+
 void check_pair(unsigned seed, Findings& found) {
   Random random(seed);
   const Herds of = herds(random);
@@ -129,11 +158,13 @@ void check_pair(unsigned seed, Findings& found) {
     found.at(seed, n);
     const Pose pose_b = meeting_pose(random, of.a, pose_a, of.b, of.size);
     poses.push_back(pose_b);
+    const bool shown = n == from_environment("DIFI_CHECK_POSE", -1);
+    if (shown) show(of, pose_a, pose_b);
     const PlacedPair at(a, pose_a, b, pose_b);
     check_collide(at, found);
     if (n % 10 == 0) check_contacts(at, n % 20 == 0, found);
     if (n % 10 == 1) check_distance(at, found);
-    if (n % 10 == 2) check_sweeps(at, of.size, n / 10, random, found);
+    if (n % 10 == 2) check_sweeps(at, of.size, n / 10, random, shown, found);
     if (n % 10 == 3) check_certified(at, n % 20 == 3 ? 0 : of.size * log_between(random, 1e-6, 1), found);
     if (n % 20 == 1) check_margin(at, at.distance() * random.between(0.5, 2), found);
     if (n % 20 == 11) check_margin(at, at.distance() * (1 + random.between(-1, 1) * 1e-3), found);
