@@ -69,7 +69,7 @@ Pose resting_pose(Random& random, double size) {
 
 // A motion that is at `pose` at time `meeting`.
 Motion motion_through(Random& random, const Pose& pose, double meeting, double size) {
-  const Vec3 way = direction(random) * (size * log_between(random, 1e-6, 10));
+  const Vec3 way = direction(random) * (size * log_between(random, 1e-6, 1e3));
   Motion motion{pose, pose, {}};
   motion.from.translation = pose.translation - way * meeting;
   motion.to.translation = pose.translation + way * (1 - meeting);
