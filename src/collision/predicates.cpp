@@ -12,8 +12,8 @@ constexpr double kEps = 0x1p-53;
 // Shewchuk's bound of the first stage, in terms of the sum of the products' magnitudes.
 constexpr double kBound2d = (3 + 16 * kEps) * kEps;
 
-// Where a determinant is not small against its products, these bounds leave its value no farther off than 1e-12 of it.
-constexpr double kTellsValue = 1e-3, kTellsValueAbove = 1e-280;
+// Where a determinant is not small against its products, the bounds leave its value no farther off than 4e-15 of it.
+constexpr double kTellsValue = 0.25, kTellsValueAbove = 1e-280;
 
 // value + tail is the exact result.
 struct Two {

@@ -11,7 +11,7 @@ namespace difi {
 /// The sign of det(b - a, c - a, d - a): 1 where d lies on the side of abc that (b - a) x (c - a) points to, 0 exactly
 /// where the four lie in a plane. Exact for coordinates that are zero or of magnitude 1e-90 to 1e100.
 int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
-/// The determinant itself: its sign is exact, and its value within 1e-12 of itself.
+/// The determinant itself: its sign is exact, and its value within 4e-15 of itself.
 double determinant3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 /// The same by expansions alone, and to a few roundings.
 double determinant3d_exactly(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
@@ -23,7 +23,7 @@ struct Flat {
 
 /// The sign of det(b - a, c - a): 1 where a, b, c turn left; 0 exactly where they lie on a line.
 int orient2d(const Flat& a, const Flat& b, const Flat& c);
-/// The determinant itself: its sign is exact, and its value within 1e-12 of itself.
+/// The determinant itself: its sign is exact, and its value within 4e-15 of itself.
 double determinant2d(const Flat& a, const Flat& b, const Flat& c);
 
 /// A determinant in double arithmetic, and the sum of its products' magnitudes, which bounds its rounding.

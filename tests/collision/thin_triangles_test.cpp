@@ -1,0 +1,175 @@
+// Triangles so thin that rounding turns their normals, and what they lie on: how near they are, and where they touch.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "collision/kernels.h"
+#include "collision/overlap.h"
+#include "collision/slab.h"
+#include "collision/triangle_pair.h"
+#include "tests/collision/bodies.h"
+#include "tests/collision/zoo/gap.h"
+#include "tests/collision/zoo/slivers.h"
+
+namespace difi {
+namespace {
+
+using namespace difi::testing;
+
+Corners moved_by(const Corners& t, Vec3 by) { return {t[0] + by, t[1] + by, t[2] + by}; }
+
+// Determinants of nearly parallel edges are all rounding: solved for with them, the places where the lines are nearest
+// were off by up to a ten-millionth of the edges, and the distance by as much where the edges nearly touch.
+TEST(ThinTriangles, DistancesOfNearlyParallelEdgesAreRightToRounding) {
+  Random random(1);
+  double worst = 0;
+  for (int n = 0; n < 20'000; ++n) {
+    const double angle = log_between(random, 1e-16, 1), apart = log_between(random, 1e-16, 1);
+    const Vec3 at = random.in_cube(1), along = direction(random), up = direction(random);
+    const Corners p{at - along, at + along, at - up};
+    const Vec3 turned = along + direction(random) * angle, start = at + up * apart;
+    const Corners q{start - turned, start + turned, start + up};
+    if (triangles_touch(p, q)) continue;
+    const double off = std::abs(std::sqrt(closest_points(p, q).distance_sq) - gap(p, q)) / extent_of(p, q);
+    worst = std::max(worst, off);
+  }
+  EXPECT_LE(worst, kDistanceRounding);
+  EXPECT_GT(worst, 0) << "something was compared";
+}
+
+// A foot inside a sliver came from its normal, which was off by the rounding over its height.
+TEST(ThinTriangles, DistancesOfSliversAreRightToRounding) {
+  Random random(2);
+  double worst = 0, off_triangle = 0, way_off = 0;
+  for (int n = 0; n < 20'000; ++n) {
+    SliverPair pair = sliver_pair(random, log_between(random, 1e-15, 1), Thin::any_way, Meeting::near);
+    const Vec3 far = n % 2 ? random.in_cube(1e6) : Vec3{};
+    const Corners p = moved_by(pair.p, far), q = moved_by(pair.q, far);
+    if (triangles_touch(p, q)) continue;
+    const ClosestPair found = closest_points(p, q);
+    const double extent = extent_of(p, q), place = extent + length(far);
+    worst = std::max(worst, std::abs(std::sqrt(found.distance_sq) - gap(p, q)) / extent);
+    way_off = std::max(way_off, std::abs(length(found.way) - std::sqrt(found.distance_sq)) / extent);
+    off_triangle = std::max({off_triangle, root_of(point_triangle_sq(found.on_p, p)) / place,
+                             root_of(point_triangle_sq(found.on_q, q)) / place});
+  }
+  EXPECT_LE(worst, kDistanceRounding);
+  EXPECT_LE(way_off, 0x1p-52);
+  EXPECT_LE(off_triangle, 4 * 0x1p-53);
+}
+
+// What the separating axes leave out must be apart: a sliver's rounded normal may point anywhere, even along it.
+TEST(ThinTriangles, NoneIsPartedFromWhatItTouches) {
+  Random random(3);
+  int touching = 0;
+  for (int round = 0; round < 2'000; ++round) {
+    const double ratio = log_between(random, 1e-12, 1e-2);
+    collision::Faces faces[2];
+    Corners corners[2][collision::kLanes];
+    for (int n = 0; n < collision::kLanes; ++n) {
+      const SliverPair pair = sliver_pair(random, ratio, Thin::any_way, Meeting::touching);
+      for (const int which : {0, 1}) {
+        const Corners& from = which == 0 ? pair.p : pair.q;
+        for (int k = 0; k < 3; ++k) {
+          const float x = float(from[k].x), y = float(from[k].y), z = float(from[k].z);
+          faces[which].corner[k][0][n] = x, faces[which].corner[k][1][n] = y, faces[which].corner[k][2][n] = z;
+          corners[which][n][k] = {x, y, z};
+        }
+      }
+    }
+    const collision::FloatPlace here{{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    for (int k = 0; collision::all_kernels()[k] != nullptr; ++k) {
+      const collision::Kernels& kernels = *collision::all_kernels()[k];
+      collision::Faces placed[2];
+      collision::Boxes boxes[2];
+      collision::FloatBox all;
+      for (const int which : {0, 1}) kernels.place_faces(here, faces[which], 0, placed[which], boxes[which], all);
+      collision::LanePair pairs[collision::kLanes * collision::kLanes];
+      const int count = kernels.close_lanes({&placed[0], &boxes[0], 0xffff}, {&placed[1], &boxes[1], 0xffff}, 0, pairs);
+      bool told[collision::kLanes][collision::kLanes] = {};
+      for (int n = 0; n < count; ++n) told[pairs[n].a][pairs[n].b] = true;
+      for (int i = 0; i < collision::kLanes; ++i)
+        for (int j = 0; j < collision::kLanes; ++j) {
+          if (!triangles_touch(corners[0][i], corners[1][j])) continue;
+          ++touching;
+          EXPECT_TRUE(told[i][j]) << kernels.name;
+        }
+    }
+  }
+  EXPECT_GT(touching, 10'000);
+}
+
+// A pair moved by a little more than the depth along the normal is apart, whatever the triangles are.
+void expect_way_out(const Corners& p, const Corners& q) {
+  ASSERT_TRUE(triangles_touch(p, q));
+  const Overlap found = overlap(p, q);
+  const double extent = std::max(extent_of(p, q), 1e-300);
+  EXPECT_NEAR(length(found.normal), 1, 1e-15);
+  EXPECT_GE(found.depth, 0);
+  EXPECT_FALSE(triangles_touch(p, moved_by(q, found.normal * (found.depth + 1e-14 * extent))));
+  EXPECT_LE(root_of(point_triangle_sq(found.point, p)), 1e-15 * extent);
+  EXPECT_LE(root_of(point_triangle_sq(found.point, q)), 1e-15 * extent);
+}
+
+TEST(ThinTriangles, SegmentsAndPointsHaveAWayOut) {
+  const Vec3 o{0, 0, 0}, x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
+  const Corners point{o, o, o}, along_x{x * -1.0, x, o}, along_y{y * -1.0, y, o}, later_x{x * 0.5, x * 2.0, x},
+      flat{x * -1.0, x + y, x - y}, upright{z, z * -1.0, y * 3.0};
+  const Corners all[] = {point, along_x, along_y, later_x, flat, upright};
+  int touching = 0;
+  for (const Corners& p : all)
+    for (const Corners& q : all) {
+      if (!triangles_touch(p, q)) continue;
+      ++touching;
+      expect_way_out(p, q);
+    }
+  EXPECT_GT(touching, 20);
+}
+
+TEST(ThinTriangles, SliversHaveAWayOutAndAPointOnBoth) {
+  Random random(5);
+  int touching = 0;
+  for (int n = 0; n < 20'000; ++n) {
+    const SliverPair pair = sliver_pair(random, log_between(random, 1e-15, 1), n % 2 ? Thin::any_way : Thin::along_z,
+                                        Meeting::touching);
+    if (!triangles_touch(pair.p, pair.q)) continue;
+    ++touching;
+    expect_way_out(pair.p, pair.q);
+  }
+  EXPECT_GT(touching, 5'000);
+}
+
+// The middle of the segment that both share, not one of its ends, for triangles in general position too.
+TEST(ThinTriangles, TheSharedSegmentsMiddleIsThePoint) {
+  const Corners flat{Vec3{0, 0, 0}, Vec3{4, 0, 0}, Vec3{0, 4, 0}};
+  const Overlap found = overlap(flat, {Vec3{1, 1, 1}, Vec3{1, 1, -1}, Vec3{-3, 1, -1}});
+  EXPECT_NEAR(length(found.point - Vec3{0.5, 1, 0}), 0, 1e-15);
+  EXPECT_NEAR(found.depth, 1, 1e-15);
+}
+
+// The way between closest points is one of rounding where they are very near; the slab then lies along a feature.
+TEST(ThinTriangles, TheSlabIsAsThickAsTheyAreApart) {
+  Random random(7);
+  int near = 0;
+  for (int n = 0; n < 20'000; ++n) {
+    const double apart = log_between(random, 1e-14, 1e-2);
+    const Vec3 up = direction(random), x = cross(up, direction(random)), y = cross(up, x);
+    const auto in_plane = [&] { return x * random.between(-1, 1) + y * random.between(-1, 1); };
+    Corners p{in_plane(), in_plane(), in_plane()};
+    const Vec3 above = (p[0] + p[1] + p[2]) * (1 / 3.0) + up * apart;
+    const Corners q{above, above + up + in_plane(), above + up * 0.5 + in_plane()};
+    if (triangles_touch(p, q)) continue;
+    const ClosestPair closest = closest_points(p, q);
+    const double distance = std::sqrt(closest.distance_sq);
+    const collision::Slab slab = collision::slab_between(p, q, closest);
+    EXPECT_LE(slab.thickness, distance + 1e-15);
+    if (distance > 1e-13) {
+      EXPECT_GT(slab.thickness, 0.25 * distance);
+    }
+    near += distance < 1e-9;
+  }
+  EXPECT_GT(near, 3'000);
+}
+
+}  // namespace
+}  // namespace difi
