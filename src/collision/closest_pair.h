@@ -82,8 +82,8 @@ DIFI_INLINE void try_edges(const Edges<F>& p, int i, const Edges<F>& q, int j, P
 /// weights, so that even for slivers it is a point of the triangle, and no distance to it too small.
 template <class F>
 struct Feet {
-  Triple<F> corner, along, side;     ///< the first corner, and the edges from it
-  Triple<F> across;                  ///< what `side` has across `along`
+  Triple<F> corner, along, side;  ///< the first corner, and the edges from it
+  Triple<F> across;               ///< what `side` has across `along`
   F along_inverse_sq, across_inverse_sq, side_on_along;
 
   DIFI_INLINE explicit Feet(const Edges<F>& e)

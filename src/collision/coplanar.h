@@ -1,5 +1,5 @@
-// Points, segments and triangles that lie in one plane or on one line, exactly: after dropping an axis on which the plane
-// does not stand upright.
+// Points, segments and triangles that lie in one plane or on one line, exactly: after dropping an axis on which the
+// plane does not stand upright.
 #pragma once
 
 #include <array>
@@ -17,8 +17,8 @@ inline Flat dropped(const Vec3& v, int axis) {
   return {v.x, v.y};
 }
 
-/// The direction of a triangle's normal, of any length, zero for none. Its components are determinants, right however thin
-/// the triangle is.
+/// The direction of a triangle's normal, of any length, zero for none. Its components are determinants, right however
+/// thin the triangle is.
 inline Vec3 normal_direction(const Corners& t) {
   const auto component = [&t](int axis) {
     return determinant2d(dropped(t[0], axis), dropped(t[1], axis), dropped(t[2], axis));

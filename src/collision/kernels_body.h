@@ -111,8 +111,8 @@ inline Wide size(const Wide& a) { return most(a, -a); }
 // Two triangles are apart where their shadows on some axis are. The axes tried are the two normals. They are rounded,
 // and a sliver's may point anywhere: any axis will do, so long as the shadows of both triangles are measured on it, for
 // a sliver is no point on its own rounded normal. Shadows are off by a few roundings of products no larger than
-// |normal| (the sum of its magnitudes) times the span of the corners, and by what underflows, also in programs that have
-// denormals flushed to zero.
+// |normal| (the sum of its magnitudes) times the span of the corners, and by what underflows, also in programs that
+// have denormals flushed to zero.
 constexpr float kShadowRounding = 4e-6f, kShadowUnderflow = 1e-36f;
 
 // Sixteen triangles, their normals, and their own shadows on these, relative to the first corners.

@@ -73,9 +73,9 @@ inline void lower(Eight& depth, Points& normal, const Eight& other, const Points
   normal = select(shallower, way, normal);
 }
 
-// Below this a normal, in terms of the two edges it is made of, or the angle at which an edge passes through a plane, has
-// lost so much to rounding that the place of a contact errs by more than 1e-9 of the pair's extent: by 8 roundings of it,
-// each magnified by one over the normal's size, and again by one over the angle.
+// Below this a normal, in terms of the two edges it is made of, or the angle at which an edge passes through a plane,
+// has lost so much to rounding that the place of a contact errs by more than 1e-9 of the pair's extent: by 8 roundings
+// of it, each magnified by one over the normal's size, and again by one over the angle.
 constexpr double kBlunt = 1e-3;
 
 // The numbers of these pairs are right: no triangle is a sliver, and no edge grazes the other's plane.
@@ -90,8 +90,8 @@ inline EightFlags distinct(const Meeting<Eight>& m, const EightPairs& pair) {
     const Eight drop = from - to;
     return less(blunt_sq * squared(edge) * normal_sq, drop * drop);
   };
-  return fat(pair.p, p_normal_sq) & fat(pair.q, q_normal_sq) &
-         steep(m.a.height[0], m.a.height[1], m.a1, q_normal_sq) & steep(m.a.height[0], m.a.height[2], m.a2, q_normal_sq) &
+  return fat(pair.p, p_normal_sq) & fat(pair.q, q_normal_sq) & steep(m.a.height[0], m.a.height[1], m.a1, q_normal_sq) &
+         steep(m.a.height[0], m.a.height[2], m.a2, q_normal_sq) &
          steep(m.b.height[0], m.b.height[1], m.b1 - m.b0, p_normal_sq) &
          steep(m.b.height[0], m.b.height[2], m.b2 - m.b0, p_normal_sq);
 }

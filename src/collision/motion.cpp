@@ -93,8 +93,8 @@ Pose Course::at(double t) const {
 }
 
 RelativeMotion::RelativeMotion(const Pair& pair, const Course& course) {
-  // In the pair the field stands at its pose; where it moves that is its pose at time 0. Its frame here is a rotation to
-  // rounding and begins at its middle, where that is in the world: so what a pose's matrix is off counts for no more
+  // In the pair the field stands at its pose; where it moves that is its pose at time 0. Its frame here is a rotation
+  // to rounding and begins at its middle, where that is in the world: so what a pose's matrix is off counts for no more
   // than the body itself, however far away the centre of the motion is (Pair::slack).
   const Pose field = orthonormal(pair.field.pose);
   const Pose& tree = pair.tree.pose;

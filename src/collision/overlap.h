@@ -7,9 +7,9 @@ namespace difi {
 
 /// Where and how deep two touching triangles are in each other.
 struct Overlap {
-  Vec3 point;   ///< of both: the middle of the segment they share, or of the longest one between corners of the area
-  Vec3 normal;  ///< unit length, the way q has to go
-  double depth; ///< how far: then they are apart, or only just touch
+  Vec3 point;    ///< of both: the middle of the segment they share, or of the longest one between corners of the area
+  Vec3 normal;   ///< unit length, the way q has to go
+  double depth;  ///< how far: then they are apart, or only just touch
 };
 
 /// For triangles that touch, or are nearer than rounding: then the point lies between them, and the depth may be 0.

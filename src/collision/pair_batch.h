@@ -50,8 +50,8 @@ class PairBatch {
     return true;
   }
 
-  /// Measures what waits, pairs that do not cross, and calls use(field place, tree place, squared distance, point of the
-  /// field's triangle, point of the tree's).
+  /// Measures what waits, pairs that do not cross, and calls use(field place, tree place, squared distance, point of
+  /// the field's triangle, point of the tree's).
   template <class Use>
   void measure(Use use) {
     ClosestOfPairs found;

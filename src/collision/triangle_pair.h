@@ -15,8 +15,8 @@ struct ClosestPair {
 };
 
 /// The closest points of two triangles that do not cross: of touching ones where they touch at an edge, of crossing
-/// ones those of their edges and corners. The distance errs by kDistanceRounding of their extent at the most: the longest
-/// side of the box around both.
+/// ones those of their edges and corners. The distance errs by kDistanceRounding of their extent at the most: the
+/// longest side of the box around both.
 inline constexpr double kDistanceRounding = 32 * 0x1p-53;
 ClosestPair closest_points(const Corners& p, const Corners& q);
 

@@ -130,8 +130,8 @@ TEST(ThinTriangles, SliversHaveAWayOutAndAPointOnBoth) {
   Random random(5);
   int touching = 0;
   for (int n = 0; n < 20'000; ++n) {
-    const SliverPair pair = sliver_pair(random, log_between(random, 1e-15, 1), n % 2 ? Thin::any_way : Thin::along_z,
-                                        Meeting::touching);
+    const SliverPair pair =
+        sliver_pair(random, log_between(random, 1e-15, 1), n % 2 ? Thin::any_way : Thin::along_z, Meeting::touching);
     if (!triangles_touch(pair.p, pair.q)) continue;
     ++touching;
     expect_way_out(pair.p, pair.q);

@@ -49,8 +49,8 @@ inline Quad point_face_sq(const QuadPoint& x, const std::array<QuadPoint, 3>& t)
 }
 
 inline Quad segments_sq(const QuadPoint& u, const QuadPoint& v, const QuadPoint& x, const QuadPoint& y) {
-  // The lines' closest points. Of lines that are parallel but for 1e-16 even these 113 bits leave the place uncertain, so
-  // it is kept within one segment, and the other's place is the best for it: what is measured are points of both.
+  // The lines' closest points. Of lines that are parallel but for 1e-16 even these 113 bits leave the place uncertain,
+  // so it is kept within one segment, and the other's place is the best for it: what is measured are points of both.
   const QuadPoint d = v - u, e = y - x, r = u - x;
   const Quad dd = squared(d), ee = squared(e), de = dotted(d, e), det = dd * ee - de * de;
   if (!(det > 0)) return std::numeric_limits<double>::infinity();
