@@ -2,8 +2,8 @@
 #ifdef __AVX512F__
 
 #include "collision/ball_bound.h"
+#include "collision/crossing.h"
 #include "collision/kernels.h"
-#include "collision/meeting.h"
 
 #include <immintrin.h>
 

@@ -107,6 +107,15 @@ inline Wide wide(float value) { return Wide{} + value; }
 inline Wide least(const Wide& a, const Wide& b) { return a < b ? a : b; }
 inline Wide most(const Wide& a, const Wide& b) { return a > b ? a : b; }
 inline Wide size(const Wide& a) { return most(a, -a); }
+inline std::uint32_t bits_of(const WideInts& flags) {
+#if defined(__AVX512F__)
+  return _mm512_movepi32_mask(reinterpret_cast<__m512i>(flags));
+#else
+  alignas(64) std::int32_t each[kLanes];
+  *reinterpret_cast<WideInts*>(each) = flags;
+  return bits_of(each);
+#endif
+}
 
 // Two triangles are apart where their shadows on some axis are. The axes tried are the two normals. They are rounded,
 // and a sliver's may point anywhere: any axis will do, so long as the shadows of both triangles are measured on it, for
@@ -169,32 +178,23 @@ inline std::uint32_t not_parted(const Planes& planes, const Faces& others, const
   }
   const Wide keep = apart + kShadowRounding * span, by_face = planes.normal_size * keep + kShadowUnderflow,
              by_other = shadows.normal_size[lane] * keep + kShadowUnderflow;
-  const WideInts near = (least(shadow[0], least(shadow[1], shadow[2])) <= planes.high + by_face) &
-                        (most(shadow[0], most(shadow[1], shadow[2])) >= planes.low - by_face) &
-                        (least(back[0], least(back[1], back[2])) <= shadows.high[lane] + by_other) &
-                        (most(back[0], most(back[1], back[2])) >= shadows.low[lane] - by_other);
-  alignas(64) std::int32_t flags[kLanes];
-  *reinterpret_cast<WideInts*>(flags) = near;
-  return bits_of(flags);
+  const auto lowest = [](const Wide(&s)[3]) { return least(s[0], least(s[1], s[2])); };
+  const auto highest = [](const Wide(&s)[3]) { return most(s[0], most(s[1], s[2])); };
+  const Wide on_face = most(lowest(shadow) - planes.high, planes.low - highest(shadow)),
+             on_other = most(lowest(back) - shadows.high[lane], shadows.low[lane] - highest(back));
+  return bits_of(most(on_face - by_face, on_other - by_other) <= Wide{});
 }
 
 int close_lanes(const Packet& a, const Packet& b, float apart, LanePair* pairs) {
-  // Boxes first: often they leave nothing whose planes would be needed.
-  std::uint32_t near[kLanes], lanes = 0;
-  for (std::uint32_t left = b.lanes; left != 0; left &= left - 1) {
-    const int lane = __builtin_ctz(left);
-    near[lane] = overlaps(*a.boxes, lane_of(*b.boxes, lane)) & a.lanes;
-    if (near[lane] != 0) lanes |= 1u << lane;
-  }
-  if (lanes == 0) return 0;
   const Planes planes = planes_of(*a.faces);
   const Shadows shadows = shadows_of(*b.faces);
   int count = 0;
-  for (; lanes != 0; lanes &= lanes - 1) {
-    const int lane = __builtin_ctz(lanes);
-    for (std::uint32_t left = near[lane] & not_parted(planes, *b.faces, shadows, lane, apart); left != 0;
-         left &= left - 1)
-      pairs[count++] = {static_cast<std::uint8_t>(__builtin_ctz(left)), static_cast<std::uint8_t>(lane)};
+  for (std::uint32_t left = b.lanes; left != 0; left &= left - 1) {
+    const int lane = __builtin_ctz(left);
+    std::uint32_t near = overlaps(*a.boxes, lane_of(*b.boxes, lane)) & a.lanes;
+    if (near != 0) near &= not_parted(planes, *b.faces, shadows, lane, apart);
+    for (; near != 0; near &= near - 1)
+      pairs[count++] = {static_cast<std::uint8_t>(__builtin_ctz(near)), static_cast<std::uint8_t>(lane)};
   }
   return count;
 }

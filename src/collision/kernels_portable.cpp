@@ -1,7 +1,7 @@
 // The kernels for any processor.
 #include "collision/ball_bound.h"
+#include "collision/crossing.h"
 #include "collision/kernels.h"
-#include "collision/meeting.h"
 
 namespace difi::collision::portable {
 namespace {

@@ -101,11 +101,11 @@ RelativeMotion::RelativeMotion(const Pair& pair, const Course& course) {
   const Vec3 middle = apply(pair.field.pose, pair.field.body->middle);
   way_.field_moves = pair.swapped;
   way_.angle_rad = pair.swapped ? -course.turn.angle_rad : course.turn.angle_rad;
-  way_.axis = triple(rotate_back(field, course.turn.axis));
+  way_.axis = triple_of(rotate_back(field, course.turn.axis));
   const Vec3 velocity = rotate_back(field, course.velocity);
-  way_.velocity = triple(velocity);
+  way_.velocity = triple_of(velocity);
   way_.straight = difi::length(velocity);
-  way_.base = triple(rotate_back(field, course.center - middle));
+  way_.base = triple_of(rotate_back(field, course.center - middle));
   way_.start = place_of({transposed_times(field.rotation, tree.rotation),
                          rotate_back(field, apply(tree, pair.tree.body->middle) - course.center)});
 }

@@ -33,16 +33,14 @@ class RelativeMotion {
   const Way& way() const { return way_; }
 
   /// The offset of a point of the tree's body (relative to its middle).
-  Vec3 offset(Vec3 point) const { return vec(way_.offset(triple(point))); }
-  Vec3 at(Vec3 offset, double t) const { return vec(way_.at(triple(offset), t)); }
+  Vec3 offset(Vec3 point) const { return vec_of(way_.offset(triple_of(point))); }
+  Vec3 at(Vec3 offset, double t) const { return vec_of(way_.at(triple_of(offset), t)); }
   /// The point moves no faster than this at any time, in world units per unit of time.
-  double speed(Vec3 offset) const { return way_.speed(triple(offset)); }
+  double speed(Vec3 offset) const { return way_.speed(triple_of(offset)); }
   /// Nor does its velocity change faster than this.
-  double acceleration(Vec3 offset) const { return way_.acceleration(triple(offset)); }
+  double acceleration(Vec3 offset) const { return way_.acceleration(triple_of(offset)); }
 
  private:
-  static Triple<double> triple(Vec3 v) { return {v.x, v.y, v.z}; }
-  static Vec3 vec(const Triple<double>& v) { return {v.x, v.y, v.z}; }
   Way way_;
 };
 

@@ -12,8 +12,9 @@ struct Overlap {
   double depth;  ///< how far: then they are apart, or only just touch
 };
 
+/// Points and depths err by this at the most, in terms of the pair's extent.
+inline constexpr double kOverlapError = 1e-9;
 /// For triangles that touch, or are nearer than rounding: then the point lies between them, and the depth may be 0.
-/// Points err by no more than 1e-9 of the pair's extent, and so do depths.
 Overlap overlap(const Corners& p, const Corners& q);
 
 }  // namespace difi

@@ -13,8 +13,8 @@ namespace difi {
 int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 /// The determinant itself: its sign is exact, and its value within 4e-15 of itself.
 double determinant3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
-/// The same by expansions alone, and to a few roundings.
-double determinant3d_exactly(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
+/// The sign where rounding may hide it.
+int orient3d_beyond_rounding(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 
 /// A point in the plane.
 struct Flat {
@@ -25,6 +25,10 @@ struct Flat {
 int orient2d(const Flat& a, const Flat& b, const Flat& c);
 /// The determinant itself: its sign is exact, and its value within 4e-15 of itself.
 double determinant2d(const Flat& a, const Flat& b, const Flat& c);
+
+inline constexpr double kUnitRoundoff = 0x1p-53;
+/// Shewchuk's bound of the first stage, in terms of the sum of the products' magnitudes.
+inline constexpr double kRounded3d = (7 + 56 * kUnitRoundoff) * kUnitRoundoff;
 
 /// A determinant in double arithmetic, and the sum of its products' magnitudes, which bounds its rounding.
 struct RoundedDeterminant {
@@ -42,12 +46,10 @@ inline RoundedDeterminant rounded_determinant3d(const Vec3& a, const Vec3& b, co
 inline int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   const RoundedDeterminant det = rounded_determinant3d(a, b, c, d);
   // The bound holds where nothing underflows; products below 1e-290 go the exact way, which loses nothing above 1e-90.
-  constexpr double kEps = 0x1p-53, kBound3d = (7 + 56 * kEps) * kEps;  // Shewchuk's first stage
-  const double bound = kBound3d * det.magnitude + 1e-290;
+  const double bound = kRounded3d * det.magnitude + 1e-290;
   if (det.value > bound) return 1;
   if (-det.value > bound) return -1;
-  const double exact = determinant3d_exactly(a, b, c, d);
-  return exact > 0 ? 1 : exact < 0 ? -1 : 0;
+  return orient3d_beyond_rounding(a, b, c, d);
 }
 
 }  // namespace difi

@@ -165,7 +165,8 @@ class Follow {
 
   // The motion of b's triangle towards a's, step by step. Along the normal n of the slab between both, the corners come
   // nearer by no more than `approach` per time, -n.v + |n x w| * (their distance from the axis): the next time to look.
-  // Where that is not positive they only part. Nor do they come nearer in any way than the fastest corner's speed.
+  // Where that is not positive they only part. Where there is no such slab they come nearer no faster than the fastest
+  // corner moves.
   void meet(std::uint32_t field_place, std::uint32_t tree_place) {
     const Corners resting = pair_.swapped ? pair_.tree.world(tree_place) : pair_.field.world(field_place);
     const Corners& moving =
@@ -193,7 +194,8 @@ class Follow {
       // Rounding of the time must not carry them past each other.
       const double reserve = std::max(tolerance_ / 2, kTimeRounding * approach);
       double step = std::max(0.0, approach > 0 ? (slab.thickness - reserve) / approach : 0);
-      if (fastest > 0) step = std::max(step, (apart - kDistanceRounding * extent_of(resting, at) - reserve) / fastest);
+      if (!(slab.thickness > reserve) && fastest > 0)
+        step = std::max(step, (apart - kDistanceRounding * extent_of(resting, at) - reserve) / fastest);
       if (rate != 0) step = std::max(step, turning_step(at, t, slab, reserve, across * rate));
       const double later = t + step;
       if (!(later > t)) return record(t, field_place, tree_place, pair);

@@ -35,12 +35,10 @@ bool triangles_touch(const Corners& p, const Corners& q) {
 }
 
 ClosestPair closest_points(const Corners& p, const Corners& q) {
-  const auto triple = [](const Vec3& v) { return Triple<double>{v.x, v.y, v.z}; };
-  const auto vec = [](const Triple<double>& v) { return Vec3{v.x, v.y, v.z}; };
-  const Triple<double> of_p[3] = {triple(p[0]), triple(p[1]), triple(p[2])},
-                       of_q[3] = {triple(q[0]), triple(q[1]), triple(q[2])};
+  const Triple<double> of_p[3] = {triple_of(p[0]), triple_of(p[1]), triple_of(p[2])},
+                       of_q[3] = {triple_of(q[0]), triple_of(q[1]), triple_of(q[2])};
   const auto found = collision::closest_pair(of_p, of_q);
-  return {found.distance_sq, vec(found.on_p), vec(found.on_q), vec(found.way)};
+  return {found.distance_sq, vec_of(found.on_p), vec_of(found.on_q), vec_of(found.way)};
 }
 
 double extent_of(const Corners& p, const Corners& q) {

@@ -92,10 +92,7 @@ double TriangleGroups::look_at(std::size_t g, Vec3 p, double best_sq) const {
 
 double TriangleGroups::triangle_distance_sq(Vec3 p, std::uint32_t t) const {
   // Relative to the sample, so that a mesh far from the origin loses nothing.
-  const auto corner = [&](int k) {
-    const Vec3 v = mesh_.corner(t, k) - p;
-    return Triple<double>{v.x, v.y, v.z};
-  };
+  const auto corner = [&](int k) { return triple_of(mesh_.corner(t, k) - p); };
   return closest_distance_sq(Triple<double>{0, 0, 0}, corner(0), corner(1), corner(2));
 }
 

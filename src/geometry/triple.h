@@ -1,6 +1,7 @@
 // Three numbers of any arithmetic type: the vector of the templates in this room.
 #pragma once
 
+#include "difi/vec.h"
 #include "geometry/scalar.h"
 
 namespace difi {
@@ -29,6 +30,9 @@ template <class F>
 DIFI_INLINE Triple<F> cross(const Triple<F>& a, const Triple<F>& b) {
   return {fma(a.y, b.z, F(-(a.z * b.y))), fma(a.z, b.x, F(-(a.x * b.z))), fma(a.x, b.y, F(-(a.y * b.x)))};
 }
+
+DIFI_INLINE Triple<double> triple_of(const Vec3& v) { return {v.x, v.y, v.z}; }
+DIFI_INLINE Vec3 vec_of(const Triple<double>& v) { return {v.x, v.y, v.z}; }
 
 template <class M, class F>
 DIFI_INLINE Triple<F> select(const M& condition, const Triple<F>& yes, const Triple<F>& no) {

@@ -106,9 +106,9 @@ void expect_way_out(const Corners& p, const Corners& q) {
   const double extent = std::max(extent_of(p, q), 1e-300);
   EXPECT_NEAR(length(found.normal), 1, 1e-15);
   EXPECT_GE(found.depth, 0);
-  EXPECT_FALSE(triangles_touch(p, moved_by(q, found.normal * (found.depth + 1e-14 * extent))));
-  EXPECT_LE(root_of(point_triangle_sq(found.point, p)), 1e-15 * extent);
-  EXPECT_LE(root_of(point_triangle_sq(found.point, q)), 1e-15 * extent);
+  EXPECT_FALSE(triangles_touch(p, moved_by(q, found.normal * (found.depth + kOverlapError * extent))));
+  EXPECT_LE(root_of(point_triangle_sq(found.point, p)), kOverlapError * extent);
+  EXPECT_LE(root_of(point_triangle_sq(found.point, q)), kOverlapError * extent);
 }
 
 TEST(ThinTriangles, SegmentsAndPointsHaveAWayOut) {
