@@ -1,0 +1,104 @@
+"""What the documentation says of measured collision queries, written from the CSV file of one machine: a page of its own
+and the parts of others between markers. tests/bench/collision_tables_test.py compares them."""
+
+import csv
+import json
+import re
+import statistics
+from pathlib import Path
+
+from harness import BENCH, markdown
+
+QUOTED = "2-core-avx512"  # the machine the documentation speaks of
+ROOT = BENCH.parent
+
+PAGE = """# Collision queries, pair by pair
+
+This page is written by `script/bench collision --peers`, from [its CSV file](../bench/results/{quoted}/collision.csv).
+Every question goes to difi and to a peer in one process, in turns: up to five rounds over all poses, medians, processor
+time of one thread. A ratio is how many times as fast as the peer difi is: below 1 it is slower. [bench/README.md](../bench/README.md) says more.
+
+{machine}
+
+## Worst, median, best
+
+{summary}
+
+## The pairs
+
+{pairs}
+
+*1 apart*: b turned at random comes from afar, in a random direction, and stops where the least distance is 1. *1 deep*: it goes on until 1
+beyond the first contact, and touches there. *In its box*: anywhere in a's box. Motions have random directions; terrains are swept
+down. Lengths are those of the pair's line above.
+
+{tables}
+"""
+
+
+def read(path):
+    """What the file's comments say, and its rows."""
+    lines = Path(path).read_text().splitlines()
+    comments = [line[2:] for line in lines if line.startswith("#")]
+    return comments, list(csv.DictReader(line for line in lines if not line.startswith("#")))
+
+
+def value(ratio):
+    """Of "12.3x" or "> 12.3x"; None where neither side finished."""
+    found = re.search(r"[\d.]+", ratio)
+    return float(found.group()) if found else None
+
+
+def short(number):
+    """Two digits are enough to quote."""
+    return f"{number:.0f}x" if number >= 9.95 else f"{number:.1f}x" if number >= 0.995 else f"{number:.2f}x"
+
+
+def summary(rows, with_cases):
+    """For each query and peer the worst, the median and the best of all its lines; with the cases, where they were."""
+    known = [row for row in rows if value(row["ratio"]) is not None]
+    table = []
+    for query, peer in dict.fromkeys((row["query"], row["peer"]) for row in known):
+        own = sorted((row for row in known if (row["query"], row["peer"]) == (query, peer)), key=lambda row: value(row["ratio"]))
+        ratios = [value(row["ratio"]) for row in own]
+        case = lambda row: f" ({row['pair']}, {row['place of b']})" if with_cases else ""
+        line = {"query": query, "beside": peer, "cases": len(own), "worst": short(ratios[0]) + case(own[0]),
+                "median": short(statistics.median(ratios)), "best": short(ratios[-1]) + case(own[-1]),
+                "slower in": sum(ratio < 1 for ratio in ratios)}
+        if with_cases:
+            line |= {"asked for": own[0]["at least"], "answers": sum(int(row["poses"]) for row in own),
+                     "that differ": sum(int(row["answers that differ"]) for row in own)}
+        table.append(line)
+    return table
+
+
+def between_markers(text, name, content):
+    """The text with what stands between the markers of that name replaced."""
+    pattern = re.compile(rf"(<!-- {name}: [^>]*-->\n).*?(<!-- end of {name} -->)", re.DOTALL)
+    if len(pattern.findall(text)) != 1:
+        raise SystemExit(f"bench: not one pair of markers '{name}'")
+    return pattern.sub(lambda found: f"{found.group(1)}\n{content}\n\n{found.group(2)}", text)
+
+
+def pages(results=BENCH / "results" / QUOTED):
+    """{file: what it should hold}"""
+    comments, rows = read(results / "collision.csv")
+    jobs = json.loads((BENCH / "workloads.json").read_text())["collision"]["pairs"]
+    seconds = {(row["pair"], who): row[who] for row in rows for who in ("difi build s", "peer build s")}
+    pairs = [{"pair": job["name"], "a and b": job["what"], "difi builds both, s": seconds[job["name"], "difi build s"],
+              f"{rows[0]['peer']} s": seconds[job["name"], "peer build s"]}
+             for job in jobs if (job["name"], "difi build s") in seconds]
+    shown = ("query", "place of b", "peer", "poses", "hits", "rounds", "difi ms", "peer ms", "ratio", "answers that differ")
+    tables = [f"## {pair['pair']}\n\n" + markdown([{key: row[key] for key in shown} for row in rows if row["pair"] == pair["pair"]])
+              for pair in pairs]
+    page = PAGE.format(quoted=QUOTED, machine="\n".join(f"- {line}" for line in comments), summary=markdown(summary(rows, True)),
+                       pairs=markdown(pairs), tables="\n\n".join(tables))
+    made = {ROOT / "docs" / "collision_tables.md": page}
+    for path, with_cases in ((ROOT / "README.md", False), (ROOT / "docs" / "collision.md", True)):
+        made[path] = between_markers(path.read_text(), "collision summary", markdown(summary(rows, with_cases)))
+    return made
+
+
+def write():
+    for path, text in pages().items():
+        path.write_text(text)
