@@ -1,6 +1,7 @@
 // Batches of collision queries with one thread and with two, taking turns; seconds by the clock on the wall.
 #include <iostream>
 
+#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "collision_workload.h"

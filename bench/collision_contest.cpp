@@ -4,8 +4,10 @@
 #include <ctime>
 #include <iostream>
 
+#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "agreement.h"
 #include "child.h"
 #include "measure.h"
 
@@ -39,9 +41,6 @@ struct Asked {
   std::vector<Motion> motions;
 };
 
-/// A sweep's answer where it is free: later than any time.
-constexpr double kFree = 2;
-
 double ask_difi(const Asked& asked, const CollisionModel& a, const CollisionModel& b, std::size_t n) {
   const Pose& pose = asked.poses[n];
   switch (asked.question.query) {
@@ -60,18 +59,12 @@ double ask_difi(const Asked& asked, const CollisionModel& a, const CollisionMode
   return swept.hit ? swept.time : kFree;
 }
 
-Pose at(const Motion& motion, double t) {
-  Pose pose = motion.from;
-  pose.translation = motion.from.translation + (motion.to.translation - motion.from.translation) * t;
-  return pose;
-}
-
 /// Conservative advancement: the way is straight, so no point is faster than it is long.
 double advance(const CollisionPeer& peer, const Motion& motion, double tolerance) {
   const Vec3 way = motion.to.translation - motion.from.translation;
   const double length = std::sqrt(dot(way, way));
   for (double t = 0; t <= 1;) {
-    const double apart = peer.distance(at(motion, t));
+    const double apart = peer.distance(on_the_way(motion, t));
     if (apart <= tolerance) return t;
     t += (apart - tolerance / 2) / length;
   }
@@ -93,30 +86,6 @@ double ask_peer(const Asked& asked, const CollisionPeer& peer, std::size_t n) {
       break;
   }
   return advance(peer, asked.motions[n], asked.settings.tolerance);
-}
-
-bool is_hit(Query query, double answer) {
-  return query == Query::distance ? answer == 0 : query == Query::sweep ? answer <= 1 : answer > 0;
-}
-
-/// A sweep stops anywhere within the tolerance, so times differ. What must hold: where ours stops the peer finds the
-/// bodies within the tolerance, on the way from where the peer stopped to there it finds none that touch, and ours is
-/// not free where the peer stopped.
-bool agree_on_sweep(const CollisionPeer& peer, const Motion& motion, double tolerance, double ours, double theirs) {
-  constexpr int kLooks = 8;
-  if (ours > 1) return theirs > 1;
-  if (peer.distance(at(motion, ours)) > tolerance * (1 + 1e-6)) return false;
-  for (int look = 0; look < kLooks && ours > theirs; ++look)
-    if (peer.collide(at(motion, theirs + (ours - theirs) * look / kLooks))) return false;
-  return true;
-}
-
-bool agree(const Asked& asked, const CollisionPeer& peer, std::size_t n, double ours, double theirs) {
-  const Query query = asked.question.query;
-  if (query == Query::distance) return std::abs(ours - theirs) <= 1e-6 * (1 + theirs);
-  if (query == Query::sweep) return agree_on_sweep(peer, asked.motions[n], asked.settings.tolerance, ours, theirs);
-  // What a contact is differs: one more or less is no error.
-  return is_hit(query, ours) == is_hit(query, theirs);
 }
 
 /// One's turns.
@@ -166,7 +135,10 @@ nlohmann::json measure_question(const Asked& asked, const CollisionModel& a, con
   std::int64_t hits = 0, differ = 0;
   for (const double answer : ours.answers) hits += is_hit(query, answer);
   if (!ours.late && !theirs.late)
-    for (std::size_t n = 0; n < poses; ++n) differ += !agree(asked, peer, n, ours.answers[n], theirs.answers[n]);
+    for (std::size_t n = 0; n < poses; ++n)
+      differ += query == Query::sweep ? !agree_on_sweep(peer, asked.motions[n], asked.settings.tolerance,
+                                                        ours.answers[n], theirs.answers[n])
+                                      : !agree(query, ours.answers[n], theirs.answers[n]);
   nlohmann::json line{{"query", asked.question.name},
                       {"poses", poses},
                       {"rounds", ours.seconds.size()},

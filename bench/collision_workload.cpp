@@ -1,25 +1,8 @@
 #include "collision_workload.h"
 
-#include <algorithm>
-
-#include "difi/io.h"
-#include "scenes/scenes.h"
-#include "scenes/size.h"
+#include <CLI/CLI.hpp>
 
 namespace difi::bench {
-
-Mesh make_body(const BodySource& source) {
-  const bool file = source.name.find('/') != std::string::npos;
-  Mesh mesh = file ? read_mesh(source.name) : scenes::make(source.name, source.triangles);
-  if (file) scenes::split_to(mesh, source.triangles);
-  if (source.size > 0) {
-    const Box box = bounds(mesh);
-    const Vec3 extent = box.extent();
-    const double scale = source.size / std::max({extent.x, extent.y, extent.z});
-    for (Vec3& v : mesh.vertices) v = (v - box.center()) * scale;
-  }
-  return mesh;
-}
 
 void add_options(CLI::App& app, CollisionSettings& settings) {
   app.add_option("--a", settings.a.name, "what rests: a scene, or a mesh file (with a slash in its name)");

@@ -5,10 +5,12 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 #include "difi/collision.h"
 #include "question.h"
+
+namespace CLI {
+class App;
+}
 
 namespace difi::bench {
 

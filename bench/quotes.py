@@ -49,21 +49,22 @@ def value(ratio):
     return float(found.group()) if found else None
 
 
-def short(number):
+def short(number, sign=""):
     """Two digits are enough to quote."""
-    return f"{number:.0f}x" if number >= 9.95 else f"{number:.1f}x" if number >= 0.995 else f"{number:.2f}x"
+    return sign + f"{number:.{0 if number >= 9.95 else 1 if number >= 0.995 else 2}f}x"
 
 
 def summary(rows, with_cases):
     """For each query and peer the worst, the median and the best of all its lines; with the cases, where they were."""
-    known = [row for row in rows if value(row["ratio"]) is not None]
     table = []
-    for query, peer in dict.fromkeys((row["query"], row["peer"]) for row in known):
-        own = sorted((row for row in known if (row["query"], row["peer"]) == (query, peer)), key=lambda row: value(row["ratio"]))
-        ratios = [value(row["ratio"]) for row in own]
+    for query, peer in dict.fromkeys((row["query"], row["peer"]) for row in rows):
+        own = [row for row in rows if (row["query"], row["peer"]) == (query, peer)]
+        known = sorted((row for row in own if value(row["ratio"]) is not None), key=lambda row: value(row["ratio"]))
+        ratios = [value(row["ratio"]) for row in known]
         case = lambda row: f" ({row['pair']}, {row['place of b']})" if with_cases else ""
-        line = {"query": query, "beside": peer, "cases": len(own), "worst": short(ratios[0]) + case(own[0]),
-                "median": short(statistics.median(ratios)), "best": short(ratios[-1]) + case(own[-1]),
+        quote = lambda row: short(value(row["ratio"]), row["ratio"][:2] if row["ratio"][0] in "<>" else "") + case(row)
+        line = {"query": query, "beside": peer, "cases": len(own), "worst": quote(known[0]) if known else "-",
+                "median": short(statistics.median(ratios)) if known else "-", "best": quote(known[-1]) if known else "-",
                 "slower in": sum(ratio < 1 for ratio in ratios)}
         if with_cases:
             line |= {"asked for": own[0]["at least"], "answers": sum(int(row["poses"]) for row in own),
@@ -84,10 +85,12 @@ def pages(results=BENCH / "results" / QUOTED):
     """{file: what it should hold}"""
     comments, rows = read(results / "collision.csv")
     jobs = json.loads((BENCH / "workloads.json").read_text())["collision"]["pairs"]
-    seconds = {(row["pair"], who): row[who] for row in rows for who in ("difi build s", "peer build s")}
-    pairs = [{"pair": job["name"], "a and b": job["what"], "difi builds both, s": seconds[job["name"], "difi build s"],
-              f"{rows[0]['peer']} s": seconds[job["name"], "peer build s"]}
-             for job in jobs if (job["name"], "difi build s") in seconds]
+    pairs = []
+    for job in jobs:
+        of_peer = {row["peer"]: row for row in reversed(rows) if row["pair"] == job["name"]}
+        if of_peer:
+            pairs.append({"pair": job["name"], "a and b": job["what"], "difi builds both, s": [*of_peer.values()][-1]["difi build s"],
+                          **{f"{peer} builds both, s": row["peer build s"] for peer, row in of_peer.items()}})
     shown = ("query", "place of b", "peer", "poses", "hits", "rounds", "difi ms", "peer ms", "ratio", "answers that differ")
     tables = [f"## {pair['pair']}\n\n" + markdown([{key: row[key] for key in shown} for row in rows if row["pair"] == pair["pair"]])
               for pair in pairs]
@@ -96,6 +99,9 @@ def pages(results=BENCH / "results" / QUOTED):
     made = {ROOT / "docs" / "collision_tables.md": page}
     for path, with_cases in ((ROOT / "README.md", False), (ROOT / "docs" / "collision.md", True)):
         made[path] = between_markers(path.read_text(), "collision summary", markdown(summary(rows, with_cases)))
+    batches = [{key: row[key] for key in row if key not in ("at least", "met")} for row in read(results / "collision-threads.csv")[1]]
+    path = ROOT / "docs" / "collision.md"
+    made[path] = between_markers(made[path], "collision batches", markdown(batches))
     return made
 
 
