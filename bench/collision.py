@@ -88,10 +88,13 @@ def place_row(place, what, line):
     }
 
 
-def write(tables, only, build, note):
-    """Prints the tables that have rows, {file name: rows}; all of them together are written too. The note says what a
-    reader must know of the run."""
-    header = machine_lines(build) + ([f"note: {note}"] if note else [])
+def header_of(build, note):
+    """Asked for before anything runs: the commit may be another one afterwards. The note says what a reader must know."""
+    return machine_lines(build) + ([f"note: {note}"] if note else [])
+
+
+def write(tables, only, header):
+    """Prints the tables that have rows, {file name: rows}; all of them together are written too."""
     print("\n\n".join(["\n".join(f"- {line}" for line in header), *(markdown(rows) for rows in tables.values() if rows)]))
     if not only:
         for name, rows in tables.items():
@@ -112,12 +115,13 @@ def run(drivers, workloads, with_peers, only, rounds, build, note=""):
     """A line for each question about each pair, and the worst, median and best of each query; a line for each batch, from
     the process with the median ratio of three."""
     chosen = lambda jobs: (job for job in jobs if not only or only in job["name"])
+    header = header_of(build, note)
     peers = [peer for peer in PEERS if with_peers and drivers.has(peer)]
     job = workloads["collision"]
     rows = [row for pair in chosen(job["pairs"]) if peers for row in pair_rows(drivers, peers, job, pair, rounds)]
     batches = [batch_row(batch, middle([drivers.run("collision", batch["args"], None) for _ in range(rounds or 3)]))
                for batch in chosen(workloads["batches"])]
-    write({"collision": rows, "collision-threads": batches}, only, build, note)
+    write({"collision": rows, "collision-threads": batches}, only, header)
     print("\n" + markdown(quotes.summary(rows, True)) if rows else "")
     if rows and not only and results_folder().name == quotes.QUOTED:
         quotes.write()
@@ -126,10 +130,11 @@ def run(drivers, workloads, with_peers, only, rounds, build, note=""):
 def run_terrains(drivers, workloads, only, rounds, build, note=""):
     """Two surfaces that conform to each other, in some places: all questions of a peer in one process, which builds the
     bodies once."""
+    header = header_of(build, note)
     job = workloads["terrains"]
     asked = [(place, query) for place in job["places"] if not only or only in place["name"] for query in place["queries"]]
     args = [*job["args"], "--query", *(f"{query}@{place['at']}" for place, query in asked)]
     processes = [[drivers.run_lines(peer, args) for _ in range(rounds or 1)] for peer in PEERS if drivers.has(peer)]
     table = [place_row(place, job["queries"][query], middle([lines[n] for lines in of_peer]))
              for n, (place, query) in enumerate(asked) for of_peer in processes]
-    write({"terrains": table}, only, build, note)
+    write({"terrains": table}, only, header)

@@ -81,6 +81,11 @@ def between_markers(text, name, content):
     return pattern.sub(lambda found: f"{found.group(1)}\n{content}\n\n{found.group(2)}", text)
 
 
+def measured(comments):
+    """Where numbers come from, in one line."""
+    return f"Measured: {'; '.join(comments)}."
+
+
 def pages(results=BENCH / "results" / QUOTED):
     """{file: what it should hold}"""
     comments, rows = read(results / "collision.csv")
@@ -98,10 +103,12 @@ def pages(results=BENCH / "results" / QUOTED):
                        pairs=markdown(pairs), tables="\n\n".join(tables))
     made = {ROOT / "docs" / "collision_tables.md": page}
     for path, with_cases in ((ROOT / "README.md", False), (ROOT / "docs" / "collision.md", True)):
-        made[path] = between_markers(path.read_text(), "collision summary", markdown(summary(rows, with_cases)))
-    batches = [{key: row[key] for key in row if key not in ("at least", "met")} for row in read(results / "collision-threads.csv")[1]]
+        table = markdown(summary(rows, with_cases))
+        made[path] = between_markers(path.read_text(), "collision summary", f"{table}\n\n{measured(comments)}")
+    comments, rows = read(results / "collision-threads.csv")
+    table = markdown([{key: row[key] for key in row if key not in ("at least", "met")} for row in rows])
     path = ROOT / "docs" / "collision.md"
-    made[path] = between_markers(made[path], "collision batches", markdown(batches))
+    made[path] = between_markers(made[path], "collision batches", f"{table}\n\n{measured(comments)}")
     return made
 
 
