@@ -1,11 +1,11 @@
 // Batches of collision queries with one thread and with two, taking turns; seconds by the clock on the wall.
 #include <iostream>
 
+#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "collision_workload.h"
 #include "measure.h"
-#include "scenes/scenes.h"
 
 namespace {
 
@@ -56,12 +56,11 @@ double turn(Batch&& batch) {
 
 void run(const Batches& batches) {
   const bench::CollisionSettings& settings = batches.settings;
-  const CollisionModel a(scenes::make(settings.a, settings.triangles_a)),
-      b(scenes::make(settings.b, settings.triangles_b));
+  const CollisionModel a(bench::make_body(settings.a)), b(bench::make_body(settings.b));
   for (const std::string& text : batches.queries) {
     const bench::Question question = bench::parse_question(text);
-    const std::vector<Pose> poses = bench::make_poses(settings, question, a, b);
-    const std::vector<Motion> motions = bench::make_motions(settings, poses);
+    const std::vector<Pose> poses = bench::PosesDrawn(settings, a, b).of(question);
+    const std::vector<Motion> motions = bench::make_motions(settings, question, poses);
     std::vector<double> one_s, many_s, ratios;
     for (int round = 0; round < batches.rounds; ++round) {
       for (auto& [threads, seconds] : {std::pair{1, &one_s}, {batches.threads, &many_s}})
@@ -82,7 +81,7 @@ int main(int argc, char** argv) {
   CLI::App app("batches of collision queries with one thread and with many, in turns", "bench_collision");
   Batches batches;
   bench::add_options(app, batches.settings);
-  app.add_option("--query", batches.queries, "collide, contacts, all_contacts, distance or sweep");
+  app.add_option("--query", batches.queries, "as peer_fcl takes them");
   app.add_option("--threads", batches.threads);
   app.add_option("--rounds", batches.rounds);
   CLI11_PARSE(app, argc, argv);

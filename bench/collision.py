@@ -1,6 +1,7 @@
 """Collision queries beside FCL and Coal, both in one process with difi, in turns (collision_contest.cpp), and batches of
 them with one thread and with two (bench_collision.cpp)."""
 
+import quotes
 from harness import machine_lines, markdown, results_folder, write_csv
 
 PEERS = ("fcl", "coal")
@@ -19,18 +20,36 @@ def ratio(line):
     return f"{sign}{line['ratio']:.{1 if line['ratio'] >= 1 else 2}f}x"
 
 
-def met(ratio, at_least, goal):
-    return "goal" if ratio >= goal else "yes" if ratio >= at_least else "no"
+def split(where):
+    """What stands after the @ of a question (question.h): its numbers, and its words by key."""
+    words = where.split(",")
+    return [word for word in words if "=" not in word], dict(word.split("=") for word in words if "=" in word)
 
 
-def contest_row(job, line):
-    """Many poses: how many a second."""
+def placing(where):
+    """The same for people."""
+    place, words = split(where)
+    text = f"moved by {', '.join(place)}"
+    if "gap" in words:
+        text = f"{words['gap']} apart"
+    elif "depth" in words:
+        text = f"{words['depth']} deep"
+    elif "turn" in words:
+        text = f"in place, turned by at most {words['turn']} degree{'' if words['turn'] == '1' else 's'}"
+    elif "hits" in words:
+        share = float(words["hits"])
+        text = "in its box, " + ("free" if share == 0 else "touching" if share == 1 else f"{100 * share:.0f} % touching")
+    return text + (f", way {words['way']}" if "way" in words else "")
+
+
+def contest_row(pair, query, where, line):
+    """One query at one placing: the time of one question."""
     return {
-        "query": job["what"], "peer": line["peer"], "poses": line["poses"], "hits": line["hits"],
-        "difi a second": f"{line['poses'] / line['difi_s']:.0f}", "peer a second": f"{line['poses'] / line['peer_s']:.0f}",
-        "ratio": ratio(line), "at least": f"{job['at_least']}x", "goal": f"{job['goal']}x",
-        "met": met(line["ratio"], job["at_least"], job["goal"]), "answers that differ": line["differ"],
-        "build s": f"{line['difi_build_s']:.2f}", "peer build s": f"{line['peer_build_s']:.2f}",
+        "pair": pair["name"], "query": query["what"], "place of b": placing(where), "peer": line["peer"],
+        "poses": line["poses"], "hits": line["hits"], "rounds": line["rounds"],
+        "difi ms": milliseconds(line, "difi"), "peer ms": milliseconds(line, "peer"), "ratio": ratio(line),
+        "at least": f"{query['at_least']}x", "answers that differ": line["differ"],
+        "difi build s": f"{line['difi_build_s']:.2f}", "peer build s": f"{line['peer_build_s']:.2f}",
     }
 
 
@@ -44,7 +63,7 @@ def batch_row(job, line):
 
 def milliseconds(line, who):
     """Of one question; a lower bound where it was stopped."""
-    value = 1000 * line[f"{who}_s"]
+    value = 1000 * line[f"{who}_s"] / line["poses"]
     return ("> " if line[f"{who}_late"] else "") + (f"{value:.0f}" if value >= 100 else f"{value:.3g}" if value >= 0.01 else f"{value:.5f}")
 
 
@@ -69,32 +88,53 @@ def place_row(place, what, line):
     }
 
 
-def write(tables, only, build):
+def header_of(build, note):
+    """Asked for before anything runs: the commit may be another one afterwards. The note says what a reader must know."""
+    return machine_lines(build) + ([f"note: {note}"] if note else [])
+
+
+def write(tables, only, header):
     """Prints the tables that have rows, {file name: rows}; all of them together are written too."""
-    header = machine_lines(build)
     print("\n\n".join(["\n".join(f"- {line}" for line in header), *(markdown(rows) for rows in tables.values() if rows)]))
     if not only:
         for name, rows in tables.items():
             write_csv(results_folder() / f"{name}.csv", header, rows)
 
 
-def run(drivers, workloads, with_peers, only, rounds, build):
-    """A line for each query and peer, and for each batch: the process with the median ratio of three."""
+def pair_rows(drivers, peers, job, pair, rounds):
+    """All questions about a pair: of each peer in one process, which builds the bodies once."""
+    asked = [(query, where) for query, places in pair["ask"].items() for where in places]
+    word = lambda query: "sweep" if query in ("short", "long") else query
+    args = [*job["args"], *pair["args"], "--query", *(f"{word(query)}@{where}" for query, where in asked)]
+    processes = [[drivers.run_lines(peer, args) for _ in range(rounds or 1)] for peer in peers]
+    return [contest_row(pair, job["queries"][query], where, middle([lines[n] for lines in of_peer]))
+            for n, (query, where) in enumerate(asked) for of_peer in processes]
+
+
+def run(drivers, workloads, with_peers, only, rounds, build, note=""):
+    """A line for each question about each pair, and the worst, median and best of each query; a line for each batch, from
+    the process with the median ratio of three."""
     chosen = lambda jobs: (job for job in jobs if not only or only in job["name"])
-    median_of = lambda driver, job: middle([drivers.run(driver, job["args"], None) for _ in range(rounds or 3)])
+    header = header_of(build, note)
     peers = [peer for peer in PEERS if with_peers and drivers.has(peer)]
-    tables = {"collision": [contest_row(job, median_of(peer, job)) for job in chosen(workloads["collision"]) for peer in peers],
-              "collision-threads": [batch_row(job, median_of("collision", job)) for job in chosen(workloads["batches"])]}
-    write(tables, only, build)
+    job = workloads["collision"]
+    rows = [row for pair in chosen(job["pairs"]) if peers for row in pair_rows(drivers, peers, job, pair, rounds)]
+    batches = [batch_row(batch, middle([drivers.run("collision", batch["args"], None) for _ in range(rounds or 3)]))
+               for batch in chosen(workloads["batches"])]
+    write({"collision": rows, "collision-threads": batches}, only, header)
+    print("\n" + markdown(quotes.summary(rows, True)) if rows else "")
+    if rows and not only and results_folder().name == quotes.QUOTED:
+        quotes.write()
 
 
-def run_terrains(drivers, workloads, only, rounds, build):
+def run_terrains(drivers, workloads, only, rounds, build, note=""):
     """Two surfaces that conform to each other, in some places: all questions of a peer in one process, which builds the
     bodies once."""
+    header = header_of(build, note)
     job = workloads["terrains"]
     asked = [(place, query) for place in job["places"] if not only or only in place["name"] for query in place["queries"]]
     args = [*job["args"], "--query", *(f"{query}@{place['at']}" for place, query in asked)]
     processes = [[drivers.run_lines(peer, args) for _ in range(rounds or 1)] for peer in PEERS if drivers.has(peer)]
     table = [place_row(place, job["queries"][query], middle([lines[n] for lines in of_peer]))
              for n, (place, query) in enumerate(asked) for of_peer in processes]
-    write({"terrains": table}, only, build)
+    write({"terrains": table}, only, header)

@@ -4,11 +4,12 @@
 #include <ctime>
 #include <iostream>
 
+#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "agreement.h"
 #include "child.h"
 #include "measure.h"
-#include "scenes/scenes.h"
 
 namespace difi::bench {
 namespace {
@@ -18,14 +19,19 @@ constexpr int kRounds = 5;
 /// One pose is asked about again and again for so long, so that microseconds can be told from the clock's. Poses that
 /// are drawn are gone through once a turn: the quicker of both would get to know them by heart.
 constexpr double kLeastTurn_s = 0.2;
-/// No new round after this much of both: what takes seconds needs no median of five.
-constexpr double kEnough_s = 10;
 
 double cpu_seconds() {
   timespec now{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
+
+struct Contest {
+  CollisionSettings settings;
+  std::vector<std::string> questions{"collide"};
+  double limit_s = 120;  // FCL may take minutes where surfaces conform
+  double enough_s = 10;  // no new round after this much of both: what takes seconds needs no median of five
+};
 
 /// A question all answer with a number.
 struct Asked {
@@ -34,9 +40,6 @@ struct Asked {
   std::vector<Pose> poses;
   std::vector<Motion> motions;
 };
-
-/// A sweep's answer where it is free: later than any time.
-constexpr double kFree = 2;
 
 double ask_difi(const Asked& asked, const CollisionModel& a, const CollisionModel& b, std::size_t n) {
   const Pose& pose = asked.poses[n];
@@ -60,10 +63,8 @@ double ask_difi(const Asked& asked, const CollisionModel& a, const CollisionMode
 double advance(const CollisionPeer& peer, const Motion& motion, double tolerance) {
   const Vec3 way = motion.to.translation - motion.from.translation;
   const double length = std::sqrt(dot(way, way));
-  Pose pose = motion.from;
   for (double t = 0; t <= 1;) {
-    pose.translation = motion.from.translation + way * t;
-    const double apart = peer.distance(pose);
+    const double apart = peer.distance(on_the_way(motion, t));
     if (apart <= tolerance) return t;
     t += (apart - tolerance / 2) / length;
   }
@@ -85,18 +86,6 @@ double ask_peer(const Asked& asked, const CollisionPeer& peer, std::size_t n) {
       break;
   }
   return advance(peer, asked.motions[n], asked.settings.tolerance);
-}
-
-bool is_hit(Query query, double answer) {
-  return query == Query::distance ? answer == 0 : query == Query::sweep ? answer <= 1 : answer > 0;
-}
-
-bool agree(Query query, double ours, double theirs) {
-  if (query == Query::distance) return std::abs(ours - theirs) <= 1e-6 * (1 + theirs);
-  // A sweep stops anywhere within the tolerance, so times differ; one that ends free where the peer found the bodies
-  // within half the tolerance would be a miss. What a contact is differs: one more or less is no error.
-  if (query == Query::sweep) return ours <= 1 || theirs > 1;
-  return is_hit(query, ours) == is_hit(query, theirs);
 }
 
 /// One's turns.
@@ -133,20 +122,23 @@ void write(nlohmann::json& line, const std::string& who, const Side& side) {
 }
 
 nlohmann::json measure_question(const Asked& asked, const CollisionModel& a, const CollisionModel& b,
-                                const CollisionPeer& peer, double limit_s) {
+                                const CollisionPeer& peer, const Contest& contest) {
   const std::size_t poses = asked.poses.size();
   const double least_s = asked.question.place ? kLeastTurn_s : 0;
   Side ours, theirs;
   do {
-    take_turn(ours, poses, least_s, limit_s, [&](std::size_t n) { return ask_difi(asked, a, b, n); });
-    take_turn(theirs, poses, least_s, limit_s, [&](std::size_t n) { return ask_peer(asked, peer, n); });
-  } while (ours.seconds.size() < kRounds && ours.spent + theirs.spent < kEnough_s && !ours.late && !theirs.late);
+    take_turn(ours, poses, least_s, contest.limit_s, [&](std::size_t n) { return ask_difi(asked, a, b, n); });
+    take_turn(theirs, poses, least_s, contest.limit_s, [&](std::size_t n) { return ask_peer(asked, peer, n); });
+  } while (ours.seconds.size() < kRounds && ours.spent + theirs.spent < contest.enough_s && !ours.late && !theirs.late);
 
   const Query query = asked.question.query;
   std::int64_t hits = 0, differ = 0;
   for (const double answer : ours.answers) hits += is_hit(query, answer);
   if (!ours.late && !theirs.late)
-    for (std::size_t n = 0; n < poses; ++n) differ += !agree(query, ours.answers[n], theirs.answers[n]);
+    for (std::size_t n = 0; n < poses; ++n)
+      differ += query == Query::sweep ? !agree_on_sweep(peer, asked.motions[n], asked.settings.tolerance,
+                                                        ours.answers[n], theirs.answers[n])
+                                      : !agree(query, ours.answers[n], theirs.answers[n]);
   nlohmann::json line{{"query", asked.question.name},
                       {"poses", poses},
                       {"rounds", ours.seconds.size()},
@@ -158,32 +150,26 @@ nlohmann::json measure_question(const Asked& asked, const CollisionModel& a, con
   return line;
 }
 
-struct Contest {
-  CollisionSettings settings;
-  std::vector<std::string> questions{"collide"};
-  double limit_s = 120;  // FCL may take minutes where surfaces conform
-};
-
 void run(const Contest& contest, const std::string& peer_name, const MakePeer& make_peer) {
   std::vector<Question> questions;
   for (const std::string& text : contest.questions) questions.push_back(parse_question(text));
   const CollisionSettings& settings = contest.settings;
-  const Mesh mesh_a = scenes::make(settings.a, settings.triangles_a),
-             mesh_b = scenes::make(settings.b, settings.triangles_b);
+  const Mesh mesh_a = make_body(settings.a), mesh_b = make_body(settings.b);
   double start = cpu_seconds();
   const CollisionModel a(mesh_a), b(mesh_b);
   const double build = cpu_seconds() - start;
   start = cpu_seconds();
   const std::unique_ptr<CollisionPeer> peer = make_peer(mesh_a, mesh_b);
   const double peer_build = cpu_seconds() - start;
+  PosesDrawn drawn(settings, a, b);
   for (std::size_t n = 0; n < questions.size(); ++n) {
     if (questions.size() > 1) std::cerr << "    " << contest.questions[n] << std::endl;  // some take minutes
-    Asked asked{settings, questions[n], make_poses(settings, questions[n], a, b), {}};
-    asked.motions = make_motions(settings, asked.poses);
-    nlohmann::json line = measure_question(asked, a, b, *peer, contest.limit_s);
+    Asked asked{settings, questions[n], drawn.of(questions[n]), {}};
+    asked.motions = make_motions(settings, questions[n], asked.poses);
+    nlohmann::json line = measure_question(asked, a, b, *peer, contest);
     line.update({{"peer", peer_name},
-                 {"a", settings.a},
-                 {"b", settings.b},
+                 {"a", settings.a.name},
+                 {"b", settings.b.name},
                  {"triangles", {mesh_a.triangles.size(), mesh_b.triangles.size()}},
                  {"difi_build_s", build},
                  {"peer_build_s", peer_build}});
@@ -199,8 +185,10 @@ int run_collision_contest(int argc, char** argv, const std::string& peer_name, c
   add_options(app, contest.settings);
   app.add_option("--query", contest.questions,
                  "collide, contacts, all_contacts, distance or sweep, of poses drawn; QUERY@X,Y,Z: with b moved so far "
-                 "from its own place");
+                 "from its own place; QUERY@KEY=NUMBER,..: gap, depth, turn or hits, poses, way (bench/question.h)");
   app.add_option("--limit", contest.limit_s, "processor time a turn may take, seconds")->check(CLI::Range(0.001, 1e6));
+  app.add_option("--enough", contest.enough_s, "no new round after this much processor time of both, seconds")
+      ->check(CLI::NonNegativeNumber);
   CLI11_PARSE(app, argc, argv);
   try {
     run(contest, peer_name, make_peer);

@@ -7,6 +7,7 @@
   run.py thesis          the tables of the 2008 thesis, rebuilt
   run.py collision       batches of collision queries with 1 and 2 threads; with --peers, queries beside FCL and Coal
   run.py terrains        two surfaces that conform to each other, beside FCL and Coal (needs --peers)
+  run.py quote           the documentation's tables of collision queries, written again from the CSV file
   run.py fly             the fly in the labyrinth: Figure 5.5 of the thesis, and what both modes miss
 Tables go to stdout, progress to stderr, CSV files to bench/results/<machine>/."""
 
@@ -17,6 +18,7 @@ from pathlib import Path
 import collision
 import contests
 import fly
+import quotes
 import scaling
 import thesis_tables
 from harness import BENCH, Drivers
@@ -25,21 +27,25 @@ from harness import BENCH, Drivers
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", nargs="?", default="contests",
-                        choices=["contests", "scaling", "thesis", "collision", "terrains", "fly"])
+                        choices=["contests", "scaling", "thesis", "collision", "terrains", "quote", "fly"])
     parser.add_argument("--peers", action="store_true", help="run the peers too (built with DIFI_BENCH_PEERS)")
     parser.add_argument("--build", default=str(BENCH.parent / "build" / "bench"), help="build folder of the drivers")
     parser.add_argument("--only", help="workloads or tables whose name holds this; nothing is written then")
     parser.add_argument("--rounds", type=int, help="processes per driver, instead of what the workload says")
+    parser.add_argument("--note", default="", help="of collision and terrains: what readers must know of this run")
     parser.add_argument("--list", action="store_true", help="name the workloads and stop")
     arguments = parser.parse_args()
 
     workloads = json.loads(Path(BENCH / "workloads.json").read_text())
     drivers = Drivers(arguments.build)
     if arguments.list:
-        kinds = [workloads[kind] for kind in ("contests", "scaling", "collision", "batches")] + [workloads["terrains"]["places"]]
+        kinds = [workloads[kind] for kind in ("contests", "scaling", "batches")]
+        kinds += [workloads["collision"]["pairs"], workloads["terrains"]["places"]]
         for job in (job for jobs in kinds for job in jobs):
             print(f"{job['name']:24} {job['what']}")
         return
+    if arguments.what == "quote":
+        return quotes.write()
     if arguments.what == "fly":
         return fly.run(workloads, arguments.build)
     if arguments.what in ("collision", "terrains"):
@@ -48,8 +54,10 @@ def main():
         if not drivers.has("collision") or arguments.peers and not any(map(drivers.has, collision.PEERS)):
             parser.error(f"no drivers in {drivers.folder}; build them with script/bench {arguments.what} --peers")
         if arguments.what == "terrains":
-            return collision.run_terrains(drivers, workloads, arguments.only, arguments.rounds, arguments.build)
-        return collision.run(drivers, workloads, arguments.peers, arguments.only, arguments.rounds, arguments.build)
+            return collision.run_terrains(drivers, workloads, arguments.only, arguments.rounds, arguments.build,
+                                          arguments.note)
+        return collision.run(drivers, workloads, arguments.peers, arguments.only, arguments.rounds, arguments.build,
+                             arguments.note)
     if not drivers.has("difi"):
         parser.error(f"no drivers in {drivers.folder}; build them with script/bench")
     if arguments.peers and not (drivers.has("openvdb") or drivers.has("embree")):

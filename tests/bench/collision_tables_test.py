@@ -16,6 +16,7 @@ BENCH = Path(os.environ["DIFI_SOURCE_DIR"]) / "bench"
 sys.path.insert(0, str(BENCH))
 import collision  # noqa: E402
 import harness  # noqa: E402
+import quotes  # noqa: E402
 
 WORKLOADS = json.loads((BENCH / "workloads.json").read_text())
 
@@ -85,16 +86,56 @@ class Tables(unittest.TestCase):
             self.assertIn("difi: unknown", harness.machine_lines("nowhere"))
 
     def test_contests(self):
-        drivers = Pretended(["fcl", "coal", "collision"], [9, 30, 11, 4, 5, 3, 1.7, 1.9, 1.8])
-        workloads = {"collision": WORKLOADS["collision"][:1], "batches": WORKLOADS["batches"][:1]}
-        text = printed(collision.run, drivers, workloads, True, None, None, "nowhere")
-        self.assertEqual([driver for driver, _ in drivers.asked], ["fcl"] * 3 + ["coal"] * 3 + ["collision"] * 3)
-        self.assertRegex(text, r"yes or no \| FCL \| .* \| 11\.0x \| 10x \| 25x \| yes \|")
-        self.assertRegex(text, r"yes or no \| Coal \| .* \| 4\.0x \| 10x \| 25x \| no \|")
+        pair = {"name": "horse-bunny", "args": ["--a", "horse"], "ask": {"collide": ["gap=1,poses=9", "depth=2"], "long": ["gap=1,way=5"]}}
+        drivers = Pretended(["fcl", "coal", "collision"], [9, 0.4, 1.7, 1.9, 1.8])
+        workloads = {"collision": WORKLOADS["collision"] | {"pairs": [pair]}, "batches": WORKLOADS["batches"][:1]}
+        text = printed(collision.run, drivers, workloads, True, None, None, "nowhere", "a noisy day")
+        self.assertEqual([driver for driver, _ in drivers.asked], ["fcl", "coal"] + ["collision"] * 3)
+        args = drivers.asked[0][1]
+        self.assertEqual(args[args.index("--query") + 1:], ["collide@gap=1,poses=9", "collide@depth=2", "sweep@gap=1,way=5"])
+        self.assertRegex(text, r"horse-bunny \| yes or no \| 1 apart \| FCL \| .* \| 9\.0x \| 10x \|")
+        self.assertRegex(text, r"horse-bunny \| long sweep \| 1 apart, way 5 \| Coal \| .* \| 0\.40x \| 10x \|")
         self.assertRegex(text, r"yes or no \| 10 \| 0\.2000 \| 0\.1111 \| 1\.80x \| 1\.8x \| yes \|")
-        for name, count in (("collision.csv", 2), ("collision-threads.csv", 1)):
-            rows = [row for row in csv.reader((self.folder / name).read_text().splitlines()) if not row[0].startswith("#")]
-            self.assertEqual(len(rows), 1 + count)
+        for name, count in (("collision.csv", 6), ("collision-threads.csv", 1)):
+            comments, rows = quotes.read(self.folder / name)
+            self.assertEqual(len(rows), count)
+            self.assertIn("note: a noisy day", comments)
+
+    def test_placings(self):
+        for where, text in [("gap=0.1,poses=9", "0.1 apart"), ("depth=2,way=3", "2 deep, way 3"), ("hits=0", "in its box, free"),
+                            ("hits=0.45,poses=10", "in its box, 45 % touching"), ("hits=1", "in its box, touching"),
+                            ("turn=1", "in place, turned by at most 1 degree"), ("0,1,-0.5,way=2", "moved by 0, 1, -0.5, way 2")]:
+            self.assertEqual(collision.placing(where), text)
+
+    def test_every_pair(self):
+        job = WORKLOADS["collision"]
+        self.assertGreaterEqual(len(job["pairs"]), 5)
+        for pair in job["pairs"]:
+            self.assertEqual(set(pair["ask"]), set(job["queries"]), pair["name"])
+            places = [place for places in pair["ask"].values() for place in places]
+            self.assertTrue(all(collision.placing(place) for place in places))
+
+    # The worst must not hide behind the median, nor a ratio below one behind its rounding.
+    def test_summary(self):
+        ratios = ["2.0x", "0.98x", "> 30.0x", "-", "12.4x"]
+        rows = [{"pair": f"p{n}", "query": "least distance", "place of b": "1 apart", "peer": "FCL", "ratio": ratio, "poses": "10",
+                 "at least": "10x", "answers that differ": str(n)} for n, ratio in enumerate(ratios)]
+        (line,) = quotes.summary(rows, True)
+        self.assertEqual((line["worst"], line["median"], line["best"]), ("0.98x (p1, 1 apart)", "7.2x", "> 30x (p2, 1 apart)"))
+        self.assertEqual((line["cases"], line["slower in"], line["answers"], line["that differ"]), (5, 1, 50, 10))
+        self.assertEqual([quotes.short(number) for number in (0.996, 0.994, 9.96, 9.94)], ["1.0x", "0.99x", "10x", "9.9x"])
+
+    def test_markers(self):
+        text = "a\n<!-- x: by y -->\nold\n<!-- end of x -->\nb"
+        self.assertEqual(quotes.between_markers(text, "x", "new"), "a\n<!-- x: by y -->\n\nnew\n\n<!-- end of x -->\nb")
+        for wrong in ("", text + text):
+            with self.assertRaises(SystemExit):
+                quotes.between_markers(wrong, "x", "new")
+
+    # Measured anew, or edited by hand: script/bench quote writes them again.
+    def test_documentation_quotes_the_csv_file(self):
+        for path, text in quotes.pages().items():
+            self.assertEqual(path.read_text(), text, f"{path} is not what bench/results says; run bench/run.py quote")
 
     def test_without_peers(self):
         drivers = Pretended(["fcl", "collision"], [1.5])

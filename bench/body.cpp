@@ -1,0 +1,24 @@
+// The bodies that are asked about.
+#include <algorithm>
+
+#include "collision_workload.h"
+#include "difi/io.h"
+#include "scenes/scenes.h"
+#include "scenes/size.h"
+
+namespace difi::bench {
+
+Mesh make_body(const BodySource& source) {
+  const bool file = source.name.find('/') != std::string::npos;
+  Mesh mesh = file ? read_mesh(source.name) : scenes::make(source.name, source.triangles);
+  if (file) scenes::split_to(mesh, source.triangles);
+  if (source.size > 0) {
+    const Box box = bounds(mesh);
+    const Vec3 extent = box.extent();
+    const double scale = source.size / std::max({extent.x, extent.y, extent.z});
+    for (Vec3& v : mesh.vertices) v = (v - box.center()) * scale;
+  }
+  return mesh;
+}
+
+}  // namespace difi::bench

@@ -1,0 +1,117 @@
+"""What the documentation says of measured collision queries, written from the CSV file of one machine: a page of its own
+and the parts of others between markers. tests/bench/collision_tables_test.py compares them."""
+
+import csv
+import json
+import re
+import statistics
+from pathlib import Path
+
+from harness import BENCH, markdown
+
+QUOTED = "2-core-avx512"  # the machine the documentation speaks of
+ROOT = BENCH.parent
+
+PAGE = """# Collision queries, pair by pair
+
+This page is written by `script/bench collision --peers`, from [its CSV file](../bench/results/{quoted}/collision.csv).
+Every question goes to difi and to a peer in one process, in turns: up to five rounds over all poses, medians, processor
+time of one thread. A ratio is how many times as fast as the peer difi is: below 1 it is slower. [bench/README.md](../bench/README.md) says more.
+
+{machine}
+
+## Worst, median, best
+
+{summary}
+
+## The pairs
+
+{pairs}
+
+*1 apart*: b turned at random comes from afar, in a random direction, and stops where the least distance is 1. *1 deep*: it goes on until 1
+beyond the first contact, and touches there. *In its box*: anywhere in a's box. Motions have random directions; terrains are swept
+down. Lengths are those of the pair's line above.
+
+{tables}
+"""
+
+
+def read(path):
+    """What the file's comments say, and its rows."""
+    lines = Path(path).read_text().splitlines()
+    comments = [line[2:] for line in lines if line.startswith("#")]
+    return comments, list(csv.DictReader(line for line in lines if not line.startswith("#")))
+
+
+def value(ratio):
+    """Of "12.3x" or "> 12.3x"; None where neither side finished."""
+    found = re.search(r"[\d.]+", ratio)
+    return float(found.group()) if found else None
+
+
+def short(number, sign=""):
+    """Two digits are enough to quote."""
+    return sign + f"{number:.{0 if number >= 9.95 else 1 if number >= 0.995 else 2}f}x"
+
+
+def summary(rows, with_cases):
+    """For each query and peer the worst, the median and the best of all its lines; with the cases, where they were."""
+    table = []
+    for query, peer in dict.fromkeys((row["query"], row["peer"]) for row in rows):
+        own = [row for row in rows if (row["query"], row["peer"]) == (query, peer)]
+        known = sorted((row for row in own if value(row["ratio"]) is not None), key=lambda row: value(row["ratio"]))
+        ratios = [value(row["ratio"]) for row in known]
+        case = lambda row: f" ({row['pair']}, {row['place of b']})" if with_cases else ""
+        quote = lambda row: short(value(row["ratio"]), row["ratio"][:2] if row["ratio"][0] in "<>" else "") + case(row)
+        line = {"query": query, "beside": peer, "cases": len(own), "worst": quote(known[0]) if known else "-",
+                "median": short(statistics.median(ratios)) if known else "-", "best": quote(known[-1]) if known else "-",
+                "slower in": sum(ratio < 1 for ratio in ratios)}
+        if with_cases:
+            line |= {"asked for": own[0]["at least"], "answers": sum(int(row["poses"]) for row in own),
+                     "that differ": sum(int(row["answers that differ"]) for row in own)}
+        table.append(line)
+    return table
+
+
+def between_markers(text, name, content):
+    """The text with what stands between the markers of that name replaced."""
+    pattern = re.compile(rf"(<!-- {name}: [^>]*-->\n).*?(<!-- end of {name} -->)", re.DOTALL)
+    if len(pattern.findall(text)) != 1:
+        raise SystemExit(f"bench: not one pair of markers '{name}'")
+    return pattern.sub(lambda found: f"{found.group(1)}\n{content}\n\n{found.group(2)}", text)
+
+
+def measured(comments):
+    """Where numbers come from, in one line."""
+    return f"Measured: {'; '.join(comments)}."
+
+
+def pages(results=BENCH / "results" / QUOTED):
+    """{file: what it should hold}"""
+    comments, rows = read(results / "collision.csv")
+    jobs = json.loads((BENCH / "workloads.json").read_text())["collision"]["pairs"]
+    pairs = []
+    for job in jobs:
+        of_peer = {row["peer"]: row for row in reversed(rows) if row["pair"] == job["name"]}
+        if of_peer:
+            pairs.append({"pair": job["name"], "a and b": job["what"], "difi builds both, s": [*of_peer.values()][-1]["difi build s"],
+                          **{f"{peer} builds both, s": row["peer build s"] for peer, row in of_peer.items()}})
+    shown = ("query", "place of b", "peer", "poses", "hits", "rounds", "difi ms", "peer ms", "ratio", "answers that differ")
+    tables = [f"## {pair['pair']}\n\n" + markdown([{key: row[key] for key in shown} for row in rows if row["pair"] == pair["pair"]])
+              for pair in pairs]
+    page = PAGE.format(quoted=QUOTED, machine="\n".join(f"- {line}" for line in comments), summary=markdown(summary(rows, True)),
+                       pairs=markdown(pairs), tables="\n\n".join(tables))
+    made = {ROOT / "docs" / "collision_tables.md": page}
+    for path, with_cases in ((ROOT / "README.md", False), (ROOT / "docs" / "collision.md", True)):
+        table = markdown(summary(rows, with_cases))
+        made[path] = between_markers(path.read_text(), "collision summary", f"{table}\n\n{measured(comments)}")
+    comments, rows = read(results / "collision-threads.csv")
+    table = markdown([{key: row[key] for key in row if key not in ("at least", "met")} for row in rows])
+    path = ROOT / "docs" / "collision.md"
+    made[path] = between_markers(made[path], "collision batches", f"{table}\n\n{measured(comments)}")
+    return made
+
+
+def write():
+    for path, text in pages().items():
+        path.write_text(text)
