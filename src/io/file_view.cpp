@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -15,13 +14,6 @@
 
 namespace difi {
 namespace {
-
-struct Descriptor {
-  int number;
-  ~Descriptor() {
-    if (number >= 0) ::close(number);
-  }
-};
 
 std::string reason(int error) {
   switch (error) {
@@ -41,21 +33,27 @@ std::string reason(int error) {
 }  // namespace
 
 FileView::FileView(const std::filesystem::path& path, Access access) : path_(path) {
-  const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
+  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
   struct stat about {};
-  if (file.number < 0 || ::fstat(file.number, &about) != 0) fail("", reason(errno));
+  if (file.number() < 0 || ::fstat(file.number(), &about) != 0) fail("", reason(errno));
   if (S_ISDIR(about.st_mode)) fail("", reason(EISDIR));
   if (!S_ISFIFO(about.st_mode) && !S_ISREG(about.st_mode)) fail("", "it is a device; give the name of a file");
   const auto size = static_cast<std::size_t>(about.st_size);
   if (S_ISFIFO(about.st_mode) || access == Access::copy) {
-    read_all(file.number, size);
+    read_all(file.number(), size);
     return;
   }
   if (size == 0) return;
-  void* mapped = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file.number, 0);
+  void* mapped = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file.number(), 0);
   if (mapped == MAP_FAILED) fail("", reason(errno));
   mapped_ = mapped;
   bytes_ = {static_cast<const char*>(mapped), size};
+}
+
+FileView::FileView(const std::filesystem::path& name, const Descriptor& file) : path_(name) {
+  struct stat about {};
+  if (::fstat(file.number(), &about) != 0) fail("", reason(errno));
+  read_all(file.number(), static_cast<std::size_t>(about.st_size));
 }
 
 FileView::~FileView() {

@@ -7,6 +7,8 @@
 #include <string>
 #include <string_view>
 
+#include "io/descriptor.h"
+
 namespace difi {
 
 /// A file's bytes for as long as the view lives, and the way to complain about them.
@@ -21,6 +23,8 @@ class FileView {
 
   /// Errors: input, for files that are missing, folders, or unreadable; limit, for those that memory cannot hold.
   explicit FileView(const std::filesystem::path& path, Access access = Access::copy);
+  /// The bytes of an open file, read to its end; `name` stands in messages. Errors: as above.
+  FileView(const std::filesystem::path& name, const Descriptor& file);
   /// A view of somebody else's bytes, which must outlive it; `name` stands in messages.
   FileView(const std::filesystem::path& name, std::string_view bytes) : path_(name), bytes_(bytes) {}
   FileView(const FileView&) = delete;
