@@ -3,10 +3,12 @@
 #include <fcntl.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <limits>
 #include <new>
 #include <system_error>
 
@@ -30,6 +32,12 @@ std::string reason(int error) {
   }
 }
 
+// Half of the machine's memory: what comes through a pipe may have no end, and all memory would be taken before a
+// larger piece is refused.
+std::size_t most_of_a_pipe() {
+  return static_cast<std::size_t>(::sysconf(_SC_PHYS_PAGES)) * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE)) / 2;
+}
+
 }  // namespace
 
 FileView::FileView(const std::filesystem::path& path, Access access) : path_(path) {
@@ -37,10 +45,12 @@ FileView::FileView(const std::filesystem::path& path, Access access) : path_(pat
   struct stat about {};
   if (file.number() < 0 || ::fstat(file.number(), &about) != 0) fail("", reason(errno));
   if (S_ISDIR(about.st_mode)) fail("", reason(EISDIR));
-  if (!S_ISFIFO(about.st_mode) && !S_ISREG(about.st_mode)) fail("", "it is a device; give the name of a file");
+  if (!S_ISFIFO(about.st_mode) && !S_ISREG(about.st_mode))
+    fail("", "it is a device; give the name of a file, or of a pipe");
   const auto size = static_cast<std::size_t>(about.st_size);
-  if (S_ISFIFO(about.st_mode) || access == Access::copy) {
-    read_all(file.number(), size);
+  const bool pipe = S_ISFIFO(about.st_mode);
+  if (pipe || access == Access::copy) {
+    read_all(file.number(), size, pipe ? most_of_a_pipe() : std::numeric_limits<std::size_t>::max());
     return;
   }
   if (size == 0) return;
@@ -53,20 +63,23 @@ FileView::FileView(const std::filesystem::path& path, Access access) : path_(pat
 FileView::FileView(const std::filesystem::path& name, const Descriptor& file) : path_(name) {
   struct stat about {};
   if (::fstat(file.number(), &about) != 0) fail("", reason(errno));
-  read_all(file.number(), static_cast<std::size_t>(about.st_size));
+  read_all(file.number(), static_cast<std::size_t>(about.st_size), std::numeric_limits<std::size_t>::max());
 }
 
 FileView::~FileView() {
   if (mapped_) ::munmap(mapped_, bytes_.size());
 }
 
-void FileView::read_all(int descriptor, std::size_t expected) {
+void FileView::read_all(int descriptor, std::size_t expected, std::size_t most) {
   constexpr std::size_t kLeast = std::size_t{1} << 16, kMostAtOnce = std::size_t{1} << 30;
   // One byte more than expected, so that the end is met without room for more.
   std::size_t room = std::max(expected + 1, kLeast), size = 0;
   try {
     read_ = std::make_unique_for_overwrite<char[]>(room);
     for (;;) {
+      if (size > most)
+        throw Error(ErrorCode::limit, path_.string() + ": more than " + std::to_string(most >> 20) +
+                                          " MiB came through the pipe; save it in a file and give its name");
       if (size == room) {
         auto larger = std::make_unique_for_overwrite<char[]>(2 * room);
         std::memcpy(larger.get(), read_.get(), size);

@@ -1,6 +1,7 @@
 #include "io/unfolding.h"
 
-#include <cstdio>
+#include <array>
+#include <charconv>
 #include <string>
 
 #include "difi/error.h"
@@ -13,10 +14,11 @@ namespace {
 constexpr double kVertexBytes = sizeof(Vec3) + 4 + 24, kTriangleBytes = sizeof(Triangle);
 constexpr double kMiB = 1 << 20, kAlways = 192 * kMiB, kTimes = 12;
 
+// Without exponent, as far as doubles go.
 std::string whole(double number) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.0f", number);
-  return text;
+  std::array<char, 320> text;
+  const auto end = std::to_chars(text.begin(), text.end(), number, std::chars_format::fixed, 0).ptr;
+  return {text.begin(), end};
 }
 
 }  // namespace
