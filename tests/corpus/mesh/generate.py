@@ -155,6 +155,8 @@ write("ply_two_vertex_elements.ply", ply(extra="element vertex 4\nproperty float
 write("ply_property_first.ply", b"ply\nformat ascii 1.0\nproperty float x\nend_header\n")
 write("ply_wrong_magic.ply", b"plyy\n" + ply()[4:])
 write("ply_damaged_header.ply", ply().replace(b"element face", b"elemnt face"))
+write("ply_many_elements.ply", ply().replace(b"element vertex", b"".join(b"element e%d 0\n" % n for n in range(1000)) +
+                                            b"element vertex", 1))
 # OBJ
 write("obj_plain.obj", obj())
 write("obj_crlf.obj", obj().replace("\n", "\r\n"))
