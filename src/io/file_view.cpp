@@ -32,10 +32,10 @@ std::string reason(int error) {
   }
 }
 
-// Half of the machine's memory: what comes through a pipe may have no end, and all memory would be taken before a
-// larger piece is refused.
+// A quarter of the memory, for while it grows it is there twice: what comes through a pipe may have no end, and all
+// memory would be taken before a larger piece is refused.
 std::size_t most_of_a_pipe() {
-  return static_cast<std::size_t>(::sysconf(_SC_PHYS_PAGES)) * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE)) / 2;
+  return static_cast<std::size_t>(::sysconf(_SC_PHYS_PAGES)) * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE)) / 4;
 }
 
 }  // namespace

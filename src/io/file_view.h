@@ -22,7 +22,7 @@ class FileView {
   };
 
   /// Errors: input, for files that are missing, folders, devices, or unreadable; limit, for those that memory
-  /// cannot hold, and for more from a pipe than half of the machine's memory.
+  /// cannot hold, and for more from a pipe than a quarter of the machine's memory.
   explicit FileView(const std::filesystem::path& path, Access access = Access::copy);
   /// The bytes of an open file, read to its end; `name` stands in messages. Errors: as above.
   FileView(const std::filesystem::path& name, const Descriptor& file);
