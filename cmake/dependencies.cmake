@@ -17,7 +17,7 @@ macro(difi_optional name target definition loss)
 endmacro()
 
 if(DIFI_WITH_ASSIMP)
-  difi_optional(assimp assimp::assimp DIFI_HAVE_ASSIMP "no 3DS, glTF, DAE (Debian: libassimp-dev)")
+  difi_optional(assimp assimp::assimp DIFI_HAVE_ASSIMP "no 3DS, DAE (Debian: libassimp-dev)")
 endif()
 if(DIFI_WITH_PNG)
   difi_optional(PNG PNG::PNG DIFI_HAVE_PNG "no pictures (Debian: libpng-dev)")

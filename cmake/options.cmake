@@ -14,7 +14,7 @@ set(DIFI_COAL "" CACHE PATH "folder whose lib and include hold Coal, to measure 
 option(DIFI_BUILD_FUZZERS "libFuzzer targets of the readers (clang)" OFF)
 set(DIFI_TESTS_MATCHING "." CACHE STRING "which tests are built: a regular expression of files below tests/, e.g. ^io/")
 option(DIFI_INSTALL "rules for cmake --install" ${DIFI_TOP_LEVEL})
-option(DIFI_WITH_ASSIMP "read 3DS, glTF and DAE through assimp" ON)
+option(DIFI_WITH_ASSIMP "read 3DS and DAE through assimp" ON)
 option(DIFI_WITH_CUDA "the CUDA backend, where nvcc is found" ON)
 option(DIFI_WITH_PNG "write pictures through libpng" ON)
 option(DIFI_COVERAGE "count which lines run" OFF)

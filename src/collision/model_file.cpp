@@ -158,7 +158,7 @@ CollisionModel CollisionModel::Data::read(const FileView& file, BodyChecksum che
     place(*data, header.spacing);
     data->field = collision::plan_field_bounds(data->field.box, header.spacing);
   } catch (const Error& error) {
-    file.fail("", error.what());
+    file.fail("", std::string(diagnosis(error.what())) + "; save the body again");
   }
   data->field.slots = std::move(field.slots);
   data->field.samples = std::move(field.samples);

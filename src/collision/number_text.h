@@ -1,16 +1,17 @@
-// Numbers in messages: of any size, in a few digits.
+// Numbers in messages: of any size, in a few digits, with a point in every locale.
 #pragma once
 
-#include <cstdio>
+#include <array>
+#include <charconv>
 #include <string>
 
 namespace difi::collision {
 
 /// "0.02", "1e+21".
 inline std::string number_text(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", value);
-  return text;
+  std::array<char, 32> text;
+  const auto end = std::to_chars(text.begin(), text.end(), value, std::chars_format::general, 6).ptr;
+  return {text.begin(), end};
 }
 
 }  // namespace difi::collision

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace difi {
 namespace {
@@ -37,9 +38,58 @@ void check_track(const FileView& file, std::size_t begin, std::size_t end) {
                   " bytes are left; the file is cut off or damaged, get all of it");
 }
 
+// The tree that assimp makes of the keyframer's nodes, as deep as it can be: assimp calls itself for every level, and
+// looks for every node's name among all before it.
+class NodeCheck {
+ public:
+  // `kind` is the chunk around the name, which begins at `begin`.
+  void see(const FileView& file, std::uint16_t kind, std::size_t begin, std::size_t end) {
+    constexpr std::uint16_t kObject = 0xb002;
+    constexpr std::size_t kMostNodes = 10'000, kDeepest = 1000;
+    if (++nodes_ > kMostNodes)
+      file.fail("byte " + std::to_string(begin), "more than " + std::to_string(kMostNodes) +
+                                                     " nodes in its keyframes; write the file again without animation");
+    const std::size_t zero = std::min(file.bytes().find('\0', begin), end), place = zero + 5;
+    if (place + 2 > file.size()) return;  // assimp tells
+    add(static_cast<std::uint16_t>(number_at<std::uint16_t>(file.bytes(), place) + 1));
+    // A camera or a light that has the name of a node goes on from there: from now on any node may be a level of its
+    // own.
+    anywhere_ |= kind != kObject;
+    if (open_.size() + deeper_ > kDeepest)
+      file.fail("byte " + std::to_string(begin),
+                "its nodes are nested too deep; flatten the scene in the program that wrote it");
+  }
+
+ private:
+  // Assimp's rule: beside the node before, below it, or back beside the latest one at that place.
+  void add(std::uint16_t place) {
+    constexpr std::uint16_t kHighest =
+        0x7fff;  // assimp keeps places with a sign, and takes no other for its neighbour's
+    if (anywhere_) {
+      ++deeper_;
+    } else if (!open_.empty() && open_.back() == place && place <= kHighest) {
+      ++last_;
+    } else if (place >= last_) {
+      open_.push_back(place);
+      last_ = static_cast<std::int16_t>(place);
+    } else {
+      while (open_.size() > 1 && open_.back() != place) open_.pop_back();
+      if (open_.back() != place) open_ = {place};
+      ++last_;
+    }
+  }
+
+  std::vector<std::uint16_t> open_;  // places of the latest node and of those above it
+  std::int16_t last_ = -1;
+  std::size_t nodes_ = 0, deeper_ = 0;
+  bool anywhere_ = false;
+};
+
 // Goes through chunks as assimp does: one without content is no more than its header, and one longer than what holds it
 // takes what follows along.
-void check_chunks(const FileView& file, int level, std::size_t begin, std::size_t end) {
+void check_chunks(const FileView& file, NodeCheck& nodes, std::uint16_t around, int level, std::size_t begin,
+                  std::size_t end) {
+  constexpr std::uint16_t kNodeName = 0xb010;
   for (std::size_t at = begin; at < end && end - at >= kHeader;) {
     const auto id = number_at<std::uint16_t>(file.bytes(), at);
     const std::size_t size = number_at<std::uint32_t>(file.bytes(), at + 2);
@@ -50,8 +100,9 @@ void check_chunks(const FileView& file, int level, std::size_t begin, std::size_
       if (level == kTrack)
         check_track(file, at, stop);
       else
-        check_chunks(file, level + 1, at, stop);
+        check_chunks(file, nodes, id, level + 1, at, stop);
     }
+    if (level == kTrack && id == kNodeName) nodes.see(file, around, at, stop);
     if (stop > end) end = file.size();
     at = stop;
   }
@@ -59,6 +110,9 @@ void check_chunks(const FileView& file, int level, std::size_t begin, std::size_
 
 }  // namespace
 
-void check_3ds(const FileView& file) { check_chunks(file, kFile, 0, file.size()); }
+void check_3ds(const FileView& file) {
+  NodeCheck nodes;
+  check_chunks(file, nodes, 0, kFile, 0, file.size());
+}
 
 }  // namespace difi

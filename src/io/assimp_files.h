@@ -1,41 +1,35 @@
-// The files that assimp gets to see.
+// The one file that assimp gets to see.
 #pragma once
 #ifdef DIFI_HAVE_ASSIMP
 
-#include <assimp/DefaultIOSystem.h>
 #include <assimp/MemoryIOWrapper.h>
+#include <assimp/IOSystem.hpp>
 
-#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "io/file_view.h"
 
 namespace difi {
 
-/// A mesh file from the bytes that were checked, whatever another program does to it meanwhile; the files it refers to,
-/// such as the buffers of glTF, from the disk.
-class AssimpFiles : public Assimp::DefaultIOSystem {
+/// A mesh file from the bytes that were checked, whatever another program does to it meanwhile. No other file is there
+/// for assimp: what a mesh refers to, such as textures, is none of its shape.
+class AssimpFiles : public Assimp::IOSystem {
  public:
-  /// The view must outlive it. The bytes at `hidden` are shown as '_'.
-  AssimpFiles(const FileView& file, const std::vector<std::size_t>& hidden)
-      : name_(file.path().string()), bytes_(file.bytes()) {
-    if (hidden.empty()) return;
-    copy_ = bytes_;
-    for (const std::size_t at : hidden) copy_[at] = '_';
-    bytes_ = copy_;
-  }
+  /// The view must outlive it.
+  explicit AssimpFiles(const FileView& file) : name_(file.path().string()), bytes_(file.bytes()) {}
 
-  bool Exists(const char* name) const override { return name == name_ || DefaultIOSystem::Exists(name); }
+  bool Exists(const char* name) const override { return name == name_; }
+  char getOsSeparator() const override { return '/'; }
   Assimp::IOStream* Open(const char* name, const char* mode) override {
-    if (name != name_) return DefaultIOSystem::Open(name, mode);
+    if (name != name_ || *mode != 'r') return nullptr;
     return new Assimp::MemoryIOStream(reinterpret_cast<const std::uint8_t*>(bytes_.data()), bytes_.size());
   }
+  void Close(Assimp::IOStream* stream) override { delete stream; }
 
  private:
-  std::string name_, copy_;
+  std::string name_;
   std::string_view bytes_;
 };
 

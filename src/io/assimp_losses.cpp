@@ -18,11 +18,9 @@ std::mutex one_at_a_time;
 struct AssimpLosses::Listener : Assimp::LogStream {
   void write(const char* text) override {
     if (std::this_thread::get_id() != reader || !first.empty()) return;
-    // glTF: faces whose indices are out of range, and a last one that lacks corners. 3DS: a corner that is no vertex,
-    // which assimp replaces by the last one.
+    // 3DS: a corner that is no vertex, which assimp replaces by the last one.
     const std::string_view message = text;
-    for (const char* loss : {"faces were dropped", "not compatible with the TRIANGLES mode", "Vertex index overflow"})
-      if (message.find(loss) != message.npos) first = message;
+    if (message.find("Vertex index overflow") != message.npos) first = message;
   }
 
   std::unique_lock<std::mutex> alone{one_at_a_time};

@@ -1,4 +1,4 @@
-// 3DS, glTF and COLLADA through assimp, which only ever sees those: its readers of STL, PLY, OBJ and OFF
+// 3DS and COLLADA through assimp, which only ever sees those: its readers of STL, PLY, OBJ and OFF
 // fail in worse ways than ours. Of what it returns nothing is trusted.
 #ifdef DIFI_HAVE_ASSIMP
 
@@ -6,9 +6,10 @@
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
-#include <array>
+#include <algorithm>
 #include <assimp/Importer.hpp>
 #include <new>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -19,65 +20,81 @@
 #include "io/assimp_files.h"
 #include "io/assimp_losses.h"
 #include "io/collada_check.h"
-#include "io/gltf_check.h"
 #include "io/mesh_builder.h"
 #include "io/mesh_format.h"
 #include "io/mesh_text.h"
+#include "io/placement.h"
+#include "io/unfolding.h"
 
 namespace difi {
 namespace {
 
-// Rows of a node's placement in the world.
-using Placement = std::array<std::array<double, 4>, 3>;
-constexpr Placement kWorld{{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
-
-Vec3 placed(const Placement& m, const aiVector3D& p) {
-  const auto row = [&](const std::array<double, 4>& r) {
-    return r[0] * double(p.x) + r[1] * double(p.y) + r[2] * double(p.z) + r[3];
-  };
-  return {row(m[0]), row(m[1]), row(m[2])};
-}
-
-Placement within(const Placement& outer, const aiMatrix4x4& inner) {
-  Placement m{};
+Placement of_matrix(const aiMatrix4x4& matrix) {
+  Placement placement;
   for (unsigned r = 0; r < 3; ++r)
-    for (unsigned c = 0; c < 4; ++c) {
-      for (unsigned k = 0; k < 3; ++k) m[r][c] += outer[r][k] * double(inner[k][c]);
-      if (c == 3) m[r][c] += outer[r][3];
-    }
-  return m;
+    for (unsigned c = 0; c < 4; ++c) placement.rows[r][c] = double(matrix[r][c]);
+  return placement;
 }
 
 // Walks the tree of nodes; a mesh that hangs on several nodes appears several times.
 class SceneReader {
  public:
-  SceneReader(const FileView& file, const aiScene& scene) : file_(file), scene_(scene), builder_(file) {}
+  SceneReader(const FileView& file, const aiScene& scene)
+      : file_(file), scene_(scene), sizes_(scene.mNumMeshes), builder_(file) {}
 
   Mesh read() {
-    if (scene_.mRootNode) add(*scene_.mRootNode, kWorld, 0);
+    if (scene_.mRootNode) {
+      Unfolded unfolded;
+      measure(*scene_.mRootNode, 0, unfolded);
+      check_unfolded(file_, unfolded, file_.size());
+      check_counts(file_, static_cast<std::uint64_t>(unfolded.vertices),
+                   static_cast<std::uint64_t>(unfolded.triangles));
+      add(*scene_.mRootNode, Placement());
+    }
     return builder_.finish([](std::size_t v) { return "vertex " + std::to_string(v); });
   }
 
  private:
-  void add(const aiNode& node, const Placement& outer, int depth) {
+  // What add() will add: a face of n corners becomes n - 2 triangles.
+  void measure(const aiNode& node, int depth, Unfolded& unfolded) {
     // Deeper than any scene that was meant; a file can nest until the stack ends.
     constexpr int kDeepest = 1000;
     if (depth > kDeepest)
       file_.fail("", "its nodes are nested too deep; flatten the scene in the program that wrote it");
-    const Placement placement = within(outer, node.mTransformation);
     for (unsigned m = 0; m < node.mNumMeshes; ++m) {
       if (node.mMeshes[m] >= scene_.mNumMeshes)
         file_.fail("", "a node names a mesh that is not there; repair the file");
-      add(*scene_.mMeshes[node.mMeshes[m]], placement);
+      const Unfolded once = size(node.mMeshes[m]);
+      unfolded.vertices += once.vertices;
+      unfolded.triangles += once.triangles;
     }
-    for (unsigned c = 0; c < node.mNumChildren; ++c) add(*node.mChildren[c], placement, depth + 1);
+    for (unsigned c = 0; c < node.mNumChildren; ++c) measure(*node.mChildren[c], depth + 1, unfolded);
+  }
+
+  // Counted once, however many nodes place it.
+  Unfolded size(unsigned number) {
+    std::optional<Unfolded>& known = sizes_[number];
+    if (known) return *known;
+    const aiMesh& mesh = *scene_.mMeshes[number];
+    Unfolded size{double(mesh.mNumVertices), 0};
+    for (unsigned f = 0; f < mesh.mNumFaces; ++f)
+      if (mesh.mFaces[f].mNumIndices > 2) size.triangles += mesh.mFaces[f].mNumIndices - 2;
+    known = size;
+    return size;
+  }
+
+  void add(const aiNode& node, const Placement& outer) {
+    const Placement placement = outer * of_matrix(node.mTransformation);
+    for (unsigned m = 0; m < node.mNumMeshes; ++m) add(*scene_.mMeshes[node.mMeshes[m]], placement);
+    for (unsigned c = 0; c < node.mNumChildren; ++c) add(*node.mChildren[c], placement);
   }
 
   void add(const aiMesh& mesh, const Placement& placement) {
     const std::size_t first = builder_.vertices.size();
-    check_counts(file_, std::uint64_t{first} + mesh.mNumVertices,
-                 std::uint64_t{builder_.triangles.size()} + mesh.mNumFaces);
-    for (unsigned v = 0; v < mesh.mNumVertices; ++v) builder_.vertices.push_back(placed(placement, mesh.mVertices[v]));
+    for (unsigned v = 0; v < mesh.mNumVertices; ++v) {
+      const aiVector3D& p = mesh.mVertices[v];
+      builder_.vertices.push_back(placement({p.x, p.y, p.z}));
+    }
     std::vector<std::uint32_t> corners;
     for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
       const aiFace& face = mesh.mFaces[f];
@@ -95,15 +112,19 @@ class SceneReader {
 
   const FileView& file_;
   const aiScene& scene_;
+  std::vector<std::optional<Unfolded>> sizes_;
   MeshBuilder builder_;
 };
 
-// Assimp's messages can be of several lines and hold bytes of the file.
-[[noreturn]] void fail(const FileView& file, std::string message) {
-  for (char& c : message)
-    if (c < 0x20 || c > 0x7e) c = ' ';
-  message.erase(message.find_last_not_of(' ') + 1);
-  file.fail("", "assimp cannot read it: " + message + "; repair the file or convert it to STL, PLY or OBJ");
+// Assimp's messages can be of many lines, hold bytes of the file, and be as long as it.
+[[noreturn]] void fail(const FileView& file, std::string_view message) {
+  constexpr std::size_t kLongest = 120;
+  const std::string_view shown = message.substr(0, std::min(message.find_first_of("\r\n"), kLongest));
+  std::string line;
+  for (const char c : shown) line += c < 0x20 || c > 0x7e ? ' ' : c;
+  line.erase(line.find_last_not_of(' ') + 1);
+  if (shown.size() < message.size()) line += "...";
+  file.fail("", "assimp cannot read it: " + line + "; repair the file or convert it to STL, PLY or OBJ");
 }
 
 // Leaves the importers of the extension only, so that no other one is tried on its content.
@@ -118,23 +139,16 @@ void keep_importers(Assimp::Importer& importer, const std::string& extension) {
   }
 }
 
-// Finds what would make assimp crash or take all memory; returns the bytes to hide from it.
-std::vector<std::size_t> check_before(const FileView& file, std::string_view extension) {
-  if (extension == "3ds") check_3ds(file);
-  if (extension == "glb") return check_glb(file);
-  if (extension == "gltf") return check_gltf(file);
-  if (extension == "dae") check_collada(file);
-  return {};
-}
-
 }  // namespace
 
 Mesh read_with_assimp(const FileView& file, const char* extension) {
-  const std::vector<std::size_t> hidden = check_before(file, extension);
+  // What would make assimp crash or take all memory.
+  if (std::string_view(extension) == "3ds") check_3ds(file);
+  if (std::string_view(extension) == "dae") check_collada(file);
   try {
     const AssimpLosses losses;
     Assimp::Importer importer;
-    importer.SetIOHandler(new AssimpFiles(file, hidden));  // the importer deletes it
+    importer.SetIOHandler(new AssimpFiles(file));  // the importer deletes it
     keep_importers(importer, extension);
     const aiScene* scene = importer.ReadFile(file.path().string(), aiProcess_ValidateDataStructure);
     if (!scene) fail(file, importer.GetErrorString());

@@ -41,12 +41,13 @@ struct Numbers {
 
 class ColladaCheck {
  public:
-  explicit ColladaCheck(const FileView& file) : scan_(file), nodes_(scan_) {}
+  explicit ColladaCheck(const FileView& file) : scan_(file), nodes_(file, scan_, shapes_) {}
 
   void run() {
     XmlTag tag{};
     while (scan_.next(tag)) {
       check_depth(tag);
+      shapes_.see(tag);
       nodes_.see(tag);
       see_primitive(tag);
       see_array(tag);
@@ -123,7 +124,9 @@ class ColladaCheck {
       primitive_.corners = numbers(tag);
     } else if (tag.name == "p") {
       ++primitive_.lists;
-      check_indices(numbers(tag).count);
+      const std::uint64_t indices = numbers(tag).count;
+      check_indices(indices);
+      shapes_.add_corners(indices / primitive_.offsets);
     }
   }
 
@@ -162,6 +165,10 @@ class ColladaCheck {
     if (tag.kind == XmlTag::Kind::close) return;
     if (tag.name.ends_with("_array")) {
       const std::uint64_t count = number(tag, "count", 0);
+      // Of a value and what parts it from the next. Assimp asks for the memory of all first.
+      if (count > (tag.text.size() + 1) / 2)
+        scan_.fail("an array of " + std::to_string(count) + " values in " + std::to_string(tag.text.size()) +
+                   " characters; it is cut off or damaged, write the file again");
       const auto [array, is_new] = arrays_.emplace(tag.attribute("id"), count);
       if (!is_new) array->second = std::min(array->second, count);
     } else if (tag.name == "accessor") {
@@ -184,6 +191,7 @@ class ColladaCheck {
   }
 
   XmlScan scan_;
+  ColladaShapes shapes_;
   ColladaNodes nodes_;
   int depth_ = 0;
   Primitive primitive_;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <string>
 
+#include "io/unfolding.h"
+
 namespace difi {
 namespace {
 
@@ -17,10 +19,12 @@ void ColladaNodes::see(const XmlTag& tag) {
   if (tag.name == "library_nodes") in_library_ = tag.kind == XmlTag::Kind::open;
   if (tag.name == "node" && !close) open(tag);
   if (tag.name == "node" && tag.kind != XmlTag::Kind::open && !open_.empty()) open_.pop_back();
-  if (tag.name != "instance_node" || close || open_.empty()) return;
+  const bool node = tag.name == "instance_node";
+  if ((!node && tag.name != "instance_geometry" && tag.name != "instance_controller") || close || open_.empty()) return;
   const std::string_view url = plain(tag, "url");
-  nodes_[open_.back()].instances.push_back(url.substr(std::min<std::size_t>(url.size(), 1)));
-  instances_ = true;
+  auto& list = node ? nodes_[open_.back()].instances : nodes_[open_.back()].shapes;
+  list.push_back(url.substr(std::min<std::size_t>(url.size(), 1)));
+  instances_ |= node;
 }
 
 void ColladaNodes::open(const XmlTag& tag) {
@@ -30,7 +34,10 @@ void ColladaNodes::open(const XmlTag& tag) {
   if (in_library_ && open_.empty()) library_.emplace(id, node);
   all_.emplace(id, node);
   if (name != id) all_.emplace(name, node);
-  if (!open_.empty()) nodes_[open_.back()].children.push_back(node);
+  if (open_.empty())
+    tops_.push_back(node);
+  else
+    nodes_[open_.back()].children.push_back(node);
   open_.push_back(node);
 }
 
@@ -44,6 +51,10 @@ std::string_view ColladaNodes::plain(const XmlTag& tag, std::string_view attribu
 void ColladaNodes::check() {
   if (instances_ && odd_names_) scan_.fail("names of nodes hold '&' or line ends; rename them, or flatten the scene");
   for (std::size_t node = 0; node < nodes_.size(); ++node) unfold(node, 0);
+  // Assimp makes a mesh for every corner of its own, and one for each material that an instance binds.
+  double corners = 0;
+  for (const std::size_t top : tops_) corners += nodes_[top].corners;
+  check_unfolded(file_, {corners, corners / 3}, file_.size());
 }
 
 void ColladaNodes::unfold(std::size_t index, int depth) {
@@ -52,19 +63,23 @@ void ColladaNodes::unfold(std::size_t index, int depth) {
   if (node.entered) scan_.fail("a node instances itself; repair the scene in the program that wrote it");
   if (depth > kDeepest) scan_.fail("its nodes are nested too deep; flatten the scene in the program that wrote it");
   node.entered = true;
-  Node sum{{}, {}, 1, 1, false};
+  Node sum;
+  sum.unfolded = sum.height = 1;
+  for (const std::string_view shape : node.shapes) sum.corners += shapes_.corners(shape);
   for (const std::size_t child : node.children) add(sum, child, depth);
   for (const std::string_view target : node.instances) add_instance(sum, target, depth);
   if (sum.height > kDeepest)
     scan_.fail("its nodes are nested too deep; flatten the scene in the program that wrote it");
   if (sum.unfolded > kMost) scan_.fail("its nodes unfold to more than a million; instance fewer");
   node.unfolded = sum.unfolded;
+  node.corners = sum.corners;
   node.height = sum.height;
 }
 
 void ColladaNodes::add(Node& node, std::size_t part, int depth) {
   unfold(part, depth + 1);
   node.unfolded += nodes_[part].unfolded;
+  node.corners += nodes_[part].corners;
   node.height = std::max(node.height, nodes_[part].height + 1);
 }
 
@@ -74,14 +89,16 @@ void ColladaNodes::add_instance(Node& node, std::string_view target, int depth) 
   const auto& names = library_.contains(target) ? library_ : all_;
   const auto [begin, end] = names.equal_range(target);
   if (std::distance(begin, end) > kMostAlike) scan_.fail("more than a thousand nodes share a name; rename them");
-  double largest = 0;
+  double largest = 0, corners = 0;
   for (auto found = begin; found != end; ++found) {
-    Node one{{}, {}, 0, 0, false};
+    Node one;
     add(one, found->second, depth);
     largest = std::max(largest, one.unfolded);
+    corners = std::max(corners, one.corners);
     node.height = std::max(node.height, one.height);
   }
   node.unfolded += largest;
+  node.corners += corners;
 }
 
 }  // namespace difi

@@ -6,25 +6,28 @@
 #include <string_view>
 #include <vector>
 
+#include "io/collada_shapes.h"
 #include "io/xml_scan.h"
 
 namespace difi {
 
-/// Collects nodes and their instances; at the end they must unfold to a tree that fits memory and stack.
+/// Collects nodes, their instances and their shapes; at the end they must unfold to a tree that fits memory and stack.
 class ColladaNodes {
  public:
-  explicit ColladaNodes(const XmlScan& scan) : scan_(scan) {}
+  ColladaNodes(const FileView& file, const XmlScan& scan, const ColladaShapes& shapes)
+      : file_(file), scan_(scan), shapes_(shapes) {}
 
   /// Sees every tag.
   void see(const XmlTag& tag);
-  /// Throws where nodes instance themselves, or unfold too far.
+  /// Throws where nodes instance themselves, or they or their shapes unfold too far. Once all tags are seen.
   void check();
 
  private:
   struct Node {
     std::vector<std::size_t> children;
-    std::vector<std::string_view> instances;
+    std::vector<std::string_view> instances, shapes;
     double unfolded = 0;  // nodes; zero until known
+    double corners = 0;   // of the shapes of all these
     int height = 0;
     bool entered = false;
   };
@@ -35,9 +38,11 @@ class ColladaNodes {
   void add(Node& node, std::size_t part, int depth);
   void add_instance(Node& node, std::string_view target, int depth);
 
+  const FileView& file_;
   const XmlScan& scan_;
+  const ColladaShapes& shapes_;
   std::vector<Node> nodes_;
-  std::vector<std::size_t> open_;
+  std::vector<std::size_t> open_, tops_;
   bool in_library_ = false;
   bool instances_ = false;
   bool odd_names_ = false;

@@ -77,7 +77,7 @@ bool has_triangle(const std::array<std::uint32_t, kTile>& tile) {
   file.fail("sample (" + name(first.x + at % kSide) + "," + name(first.y + at / kSide % kSide) + "," +
                 name(first.z + at / (kSide * kSide)) + ")",
             "the value " + text_of(*bad) + " is not a number up to the thickness, " + text_of(far) +
-                "; the file is damaged or no distance field");
+                "; the file is damaged or no distance field, write it again");
 }
 
 void check(const FieldInput& file, const StoredField& stored) {
@@ -168,7 +168,7 @@ void require_valid(const FieldInput& file, const Grid& grid) {
   try {
     validate(grid);
   } catch (const Error& error) {
-    file.fail("header", error.what());
+    file.fail("header", std::string(diagnosis(error.what())) + "; write the file again");
   }
 }
 

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <limits>
 #include <new>
 #include <system_error>
 
@@ -15,13 +16,6 @@
 
 namespace difi {
 namespace {
-
-struct Descriptor {
-  int number;
-  ~Descriptor() {
-    if (number >= 0) ::close(number);
-  }
-};
 
 std::string reason(int error) {
   switch (error) {
@@ -38,37 +32,54 @@ std::string reason(int error) {
   }
 }
 
+// A quarter of the memory, for while it grows it is there twice: what comes through a pipe may have no end, and all
+// memory would be taken before a larger piece is refused.
+std::size_t most_of_a_pipe() {
+  return static_cast<std::size_t>(::sysconf(_SC_PHYS_PAGES)) * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE)) / 4;
+}
+
 }  // namespace
 
 FileView::FileView(const std::filesystem::path& path, Access access) : path_(path) {
-  const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
+  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
   struct stat about {};
-  if (file.number < 0 || ::fstat(file.number, &about) != 0) fail("", reason(errno));
+  if (file.number() < 0 || ::fstat(file.number(), &about) != 0) fail("", reason(errno));
   if (S_ISDIR(about.st_mode)) fail("", reason(EISDIR));
-  if (!S_ISFIFO(about.st_mode) && !S_ISREG(about.st_mode)) fail("", "it is a device; give the name of a file");
+  if (!S_ISFIFO(about.st_mode) && !S_ISREG(about.st_mode))
+    fail("", "it is a device; give the name of a file, or of a pipe");
   const auto size = static_cast<std::size_t>(about.st_size);
-  if (S_ISFIFO(about.st_mode) || access == Access::copy) {
-    read_all(file.number, size);
+  const bool pipe = S_ISFIFO(about.st_mode);
+  if (pipe || access == Access::copy) {
+    read_all(file.number(), size, pipe ? most_of_a_pipe() : std::numeric_limits<std::size_t>::max());
     return;
   }
   if (size == 0) return;
-  void* mapped = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file.number, 0);
+  void* mapped = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file.number(), 0);
   if (mapped == MAP_FAILED) fail("", reason(errno));
   mapped_ = mapped;
   bytes_ = {static_cast<const char*>(mapped), size};
+}
+
+FileView::FileView(const std::filesystem::path& name, const Descriptor& file) : path_(name) {
+  struct stat about {};
+  if (::fstat(file.number(), &about) != 0) fail("", reason(errno));
+  read_all(file.number(), static_cast<std::size_t>(about.st_size), std::numeric_limits<std::size_t>::max());
 }
 
 FileView::~FileView() {
   if (mapped_) ::munmap(mapped_, bytes_.size());
 }
 
-void FileView::read_all(int descriptor, std::size_t expected) {
+void FileView::read_all(int descriptor, std::size_t expected, std::size_t most) {
   constexpr std::size_t kLeast = std::size_t{1} << 16, kMostAtOnce = std::size_t{1} << 30;
   // One byte more than expected, so that the end is met without room for more.
   std::size_t room = std::max(expected + 1, kLeast), size = 0;
   try {
     read_ = std::make_unique_for_overwrite<char[]>(room);
     for (;;) {
+      if (size > most)
+        throw Error(ErrorCode::limit, path_.string() + ": more than " + std::to_string(most >> 20) +
+                                          " MiB came through the pipe; save it in a file and give its name");
       if (size == room) {
         auto larger = std::make_unique_for_overwrite<char[]>(2 * room);
         std::memcpy(larger.get(), read_.get(), size);

@@ -7,6 +7,8 @@
 #include <string>
 #include <string_view>
 
+#include "io/descriptor.h"
+
 namespace difi {
 
 /// A file's bytes for as long as the view lives, and the way to complain about them.
@@ -19,8 +21,11 @@ class FileView {
     map,
   };
 
-  /// Errors: input, for files that are missing, folders, or unreadable; limit, for those that memory cannot hold.
+  /// Errors: input, for files that are missing, folders, devices, or unreadable; limit, for those that memory
+  /// cannot hold, and for more from a pipe than a quarter of the machine's memory.
   explicit FileView(const std::filesystem::path& path, Access access = Access::copy);
+  /// The bytes of an open file, read to its end; `name` stands in messages. Errors: as above.
+  FileView(const std::filesystem::path& name, const Descriptor& file);
   /// A view of somebody else's bytes, which must outlive it; `name` stands in messages.
   FileView(const std::filesystem::path& name, std::string_view bytes) : path_(name), bytes_(bytes) {}
   FileView(const FileView&) = delete;
@@ -35,12 +40,15 @@ class FileView {
   [[noreturn]] void fail(const std::string& where, const std::string& message) const;
 
  private:
-  void read_all(int descriptor, std::size_t expected);
+  void read_all(int descriptor, std::size_t expected, std::size_t most);
 
   std::filesystem::path path_;
   std::string_view bytes_;
   std::unique_ptr<char[]> read_;
   void* mapped_ = nullptr;
 };
+
+/// What a message says is wrong, without what it says to do: for those of a grid or a mesh that came from a file.
+constexpr std::string_view diagnosis(std::string_view message) { return message.substr(0, message.find("; ")); }
 
 }  // namespace difi

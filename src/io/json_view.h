@@ -1,43 +1,78 @@
-// JSON as far as checks of a file need it: a tree that points into the text.
+// JSON that points into the text: nothing is copied, nothing is kept beside the file.
 #pragma once
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
-#include <utility>
-#include <vector>
 
 #include "io/file_view.h"
 
 namespace difi {
 
-/// A value; strings and names are as they stand between their quotes, escapes and all. What is asked of a value of
-/// another kind is answered as if it were empty.
+/// A value. Every question goes through its text again: ask for a list or an object once, and keep what is in it.
 class JsonView {
  public:
-  /// Reads the text, which ends at its first zero byte and nests no deeper than `deepest`; `offset` is where in the
-  /// file it begins. Errors: input, as `FILE:byte N: what`.
-  static JsonView read(const FileView& file, std::string_view text, std::size_t offset, int deepest);
+  enum class Kind { object, list, string, number, literal };
 
-  /// The first member of that name of an object, or nullptr.
-  const JsonView* find(std::string_view name) const;
-  /// The n-th element of a list, or nullptr.
-  const JsonView* at(std::uint64_t n) const { return n < elements_.size() ? &elements_[n] : nullptr; }
-  const std::vector<JsonView>& elements() const { return elements_; }
-  /// Of an object, in the file's order.
-  const std::vector<std::pair<std::string_view, JsonView>>& members() const { return members_; }
-  /// Of a string.
-  std::string_view text() const { return text_; }
-  /// A whole number from 0 to 2^32 - 1 written without fraction and exponent.
-  std::optional<std::uint32_t> whole() const;
+  /// Checks the text, which may begin with a byte order mark, ends at its first zero byte and nests no deeper than
+  /// `deepest`. It must lie in the file's bytes. Errors: input, as `FILE:byte N: what`.
+  static JsonView read(const FileView& file, std::string_view text, int deepest);
+
+  Kind kind() const;
+  /// Calls visit(std::string name, JsonView value) for each member of an object, in the file's order.
+  /// Errors: input, where this is no object.
+  template <class Visit>
+  void each_member(Visit visit) const {
+    expect(Kind::object, "an object");
+    for (Walk walk(*this); walk.next();) {
+      std::string name = walk.value().text();
+      walk.next();
+      visit(std::move(name), walk.value());
+    }
+  }
+  /// Calls visit(JsonView) for each element of a list. Errors: input, where this is no list.
+  template <class Visit>
+  void each_element(Visit visit) const {
+    expect(Kind::list, "a list");
+    for (Walk walk(*this); walk.next();) visit(walk.value());
+  }
+  /// How many members or elements.
+  std::size_t size() const;
+
+  /// The member of that name. Errors: input, where this is no object, or two members have that name.
+  std::optional<JsonView> find(std::string_view name) const;
+  /// Of a string, its escapes as the characters they stand for, in UTF-8. Errors: input.
+  std::string text() const;
+  /// A whole number from 0 to 2^53 written without fraction and exponent. Errors: input.
+  std::uint64_t whole() const;
+  /// Errors: input, for what is no number; too large a one is infinite.
+  double number() const;
+  /// Errors: input, for what is neither true nor false.
+  bool boolean() const;
+
+  /// Throws with the byte at which the value begins.
+  [[noreturn]] void fail(const std::string& what) const;
 
  private:
-  class Reader;
+  class Checker;
+  // Goes through the values of a list or an object, and through its names as through values.
+  class Walk {
+   public:
+    explicit Walk(const JsonView& parent) : file_(parent.file_), rest_(parent.text_.substr(1)) {}
+    bool next();
+    JsonView value() const { return {*file_, value_}; }
 
-  std::string_view text_;
-  std::string_view word_;                                       // numbers and literals
-  std::vector<JsonView> elements_;                              // of a list
-  std::vector<std::pair<std::string_view, JsonView>> members_;  // of an object
+   private:
+    const FileView* file_;
+    std::string_view rest_, value_;
+  };
+
+  JsonView(const FileView& file, std::string_view text) : file_(&file), text_(text) {}
+  void expect(Kind kind, const char* name) const;
+
+  const FileView* file_;
+  std::string_view text_;  // from its first character to its last
 };
 
 }  // namespace difi

@@ -11,7 +11,11 @@ namespace difi {
 
 void MeshBuilder::add_face(std::span<const std::uint32_t> corners) {
   if (corners.size() < 3) return;
-  if (corners.size() > 3) polygons_.push_back({triangles.size(), corners.size() - 2});
+  const std::size_t more = corners.size() - 2;
+  if (corners.size() > 3) polygons_.push_back({triangles.size(), more});
+  // One that is larger than all before gets what it needs, not twice as much.
+  if (more > triangles.size() && more > triangles.capacity() - triangles.size())
+    triangles.reserve(triangles.size() + more);
   for (std::size_t i = 1; i + 1 < corners.size(); ++i) triangles.push_back({corners[0], corners[i], corners[i + 1]});
 }
 
@@ -20,13 +24,7 @@ Mesh MeshBuilder::finish(const std::function<std::string(std::size_t)>& where) {
   check_counts(file_, vertices.size(), triangles.size());
   check_indices();
   check_vertices(where);
-  for (const Polygon& polygon : polygons_) {
-    const auto fan = std::span(triangles).subspan(polygon.first, polygon.count);
-    if (!triangulate(vertices, fan))
-      file_.fail(where(fan[0][0]), "the face that starts at this vertex has " + std::to_string(fan.size() + 2) +
-                                       " corners and is not convex; triangulate it in a modelling program");
-  }
-  polygons_ = {};
+  triangulate_polygons(where);
 
   Mesh mesh{std::move(vertices), std::move(triangles)};
   std::vector<std::uint32_t> number(mesh.vertices.size());
@@ -40,6 +38,21 @@ Mesh MeshBuilder::finish(const std::function<std::string(std::size_t)>& where) {
   for (Triangle& t : mesh.triangles)
     for (auto& v : t) v = number[v];
   return mesh;
+}
+
+void MeshBuilder::triangulate_polygons(const std::function<std::string(std::size_t)>& where) {
+  std::size_t corners = 0;
+  for (const Polygon& polygon : polygons_) corners += polygon.count + 2;
+  double work = polygon_work(corners);
+  for (const Polygon& polygon : polygons_) {
+    const auto fan = std::span(triangles).subspan(polygon.first, polygon.count);
+    if (!triangulate(vertices, fan, work))
+      file_.fail(where(fan[0][0]),
+                 "the face that starts at this vertex has " + std::to_string(fan.size() + 2) +
+                     " corners and is not convex, and that of all such faces is too much to cut here; "
+                     "triangulate it in a modelling program");
+  }
+  polygons_ = {};
 }
 
 // Readers say better where a wrong index stands; this is what the memory of everything after it rests on.

@@ -31,6 +31,7 @@ class MeshBuilder {
   Mesh finish(const std::function<std::string(std::size_t)>& where);
 
  private:
+  void triangulate_polygons(const std::function<std::string(std::size_t)>& where);
   void check_indices() const;
   void check_vertices(const std::function<std::string(std::size_t)>& where) const;
 

@@ -33,7 +33,10 @@ void write_obj(AtomicFile& file, MeshView mesh);
 bool is_off(std::string_view content);
 Mesh read_off(const FileView& file);
 
-/// 3DS, glTF, GLB and DAE. Only with DIFI_HAVE_ASSIMP.
+Mesh read_gltf(const FileView& file);
+Mesh read_glb(const FileView& file);
+
+/// 3DS and DAE. Only with DIFI_HAVE_ASSIMP.
 Mesh read_with_assimp(const FileView& file, const char* extension);
 
 }  // namespace difi

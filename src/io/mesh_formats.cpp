@@ -30,11 +30,9 @@ bool is_dae(std::string_view content) { return content.substr(0, 1024).find("<CO
 
 #ifdef DIFI_HAVE_ASSIMP
 constexpr Mesh (*read_3ds)(const FileView&) = [](const FileView& file) { return read_with_assimp(file, "3ds"); };
-constexpr Mesh (*read_glb)(const FileView&) = [](const FileView& file) { return read_with_assimp(file, "glb"); };
-constexpr Mesh (*read_gltf)(const FileView&) = [](const FileView& file) { return read_with_assimp(file, "gltf"); };
 constexpr Mesh (*read_dae)(const FileView&) = [](const FileView& file) { return read_with_assimp(file, "dae"); };
 #else
-constexpr auto read_3ds = nullptr, read_glb = nullptr, read_gltf = nullptr, read_dae = nullptr;
+constexpr auto read_3ds = nullptr, read_dae = nullptr;
 #endif
 
 constexpr std::array<MeshFormat, 8> kFormats{{

@@ -18,24 +18,29 @@ double turn(Vec2 a, Vec2 b, Vec2 c) { return (b.x - a.x) * (c.y - a.y) - (b.y - 
 
 // Polygons seen along the coordinate axis closest to their normal, so that the normal looks at us. Dropping a
 // coordinate, unlike a rotation, rounds nothing.
-std::vector<Vec2> flattened(std::span<const Vec3> corners) {
-  // Coordinates relative to the first corner, or the products of far ones would drown the sum.
-  Vec3 normal;
-  for (std::size_t i = 1; i + 1 < corners.size(); ++i)
-    normal = normal + cross(corners[i] - corners[0], corners[i + 1] - corners[0]);
-  const double x = std::abs(normal.x), y = std::abs(normal.y), z = std::abs(normal.z);
-  std::vector<Vec2> flat;
-  flat.reserve(corners.size());
-  for (const Vec3& p : corners) {
-    if (z >= x && z >= y)
-      flat.push_back(normal.z >= 0 ? Vec2{p.x, p.y} : Vec2{p.y, p.x});
-    else if (y >= x)
-      flat.push_back(normal.y >= 0 ? Vec2{p.z, p.x} : Vec2{p.x, p.z});
-    else
-      flat.push_back(normal.x >= 0 ? Vec2{p.y, p.z} : Vec2{p.z, p.y});
+class View {
+ public:
+  // corner(i) for i from 0 to n - 1.
+  template <class Corner>
+  View(std::size_t n, const Corner& corner) {
+    // Coordinates relative to the first corner, or the products of far ones would drown the sum.
+    Vec3 normal;
+    const Vec3 first = corner(0);
+    for (std::size_t i = 1; i + 1 < n; ++i) normal = normal + cross(corner(i) - first, corner(i + 1) - first);
+    const double x = std::abs(normal.x), y = std::abs(normal.y), z = std::abs(normal.z);
+    axis_ = z >= x && z >= y ? 2 : y >= x ? 1 : 0;
+    turned_ = !((axis_ == 2 ? normal.z : axis_ == 1 ? normal.y : normal.x) >= 0);
   }
-  return flat;
-}
+
+  Vec2 operator()(Vec3 p) const {
+    const Vec2 seen = axis_ == 2 ? Vec2{p.x, p.y} : axis_ == 1 ? Vec2{p.z, p.x} : Vec2{p.y, p.z};
+    return turned_ ? Vec2{seen.y, seen.x} : seen;
+  }
+
+ private:
+  int axis_;
+  bool turned_;
+};
 
 class EarCutter {
  public:
@@ -115,20 +120,27 @@ class EarCutter {
 
 }  // namespace
 
-bool triangulate(std::span<const Vec3> vertices, std::span<Triangle> fan) {
+bool triangulate(std::span<const Vec3> vertices, std::span<Triangle> fan, double& work) {
   if (fan.size() < 2) return true;
-  std::vector<std::uint32_t> indices{fan[0][0], fan[0][1]};
-  for (const Triangle& t : fan) indices.push_back(t[2]);
-  std::vector<Vec3> corners;
-  corners.reserve(indices.size());
-  for (const auto v : indices) corners.push_back(vertices[v]);
-
-  const std::vector<Vec2> flat = flattened(corners);
+  const std::size_t n = fan.size() + 2;
+  const auto index = [&](std::size_t i) { return i < 2 ? fan[0][i] : fan[i - 2][2]; };
+  const auto corner = [&](std::size_t i) { return vertices[index(i)]; };
+  // Nothing is kept of a convex one, which can have as many corners as a file has bytes.
+  const View seen(n, corner);
   bool fits = true;
-  for (std::size_t i = 1; i + 1 < flat.size() && fits; ++i) fits = turn(flat[0], flat[i], flat[i + 1]) >= 0;
+  const Vec2 first = seen(corner(0));
+  for (std::size_t i = 1; i + 1 < n && fits; ++i) fits = turn(first, seen(corner(i)), seen(corner(i + 1))) >= 0;
   if (fits) return true;
-  if (flat.size() > kMaxConcaveCorners) return false;
+  const double squares = static_cast<double>(n) * static_cast<double>(n);
+  if (squares > work) return false;
+  work -= squares;
 
+  std::vector<std::uint32_t> indices;
+  std::vector<Vec2> flat;
+  for (std::size_t i = 0; i < n; ++i) {
+    indices.push_back(index(i));
+    flat.push_back(seen(corner(i)));
+  }
   auto out = fan.begin();
   EarCutter(flat).cut([&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     *out++ = {indices[a], indices[b], indices[c]};

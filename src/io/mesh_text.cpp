@@ -94,7 +94,7 @@ std::int64_t TextCursor::integer_prefix() {
 
 void TextCursor::fail_number(const char* begin, const char* wanted) const {
   const char* stop = std::find_if(begin, end_, is_space);
-  if (begin == stop) fail_at(begin, std::string(wanted) + " is missing; the file is cut off or damaged");
+  if (begin == stop) fail_at(begin, std::string(wanted) + " is missing; the file is cut off or damaged, get all of it");
   fail_at(begin, "expected " + std::string(wanted) + ", found " +
                      in_quotes({begin, static_cast<std::size_t>(stop - begin)}) +
                      "; write numbers like 12 or -1.5e3, decimals with a point");

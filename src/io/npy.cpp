@@ -97,7 +97,8 @@ NpyArray read_npy(const FieldInput& file, const std::string& name, std::uint64_t
   std::uint32_t length = 0;
   std::memcpy(&length, start.data() + 8, short_length ? 2 : 4);
   const std::uint64_t header = short_length ? 10 : 12;
-  if (length > kMaxHeader || length > bytes - header) fail("its header reaches past its end; the file is damaged");
+  if (length > kMaxHeader || length > bytes - header)
+    fail("its header reaches past its end; the file is damaged, write it again");
   NpyArray array;
   if (!Dictionary(file.text(offset + header, length)).read(array))
     fail("its header describes no plain array; save one of numbers, not of records or objects");

@@ -34,7 +34,7 @@ class OffReader {
     // "0 0 0" and a line end is the least a vertex can take, "0" that of a face.
     if (vertices > text_.left() / 6 || faces > (text_.left() + 1) / 2)
       text_.fail("it promises " + std::to_string(vertices) + " vertices and " + std::to_string(faces) +
-                 " faces, more than the file can hold; it is cut off or damaged");
+                 " faces, more than the file can hold; it is cut off or damaged, get all of it");
     text_.skip_line();
     read_vertices(vertices);
     read_faces(faces);
@@ -55,7 +55,7 @@ class OffReader {
 
   std::uint64_t count(const char* what) {
     const auto n = number<std::int64_t>();
-    if (n < 0) text_.fail("a negative count of " + std::string(what) + "; the file is damaged");
+    if (n < 0) text_.fail("a negative count of " + std::string(what) + "; the file is damaged, write it again");
     return static_cast<std::uint64_t>(n);
   }
 

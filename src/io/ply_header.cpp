@@ -27,6 +27,8 @@ constexpr std::array<std::pair<const char*, PlyType>, 16> kTypes{{{"char", PlyTy
                                                                   {"double", PlyType::float64},
                                                                   {"float64", PlyType::float64}}};
 
+constexpr std::size_t kMost = 1000;  // elements; files have up to ten
+
 class Header {
  public:
   explicit Header(const FileView& file) : text_(file) {}
@@ -69,7 +71,8 @@ class Header {
     else if (text_.at_end())
       text_.fail("the file ends in the header; it is cut off, get all of it");
     else if (!keyword.empty() && !is_comment(keyword))
-      text_.fail_at(keyword.data(), "unknown header keyword " + in_quotes(keyword) + "; the header is damaged");
+      text_.fail_at(keyword.data(),
+                    "unknown header keyword " + in_quotes(keyword) + "; the header is damaged, write the file again");
     text_.skip_line();
     return true;
   }
@@ -88,7 +91,8 @@ class Header {
     else if (name == "binary_big_endian")
       header_.encoding = PlyHeader::Encoding::big_endian;
     else
-      text_.fail("unknown format " + in_quotes(name) + "; it is ascii, binary_little_endian or binary_big_endian");
+      text_.fail("unknown format " + in_quotes(name) +
+                 "; write it as ascii, binary_little_endian or binary_big_endian");
     format_known_ = true;
   }
 
@@ -97,27 +101,32 @@ class Header {
     element.name = word();
     text_.skip_blanks();
     const auto count = text_.number<std::int64_t>();
-    if (element.name.empty() || count < 0) text_.fail("an element needs a name and a count; the header is damaged");
+    if (element.name.empty() || count < 0)
+      text_.fail("an element needs a name and a count; the header is damaged, write the file again");
     element.count = static_cast<std::uint64_t>(count);
+    // Every element is compared with those before it, and every property walked for every row.
+    if (header_.elements.size() == kMost)
+      text_.fail("more than 1000 elements in the header; it is damaged, write the file again");
     for (const PlyElement& other : header_.elements)
       if (other.name == element.name) text_.fail("two elements called " + in_quotes(element.name) + "; remove one");
     header_.elements.push_back(std::move(element));
   }
 
   void read_property() {
-    if (header_.elements.empty()) text_.fail("a property before the first element; the header is damaged");
+    if (header_.elements.empty())
+      text_.fail("a property before the first element; the header is damaged, write the file again");
     PlyProperty property;
     std::string_view type_name = word();
     property.list = type_name == "list";
     if (property.list) {
       property.count_type = type(word());
       if (property.count_type >= PlyType::float32)
-        text_.fail("the count of a list must be an integer; the header is damaged");
+        text_.fail("the count of a list must be an integer; the header is damaged, write the file again");
       type_name = word();
     }
     property.type = type(type_name);
     property.name = word();
-    if (property.name.empty()) text_.fail("a property without a name; the header is damaged");
+    if (property.name.empty()) text_.fail("a property without a name; the header is damaged, write the file again");
     header_.elements.back().properties.push_back(std::move(property));
   }
 
@@ -125,7 +134,7 @@ class Header {
     for (const auto& [known, type] : kTypes)
       if (name == known) return type;
     text_.fail("unknown type " + in_quotes(name) +
-               "; it is one of char, uchar, short, ushort, int, uint, float, double");
+               "; write the file again with char, uchar, short, ushort, int, uint, float or double");
   }
 
   TextCursor text_;

@@ -136,7 +136,7 @@ class PlyReader {
     if (least == 0 && !is_vertex && !is_face) return;
     if (least > 0 && element.count > (body_.bytes_left() + Body::kAscii) / least)
       file_.fail("header", "it promises " + std::to_string(element.count) + " of element " + in_quotes(element.name) +
-                               ", more than the file can hold; it is cut off or damaged");
+                               ", more than the file can hold; it is cut off or damaged, get all of it");
     if (is_vertex)
       read_vertices(element);
     else if (is_face)
@@ -155,10 +155,10 @@ class PlyReader {
 
   std::uint64_t list_length(const PlyProperty& property) {
     const auto length = body_.template value<std::int64_t>(property.count_type);
-    if (length < 0) row_.fail("a list of " + std::to_string(length) + " values; the file is damaged");
+    if (length < 0) row_.fail("a list of " + std::to_string(length) + " values; the file is damaged, write it again");
     if (static_cast<std::uint64_t>(length) > body_.bytes_left())
       row_.fail("a list of " + std::to_string(length) +
-                " values, more than the file can hold; it is cut off or damaged");
+                " values, more than the file can hold; it is cut off or damaged, get all of it");
     return static_cast<std::uint64_t>(length);
   }
 
@@ -166,7 +166,7 @@ class PlyReader {
     std::array<int, 3> axis{element.find("x"), element.find("y"), element.find("z")};
     for (const int found : axis)
       if (found < 0 || element.properties[static_cast<std::size_t>(found)].list)
-        file_.fail("header", "element vertex needs properties x, y and z; this file holds no positions we know");
+        file_.fail("header", "element vertex needs properties x, y and z; write the file again with them");
     builder_.vertices.resize(element.count);
     for (row_.number = 0; row_.number < element.count; ++row_.number) {
       Vec3& vertex = builder_.vertices[row_.number];
@@ -190,7 +190,7 @@ class PlyReader {
     const PlyProperty* list = corners < 0 ? nullptr : &element.properties[static_cast<std::size_t>(corners)];
     if (!list || !list->list || list->type >= PlyType::float32)
       file_.fail("header",
-                 "element face needs a list of integers called vertex_indices; this file holds no faces we know");
+                 "element face needs a list of integers called vertex_indices; write the file again with one");
     builder_.triangles.reserve(element.count);
     std::vector<std::uint32_t> face;
     for_each_row(element, [&](const PlyProperty& property) {

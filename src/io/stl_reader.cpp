@@ -73,9 +73,9 @@ Mesh read_binary(const FileView& file) {
   if (count == 0) fail_no_triangles(file);
   if (file.size() < stl_binary_size(count)) {
     const std::size_t complete = (file.size() - kStlHeader) / kStlRecord;
-    file.fail("triangle " + std::to_string(complete), "the file ends here, its header promises " +
-                                                          std::to_string(count) +
-                                                          " triangles; the file is cut off, or it is not an STL file");
+    file.fail("triangle " + std::to_string(complete),
+              "the file ends here, its header promises " + std::to_string(count) +
+                  " triangles; it is cut off, get all of it, or check that it is an STL file");
   }
   check_counts(file, std::uint64_t{3} * count, count);
   const char* records = file.bytes().data() + kStlHeader;
@@ -141,7 +141,8 @@ class AsciiStl {
 
   [[noreturn]] void fail(std::string_view word, const std::string& wanted) const {
     if (word.empty()) text_.fail("the file ends where " + wanted + " should stand; it is cut off, get all of it");
-    text_.fail_at(word.data(), "expected " + wanted + ", found " + in_quotes(word) + "; the file is damaged");
+    text_.fail_at(word.data(),
+                  "expected " + wanted + ", found " + in_quotes(word) + "; the file is damaged, write it again");
   }
 
   const FileView& file_;

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 
 #include "render/colormap.h"
@@ -27,9 +27,11 @@ double even_step(double range) {
 }  // namespace
 
 std::string short_text(double number, int digits) {
-  std::array<char, 40> text{};
-  std::snprintf(text.data(), text.size(), "%.*g", digits, number == 0 ? 0.0 : number);
-  return text.data();
+  // Not printf, which writes a comma where the program that draws has set such a locale.
+  std::array<char, 40> text;
+  const auto end =
+      std::to_chars(text.begin(), text.end(), number == 0 ? 0.0 : number, std::chars_format::general, digits).ptr;
+  return {text.begin(), end};
 }
 
 Legend::Legend(double least, double greatest, bool clamped, Colormap map)

@@ -1,5 +1,6 @@
 // Paths as tables and as polylines.
-#include <cstdio>
+#include <array>
+#include <charconv>
 #include <string>
 
 #include "difi/simulation.h"
@@ -11,9 +12,15 @@ namespace {
 void write(AtomicFile& file, const std::string& text) { file.write(text.data(), text.size()); }
 
 std::string exact(Vec3 p, char between) {
-  char text[96];
-  const int length = std::snprintf(text, sizeof text, "%.17g%c%.17g%c%.17g\n", p.x, between, p.y, between, p.z);
-  return {text, static_cast<std::size_t>(length)};
+  std::string text;
+  for (const double c : {p.x, p.y, p.z}) {
+    // Not printf, which follows the locale.
+    std::array<char, 32> number;
+    const auto end = std::to_chars(number.begin(), number.end(), c, std::chars_format::general, 17).ptr;
+    text.append(number.begin(), end) += between;
+  }
+  text.back() = '\n';
+  return text;
 }
 
 void write_csv(AtomicFile& file, std::span<const PathPoint> points) {

@@ -104,7 +104,7 @@ TEST_F(ModelFile, WhatCannotBeIsAnErrorWithoutTheChecksumToo) {
   for (const double spacing : {0.0, -1.0, 1e-300, 1e-5, 0.2, 0.6, 1e300, std::nan(""), HUGE_VAL})
     EXPECT_TRUE(message(56, spacing).starts_with("x.body:")) << spacing;
   expect(64, std::nan(""), "vertex 0");
-  expect(64, 1e16, "scale it");
+  expect(64, 1e16, "across; save the body again");
   expect(64 + counts[0] * 24, std::uint32_t(counts[0]), "triangle 0");
   expect(order, std::uint32_t(counts[1]), "its order names");
   std::uint32_t second;

@@ -53,6 +53,35 @@ std::string tetrahedron(std::uint16_t a, std::uint16_t b, std::uint16_t c) {
   return chunk(0x4d4d, chunk(0x3d3d, chunk(0x4000, std::string("a\0", 2) + mesh)));
 }
 
+// The tetrahedron with nodes of these kinds, names and parents.
+std::string with_nodes(const std::string& nodes) {
+  std::string file = tetrahedron(0, 1, 2) + chunk(0xb000, nodes);
+  const auto size = static_cast<std::uint32_t>(file.size());
+  std::memcpy(file.data() + 2, &size, sizeof size);
+  return file;
+}
+
+std::string node(const std::string& name, int parent, std::uint16_t kind = 0xb002) {
+  return chunk(kind, chunk(0xb010, name + std::string(5, '\0') + bytes_of({static_cast<std::int16_t>(parent)})));
+}
+
+// Chains of 60,000 nodes ended the stack where they share a name, and took minutes where each had its own.
+TEST_F(Assimp, NodesOf3dsHaveADepth) {
+  std::string chain, cameras, siblings;
+  for (int n = 0; n < 1200; ++n) {
+    chain += node("a", n - 1);
+    cameras += node("c" + std::to_string(n), n - 1, 0xb003);
+    siblings += node("a", -1);
+  }
+  refused("a.3ds", with_nodes(chain), "its nodes are nested too deep; flatten the scene");
+  refused("a.3ds", with_nodes(cameras), "its nodes are nested too deep; flatten the scene");
+  EXPECT_EQ(triangles("a.3ds", with_nodes(siblings)), 1200u);
+  EXPECT_EQ(triangles("a.3ds", with_nodes(node("a", -1) + node("b", 0) + node("a", 1))), 2u);
+  std::string many;
+  for (int n = 0; n < 10'001; ++n) many += node("", -1);
+  refused("a.3ds", with_nodes(many), "more than 10000 nodes in its keyframes; write the file again without");
+}
+
 // Assimp put the last vertex in the place of one that is not there, and said so in its log alone.
 TEST_F(Assimp, CornersOf3dsThatAreNoVertices) {
   EXPECT_EQ(triangles("a.3ds", tetrahedron(0, 1, 2)), 1u);
@@ -182,6 +211,60 @@ TEST_F(Assimp, NodesOfColladaUnfold) {
   refused("a.dae", Collada{.nodes = chain}.text(), "nested too deep");
   refused("a.dae", Collada{.nodes = nested(200'000, "<node>", "</node>")}.text(), "nested more than 500 deep");
   EXPECT_EQ(triangles("a.dae", Collada{.nodes = Collada().nodes + nested(450, "<node>", "</node>")}.text()), 4u);
+}
+
+// A megabyte became six gigabytes: assimp copies a mesh for each material that an instance binds, and we for each node.
+TEST_F(Assimp, ShapesOfColladaUnfold) {
+  const std::string instance = R"(<instance_geometry url="#g"/>)";
+  std::string bound, nodes;
+  for (int n = 0; n < 1200; ++n) {
+    bound +=
+        R"(<instance_geometry url="#g"><bind_material><technique_common><instance_material symbol="s" target="#m)" +
+        std::to_string(n) + R"("/></technique_common></bind_material></instance_geometry>)";
+    nodes += "<node>" + instance + "</node>";
+  }
+  Collada shape{.count = "4000", .indices = ""};
+  for (int n = 0; n < 4000; ++n) shape.indices += "0 1 2 ";
+  const auto too_far = [&](const std::string& text) {
+    const auto path = folder.file("a.dae", text);
+    expect_error([&] { read_mesh(path); }, ErrorCode::limit,
+                 "its nodes place meshes until they have 14400000 vertices");
+  };
+  shape.nodes = "<node>" + bound + "</node>";
+  too_far(shape.text());
+  shape.nodes = nodes;
+  too_far(shape.text());
+  shape.library = "<library_nodes><node id='n'>" + nodes.substr(0, nodes.size() / 2) + "</node></library_nodes>";
+  shape.nodes = R"(<node><instance_node url="#n"/></node>)";
+  too_far(shape.text());
+  shape.library = "<library_controllers><controller id='k'><skin source='#g'/></controller></library_controllers>";
+  shape.nodes = "<node>";
+  for (int n = 0; n < 1200; ++n) shape.nodes += R"(<instance_controller url="#k"/>)";
+  shape.nodes += "</node>";
+  too_far(shape.text());
+}
+
+// Assimp asked for the memory of all values that an array claims.
+TEST_F(Assimp, ArraysOfColladaFit) {
+  refused("a.dae", Collada{.floats = "2000000001"}.text(), "an array of 2000000001 values in 23 characters");
+}
+
+// A name of the file came back in the message, all 8,600 bytes of it.
+TEST_F(Assimp, ItsMessagesAreCutToALine) {
+  std::string text = Collada().text();
+  const std::string reference = R"(<instance_visual_scene url="#vs")";
+  text.replace(text.find(reference), reference.size(),
+               R"(<instance_visual_scene url="#)" + std::string(8600, 'x') + '"');
+  const auto path = folder.file("a.dae", text);
+  try {
+    read_mesh(path);
+    ADD_FAILURE() << "no error";
+  } catch (const Error& error) {
+    const std::string message = error.what();
+    EXPECT_LT(message.size(), path.string().size() + 250) << message;
+    EXPECT_EQ(message.find('\n'), message.npos);
+    EXPECT_TRUE(says_what_to_do(message)) << message;
+  }
 }
 
 TEST_F(Assimp, ColladaThatIsNoPlainXml) {

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "difi/io.h"
+#include "tests/io/expect_error.h"
 
 namespace difi {
 namespace {
@@ -24,7 +25,7 @@ std::map<std::string, std::string> expectations() {
   return expected;
 }
 
-void expect_error(const std::filesystem::path& file, const std::string& words) {
+void expect_refused(const std::filesystem::path& file, const std::string& words) {
   try {
     read_mesh(file);
     ADD_FAILURE() << file << " was read, expected" << words;
@@ -32,6 +33,7 @@ void expect_error(const std::filesystem::path& file, const std::string& words) {
     EXPECT_EQ(error.code(), ErrorCode::input);
     const std::string message = error.what();
     EXPECT_TRUE(message.starts_with(file.string() + words + "; ")) << message << "\nexpected " << words;
+    EXPECT_TRUE(says_what_to_do(message)) << message;
   }
 }
 
@@ -44,7 +46,7 @@ TEST(MeshCorpus, GivesWhatTheTableSays) {
     if (kind == "error") {
       std::string message;
       std::getline(words, message);
-      expect_error(kCorpus / name, message);
+      expect_refused(kCorpus / name, message);
       continue;
     }
     const Mesh mesh = read_mesh(kCorpus / name);

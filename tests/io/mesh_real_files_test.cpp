@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "difi/io.h"
+#include "tests/io/expect_error.h"
 
 #ifdef DIFI_HAVE_ASSIMP
 #include <assimp/postprocess.h>
@@ -54,6 +55,23 @@ TEST(RealFiles, OddOnesOfOurFormats) {
   expect_mesh(kAssimp / "OFF/Cube.off", 8, 12, {{-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}});
 }
 
+// Binary, with a file beside it, with its data inside; strips and fans, indexed or not.
+TEST(RealFiles, Gltf) {
+  const std::filesystem::path folder = kAssimp / "glTF2";
+  for (const char* name :
+       {"BoxTextured-glTF-Binary/BoxTextured.glb", "BoxTextured-glTF/BoxTextured.gltf",
+        "BoxTextured-glTF-Embedded/BoxTextured.gltf", "BoxTextured-glTF-techniqueWebGL/BoxTextured.gltf"})
+    expect_mesh(folder / name, 8, 12, {{-.5, -.5, -.5}, {.5, .5, .5}});
+  for (const char* number : {"04", "05", "06", "11", "12", "13", "14", "15"})
+    expect_mesh(
+        folder / ("glTF-Asset-Generator/Mesh_PrimitiveMode/Mesh_PrimitiveMode_" + std::string(number) + ".gltf"), 4, 2,
+        {{-.5, -.5, 0}, {.5, .5, 0}});
+  expect_mesh(folder / "glTF-Sample-Models/AnimatedMorphCube-glTF/AnimatedMorphCube.gltf", 8, 12,
+              {{-1, -1, -1}, {1, 1, 1}});
+  expect_mesh(folder / "2CylinderEngine-glTF-Binary/2CylinderEngine.glb", 60041, 121496,
+              {{-371.692263, -180.971558, -139.999993}, {371.692169, 92.0415617, 127.999996}});
+}
+
 #ifdef DIFI_HAVE_ASSIMP
 
 // The file's own transformations and master scale are applied; a library that changed its mind would show here.
@@ -68,18 +86,9 @@ TEST(RealFiles, ThreeDStudio) {
               {{-107.233208, -155.746533, -23.0769243}, {45.868947, 38.7464371, 24.7863264}});
 }
 
-TEST(RealFiles, GltfAndCollada) {
-  expect_mesh(kAssimp / "glTF2/BoxTextured-glTF-Binary/BoxTextured.glb", 8, 12, {{-.5, -.5, -.5}, {.5, .5, .5}});
-  expect_mesh(kAssimp / "glTF2/BoxTextured-glTF/BoxTextured.gltf", 8, 12, {{-.5, -.5, -.5}, {.5, .5, .5}});
-  expect_mesh(kAssimp / "glTF/CesiumMilkTruck/CesiumMilkTruck.gltf", 1840, 3624,
-              {{-2.43090987, -0.257792613, -1.396}, {2.4380002, 2.5843699, 1.396}});
+TEST(RealFiles, Collada) {
   expect_mesh(kAssimp / "Collada/duck.dae", 2108, 4212,
               {{-0.692984985, 0.099293697, -0.613281999}, {0.96179899, 1.63969998, 0.539252002}});
-}
-
-// A mesh that hangs on two nodes is there twice.
-TEST(RealFiles, NodesPlaceTheirMeshes) {
-  expect_mesh(kAssimp / "glTF/TwoBoxes/TwoBoxes.gltf", 16, 24, {{-0.5, -0.5, -0.5}, {0.5, 1.25, 0.5}});
 }
 
 struct AssimpView {
@@ -143,7 +152,8 @@ TEST(RealFiles, OddAndBrokenOnesGiveAMeshOrAClearError) {
       const std::string message = error.what();
       EXPECT_EQ(error.code(), ErrorCode::input) << message;
       EXPECT_TRUE(message.starts_with(entry.path().string() + ":")) << message;
-      EXPECT_NE(message.find("; "), std::string::npos) << message;
+      EXPECT_TRUE(says_what_to_do(message)) << message;
+      EXPECT_LT(message.size(), 600u) << message;
       for (const char c : message) EXPECT_TRUE(c >= 0x20 && c < 0x7f) << message;
       ++refused;
     }

@@ -11,6 +11,7 @@
 #include "tests/io/expect_error.h"
 #include "tests/io/odd_field.h"
 #include "tests/io/temp_folder.h"
+#include "tests/support/comma_locale.h"
 
 namespace difi {
 namespace {
@@ -170,6 +171,15 @@ TEST(Legend, NumbersAreShort) {
   EXPECT_EQ(short_text(-0.0, 4), "0");
   EXPECT_EQ(short_text(0.30000000000000004, 4), "0.3");
   EXPECT_EQ(short_text(1234567, 4), "1.235e+06");
+}
+
+// "0,30" stood beside the colours where the program that draws had set such a locale.
+TEST(Legend, NumbersDoNotFollowTheLocale) {
+  const CommaLocale locale;
+  if (!locale.is_set()) GTEST_SKIP() << "no localedef here";
+  EXPECT_EQ(short_text(0.3, 4), "0.3");
+  EXPECT_EQ(short_text(1234567, 4), "1.235e+06");
+  EXPECT_EQ(short_text(12345, 6), "12345");
 }
 
 TEST(Slice, OptionsOutOfRangeAreRefused) {

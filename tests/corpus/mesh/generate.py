@@ -1,5 +1,7 @@
 #!/usr/bin/env python3
 """Writes the files of this folder that expected.txt lists. The same bytes on every run."""
+import base64
+import json
 import pathlib
 import struct
 
@@ -45,6 +47,18 @@ def obj(points=POINTS, faces=FACES):
 def off(vertices=4, faces=4, first="OFF\n", points=POINTS):
     return (f"{first}{vertices} {faces} 6\n" + "".join("%s %s %s\n" % p for p in points) +
             "".join("3 %d %d %d\n" % f for f in FACES))
+
+
+def gltf(nodes=None, uri=None, version="2.0", **more):
+    buffer = struct.pack("<12f12H", *(c for p in POINTS for c in p), *(i for f in FACES for i in f))
+    uri = uri or "data:application/octet-stream;base64," + base64.b64encode(buffer).decode()
+    return json.dumps(dict({
+        "asset": {"version": version}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": nodes or [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},
+                      {"bufferView": 1, "componentType": 5123, "count": 12, "type": "SCALAR"}],
+        "bufferViews": [{"buffer": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 24}],
+        "buffers": [{"byteLength": len(buffer), "uri": uri}]}, **more))
 
 
 nan = [(0, 0, 0), (float("nan"), 0, 0), (0, 1, 0), (0, 0, 1)]
@@ -141,6 +155,8 @@ write("ply_two_vertex_elements.ply", ply(extra="element vertex 4\nproperty float
 write("ply_property_first.ply", b"ply\nformat ascii 1.0\nproperty float x\nend_header\n")
 write("ply_wrong_magic.ply", b"plyy\n" + ply()[4:])
 write("ply_damaged_header.ply", ply().replace(b"element face", b"elemnt face"))
+write("ply_many_elements.ply", ply().replace(b"element vertex", b"".join(b"element e%d 0\n" % n for n in range(1000)) +
+                                            b"element vertex", 1))
 # OBJ
 write("obj_plain.obj", obj())
 write("obj_crlf.obj", obj().replace("\n", "\r\n"))
@@ -192,6 +208,18 @@ write("off_index_out_of_range.off", off().replace("3 1 2 3", "3 1 2 4"))
 write("off_nan.off", off(points=nan))
 write("off_binary.off", "OFF BINARY\n" + "\0" * 60)
 write("off_four_dimensions.off", off(first="4OFF\n"))
+# glTF
+write("gltf_plain.gltf", gltf())
+write("gltf_called_mesh.dat", gltf())
+write("gltf_doubling_nodes.gltf", gltf([{"children": [n, n]} for n in range(1, 40)] + [{"mesh": 0}]))
+write("gltf_cycle.gltf", gltf([{"children": [1]}, {"mesh": 0, "children": [0]}]))
+write("gltf_leaves_folder.gltf", gltf(uri="../../../../../../../etc/passwd"))
+write("gltf_leaves_folder_escaped.gltf", gltf(uri="%2e%2e/%2e%2E%2fcorpus/mesh/off_plain.off"))
+write("gltf_device.gltf", gltf(uri="file:///dev/zero"))
+write("gltf_missing_buffer.gltf", gltf(uri="there_is_none.bin"))
+write("gltf_short_buffer.gltf", gltf(uri="stl_one_byte.stl"))
+write("gltf_version_1.gltf", gltf(version="1.0"))
+write("gltf_compressed.gltf", gltf(extensionsRequired=["KHR_draco_mesh_compression"]))
 # Formats
 write("unknown.xyz", "0 0 0\n1 0 0\n")
 write("ply_without_extension", ply())

@@ -1,0 +1,29 @@
+// How large the shapes of a COLLADA file are.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string_view>
+
+#include "io/xml_scan.h"
+
+namespace difi {
+
+/// Counts the corners of each geometry's faces. A controller (a skin, a morph) has those of the geometry it moves.
+class ColladaShapes {
+ public:
+  /// Sees every tag.
+  void see(const XmlTag& tag);
+  /// More corners of the geometry at hand.
+  void add_corners(std::uint64_t corners);
+  /// What an instance of it adds; zero for what is not there, which assimp leaves out.
+  double corners(std::string_view id) const;
+
+ private:
+  double* at_hand_ = nullptr;
+  std::string_view controller_;
+  std::map<std::string_view, double> geometries_;         // of several with one id, all together
+  std::map<std::string_view, std::string_view> sources_;  // of controllers
+};
+
+}  // namespace difi
