@@ -47,13 +47,18 @@ struct LongList {
   Counter* count;
 };
 
-/// First pass: counts. Second pass: fills the lists from their ends, taking the counts back down to zero.
+/// First pass: counts. Second pass: fills the lists from their ends, taking the counts back down to zero, and never
+/// beyond: that would be in front of the list. `most` is how many triangles there are.
 template <bool kPlace>
-DIFI_DEVICE void use_tile(const TileLists& lists, std::int64_t tile, std::uint32_t triangle) {
-  if (kPlace)
-    lists.entries[lists.start[tile] + atomicSub(&lists.counts[tile], 1u) - 1] = triangle;
-  else
+DIFI_DEVICE void use_tile(const TileLists& lists, std::int64_t tile, std::uint32_t triangle, std::int64_t most,
+                          Outcome* outcome) {
+  if (kPlace) {
+    const std::uint32_t left = atomicSub(&lists.counts[tile], 1u);
+    if (std::int64_t{left - 1} >= most) return stop_for_miscount(outcome);  // 0, or what came after 0
+    lists.entries[lists.start[tile] + left - 1] = triangle;
+  } else {
     atomicAdd(&lists.counts[tile], 1u);
+  }
 }
 
 /// A thread a triangle. Lists the long ones in the first pass.
@@ -72,7 +77,8 @@ DIFI_KERNEL void bin_small(gpu::Lattice l, DeviceMesh mesh, TileLists lists, Lon
   }
   for (std::int64_t z = r.low[2]; z <= r.high[2]; ++z)
     for (std::int64_t y = r.low[1]; y <= r.high[1]; ++y)
-      for (std::int64_t x = r.low[0]; x <= r.high[0]; ++x) use_tile<kPlace>(lists, l.tile(x, y, z), triangle);
+      for (std::int64_t x = r.low[0]; x <= r.high[0]; ++x)
+        use_tile<kPlace>(lists, l.tile(x, y, z), triangle, mesh.used_count(), outcome);
 }
 
 /// A block a long triangle, a thread a tile of its range.
@@ -102,7 +108,8 @@ DIFI_KERNEL void bin_long(gpu::Lattice l, DeviceMesh mesh, TileLists lists, Long
     for (std::int64_t at = threadIdx.x; at < nx * ny * nz; at += blockDim.x) {
       const std::int64_t x = r.low[0] + at % nx, y = r.low[1] + at / nx % ny, z = r.low[2] + at / (nx * ny);
       const Triple<double> here = center(x, y, z) - first;
-      if (distance_sq(frame, here) <= reach * reach) use_tile<kPlace>(lists, l.tile(x, y, z), triangle);
+      if (distance_sq(frame, here) <= reach * reach)
+        use_tile<kPlace>(lists, l.tile(x, y, z), triangle, mesh.used_count(), outcome);
     }
   }
 }
