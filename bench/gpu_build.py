@@ -22,6 +22,10 @@ def text_of(*command):
         return ""
 
 
+def first_line(text):
+    return text.strip().split("\n")[0].strip()
+
+
 def find_nvcc():
     """Its path. Raises Unfit where there is none, or one too old."""
     nvcc = shutil.which("nvcc") or shutil.which("/usr/local/cuda/bin/nvcc")
@@ -65,11 +69,11 @@ def gpu_name_and_architecture(nvcc):
     """Of this machine's first GPU, by its driver. Raises Unfit without one."""
     if not shutil.which("nvidia-smi"):
         raise Unfit("no NVIDIA driver here (nvidia-smi is missing); run this on a machine with a GPU")
-    asked = [line.strip() for field in ("name", "compute_cap")
-             for line in (text_of("nvidia-smi", f"--query-gpu={field}", "--format=csv,noheader").splitlines() or [""])[:1]]
-    if not asked[0]:
+    name, capability = (first_line(text_of("nvidia-smi", f"--query-gpu={field}", "--format=csv,noheader"))
+                        for field in ("name", "compute_cap"))
+    if not name:
         raise Unfit("the driver finds no GPU (see nvidia-smi)")
-    return asked[0], architecture_for(asked[1], text_of(nvcc, "--list-gpu-arch"))
+    return name, architecture_for(capability, text_of(nvcc, "--list-gpu-arch"))
 
 
 def generator():
