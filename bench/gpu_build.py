@@ -96,6 +96,17 @@ def build_commands(source, folder, settings):
             ["cmake", "--build", str(folder), "--parallel", jobs]]
 
 
+def short_name(function):
+    """A kernel's name without its parameters, and where it is the library's without those of its template."""
+    depth = end = 0
+    for end, letter in enumerate(function):
+        depth += (letter == "<") - (letter == ">")
+        if letter == "(" and depth == 0:
+            break
+    name = re.sub(r"difi::(cuda|gpu)::|^void ", "", function[:end])
+    return name.split("<")[0] if name.startswith("cub::") else name
+
+
 def kernels_of(log):
     """What ptxas -v says of each kernel in a build's log, a row each, the one with the most registers first."""
     rows, row = {}, None
@@ -113,5 +124,5 @@ def kernels_of(log):
     if names and shutil.which("c++filt"):
         plain = subprocess.run(["c++filt"], input=names, stdout=subprocess.PIPE, text=True).stdout.splitlines()
         for row, name in zip(rows.values(), plain):
-            row["kernel"] = name.split("(difi")[0].replace("difi::cuda::", "").replace("void ", "")
+            row["kernel"] = short_name(name)
     return sorted(rows.values(), key=lambda r: -r["registers"])

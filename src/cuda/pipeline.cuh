@@ -10,8 +10,6 @@
 
 namespace difi::DIFI_PLATFORM {
 
-inline constexpr unsigned kThreads = 256;
-
 inline std::int64_t blocks_for(std::int64_t items) { return (items + kThreads - 1) / kThreads; }
 
 /// What every way needs: which tiles are used, and scratch for running sums over the tiles.
