@@ -1,6 +1,7 @@
 """The steps of script/gpu-check, one after the other. One that fails, or takes too long, is told and remembered, and the
 next one begins. What a step has found is in its file at once."""
 
+import contextlib
 import os
 import shutil
 import signal
@@ -57,18 +58,21 @@ class Steps:
         with path.open("a") as file:
             file.write(f"{head}{step},{time.monotonic() - began:.1f},{result}\n")
 
-    def step(self, name, command, limit, path, mode="w", stdin=None, errors=subprocess.STDOUT):
-        """Runs a program with its output in a file; what it said is there whatever becomes of it. True where it went well."""
+    def step(self, name, command, limit, path, mode="w", stdin=None, errors=None):
+        """Runs a program with its output in a file, and its errors too, or in one of their own (added to it): what it said
+        is there whatever becomes of it. True where it went well."""
         began = time.monotonic()
-        with path.open(mode) as output:
-            code = limited(command, limit, output, stdin, errors)
+        with path.open(mode) as output, (errors.open("a") if errors else contextlib.nullcontext(subprocess.STDOUT)) as to:
+            code = limited(command, limit, output, stdin, to)
         self.tell(name, began, "ok" if code == 0 else code)
+        if code == 0:
+            return True
+        said = errors or path
+        print(last_lines(said, 5), file=sys.stderr)
         if code == CANNOT_BE_USED:
-            print(last_lines(path, 5), file=sys.stderr)
             raise Unfit("the GPU cannot be used; see above, and nvidia-smi")
-        if code != 0:
-            self.problem(f"{name}: {f'exit code {code}' if code != TIMED_OUT else f'took over {limit} s'}; see {path}")
-        return code == 0
+        self.problem(f"{name}: {f'exit code {code}' if code != TIMED_OUT else f'took over {limit} s'}; see {said}")
+        return False
 
     # --- check
 
@@ -133,9 +137,9 @@ class Steps:
         if left:
             list_path.write_text("".join(job.line() + "\n" for job in left))
             options = [*(["--once"] if self.emulated else []), *(["--continue"] if path.exists() else [])]
-            with list_path.open() as lines, (self.out / "measure.log").open("a") as errors:
-                if not self.step(f"measure {what}", [self.build / "measure", *options], limit, path, "a", lines, errors):
-                    print(last_lines(self.out / "measure.log", 5), file=sys.stderr)
+            with list_path.open() as lines:
+                self.step(f"measure {what}", [self.build / "measure", *options], limit, path, "a", lines,
+                          self.out / "measure.log")
         rows = gpu_jobs.rows_of(path)
         write_csv(self.out / "table-5.4.csv", [], gpu_jobs.table_5_4(rows))
         for row in rows[:13]:
@@ -177,9 +181,8 @@ class Steps:
             exported = self.step("peer files", [self.build / "measure", "--export", folder], 60, log, stdin=lines)
         if exported:
             once = ["--once"] if self.emulated else []
-            with log.open("a") as errors:
-                self.step("peer", ["python3", ROOT / "tests/gpu/peer_warp.py", *once, *sorted(folder.glob("*.bin"))], 60,
-                          self.out / "peer.csv", errors=errors)
+            self.step("peer", ["python3", ROOT / "tests/gpu/peer_warp.py", *once, *sorted(folder.glob("*.bin"))], 60,
+                      self.out / "peer.csv", errors=log)
             print((self.out / "peer.csv").read_text(), end="")
         shutil.rmtree(folder, ignore_errors=True)
 

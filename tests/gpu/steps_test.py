@@ -30,6 +30,10 @@ def quiet(work, *arguments):
     return result, said.getvalue()
 
 
+def quiet_stdout():
+    return contextlib.redirect_stdout(io.StringIO())
+
+
 class Pretended(unittest.TestCase):
     """A folder of results, one of programs, and the tools of a machine."""
 
@@ -120,9 +124,12 @@ class Stepping(Pretended):
         self.assertTrue(not state.exists() or state.read_text().split()[2] == "Z")
 
     def test_a_gpu_that_cannot_be_used_ends_all(self):
-        self.pretend(check="echo 'cuda: no NVIDIA driver'; exit 6")
-        with self.assertRaisesRegex(Unfit, "the GPU cannot be used"):
-            quiet(self.steps.run, ["check"])
+        self.pretend(measure="echo table,scene; echo 'cuda: no NVIDIA driver' >&2; exit 6")
+        said = io.StringIO()
+        with self.assertRaisesRegex(Unfit, "the GPU cannot be used"), contextlib.redirect_stderr(said), quiet_stdout():
+            self.steps.run(["goals", "check"])
+        self.assertIn("cuda: no NVIDIA driver", said.getvalue())
+        self.assertFalse((self.out / "check.txt").exists())
 
     def test_jobs_are_measured_once(self):
         jobs = gpu_jobs.goal_jobs()
