@@ -67,10 +67,17 @@ DIFI_DEVICE bool use_tile(const TileLists& lists, std::int64_t tile, std::uint32
   return fits;
 }
 
-/// A thread a triangle. Lists the long ones in the first pass. It waits for memory most of the time: six blocks to a
-/// multiprocessor, so at most 40 registers.
+// bin_small waits for memory most of the time: six blocks to a multiprocessor, so at most 40 registers; four fill one
+// of compute capability 7.5.
+#if defined(__CUDA_ARCH__) && __CUDA_ARCH__ < 800
+inline constexpr int kBinBlocks = 4;
+#else
+inline constexpr int kBinBlocks = 6;
+#endif
+
+/// A thread a triangle. Lists the long ones in the first pass.
 template <bool kPlace>
-DIFI_KERNEL void __launch_bounds__(kThreads, 6)
+DIFI_KERNEL void __launch_bounds__(kThreads, kBinBlocks)
     bin_small(gpu::Lattice l, DeviceMesh mesh, TileLists lists, LongList long_ones, Outcome* outcome) {
   const std::int64_t n = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
   if (n >= mesh.used_count()) return;
