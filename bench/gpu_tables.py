@@ -1,24 +1,26 @@
-"""gpu_tables.py FOLDER: what script/gpu-check measured, as tables beside the thesis's figures and our goals.
+"""gpu_tables.py FOLDER: what script/gpu-check measured, as tables beside the thesis's figures, our goals, and what was
+predicted for this GPU before (gpu_predictions.csv).
 
-Reads gpu.csv, table-5.4.csv and, where it is there, peer.csv; prints Markdown."""
+Reads gpu.csv, table-5.4.csv and, where they are there, peer.csv and kernels.csv; prints Markdown."""
 
-import csv
 import sys
 from pathlib import Path
 
-from harness import markdown
-
-
-def rows_of(path):
-    with path.open(newline="") as file:
-        return list(csv.DictReader(file))
+from gpu_jobs import rows_of
+from harness import BENCH, markdown
 
 
 def ms(text):
     return f"{float(text):.3g}"
 
 
-def goals(rows, peers):
+def predictions(machine):
+    """What was predicted, on paper, for the GPU that the machine's description names: the job's columns to a range."""
+    return {(p["scene"], p["method"], p["output"], p["grid"], p["thickness"]): f"{p['ms_from']}-{p['ms_to']}"
+            for p in rows_of(BENCH / "gpu_predictions.csv") if p["gpu"] in machine}
+
+
+def goals(rows, peers, predicted):
     """Our jobs; beside the dense ones how many times longer the peer took."""
     peer = {}
     for row in peers:
@@ -28,9 +30,11 @@ def goals(rows, peers):
     for row in rows:
         job = f"{row['scene']}-{row['thickness']}"
         compared = row["method"] == "tiles" and row["output"] == "dense" and job in peer
+        key = (row["scene"], row["method"], row["output"], row["grid"], row["thickness"])
         shown.append({"scene": row["scene"], "triangles": f"{int(row['triangles']):,}", "method": row["method"],
                       "output": row["output"], "grid": row["grid"], "thickness": row["thickness"],
                       "ms": ms(row["median_ms"]), "at most": row["at_most_ms"],
+                      **({"predicted": predicted.get(key, "-")} if predicted else {}),
                       "GB/s written": row["written_gb_per_s"],
                       "Warp, times as long": f"{peer[job] / float(row['median_ms']):.3g}" if compared else ""})
     return shown
@@ -56,18 +60,27 @@ def main():
         raise SystemExit(__doc__)
     folder = Path(sys.argv[1])
     rows = rows_of(folder / "gpu.csv")
-    peers = rows_of(folder / "peer.csv") if (folder / "peer.csv").exists() else []
+    peers, kernels = rows_of(folder / "peer.csv"), rows_of(folder / "kernels.csv")
+    machine = (folder / "machine.txt").read_text()
     print("# What script/gpu-check measured\n")
     print("Scenes made by code stand in for the thesis's meshes. Medians, device memory to device memory.\n")
-    print((folder / "machine.txt").read_text())
-    print(f"## Goals\n\n{markdown(goals([r for r in rows if r['table'] == 'goal'], peers))}\n")
+    print(machine)
+    predicted = predictions(machine)
+    print(f"## Goals\n\n{markdown(goals([r for r in rows if r['table'] == 'goal'], peers, predicted))}\n")
+    if predicted:
+        print("*predicted*: milliseconds, from counts and compiled instructions, before any GPU ran this. Not a measurement.\n")
     for table in ("figure_1.1", "table_5.1", "table_5.2", "table_5.3", "table_5.5"):
+        if not any(r["table"] == table for r in rows):
+            continue  # after script/gpu-check --quick
         title = table.replace("_", " ").capitalize()
         print(f"## {title}\n\n{markdown(beside_thesis([r for r in rows if r['table'] == table]))}\n")
     parts = rows_of(folder / "table-5.4.csv")
-    print("## Table 5.4: where the time goes\n")
-    print(markdown([{"method": p["method"], "part": p["part"], "ms": ms(p["ms"]), "2008, s": p["seconds_2008"]}
-                    for p in parts]))
+    if parts:
+        print("## Table 5.4: where the time goes\n")
+        print(markdown([{"method": p["method"], "part": p["part"], "ms": ms(p["ms"]), "2008, s": p["seconds_2008"]}
+                        for p in parts]))
+    if kernels:
+        print(f"\n## Kernels, as compiled\n\n{markdown(kernels)}")
     if peers:
         print(f"\n## Peer\n\n{markdown(peers)}")
 

@@ -49,7 +49,8 @@ struct Outcome {
   static constexpr unsigned long long kNone = ~0ull;
   unsigned long long stopped;       ///< not 0: something below is wrong, and the output was not written
   unsigned long long bad_triangle;  ///< the first triangle with an index out of range or a corner not finite, or kNone
-  unsigned long long needed_entries;    ///< triangle list entries needed; where too few were given, so far
+  unsigned long long needed_entries;    ///< triangle list entries needed; where too few were given, so far. kNone where
+                                        ///< the mesh was seen to change meanwhile
   unsigned long long needed_slots;      ///< tiles that may have to be stored (sparse output)
   unsigned long long samples_examined;  ///< as in Report
   unsigned long long samples_band;
@@ -75,16 +76,17 @@ std::int64_t workspace_bytes(std::int64_t triangles, const Grid& grid, double th
                              std::int64_t entries);
 
 /// Puts the computation on the stream and returns. `workspace` (device memory, 256-byte aligned) is in use until the
-/// work is done; its content before and after means nothing. The field is the one that compute() gives.
-/// Errors: usage (grid, thickness, null pointers, too small a workspace: it says how large), device.
+/// work is done; its content before and after means nothing. Mesh and output must stay as they are until then. The
+/// field is the one that compute() gives. Errors: usage (grid, thickness, null pointers, too small a workspace: it says
+/// how large), device.
 void enqueue(const Task& task, void* workspace, std::int64_t bytes, Stream stream);
 
 /// Several fields, one after the other on the stream, through one workspace that is large enough for each. Where a task
 /// is refused, none is put on the stream.
 void enqueue(std::span<const Task> tasks, void* workspace, std::int64_t bytes, Stream stream);
 
-/// Throws what the outcome (copied to the host) says: Error{input} for a bad triangle, Error{limit} for too little
-/// room. Returns where all is well.
+/// Throws what the outcome (copied to the host) says: Error{input} for a bad triangle, or a mesh that changed
+/// meanwhile, Error{limit} for too little room. Returns where all is well.
 void check(const Outcome& outcome, const Task& task);
 
 /// A GPU, or why there is none.

@@ -21,6 +21,10 @@ void check(const Outcome& outcome, const Task& task) {
   if (outcome.bad_triangle != Outcome::kNone)
     throw Error(ErrorCode::input, "cuda: triangle " + std::to_string(outcome.bad_triangle) +
                                       " has an index out of range or a corner that is not finite; repair the mesh");
+  if (outcome.needed_entries == Outcome::kNone)
+    throw Error(ErrorCode::input,
+                "cuda: the mesh changed while its field was computed; nothing was written, let the work end before the "
+                "mesh's memory is written again");
   if (outcome.needed_slots > static_cast<unsigned long long>(task.output.slot_capacity))
     throw Error(ErrorCode::limit, "cuda: the output has room for " + std::to_string(task.output.slot_capacity) +
                                       " tiles, " + std::to_string(outcome.needed_slots) +

@@ -7,6 +7,9 @@
 
 namespace difi::DIFI_PLATFORM {
 
+/// In a block, where nothing speaks for another number.
+inline constexpr unsigned kThreads = 256;
+
 /// Tiles low[axis] to high[axis]; low > high on some axis for none.
 struct TileRange {
   std::int64_t low[3], high[3];
@@ -47,18 +50,35 @@ struct LongList {
   Counter* count;
 };
 
-/// First pass: counts. Second pass: fills the lists from their ends, taking the counts back down to zero.
+/// A tile's list is shorter; a count that is taken below zero is above.
+inline constexpr std::uint32_t kNoCount = 0xf0000000u;
+
+/// First pass: counts. Second pass: fills the lists from their ends, taking the counts back down to zero. False where
+/// it would go beyond, to what is in front of the list.
 template <bool kPlace>
-DIFI_DEVICE void use_tile(const TileLists& lists, std::int64_t tile, std::uint32_t triangle) {
-  if (kPlace)
-    lists.entries[lists.start[tile] + atomicSub(&lists.counts[tile], 1u) - 1] = triangle;
-  else
+DIFI_DEVICE bool use_tile(const TileLists& lists, std::int64_t tile, std::uint32_t triangle) {
+  if (!kPlace) {
     atomicAdd(&lists.counts[tile], 1u);
+    return true;
+  }
+  const std::uint32_t place = atomicSub(&lists.counts[tile], 1u) - 1;
+  const bool fits = place < kNoCount;
+  if (fits) lists.entries[lists.start[tile] + place] = triangle;
+  return fits;
 }
+
+// bin_small waits for memory most of the time: six blocks to a multiprocessor, so at most 40 registers; four fill one
+// of compute capability 7.5.
+#if defined(__CUDA_ARCH__) && __CUDA_ARCH__ < 800
+inline constexpr int kBinBlocks = 4;
+#else
+inline constexpr int kBinBlocks = 6;
+#endif
 
 /// A thread a triangle. Lists the long ones in the first pass.
 template <bool kPlace>
-DIFI_KERNEL void bin_small(gpu::Lattice l, DeviceMesh mesh, TileLists lists, LongList long_ones, Outcome* outcome) {
+DIFI_KERNEL void __launch_bounds__(kThreads, kBinBlocks)
+    bin_small(gpu::Lattice l, DeviceMesh mesh, TileLists lists, LongList long_ones, Outcome* outcome) {
   const std::int64_t n = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
   if (n >= mesh.used_count()) return;
   if (kPlace && outcome->stopped) return;
@@ -70,9 +90,11 @@ DIFI_KERNEL void bin_small(gpu::Lattice l, DeviceMesh mesh, TileLists lists, Lon
     if (!kPlace) long_ones.triangles[atomicAdd(long_ones.count, Counter{1})] = triangle;
     return;
   }
+  bool fits = true;
   for (std::int64_t z = r.low[2]; z <= r.high[2]; ++z)
     for (std::int64_t y = r.low[1]; y <= r.high[1]; ++y)
-      for (std::int64_t x = r.low[0]; x <= r.high[0]; ++x) use_tile<kPlace>(lists, l.tile(x, y, z), triangle);
+      for (std::int64_t x = r.low[0]; x <= r.high[0]; ++x) fits &= use_tile<kPlace>(lists, l.tile(x, y, z), triangle);
+  if (!fits) stop_for_miscount(outcome);
 }
 
 /// A block a long triangle, a thread a tile of its range.
@@ -102,7 +124,8 @@ DIFI_KERNEL void bin_long(gpu::Lattice l, DeviceMesh mesh, TileLists lists, Long
     for (std::int64_t at = threadIdx.x; at < nx * ny * nz; at += blockDim.x) {
       const std::int64_t x = r.low[0] + at % nx, y = r.low[1] + at / nx % ny, z = r.low[2] + at / (nx * ny);
       const Triple<double> here = center(x, y, z) - first;
-      if (distance_sq(frame, here) <= reach * reach) use_tile<kPlace>(lists, l.tile(x, y, z), triangle);
+      if (distance_sq(frame, here) <= reach * reach && !use_tile<kPlace>(lists, l.tile(x, y, z), triangle))
+        stop_for_miscount(outcome);
     }
   }
 }

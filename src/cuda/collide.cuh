@@ -158,6 +158,8 @@ class PoseSearch {
     } else if (__ballot_sync(kWarp, unsure) != 0) {
       verdict_ = Verdict::undecided;
     }
+    // Other lanes write the next pairs where these were read: votes order no memory, this does.
+    __syncwarp();
   }
 
   const CollideTask& task_;

@@ -1,6 +1,7 @@
 // The GPU backend emulated on the CPU, for debugging and for tests where there is no GPU.
 #include "cuda/backend.h"
 #include "cuda/driver.cuh"
+#include "cuda/emulated.h"
 
 namespace difi::emulated {
 

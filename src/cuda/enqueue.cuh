@@ -32,14 +32,20 @@ inline std::int64_t needed_bytes(std::int64_t triangles, const Grid& grid, doubl
   });
 }
 
+/// Throws Error{usage} where there is no triangle, or one whose index is kNoTriangle.
+inline void check_count(const DeviceMesh& mesh) {
+  if (mesh.used_count() < 1 || mesh.triangle_count >= kNoTriangle)
+    throw Error(ErrorCode::usage, "cuda: the mesh has " + std::to_string(mesh.used_count()) +
+                                      " triangles to use; give it 1 to 4294967294");
+}
+
 /// Throws Error{usage} where a task cannot be enqueued.
 inline void check_task(const Task& task, const void* workspace, std::int64_t bytes) {
   const auto fail = [](const std::string& what) { throw Error(ErrorCode::usage, "cuda: " + what); };
   validate(task.grid);
   if (!(task.thickness > 0)) fail("the thickness must be positive; infinity gives a full field");
   const std::int64_t triangles = task.mesh.used_count();
-  if (triangles < 1 || task.mesh.triangle_count >= kNoTriangle)
-    fail("the mesh has " + std::to_string(triangles) + " triangles to use; give it 1 to 4294967294");
+  check_count(task.mesh);
   if (!task.mesh.vertices || !task.mesh.triangles || !task.output.values || !task.outcome)
     fail("vertices, triangles, values and outcome must point to device memory; one is null");
   if (task.output.slots && task.output.slot_capacity < 0)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 #include "difi/compute.h"
@@ -25,11 +26,17 @@ inline std::int64_t host_scratch_bytes(const Grid& grid) {
   return 4 * tile_count(grid) + 2 * 4 * kTilesAtOnce * DistanceField::kTileSamples;
 }
 
-/// Small triangles lie in four or five tiles at thickness 2; a tile far from a surface keeps some tens.
+/// For those who cannot wait until entries have been counted. Thin bands: small triangles lie in four or five tiles at
+/// thickness 2. Otherwise: a tile near the surface keeps what lies in it and around it, one far away what it cannot
+/// tell apart; the sum grows with the triangles and, where they are smaller than tiles, with the root of triangles
+/// times tiles. The factors are fitted to full fields of the scenes (terrain, machines) at 2,000 to 1,000,000
+/// triangles.
 inline std::int64_t likely_entries(std::int64_t triangles, const Grid& grid, double thickness, Method method) {
   if (method == Method::thesis) return 0;
-  if (is_thin(grid, thickness)) return 6 * triangles + 2 * tile_count(grid);
-  return std::max<std::int64_t>(4 * triangles, 64) + 48 * tile_count(grid);
+  const std::int64_t tiles = tile_count(grid);
+  if (is_thin(grid, thickness)) return 6 * triangles + 2 * tiles;
+  const double mixed = 110 * std::sqrt(static_cast<double>(triangles) * static_cast<double>(tiles));
+  return std::max({8 * triangles + static_cast<std::int64_t>(mixed), 48 * tiles, std::int64_t{64}});
 }
 
 }  // namespace difi::gpu

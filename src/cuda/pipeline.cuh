@@ -1,4 +1,6 @@
-// The launches of one field by each way, in order, into memory that is all there beforehand.
+// The launches of one field by each way, in order. A way has two halves: after the first one it is known how much room
+// the second one needs. On a stream all of it is there beforehand (enqueue_...); who can wait looks in between
+// (counted_run.cuh).
 #pragma once
 
 #include "cuda/descent.cuh"
@@ -7,8 +9,6 @@
 #include "cuda/workspace.h"
 
 namespace difi::DIFI_PLATFORM {
-
-inline constexpr unsigned kThreads = 256;
 
 inline std::int64_t blocks_for(std::int64_t items) { return (items + kThreads - 1) / kThreads; }
 
@@ -72,7 +72,7 @@ struct ThickArrays {
   unsigned char* keep;
   Counter* bound;
   Counter* chunk_start;
-  Counter capacity;
+  Counter capacity;  // of each of entries, and of keep
 
   ThickArrays(gpu::Workspace& memory, std::int64_t, const gpu::Lattice& l, std::int64_t most)
       : tiles(memory, l.tile_count()), capacity(static_cast<Counter>(most)) {
@@ -104,8 +104,8 @@ void launch_gather(const gpu::Lattice& l, const Task& task, const GatherLists& l
          tiles < most ? tiles : most, kGatherThreads, l, task.mesh, lists, task.output, task.outcome);
 }
 
-template <Through kThrough>
-void enqueue_thin(const gpu::Lattice& l, const Task& task, const ThinArrays& a, Stream stream) {
+/// Thin bands, first half: how many triangles each tile has, and which tiles get a slot. Nothing is listed.
+inline void count_thin(const gpu::Lattice& l, const Task& task, const ThinArrays& a, Stream stream) {
   const std::int64_t tiles = l.tile_count(), per_triangle = blocks_for(task.mesh.used_count());
   launch(stream, "clear", clear_outcome, 1, 1, task.outcome, a.long_ones.count);
   fill_bytes(stream, a.lists.counts, 0, (tiles + 1) * static_cast<std::int64_t>(sizeof(std::uint32_t)));
@@ -116,58 +116,120 @@ void enqueue_thin(const gpu::Lattice& l, const Task& task, const ThinArrays& a, 
   a.tiles.sum(a.lists.counts, a.lists.start, tiles + 1, stream);
   launch(stream, "check room", check_entries, 1, 1, a.lists.start + tiles, a.lists.capacity, task.outcome);
   if (task.output.slots) a.tiles.give(l, task, a.lists.start, stream);
+}
+
+/// Thin bands, second half: the lists, and the field from them.
+template <Through kThrough = Through::write>
+void fill_thin(const gpu::Lattice& l, const Task& task, const ThinArrays& a, Stream stream) {
+  const std::int64_t per_triangle = blocks_for(task.mesh.used_count());
   launch(stream, "list small", bin_small<true>, per_triangle, kThreads, l, task.mesh, a.lists, a.long_ones,
          task.outcome);
   launch(stream, "list long", bin_long<true>, kManyBlocks, kThreads, l, task.mesh, a.lists, a.long_ones, task.outcome);
   launch_gather<kThrough>(l, task, {a.lists.start, a.lists.entries, nullptr}, stream);
 }
 
-/// One level of the descent: from the parents' lists in half `from` of the arrays to the children's in the other.
-inline void enqueue_level(const gpu::Lattice& l, const Task& task, const ThickArrays& a, const gpu::Level& parent,
-                          const gpu::Level& child, int from, Stream stream) {
-  const Step step{parent, child,   a.start[from], a.entries[from],   a.chunk_start,
-                  a.keep, a.bound, a.counts,      a.start[1 - from], a.entries[1 - from]};
-  const std::int64_t parents = parent.count(), children = child.count();
-  launch(stream, "count chunks", count_chunks, blocks_for(parents + 1), kThreads, step.parent_start, parents, a.counts,
-         task.outcome);
-  a.tiles.sum(a.counts, a.chunk_start, parents + 1, stream);
-  launch(stream, "clear bounds", clear_bounds, blocks_for(children), kThreads, a.bound, children);
-  fill_bytes(stream, a.counts, 0, (children + 1) * static_cast<std::int64_t>(sizeof(std::uint32_t)));
-  launch(stream, "bound", bound_children, kManyBlocks, kChunk, l, task.mesh, step, task.outcome);
-  launch(stream, "keep", keep_candidates, kManyBlocks, kChunk, l, task.mesh, step, task.outcome);
-  a.tiles.sum(a.counts, a.start[1 - from], children + 1, stream);
-  launch(stream, "check room", check_entries, 1, 1, a.start[1 - from] + children, a.capacity, task.outcome);
-  launch(stream, "hand down", hand_down, kManyBlocks, kChunk, l, step, task.outcome);
+template <Through kThrough>
+void enqueue_thin(const gpu::Lattice& l, const Task& task, const ThinArrays& a, Stream stream) {
+  count_thin(l, task, a, stream);
+  fill_thin<kThrough>(l, task, a, stream);
 }
 
-inline void enqueue_thick(const gpu::Lattice& l, const Task& task, const ThickArrays& a, Stream stream) {
+/// One level of the descent: from the parents' lists in half `from` of the arrays to the children's in the other.
+struct Descent {
+  Step step;
+  std::int64_t parents, children;
+  int from;
+
+  Descent(const gpu::Lattice& l, const ThickArrays& a, int child_level, int half)
+      : step{gpu::level_of(l, child_level + 1),
+             gpu::level_of(l, child_level),
+             a.start[half],
+             a.entries[half],
+             a.chunk_start,
+             a.keep,
+             a.bound,
+             a.counts,
+             a.start[1 - half],
+             a.entries[1 - half]},
+        parents(step.parent.count()),
+        children(step.child.count()),
+        from(half) {}
+};
+
+/// The root of the descent, in half 0.
+inline void begin_thick(const Task& task, const ThickArrays& a, Stream stream) {
   launch(stream, "clear", clear_outcome, 1, 1, task.outcome, static_cast<Counter*>(nullptr));
   launch(stream, "list all", list_all, blocks_for(task.mesh.used_count()), kThreads, task.mesh, a.entries[0],
          a.start[0], task.outcome);
-  int half = 0;
-  const int top = gpu::top_level(l);
-  for (int number = top; number > 0; --number, half = 1 - half)
-    enqueue_level(l, task, a, gpu::level_of(l, number), gpu::level_of(l, number - 1), half, stream);
-  if (task.output.slots) a.tiles.give(l, task, a.start[half], stream);
-  launch_gather(l, task, {a.start[half], a.entries[half], top > 0 ? a.bound : nullptr}, stream);
 }
 
-template <Through kThrough>
-void enqueue_thesis(const gpu::Lattice& l, const Task& task, const ThesisArrays& a, Stream stream) {
+/// First half of a level: which children keep which candidates, and how many that makes. No list is written.
+inline void count_level(const gpu::Lattice& l, const Task& task, const ThickArrays& a, const Descent& d,
+                        Stream stream) {
+  launch(stream, "count chunks", count_chunks, blocks_for(d.parents + 1), kThreads, d.step.parent_start, d.parents,
+         a.counts, task.outcome);
+  a.tiles.sum(a.counts, a.chunk_start, d.parents + 1, stream);
+  launch(stream, "clear bounds", clear_bounds, blocks_for(d.children), kThreads, a.bound, d.children);
+  fill_bytes(stream, a.counts, 0, (d.children + 1) * static_cast<std::int64_t>(sizeof(std::uint32_t)));
+  launch(stream, "bound", bound_children, kManyBlocks, kChunk, l, task.mesh, d.step, task.outcome);
+  launch(stream, "keep", keep_candidates, kManyBlocks, kChunk, l, task.mesh, d.step, task.outcome);
+  a.tiles.sum(a.counts, a.start[1 - d.from], d.children + 1, stream);
+  launch(stream, "check room", check_entries, 1, 1, a.start[1 - d.from] + d.children, a.capacity, task.outcome);
+}
+
+/// Second half of a level: the children's lists.
+inline void fill_level(const gpu::Lattice& l, const Task& task, const Descent& d, Stream stream) {
+  launch(stream, "hand down", hand_down, kManyBlocks, kChunk, l, d.step, task.outcome);
+}
+
+/// The field from the tiles' lists, which are in half `half`.
+inline void gather_thick(const gpu::Lattice& l, const Task& task, const ThickArrays& a, int half, Stream stream) {
+  launch_gather(l, task, {a.start[half], a.entries[half], gpu::top_level(l) > 0 ? a.bound : nullptr}, stream);
+}
+
+inline void enqueue_thick(const gpu::Lattice& l, const Task& task, const ThickArrays& a, Stream stream) {
+  begin_thick(task, a, stream);
+  int half = 0;
+  for (int number = gpu::top_level(l); number > 0; --number, half = 1 - half) {
+    const Descent level(l, a, number - 1, half);
+    count_level(l, task, a, level, stream);
+    fill_level(l, task, level, stream);
+  }
+  if (task.output.slots) a.tiles.give(l, task, a.start[half], stream);
+  gather_thick(l, task, a, half, stream);
+}
+
+/// How many blocks stride over the tiles.
+inline std::int64_t tile_blocks(const gpu::Lattice& l) {
+  const std::int64_t tiles = l.tile_count(), most = std::int64_t{kManyBlocks} * 4;
+  return tiles < most ? tiles : most;
+}
+
+/// Algorithm 1, first half: the least distance of each sample, and which tiles get a slot.
+template <Through kThrough = Through::write>
+void lower_thesis(const gpu::Lattice& l, const Task& task, const ThesisArrays& a, Stream stream) {
   const std::int64_t tiles = l.tile_count(), samples = task.grid.sample_count();
-  const std::int64_t tile_blocks = tiles < kManyBlocks * 4 ? tiles : kManyBlocks * 4;
   const std::int64_t warps = blocks_for(32 * task.mesh.used_count());
   launch(stream, "clear", clear_outcome, 1, 1, task.outcome, static_cast<Counter*>(nullptr));
   launch(stream, "clear samples", clear_samples, kManyBlocks, kThreads, a.nearest, samples);
   launch(stream, "Algorithm 1", lower_samples<kThrough>, warps < kManyBlocks * 8 ? warps : kManyBlocks * 8, kThreads, l,
          task.mesh, task.grid, task.thickness, a.nearest, task.outcome);
-  if (task.output.slots) {
-    fill_bytes(stream, a.tiles.used, 0, (tiles + 1) * static_cast<std::int64_t>(sizeof(std::uint32_t)));
-    launch(stream, "mark tiles", mark_near_tiles, tile_blocks, kGatherThreads, l, a.nearest, a.tiles.used,
-           task.outcome);
-    a.tiles.give(l, task, stream);
-  }
-  launch(stream, "write", write_samples, tile_blocks, kGatherThreads, l, a.nearest, task.output, task.outcome);
+  if (!task.output.slots) return;
+  fill_bytes(stream, a.tiles.used, 0, (tiles + 1) * static_cast<std::int64_t>(sizeof(std::uint32_t)));
+  launch(stream, "mark tiles", mark_near_tiles, tile_blocks(l), kGatherThreads, l, a.nearest, a.tiles.used,
+         task.outcome);
+  a.tiles.give(l, task, stream);
+}
+
+/// Algorithm 1, second half: the field from them.
+inline void write_thesis(const gpu::Lattice& l, const Task& task, const ThesisArrays& a, Stream stream) {
+  launch(stream, "write", write_samples, tile_blocks(l), kGatherThreads, l, a.nearest, task.output, task.outcome);
+}
+
+template <Through kThrough>
+void enqueue_thesis(const gpu::Lattice& l, const Task& task, const ThesisArrays& a, Stream stream) {
+  lower_thesis<kThrough>(l, task, a, stream);
+  write_thesis(l, task, a, stream);
 }
 
 }  // namespace difi::DIFI_PLATFORM

@@ -8,7 +8,6 @@
 #define DIFI_HAVE_NVTX 1
 #endif
 #include <cstdint>
-#include <source_location>
 #include <string>
 #include <utility>
 
@@ -18,15 +17,23 @@
 
 namespace difi::cuda {
 
-using Place = std::source_location;
+/// Where in difi something is called: as a parameter's default, the place of the call that leaves the parameter out.
+/// Not std::source_location, whose current() nvcc before 12.2 does not take for a constant there.
+struct Place {
+  const char* file;
+  int line;
+  static constexpr Place current(const char* file = __builtin_FILE(), int line = __builtin_LINE()) {
+    return {file, line};
+  }
+};
 
 /// Throws Error{device} where a call of CUDA failed, at the place in difi that wanted it. The error is taken from CUDA,
 /// so that later calls do not see it.
 inline void check_call(cudaError_t result, const char* call, const Place& at = Place::current()) {
   if (result == cudaSuccess) return;
   cudaGetLastError();
-  throw Error(ErrorCode::device, std::string("cuda: ") + call + " failed at " + at.file_name() + ":" +
-                                     std::to_string(at.line()) + ": " + cudaGetErrorString(result) +
+  throw Error(ErrorCode::device, std::string("cuda: ") + call + " failed at " + at.file + ":" +
+                                     std::to_string(at.line) + ": " + cudaGetErrorString(result) +
                                      "; run `difi devices`, or use the CPU (--device cpu)");
 }
 

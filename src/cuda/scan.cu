@@ -1,6 +1,7 @@
 #include "cuda/scan.h"
 
 #include <cub/device/device_scan.cuh>
+#include <cub/version.cuh>
 #include <cuda/std/functional>
 
 #include "cuda/platform.cuh"
@@ -18,6 +19,7 @@ void run(void* scratch, std::size_t& bytes, const std::uint32_t* in, Counter* su
 }  // namespace
 
 std::int64_t running_sum_bytes(std::int64_t count) {
+  gpu::expect_summable(count, gpu::longest_running_sum(CUB_VERSION));
   std::size_t bytes = 0;
   run(nullptr, bytes, nullptr, nullptr, count, nullptr);
   return static_cast<std::int64_t>(bytes);

@@ -3,15 +3,37 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
+#include <string>
 
 #include "difi/cuda.h"
+#include "difi/error.h"
 
 namespace difi {
 
 using Counter = unsigned long long;
 
+namespace gpu {
+
+/// The most numbers that one running sum takes. CUB before 2.7 (CUDA 12.6 and older) counts them in an int, and would
+/// silently sum the first few of more.
+constexpr std::int64_t longest_running_sum(int cub_version) {
+  return cub_version < 200700 ? std::numeric_limits<std::int32_t>::max() : std::numeric_limits<std::int64_t>::max();
+}
+
+/// Throws Error{limit} where a running sum over `count` tiles or cells is longer than `longest`.
+inline void expect_summable(std::int64_t count, std::int64_t longest) {
+  if (count > longest)
+    throw Error(ErrorCode::limit, "cuda: the grid has " + std::to_string(count - 1) +
+                                      " tiles of 8x8x8 samples, this build sums up " + std::to_string(longest - 1) +
+                                      " at most; take fewer samples, build difi with CUDA 12.8 or newer, or use the "
+                                      "CPU (--device cpu)");
+}
+
+}  // namespace gpu
+
 namespace cuda {
-/// Bytes of scratch that a running sum over `count` numbers wants.
+/// Bytes of scratch that a running sum over `count` numbers wants. Throws Error{limit} where the library sums fewer.
 std::int64_t running_sum_bytes(std::int64_t count);
 /// sums[n] = in[0] + ... + in[n - 1], for n in [0, count).
 void running_sum(Stream stream, void* scratch, std::int64_t scratch_bytes, const std::uint32_t* in, Counter* sums,

@@ -161,6 +161,8 @@ class MotionSearch {
     const int lane = static_cast<int>(lane_in_warp());
     const bool near = lane < count && comes_near(room_.of_field[first + lane], triangle, t, until);
     if (__ballot_sync(kWarp, near) != 0) verdict_ = Verdict::undecided;
+    // Other lanes write the next triangles where these were read: votes order no memory, this does.
+    __syncwarp();
   }
 
   // Whether the triangle may come nearer to one of the field's than twice the distance to be kept, before `until`.

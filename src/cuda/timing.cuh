@@ -6,6 +6,10 @@
 
 #include "cuda/platform.cuh"
 
+#ifdef __CUDACC__
+#include <cuda_profiler_api.h>
+#endif
+
 namespace difi::DIFI_PLATFORM {
 
 #ifdef __CUDACC__
@@ -69,6 +73,15 @@ class Recorded {
   Owned<cudaGraphExec_t, cudaGraphExecDestroy> graph_;
 };
 
+/// For as long as it lives, a profiler that was told to wait (ncu --profile-from-start off) looks.
+class Profiled {
+ public:
+  Profiled() { check_call(cudaProfilerStart(), "cudaProfilerStart"); }
+  ~Profiled() { cudaProfilerStop(); }
+  Profiled(const Profiled&) = delete;
+  Profiled& operator=(const Profiled&) = delete;
+};
+
 #else
 
 class StreamClock {
@@ -91,6 +104,11 @@ class Recorded {
 
  private:
   std::function<void(Stream)> enqueue_;
+};
+
+class Profiled {
+ public:
+  Profiled() {}  // nobody looks
 };
 
 #endif

@@ -119,7 +119,7 @@ TEST_F(CudaRuntime, EveryCallThatFailsIsNamedAndNothingIsKept) {
 }
 
 TEST_F(CudaRuntime, TooLittleMemoryIsALimit) {
-  gpu.memory = 1 << 14;
+  gpu.memory = 1 << 13;
   const Failure failure = failure_of(on_gpu());
   EXPECT_EQ(failure.code, ErrorCode::limit);
   EXPECT_NE(failure.what.find("MiB more of the GPU's memory"), std::string::npos) << failure.what;

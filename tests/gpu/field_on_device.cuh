@@ -1,14 +1,14 @@
 // A mesh and its field in device memory, for checks and measurements without the rest of difi.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
 
 #include "cuda/emulated.h"
+#include "cuda/enqueue.cuh"
 #include "cuda/guess.h"
-#include "cuda/lattice.h"
-#include "cuda/platform.cuh"
 #include "difi/cuda.h"
 #include "difi/mesh.h"
 
@@ -72,6 +72,26 @@ class FieldOnDevice {
       if (few_entries) make_workspace(entries + entries / 2);
       if (few_slots) make_output(slots);
     }
+  }
+
+  /// How many lists did not get exactly the triangles that were counted for them, after run(). The second pass takes
+  /// each tile's count back down to zero; were it to take more than there is, it would write before the list's start.
+  std::int64_t unbalanced_lists() const {
+    const gpu::Lattice l = gpu::make_lattice(task_.grid, task_.thickness);
+    const std::int64_t tiles = l.tile_count();
+    const std::uint32_t* on_device = nullptr;
+    with_way(task_.method, task_.grid, task_.thickness, [&]<class Arrays>(auto) {
+      gpu::Workspace memory(workspace_.as<void>());
+      const Arrays arrays(memory, task_.mesh.used_count(), l, 0);
+      if constexpr (requires { arrays.lists; })
+        on_device = arrays.lists.counts;
+      else if constexpr (requires { arrays.counts; })
+        on_device = gpu::top_level(l) > 0 ? arrays.counts : nullptr;
+    });
+    if (!on_device) return 0;  // no lists, or one of all triangles
+    std::vector<std::uint32_t> counts(static_cast<std::size_t>(tiles));
+    copy_out(counts.data(), on_device, bytes_of(counts));
+    return tiles - std::count(counts.begin(), counts.end(), 0u);
   }
 
   /// The field, one value a sample, x fastest. NaN where the device's memory kept what was poured in before.

@@ -1,10 +1,23 @@
 #!/usr/bin/env bash
-# script/gpu-check from its first line to its last, on the emulated GPU: its programs build without the rest of difi and
-# its dependencies, every job runs, every table has its rows.
+# script/gpu-check on the emulated GPU, in parts that go on where the last one stopped: its programs build without the
+# rest of difi and its dependencies, every job runs once, every table has its rows. (steps_test.py: steps that fail.)
 set -euo pipefail
-JOBS=1 "$DIFI_SOURCE_DIR/script/gpu-check" --emulated --out "$PWD/results" >log 2>&1 || { cat log; exit 1; }
-
+gpu_check() { JOBS=1 "$DIFI_SOURCE_DIR/script/gpu-check" --emulated "$@" >log 2>&1; }
 fail() { echo "$*"; cat log; exit 1; }
+
+gpu_check --only checks && fail "a part that is none was taken"
+grep -q "there is no part 'checks', only build, check, sanitize, measure" log || fail "it is not said that there is no such part"
+
+gpu_check --out "$PWD/results" --only build || fail "building failed"
+[[ ! -e results/gpu.csv && ! -e results/check.txt ]] || fail "more than the build was done"
+gpu_check --out "$PWD/results" --quick || fail "the quick check failed"
+grep -q 'continuing in' log || fail "the second call began anew"
+[[ $(cut -d, -f1,2,5 results/gpu.csv | tail -n +2 | tr '\n' ' ') == "goal,factory,dense goal,catapult,dense goal,terrain,dense goal,factory,sparse goal,machine_2,dense " ]] ||
+  fail "the quick check does not measure the goals alone"
+cp results/gpu.csv quick.csv
+gpu_check --out "$PWD/results" --only measure || fail "measuring failed"
+[[ $(head -n 6 results/gpu.csv) == $(cat quick.csv) ]] || fail "what was measured is measured again"
+grep -q 'measuring the rest: 119 jobs, 5 were' log || fail "the rest is not the rest"
 grep -q '^0 of [0-9]* checks went wrong' results/check.txt || fail "check.txt has no sum"
 rows() { awk -F, -v table="$1" '$1 == table' results/gpu.csv | wc -l; }
 while read -r table count; do
@@ -31,4 +44,10 @@ for title in Goals "Figure 1.1" "Table 5.1" "Table 5.2" "Table 5.3" "Table 5.4: 
   grep -q "^## $title" tables.md || fail "the tables lack $title"
 done
 grep -q '^| bender .*| 0\.02 |' tables.md || fail "the tables lack the thesis's times"
+
+# Results of other sources are not gone on with.
+echo other >results/sources.txt
+gpu_check --out "$PWD/results" --only build || fail "building failed"
+grep -q 'what was there is replaced, it is of other sources' log || fail "it goes on with results of other sources"
+[[ ! -e results/gpu.csv ]] || fail "rows of other sources stay"
 echo "script/gpu-check runs"

@@ -8,6 +8,9 @@
 // left on each side. THICKNESS in units, or inf. SECONDS_2008: the thesis's time;
 // AT_MOST_MS: what we want; either may be -, and both are only written beside what is measured. Writes a CSV line each.
 // measure --once: each is run once, to try it.
+// measure --continue: without the line of names on top, to add to a file.
+// measure --profile: measures nothing; each is run as often as its room takes, and once more while a profiler that was
+// told to wait (ncu --profile-from-start off) may look.
 // measure --export FOLDER: measures nothing, but writes SCENE-THICKNESS.bin for peers (peer_file.h).
 #include <algorithm>
 #include <chrono>
@@ -56,6 +59,7 @@ struct Times {
 };
 
 std::string export_folder;
+bool profiles = false;
 std::size_t least_runs = 5, most_runs = 50;
 
 /// Once to warm up, then as often as fits into a second, within bounds.
@@ -117,6 +121,12 @@ Times measure(const Line& l, const Mesh& mesh, FieldOnDevice& field) {
   });
 }
 
+void profile(FieldOnDevice& field) {
+  const Profiled watched;
+  field.enqueue(nullptr);
+  field.outcome();  // waits
+}
+
 void run(const Line& l) {
   const Mesh mesh = placed(l);
   const Vec3 counts{double(l.size.x), double(l.size.y), double(l.size.z)}, spacing = l.extent / counts;
@@ -125,6 +135,7 @@ void run(const Line& l) {
   const Method method = l.method == "thesis" ? Method::thesis : Method::tiles;
   FieldOnDevice field(mesh, grid, thickness, method, l.output == "sparse" ? Layout::sparse : Layout::dense, false);
   const Outcome outcome = field.run();
+  if (profiles) return profile(field);
   if (!export_folder.empty())
     return write_peer_file(export_folder + "/" + l.scene + "-" + l.thickness + ".bin", mesh, grid, thickness,
                            field.values());
@@ -147,15 +158,20 @@ void run(const Line& l) {
 
 int main(int argc, char** argv) {
   using namespace difi::DIFI_PLATFORM;
+  bool with_names = true;
   for (int n = 1; n < argc; ++n) {
     const std::string option = argv[n];
     if (option == "--once") least_runs = most_runs = 1;
+    if (option == "--continue") with_names = false;
+    if (option == "--profile") profiles = true;
     if (option == "--export" && n + 1 < argc) export_folder = argv[++n];
   }
-  if (export_folder.empty())
+  if (export_folder.empty() && with_names && !profiles) {
     std::puts(
         "table,scene,triangles,method,output,grid,thickness,median_ms,least_ms,runs,samples_examined,samples_band,"
         "list_entries,workspace_mib,written_gb_per_s,seconds_2008,at_most_ms");
+    std::fflush(stdout);
+  }
   int failed = 0;
   for (Line line; read(line);) {
     try {

@@ -1,6 +1,7 @@
 #include "cuda/emulation/block.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cstring>
 #include <memory>
 #include <mutex>
@@ -51,6 +52,7 @@ struct Running {
 } running;
 
 std::mutex one_at_a_time;
+std::atomic<std::int64_t> launches{0};
 Order order_now = Order::forward;
 unsigned seed_now = 1;
 
@@ -212,6 +214,7 @@ OrderScope::~OrderScope() {
 
 void launch(const char* label, Extent3 grid, Extent3 block, const std::function<void()>& body) {
   const std::lock_guard lock(one_at_a_time);
+  ++launches;
   static std::vector<std::unique_ptr<Thread>> pool;  // stacks are kept from launch to launch
   const unsigned count = block.x * block.y * block.z;
   if (count == 0 || count > 1024)
@@ -232,6 +235,8 @@ void launch(const char* label, Extent3 grid, Extent3 block, const std::function<
         run.run();
       }
 }
+
+std::int64_t launch_count() { return launches; }
 
 DIFI_UNWATCHED Index3 thread_index() { return running.current->index; }
 DIFI_UNWATCHED Index3 block_index() { return running.at; }

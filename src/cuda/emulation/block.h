@@ -45,6 +45,9 @@ struct Extent3 {
 /// threads wait for each other for ever.
 void launch(const char* label, Extent3 grid, Extent3 block, const std::function<void()>& body);
 
+/// How many launches there were so far, for tests of how often work is done.
+std::int64_t launch_count();
+
 // What a running thread knows.
 Index3 thread_index();
 Index3 block_index();
