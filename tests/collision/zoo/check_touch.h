@@ -81,6 +81,19 @@ inline long lacking(const TrianglePairs& some, const TrianglePairs& others) {
   return static_cast<long>(rest.size());
 }
 
+/// With room for half of them: so many, all of them true, none twice.
+inline void check_half_of_contacts(const PlacedPair& at, Findings& found) {
+  const std::size_t half = at.touching.size() / 2;
+  if (half == 0) return;
+  const ContactOptions options{.most = static_cast<std::int64_t>(half)};
+  const Contacts answer = contacts(at.model_a, at.pose_a, at.model_b, at.pose_b, options);
+  const TrianglePairs pairs = sorted_pairs(answer, false);
+  found.count("contacts with too little room");
+  found.expect(answer.overflow && pairs.size() == half, "contacts: no overflow, or not as many as there is room for");
+  found.wrong("contacts: a pair is there that does not touch", lacking(pairs, at.touching));
+  found.expect(std::adjacent_find(pairs.begin(), pairs.end()) == pairs.end(), "contacts: a pair comes twice");
+}
+
 inline void check_contacts(const PlacedPair& at, bool geometry, Findings& found) {
   const ContactOptions all{.most = 1'000'000};
   const Contacts answer = contacts(at.model_a, at.pose_a, at.model_b, at.pose_b, all);
@@ -92,6 +105,7 @@ inline void check_contacts(const PlacedPair& at, bool geometry, Findings& found)
   found.expect(std::adjacent_find(pairs.begin(), pairs.end()) == pairs.end(), "contacts: a pair comes twice");
   found.wrong("contacts: others with a and b swapped", lacking(pairs, turned) + lacking(turned, pairs));
   found.expect(!answer.overflow, "contacts: overflow, but there is room");
+  check_half_of_contacts(at, found);
   if (!geometry) return;
   for (const ContactPoint& it : answer.contacts)
     if (touch(at.a.triangle(it.triangle_a), at.b.triangle(it.triangle_b))) check_contact(at, it, found);
@@ -101,7 +115,8 @@ inline void check_contacts(const PlacedPair& at, bool geometry, Findings& found)
 inline void check_contacts_within(const PlacedPair& at, double margin, Findings& found) {
   const ContactOptions all{.most = 1'000'000, .margin = margin};
   const Contacts answer = contacts(at.model_a, at.pose_a, at.model_b, at.pose_b, all);
-  const TrianglePairs pairs = sorted_pairs(answer, false);
+  const TrianglePairs pairs = sorted_pairs(answer, false),
+                      turned = sorted_pairs(contacts(at.model_b, at.pose_b, at.model_a, at.pose_a, all), true);
   TrianglePairs least, most;
   const double slack = kDistanceUnits * at.unit;
   for_close_boxes(at.a, at.b, margin + slack, [&](std::uint32_t s, std::uint32_t t) {
@@ -112,10 +127,12 @@ inline void check_contacts_within(const PlacedPair& at, double margin, Findings&
   std::sort(least.begin(), least.end());
   std::sort(most.begin(), most.end());
   found.count("pairs within a margin, and apart", static_cast<long>(least.size()));
-  found.wrong("contacts: with a margin, a pair that touches is not there", lacking(at.touching, pairs));
-  found.wrong("contacts: a pair within the margin is not there", lacking(least, pairs));
-  found.wrong("contacts: a pair beyond the margin is there", lacking(pairs, most));
-  found.expect(std::adjacent_find(pairs.begin(), pairs.end()) == pairs.end(), "contacts: a pair comes twice");
+  for (const TrianglePairs* some : {&pairs, &turned}) {
+    found.wrong("contacts: with a margin, a pair that touches is not there", lacking(at.touching, *some));
+    found.wrong("contacts: a pair within the margin is not there", lacking(least, *some));
+    found.wrong("contacts: a pair beyond the margin is there", lacking(*some, most));
+    found.expect(std::adjacent_find(some->begin(), some->end()) == some->end(), "contacts: a pair comes twice");
+  }
   for (const ContactPoint& it : answer.contacts) {
     const Corners &p = at.a.triangle(it.triangle_a), &q = at.b.triangle(it.triangle_b);
     const double apart = gap(p, q);

@@ -9,7 +9,7 @@ namespace difi::testing {
 inline constexpr double kDistanceUnits = 16;
 // Nearest points, from the triangles they are said to lie on.
 inline constexpr double kPointUnits = 32;
-// A contact's point from both of its triangles, and what b moves along its normal beyond its depth until they are
+// A contact's point from both of its triangles, and how far beyond its depth b moves along its normal until they are
 // apart: 1e-9 of the size, where edges graze the other's plane.
 inline constexpr double kContactUnits = 4.5e6;
 // The place of a body on its way, at a time that is a double.
