@@ -80,12 +80,6 @@ inline Mesh herd(Random& random, int count) {
   return mesh;
 }
 
-/// The longest side of the box.
-inline double longest(const Box& box) {
-  const Vec3 e = box.extent();
-  return std::max({e.x, e.y, e.z});
-}
-
 /// The herd in other units, somewhere: within the limits of docs/collision.md.
 inline Mesh in_units(Mesh mesh, double unit, Vec3 at) {
   for (Vec3& v : mesh.vertices) v = v * unit + at;

@@ -12,30 +12,29 @@ inline void check_distance(const PlacedPair& at, Findings& found) {
   const double expected = at.distance();
   const Distance one = distance(at.model_a, at.pose_a, at.model_b, at.pose_b),
                  turned = distance(at.model_b, at.pose_b, at.model_a, at.pose_a);
+  const Corners &p = at.a.triangle(one.triangle_a), &q = at.b.triangle(one.triangle_b);
+  const Allowed allowed(p, q);
   found.expect(one.upper == 0 || !at.touch(), "distance: above 0 where they touch");
   found.expect(one.lower == one.upper, "distance: lower is not upper, without a tolerance");
-  if (!at.touch()) found.off("distance", std::abs(one.upper - expected) / at.unit, kDistanceUnits);
-  found.off("distance: with a and b swapped", std::abs(one.upper - turned.upper) / at.unit, kDistanceUnits);
-  found.off("distance: of the two points", std::abs(length(one.point_a - one.point_b) - one.upper) / at.world_unit,
-            kPointUnits);
-  const double from_a = root_of(point_triangle_sq(one.point_a, at.a.triangle(one.triangle_a))),
-               from_b = root_of(point_triangle_sq(one.point_b, at.b.triangle(one.triangle_b)));
-  found.off("distance: a point from its triangle", std::max(from_a, from_b) / at.world_unit, kPointUnits);
-  found.off("distance: of the two triangles",
-            std::abs(gap(at.a.triangle(one.triangle_a), at.b.triangle(one.triangle_b)) - one.upper) / at.unit,
-            kDistanceUnits);
+  if (!at.touch()) found.off("distance", std::abs(one.upper - expected), at.allowed.distance());
+  found.off("distance: with a and b swapped", std::abs(one.upper - turned.upper), at.allowed.distance());
+  found.off("distance: of the two triangles", std::abs(gap(p, q) - one.upper), allowed.distance());
+  found.off("distance: of the two points", std::abs(length(one.point_a - one.point_b) - one.upper), allowed.point());
+  const double from_a = root_of(point_triangle_sq(one.point_a, p)), from_b = root_of(point_triangle_sq(one.point_b, q));
+  found.off("distance: a point from its triangle", std::max(from_a, from_b), allowed.point());
 }
 
 /// With a tolerance, and with a limit.
 inline void check_rough_distance(const PlacedPair& at, double tolerance, Findings& found) {
   found.count("rough distances");
-  const double expected = at.distance(), size = at.unit / std::numeric_limits<double>::epsilon();
+  const double expected = at.distance();
   const Distance rough = distance(at.model_a, at.pose_a, at.model_b, at.pose_b, {.tolerance = tolerance});
-  found.off("distance: a lower bound above it", (rough.lower - expected) / at.unit, kDistanceUnits);
-  found.off("distance: an upper bound below it", (expected - rough.upper) / at.unit, kDistanceUnits);
-  found.expect(rough.upper - rough.lower <= tolerance + 1e-6 * size, "distance: bounds farther apart than asked for");
+  found.off("distance: a lower bound above it", rough.lower - expected, at.allowed.distance());
+  found.off("distance: an upper bound below it", expected - rough.upper, at.allowed.distance());
+  found.expect(rough.upper - rough.lower <= tolerance + 1e-6 * at.allowed.extent,
+               "distance: bounds farther apart than asked for");
   const Distance limited = distance(at.model_a, at.pose_a, at.model_b, at.pose_b, {.limit = expected / 2});
-  if (expected > 2 * kDistanceUnits * at.unit)
+  if (expected > 2 * at.allowed.distance())
     found.expect(std::isinf(limited.upper) && limited.lower == expected / 2, "distance: found past the limit");
 }
 

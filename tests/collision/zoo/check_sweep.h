@@ -36,7 +36,7 @@ inline void check_sweep(const PlacedPair& at, const Motion& motion, double toler
     return;
   }
   const Vec3 way = motion.to.translation - motion.from.translation;
-  const double rounding = at.world_unit + std::numeric_limits<double>::epsilon() * length(way);
+  const double allowed = at.allowed.on_way(length(way));
   // Before the time they are apart: at places on the way.
   for (int k = 0; k < 5; ++k) {
     const double t = k == 0 ? meeting : k == 1 ? 1 : swept.time * random.between(0, 1);
@@ -48,21 +48,16 @@ inline void check_sweep(const PlacedPair& at, const Motion& motion, double toler
   if (straight) {
     found.count("straight sweeps");
     found.off("sweep: how deep they get into each other before its time, or on a free way",
-              depth_on_way(at.a, at.b, way * swept.time) / rounding, kWayUnits);
+              depth_on_way(at.a, at.b, way * swept.time), allowed);
     // A check that saw nothing would pass everything: it has to see what the whole way leads through.
     if (swept.hit && swept.time > 0)
-      found.count("straight sweeps whose whole way leads through",
-                  depth_on_way(at.a, at.b, way) > kWayUnits * rounding);
+      found.count("straight sweeps whose whole way leads through", depth_on_way(at.a, at.b, way) > allowed);
   }
   if (!swept.hit) return;
   const Pose end = pose_at(motion, swept.time);
   const Corners p = at.a.triangle(swept.triangle_a), q = corners_at(at.model_b.mesh(), swept.triangle_b, end);
-  found.off("sweep: beyond the tolerance at its time", (gap(p, q) - tolerance) / rounding, kWayUnits);
-  if (swept.time > 0) {
-    const double size = length(swept.normal);
-    found.off("sweep: length of a normal", std::abs(size - 1) / std::numeric_limits<double>::epsilon(),
-              kUnitLengthUnits);
-  }
+  found.off("sweep: beyond the tolerance at its time", gap(p, q) - tolerance, allowed);
+  if (swept.time > 0) found.off("sweep: length of a normal", std::abs(length(swept.normal) - 1), kUnitLengthOff);
 }
 
 }  // namespace difi::testing

@@ -27,7 +27,7 @@ inline void check_certified(const PlacedPair& at, double margin, Findings& found
   const Contact answer = collide(at.model_a, at.pose_a, at.model_b, at.pose_b, options).contact;
   found.count("certified answers");
   found.count("certified free", answer == Contact::free);
-  const double slack = margin > 0 ? kDistanceUnits * at.unit : 0;
+  const double slack = margin > 0 ? at.allowed.distance() : 0;
   if (answer == Contact::free)
     found.expect(!at.touch() && (margin == 0 || at.distance() > margin - slack), "certified: free, but they are not");
   if (answer == Contact::hit)
@@ -36,7 +36,7 @@ inline void check_certified(const PlacedPair& at, double margin, Findings& found
 
 /// With a margin near which the distance is not.
 inline void check_margin(const PlacedPair& at, double margin, Findings& found) {
-  const double slack = kDistanceUnits * at.unit;
+  const double slack = at.allowed.distance();
   if (std::abs(at.distance() - margin) <= slack) return;
   const bool expected = at.distance() <= margin;
   found.count("margins");
@@ -54,16 +54,16 @@ inline Corners moved_by(const Corners& t, Vec3 by) { return {t[0] + by, t[1] + b
 /// A contact of two triangles that touch: its point is on both, and they part along its normal.
 inline void check_contact(const PlacedPair& at, const ContactPoint& it, Findings& found) {
   const Corners &p = at.a.triangle(it.triangle_a), &q = at.b.triangle(it.triangle_b);
-  constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+  const Allowed allowed(p, q);
   found.count("contacts");
-  found.off("contacts: length of a normal", std::abs(length(it.normal) - 1) / kEpsilon, kUnitLengthUnits);
-  found.expect(it.depth >= 0 && it.depth <= 4 * (at.unit / kEpsilon), "contacts: a depth below 0 or past the bodies");
-  const auto from = [&](const Corners& t) { return root_of(point_triangle_sq(it.point, t)) / at.world_unit; };
-  found.off("contacts: a point from its triangles", std::max(from(p), from(q)), kContactUnits);
-  // How many units beyond the depth it takes, by powers of two.
-  double units = 0.25;
-  while (units < 1e18 && touch(p, moved_by(q, it.normal * (it.depth + units * at.world_unit)))) units *= 2;
-  found.off("contacts: beyond the depth, until a pair is apart", units, kContactUnits);
+  found.off("contacts: length of a normal", std::abs(length(it.normal) - 1), kUnitLengthOff);
+  found.expect(it.depth >= 0 && it.depth <= 2 * allowed.extent, "contacts: a depth below 0 or past both triangles");
+  const auto from = [&](const Corners& t) { return root_of(point_triangle_sq(it.point, t)); };
+  found.off("contacts: a point from its triangles", std::max(from(p), from(q)), allowed.contact());
+  // How far beyond the depth it takes, by powers of two.
+  double share = 0x1p-30;
+  while (share < 0x1p30 && touch(p, moved_by(q, it.normal * (it.depth + share * allowed.contact())))) share *= 2;
+  found.off("contacts: beyond the depth, until a pair is apart", share * allowed.contact(), allowed.contact());
 }
 
 inline TrianglePairs sorted_pairs(const Contacts& found, bool turned) {
@@ -81,6 +81,19 @@ inline long lacking(const TrianglePairs& some, const TrianglePairs& others) {
   return static_cast<long>(rest.size());
 }
 
+/// With room for half of them: so many, all of them true, none twice.
+inline void check_half_of_contacts(const PlacedPair& at, Findings& found) {
+  const std::size_t half = at.touching.size() / 2;
+  if (half == 0) return;
+  const ContactOptions options{.most = static_cast<std::int64_t>(half)};
+  const Contacts answer = contacts(at.model_a, at.pose_a, at.model_b, at.pose_b, options);
+  const TrianglePairs pairs = sorted_pairs(answer, false);
+  found.count("contacts with too little room");
+  found.expect(answer.overflow && pairs.size() == half, "contacts: no overflow, or not as many as there is room for");
+  found.wrong("contacts: a pair is there that does not touch", lacking(pairs, at.touching));
+  found.expect(std::adjacent_find(pairs.begin(), pairs.end()) == pairs.end(), "contacts: a pair comes twice");
+}
+
 inline void check_contacts(const PlacedPair& at, bool geometry, Findings& found) {
   const ContactOptions all{.most = 1'000'000};
   const Contacts answer = contacts(at.model_a, at.pose_a, at.model_b, at.pose_b, all);
@@ -92,6 +105,7 @@ inline void check_contacts(const PlacedPair& at, bool geometry, Findings& found)
   found.expect(std::adjacent_find(pairs.begin(), pairs.end()) == pairs.end(), "contacts: a pair comes twice");
   found.wrong("contacts: others with a and b swapped", lacking(pairs, turned) + lacking(turned, pairs));
   found.expect(!answer.overflow, "contacts: overflow, but there is room");
+  check_half_of_contacts(at, found);
   if (!geometry) return;
   for (const ContactPoint& it : answer.contacts)
     if (touch(at.a.triangle(it.triangle_a), at.b.triangle(it.triangle_b))) check_contact(at, it, found);
@@ -101,9 +115,10 @@ inline void check_contacts(const PlacedPair& at, bool geometry, Findings& found)
 inline void check_contacts_within(const PlacedPair& at, double margin, Findings& found) {
   const ContactOptions all{.most = 1'000'000, .margin = margin};
   const Contacts answer = contacts(at.model_a, at.pose_a, at.model_b, at.pose_b, all);
-  const TrianglePairs pairs = sorted_pairs(answer, false);
+  const TrianglePairs pairs = sorted_pairs(answer, false),
+                      turned = sorted_pairs(contacts(at.model_b, at.pose_b, at.model_a, at.pose_a, all), true);
   TrianglePairs least, most;
-  const double slack = kDistanceUnits * at.unit;
+  const double slack = at.allowed.distance();
   for_close_boxes(at.a, at.b, margin + slack, [&](std::uint32_t s, std::uint32_t t) {
     const double apart = gap(at.a.triangle(s), at.b.triangle(t));
     if (apart <= margin + slack) most.emplace_back(s, t);
@@ -112,19 +127,21 @@ inline void check_contacts_within(const PlacedPair& at, double margin, Findings&
   std::sort(least.begin(), least.end());
   std::sort(most.begin(), most.end());
   found.count("pairs within a margin, and apart", static_cast<long>(least.size()));
-  found.wrong("contacts: with a margin, a pair that touches is not there", lacking(at.touching, pairs));
-  found.wrong("contacts: a pair within the margin is not there", lacking(least, pairs));
-  found.wrong("contacts: a pair beyond the margin is there", lacking(pairs, most));
-  found.expect(std::adjacent_find(pairs.begin(), pairs.end()) == pairs.end(), "contacts: a pair comes twice");
+  for (const TrianglePairs* some : {&pairs, &turned}) {
+    found.wrong("contacts: with a margin, a pair that touches is not there", lacking(at.touching, *some));
+    found.wrong("contacts: a pair within the margin is not there", lacking(least, *some));
+    found.wrong("contacts: a pair beyond the margin is there", lacking(*some, most));
+    found.expect(std::adjacent_find(some->begin(), some->end()) == some->end(), "contacts: a pair comes twice");
+  }
   for (const ContactPoint& it : answer.contacts) {
     const Corners &p = at.a.triangle(it.triangle_a), &q = at.b.triangle(it.triangle_b);
     const double apart = gap(p, q);
     if (apart == 0) continue;
-    found.off("contacts: minus the depth of pairs apart", std::abs(apart + it.depth) / at.unit, kDistanceUnits);
-    found.off("contacts: length of a normal", std::abs(length(it.normal) - 1) / std::numeric_limits<double>::epsilon(),
-              kUnitLengthUnits);
+    const Allowed allowed(p, q);
+    found.off("contacts: minus the depth of pairs apart", std::abs(apart + it.depth), allowed.distance());
+    found.off("contacts: length of a normal", std::abs(length(it.normal) - 1), kUnitLengthOff);
     const double from = root_of(std::max(point_triangle_sq(it.point, p), point_triangle_sq(it.point, q)));
-    found.off("contacts: a point from the middle of a gap", std::abs(from - apart / 2) / at.world_unit, kPointUnits);
+    found.off("contacts: a point from the middle of a gap", std::abs(from - apart / 2), allowed.point());
   }
 }
 

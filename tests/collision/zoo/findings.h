@@ -31,20 +31,22 @@ class Findings {
   }
   void expect(bool right, const char* what) { wrong(what, right ? 0 : 1); }
 
-  /// An answer that is off by so many units, of which `allowed` are allowed.
-  void off(const char* what, double units, double allowed) {
+  /// An answer that is off by so much, which must be no more than is allowed.
+  void off(const char* what, double by, double allowed) {
     Worst& it = worst_[what];
-    it.allowed = allowed;
-    it.beyond += !(units <= allowed);
-    if (units <= it.units) return;
-    it.units = units;
+    const double share = by <= 0 ? 0 : by / allowed;
+    ++it.asked;
+    it.beyond += !(share <= 1);
+    if (share <= it.share) return;
+    it.share = share;
     it.where = here();
   }
 
   void print() const {
     for (const auto& [what, many] : counts_) std::printf("  %12ld %s\n", many, what.c_str());
     for (const auto& [what, it] : worst_)
-      std::printf("  %12.3g units at the most (of %g): %s; %s\n", it.units, it.allowed, what.c_str(), it.where.c_str());
+      std::printf("  %12.3g of what is allowed at the most, of %ld: %s; %s\n", it.share, it.asked, what.c_str(),
+                  it.where.c_str());
     for (const auto& [what, it] : wrong_)
       std::printf("  %12ld WRONG: %s; first at %s\n", it.many, what.c_str(), it.first.c_str());
     std::fflush(stdout);
@@ -53,7 +55,7 @@ class Findings {
     print();
     for (const auto& [what, it] : wrong_) ADD_FAILURE() << it.many << " times: " << what << "; first at " << it.first;
     for (const auto& [what, it] : worst_)
-      EXPECT_EQ(it.beyond, 0) << what << ": off by up to " << it.units << " units, at " << it.where;
+      EXPECT_EQ(it.beyond, 0) << what << ": off by up to " << it.share << " of what is allowed, at " << it.where;
   }
 
  private:
@@ -62,9 +64,9 @@ class Findings {
     std::string first;
   };
   struct Worst {
-    double units = -1, allowed = 0;
-    long beyond = 0;
-    std::string where;
+    double share = 0;
+    long asked = 0, beyond = 0;
+    std::string where = "never off";
   };
   std::string here() const { return "seed " + std::to_string(seed_) + ", pose " + std::to_string(pose_); }
 

@@ -1,10 +1,11 @@
 // The answers that the zoo's tests hold against difi, against others: whole numbers against those of any length, the
-// exact touch against determinants of small whole numbers, gaps against points drawn at random.
+// exact touch against determinants of small whole numbers, gaps against points drawn at random, ways against prisms.
 #include <gtest/gtest.h>
 
 #include "tests/collision/exact_sign.h"
+#include "tests/collision/zoo/animals.h"
 #include "tests/collision/zoo/gap.h"
-#include "tests/collision/zoo/slivers.h"
+#include "tests/collision/zoo/way.h"
 
 namespace difi {
 namespace {
@@ -85,7 +86,7 @@ TEST(ZooOracle, TouchOnALatticeIsThatOfAllParts) {
   for (const double half : {0.9, 1.4, 2.4, 6.0}) {
     Random random(2);
     int touching = 0, unsure = 0;
-    constexpr int kPairs = 20'000;
+    constexpr int kPairs = 6000;
     for (int n = 0; n < kPairs; ++n) {
       Corners p, q;
       Point a[3], b[3];
@@ -166,6 +167,41 @@ TEST(ZooOracle, GapsAreThoseOfNearestPoints) {
     ASSERT_NEAR(gap(pair.q, pair.p), found, 1e-17) << n;
   }
   EXPECT_GT(worst, 1e-3) << "two edges are nearest sometimes";
+}
+
+// On a lattice places on a way are exact: where the triangles touch at one of them, and where they go deep into each
+// other, as another test of prisms has it.
+TEST(ZooOracle, DepthsOnAWayAreThoseOfThePrism) {
+  Random random(5);
+  int through = 0, beside = 0, met = 0;
+  for (int n = 0; n < 5000; ++n) {
+    const auto triangle = [&] {
+      Corners t;
+      for (Vec3& v : t) v = rounded(random.in_cube(6.4));
+      return t;
+    };
+    const Corners p = triangle(), q = triangle();
+    constexpr int kPlaces = 64;
+    const Vec3 step = rounded(random.in_cube(0.7)) * 0.25, way = step * kPlaces;
+    const double depth = depth_on_way(p, way, q);
+    bool touching = false;
+    for (int k = 0; k <= kPlaces; ++k) {
+      const Vec3 by = step * k;
+      touching = touching || touch({p[0] + by, p[1] + by, p[2] + by}, q);
+    }
+    ASSERT_TRUE(!touching || depth >= 0) << n;
+    met += touching;
+    if (std::abs(depth) < 1e-9) continue;  // touching, or flat
+    ASSERT_EQ(stays_out(p, way, q, 0), depth < 0) << n;
+    if (depth > 0) {
+      ASSERT_TRUE(stays_out(p, way, q, depth * (1 + 1e-9))) << n;
+      ASSERT_FALSE(stays_out(p, way, q, depth * (1 - 1e-9))) << n;
+    }
+    (depth > 0 ? through : beside)++;
+  }
+  EXPECT_GT(through, 500);
+  EXPECT_GT(beside, 500);
+  EXPECT_GT(met, 500);
 }
 
 }  // namespace

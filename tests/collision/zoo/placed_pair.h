@@ -4,22 +4,16 @@
 #include <optional>
 
 #include "difi/collision.h"
-#include "tests/collision/zoo/truth.h"
+#include "tests/collision/zoo/tolerances.h"
 
 namespace difi::testing {
-
-inline double farthest(const Box& box) {
-  double most = 0;
-  for (const Vec3& v : {box.min, box.max}) most = std::max({most, std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-  return most;
-}
 
 struct PlacedPair {
   const CollisionModel &model_a, &model_b;
   Pose pose_a, pose_b;
   PlacedBody a, b;
   TrianglePairs touching;
-  double unit, world_unit;  ///< of rounding: tolerances.h
+  Allowed allowed;  ///< of both bodies
 
   PlacedPair(const CollisionModel& of_a, const Pose& at_a, const CollisionModel& of_b, const Pose& at_b)
       : model_a(of_a),
@@ -28,13 +22,8 @@ struct PlacedPair {
         pose_b(at_b),
         a(of_a.mesh(), at_a),
         b(of_b.mesh(), at_b),
-        touching(touching_pairs(a, b)) {
-    Box box = a.box();
-    box.include(b.box().min), box.include(b.box().max);
-    const Vec3 e = box.extent();
-    unit = std::numeric_limits<double>::epsilon() * std::max({e.x, e.y, e.z});
-    world_unit = unit + std::numeric_limits<double>::epsilon() * farthest(box);
-  }
+        touching(touching_pairs(a, b)),
+        allowed(box_around(a.box(), b.box())) {}
 
   bool touch() const { return !touching.empty(); }
 
@@ -45,6 +34,10 @@ struct PlacedPair {
   }
 
  private:
+  static Box box_around(Box box, const Box& other) {
+    box.include(other.min), box.include(other.max);
+    return box;
+  }
   double least_gap() const {
     // Those whose boxes are near first: most others need not be measured.
     struct Candidate {
