@@ -154,6 +154,8 @@ CollisionModel CollisionModel::Data::read(const FileView& file, BodyChecksum che
   if (checksum == BodyChecksum::checked && stored != sum.value())
     file.fail("", "it is damaged: its checksum is not that of its content; save the body again");
 
+  if (!(header.spacing > 0) || !std::isfinite(header.spacing))
+    file.fail("header", "its field's spacing is not positive and finite; save the body again");
   try {
     place(*data, header.spacing);
     data->field = collision::plan_field_bounds(data->field.box, header.spacing);

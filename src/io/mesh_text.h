@@ -7,15 +7,13 @@
 #include <string_view>
 
 #include "io/file_view.h"
+#include "io/shown.h"
 
 namespace difi {
 
 constexpr bool is_line_end(char c) { return c == '\n' || c == '\r'; }
 constexpr bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
 constexpr bool is_space(char c) { return is_blank(c) || is_line_end(c); }
-
-/// `text` in quotes for a message: cut when long, bytes that are not printable shown as '?'.
-std::string in_quotes(std::string_view text);
 
 /// Equal but for the case of ASCII letters. `lower` is in lower case.
 bool equals_ignoring_case(std::string_view text, std::string_view lower);

@@ -8,6 +8,7 @@
 #include "io/field_samples.h"
 #include "io/field_text.h"
 #include "io/npy.h"
+#include "io/shown.h"
 #include "io/zip_reader.h"
 #include "io/zip_writer.h"
 
@@ -79,7 +80,7 @@ class Archive {
   // Three-dimensional samples of the given kind: "f4" or "u4".
   StoredArray samples(const NpyArray& array, const std::string& kind, Size3& size) const {
     if (array.type != "<" + kind && array.type != ">" + kind)
-      file_.fail(array.name, "its type is " + quoted(array.type) + "; save it as " + quoted("<" + kind));
+      file_.fail(array.name, "its type is " + in_quotes(array.type) + "; save it as " + quoted("<" + kind));
     if (array.shape.size() != 3) file_.fail(array.name, "it has not three axes; save it as array[i,j,k]");
     std::uint64_t room = array.bytes / 4;
     for (const auto side : array.shape) room = side > 0 ? room / static_cast<std::uint64_t>(side) : 0;

@@ -7,6 +7,7 @@
 #include "io/field_samples.h"
 #include "io/field_text.h"
 #include "io/nrrd_header.h"
+#include "io/shown.h"
 
 namespace difi {
 namespace {
@@ -15,10 +16,11 @@ namespace {
 void refuse_unsupported(const NrrdHeader& header) {
   const NrrdLine& type = header.get("type");
   if (type.text != "float")
-    header.fail(type, "samples of type '" + type.text + "' are not read; convert them to float");
+    header.fail(type, "samples of type " + in_quotes(type.text) + " are not read; convert them to float");
   const NrrdLine& encoding = header.get("encoding");
   if (encoding.text != "raw")
-    header.fail(encoding, "encoding '" + encoding.text + "' is not read; save it raw (unu save -f nrrd -e raw)");
+    header.fail(encoding,
+                "encoding " + in_quotes(encoding.text) + " is not read; save it raw (unu save -f nrrd -e raw)");
   for (const char* name : {"data file", "datafile"})
     if (const NrrdLine* line = header.find(name))
       header.fail(*line, "samples in another file are not read; save one .nrrd");
@@ -26,7 +28,7 @@ void refuse_unsupported(const NrrdHeader& header) {
     if (const NrrdLine* line = header.find(name); line && line->text != "0")
       header.fail(*line, "skips before the samples are not read; save the file without");
   if (const NrrdLine& dimension = header.get("dimension"); dimension.text != "3")
-    header.fail(dimension, "a field has 3 dimensions, not '" + dimension.text + "'; save one of its volumes");
+    header.fail(dimension, "a field has 3 dimensions, not " + in_quotes(dimension.text) + "; save one of its volumes");
 }
 
 std::array<double, 3> numbers(const NrrdHeader& header, const NrrdLine& line, std::string_view text) {
@@ -34,8 +36,7 @@ std::array<double, 3> numbers(const NrrdHeader& header, const NrrdLine& line, st
   std::array<double, 3> numbers{};
   for (std::size_t n = 0; n < 3; ++n) {
     const auto number = words.size() == 3 ? number_in<double>(words[n]) : std::nullopt;
-    if (!number)
-      header.fail(line, "'" + std::string(text.substr(0, 80)) + "' is not three numbers; write the file again");
+    if (!number) header.fail(line, in_quotes(text) + " is not three numbers; write the file again");
     numbers[n] = *number;
   }
   return numbers;
@@ -48,7 +49,7 @@ std::vector<std::array<double, 3>> vectors(const NrrdHeader& header, const NrrdL
   while (!rest.empty()) {
     const auto close = rest.find(')');
     if (!rest.starts_with('(') || close == std::string_view::npos)
-      header.fail(line, "'" + line.text.substr(0, 80) + "' is not made of vectors (x,y,z); write the file again");
+      header.fail(line, in_quotes(line.text) + " is not made of vectors (x,y,z); write the file again");
     std::string inside(rest.substr(1, close - 1));
     for (char& c : inside)
       if (c == ',') c = ' ';
@@ -89,7 +90,7 @@ Size3 read_sizes(const NrrdHeader& header) {
   std::array<std::int64_t, 3> sizes{};
   for (std::size_t n = 0; n < 3; ++n) {
     const auto size = words.size() == 3 ? number_in<std::int64_t>(words[n]) : std::nullopt;
-    if (!size) header.fail(line, "'" + line.text.substr(0, 80) + "' is not three whole numbers; write the file again");
+    if (!size) header.fail(line, in_quotes(line.text) + " is not three whole numbers; write the file again");
     sizes[n] = *size;
   }
   return {sizes[0], sizes[1], sizes[2]};

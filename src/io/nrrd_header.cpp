@@ -1,6 +1,7 @@
 #include "io/nrrd_header.h"
 
 #include "io/field_text.h"
+#include "io/shown.h"
 
 namespace difi {
 namespace {
@@ -22,8 +23,7 @@ void take_line(NrrdHeader& header, const NrrdLine& line) {
   const auto colon = line.text.find(':');
   if (line.text.starts_with('#')) return;
   if (colon == std::string::npos || colon + 1 == line.text.size())
-    header.fail(line,
-                "'" + line.text.substr(0, 40) + "' is no header field; the file is damaged or no NRRD, write it again");
+    header.fail(line, in_quotes(line.text) + " is no header field; the file is damaged or no NRRD, write it again");
   const bool is_key = line.text[colon + 1] == '=';
   std::string name = line.text.substr(0, colon);
   if (is_key) {

@@ -22,7 +22,7 @@ struct Row {
   std::uint64_t number = 0;
 
   [[noreturn]] void fail(const std::string& message) const {
-    file.fail(element->name + " " + std::to_string(number), message);
+    file.fail(shown(element->name) + " " + std::to_string(number), message);
   }
 };
 

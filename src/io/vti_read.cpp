@@ -10,6 +10,7 @@
 #include "io/field_format.h"
 #include "io/field_samples.h"
 #include "io/field_text.h"
+#include "io/shown.h"
 #include "io/vti_tags.h"
 
 namespace difi {
@@ -85,7 +86,8 @@ class Reader {
 
   void read_file(const VtiTag& tag) {
     found_file_ = true;
-    if (get(tag, "type") != "ImageData") fail(tag, "it holds " + get(tag, "type") + "; save the field as ImageData");
+    if (get(tag, "type") != "ImageData")
+      fail(tag, "it holds " + shown(get(tag, "type")) + "; save the field as ImageData");
     if (tag.find("compressor")) fail(tag, "it is compressed; save it without compression");
     big_endian_ = get(tag, "byte_order") == "BigEndian";
     const std::string* header = tag.find("header_type");
@@ -177,9 +179,9 @@ class Reader {
 
   StoredArray samples(const VtiTag& tag, const char* type) const {
     if (get(tag, "type") != type)
-      fail(tag, "samples of type " + get(tag, "type") + " are not read; save them as " + type);
+      fail(tag, "samples of type " + shown(get(tag, "type")) + " are not read; save them as " + type);
     if (const std::string* n = tag.find("NumberOfComponents"); n && *n != "1")
-      fail(tag, "it has " + *n + " numbers per sample; save one");
+      fail(tag, "it has " + shown(*n) + " numbers per sample; save one");
     std::uint64_t bytes = 0;
     const std::uint64_t at = payload(tag, bytes);
     if (bytes != sample_bytes(stored_.grid))

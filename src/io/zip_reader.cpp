@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "io/shown.h"
 #include "io/zip_crc32.h"
 #include "io/zip_format.h"
 
@@ -58,7 +59,7 @@ void widen(const FieldInput& file, std::string_view extra, ZipMember& member, st
     at += 4;
     for (std::uint64_t* value : {&member.bytes, &stored, &header}) {
       if (*value != zip::kIn64) continue;
-      if (next - at < 8) file.fail(member.name, "its 64-bit sizes are damaged; write the file again");
+      if (next - at < 8) file.fail(shown(member.name), "its 64-bit sizes are damaged; write the file again");
       *value = u64(extra, at);
       at += 8;
     }
@@ -69,7 +70,7 @@ void widen(const FieldInput& file, std::string_view extra, ZipMember& member, st
 // Local headers repeat the directory, but their extra fields may have another length.
 std::uint64_t data_offset(const FieldInput& file, const std::string& name, std::uint64_t header) {
   const std::string_view local = record(file, header, zip::kLocalHeaderBytes);
-  if (u32(local, 0) != zip::kLocalHeader) file.fail(name, "its header is damaged; write the file again");
+  if (u32(local, 0) != zip::kLocalHeader) file.fail(shown(name), "its header is damaged; write the file again");
   return header + zip::kLocalHeaderBytes + u16(local, 26) + u16(local, 28);
 }
 
@@ -91,9 +92,10 @@ std::vector<ZipMember> read_zip(const FieldInput& file) {
     ZipMember member{std::string(rest.substr(0, name_bytes)), 0, u32(fixed, 24), u32(fixed, 16)};
     std::uint64_t stored = u32(fixed, 20), header = u32(fixed, 42);
     widen(file, rest.substr(name_bytes), member, stored, header);
-    if (u16(fixed, 8) & 1) file.fail(member.name, "it is encrypted; save it without a password");
-    if (u16(fixed, 10) != 0) file.fail(member.name, "it is compressed; save it with numpy.savez, not savez_compressed");
-    if (stored != member.bytes) file.fail(member.name, "its sizes contradict each other; write the file again");
+    if (u16(fixed, 8) & 1) file.fail(shown(member.name), "it is encrypted; save it without a password");
+    if (u16(fixed, 10) != 0)
+      file.fail(shown(member.name), "it is compressed; save it with numpy.savez, not savez_compressed");
+    if (stored != member.bytes) file.fail(shown(member.name), "its sizes contradict each other; write the file again");
     member.offset = data_offset(file, member.name, header);
     file.require(member.offset, member.bytes, "a member");
     members.push_back(std::move(member));
@@ -103,7 +105,7 @@ std::vector<ZipMember> read_zip(const FieldInput& file) {
 
 void check_crc(const FieldInput& file, const ZipMember& member) {
   if (crc32(std::as_bytes(std::span(file.text(member.offset, member.bytes)))) != member.crc)
-    file.fail(member.name, "its checksum is wrong; the file is damaged, write it again");
+    file.fail(shown(member.name), "its checksum is wrong; the file is damaged, write it again");
 }
 
 }  // namespace difi

@@ -102,7 +102,11 @@ TEST_F(ModelFile, WhatCannotBeIsAnErrorWithoutTheChecksumToo) {
     for (const std::uint64_t count : {std::uint64_t{0}, counts[n] + 1, counts[n] - 1, ~std::uint64_t{0}})
       EXPECT_TRUE(message(16 + 8 * n, count).starts_with("x.body:")) << n << " " << count;
   for (const double spacing : {0.0, -1.0, 1e-300, 1e-5, 0.2, 0.6, 1e300, std::nan(""), HUGE_VAL})
-    EXPECT_TRUE(message(56, spacing).starts_with("x.body:")) << spacing;
+    EXPECT_TRUE(message(56, spacing).starts_with("x.body:") && message(56, spacing).ends_with("; save the body again"))
+        << message(56, spacing);
+  // It was said to be what a caller may leave to be chosen.
+  for (const double spacing : {0.0, -1.0, std::nan(""), HUGE_VAL})
+    expect(56, spacing, ":header: its field's spacing is not positive and finite; save the body again");
   expect(64, std::nan(""), "vertex 0");
   expect(64, 1e16, "across; save the body again");
   expect(64 + counts[0] * 24, std::uint32_t(counts[0]), "triangle 0");

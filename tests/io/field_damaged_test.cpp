@@ -82,9 +82,11 @@ TEST(DamagedField, Vti) {
           {"WholeExtent=\"0 2", "WholeExtent=\"0 4398046511104", "WholeExtent is too large"},
           {"WholeExtent=\"0 2 0 3 0 4\"", "WholeExtent=\"0 1099511627775 0 1099511627775 0 1099511627775\"",
            "the piece is not all of the image"},
-          {"Spacing=\"0.5", "Spacing=\"-0.5", ":header: grid: the spacing must be positive"},
-          {"Spacing=\"0.5", "Spacing=\"nan", ":header: grid: the spacing must be positive"},
-          {"Origin=\"-1", "Origin=\"inf", ":header: grid: the origin and extent must be finite"},
+          {"Spacing=\"0.5", "Spacing=\"-0.5",
+           ":header: grid: the spacing must be positive and finite; write the file again"},
+          {"Spacing=\"0.5", "Spacing=\"nan",
+           ":header: grid: the spacing must be positive and finite; write the file again"},
+          {"Origin=\"-1", "Origin=\"inf", ":header: grid: the origin and extent must be finite; write the file again"},
           {"Direction=\"1 0", "Direction=\"0 1", "the axes of the grid must be those of the world; resample it"},
           {"<Piece Extent=\"0 2", "<Piece Extent=\"0 1",
            "the piece is not all of the image; save the whole as one piece"},
@@ -112,6 +114,40 @@ TEST(DamagedField, Vti) {
       true);
 }
 
+// Found by grammar: messages repeated words of a header however long, and the bytes in them, to the terminal.
+TEST(DamagedField, MessagesShowTheBeginningOfLongWords) {
+  const std::string word = "\x1b[2J" + std::string(100'000, '9'), shown = "?[2J" + std::string(36, '9') + "...";
+  const auto changed = [&](const std::string& extension, const std::string& from, const std::string& to) {
+    std::string bytes = bytes_of(extension);
+    bytes.replace(bytes.find(from), from.size(), to);
+    expect_refused(extension, bytes, shown);
+    const TempFolder folder;
+    const auto path = folder.file("a." + extension, bytes);
+    try {
+      read_field(path);
+    } catch (const Error& error) {
+      EXPECT_LT(std::strlen(error.what()), path.string().size() + 200) << from;
+    }
+  };
+  changed("nrrd", "dimension: 3", "dimension: " + word);
+  changed("nrrd", "type: float", "type: " + word);
+  changed("nrrd", "encoding: raw", "encoding: " + word);
+  changed("vti", "type=\"ImageData\"", "type=\"" + word + "\"");
+  changed("vti", "type=\"Float32\"", "type=\"" + word + "\"");
+  changed("vti", "type=\"Float32\"", "type=\"Float32\" NumberOfComponents=\"" + word + "\"");
+}
+
+TEST(DamagedField, MessagesShowTheBeginningOfLongNamesOfMembers) {
+  std::string bytes = bytes_of("npz");
+  const std::string name = "\x1b" + std::string(500, 'n');
+  const auto entry = bytes.rfind("PK\x01\x02");
+  bytes.replace(entry + 46, static_cast<unsigned char>(bytes[entry + 28]), name);
+  const auto length = static_cast<std::uint16_t>(name.size());
+  std::memcpy(bytes.data() + entry + 28, &length, sizeof length);
+  bytes[entry + 10] = 8;  // deflated
+  expect_refused("npz", bytes, ":?" + std::string(39, 'n') + "...: it is compressed; save it with numpy.savez");
+}
+
 // A fuzzer's find: what looked like the last tag was none, and the reader took the last of no tags.
 TEST(DamagedField, VtiWhoseAppendedDataIsNoTag) {
   expect_refused("vti", "<?xml <AppendedData encoding=\"raw\"?>_", ":byte 6: the XML header is damaged");
@@ -137,41 +173,42 @@ TEST(DamagedField, VtiLengths) {
 
 TEST(DamagedField, Nrrd) {
   expect_changes_refused(
-      "nrrd", {
-                  {"NRRD0005", "NRRX0005", ":header: it does not begin with NRRD000"},
-                  {"type: float", "type: double", ":line 3: samples of type 'double' are not read; convert them"},
-                  {"type: float\n", "", ":header: the field 'type' is missing"},
-                  {"type: float", "type float", ":line 3: 'type float' is no header field"},
-                  {"type: float", "type:", ":line 3: 'type:' is no header field"},
-                  {"encoding: raw", "encoding: gzip", ": encoding 'gzip' is not read; save it raw"},
-                  {"encoding: raw", "encoding: raw\ndata file: a.raw", ": samples in another file are not read"},
-                  {"encoding: raw", "encoding: raw\nbyte skip: -1", ": skips before the samples are not read"},
-                  {"dimension: 3", "dimension: 4", ": a field has 3 dimensions, not '4'"},
-                  {"sizes: 3 4 5", "sizes: 3 4", ": '3 4' is not three whole numbers"},
-                  {"sizes: 3 4 5", "sizes: 3 4 5.5", ": '3 4 5.5' is not three whole numbers"},
-                  {"sizes: 3 4 5", "sizes: 3 4 99999999999999999999", "is not three whole numbers"},
-                  {"sizes: 3 4 5", "sizes: 3 4 0", ":header: grid: every axis needs at least one sample"},
-                  {"sizes: 3 4 5", "sizes: 3 4 -5", ":header: grid: every axis needs at least one sample"},
-                  {"sizes: 3 4 5", "sizes: 3 4 6", "the array of distances of 288 bytes reaches past the end"},
-                  {"sizes: 3 4 5", "sizes: 1000000 1000000 1000000", "reaches past the end of the file"},
-                  {"sizes: 3 4 5", "sizes: 1 4398046511104 1048576", ":header: grid: too many samples"},
-                  {"sizes: 3 4 5", "sizes: 4194304 1048576 1048576", "reaches past the end of the file"},
-                  {"(0.5,0,0)", "(0.5,0,0", "is not three numbers"},
-                  {"(0,0,2)", "(0,0,2", "is not made of vectors (x,y,z)"},
-                  {"(0.5,0,0)", "none", "is not made of vectors (x,y,z)"},
-                  {"(0.5,0,0)", "(0.5,0)", "is not three numbers"},
-                  {"(0.5,0,0)", "(0.5,0.1,0)", "the axes of the grid must be those of the world"},
-                  {"(0.5,0,0)", "(-0.5,0,0)", ":header: grid: the spacing must be positive"},
-                  {"(0.5,0,0) ", "", "three directions are needed"},
-                  {"space directions:", "# ", ":header: neither 'space directions' nor 'spacings' is there"},
-                  {"space origin: (-1,2,3)", "space origin: (-1,2,3) (1,2,3)", "one vector (x,y,z) is needed"},
-                  {"endian: little", "endian: middle", "endian is little or big"},
-                  {"endian: little\n", "", ":header: the field 'endian' is missing"},
-                  {"thickness:=1000", "thickness:=much", "the thickness is not a number"},
-                  {"thickness:=1000", "thickness:=-1", ": the thickness -1 is not positive"},
-                  {"thickness:=1000", "thickness:=nan", ": the thickness nan is not positive"},
-                  {"thickness:=1000", "thickness:=999", ":sample (0,0,2): the value 1000 is not a number up to"},
-              });
+      "nrrd",
+      {
+          {"NRRD0005", "NRRX0005", ":header: it does not begin with NRRD000"},
+          {"type: float", "type: double", ":line 3: samples of type 'double' are not read; convert them"},
+          {"type: float\n", "", ":header: the field 'type' is missing"},
+          {"type: float", "type float", ":line 3: 'type float' is no header field"},
+          {"type: float", "type:", ":line 3: 'type:' is no header field"},
+          {"encoding: raw", "encoding: gzip", ": encoding 'gzip' is not read; save it raw"},
+          {"encoding: raw", "encoding: raw\ndata file: a.raw", ": samples in another file are not read"},
+          {"encoding: raw", "encoding: raw\nbyte skip: -1", ": skips before the samples are not read"},
+          {"dimension: 3", "dimension: 4", ": a field has 3 dimensions, not '4'"},
+          {"sizes: 3 4 5", "sizes: 3 4", ": '3 4' is not three whole numbers"},
+          {"sizes: 3 4 5", "sizes: 3 4 5.5", ": '3 4 5.5' is not three whole numbers"},
+          {"sizes: 3 4 5", "sizes: 3 4 99999999999999999999", "is not three whole numbers"},
+          {"sizes: 3 4 5", "sizes: 3 4 0", ":header: grid: every axis needs at least one sample"},
+          {"sizes: 3 4 5", "sizes: 3 4 -5", ":header: grid: every axis needs at least one sample"},
+          {"sizes: 3 4 5", "sizes: 3 4 6", "the array of distances of 288 bytes reaches past the end"},
+          {"sizes: 3 4 5", "sizes: 1000000 1000000 1000000", "reaches past the end of the file"},
+          {"sizes: 3 4 5", "sizes: 1 4398046511104 1048576", ":header: grid: too many samples"},
+          {"sizes: 3 4 5", "sizes: 4194304 1048576 1048576", "reaches past the end of the file"},
+          {"(0.5,0,0)", "(0.5,0,0", "is not three numbers"},
+          {"(0,0,2)", "(0,0,2", "is not made of vectors (x,y,z)"},
+          {"(0.5,0,0)", "none", "is not made of vectors (x,y,z)"},
+          {"(0.5,0,0)", "(0.5,0)", "is not three numbers"},
+          {"(0.5,0,0)", "(0.5,0.1,0)", "the axes of the grid must be those of the world"},
+          {"(0.5,0,0)", "(-0.5,0,0)", ":header: grid: the spacing must be positive and finite; write the file again"},
+          {"(0.5,0,0) ", "", "three directions are needed"},
+          {"space directions:", "# ", ":header: neither 'space directions' nor 'spacings' is there"},
+          {"space origin: (-1,2,3)", "space origin: (-1,2,3) (1,2,3)", "one vector (x,y,z) is needed"},
+          {"endian: little", "endian: middle", "endian is little or big"},
+          {"endian: little\n", "", ":header: the field 'endian' is missing"},
+          {"thickness:=1000", "thickness:=much", "the thickness is not a number"},
+          {"thickness:=1000", "thickness:=-1", ": the thickness -1 is not positive"},
+          {"thickness:=1000", "thickness:=nan", ": the thickness nan is not positive"},
+          {"thickness:=1000", "thickness:=999", ":sample (0,0,2): the value 1000 is not a number up to"},
+      });
 }
 
 TEST(DamagedField, ValuesThatAreNoDistances) {

@@ -1,0 +1,16 @@
+// Text of a file as messages show it.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace difi {
+
+/// The text's first characters; bytes that are not printable as '?'. A file can hold anything, also a megabyte without
+/// a space or what a terminal takes for a command.
+std::string shown(std::string_view text);
+
+/// The same between quotes.
+std::string in_quotes(std::string_view text);
+
+}  // namespace difi
