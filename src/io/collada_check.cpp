@@ -49,6 +49,7 @@ class ColladaCheck {
       check_depth(tag);
       shapes_.see(tag);
       nodes_.see(tag);
+      see_mesh(tag);
       see_primitive(tag);
       see_array(tag);
     }
@@ -98,6 +99,16 @@ class ColladaCheck {
     }
     if (!tag.only_text) scan_.fail("element " + std::string(tag.name) + " must hold numbers only; repair the file");
     return found;
+  }
+
+  // Assimp adds a second mesh, or a second list of vertices, to the first one: corners then name the wrong vertices, or
+  // none at all, which ends the program.
+  void see_mesh(const XmlTag& tag) {
+    if (tag.kind == XmlTag::Kind::close) return;
+    if (tag.name == "geometry") meshes_ = 0;
+    if (tag.name == "mesh") vertices_ = 0;
+    if (tag.name == "mesh" && ++meshes_ > 1) scan_.fail("a second mesh in a geometry; give each a geometry of its own");
+    if (tag.name == "vertices" && ++vertices_ > 1) scan_.fail("a second element vertices in a mesh; repair the mesh");
   }
 
   void see_primitive(const XmlTag& tag) {
@@ -156,6 +167,9 @@ class ColladaCheck {
       return expect(corners.sum * offsets);
     }
     // Of a strip assimp takes one or two from the number of corners.
+    // Assimp takes a fan for a polygon: another surface, unless it is flat and convex.
+    if (kind == "trifans" && indices > 3 * offsets)
+      scan_.fail("fans of more than three corners are not read; write triangles or tristrips");
     const std::uint64_t least = kind == "linestrips" ? 2 : kind == "tristrips" ? 3 : 0;
     if (indices % offsets != 0 || indices / offsets < least || (indices > 0 && count == 0))
       scan_.fail(std::to_string(indices) + " indices do not fit " + std::string(kind) + "; repair the mesh");
@@ -194,6 +208,7 @@ class ColladaCheck {
   ColladaShapes shapes_;
   ColladaNodes nodes_;
   int depth_ = 0;
+  int meshes_ = 0, vertices_ = 0;  // of the geometry and of the mesh around the tag
   Primitive primitive_;
   std::map<std::string_view, std::uint64_t> arrays_;
   std::vector<Accessor> accessors_;

@@ -193,6 +193,34 @@ TEST_F(Assimp, CountsOfColladaFit) {
   refused("a.dae", Collada{.stride = "4"}.text(), "the accessor of '#a' reaches past its 12 values");
 }
 
+// Found by grammar: assimp adds a second mesh of a geometry, or a second list of vertices, to the first. Corners named
+// the wrong vertices, and where there were none the program ended.
+TEST_F(Assimp, GeometriesOfColladaHaveOneMesh) {
+  const std::string good = Collada().text();
+  const auto part = [&](const std::string& begin, const std::string& end) {
+    const auto at = good.find(begin);
+    return good.substr(at, good.find(end, at) + end.size() - at);
+  };
+  const auto with = [&](const std::string& before, const std::string& more) {
+    std::string text = good;
+    return text.insert(text.find(before), more);
+  };
+  const std::string mesh = part("<mesh>", "</mesh>"), vertices = part("<vertices", "</vertices>"),
+                    faces = part("\n<triangles", "</triangles>");
+  refused("a.dae", with("</geometry>", mesh), ": a second mesh in a geometry; give each a geometry of its own");
+  refused("a.dae", with("</geometry>", "<mesh>" + part("<source", "</source>") + faces + "</mesh>"), "a second mesh");
+  refused("a.dae", with("\n<triangles", vertices), ": a second element vertices in a mesh; repair the mesh");
+  std::string other = part("<geometry", "</geometry>");
+  EXPECT_EQ(triangles("a.dae", with("</library_geometries>", other.replace(other.find("\"g\""), 3, "\"h\""))), 4u);
+}
+
+// Found by grammar: assimp takes a fan for a polygon, which is cut in another way where it is not flat.
+TEST_F(Assimp, FansOfColladaAreTriangles) {
+  EXPECT_EQ(triangles("a.dae", Collada{.kind = "trifans", .count = "1", .indices = "0 1 2"}.text()), 1u);
+  refused("a.dae", Collada{.kind = "trifans", .count = "1", .indices = "0 1 2 3"}.text(),
+          "fans of more than three corners are not read; write triangles or tristrips");
+}
+
 TEST_F(Assimp, NodesOfColladaUnfold) {
   const std::string instance = R"(<instance_node url="#)";
   refused("a.dae", Collada{.nodes = R"(<node id="n"><instance_node url="#n"/></node>)"}.text(),
