@@ -1,0 +1,104 @@
+// Bodies: those of tests/corpus/body with parts replaced, and a checksum that fits, or nothing past it would be read.
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "tests/grammar/file.h"
+#include "tests/grammar/hostile.h"
+
+namespace difi::grammar {
+namespace {
+
+constexpr std::size_t kHeader = 64, kCounts = 16, kSpacing = 56;
+
+std::string body(const char* name) {
+  std::ifstream file(std::filesystem::path(DIFI_SOURCE_DIR) / "tests/corpus/body" / name, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+// As src/collision/model_file.cpp sums: over the header and each array, eight bytes at a time and the rest.
+class Checksum {
+ public:
+  void add(std::string_view bytes) {
+    for (; bytes.size() >= 8; bytes.remove_prefix(8)) {
+      std::uint64_t word;
+      std::memcpy(&word, bytes.data(), 8);
+      mix(word);
+    }
+    std::uint64_t word = bytes.size();
+    for (const char byte : bytes) word = word << 8 | static_cast<unsigned char>(byte);
+    mix(word);
+  }
+  std::uint64_t value() const { return hash_; }
+
+ private:
+  void mix(std::uint64_t word) {
+    hash_ = (hash_ ^ word) * 0xbf58476d1ce4e5b9u;
+    hash_ ^= hash_ >> 29;
+  }
+  std::uint64_t hash_ = 0x9e3779b97f4a7c15u;
+};
+
+template <class T>
+T number_at(const std::string& bytes, std::size_t at) {
+  T number;
+  std::memcpy(&number, bytes.data() + at, sizeof number);
+  return number;
+}
+template <class T>
+void spoil(Choices& c, std::string& bytes, std::size_t at) {
+  if (at + sizeof(T) > bytes.size()) return;
+  const T number = stored(c, number_at<T>(bytes, at));
+  std::memcpy(bytes.data() + at, &number, sizeof number);
+}
+
+}  // namespace
+
+File make_body(Choices& c) {
+  static const std::string kBodies[] = {body("triangle.body"), body("strip.body"), body("box.body")};
+  const std::string& base = c.pick(kBodies);
+  File file;
+  std::string bytes = base.substr(0, base.size() - sizeof(std::uint64_t));
+  // vertices, triangles, the tree's order, tiles' places, samples, the coarse field
+  const std::size_t widths[] = {24, 12, 4, 4, 1, 4};
+  std::size_t counts[6];
+  const std::size_t counted[] = {0, 1, 1, 2, 3, 4};
+  for (std::size_t k = 0; k < 6; ++k) counts[k] = number_at<std::uint64_t>(bytes, kCounts + 8 * counted[k]);
+  std::vector<std::size_t> ends{kHeader};
+  for (std::size_t k = 0; k < 6; ++k) ends.push_back(ends.back() + counts[k] * widths[k]);
+  for (std::size_t t = 0; t < counts[1]; ++t) {
+    Corners corners;
+    for (std::size_t k = 0; k < 3; ++k)
+      corners[k] = number_at<Vec3>(bytes, ends[0] + 24 * number_at<std::uint32_t>(bytes, ends[1] + 12 * t + 4 * k));
+    file.truth.triangles.push_back(corners);
+  }
+  for (std::size_t at = 8; at < kCounts; at += 4) spoil<std::uint32_t>(c, bytes, at);
+  for (std::size_t k = 0; k < 5; ++k) spoil<std::uint64_t>(c, bytes, kCounts + 8 * k);
+  spoil<double>(c, bytes, kSpacing);
+  const auto somewhere = [&](std::size_t array) {
+    return ends[array] + widths[array] * c.below(static_cast<std::uint32_t>(std::max<std::size_t>(counts[array], 1)));
+  };
+  for (int n = 0; n < 4; ++n) {
+    spoil<double>(c, bytes, somewhere(0) + 8 * c.below(3));
+    spoil<std::uint32_t>(c, bytes, somewhere(1) + 4 * c.below(3));
+    spoil<std::uint32_t>(c, bytes, somewhere(2));
+    spoil<std::int32_t>(c, bytes, somewhere(3));
+    spoil<std::uint8_t>(c, bytes, somewhere(4));
+    spoil<float>(c, bytes, somewhere(5));
+  }
+  // Of the arrays as the header now counts them: those are summed one by one.
+  Checksum sum;
+  std::string_view rest = bytes;
+  const auto take = [&](std::size_t size) {
+    sum.add(rest.substr(0, size));
+    rest.remove_prefix(std::min(size, rest.size()));
+  };
+  take(kHeader);
+  for (std::size_t k = 0; k < 6; ++k) take(widths[k] * number_at<std::uint64_t>(bytes, kCounts + 8 * counted[k]));
+  file.bytes = bytes + raw(stored(c, sum.value()));
+  damage(c, file.bytes);
+  return file;
+}
+
+}  // namespace difi::grammar

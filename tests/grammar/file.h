@@ -1,0 +1,74 @@
+// A file that a grammar made, and what a reader must find in it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "difi/field.h"
+#include "difi/vec.h"
+#include "tests/grammar/choices.h"
+
+namespace difi::grammar {
+
+using Corners = std::array<Vec3, 3>;
+
+/// What a good file holds.
+struct Truth {
+  std::vector<Corners> triangles;  ///< of a mesh
+  /// Where nodes place triangles: how far corners may be off, of each triangle, for it is done in float; the order is
+  /// not known. Empty: they are exact, and in the file's order.
+  std::vector<double> slack;
+
+  Grid grid;  ///< of a field
+  double thickness = 0;
+  std::vector<float> values;
+  std::vector<std::uint32_t> nearest;  ///< empty: none
+};
+
+struct File {
+  std::string bytes;
+  /// Files that lie beside it: name and content.
+  std::vector<std::pair<std::string, std::string>> beside;
+  Truth truth;  ///< where no trick was played
+  /// It holds what the format allows and our readers need not take: refused or read as it is, but never otherwise.
+  bool may_be_refused = false;
+};
+
+enum class Kind { mesh, field, body };
+
+/// A row for each format.
+struct Grammar {
+  const char* extension;
+  Kind kind;
+  File (*make)(Choices&);
+};
+
+File make_stl(Choices&);
+File make_ply(Choices&);
+File make_obj(Choices&);
+File make_off(Choices&);
+File make_3ds(Choices&);
+File make_gltf(Choices&);
+File make_glb(Choices&);
+File make_dae(Choices&);
+File make_vti(Choices&);
+File make_nrrd(Choices&);
+File make_npz(Choices&);
+File make_body(Choices&);
+
+inline constexpr Grammar kGrammars[] = {
+    {"gltf", Kind::mesh, make_gltf},  {"glb", Kind::mesh, make_glb},  {"dae", Kind::mesh, make_dae},
+    {"ply", Kind::mesh, make_ply},    {"obj", Kind::mesh, make_obj},  {"off", Kind::mesh, make_off},
+    {"stl", Kind::mesh, make_stl},    {"3ds", Kind::mesh, make_3ds},  {"vti", Kind::field, make_vti},
+    {"nrrd", Kind::field, make_nrrd}, {"npz", Kind::field, make_npz}, {"body", Kind::body, make_body},
+};
+
+/// Names that files refer to which must not be opened. Who runs a grammar makes them beside its files: a pipe that
+/// nobody writes to, a folder, a link to itself, and outside of the folder a file of these bytes.
+inline constexpr const char *kPipe = "pipe.bin", *kFolder = "folder.bin", *kLoop = "loop.bin",
+                            *kOutside = "../outside.bin";
+
+}  // namespace difi::grammar

@@ -1,0 +1,207 @@
+// glTF 2.0 as JSON and as GLB: buffers of every kind, views with strides and offsets, indexed and plain triangles,
+// strips and fans, trees of nodes.
+#include <cmath>
+
+#include "tests/grammar/gltf_parts.h"
+#include "tests/grammar/hostile.h"
+#include "tests/grammar/json.h"
+#include "tests/grammar/shape.h"
+#include "tests/grammar/transform.h"
+
+namespace difi::grammar {
+namespace {
+
+constexpr std::uint32_t kTriangles = 4, kStrip = 5, kFan = 6;
+
+class Gltf {
+ public:
+  Gltf(Choices& c, bool binary) : c_(c), binary_(binary), data_(c, binary) {}
+
+  File make() {
+    json_["asset"]["version"] = "2.0";
+    if (c_.one_in(3)) json_["asset"]["generator"] = "a grammar";
+    // Roots that are no scene of ours are not shown: their meshes count for nothing.
+    const std::uint32_t meshes = 1 + c_.below(3);
+    for (std::uint32_t n = 0; n < meshes; ++n) make_mesh();
+    make_nodes();
+    if (c_.trick()) hang(json_, c_);
+    data_.finish(json_, file_);
+    decorate();
+    std::string text = json_.text(c_);
+    if (c_.trick()) text.insert(0, "\xef\xbb\xbf");
+    file_.bytes = binary_ ? make_glb_bytes(c_, std::move(text), data_.chunk()) : text;
+    damage(c_, file_.bytes);
+    return std::move(file_);
+  }
+
+ private:
+  void make_mesh() {
+    auto& triangles = meshes_.emplace_back();
+    Json mesh, primitives = Json::list();
+    for (std::uint32_t n = 1 + c_.below(3); n > 0; --n) primitives.push(primitive(triangles));
+    mesh["primitives"] = std::move(primitives);
+    if (c_.one_in(3)) mesh["name"] = "mesh";
+    member_list("meshes").push(std::move(mesh));
+  }
+
+  Json primitive(std::vector<Corners>& triangles) {
+    Json made;
+    constexpr std::uint32_t kModes[] = {kTriangles, kTriangles, kStrip, kFan};
+    const std::uint32_t mode = c_.pick(kModes);
+    std::vector<Vec3> points;
+    std::vector<std::uint32_t> indices;
+    const bool indexed = !c_.one_in(4);
+    const Shape shape = make_shape(c_, Polygons::none, false);
+    if (indexed) {
+      points = shape.points;
+      for (const auto& face : shape.faces) indices.insert(indices.end(), face.begin(), face.end());
+      made["indices"] = data_.indices(indices, points.size());
+    } else {
+      for (const auto& face : shape.faces)
+        for (const auto corner : face) points.push_back(shape.points[corner]);
+      for (std::uint32_t k = 0; k < points.size(); ++k) indices.push_back(k);
+    }
+    made["attributes"]["POSITION"] = data_.positions(points);
+    if (c_.one_in(4)) made["attributes"]["NORMAL"] = data_.positions(std::vector<Vec3>(points.size(), Vec3{0, 0, 1}));
+    if (mode != kTriangles || c_.one_in(2)) made["mode"] = c_.trick() ? c_.below(9) : mode;
+    if (c_.one_in(6)) made["material"] = 0;
+    const std::size_t step = mode == kTriangles ? 3 : 1;
+    for (std::size_t k = 0; k + 2 < indices.size(); k += step) {
+      const bool turned = mode == kStrip && k % 2 == 1;
+      const std::size_t a = mode == kFan ? 0 : k, b = turned ? k + 2 : k + 1, d = turned ? k + 1 : k + 2;
+      triangles.push_back({points[indices[a]], points[indices[b]], points[indices[d]]});
+    }
+    return made;
+  }
+
+  // Each node hangs on one before it, or is a root of the scene, or of none.
+  void make_nodes() {
+    const std::uint32_t count = 1 + c_.below(8);
+    std::vector<Transform> world(count);
+    std::vector<bool> shown(count);
+    Json roots = Json::list();
+    std::vector<Json> children(count, Json::list());
+    std::vector<Json> nodes(count);
+    for (std::uint32_t n = 0; n < count; ++n) {
+      const Transform own = place(nodes[n]);
+      const std::uint32_t parent = n == 0 ? 0 : c_.below(n + 1);
+      if (n > 0 && parent < n) {
+        children[parent].push(n);
+        if (c_.trick()) children[n].push(parent);
+        shown[n] = shown[parent];
+        world[n] = world[parent].after(own);
+      } else {
+        shown[n] = n == 0 || !c_.one_in(4);
+        if (shown[n]) roots.push(n);
+        world[n] = own;
+      }
+      if (n == 0 || c_.one_in(2)) {
+        const std::uint32_t mesh = c_.below(static_cast<std::uint32_t>(meshes_.size()));
+        nodes[n]["mesh"] = mesh;
+        if (shown[n]) show(meshes_[mesh], world[n]);
+      }
+    }
+    for (std::uint32_t n = 0; n < count; ++n) {
+      if (children[n].size() > 0) nodes[n]["children"] = children[n];
+      member_list("nodes").push(std::move(nodes[n]));
+    }
+    Json scene;
+    scene["nodes"] = std::move(roots);
+    const bool second = c_.one_in(4);
+    if (second) member_list("scenes").push(Json());
+    member_list("scenes").push(std::move(scene));
+    json_["scene"] = second ? 1 : 0;
+  }
+
+  void show(const std::vector<Corners>& triangles, const Transform& at) {
+    double most = 0;
+    for (const Corners& corners : triangles)
+      for (const Vec3& p : corners) most = std::max({most, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+    for (const Corners& corners : triangles)
+      file_.truth.triangles.push_back({at(corners[0]), at(corners[1]), at(corners[2])});
+    file_.truth.slack.resize(file_.truth.triangles.size(), at.slack(most));
+  }
+
+  static Json number(double value) {
+    char text[40];
+    std::snprintf(text, sizeof text, "%.9g", value);
+    return Json::literal(text);
+  }
+  double component() { return make_coordinate(c_, false); }
+
+  Transform place(Json& node) {
+    const std::uint32_t parts = c_.below(9);
+    if (parts == 8) {
+      Rows rows;
+      for (auto& row : rows)
+        for (double& value : row) value = (double(c_.below(17)) - 8) / 4;
+      Json matrix = Json::list();
+      for (std::size_t k = 0; k < 4; ++k)
+        for (std::size_t r = 0; r < 4; ++r) matrix.push(number(r < 3 ? rows[r][k] : k == 3));
+      node["matrix"] = std::move(matrix);
+      return rows;
+    }
+    Transform made;
+    const auto vector = [&](const char* name, std::initializer_list<double> values) {
+      Json list = Json::list();
+      for (const double value : values) list.push(number(value));
+      node[name] = std::move(list);
+    };
+    if (parts & 1) {
+      const Vec3 by{component(), component(), component()};
+      vector("translation", {by.x, by.y, by.z});
+      made = made.after(translation(by));
+    }
+    if (parts & 2) {
+      const double x = component(), y = component(), z = component(), w = component() + 200;
+      const double length = std::sqrt(x * x + y * y + z * z + w * w);
+      vector("rotation", {x / length, y / length, z / length, w / length});
+      made = made.after(rotation(x / length, y / length, z / length, w / length));
+    }
+    if (parts & 4) {
+      constexpr double kScales[] = {1, 2, 0.5, -1, 1e-3, 3};
+      const Vec3 by{c_.pick(kScales), c_.pick(kScales), c_.pick(kScales)};
+      vector("scale", {by.x, by.y, by.z});
+      made = made.after(scaling(by));
+    }
+    return made;
+  }
+
+  // What readers of meshes pass over.
+  void decorate() {
+    if (!c_.trick()) member_list("materials").push(Json());
+    if (c_.one_in(6)) json_["extras"]["any"] = "thing";
+    if (c_.one_in(8)) {
+      json_["extensionsUsed"] = Json::list();
+      json_["extensionsUsed"].push("EXT_nobody_knows");
+    }
+    if (c_.trick()) {
+      json_["extensionsRequired"] = Json::list();
+      json_["extensionsRequired"].push(c_.one_in(2) ? "KHR_draco_mesh_compression" : "EXT_nobody_knows");
+    }
+    if (c_.trick()) member_list("images").push(Json())["uri"] = bad_path(c_);
+    if (c_.trick()) member_list("skins").push(Json())["joints"] = Json::list();
+    if (c_.trick()) member_list("animations").push(Json());
+    if (c_.trick()) member_list("cameras").push(Json())["type"] = "perspective";
+  }
+
+  Json& member_list(const char* name) {
+    Json& found = json_[name];
+    if (found.size() == 0) found = Json::list();
+    return found;
+  }
+
+  Choices& c_;
+  bool binary_;
+  Json json_;
+  GltfData data_;
+  std::vector<std::vector<Corners>> meshes_;
+  File file_;
+};
+
+}  // namespace
+
+File make_gltf(Choices& c) { return Gltf(c, false).make(); }
+File make_glb(Choices& c) { return Gltf(c, true).make(); }
+
+}  // namespace difi::grammar
