@@ -4,17 +4,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
-#include <span>
 #include <string_view>
 
 #include "collision/model_file.h"
-#include "difi/compute.h"
+#include "difi/collision.h"
 
 namespace difi {
-
-// Nothing is computed where bodies are read, and the backends are not linked.
-Computed compute(MeshView, const Grid&, const Options&) { std::abort(); }
-Report compute_into(MeshView, const Grid&, std::span<float>, std::span<std::uint32_t>, const Options&) { std::abort(); }
 
 namespace {
 

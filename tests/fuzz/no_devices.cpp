@@ -1,8 +1,19 @@
-// Stands for the table of devices (src/collision/device.cpp): fuzzers ask the CPU.
+// Stands for the backends, which are not linked: nothing is computed where files are read, and fuzzers ask the CPU.
+#include <cstdlib>
+#include <span>
+
 #include "collision/device.h"
+#include "difi/compute.h"
 
-namespace difi::collision {
+namespace difi {
 
+Computed compute(MeshView, const Grid&, const Options&) { std::abort(); }
+Report compute_into(MeshView, const Grid&, std::span<float>, std::span<std::uint32_t>, const Options&) { std::abort(); }
+
+namespace collision {
+
+// The table is src/collision/device.cpp.
 const DeviceRow* find_device(Backend, std::size_t) { return nullptr; }
 
-}  // namespace difi::collision
+}  // namespace collision
+}  // namespace difi

@@ -88,7 +88,25 @@ class Studio {
       if (c_.trick()) node += track();
       nodes += chunk(0xb002, node);
     }
+    if (c_.trick()) nodes += tree();
     return chunk(0xb000, nodes);
+  }
+  // Nodes of objects, cameras and lights, each below the one before, beside it, or anywhere.
+  std::string tree() {
+    constexpr std::uint16_t kKinds[] = {0xb002, 0xb002, 0xb003, 0xb005};
+    const bool chain = c_.one_in(2), alike = c_.one_in(3);
+    const std::uint16_t kind = c_.pick(kKinds);
+    std::string nodes;
+    const std::uint32_t count = c_.many();
+    for (std::uint32_t n = 0; n < count; ++n) {
+      const std::string name = (alike ? "o0" : "n" + std::to_string(n)) + '\0';
+      const std::uint32_t place = chain ? n : c_.below(n + 2);
+      const std::string content = name + raw(std::uint32_t{0}) + raw(static_cast<std::uint16_t>(place));
+      const std::string header =
+          raw(std::uint16_t{0xb010}) + raw(static_cast<std::uint32_t>(6 + content.size())) + content;
+      nodes += raw(kind) + raw(static_cast<std::uint32_t>(6 + header.size())) + header;
+    }
+    return nodes;
   }
   // Moves an object: what assimp makes of it is not asked here.
   std::string track() {

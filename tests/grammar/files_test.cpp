@@ -13,6 +13,7 @@
 
 #include "difi/io.h"
 #include "tests/grammar/run.h"
+#include "tests/grammar/traps.h"
 #include "tests/io/temp_folder.h"
 
 namespace difi::grammar {
@@ -51,6 +52,7 @@ TEST_P(Grammars, FilesAreReadAsWrittenOrRefused) {
       grammar.extension, number(tally.files), number(first), number(tally.read), number(tally.refused),
       number(tally.good), number(tally.compared), number(tally.crashed), number(tally.hung), number(tally.over_memory),
       number(tally.wrong), tally.longest_s, static_cast<double>(tally.most_bytes) / 1e6);
+  std::fflush(stdout);  // a long run is watched
   for (const std::string& fault : tally.faults) ADD_FAILURE() << grammar.extension << " " << fault;
   EXPECT_EQ(tally.bad(), 0u);
   // Every good one; and neither those nor the others may crowd out the rest, or tricks test nothing.

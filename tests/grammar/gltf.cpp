@@ -74,6 +74,8 @@ class Gltf {
     return made;
   }
 
+  static constexpr std::size_t kMost = 400;  // triangles: more are not compared at leisure
+
   // Each node hangs on one before it, or is a root of the scene, or of none.
   void make_nodes() {
     const std::uint32_t count = 1 + c_.below(8);
@@ -95,7 +97,7 @@ class Gltf {
         if (shown[n]) roots.push(n);
         world[n] = own;
       }
-      if (n == 0 || c_.one_in(2)) {
+      if ((n == 0 || c_.one_in(2)) && file_.truth.triangles.size() < kMost) {
         const std::uint32_t mesh = c_.below(static_cast<std::uint32_t>(meshes_.size()));
         nodes[n]["mesh"] = mesh;
         if (shown[n]) show(meshes_[mesh], world[n]);
@@ -117,8 +119,10 @@ class Gltf {
     double most = 0;
     for (const Corners& corners : triangles)
       for (const Vec3& p : corners) most = std::max({most, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+    // What a mirror turns inside out is to be turned back (glTF 2.0, 3.7.4).
+    const std::size_t second = at.mirrors() ? 2 : 1;
     for (const Corners& corners : triangles)
-      file_.truth.triangles.push_back({at(corners[0]), at(corners[1]), at(corners[2])});
+      file_.truth.triangles.push_back({at(corners[0]), at(corners[second]), at(corners[3 - second])});
     file_.truth.slack.resize(file_.truth.triangles.size(), at.slack(most));
   }
 
@@ -133,8 +137,12 @@ class Gltf {
     const std::uint32_t parts = c_.below(9);
     if (parts == 8) {
       Rows rows;
-      for (auto& row : rows)
-        for (double& value : row) value = (double(c_.below(17)) - 8) / 4;
+      for (std::size_t r = 0; r < 3; ++r)
+        for (double& value : rows[r]) {
+          value = (double(c_.below(17)) - 8) / 4;
+          // Nothing is to collapse, or it could be mirrored or not.
+          if (&value == &rows[r][r]) value = c_.one_in(3) ? value - 7 : value + 7;
+        }
       Json matrix = Json::list();
       for (std::size_t k = 0; k < 4; ++k)
         for (std::size_t r = 0; r < 4; ++r) matrix.push(number(r < 3 ? rows[r][k] : k == 3));

@@ -43,6 +43,7 @@ T stored(Choices& c, T value) {
                      -L::max(),      L::denorm_min(), T(-0.0),        T(0)};
     return c.pick(bad);
   } else {
+    const auto near = static_cast<std::uint64_t>(value);  // sums of which go round
     const T bad[] = {T(0),
                      T(1),
                      T(-1),
@@ -51,9 +52,9 @@ T stored(Choices& c, T value) {
                      T(L::max() / 2),
                      T(L::max() / 2 + 1),
                      T(L::max() / 3),
-                     T(value + 1),
-                     T(value - 1),
-                     T(value * 2),
+                     T(near + 1),
+                     T(near - 1),
+                     T(near * 2),
                      T(65535),
                      T(1u << 20),
                      T(1u << 30)};

@@ -94,17 +94,17 @@ class Ply {
   void put(Type t, double value) {
     switch (t) {
       case Type::int8:
-        return put(static_cast<std::int8_t>(value));
+        return put(static_cast<std::int8_t>(static_cast<std::int64_t>(value)));
       case Type::uint8:
-        return put(static_cast<std::uint8_t>(value));
+        return put(static_cast<std::uint8_t>(static_cast<std::int64_t>(value)));
       case Type::int16:
-        return put(static_cast<std::int16_t>(value));
+        return put(static_cast<std::int16_t>(static_cast<std::int64_t>(value)));
       case Type::uint16:
-        return put(static_cast<std::uint16_t>(value));
+        return put(static_cast<std::uint16_t>(static_cast<std::int64_t>(value)));
       case Type::int32:
-        return put(static_cast<std::int32_t>(value));
+        return put(static_cast<std::int32_t>(static_cast<std::int64_t>(value)));
       case Type::uint32:
-        return put(static_cast<std::uint32_t>(value));
+        return put(static_cast<std::uint32_t>(static_cast<std::int64_t>(value)));
       case Type::float32:
         return put(static_cast<float>(value));
       case Type::float64:

@@ -17,6 +17,7 @@
 
 #include "tests/grammar/judge.h"
 #include "tests/grammar/memory.h"
+#include "tests/grammar/traps.h"
 
 namespace difi::grammar {
 namespace {

@@ -33,10 +33,4 @@ struct Tally {
 Tally run(const Grammar& grammar, std::uint64_t first, std::uint64_t count, const std::filesystem::path& folder,
           const Bounds& bounds = {});
 
-/// Makes what files refer to and must not open: file.h.
-void set_traps(const std::filesystem::path& folder);
-
-/// Writes the file, and those beside it, into the folder; returns its path.
-std::filesystem::path put(const Grammar& grammar, const File& file, const std::filesystem::path& folder);
-
 }  // namespace difi::grammar

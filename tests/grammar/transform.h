@@ -34,6 +34,13 @@ class Transform {
     const auto row = [&](const std::array<double, 4>& r) { return r[0] * p.x + r[1] * p.y + r[2] * p.z + r[3]; };
     return {row(rows_[0]), row(rows_[1]), row(rows_[2])};
   }
+  /// It turns triangles inside out.
+  bool mirrors() const {
+    const auto& [a, b, c] = rows_;
+    return a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) +
+               a[2] * (b[0] * c[1] - b[1] * c[0]) <
+           0;
+  }
   /// This one after the other.
   Transform after(const Transform& inner) const {
     Transform both(product(rows_, inner.rows_));

@@ -1,9 +1,10 @@
+#include "tests/grammar/traps.h"
+
 #include <sys/stat.h>
 
 #include <fstream>
 
 #include "tests/grammar/judge.h"
-#include "tests/grammar/run.h"
 
 namespace difi::grammar {
 namespace {
