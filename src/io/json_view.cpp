@@ -212,6 +212,7 @@ JsonView::Kind JsonView::kind() const {
 }
 
 std::size_t JsonView::size() const {
+  if (kind() != Kind::object) expect(Kind::list, "a list");  // nothing else ends where a walk looks for its end
   std::size_t values = 0;
   for (Walk walk(*this); walk.next();) ++values;
   return kind() == Kind::object ? values / 2 : values;

@@ -37,7 +37,7 @@ class JsonView {
     expect(Kind::list, "a list");
     for (Walk walk(*this); walk.next();) visit(walk.value());
   }
-  /// How many members or elements.
+  /// How many members or elements. Errors: input, where this is neither an object nor a list.
   std::size_t size() const;
 
   /// The member of that name. Errors: input, where this is no object, or two members have that name.

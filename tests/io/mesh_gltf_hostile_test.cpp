@@ -46,6 +46,18 @@ TEST(GltfHostile, NodesFormTrees) {
   EXPECT_EQ(read_mesh(folder.file("a.gltf", apart.text())).triangles.size(), 1u);
 }
 
+// Found by grammar: the elements of a number were counted past its end, for ever or until std::out_of_range.
+TEST(GltfHostile, ListsAreLists) {
+  for (const std::string number : {"39", "-0", "1e5", "true", "\"[0]\""}) {
+    refused({.nodes = number}, "expected a list, found '" + number + "'; repair the file");
+    for (const std::string member : {"accessors", "bufferViews", "buffers", "meshes"}) {
+      std::string text = GltfDocument{}.text();
+      text.replace(text.find(member), member.size(), "extras");
+      text_refused(text.insert(1, '"' + member + "\":" + number + ","), "expected a list, found '" + number + "'");
+    }
+  }
+}
+
 TEST(GltfHostile, PlacementsAreWhole) {
   refused({.nodes = R"([{"mesh":0,"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0]}])"}, "expected 16 numbers, found 15");
   refused({.nodes = R"([{"mesh":0,"matrix":[1,0,0,0.5,0,1,0,0,0,0,1,0,0,0,0,1]}])"}, "the last row of a node's matrix");
