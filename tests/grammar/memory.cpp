@@ -2,10 +2,10 @@
 // program. Blocks count by what the library set aside for them.
 #include "tests/grammar/memory.h"
 
-#include <errno.h>
 #include <malloc.h>
 
 #include <atomic>
+#include <cerrno>
 #include <cstdint>
 #include <limits>
 

@@ -124,6 +124,14 @@ void count_death(int status, const Grammar& grammar, const Shared& shared, Tally
   tally.faults.push_back(fault_text(shared.next, what));
 }
 
+// What a child died of is made once more. Not where making it was what it died of.
+void keep(const Grammar& grammar, std::uint64_t seed, const std::filesystem::path& folder) {
+  Choices again(seed);
+  const std::filesystem::path path = put(grammar, grammar.make(again), folder);
+  std::filesystem::create_directory(folder / "bad");
+  std::filesystem::rename(path, folder / "bad" / (std::to_string(seed) + path.extension().string()));
+}
+
 }  // namespace
 
 Tally run(const Grammar& grammar, std::uint64_t first, std::uint64_t count, const std::filesystem::path& folder,
@@ -143,11 +151,7 @@ Tally run(const Grammar& grammar, std::uint64_t first, std::uint64_t count, cons
     }
     if (status == 0) continue;
     count_death(status, grammar, shared, tally);
-    Choices again(shared.next);
-    const std::filesystem::path bad = folder / "bad";
-    std::filesystem::create_directory(bad);
-    const std::string name = std::to_string(shared.next) + "." + grammar.extension;
-    std::filesystem::rename(put(grammar, grammar.make(again), folder), bad / name);
+    if (shared.made) keep(grammar, shared.next, folder);
     ++shared.next;
   }
   tally.files = count;
