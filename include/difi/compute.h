@@ -107,10 +107,9 @@ inline Report compute_into(MeshView mesh, const Grid& grid, std::span<float> val
 /// `grid` may be the field's own. Errors: as compute; the field is then as it was, or empty.
 Report compute_into(MeshView mesh, const Grid& grid, DistanceField& field, const Options& options = {});
 
-/// Bytes that compute (dense = false) or compute_into (dense = true) may need, and hold against the memory limit. No
-/// tile is counted that no triangle's box, grown by the thickness, reaches; nor is the mesh, nor are the lists of
-/// candidates of wide bands and full fields, which are short unless many triangles are as large as the grid
-/// (docs/tiles.md). Takes one pass over the triangles. Errors: usage (grid), input (mesh), limit (mesh), device.
+/// Bytes that compute (dense = false) or compute_into (dense = true) may need, and hold against the memory limit: an
+/// upper bound (docs/tiles.md, Memory). No tile is counted that no triangle's box, grown by the thickness, reaches; nor
+/// is the mesh. Takes one pass over the triangles. Errors: usage (grid, options), input (mesh), limit (mesh), device.
 std::int64_t memory_needed(MeshView mesh, const Grid& grid, const Options& options, bool dense = false);
 /// The same for whatever mesh of so many triangles: a sparse field may store every tile of the grid.
 std::int64_t memory_needed(std::int64_t triangles, const Grid& grid, const Options& options, bool dense = false);
