@@ -65,9 +65,17 @@ DIFI_INLINE void lower(WideFloat& best, WideUint& nearest, const WideFloat& d, s
   best = min(d, best);
 }
 
-// What squared distances in a frame must not exceed, sample by sample, for the lines of the same long triangle to come
-// out no farther than `best_sq`. Those in the frame are off by `slack` at most, in which kSlack is far above what lines
-// are off by: so a candidate that is passed over would have changed no bit.
+// Whether a triangle's frame is off by no more than its slack. The altitude of a needle a millionth as high as it is
+// long is lost in the rounding of its corners: then the frame may be askew by far more.
+DIFI_INLINE bool is_sound(const float (*frame)[kLanes], std::uint32_t lane) {
+  constexpr float kLeastHeight = 1e-4f;  // of the base: a hundred times what rounding makes of nothing
+  const float base = frame[12][lane] + frame[16][lane], height = frame[13][lane] * frame[14][lane];
+  return height > kLeastHeight * base;
+}
+
+// What squared distances in a sound frame must not exceed, sample by sample, for the lines of the same long triangle to
+// come out no farther than `best_sq`. Those in the frame are off by `slack` at most, in which kSlack is far above what
+// lines are off by: so a candidate that is passed over would have changed no bit.
 DIFI_INLINE WideFloat frame_limit_sq(const WideFloat& best_sq, float slack) {
   const WideFloat reach = fma(sqrt(best_sq), WideFloat(1 + kSlackShare), WideFloat(slack));
   return reach * reach;
@@ -100,7 +108,7 @@ DIFI_INLINE void gather_listed(const Lattice& lattice, const Brick& brick, const
     if (g.is_long >> lane & 1) {
       if constexpr (requires { g.slack; }) {
         const TriangleFrame<WideFloat> f = frame_of_lane<WideFloat>(g.frame, lane);
-        bool is_far = true;
+        bool is_far = is_sound(g.frame, lane);
         for (int n = 0; n < kCount && is_far; ++n)
           is_far =
               less(frame_limit_sq(best[n], g.slack[lane]), distance_sq(f, {x, y[n % kSide], z[n / kSide]})).to_bits() ==

@@ -172,9 +172,9 @@ const float* DistanceField::tile(std::int64_t tx, std::int64_t ty, std::int64_t 
 }
 
 const std::uint32_t* DistanceField::tile_nearest(std::int64_t tx, std::int64_t ty, std::int64_t tz) const {
-  if (!with_nearest_) fail_without_nearest();
   const std::int64_t index = tile_index(tx, ty, tz);
   if (!pool_) return nullptr;
+  if (!with_nearest_) fail_without_nearest();
   const std::int32_t slot = slots_[static_cast<std::size_t>(index)];
   return slot == kNotStored ? nullptr : pool_->nearest(slot);
 }

@@ -14,11 +14,11 @@ constexpr int kSupersampling = 2;  // what halved() undoes
 void check(const PictureOptions& options) {
   for (const int side : {options.width, options.height})
     if (side < 16 || side > 8192)
-      throw Error(ErrorCode::usage, "picture: width or height is out of range; give 16 to 8192 pixels");
+      throw Error(ErrorCode::usage, "picture: width and height must be 16 to 8192 pixels; 1280 by 960 is usual");
   if (!std::isfinite(options.azimuth_deg))
     throw Error(ErrorCode::usage, "picture: the azimuth must be finite; give degrees");
   if (!(std::abs(options.elevation_deg) <= 90))
-    throw Error(ErrorCode::usage, "picture: the elevation is out of range; give -90 to 90 degrees");
+    throw Error(ErrorCode::usage, "picture: the elevation must be -90 to 90 degrees; 0 is level");
   if (options.up != Axis::x && options.up != Axis::y && options.up != Axis::z)
     throw Error(ErrorCode::usage, "picture: there is no such axis; take x, y or z");
 }

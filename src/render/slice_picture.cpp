@@ -52,7 +52,7 @@ std::optional<Legend> legend_of(const Plane& plane, double thickness, Colormap m
 SlicePicture draw_slice(const DistanceField& field, const SliceOptions& options) {
   if (options.pixels < 1 || options.pixels > kMaxSide)
     throw Error(ErrorCode::usage,
-                "slice: the picture's size is out of range; give 1 to " + std::to_string(kMaxSide) + " pixels");
+                "slice: the picture's size must be 1 to " + std::to_string(kMaxSide) + " pixels; 512 is usual");
   const Plane plane = plane_of(field, options);
   const auto [width, height] = enlarged(plane, options.pixels);
   const std::optional<Legend> legend = legend_of(plane, field.thickness(), options.colormap);
