@@ -43,7 +43,8 @@ std::vector<Format> field_formats() try {
 }
 
 DistanceField read_field(const std::filesystem::path& path, const FieldReadOptions& options) try {
-  if (options.memory_limit < 0) throw Error(ErrorCode::usage, "a memory limit must be zero or more bytes; give zero for none");
+  if (options.memory_limit < 0)
+    throw Error(ErrorCode::usage, "a memory limit must be zero or more bytes; give zero for none");
   const FieldFormat& format = format_of(path, ErrorCode::input);
   // Dense files can be larger than memory, and sparse fields of theirs small.
   const FileView view(path, FileView::Access::map);
