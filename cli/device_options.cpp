@@ -20,7 +20,7 @@ CLI::Option* add_device(CLI::App& verb, const char* group, Backend& backend, int
 namespace {
 
 // TBB never starts more than this, and warns on stderr when it is asked to.
-std::int64_t most_threads() { return std::max(256u, 4 * std::thread::hardware_concurrency()); }
+std::int64_t most_threads() { return std::clamp(4 * std::thread::hardware_concurrency(), 256u, unsigned{kMaxThreads}); }
 
 }  // namespace
 

@@ -111,7 +111,7 @@ GridChoice GridOptions::choose(const Box& mesh) const {
   if (minimum_) {
     if (thickness_.in_samples || thickness_.infinite())
       throw Error(ErrorCode::usage,
-                  "--minimum: needs a --thickness in world units, for it sets the samples by the thickness");
+                  "--minimum: needs a --thickness in world units, by which it sets the samples; give one without s");
     return {minimum_grid(mesh, thickness_.value, *minimum_, speed_), thickness_.value};
   }
   const Grid grid = around(bounds_ ? *bounds_ : padded(mesh));

@@ -24,16 +24,21 @@ namespace difi {
 
 struct ModelOptions {
   double spacing = 0;  ///< of the model's field, world units; 0: chosen from the mesh
-  int threads = 0;     ///< used to build; 0: all hardware threads
+  int threads = 0;     ///< used to build, at most kMaxThreads; 0: all hardware threads
 };
 
 /// What queries need of a body, built once: a sparse distance field near the surface, a coarse one around it, and a
-/// tree over the triangles. Cheap to copy: copies share. Safe to use from many threads.
+/// tree over the triangles. Cheap to copy: copies share, and what was moved from shares still. Safe to use from many
+/// threads.
 class CollisionModel {
  public:
   /// Errors: input (mesh; larger than 1e12 or smaller than 1e-12, or past 1e15), usage (options), limit (a field of too
   /// many samples).
   explicit CollisionModel(MeshView mesh, const ModelOptions& options = {});
+  // No moves: they would leave a model of nothing behind.
+  CollisionModel(const CollisionModel&) = default;
+  CollisionModel& operator=(const CollisionModel&) = default;
+  ~CollisionModel() = default;
 
   /// The mesh the model was built from.
   MeshView mesh() const;
@@ -160,7 +165,7 @@ Swept sweep(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b
 
 /// Where a batch of queries runs (docs/cuda.md).
 struct Batch {
-  int threads = 0;                 ///< of the CPU; 0: all hardware threads
+  int threads = 0;                 ///< of the CPU, at most kMaxThreads; 0: all hardware threads
   Backend backend = Backend::cpu;  ///< automatic: a GPU where there is one and the batch is large enough for it
   int device = 0;                  ///< which GPU, from 0, for Backend::cuda
 };
@@ -175,8 +180,8 @@ struct BatchReport {
   std::int64_t overflowed = 0;  ///< and those for which its lists were too short
 };
 
-/// The same for many poses of b, spread over threads (0: all hardware threads). The same answers in the same order
-/// whatever the number of threads.
+/// The same for many poses of b, spread over threads (at most kMaxThreads; 0: all hardware threads). The same answers
+/// in the same order whatever the number of threads.
 std::vector<Collided> collide_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
                                   std::span<const Pose> poses_b, const CollideOptions& options, int threads = 0);
 /// The same on a device, which keeps what it needs of the bodies for as long as they live. Free and hit are the CPU's

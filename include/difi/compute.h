@@ -43,6 +43,9 @@ struct SkipRule {
 /// The instruction set the CPU backend uses. The bits of the result do not depend on it.
 enum class Simd { automatic, portable, avx2, avx512 };
 
+/// The most threads that may be asked for, anywhere: more than any machine has, fewer than the system would refuse.
+inline constexpr int kMaxThreads = 1024;
+
 struct Progress {
   const char* stage = "";  ///< "prepare", "bin", "gather", "copy" (from a GPU), "hash" (not of compute_into), "done"
   double fraction = 0;     ///< of the whole computation, 0 to 1, never falling
@@ -54,12 +57,14 @@ struct Options {
   Method method = Method::tiles;
   Backend backend = Backend::automatic;
   SkipRule skip;
-  int threads = 0;                ///< 0: as many as TBB gives the calling thread, which is all unless told otherwise
+  /// At most kMaxThreads; 0: as many as TBB gives the calling thread, which is all unless told otherwise.
+  int threads = 0;
   std::int64_t memory_limit = 0;  ///< bytes of output and scratch together; 0: no limit
   bool nearest_triangle = false;  ///< also store the nearest triangle's index per band sample, lowest on ties
   Simd simd = Simd::automatic;
   int device = 0;  ///< which GPU, from 0, for Backend::cuda
-  /// Called now and then, from one thread at a time; return false to cancel, which throws Error{interrupted}.
+  /// Called now and then, from one thread at a time; return false to cancel, which throws Error{interrupted}. What it
+  /// throws itself ends the computation and comes out of it as it is.
   std::function<bool(const Progress&)> progress;
 };
 
@@ -107,12 +112,12 @@ inline Report compute_into(MeshView mesh, const Grid& grid, std::span<float> val
 /// `grid` may be the field's own. Errors: as compute; the field is then as it was, or empty.
 Report compute_into(MeshView mesh, const Grid& grid, DistanceField& field, const Options& options = {});
 
-/// Bytes that compute (dense = false) or compute_into (dense = true) may need, and hold against the memory limit. No
-/// tile is counted that no triangle's box, grown by the thickness, reaches; nor is the mesh, nor are the lists of
-/// candidates of wide bands and full fields, which are short unless many triangles are as large as the grid
-/// (docs/tiles.md). Takes one pass over the triangles. Errors: usage (grid), input (mesh), limit (mesh), device.
+/// Bytes that compute (dense = false) or compute_into (dense = true) may need, and hold against the memory limit: an
+/// upper bound (docs/tiles.md, Memory). No tile is counted that no triangle's box, grown by the thickness, reaches; nor
+/// is the mesh. Takes one pass over the triangles. Errors: usage (grid, options), input (mesh), limit (mesh), device.
 std::int64_t memory_needed(MeshView mesh, const Grid& grid, const Options& options, bool dense = false);
-/// The same for whatever mesh of so many triangles: a sparse field may store every tile of the grid.
+/// The same for whatever mesh of so many triangles, 1 to kMaxTriangles: a sparse field may store every tile of the
+/// grid. More than 2^62 bytes are told as 2^62.
 std::int64_t memory_needed(std::int64_t triangles, const Grid& grid, const Options& options, bool dense = false);
 
 }  // namespace difi

@@ -18,8 +18,8 @@ enum class ErrorCode {
   interrupted = 130,  ///< cancelled by the progress callback or a signal
 };
 
-/// Thrown by every function of difi that fails. The message says what, where, why and what to do next;
-/// for files it reads `FILE:WHERE: what; what to do`.
+/// Thrown by every function of difi that fails, and nothing else is, but for what the caller's own callbacks throw. The
+/// message says what, where, why and what to do next; for files it reads `FILE:WHERE: what; what to do`.
 class Error : public std::runtime_error {
  public:
   Error(ErrorCode code, const std::string& message) : std::runtime_error(message), code_(code) {}

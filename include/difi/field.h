@@ -60,9 +60,10 @@ class DistanceField {
   bool has_nearest() const { return with_nearest_; }
   Provenance provenance;
 
-  /// The value at sample (i,j,k), world units. Requires the sample to lie in the grid.
+  /// The value at sample (i,j,k), world units. Errors: usage (no sample of the grid).
   float value(std::int64_t i, std::int64_t j, std::int64_t k) const;
-  /// The triangle nearest to sample (i,j,k), or kNoTriangle. Requires has_nearest().
+  /// The triangle nearest to sample (i,j,k), or kNoTriangle. Errors: usage (no sample of the grid, or no nearest
+  /// triangles).
   std::uint32_t nearest(std::int64_t i, std::int64_t j, std::int64_t k) const;
   /// The trilinear interpolation at a point (world units); outside the grid, that of the nearest point of the grid.
   /// Within (sqrt(3)/2) * spacing of the distance where no corner is clamped by the thickness (cubic cells).
@@ -75,24 +76,25 @@ class DistanceField {
   /// Tiles per axis; the last ones may reach past the grid.
   Size3 tile_count() const;
   std::int64_t stored_tiles() const;
-  /// The 512 values of a stored tile, x fastest, or nullptr. Samples past the grid hold the thickness. Requires the
-  /// tile to be one of tile_count().
+  /// The 512 values of a stored tile, x fastest, or nullptr. Samples past the grid hold the thickness. Errors: usage
+  /// (not one of tile_count()).
   const float* tile(std::int64_t tx, std::int64_t ty, std::int64_t tz) const;
-  /// The 512 nearest-triangle indices of a stored tile, or nullptr. Requires has_nearest().
+  /// The 512 nearest-triangle indices of a stored tile, or nullptr. Errors: usage (not one of tile_count(), or no
+  /// nearest triangles).
   const std::uint32_t* tile_nearest(std::int64_t tx, std::int64_t ty, std::int64_t tz) const;
 
   /// Stores a tile with undefined content and returns its 512 values to fill in. Safe to call from many threads for
-  /// different tiles. Throws std::logic_error when the tile is stored already or not one of tile_count(), and when the
-  /// field is empty.
+  /// different tiles. Errors: usage, when the tile is stored already or not one of tile_count(), and when the field is
+  /// empty; limit, when memory runs out: the field is then as it was.
   float* store_tile(std::int64_t tx, std::int64_t ty, std::int64_t tz);
-  /// The indices of a stored tile to fill in. Throws std::logic_error when it is not stored, or without has_nearest().
+  /// The indices of a stored tile to fill in. Errors: usage, when it is not stored, and without nearest triangles.
   std::uint32_t* store_nearest(std::int64_t tx, std::int64_t ty, std::int64_t tz);
 
   /// Writes the dense values of the slices k in [first, first + count), x fastest.
-  /// Requires out.size() == size.x * size.y * count.
+  /// Errors: usage, for slices there are not, and unless out.size() == size.x * size.y * count.
   void copy_slices(std::int64_t first, std::int64_t count, std::span<float> out) const;
   void copy_nearest_slices(std::int64_t first, std::int64_t count, std::span<std::uint32_t> out) const;
-  /// All values, x fastest.
+  /// All values, x fastest. Errors: limit.
   std::vector<float> to_dense() const;
   /// Bytes of the stored tiles and of their table.
   std::int64_t memory_bytes() const;
@@ -103,6 +105,7 @@ class DistanceField {
   static constexpr double kEmptyThickness = std::numeric_limits<double>::infinity();
 
   std::int64_t tile_index(std::int64_t tx, std::int64_t ty, std::int64_t tz) const;
+  void expect_sample(std::int64_t i, std::int64_t j, std::int64_t k) const;
   std::int32_t& entry_of(std::int64_t tx, std::int64_t ty, std::int64_t tz);
 
   Grid grid_ = kEmptyGrid;

@@ -17,9 +17,10 @@ struct Grid {
   Vec3 position(std::int64_t i, std::int64_t j, std::int64_t k) const {
     return origin + spacing * Vec3{double(i), double(j), double(k)};
   }
+  /// Requires a valid grid, and a sample of it.
   std::int64_t index(std::int64_t i, std::int64_t j, std::int64_t k) const { return i + size.x * (j + size.y * k); }
   std::int64_t sample_count() const { return size.count(); }
-  /// The box whose corners are the first and the last sample.
+  /// The box whose corners are the first and the last sample. Requires sides of at least 1.
   Box bounds() const { return {origin, position(size.x - 1, size.y - 1, size.z - 1)}; }
   /// The largest of the three spacings.
   double max_spacing() const { return std::max({spacing.x, spacing.y, spacing.z}); }

@@ -19,6 +19,7 @@ struct MeshView {
   std::span<const Vec3> vertices;
   std::span<const Triangle> triangles;
 
+  /// Requires a triangle of the mesh, and k in 0 to 2.
   Vec3 corner(std::size_t triangle, int k) const { return vertices[triangles[triangle][k]]; }
 };
 
@@ -38,7 +39,7 @@ struct Mesh {
 /// Vertices that no triangle uses are not looked at.
 void validate(MeshView mesh);
 
-/// The box of all corners of all triangles; empty for a mesh without triangles. Requires a valid mesh.
+/// The box of all corners of all triangles; empty for a mesh without triangles. Errors: input (index out of range).
 Box bounds(MeshView mesh);
 
 /// A 64-bit hash of vertices and triangles, in order: equal meshes have equal hashes on every machine.

@@ -36,7 +36,7 @@ struct FlightOptions {
   double minimum = 2;        ///< thesis mode: e of minimum_grid()
   double threshold = 0;      ///< thesis mode: of the sum; 0: the larger spacing of the two grids
   std::uint64_t seed = 1;
-  int threads = 0;    ///< 0: all hardware threads
+  int threads = 0;    ///< at most kMaxThreads; 0: all hardware threads
   bool check = true;  ///< count wall crossings by the independent check
   /// As in Options.
   std::function<bool(const Progress&)> progress;
@@ -68,9 +68,10 @@ class World {
   void add_flier(const Box& box);
   std::span<const Flier> fliers() const;
 
-  /// `steps` steps of all moving bodies, spread over threads; the result does not depend on how many.
+  /// `steps` steps (0 or more) of all moving bodies, spread over threads; the result does not depend on how many.
   /// `visit(flier, step, pose)`, where given, is called at the place each flier starts from, wherever it
   /// turns and where it ends; for one flier in order, for different ones from different threads.
+  /// What it throws ends the run and comes out of it as it is.
   using Visit = std::function<void(std::size_t flier, std::int64_t step, const Pose& pose)>;
   void run(std::int64_t steps, const Visit& visit = {});
 

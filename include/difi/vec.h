@@ -35,7 +35,13 @@ struct Size3 {
   std::int64_t x = 0, y = 0, z = 0;
 
   friend constexpr bool operator==(const Size3&, const Size3&) = default;
-  constexpr std::int64_t count() const { return x * y * z; }
+  /// All of them: 0 where a side is not positive, the largest number there is where they are more than that.
+  constexpr std::int64_t count() const {
+    constexpr std::int64_t most = std::numeric_limits<std::int64_t>::max();
+    if (x <= 0 || y <= 0 || z <= 0) return 0;
+    if (x > most / y || x * y > most / z) return most;
+    return x * y * z;
+  }
 };
 
 /// An axis-aligned box; empty while min exceeds max on some axis, as a new one does.

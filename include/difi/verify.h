@@ -14,7 +14,7 @@ struct VerifyOptions {
   std::int64_t samples =
       1000;                ///< how many samples to test, at least 1; every one when the grid has no more than these
   std::uint64_t seed = 1;  ///< chooses the samples; the same seed takes the same ones
-  int threads = 0;         ///< 0: all hardware threads
+  int threads = 0;         ///< at most kMaxThreads; 0: all hardware threads
   /// As in Options.
   std::function<bool(const Progress&)> progress;
 };

@@ -2,6 +2,7 @@
 #include "collision/batch.h"
 #include "collision/collide_on_device.h"
 #include "collision/touching.h"
+#include "core/guarded.h"
 
 namespace difi {
 
@@ -19,7 +20,7 @@ namespace {
 
 void check(const CollideOptions& options) {
   if (!(options.margin >= 0) || !(options.margin <= 1e30))
-    throw Error(ErrorCode::usage, "collide: the margin must be from 0 to 1e30");
+    throw Error(ErrorCode::usage, "collide: the margin must be from 0 to 1e30; give it in world units");
 }
 
 Collided collide_checked(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
@@ -31,25 +32,29 @@ Collided collide_checked(const CollisionModel& a, const Pose& pose_a, const Coll
 }  // namespace
 
 Collided collide(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
-                 const CollideOptions& options) {
+                 const CollideOptions& options) try {
   check(options);
   validate(pose_a);
   validate(pose_b);
   return collide_checked(a, pose_a, b, pose_b, options);
+} catch (...) {
+  throw_as_error("collide");
 }
 
 std::vector<Collided> collide_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                                  std::span<const Pose> poses_b, const CollideOptions& options, int threads) {
+                                  std::span<const Pose> poses_b, const CollideOptions& options, int threads) try {
   check(options);
   validate(pose_a);
   collision::validate_all(poses_b);
   return collision::for_each<Collided>(
       poses_b.size(), threads, [&](std::size_t n) { return collide_checked(a, pose_a, b, poses_b[n], options); });
+} catch (...) {
+  throw_as_error("collide");
 }
 
 std::vector<Collided> collide_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
                                   std::span<const Pose> poses_b, const CollideOptions& options, const Batch& batch,
-                                  BatchReport* report) {
+                                  BatchReport* report) try {
   const bool certified = options.mode == CollideMode::certified;
   const Backend backend = certified && batch.backend == Backend::automatic ? Backend::cpu : batch.backend;
   const collision::DeviceRow* const row = collision::find_device(backend, poses_b.size());
@@ -67,6 +72,8 @@ std::vector<Collided> collide_all(const CollisionModel& a, const Pose& pose_a, c
   }
   if (report) *report = done;
   return results;
+} catch (...) {
+  throw_as_error("collide");
 }
 
 }  // namespace difi

@@ -7,6 +7,7 @@
 #include "collision/close_pairs.h"
 #include "collision/pair_batch.h"
 #include "collision/spread_walk.h"
+#include "core/guarded.h"
 
 namespace difi {
 namespace collision {
@@ -164,25 +165,28 @@ class Gather {
 };
 
 void check(const ContactOptions& options) {
-  if (options.most < 1) throw Error(ErrorCode::usage, "contacts: the number of contacts must be one or more");
+  if (options.most < 1)
+    throw Error(ErrorCode::usage, "contacts: the number of contacts must be one or more; give as many as you can use");
   if (!(options.margin >= 0) || !(options.margin <= 1e30))
-    throw Error(ErrorCode::usage, "contacts: the margin must be from 0 to 1e30");
+    throw Error(ErrorCode::usage, "contacts: the margin must be from 0 to 1e30; give it in world units");
 }
 
 }  // namespace
 }  // namespace collision
 
 Contacts contacts(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
-                  const ContactOptions& options) {
+                  const ContactOptions& options) try {
   collision::check(options);
   validate(pose_a);
   validate(pose_b);
   const collision::Pair pair(a, pose_a, b, pose_b);
   return collision::Gather(pair, options).run();
+} catch (...) {
+  throw_as_error("contacts");
 }
 
 std::vector<Contacts> contacts_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                                   std::span<const Pose> poses_b, const ContactOptions& options, int threads) {
+                                   std::span<const Pose> poses_b, const ContactOptions& options, int threads) try {
   collision::check(options);
   validate(pose_a);
   collision::validate_all(poses_b);
@@ -190,6 +194,8 @@ std::vector<Contacts> contacts_all(const CollisionModel& a, const Pose& pose_a, 
     const collision::Pair pair(a, pose_a, b, poses_b[n]);
     return collision::Gather(pair, options).run();
   });
+} catch (...) {
+  throw_as_error("contacts");
 }
 
 }  // namespace difi

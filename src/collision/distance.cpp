@@ -8,6 +8,7 @@
 #include "collision/overlap.h"
 #include "collision/pair_batch.h"
 #include "collision/touching.h"
+#include "core/guarded.h"
 
 namespace difi {
 namespace collision {
@@ -174,28 +175,34 @@ Distance distance_checked(const CollisionModel& a, const Pose& pose_a, const Col
 
 void check(const DistanceOptions& options) {
   if (!(options.tolerance >= 0) || !(options.limit >= 0) || !std::isfinite(options.tolerance))
-    throw Error(ErrorCode::usage, "distance: tolerance and limit must be zero or more, and the tolerance finite");
+    throw Error(ErrorCode::usage,
+                "distance: tolerance and limit must be zero or more, and the tolerance finite; without them the "
+                "distance is exact");
 }
 
 }  // namespace
 }  // namespace collision
 
 Distance distance(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
-                  const DistanceOptions& options) {
+                  const DistanceOptions& options) try {
   collision::check(options);
   validate(pose_a);
   validate(pose_b);
   return collision::distance_checked(a, pose_a, b, pose_b, options);
+} catch (...) {
+  throw_as_error("distance");
 }
 
 std::vector<Distance> distance_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                                   std::span<const Pose> poses_b, const DistanceOptions& options, int threads) {
+                                   std::span<const Pose> poses_b, const DistanceOptions& options, int threads) try {
   collision::check(options);
   validate(pose_a);
   collision::validate_all(poses_b);
   return collision::for_each<Distance>(poses_b.size(), threads, [&](std::size_t n) {
     return collision::distance_checked(a, pose_a, b, poses_b[n], options);
   });
+} catch (...) {
+  throw_as_error("distance");
 }
 
 }  // namespace difi

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "collision/number_text.h"
+#include "core/guarded.h"
 #include "field/threads.h"
 
 namespace difi {
@@ -27,7 +28,7 @@ void CollisionModel::Data::finish() {
 void CollisionModel::place(Data& data, double spacing) {
   validate(data.mesh);
   if (!(spacing >= 0) || !std::isfinite(spacing))
-    throw Error(ErrorCode::usage, "model: the spacing must be positive and finite, or zero to have it chosen");
+    throw Error(ErrorCode::usage, "model: the spacing must be positive and finite; give zero to have it chosen");
   data.box = difi::bounds(data.mesh);
   data.middle = data.box.center();
   const Vec3 extent = data.box.extent();
@@ -39,8 +40,8 @@ void CollisionModel::place(Data& data, double spacing) {
   data.field.box = {data.box.min - data.middle, data.box.max - data.middle};
 }
 
-CollisionModel::CollisionModel(MeshView mesh, const ModelOptions& options) {
-  if (options.threads < 0) throw Error(ErrorCode::usage, "model: the number of threads must be zero (all) or more");
+CollisionModel::CollisionModel(MeshView mesh, const ModelOptions& options) try {
+  check_threads("model", options.threads);
   const auto data = std::make_shared<Data>();
   data->mesh = {{mesh.vertices.begin(), mesh.vertices.end()}, {mesh.triangles.begin(), mesh.triangles.end()}};
   place(*data, options.spacing);
@@ -51,6 +52,8 @@ CollisionModel::CollisionModel(MeshView mesh, const ModelOptions& options) {
     data->finish();
   });
   data_ = data;
+} catch (...) {
+  throw_as_error("model", "take a larger spacing, or a machine with more");
 }
 
 MeshView CollisionModel::mesh() const { return data_->mesh; }

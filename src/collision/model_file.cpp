@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "core/guarded.h"
 #include "io/atomic_file.h"
 #include "io/body_magic.h"
 
@@ -93,7 +94,7 @@ void check_field(const FileView& file, const collision::FieldBounds& field, cons
 
 }  // namespace
 
-void CollisionModel::save(const std::filesystem::path& path, Existing existing) const {
+void CollisionModel::save(const std::filesystem::path& path, Existing existing) const try {
   const Data& d = *data_;
   AtomicFile file(path, existing);
   Checksum sum;
@@ -122,10 +123,14 @@ void CollisionModel::save(const std::filesystem::path& path, Existing existing) 
   const std::uint64_t value = sum.value();
   file.write(&value, sizeof value);
   file.commit();
+} catch (...) {
+  throw_as_error("model");
 }
 
-CollisionModel CollisionModel::load(const std::filesystem::path& path) {
+CollisionModel CollisionModel::load(const std::filesystem::path& path) try {
   return Data::read(FileView(path), BodyChecksum::checked);
+} catch (...) {
+  throw_as_error("model");
 }
 
 CollisionModel CollisionModel::Data::read(const FileView& file, BodyChecksum checksum) {

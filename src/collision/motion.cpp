@@ -1,4 +1,5 @@
 #include "collision/motion.h"
+#include "core/guarded.h"
 
 #include <cmath>
 #include <numbers>
@@ -112,11 +113,14 @@ RelativeMotion::RelativeMotion(const Pair& pair, const Course& course) {
 
 }  // namespace collision
 
-Pose pose_at(const Motion& motion, double t) {
+Pose pose_at(const Motion& motion, double t) try {
   validate(motion.from);
   validate(motion.to);
-  if (!(t >= 0 && t <= 1)) throw Error(ErrorCode::usage, "motion: the time must be from 0 to 1");
+  if (!(t >= 0 && t <= 1))
+    throw Error(ErrorCode::usage, "motion: the time must be from 0 to 1; 0 is the start, 1 the end");
   return collision::Course(motion).at(t);
+} catch (...) {
+  throw_as_error("motion");
 }
 
 }  // namespace difi

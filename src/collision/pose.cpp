@@ -5,6 +5,7 @@
 #include <string>
 
 #include "collision/number_text.h"
+#include "core/guarded.h"
 #include "difi/error.h"
 
 namespace difi {
@@ -20,10 +21,12 @@ Pose compose(const Pose& outer, const Pose& inner) {
   return result;
 }
 
-Pose make_pose(Vec3 axis, double angle_rad, Vec3 translation) {
+Pose make_pose(Vec3 axis, double angle_rad, Vec3 translation) try {
   const double largest = std::max({std::abs(axis.x), std::abs(axis.y), std::abs(axis.z)});
   if (!(largest > 0) || !is_finite(axis) || !std::isfinite(angle_rad) || !is_finite(translation))
-    throw Error(ErrorCode::usage, "pose: the axis needs a direction, and all numbers must be finite");
+    throw Error(
+        ErrorCode::usage,
+        "pose: the axis needs a direction, and all numbers must be finite; give an axis of any length but zero");
   // A power of two changes no digit of the direction, and keeps the squares of the smallest and largest within range.
   const int exponent = -std::ilogb(largest);
   const Vec3 scaled{std::scalbn(axis.x, exponent), std::scalbn(axis.y, exponent), std::scalbn(axis.z, exponent)};
@@ -35,9 +38,11 @@ Pose make_pose(Vec3 axis, double angle_rad, Vec3 translation) {
                    u.z * u.x * k - u.y * s, u.z * u.y * k + u.x * s, c + u.z * u.z * k};
   pose.translation = translation;
   return pose;
+} catch (...) {
+  throw_as_error("pose");
 }
 
-void validate(const Pose& pose) {
+void validate(const Pose& pose) try {
   const auto fail = [](const std::string& what) { throw Error(ErrorCode::usage, "pose: " + what); };
   for (const double r : pose.rotation)
     if (!std::isfinite(r)) fail("the rotation holds a number that is not finite; give nine finite numbers");
@@ -54,6 +59,8 @@ void validate(const Pose& pose) {
     fail("the matrix is no rotation: its rows are off unit length and right angles by " + collision::number_text(off) +
          "; take scaling and shear out of it");
   if (!(dot(cross(rows[0], rows[1]), rows[2]) > 0)) fail("the matrix mirrors; a rigid body cannot, negate one axis");
+} catch (...) {
+  throw_as_error("pose");
 }
 
 }  // namespace difi

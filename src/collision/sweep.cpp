@@ -17,6 +17,7 @@
 #include "collision/slab.h"
 #include "collision/sweep_on_device.h"
 #include "collision/touching.h"
+#include "core/guarded.h"
 
 namespace difi {
 namespace collision {
@@ -247,7 +248,8 @@ class Follow {
 
 void check(const SweepOptions& options) {
   if (!(options.tolerance > 0) || !(options.tolerance <= 1e30))
-    throw Error(ErrorCode::usage, "sweep: the tolerance must be above 0 and at most 1e30");
+    throw Error(ErrorCode::usage,
+                "sweep: the tolerance must be above 0 and at most 1e30; give a small part of the bodies' size");
 }
 
 void check(const Motion& motion) {
@@ -324,24 +326,28 @@ Swept sweep_exactly(const CollisionModel& a, const Pose& pose_a, const Collision
 }  // namespace collision
 
 Swept sweep(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Motion& motion,
-            const SweepOptions& options) {
+            const SweepOptions& options) try {
   collision::check_all(a, b, {&motion, 1}, options);
   validate(pose_a);
   return collision::sweep_exactly(a, pose_a, b, motion, options.tolerance);
+} catch (...) {
+  throw_as_error("sweep");
 }
 
 std::vector<Swept> sweep_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                             std::span<const Motion> motions, const SweepOptions& options, int threads) {
+                             std::span<const Motion> motions, const SweepOptions& options, int threads) try {
   collision::check_all(a, b, motions, options);
   validate(pose_a);
   return collision::for_each<Swept>(motions.size(), threads, [&](std::size_t n) {
     return collision::sweep_exactly(a, pose_a, b, motions[n], options.tolerance);
   });
+} catch (...) {
+  throw_as_error("sweep");
 }
 
 std::vector<Swept> sweep_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
                              std::span<const Motion> motions, const SweepOptions& options, const Batch& batch,
-                             BatchReport* report) {
+                             BatchReport* report) try {
   const collision::DeviceRow* const row = collision::find_device(batch.backend, motions.size());
   BatchReport done{row ? row->name : "cpu", row ? row->device_name(batch.device) : ""};
   std::vector<Swept> results;
@@ -354,6 +360,8 @@ std::vector<Swept> sweep_all(const CollisionModel& a, const Pose& pose_a, const 
   }
   if (report) *report = done;
   return results;
+} catch (...) {
+  throw_as_error("sweep");
 }
 
 }  // namespace difi

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/guarded.h"
 #include "difi/collision.h"
 
 namespace difi {
@@ -63,8 +64,9 @@ std::int64_t for_each_sum(const DistanceField& a, const Pose& pose_a, const Dist
 }  // namespace
 
 ThesisCollided collide_thesis(const DistanceField& a, const Pose& pose_a, const DistanceField& b, const Pose& pose_b,
-                              double threshold) {
-  if (!(threshold > 0)) throw Error(ErrorCode::usage, "collide: the threshold must be positive");
+                              double threshold) try {
+  if (!(threshold > 0))
+    throw Error(ErrorCode::usage, "collide: the threshold must be positive; thesis_sum() helps to choose it");
   validate(pose_a);
   validate(pose_b);
   ThesisCollided result;
@@ -73,9 +75,11 @@ ThesisCollided collide_thesis(const DistanceField& a, const Pose& pose_a, const 
     return !result.hit;
   });
   return result;
+} catch (...) {
+  throw_as_error("collide");
 }
 
-double thesis_sum(const DistanceField& a, const Pose& pose_a, const DistanceField& b, const Pose& pose_b) {
+double thesis_sum(const DistanceField& a, const Pose& pose_a, const DistanceField& b, const Pose& pose_b) try {
   validate(pose_a);
   validate(pose_b);
   double least = std::numeric_limits<double>::infinity();
@@ -84,6 +88,8 @@ double thesis_sum(const DistanceField& a, const Pose& pose_a, const DistanceFiel
     return true;
   });
   return least;
+} catch (...) {
+  throw_as_error("collide");
 }
 
 }  // namespace difi

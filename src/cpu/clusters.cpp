@@ -43,6 +43,21 @@ Clusters::Clusters(const Job& job, const Lattice& lattice) : job_(job), lattice_
   box_packs();
 }
 
+std::int64_t Clusters::entries_of(std::int64_t triangles) {
+  std::int64_t entries = triangles;
+  for (std::int64_t count = triangles, is_first = 1; is_first || count > 1; is_first = 0) {
+    count = (count + kFanout - 1) / kFanout;
+    entries += count;
+  }
+  return entries;
+}
+
+std::int64_t Clusters::bytes(std::int64_t triangles, int threads) {
+  constexpr auto point = static_cast<std::int64_t>(sizeof(float[3])), order = std::int64_t{sizeof(std::uint32_t)};
+  const std::int64_t packs = entries_of(triangles) - triangles;
+  return triangles * (point + order) + packs * std::int64_t{sizeof(BoxPack)} + radix_sort_bytes(triangles, threads);
+}
+
 PackContents Clusters::contents(std::uint32_t entry) const {
   const std::uint32_t pack = entry - triangles_;
   const std::size_t level = level_of(pack);

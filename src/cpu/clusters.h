@@ -22,7 +22,13 @@ class Clusters {
 
   Clusters(const Job& job, const Lattice& lattice);
 
-  std::uint32_t triangles() const { return triangles_; }
+  /// How many entries there are, triangles and packs.
+  std::int64_t entries() const { return std::int64_t{triangles_} + level_begin_.back(); }
+  /// The same of so many triangles.
+  static std::int64_t entries_of(std::int64_t triangles);
+  /// Bytes held while they are made, on so many threads, which are more than those held afterwards.
+  static std::int64_t bytes(std::int64_t triangles, int threads);
+
   /// The mesh index of an entry that is a triangle.
   std::uint32_t triangle(std::uint32_t entry) const { return order_[entry]; }
   /// The same of all entries that are triangles, and a point of each, as exact as the boxes and in their coordinates.

@@ -17,7 +17,7 @@ class CandidateUse {
   virtual ~CandidateUse() = default;
   virtual void begin_brick() = 0;
   /// A tile of the brick, and at least all triangles (mesh indices) that are nearest to some sample of it within the
-  /// thickness.
+  /// thickness; where these are very many, some of them, and the others by further calls.
   virtual void use_tile(const Brick& brick, int tile, std::span<const std::uint32_t> triangles) = 0;
   /// The same for a cell, where the tile would have too many.
   virtual void use_cell(const Brick& brick, const CrowdedCell& cell) = 0;
@@ -27,7 +27,7 @@ class CandidateUse {
 /// Tells `use` of every brick that may hold samples within the thickness.
 void for_each_brick_by_descent(const Job& job, const Lattice& lattice, const Kernels& kernels, CandidateUse& use);
 
-/// Bytes that for_each_brick_by_descent may hold, but for its lists of candidates (docs/tiles.md, Memory).
-std::int64_t descent_scratch_bytes(std::int64_t triangles);
+/// Bytes that for_each_brick_by_descent may hold, whatever the triangles.
+std::int64_t descent_scratch_bytes(std::int64_t triangles, const Lattice& lattice, int threads);
 
 }  // namespace difi::cpu

@@ -65,7 +65,25 @@ DIFI_INLINE void lower(WideFloat& best, WideUint& nearest, const WideFloat& d, s
   best = min(d, best);
 }
 
-// The listed candidates of the groups against the blocks (bx, by + j, bz + k), j and k below kSide.
+// Whether a triangle's frame is off by no more than its slack. The altitude of a needle a millionth as high as it is
+// long is lost in the rounding of its corners: then the frame may be askew by far more.
+DIFI_INLINE bool is_sound(const float (*frame)[kLanes], std::uint32_t lane) {
+  constexpr float kLeastHeight = 1e-4f;  // of the base: a hundred times what rounding makes of nothing
+  const float base = frame[12][lane] + frame[16][lane], height = frame[13][lane] * frame[14][lane];
+  return height > kLeastHeight * base;
+}
+
+// What squared distances in a sound frame must not exceed, sample by sample, for the lines of the same long triangle to
+// come out no farther than `best_sq`. Those in the frame are off by `slack` at most, in which kSlack is far above what
+// lines are off by: so a candidate that is passed over would have changed no bit.
+DIFI_INLINE WideFloat frame_limit_sq(const WideFloat& best_sq, float slack) {
+  const WideFloat reach = fma(sqrt(best_sq), WideFloat(1 + kSlackShare), WideFloat(slack));
+  return reach * reach;
+}
+
+// The listed candidates of the groups against the blocks (bx, by + j, bz + k), j and k below kSide. Lines of long
+// triangles take a set-up in double for every list they are in, so they are made only where the frame, which is there,
+// does not tell that the triangle is too far away. Where many triangles are as large as the grid, nearly all are.
 template <bool kNearest, int kSide, class Group>
 DIFI_INLINE void gather_listed(const Lattice& lattice, const Brick& brick, const Candidates& c, const Group* groups,
                                const CandidateList& list, int bx, int by, int bz, BrickState& state) {
@@ -85,9 +103,18 @@ DIFI_INLINE void gather_listed(const Lattice& lattice, const Brick& brick, const
     if constexpr (kNearest) nearest[n] = WideUint::load(state.nearest[block(n)]);
   }
   for (int m = 0; m < list.count; ++m) {
-    const FrameGroup& g = groups[list.candidate[m] / kLanes];
+    const auto& g = groups[list.candidate[m] / kLanes];
     const std::uint32_t lane = list.candidate[m] % kLanes;
     if (g.is_long >> lane & 1) {
+      if constexpr (requires { g.slack; }) {
+        const TriangleFrame<WideFloat> f = frame_of_lane<WideFloat>(g.frame, lane);
+        bool is_far = is_sound(g.frame, lane);
+        for (int n = 0; n < kCount && is_far; ++n)
+          is_far =
+              less(frame_limit_sq(best[n], g.slack[lane]), distance_sq(f, {x, y[n % kSide], z[n / kSide]})).to_bits() ==
+              0xffffu;
+        if (is_far) continue;
+      }
       const TriangleLines<WideFloat> lines = make_lines<WideFloat>(double_frame(lattice, brick, c, g.index[lane]));
       for (int n = 0; n < kCount; ++n)
         lower<kNearest>(best[n], nearest[n], distance_sq(lines, {x, y[n % kSide], z[n / kSide]}), g.index[lane]);

@@ -15,14 +15,26 @@ struct KeyedIndex {
   std::uint32_t index;
 };
 
+inline constexpr int kRadixBits = 11;
+using RadixCounters = std::array<std::uint32_t, std::size_t{1} << kRadixBits>;
+
+inline std::int64_t radix_sort_chunks(std::int64_t size, int threads) {
+  return std::clamp<std::int64_t>(size / 16384, 1, std::int64_t{4} * threads);
+}
+
+/// Bytes of so many items while they are sorted.
+inline std::int64_t radix_sort_bytes(std::int64_t size, int threads) {
+  return 2 * size * static_cast<std::int64_t>(sizeof(KeyedIndex)) +
+         radix_sort_chunks(size, threads) * static_cast<std::int64_t>(sizeof(RadixCounters));
+}
+
 inline void radix_sort(std::vector<KeyedIndex>& items, int threads) {
-  constexpr int kBits = 11;
-  constexpr std::uint32_t kBuckets = 1u << kBits;
+  constexpr std::uint32_t kBuckets = 1u << kRadixBits;
   const auto size = static_cast<std::int64_t>(items.size());
-  const std::int64_t chunks = std::clamp<std::int64_t>(size / 16384, 1, std::int64_t{4} * threads);
+  const std::int64_t chunks = radix_sort_chunks(size, threads);
   std::vector<KeyedIndex> sorted(items.size());
-  std::vector<std::array<std::uint32_t, kBuckets>> positions(static_cast<std::size_t>(chunks));
-  for (int shift = 0; shift < 32; shift += kBits) {
+  std::vector<RadixCounters> positions(static_cast<std::size_t>(chunks));
+  for (int shift = 0; shift < 32; shift += kRadixBits) {
     const auto bucket = [shift](const KeyedIndex& item) { return item.key >> shift & (kBuckets - 1); };
     tbb::parallel_for(std::int64_t{0}, chunks, [&](std::int64_t chunk) {
       positions[chunk].fill(0);

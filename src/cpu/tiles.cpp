@@ -1,12 +1,12 @@
 #include "cpu/tiles.h"
 
-#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <limits>
 #include <memory>
 
+#include "core/per_thread.h"
 #include "cpu/bins.h"
 #include "cpu/descent.h"
 #include "cpu/kernels.h"
@@ -74,10 +74,10 @@ class TilesRun : private CandidateUse {
     else
       for_each_brick_by_descent(job_, lattice_, kernels_, *this);
     Counts counts;
-    for (const ThreadState& state : states_) {
+    states_.for_each([&](const ThreadState& state) {
       counts.samples_examined += state.brick.samples_examined;
       counts.samples_band += state.brick.samples_band;
-    }
+    });
     return counts;
   }
 
@@ -124,7 +124,7 @@ class TilesRun : private CandidateUse {
   Sink& sink_;
   const Lattice lattice_;
   const Kernels& kernels_;
-  tbb::enumerable_thread_specific<ThreadState> states_;
+  PerThread<ThreadState> states_;
 };
 
 }  // namespace
@@ -134,10 +134,12 @@ Counts run_tiles(const Job& job, Sink& sink) { return TilesRun(job, sink).run();
 std::string tiles_device(Simd requested) { return kernels_for(requested).name; }
 
 std::int64_t tiles_scratch_bytes(std::int64_t triangles, const Grid& grid, double thickness, int threads) {
-  const auto per_thread = static_cast<std::int64_t>(sizeof(BrickState)) * threads;
+  const auto per_thread = static_cast<std::int64_t>(sizeof(ThreadState)) * threads;
+  const Lattice lattice = make_lattice(grid, thickness);
   if (is_thin(grid, thickness))
-    return bins_scratch_bytes(triangles, make_lattice(grid, thickness), most_refs(triangles), threads) + per_thread;
-  return descent_scratch_bytes(triangles) + per_thread + static_cast<std::int64_t>(sizeof(Tables)) * threads;
+    return bins_scratch_bytes(triangles, lattice, most_refs(triangles), threads) + per_thread;
+  return descent_scratch_bytes(triangles, lattice, threads) + per_thread +
+         static_cast<std::int64_t>(sizeof(Tables)) * threads;
 }
 
 }  // namespace difi::cpu

@@ -11,6 +11,7 @@ namespace difi::cuda {
 
 std::int64_t likely_entries(std::int64_t triangles, const Grid& grid, double thickness, Method method) {
   validate(grid);
+  gpu::check_counts(triangles, thickness, 0);
   return gpu::likely_entries(triangles, grid, thickness, method);
 }
 

@@ -6,6 +6,7 @@ namespace difi::cuda {
 std::int64_t workspace_bytes(std::int64_t triangles, const Grid& grid, double thickness, Method method,
                              std::int64_t entries) {
   validate(grid);
+  gpu::check_counts(triangles, thickness, entries);
   return needed_bytes(triangles, grid, thickness, method, entries);
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <string>
 
 #include "difi/compute.h"
 
@@ -24,6 +25,16 @@ inline std::int64_t tile_count(const Grid& grid) {
 /// Bytes of host memory that a run takes beside its output.
 inline std::int64_t host_scratch_bytes(const Grid& grid) {
   return 4 * tile_count(grid) + 2 * 4 * kTilesAtOnce * DistanceField::kTileSamples;
+}
+
+/// Throws Error{usage} for counts that no mesh has, and lists that no memory holds.
+inline void check_counts(std::int64_t triangles, double thickness, std::int64_t entries) {
+  constexpr std::int64_t most_entries = std::int64_t{1} << 40;
+  if (triangles < 0 || static_cast<std::uint64_t>(triangles) > kMaxTriangles || entries < 0 || entries > most_entries)
+    throw Error(ErrorCode::usage, "cuda: " + std::to_string(triangles) + " triangles and " + std::to_string(entries) +
+                                      " list entries are out of range; give at most 4e9 and 2^40, none negative");
+  if (!(thickness > 0))
+    throw Error(ErrorCode::usage, "cuda: the thickness must be positive; infinity gives a full field");
 }
 
 /// For those who cannot wait until entries have been counted. Thin bands: small triangles lie in four or five tiles at

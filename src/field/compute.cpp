@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <chrono>
-#include <new>
 #include <stdexcept>
 
+#include "core/guarded.h"
 #include "difi/version.h"
 #include "field/backend.h"
 #include "field/domain.h"
@@ -33,11 +33,8 @@ class Stopwatch {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-[[noreturn]] void fail_for_memory() {
-  throw Error(ErrorCode::limit,
-              "compute: the machine has not enough memory; take fewer samples or a smaller thickness, or give a memory "
-              "limit to be told beforehand");
-}
+constexpr const char* kWhatToDo =
+    "take fewer samples or a smaller thickness, or give a memory limit to be told beforehand";
 
 // Everything but the output's own memory, which differs between compute and compute_into. The mesh's hash goes into
 // `hash`, where there is one.
@@ -113,8 +110,8 @@ Report compute_into(MeshView mesh, const Grid& grid, DistanceField& field, const
     field = {};
     throw;
   }
-} catch (const std::bad_alloc&) {
-  fail_for_memory();
+} catch (...) {
+  throw_as_error("compute", kWhatToDo);
 }
 
 Report compute_into(MeshView mesh, const Grid& grid, std::span<float> values, std::span<std::uint32_t> nearest,
@@ -124,8 +121,9 @@ Report compute_into(MeshView mesh, const Grid& grid, std::span<float> values, st
   const auto samples = static_cast<std::size_t>(grid.sample_count());
   if (values.size() != samples || (!nearest.empty() && nearest.size() != samples) ||
       (options.nearest_triangle && nearest.empty()))
-    throw Error(ErrorCode::usage, "compute: the memory given does not hold " + std::to_string(samples) +
-                                      " values (and as many nearest triangles where they are asked for)");
+    throw Error(ErrorCode::usage,
+                "compute: the memory given does not hold " + std::to_string(samples) +
+                    " values (and as many nearest triangles where they are asked for); give one for each sample");
   check_memory(mesh, grid, options, true);
   Threads(options.threads).run([&] {
     constexpr std::size_t kGrain = std::size_t{1} << 18;
@@ -137,8 +135,8 @@ Report compute_into(MeshView mesh, const Grid& grid, std::span<float> values, st
   });
   Sink sink(grid, values, nearest);
   return fill(mesh, grid, options, sink);
-} catch (const std::bad_alloc&) {
-  fail_for_memory();
+} catch (...) {
+  throw_as_error("compute", kWhatToDo);
 }
 
 }  // namespace difi

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <cstring>
 #include <mutex>
-#include <stdexcept>
 #include <utility>
 
+#include "core/guarded.h"
 #include "difi/error.h"
 #include "difi/field.h"
 #include "field/memory.h"
@@ -28,6 +28,12 @@ constexpr Size3 tiles_of(const Size3& samples) {
 }
 constexpr int within(std::int64_t i, std::int64_t j, std::int64_t k) {
   return static_cast<int>((i % kSide) + kSide * ((j % kSide) + kSide * (k % kSide)));
+}
+
+bool is_one_of(std::int64_t n, std::int64_t count) { return n >= 0 && n < count; }
+
+[[noreturn]] void fail_without_nearest() {
+  throw Error(ErrorCode::usage, "field: it holds no nearest triangles; compute it with them");
 }
 
 std::string name(std::int64_t tx, std::int64_t ty, std::int64_t tz) {
@@ -52,13 +58,12 @@ struct DistanceField::Pool {
       for (Chunk& chunk : chunks) chunk.nearest.reset();
   }
   std::int64_t add() {
-    const std::int64_t slot = used.fetch_add(1, std::memory_order_relaxed);
-    Chunk& chunk = chunks[slot / kChunkTiles];
     const std::lock_guard lock(grow);
+    Chunk& chunk = chunks[used / kChunkTiles];
     if (!chunk.values) chunk.values = std::make_unique_for_overwrite<float[]>(kChunkTiles * kSamples);
     if (with_nearest && !chunk.nearest)
       chunk.nearest = std::make_unique_for_overwrite<std::uint32_t[]>(kChunkTiles * kSamples);
-    return slot;
+    return used++;
   }
   float* values(std::int64_t slot) const {
     return chunks[slot / kChunkTiles].values.get() + slot % kChunkTiles * kSamples;
@@ -84,7 +89,7 @@ DistanceField::DistanceField(const Grid& grid, double thickness, bool with_neare
   reset(grid, thickness, with_nearest);
 }
 
-void DistanceField::reset(const Grid& grid, double thickness, bool with_nearest) {
+void DistanceField::reset(const Grid& grid, double thickness, bool with_nearest) try {
   validate(grid);
   if (!(thickness > 0))
     throw Error(ErrorCode::usage, "field: the thickness must be positive; infinity gives a full field");
@@ -101,6 +106,8 @@ void DistanceField::reset(const Grid& grid, double thickness, bool with_nearest)
   slots_.assign(static_cast<std::size_t>(tiles), kNotStored);
   pool->clear(tiles, with_nearest);
   pool_ = std::move(pool);
+} catch (...) {
+  throw_as_error("field", "take fewer samples, or a machine with more");
 }
 
 DistanceField::DistanceField() = default;
@@ -119,7 +126,7 @@ DistanceField& DistanceField::operator=(DistanceField&& other) noexcept {
   return *this;
 }
 
-DistanceField::DistanceField(const DistanceField& other)
+DistanceField::DistanceField(const DistanceField& other) try
     : provenance(other.provenance),
       grid_(other.grid_),
       thickness_(other.thickness_),
@@ -135,63 +142,81 @@ DistanceField::DistanceField(const DistanceField& other)
     if (with_nearest_) std::copy_n(other.pool_->nearest(other.slots_[t]), kSamples, pool_->nearest(slot));
     slots_[t] = static_cast<std::int32_t>(slot);
   }
+} catch (...) {
+  throw_as_error("field", "take fewer samples, or a machine with more");
 }
 
-DistanceField& DistanceField::operator=(const DistanceField& other) {
+DistanceField& DistanceField::operator=(const DistanceField& other) try {
   if (this != &other) *this = DistanceField(other);
   return *this;
+} catch (...) {
+  throw_as_error("field", "take fewer samples, or a machine with more");
 }
 
 Size3 DistanceField::tile_count() const { return tiles_of(grid_.size); }
 
 std::int64_t DistanceField::tile_index(std::int64_t tx, std::int64_t ty, std::int64_t tz) const {
   const Size3 n = tile_count();
+  if (!is_one_of(tx, n.x) || !is_one_of(ty, n.y) || !is_one_of(tz, n.z))
+    throw Error(ErrorCode::usage, "field: there is no tile " + name(tx, ty, tz) + "; ask for one of tile_count()");
   return tx + n.x * (ty + n.y * tz);
 }
 
 std::int64_t DistanceField::stored_tiles() const { return pool_ ? pool_->used.load() : 0; }
 
 const float* DistanceField::tile(std::int64_t tx, std::int64_t ty, std::int64_t tz) const {
+  const std::int64_t index = tile_index(tx, ty, tz);
   if (!pool_) return nullptr;
-  const std::int32_t slot = slots_[tile_index(tx, ty, tz)];
+  const std::int32_t slot = slots_[static_cast<std::size_t>(index)];
   return slot == kNotStored ? nullptr : pool_->values(slot);
 }
 
 const std::uint32_t* DistanceField::tile_nearest(std::int64_t tx, std::int64_t ty, std::int64_t tz) const {
+  const std::int64_t index = tile_index(tx, ty, tz);
   if (!pool_) return nullptr;
-  const std::int32_t slot = slots_[tile_index(tx, ty, tz)];
+  if (!with_nearest_) fail_without_nearest();
+  const std::int32_t slot = slots_[static_cast<std::size_t>(index)];
   return slot == kNotStored ? nullptr : pool_->nearest(slot);
 }
 
 std::int32_t& DistanceField::entry_of(std::int64_t tx, std::int64_t ty, std::int64_t tz) {
-  const Size3 n = tile_count();
-  const auto inside = [](std::int64_t t, std::int64_t count) { return t >= 0 && t < count; };
-  if (!pool_ || !inside(tx, n.x) || !inside(ty, n.y) || !inside(tz, n.z))
-    throw std::logic_error("field: there is no tile " + name(tx, ty, tz) + " to store");
+  if (!pool_) throw Error(ErrorCode::usage, "field: it is empty and has no room for tiles; make one with a grid");
   return slots_[static_cast<std::size_t>(tile_index(tx, ty, tz))];
 }
 
-float* DistanceField::store_tile(std::int64_t tx, std::int64_t ty, std::int64_t tz) {
+float* DistanceField::store_tile(std::int64_t tx, std::int64_t ty, std::int64_t tz) try {
   std::int32_t& entry = entry_of(tx, ty, tz);
-  if (entry != kNotStored) throw std::logic_error("field: the tile " + name(tx, ty, tz) + " is stored already");
+  if (entry != kNotStored)
+    throw Error(ErrorCode::usage, "field: the tile " + name(tx, ty, tz) + " is stored already; store each tile once");
   const std::int64_t slot = pool_->add();
   entry = static_cast<std::int32_t>(slot);
   return pool_->values(slot);
+} catch (...) {
+  throw_as_error("field", "take fewer samples, or a machine with more");
 }
 
 std::uint32_t* DistanceField::store_nearest(std::int64_t tx, std::int64_t ty, std::int64_t tz) {
   const std::int32_t slot = entry_of(tx, ty, tz);
   if (slot == kNotStored || !with_nearest_)
-    throw std::logic_error("field: the tile " + name(tx, ty, tz) + " has no nearest triangles; store it first");
+    throw Error(ErrorCode::usage, "field: the tile " + name(tx, ty, tz) +
+                                      " has no nearest triangles; store it first, in a field made with them");
   return pool_->nearest(slot);
 }
 
+void DistanceField::expect_sample(std::int64_t i, std::int64_t j, std::int64_t k) const {
+  const Size3& n = grid_.size;
+  if (!is_one_of(i, n.x) || !is_one_of(j, n.y) || !is_one_of(k, n.z))
+    throw Error(ErrorCode::usage, "field: there is no sample " + name(i, j, k) + "; ask for one of grid()");
+}
+
 float DistanceField::value(std::int64_t i, std::int64_t j, std::int64_t k) const {
+  expect_sample(i, j, k);
   const float* values = tile(i / kSide, j / kSide, k / kSide);
   return values ? values[within(i, j, k)] : static_cast<float>(thickness_);
 }
 
 std::uint32_t DistanceField::nearest(std::int64_t i, std::int64_t j, std::int64_t k) const {
+  expect_sample(i, j, k);
   const std::uint32_t* indices = tile_nearest(i / kSide, j / kSide, k / kSide);
   return indices ? indices[within(i, j, k)] : kNoTriangle;
 }
@@ -219,7 +244,7 @@ struct Cell {
 
 Cell cell_at(const DistanceField& field, Vec3 p) {
   if (std::isnan(p.x) || std::isnan(p.y) || std::isnan(p.z))
-    throw Error(ErrorCode::usage, "field: the point to look at is not a number");
+    throw Error(ErrorCode::usage, "field: the point to look at is not a number; give three numbers");
   const Grid& g = field.grid();
   Cell cell{axis_cell(p.x, g.origin.x, g.spacing.x, g.size.x), axis_cell(p.y, g.origin.y, g.spacing.y, g.size.y),
             axis_cell(p.z, g.origin.z, g.spacing.z, g.size.z)};
@@ -277,27 +302,31 @@ void copy_tiled(const DistanceField& field, std::int64_t first, std::int64_t cou
 }  // namespace
 
 void DistanceField::copy_slices(std::int64_t first, std::int64_t count, std::span<float> out) const {
-  if (first < 0 || count < 0 || first + count > grid_.size.z ||
+  if (first < 0 || first > grid_.size.z || count < 0 || count > grid_.size.z - first ||
       static_cast<std::int64_t>(out.size()) != grid_.size.x * grid_.size.y * count)
-    throw Error(ErrorCode::usage, "field: slices to copy are out of range or do not fit the memory given");
+    throw Error(ErrorCode::usage,
+                "field: slices to copy are out of range or do not fit the memory given; give it a value a sample");
   copy_tiled<float>(
       *this, first, count, static_cast<float>(thickness_), [&](auto x, auto y, auto z) { return tile(x, y, z); },
       out.data());
 }
 
 void DistanceField::copy_nearest_slices(std::int64_t first, std::int64_t count, std::span<std::uint32_t> out) const {
-  if (!with_nearest_) throw Error(ErrorCode::usage, "field: it holds no nearest triangles; compute it with them");
-  if (first < 0 || count < 0 || first + count > grid_.size.z ||
+  if (!with_nearest_) fail_without_nearest();
+  if (first < 0 || first > grid_.size.z || count < 0 || count > grid_.size.z - first ||
       static_cast<std::int64_t>(out.size()) != grid_.size.x * grid_.size.y * count)
-    throw Error(ErrorCode::usage, "field: slices to copy are out of range or do not fit the memory given");
+    throw Error(ErrorCode::usage,
+                "field: slices to copy are out of range or do not fit the memory given; give it a value a sample");
   copy_tiled<std::uint32_t>(
       *this, first, count, kNoTriangle, [&](auto x, auto y, auto z) { return tile_nearest(x, y, z); }, out.data());
 }
 
-std::vector<float> DistanceField::to_dense() const {
+std::vector<float> DistanceField::to_dense() const try {
   std::vector<float> values(static_cast<std::size_t>(grid_.sample_count()));
   copy_slices(0, grid_.size.z, values);
   return values;
+} catch (...) {
+  throw_as_error("field", "copy some slices at a time");
 }
 
 std::int64_t DistanceField::memory_bytes() const {
@@ -307,12 +336,12 @@ std::int64_t DistanceField::memory_bytes() const {
 }
 
 DistanceField DistanceField::from_dense(const Grid& grid, double thickness, std::span<const float> values,
-                                        std::span<const std::uint32_t> nearest) {
+                                        std::span<const std::uint32_t> nearest) try {
   DistanceField field(grid, thickness, !nearest.empty());
   const auto samples = static_cast<std::size_t>(grid.sample_count());
   if (values.size() != samples || (!nearest.empty() && nearest.size() != samples))
     throw Error(ErrorCode::usage, "field: " + std::to_string(values.size()) + " values given for " +
-                                      std::to_string(samples) + " samples");
+                                      std::to_string(samples) + " samples; give one for each");
   const auto far = static_cast<float>(thickness);
   const Size3 tiles = field.tile_count();
   std::array<float, kSamples> tile;
@@ -336,6 +365,8 @@ DistanceField DistanceField::from_dense(const Grid& grid, double thickness, std:
         if (!nearest.empty()) std::ranges::copy(tile_nearest, field.store_nearest(tx, ty, tz));
       }
   return field;
+} catch (...) {
+  throw_as_error("field", "take fewer samples, or a machine with more");
 }
 
 }  // namespace difi

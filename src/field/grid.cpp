@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "core/guarded.h"
 #include "difi/error.h"
 
 namespace difi {
@@ -14,10 +15,11 @@ namespace {
 
 Box padded(const Box& box, double padding) {
   if (box.empty()) fail("the box to cover is empty; give a mesh with triangles");
-  if (!(padding >= 0) || !std::isfinite(padding)) fail("the padding must be zero or more, and finite");
+  if (!(padding >= 0) || !std::isfinite(padding))
+    fail("the padding must be zero or more, and finite; give it in world units");
   const Box grown = box.grown(padding);
   if (!is_finite(grown.min) || !is_finite(grown.max) || !is_finite(grown.extent()))
-    fail("the box to cover is too large");
+    fail("the box to cover is too large; scale the mesh down, or take a smaller padding");
   return grown;
 }
 
@@ -43,35 +45,42 @@ double longest(Vec3 extent) { return std::max({extent.x, extent.y, extent.z}); }
 
 }  // namespace
 
-void validate(const Grid& grid) {
+void validate(const Grid& grid) try {
   const auto& s = grid.size;
-  if (s.x < 1 || s.y < 1 || s.z < 1) fail("every axis needs at least one sample");
+  if (s.x < 1 || s.y < 1 || s.z < 1) fail("every axis needs at least one sample; give sizes of 1 or more");
   constexpr std::int64_t kMaxSide = std::int64_t{1} << 40;
   if (s.x > kMaxSide || s.y > kMaxSide || s.z > kMaxSide ||
       static_cast<double>(s.x) * static_cast<double>(s.y) * static_cast<double>(s.z) > 0x1p62)
     fail_at_limit("too many samples to count; take fewer");
   for (const double h : {grid.spacing.x, grid.spacing.y, grid.spacing.z})
-    if (!(h > 0) || !std::isfinite(h)) fail("the spacing must be positive and finite");
-  if (!is_finite(grid.origin) || !is_finite(grid.bounds().max)) fail("the origin and extent must be finite");
+    if (!(h > 0) || !std::isfinite(h)) fail("the spacing must be positive and finite; give it in world units");
+  if (!is_finite(grid.origin) || !is_finite(grid.bounds().max))
+    fail("the origin and extent must be finite; bring mesh and grid nearer to the origin");
+} catch (...) {
+  throw_as_error("grid");
 }
 
-Grid fit_samples(const Box& box, std::int64_t samples, double padding) {
-  if (samples < 2) fail("at least 2 samples are needed on the longest side");
+Grid fit_samples(const Box& box, std::int64_t samples, double padding) try {
+  if (samples < 2) fail("at least 2 samples are needed on the longest side; give 2 or more");
   const Box grown = padded(box, padding);
   const double side = longest(grown.extent());
   const double spacing = side > 0 ? side / static_cast<double>(samples - 1) : 1.0;
   if (!(spacing > 0)) fail("the box is too small to divide into that many samples; scale the mesh up");
   return centred(grown, {spacing, spacing, spacing});
+} catch (...) {
+  throw_as_error("grid");
 }
 
-Grid fit_spacing(const Box& box, Vec3 spacing, double padding) {
+Grid fit_spacing(const Box& box, Vec3 spacing, double padding) try {
   for (const double h : {spacing.x, spacing.y, spacing.z})
-    if (!(h > 0) || !std::isfinite(h)) fail("the spacing must be positive and finite");
+    if (!(h > 0) || !std::isfinite(h)) fail("the spacing must be positive and finite; give it in world units");
   return centred(padded(box, padding), spacing);
+} catch (...) {
+  throw_as_error("grid");
 }
 
-Grid fit_size(const Box& box, Size3 size, double padding) {
-  if (size.x < 1 || size.y < 1 || size.z < 1) fail("every axis needs at least one sample");
+Grid fit_size(const Box& box, Size3 size, double padding) try {
+  if (size.x < 1 || size.y < 1 || size.z < 1) fail("every axis needs at least one sample; give sizes of 1 or more");
   const Box grown = padded(box, padding);
   const Vec3 extent = grown.extent();
   const std::array<double, 3> extents{extent.x, extent.y, extent.z};
@@ -87,12 +96,17 @@ Grid fit_size(const Box& box, Size3 size, double padding) {
   grid.origin = grown.center() - grid.spacing * cells * 0.5;
   validate(grid);
   return grid;
+} catch (...) {
+  throw_as_error("grid");
 }
 
-Grid minimum_grid(const Box& box, double thickness, double e, double speed) {
-  if (!(thickness > 0) || !std::isfinite(thickness)) fail("the minimum grid needs a positive, finite thickness");
-  if (!(e >= 1) || !std::isfinite(e)) fail("the minimum grid's factor e must be at least 1 (the thesis uses 2 to 4)");
-  if (!(speed >= 0) || !std::isfinite(speed)) fail("the speed must be zero or more, and finite");
+Grid minimum_grid(const Box& box, double thickness, double e, double speed) try {
+  if (!(thickness > 0) || !std::isfinite(thickness))
+    fail("the minimum grid needs a positive, finite thickness; give the half-width of the band");
+  if (!(e >= 1) || !std::isfinite(e))
+    fail("the minimum grid's factor e must be at least 1, and finite; the thesis uses 2 to 4");
+  if (!(speed >= 0) || !std::isfinite(speed))
+    fail("the speed must be zero or more, and finite; give world units a step");
   const Box grown = padded(box, thickness);
   const Vec3 extent = grown.extent();
   const double per_unit = e * (1 + speed / thickness) / thickness;
@@ -102,6 +116,8 @@ Grid minimum_grid(const Box& box, double thickness, double e, double speed) {
     return std::max<std::int64_t>(2, static_cast<std::int64_t>(n));
   };
   return fit_size(grown, {samples(extent.x), samples(extent.y), samples(extent.z)});
+} catch (...) {
+  throw_as_error("grid");
 }
 
 }  // namespace difi

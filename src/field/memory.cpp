@@ -8,6 +8,7 @@
 #include <functional>
 #include <string>
 
+#include "core/guarded.h"
 #include "difi/verify.h"
 #include "field/backend.h"
 #include "field/options.h"
@@ -128,15 +129,25 @@ class Advice {
 
 }  // namespace
 
-std::int64_t memory_needed(std::int64_t triangles, const Grid& grid, const Options& options, bool dense) {
+std::int64_t memory_needed(std::int64_t triangles, const Grid& grid, const Options& options, bool dense) try {
   validate(grid);
+  validate(options);
+  if (triangles < 1 || static_cast<std::uint64_t>(triangles) > kMaxTriangles)
+    throw Error(triangles < 1 ? ErrorCode::usage : ErrorCode::limit,
+                "compute: no mesh has " + std::to_string(triangles) + " triangles; ask for 1 to " +
+                    std::to_string(kMaxTriangles));
   return bytes_needed(triangles, tiles_of(grid.size), grid, options, dense);
+} catch (...) {
+  throw_as_error("compute");
 }
 
-std::int64_t memory_needed(MeshView mesh, const Grid& grid, const Options& options, bool dense) {
+std::int64_t memory_needed(MeshView mesh, const Grid& grid, const Options& options, bool dense) try {
   validate(grid);
+  validate(options);
   validate(mesh);
   return bytes_for_mesh(mesh, grid, options, dense);
+} catch (...) {
+  throw_as_error("compute");
 }
 
 void check_memory(MeshView mesh, const Grid& grid, const Options& options, bool dense) {

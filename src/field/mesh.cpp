@@ -1,11 +1,20 @@
 #include "difi/mesh.h"
 
+#include <string>
+
+#include "difi/error.h"
+
 namespace difi {
 
 Box bounds(MeshView mesh) {
   Box box;
   for (const auto& triangle : mesh.triangles)
-    for (const auto v : triangle) box.include(mesh.vertices[v]);
+    for (const auto v : triangle) {
+      if (v >= mesh.vertices.size())
+        throw Error(ErrorCode::input, "mesh: index " + std::to_string(v) + " is out of range, there are " +
+                                          std::to_string(mesh.vertices.size()) + " vertices; repair the mesh");
+      box.include(mesh.vertices[v]);
+    }
   return box;
 }
 

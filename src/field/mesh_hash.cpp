@@ -4,6 +4,7 @@
 #include <array>
 #include <cstring>
 
+#include "core/guarded.h"
 #include "difi/mesh.h"
 
 namespace difi {
@@ -34,7 +35,7 @@ std::uint64_t hash_of_words(std::size_t count, Word word) {
 
 }  // namespace
 
-std::uint64_t content_hash(MeshView mesh) {
+std::uint64_t content_hash(MeshView mesh) try {
   static_assert(sizeof(Vec3) == 3 * sizeof(double));
   const auto* coordinates = reinterpret_cast<const char*>(mesh.vertices.data());
   std::uint64_t vertices = 0, triangles = 0;
@@ -53,6 +54,8 @@ std::uint64_t content_hash(MeshView mesh) {
   };
   tbb::parallel_invoke(hash_vertices, hash_triangles);
   return mixed(vertices, triangles);
+} catch (...) {
+  throw_as_error("mesh");
 }
 
 }  // namespace difi

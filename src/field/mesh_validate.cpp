@@ -7,6 +7,7 @@
 #include <functional>
 #include <string>
 
+#include "core/guarded.h"
 #include "difi/error.h"
 
 namespace difi {
@@ -38,7 +39,7 @@ bool vertices_finite(MeshView mesh) {
 
 }  // namespace
 
-void validate(MeshView mesh) {
+void validate(MeshView mesh) try {
   if (mesh.triangles.empty()) throw Error(ErrorCode::input, "mesh: no triangles; give a mesh with at least one");
   const auto vertices = mesh.vertices.size();
   if (mesh.triangles.size() > kMaxTriangles || vertices > kMaxVertices)
@@ -59,6 +60,8 @@ void validate(MeshView mesh) {
                                           " is not finite; repair the mesh");
     }
   }
+} catch (...) {
+  throw_as_error("mesh");
 }
 
 }  // namespace difi

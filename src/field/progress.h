@@ -4,6 +4,7 @@
 #include <atomic>
 #include <mutex>
 
+#include "core/guarded.h"
 #include "difi/compute.h"
 
 namespace difi {
@@ -37,7 +38,7 @@ class ProgressMeter {
     if (std::unique_lock lock(calling_, std::try_to_lock); lock && !cancelled_) {
       const double share = static_cast<double>(done_.load(std::memory_order_relaxed)) / static_cast<double>(units_);
       const Progress now{stage_.stage, stage_.fraction + span_ * (share < 1 ? share : 1)};
-      if (!callback_(now)) cancelled_ = true;
+      if (!call_back(callback_, now)) cancelled_ = true;
     }
     if (cancelled_) throw Error(ErrorCode::interrupted, "compute: cancelled; nothing was kept");
   }

@@ -8,6 +8,7 @@
 #include <random>
 #include <vector>
 
+#include "core/guarded.h"
 #include "field/progress.h"
 #include "field/threads.h"
 #include "field/triangle_groups.h"
@@ -101,9 +102,9 @@ double allowed_error(const Grid& grid, double distance) {
   return 1e-6 * (distance + 16 * grid.max_spacing()) + resolution;
 }
 
-Verified verify(const DistanceField& field, MeshView mesh, const VerifyOptions& options) {
-  if (options.samples < 1) throw Error(ErrorCode::usage, "verify: at least one sample must be tested");
-  if (options.threads < 0) throw Error(ErrorCode::usage, "verify: the number of threads must be zero (all) or more");
+Verified verify(const DistanceField& field, MeshView mesh, const VerifyOptions& options) try {
+  if (options.samples < 1) throw Error(ErrorCode::usage, "verify: at least one sample must be tested; give 1 or more");
+  check_threads("verify", options.threads);
   validate(mesh);
 
   Options talk;
@@ -134,6 +135,8 @@ Verified verify(const DistanceField& field, MeshView mesh, const VerifyOptions& 
     if (sample.error / sample.allowed > result.worst.error / result.worst.allowed) result.worst = sample;
   }
   return result;
+} catch (...) {
+  throw_as_error("verify", "test fewer samples, or use a machine with more");
 }
 
 }  // namespace difi

@@ -4,6 +4,7 @@
 #include <new>
 #include <string>
 
+#include "core/guarded.h"
 #include "difi/error.h"
 #include "difi/io.h"
 #include "io/field_format.h"
@@ -32,15 +33,18 @@ const FieldFormat& format_of(const std::filesystem::path& path, ErrorCode code) 
 
 }  // namespace
 
-std::vector<Format> field_formats() {
+std::vector<Format> field_formats() try {
   std::vector<Format> formats;
   for (const FieldFormat& format : kFormats)
     formats.push_back({format.extension, format.description, true, true, format.nearest});
   return formats;
+} catch (...) {
+  throw_as_error("formats");
 }
 
-DistanceField read_field(const std::filesystem::path& path, const FieldReadOptions& options) {
-  if (options.memory_limit < 0) throw Error(ErrorCode::usage, "a memory limit must be zero (none) or more bytes");
+DistanceField read_field(const std::filesystem::path& path, const FieldReadOptions& options) try {
+  if (options.memory_limit < 0)
+    throw Error(ErrorCode::usage, "a memory limit must be zero or more bytes; give zero for none");
   const FieldFormat& format = format_of(path, ErrorCode::input);
   // Dense files can be larger than memory, and sparse fields of theirs small.
   const FileView view(path, FileView::Access::map);
@@ -51,9 +55,11 @@ DistanceField read_field(const std::filesystem::path& path, const FieldReadOptio
   } catch (const std::bad_alloc&) {
     throw Error(ErrorCode::limit, path.string() + ": not enough memory for its samples; use a machine with more");
   }
+} catch (...) {
+  throw_as_error("field");
 }
 
-void write_field(const std::filesystem::path& path, const DistanceField& field, Existing existing) {
+void write_field(const std::filesystem::path& path, const DistanceField& field, Existing existing) try {
   const FieldFormat& format = format_of(path, ErrorCode::usage);
   if (field.has_nearest() && !format.nearest)
     throw Error(ErrorCode::usage, path.string() + ": ." + format.extension +
@@ -61,6 +67,8 @@ void write_field(const std::filesystem::path& path, const DistanceField& field, 
   AtomicFile file(path, existing);
   format.write(file, field);
   file.commit();
+} catch (...) {
+  throw_as_error("field");
 }
 
 }  // namespace difi

@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 
+#include "core/guarded.h"
 #include "difi/io.h"
 #include "io/body_magic.h"
 #include "io/mesh_format.h"
@@ -97,14 +98,16 @@ void scale_vertices(const FileView& file, Mesh& mesh, double scale) {
 
 }  // namespace
 
-std::vector<Format> mesh_formats() {
+std::vector<Format> mesh_formats() try {
   std::vector<Format> formats;
   for (const MeshFormat& f : kFormats)
     formats.push_back({f.extension, f.description, f.read != nullptr, f.write != nullptr});
   return formats;
+} catch (...) {
+  throw_as_error("formats");
 }
 
-Mesh read_mesh(const std::filesystem::path& path, const MeshReadOptions& options) {
+Mesh read_mesh(const std::filesystem::path& path, const MeshReadOptions& options) try {
   if (!(std::isfinite(options.scale) && options.scale > 0))
     throw Error(ErrorCode::usage, "scale must be positive and finite; give 0.001 for millimetres to metres");
   try {
@@ -116,9 +119,11 @@ Mesh read_mesh(const std::filesystem::path& path, const MeshReadOptions& options
   } catch (const std::bad_alloc&) {
     throw Error(ErrorCode::limit, path.string() + ": not enough memory for its triangles; use a machine with more");
   }
+} catch (...) {
+  throw_as_error("mesh");
 }
 
-void write_mesh(const std::filesystem::path& path, MeshView mesh, Existing existing) {
+void write_mesh(const std::filesystem::path& path, MeshView mesh, Existing existing) try {
   const MeshFormat* format = format_by_extension(path);
   if (!format || !format->write)
     throw Error(ErrorCode::usage, path.string() + ": no mesh format to write goes by this extension; use one of " +
@@ -127,6 +132,8 @@ void write_mesh(const std::filesystem::path& path, MeshView mesh, Existing exist
   AtomicFile file(path, existing);
   format->write(file, mesh);
   file.commit();
+} catch (...) {
+  throw_as_error("mesh");
 }
 
 }  // namespace difi

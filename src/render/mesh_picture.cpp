@@ -1,5 +1,6 @@
 #include "render/mesh_picture.h"
 
+#include "core/guarded.h"
 #include "difi/error.h"
 #include "render/camera.h"
 #include "render/raster.h"
@@ -12,10 +13,14 @@ constexpr int kSupersampling = 2;  // what halved() undoes
 
 void check(const PictureOptions& options) {
   for (const int side : {options.width, options.height})
-    if (side < 16 || side > 8192) throw Error(ErrorCode::usage, "picture: width and height must be 16 to 8192 pixels");
-  if (!std::isfinite(options.azimuth_deg)) throw Error(ErrorCode::usage, "picture: the azimuth must be finite");
+    if (side < 16 || side > 8192)
+      throw Error(ErrorCode::usage, "picture: width and height must be 16 to 8192 pixels; 1280 by 960 is usual");
+  if (!std::isfinite(options.azimuth_deg))
+    throw Error(ErrorCode::usage, "picture: the azimuth must be finite; give degrees");
   if (!(std::abs(options.elevation_deg) <= 90))
-    throw Error(ErrorCode::usage, "picture: the elevation must be -90 to 90 degrees");
+    throw Error(ErrorCode::usage, "picture: the elevation must be -90 to 90 degrees; 0 is level");
+  if (options.up != Axis::x && options.up != Axis::y && options.up != Axis::z)
+    throw Error(ErrorCode::usage, "picture: there is no such axis; take x, y or z");
 }
 
 // Light for a unit normal in the eye's axes that faces the eye: a soft sky over a darker ground, and a lamp above the
@@ -51,9 +56,11 @@ Image draw_mesh(MeshView mesh, const PictureOptions& options) {
 }
 
 void write_mesh_png(const std::filesystem::path& path, MeshView mesh, const PictureOptions& options,
-                    Existing existing) {
+                    Existing existing) try {
   require_png();
   write_png(path, draw_mesh(mesh, options), existing);
+} catch (...) {
+  throw_as_error("picture", "draw fewer pixels, or use a machine with more");
 }
 
 }  // namespace difi

@@ -17,7 +17,7 @@ std::int64_t index_along(const SliceOptions& options, std::int64_t count) {
     return *options.index;
   }
   if (!(options.at >= 0 && options.at <= 1))
-    throw Error(ErrorCode::usage, "slice: the place must be 0 (the first sample) to 1 (the last)");
+    throw Error(ErrorCode::usage, "slice: the place must be 0 (the first sample) to 1 (the last); 0.5 is the middle");
   return std::llround(options.at * static_cast<double>(count - 1));
 }
 
@@ -63,6 +63,8 @@ Plane plane_of(const DistanceField& field, const SliceOptions& options) {
       across('z', 'x', size.x, h.x, 'y', size.y, h.y);
       field.copy_slices(plane.index, 1, plane.values);
       break;
+    default:
+      throw Error(ErrorCode::usage, "slice: there is no such axis; take x, y or z");
   }
   return plane;
 }

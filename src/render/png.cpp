@@ -25,7 +25,8 @@ void write_png(const std::filesystem::path& path, const Image& image, Existing e
   png_alloc_size_t bytes = PNG_IMAGE_PNG_SIZE_MAX(header);
   std::vector<std::uint8_t> encoded(bytes);
   if (!png_image_write_to_memory(&header, encoded.data(), &bytes, 0, image.pixels.data(), 0, nullptr))
-    throw Error(ErrorCode::internal, path.string() + ": libpng cannot encode the picture: " + header.message);
+    throw Error(ErrorCode::internal,
+                path.string() + ": libpng cannot encode the picture: " + header.message + "; please report this");
   file.write(encoded.data(), bytes);
   file.commit();
 }

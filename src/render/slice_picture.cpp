@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "core/guarded.h"
 #include "difi/error.h"
 #include "render/legend.h"
 #include "render/text.h"
@@ -50,7 +51,8 @@ std::optional<Legend> legend_of(const Plane& plane, double thickness, Colormap m
 
 SlicePicture draw_slice(const DistanceField& field, const SliceOptions& options) {
   if (options.pixels < 1 || options.pixels > kMaxSide)
-    throw Error(ErrorCode::usage, "slice: the picture's size must be 1 to " + std::to_string(kMaxSide) + " pixels");
+    throw Error(ErrorCode::usage,
+                "slice: the picture's size must be 1 to " + std::to_string(kMaxSide) + " pixels; 512 is usual");
   const Plane plane = plane_of(field, options);
   const auto [width, height] = enlarged(plane, options.pixels);
   const std::optional<Legend> legend = legend_of(plane, field.thickness(), options.colormap);
@@ -81,9 +83,11 @@ SlicePicture draw_slice(const DistanceField& field, const SliceOptions& options)
 }
 
 void write_slice_png(const std::filesystem::path& path, const DistanceField& field, const SliceOptions& options,
-                     Existing existing) {
+                     Existing existing) try {
   require_png();
   write_png(path, draw_slice(field, options).image, existing);
+} catch (...) {
+  throw_as_error("slice", "take fewer pixels, or a machine with more");
 }
 
 }  // namespace difi

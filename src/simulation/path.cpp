@@ -3,6 +3,7 @@
 #include <charconv>
 #include <string>
 
+#include "core/guarded.h"
 #include "difi/simulation.h"
 #include "io/atomic_file.h"
 
@@ -42,7 +43,7 @@ void write_ply(AtomicFile& file, std::span<const PathPoint> points) {
 
 }  // namespace
 
-void write_path(const std::filesystem::path& path, std::span<const PathPoint> points, Existing existing) {
+void write_path(const std::filesystem::path& path, std::span<const PathPoint> points, Existing existing) try {
   const std::string extension = path.extension().string();
   if (extension != ".csv" && extension != ".ply")
     throw Error(ErrorCode::usage,
@@ -53,6 +54,8 @@ void write_path(const std::filesystem::path& path, std::span<const PathPoint> po
   else
     write_ply(file, points);
   file.commit();
+} catch (...) {
+  throw_as_error("path");
 }
 
 }  // namespace difi

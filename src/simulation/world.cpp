@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "core/guarded.h"
 #include "difi/simulation.h"
 #include "field/threads.h"
 #include "simulation/crossing.h"
@@ -46,12 +47,17 @@ Vec3 scattered(Vec3 direction, double angle_rad, std::uint64_t& state) {
 
 void check(const FlightOptions& o) {
   const auto fail = [](const char* what) { throw Error(ErrorCode::usage, std::string("simulation: ") + what); };
-  if (!(o.speed >= 0) || !std::isfinite(o.speed)) fail("the speed must be zero or more, and finite");
-  if (!(o.scatter_rad >= 0 && o.scatter_rad <= std::numbers::pi)) fail("the scatter must be from 0 to pi");
-  if (!(o.tolerance > 0) || !std::isfinite(o.tolerance)) fail("the tolerance must be positive and finite");
-  if (!(o.thickness > 0) || !std::isfinite(o.thickness)) fail("the thickness must be positive and finite");
-  if (!(o.threshold >= 0) || !std::isfinite(o.threshold)) fail("the threshold must be zero or more, and finite");
-  if (o.threads < 0) fail("the number of threads must be zero (all) or more");
+  if (!(o.speed >= 0) || !std::isfinite(o.speed))
+    fail("the speed must be zero or more, and finite; give world units a step");
+  if (!(o.scatter_rad >= 0 && o.scatter_rad <= std::numbers::pi))
+    fail("the scatter must be from 0 to pi; 0 turns that off");
+  if (!(o.tolerance > 0) || !std::isfinite(o.tolerance))
+    fail("the tolerance must be positive and finite; give a small part of the bodies' size");
+  if (!(o.thickness > 0) || !std::isfinite(o.thickness))
+    fail("the thickness must be positive and finite; give a few steps' length");
+  if (!(o.threshold >= 0) || !std::isfinite(o.threshold))
+    fail("the threshold must be zero or more, and finite; 0 takes the larger spacing");
+  check_threads("simulation", o.threads);
 }
 
 }  // namespace
@@ -150,26 +156,31 @@ void World::State::step(Flier& it) const {
   it.pose = next;
 }
 
-World::World(const CollisionModel& flier, const FlightOptions& options)
+World::World(const CollisionModel& flier, const FlightOptions& options) try
     : state_(new State{flier, options, {}, {}, {}, {}}) {
   check(options);
   if (options.mode == FlightMode::thesis) state_->field = state_->thesis_field(flier);
   if (options.check) state_->marks = outermost_points(flier.mesh());
+} catch (...) {
+  throw_as_error("simulation");
 }
 
 World::~World() = default;
 
-void World::add(const CollisionModel& body, const Pose& pose) {
+void World::add(const CollisionModel& body, const Pose& pose) try {
   validate(pose);
   State::Standing standing{body, pose, {}, {}};
   if (state_->options.mode == FlightMode::thesis) standing.field = state_->thesis_field(body);
   if (state_->options.check) standing.check.emplace(body.mesh(), pose);
   state_->standing.push_back(std::move(standing));
+} catch (...) {
+  throw_as_error("simulation");
 }
 
-void World::add_flier(const Box& box) {
+void World::add_flier(const Box& box) try {
   if (box.empty() || !is_finite(box.min) || !is_finite(box.max))
-    throw Error(ErrorCode::usage, "simulation: the box to start in is empty or not finite");
+    throw Error(ErrorCode::usage,
+                "simulation: the box to start in is empty or not finite; give one with room for the body");
   Flier it;
   it.seed = state_->options.seed * 0xd1342543de82ef95u + state_->fliers.size() * 0x2545f4914f6cdd1du;
   const Vec3 middle = state_->flier.bounds().center();
@@ -191,11 +202,14 @@ void World::add_flier(const Box& box) {
   }
   throw Error(ErrorCode::input,
               "simulation: no free place for a moving body in 10,000 tries; give it more room or make it smaller");
+} catch (...) {
+  throw_as_error("simulation");
 }
 
 std::span<const Flier> World::fliers() const { return state_->fliers; }
 
-void World::run(std::int64_t steps, const Visit& visit) {
+void World::run(std::int64_t steps, const Visit& visit) try {
+  if (steps < 0) throw Error(ErrorCode::usage, "simulation: the number of steps is negative; give zero or more");
   State& state = *state_;
   std::atomic<std::int64_t> done{0};
   std::atomic<bool> cancelled{false};
@@ -203,20 +217,23 @@ void World::run(std::int64_t steps, const Visit& visit) {
   const double all = static_cast<double>(steps) * static_cast<double>(state.fliers.size());
   const auto fly = [&](std::size_t n) {
     Flier& it = state.fliers[n];
-    if (visit) visit(n, 0, it.pose);
+    if (visit) call_back(visit, n, 0, it.pose);
     for (std::int64_t k = 0; k < steps && !cancelled; ++k) {
       const std::int64_t before = it.collisions + it.turns;
       state.step(it);
-      if (visit && (it.collisions + it.turns != before || k + 1 == steps)) visit(n, k + 1, it.pose);
+      if (visit && (it.collisions + it.turns != before || k + 1 == steps)) call_back(visit, n, k + 1, it.pose);
       if ((k + 1) % kStepsAtOnce != 0 && k + 1 != steps) continue;
       done += k % kStepsAtOnce + 1;
       if (!state.options.progress) continue;
       if (const std::unique_lock lock(telling, std::try_to_lock); lock && !cancelled)
-        cancelled = !state.options.progress({"fly", static_cast<double>(done) / all});
+        cancelled = !call_back(state.options.progress, Progress{"fly", static_cast<double>(done) / all});
     }
   };
   Threads(state.options.threads).run([&] { tbb::parallel_for(std::size_t{0}, state.fliers.size(), fly); });
-  if (cancelled) throw Error(ErrorCode::interrupted, "simulation: cancelled");
+  if (cancelled)
+    throw Error(ErrorCode::interrupted, "simulation: cancelled; run it again to go on from where the bodies are");
+} catch (...) {
+  throw_as_error("simulation");
 }
 
 Grid World::grid(std::size_t n) const {

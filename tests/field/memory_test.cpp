@@ -2,11 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <atomic>
-#include <cstdlib>
 #include <filesystem>
 #include <limits>
-#include <new>
 #include <regex>
 #include <string>
 #include <vector>
@@ -16,55 +13,14 @@
 #include "field/memory.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temp_folder.h"
+#include "tests/support/heap.h"
 #include "tests/support/random_mesh.h"
-
-namespace {
-
-constexpr std::int64_t kUnlimited = std::numeric_limits<std::int64_t>::max();
-std::atomic<std::int64_t> held{0}, most{0}, limit{kUnlimited};
-
-// Every block begins with its length, in as many bytes as its alignment.
-void* take(std::size_t bytes, std::size_t alignment) {
-  const std::int64_t now = held.fetch_add(static_cast<std::int64_t>(bytes)) + static_cast<std::int64_t>(bytes);
-  void* block = now > limit ? nullptr : std::aligned_alloc(alignment, (bytes / alignment + 2) * alignment);
-  if (!block) {
-    held -= static_cast<std::int64_t>(bytes);
-    throw std::bad_alloc();
-  }
-  for (std::int64_t before = most; before < now && !most.compare_exchange_weak(before, now);) {
-  }
-  *static_cast<std::size_t*>(block) = bytes;
-  return static_cast<char*>(block) + alignment;
-}
-void give(void* block, std::size_t alignment) noexcept {
-  if (!block) return;
-  char* begin = static_cast<char*>(block) - alignment;
-  held -= static_cast<std::int64_t>(*reinterpret_cast<std::size_t*>(begin));
-  std::free(begin);
-}
-constexpr std::size_t kUsual = __STDCPP_DEFAULT_NEW_ALIGNMENT__;
-
-}  // namespace
-
-void* operator new(std::size_t bytes) { return take(bytes, kUsual); }
-void* operator new[](std::size_t bytes) { return take(bytes, kUsual); }
-void* operator new(std::size_t bytes, std::align_val_t alignment) { return take(bytes, std::size_t(alignment)); }
-void* operator new[](std::size_t bytes, std::align_val_t alignment) { return take(bytes, std::size_t(alignment)); }
-void operator delete(void* block) noexcept { give(block, kUsual); }
-void operator delete[](void* block) noexcept { give(block, kUsual); }
-void operator delete(void* block, std::size_t) noexcept { give(block, kUsual); }
-void operator delete[](void* block, std::size_t) noexcept { give(block, kUsual); }
-void operator delete(void* block, std::align_val_t alignment) noexcept { give(block, std::size_t(alignment)); }
-void operator delete[](void* block, std::align_val_t alignment) noexcept { give(block, std::size_t(alignment)); }
-void operator delete(void* block, std::size_t, std::align_val_t alignment) noexcept {
-  give(block, std::size_t(alignment));
-}
-void operator delete[](void* block, std::size_t, std::align_val_t alignment) noexcept {
-  give(block, std::size_t(alignment));
-}
 
 namespace difi {
 namespace {
+
+using testing::heap::Limit;
+using testing::heap::most_held;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 const Mesh kTriangle{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
@@ -73,21 +29,6 @@ Grid cube(std::int64_t side, Vec3 origin, double extent) {
   const double spacing = extent / static_cast<double>(side - 1);
   return {{side, side, side}, origin, {spacing, spacing, spacing}};
 }
-
-// The most bytes on the heap while `call` runs, those before not counted.
-template <class Call>
-std::int64_t most_held(Call call) {
-  const std::int64_t before = held;
-  most = before;
-  call();
-  return most - before;
-}
-
-class Limit {
- public:
-  explicit Limit(std::int64_t bytes) { limit = held + bytes; }
-  ~Limit() { limit = kUnlimited; }
-};
 
 // What TBB, the callback and the texts of a report take.
 constexpr std::int64_t kSmallThings = 64 << 10;
@@ -114,9 +55,11 @@ TEST(Memory, ThinBandsTakeNoMoreThanWasSaid) {
   expect_enough(kTriangle, 0.3);
 }
 
-// Of one triangle only: the lists of candidates, which wide bands hand down, are not counted beforehand.
-TEST(Memory, FieldsOfOneTriangleTakeNoMoreThanWasSaid) {
-  for (const double thickness : {2.0, kInfinity}) expect_enough(kTriangle, thickness);
+TEST(Memory, WideFieldsTakeNoMoreThanWasSaid) {
+  for (const double thickness : {2.0, kInfinity}) {
+    expect_enough(kTriangle, thickness);
+    expect_enough(testing::random_soup(5, 2000, 4, 4), thickness);
+  }
 }
 
 // A band around one triangle stores a few tiles of a grid whose samples would fill 32 GB.

@@ -1,0 +1,54 @@
+#include "core/guarded.h"
+
+#include <new>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+
+#include "difi/error.h"
+
+namespace difi {
+namespace {
+
+// Made while there is memory: to copy an Error takes none.
+const Error kNoMemory(ErrorCode::limit, "the machine has not enough memory; use one with more, or smaller input");
+
+// The exception being handled, which is no Error.
+Error as_error(const char* where, const char* what_to_do) {
+  const std::string place = std::string(where) + ": ";
+  try {
+    throw;
+  } catch (const std::bad_alloc&) {
+    return Error(ErrorCode::limit, place + "the machine has not enough memory; " + what_to_do);
+  } catch (const std::length_error&) {
+    return Error(ErrorCode::limit, place + "no machine has enough memory; " + what_to_do);
+  } catch (const std::system_error& error) {
+    return Error(ErrorCode::limit,
+                 place + "the system refused: " + error.what() + "; free some of its resources, or use fewer threads");
+  } catch (const std::exception& error) {
+    return Error(ErrorCode::internal, place + error.what() + "; this is a bug in difi, please report it");
+  }
+}
+
+}  // namespace
+
+void throw_as_error(const char* where, const char* what_to_do) {
+  try {
+    throw;
+  } catch (const FromCallback& callback) {
+    std::rethrow_exception(callback.thrown);
+  } catch (const Error&) {
+    throw;
+  } catch (...) {
+    std::optional<Error> error;
+    try {
+      error = as_error(where, what_to_do);
+    } catch (const std::bad_alloc&) {  // not even the message finds room
+      error = kNoMemory;
+    }
+    throw Error(*error);
+  }
+}
+
+}  // namespace difi

@@ -1,0 +1,30 @@
+// Errors of others become errors of difi: in one place, for every public function.
+#pragma once
+
+#include <exception>
+#include <utility>
+
+namespace difi {
+
+/// What the caller's own function threw. It goes through difi as it is.
+struct FromCallback {
+  std::exception_ptr thrown;
+};
+
+/// Calls the caller's function.
+template <class Callback, class... Arguments>
+decltype(auto) call_back(const Callback& callback, Arguments&&... arguments) {
+  try {
+    return callback(std::forward<Arguments>(arguments)...);
+  } catch (...) {
+    throw FromCallback{std::current_exception()};
+  }
+}
+
+/// For `catch (...)` around a public function: throws what is being handled again, as the Error it is or stands for.
+/// Memory that is not there, and sizes that no memory holds, become Error{limit} with what to do; what the system
+/// refuses Error{limit} too; what a callback threw comes out as it is; all else is a bug, Error{internal}.
+[[noreturn]] void throw_as_error(const char* where,
+                                 const char* what_to_do = "use a machine with more, or smaller input");
+
+}  // namespace difi

@@ -1,0 +1,40 @@
+// What each thread of parallel work has to itself.
+#pragma once
+
+#include <tbb/task_arena.h>
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <vector>
+
+namespace difi {
+
+/// One T for each place in the arena of the thread that makes this, made when the place is first used. Unlike
+/// tbb::enumerable_thread_specific, which has one for every thread that ever comes by, there are never more than the
+/// arena has places: so memory can be told beforehand.
+template <class T>
+class PerThread {
+ public:
+  explicit PerThread(std::function<T()> make = [] { return T(); })
+      : make_(std::move(make)), all_(static_cast<std::size_t>(tbb::this_task_arena::max_concurrency())) {}
+
+  /// The calling thread's, which is in that arena.
+  T& local() {
+    std::unique_ptr<T>& mine = all_.at(static_cast<std::size_t>(tbb::this_task_arena::current_thread_index()));
+    if (!mine) mine = std::make_unique<T>(make_());
+    return *mine;
+  }
+
+  template <class Use>
+  void for_each(const Use& use) const {
+    for (const auto& one : all_)
+      if (one) use(*one);
+  }
+
+ private:
+  std::function<T()> make_;
+  std::vector<std::unique_ptr<T>> all_;
+};
+
+}  // namespace difi

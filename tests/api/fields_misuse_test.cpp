@@ -1,0 +1,221 @@
+// grid.h, mesh.h, field.h, compute.h and verify.h with arguments that make no sense.
+#include "difi/compute.h"
+#include "difi/verify.h"
+#include "tests/api/misuse.h"
+
+namespace difi {
+namespace {
+
+using namespace testing;
+
+const Grid kGrid{{9, 9, 9}, {-1, -1, -1}, {0.4, 0.4, 0.4}};
+
+Options on_cpu() {
+  Options options;
+  options.backend = Backend::cpu;
+  options.threads = 1;
+  return options;
+}
+
+TEST(Misuse, Grids) {
+  const Mesh mesh = one_triangle();
+  std::vector<float> values(8);
+  for (const Grid& grid : odd_grids()) {
+    const std::string name = "grid " + std::to_string(grid.size.x) + "x" + std::to_string(grid.size.y) + "x" +
+                             std::to_string(grid.size.z) + ", spacing " + std::to_string(grid.spacing.y);
+    EXPECT_GE(grid.sample_count(), 0) << name;
+    expect_answer_or_error(name, [&] { validate(grid); });
+    expect_answer_or_error(name, [&] { DistanceField(grid, 1, true); });
+    expect_answer_or_error(name, [&] { DistanceField::from_dense(grid, 1, {}); });
+    expect_answer_or_error(name, [&] { DistanceField().reset(grid, 1); });
+    expect_answer_or_error(name, [&] { compute(mesh, grid, on_cpu()); });
+    expect_answer_or_error(name, [&] { compute_into(mesh, grid, values, on_cpu()); });
+    for (const double thickness : {1.0, kInfinite}) {
+      Options options = on_cpu();
+      options.thickness = thickness;
+      expect_answer_or_error(name, [&] { EXPECT_GT(memory_needed(mesh, grid, options), 0); });
+      expect_answer_or_error(name, [&] { EXPECT_GT(memory_needed(1, grid, options, true), 0); });
+    }
+  }
+}
+
+TEST(Misuse, CountsOfSamplesDoNotOverflow) {
+  EXPECT_EQ((Size3{kMost, kMost, kMost}.count()), kMost);
+  EXPECT_EQ((Size3{std::int64_t{1} << 32, std::int64_t{1} << 31, 1}.count()), kMost);
+  EXPECT_EQ((Size3{std::int64_t{1} << 31, std::int64_t{1} << 31, 1}.count()), std::int64_t{1} << 62);
+  EXPECT_EQ((Size3{-1, -1, 5}.count()), 0);
+  EXPECT_EQ((Size3{3, 4, 5}.count()), 60);
+}
+
+TEST(Misuse, FittingGrids) {
+  std::vector<Box> boxes(1);
+  for (const double x : kNumbers) boxes.push_back({{0, 0, 0}, {x, 1, 1}});
+  boxes.push_back({{-1e308, 0, 0}, {1e308, 1, 1}});
+  for (const Box& box : boxes) {
+    for (const std::int64_t n : kCounts) {
+      expect_answer_or_error(named("samples", n), [&] { fit_samples(box, n); });
+      expect_answer_or_error(named("size", n), [&] { fit_size(box, {n, 1, n}); });
+    }
+    for (const double x : kNumbers) {
+      expect_answer_or_error(named("padding", x), [&] { fit_samples(box, 5, x); });
+      expect_answer_or_error(named("padding", x), [&] { fit_size(box, {2, 2, 2}, x); });
+      expect_answer_or_error(named("spacing", x), [&] { fit_spacing(box, {1, x, 1}, 1); });
+      expect_answer_or_error(named("thickness", x), [&] { minimum_grid(box, x); });
+      expect_answer_or_error(named("e", x), [&] { minimum_grid(box, 1, x); });
+      expect_answer_or_error(named("speed", x), [&] { minimum_grid(box, 1, 2, x); });
+    }
+  }
+}
+
+TEST(Misuse, Meshes) {
+  for (const Mesh& mesh : odd_meshes()) {
+    expect_answer_or_error("validate", [&] { validate(mesh); });
+    expect_answer_or_error("bounds", [&] { bounds(mesh); });
+    expect_answer_or_error("hash", [&] { content_hash(mesh); });
+    expect_answer_or_error("memory_needed", [&] { memory_needed(mesh, kGrid, on_cpu()); });
+    expect_answer_or_error("verify", [&] { verify(DistanceField(kGrid, 1), mesh); });
+    for (const double thickness : {1.0, kInfinite})
+      for (const Method method : {Method::tiles, Method::thesis}) {
+        Options options = on_cpu();
+        options.thickness = thickness;
+        options.method = method;
+        expect_answer_or_error("compute", [&] { compute(mesh, kGrid, options); });
+      }
+  }
+}
+
+void expect_options(const std::string& name, const Options& options) {
+  const Mesh mesh = one_triangle();
+  std::vector<float> values(static_cast<std::size_t>(kGrid.sample_count()));
+  DistanceField field;
+  expect_answer_or_error(name, [&] { compute(mesh, kGrid, options); });
+  expect_answer_or_error(name, [&] { compute_into(mesh, kGrid, field, options); });
+  expect_answer_or_error(name, [&] { compute_into(mesh, kGrid, values, options); });
+  expect_answer_or_error(name, [&] { EXPECT_GT(memory_needed(mesh, kGrid, options), 0); });
+}
+
+TEST(Misuse, OptionsOfCompute) {
+  const auto with = [](auto Options::*member, auto value) {
+    Options options = on_cpu();
+    options.*member = value;
+    return options;
+  };
+  for (const double x : kNumbers) {
+    expect_options(named("thickness", x), with(&Options::thickness, x));
+    expect_options(named("fraction", x), with(&Options::skip, SkipRule{SkipRule::Kind::neighbour, x}));
+  }
+  for (const std::int64_t n : kCounts) expect_options(named("memory limit", n), with(&Options::memory_limit, n));
+  for (const int n : {-1, 1'000'000}) expect_options(named("device", n), with(&Options::device, n));
+  for (const Options& options :
+       {with(&Options::method, none_of<Method>()), with(&Options::backend, none_of<Backend>()),
+        with(&Options::simd, none_of<Simd>()), with(&Options::skip, SkipRule{none_of<SkipRule::Kind>(), 1})}) {
+    expect_options("no such number", options);
+    expect_usage("no such number", [&] { compute(one_triangle(), kGrid, options); });
+  }
+}
+
+// A million threads ended in a crash inside TBB.
+TEST(Misuse, Threads) {
+  for (const int threads : kThreads) {
+    Options options = on_cpu();
+    options.threads = threads;
+    expect_usage(named("threads", threads), [&] { compute(one_triangle(), kGrid, options); });
+    expect_usage(named("threads", threads), [&] { memory_needed(one_triangle(), kGrid, options); });
+    VerifyOptions verifying;
+    verifying.threads = threads;
+    expect_usage(named("threads", threads), [&] { verify(DistanceField(kGrid, 1), one_triangle(), verifying); });
+  }
+  Options most = on_cpu();
+  most.threads = kMaxThreads;
+  EXPECT_EQ(compute(one_triangle(), kGrid, most).report.threads, kMaxThreads);
+}
+
+// A count of 2^62 triangles gave a negative number of bytes, and -1 was a count.
+TEST(Misuse, MemoryOfAnyCount) {
+  for (const std::int64_t n : kCounts)
+    for (const double thickness : {0.5, kInfinite})
+      for (const Method method : {Method::tiles, Method::thesis})
+        for (const Backend backend : {Backend::cpu, Backend::emulated}) {
+          Options options = on_cpu();
+          options.thickness = thickness;
+          options.method = method;
+          options.backend = backend;
+          const auto ask = [&] { EXPECT_GT(memory_needed(n, kGrid, options), 0) << n; };
+          if (n < 1)
+            expect_usage(named("triangles", n), ask);
+          else
+            expect_answer_or_error(named("triangles", n), ask);
+          const Grid largest{{std::int64_t{1} << 40, std::int64_t{1} << 22, 1}, {}};
+          expect_answer_or_error(named("triangles", n), [&] { EXPECT_GT(memory_needed(n, largest, options), 0) << n; });
+        }
+}
+
+void expect_field(const std::string& name, DistanceField& field) {
+  for (const std::int64_t a : kCounts)
+    for (const std::int64_t b : {std::int64_t{0}, std::int64_t{-8}, kMost}) {
+      expect_answer_or_error(name, [&] { field.value(a, b, 0); });
+      expect_answer_or_error(name, [&] { field.nearest(0, a, b); });
+      expect_answer_or_error(name, [&] { field.tile(b, 0, a); });
+      expect_answer_or_error(name, [&] { field.tile_nearest(a, b, a); });
+      expect_answer_or_error(name, [&] { field.store_nearest(a, b, b); });
+      expect_answer_or_error(name, [&] { field.store_tile(a, b, b); });
+      std::vector<float> values(81);
+      std::vector<std::uint32_t> nearest(81);
+      expect_answer_or_error(name, [&] { field.copy_slices(a, b, values); });
+      expect_answer_or_error(name, [&] { field.copy_slices(b, a, values); });
+      expect_answer_or_error(name, [&] { field.copy_slices(a, b, {}); });
+      expect_answer_or_error(name, [&] { field.copy_nearest_slices(b, a, nearest); });
+    }
+  for (const double x : kNumbers) {
+    expect_answer_or_error(name, [&] { field.interpolate({x, 0, x}); });
+    expect_answer_or_error(name, [&] { field.gradient({0, x, 0}); });
+  }
+  expect_answer_or_error(name, [&] { field.to_dense(); });
+  expect_answer_or_error(name, [&] { EXPECT_GE(field.memory_bytes(), 0); });
+  expect_answer_or_error(name, [&] { verify(field, one_triangle()); });
+  expect_answer_or_error(name, [&] { DistanceField(field).value(0, 0, 0); });
+}
+
+TEST(Misuse, Fields) {
+  DistanceField empty, plain(kGrid, 1), with_nearest(kGrid, 1, true), moved_from(kGrid, 1, true);
+  const DistanceField taken = std::move(moved_from);
+  expect_field("empty field", empty);
+  expect_field("field", plain);
+  expect_field("field with nearest triangles", with_nearest);
+  expect_field("moved from", moved_from);  // NOLINT(bugprone-use-after-move): it is an empty field
+  for (const double x : kNumbers) expect_answer_or_error(named("thickness", x), [&] { DistanceField(kGrid, x); });
+  expect_usage("no sample", [&] { plain.value(9, 0, 0); });
+  expect_usage("no sample", [&] { plain.value(0, -1, 0); });
+  expect_usage("no tile", [&] { plain.tile(0, 2, 0); });
+  expect_usage("no nearest", [&] { plain.nearest(0, 0, 0); });
+}
+
+TEST(Misuse, Verify) {
+  const DistanceField field = compute(one_triangle(), kGrid, on_cpu()).field;
+  for (const std::int64_t n : kCounts) {
+    VerifyOptions options;
+    options.threads = 1;
+    options.samples = n;
+    expect_answer_or_error(named("samples", n), [&] { EXPECT_TRUE(verify(field, one_triangle(), options).ok()); });
+  }
+  const DistanceField long_one = compute(one_triangle(), {{5000, 1, 1}, {}}, on_cpu()).field;
+  EXPECT_TRUE(verify(long_one, one_triangle()).ok());
+  for (const double x : kNumbers) expect_answer_or_error("bound", [&] { allowed_error(kGrid, x); });
+  for (const Grid& grid : odd_grids())
+    if (grid.size.x > 0 && grid.size.y > 0 && grid.size.z > 0) allowed_error(grid, 1);
+}
+
+// What a callback throws is its caller's, whatever it is.
+TEST(Misuse, WhatCallbacksThrowComesOut) {
+  Options options = on_cpu();
+  options.progress = [](const Progress&) -> bool { throw 5; };
+  EXPECT_THROW(compute(one_triangle(), kGrid, options), int);
+  options.progress = [](const Progress&) -> bool { throw std::bad_alloc(); };
+  EXPECT_THROW(compute(one_triangle(), kGrid, options), std::bad_alloc);
+  VerifyOptions verifying;
+  verifying.progress = [](const Progress&) -> bool { throw std::string("mine"); };
+  EXPECT_THROW(verify(DistanceField(kGrid, 1), one_triangle(), verifying), std::string);
+}
+
+}  // namespace
+}  // namespace difi

@@ -1,0 +1,128 @@
+// io.h, picture.h, slice.h and cuda.h with arguments that make no sense.
+#include "difi/cuda.h"
+#include "difi/interrupt.h"
+#include "difi/io.h"
+#include "difi/picture.h"
+#include "difi/slice.h"
+#include "difi/version.h"
+#include "tests/api/misuse.h"
+#include "tests/io/temp_folder.h"
+
+namespace difi {
+namespace {
+
+using namespace testing;
+
+std::vector<std::filesystem::path> odd_paths(const TempFolder& folder) {
+  std::vector<std::filesystem::path> paths{"", "/", ".", "..", folder / "none", std::string(5000, 'a')};
+  for (const char* extension : {"stl", "ply", "obj", "off", "vti", "nrrd", "npz", "png", "glb", "dae", "3ds"}) {
+    paths.push_back(folder / "no such folder" / ("a." + std::string(extension)));
+    paths.push_back(folder / ("a." + std::string(extension)));
+    paths.push_back("." + std::string(extension));
+  }
+  return paths;
+}
+
+TEST(Misuse, Reading) {
+  const TempFolder folder;
+  for (const auto& path : odd_paths(folder)) {
+    expect_answer_or_error(path.string(), [&] { read_mesh(path); });
+    expect_answer_or_error(path.string(), [&] { read_field(path); });
+    expect_answer_or_error(path.string(), [&] { read_text(path); });
+  }
+  const auto mesh = folder / "mesh.obj", field = folder / "field.vti";
+  write_mesh(mesh, one_triangle());
+  write_field(field, DistanceField({{3, 3, 3}, {}}, 1));
+  for (const double x : kNumbers) expect_answer_or_error(named("scale", x), [&] { read_mesh(mesh, {x}); });
+  for (const std::int64_t n : kCounts) expect_answer_or_error(named("limit", n), [&] { read_field(field, {n}); });
+}
+
+TEST(Misuse, Writing) {
+  const TempFolder folder;
+  const DistanceField field({{3, 3, 3}, {}}, 1, true);
+  for (auto path : odd_paths(folder)) {
+    if (path.is_relative()) path = folder / "none" / path;  // nothing is left where the test runs
+    const std::string name = path.string();
+    expect_answer_or_error(name, [&] { write_mesh(path, one_triangle()); });
+    expect_answer_or_error(name, [&] { write_mesh(path, Mesh{}, none_of<Existing>()); });
+    expect_answer_or_error(name, [&] { write_field(path, field); });
+    expect_answer_or_error(name, [&] { write_field(path, {}); });
+    expect_answer_or_error(name, [&] { write_text(path, {}); });
+    expect_answer_or_error(name, [&] { write_slice_png(path, field); });
+    expect_answer_or_error(name, [&] { write_mesh_png(path, one_triangle(), {.width = 16, .height = 16}); });
+  }
+  for (const Mesh& mesh : odd_meshes())
+    for (const char* file : {"a.stl", "a.ply", "a.obj"})
+      expect_answer_or_error(file, [&] { write_mesh(folder / file, mesh); });
+  EXPECT_FALSE(mesh_formats().empty() || field_formats().empty());
+  EXPECT_STRNE(version(), "");
+  remove_unfinished_files();
+}
+
+TEST(Misuse, Pictures) {
+  const TempFolder folder;
+  const auto path = folder / "a.png";
+  const auto expect = [&](const std::string& name, const PictureOptions& options) {
+    for (const Mesh& mesh : odd_meshes()) expect_answer_or_error(name, [&] { write_mesh_png(path, mesh, options); });
+  };
+  const PictureOptions small{.width = 16, .height = 16};
+  for (const int n : {std::numeric_limits<int>::min(), -1, 0, 15, 8193, std::numeric_limits<int>::max()}) {
+    expect(named("width", n), {.width = n, .height = 16});
+    expect(named("height", n), {.width = 16, .height = n});
+  }
+  for (const double x : kNumbers) {
+    PictureOptions azimuth = small, elevation = small;
+    azimuth.azimuth_deg = elevation.elevation_deg = x;
+    expect(named("azimuth", x), azimuth);
+    expect(named("elevation", x), elevation);
+  }
+  PictureOptions no_axis = small;
+  no_axis.up = none_of<Axis>();
+  expect("axis", no_axis);
+}
+
+TEST(Misuse, Slices) {
+  const TempFolder folder;
+  const auto path = folder / "a.png";
+  for (const DistanceField& field : {DistanceField(), DistanceField({{3, 4, 5}, {}}, 1)}) {
+    const auto expect = [&](const std::string& name, const SliceOptions& options) {
+      expect_answer_or_error(name, [&] { write_slice_png(path, field, options); });
+    };
+    const auto with = [](auto SliceOptions::*member, auto value) {
+      SliceOptions options;
+      options.*member = value;
+      return options;
+    };
+    for (const double x : kNumbers) expect(named("at", x), with(&SliceOptions::at, x));
+    for (const std::int64_t n : kCounts) expect(named("index", n), with(&SliceOptions::index, n));
+    for (const int n : {std::numeric_limits<int>::min(), -1, 0, 1, 8193, std::numeric_limits<int>::max()})
+      expect(named("pixels", n), with(&SliceOptions::pixels, n));
+    expect("axis", with(&SliceOptions::axis, none_of<Axis>()));
+    expect("colormap", with(&SliceOptions::colormap, none_of<Colormap>()));
+  }
+}
+
+TEST(Misuse, DeviceMemory) {
+  const Grid grid{{9, 9, 9}, {}};
+  for (const std::int64_t n : kCounts)
+    for (const double x : kNumbers)
+      for (const Method method : {Method::tiles, Method::thesis, none_of<Method>()}) {
+        const std::string name = named("count", n) + named(", thickness", x);
+        expect_answer_or_error(name, [&] { EXPECT_GE(cuda::likely_entries(n, grid, x, method), 0); });
+        expect_answer_or_error(name, [&] { EXPECT_GT(cuda::workspace_bytes(n, grid, x, method, 1), 0); });
+        expect_answer_or_error(name, [&] { EXPECT_GT(cuda::workspace_bytes(1, grid, x, method, n), 0); });
+      }
+  for (const Grid& odd : odd_grids())
+    expect_answer_or_error("grid", [&] { EXPECT_GE(cuda::likely_entries(1, odd, 1), 0); });
+  const cuda::Task task;
+  for (const std::int64_t bytes : kCounts)
+    expect_answer_or_error("enqueue", [&] { cuda::enqueue(task, nullptr, bytes, nullptr); });
+  expect_answer_or_error("enqueue", [&] { cuda::enqueue(std::span<const cuda::Task>(&task, 1), nullptr, 0, nullptr); });
+  expect_answer_or_error("check", [&] { cuda::check({1, cuda::Outcome::kNone, ~0ull, ~0ull, 0, 0}, task); });
+  expect_answer_or_error("check", [&] { cuda::check({1, 0, 0, 0, 0, 0}, task); });
+  cuda::devices();
+  cuda::why_no_device();
+}
+
+}  // namespace
+}  // namespace difi

@@ -1,0 +1,166 @@
+// Public functions when an allocation is refused, be it the first, the second or any other: Error{limit}, and nothing
+// is lost.
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "difi/collision.h"
+#include "difi/compute.h"
+#include "difi/io.h"
+#include "difi/picture.h"
+#include "difi/simulation.h"
+#include "difi/slice.h"
+#include "difi/verify.h"
+#include "scenes/scenes.h"
+#include "tests/io/temp_folder.h"
+#include "tests/support/heap.h"
+
+namespace difi {
+namespace {
+
+namespace heap = testing::heap;
+
+// Runs the call again and again, each time with another of its allocations refused, until none is. One thread, so that
+// the n-th allocation is the same each time.
+void expect_limit_error(const std::string& name, const std::function<void()>& call) {
+  call();                              // what is made once and kept
+  constexpr std::int64_t kEach = 150;  // beyond, some of them
+  for (std::int64_t n = 0;; n += n < kEach ? 1 : n / 8) {
+    const std::int64_t before = heap::held;
+    bool happened = true;
+    {
+      const heap::Refusal refusal(n);
+      try {
+        call();
+        happened = heap::Refusal::happened();
+      } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::limit) << name << ", allocation " << n << ": " << error.what();
+      } catch (const std::exception& error) {
+        ADD_FAILURE() << name << ", allocation " << n << " throws what is no Error: " << error.what();
+      }
+    }
+    EXPECT_EQ(heap::held, before) << name << ", allocation " << n << " loses memory";
+    if (!happened || ::testing::Test::HasFailure()) return;
+  }
+}
+
+const Mesh kMesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 1, 2}, {0, 1, 3}, {1, 2, 3}}};
+const Grid kGrid{{12, 9, 9}, {-1, -1, -1}, {0.4, 0.4, 0.4}};
+
+Options on_cpu() {
+  Options options;
+  options.backend = Backend::cpu;
+  options.threads = 1;
+  options.nearest_triangle = true;
+  return options;
+}
+
+TEST(RefusedMemory, Computing) {
+  for (const double thickness : {0.5, 100.0})
+    for (const Method method : {Method::tiles, Method::thesis})
+      for (const SkipRule::Kind kind : {SkipRule::Kind::automatic, SkipRule::Kind::exact}) {
+        Options options = on_cpu();
+        options.thickness = thickness;
+        options.method = method;
+        options.skip.kind = kind;
+        expect_limit_error("compute", [&] { compute(kMesh, kGrid, options); });
+      }
+  std::vector<float> values(static_cast<std::size_t>(kGrid.sample_count()));
+  std::vector<std::uint32_t> nearest(values.size());
+  expect_limit_error("compute_into", [&] { compute_into(kMesh, kGrid, values, nearest, on_cpu()); });
+  expect_limit_error("memory_needed", [&] { memory_needed(kMesh, kGrid, on_cpu()); });
+}
+
+TEST(RefusedMemory, Fields) {
+  const DistanceField field = compute(kMesh, kGrid, on_cpu()).field;
+  const std::vector<float> values = field.to_dense();
+  expect_limit_error("copy", [&] { DistanceField(field).stored_tiles(); });
+  expect_limit_error("assign", [&] {
+    DistanceField other;
+    other = field;
+  });
+  expect_limit_error("to_dense", [&] { field.to_dense(); });
+  expect_limit_error("from_dense", [&] { DistanceField::from_dense(kGrid, 1, values); });
+  expect_limit_error("store", [&] {
+    DistanceField stored(kGrid, 1, true);
+    stored.store_tile(0, 0, 0);
+    stored.store_nearest(0, 0, 0);
+  });
+  VerifyOptions options;
+  options.threads = 1;
+  expect_limit_error("verify", [&] { verify(field, kMesh, options); });
+}
+
+TEST(RefusedMemory, Bodies) {
+  expect_limit_error("model", [&] { CollisionModel(kMesh, {.threads = 1}); });
+  const CollisionModel body(kMesh, {.threads = 1});
+  const Pose near = make_pose({0, 0, 1}, 0.3, {0.1, 0.2, 0.1});
+  const std::vector<Pose> poses(3, near);
+  const std::vector<Motion> motions(3, Motion{make_pose({0, 0, 1}, 0, {5, 0, 0}), near, {}});
+  expect_limit_error("collide", [&] { collide(body, {}, body, near); });
+  expect_limit_error("distance", [&] { distance(body, {}, body, near); });
+  expect_limit_error("contacts", [&] { contacts(body, {}, body, near, {.margin = 0.5}); });
+  expect_limit_error("sweep", [&] { sweep(body, {}, body, motions[0]); });
+  expect_limit_error("collide_all", [&] { collide_all(body, {}, body, poses, {}, 1); });
+  expect_limit_error("distance_all", [&] { distance_all(body, {}, body, poses, {}, 1); });
+  expect_limit_error("contacts_all", [&] { contacts_all(body, {}, body, poses, {}, 1); });
+  expect_limit_error("sweep_all", [&] { sweep_all(body, {}, body, motions, {}, 1); });
+  expect_limit_error("batch", [&] { collide_all(body, {}, body, poses, {}, Batch{1}); });
+}
+
+TEST(RefusedMemory, Flights) {
+  const CollisionModel body(kMesh, {.threads = 1});
+  for (const FlightMode mode : {FlightMode::sweep, FlightMode::thesis}) {
+    FlightOptions options;
+    options.mode = mode;
+    options.threads = 1;
+    expect_limit_error("world", [&] {
+      World world(body, options);
+      world.add(body, make_pose({0, 0, 1}, 0, {5, 5, 5}));
+      world.add_flier({{-3, -3, -3}, {-1, -1, -1}});
+      world.run(3);
+    });
+  }
+}
+
+TEST(RefusedMemory, Files) {
+  const TempFolder folder;
+  for (const char* name : {"a.stl", "a.ply", "a.obj"}) {
+    const auto path = folder / name;
+    expect_limit_error(name, [&] { write_mesh(path, kMesh); });
+    expect_limit_error(name, [&] { read_mesh(path); });
+  }
+  const DistanceField field = compute(kMesh, kGrid, on_cpu()).field;
+  for (const char* name : {"a.vti", "a.npz"}) {
+    const auto path = folder / name;
+    expect_limit_error(name, [&] { write_field(path, field); });
+    expect_limit_error(name, [&] { read_field(path); });
+  }
+  const auto body_path = folder / "a.body", text = folder / "a.txt", picture = folder / "a.png";
+  const CollisionModel body(kMesh, {.threads = 1});
+  expect_limit_error("save", [&] { body.save(body_path); });
+  expect_limit_error("load", [&] { CollisionModel::load(body_path); });
+  expect_limit_error("write_text", [&] { write_text(text, "some"); });
+  expect_limit_error("read_text", [&] { read_text(text); });
+  const auto flight = folder / "a.csv";
+  const std::vector<PathPoint> points{{0, 0, {}}};
+  expect_limit_error("write_path", [&] { write_path(flight, points); });
+  expect_limit_error("slice", [&] { write_slice_png(picture, field); });
+  expect_limit_error("picture", [&] { write_mesh_png(picture, kMesh, {.width = 16, .height = 16}); });
+}
+
+// Where nothing at all is left, the message too has to do without.
+TEST(RefusedMemory, NothingLeft) {
+  const heap::Limit nothing(0);
+  try {
+    compute(kMesh, kGrid, on_cpu());
+    ADD_FAILURE() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::limit);
+  }
+}
+
+}  // namespace
+}  // namespace difi

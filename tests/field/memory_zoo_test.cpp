@@ -1,0 +1,158 @@
+// memory_needed() is an upper bound: what computations of many kinds of meshes hold on the heap, against what was said.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "difi/compute.h"
+#include "scenes/scenes.h"
+#include "tests/support/fields.h"
+#include "tests/support/heap.h"
+#include "tests/support/random_mesh.h"
+
+namespace difi {
+namespace {
+
+using testing::add_triangle;
+using testing::kInfinity;
+using testing::Random;
+
+// All in [-1, 1]^3 or a little beyond.
+struct Kind {
+  std::string name;
+  Mesh mesh;
+};
+
+Mesh slivers(int count) {
+  Random random(7);
+  Mesh mesh;
+  for (int n = 0; n < count; ++n) {
+    const Vec3 a = random.in_cube(1), b = random.in_cube(1);
+    add_triangle(mesh, a, b, (a + b) * 0.5 + random.in_cube(1e-6));
+  }
+  return mesh;
+}
+
+Mesh points(int count) {
+  Random random(8);
+  Mesh mesh;
+  for (int n = 0; n < count; ++n) {
+    const Vec3 at = random.in_cube(0.05);
+    add_triangle(mesh, at, at, at);
+  }
+  return mesh;
+}
+
+Mesh fitted(Mesh mesh) {
+  const Box box = bounds(mesh);
+  const double longest = std::max({box.extent().x, box.extent().y, box.extent().z});
+  for (Vec3& v : mesh.vertices) v = (v - box.center()) * (2 / longest);
+  return mesh;
+}
+
+std::vector<Kind> zoo() {
+  return {{"one triangle", {{{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}}, {{0, 1, 2}}}},
+          {"many as large as the grid", testing::random_soup(5, 40'000, 0.5, 1)},
+          {"slivers", slivers(36'000)},
+          {"points in one place", points(50'000)},
+          {"small ones", testing::random_soup(6, 20'000, 1, 0.05)},
+          {"factory", fitted(scenes::make("factory", 60'000))}};
+}
+
+Grid grid_of(Size3 size) {
+  const double spacing = 2 / static_cast<double>(std::max({size.x, size.y, size.z}) - 1);
+  return {size, {-1, -1, -1}, {spacing, spacing, spacing}};
+}
+
+// What TBB, the callback and the texts of a report take.
+constexpr std::int64_t kSmallThings = 64 << 10;
+
+void expect_enough(const Kind& kind, const Grid& grid, const Options& options) {
+  const std::int64_t needed = memory_needed(kind.mesh, grid, options);
+  const std::int64_t taken = testing::heap::most_held([&] { compute(kind.mesh, grid, options); });
+  EXPECT_LE(taken, needed + kSmallThings)
+      << kind.name << ", " << grid.size.x << "x" << grid.size.y << "x" << grid.size.z << ", thickness "
+      << options.thickness << ", " << options.threads << " threads, method " << static_cast<int>(options.method);
+}
+
+TEST(MemoryOfTheZoo, NoComputationTakesMoreThanWasSaid) {
+  for (const Kind& kind : zoo())
+    for (const Size3 size : {Size3{12, 12, 12}, Size3{40, 9, 2}, Size3{300, 1, 1}})
+      for (const double samples : {2.0, 8.0, kInfinity}) {
+        const Grid grid = grid_of(size);
+        Options options;
+        options.backend = Backend::cpu;
+        options.thickness = samples * grid.spacing.x;
+        for (options.threads = 1; options.threads <= 8; options.threads += options.threads == 1 ? 1 : 3)
+          expect_enough(kind, grid, options);
+      }
+}
+
+TEST(MemoryOfTheZoo, NorDoTheThesisAndTheSkipRules) {
+  for (const Kind& kind : zoo()) {
+    const Grid grid = grid_of({12, 12, 12});
+    Options options;
+    options.backend = Backend::cpu;
+    options.thickness = 2 * grid.spacing.x;
+    for (options.threads = 1; options.threads <= 8; options.threads *= 2) {
+      options.method = Method::thesis;
+      expect_enough(kind, grid, options);
+      options.method = Method::tiles;
+      options.skip.kind = SkipRule::Kind::exact;
+      expect_enough(kind, grid, options);
+      options.skip.kind = SkipRule::Kind::automatic;
+    }
+  }
+}
+
+// What is needed beside the output must not grow with the candidates that the triangles' sizes make: 60,000 triangles
+// as large as a full field's grid held 35 MiB of lists that nobody had counted.
+TEST(MemoryOfTheZoo, ALimitHoldsForManyLargeTriangles) {
+  const Mesh mesh = testing::random_soup(5, 60'000, 0.5, 1);
+  const Grid grid = grid_of({20, 20, 20});
+  Options options;
+  options.backend = Backend::cpu;
+  options.threads = 2;
+  options.memory_limit = memory_needed(mesh, grid, options);
+  const testing::heap::Limit hard(options.memory_limit + kSmallThings);
+  EXPECT_GT(compute(mesh, grid, options).report.samples_band, 0);
+}
+
+// Where candidates are too many for a list they come in parts. A field is the least of its parts' fields, bit for bit,
+// so what is computed in one part each must give what all of them give.
+void expect_least_of_parts(const Mesh& mesh, const Grid& grid, int part_count) {
+  const Computed whole = testing::computed(mesh, grid, kInfinity);
+  std::vector<float> least(static_cast<std::size_t>(grid.sample_count()), std::numeric_limits<float>::infinity());
+  std::vector<std::uint32_t> nearest(least.size(), kNoTriangle);
+  const std::size_t count = mesh.triangles.size(), parts = static_cast<std::size_t>(part_count);
+  for (std::size_t part = 0; part < parts; ++part) {
+    const std::size_t first = count * part / parts, end = count * (part + 1) / parts;
+    const MeshView some{mesh.vertices, std::span(mesh.triangles).subspan(first, end - first)};
+    const Computed computed = testing::computed(some, grid, kInfinity);
+    const std::vector<float> values = computed.field.to_dense();
+    const std::vector<std::uint32_t> its_nearest = testing::all_nearest(computed.field);
+    for (std::size_t n = 0; n < least.size(); ++n)
+      if (values[n] < least[n]) {
+        least[n] = values[n];
+        nearest[n] = static_cast<std::uint32_t>(first) + its_nearest[n];
+      }
+  }
+  EXPECT_EQ(testing::bits_of(whole.field.to_dense()), testing::bits_of(least));
+  // Equally near after the square root may differ before it: then the nearest may be of another part.
+  const std::vector<std::uint32_t> all = testing::all_nearest(whole.field);
+  std::size_t different = 0;
+  for (std::size_t n = 0; n < all.size(); ++n) different += all[n] != nearest[n];
+  EXPECT_LE(different, all.size() / 100);
+}
+
+TEST(ManyCandidates, LargeTrianglesInParts) {
+  expect_least_of_parts(testing::random_soup(9, 120'000, 0.5, 2), grid_of({12, 12, 12}), 10);
+}
+
+TEST(ManyCandidates, SmallTrianglesOfOneCellInParts) {
+  expect_least_of_parts(testing::random_soup(9, 120'000, 0.3, 0.01), grid_of({6, 6, 6}), 10);
+}
+
+}  // namespace
+}  // namespace difi

@@ -1,0 +1,97 @@
+// A heap that counts what is held, has a limit, and can refuse one allocation. It replaces operator new: include it in
+// one file of a program.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <cstdlib>
+#include <limits>
+#include <new>
+
+namespace difi::testing::heap {
+
+inline constexpr std::int64_t kUnlimited = std::numeric_limits<std::int64_t>::max();
+inline std::atomic<std::int64_t> held{0}, most{0}, limit{kUnlimited};
+/// How many more allocations succeed; the one after them fails, and those behind it succeed again.
+inline std::atomic<std::int64_t> until_refusal{kUnlimited};
+
+// Every block begins with its length, in as many bytes as its alignment.
+inline void* take(std::size_t bytes, std::size_t alignment) {
+  const std::int64_t now = held.fetch_add(static_cast<std::int64_t>(bytes)) + static_cast<std::int64_t>(bytes);
+  const bool refused = now > limit || until_refusal.fetch_sub(1) == 0;
+  const bool countable = bytes < std::size_t{1} << 62;
+  void* block = refused || !countable ? nullptr : std::aligned_alloc(alignment, (bytes / alignment + 2) * alignment);
+  if (!block) {
+    held -= static_cast<std::int64_t>(bytes);
+    throw std::bad_alloc();
+  }
+  for (std::int64_t before = most; before < now && !most.compare_exchange_weak(before, now);) {
+  }
+  *static_cast<std::size_t*>(block) = bytes;
+  return static_cast<char*>(block) + alignment;
+}
+inline void give(void* block, std::size_t alignment) noexcept {
+  if (!block) return;
+  char* begin = static_cast<char*>(block) - alignment;
+  held -= static_cast<std::int64_t>(*reinterpret_cast<std::size_t*>(begin));
+  std::free(begin);
+}
+inline constexpr std::size_t kUsual = __STDCPP_DEFAULT_NEW_ALIGNMENT__;
+
+/// The most bytes on the heap while `call` runs, those before not counted.
+template <class Call>
+std::int64_t most_held(Call call) {
+  const std::int64_t before = held;
+  most = before;
+  call();
+  return most - before;
+}
+
+/// While it lives, no more than so many bytes can be taken.
+class Limit {
+ public:
+  explicit Limit(std::int64_t bytes) { limit = held + bytes; }
+  ~Limit() { limit = kUnlimited; }
+};
+
+/// While it lives, the allocation after so many others is refused.
+class Refusal {
+ public:
+  explicit Refusal(std::int64_t after) { until_refusal = after; }
+  ~Refusal() { until_refusal = kUnlimited; }
+  /// Whether it has come to that.
+  static bool happened() { return until_refusal < 0; }
+};
+
+}  // namespace difi::testing::heap
+
+// NOLINTBEGIN(misc-definitions-in-headers): see above
+void* operator new(std::size_t bytes) { return difi::testing::heap::take(bytes, difi::testing::heap::kUsual); }
+void* operator new[](std::size_t bytes) { return difi::testing::heap::take(bytes, difi::testing::heap::kUsual); }
+void* operator new(std::size_t bytes, std::align_val_t alignment) {
+  return difi::testing::heap::take(bytes, std::size_t(alignment));
+}
+void* operator new[](std::size_t bytes, std::align_val_t alignment) {
+  return difi::testing::heap::take(bytes, std::size_t(alignment));
+}
+void operator delete(void* block) noexcept { difi::testing::heap::give(block, difi::testing::heap::kUsual); }
+void operator delete[](void* block) noexcept { difi::testing::heap::give(block, difi::testing::heap::kUsual); }
+void operator delete(void* block, std::size_t) noexcept {
+  difi::testing::heap::give(block, difi::testing::heap::kUsual);
+}
+void operator delete[](void* block, std::size_t) noexcept {
+  difi::testing::heap::give(block, difi::testing::heap::kUsual);
+}
+void operator delete(void* block, std::align_val_t alignment) noexcept {
+  difi::testing::heap::give(block, std::size_t(alignment));
+}
+void operator delete[](void* block, std::align_val_t alignment) noexcept {
+  difi::testing::heap::give(block, std::size_t(alignment));
+}
+void operator delete(void* block, std::size_t, std::align_val_t alignment) noexcept {
+  difi::testing::heap::give(block, std::size_t(alignment));
+}
+void operator delete[](void* block, std::size_t, std::align_val_t alignment) noexcept {
+  difi::testing::heap::give(block, std::size_t(alignment));
+}
+// NOLINTEND(misc-definitions-in-headers)
