@@ -32,8 +32,11 @@ struct Allowed {
   /// A contact's point from both of its triangles, and how far beyond its depth b moves along its normal until they are
   /// apart.
   double contact() const { return 1e-9 * extent + 4 * kRoundoff * coordinate; }
-  /// The place of a body on its way, at a time that is a double.
-  double on_way(double length_of_way) const { return 64 * kRoundoff * (extent + coordinate + length_of_way); }
+  /// The place of a body on its way, at a time that is a double, and by poses with such translations: that of a mesh
+  /// far from its own origin is rounded by more than where it is in the world.
+  double on_way(double length_of_way, double translation) const {
+    return 64 * kRoundoff * (extent + coordinate + length_of_way + translation);
+  }
 
  private:
   static Box box_around(const Corners& p, const Corners& q) {

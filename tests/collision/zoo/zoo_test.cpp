@@ -94,7 +94,9 @@ void show(const Motion& motion, double tolerance) {
 }
 
 void check_sweeps(const PlacedPair& at, double size, int n, Random& random, bool shown, Findings& found) {
-  const double tolerance = std::max(size * log_between(random, 1e-9, 1e-2), 300 * at.allowed.on_way(0));
+  // Below that a pose's rounding moves the body by more.
+  const double least = 300 * at.allowed.on_way(0, length(at.pose_b.translation));
+  const double tolerance = std::max(size * log_between(random, 1e-9, 1e-2), least);
   if (n % 3 == 0) {  // no way at all
     if (shown) show({at.pose_b, at.pose_b, {}}, tolerance);
     check_sweep(at, {at.pose_b, at.pose_b, {}}, tolerance, 0, random, found);
