@@ -143,7 +143,9 @@ struct Motion {
 Pose pose_at(const Motion& motion, double t);
 
 struct SweepOptions {
-  double tolerance = 1e-4;  ///< surfaces this near count as touching; world units, positive
+  /// Surfaces this near count as touching; world units, positive. Counts as 2^-48 of the coordinates of poses, meshes
+  /// and ways where it is less: rounding moves bodies by that.
+  double tolerance = 1e-4;
 };
 
 struct Swept {

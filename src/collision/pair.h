@@ -41,6 +41,8 @@ struct Pair {
   bool swapped;  ///< a is the tree
   Pose relative;
   FloatPlace place;
+  /// The coordinates that placing both bodies in the world goes through are no larger.
+  double far;
   /// How much bounds in single precision, in the field's frame, may be wrong about the world: see pair.cpp.
   float slack;
 

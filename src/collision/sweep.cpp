@@ -23,6 +23,12 @@ namespace difi {
 namespace collision {
 namespace {
 
+// A pose on the way goes through some 12 roundings of coordinates this large, a corner in it through 4: by so much
+// bodies jump from one time to the next.
+double jump_on_way(const Pair& pair, const Course& course) {
+  return 16 * 0x1p-53 * (pair.far + length(course.center) + length(course.velocity));
+}
+
 // Times near 1 are rounded by 1e-16. In terms of the speed.
 constexpr double kTimeRounding = 4e-16;
 
@@ -34,6 +40,7 @@ class Follow {
         relative_(pair, course),
         kernels_(kernels()),
         tolerance_(tolerance),
+        told_(std::max(1e-3 * tolerance, jump_on_way(pair, course))),
         keep_(distance_kept(pair, course, tolerance)),
         enough_(static_cast<float>(pair.field.body->field.spacing)) {}
 
@@ -190,7 +197,7 @@ class Follow {
       const double across = rate == 0 ? 0 : length(cross(slab.normal, course_.turn.axis)) * rate * away;
       const double approach = across - dot(slab.normal, course_.velocity);
       // However near, they only part; but nearer than this the direction may be one of rounding.
-      if (apart > 1e-3 * tolerance_ && slab.thickness > 0 && !(approach > 0)) return;
+      if (apart > told_ && slab.thickness > 0 && !(approach > 0)) return;
       if (!(apart > tolerance_)) return record(t, field_place, tree_place, pair);
       // Rounding of the time must not carry them past each other.
       const double reserve = std::max(tolerance_ / 2, kTimeRounding * approach);
@@ -240,6 +247,7 @@ class Follow {
   const RelativeMotion relative_;
   const Kernels& kernels_;
   const double tolerance_;
+  const double told_;   // from here on a direction is not one of rounding
   const float keep_;    // distance left after every step
   const float enough_;  // steps this long are taken without asking the fine field
   double from_ = 0, until_ = 0;
@@ -295,6 +303,11 @@ double jump_at_end(const Course& course, const CollisionModel::Data& body) {
 
 }  // namespace
 
+// Half a tolerance is kept between the bodies.
+double tolerance_kept(const Pair& pair, const Course& course, double asked) {
+  return std::max(asked, 2 * jump_on_way(pair, course));
+}
+
 // Times near 1 are rounded by 1e-16, which counts on very long ways: so much the place of a body on its way is
 // uncertain.
 float distance_kept(const Pair& pair, const Course& course, double tolerance) {
@@ -309,9 +322,11 @@ bool may_jump_at_end(const Course& course, const CollisionModel& moving, double 
 }
 
 Swept sweep_exactly(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Motion& motion,
-                    double tolerance) {
+                    double asked) {
   const Course course(motion);
-  const Swept swept = Follow(Pair(a, pose_a, b, motion.from), course, tolerance).run();
+  const Pair pair(a, pose_a, b, motion.from);
+  const double tolerance = tolerance_kept(pair, course, asked);
+  const Swept swept = Follow(pair, course, tolerance).run();
   if (swept.hit || !may_jump_at_end(course, b, tolerance)) return swept;
   const Pair end(a, pose_a, b, motion.to);
   const auto found = find_touching(end, 0);

@@ -35,8 +35,9 @@ std::vector<Swept> sweep_on_device(const DeviceRow& row, const CollisionModel& a
     const auto prepared = for_each<Prepared>(piece.size(), batch.threads, [&](std::size_t n) {
       const Course course(piece[n]);
       const Pair pair(a, pose_a, b, piece[n].from);
-      return Prepared{{RelativeMotion(pair, course).way(), distance_kept(pair, course, tolerance)},
-                      may_jump_at_end(course, b, tolerance)};
+      const double kept = tolerance_kept(pair, course, tolerance);
+      return Prepared{{RelativeMotion(pair, course).way(), distance_kept(pair, course, kept)},
+                      may_jump_at_end(course, b, kept)};
     });
     std::vector<SweepQuery> queries;
     queries.reserve(prepared.size());

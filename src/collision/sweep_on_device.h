@@ -8,6 +8,9 @@
 
 namespace difi::collision {
 
+/// The tolerance asked for, or the least that can be kept where the poses and corners are rounded by more than that.
+double tolerance_kept(const Pair& pair, const Course& course, double asked);
+
 /// The distance that a ball leaves between itself and the surface after every step.
 float distance_kept(const Pair& pair, const Course& course, double tolerance);
 

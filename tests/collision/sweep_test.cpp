@@ -86,6 +86,25 @@ TEST(Sweep, AStraightWayDoesNotDependOnTheCenter) {
   EXPECT_THROW(sweep(resting, {}, box, motion), Error);
 }
 
+// A mesh 2e10 from its own origin: the translations of its poses are rounded by 4e-6. A needle passes along an edge,
+// nearer than that, on a way that does not touch it; but poses on the way do.
+TEST(Sweep, WhatRoundsThePosesIsKeptBetweenBodies) {
+  const Vec3 far{-301108018.0963652, -18188532272.843033, 11690617903.502226}, x{1, 0, 0};
+  const CollisionModel still(one_triangle({0, -1, -1}, {0, 1, 1}, {0, 1, -1})),
+      needle(one_triangle(far - x, far + x, far + x));
+  int free = 0;
+  for (int n = 0; n < 200; ++n) {
+    const double beside = 1e-7 * std::pow(1.08, n);
+    const Vec3 from = Vec3{0, -2e-4 - beside, -2e-4 + beside} - far, way{0, 4e-4, 4e-4};
+    const Motion motion{moved(from), moved(from + way), {}};
+    const Swept swept = sweep(still, {}, needle, motion, {1e-7});
+    free += !swept.hit;
+    for (int k = 0; k < 100 && swept.time > 0; ++k)
+      ASSERT_FALSE(collide(still, {}, needle, pose_at(motion, swept.time * k / 100)).hit()) << n << ", " << k;
+  }
+  EXPECT_GT(free, 20);
+}
+
 // The tip of a hand that turns about z starts along a wall and curves into it: at first it comes no nearer at all.
 TEST(Sweep, AHandThatStartsAlongAWallMeetsIt) {
   Mesh wall;

@@ -160,7 +160,9 @@ TEST(Legend, CopesWithAnyRange) {
     legend.draw(image, 0, 0, 300);
     EXPECT_LT(legend.width(), 400);
     EXPECT_EQ(legend.color(least), (Color{68, 1, 84}));
-    if (greatest > least) EXPECT_EQ(legend.color(greatest), (Color{253, 231, 37}));
+    if (greatest > least) {
+      EXPECT_EQ(legend.color(greatest), (Color{253, 231, 37}));
+    }
     EXPECT_EQ(legend.color(kInfinite), kGrey);
   }
   // What is clamped says so.
