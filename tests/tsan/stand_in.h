@@ -23,15 +23,17 @@ struct split {};
 
 namespace stand_in {
 
-// Threads that may still be started, all loops of the process together: loops within loops run on what is left.
-inline std::atomic<int> spare_threads{3};
+// Threads that may be started, all loops of the process together: loops within loops run on what is left.
+inline constexpr int kHelpers = 3;
+inline std::atomic<bool> taken[kHelpers];
 inline thread_local bool alone = false;  // inside an arena of one thread
+inline thread_local int place = 0;       // in the arena: the caller's, or one of the helpers'
 
-inline bool take_thread() {
-  int spare = spare_threads.load();
-  while (spare > 0)
-    if (spare_threads.compare_exchange_weak(spare, spare - 1)) return true;
-  return false;
+// The place of a thread that may be started; 0 for none.
+inline int take_place() {
+  for (int n = 0; n < kHelpers; ++n)
+    if (!taken[n].exchange(true)) return n + 1;
+  return 0;
 }
 
 // task(0), ..., task(count - 1), side by side; the first exception is thrown again.
@@ -49,12 +51,16 @@ void run(std::size_t count, const Task& task) {
       if (!failure) failure = std::current_exception();
     }
   };
-  std::vector<std::thread> helpers;
-  while (!alone && helpers.size() + 1 < count && take_thread()) helpers.emplace_back(work);
+  std::vector<std::pair<std::thread, int>> helpers;
+  while (!alone && helpers.size() + 1 < count) {
+    const int at = take_place();
+    if (at == 0) break;
+    helpers.emplace_back([&work, at] { place = at, work(); }, at);
+  }
   work();
-  for (std::thread& helper : helpers) {
+  for (auto& [helper, at] : helpers) {
     helper.join();
-    ++spare_threads;
+    taken[at - 1] = false;
   }
   if (failure) std::rethrow_exception(failure);
 }
@@ -90,6 +96,22 @@ struct static_partitioner {};
 template <class Value, class Body, class... Partitioner>
 void parallel_for(const blocked_range<Value>& range, const Body& body, const Partitioner&...) {
   stand_in::run(range.parts(), [&](std::size_t n) { body(range.part(n)); });
+}
+
+// A range of the caller's own: at most 16 parts of it.
+template <class Range, class Body>
+requires std::is_constructible_v<Range, Range&, split>
+void parallel_for(const Range& range, const Body& body) {
+  std::vector<Range> parts{range};
+  for (std::size_t n = 0; n < parts.size() && parts.size() < 16;) {
+    if (!parts[n].is_divisible()) {
+      ++n;
+      continue;
+    }
+    Range rest(parts[n], split{});
+    parts.push_back(std::move(rest));
+  }
+  stand_in::run(parts.size(), [&](std::size_t n) { body(parts[n]); });
 }
 
 template <class Index, class Body>
@@ -166,7 +188,8 @@ class task_arena {
 };
 
 namespace this_task_arena {
-inline int max_concurrency() { return 4; }
+inline int max_concurrency() { return 1 + stand_in::kHelpers; }
+inline int current_thread_index() { return stand_in::place; }
 template <class Function>
 auto isolate(const Function& function) {
   return function();
@@ -177,7 +200,7 @@ auto isolate(const Function& function) {
 struct global_control {
   enum Parameter { max_allowed_parallelism, thread_stack_size };
   global_control(Parameter, std::size_t) {}
-  static std::size_t active_value(Parameter) { return 4; }
+  static std::size_t active_value(Parameter) { return 1 + stand_in::kHelpers; }
 };
 
 template <class Value>
