@@ -8,29 +8,29 @@ namespace difi::collision {
 
 template <class F>
 struct Crossing {
-  Triple<F> point;   ///< the middle of the segment they share
-  Triple<F> normal;  ///< unit length, the way q has to go
-  F depth;           ///< how far
-  FlagsOf<F> sharp;  ///< no number is farther off than 1e-9 of the pair's extent
+  Triple<F> point;      ///< the middle of the segment they share
+  Triple<F> normal;     ///< unit length, the way q has to go
+  F depth;              ///< how far
+  FlagsOf<F> accurate;  ///< no number is farther off than 1e-9 of the pair's extent
 };
 
 /// Where a triangle is a sliver, or an edge grazes the other's plane, rounding moves the point: by 8 roundings of the
 /// extent, times one over the normal's length in terms of the two edges it is made of, times one over the angle.
 /// Neither may be below this.
-inline constexpr double kBlunt = 1e-3;
+inline constexpr double kLeastSine = 1e-3;
 
 template <class F>
-DIFI_INLINE FlagsOf<F> is_sharp(const Meeting<F>& m, const Triple<F> (&p)[3], const Triple<F> (&q)[3]) {
+DIFI_INLINE FlagsOf<F> is_accurate(const Meeting<F>& m, const Triple<F> (&p)[3], const Triple<F> (&q)[3]) {
   const F p_normal_sq = plain_dot(m.p_normal, m.p_normal), q_normal_sq = plain_dot(m.q_normal, m.q_normal),
-          blunt_sq(kBlunt * kBlunt);
+          least_sq(kLeastSine * kLeastSine);
   const auto squared = [](const Triple<F>& v) __attribute__((always_inline)) { return plain_dot(v, v); };
   const auto fat = [&](const Triple<F>(&t)[3], const F& normal_sq) __attribute__((always_inline)) {
-    return less(blunt_sq * squared(t[1] - t[0]) * squared(t[2] - t[0]), normal_sq);
+    return less(least_sq * squared(t[1] - t[0]) * squared(t[2] - t[0]), normal_sq);
   };
   const auto steep = [&](const F& from, const F& to, const Triple<F>& edge, const F& normal_sq)
       __attribute__((always_inline)) {
     const F drop = from - to;
-    return less(blunt_sq * squared(edge) * normal_sq, drop * drop);
+    return less(least_sq * squared(edge) * normal_sq, drop * drop);
   };
   return fat(p, p_normal_sq) & fat(q, q_normal_sq) & steep(m.a.height[0], m.a.height[1], m.a1, q_normal_sq) &
          steep(m.a.height[0], m.a.height[2], m.a2, q_normal_sq) &
@@ -65,7 +65,7 @@ DIFI_INLINE Triple<F> middle_of_shared(const Meeting<F>& m) {
 template <class F>
 DIFI_INLINE Crossing<F> crossing(const Meeting<F>& m, const Triple<F> (&p)[3], const Triple<F> (&q)[3]) {
   Crossing<F> c;
-  c.sharp = is_sharp(m, p, q);
+  c.accurate = is_accurate(m, p, q);
   c.point = middle_of_shared(m);
   // Along p's normal p itself is flat, as it is no sliver, and so is q along its own: the way out is how far the other
   // reaches.

@@ -71,10 +71,10 @@ void meet(const TrianglePairs& pairs, const DoublePlace* place_p, const DoublePl
   const Meeting<Eight> m = meeting(pair.p, pair.q);
   out.touching = bits_of(m.touch);
   out.unsure = bits_of(m.unsure);
-  out.rough = 0;
+  out.inaccurate = 0;
   if (out.touching == 0) return;
   const Crossing<Eight> c = crossing(m, pair.p, pair.q);
-  out.rough = out.touching & ~bits_of(c.sharp);
+  out.inaccurate = out.touching & ~bits_of(c.accurate);
   store(c.point, out.point);
   store(c.normal, out.normal);
   c.depth.store(out.depth);

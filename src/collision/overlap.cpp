@@ -146,20 +146,20 @@ Vec3 across(const Vec3& v) {
 }
 
 // The answer where rounding leaves it right.
-bool take_sharp(const Corners& p, const Corners& q, Overlap& result) {
+bool take_accurate(const Corners& p, const Corners& q, Overlap& result) {
   const Triple<double> of_p[3] = {triple_of(p[0]), triple_of(p[1]), triple_of(p[2])},
                        of_q[3] = {triple_of(q[0]), triple_of(q[1]), triple_of(q[2])};
   const auto met = collision::meeting(of_p, of_q);
   if (!met.touch) return false;
   const auto found = collision::crossing(met, of_p, of_q);
   result = {vec_of(found.point), vec_of(found.normal), found.depth};
-  return found.sharp;
+  return found.accurate;
 }
 
 }  // namespace
 
 Overlap overlap(const Corners& p, const Corners& q) {
-  if (Overlap sharp; take_sharp(p, q, sharp)) return sharp;
+  if (Overlap quick; take_accurate(p, q, quick)) return quick;
   WayOut way(p, q);
   way.try_along(normal_direction(p));
   way.try_along(normal_direction(q));

@@ -7,7 +7,7 @@ namespace difi {
 
 /// Where and how deep two touching triangles are in each other.
 struct Overlap {
-  Vec3 point;    ///< of both: the middle of the segment they share, or of the longest one between corners of the area
+  Vec3 point;    ///< of both: the middle of what they share, or a corner that both have where neither crosses the other
   Vec3 normal;   ///< unit length, the way q has to go
   double depth;  ///< how far: then they are apart, or only just touch
 };

@@ -38,9 +38,9 @@ struct alignas(64) Meetings {
   double point[3][kPairs];
   double normal[3][kPairs];
   double depth[kPairs];
-  std::uint32_t touching;  ///< bit n: pair n touches, for certain; only then its numbers mean something
-  std::uint32_t rough;     ///< bit n: it touches, but point, normal and depth may err by more than overlap() promises
-  std::uint32_t unsure;    ///< bit n: rounding may hide the answer
+  std::uint32_t touching;    ///< bit n: pair n touches, for certain; only then its numbers mean something
+  std::uint32_t inaccurate;  ///< bit n: it touches, but point, normal and depth may err by more than overlap() promises
+  std::uint32_t unsure;      ///< bit n: rounding may hide the answer
 };
 
 /// The closest points of eight pairs that do not cross.

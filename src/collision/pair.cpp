@@ -47,7 +47,7 @@ Pair::Pair(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
   // rounding of coordinates far from the world's origin. A unit of single precision is 6e-8.
   const double reach = field.body->radius + 2 * tree.body->radius + field.body->field.band();
   far = magnitude(f.translation) + magnitude(t.translation) + magnitude(field.body->middle) +
-        magnitude(tree.body->middle);
+        magnitude(tree.body->middle) + field.body->radius + tree.body->radius;
   slack = static_cast<float>((2e-6 + 4 * (rigid_error(f) + rigid_error(t))) * reach + 1e-14 * far);
 }
 

@@ -39,7 +39,7 @@ class PairBatch {
       const auto p = [&] { return pair_.field.world(field_[n]); };
       const auto q = [&] { return pair_.tree.world(tree_[n]); };
       const auto where = [&]() -> Overlap {
-        if (is(met.unsure | met.rough, n)) return overlap(p(), q());
+        if (is(met.unsure | met.inaccurate, n)) return overlap(p(), q());
         return {{met.point[0][n], met.point[1][n], met.point[2][n]},
                 {met.normal[0][n], met.normal[1][n], met.normal[2][n]},
                 met.depth[n]};

@@ -9,7 +9,7 @@ namespace difi::collision {
 struct Slab {
   Vec3 normal;       ///< unit length, to the second triangle
   double height[3];  ///< of the second one's corners over the first one's highest
-  double thickness;  ///< the least of them; not positive where the normal parts them not
+  double thickness;  ///< the least of them; zero or less where the normal does not separate them
 };
 
 /// The slab along the direction of their closest points, as thick as these are apart. Where they are so near that

@@ -40,7 +40,7 @@ class Follow {
         relative_(pair, course),
         kernels_(kernels()),
         tolerance_(tolerance),
-        told_(std::max(1e-3 * tolerance, jump_on_way(pair, course))),
+        direction_sure_from_(std::max(1e-3 * tolerance, jump_on_way(pair, course))),
         keep_(distance_kept(pair, course, tolerance)),
         enough_(static_cast<float>(pair.field.body->field.spacing)) {}
 
@@ -196,8 +196,8 @@ class Follow {
       const Slab slab = slab_between(resting, at, pair);
       const double across = rate == 0 ? 0 : length(cross(slab.normal, course_.turn.axis)) * rate * away;
       const double approach = across - dot(slab.normal, course_.velocity);
-      // However near, they only part; but nearer than this the direction may be one of rounding.
-      if (apart > told_ && slab.thickness > 0 && !(approach > 0)) return;
+      // However near, they only part.
+      if (apart > direction_sure_from_ && slab.thickness > 0 && !(approach > 0)) return;
       if (!(apart > tolerance_)) return record(t, field_place, tree_place, pair);
       // Rounding of the time must not carry them past each other.
       const double reserve = std::max(tolerance_ / 2, kTimeRounding * approach);
@@ -247,9 +247,9 @@ class Follow {
   const RelativeMotion relative_;
   const Kernels& kernels_;
   const double tolerance_;
-  const double told_;   // from here on a direction is not one of rounding
-  const float keep_;    // distance left after every step
-  const float enough_;  // steps this long are taken without asking the fine field
+  const double direction_sure_from_;  // nearer than this, the direction between closest points is one of rounding
+  const float keep_;                  // distance left after every step
+  const float enough_;                // steps this long are taken without asking the fine field
   double from_ = 0, until_ = 0;
   Swept result_;
 };

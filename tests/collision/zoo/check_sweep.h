@@ -36,7 +36,8 @@ inline void check_sweep(const PlacedPair& at, const Motion& motion, double toler
     return;
   }
   const Vec3 way = motion.to.translation - motion.from.translation;
-  const double allowed = at.allowed.on_way(length(way), length(motion.from.translation));
+  const double allowed =
+      at.allowed.on_way(length(way), length(motion.from.translation) + length(at.pose_a.translation));
   // Before the time they are apart: at places on the way.
   for (int k = 0; k < 5; ++k) {
     const double t = k == 0 ? meeting : k == 1 ? 1 : swept.time * random.between(0, 1);
