@@ -94,8 +94,7 @@ void show(const Motion& motion, double tolerance) {
 }
 
 void check_sweeps(const PlacedPair& at, double size, int n, Random& random, bool shown, Findings& found) {
-  // Points on ways more than 1e15 times as long as the tolerance are refused.
-  const double tolerance = size * log_between(random, 1e-14, 1e-2);
+  const double tolerance = size * log_between(random, 1e-15, 1e-2);
   if (n % 3 == 0) {  // no way at all
     if (shown) show({at.pose_b, at.pose_b, {}}, tolerance);
     check_sweep(at, {at.pose_b, at.pose_b, {}}, tolerance, 0, random, found);
