@@ -28,6 +28,9 @@ Error as_error(const char* where, const char* what_to_do) {
                  place + "the system refused: " + error.what() + "; free some of its resources, or use fewer threads");
   } catch (const std::exception& error) {
     return Error(ErrorCode::internal, place + error.what() + "; this is a bug in difi, please report it");
+  } catch (...) {
+    return Error(ErrorCode::internal,
+                 place + "what was thrown is no exception; this is a bug in difi, please report it");
   }
 }
 

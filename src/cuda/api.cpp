@@ -3,21 +3,24 @@
 
 #include <string>
 
+#include "core/guarded.h"
 #include "cuda/backend.h"
 #include "cuda/guess.h"
 #include "difi/error.h"
 
 namespace difi::cuda {
 
-std::int64_t likely_entries(std::int64_t triangles, const Grid& grid, double thickness, Method method) {
+std::int64_t likely_entries(std::int64_t triangles, const Grid& grid, double thickness, Method method) try {
   validate(grid);
   gpu::check_counts(triangles, thickness, 0);
   return gpu::likely_entries(triangles, grid, thickness, method);
+} catch (...) {
+  throw_as_error("cuda");
 }
 
 std::int64_t scratch_bytes(std::int64_t, const Grid& grid, double, int) { return gpu::host_scratch_bytes(grid); }
 
-void check(const Outcome& outcome, const Task& task) {
+void check(const Outcome& outcome, const Task& task) try {
   if (outcome.stopped == 0) return;
   if (outcome.bad_triangle != Outcome::kNone)
     throw Error(ErrorCode::input, "cuda: triangle " + std::to_string(outcome.bad_triangle) +
@@ -33,6 +36,8 @@ void check(const Outcome& outcome, const Task& task) {
   throw Error(ErrorCode::limit, "cuda: the triangle lists need room for at least " +
                                     std::to_string(outcome.needed_entries) +
                                     " entries; nothing was written, give a workspace for more (workspace_bytes)");
+} catch (...) {
+  throw_as_error("cuda");
 }
 
 }  // namespace difi::cuda

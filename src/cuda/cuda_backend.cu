@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "core/guarded.h"
 #include "cuda/backend.h"
 #include "cuda/device_scope.cuh"
 #include "cuda/driver.cuh"
@@ -53,15 +54,17 @@ void check_usable(int device) {
                                        "; take another (see `difi devices`) or the CPU (--device cpu)");
 }
 
-std::vector<DeviceInfo> devices() {
+std::vector<DeviceInfo> devices() try {
   std::vector<DeviceInfo> all = all_devices();
   if (std::all_of(all.begin(), all.end(), is_too_old)) return {};
   for (DeviceInfo& one : all)
     if (is_too_old(one)) one.name += " (too old: " + age_of(one) + ")";
   return all;
+} catch (...) {
+  throw_as_error("cuda");
 }
 
-std::string why_no_device() {
+std::string why_no_device() try {
   int count = 0, driver = 0;
   const cudaError_t result = cudaGetDeviceCount(&count);
   cudaGetLastError();
@@ -78,6 +81,8 @@ std::string why_no_device() {
     return "the NVIDIA driver is too old: it knows CUDA " + version(driver) + ", difi was built with " +
            version(CUDART_VERSION);
   return std::string("the NVIDIA driver finds no GPU (") + cudaGetErrorString(result) + ")";
+} catch (...) {
+  throw_as_error("cuda");
 }
 
 bool available() { return !devices().empty(); }

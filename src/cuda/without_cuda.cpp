@@ -1,4 +1,5 @@
 // What stands for the CUDA backend where difi is built without a CUDA compiler.
+#include "core/guarded.h"
 #include "cuda/backend.h"
 #include "cuda/collision.h"
 #include "difi/cuda.h"
@@ -8,12 +9,16 @@ namespace {
 
 constexpr const char* kWhyNot = "this build of difi has no CUDA backend (it was built without nvcc)";
 
-[[noreturn]] void fail() { throw Error(ErrorCode::device, why_not_available()); }
+[[noreturn]] void fail() try { throw Error(ErrorCode::device, why_not_available()); } catch (...) {
+  throw_as_error("cuda");
+}
 
 }  // namespace
 
 bool available() { return false; }
-std::string why_no_device() { return kWhyNot; }
+std::string why_no_device() try { return kWhyNot; } catch (...) {
+  throw_as_error("cuda");
+}
 std::string why_not_available() {
   return std::string("cuda: ") + kWhyNot + "; use the CPU (--device cpu), or build it where nvcc is (docs/cuda.md)";
 }

@@ -32,8 +32,17 @@ constexpr int within(std::int64_t i, std::int64_t j, std::int64_t k) {
 
 bool is_one_of(std::int64_t n, std::int64_t count) { return n >= 0 && n < count; }
 
+// Throws Error{usage} with what `message` returns. Out of line: who asks for one sample passes no try block. Nor are
+// the numbers that a message holds stored for it, as long as it captures them by value.
+template <class Message>
+[[noreturn, gnu::cold, gnu::noinline]] void fail(Message message) try {
+  throw Error(ErrorCode::usage, "field: " + std::string(message()));
+} catch (...) {
+  throw_as_error("field");
+}
+
 [[noreturn]] void fail_without_nearest() {
-  throw Error(ErrorCode::usage, "field: it holds no nearest triangles; compute it with them");
+  fail([] { return "it holds no nearest triangles; compute it with them"; });
 }
 
 std::string name(std::int64_t tx, std::int64_t ty, std::int64_t tz) {
@@ -158,7 +167,7 @@ Size3 DistanceField::tile_count() const { return tiles_of(grid_.size); }
 std::int64_t DistanceField::tile_index(std::int64_t tx, std::int64_t ty, std::int64_t tz) const {
   const Size3 n = tile_count();
   if (!is_one_of(tx, n.x) || !is_one_of(ty, n.y) || !is_one_of(tz, n.z))
-    throw Error(ErrorCode::usage, "field: there is no tile " + name(tx, ty, tz) + "; ask for one of tile_count()");
+    fail([=] { return "there is no tile " + name(tx, ty, tz) + "; ask for one of tile_count()"; });
   return tx + n.x * (ty + n.y * tz);
 }
 
@@ -180,14 +189,14 @@ const std::uint32_t* DistanceField::tile_nearest(std::int64_t tx, std::int64_t t
 }
 
 std::int32_t& DistanceField::entry_of(std::int64_t tx, std::int64_t ty, std::int64_t tz) {
-  if (!pool_) throw Error(ErrorCode::usage, "field: it is empty and has no room for tiles; make one with a grid");
+  if (!pool_) fail([] { return "it is empty and has no room for tiles; make one with a grid"; });
   return slots_[static_cast<std::size_t>(tile_index(tx, ty, tz))];
 }
 
 float* DistanceField::store_tile(std::int64_t tx, std::int64_t ty, std::int64_t tz) try {
   std::int32_t& entry = entry_of(tx, ty, tz);
   if (entry != kNotStored)
-    throw Error(ErrorCode::usage, "field: the tile " + name(tx, ty, tz) + " is stored already; store each tile once");
+    fail([=] { return "the tile " + name(tx, ty, tz) + " is stored already; store each tile once"; });
   const std::int64_t slot = pool_->add();
   entry = static_cast<std::int32_t>(slot);
   return pool_->values(slot);
@@ -198,15 +207,16 @@ float* DistanceField::store_tile(std::int64_t tx, std::int64_t ty, std::int64_t 
 std::uint32_t* DistanceField::store_nearest(std::int64_t tx, std::int64_t ty, std::int64_t tz) {
   const std::int32_t slot = entry_of(tx, ty, tz);
   if (slot == kNotStored || !with_nearest_)
-    throw Error(ErrorCode::usage, "field: the tile " + name(tx, ty, tz) +
-                                      " has no nearest triangles; store it first, in a field made with them");
+    fail([=] {
+      return "the tile " + name(tx, ty, tz) + " has no nearest triangles; store it first, in a field made with them";
+    });
   return pool_->nearest(slot);
 }
 
 void DistanceField::expect_sample(std::int64_t i, std::int64_t j, std::int64_t k) const {
   const Size3& n = grid_.size;
   if (!is_one_of(i, n.x) || !is_one_of(j, n.y) || !is_one_of(k, n.z))
-    throw Error(ErrorCode::usage, "field: there is no sample " + name(i, j, k) + "; ask for one of grid()");
+    fail([=] { return "there is no sample " + name(i, j, k) + "; ask for one of grid()"; });
 }
 
 float DistanceField::value(std::int64_t i, std::int64_t j, std::int64_t k) const {
@@ -244,7 +254,7 @@ struct Cell {
 
 Cell cell_at(const DistanceField& field, Vec3 p) {
   if (std::isnan(p.x) || std::isnan(p.y) || std::isnan(p.z))
-    throw Error(ErrorCode::usage, "field: the point to look at is not a number; give three numbers");
+    fail([] { return "the point to look at is not a number; give three numbers"; });
   const Grid& g = field.grid();
   Cell cell{axis_cell(p.x, g.origin.x, g.spacing.x, g.size.x), axis_cell(p.y, g.origin.y, g.spacing.y, g.size.y),
             axis_cell(p.z, g.origin.z, g.spacing.z, g.size.z)};
@@ -284,6 +294,13 @@ Vec3 DistanceField::gradient(Vec3 point) const {
 
 namespace {
 
+void expect_slices(const Grid& grid, std::int64_t first, std::int64_t count, std::size_t room) {
+  const Size3& n = grid.size;
+  if (first < 0 || first > n.z || count < 0 || count > n.z - first ||
+      static_cast<std::int64_t>(room) != n.x * n.y * count)
+    fail([] { return "slices to copy are out of range or do not fit the memory given; give it a value a sample"; });
+}
+
 // Copies slices of a tiled array into dense memory; `tile` returns a tile's samples or nullptr for `absent` throughout.
 template <class T, class TileAt>
 void copy_tiled(const DistanceField& field, std::int64_t first, std::int64_t count, T absent, TileAt tile, T* out) {
@@ -302,10 +319,7 @@ void copy_tiled(const DistanceField& field, std::int64_t first, std::int64_t cou
 }  // namespace
 
 void DistanceField::copy_slices(std::int64_t first, std::int64_t count, std::span<float> out) const {
-  if (first < 0 || first > grid_.size.z || count < 0 || count > grid_.size.z - first ||
-      static_cast<std::int64_t>(out.size()) != grid_.size.x * grid_.size.y * count)
-    throw Error(ErrorCode::usage,
-                "field: slices to copy are out of range or do not fit the memory given; give it a value a sample");
+  expect_slices(grid_, first, count, out.size());
   copy_tiled<float>(
       *this, first, count, static_cast<float>(thickness_), [&](auto x, auto y, auto z) { return tile(x, y, z); },
       out.data());
@@ -313,10 +327,7 @@ void DistanceField::copy_slices(std::int64_t first, std::int64_t count, std::spa
 
 void DistanceField::copy_nearest_slices(std::int64_t first, std::int64_t count, std::span<std::uint32_t> out) const {
   if (!with_nearest_) fail_without_nearest();
-  if (first < 0 || first > grid_.size.z || count < 0 || count > grid_.size.z - first ||
-      static_cast<std::int64_t>(out.size()) != grid_.size.x * grid_.size.y * count)
-    throw Error(ErrorCode::usage,
-                "field: slices to copy are out of range or do not fit the memory given; give it a value a sample");
+  expect_slices(grid_, first, count, out.size());
   copy_tiled<std::uint32_t>(
       *this, first, count, kNoTriangle, [&](auto x, auto y, auto z) { return tile_nearest(x, y, z); }, out.data());
 }

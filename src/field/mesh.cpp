@@ -2,11 +2,12 @@
 
 #include <string>
 
+#include "core/guarded.h"
 #include "difi/error.h"
 
 namespace difi {
 
-Box bounds(MeshView mesh) {
+Box bounds(MeshView mesh) try {
   Box box;
   for (const auto& triangle : mesh.triangles)
     for (const auto v : triangle) {
@@ -16,6 +17,8 @@ Box bounds(MeshView mesh) {
       box.include(mesh.vertices[v]);
     }
   return box;
+} catch (...) {
+  throw_as_error("mesh");
 }
 
 }  // namespace difi

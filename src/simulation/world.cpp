@@ -236,11 +236,13 @@ void World::run(std::int64_t steps, const Visit& visit) try {
   throw_as_error("simulation");
 }
 
-Grid World::grid(std::size_t n) const {
+Grid World::grid(std::size_t n) const try {
   if (n >= state_->standing.size())
     throw Error(ErrorCode::usage, "simulation: there is no standing body " + std::to_string(n) + "; add it first");
   const State::Standing& body = state_->standing[n];
   return body.field ? body.field->grid() : body.model.grid();
+} catch (...) {
+  throw_as_error("simulation");
 }
 
 }  // namespace difi

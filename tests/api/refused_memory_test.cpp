@@ -2,12 +2,15 @@
 // is lost.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
 #include <string>
 #include <vector>
 
+#include "cuda/emulated.h"
 #include "difi/collision.h"
 #include "difi/compute.h"
+#include "difi/cuda.h"
 #include "difi/io.h"
 #include "difi/picture.h"
 #include "difi/simulation.h"
@@ -44,6 +47,18 @@ void expect_limit_error(const std::string& name, const std::function<void()>& ca
     EXPECT_EQ(heap::held, before) << name << ", allocation " << n << " loses memory";
     if (!happened || ::testing::Test::HasFailure()) return;
   }
+}
+
+// The same of a call that is wrong: what its error says takes memory.
+void expect_error_or_limit(const std::string& name, const std::function<void()>& call) {
+  expect_limit_error(name, [&] {
+    try {
+      call();
+      ADD_FAILURE() << name << " throws nothing";
+    } catch (const Error& error) {
+      if (error.code() == ErrorCode::limit) throw;
+    }
+  });
 }
 
 const Mesh kMesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 1, 2}, {0, 1, 3}, {1, 2, 3}}};
@@ -90,7 +105,44 @@ TEST(RefusedMemory, Fields) {
   });
   VerifyOptions options;
   options.threads = 1;
+  std::vector<float> few(1);
+  std::vector<std::uint32_t> few_nearest(1);
+  expect_error_or_limit("value", [&] { field.value(-1, 0, 0); });
+  expect_error_or_limit("nearest", [&] { field.nearest(12, 0, 0); });
+  expect_error_or_limit("nearest", [&] { DistanceField::from_dense(kGrid, 1, values).nearest(0, 0, 0); });
+  expect_error_or_limit("interpolate", [&] { field.interpolate({std::nan(""), 0, 0}); });
+  expect_error_or_limit("gradient", [&] { field.gradient({std::nan(""), 0, 0}); });
+  expect_error_or_limit("tile", [&] { field.tile(0, 2, 0); });
+  expect_error_or_limit("tile_nearest", [&] { field.tile_nearest(0, 2, 0); });
+  expect_error_or_limit("store_tile", [&] { DistanceField().store_tile(0, 0, 0); });
+  expect_error_or_limit("store_nearest", [&] { DistanceField(kGrid, 1).store_nearest(0, 0, 0); });
+  expect_error_or_limit("copy_slices", [&] { field.copy_slices(0, 1, few); });
+  expect_error_or_limit("copy_nearest_slices", [&] { field.copy_nearest_slices(0, 1, few_nearest); });
   expect_limit_error("verify", [&] { verify(field, kMesh, options); });
+}
+
+TEST(RefusedMemory, Meshes) {
+  const std::vector<Triangle> wrong{{0, 1, 9}};
+  expect_error_or_limit("bounds", [&] { bounds({kMesh.vertices, wrong}); });
+  expect_error_or_limit("validate", [&] { validate(MeshView{kMesh.vertices, wrong}); });
+}
+
+// As far as they go without a GPU; what they share with its kernels' emulation stands for the rest.
+TEST(RefusedMemory, Devices) {
+  const cuda::Task nothing;
+  cuda::Outcome bad{};
+  bad.stopped = 1;
+  bad.bad_triangle = 7;
+  expect_limit_error("devices", [] { cuda::devices(); });
+  expect_limit_error("why_no_device", [] { cuda::why_no_device(); });
+  expect_error_or_limit("likely_entries", [] { cuda::likely_entries(-1, kGrid, 1); });
+  expect_error_or_limit("workspace_bytes", [] { cuda::workspace_bytes(-1, kGrid, 1, Method::tiles, 0); });
+  expect_error_or_limit("workspace_bytes", [] { emulated::workspace_bytes(-1, kGrid, 1, Method::tiles, 0); });
+  expect_error_or_limit("enqueue", [&] { cuda::enqueue(nothing, nullptr, 0, nullptr); });
+  expect_error_or_limit("enqueue", [&] { cuda::enqueue({&nothing, 1}, nullptr, 0, nullptr); });
+  expect_error_or_limit("enqueue", [&] { emulated::enqueue(nothing, nullptr, 0); });
+  expect_error_or_limit("enqueue", [&] { emulated::enqueue({&nothing, 1}, nullptr, 0); });
+  expect_error_or_limit("check", [&] { cuda::check(bad, nothing); });
 }
 
 TEST(RefusedMemory, Bodies) {
@@ -122,6 +174,7 @@ TEST(RefusedMemory, Flights) {
       world.add_flier({{-3, -3, -3}, {-1, -1, -1}});
       world.run(3);
     });
+    expect_error_or_limit("grid", [&] { World(body, options).grid(0); });
   }
 }
 
