@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <limits>
 
 #include "io/mesh_text.h"
 
@@ -266,10 +265,7 @@ double JsonView::number() const {
   expect(Kind::number, "a number");
   double number = 0;
   const auto [after, error] = std::from_chars(text_.data(), text_.data() + text_.size(), number);
-  // Too small to be kept is zero; what is too large has no exponent below zero.
-  if (error == std::errc::result_out_of_range)
-    return text_.find("e-") == text_.npos && text_.find("E-") == text_.npos ? std::numeric_limits<double>::infinity()
-                                                                            : 0;
+  if (error == std::errc::result_out_of_range) return beyond_range(text_);
   return number;
 }
 

@@ -12,6 +12,20 @@ bool equals_ignoring_case(std::string_view text, std::string_view lower) {
                     [](char a, char b) { return (a >= 'A' && a <= 'Z' ? a - 'A' + 'a' : a) == b; });
 }
 
+double beyond_range(std::string_view text) {
+  const std::size_t e = std::min(text.find_first_of("eE"), text.size());
+  const std::string_view digits = text.substr(0, e);
+  const auto point = static_cast<std::int64_t>(std::min(digits.find('.'), digits.size()));
+  const auto first = static_cast<std::int64_t>(std::min(digits.find_first_of("123456789"), digits.size()));
+  const std::int64_t power = first < point ? point - first - 1 : point - first;  // of ten, of the first digit but 0
+  std::string_view written = text.substr(std::min(e + 1, text.size()));
+  if (written.starts_with('+')) written.remove_prefix(1);
+  std::int64_t exponent = 0;
+  const auto error = std::from_chars(written.data(), written.data() + written.size(), exponent).ec;
+  const bool small = error == std::errc::result_out_of_range ? written[0] == '-' : exponent < -power;
+  return small ? 0 : std::numeric_limits<double>::infinity();
+}
+
 bool TextCursor::continues(const char* place) const {
   return end_ - place >= 2 && place[0] == '\\' && is_line_end(place[1]);
 }
@@ -61,12 +75,8 @@ Number TextCursor::number() {
     if constexpr (integral) {
       fail_number(at_, "a smaller number");
     } else {
-      // Too small becomes zero, too large infinite, which is left to the check of all vertices.
-      const std::string_view text(at_, static_cast<std::size_t>(stop - at_));
-      const auto exponent = text.find_first_of("eE");
-      const bool small = exponent == text.npos ? text.find_first_of("123456789") > text.find('.')
-                                               : text.find('-', exponent) != text.npos;
-      value = small ? Number(0) : std::numeric_limits<Number>::infinity();
+      // What is infinite is left to the check of all vertices.
+      value = static_cast<Number>(beyond_range({at_, static_cast<std::size_t>(stop - at_)}));
     }
   }
   at_ = stop;

@@ -18,6 +18,10 @@ constexpr bool is_space(char c) { return is_blank(c) || is_line_end(c); }
 /// Equal but for the case of ASCII letters. `lower` is in lower case.
 bool equals_ignoring_case(std::string_view text, std::string_view lower);
 
+/// What becomes of a number that std::from_chars found to be out of range: zero where it is too small, infinite where
+/// it is too large. `text` is the number alone, in decimal.
+double beyond_range(std::string_view text);
+
 /// A place in a text. Lines end with LF, CR LF or CR; numbers are as std::from_chars reads them, in any locale, with an
 /// optional leading plus. Every failure throws Error{input} that names the line.
 class TextCursor {

@@ -145,6 +145,9 @@ TEST(Gltf, NodesPlaceTheirMeshes) {
   // Column by column.
   EXPECT_EQ(read({.nodes = R"([{"mesh":0,"matrix":[0,1,0,0, 0,0,1,0, 1,0,0,0, 5,6,7,1]}])"}),
             (std::vector<Corners>{{Vec3{5, 6, 7}, Vec3{5, 7, 7}, Vec3{5, 6, 8}}}));
+  // A number too small for a double, also without an exponent, is zero.
+  EXPECT_EQ(read({.nodes = R"([{"mesh":0,"translation":[0.)" + std::string(400, '0') + "1,-1e-400,3]}]"}),
+            (std::vector<Corners>{{Vec3{0, 0, 3}, Vec3{1, 0, 3}, Vec3{0, 1, 3}}}));
   // The same mesh twice, in the order of the tree.
   EXPECT_EQ(read({.nodes = R"([{"children":[2,1]},{"mesh":0},{"mesh":0,"translation":[0,0,1]}])"}),
             (std::vector<Corners>{{Vec3{0, 0, 1}, Vec3{1, 0, 1}, Vec3{0, 1, 1}}, kOne[0]}));

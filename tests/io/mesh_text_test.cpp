@@ -53,6 +53,11 @@ TEST(MeshText, NumbersOutOfRangeBecomeZeroOrInfinite) {
   EXPECT_TRUE(std::isinf(parsed<double>("-1e400")));
   EXPECT_TRUE(std::isinf(parsed<double>("1" + std::string(400, '0'))));
   EXPECT_TRUE(std::isinf(parsed<float>("1e39")));
+  // Neither the sign of the exponent nor the digits tell alone.
+  EXPECT_EQ(parsed<double>("0." + std::string(400, '0') + "1e+50"), 0);
+  EXPECT_TRUE(std::isinf(parsed<double>("-1" + std::string(400, '0') + ".5E-50")));
+  EXPECT_EQ(parsed<double>("1e-99999999999999999999"), 0);
+  EXPECT_TRUE(std::isinf(parsed<double>("1e+99999999999999999999")));
   EXPECT_TRUE(std::isnan(parsed<double>("nan")));
 }
 
