@@ -118,7 +118,7 @@ TEST_F(Assimp, SeesTheBytesThatWereChecked) {
 
 TEST_F(Assimp, ReadsTheSeedsOfTheFuzzers) {
   const std::filesystem::path seeds = std::filesystem::path(DIFI_SOURCE_DIR) / "tests/corpus/assimp";
-  for (const char* name : {"tetrahedron.3ds", "tetrahedron.gltf", "tetrahedron.glb", "tetrahedron.dae"}) {
+  for (const char* name : {"tetrahedron.3ds", "tetrahedron.dae"}) {
     const Mesh mesh = read_mesh(seeds / name);
     EXPECT_EQ(mesh.triangles.size(), 4u) << name;
     EXPECT_EQ(mesh.vertices.size(), 4u) << name;

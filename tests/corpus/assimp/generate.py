@@ -1,8 +1,6 @@
 #!/usr/bin/env python3
-"""Writes the files of this folder, a tetrahedron in each format that has scenes: seeds of the fuzzers. The same bytes
-on every run."""
-import base64
-import json
+"""Writes the files of this folder, a tetrahedron in each format that assimp reads: seeds of the fuzzers. The same
+bytes on every run."""
 import pathlib
 import struct
 
@@ -26,29 +24,6 @@ def tetrahedron_3ds():
                                      chunk(0xB010, b"a\0", struct.pack("<3H", 0, 0, 0xFFFF)))))
 
 
-BUFFER = struct.pack("<12f12H", *POINTS, *FACES)
-
-
-def gltf(buffer):
-    return json.dumps({
-        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
-        "nodes": [{"children": [1]}, {"mesh": 0, "translation": [1, 2, 3], "rotation": [0, 0, 0, 1], "scale": [1, 1, 2]}],
-        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "mode": 4}]}],
-        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [0, 0, 0],
-                       "max": [1, 1, 1]},
-                      {"bufferView": 1, "componentType": 5123, "count": 12, "type": "SCALAR"}],
-        "bufferViews": [{"buffer": 0, "byteLength": 48, "target": 34962},
-                        {"buffer": 0, "byteOffset": 48, "byteLength": 24, "target": 34963}],
-        "buffers": [dict(buffer, byteLength=len(BUFFER))]}).encode()
-
-
-def glb():
-    text = gltf({})
-    text += b" " * (-len(text) % 4)
-    body = struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(BUFFER), b"BIN\0") + BUFFER
-    return struct.pack("<4sII", b"glTF", 2, 12 + len(body)) + body
-
-
 def dae():
     numbers = " ".join
     return f"""<?xml version="1.0"?>
@@ -67,7 +42,5 @@ def dae():
 """.encode()
 
 
-uri = "data:application/octet-stream;base64," + base64.b64encode(BUFFER).decode()
-for name, content in (("tetrahedron.3ds", tetrahedron_3ds()), ("tetrahedron.gltf", gltf({"uri": uri})),
-                      ("tetrahedron.glb", glb()), ("tetrahedron.dae", dae())):
-    (HERE / name).write_bytes(content)
+(HERE / "tetrahedron.3ds").write_bytes(tetrahedron_3ds())
+(HERE / "tetrahedron.dae").write_bytes(dae())

@@ -61,6 +61,15 @@ def gltf(nodes=None, uri=None, version="2.0", **more):
         "buffers": [{"byteLength": len(buffer), "uri": uri}]}, **more))
 
 
+def glb(text):
+    document = json.loads(text)
+    buffer = base64.b64decode(document["buffers"][0].pop("uri").partition(",")[2])
+    text = json.dumps(document).encode()
+    text += b" " * (-len(text) % 4)
+    body = struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(buffer), b"BIN\0") + buffer
+    return struct.pack("<4sII", b"glTF", 2, 12 + len(body)) + body
+
+
 nan = [(0, 0, 0), (float("nan"), 0, 0), (0, 1, 0), (0, 0, 1)]
 inf = [(0, 0, 0), (1, 0, 0), (0, float("inf"), 0), (0, 0, 1)]
 text = ascii_stl()
@@ -211,6 +220,10 @@ write("off_four_dimensions.off", off(first="4OFF\n"))
 # glTF
 write("gltf_plain.gltf", gltf())
 write("gltf_called_mesh.dat", gltf())
+placed = gltf([{"children": [1]}, {"mesh": 0, "translation": [1, 2, 3], "rotation": [0, 0, 0, 1], "scale": [1, 1, 2]}],
+              meshes=[{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "mode": 4}]}])
+write("gltf_nodes.gltf", placed)
+write("gltf_binary.glb", glb(placed))
 write("gltf_doubling_nodes.gltf", gltf([{"children": [n, n]} for n in range(1, 40)] + [{"mesh": 0}]))
 write("gltf_cycle.gltf", gltf([{"children": [1]}, {"mesh": 0, "children": [0]}]))
 write("gltf_leaves_folder.gltf", gltf(uri="../../../../../../../etc/passwd"))
