@@ -63,8 +63,8 @@ class NodeCheck {
  private:
   // Assimp's rule: beside the node before, below it, or back beside the latest one at that place.
   void add(std::uint16_t place) {
-    constexpr std::uint16_t kHighest =
-        0x7fff;  // assimp keeps places with a sign, and takes no other for its neighbour's
+    // Assimp keeps places as signed 16-bit numbers: above this none equals the place before it.
+    constexpr std::uint16_t kHighest = 0x7fff;
     if (anywhere_) {
       ++deeper_;
     } else if (!open_.empty() && open_.back() == place && place <= kHighest) {

@@ -6,7 +6,6 @@
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
-#include <algorithm>
 #include <assimp/Importer.hpp>
 #include <new>
 #include <optional>
@@ -24,6 +23,7 @@
 #include "io/mesh_format.h"
 #include "io/mesh_text.h"
 #include "io/placement.h"
+#include "io/shown.h"
 #include "io/unfolding.h"
 
 namespace difi {
@@ -119,12 +119,9 @@ class SceneReader {
 // Assimp's messages can be of many lines, hold bytes of the file, and be as long as it.
 [[noreturn]] void fail(const FileView& file, std::string_view message) {
   constexpr std::size_t kLongest = 120;
-  const std::string_view shown = message.substr(0, std::min(message.find_first_of("\r\n"), kLongest));
-  std::string line;
-  for (const char c : shown) line += c < 0x20 || c > 0x7e ? ' ' : c;
-  line.erase(line.find_last_not_of(' ') + 1);
-  if (shown.size() < message.size()) line += "...";
-  file.fail("", "assimp cannot read it: " + line + "; repair the file or convert it to STL, PLY or OBJ");
+  const std::string_view line = message.substr(0, message.find_first_of("\r\n"));
+  file.fail("",
+            "assimp cannot read it: " + shown(line, kLongest) + "; repair the file or convert it to STL, PLY or OBJ");
 }
 
 // Leaves the importers of the extension only, so that no other one is tried on its content.

@@ -166,10 +166,10 @@ class ColladaCheck {
                    " polygons; repair the mesh");
       return expect(corners.sum * offsets);
     }
-    // Of a strip assimp takes one or two from the number of corners.
     // Assimp takes a fan for a polygon: another surface, unless it is flat and convex.
     if (kind == "trifans" && indices > 3 * offsets)
       scan_.fail("fans of more than three corners are not read; write triangles or tristrips");
+    // Of a strip assimp takes one or two from the number of corners.
     const std::uint64_t least = kind == "linestrips" ? 2 : kind == "tristrips" ? 3 : 0;
     if (indices % offsets != 0 || indices / offsets < least || (indices > 0 && count == 0))
       scan_.fail(std::to_string(indices) + " indices do not fit " + std::string(kind) + "; repair the mesh");

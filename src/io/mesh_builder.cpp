@@ -47,10 +47,9 @@ void MeshBuilder::triangulate_polygons(const std::function<std::string(std::size
   for (const Polygon& polygon : polygons_) {
     const auto fan = std::span(triangles).subspan(polygon.first, polygon.count);
     if (!triangulate(vertices, fan, work))
-      file_.fail(where(fan[0][0]),
-                 "the face that starts at this vertex has " + std::to_string(fan.size() + 2) +
-                     " corners and is not convex, and that of all such faces is too much to cut here; "
-                     "triangulate it in a modelling program");
+      file_.fail(where(fan[0][0]), "the face that starts at this vertex has " + std::to_string(fan.size() + 2) +
+                                       " corners and is not convex, and cutting all such faces would take too long; "
+                                       "triangulate it in a modelling program");
   }
   polygons_ = {};
 }
