@@ -3,6 +3,7 @@
 // side: signs of determinants alone, which are exact. What lies in one plane is decided in the plane (coplanar.h).
 #include "collision/triangle_pair.h"
 
+#include <algorithm>
 #include <cstdlib>
 
 #include "collision/closest_pair.h"

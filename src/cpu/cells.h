@@ -65,8 +65,7 @@ class BrickRange {
   BrickRange(BrickRange& other, tbb::split) : BrickRange(other) {
     const int axis = other.longest();
     std::int64_t step = 1;
-    while (2 * step < other.high_[axis] && (other.low_[axis] / (2 * step) + 1) * (2 * step) < other.high_[axis])
-      step *= 2;
+    while ((other.low_[axis] / (2 * step) + 1) * (2 * step) < other.high_[axis]) step *= 2;
     low_[axis] = other.high_[axis] = (other.low_[axis] / step + 1) * step;
   }
 

@@ -67,9 +67,9 @@ DIFI_INLINE void lower(WideFloat& best, WideUint& nearest, const WideFloat& d, s
 
 // Whether a triangle's frame is off by no more than its slack. The altitude of a needle a millionth as high as it is
 // long is lost in the rounding of its corners: then the frame may be askew by far more.
-DIFI_INLINE bool is_sound(const float (*frame)[kLanes], std::uint32_t lane) {
+DIFI_INLINE bool is_sound(const TriangleFrame<float>& f) {
   constexpr float kLeastHeight = 1e-4f;  // of the base: a hundred times what rounding makes of nothing
-  const float base = frame[12][lane] + frame[16][lane], height = frame[13][lane] * frame[14][lane];
+  const float base = f.left.leg + f.right.leg, height = f.left.length * f.left.nx;
   return height > kLeastHeight * base;
 }
 
@@ -108,7 +108,7 @@ DIFI_INLINE void gather_listed(const Lattice& lattice, const Brick& brick, const
     if (g.is_long >> lane & 1) {
       if constexpr (requires { g.slack; }) {
         const TriangleFrame<WideFloat> f = frame_of_lane<WideFloat>(g.frame, lane);
-        bool is_far = is_sound(g.frame, lane);
+        bool is_far = is_sound(frame_of_lane<float>(g.frame, lane));
         for (int n = 0; n < kCount && is_far; ++n)
           is_far =
               less(frame_limit_sq(best[n], g.slack[lane]), distance_sq(f, {x, y[n % kSide], z[n / kSide]})).to_bits() ==
