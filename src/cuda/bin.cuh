@@ -7,7 +7,7 @@
 
 namespace difi::DIFI_PLATFORM {
 
-/// In a block, where nothing speaks for another number.
+/// Threads of a block, unless a kernel needs another number.
 inline constexpr unsigned kThreads = 256;
 
 /// Tiles low[axis] to high[axis]; low > high on some axis for none.
@@ -50,7 +50,7 @@ struct LongList {
   Counter* count;
 };
 
-/// A tile's list is shorter; a count that is taken below zero is above.
+/// No list is this long: a count from here on has wrapped below zero.
 inline constexpr std::uint32_t kNoCount = 0xf0000000u;
 
 /// First pass: counts. Second pass: fills the lists from their ends, taking the counts back down to zero. False where
@@ -128,6 +128,13 @@ DIFI_KERNEL void bin_long(gpu::Lattice l, DeviceMesh mesh, TileLists lists, Long
         stop_for_miscount(outcome);
     }
   }
+}
+
+/// After the second pass: stops where it placed fewer triangles than were counted. The beginning of such a list was
+/// never written, and what stands there may be no triangle. A thread a tile.
+DIFI_KERNEL void check_lists(const std::uint32_t* counts, std::int64_t tiles, Outcome* outcome) {
+  const std::int64_t tile = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
+  if (tile < tiles && !outcome->stopped && counts[tile] != 0) stop_for_miscount(outcome);
 }
 
 }  // namespace difi::DIFI_PLATFORM

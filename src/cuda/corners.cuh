@@ -12,8 +12,8 @@ namespace difi::DIFI_PLATFORM {
 /// Lets no later kernel write anything.
 DIFI_DEVICE void stop(Outcome* outcome) { atomicAdd(&outcome->stopped, Counter{1}); }
 
-/// The second pass over the triangles wants more of a list than the first one counted for it. What is computed is the
-/// same, so the mesh is not: somebody wrote it meanwhile.
+/// The second pass over the triangles wants more of a list, or less, than the first one counted for it. What is
+/// computed is the same, so the mesh is not: somebody wrote it meanwhile.
 DIFI_DEVICE void stop_for_miscount(Outcome* outcome) {
   outcome->needed_entries = Outcome::kNone;
   stop(outcome);

@@ -14,7 +14,7 @@ class Growing {
   T* room_for(std::int64_t count) {
     const std::int64_t bytes = count * static_cast<std::int64_t>(sizeof(T));
     if (bytes > bytes_) {
-      memory_ = Memory();  // the old before the new
+      memory_ = Memory();  // the old before the new; cudaFree waits for what still reads it
       bytes_ = 0;
       memory_ = Memory(bytes);
       bytes_ = bytes;

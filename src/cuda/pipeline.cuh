@@ -125,6 +125,8 @@ void fill_thin(const gpu::Lattice& l, const Task& task, const ThinArrays& a, Str
   launch(stream, "list small", bin_small<true>, per_triangle, kThreads, l, task.mesh, a.lists, a.long_ones,
          task.outcome);
   launch(stream, "list long", bin_long<true>, kManyBlocks, kThreads, l, task.mesh, a.lists, a.long_ones, task.outcome);
+  launch(stream, "check lists", check_lists, blocks_for(l.tile_count()), kThreads, a.lists.counts, l.tile_count(),
+         task.outcome);
   launch_gather<kThrough>(l, task, {a.lists.start, a.lists.entries, nullptr}, stream);
 }
 
