@@ -25,16 +25,6 @@ std::array<double, 9> times_transposed(const std::array<double, 9>& outer, const
   return product;
 }
 
-// The pose with a rotation to rounding, by making its rows perpendicular to one another.
-Pose orthonormal(Pose pose) {
-  auto& r = pose.rotation;
-  const Vec3 first{r[0], r[1], r[2]}, second{r[3], r[4], r[5]};
-  const Vec3 x = first * (1 / length(first)), across = second - x * dot(x, second);
-  const Vec3 y = across * (1 / length(across)), z = cross(x, y);
-  r = {x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y, z.z};
-  return pose;
-}
-
 }  // namespace
 
 Turn turn_of(const std::array<double, 9>& r) {
@@ -94,11 +84,8 @@ Pose Course::at(double t) const {
 }
 
 RelativeMotion::RelativeMotion(const Pair& pair, const Course& course) {
-  // In the pair the field stands at its pose; where it moves that is its pose at time 0. Its frame here is a rotation
-  // to rounding and begins at its middle, where that is in the world: so what a pose's matrix is off counts for no more
-  // than the body itself, however far away the centre of the motion is (Pair::slack).
-  const Pose field = orthonormal(pair.field.pose);
-  const Pose& tree = pair.tree.pose;
+  // In the pair the field stands at its pose; where it moves that is its pose at time 0.
+  const Pose &field = pair.frame, &tree = pair.tree.pose;
   const Vec3 middle = apply(pair.field.pose, pair.field.body->middle);
   way_.field_moves = pair.swapped;
   way_.angle_rad = pair.swapped ? -course.turn.angle_rad : course.turn.angle_rad;

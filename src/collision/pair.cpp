@@ -15,6 +15,19 @@ double rigid_error(const Pose& pose) {
   return off;
 }
 
+// Distances in a frame that is off by less are off by less than 1e-14 of coordinates, for which the slack has room.
+constexpr double kRigid = 4e-15;
+
+// The pose with a rotation to rounding, by making its rows perpendicular to one another.
+Pose orthonormal(Pose pose) {
+  auto& r = pose.rotation;
+  const Vec3 first{r[0], r[1], r[2]}, second{r[3], r[4], r[5]};
+  const Vec3 x = first * (1 / length(first)), across = second - x * dot(x, second);
+  const Vec3 y = across * (1 / length(across)), z = cross(x, y);
+  r = {x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y, z.z};
+  return pose;
+}
+
 double magnitude(Vec3 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 
 double size_of(const CollisionModel& model) {
@@ -27,16 +40,18 @@ double size_of(const CollisionModel& model) {
 Pair::Pair(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b)
     : field(a.data(), pose_a), tree(b.data(), pose_b), swapped(size_of(b) > size_of(a)) {
   if (swapped) std::swap(field, tree);
-  // relative = (field's pose)^-1 (tree's pose), between coordinates relative to the middles.
+  // relative = frame^-1 (tree's pose), between coordinates relative to where the middles are in the world.
   const Pose &f = field.pose, &t = tree.pose;
+  const double off = rigid_error(f);
+  frame = off > kRigid ? orthonormal(f) : f;
   for (int column = 0; column < 3; ++column) {
     const auto& r = t.rotation;
-    const Vec3 turned = rotate_back(f, {r[column], r[3 + column], r[6 + column]});
+    const Vec3 turned = rotate_back(frame, {r[column], r[3 + column], r[6 + column]});
     relative.rotation[column] = turned.x, relative.rotation[3 + column] = turned.y,
     relative.rotation[6 + column] = turned.z;
   }
   const Vec3 world_middle = apply(t, tree.body->middle) - apply(f, field.body->middle);
-  relative.translation = rotate_back(f, world_middle);
+  relative.translation = rotate_back(frame, world_middle);
   const Vec3 d = relative.translation;
   for (int n = 0; n < 9; ++n) place.rotation[n] = static_cast<float>(relative.rotation[n]);
   place.translation[0] = static_cast<float>(d.x);
@@ -48,7 +63,7 @@ Pair::Pair(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
   const double reach = field.body->radius + 2 * tree.body->radius + field.body->field.band();
   far = magnitude(f.translation) + magnitude(t.translation) + magnitude(field.body->middle) +
         magnitude(tree.body->middle) + field.body->radius + tree.body->radius;
-  slack = static_cast<float>((2e-6 + 4 * (rigid_error(f) + rigid_error(t))) * reach + 1e-14 * far);
+  slack = static_cast<float>((2e-6 + 4 * (off + rigid_error(t))) * reach + 1e-14 * far);
 }
 
 double Pair::root_gap() const {

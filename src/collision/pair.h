@@ -39,6 +39,9 @@ struct Placed {
 struct Pair {
   Placed field, tree;
   bool swapped;  ///< a is the tree
+  /// The field's frame: its pose, with a rotation to rounding. What a pose's matrix is off then counts for no more than
+  /// the body itself, however far away the other one is.
+  Pose frame;
   Pose relative;
   FloatPlace place;
   /// The coordinates that placing both bodies in the world goes through are no larger.
