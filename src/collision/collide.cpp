@@ -19,6 +19,8 @@ Collided collision::collide_exactly(const CollisionModel& a, const Pose& pose_a,
 namespace {
 
 void check(const CollideOptions& options) {
+  if (options.mode != CollideMode::exact && options.mode != CollideMode::certified)
+    throw Error(ErrorCode::usage, "collide: the mode is none of those there are; take exact or certified");
   if (!(options.margin >= 0) || !(options.margin <= 1e30))
     throw Error(ErrorCode::usage, "collide: the margin must be from 0 to 1e30; give it in world units");
 }

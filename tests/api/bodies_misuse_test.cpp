@@ -111,7 +111,11 @@ TEST(Misuse, Batches) {
       expect_usage(name, [&] { sweep_all(body(), {}, body(), motions, {}, Batch{n, backend, 0}); });
     }
   }
-  for (const Backend backend : {Backend::automatic, Backend::cpu, Backend::cuda, Backend::emulated, none_of<Backend>()})
+  const Batch none{1, none_of<Backend>(), 0};
+  expect_usage("backend", [&] { collide_all(body(), {}, body(), poses, {}, none); });
+  expect_usage("backend", [&] { sweep_all(body(), {}, body(), motions, {}, none); });
+  expect_usage("mode", [&] { collide(body(), {}, body(), {}, {.mode = none_of<CollideMode>()}); });
+  for (const Backend backend : {Backend::automatic, Backend::cpu, Backend::cuda, Backend::emulated})
     for (const int device : {-1, 0, 1'000'000}) {
       const Batch batch{1, backend, device};
       expect_answer_or_error("collide_all", [&] { collide_all(body(), {}, body(), poses, {}, batch); });
