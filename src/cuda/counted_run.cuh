@@ -129,6 +129,7 @@ class CountedRun {
   // Tiles are copied out many at a time, also those that will have lost their slot: so none may be left unwritten.
   void make_values() {
     task_.output.slot_capacity = static_cast<std::int64_t>(outcome_.needed_slots);
+    if (task_.output.slot_capacity == 0) return;
     task_.output.values = values_.room_for<float>(value_count());
     fill_bytes(nullptr, task_.output.values, 0, 4 * value_count());
     if (!with_nearest_) return;

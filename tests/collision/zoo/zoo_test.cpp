@@ -30,7 +30,10 @@ Mesh in_limits(const Mesh& mesh, double unit, Vec3 at) {
   const double size = longest(bounds(mesh));
   if (size * unit > 1e12) unit = 1e11 / size;
   if (size > 0 && size * unit < 1e-12) unit = 1e-11 / size;
-  return in_units(mesh, unit, at * std::min(unit, 1e7));
+  const Mesh placed = in_units(mesh, unit, at * std::min(unit, 1e7));
+  // Far away rounding may leave less of it than is allowed.
+  const double left = longest(bounds(placed));
+  return left > 0 && left < 1e-12 ? in_units(mesh, unit, {}) : placed;
 }
 Herds herds(Random& random) {
   const auto count = [&] { return random.below(8) == 0 ? 40 : 1 + static_cast<int>(random.below(8)); };
