@@ -2,15 +2,15 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <cstring>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "io/3ds_chunks.h"
+#include "io/3ds_parts.h"
+
 namespace difi {
 namespace {
-
-constexpr std::size_t kHeader = 6;  // of a chunk: what it is, and its length with this header
 
 // Chunks that hold each other: the file, its keyframer, a node of it, a track of positions, rotations and so on.
 constexpr int kFile = 0, kTrack = 3;
@@ -19,13 +19,6 @@ bool is_of(int level, std::uint16_t id) {
     std::uint16_t first, last;
   } kIds[kTrack + 1] = {{0x4d4d, 0x4d4d}, {0xb000, 0xb000}, {0xb001, 0xb007}, {0xb020, 0xb029}};
   return id >= kIds[level].first && id <= kIds[level].last;
-}
-
-template <class T>
-T number_at(std::string_view bytes, std::size_t at) {
-  T number;
-  std::memcpy(&number, bytes.data() + at, sizeof number);
-  return number;
 }
 
 void check_track(const FileView& file, std::size_t begin, std::size_t end) {
@@ -85,34 +78,26 @@ class NodeCheck {
   bool anywhere_ = false;
 };
 
-// Goes through chunks as assimp does: one without content is no more than its header, and one longer than what holds it
-// takes what follows along.
-void check_chunks(const FileView& file, NodeCheck& nodes, std::uint16_t around, int level, std::size_t begin,
-                  std::size_t end) {
+void check_keyframes(const FileView& file, NodeCheck& nodes, std::uint16_t around, int level, std::size_t begin,
+                     std::size_t end) {
   constexpr std::uint16_t kNodeName = 0xb010;
-  for (std::size_t at = begin; at < end && end - at >= kHeader;) {
-    const auto id = number_at<std::uint16_t>(file.bytes(), at);
-    const std::size_t size = number_at<std::uint32_t>(file.bytes(), at + 2);
-    at += kHeader;
-    if (size <= kHeader) continue;
-    const std::size_t stop = at + std::min(size - kHeader, file.size() - at);
+  each_chunk(file, begin, end, [&](std::uint16_t id, std::size_t at, std::size_t stop) {
     if (is_of(level, id)) {
       if (level == kTrack)
         check_track(file, at, stop);
       else
-        check_chunks(file, nodes, id, level + 1, at, stop);
+        check_keyframes(file, nodes, id, level + 1, at, stop);
     }
     if (level == kTrack && id == kNodeName) nodes.see(file, around, at, stop);
-    if (stop > end) end = file.size();
-    at = stop;
-  }
+  });
 }
 
 }  // namespace
 
 void check_3ds(const FileView& file) {
   NodeCheck nodes;
-  check_chunks(file, nodes, 0, kFile, 0, file.size());
+  check_keyframes(file, nodes, 0, kFile, 0, file.size());
+  check_3ds_parts(file);
 }
 
 }  // namespace difi

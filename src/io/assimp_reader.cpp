@@ -3,6 +3,7 @@
 #ifdef DIFI_HAVE_ASSIMP
 
 #include <assimp/BaseImporter.h>
+#include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
@@ -116,9 +117,17 @@ class SceneReader {
   MeshBuilder builder_;
 };
 
+[[noreturn]] void fail_for_memory(const FileView& file) {
+  throw Error(ErrorCode::limit, file.path().string() + ": not enough memory to read it; split the mesh");
+}
+
 // Assimp's messages can be of many lines, hold bytes of the file, and be as long as it.
 [[noreturn]] void fail(const FileView& file, std::string_view message) {
   constexpr std::size_t kLongest = 120;
+  // Assimp catches what its readers throw, and keeps the text alone.
+  if (message == "std::bad_alloc") fail_for_memory(file);
+  if (message.find("is already referenced by this node") != message.npos)
+    file.fail("", "one node places a geometry twice, which assimp does not read; give each place a node of its own");
   const std::string_view line = message.substr(0, message.find_first_of("\r\n"));
   file.fail("",
             "assimp cannot read it: " + shown(line, kLongest) + "; repair the file or convert it to STL, PLY or OBJ");
@@ -147,6 +156,8 @@ Mesh read_with_assimp(const FileView& file, const char* extension) {
     Assimp::Importer importer;
     importer.SetIOHandler(new AssimpFiles(file));  // the importer deletes it
     keep_importers(importer, extension);
+    // Else a scene without meshes gets one, of its nodes' skeleton, which is not in the file.
+    importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
     const aiScene* scene = importer.ReadFile(file.path().string(), aiProcess_ValidateDataStructure);
     if (!scene) fail(file, importer.GetErrorString());
     if (!losses.first().empty()) fail(file, losses.first());
@@ -154,7 +165,7 @@ Mesh read_with_assimp(const FileView& file, const char* extension) {
   } catch (const Error&) {
     throw;
   } catch (const std::bad_alloc&) {
-    throw Error(ErrorCode::limit, file.path().string() + ": not enough memory to read it; split the mesh");
+    fail_for_memory(file);
   } catch (const std::exception& failure) {
     fail(file, failure.what());
   }

@@ -49,6 +49,7 @@ class ColladaCheck {
       check_depth(tag);
       shapes_.see(tag);
       nodes_.see(tag);
+      see_library(tag);
       see_mesh(tag);
       see_primitive(tag);
       see_array(tag);
@@ -101,6 +102,18 @@ class ColladaCheck {
     return found;
   }
 
+  // Assimp makes fourteen kilobytes of a material, and one of what else a library may hold.
+  void see_library(const XmlTag& tag) {
+    constexpr std::size_t kMostMaterials = 5000, kMostOthers = 50'000;
+    constexpr std::string_view kOthers[] = {"effect",   "image",      "camera",   "light",
+                                            "geometry", "controller", "animation"};
+    if (tag.kind == XmlTag::Kind::close) return;
+    if (tag.name == "material" && ++materials_ > kMostMaterials)
+      scan_.fail("more than " + std::to_string(kMostMaterials) + " materials; write the file again without them");
+    if (std::find(std::begin(kOthers), std::end(kOthers), tag.name) != std::end(kOthers) && ++others_ > kMostOthers)
+      scan_.fail("more than " + std::to_string(kMostOthers) + " things in its libraries; split the file");
+  }
+
   // Assimp adds a second mesh, or a second list of vertices, to the first one: corners then name the wrong vertices, or
   // none at all, which ends the program.
   void see_mesh(const XmlTag& tag) {
@@ -119,6 +132,7 @@ class ColladaCheck {
         if (!primitive_.kind.empty()) scan_.fail("a list of faces inside of another one; repair the file");
         primitive_.kind = tag.name;
         primitive_.count = number(tag, "count", 0);
+        shapes_.add_part();
       }
       if (tag.kind != XmlTag::Kind::open) {
         check_lists();
@@ -208,6 +222,7 @@ class ColladaCheck {
   ColladaShapes shapes_;
   ColladaNodes nodes_;
   int depth_ = 0;
+  std::size_t materials_ = 0, others_ = 0;
   int meshes_ = 0, vertices_ = 0;  // of the geometry and of the mesh around the tag
   Primitive primitive_;
   std::map<std::string_view, std::uint64_t> arrays_;

@@ -8,9 +8,11 @@
 namespace difi {
 namespace {
 
-// Beyond any scene that was meant. Each level takes frames of assimp's stack, each node a kilobyte.
+// Beyond any scene that was meant. Each level takes frames of assimp's stack, each node or mesh 1.5 kilobytes.
 constexpr int kDeepest = 1000;
-constexpr double kMost = 1e6;
+constexpr double kMost = 1e5;
+// A light's or camera's name is looked for among all nodes, which takes the time of as many nodes.
+constexpr double kWeightOfLight = 100;
 
 }  // namespace
 
@@ -19,6 +21,8 @@ void ColladaNodes::see(const XmlTag& tag) {
   if (tag.name == "library_nodes") in_library_ = tag.kind == XmlTag::Kind::open;
   if (tag.name == "node" && !close) open(tag);
   if (tag.name == "node" && tag.kind != XmlTag::Kind::open && !open_.empty()) open_.pop_back();
+  if (!close && !open_.empty() && (tag.name == "instance_light" || tag.name == "instance_camera"))
+    ++nodes_[open_.back()].lights;
   const bool node = tag.name == "instance_node";
   if ((!node && tag.name != "instance_geometry" && tag.name != "instance_controller") || close || open_.empty()) return;
   const std::string_view url = plain(tag, "url");
@@ -30,6 +34,7 @@ void ColladaNodes::see(const XmlTag& tag) {
 void ColladaNodes::open(const XmlTag& tag) {
   const std::size_t node = nodes_.size();
   nodes_.emplace_back();
+  check_number(static_cast<double>(nodes_.size()));
   const std::string_view id = plain(tag, "id"), name = plain(tag, "name");
   if (in_library_ && open_.empty()) library_.emplace(id, node);
   all_.emplace(id, node);
@@ -52,8 +57,12 @@ void ColladaNodes::check() {
   if (instances_ && odd_names_) scan_.fail("names of nodes hold '&' or line ends; rename them, or flatten the scene");
   for (std::size_t node = 0; node < nodes_.size(); ++node) unfold(node, 0);
   // Assimp makes a mesh for every corner of its own, and one for each material that an instance binds.
-  double corners = 0;
-  for (const std::size_t top : tops_) corners += nodes_[top].corners;
+  double corners = 0, unfolded = 0;
+  for (const std::size_t top : tops_) {
+    corners += nodes_[top].corners;
+    unfolded += nodes_[top].unfolded;
+  }
+  check_number(unfolded);
   check_unfolded(file_, {corners, corners / 3}, file_.size());
 }
 
@@ -64,16 +73,28 @@ void ColladaNodes::unfold(std::size_t index, int depth) {
   if (depth > kDeepest) scan_.fail("its nodes are nested too deep; flatten the scene in the program that wrote it");
   node.entered = true;
   Node sum;
-  sum.unfolded = sum.height = 1;
-  for (const std::string_view shape : node.shapes) sum.corners += shapes_.corners(shape);
+  sum.height = 1;
+  sum.unfolded = 1 + kWeightOfLight * node.lights;
+  for (const std::string_view shape : node.shapes) {
+    const auto [corners, parts] = shapes_.size(shape);
+    sum.corners += corners;
+    sum.unfolded += parts;
+  }
   for (const std::size_t child : node.children) add(sum, child, depth);
   for (const std::string_view target : node.instances) add_instance(sum, target, depth);
   if (sum.height > kDeepest)
     scan_.fail("its nodes are nested too deep; flatten the scene in the program that wrote it");
-  if (sum.unfolded > kMost) scan_.fail("its nodes unfold to more than a million; instance fewer");
+  check_number(sum.unfolded);
   node.unfolded = sum.unfolded;
   node.corners = sum.corners;
   node.height = sum.height;
+}
+
+void ColladaNodes::check_number(double unfolded) const {
+  if (unfolded > kMost)
+    scan_.fail(
+        "its nodes and what they place unfold to more than 100000, a light or camera counted as 100; "
+        "instance fewer");
 }
 
 void ColladaNodes::add(Node& node, std::size_t part, int depth) {

@@ -26,7 +26,8 @@ class ColladaNodes {
   struct Node {
     std::vector<std::size_t> children;
     std::vector<std::string_view> instances, shapes;
-    double unfolded = 0;  // nodes; zero until known
+    double lights = 0;    // and cameras that it places itself
+    double unfolded = 0;  // nodes, and what these place; zero until known
     double corners = 0;   // of the shapes of all these
     int height = 0;
     bool entered = false;
@@ -35,6 +36,7 @@ class ColladaNodes {
   void open(const XmlTag& tag);
   std::string_view plain(const XmlTag& tag, std::string_view attribute);
   void unfold(std::size_t node, int depth);
+  void check_number(double unfolded) const;
   void add(Node& node, std::size_t part, int depth);
   void add_instance(Node& node, std::string_view target, int depth);
 

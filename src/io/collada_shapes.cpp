@@ -14,18 +14,22 @@ void ColladaShapes::see(const XmlTag& tag) {
 }
 
 void ColladaShapes::add_corners(std::uint64_t corners) {
-  if (at_hand_) *at_hand_ += static_cast<double>(corners);
+  if (at_hand_) at_hand_->corners += static_cast<double>(corners);
 }
 
-double ColladaShapes::corners(std::string_view id) const {
+void ColladaShapes::add_part() {
+  if (at_hand_) ++at_hand_->parts;
+}
+
+ColladaShapes::Size ColladaShapes::size(std::string_view id) const {
   constexpr int kMostControllers = 10;  // that move each other
   for (int n = 0; n < kMostControllers; ++n) {
     if (const auto found = geometries_.find(id); found != geometries_.end()) return found->second;
     const auto source = sources_.find(id);
-    if (source == sources_.end()) return 0;
+    if (source == sources_.end()) return {};
     id = source->second;
   }
-  return 0;
+  return {};
 }
 
 }  // namespace difi

@@ -16,13 +16,19 @@ class ColladaShapes {
   void see(const XmlTag& tag);
   /// More corners of the geometry at hand.
   void add_corners(std::uint64_t corners);
-  /// What an instance of it adds; zero for what is not there, which assimp leaves out.
-  double corners(std::string_view id) const;
+  /// Another list of faces in the geometry at hand, of which assimp makes a mesh of its own.
+  void add_part();
+
+  struct Size {
+    double corners = 0, parts = 0;
+  };
+  /// What an instance of it adds; nothing for what is not there, which assimp leaves out.
+  Size size(std::string_view id) const;
 
  private:
-  double* at_hand_ = nullptr;
+  Size* at_hand_ = nullptr;
   std::string_view controller_;
-  std::map<std::string_view, double> geometries_;         // of several with one id, all together
+  std::map<std::string_view, Size> geometries_;           // of several with one id, all together
   std::map<std::string_view, std::string_view> sources_;  // of controllers
 };
 

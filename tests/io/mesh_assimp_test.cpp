@@ -88,6 +88,40 @@ TEST_F(Assimp, CornersOf3dsThatAreNoVertices) {
   refused("a.3ds", tetrahedron(0, 1, 60000), "Vertex index overflow");
 }
 
+std::string object(const std::string& name, const std::string& parts) { return chunk(0x4000, name + '\0' + parts); }
+
+std::string repeated(int times, const std::string& part) {
+  std::string all;
+  all.reserve(static_cast<std::size_t>(times) * part.size());
+  for (int n = 0; n < times; ++n) all += part;
+  return all;
+}
+
+// Four megabytes of empty materials took five gigabytes, and groups of faces the time to look for the name of each.
+TEST_F(Assimp, PartsOf3dsHaveANumber) {
+  const auto with = [](const std::string& more) {
+    const std::string file = tetrahedron(0, 1, 2);
+    return chunk(0x4d4d, chunk(0x3d3d, file.substr(12) + more));
+  };
+  const std::string material = chunk(0xafff, "x"), light = chunk(0x4600, std::string(12, '\0'));
+  EXPECT_EQ(triangles("a.3ds", with(repeated(5000, material))), 1u);
+  refused("a.3ds", with(repeated(5001, material)), "more than 5000 materials; write the file again without them");
+  refused("a.3ds", with(repeated(1001, object("b", light))), "more than 1000 lights and cameras; write the file");
+  refused("a.3ds", with(object("b", repeated(1001, chunk(0x4700, std::string(32, '\0'))))), "more than 1000 lights");
+  refused("a.3ds", with(repeated(20'001, object("b", chunk(0x4100, "x")))), "more than 20000 meshes; join some");
+  const std::string group = chunk(0x4130, std::string("m\0\0\0", 4)), face = bytes_of<std::uint16_t>({1, 0, 1, 2, 0});
+  refused("a.3ds", with(object("b", chunk(0x4100, chunk(0x4120, face + repeated(100'001, group))))),
+          "more than 100000 groups of faces; write the file again without materials");
+}
+
+// Each object's first chunk is longer than the object, so that all that follow lie in it, too.
+TEST_F(Assimp, ChunksOf3dsDoNotReachIntoEachOther) {
+  std::string object = chunk(0x4000, std::string("a\0", 2) + chunk(0x4100, "123") + chunk(0x4111, ""));
+  const std::uint32_t longer = 60;
+  std::memcpy(object.data() + 10, &longer, sizeof longer);
+  refused("a.3ds", chunk(0x4d4d, chunk(0x3d3d, repeated(2000, object))), "chunks, which reach into each other");
+}
+
 // Found by fuzzing: assimp asked for the memory of as many keys as a track claims, up to 100 GB.
 TEST_F(Assimp, TracksOf3dsHaveTheKeysTheyClaim) {
   const auto animated = [](std::uint16_t track, std::uint32_t keys, std::size_t bytes) {
@@ -235,10 +269,40 @@ TEST_F(Assimp, NodesOfColladaUnfold) {
     if (n < 40) doubling += node + next + next + "</node>";
     chain += node + next + "</node>";
   }
-  refused("a.dae", Collada{.nodes = doubling}.text(), "unfold to more than a million");
+  refused("a.dae", Collada{.nodes = doubling}.text(),
+          "unfold to more than 100000, a light or camera counted as 100; instance fewer");
   refused("a.dae", Collada{.nodes = chain}.text(), "nested too deep");
   refused("a.dae", Collada{.nodes = nested(200'000, "<node>", "</node>")}.text(), "nested more than 500 deep");
   EXPECT_EQ(triangles("a.dae", Collada{.nodes = Collada().nodes + nested(450, "<node>", "</node>")}.text()), 4u);
+}
+
+// Assimp makes kilobytes of what has ten bytes in the file: six megabytes of nodes became more than one gigabyte.
+TEST_F(Assimp, PartsOfColladaHaveANumber) {
+  const auto entries = [](int number, const std::string& entry) {
+    return Collada{.library = "<library_x>" + repeated(number, entry) + "</library_x>"}.text();
+  };
+  EXPECT_EQ(triangles("a.dae", entries(5000, "<material/>")), 4u);
+  refused("a.dae", entries(5001, "<material/>"), "more than 5000 materials; write the file again without them");
+  refused("a.dae", entries(50'001, "<effect id='e'/>"), "more than 50000 things in its libraries; split the file");
+  const std::string too_many = "unfold to more than 100000, a light or camera counted as 100; instance fewer";
+  refused("a.dae", Collada{.nodes = repeated(100'001, "<node/>")}.text(), too_many);
+  refused("a.dae", Collada{.nodes = repeated(1000, "<node><instance_light url='#l'/></node>")}.text(), too_many);
+  // Each of these nodes places the tetrahedron's one list of faces, and is a node itself.
+  refused("a.dae", Collada{.nodes = repeated(50'001, "<node><instance_geometry url='#g'/></node>")}.text(), too_many);
+}
+
+// Assimp makes a mesh of the skeleton of the nodes where there is none.
+TEST_F(Assimp, NodesWithoutMeshesAreNoMesh) {
+  refused("a.dae", Collada{.nodes = "<node><translate>1 0 0</translate><node/></node>"}.text(),
+          "the file holds no triangles");
+}
+
+// Assimp's validation refuses it, and gave no hint of what to change.
+TEST_F(Assimp, AGeometryTwiceInANodeIsTold) {
+  const std::string instance = "<instance_geometry url='#g'/>";
+  refused("a.dae", Collada{.nodes = "<node>" + instance + instance + "</node>"}.text(),
+          ": one node places a geometry twice, which assimp does not read; give each place a node of its own");
+  EXPECT_EQ(triangles("a.dae", Collada{.nodes = repeated(2, "<node>" + instance + "</node>")}.text()), 8u);
 }
 
 // A megabyte became six gigabytes: assimp copies a mesh for each material that an instance binds, and we for each node.
