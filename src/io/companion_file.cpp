@@ -99,8 +99,9 @@ std::string companion_path(const FileView& file, const std::string& where, const
   return path;
 }
 
-std::unique_ptr<FileView> open_companion(const FileView& file, const std::string& where, const std::string& path) {
-  return std::make_unique<FileView>(file.path().parent_path() / path, Search(file, where, path).open());
+std::unique_ptr<FileView> open_companion(const FileView& file, const std::string& where, const std::string& path,
+                                         std::uint64_t longest) {
+  return std::make_unique<FileView>(file.path().parent_path() / path, Search(file, where, path).open(), longest);
 }
 
 }  // namespace difi

@@ -17,6 +17,8 @@
 namespace difi {
 namespace {
 
+constexpr std::size_t kUnbounded = std::numeric_limits<std::size_t>::max();
+
 std::string reason(int error) {
   switch (error) {
     case ENOENT:
@@ -50,7 +52,7 @@ FileView::FileView(const std::filesystem::path& path, Access access) : path_(pat
   const auto size = static_cast<std::size_t>(about.st_size);
   const bool pipe = S_ISFIFO(about.st_mode);
   if (pipe || access == Access::copy) {
-    read_all(file.number(), size, pipe ? most_of_a_pipe() : std::numeric_limits<std::size_t>::max());
+    read_all(file.number(), size, kUnbounded, pipe ? most_of_a_pipe() : kUnbounded);
     return;
   }
   if (size == 0) return;
@@ -60,23 +62,24 @@ FileView::FileView(const std::filesystem::path& path, Access access) : path_(pat
   bytes_ = {static_cast<const char*>(mapped), size};
 }
 
-FileView::FileView(const std::filesystem::path& name, const Descriptor& file) : path_(name) {
+FileView::FileView(const std::filesystem::path& name, const Descriptor& file, std::uint64_t longest) : path_(name) {
   struct stat about {};
   if (::fstat(file.number(), &about) != 0) fail("", reason(errno));
-  read_all(file.number(), static_cast<std::size_t>(about.st_size), std::numeric_limits<std::size_t>::max());
+  const auto most = static_cast<std::size_t>(longest);
+  read_all(file.number(), std::min(static_cast<std::size_t>(about.st_size), most), most, kUnbounded);
 }
 
 FileView::~FileView() {
   if (mapped_) ::munmap(mapped_, bytes_.size());
 }
 
-void FileView::read_all(int descriptor, std::size_t expected, std::size_t most) {
+void FileView::read_all(int descriptor, std::size_t expected, std::size_t longest, std::size_t most) {
   constexpr std::size_t kLeast = std::size_t{1} << 16, kMostAtOnce = std::size_t{1} << 30;
   // One byte more than expected, so that the end is met without room for more.
   std::size_t room = std::max(expected + 1, kLeast), size = 0;
   try {
     read_ = std::make_unique_for_overwrite<char[]>(room);
-    for (;;) {
+    while (size < longest) {
       if (size > most)
         throw Error(ErrorCode::limit, path_.string() + ": more than " + std::to_string(most >> 20) +
                                           " MiB came through the pipe; save it in a file and give its name");
@@ -86,7 +89,7 @@ void FileView::read_all(int descriptor, std::size_t expected, std::size_t most) 
         read_ = std::move(larger);
         room *= 2;
       }
-      const auto got = ::read(descriptor, read_.get() + size, std::min(room - size, kMostAtOnce));
+      const auto got = ::read(descriptor, read_.get() + size, std::min({room - size, longest - size, kMostAtOnce}));
       if (got < 0 && errno == EINTR) continue;
       if (got < 0) fail("", reason(errno));
       if (got == 0) break;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -24,8 +25,8 @@ class FileView {
   /// Errors: input, for files that are missing, folders, devices, or unreadable; limit, for those that memory
   /// cannot hold, and for more from a pipe than a quarter of the machine's memory.
   explicit FileView(const std::filesystem::path& path, Access access = Access::copy);
-  /// The bytes of an open file, read to its end; `name` stands in messages. Errors: as above.
-  FileView(const std::filesystem::path& name, const Descriptor& file);
+  /// The bytes of an open file, `longest` at the most; `name` stands in messages. Errors: as above.
+  FileView(const std::filesystem::path& name, const Descriptor& file, std::uint64_t longest);
   /// A view of somebody else's bytes, which must outlive it; `name` stands in messages.
   FileView(const std::filesystem::path& name, std::string_view bytes) : path_(name), bytes_(bytes) {}
   FileView(const FileView&) = delete;
@@ -40,7 +41,8 @@ class FileView {
   [[noreturn]] void fail(const std::string& where, const std::string& message) const;
 
  private:
-  void read_all(int descriptor, std::size_t expected, std::size_t most);
+  // Up to the end or to `longest` bytes; more than `most` is an error.
+  void read_all(int descriptor, std::size_t expected, std::size_t longest, std::size_t most);
 
   std::filesystem::path path_;
   std::string_view bytes_;

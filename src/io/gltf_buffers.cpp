@@ -31,6 +31,7 @@ GltfBuffers::GltfBuffers(const FileView& file, const std::optional<JsonView>& bu
     buffers_.reserve(buffers->size());
     buffers->each_element([&](const JsonView& json) {
       buffers_.push_back({json, required(json, "byteLength"), nullptr});
+      longest_ = std::max(longest_, buffers_.back().length);
     });
   }
   if (!views) return;
@@ -94,7 +95,7 @@ std::string_view GltfBuffers::content(std::uint64_t number, const std::string& w
   const std::string path = companion_path(file_, where, uri);
   std::unique_ptr<FileView>& companion = companions_[path];
   if (!companion) {
-    companion = open_companion(file_, where, path);
+    companion = open_companion(file_, where, path, longest_);
     companion_bytes_ += companion->size();
   }
   return companion->bytes();

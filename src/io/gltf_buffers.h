@@ -58,6 +58,7 @@ class GltfBuffers {
   const FileView& file_;
   std::optional<std::string_view> binary_;
   std::vector<Buffer> buffers_;
+  std::uint64_t longest_ = 0;  // of all buffers: no file is read beyond
   std::vector<View> views_;
   std::deque<std::string> data_;                                 // of data URIs
   std::map<std::string, std::unique_ptr<FileView>> companions_;  // by path: several buffers may lie in one file

@@ -39,6 +39,7 @@ void GltfMeshes::add_mesh(const JsonView& json) {
     const std::uint64_t vertices = numbers_.count(primitive.positions);
     if (positions.insert(primitive.positions).second) mesh.size.vertices += static_cast<double>(vertices);
     const std::uint64_t corners = primitive.indices == kNone ? vertices : numbers_.count(primitive.indices);
+    mesh.size.corners = std::max(mesh.size.corners, static_cast<double>(corners));
     mesh.size.triangles +=
         static_cast<double>(triangles(corners, primitive.mode, name(meshes_.size(), primitive.number)));
   }

@@ -64,6 +64,7 @@ Mesh read_scene(const FileView& file, std::string_view json, std::optional<std::
     const Unfolded size = meshes.size(mesh);
     unfolded.vertices += size.vertices;
     unfolded.triangles += size.triangles;
+    unfolded.corners = std::max(unfolded.corners, size.corners);
   });
   check_unfolded(file, unfolded, file.size() + buffers.companion_bytes());
   check_counts(file, static_cast<std::uint64_t>(unfolded.vertices), static_cast<std::uint64_t>(unfolded.triangles));

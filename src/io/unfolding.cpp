@@ -11,7 +11,7 @@ namespace difi {
 namespace {
 
 // A vertex, its number while welding and its share of the table of those.
-constexpr double kVertexBytes = sizeof(Vec3) + 4 + 24, kTriangleBytes = sizeof(Triangle);
+constexpr double kVertexBytes = sizeof(Vec3) + 4 + 24, kTriangleBytes = sizeof(Triangle), kCornerBytes = 4;
 constexpr double kMiB = 1 << 20, kAlways = 192 * kMiB, kTimes = 12;
 
 // Without exponent, as far as doubles go.
@@ -24,7 +24,8 @@ std::string whole(double number) {
 }  // namespace
 
 void check_unfolded(const FileView& file, const Unfolded& unfolded, std::uint64_t bytes) {
-  const double needed = kVertexBytes * unfolded.vertices + kTriangleBytes * unfolded.triangles;
+  const double needed =
+      kVertexBytes * unfolded.vertices + kTriangleBytes * unfolded.triangles + kCornerBytes * unfolded.corners;
   const double allowed = kAlways + kTimes * static_cast<double>(bytes);
   if (needed <= allowed) return;
   throw Error(ErrorCode::limit, file.path().string() + ": its nodes place meshes until they have " +

@@ -11,6 +11,7 @@ namespace difi {
 /// count.
 struct Unfolded {
   double vertices = 0, triangles = 0;
+  double corners = 0;  ///< of the longest list of corners, which is held while its triangles are made
 };
 
 /// A few bytes of a file can ask for more memory than there is: before any copy is made, throws Error{limit} where they

@@ -116,6 +116,32 @@ TEST_F(Companion, ShortOnesAreCutOff) {
   expect_error([&] { read_mesh(other); }, ErrorCode::input, ":buffer 0: it has 0 bytes");
 }
 
+// A file of a gigabyte was read whole for a buffer of 36 bytes, and let the scene unfold to twelve times as much.
+TEST_F(Companion, AreReadAsFarAsBuffersReach) {
+  buffer("mesh/a.bin");
+  std::filesystem::resize_file(inside / "a.bin", 16 << 20);
+  reads("a.bin");
+  const GltfDocument zeros{.primitive = R"({"attributes":{"POSITION":0},"mode":5})",
+                           .accessors =
+                               R"({"componentType":5126,"count":4000000,"type":"VEC3","sparse":{"count":1,"indices":)"
+                               R"({"bufferView":0,"componentType":5121},"values":{"bufferView":0}}})",
+                           .uri = "a.bin"};
+  const auto path = folder.file("mesh/a.gltf", zeros.text());
+  expect_error([&] { read_mesh(path); }, ErrorCode::limit, "where a file of its size may have 192 MiB");
+}
+
+TEST_F(Companion, OneMayHoldSeveralBuffers) {
+  buffer("mesh/a.bin", GltfDocument().data + std::string("\0\1\2", 3));
+  const GltfDocument document{
+      .primitive = R"({"attributes":{"POSITION":0},"indices":1})",
+      .accessors = GltfDocument().accessors + R"(,{"bufferView":1,"componentType":5121,"count":3,"type":"SCALAR"})",
+      .views = GltfDocument().views + R"(,{"buffer":1,"byteOffset":36,"byteLength":3})",
+      .uri = "a.bin"};
+  std::string text = document.text();
+  text.insert(text.rfind("}]") + 1, R"(,{"byteLength":39,"uri":"a.bin"})");
+  EXPECT_EQ(read_mesh(folder.file("mesh/a.gltf", text)).triangles.size(), 1u);
+}
+
 // Images are no shape: never opened, wherever they are.
 TEST_F(Companion, ImagesAreNeverOpened) {
   ASSERT_EQ(::mkfifo((inside / "pipe").c_str(), 0600), 0);

@@ -88,6 +88,14 @@ TEST(GltfHostile, WhatUnfoldsTooFar) {
       R"({"bufferView":0,"componentType":5121},"values":{"bufferView":0}}})";
   text_refused(GltfDocument{.primitive = R"({"attributes":{"POSITION":0},"mode":5})", .accessors = sparse}.text(),
                "its nodes place meshes until they have 4000000000000 vertices", ErrorCode::limit);
+  // Corners are held beside their triangles: 48 million zeros are 183 MiB of them and as much of triangles.
+  const std::string corners =
+      R"(,{"componentType":5125,"count":48000000,"type":"SCALAR","sparse":{"count":1,"indices":)"
+      R"({"bufferView":0,"componentType":5121},"values":{"bufferView":0}}})";
+  text_refused(GltfDocument{.primitive = R"({"attributes":{"POSITION":0},"indices":1})",
+                            .accessors = GltfDocument().accessors + corners}
+                   .text(),
+               "3 vertices and 16000000 triangles, 366 MiB, where a file", ErrorCode::limit);
   // What adds nothing is not walked, however often it is placed.
   std::string lines = R"({"attributes":{"POSITION":0}})";
   for (int n = 0; n < 20'000; ++n) lines += R"(,{"attributes":{"POSITION":0},"mode":1})";
