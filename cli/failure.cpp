@@ -12,7 +12,7 @@ namespace difi::cli {
 namespace {
 
 int fail(ErrorCode code, const std::string& message) {
-  std::fprintf(stderr, "difi: error: %s\n", one_line(message).c_str());
+  std::fprintf(stderr, "difi: error: %s\n", message_line(message).c_str());
   return static_cast<int>(code);
 }
 

@@ -7,6 +7,7 @@
 #include "cli/facts.h"
 #include "cli/field_argument.h"
 #include "cli/files.h"
+#include "cli/one_line.h"
 #include "cli/signals.h"
 #include "cli/talk.h"
 #include "cli/text.h"
@@ -24,7 +25,7 @@ constexpr const char* kExamples = R"(  difi info bunny.obj            triangles,
 
 std::string row(const char* name, const std::string& value) {
   std::string line = name;
-  return line + std::string(14 - line.size(), ' ') + value + "\n";
+  return line + std::string(14 - line.size(), ' ') + one_line(value) + "\n";
 }
 
 // "12", or "12 (3 % of ...)" would be more than people ask; zero is said in a word.
@@ -83,7 +84,9 @@ void tell_field(const std::string& name, const FieldArgument& input, const Talk&
         {"version", from.version}};
     return print(json);
   }
-  const auto or_unknown = [](const std::string& text) { return text.empty() ? std::string("unknown") : text; };
+  const auto or_unknown = [](const std::string& text) {
+    return text.empty() ? std::string("unknown") : beginning(text, 200);
+  };
   const std::string made = or_unknown(from.method) + ", difi " + or_unknown(from.version);
   print(row("field", name) + row("size", size_text(g.size) + ", " + counted(g.sample_count(), "sample")) +
         row("origin", point_text(g.origin)) + row("to", point_text(g.bounds().max)) +

@@ -55,12 +55,6 @@ std::vector<double> parse_numbers(const std::string& option, const std::string& 
   return read_or_reject(option, text, [&] { return numbers_in(text); });
 }
 
-// As much of some text as a message needs.
-std::string beginning(std::string_view text) {
-  constexpr std::size_t kEnough = 40;
-  return one_line(std::string(text.substr(0, kEnough))) + (text.size() > kEnough ? "..." : "");
-}
-
 // Why a text is no finite number, in the words of an error.
 std::string no_number(std::string_view text) {
   text = without_plus(text);
@@ -246,7 +240,8 @@ std::vector<double> numbers_in(std::string_view text) {
     part.remove_suffix(part.size() - (part.find_last_not_of(" \t") + 1));
     const auto value = whole_text<double>(part);
     if (!value || !std::isfinite(*value))
-      throw Error(ErrorCode::usage, "'" + beginning(part) + "' is " + no_number(part) + "; separate numbers by commas");
+      throw Error(ErrorCode::usage,
+                  "'" + beginning(part, 40) + "' is " + no_number(part) + "; separate numbers by commas");
     numbers.push_back(*value);
     from = comma + 1;
   }

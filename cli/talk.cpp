@@ -69,7 +69,7 @@ std::string json_text(const Json& json, const std::string& indent) {
   return (is_list ? "[" : "{") + text + "\n" + indent + (is_list ? "]" : "}");
 }
 
-void to_stderr(const std::string& line) { std::fprintf(stderr, "%s\n", one_line(line).c_str()); }
+void to_stderr(const std::string& line) { std::fprintf(stderr, "%s\n", message_line(line).c_str()); }
 
 }  // namespace
 

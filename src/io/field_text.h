@@ -10,6 +10,9 @@
 
 namespace difi {
 
+/// Characters of a method or version that are read: far more than any has.
+constexpr std::uint64_t kMaxText = 4096;
+
 /// The shortest text that reads back as the same number; "inf" for infinity.
 std::string text_of(double number);
 /// "0x" and 16 hexadecimal digits.

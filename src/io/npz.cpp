@@ -17,7 +17,6 @@ namespace {
 
 constexpr const char* kDistance = "distance";
 constexpr const char* kNearest = "nearest_triangle";
-constexpr std::uint64_t kMaxText = 4096;  // characters of a method or version
 
 std::string quoted(const std::string& name) { return "'" + name + "'"; }
 

@@ -113,8 +113,8 @@ DistanceField read_nrrd(const FieldInput& file) {
     if (!thickness) header.fail(*line, "the thickness is not a number; write the file again");
     stored.thickness = *thickness;
   }
-  if (const NrrdLine* line = header.key("method")) stored.provenance.method = line->text;
-  if (const NrrdLine* line = header.key("version")) stored.provenance.version = line->text;
+  if (const NrrdLine* line = header.key("method")) stored.provenance.method = line->text.substr(0, kMaxText);
+  if (const NrrdLine* line = header.key("version")) stored.provenance.version = line->text.substr(0, kMaxText);
   if (const NrrdLine* line = header.key("mesh_hash")) stored.provenance.mesh_hash = hash_in(line->text).value_or(0);
   return load_field(file, stored);
 }

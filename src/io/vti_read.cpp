@@ -17,7 +17,6 @@ namespace difi {
 namespace {
 
 constexpr std::uint64_t kMaxHeader = std::uint64_t{1} << 20;  // far more than any header needs
-constexpr std::uint64_t kMaxText = 4096;                      // bytes of a method or version
 constexpr std::string_view kAppended = "<AppendedData";
 
 class Reader {
@@ -148,6 +147,7 @@ class Reader {
     if (get(tag, "format") != "ascii") fail(tag, "facts are read from appended or ascii arrays; save them as such");
     std::string bytes;
     for (const auto word : words_of(tag.text)) bytes += static_cast<char>(number_in<std::uint8_t>(word).value_or('?'));
+    bytes.resize(std::min<std::size_t>(bytes.size(), kMaxText));
     return bytes;
   }
   std::string string_of(const VtiTag& tag) const { return bytes_of(tag).c_str(); }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "difi/io.h"
 #include "tests/cli/program.h"
 
 namespace difi {
@@ -252,6 +253,32 @@ TEST_F(Errors, Limit) {
   });
 }
 
+// 100 KB of an argument came back whole, and a field's method, escapes and all.
+TEST_F(Errors, MessagesAreShort) {
+  const std::string longest(100'000, 'x');
+  for (const std::vector<std::string>& line :
+       {std::vector<std::string>{"info", longest}, {"compute", "box.obj", "-r", longest}, {longest}}) {
+    const Ran ran = run(line);
+    EXPECT_LT(ran.err.size(), 6100u);
+    EXPECT_TRUE(ran.says("xxx...xxx")) << ran.err;
+  }
+  write_bytes(folder / "poses.csv", "1,\x9b\xc3\xa4,3\n");
+  EXPECT_EQ(run(words("collide box.obj box.obj --poses poses.csv")).err,
+            "difi: error: poses.csv:1: '\?\?\?' is not a number; separate numbers by commas\n");
+}
+
+TEST_F(Errors, WhatAFieldTellsOfItselfStaysOnItsLine) {
+  const std::string method = "\\n\x1b[31m\x9b" + std::string(100'000, 'x');
+  write_bytes(folder / "a.nrrd",
+              "NRRD0005\ntype: float\ndimension: 3\nsizes: 1 1 1\nspacings: 1 1 1\nendian: little\nencoding: raw\n"
+              "method:=" +
+                  method + "\nversion:=" + method + "\n\n" + std::string(4, '\0'));
+  const std::string shown = "\?\?[31m?" + std::string(193, 'x') + "...";
+  const Ran ran = run(words("info a.nrrd"));
+  EXPECT_NE(ran.out.find("\nmethod        " + shown + ", difi " + shown + "\n"), ran.out.npos) << ran.out;
+  EXPECT_LT(run(words("info a.nrrd --json")).out.size(), 10'000u);
+}
+
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // which need terabytes of addresses
 // Memory that is not there although no limit of ours was met.
 TEST_F(Errors, OutOfMemory) {
@@ -262,6 +289,27 @@ TEST_F(Errors, OutOfMemory) {
   EXPECT_TRUE(ran.says("difi: error: ")) << ran.err;
   EXPECT_TRUE(ran.says("memory")) << ran.err;
   EXPECT_FALSE(std::filesystem::exists(folder / "a.vti"));
+}
+
+// Assimp catches that, and keeps the words "std::bad_alloc" alone: difi told to repair the file.
+TEST_F(Errors, OutOfMemoryInAssimp) {
+  if (std::ranges::none_of(mesh_formats(), [](const Format& f) { return f.extension == "3ds" && f.readable; }))
+    GTEST_SKIP() << "this build has no assimp";
+  const auto number = [](auto value) { return std::string(reinterpret_cast<const char*>(&value), sizeof value); };
+  const auto chunk = [&](std::uint16_t id, const std::string& content) {
+    return number(id) + number(static_cast<std::uint32_t>(6 + content.size())) + content;
+  };
+  std::string faces = number(std::uint16_t{0xffff}), meshes;
+  for (int n = 0; n < 0xffff; ++n) faces += std::string("\0\0\1\0\2\0\0\0", 8);
+  const std::string corners = number(std::uint16_t{3}) + std::string(36, '\0');
+  const std::string mesh = chunk(0x4100, chunk(0x4110, corners) + chunk(0x4120, faces));
+  for (int n = 0; n < 100; ++n) meshes += chunk(0x4000, std::string("a\0", 2) + mesh);
+  write_bytes(folder / "large.3ds", chunk(0x4d4d, chunk(0x3d3d, meshes)));
+  auto how = setup();
+  how.memory = rlim_t{600} << 20;
+  const Ran ran = run(words("info large.3ds"), how);
+  EXPECT_EQ(ran.code, 5);
+  EXPECT_EQ(ran.err, "difi: error: large.3ds: not enough memory to read it; split the mesh\n");
 }
 #endif
 
