@@ -122,7 +122,9 @@ DistanceField read_nrrd(const FieldInput& file) {
 void write_nrrd(AtomicFile& file, const DistanceField& field) {
   const Grid& grid = field.grid();
   const auto text = [](double number) { return text_of(number); };
-  const auto vector = [&](double x, double y, double z) { return "(" + text(x) + "," + text(y) + "," + text(z) + ")"; };
+  const auto vector = [&](double x, double y, double z) {
+    return std::string("(") + text(x) + "," + text(y) + "," + text(z) + ")";
+  };
   const std::string header =
       "NRRD0005\n# Distances to a triangle mesh, at most the thickness, by difi\n"
       "type: float\ndimension: 3\nspace dimension: 3\nsizes: " +
