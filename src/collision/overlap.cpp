@@ -23,8 +23,18 @@ struct Heights {
   double of[3];
   Heights(const Corners& corners, const Corners& over)
       : of{height_over(over, corners[0]), height_over(over, corners[1]), height_over(over, corners[2])} {}
-  bool on_both_sides() const { return std::min({of[0], of[1], of[2]}) < 0 && std::max({of[0], of[1], of[2]}) > 0; }
 };
+
+// Whether the triangle has corners on both sides of the other one's plane; common ones are on it.
+bool on_both_sides(const Corners& corners, const Corners& of) {
+  bool above = false, below = false;
+  for (const Vec3& at : corners) {
+    if (at == of[0] || at == of[1] || at == of[2]) continue;
+    const int side = orient3d(of[0], of[1], of[2], at);
+    above = above || side > 0, below = below || side < 0;
+  }
+  return above && below;
+}
 
 // From a to b, as far as where a value that is `from` at a and `to` at b, of the other sign, is zero.
 Vec3 zero_between(const Vec3& a, const Vec3& b, double from, double to) { return a + (b - a) * (from / (from - to)); }
@@ -79,10 +89,10 @@ void add_crossing(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, Fa
 }
 
 Vec3 common_point(const Corners& p, const Corners& q) {
-  const Heights of_p(p, q), of_q(q, p);
   // Neighbours of one mesh, and bodies that lie in the same place.
-  if (!of_p.on_both_sides() || !of_q.on_both_sides())
-    if (const Vec3* const corner = common_corner(p, q)) return *corner;
+  if (const Vec3* const corner = common_corner(p, q); corner && !(on_both_sides(p, q) && on_both_sides(q, p)))
+    return *corner;
+  const Heights of_p(p, q), of_q(q, p);
   Farthest shared;
   add_corners_inside(p, of_p, q, shared);
   add_corners_inside(q, of_q, p, shared);
@@ -159,7 +169,8 @@ bool take_accurate(const Corners& p, const Corners& q, Overlap& result) {
 }  // namespace
 
 Overlap overlap(const Corners& p, const Corners& q) {
-  if (Overlap quick; take_accurate(p, q, quick)) return quick;
+  // Corners that both have are on both planes, which hides the answer from the quick way.
+  if (Overlap quick; !common_corner(p, q) && take_accurate(p, q, quick)) return quick;
   WayOut way(p, q);
   way.try_along(normal_direction(p));
   way.try_along(normal_direction(q));
