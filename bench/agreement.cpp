@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace difi::bench {
+namespace standoff::bench {
 
 bool is_hit(Query query, double answer) {
   return query == Query::distance ? answer == 0 : query == Query::sweep ? answer <= 1 : answer > 0;
@@ -28,4 +28,4 @@ Pose on_the_way(const Motion& motion, double t) {
   return pose;
 }
 
-}  // namespace difi::bench
+}  // namespace standoff::bench

@@ -1,9 +1,9 @@
-// Do difi and a peer give the same answer? Each answer is a number.
+// Do standoff and a peer give the same answer? Each answer is a number.
 #pragma once
 
 #include "collision_contest.h"
 
-namespace difi::bench {
+namespace standoff::bench {
 
 /// A sweep's answer where it is free: later than any time.
 inline constexpr double kFree = 2;
@@ -22,4 +22,4 @@ bool agree_on_sweep(const CollisionPeer& peer, const Motion& motion, double tole
 /// The pose at a time of a motion that does not turn.
 Pose on_the_way(const Motion& motion, double t);
 
-}  // namespace difi::bench
+}  // namespace standoff::bench

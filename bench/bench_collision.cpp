@@ -9,7 +9,7 @@
 
 namespace {
 
-using namespace difi;
+using namespace standoff;
 
 struct Batches {
   bench::CollisionSettings settings;

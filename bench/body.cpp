@@ -2,11 +2,11 @@
 #include <algorithm>
 
 #include "collision_workload.h"
-#include "difi/io.h"
 #include "scenes/scenes.h"
 #include "scenes/size.h"
+#include "standoff/io.h"
 
-namespace difi::bench {
+namespace standoff::bench {
 
 Mesh make_body(const BodySource& source) {
   const bool file = source.name.find('/') != std::string::npos;
@@ -21,4 +21,4 @@ Mesh make_body(const BodySource& source) {
   return mesh;
 }
 
-}  // namespace difi::bench
+}  // namespace standoff::bench

@@ -14,7 +14,7 @@
 #include <string>
 #include <system_error>
 
-namespace difi::bench {
+namespace standoff::bench {
 namespace {
 
 [[noreturn]] void fail(const std::string& what) { throw std::system_error(errno, std::generic_category(), what); }
@@ -92,4 +92,4 @@ std::optional<std::vector<double>> run_in_child(double limit_s, const std::funct
   return values;
 }
 
-}  // namespace difi::bench
+}  // namespace standoff::bench

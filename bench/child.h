@@ -5,10 +5,10 @@
 #include <optional>
 #include <vector>
 
-namespace difi::bench {
+namespace standoff::bench {
 
 /// Runs the job in a copy of this process, made by fork, and returns what it returned; nothing where it took more than
 /// so many seconds of processor time. An error of the job goes to stderr; it and a crash end in a runtime_error here.
 std::optional<std::vector<double>> run_in_child(double limit_s, const std::function<std::vector<double>()>& job);
 
-}  // namespace difi::bench
+}  // namespace standoff::bench

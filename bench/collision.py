@@ -1,4 +1,4 @@
-"""Collision queries beside FCL and Coal, both in one process with difi, in turns (collision_contest.cpp), and batches of
+"""Collision queries beside FCL and Coal, both in one process with standoff, in turns (collision_contest.cpp), and batches of
 them with one thread and with two (bench_collision.cpp)."""
 
 import quotes
@@ -14,9 +14,9 @@ def middle(lines):
 
 def ratio(line):
     """How many times as fast as the peer; where one was stopped, what is known of it."""
-    if line["difi_late"] and line["peer_late"]:
+    if line["standoff_late"] and line["peer_late"]:
         return "-"
-    sign = "< " if line["difi_late"] else "> " if line["peer_late"] else ""
+    sign = "< " if line["standoff_late"] else "> " if line["peer_late"] else ""
     return f"{sign}{line['ratio']:.{1 if line['ratio'] >= 1 else 2}f}x"
 
 
@@ -47,9 +47,9 @@ def contest_row(pair, query, where, line):
     return {
         "pair": pair["name"], "query": query["what"], "place of b": placing(where), "peer": line["peer"],
         "poses": line["poses"], "hits": line["hits"], "rounds": line["rounds"],
-        "difi ms": milliseconds(line, "difi"), "peer ms": milliseconds(line, "peer"), "ratio": ratio(line),
+        "standoff ms": milliseconds(line, "standoff"), "peer ms": milliseconds(line, "peer"), "ratio": ratio(line),
         "at least": f"{query['at_least']}x", "answers that differ": line["differ"],
-        "difi build s": f"{line['difi_build_s']:.2f}", "peer build s": f"{line['peer_build_s']:.2f}",
+        "standoff build s": f"{line['standoff_build_s']:.2f}", "peer build s": f"{line['peer_build_s']:.2f}",
     }
 
 
@@ -82,8 +82,8 @@ def found(line, who):
 def place_row(place, what, line):
     """One pose: how long one question takes."""
     return {
-        "place of b": place["what"], "query": what, "peer": line["peer"], "difi ms": milliseconds(line, "difi"),
-        "peer ms": milliseconds(line, "peer"), "ratio": ratio(line), "difi's answer": found(line, "difi"),
+        "place of b": place["what"], "query": what, "peer": line["peer"], "standoff ms": milliseconds(line, "standoff"),
+        "peer ms": milliseconds(line, "peer"), "ratio": ratio(line), "standoff's answer": found(line, "standoff"),
         "peer's answer": found(line, "peer"), "answers that differ": line["differ"], "rounds": line["rounds"],
     }
 

@@ -11,7 +11,7 @@
 #include "child.h"
 #include "measure.h"
 
-namespace difi::bench {
+namespace standoff::bench {
 namespace {
 
 /// Whole rounds: in shorter turns each would first have to fetch what the other drove out of the caches.
@@ -41,7 +41,7 @@ struct Asked {
   std::vector<Motion> motions;
 };
 
-double ask_difi(const Asked& asked, const CollisionModel& a, const CollisionModel& b, std::size_t n) {
+double ask_standoff(const Asked& asked, const CollisionModel& a, const CollisionModel& b, std::size_t n) {
   const Pose& pose = asked.poses[n];
   switch (asked.question.query) {
     case Query::collide:
@@ -127,7 +127,7 @@ nlohmann::json measure_question(const Asked& asked, const CollisionModel& a, con
   const double least_s = asked.question.place ? kLeastTurn_s : 0;
   Side ours, theirs;
   do {
-    take_turn(ours, poses, least_s, contest.limit_s, [&](std::size_t n) { return ask_difi(asked, a, b, n); });
+    take_turn(ours, poses, least_s, contest.limit_s, [&](std::size_t n) { return ask_standoff(asked, a, b, n); });
     take_turn(theirs, poses, least_s, contest.limit_s, [&](std::size_t n) { return ask_peer(asked, peer, n); });
   } while (ours.seconds.size() < kRounds && ours.spent + theirs.spent < contest.enough_s && !ours.late && !theirs.late);
 
@@ -145,7 +145,7 @@ nlohmann::json measure_question(const Asked& asked, const CollisionModel& a, con
                       {"hits", hits},
                       {"differ", differ},
                       {"ratio", median(theirs.seconds) / median(ours.seconds)}};
-  write(line, "difi", ours);
+  write(line, "standoff", ours);
   write(line, "peer", theirs);
   return line;
 }
@@ -171,7 +171,7 @@ void run(const Contest& contest, const std::string& peer_name, const MakePeer& m
                  {"a", settings.a.name},
                  {"b", settings.b.name},
                  {"triangles", {mesh_a.triangles.size(), mesh_b.triangles.size()}},
-                 {"difi_build_s", build},
+                 {"standoff_build_s", build},
                  {"peer_build_s", peer_build}});
     std::cout << line.dump() << std::endl;
   }
@@ -199,4 +199,4 @@ int run_collision_contest(int argc, char** argv, const std::string& peer_name, c
   return 0;
 }
 
-}  // namespace difi::bench
+}  // namespace standoff::bench

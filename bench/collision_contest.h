@@ -7,9 +7,9 @@
 
 #include "collision_workload.h"
 
-namespace difi::bench {
+namespace standoff::bench {
 
-/// What answers beside difi. The first body rests where it was made, the second one is at the pose.
+/// What answers beside standoff. The first body rests where it was made, the second one is at the pose.
 class CollisionPeer {
  public:
   virtual ~CollisionPeer() = default;
@@ -26,4 +26,4 @@ using MakePeer = std::function<std::unique_ptr<CollisionPeer>(const Mesh& a, con
 /// A driver: prints a JSON line for each question. For use in main.
 int run_collision_contest(int argc, char** argv, const std::string& peer_name, const MakePeer& make_peer);
 
-}  // namespace difi::bench
+}  // namespace standoff::bench

@@ -2,7 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
-namespace difi::bench {
+namespace standoff::bench {
 
 void add_options(CLI::App& app, CollisionSettings& settings) {
   app.add_option("--a", settings.a.name, "what rests: a scene, or a mesh file (with a slash in its name)");
@@ -20,4 +20,4 @@ void add_options(CLI::App& app, CollisionSettings& settings) {
   app.add_option("--tolerance", settings.tolerance, "of a sweep");
 }
 
-}  // namespace difi::bench
+}  // namespace standoff::bench

@@ -5,14 +5,14 @@
 #include <string>
 #include <vector>
 
-#include "difi/collision.h"
 #include "question.h"
+#include "standoff/collision.h"
 
 namespace CLI {
 class App;
 }
 
-namespace difi::bench {
+namespace standoff::bench {
 
 /// A scene made by code, or a mesh file where the name has a slash.
 struct BodySource {
@@ -54,4 +54,4 @@ class PosesDrawn {
 std::vector<Motion> make_motions(const CollisionSettings& settings, const Question& question,
                                  const std::vector<Pose>& poses);
 
-}  // namespace difi::bench
+}  // namespace standoff::bench

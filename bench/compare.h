@@ -8,12 +8,12 @@
 
 #include <nlohmann/json.hpp>
 
-#include "difi/compute.h"
+#include "standoff/compute.h"
 #include "workload.h"
 
-namespace difi::bench {
+namespace standoff::bench {
 
-/// The exact field, by difi's default method.
+/// The exact field, by standoff's default method.
 inline std::vector<float> exact_field(const Workload& work) {
   std::vector<float> values(static_cast<std::size_t>(work.grid.sample_count()));
   Options options;
@@ -44,4 +44,4 @@ inline nlohmann::json compare_with_exact(const Workload& work, std::span<const f
           {"mean_error_samples", band_exact ? sum / static_cast<double>(band_exact) / spacing : 0}};
 }
 
-}  // namespace difi::bench
+}  // namespace standoff::bench

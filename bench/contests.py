@@ -1,4 +1,4 @@
-"""difi beside its peers: same job, same run, alternating processes."""
+"""standoff beside its peers: same job, same run, alternating processes."""
 
 from harness import machine_lines, markdown, median, results_folder, seconds, write_csv
 
@@ -15,12 +15,12 @@ def raw_rows(contest, lines):
 
 
 def run_contest(drivers, contest, with_peers, rounds):
-    """Alternates difi and the peers: {(driver, output): [line per round]}. Each peer's first field is checked."""
+    """Alternates standoff and the peers: {(driver, output): [line per round]}. Each peer's first field is checked."""
     lines = {}
     for number in range(rounds or contest.get("rounds", 5)):
         for against in contest["against"]:
             output, peer = against["output"], against["peer"]
-            lines.setdefault(("difi", output), []).append(drivers.run("difi", contest["args"], 5, output=output))
+            lines.setdefault(("standoff", output), []).append(drivers.run("standoff", contest["args"], 5, output=output))
             if with_peers and drivers.has(peer):
                 check = {"check": True} if number == 0 else {}
                 line = drivers.run(peer, contest["args"], contest.get("peer_repeats", 3), **check)
@@ -43,9 +43,9 @@ def verdict(cold, warm, least):
 
 def ratio_row(contest, against, lines):
     """One line of the table of ratios; without the peer's half when it did not run."""
-    cold, warm = times(lines[("difi", against["output"])])
-    row = {"workload": contest["what"], "output": against["output"], "difi cold s": seconds(cold),
-           "difi warm s": seconds(warm)}
+    cold, warm = times(lines[("standoff", against["output"])])
+    row = {"workload": contest["what"], "output": against["output"], "standoff cold s": seconds(cold),
+           "standoff warm s": seconds(warm)}
     theirs = lines.get((against["peer"], against["output"]))
     if not theirs:
         return row
@@ -64,7 +64,7 @@ def ratio_row(contest, against, lines):
 
 def memory_row(contest, output, lines):
     """Peak memory of the whole process in its first call, beside what is allowed."""
-    line = max(lines[("difi", output)], key=lambda one: one["memory_peak"])
+    line = max(lines[("standoff", output)], key=lambda one: one["memory_peak"])
     allowed = line["output_bytes"] + 3 * line["mesh_bytes"] + 64 * MEGABYTE
     in_megabytes = lambda size: f"{size / MEGABYTE:.0f}"
     return {
@@ -80,7 +80,7 @@ def run_threads(drivers, contest, rounds):
     lines = {1: [], 2: []}
     for _ in range(rounds or contest.get("rounds", 5)):
         for threads, into in lines.items():
-            into.append(drivers.run("difi", contest["args"], 5, output="dense", threads=threads))
+            into.append(drivers.run("standoff", contest["args"], 5, output="dense", threads=threads))
     return lines
 
 
@@ -99,7 +99,7 @@ def run(drivers, workloads, with_peers, only, rounds, build):
             continue
         lines = run_contest(drivers, contest, with_peers, rounds)
         tables["ratios"] += [ratio_row(contest, against, lines) for against in contest["against"]]
-        tables["memory"] += [memory_row(contest, output, lines) for driver, output in lines if driver == "difi"]
+        tables["memory"] += [memory_row(contest, output, lines) for driver, output in lines if driver == "standoff"]
         if contest["name"] in workloads["threads"]["workloads"]:
             by_threads = run_threads(drivers, contest, rounds)
             tables["threads"].append(threads_row(contest, workloads["threads"]["at_least"], by_threads))

@@ -1,5 +1,5 @@
 """Figure 5.5 of the thesis, rebuilt and carried on: how fast the fly flies against the samples of the grid, and what it
-flies through against its speed, in both modes. Uses the difi program."""
+flies through against its speed, in both modes. Uses the standoff program."""
 
 import json
 import subprocess
@@ -53,7 +53,7 @@ def plot(path, by_grid, by_speed):
 
 
 def run(workloads, build):
-    program, job = Path(build) / "difi", workloads["fly"]
+    program, job = Path(build) / "standoff", workloads["fly"]
     if not program.exists():
         raise SystemExit(f"bench: no {program}; build it with script/bench")
     common = ["--flies", 4, "-j", 1]

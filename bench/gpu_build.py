@@ -103,7 +103,7 @@ def short_name(function):
         depth += (letter == "<") - (letter == ">")
         if letter == "(" and depth == 0:
             break
-    name = re.sub(r"difi::(cuda|gpu)::|^void ", "", function[:end])
+    name = re.sub(r"standoff::(cuda|gpu)::|^void ", "", function[:end])
     return name.split("<")[0] if name.startswith("cub::") else name
 
 

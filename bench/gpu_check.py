@@ -87,7 +87,7 @@ def machine_of(nvcc):
     if not nvcc:
         return "the emulated GPU: these times mean nothing\n"
     return (text_of("nvidia-smi", "--query-gpu=name,driver_version,memory.total,clocks.max.sm", "--format=csv") +
-            "".join(line + "\n" for line in text_of(nvcc, "--version").splitlines()[-2:]) + f"difi: {commit() or 'unknown'}\n")
+            "".join(line + "\n" for line in text_of(nvcc, "--version").splitlines()[-2:]) + f"standoff: {commit() or 'unknown'}\n")
 
 
 def main(arguments):
@@ -102,7 +102,7 @@ def main(arguments):
               3600, None)
         return 0
     if options.emulated:  # jobs so small take less time than to build for them
-        name, settings = "the emulated GPU", ["-DDIFI_EMULATED=ON", "-DCMAKE_CXX_FLAGS_RELEASE=-O1"]
+        name, settings = "the emulated GPU", ["-DSTANDOFF_EMULATED=ON", "-DCMAKE_CXX_FLAGS_RELEASE=-O1"]
         out = folder / "results"
     else:
         name, architecture = gpu_build.gpu_name_and_architecture(nvcc)

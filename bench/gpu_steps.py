@@ -14,7 +14,7 @@ from gpu_build import Unfit
 from harness import BENCH, write_csv
 
 ROOT = BENCH.parent
-CANNOT_BE_USED = 6  # the exit code of difi's programs where there is no GPU they can use
+CANNOT_BE_USED = 6  # the exit code of standoff's programs where there is no GPU they can use
 TIMED_OUT = "took too long"
 
 

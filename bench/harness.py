@@ -13,7 +13,7 @@ import sys
 from pathlib import Path
 
 BENCH = Path(__file__).resolve().parent
-PROGRAMS = {"difi": "bench_difi", "openvdb": "peer_openvdb", "embree": "peer_embree", "collision": "bench_collision",
+PROGRAMS = {"standoff": "bench_standoff", "openvdb": "peer_openvdb", "embree": "peer_embree", "collision": "bench_collision",
             "fcl": "peer_fcl", "coal": "peer_coal"}
 
 
@@ -77,7 +77,7 @@ def machine_lines(build):
         found = dict(re.findall(r'set\(CMAKE_CXX_COMPILER_(ID|VERSION) "([^"]*)"', path.read_text()))
         compiler = f"{found.get('ID')} {found.get('VERSION')}"
     return [
-        f"difi: {commit() or 'unknown'}",
+        f"standoff: {commit() or 'unknown'}",
         f"CPU: {cpu_info()[0]}, {os.cpu_count()} cores",
         f"compiler: {compiler}, system: {platform.system()} {platform.machine()}",
         f"date: {datetime.date.today().isoformat()}",

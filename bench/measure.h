@@ -14,7 +14,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace difi::bench {
+namespace standoff::bench {
 
 inline double median(std::vector<double> values) {
   if (values.empty()) return 0;
@@ -76,4 +76,4 @@ auto measure(int repeats, Measured& measured, Job&& job) {
   return std::move(*result);
 }
 
-}  // namespace difi::bench
+}  // namespace standoff::bench

@@ -9,7 +9,7 @@
 
 namespace {
 
-using namespace difi;
+using namespace standoff;
 using Bvh = coal::BVHModel<coal::OBBRSS>;
 
 void fill(Bvh& bvh, const Mesh& mesh) {

@@ -13,7 +13,7 @@
 
 namespace {
 
-using difi::bench::Workload;
+using standoff::bench::Workload;
 
 struct Float3 {
   float x, y, z;
@@ -46,11 +46,11 @@ inline float triangle_distance_sq(Float3 p, Float3 a, Float3 b, Float3 c) {
 /// The mesh in single precision. Made before the timing.
 struct FloatMesh {
   std::vector<Float3> vertices;
-  std::vector<difi::Triangle> triangles;
+  std::vector<standoff::Triangle> triangles;
 
   explicit FloatMesh(const Workload& work) : triangles(work.mesh.triangles) {
     vertices.reserve(work.mesh.vertices.size() + 1);
-    for (difi::Vec3 v : work.mesh.vertices) vertices.push_back({float(v.x), float(v.y), float(v.z)});
+    for (standoff::Vec3 v : work.mesh.vertices) vertices.push_back({float(v.x), float(v.y), float(v.z)});
     vertices.push_back({0, 0, 0});  // Embree reads 16 bytes at the last vertex.
   }
   float distance_sq(Float3 p, unsigned triangle) const {
@@ -82,7 +82,7 @@ RTCScene build(RTCDevice device, const FloatMesh& mesh, RTCBuildQuality quality)
   rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh.vertices.data(), 0,
                              sizeof(Float3), mesh.vertices.size() - 1);
   rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles.data(), 0,
-                             sizeof(difi::Triangle), mesh.triangles.size());
+                             sizeof(standoff::Triangle), mesh.triangles.size());
   rtcSetGeometryBuildQuality(geometry, quality);
   rtcCommitGeometry(geometry);
   rtcAttachGeometry(scene, geometry);
@@ -98,7 +98,7 @@ constexpr std::int64_t kBrick = 16;
 /// nearest triangle is no further than the triangle found there. `thickness` bounds every search.
 class BrickWalk {
  public:
-  BrickWalk(RTCScene scene, const FloatMesh& mesh, const difi::Grid& grid, double thickness, float* out, bool cull)
+  BrickWalk(RTCScene scene, const FloatMesh& mesh, const standoff::Grid& grid, double thickness, float* out, bool cull)
       : scene_(scene),
         mesh_(mesh),
         grid_(grid),
@@ -130,9 +130,9 @@ class BrickWalk {
   static constexpr unsigned kNothing = std::numeric_limits<unsigned>::max();
 
   /// One query for the whole brick: nothing within the thickness of any of its samples? Then it is all thickness.
-  bool out_of_reach(difi::Size3 first, difi::Size3 end) {
-    const difi::Vec3 a = grid_.position(first.x, first.y, first.z);
-    const difi::Vec3 b = grid_.position(end.x - 1, end.y - 1, end.z - 1), center = 0.5 * (a + b);
+  bool out_of_reach(standoff::Size3 first, standoff::Size3 end) {
+    const standoff::Vec3 a = grid_.position(first.x, first.y, first.z);
+    const standoff::Vec3 b = grid_.position(end.x - 1, end.y - 1, end.z - 1), center = 0.5 * (a + b);
     const Float3 p{float(center.x), float(center.y), float(center.z)};
     const float reach = (thickness_ + float(0.5 * length(b - a))) * 1.0001f;
     Search search{&mesh_, reach * reach, kNothing};
@@ -145,7 +145,7 @@ class BrickWalk {
     return true;
   }
 
-  float query(difi::Vec3 at) {
+  float query(standoff::Vec3 at) {
     const Float3 p{float(at.x), float(at.y), float(at.z)};
     Search search{&mesh_, thickness_ * thickness_, kNothing};
     if (known_ != kNothing) {
@@ -160,7 +160,7 @@ class BrickWalk {
 
   RTCScene scene_;
   const FloatMesh& mesh_;
-  const difi::Grid& grid_;
+  const standoff::Grid& grid_;
   float thickness_;
   float* out_;
   bool cull_;
@@ -196,8 +196,8 @@ nlohmann::json run(const Workload& work, const Settings& settings) {
   const std::unique_ptr<float[]> values(new float[samples]);  // untouched: the first call writes fresh memory
 
   std::vector<double> build_seconds;
-  difi::bench::Measured measured;
-  difi::bench::measure(work.repeats, measured, [&] {
+  standoff::bench::Measured measured;
+  standoff::bench::measure(work.repeats, measured, [&] {
     const auto start = std::chrono::steady_clock::now();
     const RTCScene scene = build(device, mesh, quality);
     build_seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
@@ -212,9 +212,9 @@ nlohmann::json run(const Workload& work, const Settings& settings) {
   line["version"] = RTC_VERSION_STRING;
   line["output"] = "dense";
   line["output_bytes"] = samples * sizeof(float);
-  line["build_s"] = difi::bench::median(build_seconds);
+  line["build_s"] = standoff::bench::median(build_seconds);
   measured.write(line);
-  if (work.check) line["check"] = difi::bench::compare_with_exact(work, {values.get(), samples});
+  if (work.check) line["check"] = standoff::bench::compare_with_exact(work, {values.get(), samples});
   return line;
 }
 
@@ -222,7 +222,7 @@ nlohmann::json run(const Workload& work, const Settings& settings) {
 
 int main(int argc, char** argv) {
   CLI::App app("Embree's point query at every sample of a workload", "peer_embree");
-  const difi::bench::WorkloadOptions options(app);
+  const standoff::bench::WorkloadOptions options(app);
   Settings settings;
   app.add_option("--quality", settings.quality, "of the tree: low, medium, high")
       ->check(CLI::IsMember({"low", "medium", "high"}));

@@ -7,7 +7,7 @@
 
 namespace {
 
-using namespace difi;
+using namespace standoff;
 using Bvh = fcl::BVHModel<fcl::OBBRSSd>;
 
 void fill(Bvh& bvh, const Mesh& mesh) {

@@ -11,8 +11,8 @@
 
 namespace {
 
-using difi::Vec3;
-using difi::bench::Workload;
+using standoff::Vec3;
+using standoff::bench::Workload;
 
 /// The mesh in the form meshToVolume likes best: index space, single precision. Made before the timing.
 struct IndexMesh {
@@ -52,8 +52,8 @@ nlohmann::json run(const Workload& work) {
   transform->postTranslate({work.grid.origin.x, work.grid.origin.y, work.grid.origin.z});
   const auto width = static_cast<float>(work.thickness / h.x);
 
-  difi::bench::Measured measured;
-  const auto field = difi::bench::measure(work.repeats, measured, [&] {
+  standoff::bench::Measured measured;
+  const auto field = standoff::bench::measure(work.repeats, measured, [&] {
     return openvdb::tools::meshToVolume<openvdb::FloatGrid>(adapter, *transform, width, width,
                                                             openvdb::tools::UNSIGNED_DISTANCE_FIELD);
   });
@@ -64,7 +64,7 @@ nlohmann::json run(const Workload& work) {
   line["output"] = "sparse";
   line["output_bytes"] = field->memUsage();
   measured.write(line);
-  if (work.check) line["check"] = difi::bench::compare_with_exact(work, to_dense(*field, work));
+  if (work.check) line["check"] = standoff::bench::compare_with_exact(work, to_dense(*field, work));
   return line;
 }
 
@@ -72,6 +72,6 @@ nlohmann::json run(const Workload& work) {
 
 int main(int argc, char** argv) {
   CLI::App app("OpenVDB meshToVolume (unsigned, sparse) on a workload", "peer_openvdb");
-  const difi::bench::WorkloadOptions options(app);
+  const standoff::bench::WorkloadOptions options(app);
   return run_driver(app, options, argc, argv, run);
 }

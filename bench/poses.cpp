@@ -8,7 +8,7 @@
 
 #include "collision_workload.h"
 
-namespace difi::bench {
+namespace standoff::bench {
 namespace {
 
 class Dice {
@@ -149,4 +149,4 @@ std::vector<Motion> make_motions(const CollisionSettings& settings, const Questi
   return motions;
 }
 
-}  // namespace difi::bench
+}  // namespace standoff::bench

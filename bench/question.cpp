@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace difi::bench {
+namespace standoff::bench {
 namespace {
 
 [[noreturn]] void fail(const std::string& what, const std::string& text) {
@@ -78,4 +78,4 @@ Question parse_question(const std::string& text) {
   return question;
 }
 
-}  // namespace difi::bench
+}  // namespace standoff::bench

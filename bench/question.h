@@ -5,9 +5,9 @@
 #include <optional>
 #include <string>
 
-#include "difi/vec.h"
+#include "standoff/vec.h"
 
-namespace difi::bench {
+namespace standoff::bench {
 
 enum class Query { collide, contacts, all_contacts, distance, sweep };
 
@@ -31,4 +31,4 @@ struct Question {
 /// Errors: invalid_argument.
 Question parse_question(const std::string& text);
 
-}  // namespace difi::bench
+}  // namespace standoff::bench

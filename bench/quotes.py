@@ -15,8 +15,8 @@ ROOT = BENCH.parent
 PAGE = """# Collision queries, pair by pair
 
 This page is written by `script/bench collision --peers`, from [its CSV file](../bench/results/{quoted}/collision.csv).
-Every question goes to difi and to a peer in one process, in turns: up to five rounds over all poses, medians, processor
-time of one thread. A ratio is how many times as fast as the peer difi is: below 1 it is slower. [bench/README.md](../bench/README.md) says more.
+Every question goes to standoff and to a peer in one process, in turns: up to five rounds over all poses, medians, processor
+time of one thread. A ratio is how many times as fast as the peer standoff is: below 1 it is slower. [bench/README.md](../bench/README.md) says more.
 
 {machine}
 
@@ -94,9 +94,9 @@ def pages(results=BENCH / "results" / QUOTED):
     for job in jobs:
         of_peer = {row["peer"]: row for row in reversed(rows) if row["pair"] == job["name"]}
         if of_peer:
-            pairs.append({"pair": job["name"], "a and b": job["what"], "difi builds both, s": [*of_peer.values()][-1]["difi build s"],
+            pairs.append({"pair": job["name"], "a and b": job["what"], "standoff builds both, s": [*of_peer.values()][-1]["standoff build s"],
                           **{f"{peer} builds both, s": row["peer build s"] for peer, row in of_peer.items()}})
-    shown = ("query", "place of b", "peer", "poses", "hits", "rounds", "difi ms", "peer ms", "ratio", "answers that differ")
+    shown = ("query", "place of b", "peer", "poses", "hits", "rounds", "standoff ms", "peer ms", "ratio", "answers that differ")
     tables = [f"## {pair['pair']}\n\n" + markdown([{key: row[key] for key in shown} for row in rows if row["pair"] == pair["pair"]])
               for pair in pairs]
     page = PAGE.format(quoted=QUOTED, machine="\n".join(f"- {line}" for line in comments), summary=markdown(summary(rows, True)),

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Measures difi, alone or beside its peers. script/bench builds the drivers and starts this.
+"""Measures standoff, alone or beside its peers. script/bench builds the drivers and starts this.
 
   run.py                 the named workloads of workloads.json
   run.py --peers         the same, alternating with OpenVDB and Embree
@@ -28,7 +28,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", nargs="?", default="contests",
                         choices=["contests", "scaling", "thesis", "collision", "terrains", "quote", "fly"])
-    parser.add_argument("--peers", action="store_true", help="run the peers too (built with DIFI_BENCH_PEERS)")
+    parser.add_argument("--peers", action="store_true", help="run the peers too (built with STANDOFF_BENCH_PEERS)")
     parser.add_argument("--build", default=str(BENCH.parent / "build" / "bench"), help="build folder of the drivers")
     parser.add_argument("--only", help="workloads or tables whose name holds this; nothing is written then")
     parser.add_argument("--rounds", type=int, help="processes per driver, instead of what the workload says")
@@ -58,10 +58,10 @@ def main():
                                           arguments.note)
         return collision.run(drivers, workloads, arguments.peers, arguments.only, arguments.rounds, arguments.build,
                              arguments.note)
-    if not drivers.has("difi"):
+    if not drivers.has("standoff"):
         parser.error(f"no drivers in {drivers.folder}; build them with script/bench")
     if arguments.peers and not (drivers.has("openvdb") or drivers.has("embree")):
-        parser.error(f"no peers in {drivers.folder}; configure with -DDIFI_BENCH_PEERS=ON")
+        parser.error(f"no peers in {drivers.folder}; configure with -DSTANDOFF_BENCH_PEERS=ON")
     if arguments.what == "contests":
         contests.run(drivers, workloads, arguments.peers, arguments.only, arguments.rounds, arguments.build)
     elif arguments.what == "scaling":

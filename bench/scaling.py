@@ -14,7 +14,7 @@ def measure(drivers, series, rounds):
     rows = []
     for value in series["values"]:
         args = [argument.replace("{n}", str(value)) for argument in series["args"]]
-        runs = [drivers.run("difi", args, 3) for _ in range(rounds)]
+        runs = [drivers.run("standoff", args, 3) for _ in range(rounds)]
         first = runs[0]
         rows.append({
             "triangles": first["triangles"], "samples": first["samples"], "samples_band": first["samples_band"],

@@ -15,7 +15,7 @@ LONG_WORK = 2e8
 INTRODUCTION = """# The thesis's tables, rebuilt
 
 This page is written by `script/bench thesis`. It repeats Tables 5.1, 5.2, 5.3 and the CPU half of 5.5 of the thesis
-(Fagerjord and Lochehina, 2008) with both methods of difi: `thesis`, its Algorithm 1, and `tiles`, which is exact.
+(Fagerjord and Lochehina, 2008) with both methods of standoff: `thesis`, its Algorithm 1, and `tiles`, which is exact.
 
 **The meshes are stand-ins.** The thesis's meshes are not public. The ones used here are made by code (`scenes/`) with
 the same numbers of triangles and the same extents, scaled, or stretched per axis, to the same grids. How many triangles
@@ -48,8 +48,8 @@ def arguments(mesh, row):
 def measure(drivers, table, mesh, row):
     """One row: the thesis's figures and ours."""
     args = arguments(mesh, row)
-    thesis = drivers.run("difi", args, 2 if row["examined"] > LONG_WORK else 4, method="thesis", check=True)
-    tiles = drivers.run("difi", args, 4, method="tiles")
+    thesis = drivers.run("standoff", args, 2 if row["examined"] > LONG_WORK else 4, method="thesis", check=True)
+    tiles = drivers.run("standoff", args, 4, method="tiles")
     cells = "x".join(str(n) for n in row["grid"])
     check = thesis["check"]
     return {

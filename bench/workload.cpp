@@ -5,11 +5,11 @@
 #include <iostream>
 #include <limits>
 
-#include "difi/error.h"
-#include "difi/io.h"
 #include "scenes/scenes.h"
+#include "standoff/error.h"
+#include "standoff/io.h"
 
-namespace difi::bench {
+namespace standoff::bench {
 namespace {
 
 /// Scales the mesh and centres it in the box from the origin to `extent`.
@@ -125,4 +125,4 @@ int run_driver(CLI::App& app, const WorkloadOptions& options, int argc, char** a
   }
 }
 
-}  // namespace difi::bench
+}  // namespace standoff::bench

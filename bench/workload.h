@@ -10,10 +10,10 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "difi/grid.h"
-#include "difi/mesh.h"
+#include "standoff/grid.h"
+#include "standoff/mesh.h"
 
-namespace difi::bench {
+namespace standoff::bench {
 
 /// One job: fill this grid with this mesh's distances.
 struct Workload {
@@ -52,4 +52,4 @@ class WorkloadOptions {
 int run_driver(CLI::App& app, const WorkloadOptions& options, int argc, char** argv,
                const std::function<nlohmann::json(const Workload&)>& measure);
 
-}  // namespace difi::bench
+}  // namespace standoff::bench

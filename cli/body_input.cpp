@@ -5,9 +5,9 @@
 #include "cli/option.h"
 #include "cli/parse.h"
 #include "cli/waiting.h"
-#include "difi/error.h"
+#include "standoff/error.h"
 
-namespace difi::cli {
+namespace standoff::cli {
 
 CollisionModel read_body(const std::string& name, const Talk& talk) {
   if (kind_of(name) == FileKind::body)
@@ -23,7 +23,7 @@ CollisionModel read_body(const std::string& name, const Talk& talk) {
 }
 
 void PairInput::add_to(CLI::App& verb) {
-  verb.add_option("A", a_, "a mesh file, scene:NAME[:TRIANGLES], or a body that difi build made")->required();
+  verb.add_option("A", a_, "a mesh file, scene:NAME[:TRIANGLES], or a body that standoff build made")->required();
   verb.add_option("B", b_, "the other one")->required();
   add_pose(verb, "--pose-a", "where A is (default: where its file puts it)", pose_a_);
 }
@@ -51,4 +51,4 @@ Json json_triangle(std::uint32_t triangle) {
   return triangle;
 }
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

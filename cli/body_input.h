@@ -7,11 +7,11 @@
 
 #include "cli/files.h"
 #include "cli/talk.h"
-#include "difi/collision.h"
+#include "standoff/collision.h"
 
-namespace difi::cli {
+namespace standoff::cli {
 
-/// A mesh made into a body, or a body that difi build made: NAME.body. Terminals are shown what is waited for.
+/// A mesh made into a body, or a body that standoff build made: NAME.body. Terminals are shown what is waited for.
 CollisionModel read_body(const std::string& name, const Talk& talk);
 
 /// Two bodies A and B, and where A is.
@@ -39,4 +39,4 @@ Json json_body(const CollisionModel& body);
 /// The index, or null for kNoTriangle.
 Json json_triangle(std::uint32_t triangle);
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

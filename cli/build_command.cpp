@@ -1,4 +1,4 @@
-// difi build: a mesh made into a body, once, for many questions.
+// standoff build: a mesh made into a body, once, for many questions.
 #include <filesystem>
 #include <memory>
 
@@ -12,13 +12,13 @@
 #include "cli/usage.h"
 #include "cli/waiting.h"
 
-namespace difi::cli {
+namespace standoff::cli {
 namespace {
 
 constexpr const char* kExamples =
-    R"(  difi build maze.stl                              maze.body, for collide, distance, sweep and fly
-  difi build maze.stl -o out/maze.body --unit mm   in metres, elsewhere
-  difi collide maze.body fly.stl --pose 3,1,2      nothing is built again
+    R"(  standoff build maze.stl                              maze.body, for collide, distance, sweep and fly
+  standoff build maze.stl -o out/maze.body --unit mm   in metres, elsewhere
+  standoff collide maze.body fly.stl --pose 3,1,2      nothing is built again
 )";
 
 struct Command {
@@ -62,4 +62,4 @@ void add_build(CLI::App& program) {
   verb->callback([command] { command->run(); });
 }
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

@@ -1,4 +1,4 @@
-// difi collide: do two bodies touch, and where?
+// standoff collide: do two bodies touch, and where?
 #include <memory>
 
 #include "cli/body_input.h"
@@ -11,15 +11,15 @@
 #include "cli/text.h"
 #include "cli/usage.h"
 
-namespace difi::cli {
+namespace standoff::cli {
 namespace {
 
-constexpr const char* kExamples = R"(  difi collide maze.stl fly.stl --pose 3,1,2               B moved
-  difi collide maze.stl fly.stl --pose 3,1,2,0,1,0,90      turned by 90 degrees about the y axis, then moved
-  difi collide a.stl b.stl --margin 0.01                   nearer than 0.01 counts
-  difi collide a.stl b.stl --contacts 20 --json            where they touch
-  difi collide maze.stl fly.stl --poses poses.csv          a pose on each line; the answers as a table
-  difi collide maze.stl fly.stl --poses - -o hits.csv --device cuda < poses.csv
+constexpr const char* kExamples = R"(  standoff collide maze.stl fly.stl --pose 3,1,2               B moved
+  standoff collide maze.stl fly.stl --pose 3,1,2,0,1,0,90      turned by 90 degrees about the y axis, then moved
+  standoff collide a.stl b.stl --margin 0.01                   nearer than 0.01 counts
+  standoff collide a.stl b.stl --contacts 20 --json            where they touch
+  standoff collide maze.stl fly.stl --poses poses.csv          a pose on each line; the answers as a table
+  standoff collide maze.stl fly.stl --poses - -o hits.csv --device cuda < poses.csv
 )";
 
 struct Command {
@@ -77,7 +77,7 @@ void Command::run() {
   const Collided found = collide(a, bodies.pose_a(), b, pose, options());
   const char* const word = word_of(found.contact);
   Contacts all;
-  if (contacts > 0) all = difi::contacts(a, bodies.pose_a(), b, pose, {.most = contacts, .margin = margin});
+  if (contacts > 0) all = standoff::contacts(a, bodies.pose_a(), b, pose, {.most = contacts, .margin = margin});
   if (talk.json()) {
     Json json{{"result", word},
               {"triangle_a", json_triangle(found.triangle_a)},
@@ -125,4 +125,4 @@ void add_collide(CLI::App& program) {
   verb->callback([command] { command->run(); });
 }
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

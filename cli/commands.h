@@ -3,7 +3,7 @@
 
 #include <CLI/CLI.hpp>
 
-namespace difi::cli {
+namespace standoff::cli {
 
 void add_compute(CLI::App& program);
 void add_info(CLI::App& program);
@@ -18,4 +18,4 @@ void add_distance(CLI::App& program);
 void add_sweep(CLI::App& program);
 void add_fly(CLI::App& program);
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

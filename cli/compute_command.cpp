@@ -1,4 +1,4 @@
-// difi compute: a mesh file into a field file.
+// standoff compute: a mesh file into a field file.
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -17,21 +17,21 @@
 #include "cli/text.h"
 #include "cli/usage.h"
 #include "cli/waiting.h"
-#include "difi/compute.h"
-#include "difi/error.h"
-#include "difi/io.h"
+#include "standoff/compute.h"
+#include "standoff/error.h"
+#include "standoff/io.h"
 
-namespace difi::cli {
+namespace standoff::cli {
 namespace {
 
 constexpr const char* kExamples =
-    R"(  difi compute bunny.obj                             into bunny.vti, 256 samples on the longest side
-  difi compute bunny.obj -o field.npz -t 3s -r 400   a band of 3 samples, for numpy
-  difi compute part.stl --unit mm --spacing 0.0005   metres out of millimetres, a sample every 0.5 mm
-  difi compute part.stl --size 100,100,50 -t 0.2     a grid and a thickness of your own
-  difi compute part.stl --minimum 2 -t 0.1           the smallest grid for collision
-  difi compute part.stl --dry-run                    grid and memory, nothing else
-  difi compute scene:factory -t 2s --json            a mesh made by code; what happened as JSON
+    R"(  standoff compute bunny.obj                             into bunny.vti, 256 samples on the longest side
+  standoff compute bunny.obj -o field.npz -t 3s -r 400   a band of 3 samples, for numpy
+  standoff compute part.stl --unit mm --spacing 0.0005   metres out of millimetres, a sample every 0.5 mm
+  standoff compute part.stl --size 100,100,50 -t 0.2     a grid and a thickness of your own
+  standoff compute part.stl --minimum 2 -t 0.1           the smallest grid for collision
+  standoff compute part.stl --dry-run                    grid and memory, nothing else
+  standoff compute scene:factory -t 2s --json            a mesh made by code; what happened as JSON
 )";
 
 struct Command {
@@ -136,4 +136,4 @@ void add_compute(CLI::App& program) {
   verb->callback([command] { command->run(); });
 }
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

@@ -5,10 +5,10 @@
 #include "cli/files.h"
 #include "cli/memory.h"
 #include "cli/text.h"
-#include "difi/field.h"
-#include "difi/version.h"
+#include "standoff/field.h"
+#include "standoff/version.h"
 
-namespace difi::cli {
+namespace standoff::cli {
 namespace {
 
 std::int64_t tile_count(Size3 size) {
@@ -102,4 +102,4 @@ Json outcome_json(const Outcome& outcome) {
   return json;
 }
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

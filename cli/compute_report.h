@@ -1,14 +1,14 @@
-// What `difi compute` says of what it will do, does and has done.
+// What `standoff compute` says of what it will do, does and has done.
 #pragma once
 
 #include <string>
 
 #include "cli/grid_options.h"
 #include "cli/talk.h"
-#include "difi/compute.h"
-#include "difi/mesh.h"
+#include "standoff/compute.h"
+#include "standoff/mesh.h"
 
-namespace difi::cli {
+namespace standoff::cli {
 
 /// A computation before it starts.
 struct Plan {
@@ -38,4 +38,4 @@ struct Outcome {
 void say(const Outcome& outcome, const Talk& talk);
 Json outcome_json(const Outcome& outcome);
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

@@ -1,4 +1,4 @@
-// difi convert: mesh to mesh, field to field.
+// standoff convert: mesh to mesh, field to field.
 #include <memory>
 
 #include "cli/commands.h"
@@ -8,15 +8,15 @@
 #include "cli/text.h"
 #include "cli/usage.h"
 #include "cli/waiting.h"
-#include "difi/error.h"
-#include "difi/io.h"
+#include "standoff/error.h"
+#include "standoff/io.h"
 
-namespace difi::cli {
+namespace standoff::cli {
 namespace {
 
-constexpr const char* kExamples = R"(  difi convert horse.3ds -o horse.stl              a mesh
-  difi convert part.stl -o part.ply --unit mm      a mesh, in metres
-  difi convert bunny.vti -o bunny.npz              a field
+constexpr const char* kExamples = R"(  standoff convert horse.3ds -o horse.stl              a mesh
+  standoff convert part.stl -o part.ply --unit mm      a mesh, in metres
+  standoff convert bunny.vti -o bunny.npz              a field
 )";
 
 struct Command {
@@ -36,11 +36,12 @@ void Command::run() {
                 output.path().string() + ": a field can only become a field; use " + extensions(field_formats(), true));
   if (!is_field && to_field)
     throw Error(ErrorCode::usage,
-                output.path().string() + ": convert does not make a field of a mesh; use difi compute");
+                output.path().string() + ": convert does not make a field of a mesh; use standoff compute");
   if (is_field && input.scaled())
     throw Error(ErrorCode::usage, "--scale and --unit are for meshes; compute " + input.name() + " again with them");
   if (kind_of(output.path()) == FileKind::body)
-    throw Error(ErrorCode::usage, output.path().string() + ": convert does not make a body of a mesh; use difi build");
+    throw Error(ErrorCode::usage,
+                output.path().string() + ": convert does not make a body of a mesh; use standoff build");
   output.check(is_field ? field_formats() : mesh_formats());
   const std::string writing = "writing " + output.path().string();
   if (is_field) {
@@ -71,4 +72,4 @@ void add_convert(CLI::App& program) {
   verb->callback([command] { command->run(); });
 }
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

@@ -7,13 +7,13 @@
 #include "cli/option.h"
 #include "cli/parse.h"
 
-namespace difi::cli {
+namespace standoff::cli {
 
 using S = const std::string&;
 
 CLI::Option* add_device(CLI::App& verb, const char* group, Backend& backend, int& device) {
   return add_parsed(verb,
-                    {"--device", "NAME", "auto (default), cpu, cuda, cuda:N or emulated; see difi\ndevices", group},
+                    {"--device", "NAME", "auto (default), cpu, cuda, cuda:N or emulated; see standoff\ndevices", group},
                     [&](S o, S t) { backend = parse_backend(o, t, device); });
 }
 
@@ -29,4 +29,4 @@ CLI::Option* add_threads(CLI::App& verb, const char* group, int& threads) {
                     [&](S o, S t) { threads = static_cast<int>(parse_count(o, t, 1, most_threads())); });
 }
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

@@ -3,13 +3,13 @@
 
 #include <CLI/CLI.hpp>
 
-#include "difi/compute.h"
+#include "standoff/compute.h"
 
-namespace difi::cli {
+namespace standoff::cli {
 
 /// Adds --device.
 CLI::Option* add_device(CLI::App& verb, const char* group, Backend& backend, int& device);
 /// Adds -j.
 CLI::Option* add_threads(CLI::App& verb, const char* group, int& threads);
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

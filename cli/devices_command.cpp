@@ -1,4 +1,4 @@
-// difi devices: where fields can be computed.
+// standoff devices: where fields can be computed.
 #include <memory>
 #include <thread>
 
@@ -6,13 +6,13 @@
 #include "cli/talk.h"
 #include "cli/text.h"
 #include "cli/usage.h"
-#include "difi/cuda.h"
+#include "standoff/cuda.h"
 
-namespace difi::cli {
+namespace standoff::cli {
 namespace {
 
-constexpr const char* kExamples = R"(  difi devices          what --device can name here
-  difi devices --json   the same for programs
+constexpr const char* kExamples = R"(  standoff devices          what --device can name here
+  standoff devices --json   the same for programs
 )";
 
 void run(const Talk& talk) {
@@ -47,4 +47,4 @@ void add_devices(CLI::App& program) {
   verb->callback([talk] { run(*talk); });
 }
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

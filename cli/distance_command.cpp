@@ -1,4 +1,4 @@
-// difi distance: how near are two bodies?
+// standoff distance: how near are two bodies?
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -14,12 +14,12 @@
 #include "cli/text.h"
 #include "cli/usage.h"
 
-namespace difi::cli {
+namespace standoff::cli {
 namespace {
 
-constexpr const char* kExamples = R"(  difi distance a.stl b.stl --pose 0,0,5
-  difi distance a.stl b.stl --tolerance 0.01 --json        faster, and within 0.01
-  difi distance a.stl b.stl --poses poses.csv -o near.csv        a pose on each line, a distance for each
+constexpr const char* kExamples = R"(  standoff distance a.stl b.stl --pose 0,0,5
+  standoff distance a.stl b.stl --tolerance 0.01 --json        faster, and within 0.01
+  standoff distance a.stl b.stl --poses poses.csv -o near.csv        a pose on each line, a distance for each
 )";
 
 struct Command {
@@ -100,4 +100,4 @@ void add_distance(CLI::App& program) {
   verb->callback([command] { command->run(); });
 }
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

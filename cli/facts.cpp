@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-namespace difi::cli {
+namespace standoff::cli {
 namespace {
 
 constexpr std::uint64_t edge(std::uint32_t a, std::uint32_t b) {
@@ -76,4 +76,4 @@ FieldFacts facts(const DistanceField& field) {
   return found;
 }
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

@@ -1,12 +1,12 @@
-// What `difi info` finds out about meshes and fields.
+// What `standoff info` finds out about meshes and fields.
 #pragma once
 
 #include <cstdint>
 
-#include "difi/field.h"
-#include "difi/mesh.h"
+#include "standoff/field.h"
+#include "standoff/mesh.h"
 
-namespace difi::cli {
+namespace standoff::cli {
 
 struct MeshFacts {
   std::int64_t degenerate = 0;   ///< triangles without area
@@ -31,4 +31,4 @@ struct FieldFacts {
 /// counts. Without them it is counted by the values below the thickness, for one that equals it may have been clamped.
 FieldFacts facts(const DistanceField& field);
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

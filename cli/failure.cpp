@@ -6,13 +6,13 @@
 #include <string>
 
 #include "cli/one_line.h"
-#include "difi/error.h"
+#include "standoff/error.h"
 
-namespace difi::cli {
+namespace standoff::cli {
 namespace {
 
 int fail(ErrorCode code, const std::string& message) {
-  std::fprintf(stderr, "difi: error: %s\n", message_line(message).c_str());
+  std::fprintf(stderr, "standoff: error: %s\n", message_line(message).c_str());
   return static_cast<int>(code);
 }
 
@@ -31,8 +31,8 @@ int exit_code_of(const std::function<void()>& run) {
                 "out of memory; take fewer samples, a smaller thickness, or a machine with more memory");
   } catch (const std::exception& error) {
     return fail(ErrorCode::internal,
-                "internal: " + std::string(error.what()) + "; this is a bug in difi, please report it");
+                "internal: " + std::string(error.what()) + "; this is a bug in standoff, please report it");
   }
 }
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

@@ -3,10 +3,10 @@
 
 #include <functional>
 
-namespace difi::cli {
+namespace standoff::cli {
 
 /// Runs the program and returns its exit code: 0, or what ErrorCode says for an exception, after one line on stderr of
-/// the form `difi: error: what; what to do`.
+/// the form `standoff: error: what; what to do`.
 int exit_code_of(const std::function<void()>& run);
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

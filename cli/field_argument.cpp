@@ -4,10 +4,10 @@
 #include "cli/option.h"
 #include "cli/parse.h"
 #include "cli/waiting.h"
-#include "difi/error.h"
-#include "difi/io.h"
+#include "standoff/error.h"
+#include "standoff/io.h"
 
-namespace difi::cli {
+namespace standoff::cli {
 
 void FieldArgument::add_to(CLI::App& verb) {
   add_parsed(verb,
@@ -26,4 +26,4 @@ void FieldArgument::check_unused(const std::string& name) const {
     throw Error(ErrorCode::usage, "--memory-limit: it is for fields, and " + name + " is none; leave it out");
 }
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

@@ -8,9 +8,9 @@
 #include <CLI/CLI.hpp>
 
 #include "cli/talk.h"
-#include "difi/field.h"
+#include "standoff/field.h"
 
-namespace difi::cli {
+namespace standoff::cli {
 
 class FieldArgument {
  public:
@@ -25,4 +25,4 @@ class FieldArgument {
   std::optional<std::int64_t> memory_limit_;
 };
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

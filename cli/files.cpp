@@ -8,10 +8,10 @@
 #include "cli/option.h"
 #include "cli/parse.h"
 #include "cli/text.h"
-#include "difi/error.h"
 #include "scenes/scenes.h"
+#include "standoff/error.h"
 
-namespace difi::cli {
+namespace standoff::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -132,4 +132,4 @@ std::string extensions(const std::vector<Format>& formats, bool writable) {
   return text;
 }
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

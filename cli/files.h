@@ -7,11 +7,11 @@
 
 #include <CLI/CLI.hpp>
 
-#include "difi/field.h"
-#include "difi/io.h"
-#include "difi/mesh.h"
+#include "standoff/field.h"
+#include "standoff/io.h"
+#include "standoff/mesh.h"
 
-namespace difi::cli {
+namespace standoff::cli {
 
 enum class FileKind { mesh, field, body };
 
@@ -72,4 +72,4 @@ std::string mesh_line(const std::string& name, const Mesh& mesh);
 /// The names of the formats that can be read or written: ".vti, .nrrd or .npz".
 std::string extensions(const std::vector<Format>& formats, bool writable);
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

@@ -1,4 +1,4 @@
-// difi fly: the fly in the labyrinth, as in the thesis and without its accidents.
+// standoff fly: the fly in the labyrinth, as in the thesis and without its accidents.
 #include <algorithm>
 #include <chrono>
 #include <memory>
@@ -14,15 +14,15 @@
 #include "cli/talk.h"
 #include "cli/text.h"
 #include "cli/usage.h"
-#include "difi/simulation.h"
+#include "standoff/simulation.h"
 
-namespace difi::cli {
+namespace standoff::cli {
 namespace {
 
 constexpr const char* kExamples =
-    R"(  difi fly --steps 100000 --speed 0.04 --path out.csv      one fly, where it flew as a table
-  difi fly --mode thesis --minimum 3 --speed 5             Algorithm 2: watch the wall crossings
-  difi fly --flies 1000 --steps 1000 --json                many at once
+    R"(  standoff fly --steps 100000 --speed 0.04 --path out.csv      one fly, where it flew as a table
+  standoff fly --mode thesis --minimum 3 --speed 5             Algorithm 2: watch the wall crossings
+  standoff fly --flies 1000 --steps 1000 --json                many at once
 )";
 
 struct Command {
@@ -155,4 +155,4 @@ void add_fly(CLI::App& program) {
   verb->callback([command] { command->run(); });
 }
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

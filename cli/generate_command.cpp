@@ -1,4 +1,4 @@
-// difi generate: a mesh made by code, into a file.
+// standoff generate: a mesh made by code, into a file.
 #include <memory>
 
 #include "cli/commands.h"
@@ -9,16 +9,16 @@
 #include "cli/text.h"
 #include "cli/usage.h"
 #include "cli/waiting.h"
-#include "difi/error.h"
-#include "difi/io.h"
 #include "scenes/scenes.h"
+#include "standoff/error.h"
+#include "standoff/io.h"
 
-namespace difi::cli {
+namespace standoff::cli {
 namespace {
 
-constexpr const char* kExamples = R"(  difi generate --list                             what there is
-  difi generate factory -o factory.ply             2,889,536 triangles
-  difi generate sphere --triangles 5000 -o s.stl   about as many as asked for
+constexpr const char* kExamples = R"(  standoff generate --list                             what there is
+  standoff generate factory -o factory.ply             2,889,536 triangles
+  standoff generate sphere --triangles 5000 -o s.stl   about as many as asked for
 )";
 
 struct Command {
@@ -54,7 +54,7 @@ void Command::print_list() const {
 
 void Command::run() {
   if (list) return print_list();
-  if (scene.empty()) throw Error(ErrorCode::usage, "generate: no SCENE given; see difi generate --list");
+  if (scene.empty()) throw Error(ErrorCode::usage, "generate: no SCENE given; see standoff generate --list");
   if (!output.given()) output.set_path(scene + ".ply");
   output.check(mesh_formats());
   const Mesh mesh = scenes::make(scene, triangles);
@@ -86,4 +86,4 @@ void add_generate(CLI::App& program) {
   verb->callback([command] { command->run(); });
 }
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

@@ -5,9 +5,9 @@
 
 #include "cli/option.h"
 #include "cli/text.h"
-#include "difi/error.h"
+#include "standoff/error.h"
 
-namespace difi::cli {
+namespace standoff::cli {
 namespace {
 
 // Around the mesh there are at least so many samples, for slices and surfaces that do not end at the face of the grid.
@@ -118,4 +118,4 @@ GridChoice GridOptions::choose(const Box& mesh) const {
   return {grid, thickness_.world(grid.max_spacing())};
 }
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

@@ -1,4 +1,4 @@
-// The grid of `difi compute`, from its options.
+// The grid of `standoff compute`, from its options.
 #pragma once
 
 #include <optional>
@@ -6,9 +6,9 @@
 #include <CLI/CLI.hpp>
 
 #include "cli/parse.h"
-#include "difi/grid.h"
+#include "standoff/grid.h"
 
-namespace difi::cli {
+namespace standoff::cli {
 
 /// A grid, and the thickness in world units.
 struct GridChoice {
@@ -38,4 +38,4 @@ class GridOptions {
   Thickness thickness_{std::numeric_limits<double>::infinity()};
 };
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

@@ -1,4 +1,4 @@
-// difi info: what is in a mesh, field or body file.
+// standoff info: what is in a mesh, field or body file.
 #include <cmath>
 #include <memory>
 
@@ -13,14 +13,14 @@
 #include "cli/text.h"
 #include "cli/usage.h"
 #include "cli/waiting.h"
-#include "difi/io.h"
+#include "standoff/io.h"
 
-namespace difi::cli {
+namespace standoff::cli {
 namespace {
 
-constexpr const char* kExamples = R"(  difi info bunny.obj            triangles, bounds, whether it is closed
-  difi info bunny.vti            grid, thickness, values
-  difi info bunny.vti --json     the same for programs
+constexpr const char* kExamples = R"(  standoff info bunny.obj            triangles, bounds, whether it is closed
+  standoff info bunny.vti            grid, thickness, values
+  standoff info bunny.vti --json     the same for programs
 )";
 
 std::string row(const char* name, const std::string& value) {
@@ -87,7 +87,7 @@ void tell_field(const std::string& name, const FieldArgument& input, const Talk&
   const auto or_unknown = [](const std::string& text) {
     return text.empty() ? std::string("unknown") : beginning(text, 200);
   };
-  const std::string made = or_unknown(from.method) + ", difi " + or_unknown(from.version);
+  const std::string made = or_unknown(from.method) + ", standoff " + or_unknown(from.version);
   print(row("field", name) + row("size", size_text(g.size) + ", " + counted(g.sample_count(), "sample")) +
         row("origin", point_text(g.origin)) + row("to", point_text(g.bounds().max)) +
         row("spacing", spacing_text(g.spacing)) +
@@ -145,4 +145,4 @@ void add_info(CLI::App& program) {
   verb->callback([command] { command->run(); });
 }
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

@@ -1,4 +1,4 @@
-// The difi program: its verbs.
+// The standoff program: its verbs.
 #include <CLI/CLI.hpp>
 
 #include "cli/commands.h"
@@ -6,7 +6,7 @@
 #include "cli/signals.h"
 #include "cli/usage.h"
 
-namespace difi::cli {
+namespace standoff::cli {
 namespace {
 
 void run(int argc, char** argv) {
@@ -20,9 +20,9 @@ void run(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace difi::cli
+}  // namespace standoff::cli
 
 int main(int argc, char** argv) {
-  difi::cli::install_signal_handlers();
-  return difi::cli::exit_code_of([=] { difi::cli::run(argc, argv); });
+  standoff::cli::install_signal_handlers();
+  return standoff::cli::exit_code_of([=] { standoff::cli::run(argc, argv); });
 }

@@ -7,10 +7,10 @@
 #include "cli/device_options.h"
 #include "cli/option.h"
 #include "cli/text.h"
-#include "difi/error.h"
-#include "difi/io.h"
+#include "standoff/error.h"
+#include "standoff/io.h"
 
-namespace difi::cli {
+namespace standoff::cli {
 namespace {
 
 constexpr const char* kGroup = "Many at once";
@@ -82,4 +82,4 @@ void Many::deliver(const Answers& answers, const Talk& talk) const {
   print(json, output_.path());
 }
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

@@ -13,9 +13,9 @@
 #include "cli/files.h"
 #include "cli/talk.h"
 #include "cli/waiting.h"
-#include "difi/collision.h"
+#include "standoff/collision.h"
 
-namespace difi::cli {
+namespace standoff::cli {
 
 /// The help of --poses.
 inline constexpr const char* kPosesHelp =
@@ -90,4 +90,4 @@ class Many {
   double seconds_ = 0;
 };
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <fstream>
 
-namespace difi::cli {
+namespace standoff::cli {
 
 std::int64_t default_memory_limit() {
   constexpr double kShare = 0.8;
@@ -23,4 +23,4 @@ std::int64_t peak_memory_bytes() {
   return static_cast<std::int64_t>(usage.ru_maxrss) * 1024;
 }
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

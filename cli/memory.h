@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace difi::cli {
+namespace standoff::cli {
 
 /// 80 % of the machine's memory, or of the control group's limit where that is smaller.
 std::int64_t default_memory_limit();
@@ -11,4 +11,4 @@ std::int64_t default_memory_limit();
 /// The most memory this process has held at any time.
 std::int64_t peak_memory_bytes();
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

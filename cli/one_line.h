@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace difi::cli {
+namespace standoff::cli {
 
 /// Line ends become blanks and other control bytes '?': whatever a file is called or holds, a message stays one line,
 /// whole, and moves no cursor.
@@ -34,4 +34,4 @@ inline std::string beginning(std::string_view text, std::size_t longest) {
   return text.size() > longest ? shown + "..." : shown;
 }
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

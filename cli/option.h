@@ -5,7 +5,7 @@
 
 #include <CLI/CLI.hpp>
 
-namespace difi::cli {
+namespace standoff::cli {
 
 struct OptionText {
   const char* name;   ///< "-r,--resolution"
@@ -22,4 +22,4 @@ CLI::Option* add_parsed(CLI::App& verb, const OptionText& text, Set set) {
   return verb.add_option_function<std::string>(name, parsed, text.help)->option_text(text.value)->group(text.group);
 }
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

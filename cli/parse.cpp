@@ -8,9 +8,9 @@
 
 #include "cli/one_line.h"
 #include "cli/text.h"
-#include "difi/error.h"
+#include "standoff/error.h"
 
-namespace difi::cli {
+namespace standoff::cli {
 namespace {
 
 [[noreturn]] void reject(const std::string& option, const std::string& text, const std::string& why) {
@@ -190,7 +190,7 @@ Backend parse_backend(const std::string& option, const std::string& text, int& d
   if (colon == std::string::npos) return backend;
   if (backend != Backend::cuda) reject(option, text, "only cuda takes a number, as in cuda:1");
   const auto number = whole_text<int>(std::string_view(text).substr(colon + 1));
-  if (!number || *number < 0) reject(option, text, "give the number of a GPU, from 0 on; see `difi devices`");
+  if (!number || *number < 0) reject(option, text, "give the number of a GPU, from 0 on; see `standoff devices`");
   device = *number;
   return backend;
 }
@@ -248,4 +248,4 @@ std::vector<double> numbers_in(std::string_view text) {
   return numbers;
 }
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

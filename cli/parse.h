@@ -8,11 +8,11 @@
 #include <string_view>
 #include <vector>
 
-#include "difi/compute.h"
-#include "difi/pose.h"
-#include "difi/vec.h"
+#include "standoff/compute.h"
+#include "standoff/pose.h"
+#include "standoff/vec.h"
 
-namespace difi::cli {
+namespace standoff::cli {
 
 /// A band's half-width, as it was given: in world units, or in samples until the grid is known.
 struct Thickness {
@@ -71,4 +71,4 @@ Vec3 parse_point(const std::string& option, const std::string& text);
 /// The index of `text` among `choices`.
 std::size_t parse_choice(const std::string& option, const std::string& text, const std::vector<std::string>& choices);
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

@@ -5,10 +5,10 @@
 #include <cstring>
 
 #include "cli/parse.h"
-#include "difi/error.h"
-#include "difi/io.h"
+#include "standoff/error.h"
+#include "standoff/io.h"
 
-namespace difi::cli {
+namespace standoff::cli {
 namespace {
 
 std::string standard_input() {
@@ -62,4 +62,4 @@ std::vector<Motion> read_motions(const std::string& name, Vec3 center) {
   });
 }
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

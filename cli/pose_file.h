@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "difi/collision.h"
+#include "standoff/collision.h"
 
-namespace difi::cli {
+namespace standoff::cli {
 
 /// The poses in a file; "-" is the standard input. A line holds the numbers of one pose as --pose takes them, with
 /// commas between them; what follows a # is a comment, and empty lines are left out. Errors: input, as `FILE:LINE:
@@ -15,4 +15,4 @@ std::vector<Pose> read_poses(const std::string& name);
 /// The same with the numbers of two poses on a line: where the motion begins, and where it ends.
 std::vector<Motion> read_motions(const std::string& name, Vec3 center);
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

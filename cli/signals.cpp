@@ -6,10 +6,10 @@
 #include <csignal>
 #include <cstring>
 
-#include "difi/error.h"
-#include "difi/interrupt.h"
+#include "standoff/error.h"
+#include "standoff/interrupt.h"
 
-namespace difi::cli {
+namespace standoff::cli {
 namespace {
 
 std::atomic<bool> asked{false};
@@ -28,12 +28,13 @@ template <std::size_t size>
 
 extern "C" void on_signal(int) {
   if (!asked.exchange(true) && cancellable > 0) return;
-  end("difi: error: interrupted; no partial file was left, run it again\n", ErrorCode::interrupted);
+  end("standoff: error: interrupted; no partial file was left, run it again\n", ErrorCode::interrupted);
 }
 
 // Field files are read from a mapping; what was there a moment ago is gone.
 extern "C" void on_lost_file(int) {
-  end("difi: error: a file that was being read became shorter or its disk failed; see who writes to it, run it again\n",
+  end("standoff: error: a file that was being read became shorter or its disk failed; see who writes to it, run it "
+      "again\n",
       ErrorCode::input);
 }
 
@@ -61,4 +62,4 @@ bool interrupted() { return asked; }
 
 void line_is_drawn(bool drawn) { line_drawn = drawn; }
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

@@ -1,7 +1,7 @@
 // Ctrl-C, SIGTERM and SIGHUP: end the program without leaving anything half-written.
 #pragma once
 
-namespace difi::cli {
+namespace standoff::cli {
 
 /// Installs the handlers. Signals that the parent has set to be ignored (nohup) stay ignored. A closed pipe and a file
 /// past its size limit become ordinary write errors; a file that is shortened while it is read ends the program with a
@@ -23,4 +23,4 @@ bool interrupted();
 /// Whether a line on the terminal waits to be wiped; what a signal has to say then wipes it first.
 void line_is_drawn(bool drawn);
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

@@ -1,5 +1,5 @@
-// difi slice: a picture of a plane of a field.
-#include "difi/slice.h"
+// standoff slice: a picture of a plane of a field.
+#include "standoff/slice.h"
 
 #include <limits>
 #include <memory>
@@ -12,16 +12,16 @@
 #include "cli/talk.h"
 #include "cli/text.h"
 #include "cli/usage.h"
-#include "difi/error.h"
+#include "standoff/error.h"
 
-namespace difi::cli {
+namespace standoff::cli {
 namespace {
 
 constexpr const char* kExamples =
-    R"(  difi slice bunny.vti                             the middle along z, into bunny.png
-  difi slice bunny.vti -o side.png --axis x --at 0.3
-  difi slice bunny.vti -o floor.png --index 0      the first plane of samples
-  difi slice bunny.vti -o red.png --colormap thesis
+    R"(  standoff slice bunny.vti                             the middle along z, into bunny.png
+  standoff slice bunny.vti -o side.png --axis x --at 0.3
+  standoff slice bunny.vti -o floor.png --index 0      the first plane of samples
+  standoff slice bunny.vti -o red.png --colormap thesis
 )";
 
 struct Command {
@@ -81,4 +81,4 @@ void add_slice(CLI::App& program) {
   verb->callback([command] { command->run(); });
 }
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

@@ -1,4 +1,4 @@
-// difi sweep: when does a moving body meet a resting one?
+// standoff sweep: when does a moving body meet a resting one?
 #include <memory>
 
 #include "cli/body_input.h"
@@ -10,14 +10,14 @@
 #include "cli/talk.h"
 #include "cli/text.h"
 #include "cli/usage.h"
-#include "difi/error.h"
+#include "standoff/error.h"
 
-namespace difi::cli {
+namespace standoff::cli {
 namespace {
 
-constexpr const char* kExamples = R"(  difi sweep maze.stl fly.stl --from 3,1,2 --to 9,1,2
-  difi sweep a.stl b.stl --from 0,0,5 --to 0,0,0,0,0,1,90 --json   turning as it goes
-  difi sweep maze.stl fly.stl --motions ways.csv -o hits.csv       from and to on each line
+constexpr const char* kExamples = R"(  standoff sweep maze.stl fly.stl --from 3,1,2 --to 9,1,2
+  standoff sweep a.stl b.stl --from 0,0,5 --to 0,0,0,0,0,1,90 --json   turning as it goes
+  standoff sweep maze.stl fly.stl --motions ways.csv -o hits.csv       from and to on each line
 )";
 
 struct Command {
@@ -103,4 +103,4 @@ void add_sweep(CLI::App& program) {
   });
 }
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

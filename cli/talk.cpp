@@ -12,9 +12,9 @@
 #include "cli/parse.h"
 #include "cli/signals.h"
 #include "cli/text.h"
-#include "difi/error.h"
+#include "standoff/error.h"
 
-namespace difi::cli {
+namespace standoff::cli {
 namespace {
 
 // A line that is drawn over and over, and wiped away at the end.
@@ -97,7 +97,7 @@ void Talk::detail(const std::string& line) const {
   if (verbose_) to_stderr(line);
 }
 
-void Talk::warn(const std::string& line) const { to_stderr("difi: warning: " + line); }
+void Talk::warn(const std::string& line) const { to_stderr("standoff: warning: " + line); }
 
 bool Talk::shows_progress() const { return progress_ == "auto" && !quiet_ && ::isatty(STDERR_FILENO); }
 
@@ -132,4 +132,4 @@ Json json_number(double value) { return std::isfinite(value) ? Json(value) : Jso
 Json json_point(Vec3 v) { return {v.x, v.y, v.z}; }
 Json json_size(Size3 size) { return {size.x, size.y, size.z}; }
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

@@ -9,9 +9,9 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "difi/compute.h"
+#include "standoff/compute.h"
 
-namespace difi::cli {
+namespace standoff::cli {
 
 using Json = nlohmann::ordered_json;
 
@@ -55,4 +55,4 @@ Json json_number(double value);
 Json json_point(Vec3 v);
 Json json_size(Size3 size);
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-namespace difi::cli {
+namespace standoff::cli {
 namespace {
 
 template <class... Args>
@@ -65,4 +65,4 @@ std::string seconds_text(double seconds) {
 
 std::string hash_text(std::uint64_t hash) { return formatted("%016llx", static_cast<unsigned long long>(hash)); }
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <string>
 
-#include "difi/vec.h"
+#include "standoff/vec.h"
 
-namespace difi::cli {
+namespace standoff::cli {
 
 /// 1234567 -> "1,234,567".
 std::string grouped(std::int64_t n);
@@ -29,4 +29,4 @@ std::string seconds_text(double seconds);
 /// Sixteen hexadecimal digits.
 std::string hash_text(std::uint64_t hash);
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

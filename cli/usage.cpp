@@ -5,20 +5,20 @@
 #include <vector>
 
 #include "cli/talk.h"
-#include "difi/error.h"
-#include "difi/version.h"
+#include "standoff/error.h"
+#include "standoff/version.h"
 
-namespace difi::cli {
+namespace standoff::cli {
 namespace {
 
-constexpr const char* kExamples = R"(difi: exact distance fields of triangle meshes
+constexpr const char* kExamples = R"(standoff: exact distance fields of triangle meshes
 
 Examples:
-  difi compute bunny.obj                              every sample of a 256-sample grid, into bunny.vti
-  difi compute part.stl -o part.nrrd -r 400 -t 3s     a band of 3 samples, 400 on the longest side
-  difi slice bunny.vti -o bunny.png                   a picture of its middle
-  difi verify bunny.vti bunny.obj                     test it against brute force
-  difi help compute                                   all options of a verb
+  standoff compute bunny.obj                              every sample of a 256-sample grid, into bunny.vti
+  standoff compute part.stl -o part.nrrd -r 400 -t 3s     a band of 3 samples, 400 on the longest side
+  standoff slice bunny.vti -o bunny.png                   a picture of its middle
+  standoff verify bunny.vti bunny.obj                     test it against brute force
+  standoff help compute                                   all options of a verb
 )";
 
 constexpr const char* kFooter = R"(Messages go to stderr, data to stdout. Output files appear whole or not at all.
@@ -49,7 +49,7 @@ class HelpFormatter : public CLI::Formatter {
 
 // Not App::help, which answers for the verb on the command line whomever it is asked about.
 std::string help_about(const CLI::App& app) {
-  const std::string name = app.get_parent() ? "difi " + app.get_name() : "difi";
+  const std::string name = app.get_parent() ? "standoff " + app.get_name() : "standoff";
   std::string text = app.get_formatter()->make_help(&app, name, CLI::AppFormatMode::Normal);
   for (auto at = text.find("\n\n\n"); at != std::string::npos; at = text.find("\n\n\n", at)) text.erase(at, 1);
   return text;
@@ -98,7 +98,7 @@ std::vector<std::string> options(const CLI::App& verb) {
 [[noreturn]] void fail(const CLI::App& program, const CLI::ParseError& error) {
   const auto named = program.get_subcommands();
   const CLI::App& verb = named.empty() ? program : *named.front();
-  const std::string see = named.empty() ? "; see difi help" : "; see difi help " + verb.get_name();
+  const std::string see = named.empty() ? "; see standoff help" : "; see standoff help " + verb.get_name();
   std::string what = error.what();
   if (const auto at = what.find(" excludes "); at != std::string::npos)
     fail(what.replace(at, 10, " and ") + " cannot go together; give one of them");
@@ -107,7 +107,7 @@ std::vector<std::string> options(const CLI::App& verb) {
   if (const auto remaining = program.remaining(true); !remaining.empty()) {
     const std::string& word = remaining.front();
     if (named.empty() && word.find('.') != std::string::npos)
-      fail("'" + word + "' is no verb; for its field: difi compute " + word);
+      fail("'" + word + "' is no verb; for its field: standoff compute " + word);
     if (named.empty()) fail("'" + word + "' is no verb" + suggestion(word, verbs(program)) + see);
     if (word.starts_with('-'))
       fail("unknown option '" + word + "'" + suggestion(word.substr(0, word.find('=')), options(verb)) + see);
@@ -124,7 +124,7 @@ std::vector<std::string> options(const CLI::App& verb) {
 }  // namespace
 
 void set_up_help(CLI::App& program) {
-  program.name("difi");
+  program.name("standoff");
   program.description(kExamples);
   program.footer(kFooter);
   program.formatter(std::make_shared<HelpFormatter>());
@@ -140,24 +140,24 @@ CLI::App* add_verb(CLI::App& program, const std::string& name, const std::string
 }
 
 void add_version_and_help(CLI::App& program) {
-  auto* version = add_verb(program, "version", "print the version", "  difi version\n");
-  version->callback([] { print(std::string("difi ") + difi::version() + "\n"); });
+  auto* version = add_verb(program, "version", "print the version", "  standoff version\n");
+  version->callback([] { print(std::string("standoff ") + standoff::version() + "\n"); });
   program.set_version_flag(
-      "--version", [] { return std::string("difi ") + difi::version(); }, "print the version");
+      "--version", [] { return std::string("standoff ") + standoff::version(); }, "print the version");
 
-  auto* help = add_verb(program, "help", "print help, about a verb when one is named", "  difi help compute\n");
+  auto* help = add_verb(program, "help", "print help, about a verb when one is named", "  standoff help compute\n");
   const auto about = std::make_shared<std::string>();
   help->add_option("VERB", *about, "a verb");
   help->callback([&program, about] {
     if (about->empty()) return print(help_about(program));
     for (const CLI::App* verb : program.get_subcommands({}))
       if (verb->get_name() == *about) return print(help_about(*verb));
-    fail("'" + *about + "' is no verb" + suggestion(*about, verbs(program)) + "; see difi help");
+    fail("'" + *about + "' is no verb" + suggestion(*about, verbs(program)) + "; see standoff help");
   });
 }
 
 void parse(CLI::App& program, int argc, char** argv) {
-  if (argc < 2) fail("no verb given; see difi help, or begin with difi compute MESH");
+  if (argc < 2) fail("no verb given; see standoff help, or begin with standoff compute MESH");
   try {
     program.parse(argc, argv);
   } catch (const CLI::CallForHelp&) {
@@ -170,4 +170,4 @@ void parse(CLI::App& program, int argc, char** argv) {
   }
 }
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

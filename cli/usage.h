@@ -5,7 +5,7 @@
 
 #include <CLI/CLI.hpp>
 
-namespace difi::cli {
+namespace standoff::cli {
 
 /// The program's own help. Call before verbs are added: they inherit from it.
 void set_up_help(CLI::App& program);
@@ -19,4 +19,4 @@ CLI::App* add_verb(CLI::App& program, const std::string& name, const std::string
 /// Runs the verb that the command line names, or prints the help it asks for. Errors: usage, and the verb's own.
 void parse(CLI::App& program, int argc, char** argv);
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

@@ -1,4 +1,4 @@
-// difi verify: a field against its mesh, by brute force in double precision.
+// standoff verify: a field against its mesh, by brute force in double precision.
 #include <memory>
 
 #include "cli/commands.h"
@@ -12,15 +12,15 @@
 #include "cli/text.h"
 #include "cli/usage.h"
 #include "cli/waiting.h"
-#include "difi/error.h"
-#include "difi/verify.h"
+#include "standoff/error.h"
+#include "standoff/verify.h"
 
-namespace difi::cli {
+namespace standoff::cli {
 namespace {
 
-constexpr const char* kExamples = R"(  difi verify bunny.vti bunny.obj                  1000 random samples
-  difi verify bunny.vti bunny.obj --samples 100000
-  difi verify part.vti part.stl --unit mm          as it was computed
+constexpr const char* kExamples = R"(  standoff verify bunny.vti bunny.obj                  1000 random samples
+  standoff verify bunny.vti bunny.obj --samples 100000
+  standoff verify part.vti part.stl --unit mm          as it was computed
 )";
 
 struct Command {
@@ -103,4 +103,4 @@ void add_verify(CLI::App& program) {
   verb->callback([command] { command->run(); });
 }
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

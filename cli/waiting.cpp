@@ -8,7 +8,7 @@
 #include "cli/signals.h"
 #include "cli/text.h"
 
-namespace difi::cli {
+namespace standoff::cli {
 
 Waiting::Waiting(const Talk& talk, const std::string& what) : what_(one_line(what)) {
   if (!talk.shows_progress()) return;
@@ -44,4 +44,4 @@ void Waiting::show() {
   line_is_drawn(false);
 }
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

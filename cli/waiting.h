@@ -8,7 +8,7 @@
 
 #include "cli/talk.h"
 
-namespace difi::cli {
+namespace standoff::cli {
 
 /// While one lives, a terminal shows what is waited for and for how long, once that is longer than a moment. Elsewhere,
 /// and where the user wants no progress shown, it does nothing.
@@ -37,4 +37,4 @@ auto waiting(const Talk& talk, const std::string& what, Work work) {
   return work();
 }
 
-}  // namespace difi::cli
+}  // namespace standoff::cli

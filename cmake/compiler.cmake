@@ -7,27 +7,27 @@ set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 add_compile_options($<$<COMPILE_LANGUAGE:CXX>:-ffp-contract=off>)
 # GCC 12 packs neighbours of the form double(float(x)) into one register and forgets to round them there, from -O2 on
 # (tests/geometry/rounding_test.cpp). With sanitizers all is built with -O1.
-if(NOT DIFI_SANITIZE)
+if(NOT STANDOFF_SANITIZE)
   add_compile_options($<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fno-tree-slp-vectorize>)
 endif()
 # sqrt must not look at errno, or it cannot be vectorised.
 add_compile_options($<$<COMPILE_LANGUAGE:CXX>:-fno-math-errno>)
 
-foreach(sanitizer IN LISTS DIFI_SANITIZE)
+foreach(sanitizer IN LISTS STANDOFF_SANITIZE)
   add_compile_options(-fsanitize=${sanitizer} -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${sanitizer})
 endforeach()
-if("thread" IN_LIST DIFI_SANITIZE)
+if("thread" IN_LIST STANDOFF_SANITIZE)
   include_directories(BEFORE ${CMAKE_CURRENT_SOURCE_DIR}/tests/tsan)  # a TBB whose order the sanitizer sees
 endif()
-if("undefined" IN_LIST DIFI_SANITIZE)
+if("undefined" IN_LIST STANDOFF_SANITIZE)
   add_compile_options(-fno-sanitize-recover=all)
 endif()
-if(DIFI_COVERAGE)
+if(STANDOFF_COVERAGE)
   # Atomic: threads that count at once leave negative numbers, at which gcovr stops.
   add_compile_options(--coverage -fprofile-update=atomic)
   add_link_options(--coverage)
 endif()
 
-add_library(difi_warnings INTERFACE)
-target_compile_options(difi_warnings INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wall;-Wextra;-Wshadow;-Wconversion;-Wno-sign-conversion>)
+add_library(standoff_warnings INTERFACE)
+target_compile_options(standoff_warnings INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wall;-Wextra;-Wshadow;-Wconversion;-Wno-sign-conversion>)

@@ -1,5 +1,5 @@
 # How nvcc compiles the kernels: arithmetic stays the CPU's, nothing is fused that the source does not fuse.
-set(DIFI_CUDA_FLAGS --fmad=false --expt-relaxed-constexpr -Xcompiler=-ffp-contract=off -Xcompiler=-fno-math-errno)
+set(STANDOFF_CUDA_FLAGS --fmad=false --expt-relaxed-constexpr -Xcompiler=-ffp-contract=off -Xcompiler=-fno-math-errno)
 # CMake before 3.27 does not know how nvcc is told C++20. Once CUDA is enabled.
 if(NOT CMAKE_CUDA20_STANDARD_COMPILE_OPTION)
   set(CMAKE_CUDA20_STANDARD_COMPILE_OPTION -std=c++20)

@@ -1,25 +1,25 @@
-# Install rules and the package files of find_package(difi).
+# Install rules and the package files of find_package(standoff).
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
-set(DIFI_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/difi)
+set(STANDOFF_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/standoff)
 
 # A static library leaves its private dependencies to be linked by its users, who must find them first.
-set(DIFI_FIND_DEPENDENCIES "")
+set(STANDOFF_FIND_DEPENDENCIES "")
 if(NOT BUILD_SHARED_LIBS)
-  foreach(dependency IN LISTS DIFI_LINKED_PACKAGES)
-    string(APPEND DIFI_FIND_DEPENDENCIES "find_dependency(${dependency})\n")
+  foreach(dependency IN LISTS STANDOFF_LINKED_PACKAGES)
+    string(APPEND STANDOFF_FIND_DEPENDENCIES "find_dependency(${dependency})\n")
   endforeach()
 endif()
-configure_package_config_file(cmake/difi-config.cmake.in difi-config.cmake INSTALL_DESTINATION ${DIFI_PACKAGE_DIR})
+configure_package_config_file(cmake/standoff-config.cmake.in standoff-config.cmake INSTALL_DESTINATION ${STANDOFF_PACKAGE_DIR})
 # Before 1.0 a minor version may change the interface.
-write_basic_package_version_file(difi-config-version.cmake COMPATIBILITY SameMinorVersion)
+write_basic_package_version_file(standoff-config-version.cmake COMPATIBILITY SameMinorVersion)
 
-install(TARGETS difi EXPORT difi-targets)
-install(DIRECTORY include/difi TYPE INCLUDE)
-install(EXPORT difi-targets NAMESPACE difi:: DESTINATION ${DIFI_PACKAGE_DIR})
-install(FILES ${CMAKE_CURRENT_BINARY_DIR}/difi-config.cmake ${CMAKE_CURRENT_BINARY_DIR}/difi-config-version.cmake
-        DESTINATION ${DIFI_PACKAGE_DIR})
+install(TARGETS standoff EXPORT standoff-targets)
+install(DIRECTORY include/standoff TYPE INCLUDE)
+install(EXPORT standoff-targets NAMESPACE standoff:: DESTINATION ${STANDOFF_PACKAGE_DIR})
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/standoff-config.cmake ${CMAKE_CURRENT_BINARY_DIR}/standoff-config-version.cmake
+        DESTINATION ${STANDOFF_PACKAGE_DIR})
 install(FILES LICENSE TYPE DOC)
-if(DIFI_BUILD_CLI)
-  install(TARGETS difi_cli)
+if(STANDOFF_BUILD_CLI)
+  install(TARGETS standoff_cli)
 endif()

@@ -1,18 +1,18 @@
 # The gather kernels are compiled once per instruction set and chosen at run time (src/cpu/simd/).
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
-  set(DIFI_AVX2_FLAGS -mavx2 -mfma)
+  set(STANDOFF_AVX2_FLAGS -mavx2 -mfma)
   # GCC 12 warns of its own header's undefined registers.
-  set(DIFI_AVX512_FLAGS -mavx512f -mavx512dq -mavx512bw -mavx512vl -mfma -mprefer-vector-width=512
+  set(STANDOFF_AVX512_FLAGS -mavx512f -mavx512dq -mavx512bw -mavx512vl -mfma -mprefer-vector-width=512
       -Wno-uninitialized -Wno-maybe-uninitialized)
   # The same code as in kernels_portable.cpp, where undefined behaviour is looked for; once more costs half a minute.
-  if("undefined" IN_LIST DIFI_SANITIZE)
-    list(APPEND DIFI_AVX2_FLAGS -fno-sanitize=undefined)
-    list(APPEND DIFI_AVX512_FLAGS -fno-sanitize=undefined)
+  if("undefined" IN_LIST STANDOFF_SANITIZE)
+    list(APPEND STANDOFF_AVX2_FLAGS -fno-sanitize=undefined)
+    list(APPEND STANDOFF_AVX512_FLAGS -fno-sanitize=undefined)
   endif()
-  set_source_files_properties(src/cpu/kernels_avx2.cpp src/collision/kernels_avx2.cpp PROPERTIES COMPILE_OPTIONS "${DIFI_AVX2_FLAGS}")
-  set_source_files_properties(src/cpu/kernels_avx512.cpp src/collision/kernels_avx512.cpp PROPERTIES COMPILE_OPTIONS "${DIFI_AVX512_FLAGS}")
+  set_source_files_properties(src/cpu/kernels_avx2.cpp src/collision/kernels_avx2.cpp PROPERTIES COMPILE_OPTIONS "${STANDOFF_AVX2_FLAGS}")
+  set_source_files_properties(src/cpu/kernels_avx512.cpp src/collision/kernels_avx512.cpp PROPERTIES COMPILE_OPTIONS "${STANDOFF_AVX512_FLAGS}")
 endif()
 # Pointers are left to the address sanitizer here: with these checks the kernels take three times as long to compile.
-if("undefined" IN_LIST DIFI_SANITIZE AND "address" IN_LIST DIFI_SANITIZE)
+if("undefined" IN_LIST STANDOFF_SANITIZE AND "address" IN_LIST STANDOFF_SANITIZE)
   set_source_files_properties(src/cpu/kernels_portable.cpp PROPERTIES COMPILE_OPTIONS "-fno-sanitize=alignment,null,object-size")
 endif()

@@ -5,7 +5,7 @@
 
 #include "scenes/random.h"
 
-namespace difi::scenes {
+namespace standoff::scenes {
 namespace {
 
 constexpr double kMostPieces = 4096;  // per direction: bounds the work of a wrong request
@@ -71,4 +71,4 @@ Mesh Builder::take() {
   return std::move(mesh_);
 }
 
-}  // namespace difi::scenes
+}  // namespace standoff::scenes

@@ -5,10 +5,10 @@
 #include <span>
 #include <vector>
 
-#include "difi/mesh.h"
 #include "scenes/frame.h"
+#include "standoff/mesh.h"
 
-namespace difi::scenes {
+namespace standoff::scenes {
 
 /// Consecutive vertices: a loop, an open row, or one point.
 struct Ring {
@@ -114,4 +114,4 @@ class Builder {
   Mesh mesh_;
 };
 
-}  // namespace difi::scenes
+}  // namespace standoff::scenes

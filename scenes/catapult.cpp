@@ -2,7 +2,7 @@
 #include "scenes/drives.h"
 #include "scenes/families.h"
 
-namespace difi::scenes {
+namespace standoff::scenes {
 namespace {
 
 // A carriage wheel: rim of felloes, iron tyre, hub and spokes; its axle lies along z.
@@ -133,4 +133,4 @@ void draw_catapult(Builder& b) {
   joints(b);
 }
 
-}  // namespace difi::scenes
+}  // namespace standoff::scenes

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace difi::scenes {
+namespace standoff::scenes {
 
 inline constexpr double kPi = 3.14159265358979323846;
 
@@ -40,4 +40,4 @@ inline CirclePoint circle(double turns) {
   }
 }
 
-}  // namespace difi::scenes
+}  // namespace standoff::scenes

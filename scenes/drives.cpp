@@ -4,7 +4,7 @@
 #include "scenes/steel.h"
 #include "scenes/vessels.h"
 
-namespace difi::scenes {
+namespace standoff::scenes {
 
 void motor(Builder& b, const Frame& f, double r) {
   const double length = 3 * r;
@@ -197,4 +197,4 @@ void coil(Builder& b, const Frame& f, double radius, double wire, double height,
   sweep(b, f, path, {wire}, b.sides(wire, 6));
 }
 
-}  // namespace difi::scenes
+}  // namespace standoff::scenes

@@ -3,7 +3,7 @@
 
 #include "scenes/solids.h"
 
-namespace difi::scenes {
+namespace standoff::scenes {
 
 /// A ribbed electric motor of radius r on feet; its shaft points along +x from the origin of the base.
 void motor(Builder& b, const Frame& f, double r);
@@ -30,4 +30,4 @@ void robot_arm(Builder& b, const Frame& f, double size, std::uint64_t key);
 /// A coil of wire, spring or hose around the y axis.
 void coil(Builder& b, const Frame& f, double radius, double wire, double height, int turns);
 
-}  // namespace difi::scenes
+}  // namespace standoff::scenes

@@ -7,7 +7,7 @@
 #include "scenes/steel.h"
 #include "scenes/vessels.h"
 
-namespace difi::scenes {
+namespace standoff::scenes {
 namespace {
 
 constexpr double kWidth = 10.6, kLength = 12.6, kEaves = 2.15;
@@ -227,4 +227,4 @@ void draw_factory(Builder& b) {
   lamps(b);
 }
 
-}  // namespace difi::scenes
+}  // namespace standoff::scenes

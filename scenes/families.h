@@ -5,7 +5,7 @@
 
 #include "scenes/size.h"
 
-namespace difi::scenes {
+namespace standoff::scenes {
 
 /// A sphere of 8 n^2 triangles.
 Mesh sphere_of(int n, Vec3 center, double radius);
@@ -36,4 +36,4 @@ void draw_process(Builder& b);
 void draw_labyrinth(Builder& b);
 void draw_fly(Builder& b);
 
-}  // namespace difi::scenes
+}  // namespace standoff::scenes

@@ -2,7 +2,7 @@
 #include "scenes/families.h"
 #include "scenes/solids.h"
 
-namespace difi::scenes {
+namespace standoff::scenes {
 namespace {
 
 // The middle and the half width of a wing at a share t of its length; the wing starts at the origin and goes along +x.
@@ -83,4 +83,4 @@ void draw_fly(Builder& b) {
   }
 }
 
-}  // namespace difi::scenes
+}  // namespace standoff::scenes

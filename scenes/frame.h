@@ -1,10 +1,10 @@
 // Where a part stands: an affine map from its own coordinates to the scene's.
 #pragma once
 
-#include "difi/vec.h"
 #include "scenes/circle.h"
+#include "standoff/vec.h"
 
-namespace difi::scenes {
+namespace standoff::scenes {
 
 inline Vec3 normalized(Vec3 v) { return v * (1 / length(v)); }
 
@@ -56,4 +56,4 @@ inline Frame along(Vec3 from, Vec3 to) {
   return {from, x, y, cross(x, y)};
 }
 
-}  // namespace difi::scenes
+}  // namespace standoff::scenes

@@ -5,7 +5,7 @@
 #include "scenes/random.h"
 #include "scenes/solids.h"
 
-namespace difi::scenes {
+namespace standoff::scenes {
 namespace {
 
 constexpr int kColumns = 20, kRows = 19;
@@ -73,4 +73,4 @@ void draw_labyrinth(Builder& b) {
   box(b, f, {-h, -0.35, -h}, {kColumns * kCell + h, 0, kRows * kCell + h});
 }
 
-}  // namespace difi::scenes
+}  // namespace standoff::scenes

@@ -4,7 +4,7 @@
 #include "scenes/random.h"
 #include "scenes/scenes.h"
 
-namespace difi::scenes {
+namespace standoff::scenes {
 namespace {
 
 void append(Mesh& mesh, const Mesh& other) {
@@ -193,4 +193,4 @@ Mesh make_tiny(std::int64_t triangles) {
   return mesh;
 }
 
-}  // namespace difi::scenes
+}  // namespace standoff::scenes

@@ -6,7 +6,7 @@
 #include "scenes/steel.h"
 #include "scenes/vessels.h"
 
-namespace difi::scenes {
+namespace standoff::scenes {
 namespace {
 
 constexpr double kHalf = 1.6;  // half the width of the web; rolls lie along x between the side frames
@@ -205,4 +205,4 @@ void paper_machine(Builder& b, bool detailed) {
 void draw_machine_1(Builder& b) { paper_machine(b, false); }
 void draw_machine_2(Builder& b) { paper_machine(b, true); }
 
-}  // namespace difi::scenes
+}  // namespace standoff::scenes

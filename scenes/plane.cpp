@@ -3,7 +3,7 @@
 #include "scenes/families.h"
 #include "scenes/solids.h"
 
-namespace difi::scenes {
+namespace standoff::scenes {
 namespace {
 
 constexpr double kFine = 0.25;  // the target edge of engines, wheels and windows, as a part of that of the hull
@@ -128,4 +128,4 @@ void draw_plane(Builder& b) {
   rod(b, f, {0, 0.4, 1.2}, {0, 0.75, 1.0}, 0.01, 6);
 }
 
-}  // namespace difi::scenes
+}  // namespace standoff::scenes

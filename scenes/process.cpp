@@ -4,7 +4,7 @@
 #include "scenes/steel.h"
 #include "scenes/vessels.h"
 
-namespace difi::scenes {
+namespace standoff::scenes {
 
 void draw_process(Builder& b) {
   const Frame f;
@@ -187,4 +187,4 @@ void draw_our_process_large(Builder& b) {
   lying_tank(b, Frame{}.at(3.2, 0, 9), 0.55, 1.5);
 }
 
-}  // namespace difi::scenes
+}  // namespace standoff::scenes

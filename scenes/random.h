@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace difi::scenes {
+namespace standoff::scenes {
 
 /// The finaliser of splitmix64: every bit of the input reaches every bit of the output.
 constexpr std::uint64_t hash(std::uint64_t x) {
@@ -22,4 +22,4 @@ constexpr double uniform(std::uint64_t a, std::uint64_t b, std::uint64_t c) { re
 /// A number in [low, high).
 constexpr double between(double low, double high, double u) { return low + (high - low) * u; }
 
-}  // namespace difi::scenes
+}  // namespace standoff::scenes

@@ -2,7 +2,7 @@
 #include "scenes/families.h"
 #include "scenes/solids.h"
 
-namespace difi::scenes {
+namespace standoff::scenes {
 namespace {
 
 // A ribbed hose: its radius goes up and down along the path.
@@ -79,4 +79,4 @@ void draw_bender(Builder& b) {
   }
 }
 
-}  // namespace difi::scenes
+}  // namespace standoff::scenes

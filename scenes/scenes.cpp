@@ -3,10 +3,10 @@
 
 #include <algorithm>
 
-#include "difi/error.h"
 #include "scenes/families.h"
+#include "standoff/error.h"
 
-namespace difi::scenes {
+namespace standoff::scenes {
 namespace {
 
 using Make = Mesh (*)(std::int64_t triangles);
@@ -137,4 +137,4 @@ Mesh make(std::string_view name, std::int64_t triangles) {
   return e.make != nullptr ? e.make(wanted) : make_assembly(e.assembly, wanted);
 }
 
-}  // namespace difi::scenes
+}  // namespace standoff::scenes

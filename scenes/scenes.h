@@ -6,9 +6,9 @@
 #include <string_view>
 #include <vector>
 
-#include "difi/mesh.h"
+#include "standoff/mesh.h"
 
-namespace difi::scenes {
+namespace standoff::scenes {
 
 struct Scene {
   std::string name;            ///< "factory"
@@ -28,4 +28,4 @@ std::vector<Scene> all();
 /// range.
 Mesh make(std::string_view name, std::int64_t triangles = 0);
 
-}  // namespace difi::scenes
+}  // namespace standoff::scenes

@@ -3,7 +3,7 @@
 #include "scenes/families.h"
 #include "scenes/random.h"
 
-namespace difi::scenes {
+namespace standoff::scenes {
 
 Mesh sphere_of(int n, Vec3 center, double radius) {
   // The faces of an octahedron, each divided into n * n, pushed out to the sphere. Row j of a face has j + 1 vertices;
@@ -127,4 +127,4 @@ Mesh make_terrain(std::int64_t triangles) {
   return mesh;
 }
 
-}  // namespace difi::scenes
+}  // namespace standoff::scenes

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace difi::scenes {
+namespace standoff::scenes {
 namespace {
 
 double length_sq(Vec3 v) { return dot(v, v); }
@@ -146,4 +146,4 @@ void split_to(Mesh& mesh, std::int64_t triangles) {
   }
 }
 
-}  // namespace difi::scenes
+}  // namespace standoff::scenes

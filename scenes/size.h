@@ -5,7 +5,7 @@
 
 #include "scenes/builder.h"
 
-namespace difi::scenes {
+namespace standoff::scenes {
 
 using Draw = void (*)(Builder&);
 
@@ -18,4 +18,4 @@ double edge_for(Draw draw, std::int64_t triangles, double guess, double slender)
 /// A mesh that is large enough already is left alone.
 void split_to(Mesh& mesh, std::int64_t triangles);
 
-}  // namespace difi::scenes
+}  // namespace standoff::scenes

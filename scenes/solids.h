@@ -7,7 +7,7 @@
 
 #include "scenes/builder.h"
 
-namespace difi::scenes {
+namespace standoff::scenes {
 
 /// A point of a plane: of a profile (radius, height) or of an outline seen from above (x to the right, -z up).
 struct Point2 {
@@ -45,4 +45,4 @@ void sweep(Builder& b, const Frame& f, const std::vector<Vec3>& path, const std:
 /// outside with the next section above.
 void loft(Builder& b, const Frame& f, const std::vector<std::vector<Vec3>>& sections, bool close_ends = true);
 
-}  // namespace difi::scenes
+}  // namespace standoff::scenes

@@ -2,7 +2,7 @@
 
 #include "scenes/solids.h"
 
-namespace difi::scenes {
+namespace standoff::scenes {
 namespace {
 
 // The lattice points on the surface of a box, numbered as they are met, so that faces share their edges.
@@ -77,4 +77,4 @@ void beam(Builder& b, const Frame& f, Vec3 from, Vec3 to, double width, double h
   box(b, f * along(from, to), {-width / 2, 0, -height / 2}, {width / 2, length(to - from), height / 2});
 }
 
-}  // namespace difi::scenes
+}  // namespace standoff::scenes

@@ -4,7 +4,7 @@
 
 #include "scenes/solids.h"
 
-namespace difi::scenes {
+namespace standoff::scenes {
 namespace {
 
 double turn(Point2 a, Point2 b, Point2 c) { return (b.u - a.u) * (c.v - a.v) - (b.v - a.v) * (c.u - a.u); }
@@ -97,4 +97,4 @@ void gear(Builder& b, const Frame& f, double radius, double height, int teeth) {
   b.end_part();
 }
 
-}  // namespace difi::scenes
+}  // namespace standoff::scenes

@@ -1,7 +1,7 @@
 
 #include "scenes/solids.h"
 
-namespace difi::scenes {
+namespace standoff::scenes {
 namespace {
 
 bool on_axis(Point2 p) { return p.u == 0; }
@@ -99,4 +99,4 @@ void append_dome(std::vector<Point2>& profile, double radius, double y, double b
   }
 }
 
-}  // namespace difi::scenes
+}  // namespace standoff::scenes

@@ -2,7 +2,7 @@
 
 #include "scenes/solids.h"
 
-namespace difi::scenes {
+namespace standoff::scenes {
 namespace {
 
 // The path with its interior corners replaced by arcs. An arc is a rational quadratic Bezier curve whose middle
@@ -99,4 +99,4 @@ void loft(Builder& b, const Frame& f, const std::vector<std::vector<Vec3>>& sect
   b.end_part();
 }
 
-}  // namespace difi::scenes
+}  // namespace standoff::scenes

@@ -1,6 +1,6 @@
 #include "scenes/steel.h"
 
-namespace difi::scenes {
+namespace standoff::scenes {
 
 void i_beam(Builder& b, const Frame& f, Vec3 from, Vec3 to, double height, double width) {
   const double h = height / 2, w = width / 2, web = 0.12 * width, flange = 0.12 * height;
@@ -109,4 +109,4 @@ void catwalk(Builder& b, const Frame& f, double width, double length, double rai
   }
 }
 
-}  // namespace difi::scenes
+}  // namespace standoff::scenes

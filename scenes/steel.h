@@ -3,7 +3,7 @@
 
 #include "scenes/solids.h"
 
-namespace difi::scenes {
+namespace standoff::scenes {
 
 void i_beam(Builder& b, const Frame& f, Vec3 from, Vec3 to, double height, double width);
 /// Hexagonal bolts standing on a circle around the y axis.
@@ -22,4 +22,4 @@ void grating(Builder& b, const Frame& f, double x, double z, double pitch);
 /// A grating over [0, width] by [0, length] with edge beams and railings on both long sides.
 void catwalk(Builder& b, const Frame& f, double width, double length, double rail_height);
 
-}  // namespace difi::scenes
+}  // namespace standoff::scenes

@@ -4,7 +4,7 @@
 
 #include "scenes/steel.h"
 
-namespace difi::scenes {
+namespace standoff::scenes {
 namespace {
 
 // Plates under a lying cylinder of radius r whose axis is at height y.
@@ -132,4 +132,4 @@ void hopper(Builder& b, const Frame& f, double width, double depth, double heigh
   loft(b, f, sections);
 }
 
-}  // namespace difi::scenes
+}  // namespace standoff::scenes

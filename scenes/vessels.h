@@ -3,7 +3,7 @@
 
 #include "scenes/solids.h"
 
-namespace difi::scenes {
+namespace standoff::scenes {
 
 /// A bolted disc around a pipe of radius r whose face is at y = 0.
 void flange(Builder& b, const Frame& f, double r);
@@ -24,4 +24,4 @@ void silo(Builder& b, const Frame& f, double r, double height);
 /// A funnel of rectangular section, open to nobody: a solid.
 void hopper(Builder& b, const Frame& f, double width, double depth, double height);
 
-}  // namespace difi::scenes
+}  // namespace standoff::scenes

@@ -9,7 +9,7 @@
 #include "collision/packets.h"
 #include "geometry/scalar.h"
 
-namespace difi::collision {
+namespace standoff::collision {
 
 /// Where along an axis the samples nearest to a point stand: their indices, and how far from them the point is, in
 /// spacings, squared.
@@ -17,13 +17,13 @@ struct NearestIndex {
   std::int32_t at;
   float off_sq;
 };
-DIFI_INLINE NearestIndex nearest_index(float x, float origin, float per_spacing, float last) {
+STANDOFF_INLINE NearestIndex nearest_index(float x, float origin, float per_spacing, float last) {
   const float u = (x - origin) * per_spacing;
   const std::int32_t at = static_cast<std::int32_t>(min(max(u, 0.0f), last) + 0.5f);
   const float off = u - static_cast<float>(at);
   return {at, off * off};
 }
-DIFI_INLINE float outside_sq(const FieldView& f, int axis, float x) {
+STANDOFF_INLINE float outside_sq(const FieldView& f, int axis, float x) {
   const float out = max(max(f.min[axis] - x, x - f.max[axis]), 0.0f);
   return out * out;
 }
@@ -36,7 +36,7 @@ struct BallSamples {
   std::int32_t tile, within;   ///< the fine one: its tile, and its place there
 };
 
-DIFI_INLINE BallSamples samples_near(const FieldView& f, float x, float y, float z, float radius) {
+STANDOFF_INLINE BallSamples samples_near(const FieldView& f, float x, float y, float z, float radius) {
   const auto coarse = [&f](int axis, float at) __attribute__((always_inline)) {
     return nearest_index(at, f.origin[axis], f.per_coarse_spacing, f.coarse_last[axis]);
   };
@@ -53,12 +53,12 @@ DIFI_INLINE BallSamples samples_near(const FieldView& f, float x, float y, float
           (fz.at & 7) << 6 | (fy.at & 7) << 3 | (fx.at & 7)};
 }
 
-DIFI_INLINE std::uint8_t fine_sample(const FieldView& f, std::int32_t tile, std::int32_t within) {
+STANDOFF_INLINE std::uint8_t fine_sample(const FieldView& f, std::int32_t tile, std::int32_t within) {
   return f.samples[(static_cast<std::int64_t>(f.slots[tile]) << 9) + within];
 }
 
 /// The bound. Where that from the coarse field exceeds `enough`, the fine field is not asked.
-DIFI_INLINE float gap_of_ball(const FieldView& f, float x, float y, float z, float radius, float enough) {
+STANDOFF_INLINE float gap_of_ball(const FieldView& f, float x, float y, float z, float radius, float enough) {
   const BallSamples at = samples_near(f, x, y, z, radius);
   const float gap = max(at.outside, f.coarse[at.coarse] - at.coarse_off);
   if (gap > enough) return gap;
@@ -66,9 +66,9 @@ DIFI_INLINE float gap_of_ball(const FieldView& f, float x, float y, float z, flo
 }
 
 /// Coordinate `axis` of a point placed in another frame.
-DIFI_INLINE float placed(const FloatPlace& place, int axis, float x, float y, float z) {
+STANDOFF_INLINE float placed(const FloatPlace& place, int axis, float x, float y, float z) {
   const float* const r = place.rotation + 3 * axis;
   return r[0] * x + r[1] * y + r[2] * z + place.translation[axis];
 }
 
-}  // namespace difi::collision
+}  // namespace standoff::collision

@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "difi/error.h"
-#include "difi/pose.h"
 #include "field/threads.h"
+#include "standoff/error.h"
+#include "standoff/pose.h"
 
-namespace difi::collision {
+namespace standoff::collision {
 
 /// Throws Error{usage} that names the first pose that is not rigid.
 inline void validate_all(std::span<const Pose> poses) {
@@ -37,4 +37,4 @@ std::vector<Result> for_each(std::size_t count, int threads, Query query) {
   return results;
 }
 
-}  // namespace difi::collision
+}  // namespace standoff::collision

@@ -10,7 +10,7 @@
 #include <sys/mman.h>
 #endif
 
-namespace difi::collision {
+namespace standoff::collision {
 
 template <class T>
 struct BigAllocator {
@@ -44,4 +44,4 @@ struct BigAllocator {
 template <class T>
 using BigVector = std::vector<T, BigAllocator<T>>;
 
-}  // namespace difi::collision
+}  // namespace standoff::collision

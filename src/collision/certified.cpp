@@ -5,7 +5,7 @@
 
 #include "collision/touching.h"
 
-namespace difi::collision {
+namespace standoff::collision {
 namespace {
 
 class Certify {
@@ -66,4 +66,4 @@ class Certify {
 
 Contact certify(const Pair& pair, double margin) { return Certify(pair, margin).run(); }
 
-}  // namespace difi::collision
+}  // namespace standoff::collision

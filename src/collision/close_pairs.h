@@ -5,7 +5,7 @@
 
 #include "collision/pair.h"
 
-namespace difi::collision {
+namespace standoff::collision {
 
 class ClosePairs {
  public:
@@ -142,4 +142,4 @@ class ClosePairs {
   std::uint32_t packet_ = 0, lanes_ = 0;
 };
 
-}  // namespace difi::collision
+}  // namespace standoff::collision

@@ -11,7 +11,7 @@
 
 #include "geometry/triple.h"
 
-namespace difi::collision {
+namespace standoff::collision {
 
 template <class F>
 struct PairPoints {
@@ -22,11 +22,11 @@ struct PairPoints {
 
 /// Without fused operations, unlike those of the geometry room.
 template <class F>
-DIFI_INLINE F plain_dot(const Triple<F>& a, const Triple<F>& b) {
+STANDOFF_INLINE F plain_dot(const Triple<F>& a, const Triple<F>& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 template <class F>
-DIFI_INLINE Triple<F> plain_cross(const Triple<F>& a, const Triple<F>& b) {
+STANDOFF_INLINE Triple<F> plain_cross(const Triple<F>& a, const Triple<F>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
@@ -38,7 +38,7 @@ struct Edges {
 };
 
 template <class F>
-DIFI_INLINE Edges<F> edges_of(const Triple<F> (&corner)[3]) {
+STANDOFF_INLINE Edges<F> edges_of(const Triple<F> (&corner)[3]) {
   Edges<F> e;
   for (int k = 0; k < 3; ++k) {
     e.corner[k] = corner[k];
@@ -51,7 +51,7 @@ DIFI_INLINE Edges<F> edges_of(const Triple<F> (&corner)[3]) {
 }
 
 template <class F>
-DIFI_INLINE void take_if_nearer(PairPoints<F>& best, const Triple<F>& on_p, const Triple<F>& on_q) {
+STANDOFF_INLINE void take_if_nearer(PairPoints<F>& best, const Triple<F>& on_p, const Triple<F>& on_q) {
   const Triple<F> way = on_q - on_p;
   const F distance_sq = plain_dot(way, way);
   const auto nearer = less(distance_sq, best.distance_sq);
@@ -65,7 +65,7 @@ DIFI_INLINE void take_if_nearer(PairPoints<F>& best, const Triple<F>& on_p, cons
 /// place on p's edge then the best for this one: each step only comes nearer, and together they find the least distance
 /// (Ericson, Real-Time Collision Detection, 5.1.9).
 template <class F>
-DIFI_INLINE void try_edges(const Edges<F>& p, int i, const Edges<F>& q, int j, PairPoints<F>& best) {
+STANDOFF_INLINE void try_edges(const Edges<F>& p, int i, const Edges<F>& q, int j, PairPoints<F>& best) {
   const auto within = [](const F& t) __attribute__((always_inline)) { return min(max(t, F(0)), F(1)); };
   const Triple<F>&u = p.way[i], &v = q.way[j], r = p.corner[i] - q.corner[j];
   const F uv = plain_dot(u, v), u_on_v = uv * q.inverse_sq[j], r_on_v = plain_dot(v, r) * q.inverse_sq[j];
@@ -86,7 +86,7 @@ struct Feet {
   Triple<F> across;               ///< what `side` has across `along`
   F along_inverse_sq, across_inverse_sq, side_on_along;
 
-  DIFI_INLINE explicit Feet(const Edges<F>& e)
+  STANDOFF_INLINE explicit Feet(const Edges<F>& e)
       : corner(e.corner[0]), along(e.way[0]), side(e.corner[2] - e.corner[0]), along_inverse_sq(e.inverse_sq[0]) {
     side_on_along = plain_dot(along, side) * along_inverse_sq;
     across = side - along * side_on_along;
@@ -97,7 +97,7 @@ struct Feet {
     across_inverse_sq = select(flat, F(1) / select(flat, across_sq, F(1)), F(0));
   }
   /// Sets `foot`, and tells where it lies inside.
-  DIFI_INLINE auto below(const Triple<F>& point, Triple<F>& foot) const {
+  STANDOFF_INLINE auto below(const Triple<F>& point, Triple<F>& foot) const {
     const Triple<F> r = point - corner;
     const F y = plain_dot(across, r) * across_inverse_sq;
     const F x = plain_dot(along, r) * along_inverse_sq - y * side_on_along;
@@ -108,7 +108,7 @@ struct Feet {
 
 /// Of triangles that touch at an edge the result is where; of crossing ones it is that of their edges and corners.
 template <class F>
-DIFI_INLINE PairPoints<F> closest_pair(const Triple<F> (&world_p)[3], const Triple<F> (&world_q)[3]) {
+STANDOFF_INLINE PairPoints<F> closest_pair(const Triple<F> (&world_p)[3], const Triple<F> (&world_q)[3]) {
   // Relative to a corner: far from the origin nothing is lost.
   const Triple<F> origin = world_p[0];
   const Triple<F> p[3] = {world_p[0] - origin, world_p[1] - origin, world_p[2] - origin},
@@ -131,4 +131,4 @@ DIFI_INLINE PairPoints<F> closest_pair(const Triple<F> (&world_p)[3], const Trip
   return best;
 }
 
-}  // namespace difi::collision
+}  // namespace standoff::collision

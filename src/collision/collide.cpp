@@ -4,7 +4,7 @@
 #include "collision/touching.h"
 #include "core/guarded.h"
 
-namespace difi {
+namespace standoff {
 
 Collided collision::collide_exactly(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
                                     const Pose& pose_b, double margin) {
@@ -78,4 +78,4 @@ std::vector<Collided> collide_all(const CollisionModel& a, const Pose& pose_a, c
   throw_as_error("collide");
 }
 
-}  // namespace difi
+}  // namespace standoff

@@ -7,7 +7,7 @@
 #include "collision/batch.h"
 #include "collision/pair.h"
 
-namespace difi::collision {
+namespace standoff::collision {
 namespace {
 
 // Poses at a time: enough to fill any GPU, at some 150 bytes each.
@@ -71,4 +71,4 @@ std::vector<Collided> collide_on_device(const DeviceRow& row, const CollisionMod
   return results;
 }
 
-}  // namespace difi::collision
+}  // namespace standoff::collision

@@ -5,7 +5,7 @@
 
 #include "collision/device.h"
 
-namespace difi::collision {
+namespace standoff::collision {
 
 /// What the device decides; the others go to the CPU, and are counted. Poses must be valid.
 std::vector<Collided> collide_on_device(const DeviceRow& row, const CollisionModel& a, const Pose& pose_a,
@@ -16,4 +16,4 @@ std::vector<Collided> collide_on_device(const DeviceRow& row, const CollisionMod
 Collided collide_exactly(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
                          double margin);
 
-}  // namespace difi::collision
+}  // namespace standoff::collision

@@ -9,7 +9,7 @@
 #include "collision/spread_walk.h"
 #include "core/guarded.h"
 
-namespace difi {
+namespace standoff {
 namespace collision {
 namespace {
 
@@ -198,4 +198,4 @@ std::vector<Contacts> contacts_all(const CollisionModel& a, const Pose& pose_a, 
   throw_as_error("contacts");
 }
 
-}  // namespace difi
+}  // namespace standoff

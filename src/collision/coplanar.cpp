@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace difi {
+namespace standoff {
 namespace {
 
 bool between(double v, double a, double b) { return (a <= v && v <= b) || (b <= v && v <= a); }
@@ -57,4 +57,4 @@ bool touches_in_plane(const Vec3& p, const Vec3& q, const Corners& t) {
          segments_touch(u, v, b, c) || segments_touch(u, v, c, a);
 }
 
-}  // namespace difi
+}  // namespace standoff

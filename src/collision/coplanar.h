@@ -6,7 +6,7 @@
 
 #include "collision/predicates.h"
 
-namespace difi {
+namespace standoff {
 
 using Corners = std::array<Vec3, 3>;
 
@@ -46,4 +46,4 @@ inline const Vec3* common_corner(const Corners& p, const Corners& q) {
   return nullptr;
 }
 
-}  // namespace difi
+}  // namespace standoff

@@ -4,7 +4,7 @@
 
 #include "collision/meeting.h"
 
-namespace difi::collision {
+namespace standoff::collision {
 
 template <class F>
 struct Crossing {
@@ -20,7 +20,7 @@ struct Crossing {
 inline constexpr double kLeastSine = 1e-3;
 
 template <class F>
-DIFI_INLINE FlagsOf<F> is_accurate(const Meeting<F>& m, const Triple<F> (&p)[3], const Triple<F> (&q)[3]) {
+STANDOFF_INLINE FlagsOf<F> is_accurate(const Meeting<F>& m, const Triple<F> (&p)[3], const Triple<F> (&q)[3]) {
   const F p_normal_sq = plain_dot(m.p_normal, m.p_normal), q_normal_sq = plain_dot(m.q_normal, m.q_normal),
           least_sq(kLeastSine * kLeastSine);
   const auto squared = [](const Triple<F>& v) __attribute__((always_inline)) { return plain_dot(v, v); };
@@ -41,7 +41,7 @@ DIFI_INLINE FlagsOf<F> is_accurate(const Meeting<F>& m, const Triple<F> (&p)[3],
 /// The middle of the segment that both share: it lies between the second and the third of the four points at which
 /// edges pass through the planes' common line.
 template <class F>
-DIFI_INLINE Triple<F> middle_of_shared(const Meeting<F>& m) {
+STANDOFF_INLINE Triple<F> middle_of_shared(const Meeting<F>& m) {
   const Triple<F> along = plain_cross(m.p_normal, m.q_normal);
   Triple<F> at[4] = {m.a1 * (m.a.height[0] / (m.a.height[0] - m.a.height[1])),
                      m.a2 * (m.a.height[0] / (m.a.height[0] - m.a.height[2])),
@@ -63,7 +63,7 @@ DIFI_INLINE Triple<F> middle_of_shared(const Meeting<F>& m) {
 
 /// Of triangles that touch, for certain.
 template <class F>
-DIFI_INLINE Crossing<F> crossing(const Meeting<F>& m, const Triple<F> (&p)[3], const Triple<F> (&q)[3]) {
+STANDOFF_INLINE Crossing<F> crossing(const Meeting<F>& m, const Triple<F> (&p)[3], const Triple<F> (&q)[3]) {
   Crossing<F> c;
   c.accurate = is_accurate(m, p, q);
   c.point = middle_of_shared(m);
@@ -85,4 +85,4 @@ DIFI_INLINE Crossing<F> crossing(const Meeting<F>& m, const Triple<F> (&p)[3], c
   return c;
 }
 
-}  // namespace difi::collision
+}  // namespace standoff::collision

@@ -4,9 +4,9 @@
 
 #include "cuda/backend.h"
 #include "cuda/collision.h"
-#include "difi/error.h"
+#include "standoff/error.h"
 
-namespace difi::collision {
+namespace standoff::collision {
 namespace {
 
 constexpr std::array kRows{
@@ -31,4 +31,4 @@ const DeviceRow* find_device(Backend backend, std::size_t count) {
   return nullptr;
 }
 
-}  // namespace difi::collision
+}  // namespace standoff::collision

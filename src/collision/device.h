@@ -9,7 +9,7 @@
 #include "collision/packets.h"
 #include "collision/way.h"
 
-namespace difi::collision {
+namespace standoff::collision {
 
 /// A pose of b. Bounds are the CPU's: they are made by Pair on the host.
 struct PoseQuery {
@@ -76,4 +76,4 @@ struct DeviceRow {
 /// The row for a batch of `count` queries; null for the CPU. Throws Error{device} where there is no such device.
 const DeviceRow* find_device(Backend backend, std::size_t count);
 
-}  // namespace difi::collision
+}  // namespace standoff::collision

@@ -6,9 +6,9 @@
 #include <mutex>
 #include <utility>
 
-#include "difi/compute.h"
+#include "standoff/compute.h"
 
-namespace difi::collision {
+namespace standoff::collision {
 
 /// A body's data in a device's memory: the backend's own business.
 class OnDevice {
@@ -36,4 +36,4 @@ class DeviceCopies {
   mutable std::map<std::pair<Backend, int>, std::shared_ptr<const OnDevice>> copies_;
 };
 
-}  // namespace difi::collision
+}  // namespace standoff::collision

@@ -10,7 +10,7 @@
 #include "collision/touching.h"
 #include "core/guarded.h"
 
-namespace difi {
+namespace standoff {
 namespace collision {
 namespace {
 
@@ -205,4 +205,4 @@ std::vector<Distance> distance_all(const CollisionModel& a, const Pose& pose_a, 
   throw_as_error("distance");
 }
 
-}  // namespace difi
+}  // namespace standoff

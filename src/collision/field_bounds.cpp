@@ -6,10 +6,10 @@
 #include <string>
 
 #include "collision/number_text.h"
-#include "difi/compute.h"
-#include "difi/error.h"
+#include "standoff/compute.h"
+#include "standoff/error.h"
 
-namespace difi::collision {
+namespace standoff::collision {
 namespace {
 
 constexpr double kSamples = 12e6;
@@ -88,7 +88,7 @@ FieldBounds build_field_bounds(MeshView mesh, Vec3 middle, double spacing, int t
   std::vector<Vec3> vertices(mesh.vertices.size());
   tbb::parallel_for(std::size_t{0}, vertices.size(), [&](std::size_t v) { vertices[v] = mesh.vertices[v] - middle; });
   const MeshView moved{vertices, mesh.triangles};
-  FieldBounds bounds = plan_field_bounds(difi::bounds(moved), spacing);
+  FieldBounds bounds = plan_field_bounds(standoff::bounds(moved), spacing);
   const double coarse_spacing = kCoarseStep * spacing;
   const Grid fine{bounds.size, bounds.origin, {spacing, spacing, spacing}};
   const Grid coarse{bounds.coarse_size, bounds.origin, {coarse_spacing, coarse_spacing, coarse_spacing}};
@@ -130,4 +130,4 @@ FieldView FieldBounds::view() const {
   return view;
 }
 
-}  // namespace difi::collision
+}  // namespace standoff::collision

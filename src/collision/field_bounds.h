@@ -5,10 +5,10 @@
 
 #include "collision/big_vector.h"
 #include "collision/packets.h"
-#include "difi/field.h"
-#include "difi/mesh.h"
+#include "standoff/field.h"
+#include "standoff/mesh.h"
 
-namespace difi::collision {
+namespace standoff::collision {
 
 /// Half-width of the fine field's band, and the coarse field's spacing, in fine spacings. The band must reach past the
 /// coarse field's error, sqrt(3)/2 * 4 spacings, so that the coarse bound is only asked where it is good for something.
@@ -40,4 +40,4 @@ FieldBounds plan_field_bounds(const Box& box, double spacing);
 /// Builds the fields through compute(). Errors: limit.
 FieldBounds build_field_bounds(MeshView mesh, Vec3 middle, double spacing, int threads);
 
-}  // namespace difi::collision
+}  // namespace standoff::collision

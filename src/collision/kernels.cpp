@@ -3,7 +3,7 @@
 
 #include "geometry/instruction_sets.h"
 
-namespace difi::collision {
+namespace standoff::collision {
 
 namespace portable {
 extern const Kernels kKernels;
@@ -41,4 +41,4 @@ const Available& available() {
 const Kernels& kernels() { return *available().rows[0]; }
 const Kernels* const* all_kernels() { return available().rows; }
 
-}  // namespace difi::collision
+}  // namespace standoff::collision

@@ -5,7 +5,7 @@
 
 #include "collision/packets.h"
 
-namespace difi::collision {
+namespace standoff::collision {
 
 struct Kernels {
   const char* name;
@@ -35,4 +35,4 @@ const Kernels& kernels();
 /// The others, for tests: those that this processor can run.
 const Kernels* const* all_kernels();
 
-}  // namespace difi::collision
+}  // namespace standoff::collision

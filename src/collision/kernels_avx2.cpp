@@ -7,7 +7,7 @@
 
 #include <immintrin.h>
 
-namespace difi::collision::avx2 {
+namespace standoff::collision::avx2 {
 namespace {
 
 #include "collision/kernels_body.h"
@@ -17,6 +17,6 @@ namespace {
 
 extern const Kernels kKernels{"avx2", gaps, gaps_at, overlaps, distances_sq, place_faces, close_lanes, meet, closest};
 
-}  // namespace difi::collision::avx2
+}  // namespace standoff::collision::avx2
 
 #endif

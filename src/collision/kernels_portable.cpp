@@ -3,7 +3,7 @@
 #include "collision/crossing.h"
 #include "collision/kernels.h"
 
-namespace difi::collision::portable {
+namespace standoff::collision::portable {
 namespace {
 
 #include "collision/kernels_body.h"
@@ -14,4 +14,4 @@ namespace {
 extern const Kernels kKernels{"portable",  gaps,        gaps_at, overlaps, distances_sq,
                               place_faces, close_lanes, meet,    closest};
 
-}  // namespace difi::collision::portable
+}  // namespace standoff::collision::portable

@@ -15,21 +15,21 @@
 #include "collision/closest_pair.h"
 #include "collision/packets.h"
 
-namespace difi::collision {
+namespace standoff::collision {
 
 /// What less() gives: bool, or several of them.
 template <class F>
 using FlagsOf = decltype(less(F(), F()));
 
-DIFI_INLINE bool negated(bool flag) { return !flag; }
+STANDOFF_INLINE bool negated(bool flag) { return !flag; }
 
 /// A point placed in the world, in the order of apply() for poses, so that all answers are about the same corners.
 template <class F>
-DIFI_INLINE F placed_row(const double* row, double translation, const Triple<F>& at) {
+STANDOFF_INLINE F placed_row(const double* row, double translation, const Triple<F>& at) {
   return F(row[0]) * at.x + F(row[1]) * at.y + F(row[2]) * at.z + F(translation);
 }
 template <class F>
-DIFI_INLINE Triple<F> placed(const DoublePlace& place, const Triple<F>& at) {
+STANDOFF_INLINE Triple<F> placed(const DoublePlace& place, const Triple<F>& at) {
   const double *const r = place.rotation, *const t = place.translation;
   return {placed_row(r, t[0], at), placed_row(r + 3, t[1], at), placed_row(r + 6, t[2], at)};
 }
@@ -40,7 +40,7 @@ struct Signs {
   FlagsOf<F> positive, negative;
 };
 template <class F>
-DIFI_INLINE Signs<F> signs(const F& value, const F& bound) {
+STANDOFF_INLINE Signs<F> signs(const F& value, const F& bound) {
   return {less(bound, value), less(value, F(-bound))};
 }
 
@@ -52,7 +52,7 @@ struct Turned {
   FlagsOf<F> sure, apart;  ///< all sides are certain; all corners are on one side
 };
 template <class F>
-DIFI_INLINE Turned<F> turn(const Triple<F> (&corner)[3], const F (&height)[3], const F& bound) {
+STANDOFF_INLINE Turned<F> turn(const Triple<F> (&corner)[3], const F (&height)[3], const F& bound) {
   const Signs<F> s[3] = {signs(height[0], bound), signs(height[1], bound), signs(height[2], bound)};
   Turned<F> t;
   t.sure = (s[0].positive | s[0].negative) & (s[1].positive | s[1].negative) & (s[2].positive | s[2].negative);
@@ -68,7 +68,7 @@ DIFI_INLINE Turned<F> turn(const Triple<F> (&corner)[3], const F (&height)[3], c
 
 /// How far the corners of a pair are apart along an axis.
 template <class F>
-DIFI_INLINE F extent(const Triple<F> (&p)[3], const Triple<F> (&q)[3], F Triple<F>::*axis) {
+STANDOFF_INLINE F extent(const Triple<F> (&p)[3], const Triple<F> (&q)[3], F Triple<F>::*axis) {
   return max(max(p[0].*axis, max(p[1].*axis, p[2].*axis)), max(q[0].*axis, max(q[1].*axis, q[2].*axis))) -
          min(min(p[0].*axis, min(p[1].*axis, p[2].*axis)), min(q[0].*axis, min(q[1].*axis, q[2].*axis)));
 }
@@ -83,7 +83,7 @@ struct Meeting {
   Triple<F> a1, a2, b0, b1, b2;  ///< their corners relative to a's first one
 };
 template <class F>
-DIFI_INLINE Meeting<F> meeting(const Triple<F> (&p)[3], const Triple<F> (&q)[3]) {
+STANDOFF_INLINE Meeting<F> meeting(const Triple<F> (&p)[3], const Triple<F> (&q)[3]) {
   constexpr double kRounding = 6e-15, kUnderflow = 1e-290;
   const F bound =
       extent(p, q, &Triple<F>::x) * extent(p, q, &Triple<F>::y) * extent(p, q, &Triple<F>::z) * F(kRounding) +
@@ -111,4 +111,4 @@ DIFI_INLINE Meeting<F> meeting(const Triple<F> (&p)[3], const Triple<F> (&q)[3])
   return m;
 }
 
-}  // namespace difi::collision
+}  // namespace standoff::collision

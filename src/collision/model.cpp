@@ -6,7 +6,7 @@
 #include "core/guarded.h"
 #include "field/threads.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 // Single precision carries lengths, and their squares, in this range; the trees' coordinates are single.
@@ -29,7 +29,7 @@ void CollisionModel::place(Data& data, double spacing) {
   validate(data.mesh);
   if (!(spacing >= 0) || !std::isfinite(spacing))
     throw Error(ErrorCode::usage, "model: the spacing must be positive and finite; give zero to have it chosen");
-  data.box = difi::bounds(data.mesh);
+  data.box = standoff::bounds(data.mesh);
   data.middle = data.box.center();
   const Vec3 extent = data.box.extent();
   const double size = std::max({extent.x, extent.y, extent.z});
@@ -75,4 +75,4 @@ std::int64_t CollisionModel::memory_bytes() const {
   return static_cast<std::int64_t>(bytes);
 }
 
-}  // namespace difi
+}  // namespace standoff

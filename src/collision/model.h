@@ -4,9 +4,9 @@
 #include "collision/device_copies.h"
 #include "collision/field_bounds.h"
 #include "collision/tree.h"
-#include "difi/collision.h"
+#include "standoff/collision.h"
 
-namespace difi {
+namespace standoff {
 
 class FileView;
 enum class BodyChecksum;
@@ -29,4 +29,4 @@ struct CollisionModel::Data {
   static CollisionModel read(const FileView& file, BodyChecksum checksum);
 };
 
-}  // namespace difi
+}  // namespace standoff

@@ -14,7 +14,7 @@
 #include "io/atomic_file.h"
 #include "io/body_magic.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "arrays are written as they lie in memory");
@@ -136,10 +136,10 @@ CollisionModel CollisionModel::load(const std::filesystem::path& path) try {
 CollisionModel CollisionModel::Data::read(const FileView& file, BodyChecksum checksum) {
   Header header{};
   if (file.size() < sizeof header + sizeof(std::uint64_t) || !file.bytes().starts_with(kBodyMagic))
-    file.fail("", "this is no body that difi saved; give a mesh, or save a body again");
+    file.fail("", "this is no body that standoff saved; give a mesh, or save a body again");
   std::memcpy(&header, file.bytes().data(), sizeof header);
   if (header.version != kVersion)
-    file.fail("header", "version " + std::to_string(header.version) + " is not known to this difi, which knows " +
+    file.fail("header", "version " + std::to_string(header.version) + " is not known to this standoff, which knows " +
                             std::to_string(kVersion) + "; save the body again");
   Checksum sum;
   sum.add(&header, sizeof header);
@@ -182,4 +182,4 @@ CollisionModel CollisionModel::Data::read(const FileView& file, BodyChecksum che
   return CollisionModel(std::shared_ptr<const Data>(data));
 }
 
-}  // namespace difi
+}  // namespace standoff

@@ -4,8 +4,8 @@
 #include "collision/model.h"
 #include "io/file_view.h"
 
-namespace difi {
+namespace standoff {
 
 enum class BodyChecksum { checked, ignored };
 
-}  // namespace difi
+}  // namespace standoff

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace difi {
+namespace standoff {
 namespace collision {
 namespace {
 
@@ -92,7 +92,7 @@ RelativeMotion::RelativeMotion(const Pair& pair, const Course& course) {
   way_.axis = triple_of(rotate_back(field, course.turn.axis));
   const Vec3 velocity = rotate_back(field, course.velocity);
   way_.velocity = triple_of(velocity);
-  way_.straight = difi::length(velocity);
+  way_.straight = standoff::length(velocity);
   way_.base = triple_of(rotate_back(field, course.center - middle));
   way_.start = place_of({transposed_times(field.rotation, tree.rotation),
                          rotate_back(field, apply(tree, pair.tree.body->middle) - course.center)});
@@ -110,4 +110,4 @@ Pose pose_at(const Motion& motion, double t) try {
   throw_as_error("motion");
 }
 
-}  // namespace difi
+}  // namespace standoff

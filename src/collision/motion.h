@@ -4,7 +4,7 @@
 #include "collision/pair.h"
 #include "collision/way.h"
 
-namespace difi::collision {
+namespace standoff::collision {
 
 /// The axis (unit length) and angle, 0 to pi, of a rotation: rotation about `axis` by `angle_rad`.
 struct Turn {
@@ -44,4 +44,4 @@ class RelativeMotion {
   Way way_;
 };
 
-}  // namespace difi::collision
+}  // namespace standoff::collision

@@ -5,7 +5,7 @@
 #include <charconv>
 #include <string>
 
-namespace difi::collision {
+namespace standoff::collision {
 
 /// "0.02", "1e+21".
 inline std::string number_text(double value) {
@@ -14,4 +14,4 @@ inline std::string number_text(double value) {
   return {text.begin(), end};
 }
 
-}  // namespace difi::collision
+}  // namespace standoff::collision

@@ -10,7 +10,7 @@
 #include "collision/crossing.h"
 #include "collision/triangle_pair.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 // Six times the volume that a point spans with a triangle; 0, for certain and at once, for its own corners.
@@ -182,4 +182,4 @@ Overlap overlap(const Corners& p, const Corners& q) {
   return {common_point(p, q), way.normal(), way.depth()};
 }
 
-}  // namespace difi
+}  // namespace standoff

@@ -3,7 +3,7 @@
 
 #include "collision/coplanar.h"
 
-namespace difi {
+namespace standoff {
 
 /// Where and how deep two touching triangles are in each other.
 struct Overlap {
@@ -17,4 +17,4 @@ inline constexpr double kOverlapError = 1e-9;
 /// For triangles that touch, or are nearer than rounding: then the point lies between them, and the depth may be 0.
 Overlap overlap(const Corners& p, const Corners& q);
 
-}  // namespace difi
+}  // namespace standoff

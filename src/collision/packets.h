@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <limits>
 
-namespace difi::collision {
+namespace standoff::collision {
 
 inline constexpr int kLanes = 16;
 inline constexpr float kNothing = std::numeric_limits<float>::infinity();
@@ -119,4 +119,4 @@ struct FieldView {
   const float* coarse;
 };
 
-}  // namespace difi::collision
+}  // namespace standoff::collision

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace difi::collision {
+namespace standoff::collision {
 namespace {
 
 // How far a pose's matrix is from a rotation, as validate() measures it.
@@ -98,4 +98,4 @@ FloatBox Pair::box_of(std::uint32_t place_in_tree) const {
   return box;
 }
 
-}  // namespace difi::collision
+}  // namespace standoff::collision

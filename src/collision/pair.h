@@ -6,7 +6,7 @@
 #include "collision/kernels.h"
 #include "collision/model.h"
 
-namespace difi::collision {
+namespace standoff::collision {
 
 /// A pose as kernels take it.
 inline DoublePlace place_of(const Pose& pose) {
@@ -72,4 +72,4 @@ inline int lanes_within(const float (&gap)[kLanes], float limit, int (&lanes)[kL
   return count;
 }
 
-}  // namespace difi::collision
+}  // namespace standoff::collision

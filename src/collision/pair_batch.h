@@ -7,7 +7,7 @@
 #include "collision/pair.h"
 #include "collision/triangle_pair.h"
 
-namespace difi::collision {
+namespace standoff::collision {
 
 class PairBatch {
  public:
@@ -82,4 +82,4 @@ class PairBatch {
   int count_ = 0;
 };
 
-}  // namespace difi::collision
+}  // namespace standoff::collision

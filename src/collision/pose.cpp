@@ -1,4 +1,4 @@
-#include "difi/pose.h"
+#include "standoff/pose.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,9 +6,9 @@
 
 #include "collision/number_text.h"
 #include "core/guarded.h"
-#include "difi/error.h"
+#include "standoff/error.h"
 
-namespace difi {
+namespace standoff {
 
 Pose compose(const Pose& outer, const Pose& inner) {
   Pose result;
@@ -63,4 +63,4 @@ void validate(const Pose& pose) try {
   throw_as_error("pose");
 }
 
-}  // namespace difi
+}  // namespace standoff

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-namespace difi {
+namespace standoff {
 namespace {
 
 // Shewchuk's bound of the first stage in the plane, in terms of the sum of the products' magnitudes.
@@ -163,4 +163,4 @@ double determinant2d(const Flat& a, const Flat& b, const Flat& c) {
   return value_of_determinant2d(a, b, c, kTellsValue);
 }
 
-}  // namespace difi
+}  // namespace standoff

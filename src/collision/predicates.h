@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "difi/vec.h"
+#include "standoff/vec.h"
 
-namespace difi {
+namespace standoff {
 
 /// The sign of det(b - a, c - a, d - a): 1 where d lies on the side of abc that (b - a) x (c - a) points to, 0 exactly
 /// where the four lie in a plane. Exact for coordinates that are zero or of magnitude 1e-90 to 1e100.
@@ -52,4 +52,4 @@ inline int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) 
   return orient3d_beyond_rounding(a, b, c, d);
 }
 
-}  // namespace difi
+}  // namespace standoff

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace difi::collision {
+namespace standoff::collision {
 namespace {
 
 // A slab this much thinner than the triangles are apart is one along a direction that rounding has turned.
@@ -57,4 +57,4 @@ Slab slab_between(const Corners& p, const Corners& q, const ClosestPair& closest
   return thickest.best();
 }
 
-}  // namespace difi::collision
+}  // namespace standoff::collision

@@ -3,7 +3,7 @@
 
 #include "collision/triangle_pair.h"
 
-namespace difi::collision {
+namespace standoff::collision {
 
 /// All of the one triangle lies on one side of it, all of the other on the other side.
 struct Slab {
@@ -17,4 +17,4 @@ struct Slab {
 /// those across an edge of each, and those across one edge. Heights err by a few roundings of the pair's extent.
 Slab slab_between(const Corners& p, const Corners& q, const ClosestPair& closest);
 
-}  // namespace difi::collision
+}  // namespace standoff::collision

@@ -12,7 +12,7 @@
 
 #include "collision/pair.h"
 
-namespace difi::collision {
+namespace standoff::collision {
 
 class SpreadWalk {
  public:
@@ -130,4 +130,4 @@ class SpreadWalk {
   Turns all_;
 };
 
-}  // namespace difi::collision
+}  // namespace standoff::collision

@@ -19,7 +19,7 @@
 #include "collision/touching.h"
 #include "core/guarded.h"
 
-namespace difi {
+namespace standoff {
 namespace collision {
 namespace {
 
@@ -379,4 +379,4 @@ std::vector<Swept> sweep_all(const CollisionModel& a, const Pose& pose_a, const 
   throw_as_error("sweep");
 }
 
-}  // namespace difi
+}  // namespace standoff

@@ -6,7 +6,7 @@
 
 #include "collision/batch.h"
 
-namespace difi::collision {
+namespace standoff::collision {
 namespace {
 
 // Motions at a time: enough to fill any GPU, at some 200 bytes each.
@@ -63,4 +63,4 @@ std::vector<Swept> sweep_on_device(const DeviceRow& row, const CollisionModel& a
   return results;
 }
 
-}  // namespace difi::collision
+}  // namespace standoff::collision

@@ -6,7 +6,7 @@
 #include "collision/device.h"
 #include "collision/motion.h"
 
-namespace difi::collision {
+namespace standoff::collision {
 
 /// The tolerance asked for, or the least that can be kept where the poses and corners are rounded by more than that.
 double tolerance_kept(const Pair& pair, const Course& course, double asked);
@@ -26,4 +26,4 @@ std::vector<Swept> sweep_on_device(const DeviceRow& row, const CollisionModel& a
                                    const CollisionModel& b, std::span<const Motion> motions, double tolerance,
                                    const Batch& batch, BatchReport& report, int stack = kDeviceStack);
 
-}  // namespace difi::collision
+}  // namespace standoff::collision

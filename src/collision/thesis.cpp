@@ -3,9 +3,9 @@
 #include <limits>
 
 #include "core/guarded.h"
-#include "difi/collision.h"
+#include "standoff/collision.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 constexpr int kSide = DistanceField::kTileSide;
@@ -92,4 +92,4 @@ double thesis_sum(const DistanceField& a, const Pose& pose_a, const DistanceFiel
   throw_as_error("collide");
 }
 
-}  // namespace difi
+}  // namespace standoff

@@ -8,7 +8,7 @@
 #include "collision/close_pairs.h"
 #include "collision/pair_batch.h"
 
-namespace difi::collision {
+namespace standoff::collision {
 namespace {
 
 class Search {
@@ -76,4 +76,4 @@ std::optional<Touching> find_touching(const Pair& pair, double margin) {
   return Search(pair, margin).run();
 }
 
-}  // namespace difi::collision
+}  // namespace standoff::collision

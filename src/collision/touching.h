@@ -6,7 +6,7 @@
 
 #include "collision/pair.h"
 
-namespace difi::collision {
+namespace standoff::collision {
 
 /// Two triangles by their places in the trees.
 struct Touching {
@@ -19,4 +19,4 @@ std::optional<Touching> find_touching(const Pair& pair, double margin);
 /// Free, hit or ambiguous, from the field alone.
 Contact certify(const Pair& pair, double margin);
 
-}  // namespace difi::collision
+}  // namespace standoff::collision

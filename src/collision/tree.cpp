@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace difi::collision {
+namespace standoff::collision {
 namespace {
 
 struct Item {
@@ -120,4 +120,4 @@ Tree build_tree(MeshView mesh, Vec3 middle) {
   return tree;
 }
 
-}  // namespace difi::collision
+}  // namespace standoff::collision

@@ -8,9 +8,9 @@
 #include "collision/big_vector.h"
 #include "collision/packets.h"
 #include "collision/triangle_pair.h"
-#include "difi/mesh.h"
+#include "standoff/mesh.h"
 
-namespace difi::collision {
+namespace standoff::collision {
 
 struct Level {
   BigVector<Balls> balls;  ///< packet n: the children of node n of the level above
@@ -32,4 +32,4 @@ Tree build_tree(MeshView mesh, Vec3 middle);
 /// The balls and boxes of a tree whose order is given.
 void fill_levels(Tree& tree, MeshView mesh, Vec3 middle);
 
-}  // namespace difi::collision
+}  // namespace standoff::collision

@@ -8,7 +8,7 @@
 
 #include "collision/closest_pair.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 // `from` and `to` are the sides of t's plane that p and q lie on.
@@ -50,4 +50,4 @@ double extent_of(const Corners& p, const Corners& q) {
   return std::max({e.x, e.y, e.z});
 }
 
-}  // namespace difi
+}  // namespace standoff

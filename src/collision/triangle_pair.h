@@ -3,7 +3,7 @@
 
 #include "collision/coplanar.h"
 
-namespace difi {
+namespace standoff {
 
 /// Whether the triangles have a point in common, exactly. Segments and points count as triangles.
 bool triangles_touch(const Corners& p, const Corners& q);
@@ -23,4 +23,4 @@ ClosestPair closest_points(const Corners& p, const Corners& q);
 /// The longest side of the box around both.
 double extent_of(const Corners& p, const Corners& q);
 
-}  // namespace difi
+}  // namespace standoff

@@ -3,13 +3,13 @@
 
 #include "collision/meeting.h"
 
-namespace difi::collision {
+namespace standoff::collision {
 
 /// v turned about a unit axis.
-DIFI_INLINE Triple<double> turned(const Triple<double>& v, const Triple<double>& axis, double cosine, double sine) {
+STANDOFF_INLINE Triple<double> turned(const Triple<double>& v, const Triple<double>& axis, double cosine, double sine) {
   return v * cosine + plain_cross(axis, v) * sine + axis * (plain_dot(axis, v) * (1 - cosine));
 }
-DIFI_INLINE double length(const Triple<double>& v) { return sqrt(plain_dot(v, v)); }
+STANDOFF_INLINE double length(const Triple<double>& v) { return sqrt(plain_dot(v, v)); }
 
 /// The motion of points of the tree's body in the frame of the field's (relative to the middles). Points are told by
 /// their offset from a base point at time 0. Where the tree moves, x(t) = base + V t + turn(+angle t) offset; where the
@@ -21,8 +21,8 @@ struct Way {
   double straight;    ///< the velocity's length
   DoublePlace start;  ///< from the tree's body to offsets
 
-  DIFI_INLINE Triple<double> offset(const Triple<double>& point) const { return placed(start, point); }
-  DIFI_INLINE Triple<double> at(const Triple<double>& offset, double t) const {
+  STANDOFF_INLINE Triple<double> offset(const Triple<double>& point) const { return placed(start, point); }
+  STANDOFF_INLINE Triple<double> at(const Triple<double>& offset, double t) const {
     const Triple<double> from = field_moves ? offset - velocity * t : offset;
     const double angle = angle_rad * t;
     const Triple<double> there = angle == 0 ? from : turned(from, axis, __builtin_cos(angle), __builtin_sin(angle));
@@ -30,16 +30,18 @@ struct Way {
   }
   /// The farthest the point gets from the axis it turns about: that axis moves straight, so one end or the other. The
   /// axis may be longer than it should be by what rotations are off.
-  DIFI_INLINE double from_axis(const Triple<double>& offset) const {
+  STANDOFF_INLINE double from_axis(const Triple<double>& offset) const {
     if (angle_rad == 0) return 0;
     const double at_start = length(plain_cross(axis, offset));
     const double away = field_moves ? max(at_start, length(plain_cross(axis, offset - velocity))) : at_start;
     return away * (1 + 4 * kRigidTolerance);
   }
   /// The point moves no faster than this at any time, in world units per unit of time.
-  DIFI_INLINE double speed(const Triple<double>& offset) const { return straight + abs(angle_rad) * from_axis(offset); }
+  STANDOFF_INLINE double speed(const Triple<double>& offset) const {
+    return straight + abs(angle_rad) * from_axis(offset);
+  }
   /// Nor does its velocity change faster than this.
-  DIFI_INLINE double acceleration(const Triple<double>& offset) const {
+  STANDOFF_INLINE double acceleration(const Triple<double>& offset) const {
     const double rate = abs(angle_rad);
     return rate * (rate * from_axis(offset) + (field_moves ? 2 * straight : 0));
   }
@@ -60,7 +62,7 @@ struct MovingBall {
   float radius;
 
   /// Takes the step that a lower bound of the distance allows, less `keep`. Whether another one is worth it.
-  DIFI_INLINE bool step(float gap, float keep, double end, float least) {
+  STANDOFF_INLINE bool step(float gap, float keep, double end, float least) {
     // Far away single precision errs in proportion to the distance.
     const float way = gap * (1 - 1e-6f) - keep;
     const double before = time;
@@ -69,4 +71,4 @@ struct MovingBall {
   }
 };
 
-}  // namespace difi::collision
+}  // namespace standoff::collision

@@ -6,9 +6,9 @@
 #include <string>
 #include <system_error>
 
-#include "difi/error.h"
+#include "standoff/error.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 // Made while there is memory: to copy an Error takes none.
@@ -27,10 +27,10 @@ Error as_error(const char* where, const char* what_to_do) {
     return Error(ErrorCode::limit,
                  place + "the system refused: " + error.what() + "; free some of its resources, or use fewer threads");
   } catch (const std::exception& error) {
-    return Error(ErrorCode::internal, place + error.what() + "; this is a bug in difi, please report it");
+    return Error(ErrorCode::internal, place + error.what() + "; this is a bug in standoff, please report it");
   } catch (...) {
     return Error(ErrorCode::internal,
-                 place + "what was thrown is no exception; this is a bug in difi, please report it");
+                 place + "what was thrown is no exception; this is a bug in standoff, please report it");
   }
 }
 
@@ -54,4 +54,4 @@ void throw_as_error(const char* where, const char* what_to_do) {
   }
 }
 
-}  // namespace difi
+}  // namespace standoff

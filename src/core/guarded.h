@@ -1,12 +1,12 @@
-// Errors of others become errors of difi: in one place, for every public function.
+// Errors of others become errors of standoff: in one place, for every public function.
 #pragma once
 
 #include <exception>
 #include <utility>
 
-namespace difi {
+namespace standoff {
 
-/// What the caller's own function threw. It goes through difi as it is.
+/// What the caller's own function threw. It goes through standoff as it is.
 struct FromCallback {
   std::exception_ptr thrown;
 };
@@ -27,4 +27,4 @@ decltype(auto) call_back(const Callback& callback, Arguments&&... arguments) {
 [[noreturn]] void throw_as_error(const char* where,
                                  const char* what_to_do = "use a machine with more, or smaller input");
 
-}  // namespace difi
+}  // namespace standoff

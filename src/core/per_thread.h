@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-namespace difi {
+namespace standoff {
 
 /// One T for each place in the arena of the thread that makes this, made when the place is first used. Unlike
 /// tbb::enumerable_thread_specific, which has one for every thread that ever comes by, there are never more than the
@@ -38,4 +38,4 @@ class PerThread {
   std::vector<std::unique_ptr<T>> all_;
 };
 
-}  // namespace difi
+}  // namespace standoff

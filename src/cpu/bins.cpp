@@ -7,7 +7,7 @@
 
 #include "geometry/triangle_frame.h"
 
-namespace difi::cpu {
+namespace standoff::cpu {
 namespace {
 
 // A triangle's bricks in 32 bits: the lowest brick's index and, per axis, whether the next one is touched as well.
@@ -205,4 +205,4 @@ std::int64_t bins_scratch_bytes(std::int64_t triangles, const Lattice& lattice, 
   return static_cast<std::int64_t>(sizeof(std::uint32_t)) * (keys + refs + counters);
 }
 
-}  // namespace difi::cpu
+}  // namespace standoff::cpu

@@ -9,7 +9,7 @@
 #include "cpu/lattice.h"
 #include "field/backend.h"
 
-namespace difi::cpu {
+namespace standoff::cpu {
 
 /// Triangle indices sorted by brick. Bricks [first_brick, first_brick + bricks()) only: where all triangles of all
 /// bricks would take too much memory, they come in batches.
@@ -39,4 +39,4 @@ void for_each_batch(const Job& job, const Lattice& lattice, std::int64_t most_re
 /// Bytes that for_each_batch may hold, each brick having at most `most_refs` triangles.
 std::int64_t bins_scratch_bytes(std::int64_t triangles, const Lattice& lattice, std::int64_t most_refs, int threads);
 
-}  // namespace difi::cpu
+}  // namespace standoff::cpu

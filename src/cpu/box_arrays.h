@@ -5,7 +5,7 @@
 
 #include "cpu/lattice.h"
 
-namespace difi::cpu {
+namespace standoff::cpu {
 
 /// Boxes of entries, an array per coordinate with room for a whole register past the last.
 struct BoxArrays {
@@ -33,4 +33,4 @@ struct PackContents {
   const BoxPack* boxes;
 };
 
-}  // namespace difi::cpu
+}  // namespace standoff::cpu

@@ -8,7 +8,7 @@
 #include "cpu/box_arrays.h"
 #include "cpu/lattice.h"
 
-namespace difi::cpu {
+namespace standoff::cpu {
 
 /// There is always room for a whole register past the last entry, which the kernels may touch.
 class BoxList {
@@ -68,4 +68,4 @@ class BoxList {
   std::unique_ptr<std::uint32_t[]> entries_;
 };
 
-}  // namespace difi::cpu
+}  // namespace standoff::cpu

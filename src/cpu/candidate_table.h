@@ -5,7 +5,7 @@
 
 #include "cpu/lattice.h"
 
-namespace difi::cpu {
+namespace standoff::cpu {
 
 /// Cells of 4x4x4 samples: one block wide, kCellBlocks high and deep.
 inline constexpr int kCellSide = 4, kCellBlocks = 2, kBlocksOfCell = kCellBlocks * kCellBlocks;
@@ -68,4 +68,4 @@ struct CandidateTable {
   CandidateList block_list[kBlocksOfCell];                                  ///< those that a block has to look at
 };
 
-}  // namespace difi::cpu
+}  // namespace standoff::cpu

@@ -8,7 +8,7 @@
 
 #include "cpu/lattice.h"
 
-namespace difi::cpu {
+namespace standoff::cpu {
 
 /// Samples [low, high) per axis of the grid, 2^n of them on a side before the grid cuts it.
 struct Cell {
@@ -94,4 +94,4 @@ class BrickRange {
   std::int64_t low_[3] = {0, 0, 0}, high_[3];
 };
 
-}  // namespace difi::cpu
+}  // namespace standoff::cpu

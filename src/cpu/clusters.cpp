@@ -8,7 +8,7 @@
 
 #include "cpu/radix_sort.h"
 
-namespace difi::cpu {
+namespace standoff::cpu {
 namespace {
 
 // Bits 0, 3, 6, ... of the result are the ten lowest bits of v.
@@ -149,4 +149,4 @@ void Clusters::box_packs() {
   }
 }
 
-}  // namespace difi::cpu
+}  // namespace standoff::cpu

@@ -10,7 +10,7 @@
 #include "cpu/lattice.h"
 #include "field/backend.h"
 
-namespace difi::cpu {
+namespace standoff::cpu {
 
 /// A hierarchy of boxes without pointers: triangles sorted along a Morton curve and packed by sixteen, packs packed by
 /// sixteen, and so on. An entry of a list is a triangle, by its position on the curve (below triangles()), or from
@@ -77,4 +77,4 @@ class Clusters {
   std::unique_ptr<float[][3]> points_;
 };
 
-}  // namespace difi::cpu
+}  // namespace standoff::cpu

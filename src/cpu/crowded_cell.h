@@ -7,7 +7,7 @@
 #include "cpu/candidate_table.h"
 #include "cpu/lattice.h"
 
-namespace difi::cpu {
+namespace standoff::cpu {
 
 struct CrowdedCell {
   int at[3];                   ///< its first sample in the brick
@@ -28,4 +28,4 @@ struct CrowdedTable {
   CandidateList block_list[kBlocksOfCell];  ///< of those, the ones that a block has to look at
 };
 
-}  // namespace difi::cpu
+}  // namespace standoff::cpu

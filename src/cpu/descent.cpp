@@ -12,7 +12,7 @@
 #include "cpu/clusters.h"
 #include "geometry/closest_point.h"
 
-namespace difi::cpu {
+namespace standoff::cpu {
 namespace {
 
 // The most entries of a list. Where more candidates are left, packs of them stay closed, and are opened part by part
@@ -320,4 +320,4 @@ std::int64_t descent_scratch_bytes(std::int64_t triangles, const Lattice& lattic
          threads * Scratch::bytes(levels_of(lattice), list_capacity(Clusters::entries_of(triangles)));
 }
 
-}  // namespace difi::cpu
+}  // namespace standoff::cpu

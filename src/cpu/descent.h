@@ -9,7 +9,7 @@
 #include "cpu/lattice.h"
 #include "field/backend.h"
 
-namespace difi::cpu {
+namespace standoff::cpu {
 
 /// What is done with the candidates of bricks. Many threads call it, each with one brick after the other.
 class CandidateUse {
@@ -30,4 +30,4 @@ void for_each_brick_by_descent(const Job& job, const Lattice& lattice, const Ker
 /// Bytes that for_each_brick_by_descent may hold, whatever the triangles.
 std::int64_t descent_scratch_bytes(std::int64_t triangles, const Lattice& lattice, int threads);
 
-}  // namespace difi::cpu
+}  // namespace standoff::cpu

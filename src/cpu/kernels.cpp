@@ -1,10 +1,10 @@
 // Chooses the kernels at run time.
 #include "cpu/kernels.h"
 
-#include "difi/error.h"
 #include "geometry/instruction_sets.h"
+#include "standoff/error.h"
 
-namespace difi::cpu {
+namespace standoff::cpu {
 
 namespace portable {
 extern const Kernels kKernels;
@@ -48,4 +48,4 @@ const Kernels& kernels_for(Simd simd) {
   return kernels_of(simd);
 }
 
-}  // namespace difi::cpu
+}  // namespace standoff::cpu

@@ -8,10 +8,10 @@
 #include "cpu/candidate_table.h"
 #include "cpu/crowded_cell.h"
 #include "cpu/lattice.h"
-#include "difi/compute.h"
 #include "field/sink.h"
+#include "standoff/compute.h"
 
-namespace difi::cpu {
+namespace standoff::cpu {
 
 /// The squared distances of one brick while triangles are gathered into it; one per thread.
 struct BrickState {
@@ -82,4 +82,4 @@ struct Kernels {
 /// processor does not have the set.
 const Kernels& kernels_for(Simd simd);
 
-}  // namespace difi::cpu
+}  // namespace standoff::cpu

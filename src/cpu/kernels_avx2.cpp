@@ -5,10 +5,10 @@
 #include "cpu/simd/wide_avx2.h"
 #include "geometry/triangle_lines.h"
 
-namespace difi::cpu::avx2 {
+namespace standoff::cpu::avx2 {
 namespace {
 
-using namespace difi::avx2;
+using namespace standoff::avx2;
 #include "cpu/kernels_body.h"
 #include "cpu/kernels_candidates.h"
 #include "cpu/kernels_cell_blocks.h"
@@ -23,6 +23,6 @@ extern const Kernels kKernels{
     "avx2",          clear,      gather_band_any, band_tiles,      write_tile,        nearest_to_lattice,
     nearest_in_pack, cull_boxes, cull_packs,      gather_tile_any, gather_crowded_any};
 
-}  // namespace difi::cpu::avx2
+}  // namespace standoff::cpu::avx2
 
 #endif

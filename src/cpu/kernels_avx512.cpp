@@ -5,10 +5,10 @@
 #include "cpu/simd/wide_avx512.h"
 #include "geometry/triangle_lines.h"
 
-namespace difi::cpu::avx512 {
+namespace standoff::cpu::avx512 {
 namespace {
 
-using namespace difi::avx512;
+using namespace standoff::avx512;
 #include "cpu/kernels_body.h"
 #include "cpu/kernels_candidates.h"
 #include "cpu/kernels_cell_blocks.h"
@@ -23,6 +23,6 @@ extern const Kernels kKernels{"avx512",           clear,           gather_band_a
                               nearest_to_lattice, nearest_in_pack, cull_boxes,      cull_packs, gather_tile_any,
                               gather_crowded_any};
 
-}  // namespace difi::cpu::avx512
+}  // namespace standoff::cpu::avx512
 
 #endif

@@ -32,8 +32,8 @@ struct Group {
 };
 
 // Loads the triangles refs[first], refs[first + 1], ...; past the end the last one again, which changes nothing.
-DIFI_INLINE void load_group(const Lattice& lattice, const Brick& brick, const Candidates& c, std::int64_t first,
-                            Group& group) {
+STANDOFF_INLINE void load_group(const Lattice& lattice, const Brick& brick, const Candidates& c, std::int64_t first,
+                                Group& group) {
   alignas(64) float rows[3][kLanes][4];
   for (int lane = 0; lane < kLanes; ++lane) {
     const std::int64_t n = first + lane < c.count ? first + lane : c.count - 1;
@@ -47,7 +47,9 @@ DIFI_INLINE void load_group(const Lattice& lattice, const Brick& brick, const Ca
     group.corner[which] = {load_column(rows[which], 0), load_column(rows[which], 1), load_column(rows[which], 2)};
 }
 
-DIFI_INLINE const WideFloat& component(const WidePoint& p, int axis) { return axis == 0 ? p.x : axis == 1 ? p.y : p.z; }
+STANDOFF_INLINE const WideFloat& component(const WidePoint& p, int axis) {
+  return axis == 0 ? p.x : axis == 1 ? p.y : p.z;
+}
 
 // The blocks that hold samples within the thickness of each triangle's box, per axis: first > last for none.
 struct BlockRanges {
@@ -56,7 +58,7 @@ struct BlockRanges {
 };
 
 // Sets the ranges and returns the longest side of each triangle's box.
-DIFI_INLINE WideFloat block_ranges(const Lattice& lattice, const Group& group, BlockRanges& ranges) {
+STANDOFF_INLINE WideFloat block_ranges(const Lattice& lattice, const Group& group, BlockRanges& ranges) {
   constexpr int shift[3] = {2, 1, 1};
   static_assert(1 << shift[0] == kBlockX && 1 << shift[1] == kBlockY && 1 << shift[2] == kBlockZ);
   const WideFloat zero(0), side(kBrickSide), middle((kBrickSide - 1) / 2.0f), slack(kSlack), one(1);
@@ -81,7 +83,7 @@ DIFI_INLINE WideFloat block_ranges(const Lattice& lattice, const Group& group, B
 }
 
 template <bool kNearest>
-DIFI_INLINE void lower(BrickState& state, int block, const WideFloat& distance_sq, std::uint32_t index) {
+STANDOFF_INLINE void lower(BrickState& state, int block, const WideFloat& distance_sq, std::uint32_t index) {
   const WideFloat before = WideFloat::load(state.distance_sq[block]);
   if constexpr (kNearest) {
     const WideUint mine(index), theirs = WideUint::load(state.nearest[block]);
@@ -96,7 +98,7 @@ struct FrameTable {
   alignas(64) float number[20][kLanes];
 };
 
-DIFI_INLINE void store_frames(const TriangleFrame<WideFloat>& f, float (*number)[kLanes]) {
+STANDOFF_INLINE void store_frames(const TriangleFrame<WideFloat>& f, float (*number)[kLanes]) {
   const Linear<WideFloat>* lines[3] = {&f.q, &f.y, &f.z};
   for (int n = 0; n < 3; ++n) {
     lines[n]->g.x.store(number[4 * n]);
@@ -116,7 +118,7 @@ DIFI_INLINE void store_frames(const TriangleFrame<WideFloat>& f, float (*number)
 // One triangle's frame in all lanes.
 // The frame whose n-th number is number(n), in the order of store_frames.
 template <class F, class Number>
-DIFI_INLINE TriangleFrame<F> frame_from(Number number) {
+STANDOFF_INLINE TriangleFrame<F> frame_from(Number number) {
   return {{{number(0), number(1), number(2)}, number(3)},
           {{number(4), number(5), number(6)}, number(7)},
           {{number(8), number(9), number(10)}, number(11)},
@@ -126,17 +128,18 @@ DIFI_INLINE TriangleFrame<F> frame_from(Number number) {
 
 // One triangle's frame, in all lanes when F is wide.
 template <class F>
-DIFI_INLINE TriangleFrame<F> frame_of_lane(const float (*numbers)[kLanes], std::uint32_t lane) {
+STANDOFF_INLINE TriangleFrame<F> frame_of_lane(const float (*numbers)[kLanes], std::uint32_t lane) {
   return frame_from<F>([&](int n) __attribute__((always_inline)) { return F(numbers[n][lane]); });
 }
 
-DIFI_INLINE TriangleFrame<double> double_frame(const Lattice& lattice, const Brick& brick, const Candidates& c,
-                                               std::uint32_t index) {
+STANDOFF_INLINE TriangleFrame<double> double_frame(const Lattice& lattice, const Brick& brick, const Candidates& c,
+                                                   std::uint32_t index) {
   Triple<double> corner[3];
   for (int which = 0; which < 3; ++which) {
     const double* v = c.vertices + 3 * std::size_t{c.triangles[3 * std::size_t{index} + which]};
-    corner[which] = {difi::fma(v[0], lattice.scale, -brick.center[0]), difi::fma(v[1], lattice.scale, -brick.center[1]),
-                     difi::fma(v[2], lattice.scale, -brick.center[2])};
+    corner[which] = {standoff::fma(v[0], lattice.scale, -brick.center[0]),
+                     standoff::fma(v[1], lattice.scale, -brick.center[1]),
+                     standoff::fma(v[2], lattice.scale, -brick.center[2])};
   }
   return make_frame(corner[0], corner[1], corner[2], double{kLeastLengthSq});
 }
@@ -144,8 +147,8 @@ DIFI_INLINE TriangleFrame<double> double_frame(const Lattice& lattice, const Bri
 // A short triangle against the blocks in its grown box, kCount blocks wide from block x0 on: the count is a constant so
 // that the innermost loop has no branch to mispredict.
 template <bool kNearest, int kCount>
-DIFI_INLINE void gather_rows(const Lattice& lattice, const BlockRanges& ranges, const TriangleFrame<WideFloat>& f,
-                             int lane, std::uint32_t index, BrickState& state) {
+STANDOFF_INLINE void gather_rows(const Lattice& lattice, const BlockRanges& ranges, const TriangleFrame<WideFloat>& f,
+                                 int lane, std::uint32_t index, BrickState& state) {
   const int x0 = ranges.first[0][lane], y0 = ranges.first[1][lane], y1 = ranges.last[1][lane],
             z0 = ranges.first[2][lane], z1 = ranges.last[2][lane];
   for (int bz = z0; bz <= z1; ++bz) {
@@ -166,8 +169,8 @@ DIFI_INLINE void gather_rows(const Lattice& lattice, const BlockRanges& ranges, 
 }
 
 template <bool kNearest>
-DIFI_INLINE void gather_short(const Lattice& lattice, const BlockRanges& ranges, const FrameTable& frames, int lane,
-                              std::uint32_t index, BrickState& state) {
+STANDOFF_INLINE void gather_short(const Lattice& lattice, const BlockRanges& ranges, const FrameTable& frames, int lane,
+                                  std::uint32_t index, BrickState& state) {
   const int nx = ranges.last[0][lane] - ranges.first[0][lane] + 1,
             ny = ranges.last[1][lane] - ranges.first[1][lane] + 1,
             nz = ranges.last[2][lane] - ranges.first[2][lane] + 1;
@@ -185,7 +188,7 @@ DIFI_INLINE void gather_short(const Lattice& lattice, const BlockRanges& ranges,
   state.samples_examined += std::int64_t{kLanes} * nx * ny * nz;
 }
 
-DIFI_INLINE WidePoint block_samples(const Lattice& lattice, int block) {
+STANDOFF_INLINE WidePoint block_samples(const Lattice& lattice, int block) {
   return {WideFloat::load(lattice.x[block % kBlocksX]), WideFloat::load(lattice.y[block / kBlocksX % kBlocksY]),
           WideFloat::load(lattice.z[block / (kBlocksX * kBlocksY)])};
 }
@@ -201,7 +204,7 @@ struct ClumpBlocks {
 };
 constexpr ClumpBlocks kClumpBlocks;
 
-DIFI_INLINE WidePoint sixteen_points(const float (&at)[3][kLanes]) {
+STANDOFF_INLINE WidePoint sixteen_points(const float (&at)[3][kLanes]) {
   return {WideFloat::load(at[0]), WideFloat::load(at[1]), WideFloat::load(at[2])};
 }
 
@@ -219,8 +222,8 @@ __attribute__((noinline)) WideFloat distance_sq_in_both(const TriangleLines<Wide
 // A long triangle: clumps of blocks, and of those the blocks, are chosen by the exact distance of their centres. Most
 // blocks lie in one half of the triangle as a whole, for which half of its lines will do.
 template <bool kNearest>
-DIFI_INLINE void gather_long(const Lattice& lattice, const Brick& brick, const Candidates& c, std::uint32_t index,
-                             BrickState& state) {
+STANDOFF_INLINE void gather_long(const Lattice& lattice, const Brick& brick, const Candidates& c, std::uint32_t index,
+                                 BrickState& state) {
   const TriangleLines<WideFloat> lines = make_lines<WideFloat>(double_frame(lattice, brick, c, index));
   const auto within = [&](float radius) __attribute__((always_inline)) {
     const float reach = (lattice.thickness + radius) * (1 + kSlack) + kSlack;
@@ -278,13 +281,13 @@ void gather_band_any(const Lattice& lattice, const Brick& brick, const Candidate
 }
 
 // Samples of the brick inside the grid, per axis.
-DIFI_INLINE int inside(const Lattice& lattice, const Brick& brick, int axis) {
+STANDOFF_INLINE int inside(const Lattice& lattice, const Brick& brick, int axis) {
   const std::int64_t left = lattice.size[axis] - brick.at[axis] * kBrickSide;
   return left < kBrickSide ? static_cast<int>(left) : kBrickSide;
 }
 
 // Bits of the block's samples that lie inside the grid, for bricks the grid's far faces cut.
-DIFI_INLINE std::uint32_t inside_bits(const int (&size)[3], int bx, int by, int bz) {
+STANDOFF_INLINE std::uint32_t inside_bits(const int (&size)[3], int bx, int by, int bz) {
   std::uint32_t bits = 0;
   for (int lane = 0; lane < kLanes; ++lane)
     if (bx * kBlockX + lane % kBlockX < size[0] && by * kBlockY + lane / kBlockX % kBlockY < size[1] &&
@@ -312,7 +315,7 @@ unsigned band_tiles(const Lattice& lattice, const Brick& brick, BrickState& stat
 
 // Writes a block's rows of four; those or the parts of them that the grid's far faces cut off are left out.
 template <class T>
-DIFI_INLINE void copy_block(const T* block, int x, int y, int z, const TileTarget& target, T* out) {
+STANDOFF_INLINE void copy_block(const T* block, int x, int y, int z, const TileTarget& target, T* out) {
   const bool whole = x + kBlockX <= target.size.x && y + kBlockY <= target.size.y && z + kBlockZ <= target.size.z;
   for (int row = 0; row < kBlockY * kBlockZ; ++row) {
     const int ry = y + row % kBlockY, rz = z + row / kBlockY;

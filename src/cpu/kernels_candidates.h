@@ -19,11 +19,11 @@ constexpr float kSlackShare = 1e-4f;
 // A coordinate far from all samples, the square of which is still a number.
 constexpr float kFarAway = 0x1p60f;
 
-DIFI_INLINE TriangleFrame<WideFloat> frames_of(const CandidateTable::Group& g) {
+STANDOFF_INLINE TriangleFrame<WideFloat> frames_of(const CandidateTable::Group& g) {
   return frame_from<WideFloat>([&](int n) __attribute__((always_inline)) { return WideFloat::load(g.frame[n]); });
 }
 
-DIFI_INLINE void set_up(const Group& loaded, FrameGroup& g) {
+STANDOFF_INLINE void set_up(const Group& loaded, FrameGroup& g) {
   WideFloat longest(0);
   for (int axis = 0; axis < 3; ++axis) {
     const WideFloat a = component(loaded.corner[0], axis), b = component(loaded.corner[1], axis),
@@ -36,8 +36,8 @@ DIFI_INLINE void set_up(const Group& loaded, FrameGroup& g) {
 }
 
 // Sets up the candidates first, first + 1, ... as far as there is room.
-DIFI_INLINE void fill_table(const Lattice& lattice, const Brick& brick, const Candidates& c, std::int64_t first,
-                            CandidateTable& table) {
+STANDOFF_INLINE void fill_table(const Lattice& lattice, const Brick& brick, const Candidates& c, std::int64_t first,
+                                CandidateTable& table) {
   table.count = 0;
   for (; table.count < CandidateTable::kGroups && first < c.count; ++table.count, first += kLanes) {
     CandidateTable::Group& g = table.groups[table.count];
@@ -67,7 +67,7 @@ constexpr int kTileCells = DistanceField::kTileSide / kCellSide;
 static_assert(CandidateTable::kCornersPerAxis == kTileCells + 1);
 
 // A coordinate of the tile's lattice of cells relative to the brick's centre: its faces lie on the outermost samples.
-DIFI_INLINE float corner_coordinate(const Lattice& lattice, int axis, int first_sample, int n) {
+STANDOFF_INLINE float corner_coordinate(const Lattice& lattice, int axis, int first_sample, int n) {
   const float sample = n == 0            ? 0
                        : n == kTileCells ? DistanceField::kTileSide - 1
                                          : kCellSide * static_cast<float>(n) - 0.5f;
@@ -77,7 +77,7 @@ DIFI_INLINE float corner_coordinate(const Lattice& lattice, int axis, int first_
 }
 
 // The lattice of a tile's cells; nothing is known near its corners yet.
-DIFI_INLINE void place_corners(const Lattice& lattice, const int (&first_sample)[3], CandidateTable& table) {
+STANDOFF_INLINE void place_corners(const Lattice& lattice, const int (&first_sample)[3], CandidateTable& table) {
   constexpr int kSide = CandidateTable::kCornersPerAxis;
   for (int n = 0; n < CandidateTable::kCorners; ++n) {
     CandidateTable::Corner& corner = table.corners[n];
@@ -96,8 +96,8 @@ struct NearestOfLanes {
 };
 
 // Remembers the point of the surface nearest to a corner.
-DIFI_INLINE void take_nearest(const CandidateTable& table, const NearestOfLanes& found,
-                              CandidateTable::Corner& corner) {
+STANDOFF_INLINE void take_nearest(const CandidateTable& table, const NearestOfLanes& found,
+                                  CandidateTable::Corner& corner) {
   const WideFloat distances = WideFloat::load(found.distance_sq);
   const float best = reduce_min(distances);
   if (!(best < corner.distance_sq)) return;
@@ -113,7 +113,7 @@ DIFI_INLINE void take_nearest(const CandidateTable& table, const NearestOfLanes&
 }
 
 // Measures all candidates of the table from all corners of the lattice, and finds the surface near each.
-DIFI_INLINE void look_from_corners(CandidateTable& table) {
+STANDOFF_INLINE void look_from_corners(CandidateTable& table) {
   constexpr int kSide = CandidateTable::kCornersPerAxis;
   NearestOfLanes found[CandidateTable::kCorners];
   for (NearestOfLanes& near_corner : found) WideFloat(__builtin_inff()).store(near_corner.distance_sq);
@@ -154,7 +154,7 @@ struct CellCorners {
   float reach_sq;
 };
 
-DIFI_INLINE CellCorners cell_corners(const Lattice& lattice, const CandidateTable& table, const int (&cell)[3]) {
+STANDOFF_INLINE CellCorners cell_corners(const Lattice& lattice, const CandidateTable& table, const int (&cell)[3]) {
   constexpr int kSide = CandidateTable::kCornersPerAxis;
   CellCorners result;
   const int(&number)[8] = result.number;
@@ -166,7 +166,7 @@ DIFI_INLINE CellCorners cell_corners(const Lattice& lattice, const CandidateTabl
     diagonal_sq += side * side;
   }
   // No sample is farther than half the diagonal from the nearest corner.
-  const float reach = (lattice.thickness + difi::sqrt(diagonal_sq) / 2) * (1 + kSlack);
+  const float reach = (lattice.thickness + standoff::sqrt(diagonal_sq) / 2) * (1 + kSlack);
   result.reach_sq = reach * reach;
   for (int q = 0; q < 8; ++q) {
     const CandidateTable::Corner& reference = table.corners[number[q]];
@@ -183,7 +183,7 @@ DIFI_INLINE CellCorners cell_corners(const Lattice& lattice, const CandidateTabl
 }
 
 // The lanes of a group that may be nearest to a sample of the cell.
-DIFI_INLINE std::uint32_t chosen(const CandidateTable::Group& g, const CellCorners& cell) {
+STANDOFF_INLINE std::uint32_t chosen(const CandidateTable::Group& g, const CellCorners& cell) {
   WideFloat d[8];
   WideFloat least(__builtin_inff());
   for (int n = 0; n < 8; ++n) {
@@ -200,7 +200,7 @@ DIFI_INLINE std::uint32_t chosen(const CandidateTable::Group& g, const CellCorne
 }
 
 // Writes down which groups and lanes a cell has to look at.
-DIFI_INLINE void choose(CandidateTable& table, const CellCorners& cell) {
+STANDOFF_INLINE void choose(CandidateTable& table, const CellCorners& cell) {
   table.active_groups = 0;
   for (int n = 0; n < table.count; ++n) {
     const std::uint32_t lanes = chosen(table.groups[n], cell);

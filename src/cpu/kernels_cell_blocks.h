@@ -11,7 +11,7 @@ struct CellSamples {
 };
 
 // Those of the cell whose first sample is `at`, moved by `offset`.
-DIFI_INLINE CellSamples cell_samples(const Lattice& lattice, const int (&at)[3], const float (&offset)[3]) {
+STANDOFF_INLINE CellSamples cell_samples(const Lattice& lattice, const int (&at)[3], const float (&offset)[3]) {
   const int bx = at[0] / kBlockX, by = at[1] / kBlockY, bz = at[2] / kBlockZ;
   CellSamples s;
   s.x = WideFloat::load(lattice.x[bx]) + WideFloat(offset[0]);
@@ -29,17 +29,17 @@ DIFI_INLINE CellSamples cell_samples(const Lattice& lattice, const int (&at)[3],
 
 // What is added to a squared distance, beside a share of it, where the surface passes within the slack of its point:
 // (d+s)^2 <= d^2 (1+a) + s^2 (1+1/a).
-DIFI_INLINE float beyond_slack(float slack) { return slack * slack * (1 + 1 / kSlackShare); }
+STANDOFF_INLINE float beyond_slack(float slack) { return slack * slack * (1 + 1 / kSlackShare); }
 
 // Squared distances of a cell's samples from the nearest of the points looked at.
 struct PointDistances {
   WideFloat least_sq[kBlocksOfCell];
 
-  DIFI_INLINE PointDistances() {
+  STANDOFF_INLINE PointDistances() {
     for (WideFloat& l : least_sq) l = WideFloat(__builtin_inff());
   }
   // A point of which it is known only that the surface passes near, by a squared distance that is this much larger.
-  DIFI_INLINE void look_at(const CellSamples& s, float px, float py, float pz, float added_sq = 0) {
+  STANDOFF_INLINE void look_at(const CellSamples& s, float px, float py, float pz, float added_sq = 0) {
     const WideFloat dx = s.x - WideFloat(px), dx_sq = fma(dx, dx, WideFloat(added_sq));
     for (int k = 0; k < kCellBlocks; ++k) {
       const WideFloat dz = s.z[k] - WideFloat(pz), dxz_sq = fma(dz, dz, dx_sq);
@@ -52,7 +52,7 @@ struct PointDistances {
 };
 
 // The n-th block of the cell whose first sample is `at`.
-DIFI_INLINE int block_of_cell(const int (&at)[3], int n) {
+STANDOFF_INLINE int block_of_cell(const int (&at)[3], int n) {
   return block_index(at[0] / kBlockX, at[1] / kBlockY + n % kCellBlocks, at[2] / kBlockZ + n / kCellBlocks);
 }
 
@@ -62,8 +62,8 @@ struct BlockLimits {
 };
 
 // The points looked at, the boxes and what is computed for their triangles may be off by `slack`.
-DIFI_INLINE BlockLimits block_limits(const Lattice& lattice, const int (&at)[3], const PointDistances& points,
-                                     float slack, const BrickState& state) {
+STANDOFF_INLINE BlockLimits block_limits(const Lattice& lattice, const int (&at)[3], const PointDistances& points,
+                                         float slack, const BrickState& state) {
   const float slack_sq = slack * slack, within = lattice.thickness * (1 + kSlack);
   const WideFloat added(beyond_slack(slack));
   // A box is out when gap^2 (1-a) - s^2/a > known, and 1/(1-a) < 1 + 2a.
@@ -81,8 +81,9 @@ DIFI_INLINE BlockLimits block_limits(const Lattice& lattice, const int (&at)[3],
 // look at. Sixteen boxes at a time, and all samples, whose squared distances from a box are sums of three numbers of
 // which there are four for each axis.
 template <class Take>
-DIFI_INLINE void choose_for_blocks(const CellSamples& samples, const BlockLimits& limits, const float* const (&low)[3],
-                                   const float* const (&high)[3], int count, Take take) {
+STANDOFF_INLINE void choose_for_blocks(const CellSamples& samples, const BlockLimits& limits,
+                                       const float* const (&low)[3], const float* const (&high)[3], int count,
+                                       Take take) {
   for (int first = 0; first < count; first += kLanes) {
     WideFloat gap_sq[3][kCellSide];
     for (int axis = 0; axis < 3; ++axis) {

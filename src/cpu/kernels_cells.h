@@ -3,7 +3,7 @@
 // distances from boxes (kernels_cell_blocks.h). Included like kernels_body.h, after those two.
 
 // Lists the chosen candidates, one by one, so that the loop over them has no branch to mispredict.
-DIFI_INLINE void list_chosen(CandidateTable& table) {
+STANDOFF_INLINE void list_chosen(CandidateTable& table) {
   table.list.count = 0;
   for (int n = 0; n < table.active_groups; ++n) {
     const CandidateTable::Active& active = table.active[n];
@@ -14,7 +14,7 @@ DIFI_INLINE void list_chosen(CandidateTable& table) {
 }
 
 // The same for their extents.
-DIFI_INLINE void list_extents(CandidateTable& table) {
+STANDOFF_INLINE void list_extents(CandidateTable& table) {
   int count = 0;
   for (int n = 0; n < table.active_groups; ++n) {
     const CandidateTable::Active& active = table.active[n];
@@ -26,8 +26,8 @@ DIFI_INLINE void list_extents(CandidateTable& table) {
 }
 
 // Lists for each block of the cell the candidates that it chooses.
-DIFI_INLINE void list_for_blocks(const Lattice& lattice, CandidateTable& table, const CellCorners& cell,
-                                 const int (&at)[3], const BrickState& state) {
+STANDOFF_INLINE void list_for_blocks(const Lattice& lattice, CandidateTable& table, const CellCorners& cell,
+                                     const int (&at)[3], const BrickState& state) {
   list_extents(table);
   const CellSamples samples = cell_samples(lattice, at, {0, 0, 0});
   const auto& extent = table.listed_extent;
@@ -57,7 +57,7 @@ DIFI_INLINE void list_for_blocks(const Lattice& lattice, CandidateTable& table, 
 }
 
 template <bool kNearest>
-DIFI_INLINE void lower(WideFloat& best, WideUint& nearest, const WideFloat& d, std::uint32_t index) {
+STANDOFF_INLINE void lower(WideFloat& best, WideUint& nearest, const WideFloat& d, std::uint32_t index) {
   if constexpr (kNearest) {
     const WideUint mine(index);
     nearest = select(less(d, best) | (equal(d, best) & less(mine, nearest)), mine, nearest);
@@ -67,7 +67,7 @@ DIFI_INLINE void lower(WideFloat& best, WideUint& nearest, const WideFloat& d, s
 
 // Whether a triangle's frame is off by no more than its slack. The altitude of a needle a millionth as high as it is
 // long is lost in the rounding of its corners: then the frame may be askew by far more.
-DIFI_INLINE bool is_sound(const TriangleFrame<float>& f) {
+STANDOFF_INLINE bool is_sound(const TriangleFrame<float>& f) {
   constexpr float kLeastHeight = 1e-4f;  // of the base: a hundred times what rounding makes of nothing
   const float base = f.left.leg + f.right.leg, height = f.left.length * f.left.nx;
   return height > kLeastHeight * base;
@@ -76,7 +76,7 @@ DIFI_INLINE bool is_sound(const TriangleFrame<float>& f) {
 // What squared distances in a sound frame must not exceed, sample by sample, for the lines of the same long triangle to
 // come out no farther than `best_sq`. Those in the frame are off by `slack` at most, in which kSlack is far above what
 // lines are off by: so a candidate that is passed over would have changed no bit.
-DIFI_INLINE WideFloat frame_limit_sq(const WideFloat& best_sq, float slack) {
+STANDOFF_INLINE WideFloat frame_limit_sq(const WideFloat& best_sq, float slack) {
   const WideFloat reach = fma(sqrt(best_sq), WideFloat(1 + kSlackShare), WideFloat(slack));
   return reach * reach;
 }
@@ -85,8 +85,8 @@ DIFI_INLINE WideFloat frame_limit_sq(const WideFloat& best_sq, float slack) {
 // triangles take a set-up in double for every list they are in, so they are made only where the frame, which is there,
 // does not tell that the triangle is too far away. Where many triangles are as large as the grid, nearly all are.
 template <bool kNearest, int kSide, class Group>
-DIFI_INLINE void gather_listed(const Lattice& lattice, const Brick& brick, const Candidates& c, const Group* groups,
-                               const CandidateList& list, int bx, int by, int bz, BrickState& state) {
+STANDOFF_INLINE void gather_listed(const Lattice& lattice, const Brick& brick, const Candidates& c, const Group* groups,
+                                   const CandidateList& list, int bx, int by, int bz, BrickState& state) {
   constexpr int kCount = kSide * kSide;
   const auto block = [&](int n) __attribute__((always_inline)) {
     return block_index(bx, by + n % kSide, bz + n / kSide);
@@ -143,8 +143,8 @@ constexpr int kManyCandidates = 40;
 
 // One cell, from the candidates of its tile.
 template <bool kNearest>
-DIFI_INLINE void gather_cell(const Lattice& lattice, const Brick& brick, const Candidates& c, CandidateTable& table,
-                             const CellCorners& cell, const int (&at)[3], BrickState& state) {
+STANDOFF_INLINE void gather_cell(const Lattice& lattice, const Brick& brick, const Candidates& c, CandidateTable& table,
+                                 const CellCorners& cell, const int (&at)[3], BrickState& state) {
   const int bx = at[0] / kBlockX, by = at[1] / kBlockY, bz = at[2] / kBlockZ;
   choose(table, cell);
   list_chosen(table);

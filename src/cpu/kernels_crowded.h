@@ -7,7 +7,7 @@
 // distance. Distances in a frame may be off by kFrameError of how far the triangle reaches from the brick's centre. Up
 // to kNear that is less than kSlack; beyond, a triangle that is not long is half as far from each sample, and the share
 // covers it. Long triangles are measured by lines, which do not lose more the longer they are.
-DIFI_INLINE float slack_in(const CrowdedCell& cell) {
+STANDOFF_INLINE float slack_in(const CrowdedCell& cell) {
   constexpr float kNear = 64;
   static_assert(kNear * kFrameError < kSlack && kNear >= 2 * (kLongTriangle + kBrickSide));
   static_assert(2 * kFrameError < kSlackShare / 2);
@@ -15,8 +15,8 @@ DIFI_INLINE float slack_in(const CrowdedCell& cell) {
 }
 
 // Lists for each block the candidates it chooses, numbered in the order of all that are chosen.
-DIFI_INLINE void choose_crowded(const CrowdedCell& cell, const CellSamples& samples, const BlockLimits& limits,
-                                std::int64_t first, int count, CrowdedTable& table) {
+STANDOFF_INLINE void choose_crowded(const CrowdedCell& cell, const CellSamples& samples, const BlockLimits& limits,
+                                    std::int64_t first, int count, CrowdedTable& table) {
   table.chosen_count = 0;
   for (CandidateList& list : table.block_list) list.count = 0;
   alignas(64) std::uint32_t number[kLanes] = {};
@@ -42,8 +42,8 @@ DIFI_INLINE void choose_crowded(const CrowdedCell& cell, const CellSamples& samp
       });
 }
 
-DIFI_INLINE void set_up_chosen(const Lattice& lattice, const Brick& brick, const Candidates& mesh,
-                               CrowdedTable& table) {
+STANDOFF_INLINE void set_up_chosen(const Lattice& lattice, const Brick& brick, const Candidates& mesh,
+                                   CrowdedTable& table) {
   const Candidates chosen{mesh.vertices, mesh.triangles, table.chosen, table.chosen_count};
   for (int first = 0; first < table.chosen_count; first += kLanes) {
     Group loaded;

@@ -18,7 +18,7 @@ constexpr float kCullMargin = 2e-5f, kLeastCellSq = 4;
 struct LeastOnAxis {
   WideFloat plus, minus;
 };
-DIFI_INLINE LeastOnAxis least_on_axis(const WideFloat& low, const WideFloat& high, float half) {
+STANDOFF_INLINE LeastOnAxis least_on_axis(const WideFloat& low, const WideFloat& high, float half) {
   const WideFloat h(half), twice(2 * half);
   const WideFloat a = min(max(h, low), high), b = min(max(-h, low), high);
   return {a * (a - twice), b * (b + twice)};
@@ -31,8 +31,8 @@ struct CullReference {
 };
 
 // Which boxes, relative to the cell's centre, can hold a point nearer to some sample than every reference is.
-DIFI_INLINE Mask may_beat(const WidePoint& low, const WidePoint& high, const float* half,
-                          const CullReference* references, int count, Mask among) {
+STANDOFF_INLINE Mask may_beat(const WidePoint& low, const WidePoint& high, const float* half,
+                              const CullReference* references, int count, Mask among) {
   const LeastOnAxis x = least_on_axis(low.x, high.x, half[0]), y = least_on_axis(low.y, high.y, half[1]),
                     z = least_on_axis(low.z, high.z, half[2]);
   for (int n = 0; n < count && among.to_bits() != 0; ++n) {
@@ -46,7 +46,7 @@ DIFI_INLINE Mask may_beat(const WidePoint& low, const WidePoint& high, const flo
 }
 
 // The squared distance from the cell's samples to boxes relative to its centre, at least.
-DIFI_INLINE WideFloat gap_sq(const WidePoint& low, const WidePoint& high, const float* half) {
+STANDOFF_INLINE WideFloat gap_sq(const WidePoint& low, const WidePoint& high, const float* half) {
   const WideFloat zero(0);
   const auto gap = [&](const WideFloat& l, const WideFloat& h, float extent) __attribute__((always_inline)) {
     return max(max(l - WideFloat(extent), -h - WideFloat(extent)), zero);
@@ -65,7 +65,7 @@ struct Culling {
   int count;
 };
 
-DIFI_INLINE Culling culling(const CullCell& cell, const References& references) {
+STANDOFF_INLINE Culling culling(const CullCell& cell, const References& references) {
   Culling c;
   c.center = {WideFloat(cell.center[0]), WideFloat(cell.center[1]), WideFloat(cell.center[2])};
   c.half = cell.half;
@@ -86,8 +86,8 @@ DIFI_INLINE Culling culling(const CullCell& cell, const References& references) 
 }
 
 // Adds those of sixteen boxes that are within reach and may beat the references.
-DIFI_INLINE void keep_some(const Culling& c, const WidePoint& low, const WidePoint& high, const WideUint& entries,
-                           int used, BoxArrays& kept) {
+STANDOFF_INLINE void keep_some(const Culling& c, const WidePoint& low, const WidePoint& high, const WideUint& entries,
+                               int used, BoxArrays& kept) {
   const WidePoint l = low - c.center, h = high - c.center;
   Mask in_reach = mask_from_bits((1u << used) - 1);
   if (c.is_limited) in_reach = in_reach & ~less(c.reach_sq, gap_sq(l, h, c.half));

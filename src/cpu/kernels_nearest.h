@@ -6,7 +6,7 @@ struct NearestBox {
   WideUint position{0u};
 };
 
-DIFI_INLINE std::uint32_t nearest_position(const NearestBox& found) {
+STANDOFF_INLINE std::uint32_t nearest_position(const NearestBox& found) {
   alignas(64) std::uint32_t positions[kLanes];
   found.position.store(positions);
   return positions[__builtin_ctz(equal(found.distance_sq, WideFloat(reduce_min(found.distance_sq))).to_bits())];

@@ -3,10 +3,10 @@
 #include "cpu/simd/wide_portable.h"
 #include "geometry/triangle_lines.h"
 
-namespace difi::cpu::portable {
+namespace standoff::cpu::portable {
 namespace {
 
-using namespace difi::portable;
+using namespace standoff::portable;
 #include "cpu/kernels_body.h"
 #include "cpu/kernels_candidates.h"
 #include "cpu/kernels_cell_blocks.h"
@@ -21,4 +21,4 @@ extern const Kernels kKernels{"portable",         clear,           gather_band_a
                               nearest_to_lattice, nearest_in_pack, cull_boxes,      cull_packs, gather_tile_any,
                               gather_crowded_any};
 
-}  // namespace difi::cpu::portable
+}  // namespace standoff::cpu::portable

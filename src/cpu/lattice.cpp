@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace difi::cpu {
+namespace standoff::cpu {
 
 Lattice make_lattice(const Grid& grid, double thickness) {
   Lattice lattice{};
@@ -65,4 +65,4 @@ Brick brick_at(const Lattice& lattice, std::int64_t index) {
   return brick;
 }
 
-}  // namespace difi::cpu
+}  // namespace standoff::cpu

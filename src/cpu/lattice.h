@@ -6,10 +6,10 @@
 
 #include <cstdint>
 
-#include "difi/field.h"
-#include "difi/grid.h"
+#include "standoff/field.h"
+#include "standoff/grid.h"
 
-namespace difi::cpu {
+namespace standoff::cpu {
 
 inline constexpr int kBrickSide = 16;
 inline constexpr int kBrickTiles = 8;
@@ -63,4 +63,4 @@ struct Brick {
 
 Brick brick_at(const Lattice& lattice, std::int64_t index);
 
-}  // namespace difi::cpu
+}  // namespace standoff::cpu

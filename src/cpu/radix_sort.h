@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace difi::cpu {
+namespace standoff::cpu {
 
 struct KeyedIndex {
   std::uint32_t key;
@@ -56,4 +56,4 @@ inline void radix_sort(std::vector<KeyedIndex>& items, int threads) {
   }
 }
 
-}  // namespace difi::cpu
+}  // namespace standoff::cpu

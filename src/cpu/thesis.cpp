@@ -18,7 +18,7 @@
 #include "geometry/sample_range.h"
 #include "geometry/thesis_distance.h"
 
-namespace difi::cpu {
+namespace standoff::cpu {
 namespace {
 
 // Samples of a row are done four at a time. The last ones may lie past the triangle's box, where a distance is as true
@@ -66,7 +66,7 @@ template <bool kNearest>
 void lower_row(const ThesisTriangle<Four>& triangle, std::uint32_t index, const float* x, float y, float z, int count,
                float* distance_sq, std::uint32_t* nearest) {
   for (int first = 0; first < count; first += kAtOnce) {
-    const Four d = difi::distance_sq(triangle, Triple<Four>{Four::load(x + first), Four(y), Four(z)});
+    const Four d = standoff::distance_sq(triangle, Triple<Four>{Four::load(x + first), Four(y), Four(z)});
     const Four before = Four::load(distance_sq + first);
     if constexpr (kNearest)
       for (int n = 0; n < kAtOnce; ++n)
@@ -216,4 +216,4 @@ std::int64_t thesis_scratch_bytes(std::int64_t triangles, const Grid& grid, doub
          2 * static_cast<std::int64_t>(sizeof(BrickSamples)) * threads;
 }
 
-}  // namespace difi::cpu
+}  // namespace standoff::cpu

@@ -6,7 +6,7 @@
 
 #include "field/backend.h"
 
-namespace difi::cpu {
+namespace standoff::cpu {
 
 /// For each triangle, for each sample in its box grown by the thickness: the squared distance, kept where it is
 /// smaller. Counts::samples_examined is the number of these pairs. Skipping and compaction come before (Job::kept).
@@ -14,4 +14,4 @@ Counts run_thesis(const Job& job, Sink& sink);
 std::string thesis_device(Simd requested);
 std::int64_t thesis_scratch_bytes(std::int64_t triangles, const Grid& grid, double thickness, int threads);
 
-}  // namespace difi::cpu
+}  // namespace standoff::cpu

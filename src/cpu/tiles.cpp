@@ -12,7 +12,7 @@
 #include "cpu/kernels.h"
 #include "cpu/lattice.h"
 
-namespace difi::cpu {
+namespace standoff::cpu {
 namespace {
 
 static_assert(sizeof(Vec3) == 3 * sizeof(double) && sizeof(Triangle) == 3 * sizeof(std::uint32_t),
@@ -142,4 +142,4 @@ std::int64_t tiles_scratch_bytes(std::int64_t triangles, const Grid& grid, doubl
          static_cast<std::int64_t>(sizeof(Tables)) * threads;
 }
 
-}  // namespace difi::cpu
+}  // namespace standoff::cpu

@@ -6,10 +6,10 @@
 
 #include "field/backend.h"
 
-namespace difi::cpu {
+namespace standoff::cpu {
 
 Counts run_tiles(const Job& job, Sink& sink);
 std::string tiles_device(Simd requested);
 std::int64_t tiles_scratch_bytes(std::int64_t triangles, const Grid& grid, double thickness, int threads);
 
-}  // namespace difi::cpu
+}  // namespace standoff::cpu

@@ -1,14 +1,14 @@
-// The parts of difi/cuda.h that need no GPU.
-#include "difi/cuda.h"
+// The parts of standoff/cuda.h that need no GPU.
+#include "standoff/cuda.h"
 
 #include <string>
 
 #include "core/guarded.h"
 #include "cuda/backend.h"
 #include "cuda/guess.h"
-#include "difi/error.h"
+#include "standoff/error.h"
 
-namespace difi::cuda {
+namespace standoff::cuda {
 
 std::int64_t likely_entries(std::int64_t triangles, const Grid& grid, double thickness, Method method) try {
   validate(grid);
@@ -40,4 +40,4 @@ void check(const Outcome& outcome, const Task& task) try {
   throw_as_error("cuda");
 }
 
-}  // namespace difi::cuda
+}  // namespace standoff::cuda

@@ -5,7 +5,7 @@
 
 #include "field/backend.h"
 
-namespace difi::cuda {
+namespace standoff::cuda {
 bool available();
 /// Why it is not, in a sentence with what to do.
 std::string why_not_available();
@@ -14,11 +14,11 @@ Counts run_tiles(const Job& job, Sink& sink);
 Counts run_thesis(const Job& job, Sink& sink);
 /// Bytes of host memory beside the output; the GPU's own memory is not counted.
 std::int64_t scratch_bytes(std::int64_t triangles, const Grid& grid, double thickness, int threads);
-}  // namespace difi::cuda
+}  // namespace standoff::cuda
 
-namespace difi::emulated {
+namespace standoff::emulated {
 Counts run_tiles(const Job& job, Sink& sink);
 Counts run_thesis(const Job& job, Sink& sink);
 /// The same, and the memory that stands for the GPU's.
 std::int64_t scratch_bytes(std::int64_t triangles, const Grid& grid, double thickness, int threads);
-}  // namespace difi::emulated
+}  // namespace standoff::emulated

@@ -5,7 +5,7 @@
 
 #include "cuda/corners.cuh"
 
-namespace difi::DIFI_PLATFORM {
+namespace standoff::STANDOFF_PLATFORM {
 
 /// Threads of a block, unless a kernel needs another number.
 inline constexpr unsigned kThreads = 256;
@@ -14,12 +14,12 @@ inline constexpr unsigned kThreads = 256;
 struct TileRange {
   std::int64_t low[3], high[3];
 
-  DIFI_HD bool empty() const { return low[0] > high[0] || low[1] > high[1] || low[2] > high[2]; }
-  DIFI_HD bool is_small() const { return high[0] - low[0] <= 1 && high[1] - low[1] <= 1 && high[2] - low[2] <= 1; }
+  STANDOFF_HD bool empty() const { return low[0] > high[0] || low[1] > high[1] || low[2] > high[2]; }
+  STANDOFF_HD bool is_small() const { return high[0] - low[0] <= 1 && high[1] - low[1] <= 1 && high[2] - low[2] <= 1; }
 };
 
 /// The tiles with samples in the triangle's grown box.
-DIFI_DEVICE TileRange tiles_of(const gpu::Lattice& l, const Corners& c) {
+STANDOFF_DEVICE TileRange tiles_of(const gpu::Lattice& l, const Corners& c) {
   const BoxOf<double> box = box_of(c.at[0], c.at[1], c.at[2]);
   const double lows[3] = {box.low.x, box.low.y, box.low.z}, highs[3] = {box.high.x, box.high.y, box.high.z};
   TileRange range;
@@ -56,7 +56,7 @@ inline constexpr std::uint32_t kNoCount = 0xf0000000u;
 /// First pass: counts. Second pass: fills the lists from their ends, taking the counts back down to zero. False where
 /// it would go beyond, to what is in front of the list.
 template <bool kPlace>
-DIFI_DEVICE bool use_tile(const TileLists& lists, std::int64_t tile, std::uint32_t triangle) {
+STANDOFF_DEVICE bool use_tile(const TileLists& lists, std::int64_t tile, std::uint32_t triangle) {
   if (!kPlace) {
     atomicAdd(&lists.counts[tile], 1u);
     return true;
@@ -77,7 +77,7 @@ inline constexpr int kBinBlocks = 6;
 
 /// A thread a triangle. Lists the long ones in the first pass.
 template <bool kPlace>
-DIFI_KERNEL void __launch_bounds__(kThreads, kBinBlocks)
+STANDOFF_KERNEL void __launch_bounds__(kThreads, kBinBlocks)
     bin_small(gpu::Lattice l, DeviceMesh mesh, TileLists lists, LongList long_ones, Outcome* outcome) {
   const std::int64_t n = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
   if (n >= mesh.used_count()) return;
@@ -99,7 +99,7 @@ DIFI_KERNEL void __launch_bounds__(kThreads, kBinBlocks)
 
 /// A block a long triangle, a thread a tile of its range.
 template <bool kPlace>
-DIFI_KERNEL void bin_long(gpu::Lattice l, DeviceMesh mesh, TileLists lists, LongList long_ones, Outcome* outcome) {
+STANDOFF_KERNEL void bin_long(gpu::Lattice l, DeviceMesh mesh, TileLists lists, LongList long_ones, Outcome* outcome) {
   if (outcome->stopped) return;
   double radius_sq = 0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -132,9 +132,9 @@ DIFI_KERNEL void bin_long(gpu::Lattice l, DeviceMesh mesh, TileLists lists, Long
 
 /// After the second pass: stops where it placed fewer triangles than were counted. The beginning of such a list was
 /// never written, and what stands there may be no triangle. A thread a tile.
-DIFI_KERNEL void check_lists(const std::uint32_t* counts, std::int64_t tiles, Outcome* outcome) {
+STANDOFF_KERNEL void check_lists(const std::uint32_t* counts, std::int64_t tiles, Outcome* outcome) {
   const std::int64_t tile = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
   if (tile < tiles && !outcome->stopped && counts[tile] != 0) stop_for_miscount(outcome);
 }
 
-}  // namespace difi::DIFI_PLATFORM
+}  // namespace standoff::STANDOFF_PLATFORM

@@ -6,7 +6,7 @@
 #include "cuda/workspace.h"
 #include "geometry/triple.h"
 
-namespace difi::DIFI_PLATFORM {
+namespace standoff::STANDOFF_PLATFORM {
 
 using collision::kLanes;
 
@@ -26,7 +26,7 @@ struct BodyView {
 };
 
 /// Corners of the triangle at a place in the tree, in the body's own coordinates.
-DIFI_DEVICE void load_corners(const BodyView& body, std::uint32_t place, Triple<double> (&corner)[3]) {
+STANDOFF_DEVICE void load_corners(const BodyView& body, std::uint32_t place, Triple<double> (&corner)[3]) {
   const double* const at = body.corners + 9 * std::int64_t{place};
   for (int k = 0; k < 3; ++k) corner[k] = {at[3 * k], at[3 * k + 1], at[3 * k + 2]};
 }
@@ -34,7 +34,7 @@ DIFI_DEVICE void load_corners(const BodyView& body, std::uint32_t place, Triple<
 class BodyOnDevice : public collision::OnDevice {
  public:
   explicit BodyOnDevice(const CollisionModel::Data& data) {
-    static_assert(sizeof(difi::Corners) == 9 * sizeof(double));
+    static_assert(sizeof(standoff::Corners) == 9 * sizeof(double));
     gpu::Workspace measure(nullptr);
     place(data, measure, [](auto*, const auto*, std::int64_t) {});
     memory_ = Memory(measure.used());
@@ -78,4 +78,4 @@ inline std::shared_ptr<const BodyOnDevice> on_device(const CollisionModel::Data&
       data.copies.get(backend, device, [&] { return std::make_shared<BodyOnDevice>(data); }));
 }
 
-}  // namespace difi::DIFI_PLATFORM
+}  // namespace standoff::STANDOFF_PLATFORM

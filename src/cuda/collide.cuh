@@ -9,7 +9,7 @@
 #include "cuda/field_boxes.cuh"
 #include "cuda/queries.cuh"
 
-namespace difi::DIFI_PLATFORM {
+namespace standoff::STANDOFF_PLATFORM {
 
 using collision::PoseAnswer;
 using collision::PoseQuery;
@@ -42,10 +42,10 @@ class PoseSearch {
   using Nodes = NodeStack<std::uint32_t>;
 
  public:
-  DIFI_DEVICE PoseSearch(const CollideTask& task, const PoseQuery& query, SearchRoom& room)
+  STANDOFF_DEVICE PoseSearch(const CollideTask& task, const PoseQuery& query, SearchRoom& room)
       : task_(task), query_(query), room_(room), lane_(lane_in_warp()) {}
 
-  DIFI_DEVICE PoseAnswer run() {
+  STANDOFF_DEVICE PoseAnswer run() {
     Nodes nodes(room_.nodes, task_.stack, packet_word(task_.tree.top, 0));
     while (!nodes.empty() && verdict_ != Verdict::hit && verdict_ != Verdict::overflow) {
       // Where undecided a pair that surely touches may still come.
@@ -60,12 +60,12 @@ class PoseSearch {
   }
 
  private:
-  DIFI_DEVICE float placed(int axis, float x, float y, float z) const {
+  STANDOFF_DEVICE float placed(int axis, float x, float y, float z) const {
     return collision::placed(query_.place, axis, x, y, z);
   }
 
   // Puts the packets below the nodes whose balls come near on the stack, the nearest on top.
-  DIFI_DEVICE void open(Nodes& nodes, std::uint32_t word) {
+  STANDOFF_DEVICE void open(Nodes& nodes, std::uint32_t word) {
     const int level = level_of(word), n = static_cast<int>(lane_ % kLanes);
     float gap = collision::kNothing;
     if (word != kNoPacket) {
@@ -81,7 +81,7 @@ class PoseSearch {
   }
 
   // The packet's triangles against those of the field's body.
-  DIFI_DEVICE void meet_packet(std::uint32_t packet) {
+  STANDOFF_DEVICE void meet_packet(std::uint32_t packet) {
     place_boxes(packet);
     int waiting = 0;
     const auto use = [&](bool near, std::uint32_t place, const FlatBox& box) {
@@ -109,7 +109,7 @@ class PoseSearch {
   }
 
   // The boxes of a packet's triangles in the field's frame, grown by the limit, and the box around them.
-  DIFI_DEVICE void place_boxes(std::uint32_t packet) {
+  STANDOFF_DEVICE void place_boxes(std::uint32_t packet) {
     const collision::Faces& faces = task_.tree.faces[packet];
     if (lane_ < kLanes) {
       const bool exists = packet * kLanes + lane_ < task_.tree.triangles;
@@ -134,7 +134,7 @@ class PoseSearch {
   }
 
   // Decides `count` of the pairs that wait, from `first` on, a lane each.
-  DIFI_DEVICE void settle(int first, int count) {
+  STANDOFF_DEVICE void settle(int first, int count) {
     bool touches = false, unsure = false;
     std::uint32_t of_field = 0, of_tree = 0;
     if (static_cast<int>(lane_) < count) {
@@ -188,4 +188,4 @@ inline void run_collide(const collision::CollideJob& job, Backend backend) {
       });
 }
 
-}  // namespace difi::DIFI_PLATFORM
+}  // namespace standoff::STANDOFF_PLATFORM

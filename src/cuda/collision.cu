@@ -4,7 +4,7 @@
 #include "cuda/device_scope.cuh"
 #include "cuda/sweep.cuh"
 
-namespace difi::cuda {
+namespace standoff::cuda {
 
 void collide(const collision::CollideJob& job) {
   const DeviceScope scope(job.device);
@@ -16,4 +16,4 @@ void sweep(const collision::SweepJob& job) {
   run_sweep(job, Backend::cuda);
 }
 
-}  // namespace difi::cuda
+}  // namespace standoff::cuda

@@ -4,12 +4,12 @@
 
 #include "collision/device.h"
 
-namespace difi::cuda {
+namespace standoff::cuda {
 void collide(const collision::CollideJob& job);
 void sweep(const collision::SweepJob& job);
-}  // namespace difi::cuda
+}  // namespace standoff::cuda
 
-namespace difi::emulated {
+namespace standoff::emulated {
 void collide(const collision::CollideJob& job);
 void sweep(const collision::SweepJob& job);
-}  // namespace difi::emulated
+}  // namespace standoff::emulated

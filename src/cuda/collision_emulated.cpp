@@ -3,9 +3,9 @@
 #include "cuda/collision.h"
 #include "cuda/sweep.cuh"
 
-namespace difi::emulated {
+namespace standoff::emulated {
 
 void collide(const collision::CollideJob& job) { run_collide(job, Backend::emulated); }
 void sweep(const collision::SweepJob& job) { run_sweep(job, Backend::emulated); }
 
-}  // namespace difi::emulated
+}  // namespace standoff::emulated

@@ -4,7 +4,7 @@
 
 #include "cuda/enqueue.cuh"
 
-namespace difi::DIFI_PLATFORM {
+namespace standoff::STANDOFF_PLATFORM {
 
 /// Device memory that is made anew where it is too small. What it held is lost then.
 class Growing {
@@ -145,4 +145,4 @@ class CountedRun {
   Growing slots_, values_, nearest_, entries_[2], keep_;
 };
 
-}  // namespace difi::DIFI_PLATFORM
+}  // namespace standoff::STANDOFF_PLATFORM

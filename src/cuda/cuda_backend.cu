@@ -7,7 +7,7 @@
 #include "cuda/device_scope.cuh"
 #include "cuda/driver.cuh"
 
-namespace difi::cuda {
+namespace standoff::cuda {
 namespace {
 
 /// The lowest compute capability that kernels were compiled for, times ten.
@@ -19,7 +19,7 @@ std::string text(int capability) { return std::to_string(capability / 10) + "." 
 
 bool is_too_old(const DeviceInfo& device) { return device.major * 10 + device.minor < lowest_capability(); }
 std::string age_of(const DeviceInfo& device) {
-  return "it has compute capability " + text(device.major * 10 + device.minor) + ", this build of difi needs " +
+  return "it has compute capability " + text(device.major * 10 + device.minor) + ", this build of standoff needs " +
          text(lowest_capability());
 }
 
@@ -47,11 +47,11 @@ void check_usable(int device) {
   if (known.empty()) throw Error(ErrorCode::device, why_not_available());
   if (device < 0 || device >= static_cast<int>(known.size()))
     throw Error(ErrorCode::device, "cuda: there is no GPU " + std::to_string(device) + ", only 0 to " +
-                                       std::to_string(known.size() - 1) + "; see `difi devices`");
+                                       std::to_string(known.size() - 1) + "; see `standoff devices`");
   const DeviceInfo& wanted = known[static_cast<std::size_t>(device)];
   if (is_too_old(wanted))
     throw Error(ErrorCode::device, "cuda: GPU " + std::to_string(device) + " is too old: " + age_of(wanted) +
-                                       "; take another (see `difi devices`) or the CPU (--device cpu)");
+                                       "; take another (see `standoff devices`) or the CPU (--device cpu)");
 }
 
 std::vector<DeviceInfo> devices() try {
@@ -78,7 +78,7 @@ std::string why_no_device() try {
   const auto version = [](int v) { return std::to_string(v / 1000) + "." + std::to_string(v % 1000 / 10); };
   if (driver == 0) return "no NVIDIA driver is installed";
   if (driver < CUDART_VERSION && result == cudaErrorInsufficientDriver)
-    return "the NVIDIA driver is too old: it knows CUDA " + version(driver) + ", difi was built with " +
+    return "the NVIDIA driver is too old: it knows CUDA " + version(driver) + ", standoff was built with " +
            version(CUDART_VERSION);
   return std::string("the NVIDIA driver finds no GPU (") + cudaGetErrorString(result) + ")";
 } catch (...) {
@@ -106,4 +106,4 @@ Counts run_thesis(const Job& job, Sink& sink) {
   return run(job, sink, Method::thesis);
 }
 
-}  // namespace difi::cuda
+}  // namespace standoff::cuda

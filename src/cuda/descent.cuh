@@ -11,7 +11,7 @@
 #include "cuda/bin.cuh"
 #include "cuda/levels.h"
 
-namespace difi::DIFI_PLATFORM {
+namespace standoff::STANDOFF_PLATFORM {
 
 inline constexpr int kChunk = 256;
 
@@ -29,7 +29,7 @@ struct Step {
 };
 
 /// The root's list: all triangles. A thread a triangle.
-DIFI_KERNEL void list_all(DeviceMesh mesh, std::uint32_t* entries, Counter* start, Outcome* outcome) {
+STANDOFF_KERNEL void list_all(DeviceMesh mesh, std::uint32_t* entries, Counter* start, Outcome* outcome) {
   const std::int64_t n = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
   if (n == 0) {
     start[0] = 0;
@@ -42,7 +42,7 @@ DIFI_KERNEL void list_all(DeviceMesh mesh, std::uint32_t* entries, Counter* star
 }
 
 /// How many chunks each parent has, 0 behind the last. A thread a parent.
-DIFI_KERNEL void count_chunks(const Counter* start, std::int64_t parents, std::uint32_t* chunks, Outcome* outcome) {
+STANDOFF_KERNEL void count_chunks(const Counter* start, std::int64_t parents, std::uint32_t* chunks, Outcome* outcome) {
   const std::int64_t n = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
   if (n > parents) return;
   chunks[n] = n < parents && !outcome->stopped
@@ -51,7 +51,7 @@ DIFI_KERNEL void count_chunks(const Counter* start, std::int64_t parents, std::u
 }
 
 /// No bound yet. A thread a child.
-DIFI_KERNEL void clear_bounds(Counter* bound, std::int64_t children) {
+STANDOFF_KERNEL void clear_bounds(Counter* bound, std::int64_t children) {
   const std::int64_t n = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
   if (n < children) bound[n] = ~Counter{0};
 }
@@ -77,7 +77,7 @@ struct Chunk {
 };
 
 /// The parent whose chunk this is.
-DIFI_DEVICE std::int64_t parent_of(const Step& step, Counter chunk) {
+STANDOFF_DEVICE std::int64_t parent_of(const Step& step, Counter chunk) {
   std::int64_t low = 0, high = step.parent.count();  // chunk_start[low] <= chunk < chunk_start[high]
   while (high - low > 1) {
     const std::int64_t middle = (low + high) / 2;
@@ -91,7 +91,7 @@ DIFI_DEVICE std::int64_t parent_of(const Step& step, Counter chunk) {
 
 /// Begins a chunk: all threads of the block take part. No barrier comes first: what others than the first eight threads
 /// may still read of the chunk before, `base`, is not written here.
-DIFI_DEVICE void begin_chunk(const gpu::Lattice& l, const Step& step, Counter number, Chunk& chunk) {
+STANDOFF_DEVICE void begin_chunk(const gpu::Lattice& l, const Step& step, Counter number, Chunk& chunk) {
   const int t = static_cast<int>(threadIdx.x);
   if (t < 8) {
     const std::int64_t parent = parent_of(step, number);
@@ -128,8 +128,8 @@ struct Candidate {
   float slack;
 };
 
-DIFI_DEVICE Candidate candidate(const gpu::Lattice& l, const DeviceMesh& mesh, std::uint32_t triangle,
-                                const Chunk& chunk) {
+STANDOFF_DEVICE Candidate candidate(const gpu::Lattice& l, const DeviceMesh& mesh, std::uint32_t triangle,
+                                    const Chunk& chunk) {
   const Corners c = corners_of(mesh, triangle);
   const Triple<float> a = narrowed(local(l, c.at[0], chunk.center)), b = narrowed(local(l, c.at[1], chunk.center)),
                       d = narrowed(local(l, c.at[2], chunk.center));
@@ -138,7 +138,7 @@ DIFI_DEVICE Candidate candidate(const gpu::Lattice& l, const DeviceMesh& mesh, s
           fma(max(farthest_coordinate(box), chunk.extent), gpu::kSlackShare, gpu::kSlack)};
 }
 
-DIFI_KERNEL void __launch_bounds__(kChunk)
+STANDOFF_KERNEL void __launch_bounds__(kChunk)
     bound_children(gpu::Lattice l, DeviceMesh mesh, Step step, Outcome* outcome) {
   __shared__ Chunk chunk;
   if (outcome->stopped) return;
@@ -167,7 +167,7 @@ DIFI_KERNEL void __launch_bounds__(kChunk)
 }
 
 /// Whether a candidate may be nearest to a sample of the child.
-DIFI_DEVICE bool may_be_nearest(const gpu::Lattice& l, const Candidate& c, const Child& child) {
+STANDOFF_DEVICE bool may_be_nearest(const gpu::Lattice& l, const Candidate& c, const Child& child) {
   const float least = max(sqrt(distance_sq(c.frame, child.center)) - c.slack, 0.0f);
   const float by_distance = child.within + 2 * child.radius * (1 + gpu::kSlack);
   const float by_reach = l.thickness * (1 + gpu::kSlack) + child.radius;
@@ -180,7 +180,7 @@ DIFI_DEVICE bool may_be_nearest(const gpu::Lattice& l, const Candidate& c, const
   return fma(least, least, -spread) < within * within;
 }
 
-DIFI_KERNEL void __launch_bounds__(kChunk)
+STANDOFF_KERNEL void __launch_bounds__(kChunk)
     keep_candidates(gpu::Lattice l, DeviceMesh mesh, Step step, Outcome* outcome) {
   __shared__ Chunk chunk;
   if (outcome->stopped) return;
@@ -212,7 +212,7 @@ DIFI_KERNEL void __launch_bounds__(kChunk)
   }
 }
 
-DIFI_KERNEL void __launch_bounds__(kChunk) hand_down(gpu::Lattice l, Step step, Outcome* outcome) {
+STANDOFF_KERNEL void __launch_bounds__(kChunk) hand_down(gpu::Lattice l, Step step, Outcome* outcome) {
   __shared__ Chunk chunk;
   if (outcome->stopped) return;
   const int t = static_cast<int>(threadIdx.x);
@@ -243,4 +243,4 @@ DIFI_KERNEL void __launch_bounds__(kChunk) hand_down(gpu::Lattice l, Step step, 
   }
 }
 
-}  // namespace difi::DIFI_PLATFORM
+}  // namespace standoff::STANDOFF_PLATFORM

@@ -4,7 +4,7 @@
 #include "cuda/backend.h"
 #include "cuda/platform_cuda.cuh"
 
-namespace difi::cuda {
+namespace standoff::cuda {
 
 /// Throws Error{device} that says why a GPU cannot be used: it is not there, or older than the kernels.
 void check_usable(int device);
@@ -30,4 +30,4 @@ class DeviceScope {
   bool changed_ = false;
 };
 
-}  // namespace difi::cuda
+}  // namespace standoff::cuda

@@ -8,7 +8,7 @@
 #include "cuda/guess.h"
 #include "field/backend.h"
 
-namespace difi::DIFI_PLATFORM {
+namespace standoff::STANDOFF_PLATFORM {
 
 /// The mesh in device memory.
 class MeshOnDevice {
@@ -86,4 +86,4 @@ inline Counts run(const Job& job, Sink& sink, Method method) {
           static_cast<std::int64_t>(field.outcome().samples_band)};
 }
 
-}  // namespace difi::DIFI_PLATFORM
+}  // namespace standoff::STANDOFF_PLATFORM

@@ -1,13 +1,13 @@
-// The functions of difi/cuda.h over plain memory, emulated on the CPU: for tests.
+// The functions of standoff/cuda.h over plain memory, emulated on the CPU: for tests.
 #pragma once
 
-#include "difi/cuda.h"
+#include "standoff/cuda.h"
 
-namespace difi::emulated {
+namespace standoff::emulated {
 
 std::int64_t workspace_bytes(std::int64_t triangles, const Grid& grid, double thickness, Method method,
                              std::int64_t entries);
 void enqueue(const cuda::Task& task, void* workspace, std::int64_t bytes, cuda::Stream stream = nullptr);
 void enqueue(std::span<const cuda::Task> tasks, void* workspace, std::int64_t bytes, cuda::Stream stream = nullptr);
 
-}  // namespace difi::emulated
+}  // namespace standoff::emulated

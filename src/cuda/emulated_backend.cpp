@@ -3,7 +3,7 @@
 #include "cuda/driver.cuh"
 #include "cuda/emulated.h"
 
-namespace difi::emulated {
+namespace standoff::emulated {
 
 Counts run_tiles(const Job& job, Sink& sink) { return run(job, sink, Method::tiles); }
 Counts run_thesis(const Job& job, Sink& sink) { return run(job, sink, Method::thesis); }
@@ -16,4 +16,4 @@ std::int64_t scratch_bytes(std::int64_t triangles, const Grid& grid, double thic
                   workspace_bytes(triangles, grid, thickness, Method::thesis, 0));
 }
 
-}  // namespace difi::emulated
+}  // namespace standoff::emulated

@@ -1,8 +1,8 @@
-// The public functions for device memory (difi/cuda.h).
+// The public functions for device memory (standoff/cuda.h).
 #include "core/guarded.h"
 #include "cuda/enqueue.cuh"
 
-namespace difi::cuda {
+namespace standoff::cuda {
 
 std::int64_t workspace_bytes(std::int64_t triangles, const Grid& grid, double thickness, Method method,
                              std::int64_t entries) try {
@@ -25,4 +25,4 @@ void enqueue(std::span<const Task> tasks, void* workspace, std::int64_t bytes, S
   throw_as_error("cuda");
 }
 
-}  // namespace difi::cuda
+}  // namespace standoff::cuda

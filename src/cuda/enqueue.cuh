@@ -8,7 +8,7 @@
 #include "cuda/guess.h"
 #include "cuda/pipeline.cuh"
 
-namespace difi::DIFI_PLATFORM {
+namespace standoff::STANDOFF_PLATFORM {
 
 /// Parts can be left out of the ways for thin bands and of Algorithm 1. Calls use.template operator()<Arrays>(enqueue
 /// function) with those of the method's way.
@@ -78,4 +78,4 @@ inline void enqueue_tasks(std::span<const Task> tasks, void* workspace, std::int
   for (const Task& task : tasks) enqueue_task(task, workspace, bytes, stream);
 }
 
-}  // namespace difi::DIFI_PLATFORM
+}  // namespace standoff::STANDOFF_PLATFORM

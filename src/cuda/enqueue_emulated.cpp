@@ -2,7 +2,7 @@
 #include "cuda/emulated.h"
 #include "cuda/enqueue.cuh"
 
-namespace difi::emulated {
+namespace standoff::emulated {
 
 std::int64_t workspace_bytes(std::int64_t triangles, const Grid& grid, double thickness, Method method,
                              std::int64_t entries) try {
@@ -25,4 +25,4 @@ void enqueue(std::span<const Task> tasks, void* workspace, std::int64_t bytes, S
   throw_as_error("cuda");
 }
 
-}  // namespace difi::emulated
+}  // namespace standoff::emulated

@@ -4,19 +4,19 @@
 
 #include "cuda/node_stack.cuh"
 
-namespace difi::DIFI_PLATFORM {
+namespace standoff::STANDOFF_PLATFORM {
 
 /// Low sides, then high ones.
 struct FlatBox {
   float side[6];
 };
-DIFI_DEVICE bool meet(const FlatBox& a, const FlatBox& b) {
+STANDOFF_DEVICE bool meet(const FlatBox& a, const FlatBox& b) {
   bool meets = true;
   for (int axis = 0; axis < 3; ++axis)
     meets = meets && a.side[axis] <= b.side[3 + axis] && a.side[3 + axis] >= b.side[axis];
   return meets;
 }
-DIFI_DEVICE FlatBox box_in(const collision::Boxes& boxes, std::uint32_t n) {
+STANDOFF_DEVICE FlatBox box_in(const collision::Boxes& boxes, std::uint32_t n) {
   FlatBox box;
   for (int axis = 0; axis < 3; ++axis) box.side[axis] = boxes.min[axis][n], box.side[3 + axis] = boxes.max[axis][n];
   return box;
@@ -25,8 +25,8 @@ DIFI_DEVICE FlatBox box_in(const collision::Boxes& boxes, std::uint32_t n) {
 /// Calls use(this lane has one, its place in the tree, its box) with triangles, all lanes together, until it returns
 /// false. False, with triangles left out, where `words`, shared memory for `capacity` packets, did not suffice.
 template <class Use>
-DIFI_DEVICE bool for_boxes_that_meet(const FlatBox& box, const BodyView& body, std::uint32_t* words, int capacity,
-                                     Use use) {
+STANDOFF_DEVICE bool for_boxes_that_meet(const FlatBox& box, const BodyView& body, std::uint32_t* words, int capacity,
+                                         Use use) {
   NodeStack<std::uint32_t> nodes(words, capacity, packet_word(body.top, 0));
   while (!nodes.empty()) {
     const std::uint32_t word = nodes.take(0, kNoPacket);
@@ -46,4 +46,4 @@ DIFI_DEVICE bool for_boxes_that_meet(const FlatBox& box, const BodyView& body, s
   return true;
 }
 
-}  // namespace difi::DIFI_PLATFORM
+}  // namespace standoff::STANDOFF_PLATFORM

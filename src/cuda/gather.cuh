@@ -9,7 +9,7 @@
 #include "cuda/stage.cuh"
 #include "cuda/through.h"
 
-namespace difi::DIFI_PLATFORM {
+namespace standoff::STANDOFF_PLATFORM {
 
 using gpu::Through;
 
@@ -21,19 +21,19 @@ static_assert(Stage::kTriangles <= kGatherThreads && Stage::kTriangles % 32 == 0
 struct SampleAt {
   int x, y, z;
 };
-DIFI_DEVICE SampleAt sample_of_thread(int thread) {
+STANDOFF_DEVICE SampleAt sample_of_thread(int thread) {
   const int warp = thread / 32, lane = thread % 32;
   return {(warp & 1) * 4 + (lane & 3), (warp >> 1 & 1) * 4 + (lane >> 2 & 3), (warp >> 2) * 2 + (lane >> 4)};
 }
 /// Half the diagonal of a warp's samples, grid units, rounded up.
-DIFI_DEVICE float warp_radius(const gpu::Lattice& l) {
+STANDOFF_DEVICE float warp_radius(const gpu::Lattice& l) {
   const auto x = static_cast<float>(1.5 * l.unit[0]), y = static_cast<float>(1.5 * l.unit[1]),
              z = static_cast<float>(0.5 * l.unit[2]);
   return sqrt(x * x + y * y + z * z) * (1 + gpu::kSlack);
 }
 
 /// The largest value among the lanes of a warp.
-DIFI_DEVICE float warp_max(float value) {
+STANDOFF_DEVICE float warp_max(float value) {
   for (int bits = 16; bits > 0; bits /= 2) value = max(value, __shfl_xor_sync(0xffffffffu, value, bits));
   return value;
 }
@@ -46,8 +46,8 @@ struct Nearest {
 
 /// Measures from a warp's samples to the staged triangles, `count` of them. Returns how many were measured.
 template <bool kNearest, Through kThrough>
-DIFI_DEVICE int gather_stage(const gpu::Lattice& l, const Stage& stage, int count, const Triple<float>& sample,
-                             const Triple<float>& warp_center, bool in_grid, float known_within, Nearest& best) {
+STANDOFF_DEVICE int gather_stage(const gpu::Lattice& l, const Stage& stage, int count, const Triple<float>& sample,
+                                 const Triple<float>& warp_center, bool in_grid, float known_within, Nearest& best) {
   const int lane = static_cast<int>(threadIdx.x) % 32;
   int measured = 0;
   for (int first = 0; first < count; first += 32) {
@@ -80,8 +80,8 @@ struct Finished {
 };
 
 /// Writes a tile: to its slot, or where it lies in the dense grid. All threads of the block take part.
-DIFI_DEVICE void write_tile(const gpu::Lattice& l, const std::int64_t* tile, std::int64_t index,
-                            const Finished& finished, const DeviceOutput& output) {
+STANDOFF_DEVICE void write_tile(const gpu::Lattice& l, const std::int64_t* tile, std::int64_t index,
+                                const Finished& finished, const DeviceOutput& output) {
   const int t = static_cast<int>(threadIdx.x);
   std::int64_t at;
   if (output.slots) {
@@ -98,9 +98,9 @@ DIFI_DEVICE void write_tile(const gpu::Lattice& l, const std::int64_t* tile, std
 /// Clamps the samples, leaves them in `finished`, and writes the tile; one without a band sample stays unstored
 /// (sparse). All threads of the block take part.
 template <Through kThrough = Through::write>
-DIFI_DEVICE void finish_tile(const gpu::Lattice& l, const std::int64_t* tile, std::int64_t index, const SampleAt& at,
-                             float value, std::uint32_t nearest, bool is_band, Finished& finished,
-                             const DeviceOutput& output, Outcome* outcome) {
+STANDOFF_DEVICE void finish_tile(const gpu::Lattice& l, const std::int64_t* tile, std::int64_t index,
+                                 const SampleAt& at, float value, std::uint32_t nearest, bool is_band,
+                                 Finished& finished, const DeviceOutput& output, Outcome* outcome) {
   const int t = at.x + 8 * at.y + 64 * at.z;
   finished.value[t] = value;
   finished.nearest[t] = nearest;
@@ -126,7 +126,7 @@ struct GatherLists {
 
 /// Blocks stride over the tiles.
 template <bool kNearest, Through kThrough = Through::write>
-DIFI_KERNEL void __launch_bounds__(kGatherThreads, 2)
+STANDOFF_KERNEL void __launch_bounds__(kGatherThreads, 2)
     gather(gpu::Lattice l, DeviceMesh mesh, GatherLists lists, DeviceOutput output, Outcome* outcome) {
   __shared__ Stage stage;
   __shared__ Finished finished;
@@ -181,4 +181,4 @@ DIFI_KERNEL void __launch_bounds__(kGatherThreads, 2)
   }
 }
 
-}  // namespace difi::DIFI_PLATFORM
+}  // namespace standoff::STANDOFF_PLATFORM

@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <string>
 
-#include "difi/compute.h"
+#include "standoff/compute.h"
 
-namespace difi::gpu {
+namespace standoff::gpu {
 
 /// Tiles copied between device and host at once: 32 MiB.
 inline constexpr std::int64_t kTilesAtOnce = 16384;
@@ -50,4 +50,4 @@ inline std::int64_t likely_entries(std::int64_t triangles, const Grid& grid, dou
   return std::max({8 * triangles + static_cast<std::int64_t>(mixed), 48 * tiles, std::int64_t{64}});
 }
 
-}  // namespace difi::gpu
+}  // namespace standoff::gpu

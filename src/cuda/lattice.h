@@ -5,11 +5,11 @@
 #include <cmath>
 #include <cstdint>
 
-#include "difi/grid.h"
 #include "geometry/host_device.h"
 #include "geometry/triple.h"
+#include "standoff/grid.h"
 
-namespace difi::gpu {
+namespace standoff::gpu {
 
 inline constexpr int kTileSide = 8;
 inline constexpr int kTileSamples = kTileSide * kTileSide * kTileSide;
@@ -41,8 +41,8 @@ struct Lattice {
   float thickness_world;
   float unscale;
 
-  DIFI_HD std::int64_t tile_count() const { return tiles[0] * tiles[1] * tiles[2]; }
-  DIFI_HD std::int64_t tile(std::int64_t x, std::int64_t y, std::int64_t z) const {
+  STANDOFF_HD std::int64_t tile_count() const { return tiles[0] * tiles[1] * tiles[2]; }
+  STANDOFF_HD std::int64_t tile(std::int64_t x, std::int64_t y, std::int64_t z) const {
     return x + tiles[0] * (y + tiles[1] * z);
   }
 };
@@ -74,29 +74,29 @@ inline Lattice make_lattice(const Grid& grid, double thickness) {
 }
 
 /// A place among the samples, in grid units: `sample` may lie between two.
-DIFI_INLINE Triple<double> place(const Lattice& l, double x, double y, double z) {
+STANDOFF_INLINE Triple<double> place(const Lattice& l, double x, double y, double z) {
   return {(l.origin[0] + l.spacing[0] * x) * l.scale, (l.origin[1] + l.spacing[1] * y) * l.scale,
           (l.origin[2] + l.spacing[2] * z) * l.scale};
 }
 
 /// The centre of the brick that holds tile (tx, ty, tz).
-DIFI_INLINE Triple<double> brick_center(const Lattice& l, const std::int64_t* tile) {
+STANDOFF_INLINE Triple<double> brick_center(const Lattice& l, const std::int64_t* tile) {
   constexpr double middle = (kBrickSide - 1) / 2.0;
   return place(l, static_cast<double>((tile[0] >> 1) * kBrickSide) + middle,
                static_cast<double>((tile[1] >> 1) * kBrickSide) + middle,
                static_cast<double>((tile[2] >> 1) * kBrickSide) + middle);
 }
 
-DIFI_INLINE void tile_at(const Lattice& l, std::int64_t index, std::int64_t* tile) {
+STANDOFF_INLINE void tile_at(const Lattice& l, std::int64_t index, std::int64_t* tile) {
   tile[0] = index % l.tiles[0];
   tile[1] = index / l.tiles[0] % l.tiles[1];
   tile[2] = index / (l.tiles[0] * l.tiles[1]);
 }
 
 /// Samples of the tile inside the grid, on one axis.
-DIFI_INLINE int inside(const Lattice& l, const std::int64_t* tile, int axis) {
+STANDOFF_INLINE int inside(const Lattice& l, const std::int64_t* tile, int axis) {
   const std::int64_t left = l.size[axis] - tile[axis] * kTileSide;
   return left < kTileSide ? static_cast<int>(left) : kTileSide;
 }
 
-}  // namespace difi::gpu
+}  // namespace standoff::gpu

@@ -3,13 +3,13 @@
 
 #include "cuda/lattice.h"
 
-namespace difi::gpu {
+namespace standoff::gpu {
 
 struct Level {
   std::int64_t side;  // of a cell, samples
   std::int64_t cells[3];
 
-  DIFI_HD std::int64_t count() const { return cells[0] * cells[1] * cells[2]; }
+  STANDOFF_HD std::int64_t count() const { return cells[0] * cells[1] * cells[2]; }
 };
 
 inline Level level_of(const Lattice& l, int number) {
@@ -31,7 +31,7 @@ struct Cell {
   float half[3], radius;  // with a margin for rounding
 };
 
-DIFI_INLINE Cell cell_at(const Lattice& l, const Level& level, const std::int64_t* at) {
+STANDOFF_INLINE Cell cell_at(const Lattice& l, const Level& level, const std::int64_t* at) {
   Cell cell;
   double middle[3];
   float radius_sq = 0;
@@ -47,4 +47,4 @@ DIFI_INLINE Cell cell_at(const Lattice& l, const Level& level, const std::int64_
   return cell;
 }
 
-}  // namespace difi::gpu
+}  // namespace standoff::gpu

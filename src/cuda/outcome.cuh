@@ -3,28 +3,28 @@
 
 #include "cuda/bin.cuh"
 
-namespace difi::DIFI_PLATFORM {
+namespace standoff::STANDOFF_PLATFORM {
 
-DIFI_KERNEL void clear_outcome(Outcome* outcome, Counter* long_count) {
+STANDOFF_KERNEL void clear_outcome(Outcome* outcome, Counter* long_count) {
   *outcome = {0, Outcome::kNone, 0, 0, 0, 0};
   if (long_count) *long_count = 0;
 }
 
 /// Stops all that follows where the lists do not fit.
-DIFI_KERNEL void check_entries(const Counter* total, Counter capacity, Outcome* outcome) {
+STANDOFF_KERNEL void check_entries(const Counter* total, Counter capacity, Outcome* outcome) {
   if (*total > outcome->needed_entries) outcome->needed_entries = *total;
   if (*total > capacity) stop(outcome);
 }
 
 /// 1 for each tile with triangles, 0 behind the last.
-DIFI_KERNEL void mark_used_tiles(const Counter* start, std::int64_t tiles, std::uint32_t* used) {
+STANDOFF_KERNEL void mark_used_tiles(const Counter* start, std::int64_t tiles, std::uint32_t* used) {
   const std::int64_t tile = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
   if (tile <= tiles) used[tile] = tile < tiles && start[tile + 1] > start[tile];
 }
 
 /// From the running sum of `used`: each tile's slot or -1, where there is room for all. A thread a tile.
-DIFI_KERNEL void give_slots(const std::uint32_t* used, const Counter* rank, std::int64_t tiles, DeviceOutput output,
-                            Outcome* outcome) {
+STANDOFF_KERNEL void give_slots(const std::uint32_t* used, const Counter* rank, std::int64_t tiles, DeviceOutput output,
+                                Outcome* outcome) {
   const std::int64_t tile = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
   if (tile > tiles) return;
   const Counter needed = rank[tiles];
@@ -38,4 +38,4 @@ DIFI_KERNEL void give_slots(const std::uint32_t* used, const Counter* rank, std:
   output.slots[tile] = used[tile] ? static_cast<std::int32_t>(rank[tile]) : -1;
 }
 
-}  // namespace difi::DIFI_PLATFORM
+}  // namespace standoff::STANDOFF_PLATFORM

@@ -8,7 +8,7 @@
 #include "cuda/thesis.cuh"
 #include "cuda/workspace.h"
 
-namespace difi::DIFI_PLATFORM {
+namespace standoff::STANDOFF_PLATFORM {
 
 inline std::int64_t blocks_for(std::int64_t items) { return (items + kThreads - 1) / kThreads; }
 
@@ -234,4 +234,4 @@ void enqueue_thesis(const gpu::Lattice& l, const Task& task, const ThesisArrays&
   write_thesis(l, task, a, stream);
 }
 
-}  // namespace difi::DIFI_PLATFORM
+}  // namespace standoff::STANDOFF_PLATFORM

@@ -3,14 +3,14 @@
 #pragma once
 
 #ifdef __CUDACC__
-#define DIFI_PLATFORM cuda
+#define STANDOFF_PLATFORM cuda
 #include "cuda/platform_cuda.cuh"
 #else
-#define DIFI_PLATFORM emulated
+#define STANDOFF_PLATFORM emulated
 #include "cuda/platform_emulated.h"
 #endif
 
 // A kernel: every file that launches it has one of its own.
-#define DIFI_KERNEL [[maybe_unused]] static __global__
+#define STANDOFF_KERNEL [[maybe_unused]] static __global__
 // A function that kernels call.
-#define DIFI_DEVICE __device__ __forceinline__
+#define STANDOFF_DEVICE __device__ __forceinline__

@@ -5,20 +5,20 @@
 
 #if __has_include(<nvtx3/nvToolsExt.h>)  // comes with the whole toolkit, not with nvcc alone
 #include <nvtx3/nvToolsExt.h>
-#define DIFI_HAVE_NVTX 1
+#define STANDOFF_HAVE_NVTX 1
 #endif
 #include <cstdint>
 #include <string>
 #include <utility>
 
 #include "cuda/room.h"
-#include "difi/cuda.h"
-#include "difi/error.h"
+#include "standoff/cuda.h"
+#include "standoff/error.h"
 
-namespace difi::cuda {
+namespace standoff::cuda {
 
-/// Where in difi something is called: as a parameter's default, the place of the call that leaves the parameter out.
-/// Not std::source_location, whose current() nvcc before 12.2 does not take for a constant there.
+/// Where in standoff something is called: as a parameter's default, the place of the call that leaves the parameter
+/// out. Not std::source_location, whose current() nvcc before 12.2 does not take for a constant there.
 struct Place {
   const char* file;
   int line;
@@ -27,20 +27,20 @@ struct Place {
   }
 };
 
-/// Throws Error{device} where a call of CUDA failed, at the place in difi that wanted it. The error is taken from CUDA,
-/// so that later calls do not see it.
+/// Throws Error{device} where a call of CUDA failed, at the place in standoff that wanted it. The error is taken from
+/// CUDA, so that later calls do not see it.
 inline void check_call(cudaError_t result, const char* call, const Place& at = Place::current()) {
   if (result == cudaSuccess) return;
   cudaGetLastError();
   throw Error(ErrorCode::device, std::string("cuda: ") + call + " failed at " + at.file + ":" +
                                      std::to_string(at.line) + ": " + cudaGetErrorString(result) +
-                                     "; run `difi devices`, or use the CPU (--device cpu)");
+                                     "; run `standoff devices`, or use the CPU (--device cpu)");
 }
 
 /// Names what the host does, for NVIDIA's profilers.
 class Label {
  public:
-#ifdef DIFI_HAVE_NVTX
+#ifdef STANDOFF_HAVE_NVTX
   explicit Label(const char* text) { nvtxRangePushA(text); }
   ~Label() { nvtxRangePop(); }
 #else
@@ -74,7 +74,7 @@ void launch(Stream stream, const LaunchName& name, void (*kernel)(Parameters...)
   shape.gridDim = dim3(static_cast<unsigned>(blocks));
   shape.blockDim = dim3(threads);
   shape.stream = stream;
-  // Unlike <<<>>> it returns its own error: one that the caller of difi left unread is none of ours.
+  // Unlike <<<>>> it returns its own error: one that the caller of standoff left unread is none of ours.
   check_call(cudaLaunchKernelEx(&shape, kernel, Parameters(arguments)...), name.label, name.at);
 }
 
@@ -127,4 +127,4 @@ class Memory {
   void* at_ = nullptr;
 };
 
-}  // namespace difi::cuda
+}  // namespace standoff::cuda

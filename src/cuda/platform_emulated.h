@@ -11,9 +11,9 @@
 
 #include "cuda/emulation/words.h"
 #include "cuda/room.h"
-#include "difi/cuda.h"
+#include "standoff/cuda.h"
 
-namespace difi::emulated {
+namespace standoff::emulated {
 
 using cuda::DeviceMesh;
 using cuda::DeviceOutput;
@@ -97,4 +97,4 @@ class Memory {
   std::unique_ptr<void, Release> at_;
 };
 
-}  // namespace difi::emulated
+}  // namespace standoff::emulated

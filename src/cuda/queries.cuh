@@ -6,10 +6,10 @@
 
 #include "cuda/node_stack.cuh"
 
-namespace difi::DIFI_PLATFORM {
+namespace standoff::STANDOFF_PLATFORM {
 
 /// The next query for the calling warp: some take a thousand times as long as others.
-DIFI_DEVICE std::uint32_t take_query(std::uint32_t* next) {
+STANDOFF_DEVICE std::uint32_t take_query(std::uint32_t* next) {
   std::uint32_t n = 0;
   if (lane_in_warp() == 0) n = atomicAdd(next, std::uint32_t{1});
   return __shfl_sync(kWarp, n, 0);
@@ -17,7 +17,7 @@ DIFI_DEVICE std::uint32_t take_query(std::uint32_t* next) {
 
 /// Answers queries until none is left, a warp each: its search of a task, a query and the warp's room.
 template <class Search, class Task, class Room>
-DIFI_DEVICE void answer_queries(const Task& task, Room* rooms) {
+STANDOFF_DEVICE void answer_queries(const Task& task, Room* rooms) {
   for (;;) {
     const std::uint32_t n = take_query(task.next);
     if (n >= task.count) return;
@@ -43,4 +43,4 @@ void run_queries(const char* label, void (*kernel)(Task), std::span<const Query>
   copy_out(answers.data(), answer_memory.as<void>(), answer_bytes);
 }
 
-}  // namespace difi::DIFI_PLATFORM
+}  // namespace standoff::STANDOFF_PLATFORM

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <string>
 
-#include "difi/error.h"
+#include "standoff/error.h"
 
-namespace difi::gpu {
+namespace standoff::gpu {
 
 /// Throws Error{limit}: `need` bytes were wanted, `free` of `total` were there. More may be wanted later, when the
 /// lists have been counted.
@@ -18,4 +18,4 @@ namespace difi::gpu {
                                     "(--device cpu)");
 }
 
-}  // namespace difi::gpu
+}  // namespace standoff::gpu

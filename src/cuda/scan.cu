@@ -6,7 +6,7 @@
 
 #include "cuda/platform.cuh"
 
-namespace difi::cuda {
+namespace standoff::cuda {
 namespace {
 
 // The first sum is a 64-bit zero, and with it all of them are.
@@ -32,4 +32,4 @@ void running_sum(Stream stream, void* scratch, std::int64_t scratch_bytes, const
   run(scratch, bytes, in, sums, count, stream);
 }
 
-}  // namespace difi::cuda
+}  // namespace standoff::cuda

@@ -6,10 +6,10 @@
 #include <limits>
 #include <string>
 
-#include "difi/cuda.h"
-#include "difi/error.h"
+#include "standoff/cuda.h"
+#include "standoff/error.h"
 
-namespace difi {
+namespace standoff {
 
 using Counter = unsigned long long;
 
@@ -24,10 +24,11 @@ constexpr std::int64_t longest_running_sum(int cub_version) {
 /// Throws Error{limit} where a running sum over `count` tiles or cells is longer than `longest`.
 inline void expect_summable(std::int64_t count, std::int64_t longest) {
   if (count > longest)
-    throw Error(ErrorCode::limit, "cuda: the grid has " + std::to_string(count - 1) +
-                                      " tiles of 8x8x8 samples, this build sums up " + std::to_string(longest - 1) +
-                                      " at most; take fewer samples, build difi with CUDA 12.8 or newer, or use the "
-                                      "CPU (--device cpu)");
+    throw Error(ErrorCode::limit,
+                "cuda: the grid has " + std::to_string(count - 1) + " tiles of 8x8x8 samples, this build sums up " +
+                    std::to_string(longest - 1) +
+                    " at most; take fewer samples, build standoff with CUDA 12.8 or newer, or use the "
+                    "CPU (--device cpu)");
 }
 
 }  // namespace gpu
@@ -46,4 +47,4 @@ void running_sum(cuda::Stream stream, void* scratch, std::int64_t scratch_bytes,
                  std::int64_t count);
 }  // namespace emulated
 
-}  // namespace difi
+}  // namespace standoff

@@ -1,6 +1,6 @@
 #include "cuda/scan.h"
 
-namespace difi::emulated {
+namespace standoff::emulated {
 
 std::int64_t running_sum_bytes(std::int64_t) { return 1; }
 
@@ -13,4 +13,4 @@ void running_sum(cuda::Stream, void*, std::int64_t, const std::uint32_t* in, Cou
   }
 }
 
-}  // namespace difi::emulated
+}  // namespace standoff::emulated

@@ -3,7 +3,7 @@
 
 #include "cuda/corners.cuh"
 
-namespace difi::DIFI_PLATFORM {
+namespace standoff::STANDOFF_PLATFORM {
 
 /// One triangle ready to be measured to: a frame, or where it is long the lines of one. Eleven loads of 16 bytes, and
 /// 44 words apart: loads by neighbouring threads of neighbouring triangles then meet in no bank of shared memory.
@@ -13,11 +13,11 @@ struct alignas(16) Staged {
 static_assert(sizeof(TriangleFrame<float>) <= sizeof(Staged) && sizeof(TriangleLines<float>) <= sizeof(Staged));
 
 template <class Setup>
-DIFI_DEVICE void store(const Setup& setup, Staged& to) {
+STANDOFF_DEVICE void store(const Setup& setup, Staged& to) {
   __builtin_memcpy(&to, &setup, sizeof setup);
 }
 template <class Setup>
-DIFI_DEVICE Setup load(const Staged& from) {
+STANDOFF_DEVICE Setup load(const Staged& from) {
   Setup setup;
   __builtin_memcpy(&setup, &from, sizeof setup);
   return setup;
@@ -32,14 +32,14 @@ struct Stage {
 };
 
 /// The squared distance from p to staged triangle n.
-DIFI_DEVICE float staged_distance_sq(const Stage& stage, int n, const Triple<float>& p) {
+STANDOFF_DEVICE float staged_distance_sq(const Stage& stage, int n, const Triple<float>& p) {
   if (stage.is_long[n]) return distance_sq(load<TriangleLines<float>>(stage.setup[n]), p);
   return distance_sq(load<TriangleFrame<float>>(stage.setup[n]), p);
 }
 
 /// Sets up a triangle relative to a brick's centre, exactly as the CPU does.
-DIFI_DEVICE void set_up(const gpu::Lattice& l, const DeviceMesh& mesh, std::uint32_t triangle,
-                        const Triple<double>& center, Stage& stage, int n) {
+STANDOFF_DEVICE void set_up(const gpu::Lattice& l, const DeviceMesh& mesh, std::uint32_t triangle,
+                            const Triple<double>& center, Stage& stage, int n) {
   const Corners c = corners_of(mesh, triangle);
   const Triple<double> a = local(l, c.at[0], center), b = local(l, c.at[1], center), d = local(l, c.at[2], center);
   const Triple<float> fa = narrowed(a), fb = narrowed(b), fd = narrowed(d);
@@ -53,4 +53,4 @@ DIFI_DEVICE void set_up(const gpu::Lattice& l, const DeviceMesh& mesh, std::uint
     store(make_frame(fa, fb, fd, float{gpu::kLeastLengthSq}), stage.setup[n]);
 }
 
-}  // namespace difi::DIFI_PLATFORM
+}  // namespace standoff::STANDOFF_PLATFORM

@@ -10,7 +10,7 @@
 #include "cuda/field_boxes.cuh"
 #include "cuda/queries.cuh"
 
-namespace difi::DIFI_PLATFORM {
+namespace standoff::STANDOFF_PLATFORM {
 
 using collision::SweepAnswer;
 using collision::SweepQuery;
@@ -44,10 +44,10 @@ struct MovingTriangle {
 
 class MotionSearch {
  public:
-  DIFI_DEVICE MotionSearch(const SweepTask& task, const SweepQuery& query, SweepRoom& room)
+  STANDOFF_DEVICE MotionSearch(const SweepTask& task, const SweepQuery& query, SweepRoom& room)
       : task_(task), query_(query), room_(room) {}
 
-  DIFI_DEVICE SweepAnswer run() {
+  STANDOFF_DEVICE SweepAnswer run() {
     NodeStack<TimedPacket> nodes(room_.nodes, task_.stack, {0, packet_word(task_.tree.top, 0)});
     while (!nodes.empty() && verdict_ == Verdict::free) {
       const TimedPacket packet = nodes.take(0, {0, kNoPacket});
@@ -74,7 +74,7 @@ class MotionSearch {
   static constexpr double kEnd = 1;
 
   // Until when a ball is free that is so until `start`, or somewhat less.
-  DIFI_DEVICE double moved(const Triple<double>& center, float radius, double start, int level) const {
+  STANDOFF_DEVICE double moved(const Triple<double>& center, float radius, double start, int level) const {
     const collision::FieldView& field = task_.field.field;
     const float least = level == 0 ? collision::kWorthATrianglesStep * field.spacing : 0;
     const Triple<double> offset = query_.way.offset(center);
@@ -89,14 +89,14 @@ class MotionSearch {
   }
 
   // Follows the triangles of those lanes that stopped.
-  DIFI_DEVICE void follow_all(bool stopped, std::uint32_t place, double time) {
+  STANDOFF_DEVICE void follow_all(bool stopped, std::uint32_t place, double time) {
     for (std::uint32_t left = __ballot_sync(kWarp, stopped); left != 0 && verdict_ == Verdict::free; left &= left - 1) {
       const int lane = __ffs(static_cast<int>(left)) - 1;
       follow(__shfl_sync(kWarp, place, lane), __shfl_sync(kWarp, time, lane));
     }
   }
 
-  DIFI_DEVICE MovingTriangle triangle_at(std::uint32_t place) const {
+  STANDOFF_DEVICE MovingTriangle triangle_at(std::uint32_t place) const {
     MovingTriangle t{};
     load_corners(task_.tree, place, t.offset);
     for (Triple<double>& offset : t.offset) {
@@ -109,7 +109,7 @@ class MotionSearch {
   }
 
   // One triangle from a time on at which it is free, but at 0.
-  DIFI_DEVICE void follow(std::uint32_t place, double from) {
+  STANDOFF_DEVICE void follow(std::uint32_t place, double from) {
     const MovingTriangle triangle = triangle_at(place);
     const double ahead = collision::kAhead * static_cast<double>(task_.field.field.spacing);
     for (double t = from; t < kEnd && verdict_ == Verdict::free;) {
@@ -136,7 +136,7 @@ class MotionSearch {
   }
 
   // A way between two times leaves the chord by an eighth of the acceleration times the time squared at the most.
-  DIFI_DEVICE FlatBox box_of_way(const MovingTriangle& triangle, double t, double until) const {
+  STANDOFF_DEVICE FlatBox box_of_way(const MovingTriangle& triangle, double t, double until) const {
     const double bend = triangle.acceleration * (until - t) * (until - t) / 8;
     const float by = query_.keep * 2 + static_cast<float>(bend) * 1.000001f;
     float low[3], high[3];
@@ -150,14 +150,14 @@ class MotionSearch {
   }
 
   // As far as the field lets the triangle's ball go.
-  DIFI_DEVICE double moved_triangle(std::uint32_t place, double start) const {
+  STANDOFF_DEVICE double moved_triangle(std::uint32_t place, double start) const {
     const collision::Balls& balls = task_.tree.balls[0][place / kLanes];
     const std::uint32_t n = place % kLanes;
     return moved({balls.center[0][n], balls.center[1][n], balls.center[2][n]}, balls.radius[n], start, 0);
   }
 
   // The triangle against `count` of those that wait, from `first` on.
-  DIFI_DEVICE void advance(const MovingTriangle& triangle, double t, double until, int first, int count) {
+  STANDOFF_DEVICE void advance(const MovingTriangle& triangle, double t, double until, int first, int count) {
     const int lane = static_cast<int>(lane_in_warp());
     const bool near = lane < count && comes_near(room_.of_field[first + lane], triangle, t, until);
     if (__ballot_sync(kWarp, near) != 0) verdict_ = Verdict::undecided;
@@ -166,7 +166,8 @@ class MotionSearch {
   }
 
   // Whether the triangle may come nearer to one of the field's than twice the distance to be kept, before `until`.
-  DIFI_DEVICE bool comes_near(std::uint32_t of_field, const MovingTriangle& triangle, double t, double until) const {
+  STANDOFF_DEVICE bool comes_near(std::uint32_t of_field, const MovingTriangle& triangle, double t,
+                                  double until) const {
     const double keep = static_cast<double>(query_.keep);
     Triple<double> p[3], q[3];
     load_corners(task_.field, of_field, p);
@@ -191,7 +192,7 @@ class MotionSearch {
   }
 
   // No corner of the triangle moves against the unit vector n faster than this.
-  DIFI_DEVICE double approach(const Triple<double>& n, const MovingTriangle& triangle) const {
+  STANDOFF_DEVICE double approach(const Triple<double>& n, const MovingTriangle& triangle) const {
     const collision::Way& way = query_.way;
     if (way.angle_rad == 0)
       return way.field_moves ? collision::plain_dot(n, way.velocity) : -collision::plain_dot(n, way.velocity);
@@ -221,4 +222,4 @@ inline void run_sweep(const collision::SweepJob& job, Backend backend) {
       });
 }
 
-}  // namespace difi::DIFI_PLATFORM
+}  // namespace standoff::STANDOFF_PLATFORM

@@ -9,9 +9,9 @@
 #include "geometry/sample_range.h"
 #include "geometry/thesis_distance.h"
 
-namespace difi::DIFI_PLATFORM {
+namespace standoff::STANDOFF_PLATFORM {
 
-DIFI_KERNEL void clear_samples(Counter* nearest, std::int64_t samples) {
+STANDOFF_KERNEL void clear_samples(Counter* nearest, std::int64_t samples) {
   const Counter infinite = Counter{__float_as_uint(__builtin_inff())} << 32 | kNoTriangle;
   for (std::int64_t n = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x; n < samples;
        n += std::int64_t{blockDim.x} * gridDim.x)
@@ -20,8 +20,8 @@ DIFI_KERNEL void clear_samples(Counter* nearest, std::int64_t samples) {
 
 /// The samples of one brick in a triangle's range.
 template <Through kThrough>
-DIFI_DEVICE void lower_brick(const gpu::Lattice& l, const Corners& c, std::uint32_t triangle, const SampleRange& range,
-                             const Size3& brick, Counter* nearest) {
+STANDOFF_DEVICE void lower_brick(const gpu::Lattice& l, const Corners& c, std::uint32_t triangle,
+                                 const SampleRange& range, const Size3& brick, Counter* nearest) {
   const Size3 first{brick.x * gpu::kBrickSide, brick.y * gpu::kBrickSide, brick.z * gpu::kBrickSide};
   const Size3 past{first.x + gpu::kBrickSide, first.y + gpu::kBrickSide, first.z + gpu::kBrickSide};
   const SampleRange here = intersection(range, {first, past});
@@ -51,8 +51,8 @@ DIFI_DEVICE void lower_brick(const gpu::Lattice& l, const Corners& c, std::uint3
 
 /// Warps stride over the triangles.
 template <Through kThrough>
-DIFI_KERNEL void lower_samples(gpu::Lattice l, DeviceMesh mesh, Grid grid, double thickness, Counter* nearest,
-                               Outcome* outcome) {
+STANDOFF_KERNEL void lower_samples(gpu::Lattice l, DeviceMesh mesh, Grid grid, double thickness, Counter* nearest,
+                                   Outcome* outcome) {
   const std::int64_t warps = std::int64_t{gridDim.x} * (blockDim.x / 32);
   Counter examined = 0;
   for (std::int64_t n = std::int64_t{blockIdx.x} * (blockDim.x / 32) + threadIdx.x / 32; n < mesh.used_count();
@@ -76,7 +76,7 @@ DIFI_KERNEL void lower_samples(gpu::Lattice l, DeviceMesh mesh, Grid grid, doubl
 
 /// Sparse output: 1 for each tile with a band sample, 0 behind the last. Blocks of 512 threads
 /// stride over the tiles.
-DIFI_KERNEL void __launch_bounds__(kGatherThreads)
+STANDOFF_KERNEL void __launch_bounds__(kGatherThreads)
     mark_near_tiles(gpu::Lattice l, const Counter* nearest, std::uint32_t* used, Outcome* outcome) {
   if (outcome->stopped) return;
   const SampleAt at = sample_of_thread(static_cast<int>(threadIdx.x));
@@ -92,7 +92,7 @@ DIFI_KERNEL void __launch_bounds__(kGatherThreads)
 }
 
 /// From least squared distances to the field. A block a tile, striding.
-DIFI_KERNEL void __launch_bounds__(kGatherThreads)
+STANDOFF_KERNEL void __launch_bounds__(kGatherThreads)
     write_samples(gpu::Lattice l, const Counter* nearest, DeviceOutput output, Outcome* outcome) {
   __shared__ Finished finished;
   if (outcome->stopped) return;
@@ -117,4 +117,4 @@ DIFI_KERNEL void __launch_bounds__(kGatherThreads)
   }
 }
 
-}  // namespace difi::DIFI_PLATFORM
+}  // namespace standoff::STANDOFF_PLATFORM

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-namespace difi::gpu {
+namespace standoff::gpu {
 
 /// Each goes farther than the one before. What a method does not have costs it nothing.
 enum class Through {
@@ -21,4 +21,4 @@ enum class Through {
 /// all that comes before.
 inline constexpr std::uint32_t kNever = 0x7fa00001u;
 
-}  // namespace difi::gpu
+}  // namespace standoff::gpu

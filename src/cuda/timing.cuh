@@ -10,7 +10,7 @@
 #include <cuda_profiler_api.h>
 #endif
 
-namespace difi::DIFI_PLATFORM {
+namespace standoff::STANDOFF_PLATFORM {
 
 #ifdef __CUDACC__
 
@@ -113,4 +113,4 @@ class Profiled {
 
 #endif
 
-}  // namespace difi::DIFI_PLATFORM
+}  // namespace standoff::STANDOFF_PLATFORM

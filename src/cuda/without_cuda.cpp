@@ -1,13 +1,13 @@
-// What stands for the CUDA backend where difi is built without a CUDA compiler.
+// What stands for the CUDA backend where standoff is built without a CUDA compiler.
 #include "core/guarded.h"
 #include "cuda/backend.h"
 #include "cuda/collision.h"
-#include "difi/cuda.h"
+#include "standoff/cuda.h"
 
-namespace difi::cuda {
+namespace standoff::cuda {
 namespace {
 
-constexpr const char* kWhyNot = "this build of difi has no CUDA backend (it was built without nvcc)";
+constexpr const char* kWhyNot = "this build of standoff has no CUDA backend (it was built without nvcc)";
 
 [[noreturn]] void fail() try { throw Error(ErrorCode::device, why_not_available()); } catch (...) {
   throw_as_error("cuda");
@@ -34,4 +34,4 @@ std::int64_t workspace_bytes(std::int64_t, const Grid&, double, Method, std::int
 void enqueue(const Task&, void*, std::int64_t, Stream) { fail(); }
 void enqueue(std::span<const Task>, void*, std::int64_t, Stream) { fail(); }
 
-}  // namespace difi::cuda
+}  // namespace standoff::cuda

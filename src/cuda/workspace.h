@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace difi::gpu {
+namespace standoff::gpu {
 
 class Workspace {
  public:
@@ -27,4 +27,4 @@ class Workspace {
   std::int64_t used_ = 0;
 };
 
-}  // namespace difi::gpu
+}  // namespace standoff::gpu

@@ -6,7 +6,7 @@
 #include "cpu/tiles.h"
 #include "cuda/backend.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 constexpr auto kAlways = [] { return true; };
@@ -42,4 +42,4 @@ const BackendRow& find_backend(Backend backend, Method method, std::int64_t tria
   throw Error(ErrorCode::device, "compute: no backend runs this method; use another method or backend");
 }
 
-}  // namespace difi
+}  // namespace standoff

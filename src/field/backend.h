@@ -4,11 +4,11 @@
 #include <span>
 #include <string>
 
-#include "difi/compute.h"
 #include "field/progress.h"
 #include "field/sink.h"
+#include "standoff/compute.h"
 
-namespace difi {
+namespace standoff {
 
 /// What a method has to do. The mesh is valid and holds at least one triangle.
 struct Job {
@@ -54,4 +54,4 @@ struct BackendRow {
 /// Throws Error{device} when nothing fits.
 const BackendRow& find_backend(Backend backend, Method method, std::int64_t triangles, const Grid& grid);
 
-}  // namespace difi
+}  // namespace standoff

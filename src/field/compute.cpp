@@ -1,4 +1,4 @@
-#include "difi/compute.h"
+#include "standoff/compute.h"
 
 #include <tbb/parallel_for.h>
 
@@ -7,7 +7,6 @@
 #include <stdexcept>
 
 #include "core/guarded.h"
-#include "difi/version.h"
 #include "field/backend.h"
 #include "field/domain.h"
 #include "field/memory.h"
@@ -15,8 +14,9 @@
 #include "field/progress.h"
 #include "field/skip.h"
 #include "field/threads.h"
+#include "standoff/version.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 class Stopwatch {
@@ -139,4 +139,4 @@ Report compute_into(MeshView mesh, const Grid& grid, std::span<float> values, st
   throw_as_error("compute", kWhatToDo);
 }
 
-}  // namespace difi
+}  // namespace standoff

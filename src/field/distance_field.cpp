@@ -7,11 +7,11 @@
 #include <utility>
 
 #include "core/guarded.h"
-#include "difi/error.h"
-#include "difi/field.h"
 #include "field/memory.h"
+#include "standoff/error.h"
+#include "standoff/field.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 constexpr int kSide = DistanceField::kTileSide;
@@ -380,4 +380,4 @@ DistanceField DistanceField::from_dense(const Grid& grid, double thickness, std:
   throw_as_error("field", "take fewer samples, or a machine with more");
 }
 
-}  // namespace difi
+}  // namespace standoff

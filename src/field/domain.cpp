@@ -8,9 +8,9 @@
 #include <functional>
 #include <string>
 
-#include "difi/error.h"
+#include "standoff/error.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 constexpr double kFarthest = 0x1p60;        // spacings
@@ -56,4 +56,4 @@ void check_domain(MeshView mesh, const Grid& grid) {
                                       "the mesh or coarsen the grid");
 }
 
-}  // namespace difi
+}  // namespace standoff

@@ -1,10 +1,10 @@
 // How far apart mesh and grid may be.
 #pragma once
 
-#include "difi/grid.h"
-#include "difi/mesh.h"
+#include "standoff/grid.h"
+#include "standoff/mesh.h"
 
-namespace difi {
+namespace standoff {
 
 /// Backends compute squared distances in float, in units of the spacing. Throws Error{limit} where those, or the
 /// distances in world units, would not be normal floats: the mesh reaches farther than 2^60 spacings or 2^125
@@ -12,4 +12,4 @@ namespace difi {
 /// another. Requires a valid mesh and grid.
 void check_domain(MeshView mesh, const Grid& grid);
 
-}  // namespace difi
+}  // namespace standoff

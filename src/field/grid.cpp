@@ -1,13 +1,13 @@
-#include "difi/grid.h"
+#include "standoff/grid.h"
 
 #include <array>
 #include <cmath>
 #include <string>
 
 #include "core/guarded.h"
-#include "difi/error.h"
+#include "standoff/error.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 [[noreturn]] void fail(const std::string& what) { throw Error(ErrorCode::usage, "grid: " + what); }
@@ -120,4 +120,4 @@ Grid minimum_grid(const Box& box, double thickness, double e, double speed) try 
   throw_as_error("grid");
 }
 
-}  // namespace difi
+}  // namespace standoff

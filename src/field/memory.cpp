@@ -9,14 +9,14 @@
 #include <string>
 
 #include "core/guarded.h"
-#include "difi/verify.h"
 #include "field/backend.h"
 #include "field/options.h"
 #include "field/skip.h"
 #include "field/threads.h"
 #include "geometry/sample_range.h"
+#include "standoff/verify.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 constexpr std::int64_t kSide = DistanceField::kTileSide;
@@ -161,4 +161,4 @@ void check_memory(MeshView mesh, const Grid& grid, const Options& options, bool 
                                     Advice(mesh, grid, options, dense).text());
 }
 
-}  // namespace difi
+}  // namespace standoff

@@ -3,9 +3,9 @@
 
 #include <string>
 
-#include "difi/compute.h"
+#include "standoff/compute.h"
 
-namespace difi {
+namespace standoff {
 
 /// Bytes that a DistanceField takes with so many tiles stored, of so many in its grid.
 double field_bytes(double stored_tiles, double all_tiles, bool with_nearest);
@@ -17,4 +17,4 @@ std::string over_the_limit(double needed, double limit);
 /// triangles only if no bound without them is small enough. Errors: input (mesh) and limit (mesh) if it looks.
 void check_memory(MeshView mesh, const Grid& grid, const Options& options, bool dense);
 
-}  // namespace difi
+}  // namespace standoff

@@ -4,7 +4,7 @@
 
 #include "field/memory.h"
 
-namespace difi {
+namespace standoff {
 
 std::string over_the_limit(double needed, double limit) {
   double unit = 1;
@@ -22,4 +22,4 @@ std::string over_the_limit(double needed, double limit) {
   return text;
 }
 
-}  // namespace difi
+}  // namespace standoff

@@ -1,11 +1,11 @@
-#include "difi/mesh.h"
+#include "standoff/mesh.h"
 
 #include <string>
 
 #include "core/guarded.h"
-#include "difi/error.h"
+#include "standoff/error.h"
 
-namespace difi {
+namespace standoff {
 
 Box bounds(MeshView mesh) try {
   Box box;
@@ -21,4 +21,4 @@ Box bounds(MeshView mesh) try {
   throw_as_error("mesh");
 }
 
-}  // namespace difi
+}  // namespace standoff

@@ -5,9 +5,9 @@
 #include <cstring>
 
 #include "core/guarded.h"
-#include "difi/mesh.h"
+#include "standoff/mesh.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 // One round of the splitmix64 finaliser: every input bit reaches every output bit.
@@ -58,4 +58,4 @@ std::uint64_t content_hash(MeshView mesh) try {
   throw_as_error("mesh");
 }
 
-}  // namespace difi
+}  // namespace standoff

@@ -1,5 +1,5 @@
 // Whether a mesh can be computed with.
-#include "difi/mesh.h"
+#include "standoff/mesh.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
@@ -8,9 +8,9 @@
 #include <string>
 
 #include "core/guarded.h"
-#include "difi/error.h"
+#include "standoff/error.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 // Their indices fit in 32 bits.
@@ -64,4 +64,4 @@ void validate(MeshView mesh) try {
   throw_as_error("mesh");
 }
 
-}  // namespace difi
+}  // namespace standoff

@@ -4,7 +4,7 @@
 
 #include "field/threads.h"
 
-namespace difi {
+namespace standoff {
 
 void validate(const Options& options) {
   const auto fail = [](const char* what) { throw Error(ErrorCode::usage, std::string("compute: ") + what); };
@@ -25,4 +25,4 @@ SkipRule effective_rule(const Options& options) {
   return {options.method == Method::thesis ? SkipRule::Kind::neighbour : SkipRule::Kind::none, 1};
 }
 
-}  // namespace difi
+}  // namespace standoff

@@ -1,13 +1,13 @@
 // What the options of a computation mean where they leave something open.
 #pragma once
 
-#include "difi/compute.h"
+#include "standoff/compute.h"
 
-namespace difi {
+namespace standoff {
 
 /// Throws Error{usage} for options that make no sense.
 void validate(const Options& options);
 /// The skip rule of the method where none is named; never automatic.
 SkipRule effective_rule(const Options& options);
 
-}  // namespace difi
+}  // namespace standoff

@@ -5,9 +5,9 @@
 #include <mutex>
 
 #include "core/guarded.h"
-#include "difi/compute.h"
+#include "standoff/compute.h"
 
-namespace difi {
+namespace standoff {
 
 class ProgressMeter {
  public:
@@ -52,4 +52,4 @@ class ProgressMeter {
   std::mutex calling_;
 };
 
-}  // namespace difi
+}  // namespace standoff

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <span>
 
-#include "difi/field.h"
+#include "standoff/field.h"
 
-namespace difi {
+namespace standoff {
 
 /// Memory for the samples of one tile: sample (x,y,z) of the tile is at values[x + row * y + slice * z].
 /// Only `size` samples per axis may be written: tiles at the far faces of a dense grid are cut.
@@ -55,4 +55,4 @@ class Sink {
   bool with_nearest_ = false;
 };
 
-}  // namespace difi
+}  // namespace standoff

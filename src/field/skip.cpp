@@ -2,7 +2,7 @@
 
 #include <numeric>
 
-namespace difi {
+namespace standoff {
 
 std::vector<std::uint32_t> kept_triangles(MeshView mesh, const Grid& grid, double thickness, SkipRule rule) {
   switch (rule.kind) {
@@ -24,4 +24,4 @@ std::int64_t skip_bytes(std::int64_t triangles, SkipRule rule) {
   return triangles * (rule.kind == SkipRule::Kind::exact ? 18 : 4);
 }
 
-}  // namespace difi
+}  // namespace standoff

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "difi/compute.h"
+#include "standoff/compute.h"
 
-namespace difi {
+namespace standoff {
 
 /// The triangles that stay, ascending; at least one of a mesh that has any. The mesh must be valid, and grown boxes are
 /// the triangles' boxes grown by `thickness` on all sides. Kind::none and Kind::automatic keep every triangle. Uses the
@@ -33,4 +33,4 @@ double share_inside(const Box& inner, const Box& outer, double margin);
 /// Sorts 8 bytes per triangle by hash, on all threads of the caller's arena.
 std::vector<std::uint32_t> kept_by_exact_rule(MeshView mesh, const Grid& grid, double thickness);
 
-}  // namespace difi
+}  // namespace standoff

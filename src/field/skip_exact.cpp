@@ -9,7 +9,7 @@
 #include "field/skip.h"
 #include "geometry/sample_range.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 using Corners = std::array<Vec3, 3>;
@@ -140,4 +140,4 @@ std::vector<std::uint32_t> kept_by_exact_rule(MeshView mesh, const Grid& grid, d
   return ExactRule(mesh, grid, thickness).kept();
 }
 
-}  // namespace difi
+}  // namespace standoff

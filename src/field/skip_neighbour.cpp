@@ -2,7 +2,7 @@
 
 #include "field/skip.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 Box triangle_box(MeshView mesh, std::uint32_t triangle) {
@@ -59,4 +59,4 @@ std::vector<std::uint32_t> kept_by_neighbour_rule(MeshView mesh, double thicknes
   return kept;
 }
 
-}  // namespace difi
+}  // namespace standoff

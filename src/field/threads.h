@@ -9,10 +9,10 @@
 #include <optional>
 #include <string>
 
-#include "difi/compute.h"
-#include "difi/error.h"
+#include "standoff/compute.h"
+#include "standoff/error.h"
 
-namespace difi {
+namespace standoff {
 
 /// Throws Error{usage} unless so many may be asked for.
 inline void check_threads(const char* where, int asked) {
@@ -45,4 +45,4 @@ class Threads {
   tbb::task_arena arena_;
 };
 
-}  // namespace difi
+}  // namespace standoff

@@ -9,7 +9,7 @@
 
 #include "geometry/closest_point.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 double box_distance_sq(Vec3 p, const Box& box) {
@@ -96,4 +96,4 @@ double TriangleGroups::triangle_distance_sq(Vec3 p, std::uint32_t t) const {
   return closest_distance_sq(Triple<double>{0, 0, 0}, corner(0), corner(1), corner(2));
 }
 
-}  // namespace difi
+}  // namespace standoff

@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "difi/mesh.h"
+#include "standoff/mesh.h"
 
-namespace difi {
+namespace standoff {
 
 /// A triangle or group is passed over only when its box is no nearer than a distance already found; both are computed
 /// in double, so this costs at most their rounding (a few 1e-16 of the distance). Takes 40 bytes per triangle while it
@@ -34,4 +34,4 @@ class TriangleGroups {
   std::vector<Box> boxes_;            // of kGroup triangles each
 };
 
-}  // namespace difi
+}  // namespace standoff

@@ -1,4 +1,4 @@
-#include "difi/verify.h"
+#include "standoff/verify.h"
 
 #include <tbb/parallel_for.h>
 
@@ -13,7 +13,7 @@
 #include "field/threads.h"
 #include "field/triangle_groups.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 struct Sample {
@@ -139,4 +139,4 @@ Verified verify(const DistanceField& field, MeshView mesh, const VerifyOptions& 
   throw_as_error("verify", "test fewer samples, or use a machine with more");
 }
 
-}  // namespace difi
+}  // namespace standoff

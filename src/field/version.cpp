@@ -1,5 +1,5 @@
-#include "difi/version.h"
+#include "standoff/version.h"
 
-namespace difi {
-const char* version() { return DIFI_VERSION; }
-}  // namespace difi
+namespace standoff {
+const char* version() { return STANDOFF_VERSION; }
+}  // namespace standoff

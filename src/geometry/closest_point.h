@@ -12,11 +12,11 @@
 
 #include "geometry/triple.h"
 
-namespace difi {
+namespace standoff {
 
 /// The closest point to p on the segment ab; a when the segment has no length.
 template <class F>
-DIFI_INLINE Triple<F> closest_on_segment(const Triple<F>& p, const Triple<F>& a, const Triple<F>& b) {
+STANDOFF_INLINE Triple<F> closest_on_segment(const Triple<F>& p, const Triple<F>& a, const Triple<F>& b) {
   const Triple<F> ab = b - a;
   const F along = dot(p - a, ab);
   const F length_sq = dot(ab, ab);
@@ -27,7 +27,8 @@ DIFI_INLINE Triple<F> closest_on_segment(const Triple<F>& p, const Triple<F>& a,
 
 /// The closest point to p on the triangle abc.
 template <class F>
-DIFI_HD Triple<F> closest_on_triangle(const Triple<F>& p, const Triple<F>& a, const Triple<F>& b, const Triple<F>& c) {
+STANDOFF_HD Triple<F> closest_on_triangle(const Triple<F>& p, const Triple<F>& a, const Triple<F>& b,
+                                          const Triple<F>& c) {
   const F zero(0);
   const Triple<F> ab = b - a, ac = c - a, ap = p - a;
   const F d1 = dot(ab, ap), d2 = dot(ac, ap);
@@ -57,11 +58,11 @@ DIFI_HD Triple<F> closest_on_triangle(const Triple<F>& p, const Triple<F>& a, co
 
 /// The squared distance from p to the triangle abc, accurate for slivers, segments and points as well.
 template <class F>
-DIFI_HD F closest_distance_sq(const Triple<F>& p, const Triple<F>& a, const Triple<F>& b, const Triple<F>& c) {
+STANDOFF_HD F closest_distance_sq(const Triple<F>& p, const Triple<F>& a, const Triple<F>& b, const Triple<F>& c) {
   const auto to = [&p](const Triple<F>& q) { return dot(q - p, q - p); };
   const F edges =
       min(to(closest_on_segment(p, a, b)), min(to(closest_on_segment(p, b, c)), to(closest_on_segment(p, c, a))));
   return min(edges, to(closest_on_triangle(p, a, b, c)));
 }
 
-}  // namespace difi
+}  // namespace standoff

@@ -2,15 +2,15 @@
 #pragma once
 
 #ifdef __CUDACC__
-#define DIFI_HD __host__ __device__
+#define STANDOFF_HD __host__ __device__
 #else
-#define DIFI_HD
+#define STANDOFF_HD
 #endif
 
 // Small functions of the inner loops: always inlined, so that a copy compiled for one instruction set can never be
 // linked into code for another.
 #if defined(__CUDACC__)
-#define DIFI_INLINE DIFI_HD __forceinline__
+#define STANDOFF_INLINE STANDOFF_HD __forceinline__
 #else
-#define DIFI_INLINE inline __attribute__((always_inline))
+#define STANDOFF_INLINE inline __attribute__((always_inline))
 #endif

@@ -2,7 +2,7 @@
 // processor that lacks one of a set's would crash in its kernels.
 #pragma once
 
-namespace difi {
+namespace standoff {
 
 /// All that the AVX2 kernels are compiled with.
 inline bool has_avx2() {
@@ -23,4 +23,4 @@ inline bool has_avx512() {
 #endif
 }
 
-}  // namespace difi
+}  // namespace standoff

@@ -4,26 +4,28 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "difi/grid.h"
 #include "geometry/host_device.h"
+#include "standoff/grid.h"
 
-namespace difi {
+namespace standoff {
 
 /// Samples begin <= i < end on each axis.
 struct SampleRange {
   Size3 begin, end;
 
-  DIFI_HD bool empty() const { return begin.x >= end.x || begin.y >= end.y || begin.z >= end.z; }
-  DIFI_HD std::int64_t count() const { return empty() ? 0 : (end.x - begin.x) * (end.y - begin.y) * (end.z - begin.z); }
+  STANDOFF_HD bool empty() const { return begin.x >= end.x || begin.y >= end.y || begin.z >= end.z; }
+  STANDOFF_HD std::int64_t count() const {
+    return empty() ? 0 : (end.x - begin.x) * (end.y - begin.y) * (end.z - begin.z);
+  }
 };
 
-DIFI_HD inline SampleRange intersection(const SampleRange& a, const SampleRange& b) {
+STANDOFF_HD inline SampleRange intersection(const SampleRange& a, const SampleRange& b) {
   return {{std::max(a.begin.x, b.begin.x), std::max(a.begin.y, b.begin.y), std::max(a.begin.z, b.begin.z)},
           {std::min(a.end.x, b.end.x), std::min(a.end.y, b.end.y), std::min(a.end.z, b.end.z)}};
 }
 
 /// The samples of the grid in the box, its faces included. The box may be infinite, and empty on some axis.
-DIFI_HD inline SampleRange samples_in(const Box& box, const Grid& grid) {
+STANDOFF_HD inline SampleRange samples_in(const Box& box, const Grid& grid) {
   // Not ceil and floor: without SSE4.1 they are calls of the C library, and every triangle of every brick comes here.
   const auto first = [](double low, double origin, double spacing, std::int64_t size) {
     const double sample = std::clamp((low - origin) / spacing, 0.0, static_cast<double>(size));
@@ -42,4 +44,4 @@ DIFI_HD inline SampleRange samples_in(const Box& box, const Grid& grid) {
            past(box.max.z, origin.z, spacing.z, size.z)}};
 }
 
-}  // namespace difi
+}  // namespace standoff

@@ -20,10 +20,10 @@
 // needles. Degenerate triangles are their edges; edges of length zero are their first point.
 #pragma once
 
-#include "difi/vec.h"
 #include "geometry/triple.h"
+#include "standoff/vec.h"
 
-namespace difi {
+namespace standoff {
 
 /// A point on an edge is start + along * t, t in [0, 1]; t = clamp(dot(along, p - start) * inverse_length_sq).
 template <class F>
@@ -39,12 +39,12 @@ struct ThesisTriangle {
 };
 
 template <class F>
-DIFI_INLINE Triple<F> thesis_rounded(const Vec3& v) {
+STANDOFF_INLINE Triple<F> thesis_rounded(const Vec3& v) {
   return {static_cast<F>(v.x), static_cast<F>(v.y), static_cast<F>(v.z)};
 }
 
 template <class F>
-DIFI_INLINE ThesisEdge<F> thesis_edge(const Vec3& start, const Vec3& along) {
+STANDOFF_INLINE ThesisEdge<F> thesis_edge(const Vec3& start, const Vec3& along) {
   const double length_sq = dot(along, along);
   const bool usable = length_sq > 1e-30;  // shorter ones are points, far below what F resolves
   return {thesis_rounded<F>(start), thesis_rounded<F>(along), static_cast<F>(usable ? 1 / length_sq : 0)};
@@ -53,7 +53,7 @@ DIFI_INLINE ThesisEdge<F> thesis_edge(const Vec3& start, const Vec3& along) {
 /// The triangle with corners p, q, r. They should be of the order of 1 and relative to something near: in units of the
 /// grid's spacing, from a sample beside the triangle.
 template <class F>
-DIFI_INLINE ThesisTriangle<F> make_thesis_triangle(const Vec3& p, const Vec3& q, const Vec3& r) {
+STANDOFF_INLINE ThesisTriangle<F> make_thesis_triangle(const Vec3& p, const Vec3& q, const Vec3& r) {
   // a is the corner with the smallest altitude: 1 - v - w is rounded like v and w, in units of larger altitudes.
   const double pq_sq = dot(q - p, q - p), qr_sq = dot(r - q, r - q), rp_sq = dot(p - r, p - r);
   const double longest_sq = max(max(pq_sq, qr_sq), rp_sq);
@@ -79,12 +79,12 @@ DIFI_INLINE ThesisTriangle<F> make_thesis_triangle(const Vec3& p, const Vec3& q,
 // the C library the loop around it would not be vectorised. x comes last: along a row of samples the rest stays the
 // same.
 template <class F>
-DIFI_INLINE F thesis_dot(const Triple<F>& a, const Triple<F>& b) {
+STANDOFF_INLINE F thesis_dot(const Triple<F>& a, const Triple<F>& b) {
   return (a.z * b.z + a.y * b.y) + a.x * b.x;
 }
 
 template <class F>
-DIFI_INLINE F distance_sq(const ThesisEdge<F>& edge, const Triple<F>& p) {
+STANDOFF_INLINE F distance_sq(const ThesisEdge<F>& edge, const Triple<F>& p) {
   const Triple<F> from_start = p - edge.start;
   const F t = min(max(thesis_dot(edge.along, from_start) * edge.inverse_length_sq, F(0)), F(1));
   const Triple<F> difference = from_start - edge.along * t;
@@ -93,7 +93,7 @@ DIFI_INLINE F distance_sq(const ThesisEdge<F>& edge, const Triple<F>& p) {
 
 /// The squared distance from p to the triangle.
 template <class F>
-DIFI_INLINE F distance_sq(const ThesisTriangle<F>& t, const Triple<F>& p) {
+STANDOFF_INLINE F distance_sq(const ThesisTriangle<F>& t, const Triple<F>& p) {
   const Triple<F> ap = p - t.ab.start;
   const F v = thesis_dot(t.to_b, ap), w = thesis_dot(t.to_c, ap), above = thesis_dot(t.normal, ap);
   const F least_weight = min(min(v, w), F(1) - v - w);
@@ -101,4 +101,4 @@ DIFI_INLINE F distance_sq(const ThesisTriangle<F>& t, const Triple<F>& p) {
   return select(less(F(0), least_weight), above * above, edges);
 }
 
-}  // namespace difi
+}  // namespace standoff

@@ -24,7 +24,7 @@
 
 #include "geometry/triple.h"
 
-namespace difi {
+namespace standoff {
 
 /// A linear function of a point: c + g . p.
 template <class F>
@@ -49,7 +49,7 @@ struct TriangleFrame {
 /// the hypotenuse, the latter measured from both of its ends (t0 from the base, t1 from the apex), how far the point is
 /// past the base's end (past), and y.
 template <class F>
-DIFI_INLINE F combined_distance_sq(const F& z, const F& s, const F& t0, const F& t1, const F& past, const F& y) {
+STANDOFF_INLINE F combined_distance_sq(const F& z, const F& s, const F& t0, const F& t1, const F& past, const F& y) {
   const F zero(0);
   const F beside = max(s, zero);
   const F beyond = min(t0, zero) + max(t1, zero);
@@ -62,7 +62,7 @@ DIFI_INLINE F combined_distance_sq(const F& z, const F& s, const F& t0, const F&
 
 /// The squared distance of the point whose frame coordinates are (q, y, z).
 template <class F>
-DIFI_INLINE F frame_distance_sq(const TriangleFrame<F>& f, const F& q, const F& y, const F& z) {
+STANDOFF_INLINE F frame_distance_sq(const TriangleFrame<F>& f, const F& q, const F& y, const F& z) {
   const auto is_left = less(q, F(0));
   const F leg = select(is_left, f.left.leg, f.right.leg);
   const F length = select(is_left, f.left.length, f.right.length);
@@ -75,19 +75,19 @@ DIFI_INLINE F frame_distance_sq(const TriangleFrame<F>& f, const F& q, const F& 
 }
 
 template <class F>
-DIFI_INLINE F evaluate(const Linear<F>& f, const Triple<F>& p) {
+STANDOFF_INLINE F evaluate(const Linear<F>& f, const Triple<F>& p) {
   return fma(p.x, f.g.x, fma(p.y, f.g.y, fma(p.z, f.g.z, f.c)));
 }
 
 /// The squared distance of point p, given relative to the same reference as the frame's corners.
 template <class F>
-DIFI_INLINE F distance_sq(const TriangleFrame<F>& f, const Triple<F>& p) {
+STANDOFF_INLINE F distance_sq(const TriangleFrame<F>& f, const Triple<F>& p) {
   return frame_distance_sq(f, evaluate(f.q, p), evaluate(f.y, p), evaluate(f.z, p));
 }
 
 /// The point of the triangle closest to p, relative to the same reference.
 template <class F>
-DIFI_INLINE Triple<F> closest_in_frame(const TriangleFrame<F>& f, const Triple<F>& p) {
+STANDOFF_INLINE Triple<F> closest_in_frame(const TriangleFrame<F>& f, const Triple<F>& p) {
   const F zero(0);
   const F q = evaluate(f.q, p), y = evaluate(f.y, p), z = evaluate(f.z, p);
   const auto is_left = less(q, zero);
@@ -109,7 +109,8 @@ DIFI_INLINE Triple<F> closest_in_frame(const TriangleFrame<F>& f, const Triple<F
 
 /// v / |v|, or `fallback` where |v|^2 is not above `least_sq`.
 template <class F>
-DIFI_INLINE Triple<F> unit_or(const Triple<F>& v, const F& length_sq, const F& least_sq, const Triple<F>& fallback) {
+STANDOFF_INLINE Triple<F> unit_or(const Triple<F>& v, const F& length_sq, const F& least_sq,
+                                  const Triple<F>& fallback) {
   const auto usable = less(least_sq, length_sq);
   const F inverse = F(1) / sqrt(select(usable, length_sq, F(1)));
   return select(usable, v * inverse, fallback);
@@ -117,7 +118,7 @@ DIFI_INLINE Triple<F> unit_or(const Triple<F>& v, const F& length_sq, const F& l
 
 /// A unit vector at right angles to the unit vector u: the axis least along u, made orthogonal.
 template <class F>
-DIFI_INLINE Triple<F> any_perpendicular(const Triple<F>& u) {
+STANDOFF_INLINE Triple<F> any_perpendicular(const Triple<F>& u) {
   const F zero(0), one(1);
   const F ax = abs(u.x), ay = abs(u.y), az = abs(u.z);
   const auto x_least_of_xy = less(ax, ay);
@@ -128,7 +129,7 @@ DIFI_INLINE Triple<F> any_perpendicular(const Triple<F>& u) {
 }
 
 template <class F>
-DIFI_INLINE HalfTriangle<F> half_triangle(const F& leg, const F& height) {
+STANDOFF_INLINE HalfTriangle<F> half_triangle(const F& leg, const F& height) {
   const F length_sq = fma(leg, leg, height * height);
   // Rounding leaves heights of 1e-22, whose squares have lost most of their digits. 1e-36 is a normal float.
   const auto usable = less(F(1e-36f), length_sq);
@@ -140,7 +141,8 @@ DIFI_INLINE HalfTriangle<F> half_triangle(const F& leg, const F& height) {
 /// The frame of the triangle a, b, c. `least_sq` is the squared length below which an edge or altitude counts as zero:
 /// small against the accuracy wanted, large against underflow.
 template <class F>
-DIFI_INLINE TriangleFrame<F> make_frame(const Triple<F>& a, const Triple<F>& b, const Triple<F>& c, const F& least_sq) {
+STANDOFF_INLINE TriangleFrame<F> make_frame(const Triple<F>& a, const Triple<F>& b, const Triple<F>& c,
+                                            const F& least_sq) {
   // Turn the corners so that the first edge is the longest: of two, either will do, but not the third, which may have
   // no direction.
   const F ab = dot(b - a, b - a), bc = dot(c - b, c - b), ca = dot(a - c, a - c);
@@ -175,4 +177,4 @@ DIFI_INLINE TriangleFrame<F> make_frame(const Triple<F>& a, const Triple<F>& b, 
   return frame;
 }
 
-}  // namespace difi
+}  // namespace standoff

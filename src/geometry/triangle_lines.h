@@ -8,7 +8,7 @@
 
 #include "geometry/triangle_frame.h"
 
-namespace difi {
+namespace standoff {
 
 /// The lines of one right triangle: past its base's end, across and along its hypotenuse.
 template <class F>
@@ -25,17 +25,18 @@ struct TriangleLines {
 
 /// From a frame in double to lines in F (float).
 template <class F>
-DIFI_INLINE Linear<F> rounded(const Linear<double>& f) {
+STANDOFF_INLINE Linear<F> rounded(const Linear<double>& f) {
   return {{F(static_cast<float>(f.g.x)), F(static_cast<float>(f.g.y)), F(static_cast<float>(f.g.z))},
           F(static_cast<float>(f.c))};
 }
 
-DIFI_INLINE Linear<double> combined(double a, const Linear<double>& f, double b, const Linear<double>& g) {
+STANDOFF_INLINE Linear<double> combined(double a, const Linear<double>& f, double b, const Linear<double>& g) {
   return {f.g * a + g.g * b, f.c * a + g.c * b};
 }
 
 template <class F>
-DIFI_INLINE HalfLines<F> half_lines(double towards, const TriangleFrame<double>& f, const HalfTriangle<double>& half) {
+STANDOFF_INLINE HalfLines<F> half_lines(double towards, const TriangleFrame<double>& f,
+                                        const HalfTriangle<double>& half) {
   Linear<double> past{f.q.g * towards, f.q.c * towards - half.leg};
   const Linear<double> along = combined(half.nx, f.y, -half.ny, past);
   return {rounded<F>(past), rounded<F>(combined(half.nx, past, half.ny, f.y)), rounded<F>(along),
@@ -43,7 +44,7 @@ DIFI_INLINE HalfLines<F> half_lines(double towards, const TriangleFrame<double>&
 }
 
 template <class F>
-DIFI_INLINE TriangleLines<F> make_lines(const TriangleFrame<double>& f) {
+STANDOFF_INLINE TriangleLines<F> make_lines(const TriangleFrame<double>& f) {
   return {rounded<F>(f.q), rounded<F>(f.y), rounded<F>(f.z), half_lines<F>(-1, f, f.left),
           half_lines<F>(1, f, f.right)};
 }
@@ -55,7 +56,7 @@ struct LineReadings {
 };
 
 template <class F>
-DIFI_INLINE F lines_distance_sq(const TriangleLines<F>& t, const LineReadings<F>& at) {
+STANDOFF_INLINE F lines_distance_sq(const TriangleLines<F>& t, const LineReadings<F>& at) {
   const auto is_left = less(at.q, F(0));
   const F along = select(is_left, at.along_left, at.along_right);
   const F t0 = along + select(is_left, t.left.along.c, t.right.along.c);
@@ -65,7 +66,7 @@ DIFI_INLINE F lines_distance_sq(const TriangleLines<F>& t, const LineReadings<F>
 }
 
 template <class F>
-DIFI_INLINE F distance_sq(const TriangleLines<F>& t, const Triple<F>& p) {
+STANDOFF_INLINE F distance_sq(const TriangleLines<F>& t, const Triple<F>& p) {
   const F zero(0);
   return lines_distance_sq(
       t, LineReadings<F>{evaluate(t.q, p), evaluate(t.y, p), evaluate(t.z, p), evaluate(t.left.past, p),
@@ -76,10 +77,10 @@ DIFI_INLINE F distance_sq(const TriangleLines<F>& t, const Triple<F>& p) {
 
 /// The same for a point that lies in `half` of the triangle, left of the altitude or right of it: the same bits.
 template <class F>
-DIFI_INLINE F distance_sq_in_half(const TriangleLines<F>& t, const HalfLines<F>& half, const Triple<F>& p) {
+STANDOFF_INLINE F distance_sq_in_half(const TriangleLines<F>& t, const HalfLines<F>& half, const Triple<F>& p) {
   const F along = evaluate(Linear<F>{half.along.g, F(0)}, p);
   return combined_distance_sq(evaluate(t.z, p), evaluate(half.across, p), along + half.along.c, along + half.along_apex,
                               evaluate(half.past, p), evaluate(t.y, p));
 }
 
-}  // namespace difi
+}  // namespace standoff

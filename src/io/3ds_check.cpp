@@ -9,7 +9,7 @@
 #include "io/3ds_chunks.h"
 #include "io/3ds_parts.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 // Chunks that hold each other: the file, its keyframer, a node of it, a track of positions, rotations and so on.
@@ -100,4 +100,4 @@ void check_3ds(const FileView& file) {
   check_3ds_parts(file);
 }
 
-}  // namespace difi
+}  // namespace standoff

@@ -9,7 +9,7 @@
 
 #include "io/file_view.h"
 
-namespace difi {
+namespace standoff {
 
 /// The number whose bytes begin at `at`; they must be there.
 template <class T>
@@ -36,4 +36,4 @@ void each_chunk(const FileView& file, std::size_t begin, std::size_t end, const 
   }
 }
 
-}  // namespace difi
+}  // namespace standoff

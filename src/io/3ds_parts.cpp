@@ -7,7 +7,7 @@
 
 #include "io/3ds_chunks.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 class PartCheck {
@@ -81,4 +81,4 @@ class PartCheck {
 
 void check_3ds_parts(const FileView& file) { PartCheck(file).run(); }
 
-}  // namespace difi
+}  // namespace standoff

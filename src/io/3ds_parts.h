@@ -3,11 +3,11 @@
 
 #include "io/file_view.h"
 
-namespace difi {
+namespace standoff {
 
 /// Of a few bytes assimp makes kilobytes: nine of a material, three of a mesh, two of a light or a camera. It also
 /// looks for each light and camera among all, and for the material of each group of faces. Errors: input, with the
 /// byte, for more of them than memory and time should go into.
 void check_3ds_parts(const FileView& file);
 
-}  // namespace difi
+}  // namespace standoff

@@ -1,6 +1,6 @@
 // The one file that assimp gets to see.
 #pragma once
-#ifdef DIFI_HAVE_ASSIMP
+#ifdef STANDOFF_HAVE_ASSIMP
 
 #include <assimp/MemoryIOWrapper.h>
 #include <assimp/IOSystem.hpp>
@@ -11,7 +11,7 @@
 
 #include "io/file_view.h"
 
-namespace difi {
+namespace standoff {
 
 /// A mesh file from the bytes that were checked, whatever another program does to it meanwhile. No other file is there
 /// for assimp: what a mesh refers to, such as textures, is none of its shape.
@@ -33,6 +33,6 @@ class AssimpFiles : public Assimp::IOSystem {
   std::string_view bytes_;
 };
 
-}  // namespace difi
+}  // namespace standoff
 
-#endif  // DIFI_HAVE_ASSIMP
+#endif  // STANDOFF_HAVE_ASSIMP

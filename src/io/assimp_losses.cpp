@@ -1,4 +1,4 @@
-#ifdef DIFI_HAVE_ASSIMP
+#ifdef STANDOFF_HAVE_ASSIMP
 
 #include "io/assimp_losses.h"
 
@@ -8,7 +8,7 @@
 #include <string_view>
 #include <thread>
 
-namespace difi {
+namespace standoff {
 namespace {
 
 std::mutex one_at_a_time;
@@ -41,6 +41,6 @@ AssimpLosses::~AssimpLosses() {
 
 const std::string& AssimpLosses::first() const { return listener_->first; }
 
-}  // namespace difi
+}  // namespace standoff
 
-#endif  // DIFI_HAVE_ASSIMP
+#endif  // STANDOFF_HAVE_ASSIMP

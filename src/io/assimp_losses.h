@@ -1,11 +1,11 @@
 // What assimp leaves out of a mesh and mentions in its log alone.
 #pragma once
-#ifdef DIFI_HAVE_ASSIMP
+#ifdef STANDOFF_HAVE_ASSIMP
 
 #include <memory>
 #include <string>
 
-namespace difi {
+namespace standoff {
 
 /// While one lives it hears assimp's warnings of this thread. Assimp's log is one for the whole process, so only one
 /// lives at a time: the next one waits. A logger that the program itself has given assimp is left in place.
@@ -25,6 +25,6 @@ class AssimpLosses {
   bool own_logger_;
 };
 
-}  // namespace difi
+}  // namespace standoff
 
-#endif  // DIFI_HAVE_ASSIMP
+#endif  // STANDOFF_HAVE_ASSIMP

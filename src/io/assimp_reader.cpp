@@ -1,6 +1,6 @@
 // 3DS and COLLADA through assimp, which only ever sees those: its readers of STL, PLY, OBJ and OFF
 // fail in worse ways than ours. Of what it returns nothing is trusted.
-#ifdef DIFI_HAVE_ASSIMP
+#ifdef STANDOFF_HAVE_ASSIMP
 
 #include <assimp/BaseImporter.h>
 #include <assimp/config.h>
@@ -15,7 +15,6 @@
 #include <string_view>
 #include <vector>
 
-#include "difi/error.h"
 #include "io/3ds_check.h"
 #include "io/assimp_files.h"
 #include "io/assimp_losses.h"
@@ -26,8 +25,9 @@
 #include "io/placement.h"
 #include "io/shown.h"
 #include "io/unfolding.h"
+#include "standoff/error.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 Placement of_matrix(const aiMatrix4x4& matrix) {
@@ -171,6 +171,6 @@ Mesh read_with_assimp(const FileView& file, const char* extension) {
   }
 }
 
-}  // namespace difi
+}  // namespace standoff
 
-#endif  // DIFI_HAVE_ASSIMP
+#endif  // STANDOFF_HAVE_ASSIMP

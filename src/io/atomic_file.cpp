@@ -14,10 +14,10 @@
 #include <string>
 #include <system_error>
 
-#include "difi/error.h"
 #include "io/unfinished.h"
+#include "standoff/error.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 // Large enough that system calls cost nothing against copying, small enough to stay in the cache.
@@ -64,7 +64,7 @@ std::string unfinished_name() {
   static std::atomic<unsigned> count{0};
   const auto now = static_cast<unsigned long long>(std::chrono::system_clock::now().time_since_epoch().count());
   std::array<char, 64> name{};
-  std::snprintf(name.data(), name.size(), ".difi-%llx-%x-%x.part", now, static_cast<unsigned>(::getpid()), count++);
+  std::snprintf(name.data(), name.size(), ".standoff-%llx-%x-%x.part", now, static_cast<unsigned>(::getpid()), count++);
   return name.data();
 }
 
@@ -239,4 +239,4 @@ void AtomicFile::fail(int error) const {
   throw Error(ErrorCode::output, shown_.string() + ": cannot write it: " + reason(error, target_.parent_path()));
 }
 
-}  // namespace difi
+}  // namespace standoff

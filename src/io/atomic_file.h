@@ -6,13 +6,13 @@
 #include <filesystem>
 #include <memory>
 
-#include "difi/existing.h"
+#include "standoff/existing.h"
 
-namespace difi {
+namespace standoff {
 
 /// Writes beside the target and takes its place on commit. Without a commit the target stays as it was and nothing is
 /// left: on Linux the unfinished file has no name where the file system can do that, so even a killed process leaves
-/// nothing; elsewhere it is called `.difi-*.part`, and the destructor or remove_unfinished_files() removes it.
+/// nothing; elsewhere it is called `.standoff-*.part`, and the destructor or remove_unfinished_files() removes it.
 /// A symbolic link is followed; permissions of a replaced file are kept; devices and pipes are written straight.
 /// Every member throws Error{output} as `FILE: what; what to do`.
 class AtomicFile {
@@ -66,4 +66,4 @@ class AtomicFile {
   std::size_t buffered_ = 0;
 };
 
-}  // namespace difi
+}  // namespace standoff

@@ -3,8 +3,8 @@
 
 #include <string_view>
 
-namespace difi {
+namespace standoff {
 
-inline constexpr std::string_view kBodyMagic = "difibody";
+inline constexpr std::string_view kBodyMagic = "so.body\n";
 
-}  // namespace difi
+}  // namespace standoff

@@ -13,7 +13,7 @@
 #include "io/mesh_text.h"
 #include "io/xml_scan.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 constexpr int kDeepest = 500;  // elements; assimp calls itself for each
@@ -233,4 +233,4 @@ class ColladaCheck {
 
 void check_collada(const FileView& file) { ColladaCheck(file).run(); }
 
-}  // namespace difi
+}  // namespace standoff

@@ -3,11 +3,11 @@
 
 #include "io/file_view.h"
 
-namespace difi {
+namespace standoff {
 
 /// Assimp trusts the counts and indices of COLLADA: wrong ones make it read past the ends of its arrays, take all
 /// memory or leave triangles out. Errors: input, with the line, when the numbers of a primitive do not fit its count,
 /// an accessor reaches past its array, nodes instance themselves, elements are nested too deep, or there are too many.
 void check_collada(const FileView& file);
 
-}  // namespace difi
+}  // namespace standoff

@@ -5,7 +5,7 @@
 
 #include "io/unfolding.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 // Beyond any scene that was meant. Each level takes frames of assimp's stack, each node or mesh 1.5 kilobytes.
@@ -122,4 +122,4 @@ void ColladaNodes::add_instance(Node& node, std::string_view target, int depth) 
   node.corners += corners;
 }
 
-}  // namespace difi
+}  // namespace standoff

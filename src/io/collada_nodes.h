@@ -9,7 +9,7 @@
 #include "io/collada_shapes.h"
 #include "io/xml_scan.h"
 
-namespace difi {
+namespace standoff {
 
 /// Collects nodes, their instances and their shapes; at the end they must unfold to a tree that fits memory and stack.
 class ColladaNodes {
@@ -51,4 +51,4 @@ class ColladaNodes {
   std::multimap<std::string_view, std::size_t> library_, all_;
 };
 
-}  // namespace difi
+}  // namespace standoff

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace difi {
+namespace standoff {
 
 void ColladaShapes::see(const XmlTag& tag) {
   const bool close = tag.kind == XmlTag::Kind::close;
@@ -32,4 +32,4 @@ ColladaShapes::Size ColladaShapes::size(std::string_view id) const {
   return {};
 }
 
-}  // namespace difi
+}  // namespace standoff

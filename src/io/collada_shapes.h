@@ -7,7 +7,7 @@
 
 #include "io/xml_scan.h"
 
-namespace difi {
+namespace standoff {
 
 /// Counts the corners of each geometry's faces. A controller (a skin, a morph) has those of the geometry it moves.
 class ColladaShapes {
@@ -32,4 +32,4 @@ class ColladaShapes {
   std::map<std::string_view, std::string_view> sources_;  // of controllers
 };
 
-}  // namespace difi
+}  // namespace standoff

@@ -12,7 +12,7 @@
 #include "io/mesh_text.h"
 #include "io/uri.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 constexpr const char* kPutBeside = "; put the file beside the mesh and name it there";
@@ -104,4 +104,4 @@ std::unique_ptr<FileView> open_companion(const FileView& file, const std::string
   return std::make_unique<FileView>(file.path().parent_path() / path, Search(file, where, path).open(), longest);
 }
 
-}  // namespace difi
+}  // namespace standoff

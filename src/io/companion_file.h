@@ -7,7 +7,7 @@
 
 #include "io/file_view.h"
 
-namespace difi {
+namespace standoff {
 
 /// A relative URI as the path of a file in the mesh's folder or below it: its percent escapes decoded, parts "." left
 /// out. Errors: input, as `FILE:WHERE: ...`, for what leaves the folder or names no file of it: an absolute path, a
@@ -20,4 +20,4 @@ std::string companion_path(const FileView& file, const std::string& where, const
 std::unique_ptr<FileView> open_companion(const FileView& file, const std::string& where, const std::string& path,
                                          std::uint64_t longest);
 
-}  // namespace difi
+}  // namespace standoff

@@ -5,7 +5,7 @@
 
 #include <utility>
 
-namespace difi {
+namespace standoff {
 
 /// Closed at the end of its life; a number below zero is none.
 class Descriptor {
@@ -27,4 +27,4 @@ class Descriptor {
   int number_ = -1;
 };
 
-}  // namespace difi
+}  // namespace standoff

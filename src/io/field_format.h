@@ -1,11 +1,11 @@
 // The table of field formats: a format is one file and a row in field_formats.cpp.
 #pragma once
 
-#include "difi/field.h"
 #include "io/atomic_file.h"
 #include "io/field_input.h"
+#include "standoff/field.h"
 
-namespace difi {
+namespace standoff {
 
 struct FieldFormat {
   const char* extension;
@@ -24,4 +24,4 @@ void write_nrrd(AtomicFile& file, const DistanceField& field);
 DistanceField read_npz(const FieldInput& file);
 void write_npz(AtomicFile& file, const DistanceField& field);
 
-}  // namespace difi
+}  // namespace standoff

@@ -5,11 +5,11 @@
 #include <string>
 
 #include "core/guarded.h"
-#include "difi/error.h"
-#include "difi/io.h"
 #include "io/field_format.h"
+#include "standoff/error.h"
+#include "standoff/io.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 constexpr std::array<FieldFormat, 3> kFormats{{
@@ -71,4 +71,4 @@ void write_field(const std::filesystem::path& path, const DistanceField& field, 
   throw_as_error("field");
 }
 
-}  // namespace difi
+}  // namespace standoff

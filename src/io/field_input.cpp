@@ -1,6 +1,6 @@
 #include "io/field_input.h"
 
-namespace difi {
+namespace standoff {
 
 void FieldInput::fail_short(std::uint64_t offset, std::uint64_t bytes, const char* what) const {
   fail("byte " + std::to_string(offset), std::string(what) + " of " + std::to_string(bytes) +
@@ -8,4 +8,4 @@ void FieldInput::fail_short(std::uint64_t offset, std::uint64_t bytes, const cha
                                              " bytes; it is truncated or damaged, write it again");
 }
 
-}  // namespace difi
+}  // namespace standoff

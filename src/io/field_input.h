@@ -10,7 +10,7 @@
 
 #include "io/file_view.h"
 
-namespace difi {
+namespace standoff {
 
 /// Bounds-checked access to a view, which must outlive it. Every member that can fail throws Error{input} as
 /// `FILE:WHERE: what; what to do`.
@@ -52,4 +52,4 @@ class FieldInput {
   std::int64_t memory_limit_;
 };
 
-}  // namespace difi
+}  // namespace standoff

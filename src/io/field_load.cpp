@@ -5,12 +5,12 @@
 #include <optional>
 #include <string>
 
-#include "difi/error.h"
 #include "field/memory.h"
 #include "io/field_samples.h"
 #include "io/field_text.h"
+#include "standoff/error.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 constexpr std::int64_t kSide = DistanceField::kTileSide;
@@ -182,4 +182,4 @@ DistanceField load_field(const FieldInput& file, const StoredField& stored) {
   }
 }
 
-}  // namespace difi
+}  // namespace standoff

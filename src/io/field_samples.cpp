@@ -4,7 +4,7 @@
 #include <bit>
 #include <vector>
 
-namespace difi {
+namespace standoff {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "field files are written as the machine holds numbers");
@@ -46,4 +46,4 @@ void send_nearest(const DistanceField& field, const ByteSink& sink) {
       field.grid(), [&](auto k, auto count, auto out) { field.copy_nearest_slices(k, count, out); }, sink);
 }
 
-}  // namespace difi
+}  // namespace standoff

@@ -7,10 +7,10 @@
 #include <optional>
 #include <span>
 
-#include "difi/field.h"
 #include "io/field_input.h"
+#include "standoff/field.h"
 
-namespace difi {
+namespace standoff {
 
 /// Takes the bytes of an array in order.
 using ByteSink = std::function<void(std::span<const std::byte>)>;
@@ -45,4 +45,4 @@ void require_valid(const FieldInput& file, const Grid& grid);
 /// no sense, the file is too short, or a value is not a number or exceeds the thickness; limit as DistanceField.
 DistanceField load_field(const FieldInput& file, const StoredField& stored);
 
-}  // namespace difi
+}  // namespace standoff

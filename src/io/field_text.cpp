@@ -2,7 +2,7 @@
 
 #include <array>
 
-namespace difi {
+namespace standoff {
 namespace {
 constexpr std::string_view kSpace = " \t\r\n\v\f";
 }
@@ -42,4 +42,4 @@ std::vector<std::string_view> words_of(std::string_view text) {
   return words;
 }
 
-}  // namespace difi
+}  // namespace standoff

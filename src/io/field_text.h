@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-namespace difi {
+namespace standoff {
 
 /// Characters of a method or version that are read: far more than any has.
 constexpr std::uint64_t kMaxText = 4096;
@@ -33,4 +33,4 @@ std::optional<Number> number_in(std::string_view text) {
   return number;
 }
 
-}  // namespace difi
+}  // namespace standoff

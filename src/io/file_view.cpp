@@ -12,9 +12,9 @@
 #include <new>
 #include <system_error>
 
-#include "difi/error.h"
+#include "standoff/error.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 constexpr std::size_t kUnbounded = std::numeric_limits<std::size_t>::max();
@@ -109,4 +109,4 @@ void FileView::fail(const std::string& where, const std::string& message) const 
   throw Error(ErrorCode::input, text);
 }
 
-}  // namespace difi
+}  // namespace standoff

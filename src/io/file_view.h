@@ -10,7 +10,7 @@
 
 #include "io/descriptor.h"
 
-namespace difi {
+namespace standoff {
 
 /// A file's bytes for as long as the view lives, and the way to complain about them.
 class FileView {
@@ -53,4 +53,4 @@ class FileView {
 /// What a message says is wrong, without what it says to do: for those of a grid or a mesh that came from a file.
 constexpr std::string_view diagnosis(std::string_view message) { return message.substr(0, message.find("; ")); }
 
-}  // namespace difi
+}  // namespace standoff

@@ -6,7 +6,7 @@
 #include "io/companion_file.h"
 #include "io/uri.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 std::uint64_t whole(const JsonView& json, std::string_view name, std::uint64_t otherwise) {
@@ -101,4 +101,4 @@ std::string_view GltfBuffers::content(std::uint64_t number, const std::string& w
   return companion->bytes();
 }
 
-}  // namespace difi
+}  // namespace standoff

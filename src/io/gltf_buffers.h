@@ -13,7 +13,7 @@
 #include "io/file_view.h"
 #include "io/json_view.h"
 
-namespace difi {
+namespace standoff {
 
 /// A view by its number, and where in it.
 struct GltfPlace {
@@ -65,4 +65,4 @@ class GltfBuffers {
   std::uint64_t companion_bytes_ = 0;
 };
 
-}  // namespace difi
+}  // namespace standoff

@@ -7,7 +7,7 @@
 #include <set>
 #include <utility>
 
-namespace difi {
+namespace standoff {
 
 GltfMeshes::GltfMeshes(const FileView& file, const std::optional<JsonView>& meshes, GltfNumbers& numbers)
     : file_(file), numbers_(numbers) {
@@ -133,4 +133,4 @@ std::string GltfMeshes::place_of_vertex(std::size_t vertex) const {
   return "accessor " + std::to_string(origin.accessor) + " vertex " + std::to_string(vertex - origin.first);
 }
 
-}  // namespace difi
+}  // namespace standoff

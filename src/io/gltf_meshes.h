@@ -11,7 +11,7 @@
 #include "io/placement.h"
 #include "io/unfolding.h"
 
-namespace difi {
+namespace standoff {
 
 /// Lists, strips and fans of triangles; points and lines are passed over. Materials, skins and morph targets are left
 /// out. Errors everywhere: input, as `FILE:mesh N primitive N: ...`.
@@ -65,4 +65,4 @@ class GltfMeshes {
   std::vector<Origin> origins_;
 };
 
-}  // namespace difi
+}  // namespace standoff

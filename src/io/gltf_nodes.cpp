@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-namespace difi {
+namespace standoff {
 namespace {
 
 template <std::size_t n>
@@ -150,4 +150,4 @@ Placement GltfNodes::placement(std::uint32_t node) const {
   return placement;
 }
 
-}  // namespace difi
+}  // namespace standoff

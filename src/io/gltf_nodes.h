@@ -11,7 +11,7 @@
 #include "io/json_view.h"
 #include "io/placement.h"
 
-namespace difi {
+namespace standoff {
 
 /// The trees of nodes below the scene that is shown: the one that "scene" names, else the first. As the specification
 /// demands, no node has two parents and a scene begins at nodes without any: so trees are walked, never cycles, and no
@@ -44,4 +44,4 @@ class GltfNodes {
   std::vector<std::uint32_t> roots_;
 };
 
-}  // namespace difi
+}  // namespace standoff

@@ -8,7 +8,7 @@
 #include <type_traits>
 #include <utility>
 
-namespace difi {
+namespace standoff {
 namespace {
 
 static_assert(std::endian::native == std::endian::little);
@@ -172,4 +172,4 @@ void GltfNumbers::read_indices(std::uint64_t number, std::vector<std::uint32_t>&
               [&](std::uint64_t e, std::size_t, auto value) { indices[e] = static_cast<std::uint32_t>(value); });
 }
 
-}  // namespace difi
+}  // namespace standoff

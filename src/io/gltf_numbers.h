@@ -7,11 +7,11 @@
 #include <string_view>
 #include <vector>
 
-#include "difi/vec.h"
 #include "io/gltf_buffers.h"
 #include "io/json_view.h"
+#include "standoff/vec.h"
 
-namespace difi {
+namespace standoff {
 
 /// Reads what accessors hold. Errors everywhere: input, as `FILE:accessor N: ...`, for what is out of range, missing
 /// or of the wrong kind.
@@ -64,4 +64,4 @@ class GltfNumbers {
   std::vector<Sparse> sparse_;
 };
 
-}  // namespace difi
+}  // namespace standoff

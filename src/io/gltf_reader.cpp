@@ -17,7 +17,7 @@
 #include "io/mesh_text.h"
 #include "io/unfolding.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 // Ten times what scenes need; each level takes a frame of the reader's stack.
@@ -128,4 +128,4 @@ Mesh read_glb(const FileView& file) {
   return read_scene(file, *json, binary);
 }
 
-}  // namespace difi
+}  // namespace standoff

@@ -5,7 +5,7 @@
 
 #include "io/mesh_text.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 constexpr const char* kAgain = "; write the file again in the program that made it";
@@ -283,4 +283,4 @@ void JsonView::expect(Kind wanted, const char* name) const {
   if (kind() != wanted) fail(std::string("expected ") + name + ", found " + in_quotes(text_) + "; repair the file");
 }
 
-}  // namespace difi
+}  // namespace standoff

@@ -8,7 +8,7 @@
 
 #include "io/file_view.h"
 
-namespace difi {
+namespace standoff {
 
 /// A value. Every question goes through its text again: ask for a list or an object once, and keep what is in it.
 class JsonView {
@@ -75,4 +75,4 @@ class JsonView {
   std::string_view text_;  // from its first character to its last
 };
 
-}  // namespace difi
+}  // namespace standoff

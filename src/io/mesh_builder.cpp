@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <utility>
 
-#include "difi/error.h"
 #include "io/mesh_polygon.h"
 #include "io/weld.h"
+#include "standoff/error.h"
 
-namespace difi {
+namespace standoff {
 
 void MeshBuilder::add_face(std::span<const std::uint32_t> corners) {
   if (corners.size() < 3) return;
@@ -84,4 +84,4 @@ void fail_no_triangles(const FileView& file) {
   file.fail("", "the file holds no triangles; give a mesh with at least one");
 }
 
-}  // namespace difi
+}  // namespace standoff

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "difi/mesh.h"
 #include "io/file_view.h"
+#include "standoff/mesh.h"
 
-namespace difi {
+namespace standoff {
 
 /// Collects what an indexed format holds. Vertices may come after the faces that use them.
 class MeshBuilder {
@@ -54,4 +54,4 @@ void check_counts(const FileView& file, std::uint64_t vertices, std::uint64_t tr
 inline constexpr const char* kNotFinite =
     "a coordinate is not a finite number; repair the mesh in the program that wrote it";
 
-}  // namespace difi
+}  // namespace standoff

@@ -3,11 +3,11 @@
 
 #include <string_view>
 
-#include "difi/mesh.h"
 #include "io/atomic_file.h"
 #include "io/file_view.h"
+#include "standoff/mesh.h"
 
-namespace difi {
+namespace standoff {
 
 struct MeshFormat {
   const char* extension;
@@ -36,7 +36,7 @@ Mesh read_off(const FileView& file);
 Mesh read_gltf(const FileView& file);
 Mesh read_glb(const FileView& file);
 
-/// 3DS and DAE. Only with DIFI_HAVE_ASSIMP.
+/// 3DS and DAE. Only with STANDOFF_HAVE_ASSIMP.
 Mesh read_with_assimp(const FileView& file, const char* extension);
 
-}  // namespace difi
+}  // namespace standoff

@@ -7,12 +7,12 @@
 #include <string>
 
 #include "core/guarded.h"
-#include "difi/io.h"
 #include "io/body_magic.h"
 #include "io/mesh_format.h"
 #include "io/mesh_text.h"
+#include "standoff/io.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 // The main chunk: 0x4d4d, and a length that is the file's.
@@ -29,7 +29,7 @@ bool is_gltf(std::string_view content) {
 }
 bool is_dae(std::string_view content) { return content.substr(0, 1024).find("<COLLADA") != content.npos; }
 
-#ifdef DIFI_HAVE_ASSIMP
+#ifdef STANDOFF_HAVE_ASSIMP
 constexpr Mesh (*read_3ds)(const FileView&) = [](const FileView& file) { return read_with_assimp(file, "3ds"); };
 constexpr Mesh (*read_dae)(const FileView&) = [](const FileView& file) { return read_with_assimp(file, "dae"); };
 #else
@@ -70,7 +70,7 @@ std::string extensions(const Wanted& wanted) {
 
 const MeshFormat& format_to_read(const FileView& file) {
   if (file.bytes().starts_with(kBodyMagic))
-    file.fail("byte 0", "the content is a body that difi build made, and no mesh; rename it to end in .body");
+    file.fail("byte 0", "the content is a body that standoff build made, and no mesh; rename it to end in .body");
   const MeshFormat* named = format_by_extension(file.path());
   const MeshFormat* found = named && named->recognises(file.bytes()) ? named : format_by_content(file.bytes());
   if (!named && !found)
@@ -81,9 +81,9 @@ const MeshFormat& format_to_read(const FileView& file) {
                             "; rename it to end in ." + found->extension);
   const MeshFormat& format = named ? *named : *found;
   if (!format.read)
-    file.fail("", "this difi was built without " + std::string(format.name) +
-                      "; convert it to STL, PLY or OBJ, or build difi with assimp (Debian: libassimp-dev, CMake: "
-                      "DIFI_WITH_ASSIMP)");
+    file.fail("", "this standoff was built without " + std::string(format.name) +
+                      "; convert it to STL, PLY or OBJ, or build standoff with assimp (Debian: libassimp-dev, CMake: "
+                      "STANDOFF_WITH_ASSIMP)");
   return format;
 }
 
@@ -136,4 +136,4 @@ void write_mesh(const std::filesystem::path& path, MeshView mesh, Existing exist
   throw_as_error("mesh");
 }
 
-}  // namespace difi
+}  // namespace standoff

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace difi {
+namespace standoff {
 namespace {
 
 struct Vec2 {
@@ -148,4 +148,4 @@ bool triangulate(std::span<const Vec3> vertices, std::span<Triangle> fan, double
   return true;
 }
 
-}  // namespace difi
+}  // namespace standoff

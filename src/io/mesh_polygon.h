@@ -3,9 +3,9 @@
 
 #include <span>
 
-#include "difi/mesh.h"
+#include "standoff/mesh.h"
 
-namespace difi {
+namespace standoff {
 
 /// Squares of corners that a mesh with so many corners in its polygons may take: what one polygon of 2^15 corners
 /// needs, a few seconds, and 256 for each corner, which real polygons do not come near.
@@ -21,4 +21,4 @@ inline double polygon_work(std::size_t corners) { return 0x1p30 + 256 * static_c
 /// left. Requires finite corners.
 bool triangulate(std::span<const Vec3> vertices, std::span<Triangle> fan, double& work);
 
-}  // namespace difi
+}  // namespace standoff

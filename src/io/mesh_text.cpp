@@ -5,7 +5,7 @@
 #include <limits>
 #include <type_traits>
 
-namespace difi {
+namespace standoff {
 
 bool equals_ignoring_case(std::string_view text, std::string_view lower) {
   return std::equal(text.begin(), text.end(), lower.begin(), lower.end(),
@@ -114,4 +114,4 @@ void TextCursor::fail_at(const char* place, const std::string& message) const {
   file_.fail("line " + std::to_string(line_at(place)), message);
 }
 
-}  // namespace difi
+}  // namespace standoff

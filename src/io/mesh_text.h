@@ -9,7 +9,7 @@
 #include "io/file_view.h"
 #include "io/shown.h"
 
-namespace difi {
+namespace standoff {
 
 constexpr bool is_line_end(char c) { return c == '\n' || c == '\r'; }
 constexpr bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
@@ -100,4 +100,4 @@ extern template double TextCursor::number<double>();
 extern template float TextCursor::number<float>();
 extern template std::int64_t TextCursor::number<std::int64_t>();
 
-}  // namespace difi
+}  // namespace standoff

@@ -5,7 +5,7 @@
 
 #include "io/field_text.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 constexpr std::string_view kMagic = "\x93NUMPY";
@@ -108,4 +108,4 @@ NpyArray read_npy(const FieldInput& file, const std::string& name, std::uint64_t
   return array;
 }
 
-}  // namespace difi
+}  // namespace standoff

@@ -7,7 +7,7 @@
 
 #include "io/field_input.h"
 
-namespace difi {
+namespace standoff {
 
 struct NpyHeader {
   std::string type;                 ///< as numpy spells it: "<f4"
@@ -27,4 +27,4 @@ struct NpyArray : NpyHeader {
 /// Reads the header of the array file that lies in `bytes` bytes from `offset` on. Errors: input.
 NpyArray read_npy(const FieldInput& file, const std::string& name, std::uint64_t offset, std::uint64_t bytes);
 
-}  // namespace difi
+}  // namespace standoff

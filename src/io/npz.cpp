@@ -12,7 +12,7 @@
 #include "io/zip_reader.h"
 #include "io/zip_writer.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 constexpr const char* kDistance = "distance";
@@ -174,4 +174,4 @@ void write_npz(AtomicFile& file, const DistanceField& field) {
   arrays.finish();
 }
 
-}  // namespace difi
+}  // namespace standoff

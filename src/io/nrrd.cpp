@@ -9,7 +9,7 @@
 #include "io/nrrd_header.h"
 #include "io/shown.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 // What changes where or how samples are stored, and is not read.
@@ -126,7 +126,7 @@ void write_nrrd(AtomicFile& file, const DistanceField& field) {
     return std::string("(") + text(x) + "," + text(y) + "," + text(z) + ")";
   };
   const std::string header =
-      "NRRD0005\n# Distances to a triangle mesh, at most the thickness, by difi\n"
+      "NRRD0005\n# Distances to a triangle mesh, at most the thickness, by standoff\n"
       "type: float\ndimension: 3\nspace dimension: 3\nsizes: " +
       std::to_string(grid.size.x) + " " + std::to_string(grid.size.y) + " " + std::to_string(grid.size.z) +
       "\nspace directions: " + vector(grid.spacing.x, 0, 0) + " " + vector(0, grid.spacing.y, 0) + " " +
@@ -139,4 +139,4 @@ void write_nrrd(AtomicFile& file, const DistanceField& field) {
   send_values(field, [&](std::span<const std::byte> part) { file.write(part.data(), part.size()); });
 }
 
-}  // namespace difi
+}  // namespace standoff

@@ -3,7 +3,7 @@
 #include "io/field_text.h"
 #include "io/shown.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 constexpr std::uint64_t kMaxHeader = std::uint64_t{1} << 20;  // far more than any header needs
@@ -81,4 +81,4 @@ std::string nrrd_escaped(const std::string& value) {
   return text;
 }
 
-}  // namespace difi
+}  // namespace standoff

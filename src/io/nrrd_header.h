@@ -7,7 +7,7 @@
 
 #include "io/field_input.h"
 
-namespace difi {
+namespace standoff {
 
 struct NrrdLine {
   std::string text;
@@ -36,4 +36,4 @@ NrrdHeader read_nrrd_header(const FieldInput& file);
 /// The value of a key as the header spells it.
 std::string nrrd_escaped(const std::string& value);
 
-}  // namespace difi
+}  // namespace standoff

@@ -7,7 +7,7 @@
 #include "io/mesh_format.h"
 #include "io/mesh_text.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 // Indices beyond this cannot be kept; files that large do not exist.
@@ -139,4 +139,4 @@ bool is_obj(std::string_view content) {
 
 Mesh read_obj(const FileView& file) { return ObjReader(file).read(); }
 
-}  // namespace difi
+}  // namespace standoff

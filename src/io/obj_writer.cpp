@@ -4,7 +4,7 @@
 
 #include "io/mesh_format.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 // Three numbers of at most 24 characters, a keyword, spaces and a line end.
@@ -31,7 +31,7 @@ class Line {
 
 // std::to_chars writes the shortest text that reads back as the same double.
 void write_obj(AtomicFile& file, MeshView mesh) {
-  constexpr std::string_view kFirst = "# written by difi\n";
+  constexpr std::string_view kFirst = "# written by standoff\n";
   file.write(kFirst.data(), kFirst.size());
   for (const Vec3& v : mesh.vertices) Line('v').add(v.x).add(v.y).add(v.z).write(file);
   for (const Triangle& t : mesh.triangles) {
@@ -41,4 +41,4 @@ void write_obj(AtomicFile& file, MeshView mesh) {
   }
 }
 
-}  // namespace difi
+}  // namespace standoff

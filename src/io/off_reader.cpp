@@ -7,7 +7,7 @@
 #include "io/mesh_format.h"
 #include "io/mesh_text.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 // The length of the keyword at the beginning, or 0. The letters before OFF promise texture coordinates, colours and
@@ -106,4 +106,4 @@ bool is_off(std::string_view content) { return keyword_length(content) > 0; }
 
 Mesh read_off(const FileView& file) { return OffReader(file).read(); }
 
-}  // namespace difi
+}  // namespace standoff

@@ -4,9 +4,9 @@
 #include <array>
 #include <cstddef>
 
-#include "difi/vec.h"
+#include "standoff/vec.h"
 
-namespace difi {
+namespace standoff {
 
 /// An affine map: rows of a matrix, the shift in their last column.
 struct Placement {
@@ -38,4 +38,4 @@ struct Placement {
   }
 };
 
-}  // namespace difi
+}  // namespace standoff

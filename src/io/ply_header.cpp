@@ -6,7 +6,7 @@
 #include "io/mesh_format.h"
 #include "io/mesh_text.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 // Each type goes by two names.
@@ -168,4 +168,4 @@ bool is_ply(std::string_view content) {
 
 PlyHeader read_ply_header(const FileView& file) { return Header(file).read(); }
 
-}  // namespace difi
+}  // namespace standoff

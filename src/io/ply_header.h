@@ -7,7 +7,7 @@
 
 #include "io/file_view.h"
 
-namespace difi {
+namespace standoff {
 
 enum class PlyType { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
 
@@ -42,4 +42,4 @@ struct PlyHeader {
 /// Errors: input, with the line.
 PlyHeader read_ply_header(const FileView& file);
 
-}  // namespace difi
+}  // namespace standoff

@@ -10,7 +10,7 @@
 #include "io/mesh_text.h"
 #include "io/ply_header.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 static_assert(std::endian::native == std::endian::little);
@@ -232,4 +232,4 @@ Mesh read_ply(const FileView& file) {
   return PlyReader<AsciiBody>(file, header).read();
 }
 
-}  // namespace difi
+}  // namespace standoff

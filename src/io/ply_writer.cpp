@@ -9,7 +9,7 @@
 
 #include "io/mesh_format.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 static_assert(std::endian::native == std::endian::little);
@@ -41,7 +41,7 @@ void write_vertices(AtomicFile& file, MeshView mesh) {
 void write_ply(AtomicFile& file, MeshView mesh) {
   const bool floats = all_floats(mesh);
   const std::string type = floats ? "float" : "double";
-  const std::string header = "ply\nformat binary_little_endian 1.0\ncomment written by difi\nelement vertex " +
+  const std::string header = "ply\nformat binary_little_endian 1.0\ncomment written by standoff\nelement vertex " +
                              std::to_string(mesh.vertices.size()) + "\nproperty " + type + " x\nproperty " + type +
                              " y\nproperty " + type + " z\nelement face " + std::to_string(mesh.triangles.size()) +
                              "\nproperty list uchar uint vertex_indices\nend_header\n";
@@ -57,4 +57,4 @@ void write_ply(AtomicFile& file, MeshView mesh) {
   }
 }
 
-}  // namespace difi
+}  // namespace standoff

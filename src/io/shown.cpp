@@ -1,6 +1,6 @@
 #include "io/shown.h"
 
-namespace difi {
+namespace standoff {
 
 std::string shown(std::string_view text, std::size_t longest) {
   std::string shown;
@@ -14,4 +14,4 @@ std::string in_quotes(std::string_view text) {
   return quoted += '\'';
 }
 
-}  // namespace difi
+}  // namespace standoff

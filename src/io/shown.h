@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace difi {
+namespace standoff {
 
 /// The text's first characters, `longest` at the most; bytes that are not printable as '?'. A file can hold anything,
 /// also a megabyte without a space or what a terminal takes for a command.
@@ -14,4 +14,4 @@ std::string shown(std::string_view text, std::size_t longest = 40);
 /// Its first 40 characters between quotes.
 std::string in_quotes(std::string_view text);
 
-}  // namespace difi
+}  // namespace standoff

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <string_view>
 
-namespace difi {
+namespace standoff {
 
 /// 80 bytes of free text, a 32-bit count, then 50 bytes per triangle: normal and three corners as 32-bit floats, and
 /// two bytes that mean nothing here. Little endian.
@@ -25,4 +25,4 @@ inline std::uint32_t stl_count(std::string_view content) {
   return count;
 }
 
-}  // namespace difi
+}  // namespace standoff

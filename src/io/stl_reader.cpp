@@ -6,14 +6,14 @@
 #include <array>
 #include <bit>
 
-#include "difi/error.h"
 #include "io/mesh_builder.h"
 #include "io/mesh_format.h"
 #include "io/mesh_text.h"
 #include "io/stl_binary.h"
 #include "io/weld.h"
+#include "standoff/error.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 static_assert(std::endian::native == std::endian::little);
@@ -165,4 +165,4 @@ bool is_stl(std::string_view content) {
 
 Mesh read_stl(const FileView& file) { return is_ascii(file.bytes()) ? read_ascii(file) : read_binary(file); }
 
-}  // namespace difi
+}  // namespace standoff

@@ -4,11 +4,11 @@
 #include <limits>
 #include <string>
 
-#include "difi/error.h"
 #include "io/mesh_format.h"
 #include "io/stl_binary.h"
+#include "standoff/error.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 [[noreturn]] void fail(const AtomicFile& file, const std::string& message) {
@@ -37,7 +37,7 @@ void write_stl(AtomicFile& file, MeshView mesh) {
   if (mesh.triangles.size() > std::numeric_limits<std::uint32_t>::max())
     fail(file, "STL holds at most 4294967295 triangles; write .ply");
   std::array<char, kStlHeader> header{};
-  constexpr std::string_view kText = "difi, binary STL, little endian";
+  constexpr std::string_view kText = "standoff, binary STL, little endian";
   kText.copy(header.data(), kText.size());
   const auto count = static_cast<std::uint32_t>(mesh.triangles.size());
   std::memcpy(header.data() + kStlCount, &count, sizeof count);
@@ -56,4 +56,4 @@ void write_stl(AtomicFile& file, MeshView mesh) {
   }
 }
 
-}  // namespace difi
+}  // namespace standoff

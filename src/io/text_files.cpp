@@ -2,11 +2,11 @@
 #include <new>
 
 #include "core/guarded.h"
-#include "difi/io.h"
 #include "io/atomic_file.h"
 #include "io/file_view.h"
+#include "standoff/io.h"
 
-namespace difi {
+namespace standoff {
 
 std::string read_text(const std::filesystem::path& path) try {
   try {
@@ -26,4 +26,4 @@ void write_text(const std::filesystem::path& path, std::string_view text, Existi
   throw_as_error("file");
 }
 
-}  // namespace difi
+}  // namespace standoff

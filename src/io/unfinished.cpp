@@ -6,9 +6,9 @@
 #include <atomic>
 #include <cstring>
 
-#include "difi/interrupt.h"
+#include "standoff/interrupt.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 // A handler may neither allocate nor lock: fixed slots, each published by one atomic store after its name is complete.
@@ -47,4 +47,4 @@ void remove_unfinished_files() noexcept {
     if (slot.state == kNoted) ::unlink(slot.name.data());
 }
 
-}  // namespace difi
+}  // namespace standoff

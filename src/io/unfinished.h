@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-namespace difi {
+namespace standoff {
 
 /// Takes note of a file that remove_unfinished_files() shall remove. Returns its slot, or -1 when the table is full or
 /// the name too long: then only the writer itself can remove it.
@@ -12,4 +12,4 @@ int note_unfinished(const std::filesystem::path& path) noexcept;
 /// Frees a slot; -1 is ignored.
 void forget_unfinished(int slot) noexcept;
 
-}  // namespace difi
+}  // namespace standoff

@@ -4,10 +4,10 @@
 #include <charconv>
 #include <string>
 
-#include "difi/error.h"
-#include "difi/mesh.h"
+#include "standoff/error.h"
+#include "standoff/mesh.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 // A vertex, its number while welding and its share of the table of those.
@@ -35,4 +35,4 @@ void check_unfolded(const FileView& file, const Unfolded& unfolded, std::uint64_
                                     " MiB; place fewer, or write the placed triangles as STL or PLY");
 }
 
-}  // namespace difi
+}  // namespace standoff

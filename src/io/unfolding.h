@@ -5,7 +5,7 @@
 
 #include "io/file_view.h"
 
-namespace difi {
+namespace standoff {
 
 /// What a scene becomes once each of its nodes has a copy of its mesh. Doubles: files can ask for more than 64 bits
 /// count.
@@ -18,4 +18,4 @@ struct Unfolded {
 /// would take more than 192 MiB and twelve times the `bytes` of the file and of those that were read with it.
 void check_unfolded(const FileView& file, const Unfolded& unfolded, std::uint64_t bytes);
 
-}  // namespace difi
+}  // namespace standoff

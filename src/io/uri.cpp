@@ -6,7 +6,7 @@
 
 #include "io/mesh_text.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 constexpr std::string_view kData = "data:";
@@ -85,4 +85,4 @@ std::optional<std::string> data_of_uri(std::string_view uri) {
   return percent_decoded(data);
 }
 
-}  // namespace difi
+}  // namespace standoff

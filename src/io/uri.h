@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace difi {
+namespace standoff {
 
 /// Whether it begins with a scheme, such as https: or file: or C:.
 bool has_scheme(std::string_view uri);
@@ -19,4 +19,4 @@ bool is_data_uri(std::string_view uri);
 /// What a data URI holds (RFC 2397), in base64 or percent escapes; nothing where it is damaged.
 std::optional<std::string> data_of_uri(std::string_view uri);
 
-}  // namespace difi
+}  // namespace standoff

@@ -1,4 +1,4 @@
-// VTI: what difi and VTK write as raw appended data, uncompressed, in one piece.
+// VTI: what standoff and VTK write as raw appended data, uncompressed, in one piece.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -13,7 +13,7 @@
 #include "io/shown.h"
 #include "io/vti_tags.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 constexpr std::uint64_t kMaxHeader = std::uint64_t{1} << 20;  // far more than any header needs
@@ -221,4 +221,4 @@ DistanceField read_vti(const FieldInput& file) {
   return load_field(file, stored);
 }
 
-}  // namespace difi
+}  // namespace standoff

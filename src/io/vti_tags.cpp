@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace difi {
+namespace standoff {
 namespace {
 
 constexpr std::string_view kSpace = " \t\r\n";
@@ -97,4 +97,4 @@ std::vector<VtiTag> read_vti_tags(const FieldInput& file, std::string_view heade
   return Scanner(file, header).tags();
 }
 
-}  // namespace difi
+}  // namespace standoff

@@ -8,7 +8,7 @@
 
 #include "io/field_input.h"
 
-namespace difi {
+namespace standoff {
 
 struct VtiTag {
   std::string name;  ///< "/Piece" where an element ends
@@ -23,4 +23,4 @@ struct VtiTag {
 /// All tags of `header`, which must outlive them. Errors: input, with the byte.
 std::vector<VtiTag> read_vti_tags(const FieldInput& file, std::string_view header);
 
-}  // namespace difi
+}  // namespace standoff

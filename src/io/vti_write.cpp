@@ -6,7 +6,7 @@
 #include "io/field_samples.h"
 #include "io/field_text.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 // Writes the elements of arrays and counts where their bytes will lie.
@@ -80,4 +80,4 @@ void write_vti(AtomicFile& file, const DistanceField& field) {
   file.write(kEnd.data(), kEnd.size());
 }
 
-}  // namespace difi
+}  // namespace standoff

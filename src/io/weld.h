@@ -15,9 +15,9 @@
 #include <utility>
 #include <vector>
 
-#include "difi/vec.h"
+#include "standoff/vec.h"
 
-namespace difi {
+namespace standoff {
 
 /// The most positions that can be welded: numbers are 32-bit and one value marks free slots.
 inline constexpr std::uint64_t kMaxWeld = std::numeric_limits<std::uint32_t>::max() - 1;
@@ -171,4 +171,4 @@ std::uint32_t weld(const Position& position, std::span<std::uint32_t> vertex) {
   return total;
 }
 
-}  // namespace difi
+}  // namespace standoff

@@ -4,7 +4,7 @@
 
 #include "io/mesh_text.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 // Takes `name = "value"` off the front; false at the end and where there is none.
@@ -109,4 +109,4 @@ XmlTag XmlScan::read_tag() {
   return tag;
 }
 
-}  // namespace difi
+}  // namespace standoff

@@ -6,7 +6,7 @@
 
 #include "io/file_view.h"
 
-namespace difi {
+namespace standoff {
 
 struct XmlTag {
   enum class Kind { open, close, whole };  ///< <a>, </a>, <a/>
@@ -41,4 +41,4 @@ class XmlScan {
   std::size_t tag_ = 0;
 };
 
-}  // namespace difi
+}  // namespace standoff

@@ -3,7 +3,7 @@
 #include <array>
 #include <cstring>
 
-namespace difi {
+namespace standoff {
 namespace {
 
 // Sixteen bytes a step: tables[n][b] is the checksum of byte b followed by n zero bytes, so the terms of a step do not
@@ -47,4 +47,4 @@ std::uint32_t crc32(std::span<const std::byte> bytes, std::uint32_t before) {
   return ~crc;
 }
 
-}  // namespace difi
+}  // namespace standoff

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace difi::zip {
+namespace standoff::zip {
 
 inline constexpr std::uint32_t kLocalHeader = 0x04034b50;
 inline constexpr std::uint32_t kDirectoryHeader = 0x02014b50;
@@ -23,4 +23,4 @@ inline constexpr std::uint16_t kExtra64 = 1;        ///< the extra field that ho
 inline constexpr std::uint32_t kIn64 = 0xFFFFFFFF;  ///< stands for a value given there
 inline constexpr std::uint16_t kCountIn64 = 0xFFFF;
 
-}  // namespace difi::zip
+}  // namespace standoff::zip

@@ -7,7 +7,7 @@
 #include "io/zip_crc32.h"
 #include "io/zip_format.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 // Little endian numbers at places of a record that is known to be long enough.
@@ -108,4 +108,4 @@ void check_crc(const FieldInput& file, const ZipMember& member) {
     file.fail(shown(member.name), "its checksum is wrong; the file is damaged, write it again");
 }
 
-}  // namespace difi
+}  // namespace standoff

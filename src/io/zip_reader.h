@@ -7,7 +7,7 @@
 
 #include "io/field_input.h"
 
-namespace difi {
+namespace standoff {
 
 struct ZipMember {
   std::string name;
@@ -23,4 +23,4 @@ std::vector<ZipMember> read_zip(const FieldInput& file);
 /// Throws Error{input} unless the bytes of a member have its checksum.
 void check_crc(const FieldInput& file, const ZipMember& member);
 
-}  // namespace difi
+}  // namespace standoff

@@ -3,7 +3,7 @@
 #include "io/zip_crc32.h"
 #include "io/zip_format.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 // Little endian numbers, one after the other.
@@ -84,4 +84,4 @@ void ZipWriter::finish() {
   write_text(record.bytes);
 }
 
-}  // namespace difi
+}  // namespace standoff

@@ -8,7 +8,7 @@
 
 #include "io/atomic_file.h"
 
-namespace difi {
+namespace standoff {
 
 /// Members are written one after the other: begin, any number of writes, end. Sizes past `zip64_from` are spelt in 64
 /// bits; readers want that only from 4 GiB on, tests set it lower.
@@ -37,4 +37,4 @@ class ZipWriter {
   std::vector<Member> members_;
 };
 
-}  // namespace difi
+}  // namespace standoff

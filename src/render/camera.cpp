@@ -2,7 +2,7 @@
 
 #include <numbers>
 
-namespace difi {
+namespace standoff {
 namespace {
 
 constexpr double kMargin = 0.04;  // of the picture's shorter side, on all sides
@@ -88,4 +88,4 @@ std::vector<ScreenPoint> Camera::project(MeshView mesh, int width, int height) c
   return points;
 }
 
-}  // namespace difi
+}  // namespace standoff

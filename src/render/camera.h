@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "difi/picture.h"
+#include "standoff/picture.h"
 
-namespace difi {
+namespace standoff {
 
 /// A vertex on the picture. Depth is 1/distance in perspective and -distance otherwise: either way linear over the
 /// picture and greater when nearer.
@@ -42,4 +42,4 @@ class Camera {
   bool perspective_;
 };
 
-}  // namespace difi
+}  // namespace standoff

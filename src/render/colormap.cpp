@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-namespace difi {
+namespace standoff {
 namespace {
 
 // Viridis (van der Walt, Smith; CC0) at 33 even steps; lines between them stay within 2 of 255 of the original.
@@ -33,4 +33,4 @@ Color between(const std::array<Color, n>& colors, double t) {
 
 Color color_of(Colormap map, double t) { return map == Colormap::thesis ? between(kThesis, t) : between(kViridis, t); }
 
-}  // namespace difi
+}  // namespace standoff

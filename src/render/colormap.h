@@ -1,12 +1,12 @@
 // Colors for numbers.
 #pragma once
 
-#include "difi/slice.h"
 #include "render/image.h"
+#include "standoff/slice.h"
 
-namespace difi {
+namespace standoff {
 
 /// The color of `t` in [0, 1]; values outside count as the nearer end.
 Color color_of(Colormap map, double t);
 
-}  // namespace difi
+}  // namespace standoff

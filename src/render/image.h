@@ -7,9 +7,9 @@
 #include <filesystem>
 #include <vector>
 
-#include "difi/existing.h"
+#include "standoff/existing.h"
 
-namespace difi {
+namespace standoff {
 
 /// sRGB, 8 bits per channel.
 using Color = std::array<std::uint8_t, 3>;
@@ -41,4 +41,4 @@ void require_png();
 /// Writes a PNG file, whole or not at all. Errors: usage (built without libpng), output.
 void write_png(const std::filesystem::path& path, const Image& image, Existing existing);
 
-}  // namespace difi
+}  // namespace standoff

@@ -9,7 +9,7 @@
 #include "render/colormap.h"
 #include "render/text.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 constexpr Color kInk{40, 44, 52}, kGrey{178, 178, 178};
@@ -78,4 +78,4 @@ void Legend::draw(Image& image, int x, int y, int height) const {
   }
 }
 
-}  // namespace difi
+}  // namespace standoff

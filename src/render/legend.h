@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "difi/slice.h"
 #include "render/image.h"
+#include "standoff/slice.h"
 
-namespace difi {
+namespace standoff {
 
 class Legend {
  public:
@@ -35,4 +35,4 @@ class Legend {
 /// A number with about `digits` digits, "-0" as "0".
 std::string short_text(double number, int digits);
 
-}  // namespace difi
+}  // namespace standoff

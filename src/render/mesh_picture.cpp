@@ -1,11 +1,11 @@
 #include "render/mesh_picture.h"
 
 #include "core/guarded.h"
-#include "difi/error.h"
 #include "render/camera.h"
 #include "render/raster.h"
+#include "standoff/error.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 constexpr Color kBackground{246, 247, 249};
@@ -63,4 +63,4 @@ void write_mesh_png(const std::filesystem::path& path, MeshView mesh, const Pict
   throw_as_error("picture", "draw fewer pixels, or use a machine with more");
 }
 
-}  // namespace difi
+}  // namespace standoff

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <string>
 
-#include "difi/error.h"
+#include "standoff/error.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 std::int64_t index_along(const SliceOptions& options, std::int64_t count) {
@@ -69,4 +69,4 @@ Plane plane_of(const DistanceField& field, const SliceOptions& options) {
   return plane;
 }
 
-}  // namespace difi
+}  // namespace standoff

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "difi/slice.h"
+#include "standoff/slice.h"
 
-namespace difi {
+namespace standoff {
 
 struct Plane {
   char normal = 'z', right = 'x', up = 'y';  ///< names of axes
@@ -22,4 +22,4 @@ struct Plane {
 /// Errors: usage when the place lies outside the field.
 Plane plane_of(const DistanceField& field, const SliceOptions& options);
 
-}  // namespace difi
+}  // namespace standoff

@@ -1,16 +1,16 @@
-#ifdef DIFI_HAVE_PNG
+#ifdef STANDOFF_HAVE_PNG
 #include <png.h>
 #endif
 
 #include <string>
 
-#include "difi/error.h"
 #include "io/atomic_file.h"
 #include "render/image.h"
+#include "standoff/error.h"
 
-namespace difi {
+namespace standoff {
 
-#ifdef DIFI_HAVE_PNG
+#ifdef STANDOFF_HAVE_PNG
 
 void require_png() {}
 
@@ -34,12 +34,13 @@ void write_png(const std::filesystem::path& path, const Image& image, Existing e
 #else
 
 void require_png() {
-  throw Error(ErrorCode::usage,
-              "pictures need libpng, which this build of difi lacks; install it (Debian: libpng-dev) and build again");
+  throw Error(
+      ErrorCode::usage,
+      "pictures need libpng, which this build of standoff lacks; install it (Debian: libpng-dev) and build again");
 }
 
 void write_png(const std::filesystem::path&, const Image&, Existing) { require_png(); }
 
 #endif
 
-}  // namespace difi
+}  // namespace standoff

@@ -4,7 +4,7 @@
 #include <limits>
 #include <utility>
 
-namespace difi {
+namespace standoff {
 namespace {
 
 using Wide = std::int64_t;
@@ -76,4 +76,4 @@ Image halved(const Image& image) {
   return half;
 }
 
-}  // namespace difi
+}  // namespace standoff

@@ -6,7 +6,7 @@
 #include "render/camera.h"
 #include "render/image.h"
 
-namespace difi {
+namespace standoff {
 
 /// An image with a depth per pixel; the nearest triangle wins, the first drawn on ties.
 class Raster {
@@ -29,4 +29,4 @@ class Raster {
 /// Half the width and height, each pixel the mean of four. Requires even sizes.
 Image halved(const Image& image);
 
-}  // namespace difi
+}  // namespace standoff

@@ -8,11 +8,11 @@
 #include <string>
 
 #include "core/guarded.h"
-#include "difi/error.h"
 #include "render/legend.h"
 #include "render/text.h"
+#include "standoff/error.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 constexpr Color kPaper{255, 255, 255}, kInk{40, 44, 52}, kFaint{110, 116, 126};
@@ -90,4 +90,4 @@ void write_slice_png(const std::filesystem::path& path, const DistanceField& fie
   throw_as_error("slice", "take fewer pixels, or a machine with more");
 }
 
-}  // namespace difi
+}  // namespace standoff

@@ -4,7 +4,7 @@
 #include "render/image.h"
 #include "render/plane.h"
 
-namespace difi {
+namespace standoff {
 
 struct SlicePicture {
   Image image;
@@ -14,4 +14,4 @@ struct SlicePicture {
 /// As write_slice_png says.
 SlicePicture draw_slice(const DistanceField& field, const SliceOptions& options);
 
-}  // namespace difi
+}  // namespace standoff

@@ -2,7 +2,7 @@
 
 #include <array>
 
-namespace difi {
+namespace standoff {
 namespace {
 
 // The usual letters of character displays, from ' ' to '~': five columns from the left, the lowest bit at the top. The
@@ -64,4 +64,4 @@ void draw_text(Image& image, int x, int y, std::string_view text, Color color) {
   }
 }
 
-}  // namespace difi
+}  // namespace standoff

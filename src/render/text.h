@@ -5,7 +5,7 @@
 
 #include "render/image.h"
 
-namespace difi {
+namespace standoff {
 
 /// Letters are 5 x 7 dots, 6 dots apart; a dot is kTextDot pixels on each side.
 inline constexpr int kTextDot = 2;
@@ -16,4 +16,4 @@ int text_width(std::string_view text);
 /// Draws a text (ASCII; other bytes as '?') whose top left corner is (x, y). What lies outside the picture is cut off.
 void draw_text(Image& image, int x, int y, std::string_view text, Color color);
 
-}  // namespace difi
+}  // namespace standoff

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace difi {
+namespace standoff {
 namespace {
 
 constexpr int kDirections = 32;
@@ -97,4 +97,4 @@ std::vector<Vec3> outermost_points(MeshView mesh) {
   return points;
 }
 
-}  // namespace difi
+}  // namespace standoff

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "collision/triangle_pair.h"
-#include "difi/mesh.h"
-#include "difi/pose.h"
+#include "standoff/mesh.h"
+#include "standoff/pose.h"
 
-namespace difi {
+namespace standoff {
 
 class CrossingCheck {
  public:
@@ -36,4 +36,4 @@ class CrossingCheck {
 /// ways are checked.
 std::vector<Vec3> outermost_points(MeshView mesh);
 
-}  // namespace difi
+}  // namespace standoff

@@ -4,10 +4,10 @@
 #include <string>
 
 #include "core/guarded.h"
-#include "difi/simulation.h"
 #include "io/atomic_file.h"
+#include "standoff/simulation.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 void write(AtomicFile& file, const std::string& text) { file.write(text.data(), text.size()); }
@@ -58,4 +58,4 @@ void write_path(const std::filesystem::path& path, std::span<const PathPoint> po
   throw_as_error("path");
 }
 
-}  // namespace difi
+}  // namespace standoff

@@ -8,11 +8,11 @@
 #include <string>
 
 #include "core/guarded.h"
-#include "difi/simulation.h"
 #include "field/threads.h"
 #include "simulation/crossing.h"
+#include "standoff/simulation.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 constexpr int kTries = 10'000;
@@ -245,4 +245,4 @@ Grid World::grid(std::size_t n) const try {
   throw_as_error("simulation");
 }
 
-}  // namespace difi
+}  // namespace standoff

@@ -1,10 +1,10 @@
 // collision.h, pose.h and simulation.h with arguments that make no sense.
-#include "difi/collision.h"
-#include "difi/simulation.h"
+#include "standoff/collision.h"
+#include "standoff/simulation.h"
 #include "tests/api/misuse.h"
 #include "tests/io/temp_folder.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 using namespace testing;
@@ -197,4 +197,4 @@ TEST(Misuse, PathsAndFiles) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

@@ -1,9 +1,9 @@
 // grid.h, mesh.h, field.h, compute.h and verify.h with arguments that make no sense.
-#include "difi/compute.h"
-#include "difi/verify.h"
+#include "standoff/compute.h"
+#include "standoff/verify.h"
 #include "tests/api/misuse.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 using namespace testing;
@@ -218,4 +218,4 @@ TEST(Misuse, WhatCallbacksThrowComesOut) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

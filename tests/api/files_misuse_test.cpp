@@ -1,14 +1,14 @@
 // io.h, picture.h, slice.h and cuda.h with arguments that make no sense.
-#include "difi/cuda.h"
-#include "difi/interrupt.h"
-#include "difi/io.h"
-#include "difi/picture.h"
-#include "difi/slice.h"
-#include "difi/version.h"
+#include "standoff/cuda.h"
+#include "standoff/interrupt.h"
+#include "standoff/io.h"
+#include "standoff/picture.h"
+#include "standoff/slice.h"
+#include "standoff/version.h"
 #include "tests/api/misuse.h"
 #include "tests/io/temp_folder.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 using namespace testing;
@@ -125,4 +125,4 @@ TEST(Misuse, DeviceMemory) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

@@ -11,11 +11,11 @@
 #include <string>
 #include <vector>
 
-#include "difi/error.h"
-#include "difi/grid.h"
-#include "difi/mesh.h"
+#include "standoff/error.h"
+#include "standoff/grid.h"
+#include "standoff/mesh.h"
 
-namespace difi::testing {
+namespace standoff::testing {
 
 inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 inline constexpr double kInfinite = std::numeric_limits<double>::infinity();
@@ -115,4 +115,4 @@ inline std::vector<Grid> odd_grids() {
   return grids;
 }
 
-}  // namespace difi::testing
+}  // namespace standoff::testing

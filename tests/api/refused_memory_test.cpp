@@ -8,19 +8,19 @@
 #include <vector>
 
 #include "cuda/emulated.h"
-#include "difi/collision.h"
-#include "difi/compute.h"
-#include "difi/cuda.h"
-#include "difi/io.h"
-#include "difi/picture.h"
-#include "difi/simulation.h"
-#include "difi/slice.h"
-#include "difi/verify.h"
 #include "scenes/scenes.h"
+#include "standoff/collision.h"
+#include "standoff/compute.h"
+#include "standoff/cuda.h"
+#include "standoff/io.h"
+#include "standoff/picture.h"
+#include "standoff/simulation.h"
+#include "standoff/slice.h"
+#include "standoff/verify.h"
 #include "tests/io/temp_folder.h"
 #include "tests/support/heap.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 namespace heap = testing::heap;
@@ -216,4 +216,4 @@ TEST(RefusedMemory, NothingLeft) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

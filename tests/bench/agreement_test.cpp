@@ -5,8 +5,8 @@
 
 namespace {
 
-using namespace difi;
-using namespace difi::bench;
+using namespace standoff;
+using namespace standoff::bench;
 
 TEST(Agreement, OfNumbers) {
   EXPECT_TRUE(agree(Query::distance, 1, 1 + 1e-7));

@@ -14,7 +14,7 @@
 
 namespace {
 
-using difi::bench::run_in_child;
+using standoff::bench::run_in_child;
 using Values = std::vector<double>;
 
 double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }

@@ -12,7 +12,7 @@ import unittest
 import unittest.mock
 from pathlib import Path
 
-BENCH = Path(os.environ["DIFI_SOURCE_DIR"]) / "bench"
+BENCH = Path(os.environ["STANDOFF_SOURCE_DIR"]) / "bench"
 sys.path.insert(0, str(BENCH))
 import collision  # noqa: E402
 import harness  # noqa: E402
@@ -22,9 +22,9 @@ WORKLOADS = json.loads((BENCH / "workloads.json").read_text())
 
 
 def line(query, ratio, **more):
-    return {"query": query, "peer": "FCL", "poses": 1, "hits": 1, "differ": 0, "rounds": 5, "ratio": ratio, "difi_s": 0.001,
-            "peer_s": 0.001 * ratio, "difi_late": False, "peer_late": False, "difi_answer": 1, "peer_answer": 1,
-            "difi_build_s": 1, "peer_build_s": 1, **more}
+    return {"query": query, "peer": "FCL", "poses": 1, "hits": 1, "differ": 0, "rounds": 5, "ratio": ratio, "standoff_s": 0.001,
+            "peer_s": 0.001 * ratio, "standoff_late": False, "peer_late": False, "standoff_answer": 1, "peer_answer": 1,
+            "standoff_build_s": 1, "peer_build_s": 1, **more}
 
 
 class Pretended(harness.Drivers):
@@ -63,19 +63,19 @@ class Tables(unittest.TestCase):
         late = line("distance", 5000.04, peer_s=120, peer_late=True, peer_answer=None)
         row = collision.place_row({"what": "here"}, "least distance", late)
         self.assertEqual((row["ratio"], row["peer ms"], row["peer's answer"]), ("> 5000.0x", "> 120000", "?"))
-        late = line("distance", 0.01, difi_s=120, difi_late=True)
-        self.assertEqual((collision.ratio(late), collision.found(late, "difi")), ("< 0.01x", "?"))
+        late = line("distance", 0.01, standoff_s=120, standoff_late=True)
+        self.assertEqual((collision.ratio(late), collision.found(late, "standoff")), ("< 0.01x", "?"))
         self.assertEqual(collision.ratio(late | {"peer_late": True}), "-")
 
     def test_answers(self):
         answers = [("collide", 1, "yes"), ("collide", 0, "no"), ("sweep", 0.25, "at 0.25000"), ("sweep", 2, "free"),
                    ("distance", 0.00012345678, "0.000123457"), ("all_contacts", 12978450.0, "12978450")]
         for query, answer, text in answers:
-            self.assertEqual(collision.found(line(query, 1, difi_answer=answer), "difi"), text)
+            self.assertEqual(collision.found(line(query, 1, standoff_answer=answer), "standoff"), text)
 
     def test_milliseconds(self):
         for seconds, text in [(120, "120000"), (0.0123, "12.3"), (2e-6, "0.00200")]:
-            self.assertEqual(collision.milliseconds(line("collide", 1, difi_s=seconds), "difi"), text)
+            self.assertEqual(collision.milliseconds(line("collide", 1, standoff_s=seconds), "standoff"), text)
 
     def test_bounds_are_numbers_of_a_table(self):
         self.assertIn("|---:|---|", harness.markdown([{"a": "> 4.0x", "b": "x > 4"}, {"a": "1.0x", "b": 1}]))
@@ -83,7 +83,7 @@ class Tables(unittest.TestCase):
     # A new machine has none; the tables used to end in a trace.
     def test_without_git(self):
         with unittest.mock.patch.dict(os.environ, PATH=""):
-            self.assertIn("difi: unknown", harness.machine_lines("nowhere"))
+            self.assertIn("standoff: unknown", harness.machine_lines("nowhere"))
 
     def test_contests(self):
         pair = {"name": "horse-bunny", "args": ["--a", "horse"], "ask": {"collide": ["gap=1,poses=9", "depth=2"], "long": ["gap=1,way=5"]}}

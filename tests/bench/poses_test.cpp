@@ -11,8 +11,8 @@
 
 namespace {
 
-using namespace difi;
-using namespace difi::bench;
+using namespace standoff;
+using namespace standoff::bench;
 
 class Poses : public testing::Test {
  protected:

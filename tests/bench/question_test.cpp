@@ -7,9 +7,9 @@
 
 namespace {
 
-using difi::Vec3;
-using difi::bench::parse_question;
-using difi::bench::Query;
+using standoff::Vec3;
+using standoff::bench::parse_question;
+using standoff::bench::Query;
 
 TEST(Question, OfPosesDrawn) {
   EXPECT_EQ(parse_question("collide").query, Query::collide);

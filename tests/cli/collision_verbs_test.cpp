@@ -6,7 +6,7 @@
 
 #include "tests/cli/program.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 using testing::Json;
@@ -127,9 +127,9 @@ TEST_F(CollisionVerbs, ErrorsSayWhatToDo) {
   expect("build box.body -o two.body", 3, "box.body: this is a body");
   expect("compute box.body", 3, "box.body: this is a body");
   expect("convert box.body -o box.stl", 3, "box.body: this is a body");
-  expect("convert scene:box -o two.body", 2, "use difi build");
+  expect("convert scene:box -o two.body", 2, "use standoff build");
   std::ofstream(folder / "text.body") << "solid nothing";
-  expect("collide text.body scene:box", 3, "text.body: this is no body that difi saved");
+  expect("collide text.body scene:box", 3, "text.body: this is no body that standoff saved");
   std::filesystem::resize_file(folder / "box.body", 1000);
   expect("info box.body", 3, "box.body:byte ");
   expect("sweep scene:box scene:box", 2, "--to");
@@ -153,7 +153,7 @@ TEST_F(CollisionVerbs, ErrorsSayWhatToDo) {
   // A body by another name.
   done(words("build scene:box -o room.body"));
   std::filesystem::rename(folder / "room.body", folder / "room.stl");
-  expect("info room.stl", 3, "room.stl:byte 0: the content is a body that difi build made, and no mesh; rename it");
+  expect("info room.stl", 3, "room.stl:byte 0: the content is a body that standoff build made, and no mesh; rename it");
 }
 
 // What only the other mode knows was once left unsaid, and ignored.
@@ -179,4 +179,4 @@ TEST_F(CollisionVerbs, FlySaysTheSameStepsInTextAndJson) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

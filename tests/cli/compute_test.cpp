@@ -1,12 +1,12 @@
-// difi compute: grids, thickness, outputs, and what it says.
+// standoff compute: grids, thickness, outputs, and what it says.
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "difi/io.h"
+#include "standoff/io.h"
 #include "tests/cli/program.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 using testing::Json;
@@ -213,7 +213,8 @@ TEST_F(Compute, AFileThatAppearsMeanwhileStays) {
     write_bytes(folder / "a.vti", "theirs");
     const Ran ran = process.wait();
     EXPECT_EQ(ran.code, force ? 0 : 4) << ran.err;
-    EXPECT_EQ(ran.says("difi: error: a.vti: cannot write it: somebody has written it, and it stays as it is"), !force);
+    EXPECT_EQ(ran.says("standoff: error: a.vti: cannot write it: somebody has written it, and it stays as it is"),
+              !force);
     EXPECT_EQ(read_bytes(folder / "a.vti") == "theirs", !force);
     EXPECT_EQ(folder.names(), std::set<std::string>{"a.vti"});
   }
@@ -233,4 +234,4 @@ TEST_F(Compute, OddFileNames) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

@@ -1,11 +1,11 @@
-// difi devices, and compute on the device that every machine has: the emulated one.
+// standoff devices, and compute on the device that every machine has: the emulated one.
 #include <gtest/gtest.h>
 
-#include "difi/io.h"
+#include "standoff/io.h"
 #include "tests/cli/program.h"
 #include "tests/support/fields.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 using testing::Json;
@@ -39,4 +39,4 @@ TEST_F(Devices, TheEmulatedOneGivesTheSameField) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

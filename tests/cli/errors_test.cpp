@@ -1,12 +1,12 @@
-// Every exit code, and the form of every message: `difi: error: WHERE: what; what to do`, on one line.
+// Every exit code, and the form of every message: `standoff: error: WHERE: what; what to do`, on one line.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "difi/io.h"
+#include "standoff/io.h"
 #include "tests/cli/program.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 using testing::Ran;
@@ -35,17 +35,17 @@ class Errors : public testing::ProgramTest {
 
   void expect(const Case& test) const {
     const Ran ran = run(words(test.command));
-    EXPECT_EQ(ran.code, test.code) << "difi " << test.command << "\n" << ran.err;
+    EXPECT_EQ(ran.code, test.code) << "standoff " << test.command << "\n" << ran.err;
     // One line, after whatever was said before it went wrong.
-    const auto error = ran.err.find("difi: error: ");
-    ASSERT_NE(error, std::string::npos) << "difi " << test.command << "\n" << ran.err;
-    EXPECT_TRUE(error == 0 || ran.err[error - 1] == '\n') << "difi " << test.command << "\n" << ran.err;
+    const auto error = ran.err.find("standoff: error: ");
+    ASSERT_NE(error, std::string::npos) << "standoff " << test.command << "\n" << ran.err;
+    EXPECT_TRUE(error == 0 || ran.err[error - 1] == '\n') << "standoff " << test.command << "\n" << ran.err;
     EXPECT_EQ(std::count(ran.err.begin() + static_cast<std::ptrdiff_t>(error), ran.err.end(), '\n'), 1)
-        << "difi " << test.command << "\n"
+        << "standoff " << test.command << "\n"
         << ran.err;
-    EXPECT_TRUE(ran.says(test.message)) << "difi " << test.command << "\n" << ran.err << "lacks " << test.message;
-    EXPECT_EQ(ran.out, "") << "difi " << test.command;
-    EXPECT_EQ(folder.names(), before_) << "difi " << test.command;
+    EXPECT_TRUE(ran.says(test.message)) << "standoff " << test.command << "\n" << ran.err << "lacks " << test.message;
+    EXPECT_EQ(ran.out, "") << "standoff " << test.command;
+    EXPECT_EQ(folder.names(), before_) << "standoff " << test.command;
   }
   template <std::size_t N>
   void expect_all(const Case (&tests)[N]) const {
@@ -58,12 +58,12 @@ class Errors : public testing::ProgramTest {
 
 TEST_F(Errors, UsageOfVerbs) {
   expect_all({
-      {"", 2, "no verb given; see difi help"},
-      {"frobnicate", 2, "'frobnicate' is no verb; see difi help"},
+      {"", 2, "no verb given; see standoff help"},
+      {"frobnicate", 2, "'frobnicate' is no verb; see standoff help"},
       {"compuet box.obj", 2, "did you mean 'compute'?"},
-      {"box.obj", 2, "difi compute box.obj"},
+      {"box.obj", 2, "standoff compute box.obj"},
       {"help frobnicate", 2, "'frobnicate' is no verb"},
-      {"compute", 2, "MESH is required; see difi help compute"},
+      {"compute", 2, "MESH is required; see standoff help compute"},
       {"compute box.obj too.obj", 2, "'too.obj' is one argument too many"},
       {"compute box.obj --treads 2", 2, "unknown option '--treads'; did you mean '--threads'?"},
       {"compute box.obj -x", 2, "unknown option '-x'"},
@@ -72,12 +72,12 @@ TEST_F(Errors, UsageOfVerbs) {
       {"info", 2, "FILE is required"},
       {"slice", 2, "FIELD is required"},
       {"verify broken.vti", 2, "MESH is required"},
-      {"generate", 2, "no SCENE given; see difi generate --list"},
+      {"generate", 2, "no SCENE given; see standoff generate --list"},
       {"generate nowhere", 2, "nowhere"},
       {"compute scene:nowhere", 2, "nowhere"},
       {"compute scene:sphere:many", 2, "scene:sphere:TRIANGLES 'many': give a whole number"},
       {"convert box.obj", 2, "--output is required"},
-      {"convert box.obj -o a.vti", 2, "use difi compute"},
+      {"convert box.obj -o a.vti", 2, "use standoff compute"},
       {"convert broken.vti -o a.stl", 2, "a field can only become a field"},
       {"convert broken.vti -o a.npz --scale 2", 2, "--scale and --unit are for meshes"},
   });
@@ -203,7 +203,7 @@ TEST_F(Errors, StandardOutputThatFailsLosesNoFile) {
     const Ran ran = run(words(line + " --json"), how);
     EXPECT_EQ(ran.code, 4) << line;
     const std::string file = line.substr(line.rfind(' ') + 1);
-    EXPECT_TRUE(ran.says("difi: error: standard output: cannot write to it: ")) << ran.err;
+    EXPECT_TRUE(ran.says("standoff: error: standard output: cannot write to it: ")) << ran.err;
     EXPECT_TRUE(ran.says("; " + file + " was written before, and is whole\n")) << ran.err;
     EXPECT_GT(std::filesystem::file_size(folder / file), 10u) << line;
   }
@@ -228,7 +228,7 @@ TEST_F(Errors, FieldsThatAreReadKeepTheLimit) {
        {"info full.vti", "slice full.vti", "verify full.vti scene:box", "convert full.vti -o b.vti"}) {
     const Ran ran = run(words(line + " --memory-limit 5M"));
     EXPECT_EQ(ran.code, 5) << line;
-    EXPECT_TRUE(ran.says("difi: error: full.vti: its tiles need ")) << ran.err;
+    EXPECT_TRUE(ran.says("standoff: error: full.vti: its tiles need ")) << ran.err;
     EXPECT_TRUE(ran.says(" MiB, more than the limit of 5 MiB; give a higher limit\n")) << ran.err;
     done(words(line + " --memory-limit 40M"));
   }
@@ -264,7 +264,7 @@ TEST_F(Errors, MessagesAreShort) {
   }
   write_bytes(folder / "poses.csv", "1,\x9b\xc3\xa4,3\n");
   EXPECT_EQ(run(words("collide box.obj box.obj --poses poses.csv")).err,
-            "difi: error: poses.csv:1: '\?\?\?' is not a number; separate numbers by commas\n");
+            "standoff: error: poses.csv:1: '\?\?\?' is not a number; separate numbers by commas\n");
 }
 
 TEST_F(Errors, WhatAFieldTellsOfItselfStaysOnItsLine) {
@@ -275,7 +275,7 @@ TEST_F(Errors, WhatAFieldTellsOfItselfStaysOnItsLine) {
                   method + "\nversion:=" + method + "\n\n" + std::string(4, '\0'));
   const std::string shown = "\?\?[31m?" + std::string(193, 'x') + "...";
   const Ran ran = run(words("info a.nrrd"));
-  EXPECT_NE(ran.out.find("\nmethod        " + shown + ", difi " + shown + "\n"), ran.out.npos) << ran.out;
+  EXPECT_NE(ran.out.find("\nmethod        " + shown + ", standoff " + shown + "\n"), ran.out.npos) << ran.out;
   EXPECT_LT(run(words("info a.nrrd --json")).out.size(), 10'000u);
 }
 
@@ -286,12 +286,12 @@ TEST_F(Errors, OutOfMemory) {
   how.memory = rlim_t{600} << 20;
   const Ran ran = run(words("compute scene:box -r 900 -j 1 --memory-limit 100G -o a.vti"), how);
   EXPECT_EQ(ran.code, 5) << ran.err;
-  EXPECT_TRUE(ran.says("difi: error: ")) << ran.err;
+  EXPECT_TRUE(ran.says("standoff: error: ")) << ran.err;
   EXPECT_TRUE(ran.says("memory")) << ran.err;
   EXPECT_FALSE(std::filesystem::exists(folder / "a.vti"));
 }
 
-// Assimp catches that, and keeps the words "std::bad_alloc" alone: difi told to repair the file.
+// Assimp catches that, and keeps the words "std::bad_alloc" alone: standoff told to repair the file.
 TEST_F(Errors, OutOfMemoryInAssimp) {
   if (std::ranges::none_of(mesh_formats(), [](const Format& f) { return f.extension == "3ds" && f.readable; }))
     GTEST_SKIP() << "this build has no assimp";
@@ -309,7 +309,7 @@ TEST_F(Errors, OutOfMemoryInAssimp) {
   how.memory = rlim_t{600} << 20;
   const Ran ran = run(words("info large.3ds"), how);
   EXPECT_EQ(ran.code, 5);
-  EXPECT_EQ(ran.err, "difi: error: large.3ds: not enough memory to read it; split the mesh\n");
+  EXPECT_EQ(ran.err, "standoff: error: large.3ds: not enough memory to read it; split the mesh\n");
 }
 #endif
 
@@ -332,7 +332,7 @@ TEST_F(Errors, ControlBytesAreShownAsQuestionMarks) {
     return std::ranges::none_of(text, [](unsigned char c) { return (c < 0x20 && c != '\n') || c == 0x7f; });
   };
   const Ran name = run({"compute", "a\x1b[31m\x7f.stl"});
-  EXPECT_EQ(name.err, "difi: error: a?[31m?.stl: no such file; check the name\n");
+  EXPECT_EQ(name.err, "standoff: error: a?[31m?.stl: no such file; check the name\n");
   constexpr char kZero[] = "ply\nformat ascii 1.0\nelement a\0\x1b 1\nproperty list char char b\nend_header\n-1\n";
   write_bytes(folder / "zero.ply", std::string(kZero, sizeof kZero - 1));
   const Ran file = run(words("info zero.ply"));
@@ -345,7 +345,7 @@ TEST_F(Errors, ControlBytesAreShownAsQuestionMarks) {
 TEST_F(Errors, AnEmptyOutputIsNoName) {
   const Ran ran = run({"compute", "box.obj", "-o", ""});
   EXPECT_EQ(ran.code, 2);
-  EXPECT_EQ(ran.err, "difi: error: --output '': give the name of a file\n");
+  EXPECT_EQ(ran.err, "standoff: error: --output '': give the name of a file\n");
 }
 
 TEST_F(Errors, JsonStaysSilentOnErrors) {
@@ -355,4 +355,4 @@ TEST_F(Errors, JsonStaysSilentOnErrors) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

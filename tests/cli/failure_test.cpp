@@ -6,9 +6,9 @@
 #include <new>
 #include <stdexcept>
 
-#include "difi/error.h"
+#include "standoff/error.h"
 
-namespace difi::cli {
+namespace standoff::cli {
 namespace {
 
 struct Told {
@@ -32,13 +32,14 @@ TEST(Failure, NoneIsZeroAndSilent) {
 TEST(Failure, BugsAreOne) {
   const Told bug = told([] { throw std::logic_error("a thing that\ncannot be"); });
   EXPECT_EQ(bug.code, 1);
-  EXPECT_EQ(bug.words, "difi: error: internal: a thing that cannot be; this is a bug in difi, please report it\n");
+  EXPECT_EQ(bug.words,
+            "standoff: error: internal: a thing that cannot be; this is a bug in standoff, please report it\n");
 }
 
 TEST(Failure, MemoryThatIsNotThereIsALimit) {
   const Told memory = told([] { throw std::bad_alloc(); });
   EXPECT_EQ(memory.code, 5);
-  EXPECT_EQ(memory.words.rfind("difi: error: out of memory; take fewer samples", 0), 0u) << memory.words;
+  EXPECT_EQ(memory.words.rfind("standoff: error: out of memory; take fewer samples", 0), 0u) << memory.words;
 }
 
 TEST(Failure, ErrorsAreWhatTheySay) {
@@ -46,12 +47,12 @@ TEST(Failure, ErrorsAreWhatTheySay) {
                                ErrorCode::limit, ErrorCode::device, ErrorCode::verify}) {
     const Told error = told([&] { throw Error(code, "a.stl: what\rit is; what to do"); });
     EXPECT_EQ(error.code, static_cast<int>(code));
-    EXPECT_EQ(error.words, "difi: error: a.stl: what it is; what to do\n");
+    EXPECT_EQ(error.words, "standoff: error: a.stl: what it is; what to do\n");
   }
   const Told interrupted = told([] { throw Error(ErrorCode::interrupted, "compute: cancelled"); });
   EXPECT_EQ(interrupted.code, 130);
-  EXPECT_EQ(interrupted.words, "difi: error: interrupted; no partial file was left, run it again\n");
+  EXPECT_EQ(interrupted.words, "standoff: error: interrupted; no partial file was left, run it again\n");
 }
 
 }  // namespace
-}  // namespace difi::cli
+}  // namespace standoff::cli

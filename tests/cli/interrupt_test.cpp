@@ -8,7 +8,7 @@
 
 #include "tests/cli/program.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 using testing::Process;
@@ -39,7 +39,7 @@ TEST_F(Interrupt, SignalsEndItWithoutATrace) {
     process.send(signal);
     const Ran ran = process.wait();
     EXPECT_EQ(ran.code, 130) << ran.err;
-    EXPECT_TRUE(ran.says("difi: error: interrupted")) << ran.err;
+    EXPECT_TRUE(ran.says("standoff: error: interrupted")) << ran.err;
     EXPECT_EQ(ran.out, "");
     EXPECT_EQ(folder.names(), std::set<std::string>{"a.vti"});
     EXPECT_EQ(read_bytes(folder / "a.vti"), "mine");
@@ -75,7 +75,7 @@ TEST_F(Interrupt, ALostFileIsAnInputError) {
   process.send(SIGBUS);
   const Ran ran = process.wait();
   EXPECT_EQ(ran.code, 3);
-  EXPECT_TRUE(ran.says("difi: error: a file that was being read became shorter")) << ran.err;
+  EXPECT_TRUE(ran.says("standoff: error: a file that was being read became shorter")) << ran.err;
   EXPECT_TRUE(folder.names().empty());
 }
 
@@ -109,7 +109,7 @@ TEST_F(Interrupt, WhileWriting) {
   const Ran ran = process.wait();
   ::close(reader);
   EXPECT_EQ(ran.code, 130) << ran.err;
-  EXPECT_TRUE(ran.says("difi: error: interrupted")) << ran.err;
+  EXPECT_TRUE(ran.says("standoff: error: interrupted")) << ran.err;
 }
 
 TEST_F(Interrupt, Verify) {
@@ -125,7 +125,7 @@ TEST_F(Interrupt, FullDisk) {
   ASSERT_EQ(::symlink("/dev/full", (folder / "full.nrrd").c_str()), 0);
   const Ran ran = run(words("compute scene:box -r 40 -o full.nrrd"));
   EXPECT_EQ(ran.code, 4);
-  EXPECT_TRUE(ran.says("difi: error: full.nrrd: ")) << ran.err;
+  EXPECT_TRUE(ran.says("standoff: error: full.nrrd: ")) << ran.err;
   EXPECT_TRUE(ran.says("no space left")) << ran.err;
 }
 
@@ -137,7 +137,7 @@ TEST_F(Interrupt, FileSizeLimit) {
         "generate sphere -o a.ply", "generate sphere -o a.stl", "generate sphere -o a.obj"}) {
     const Ran ran = run(words(command), how);
     EXPECT_EQ(ran.code, 4) << command << "\n" << ran.err;
-    EXPECT_TRUE(ran.says("difi: error: a.")) << ran.err;
+    EXPECT_TRUE(ran.says("standoff: error: a.")) << ran.err;
     EXPECT_TRUE(folder.names().empty()) << command;
   }
 }
@@ -154,7 +154,7 @@ TEST_F(Interrupt, StandardOutputClosedOrFull) {
   const Ran ran = run(words("info scene:box --json"), how);
   ::close(how.out);
   EXPECT_EQ(ran.code, 4);
-  EXPECT_TRUE(ran.says("difi: error: standard output: ")) << ran.err;
+  EXPECT_TRUE(ran.says("standoff: error: standard output: ")) << ran.err;
 }
 
 TEST_F(Interrupt, BrokenPipeIsAWriteError) {
@@ -202,7 +202,7 @@ TEST_F(Terminal, HasABar) {
   const std::string said = said_on_a_terminal(kEndless, SIGINT);
   EXPECT_NE(said.find("....]"), std::string::npos) << said;
   // Wiped before the last word.
-  EXPECT_NE(said.find("\r\033[Kdifi: error: interrupted"), std::string::npos) << said;
+  EXPECT_NE(said.find("\r\033[Kstandoff: error: interrupted"), std::string::npos) << said;
 }
 
 // Files are read and written for long without a word from the library: a pipe that nobody serves, forever.
@@ -213,12 +213,12 @@ TEST_F(Terminal, SaysWhatItWaitsFor) {
   for (const char* command : {"info pipe.stl", "compute pipe.stl -o a.vti", "convert pipe.stl -o a.ply"}) {
     const std::string said = said_on_a_terminal(words(command), SIGINT, "reading pipe.stl, ");
     EXPECT_NE(said.find("\r\033[Kreading pipe.stl, "), std::string::npos) << said;
-    EXPECT_NE(said.find("\r\033[Kdifi: error: interrupted"), std::string::npos) << said;
+    EXPECT_NE(said.find("\r\033[Kstandoff: error: interrupted"), std::string::npos) << said;
   }
   const std::string said =
       said_on_a_terminal(words("compute scene:box -r 100 -o pipe.nrrd"), SIGINT, "writing pipe.nrrd, ");
   EXPECT_NE(said.find("\r\033[Kwriting pipe.nrrd, "), std::string::npos) << said;
-  EXPECT_NE(said.find("\r\033[Kdifi: error: interrupted"), std::string::npos) << said;
+  EXPECT_NE(said.find("\r\033[Kstandoff: error: interrupted"), std::string::npos) << said;
   ::close(reader);
 }
 
@@ -232,4 +232,4 @@ TEST_F(Terminal, HasNoneWhenAskedSo) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

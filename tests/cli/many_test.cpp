@@ -9,7 +9,7 @@
 
 #include "tests/cli/program.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 using testing::Json;
@@ -28,7 +28,7 @@ class Many : public testing::ProgramTest {
   void expect(const std::string& line, int code, const std::string& part) const {
     const Ran ran = run(words(line));
     EXPECT_EQ(ran.code, code) << line << ": " << ran.err;
-    EXPECT_NE(ran.err.find("difi: error: " + part), std::string::npos) << line << ": " << ran.err;
+    EXPECT_NE(ran.err.find("standoff: error: " + part), std::string::npos) << line << ": " << ran.err;
     EXPECT_EQ(std::ranges::count(ran.err, '\n'), 1) << ran.err;
     EXPECT_EQ(ran.out, "") << line;
   }
@@ -98,7 +98,7 @@ TEST_F(Many, StandardInput) {
   const Ran bad = run(words("collide scene:box scene:box --poses -"), how);
   ::close(how.in);
   EXPECT_EQ(bad.code, 3);
-  EXPECT_TRUE(bad.says("difi: error: standard input:2: give x,y,z; or")) << bad.err;
+  EXPECT_TRUE(bad.says("standoff: error: standard input:2: give x,y,z; or")) << bad.err;
   expect("collide scene:box scene:box --poses -", 3, "standard input: there is no pose in it");
   how.in = ::open((folder / "poses.csv").c_str(), O_RDONLY | O_CLOEXEC);
   const Ran lost = run(words("collide scene:box scene:box --poses - -f -o poses.csv"), how);
@@ -233,7 +233,7 @@ TEST_F(Many, ErrorsOfTheCommandLine) {
   expect(collide + "--poses poses.csv -o poses.csv -f", 2, "poses.csv: it is an input, and would be lost");
   expect(collide + "--poses poses.csv -o ways.csv", 2, "ways.csv: it exists; give -f to overwrite it");
   EXPECT_EQ(run({"collide", "scene:box", "scene:box", "--poses", ""}).err,
-            "difi: error: --poses '': give the name of a file, or - for standard input\n");
+            "standoff: error: --poses '': give the name of a file, or - for standard input\n");
   EXPECT_EQ(folder.names(), (std::set<std::string>{"poses.csv", "ways.csv"}));
   // What cannot be written to the end leaves nothing.
   std::string many;
@@ -259,4 +259,4 @@ TEST_F(Many, AnInterruptLeavesNoTable) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

@@ -1,4 +1,4 @@
-// Runs the difi program as a user does, in an empty folder of the test's own.
+// Runs the standoff program as a user does, in an empty folder of the test's own.
 #pragma once
 
 #include <fcntl.h>
@@ -17,7 +17,7 @@
 
 #include "tests/io/temp_folder.h"
 
-namespace difi::testing {
+namespace standoff::testing {
 
 using Arguments = std::vector<std::string>;
 using Json = nlohmann::json;
@@ -48,7 +48,7 @@ class Process {
   Process(const Arguments& arguments, const Setup& setup) {
     if (setup.out < 0) open_pipe(out_);
     if (setup.err < 0) open_pipe(err_);
-    Arguments words{DIFI_BINARY_DIR "/difi"};
+    Arguments words{STANDOFF_BINARY_DIR "/standoff"};
     words.insert(words.end(), arguments.begin(), arguments.end());
     std::vector<char*> argv;
     for (auto& word : words) argv.push_back(word.data());
@@ -174,4 +174,4 @@ inline Arguments words(const std::string& text) {
   return found;
 }
 
-}  // namespace difi::testing
+}  // namespace standoff::testing

@@ -1,11 +1,11 @@
 // info, slice, verify, generate, convert, version and help.
 #include <gtest/gtest.h>
 
-#include "difi/io.h"
 #include "scenes/scenes.h"
+#include "standoff/io.h"
 #include "tests/cli/program.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 using testing::Json;
@@ -20,7 +20,7 @@ class Verbs : public testing::ProgramTest {
 
 TEST_F(Verbs, VersionAndHelp) {
   EXPECT_EQ(done({"version"}).out, done({"--version"}).out);
-  EXPECT_TRUE(done({"version"}).out.starts_with("difi "));
+  EXPECT_TRUE(done({"version"}).out.starts_with("standoff "));
   const std::string all = done({"help"}).out;
   EXPECT_EQ(all, done({"--help"}).out);
   EXPECT_EQ(all, done({"-h"}).out);
@@ -30,7 +30,7 @@ TEST_F(Verbs, VersionAndHelp) {
     const std::string help = done({"help", verb}).out;
     EXPECT_EQ(help, done({verb, "--help"}).out);
     // Examples first, then the usage, then options; exit codes last.
-    EXPECT_LT(help.find("Examples:\n  difi " + verb), help.find("Usage: difi " + verb + " ")) << help;
+    EXPECT_LT(help.find("Examples:\n  standoff " + verb), help.find("Usage: standoff " + verb + " ")) << help;
     EXPECT_LT(help.find("Usage: "), help.find("\nOptions:")) << help;
     EXPECT_LT(help.find("\nOptions:"), help.find("Exit codes: ")) << help;
     for (std::size_t start = 0, end; (end = help.find('\n', start)) != std::string::npos; start = end + 1)
@@ -140,7 +140,7 @@ TEST_F(Verbs, VerifyFails) {
   write_field(folder / "wrong.vti", wrong);
   const Ran ran = run(words("verify wrong.vti scene:box --samples 1000000"));
   EXPECT_EQ(ran.code, 7);
-  EXPECT_TRUE(ran.says("difi: error: wrong.vti: sample (3, 4, 5) at ")) << ran.err;
+  EXPECT_TRUE(ran.says("standoff: error: wrong.vti: sample (3, 4, 5) at ")) << ran.err;
   EXPECT_TRUE(ran.says("as 1 sample of ")) << ran.err;
   const Ran as_json = run(words("verify wrong.vti scene:box --samples 1000000 --json"));
   EXPECT_EQ(as_json.code, 7);
@@ -153,7 +153,7 @@ TEST_F(Verbs, VerifySaysWhenTheMeshIsAnother) {
   done(words("compute scene:box -r 20 -o a.vti --scale 2"));
   const Ran other = run(words("verify a.vti scene:box"));
   EXPECT_EQ(other.code, 7);
-  EXPECT_TRUE(other.says("difi: warning: a.vti: computed from another mesh")) << other.err;
+  EXPECT_TRUE(other.says("standoff: warning: a.vti: computed from another mesh")) << other.err;
   EXPECT_FALSE(done(words("verify a.vti scene:box --scale 2")).says("warning"));
 }
 
@@ -199,4 +199,4 @@ TEST_F(Verbs, ConvertFields) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

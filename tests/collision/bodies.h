@@ -6,11 +6,11 @@
 #include <numbers>
 
 #include "collision/triangle_pair.h"
-#include "difi/collision.h"
+#include "standoff/collision.h"
 #include "tests/support/error_code.h"
 #include "tests/support/random_mesh.h"
 
-namespace difi::testing {
+namespace standoff::testing {
 
 inline Pose random_pose(Random& random, double half) {
   return make_pose(random.in_cube(1) + Vec3{0, 0, 1e-3}, random.between(0, 2 * std::numbers::pi), random.in_cube(half));
@@ -68,4 +68,4 @@ inline Mesh one_triangle(Vec3 a, Vec3 b, Vec3 c) {
   return mesh;
 }
 
-}  // namespace difi::testing
+}  // namespace standoff::testing

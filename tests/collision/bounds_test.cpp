@@ -7,15 +7,15 @@
 #include "collision/kernels.h"
 #include "collision/model.h"
 #include "collision/predicates.h"
-#include "difi/compute.h"
+#include "standoff/compute.h"
 #include "tests/collision/bodies.h"
 #include "tests/support/reference.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
-using namespace difi::testing;
-using namespace difi::collision;
+using namespace standoff::testing;
+using namespace standoff::collision;
 
 // Points around a body: near its surface, in its field's grid and outside.
 std::vector<Vec3> points_around(const CollisionModel& model, int count, unsigned seed) {
@@ -186,4 +186,4 @@ TEST(Predicates, SignsOfNearlyFlatTetrahedra) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

@@ -1,13 +1,13 @@
 // Yes or no against every pair of triangles.
 #include <gtest/gtest.h>
 
-#include "difi/collision.h"
+#include "standoff/collision.h"
 #include "tests/collision/bodies.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
-using namespace difi::testing;
+using namespace standoff::testing;
 
 void expect_as_brute_force(const Mesh& a, const Mesh& b, int poses, double half, double margin, unsigned seed) {
   const CollisionModel model_a(a), model_b(b);
@@ -45,4 +45,4 @@ TEST(Collide, DegenerateTrianglesCount) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

@@ -6,13 +6,13 @@
 #include <map>
 #include <set>
 
-#include "difi/collision.h"
+#include "standoff/collision.h"
 #include "tests/collision/bodies.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
-using namespace difi::testing;
+using namespace standoff::testing;
 using Pairs = std::set<std::pair<std::uint32_t, std::uint32_t>>;
 
 Pairs brute_pairs(const Mesh& a, const Pose& pose_a, const Mesh& b, const Pose& pose_b, double margin) {
@@ -156,4 +156,4 @@ TEST(Contacts, AreSpreadOverTheArea) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

@@ -3,14 +3,14 @@
 
 #include <cmath>
 
-#include "difi/collision.h"
-#include "difi/compute.h"
+#include "standoff/collision.h"
+#include "standoff/compute.h"
 #include "tests/collision/bodies.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
-using namespace difi::testing;
+using namespace standoff::testing;
 
 TEST(EdgeCases, IdenticalBodiesTouch) {
   const CollisionModel ball(ball_mesh(1, 8));
@@ -299,4 +299,4 @@ TEST(Thesis, FindsWhatIsDeepAndNothingFar) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

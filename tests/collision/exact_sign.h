@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace difi::testing {
+namespace standoff::testing {
 
 class Whole {
  public:
@@ -101,4 +101,4 @@ inline Whole scaled(double value, int exponent) {
   return {static_cast<std::int64_t>(std::ldexp(value, -own)), own - exponent};
 }
 
-}  // namespace difi::testing
+}  // namespace standoff::testing

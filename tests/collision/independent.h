@@ -1,6 +1,6 @@
-// Answers about bodies by another way than difi's, for long checks: a binary tree of boxes, and triangles told apart by
-// shadows on axes (difi's exact test is by signs of determinants at edges), first in double with a bound of its
-// rounding, then in whole numbers. Triangles must have an area.
+// Answers about bodies by another way than standoff's, for long checks: a binary tree of boxes, and triangles told
+// apart by shadows on axes (standoff's exact test is by signs of determinants at edges), first in double with a bound
+// of its rounding, then in whole numbers. Triangles must have an area.
 #pragma once
 
 #include <algorithm>
@@ -10,11 +10,11 @@
 #include <numeric>
 #include <vector>
 
-#include "difi/mesh.h"
-#include "difi/pose.h"
+#include "standoff/mesh.h"
+#include "standoff/pose.h"
 #include "tests/collision/exact_sign.h"
 
-namespace difi::testing {
+namespace standoff::testing {
 
 using Wider = long double;
 template <class T>
@@ -306,4 +306,4 @@ class IndependentBody {
   std::vector<Vec3> vertices_;
 };
 
-}  // namespace difi::testing
+}  // namespace standoff::testing

@@ -8,15 +8,15 @@
 #include "collision/kernels.h"
 #include "collision/overlap.h"
 #include "collision/triangle_pair.h"
-#include "difi/pose.h"
 #include "geometry/closest_point.h"
+#include "standoff/pose.h"
 #include "tests/support/random_mesh.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
-using namespace difi::testing;
-using namespace difi::collision;
+using namespace standoff::testing;
+using namespace standoff::collision;
 
 struct TwoTriangles {
   Corners p, q;
@@ -316,4 +316,4 @@ TEST(PairKernels, AgreeBitForBit) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

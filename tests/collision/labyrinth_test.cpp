@@ -5,17 +5,17 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "difi/collision.h"
 #include "scenes/scenes.h"
+#include "standoff/collision.h"
 #include "tests/collision/bodies.h"
 #include "tests/collision/independent.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
-using namespace difi::testing;
+using namespace standoff::testing;
 
-// DIFI_CHECK_POSES, DIFI_CHECK_SWEEPS: how many; DIFI_CHECK_SEED: which.
+// STANDOFF_CHECK_POSES, STANDOFF_CHECK_SWEEPS: how many; STANDOFF_CHECK_SEED: which.
 long from_environment(const char* name, long otherwise) {
   const char* const text = std::getenv(name);
   return text == nullptr ? otherwise : std::atol(text);
@@ -29,11 +29,11 @@ void tell(const char* what, long done, long all) {
 struct Labyrinth : ::testing::Test {
   // Coarser walls for a few questions: the sanitizers take long to build the body of the fine ones.
   static inline const bool asked =
-      std::getenv("DIFI_CHECK_POSES") != nullptr || std::getenv("DIFI_CHECK_SWEEPS") != nullptr;
+      std::getenv("STANDOFF_CHECK_POSES") != nullptr || std::getenv("STANDOFF_CHECK_SWEEPS") != nullptr;
   static inline const Mesh walls = scenes::make("labyrinth", asked ? 0 : 30'000), fly = scenes::make("fly");
   static inline const CollisionModel model{walls}, flier{fly};
   IndependentBody still{walls}, moving{fly};
-  Random random{static_cast<unsigned>(from_environment("DIFI_CHECK_SEED", 1))};
+  Random random{static_cast<unsigned>(from_environment("STANDOFF_CHECK_SEED", 1))};
 
   Pose pose_inside() {
     const Box box = model.bounds();
@@ -50,7 +50,7 @@ struct Labyrinth : ::testing::Test {
 };
 
 TEST_F(Labyrinth, PosesAgreeWithAnIndependentExactTest) {
-  const long poses = from_environment("DIFI_CHECK_POSES", 400);
+  const long poses = from_environment("STANDOFF_CHECK_POSES", 400);
   long hits = 0, ambiguous = 0;
   for (long n = 0; n < poses; ++n) {
     tell("poses", n, poses);
@@ -80,7 +80,7 @@ TEST_F(Labyrinth, PosesAgreeWithAnIndependentExactTest) {
 }
 
 TEST_F(Labyrinth, SweepsMissNothing) {
-  const long sweeps = from_environment("DIFI_CHECK_SWEEPS", 100);
+  const long sweeps = from_environment("STANDOFF_CHECK_SWEEPS", 100);
   constexpr double kTolerance = 1e-4, kRounding = 1e-9;
   long hits = 0, turning = 0, sampled = 0, straight_hits = 0, seen = 0;
   for (long n = 0; n < sweeps; ++n) {
@@ -138,4 +138,4 @@ TEST_F(Labyrinth, SweepsMissNothing) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

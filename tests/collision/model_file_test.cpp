@@ -7,14 +7,14 @@
 
 #include "collision/field_bounds.h"
 #include "collision/model_file.h"
-#include "difi/collision.h"
+#include "standoff/collision.h"
 #include "tests/collision/bodies.h"
 #include "tests/io/temp_folder.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
-using namespace difi::testing;
+using namespace standoff::testing;
 
 class ModelFile : public ::testing::Test {
  protected:
@@ -66,7 +66,7 @@ TEST_F(ModelFile, DamageIsAnError) {
 
 // Files of this version must stay readable.
 TEST_F(ModelFile, FilesOfTheCorpusAreRead) {
-  const std::filesystem::path folder = DIFI_SOURCE_DIR "/tests/corpus/body";
+  const std::filesystem::path folder = STANDOFF_SOURCE_DIR "/tests/corpus/body";
   const CollisionModel box = CollisionModel::load(folder / "box.body");
   EXPECT_EQ(box.mesh().triangles.size(), 12u);
   EXPECT_NEAR(distance(box, {}, box, moved({3, 0, 0})).upper, 2, 1e-12);
@@ -129,4 +129,4 @@ TEST_F(ModelFile, FieldsTooLongForSinglePrecisionAreAnError) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

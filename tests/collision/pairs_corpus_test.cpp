@@ -4,14 +4,14 @@
 #include <fstream>
 #include <sstream>
 
-#include "difi/collision.h"
-#include "difi/io.h"
+#include "standoff/collision.h"
+#include "standoff/io.h"
 #include "tests/collision/bodies.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
-using namespace difi::testing;
+using namespace standoff::testing;
 
 struct Case {
   std::string name, answer;
@@ -31,7 +31,7 @@ Pose pose_from(std::string text) {
   return pose;
 }
 
-const std::string kFolder = DIFI_SOURCE_DIR "/tests/corpus/pairs/";
+const std::string kFolder = STANDOFF_SOURCE_DIR "/tests/corpus/pairs/";
 
 std::vector<Case> cases() {
   std::ifstream file(kFolder + "expected.txt");
@@ -70,4 +70,4 @@ TEST(PairsCorpus, AllQueriesTellTheTruth) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

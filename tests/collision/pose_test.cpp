@@ -1,5 +1,5 @@
 // Poses from an axis and an angle, and what is no pose.
-#include "difi/pose.h"
+#include "standoff/pose.h"
 
 #include <gtest/gtest.h>
 
@@ -7,10 +7,10 @@
 #include <limits>
 #include <numbers>
 
-#include "difi/error.h"
+#include "standoff/error.h"
 #include "tests/io/expect_error.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 // Squares of axes shorter than 1e-162 are zero, of those longer than 1e154 infinite: once the rotation was none.
@@ -45,4 +45,4 @@ TEST(Pose, MessagesShowNumbersOfAnySizeInAFewDigits) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

@@ -3,13 +3,13 @@
 
 #include <set>
 
-#include "difi/collision.h"
+#include "standoff/collision.h"
 #include "tests/collision/bodies.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
-using namespace difi::testing;
+using namespace standoff::testing;
 
 TEST(Properties, ALargerMarginKeepsHits) {
   const CollisionModel a(random_soup(1, 100, 1, 0.3)), b(ball_mesh(0.4, 3));
@@ -158,4 +158,4 @@ TEST(Properties, AWiderMarginKeepsContacts) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

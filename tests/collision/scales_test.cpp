@@ -2,13 +2,13 @@
 // triangles as it stands in the world.
 #include <gtest/gtest.h>
 
-#include "difi/collision.h"
+#include "standoff/collision.h"
 #include "tests/collision/bodies.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
-using namespace difi::testing;
+using namespace standoff::testing;
 
 Mesh scaled(Mesh mesh, Vec3 by, Vec3 to = {}) {
   for (Vec3& v : mesh.vertices) v = v * by + to;
@@ -172,4 +172,4 @@ TEST(Scales, SweepsFarAwayAndOfSinglePrecision) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

@@ -1,13 +1,13 @@
 // Sweeps against the bodies at many times on the way, each tested with every pair of triangles.
 #include <gtest/gtest.h>
 
-#include "difi/collision.h"
+#include "standoff/collision.h"
 #include "tests/collision/bodies.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
-using namespace difi::testing;
+using namespace standoff::testing;
 
 struct Case {
   Pose pose_a;
@@ -161,4 +161,4 @@ TEST(Sweep, AShaftTurnsInItsSleeve) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

@@ -11,10 +11,10 @@
 #include "tests/collision/zoo/gap.h"
 #include "tests/collision/zoo/slivers.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
-using namespace difi::testing;
+using namespace standoff::testing;
 
 Corners moved_by(const Corners& t, Vec3 by) { return {t[0] + by, t[1] + by, t[2] + by}; }
 
@@ -172,4 +172,4 @@ TEST(ThinTriangles, TheSlabIsAsThickAsTheyAreApart) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

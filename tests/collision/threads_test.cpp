@@ -3,13 +3,13 @@
 
 #include <thread>
 
-#include "difi/collision.h"
+#include "standoff/collision.h"
 #include "tests/collision/bodies.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
-using namespace difi::testing;
+using namespace standoff::testing;
 
 void expect_same(const Collided& a, const Collided& b) {
   EXPECT_EQ(a.contact, b.contact);
@@ -104,4 +104,4 @@ TEST(Threads, MayShareABody) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

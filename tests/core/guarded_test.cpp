@@ -9,9 +9,9 @@
 #include <string>
 #include <system_error>
 
-#include "difi/error.h"
+#include "standoff/error.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 void guarded(const std::function<void()>& call) try { call(); } catch (...) {
@@ -46,4 +46,4 @@ TEST(Guarded, LeavesErrorsAndTheCallersOwn) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

@@ -14,7 +14,7 @@
 #include "geometry/scalar.h"
 #include "tests/cpu/simd/operations.h"
 
-namespace difi::testing {
+namespace standoff::testing {
 namespace {
 
 constexpr int kLanes = 16;
@@ -106,8 +106,8 @@ TEST(Simd, OperationsOnTwoNumbers) {
       {&SimdOperations::subtract, [](float a, float b) { return a - b; }},
       {&SimdOperations::multiply, [](float a, float b) { return a * b; }},
       {&SimdOperations::divide, [](float a, float b) { return a / b; }},
-      {&SimdOperations::min, [](float a, float b) { return difi::min(a, b); }},
-      {&SimdOperations::max, [](float a, float b) { return difi::max(a, b); }},
+      {&SimdOperations::min, [](float a, float b) { return standoff::min(a, b); }},
+      {&SimdOperations::max, [](float a, float b) { return standoff::max(a, b); }},
   };
   for_targets([&](const SimdOperations& target, Numbers& numbers) {
     const Lanes a = numbers.lanes(), b = numbers.lanes();
@@ -126,8 +126,8 @@ TEST(Simd, OperationsOnOneNumber) {
   };
   const Row rows[] = {
       {&SimdOperations::negate, [](float a) { return -a; }},
-      {&SimdOperations::sqrt, [](float a) { return difi::sqrt(a); }},
-      {&SimdOperations::abs, [](float a) { return difi::abs(a); }},
+      {&SimdOperations::sqrt, [](float a) { return standoff::sqrt(a); }},
+      {&SimdOperations::abs, [](float a) { return standoff::abs(a); }},
   };
   for_targets([&](const SimdOperations& target, Numbers& numbers) {
     const Lanes a = numbers.lanes();
@@ -285,4 +285,4 @@ TEST(Simd, StoresPointsRelativeToACentre) {
 }
 
 }  // namespace
-}  // namespace difi::testing
+}  // namespace standoff::testing

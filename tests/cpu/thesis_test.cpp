@@ -10,7 +10,7 @@
 #include "tests/support/fields.h"
 #include "tests/support/random_mesh.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 using testing::add_triangle;
@@ -223,4 +223,4 @@ TEST(Thesis, SaysHowMuchScratchItNeeds) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

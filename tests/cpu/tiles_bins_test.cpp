@@ -9,7 +9,7 @@
 #include "tests/support/fields.h"
 #include "tests/support/random_mesh.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 using cpu::Bins;
@@ -119,4 +119,4 @@ TEST(TilesBins, OnlyTheTrianglesToUse) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

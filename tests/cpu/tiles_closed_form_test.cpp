@@ -5,11 +5,11 @@
 #include <array>
 #include <numbers>
 
-#include "difi/compute.h"
+#include "standoff/compute.h"
 #include "tests/support/fields.h"
 #include "tests/support/random_mesh.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 using testing::add_triangle;
@@ -119,4 +119,4 @@ TEST(TilesClosedForm, OneTriangleInAllOrdersOfItsCorners) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

@@ -5,11 +5,11 @@
 #include <bit>
 #include <limits>
 
-#include "difi/compute.h"
+#include "standoff/compute.h"
 #include "tests/support/fields.h"
 #include "tests/support/random_mesh.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 using testing::computed;
@@ -146,4 +146,4 @@ TEST(TilesDeterminism, StoredTilesHoldTheThicknessPastTheGrid) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

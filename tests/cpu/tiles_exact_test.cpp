@@ -1,11 +1,11 @@
 // The method tiles against the distance by definition.
 #include <gtest/gtest.h>
 
-#include "difi/compute.h"
+#include "standoff/compute.h"
 #include "tests/support/fields.h"
 #include "tests/support/random_mesh.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 using testing::add_triangle;
@@ -149,4 +149,4 @@ TEST(TilesExact, PortableKernels) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

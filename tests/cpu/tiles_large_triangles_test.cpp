@@ -8,7 +8,7 @@
 #include "tests/support/fields.h"
 #include "tests/support/random_mesh.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 using testing::kInfinity;
@@ -63,4 +63,4 @@ TEST(LargeTriangles, SheafOfNearlyEqualOnes) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

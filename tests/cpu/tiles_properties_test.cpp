@@ -6,11 +6,11 @@
 #include <span>
 #include <vector>
 
-#include "difi/compute.h"
+#include "standoff/compute.h"
 #include "tests/support/fields.h"
 #include "tests/support/random_mesh.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 using testing::add_triangle;
@@ -256,4 +256,4 @@ TEST(TilesProperties, CrowdedTilesLoseNothing) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

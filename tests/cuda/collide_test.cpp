@@ -6,15 +6,15 @@
 
 #include "collision/collide_on_device.h"
 #include "cuda/emulation/block.h"
-#include "difi/collision.h"
-#include "difi/cuda.h"
 #include "scenes/scenes.h"
+#include "standoff/collision.h"
+#include "standoff/cuda.h"
 #include "tests/collision/bodies.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
-using namespace difi::testing;
+using namespace standoff::testing;
 using emulation::Order;
 using emulation::OrderScope;
 
@@ -221,4 +221,4 @@ TEST(CudaCollide, ABodyIsCopiedToADeviceOnce) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

@@ -5,12 +5,12 @@
 #include <gtest/gtest.h>
 
 #include "cuda/emulation/block.h"
-#include "difi/compute.h"
 #include "scenes/scenes.h"
+#include "standoff/compute.h"
 #include "tests/support/fields.h"
 #include "tests/support/random_mesh.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 Options emulated(double thickness, Method method = Method::tiles) {
@@ -101,4 +101,4 @@ TEST(CudaCountedRun, SomeSlotsAreNeverWritten) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

@@ -1,4 +1,5 @@
-// difi/cuda.h, emulated: dense and sparse output in memory that held something else, too little room, bad triangles.
+// standoff/cuda.h, emulated: dense and sparse output in memory that held something else, too little room, bad
+// triangles.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,12 +9,12 @@
 #include <vector>
 
 #include "cuda/emulated.h"
-#include "difi/compute.h"
-#include "difi/error.h"
+#include "standoff/compute.h"
+#include "standoff/error.h"
 #include "tests/support/fields.h"
 #include "tests/support/random_mesh.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 using cuda::Outcome;
@@ -267,4 +268,4 @@ TEST(CudaDeviceMemory, CallsThatMakeNoSenseAreRefused) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

@@ -7,13 +7,13 @@
 #include <vector>
 
 #include "cuda/emulation/words.h"
-#include "difi/error.h"
+#include "standoff/error.h"
 
 #ifndef __has_feature
 #define __has_feature(x) 0
 #endif
 
-namespace difi::emulation {
+namespace standoff::emulation {
 namespace {
 
 constexpr Order kOrders[] = {Order::forward, Order::reverse, Order::random};
@@ -196,4 +196,4 @@ TEST(EmulationDeathTest, TheThreadSanitizerSeesRaces) {
 }
 
 }  // namespace
-}  // namespace difi::emulation
+}  // namespace standoff::emulation

@@ -4,12 +4,12 @@
 #include <string>
 
 #include "cuda/emulation/block.h"
-#include "difi/compute.h"
 #include "scenes/scenes.h"
+#include "standoff/compute.h"
 #include "tests/support/fields.h"
 #include "tests/support/random_mesh.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 using emulation::Order;
@@ -134,4 +134,4 @@ TEST(CudaFields, IntoDenseMemory) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

@@ -9,10 +9,10 @@
 
 #include "cuda/enqueue.cuh"
 #include "cuda/pipeline.cuh"
-#include "difi/error.h"
+#include "standoff/error.h"
 #include "tests/support/random_mesh.h"
 
-namespace difi::emulated {
+namespace standoff::emulated {
 namespace {
 
 // The lists are as long as the first pass counted. Were the second one to write more, it would write in front of them,
@@ -57,4 +57,4 @@ TEST(CudaLists, AMeshThatChangesBetweenThePassesIsNoticed) {
 }
 
 }  // namespace
-}  // namespace difi::emulated
+}  // namespace standoff::emulated

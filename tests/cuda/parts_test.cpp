@@ -7,7 +7,7 @@
 #include "cuda/enqueue.cuh"
 #include "tests/support/random_mesh.h"
 
-namespace difi::emulated {
+namespace standoff::emulated {
 namespace {
 
 constexpr float kRubbish = -77;
@@ -70,4 +70,4 @@ TEST(CudaParts, OfAlgorithm1) {
 }
 
 }  // namespace
-}  // namespace difi::emulated
+}  // namespace standoff::emulated

@@ -5,12 +5,12 @@
 #include <string>
 
 #include "cuda/platform.cuh"
-#include "difi/compute.h"
-#include "difi/error.h"
+#include "standoff/compute.h"
+#include "standoff/error.h"
 #include "tests/support/fields.h"
 #include "tests/support/random_mesh.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 // A GPU with so many bytes, for as long as it lives.
@@ -76,4 +76,4 @@ TEST(CudaRoom, TheWholeNeedIsTold) {
 INSTANTIATE_TEST_SUITE_P(Methods, CudaRoomOf, ::testing::Values(Method::tiles, Method::thesis));
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

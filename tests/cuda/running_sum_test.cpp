@@ -5,7 +5,7 @@
 
 #include "cuda/scan.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 // CUB before 2.7 sums an int's worth of numbers; of more it took the first few, and said nothing.
@@ -24,4 +24,4 @@ TEST(CudaRunningSum, WhatTheLibraryCannotCountIsRefused) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

@@ -1,18 +1,18 @@
-// What difi asks of the CUDA runtime, on a GPU that is pretended: work in device memory allocates nothing and waits for
-// nothing; a call that fails is named, nothing is kept, and the next field is computed.
+// What standoff asks of the CUDA runtime, on a GPU that is pretended: work in device memory allocates nothing and waits
+// for nothing; a call that fails is named, nothing is kept, and the next field is computed.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <set>
 #include <string>
 
-#include "difi/compute.h"
-#include "difi/cuda.h"
-#include "difi/error.h"
+#include "standoff/compute.h"
+#include "standoff/cuda.h"
+#include "standoff/error.h"
 #include "tests/cuda/runtime/pretend.h"
 #include "tests/support/random_mesh.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 using pretend::gpu;
@@ -139,9 +139,9 @@ TEST_F(CudaRuntime, TooLittleMemoryIsALimit) {
 TEST_F(CudaRuntime, GpusThatAreTooOldAreNamedAndNotTaken) {
   gpu.capabilities = {61};
   EXPECT_TRUE(cuda::devices().empty());
-  EXPECT_EQ(
-      cuda::why_no_device().find("GPU 0, Pretended, is too old: it has compute capability 6.1, this build of difi "),
-      0u);
+  EXPECT_EQ(cuda::why_no_device().find(
+                "GPU 0, Pretended, is too old: it has compute capability 6.1, this build of standoff "),
+            0u);
   EXPECT_EQ(failure_of(on_gpu()).code, ErrorCode::device);
 
   gpu.capabilities = {90, 61};
@@ -196,4 +196,4 @@ TEST_F(CudaRuntime, WhyThereIsNoGpu) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

@@ -6,15 +6,15 @@
 
 #include "collision/sweep_on_device.h"
 #include "cuda/emulation/block.h"
-#include "difi/collision.h"
-#include "difi/cuda.h"
 #include "scenes/scenes.h"
+#include "standoff/collision.h"
+#include "standoff/cuda.h"
 #include "tests/collision/bodies.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
-using namespace difi::testing;
+using namespace standoff::testing;
 using emulation::Order;
 using emulation::OrderScope;
 
@@ -186,4 +186,4 @@ TEST(CudaSweep, ThePublicCallSaysWhatItDid) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

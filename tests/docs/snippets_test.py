@@ -1,8 +1,8 @@
 """What README.md and docs/*.md show in fenced blocks is run as it stands there.
 
-sh     lines `difi ...` are run, in order; of the project's own scripts the help is asked for
+sh     lines `standoff ...` are run, in order; of the project's own scripts the help is asked for
 cpp    is compiled, linked as the README's cmake block says, and run; without a main it is the inside of one
-cmake  is a project's way to difi, tried with the cpp blocks
+cmake  is a project's way to standoff, tried with the cpp blocks
 text, and blocks without a language, are pictures of text and passed over.
 """
 import os
@@ -13,8 +13,8 @@ import shutil
 import subprocess
 import sys
 
-SOURCE = pathlib.Path(os.environ["DIFI_SOURCE_DIR"])
-PROGRAM = pathlib.Path(os.environ["DIFI"])
+SOURCE = pathlib.Path(os.environ["STANDOFF_SOURCE_DIR"])
+PROGRAM = pathlib.Path(os.environ["STANDOFF"])
 MODELS = pathlib.Path("/usr/share/glmark2/models")
 # A mesh where the package with the README's is not installed: two triangles.
 STAND_IN = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0.5\nf 1 2 3\nf 2 4 3\n"
@@ -45,13 +45,13 @@ def run_shell():
     for page, text in snippets("sh"):
         for line in text.splitlines():
             words = shlex.split(line, comments=True)
-            if words and words[0] == "difi":
+            if words and words[0] == "standoff":
                 run(page, PROGRAM, *words[1:])
                 ran += 1
             elif words and words[0].startswith("script/"):
                 run(page, SOURCE / words[0], "--help")
             elif words:
-                sys.exit(f"{page}: '{line}' is neither difi nor a script of it; teach {__file__} to run it")
+                sys.exit(f"{page}: '{line}' is neither standoff nor a script of it; teach {__file__} to run it")
     return ran
 
 

@@ -1,17 +1,17 @@
 // compute and compute_into: options, errors, progress, memory.
-#include "difi/compute.h"
+#include "standoff/compute.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <vector>
 
-#include "difi/version.h"
+#include "standoff/version.h"
 #include "tests/io/expect_error.h"
 #include "tests/support/fields.h"
 #include "tests/support/random_mesh.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -254,4 +254,4 @@ TEST(Compute, ReportsWhatItDid) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

@@ -1,5 +1,5 @@
 // Distance fields as containers: what is stored, what is read back, and what lies between the samples.
-#include "difi/field.h"
+#include "standoff/field.h"
 
 #include <gtest/gtest.h>
 
@@ -9,11 +9,11 @@
 #include <stdexcept>
 #include <vector>
 
-#include "difi/error.h"
+#include "standoff/error.h"
 #include "tests/support/error_code.h"
 #include "tests/support/fields.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 using testing::code_of;
@@ -324,4 +324,4 @@ TEST(DistanceField, InfiniteValuesGiveInfinityNeverNaN) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

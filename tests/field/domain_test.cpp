@@ -5,10 +5,10 @@
 #include <cmath>
 #include <limits>
 
-#include "difi/compute.h"
-#include "difi/error.h"
+#include "standoff/compute.h"
+#include "standoff/error.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 Mesh triangle_at(double x, double size = 1) { return {{{x, 0, 0}, {x + size, 0, 0}, {x, size, 0}}, {{0, 1, 2}}}; }
@@ -59,4 +59,4 @@ TEST(Domain, WhatIsJustWithinIsComputed) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

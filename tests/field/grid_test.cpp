@@ -1,4 +1,4 @@
-#include "difi/grid.h"
+#include "standoff/grid.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include "tests/io/expect_error.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN(), kInfinity = std::numeric_limits<double>::infinity();
@@ -101,4 +101,4 @@ TEST(Grid, PositionsAndIndices) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

@@ -8,15 +8,15 @@
 #include <string>
 #include <vector>
 
-#include "difi/compute.h"
-#include "difi/io.h"
 #include "field/memory.h"
+#include "standoff/compute.h"
+#include "standoff/io.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temp_folder.h"
 #include "tests/support/heap.h"
 #include "tests/support/random_mesh.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 using testing::heap::Limit;
@@ -189,4 +189,4 @@ TEST(Memory, ALimitAndWhatIsOverItLookDifferent) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

@@ -5,13 +5,13 @@
 #include <string>
 #include <vector>
 
-#include "difi/compute.h"
 #include "scenes/scenes.h"
+#include "standoff/compute.h"
 #include "tests/support/fields.h"
 #include "tests/support/heap.h"
 #include "tests/support/random_mesh.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 using testing::add_triangle;
@@ -155,4 +155,4 @@ TEST(ManyCandidates, SmallTrianglesOfOneCellInParts) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

@@ -1,4 +1,4 @@
-#include "difi/mesh.h"
+#include "standoff/mesh.h"
 
 #include <gtest/gtest.h>
 #include <sys/mman.h>
@@ -9,7 +9,7 @@
 
 #include "tests/io/expect_error.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 const Mesh kMesh{{{0, 0, 0}, {1, 0, 0}, {0, 2, 0}, {0, 0, 3}, {9, 9, 9}}, {{0, 1, 2}, {0, 1, 3}}};
@@ -104,4 +104,4 @@ TEST(Mesh, ContentHashSeesEveryPlace) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

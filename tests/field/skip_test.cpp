@@ -10,7 +10,7 @@
 #include "tests/support/fields.h"
 #include "tests/support/random_mesh.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 using testing::add_triangle;
@@ -236,4 +236,4 @@ TEST(ExactRule, SaysHowMuchMemoryItNeeds) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

@@ -1,16 +1,16 @@
-#include "difi/verify.h"
+#include "standoff/verify.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "difi/error.h"
 #include "field/triangle_groups.h"
+#include "standoff/error.h"
 #include "tests/support/closest_of_all.h"
 #include "tests/support/random_mesh.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 using testing::brute_distance;
@@ -219,4 +219,4 @@ TEST(Verify, Errors) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

@@ -1,6 +1,6 @@
 #include "mesh_fuzz.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const auto read = [](const difi::FileView& file) { return difi::read_with_assimp(file, "3ds"); };
-  return difi::fuzz_mesh(read, data, size, "fuzzed.3ds");
+  const auto read = [](const standoff::FileView& file) { return standoff::read_with_assimp(file, "3ds"); };
+  return standoff::fuzz_mesh(read, data, size, "fuzzed.3ds");
 }

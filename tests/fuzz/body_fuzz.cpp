@@ -7,9 +7,9 @@
 #include <string_view>
 
 #include "collision/model_file.h"
-#include "difi/collision.h"
+#include "standoff/collision.h"
 
-namespace difi {
+namespace standoff {
 
 namespace {
 
@@ -47,9 +47,9 @@ void fuzz_body(std::string_view bytes) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  difi::fuzz_body({reinterpret_cast<const char*>(data), size});
+  standoff::fuzz_body({reinterpret_cast<const char*>(data), size});
   return 0;
 }

@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "difi/error.h"
 #include "io/field_format.h"
+#include "standoff/error.h"
 
-namespace difi {
+namespace standoff {
 
 /// Reads bytes as a file: an error or a field whose values keep its promise, nothing else.
 inline int fuzz_field(DistanceField (*read)(const FieldInput&), const std::uint8_t* data, std::size_t size) {
@@ -24,4 +24,4 @@ inline int fuzz_field(DistanceField (*read)(const FieldInput&), const std::uint8
   return 0;
 }
 
-}  // namespace difi
+}  // namespace standoff

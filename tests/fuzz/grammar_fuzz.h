@@ -15,7 +15,7 @@
 #include "tests/grammar/traps.h"
 #include "tests/io/temp_folder.h"
 
-namespace difi::grammar {
+namespace standoff::grammar {
 
 /// A folder with the traps, for as long as the process lives.
 inline const std::filesystem::path& fuzz_folder() {
@@ -42,4 +42,4 @@ inline int fuzz_one_of(std::initializer_list<std::string_view> extensions, const
   std::abort();
 }
 
-}  // namespace difi::grammar
+}  // namespace standoff::grammar

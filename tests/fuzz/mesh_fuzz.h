@@ -7,10 +7,10 @@
 #include <string>
 #include <string_view>
 
-#include "difi/error.h"
 #include "io/mesh_format.h"
+#include "standoff/error.h"
 
-namespace difi {
+namespace standoff {
 
 /// Any bytes of a file called `name` give a valid mesh, Error{input}, or Error{limit} for what would unfold too far;
 /// anything else ends the process.
@@ -27,4 +27,4 @@ inline int fuzz_mesh(Mesh (*read)(const FileView&), const std::uint8_t* data, st
   return 0;
 }
 
-}  // namespace difi
+}  // namespace standoff

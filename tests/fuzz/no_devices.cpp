@@ -3,9 +3,9 @@
 #include <span>
 
 #include "collision/device.h"
-#include "difi/compute.h"
+#include "standoff/compute.h"
 
-namespace difi {
+namespace standoff {
 
 Computed compute(MeshView, const Grid&, const Options&) { std::abort(); }
 Report compute_into(MeshView, const Grid&, std::span<float>, std::span<std::uint32_t>, const Options&) { std::abort(); }
@@ -16,4 +16,4 @@ namespace collision {
 const DeviceRow* find_device(Backend, std::size_t) { return nullptr; }
 
 }  // namespace collision
-}  // namespace difi
+}  // namespace standoff

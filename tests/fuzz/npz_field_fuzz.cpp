@@ -3,11 +3,11 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   // Checksums keep damaged arrays from their reader, so it also gets the bytes themselves.
-  const difi::FileView view("fuzz", {reinterpret_cast<const char*>(data), size});
+  const standoff::FileView view("fuzz", {reinterpret_cast<const char*>(data), size});
   try {
-    const difi::NpyArray array = difi::read_npy(difi::FieldInput(view), "array", 0, size);
+    const standoff::NpyArray array = standoff::read_npy(standoff::FieldInput(view), "array", 0, size);
     if (array.offset + array.bytes != size) std::abort();
-  } catch (const difi::Error&) {
+  } catch (const standoff::Error&) {
   }
-  return difi::fuzz_field(difi::read_npz, data, size);
+  return standoff::fuzz_field(standoff::read_npz, data, size);
 }

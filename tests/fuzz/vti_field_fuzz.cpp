@@ -1,5 +1,5 @@
 #include "field_fuzz.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  return difi::fuzz_field(difi::read_vti, data, size);
+  return standoff::fuzz_field(standoff::read_vti, data, size);
 }

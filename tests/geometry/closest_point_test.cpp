@@ -6,10 +6,10 @@
 #include <array>
 #include <cmath>
 
-#include "difi/vec.h"
+#include "standoff/vec.h"
 #include "tests/support/random_mesh.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 using testing::Random;
@@ -108,4 +108,4 @@ TEST(ClosestPoint, AsGoodAsQuadruplePrecision) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

@@ -3,9 +3,9 @@
 
 #include <array>
 
-#include "difi/vec.h"
+#include "standoff/vec.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 // Far from constants, and one by one: the numbers to compare with.
@@ -41,4 +41,4 @@ TEST(Rounding, NeighboursAreRoundedToFloat) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace difi {
+namespace standoff {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -41,4 +41,4 @@ TEST(SampleRange, IsEmptyBesideTheGridAndBetweenSamples) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

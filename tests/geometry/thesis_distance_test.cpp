@@ -10,7 +10,7 @@
 #include "tests/support/random_mesh.h"
 #include "tests/support/reference.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 using testing::Random;
@@ -102,4 +102,4 @@ TEST(ThesisDistance, TakesDegenerateTriangles) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

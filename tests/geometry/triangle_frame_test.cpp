@@ -11,7 +11,7 @@
 #include "tests/support/random_mesh.h"
 #include "tests/support/reference.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 using testing::Random;
@@ -157,4 +157,4 @@ TEST(TriangleLines, AreExactNearTheReferenceHoweverLargeTheTriangle) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

@@ -13,13 +13,13 @@
 
 #include "cuda/driver.cuh"
 #include "cuda/timing.cuh"
-#include "difi/error.h"
 #include "scenes/scenes.h"
+#include "standoff/error.h"
 #include "tests/gpu/field_on_device.cuh"
 #include "tests/support/random_mesh.h"
 #include "tests/support/reference.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 struct Case {
@@ -84,7 +84,7 @@ std::int64_t inexact(const Case& c, const std::vector<float>& values, std::int64
 }
 
 int run(const Case& c, Method method) {
-  using namespace DIFI_PLATFORM;
+  using namespace STANDOFF_PLATFORM;
   const char* const method_name = method == Method::thesis ? "thesis" : "tiles";
   const Reference reference = emulate(c, method);
   int faults = 0;
@@ -155,7 +155,7 @@ const Grid kSmallGrid{{9, 9, 9}, {-2, -2, -2}, {0.5, 0.5, 0.5}};
 
 /// Wrong input and too little memory must be said, and leave everything usable.
 int run_faults() {
-  using namespace DIFI_PLATFORM;
+  using namespace STANDOFF_PLATFORM;
   Mesh mesh = testing::random_soup(76, 20, 2, 1);
   const auto field = [&] { FieldOnDevice(mesh, kSmallGrid, 1, Method::tiles, Layout::dense, false).run(); };
   const std::uint32_t index = std::exchange(mesh.triangles[7][1], 4000000000u);
@@ -169,7 +169,7 @@ int run_faults() {
 
 /// A recorded graph gives the field of the mesh that is in its memory when it is played.
 int run_graph() {
-  using namespace DIFI_PLATFORM;
+  using namespace STANDOFF_PLATFORM;
   const Mesh first = testing::random_soup(77, 60, 2, 1), second = testing::random_soup(78, 60, 2, 1);
   int faults = 0;
   for (const double thickness : {0.9, 3.0}) {
@@ -190,7 +190,7 @@ int run_graph() {
 
 /// The blocking way, from host memory to host memory, against what lies in device memory.
 int run_blocking() {
-  using namespace DIFI_PLATFORM;
+  using namespace STANDOFF_PLATFORM;
   const Mesh mesh = testing::random_soup(80, 200, 5, 1);
   const Grid grid{{37, 30, 21}, {-6, -5, -4}, {0.35, 0.35, 0.4}};
   int faults = 0;
@@ -204,7 +204,7 @@ int run_blocking() {
       ProgressMeter progress(options);
       const Job job{mesh, {}, grid, thickness, 1, Simd::automatic, progress};
       Sink sink(grid, values, nearest);
-      const Counts counts = DIFI_PLATFORM::run(job, sink, method);
+      const Counts counts = STANDOFF_PLATFORM::run(job, sink, method);
       faults += judge(different(values, expected.values()) == 0 && different(nearest, expected.nearest()) == 0 &&
                           counts.samples_band == static_cast<std::int64_t>(outcome.samples_band),
                       "from host memory to host memory");
@@ -214,7 +214,7 @@ int run_blocking() {
 
 /// More samples than 32 bits count: distances in the last corner of 2048^3 samples, by definition.
 int run_large() {
-  using namespace DIFI_PLATFORM;
+  using namespace STANDOFF_PLATFORM;
   const Grid grid{{2048, 2048, 2048}, {0, 0, 0}, {1, 1, 1}};
   const Mesh mesh = testing::random_soup(79, 200, 6, 3, {2040, 2040, 2040});
   FieldOnDevice field(mesh, grid, 1.5, Method::tiles, Layout::sparse, false);
@@ -250,17 +250,17 @@ int run_all(bool quick) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff
 
 int main(int argc, char** argv) {
   bool quick = false;
   for (int n = 1; n < argc; ++n) {
     quick |= std::string(argv[n]) == "--quick";
-    if (std::string(argv[n]) == "--unpoisoned") difi::DIFI_PLATFORM::poisons_workspace = false;
+    if (std::string(argv[n]) == "--unpoisoned") standoff::STANDOFF_PLATFORM::poisons_workspace = false;
   }
   try {
-    return difi::run_all(quick);
-  } catch (const difi::Error& error) {
+    return standoff::run_all(quick);
+  } catch (const standoff::Error& error) {
     std::fprintf(stderr, "check: error: %s\n", error.what());
     return static_cast<int>(error.code());
   }

@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "difi/collision.h"
-#include "difi/error.h"
 #include "scenes/scenes.h"
+#include "standoff/collision.h"
+#include "standoff/error.h"
 #include "tests/support/random_mesh.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 struct Case {
@@ -109,19 +109,19 @@ int run_all(bool quick, Backend backend) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff
 
 int main(int argc, char** argv) {
   bool quick = false;
-  difi::Backend backend = difi::Backend::cuda;
+  standoff::Backend backend = standoff::Backend::cuda;
   for (int n = 1; n < argc; ++n) {
     const std::string option = argv[n];
     if (option == "--quick") quick = true;
-    if (option == "--emulated") backend = difi::Backend::emulated;
+    if (option == "--emulated") backend = standoff::Backend::emulated;
   }
   try {
-    return difi::run_all(quick, backend);
-  } catch (const difi::Error& error) {
+    return standoff::run_all(quick, backend);
+  } catch (const standoff::Error& error) {
     std::fprintf(stderr, "check_collide: error: %s\n", error.what());
     return static_cast<int>(error.code());
   }

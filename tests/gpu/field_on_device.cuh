@@ -1,4 +1,4 @@
-// A mesh and its field in device memory, for checks and measurements without the rest of difi.
+// A mesh and its field in device memory, for checks and measurements without the rest of standoff.
 #pragma once
 
 #include <algorithm>
@@ -9,10 +9,10 @@
 #include "cuda/emulated.h"
 #include "cuda/enqueue.cuh"
 #include "cuda/guess.h"
-#include "difi/cuda.h"
-#include "difi/mesh.h"
+#include "standoff/cuda.h"
+#include "standoff/mesh.h"
 
-namespace difi::DIFI_PLATFORM {
+namespace standoff::STANDOFF_PLATFORM {
 
 enum class Layout { dense, sparse };
 
@@ -49,7 +49,7 @@ class FieldOnDevice {
   /// The field into host memory that is there. Requires dense output.
   void download(std::vector<float>& values) const { copy_out(values.data(), task_.output.values, bytes_of(values)); }
 
-  void enqueue(Stream stream) { DIFI_PLATFORM::enqueue(task_, workspace_.as<void>(), workspace_bytes_, stream); }
+  void enqueue(Stream stream) { STANDOFF_PLATFORM::enqueue(task_, workspace_.as<void>(), workspace_bytes_, stream); }
 
   Outcome outcome() const {
     Outcome outcome;
@@ -137,8 +137,8 @@ class FieldOnDevice {
   }
   void make_workspace(std::int64_t entries) {
     entries_ = entries;
-    workspace_bytes_ =
-        DIFI_PLATFORM::workspace_bytes(task_.mesh.triangle_count, task_.grid, task_.thickness, task_.method, entries);
+    workspace_bytes_ = STANDOFF_PLATFORM::workspace_bytes(task_.mesh.triangle_count, task_.grid, task_.thickness,
+                                                          task_.method, entries);
     workspace_ = Memory();
     workspace_ = Memory(workspace_bytes_);
     if (poisons_workspace) fill_bytes(nullptr, workspace_.as<void>(), 0xcd, workspace_bytes_);
@@ -172,4 +172,4 @@ class FieldOnDevice {
   std::int64_t workspace_bytes_ = 0, entries_ = 0;
 };
 
-}  // namespace difi::DIFI_PLATFORM
+}  // namespace standoff::STANDOFF_PLATFORM

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # script/gpu-check on the emulated GPU, in parts that go on where the last one stopped: its programs build without the
-# rest of difi and its dependencies, every job runs once, every table has its rows. (steps_test.py: steps that fail.)
+# rest of standoff and its dependencies, every job runs once, every table has its rows. (steps_test.py: steps that fail.)
 set -euo pipefail
-gpu_check() { JOBS=1 "$DIFI_SOURCE_DIR/script/gpu-check" --emulated "$@" >log 2>&1; }
+gpu_check() { JOBS=1 "$STANDOFF_SOURCE_DIR/script/gpu-check" --emulated "$@" >log 2>&1; }
 fail() { echo "$*"; cat log; exit 1; }
 
 gpu_check --only checks && fail "a part that is none was taken"
@@ -39,7 +39,7 @@ if python3 -c 'import warp' 2>/dev/null; then
 else
   grep -q 'no module warp .*: skipped' log || fail "nothing is said of the peer that is not there"
 fi
-python3 -B "$DIFI_SOURCE_DIR/bench/gpu_tables.py" results >tables.md || fail "no tables"
+python3 -B "$STANDOFF_SOURCE_DIR/bench/gpu_tables.py" results >tables.md || fail "no tables"
 for title in Goals "Figure 1.1" "Table 5.1" "Table 5.2" "Table 5.3" "Table 5.4: where" "Table 5.5"; do
   grep -q "^## $title" tables.md || fail "the tables lack $title"
 done

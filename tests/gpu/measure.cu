@@ -19,13 +19,13 @@
 #include <string>
 
 #include "cuda/timing.cuh"
-#include "difi/error.h"
 #include "scenes/scenes.h"
+#include "standoff/error.h"
 #include "tests/gpu/field_on_device.cuh"
 #include "tests/gpu/parts.cuh"
 #include "tests/gpu/peer_file.h"
 
-namespace difi::DIFI_PLATFORM {
+namespace standoff::STANDOFF_PLATFORM {
 namespace {
 
 struct Line {
@@ -154,10 +154,10 @@ void run(const Line& l) {
 }
 
 }  // namespace
-}  // namespace difi::DIFI_PLATFORM
+}  // namespace standoff::STANDOFF_PLATFORM
 
 int main(int argc, char** argv) {
-  using namespace difi::DIFI_PLATFORM;
+  using namespace standoff::STANDOFF_PLATFORM;
   bool with_names = true;
   for (int n = 1; n < argc; ++n) {
     const std::string option = argv[n];
@@ -176,10 +176,10 @@ int main(int argc, char** argv) {
   for (Line line; read(line);) {
     try {
       run(line);
-    } catch (const difi::Error& error) {
+    } catch (const standoff::Error& error) {
       std::fprintf(stderr, "measure: %s %s: %s\n", line.table.c_str(), line.scene.c_str(), error.what());
       failed = static_cast<int>(error.code());
-      if (error.code() == difi::ErrorCode::device) break;  // most such errors stay until the program ends
+      if (error.code() == standoff::ErrorCode::device) break;  // most such errors stay until the program ends
     } catch (const std::exception& error) {
       std::fprintf(stderr, "measure: %s %s: %s\n", line.table.c_str(), line.scene.c_str(), error.what());
       failed = 1;

@@ -6,7 +6,7 @@
 #include "cuda/enqueue.cuh"
 #include "tests/gpu/field_on_device.cuh"
 
-namespace difi::DIFI_PLATFORM {
+namespace standoff::STANDOFF_PLATFORM {
 
 /// A job's output that leaves parts out, and what to put on the stream for it.
 struct Part {
@@ -26,4 +26,4 @@ inline const Part* find_part(const std::string& output) {
   return nullptr;
 }
 
-}  // namespace difi::DIFI_PLATFORM
+}  // namespace standoff::STANDOFF_PLATFORM

@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "difi/error.h"
-#include "difi/grid.h"
-#include "difi/mesh.h"
+#include "standoff/error.h"
+#include "standoff/grid.h"
+#include "standoff/mesh.h"
 
-namespace difi {
+namespace standoff {
 
 /// Little-endian: int64 counts of vertices and triangles and the grid's size; doubles: origin, spacing, thickness,
 /// vertices; uint32 triangles; float values.
@@ -34,4 +34,4 @@ inline void write_peer_file(const std::string& path, const Mesh& mesh, const Gri
   if (!good) throw Error(ErrorCode::input, "measure: cannot write " + path + "; is the disk full?");
 }
 
-}  // namespace difi
+}  // namespace standoff

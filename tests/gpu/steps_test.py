@@ -10,7 +10,7 @@ import time
 import unittest
 from pathlib import Path
 
-SOURCE = Path(os.environ["DIFI_SOURCE_DIR"])
+SOURCE = Path(os.environ["STANDOFF_SOURCE_DIR"])
 sys.path.insert(0, str(SOURCE / "bench"))
 import gpu_build  # noqa: E402
 import gpu_jobs  # noqa: E402
@@ -109,7 +109,7 @@ ptxas info    : Used 64 registers, used 1 barriers, 48 bytes cumulative stack si
         slow, fast = gpu_build.kernels_of(log)
         self.assertEqual((slow["registers"], slow["spill_store_bytes"], slow["spill_load_bytes"], slow["shared_bytes"]),
                          (64, 44, 40, 27784))
-        self.assertEqual(gpu_build.short_name("void difi::cuda::gather<true, (difi::gpu::Through)5>(difi::gpu::Lattice, int)"),
+        self.assertEqual(gpu_build.short_name("void standoff::cuda::gather<true, (standoff::gpu::Through)5>(standoff::gpu::Lattice, int)"),
                          "gather<true, (Through)5>")
         self.assertEqual(gpu_build.short_name("cub::Scan<a, f<(int)3> >(int const*)"), "cub::Scan")
         self.assertEqual((fast["registers"], fast["shared_bytes"], fast["architecture"]), (12, 0, "sm_90"))

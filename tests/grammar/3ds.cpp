@@ -2,7 +2,7 @@
 #include "tests/grammar/hostile.h"
 #include "tests/grammar/shape.h"
 
-namespace difi::grammar {
+namespace standoff::grammar {
 namespace {
 
 class Studio {
@@ -137,4 +137,4 @@ class Studio {
 
 File make_3ds(Choices& c) { return Studio(c).make(); }
 
-}  // namespace difi::grammar
+}  // namespace standoff::grammar

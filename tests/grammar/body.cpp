@@ -7,13 +7,13 @@
 #include "tests/grammar/file.h"
 #include "tests/grammar/hostile.h"
 
-namespace difi::grammar {
+namespace standoff::grammar {
 namespace {
 
 constexpr std::size_t kHeader = 64, kCounts = 16, kSpacing = 56;
 
 std::string body(const char* name) {
-  std::ifstream file(std::filesystem::path(DIFI_SOURCE_DIR) / "tests/corpus/body" / name, std::ios::binary);
+  std::ifstream file(std::filesystem::path(STANDOFF_SOURCE_DIR) / "tests/corpus/body" / name, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
@@ -101,4 +101,4 @@ File make_body(Choices& c) {
   return file;
 }
 
-}  // namespace difi::grammar
+}  // namespace standoff::grammar

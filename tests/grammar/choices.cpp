@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace difi::grammar {
+namespace standoff::grammar {
 namespace {
 
 // From one trick in two places, which leaves nothing whole, to one in a thousand, which most files do not see.
@@ -55,4 +55,4 @@ std::uint32_t Choices::next(std::uint32_t n) {
   return number;
 }
 
-}  // namespace difi::grammar
+}  // namespace standoff::grammar

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-namespace difi::grammar {
+namespace standoff::grammar {
 
 /// Decisions that make one file. Choice 0 is always the plain one, so that where a fuzzer's bytes end, the file ends in
 /// a plain way too.
@@ -48,4 +48,4 @@ class Choices {
   std::uint32_t left_ = 300'000;  // of many()
 };
 
-}  // namespace difi::grammar
+}  // namespace standoff::grammar

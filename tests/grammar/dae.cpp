@@ -7,7 +7,7 @@
 #include "tests/grammar/transform.h"
 #include "tests/grammar/xml.h"
 
-namespace difi::grammar {
+namespace standoff::grammar {
 namespace {
 
 std::string at(const std::string& id) { return "#" + id; }
@@ -261,4 +261,4 @@ class Collada {
 
 File make_dae(Choices& c) { return Collada(c).make(); }
 
-}  // namespace difi::grammar
+}  // namespace standoff::grammar

@@ -5,7 +5,7 @@
 
 #include "tests/grammar/file.h"
 
-namespace difi::grammar {
+namespace standoff::grammar {
 
 /// A grid of up to some thousand samples, a thickness, values up to it, sometimes nearest triangles.
 Truth make_field(Choices& c, bool may_have_nearest);
@@ -13,4 +13,4 @@ Truth make_field(Choices& c, bool may_have_nearest);
 /// Shortest decimals of a double; at a trick something else.
 std::string real64(Choices& c, double value);
 
-}  // namespace difi::grammar
+}  // namespace standoff::grammar

@@ -9,7 +9,7 @@
 #include "tests/grammar/shape.h"
 #include "tests/grammar/xml.h"
 
-namespace difi::grammar {
+namespace standoff::grammar {
 
 Truth make_field(Choices& c, bool may_have_nearest) {
   Truth field;
@@ -157,4 +157,4 @@ File make_nrrd(Choices& c) {
   return made;
 }
 
-}  // namespace difi::grammar
+}  // namespace standoff::grammar

@@ -7,11 +7,11 @@
 #include <utility>
 #include <vector>
 
-#include "difi/field.h"
-#include "difi/vec.h"
+#include "standoff/field.h"
+#include "standoff/vec.h"
 #include "tests/grammar/choices.h"
 
-namespace difi::grammar {
+namespace standoff::grammar {
 
 using Corners = std::array<Vec3, 3>;
 
@@ -71,4 +71,4 @@ inline constexpr Grammar kGrammars[] = {
 inline constexpr const char *kPipe = "pipe.bin", *kFolder = "folder.bin", *kLoop = "loop.bin",
                             *kOutside = "../outside.bin";
 
-}  // namespace difi::grammar
+}  // namespace standoff::grammar

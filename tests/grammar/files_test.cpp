@@ -1,9 +1,9 @@
 // Files written by grammars of their formats, good ones and hostile ones: each is read or refused with an Error, in
 // bounded time and memory, and a good one is read as what was written. A few hundred of each format by default; for as
 // many as docs/testing.md tells of, run this program with
-//   DIFI_LONG_FILES   how many of each format
-//   DIFI_LONG_SEED    the first seed; what a run did not come to, another one does from there on
-//   DIFI_LONG_FOLDER  where bad files are kept (a new folder under it for each format)
+//   STANDOFF_LONG_FILES   how many of each format
+//   STANDOFF_LONG_SEED    the first seed; what a run did not come to, another one does from there on
+//   STANDOFF_LONG_FOLDER  where bad files are kept (a new folder under it for each format)
 // For one format alone give --gtest_filter=*/gltf.
 #include <gtest/gtest.h>
 
@@ -11,12 +11,12 @@
 #include <cstdlib>
 #include <optional>
 
-#include "difi/io.h"
+#include "standoff/io.h"
 #include "tests/grammar/run.h"
 #include "tests/grammar/traps.h"
 #include "tests/io/temp_folder.h"
 
-namespace difi::grammar {
+namespace standoff::grammar {
 namespace {
 
 std::uint64_t from_environment(const char* name, std::uint64_t otherwise) {
@@ -36,14 +36,15 @@ class Grammars : public ::testing::TestWithParam<Grammar> {};
 TEST_P(Grammars, FilesAreReadAsWrittenOrRefused) {
   const Grammar& grammar = GetParam();
   if (!reads(grammar)) GTEST_SKIP() << "this build does not read ." << grammar.extension;
-  const char* const kept = std::getenv("DIFI_LONG_FOLDER");
+  const char* const kept = std::getenv("STANDOFF_LONG_FOLDER");
   std::optional<TempFolder> own;
   const std::filesystem::path base = kept ? std::filesystem::path(kept) / grammar.extension : own.emplace().path();
   const std::filesystem::path folder = base / "files";
   if (kept) std::filesystem::remove_all(base);
   std::filesystem::create_directories(folder);
   set_traps(folder);
-  const std::uint64_t first = from_environment("DIFI_LONG_SEED", 1), count = from_environment("DIFI_LONG_FILES", 400);
+  const std::uint64_t first = from_environment("STANDOFF_LONG_SEED", 1),
+                      count = from_environment("STANDOFF_LONG_FILES", 400);
   const Tally tally = run(grammar, first, count, folder);
   const auto number = [](std::uint64_t n) { return static_cast<unsigned long long>(n); };
   std::printf(
@@ -65,4 +66,4 @@ INSTANTIATE_TEST_SUITE_P(Formats, Grammars, ::testing::ValuesIn(kGrammars),
                          [](const auto& row) { return std::string(row.param.extension); });
 
 }  // namespace
-}  // namespace difi::grammar
+}  // namespace standoff::grammar

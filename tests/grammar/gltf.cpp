@@ -8,7 +8,7 @@
 #include "tests/grammar/shape.h"
 #include "tests/grammar/transform.h"
 
-namespace difi::grammar {
+namespace standoff::grammar {
 namespace {
 
 constexpr std::uint32_t kTriangles = 4, kStrip = 5, kFan = 6;
@@ -212,4 +212,4 @@ class Gltf {
 File make_gltf(Choices& c) { return Gltf(c, false).make(); }
 File make_glb(Choices& c) { return Gltf(c, true).make(); }
 
-}  // namespace difi::grammar
+}  // namespace standoff::grammar

@@ -4,7 +4,7 @@
 
 #include "tests/grammar/hostile.h"
 
-namespace difi::grammar {
+namespace standoff::grammar {
 namespace {
 
 std::string base64(const std::string& bytes) {
@@ -156,4 +156,4 @@ void hang(Json& json, Choices& c) {
   }
 }
 
-}  // namespace difi::grammar
+}  // namespace standoff::grammar

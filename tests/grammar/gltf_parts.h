@@ -7,7 +7,7 @@
 #include "tests/grammar/file.h"
 #include "tests/grammar/json.h"
 
-namespace difi::grammar {
+namespace standoff::grammar {
 
 /// Buffers, views and accessors.
 class GltfData {
@@ -40,4 +40,4 @@ std::string make_glb_bytes(Choices& c, std::string json, const std::string& data
 /// twice and so stand for 2^40, a circle, one child a hundred thousand times.
 void hang(Json& json, Choices& c);
 
-}  // namespace difi::grammar
+}  // namespace standoff::grammar

@@ -5,7 +5,7 @@
 
 #include "tests/grammar/file.h"
 
-namespace difi::grammar {
+namespace standoff::grammar {
 
 std::string bad_number(Choices& c) {
   switch (c.below(8)) {
@@ -170,4 +170,4 @@ void damage(Choices& c, std::string& bytes) {
   }
 }
 
-}  // namespace difi::grammar
+}  // namespace standoff::grammar

@@ -11,7 +11,7 @@
 
 #include "tests/grammar/choices.h"
 
-namespace difi::grammar {
+namespace standoff::grammar {
 
 /// A whole number in decimals.
 std::string whole(Choices& c, std::int64_t value);
@@ -62,4 +62,4 @@ T stored(Choices& c, T value) {
   }
 }
 
-}  // namespace difi::grammar
+}  // namespace standoff::grammar

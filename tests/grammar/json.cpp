@@ -5,7 +5,7 @@
 
 #include "tests/grammar/hostile.h"
 
-namespace difi::grammar {
+namespace standoff::grammar {
 namespace {
 
 std::string quoted(Choices& c, const std::string& text) {
@@ -104,4 +104,4 @@ void Json::write(Choices& c, std::string& to) const {
   to += space(c) + (object ? '}' : ']');
 }
 
-}  // namespace difi::grammar
+}  // namespace standoff::grammar

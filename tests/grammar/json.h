@@ -9,7 +9,7 @@
 
 #include "tests/grammar/choices.h"
 
-namespace difi::grammar {
+namespace standoff::grammar {
 
 class Json {
  public:
@@ -44,4 +44,4 @@ class Json {
   std::vector<std::string> names_;  // of an object's items
 };
 
-}  // namespace difi::grammar
+}  // namespace standoff::grammar

@@ -7,11 +7,11 @@
 #include <numeric>
 #include <string_view>
 
-#include "difi/collision.h"
-#include "difi/error.h"
-#include "difi/io.h"
+#include "standoff/collision.h"
+#include "standoff/error.h"
+#include "standoff/io.h"
 
-namespace difi::grammar {
+namespace standoff::grammar {
 namespace {
 
 std::string text_of(const Vec3& p) {
@@ -177,9 +177,9 @@ Verdict judge(const Grammar& grammar, const File& file, bool good, const std::fi
       return verdict;
     verdict.fault += message;
   } catch (const std::exception& other) {
-    verdict.fault = std::string("no Error of difi: ") + other.what();
+    verdict.fault = std::string("no Error of standoff: ") + other.what();
   }
   return verdict;
 }
 
-}  // namespace difi::grammar
+}  // namespace standoff::grammar

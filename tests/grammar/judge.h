@@ -6,7 +6,7 @@
 
 #include "tests/grammar/file.h"
 
-namespace difi::grammar {
+namespace standoff::grammar {
 
 struct Verdict {
   bool read = false;      ///< or refused, with Error
@@ -22,4 +22,4 @@ Verdict judge(const Grammar& grammar, const File& file, bool good, const std::fi
 /// What fills the file that no other one may lead to (kOutside), so that its bytes are known in a mesh.
 inline constexpr char kOutsideByte = 0x7a;
 
-}  // namespace difi::grammar
+}  // namespace standoff::grammar

@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <limits>
 
-namespace difi::grammar {
+namespace standoff::grammar {
 namespace {
 
 constexpr std::ptrdiff_t kNoLimit = std::numeric_limits<std::ptrdiff_t>::max();
@@ -31,9 +31,9 @@ std::size_t peak_memory() {
   return static_cast<std::size_t>(peak - began);
 }
 
-}  // namespace difi::grammar
+}  // namespace standoff::grammar
 
-#ifndef DIFI_SANITIZED
+#ifndef STANDOFF_SANITIZED
 
 extern "C" {
 
@@ -45,7 +45,7 @@ void __libc_free(void*);
 
 namespace {
 
-using namespace difi::grammar;
+using namespace standoff::grammar;
 
 // Before it is asked for, so that a size no machine has is found too.
 void ask_for(std::size_t bytes) {
@@ -100,4 +100,4 @@ void free(void* block) {
 
 }  // extern "C"
 
-#endif  // DIFI_SANITIZED
+#endif  // STANDOFF_SANITIZED

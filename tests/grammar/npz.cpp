@@ -5,7 +5,7 @@
 #include "tests/grammar/hostile.h"
 #include "tests/grammar/zip.h"
 
-namespace difi::grammar {
+namespace standoff::grammar {
 namespace {
 
 class Npz {
@@ -94,4 +94,4 @@ class Npz {
 
 File make_npz(Choices& c) { return Npz(c).make(); }
 
-}  // namespace difi::grammar
+}  // namespace standoff::grammar

@@ -5,7 +5,7 @@
 #include "tests/grammar/hostile.h"
 #include "tests/grammar/shape.h"
 
-namespace difi::grammar {
+namespace standoff::grammar {
 namespace {
 
 enum class Type { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
@@ -221,4 +221,4 @@ class Ply {
 
 File make_ply(Choices& c) { return Ply(c).make(); }
 
-}  // namespace difi::grammar
+}  // namespace standoff::grammar

@@ -19,14 +19,14 @@
 #include "tests/grammar/memory.h"
 #include "tests/grammar/traps.h"
 
-namespace difi::grammar {
+namespace standoff::grammar {
 namespace {
 
 constexpr int kOverMemory = 77;         // the exit code of a child that went past its bound
 constexpr std::uint64_t kBatch = 200;   // files a child reads: a fork costs as much as a few files
 constexpr std::size_t kMostFaults = 6;  // wrong answers that are told and kept; of deaths, which are rarer, all
 constexpr double kWaitsTooLong = 4;     // times the bound, on the clock; the processor may be busy with others
-#ifdef DIFI_SANITIZED
+#ifdef STANDOFF_SANITIZED
 constexpr double kSlower = 10;
 #else
 constexpr double kSlower = 1;
@@ -162,4 +162,4 @@ Tally run(const Grammar& grammar, std::uint64_t first, std::uint64_t count, cons
   return tally;
 }
 
-}  // namespace difi::grammar
+}  // namespace standoff::grammar

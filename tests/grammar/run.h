@@ -9,7 +9,7 @@
 
 #include "tests/grammar/file.h"
 
-namespace difi::grammar {
+namespace standoff::grammar {
 
 /// What no file may go past.
 struct Bounds {
@@ -33,4 +33,4 @@ struct Tally {
 Tally run(const Grammar& grammar, std::uint64_t first, std::uint64_t count, const std::filesystem::path& folder,
           const Bounds& bounds = {});
 
-}  // namespace difi::grammar
+}  // namespace standoff::grammar

@@ -8,7 +8,7 @@
 #include "tests/grammar/traps.h"
 #include "tests/io/temp_folder.h"
 
-namespace difi::grammar {
+namespace standoff::grammar {
 namespace {
 
 class Run : public ::testing::Test {
@@ -92,7 +92,7 @@ TEST_F(Run, TimeIsBounded) {
   EXPECT_EQ(tally.hung, 20u);
 }
 
-#ifndef DIFI_SANITIZED
+#ifndef STANDOFF_SANITIZED
 TEST_F(Run, MemoryIsBounded) {
   const Tally tally = count(triangle, {.times_its_size = 0, .and_bytes = 16});
   EXPECT_EQ(tally.over_memory, 20u);
@@ -100,4 +100,4 @@ TEST_F(Run, MemoryIsBounded) {
 #endif
 
 }  // namespace
-}  // namespace difi::grammar
+}  // namespace standoff::grammar

@@ -2,7 +2,7 @@
 
 #include <limits>
 
-namespace difi::grammar {
+namespace standoff::grammar {
 namespace {
 
 // Corners on a parabola, in exact integers: convex however many there are. Where a float places them, some that are
@@ -57,4 +57,4 @@ void add_triangles(const Shape& shape, std::vector<Corners>& to) {
       to.push_back({shape.points[face[0]], shape.points[face[k]], shape.points[face[k + 1]]});
 }
 
-}  // namespace difi::grammar
+}  // namespace standoff::grammar

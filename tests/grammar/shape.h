@@ -6,7 +6,7 @@
 
 #include "tests/grammar/file.h"
 
-namespace difi::grammar {
+namespace standoff::grammar {
 
 /// Points that are floats, and polygons over them that every triangulation but the fan of their first corner would
 /// bend: convex, flat. At least one has three corners or more.
@@ -27,4 +27,4 @@ void add_triangles(const Shape& shape, std::vector<Corners>& to);
 /// A coordinate: of a lattice, so that points meet, or any.
 float make_coordinate(Choices& c, bool extreme);
 
-}  // namespace difi::grammar
+}  // namespace standoff::grammar

@@ -2,7 +2,7 @@
 #include "tests/grammar/hostile.h"
 #include "tests/grammar/shape.h"
 
-namespace difi::grammar {
+namespace standoff::grammar {
 namespace {
 
 std::string binary(Choices& c, const std::vector<Corners>& triangles) {
@@ -60,4 +60,4 @@ File make_stl(Choices& c) {
   return file;
 }
 
-}  // namespace difi::grammar
+}  // namespace standoff::grammar

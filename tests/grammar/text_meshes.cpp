@@ -2,7 +2,7 @@
 #include "tests/grammar/hostile.h"
 #include "tests/grammar/shape.h"
 
-namespace difi::grammar {
+namespace standoff::grammar {
 namespace {
 
 std::string line_end(Choices& c) {
@@ -117,4 +117,4 @@ File make_off(Choices& c) {
   return file;
 }
 
-}  // namespace difi::grammar
+}  // namespace standoff::grammar

@@ -5,9 +5,9 @@
 #include <array>
 #include <cmath>
 
-#include "difi/vec.h"
+#include "standoff/vec.h"
 
-namespace difi::grammar {
+namespace standoff::grammar {
 
 /// Three rows of a matrix for column vectors.
 using Rows = std::array<std::array<double, 4>, 3>;
@@ -79,4 +79,4 @@ inline Transform rotation_about(const Vec3& axis, double angle_rad) {
   return rotation(axis.x * s, axis.y * s, axis.z * s, std::cos(angle_rad / 2));
 }
 
-}  // namespace difi::grammar
+}  // namespace standoff::grammar

@@ -6,7 +6,7 @@
 
 #include "tests/grammar/judge.h"
 
-namespace difi::grammar {
+namespace standoff::grammar {
 namespace {
 
 void write(const std::filesystem::path& path, const std::string& bytes) {
@@ -30,4 +30,4 @@ std::filesystem::path put(const Grammar& grammar, const File& file, const std::f
   return path;
 }
 
-}  // namespace difi::grammar
+}  // namespace standoff::grammar

@@ -5,7 +5,7 @@
 
 #include "tests/grammar/file.h"
 
-namespace difi::grammar {
+namespace standoff::grammar {
 
 /// Makes beside the files to come what they may refer to and no reader may open: file.h. Errors: filesystem_error.
 void set_traps(const std::filesystem::path& folder);
@@ -13,4 +13,4 @@ void set_traps(const std::filesystem::path& folder);
 /// Writes the file, and those beside it, into the folder; returns its path.
 std::filesystem::path put(const Grammar& grammar, const File& file, const std::filesystem::path& folder);
 
-}  // namespace difi::grammar
+}  // namespace standoff::grammar

@@ -2,7 +2,7 @@
 
 #include "tests/grammar/hostile.h"
 
-namespace difi::grammar {
+namespace standoff::grammar {
 namespace {
 
 std::string repeated(std::uint32_t times, const std::string& text) {
@@ -85,4 +85,4 @@ void Xml::write(Choices& c, bool comments, std::string& to) const {
   if (!c.trick()) to += "</" + name + ">";
 }
 
-}  // namespace difi::grammar
+}  // namespace standoff::grammar

@@ -7,7 +7,7 @@
 
 #include "tests/grammar/choices.h"
 
-namespace difi::grammar {
+namespace standoff::grammar {
 
 class Xml {
  public:
@@ -39,4 +39,4 @@ class Xml {
   std::vector<Xml> children_;
 };
 
-}  // namespace difi::grammar
+}  // namespace standoff::grammar

@@ -4,7 +4,7 @@
 #include "io/zip_format.h"
 #include "tests/grammar/hostile.h"
 
-namespace difi::grammar {
+namespace standoff::grammar {
 namespace {
 
 struct Entry {
@@ -117,4 +117,4 @@ std::string make_zip(Choices& c, const std::vector<std::pair<std::string, std::s
   return archive.finish();
 }
 
-}  // namespace difi::grammar
+}  // namespace standoff::grammar

@@ -11,12 +11,12 @@
 #include <thread>
 #include <vector>
 
-#include "difi/interrupt.h"
 #include "expect_error.h"
 #include "io/unfinished.h"
+#include "standoff/interrupt.h"
 #include "temp_folder.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 using Names = std::set<std::string>;
@@ -280,7 +280,7 @@ TEST_P(BothKinds, LeaveNoVisibleFileWhenKilled) {
     ::kill(::getpid(), SIGKILL);
   });
   EXPECT_EQ(status, 128 + SIGKILL);
-  for (const std::string& name : folder.names()) EXPECT_TRUE(name.starts_with(".difi-")) << name;
+  for (const std::string& name : folder.names()) EXPECT_TRUE(name.starts_with(".standoff-")) << name;
 }
 
 TEST(AtomicFile, ManyAtATimeDoNotMeet) {
@@ -331,4 +331,4 @@ TEST(UnfinishedFiles, AFullTableOnlyForgoesNotes) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

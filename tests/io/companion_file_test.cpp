@@ -5,12 +5,12 @@
 #include <filesystem>
 #include <string>
 
-#include "difi/io.h"
+#include "standoff/io.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/gltf_document.h"
 #include "tests/io/temp_folder.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 // A glTF in the folder "mesh" of a folder, whose buffer is another file.
@@ -151,4 +151,4 @@ TEST_F(Companion, ImagesAreNeverOpened) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

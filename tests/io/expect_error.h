@@ -5,9 +5,9 @@
 
 #include <string>
 
-#include "difi/error.h"
+#include "standoff/error.h"
 
-namespace difi {
+namespace standoff {
 
 /// Whether the end of a message, after its last "; ", tells the reader to do something.
 inline bool says_what_to_do(const std::string& message) {
@@ -35,4 +35,4 @@ void expect_error(Call call, ErrorCode code, const std::string& words) {
   }
 }
 
-}  // namespace difi
+}  // namespace standoff

@@ -4,13 +4,13 @@
 #include <cstring>
 #include <random>
 
-#include "difi/io.h"
 #include "expect_error.h"
 #include "io/field_format.h"
 #include "odd_field.h"
+#include "standoff/io.h"
 #include "temp_folder.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 Grid small_grid() { return {{3, 4, 5}, {-1, 2, 3}, {0.5, 0.25, 2}}; }
@@ -262,4 +262,4 @@ TEST(DamagedField, RandomDamage) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

@@ -3,17 +3,17 @@
 
 #include <cstdlib>
 
-#include "difi/io.h"
 #include "odd_field.h"
+#include "standoff/io.h"
 #include "temp_folder.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 // Runs tests/io/foreign.py; what it complains of is the test's output. A missing module is a failure too:
 // script/bootstrap installs them.
 void run_foreign(const std::string& arguments) {
-  const std::string command = DIFI_PYTHON " -B " DIFI_SOURCE_DIR "/tests/io/foreign.py " + arguments;
+  const std::string command = STANDOFF_PYTHON " -B " STANDOFF_SOURCE_DIR "/tests/io/foreign.py " + arguments;
   EXPECT_EQ(std::system(command.c_str()), 0) << command;
 }
 
@@ -83,4 +83,4 @@ TEST(RewrittenByVtk, KeepsFactsAndNearestTriangles) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

@@ -11,7 +11,7 @@
 #include "odd_field.h"
 #include "temp_folder.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 struct Array {
@@ -160,4 +160,4 @@ TEST(Npy, HeadersInAllSpellings) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

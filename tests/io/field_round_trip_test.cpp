@@ -2,14 +2,14 @@
 
 #include <random>
 
-#include "difi/compute.h"
-#include "difi/io.h"
 #include "expect_error.h"
 #include "io/field_samples.h"
 #include "odd_field.h"
+#include "standoff/compute.h"
+#include "standoff/io.h"
 #include "temp_folder.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 class FieldFile : public ::testing::TestWithParam<Format> {
@@ -160,4 +160,4 @@ TEST(FieldFormats, UnknownNamesAreRefused) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

@@ -9,7 +9,7 @@
 #include "io/zip_writer.h"
 #include "temp_folder.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 std::span<const std::byte> bytes_of(const std::string& text) { return std::as_bytes(std::span(text)); }
@@ -64,7 +64,7 @@ TEST_P(Zip, IsReadAsWritten) {
 }
 
 TEST_P(Zip, IsReadByPython) {
-  const std::string command = DIFI_PYTHON
+  const std::string command = STANDOFF_PYTHON
                               " -B -c 'import sys, zipfile; z = zipfile.ZipFile(sys.argv[1]); "
                               "sys.exit(z.testzip() is not None or z.read(\"first\") != b\"hello\" or "
                               "z.read(\"second\") != b\"s\" * 300 or len(z.namelist()) != 2)' '" +
@@ -132,4 +132,4 @@ TEST(DamagedZip, SaysWhatIsWrongWithItsWideParts) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

@@ -7,12 +7,12 @@
 #include <thread>
 #include <vector>
 
-#include "difi/io.h"
 #include "io/mesh_format.h"
+#include "standoff/io.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temp_folder.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 using Access = FileView::Access;
@@ -78,4 +78,4 @@ TEST(FileView, APlyOfOneWordIsReadNoFurther) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-namespace difi {
+namespace standoff {
 
 template <class Value>
 std::string little_endian(std::initializer_list<Value> values) {
@@ -52,4 +52,4 @@ struct GltfDocument {
   }
 };
 
-}  // namespace difi
+}  // namespace standoff

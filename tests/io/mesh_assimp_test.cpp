@@ -8,11 +8,11 @@
 #include <initializer_list>
 #include <thread>
 
-#include "difi/io.h"
+#include "standoff/io.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temp_folder.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 bool reads(const std::string& extension) {
@@ -151,7 +151,7 @@ TEST_F(Assimp, SeesTheBytesThatWereChecked) {
 }
 
 TEST_F(Assimp, ReadsTheSeedsOfTheFuzzers) {
-  const std::filesystem::path seeds = std::filesystem::path(DIFI_SOURCE_DIR) / "tests/corpus/assimp";
+  const std::filesystem::path seeds = std::filesystem::path(STANDOFF_SOURCE_DIR) / "tests/corpus/assimp";
   for (const char* name : {"tetrahedron.3ds", "tetrahedron.dae"}) {
     const Mesh mesh = read_mesh(seeds / name);
     EXPECT_EQ(mesh.triangles.size(), 4u) << name;
@@ -369,4 +369,4 @@ TEST_F(Assimp, ColladaThatIsNoPlainXml) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

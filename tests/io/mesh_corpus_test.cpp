@@ -6,13 +6,13 @@
 #include <map>
 #include <sstream>
 
-#include "difi/io.h"
+#include "standoff/io.h"
 #include "tests/io/expect_error.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
-const std::filesystem::path kCorpus = std::filesystem::path(DIFI_SOURCE_DIR) / "tests/corpus/mesh";
+const std::filesystem::path kCorpus = std::filesystem::path(STANDOFF_SOURCE_DIR) / "tests/corpus/mesh";
 
 std::map<std::string, std::string> expectations() {
   std::map<std::string, std::string> expected;
@@ -79,4 +79,4 @@ TEST(MeshCorpus, HasARowForEveryFile) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

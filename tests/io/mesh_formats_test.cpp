@@ -10,11 +10,11 @@
 #include <random>
 #include <thread>
 
-#include "difi/io.h"
 #include "expect_error.h"
+#include "standoff/io.h"
 #include "temp_folder.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 // Rounded one by one through memory: GCC 12 drops the rounding from two neighbouring (double)(float).
@@ -171,4 +171,4 @@ TEST(MeshFormats, TableTellsWhatThisBuildCan) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

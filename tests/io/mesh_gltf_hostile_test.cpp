@@ -5,12 +5,12 @@
 #include <initializer_list>
 #include <string>
 
-#include "difi/io.h"
+#include "standoff/io.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/gltf_document.h"
 #include "tests/io/temp_folder.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 void text_refused(const std::string& text, const std::string& words, ErrorCode code = ErrorCode::input) {
@@ -263,4 +263,4 @@ TEST(GltfHostile, NestingHasAnEnd) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

@@ -5,12 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "difi/io.h"
+#include "standoff/io.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/gltf_document.h"
 #include "tests/io/temp_folder.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 using Corners = std::array<Vec3, 3>;
@@ -189,4 +189,4 @@ TEST(Gltf, WhatIsNoShapeIsLeftOut) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

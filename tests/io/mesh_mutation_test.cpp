@@ -6,16 +6,16 @@
 #include <sstream>
 #include <vector>
 
-#include "difi/error.h"
-#include "difi/mesh.h"
 #include "io/mesh_format.h"
+#include "standoff/error.h"
+#include "standoff/mesh.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 std::string corpus_file(const std::string& name) {
   std::ostringstream bytes;
-  bytes << std::ifstream(std::string(DIFI_SOURCE_DIR) + "/tests/corpus/mesh/" + name, std::ios::binary).rdbuf();
+  bytes << std::ifstream(std::string(STANDOFF_SOURCE_DIR) + "/tests/corpus/mesh/" + name, std::ios::binary).rdbuf();
   return bytes.str();
 }
 
@@ -86,4 +86,4 @@ TEST(MeshMutation, GivesAMeshOrAnError) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

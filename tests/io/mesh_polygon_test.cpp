@@ -9,7 +9,7 @@
 
 #include "io/mesh_polygon.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 std::vector<Triangle> fan(std::uint32_t corners, std::uint32_t first = 0) {
@@ -165,4 +165,4 @@ TEST(Polygon, AllOfAMeshShareTheirWork) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

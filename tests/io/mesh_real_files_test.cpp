@@ -5,17 +5,17 @@
 #include <string>
 #include <vector>
 
-#include "difi/io.h"
+#include "standoff/io.h"
 #include "tests/io/expect_error.h"
 
-#ifdef DIFI_HAVE_ASSIMP
+#ifdef STANDOFF_HAVE_ASSIMP
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
 #include <assimp/Importer.hpp>
 #endif
 
-namespace difi {
+namespace standoff {
 namespace {
 
 const std::filesystem::path kGlmark = "/usr/share/glmark2/models";
@@ -72,7 +72,7 @@ TEST(RealFiles, Gltf) {
               {{-371.692263, -180.971558, -139.999993}, {371.692169, 92.0415617, 127.999996}});
 }
 
-#ifdef DIFI_HAVE_ASSIMP
+#ifdef STANDOFF_HAVE_ASSIMP
 
 // The file's own transformations and master scale are applied; a library that changed its mind would show here.
 TEST(RealFiles, ThreeDStudio) {
@@ -163,4 +163,4 @@ TEST(RealFiles, OddAndBrokenOnesGiveAMeshOrAClearError) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

@@ -5,11 +5,11 @@
 #include <limits>
 #include <string>
 
-#include "difi/error.h"
 #include "io/mesh_text.h"
+#include "standoff/error.h"
 #include "tests/support/comma_locale.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 template <class Number>
@@ -103,4 +103,4 @@ TEST(MeshText, BackslashesContinueStatements) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

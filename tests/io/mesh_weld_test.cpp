@@ -10,7 +10,7 @@
 
 #include "io/weld.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 // Numbers by a map: what weld() promises, one position after the other.
@@ -89,4 +89,4 @@ TEST(Weld, TakesManyNotANumbersInItsStride) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

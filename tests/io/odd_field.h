@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <limits>
 
-#include "difi/field.h"
+#include "standoff/field.h"
 
-namespace difi {
+namespace standoff {
 
 inline constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
@@ -44,4 +44,4 @@ inline DistanceField odd_field(const Grid& grid = odd_grid(), double thickness =
   return field;
 }
 
-}  // namespace difi
+}  // namespace standoff

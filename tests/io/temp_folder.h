@@ -10,7 +10,7 @@
 #include <string>
 #include <string_view>
 
-namespace difi {
+namespace standoff {
 
 inline std::string read_bytes(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
@@ -25,7 +25,7 @@ inline void write_bytes(const std::filesystem::path& path, std::string_view byte
 class TempFolder {
  public:
   TempFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "difi-test-").string();
+    std::string name = (std::filesystem::temp_directory_path() / "standoff-test-").string();
     name.append(6, 'X');  // what mkdtemp replaces
     if (!::mkdtemp(name.data())) throw std::filesystem::filesystem_error("mkdtemp", name, std::error_code());
     path_ = name;
@@ -57,4 +57,4 @@ class TempFolder {
   std::filesystem::path path_;
 };
 
-}  // namespace difi
+}  // namespace standoff

@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <random>
 
-#include "difi/error.h"
 #include "render/mesh_picture.h"
+#include "standoff/error.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 PictureOptions small_picture(double azimuth = 35, double elevation = 25) {
@@ -200,4 +200,4 @@ TEST(MeshPicture, RefusesWhatItCannotDraw) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace difi {
+namespace standoff {
 namespace {
 
 TEST(Colormap, ViridisHasItsKnownColors) {
@@ -39,4 +39,4 @@ TEST(Colormap, ValuesOutsideCountAsTheNearerEnd) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

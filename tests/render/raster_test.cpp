@@ -6,7 +6,7 @@
 #include <limits>
 #include <random>
 
-namespace difi {
+namespace standoff {
 namespace {
 
 constexpr Color kPaper{255, 255, 255}, kRed{255, 0, 0}, kBlue{0, 0, 255};
@@ -108,4 +108,4 @@ TEST(Halved, AveragesFourPixels) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

@@ -1,4 +1,4 @@
-#include "difi/slice.h"
+#include "standoff/slice.h"
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@
 #include "tests/io/temp_folder.h"
 #include "tests/support/comma_locale.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 constexpr Color kGrey{178, 178, 178};
@@ -211,7 +211,7 @@ TEST(Slice, BecomesAFileThatOthersRead) {
   write_slice_png(folder / "a.png", odd_field());
   const SlicePicture picture = draw_slice(odd_field(), {});
   const int x = picture.left + 3, y = picture.top + picture.height - 3;
-  const std::string command = DIFI_PYTHON
+  const std::string command = STANDOFF_PYTHON
                               " -B -c 'import sys; from vtkmodules.vtkIOImage import vtkPNGReader; r = vtkPNGReader(); "
                               "r.SetFileName(sys.argv[1]); r.Update(); i = r.GetOutput(); w, h, _ = i.GetDimensions(); "
                               "x, y = int(sys.argv[4]), h - 1 - int(sys.argv[5]); "
@@ -226,4 +226,4 @@ TEST(Slice, BecomesAFileThatOthersRead) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

@@ -5,7 +5,7 @@
 #include <set>
 #include <string>
 
-namespace difi {
+namespace standoff {
 namespace {
 
 constexpr Color kPaper{255, 255, 255}, kInk{0, 0, 0};
@@ -58,4 +58,4 @@ TEST(Text, IsCutAtTheEdges) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

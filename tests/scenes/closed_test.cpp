@@ -7,7 +7,7 @@
 #include "scenes/vessels.h"
 #include "tests/scenes/topology.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 using namespace scenes;
@@ -109,4 +109,4 @@ TEST(Closed, OnlyTheNamedPartsAreOpen) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

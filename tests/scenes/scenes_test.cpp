@@ -5,10 +5,10 @@
 
 #include <set>
 
-#include "difi/error.h"
+#include "standoff/error.h"
 #include "tests/scenes/topology.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 struct Expected {
@@ -146,4 +146,4 @@ TEST(Scenes, NastyOnesAreNasty) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

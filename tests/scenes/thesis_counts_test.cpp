@@ -11,12 +11,12 @@
 
 #include <cstdio>
 
-#include "difi/grid.h"
 #include "field/skip.h"
 #include "geometry/sample_range.h"
 #include "scenes/scenes.h"
+#include "standoff/grid.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
 struct Row {
@@ -103,4 +103,4 @@ INSTANTIATE_TEST_SUITE_P(Tables, ThesisCounts, testing::ValuesIn(kMeshes),
                          [](const auto& test) { return std::string(test.param.scene); });
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

@@ -8,9 +8,9 @@
 #include <unordered_map>
 #include <vector>
 
-#include "difi/mesh.h"
+#include "standoff/mesh.h"
 
-namespace difi {
+namespace standoff {
 
 /// Directed edges that no triangle runs through the other way: 0 for a closed and consistently oriented mesh.
 inline std::int64_t unmatched_edges(MeshView mesh) {
@@ -61,4 +61,4 @@ inline std::int64_t flat_triangles(MeshView mesh) {
   });
 }
 
-}  // namespace difi
+}  // namespace standoff

@@ -6,10 +6,10 @@
 
 #include "tests/simulation/room.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
-using namespace difi::testing;
+using namespace standoff::testing;
 
 const CollisionModel& ball() {
   static const CollisionModel model(ball_mesh(0.3, 3));
@@ -123,4 +123,4 @@ TEST(World, ManyFliesAtOnceCrossNothing) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

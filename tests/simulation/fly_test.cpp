@@ -1,16 +1,16 @@
 // Flies in a small labyrinth: what they pass through, what repeats, what is written.
 #include <gtest/gtest.h>
 
-#include "difi/simulation.h"
 #include "simulation/crossing.h"
+#include "standoff/simulation.h"
 #include "tests/collision/bodies.h"
 #include "tests/io/temp_folder.h"
 #include "tests/simulation/room.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
-using namespace difi::testing;
+using namespace standoff::testing;
 
 std::int64_t total(const Flown& flown, std::int64_t Flier::*what) {
   std::int64_t sum = 0;
@@ -91,4 +91,4 @@ TEST(Crossing, AgreesWithEveryTriangle) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <mutex>
 
-#include "difi/simulation.h"
+#include "standoff/simulation.h"
 #include "tests/collision/bodies.h"
 
-namespace difi::testing {
+namespace standoff::testing {
 
 /// A room of thin walls with a wall through the middle that has a hole.
 inline Mesh room() {
@@ -46,4 +46,4 @@ inline Flown fly(FlightOptions options, std::int64_t steps, int count) {
   return flown;
 }
 
-}  // namespace difi::testing
+}  // namespace standoff::testing

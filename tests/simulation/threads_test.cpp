@@ -5,10 +5,10 @@
 
 #include "tests/simulation/room.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
-using namespace difi::testing;
+using namespace standoff::testing;
 
 TEST(Fly, RepeatsWithItsSeedOnAnyNumberOfThreads) {
   FlightOptions options;
@@ -41,4 +41,4 @@ TEST(Fly, ProgressIsToldByOneThreadAtATimeAndStops) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

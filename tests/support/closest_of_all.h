@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <limits>
 
-#include "difi/mesh.h"
 #include "geometry/closest_point.h"
+#include "standoff/mesh.h"
 
-namespace difi::testing {
+namespace standoff::testing {
 
 /// The distance from p to one triangle. Corners are taken relative to p, so that places far from the origin lose
 /// nothing.
@@ -27,4 +27,4 @@ inline double brute_distance(MeshView mesh, Vec3 p) {
   return distance;
 }
 
-}  // namespace difi::testing
+}  // namespace standoff::testing

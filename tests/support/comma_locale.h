@@ -9,7 +9,7 @@
 
 #include "tests/io/temp_folder.h"
 
-namespace difi {
+namespace standoff {
 
 /// The process's locale for numbers while it lives, made by the system's localedef. Check is_set(): without localedef
 /// there is none.
@@ -45,4 +45,4 @@ class CommaLocale {
   int made_ = 0;  // localedef warns of what it was not given; is_set() tells what came of it
 };
 
-}  // namespace difi
+}  // namespace standoff

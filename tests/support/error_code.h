@@ -1,11 +1,11 @@
 // Which error a call ends in.
 #pragma once
 
-#include "difi/error.h"
+#include "standoff/error.h"
 
-namespace difi::testing {
+namespace standoff::testing {
 
-/// The code of the difi::Error that the call throws; internal where it throws none.
+/// The code of the standoff::Error that the call throws; internal where it throws none.
 template <class Call>
 ErrorCode code_of(Call call) {
   try {
@@ -16,4 +16,4 @@ ErrorCode code_of(Call call) {
   return ErrorCode::internal;
 }
 
-}  // namespace difi::testing
+}  // namespace standoff::testing

@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "difi/compute.h"
+#include "standoff/compute.h"
 #include "tests/support/reference.h"
 
-namespace difi::testing {
+namespace standoff::testing {
 
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -103,4 +103,4 @@ inline void expect_same_bits(const DistanceField& a, const DistanceField& b) {
   EXPECT_TRUE(all_nearest(a) == all_nearest(b)) << "nearest triangles differ";
 }
 
-}  // namespace difi::testing
+}  // namespace standoff::testing

@@ -8,7 +8,7 @@
 #include <limits>
 #include <new>
 
-namespace difi::testing::heap {
+namespace standoff::testing::heap {
 
 inline constexpr std::int64_t kUnlimited = std::numeric_limits<std::int64_t>::max();
 inline std::atomic<std::int64_t> held{0}, most{0}, limit{kUnlimited};
@@ -63,35 +63,37 @@ class Refusal {
   static bool happened() { return until_refusal < 0; }
 };
 
-}  // namespace difi::testing::heap
+}  // namespace standoff::testing::heap
 
 // NOLINTBEGIN(misc-definitions-in-headers): see above
-void* operator new(std::size_t bytes) { return difi::testing::heap::take(bytes, difi::testing::heap::kUsual); }
-void* operator new[](std::size_t bytes) { return difi::testing::heap::take(bytes, difi::testing::heap::kUsual); }
+void* operator new(std::size_t bytes) { return standoff::testing::heap::take(bytes, standoff::testing::heap::kUsual); }
+void* operator new[](std::size_t bytes) {
+  return standoff::testing::heap::take(bytes, standoff::testing::heap::kUsual);
+}
 void* operator new(std::size_t bytes, std::align_val_t alignment) {
-  return difi::testing::heap::take(bytes, std::size_t(alignment));
+  return standoff::testing::heap::take(bytes, std::size_t(alignment));
 }
 void* operator new[](std::size_t bytes, std::align_val_t alignment) {
-  return difi::testing::heap::take(bytes, std::size_t(alignment));
+  return standoff::testing::heap::take(bytes, std::size_t(alignment));
 }
-void operator delete(void* block) noexcept { difi::testing::heap::give(block, difi::testing::heap::kUsual); }
-void operator delete[](void* block) noexcept { difi::testing::heap::give(block, difi::testing::heap::kUsual); }
+void operator delete(void* block) noexcept { standoff::testing::heap::give(block, standoff::testing::heap::kUsual); }
+void operator delete[](void* block) noexcept { standoff::testing::heap::give(block, standoff::testing::heap::kUsual); }
 void operator delete(void* block, std::size_t) noexcept {
-  difi::testing::heap::give(block, difi::testing::heap::kUsual);
+  standoff::testing::heap::give(block, standoff::testing::heap::kUsual);
 }
 void operator delete[](void* block, std::size_t) noexcept {
-  difi::testing::heap::give(block, difi::testing::heap::kUsual);
+  standoff::testing::heap::give(block, standoff::testing::heap::kUsual);
 }
 void operator delete(void* block, std::align_val_t alignment) noexcept {
-  difi::testing::heap::give(block, std::size_t(alignment));
+  standoff::testing::heap::give(block, std::size_t(alignment));
 }
 void operator delete[](void* block, std::align_val_t alignment) noexcept {
-  difi::testing::heap::give(block, std::size_t(alignment));
+  standoff::testing::heap::give(block, std::size_t(alignment));
 }
 void operator delete(void* block, std::size_t, std::align_val_t alignment) noexcept {
-  difi::testing::heap::give(block, std::size_t(alignment));
+  standoff::testing::heap::give(block, std::size_t(alignment));
 }
 void operator delete[](void* block, std::size_t, std::align_val_t alignment) noexcept {
-  difi::testing::heap::give(block, std::size_t(alignment));
+  standoff::testing::heap::give(block, std::size_t(alignment));
 }
 // NOLINTEND(misc-definitions-in-headers)

@@ -6,9 +6,9 @@
 #include <iterator>
 #include <random>
 
-#include "difi/mesh.h"
+#include "standoff/mesh.h"
 
-namespace difi::testing {
+namespace standoff::testing {
 
 class Random {
  public:
@@ -80,4 +80,4 @@ inline Mesh crowd(unsigned seed, int triangles) {
   return mesh;
 }
 
-}  // namespace difi::testing
+}  // namespace standoff::testing

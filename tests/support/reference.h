@@ -6,10 +6,10 @@
 #include <cmath>
 #include <limits>
 
-#include "difi/grid.h"
-#include "difi/mesh.h"
+#include "standoff/grid.h"
+#include "standoff/mesh.h"
 
-namespace difi::testing {
+namespace standoff::testing {
 
 struct LongVec3 {
   long double x, y, z;
@@ -62,4 +62,4 @@ inline double promised_error(const Grid& grid, double distance) {
   return 1e-6 * (distance + 16 * grid.max_spacing()) + 4 * std::numeric_limits<double>::epsilon() * reach;
 }
 
-}  // namespace difi::testing
+}  // namespace standoff::testing

@@ -4,7 +4,7 @@
 
 #include "geometry/scalar.h"
 
-namespace difi::cpu {
+namespace standoff::cpu {
 
 struct Four {
   typedef float Lanes __attribute__((vector_size(16)));
@@ -12,28 +12,28 @@ struct Four {
   Lanes v;
 
   Four() = default;
-  DIFI_INLINE Four(Lanes lanes) : v(lanes) {}
+  STANDOFF_INLINE Four(Lanes lanes) : v(lanes) {}
   /// The same number in all lanes.
-  DIFI_INLINE explicit Four(float a) : v{a, a, a, a} {}
-  DIFI_INLINE explicit Four(double a) : Four(static_cast<float>(a)) {}
-  DIFI_INLINE explicit Four(int a) : Four(static_cast<float>(a)) {}
+  STANDOFF_INLINE explicit Four(float a) : v{a, a, a, a} {}
+  STANDOFF_INLINE explicit Four(double a) : Four(static_cast<float>(a)) {}
+  STANDOFF_INLINE explicit Four(int a) : Four(static_cast<float>(a)) {}
 
-  static DIFI_INLINE Four load(const float* p) {
+  static STANDOFF_INLINE Four load(const float* p) {
     Four f;
     __builtin_memcpy(&f.v, p, sizeof f.v);
     return f;
   }
-  DIFI_INLINE void store(float* p) const { __builtin_memcpy(p, &v, sizeof v); }
+  STANDOFF_INLINE void store(float* p) const { __builtin_memcpy(p, &v, sizeof v); }
 
-  friend DIFI_INLINE Four operator+(const Four& a, const Four& b) { return a.v + b.v; }
-  friend DIFI_INLINE Four operator-(const Four& a, const Four& b) { return a.v - b.v; }
-  friend DIFI_INLINE Four operator*(const Four& a, const Four& b) { return a.v * b.v; }
+  friend STANDOFF_INLINE Four operator+(const Four& a, const Four& b) { return a.v + b.v; }
+  friend STANDOFF_INLINE Four operator-(const Four& a, const Four& b) { return a.v - b.v; }
+  friend STANDOFF_INLINE Four operator*(const Four& a, const Four& b) { return a.v * b.v; }
 };
 
 // As those of scalar.h, lane by lane.
-DIFI_INLINE Four min(const Four& a, const Four& b) { return a.v < b.v ? a.v : b.v; }
-DIFI_INLINE Four max(const Four& a, const Four& b) { return a.v > b.v ? a.v : b.v; }
-DIFI_INLINE Four::Mask less(const Four& a, const Four& b) { return a.v < b.v; }
-DIFI_INLINE Four select(Four::Mask condition, const Four& yes, const Four& no) { return condition ? yes.v : no.v; }
+STANDOFF_INLINE Four min(const Four& a, const Four& b) { return a.v < b.v ? a.v : b.v; }
+STANDOFF_INLINE Four max(const Four& a, const Four& b) { return a.v > b.v ? a.v : b.v; }
+STANDOFF_INLINE Four::Mask less(const Four& a, const Four& b) { return a.v < b.v; }
+STANDOFF_INLINE Four select(Four::Mask condition, const Four& yes, const Four& no) { return condition ? yes.v : no.v; }
 
-}  // namespace difi::cpu
+}  // namespace standoff::cpu

@@ -7,83 +7,89 @@
 
 #include "geometry/host_device.h"
 
-namespace difi::avx2 {
+namespace standoff::avx2 {
 
 struct Mask {
   __m256 lo, hi;
-  DIFI_INLINE std::uint32_t to_bits() const {
+  STANDOFF_INLINE std::uint32_t to_bits() const {
     return static_cast<std::uint32_t>(_mm256_movemask_ps(lo) | (_mm256_movemask_ps(hi) << 8));
   }
-  friend DIFI_INLINE Mask operator~(Mask a) {
+  friend STANDOFF_INLINE Mask operator~(Mask a) {
     const __m256 ones = _mm256_castsi256_ps(_mm256_set1_epi32(-1));
     return {_mm256_xor_ps(a.lo, ones), _mm256_xor_ps(a.hi, ones)};
   }
-  friend DIFI_INLINE Mask operator&(Mask a, Mask b) { return {_mm256_and_ps(a.lo, b.lo), _mm256_and_ps(a.hi, b.hi)}; }
-  friend DIFI_INLINE Mask operator|(Mask a, Mask b) { return {_mm256_or_ps(a.lo, b.lo), _mm256_or_ps(a.hi, b.hi)}; }
+  friend STANDOFF_INLINE Mask operator&(Mask a, Mask b) {
+    return {_mm256_and_ps(a.lo, b.lo), _mm256_and_ps(a.hi, b.hi)};
+  }
+  friend STANDOFF_INLINE Mask operator|(Mask a, Mask b) { return {_mm256_or_ps(a.lo, b.lo), _mm256_or_ps(a.hi, b.hi)}; }
 };
 
 struct WideFloat {
   __m256 lo, hi;
 
   WideFloat() = default;
-  DIFI_INLINE WideFloat(__m256 low, __m256 high) : lo(low), hi(high) {}
-  DIFI_INLINE WideFloat(float value) : lo(_mm256_set1_ps(value)), hi(lo) {}
-  DIFI_INLINE explicit WideFloat(int value) : WideFloat(static_cast<float>(value)) {}
+  STANDOFF_INLINE WideFloat(__m256 low, __m256 high) : lo(low), hi(high) {}
+  STANDOFF_INLINE WideFloat(float value) : lo(_mm256_set1_ps(value)), hi(lo) {}
+  STANDOFF_INLINE explicit WideFloat(int value) : WideFloat(static_cast<float>(value)) {}
 
-  static DIFI_INLINE WideFloat load(const float* p) { return {_mm256_loadu_ps(p), _mm256_loadu_ps(p + 8)}; }
-  DIFI_INLINE void store(float* p) const {
+  static STANDOFF_INLINE WideFloat load(const float* p) { return {_mm256_loadu_ps(p), _mm256_loadu_ps(p + 8)}; }
+  STANDOFF_INLINE void store(float* p) const {
     _mm256_storeu_ps(p, lo);
     _mm256_storeu_ps(p + 8, hi);
   }
 
-  friend DIFI_INLINE WideFloat operator+(WideFloat a, WideFloat b) {
+  friend STANDOFF_INLINE WideFloat operator+(WideFloat a, WideFloat b) {
     return {_mm256_add_ps(a.lo, b.lo), _mm256_add_ps(a.hi, b.hi)};
   }
-  friend DIFI_INLINE WideFloat operator-(WideFloat a, WideFloat b) {
+  friend STANDOFF_INLINE WideFloat operator-(WideFloat a, WideFloat b) {
     return {_mm256_sub_ps(a.lo, b.lo), _mm256_sub_ps(a.hi, b.hi)};
   }
-  friend DIFI_INLINE WideFloat operator*(WideFloat a, WideFloat b) {
+  friend STANDOFF_INLINE WideFloat operator*(WideFloat a, WideFloat b) {
     return {_mm256_mul_ps(a.lo, b.lo), _mm256_mul_ps(a.hi, b.hi)};
   }
-  friend DIFI_INLINE WideFloat operator/(WideFloat a, WideFloat b) {
+  friend STANDOFF_INLINE WideFloat operator/(WideFloat a, WideFloat b) {
     return {_mm256_div_ps(a.lo, b.lo), _mm256_div_ps(a.hi, b.hi)};
   }
-  friend DIFI_INLINE WideFloat operator-(WideFloat a) {
+  friend STANDOFF_INLINE WideFloat operator-(WideFloat a) {
     const __m256 sign = _mm256_set1_ps(-0.0f);
     return {_mm256_xor_ps(a.lo, sign), _mm256_xor_ps(a.hi, sign)};
   }
 };
 
-DIFI_INLINE WideFloat fma(WideFloat a, WideFloat b, WideFloat c) {
+STANDOFF_INLINE WideFloat fma(WideFloat a, WideFloat b, WideFloat c) {
   return {_mm256_fmadd_ps(a.lo, b.lo, c.lo), _mm256_fmadd_ps(a.hi, b.hi, c.hi)};
 }
-DIFI_INLINE WideFloat min(WideFloat a, WideFloat b) { return {_mm256_min_ps(a.lo, b.lo), _mm256_min_ps(a.hi, b.hi)}; }
-DIFI_INLINE WideFloat max(WideFloat a, WideFloat b) { return {_mm256_max_ps(a.lo, b.lo), _mm256_max_ps(a.hi, b.hi)}; }
-DIFI_INLINE WideFloat sqrt(WideFloat a) { return {_mm256_sqrt_ps(a.lo), _mm256_sqrt_ps(a.hi)}; }
-DIFI_INLINE WideFloat abs(WideFloat a) {
+STANDOFF_INLINE WideFloat min(WideFloat a, WideFloat b) {
+  return {_mm256_min_ps(a.lo, b.lo), _mm256_min_ps(a.hi, b.hi)};
+}
+STANDOFF_INLINE WideFloat max(WideFloat a, WideFloat b) {
+  return {_mm256_max_ps(a.lo, b.lo), _mm256_max_ps(a.hi, b.hi)};
+}
+STANDOFF_INLINE WideFloat sqrt(WideFloat a) { return {_mm256_sqrt_ps(a.lo), _mm256_sqrt_ps(a.hi)}; }
+STANDOFF_INLINE WideFloat abs(WideFloat a) {
   const __m256 sign = _mm256_set1_ps(-0.0f);
   return {_mm256_andnot_ps(sign, a.lo), _mm256_andnot_ps(sign, a.hi)};
 }
-DIFI_INLINE Mask less(WideFloat a, WideFloat b) {
+STANDOFF_INLINE Mask less(WideFloat a, WideFloat b) {
   return {_mm256_cmp_ps(a.lo, b.lo, _CMP_LT_OQ), _mm256_cmp_ps(a.hi, b.hi, _CMP_LT_OQ)};
 }
-DIFI_INLINE Mask equal(WideFloat a, WideFloat b) {
+STANDOFF_INLINE Mask equal(WideFloat a, WideFloat b) {
   return {_mm256_cmp_ps(a.lo, b.lo, _CMP_EQ_OQ), _mm256_cmp_ps(a.hi, b.hi, _CMP_EQ_OQ)};
 }
-DIFI_INLINE WideFloat select(Mask m, WideFloat yes, WideFloat no) {
+STANDOFF_INLINE WideFloat select(Mask m, WideFloat yes, WideFloat no) {
   return {_mm256_blendv_ps(no.lo, yes.lo, m.lo), _mm256_blendv_ps(no.hi, yes.hi, m.hi)};
 }
-DIFI_INLINE float reduce_max(WideFloat a) {
+STANDOFF_INLINE float reduce_max(WideFloat a) {
   __m256 m = _mm256_max_ps(a.lo, a.hi);
   m = _mm256_max_ps(m, _mm256_permute2f128_ps(m, m, 1));
   m = _mm256_max_ps(m, _mm256_permute_ps(m, 0x4e));
   m = _mm256_max_ps(m, _mm256_permute_ps(m, 0xb1));
   return _mm256_cvtss_f32(m);
 }
-DIFI_INLINE float reduce_min(WideFloat a) { return -reduce_max(-a); }
+STANDOFF_INLINE float reduce_min(WideFloat a) { return -reduce_max(-a); }
 
 /// Stores the lanes rounded towards zero. Requires values within the range of int.
-DIFI_INLINE void store_truncated(int* p, WideFloat a) {
+STANDOFF_INLINE void store_truncated(int* p, WideFloat a) {
   auto* q = reinterpret_cast<__m256i*>(p);
   _mm256_storeu_si256(q, _mm256_cvttps_epi32(a.lo));
   _mm256_storeu_si256(q + 1, _mm256_cvttps_epi32(a.hi));
@@ -93,39 +99,39 @@ struct WideUint {
   __m256i lo, hi;
 
   WideUint() = default;
-  DIFI_INLINE WideUint(__m256i low, __m256i high) : lo(low), hi(high) {}
-  DIFI_INLINE WideUint(std::uint32_t value) : lo(_mm256_set1_epi32(static_cast<int>(value))), hi(lo) {}
-  static DIFI_INLINE WideUint load(const std::uint32_t* p) {
+  STANDOFF_INLINE WideUint(__m256i low, __m256i high) : lo(low), hi(high) {}
+  STANDOFF_INLINE WideUint(std::uint32_t value) : lo(_mm256_set1_epi32(static_cast<int>(value))), hi(lo) {}
+  static STANDOFF_INLINE WideUint load(const std::uint32_t* p) {
     const auto* q = reinterpret_cast<const __m256i*>(p);
     return {_mm256_loadu_si256(q), _mm256_loadu_si256(q + 1)};
   }
-  DIFI_INLINE void store(std::uint32_t* p) const {
+  STANDOFF_INLINE void store(std::uint32_t* p) const {
     auto* q = reinterpret_cast<__m256i*>(p);
     _mm256_storeu_si256(q, lo);
     _mm256_storeu_si256(q + 1, hi);
   }
 };
 
-DIFI_INLINE WideUint operator+(WideUint a, WideUint b) {
+STANDOFF_INLINE WideUint operator+(WideUint a, WideUint b) {
   return {_mm256_add_epi32(a.lo, b.lo), _mm256_add_epi32(a.hi, b.hi)};
 }
 /// 0 to 15.
-DIFI_INLINE WideUint lane_numbers() {
+STANDOFF_INLINE WideUint lane_numbers() {
   return {_mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7), _mm256_setr_epi32(8, 9, 10, 11, 12, 13, 14, 15)};
 }
-DIFI_INLINE Mask less(WideUint a, WideUint b) {
+STANDOFF_INLINE Mask less(WideUint a, WideUint b) {
   const __m256i flip = _mm256_set1_epi32(static_cast<int>(0x80000000u));  // AVX2 compares signed integers only
   const auto lower = [&](__m256i x, __m256i y) __attribute__((always_inline)) {
     return _mm256_castsi256_ps(_mm256_cmpgt_epi32(_mm256_xor_si256(y, flip), _mm256_xor_si256(x, flip)));
   };
   return {lower(a.lo, b.lo), lower(a.hi, b.hi)};
 }
-DIFI_INLINE WideUint select(Mask m, WideUint yes, WideUint no) {
+STANDOFF_INLINE WideUint select(Mask m, WideUint yes, WideUint no) {
   return {_mm256_blendv_epi8(no.lo, yes.lo, _mm256_castps_si256(m.lo)),
           _mm256_blendv_epi8(no.hi, yes.hi, _mm256_castps_si256(m.hi))};
 }
 
-DIFI_INLINE int store_packed(std::uint32_t* p, Mask m, WideUint a) {
+STANDOFF_INLINE int store_packed(std::uint32_t* p, Mask m, WideUint a) {
   std::uint32_t all[16];
   a.store(all);
   int n = 0;
@@ -134,18 +140,18 @@ DIFI_INLINE int store_packed(std::uint32_t* p, Mask m, WideUint a) {
 }
 
 /// Stores (v * scale - center) as four floats, the fourth zero. v has three doubles, center four.
-DIFI_INLINE void store_local(float* out, const double* v, double scale, const double* center) {
+STANDOFF_INLINE void store_local(float* out, const double* v, double scale, const double* center) {
   const __m256d all = _mm256_maskload_pd(v, _mm256_setr_epi64x(-1, -1, -1, 0));
   _mm_store_ps(out, _mm256_cvtpd_ps(_mm256_fmsub_pd(all, _mm256_set1_pd(scale), _mm256_loadu_pd(center))));
 }
 
 /// Column `axis` of sixteen rows of four.
-DIFI_INLINE WideFloat load_column(const float (*rows)[4], int axis) {
+STANDOFF_INLINE WideFloat load_column(const float (*rows)[4], int axis) {
   const __m256i from = _mm256_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28);
   return {_mm256_i32gather_ps(rows[0] + axis, from, 4), _mm256_i32gather_ps(rows[8] + axis, from, 4)};
 }
 
-DIFI_INLINE Mask mask_from_bits(std::uint32_t bits) {
+STANDOFF_INLINE Mask mask_from_bits(std::uint32_t bits) {
   const __m256i bit = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
   const auto half = [&](std::uint32_t byte) __attribute__((always_inline)) {
     const __m256i set = _mm256_and_si256(_mm256_set1_epi32(static_cast<int>(byte)), bit);
@@ -155,11 +161,11 @@ DIFI_INLINE Mask mask_from_bits(std::uint32_t bits) {
 }
 
 /// Stores the lanes of `a` whose mask bit is set, packed. `p` must have room for sixteen.
-DIFI_INLINE void store_packed(float* p, Mask m, WideFloat a) {
+STANDOFF_INLINE void store_packed(float* p, Mask m, WideFloat a) {
   float all[16];
   a.store(all);
   int n = 0;
   for (std::uint32_t bits = m.to_bits(); bits; bits &= bits - 1) p[n++] = all[__builtin_ctz(bits)];
 }
 
-}  // namespace difi::avx2
+}  // namespace standoff::avx2

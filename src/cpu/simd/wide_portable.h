@@ -6,7 +6,7 @@
 
 #include "geometry/scalar.h"
 
-namespace difi::portable {
+namespace standoff::portable {
 
 using Floats = float __attribute__((vector_size(16)));
 using Ints = std::int32_t __attribute__((vector_size(16)));
@@ -15,17 +15,17 @@ constexpr int kParts = 4, kPartLanes = 4;
 
 /// T(f(0), ..., f(3)): one operation on all parts.
 template <class T, class Function>
-DIFI_INLINE T by_parts(Function f) {
+STANDOFF_INLINE T by_parts(Function f) {
   T result;
   for (int part = 0; part < kParts; ++part) result.v[part] = f(part);
   return result;
 }
-#define DIFI_LANES [&](int part) __attribute__((always_inline))
+#define STANDOFF_LANES [&](int part) __attribute__((always_inline))
 
 struct Mask {
   Ints v[kParts];  // all bits of a lane, or none
 
-  DIFI_INLINE std::uint32_t to_bits() const {
+  STANDOFF_INLINE std::uint32_t to_bits() const {
     const Ints bit{1, 2, 4, 8};
     std::uint32_t bits = 0;
     for (int part = 0; part < kParts; ++part) {
@@ -34,14 +34,14 @@ struct Mask {
     }
     return bits;
   }
-  friend DIFI_INLINE Mask operator~(const Mask& a) {
-    return by_parts<Mask>(DIFI_LANES { return ~a.v[part]; });
+  friend STANDOFF_INLINE Mask operator~(const Mask& a) {
+    return by_parts<Mask>(STANDOFF_LANES { return ~a.v[part]; });
   }
-  friend DIFI_INLINE Mask operator&(const Mask& a, const Mask& b) {
-    return by_parts<Mask>(DIFI_LANES { return a.v[part] & b.v[part]; });
+  friend STANDOFF_INLINE Mask operator&(const Mask& a, const Mask& b) {
+    return by_parts<Mask>(STANDOFF_LANES { return a.v[part] & b.v[part]; });
   }
-  friend DIFI_INLINE Mask operator|(const Mask& a, const Mask& b) {
-    return by_parts<Mask>(DIFI_LANES { return a.v[part] | b.v[part]; });
+  friend STANDOFF_INLINE Mask operator|(const Mask& a, const Mask& b) {
+    return by_parts<Mask>(STANDOFF_LANES { return a.v[part] | b.v[part]; });
   }
 };
 
@@ -49,47 +49,47 @@ struct WideFloat {
   Floats v[kParts];
 
   WideFloat() = default;
-  DIFI_INLINE WideFloat(float value) {
+  STANDOFF_INLINE WideFloat(float value) {
     for (Floats& part : v) part = Floats{value, value, value, value};
   }
-  DIFI_INLINE explicit WideFloat(int value) : WideFloat(static_cast<float>(value)) {}
+  STANDOFF_INLINE explicit WideFloat(int value) : WideFloat(static_cast<float>(value)) {}
 
-  static DIFI_INLINE WideFloat load(const float* p) {
+  static STANDOFF_INLINE WideFloat load(const float* p) {
     WideFloat result;
     __builtin_memcpy(result.v, p, sizeof result.v);
     return result;
   }
-  DIFI_INLINE void store(float* p) const { __builtin_memcpy(p, v, sizeof v); }
+  STANDOFF_INLINE void store(float* p) const { __builtin_memcpy(p, v, sizeof v); }
 
-  friend DIFI_INLINE WideFloat operator+(const WideFloat& a, const WideFloat& b) {
-    return by_parts<WideFloat>(DIFI_LANES { return a.v[part] + b.v[part]; });
+  friend STANDOFF_INLINE WideFloat operator+(const WideFloat& a, const WideFloat& b) {
+    return by_parts<WideFloat>(STANDOFF_LANES { return a.v[part] + b.v[part]; });
   }
-  friend DIFI_INLINE WideFloat operator-(const WideFloat& a, const WideFloat& b) {
-    return by_parts<WideFloat>(DIFI_LANES { return a.v[part] - b.v[part]; });
+  friend STANDOFF_INLINE WideFloat operator-(const WideFloat& a, const WideFloat& b) {
+    return by_parts<WideFloat>(STANDOFF_LANES { return a.v[part] - b.v[part]; });
   }
-  friend DIFI_INLINE WideFloat operator*(const WideFloat& a, const WideFloat& b) {
-    return by_parts<WideFloat>(DIFI_LANES { return a.v[part] * b.v[part]; });
+  friend STANDOFF_INLINE WideFloat operator*(const WideFloat& a, const WideFloat& b) {
+    return by_parts<WideFloat>(STANDOFF_LANES { return a.v[part] * b.v[part]; });
   }
-  friend DIFI_INLINE WideFloat operator/(const WideFloat& a, const WideFloat& b) {
-    return by_parts<WideFloat>(DIFI_LANES { return a.v[part] / b.v[part]; });
+  friend STANDOFF_INLINE WideFloat operator/(const WideFloat& a, const WideFloat& b) {
+    return by_parts<WideFloat>(STANDOFF_LANES { return a.v[part] / b.v[part]; });
   }
-  friend DIFI_INLINE WideFloat operator-(const WideFloat& a) {
-    return by_parts<WideFloat>(DIFI_LANES { return -a.v[part]; });
+  friend STANDOFF_INLINE WideFloat operator-(const WideFloat& a) {
+    return by_parts<WideFloat>(STANDOFF_LANES { return -a.v[part]; });
   }
 };
 
 /// to[i] = fma(to[i], b[i], c[i]). Where that is sixteen calls it is no inline function, or the kernels would be mostly
 /// calls.
 #ifdef __FP_FAST_FMAF
-DIFI_INLINE
+STANDOFF_INLINE
 #else
 [[gnu::noinline]] static
 #endif
 void fma_lanes(float* to, const float* b, const float* c) {
-  for (int i = 0; i < kParts * kPartLanes; ++i) to[i] = difi::fma(to[i], b[i], c[i]);
+  for (int i = 0; i < kParts * kPartLanes; ++i) to[i] = standoff::fma(to[i], b[i], c[i]);
 }
 
-DIFI_INLINE WideFloat fma(const WideFloat& a, const WideFloat& b, const WideFloat& c) {
+STANDOFF_INLINE WideFloat fma(const WideFloat& a, const WideFloat& b, const WideFloat& c) {
   float to[16], by[16], plus[16];
   a.store(to);
   b.store(by);
@@ -97,42 +97,42 @@ DIFI_INLINE WideFloat fma(const WideFloat& a, const WideFloat& b, const WideFloa
   fma_lanes(to, by, plus);
   return WideFloat::load(to);
 }
-DIFI_INLINE WideFloat min(const WideFloat& a, const WideFloat& b) {
-  return by_parts<WideFloat>(DIFI_LANES { return a.v[part] < b.v[part] ? a.v[part] : b.v[part]; });
+STANDOFF_INLINE WideFloat min(const WideFloat& a, const WideFloat& b) {
+  return by_parts<WideFloat>(STANDOFF_LANES { return a.v[part] < b.v[part] ? a.v[part] : b.v[part]; });
 }
-DIFI_INLINE WideFloat max(const WideFloat& a, const WideFloat& b) {
-  return by_parts<WideFloat>(DIFI_LANES { return a.v[part] > b.v[part] ? a.v[part] : b.v[part]; });
+STANDOFF_INLINE WideFloat max(const WideFloat& a, const WideFloat& b) {
+  return by_parts<WideFloat>(STANDOFF_LANES { return a.v[part] > b.v[part] ? a.v[part] : b.v[part]; });
 }
-DIFI_INLINE WideFloat sqrt(const WideFloat& a) {
-  return by_parts<WideFloat>(DIFI_LANES {
+STANDOFF_INLINE WideFloat sqrt(const WideFloat& a) {
+  return by_parts<WideFloat>(STANDOFF_LANES {
     const Floats x = a.v[part];
-    return Floats{difi::sqrt(x[0]), difi::sqrt(x[1]), difi::sqrt(x[2]), difi::sqrt(x[3])};
+    return Floats{standoff::sqrt(x[0]), standoff::sqrt(x[1]), standoff::sqrt(x[2]), standoff::sqrt(x[3])};
   });
 }
-DIFI_INLINE WideFloat abs(const WideFloat& a) {
+STANDOFF_INLINE WideFloat abs(const WideFloat& a) {
   return by_parts<WideFloat>(
-      DIFI_LANES { return reinterpret_cast<Floats>(reinterpret_cast<Ints>(a.v[part]) & 0x7fffffff); });
+      STANDOFF_LANES { return reinterpret_cast<Floats>(reinterpret_cast<Ints>(a.v[part]) & 0x7fffffff); });
 }
-DIFI_INLINE Mask less(const WideFloat& a, const WideFloat& b) {
-  return by_parts<Mask>(DIFI_LANES { return a.v[part] < b.v[part]; });
+STANDOFF_INLINE Mask less(const WideFloat& a, const WideFloat& b) {
+  return by_parts<Mask>(STANDOFF_LANES { return a.v[part] < b.v[part]; });
 }
-DIFI_INLINE Mask equal(const WideFloat& a, const WideFloat& b) {
-  return by_parts<Mask>(DIFI_LANES { return a.v[part] == b.v[part]; });
+STANDOFF_INLINE Mask equal(const WideFloat& a, const WideFloat& b) {
+  return by_parts<Mask>(STANDOFF_LANES { return a.v[part] == b.v[part]; });
 }
-DIFI_INLINE WideFloat select(const Mask& m, const WideFloat& yes, const WideFloat& no) {
-  return by_parts<WideFloat>(DIFI_LANES { return m.v[part] ? yes.v[part] : no.v[part]; });
+STANDOFF_INLINE WideFloat select(const Mask& m, const WideFloat& yes, const WideFloat& no) {
+  return by_parts<WideFloat>(STANDOFF_LANES { return m.v[part] ? yes.v[part] : no.v[part]; });
 }
-DIFI_INLINE float reduce_max(const WideFloat& a) {
+STANDOFF_INLINE float reduce_max(const WideFloat& a) {
   float lanes[16];
   a.store(lanes);
   float m = lanes[0];
-  for (const float lane : lanes) m = difi::max(m, lane);
+  for (const float lane : lanes) m = standoff::max(m, lane);
   return m;
 }
-DIFI_INLINE float reduce_min(const WideFloat& a) { return -reduce_max(-a); }
+STANDOFF_INLINE float reduce_min(const WideFloat& a) { return -reduce_max(-a); }
 
 /// Stores the lanes rounded towards zero. Requires values within the range of int.
-DIFI_INLINE void store_truncated(int* p, const WideFloat& a) {
+STANDOFF_INLINE void store_truncated(int* p, const WideFloat& a) {
   float lanes[16];
   a.store(lanes);
   for (int i = 0; i < 16; ++i) p[i] = static_cast<int>(lanes[i]);
@@ -142,38 +142,38 @@ struct WideUint {
   Uints v[kParts];
 
   WideUint() = default;
-  DIFI_INLINE WideUint(std::uint32_t value) {
+  STANDOFF_INLINE WideUint(std::uint32_t value) {
     for (Uints& part : v) part = Uints{value, value, value, value};
   }
-  static DIFI_INLINE WideUint load(const std::uint32_t* p) {
+  static STANDOFF_INLINE WideUint load(const std::uint32_t* p) {
     WideUint result;
     __builtin_memcpy(result.v, p, sizeof result.v);
     return result;
   }
-  DIFI_INLINE void store(std::uint32_t* p) const { __builtin_memcpy(p, v, sizeof v); }
+  STANDOFF_INLINE void store(std::uint32_t* p) const { __builtin_memcpy(p, v, sizeof v); }
 };
 
-DIFI_INLINE WideUint operator+(const WideUint& a, const WideUint& b) {
+STANDOFF_INLINE WideUint operator+(const WideUint& a, const WideUint& b) {
   WideUint sum;
   for (int part = 0; part < kParts; ++part) sum.v[part] = a.v[part] + b.v[part];
   return sum;
 }
 /// 0 to 15.
-DIFI_INLINE WideUint lane_numbers() {
+STANDOFF_INLINE WideUint lane_numbers() {
   WideUint numbers;
   for (std::uint32_t part = 0; part < kParts; ++part) numbers.v[part] = Uints{0, 1, 2, 3} + part * kPartLanes;
   return numbers;
 }
-DIFI_INLINE Mask less(const WideUint& a, const WideUint& b) {
-  return by_parts<Mask>(DIFI_LANES { return a.v[part] < b.v[part]; });
+STANDOFF_INLINE Mask less(const WideUint& a, const WideUint& b) {
+  return by_parts<Mask>(STANDOFF_LANES { return a.v[part] < b.v[part]; });
 }
-DIFI_INLINE WideUint select(const Mask& m, const WideUint& yes, const WideUint& no) {
-  return by_parts<WideUint>(DIFI_LANES { return m.v[part] ? yes.v[part] : no.v[part]; });
+STANDOFF_INLINE WideUint select(const Mask& m, const WideUint& yes, const WideUint& no) {
+  return by_parts<WideUint>(STANDOFF_LANES { return m.v[part] ? yes.v[part] : no.v[part]; });
 }
-#undef DIFI_LANES
+#undef STANDOFF_LANES
 
 /// Stores the lanes of `a` whose mask bit is set, packed, and returns how many. `p` must have room for sixteen.
-DIFI_INLINE int store_packed(std::uint32_t* p, const Mask& m, const WideUint& a) {
+STANDOFF_INLINE int store_packed(std::uint32_t* p, const Mask& m, const WideUint& a) {
   std::uint32_t all[16];
   a.store(all);
   int n = 0;
@@ -182,7 +182,7 @@ DIFI_INLINE int store_packed(std::uint32_t* p, const Mask& m, const WideUint& a)
 }
 
 /// Stores the lanes of `a` whose mask bit is set, packed. `p` must have room for sixteen.
-DIFI_INLINE void store_packed(float* p, const Mask& m, const WideFloat& a) {
+STANDOFF_INLINE void store_packed(float* p, const Mask& m, const WideFloat& a) {
   float all[16];
   a.store(all);
   int n = 0;
@@ -190,19 +190,19 @@ DIFI_INLINE void store_packed(float* p, const Mask& m, const WideFloat& a) {
 }
 
 /// Stores (v * scale - center) as four floats, the fourth zero. v has three doubles, center four.
-DIFI_INLINE void store_local(float* out, const double* v, double scale, const double* center) {
-  for (int axis = 0; axis < 3; ++axis) out[axis] = static_cast<float>(difi::fma(v[axis], scale, -center[axis]));
+STANDOFF_INLINE void store_local(float* out, const double* v, double scale, const double* center) {
+  for (int axis = 0; axis < 3; ++axis) out[axis] = static_cast<float>(standoff::fma(v[axis], scale, -center[axis]));
   out[3] = 0;
 }
 
 /// Column `axis` of sixteen rows of four.
-DIFI_INLINE WideFloat load_column(const float (*rows)[4], int axis) {
+STANDOFF_INLINE WideFloat load_column(const float (*rows)[4], int axis) {
   float column[16];
   for (int i = 0; i < 16; ++i) column[i] = rows[i][axis];
   return WideFloat::load(column);
 }
 
-DIFI_INLINE Mask mask_from_bits(std::uint32_t bits) {
+STANDOFF_INLINE Mask mask_from_bits(std::uint32_t bits) {
   Mask m;
   for (int part = 0; part < kParts; ++part) {
     const auto four = static_cast<std::int32_t>(bits >> (kPartLanes * part));
@@ -212,4 +212,4 @@ DIFI_INLINE Mask mask_from_bits(std::uint32_t bits) {
   return m;
 }
 
-}  // namespace difi::portable
+}  // namespace standoff::portable

@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "cuda/emulation/fiber.h"
-#include "difi/error.h"
+#include "standoff/error.h"
 
-#define DIFI_UNWATCHED __attribute__((no_sanitize("thread")))
+#define STANDOFF_UNWATCHED __attribute__((no_sanitize("thread")))
 
-namespace difi::emulation {
+namespace standoff::emulation {
 namespace {
 
 constexpr unsigned kWarp = 32;
@@ -56,13 +56,13 @@ std::atomic<std::int64_t> launches{0};
 Order order_now = Order::forward;
 unsigned seed_now = 1;
 
-DIFI_UNWATCHED void wait(State state, const Place& at) {
+STANDOFF_UNWATCHED void wait(State state, const Place& at) {
   running.current->state = state;
   running.current->at = at;
   running.current->fiber.park();
 }
 
-DIFI_UNWATCHED void run_thread() {
+STANDOFF_UNWATCHED void run_thread() {
   acquire(&running.tags.of_start);
   (*running.body)();
   release(&running.tags.of_end);
@@ -70,8 +70,8 @@ DIFI_UNWATCHED void run_thread() {
   running.current->fiber.finish();
 }
 
-DIFI_UNWATCHED Place place_of(unsigned n) { return running.threads[n]->at; }
-DIFI_UNWATCHED bool same(const Place& a, const Place& b) {
+STANDOFF_UNWATCHED Place place_of(unsigned n) { return running.threads[n]->at; }
+STANDOFF_UNWATCHED bool same(const Place& a, const Place& b) {
   return a.line == b.line && std::strcmp(a.file, b.file) == 0;
 }
 
@@ -127,7 +127,7 @@ class BlockRun {
   }
 
   // Lets every thread of the warp run that can, then opens its barriers.
-  DIFI_UNWATCHED bool run_warp(unsigned warp) {
+  STANDOFF_UNWATCHED bool run_warp(unsigned warp) {
     const unsigned first = warp * kWarp, count = std::min(kWarp, running.count - first);
     const unsigned shift = order_now == Order::random ? static_cast<unsigned>(random_() % count) : 0;
     bool moved = false;
@@ -238,20 +238,20 @@ void launch(const char* label, Extent3 grid, Extent3 block, const std::function<
 
 std::int64_t launch_count() { return launches; }
 
-DIFI_UNWATCHED Index3 thread_index() { return running.current->index; }
-DIFI_UNWATCHED Index3 block_index() { return running.at; }
-DIFI_UNWATCHED Extent3 block_extent() { return running.block; }
-DIFI_UNWATCHED Extent3 grid_extent() { return running.grid; }
-DIFI_UNWATCHED unsigned lane() { return running.current->rank % kWarp; }
+STANDOFF_UNWATCHED Index3 thread_index() { return running.current->index; }
+STANDOFF_UNWATCHED Index3 block_index() { return running.at; }
+STANDOFF_UNWATCHED Extent3 block_extent() { return running.block; }
+STANDOFF_UNWATCHED Extent3 grid_extent() { return running.grid; }
+STANDOFF_UNWATCHED unsigned lane() { return running.current->rank % kWarp; }
 
-DIFI_UNWATCHED void block_barrier(const Place& at) {
+STANDOFF_UNWATCHED void block_barrier(const Place& at) {
   char* tag = &running.tags.of_block[running.current->block_barriers++ & 1];
   release(tag);
   wait(State::at_block_barrier, at);
   acquire(tag);
 }
 
-DIFI_UNWATCHED void warp_barrier(std::uint32_t mask, const Place& at) {
+STANDOFF_UNWATCHED void warp_barrier(std::uint32_t mask, const Place& at) {
   char* tag = &running.warp_tags[2 * (running.current->rank / kWarp) + (running.current->warp_barriers++ & 1)];
   release(tag);
   running.current->mask = mask & existing_lanes();
@@ -259,13 +259,13 @@ DIFI_UNWATCHED void warp_barrier(std::uint32_t mask, const Place& at) {
   acquire(tag);
 }
 
-DIFI_UNWATCHED std::uint64_t& exchange_slot(unsigned of_lane) {
+STANDOFF_UNWATCHED std::uint64_t& exchange_slot(unsigned of_lane) {
   return running.exchange[running.current->rank / kWarp * kWarp + of_lane];
 }
 
-DIFI_UNWATCHED std::uint32_t existing_lanes() {
+STANDOFF_UNWATCHED std::uint32_t existing_lanes() {
   const unsigned left = running.count - running.current->rank / kWarp * kWarp;
   return left >= kWarp ? 0xffffffffu : (1u << left) - 1;
 }
 
-}  // namespace difi::emulation
+}  // namespace standoff::emulation

@@ -13,7 +13,7 @@
 #include <cstdint>
 #include <functional>
 
-namespace difi::emulation {
+namespace standoff::emulation {
 
 /// The order in which the threads of a block take turns. Forward and reverse let each warp run alone as far as it can,
 /// the first or the last one first; random mixes warps and stops them now and then.
@@ -70,4 +70,4 @@ std::uint64_t& exchange_slot(unsigned of_lane);
 /// The lanes of the warp that exist.
 std::uint32_t existing_lanes();
 
-}  // namespace difi::emulation
+}  // namespace standoff::emulation

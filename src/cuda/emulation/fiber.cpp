@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <new>
 
-#ifdef DIFI_HAVE_BOOST_CONTEXT
+#ifdef STANDOFF_HAVE_BOOST_CONTEXT
 #include <boost/context/detail/fcontext.hpp>
 #else
 #include <ucontext.h>
@@ -15,25 +15,25 @@
 #define __has_feature(x) 0
 #endif
 #if defined(__SANITIZE_ADDRESS__) || __has_feature(address_sanitizer)
-#define DIFI_ASAN 1
+#define STANDOFF_ASAN 1
 #include <sanitizer/common_interface_defs.h>
 #endif
 #if defined(__SANITIZE_THREAD__) || __has_feature(thread_sanitizer)
-#define DIFI_TSAN 1
+#define STANDOFF_TSAN 1
 #include <sanitizer/tsan_interface.h>
 #endif
 
 // The switches themselves are no business of the thread sanitizer: it would take the bookkeeping for races.
-#define DIFI_UNWATCHED __attribute__((no_sanitize("thread")))
+#define STANDOFF_UNWATCHED __attribute__((no_sanitize("thread")))
 
-namespace difi::emulation {
+namespace standoff::emulation {
 namespace {
 
 constexpr std::size_t kGuardBytes = 4096;
 
 // The stack of the thread that resumes fibers. One emulated launch runs at a time (block.cpp), so one is enough.
 struct {
-#ifdef DIFI_HAVE_BOOST_CONTEXT
+#ifdef STANDOFF_HAVE_BOOST_CONTEXT
   boost::context::detail::fcontext_t context;
 #else
   ucontext_t context;
@@ -48,7 +48,7 @@ void (*entry_of_next)();
 }  // namespace
 
 struct Fiber::Context {
-#ifdef DIFI_HAVE_BOOST_CONTEXT
+#ifdef STANDOFF_HAVE_BOOST_CONTEXT
   boost::context::detail::fcontext_t context{};
 #else
   ucontext_t context{};
@@ -60,21 +60,21 @@ struct Fiber::Context {
 
 namespace {
 
-DIFI_UNWATCHED void arrive_first() {
-#ifdef DIFI_ASAN
+STANDOFF_UNWATCHED void arrive_first() {
+#ifdef STANDOFF_ASAN
   __sanitizer_finish_switch_fiber(nullptr, &home.stack_bottom, &home.stack_bytes);
 #endif
   entry_of_next();
   std::abort();  // entries end with finish()
 }
 
-#ifdef DIFI_HAVE_BOOST_CONTEXT
-DIFI_UNWATCHED void arrive(boost::context::detail::transfer_t from) {
+#ifdef STANDOFF_HAVE_BOOST_CONTEXT
+STANDOFF_UNWATCHED void arrive(boost::context::detail::transfer_t from) {
   home.context = from.fctx;
   arrive_first();
 }
 #else
-DIFI_UNWATCHED void arrive() { arrive_first(); }
+STANDOFF_UNWATCHED void arrive() { arrive_first(); }
 #endif
 
 }  // namespace
@@ -90,16 +90,16 @@ Fiber::Fiber() : context_(new Context) {
 }
 
 Fiber::~Fiber() {
-#ifdef DIFI_TSAN
+#ifdef STANDOFF_TSAN
   if (context_->tsan) __tsan_destroy_fiber(context_->tsan);
 #endif
   munmap(stack_ - kGuardBytes, kGuardBytes + kStackBytes);
   delete context_;
 }
 
-DIFI_UNWATCHED void Fiber::start(void (*entry)()) {
+STANDOFF_UNWATCHED void Fiber::start(void (*entry)()) {
   entry_of_next = entry;
-#ifdef DIFI_HAVE_BOOST_CONTEXT
+#ifdef STANDOFF_HAVE_BOOST_CONTEXT
   context_->context = boost::context::detail::make_fcontext(stack_ + kStackBytes, kStackBytes, arrive);
 #else
   getcontext(&context_->context);
@@ -108,7 +108,7 @@ DIFI_UNWATCHED void Fiber::start(void (*entry)()) {
   context_->context.uc_link = nullptr;
   makecontext(&context_->context, arrive, 0);
 #endif
-#ifdef DIFI_TSAN
+#ifdef STANDOFF_TSAN
   // Making one takes a millisecond: only where the last run was given up midway.
   if (context_->tsan && !context_->ended) {
     __tsan_destroy_fiber(context_->tsan);
@@ -119,60 +119,60 @@ DIFI_UNWATCHED void Fiber::start(void (*entry)()) {
   context_->ended = false;
 }
 
-DIFI_UNWATCHED void Fiber::resume() {
-#ifdef DIFI_ASAN
+STANDOFF_UNWATCHED void Fiber::resume() {
+#ifdef STANDOFF_ASAN
   void* fake_stack = nullptr;
   __sanitizer_start_switch_fiber(&fake_stack, stack_, kStackBytes);
 #endif
-#ifdef DIFI_TSAN
+#ifdef STANDOFF_TSAN
   home.tsan = __tsan_get_current_fiber();
   __tsan_switch_to_fiber(context_->tsan, __tsan_switch_to_fiber_no_sync);  // taking turns orders nothing
 #endif
-#ifdef DIFI_HAVE_BOOST_CONTEXT
+#ifdef STANDOFF_HAVE_BOOST_CONTEXT
   context_->context = boost::context::detail::jump_fcontext(context_->context, nullptr).fctx;
 #else
   swapcontext(&home.context, &context_->context);
 #endif
-#ifdef DIFI_ASAN
+#ifdef STANDOFF_ASAN
   __sanitizer_finish_switch_fiber(fake_stack, nullptr, nullptr);
 #endif
 }
 
-DIFI_UNWATCHED void Fiber::leave(bool for_good) {
+STANDOFF_UNWATCHED void Fiber::leave(bool for_good) {
   context_->ended = for_good;
-#ifdef DIFI_TSAN
+#ifdef STANDOFF_TSAN
   __tsan_switch_to_fiber(home.tsan, __tsan_switch_to_fiber_no_sync);
 #endif
-#ifdef DIFI_ASAN
+#ifdef STANDOFF_ASAN
   __sanitizer_start_switch_fiber(for_good ? nullptr : &context_->asan_fake_stack, home.stack_bottom, home.stack_bytes);
 #endif
-#ifdef DIFI_HAVE_BOOST_CONTEXT
+#ifdef STANDOFF_HAVE_BOOST_CONTEXT
   home.context = boost::context::detail::jump_fcontext(home.context, nullptr).fctx;
 #else
   swapcontext(&context_->context, &home.context);
 #endif
-#ifdef DIFI_ASAN
+#ifdef STANDOFF_ASAN
   __sanitizer_finish_switch_fiber(context_->asan_fake_stack, &home.stack_bottom, &home.stack_bytes);
 #endif
 }
 
-DIFI_UNWATCHED void Fiber::park() { leave(false); }
+STANDOFF_UNWATCHED void Fiber::park() { leave(false); }
 
-DIFI_UNWATCHED void Fiber::finish() {
+STANDOFF_UNWATCHED void Fiber::finish() {
   leave(true);
   std::abort();  // a finished fiber is started again, never resumed
 }
 
 void release([[maybe_unused]] void* tag) {
-#ifdef DIFI_TSAN
+#ifdef STANDOFF_TSAN
   __tsan_release(tag);
 #endif
 }
 
 void acquire([[maybe_unused]] void* tag) {
-#ifdef DIFI_TSAN
+#ifdef STANDOFF_TSAN
   __tsan_acquire(tag);
 #endif
 }
 
-}  // namespace difi::emulation
+}  // namespace standoff::emulation

@@ -4,7 +4,7 @@
 
 #include <cstddef>
 
-namespace difi::emulation {
+namespace standoff::emulation {
 
 /// A function with a stack. It runs when resumed, until it parks itself or ends.
 class Fiber {
@@ -38,4 +38,4 @@ class Fiber {
 void release(void* tag);
 void acquire(void* tag);
 
-}  // namespace difi::emulation
+}  // namespace standoff::emulation

@@ -17,47 +17,47 @@
 // Blocks run one after the other, so one copy serves all; plain static memory, which the address sanitizer fences.
 #define __shared__ static
 
-#define threadIdx (::difi::emulation::thread_index())
-#define blockIdx (::difi::emulation::block_index())
-#define blockDim (::difi::emulation::block_extent())
-#define gridDim (::difi::emulation::grid_extent())
+#define threadIdx (::standoff::emulation::thread_index())
+#define blockIdx (::standoff::emulation::block_index())
+#define blockDim (::standoff::emulation::block_extent())
+#define gridDim (::standoff::emulation::grid_extent())
 
 // The last parameters of what threads wait in: where they were called. (Not std::source_location: clang 14 has none.)
-#define DIFI_CALLED_FROM const char *file = __builtin_FILE(), int line = __builtin_LINE()
+#define STANDOFF_CALLED_FROM const char *file = __builtin_FILE(), int line = __builtin_LINE()
 
-using dim3 = ::difi::emulation::Extent3;
+using dim3 = ::standoff::emulation::Extent3;
 
-inline void __syncthreads(DIFI_CALLED_FROM) { ::difi::emulation::block_barrier({file, line}); }
-inline void __syncwarp(std::uint32_t mask = 0xffffffffu, DIFI_CALLED_FROM) {
-  ::difi::emulation::warp_barrier(mask, {file, line});
+inline void __syncthreads(STANDOFF_CALLED_FROM) { ::standoff::emulation::block_barrier({file, line}); }
+inline void __syncwarp(std::uint32_t mask = 0xffffffffu, STANDOFF_CALLED_FROM) {
+  ::standoff::emulation::warp_barrier(mask, {file, line});
 }
 
 template <class T>
-T __shfl_sync(std::uint32_t mask, T value, int source, DIFI_CALLED_FROM) {
+T __shfl_sync(std::uint32_t mask, T value, int source, STANDOFF_CALLED_FROM) {
   static_assert(sizeof(T) <= sizeof(std::uint64_t));
   std::uint64_t bits = 0;
   std::memcpy(&bits, &value, sizeof value);
-  ::difi::emulation::exchange_slot(::difi::emulation::lane()) = bits;
-  ::difi::emulation::warp_barrier(mask, {file, line});
-  bits = ::difi::emulation::exchange_slot(static_cast<unsigned>(source) & 31u);
-  ::difi::emulation::warp_barrier(mask, {file, line});
+  ::standoff::emulation::exchange_slot(::standoff::emulation::lane()) = bits;
+  ::standoff::emulation::warp_barrier(mask, {file, line});
+  bits = ::standoff::emulation::exchange_slot(static_cast<unsigned>(source) & 31u);
+  ::standoff::emulation::warp_barrier(mask, {file, line});
   std::memcpy(&value, &bits, sizeof value);
   return value;
 }
 
 template <class T>
-T __shfl_xor_sync(std::uint32_t mask, T value, int bits, DIFI_CALLED_FROM) {
-  return __shfl_sync(mask, value, static_cast<int>(::difi::emulation::lane()) ^ bits, file, line);
+T __shfl_xor_sync(std::uint32_t mask, T value, int bits, STANDOFF_CALLED_FROM) {
+  return __shfl_sync(mask, value, static_cast<int>(::standoff::emulation::lane()) ^ bits, file, line);
 }
 
-inline std::uint32_t __ballot_sync(std::uint32_t mask, int vote, DIFI_CALLED_FROM) {
-  ::difi::emulation::exchange_slot(::difi::emulation::lane()) = vote != 0;
-  ::difi::emulation::warp_barrier(mask, {file, line});
+inline std::uint32_t __ballot_sync(std::uint32_t mask, int vote, STANDOFF_CALLED_FROM) {
+  ::standoff::emulation::exchange_slot(::standoff::emulation::lane()) = vote != 0;
+  ::standoff::emulation::warp_barrier(mask, {file, line});
   std::uint32_t votes = 0;
-  const std::uint32_t lanes = mask & ::difi::emulation::existing_lanes();
+  const std::uint32_t lanes = mask & ::standoff::emulation::existing_lanes();
   for (unsigned n = 0; n < 32; ++n)
-    if (lanes >> n & 1) votes |= static_cast<std::uint32_t>(::difi::emulation::exchange_slot(n)) << n;
-  ::difi::emulation::warp_barrier(mask, {file, line});
+    if (lanes >> n & 1) votes |= static_cast<std::uint32_t>(::standoff::emulation::exchange_slot(n)) << n;
+  ::standoff::emulation::warp_barrier(mask, {file, line});
   return votes;
 }
 

@@ -4,7 +4,7 @@
 
 #include "tests/collision/zoo/slivers.h"
 
-namespace difi::testing {
+namespace standoff::testing {
 
 inline Vec3 rounded(Vec3 v) { return {std::round(v.x), std::round(v.y), std::round(v.z)}; }
 
@@ -134,4 +134,4 @@ inline Pose meeting_pose(Random& random, MeshView a, const Pose& pose_a, MeshVie
   return pose;
 }
 
-}  // namespace difi::testing
+}  // namespace standoff::testing

@@ -4,11 +4,11 @@
 #include <cstdio>
 #include <cstdlib>
 
-namespace difi::testing {
+namespace standoff::testing {
 
 inline long from_environment(const char* name, long otherwise) {
   const char* const text = std::getenv(name);
   return text == nullptr ? otherwise : std::atol(text);
 }
 
-}  // namespace difi::testing
+}  // namespace standoff::testing

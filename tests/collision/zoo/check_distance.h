@@ -5,7 +5,7 @@
 #include "tests/collision/zoo/placed_pair.h"
 #include "tests/collision/zoo/tolerances.h"
 
-namespace difi::testing {
+namespace standoff::testing {
 
 inline void check_distance(const PlacedPair& at, Findings& found) {
   found.count("distances");
@@ -41,4 +41,4 @@ inline void check_rough_distance(const PlacedPair& at, double tolerance, Finding
     found.expect(std::isinf(limited.upper) && limited.lower == expected / 2, "distance: found past the limit");
 }
 
-}  // namespace difi::testing
+}  // namespace standoff::testing

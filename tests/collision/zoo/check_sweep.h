@@ -6,7 +6,7 @@
 #include "tests/collision/zoo/tolerances.h"
 #include "tests/collision/zoo/way.h"
 
-namespace difi::testing {
+namespace standoff::testing {
 
 /// How deep b goes into a on a straight way.
 inline double depth_on_way(const PlacedBody& a, const PlacedBody& b, const Vec3& way) {
@@ -69,4 +69,4 @@ inline void check_sweep(const PlacedPair& at, const Motion& motion, double toler
   if (swept.time > 0) found.off("sweep: length of a normal", std::abs(length(swept.normal) - 1), kUnitLengthOff);
 }
 
-}  // namespace difi::testing
+}  // namespace standoff::testing

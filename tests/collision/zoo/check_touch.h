@@ -5,7 +5,7 @@
 #include "tests/collision/zoo/placed_pair.h"
 #include "tests/collision/zoo/tolerances.h"
 
-namespace difi::testing {
+namespace standoff::testing {
 
 inline void check_collide(const PlacedPair& at, Findings& found) {
   const Collided answer = collide(at.model_a, at.pose_a, at.model_b, at.pose_b),
@@ -145,4 +145,4 @@ inline void check_contacts_within(const PlacedPair& at, double margin, Findings&
   }
 }
 
-}  // namespace difi::testing
+}  // namespace standoff::testing

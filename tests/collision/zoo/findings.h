@@ -7,9 +7,9 @@
 #include <map>
 #include <string>
 
-#include "difi/vec.h"
+#include "standoff/vec.h"
 
-namespace difi::testing {
+namespace standoff::testing {
 
 class Findings {
  public:
@@ -77,4 +77,4 @@ class Findings {
   std::map<std::string, Worst> worst_;
 };
 
-}  // namespace difi::testing
+}  // namespace standoff::testing

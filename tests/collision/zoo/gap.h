@@ -5,7 +5,7 @@
 
 #include "tests/collision/zoo/touch.h"
 
-namespace difi::testing {
+namespace standoff::testing {
 
 #if defined(__SIZEOF_FLOAT128__)
 __extension__ using Quad = __float128;
@@ -87,4 +87,4 @@ inline Quad gap_of_free_sq(const Corners& p, const Corners& q) {
 /// The distance of two triangles, 0 where they touch.
 inline double gap(const Corners& p, const Corners& q) { return touch(p, q) ? 0 : root_of(gap_of_free_sq(p, q)); }
 
-}  // namespace difi::testing
+}  // namespace standoff::testing

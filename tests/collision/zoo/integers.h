@@ -8,7 +8,7 @@
 #include <cmath>
 #include <cstdint>
 
-namespace difi::testing {
+namespace standoff::testing {
 
 template <int kLimbs>
 struct Integer {
@@ -105,4 +105,4 @@ inline int lowest_bit(double value) {
   return own + std::countr_zero(static_cast<std::uint64_t>(std::ldexp(std::abs(value), -own)));
 }
 
-}  // namespace difi::testing
+}  // namespace standoff::testing

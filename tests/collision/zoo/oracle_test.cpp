@@ -1,5 +1,6 @@
-// The answers that the zoo's tests hold against difi, against others: whole numbers against those of any length, the
-// exact touch against determinants of small whole numbers, gaps against points drawn at random, ways against prisms.
+// The answers that the zoo's tests hold against standoff, against others: whole numbers against those of any length,
+// the exact touch against determinants of small whole numbers, gaps against points drawn at random, ways against
+// prisms.
 #include <gtest/gtest.h>
 
 #include "tests/collision/exact_sign.h"
@@ -7,10 +8,10 @@
 #include "tests/collision/zoo/gap.h"
 #include "tests/collision/zoo/way.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
-using namespace difi::testing;
+using namespace standoff::testing;
 
 TEST(ZooOracle, IntegersAreThoseOfAnyLength) {
   Random random(1);
@@ -31,7 +32,8 @@ TEST(ZooOracle, IntegersAreThoseOfAnyLength) {
   }
 }
 
-// Segment and triangle on a lattice, by determinants; what is flat by its parts. Not difi's way either: all in int64.
+// Segment and triangle on a lattice, by determinants; what is flat by its parts. Not standoff's way either: all in
+// int64.
 using Point = std::array<std::int64_t, 3>;
 std::int64_t det(const Point& a, const Point& b, const Point& c, const Point& d) {
   const auto x = crossed<std::int64_t>(b - a, c - a);
@@ -205,4 +207,4 @@ TEST(ZooOracle, DepthsOnAWayAreThoseOfThePrism) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

@@ -3,10 +3,10 @@
 
 #include <optional>
 
-#include "difi/collision.h"
+#include "standoff/collision.h"
 #include "tests/collision/zoo/tolerances.h"
 
-namespace difi::testing {
+namespace standoff::testing {
 
 struct PlacedPair {
   const CollisionModel &model_a, &model_b;
@@ -61,4 +61,4 @@ struct PlacedPair {
   mutable std::optional<double> distance_;
 };
 
-}  // namespace difi::testing
+}  // namespace standoff::testing

@@ -6,7 +6,7 @@
 
 #include "tests/collision/bodies.h"
 
-namespace difi::testing {
+namespace standoff::testing {
 
 /// A number from `low` to `high`, each power of two in between as likely as the others.
 inline double log_between(Random& random, double low, double high) {
@@ -117,4 +117,4 @@ inline SliverBodies sliver_bodies(unsigned seed, double ratio, int count) {
   return bodies;
 }
 
-}  // namespace difi::testing
+}  // namespace standoff::testing

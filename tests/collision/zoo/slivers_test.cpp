@@ -2,18 +2,18 @@
 // computed normal is off by more, and the separating axes with it, the thinner the triangle is: a test that took it to
 // be perpendicular to its triangle missed up to 1.4 % of these pairs that touch.
 //
-// DIFI_CHECK_SLIVERS: pairs of each height, a third of them touching by construction; DIFI_CHECK_SEED: the first body's
-// seed.
+// STANDOFF_CHECK_SLIVERS: pairs of each height, a third of them touching by construction; STANDOFF_CHECK_SEED: the
+// first body's seed.
 #include <gtest/gtest.h>
 
 #include "tests/collision/zoo/ask.h"
 #include "tests/collision/zoo/check_touch.h"
 #include "tests/collision/zoo/slivers.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
-using namespace difi::testing;
+using namespace standoff::testing;
 
 const ModelOptions kCoarse{0.5, 1};  // fields decide little here: coarse ones are made fast
 
@@ -47,8 +47,8 @@ class Slivers : public ::testing::TestWithParam<int> {};
 
 TEST_P(Slivers, TouchWhereTheyDo) {
   const double ratio = std::pow(10, -GetParam());
-  const long wanted = from_environment("DIFI_CHECK_SLIVERS", 20'000);
-  const unsigned first = static_cast<unsigned>(from_environment("DIFI_CHECK_SEED", 1));
+  const long wanted = from_environment("STANDOFF_CHECK_SLIVERS", 20'000);
+  const unsigned first = static_cast<unsigned>(from_environment("STANDOFF_CHECK_SEED", 1));
   Findings found;
   long pairs = 0;
   for (unsigned seed = first; pairs < wanted; ++seed) {
@@ -77,4 +77,4 @@ TEST_P(Slivers, TouchWhereTheyDo) {
 INSTANTIATE_TEST_SUITE_P(Heights, Slivers, ::testing::Range(1, 16));
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

@@ -3,7 +3,7 @@
 
 #include "tests/collision/zoo/truth.h"
 
-namespace difi::testing {
+namespace standoff::testing {
 
 inline constexpr double kRoundoff = 0x1p-53;  // u
 
@@ -50,4 +50,4 @@ struct Allowed {
 /// The lengths of unit vectors.
 inline constexpr double kUnitLengthOff = 16 * kRoundoff;
 
-}  // namespace difi::testing
+}  // namespace standoff::testing

@@ -1,7 +1,7 @@
-// Have two triangles a point in common? Exactly, and whatever they are: segments and points too. difi decides it by the
-// sides of planes on which corners lie; this asks for an axis on which shadows are apart. Two convex sets of corners
-// are apart where the origin is outside the set of their differences, and that set has few facets: their normals are
-// cross products of edges where it is solid, perpendicular to edges and within its plane where it is flat.
+// Have two triangles a point in common? Exactly, and whatever they are: segments and points too. standoff decides it by
+// the sides of planes on which corners lie; this asks for an axis on which shadows are apart. Two convex sets of
+// corners are apart where the origin is outside the set of their differences, and that set has few facets: their
+// normals are cross products of edges where it is solid, perpendicular to edges and within its plane where it is flat.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 #include "tests/collision/independent.h"
 #include "tests/collision/zoo/integers.h"
 
-namespace difi::testing {
+namespace standoff::testing {
 
 template <class T>
 bool is_zero(const Triple<T>& v) {
@@ -152,4 +152,4 @@ inline bool touch(const Corners& p, const Corners& q) {
   return sure == Sure::no ? touch_without_filter(p, q) : sure == Sure::touching;
 }
 
-}  // namespace difi::testing
+}  // namespace standoff::testing

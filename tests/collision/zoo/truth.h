@@ -7,7 +7,7 @@
 #include "tests/collision/bodies.h"
 #include "tests/collision/zoo/gap.h"
 
-namespace difi::testing {
+namespace standoff::testing {
 
 using TrianglePairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
@@ -66,4 +66,4 @@ inline TrianglePairs touching_pairs(const PlacedBody& a, const PlacedBody& b) {
   return pairs;
 }
 
-}  // namespace difi::testing
+}  // namespace standoff::testing

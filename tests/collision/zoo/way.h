@@ -3,7 +3,7 @@
 
 #include "tests/collision/zoo/touch.h"
 
-namespace difi::testing {
+namespace standoff::testing {
 
 /// The least overlap of the shadows of two convex sets, over all axes on which they could be apart: how far one has to
 /// move to be out of the other; minus a lower bound of their distance where they are apart. 0 where the set of their
@@ -66,4 +66,4 @@ inline double depth_on_way(const Corners& moving, const Vec3& way, const Corners
   return depth_on_way<20>(moving, way, resting, range.lowest);
 }
 
-}  // namespace difi::testing
+}  // namespace standoff::testing

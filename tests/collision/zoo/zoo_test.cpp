@@ -1,22 +1,22 @@
 // Bodies of the zoo, in millions of poses, motions and distances if so many are asked for, against exact answers.
 //
-// DIFI_CHECK_ZOO: poses; a tenth of them are asked for their distance too, a tenth for a sweep. DIFI_CHECK_SEED: the
-// first pair of bodies'. What is printed of a wrong answer is the seed of its pair, and which of its poses it is:
-// with these in DIFI_CHECK_SEED and DIFI_CHECK_POSE the bodies are written as zoo_a.obj and zoo_b.obj, and the poses as
-// the program takes them.
+// STANDOFF_CHECK_ZOO: poses; a tenth of them are asked for their distance too, a tenth for a sweep.
+// STANDOFF_CHECK_SEED: the first pair of bodies'. What is printed of a wrong answer is the seed of its pair, and which
+// of its poses it is: with these in STANDOFF_CHECK_SEED and STANDOFF_CHECK_POSE the bodies are written as zoo_a.obj and
+// zoo_b.obj, and the poses as the program takes them.
 #include <gtest/gtest.h>
 
-#include "difi/io.h"
+#include "standoff/io.h"
 #include "tests/collision/zoo/animals.h"
 #include "tests/collision/zoo/ask.h"
 #include "tests/collision/zoo/check_distance.h"
 #include "tests/collision/zoo/check_sweep.h"
 #include "tests/collision/zoo/check_touch.h"
 
-namespace difi {
+namespace standoff {
 namespace {
 
-using namespace difi::testing;
+using namespace standoff::testing;
 
 constexpr int kPosesOfAPair = 100;
 const Batch kEmulated{.threads = 1, .backend = Backend::emulated};
@@ -162,7 +162,7 @@ void check_pair(unsigned seed, Findings& found) {
     found.at(seed, n);
     const Pose pose_b = meeting_pose(random, of.a, pose_a, of.b, of.size);
     poses.push_back(pose_b);
-    const bool shown = n == from_environment("DIFI_CHECK_POSE", -1);
+    const bool shown = n == from_environment("STANDOFF_CHECK_POSE", -1);
     if (shown) show(of, pose_a, pose_b);
     const PlacedPair at(a, pose_a, b, pose_b);
     check_collide(at, found);
@@ -180,8 +180,8 @@ void check_pair(unsigned seed, Findings& found) {
 }
 
 TEST(Zoo, AnswersAreTrue) {
-  const long poses = from_environment("DIFI_CHECK_ZOO", 20'000);
-  const unsigned first = static_cast<unsigned>(from_environment("DIFI_CHECK_SEED", 1));
+  const long poses = from_environment("STANDOFF_CHECK_ZOO", 20'000);
+  const unsigned first = static_cast<unsigned>(from_environment("STANDOFF_CHECK_SEED", 1));
   Findings found;
   for (long n = 0; n < poses; n += kPosesOfAPair) {
     if (n > 0 && n % 1'000'000 == 0) std::fprintf(stderr, "%ld of %ld poses\n", n, poses);
@@ -200,4 +200,4 @@ TEST(Zoo, AnswersAreTrue) {
 }
 
 }  // namespace
-}  // namespace difi
+}  // namespace standoff

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace difi::testing {
+namespace standoff::testing {
 
 using Floats = const float*;
 using Uints = const std::uint32_t*;
@@ -51,4 +51,4 @@ extern const SimdOperations kAvx2Operations;
 extern const SimdOperations kAvx512Operations;
 #endif
 
-}  // namespace difi::testing
+}  // namespace standoff::testing

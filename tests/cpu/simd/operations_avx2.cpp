@@ -4,16 +4,16 @@
 #include "cpu/simd/wide_avx2.h"
 #include "tests/cpu/simd/operations.h"
 
-namespace difi::testing {
+namespace standoff::testing {
 namespace {
 
-using namespace difi::avx2;
+using namespace standoff::avx2;
 #include "tests/cpu/simd/operations_body.h"
 
 }  // namespace
 
 extern const SimdOperations kAvx2Operations = operations_of_this_target("avx2");
 
-}  // namespace difi::testing
+}  // namespace standoff::testing
 
 #endif

@@ -4,16 +4,16 @@
 #include "cpu/simd/wide_avx512.h"
 #include "tests/cpu/simd/operations.h"
 
-namespace difi::testing {
+namespace standoff::testing {
 namespace {
 
-using namespace difi::avx512;
+using namespace standoff::avx512;
 #include "tests/cpu/simd/operations_body.h"
 
 }  // namespace
 
 extern const SimdOperations kAvx512Operations = operations_of_this_target("avx512");
 
-}  // namespace difi::testing
+}  // namespace standoff::testing
 
 #endif

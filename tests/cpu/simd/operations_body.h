@@ -1,12 +1,12 @@
 // The table of operations for the target whose wide types are in scope. Included once per target into a namespace
 // without a name, as the kernels are: no copy compiled for one processor may serve others.
 
-#define DIFI_UNARY(expression)         \
+#define STANDOFF_UNARY(expression)     \
   [](Floats p, float* out) {           \
     const auto a = WideFloat::load(p); \
     (expression).store(out);           \
   }
-#define DIFI_BINARY(expression)                                \
+#define STANDOFF_BINARY(expression)                            \
   [](Floats p, Floats q, float* out) {                         \
     const auto a = WideFloat::load(p), b = WideFloat::load(q); \
     (expression).store(out);                                   \
@@ -15,15 +15,15 @@
 constexpr SimdOperations operations_of_this_target(const char* name) {
   SimdOperations o{};
   o.name = name;
-  o.add = DIFI_BINARY(a + b);
-  o.subtract = DIFI_BINARY(a - b);
-  o.multiply = DIFI_BINARY(a * b);
-  o.divide = DIFI_BINARY(a / b);
-  o.min = DIFI_BINARY(min(a, b));
-  o.max = DIFI_BINARY(max(a, b));
-  o.negate = DIFI_UNARY(-a);
-  o.sqrt = DIFI_UNARY(sqrt(a));
-  o.abs = DIFI_UNARY(abs(a));
+  o.add = STANDOFF_BINARY(a + b);
+  o.subtract = STANDOFF_BINARY(a - b);
+  o.multiply = STANDOFF_BINARY(a * b);
+  o.divide = STANDOFF_BINARY(a / b);
+  o.min = STANDOFF_BINARY(min(a, b));
+  o.max = STANDOFF_BINARY(max(a, b));
+  o.negate = STANDOFF_UNARY(-a);
+  o.sqrt = STANDOFF_UNARY(sqrt(a));
+  o.abs = STANDOFF_UNARY(abs(a));
   o.fma = [](Floats a, Floats b, Floats c, float* out) {
     fma(WideFloat::load(a), WideFloat::load(b), WideFloat::load(c)).store(out);
   };
@@ -58,5 +58,5 @@ constexpr SimdOperations operations_of_this_target(const char* name) {
   return o;
 }
 
-#undef DIFI_UNARY
-#undef DIFI_BINARY
+#undef STANDOFF_UNARY
+#undef STANDOFF_BINARY

@@ -2,14 +2,14 @@
 #include "cpu/simd/wide_portable.h"
 #include "tests/cpu/simd/operations.h"
 
-namespace difi::testing {
+namespace standoff::testing {
 namespace {
 
-using namespace difi::portable;
+using namespace standoff::portable;
 #include "tests/cpu/simd/operations_body.h"
 
 }  // namespace
 
 extern const SimdOperations kPortableOperations = operations_of_this_target("portable");
 
-}  // namespace difi::testing
+}  // namespace standoff::testing

@@ -4,9 +4,9 @@
 #include <cstring>
 #include <utility>
 
-#include "difi/cuda.h"
+#include "standoff/cuda.h"
 
-namespace difi::pretend {
+namespace standoff::pretend {
 
 Gpu gpu;
 
@@ -25,10 +25,10 @@ std::int64_t taken() {
 }
 
 }  // namespace
-}  // namespace difi::pretend
+}  // namespace standoff::pretend
 
-using difi::pretend::called;
-using difi::pretend::gpu;
+using standoff::pretend::called;
+using standoff::pretend::gpu;
 
 // What the linker makes of a call of cudaName: __wrap_cudaName.
 #define PRETEND(name) extern "C" cudaError_t __wrap_##name
@@ -80,7 +80,7 @@ PRETEND(cudaPeekAtLastError)() { return gpu.last; }
 
 PRETEND(cudaMalloc)(void** at, std::size_t bytes) {
   if (const cudaError_t error = called("cudaMalloc")) return error;
-  if (difi::pretend::taken() + static_cast<std::int64_t>(bytes) > gpu.memory) return cudaErrorMemoryAllocation;
+  if (standoff::pretend::taken() + static_cast<std::int64_t>(bytes) > gpu.memory) return cudaErrorMemoryAllocation;
   *at = std::aligned_alloc(256, (bytes + 255) / 256 * 256);
   std::memset(*at, 0xff, bytes);
   gpu.allocated[*at] = static_cast<std::int64_t>(bytes);
@@ -93,12 +93,12 @@ PRETEND(cudaFree)(void* at) {
 }
 PRETEND(cudaMemGetInfo)(std::size_t* free, std::size_t* total) {
   *total = static_cast<std::size_t>(gpu.memory);
-  *free = static_cast<std::size_t>(gpu.memory - difi::pretend::taken());
+  *free = static_cast<std::size_t>(gpu.memory - standoff::pretend::taken());
   return called("cudaMemGetInfo");
 }
 PRETEND(cudaMemcpy)(void* to, const void* from, std::size_t bytes, cudaMemcpyKind kind) {
   // No kernel has run: all went well, and no tile is stored.
-  if (kind == cudaMemcpyDeviceToHost && bytes == sizeof(difi::cuda::Outcome))
+  if (kind == cudaMemcpyDeviceToHost && bytes == sizeof(standoff::cuda::Outcome))
     std::memset(to, 0, bytes);
   else
     std::memcpy(to, from, bytes);

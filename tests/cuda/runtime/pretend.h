@@ -1,6 +1,6 @@
 // A GPU that is not there: the calls of the CUDA runtime end here (the linker turns them over, see
-// tests/CMakeLists.txt). Memory is the machine's, kernels are counted and not run. For what difi asks of CUDA, in which
-// order and on which stream, and for what it does where a call fails.
+// tests/CMakeLists.txt). Memory is the machine's, kernels are counted and not run. For what standoff asks of CUDA, in
+// which order and on which stream, and for what it does where a call fails.
 #pragma once
 
 #include <cuda_runtime.h>
@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace difi::pretend {
+namespace standoff::pretend {
 
 struct Call {
   std::string name;
@@ -36,4 +36,4 @@ struct Gpu {
 /// The GPU that all calls go to.
 extern Gpu gpu;
 
-}  // namespace difi::pretend
+}  // namespace standoff::pretend

@@ -4,11 +4,11 @@
 #include <cstdint>
 #include <functional>
 
-#include "difi/compute.h"
-#include "difi/field.h"
-#include "difi/mesh.h"
+#include "standoff/compute.h"
+#include "standoff/field.h"
+#include "standoff/mesh.h"
 
-namespace difi {
+namespace standoff {
 
 struct VerifyOptions {
   std::int64_t samples =
@@ -51,4 +51,4 @@ double allowed_error(const Grid& grid, double distance);
 /// A field with wrong values is a result, not an error. Errors: input (mesh), usage (options), interrupted.
 Verified verify(const DistanceField& field, MeshView mesh, const VerifyOptions& options = {});
 
-}  // namespace difi
+}  // namespace standoff

@@ -3,11 +3,11 @@
 
 #include <filesystem>
 
-#include "difi/axis.h"
-#include "difi/existing.h"
-#include "difi/mesh.h"
+#include "standoff/axis.h"
+#include "standoff/existing.h"
+#include "standoff/mesh.h"
 
-namespace difi {
+namespace standoff {
 
 /// From where a mesh is looked at. The whole mesh is always in the picture.
 struct PictureOptions {
@@ -25,4 +25,4 @@ struct PictureOptions {
 void write_mesh_png(const std::filesystem::path& path, MeshView mesh, const PictureOptions& options = {},
                     Existing existing = Existing::replace);
 
-}  // namespace difi
+}  // namespace standoff

@@ -3,9 +3,9 @@
 
 #include <cstdint>
 
-#include "difi/vec.h"
+#include "standoff/vec.h"
 
-namespace difi {
+namespace standoff {
 
 /// Sample (i,j,k), 0 <= i < size.x and so on, sits at origin + spacing * (i,j,k). x varies fastest in memory.
 struct Grid {
@@ -52,4 +52,4 @@ Grid fit_size(const Box& box, Size3 size, double padding = 0);
 /// or speed < 0.
 Grid minimum_grid(const Box& box, double thickness, double e = 2, double speed = 0);
 
-}  // namespace difi
+}  // namespace standoff

@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "difi/grid.h"
-#include "difi/vec.h"
+#include "standoff/grid.h"
+#include "standoff/vec.h"
 
-namespace difi {
+namespace standoff {
 
 /// Marks a sample without a nearest triangle (its distance exceeds the thickness).
 inline constexpr std::uint32_t kNoTriangle = std::numeric_limits<std::uint32_t>::max();
@@ -22,7 +22,7 @@ inline constexpr std::uint32_t kNoTriangle = std::numeric_limits<std::uint32_t>:
 struct Provenance {
   std::string method;           ///< "tiles", "thesis", or empty when unknown
   std::uint64_t mesh_hash = 0;  ///< content_hash of the mesh, 0 when unknown
-  std::string version;          ///< version of difi that computed it
+  std::string version;          ///< version of standoff that computed it
 };
 
 /// Values on a grid: min(distance, thickness) at every sample. Samples live in tiles of 8x8x8; a tile without a band
@@ -115,4 +115,4 @@ class DistanceField {
   std::unique_ptr<Pool> pool_;
 };
 
-}  // namespace difi
+}  // namespace standoff

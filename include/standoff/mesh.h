@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "difi/vec.h"
+#include "standoff/vec.h"
 
-namespace difi {
+namespace standoff {
 
 /// Three indices into the vertices of a mesh.
 using Triangle = std::array<std::uint32_t, 3>;
@@ -45,4 +45,4 @@ Box bounds(MeshView mesh);
 /// A 64-bit hash of vertices and triangles, in order: equal meshes have equal hashes on every machine.
 std::uint64_t content_hash(MeshView mesh);
 
-}  // namespace difi
+}  // namespace standoff

@@ -1,8 +1,8 @@
 #pragma once
 
-namespace difi {
+namespace standoff {
 
 /// One of the three axes of the world and of every grid.
 enum class Axis { x, y, z };
 
-}  // namespace difi
+}  // namespace standoff

@@ -7,12 +7,12 @@
 #include <span>
 #include <string>
 
-#include "difi/error.h"
-#include "difi/field.h"
-#include "difi/grid.h"
-#include "difi/mesh.h"
+#include "standoff/error.h"
+#include "standoff/field.h"
+#include "standoff/grid.h"
+#include "standoff/mesh.h"
 
-namespace difi {
+namespace standoff {
 
 /// An algorithm that fills a field.
 enum class Method {
@@ -95,8 +95,8 @@ struct Computed {
 /// Computes the field of `mesh` on `grid`. For every valid mesh within 2^30 spacings of the grid `tiles` promises
 /// |value - d| <= 1e-6 * (d + 16 * max spacing) + 4 * epsilon * C against double precision, and the same bits for any
 /// number of threads. Here d is min(distance, thickness), epsilon that of double, and C the largest coordinate of the
-/// grid in magnitude: allowed_error() of difi/verify.h. Errors: usage (options or grid), input (mesh), limit (memory,
-/// sizes, distance of the mesh from the grid), device, interrupted.
+/// grid in magnitude: allowed_error() of standoff/verify.h. Errors: usage (options or grid), input (mesh), limit
+/// (memory, sizes, distance of the mesh from the grid), device, interrupted.
 Computed compute(MeshView mesh, const Grid& grid, const Options& options = {});
 
 /// The same into the caller's memory: one value per sample, x fastest; every element is written, whatever it held.
@@ -120,4 +120,4 @@ std::int64_t memory_needed(MeshView mesh, const Grid& grid, const Options& optio
 /// grid. More than 2^62 bytes are told as 2^62.
 std::int64_t memory_needed(std::int64_t triangles, const Grid& grid, const Options& options, bool dense = false);
 
-}  // namespace difi
+}  // namespace standoff

@@ -9,13 +9,13 @@
 #include <string>
 #include <vector>
 
-#include "difi/compute.h"
-#include "difi/field.h"
-#include "difi/grid.h"
+#include "standoff/compute.h"
+#include "standoff/field.h"
+#include "standoff/grid.h"
 
 struct CUstream_st;
 
-namespace difi::cuda {
+namespace standoff::cuda {
 
 /// A cudaStream_t.
 using Stream = CUstream_st*;
@@ -97,9 +97,9 @@ struct DeviceInfo {
 };
 
 /// The GPUs, in CUDA's order; the name of one that is too old for this build says so. Empty without a driver, a GPU
-/// that difi can use, or CUDA in this build.
+/// that standoff can use, or CUDA in this build.
 std::vector<DeviceInfo> devices();
 /// In a sentence: why devices() is empty, or an empty text.
 std::string why_no_device();
 
-}  // namespace difi::cuda
+}  // namespace standoff::cuda

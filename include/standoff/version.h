@@ -1,8 +1,8 @@
 #pragma once
 
-#define DIFI_VERSION "0.1.0"
+#define STANDOFF_VERSION "0.1.0"
 
-namespace difi {
+namespace standoff {
 /// The version of the library, e.g. "0.1.0".
 const char* version();
-}  // namespace difi
+}  // namespace standoff

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <limits>
 
-namespace difi {
+namespace standoff {
 
 /// A point or vector in world units.
 struct Vec3 {
@@ -53,8 +53,8 @@ struct Box {
   constexpr Vec3 extent() const { return max - min; }
   constexpr Vec3 center() const { return (min + max) * 0.5; }
   constexpr void include(Vec3 p) {
-    min = difi::min(min, p);
-    max = difi::max(max, p);
+    min = standoff::min(min, p);
+    max = standoff::max(max, p);
   }
   constexpr Box grown(double margin) const {
     const Vec3 m{margin, margin, margin};
@@ -62,4 +62,4 @@ struct Box {
   }
 };
 
-}  // namespace difi
+}  // namespace standoff

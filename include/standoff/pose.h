@@ -3,9 +3,9 @@
 
 #include <array>
 
-#include "difi/vec.h"
+#include "standoff/vec.h"
 
-namespace difi {
+namespace standoff {
 
 /// A rotation, then a translation: a point p of the body is at `rotation * p + translation` in the world.
 struct Pose {
@@ -48,4 +48,4 @@ inline constexpr double kRigidTolerance = 1e-6;
 /// shear or mirror.
 void validate(const Pose& pose);
 
-}  // namespace difi
+}  // namespace standoff

@@ -12,15 +12,15 @@
 #include <string>
 #include <vector>
 
-#include "difi/compute.h"
-#include "difi/error.h"
-#include "difi/existing.h"
-#include "difi/field.h"
-#include "difi/grid.h"
-#include "difi/mesh.h"
-#include "difi/pose.h"
+#include "standoff/compute.h"
+#include "standoff/error.h"
+#include "standoff/existing.h"
+#include "standoff/field.h"
+#include "standoff/grid.h"
+#include "standoff/mesh.h"
+#include "standoff/pose.h"
 
-namespace difi {
+namespace standoff {
 
 struct ModelOptions {
   double spacing = 0;  ///< of the model's field, world units; 0: chosen from the mesh
@@ -217,4 +217,4 @@ ThesisCollided collide_thesis(const DistanceField& a, const Pose& pose_a, const 
 /// The least such sum, with which the threshold can be chosen; infinite where no sample counts.
 double thesis_sum(const DistanceField& a, const Pose& pose_a, const DistanceField& b, const Pose& pose_b);
 
-}  // namespace difi
+}  // namespace standoff

@@ -7,12 +7,12 @@
 #include <string_view>
 #include <vector>
 
-#include "difi/error.h"
-#include "difi/existing.h"
-#include "difi/field.h"
-#include "difi/mesh.h"
+#include "standoff/error.h"
+#include "standoff/existing.h"
+#include "standoff/field.h"
+#include "standoff/mesh.h"
 
-namespace difi {
+namespace standoff {
 
 /// A file format by its file name extension.
 struct Format {
@@ -56,4 +56,4 @@ std::string read_text(const std::filesystem::path& path);
 /// Writes bytes as they are; the file appears whole or not at all. Errors: output.
 void write_text(const std::filesystem::path& path, std::string_view text, Existing existing = Existing::replace);
 
-}  // namespace difi
+}  // namespace standoff

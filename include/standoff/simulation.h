@@ -8,10 +8,10 @@
 #include <span>
 #include <vector>
 
-#include "difi/collision.h"
-#include "difi/compute.h"
+#include "standoff/collision.h"
+#include "standoff/compute.h"
 
-namespace difi {
+namespace standoff {
 
 /// How a moving body finds out that it meets a standing one.
 enum class FlightMode {
@@ -94,4 +94,4 @@ struct PathPoint {
 void write_path(const std::filesystem::path& path, std::span<const PathPoint> points,
                 Existing existing = Existing::replace);
 
-}  // namespace difi
+}  // namespace standoff

@@ -1,15 +1,15 @@
-// difi's compute_into on a workload, through the public API.
+// standoff's compute_into on a workload, through the public API.
 #include <map>
 #include <memory>
 
 #include "compare.h"
-#include "difi/version.h"
 #include "measure.h"
+#include "standoff/version.h"
 #include "workload.h"
 
 namespace {
 
-using namespace difi;
+using namespace standoff;
 using bench::Workload;
 
 /// Where the field goes.
@@ -67,7 +67,7 @@ nlohmann::json run(const Workload& work, const Settings& settings) {
   const Report report = bench::measure(work.repeats, measured, [&] { return job(); });
 
   nlohmann::json line = work.describe();
-  line["driver"] = "difi";
+  line["driver"] = "standoff";
   line["version"] = version();
   line["method"] = report.method;
   line["device"] = report.device;
@@ -87,7 +87,7 @@ nlohmann::json run(const Workload& work, const Settings& settings) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("difi's compute on a workload", "bench_difi");
+  CLI::App app("standoff's compute on a workload", "bench_standoff");
   const bench::WorkloadOptions options(app);
   Settings settings;
   const std::map<std::string, Method> methods{{"tiles", Method::tiles}, {"thesis", Method::thesis}};

@@ -1,14 +1,14 @@
-// The one exception type of difi.
+// The one exception type of standoff.
 #pragma once
 
 #include <stdexcept>
 #include <string>
 
-namespace difi {
+namespace standoff {
 
-/// What kind of thing went wrong. The values are the exit codes of the `difi` program.
+/// What kind of thing went wrong. The values are the exit codes of the `standoff` program.
 enum class ErrorCode {
-  internal = 1,       ///< a bug in difi
+  internal = 1,       ///< a bug in standoff
   usage = 2,          ///< arguments or options that make no sense, alone or together
   input = 3,          ///< a file or mesh that cannot be used as it is
   output = 4,         ///< a file that cannot be written
@@ -18,8 +18,8 @@ enum class ErrorCode {
   interrupted = 130,  ///< cancelled by the progress callback or a signal
 };
 
-/// Thrown by every function of difi that fails, and nothing else is, but for what the caller's own callbacks throw. The
-/// message says what, where, why and what to do next; for files it reads `FILE:WHERE: what; what to do`.
+/// Thrown by every function of standoff that fails, and nothing else is, but for what the caller's own callbacks throw.
+/// The message says what, where, why and what to do next; for files it reads `FILE:WHERE: what; what to do`.
 class Error : public std::runtime_error {
  public:
   Error(ErrorCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
@@ -29,4 +29,4 @@ class Error : public std::runtime_error {
   ErrorCode code_;
 };
 
-}  // namespace difi
+}  // namespace standoff

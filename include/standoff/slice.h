@@ -5,11 +5,11 @@
 #include <filesystem>
 #include <optional>
 
-#include "difi/axis.h"
-#include "difi/existing.h"
-#include "difi/field.h"
+#include "standoff/axis.h"
+#include "standoff/existing.h"
+#include "standoff/field.h"
 
-namespace difi {
+namespace standoff {
 
 enum class Colormap {
   viridis,  ///< dark blue (least) over green to yellow (greatest): even steps for the eye, readable in grey
@@ -32,4 +32,4 @@ struct SliceOptions {
 void write_slice_png(const std::filesystem::path& path, const DistanceField& field, const SliceOptions& options = {},
                      Existing existing = Existing::replace);
 
-}  // namespace difi
+}  // namespace standoff
