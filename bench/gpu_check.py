@@ -16,7 +16,7 @@ PARTS = ("build", "check", "sanitize", "measure")
 RESULTS = ("machine.txt", "build.log", "kernels.csv", "check.txt", "collide.txt", "sanitizer.txt", "gpu.csv", "measure.log",
            "table-5.4.csv", "peer.csv", "steps.csv", "profile-*")
 # Whatever a result hangs on.
-SOURCES = ("include", "src", "scenes", "cmake", "tests/gpu", "tests/support")
+SOURCES = ("include", "src", "scenes", "cmake", "tests/gpu_check", "tests/support")
 
 
 class Parser(argparse.ArgumentParser):
@@ -72,7 +72,7 @@ def build(folder, settings, limit, out):
     log = folder / "build.log"
     began, code = time.monotonic(), 0
     with log.open("a") as output:  # what was built before stays told
-        for command in gpu_build.build_commands(ROOT / "tests/gpu", folder, settings):
+        for command in gpu_build.build_commands(ROOT / "tests/gpu_check", folder, settings):
             code = code or limited(command, max(1, limit - (time.monotonic() - began)), output)
     if out:
         (out / "build.log").write_text(log.read_text(errors="replace"))

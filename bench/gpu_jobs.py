@@ -1,4 +1,4 @@
-"""What script/gpu-check measures: lines for tests/gpu/measure.cu, and what its rows say together."""
+"""What script/gpu-check measures: lines for tests/gpu_check/measure.cu, and what its rows say together."""
 
 import csv
 import json

@@ -181,7 +181,7 @@ class Steps:
             exported = self.step("peer files", [self.build / "measure", "--export", folder], 60, log, stdin=lines)
         if exported:
             once = ["--once"] if self.emulated else []
-            self.step("peer", ["python3", ROOT / "tests/gpu/peer_warp.py", *once, *sorted(folder.glob("*.bin"))], 60,
+            self.step("peer", ["python3", ROOT / "tests/gpu_check/peer_warp.py", *once, *sorted(folder.glob("*.bin"))], 60,
                       self.out / "peer.csv", errors=log)
             print((self.out / "peer.csv").read_text(), end="")
         shutil.rmtree(folder, ignore_errors=True)

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "field/threads.h"
+#include "core/threads.h"
 #include "standoff/error.h"
 #include "standoff/pose.h"
 

@@ -3,7 +3,7 @@
 // from nearly touching: ambiguous.
 #include <cmath>
 
-#include "collision/touching.h"
+#include "collision/find_intersecting.h"
 
 namespace standoff::collision {
 namespace {

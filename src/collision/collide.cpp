@@ -1,7 +1,7 @@
 // Yes or no.
 #include "collision/batch.h"
 #include "collision/collide_on_device.h"
-#include "collision/touching.h"
+#include "collision/find_intersecting.h"
 #include "core/guarded.h"
 
 namespace standoff {

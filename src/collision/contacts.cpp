@@ -6,7 +6,7 @@
 #include "collision/batch.h"
 #include "collision/close_pairs.h"
 #include "collision/pair_batch.h"
-#include "collision/spread_walk.h"
+#include "collision/stratified_traversal.h"
 #include "core/guarded.h"
 
 namespace standoff {

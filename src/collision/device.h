@@ -5,9 +5,9 @@
 #include <span>
 #include <string>
 
-#include "collision/model.h"
-#include "collision/packets.h"
-#include "collision/way.h"
+#include "collision/body/model.h"
+#include "collision/body/simd_blocks.h"
+#include "collision/relative_motion.h"
 
 namespace standoff::collision {
 
@@ -63,7 +63,7 @@ struct SweepJob {
   int stack = kDeviceStack;
 };
 
-/// One kind of device. They stand in the table in device.cpp.
+/// One kind of device. They stand in the table in src/backends/collision.cpp.
 struct DeviceRow {
   Backend backend;
   const char* name;

@@ -5,10 +5,10 @@
 #include <cmath>
 
 #include "collision/batch.h"
-#include "collision/overlap.h"
+#include "collision/find_intersecting.h"
 #include "collision/pair_batch.h"
-#include "collision/touching.h"
 #include "core/guarded.h"
+#include "geometry/intersection.h"
 
 namespace standoff {
 namespace collision {

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "collision/kernels.h"
-#include "collision/model.h"
+#include "collision/body/model.h"
+#include "collision/cpu/kernels.h"
 
 namespace standoff::collision {
 

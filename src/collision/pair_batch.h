@@ -3,9 +3,9 @@
 
 #include <utility>
 
-#include "collision/overlap.h"
 #include "collision/pair.h"
-#include "collision/triangle_pair.h"
+#include "geometry/intersection.h"
+#include "geometry/triangle_pair.h"
 
 namespace standoff::collision {
 

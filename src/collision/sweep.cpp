@@ -10,14 +10,14 @@
 #include <bit>
 #include <cmath>
 
-#include "collision/ball_bound.h"
 #include "collision/batch.h"
-#include "collision/motion.h"
-#include "collision/overlap.h"
-#include "collision/slab.h"
+#include "collision/body/ball_bound.h"
+#include "collision/find_intersecting.h"
+#include "collision/rigid_motion.h"
 #include "collision/sweep_on_device.h"
-#include "collision/touching.h"
 #include "core/guarded.h"
+#include "geometry/intersection.h"
+#include "geometry/slab.h"
 
 namespace standoff {
 namespace collision {

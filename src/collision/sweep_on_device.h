@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "collision/device.h"
-#include "collision/motion.h"
+#include "collision/rigid_motion.h"
 
 namespace standoff::collision {
 

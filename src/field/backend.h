@@ -4,8 +4,8 @@
 #include <span>
 #include <string>
 
-#include "field/progress.h"
-#include "field/sink.h"
+#include "core/progress.h"
+#include "field/tile_writer.h"
 #include "standoff/compute.h"
 
 namespace standoff {
@@ -37,7 +37,7 @@ struct Counts {
   std::int64_t samples_band = 0;
 };
 
-/// One way to fill a field. Backends add rows to the table in backend.cpp.
+/// One way to fill a field. Backends add rows to the table in src/backends/fields.cpp.
 struct BackendRow {
   Backend backend;
   Method method;

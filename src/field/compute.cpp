@@ -7,13 +7,13 @@
 #include <stdexcept>
 
 #include "core/guarded.h"
+#include "core/progress.h"
+#include "core/threads.h"
 #include "field/backend.h"
-#include "field/domain.h"
+#include "field/float_range.h"
 #include "field/memory.h"
 #include "field/options.h"
-#include "field/progress.h"
 #include "field/skip.h"
-#include "field/threads.h"
 #include "standoff/version.h"
 
 namespace standoff {

@@ -8,11 +8,12 @@
 #include <functional>
 #include <string>
 
+#include "core/field_bytes.h"
 #include "core/guarded.h"
+#include "core/threads.h"
 #include "field/backend.h"
 #include "field/options.h"
 #include "field/skip.h"
-#include "field/threads.h"
 #include "geometry/sample_range.h"
 #include "standoff/verify.h"
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "field/threads.h"
+#include "core/threads.h"
 
 namespace standoff {
 

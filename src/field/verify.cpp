@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/guarded.h"
-#include "field/progress.h"
-#include "field/threads.h"
+#include "core/progress.h"
+#include "core/threads.h"
 #include "field/triangle_groups.h"
 
 namespace standoff {

@@ -1,4 +1,4 @@
-// The arithmetic that geometry is written in, for float and double. src/cpu/simd gives the same names for wide types,
+// The arithmetic that geometry is written in, for float and double. src/simd gives the same names for wide types,
 // so that one source serves the double-precision set-up, the SIMD kernels and the CUDA kernels, with the same
 // roundings.
 #pragma once

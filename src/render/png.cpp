@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "io/atomic_file.h"
+#include "files/atomic_file.h"
 #include "render/image.h"
 #include "standoff/error.h"
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "collision/triangle_pair.h"
+#include "geometry/triangle_pair.h"
 #include "standoff/mesh.h"
 #include "standoff/pose.h"
 

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "core/guarded.h"
-#include "io/atomic_file.h"
+#include "files/atomic_file.h"
 #include "standoff/simulation.h"
 
 namespace standoff {

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "core/guarded.h"
-#include "field/threads.h"
+#include "core/threads.h"
 #include "simulation/crossing.h"
 #include "standoff/simulation.h"
 

@@ -2,7 +2,7 @@
 #include "standoff/collision.h"
 #include "standoff/simulation.h"
 #include "tests/api/misuse.h"
-#include "tests/io/temp_folder.h"
+#include "tests/support/temp_folder.h"
 
 namespace standoff {
 namespace {

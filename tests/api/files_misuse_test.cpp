@@ -6,7 +6,7 @@
 #include "standoff/slice.h"
 #include "standoff/version.h"
 #include "tests/api/misuse.h"
-#include "tests/io/temp_folder.h"
+#include "tests/support/temp_folder.h"
 
 namespace standoff {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "cuda/emulated.h"
+#include "field/cuda/emulated.h"
 #include "scenes/scenes.h"
 #include "standoff/collision.h"
 #include "standoff/compute.h"
@@ -17,8 +17,8 @@
 #include "standoff/simulation.h"
 #include "standoff/slice.h"
 #include "standoff/verify.h"
-#include "tests/io/temp_folder.h"
 #include "tests/support/heap.h"
+#include "tests/support/temp_folder.h"
 
 namespace standoff {
 namespace {

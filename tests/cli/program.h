@@ -15,7 +15,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/io/temp_folder.h"
+#include "tests/support/temp_folder.h"
 
 namespace standoff::testing {
 

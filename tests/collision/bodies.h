@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "collision/triangle_pair.h"
+#include "geometry/triangle_pair.h"
 #include "standoff/collision.h"
 #include "tests/support/error_code.h"
 #include "tests/support/random_mesh.h"

@@ -1,5 +1,5 @@
 // Whole numbers of any length, and doubles as such: arithmetic that cannot round, for tests of arithmetic that must not
-// show that it does. Slow; it shares nothing with src/collision/predicates.cpp.
+// show that it does. Slow; it shares nothing with src/geometry/predicates.cpp.
 #pragma once
 
 #include <algorithm>

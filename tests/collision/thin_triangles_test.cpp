@@ -3,10 +3,10 @@
 
 #include <cmath>
 
-#include "collision/kernels.h"
-#include "collision/overlap.h"
-#include "collision/slab.h"
-#include "collision/triangle_pair.h"
+#include "collision/cpu/kernels.h"
+#include "geometry/intersection.h"
+#include "geometry/slab.h"
+#include "geometry/triangle_pair.h"
 #include "tests/collision/bodies.h"
 #include "tests/collision/zoo/gap.h"
 #include "tests/collision/zoo/slivers.h"

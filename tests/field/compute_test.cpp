@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "standoff/version.h"
-#include "tests/io/expect_error.h"
+#include "tests/support/expect_error.h"
 #include "tests/support/fields.h"
 #include "tests/support/random_mesh.h"
 

@@ -11,10 +11,10 @@
 #include "field/memory.h"
 #include "standoff/compute.h"
 #include "standoff/io.h"
-#include "tests/io/expect_error.h"
-#include "tests/io/temp_folder.h"
+#include "tests/support/expect_error.h"
 #include "tests/support/heap.h"
 #include "tests/support/random_mesh.h"
+#include "tests/support/temp_folder.h"
 
 namespace standoff {
 namespace {

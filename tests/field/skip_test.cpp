@@ -1,5 +1,5 @@
 #include "field/skip.h"
-#include "field/threads.h"
+#include "core/threads.h"
 
 #include <gtest/gtest.h>
 

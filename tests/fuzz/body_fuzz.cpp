@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "collision/model_file.h"
+#include "collision/body/model_file.h"
 #include "standoff/collision.h"
 
 namespace standoff {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "io/field_format.h"
+#include "io/field/format.h"
 #include "standoff/error.h"
 
 namespace standoff {

@@ -13,7 +13,7 @@
 
 #include "tests/grammar/judge.h"
 #include "tests/grammar/traps.h"
-#include "tests/io/temp_folder.h"
+#include "tests/support/temp_folder.h"
 
 namespace standoff::grammar {
 

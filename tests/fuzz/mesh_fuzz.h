@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "io/mesh_format.h"
+#include "io/mesh/format.h"
 #include "standoff/error.h"
 
 namespace standoff {

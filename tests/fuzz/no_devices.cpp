@@ -12,7 +12,7 @@ Report compute_into(MeshView, const Grid&, std::span<float>, std::span<std::uint
 
 namespace collision {
 
-// The table is src/collision/device.cpp.
+// The table is src/backends/collision.cpp.
 const DeviceRow* find_device(Backend, std::size_t) { return nullptr; }
 
 }  // namespace collision

@@ -1,5 +1,5 @@
 #include "field_fuzz.h"
-#include "io/npy.h"
+#include "io/field/npy.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   // Checksums keep damaged arrays from their reader, so it also gets the bytes themselves.

@@ -14,7 +14,7 @@
 #include "standoff/io.h"
 #include "tests/grammar/run.h"
 #include "tests/grammar/traps.h"
-#include "tests/io/temp_folder.h"
+#include "tests/support/temp_folder.h"
 
 namespace standoff::grammar {
 namespace {

@@ -6,7 +6,7 @@
 #include <cstdlib>
 
 #include "tests/grammar/traps.h"
-#include "tests/io/temp_folder.h"
+#include "tests/support/temp_folder.h"
 
 namespace standoff::grammar {
 namespace {

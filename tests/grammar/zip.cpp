@@ -1,7 +1,7 @@
 #include "tests/grammar/zip.h"
 
-#include "io/zip_crc32.h"
-#include "io/zip_format.h"
+#include "io/field/zip_crc32.h"
+#include "io/field/zip_format.h"
 #include "tests/grammar/hostile.h"
 
 namespace standoff::grammar {

@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "standoff/io.h"
-#include "tests/io/expect_error.h"
+#include "tests/support/expect_error.h"
 
 namespace standoff {
 namespace {

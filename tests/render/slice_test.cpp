@@ -8,10 +8,10 @@
 #include "render/colormap.h"
 #include "render/legend.h"
 #include "render/slice_picture.h"
-#include "tests/io/expect_error.h"
-#include "tests/io/odd_field.h"
-#include "tests/io/temp_folder.h"
+#include "tests/io/field/odd_field.h"
 #include "tests/support/comma_locale.h"
+#include "tests/support/expect_error.h"
+#include "tests/support/temp_folder.h"
 
 namespace standoff {
 namespace {

@@ -4,8 +4,8 @@
 #include "simulation/crossing.h"
 #include "standoff/simulation.h"
 #include "tests/collision/bodies.h"
-#include "tests/io/temp_folder.h"
 #include "tests/simulation/room.h"
+#include "tests/support/temp_folder.h"
 
 namespace standoff {
 namespace {

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <string>
 
-#include "tests/io/temp_folder.h"
+#include "tests/support/temp_folder.h"
 
 namespace standoff {
 

@@ -10,7 +10,7 @@
 #include <limits>
 #include <span>
 
-#include "collision/triangle_pair.h"
+#include "geometry/triangle_pair.h"
 #include "tests/collision/independent.h"
 #include "tests/collision/zoo/integers.h"
 

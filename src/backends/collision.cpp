@@ -1,0 +1,34 @@
+#include "collision/device.h"
+
+#include <array>
+
+#include "collision/cuda/queries.h"
+#include "gpu/devices.h"
+#include "standoff/error.h"
+
+namespace standoff::collision {
+namespace {
+
+constexpr std::array kRows{
+    DeviceRow{Backend::cuda, "cuda", cuda::available, cuda::device_name, cuda::collide, cuda::sweep},
+    DeviceRow{Backend::emulated, "emulated", [] { return true; },
+              [](int) { return std::string("emulated on the CPU"); }, emulated::collide, emulated::sweep},
+};
+
+// A copy to the GPU and back must be worth it. The value is a guess: it was not measured.
+constexpr std::size_t kSmallBatch = 10'000;
+
+}  // namespace
+
+const DeviceRow* find_device(Backend backend, std::size_t count) {
+  if (backend < Backend{} || backend > Backend::emulated)  // a number that was cast
+    throw Error(ErrorCode::usage, "batch: the backend is none of those there are; take one that is declared");
+  const bool automatic = backend == Backend::automatic;
+  if (automatic && count < kSmallBatch) return nullptr;
+  for (const DeviceRow& row : kRows)
+    if (row.backend == (automatic ? Backend::cuda : backend) && row.available()) return &row;
+  if (backend == Backend::cuda) throw Error(ErrorCode::device, cuda::why_not_available());
+  return nullptr;
+}
+
+}  // namespace standoff::collision

@@ -1,0 +1,46 @@
+#include "field/backend.h"
+
+#include <array>
+
+#include "field/cpu/tiles.h"
+#include "field/cuda/backend.h"
+#include "gpu/devices.h"
+#include "thesis/algorithm_1.h"
+
+namespace standoff {
+namespace {
+
+constexpr auto kAlways = [] { return true; };
+constexpr auto kEmulatedDevice = [](Simd, int) { return std::string("emulated on the CPU"); };
+constexpr auto kGpuName = [](Simd, int device) { return cuda::device_name(device); };
+
+constexpr std::array kRows{
+    BackendRow{Backend::cuda, Method::tiles, "cuda", "tiles", cuda::available, kGpuName, cuda::run_tiles,
+               cuda::scratch_bytes},
+    BackendRow{Backend::cuda, Method::thesis, "cuda", "thesis", cuda::available, kGpuName, cuda::run_thesis,
+               cuda::scratch_bytes},
+    BackendRow{Backend::cpu, Method::tiles, "cpu", "tiles", kAlways,
+               [](Simd simd, int) { return cpu::tiles_device(simd); }, cpu::run_tiles, cpu::tiles_scratch_bytes},
+    BackendRow{Backend::cpu, Method::thesis, "cpu", "thesis", kAlways,
+               [](Simd simd, int) { return cpu::thesis_device(simd); }, cpu::run_thesis, cpu::thesis_scratch_bytes},
+    BackendRow{Backend::emulated, Method::tiles, "emulated", "tiles", kAlways, kEmulatedDevice, emulated::run_tiles,
+               emulated::scratch_bytes},
+    BackendRow{Backend::emulated, Method::thesis, "emulated", "thesis", kAlways, kEmulatedDevice, emulated::run_thesis,
+               emulated::scratch_bytes},
+};
+
+// Starting CUDA takes longer than the CPU takes for a small field. The value is a guess: it was not measured.
+constexpr std::int64_t kSmallJob = std::int64_t{1} << 22;
+
+}  // namespace
+
+const BackendRow& find_backend(Backend backend, Method method, std::int64_t triangles, const Grid& grid) {
+  const bool is_small = triangles + grid.sample_count() < kSmallJob;
+  const Backend wanted = backend == Backend::automatic && is_small ? Backend::cpu : backend;
+  for (const BackendRow& row : kRows)
+    if (row.method == method && (wanted == Backend::automatic || row.backend == wanted) && row.available()) return row;
+  if (backend == Backend::cuda) throw Error(ErrorCode::device, cuda::why_not_available());
+  throw Error(ErrorCode::device, "compute: no backend runs this method; use another method or backend");
+}
+
+}  // namespace standoff

@@ -1,0 +1,133 @@
+#include "collision/body/field_bounds.h"
+
+#include <tbb/parallel_for.h>
+
+#include <cmath>
+#include <string>
+
+#include "core/number_text.h"
+#include "standoff/compute.h"
+#include "standoff/error.h"
+
+namespace standoff::collision {
+namespace {
+
+constexpr double kSamples = 12e6;
+constexpr double kEdgeShare = 0.25;
+constexpr double kMostCoarse = 0x1p28;
+// Per axis: the kernels round sample numbers in single precision, where the next half past this is lost, and with it
+// the last sample.
+constexpr std::int64_t kMostAlong = (std::int64_t{1} << 23) - 1;
+constexpr int kTile = DistanceField::kTileSide;
+
+// compute() promises this error; stored bounds are lowered by it.
+double promised_error(double distance, double spacing) { return 1e-6 * (distance + 16 * spacing); }
+
+std::uint8_t rounded_down(float value, double spacing) {
+  const double band = kBandSamples * spacing;
+  if (value >= static_cast<float>(band)) return 255;
+  const double bound = value - promised_error(value, spacing);
+  return static_cast<std::uint8_t>(std::max(0.0, std::floor(bound / band * 255)));
+}
+
+void fill_fine(FieldBounds& bounds, const DistanceField& field) {
+  const Size3 tiles = field.tile_count();
+  bounds.slots.assign(static_cast<std::size_t>(tiles.count()), 0);
+  std::vector<const float*> stored;
+  for (std::int64_t z = 0, n = 0; z < tiles.z; ++z)
+    for (std::int64_t y = 0; y < tiles.y; ++y)
+      for (std::int64_t x = 0; x < tiles.x; ++x, ++n)
+        if (const float* tile = field.tile(x, y, z)) {
+          stored.push_back(tile);
+          bounds.slots[n] = static_cast<std::int32_t>(stored.size());
+        }
+  constexpr std::size_t kSize = DistanceField::kTileSamples;
+  bounds.samples.resize((stored.size() + 1) * kSize);
+  std::fill_n(bounds.samples.begin(), kSize, std::uint8_t{255});
+  tbb::parallel_for(std::size_t{0}, stored.size(), [&](std::size_t t) {
+    for (std::size_t n = 0; n < kSize; ++n)
+      bounds.samples[(t + 1) * kSize + n] = rounded_down(stored[t][n], bounds.spacing);
+  });
+}
+
+}  // namespace
+
+double default_spacing(MeshView mesh, const Box& box) {
+  double edges = 0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    for (int k = 0; k < 3; ++k) edges += length(mesh.corner(t, k) - mesh.corner(t, (k + 1) % 3));
+  const double mean_edge = edges / (3.0 * static_cast<double>(mesh.triangles.size()));
+  const Vec3 e = box.extent();
+  const double longest = std::max({e.x, e.y, e.z});
+  if (!(longest > 0)) return 1;
+  // Flat boxes too are padded by the band: the thinnest side counts as a hundredth of the longest at least.
+  const double volume =
+      longest * std::max(e.x, longest / 100) * std::max(e.y, longest / 100) * std::max(e.z, longest / 100) / longest;
+  return std::max({std::cbrt(volume / kSamples), kEdgeShare * mean_edge, longest / 1024});
+}
+
+FieldBounds plan_field_bounds(const Box& box, double spacing) {
+  FieldBounds bounds;
+  bounds.spacing = spacing;
+  bounds.box = box;
+  const Grid fine = fit_spacing(box, {spacing, spacing, spacing}, bounds.band());
+  Size3 coarse;
+  for (auto n : {&Size3::x, &Size3::y, &Size3::z}) coarse.*n = (fine.size.*n + kCoarseStep - 2) / kCoarseStep + 1;
+  if (std::max({fine.size.x, fine.size.y, fine.size.z}) > kMostAlong ||
+      static_cast<double>(coarse.x) * static_cast<double>(coarse.y) * static_cast<double>(coarse.z) > kMostCoarse)
+    throw Error(ErrorCode::limit, "model: a spacing of " + number_text(spacing) + " makes a field of " +
+                                      std::to_string(fine.size.x) + " x " + std::to_string(fine.size.y) + " x " +
+                                      std::to_string(fine.size.z) + " samples; take a larger spacing");
+  bounds.size = fine.size;
+  bounds.coarse_size = coarse;
+  bounds.origin = fine.origin;
+  return bounds;
+}
+
+FieldBounds build_field_bounds(MeshView mesh, Vec3 middle, double spacing, int threads) {
+  std::vector<Vec3> vertices(mesh.vertices.size());
+  tbb::parallel_for(std::size_t{0}, vertices.size(), [&](std::size_t v) { vertices[v] = mesh.vertices[v] - middle; });
+  const MeshView moved{vertices, mesh.triangles};
+  FieldBounds bounds = plan_field_bounds(standoff::bounds(moved), spacing);
+  const double coarse_spacing = kCoarseStep * spacing;
+  const Grid fine{bounds.size, bounds.origin, {spacing, spacing, spacing}};
+  const Grid coarse{bounds.coarse_size, bounds.origin, {coarse_spacing, coarse_spacing, coarse_spacing}};
+  Options options;
+  options.threads = threads;
+  options.thickness = bounds.band();
+  fill_fine(bounds, compute(moved, fine, options).field);
+  options.thickness = std::numeric_limits<double>::infinity();
+  bounds.coarse.resize(static_cast<std::size_t>(coarse.sample_count()));
+  compute_into(moved, coarse, bounds.coarse, options);
+  for (float& value : bounds.coarse) value = static_cast<float>(value - promised_error(value, coarse_spacing));
+  return bounds;
+}
+
+FieldView FieldBounds::view() const {
+  FieldView view{};
+  const double coarse_spacing = kCoarseStep * spacing;
+  view.spacing = static_cast<float>(spacing);
+  view.coarse_spacing = static_cast<float>(coarse_spacing);
+  view.per_spacing = static_cast<float>(1 / spacing);
+  view.per_coarse_spacing = static_cast<float>(1 / coarse_spacing);
+  view.step = static_cast<float>(band() / 255);
+  const auto set = [](float(&to)[3], Vec3 v) {
+    to[0] = static_cast<float>(v.x), to[1] = static_cast<float>(v.y), to[2] = static_cast<float>(v.z);
+  };
+  const auto last = [](Size3 n) { return Vec3{double(n.x - 1), double(n.y - 1), double(n.z - 1)}; };
+  set(view.origin, origin);
+  set(view.last, last(size));
+  set(view.coarse_last, last(coarse_size));
+  set(view.min, box.min);
+  set(view.max, box.max);
+  view.tiles[0] = static_cast<std::int32_t>((size.x + kTile - 1) / kTile);
+  view.tiles[1] = static_cast<std::int32_t>((size.y + kTile - 1) / kTile);
+  view.coarse_size[0] = static_cast<std::int32_t>(coarse_size.x);
+  view.coarse_size[1] = static_cast<std::int32_t>(coarse_size.y);
+  view.slots = slots.data();
+  view.samples = samples.data();
+  view.coarse = coarse.data();
+  return view;
+}
+
+}  // namespace standoff::collision

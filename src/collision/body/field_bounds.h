@@ -1,0 +1,43 @@
+// Lower bounds of the distance to a surface, everywhere: a fine sparse field near it, a coarse one around it.
+#pragma once
+
+#include <cstdint>
+
+#include "collision/body/simd_blocks.h"
+#include "core/huge_page_vector.h"
+#include "standoff/field.h"
+#include "standoff/mesh.h"
+
+namespace standoff::collision {
+
+/// Half-width of the fine field's band, and the coarse field's spacing, in fine spacings. The band must reach past the
+/// coarse field's error, sqrt(3)/2 * 4 spacings, so that the coarse bound is only asked where it is good for something.
+inline constexpr int kBandSamples = 4;
+inline constexpr int kCoarseStep = 4;
+
+/// Samples are stored in 255 steps of the band's half-width, rounded down: they stay lower bounds. Positions are
+/// relative to the body's middle.
+struct FieldBounds {
+  double spacing = 1;
+  Size3 size, coarse_size;
+  Vec3 origin;
+  Box box;                        ///< of the surface
+  BigVector<std::int32_t> slots;  ///< per tile; tile 0 of the samples is all far
+  BigVector<std::uint8_t> samples;
+  BigVector<float> coarse;  ///< distances, rounded down; no clamping
+
+  double band() const { return kBandSamples * spacing; }
+  FieldView view() const;
+};
+
+/// The spacing for a mesh when none is asked for: about 12 million samples in its box, but never less than a
+/// quarter of its mean edge, below which a finer field tells no more.
+double default_spacing(MeshView mesh, const Box& box);
+
+/// The fields' grids for a mesh of that box, without samples. Errors: limit.
+FieldBounds plan_field_bounds(const Box& box, double spacing);
+
+/// Builds the fields through compute(). Errors: limit.
+FieldBounds build_field_bounds(MeshView mesh, Vec3 middle, double spacing, int threads);
+
+}  // namespace standoff::collision

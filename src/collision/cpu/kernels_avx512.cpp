@@ -1,0 +1,22 @@
+// The kernels for AVX-512.
+#ifdef __AVX512F__
+
+#include "collision/body/ball_bound.h"
+#include "collision/cpu/kernels.h"
+#include "geometry/crossing.h"
+
+#include <immintrin.h>
+
+namespace standoff::collision::avx512 {
+namespace {
+
+#include "collision/cpu/kernels_body.h"
+#include "collision/cpu/kernels_pairs.h"
+
+}  // namespace
+
+extern const Kernels kKernels{"avx512", gaps, gaps_at, overlaps, distances_sq, place_faces, close_lanes, meet, closest};
+
+}  // namespace standoff::collision::avx512
+
+#endif

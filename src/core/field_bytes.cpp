@@ -1,0 +1,25 @@
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+#include "core/field_bytes.h"
+
+namespace standoff {
+
+std::string over_the_limit(double needed, double limit) {
+  double unit = 1;
+  const char* name = "B";
+  for (const char* larger : {"KiB", "MiB"}) {
+    const double in_larger = limit / (1024 * unit);
+    if (in_larger < 10 && (in_larger < 1 || in_larger != std::floor(in_larger))) break;
+    unit *= 1024;
+    name = larger;
+  }
+  // Rounded away from each other, so that they differ.
+  char text[96];
+  std::snprintf(text, sizeof text, "%.0f %s, more than the limit of %.0f %s", std::ceil(needed / unit), name,
+                std::floor(limit / unit), name);
+  return text;
+}
+
+}  // namespace standoff

@@ -1,0 +1,42 @@
+// Which triangles each brick has to look at: a counting sort of triangles into bricks.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "field/backend.h"
+#include "field/cpu/lattice.h"
+
+namespace standoff::cpu {
+
+/// Triangle indices sorted by brick. Bricks [first_brick, first_brick + bricks()) only: where all triangles of all
+/// bricks would take too much memory, they come in batches.
+class Bins {
+ public:
+  std::int64_t first_brick = 0;
+  std::vector<std::uint32_t> start;  ///< of each brick in refs, and the end
+  std::vector<std::uint32_t> refs;
+
+  std::int64_t bricks() const { return static_cast<std::int64_t>(start.size()) - 1; }
+  std::span<const std::uint32_t> of(std::int64_t n) const {
+    return std::span(refs).subspan(start[n], start[n + 1] - start[n]);
+  }
+};
+
+/// Which bricks a triangle is sorted into.
+enum class Reach {
+  distance,  ///< those that may hold samples within the thickness of it
+  box,       ///< those that may hold samples of its box grown by the thickness
+};
+
+/// Sorts the job's triangles into the bricks within reach of them, and hands them to `use` batch by batch in brick
+/// order, ascending in each brick. Each batch holds at most max(most_refs, the fullest brick) indices.
+void for_each_batch(const Job& job, const Lattice& lattice, std::int64_t most_refs,
+                    const std::function<void(const Bins&)>& use, Reach reach = Reach::distance);
+
+/// Bytes that for_each_batch may hold, each brick having at most `most_refs` triangles.
+std::int64_t bins_scratch_bytes(std::int64_t triangles, const Lattice& lattice, std::int64_t most_refs, int threads);
+
+}  // namespace standoff::cpu

@@ -1,0 +1,152 @@
+#include "field/cpu/clusters.h"
+
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "field/cpu/radix_sort.h"
+
+namespace standoff::cpu {
+namespace {
+
+// Bits 0, 3, 6, ... of the result are the ten lowest bits of v.
+constexpr std::uint32_t spread(std::uint32_t v) {
+  v = (v | v << 16) & 0x030000ff;
+  v = (v | v << 8) & 0x0300f00f;
+  v = (v | v << 4) & 0x030c30c3;
+  return (v | v << 2) & 0x09249249;
+}
+
+}  // namespace
+
+Clusters::Clusters(const Job& job, const Lattice& lattice) : job_(job), lattice_(lattice) {
+  for (int axis = 0; axis < 3; ++axis)
+    center_[axis] = (lattice.origin[axis] + lattice.spacing[axis] * static_cast<double>(lattice.size[axis] - 1) / 2) *
+                    lattice.scale;
+  for (int axis = 0; axis < 3; ++axis)
+    extent_ = std::max(extent_, static_cast<float>(lattice.spacing[axis] * lattice.scale *
+                                                   static_cast<double>(lattice.size[axis]) / 2));
+  triangles_ = static_cast<std::uint32_t>(job.triangle_count());
+  std::uint32_t packs = 0;
+  for (std::uint32_t count = triangles_; packs == 0 || count > 1;) {
+    level_begin_.push_back(packs);
+    count = (count + kFanout - 1) / kFanout;
+    packs += count;
+  }
+  level_begin_.push_back(packs);
+  packs_ = std::make_unique_for_overwrite<BoxPack[]>(packs);
+  points_ = std::make_unique_for_overwrite<float[][3]>(triangles_);
+  sort();
+  box_triangles();
+  box_packs();
+}
+
+std::int64_t Clusters::entries_of(std::int64_t triangles) {
+  std::int64_t entries = triangles;
+  for (std::int64_t count = triangles, is_first = 1; is_first || count > 1; is_first = 0) {
+    count = (count + kFanout - 1) / kFanout;
+    entries += count;
+  }
+  return entries;
+}
+
+std::int64_t Clusters::bytes(std::int64_t triangles, int threads) {
+  constexpr auto point = static_cast<std::int64_t>(sizeof(float[3])), order = std::int64_t{sizeof(std::uint32_t)};
+  const std::int64_t packs = entries_of(triangles) - triangles;
+  return triangles * (point + order) + packs * std::int64_t{sizeof(BoxPack)} + radix_sort_bytes(triangles, threads);
+}
+
+PackContents Clusters::contents(std::uint32_t entry) const {
+  const std::uint32_t pack = entry - triangles_;
+  const std::size_t level = level_of(pack);
+  // Of a level of n packs or triangles the k-th pack holds kFanout, from k * kFanout on.
+  const std::uint32_t begin = level == 0 ? 0 : triangles_ + level_begin_[level - 1];
+  const std::uint32_t end = level == 0 ? triangles_ : triangles_ + level_begin_[level];
+  const std::uint32_t first = begin + kFanout * (pack - level_begin_[level]);
+  return {first, static_cast<int>(std::min<std::uint32_t>(kFanout, end - first)), &packs_[pack]};
+}
+
+void Clusters::sort() {
+  const std::int64_t count = job_.triangle_count();
+  const auto included = [&](const tbb::blocked_range<std::int64_t>& range, Box box) {
+    for (std::int64_t n = range.begin(); n < range.end(); ++n)
+      for (int k = 0; k < 3; ++k) box.include(job_.mesh.corner(job_.triangle(n), k));
+    return box;
+  };
+  const auto both = [](Box a, const Box& b) {
+    a.include(b.min);
+    a.include(b.max);
+    return a;
+  };
+  const Box box = tbb::parallel_reduce(tbb::blocked_range<std::int64_t>(0, count, 4096), Box{}, included, both);
+
+  const double longest = std::max({box.extent().x, box.extent().y, box.extent().z});
+  const double to_cells = longest > 0 ? 1023 / longest : 0;
+  std::vector<KeyedIndex> keyed(static_cast<std::size_t>(count));
+  tbb::parallel_for(tbb::blocked_range<std::int64_t>(0, count, 4096), [&](const auto& range) {
+    job_.progress.check();
+    for (std::int64_t n = range.begin(); n < range.end(); ++n) {
+      const std::uint32_t triangle = job_.triangle(n);
+      Box own;
+      for (int k = 0; k < 3; ++k) own.include(job_.mesh.corner(triangle, k));
+      const Vec3 at = (own.center() - box.min) * to_cells;
+      const auto cell = [](double v) { return static_cast<std::uint32_t>(v < 1023 ? v : 1023); };
+      keyed[n] = {spread(cell(at.x)) | spread(cell(at.y)) << 1 | spread(cell(at.z)) << 2, triangle};
+    }
+  });
+  radix_sort(keyed, job_.threads);
+  order_.resize(keyed.size());
+  tbb::parallel_for(tbb::blocked_range<std::int64_t>(0, count, 65536), [&](const auto& range) {
+    for (std::int64_t n = range.begin(); n < range.end(); ++n) order_[n] = keyed[n].index;
+  });
+}
+
+float Clusters::slack_at(float coordinate) const { return kBoxError * std::max(extent_, std::abs(coordinate)); }
+
+void Clusters::box_triangles() {
+  tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, level_begin_[1], 512), [&](const auto& range) {
+    job_.progress.check();
+    for (std::uint32_t pack = range.begin(); pack < range.end(); ++pack) {
+      const std::uint32_t first = kFanout * pack, count = std::min<std::uint32_t>(kFanout, triangles_ - first);
+      for (std::uint32_t n = 0; n < count; ++n) {
+        const std::uint32_t triangle = order_[first + n];
+        const Vec3 a = job_.mesh.corner(triangle, 0), b = job_.mesh.corner(triangle, 1),
+                   c = job_.mesh.corner(triangle, 2);
+        const Vec3 low = min(a, min(b, c)), high = max(a, max(b, c));
+        const Vec3 middle = (a + b + c) * (1.0 / 3);
+        const double lows[3] = {low.x, low.y, low.z}, highs[3] = {high.x, high.y, high.z},
+                     middles[3] = {middle.x, middle.y, middle.z};
+        for (int axis = 0; axis < 3; ++axis) {
+          points_[first + n][axis] = static_cast<float>(middles[axis] * lattice_.scale - center_[axis]);
+          const auto low_at = static_cast<float>(lows[axis] * lattice_.scale - center_[axis]);
+          const auto high_at = static_cast<float>(highs[axis] * lattice_.scale - center_[axis]);
+          packs_[pack].low[axis][n] = low_at - slack_at(low_at);
+          packs_[pack].high[axis][n] = high_at + slack_at(high_at);
+        }
+      }
+    }
+  });
+}
+
+void Clusters::box_packs() {
+  for (std::size_t level = 1; level + 1 < level_begin_.size(); ++level) {
+    const tbb::blocked_range<std::uint32_t> all(level_begin_[level], level_begin_[level + 1], 512);
+    tbb::parallel_for(all, [&](const auto& range) {
+      for (std::uint32_t pack = range.begin(); pack < range.end(); ++pack) {
+        const PackContents packed = contents(triangles_ + pack);
+        for (int n = 0; n < packed.count; ++n) {
+          const PackContents inner = contents(packed.first + static_cast<std::uint32_t>(n));
+          for (int axis = 0; axis < 3; ++axis) {
+            const float *low = inner.boxes->low[axis], *high = inner.boxes->high[axis];
+            packs_[pack].low[axis][n] = *std::min_element(low, low + inner.count);
+            packs_[pack].high[axis][n] = *std::max_element(high, high + inner.count);
+          }
+        }
+      }
+    });
+  }
+}
+
+}  // namespace standoff::cpu

@@ -1,0 +1,80 @@
+// Triangles in groups of neighbours, groups of groups, and a box around each: what coarse cells look at instead of
+// triangles.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "field/backend.h"
+#include "field/cpu/kernels.h"
+#include "field/cpu/lattice.h"
+
+namespace standoff::cpu {
+
+/// A hierarchy of boxes without pointers: triangles sorted along a Morton curve and packed by sixteen, packs packed by
+/// sixteen, and so on. An entry of a list is a triangle, by its position on the curve (below triangles()), or from
+/// there on a whole pack. Boxes are in float, grid units relative to the centre of the grid, rounded outwards and a
+/// little more, so that they cover what later subtractions in float lose.
+class Clusters {
+ public:
+  static constexpr int kFanout = kLanes;
+
+  Clusters(const Job& job, const Lattice& lattice);
+
+  /// How many entries there are, triangles and packs.
+  std::int64_t entries() const { return std::int64_t{triangles_} + level_begin_.back(); }
+  /// The same of so many triangles.
+  static std::int64_t entries_of(std::int64_t triangles);
+  /// Bytes held while they are made, on so many threads, which are more than those held afterwards.
+  static std::int64_t bytes(std::int64_t triangles, int threads);
+
+  /// The mesh index of an entry that is a triangle.
+  std::uint32_t triangle(std::uint32_t entry) const { return order_[entry]; }
+  /// The same of all entries that are triangles, and a point of each, as exact as the boxes and in their coordinates.
+  const std::uint32_t* indices() const { return order_.data(); }
+  const float (*points() const)[3] { return points_.get(); }
+  bool is_pack(std::uint32_t entry) const { return entry >= triangles_; }
+  /// The pack that holds all others.
+  std::uint32_t top() const { return triangles_ + level_begin_.back() - 1; }
+
+  /// How many triangles an entry stands for, at most: the last pack of a level may hold fewer.
+  std::int64_t triangles_in(std::uint32_t entry) const {
+    return is_pack(entry) ? std::int64_t{kFanout} << 4 * level_of(entry - triangles_) : 1;
+  }
+  /// What the pack that an entry stands for holds.
+  PackContents contents(std::uint32_t entry) const;
+  /// Asks the memory for the boxes of a pack that will be looked at soon.
+  void prefetch(std::uint32_t entry) const {
+    const char* pack = reinterpret_cast<const char*>(&packs_[entry - triangles_]);
+    for (std::size_t line = 0; line < sizeof(BoxPack); line += 64) __builtin_prefetch(pack + line);
+  }
+  /// Of the grid, world units times scale.
+  const double* center() const { return center_; }
+  /// Half the longest side of the grid.
+  float extent() const { return extent_; }
+
+ private:
+  static_assert(kFanout == 1 << 4);
+  std::size_t level_of(std::uint32_t pack) const {
+    std::size_t level = 0;
+    while (pack >= level_begin_[level + 1]) ++level;
+    return level;
+  }
+  float slack_at(float coordinate) const;
+  void sort();
+  void box_triangles();
+  void box_packs();
+
+  const Job& job_;
+  const Lattice& lattice_;
+  double center_[3];
+  float extent_ = 0;
+  std::uint32_t triangles_ = 0;
+  std::vector<std::uint32_t> order_;
+  std::vector<std::uint32_t> level_begin_;  // the first pack of each level, those of triangles first; and the end
+  std::unique_ptr<BoxPack[]> packs_;
+  std::unique_ptr<float[][3]> points_;
+};
+
+}  // namespace standoff::cpu

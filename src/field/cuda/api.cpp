@@ -1,0 +1,43 @@
+// The parts of standoff/cuda.h that need no GPU.
+#include "standoff/cuda.h"
+
+#include <string>
+
+#include "core/guarded.h"
+#include "field/cuda/backend.h"
+#include "field/cuda/capacity.h"
+#include "standoff/error.h"
+
+namespace standoff::cuda {
+
+std::int64_t likely_entries(std::int64_t triangles, const Grid& grid, double thickness, Method method) try {
+  validate(grid);
+  gpu::check_counts(triangles, thickness, 0);
+  return gpu::likely_entries(triangles, grid, thickness, method);
+} catch (...) {
+  throw_as_error("cuda");
+}
+
+std::int64_t scratch_bytes(std::int64_t, const Grid& grid, double, int) { return gpu::host_scratch_bytes(grid); }
+
+void check(const Outcome& outcome, const Task& task) try {
+  if (outcome.stopped == 0) return;
+  if (outcome.bad_triangle != Outcome::kNone)
+    throw Error(ErrorCode::input, "cuda: triangle " + std::to_string(outcome.bad_triangle) +
+                                      " has an index out of range or a corner that is not finite; repair the mesh");
+  if (outcome.needed_entries == Outcome::kNone)
+    throw Error(ErrorCode::input,
+                "cuda: the mesh changed while its field was computed; nothing was written, let the work end before the "
+                "mesh's memory is written again");
+  if (outcome.needed_slots > static_cast<unsigned long long>(task.output.slot_capacity))
+    throw Error(ErrorCode::limit, "cuda: the output has room for " + std::to_string(task.output.slot_capacity) +
+                                      " tiles, " + std::to_string(outcome.needed_slots) +
+                                      " are needed; nothing was written, give it more");
+  throw Error(ErrorCode::limit, "cuda: the triangle lists need room for at least " +
+                                    std::to_string(outcome.needed_entries) +
+                                    " entries; nothing was written, give a workspace for more (workspace_bytes)");
+} catch (...) {
+  throw_as_error("cuda");
+}
+
+}  // namespace standoff::cuda

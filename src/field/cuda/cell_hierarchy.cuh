@@ -1,0 +1,246 @@
+// Thick bands and full fields: candidates are handed down from coarse cells to fine ones. A cell starts from what its
+// parent kept and drops what cannot be nearest to any of its samples (docs/tiles.md gives the three tests).
+//
+// A step from parents to their eight children: every candidate of every parent is one thread's, in blocks of kChunk
+// candidates of one parent.
+//   bound    each child learns a bound of the distance at its centre, and which triangle gives it
+//   keep     each candidate finds out which children keep it, and counts for them
+//   hand     it is written into their lists
+#pragma once
+
+#include "field/cuda/bin.cuh"
+#include "field/cuda/levels.h"
+
+namespace standoff::STANDOFF_PLATFORM {
+
+inline constexpr int kChunk = 256;
+
+/// What the step reads and writes.
+struct Step {
+  gpu::Level parent, child;
+  const Counter* parent_start;          // per parent, and the end
+  const std::uint32_t* parent_entries;  // triangles
+  const Counter* chunk_start;           // per parent, and the end
+  unsigned char* keep;                  // per parent's entry: a bit per child
+  Counter* bound;                       // per child: bound (a float's bits) << 32 | triangle
+  std::uint32_t* child_counts;          // per child, and a zero behind
+  const Counter* child_start;
+  std::uint32_t* child_entries;
+};
+
+/// The root's list: all triangles. A thread a triangle.
+STANDOFF_KERNEL void list_all(DeviceMesh mesh, std::uint32_t* entries, Counter* start, Outcome* outcome) {
+  const std::int64_t n = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
+  if (n == 0) {
+    start[0] = 0;
+    start[1] = static_cast<Counter>(mesh.used_count());
+  }
+  if (n >= mesh.used_count()) return;
+  const std::uint32_t triangle = used_triangle(mesh, n);
+  entries[n] = triangle;
+  is_valid(mesh, triangle, outcome);
+}
+
+/// How many chunks each parent has, 0 behind the last. A thread a parent.
+STANDOFF_KERNEL void count_chunks(const Counter* start, std::int64_t parents, std::uint32_t* chunks, Outcome* outcome) {
+  const std::int64_t n = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
+  if (n > parents) return;
+  chunks[n] = n < parents && !outcome->stopped
+                  ? static_cast<std::uint32_t>((start[n + 1] - start[n] + kChunk - 1) / kChunk)
+                  : 0;
+}
+
+/// No bound yet. A thread a child.
+STANDOFF_KERNEL void clear_bounds(Counter* bound, std::int64_t children) {
+  const std::int64_t n = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
+  if (n < children) bound[n] = ~Counter{0};
+}
+
+/// A child as its siblings' block sees it: relative to the parent's centre.
+struct Child {
+  std::int64_t index;  // -1 where the grid ends before it
+  Triple<float> center;
+  float half[3], radius;
+  float within;           // no sample of it is farther from the mesh, as far as is known at its centre
+  Triple<float> surface;  // a point of the mesh
+};
+
+/// What the threads of a chunk share.
+struct Chunk {
+  Counter first, end;  // entries
+  Triple<double> center;
+  float extent;  // the parent's farthest coordinate
+  Child child[8];
+  Counter least[8];
+  unsigned counts[8];
+  Counter base[8];
+};
+
+/// The parent whose chunk this is.
+STANDOFF_DEVICE std::int64_t parent_of(const Step& step, Counter chunk) {
+  std::int64_t low = 0, high = step.parent.count();  // chunk_start[low] <= chunk < chunk_start[high]
+  while (high - low > 1) {
+    const std::int64_t middle = (low + high) / 2;
+    if (step.chunk_start[middle] <= chunk)
+      low = middle;
+    else
+      high = middle;
+  }
+  return low;
+}
+
+/// Begins a chunk: all threads of the block take part. No barrier comes first: what others than the first eight threads
+/// may still read of the chunk before, `base`, is not written here.
+STANDOFF_DEVICE void begin_chunk(const gpu::Lattice& l, const Step& step, Counter number, Chunk& chunk) {
+  const int t = static_cast<int>(threadIdx.x);
+  if (t < 8) {
+    const std::int64_t parent = parent_of(step, number);
+    const std::int64_t at[3] = {parent % step.parent.cells[0], parent / step.parent.cells[0] % step.parent.cells[1],
+                                parent / (step.parent.cells[0] * step.parent.cells[1])};
+    const gpu::Cell whole = gpu::cell_at(l, step.parent, at);
+    if (t == 0) {
+      chunk.first = step.parent_start[parent] + (number - step.chunk_start[parent]) * kChunk;
+      const Counter end = step.parent_start[parent + 1];
+      chunk.end = chunk.first + kChunk < end ? chunk.first + kChunk : end;
+      chunk.center = whole.center;
+      chunk.extent = max(whole.half[0], max(whole.half[1], whole.half[2]));
+    }
+    const std::int64_t of_child[3] = {2 * at[0] + (t & 1), 2 * at[1] + (t >> 1 & 1), 2 * at[2] + (t >> 2)};
+    Child& child = chunk.child[t];
+    child.index = -1;
+    if (of_child[0] < step.child.cells[0] && of_child[1] < step.child.cells[1] && of_child[2] < step.child.cells[2]) {
+      const gpu::Cell cell = gpu::cell_at(l, step.child, of_child);
+      child.index = of_child[0] + step.child.cells[0] * (of_child[1] + step.child.cells[1] * of_child[2]);
+      child.center = narrowed(cell.center - whole.center);
+      for (int axis = 0; axis < 3; ++axis) child.half[axis] = cell.half[axis];
+      child.radius = cell.radius;
+    }
+    chunk.least[t] = ~Counter{0};
+    chunk.counts[t] = 0;
+  }
+  __syncthreads();
+}
+
+/// A candidate relative to the parent's centre.
+struct Candidate {
+  TriangleFrame<float> frame;
+  BoxOf<float> box;
+  float slack;
+};
+
+STANDOFF_DEVICE Candidate candidate(const gpu::Lattice& l, const DeviceMesh& mesh, std::uint32_t triangle,
+                                    const Chunk& chunk) {
+  const Corners c = corners_of(mesh, triangle);
+  const Triple<float> a = narrowed(local(l, c.at[0], chunk.center)), b = narrowed(local(l, c.at[1], chunk.center)),
+                      d = narrowed(local(l, c.at[2], chunk.center));
+  const BoxOf<float> box = box_of(a, b, d);
+  return {make_frame(a, b, d, float{gpu::kLeastLengthSq}), box,
+          fma(max(farthest_coordinate(box), chunk.extent), gpu::kSlackShare, gpu::kSlack)};
+}
+
+STANDOFF_KERNEL void __launch_bounds__(kChunk)
+    bound_children(gpu::Lattice l, DeviceMesh mesh, Step step, Outcome* outcome) {
+  __shared__ Chunk chunk;
+  if (outcome->stopped) return;
+  const int t = static_cast<int>(threadIdx.x);
+  const Counter chunks = step.chunk_start[step.parent.count()];
+  for (Counter number = blockIdx.x; number < chunks; number += gridDim.x) {
+    begin_chunk(l, step, number, chunk);
+    const Counter entry = chunk.first + static_cast<Counter>(t);
+    const bool mine = entry < chunk.end;
+    const std::uint32_t triangle = step.parent_entries[mine ? entry : chunk.first];
+    const Candidate c = candidate(l, mesh, triangle, chunk);
+    for (int n = 0; n < 8; ++n) {
+      if (chunk.child[n].index < 0) continue;
+      const float most = sqrt(distance_sq(c.frame, chunk.child[n].center)) + c.slack;
+      // Distances are not negative, so their bits ascend with them.
+      Counter least = Counter{__float_as_uint(most)} << 32 | triangle;
+      for (int bits = 16; bits > 0; bits /= 2) {
+        const Counter other = __shfl_xor_sync(0xffffffffu, least, bits);
+        if (other < least) least = other;
+      }
+      if (t % 32 == 0) atomicMin(&chunk.least[n], least);
+    }
+    __syncthreads();
+    if (t < 8 && chunk.child[t].index >= 0) atomicMin(&step.bound[chunk.child[t].index], chunk.least[t]);
+  }
+}
+
+/// Whether a candidate may be nearest to a sample of the child.
+STANDOFF_DEVICE bool may_be_nearest(const gpu::Lattice& l, const Candidate& c, const Child& child) {
+  const float least = max(sqrt(distance_sq(c.frame, child.center)) - c.slack, 0.0f);
+  const float by_distance = child.within + 2 * child.radius * (1 + gpu::kSlack);
+  const float by_reach = l.thickness * (1 + gpu::kSlack) + child.radius;
+  if (least > min(by_distance, by_reach)) return false;
+  const Triple<float>& q = child.surface;
+  float spread = 2 * child.half[0] * max(c.box.high.x - q.x, q.x - c.box.low.x);
+  spread = fma(2 * child.half[1], max(c.box.high.y - q.y, q.y - c.box.low.y), spread);
+  spread = fma(2 * child.half[2], max(c.box.high.z - q.z, q.z - c.box.low.z), spread);
+  const float within = child.within * (1 + 1e-5f);
+  return fma(least, least, -spread) < within * within;
+}
+
+STANDOFF_KERNEL void __launch_bounds__(kChunk)
+    keep_candidates(gpu::Lattice l, DeviceMesh mesh, Step step, Outcome* outcome) {
+  __shared__ Chunk chunk;
+  if (outcome->stopped) return;
+  const int t = static_cast<int>(threadIdx.x);
+  const Counter chunks = step.chunk_start[step.parent.count()];
+  for (Counter number = blockIdx.x; number < chunks; number += gridDim.x) {
+    begin_chunk(l, step, number, chunk);
+    if (t < 8 && chunk.child[t].index >= 0) {
+      const Counter bound = step.bound[chunk.child[t].index];
+      chunk.child[t].within = __uint_as_float(static_cast<std::uint32_t>(bound >> 32));
+      chunk.child[t].surface =
+          closest_in_frame(candidate(l, mesh, static_cast<std::uint32_t>(bound), chunk).frame, chunk.child[t].center);
+    }
+    __syncthreads();
+    const Counter entry = chunk.first + static_cast<Counter>(t);
+    const bool mine = entry < chunk.end;
+    const Candidate c = candidate(l, mesh, step.parent_entries[mine ? entry : chunk.first], chunk);
+    unsigned kept = 0;
+    for (int n = 0; n < 8; ++n) {
+      if (chunk.child[n].index < 0) continue;
+      const bool keeps = mine && may_be_nearest(l, c, chunk.child[n]);
+      kept |= keeps ? 1u << n : 0u;
+      const std::uint32_t votes = __ballot_sync(0xffffffffu, keeps);
+      if (t % 32 == 0 && votes) atomicAdd(&chunk.counts[n], static_cast<unsigned>(__popc(votes)));
+    }
+    if (mine) step.keep[entry] = static_cast<unsigned char>(kept);
+    __syncthreads();
+    if (t < 8 && chunk.counts[t] != 0) atomicAdd(&step.child_counts[chunk.child[t].index], chunk.counts[t]);
+  }
+}
+
+STANDOFF_KERNEL void __launch_bounds__(kChunk) hand_down(gpu::Lattice l, Step step, Outcome* outcome) {
+  __shared__ Chunk chunk;
+  if (outcome->stopped) return;
+  const int t = static_cast<int>(threadIdx.x);
+  const Counter chunks = step.chunk_start[step.parent.count()];
+  for (Counter number = blockIdx.x; number < chunks; number += gridDim.x) {
+    begin_chunk(l, step, number, chunk);
+    const Counter entry = chunk.first + static_cast<Counter>(t);
+    const unsigned kept = entry < chunk.end ? step.keep[entry] : 0;
+    unsigned place[8];  // among the block's, per child
+    for (int n = 0; n < 8; ++n) {
+      const std::uint32_t votes = __ballot_sync(0xffffffffu, kept >> n & 1);
+      unsigned before = 0;
+      if (t % 32 == 0 && votes) before = atomicAdd(&chunk.counts[n], static_cast<unsigned>(__popc(votes)));
+      before = __shfl_sync(0xffffffffu, before, 0);
+      place[n] = before + static_cast<unsigned>(__popc(votes & ((1u << t % 32) - 1)));
+    }
+    __syncthreads();
+    // The counts are taken back down to zero while the lists fill from their ends.
+    if (t < 8 && chunk.counts[t] != 0) {
+      const std::int64_t child = chunk.child[t].index;
+      chunk.base[t] = step.child_start[child] + atomicSub(&step.child_counts[child], chunk.counts[t]) - chunk.counts[t];
+    }
+    __syncthreads();
+    if (kept == 0) continue;
+    const std::uint32_t triangle = step.parent_entries[entry];
+    for (int n = 0; n < 8; ++n)
+      if (kept >> n & 1) step.child_entries[chunk.base[n] + place[n]] = triangle;
+  }
+}
+
+}  // namespace standoff::STANDOFF_PLATFORM

@@ -1,0 +1,91 @@
+// A triangle's corners out of device memory, checked, and moved to where they become float.
+#pragma once
+
+#include "field/cuda/lattice.h"
+#include "geometry/triangle_lines.h"
+#include "gpu/platform.cuh"
+#include "gpu/scan.h"
+#include "standoff/field.h"
+
+namespace standoff::STANDOFF_PLATFORM {
+
+/// Lets no later kernel write anything.
+STANDOFF_DEVICE void stop(Outcome* outcome) { atomicAdd(&outcome->stopped, Counter{1}); }
+
+/// The second pass over the triangles wants more of a list, or less, than the first one counted for it. What is
+/// computed is the same, so the mesh is not: somebody wrote it meanwhile.
+STANDOFF_DEVICE void stop_for_miscount(Outcome* outcome) {
+  outcome->needed_entries = Outcome::kNone;
+  stop(outcome);
+}
+
+/// World units.
+struct Corners {
+  Triple<double> at[3];
+};
+
+STANDOFF_DEVICE bool is_finite(double a) { return a - a == 0; }
+
+/// The n-th triangle to use.
+STANDOFF_DEVICE std::uint32_t used_triangle(const DeviceMesh& mesh, std::int64_t n) {
+  return mesh.kept ? mesh.kept[n] : static_cast<std::uint32_t>(n);
+}
+
+/// Requires a triangle that is_valid.
+STANDOFF_DEVICE Corners corners_of(const DeviceMesh& mesh, std::uint32_t triangle) {
+  Corners c;
+  for (int which = 0; which < 3; ++which) {
+    const double* v = mesh.vertices + 3 * std::int64_t{mesh.triangles[3 * std::int64_t{triangle} + which]};
+    c.at[which] = {v[0], v[1], v[2]};
+  }
+  return c;
+}
+
+/// Whether the triangle exists, its indices are in range and its corners finite. Where not, the outcome remembers it.
+STANDOFF_DEVICE bool is_valid(const DeviceMesh& mesh, std::uint32_t triangle, Outcome* outcome) {
+  bool valid = triangle < mesh.triangle_count;
+  for (int which = 0; which < 3 && valid; ++which) {
+    const std::int64_t vertex = mesh.triangles[3 * std::int64_t{triangle} + which];
+    valid = vertex < mesh.vertex_count;
+    if (!valid) break;
+    const double* v = mesh.vertices + 3 * vertex;
+    valid = is_finite(v[0]) && is_finite(v[1]) && is_finite(v[2]);
+  }
+  if (!valid) {
+    atomicMin(&outcome->bad_triangle, static_cast<Counter>(triangle));
+    stop(outcome);
+  }
+  return valid;
+}
+
+/// A corner relative to `center` (grid units).
+STANDOFF_DEVICE Triple<double> local(const gpu::Lattice& l, const Triple<double>& corner,
+                                     const Triple<double>& center) {
+  return {fma(corner.x, l.scale, -center.x), fma(corner.y, l.scale, -center.y), fma(corner.z, l.scale, -center.z)};
+}
+
+STANDOFF_DEVICE Triple<float> narrowed(const Triple<double>& p) {
+  return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
+}
+
+/// The box of three points.
+template <class F>
+struct BoxOf {
+  Triple<F> low, high;
+};
+
+template <class F>
+STANDOFF_DEVICE BoxOf<F> box_of(const Triple<F>& a, const Triple<F>& b, const Triple<F>& c) {
+  return {{min(a.x, min(b.x, c.x)), min(a.y, min(b.y, c.y)), min(a.z, min(b.z, c.z))},
+          {max(a.x, max(b.x, c.x)), max(a.y, max(b.y, c.y)), max(a.z, max(b.z, c.z))}};
+}
+
+/// The longest side of a box, and its farthest coordinate from the origin.
+STANDOFF_DEVICE float longest_side(const BoxOf<float>& b) {
+  return max(b.high.x - b.low.x, max(b.high.y - b.low.y, b.high.z - b.low.z));
+}
+STANDOFF_DEVICE float farthest_coordinate(const BoxOf<float>& b) {
+  return max(max(max(abs(b.low.x), abs(b.high.x)), max(abs(b.low.y), abs(b.high.y))), max(abs(b.low.z), abs(b.high.z)));
+}
+
+}  // namespace standoff::STANDOFF_PLATFORM

@@ -1,0 +1,184 @@
+// A block of threads per tile: each thread holds one sample in registers, all triangles of the tile pass by in shared
+// memory, and each sample is written once.
+//
+// A warp holds 4x4x2 samples. Before it measures, its lanes compare 32 triangles with the centre of these samples, one
+// each, and a vote leaves those that can be nearer than what the samples have. So all lanes measure to the same
+// triangle (one read for all), and none is measured that is far from all 32 samples. Which are left out changes no bit.
+#pragma once
+
+#include "field/cuda/stage.cuh"
+#include "thesis/ablation.h"
+
+namespace standoff::STANDOFF_PLATFORM {
+
+using gpu::Through;
+
+inline constexpr int kGatherThreads = gpu::kTileSamples;
+inline constexpr int kWarps = kGatherThreads / 32;
+static_assert(Stage::kTriangles <= kGatherThreads && Stage::kTriangles % 32 == 0);
+
+/// The sample of a tile that a thread holds: warps are 4x4x2 samples, 2x2x4 of them.
+struct SampleAt {
+  int x, y, z;
+};
+STANDOFF_DEVICE SampleAt sample_of_thread(int thread) {
+  const int warp = thread / 32, lane = thread % 32;
+  return {(warp & 1) * 4 + (lane & 3), (warp >> 1 & 1) * 4 + (lane >> 2 & 3), (warp >> 2) * 2 + (lane >> 4)};
+}
+/// Half the diagonal of a warp's samples, grid units, rounded up.
+STANDOFF_DEVICE float warp_radius(const gpu::Lattice& l) {
+  const auto x = static_cast<float>(1.5 * l.unit[0]), y = static_cast<float>(1.5 * l.unit[1]),
+             z = static_cast<float>(0.5 * l.unit[2]);
+  return sqrt(x * x + y * y + z * z) * (1 + gpu::kSlack);
+}
+
+/// The largest value among the lanes of a warp.
+STANDOFF_DEVICE float warp_max(float value) {
+  for (int bits = 16; bits > 0; bits /= 2) value = max(value, __shfl_xor_sync(0xffffffffu, value, bits));
+  return value;
+}
+
+/// What a sample has found so far.
+struct Nearest {
+  float distance_sq;
+  std::uint32_t triangle;
+};
+
+/// Measures from a warp's samples to the staged triangles, `count` of them. Returns how many were measured.
+template <bool kNearest, Through kThrough>
+STANDOFF_DEVICE int gather_stage(const gpu::Lattice& l, const Stage& stage, int count, const Triple<float>& sample,
+                                 const Triple<float>& warp_center, bool in_grid, float known_within, Nearest& best) {
+  const int lane = static_cast<int>(threadIdx.x) % 32;
+  int measured = 0;
+  for (int first = 0; first < count; first += 32) {
+    // Samples past the grid never hold anything back.
+    const float worst = sqrt(warp_max(in_grid ? best.distance_sq : 0));
+    const float within = min(l.thickness, min(worst, known_within)) * (1 + gpu::kSlack) + warp_radius(l);
+    const int mine = first + lane;
+    const bool is_near =
+        mine < count && sqrt(staged_distance_sq(stage, mine, warp_center)) - stage.slack[mine] <= within;
+    std::uint32_t left = __ballot_sync(0xffffffffu, is_near);
+    measured += __popc(left);
+    for (; kThrough >= Through::distance && left; left &= left - 1) {
+      const int n = first + __ffs(static_cast<int>(left)) - 1;
+      const float d = staged_distance_sq(stage, n, sample);
+      if (kNearest) {
+        const std::uint32_t triangle = stage.index[n];
+        if (d < best.distance_sq || (d == best.distance_sq && triangle < best.triangle)) best.triangle = triangle;
+      }
+      best.distance_sq = min(d, best.distance_sq);
+    }
+  }
+  return measured;
+}
+
+/// A tile's finished samples, x fastest, before they are written in rows.
+struct Finished {
+  float value[gpu::kTileSamples];
+  std::uint32_t nearest[gpu::kTileSamples];
+  unsigned band, measured;  // samples in the band; warps' triangles
+};
+
+/// Writes a tile: to its slot, or where it lies in the dense grid. All threads of the block take part.
+STANDOFF_DEVICE void write_tile(const gpu::Lattice& l, const std::int64_t* tile, std::int64_t index,
+                                const Finished& finished, const DeviceOutput& output) {
+  const int t = static_cast<int>(threadIdx.x);
+  std::int64_t at;
+  if (output.slots) {
+    at = std::int64_t{output.slots[index]} * gpu::kTileSamples + t;
+  } else {
+    const int x = t % 8, y = t / 8 % 8, z = t / 64;
+    if (x >= inside(l, tile, 0) || y >= inside(l, tile, 1) || z >= inside(l, tile, 2)) return;
+    at = tile[0] * 8 + x + l.size[0] * (tile[1] * 8 + y + l.size[1] * (tile[2] * 8 + z));
+  }
+  output.values[at] = finished.value[t];
+  if (output.nearest) output.nearest[at] = finished.nearest[t];
+}
+
+/// Clamps the samples, leaves them in `finished`, and writes the tile; one without a band sample stays unstored
+/// (sparse). All threads of the block take part.
+template <Through kThrough = Through::write>
+STANDOFF_DEVICE void finish_tile(const gpu::Lattice& l, const std::int64_t* tile, std::int64_t index,
+                                 const SampleAt& at, float value, std::uint32_t nearest, bool is_band,
+                                 Finished& finished, const DeviceOutput& output, Outcome* outcome) {
+  const int t = at.x + 8 * at.y + 64 * at.z;
+  finished.value[t] = value;
+  finished.nearest[t] = nearest;
+  const std::uint32_t band = __ballot_sync(0xffffffffu, is_band);
+  if (threadIdx.x % 32 == 0) atomicAdd(&finished.band, static_cast<unsigned>(__popc(band)));
+  __syncthreads();
+  const bool writes = kThrough >= Through::write || __float_as_uint(finished.value[t]) == gpu::kNever;
+  if (writes && (!output.slots || finished.band != 0)) write_tile(l, tile, index, finished, output);
+  if (threadIdx.x == 0) {
+    atomicAdd(&outcome->samples_band, Counter{finished.band});
+    atomicAdd(&outcome->samples_examined, Counter{32} * finished.measured);
+  }
+  __syncthreads();
+  if (threadIdx.x == 0 && output.slots && finished.band == 0) output.slots[index] = -1;
+}
+
+/// The triangles of every tile, however they were found.
+struct GatherLists {
+  const Counter* start;
+  const std::uint32_t* entries;
+  const Counter* nearest_bound;  // per tile, or null: in the upper half a bound of the distance at the tile's centre
+};
+
+/// Blocks stride over the tiles.
+template <bool kNearest, Through kThrough = Through::write>
+STANDOFF_KERNEL void __launch_bounds__(kGatherThreads, 2)
+    gather(gpu::Lattice l, DeviceMesh mesh, GatherLists lists, DeviceOutput output, Outcome* outcome) {
+  __shared__ Stage stage;
+  __shared__ Finished finished;
+  if (outcome->stopped) return;
+  const int thread = static_cast<int>(threadIdx.x);
+  const SampleAt at = sample_of_thread(thread);
+  const std::int64_t tiles = l.tile_count();
+  for (std::int64_t index = blockIdx.x; index < tiles; index += gridDim.x) {
+    if (output.slots && output.slots[index] < 0) continue;
+    std::int64_t tile[3];
+    tile_at(l, index, tile);
+    const int corner[3] = {static_cast<int>(tile[0] & 1) * 8, static_cast<int>(tile[1] & 1) * 8,
+                           static_cast<int>(tile[2] & 1) * 8};
+    const float* const x = l.coordinate[0] + corner[0];
+    const float* const y = l.coordinate[1] + corner[1];
+    const float* const z = l.coordinate[2] + corner[2];
+    const Triple<float> sample{x[at.x], y[at.y], z[at.z]};
+    const int wx = at.x & 4, wy = at.y & 4, wz = at.z & 6;
+    const Triple<float> warp_center{(x[wx] + x[wx + 3]) / 2, (y[wy] + y[wy + 3]) / 2, (z[wz] + z[wz + 1]) / 2};
+    const bool in_grid = at.x < inside(l, tile, 0) && at.y < inside(l, tile, 1) && at.z < inside(l, tile, 2);
+
+    // No sample of the tile is farther from the mesh than this, where something is known.
+    float known_within = l.thickness;
+    if (lists.nearest_bound) {
+      const double half = 3.5 * sqrt(l.unit[0] * l.unit[0] + l.unit[1] * l.unit[1] + l.unit[2] * l.unit[2]);
+      const float bound = __uint_as_float(static_cast<std::uint32_t>(lists.nearest_bound[index] >> 32));
+      known_within = min(known_within, bound + static_cast<float>(half) * (1 + gpu::kSlack));
+    }
+
+    if (thread == 0) finished.band = finished.measured = 0;
+    Nearest best{__builtin_inff(), kNoTriangle};
+    int measured = 0;
+    const Triple<double> center = brick_center(l, tile);
+    const Counter end = lists.start[index + 1];
+    for (Counter first = lists.start[index]; first < end; first += Stage::kTriangles) {
+      const int count = end - first < Stage::kTriangles ? static_cast<int>(end - first) : Stage::kTriangles;
+      __syncthreads();  // the last stage has been read
+      if (kThrough >= Through::set_up && thread < count)
+        set_up(l, mesh, lists.entries[first + static_cast<Counter>(thread)], center, stage, thread);
+      __syncthreads();
+      if constexpr (kThrough >= Through::vote)
+        measured += gather_stage<kNearest, kThrough>(l, stage, count, sample, warp_center, in_grid, known_within, best);
+      else
+        measured += __float_as_uint(stage.setup[thread % Stage::kTriangles].number[count % 32]) == gpu::kNever;
+    }
+    __syncthreads();  // the counters are zero, also where no triangle came by
+    if (thread % 32 == 0) atomicAdd(&finished.measured, static_cast<unsigned>(measured));
+    const bool in_band = in_grid && !(l.thickness_sq < best.distance_sq);
+    const float value = in_grid ? min(sqrt(best.distance_sq) * l.unscale, l.thickness_world) : l.thickness_world;
+    finish_tile<kThrough>(l, tile, index, at, value, in_band ? best.triangle : kNoTriangle, in_band, finished, output,
+                          outcome);
+  }
+}
+
+}  // namespace standoff::STANDOFF_PLATFORM

@@ -1,0 +1,89 @@
+// The blocking way: from host memory to a sink, one field at a time.
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "field/backend.h"
+#include "field/cuda/capacity.h"
+#include "field/cuda/counted_run.cuh"
+
+namespace standoff::STANDOFF_PLATFORM {
+
+/// The mesh in device memory.
+class MeshOnDevice {
+ public:
+  explicit MeshOnDevice(const Job& job)
+      : vertices_(bytes(job.mesh.vertices)), triangles_(bytes(job.mesh.triangles)), kept_(bytes(job.kept)) {
+    copy_in(vertices_.as<void>(), job.mesh.vertices.data(), bytes(job.mesh.vertices));
+    copy_in(triangles_.as<void>(), job.mesh.triangles.data(), bytes(job.mesh.triangles));
+    if (!job.kept.empty()) copy_in(kept_.as<void>(), job.kept.data(), bytes(job.kept));
+    mesh_ = {vertices_.as<double>(),
+             static_cast<std::int64_t>(job.mesh.vertices.size()),
+             triangles_.as<std::uint32_t>(),
+             static_cast<std::int64_t>(job.mesh.triangles.size()),
+             job.kept.empty() ? nullptr : kept_.as<std::uint32_t>(),
+             static_cast<std::int64_t>(job.kept.size())};
+  }
+  const DeviceMesh& mesh() const { return mesh_; }
+  static std::int64_t bytes_of(const Job& job) {
+    return bytes(job.mesh.vertices) + bytes(job.mesh.triangles) + bytes(job.kept);
+  }
+
+ private:
+  template <class T>
+  static std::int64_t bytes(std::span<const T> all) {
+    return static_cast<std::int64_t>(all.size_bytes());
+  }
+  Memory vertices_, triangles_, kept_;
+  DeviceMesh mesh_;
+};
+
+/// Takes finished tiles from the device, some at a time, and gives them to the sink.
+inline void hand_over(const DeviceOutput& output, const gpu::Lattice& l, Sink& sink, ProgressMeter& progress) {
+  const std::int64_t tiles = l.tile_count();
+  std::vector<std::int32_t> slots(static_cast<std::size_t>(tiles));
+  copy_out(slots.data(), output.slots, tiles * static_cast<std::int64_t>(sizeof(std::int32_t)));
+  const std::int64_t batch = std::min(output.slot_capacity, gpu::kTilesAtOnce);
+  std::vector<float> values(static_cast<std::size_t>(batch) * gpu::kTileSamples);
+  std::vector<std::uint32_t> nearest(output.nearest ? values.size() : 0);
+  std::int64_t here = 0, end = 0;  // the slots in host memory
+  for (std::int64_t index = 0; index < tiles; ++index) {
+    const std::int64_t slot = slots[index];
+    if (slot < 0) continue;
+    if (slot >= end) {  // slots ascend
+      here = slot;
+      end = std::min(here + batch, output.slot_capacity);
+      const std::int64_t first = here * gpu::kTileSamples, bytes = (end - here) * gpu::kTileSamples * 4;
+      copy_out(values.data(), output.values + first, bytes);
+      if (output.nearest) copy_out(nearest.data(), output.nearest + first, bytes);
+      progress.advance();
+    }
+    std::int64_t tile[3];
+    gpu::tile_at(l, index, tile);
+    const TileTarget target = sink.open(tile[0], tile[1], tile[2]);
+    for (std::int64_t z = 0; z < target.size.z; ++z)
+      for (std::int64_t y = 0; y < target.size.y; ++y) {
+        const std::int64_t from = (slot - here) * gpu::kTileSamples + 64 * z + 8 * y;
+        const std::int64_t to = target.row * y + target.slice * z;
+        std::copy_n(values.data() + from, target.size.x, target.values + to);
+        if (target.nearest) std::copy_n(nearest.data() + from, target.size.x, target.nearest + to);
+      }
+  }
+}
+
+/// Runs a job.
+inline Counts run(const Job& job, Sink& sink, Method method) {
+  job.progress.stage("gather", 1, 0.2, 0.9);
+  const gpu::Lattice l = gpu::make_lattice(job.grid, job.thickness);
+  expect_room(MeshOnDevice::bytes_of(job) + counting_bytes(job.triangle_count(), job.grid, job.thickness, method));
+  const MeshOnDevice mesh(job);
+  const CountedRun field(mesh.mesh(), job.grid, job.thickness, method, sink.with_nearest(),
+                         [&] { job.progress.advance(0); });
+  job.progress.stage("copy", std::max<std::int64_t>(1, l.tile_count() / gpu::kTilesAtOnce), 0.9, 1);
+  hand_over(field.output(), l, sink, job.progress);
+  return {static_cast<std::int64_t>(field.outcome().samples_examined),
+          static_cast<std::int64_t>(field.outcome().samples_band)};
+}
+
+}  // namespace standoff::STANDOFF_PLATFORM

@@ -1,0 +1,23 @@
+// What stands for the CUDA backend where standoff is built without a CUDA compiler: it says so.
+#include "core/guarded.h"
+#include "field/cuda/backend.h"
+#include "gpu/devices.h"
+#include "standoff/cuda.h"
+
+namespace standoff::cuda {
+namespace {
+
+[[noreturn]] void fail() try { throw Error(ErrorCode::device, why_not_available()); } catch (...) {
+  throw_as_error("cuda");
+}
+
+}  // namespace
+
+Counts run_tiles(const Job&, Sink&) { fail(); }
+Counts run_thesis(const Job&, Sink&) { fail(); }
+
+std::int64_t workspace_bytes(std::int64_t, const Grid&, double, Method, std::int64_t) { fail(); }
+void enqueue(const Task&, void*, std::int64_t, Stream) { fail(); }
+void enqueue(std::span<const Task>, void*, std::int64_t, Stream) { fail(); }
+
+}  // namespace standoff::cuda

@@ -1,0 +1,242 @@
+#include "files/atomic_file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <string>
+#include <system_error>
+
+#include "files/temp_file_registry.h"
+#include "standoff/error.h"
+
+namespace standoff {
+namespace {
+
+// Large enough that system calls cost nothing against copying, small enough to stay in the cache.
+constexpr std::size_t kBuffer = std::size_t{1} << 18;
+// One write call never takes more than this on Linux (0x7ffff000), and never more than SSIZE_MAX anywhere.
+constexpr std::size_t kMaxWrite = std::size_t{1} << 30;
+constexpr int kOpen = O_WRONLY | O_CLOEXEC;
+constexpr mode_t kMode = 0666;
+
+std::string reason(int error, const std::filesystem::path& folder) {
+  switch (error) {
+    case ENOSPC:
+    case EDQUOT:
+      return "no space left on the disk; free some or write to another one";
+    case EFBIG:
+      return "the file is larger than allowed here; raise the limit (ulimit -f) or write to another file system";
+    case EACCES:
+    case EPERM:
+      return "permission denied; choose a file and folder that you may write";
+    case EROFS:
+      return "the file system is read-only; write to another folder";
+    case ENOENT:
+      if (std::error_code ignored; std::filesystem::is_directory(folder, ignored))  // as /proc and /sys say it
+        return "the folder " + folder.string() + " takes no new files; choose another place";
+      return "the folder " + folder.string() + " does not exist; create it first";
+    case ENOTDIR:
+      return folder.string() + " is not a folder; choose another place";
+    case EISDIR:
+      return "it is a folder; give the name of a file";
+    case EEXIST:
+      return "somebody has written it, and it stays as it is; give another name, or let it be replaced (the program's "
+             "-f)";
+    case ENAMETOOLONG:
+      return "the name is too long; choose a shorter one";
+    case ESPIPE:
+      return "this format needs a file that can be rewritten, not a pipe; write to a file";
+    default:
+      return std::generic_category().message(error) + "; check the disk and try again";
+  }
+}
+
+// Different for every file of every process: the time tells apart processes that share a number in other namespaces.
+std::string unfinished_name() {
+  static std::atomic<unsigned> count{0};
+  const auto now = static_cast<unsigned long long>(std::chrono::system_clock::now().time_since_epoch().count());
+  std::array<char, 64> name{};
+  std::snprintf(name.data(), name.size(), ".standoff-%llx-%x-%x.part", now, static_cast<unsigned>(::getpid()), count++);
+  return name.data();
+}
+
+// Where the links of a name end, even if nothing is there yet. Where they lead in a circle, opening the file says so.
+std::filesystem::path end_of_links(std::filesystem::path path) {
+  constexpr int kMostLinks = 40;  // as many as Linux follows
+  std::error_code no_link;
+  for (int n = 0; n < kMostLinks; ++n) {
+    const auto next = std::filesystem::read_symlink(path, no_link);
+    if (no_link) break;
+    path = path.parent_path() / next;  // an absolute one replaces the folder
+  }
+  return path;
+}
+
+std::string handle_of(int file) { return "/proc/self/fd/" + std::to_string(file); }
+
+}  // namespace
+
+AtomicFile::AtomicFile(const std::filesystem::path& target, Existing existing, Unfinished unfinished)
+    : shown_(target), existing_(existing) {
+  std::error_code ignored;
+  if (target.empty()) throw Error(ErrorCode::output, "cannot write a file without a name; give one");
+  if (!target.has_filename()) fail(EISDIR);
+  target_ = std::filesystem::absolute(end_of_links(target), ignored);
+
+  struct stat there {};
+  const bool exists = ::stat(target_.c_str(), &there) == 0;
+  if (!exists && errno != ENOENT) fail(errno);
+  if (exists && S_ISDIR(there.st_mode)) fail(EISDIR);
+  // A file that its owner has made read-only stays, although renaming over it would work.
+  if (exists && ::access(target_.c_str(), W_OK) != 0) fail(errno);
+  if (exists && !S_ISREG(there.st_mode)) {
+    kind_ = Kind::straight;
+    file_ = ::open(target_.c_str(), kOpen);
+    if (file_ < 0) fail(errno);
+    return;
+  }
+  if (exists && existing_ == Existing::keep) fail(EEXIST);
+  const auto folder = target_.parent_path();
+  if (unfinished == Unfinished::named || !open_unnamed(folder)) open_named(folder);
+  if (exists) (void)!::fchmod(file_, there.st_mode & 0777);
+}
+
+bool AtomicFile::open_unnamed([[maybe_unused]] const std::filesystem::path& folder) {
+#ifdef O_TMPFILE
+  file_ = ::open(folder.c_str(), kOpen | O_TMPFILE, kMode);
+  if (file_ < 0) return false;
+  // Naming it later goes through /proc, which a container may lack.
+  if (::access(handle_of(file_).c_str(), F_OK) == 0) {
+    kind_ = Kind::unnamed;
+    return true;
+  }
+  ::close(file_);
+#endif
+  return false;
+}
+
+void AtomicFile::open_named(const std::filesystem::path& folder) {
+  unfinished_ = folder / unfinished_name();
+  slot_ = note_unfinished(unfinished_);
+  file_ = ::open(unfinished_.c_str(), kOpen | O_CREAT | O_EXCL, kMode);
+  if (file_ >= 0) return;
+  const int error = errno;
+  forget_unfinished(slot_);
+  fail(error);
+}
+
+AtomicFile::~AtomicFile() { discard(); }
+
+void AtomicFile::write(const void* data, std::size_t bytes) {
+  if (bytes == 0) return;
+  if (!buffer_) buffer_ = std::make_unique_for_overwrite<char[]>(kBuffer);
+  size_ += bytes;
+  if (bytes > kBuffer - buffered_) flush();
+  if (bytes >= kBuffer) return append(static_cast<const char*>(data), bytes);
+  std::memcpy(buffer_.get() + buffered_, data, bytes);
+  buffered_ += bytes;
+}
+
+void AtomicFile::overwrite(std::uint64_t offset, const void* data, std::size_t bytes) {
+  flush();
+  const auto* from = static_cast<const char*>(data);
+  while (bytes > 0) {
+    const auto done = ::pwrite(file_, from, bytes, static_cast<off_t>(offset));
+    if (done < 0 && errno == EINTR) continue;
+    if (done <= 0) fail(done < 0 ? errno : EIO);
+    from += done;
+    offset += static_cast<std::uint64_t>(done);
+    bytes -= static_cast<std::size_t>(done);
+  }
+}
+
+void AtomicFile::flush() {
+  append(buffer_.get(), buffered_);
+  buffered_ = 0;
+}
+
+void AtomicFile::append(const char* data, std::size_t bytes) {
+  while (bytes > 0) {
+    const auto done = ::write(file_, data, std::min(bytes, kMaxWrite));
+    if (done < 0 && errno == EINTR) continue;
+    if (done <= 0) fail(done < 0 ? errno : EIO);
+    data += done;
+    bytes -= static_cast<std::size_t>(done);
+  }
+}
+
+void AtomicFile::commit() {
+  flush();
+  if (kind_ == Kind::unnamed) link_unnamed();
+  close();
+  if (kind_ == Kind::straight) return;
+  if (unfinished_ != target_) take_name();
+  unfinished_.clear();
+  forget_unfinished(slot_);
+  slot_ = -1;
+}
+
+// Gives the unnamed file the target's name, or, when that is taken, a name to rename from: linking cannot replace.
+void AtomicFile::link_unnamed() {
+  const std::string handle = handle_of(file_);
+  const auto link_as = [&](const std::filesystem::path& name) {
+    return ::linkat(AT_FDCWD, handle.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0;
+  };
+  if (link_as(target_)) {
+    unfinished_ = target_;  // until it is closed without an error
+    return;
+  }
+  if (errno != EEXIST || existing_ == Existing::keep) fail(errno);
+  unfinished_ = target_.parent_path() / unfinished_name();
+  slot_ = note_unfinished(unfinished_);
+  if (!link_as(unfinished_)) fail(errno);
+}
+
+// From the unfinished file's name to the target's.
+void AtomicFile::take_name() {
+  const char *const from = unfinished_.c_str(), *const to = target_.c_str();
+  if (existing_ == Existing::keep) {
+    // A link replaces nothing, and a rename only where it may. There are file systems that lack either (FAT knows no
+    // links, NFS no such renames) and a few that lack both: there the look comes a moment before the rename.
+    if (::link(from, to) == 0) {
+      ::unlink(from);
+      return;
+    }
+    if (errno == EEXIST) fail(EEXIST);
+#ifdef RENAME_NOREPLACE
+    if (::renameat2(AT_FDCWD, from, AT_FDCWD, to, RENAME_NOREPLACE) == 0) return;
+    if (errno == EEXIST) fail(EEXIST);
+#endif
+    if (::access(to, F_OK) == 0) fail(EEXIST);
+  }
+  if (::rename(from, to) != 0) fail(errno);
+}
+
+void AtomicFile::close() {
+  const int file = file_;
+  file_ = -1;
+  // Network file systems tell of a full disk only here. After EINTR the state is unspecified; Linux has closed it.
+  if (file >= 0 && ::close(file) != 0 && errno != EINTR) fail(errno);
+}
+
+void AtomicFile::discard() noexcept {
+  if (file_ >= 0) ::close(file_);
+  file_ = -1;
+  if (!unfinished_.empty()) ::unlink(unfinished_.c_str());
+  forget_unfinished(slot_);
+  slot_ = -1;
+}
+
+void AtomicFile::fail(int error) const {
+  throw Error(ErrorCode::output, shown_.string() + ": cannot write it: " + reason(error, target_.parent_path()));
+}
+
+}  // namespace standoff

@@ -1,0 +1,112 @@
+#include "files/file_view.h"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <limits>
+#include <new>
+#include <system_error>
+
+#include "standoff/error.h"
+
+namespace standoff {
+namespace {
+
+constexpr std::size_t kUnbounded = std::numeric_limits<std::size_t>::max();
+
+std::string reason(int error) {
+  switch (error) {
+    case ENOENT:
+    case ENOTDIR:
+      return "no such file; check the name";
+    case EACCES:
+    case EPERM:
+      return "permission denied; choose a file that you may read";
+    case EISDIR:
+      return "it is a folder; give the name of a file";
+    default:
+      return "cannot read it: " + std::generic_category().message(error) + "; check the disk and try again";
+  }
+}
+
+// A quarter of the memory, for while it grows it is there twice: what comes through a pipe may have no end, and all
+// memory would be taken before a larger piece is refused.
+std::size_t most_of_a_pipe() {
+  return static_cast<std::size_t>(::sysconf(_SC_PHYS_PAGES)) * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE)) / 4;
+}
+
+}  // namespace
+
+FileView::FileView(const std::filesystem::path& path, Access access) : path_(path) {
+  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  struct stat about {};
+  if (file.number() < 0 || ::fstat(file.number(), &about) != 0) fail("", reason(errno));
+  if (S_ISDIR(about.st_mode)) fail("", reason(EISDIR));
+  if (!S_ISFIFO(about.st_mode) && !S_ISREG(about.st_mode))
+    fail("", "it is a device; give the name of a file, or of a pipe");
+  const auto size = static_cast<std::size_t>(about.st_size);
+  const bool pipe = S_ISFIFO(about.st_mode);
+  if (pipe || access == Access::copy) {
+    read_all(file.number(), size, kUnbounded, pipe ? most_of_a_pipe() : kUnbounded);
+    return;
+  }
+  if (size == 0) return;
+  void* mapped = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file.number(), 0);
+  if (mapped == MAP_FAILED) fail("", reason(errno));
+  mapped_ = mapped;
+  bytes_ = {static_cast<const char*>(mapped), size};
+}
+
+FileView::FileView(const std::filesystem::path& name, const Descriptor& file, std::uint64_t longest) : path_(name) {
+  struct stat about {};
+  if (::fstat(file.number(), &about) != 0) fail("", reason(errno));
+  const auto most = static_cast<std::size_t>(longest);
+  read_all(file.number(), std::min(static_cast<std::size_t>(about.st_size), most), most, kUnbounded);
+}
+
+FileView::~FileView() {
+  if (mapped_) ::munmap(mapped_, bytes_.size());
+}
+
+void FileView::read_all(int descriptor, std::size_t expected, std::size_t longest, std::size_t most) {
+  constexpr std::size_t kLeast = std::size_t{1} << 16, kMostAtOnce = std::size_t{1} << 30;
+  // One byte more than expected, so that the end is met without room for more.
+  std::size_t room = std::max(expected + 1, kLeast), size = 0;
+  try {
+    read_ = std::make_unique_for_overwrite<char[]>(room);
+    while (size < longest) {
+      if (size > most)
+        throw Error(ErrorCode::limit, path_.string() + ": more than " + std::to_string(most >> 20) +
+                                          " MiB came through the pipe; save it in a file and give its name");
+      if (size == room) {
+        auto larger = std::make_unique_for_overwrite<char[]>(2 * room);
+        std::memcpy(larger.get(), read_.get(), size);
+        read_ = std::move(larger);
+        room *= 2;
+      }
+      const auto got = ::read(descriptor, read_.get() + size, std::min({room - size, longest - size, kMostAtOnce}));
+      if (got < 0 && errno == EINTR) continue;
+      if (got < 0) fail("", reason(errno));
+      if (got == 0) break;
+      size += static_cast<std::size_t>(got);
+    }
+  } catch (const std::bad_alloc&) {
+    throw Error(ErrorCode::limit, path_.string() + ": not enough memory to read it; use a machine with more");
+  }
+  bytes_ = {read_.get(), size};
+}
+
+void FileView::fail(const std::string& where, const std::string& message) const {
+  std::string text = path_.string() + (where.empty() ? "" : ":" + where) + ": " + message;
+  // Both may hold words of the file, and a zero byte would end the message.
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
+  throw Error(ErrorCode::input, text);
+}
+
+}  // namespace standoff

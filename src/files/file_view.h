@@ -1,0 +1,56 @@
+// The bytes of an input file.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "files/descriptor.h"
+
+namespace standoff {
+
+/// A file's bytes for as long as the view lives, and the way to complain about them.
+class FileView {
+ public:
+  enum class Access {
+    copy,  ///< read to its end: what another program does to the file meanwhile does not matter
+    /// Nothing is copied, and the system may drop pages that are not in use: for files larger than memory. A program
+    /// that shortens the file meanwhile ends ours with SIGBUS, as with every mapping. Pipes are copied all the same.
+    map,
+  };
+
+  /// Errors: input, for files that are missing, folders, devices, or unreadable; limit, for those that memory
+  /// cannot hold, and for more from a pipe than a quarter of the machine's memory.
+  explicit FileView(const std::filesystem::path& path, Access access = Access::copy);
+  /// The bytes of an open file, `longest` at the most; `name` stands in messages. Errors: as above.
+  FileView(const std::filesystem::path& name, const Descriptor& file, std::uint64_t longest);
+  /// A view of somebody else's bytes, which must outlive it; `name` stands in messages.
+  FileView(const std::filesystem::path& name, std::string_view bytes) : path_(name), bytes_(bytes) {}
+  FileView(const FileView&) = delete;
+  FileView& operator=(const FileView&) = delete;
+  ~FileView();
+
+  const std::filesystem::path& path() const { return path_; }
+  std::string_view bytes() const { return bytes_; }
+  std::size_t size() const { return bytes_.size(); }
+
+  /// Throws Error{input} "FILE:WHERE: MESSAGE", or "FILE: MESSAGE" where `where` is empty.
+  [[noreturn]] void fail(const std::string& where, const std::string& message) const;
+
+ private:
+  // Up to the end or to `longest` bytes; more than `most` is an error.
+  void read_all(int descriptor, std::size_t expected, std::size_t longest, std::size_t most);
+
+  std::filesystem::path path_;
+  std::string_view bytes_;
+  std::unique_ptr<char[]> read_;
+  void* mapped_ = nullptr;
+};
+
+/// What a message says is wrong, without what it says to do: for those of a grid or a mesh that came from a file.
+constexpr std::string_view diagnosis(std::string_view message) { return message.substr(0, message.find("; ")); }
+
+}  // namespace standoff

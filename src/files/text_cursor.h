@@ -1,0 +1,103 @@
+// Words and numbers of text formats, with the line they stand in.
+#pragma once
+
+#include <charconv>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "files/file_view.h"
+#include "files/shown.h"
+
+namespace standoff {
+
+constexpr bool is_line_end(char c) { return c == '\n' || c == '\r'; }
+constexpr bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
+constexpr bool is_space(char c) { return is_blank(c) || is_line_end(c); }
+
+/// Equal but for the case of ASCII letters. `lower` is in lower case.
+bool equals_ignoring_case(std::string_view text, std::string_view lower);
+
+/// What becomes of a number that std::from_chars found to be out of range: zero where it is too small, infinite where
+/// it is too large. `text` is the number alone, in decimal.
+double beyond_range(std::string_view text);
+
+/// A place in a text. Lines end with LF, CR LF or CR; numbers are as std::from_chars reads them, in any locale, with an
+/// optional leading plus. Every failure throws Error{input} that names the line.
+class TextCursor {
+ public:
+  explicit TextCursor(const FileView& file, std::size_t begin = 0)
+      : file_(file), at_(file.bytes().data() + begin), end_(file.bytes().data() + file.size()) {}
+
+  bool at_end() const { return at_ == end_; }
+  std::size_t offset() const { return static_cast<std::size_t>(at_ - file_.bytes().data()); }
+  const char* position() const { return at_; }
+  /// Characters to the end of the text.
+  std::size_t left() const { return static_cast<std::size_t>(end_ - at_); }
+
+  /// Skips spaces and line ends.
+  void skip_space() {
+    while (at_ != end_ && is_space(*at_)) ++at_;
+  }
+  /// Skips spaces of the current line, which a backslash at its end continues on the next.
+  void skip_blanks();
+  bool at_word_end() const { return ends_word(at_); }
+  /// True at the end of a line or of the text.
+  bool at_line_end() const { return at_ == end_ || is_line_end(*at_); }
+  /// Skips the rest of the line and its end. Backslashes mean nothing here.
+  void skip_line();
+  /// Skips the rest of the line, with the lines that continue it, and its end.
+  void skip_statement();
+
+  /// Takes the characters up to the next space. Empty at a space and at the end.
+  std::string_view word() {
+    const char* begin = at_;
+    while (at_ != end_ && !is_space(*at_)) ++at_;
+    return {begin, static_cast<std::size_t>(at_ - begin)};
+  }
+  /// Skips the characters up to the next space or continued line end.
+  void skip_word() {
+    while (!ends_word(at_)) ++at_;
+  }
+  /// Skips blanks of the line, then takes the characters up to the next space or continued line end.
+  std::string_view statement_word();
+  /// Skips spaces and line ends, then takes a word.
+  std::string_view next_word() {
+    skip_space();
+    return word();
+  }
+
+  /// Takes the number here, up to a space, as a double, a float (rounded once from the text) or a 64-bit integer.
+  template <class Number>
+  Number number();
+  /// Takes the integer here, and nothing after it.
+  std::int64_t integer_prefix();
+  /// Steps over `c` if it stands here.
+  bool take(char c) {
+    if (at_ == end_ || *at_ != c) return false;
+    ++at_;
+    return true;
+  }
+
+  /// The line of the cursor, from 1 on. Linear in the text before it.
+  std::uint64_t line() const { return line_at(at_); }
+  /// Throws with the line of the cursor, or of another place in the text.
+  [[noreturn]] void fail(const std::string& message) const { fail_at(at_, message); }
+  [[noreturn]] void fail_at(const char* place, const std::string& message) const;
+
+ private:
+  bool continues(const char* place) const;
+  bool ends_word(const char* place) const { return place == end_ || is_space(*place) || continues(place); }
+  std::uint64_t line_at(const char* place) const;
+  [[noreturn]] void fail_number(const char* begin, const char* wanted) const;
+
+  const FileView& file_;
+  const char* at_;
+  const char* end_;
+};
+
+extern template double TextCursor::number<double>();
+extern template float TextCursor::number<float>();
+extern template std::int64_t TextCursor::number<std::int64_t>();
+
+}  // namespace standoff

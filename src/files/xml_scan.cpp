@@ -1,0 +1,112 @@
+#include "files/xml_scan.h"
+
+#include <algorithm>
+
+#include "files/text_cursor.h"
+
+namespace standoff {
+namespace {
+
+// Takes `name = "value"` off the front; false at the end and where there is none.
+bool take_attribute(std::string_view& text, std::string_view& name, std::string_view& value) {
+  const auto skip = [&] {
+    while (!text.empty() && is_space(text[0])) text.remove_prefix(1);
+  };
+  skip();
+  const auto length = static_cast<std::size_t>(
+      std::find_if(text.begin(), text.end(), [](char c) { return is_space(c) || c == '='; }) - text.begin());
+  name = text.substr(0, length);
+  text.remove_prefix(length);
+  skip();
+  if (name.empty() || !text.starts_with('=')) return false;
+  text.remove_prefix(1);
+  skip();
+  if (text.empty() || (text[0] != '"' && text[0] != '\'')) return false;
+  const auto end = text.find(text[0], 1);
+  if (end == text.npos) return false;
+  value = text.substr(1, end - 1);
+  text.remove_prefix(end + 1);
+  return true;
+}
+
+}  // namespace
+
+std::string_view XmlTag::attribute(std::string_view wanted) const {
+  std::string_view rest = attributes, found, value;
+  while (take_attribute(rest, found, value))
+    if (found == wanted) return value;
+  return {};
+}
+
+XmlScan::XmlScan(const FileView& file) : file_(file), bytes_(file.bytes()) {
+  if (const auto zero = bytes_.find('\0'); zero != bytes_.npos)
+    file.fail("byte " + std::to_string(zero), "a zero byte; the text must be UTF-8, convert it");
+}
+
+void XmlScan::fail(const std::string& message) const {
+  if (tag_ == bytes_.size()) file_.fail("", message);
+  TextCursor(file_, tag_).fail(message);
+}
+
+bool XmlScan::next(XmlTag& tag) {
+  for (;;) {
+    tag_ = at_ = std::min(bytes_.find('<', at_), bytes_.size());
+    const std::string_view rest = bytes_.substr(at_);
+    if (rest.empty()) return false;
+    if (rest.starts_with("<!--")) {
+      at_ += 4;
+      skip_past("-->");
+    } else if (rest.starts_with("<![CDATA[")) {
+      skip_past("]]>");
+    } else if (rest.starts_with("<?")) {
+      skip_past("?>");
+    } else if (rest.starts_with("<!")) {
+      fail("a document type is not read here; remove it");
+    } else {
+      tag = read_tag();
+      return true;
+    }
+  }
+}
+
+void XmlScan::skip_past(std::string_view end) {
+  const auto found = bytes_.find(end, at_);
+  if (found == bytes_.npos) fail("the file ends in what begins here; it is cut off, get all of it");
+  at_ = found + end.size();
+}
+
+XmlTag XmlScan::read_tag() {
+  const bool close = bytes_.substr(at_ + 1).starts_with('/');
+  const std::size_t begin = at_ + 1 + close;
+  char quote = 0;
+  for (at_ = begin; at_ < bytes_.size() && (quote || bytes_[at_] != '>'); ++at_) {
+    const char c = bytes_[at_];
+    if (quote)
+      quote = c == quote ? '\0' : quote;
+    else if (c == '"' || c == '\'')
+      quote = c;
+    else if (c == '<')
+      fail("a tag inside a tag; repair the file");
+  }
+  if (at_ == bytes_.size()) fail("the file ends in a tag; it is cut off, get all of it");
+  std::string_view inside = bytes_.substr(begin, at_ - begin);
+  ++at_;
+  XmlTag tag{close ? XmlTag::Kind::close : XmlTag::Kind::open, {}, {}, {}, false};
+  if (!close && inside.ends_with('/')) {
+    tag.kind = XmlTag::Kind::whole;
+    inside.remove_suffix(1);
+  }
+  const auto name_end = static_cast<std::size_t>(std::find_if(inside.begin(), inside.end(), is_space) - inside.begin());
+  tag.name = inside.substr(0, name_end);
+  tag.attributes = inside.substr(name_end);
+  std::string_view rest = tag.attributes, name, value;
+  while (take_attribute(rest, name, value)) {
+  }
+  if (tag.name.empty() || std::find_if_not(rest.begin(), rest.end(), is_space) != rest.end() || !name.empty())
+    fail("a tag that is none; repair the file");
+  tag.text = bytes_.substr(at_, bytes_.find('<', at_) - at_);
+  tag.only_text = bytes_.substr(at_ + tag.text.size()).starts_with("</");
+  return tag;
+}
+
+}  // namespace standoff

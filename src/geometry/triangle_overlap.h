@@ -1,0 +1,114 @@
+// Do two triangles touch, as far as double precision can tell? Without branches: for double, and for eight doubles at
+// once. After Guigue and Devillers, Fast and robust triangle-triangle overlap test using orientation predicates (2003).
+//
+// Triangles whose corners are not all on one side of the other's plane both cross the line in which the planes meet.
+// Let a0 be the corner of p that is alone on its side of q's plane: the edges a0 a1 and a0 a2 pass the line at two
+// points, and so do b0 b1 and b0 b2. The triangles touch unless both points of one come before both of the other. Which
+// of two points comes first is the sign of det(a_i - a0, b0 - a0, b_j - a0): with a0 = A - s u and b0 = B - t w, u and
+// w the edges' directions and A and B the points, it is (u x w).(A - B) or its negative, and since both edges from a0
+// pass to the same side, and those from b0, that has one sign for all four.
+//
+// Determinants are wrong by 7e-16 times the sum of their products' magnitudes at the most (Shewchuk's first stage), of
+// which there are six, none larger than the product of the extents. What lies within that is left to others.
+#pragma once
+
+#include "geometry/closest_pair.h"
+#include "geometry/transform.h"
+
+namespace standoff::collision {
+
+/// What less() gives: bool, or several of them.
+template <class F>
+using FlagsOf = decltype(less(F(), F()));
+
+STANDOFF_INLINE bool negated(bool flag) { return !flag; }
+
+/// A point placed in the world, in the order of apply() for poses, so that all answers are about the same corners.
+template <class F>
+STANDOFF_INLINE F placed_row(const double* row, double translation, const Triple<F>& at) {
+  return F(row[0]) * at.x + F(row[1]) * at.y + F(row[2]) * at.z + F(translation);
+}
+template <class F>
+STANDOFF_INLINE Triple<F> placed(const DoublePlace& place, const Triple<F>& at) {
+  const double *const r = place.rotation, *const t = place.translation;
+  return {placed_row(r, t[0], at), placed_row(r + 3, t[1], at), placed_row(r + 6, t[2], at)};
+}
+
+/// Signs of numbers, as far as they are beyond a bound.
+template <class F>
+struct Signs {
+  FlagsOf<F> positive, negative;
+};
+template <class F>
+STANDOFF_INLINE Signs<F> signs(const F& value, const F& bound) {
+  return {less(bound, value), less(value, F(-bound))};
+}
+
+/// A triangle against the other's plane, turned so that its first corner is alone on its side.
+template <class F>
+struct Turned {
+  Triple<F> corner[3];
+  F height[3];
+  FlagsOf<F> sure, apart;  ///< all sides are certain; all corners are on one side
+};
+template <class F>
+STANDOFF_INLINE Turned<F> turn(const Triple<F> (&corner)[3], const F (&height)[3], const F& bound) {
+  const Signs<F> s[3] = {signs(height[0], bound), signs(height[1], bound), signs(height[2], bound)};
+  Turned<F> t;
+  t.sure = (s[0].positive | s[0].negative) & (s[1].positive | s[1].negative) & (s[2].positive | s[2].negative);
+  t.apart = (s[0].positive & s[1].positive & s[2].positive) | (s[0].negative & s[1].negative & s[2].negative);
+  const FlagsOf<F> first = negated(s[1].positive ^ s[2].positive), second = negated(s[0].positive ^ s[2].positive);
+  for (int k = 0; k < 3; ++k) {
+    const int next = (k + 1) % 3, last = (k + 2) % 3;
+    t.corner[k] = select(first, corner[k], select(second, corner[next], corner[last]));
+    t.height[k] = select(first, height[k], select(second, height[next], height[last]));
+  }
+  return t;
+}
+
+/// How far the corners of a pair are apart along an axis.
+template <class F>
+STANDOFF_INLINE F extent(const Triple<F> (&p)[3], const Triple<F> (&q)[3], F Triple<F>::*axis) {
+  return max(max(p[0].*axis, max(p[1].*axis, p[2].*axis)), max(q[0].*axis, max(q[1].*axis, q[2].*axis))) -
+         min(min(p[0].*axis, min(p[1].*axis, p[2].*axis)), min(q[0].*axis, min(q[1].*axis, q[2].*axis)));
+}
+
+/// The answer, and what it was made of: where the triangles touch can be told from it.
+template <class F>
+struct Meeting {
+  FlagsOf<F> touch, unsure;  ///< for certain; rounding may hide the answer
+  Triple<F> p_normal, q_normal;
+  F p_height[3], q_height[3];    ///< of the corners over the other's plane, times its normal's length
+  Turned<F> a, b;                ///< p and q
+  Triple<F> a1, a2, b0, b1, b2;  ///< their corners relative to a's first one
+};
+template <class F>
+STANDOFF_INLINE Meeting<F> meeting(const Triple<F> (&p)[3], const Triple<F> (&q)[3]) {
+  constexpr double kRounding = 6e-15, kUnderflow = 1e-290;
+  const F bound =
+      extent(p, q, &Triple<F>::x) * extent(p, q, &Triple<F>::y) * extent(p, q, &Triple<F>::z) * F(kRounding) +
+      F(kUnderflow);
+  Meeting<F> m;
+  m.p_normal = plain_cross(p[1] - p[0], p[2] - p[0]), m.q_normal = plain_cross(q[1] - q[0], q[2] - q[0]);
+  for (int k = 0; k < 3; ++k)
+    m.p_height[k] = plain_dot(m.q_normal, p[k] - q[0]), m.q_height[k] = plain_dot(m.p_normal, q[k] - p[0]);
+  m.a = turn(p, m.p_height, bound), m.b = turn(q, m.q_height, bound);
+
+  // Which of a's points on the common line come before which of b's?
+  m.a1 = m.a.corner[1] - m.a.corner[0], m.a2 = m.a.corner[2] - m.a.corner[0];
+  m.b0 = m.b.corner[0] - m.a.corner[0], m.b1 = m.b.corner[1] - m.a.corner[0], m.b2 = m.b.corner[2] - m.a.corner[0];
+  const Triple<F> m1 = plain_cross(m.b0, m.b1), m2 = plain_cross(m.b0, m.b2);
+  const Signs<F> order[4] = {signs(plain_dot(m.a1, m1), bound), signs(plain_dot(m.a1, m2), bound),
+                             signs(plain_dot(m.a2, m1), bound), signs(plain_dot(m.a2, m2), bound)};
+  const FlagsOf<F> before = order[0].positive | order[1].positive | order[2].positive | order[3].positive;
+  const FlagsOf<F> after = order[0].negative | order[1].negative | order[2].negative | order[3].negative;
+  const FlagsOf<F> all_before = order[0].positive & order[1].positive & order[2].positive & order[3].positive;
+  const FlagsOf<F> all_after = order[0].negative & order[1].negative & order[2].negative & order[3].negative;
+  const FlagsOf<F> sure = m.a.sure & m.b.sure;
+  const FlagsOf<F> apart = m.a.apart | m.b.apart | (sure & (all_before | all_after));
+  m.touch = sure & negated(apart) & before & after;
+  m.unsure = negated(apart | m.touch);
+  return m;
+}
+
+}  // namespace standoff::collision

@@ -1,0 +1,130 @@
+// CUDA as the platform: launches with a label, memory, errors that name call, file and line.
+#pragma once
+
+#include <cuda_runtime.h>
+
+#if __has_include(<nvtx3/nvToolsExt.h>)  // comes with the whole toolkit, not with nvcc alone
+#include <nvtx3/nvToolsExt.h>
+#define STANDOFF_HAVE_NVTX 1
+#endif
+#include <cstdint>
+#include <string>
+#include <utility>
+
+#include "gpu/device_memory.h"
+#include "standoff/cuda.h"
+#include "standoff/error.h"
+
+namespace standoff::cuda {
+
+/// Where in standoff something is called: as a parameter's default, the place of the call that leaves the parameter
+/// out. Not std::source_location, whose current() nvcc before 12.2 does not take for a constant there.
+struct Place {
+  const char* file;
+  int line;
+  static constexpr Place current(const char* file = __builtin_FILE(), int line = __builtin_LINE()) {
+    return {file, line};
+  }
+};
+
+/// Throws Error{device} where a call of CUDA failed, at the place in standoff that wanted it. The error is taken from
+/// CUDA, so that later calls do not see it.
+inline void check_call(cudaError_t result, const char* call, const Place& at = Place::current()) {
+  if (result == cudaSuccess) return;
+  cudaGetLastError();
+  throw Error(ErrorCode::device, std::string("cuda: ") + call + " failed at " + at.file + ":" +
+                                     std::to_string(at.line) + ": " + cudaGetErrorString(result) +
+                                     "; run `standoff devices`, or use the CPU (--device cpu)");
+}
+
+/// Names what the host does, for NVIDIA's profilers.
+class Label {
+ public:
+#ifdef STANDOFF_HAVE_NVTX
+  explicit Label(const char* text) { nvtxRangePushA(text); }
+  ~Label() { nvtxRangePop(); }
+#else
+  explicit Label(const char*) {}
+#endif
+  Label(const Label&) = delete;
+  Label& operator=(const Label&) = delete;
+};
+
+/// Reads what other threads change meanwhile.
+template <class T>
+__device__ __forceinline__ T load_relaxed(T* at) {
+  return *const_cast<volatile T*>(at);
+}
+
+/// Enough blocks to fill a GPU, for kernels that stride over work of unknown size.
+inline constexpr unsigned kManyBlocks = 2048;
+
+/// What a launch is called, and where it stands.
+struct LaunchName {
+  const char* label;
+  Place at;
+  LaunchName(const char* text, const Place& place = Place::current()) : label(text), at(place) {}
+};
+
+template <class... Parameters, class... Arguments>
+void launch(Stream stream, const LaunchName& name, void (*kernel)(Parameters...), std::int64_t blocks, unsigned threads,
+            const Arguments&... arguments) {
+  const Label named(name.label);
+  cudaLaunchConfig_t shape{};
+  shape.gridDim = dim3(static_cast<unsigned>(blocks));
+  shape.blockDim = dim3(threads);
+  shape.stream = stream;
+  // Unlike <<<>>> it returns its own error: one that the caller of standoff left unread is none of ours.
+  check_call(cudaLaunchKernelEx(&shape, kernel, Parameters(arguments)...), name.label, name.at);
+}
+
+inline void fill_bytes(Stream stream, void* to, int value, std::int64_t bytes, const Place& at = Place::current()) {
+  check_call(cudaMemsetAsync(to, value, static_cast<std::size_t>(bytes), stream), "cudaMemsetAsync", at);
+}
+inline void copy_in(void* to, const void* from, std::int64_t bytes, const Place& at = Place::current()) {
+  check_call(cudaMemcpy(to, from, static_cast<std::size_t>(bytes), cudaMemcpyHostToDevice), "cudaMemcpy to the GPU",
+             at);
+}
+inline void copy_out(void* to, const void* from, std::int64_t bytes, const Place& at = Place::current()) {
+  check_call(cudaMemcpy(to, from, static_cast<std::size_t>(bytes), cudaMemcpyDeviceToHost), "cudaMemcpy from the GPU",
+             at);
+}
+
+/// Throws Error{limit} where so much memory is not free now.
+inline void expect_room(std::int64_t bytes, const Place& at = Place::current()) {
+  std::size_t free = 0, total = 0;
+  check_call(cudaMemGetInfo(&free, &total), "cudaMemGetInfo", at);
+  if (bytes > static_cast<std::int64_t>(free))
+    gpu::fail_for_room(bytes, static_cast<std::int64_t>(free), static_cast<std::int64_t>(total));
+}
+
+/// Device memory that frees itself.
+class Memory {
+ public:
+  Memory() = default;
+  explicit Memory(std::int64_t bytes, const Place& at = Place::current()) {
+    const cudaError_t result = cudaMalloc(&at_, static_cast<std::size_t>(bytes > 0 ? bytes : 1));
+    if (result == cudaErrorMemoryAllocation) {
+      cudaGetLastError();
+      std::size_t free = 0, total = 0;
+      cudaMemGetInfo(&free, &total);
+      gpu::fail_for_room(bytes, static_cast<std::int64_t>(free), static_cast<std::int64_t>(total));
+    }
+    check_call(result, "cudaMalloc", at);
+  }
+  ~Memory() { cudaFree(at_); }
+  Memory(Memory&& other) noexcept : at_(other.at_) { other.at_ = nullptr; }
+  Memory& operator=(Memory&& other) noexcept {
+    std::swap(at_, other.at_);
+    return *this;
+  }
+  template <class T>
+  T* as() const {
+    return static_cast<T*>(at_);
+  }
+
+ private:
+  void* at_ = nullptr;
+};
+
+}  // namespace standoff::cuda

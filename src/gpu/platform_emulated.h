@@ -1,0 +1,100 @@
+// The emulation as the platform: device memory is plain memory, poisoned when it is new so that nothing can depend on
+// what was there.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <new>
+#include <utility>
+
+#include "gpu/device_memory.h"
+#include "gpu/emulation/words.h"
+#include "standoff/cuda.h"
+
+namespace standoff::emulated {
+
+using cuda::DeviceMesh;
+using cuda::DeviceOutput;
+using cuda::Outcome;
+using cuda::Stream;
+using cuda::Task;
+
+/// Reads what other threads change meanwhile.
+template <class T>
+T load_relaxed(T* at) {
+  return std::atomic_ref<T>(*at).load(std::memory_order_relaxed);
+}
+
+/// Few: blocks without work cost time here.
+inline constexpr unsigned kManyBlocks = 3;
+
+template <class... Parameters, class... Arguments>
+void launch(Stream, const char* label, void (*kernel)(Parameters...), std::int64_t blocks, unsigned threads,
+            const Arguments&... arguments) {
+  emulation::launch(label, static_cast<unsigned>(blocks), threads, [&] { kernel(arguments...); });
+}
+
+inline void fill_bytes(Stream, void* at, int value, std::int64_t bytes) {
+  std::memset(at, value, static_cast<std::size_t>(bytes));
+}
+inline void copy_in(void* to, const void* from, std::int64_t bytes) {
+  std::memcpy(to, from, static_cast<std::size_t>(bytes));
+}
+
+/// What new memory is filled with.
+inline constexpr unsigned char kPoison = 0xcd;
+/// Words copied to the host that nobody had written before, by their poison: what initcheck, of NVIDIA's sanitizer,
+/// reports on a GPU. For tests to read.
+inline std::atomic<std::int64_t> unwritten_words_copied{0};
+
+inline void copy_out(void* to, const void* from, std::int64_t bytes) {
+  std::memcpy(to, from, static_cast<std::size_t>(bytes));
+  std::uint32_t word = 0, poison = 0;
+  std::memset(&poison, kPoison, sizeof poison);
+  std::int64_t unwritten = 0;
+  for (std::int64_t at = 0; at + 4 <= bytes; at += 4) {
+    std::memcpy(&word, static_cast<const char*>(to) + at, sizeof word);
+    unwritten += word == poison;
+  }
+  unwritten_words_copied += unwritten;
+}
+
+/// The emulated GPU's memory: how much of it is taken, and how much there is, for tests to change.
+inline std::atomic<std::int64_t> memory_taken{0};
+inline std::atomic<std::int64_t> memory_total{std::int64_t{1} << 40};
+
+/// Throws Error{limit} where so much memory is not free now.
+inline void expect_room(std::int64_t bytes) {
+  const std::int64_t free = memory_total - memory_taken;
+  if (bytes > free) gpu::fail_for_room(bytes, free, memory_total);
+}
+
+class Memory {
+ public:
+  Memory() = default;
+  explicit Memory(std::int64_t bytes) {
+    expect_room(bytes);
+    at_ = {::operator new (static_cast<std::size_t>(bytes), std::align_val_t{kAlignment}), Release{bytes}};
+    memory_taken += bytes;
+    std::memset(at_.get(), kPoison, static_cast<std::size_t>(bytes));
+  }
+  template <class T>
+  T* as() const {
+    return static_cast<T*>(at_.get());
+  }
+
+ private:
+  static constexpr std::size_t kAlignment = 256;  // cudaMalloc's
+  struct Release {
+    std::int64_t bytes;
+    void operator()(void* at) const {
+      ::operator delete (at, std::align_val_t{kAlignment});
+      memory_taken -= bytes;
+    }
+  };
+  std::unique_ptr<void, Release> at_;
+};
+
+}  // namespace standoff::emulated

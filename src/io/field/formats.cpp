@@ -1,0 +1,74 @@
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <new>
+#include <string>
+
+#include "core/guarded.h"
+#include "io/field/format.h"
+#include "standoff/error.h"
+#include "standoff/io.h"
+
+namespace standoff {
+namespace {
+
+constexpr std::array<FieldFormat, 3> kFormats{{
+    {"vti", "VTK XML image data, for ParaView and VTK", true, read_vti, write_vti},
+    {"nrrd", "NRRD, for Slicer, ITK and teem", false, read_nrrd, write_nrrd},
+    {"npz", "NumPy arrays", true, read_npz, write_npz},
+}};
+
+const FieldFormat& format_of(const std::filesystem::path& path, ErrorCode code) {
+  std::string extension = path.extension().string();
+  if (!extension.empty()) extension.erase(0, 1);
+  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
+  for (const FieldFormat& format : kFormats)
+    if (format.extension == extension) return format;
+  std::string known;
+  for (const FieldFormat& format : kFormats) known += std::string(known.empty() ? "" : ", ") + '.' + format.extension;
+  throw Error(code, path.string() + ": " +
+                        (extension.empty() ? "the name has no extension" : "no field format is called ." + extension) +
+                        "; use one of " + known);
+}
+
+}  // namespace
+
+std::vector<Format> field_formats() try {
+  std::vector<Format> formats;
+  for (const FieldFormat& format : kFormats)
+    formats.push_back({format.extension, format.description, true, true, format.nearest});
+  return formats;
+} catch (...) {
+  throw_as_error("formats");
+}
+
+DistanceField read_field(const std::filesystem::path& path, const FieldReadOptions& options) try {
+  if (options.memory_limit < 0)
+    throw Error(ErrorCode::usage, "a memory limit must be zero or more bytes; give zero for none");
+  const FieldFormat& format = format_of(path, ErrorCode::input);
+  // Dense files can be larger than memory, and sparse fields of theirs small.
+  const FileView view(path, FileView::Access::map);
+  const FieldInput file(view, options.memory_limit);
+  if (file.size() == 0) file.fail("the file is empty; write it again");
+  try {
+    return format.read(file);
+  } catch (const std::bad_alloc&) {
+    throw Error(ErrorCode::limit, path.string() + ": not enough memory for its samples; use a machine with more");
+  }
+} catch (...) {
+  throw_as_error("field");
+}
+
+void write_field(const std::filesystem::path& path, const DistanceField& field, Existing existing) try {
+  const FieldFormat& format = format_of(path, ErrorCode::usage);
+  if (field.has_nearest() && !format.nearest)
+    throw Error(ErrorCode::usage, path.string() + ": ." + format.extension +
+                                      " cannot carry nearest triangles; write .vti or .npz, or compute without them");
+  AtomicFile file(path, existing);
+  format.write(file, field);
+  file.commit();
+} catch (...) {
+  throw_as_error("field");
+}
+
+}  // namespace standoff

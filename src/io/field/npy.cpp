@@ -1,0 +1,111 @@
+#include "io/field/npy.h"
+
+#include <cstring>
+#include <string_view>
+
+#include "io/field/header_text.h"
+
+namespace standoff {
+namespace {
+
+constexpr std::string_view kMagic = "\x93NUMPY";
+constexpr std::uint64_t kAlignment = 64;
+constexpr std::uint64_t kMaxHeader = 1u << 16;  // what version 1 can say; longer ones describe records
+
+// The header is a Python dictionary: {'descr': '<f4', 'fortran_order': True, 'shape': (2, 3, 4), }
+class Dictionary {
+ public:
+  explicit Dictionary(std::string_view text) : rest_(text) {}
+
+  bool read(NpyHeader& header) {
+    if (!take('{')) return false;
+    int found = 0;
+    while (!take('}')) {
+      std::string key;
+      if (!quoted(key) || !take(':')) return false;
+      const bool good = key == "descr"           ? quoted(header.type)
+                        : key == "fortran_order" ? boolean(header.fortran_order)
+                        : key == "shape"         ? tuple(header.shape)
+                                                 : false;
+      if (!good) return false;
+      ++found;
+      if (!take(',') && !rest_.starts_with('}')) return false;
+    }
+    return found == 3 && trimmed(rest_).empty();
+  }
+
+ private:
+  bool take(char c) {
+    rest_ = trimmed(rest_);
+    if (!rest_.starts_with(c)) return false;
+    rest_ = trimmed(rest_.substr(1));
+    return true;
+  }
+  bool quoted(std::string& text) {
+    const char quote = rest_.empty() ? ' ' : rest_.front();
+    if (quote != '\'' && quote != '"') return false;
+    const auto end = rest_.find(quote, 1);
+    if (end == std::string_view::npos) return false;
+    text = rest_.substr(1, end - 1);
+    rest_ = trimmed(rest_.substr(end + 1));
+    return true;
+  }
+  bool boolean(bool& value) {
+    value = rest_.starts_with("True");
+    if (!value && !rest_.starts_with("False")) return false;
+    rest_ = trimmed(rest_.substr(value ? 4 : 5));
+    return true;
+  }
+  bool tuple(std::vector<std::int64_t>& values) {
+    if (!take('(')) return false;
+    values.clear();
+    while (!take(')')) {
+      const auto end = rest_.find_first_of(",) ");
+      const auto value = number_in<std::int64_t>(rest_.substr(0, end));
+      if (end == std::string_view::npos || !value || *value < 0) return false;
+      values.push_back(*value);
+      rest_ = trimmed(rest_.substr(end));
+      if (!take(',') && !rest_.starts_with(')')) return false;
+    }
+    return true;
+  }
+
+  std::string_view rest_;
+};
+
+}  // namespace
+
+std::string npy_header(const NpyHeader& header) {
+  std::string text =
+      "{'descr': '" + header.type + "', 'fortran_order': " + (header.fortran_order ? "True" : "False") + ", 'shape': (";
+  for (const auto side : header.shape) text += std::to_string(side) + ",";
+  text += "), }";
+  const std::uint64_t before = kMagic.size() + 4;
+  text.append((kAlignment - (before + text.size() + 1) % kAlignment) % kAlignment, ' ');
+  text += '\n';
+  const auto length = static_cast<std::uint16_t>(text.size());
+  return std::string(kMagic) + '\1' + '\0' + static_cast<char>(length & 0xFF) + static_cast<char>(length >> 8) + text;
+}
+
+NpyArray read_npy(const FieldInput& file, const std::string& name, std::uint64_t offset, std::uint64_t bytes) {
+  const auto fail = [&](const std::string& what) { file.fail(name, what); };
+  const std::string_view start = file.text(offset, std::min<std::uint64_t>(bytes, 12));
+  if (start.size() < 10 || !start.starts_with(kMagic)) fail("it is no NumPy array; write the file again");
+  const bool short_length = start[6] == 1;
+  if (start[6] < 1 || start[6] > 3 || (!short_length && start.size() < 12))
+    fail("its version of the NumPy format is unknown; save it with another NumPy");
+  std::uint32_t length = 0;
+  std::memcpy(&length, start.data() + 8, short_length ? 2 : 4);
+  const std::uint64_t header = short_length ? 10 : 12;
+  if (length > kMaxHeader || length > bytes - header)
+    fail("its header reaches past its end; the file is damaged, write it again");
+  NpyArray array;
+  if (!Dictionary(file.text(offset + header, length)).read(array))
+    fail("its header describes no plain array; save one of numbers, not of records or objects");
+  array.name = name;
+  array.offset = offset + header + length;
+  array.bytes = bytes - header - length;
+  return array;
+}
+
+}  // namespace standoff

@@ -1,0 +1,177 @@
+// NPZ: a zip archive of NumPy arrays, one file each.
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "files/shown.h"
+#include "io/field/format.h"
+#include "io/field/header_text.h"
+#include "io/field/npy.h"
+#include "io/field/samples.h"
+#include "io/field/zip_reader.h"
+#include "io/field/zip_writer.h"
+
+namespace standoff {
+namespace {
+
+constexpr const char* kDistance = "distance";
+constexpr const char* kNearest = "nearest_triangle";
+
+std::string quoted(const std::string& name) { return "'" + name + "'"; }
+
+class Archive {
+ public:
+  explicit Archive(const FieldInput& file) : file_(file), members_(read_zip(file)) {}
+
+  // The array of that name, its checksum verified.
+  std::optional<NpyArray> find(const std::string& name) const {
+    for (const ZipMember& member : members_) {
+      if (member.name != name + ".npy") continue;
+      check_crc(file_, member);
+      return read_npy(file_, member.name, member.offset, member.bytes);
+    }
+    return std::nullopt;
+  }
+  NpyArray get(const std::string& name) const {
+    if (auto array = find(name)) return *array;
+    file_.fail("the array " + quoted(name) + " is missing; save it too");
+  }
+
+  // A single number, or one per axis.
+  std::vector<double> numbers(const NpyArray& array, std::size_t count) const {
+    std::uint64_t values = 1;
+    for (const auto side : array.shape)
+      values = side == 1 ? values : values == 1 ? static_cast<std::uint64_t>(side) : 0;
+    const std::uint64_t width = array.type == "<f8" || array.type == "<i8" ? 8 : array.type == "<f4" ? 4 : 0;
+    if (values != count || width == 0 || array.bytes < count * width)
+      file_.fail(array.name,
+                 "it is not " + std::to_string(count) + " number(s) of type float64; save it again as such");
+    std::vector<double> numbers;
+    for (std::uint64_t at = array.offset; numbers.size() < count; at += width)
+      numbers.push_back(array.type == "<f8"   ? file_.read<double>(at)
+                        : array.type == "<i8" ? static_cast<double>(file_.read<std::int64_t>(at))
+                                              : static_cast<double>(file_.read<float>(at)));
+    return numbers;
+  }
+  Vec3 vector(const std::string& name) const {
+    const auto v = numbers(get(name), 3);
+    return {v[0], v[1], v[2]};
+  }
+
+  // A string: numpy keeps 4 bytes per character. Those beyond ASCII read as '?'.
+  std::string text(const std::string& name) const {
+    const auto array = find(name);
+    if (!array) return {};
+    const auto length = array->type.starts_with("<U")
+                            ? number_in<std::uint64_t>(std::string_view(array->type).substr(2))
+                            : std::nullopt;
+    if (!length || *length > kMaxText || !array->shape.empty() || array->bytes < 4 * *length)
+      file_.fail(array->name, "it is not a short string; save it again as one");
+    std::string text;
+    for (std::uint64_t n = 0; n < *length; ++n) {
+      const auto c = file_.read<std::uint32_t>(array->offset + 4 * n);
+      if (c != 0) text += c < 128 ? static_cast<char>(c) : '?';
+    }
+    return text;
+  }
+
+  // Three-dimensional samples of the given kind: "f4" or "u4".
+  StoredArray samples(const NpyArray& array, const std::string& kind, Size3& size) const {
+    if (array.type != "<" + kind && array.type != ">" + kind)
+      file_.fail(array.name, "its type is " + in_quotes(array.type) + "; save it as " + quoted("<" + kind));
+    if (array.shape.size() != 3) file_.fail(array.name, "it has not three axes; save it as array[i,j,k]");
+    std::uint64_t room = array.bytes / 4;
+    for (const auto side : array.shape) room = side > 0 ? room / static_cast<std::uint64_t>(side) : 0;
+    if (room == 0) file_.fail(array.name, "it is shorter than its shape says; the file is damaged, write it again");
+    size = {array.shape[0], array.shape[1], array.shape[2]};
+    return {array.offset, array.type.starts_with('>'), !array.fortran_order};
+  }
+
+ private:
+  const FieldInput& file_;
+  std::vector<ZipMember> members_;
+};
+
+class ArrayWriter {
+ public:
+  explicit ArrayWriter(AtomicFile& file) : zip_(file) {}
+
+  void begin(const std::string& name, const NpyHeader& header, std::uint64_t bytes) {
+    const std::string text = npy_header(header);
+    zip_.begin(name + ".npy", text.size() + bytes);
+    zip_.write(std::as_bytes(std::span(text)));
+  }
+  void write(std::span<const std::byte> bytes) { zip_.write(bytes); }
+  void end() { zip_.end(); }
+  void finish() { zip_.finish(); }
+
+  void small(const std::string& name, const NpyHeader& header, std::span<const std::byte> bytes) {
+    begin(name, header, bytes.size());
+    write(bytes);
+    end();
+  }
+  void vector(const std::string& name, Vec3 v) {
+    const std::array<double, 3> values{v.x, v.y, v.z};
+    small(name, {"<f8", {3}, false}, std::as_bytes(std::span(values)));
+  }
+  void text(const std::string& name, const std::string& value) {
+    std::vector<std::uint32_t> characters;
+    for (const unsigned char c : value) characters.push_back(c < 128 ? c : '?');
+    // numpy has no empty strings: one zero character reads as "".
+    if (characters.empty()) characters.push_back(0);
+    small(name, {"<U" + std::to_string(characters.size()), {}, false}, std::as_bytes(std::span(characters)));
+  }
+
+ private:
+  ZipWriter zip_;
+};
+
+}  // namespace
+
+DistanceField read_npz(const FieldInput& file) {
+  const Archive archive(file);
+  StoredField stored;
+  stored.distance = archive.samples(archive.get(kDistance), "f4", stored.grid.size);
+  stored.grid.origin = archive.vector("origin");
+  stored.grid.spacing = archive.vector("spacing");
+  if (const auto thickness = archive.find("thickness")) stored.thickness = archive.numbers(*thickness, 1)[0];
+  stored.provenance.method = archive.text("method");
+  stored.provenance.version = archive.text("version");
+  if (const auto hash = archive.find("mesh_hash"); hash && hash->type == "<u8" && hash->bytes >= 8)
+    stored.provenance.mesh_hash = file.read<std::uint64_t>(hash->offset);
+  if (const auto nearest = archive.find(kNearest)) {
+    Size3 size;
+    stored.nearest = archive.samples(*nearest, "u4", size);
+    if (size != stored.grid.size || stored.nearest->z_fastest != stored.distance.z_fastest)
+      file.fail(nearest->name, "its shape or order is not that of " + quoted(kDistance) + "; save both alike");
+  }
+  return load_field(file, stored);
+}
+
+void write_npz(AtomicFile& file, const DistanceField& field) {
+  const Grid& grid = field.grid();
+  ArrayWriter arrays(file);
+  arrays.vector("origin", grid.origin);
+  arrays.vector("spacing", grid.spacing);
+  const double thickness = field.thickness();
+  arrays.small("thickness", {"<f8", {}, false}, std::as_bytes(std::span(&thickness, 1)));
+  arrays.text("method", field.provenance.method);
+  const std::uint64_t hash = field.provenance.mesh_hash;
+  arrays.small("mesh_hash", {"<u8", {}, false}, std::as_bytes(std::span(&hash, 1)));
+  arrays.text("version", field.provenance.version);
+
+  const auto sink = [&](std::span<const std::byte> part) { arrays.write(part); };
+  const std::vector<std::int64_t> shape{grid.size.x, grid.size.y, grid.size.z};
+  arrays.begin(kDistance, {"<f4", shape, true}, sample_bytes(grid));
+  send_values(field, sink);
+  arrays.end();
+  if (field.has_nearest()) {
+    arrays.begin(kNearest, {"<u4", shape, true}, sample_bytes(grid));
+    send_nearest(field, sink);
+    arrays.end();
+  }
+  arrays.finish();
+}
+
+}  // namespace standoff

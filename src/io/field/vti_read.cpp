@@ -1,0 +1,224 @@
+// VTI: what standoff and VTK write as raw appended data, uncompressed, in one piece.
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "files/shown.h"
+#include "io/field/format.h"
+#include "io/field/header_text.h"
+#include "io/field/samples.h"
+#include "io/field/vti_tags.h"
+
+namespace standoff {
+namespace {
+
+constexpr std::uint64_t kMaxHeader = std::uint64_t{1} << 20;  // far more than any header needs
+constexpr std::string_view kAppended = "<AppendedData";
+
+class Reader {
+ public:
+  explicit Reader(const FieldInput& file) : file_(file), head_(file.text(0, kMaxHeader)) {}
+
+  StoredField read() {
+    const auto tags = header_tags();
+    std::string section;
+    for (const VtiTag& tag : tags) {
+      if (tag.name == "VTKFile") read_file(tag);
+      if (tag.name == "ImageData") read_image(tag);
+      if (tag.name == "Piece") read_piece(tag);
+      if (tag.name == "FieldData" || tag.name == "PointData" || tag.name == "CellData") section = tag.name;
+      if (tag.name != "DataArray" && tag.name != "Array") continue;
+      if (section == "PointData") points_.push_back(tag);
+      if (section == "FieldData") read_fact(tag);
+    }
+    if (!found_file_) file_.fail("header", "it is no VTK XML file; give a .vti file");
+    if (!found_image_) file_.fail("header", "it holds no ImageData; save the field as image data");
+    if (pieces_ != 1) file_.fail("header", "it has " + std::to_string(pieces_) + " pieces; save it as one");
+    read_samples();
+    return stored_;
+  }
+
+ private:
+  [[noreturn]] void fail(const VtiTag& tag, const std::string& what) const {
+    file_.fail("byte " + std::to_string(tag.offset), what);
+  }
+  const std::string& get(const VtiTag& tag, const char* attribute) const {
+    if (const std::string* value = tag.find(attribute)) return *value;
+    fail(tag, "<" + tag.name + "> lacks " + attribute + "; write the file again");
+  }
+  template <std::size_t n, class Number>
+  std::array<Number, n> numbers(const VtiTag& tag, const char* attribute) const {
+    const std::string& text = get(tag, attribute);
+    const auto words = words_of(text);
+    std::array<Number, n> numbers{};
+    for (std::size_t k = 0; k < n; ++k) {
+      const auto number = words.size() == n ? number_in<Number>(words[k]) : std::nullopt;
+      if (!number)
+        fail(tag, std::string(attribute) + " is not " + std::to_string(n) + " numbers; write the file again");
+      numbers[k] = *number;
+    }
+    return numbers;
+  }
+
+  std::vector<VtiTag> header_tags() {
+    const auto start = head_.find(kAppended);
+    if (start == std::string::npos)
+      file_.fail("header", "no appended data; save it with raw appended data (no file of VTK? check its name)");
+    const auto close = head_.find('>', start);
+    const auto mark = close == std::string::npos ? close : head_.find('_', close);
+    if (mark == std::string::npos || !trimmed(head_.substr(close + 1, mark - close - 1)).empty())
+      file_.fail("byte " + std::to_string(start),
+                 "no '_' begins the appended data; the file is damaged, write it again");
+    data_ = mark + 1;
+    auto tags = read_vti_tags(file_, head_.substr(0, close + 1));
+    // It may stand in a comment or in a processing instruction, after which nothing may be left.
+    if (tags.empty() || tags.back().name != kAppended.substr(1))
+      file_.fail("byte " + std::to_string(start), "the XML header is damaged; write the file again");
+    if (const std::string* encoding = tags.back().find("encoding"); !encoding || *encoding != "raw")
+      fail(tags.back(), "the appended data is not raw; save it with encoding raw");
+    return tags;
+  }
+
+  void read_file(const VtiTag& tag) {
+    found_file_ = true;
+    if (get(tag, "type") != "ImageData")
+      fail(tag, "it holds " + shown(get(tag, "type")) + "; save the field as ImageData");
+    if (tag.find("compressor")) fail(tag, "it is compressed; save it without compression");
+    big_endian_ = get(tag, "byte_order") == "BigEndian";
+    const std::string* header = tag.find("header_type");
+    length_bytes_ = header && *header == "UInt64" ? 8 : 4;
+  }
+
+  void read_image(const VtiTag& tag) {
+    found_image_ = true;
+    extent_ = numbers<6, std::int64_t>(tag, "WholeExtent");
+    constexpr std::int64_t kFar = std::int64_t{1} << 40;
+    for (const auto end : extent_)
+      if (end < -kFar || end > kFar) fail(tag, "WholeExtent is too large; write the file again");
+    Grid& grid = stored_.grid;
+    grid.size = {extent_[1] - extent_[0] + 1, extent_[3] - extent_[2] + 1, extent_[5] - extent_[4] + 1};
+    const auto origin = numbers<3, double>(tag, "Origin");
+    const auto spacing = numbers<3, double>(tag, "Spacing");
+    grid.spacing = {spacing[0], spacing[1], spacing[2]};
+    // VTK's origin is where index 0 lies, whether or not the extent begins there.
+    grid.origin = Vec3{origin[0], origin[1], origin[2]} +
+                  grid.spacing * Vec3{double(extent_[0]), double(extent_[2]), double(extent_[4])};
+    if (!tag.find("Direction")) return;
+    const auto direction = numbers<9, double>(tag, "Direction");
+    if (direction != std::array<double, 9>{1, 0, 0, 0, 1, 0, 0, 0, 1})
+      fail(tag, "the axes of the grid must be those of the world; resample it");
+  }
+
+  void read_piece(const VtiTag& tag) {
+    ++pieces_;
+    if (found_image_ && numbers<6, std::int64_t>(tag, "Extent") != extent_)
+      fail(tag, "the piece is not all of the image; save the whole as one piece");
+  }
+
+  // Where the bytes of an array lie, after their length.
+  std::uint64_t payload(const VtiTag& tag, std::uint64_t& bytes) const {
+    if (get(tag, "format") != "appended")
+      fail(tag, "the array is not in the appended data; save it with appended data");
+    const auto offset = number_in<std::uint64_t>(get(tag, "offset"));
+    if (!offset || *offset > file_.size()) fail(tag, "the array's offset lies outside the file; write the file again");
+    const std::uint64_t at = data_ + *offset;
+    if (length_bytes_ == 8) {
+      bytes = file_.read<std::uint64_t>(at);
+      if (big_endian_) bytes = __builtin_bswap64(bytes);
+    } else {
+      const auto narrow = file_.read<std::uint32_t>(at);
+      bytes = big_endian_ ? __builtin_bswap32(narrow) : narrow;
+    }
+    file_.require(at + length_bytes_, bytes, "an array");
+    return at + length_bytes_;
+  }
+
+  // The bytes of a small array, appended or as numbers in the text.
+  std::string bytes_of(const VtiTag& tag) const {
+    if (get(tag, "format") == "appended") {
+      std::uint64_t bytes = 0;
+      const std::uint64_t at = payload(tag, bytes);
+      return std::string(file_.text(at, std::min(bytes, kMaxText)));
+    }
+    if (get(tag, "format") != "ascii") fail(tag, "facts are read from appended or ascii arrays; save them as such");
+    std::string bytes;
+    for (const auto word : words_of(tag.text)) bytes += static_cast<char>(number_in<std::uint8_t>(word).value_or('?'));
+    bytes.resize(std::min<std::size_t>(bytes.size(), kMaxText));
+    return bytes;
+  }
+  std::string string_of(const VtiTag& tag) const { return bytes_of(tag).c_str(); }
+
+  void read_thickness(const VtiTag& tag) {
+    if (get(tag, "type") != "Float64") fail(tag, "the thickness is not of type Float64; write the file again");
+    if (get(tag, "format") == "ascii") {
+      const auto words = words_of(tag.text);
+      const auto number = words.size() == 1 ? number_in<double>(words[0]) : std::nullopt;
+      if (!number) fail(tag, "the thickness is not a number; write the file again");
+      stored_.thickness = *number;
+      return;
+    }
+    const std::string bytes = bytes_of(tag);
+    if (bytes.size() != sizeof(double)) fail(tag, "the thickness is not one number; write the file again");
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, bytes.data(), sizeof bits);
+    stored_.thickness = std::bit_cast<double>(big_endian_ ? __builtin_bswap64(bits) : bits);
+  }
+
+  void read_fact(const VtiTag& tag) {
+    const std::string* name = tag.find("Name");
+    if (!name) return;
+    if (*name == "thickness") read_thickness(tag);
+    if (*name == "method") stored_.provenance.method = string_of(tag);
+    if (*name == "version") stored_.provenance.version = string_of(tag);
+    if (*name == "mesh_hash") stored_.provenance.mesh_hash = hash_in(string_of(tag)).value_or(0);
+  }
+
+  StoredArray samples(const VtiTag& tag, const char* type) const {
+    if (get(tag, "type") != type)
+      fail(tag, "samples of type " + shown(get(tag, "type")) + " are not read; save them as " + type);
+    if (const std::string* n = tag.find("NumberOfComponents"); n && *n != "1")
+      fail(tag, "it has " + shown(*n) + " numbers per sample; save one");
+    std::uint64_t bytes = 0;
+    const std::uint64_t at = payload(tag, bytes);
+    if (bytes != sample_bytes(stored_.grid))
+      fail(tag,
+           "it has " + std::to_string(bytes) + " bytes, not 4 for each sample of WholeExtent; write the file again");
+    return {at, big_endian_, false};
+  }
+
+  void read_samples() {
+    require_valid(file_, stored_.grid);
+    const VtiTag* distance = nullptr;
+    for (const VtiTag& tag : points_) {
+      const std::string* name = tag.find("Name");
+      if (name && *name == "nearest_triangle") stored_.nearest = samples(tag, "UInt32");
+      if (name && *name == "distance") distance = &tag;
+    }
+    // A file of somebody else, whose only array can be nothing but the distance.
+    if (!distance && points_.size() == 1) distance = points_.data();
+    if (!distance) file_.fail("header", "its point data lacks an array 'distance'; name it so");
+    stored_.distance = samples(*distance, "Float32");
+  }
+
+  const FieldInput& file_;
+  std::string_view head_;
+  StoredField stored_;
+  std::vector<VtiTag> points_;
+  std::array<std::int64_t, 6> extent_{};
+  std::uint64_t data_ = 0, length_bytes_ = 4;
+  int pieces_ = 0;
+  bool found_file_ = false, found_image_ = false, big_endian_ = false;
+};
+
+}  // namespace
+
+DistanceField read_vti(const FieldInput& file) {
+  const StoredField stored = Reader(file).read();
+  return load_field(file, stored);
+}
+
+}  // namespace standoff

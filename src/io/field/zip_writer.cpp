@@ -1,0 +1,87 @@
+#include "io/field/zip_writer.h"
+
+#include "io/field/zip_crc32.h"
+#include "io/field/zip_format.h"
+
+namespace standoff {
+namespace {
+
+// Little endian numbers, one after the other.
+struct Record {
+  std::string bytes;
+
+  Record& u16(std::uint64_t value) { return add(value, 2); }
+  Record& u32(std::uint64_t value) { return add(value, 4); }
+  Record& u64(std::uint64_t value) { return add(value, 8); }
+  Record& text(const std::string& value) {
+    bytes += value;
+    return *this;
+  }
+
+ private:
+  Record& add(std::uint64_t value, int count) {
+    for (; count > 0; --count, value >>= 8) bytes += static_cast<char>(value & 0xFF);
+    return *this;
+  }
+};
+
+constexpr std::uint16_t kVersion = 20, kVersion64 = 45;  // what a reader must understand
+constexpr std::uint16_t kStored = 0;
+constexpr std::uint32_t kDate = 0x21, kTime = 0;  // 1980-01-01: equal fields make equal files
+constexpr std::uint32_t kRegularFile = 0100644u << 16;
+constexpr std::uint16_t kMadeOnUnix = 3 << 8;
+
+}  // namespace
+
+void ZipWriter::begin(const std::string& name, std::uint64_t bytes) {
+  members_.push_back({name, bytes, file_.size(), 0});
+  const bool wide = bytes >= zip64_from_;
+  Record record;
+  record.u32(zip::kLocalHeader).u16(wide ? kVersion64 : kVersion).u16(0).u16(kStored).u16(kTime).u16(kDate);
+  record.u32(0);  // the checksum, once it is known
+  const std::uint64_t shown = wide ? zip::kIn64 : bytes;
+  record.u32(shown).u32(shown).u16(name.size()).u16(wide ? 20 : 0).text(name);
+  if (wide) record.u16(zip::kExtra64).u16(16).u64(bytes).u64(bytes);
+  write_text(record.bytes);
+}
+
+void ZipWriter::write(std::span<const std::byte> bytes) {
+  members_.back().crc = crc32(bytes, members_.back().crc);
+  file_.write(bytes.data(), bytes.size());
+}
+
+void ZipWriter::end() {
+  const Member& member = members_.back();
+  const Record record = Record().u32(member.crc);
+  file_.overwrite(member.header + zip::kLocalCrcOffset, record.bytes.data(), record.bytes.size());
+}
+
+void ZipWriter::finish() {
+  const std::uint64_t start = file_.size();
+  bool any_wide = false;
+  for (const Member& member : members_) {
+    const bool wide = member.bytes >= zip64_from_ || member.header >= zip64_from_;
+    any_wide |= wide;
+    Record record;
+    record.u32(zip::kDirectoryHeader).u16(kMadeOnUnix | (wide ? kVersion64 : kVersion));
+    record.u16(wide ? kVersion64 : kVersion).u16(0).u16(kStored).u16(kTime).u16(kDate).u32(member.crc);
+    const std::uint64_t shown = wide ? zip::kIn64 : member.bytes;
+    record.u32(shown).u32(shown).u16(member.name.size()).u16(wide ? 28 : 0).u16(0).u16(0).u16(0).u32(kRegularFile);
+    record.u32(wide ? zip::kIn64 : member.header).text(member.name);
+    if (wide) record.u16(zip::kExtra64).u16(24).u64(member.bytes).u64(member.bytes).u64(member.header);
+    write_text(record.bytes);
+  }
+  const std::uint64_t end = file_.size(), count = members_.size();
+  const bool wide = any_wide || start >= zip64_from_;
+  Record record;
+  if (wide) {
+    record.u32(zip::kDirectoryEnd64).u64(zip::kDirectoryEnd64Bytes - 12).u16(kMadeOnUnix | kVersion64).u16(kVersion64);
+    record.u32(0).u32(0).u64(count).u64(count).u64(end - start).u64(start);
+    record.u32(zip::kLocator64).u32(0).u64(end).u32(1);
+  }
+  record.u32(zip::kDirectoryEnd).u16(0).u16(0).u16(count).u16(count).u32(end - start);
+  record.u32(wide ? zip::kIn64 : start).u16(0);
+  write_text(record.bytes);
+}
+
+}  // namespace standoff

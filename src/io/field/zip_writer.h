@@ -1,0 +1,40 @@
+// Uncompressed zip archives, written front to back. Layout: PKWARE APPNOTE 6.3.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "files/atomic_file.h"
+
+namespace standoff {
+
+/// Members are written one after the other: begin, any number of writes, end. Sizes past `zip64_from` are spelt in 64
+/// bits; readers want that only from 4 GiB on, tests set it lower.
+class ZipWriter {
+ public:
+  static constexpr std::uint64_t kZip64From = 0xFFFFFFFF;
+  explicit ZipWriter(AtomicFile& file, std::uint64_t zip64_from = kZip64From) : file_(file), zip64_from_(zip64_from) {}
+
+  /// Starts a member of exactly `bytes` bytes.
+  void begin(const std::string& name, std::uint64_t bytes);
+  void write(std::span<const std::byte> bytes);
+  void end();
+  /// Writes the directory; the archive is complete, but not committed.
+  void finish();
+
+ private:
+  struct Member {
+    std::string name;
+    std::uint64_t bytes = 0, header = 0;
+    std::uint32_t crc = 0;
+  };
+  void write_text(const std::string& text) { file_.write(text.data(), text.size()); }
+
+  AtomicFile& file_;
+  std::uint64_t zip64_from_;
+  std::vector<Member> members_;
+};
+
+}  // namespace standoff

@@ -1,0 +1,42 @@
+// The table of mesh formats: a format is one file and a row in mesh_formats.cpp.
+#pragma once
+
+#include <string_view>
+
+#include "files/atomic_file.h"
+#include "files/file_view.h"
+#include "standoff/mesh.h"
+
+namespace standoff {
+
+struct MeshFormat {
+  const char* extension;
+  const char* name;  ///< for messages: "STL"
+  const char* description;
+  bool (*recognises)(std::string_view content);  ///< cheap; false when in doubt
+  Mesh (*read)(const FileView&);                 ///< nullptr when this build cannot; the file is not empty
+  void (*write)(AtomicFile&, MeshView);          ///< everything but the commit; nullptr when it cannot
+};
+
+bool is_stl(std::string_view content);
+Mesh read_stl(const FileView& file);
+void write_stl(AtomicFile& file, MeshView mesh);
+
+bool is_ply(std::string_view content);
+Mesh read_ply(const FileView& file);
+void write_ply(AtomicFile& file, MeshView mesh);
+
+bool is_obj(std::string_view content);
+Mesh read_obj(const FileView& file);
+void write_obj(AtomicFile& file, MeshView mesh);
+
+bool is_off(std::string_view content);
+Mesh read_off(const FileView& file);
+
+Mesh read_gltf(const FileView& file);
+Mesh read_glb(const FileView& file);
+
+/// 3DS and DAE. Only with STANDOFF_HAVE_ASSIMP.
+Mesh read_with_assimp(const FileView& file, const char* extension);
+
+}  // namespace standoff

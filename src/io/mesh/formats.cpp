@@ -1,0 +1,139 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <new>
+#include <span>
+#include <string>
+
+#include "core/guarded.h"
+#include "files/body_magic.h"
+#include "files/text_cursor.h"
+#include "io/mesh/format.h"
+#include "standoff/io.h"
+
+namespace standoff {
+namespace {
+
+// The main chunk: 0x4d4d, and a length that is the file's.
+bool is_3ds(std::string_view content) {
+  std::uint32_t length = 0;
+  if (content.size() < 6 || !content.starts_with("MM")) return false;
+  std::memcpy(&length, content.data() + 2, sizeof length);
+  return length == content.size();
+}
+bool is_glb(std::string_view content) { return content.starts_with("glTF"); }
+bool is_gltf(std::string_view content) {
+  const auto first = content.find_first_not_of(" \t\r\n");
+  return first != content.npos && content[first] == '{' && content.find("\"asset\"") != content.npos;
+}
+bool is_dae(std::string_view content) { return content.substr(0, 1024).find("<COLLADA") != content.npos; }
+
+#ifdef STANDOFF_HAVE_ASSIMP
+constexpr Mesh (*read_3ds)(const FileView&) = [](const FileView& file) { return read_with_assimp(file, "3ds"); };
+constexpr Mesh (*read_dae)(const FileView&) = [](const FileView& file) { return read_with_assimp(file, "dae"); };
+#else
+constexpr auto read_3ds = nullptr, read_dae = nullptr;
+#endif
+
+constexpr std::array<MeshFormat, 8> kFormats{{
+    {"stl", "STL", "STL, binary or ASCII; written as binary", is_stl, read_stl, write_stl},
+    {"ply", "PLY", "PLY, binary or ASCII; written as binary little endian", is_ply, read_ply, write_ply},
+    {"obj", "OBJ", "Wavefront OBJ", is_obj, read_obj, write_obj},
+    {"off", "OFF", "OFF, text", is_off, read_off, nullptr},
+    {"3ds", "3DS", "3D Studio", is_3ds, read_3ds, nullptr},
+    {"glb", "GLB", "glTF 2.0, binary", is_glb, read_glb, nullptr},
+    {"gltf", "glTF", "glTF 2.0, JSON", is_gltf, read_gltf, nullptr},
+    {"dae", "DAE", "COLLADA", is_dae, read_dae, nullptr},
+}};
+
+const MeshFormat* format_by_extension(const std::filesystem::path& path) {
+  const std::string extension = path.extension().string();
+  for (const MeshFormat& format : kFormats)
+    if (!extension.empty() && equals_ignoring_case(extension.substr(1), format.extension)) return &format;
+  return nullptr;
+}
+
+const MeshFormat* format_by_content(std::string_view content) {
+  const auto found =
+      std::find_if(kFormats.begin(), kFormats.end(), [&](const MeshFormat& f) { return f.recognises(content); });
+  return found == kFormats.end() ? nullptr : &*found;
+}
+
+template <class Wanted>
+std::string extensions(const Wanted& wanted) {
+  std::string list;
+  for (const MeshFormat& format : kFormats)
+    if (wanted(format)) list += (list.empty() ? "." : ", .") + std::string(format.extension);
+  return list;
+}
+
+const MeshFormat& format_to_read(const FileView& file) {
+  if (file.bytes().starts_with(kBodyMagic))
+    file.fail("byte 0", "the content is a body that standoff build made, and no mesh; rename it to end in .body");
+  const MeshFormat* named = format_by_extension(file.path());
+  const MeshFormat* found = named && named->recognises(file.bytes()) ? named : format_by_content(file.bytes());
+  if (!named && !found)
+    file.fail("", "neither its name nor its content tells a mesh format; give one of " +
+                      extensions([](const MeshFormat& f) { return f.read != nullptr; }));
+  if (named && found && named != found)
+    file.fail("byte 0", "the name says " + std::string(named->name) + " but the content is " + found->name +
+                            "; rename it to end in ." + found->extension);
+  const MeshFormat& format = named ? *named : *found;
+  if (!format.read)
+    file.fail("", "this standoff was built without " + std::string(format.name) +
+                      "; convert it to STL, PLY or OBJ, or build standoff with assimp (Debian: libassimp-dev, CMake: "
+                      "STANDOFF_WITH_ASSIMP)");
+  return format;
+}
+
+void scale_vertices(const FileView& file, Mesh& mesh, double scale) {
+  if (scale == 1) return;
+  for (Vec3& v : mesh.vertices) v = v * scale;
+  for (const Triangle& t : mesh.triangles)
+    for (const auto v : t)
+      if (!is_finite(mesh.vertices[v]))
+        file.fail("vertex " + std::to_string(v), "infinite after scaling; use a smaller scale");
+}
+
+}  // namespace
+
+std::vector<Format> mesh_formats() try {
+  std::vector<Format> formats;
+  for (const MeshFormat& f : kFormats)
+    formats.push_back({f.extension, f.description, f.read != nullptr, f.write != nullptr});
+  return formats;
+} catch (...) {
+  throw_as_error("formats");
+}
+
+Mesh read_mesh(const std::filesystem::path& path, const MeshReadOptions& options) try {
+  if (!(std::isfinite(options.scale) && options.scale > 0))
+    throw Error(ErrorCode::usage, "scale must be positive and finite; give 0.001 for millimetres to metres");
+  try {
+    const FileView file(path);
+    if (file.size() == 0) file.fail("", "the file is empty; check the program that wrote it");
+    Mesh mesh = format_to_read(file).read(file);
+    scale_vertices(file, mesh, options.scale);
+    return mesh;
+  } catch (const std::bad_alloc&) {
+    throw Error(ErrorCode::limit, path.string() + ": not enough memory for its triangles; use a machine with more");
+  }
+} catch (...) {
+  throw_as_error("mesh");
+}
+
+void write_mesh(const std::filesystem::path& path, MeshView mesh, Existing existing) try {
+  const MeshFormat* format = format_by_extension(path);
+  if (!format || !format->write)
+    throw Error(ErrorCode::usage, path.string() + ": no mesh format to write goes by this extension; use one of " +
+                                      extensions([](const MeshFormat& f) { return f.write != nullptr; }));
+  validate(mesh);
+  AtomicFile file(path, existing);
+  format->write(file, mesh);
+  file.commit();
+} catch (...) {
+  throw_as_error("mesh");
+}
+
+}  // namespace standoff

@@ -1,0 +1,219 @@
+#include "thesis/algorithm_1.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "field/cpu/bins.h"
+#include "field/cpu/lattice.h"
+#include "geometry/sample_range.h"
+#include "simd/four.h"
+#include "thesis/thesis_distance.h"
+
+namespace standoff::cpu {
+namespace {
+
+// Samples of a row are done four at a time. The last ones may lie past the triangle's box, where a distance is as true
+// as any other, or past the brick, where rows have spare room.
+constexpr int kAtOnce = 4;
+constexpr int kRow = kBrickSide + kAtOnce;
+constexpr std::int64_t kMostRefs = std::int64_t{16} << 20;  // indices held at once: 64 MiB
+constexpr std::int64_t kTrianglesAtOnce = 2048;             // of one brick, in one task
+
+// What the bricks share: lengths are in grid units (lattice.h), positions relative to the brick's centre.
+struct Shared {
+  const Job& job;
+  Lattice lattice;
+  float coordinate[3][kRow];  // of the samples of a brick, per axis
+
+  explicit Shared(const Job& j) : job(j), lattice(make_lattice(j.grid, j.thickness)) {
+    for (int axis = 0; axis < 3; ++axis)
+      for (int sample = 0; sample < kRow; ++sample)
+        coordinate[axis][sample] =
+            static_cast<float>((sample - (kBrickSide - 1) / 2.0) * lattice.spacing[axis] * lattice.scale);
+  }
+
+  SampleRange samples(const Brick& brick) const {
+    const Size3 begin{brick.at[0] * kBrickSide, brick.at[1] * kBrickSide, brick.at[2] * kBrickSide};
+    return {begin,
+            {std::min(begin.x + kBrickSide, lattice.size[0]), std::min(begin.y + kBrickSide, lattice.size[1]),
+             std::min(begin.z + kBrickSide, lattice.size[2])}};
+  }
+};
+
+// The nearest triangle of every sample of a brick so far.
+struct BrickSamples {
+  alignas(64) float distance_sq[kBrickSide][kBrickSide][kRow];  // z, y, x
+  alignas(64) std::uint32_t nearest[kBrickSide][kBrickSide][kRow];
+
+  explicit BrickSamples(bool with_nearest) {
+    std::fill_n(&distance_sq[0][0][0], kBrickSide * kBrickSide * kRow, std::numeric_limits<float>::infinity());
+    if (with_nearest) std::fill_n(&nearest[0][0][0], kBrickSide * kBrickSide * kRow, kNoTriangle);
+  }
+};
+
+// The inner loop of Algorithm 1, over `count` samples of a row. Triangles come in ascending order, so that "smaller"
+// leaves the lowest index where two are equally near.
+template <bool kNearest>
+void lower_row(const ThesisTriangle<Four>& triangle, std::uint32_t index, const float* x, float y, float z, int count,
+               float* distance_sq, std::uint32_t* nearest) {
+  for (int first = 0; first < count; first += kAtOnce) {
+    const Four d = standoff::distance_sq(triangle, Triple<Four>{Four::load(x + first), Four(y), Four(z)});
+    const Four before = Four::load(distance_sq + first);
+    if constexpr (kNearest)
+      for (int n = 0; n < kAtOnce; ++n)
+        if (d.v[n] < before.v[n]) nearest[first + n] = index;
+    min(d, before).store(distance_sq + first);
+  }
+}
+
+// Gathers the triangles of one brick: the body of a reduction over them, so that many triangles in few bricks, as in
+// the thesis's minimum grids, are work for all threads. Which parts they are cut into does not show: least values do
+// not depend on it, and the left part, which has the lower indices, wins ties.
+class Gather {
+ public:
+  Gather(const Shared& shared, const Brick& brick, std::span<const std::uint32_t> refs, bool with_nearest)
+      : shared_(shared),
+        brick_(brick),
+        refs_(refs),
+        with_nearest_(with_nearest),
+        samples_(std::make_unique<BrickSamples>(with_nearest)) {}
+  Gather(Gather& other, tbb::split) : Gather(other.shared_, other.brick_, other.refs_, other.with_nearest_) {}
+
+  void operator()(const tbb::blocked_range<std::size_t>& part) {
+    for (std::size_t n = part.begin(); n < part.end(); ++n) {
+      if (with_nearest_)
+        add<true>(refs_[n]);
+      else
+        add<false>(refs_[n]);
+      // Often enough that whoever cancels need not wait, were each triangle to reach every sample.
+      constexpr std::size_t kAsk = 256;
+      if (n % kAsk == 0) shared_.job.progress.advance(0);
+    }
+  }
+
+  void join(const Gather& right) {
+    examined_ += right.examined_;
+    for (int z = 0; z < kBrickSide; ++z)
+      for (int y = 0; y < kBrickSide; ++y)
+        for (int x = 0; x < kBrickSide; ++x)
+          if (right.samples_->distance_sq[z][y][x] < samples_->distance_sq[z][y][x]) {
+            samples_->distance_sq[z][y][x] = right.samples_->distance_sq[z][y][x];
+            if (with_nearest_) samples_->nearest[z][y][x] = right.samples_->nearest[z][y][x];
+          }
+  }
+
+  const BrickSamples& samples() const { return *samples_; }
+  std::int64_t examined() const { return examined_; }
+
+ private:
+  template <bool kNearest>
+  void add(std::uint32_t index) {
+    const MeshView& mesh = shared_.job.mesh;
+    const Vec3 p = mesh.corner(index, 0), q = mesh.corner(index, 1), r = mesh.corner(index, 2);
+    const SampleRange all = shared_.samples(brick_);
+    const Box box{min(p, min(q, r)), max(p, max(q, r))};
+    const SampleRange range = intersection(samples_in(box.grown(shared_.job.thickness), shared_.job.grid), all);
+    if (range.empty()) return;
+    examined_ += range.count();
+    const auto local = [&](Vec3 corner) {
+      return corner * shared_.lattice.scale - Vec3{brick_.center[0], brick_.center[1], brick_.center[2]};
+    };
+    const auto triangle = make_thesis_triangle<Four>(local(p), local(q), local(r));
+    const int x0 = static_cast<int>(range.begin.x - all.begin.x), count = static_cast<int>(range.end.x - range.begin.x);
+    for (auto z = range.begin.z - all.begin.z; z < range.end.z - all.begin.z; ++z)
+      for (auto y = range.begin.y - all.begin.y; y < range.end.y - all.begin.y; ++y)
+        lower_row<kNearest>(triangle, index, shared_.coordinate[0] + x0, shared_.coordinate[1][y],
+                            shared_.coordinate[2][z], count, samples_->distance_sq[z][y] + x0,
+                            samples_->nearest[z][y] + x0);
+  }
+
+  const Shared& shared_;
+  const Brick& brick_;
+  std::span<const std::uint32_t> refs_;
+  bool with_nearest_;
+  std::unique_ptr<BrickSamples> samples_;
+  std::int64_t examined_ = 0;
+};
+
+// Gives the finished tiles of a brick to the sink and returns how many of its samples are in the band.
+std::int64_t emit(const Shared& shared, const Brick& brick, const BrickSamples& samples, Sink& sink) {
+  constexpr int side = DistanceField::kTileSide;
+  const SampleRange all = shared.samples(brick);
+  const int size[3] = {static_cast<int>(all.end.x - all.begin.x), static_cast<int>(all.end.y - all.begin.y),
+                       static_cast<int>(all.end.z - all.begin.z)};
+  const float limit = shared.lattice.thickness_world, unscale = static_cast<float>(1 / shared.lattice.scale);
+  std::int64_t band = 0;
+  float values[side][side][side];
+  for (int tile = 0; tile < kBrickTiles; ++tile) {
+    const int x0 = side * (tile & 1), y0 = side * (tile >> 1 & 1), z0 = side * (tile >> 2);
+    const int nx = std::min(side, size[0] - x0), ny = std::min(side, size[1] - y0), nz = std::min(side, size[2] - z0);
+    bool needed = false;
+    for (int z = 0; z < nz; ++z)
+      for (int y = 0; y < ny; ++y)
+        for (int x = 0; x < nx; ++x) {
+          const float value = std::sqrt(samples.distance_sq[z0 + z][y0 + y][x0 + x]) * unscale;
+          values[z][y][x] = value;
+          band += value <= limit;
+          needed |= value <= limit;
+        }
+    if (!needed) continue;
+    const TileTarget target =
+        sink.open(2 * brick.at[0] + (tile & 1), 2 * brick.at[1] + (tile >> 1 & 1), 2 * brick.at[2] + (tile >> 2));
+    for (int z = 0; z < target.size.z; ++z)
+      for (int y = 0; y < target.size.y; ++y)
+        for (int x = 0; x < target.size.x; ++x) {
+          const bool inside = x < nx && y < ny && z < nz;
+          const std::int64_t at = x + target.row * y + target.slice * z;
+          target.values[at] = inside ? std::min(values[z][y][x], limit) : limit;
+          if (target.nearest)
+            target.nearest[at] =
+                inside && values[z][y][x] <= limit ? samples.nearest[z0 + z][y0 + y][x0 + x] : kNoTriangle;
+        }
+  }
+  return band;
+}
+
+}  // namespace
+
+Counts run_thesis(const Job& job, Sink& sink) {
+  const Shared shared(job);
+  std::atomic<std::int64_t> examined{0}, band{0};
+  job.progress.stage("gather", shared.lattice.brick_count(), 0.2, 1);
+  const auto gather_batch = [&](const Bins& bins) {
+    tbb::parallel_for(std::int64_t{0}, bins.bricks(), [&](std::int64_t n) {
+      const auto refs = bins.of(n);
+      if (!refs.empty()) {
+        const Brick brick = brick_at(shared.lattice, bins.first_brick + n);
+        Gather gather(shared, brick, refs, sink.with_nearest());
+        // Isolated: a thread that waits for its brick's other parts must not begin another brick meanwhile.
+        tbb::this_task_arena::isolate([&] {
+          tbb::parallel_reduce(tbb::blocked_range<std::size_t>(0, refs.size(), kTrianglesAtOnce), gather,
+                               tbb::simple_partitioner());
+        });
+        examined += gather.examined();
+        band += emit(shared, brick, gather.samples(), sink);
+      }
+      job.progress.advance();
+    });
+  };
+  for_each_batch(job, shared.lattice, std::max(kMostRefs, job.triangle_count()), gather_batch, Reach::box);
+  return {examined, band};
+}
+
+std::string thesis_device(Simd) { return "portable"; }
+
+std::int64_t thesis_scratch_bytes(std::int64_t triangles, const Grid& grid, double thickness, int threads) {
+  return bins_scratch_bytes(triangles, make_lattice(grid, thickness), std::max(kMostRefs, triangles), threads) +
+         2 * static_cast<std::int64_t>(sizeof(BrickSamples)) * threads;
+}
+
+}  // namespace standoff::cpu

@@ -1,0 +1,132 @@
+// Bodies in files: the same answers, and what becomes of files that are damaged or made up.
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include "collision/body/field_bounds.h"
+#include "collision/body/model_file.h"
+#include "standoff/collision.h"
+#include "tests/collision/bodies.h"
+#include "tests/support/temp_folder.h"
+
+namespace standoff {
+namespace {
+
+using namespace standoff::testing;
+
+class ModelFile : public ::testing::Test {
+ protected:
+  TempFolder folder_;
+  std::filesystem::path file_ = folder_.path() / "ball.body";
+  static std::string bytes(const std::filesystem::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  static void write(const std::filesystem::path& path, const std::string& text) {
+    std::ofstream(path, std::ios::binary) << text;
+  }
+};
+
+TEST_F(ModelFile, GivesTheSameAnswers) {
+  const CollisionModel a(ball_mesh(1, 5)), b(random_soup(2, 50, 0.5, 0.3));
+  a.save(file_);
+  const CollisionModel loaded = CollisionModel::load(file_);
+  EXPECT_EQ(loaded.memory_bytes(), a.memory_bytes());
+  Random random(7);
+  for (int n = 0; n < 100; ++n) {
+    const Pose pose = random_pose(random, 1.5);
+    const Distance d = distance(a, {}, b, pose), e = distance(loaded, {}, b, pose);
+    EXPECT_EQ(d.upper, e.upper);
+    EXPECT_EQ(d.triangle_a, e.triangle_a);
+  }
+}
+
+TEST_F(ModelFile, DamageIsAnError) {
+  CollisionModel(ball_mesh(1, 2), {.spacing = 0.3}).save(file_);
+  const std::string good = bytes(file_);
+  const auto code = [&] { return code_of([&] { CollisionModel::load(file_); }); };
+  Random random(8);
+  for (int n = 0; n < 300; ++n) {
+    std::string bad = good;
+    bad[random.below(static_cast<std::uint32_t>(n % 2 ? 64 : bad.size()))] ^= static_cast<char>(1 << random.below(8));
+    if (bad == good) continue;
+    write(file_, bad);
+    EXPECT_EQ(code(), ErrorCode::input) << n;
+  }
+  for (const std::size_t length : {std::size_t{0}, std::size_t{7}, std::size_t{63}, good.size() / 2, good.size() - 1}) {
+    write(file_, good.substr(0, length));
+    EXPECT_EQ(code(), ErrorCode::input) << length;
+  }
+  write(file_, good + "x");
+  EXPECT_EQ(code(), ErrorCode::input);
+  EXPECT_EQ(code_of([&] { CollisionModel::load(folder_.path() / "none.body"); }), ErrorCode::input);
+}
+
+// Files of this version must stay readable.
+TEST_F(ModelFile, FilesOfTheCorpusAreRead) {
+  const std::filesystem::path folder = STANDOFF_SOURCE_DIR "/tests/corpus/body";
+  const CollisionModel box = CollisionModel::load(folder / "box.body");
+  EXPECT_EQ(box.mesh().triangles.size(), 12u);
+  EXPECT_NEAR(distance(box, {}, box, moved({3, 0, 0})).upper, 2, 1e-12);
+  EXPECT_EQ(CollisionModel::load(folder / "triangle.body").mesh().triangles.size(), 1u);
+  EXPECT_EQ(CollisionModel::load(folder / "strip.body").mesh().triangles.size(), 20u);
+}
+
+// What a checksum that somebody made anew would let through.
+TEST_F(ModelFile, WhatCannotBeIsAnErrorWithoutTheChecksumToo) {
+  CollisionModel(ball_mesh(1, 2), {.spacing = 0.3}).save(file_);
+  const std::string good = bytes(file_);
+  std::uint64_t counts[5];
+  std::memcpy(counts, good.data() + 16, sizeof counts);
+  const std::size_t order = 64 + counts[0] * 24 + counts[1] * 12, slots = order + counts[1] * 4,
+                    coarse = slots + counts[2] * 4 + counts[3];
+  const auto message = [&](std::size_t at, auto value) {
+    std::string bad = good;
+    std::memcpy(bad.data() + at, &value, sizeof value);
+    try {
+      CollisionModel::Data::read(FileView("x.body", bad), BodyChecksum::ignored);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::input);
+      return std::string(error.what());
+    }
+    return std::string("read");
+  };
+  const auto expect = [&](std::size_t at, auto value, const std::string& part) {
+    EXPECT_NE(message(at, value).find(part), std::string::npos) << message(at, value);
+  };
+  EXPECT_EQ(message(8, std::uint32_t{1}), "read") << "the version it has";
+  expect(8, std::uint32_t{2}, "version 2 is not known");
+  for (int n = 0; n < 5; ++n)
+    for (const std::uint64_t count : {std::uint64_t{0}, counts[n] + 1, counts[n] - 1, ~std::uint64_t{0}})
+      EXPECT_TRUE(message(16 + 8 * n, count).starts_with("x.body:")) << n << " " << count;
+  for (const double spacing : {0.0, -1.0, 1e-300, 1e-5, 0.2, 0.6, 1e300, std::nan(""), HUGE_VAL})
+    EXPECT_TRUE(message(56, spacing).starts_with("x.body:") && message(56, spacing).ends_with("; save the body again"))
+        << message(56, spacing);
+  // It was said to be what a caller may leave to be chosen.
+  for (const double spacing : {0.0, -1.0, std::nan(""), HUGE_VAL})
+    expect(56, spacing, ":header: its field's spacing is not positive and finite; save the body again");
+  expect(64, std::nan(""), "vertex 0");
+  expect(64, 1e16, "across; save the body again");
+  expect(64 + counts[0] * 24, std::uint32_t(counts[0]), "triangle 0");
+  expect(order, std::uint32_t(counts[1]), "its order names");
+  std::uint32_t second;
+  std::memcpy(&second, good.data() + order + 4, sizeof second);
+  expect(order, second, "its order names a triangle twice");
+  expect(slots, std::int32_t{-1}, "a tile's number is out of range");
+  expect(slots, std::int32_t(counts[3] / 512), "a tile's number is out of range");
+  expect(coarse, std::nanf(""), "a distance is not finite");
+  expect(coarse, HUGE_VALF, "a distance is not finite");
+  EXPECT_EQ(message(coarse, 1e30f), "read") << "wrong, but it cannot be known";
+}
+
+// Kernels count samples in single precision, which has no half past 2^23.
+TEST_F(ModelFile, FieldsTooLongForSinglePrecisionAreAnError) {
+  const auto plan = [](double length) { return collision::plan_field_bounds({{0, 0, 0}, {length, 1, 1}}, 1); };
+  EXPECT_EQ(code_of([&] { plan(0x1p23); }), ErrorCode::limit);
+  EXPECT_LT(plan(0x1p23 - 16).size.x, 1 << 23);
+}
+
+}  // namespace
+}  // namespace standoff

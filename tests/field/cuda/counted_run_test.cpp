@@ -1,0 +1,104 @@
+// The blocking way, emulated: what is needed is counted before room is made for it. So no work is done twice, the room
+// is just what is needed, and nothing is copied to the host that no kernel wrote.
+#include "field/cuda/counted_run.cuh"
+
+#include <gtest/gtest.h>
+
+#include "gpu/emulation/block.h"
+#include "scenes/scenes.h"
+#include "standoff/compute.h"
+#include "tests/support/fields.h"
+#include "tests/support/random_mesh.h"
+
+namespace standoff {
+namespace {
+
+Options emulated(double thickness, Method method = Method::tiles) {
+  Options options;
+  options.backend = Backend::emulated;
+  options.method = method;
+  options.thickness = thickness;
+  options.nearest_triangle = true;
+  return options;
+}
+
+std::int64_t launches_of(const Mesh& mesh, const Grid& grid, const Options& options) {
+  const std::int64_t before = emulation::launch_count();
+  compute(mesh, grid, options);
+  return emulation::launch_count() - before;
+}
+
+cuda::DeviceMesh on_device(const Mesh& mesh) {
+  return {&mesh.vertices.data()->x, static_cast<std::int64_t>(mesh.vertices.size()), mesh.triangles.data()->data(),
+          static_cast<std::int64_t>(mesh.triangles.size())};
+}
+
+std::int64_t needed_entries(const Mesh& mesh, const Grid& grid, double thickness) {
+  const emulated::CountedRun run(on_device(mesh), grid, thickness, Method::tiles, false, [] {});
+  return static_cast<std::int64_t>(run.outcome().needed_entries);
+}
+
+// How many candidates tiles keep is the mesh's affair. When the room for lists was guessed, the field of a terrain was
+// begun four times, each time nearer to its end.
+TEST(CudaCountedRun, CrowdedListsAreNoReasonToBeginAgain) {
+  const Grid grid{{32, 32, 32}, {-8.25, -8.25, -8.25}, {0.5, 0.5, 0.5}};
+  const Mesh few = testing::random_soup(101, 4, 4, 1);
+  // Small ones close together: from afar none is nearer than the others for certain, and near by they share a few
+  // tiles.
+  const Mesh crowd = testing::random_soup(102, 400, 0.3, 0.2);
+  for (const double thickness : {1.0, 4.0, testing::kInfinity}) {
+    // More than was guessed by the number of triangles and tiles.
+    ASSERT_GT(needed_entries(crowd, grid, thickness), thickness == 1 ? 6 * 400 + 2 * 64 : 4 * 400 + 48 * 64);
+    const std::int64_t launches = launches_of(crowd, grid, emulated(thickness));
+    EXPECT_GT(launches, 5);
+    EXPECT_EQ(launches, launches_of(few, grid, emulated(thickness))) << thickness;
+  }
+}
+
+TEST(CudaCountedRun, RoomIsMadeForWhatWasCounted) {
+  using namespace emulated;
+  const Mesh mesh = testing::random_soup(103, 300, 4, 1);
+  const Grid grid{{33, 30, 28}, {-5, -5, -5}, {0.4, 0.4, 0.4}};
+  for (const Method method : {Method::tiles, Method::thesis})
+    for (const double thickness : {0.5, 3.0}) {
+      int looks = 0;
+      const CountedRun run(on_device(mesh), grid, thickness, method, false, [&] { ++looks; });
+      EXPECT_GT(looks, 0);
+      const auto slots = static_cast<std::int64_t>(run.outcome().needed_slots);
+      EXPECT_GT(slots, 0);
+      EXPECT_EQ(run.output().slot_capacity, slots);
+      std::int64_t stored = 0;
+      for (std::int64_t tile = 0; tile < gpu::tile_count(grid); ++tile) stored += run.output().slots[tile] >= 0;
+      EXPECT_LE(stored, slots);
+      EXPECT_EQ(run.output().nearest, nullptr);
+    }
+  EXPECT_EQ(memory_taken, 0);
+}
+
+// A tile that no sample of the band is in was given a slot as long as its triangles alone were known. Nobody writes it;
+// whole slots were copied all the same, which is harmless, but initcheck calls it an error.
+TEST(CudaCountedRun, NothingIsCopiedThatNobodyWrote) {
+  const Mesh mesh = scenes::make("bender", 400);
+  const Grid grid = fit_samples(bounds(mesh), 60, 2);
+  for (const Method method : {Method::tiles, Method::thesis})
+    for (const double spacings : {0.5, 6.0}) {
+      const std::int64_t before = emulated::unwritten_words_copied;
+      const Computed computed = compute(mesh, grid, emulated(spacings * grid.max_spacing(), method));
+      EXPECT_GT(computed.report.samples_band, 0);
+      EXPECT_EQ(emulated::unwritten_words_copied, before);
+    }
+}
+
+// The case above is one only where there are such tiles.
+TEST(CudaCountedRun, SomeSlotsAreNeverWritten) {
+  using namespace emulated;
+  const Mesh mesh = scenes::make("bender", 400);
+  const Grid grid = fit_samples(bounds(mesh), 60, 2);
+  const CountedRun run(on_device(mesh), grid, 0.5 * grid.max_spacing(), Method::tiles, false, [] {});
+  std::int64_t stored = 0;
+  for (std::int64_t tile = 0; tile < gpu::tile_count(grid); ++tile) stored += run.output().slots[tile] >= 0;
+  EXPECT_LT(stored, static_cast<std::int64_t>(run.outcome().needed_slots));
+}
+
+}  // namespace
+}  // namespace standoff

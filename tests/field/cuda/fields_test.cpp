@@ -1,0 +1,137 @@
+// The GPU's kernels, emulated: the same bits as the CPU backend, in every order in which threads may take turns.
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "gpu/emulation/block.h"
+#include "scenes/scenes.h"
+#include "standoff/compute.h"
+#include "tests/support/fields.h"
+#include "tests/support/random_mesh.h"
+
+namespace standoff {
+namespace {
+
+using emulation::Order;
+using emulation::OrderScope;
+using testing::kInfinity;
+
+void append(Mesh& mesh, const Mesh& other) {
+  for (std::size_t t = 0; t < other.triangles.size(); ++t)
+    testing::add_triangle(mesh, MeshView(other).corner(t, 0), MeshView(other).corner(t, 1),
+                          MeshView(other).corner(t, 2));
+}
+
+// Short and long triangles, ties, slivers, segments and points.
+Mesh mixed_mesh(Vec3 at = {}) {
+  Mesh mesh = testing::nasty_soup(51, 60, 6);
+  for (Vec3& v : mesh.vertices) v = v + at;
+  append(mesh, testing::random_soup(52, 150, 6, 0.7, at));
+  append(mesh, testing::random_soup(53, 6, 8, 20, at));
+  return mesh;
+}
+
+const Grid kGrid{{25, 19, 18}, {-6, -5, -4.5}, {0.5, 0.5, 0.5}};
+
+Computed on(Backend backend, Method method, MeshView mesh, const Grid& grid, double thickness) {
+  Options options;
+  options.method = method;
+  options.backend = backend;
+  options.thickness = thickness;
+  options.nearest_triangle = true;
+  options.threads = 2;
+  return compute(mesh, grid, options);
+}
+
+void expect_same(Method method, MeshView mesh, const Grid& grid, double thickness) {
+  const Computed cpu = on(Backend::cpu, method, mesh, grid, thickness);
+  for (const Order order : {Order::forward, Order::reverse, Order::random}) {
+    SCOPED_TRACE("order " + std::to_string(static_cast<int>(order)) + ", thickness " + std::to_string(thickness));
+    const OrderScope scope(order, 11);
+    const Computed gpu = on(Backend::emulated, method, mesh, grid, thickness);
+    testing::expect_same_bits(cpu.field, gpu.field);
+    EXPECT_EQ(cpu.field.stored_tiles(), gpu.field.stored_tiles());
+    EXPECT_EQ(cpu.report.samples_band, gpu.report.samples_band);
+    EXPECT_EQ(gpu.report.backend, "emulated");
+    if (method == Method::thesis) {
+      EXPECT_EQ(cpu.report.samples_examined, gpu.report.samples_examined);
+    }
+  }
+}
+
+TEST(CudaFields, ThinBands) {
+  const Mesh mesh = mixed_mesh();
+  for (const double thickness : {0.05, 0.9, 1.9}) expect_same(Method::tiles, mesh, kGrid, thickness);
+}
+
+TEST(CudaFields, ThickBands) { expect_same(Method::tiles, mixed_mesh(), kGrid, 2.6); }
+
+TEST(CudaFields, FullFields) { expect_same(Method::tiles, mixed_mesh(), kGrid, kInfinity); }
+
+TEST(CudaFields, FarFromTheOriginWithUnequalSpacings) {
+  const Vec3 at{1e6, -3e5, 77};
+  const Grid grid{{17, 14, 21}, at + Vec3{-6, -5, -4.5}, {0.7, 0.8, 0.5}};
+  const Mesh mesh = mixed_mesh(at);
+  for (const double thickness : {1.0, kInfinity}) expect_same(Method::tiles, mesh, grid, thickness);
+}
+
+TEST(CudaFields, Thesis) {
+  const Mesh mesh = mixed_mesh();
+  for (const double thickness : {0.9, 2.6, kInfinity}) expect_same(Method::thesis, mesh, kGrid, thickness);
+}
+
+TEST(CudaFields, MeshesFarOutsideTheGrid) {
+  const Mesh mesh = testing::random_soup(54, 40, 3, 1, {50, 40, -30});
+  for (const double thickness : {1.0, kInfinity}) expect_same(Method::tiles, mesh, kGrid, thickness);
+  expect_same(Method::thesis, mesh, kGrid, 1.0);
+}
+
+TEST(CudaFields, OneTriangleOnOneSample) {
+  const Mesh mesh = testing::random_soup(55, 1, 0.2, 0.5);
+  const Grid grid{{1, 1, 1}, {0.1, 0, 0}, {1, 1, 1}};
+  for (const double thickness : {2.0, kInfinity}) expect_same(Method::tiles, mesh, grid, thickness);
+}
+
+TEST(CudaFields, VerySmallAndVeryLargeUnits) {
+  for (const double unit : {1e-9, 1e9}) {
+    Mesh mesh = mixed_mesh();
+    for (Vec3& v : mesh.vertices) v = v * unit;
+    const Grid grid{{14, 13, 12}, Vec3{-6, -5, -4.5} * unit, Vec3{0.8, 0.8, 0.8} * unit};
+    for (const double thickness : {unit, kInfinity}) expect_same(Method::tiles, mesh, grid, thickness);
+  }
+}
+
+// Lists longer than a stage, tiles with more triangles than a chunk, all near each other.
+TEST(CudaFields, ManyTrianglesInOneTile) {
+  const Mesh mesh = testing::random_soup(56, 700, 0.6, 0.4);
+  const Grid grid{{9, 8, 8}, {-1, -1, -1}, {0.3, 0.3, 0.3}};
+  for (const double thickness : {0.5, 1.5, kInfinity}) expect_same(Method::tiles, mesh, grid, thickness);
+}
+
+TEST(CudaFields, Scenes) {
+  for (const char* name : {"sphere", "labyrinth", "fly"}) {
+    SCOPED_TRACE(name);
+    const Mesh mesh = scenes::make(name, 300);
+    const Grid grid = fit_samples(bounds(mesh), 20);
+    for (const double thickness : {2 * grid.max_spacing(), kInfinity}) {
+      const OrderScope scope(Order::random, 5);
+      testing::expect_same_bits(on(Backend::cpu, Method::tiles, mesh, grid, thickness).field,
+                                on(Backend::emulated, Method::tiles, mesh, grid, thickness).field);
+    }
+  }
+}
+
+TEST(CudaFields, IntoDenseMemory) {
+  const Mesh mesh = mixed_mesh();
+  Options options;
+  options.thickness = 1;
+  std::vector<float> cpu(static_cast<std::size_t>(kGrid.sample_count())), gpu(cpu.size(), -7);
+  options.backend = Backend::cpu;
+  compute_into(mesh, kGrid, cpu, options);
+  options.backend = Backend::emulated;
+  compute_into(mesh, kGrid, gpu, options);
+  EXPECT_TRUE(testing::bits_of(cpu) == testing::bits_of(gpu));
+}
+
+}  // namespace
+}  // namespace standoff

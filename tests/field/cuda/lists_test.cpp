@@ -1,0 +1,60 @@
+// The lists of thin bands, whose length is counted in a pass of its own.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "field/cuda/enqueue.cuh"
+#include "field/cuda/pipeline.cuh"
+#include "standoff/error.h"
+#include "tests/support/random_mesh.h"
+
+namespace standoff::emulated {
+namespace {
+
+// The lists are as long as the first pass counted. Were the second one to write more, it would write in front of them,
+// and from there anywhere; were it to write fewer, what was in memory before would be taken for triangles.
+TEST(CudaLists, AMeshThatChangesBetweenThePassesIsNoticed) {
+  const Grid grid{{32, 32, 32}, {-8.25, -8.25, -8.25}, {0.5, 0.5, 0.5}};
+  // Short triangles for one kernel, long ones for the other: first out of the grid, then in it.
+  for (const auto& [longest, leaves] : {std::pair{0.5, false}, {20.0, false}, {0.5, true}, {20.0, true}}) {
+    SCOPED_TRACE(leaves);
+    Mesh mesh = testing::random_soup(104, 30, 4, longest, {100, 100, 100});
+    Mesh here = testing::random_soup(104, 30, 4, longest);
+    mesh.vertices[0] = mesh.vertices[1] = mesh.vertices[2] = {};  // one is counted, so that there are lists
+    if (longest > 1) mesh.vertices[1] = {20, 0, 0};
+    if (leaves) std::swap(mesh.vertices, here.vertices);  // the other way round
+    const DeviceMesh view{&mesh.vertices.data()->x, static_cast<std::int64_t>(mesh.vertices.size()),
+                          mesh.triangles.data()->data(), static_cast<std::int64_t>(mesh.triangles.size())};
+    Outcome outcome{};
+    Task task{view, grid, 1.0, Method::tiles, {}, &outcome};
+    std::vector<float> values(static_cast<std::size_t>(grid.sample_count()), -77.0f);
+    task.output.values = values.data();
+    const gpu::Lattice l = gpu::make_lattice(grid, 1.0);
+    const Memory memory(needed_bytes(30, grid, 1.0, Method::tiles, 10000));
+    gpu::Workspace workspace(memory.as<void>());
+    const ThinArrays arrays(workspace, 30, l, 10000);
+    count_thin(l, task, arrays, nullptr);
+    ASSERT_EQ(outcome.stopped, 0u);
+    std::copy(here.vertices.begin(), here.vertices.end(), mesh.vertices.begin());
+    // The long ones were listed in the first pass.
+    if (!leaves) std::iota(arrays.long_ones.triangles, arrays.long_ones.triangles + 30, 0u);
+    if (!leaves && longest > 1) *arrays.long_ones.count = 30;
+    fill_thin(l, task, arrays, nullptr);
+    EXPECT_NE(outcome.stopped, 0u);
+    EXPECT_TRUE(std::all_of(values.begin(), values.end(), [](float v) { return v == -77.0f; }));
+    try {
+      cuda::check(outcome, task);
+      ADD_FAILURE() << "no error";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::input);
+      EXPECT_NE(std::string(error.what()).find("the mesh changed while"), std::string::npos) << error.what();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace standoff::emulated

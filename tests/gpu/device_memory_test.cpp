@@ -1,0 +1,79 @@
+// A GPU whose memory is too small, emulated: an error that says how much is needed, nothing kept, and all works
+// afterwards.
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "gpu/platform.cuh"
+#include "standoff/compute.h"
+#include "standoff/error.h"
+#include "tests/support/fields.h"
+#include "tests/support/random_mesh.h"
+
+namespace standoff {
+namespace {
+
+// A GPU with so many bytes, for as long as it lives.
+class SmallGpu {
+ public:
+  explicit SmallGpu(std::int64_t bytes) : before_(emulated::memory_total) { emulated::memory_total = bytes; }
+  ~SmallGpu() { emulated::memory_total = before_; }
+
+ private:
+  std::int64_t before_;
+};
+
+class CudaRoomOf : public ::testing::TestWithParam<Method> {};
+
+TEST_P(CudaRoomOf, TooLittleIsSaidAndNothingIsKept) {
+  const Mesh mesh = testing::random_soup(81, 200, 4, 1);
+  const Grid grid{{21, 18, 13}, {-4, -4, -3}, {0.5, 0.5, 0.5}};
+  Options options;
+  options.backend = Backend::emulated;
+  options.method = GetParam();
+  options.thickness = 3;
+  const DistanceField field = compute(mesh, grid, options).field;
+  bool fitted = false;
+  for (std::int64_t bytes = 0; !fitted; bytes = bytes + bytes / 8 + 100) {
+    ASSERT_LT(bytes, 1 << 30);
+    const SmallGpu gpu(bytes);
+    try {
+      testing::expect_same_bits(compute(mesh, grid, options).field, field);
+      fitted = true;
+    } catch (const Error& error) {
+      const std::string what = error.what();
+      EXPECT_EQ(error.code(), ErrorCode::limit) << what;
+      EXPECT_NE(what.find("MiB more of the GPU's memory"), std::string::npos) << what;
+      EXPECT_NE(what.find("take fewer samples"), std::string::npos) << what;
+    }
+    EXPECT_EQ(emulated::memory_taken, 0);
+  }
+  testing::expect_same_bits(compute(mesh, grid, options).field, field);
+}
+
+// What is missing is told before anything is allocated: the sum of all that is known by then, not the piece that did
+// not fit.
+TEST(CudaRoom, TheWholeNeedIsTold) {
+  const Mesh mesh = testing::random_soup(82, 10, 4, 1);
+  const Grid grid{{256, 256, 256}, {-4, -4, -4}, {0.03, 0.03, 0.03}};
+  Options options;
+  options.backend = Backend::emulated;
+  options.method = Method::thesis;
+  options.thickness = 0.03;
+  const SmallGpu gpu(std::int64_t{100} << 20);
+  try {
+    compute(mesh, grid, options);
+    ADD_FAILURE() << "no error";
+  } catch (const Error& error) {
+    // 8 bytes a sample and 16 a tile: more than 128 MiB. How many tiles must be stored has not been counted yet.
+    EXPECT_NE(
+        std::string(error.what()).find("needs at least 129 MiB more of the GPU's memory, 100 of 100 MiB are free"),
+        std::string::npos)
+        << error.what();
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, CudaRoomOf, ::testing::Values(Method::tiles, Method::thesis));
+
+}  // namespace
+}  // namespace standoff

@@ -1,0 +1,199 @@
+// What standoff asks of the CUDA runtime, on a GPU that is pretended: work in device memory allocates nothing and waits
+// for nothing; a call that fails is named, nothing is kept, and the next field is computed.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+#include <string>
+
+#include "standoff/compute.h"
+#include "standoff/cuda.h"
+#include "standoff/error.h"
+#include "tests/gpu/runtime/pretend.h"
+#include "tests/support/random_mesh.h"
+
+namespace standoff {
+namespace {
+
+using pretend::gpu;
+
+class CudaRuntime : public ::testing::Test {
+ protected:
+  CudaRuntime() { gpu = {}; }
+};
+
+const Grid kGrid{{21, 18, 13}, {-4, -4, -3}, {0.5, 0.5, 0.5}};
+const Mesh kMesh = testing::random_soup(95, 120, 4, 1.2);
+
+Options on_gpu(Method method = Method::tiles) {
+  Options options;
+  options.backend = Backend::cuda;
+  options.method = method;
+  options.thickness = 1;
+  return options;
+}
+
+struct Failure {
+  ErrorCode code;
+  std::string what;
+};
+Failure failure_of(const Options& options) {
+  try {
+    compute(kMesh, kGrid, options);
+  } catch (const Error& error) {
+    return {error.code(), error.what()};
+  }
+  return {ErrorCode::internal, "no error"};
+}
+
+TEST_F(CudaRuntime, WorkInDeviceMemoryOnlyLaunchesOnTheCallersStream) {
+  int stream = 0;  // its address is all that is looked at
+  const auto on = reinterpret_cast<cudaStream_t>(&stream);
+  float values[1];
+  std::int32_t slots[1];
+  cuda::Outcome outcome[1];
+  const std::set<std::string> allowed{"a launch",
+                                      "cudaMemsetAsync",
+                                      "cudaGetDevice",
+                                      "cudaDeviceGetAttribute",
+                                      "cudaFuncGetAttributes",
+                                      "cudaOccupancyMaxActiveBlocksPerMultiprocessorWithFlags"};
+  for (const Method method : {Method::tiles, Method::thesis})
+    for (const double thickness : {1.0, 5.0})
+      for (const bool sparse : {false, true}) {
+        cuda::Task task;
+        task.mesh = {&kMesh.vertices.data()->x, static_cast<std::int64_t>(kMesh.vertices.size()),
+                     kMesh.triangles.data()->data(), static_cast<std::int64_t>(kMesh.triangles.size())};
+        task.grid = kGrid;
+        task.thickness = thickness;
+        task.method = method;
+        task.output = {values, nullptr, sparse ? slots : nullptr, 18};
+        task.outcome = outcome;
+        const std::int64_t bytes = cuda::workspace_bytes(task.mesh.triangle_count, kGrid, thickness, method, 1000);
+        std::vector<char> memory(static_cast<std::size_t>(bytes) + 256);
+        void* const workspace = memory.data() + (256 - reinterpret_cast<std::uintptr_t>(memory.data()) % 256) % 256;
+        gpu.calls.clear();
+        cuda::enqueue(task, workspace, bytes, on);
+        int launches = 0;
+        for (const pretend::Call& call : gpu.calls) {
+          EXPECT_TRUE(allowed.contains(call.name)) << call.name;
+          if (call.name != "a launch" && call.name != "cudaMemsetAsync") continue;
+          EXPECT_EQ(call.stream, on) << call.name;
+          ++launches;
+        }
+        EXPECT_GE(launches, 4);
+      }
+}
+
+TEST_F(CudaRuntime, EveryCallThatFailsIsNamedAndNothingIsKept) {
+  // These only look whether there is a GPU, or give back what was taken.
+  const std::set<std::string> silent{"cudaGetDeviceCount", "cudaDriverGetVersion", "cudaFree", "cudaSetDevice"};
+  int named = 0;
+  for (const Method method : {Method::tiles, Method::thesis}) {
+    bool failed = true;
+    for (long n = 0; failed; ++n) {
+      ASSERT_LT(n, 1000);
+      gpu = {};
+      gpu.fails_at = n;
+      const Failure failure = failure_of(on_gpu(method));
+      failed = static_cast<long>(gpu.calls.size()) > n;
+      EXPECT_TRUE(gpu.allocated.empty());
+      if (!failed) continue;
+      const std::string& call = gpu.calls[static_cast<std::size_t>(n)].name;
+      if (silent.contains(call)) continue;
+      ++named;
+      SCOPED_TRACE(call + ": " + failure.what);
+      EXPECT_EQ(failure.code, ErrorCode::device);
+      EXPECT_NE(failure.what.find(" failed at "), std::string::npos);
+      EXPECT_EQ(gpu.last, cudaSuccess) << "the error is left behind";
+      const std::size_t place = failure.what.find("src/");
+      ASSERT_NE(place, std::string::npos);
+      EXPECT_NE(failure.what.find(':', place), std::string::npos);
+      EXPECT_EQ(failure.what.find("platform_cuda.cuh"), std::string::npos) << "names the wrapper, not the place";
+      gpu.fails_at = -1;
+      gpu.calls.clear();
+      EXPECT_EQ(failure_of(on_gpu(method)).what, "no error");
+    }
+  }
+  EXPECT_GT(named, 40);
+}
+
+TEST_F(CudaRuntime, TooLittleMemoryIsALimit) {
+  gpu.memory = 1 << 13;
+  const Failure failure = failure_of(on_gpu());
+  EXPECT_EQ(failure.code, ErrorCode::limit);
+  EXPECT_NE(failure.what.find("MiB more of the GPU's memory"), std::string::npos) << failure.what;
+  EXPECT_EQ(std::count_if(gpu.calls.begin(), gpu.calls.end(), [](auto& call) { return call.name == "cudaMalloc"; }), 0);
+  // Some of what seemed free is not: the allocation itself fails.
+  gpu.memory = std::int64_t{1} << 32;
+  gpu.calls.clear();
+  gpu.failure = cudaErrorMemoryAllocation;
+  EXPECT_EQ(failure_of(on_gpu()).what, "no error");
+  const auto first = std::find_if(gpu.calls.begin(), gpu.calls.end(), [](auto& c) { return c.name == "cudaMalloc"; });
+  gpu.fails_at = first - gpu.calls.begin() + 1;
+  gpu.calls.clear();
+  EXPECT_EQ(failure_of(on_gpu()).code, ErrorCode::limit);
+  EXPECT_TRUE(gpu.allocated.empty());
+}
+
+TEST_F(CudaRuntime, GpusThatAreTooOldAreNamedAndNotTaken) {
+  gpu.capabilities = {61};
+  EXPECT_TRUE(cuda::devices().empty());
+  EXPECT_EQ(cuda::why_no_device().find(
+                "GPU 0, Pretended, is too old: it has compute capability 6.1, this build of standoff "),
+            0u);
+  EXPECT_EQ(failure_of(on_gpu()).code, ErrorCode::device);
+
+  gpu.capabilities = {90, 61};
+  ASSERT_EQ(cuda::devices().size(), 2u);
+  EXPECT_NE(cuda::devices()[1].name.find("too old"), std::string::npos);
+  EXPECT_EQ(failure_of(on_gpu()).what, "no error");
+  Options second = on_gpu();
+  second.device = 1;
+  EXPECT_EQ(failure_of(second).code, ErrorCode::device);
+  EXPECT_NE(failure_of(second).what.find("GPU 1 is too old"), std::string::npos);
+  second.device = 2;
+  EXPECT_EQ(failure_of(second).code, ErrorCode::device);
+  EXPECT_NE(failure_of(second).what.find("no GPU 2, only 0 to 1"), std::string::npos);
+}
+
+TEST_F(CudaRuntime, AutomaticTakesAGpuThatIsThereForLargeJobs) {
+  const auto taken = [](std::int64_t side) {
+    Options options = on_gpu();
+    options.backend = Backend::automatic;
+    return compute(kMesh, {{side, side, side}, {-4, -4, -4}, {0.1, 0.1, 0.1}}, options).report.backend;
+  };
+  EXPECT_EQ(taken(20), "cpu");
+  EXPECT_EQ(taken(170), "cuda");
+  gpu.capabilities = {61};
+  EXPECT_EQ(taken(170), "cpu");
+  gpu.no_gpu = cudaErrorNoDevice;
+  EXPECT_EQ(taken(170), "cpu");
+}
+
+TEST_F(CudaRuntime, TheCallersDeviceStaysCurrent) {
+  Options second = on_gpu();
+  second.device = 1;
+  EXPECT_EQ(failure_of(second).what, "no error");
+  EXPECT_EQ(gpu.current, 0);
+  // Setting a device starts CUDA on it: never without need.
+  gpu.calls.clear();
+  EXPECT_EQ(failure_of(on_gpu()).what, "no error");
+  EXPECT_EQ(std::count_if(gpu.calls.begin(), gpu.calls.end(), [](auto& c) { return c.name == "cudaSetDevice"; }), 0);
+}
+
+TEST_F(CudaRuntime, WhyThereIsNoGpu) {
+  gpu.no_gpu = cudaErrorInsufficientDriver;
+  gpu.driver = 11040;
+  EXPECT_EQ(cuda::why_no_device().find("the NVIDIA driver is too old: it knows CUDA 11.4"), 0u);
+  gpu.driver = 0;
+  EXPECT_EQ(cuda::why_no_device(), "no NVIDIA driver is installed");
+  gpu.no_gpu = cudaErrorNoDevice;
+  gpu.driver = 13000;
+  EXPECT_EQ(cuda::why_no_device().find("the NVIDIA driver finds no GPU"), 0u);
+  EXPECT_TRUE(cuda::devices().empty());
+  EXPECT_EQ(failure_of(on_gpu()).code, ErrorCode::device);
+}
+
+}  // namespace
+}  // namespace standoff

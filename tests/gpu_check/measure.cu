@@ -1,0 +1,189 @@
+// gpu-check, second part: how long fields take, device memory to device memory, by CUDA events. Reads jobs from stdin,
+// a line each:
+//   TABLE SCENE TRIANGLES METHOD OUTPUT NX NY NZ EX EY EZ SCALE MARGIN THICKNESS SECONDS_2008 AT_MOST_MS
+// TRIANGLES 0: the scene's own. OUTPUT: dense, sparse, graph (dense, replayed as a CUDA graph), host (from host memory
+// to host memory, dense), upload and download (its copies alone), counting (the part of dense before triangles are
+// listed), or dense with parts left out (parts.cuh). The grid has NX NY NZ cells in a
+// box of EX EY EZ units, a sample in the middle of each. SCALE is the mesh's, or 0 to stretch it until MARGIN units are
+// left on each side. THICKNESS in units, or inf. SECONDS_2008: the thesis's time;
+// AT_MOST_MS: what we want; either may be -, and both are only written beside what is measured. Writes a CSV line each.
+// measure --once: each is run once, to try it.
+// measure --continue: without the line of names on top, to add to a file.
+// measure --profile: measures nothing; each is run as often as its room takes, and once more while a profiler that was
+// told to wait (ncu --profile-from-start off) may look.
+// measure --export FOLDER: measures nothing, but writes SCENE-THICKNESS.bin for peers (peer_file.h).
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <iostream>
+#include <string>
+
+#include "gpu/timing.cuh"
+#include "scenes/scenes.h"
+#include "standoff/error.h"
+#include "tests/gpu_check/field_on_device.cuh"
+#include "tests/gpu_check/parts.cuh"
+#include "tests/gpu_check/peer_file.h"
+
+namespace standoff::STANDOFF_PLATFORM {
+namespace {
+
+struct Line {
+  std::string table, scene, method, output, thickness, seconds_2008, at_most_ms;
+  std::int64_t triangles;
+  Size3 size;
+  Vec3 extent;
+  double scale, margin;
+};
+
+bool read(Line& l) {
+  return static_cast<bool>(std::cin >> l.table >> l.scene >> l.triangles >> l.method >> l.output >> l.size.x >>
+                           l.size.y >> l.size.z >> l.extent.x >> l.extent.y >> l.extent.z >> l.scale >> l.margin >>
+                           l.thickness >> l.seconds_2008 >> l.at_most_ms);
+}
+
+/// The mesh, scaled or stretched, in the middle of the box from the origin to `extent`.
+Mesh placed(const Line& l) {
+  Mesh mesh = scenes::make(l.scene, l.triangles);
+  const Box box = bounds(mesh);
+  const Vec3 old = box.extent(), target = l.extent - Vec3{2, 2, 2} * l.margin;
+  const auto factor = [&](double to, double from) { return l.scale > 0 ? l.scale : from > 0 ? to / from : 1; };
+  const Vec3 scale{factor(target.x, old.x), factor(target.y, old.y), factor(target.z, old.z)};
+  for (Vec3& v : mesh.vertices) v = (v - box.center()) * scale + 0.5 * l.extent;
+  return mesh;
+}
+
+struct Times {
+  double median, least;
+  int runs;
+};
+
+std::string export_folder;
+bool profiles = false;
+std::size_t least_runs = 5, most_runs = 50;
+
+/// Once to warm up, then as often as fits into a second, within bounds.
+template <class Once>
+Times repeated(Once once) {
+  std::vector<double> all;
+  double total = 0;
+  once();
+  while (all.size() < least_runs || (all.size() < most_runs && total < 1000)) {
+    all.push_back(once());
+    total += all.back();
+  }
+  std::sort(all.begin(), all.end());
+  return {all[all.size() / 2], all.front(), static_cast<int>(all.size())};
+}
+
+/// Milliseconds on the host's clock: for work that ends with its call.
+template <class Work>
+double on_host(Work work) {
+  const auto began = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - began).count();
+}
+
+Times measure(const Line& l, const Mesh& mesh, FieldOnDevice& field) {
+  std::vector<float> values;
+  if (l.output == "host" || l.output == "download")
+    values.resize(static_cast<std::size_t>(field.task().grid.sample_count()));
+  StreamClock clock;
+  if (l.output == "graph") {
+    Recorded recorded([&](Stream stream) { field.enqueue(stream); });
+    return repeated([&] {
+      clock.start(recorded.stream());
+      recorded.play();
+      return clock.stop(recorded.stream());
+    });
+  }
+  if (l.output == "host")
+    return repeated([&] {
+      return on_host([&] {
+        field.upload(mesh);
+        field.enqueue(nullptr);
+        field.download(values);
+      });
+    });
+  if (l.output == "upload") return repeated([&] { return on_host([&] { field.upload(mesh); }); });
+  if (l.output == "download") return repeated([&] { return on_host([&] { field.download(values); }); });
+  if (l.output == "counting") field.take_entries_away();
+  const Part* const part = find_part(l.output);
+  if (!part && l.output != "counting" && l.output != "dense" && l.output != "sparse")
+    throw Error(ErrorCode::usage, "no output '" + l.output + "'");
+  return repeated([&] {
+    clock.start(nullptr);
+    if (part)
+      part->enqueue(field.task(), field.workspace(), field.workspace_bytes(), nullptr);
+    else
+      field.enqueue(nullptr);
+    return clock.stop(nullptr);
+  });
+}
+
+void profile(FieldOnDevice& field) {
+  const Profiled watched;
+  field.enqueue(nullptr);
+  field.outcome();  // waits
+}
+
+void run(const Line& l) {
+  const Mesh mesh = placed(l);
+  const Vec3 counts{double(l.size.x), double(l.size.y), double(l.size.z)}, spacing = l.extent / counts;
+  const Grid grid{l.size, 0.5 * spacing, spacing};
+  const double thickness = l.thickness == "inf" ? std::numeric_limits<double>::infinity() : std::stod(l.thickness);
+  const Method method = l.method == "thesis" ? Method::thesis : Method::tiles;
+  FieldOnDevice field(mesh, grid, thickness, method, l.output == "sparse" ? Layout::sparse : Layout::dense, false);
+  const Outcome outcome = field.run();
+  if (profiles) return profile(field);
+  if (!export_folder.empty())
+    return write_peer_file(export_folder + "/" + l.scene + "-" + l.thickness + ".bin", mesh, grid, thickness,
+                           field.values());
+  const double workspace = static_cast<double>(field.workspace_bytes()) / (1 << 20);
+  const Times t = measure(l, mesh, field);
+  double written =
+      4.0 * static_cast<double>(l.output == "sparse" ? outcome.needed_slots * gpu::kTileSamples : grid.sample_count());
+  if (l.output == "upload") written = static_cast<double>(24 * mesh.vertices.size() + 12 * mesh.triangles.size());
+  std::printf("%s,%s,%zu,%s,%s,%lldx%lldx%lld,%g,%.6f,%.6f,%d,%llu,%llu,%llu,%.1f,%.1f,%s,%s\n", l.table.c_str(),
+              l.scene.c_str(), mesh.triangles.size(), l.method.c_str(), l.output.c_str(),
+              static_cast<long long>(l.size.x), static_cast<long long>(l.size.y), static_cast<long long>(l.size.z),
+              thickness, t.median, t.least, t.runs, outcome.samples_examined, outcome.samples_band,
+              outcome.needed_entries, workspace, written / t.median / 1e6, l.seconds_2008.c_str(),
+              l.at_most_ms.c_str());
+  std::fflush(stdout);
+}
+
+}  // namespace
+}  // namespace standoff::STANDOFF_PLATFORM
+
+int main(int argc, char** argv) {
+  using namespace standoff::STANDOFF_PLATFORM;
+  bool with_names = true;
+  for (int n = 1; n < argc; ++n) {
+    const std::string option = argv[n];
+    if (option == "--once") least_runs = most_runs = 1;
+    if (option == "--continue") with_names = false;
+    if (option == "--profile") profiles = true;
+    if (option == "--export" && n + 1 < argc) export_folder = argv[++n];
+  }
+  if (export_folder.empty() && with_names && !profiles) {
+    std::puts(
+        "table,scene,triangles,method,output,grid,thickness,median_ms,least_ms,runs,samples_examined,samples_band,"
+        "list_entries,workspace_mib,written_gb_per_s,seconds_2008,at_most_ms");
+    std::fflush(stdout);
+  }
+  int failed = 0;
+  for (Line line; read(line);) {
+    try {
+      run(line);
+    } catch (const standoff::Error& error) {
+      std::fprintf(stderr, "measure: %s %s: %s\n", line.table.c_str(), line.scene.c_str(), error.what());
+      failed = static_cast<int>(error.code());
+      if (error.code() == standoff::ErrorCode::device) break;  // most such errors stay until the program ends
+    } catch (const std::exception& error) {
+      std::fprintf(stderr, "measure: %s %s: %s\n", line.table.c_str(), line.scene.c_str(), error.what());
+      failed = 1;
+    }
+  }
+  return failed;
+}

@@ -1,0 +1,29 @@
+// Fields with parts left out, to see what these cost (Table 5.4 of the thesis).
+#pragma once
+
+#include <string>
+
+#include "field/cuda/enqueue.cuh"
+#include "tests/gpu_check/field_on_device.cuh"
+
+namespace standoff::STANDOFF_PLATFORM {
+
+/// A job's output that leaves parts out, and what to put on the stream for it.
+struct Part {
+  const char* output;
+  void (*enqueue)(const Task&, void*, std::int64_t, Stream);
+};
+inline constexpr Part kParts[] = {
+    {"through_lists", enqueue_task<Through::lists>}, {"through_set_up", enqueue_task<Through::set_up>},
+    {"through_vote", enqueue_task<Through::vote>},   {"through_distance", enqueue_task<Through::distance>},
+    {"through_read", enqueue_task<Through::read>},   {"write_always", enqueue_task<Through::always>},
+};
+
+/// The part of that name, or null.
+inline const Part* find_part(const std::string& output) {
+  for (const Part& part : kParts)
+    if (part.output == output) return &part;
+  return nullptr;
+}
+
+}  // namespace standoff::STANDOFF_PLATFORM

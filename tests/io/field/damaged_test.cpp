@@ -1,0 +1,265 @@
+// Files that are damaged, hostile, or of a kind that is not read: each has its message, and none a crash.
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <random>
+
+#include "io/field/format.h"
+#include "odd_field.h"
+#include "standoff/io.h"
+#include "tests/support/expect_error.h"
+#include "tests/support/temp_folder.h"
+
+namespace standoff {
+namespace {
+
+Grid small_grid() { return {{3, 4, 5}, {-1, 2, 3}, {0.5, 0.25, 2}}; }
+
+std::string bytes_of(const std::string& extension, bool nearest = false) {
+  const TempFolder folder;
+  write_field(folder / ("a." + extension), odd_field(small_grid(), 1000, nearest));
+  return read_bytes(folder / ("a." + extension));
+}
+
+void expect_refused(const std::string& extension, const std::string& bytes, const std::string& words) {
+  const TempFolder folder;
+  const auto path = folder / ("a." + extension);
+  write_bytes(path, bytes);
+  expect_error([&] { read_field(path); }, ErrorCode::input, words);
+  expect_error([&] { read_field(path); }, ErrorCode::input, path.string() + ":");
+}
+
+// One replacement of text in a good file. Lengths may change: text headers say no lengths.
+struct Change {
+  const char* from;
+  std::string to;
+  const char* words;
+};
+
+void expect_changes_refused(const std::string& extension, const std::vector<Change>& changes, bool nearest = false) {
+  const std::string good = bytes_of(extension, nearest);
+  for (const Change& change : changes) {
+    SCOPED_TRACE(std::string(change.from) + " -> " + change.to);
+    const auto at = good.find(change.from);
+    ASSERT_NE(at, std::string::npos);
+    std::string bytes = good;
+    expect_refused(extension, bytes.replace(at, std::strlen(change.from), change.to), change.words);
+  }
+}
+
+TEST(DamagedField, MissingEmptyAndFolders) {
+  const TempFolder folder;
+  for (const Format& format : field_formats()) {
+    const auto path = folder / ("a." + format.extension);
+    expect_error([&] { read_field(path); }, ErrorCode::input, path.string() + ": no such file");
+    expect_refused(format.extension, "", ": the file is empty; write it again");
+    std::filesystem::create_directory(path);
+    expect_error([&] { read_field(path); }, ErrorCode::input, path.string() + ": it is a folder");
+  }
+}
+
+TEST(DamagedField, OfAnotherKind) {
+  for (const std::string bytes : {"x", "solid cube\nendsolid\n", "\x89PNG\r\n\x1a\n\0\0\0\rIHDR", "PK\x05\x06"}) {
+    expect_refused("vti", bytes, ":header: no appended data");
+    expect_refused("nrrd", bytes, ":header: it does not begin with NRRD000");
+    expect_refused("npz", bytes, ":directory: it is missing");
+  }
+}
+
+TEST(DamagedField, Vti) {
+  expect_changes_refused(
+      "vti",
+      {
+          {"VTKFile type", "VTKFile typ", "<VTKFile> lacks type; write the file again"},
+          {"type=\"ImageData\"", "type=\"PolyData\"", "it holds PolyData; save the field as ImageData"},
+          {"byte_order", "compressor=\"vtkZLibDataCompressor\" byte_order", "it is compressed; save it without"},
+          {"byte_order=\"LittleEndian\"", "", "<VTKFile> lacks byte_order"},
+          {"VTKFile type", "VTKFiles type", ":header: it is no VTK XML file"},
+          {"  <ImageData", "  <Image", ":header: it holds no ImageData"},
+          {"WholeExtent=\"0 2 0 3 0 4\"", "WholeExtent=\"0 2 0 3 0\"", "WholeExtent is not 6 numbers"},
+          {"WholeExtent=\"0 2 0 3 0 4\"", "WholeExtent=\"0 2 0 3 0 x\"", "WholeExtent is not 6 numbers"},
+          {"WholeExtent=\"0 2", "WholeExtent=\"2 0", "the piece is not all of the image"},
+          {"WholeExtent=\"0 2", "WholeExtent=\"0 4398046511104", "WholeExtent is too large"},
+          {"WholeExtent=\"0 2 0 3 0 4\"", "WholeExtent=\"0 1099511627775 0 1099511627775 0 1099511627775\"",
+           "the piece is not all of the image"},
+          {"Spacing=\"0.5", "Spacing=\"-0.5",
+           ":header: grid: the spacing must be positive and finite; write the file again"},
+          {"Spacing=\"0.5", "Spacing=\"nan",
+           ":header: grid: the spacing must be positive and finite; write the file again"},
+          {"Origin=\"-1", "Origin=\"inf", ":header: grid: the origin and extent must be finite; write the file again"},
+          {"Direction=\"1 0", "Direction=\"0 1", "the axes of the grid must be those of the world; resample it"},
+          {"<Piece Extent=\"0 2", "<Piece Extent=\"0 1",
+           "the piece is not all of the image; save the whole as one piece"},
+          {"<Piece Ext", "<Pi Ext", ":header: it has 0 pieces; save it as one"},
+          {"Scalars=\"distance\"", "Scalars=distance", "the XML header is damaged"},
+          {"<FieldData>", "<FieldData", "the XML header is damaged"},
+          {"<FieldData>", "<!-- <FieldData>", "the XML header is damaged"},
+          {"format=\"appended\" offset=\"0\"", "format=\"binary\" offset=\"0\"",
+           "facts are read from appended or ascii"},
+          {"offset=\"0\"", "offset=\"-1\"", "the array's offset lies outside the file"},
+          {"offset=\"0\"", "offset=\"99999\"", "the array's offset lies outside the file"},
+          {"offset=\"0\"", "", "<DataArray> lacks offset"},
+          {"Float64", "Float32", "the thickness is not of type Float64"},
+          {"type=\"Float32\"", "type=\"Float64\"", "samples of type Float64 are not read; save them as Float32"},
+          {"Name=\"distance\" format=\"appended\"", "Name=\"distance\" format=\"ascii\"",
+           "the array is not in the appended data; save it with appended data"},
+          {"Name=\"distance\"", "Name=\"distance\" NumberOfComponents=\"3\"", "it has 3 numbers per sample; save one"},
+          {"UInt32", "Int64", "samples of type Int64 are not read; save them as UInt32"},
+          {"Name=\"distance\"", "Name=\"other\"", ":header: its point data lacks an array 'distance'; name it so"},
+          {"encoding=\"raw\"", "encoding=\"base64\"", "the appended data is not raw; save it with encoding raw"},
+          {"<AppendedData encoding=\"raw\">\n_", "<AppendedData encoding=\"raw\">\n",
+           "no '_' begins the appended data"},
+          {"header_type=\"UInt64\"", "header_type=\"UInt32\"", "the thickness"},
+      },
+      true);
+}
+
+// Found by grammar: messages repeated words of a header however long, and the bytes in them, to the terminal.
+TEST(DamagedField, MessagesShowTheBeginningOfLongWords) {
+  const std::string word = "\x1b[2J" + std::string(100'000, '9'), shown = "?[2J" + std::string(36, '9') + "...";
+  const auto changed = [&](const std::string& extension, const std::string& from, const std::string& to) {
+    std::string bytes = bytes_of(extension);
+    bytes.replace(bytes.find(from), from.size(), to);
+    expect_refused(extension, bytes, shown);
+    const TempFolder folder;
+    const auto path = folder.file("a." + extension, bytes);
+    try {
+      read_field(path);
+    } catch (const Error& error) {
+      EXPECT_LT(std::strlen(error.what()), path.string().size() + 200) << from;
+    }
+  };
+  changed("nrrd", "dimension: 3", "dimension: " + word);
+  changed("nrrd", "type: float", "type: " + word);
+  changed("nrrd", "encoding: raw", "encoding: " + word);
+  changed("vti", "type=\"ImageData\"", "type=\"" + word + "\"");
+  changed("vti", "type=\"Float32\"", "type=\"" + word + "\"");
+  changed("vti", "type=\"Float32\"", "type=\"Float32\" NumberOfComponents=\"" + word + "\"");
+}
+
+TEST(DamagedField, MessagesShowTheBeginningOfLongNamesOfMembers) {
+  std::string bytes = bytes_of("npz");
+  const std::string name = "\x1b" + std::string(500, 'n');
+  const auto entry = bytes.rfind("PK\x01\x02");
+  bytes.replace(entry + 46, static_cast<unsigned char>(bytes[entry + 28]), name);
+  const auto length = static_cast<std::uint16_t>(name.size());
+  std::memcpy(bytes.data() + entry + 28, &length, sizeof length);
+  bytes[entry + 10] = 8;  // deflated
+  expect_refused("npz", bytes, ":?" + std::string(39, 'n') + "...: it is compressed; save it with numpy.savez");
+}
+
+// A fuzzer's find: what looked like the last tag was none, and the reader took the last of no tags.
+TEST(DamagedField, VtiWhoseAppendedDataIsNoTag) {
+  expect_refused("vti", "<?xml <AppendedData encoding=\"raw\"?>_", ":byte 6: the XML header is damaged");
+  expect_refused("vti", "<?xml ?><!-- <AppendedData encoding=\"raw\">-->_", "no '_' begins the appended data");
+  expect_refused("vti", "<VTKFile encoding=\"raw\"><AppendedDataset encoding=\"raw\">_", "the XML header is damaged");
+}
+
+TEST(DamagedField, VtiLengths) {
+  const std::string good = bytes_of("vti");
+  const auto data = good.find("\n_") + 2;
+  // thickness; "tiles"; the hash; "1.2.3"; each after 8 bytes of length.
+  const auto distances = data + 16 + 8 + 6 + 8 + 19 + 8 + 6;
+  const auto with_length = [&](std::size_t at, std::uint64_t length) {
+    std::string bytes = good;
+    std::memcpy(bytes.data() + at, &length, sizeof length);
+    return bytes;
+  };
+  expect_refused("vti", with_length(data, 7), "the thickness is not one number");
+  expect_refused("vti", with_length(data, ~std::uint64_t{0}), "reaches past the end of the file");
+  expect_refused("vti", with_length(distances, 3 * 4 * 5 * 4 - 4), "it has 236 bytes, not 4 for each sample");
+  expect_refused("vti", with_length(distances, std::uint64_t{1} << 62), "reaches past the end of the file");
+}
+
+TEST(DamagedField, Nrrd) {
+  expect_changes_refused(
+      "nrrd",
+      {
+          {"NRRD0005", "NRRX0005", ":header: it does not begin with NRRD000"},
+          {"type: float", "type: double", ":line 3: samples of type 'double' are not read; convert them"},
+          {"type: float\n", "", ":header: the field 'type' is missing"},
+          {"type: float", "type float", ":line 3: 'type float' is no header field"},
+          {"type: float", "type:", ":line 3: 'type:' is no header field"},
+          {"encoding: raw", "encoding: gzip", ": encoding 'gzip' is not read; save it raw"},
+          {"encoding: raw", "encoding: raw\ndata file: a.raw", ": samples in another file are not read"},
+          {"encoding: raw", "encoding: raw\nbyte skip: -1", ": skips before the samples are not read"},
+          {"dimension: 3", "dimension: 4", ": a field has 3 dimensions, not '4'"},
+          {"sizes: 3 4 5", "sizes: 3 4", ": '3 4' is not three whole numbers"},
+          {"sizes: 3 4 5", "sizes: 3 4 5.5", ": '3 4 5.5' is not three whole numbers"},
+          {"sizes: 3 4 5", "sizes: 3 4 99999999999999999999", "is not three whole numbers"},
+          {"sizes: 3 4 5", "sizes: 3 4 0", ":header: grid: every axis needs at least one sample"},
+          {"sizes: 3 4 5", "sizes: 3 4 -5", ":header: grid: every axis needs at least one sample"},
+          {"sizes: 3 4 5", "sizes: 3 4 6", "the array of distances of 288 bytes reaches past the end"},
+          {"sizes: 3 4 5", "sizes: 1000000 1000000 1000000", "reaches past the end of the file"},
+          {"sizes: 3 4 5", "sizes: 1 4398046511104 1048576", ":header: grid: too many samples"},
+          {"sizes: 3 4 5", "sizes: 4194304 1048576 1048576", "reaches past the end of the file"},
+          {"(0.5,0,0)", "(0.5,0,0", "is not three numbers"},
+          {"(0,0,2)", "(0,0,2", "is not made of vectors (x,y,z)"},
+          {"(0.5,0,0)", "none", "is not made of vectors (x,y,z)"},
+          {"(0.5,0,0)", "(0.5,0)", "is not three numbers"},
+          {"(0.5,0,0)", "(0.5,0.1,0)", "the axes of the grid must be those of the world"},
+          {"(0.5,0,0)", "(-0.5,0,0)", ":header: grid: the spacing must be positive and finite; write the file again"},
+          {"(0.5,0,0) ", "", "three directions are needed"},
+          {"space directions:", "# ", ":header: neither 'space directions' nor 'spacings' is there"},
+          {"space origin: (-1,2,3)", "space origin: (-1,2,3) (1,2,3)", "one vector (x,y,z) is needed"},
+          {"endian: little", "endian: middle", "endian is little or big"},
+          {"endian: little\n", "", ":header: the field 'endian' is missing"},
+          {"thickness:=1000", "thickness:=much", "the thickness is not a number"},
+          {"thickness:=1000", "thickness:=-1", ": the thickness -1 is not positive"},
+          {"thickness:=1000", "thickness:=nan", ": the thickness nan is not positive"},
+          {"thickness:=1000", "thickness:=999", ":sample (0,0,2): the value 1000 is not a number up to"},
+      });
+}
+
+TEST(DamagedField, ValuesThatAreNoDistances) {
+  std::string bytes = bytes_of("nrrd");
+  const auto at = bytes.size() - 4 * (3 * 4 * 5) + 4 * (1 + 3 * (2 + 4 * 3));
+  for (const float bad : {std::numeric_limits<float>::quiet_NaN(), 1000.5f, std::numeric_limits<float>::infinity()}) {
+    std::memcpy(bytes.data() + at, &bad, sizeof bad);
+    expect_refused("nrrd", bytes, ":sample (1,2,3): the value ");
+  }
+}
+
+DistanceField read_from_memory(const std::string& extension, const std::string& bytes) {
+  const FileView view("a." + extension, bytes);
+  const FieldInput input(view);
+  return extension == "vti" ? read_vti(input) : extension == "nrrd" ? read_nrrd(input) : read_npz(input);
+}
+
+// Whatever a file lost at its end is noticed.
+TEST(DamagedField, TruncatedAnywhere) {
+  for (const Format& format : field_formats()) {
+    const std::string good = bytes_of(format.extension, format.nearest);
+    // A VTI is complete without its closing tags.
+    const std::size_t needed = format.extension == "vti" ? good.rfind("\n  </AppendedData>") : good.size();
+    for (std::size_t size = 1; size < needed; ++size) {
+      EXPECT_THROW(read_from_memory(format.extension, good.substr(0, size)), Error)
+          << format.extension << " of " << size << " bytes";
+    }
+  }
+}
+
+// Random bytes in random places: an error or a field, nothing else.
+TEST(DamagedField, RandomDamage) {
+  for (const Format& format : field_formats()) {
+    const std::string good = bytes_of(format.extension, format.nearest);
+    std::mt19937 random(7);
+    int refused = 0;
+    for (int n = 0; n < 4000; ++n) {
+      std::string bytes = good;
+      for (unsigned changes = 1 + random() % 4; changes > 0; --changes)
+        bytes[random() % bytes.size()] = static_cast<char>(random());
+      try {
+        EXPECT_LE(read_from_memory(format.extension, bytes).grid().sample_count(),
+                  static_cast<std::int64_t>(bytes.size()));
+      } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::input);
+        ++refused;
+      }
+    }
+    EXPECT_GT(refused, 400);
+  }
+}
+
+}  // namespace
+}  // namespace standoff

@@ -1,0 +1,86 @@
+// Our files read by VTK, numpy and teem, and theirs read by us.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "odd_field.h"
+#include "standoff/io.h"
+#include "tests/support/temp_folder.h"
+
+namespace standoff {
+namespace {
+
+// Runs tests/io/field/foreign.py; what it complains of is the test's output. A missing module is a failure too:
+// script/bootstrap installs them.
+void run_foreign(const std::string& arguments) {
+  const std::string command = STANDOFF_PYTHON " -B " STANDOFF_SOURCE_DIR "/tests/io/field/foreign.py " + arguments;
+  EXPECT_EQ(std::system(command.c_str()), 0) << command;
+}
+
+std::string quoted(const std::string& text) { return "'" + text + "'"; }
+
+class ReadByOthers : public ::testing::TestWithParam<Format> {};
+INSTANTIATE_TEST_SUITE_P(AllFormats, ReadByOthers, ::testing::ValuesIn(field_formats()),
+                         [](const auto& format) { return format.param.extension; });
+
+TEST_P(ReadByOthers, FullField) {
+  const TempFolder folder;
+  const auto path = folder / ("field." + GetParam().extension);
+  write_field(path, odd_field());
+  run_foreign("read " + quoted(path.string()) + " inf");
+}
+
+TEST_P(ReadByOthers, BandWithNearestTriangles) {
+  const TempFolder folder;
+  const auto path = folder / ("field." + GetParam().extension);
+  write_field(path, odd_field(odd_grid(), 4200.5, GetParam().nearest));
+  run_foreign("read " + quoted(path.string()) + " 4200.5" + (GetParam().nearest ? " nearest" : ""));
+}
+
+struct Foreign {
+  const char* kind;
+  const char* extension;
+};
+void PrintTo(const Foreign& foreign, std::ostream* out) { *out << foreign.kind; }
+
+class WrittenByOthers : public ::testing::TestWithParam<Foreign> {};
+INSTANTIATE_TEST_SUITE_P(Readers, WrittenByOthers,
+                         ::testing::Values(Foreign{"vtk header 32", "vti"}, Foreign{"vtk header 64", "vti"},
+                                           Foreign{"vtk big endian", "vti"}, Foreign{"vtk extent from 5", "vti"},
+                                           Foreign{"numpy C order", "npz"}, Foreign{"numpy Fortran order", "npz"},
+                                           Foreign{"numpy big endian", "npz"}, Foreign{"numpy extra arrays", "npz"},
+                                           Foreign{"teem little", "nrrd"}, Foreign{"teem big", "nrrd"}));
+
+TEST_P(WrittenByOthers, IsTheSameField) {
+  const TempFolder folder;
+  const auto path = folder / (std::string("field.") + GetParam().extension);
+  run_foreign("write " + quoted(path.string()) + " " + quoted(GetParam().kind));
+  const DistanceField field = read_field(path);
+  const DistanceField expected = odd_field();
+  EXPECT_EQ(field.grid().size, expected.grid().size);
+  EXPECT_EQ(field.grid().spacing, expected.grid().spacing);
+  // A file whose extent does not begin at 0 has its origin elsewhere, and rounds on the way back.
+  const Vec3 off = field.grid().origin - expected.grid().origin;
+  EXPECT_LE(length(off), 1e-9);
+  EXPECT_EQ(field.thickness(), kInfinite);
+  EXPECT_EQ(field.provenance.mesh_hash, 0u);
+  EXPECT_TRUE(field.to_dense() == expected.to_dense());
+}
+
+TEST(RewrittenByVtk, KeepsFactsAndNearestTriangles) {
+  const TempFolder folder;
+  const auto path = folder / "field.vti";
+  write_field(path, odd_field(odd_grid(), 4200.5, true));
+  run_foreign("write " + quoted(path.string()) + " 'vtk rewritten'");
+  const DistanceField field = read_field(path);
+  EXPECT_EQ(field.thickness(), 4200.5);
+  EXPECT_EQ(field.provenance.method, "tiles");
+  EXPECT_EQ(field.provenance.version, "1.2.3");
+  EXPECT_EQ(field.provenance.mesh_hash, 0x0123456789abcdefu);
+  ASSERT_TRUE(field.has_nearest());
+  EXPECT_EQ(field.nearest(7, 3, 2), odd_nearest(7, 3, 2, 4200.5));
+  EXPECT_EQ(field.nearest(7, 3, 20), kNoTriangle);
+}
+
+}  // namespace
+}  // namespace standoff

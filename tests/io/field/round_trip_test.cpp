@@ -1,0 +1,163 @@
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "io/field/samples.h"
+#include "odd_field.h"
+#include "standoff/compute.h"
+#include "standoff/io.h"
+#include "tests/support/expect_error.h"
+#include "tests/support/temp_folder.h"
+
+namespace standoff {
+namespace {
+
+class FieldFile : public ::testing::TestWithParam<Format> {
+ protected:
+  std::filesystem::path path() const { return folder / ("field." + GetParam().extension); }
+  DistanceField through_file(const DistanceField& field) const {
+    write_field(path(), field);
+    return read_field(path());
+  }
+  const TempFolder folder;
+};
+
+INSTANTIATE_TEST_SUITE_P(AllFormats, FieldFile, ::testing::ValuesIn(field_formats()),
+                         [](const auto& format) { return format.param.extension; });
+
+void expect_same(const DistanceField& a, const DistanceField& b) {
+  EXPECT_EQ(a.grid(), b.grid());
+  EXPECT_EQ(a.thickness(), b.thickness());
+  EXPECT_EQ(a.stored_tiles(), b.stored_tiles());
+  EXPECT_EQ(a.provenance.method, b.provenance.method);
+  EXPECT_EQ(a.provenance.mesh_hash, b.provenance.mesh_hash);
+  EXPECT_EQ(a.provenance.version, b.provenance.version);
+  EXPECT_TRUE(a.to_dense() == b.to_dense());
+  ASSERT_EQ(a.has_nearest(), b.has_nearest());
+  if (!a.has_nearest()) return;
+  const auto samples = static_cast<std::size_t>(a.grid().sample_count());
+  std::vector<std::uint32_t> of_a(samples), of_b(samples);
+  a.copy_nearest_slices(0, a.grid().size.z, of_a);
+  b.copy_nearest_slices(0, b.grid().size.z, of_b);
+  EXPECT_TRUE(of_a == of_b);
+}
+
+TEST_P(FieldFile, KeepsAFullField) {
+  const DistanceField field = odd_field();
+  expect_same(through_file(field), field);
+  EXPECT_EQ(folder.names().size(), 1u);
+}
+
+TEST_P(FieldFile, KeepsABandAndItsSparsity) {
+  const DistanceField field = odd_field(odd_grid(), 4200.5);
+  EXPECT_LT(field.stored_tiles(), field.tile_count().count());
+  expect_same(through_file(field), field);
+}
+
+TEST_P(FieldFile, KeepsAFieldWithoutTiles) {
+  expect_same(through_file(DistanceField(odd_grid(), 0.1)), DistanceField(odd_grid(), 0.1));
+  expect_same(through_file(DistanceField(odd_grid(), kInfinite)), DistanceField(odd_grid(), kInfinite));
+}
+
+TEST_P(FieldFile, KeepsGridsOfAnyShape) {
+  for (const Size3 size : {Size3{1, 1, 1}, {1, 1, 40}, {40, 1, 1}, {1, 40, 1}, {8, 8, 8}, {9, 7, 1}, {3, 50, 17}}) {
+    const DistanceField field = odd_field({size, {1, 2, 3}, {1, 2, 3}});
+    expect_same(through_file(field), field);
+  }
+}
+
+TEST_P(FieldFile, KeepsExtremeNumbers) {
+  const Grid grid{{2, 3, 4}, {-1e-300, 1e300, 0.1 + 0.2}, {1e-310, 1e299, 1.0 / 3}};
+  for (const double thickness : {1e-300, 5e-324, 1.0 / 3, 1e300}) {
+    const DistanceField field(grid, thickness);
+    expect_same(through_file(field), field);
+  }
+}
+
+TEST_P(FieldFile, KeepsProvenanceOfAnyText) {
+  DistanceField field = odd_field();
+  for (const char* text : {"", "two words", "<&\"'>", "back\\slash\nand line", ":=", "  spaces  "}) {
+    field.provenance = {text, 0, text};
+    expect_same(through_file(field), field);
+  }
+  field.provenance.mesh_hash = ~std::uint64_t{0};
+  expect_same(through_file(field), field);
+}
+
+TEST_P(FieldFile, KeepsNearestTrianglesOrSaysThatItCannot) {
+  const DistanceField field = odd_field(odd_grid(), 4200.5, true);
+  if (GetParam().nearest) return expect_same(through_file(field), field);
+  expect_error([&] { write_field(path(), field); }, ErrorCode::usage,
+               "cannot carry nearest triangles; write .vti or .npz, or compute without them");
+  EXPECT_TRUE(folder.names().empty());
+}
+
+// Samples as far from the plane as the thickness lie in the band: here they are all that the upper tiles hold.
+TEST_P(FieldFile, KeepsTilesWhoseLeastValueIsTheThickness) {
+  const Mesh plane{{{-1, -1, 7}, {17, -1, 7}, {-1, 17, 7}, {17, 17, 7}}, {{0, 1, 2}, {1, 3, 2}}};
+  Options options;
+  options.thickness = 1;
+  options.nearest_triangle = GetParam().nearest;
+  const DistanceField field = compute(plane, {{16, 16, 16}, {}, {1, 1, 1}}, options).field;
+  ASSERT_EQ(field.stored_tiles(), 8);
+  ASSERT_EQ(field.value(3, 4, 8), 1);
+  const DistanceField read = through_file(field);
+  if (GetParam().nearest) expect_same(read, field);
+  EXPECT_TRUE(read.to_dense() == field.to_dense());
+  const std::string bytes = read_bytes(path());
+  write_field(path(), read);
+  EXPECT_TRUE(read_bytes(path()) == bytes);
+}
+
+TEST_P(FieldFile, WritesTheSameBytesTwice) {
+  write_field(path(), odd_field());
+  const std::string once = read_bytes(path());
+  write_field(path(), odd_field());
+  EXPECT_TRUE(read_bytes(path()) == once);
+}
+
+TEST_P(FieldFile, KnowsItsExtensionInCapitals) {
+  std::string extension = GetParam().extension;
+  for (char& c : extension) c = static_cast<char>(std::toupper(c));
+  write_field(folder / ("FIELD." + extension), odd_field());
+  expect_same(read_field(folder / ("FIELD." + extension)), odd_field());
+}
+
+// Slices so large that fewer than a layer of tiles is sent at a time.
+TEST(SendValues, SendsAllSlicesWhateverTheirSize) {
+  const DistanceField field = odd_field({{700, 800, 11}, {}, {1, 1, 1}}, 2000);
+  std::vector<float> sent;
+  std::size_t largest = 0;
+  send_values(field, [&](std::span<const std::byte> part) {
+    const auto* values = reinterpret_cast<const float*>(part.data());
+    sent.insert(sent.end(), values, values + part.size() / sizeof(float));
+    largest = std::max(largest, part.size());
+  });
+  EXPECT_TRUE(sent == field.to_dense());
+  EXPECT_LE(largest, std::size_t{4} << 20);
+}
+
+TEST(FieldFormats, AreThoseThatTheDocumentationNames) {
+  std::string names;
+  for (const Format& format : field_formats()) {
+    names += format.extension + " ";
+    EXPECT_TRUE(format.readable && format.writable);
+    EXPECT_FALSE(format.description.empty());
+  }
+  EXPECT_EQ(names, "vti nrrd npz ");
+}
+
+TEST(FieldFormats, UnknownNamesAreRefused) {
+  const TempFolder folder;
+  expect_error([&] { write_field(folder / "a.vtk", odd_field()); }, ErrorCode::usage,
+               "a.vtk: no field format is called .vtk; use one of .vti, .nrrd, .npz");
+  expect_error([&] { write_field(folder / "a", odd_field()); }, ErrorCode::usage,
+               "a: the name has no extension; use one of");
+  expect_error([&] { read_field(folder / "a.txt"); }, ErrorCode::input, "a.txt: no field format is called .txt");
+  expect_error([&] { write_field(folder / "no/a.vti", odd_field()); }, ErrorCode::output,
+               "does not exist; create it first");
+  EXPECT_TRUE(folder.names().empty());
+}
+
+}  // namespace
+}  // namespace standoff

@@ -1,0 +1,135 @@
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <cstring>
+
+#include "io/field/zip_crc32.h"
+#include "io/field/zip_reader.h"
+#include "io/field/zip_writer.h"
+#include "tests/support/expect_error.h"
+#include "tests/support/temp_folder.h"
+
+namespace standoff {
+namespace {
+
+std::span<const std::byte> bytes_of(const std::string& text) { return std::as_bytes(std::span(text)); }
+
+TEST(Crc32, HasTheKnownValues) {
+  // The check value of the CRC catalogue, and what zlib gives for the others.
+  EXPECT_EQ(crc32(bytes_of("123456789")), 0xCBF43926u);
+  EXPECT_EQ(crc32({}), 0u);
+  EXPECT_EQ(crc32(bytes_of("The quick brown fox jumps over the lazy dog")), 0x414FA339u);
+}
+
+TEST(Crc32, GoesOnWhereItStopped) {
+  std::string text;
+  for (int n = 0; n < 100; ++n) text += static_cast<char>(n * 37);
+  for (std::size_t cut = 0; cut <= text.size(); ++cut)
+    EXPECT_EQ(crc32(bytes_of(text.substr(cut)), crc32(bytes_of(text.substr(0, cut)))), crc32(bytes_of(text)));
+}
+
+// Two members; sizes and offsets from `zip64_from` on in 64 bits.
+void write_archive(const std::filesystem::path& path, std::uint64_t zip64_from) {
+  AtomicFile file(path);
+  ZipWriter zip(file, zip64_from);
+  zip.begin("first", 5);
+  zip.write(bytes_of("he"));
+  zip.write(bytes_of("llo"));
+  zip.end();
+  zip.begin("second", 300);
+  zip.write(bytes_of(std::string(300, 's')));
+  zip.end();
+  zip.finish();
+  file.commit();
+}
+
+class Zip : public ::testing::TestWithParam<std::uint64_t> {
+ protected:
+  void SetUp() override { write_archive(folder / "a.zip", GetParam()); }
+  const TempFolder folder;
+};
+// Nothing, the second member's size, both offsets, and everything in 64 bits.
+INSTANTIATE_TEST_SUITE_P(Widths, Zip, ::testing::Values(ZipWriter::kZip64From, 300, 40, 0));
+
+TEST_P(Zip, IsReadAsWritten) {
+  const FileView view(folder / "a.zip");
+  const FieldInput file(view);
+  const auto members = read_zip(file);
+  ASSERT_EQ(members.size(), 2u);
+  EXPECT_EQ(members[0].name, "first");
+  EXPECT_EQ(file.text(members[0].offset, members[0].bytes), "hello");
+  EXPECT_EQ(members[1].name, "second");
+  EXPECT_EQ(file.text(members[1].offset, members[1].bytes), std::string(300, 's'));
+  for (const ZipMember& member : members) check_crc(file, member);
+}
+
+TEST_P(Zip, IsReadByPython) {
+  const std::string command = STANDOFF_PYTHON
+                              " -B -c 'import sys, zipfile; z = zipfile.ZipFile(sys.argv[1]); "
+                              "sys.exit(z.testzip() is not None or z.read(\"first\") != b\"hello\" or "
+                              "z.read(\"second\") != b\"s\" * 300 or len(z.namelist()) != 2)' '" +
+                              (folder / "a.zip").string() + "'";
+  EXPECT_EQ(std::system(command.c_str()), 0) << command;
+}
+
+TEST_P(Zip, MayEndWithAComment) {
+  std::string bytes = read_bytes(folder / "a.zip");
+  bytes[bytes.size() - 2] = 7;
+  bytes += "comment";
+  const FileView view("a.zip", bytes);
+  EXPECT_EQ(read_zip(FieldInput(view)).size(), 2u);
+}
+
+void expect_refused(const std::string& bytes, const std::string& words) {
+  const FileView view("a.zip", bytes);
+  const FieldInput file(view);
+  expect_error(
+      [&] {
+        for (const ZipMember& member : read_zip(file)) check_crc(file, member);
+      },
+      ErrorCode::input, words);
+}
+
+TEST(DamagedZip, SaysWhatIsWrong) {
+  const TempFolder folder;
+  write_archive(folder / "a.zip", ZipWriter::kZip64From);
+  const std::string good = read_bytes(folder / "a.zip");
+  const auto entry = good.find("PK\1\2"), end = good.find("PK\5\6");
+  const auto with = [&](std::size_t at, const std::string& bytes) {
+    return std::string(good).replace(at, bytes.size(), bytes);
+  };
+  expect_refused(with(entry + 8, "\1"), "a.zip:first: it is encrypted; save it without a password");
+  expect_refused(with(entry + 10, "\10"), "a.zip:first: it is compressed; save it with numpy.savez");
+  expect_refused(with(entry + 20, "\4"), "a.zip:first: its sizes contradict each other");
+  expect_refused(with(entry + 42, "\7"), "a.zip:first: its header is damaged");
+  expect_refused(with(entry + 42, "\377\377\377\177"), "a record of the archive of 30 bytes reaches past the end");
+  expect_refused(with(entry, "X"), "a.zip:directory: entry 1 is damaged");
+  expect_refused(with(good.find("hello"), "j"), "a.zip:first: its checksum is wrong; the file is damaged");
+  expect_refused(with(entry + 20, std::string("\5\0\0\1\5\0\0\1", 8)),
+                 "a member of 16777221 bytes reaches past the end");
+  expect_refused(with(end + 10, "\3"), "reaches past the end of the file");
+  expect_refused(with(end + 12, "\377\377"), "the archive's directory of 65535 bytes reaches past the end");
+  expect_refused(with(end + 16, "\377\377\377\377"), "a.zip:directory: its 64-bit part is missing");
+  expect_refused(good.substr(0, good.size() - 1), "a.zip:directory: it is missing");
+  expect_refused("", "a.zip:directory: it is missing");
+}
+
+TEST(DamagedZip, SaysWhatIsWrongWithItsWideParts) {
+  const TempFolder folder;
+  write_archive(folder / "a.zip", 0);
+  const std::string good = read_bytes(folder / "a.zip");
+  const auto entry = good.find("PK\1\2"), end = good.find("PK\6\6"), locator = good.find("PK\6\7");
+  const auto with = [&](std::size_t at, const std::string& bytes) {
+    return std::string(good).replace(at, bytes.size(), bytes);
+  };
+  expect_refused(with(end, "X"), "a.zip:directory: its 64-bit part is damaged");
+  expect_refused(with(locator + 8, "\377\377\377\377\377\377\377\377"),
+                 "a record of the archive of 56 bytes reaches past");
+  expect_refused(with(end + 48, "\377\377\377\377\377\377\377\377"), "the archive's directory");
+  // The extra field behind the name "first": kind 1, 24 bytes, of which fewer are said to be there.
+  expect_refused(with(entry + 46 + 5 + 2, "\10"), "a.zip:first: its 64-bit sizes are damaged");
+  expect_refused(with(entry + 46 + 5, "\2"), "reaches past the end of the file");
+}
+
+}  // namespace
+}  // namespace standoff
