@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/field_bytes.h"
 #include "field/memory.h"
 #include "standoff/compute.h"
 #include "standoff/io.h"
