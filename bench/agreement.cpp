@@ -13,7 +13,8 @@ bool agree(Query query, double ours, double theirs) {
   return is_hit(query, ours) == is_hit(query, theirs);
 }
 
-bool agree_on_sweep(const CollisionPeer& peer, const Motion& motion, double tolerance, double ours, double theirs) {
+bool agree_on_sweep(const CollisionPeer& peer, const RigidMotion& motion, double tolerance, double ours,
+                    double theirs) {
   constexpr int kLooks = 8;
   if (ours > 1) return theirs > 1;
   if (peer.distance(on_the_way(motion, ours)) > tolerance * (1 + 1e-6)) return false;
@@ -22,7 +23,7 @@ bool agree_on_sweep(const CollisionPeer& peer, const Motion& motion, double tole
   return true;
 }
 
-Pose on_the_way(const Motion& motion, double t) {
+Pose on_the_way(const RigidMotion& motion, double t) {
   Pose pose = motion.from;
   pose.translation = motion.from.translation + (motion.to.translation - motion.from.translation) * t;
   return pose;

@@ -17,9 +17,9 @@ bool agree(Query query, double ours, double theirs);
 /// A sweep ends anywhere within the tolerance, so times differ. What must hold: where ours ends the peer finds the
 /// bodies within the tolerance; at some places between its end and ours it finds none that touch; ours is not free
 /// where the peer's is not.
-bool agree_on_sweep(const CollisionPeer& peer, const Motion& motion, double tolerance, double ours, double theirs);
+bool agree_on_sweep(const CollisionPeer& peer, const RigidMotion& motion, double tolerance, double ours, double theirs);
 
 /// The pose at a time of a motion that does not turn.
-Pose on_the_way(const Motion& motion, double t);
+Pose on_the_way(const RigidMotion& motion, double t);
 
 }  // namespace standoff::bench

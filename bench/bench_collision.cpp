@@ -20,7 +20,7 @@ struct Batches {
 
 /// Answers one batch and forgets the answers.
 void answer(bench::Query query, const CollisionModel& a, const CollisionModel& b, const std::vector<Pose>& poses,
-            const std::vector<Motion>& motions, double tolerance, int threads) {
+            const std::vector<RigidMotion>& motions, double tolerance, int threads) {
   switch (query) {
     case bench::Query::collide:
       collide_all(a, {}, b, poses, {}, threads);
@@ -41,8 +41,8 @@ void answer(bench::Query query, const CollisionModel& a, const CollisionModel& b
 }
 
 /// Seconds of a batch, the least time of a turn being long enough to be measured.
-template <class Batch>
-double turn(Batch&& batch) {
+template <class Execution>
+double turn(Execution&& batch) {
   constexpr double kLeast_s = 0.2;
   int batches = 0;
   const auto start = std::chrono::steady_clock::now();
@@ -60,7 +60,7 @@ void run(const Batches& batches) {
   for (const std::string& text : batches.queries) {
     const bench::Question question = bench::parse_question(text);
     const std::vector<Pose> poses = bench::PosesDrawn(settings, a, b).of(question);
-    const std::vector<Motion> motions = bench::make_motions(settings, question, poses);
+    const std::vector<RigidMotion> motions = bench::make_motions(settings, question, poses);
     std::vector<double> one_s, many_s, ratios;
     for (int round = 0; round < batches.rounds; ++round) {
       for (auto& [threads, seconds] : {std::pair{1, &one_s}, {batches.threads, &many_s}})

@@ -36,7 +36,7 @@ class Job {
     if (output_ == Output::dense) buffer_.reset(new float[samples()]);
   }
 
-  Report operator()() {
+  ComputeReport operator()() {
     if (output_ == Output::sparse) return compute_into(work_.mesh, work_.grid, field_, options_);
     return compute_into(work_.mesh, work_.grid, values(), options_);
   }
@@ -56,7 +56,7 @@ class Job {
 
   const Workload& work_;
   Output output_;
-  Options options_;
+  ComputeOptions options_;
   DistanceField field_;
   std::unique_ptr<float[]> buffer_;
 };
@@ -64,7 +64,7 @@ class Job {
 nlohmann::json run(const Workload& work, const Settings& settings) {
   Job job(work, settings);
   bench::Measured measured;
-  const Report report = bench::measure(work.repeats, measured, [&] { return job(); });
+  const ComputeReport report = bench::measure(work.repeats, measured, [&] { return job(); });
 
   nlohmann::json line = work.describe();
   line["driver"] = "standoff";

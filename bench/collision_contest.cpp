@@ -38,7 +38,7 @@ struct Asked {
   const CollisionSettings& settings;
   const Question& question;
   std::vector<Pose> poses;
-  std::vector<Motion> motions;
+  std::vector<RigidMotion> motions;
 };
 
 double ask_standoff(const Asked& asked, const CollisionModel& a, const CollisionModel& b, std::size_t n) {
@@ -55,12 +55,12 @@ double ask_standoff(const Asked& asked, const CollisionModel& a, const Collision
     case Query::sweep:
       break;
   }
-  const Swept swept = sweep(a, {}, b, asked.motions[n], {asked.settings.tolerance});
+  const SweepResult swept = sweep(a, {}, b, asked.motions[n], {asked.settings.tolerance});
   return swept.hit ? swept.time : kFree;
 }
 
 /// Conservative advancement: the way is straight, so no point is faster than it is long.
-double advance(const CollisionPeer& peer, const Motion& motion, double tolerance) {
+double advance(const CollisionPeer& peer, const RigidMotion& motion, double tolerance) {
   const Vec3 way = motion.to.translation - motion.from.translation;
   const double length = std::sqrt(dot(way, way));
   for (double t = 0; t <= 1;) {

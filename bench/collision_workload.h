@@ -51,7 +51,7 @@ class PosesDrawn {
   std::map<std::string, std::vector<Pose>> known_;
 };
 /// A straight way from each pose.
-std::vector<Motion> make_motions(const CollisionSettings& settings, const Question& question,
-                                 const std::vector<Pose>& poses);
+std::vector<RigidMotion> make_motions(const CollisionSettings& settings, const Question& question,
+                                      const std::vector<Pose>& poses);
 
 }  // namespace standoff::bench

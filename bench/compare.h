@@ -16,7 +16,7 @@ namespace standoff::bench {
 /// The exact field, by standoff's default method.
 inline std::vector<float> exact_field(const Workload& work) {
   std::vector<float> values(static_cast<std::size_t>(work.grid.sample_count()));
-  Options options;
+  ComputeOptions options;
   options.thickness = work.thickness;
   options.threads = work.threads;
   compute_into(work.mesh, work.grid, values, options);

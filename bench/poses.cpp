@@ -133,13 +133,13 @@ std::vector<Pose> PosesDrawn::of(const Question& question) {
   return {poses.begin(), poses.begin() + static_cast<std::ptrdiff_t>(count)};
 }
 
-std::vector<Motion> make_motions(const CollisionSettings& settings, const Question& question,
-                                 const std::vector<Pose>& poses) {
+std::vector<RigidMotion> make_motions(const CollisionSettings& settings, const Question& question,
+                                      const std::vector<Pose>& poses) {
   Dice dice;
   const double way = question.way.value_or(settings.way);
-  std::vector<Motion> motions;
+  std::vector<RigidMotion> motions;
   for (const Pose& pose : poses) {
-    Motion motion{pose, pose, {}};
+    RigidMotion motion{pose, pose, {}};
     const Vec3 direction = settings.direction.empty()
                                ? dice.direction()
                                : Vec3{settings.direction[0], settings.direction[1], settings.direction[2]};

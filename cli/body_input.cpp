@@ -47,7 +47,7 @@ Json json_body(const CollisionModel& body) {
 }
 
 Json json_triangle(std::uint32_t triangle) {
-  if (triangle == std::numeric_limits<std::uint32_t>::max()) return nullptr;
+  if (triangle == kNoTriangle) return nullptr;
   return triangle;
 }
 

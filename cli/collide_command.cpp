@@ -46,8 +46,8 @@ Json contact_json(const ContactPoint& contact) {
           {"triangle_b", contact.triangle_b}};
 }
 
-const char* word_of(Contact contact) {
-  return contact == Contact::free ? "free" : contact == Contact::hit ? "hit" : "ambiguous";
+const char* word_of(Verdict contact) {
+  return contact == Verdict::free ? "free" : contact == Verdict::hit ? "hit" : "ambiguous";
 }
 
 // Which of several triangles touch depends on the device: the table leaves it out, so that it does not.
@@ -64,9 +64,9 @@ void Command::run_many() {
   if (certified) answers.counts.emplace_back("ambiguous", 0);
   for (std::size_t n = 0; n < found.size(); ++n) {
     answers.table.cell(static_cast<std::int64_t>(n));
-    answers.table.cell(word_of(found[n].contact));
+    answers.table.cell(word_of(found[n].verdict));
     answers.table.end_row();
-    ++answers.counts[static_cast<std::size_t>(found[n].contact)].second;
+    ++answers.counts[static_cast<std::size_t>(found[n].verdict)].second;
   }
   many.deliver(answers, talk);
 }
@@ -74,9 +74,9 @@ void Command::run_many() {
 void Command::run() {
   if (many.given()) return run_many();
   const CollisionModel a = bodies.read_a(talk), b = bodies.read_b(talk);
-  const Collided found = collide(a, bodies.pose_a(), b, pose, options());
-  const char* const word = word_of(found.contact);
-  Contacts all;
+  const CollisionResult found = collide(a, bodies.pose_a(), b, pose, options());
+  const char* const word = word_of(found.verdict);
+  ContactResult all;
   if (contacts > 0) all = standoff::contacts(a, bodies.pose_a(), b, pose, {.most = contacts, .margin = margin});
   if (talk.json()) {
     Json json{{"result", word},

@@ -38,7 +38,7 @@ struct Command {
   MeshInput mesh;
   FileOutput output;
   GridOptions grid;
-  Options options;
+  ComputeOptions options;
   Talk talk;
   bool dry_run = false;
 
@@ -107,7 +107,7 @@ void Command::run() {
   talk.say(mesh_line(mesh.name(), loaded));
   talk.say(grid_line(plan.choice));
 
-  Computed computed = [&] {
+  ComputeResult computed = [&] {
     const Cancellable cancellable;
     options.progress = talk.progress();
     return compute(loaded, plan.choice.grid, options);

@@ -16,7 +16,7 @@ std::int64_t tile_count(Size3 size) {
   return ((size.x + side - 1) / side) * ((size.y + side - 1) / side) * ((size.z + side - 1) / side);
 }
 
-std::int64_t bytes_needed(const Plan& plan, const Options& options) {
+std::int64_t bytes_needed(const Plan& plan, const ComputeOptions& options) {
   return memory_needed(plan.mesh, plan.choice.grid, options);
 }
 
@@ -43,7 +43,7 @@ std::string grid_line(const GridChoice& choice) {
   return "grid " + size_text(choice.grid.size) + ", spacing " + spacing_text(choice.grid.spacing) + ", " + band;
 }
 
-std::string plan_text(const Plan& plan, const Options& options) {
+std::string plan_text(const Plan& plan, const ComputeOptions& options) {
   const Grid& grid = plan.choice.grid;
   const std::int64_t needed = bytes_needed(plan, options);
   const std::string over =
@@ -55,7 +55,7 @@ std::string plan_text(const Plan& plan, const Options& options) {
          "would write " + plan.output + "\n";
 }
 
-Json plan_json(const Plan& plan, const Options& options) {
+Json plan_json(const Plan& plan, const ComputeOptions& options) {
   Json json = description(plan);
   json["samples"] = {{"total", plan.choice.grid.sample_count()}};
   json["tiles"] = {{"total", tile_count(plan.choice.grid.size)}};
@@ -68,7 +68,7 @@ Json plan_json(const Plan& plan, const Options& options) {
 }
 
 void say(const Outcome& outcome, const Talk& talk) {
-  const Report& report = outcome.report;
+  const ComputeReport& report = outcome.report;
   const double load = outcome.plan.load_seconds, prepare = report.seconds.prepare, compute = report.seconds.compute,
                write = outcome.write_seconds;
   if (report.skipped > 0) talk.say(counted(report.skipped, "triangle") + " skipped");
@@ -83,7 +83,7 @@ void say(const Outcome& outcome, const Talk& talk) {
 }
 
 Json outcome_json(const Outcome& outcome) {
-  const Report& report = outcome.report;
+  const ComputeReport& report = outcome.report;
   Json json = description(outcome.plan);
   json["mesh"]["skipped"] = report.skipped;
   json["mesh"]["hash"] = hash_text(outcome.mesh_hash);

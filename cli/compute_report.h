@@ -23,13 +23,13 @@ struct Plan {
 std::string grid_line(const GridChoice& choice);
 
 /// What --dry-run prints.
-std::string plan_text(const Plan& plan, const Options& options);
-Json plan_json(const Plan& plan, const Options& options);
+std::string plan_text(const Plan& plan, const ComputeOptions& options);
+Json plan_json(const Plan& plan, const ComputeOptions& options);
 
 /// A computation that has written its field.
 struct Outcome {
   Plan plan;
-  Report report;
+  ComputeReport report;
   std::uint64_t mesh_hash = 0;
   double write_seconds = 0;
   std::int64_t written_bytes = 0;

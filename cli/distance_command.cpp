@@ -33,7 +33,7 @@ struct Command {
   DistanceOptions inclusive() const {
     return {options.tolerance, std::nextafter(options.limit, std::numeric_limits<double>::infinity())};
   }
-  double lower(const Distance& found) const { return std::min(found.lower, options.limit); }
+  double lower(const DistanceResult& found) const { return std::min(found.lower, options.limit); }
   void run();
   void run_many();
 };
@@ -48,7 +48,7 @@ void Command::run_many() {
   Answers answers{Table("pose,lower,upper,ax,ay,az,bx,by,bz,triangle_a,triangle_b"), {}};
   std::int64_t touching = 0, beyond = 0;
   for (std::size_t n = 0; n < found.size(); ++n) {
-    const Distance& it = found[n];
+    const DistanceResult& it = found[n];
     const bool any = std::isfinite(it.upper);
     touching += it.upper == 0, beyond += !any;
     answers.table.cell(static_cast<std::int64_t>(n));
@@ -67,7 +67,7 @@ void Command::run_many() {
 void Command::run() {
   if (many.given()) return run_many();
   const CollisionModel a = bodies.read_a(talk), b = bodies.read_b(talk);
-  const Distance found = distance(a, bodies.pose_a(), b, pose, inclusive());
+  const DistanceResult found = distance(a, bodies.pose_a(), b, pose, inclusive());
   if (talk.json()) {
     const bool any = std::isfinite(found.upper);
     return print(Json{{"lower", json_number(lower(found))},

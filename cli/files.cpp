@@ -24,8 +24,8 @@ std::string extension_of(const fs::path& path) {
   return extension;
 }
 
-bool knows(const std::vector<Format>& formats, const std::string& extension, bool writable) {
-  return std::ranges::any_of(formats, [&](const Format& format) {
+bool knows(const std::vector<FileFormat>& formats, const std::string& extension, bool writable) {
+  return std::ranges::any_of(formats, [&](const FileFormat& format) {
     return format.extension == extension && (writable ? format.writable : format.readable);
   });
 }
@@ -83,7 +83,7 @@ void FileOutput::add_to(CLI::App& verb, const char* placeholder, const std::stri
   verb.add_flag("-f,--force", force_, "overwrite the output when it exists")->group("Output");
 }
 
-void FileOutput::check(const std::vector<Format>& formats) const {
+void FileOutput::check(const std::vector<FileFormat>& formats) const {
   const auto fail = [this](ErrorCode code, const std::string& what) {
     throw Error(code, path_.string() + ": " + what);
   };
@@ -109,8 +109,8 @@ void FileOutput::check_differs(const std::string& input) const {
     throw Error(ErrorCode::usage, path_.string() + ": it is an input, and would be lost; give another name");
 }
 
-void FileOutput::check_carries_nearest(const std::vector<Format>& formats) const {
-  for (const Format& format : formats)
+void FileOutput::check_carries_nearest(const std::vector<FileFormat>& formats) const {
+  for (const FileFormat& format : formats)
     if (format.extension == extension_of(path_) && !format.nearest)
       throw Error(ErrorCode::usage,
                   path_.string() + ": ." + format.extension +
@@ -122,9 +122,9 @@ std::string mesh_line(const std::string& name, const Mesh& mesh) {
          counted(static_cast<std::int64_t>(mesh.vertices.size()), "vertex");
 }
 
-std::string extensions(const std::vector<Format>& formats, bool writable) {
+std::string extensions(const std::vector<FileFormat>& formats, bool writable) {
   std::vector<std::string> names;
-  for (const Format& format : formats)
+  for (const FileFormat& format : formats)
     if (writable ? format.writable : format.readable) names.push_back("." + format.extension);
   std::string text;
   for (std::size_t n = 0; n < names.size(); ++n)

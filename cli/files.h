@@ -53,13 +53,13 @@ class FileOutput {
   void set_path(const std::filesystem::path& path) { path_ = path; }
   /// Tells before any work what would go wrong after it: an unknown extension (usage), a file in the way without -f
   /// (usage), a folder in the way or missing (output).
-  void check(const std::vector<Format>& formats) const;
+  void check(const std::vector<FileFormat>& formats) const;
   /// Throws Error{usage} where the output is the file that an input comes from, also with -f.
   void check_differs(const std::string& input) const;
   /// A file that has appeared since the check stays, unless -f was given.
   Existing existing() const { return force_ ? Existing::replace : Existing::keep; }
   /// Throws Error{usage} when the file's format has no place for nearest triangles.
-  void check_carries_nearest(const std::vector<Format>& formats) const;
+  void check_carries_nearest(const std::vector<FileFormat>& formats) const;
 
  private:
   std::filesystem::path path_;
@@ -70,6 +70,6 @@ class FileOutput {
 std::string mesh_line(const std::string& name, const Mesh& mesh);
 
 /// The names of the formats that can be read or written: ".vti, .nrrd or .npz".
-std::string extensions(const std::vector<Format>& formats, bool writable);
+std::string extensions(const std::vector<FileFormat>& formats, bool writable);
 
 }  // namespace standoff::cli

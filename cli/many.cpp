@@ -23,9 +23,7 @@ void Table::point(bool there, Vec3 point) {
   for (const double c : {point.x, point.y, point.z}) cell(there ? exact_number(c) : "");
 }
 
-void Table::triangle(std::uint32_t index) {
-  cell(index == std::numeric_limits<std::uint32_t>::max() ? "" : std::to_string(index));
-}
+void Table::triangle(std::uint32_t index) { cell(index == kNoTriangle ? "" : std::to_string(index)); }
 
 CLI::Option* Many::add_to(CLI::App& verb, const char* name, const char* help, const char* noun) {
   noun_ = noun;

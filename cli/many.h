@@ -60,7 +60,7 @@ class Many {
 
   bool given() const { return !file_.empty(); }
   const std::string& file() const { return file_; }
-  const Batch& batch() const { return batch_; }
+  const Execution& batch() const { return batch_; }
   /// Tells before any work what is wrong with the output.
   void check(std::initializer_list<std::string> inputs) const;
 
@@ -84,7 +84,7 @@ class Many {
   CLI::Option* option_ = nullptr;
   std::string file_;
   FileOutput output_;
-  Batch batch_{.backend = Backend::automatic};
+  Execution batch_{.backend = Backend::automatic};
   BatchReport report_{"cpu", ""};
   std::int64_t count_ = 0;
   double seconds_ = 0;

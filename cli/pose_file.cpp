@@ -51,14 +51,14 @@ std::vector<T> read_lines(const std::string& name, const char* what, Read read) 
 
 std::vector<Pose> read_poses(const std::string& name) { return read_lines<Pose>(name, "pose", pose_of); }
 
-std::vector<Motion> read_motions(const std::string& name, Vec3 center) {
-  return read_lines<Motion>(name, "motion", [center](const std::vector<double>& v) {
+std::vector<RigidMotion> read_motions(const std::string& name, Vec3 center) {
+  return read_lines<RigidMotion>(name, "motion", [center](const std::vector<double>& v) {
     const std::size_t half = v.size() / 2;
     if (half != 3 && half != 7 && half != 12)
       throw Error(ErrorCode::usage, std::to_string(v.size()) +
                                         " numbers; give those of two poses, from and to: two times x,y,z; "
                                         "x,y,z,ax,ay,az,degrees; or twelve of a 3x4 matrix");
-    return Motion{pose_of(std::span(v).first(half)), pose_of(std::span(v).subspan(half)), center};
+    return RigidMotion{pose_of(std::span(v).first(half)), pose_of(std::span(v).subspan(half)), center};
   });
 }
 

@@ -13,6 +13,6 @@ namespace standoff::cli {
 /// what`.
 std::vector<Pose> read_poses(const std::string& name);
 /// The same with the numbers of two poses on a line: where the motion begins, and where it ends.
-std::vector<Motion> read_motions(const std::string& name, Vec3 center);
+std::vector<RigidMotion> read_motions(const std::string& name, Vec3 center);
 
 }  // namespace standoff::cli

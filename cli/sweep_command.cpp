@@ -22,7 +22,7 @@ constexpr const char* kExamples = R"(  standoff sweep maze.stl fly.stl --from 3,
 
 struct Command {
   PairInput bodies;
-  Motion motion;
+  RigidMotion motion;
   SweepOptions options;
   Many many;
   bool has_end = false;
@@ -34,7 +34,7 @@ struct Command {
 
 void Command::run_many() {
   many.check({bodies.name_a(), bodies.name_b()});
-  const std::vector<Motion> motions = read_motions(many.file(), motion.center);
+  const std::vector<RigidMotion> motions = read_motions(many.file(), motion.center);
   const CollisionModel a = bodies.read_a(talk), b = bodies.read_b(talk);
   const auto found = many.answers(talk, motions.size(), [&](BatchReport& report) {
     return sweep_all(a, bodies.pose_a(), b, motions, options, many.batch(), &report);
@@ -42,7 +42,7 @@ void Command::run_many() {
   Answers answers{Table("motion,result,time,x,y,z,nx,ny,nz,triangle_a,triangle_b"), {}};
   std::int64_t hits = 0;
   for (std::size_t n = 0; n < found.size(); ++n) {
-    const Swept& it = found[n];
+    const SweepResult& it = found[n];
     hits += it.hit;
     answers.table.cell(static_cast<std::int64_t>(n));
     answers.table.cell(it.hit ? "hit" : "free");
@@ -61,7 +61,7 @@ void Command::run() {
   if (many.given()) return run_many();
   if (!has_end) throw Error(ErrorCode::usage, "sweep: no --to given, where B ends; or give --motions with a file");
   const CollisionModel a = bodies.read_a(talk), b = bodies.read_b(talk);
-  const Swept found = sweep(a, bodies.pose_a(), b, motion, options);
+  const SweepResult found = sweep(a, bodies.pose_a(), b, motion, options);
   if (talk.json())
     return print(Json{{"hit", found.hit},
                       {"time", found.time},
@@ -80,7 +80,7 @@ void add_sweep(CLI::App& program) {
   auto* verb = add_verb(program, "sweep", "when a moving body first meets a resting one", kExamples);
   const auto command = std::make_shared<Command>();
   command->bodies.add_to(*verb);
-  Motion& motion = command->motion;
+  RigidMotion& motion = command->motion;
   auto* from = add_pose(*verb, "--from", "where B starts: x,y,z; x,y,z,ax,ay,az,degrees; or a 3x4 matrix", motion.from);
   auto* to = add_pose(*verb, "--to", "where B ends; it turns the shorter way round", motion.to);
   using S = const std::string&;

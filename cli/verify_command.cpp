@@ -47,7 +47,7 @@ Json sample_json(const SampleCheck& at) {
 void Command::run() {
   const DistanceField loaded = input.read(field, talk);
   const Mesh triangles = waiting(talk, "reading " + mesh.name(), [&] { return mesh.read(); });
-  const Verified found = [&] {
+  const VerifyResult found = [&] {
     const Cancellable cancellable;
     options.progress = talk.progress();
     return verify(loaded, triangles, options);

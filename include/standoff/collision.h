@@ -67,45 +67,45 @@ enum class CollideMode {
   certified,  ///< from the field alone: free, hit (only where the margin is positive) or ambiguous
 };
 
-enum class Contact { free, hit, ambiguous };
+enum class Verdict { free, hit, ambiguous };
 
 struct CollideOptions {
   double margin = 0;  ///< nearer than this, or as near, is a hit; world units, finite, not negative
   CollideMode mode = CollideMode::exact;
 };
 
-struct Collided {
-  Contact contact = Contact::free;
+struct CollisionResult {
+  Verdict verdict = Verdict::free;
   /// A pair of triangles that touch, or are within the margin; kNoTriangle unless an exact hit.
-  std::uint32_t triangle_a = std::numeric_limits<std::uint32_t>::max();
-  std::uint32_t triangle_b = std::numeric_limits<std::uint32_t>::max();
+  std::uint32_t triangle_a = kNoTriangle;
+  std::uint32_t triangle_b = kNoTriangle;
 
-  bool hit() const { return contact == Contact::hit; }
+  bool hit() const { return verdict == Verdict::hit; }
 };
 
 /// Do the bodies touch? Errors of all queries: usage, for poses that are not rigid or not finite, and for options.
-Collided collide(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
-                 const CollideOptions& options = {});
+CollisionResult collide(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
+                        const CollideOptions& options = {});
 
 struct DistanceOptions {
   double tolerance = 0;  ///< upper - lower may be this much more than rounding; world units
   double limit = std::numeric_limits<double>::infinity();  ///< nothing farther than this is looked for
 };
 
-struct Distance {
+struct DistanceResult {
   double lower = 0;  ///< the distance is at least this; 0 where the bodies touch
   double upper = 0;  ///< and at most this: that of the two points. Infinite where nothing lies within the limit
   Vec3 point_a;      ///< on a's surface, in the world
   Vec3 point_b;      ///< on b's
-  std::uint32_t triangle_a = std::numeric_limits<std::uint32_t>::max();
-  std::uint32_t triangle_b = std::numeric_limits<std::uint32_t>::max();
+  std::uint32_t triangle_a = kNoTriangle;
+  std::uint32_t triangle_b = kNoTriangle;
 };
 
 /// The least distance between the surfaces. `lower` is within `tolerance` and 1e-6 * (size of the bodies) of `upper`;
 /// where the tolerance is 0, `upper` itself is the least distance of all pairs of triangles, within 32 * 2^-53 of the
 /// longest side of the box around the pair.
-Distance distance(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
-                  const DistanceOptions& options = {});
+DistanceResult distance(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
+                        const DistanceOptions& options = {});
 
 struct ContactOptions {
   std::int64_t most = 100;  ///< contacts to report, at least 1
@@ -122,25 +122,25 @@ struct ContactPoint {
   std::uint32_t triangle_b = 0;
 };
 
-struct Contacts {
+struct ContactResult {
   std::vector<ContactPoint> contacts;
   /// There are more pairs than `contacts` holds; what it holds is then spread over the contact area.
   bool overflow = false;
 };
 
-Contacts contacts(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
-                  const ContactOptions& options = {});
+ContactResult contacts(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
+                       const ContactOptions& options = {});
 
 /// A rigid motion during time 0 to 1: the rotation turns evenly about one axis through the body's point `center`, which
 /// itself moves evenly on a straight line. At both ends the body is at the poses given. Poses do not tell how often a
 /// body turns: it takes the shorter way round, half a turn at the most; ask for longer ones in parts.
-struct Motion {
+struct RigidMotion {
   Pose from, to;
   Vec3 center;  ///< of the body; at most 1e15 from its origin
 };
 
 /// The pose at time t in [0, 1].
-Pose pose_at(const Motion& motion, double t);
+Pose pose_at(const RigidMotion& motion, double t);
 
 struct SweepOptions {
   /// Surfaces this near count as touching; world units, positive. Counts as 2^-48 of the coordinates of poses, meshes
@@ -148,12 +148,12 @@ struct SweepOptions {
   double tolerance = 1e-4;
 };
 
-struct Swept {
+struct SweepResult {
   bool hit = false;
   /// The bodies are apart during [0, time); where there is a hit they are within the tolerance at `time`. 1 where free.
   double time = 1;
-  std::uint32_t triangle_a = std::numeric_limits<std::uint32_t>::max();
-  std::uint32_t triangle_b = std::numeric_limits<std::uint32_t>::max();
+  std::uint32_t triangle_a = kNoTriangle;
+  std::uint32_t triangle_b = kNoTriangle;
   Vec3 point;   ///< where they meet, in the world
   Vec3 normal;  ///< unit length, from a to b; zero where the bodies touch at the start
 };
@@ -162,11 +162,11 @@ struct Swept {
 /// at any speed; a hit may be told where they pass within the tolerance. Bodies that are within it at the start, but do
 /// not touch, are free to part. Errors: usage, also for motions some 1e14 times as long as the bodies, on which
 /// rounding hides where they are.
-Swept sweep(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Motion& motion,
-            const SweepOptions& options = {});
+SweepResult sweep(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const RigidMotion& motion,
+                  const SweepOptions& options = {});
 
 /// Where a batch of queries runs (docs/cuda.md).
-struct Batch {
+struct Execution {
   int threads = 0;                 ///< of the CPU, at most kMaxThreads; 0: all hardware threads
   Backend backend = Backend::cpu;  ///< automatic: a GPU where there is one and the batch is large enough for it
   int device = 0;                  ///< which GPU, from 0, for Backend::cuda
@@ -184,36 +184,37 @@ struct BatchReport {
 
 /// The same for many poses of b, spread over threads (at most kMaxThreads; 0: all hardware threads). The same answers
 /// in the same order whatever the number of threads.
-std::vector<Collided> collide_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                                  std::span<const Pose> poses_b, const CollideOptions& options, int threads = 0);
+std::vector<CollisionResult> collide_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                                         std::span<const Pose> poses_b, const CollideOptions& options, int threads = 0);
 /// The same on a device, which keeps what it needs of the bodies for as long as they live. Free and hit are the CPU's
 /// answers; of several pairs of triangles that touch it may tell another one. Errors: usage (certified answers come
 /// from the CPU alone), device (none there, or it failed), limit (too little memory on it).
-std::vector<Collided> collide_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                                  std::span<const Pose> poses_b, const CollideOptions& options, const Batch& batch,
-                                  BatchReport* report = nullptr);
-std::vector<Distance> distance_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                                   std::span<const Pose> poses_b, const DistanceOptions& options, int threads = 0);
-std::vector<Contacts> contacts_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                                   std::span<const Pose> poses_b, const ContactOptions& options, int threads = 0);
-std::vector<Swept> sweep_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                             std::span<const Motion> motions, const SweepOptions& options, int threads = 0);
+std::vector<CollisionResult> collide_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                                         std::span<const Pose> poses_b, const CollideOptions& options,
+                                         const Execution& batch, BatchReport* report = nullptr);
+std::vector<DistanceResult> distance_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                                         std::span<const Pose> poses_b, const DistanceOptions& options,
+                                         int threads = 0);
+std::vector<ContactResult> contacts_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                                        std::span<const Pose> poses_b, const ContactOptions& options, int threads = 0);
+std::vector<SweepResult> sweep_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                                   std::span<const RigidMotion> motions, const SweepOptions& options, int threads = 0);
 /// The same answers from a device, which finds the motions that are certainly free; the CPU sweeps the others. Errors:
 /// device, limit.
-std::vector<Swept> sweep_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                             std::span<const Motion> motions, const SweepOptions& options, const Batch& batch,
-                             BatchReport* report = nullptr);
+std::vector<SweepResult> sweep_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                                   std::span<const RigidMotion> motions, const SweepOptions& options,
+                                   const Execution& batch, BatchReport* report = nullptr);
 
 /// Algorithm 2 of the 2008 thesis, for comparison: samples of one field that lie in the other's grid are visited, and
 /// where both fields have a value (below their thickness) at the sample and at the sample nearest to it, the bodies are
 /// said to collide if the sum of both is below `threshold`. It may be wrong either way: docs/collision.md tells how
 /// often.
-struct ThesisCollided {
+struct ThesisCollisionResult {
   bool hit = false;
   std::int64_t samples = 0;  ///< visited
 };
-ThesisCollided collide_thesis(const DistanceField& a, const Pose& pose_a, const DistanceField& b, const Pose& pose_b,
-                              double threshold);
+ThesisCollisionResult collide_thesis(const DistanceField& a, const Pose& pose_a, const DistanceField& b,
+                                     const Pose& pose_b, double threshold);
 /// The least such sum, with which the threshold can be chosen; infinite where no sample counts.
 double thesis_sum(const DistanceField& a, const Pose& pose_a, const DistanceField& b, const Pose& pose_b);
 

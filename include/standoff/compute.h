@@ -51,7 +51,7 @@ struct Progress {
   double fraction = 0;     ///< of the whole computation, 0 to 1, never falling
 };
 
-struct Options {
+struct ComputeOptions {
   /// Half-width of the band in world units; distances beyond it are stored as the thickness. Infinite: a full field.
   double thickness = std::numeric_limits<double>::infinity();
   Method method = Method::tiles;
@@ -69,7 +69,7 @@ struct Options {
 };
 
 /// What a computation did.
-struct Report {
+struct ComputeReport {
   std::string method;   ///< "tiles" or "thesis"
   std::string backend;  ///< "cpu", "cuda" or "emulated"
   std::string device;   ///< the instruction set or the GPU's name
@@ -87,9 +87,9 @@ struct Report {
   } seconds;
 };
 
-struct Computed {
+struct ComputeResult {
   DistanceField field;
-  Report report;
+  ComputeReport report;
 };
 
 /// Computes the field of `mesh` on `grid`. For every valid mesh within 2^30 spacings of the grid `tiles` promises
@@ -97,27 +97,28 @@ struct Computed {
 /// number of threads. Here d is min(distance, thickness), epsilon that of double, and C the largest coordinate of the
 /// grid in magnitude: allowed_error() of standoff/verify.h. Errors: usage (options or grid), input (mesh), limit
 /// (memory, sizes, distance of the mesh from the grid), device, interrupted.
-Computed compute(MeshView mesh, const Grid& grid, const Options& options = {});
+ComputeResult compute(MeshView mesh, const Grid& grid, const ComputeOptions& options = {});
 
 /// The same into the caller's memory: one value per sample, x fastest; every element is written, whatever it held.
 /// `nearest` is either empty or as long as `values`. Errors: as compute, and usage when a length is wrong.
-Report compute_into(MeshView mesh, const Grid& grid, std::span<float> values, std::span<std::uint32_t> nearest,
-                    const Options& options = {});
-inline Report compute_into(MeshView mesh, const Grid& grid, std::span<float> values, const Options& options = {}) {
+ComputeReport compute_into(MeshView mesh, const Grid& grid, std::span<float> values, std::span<std::uint32_t> nearest,
+                           const ComputeOptions& options = {});
+inline ComputeReport compute_into(MeshView mesh, const Grid& grid, std::span<float> values,
+                                  const ComputeOptions& options = {}) {
   return compute_into(mesh, grid, values, {}, options);
 }
 
 /// The same into a field that is there already, whatever it holds; the memory of its tiles is used again, unless there
 /// is a memory limit. For one mesh after another: of a thin band, getting memory anew takes up to a third of the time.
 /// `grid` may be the field's own. Errors: as compute; the field is then as it was, or empty.
-Report compute_into(MeshView mesh, const Grid& grid, DistanceField& field, const Options& options = {});
+ComputeReport compute_into(MeshView mesh, const Grid& grid, DistanceField& field, const ComputeOptions& options = {});
 
 /// Bytes that compute (dense = false) or compute_into (dense = true) may need, and hold against the memory limit: an
 /// upper bound (docs/tiles.md, Memory). No tile is counted that no triangle's box, grown by the thickness, reaches; nor
 /// is the mesh. Takes one pass over the triangles. Errors: usage (grid, options), input (mesh), limit (mesh), device.
-std::int64_t memory_needed(MeshView mesh, const Grid& grid, const Options& options, bool dense = false);
+std::int64_t memory_needed(MeshView mesh, const Grid& grid, const ComputeOptions& options, bool dense = false);
 /// The same for whatever mesh of so many triangles, 1 to kMaxTriangles: a sparse field may store every tile of the
 /// grid. More than 2^62 bytes are told as 2^62.
-std::int64_t memory_needed(std::int64_t triangles, const Grid& grid, const Options& options, bool dense = false);
+std::int64_t memory_needed(std::int64_t triangles, const Grid& grid, const ComputeOptions& options, bool dense = false);
 
 }  // namespace standoff

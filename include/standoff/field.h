@@ -11,12 +11,10 @@
 #include <vector>
 
 #include "standoff/grid.h"
+#include "standoff/mesh.h"
 #include "standoff/vec.h"
 
 namespace standoff {
-
-/// Marks a sample without a nearest triangle (its distance exceeds the thickness).
-inline constexpr std::uint32_t kNoTriangle = std::numeric_limits<std::uint32_t>::max();
 
 /// Where a field came from; travels with it into every file format.
 struct Provenance {

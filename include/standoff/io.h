@@ -15,7 +15,7 @@
 namespace standoff {
 
 /// A file format by its file name extension.
-struct Format {
+struct FileFormat {
   std::string extension;    ///< lower case, without the dot: "stl"
   std::string description;  ///< "STL, binary or ASCII"
   bool readable = false;
@@ -24,8 +24,8 @@ struct Format {
 };
 
 /// The formats this build knows.
-std::vector<Format> mesh_formats();
-std::vector<Format> field_formats();
+std::vector<FileFormat> mesh_formats();
+std::vector<FileFormat> field_formats();
 
 struct MeshReadOptions {
   double scale = 1;  ///< vertices are multiplied by this (finite, positive)

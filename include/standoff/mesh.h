@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -25,6 +26,9 @@ struct MeshView {
 
 /// The most triangles a mesh may have. An index of one fits in 32 bits, with room for a few marks.
 inline constexpr std::uint64_t kMaxTriangles = 4'000'000'000;
+
+/// Stands for "no triangle" where an index is told: a sample farther than the thickness, a query without a hit.
+inline constexpr std::uint32_t kNoTriangle = std::numeric_limits<std::uint32_t>::max();
 
 /// A mesh that owns its vertices (world units) and triangles.
 struct Mesh {

@@ -29,7 +29,7 @@ struct SampleCheck {
   double allowed = 0;   ///< the bound that compute() promises there
 };
 
-struct Verified {
+struct VerifyResult {
   std::int64_t samples = 0;        ///< samples tested
   std::int64_t samples_band = 0;   ///< of those, the ones no farther than the thickness
   std::int64_t samples_wrong = 0;  ///< of those, the ones whose error is above the bound
@@ -49,6 +49,6 @@ double allowed_error(const Grid& grid, double distance);
 /// those are passed over whose boxes lie farther away than a distance already found. Half of the samples are drawn from
 /// the stored tiles, so that a narrow band in a wide grid is tested too. Nothing of compute() is used.
 /// A field with wrong values is a result, not an error. Errors: input (mesh), usage (options), interrupted.
-Verified verify(const DistanceField& field, MeshView mesh, const VerifyOptions& options = {});
+VerifyResult verify(const DistanceField& field, MeshView mesh, const VerifyOptions& options = {});
 
 }  // namespace standoff

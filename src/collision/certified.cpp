@@ -13,10 +13,10 @@ class Certify {
   Certify(const Pair& pair, double margin)
       : pair_(pair), kernels_(kernels()), margin_(margin), limit_(pair.limit(margin)) {}
 
-  Contact run() {
-    if (pair_.apart(margin_)) return Contact::free;
+  Verdict run() {
+    if (pair_.apart(margin_)) return Verdict::free;
     visit(pair_.tree.body->tree.top(), 0);
-    return hit_ ? Contact::hit : near_ ? Contact::ambiguous : Contact::free;
+    return hit_ ? Verdict::hit : near_ ? Verdict::ambiguous : Verdict::free;
   }
 
  private:
@@ -64,6 +64,6 @@ class Certify {
 
 }  // namespace
 
-Contact certify(const Pair& pair, double margin) { return Certify(pair, margin).run(); }
+Verdict certify(const Pair& pair, double margin) { return Certify(pair, margin).run(); }
 
 }  // namespace standoff::collision

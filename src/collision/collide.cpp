@@ -6,14 +6,14 @@
 
 namespace standoff {
 
-Collided collision::collide_exactly(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                                    const Pose& pose_b, double margin) {
+CollisionResult collision::collide_exactly(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                                           const Pose& pose_b, double margin) {
   const Pair pair(a, pose_a, b, pose_b);
   const auto found = find_touching(pair, margin);
   if (!found) return {};
   std::uint32_t first = pair.field.triangle(found->of_field), second = pair.tree.triangle(found->of_tree);
   if (pair.swapped) std::swap(first, second);
-  return {Contact::hit, first, second};
+  return {Verdict::hit, first, second};
 }
 
 namespace {
@@ -25,16 +25,16 @@ void check(const CollideOptions& options) {
     throw Error(ErrorCode::usage, "collide: the margin must be from 0 to 1e30; give it in world units");
 }
 
-Collided collide_checked(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
-                         const CollideOptions& options) {
+CollisionResult collide_checked(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                                const Pose& pose_b, const CollideOptions& options) {
   if (options.mode == CollideMode::exact) return collision::collide_exactly(a, pose_a, b, pose_b, options.margin);
-  return {.contact = collision::certify(collision::Pair(a, pose_a, b, pose_b), options.margin)};
+  return {.verdict = collision::certify(collision::Pair(a, pose_a, b, pose_b), options.margin)};
 }
 
 }  // namespace
 
-Collided collide(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
-                 const CollideOptions& options) try {
+CollisionResult collide(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
+                        const CollideOptions& options) try {
   check(options);
   validate(pose_a);
   validate(pose_b);
@@ -43,25 +43,26 @@ Collided collide(const CollisionModel& a, const Pose& pose_a, const CollisionMod
   throw_as_error("collide");
 }
 
-std::vector<Collided> collide_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                                  std::span<const Pose> poses_b, const CollideOptions& options, int threads) try {
+std::vector<CollisionResult> collide_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                                         std::span<const Pose> poses_b, const CollideOptions& options,
+                                         int threads) try {
   check(options);
   validate(pose_a);
   collision::validate_all(poses_b);
-  return collision::for_each<Collided>(
+  return collision::for_each<CollisionResult>(
       poses_b.size(), threads, [&](std::size_t n) { return collide_checked(a, pose_a, b, poses_b[n], options); });
 } catch (...) {
   throw_as_error("collide");
 }
 
-std::vector<Collided> collide_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                                  std::span<const Pose> poses_b, const CollideOptions& options, const Batch& batch,
-                                  BatchReport* report) try {
+std::vector<CollisionResult> collide_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                                         std::span<const Pose> poses_b, const CollideOptions& options,
+                                         const Execution& batch, BatchReport* report) try {
   const bool certified = options.mode == CollideMode::certified;
   const Backend backend = certified && batch.backend == Backend::automatic ? Backend::cpu : batch.backend;
   const collision::DeviceRow* const row = collision::find_device(backend, poses_b.size());
   BatchReport done{row ? row->name : "cpu", row ? row->device_name(batch.device) : ""};
-  std::vector<Collided> results;
+  std::vector<CollisionResult> results;
   if (row) {
     check(options);
     if (certified)

@@ -23,19 +23,19 @@ Prepared prepare(const Pair& pair, double margin) {
   return {{place_of(of_b), pair.place, pair.limit(margin)}, pair.apart(margin)};
 }
 
-Collided told(const Pair& bodies, const PoseAnswer& answer) {
-  if (answer.verdict != Verdict::hit) return {};
+CollisionResult told(const Pair& bodies, const PoseAnswer& answer) {
+  if (answer.verdict != DeviceVerdict::hit) return {};
   std::uint32_t first = bodies.field.triangle(answer.of_field), second = bodies.tree.triangle(answer.of_tree);
   if (bodies.swapped) std::swap(first, second);
-  return {Contact::hit, first, second};
+  return {Verdict::hit, first, second};
 }
 
 }  // namespace
 
-std::vector<Collided> collide_on_device(const DeviceRow& row, const CollisionModel& a, const Pose& pose_a,
-                                        const CollisionModel& b, std::span<const Pose> poses_b, double margin,
-                                        const Batch& batch, BatchReport& report, int stack) {
-  std::vector<Collided> results(poses_b.size());
+std::vector<CollisionResult> collide_on_device(const DeviceRow& row, const CollisionModel& a, const Pose& pose_a,
+                                               const CollisionModel& b, std::span<const Pose> poses_b, double margin,
+                                               const Execution& batch, BatchReport& report, int stack) {
+  std::vector<CollisionResult> results(poses_b.size());
   const Pair bodies(a, pose_a, b, {});  // which of them gives its field does not depend on poses
   for (std::size_t first = 0; first < poses_b.size(); first += kPiece) {
     const auto poses = poses_b.subspan(first, std::min(kPiece, poses_b.size() - first));
@@ -56,14 +56,14 @@ std::vector<Collided> collide_on_device(const DeviceRow& row, const CollisionMod
                    .answers = answers,
                    .device = batch.device,
                    .stack = stack});
-    const auto found = for_each<Collided>(answers.size(), batch.threads, [&](std::size_t n) {
-      const bool decided = answers[n].verdict == Verdict::free || answers[n].verdict == Verdict::hit;
+    const auto found = for_each<CollisionResult>(answers.size(), batch.threads, [&](std::size_t n) {
+      const bool decided = answers[n].verdict == DeviceVerdict::free || answers[n].verdict == DeviceVerdict::hit;
       return decided ? told(bodies, answers[n]) : collide_exactly(a, pose_a, b, poses[which[n]], margin);
     });
     for (std::size_t n = 0; n < found.size(); ++n) {
       results[first + which[n]] = found[n];
-      report.undecided += answers[n].verdict == Verdict::undecided;
-      report.overflowed += answers[n].verdict == Verdict::overflow;
+      report.undecided += answers[n].verdict == DeviceVerdict::undecided;
+      report.overflowed += answers[n].verdict == DeviceVerdict::overflow;
     }
     report.on_device += static_cast<std::int64_t>(answers.size());
   }

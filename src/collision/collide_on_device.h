@@ -8,12 +8,12 @@
 namespace standoff::collision {
 
 /// What the device decides; the others go to the CPU, and are counted. Poses must be valid.
-std::vector<Collided> collide_on_device(const DeviceRow& row, const CollisionModel& a, const Pose& pose_a,
-                                        const CollisionModel& b, std::span<const Pose> poses_b, double margin,
-                                        const Batch& batch, BatchReport& report, int stack = kDeviceStack);
+std::vector<CollisionResult> collide_on_device(const DeviceRow& row, const CollisionModel& a, const Pose& pose_a,
+                                               const CollisionModel& b, std::span<const Pose> poses_b, double margin,
+                                               const Execution& batch, BatchReport& report, int stack = kDeviceStack);
 
 /// The answer of the CPU.
-Collided collide_exactly(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
-                         double margin);
+CollisionResult collide_exactly(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                                const Pose& pose_b, double margin);
 
 }  // namespace standoff::collision

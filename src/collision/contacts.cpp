@@ -46,7 +46,7 @@ class Gather {
         close_(pair, kernels_, limit_),
         batch_(pair, kernels_) {}
 
-  Contacts run() {
+  ContactResult run() {
     if (pair_.apart(margin_)) return {};
     while (look_up_some() && decide_in_turns()) {
     }
@@ -161,7 +161,7 @@ class Gather {
   PairBatch batch_;
   std::vector<Candidate> candidates_;  // of some packets, one packet after the other
   std::vector<std::size_t> ends_;      // where each packet's candidates end
-  Contacts result_;
+  ContactResult result_;
 };
 
 void check(const ContactOptions& options) {
@@ -174,8 +174,8 @@ void check(const ContactOptions& options) {
 }  // namespace
 }  // namespace collision
 
-Contacts contacts(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
-                  const ContactOptions& options) try {
+ContactResult contacts(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
+                       const ContactOptions& options) try {
   collision::check(options);
   validate(pose_a);
   validate(pose_b);
@@ -185,12 +185,12 @@ Contacts contacts(const CollisionModel& a, const Pose& pose_a, const CollisionMo
   throw_as_error("contacts");
 }
 
-std::vector<Contacts> contacts_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                                   std::span<const Pose> poses_b, const ContactOptions& options, int threads) try {
+std::vector<ContactResult> contacts_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                                        std::span<const Pose> poses_b, const ContactOptions& options, int threads) try {
   collision::check(options);
   validate(pose_a);
   collision::validate_all(poses_b);
-  return collision::for_each<Contacts>(poses_b.size(), threads, [&](std::size_t n) {
+  return collision::for_each<ContactResult>(poses_b.size(), threads, [&](std::size_t n) {
     const collision::Pair pair(a, pose_a, b, poses_b[n]);
     return collision::Gather(pair, options).run();
   });

@@ -18,7 +18,7 @@ struct PoseQuery {
   float limit;       ///< balls and boxes farther apart than this are farther than the margin
 };
 
-enum class Verdict : std::uint32_t {
+enum class DeviceVerdict : std::uint32_t {
   free,
   hit,
   undecided,  ///< rounding may hide a touching pair, and no other pair touches for certain
@@ -26,7 +26,7 @@ enum class Verdict : std::uint32_t {
 };
 
 struct PoseAnswer {
-  Verdict verdict;
+  DeviceVerdict verdict;
   std::uint32_t of_field, of_tree;  ///< the places in the trees of two triangles that touch, where there is a hit
 };
 
@@ -52,7 +52,7 @@ struct SweepQuery {
 };
 
 struct SweepAnswer {
-  Verdict verdict;  ///< free for certain, undecided, or overflow
+  DeviceVerdict verdict;  ///< free for certain, undecided, or overflow
 };
 
 struct SweepJob {

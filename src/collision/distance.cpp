@@ -144,10 +144,10 @@ class Nearest {
   PairBatch batch_;
 };
 
-Distance distance_checked(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
-                          const DistanceOptions& options) {
+DistanceResult distance_checked(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                                const Pose& pose_b, const DistanceOptions& options) {
   const Pair pair(a, pose_a, b, pose_b);
-  Distance result;
+  DistanceResult result;
   std::uint32_t first = 0, second = 0;
   Vec3 on_first, on_second;
   if (const auto touching = find_touching(pair, 0)) {
@@ -183,8 +183,8 @@ void check(const DistanceOptions& options) {
 }  // namespace
 }  // namespace collision
 
-Distance distance(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
-                  const DistanceOptions& options) try {
+DistanceResult distance(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
+                        const DistanceOptions& options) try {
   collision::check(options);
   validate(pose_a);
   validate(pose_b);
@@ -193,12 +193,13 @@ Distance distance(const CollisionModel& a, const Pose& pose_a, const CollisionMo
   throw_as_error("distance");
 }
 
-std::vector<Distance> distance_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                                   std::span<const Pose> poses_b, const DistanceOptions& options, int threads) try {
+std::vector<DistanceResult> distance_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                                         std::span<const Pose> poses_b, const DistanceOptions& options,
+                                         int threads) try {
   collision::check(options);
   validate(pose_a);
   collision::validate_all(poses_b);
-  return collision::for_each<Distance>(poses_b.size(), threads, [&](std::size_t n) {
+  return collision::for_each<DistanceResult>(poses_b.size(), threads, [&](std::size_t n) {
     return collision::distance_checked(a, pose_a, b, poses_b[n], options);
   });
 } catch (...) {

@@ -17,6 +17,6 @@ struct Touching {
 std::optional<Touching> find_touching(const Pair& pair, double margin);
 
 /// Free, hit or ambiguous, from the field alone.
-Contact certify(const Pair& pair, double margin);
+Verdict certify(const Pair& pair, double margin);
 
 }  // namespace standoff::collision

@@ -56,7 +56,7 @@ Vec3 turned(Vec3 v, Vec3 axis, double angle_rad) {
   return v * c + cross(axis, v) * s + axis * (dot(axis, v) * (1 - c));
 }
 
-Course::Course(const Motion& m)
+Course::Course(const RigidMotion& m)
     : motion(m),
       turn(m.from.rotation == m.to.rotation ? Turn{} : turn_of(times_transposed(m.to.rotation, m.from.rotation))) {
   // Without a turn all points go straight, and a centre far away would only bring its rounding.
@@ -100,7 +100,7 @@ RelativeMotion::RelativeMotion(const Pair& pair, const Course& course) {
 
 }  // namespace collision
 
-Pose pose_at(const Motion& motion, double t) try {
+Pose pose_at(const RigidMotion& motion, double t) try {
   validate(motion.from);
   validate(motion.to);
   if (!(t >= 0 && t <= 1))

@@ -18,11 +18,11 @@ Vec3 turned(Vec3 v, Vec3 axis, double angle_rad);
 
 /// A Motion with its turn found once.
 struct Course {
-  Motion motion;
+  RigidMotion motion;
   Turn turn;              ///< from `from` to `to`, in the world
   Vec3 center, velocity;  ///< of the point the body turns about: its place at time 0, and its way, in the world
 
-  explicit Course(const Motion& motion);
+  explicit Course(const RigidMotion& motion);
   Pose at(double t) const;
 };
 

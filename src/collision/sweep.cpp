@@ -44,7 +44,7 @@ class Follow {
         keep_(distance_kept(pair, course, tolerance)),
         enough_(static_cast<float>(pair.field.body->field.spacing)) {}
 
-  Swept run() {
+  SweepResult run() {
     visit(pair_.tree.body->tree.top(), 0, 0);
     return result_;
   }
@@ -251,7 +251,7 @@ class Follow {
   const float keep_;                  // distance left after every step
   const float enough_;                // steps this long are taken without asking the fine field
   double from_ = 0, until_ = 0;
-  Swept result_;
+  SweepResult result_;
 };
 
 void check(const SweepOptions& options) {
@@ -260,7 +260,7 @@ void check(const SweepOptions& options) {
                 "sweep: the tolerance must be above 0 and at most 1e30; give a small part of the bodies' size");
 }
 
-void check(const Motion& motion) {
+void check(const RigidMotion& motion) {
   validate(motion.from);
   validate(motion.to);
   const Vec3 c = motion.center;
@@ -269,7 +269,7 @@ void check(const Motion& motion) {
 }
 
 // Times are rounded, and where that alone moves a body by a good part of its size there is nothing left to follow.
-void check_length(const CollisionModel& a, const CollisionModel& b, const Motion& motion, double tolerance) {
+void check_length(const CollisionModel& a, const CollisionModel& b, const RigidMotion& motion, double tolerance) {
   const double way = length(apply(motion.to, motion.center) - apply(motion.from, motion.center));
   if (kTimeRounding * way <= std::max(tolerance, (a.data().radius + b.data().radius) / 8)) return;
   throw Error(ErrorCode::usage,
@@ -277,10 +277,10 @@ void check_length(const CollisionModel& a, const CollisionModel& b, const Motion
               "sweep it in pieces");
 }
 
-void check_all(const CollisionModel& a, const CollisionModel& b, std::span<const Motion> motions,
+void check_all(const CollisionModel& a, const CollisionModel& b, std::span<const RigidMotion> motions,
                const SweepOptions& options) {
   check(options);
-  for (const Motion& motion : motions) {
+  for (const RigidMotion& motion : motions) {
     check(motion);
     check_length(a, b, motion, options.tolerance);
   }
@@ -288,7 +288,7 @@ void check_all(const CollisionModel& a, const CollisionModel& b, std::span<const
 
 // How far a point of the body is at the end from where the even turn leads it: rotations need only nearly be some.
 double jump_at_end(const Course& course, const CollisionModel::Data& body) {
-  const Motion& m = course.motion;
+  const RigidMotion& m = course.motion;
   if (m.from.rotation == m.to.rotation) return 0;
   double off_sq = 0;
   for (int column = 0; column < 3; ++column) {
@@ -321,12 +321,12 @@ bool may_jump_at_end(const Course& course, const CollisionModel& moving, double 
   return !(jump_at_end(course, moving.data()) < tolerance / 4);
 }
 
-Swept sweep_exactly(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Motion& motion,
-                    double asked) {
+SweepResult sweep_exactly(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                          const RigidMotion& motion, double asked) {
   const Course course(motion);
   const Pair pair(a, pose_a, b, motion.from);
   const double tolerance = tolerance_kept(pair, course, asked);
-  const Swept swept = Follow(pair, course, tolerance).run();
+  const SweepResult swept = Follow(pair, course, tolerance).run();
   if (swept.hit || !may_jump_at_end(course, b, tolerance)) return swept;
   const Pair end(a, pose_a, b, motion.to);
   const auto found = find_touching(end, 0);
@@ -340,8 +340,8 @@ Swept sweep_exactly(const CollisionModel& a, const Pose& pose_a, const Collision
 
 }  // namespace collision
 
-Swept sweep(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Motion& motion,
-            const SweepOptions& options) try {
+SweepResult sweep(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const RigidMotion& motion,
+                  const SweepOptions& options) try {
   collision::check_all(a, b, {&motion, 1}, options);
   validate(pose_a);
   return collision::sweep_exactly(a, pose_a, b, motion, options.tolerance);
@@ -349,23 +349,23 @@ Swept sweep(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b
   throw_as_error("sweep");
 }
 
-std::vector<Swept> sweep_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                             std::span<const Motion> motions, const SweepOptions& options, int threads) try {
+std::vector<SweepResult> sweep_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                                   std::span<const RigidMotion> motions, const SweepOptions& options, int threads) try {
   collision::check_all(a, b, motions, options);
   validate(pose_a);
-  return collision::for_each<Swept>(motions.size(), threads, [&](std::size_t n) {
+  return collision::for_each<SweepResult>(motions.size(), threads, [&](std::size_t n) {
     return collision::sweep_exactly(a, pose_a, b, motions[n], options.tolerance);
   });
 } catch (...) {
   throw_as_error("sweep");
 }
 
-std::vector<Swept> sweep_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                             std::span<const Motion> motions, const SweepOptions& options, const Batch& batch,
-                             BatchReport* report) try {
+std::vector<SweepResult> sweep_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                                   std::span<const RigidMotion> motions, const SweepOptions& options,
+                                   const Execution& batch, BatchReport* report) try {
   const collision::DeviceRow* const row = collision::find_device(batch.backend, motions.size());
   BatchReport done{row ? row->name : "cpu", row ? row->device_name(batch.device) : ""};
-  std::vector<Swept> results;
+  std::vector<SweepResult> results;
   if (row) {
     collision::check_all(a, b, motions, options);
     validate(pose_a);

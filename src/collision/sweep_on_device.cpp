@@ -19,15 +19,15 @@ struct Prepared {
 
 // Only what is free all the way, and does not jump after it, needs no CPU.
 bool decided(const Prepared& motion, const SweepAnswer& answer) {
-  return answer.verdict == Verdict::free && !motion.jumps;
+  return answer.verdict == DeviceVerdict::free && !motion.jumps;
 }
 
 }  // namespace
 
-std::vector<Swept> sweep_on_device(const DeviceRow& row, const CollisionModel& a, const Pose& pose_a,
-                                   const CollisionModel& b, std::span<const Motion> motions, double tolerance,
-                                   const Batch& batch, BatchReport& report, int stack) {
-  std::vector<Swept> results;
+std::vector<SweepResult> sweep_on_device(const DeviceRow& row, const CollisionModel& a, const Pose& pose_a,
+                                         const CollisionModel& b, std::span<const RigidMotion> motions,
+                                         double tolerance, const Execution& batch, BatchReport& report, int stack) {
+  std::vector<SweepResult> results;
   results.reserve(motions.size());
   const Pair bodies(a, pose_a, b, {});  // which of them gives its field does not depend on motions
   for (std::size_t first = 0; first < motions.size(); first += kPiece) {
@@ -49,12 +49,12 @@ std::vector<Swept> sweep_on_device(const DeviceRow& row, const CollisionModel& a
                .answers = answers,
                .device = batch.device,
                .stack = stack});
-    const auto found = for_each<Swept>(piece.size(), batch.threads, [&](std::size_t n) {
-      return decided(prepared[n], answers[n]) ? Swept{} : sweep_exactly(a, pose_a, b, piece[n], tolerance);
+    const auto found = for_each<SweepResult>(piece.size(), batch.threads, [&](std::size_t n) {
+      return decided(prepared[n], answers[n]) ? SweepResult{} : sweep_exactly(a, pose_a, b, piece[n], tolerance);
     });
     results.insert(results.end(), found.begin(), found.end());
     for (std::size_t n = 0; n < answers.size(); ++n) {
-      const bool overflowed = answers[n].verdict == Verdict::overflow;
+      const bool overflowed = answers[n].verdict == DeviceVerdict::overflow;
       report.on_device += decided(prepared[n], answers[n]);
       report.undecided += !overflowed && !decided(prepared[n], answers[n]);
       report.overflowed += overflowed;

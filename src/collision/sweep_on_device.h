@@ -18,12 +18,13 @@ float distance_kept(const Pair& pair, const Course& course, double tolerance);
 bool may_jump_at_end(const Course& course, const CollisionModel& moving, double tolerance);
 
 /// The CPU's answer.
-Swept sweep_exactly(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Motion& motion,
-                    double tolerance);
+SweepResult sweep_exactly(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                          const RigidMotion& motion, double tolerance);
 
 /// What is certainly free the device decides; the others go to the CPU, and are counted. Motions must be valid.
-std::vector<Swept> sweep_on_device(const DeviceRow& row, const CollisionModel& a, const Pose& pose_a,
-                                   const CollisionModel& b, std::span<const Motion> motions, double tolerance,
-                                   const Batch& batch, BatchReport& report, int stack = kDeviceStack);
+std::vector<SweepResult> sweep_on_device(const DeviceRow& row, const CollisionModel& a, const Pose& pose_a,
+                                         const CollisionModel& b, std::span<const RigidMotion> motions,
+                                         double tolerance, const Execution& batch, BatchReport& report,
+                                         int stack = kDeviceStack);
 
 }  // namespace standoff::collision

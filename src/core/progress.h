@@ -11,7 +11,7 @@ namespace standoff {
 
 class ProgressMeter {
  public:
-  explicit ProgressMeter(const Options& options) : callback_(options.progress) {}
+  explicit ProgressMeter(const ComputeOptions& options) : callback_(options.progress) {}
 
   /// Begins a stage of `units` steps that spans [from, to] of the whole. Called between parallel parts.
   void stage(const char* name, std::int64_t units, double from, double to) {

@@ -44,7 +44,7 @@ struct BackendRow {
   const char* backend_name;
   const char* method_name;
   bool (*available)();
-  std::string (*device)(Simd requested, int device);  ///< what Report::device says
+  std::string (*device)(Simd requested, int device);  ///< what ComputeReport::device says
   Counts (*run)(const Job&, Sink&);
   /// Bytes of scratch in the worst case, the output not counted.
   std::int64_t (*scratch_bytes)(std::int64_t triangles, const Grid&, double thickness, int threads);

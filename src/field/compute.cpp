@@ -38,11 +38,12 @@ constexpr const char* kWhatToDo =
 
 // Everything but the output's own memory, which differs between compute and compute_into. The mesh's hash goes into
 // `hash`, where there is one.
-Report fill(MeshView mesh, const Grid& grid, const Options& options, Sink& sink, std::uint64_t* hash = nullptr) {
+ComputeReport fill(MeshView mesh, const Grid& grid, const ComputeOptions& options, Sink& sink,
+                   std::uint64_t* hash = nullptr) {
   const BackendRow& backend =
       find_backend(options.backend, options.method, static_cast<std::int64_t>(mesh.triangles.size()), grid);
   Threads threads(options.threads);
-  Report report;
+  ComputeReport report;
   ProgressMeter progress(options);
   threads.run([&] {
     Stopwatch watch;
@@ -86,13 +87,13 @@ Report fill(MeshView mesh, const Grid& grid, const Options& options, Sink& sink,
 
 }  // namespace
 
-Computed compute(MeshView mesh, const Grid& grid, const Options& options) {
-  Computed computed;
+ComputeResult compute(MeshView mesh, const Grid& grid, const ComputeOptions& options) {
+  ComputeResult computed;
   computed.report = compute_into(mesh, grid, computed.field, options);
   return computed;
 }
 
-Report compute_into(MeshView mesh, const Grid& grid, DistanceField& field, const Options& options) try {
+ComputeReport compute_into(MeshView mesh, const Grid& grid, DistanceField& field, const ComputeOptions& options) try {
   validate(options);
   validate(grid);
   check_memory(mesh, grid, options, false);
@@ -101,7 +102,7 @@ Report compute_into(MeshView mesh, const Grid& grid, DistanceField& field, const
     if (options.memory_limit != 0) field = {};
     field.reset(where, options.thickness, options.nearest_triangle);
     Sink sink(field);
-    Report report = fill(mesh, where, options, sink, &field.provenance.mesh_hash);
+    ComputeReport report = fill(mesh, where, options, sink, &field.provenance.mesh_hash);
     report.tiles_stored = field.stored_tiles();
     field.provenance.method = report.method;
     field.provenance.version = version();
@@ -114,8 +115,8 @@ Report compute_into(MeshView mesh, const Grid& grid, DistanceField& field, const
   throw_as_error("compute", kWhatToDo);
 }
 
-Report compute_into(MeshView mesh, const Grid& grid, std::span<float> values, std::span<std::uint32_t> nearest,
-                    const Options& options) try {
+ComputeReport compute_into(MeshView mesh, const Grid& grid, std::span<float> values, std::span<std::uint32_t> nearest,
+                           const ComputeOptions& options) try {
   validate(options);
   validate(grid);
   const auto samples = static_cast<std::size_t>(grid.sample_count());

@@ -37,7 +37,7 @@ double tiles_of(const SampleRange& range) {
 
 // No more tiles hold a band sample than lie in all triangles' grown boxes together. Sums of whole numbers are exact up
 // to 2^53, in any order; beyond that nothing fits.
-double tiles_reached(MeshView mesh, const Grid& grid, const Options& options) {
+double tiles_reached(MeshView mesh, const Grid& grid, const ComputeOptions& options) {
   const double all = tiles_of(grid.size);
   if (std::isinf(options.thickness)) return all;
   // More than any method's rounding, which could find a sample nearer than it is.
@@ -56,7 +56,8 @@ double tiles_reached(MeshView mesh, const Grid& grid, const Options& options) {
   });
 }
 
-std::int64_t bytes_needed(std::int64_t triangles, double tiles, const Grid& grid, const Options& options, bool dense) {
+std::int64_t bytes_needed(std::int64_t triangles, double tiles, const Grid& grid, const ComputeOptions& options,
+                          bool dense) {
   const BackendRow& backend = find_backend(options.backend, options.method, triangles, grid);
   const double output = dense ? 4.0 * static_cast<double>(grid.sample_count()) * (options.nearest_triangle ? 2 : 1)
                               : field_bytes(tiles, tiles_of(grid.size), options.nearest_triangle);
@@ -69,7 +70,7 @@ std::int64_t bytes_needed(std::int64_t triangles, double tiles, const Grid& grid
 }
 
 // Requires a valid mesh and grid.
-std::int64_t bytes_for_mesh(MeshView mesh, const Grid& grid, const Options& options, bool dense) {
+std::int64_t bytes_for_mesh(MeshView mesh, const Grid& grid, const ComputeOptions& options, bool dense) {
   const double tiles = dense ? 0 : tiles_reached(mesh, grid, options);
   return bytes_needed(static_cast<std::int64_t>(mesh.triangles.size()), tiles, grid, options, dense);
 }
@@ -77,7 +78,7 @@ std::int64_t bytes_for_mesh(MeshView mesh, const Grid& grid, const Options& opti
 // What may be said to help is what has been seen to help.
 class Advice {
  public:
-  Advice(MeshView mesh, const Grid& grid, const Options& options, bool dense)
+  Advice(MeshView mesh, const Grid& grid, const ComputeOptions& options, bool dense)
       : mesh_(mesh), grid_(grid), options_(options), dense_(dense) {}
 
   std::string text() const {
@@ -89,13 +90,13 @@ class Advice {
   }
 
  private:
-  bool fits(const Grid& grid, const Options& options) const {
+  bool fits(const Grid& grid, const ComputeOptions& options) const {
     return bytes_for_mesh(mesh_, grid, options, dense_) <= options.memory_limit;
   }
 
   // A band one sample wide.
   bool thinner_helps() const {
-    Options thin = options_;
+    ComputeOptions thin = options_;
     thin.thickness = grid_.max_spacing();
     return thin.thickness < options_.thickness && fits(grid_, thin);
   }
@@ -117,20 +118,20 @@ class Advice {
     for (std::int64_t* samples : {&coarse.size.x, &coarse.size.y, &coarse.size.z})
       *samples = std::max<std::int64_t>(1, std::llround(share * static_cast<double>(*samples)));
     coarse.spacing = grid_.spacing / Vec3{share, share, share};
-    Options options = options_;
+    ComputeOptions options = options_;
     options.thickness = options_.thickness / share;
     return fits(coarse, options);
   }
 
   MeshView mesh_;
   const Grid& grid_;
-  const Options& options_;
+  const ComputeOptions& options_;
   bool dense_;
 };
 
 }  // namespace
 
-std::int64_t memory_needed(std::int64_t triangles, const Grid& grid, const Options& options, bool dense) try {
+std::int64_t memory_needed(std::int64_t triangles, const Grid& grid, const ComputeOptions& options, bool dense) try {
   validate(grid);
   validate(options);
   if (triangles < 1 || static_cast<std::uint64_t>(triangles) > kMaxTriangles)
@@ -142,7 +143,7 @@ std::int64_t memory_needed(std::int64_t triangles, const Grid& grid, const Optio
   throw_as_error("compute");
 }
 
-std::int64_t memory_needed(MeshView mesh, const Grid& grid, const Options& options, bool dense) try {
+std::int64_t memory_needed(MeshView mesh, const Grid& grid, const ComputeOptions& options, bool dense) try {
   validate(grid);
   validate(options);
   validate(mesh);
@@ -151,7 +152,7 @@ std::int64_t memory_needed(MeshView mesh, const Grid& grid, const Options& optio
   throw_as_error("compute");
 }
 
-void check_memory(MeshView mesh, const Grid& grid, const Options& options, bool dense) {
+void check_memory(MeshView mesh, const Grid& grid, const ComputeOptions& options, bool dense) {
   const std::int64_t limit = options.memory_limit;
   if (limit == 0) return;
   if (memory_needed(static_cast<std::int64_t>(mesh.triangles.size()), grid, options, dense) <= limit) return;

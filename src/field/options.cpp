@@ -6,7 +6,7 @@
 
 namespace standoff {
 
-void validate(const Options& options) {
+void validate(const ComputeOptions& options) {
   const auto fail = [](const char* what) { throw Error(ErrorCode::usage, std::string("compute: ") + what); };
   if (!(options.thickness > 0)) fail("the thickness must be positive; infinity gives a full field");
   check_threads("compute", options.threads);
@@ -20,7 +20,7 @@ void validate(const Options& options) {
     fail("method, backend, skip rule or instruction set is none of those there are; take one that is declared");
 }
 
-SkipRule effective_rule(const Options& options) {
+SkipRule effective_rule(const ComputeOptions& options) {
   if (options.skip.kind != SkipRule::Kind::automatic) return options.skip;
   return {options.method == Method::thesis ? SkipRule::Kind::neighbour : SkipRule::Kind::none, 1};
 }

@@ -6,8 +6,8 @@
 namespace standoff {
 
 /// Throws Error{usage} for options that make no sense.
-void validate(const Options& options);
+void validate(const ComputeOptions& options);
 /// The skip rule of the method where none is named; never automatic.
-SkipRule effective_rule(const Options& options);
+SkipRule effective_rule(const ComputeOptions& options);
 
 }  // namespace standoff

@@ -102,12 +102,12 @@ double allowed_error(const Grid& grid, double distance) {
   return 1e-6 * (distance + 16 * grid.max_spacing()) + resolution;
 }
 
-Verified verify(const DistanceField& field, MeshView mesh, const VerifyOptions& options) try {
+VerifyResult verify(const DistanceField& field, MeshView mesh, const VerifyOptions& options) try {
   if (options.samples < 1) throw Error(ErrorCode::usage, "verify: at least one sample must be tested; give 1 or more");
   check_threads("verify", options.threads);
   validate(mesh);
 
-  Options talk;
+  ComputeOptions talk;
   talk.progress = options.progress;
   ProgressMeter progress(talk);
   const auto samples = choose_samples(field, options.samples, options.seed);
@@ -122,7 +122,7 @@ Verified verify(const DistanceField& field, MeshView mesh, const VerifyOptions& 
     });
   });
 
-  Verified result;
+  VerifyResult result;
   result.samples = static_cast<std::int64_t>(samples.size());
   result.mesh_differs = field.provenance.mesh_hash != 0 && field.provenance.mesh_hash != content_hash(mesh);
   result.largest = result.worst = findings.front().sample;

@@ -79,7 +79,7 @@ struct World::State {
 
   DistanceField thesis_field(const CollisionModel& model) const {
     const Grid grid = minimum_grid(model.bounds(), options.thickness, options.minimum, options.speed);
-    Options compute_options;
+    ComputeOptions compute_options;
     compute_options.thickness = options.thickness;
     compute_options.threads = options.threads;
     return compute(model.mesh(), grid, compute_options).field;
@@ -111,9 +111,9 @@ bool World::State::thesis_step(Flier& it, const Pose& next) const {
 // True where the flier meets something on its way to `next`, which becomes the place where it stops: short of the
 // contact by the tolerance, so that it may part again.
 bool World::State::sweep_step(Flier& it, Pose& next) const {
-  Swept first;
+  SweepResult first;
   for (const Standing& body : standing) {
-    const Swept swept = sweep(body.model, body.pose, flier, {it.pose, next, {}}, {options.tolerance});
+    const SweepResult swept = sweep(body.model, body.pose, flier, {it.pose, next, {}}, {options.tolerance});
     if (swept.hit && (!first.hit || swept.time < first.time)) first = swept;
   }
   if (!first.hit) return false;

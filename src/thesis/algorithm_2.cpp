@@ -63,13 +63,13 @@ std::int64_t for_each_sum(const DistanceField& a, const Pose& pose_a, const Dist
 
 }  // namespace
 
-ThesisCollided collide_thesis(const DistanceField& a, const Pose& pose_a, const DistanceField& b, const Pose& pose_b,
-                              double threshold) try {
+ThesisCollisionResult collide_thesis(const DistanceField& a, const Pose& pose_a, const DistanceField& b,
+                                     const Pose& pose_b, double threshold) try {
   if (!(threshold > 0))
     throw Error(ErrorCode::usage, "collide: the threshold must be positive; thesis_sum() helps to choose it");
   validate(pose_a);
   validate(pose_b);
-  ThesisCollided result;
+  ThesisCollisionResult result;
   result.samples = for_each_sum(a, pose_a, b, pose_b, [&](double sum) {
     result.hit = sum < threshold;
     return !result.hit;

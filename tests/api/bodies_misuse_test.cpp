@@ -64,7 +64,7 @@ TEST(Misuse, Models) {
 TEST(Misuse, QueriesAtAnyPose) {
   for (const Pose& pose : odd_poses()) {
     const std::vector<Pose> poses{{}, pose};
-    const std::vector<Motion> motions{{}, {{}, pose, {}}, {pose, {}, {}}};
+    const std::vector<RigidMotion> motions{{}, {{}, pose, {}}, {pose, {}, {}}};
     expect_answer_or_error("collide", [&] { collide(body(), pose, body(), {}); });
     expect_answer_or_error("distance", [&] { distance(body(), {}, body(), pose); });
     expect_answer_or_error("contacts", [&] { contacts(body(), pose, body(), pose); });
@@ -80,7 +80,7 @@ TEST(Misuse, QueriesAtAnyPose) {
 }
 
 TEST(Misuse, OptionsOfQueries) {
-  const Motion motion{{}, make_pose({0, 0, 1}, 1, {3, 0, 0}), {}};
+  const RigidMotion motion{{}, make_pose({0, 0, 1}, 1, {3, 0, 0}), {}};
   for (const double x : kNumbers) {
     const std::string name = named("option", x);
     for (const CollideMode mode : {CollideMode::exact, CollideMode::certified, none_of<CollideMode>()})
@@ -99,7 +99,7 @@ TEST(Misuse, OptionsOfQueries) {
 
 TEST(Misuse, Batches) {
   const std::vector<Pose> poses(3);
-  const std::vector<Motion> motions(3);
+  const std::vector<RigidMotion> motions(3);
   for (const int n : kThreads) {
     const std::string name = named("threads", n);
     expect_usage(name, [&] { collide_all(body(), {}, body(), poses, {}, n); });
@@ -107,17 +107,17 @@ TEST(Misuse, Batches) {
     expect_usage(name, [&] { contacts_all(body(), {}, body(), poses, {}, n); });
     expect_usage(name, [&] { sweep_all(body(), {}, body(), motions, {}, n); });
     for (const Backend backend : {Backend::cpu, Backend::emulated}) {
-      expect_usage(name, [&] { collide_all(body(), {}, body(), poses, {}, Batch{n, backend, 0}); });
-      expect_usage(name, [&] { sweep_all(body(), {}, body(), motions, {}, Batch{n, backend, 0}); });
+      expect_usage(name, [&] { collide_all(body(), {}, body(), poses, {}, Execution{n, backend, 0}); });
+      expect_usage(name, [&] { sweep_all(body(), {}, body(), motions, {}, Execution{n, backend, 0}); });
     }
   }
-  const Batch none{1, none_of<Backend>(), 0};
+  const Execution none{1, none_of<Backend>(), 0};
   expect_usage("backend", [&] { collide_all(body(), {}, body(), poses, {}, none); });
   expect_usage("backend", [&] { sweep_all(body(), {}, body(), motions, {}, none); });
   expect_usage("mode", [&] { collide(body(), {}, body(), {}, {.mode = none_of<CollideMode>()}); });
   for (const Backend backend : {Backend::automatic, Backend::cpu, Backend::cuda, Backend::emulated})
     for (const int device : {-1, 0, 1'000'000}) {
-      const Batch batch{1, backend, device};
+      const Execution batch{1, backend, device};
       expect_answer_or_error("collide_all", [&] { collide_all(body(), {}, body(), poses, {}, batch); });
       expect_answer_or_error("collide_all", [&] {
         collide_all(body(), {}, body(), poses, {.mode = CollideMode::certified}, batch, nullptr);

@@ -10,8 +10,8 @@ using namespace testing;
 
 const Grid kGrid{{9, 9, 9}, {-1, -1, -1}, {0.4, 0.4, 0.4}};
 
-Options on_cpu() {
-  Options options;
+ComputeOptions on_cpu() {
+  ComputeOptions options;
   options.backend = Backend::cpu;
   options.threads = 1;
   return options;
@@ -31,7 +31,7 @@ TEST(Misuse, Grids) {
     expect_answer_or_error(name, [&] { compute(mesh, grid, on_cpu()); });
     expect_answer_or_error(name, [&] { compute_into(mesh, grid, values, on_cpu()); });
     for (const double thickness : {1.0, kInfinite}) {
-      Options options = on_cpu();
+      ComputeOptions options = on_cpu();
       options.thickness = thickness;
       expect_answer_or_error(name, [&] { EXPECT_GT(memory_needed(mesh, grid, options), 0); });
       expect_answer_or_error(name, [&] { EXPECT_GT(memory_needed(1, grid, options, true), 0); });
@@ -76,7 +76,7 @@ TEST(Misuse, Meshes) {
     expect_answer_or_error("verify", [&] { verify(DistanceField(kGrid, 1), mesh); });
     for (const double thickness : {1.0, kInfinite})
       for (const Method method : {Method::tiles, Method::thesis}) {
-        Options options = on_cpu();
+        ComputeOptions options = on_cpu();
         options.thickness = thickness;
         options.method = method;
         expect_answer_or_error("compute", [&] { compute(mesh, kGrid, options); });
@@ -84,7 +84,7 @@ TEST(Misuse, Meshes) {
   }
 }
 
-void expect_options(const std::string& name, const Options& options) {
+void expect_options(const std::string& name, const ComputeOptions& options) {
   const Mesh mesh = one_triangle();
   std::vector<float> values(static_cast<std::size_t>(kGrid.sample_count()));
   DistanceField field;
@@ -95,20 +95,21 @@ void expect_options(const std::string& name, const Options& options) {
 }
 
 TEST(Misuse, OptionsOfCompute) {
-  const auto with = [](auto Options::*member, auto value) {
-    Options options = on_cpu();
+  const auto with = [](auto ComputeOptions::*member, auto value) {
+    ComputeOptions options = on_cpu();
     options.*member = value;
     return options;
   };
   for (const double x : kNumbers) {
-    expect_options(named("thickness", x), with(&Options::thickness, x));
-    expect_options(named("fraction", x), with(&Options::skip, SkipRule{SkipRule::Kind::neighbour, x}));
+    expect_options(named("thickness", x), with(&ComputeOptions::thickness, x));
+    expect_options(named("fraction", x), with(&ComputeOptions::skip, SkipRule{SkipRule::Kind::neighbour, x}));
   }
-  for (const std::int64_t n : kCounts) expect_options(named("memory limit", n), with(&Options::memory_limit, n));
-  for (const int n : {-1, 1'000'000}) expect_options(named("device", n), with(&Options::device, n));
-  for (const Options& options :
-       {with(&Options::method, none_of<Method>()), with(&Options::backend, none_of<Backend>()),
-        with(&Options::simd, none_of<Simd>()), with(&Options::skip, SkipRule{none_of<SkipRule::Kind>(), 1})}) {
+  for (const std::int64_t n : kCounts) expect_options(named("memory limit", n), with(&ComputeOptions::memory_limit, n));
+  for (const int n : {-1, 1'000'000}) expect_options(named("device", n), with(&ComputeOptions::device, n));
+  for (const ComputeOptions& options :
+       {with(&ComputeOptions::method, none_of<Method>()), with(&ComputeOptions::backend, none_of<Backend>()),
+        with(&ComputeOptions::simd, none_of<Simd>()),
+        with(&ComputeOptions::skip, SkipRule{none_of<SkipRule::Kind>(), 1})}) {
     expect_options("no such number", options);
     expect_usage("no such number", [&] { compute(one_triangle(), kGrid, options); });
   }
@@ -117,7 +118,7 @@ TEST(Misuse, OptionsOfCompute) {
 // A million threads ended in a crash inside TBB.
 TEST(Misuse, Threads) {
   for (const int threads : kThreads) {
-    Options options = on_cpu();
+    ComputeOptions options = on_cpu();
     options.threads = threads;
     expect_usage(named("threads", threads), [&] { compute(one_triangle(), kGrid, options); });
     expect_usage(named("threads", threads), [&] { memory_needed(one_triangle(), kGrid, options); });
@@ -125,7 +126,7 @@ TEST(Misuse, Threads) {
     verifying.threads = threads;
     expect_usage(named("threads", threads), [&] { verify(DistanceField(kGrid, 1), one_triangle(), verifying); });
   }
-  Options most = on_cpu();
+  ComputeOptions most = on_cpu();
   most.threads = kMaxThreads;
   EXPECT_EQ(compute(one_triangle(), kGrid, most).report.threads, kMaxThreads);
 }
@@ -136,7 +137,7 @@ TEST(Misuse, MemoryOfAnyCount) {
     for (const double thickness : {0.5, kInfinite})
       for (const Method method : {Method::tiles, Method::thesis})
         for (const Backend backend : {Backend::cpu, Backend::emulated}) {
-          Options options = on_cpu();
+          ComputeOptions options = on_cpu();
           options.thickness = thickness;
           options.method = method;
           options.backend = backend;
@@ -207,7 +208,7 @@ TEST(Misuse, Verify) {
 
 // What a callback throws is its caller's, whatever it is.
 TEST(Misuse, WhatCallbacksThrowComesOut) {
-  Options options = on_cpu();
+  ComputeOptions options = on_cpu();
   options.progress = [](const Progress&) -> bool { throw 5; };
   EXPECT_THROW(compute(one_triangle(), kGrid, options), int);
   options.progress = [](const Progress&) -> bool { throw std::bad_alloc(); };

@@ -64,8 +64,8 @@ void expect_error_or_limit(const std::string& name, const std::function<void()>&
 const Mesh kMesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 1, 2}, {0, 1, 3}, {1, 2, 3}}};
 const Grid kGrid{{12, 9, 9}, {-1, -1, -1}, {0.4, 0.4, 0.4}};
 
-Options on_cpu() {
-  Options options;
+ComputeOptions on_cpu() {
+  ComputeOptions options;
   options.backend = Backend::cpu;
   options.threads = 1;
   options.nearest_triangle = true;
@@ -76,7 +76,7 @@ TEST(RefusedMemory, Computing) {
   for (const double thickness : {0.5, 100.0})
     for (const Method method : {Method::tiles, Method::thesis})
       for (const SkipRule::Kind kind : {SkipRule::Kind::automatic, SkipRule::Kind::exact}) {
-        Options options = on_cpu();
+        ComputeOptions options = on_cpu();
         options.thickness = thickness;
         options.method = method;
         options.skip.kind = kind;
@@ -150,7 +150,7 @@ TEST(RefusedMemory, Bodies) {
   const CollisionModel body(kMesh, {.threads = 1});
   const Pose near = make_pose({0, 0, 1}, 0.3, {0.1, 0.2, 0.1});
   const std::vector<Pose> poses(3, near);
-  const std::vector<Motion> motions(3, Motion{make_pose({0, 0, 1}, 0, {5, 0, 0}), near, {}});
+  const std::vector<RigidMotion> motions(3, RigidMotion{make_pose({0, 0, 1}, 0, {5, 0, 0}), near, {}});
   expect_limit_error("collide", [&] { collide(body, {}, body, near); });
   expect_limit_error("distance", [&] { distance(body, {}, body, near); });
   expect_limit_error("contacts", [&] { contacts(body, {}, body, near, {.margin = 0.5}); });
@@ -159,7 +159,7 @@ TEST(RefusedMemory, Bodies) {
   expect_limit_error("distance_all", [&] { distance_all(body, {}, body, poses, {}, 1); });
   expect_limit_error("contacts_all", [&] { contacts_all(body, {}, body, poses, {}, 1); });
   expect_limit_error("sweep_all", [&] { sweep_all(body, {}, body, motions, {}, 1); });
-  expect_limit_error("batch", [&] { collide_all(body, {}, body, poses, {}, Batch{1}); });
+  expect_limit_error("batch", [&] { collide_all(body, {}, body, poses, {}, Execution{1}); });
 }
 
 TEST(RefusedMemory, Flights) {

@@ -30,7 +30,7 @@ class Wall : public CollisionPeer {
 
 TEST(Agreement, OfSweeps) {
   constexpr double kTolerance = 0.1;
-  Motion motion;
+  RigidMotion motion;
   motion.to.translation = {20, 0, 0};  // touches the wall from 0.5 to 0.55
   const auto same = [&](double ours, double theirs) {
     return agree_on_sweep(Wall{}, motion, kTolerance, ours, theirs);

@@ -61,7 +61,7 @@ TEST_F(Poses, AreTheSameForEveryQuestion) {
   EXPECT_EQ(of("distance@hits=0,poses=3").size(), 3u);
   EXPECT_EQ(of("distance@hits=0,poses=5").size(), 5u);
   const Question question = parse_question("sweep@gap=0.1,poses=4,way=2");
-  for (const Motion& motion : make_motions(settings_, question, few)) {
+  for (const RigidMotion& motion : make_motions(settings_, question, few)) {
     const Vec3 way = motion.to.translation - motion.from.translation;
     EXPECT_NEAR(std::sqrt(dot(way, way)), 2, 1e-12);
   }

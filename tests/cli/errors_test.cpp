@@ -293,7 +293,7 @@ TEST_F(Errors, OutOfMemory) {
 
 // Assimp catches that, and keeps the words "std::bad_alloc" alone: standoff told to repair the file.
 TEST_F(Errors, OutOfMemoryInAssimp) {
-  if (std::ranges::none_of(mesh_formats(), [](const Format& f) { return f.extension == "3ds" && f.readable; }))
+  if (std::ranges::none_of(mesh_formats(), [](const FileFormat& f) { return f.extension == "3ds" && f.readable; }))
     GTEST_SKIP() << "this build has no assimp";
   const auto number = [](auto value) { return std::string(reinterpret_cast<const char*>(&value), sizeof value); };
   const auto chunk = [&](std::uint16_t id, const std::string& content) {

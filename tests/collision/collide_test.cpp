@@ -17,7 +17,7 @@ void expect_as_brute_force(const Mesh& a, const Mesh& b, int poses, double half,
     const Pose pose_a = n % 2 ? Pose{} : random_pose(random, half), pose_b = random_pose(random, half);
     const bool expected =
         margin > 0 ? brute_pair_distance(a, pose_a, b, pose_b) <= margin : brute_touch(a, pose_a, b, pose_b);
-    const Collided found = collide(model_a, pose_a, model_b, pose_b, {.margin = margin});
+    const CollisionResult found = collide(model_a, pose_a, model_b, pose_b, {.margin = margin});
     ASSERT_EQ(found.hit(), expected) << "pose " << n;
     ASSERT_EQ(collide(model_b, pose_b, model_a, pose_a, {.margin = margin}).hit(), expected) << "pose " << n;
     hits += expected;

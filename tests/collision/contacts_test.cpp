@@ -35,7 +35,7 @@ void expect_as_brute_force(const Mesh& a, const Mesh& b, int poses, double half,
     const Pose pose_a = n % 2 ? Pose{} : random_pose(random, half), pose_b = random_pose(random, half);
     const Pairs expected = brute_pairs(a, pose_a, b, pose_b, margin);
     touching += !expected.empty();
-    const Contacts all = contacts(model_a, pose_a, model_b, pose_b, {.most = 1'000'000, .margin = margin});
+    const ContactResult all = contacts(model_a, pose_a, model_b, pose_b, {.most = 1'000'000, .margin = margin});
     EXPECT_FALSE(all.overflow);
     Pairs found;
     for (const ContactPoint& c : all.contacts) {
@@ -51,7 +51,7 @@ void expect_as_brute_force(const Mesh& a, const Mesh& b, int poses, double half,
     EXPECT_EQ(found.size(), all.contacts.size());
     if (expected.size() < 2) continue;
     const auto half_of_them = static_cast<std::int64_t>(expected.size() / 2);
-    const Contacts some = contacts(model_a, pose_a, model_b, pose_b, {.most = half_of_them, .margin = margin});
+    const ContactResult some = contacts(model_a, pose_a, model_b, pose_b, {.most = half_of_them, .margin = margin});
     EXPECT_TRUE(some.overflow);
     EXPECT_EQ(some.contacts.size(), half_of_them);
     for (const ContactPoint& c : some.contacts) EXPECT_TRUE(expected.contains({c.triangle_a, c.triangle_b}));
@@ -92,7 +92,7 @@ void expect_so_many_as_wanted(const Mesh& a, const Mesh& b, std::size_t expected
   const auto all = static_cast<std::int64_t>(expected);
   for (const std::int64_t most : {std::int64_t{1}, std::int64_t{7}, std::int64_t{100}, all - 1, all, all + 1}) {
     if (most < 1) continue;
-    const Contacts found = contacts(model_a, {}, model_b, {}, {.most = most});
+    const ContactResult found = contacts(model_a, {}, model_b, {}, {.most = most});
     EXPECT_EQ(found.contacts.size(), std::min(expected, static_cast<std::size_t>(most))) << "of " << most;
     EXPECT_EQ(found.overflow, most < all) << "of " << most;
     Pairs pairs;
@@ -146,7 +146,7 @@ TEST(Contacts, AreFoundAmongManyThatNearlyTouch) {
 TEST(Contacts, AreSpreadOverTheArea) {
   const CollisionModel floor(plate(80, 2, [](int, int) { return 0.0; })),
       sheet(plate(60, 1, [](int u, int v) { return (u + v) % 2 ? 0.01 : -0.01; }));
-  const Contacts found = contacts(floor, {}, sheet, {}, {.most = 64});
+  const ContactResult found = contacts(floor, {}, sheet, {}, {.most = 64});
   EXPECT_TRUE(found.overflow);
   ASSERT_EQ(found.contacts.size(), 64u);
   int in_cell[16] = {};

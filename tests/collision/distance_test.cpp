@@ -16,21 +16,21 @@ void expect_as_brute_force(const Mesh& a, const Mesh& b, int poses, double half,
     const Pose pose_a = n % 2 ? Pose{} : random_pose(random, half), pose_b = random_pose(random, half);
     const double expected = brute_pair_distance(a, pose_a, b, pose_b);
     const double allowed = 1e-12 * (1 + expected);
-    const Distance found = distance(model_a, pose_a, model_b, pose_b);
+    const DistanceResult found = distance(model_a, pose_a, model_b, pose_b);
     ASSERT_NEAR(found.upper, expected, allowed) << "pose " << n;
     ASSERT_EQ(found.lower, found.upper);
     ASSERT_NEAR(length(found.point_a - found.point_b), expected, allowed);
     const Corners p = corners_at(a, found.triangle_a, pose_a), q = corners_at(b, found.triangle_b, pose_b);
     ASSERT_NEAR(expected > 0 ? std::sqrt(closest_points(p, q).distance_sq) : 0, expected, allowed);
-    const Distance turned = distance(model_b, pose_b, model_a, pose_a);
+    const DistanceResult turned = distance(model_b, pose_b, model_a, pose_a);
     ASSERT_NEAR(turned.upper, expected, allowed);
     for (const double tolerance : {0.01, 0.3}) {
-      const Distance rough = distance(model_a, pose_a, model_b, pose_b, {.tolerance = tolerance});
+      const DistanceResult rough = distance(model_a, pose_a, model_b, pose_b, {.tolerance = tolerance});
       ASSERT_LE(rough.lower, expected + allowed);
       ASSERT_GE(rough.upper, expected - allowed);
       ASSERT_LE(rough.upper - rough.lower, tolerance + allowed);
     }
-    const Distance limited = distance(model_a, pose_a, model_b, pose_b, {.limit = 0.5 * expected});
+    const DistanceResult limited = distance(model_a, pose_a, model_b, pose_b, {.limit = 0.5 * expected});
     ASSERT_TRUE(expected == 0 || limited.upper == std::numeric_limits<double>::infinity());
     ASSERT_EQ(limited.lower, 0.5 * expected);
   }

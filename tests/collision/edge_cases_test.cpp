@@ -16,7 +16,7 @@ TEST(EdgeCases, IdenticalBodiesTouch) {
   const CollisionModel ball(ball_mesh(1, 8));
   EXPECT_TRUE(collide(ball, {}, ball, {}).hit());
   EXPECT_EQ(distance(ball, {}, ball, {}).upper, 0);
-  const Swept swept = sweep(ball, {}, ball, {{}, moved({5, 0, 0}), {}});
+  const SweepResult swept = sweep(ball, {}, ball, {{}, moved({5, 0, 0}), {}});
   EXPECT_TRUE(swept.hit);
   EXPECT_EQ(swept.time, 0);
   EXPECT_TRUE(contacts(ball, {}, ball, {}).overflow);
@@ -30,7 +30,7 @@ TEST(EdgeCases, IdenticalBodiesTouch) {
   for (std::size_t i = 0; i < small.triangles.size(); ++i)
     for (std::size_t j = 0; j < small.triangles.size(); ++j)
       pairs += triangles_touch(corners_at(small, i, pose), corners_at(small, j, pose));
-  const Contacts all = contacts(of_small, pose, of_small, pose, {.most = 1'000'000});
+  const ContactResult all = contacts(of_small, pose, of_small, pose, {.most = 1'000'000});
   EXPECT_EQ(all.contacts.size(), pairs);
   for (const ContactPoint& c : all.contacts) EXPECT_TRUE(is_finite(c.point) && is_finite(c.normal) && c.depth >= 0);
 }
@@ -41,7 +41,7 @@ TEST(EdgeCases, NestedBodiesAreFree) {
   EXPECT_NEAR(distance(outer, {}, inner, {}).upper, 1.5, 0.15);
   EXPECT_TRUE(sweep(outer, {}, inner, {{}, moved({9, 0, 0}), {}}).hit) << "it cannot get out";
   EXPECT_TRUE(contacts(outer, {}, inner, {}).contacts.empty());
-  EXPECT_EQ(collide(outer, {}, inner, {}, {.mode = CollideMode::certified}).contact, Contact::free);
+  EXPECT_EQ(collide(outer, {}, inner, {}, {.mode = CollideMode::certified}).verdict, Verdict::free);
   EXPECT_FALSE(sweep(outer, {}, inner, {{}, make_pose({1, 2, 3}, 3, {0.3, 0.2, 0.1}), {}}).hit) << "it may turn inside";
 }
 
@@ -84,7 +84,7 @@ TEST(EdgeCases, TouchingExactlyForAllQueries) {
   const CollisionModel b(one_triangle({0.25, 0.25, 1}, {1, 1, 3}, {-1, 1, 3}));
   const Pose touching = moved({0, 0, -1});
   EXPECT_EQ(distance(a, {}, b, touching).upper, 0);
-  const Contacts at = contacts(a, {}, b, touching);
+  const ContactResult at = contacts(a, {}, b, touching);
   ASSERT_EQ(at.contacts.size(), 1u);
   EXPECT_NEAR(length(at.contacts[0].point - Vec3{0.25, 0.25, 0}), 0, 1e-12);
   EXPECT_NEAR(at.contacts[0].depth, 0, 1e-12);
@@ -93,7 +93,7 @@ TEST(EdgeCases, TouchingExactlyForAllQueries) {
   EXPECT_TRUE(sweep(a, {}, b, {moved({0, 0, 2}), touching, {}}).hit) << "they touch at the end";
   // In one plane, edge to edge and corner to corner.
   for (const Vec3 from : {Vec3{3, 0, 0}, Vec3{0.2, -4, 0}, Vec3{5, 5, 0}}) {
-    const Swept swept = sweep(a, {}, a, {moved(from), moved(from * -1.0), {}}, {1e-6});
+    const SweepResult swept = sweep(a, {}, a, {moved(from), moved(from * -1.0), {}}, {1e-6});
     EXPECT_TRUE(swept.hit);
     EXPECT_LE(distance(a, {}, a, moved(from * (1 - 2 * swept.time))).upper, 1e-6);
     EXPECT_FALSE(collide(a, {}, a, moved(from * (1 - 2 * swept.time))).hit());
@@ -116,8 +116,8 @@ TEST(EdgeCases, OneTriangleAgainstOneTriangle) {
     EXPECT_EQ(collide(model_a, {}, model_b, pose).hit(), expected);
     EXPECT_EQ(contacts(model_a, {}, model_b, pose).contacts.size(), expected);
     EXPECT_NEAR(distance(model_a, {}, model_b, pose).upper, brute_pair_distance(a, {}, b, pose), 1e-13);
-    const Motion motion{pose, end, {}};
-    const Swept swept = sweep(model_a, {}, model_b, motion, {1e-4});
+    const RigidMotion motion{pose, end, {}};
+    const SweepResult swept = sweep(model_a, {}, model_b, motion, {1e-4});
     for (int k = 0; k < 50; ++k) {
       if (swept.hit && swept.time == 0) break;
       EXPECT_FALSE(brute_touch(a, {}, b, pose_at(motion, swept.time * k / 50)));
@@ -133,7 +133,7 @@ TEST(EdgeCases, OneTriangleThatIsAPoint) {
   EXPECT_FALSE(collide(ball, {}, point, {}).hit());
   EXPECT_NEAR(distance(point, moved({0, 0, 3}), ball, {}).upper, 2, 1e-12);
   EXPECT_TRUE(collide(ball, {}, point, moved({0, 0, 1})).hit());
-  const Swept swept = sweep(ball, {}, point, {moved({0, 0, 3}), moved({0, 0, -3}), {}}, {1e-6});
+  const SweepResult swept = sweep(ball, {}, point, {moved({0, 0, 3}), moved({0, 0, -3}), {}}, {1e-6});
   ASSERT_TRUE(swept.hit);
   EXPECT_NEAR(swept.time, 2 / 6.0, 1e-6);
 }
@@ -143,7 +143,7 @@ TEST(EdgeCases, NoMotionAndHugeMotion) {
   EXPECT_FALSE(sweep(wall, {}, ball, {moved({0, 0, 0.2}), moved({0, 0, 0.2}), {}}).hit);
   EXPECT_TRUE(sweep(wall, {}, ball, {moved({0, 0, 0.05}), moved({0, 0, 0.05}), {}}).hit);
   for (const double far : {1e3, 1e6, 1e9}) {
-    const Swept swept = sweep(wall, {}, ball, {moved({0, 0, far}), moved({0, 0, -far}), {}}, {1e-3});
+    const SweepResult swept = sweep(wall, {}, ball, {moved({0, 0, far}), moved({0, 0, -far}), {}}, {1e-3});
     ASSERT_TRUE(swept.hit) << far;
     EXPECT_NEAR(swept.time * 2 * far, far - 0.1, 2e-3) << far;
   }
@@ -151,7 +151,7 @@ TEST(EdgeCases, NoMotionAndHugeMotion) {
   EXPECT_TRUE(sweep(wall, {}, ball, {moved({0, 0, 1e14}), moved({0, 0, -1e14}), {}}).hit);
   EXPECT_EQ(code_of([&] { sweep(wall, {}, ball, {moved({0, 0, 1e16}), moved({0, 0, 0}), {}}); }), ErrorCode::usage);
   // Farther still, each step of the time jumps over the wall: once such a sweep did not come back.
-  const Motion too_far{moved({0, 0, 6e14}), moved({0, 0, -6e14}), {}};
+  const RigidMotion too_far{moved({0, 0, 6e14}), moved({0, 0, -6e14}), {}};
   EXPECT_EQ(code_of([&] { sweep(wall, {}, ball, too_far); }), ErrorCode::usage);
   EXPECT_EQ(code_of([&] { sweep_all(wall, {}, ball, std::vector{too_far}, SweepOptions{}, 1); }), ErrorCode::usage);
   EXPECT_FALSE(sweep(wall, {}, ball, {moved({5, 0, 1e9}), moved({5, 0, -1e9}), {}}).hit);
@@ -162,12 +162,12 @@ TEST(EdgeCases, WhatARoundedMatrixMakesTouchAtTheEndIsAHit) {
   const CollisionModel wall(one_triangle({1000.0002, -1, -1}, {1000.0002, 1, -1}, {1000.0002, 0, 1}));
   const CollisionModel rod(one_triangle({0, 0, 0}, {1000, 0, 0}, {0, 1, 0}));
   for (const double turn : {0.0, 1e-7}) {
-    Motion motion;
+    RigidMotion motion;
     motion.to = make_pose({0, 0, 1}, turn, {});
     EXPECT_FALSE(sweep(wall, {}, rod, motion, {1e-6}).hit);
     for (double& r : motion.to.rotation) r *= 1 + 4e-7;
     ASSERT_TRUE(collide(wall, {}, rod, motion.to).hit());
-    const Swept swept = sweep(wall, {}, rod, motion, {1e-6});
+    const SweepResult swept = sweep(wall, {}, rod, motion, {1e-6});
     ASSERT_TRUE(swept.hit);
     EXPECT_EQ(swept.time, 1);
     EXPECT_EQ(swept.triangle_a, 0u);
@@ -206,7 +206,7 @@ TEST(EdgeCases, PosesThatAreNoneAreErrors) {
     EXPECT_EQ(code_of([&] { collide_all(ball, {}, ball, poses, {}); }), ErrorCode::usage);
     EXPECT_EQ(code_of([&] { distance_all(ball, {}, ball, poses, {}); }), ErrorCode::usage);
     EXPECT_EQ(code_of([&] { contacts_all(ball, {}, ball, poses, {}); }), ErrorCode::usage);
-    const std::vector<Motion> motions{{}, {{}, bad, {}}};
+    const std::vector<RigidMotion> motions{{}, {{}, bad, {}}};
     EXPECT_EQ(code_of([&] { sweep_all(ball, {}, ball, motions, {}); }), ErrorCode::usage);
     try {
       collide_all(ball, {}, ball, poses, {});
@@ -248,10 +248,10 @@ TEST(EdgeCases, MarginsWiderThanTheBand) {
   EXPECT_FALSE(collide(a, {}, b, pose, {.margin = 4.49}).hit());
   EXPECT_TRUE(collide(a, {}, b, pose, {.margin = 4.5 + 1e-12}).hit());
   EXPECT_TRUE(collide(a, {}, b, pose, {.margin = 1e6}).hit());
-  EXPECT_NE(collide(a, {}, b, pose, {.margin = 1e6, .mode = CollideMode::certified}).contact, Contact::free);
-  EXPECT_NE(collide(a, {}, b, pose, {.margin = 4.49, .mode = CollideMode::certified}).contact, Contact::hit);
+  EXPECT_NE(collide(a, {}, b, pose, {.margin = 1e6, .mode = CollideMode::certified}).verdict, Verdict::free);
+  EXPECT_NE(collide(a, {}, b, pose, {.margin = 4.49, .mode = CollideMode::certified}).verdict, Verdict::hit);
   EXPECT_TRUE(contacts(a, {}, b, pose, {.margin = 4.49}).contacts.empty());
-  const Contacts one = contacts(a, {}, b, pose, {.margin = 4.5 + 1e-12});
+  const ContactResult one = contacts(a, {}, b, pose, {.margin = 4.5 + 1e-12});
   ASSERT_FALSE(one.contacts.empty());
   EXPECT_NEAR(one.contacts[0].depth, -4.5, 1e-9);
   EXPECT_EQ(contacts(a, {}, b, pose, {.most = 1'000'000, .margin = 1e6}).contacts.size(), 128u * 72u);
@@ -270,17 +270,17 @@ TEST(EdgeCases, MillionsOfContacts) {
     return mesh;
   };
   const CollisionModel a(stack(true)), b(stack(false));
-  const Contacts all = contacts(a, {}, b, {}, {.most = 2'000'000});
+  const ContactResult all = contacts(a, {}, b, {}, {.most = 2'000'000});
   EXPECT_EQ(all.contacts.size(), 1200u * 1200u);
   EXPECT_FALSE(all.overflow);
-  const Contacts some = contacts(a, {}, b, {}, {.most = 1000});
+  const ContactResult some = contacts(a, {}, b, {}, {.most = 1000});
   EXPECT_EQ(some.contacts.size(), 1000u);
   EXPECT_TRUE(some.overflow);
 }
 
 TEST(Thesis, FindsWhatIsDeepAndNothingFar) {
   const Mesh a = ball_mesh(1, 6), b = ball_mesh(0.7, 5);
-  Options options;
+  ComputeOptions options;
   options.thickness = 0.4;
   const DistanceField of_a = compute(a, minimum_grid(bounds(a), 0.4, 4), options).field,
                       of_b = compute(b, minimum_grid(bounds(b), 0.4, 4), options).field;

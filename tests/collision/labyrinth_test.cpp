@@ -56,19 +56,19 @@ TEST_F(Labyrinth, PosesAgreeWithAnIndependentExactTest) {
     tell("poses", n, poses);
     const Pose pose = pose_inside();
     const bool expected = touches_at(pose);
-    const Collided found = collide(model, {}, flier, pose);
+    const CollisionResult found = collide(model, {}, flier, pose);
     ASSERT_EQ(found.hit(), expected) << "pose " << n;
     if (expected) {
       ASSERT_TRUE(independent_touch(still.triangle(found.triangle_a), moving.triangle(found.triangle_b)));
     }
     ASSERT_EQ(collide(flier, pose, model, {}).hit(), expected) << "pose " << n << ", turned round";
-    const Contact certified = collide(model, {}, flier, pose, {.mode = CollideMode::certified}).contact;
-    ASSERT_TRUE(certified == Contact::ambiguous || (certified == Contact::hit) == expected) << "pose " << n;
-    ambiguous += certified == Contact::ambiguous;
+    const Verdict certified = collide(model, {}, flier, pose, {.mode = CollideMode::certified}).verdict;
+    ASSERT_TRUE(certified == Verdict::ambiguous || (certified == Verdict::hit) == expected) << "pose " << n;
+    ambiguous += certified == Verdict::ambiguous;
     hits += expected;
     if (n % 16 != 0) continue;
     ASSERT_EQ(distance(model, {}, flier, pose).upper == 0, expected) << "pose " << n;
-    const Contacts some = contacts(model, {}, flier, pose, {.most = 20});
+    const ContactResult some = contacts(model, {}, flier, pose, {.most = 20});
     ASSERT_EQ(!some.contacts.empty(), expected) << "pose " << n;
     for (const ContactPoint& it : some.contacts)
       ASSERT_TRUE(independent_touch(still.triangle(it.triangle_a), moving.triangle(it.triangle_b))) << "pose " << n;
@@ -86,7 +86,7 @@ TEST_F(Labyrinth, SweepsMissNothing) {
   for (long n = 0; n < sweeps; ++n) {
     tell("sweeps", n, sweeps);
     SCOPED_TRACE("sweep " + std::to_string(n));
-    Motion motion;
+    RigidMotion motion;
     do motion.from = pose_inside();
     while (touches_at(motion.from));
     // Ways of 0.02 to 10, as many short as long ones.
@@ -101,7 +101,7 @@ TEST_F(Labyrinth, SweepsMissNothing) {
     }
     motion.to.translation =
         apply(motion.from, motion.center) + direction * (speed / length(direction)) - rotate(motion.to, motion.center);
-    const Swept swept = sweep(model, {}, flier, motion, {.tolerance = kTolerance});
+    const SweepResult swept = sweep(model, {}, flier, motion, {.tolerance = kTolerance});
     hits += swept.hit;
     if (turns) {
       // Places on the way, as many as a way has lengths of a thin part of the fly, and always some.

@@ -22,8 +22,8 @@ TEST(Properties, ALargerMarginKeepsHits) {
       const bool hit = collide(a, {}, b, pose, {.margin = margin}).hit();
       ASSERT_TRUE(hit || !before);
       ASSERT_EQ(hit, d <= margin);
-      const Contact certified = collide(a, {}, b, pose, {.margin = margin, .mode = CollideMode::certified}).contact;
-      ASSERT_TRUE(certified == Contact::ambiguous || (certified == Contact::hit) == hit);
+      const Verdict certified = collide(a, {}, b, pose, {.margin = margin, .mode = CollideMode::certified}).verdict;
+      ASSERT_TRUE(certified == Verdict::ambiguous || (certified == Verdict::hit) == hit);
       before = hit;
     }
   }
@@ -46,10 +46,10 @@ TEST(Properties, LargerBodiesMeetEarlier) {
   const Mesh small = ball_mesh(0.2, 3), large = ball_mesh(0.3, 3);
   const CollisionModel b(small), c(large);
   for (int n = 0; n < 200; ++n) {
-    Motion motion{random_pose(random, 3), {}, {}};
+    RigidMotion motion{random_pose(random, 3), {}, {}};
     motion.to = motion.from;
     motion.to.translation = random.in_cube(3);
-    const Swept of_small = sweep(a, {}, b, motion), of_large = sweep(a, {}, c, motion);
+    const SweepResult of_small = sweep(a, {}, b, motion), of_large = sweep(a, {}, c, motion);
     const double length_of_way = length(motion.to.translation - motion.from.translation);
     // The larger ball holds the smaller one, up to its flat faces and the tolerance.
     EXPECT_TRUE(of_large.hit || !of_small.hit);
@@ -67,10 +67,10 @@ TEST(Properties, BothOrdersGiveTheSameAnswers) {
     const double margin = n % 3 * 0.1;
     EXPECT_EQ(collide(a, pose_a, b, pose_b, {.margin = margin}).hit(),
               collide(b, pose_b, a, pose_a, {.margin = margin}).hit());
-    const Distance one = distance(a, pose_a, b, pose_b), other = distance(b, pose_b, a, pose_a);
+    const DistanceResult one = distance(a, pose_a, b, pose_b), other = distance(b, pose_b, a, pose_a);
     EXPECT_NEAR(one.upper, other.upper, 1e-13);
     const ContactOptions all{.most = 1'000'000, .margin = margin};
-    const Contacts at = contacts(a, pose_a, b, pose_b, all), turned = contacts(b, pose_b, a, pose_a, all);
+    const ContactResult at = contacts(a, pose_a, b, pose_b, all), turned = contacts(b, pose_b, a, pose_a, all);
     ASSERT_EQ(at.contacts.size(), turned.contacts.size());
     using Row = std::tuple<std::uint32_t, std::uint32_t, double>;
     std::set<Row> rows, turned_rows;
@@ -93,8 +93,8 @@ TEST(Properties, SweepsOfTheOtherBodyEndAtTheSameTime) {
     const Vec3 way = random.in_cube(5);
     Pose to = from, back = rest;
     to.translation = to.translation + way, back.translation = back.translation - way;
-    const Swept one = sweep(a, rest, b, {from, to, {}}, {kTolerance}),
-                other = sweep(b, from, a, {rest, back, {}}, {kTolerance});
+    const SweepResult one = sweep(a, rest, b, {from, to, {}}, {kTolerance}),
+                      other = sweep(b, from, a, {rest, back, {}}, {kTolerance});
     // A hit is where they are within the tolerance: grazing ways take long to get from there to touching.
     if (one.hit != other.hit || std::abs(one.time - other.time) * length(way) > 2 * kTolerance) {
       const double t = std::min(one.time, other.time);
@@ -113,10 +113,11 @@ TEST(Properties, SweepsDoNotDependOnWhereTheWorldIs) {
   Random random(8);
   for (int n = 0; n < 150; ++n) {
     const Pose world = random_pose(random, 50);
-    Motion motion{random_pose(random, 3), random_pose(random, 3), random.in_cube(0.3)}, moved_motion = motion;
+    RigidMotion motion{random_pose(random, 3), random_pose(random, 3), random.in_cube(0.3)}, moved_motion = motion;
     if (collide(a, {}, b, motion.from, {.margin = 10 * kTolerance}).hit()) continue;
     moved_motion.from = compose(world, motion.from), moved_motion.to = compose(world, motion.to);
-    const Swept here = sweep(a, {}, b, motion, {kTolerance}), there = sweep(a, world, b, moved_motion, {kTolerance});
+    const SweepResult here = sweep(a, {}, b, motion, {kTolerance}),
+                      there = sweep(a, world, b, moved_motion, {kTolerance});
     if (here.hit == there.hit && std::abs(here.time - there.time) < 1e-6) continue;
     const double t = std::min(here.time, there.time);
     EXPECT_LE(distance(a, {}, b, pose_at(motion, t)).upper, kTolerance * (1 + 1e-6)) << "pose " << n;
@@ -127,11 +128,11 @@ TEST(Properties, AWiderToleranceEndsASweepNoLater) {
   const CollisionModel a(random_soup(1, 60, 1, 0.3)), b(ball_mesh(0.3, 3));
   Random random(9);
   for (int n = 0; n < 150; ++n) {
-    const Motion motion{random_pose(random, 3), random_pose(random, 3), {}};
+    const RigidMotion motion{random_pose(random, 3), random_pose(random, 3), {}};
     if (collide(a, {}, b, motion.from, {.margin = 0.5}).hit()) continue;
     double before = 2;
     for (const double tolerance : {1e-6, 1e-4, 1e-2, 0.3}) {
-      const Swept swept = sweep(a, {}, b, motion, {tolerance});
+      const SweepResult swept = sweep(a, {}, b, motion, {tolerance});
       const double time = swept.hit ? swept.time : 2;
       // Where they first are within a tolerance, and up to half of it nearer.
       EXPECT_LE(time, before + 1e-12) << "pose " << n << ", tolerance " << tolerance;

@@ -37,25 +37,25 @@ Tally expect_as_brute_force(const Mesh& a, const Mesh& b, int poses, double half
     Pose pose_b = round(random_pose(random, half));
     // Half of them moved along the shortest way until they touch, but for rounding.
     if (n % 2) {
-      const Distance apart = distance(model_a, pose_a, model_b, pose_b);
+      const DistanceResult apart = distance(model_a, pose_a, model_b, pose_b);
       pose_b.translation = pose_b.translation + (apart.point_a - apart.point_b);
     }
     const bool expected = brute_touch(a, pose_a, b, pose_b);
     (expected ? tally.hits : tally.frees)++;
     EXPECT_EQ(collide(model_a, pose_a, model_b, pose_b).hit(), expected);
     EXPECT_EQ(collide(model_b, pose_b, model_a, pose_a).hit(), expected);
-    const Contact certified = collide(model_a, pose_a, model_b, pose_b, {.mode = CollideMode::certified}).contact;
-    EXPECT_TRUE(certified == Contact::ambiguous || !expected);
+    const Verdict certified = collide(model_a, pose_a, model_b, pose_b, {.mode = CollideMode::certified}).verdict;
+    EXPECT_TRUE(certified == Verdict::ambiguous || !expected);
     const double nearest = brute_pair_distance(a, pose_a, b, pose_b);
     const double digits = 1e-12 * (length(at) + half);
-    const Distance found = distance(model_a, pose_a, model_b, pose_b);
+    const DistanceResult found = distance(model_a, pose_a, model_b, pose_b);
     EXPECT_NEAR(found.upper, nearest, digits);
     EXPECT_TRUE(found.upper == 0 || !expected);  // nearer than doubles tell may be 0 too
     const double margin = 0.3 * half;
     if (std::abs(nearest - margin) > digits) {
       EXPECT_EQ(collide(model_a, pose_a, model_b, pose_b, {.margin = margin}).hit(), nearest <= margin);
     }
-    const Contacts some = contacts(model_a, pose_a, model_b, pose_b, {.most = 1});
+    const ContactResult some = contacts(model_a, pose_a, model_b, pose_b, {.most = 1});
     EXPECT_EQ(some.contacts.empty(), !expected);
   }
   return tally;
@@ -157,8 +157,8 @@ TEST(Scales, SweepsFarAwayAndOfSinglePrecision) {
         return pose;
       };
       const Pose rest = drawn(0.5);
-      const Motion motion{drawn(3), drawn(3), {}};
-      const Swept swept = sweep(model_a, rest, model_b, motion, {tolerance});
+      const RigidMotion motion{drawn(3), drawn(3), {}};
+      const SweepResult swept = sweep(model_a, rest, model_b, motion, {tolerance});
       for (int k = 0; k < 30; ++k) {
         if (swept.hit && swept.time == 0) break;
         EXPECT_FALSE(brute_touch(a, rest, b, pose_at(motion, swept.time * k / 30)));

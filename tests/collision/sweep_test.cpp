@@ -11,7 +11,7 @@ using namespace standoff::testing;
 
 struct Case {
   Pose pose_a;
-  Motion motion;
+  RigidMotion motion;
 };
 
 Case random_case(Random& random, double half, double way, double turn, bool at_rest_at_origin) {
@@ -33,7 +33,7 @@ void expect_sound(const Mesh& a, const Mesh& b, int cases, double half, double w
   for (int n = 0; n < cases; ++n) {
     SCOPED_TRACE("case " + std::to_string(n));
     const Case c = random_case(random, half, way, turn, n % 2);
-    const Swept swept = sweep(model_a, c.pose_a, model_b, c.motion, {.tolerance = kTolerance});
+    const SweepResult swept = sweep(model_a, c.pose_a, model_b, c.motion, {.tolerance = kTolerance});
     constexpr int kTimes = 40;
     for (int k = 0; k <= kTimes; ++k) {
       const double t = swept.time * k / kTimes;
@@ -74,12 +74,12 @@ TEST(Sweep, AStraightWayDoesNotDependOnTheCenter) {
   Mesh wall;
   add_triangle(wall, {0, -9, -9}, {0, 9, -9}, {0, 0, 9});
   const CollisionModel resting(wall), box(ball_mesh(0.5, 2));
-  Motion motion;
+  RigidMotion motion;
   motion.from.translation = {-10, 0, 0}, motion.to.translation = {10, 0, 0};
-  const Swept near = sweep(resting, {}, box, motion);
+  const SweepResult near = sweep(resting, {}, box, motion);
   ASSERT_TRUE(near.hit);
   motion.center = {1e15, -1e15, 3};
-  const Swept far = sweep(resting, {}, box, motion);
+  const SweepResult far = sweep(resting, {}, box, motion);
   EXPECT_TRUE(far.hit);
   EXPECT_EQ(far.time, near.time);
   motion.center.x = 2e15;
@@ -96,8 +96,8 @@ TEST(Sweep, WhatRoundsThePosesIsKeptBetweenBodies) {
   for (int n = 0; n < 200; ++n) {
     const double beside = 1e-7 * std::pow(1.08, n);
     const Vec3 from = Vec3{0, -2e-4 - beside, -2e-4 + beside} - far, way{0, 4e-4, 4e-4};
-    const Motion motion{moved(from), moved(from + way), {}};
-    const Swept swept = sweep(still, {}, needle, motion, {1e-7});
+    const RigidMotion motion{moved(from), moved(from + way), {}};
+    const SweepResult swept = sweep(still, {}, needle, motion, {1e-7});
     free += !swept.hit;
     for (int k = 0; k < 100 && swept.time > 0; ++k)
       ASSERT_FALSE(collide(still, {}, needle, pose_at(motion, swept.time * k / 100)).hit()) << n << ", " << k;
@@ -114,8 +114,8 @@ TEST(Sweep, AHandThatStartsAlongAWallMeetsIt) {
   for (const double turn : {0.5, 1.5, 3.1})
     for (const bool wall_turns : {false, true}) {
       SCOPED_TRACE(turn);
-      const Motion motion{{}, make_pose({0, 0, 1}, turn, {}), {}};
-      const Swept swept =
+      const RigidMotion motion{{}, make_pose({0, 0, 1}, turn, {}), {}};
+      const SweepResult swept =
           wall_turns ? sweep(tip, {}, resting, motion, {kTolerance}) : sweep(resting, {}, tip, motion, {kTolerance});
       ASSERT_TRUE(swept.hit);
       EXPECT_LE(swept.time * turn, std::acos(0.9) + 1e-12);
@@ -149,9 +149,9 @@ TEST(Sweep, AShaftTurnsInItsSleeve) {
       for (const bool sleeve_turns : {false, true}) {
         Random random(1);
         const Pose world = random_pose(random, 3);
-        const Motion motion{world, compose(world, make_pose(axis, kTurn, {})), {0, 0, 0.3}};
-        const Swept swept = sleeve_turns ? sweep(shaft, world, sleeve, motion, {kTolerance})
-                                         : sweep(sleeve, world, shaft, motion, {kTolerance});
+        const RigidMotion motion{world, compose(world, make_pose(axis, kTurn, {})), {0, 0, 0.3}};
+        const SweepResult swept = sleeve_turns ? sweep(shaft, world, sleeve, motion, {kTolerance})
+                                               : sweep(sleeve, world, shaft, motion, {kTolerance});
         ASSERT_EQ(swept.hit, apothem < 1 + kTolerance);
         if (!swept.hit) continue;
         EXPECT_LE(swept.time * kTurn, sixth - std::acos(apothem) + 1e-12);

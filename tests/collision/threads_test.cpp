@@ -11,13 +11,13 @@ namespace {
 
 using namespace standoff::testing;
 
-void expect_same(const Collided& a, const Collided& b) {
-  EXPECT_EQ(a.contact, b.contact);
+void expect_same(const CollisionResult& a, const CollisionResult& b) {
+  EXPECT_EQ(a.verdict, b.verdict);
   EXPECT_EQ(a.triangle_a, b.triangle_a);
   EXPECT_EQ(a.triangle_b, b.triangle_b);
 }
 
-void expect_same(const Distance& a, const Distance& b) {
+void expect_same(const DistanceResult& a, const DistanceResult& b) {
   EXPECT_EQ(a.lower, b.lower);
   EXPECT_EQ(a.upper, b.upper);
   EXPECT_EQ(a.point_a, b.point_a);
@@ -26,7 +26,7 @@ void expect_same(const Distance& a, const Distance& b) {
   EXPECT_EQ(a.triangle_b, b.triangle_b);
 }
 
-void expect_same(const Contacts& a, const Contacts& b) {
+void expect_same(const ContactResult& a, const ContactResult& b) {
   EXPECT_EQ(a.overflow, b.overflow);
   ASSERT_EQ(a.contacts.size(), b.contacts.size());
   for (std::size_t k = 0; k < a.contacts.size(); ++k) {
@@ -38,7 +38,7 @@ void expect_same(const Contacts& a, const Contacts& b) {
   }
 }
 
-void expect_same(const Swept& a, const Swept& b) {
+void expect_same(const SweepResult& a, const SweepResult& b) {
   EXPECT_EQ(a.hit, b.hit);
   EXPECT_EQ(a.time, b.time);
   EXPECT_EQ(a.point, b.point);
@@ -56,7 +56,7 @@ void expect_same(const std::vector<Result>& a, const std::vector<Result>& b) {
 struct Bodies {
   CollisionModel a, b{ball_mesh(0.4, 3)};
   std::vector<Pose> poses;
-  std::vector<Motion> motions;
+  std::vector<RigidMotion> motions;
 
   explicit Bodies(int threads) : a(random_soup(1, 400, 1, 0.3), {.threads = threads}) {
     Random random(5);
@@ -88,7 +88,7 @@ TEST(Threads, DoNotShowInTheAnswers) {
 TEST(Threads, MayShareABody) {
   const Bodies bodies(0);
   const auto expected = collide_all(bodies.a, {}, bodies.b, bodies.poses, {}, 1);
-  std::vector<std::vector<Collided>> found(4);
+  std::vector<std::vector<CollisionResult>> found(4);
   std::vector<std::thread> threads;
   for (auto& mine : found)
     threads.emplace_back([&bodies, &mine] {

@@ -19,7 +19,7 @@ const Grid kGrid{{40, 41, 42}, {-5, -5, -5}, {0.25, 0.25, 0.25}};
 
 Mesh soup() { return testing::random_soup(81, 200, 4, 1); }
 
-void expect_compute_error(const Mesh& mesh, const Options& options, ErrorCode code, const std::string& words) {
+void expect_compute_error(const Mesh& mesh, const ComputeOptions& options, ErrorCode code, const std::string& words) {
   expect_error([&] { compute(mesh, kGrid, options); }, code, words);
   std::vector<float> values(static_cast<std::size_t>(kGrid.sample_count()));
   expect_error([&] { compute_into(mesh, kGrid, values, options); }, code, words);
@@ -37,11 +37,11 @@ TEST(Compute, MeshErrorsNameTheTriangle) {
 
 TEST(Compute, OptionErrors) {
   for (const double thickness : {0.0, -1.0, kNaN}) {
-    Options options;
+    ComputeOptions options;
     options.thickness = thickness;
     expect_compute_error(soup(), options, ErrorCode::usage, "thickness must be positive");
   }
-  Options options;
+  ComputeOptions options;
   options.threads = -1;
   expect_compute_error(soup(), options, ErrorCode::usage, "threads");
   options = {};
@@ -56,18 +56,18 @@ TEST(Compute, OptionErrors) {
 TEST(Compute, MemoryOfTheWrongLength) {
   std::vector<float> values(static_cast<std::size_t>(kGrid.sample_count()));
   std::vector<std::uint32_t> nearest(values.size());
-  const auto expect_refused = [](std::span<float> v, std::span<std::uint32_t> n, const Options& options) {
+  const auto expect_refused = [](std::span<float> v, std::span<std::uint32_t> n, const ComputeOptions& options) {
     expect_error([&] { compute_into(soup(), kGrid, v, n, options); }, ErrorCode::usage, "68880 values");
   };
   expect_refused(std::span(values).first(values.size() - 1), {}, {});
   expect_refused(values, std::span(nearest).first(1), {});
-  Options options;
+  ComputeOptions options;
   options.nearest_triangle = true;
   expect_refused(values, {}, options);
 }
 
 TEST(Compute, MemoryLimitSaysWhatIsNeededAndWhatToDo) {
-  Options options;
+  ComputeOptions options;
   options.thickness = 1;
   const auto needed = memory_needed(soup(), kGrid, options);
   options.memory_limit = needed - 1;
@@ -79,7 +79,7 @@ TEST(Compute, MemoryLimitSaysWhatIsNeededAndWhatToDo) {
 
 // What it takes is measured in memory_test.cpp.
 TEST(Compute, MemoryNeededCountsTheCallersMemory) {
-  Options options;
+  ComputeOptions options;
   options.thickness = 0.3;
   const auto dense = [&] { return memory_needed(soup(), kGrid, options, true); };
   const std::int64_t values = dense();
@@ -90,14 +90,14 @@ TEST(Compute, MemoryNeededCountsTheCallersMemory) {
 
 TEST(Compute, MemoryNeededDoesNotOverflow) {
   const std::int64_t large = std::int64_t{1} << 40;
-  Options options;
+  ComputeOptions options;
   options.threads = 1;
   EXPECT_GT(memory_needed(1, {{large, 1 << 22, 1}, {}, {1, 1, 1}}, options), large);
 }
 
 TEST(Compute, MemoryNeededCountsTheSkipRule) {
   const auto needed = [](SkipRule::Kind kind) {
-    Options options;
+    ComputeOptions options;
     options.thickness = 1;
     options.skip.kind = kind;
     return memory_needed(1'000'000, kGrid, options);
@@ -109,7 +109,7 @@ TEST(Compute, MemoryNeededCountsTheSkipRule) {
 
 TEST(Compute, ProgressNeverFallsAndEndsAtOne) {
   for (const double thickness : {0.5, 4.0}) {
-    Options options;
+    ComputeOptions options;
     options.thickness = thickness;
     double last = 0;
     int calls = 0;
@@ -139,7 +139,7 @@ TEST(Compute, CancelsWhereverItIsAsked) {
   for (const double thickness : {0.5, 4.0})
     for (const int most : {0, 1, 2, 5, 12}) {
       int calls = 0;
-      Options options;
+      ComputeOptions options;
       options.thickness = thickness;
       options.progress = [&](const Progress&) { return calls++ < most; };
       expect_error([&] { compute(soup(), kGrid, options); }, ErrorCode::interrupted, "cancelled");
@@ -152,7 +152,7 @@ TEST(Compute, CancelsBeforeTheFirstBrick) {
   const Mesh mesh = testing::random_soup(5, 3000, 2, 0.5);
   for (const double thickness : {0.5, 4.0}) {
     int before_bricks = 0;
-    Options options;
+    ComputeOptions options;
     options.thickness = thickness;
     options.threads = 1;
     options.progress = [&](const Progress& progress) {
@@ -170,11 +170,11 @@ TEST(ComputeIntoAField, GivesWhatComputeGives) {
   for (const bool nearest : {false, true, false})
     for (const double thickness : {0.5, std::numeric_limits<double>::infinity(), 0.25})
       for (const Grid& grid : grids) {
-        Options options;
+        ComputeOptions options;
         options.thickness = thickness;
         options.nearest_triangle = nearest;
-        const Computed expected = compute(soup(), grid, options);
-        const Report report = compute_into(soup(), grid, field, options);
+        const ComputeResult expected = compute(soup(), grid, options);
+        const ComputeReport report = compute_into(soup(), grid, field, options);
         EXPECT_EQ(report.tiles_stored, expected.report.tiles_stored);
         EXPECT_EQ(field.grid(), grid);
         EXPECT_EQ(field.thickness(), thickness);
@@ -209,14 +209,14 @@ TEST(ComputeIntoAField, UsesItsMemoryAgain) {
 
 TEST(ComputeIntoAField, ThatFailsLeavesItEmptyOrAsItWas) {
   DistanceField field;
-  const auto expect_refused = [&field](const Mesh& mesh, const Options& options, ErrorCode code, bool kept) {
+  const auto expect_refused = [&field](const Mesh& mesh, const ComputeOptions& options, ErrorCode code, bool kept) {
     compute_into(soup(), kGrid, field);
     const std::vector<float> before = field.to_dense();
     expect_error([&] { compute_into(mesh, kGrid, field, options); }, code, "");
     EXPECT_EQ(field.to_dense() == before, kept);
     EXPECT_EQ(field.stored_tiles() == 0, !kept);
   };
-  Options options;
+  ComputeOptions options;
   options.threads = -1;
   expect_refused(soup(), options, ErrorCode::usage, true);
   options = {};
@@ -230,11 +230,11 @@ TEST(ComputeIntoAField, ThatFailsLeavesItEmptyOrAsItWas) {
 }
 
 TEST(Compute, ReportsWhatItDid) {
-  Options options;
+  ComputeOptions options;
   options.thickness = 0.5;
   options.threads = 2;
-  const Computed done = compute(soup(), kGrid, options);
-  const Report& report = done.report;
+  const ComputeResult done = compute(soup(), kGrid, options);
+  const ComputeReport& report = done.report;
   EXPECT_EQ(report.method, "tiles");
   EXPECT_EQ(report.backend, "cpu");
   EXPECT_EQ(report.threads, 2);

@@ -16,7 +16,7 @@ Mesh triangle_at(double x, double size = 1) { return {{{x, 0, 0}, {x + size, 0, 
 void expect_limit(const Mesh& mesh, const Grid& grid, const char* says) {
   for (const Method method : {Method::tiles, Method::thesis})
     for (const double thickness : {2 * grid.max_spacing(), std::numeric_limits<double>::infinity()}) {
-      Options options;
+      ComputeOptions options;
       options.method = method;
       options.thickness = thickness;
       try {

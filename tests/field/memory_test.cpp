@@ -38,7 +38,7 @@ void expect_enough(const Mesh& mesh, double thickness) {
   const Grid grid = cube(64, {-5, -5, -5}, 10);
   for (const int threads : {1, 8})
     for (const bool nearest : {false, true}) {
-      Options options;
+      ComputeOptions options;
       options.backend = Backend::cpu;
       options.thickness = thickness;
       options.threads = threads;
@@ -65,7 +65,7 @@ TEST(Memory, WideFieldsTakeNoMoreThanWasSaid) {
 
 // A band around one triangle stores a few tiles of a grid whose samples would fill 32 GB.
 TEST(Memory, SparseBandsAreNotRefusedForTheirGrid) {
-  Options options;
+  ComputeOptions options;
   options.backend = Backend::cpu;
   options.threads = 2;
   const Grid grid = cube(2000, {0, 0, -0.5}, 1);
@@ -78,7 +78,7 @@ TEST(Memory, SparseBandsAreNotRefusedForTheirGrid) {
 }
 
 TEST(Memory, TilesAreCountedWhereTrianglesReach) {
-  Options options;
+  ComputeOptions options;
   options.threads = 1;
   options.thickness = 0.5;
   const Grid grid{{4096, 4096, 8}, {}, {1, 1, 1}};
@@ -106,7 +106,7 @@ TEST(Memory, TilesAreCountedWhereTrianglesReach) {
 }
 
 // The message of the refusal, or "".
-std::string refusal(const Mesh& mesh, const Grid& grid, const Options& options) {
+std::string refusal(const Mesh& mesh, const Grid& grid, const ComputeOptions& options) {
   try {
     compute(mesh, grid, options);
   } catch (const Error& error) {
@@ -119,7 +119,7 @@ std::string refusal(const Mesh& mesh, const Grid& grid, const Options& options) 
 TEST(Memory, WhatIsAdvisedHelps) {
   const Mesh mesh = testing::random_soup(5, 300, 4, 1);
   for (const double thickness : {0.5, kInfinity}) {
-    Options options;
+    ComputeOptions options;
     options.backend = Backend::cpu;
     options.threads = 1;
     options.thickness = thickness;
@@ -136,7 +136,7 @@ TEST(Memory, WhatIsAdvisedHelps) {
 }
 
 TEST(Memory, NothingIsAdvisedThatDoesNotHelp) {
-  Options options;
+  ComputeOptions options;
   options.backend = Backend::cpu;
   options.threads = 1;
   options.thickness = 0.5;
@@ -161,7 +161,7 @@ TEST(Memory, WhenThereIsNoneItIsALimitError) {
     };
     expect_error(limited, ErrorCode::limit, words);
   };
-  Options options;
+  ComputeOptions options;
   options.backend = Backend::cpu;
   options.threads = 1;
   options.thickness = 0.5;

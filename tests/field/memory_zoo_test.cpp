@@ -68,7 +68,7 @@ Grid grid_of(Size3 size) {
 // What TBB, the callback and the texts of a report take.
 constexpr std::int64_t kSmallThings = 64 << 10;
 
-void expect_enough(const Kind& kind, const Grid& grid, const Options& options) {
+void expect_enough(const Kind& kind, const Grid& grid, const ComputeOptions& options) {
   const std::int64_t needed = memory_needed(kind.mesh, grid, options);
   const std::int64_t taken = testing::heap::most_held([&] { compute(kind.mesh, grid, options); });
   EXPECT_LE(taken, needed + kSmallThings)
@@ -81,7 +81,7 @@ TEST(MemoryOfTheZoo, NoComputationTakesMoreThanWasSaid) {
     for (const Size3 size : {Size3{12, 12, 12}, Size3{40, 9, 2}, Size3{300, 1, 1}})
       for (const double samples : {2.0, 8.0, kInfinity}) {
         const Grid grid = grid_of(size);
-        Options options;
+        ComputeOptions options;
         options.backend = Backend::cpu;
         options.thickness = samples * grid.spacing.x;
         for (options.threads = 1; options.threads <= 8; options.threads += options.threads == 1 ? 1 : 3)
@@ -92,7 +92,7 @@ TEST(MemoryOfTheZoo, NoComputationTakesMoreThanWasSaid) {
 TEST(MemoryOfTheZoo, NorDoTheThesisAndTheSkipRules) {
   for (const Kind& kind : zoo()) {
     const Grid grid = grid_of({12, 12, 12});
-    Options options;
+    ComputeOptions options;
     options.backend = Backend::cpu;
     options.thickness = 2 * grid.spacing.x;
     for (options.threads = 1; options.threads <= 8; options.threads *= 2) {
@@ -111,7 +111,7 @@ TEST(MemoryOfTheZoo, NorDoTheThesisAndTheSkipRules) {
 TEST(MemoryOfTheZoo, ALimitHoldsForManyLargeTriangles) {
   const Mesh mesh = testing::random_soup(5, 60'000, 0.5, 1);
   const Grid grid = grid_of({20, 20, 20});
-  Options options;
+  ComputeOptions options;
   options.backend = Backend::cpu;
   options.threads = 2;
   options.memory_limit = memory_needed(mesh, grid, options);
@@ -122,14 +122,14 @@ TEST(MemoryOfTheZoo, ALimitHoldsForManyLargeTriangles) {
 // Where candidates are too many for a list they come in parts. A field is the least of its parts' fields, bit for bit,
 // so what is computed in one part each must give what all of them give.
 void expect_least_of_parts(const Mesh& mesh, const Grid& grid, int part_count) {
-  const Computed whole = testing::computed(mesh, grid, kInfinity);
+  const ComputeResult whole = testing::computed(mesh, grid, kInfinity);
   std::vector<float> least(static_cast<std::size_t>(grid.sample_count()), std::numeric_limits<float>::infinity());
   std::vector<std::uint32_t> nearest(least.size(), kNoTriangle);
   const std::size_t count = mesh.triangles.size(), parts = static_cast<std::size_t>(part_count);
   for (std::size_t part = 0; part < parts; ++part) {
     const std::size_t first = count * part / parts, end = count * (part + 1) / parts;
     const MeshView some{mesh.vertices, std::span(mesh.triangles).subspan(first, end - first)};
-    const Computed computed = testing::computed(some, grid, kInfinity);
+    const ComputeResult computed = testing::computed(some, grid, kInfinity);
     const std::vector<float> values = computed.field.to_dense();
     const std::vector<std::uint32_t> its_nearest = testing::all_nearest(computed.field);
     for (std::size_t n = 0; n < least.size(); ++n)

@@ -204,8 +204,8 @@ TEST(ExactRule, DifferentTrianglesOfOneHashStay) {
   EXPECT_EQ(kept_by_exact_rule(mesh, kGrid, 1).size(), mesh.triangles.size());
 }
 
-Computed computed(MeshView mesh, double thickness, Method method, SkipRule::Kind rule) {
-  Options options;
+ComputeResult computed(MeshView mesh, double thickness, Method method, SkipRule::Kind rule) {
+  ComputeOptions options;
   options.thickness = thickness;
   options.method = method;
   options.nearest_triangle = true;
@@ -221,8 +221,8 @@ TEST(ExactRule, ChangesNoBitOfTheFieldNorOfTheNearestTriangles) {
     for (Triangle& t : mesh.triangles) std::swap(t, mesh.triangles[random.below(600)]);
     for (const Method method : {Method::tiles, Method::thesis})
       for (const double thickness : {0.4, 3.0, kInfinity}) {
-        const Computed all = computed(mesh, thickness, method, SkipRule::Kind::none);
-        const Computed some = computed(mesh, thickness, method, SkipRule::Kind::exact);
+        const ComputeResult all = computed(mesh, thickness, method, SkipRule::Kind::none);
+        const ComputeResult some = computed(mesh, thickness, method, SkipRule::Kind::exact);
         EXPECT_EQ(all.report.skipped, 0);
         EXPECT_GT(some.report.skipped, 250);
         testing::expect_same_bits(some.field, all.field);

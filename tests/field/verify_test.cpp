@@ -75,7 +75,7 @@ TEST(TriangleGroups, HugeCoordinates) {
 TEST(Verify, TrueFieldsPass) {
   const Mesh mesh = random_soup(1, 40, 1, 0.4);
   for (const double thickness : {0.2, kInfinity}) {
-    const Verified found = verify(field_of(mesh, thickness), mesh, every_sample());
+    const VerifyResult found = verify(field_of(mesh, thickness), mesh, every_sample());
     EXPECT_TRUE(found.ok());
     EXPECT_EQ(found.samples, kGrid.sample_count());
     EXPECT_EQ(found.samples_wrong, 0);
@@ -87,9 +87,9 @@ TEST(Verify, TrueFieldsPass) {
 
 TEST(Verify, SamplesAtTheThicknessLieInTheBand) {
   const Mesh plane{{{-1, -1, 7}, {17, -1, 7}, {-1, 17, 7}, {17, 17, 7}}, {{0, 1, 2}, {1, 3, 2}}};
-  Options options;
+  ComputeOptions options;
   options.thickness = 1;
-  const Computed computed = compute(plane, {{16, 16, 16}, {}, {1, 1, 1}}, options);
+  const ComputeResult computed = compute(plane, {{16, 16, 16}, {}, {1, 1, 1}}, options);
   EXPECT_EQ(computed.report.samples_band, 3 * 256);
   EXPECT_EQ(verify(computed.field, plane, every_sample()).samples_band, 3 * 256);
 }
@@ -104,7 +104,7 @@ TEST(Verify, FindsOneWrongSample) {
   };
   EXPECT_TRUE(wrong_by(0.8).ok());
   for (const double factor : {1.2, -1.2, 1000.0}) {
-    const Verified found = wrong_by(factor);
+    const VerifyResult found = wrong_by(factor);
     EXPECT_FALSE(found.ok());
     EXPECT_EQ(found.samples_wrong, 1);
     EXPECT_EQ(found.worst.i, 5);
@@ -122,7 +122,7 @@ TEST(Verify, NotANumberIsWrong) {
     const auto field = field_of(mesh, kInfinity, [&](auto i, auto j, auto k, float& at, auto&) {
       if (i + j + k == 0) at = value;
     });
-    const Verified found = verify(field, mesh, every_sample());
+    const VerifyResult found = verify(field, mesh, every_sample());
     EXPECT_EQ(found.samples_wrong, 1);
     EXPECT_EQ(found.largest.error, kInfinity);
     EXPECT_EQ(found.largest.i + found.largest.j + found.largest.k, 0);
@@ -132,7 +132,7 @@ TEST(Verify, NotANumberIsWrong) {
 // A field whose band was forgotten: no tile is stored, all values are the thickness.
 TEST(Verify, EmptyFieldFails) {
   const Mesh mesh = random_soup(4, 40, 1, 0.4);
-  const Verified found = verify(DistanceField(kGrid, 0.3), mesh, every_sample());
+  const VerifyResult found = verify(DistanceField(kGrid, 0.3), mesh, every_sample());
   EXPECT_FALSE(found.ok());
   EXPECT_EQ(found.samples_wrong, found.samples_band);
 }
@@ -149,7 +149,7 @@ TEST(Verify, WrongNearestTriangleIsFound) {
     };
   };
   for (const std::uint32_t wrong : {0u, 1'000'000u, kNoTriangle}) {
-    const Verified found = checked(spoil_one(wrong));
+    const VerifyResult found = checked(spoil_one(wrong));
     EXPECT_EQ(found.nearest_wrong, 1) << wrong;
     EXPECT_EQ(found.samples_wrong, 0);
     EXPECT_FALSE(found.ok());
@@ -167,7 +167,7 @@ TEST(Verify, HalfTheSamplesAreDrawnFromStoredTiles) {
     const Vec3 p = wide.position(n % 8, n / 8 % 8, n / 64);
     tile[n] = static_cast<float>(std::min(1.0, brute_distance(mesh, p)));
   }
-  const Verified found = verify(field, mesh);
+  const VerifyResult found = verify(field, mesh);
   EXPECT_TRUE(found.ok());
   EXPECT_EQ(found.samples, 1000);
   EXPECT_GT(found.samples_band, 20);

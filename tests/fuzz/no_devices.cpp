@@ -7,8 +7,10 @@
 
 namespace standoff {
 
-Computed compute(MeshView, const Grid&, const Options&) { std::abort(); }
-Report compute_into(MeshView, const Grid&, std::span<float>, std::span<std::uint32_t>, const Options&) { std::abort(); }
+ComputeResult compute(MeshView, const Grid&, const ComputeOptions&) { std::abort(); }
+ComputeReport compute_into(MeshView, const Grid&, std::span<float>, std::span<std::uint32_t>, const ComputeOptions&) {
+  std::abort();
+}
 
 namespace collision {
 

@@ -28,7 +28,7 @@ class CudaRoomOf : public ::testing::TestWithParam<Method> {};
 TEST_P(CudaRoomOf, TooLittleIsSaidAndNothingIsKept) {
   const Mesh mesh = testing::random_soup(81, 200, 4, 1);
   const Grid grid{{21, 18, 13}, {-4, -4, -3}, {0.5, 0.5, 0.5}};
-  Options options;
+  ComputeOptions options;
   options.backend = Backend::emulated;
   options.method = GetParam();
   options.thickness = 3;
@@ -56,7 +56,7 @@ TEST_P(CudaRoomOf, TooLittleIsSaidAndNothingIsKept) {
 TEST(CudaRoom, TheWholeNeedIsTold) {
   const Mesh mesh = testing::random_soup(82, 10, 4, 1);
   const Grid grid{{256, 256, 256}, {-4, -4, -4}, {0.03, 0.03, 0.03}};
-  Options options;
+  ComputeOptions options;
   options.backend = Backend::emulated;
   options.method = Method::thesis;
   options.thickness = 0.03;

@@ -25,8 +25,8 @@ class CudaRuntime : public ::testing::Test {
 const Grid kGrid{{21, 18, 13}, {-4, -4, -3}, {0.5, 0.5, 0.5}};
 const Mesh kMesh = testing::random_soup(95, 120, 4, 1.2);
 
-Options on_gpu(Method method = Method::tiles) {
-  Options options;
+ComputeOptions on_gpu(Method method = Method::tiles) {
+  ComputeOptions options;
   options.backend = Backend::cuda;
   options.method = method;
   options.thickness = 1;
@@ -37,7 +37,7 @@ struct Failure {
   ErrorCode code;
   std::string what;
 };
-Failure failure_of(const Options& options) {
+Failure failure_of(const ComputeOptions& options) {
   try {
     compute(kMesh, kGrid, options);
   } catch (const Error& error) {
@@ -148,7 +148,7 @@ TEST_F(CudaRuntime, GpusThatAreTooOldAreNamedAndNotTaken) {
   ASSERT_EQ(cuda::devices().size(), 2u);
   EXPECT_NE(cuda::devices()[1].name.find("too old"), std::string::npos);
   EXPECT_EQ(failure_of(on_gpu()).what, "no error");
-  Options second = on_gpu();
+  ComputeOptions second = on_gpu();
   second.device = 1;
   EXPECT_EQ(failure_of(second).code, ErrorCode::device);
   EXPECT_NE(failure_of(second).what.find("GPU 1 is too old"), std::string::npos);
@@ -159,7 +159,7 @@ TEST_F(CudaRuntime, GpusThatAreTooOldAreNamedAndNotTaken) {
 
 TEST_F(CudaRuntime, AutomaticTakesAGpuThatIsThereForLargeJobs) {
   const auto taken = [](std::int64_t side) {
-    Options options = on_gpu();
+    ComputeOptions options = on_gpu();
     options.backend = Backend::automatic;
     return compute(kMesh, {{side, side, side}, {-4, -4, -4}, {0.1, 0.1, 0.1}}, options).report.backend;
   };
@@ -172,7 +172,7 @@ TEST_F(CudaRuntime, AutomaticTakesAGpuThatIsThereForLargeJobs) {
 }
 
 TEST_F(CudaRuntime, TheCallersDeviceStaysCurrent) {
-  Options second = on_gpu();
+  ComputeOptions second = on_gpu();
   second.device = 1;
   EXPECT_EQ(failure_of(second).what, "no error");
   EXPECT_EQ(gpu.current, 0);

@@ -200,7 +200,7 @@ int run_blocking() {
       const cuda::Outcome outcome = expected.run();
       std::vector<float> values(static_cast<std::size_t>(grid.sample_count()), static_cast<float>(thickness));
       std::vector<std::uint32_t> nearest(values.size(), kNoTriangle);
-      const Options options;
+      const ComputeOptions options;
       ProgressMeter progress(options);
       const Job job{mesh, {}, grid, thickness, 1, Simd::automatic, progress};
       Sink sink(grid, values, nearest);

@@ -70,11 +70,11 @@ int run(const Case& c, Backend backend, int count) {
   const CollisionModel a(c.a), b(c.b);
   const std::vector<Pose> poses = poses_for(c, count);
   BatchReport report;
-  const auto found = collide_all(a, c.pose_a, b, poses, {.margin = c.margin}, Batch{.backend = backend}, &report);
+  const auto found = collide_all(a, c.pose_a, b, poses, {.margin = c.margin}, Execution{.backend = backend}, &report);
   const auto expected = collide_all(a, c.pose_a, b, poses, {.margin = c.margin});
   int wrong = 0, hits = 0;
   for (std::size_t n = 0; n < poses.size(); ++n)
-    wrong += found[n].contact != expected[n].contact, hits += expected[n].hit();
+    wrong += found[n].verdict != expected[n].verdict, hits += expected[n].hit();
   return tell("collide", c, poses.size(), wrong, hits, report);
 }
 
@@ -82,14 +82,14 @@ int run_sweeps(const Case& c, Backend backend, int count) {
   const CollisionModel a(c.a), b(c.b);
   testing::Random random(90);
   const double way = 0.2 * length(bounds(c.b).extent());
-  std::vector<Motion> motions;
+  std::vector<RigidMotion> motions;
   for (const Pose& from : poses_for(c, count)) {
     Pose to = compose(from, make_pose({1, 2, 3}, random.between(0, 0.5), {}));
     to.translation = from.translation + random.in_cube(way);
     motions.push_back({from, to, {}});
   }
   BatchReport report;
-  const auto found = sweep_all(a, c.pose_a, b, motions, {}, Batch{.backend = backend}, &report);
+  const auto found = sweep_all(a, c.pose_a, b, motions, {}, Execution{.backend = backend}, &report);
   const auto expected = sweep_all(a, c.pose_a, b, motions, {});
   int wrong = 0, hits = 0;
   for (std::size_t n = 0; n < motions.size(); ++n)

@@ -26,7 +26,7 @@ std::uint64_t from_environment(const char* name, std::uint64_t otherwise) {
 
 bool reads(const Grammar& grammar) {
   if (grammar.kind != Kind::mesh) return true;
-  for (const Format& format : mesh_formats())
+  for (const FileFormat& format : mesh_formats())
     if (format.extension == grammar.extension) return format.readable;
   return false;
 }

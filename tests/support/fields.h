@@ -25,9 +25,9 @@ void for_each_sample(const Grid& grid, Use use) {
 }
 
 /// The field and its nearest triangles, by two threads.
-inline Computed computed(MeshView mesh, const Grid& grid, double thickness, Simd simd = Simd::automatic,
-                         int threads = 2) {
-  Options options;
+inline ComputeResult computed(MeshView mesh, const Grid& grid, double thickness, Simd simd = Simd::automatic,
+                              int threads = 2) {
+  ComputeOptions options;
   options.thickness = thickness;
   options.nearest_triangle = true;
   options.simd = simd;

@@ -26,7 +26,7 @@ struct Outcome {
 };
 
 Outcome run(MeshView mesh, const Grid& grid, double thickness, int threads = 2, std::vector<std::uint32_t> kept = {},
-            const Options& options = {}) {
+            const ComputeOptions& options = {}) {
   Outcome result{DistanceField(grid, thickness, true), {}};
   Sink sink(result.field);
   ProgressMeter progress(options);
@@ -154,7 +154,7 @@ TEST(Thesis, FillsDenseMemoryAsItFillsTiles) {
   const Outcome sparse = run(mesh, grid, 1);
   std::vector<float> values(static_cast<std::size_t>(grid.sample_count()), 1.0f);
   Sink sink(grid, values, {});
-  const Options options;
+  const ComputeOptions options;
   ProgressMeter progress(options);
   cpu::run_thesis({mesh, {}, grid, 1, 2, Simd::automatic, progress}, sink);
   EXPECT_EQ(values, sparse.field.to_dense());
@@ -208,7 +208,7 @@ TEST(Thesis, SkippingOnlyRaisesDistances) {
 }
 
 TEST(Thesis, StopsWhenAsked) {
-  Options options;
+  ComputeOptions options;
   options.progress = [](const Progress& progress) { return progress.fraction < 0.5; };
   EXPECT_THROW(run(random_soup(9, 500, 20, 1), {{80, 80, 80}, {-20, -20, -20}, {0.5, 0.5, 0.5}}, 1, 2, {}, options),
                Error);

@@ -92,7 +92,7 @@ FieldBounds build_field_bounds(MeshView mesh, Vec3 middle, double spacing, int t
   const double coarse_spacing = kCoarseStep * spacing;
   const Grid fine{bounds.size, bounds.origin, {spacing, spacing, spacing}};
   const Grid coarse{bounds.coarse_size, bounds.origin, {coarse_spacing, coarse_spacing, coarse_spacing}};
-  Options options;
+  ComputeOptions options;
   options.threads = threads;
   options.thickness = bounds.band();
   fill_fine(bounds, compute(moved, fine, options).field);

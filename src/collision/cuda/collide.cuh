@@ -11,9 +11,9 @@
 
 namespace standoff::STANDOFF_PLATFORM {
 
+using collision::DeviceVerdict;
 using collision::PoseAnswer;
 using collision::PoseQuery;
-using collision::Verdict;
 
 inline constexpr unsigned kCollideThreads = 128;
 
@@ -47,7 +47,7 @@ class PoseSearch {
 
   STANDOFF_DEVICE PoseAnswer run() {
     Nodes nodes(room_.nodes, task_.stack, packet_word(task_.tree.top, 0));
-    while (!nodes.empty() && verdict_ != Verdict::hit && verdict_ != Verdict::overflow) {
+    while (!nodes.empty() && verdict_ != DeviceVerdict::hit && verdict_ != DeviceVerdict::overflow) {
       // Where undecided a pair that surely touches may still come.
       const bool triangles = nodes.top_level() == 0;
       const std::uint32_t word = nodes.take(triangles ? kMostLevels : 1, kNoPacket);
@@ -77,7 +77,8 @@ class PoseSearch {
     const bool near = gap <= query_.limit;
     const std::uint32_t lanes = __ballot_sync(kWarp, near);
     const int farther = larger_keys(lanes, gap, room_.gap);
-    if (!nodes.put(lanes, farther, packet_word(level - 1, packet_of(word) * kLanes + n))) verdict_ = Verdict::overflow;
+    if (!nodes.put(lanes, farther, packet_word(level - 1, packet_of(word) * kLanes + n)))
+      verdict_ = DeviceVerdict::overflow;
   }
 
   // The packet's triangles against those of the field's body.
@@ -98,13 +99,13 @@ class PoseSearch {
         if (waiting < 32) continue;
         waiting -= 32;
         settle(waiting, 32);
-        if (verdict_ == Verdict::hit) return false;
+        if (verdict_ == DeviceVerdict::hit) return false;
       }
       return true;
     };
     if (!for_boxes_that_meet(room_.all, task_.field, room_.field_nodes, task_.stack, use))
-      verdict_ = Verdict::overflow;
-    else if (waiting > 0 && verdict_ != Verdict::hit)
+      verdict_ = DeviceVerdict::overflow;
+    else if (waiting > 0 && verdict_ != DeviceVerdict::hit)
       settle(0, waiting);
   }
 
@@ -154,9 +155,9 @@ class PoseSearch {
     if (touching != 0) {
       const int one = __ffs(static_cast<int>(touching)) - 1;
       of_field_ = __shfl_sync(kWarp, of_field, one), of_tree_ = __shfl_sync(kWarp, of_tree, one);
-      verdict_ = Verdict::hit;
+      verdict_ = DeviceVerdict::hit;
     } else if (__ballot_sync(kWarp, unsure) != 0) {
-      verdict_ = Verdict::undecided;
+      verdict_ = DeviceVerdict::undecided;
     }
     // Other lanes write the next pairs where these were read: votes order no memory, this does.
     __syncwarp();
@@ -167,7 +168,7 @@ class PoseSearch {
   SearchRoom& room_;
   const std::uint32_t lane_;
   // The same in all lanes.
-  Verdict verdict_ = Verdict::free;
+  DeviceVerdict verdict_ = DeviceVerdict::free;
   std::uint32_t of_field_ = 0, of_tree_ = 0;
 };
 

@@ -12,9 +12,9 @@
 
 namespace standoff::STANDOFF_PLATFORM {
 
+using collision::DeviceVerdict;
 using collision::SweepAnswer;
 using collision::SweepQuery;
-using collision::Verdict;
 
 inline constexpr unsigned kSweepThreads = 128;
 
@@ -49,7 +49,7 @@ class MotionSearch {
 
   STANDOFF_DEVICE SweepAnswer run() {
     NodeStack<TimedPacket> nodes(room_.nodes, task_.stack, {0, packet_word(task_.tree.top, 0)});
-    while (!nodes.empty() && verdict_ == Verdict::free) {
+    while (!nodes.empty() && verdict_ == DeviceVerdict::free) {
       const TimedPacket packet = nodes.take(0, {0, kNoPacket});
       const int level = level_of(packet.word);
       const std::uint32_t n = lane_in_warp() % kLanes;
@@ -65,7 +65,7 @@ class MotionSearch {
       const bool inner = level > 0 && time < kEnd;
       const std::uint32_t lanes = __ballot_sync(kWarp, inner);
       const int later = larger_keys(lanes, time, room_.time);
-      if (!nodes.put(lanes, later, {time, packet_word(level - 1, child)})) verdict_ = Verdict::overflow;
+      if (!nodes.put(lanes, later, {time, packet_word(level - 1, child)})) verdict_ = DeviceVerdict::overflow;
     }
     return {verdict_};
   }
@@ -90,7 +90,8 @@ class MotionSearch {
 
   // Follows the triangles of those lanes that stopped.
   STANDOFF_DEVICE void follow_all(bool stopped, std::uint32_t place, double time) {
-    for (std::uint32_t left = __ballot_sync(kWarp, stopped); left != 0 && verdict_ == Verdict::free; left &= left - 1) {
+    for (std::uint32_t left = __ballot_sync(kWarp, stopped); left != 0 && verdict_ == DeviceVerdict::free;
+         left &= left - 1) {
       const int lane = __ffs(static_cast<int>(left)) - 1;
       follow(__shfl_sync(kWarp, place, lane), __shfl_sync(kWarp, time, lane));
     }
@@ -112,9 +113,9 @@ class MotionSearch {
   STANDOFF_DEVICE void follow(std::uint32_t place, double from) {
     const MovingTriangle triangle = triangle_at(place);
     const double ahead = collision::kAhead * static_cast<double>(task_.field.field.spacing);
-    for (double t = from; t < kEnd && verdict_ == Verdict::free;) {
+    for (double t = from; t < kEnd && verdict_ == DeviceVerdict::free;) {
       double until = triangle.speed > 0 ? t + ahead / triangle.speed : kEnd;
-      if (!(until > t)) verdict_ = Verdict::undecided;  // there is no time between t and the next one
+      if (!(until > t)) verdict_ = DeviceVerdict::undecided;  // there is no time between t and the next one
       until = min(until, kEnd);
       int waiting = 0;
       const auto use = [&](bool near, std::uint32_t of_field, const FlatBox&) {
@@ -125,11 +126,11 @@ class MotionSearch {
         if (waiting < 32) return true;
         waiting -= 32;
         advance(triangle, t, until, waiting, 32);
-        return verdict_ == Verdict::free;
+        return verdict_ == DeviceVerdict::free;
       };
       if (!for_boxes_that_meet(box_of_way(triangle, t, until), task_.field, room_.field_nodes, task_.stack, use))
-        verdict_ = Verdict::overflow;
-      if (waiting > 0 && verdict_ == Verdict::free) advance(triangle, t, until, 0, waiting);
+        verdict_ = DeviceVerdict::overflow;
+      if (waiting > 0 && verdict_ == DeviceVerdict::free) advance(triangle, t, until, 0, waiting);
       t = until;
       if (t < kEnd) t = moved_triangle(place, t);
     }
@@ -160,7 +161,7 @@ class MotionSearch {
   STANDOFF_DEVICE void advance(const MovingTriangle& triangle, double t, double until, int first, int count) {
     const int lane = static_cast<int>(lane_in_warp());
     const bool near = lane < count && comes_near(room_.of_field[first + lane], triangle, t, until);
-    if (__ballot_sync(kWarp, near) != 0) verdict_ = Verdict::undecided;
+    if (__ballot_sync(kWarp, near) != 0) verdict_ = DeviceVerdict::undecided;
     // Other lanes write the next triangles where these were read: votes order no memory, this does.
     __syncwarp();
   }
@@ -204,7 +205,7 @@ class MotionSearch {
   const SweepTask& task_;
   const SweepQuery& query_;
   SweepRoom& room_;
-  Verdict verdict_ = Verdict::free;  // the same in all lanes
+  DeviceVerdict verdict_ = DeviceVerdict::free;  // the same in all lanes
 };
 
 /// Warps take one motion after the other.

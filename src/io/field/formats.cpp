@@ -33,8 +33,8 @@ const FieldFormat& format_of(const std::filesystem::path& path, ErrorCode code) 
 
 }  // namespace
 
-std::vector<Format> field_formats() try {
-  std::vector<Format> formats;
+std::vector<FileFormat> field_formats() try {
+  std::vector<FileFormat> formats;
   for (const FieldFormat& format : kFormats)
     formats.push_back({format.extension, format.description, true, true, format.nearest});
   return formats;

@@ -98,8 +98,8 @@ void scale_vertices(const FileView& file, Mesh& mesh, double scale) {
 
 }  // namespace
 
-std::vector<Format> mesh_formats() try {
-  std::vector<Format> formats;
+std::vector<FileFormat> mesh_formats() try {
+  std::vector<FileFormat> formats;
   for (const MeshFormat& f : kFormats)
     formats.push_back({f.extension, f.description, f.read != nullptr, f.write != nullptr});
   return formats;

@@ -115,7 +115,7 @@ TEST(Bounds, BeyondABandHalfTheDiagonalIsNotEnough) {
   const double h = 1, w = 2;
   const Mesh point = one_triangle({0.5, 0.5, 0.5}, {0.5, 0.5, 0.5}, {0.5, 0.5, 0.5});
   const Grid grid{{25, 25, 25}, {-12, -12, -12}, {h, h, h}};
-  Options options;
+  ComputeOptions options;
   options.thickness = w;
   const DistanceField field = compute(point, grid, options).field;
   std::vector<Vec3> band;
@@ -142,7 +142,7 @@ TEST(Bounds, AStoredNearestTriangleIsAnUpperBoundOnly) {
   const Mesh mesh = random_soup(6, 200, 1, 0.2);
   const double h = 0.15;
   const Grid grid = fit_spacing(bounds(mesh), {h, h, h}, 0.3);
-  Options options;
+  ComputeOptions options;
   options.nearest_triangle = true;
   const DistanceField field = compute(mesh, grid, options).field;
   Random random(3);

@@ -37,7 +37,7 @@ TEST_F(ModelFile, GivesTheSameAnswers) {
   Random random(7);
   for (int n = 0; n < 100; ++n) {
     const Pose pose = random_pose(random, 1.5);
-    const Distance d = distance(a, {}, b, pose), e = distance(loaded, {}, b, pose);
+    const DistanceResult d = distance(a, {}, b, pose), e = distance(loaded, {}, b, pose);
     EXPECT_EQ(d.upper, e.upper);
     EXPECT_EQ(d.triangle_a, e.triangle_a);
   }

@@ -19,7 +19,7 @@ using emulation::Order;
 using emulation::OrderScope;
 
 constexpr Order kOrders[] = {Order::forward, Order::reverse, Order::random};
-const Batch kEmulated{.threads = 2, .backend = Backend::emulated};
+const Execution kEmulated{.threads = 2, .backend = Backend::emulated};
 
 struct Counts {
   int hits = 0;
@@ -27,7 +27,7 @@ struct Counts {
 };
 
 void expect_touching(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
-                     const Collided& found, double margin) {
+                     const CollisionResult& found, double margin) {
   const Corners p = corners_at(a.mesh(), found.triangle_a, pose_a), q = corners_at(b.mesh(), found.triangle_b, pose_b);
   EXPECT_TRUE(triangles_touch(p, q) || closest_points(p, q).distance_sq <= margin * margin);
 }
@@ -41,7 +41,7 @@ Counts expect_as_cpu(const CollisionModel& a, const Pose& pose_a, const Collisio
                                                   b, poses, margin, kEmulated, counts.report, stack);
   EXPECT_EQ(found.size(), poses.size());
   for (std::size_t n = 0; n < poses.size(); ++n) {
-    EXPECT_EQ(found[n].contact, expected[n].contact) << "pose " << n;
+    EXPECT_EQ(found[n].verdict, expected[n].verdict) << "pose " << n;
     if (found[n].hit()) expect_touching(a, pose_a, b, poses[n], found[n], margin);
     counts.hits += expected[n].hit();
   }
@@ -173,21 +173,21 @@ TEST(CudaCollide, ThePublicCallSaysWhatItDid) {
   BatchReport report;
   const auto found = collide_all(a, {}, b, poses, {}, kEmulated, &report);
   const auto expected = collide_all(a, {}, b, poses, {}, 1);
-  for (std::size_t n = 0; n < poses.size(); ++n) EXPECT_EQ(found[n].contact, expected[n].contact);
+  for (std::size_t n = 0; n < poses.size(); ++n) EXPECT_EQ(found[n].verdict, expected[n].verdict);
   EXPECT_EQ(report.backend, "emulated");
   EXPECT_GT(report.on_device, 0);
   EXPECT_TRUE(collide_all(a, {}, b, {}, {}, kEmulated, &report).empty());
   EXPECT_EQ(report.on_device, 0);
-  static_cast<void>(collide_all(a, {}, b, poses, {}, Batch{.threads = 1}, &report));
+  static_cast<void>(collide_all(a, {}, b, poses, {}, Execution{.threads = 1}, &report));
   EXPECT_EQ(report.backend, "cpu");
-  static_cast<void>(collide_all(a, {}, b, poses, {}, Batch{.backend = Backend::automatic}, &report));
+  static_cast<void>(collide_all(a, {}, b, poses, {}, Execution{.backend = Backend::automatic}, &report));
   EXPECT_EQ(report.backend, "cpu");
 }
 
 TEST(CudaCollide, Errors) {
   const CollisionModel a(ball_mesh(1, 2));
   std::vector<Pose> poses(3);
-  const auto run = [&](const CollideOptions& options, const Batch& batch) {
+  const auto run = [&](const CollideOptions& options, const Execution& batch) {
     return code_of([&] { static_cast<void>(collide_all(a, {}, a, poses, options, batch)); });
   };
   if (cuda::devices().empty()) {

@@ -18,10 +18,10 @@ using namespace standoff::testing;
 using emulation::Order;
 using emulation::OrderScope;
 
-const Batch kEmulated{.threads = 2, .backend = Backend::emulated};
+const Execution kEmulated{.threads = 2, .backend = Backend::emulated};
 
-Motion random_motion(Random& random, double half, double way, double turn, Vec3 around = {}) {
-  Motion motion;
+RigidMotion random_motion(Random& random, double half, double way, double turn, Vec3 around = {}) {
+  RigidMotion motion;
   motion.from = random_pose(random, half);
   motion.from.translation = motion.from.translation + around;
   motion.center = random.in_cube(0.5);
@@ -31,9 +31,10 @@ Motion random_motion(Random& random, double half, double way, double turn, Vec3 
   return motion;
 }
 
-std::vector<Motion> random_motions(unsigned seed, int count, double half, double way, double turn, Vec3 around = {}) {
+std::vector<RigidMotion> random_motions(unsigned seed, int count, double half, double way, double turn,
+                                        Vec3 around = {}) {
   Random random(seed);
-  std::vector<Motion> motions;
+  std::vector<RigidMotion> motions;
   for (int n = 0; n < count; ++n) motions.push_back(random_motion(random, half, way, turn, around));
   return motions;
 }
@@ -44,7 +45,7 @@ struct Counts {
 };
 
 Counts expect_as_cpu(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                     const std::vector<Motion>& motions, double tolerance, int stack = collision::kDeviceStack) {
+                     const std::vector<RigidMotion>& motions, double tolerance, int stack = collision::kDeviceStack) {
   const auto expected = sweep_all(a, pose_a, b, motions, {.tolerance = tolerance});
   Counts counts;
   const auto found = collision::sweep_on_device(*collision::find_device(Backend::emulated, 1), a, pose_a, b, motions,
@@ -102,8 +103,8 @@ TEST(CudaSweep, FarFromTheOriginAndInOtherUnits) {
     SCOPED_TRACE(unit);
     const Vec3 far = Vec3{3e3, -2e4, 77} * unit;
     const CollisionModel large(ball_mesh(unit, 5, far)), small(random_soup(22, 30, 0.3 * unit, 0.4 * unit));
-    std::vector<Motion> motions = random_motions(23, 120, 2.5, 3, 2);
-    for (Motion& motion : motions) {
+    std::vector<RigidMotion> motions = random_motions(23, 120, 2.5, 3, 2);
+    for (RigidMotion& motion : motions) {
       motion.center = motion.center * unit;
       for (Pose* pose : {&motion.from, &motion.to}) pose->translation = pose->translation * unit + far;
     }
@@ -117,7 +118,7 @@ TEST(CudaSweep, FarFromTheOriginAndInOtherUnits) {
 TEST(CudaSweep, TurningOnTheSpot) {
   const CollisionModel stake(one_triangle({1, 0, -0.5}, {1.01, 0, 0.5}, {1.01, 0.01, 0.5}), {.spacing = 1}),
       fin(one_triangle({1, 0, -0.3}, {1.01, 0, 0.3}, {1.02, 0.01, 0.3}));
-  std::vector<Motion> motions;
+  std::vector<RigidMotion> motions;
   for (double angle = -1.2; angle < 0.3; angle += 0.02)
     motions.push_back({make_pose({0, 0, 1}, angle, {}), make_pose({0, 0, 1}, angle + 3, {}), {}});
   const Counts counts = expect_as_cpu(stake, {}, fin, motions, 1e-4);
@@ -134,8 +135,8 @@ TEST(CudaSweep, FastAndSlowAndNotAtAll) {
     EXPECT_GT(counts.report.on_device, 50);
     EXPECT_GT(counts.hits, 5);
   }
-  std::vector<Motion> still = random_motions(11, 60, 1.5, 1, 1);
-  for (Motion& motion : still) motion.to = motion.from;
+  std::vector<RigidMotion> still = random_motions(11, 60, 1.5, 1, 1);
+  for (RigidMotion& motion : still) motion.to = motion.from;
   EXPECT_GT(expect_as_cpu(large, {}, small, still, 1e-4).hits, 5);
 }
 
@@ -143,7 +144,7 @@ TEST(CudaSweep, Scenes) {
   const CollisionModel maze(scenes::make("labyrinth", 2000)), fly(scenes::make("fly", 300));
   const Box box = maze.bounds();
   Random random(12);
-  std::vector<Motion> motions;
+  std::vector<RigidMotion> motions;
   for (int n = 0; n < 100; ++n) {
     const Vec3 at = box.center() +
                     Vec3{random.between(-0.5, 0.5), random.between(-0.5, 0.5), random.between(0, 0.7)} * box.extent();
@@ -178,7 +179,7 @@ TEST(CudaSweep, ThePublicCallSaysWhatItDid) {
   EXPECT_GT(report.undecided, 0);
   if (!cuda::devices().empty()) return;
   try {
-    static_cast<void>(sweep_all(a, {}, b, motions, {}, Batch{.backend = Backend::cuda}));
+    static_cast<void>(sweep_all(a, {}, b, motions, {}, Execution{.backend = Backend::cuda}));
     FAIL() << "no error";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::device);

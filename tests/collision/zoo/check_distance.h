@@ -10,8 +10,8 @@ namespace standoff::testing {
 inline void check_distance(const PlacedPair& at, Findings& found) {
   found.count("distances");
   const double expected = at.distance();
-  const Distance one = distance(at.model_a, at.pose_a, at.model_b, at.pose_b),
-                 turned = distance(at.model_b, at.pose_b, at.model_a, at.pose_a);
+  const DistanceResult one = distance(at.model_a, at.pose_a, at.model_b, at.pose_b),
+                       turned = distance(at.model_b, at.pose_b, at.model_a, at.pose_a);
   const Corners &p = at.a.triangle(one.triangle_a), &q = at.b.triangle(one.triangle_b);
   const Allowed allowed(p, q);
   found.expect(one.upper == 0 || !at.touch(), "distance: above 0 where they touch");
@@ -31,12 +31,12 @@ inline void check_distance(const PlacedPair& at, Findings& found) {
 inline void check_rough_distance(const PlacedPair& at, double tolerance, Findings& found) {
   found.count("rough distances");
   const double expected = at.distance();
-  const Distance rough = distance(at.model_a, at.pose_a, at.model_b, at.pose_b, {.tolerance = tolerance});
+  const DistanceResult rough = distance(at.model_a, at.pose_a, at.model_b, at.pose_b, {.tolerance = tolerance});
   found.off("distance: a lower bound above it", rough.lower - expected, at.allowed.distance());
   found.off("distance: an upper bound below it", expected - rough.upper, at.allowed.distance());
   found.expect(rough.upper - rough.lower <= tolerance + 1e-6 * at.allowed.extent,
                "distance: bounds farther apart than asked for");
-  const Distance limited = distance(at.model_a, at.pose_a, at.model_b, at.pose_b, {.limit = expected / 2});
+  const DistanceResult limited = distance(at.model_a, at.pose_a, at.model_b, at.pose_b, {.limit = expected / 2});
   if (expected > 2 * at.allowed.distance())
     found.expect(std::isinf(limited.upper) && limited.lower == expected / 2, "distance: found past the limit");
 }

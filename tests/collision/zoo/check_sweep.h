@@ -24,10 +24,10 @@ inline double depth_on_way(const PlacedBody& a, const PlacedBody& b, const Vec3&
 }
 
 /// `at` is the start. `meeting` is a time at which they are likely to touch, if they ever do.
-inline void check_sweep(const PlacedPair& at, const Motion& motion, double tolerance, double meeting, Random& random,
-                        Findings& found) {
+inline void check_sweep(const PlacedPair& at, const RigidMotion& motion, double tolerance, double meeting,
+                        Random& random, Findings& found) {
   found.count("sweeps");
-  Swept swept;
+  SweepResult swept;
   try {
     swept = sweep(at.model_a, at.pose_a, at.model_b, motion, {tolerance});
   } catch (const Error& error) {  // points, on ways on which rounding moves them by more than the tolerance

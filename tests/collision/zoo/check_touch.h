@@ -8,8 +8,8 @@
 namespace standoff::testing {
 
 inline void check_collide(const PlacedPair& at, Findings& found) {
-  const Collided answer = collide(at.model_a, at.pose_a, at.model_b, at.pose_b),
-                 turned = collide(at.model_b, at.pose_b, at.model_a, at.pose_a);
+  const CollisionResult answer = collide(at.model_a, at.pose_a, at.model_b, at.pose_b),
+                        turned = collide(at.model_b, at.pose_b, at.model_a, at.pose_a);
   found.count("poses");
   found.count("poses that touch", at.touch());
   found.expect(answer.hit() || !at.touch(), "collide: free, but they touch");
@@ -24,13 +24,13 @@ inline void check_collide(const PlacedPair& at, Findings& found) {
 
 inline void check_certified(const PlacedPair& at, double margin, Findings& found) {
   const CollideOptions options{.margin = margin, .mode = CollideMode::certified};
-  const Contact answer = collide(at.model_a, at.pose_a, at.model_b, at.pose_b, options).contact;
+  const Verdict answer = collide(at.model_a, at.pose_a, at.model_b, at.pose_b, options).verdict;
   found.count("certified answers");
-  found.count("certified free", answer == Contact::free);
+  found.count("certified free", answer == Verdict::free);
   const double slack = margin > 0 ? at.allowed.distance() : 0;
-  if (answer == Contact::free)
+  if (answer == Verdict::free)
     found.expect(!at.touch() && (margin == 0 || at.distance() > margin - slack), "certified: free, but they are not");
-  if (answer == Contact::hit)
+  if (answer == Verdict::hit)
     found.expect(margin > 0 && at.distance() <= margin + slack, "certified: hit, but they are not within the margin");
 }
 
@@ -66,7 +66,7 @@ inline void check_contact(const PlacedPair& at, const ContactPoint& it, Findings
   found.off("contacts: beyond the depth, until a pair is apart", share * allowed.contact(), allowed.contact());
 }
 
-inline TrianglePairs sorted_pairs(const Contacts& found, bool turned) {
+inline TrianglePairs sorted_pairs(const ContactResult& found, bool turned) {
   TrianglePairs pairs;
   for (const ContactPoint& it : found.contacts)
     pairs.emplace_back(turned ? it.triangle_b : it.triangle_a, turned ? it.triangle_a : it.triangle_b);
@@ -86,7 +86,7 @@ inline void check_half_of_contacts(const PlacedPair& at, Findings& found) {
   const std::size_t half = at.touching.size() / 2;
   if (half == 0) return;
   const ContactOptions options{.most = static_cast<std::int64_t>(half)};
-  const Contacts answer = contacts(at.model_a, at.pose_a, at.model_b, at.pose_b, options);
+  const ContactResult answer = contacts(at.model_a, at.pose_a, at.model_b, at.pose_b, options);
   const TrianglePairs pairs = sorted_pairs(answer, false);
   found.count("contacts with too little room");
   found.expect(answer.overflow && pairs.size() == half, "contacts: no overflow, or not as many as there is room for");
@@ -96,7 +96,7 @@ inline void check_half_of_contacts(const PlacedPair& at, Findings& found) {
 
 inline void check_contacts(const PlacedPair& at, bool geometry, Findings& found) {
   const ContactOptions all{.most = 1'000'000};
-  const Contacts answer = contacts(at.model_a, at.pose_a, at.model_b, at.pose_b, all);
+  const ContactResult answer = contacts(at.model_a, at.pose_a, at.model_b, at.pose_b, all);
   const TrianglePairs pairs = sorted_pairs(answer, false),
                       turned = sorted_pairs(contacts(at.model_b, at.pose_b, at.model_a, at.pose_a, all), true);
   found.count("pairs of triangles that touch", static_cast<long>(at.touching.size()));
@@ -114,7 +114,7 @@ inline void check_contacts(const PlacedPair& at, bool geometry, Findings& found)
 /// Within a margin: all pairs nearer than it by more than rounding, none farther by more.
 inline void check_contacts_within(const PlacedPair& at, double margin, Findings& found) {
   const ContactOptions all{.most = 1'000'000, .margin = margin};
-  const Contacts answer = contacts(at.model_a, at.pose_a, at.model_b, at.pose_b, all);
+  const ContactResult answer = contacts(at.model_a, at.pose_a, at.model_b, at.pose_b, all);
   const TrianglePairs pairs = sorted_pairs(answer, false),
                       turned = sorted_pairs(contacts(at.model_b, at.pose_b, at.model_a, at.pose_a, all), true);
   TrianglePairs least, most;

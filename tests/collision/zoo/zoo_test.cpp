@@ -19,7 +19,7 @@ namespace {
 using namespace standoff::testing;
 
 constexpr int kPosesOfAPair = 100;
-const Batch kEmulated{.threads = 1, .backend = Backend::emulated};
+const Execution kEmulated{.threads = 1, .backend = Backend::emulated};
 
 // Mostly of few triangles, for which the whole truth is known soon; in units from 1e-12 to 1e12, like or unlike.
 struct Herds {
@@ -72,9 +72,9 @@ Pose resting_pose(Random& random, double size) {
 }
 
 // A motion that is at `pose` at time `meeting`.
-Motion motion_through(Random& random, const Pose& pose, double meeting, double size) {
+RigidMotion motion_through(Random& random, const Pose& pose, double meeting, double size) {
   const Vec3 way = direction(random) * (size * log_between(random, 1e-6, 1e3));
-  Motion motion{pose, pose, {}};
+  RigidMotion motion{pose, pose, {}};
   motion.from.translation = pose.translation - way * meeting;
   motion.to.translation = pose.translation + way * (1 - meeting);
   return motion;
@@ -89,7 +89,7 @@ void print(const char* option, const Pose& pose) {
     std::printf("%.17g%s", along[row], row < 2 ? "," : "\n");
   }
 }
-void show(const Motion& motion, double tolerance) {
+void show(const RigidMotion& motion, double tolerance) {
   print("--from", motion.from);
   print("--to", motion.to);
   std::printf("--center=%.17g,%.17g,%.17g --tolerance=%.17g\n", motion.center.x, motion.center.y, motion.center.z,
@@ -104,7 +104,7 @@ void check_sweeps(const PlacedPair& at, double size, int n, Random& random, bool
     return;
   }
   double meeting = random.between(0, 1);
-  Motion motion = motion_through(random, at.pose_b, meeting, size);
+  RigidMotion motion = motion_through(random, at.pose_b, meeting, size);
   if (n % 3 == 1) {  // turning into the pose
     const Pose turn = make_pose(direction(random), random.between(0, 3), {});
     motion.to = at.pose_b;
@@ -125,14 +125,14 @@ void check_emulated(const CollisionModel& a, const Pose& pose_a, const Collision
     const auto cpu = collide_all(a, pose_a, b, poses, {.margin = margin}, 1);
     for (std::size_t n = 0; n < poses.size(); ++n) {
       found.count("emulated poses");
-      found.expect(device[n].contact == cpu[n].contact, "collide: emulated, another answer");
+      found.expect(device[n].verdict == cpu[n].verdict, "collide: emulated, another answer");
       if (!device[n].hit() || margin > 0) continue;
       found.expect(touch(corners_at(a.mesh(), device[n].triangle_a, pose_a),
                          corners_at(b.mesh(), device[n].triangle_b, poses[n])),
                    "collide: emulated, the triangles it names do not touch");
     }
   }
-  std::vector<Motion> motions;
+  std::vector<RigidMotion> motions;
   for (std::size_t n = 1; n < poses.size(); n += 2) {
     motions.push_back({poses[n], poses[n], {}});
     motions.back().to.translation = poses[n].translation + (poses[n - 1].translation - poses[n].translation) * 0.1;

@@ -18,8 +18,8 @@ using testing::for_each_sample;
 using testing::kInfinity;
 using testing::promised_error;
 
-template <class Distance>
-void expect_field(const Mesh& mesh, const Grid& grid, Distance distance) {
+template <class DistanceResult>
+void expect_field(const Mesh& mesh, const Grid& grid, DistanceResult distance) {
   for (const double thickness : {1.1, 6.3, kInfinity}) {
     const DistanceField field = computed(mesh, grid, thickness).field;
     for_each_sample(grid, [&](auto i, auto j, auto k) {

@@ -45,10 +45,10 @@ bool is_supported(Simd simd) {
 TEST(TilesDeterminism, AnyNumberOfThreadsAndAnyRun) {
   const Mesh mesh = mixed_mesh(4000);
   for (const double thickness : kThicknesses) {
-    const Computed one = computed(mesh, kGrid, thickness, Simd::automatic, 1);
+    const ComputeResult one = computed(mesh, kGrid, thickness, Simd::automatic, 1);
     for (const int threads : {1, 2, 3, 8}) {
       SCOPED_TRACE(::testing::Message() << threads << " threads, thickness " << thickness);
-      const Computed many = computed(mesh, kGrid, thickness, Simd::automatic, threads);
+      const ComputeResult many = computed(mesh, kGrid, thickness, Simd::automatic, threads);
       expect_same_bits(one.field, many.field);
       EXPECT_EQ(many.report.threads, threads);
       EXPECT_EQ(one.field.stored_tiles(), many.field.stored_tiles());
@@ -60,12 +60,12 @@ TEST(TilesDeterminism, AnyNumberOfThreadsAndAnyRun) {
 
 void expect_any_instruction_set(const Mesh& mesh, const Grid& grid) {
   for (const double thickness : kThicknesses) {
-    const Computed portable = computed(mesh, grid, thickness, Simd::portable);
+    const ComputeResult portable = computed(mesh, grid, thickness, Simd::portable);
     EXPECT_EQ(portable.report.device, "portable");
     for (const auto& [simd, name] : {std::pair{Simd::avx2, "avx2"}, std::pair{Simd::avx512, "avx512"}}) {
       if (!is_supported(simd)) continue;
       SCOPED_TRACE(::testing::Message() << name << ", thickness " << thickness);
-      const Computed wide = computed(mesh, grid, thickness, simd);
+      const ComputeResult wide = computed(mesh, grid, thickness, simd);
       EXPECT_EQ(wide.report.device, name);
       expect_same_bits(portable.field, wide.field);
       EXPECT_EQ(portable.report.samples_examined, wide.report.samples_examined);
@@ -85,7 +85,7 @@ TEST(TilesDeterminism, AnyInstructionSetWhereTilesAreCrowded) {
 TEST(TilesDeterminism, TheOrderOfTrianglesOfACrowd) {
   const Grid grid{{21, 13, 17}, {-6, -3, -5}, {0.6, 0.45, 0.3}};
   Mesh mesh = testing::crowd(46, 3000);
-  const Computed before = computed(mesh, grid, kInfinity);
+  const ComputeResult before = computed(mesh, grid, kInfinity);
   std::ranges::reverse(mesh.triangles);
   EXPECT_TRUE(testing::bits_of(before.field.to_dense()) ==
               testing::bits_of(computed(mesh, grid, kInfinity).field.to_dense()));
@@ -95,13 +95,13 @@ TEST(TilesDeterminism, DenseMemoryIsFilledWhateverItHeld) {
   const Mesh mesh = mixed_mesh(300);
   const auto samples = static_cast<std::size_t>(kGrid.sample_count());
   for (const double thickness : kThicknesses) {
-    const Computed sparse = computed(mesh, kGrid, thickness);
-    Options options;
+    const ComputeResult sparse = computed(mesh, kGrid, thickness);
+    ComputeOptions options;
     options.thickness = thickness;
     options.nearest_triangle = true;
     std::vector<float> values(samples, std::bit_cast<float>(0xffc0deadu));
     std::vector<std::uint32_t> nearest(samples, 0xdeadbeefu);
-    const Report report = compute_into(mesh, kGrid, values, nearest, options);
+    const ComputeReport report = compute_into(mesh, kGrid, values, nearest, options);
     EXPECT_TRUE(testing::bits_of(values) == testing::bits_of(sparse.field.to_dense()));
     EXPECT_TRUE(nearest == testing::all_nearest(sparse.field));
     EXPECT_EQ(report.samples_band, sparse.report.samples_band);
@@ -116,11 +116,11 @@ TEST(TilesDeterminism, DenseMemoryIsFilledWhateverItHeld) {
 TEST(TilesDeterminism, TheExactSkipRuleChangesNoBit) {
   const Mesh mesh = mixed_mesh(300);
   for (const double thickness : kThicknesses) {
-    Options options;
+    ComputeOptions options;
     options.thickness = thickness;
     options.nearest_triangle = true;
     options.skip.kind = SkipRule::Kind::exact;
-    const Computed skipped = compute(mesh, kGrid, options);
+    const ComputeResult skipped = compute(mesh, kGrid, options);
     EXPECT_GT(skipped.report.skipped, 0);
     expect_same_bits(skipped.field, computed(mesh, kGrid, thickness).field);
   }

@@ -147,7 +147,7 @@ TEST(TilesProperties, PowersOfTwoScaleExactly) {
     const Grid grid{kGrid.size, kGrid.origin * scale, kGrid.spacing * scale};
     const Mesh large = moved(mesh, [&](Vec3 v) { return v * scale; });
     for (const double thickness : kThicknesses) {
-      const Computed a = computed(mesh, kGrid, thickness), b = computed(large, grid, thickness * scale);
+      const ComputeResult a = computed(mesh, kGrid, thickness), b = computed(large, grid, thickness * scale);
       std::vector<float> expected = a.field.to_dense();
       for (float& value : expected) value *= static_cast<float>(scale);
       EXPECT_TRUE(testing::bits_of(expected) == testing::bits_of(b.field.to_dense())) << scale << ' ' << thickness;
@@ -228,7 +228,7 @@ TEST(TilesProperties, BlocksOfACrowdWithinASpacingLookAtFewTriangles) {
   // So small against the spacing that tiles are handed packs of packs. Where each counts as sixteen triangles, tiles
   // are not found to be crowded, and 34,000 distances are computed instead of 22,000.
   const Mesh mesh = random_soup(26, 20000, 1, 0.018);
-  const Computed found = computed(mesh, {{9, 9, 9}, {-5, -5, -5}, {1.25, 1.25, 1.25}}, kInfinity);
+  const ComputeResult found = computed(mesh, {{9, 9, 9}, {-5, -5, -5}, {1.25, 1.25, 1.25}}, kInfinity);
   EXPECT_LT(found.report.samples_examined, 28000);
 }
 

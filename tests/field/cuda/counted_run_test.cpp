@@ -13,8 +13,8 @@
 namespace standoff {
 namespace {
 
-Options emulated(double thickness, Method method = Method::tiles) {
-  Options options;
+ComputeOptions emulated(double thickness, Method method = Method::tiles) {
+  ComputeOptions options;
   options.backend = Backend::emulated;
   options.method = method;
   options.thickness = thickness;
@@ -22,7 +22,7 @@ Options emulated(double thickness, Method method = Method::tiles) {
   return options;
 }
 
-std::int64_t launches_of(const Mesh& mesh, const Grid& grid, const Options& options) {
+std::int64_t launches_of(const Mesh& mesh, const Grid& grid, const ComputeOptions& options) {
   const std::int64_t before = emulation::launch_count();
   compute(mesh, grid, options);
   return emulation::launch_count() - before;
@@ -83,7 +83,7 @@ TEST(CudaCountedRun, NothingIsCopiedThatNobodyWrote) {
   for (const Method method : {Method::tiles, Method::thesis})
     for (const double spacings : {0.5, 6.0}) {
       const std::int64_t before = emulated::unwritten_words_copied;
-      const Computed computed = compute(mesh, grid, emulated(spacings * grid.max_spacing(), method));
+      const ComputeResult computed = compute(mesh, grid, emulated(spacings * grid.max_spacing(), method));
       EXPECT_GT(computed.report.samples_band, 0);
       EXPECT_EQ(emulated::unwritten_words_copied, before);
     }

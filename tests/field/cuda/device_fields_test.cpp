@@ -78,7 +78,7 @@ class OnDevice {
 Mesh some_mesh() { return testing::random_soup(61, 120, 4, 1.2); }
 
 DistanceField expected(const Mesh& mesh, double thickness, Method method = Method::tiles) {
-  Options options;
+  ComputeOptions options;
   options.backend = Backend::cpu;
   options.method = method;
   options.skip.kind = SkipRule::Kind::none;

@@ -33,8 +33,8 @@ Mesh mixed_mesh(Vec3 at = {}) {
 
 const Grid kGrid{{25, 19, 18}, {-6, -5, -4.5}, {0.5, 0.5, 0.5}};
 
-Computed on(Backend backend, Method method, MeshView mesh, const Grid& grid, double thickness) {
-  Options options;
+ComputeResult on(Backend backend, Method method, MeshView mesh, const Grid& grid, double thickness) {
+  ComputeOptions options;
   options.method = method;
   options.backend = backend;
   options.thickness = thickness;
@@ -44,11 +44,11 @@ Computed on(Backend backend, Method method, MeshView mesh, const Grid& grid, dou
 }
 
 void expect_same(Method method, MeshView mesh, const Grid& grid, double thickness) {
-  const Computed cpu = on(Backend::cpu, method, mesh, grid, thickness);
+  const ComputeResult cpu = on(Backend::cpu, method, mesh, grid, thickness);
   for (const Order order : {Order::forward, Order::reverse, Order::random}) {
     SCOPED_TRACE("order " + std::to_string(static_cast<int>(order)) + ", thickness " + std::to_string(thickness));
     const OrderScope scope(order, 11);
-    const Computed gpu = on(Backend::emulated, method, mesh, grid, thickness);
+    const ComputeResult gpu = on(Backend::emulated, method, mesh, grid, thickness);
     testing::expect_same_bits(cpu.field, gpu.field);
     EXPECT_EQ(cpu.field.stored_tiles(), gpu.field.stored_tiles());
     EXPECT_EQ(cpu.report.samples_band, gpu.report.samples_band);
@@ -123,7 +123,7 @@ TEST(CudaFields, Scenes) {
 
 TEST(CudaFields, IntoDenseMemory) {
   const Mesh mesh = mixed_mesh();
-  Options options;
+  ComputeOptions options;
   options.thickness = 1;
   std::vector<float> cpu(static_cast<std::size_t>(kGrid.sample_count())), gpu(cpu.size(), -7);
   options.backend = Backend::cpu;

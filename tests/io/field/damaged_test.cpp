@@ -49,7 +49,7 @@ void expect_changes_refused(const std::string& extension, const std::vector<Chan
 
 TEST(DamagedField, MissingEmptyAndFolders) {
   const TempFolder folder;
-  for (const Format& format : field_formats()) {
+  for (const FileFormat& format : field_formats()) {
     const auto path = folder / ("a." + format.extension);
     expect_error([&] { read_field(path); }, ErrorCode::input, path.string() + ": no such file");
     expect_refused(format.extension, "", ": the file is empty; write it again");
@@ -228,7 +228,7 @@ DistanceField read_from_memory(const std::string& extension, const std::string& 
 
 // Whatever a file lost at its end is noticed.
 TEST(DamagedField, TruncatedAnywhere) {
-  for (const Format& format : field_formats()) {
+  for (const FileFormat& format : field_formats()) {
     const std::string good = bytes_of(format.extension, format.nearest);
     // A VTI is complete without its closing tags.
     const std::size_t needed = format.extension == "vti" ? good.rfind("\n  </AppendedData>") : good.size();
@@ -241,7 +241,7 @@ TEST(DamagedField, TruncatedAnywhere) {
 
 // Random bytes in random places: an error or a field, nothing else.
 TEST(DamagedField, RandomDamage) {
-  for (const Format& format : field_formats()) {
+  for (const FileFormat& format : field_formats()) {
     const std::string good = bytes_of(format.extension, format.nearest);
     std::mt19937 random(7);
     int refused = 0;

@@ -19,7 +19,7 @@ void run_foreign(const std::string& arguments) {
 
 std::string quoted(const std::string& text) { return "'" + text + "'"; }
 
-class ReadByOthers : public ::testing::TestWithParam<Format> {};
+class ReadByOthers : public ::testing::TestWithParam<FileFormat> {};
 INSTANTIATE_TEST_SUITE_P(AllFormats, ReadByOthers, ::testing::ValuesIn(field_formats()),
                          [](const auto& format) { return format.param.extension; });
 

@@ -12,7 +12,7 @@
 namespace standoff {
 namespace {
 
-class FieldFile : public ::testing::TestWithParam<Format> {
+class FieldFile : public ::testing::TestWithParam<FileFormat> {
  protected:
   std::filesystem::path path() const { return folder / ("field." + GetParam().extension); }
   DistanceField through_file(const DistanceField& field) const {
@@ -95,7 +95,7 @@ TEST_P(FieldFile, KeepsNearestTrianglesOrSaysThatItCannot) {
 // Samples as far from the plane as the thickness lie in the band: here they are all that the upper tiles hold.
 TEST_P(FieldFile, KeepsTilesWhoseLeastValueIsTheThickness) {
   const Mesh plane{{{-1, -1, 7}, {17, -1, 7}, {-1, 17, 7}, {17, 17, 7}}, {{0, 1, 2}, {1, 3, 2}}};
-  Options options;
+  ComputeOptions options;
   options.thickness = 1;
   options.nearest_triangle = GetParam().nearest;
   const DistanceField field = compute(plane, {{16, 16, 16}, {}, {1, 1, 1}}, options).field;
@@ -139,7 +139,7 @@ TEST(SendValues, SendsAllSlicesWhateverTheirSize) {
 
 TEST(FieldFormats, AreThoseThatTheDocumentationNames) {
   std::string names;
-  for (const Format& format : field_formats()) {
+  for (const FileFormat& format : field_formats()) {
     names += format.extension + " ";
     EXPECT_TRUE(format.readable && format.writable);
     EXPECT_FALSE(format.description.empty());

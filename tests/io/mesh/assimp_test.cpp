@@ -16,7 +16,8 @@ namespace standoff {
 namespace {
 
 bool reads(const std::string& extension) {
-  return std::ranges::any_of(mesh_formats(), [&](const Format& f) { return f.extension == extension && f.readable; });
+  return std::ranges::any_of(mesh_formats(),
+                             [&](const FileFormat& f) { return f.extension == extension && f.readable; });
 }
 
 class Assimp : public ::testing::Test {

@@ -161,7 +161,7 @@ TEST(MeshFormats, PipesAreReadToTheirEnd) {
 
 TEST(MeshFormats, TableTellsWhatThisBuildCan) {
   std::string written, read;
-  for (const Format& format : mesh_formats()) {
+  for (const FileFormat& format : mesh_formats()) {
     if (format.writable) written += format.extension + " ";
     if (format.readable) read += format.extension + " ";
     EXPECT_FALSE(format.description.empty());

@@ -136,7 +136,7 @@ TEST(RealFiles, AgreeWithAssimp) {
 // Every file of the collection that goes by an extension we know, broken ones included.
 TEST(RealFiles, OddAndBrokenOnesGiveAMeshOrAClearError) {
   std::vector<std::string> extensions;
-  for (const Format& format : mesh_formats())
+  for (const FileFormat& format : mesh_formats())
     if (format.readable) extensions.push_back("." + format.extension);
   int read = 0, refused = 0;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(kAssimp)) {
