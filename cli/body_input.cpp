@@ -2,21 +2,21 @@
 
 #include <limits>
 
-#include "cli/option.h"
+#include "cli/options.h"
 #include "cli/parse.h"
-#include "cli/waiting.h"
+#include "cli/spinner.h"
 #include "standoff/error.h"
 
 namespace standoff::cli {
 
-CollisionModel read_body(const std::string& name, const Talk& talk) {
+CollisionModel read_body(const std::string& name, const Console& console) {
   if (kind_of(name) == FileKind::body)
-    return waiting(talk, "reading " + name, [&] { return CollisionModel::load(name); });
+    return with_spinner(console, "reading " + name, [&] { return CollisionModel::load(name); });
   MeshInput input;
   input.set_name(name);
-  const Mesh mesh = waiting(talk, "reading " + name, [&] { return input.read(); });
+  const Mesh mesh = with_spinner(console, "reading " + name, [&] { return input.read(); });
   try {
-    return waiting(talk, "building the body of " + name, [&] { return CollisionModel(mesh); });
+    return with_spinner(console, "building the body of " + name, [&] { return CollisionModel(mesh); });
   } catch (const Error& error) {
     throw Error(error.code(), name + ": " + error.what());
   }

@@ -5,22 +5,22 @@
 
 #include <CLI/CLI.hpp>
 
+#include "cli/console.h"
 #include "cli/files.h"
-#include "cli/talk.h"
 #include "standoff/collision.h"
 
 namespace standoff::cli {
 
 /// A mesh made into a body, or a body that standoff build made: NAME.body. Terminals are shown what is waited for.
-CollisionModel read_body(const std::string& name, const Talk& talk);
+CollisionModel read_body(const std::string& name, const Console& console);
 
 /// Two bodies A and B, and where A is.
 class PairInput {
  public:
   /// Adds the arguments A and B and the option --pose-a.
   void add_to(CLI::App& verb);
-  CollisionModel read_a(const Talk& talk) const { return read_body(a_, talk); }
-  CollisionModel read_b(const Talk& talk) const { return read_body(b_, talk); }
+  CollisionModel read_a(const Console& console) const { return read_body(a_, console); }
+  CollisionModel read_b(const Console& console) const { return read_body(b_, console); }
   const std::string& name_a() const { return a_; }
   const std::string& name_b() const { return b_; }
   const Pose& pose_a() const { return pose_a_; }

@@ -4,13 +4,12 @@
 
 #include "cli/body_input.h"
 #include "cli/commands.h"
-#include "cli/device_options.h"
-#include "cli/option.h"
+#include "cli/console.h"
+#include "cli/options.h"
 #include "cli/parse.h"
-#include "cli/talk.h"
+#include "cli/spinner.h"
 #include "cli/text.h"
 #include "cli/usage.h"
-#include "cli/waiting.h"
 
 namespace standoff::cli {
 namespace {
@@ -25,7 +24,7 @@ struct Command {
   MeshInput input;
   FileOutput output;
   ModelOptions options;
-  Talk talk;
+  Console console;
 
   void run();
 };
@@ -33,13 +32,13 @@ struct Command {
 void Command::run() {
   if (!output.given()) output.set_path(input.stem() + ".body");
   output.check({{"body", "", true, true, false}});
-  const Mesh mesh = waiting(talk, "reading " + input.name(), [&] { return input.read(); });
+  const Mesh mesh = with_spinner(console, "reading " + input.name(), [&] { return input.read(); });
   const std::string file = output.path().string();
-  const CollisionModel body = waiting(talk, "building " + file, [&] { return CollisionModel(mesh, options); });
-  waiting(talk, "writing " + file, [&] { body.save(output.path(), output.existing()); });
-  talk.say(mesh_line(file, mesh) + ", field of " + size_text(body.grid().size) + " samples, " +
-           bytes_text(body.memory_bytes()) + " in memory");
-  if (!talk.json()) return;
+  const CollisionModel body = with_spinner(console, "building " + file, [&] { return CollisionModel(mesh, options); });
+  with_spinner(console, "writing " + file, [&] { body.save(output.path(), output.existing()); });
+  console.say(mesh_line(file, mesh) + ", field of " + size_text(body.grid().size) + " samples, " +
+              bytes_text(body.memory_bytes()) + " in memory");
+  if (!console.json()) return;
   Json json = json_body(body);
   json["output"] = {{"file", file}, {"bytes", std::filesystem::file_size(output.path())}};
   print(json, output.path());
@@ -58,7 +57,7 @@ void add_build(CLI::App& program) {
              [&options](S o, S t) { options.spacing = parse_positive(o, t); });
   add_threads(*verb, "Body", options.threads);
   command->output.add_to(*verb, "BODY", "the body: .body (default: the mesh's name with .body, here)");
-  command->talk.add_to(*verb, Talk::kMessages | Talk::kJson);
+  command->console.add_to(*verb, Console::kMessages | Console::kJson);
   verb->callback([command] { command->run(); });
 }
 

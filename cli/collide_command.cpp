@@ -1,13 +1,13 @@
 // standoff collide: do two bodies touch, and where?
 #include <memory>
 
+#include "cli/batch_query.h"
 #include "cli/body_input.h"
 #include "cli/commands.h"
-#include "cli/many.h"
-#include "cli/option.h"
+#include "cli/console.h"
+#include "cli/options.h"
 #include "cli/parse.h"
 #include "cli/pose_file.h"
-#include "cli/talk.h"
 #include "cli/text.h"
 #include "cli/usage.h"
 
@@ -28,14 +28,14 @@ struct Command {
   double margin = 0;
   std::int64_t contacts = 0;
   bool certified = false;
-  Many many;
-  Talk talk;
+  BatchQuery batch;
+  Console console;
 
   CollideOptions options() const {
     return {.margin = margin, .mode = certified ? CollideMode::certified : CollideMode::exact};
   }
   void run();
-  void run_many();
+  void run_batch();
 };
 
 Json contact_json(const ContactPoint& contact) {
@@ -51,14 +51,14 @@ const char* word_of(Verdict contact) {
 }
 
 // Which of several triangles touch depends on the device: the table leaves it out, so that it does not.
-void Command::run_many() {
-  many.check({bodies.name_a(), bodies.name_b()});
-  if (certified && many.batch().backend != Backend::automatic && many.batch().backend != Backend::cpu)
+void Command::run_batch() {
+  batch.check({bodies.name_a(), bodies.name_b()});
+  if (certified && batch.execution().backend != Backend::automatic && batch.execution().backend != Backend::cpu)
     throw Error(ErrorCode::usage, "--certified: comes from the CPU alone; leave --device out");
-  const std::vector<Pose> poses = read_poses(many.file());
-  const CollisionModel a = bodies.read_a(talk), b = bodies.read_b(talk);
-  const auto found = many.answers(talk, poses.size(), [&](BatchReport& report) {
-    return collide_all(a, bodies.pose_a(), b, poses, options(), many.batch(), &report);
+  const std::vector<Pose> poses = read_poses(batch.file());
+  const CollisionModel a = bodies.read_a(console), b = bodies.read_b(console);
+  const auto found = batch.answers(console, poses.size(), [&](BatchReport& report) {
+    return collide_all(a, bodies.pose_a(), b, poses, options(), batch.execution(), &report);
   });
   Answers answers{Table("pose,result"), {{"free", 0}, {"hit", 0}}};
   if (certified) answers.counts.emplace_back("ambiguous", 0);
@@ -68,17 +68,17 @@ void Command::run_many() {
     answers.table.end_row();
     ++answers.counts[static_cast<std::size_t>(found[n].verdict)].second;
   }
-  many.deliver(answers, talk);
+  batch.deliver(answers, console);
 }
 
 void Command::run() {
-  if (many.given()) return run_many();
-  const CollisionModel a = bodies.read_a(talk), b = bodies.read_b(talk);
+  if (batch.given()) return run_batch();
+  const CollisionModel a = bodies.read_a(console), b = bodies.read_b(console);
   const CollisionResult found = collide(a, bodies.pose_a(), b, pose, options());
   const char* const word = word_of(found.verdict);
   ContactResult all;
   if (contacts > 0) all = standoff::contacts(a, bodies.pose_a(), b, pose, {.most = contacts, .margin = margin});
-  if (talk.json()) {
+  if (console.json()) {
     Json json{{"result", word},
               {"triangle_a", json_triangle(found.triangle_a)},
               {"triangle_b", json_triangle(found.triangle_b)}};
@@ -119,9 +119,9 @@ void add_collide(CLI::App& program) {
       add_parsed(*verb, {"--contacts", "N", "list up to N pairs of triangles that touch", "Question"},
                  [command = command.get()](S o, S t) { command->contacts = parse_count(o, t, 1, 1'000'000'000); });
   contacts->excludes(certified);
-  command->many.add_to(*verb, "--poses", kPosesHelp, "pose")->excludes(pose)->excludes(contacts);
-  command->many.add_device_to(*verb);
-  command->talk.add_to(*verb, Talk::kMessages | Talk::kJson);
+  command->batch.add_to(*verb, "--poses", kPosesHelp, "pose")->excludes(pose)->excludes(contacts);
+  command->batch.add_device_to(*verb);
+  command->console.add_to(*verb, Console::kMessages | Console::kJson);
   verb->callback([command] { command->run(); });
 }
 

@@ -6,17 +6,16 @@
 
 #include "cli/commands.h"
 #include "cli/compute_report.h"
-#include "cli/device_options.h"
+#include "cli/console.h"
 #include "cli/files.h"
 #include "cli/grid_options.h"
 #include "cli/memory.h"
-#include "cli/option.h"
+#include "cli/options.h"
 #include "cli/parse.h"
 #include "cli/signals.h"
-#include "cli/talk.h"
+#include "cli/spinner.h"
 #include "cli/text.h"
 #include "cli/usage.h"
-#include "cli/waiting.h"
 #include "standoff/compute.h"
 #include "standoff/error.h"
 #include "standoff/io.h"
@@ -39,7 +38,7 @@ struct Command {
   FileOutput output;
   GridOptions grid;
   ComputeOptions options;
-  Talk talk;
+  Console console;
   bool dry_run = false;
 
   void add_to(CLI::App& verb);
@@ -86,7 +85,7 @@ void Command::add_to(CLI::App& verb) {
   add("--memory-limit", "SIZE",
       "most memory for the field and its making, as in 500M or 8G\n(default: 80 % of the machine's)",
       [this](S o, S t) { options.memory_limit = parse_bytes(o, t); });
-  talk.add_to(verb, Talk::kMessages | Talk::kJson | Talk::kProgress);
+  console.add_to(verb, Console::kMessages | Console::kJson | Console::kProgress);
 }
 
 void Command::run() {
@@ -96,35 +95,35 @@ void Command::run() {
   if (options.memory_limit == 0) options.memory_limit = default_memory_limit();
 
   auto start = std::chrono::steady_clock::now();
-  const Mesh loaded = waiting(talk, "reading " + mesh.name(), [&] { return mesh.read(); });
+  const Mesh loaded = with_spinner(console, "reading " + mesh.name(), [&] { return mesh.read(); });
   validate(loaded);
   const Box box = bounds(loaded);
   check_extent(mesh.name(), box);
   Plan plan{mesh.name(), loaded, grid.choose(box), output.path().string()};
   plan.load_seconds = seconds_since(start);
   options.thickness = plan.choice.thickness;
-  if (dry_run) return talk.json() ? print(plan_json(plan, options)) : print(plan_text(plan, options));
-  talk.say(mesh_line(mesh.name(), loaded));
-  talk.say(grid_line(plan.choice));
+  if (dry_run) return console.json() ? print(plan_json(plan, options)) : print(plan_text(plan, options));
+  console.say(mesh_line(mesh.name(), loaded));
+  console.say(grid_line(plan.choice));
 
   ComputeResult computed = [&] {
     const Cancellable cancellable;
-    options.progress = talk.progress();
+    options.progress = console.progress();
     return compute(loaded, plan.choice.grid, options);
   }();
   options.progress = nullptr;  // and the bar with it
   if (interrupted()) throw Error(ErrorCode::interrupted, "interrupted");
 
   start = std::chrono::steady_clock::now();
-  waiting(talk, "writing " + output.path().string(),
-          [&] { write_field(output.path(), computed.field, output.existing()); });
+  with_spinner(console, "writing " + output.path().string(),
+               [&] { write_field(output.path(), computed.field, output.existing()); });
   Outcome outcome{plan, computed.report, computed.field.provenance.mesh_hash};
   outcome.write_seconds = seconds_since(start);
   std::error_code ignored;  // a pipe has no size
   const auto size = std::filesystem::file_size(output.path(), ignored);
   outcome.written_bytes = ignored ? 0 : static_cast<std::int64_t>(size);
-  say(outcome, talk);
-  if (talk.json()) print(outcome_json(outcome), output.path());
+  say(outcome, console);
+  if (console.json()) print(outcome_json(outcome), output.path());
 }
 
 }  // namespace

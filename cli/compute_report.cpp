@@ -67,19 +67,20 @@ Json plan_json(const Plan& plan, const ComputeOptions& options) {
   return json;
 }
 
-void say(const Outcome& outcome, const Talk& talk) {
+void say(const Outcome& outcome, const Console& console) {
   const ComputeReport& report = outcome.report;
   const double load = outcome.plan.load_seconds, prepare = report.seconds.prepare, compute = report.seconds.compute,
                write = outcome.write_seconds;
-  if (report.skipped > 0) talk.say(counted(report.skipped, "triangle") + " skipped");
-  talk.detail(counted(report.samples_band, "sample") + " in the band, " + grouped(report.tiles_stored) + " of " +
-              counted(report.tiles, "tile") + " stored, " + counted(report.samples_examined, "distance") + " computed");
-  talk.detail("load " + seconds_text(load) + ", prepare " + seconds_text(prepare) + ", compute " +
-              seconds_text(compute) + ", write " + seconds_text(write) + "; peak memory " +
-              bytes_text(peak_memory_bytes()));
-  talk.say(outcome.plan.output + ": " + bytes_text(outcome.written_bytes) + " in " +
-           seconds_text(load + prepare + compute + write) + "; " + report.method + " on " + report.backend + " (" +
-           report.device + "), " + counted(report.threads, "thread"));
+  if (report.skipped > 0) console.say(counted(report.skipped, "triangle") + " skipped");
+  console.detail(counted(report.samples_band, "sample") + " in the band, " + grouped(report.tiles_stored) + " of " +
+                 counted(report.tiles, "tile") + " stored, " + counted(report.samples_examined, "distance") +
+                 " computed");
+  console.detail("load " + seconds_text(load) + ", prepare " + seconds_text(prepare) + ", compute " +
+                 seconds_text(compute) + ", write " + seconds_text(write) + "; peak memory " +
+                 bytes_text(peak_memory_bytes()));
+  console.say(outcome.plan.output + ": " + bytes_text(outcome.written_bytes) + " in " +
+              seconds_text(load + prepare + compute + write) + "; " + report.method + " on " + report.backend + " (" +
+              report.device + "), " + counted(report.threads, "thread"));
 }
 
 Json outcome_json(const Outcome& outcome) {

@@ -3,8 +3,8 @@
 
 #include <string>
 
+#include "cli/console.h"
 #include "cli/grid_options.h"
-#include "cli/talk.h"
 #include "standoff/compute.h"
 #include "standoff/mesh.h"
 
@@ -35,7 +35,7 @@ struct Outcome {
   std::int64_t written_bytes = 0;
 };
 
-void say(const Outcome& outcome, const Talk& talk);
+void say(const Outcome& outcome, const Console& console);
 Json outcome_json(const Outcome& outcome);
 
 }  // namespace standoff::cli

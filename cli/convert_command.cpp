@@ -2,12 +2,12 @@
 #include <memory>
 
 #include "cli/commands.h"
+#include "cli/console.h"
 #include "cli/field_argument.h"
 #include "cli/files.h"
-#include "cli/talk.h"
+#include "cli/spinner.h"
 #include "cli/text.h"
 #include "cli/usage.h"
-#include "cli/waiting.h"
 #include "standoff/error.h"
 #include "standoff/io.h"
 
@@ -23,7 +23,7 @@ struct Command {
   MeshInput input;
   FieldArgument field_argument;
   FileOutput output;
-  Talk talk;
+  Console console;
 
   void run();
 };
@@ -45,15 +45,15 @@ void Command::run() {
   output.check(is_field ? field_formats() : mesh_formats());
   const std::string writing = "writing " + output.path().string();
   if (is_field) {
-    const DistanceField field = field_argument.read(input.name(), talk);
-    waiting(talk, writing, [&] { write_field(output.path(), field, output.existing()); });
-    return talk.say(output.path().string() + ": " + size_text(field.grid().size) + " samples");
+    const DistanceField field = field_argument.read(input.name(), console);
+    with_spinner(console, writing, [&] { write_field(output.path(), field, output.existing()); });
+    return console.say(output.path().string() + ": " + size_text(field.grid().size) + " samples");
   }
   field_argument.check_unused(input.name());
-  const Mesh mesh = waiting(talk, "reading " + input.name(), [&] { return input.read(); });
+  const Mesh mesh = with_spinner(console, "reading " + input.name(), [&] { return input.read(); });
   validate(mesh);
-  waiting(talk, writing, [&] { write_mesh(output.path(), mesh, output.existing()); });
-  talk.say(mesh_line(output.path().string(), mesh));
+  with_spinner(console, writing, [&] { write_mesh(output.path(), mesh, output.existing()); });
+  console.say(mesh_line(output.path().string(), mesh));
 }
 
 }  // namespace
@@ -68,7 +68,7 @@ void add_convert(CLI::App& program) {
                              extensions(field_formats(), true) + " for a field");
   verb->get_option("--output")->required();
   command->field_argument.add_to(*verb);
-  command->talk.add_to(*verb, Talk::kMessages);
+  command->console.add_to(*verb, Console::kMessages);
   verb->callback([command] { command->run(); });
 }
 

@@ -3,7 +3,7 @@
 #include <thread>
 
 #include "cli/commands.h"
-#include "cli/talk.h"
+#include "cli/console.h"
 #include "cli/text.h"
 #include "cli/usage.h"
 #include "standoff/cuda.h"
@@ -15,9 +15,9 @@ constexpr const char* kExamples = R"(  standoff devices          what --device c
   standoff devices --json   the same for programs
 )";
 
-void run(const Talk& talk) {
+void run(const Console& console) {
   const auto gpus = cuda::devices();
-  if (talk.json()) {
+  if (console.json()) {
     Json list = Json::array();
     list.push_back({{"device", "cpu"}, {"threads", std::thread::hardware_concurrency()}});
     for (std::size_t n = 0; n < gpus.size(); ++n)
@@ -42,9 +42,9 @@ void run(const Talk& talk) {
 
 void add_devices(CLI::App& program) {
   auto* verb = add_verb(program, "devices", "list the devices that fields can be computed on", kExamples);
-  const auto talk = std::make_shared<Talk>();
-  talk->add_to(*verb, Talk::kJson);
-  verb->callback([talk] { run(*talk); });
+  const auto console = std::make_shared<Console>();
+  console->add_to(*verb, Console::kJson);
+  verb->callback([console] { run(*console); });
 }
 
 }  // namespace standoff::cli

@@ -4,13 +4,13 @@
 #include <limits>
 #include <memory>
 
+#include "cli/batch_query.h"
 #include "cli/body_input.h"
 #include "cli/commands.h"
-#include "cli/many.h"
-#include "cli/option.h"
+#include "cli/console.h"
+#include "cli/options.h"
 #include "cli/parse.h"
 #include "cli/pose_file.h"
-#include "cli/talk.h"
 #include "cli/text.h"
 #include "cli/usage.h"
 
@@ -26,8 +26,8 @@ struct Command {
   PairInput bodies;
   Pose pose;
   DistanceOptions options;
-  Many many;
-  Talk talk;
+  BatchQuery batch;
+  Console console;
 
   // The library looks for what is nearer than its limit; here what is as far counts too.
   DistanceOptions inclusive() const {
@@ -35,15 +35,15 @@ struct Command {
   }
   double lower(const DistanceResult& found) const { return std::min(found.lower, options.limit); }
   void run();
-  void run_many();
+  void run_batch();
 };
 
-void Command::run_many() {
-  many.check({bodies.name_a(), bodies.name_b()});
-  const std::vector<Pose> poses = read_poses(many.file());
-  const CollisionModel a = bodies.read_a(talk), b = bodies.read_b(talk);
-  const auto found = many.answers(talk, poses.size(), [&](BatchReport&) {
-    return distance_all(a, bodies.pose_a(), b, poses, inclusive(), many.batch().threads);
+void Command::run_batch() {
+  batch.check({bodies.name_a(), bodies.name_b()});
+  const std::vector<Pose> poses = read_poses(batch.file());
+  const CollisionModel a = bodies.read_a(console), b = bodies.read_b(console);
+  const auto found = batch.answers(console, poses.size(), [&](BatchReport&) {
+    return distance_all(a, bodies.pose_a(), b, poses, inclusive(), batch.execution().threads);
   });
   Answers answers{Table("pose,lower,upper,ax,ay,az,bx,by,bz,triangle_a,triangle_b"), {}};
   std::int64_t touching = 0, beyond = 0;
@@ -61,14 +61,14 @@ void Command::run_many() {
     answers.table.end_row();
   }
   answers.counts = {{"touching", touching}, {"beyond_limit", beyond}};
-  many.deliver(answers, talk);
+  batch.deliver(answers, console);
 }
 
 void Command::run() {
-  if (many.given()) return run_many();
-  const CollisionModel a = bodies.read_a(talk), b = bodies.read_b(talk);
+  if (batch.given()) return run_batch();
+  const CollisionModel a = bodies.read_a(console), b = bodies.read_b(console);
   const DistanceResult found = distance(a, bodies.pose_a(), b, pose, inclusive());
-  if (talk.json()) {
+  if (console.json()) {
     const bool any = std::isfinite(found.upper);
     return print(Json{{"lower", json_number(lower(found))},
                       {"upper", json_number(found.upper)},
@@ -95,8 +95,8 @@ void add_distance(CLI::App& program) {
              [&options](S o, S t) { options.tolerance = parse_not_negative(o, t); });
   add_parsed(*verb, {"--limit", "D", "look no farther than this", "Question"},
              [&options](S o, S t) { options.limit = parse_not_negative(o, t); });
-  command->many.add_to(*verb, "--poses", kPosesHelp, "pose")->excludes(pose);
-  command->talk.add_to(*verb, Talk::kMessages | Talk::kJson);
+  command->batch.add_to(*verb, "--poses", kPosesHelp, "pose")->excludes(pose);
+  command->console.add_to(*verb, Console::kMessages | Console::kJson);
   verb->callback([command] { command->run(); });
 }
 

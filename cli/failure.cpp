@@ -5,7 +5,7 @@
 #include <new>
 #include <string>
 
-#include "cli/one_line.h"
+#include "cli/text.h"
 #include "standoff/error.h"
 
 namespace standoff::cli {

@@ -1,9 +1,9 @@
 #include "cli/field_argument.h"
 
 #include "cli/memory.h"
-#include "cli/option.h"
+#include "cli/options.h"
 #include "cli/parse.h"
-#include "cli/waiting.h"
+#include "cli/spinner.h"
 #include "standoff/error.h"
 #include "standoff/io.h"
 
@@ -16,9 +16,9 @@ void FieldArgument::add_to(CLI::App& verb) {
              [this](const std::string& o, const std::string& t) { memory_limit_ = parse_bytes(o, t); });
 }
 
-DistanceField FieldArgument::read(const std::string& name, const Talk& talk) const {
+DistanceField FieldArgument::read(const std::string& name, const Console& console) const {
   const std::int64_t limit = memory_limit_ ? *memory_limit_ : default_memory_limit();
-  return waiting(talk, "reading " + name, [&] { return read_field(name, {.memory_limit = limit}); });
+  return with_spinner(console, "reading " + name, [&] { return read_field(name, {.memory_limit = limit}); });
 }
 
 void FieldArgument::check_unused(const std::string& name) const {

@@ -7,7 +7,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "cli/talk.h"
+#include "cli/console.h"
 #include "standoff/field.h"
 
 namespace standoff::cli {
@@ -17,7 +17,7 @@ class FieldArgument {
   /// Adds --memory-limit.
   void add_to(CLI::App& verb);
   /// Terminals are shown what is waited for. Errors: input; limit, before any memory is taken.
-  DistanceField read(const std::string& name, const Talk& talk) const;
+  DistanceField read(const std::string& name, const Console& console) const;
   /// Throws Error{usage} where the option was given: `name` is no field.
   void check_unused(const std::string& name) const;
 

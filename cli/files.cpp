@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cctype>
 
-#include "cli/option.h"
+#include "cli/options.h"
 #include "cli/parse.h"
 #include "cli/text.h"
 #include "scenes/scenes.h"

@@ -7,11 +7,10 @@
 
 #include "cli/body_input.h"
 #include "cli/commands.h"
-#include "cli/device_options.h"
-#include "cli/option.h"
+#include "cli/console.h"
+#include "cli/options.h"
 #include "cli/parse.h"
 #include "cli/signals.h"
-#include "cli/talk.h"
 #include "cli/text.h"
 #include "cli/usage.h"
 #include "standoff/simulation.h"
@@ -30,7 +29,7 @@ struct Command {
   std::int64_t steps = 10'000, flies = 1;
   FlightOptions options;
   FileOutput path;
-  Talk talk;
+  Console console;
 
   std::vector<const CLI::Option*> of_thesis, of_sweep;  // options that the other mode does not know
 
@@ -55,7 +54,7 @@ void Command::run() {
     path.check_differs(labyrinth);
     path.check_differs(fly);
   }
-  const CollisionModel maze = read_body(labyrinth, talk), flier = read_body(fly, talk);
+  const CollisionModel maze = read_body(labyrinth, console), flier = read_body(fly, console);
   std::vector<PathPoint> points;
   std::mutex adding;
   double seconds = 0;
@@ -63,7 +62,7 @@ void Command::run() {
   Grid grid;
   {
     const Cancellable cancellable;
-    options.progress = talk.progress();
+    options.progress = console.progress();
     options.room = maze.bounds();
     World world(flier, options);
     world.add(maze);
@@ -90,7 +89,7 @@ void Command::run() {
   const double rate = static_cast<double>(steps * flies) / std::max(seconds, 1e-9);
   const bool thesis = options.mode == FlightMode::thesis;
   const auto tell = [this](const auto& what) { path.given() ? print(what, path.path()) : print(what); };
-  if (talk.json())
+  if (console.json())
     return tell(Json{{"mode", thesis ? "thesis" : "sweep"},
                      {"steps", steps},
                      {"flies", flies},
@@ -151,7 +150,7 @@ void add_fly(CLI::App& program) {
   add_threads(*verb, "Flight", options.threads);
   it->path.add_to(*verb, "FILE", "where each fly starts, turns and ends: .csv or .ply", "--path");
   verb->get_option("--force")->needs(verb->get_option("--path"));
-  it->talk.add_to(*verb, Talk::kMessages | Talk::kJson | Talk::kProgress);
+  it->console.add_to(*verb, Console::kMessages | Console::kJson | Console::kProgress);
   verb->callback([command] { command->run(); });
 }
 

@@ -2,13 +2,13 @@
 #include <memory>
 
 #include "cli/commands.h"
+#include "cli/console.h"
 #include "cli/files.h"
-#include "cli/option.h"
+#include "cli/options.h"
 #include "cli/parse.h"
-#include "cli/talk.h"
+#include "cli/spinner.h"
 #include "cli/text.h"
 #include "cli/usage.h"
-#include "cli/waiting.h"
 #include "scenes/scenes.h"
 #include "standoff/error.h"
 #include "standoff/io.h"
@@ -26,14 +26,14 @@ struct Command {
   bool list = false;
   std::int64_t triangles = 0;
   FileOutput output;
-  Talk talk;
+  Console console;
 
   void run();
   void print_list() const;
 };
 
 void Command::print_list() const {
-  if (talk.json()) {
+  if (console.json()) {
     Json described = Json::array();
     for (const auto& known : scenes::all())
       described.push_back({{"name", known.name}, {"triangles", known.triangles}, {"description", known.description}});
@@ -58,9 +58,10 @@ void Command::run() {
   if (!output.given()) output.set_path(scene + ".ply");
   output.check(mesh_formats());
   const Mesh mesh = scenes::make(scene, triangles);
-  waiting(talk, "writing " + output.path().string(), [&] { write_mesh(output.path(), mesh, output.existing()); });
-  talk.say(mesh_line(output.path().string(), mesh));
-  if (!talk.json()) return;
+  with_spinner(console, "writing " + output.path().string(),
+               [&] { write_mesh(output.path(), mesh, output.existing()); });
+  console.say(mesh_line(output.path().string(), mesh));
+  if (!console.json()) return;
   print(Json{{"scene", scene},
              {"mesh", {{"triangles", mesh.triangles.size()}, {"vertices", mesh.vertices.size()}}},
              {"output", {{"file", output.path().string()}}}},
@@ -82,7 +83,7 @@ void add_generate(CLI::App& program) {
       ->excludes(list);
   command->output.add_to(
       *verb, "MESH", "the mesh: " + extensions(mesh_formats(), true) + "\n(default: the scene's name with .ply, here)");
-  command->talk.add_to(*verb, Talk::kMessages | Talk::kJson);
+  command->console.add_to(*verb, Console::kMessages | Console::kJson);
   verb->callback([command] { command->run(); });
 }
 

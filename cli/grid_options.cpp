@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cli/option.h"
+#include "cli/options.h"
 #include "cli/text.h"
 #include "standoff/error.h"
 

@@ -4,15 +4,14 @@
 
 #include "cli/body_input.h"
 #include "cli/commands.h"
-#include "cli/facts.h"
+#include "cli/console.h"
 #include "cli/field_argument.h"
 #include "cli/files.h"
-#include "cli/one_line.h"
 #include "cli/signals.h"
-#include "cli/talk.h"
+#include "cli/spinner.h"
 #include "cli/text.h"
 #include "cli/usage.h"
-#include "cli/waiting.h"
+#include "standoff/inspect.h"
 #include "standoff/io.h"
 
 namespace standoff::cli {
@@ -31,12 +30,11 @@ std::string row(const char* name, const std::string& value) {
 // "12", or "12 (3 % of ...)" would be more than people ask; zero is said in a word.
 std::string none_or(std::int64_t n) { return n == 0 ? "none" : grouped(n); }
 
-void tell_mesh(const MeshInput& input, const Talk& talk) {
-  const Mesh mesh = waiting(talk, "reading " + input.name(), [&] { return input.read(); });
-  validate(mesh);
-  const Box box = bounds(mesh);
-  const MeshFacts found = facts(mesh);
-  if (talk.json()) {
+void tell_mesh(const MeshInput& input, const Console& console) {
+  const Mesh mesh = with_spinner(console, "reading " + input.name(), [&] { return input.read(); });
+  const MeshSummary found = inspect(mesh);
+  const Box& box = found.bounds;
+  if (console.json()) {
     return print(Json{{"file", input.name()},
                       {"kind", "mesh"},
                       {"mesh",
@@ -47,8 +45,8 @@ void tell_mesh(const MeshInput& input, const Talk& talk) {
                         {"area", found.area},
                         {"degenerate", found.degenerate},
                         {"duplicate", found.duplicate},
-                        {"boundary_edges", found.boundary},
-                        {"nonmanifold_edges", found.nonmanifold},
+                        {"boundary_edges", found.boundary_edges},
+                        {"nonmanifold_edges", found.nonmanifold_edges},
                         {"closed", found.closed()},
                         {"hash", hash_text(content_hash(mesh))}}}});
   }
@@ -58,24 +56,24 @@ void tell_mesh(const MeshInput& input, const Talk& talk) {
         row("to", point_text(box.max)) + row("extent", point_text(box.extent())) + row("area", number(found.area)) +
         row("degenerate", none_or(found.degenerate)) + row("duplicate", none_or(found.duplicate)) +
         row("closed", found.closed() ? "yes"
-                                     : "no: " + counted(found.boundary, "boundary edge") + ", " +
-                                           counted(found.nonmanifold, "nonmanifold edge")) +
+                                     : "no: " + counted(found.boundary_edges, "boundary edge") + ", " +
+                                           counted(found.nonmanifold_edges, "nonmanifold edge")) +
         row("hash", hash_text(content_hash(mesh))));
 }
 
-void tell_field(const std::string& name, const FieldArgument& input, const Talk& talk) {
-  const DistanceField field = input.read(name, talk);
+void tell_field(const std::string& name, const FieldArgument& input, const Console& console) {
+  const DistanceField field = input.read(name, console);
   const Grid& g = field.grid();
-  const FieldFacts found = facts(field);
+  const FieldSummary found = inspect(field);
   const Provenance& from = field.provenance;
   const std::int64_t tiles = field.tile_count().count();
-  if (talk.json()) {
+  if (console.json()) {
     Json json{
         {"file", name},
         {"kind", "field"},
         {"grid", {{"size", json_size(g.size)}, {"origin", json_point(g.origin)}, {"spacing", json_point(g.spacing)}}},
         {"thickness", json_number(field.thickness())},
-        {"values", {{"min", json_number(found.least)}, {"max", json_number(found.most)}, {"nan", found.not_number}}},
+        {"values", {{"min", json_number(found.min)}, {"max", json_number(found.max)}, {"nan", found.nan}}},
         {"samples", {{"total", g.sample_count()}, {"band", found.band}}},
         {"tiles", {{"total", tiles}, {"stored", field.stored_tiles()}}},
         {"nearest_triangle", field.has_nearest()},
@@ -93,8 +91,8 @@ void tell_field(const std::string& name, const FieldArgument& input, const Talk&
         row("spacing", spacing_text(g.spacing)) +
         row("thickness",
             std::isinf(field.thickness()) ? "infinite: every sample is a distance" : number(field.thickness())) +
-        row("values", number(found.least) + " to " + number(found.most) +
-                          (found.not_number > 0 ? "; " + counted(found.not_number, "sample") + " not a number" : "")) +
+        row("values", number(found.min) + " to " + number(found.max) +
+                          (found.nan > 0 ? "; " + counted(found.nan, "sample") + " not a number" : "")) +
         row("band", counted(found.band, "sample") +
                         (field.has_nearest() || std::isinf(field.thickness()) ? "" : " nearer than the thickness")) +
         row("tiles", grouped(field.stored_tiles()) + " of " + grouped(tiles) + " stored, " +
@@ -103,9 +101,9 @@ void tell_field(const std::string& name, const FieldArgument& input, const Talk&
         row("mesh hash", from.mesh_hash == 0 ? "unknown" : hash_text(from.mesh_hash)));
 }
 
-void tell_body(const std::string& name, const Talk& talk) {
-  const CollisionModel body = waiting(talk, "reading " + name, [&] { return CollisionModel::load(name); });
-  if (talk.json()) {
+void tell_body(const std::string& name, const Console& console) {
+  const CollisionModel body = with_spinner(console, "reading " + name, [&] { return CollisionModel::load(name); });
+  if (console.json()) {
     Json json{{"file", name}, {"kind", "body"}};
     json.update(json_body(body));
     return print(json);
@@ -124,13 +122,13 @@ void tell_body(const std::string& name, const Talk& talk) {
 struct Command {
   MeshInput input;
   FieldArgument field;
-  Talk talk;
+  Console console;
 
   void run() const {
-    if (kind_of(input.name()) == FileKind::field) return tell_field(input.name(), field, talk);
+    if (kind_of(input.name()) == FileKind::field) return tell_field(input.name(), field, console);
     field.check_unused(input.name());
-    if (kind_of(input.name()) == FileKind::body) return tell_body(input.name(), talk);
-    tell_mesh(input, talk);
+    if (kind_of(input.name()) == FileKind::body) return tell_body(input.name(), console);
+    tell_mesh(input, console);
   }
 };
 
@@ -141,7 +139,7 @@ void add_info(CLI::App& program) {
   const auto command = std::make_shared<Command>();
   command->input.add_to(*verb, "FILE");
   command->field.add_to(*verb);
-  command->talk.add_to(*verb, Talk::kJson);
+  command->console.add_to(*verb, Console::kJson);
   verb->callback([command] { command->run(); });
 }
 

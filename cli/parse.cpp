@@ -6,7 +6,6 @@
 #include <numbers>
 #include <optional>
 
-#include "cli/one_line.h"
 #include "cli/text.h"
 #include "standoff/error.h"
 

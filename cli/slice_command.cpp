@@ -5,11 +5,11 @@
 #include <memory>
 
 #include "cli/commands.h"
+#include "cli/console.h"
 #include "cli/field_argument.h"
 #include "cli/files.h"
-#include "cli/option.h"
+#include "cli/options.h"
 #include "cli/parse.h"
-#include "cli/talk.h"
 #include "cli/text.h"
 #include "cli/usage.h"
 #include "standoff/error.h"
@@ -29,7 +29,7 @@ struct Command {
   FieldArgument input;
   FileOutput output;
   SliceOptions options;
-  Talk talk;
+  Console console;
 
   void add_to(CLI::App& verb);
   void run();
@@ -59,17 +59,17 @@ void Command::add_to(CLI::App& verb) {
   add("--pixels", "N", "enlarge the longer side to at least this (default 512)",
       [this](S o, S t) { options.pixels = static_cast<int>(parse_count(o, t, 1, 8192)); });
   input.add_to(verb);
-  talk.add_to(verb, Talk::kMessages);
+  console.add_to(verb, Console::kMessages);
 }
 
 void Command::run() {
   if (!output.given()) output.set_path(std::filesystem::path(field).stem().string() + ".png");
   output.check({{"png", "PNG picture", false, true}});
-  const DistanceField loaded = input.read(field, talk);
+  const DistanceField loaded = input.read(field, console);
   write_slice_png(output.path(), loaded, options, output.existing());
   const char* axis = options.axis == Axis::x ? "x" : options.axis == Axis::y ? "y" : "z";
-  talk.say(output.path().string() + ": the plane of " + field + " at " +
-           (options.index ? "sample " + std::to_string(*options.index) : number(options.at)) + " along " + axis);
+  console.say(output.path().string() + ": the plane of " + field + " at " +
+              (options.index ? "sample " + std::to_string(*options.index) : number(options.at)) + " along " + axis);
 }
 
 }  // namespace

@@ -1,13 +1,13 @@
 // standoff sweep: when does a moving body meet a resting one?
 #include <memory>
 
+#include "cli/batch_query.h"
 #include "cli/body_input.h"
 #include "cli/commands.h"
-#include "cli/many.h"
-#include "cli/option.h"
+#include "cli/console.h"
+#include "cli/options.h"
 #include "cli/parse.h"
 #include "cli/pose_file.h"
-#include "cli/talk.h"
 #include "cli/text.h"
 #include "cli/usage.h"
 #include "standoff/error.h"
@@ -24,20 +24,20 @@ struct Command {
   PairInput bodies;
   RigidMotion motion;
   SweepOptions options;
-  Many many;
+  BatchQuery batch;
   bool has_end = false;
-  Talk talk;
+  Console console;
 
   void run();
-  void run_many();
+  void run_batch();
 };
 
-void Command::run_many() {
-  many.check({bodies.name_a(), bodies.name_b()});
-  const std::vector<RigidMotion> motions = read_motions(many.file(), motion.center);
-  const CollisionModel a = bodies.read_a(talk), b = bodies.read_b(talk);
-  const auto found = many.answers(talk, motions.size(), [&](BatchReport& report) {
-    return sweep_all(a, bodies.pose_a(), b, motions, options, many.batch(), &report);
+void Command::run_batch() {
+  batch.check({bodies.name_a(), bodies.name_b()});
+  const std::vector<RigidMotion> motions = read_motions(batch.file(), motion.center);
+  const CollisionModel a = bodies.read_a(console), b = bodies.read_b(console);
+  const auto found = batch.answers(console, motions.size(), [&](BatchReport& report) {
+    return sweep_all(a, bodies.pose_a(), b, motions, options, batch.execution(), &report);
   });
   Answers answers{Table("motion,result,time,x,y,z,nx,ny,nz,triangle_a,triangle_b"), {}};
   std::int64_t hits = 0;
@@ -54,15 +54,15 @@ void Command::run_many() {
     answers.table.end_row();
   }
   answers.counts = {{"free", static_cast<std::int64_t>(found.size()) - hits}, {"hit", hits}};
-  many.deliver(answers, talk);
+  batch.deliver(answers, console);
 }
 
 void Command::run() {
-  if (many.given()) return run_many();
+  if (batch.given()) return run_batch();
   if (!has_end) throw Error(ErrorCode::usage, "sweep: no --to given, where B ends; or give --motions with a file");
-  const CollisionModel a = bodies.read_a(talk), b = bodies.read_b(talk);
+  const CollisionModel a = bodies.read_a(console), b = bodies.read_b(console);
   const SweepResult found = sweep(a, bodies.pose_a(), b, motion, options);
-  if (talk.json())
+  if (console.json())
     return print(Json{{"hit", found.hit},
                       {"time", found.time},
                       {"point", found.hit ? json_point(found.point) : Json()},
@@ -88,15 +88,15 @@ void add_sweep(CLI::App& program) {
              [&motion](S o, S t) { motion.center = parse_point(o, t); });
   add_parsed(*verb, {"--tolerance", "D", "as near as this is a hit (default 1e-4)", "Question"},
              [command = command.get()](S o, S t) { command->options.tolerance = parse_positive(o, t, kMostMargin); });
-  command->many
+  command->batch
       .add_to(*verb, "--motions",
               "where B starts and ends, many times: a file with the\nnumbers of --from and --to on each line, - for "
               "standard\ninput",
               "motion")
       ->excludes(from)
       ->excludes(to);
-  command->many.add_device_to(*verb);
-  command->talk.add_to(*verb, Talk::kMessages | Talk::kJson);
+  command->batch.add_device_to(*verb);
+  command->console.add_to(*verb, Console::kMessages | Console::kJson);
   verb->callback([command, to] {
     command->has_end = to->count() > 0;
     command->run();

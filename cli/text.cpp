@@ -65,4 +65,27 @@ std::string seconds_text(double seconds) {
 
 std::string hash_text(std::uint64_t hash) { return formatted("%016llx", static_cast<unsigned long long>(hash)); }
 
+std::string one_line(std::string text) {
+  for (char& c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (c == '\n' || c == '\r' || c == '\t')
+      c = ' ';
+    else if (byte < 0x20 || byte == 0x7f)
+      c = '?';
+  }
+  return text;
+}
+
+std::string message_line(const std::string& text) {
+  constexpr std::size_t kLongest = 6000, kEnd = 1000;  // names of files have up to 4,095 bytes
+  if (text.size() <= kLongest) return one_line(text);
+  return one_line(text.substr(0, kLongest - kEnd) + "..." + text.substr(text.size() - kEnd));
+}
+
+std::string beginning(std::string_view text, std::size_t longest) {
+  std::string shown;
+  for (const char c : text.substr(0, longest)) shown += c >= 0x20 && c < 0x7f ? c : '?';
+  return text.size() > longest ? shown + "..." : shown;
+}
+
 }  // namespace standoff::cli

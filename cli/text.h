@@ -1,8 +1,10 @@
-// Numbers as people read them.
+// Text as it may go to a terminal: numbers as people read them, and what comes from outside made harmless.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 #include "standoff/vec.h"
 
@@ -28,5 +30,13 @@ std::string bytes_text(std::int64_t bytes);
 std::string seconds_text(double seconds);
 /// Sixteen hexadecimal digits.
 std::string hash_text(std::uint64_t hash);
+
+/// Line ends become blanks and other control bytes '?': whatever a file is called or holds, a message stays one line,
+/// whole, and moves no cursor.
+std::string one_line(std::string text);
+/// A message's line: what stands in the middle of a very long one, such as an argument, is left out.
+std::string message_line(const std::string& text);
+/// The text's first characters, `longest` at the most; bytes that are not printable as '?'. For what a file holds.
+std::string beginning(std::string_view text, std::size_t longest);
 
 }  // namespace standoff::cli

@@ -4,7 +4,7 @@
 #include <numeric>
 #include <vector>
 
-#include "cli/talk.h"
+#include "cli/console.h"
 #include "standoff/error.h"
 #include "standoff/version.h"
 

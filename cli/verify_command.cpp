@@ -2,16 +2,15 @@
 #include <memory>
 
 #include "cli/commands.h"
-#include "cli/device_options.h"
+#include "cli/console.h"
 #include "cli/field_argument.h"
 #include "cli/files.h"
-#include "cli/option.h"
+#include "cli/options.h"
 #include "cli/parse.h"
 #include "cli/signals.h"
-#include "cli/talk.h"
+#include "cli/spinner.h"
 #include "cli/text.h"
 #include "cli/usage.h"
-#include "cli/waiting.h"
 #include "standoff/error.h"
 #include "standoff/verify.h"
 
@@ -28,7 +27,7 @@ struct Command {
   FieldArgument input;
   MeshInput mesh;
   VerifyOptions options;
-  Talk talk;
+  Console console;
 
   void run();
 };
@@ -45,20 +44,20 @@ Json sample_json(const SampleCheck& at) {
 }
 
 void Command::run() {
-  const DistanceField loaded = input.read(field, talk);
-  const Mesh triangles = waiting(talk, "reading " + mesh.name(), [&] { return mesh.read(); });
+  const DistanceField loaded = input.read(field, console);
+  const Mesh triangles = with_spinner(console, "reading " + mesh.name(), [&] { return mesh.read(); });
   const VerifyResult found = [&] {
     const Cancellable cancellable;
-    options.progress = talk.progress();
+    options.progress = console.progress();
     return verify(loaded, triangles, options);
   }();
   options.progress = nullptr;
   if (interrupted()) throw Error(ErrorCode::interrupted, "interrupted");
 
   if (found.mesh_differs)
-    talk.warn(field + ": computed from another mesh than " + mesh.name() +
-              " as read here, by their hashes; give the --scale or --unit it was computed with");
-  if (talk.json())
+    console.warn(field + ": computed from another mesh than " + mesh.name() +
+                 " as read here, by their hashes; give the --scale or --unit it was computed with");
+  if (console.json())
     print(Json{{"ok", found.ok()},
                {"samples", {{"tested", found.samples}, {"band", found.samples_band}, {"wrong", found.samples_wrong}}},
                {"nearest_wrong", found.nearest_wrong},
@@ -70,7 +69,7 @@ void Command::run() {
           "largest error " + number(found.largest.error) + " (allowed there: " + number(found.largest.allowed) + "), " +
           sample_text(found.largest) + ": stored " + exact_number(found.largest.stored) + ", expected " +
           exact_number(found.largest.expected) + "\n");
-  if (found.ok()) return talk.say("the field matches the mesh");
+  if (found.ok()) return console.say("the field matches the mesh");
   if (found.samples_wrong > 0)
     throw Error(ErrorCode::verify, field + ": " + sample_text(found.worst) + ": the value is wrong by " +
                                        number(found.worst.error) + ", more than the " + number(found.worst.allowed) +
@@ -99,7 +98,7 @@ void add_verify(CLI::App& program) {
   });
   add_threads(*verb, kGroup, options.threads);
   command->input.add_to(*verb);
-  command->talk.add_to(*verb, Talk::kMessages | Talk::kJson | Talk::kProgress);
+  command->console.add_to(*verb, Console::kMessages | Console::kJson | Console::kProgress);
   verb->callback([command] { command->run(); });
 }
 

@@ -1,5 +1,6 @@
 // grid.h, mesh.h, field.h, compute.h and verify.h with arguments that make no sense.
 #include "standoff/compute.h"
+#include "standoff/inspect.h"
 #include "standoff/verify.h"
 #include "tests/api/misuse.h"
 
@@ -26,6 +27,9 @@ TEST(Misuse, Grids) {
     EXPECT_GE(grid.sample_count(), 0) << name;
     expect_answer_or_error(name, [&] { validate(grid); });
     expect_answer_or_error(name, [&] { DistanceField(grid, 1, true); });
+    expect_answer_or_error(name, [&] {
+      if (grid.sample_count() < 1'000'000) inspect(DistanceField(grid, 1));
+    });
     expect_answer_or_error(name, [&] { DistanceField::from_dense(grid, 1, {}); });
     expect_answer_or_error(name, [&] { DistanceField().reset(grid, 1); });
     expect_answer_or_error(name, [&] { compute(mesh, grid, on_cpu()); });
@@ -72,6 +76,7 @@ TEST(Misuse, Meshes) {
     expect_answer_or_error("validate", [&] { validate(mesh); });
     expect_answer_or_error("bounds", [&] { bounds(mesh); });
     expect_answer_or_error("hash", [&] { content_hash(mesh); });
+    expect_answer_or_error("inspect", [&] { inspect(mesh); });
     expect_answer_or_error("memory_needed", [&] { memory_needed(mesh, kGrid, on_cpu()); });
     expect_answer_or_error("verify", [&] { verify(DistanceField(kGrid, 1), mesh); });
     for (const double thickness : {1.0, kInfinite})

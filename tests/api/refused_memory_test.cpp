@@ -12,6 +12,7 @@
 #include "standoff/collision.h"
 #include "standoff/compute.h"
 #include "standoff/cuda.h"
+#include "standoff/inspect.h"
 #include "standoff/io.h"
 #include "standoff/picture.h"
 #include "standoff/simulation.h"
@@ -119,9 +120,11 @@ TEST(RefusedMemory, Fields) {
   expect_error_or_limit("copy_slices", [&] { field.copy_slices(0, 1, few); });
   expect_error_or_limit("copy_nearest_slices", [&] { field.copy_nearest_slices(0, 1, few_nearest); });
   expect_limit_error("verify", [&] { verify(field, kMesh, options); });
+  expect_limit_error("inspect", [&] { inspect(field); });
 }
 
 TEST(RefusedMemory, Meshes) {
+  expect_limit_error("inspect", [&] { inspect(kMesh); });
   const std::vector<Triangle> wrong{{0, 1, 9}};
   expect_error_or_limit("bounds", [&] { bounds({kMesh.vertices, wrong}); });
   expect_error_or_limit("validate", [&] { validate(MeshView{kMesh.vertices, wrong}); });

@@ -1,9 +1,12 @@
-// One way to add an option whose text is parsed at once, so that a bad value is told before any work.
+// One way to add an option whose text is parsed at once, so that a bad value is told before any work; and the options
+// that several verbs have.
 #pragma once
 
 #include <string>
 
 #include <CLI/CLI.hpp>
+
+#include "standoff/compute.h"
 
 namespace standoff::cli {
 
@@ -21,5 +24,10 @@ CLI::Option* add_parsed(CLI::App& verb, const OptionText& text, Set set) {
   const auto parsed = [set, shown = name.substr(name.find("--"))](const std::string& given) { set(shown, given); };
   return verb.add_option_function<std::string>(name, parsed, text.help)->option_text(text.value)->group(text.group);
 }
+
+/// Adds --device.
+CLI::Option* add_device(CLI::App& verb, const char* group, Backend& backend, int& device);
+/// Adds -j.
+CLI::Option* add_threads(CLI::App& verb, const char* group, int& threads);
 
 }  // namespace standoff::cli

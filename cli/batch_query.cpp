@@ -1,11 +1,10 @@
-#include "cli/many.h"
+#include "cli/batch_query.h"
 
 #include <algorithm>
 #include <filesystem>
 #include <limits>
 
-#include "cli/device_options.h"
-#include "cli/option.h"
+#include "cli/options.h"
 #include "cli/text.h"
 #include "standoff/error.h"
 #include "standoff/io.h"
@@ -25,7 +24,7 @@ void Table::point(bool there, Vec3 point) {
 
 void Table::triangle(std::uint32_t index) { cell(index == kNoTriangle ? "" : std::to_string(index)); }
 
-CLI::Option* Many::add_to(CLI::App& verb, const char* name, const char* help, const char* noun) {
+CLI::Option* BatchQuery::add_to(CLI::App& verb, const char* name, const char* help, const char* noun) {
   noun_ = noun;
   option_ = add_parsed(verb, {name, "FILE", help, kGroup}, [this](const std::string& option, const std::string& text) {
     if (text.empty()) throw Error(ErrorCode::usage, option + " '': give the name of a file, or - for standard input");
@@ -35,27 +34,29 @@ CLI::Option* Many::add_to(CLI::App& verb, const char* name, const char* help, co
   auto* output = verb.get_option("--output");
   output->needs(option_);
   verb.get_option("--force")->needs(output);
-  add_threads(verb, kGroup, batch_.threads)->needs(option_);
+  add_threads(verb, kGroup, execution_.threads)->needs(option_);
   return option_;
 }
 
-void Many::add_device_to(CLI::App& verb) { add_device(verb, kGroup, batch_.backend, batch_.device)->needs(option_); }
+void BatchQuery::add_device_to(CLI::App& verb) {
+  add_device(verb, kGroup, execution_.backend, execution_.device)->needs(option_);
+}
 
-void Many::check(std::initializer_list<std::string> inputs) const {
+void BatchQuery::check(std::initializer_list<std::string> inputs) const {
   if (!output_.given()) return;
   output_.check({{"csv", "", false, true, false}});
   output_.check_differs(file_ == "-" ? "/dev/stdin" : file_);
   for (const std::string& input : inputs) output_.check_differs(input);
 }
 
-std::string Many::asked() const { return counted(count_, noun_); }
+std::string BatchQuery::asked() const { return counted(count_, noun_); }
 
-void Many::deliver(const Answers& answers, const Talk& talk) const {
+void BatchQuery::deliver(const Answers& answers, const Console& console) const {
   const std::string& table = answers.table.text();
   const std::string file = output_.path().string();
   if (output_.given())
-    waiting(talk, "writing " + file, [&] { write_text(output_.path(), table, output_.existing()); });
-  else if (!talk.json())
+    with_spinner(console, "writing " + file, [&] { write_text(output_.path(), table, output_.existing()); });
+  else if (!console.json())
     print(table);
   std::string kinds;
   for (const auto& [kind, count] : answers.counts) {
@@ -64,10 +65,10 @@ void Many::deliver(const Answers& answers, const Talk& talk) const {
     kinds += (kinds.empty() ? "" : ", ") + grouped(count) + " " + words;
   }
   const std::int64_t again = report_.undecided + report_.overflowed;
-  talk.say((output_.given() ? file + ": " : "") + asked() + ": " + kinds + "; in " + seconds_text(seconds_) + " on " +
-           report_.backend + (report_.device.empty() ? "" : " (" + report_.device + ")") +
-           (report_.backend == "cpu" ? "" : ", " + grouped(again) + " of them taken again by the CPU"));
-  if (!talk.json()) return;
+  console.say((output_.given() ? file + ": " : "") + asked() + ": " + kinds + "; in " + seconds_text(seconds_) +
+              " on " + report_.backend + (report_.device.empty() ? "" : " (" + report_.device + ")") +
+              (report_.backend == "cpu" ? "" : ", " + grouped(again) + " of them taken again by the CPU"));
+  if (!console.json()) return;
   Json json{{std::string(noun_) + "s", count_}};
   for (const auto& [kind, count] : answers.counts) json[kind] = count;
   json["seconds"] = seconds_;

@@ -1,10 +1,9 @@
-#include "cli/device_options.h"
+#include "cli/options.h"
 
 #include <algorithm>
 #include <cstdint>
 #include <thread>
 
-#include "cli/option.h"
 #include "cli/parse.h"
 
 namespace standoff::cli {

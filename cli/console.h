@@ -16,7 +16,7 @@ namespace standoff::cli {
 using Json = nlohmann::ordered_json;
 
 /// The options that say how much is told, and how.
-class Talk {
+class Console {
  public:
   enum Offer { kMessages = 1, kJson = 2, kProgress = 4 };
   /// Adds --quiet and --verbose, --json and --progress to a verb, as `offers` asks.

@@ -16,7 +16,7 @@ using testing::Json;
 using testing::Ran;
 using testing::words;
 
-class Many : public testing::ProgramTest {
+class BatchQuery : public testing::ProgramTest {
  protected:
   void write(const std::string& name, const std::string& text) const { write_bytes(folder / name, text); }
   static std::vector<std::string> lines(const std::string& text) {
@@ -45,7 +45,7 @@ constexpr const char* kPoses =
     "0,0,1,1.6,0,1,0,0,-1,0,0,0\n"
     "+1.6,-0,0e0";
 
-TEST_F(Many, CollideAnswersLineByLine) {
+TEST_F(BatchQuery, CollideAnswersLineByLine) {
   write("poses.csv", kPoses);
   const Ran ran = done(words("collide scene:box scene:box --poses poses.csv"));
   EXPECT_EQ(ran.out, "pose,result\n0,free\n1,hit\n2,free\n3,free\n4,hit\n");
@@ -63,7 +63,7 @@ TEST_F(Many, CollideAnswersLineByLine) {
   EXPECT_EQ(certified["free"].get<int>() + certified["ambiguous"].get<int>(), 5);
 }
 
-TEST_F(Many, TheSummaryCounts) {
+TEST_F(BatchQuery, TheSummaryCounts) {
   write("poses.csv", kPoses);
   const Json cpu = done(words("collide scene:box scene:box --poses poses.csv --json -j 1")).json();
   EXPECT_EQ(cpu["poses"], 5);
@@ -86,7 +86,7 @@ TEST_F(Many, TheSummaryCounts) {
   EXPECT_EQ(near["beyond_limit"], 1);
 }
 
-TEST_F(Many, StandardInput) {
+TEST_F(BatchQuery, StandardInput) {
   write("poses.csv", kPoses);
   auto how = setup();
   how.in = ::open((folder / "poses.csv").c_str(), O_RDONLY | O_CLOEXEC);
@@ -107,7 +107,7 @@ TEST_F(Many, StandardInput) {
   EXPECT_TRUE(lost.says("poses.csv: it is an input, and would be lost")) << lost.err;
 }
 
-TEST_F(Many, DistancesAndSweeps) {
+TEST_F(BatchQuery, DistancesAndSweeps) {
   write("poses.csv", "5,0,0\n5,9,0\n0,0,0\n");
   const auto near = lines(done(words("distance scene:box scene:box --poses poses.csv --limit 4")).out);
   ASSERT_EQ(near.size(), 4u);
@@ -133,7 +133,7 @@ TEST_F(Many, DistancesAndSweeps) {
 }
 
 // Thousands of poses: the table is the same for any number of threads, and where the GPU's kernels decide.
-TEST_F(Many, TheTableDoesNotDependOnTheDevice) {
+TEST_F(BatchQuery, TheTableDoesNotDependOnTheDevice) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> place(-2.5, 2.5);
   std::string poses, ways;
@@ -161,7 +161,7 @@ TEST_F(Many, TheTableDoesNotDependOnTheDevice) {
   }
 }
 
-TEST_F(Many, ErrorsNameFileAndLine) {
+TEST_F(BatchQuery, ErrorsNameFileAndLine) {
   const auto bad = [this](const std::string& line, const std::string& part) {
     write("bad.csv", "1,2,3\n\n" + line + "\n");
     expect("collide scene:box scene:box --poses bad.csv -o out.csv", 3, "bad.csv:3: " + part);
@@ -193,7 +193,7 @@ TEST_F(Many, ErrorsNameFileAndLine) {
 }
 
 // A message shows what it needs of a line, and all of itself.
-TEST_F(Many, OddLinesAreQuotedInPart) {
+TEST_F(BatchQuery, OddLinesAreQuotedInPart) {
   write("zero.csv", std::string("0\0x,0,0\n", 9));
   expect("collide scene:box scene:box --poses zero.csv", 3,
          "zero.csv:1: '0?x' is not a number; separate numbers by commas");
@@ -206,7 +206,7 @@ TEST_F(Many, OddLinesAreQuotedInPart) {
   EXPECT_EQ(done(words("collide scene:box scene:box --poses turns.csv -q")).out, "pose,result\n0,free\n");
 }
 
-TEST_F(Many, ErrorsOfTheCommandLine) {
+TEST_F(BatchQuery, ErrorsOfTheCommandLine) {
   write("poses.csv", "1,2,3\n");
   write("ways.csv", "1,2,3,4,5,6\n");
   const std::string collide = "collide scene:box scene:box ", sweep = "sweep scene:box scene:box ";
@@ -245,7 +245,7 @@ TEST_F(Many, ErrorsOfTheCommandLine) {
   EXPECT_EQ(folder.names(), (std::set<std::string>{"poses.csv", "ways.csv"}));
 }
 
-TEST_F(Many, AnInterruptLeavesNoTable) {
+TEST_F(BatchQuery, AnInterruptLeavesNoTable) {
   std::string poses;
   for (int n = 0; n < 300'000; ++n) poses += "0.9,0,0\n";
   write("poses.csv", poses);

@@ -10,9 +10,9 @@
 
 #include <CLI/CLI.hpp>
 
+#include "cli/console.h"
 #include "cli/files.h"
-#include "cli/talk.h"
-#include "cli/waiting.h"
+#include "cli/spinner.h"
 #include "standoff/collision.h"
 
 namespace standoff::cli {
@@ -51,7 +51,7 @@ struct Answers {
   std::vector<std::pair<const char*, std::int64_t>> counts;  ///< {"hit", 12}; the words are JSON's keys
 };
 
-class Many {
+class BatchQuery {
  public:
   /// Adds the option `name` for the file of `noun`s ("pose"), and -o, -f and -j, which need it.
   CLI::Option* add_to(CLI::App& verb, const char* name, const char* help, const char* noun);
@@ -60,22 +60,22 @@ class Many {
 
   bool given() const { return !file_.empty(); }
   const std::string& file() const { return file_; }
-  const Execution& batch() const { return batch_; }
+  const Execution& execution() const { return execution_; }
   /// Tells before any work what is wrong with the output.
   void check(std::initializer_list<std::string> inputs) const;
 
   /// The results of ask(report), and how long it took.
   template <class Ask>
-  auto answers(const Talk& talk, std::size_t count, Ask ask) {
+  auto answers(const Console& console, std::size_t count, Ask ask) {
     using Clock = std::chrono::steady_clock;
     count_ = static_cast<std::int64_t>(count);
     const auto start = Clock::now();
-    auto results = waiting(talk, asked(), [&] { return ask(report_); });
+    auto results = with_spinner(console, asked(), [&] { return ask(report_); });
     seconds_ = std::chrono::duration<double>(Clock::now() - start).count();
     return results;
   }
   /// The table into its file, or on stdout where no JSON is asked for; then what there is to say.
-  void deliver(const Answers& answers, const Talk& talk) const;
+  void deliver(const Answers& answers, const Console& console) const;
 
  private:
   std::string asked() const;
@@ -84,7 +84,7 @@ class Many {
   CLI::Option* option_ = nullptr;
   std::string file_;
   FileOutput output_;
-  Execution batch_{.backend = Backend::automatic};
+  Execution execution_{.backend = Backend::automatic};
   BatchReport report_{"cpu", ""};
   std::int64_t count_ = 0;
   double seconds_ = 0;

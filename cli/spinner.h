@@ -6,19 +6,19 @@
 #include <string>
 #include <thread>
 
-#include "cli/talk.h"
+#include "cli/console.h"
 
 namespace standoff::cli {
 
 /// While one lives, a terminal shows what is waited for and for how long, once that is longer than a moment. Elsewhere,
 /// and where the user wants no progress shown, it does nothing.
-class Waiting {
+class Spinner {
  public:
   /// `what` is short: "reading bunny.obj".
-  Waiting(const Talk& talk, const std::string& what);
-  Waiting(const Waiting&) = delete;
-  Waiting& operator=(const Waiting&) = delete;
-  ~Waiting();
+  Spinner(const Console& console, const std::string& what);
+  Spinner(const Spinner&) = delete;
+  Spinner& operator=(const Spinner&) = delete;
+  ~Spinner();
 
  private:
   void show();
@@ -32,8 +32,8 @@ class Waiting {
 
 /// The result of `work`, shown as waited for meanwhile.
 template <class Work>
-auto waiting(const Talk& talk, const std::string& what, Work work) {
-  const Waiting shown(talk, what);
+auto with_spinner(const Console& console, const std::string& what, Work work) {
+  const Spinner shown(console, what);
   return work();
 }
 

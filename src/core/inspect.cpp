@@ -1,4 +1,4 @@
-#include "cli/facts.h"
+#include "standoff/inspect.h"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,9 @@
 #include <limits>
 #include <vector>
 
-namespace standoff::cli {
+#include "core/guarded.h"
+
+namespace standoff {
 namespace {
 
 constexpr std::uint64_t edge(std::uint32_t a, std::uint32_t b) {
@@ -25,8 +27,10 @@ void for_each_run(std::vector<T>& values, F f) {
 
 }  // namespace
 
-MeshFacts facts(MeshView mesh) {
-  MeshFacts found;
+MeshSummary inspect(MeshView mesh) try {
+  validate(mesh);
+  MeshSummary found;
+  found.bounds = bounds(mesh);
   std::vector<std::uint64_t> edges;
   std::vector<Triangle> corners;
   edges.reserve(3 * mesh.triangles.size());
@@ -44,29 +48,31 @@ MeshFacts facts(MeshView mesh) {
       edges.push_back(e);
   }
   for_each_run(edges, [&](std::int64_t triangles) {
-    found.boundary += triangles == 1;
-    found.nonmanifold += triangles > 2;
+    found.boundary_edges += triangles == 1;
+    found.nonmanifold_edges += triangles > 2;
   });
   for_each_run(corners, [&](std::int64_t triangles) { found.duplicate += triangles - 1; });
   return found;
+} catch (...) {
+  throw_as_error("mesh");
 }
 
-FieldFacts facts(const DistanceField& field) {
+FieldSummary inspect(const DistanceField& field) try {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   const auto far = static_cast<float>(field.thickness());
   const Size3 size = field.grid().size;
-  FieldFacts found{infinity, -infinity};
+  FieldSummary found{infinity, -infinity};
   std::vector<float> slice(static_cast<std::size_t>(size.x * size.y));
   std::vector<std::uint32_t> nearest(field.has_nearest() ? slice.size() : 0);
   for (std::int64_t k = 0; k < size.z; ++k) {
     field.copy_slices(k, 1, slice);
     for (const float value : slice) {
       if (std::isnan(value)) {
-        ++found.not_number;
+        ++found.nan;
         continue;
       }
-      found.least = std::min(found.least, double{value});
-      found.most = std::max(found.most, double{value});
+      found.min = std::min(found.min, double{value});
+      found.max = std::max(found.max, double{value});
       if (!field.has_nearest()) found.band += std::abs(value) < far;
     }
     if (!field.has_nearest()) continue;
@@ -74,6 +80,8 @@ FieldFacts facts(const DistanceField& field) {
     found.band += std::ranges::count_if(nearest, [](std::uint32_t triangle) { return triangle != kNoTriangle; });
   }
   return found;
+} catch (...) {
+  throw_as_error("field");
 }
 
-}  // namespace standoff::cli
+}  // namespace standoff

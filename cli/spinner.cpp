@@ -1,17 +1,16 @@
-#include "cli/waiting.h"
+#include "cli/spinner.h"
 
 #include <chrono>
 #include <cstdio>
 #include <system_error>
 
-#include "cli/one_line.h"
 #include "cli/signals.h"
 #include "cli/text.h"
 
 namespace standoff::cli {
 
-Waiting::Waiting(const Talk& talk, const std::string& what) : what_(one_line(what)) {
-  if (!talk.shows_progress()) return;
+Spinner::Spinner(const Console& console, const std::string& what) : what_(one_line(what)) {
+  if (!console.shows_progress()) return;
   try {
     thread_ = std::thread([this] { show(); });
   } catch (const std::system_error&) {
@@ -19,7 +18,7 @@ Waiting::Waiting(const Talk& talk, const std::string& what) : what_(one_line(wha
   }
 }
 
-Waiting::~Waiting() {
+Spinner::~Spinner() {
   if (!thread_.joinable()) return;
   {
     const std::lock_guard lock(mutex_);
@@ -29,7 +28,7 @@ Waiting::~Waiting() {
   thread_.join();
 }
 
-void Waiting::show() {
+void Spinner::show() {
   using namespace std::chrono_literals;
   const auto start = std::chrono::steady_clock::now();
   std::unique_lock lock(mutex_);

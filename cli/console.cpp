@@ -1,4 +1,4 @@
-#include "cli/talk.h"
+#include "cli/console.h"
 
 #include <unistd.h>
 
@@ -8,7 +8,6 @@
 #include <cstdio>
 #include <cstring>
 
-#include "cli/one_line.h"
 #include "cli/parse.h"
 #include "cli/signals.h"
 #include "cli/text.h"
@@ -73,7 +72,7 @@ void to_stderr(const std::string& line) { std::fprintf(stderr, "%s\n", message_l
 
 }  // namespace
 
-void Talk::add_to(CLI::App& verb, int offers) {
+void Console::add_to(CLI::App& verb, int offers) {
   constexpr const char* kGroup = "Messages";
   if (offers & kJson) verb.add_flag("--json", json_, "print one JSON object on stdout")->group(kGroup);
   if (offers & kMessages) {
@@ -89,19 +88,19 @@ void Talk::add_to(CLI::App& verb, int offers) {
         });
 }
 
-void Talk::say(const std::string& line) const {
+void Console::say(const std::string& line) const {
   if (!quiet_) to_stderr(line);
 }
 
-void Talk::detail(const std::string& line) const {
+void Console::detail(const std::string& line) const {
   if (verbose_) to_stderr(line);
 }
 
-void Talk::warn(const std::string& line) const { to_stderr("standoff: warning: " + line); }
+void Console::warn(const std::string& line) const { to_stderr("standoff: warning: " + line); }
 
-bool Talk::shows_progress() const { return progress_ == "auto" && !quiet_ && ::isatty(STDERR_FILENO); }
+bool Console::shows_progress() const { return progress_ == "auto" && !quiet_ && ::isatty(STDERR_FILENO); }
 
-std::function<bool(const Progress&)> Talk::progress() const {
+std::function<bool(const Progress&)> Console::progress() const {
   const auto bar = shows_progress() ? std::make_shared<Bar>() : nullptr;
   return [bar](const Progress& progress) {
     if (bar) bar->draw(progress);
