@@ -15,7 +15,10 @@ fail() {
 # Prints the comment at the top of the script that runs.
 print_help() { sed -n '2,/^[^#]/{/^#/s/^# \{0,1\}//p}' "$self"; }
 
-if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER-ccache}; fi
+if command -v ccache >/dev/null; then
+  export CMAKE_CXX_COMPILER_LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER-ccache}
+  export CCACHE_SLOPPINESS=${CCACHE_SLOPPINESS-pch_defines,time_macros}  # else it caches nothing of precompiled headers
+fi
 
 # configure PRESET [CMAKE ARGUMENTS], silent unless it fails or has something to tell.
 configure() {

@@ -15,6 +15,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/paths.h"
 #include "tests/support/temp_folder.h"
 
 namespace standoff::testing {
@@ -48,7 +49,7 @@ class Process {
   Process(const Arguments& arguments, const Setup& setup) {
     if (setup.out < 0) open_pipe(out_);
     if (setup.err < 0) open_pipe(err_);
-    Arguments words{STANDOFF_BINARY_DIR "/standoff"};
+    Arguments words{std::string(kBinaryFolder) + "/standoff"};
     words.insert(words.end(), arguments.begin(), arguments.end());
     std::vector<char*> argv;
     for (auto& word : words) argv.push_back(word.data());

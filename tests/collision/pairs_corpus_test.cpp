@@ -7,6 +7,7 @@
 #include "standoff/collision.h"
 #include "standoff/io.h"
 #include "tests/collision/bodies.h"
+#include "tests/support/paths.h"
 
 namespace standoff {
 namespace {
@@ -31,7 +32,7 @@ Pose pose_from(std::string text) {
   return pose;
 }
 
-const std::string kFolder = STANDOFF_SOURCE_DIR "/tests/corpus/pairs/";
+const std::string kFolder = std::string(kSourceFolder) + "/tests/corpus/pairs/";
 
 std::vector<Case> cases() {
   std::ifstream file(kFolder + "expected.txt");

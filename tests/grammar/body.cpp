@@ -6,6 +6,7 @@
 
 #include "tests/grammar/file.h"
 #include "tests/grammar/hostile.h"
+#include "tests/support/paths.h"
 
 namespace standoff::grammar {
 namespace {
@@ -13,7 +14,7 @@ namespace {
 constexpr std::size_t kHeader = 64, kCounts = 16, kSpacing = 56;
 
 std::string body(const char* name) {
-  std::ifstream file(std::filesystem::path(STANDOFF_SOURCE_DIR) / "tests/corpus/body" / name, std::ios::binary);
+  std::ifstream file(std::filesystem::path(kSourceFolder) / "tests/corpus/body" / name, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), {}};
 }
 

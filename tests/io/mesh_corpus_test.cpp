@@ -8,11 +8,12 @@
 
 #include "standoff/io.h"
 #include "tests/support/expect_error.h"
+#include "tests/support/paths.h"
 
 namespace standoff {
 namespace {
 
-const std::filesystem::path kCorpus = std::filesystem::path(STANDOFF_SOURCE_DIR) / "tests/corpus/mesh";
+const std::filesystem::path kCorpus = std::filesystem::path(kSourceFolder) / "tests/corpus/mesh";
 
 std::map<std::string, std::string> expectations() {
   std::map<std::string, std::string> expected;

@@ -11,6 +11,7 @@
 #include "tests/io/field/odd_field.h"
 #include "tests/support/comma_locale.h"
 #include "tests/support/expect_error.h"
+#include "tests/support/paths.h"
 #include "tests/support/temp_folder.h"
 
 namespace standoff {
@@ -211,7 +212,7 @@ TEST(Slice, BecomesAFileThatOthersRead) {
   write_slice_png(folder / "a.png", odd_field());
   const SlicePicture picture = draw_slice(odd_field(), {});
   const int x = picture.left + 3, y = picture.top + picture.height - 3;
-  const std::string command = STANDOFF_PYTHON
+  const std::string command = std::string(kPython) +
                               " -B -c 'import sys; from vtkmodules.vtkIOImage import vtkPNGReader; r = vtkPNGReader(); "
                               "r.SetFileName(sys.argv[1]); r.Update(); i = r.GetOutput(); w, h, _ = i.GetDimensions(); "
                               "x, y = int(sys.argv[4]), h - 1 - int(sys.argv[5]); "

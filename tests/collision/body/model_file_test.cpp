@@ -9,6 +9,7 @@
 #include "collision/body/model_file.h"
 #include "standoff/collision.h"
 #include "tests/collision/bodies.h"
+#include "tests/support/paths.h"
 #include "tests/support/temp_folder.h"
 
 namespace standoff {
@@ -66,7 +67,7 @@ TEST_F(ModelFile, DamageIsAnError) {
 
 // Files of this version must stay readable.
 TEST_F(ModelFile, FilesOfTheCorpusAreRead) {
-  const std::filesystem::path folder = STANDOFF_SOURCE_DIR "/tests/corpus/body";
+  const std::filesystem::path folder = std::filesystem::path(kSourceFolder) / "tests/corpus/body";
   const CollisionModel box = CollisionModel::load(folder / "box.body");
   EXPECT_EQ(box.mesh().triangles.size(), 12u);
   EXPECT_NEAR(distance(box, {}, box, moved({3, 0, 0})).upper, 2, 1e-12);

@@ -5,6 +5,7 @@
 
 #include "odd_field.h"
 #include "standoff/io.h"
+#include "tests/support/paths.h"
 #include "tests/support/temp_folder.h"
 
 namespace standoff {
@@ -13,7 +14,7 @@ namespace {
 // Runs tests/io/field/foreign.py; what it complains of is the test's output. A missing module is a failure too:
 // script/bootstrap installs them.
 void run_foreign(const std::string& arguments) {
-  const std::string command = STANDOFF_PYTHON " -B " STANDOFF_SOURCE_DIR "/tests/io/field/foreign.py " + arguments;
+  const std::string command = std::string(kPython) + " -B " + kSourceFolder + "/tests/io/field/foreign.py " + arguments;
   EXPECT_EQ(std::system(command.c_str()), 0) << command;
 }
 

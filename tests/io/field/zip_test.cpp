@@ -7,6 +7,7 @@
 #include "io/field/zip_reader.h"
 #include "io/field/zip_writer.h"
 #include "tests/support/expect_error.h"
+#include "tests/support/paths.h"
 #include "tests/support/temp_folder.h"
 
 namespace standoff {
@@ -64,7 +65,7 @@ TEST_P(Zip, IsReadAsWritten) {
 }
 
 TEST_P(Zip, IsReadByPython) {
-  const std::string command = STANDOFF_PYTHON
+  const std::string command = std::string(kPython) +
                               " -B -c 'import sys, zipfile; z = zipfile.ZipFile(sys.argv[1]); "
                               "sys.exit(z.testzip() is not None or z.read(\"first\") != b\"hello\" or "
                               "z.read(\"second\") != b\"s\" * 300 or len(z.namelist()) != 2)' '" +

@@ -10,6 +10,7 @@
 
 #include "standoff/io.h"
 #include "tests/support/expect_error.h"
+#include "tests/support/paths.h"
 #include "tests/support/temp_folder.h"
 
 namespace standoff {
@@ -152,7 +153,7 @@ TEST_F(Assimp, SeesTheBytesThatWereChecked) {
 }
 
 TEST_F(Assimp, ReadsTheSeedsOfTheFuzzers) {
-  const std::filesystem::path seeds = std::filesystem::path(STANDOFF_SOURCE_DIR) / "tests/corpus/assimp";
+  const std::filesystem::path seeds = std::filesystem::path(kSourceFolder) / "tests/corpus/assimp";
   for (const char* name : {"tetrahedron.3ds", "tetrahedron.dae"}) {
     const Mesh mesh = read_mesh(seeds / name);
     EXPECT_EQ(mesh.triangles.size(), 4u) << name;

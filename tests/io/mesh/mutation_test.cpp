@@ -9,13 +9,14 @@
 #include "io/mesh/format.h"
 #include "standoff/error.h"
 #include "standoff/mesh.h"
+#include "tests/support/paths.h"
 
 namespace standoff {
 namespace {
 
 std::string corpus_file(const std::string& name) {
   std::ostringstream bytes;
-  bytes << std::ifstream(std::string(STANDOFF_SOURCE_DIR) + "/tests/corpus/mesh/" + name, std::ios::binary).rdbuf();
+  bytes << std::ifstream(std::string(kSourceFolder) + "/tests/corpus/mesh/" + name, std::ios::binary).rdbuf();
   return bytes.str();
 }
 
