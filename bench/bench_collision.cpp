@@ -21,28 +21,29 @@ struct Batches {
 /// Answers one batch and forgets the answers.
 void answer(bench::Query query, const CollisionModel& a, const CollisionModel& b, const std::vector<Pose>& poses,
             const std::vector<RigidMotion>& motions, double tolerance, int threads) {
+  const Execution execution{.threads = threads, .backend = Backend::cpu};
   switch (query) {
     case bench::Query::collide:
-      collide_all(a, {}, b, poses, {}, threads);
+      collide_all(a, {}, b, poses, {}, execution);
       return;
     case bench::Query::contacts:
-      contacts_all(a, {}, b, poses, {bench::kContacts}, threads);
+      contacts_all(a, {}, b, poses, {bench::kContacts}, execution);
       return;
     case bench::Query::all_contacts:
-      contacts_all(a, {}, b, poses, {bench::kAllContacts}, threads);
+      contacts_all(a, {}, b, poses, {bench::kAllContacts}, execution);
       return;
     case bench::Query::distance:
-      distance_all(a, {}, b, poses, {}, threads);
+      distance_all(a, {}, b, poses, {}, execution);
       return;
     case bench::Query::sweep:
-      sweep_all(a, {}, b, motions, {tolerance}, threads);
+      sweep_all(a, {}, b, motions, {tolerance}, execution);
       return;
   }
 }
 
 /// Seconds of a batch, the least time of a turn being long enough to be measured.
-template <class Execution>
-double turn(Execution&& batch) {
+template <class Batch>
+double turn(Batch&& batch) {
   constexpr double kLeast_s = 0.2;
   int batches = 0;
   const auto start = std::chrono::steady_clock::now();

@@ -28,17 +28,16 @@ struct Settings {
 class Job {
  public:
   Job(const Workload& work, const Settings& settings) : work_(work), output_(settings.output) {
-    options_.thickness = work.thickness;
     options_.method = settings.method;
     options_.skip = settings.skip;
-    options_.threads = work.threads;
-    options_.simd = settings.simd;
+    options_.execution.threads = work.threads;
+    options_.execution.simd = settings.simd;
     if (output_ == Output::dense) buffer_.reset(new float[samples()]);
   }
 
   ComputeReport operator()() {
-    if (output_ == Output::sparse) return compute_into(work_.mesh, work_.grid, field_, options_);
-    return compute_into(work_.mesh, work_.grid, values(), options_);
+    if (output_ == Output::sparse) return compute_into(work_.mesh, work_.grid, work_.thickness, field_, options_);
+    return compute_into(work_.mesh, work_.grid, work_.thickness, values(), options_);
   }
 
   std::vector<float> to_dense() const {

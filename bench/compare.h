@@ -17,9 +17,8 @@ namespace standoff::bench {
 inline std::vector<float> exact_field(const Workload& work) {
   std::vector<float> values(static_cast<std::size_t>(work.grid.sample_count()));
   ComputeOptions options;
-  options.thickness = work.thickness;
-  options.threads = work.threads;
-  compute_into(work.mesh, work.grid, values, options);
+  options.execution.threads = work.threads;
+  compute_into(work.mesh, work.grid, work.thickness, values, options);
   return values;
 }
 

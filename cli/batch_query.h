@@ -84,7 +84,7 @@ class BatchQuery {
   CLI::Option* option_ = nullptr;
   std::string file_;
   FileOutput output_;
-  Execution execution_{.backend = Backend::automatic};
+  Execution execution_;
   BatchReport report_{"cpu", ""};
   std::int64_t count_ = 0;
   double seconds_ = 0;

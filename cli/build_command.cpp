@@ -55,7 +55,7 @@ void add_build(CLI::App& program) {
   command->input.add_scale_to(*verb);
   add_parsed(*verb, {"--spacing", "S", "of the body's field (default: chosen from the mesh)", "Body"},
              [&options](S o, S t) { options.spacing = parse_positive(o, t); });
-  add_threads(*verb, "Body", options.threads);
+  add_threads(*verb, "Body", options.execution.threads);
   command->output.add_to(*verb, "BODY", "the body: .body (default: the mesh's name with .body, here)");
   command->console.add_to(*verb, Console::kMessages | Console::kJson);
   verb->callback([command] { command->run(); });

@@ -80,8 +80,8 @@ void Command::add_to(CLI::App& verb) {
     parse_choice(o, t, {"triangle"});
     options.nearest_triangle = true;
   });
-  add_device(verb, "Method", options.backend, options.device);
-  add_threads(verb, "Method", options.threads);
+  add_device(verb, "Method", options.execution.backend, options.execution.device);
+  add_threads(verb, "Method", options.execution.threads);
   add("--memory-limit", "SIZE",
       "most memory for the field and its making, as in 500M or 8G\n(default: 80 % of the machine's)",
       [this](S o, S t) { options.memory_limit = parse_bytes(o, t); });
@@ -101,7 +101,6 @@ void Command::run() {
   check_extent(mesh.name(), box);
   Plan plan{mesh.name(), loaded, grid.choose(box), output.path().string()};
   plan.load_seconds = seconds_since(start);
-  options.thickness = plan.choice.thickness;
   if (dry_run) return console.json() ? print(plan_json(plan, options)) : print(plan_text(plan, options));
   console.say(mesh_line(mesh.name(), loaded));
   console.say(grid_line(plan.choice));
@@ -109,7 +108,7 @@ void Command::run() {
   ComputeResult computed = [&] {
     const Cancellable cancellable;
     options.progress = console.progress();
-    return compute(loaded, plan.choice.grid, options);
+    return compute(loaded, plan.choice.grid, plan.choice.thickness, options);
   }();
   options.progress = nullptr;  // and the bar with it
   if (interrupted()) throw Error(ErrorCode::interrupted, "interrupted");

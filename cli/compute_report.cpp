@@ -17,7 +17,7 @@ std::int64_t tile_count(Size3 size) {
 }
 
 std::int64_t bytes_needed(const Plan& plan, const ComputeOptions& options) {
-  return memory_needed(plan.mesh, plan.choice.grid, options);
+  return memory_needed(plan.mesh, plan.choice.grid, plan.choice.thickness, options);
 }
 
 Json description(const Plan& plan) {

@@ -43,7 +43,7 @@ void Command::run_batch() {
   const std::vector<Pose> poses = read_poses(batch.file());
   const CollisionModel a = bodies.read_a(console), b = bodies.read_b(console);
   const auto found = batch.answers(console, poses.size(), [&](BatchReport&) {
-    return distance_all(a, bodies.pose_a(), b, poses, inclusive(), batch.execution().threads);
+    return distance_all(a, bodies.pose_a(), b, poses, inclusive(), batch.execution());
   });
   Answers answers{Table("pose,lower,upper,ax,ay,az,bx,by,bz,triangle_a,triangle_b"), {}};
   std::int64_t touching = 0, beyond = 0;

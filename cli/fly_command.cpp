@@ -147,7 +147,7 @@ void add_fly(CLI::App& program) {
   verb->add_flag_callback(
           "--no-check", [&options] { options.check = false; }, "do not look for wall crossings: faster")
       ->group("Collision");
-  add_threads(*verb, "Flight", options.threads);
+  add_threads(*verb, "Flight", options.execution.threads);
   it->path.add_to(*verb, "FILE", "where each fly starts, turns and ends: .csv or .ply", "--path");
   verb->get_option("--force")->needs(verb->get_option("--path"));
   it->console.add_to(*verb, Console::kMessages | Console::kJson | Console::kProgress);

@@ -96,7 +96,7 @@ void add_verify(CLI::App& program) {
   add_parsed(*verb, {"--seed", "N", "chooses the samples (default 1)", kGroup}, [&options](S o, S t) {
     options.seed = static_cast<std::uint64_t>(parse_count(o, t, 0, std::numeric_limits<std::int64_t>::max()));
   });
-  add_threads(*verb, kGroup, options.threads);
+  add_threads(*verb, kGroup, options.execution.threads);
   command->input.add_to(*verb);
   command->console.add_to(*verb, Console::kMessages | Console::kJson | Console::kProgress);
   verb->callback([command] { command->run(); });

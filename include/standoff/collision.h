@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "standoff/compute.h"
 #include "standoff/error.h"
+#include "standoff/execution.h"
 #include "standoff/existing.h"
 #include "standoff/field.h"
 #include "standoff/grid.h"
@@ -23,8 +23,8 @@
 namespace standoff {
 
 struct ModelOptions {
-  double spacing = 0;  ///< of the model's field, world units; 0: chosen from the mesh
-  int threads = 0;     ///< used to build, at most kMaxThreads; 0: all hardware threads
+  double spacing = 0;   ///< of the model's field, world units; 0: chosen from the mesh
+  Execution execution;  ///< of the building: its fields may come from a GPU
 };
 
 /// What queries need of a body, built once: a sparse distance field near the surface, a coarse one around it, and a
@@ -165,13 +165,6 @@ struct SweepResult {
 SweepResult sweep(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const RigidMotion& motion,
                   const SweepOptions& options = {});
 
-/// Where a batch of queries runs (docs/cuda.md).
-struct Execution {
-  int threads = 0;                 ///< of the CPU, at most kMaxThreads; 0: all hardware threads
-  Backend backend = Backend::cpu;  ///< automatic: a GPU where there is one and the batch is large enough for it
-  int device = 0;                  ///< which GPU, from 0, for Backend::cuda
-};
-
 /// What a batch did.
 struct BatchReport {
   std::string backend;         ///< "cpu", "cuda" or "emulated"
@@ -182,28 +175,26 @@ struct BatchReport {
   std::int64_t overflowed = 0;  ///< and those for which its lists were too short
 };
 
-/// The same for many poses of b, spread over threads (at most kMaxThreads; 0: all hardware threads). The same answers
-/// in the same order whatever the number of threads.
+/// The same for many poses of b. The same verdicts in the same order, wherever they are computed. A GPU keeps what it
+/// needs of the bodies for as long as they live; of several pairs of triangles that touch it may report another one.
+/// Certified answers come from the CPU alone. Errors: as collide, and usage (execution, certified answers from a GPU),
+/// device (none there, or it failed), limit (too little memory on it).
 std::vector<CollisionResult> collide_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                                         std::span<const Pose> poses_b, const CollideOptions& options, int threads = 0);
-/// The same on a device, which keeps what it needs of the bodies for as long as they live. Free and hit are the CPU's
-/// answers; of several pairs of triangles that touch it may tell another one. Errors: usage (certified answers come
-/// from the CPU alone), device (none there, or it failed), limit (too little memory on it).
-std::vector<CollisionResult> collide_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                                         std::span<const Pose> poses_b, const CollideOptions& options,
-                                         const Execution& batch, BatchReport* report = nullptr);
+                                         std::span<const Pose> poses_b, const CollideOptions& options = {},
+                                         const Execution& execution = {}, BatchReport* report = nullptr);
+/// The same for many poses, on the CPU: other backends are Error{usage}.
 std::vector<DistanceResult> distance_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                                         std::span<const Pose> poses_b, const DistanceOptions& options,
-                                         int threads = 0);
+                                         std::span<const Pose> poses_b, const DistanceOptions& options = {},
+                                         const Execution& execution = {});
+/// The same for many poses, on the CPU: other backends are Error{usage}.
 std::vector<ContactResult> contacts_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                                        std::span<const Pose> poses_b, const ContactOptions& options, int threads = 0);
+                                        std::span<const Pose> poses_b, const ContactOptions& options = {},
+                                        const Execution& execution = {});
+/// The same for many motions. A GPU finds those that are certainly free; the CPU sweeps the others. Errors: as sweep,
+/// and usage (execution), device, limit.
 std::vector<SweepResult> sweep_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                                   std::span<const RigidMotion> motions, const SweepOptions& options, int threads = 0);
-/// The same answers from a device, which finds the motions that are certainly free; the CPU sweeps the others. Errors:
-/// device, limit.
-std::vector<SweepResult> sweep_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                                   std::span<const RigidMotion> motions, const SweepOptions& options,
-                                   const Execution& batch, BatchReport* report = nullptr);
+                                   std::span<const RigidMotion> motions, const SweepOptions& options = {},
+                                   const Execution& execution = {}, BatchReport* report = nullptr);
 
 /// Algorithm 2 of the 2008 thesis, for comparison: samples of one field that lie in the other's grid are visited, and
 /// where both fields have a value (below their thickness) at the sample and at the sample nearest to it, the bodies are

@@ -2,12 +2,12 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <limits>
 #include <span>
 #include <string>
 
 #include "standoff/error.h"
+#include "standoff/execution.h"
 #include "standoff/field.h"
 #include "standoff/grid.h"
 #include "standoff/mesh.h"
@@ -18,14 +18,6 @@ namespace standoff {
 enum class Method {
   tiles,   ///< exact; the default (docs/tiles.md)
   thesis,  ///< Algorithm 1 of the 2008 thesis (docs/thesis.md): not exact where its skip rule drops a triangle
-};
-
-/// Where a method runs (docs/cuda.md).
-enum class Backend {
-  automatic,  ///< an NVIDIA GPU where there is one and the job is large enough for it, else the CPU
-  cpu,
-  cuda,      ///< an NVIDIA GPU
-  emulated,  ///< the GPU's kernels on the CPU, thread by thread: slow, to find faults with
 };
 
 /// Which triangles may be left out before any distance is computed (docs/skip.md).
@@ -40,32 +32,16 @@ struct SkipRule {
   double fraction = 1;  ///< neighbour only: the share of the box that must lie inside, in (0, 1]
 };
 
-/// The instruction set the CPU backend uses. The bits of the result do not depend on it.
-enum class Simd { automatic, portable, avx2, avx512 };
-
-/// The most threads that may be asked for, anywhere: more than any machine has, fewer than the system would refuse.
-inline constexpr int kMaxThreads = 1024;
-
-struct Progress {
-  const char* stage = "";  ///< "prepare", "bin", "gather", "copy" (from a GPU), "hash" (not of compute_into), "done"
-  double fraction = 0;     ///< of the whole computation, 0 to 1, never falling
-};
+/// The thickness of a full field, in which every sample is a distance: the dearest field there is.
+inline constexpr double kFullField = std::numeric_limits<double>::infinity();
 
 struct ComputeOptions {
-  /// Half-width of the band in world units; distances beyond it are stored as the thickness. Infinite: a full field.
-  double thickness = std::numeric_limits<double>::infinity();
   Method method = Method::tiles;
-  Backend backend = Backend::automatic;
   SkipRule skip;
-  /// At most kMaxThreads; 0: as many as TBB gives the calling thread, which is all unless told otherwise.
-  int threads = 0;
+  Execution execution;
   std::int64_t memory_limit = 0;  ///< bytes of output and scratch together; 0: no limit
   bool nearest_triangle = false;  ///< also store the nearest triangle's index per band sample, lowest on ties
-  Simd simd = Simd::automatic;
-  int device = 0;  ///< which GPU, from 0, for Backend::cuda
-  /// Called now and then, from one thread at a time; return false to cancel, which throws Error{interrupted}. What it
-  /// throws itself ends the computation and comes out of it as it is.
-  std::function<bool(const Progress&)> progress;
+  ProgressCallback progress;
 };
 
 /// What a computation did.
@@ -92,33 +68,38 @@ struct ComputeResult {
   ComputeReport report;
 };
 
-/// Computes the field of `mesh` on `grid`. For every valid mesh within 2^30 spacings of the grid `tiles` promises
-/// |value - d| <= 1e-6 * (d + 16 * max spacing) + 4 * epsilon * C against double precision, and the same bits for any
-/// number of threads. Here d is min(distance, thickness), epsilon that of double, and C the largest coordinate of the
-/// grid in magnitude: allowed_error() of standoff/verify.h. Errors: usage (options or grid), input (mesh), limit
-/// (memory, sizes, distance of the mesh from the grid), device, interrupted.
-ComputeResult compute(MeshView mesh, const Grid& grid, const ComputeOptions& options = {});
+/// Computes the field of `mesh` on `grid`. `thickness` is half the width of the band in world units, positive:
+/// distances beyond it are stored as the thickness; kFullField stores them all. For every valid mesh within 2^30
+/// spacings of the grid `tiles` promises |value - d| <= 1e-6 * (d + 16 * max spacing) + 4 * epsilon * C against double
+/// precision, and the same bits for any number of threads. Here d is min(distance, thickness), epsilon that of double,
+/// and C the largest coordinate of the grid in magnitude: allowed_error() of standoff/verify.h. Errors: usage (options,
+/// thickness or grid), input (mesh), limit (memory, sizes, distance of the mesh from the grid), device, interrupted.
+ComputeResult compute(MeshView mesh, const Grid& grid, double thickness, const ComputeOptions& options = {});
 
 /// The same into the caller's memory: one value per sample, x fastest; every element is written, whatever it held.
 /// `nearest` is either empty or as long as `values`. Errors: as compute, and usage when a length is wrong.
-ComputeReport compute_into(MeshView mesh, const Grid& grid, std::span<float> values, std::span<std::uint32_t> nearest,
-                           const ComputeOptions& options = {});
-inline ComputeReport compute_into(MeshView mesh, const Grid& grid, std::span<float> values,
+ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickness, std::span<float> values,
+                           std::span<std::uint32_t> nearest, const ComputeOptions& options = {});
+inline ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickness, std::span<float> values,
                                   const ComputeOptions& options = {}) {
-  return compute_into(mesh, grid, values, {}, options);
+  return compute_into(mesh, grid, thickness, values, {}, options);
 }
 
-/// The same into a field that is there already, whatever it holds; the memory of its tiles is used again, unless there
-/// is a memory limit. For one mesh after another: of a thin band, getting memory anew takes up to a third of the time.
+/// The same into an existing field, whatever it holds; the memory of its tiles is reused, unless there is a memory
+/// limit. Use it when computing many fields: allocation can take a third of a thin band's time.
 /// `grid` may be the field's own. Errors: as compute; the field is then as it was, or empty.
-ComputeReport compute_into(MeshView mesh, const Grid& grid, DistanceField& field, const ComputeOptions& options = {});
+ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickness, DistanceField& field,
+                           const ComputeOptions& options = {});
 
 /// Bytes that compute (dense = false) or compute_into (dense = true) may need, and hold against the memory limit: an
 /// upper bound (docs/tiles.md, Memory). No tile is counted that no triangle's box, grown by the thickness, reaches; nor
-/// is the mesh. Takes one pass over the triangles. Errors: usage (grid, options), input (mesh), limit (mesh), device.
-std::int64_t memory_needed(MeshView mesh, const Grid& grid, const ComputeOptions& options, bool dense = false);
+/// is the mesh. Takes one pass over the triangles. Errors: usage (grid, thickness, options), input (mesh), limit
+/// (mesh), device.
+std::int64_t memory_needed(MeshView mesh, const Grid& grid, double thickness, const ComputeOptions& options = {},
+                           bool dense = false);
 /// The same for whatever mesh of so many triangles, 1 to kMaxTriangles: a sparse field may store every tile of the
 /// grid. More than 2^62 bytes are told as 2^62.
-std::int64_t memory_needed(std::int64_t triangles, const Grid& grid, const ComputeOptions& options, bool dense = false);
+std::int64_t memory_needed(std::int64_t triangles, const Grid& grid, double thickness,
+                           const ComputeOptions& options = {}, bool dense = false);
 
 }  // namespace standoff

@@ -1,7 +1,7 @@
 // Distance fields for those who live on the GPU: mesh, workspace and output in device memory, on the caller's stream.
 //
 // Nothing here allocates, waits for the GPU or reads from it, so that calls can be captured into a CUDA graph. For host
-// memory use compute() with ComputeOptions::backend = Backend::cuda, which is built on this. See docs/cuda.md.
+// memory use compute() with Execution::backend = Backend::cuda, which is built on this. See docs/cuda.md.
 #pragma once
 
 #include <cstdint>

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "standoff/collision.h"
-#include "standoff/compute.h"
+#include "standoff/execution.h"
 
 namespace standoff {
 
@@ -36,10 +36,9 @@ struct FlightOptions {
   double minimum = 2;        ///< thesis mode: e of minimum_grid()
   double threshold = 0;      ///< thesis mode: of the sum; 0: the larger spacing of the two grids
   std::uint64_t seed = 1;
-  int threads = 0;    ///< at most kMaxThreads; 0: all hardware threads
-  bool check = true;  ///< count wall crossings by the independent check
-  /// As in Options.
-  std::function<bool(const Progress&)> progress;
+  Execution execution;  ///< on the CPU: other backends are Error{usage}
+  bool check = true;    ///< count wall crossings by the independent check
+  ProgressCallback progress;
 };
 
 /// One moving body. It keeps its orientation.

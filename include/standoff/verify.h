@@ -2,9 +2,8 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 
-#include "standoff/compute.h"
+#include "standoff/execution.h"
 #include "standoff/field.h"
 #include "standoff/mesh.h"
 
@@ -14,9 +13,8 @@ struct VerifyOptions {
   std::int64_t samples =
       1000;                ///< how many samples to test, at least 1; every one when the grid has no more than these
   std::uint64_t seed = 1;  ///< chooses the samples; the same seed takes the same ones
-  int threads = 0;         ///< at most kMaxThreads; 0: all hardware threads
-  /// As in Options.
-  std::function<bool(const Progress&)> progress;
+  Execution execution;     ///< on the CPU: other backends are Error{usage}
+  ProgressCallback progress;
 };
 
 /// One sample, and what was found there. All distances are in world units.

@@ -21,8 +21,6 @@ constexpr std::size_t kSmallBatch = 10'000;
 }  // namespace
 
 const DeviceRow* find_device(Backend backend, std::size_t count) {
-  if (backend < Backend{} || backend > Backend::emulated)  // a number that was cast
-    throw Error(ErrorCode::usage, "batch: the backend is none of those there are; take one that is declared");
   const bool automatic = backend == Backend::automatic;
   if (automatic && count < kSmallBatch) return nullptr;
   for (const DeviceRow& row : kRows)

@@ -27,7 +27,6 @@ inline void validate_all(std::span<const Pose> poses) {
 /// thousand times as long as others.
 template <class Result, class Query>
 std::vector<Result> for_each(std::size_t count, int threads, Query query) {
-  check_threads("batch", threads);
   std::vector<Result> results(count);
   Threads(threads).run([&] {
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 16), [&](const auto& range) {

@@ -2,6 +2,7 @@
 #include "collision/batch.h"
 #include "collision/collide_on_device.h"
 #include "collision/find_intersecting.h"
+#include "core/execution.h"
 #include "core/guarded.h"
 
 namespace standoff {
@@ -45,34 +46,20 @@ CollisionResult collide(const CollisionModel& a, const Pose& pose_a, const Colli
 
 std::vector<CollisionResult> collide_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
                                          std::span<const Pose> poses_b, const CollideOptions& options,
-                                         int threads) try {
+                                         const Execution& execution, BatchReport* report) try {
+  const bool certified = options.mode == CollideMode::certified;
   check(options);
+  validate(certified ? "collide: certified mode" : "collide", execution,
+           certified ? Runs::on_the_cpu : Runs::everywhere);
   validate(pose_a);
   collision::validate_all(poses_b);
-  return collision::for_each<CollisionResult>(
-      poses_b.size(), threads, [&](std::size_t n) { return collide_checked(a, pose_a, b, poses_b[n], options); });
-} catch (...) {
-  throw_as_error("collide");
-}
-
-std::vector<CollisionResult> collide_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                                         std::span<const Pose> poses_b, const CollideOptions& options,
-                                         const Execution& batch, BatchReport* report) try {
-  const bool certified = options.mode == CollideMode::certified;
-  const Backend backend = certified && batch.backend == Backend::automatic ? Backend::cpu : batch.backend;
+  const Backend backend = certified ? Backend::cpu : execution.backend;
   const collision::DeviceRow* const row = collision::find_device(backend, poses_b.size());
-  BatchReport done{row ? row->name : "cpu", row ? row->device_name(batch.device) : ""};
-  std::vector<CollisionResult> results;
-  if (row) {
-    check(options);
-    if (certified)
-      throw Error(ErrorCode::usage, "collide: certified answers come from the CPU alone; take that backend");
-    validate(pose_a);
-    collision::validate_all(poses_b);
-    results = collision::collide_on_device(*row, a, pose_a, b, poses_b, options.margin, batch, done);
-  } else {
-    results = collide_all(a, pose_a, b, poses_b, options, batch.threads);
-  }
+  BatchReport done{row ? row->name : "cpu", row ? row->device_name(execution.device) : ""};
+  auto results = row ? collision::collide_on_device(*row, a, pose_a, b, poses_b, options.margin, execution, done)
+                     : collision::for_each<CollisionResult>(poses_b.size(), execution.threads, [&](std::size_t n) {
+                         return collide_checked(a, pose_a, b, poses_b[n], options);
+                       });
   if (report) *report = done;
   return results;
 } catch (...) {

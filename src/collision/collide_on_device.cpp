@@ -34,13 +34,13 @@ CollisionResult told(const Pair& bodies, const PoseAnswer& answer) {
 
 std::vector<CollisionResult> collide_on_device(const DeviceRow& row, const CollisionModel& a, const Pose& pose_a,
                                                const CollisionModel& b, std::span<const Pose> poses_b, double margin,
-                                               const Execution& batch, BatchReport& report, int stack) {
+                                               const Execution& execution, BatchReport& report, int stack) {
   std::vector<CollisionResult> results(poses_b.size());
   const Pair bodies(a, pose_a, b, {});  // which of them gives its field does not depend on poses
   for (std::size_t first = 0; first < poses_b.size(); first += kPiece) {
     const auto poses = poses_b.subspan(first, std::min(kPiece, poses_b.size() - first));
     const auto prepared = for_each<Prepared>(
-        poses.size(), batch.threads, [&](std::size_t n) { return prepare(Pair(a, pose_a, b, poses[n]), margin); });
+        poses.size(), execution.threads, [&](std::size_t n) { return prepare(Pair(a, pose_a, b, poses[n]), margin); });
     std::vector<PoseQuery> queries;
     std::vector<std::size_t> which;
     for (std::size_t n = 0; n < prepared.size(); ++n)
@@ -54,9 +54,9 @@ std::vector<CollisionResult> collide_on_device(const DeviceRow& row, const Colli
                    .margin = margin,
                    .queries = queries,
                    .answers = answers,
-                   .device = batch.device,
+                   .device = execution.device,
                    .stack = stack});
-    const auto found = for_each<CollisionResult>(answers.size(), batch.threads, [&](std::size_t n) {
+    const auto found = for_each<CollisionResult>(answers.size(), execution.threads, [&](std::size_t n) {
       const bool decided = answers[n].verdict == DeviceVerdict::free || answers[n].verdict == DeviceVerdict::hit;
       return decided ? told(bodies, answers[n]) : collide_exactly(a, pose_a, b, poses[which[n]], margin);
     });

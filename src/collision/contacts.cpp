@@ -7,6 +7,7 @@
 #include "collision/close_pairs.h"
 #include "collision/pair_batch.h"
 #include "collision/stratified_traversal.h"
+#include "core/execution.h"
 #include "core/guarded.h"
 
 namespace standoff {
@@ -186,11 +187,13 @@ ContactResult contacts(const CollisionModel& a, const Pose& pose_a, const Collis
 }
 
 std::vector<ContactResult> contacts_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                                        std::span<const Pose> poses_b, const ContactOptions& options, int threads) try {
+                                        std::span<const Pose> poses_b, const ContactOptions& options,
+                                        const Execution& execution) try {
   collision::check(options);
+  validate("contacts", execution, Runs::on_the_cpu);
   validate(pose_a);
   collision::validate_all(poses_b);
-  return collision::for_each<ContactResult>(poses_b.size(), threads, [&](std::size_t n) {
+  return collision::for_each<ContactResult>(poses_b.size(), execution.threads, [&](std::size_t n) {
     const collision::Pair pair(a, pose_a, b, poses_b[n]);
     return collision::Gather(pair, options).run();
   });

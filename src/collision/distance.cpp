@@ -7,6 +7,7 @@
 #include "collision/batch.h"
 #include "collision/find_intersecting.h"
 #include "collision/pair_batch.h"
+#include "core/execution.h"
 #include "core/guarded.h"
 #include "geometry/intersection.h"
 
@@ -195,11 +196,12 @@ DistanceResult distance(const CollisionModel& a, const Pose& pose_a, const Colli
 
 std::vector<DistanceResult> distance_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
                                          std::span<const Pose> poses_b, const DistanceOptions& options,
-                                         int threads) try {
+                                         const Execution& execution) try {
   collision::check(options);
+  validate("distance", execution, Runs::on_the_cpu);
   validate(pose_a);
   collision::validate_all(poses_b);
-  return collision::for_each<DistanceResult>(poses_b.size(), threads, [&](std::size_t n) {
+  return collision::for_each<DistanceResult>(poses_b.size(), execution.threads, [&](std::size_t n) {
     return collision::distance_checked(a, pose_a, b, poses_b[n], options);
   });
 } catch (...) {

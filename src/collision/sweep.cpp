@@ -15,6 +15,7 @@
 #include "collision/find_intersecting.h"
 #include "collision/rigid_motion.h"
 #include "collision/sweep_on_device.h"
+#include "core/execution.h"
 #include "core/guarded.h"
 #include "geometry/intersection.h"
 #include "geometry/slab.h"
@@ -350,29 +351,17 @@ SweepResult sweep(const CollisionModel& a, const Pose& pose_a, const CollisionMo
 }
 
 std::vector<SweepResult> sweep_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                                   std::span<const RigidMotion> motions, const SweepOptions& options, int threads) try {
-  collision::check_all(a, b, motions, options);
-  validate(pose_a);
-  return collision::for_each<SweepResult>(motions.size(), threads, [&](std::size_t n) {
-    return collision::sweep_exactly(a, pose_a, b, motions[n], options.tolerance);
-  });
-} catch (...) {
-  throw_as_error("sweep");
-}
-
-std::vector<SweepResult> sweep_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
                                    std::span<const RigidMotion> motions, const SweepOptions& options,
-                                   const Execution& batch, BatchReport* report) try {
-  const collision::DeviceRow* const row = collision::find_device(batch.backend, motions.size());
-  BatchReport done{row ? row->name : "cpu", row ? row->device_name(batch.device) : ""};
-  std::vector<SweepResult> results;
-  if (row) {
-    collision::check_all(a, b, motions, options);
-    validate(pose_a);
-    results = collision::sweep_on_device(*row, a, pose_a, b, motions, options.tolerance, batch, done);
-  } else {
-    results = sweep_all(a, pose_a, b, motions, options, batch.threads);
-  }
+                                   const Execution& execution, BatchReport* report) try {
+  collision::check_all(a, b, motions, options);
+  validate("sweep", execution, Runs::everywhere);
+  validate(pose_a);
+  const collision::DeviceRow* const row = collision::find_device(execution.backend, motions.size());
+  BatchReport done{row ? row->name : "cpu", row ? row->device_name(execution.device) : ""};
+  auto results = row ? collision::sweep_on_device(*row, a, pose_a, b, motions, options.tolerance, execution, done)
+                     : collision::for_each<SweepResult>(motions.size(), execution.threads, [&](std::size_t n) {
+                         return collision::sweep_exactly(a, pose_a, b, motions[n], options.tolerance);
+                       });
   if (report) *report = done;
   return results;
 } catch (...) {

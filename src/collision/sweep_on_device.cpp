@@ -26,13 +26,13 @@ bool decided(const Prepared& motion, const SweepAnswer& answer) {
 
 std::vector<SweepResult> sweep_on_device(const DeviceRow& row, const CollisionModel& a, const Pose& pose_a,
                                          const CollisionModel& b, std::span<const RigidMotion> motions,
-                                         double tolerance, const Execution& batch, BatchReport& report, int stack) {
+                                         double tolerance, const Execution& execution, BatchReport& report, int stack) {
   std::vector<SweepResult> results;
   results.reserve(motions.size());
   const Pair bodies(a, pose_a, b, {});  // which of them gives its field does not depend on motions
   for (std::size_t first = 0; first < motions.size(); first += kPiece) {
     const auto piece = motions.subspan(first, std::min(kPiece, motions.size() - first));
-    const auto prepared = for_each<Prepared>(piece.size(), batch.threads, [&](std::size_t n) {
+    const auto prepared = for_each<Prepared>(piece.size(), execution.threads, [&](std::size_t n) {
       const Course course(piece[n]);
       const Pair pair(a, pose_a, b, piece[n].from);
       const double kept = tolerance_kept(pair, course, tolerance);
@@ -47,9 +47,9 @@ std::vector<SweepResult> sweep_on_device(const DeviceRow& row, const CollisionMo
                .tree = *bodies.tree.body,
                .queries = queries,
                .answers = answers,
-               .device = batch.device,
+               .device = execution.device,
                .stack = stack});
-    const auto found = for_each<SweepResult>(piece.size(), batch.threads, [&](std::size_t n) {
+    const auto found = for_each<SweepResult>(piece.size(), execution.threads, [&](std::size_t n) {
       return decided(prepared[n], answers[n]) ? SweepResult{} : sweep_exactly(a, pose_a, b, piece[n], tolerance);
     });
     results.insert(results.end(), found.begin(), found.end());

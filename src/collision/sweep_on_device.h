@@ -24,7 +24,7 @@ SweepResult sweep_exactly(const CollisionModel& a, const Pose& pose_a, const Col
 /// What is certainly free the device decides; the others go to the CPU, and are counted. Motions must be valid.
 std::vector<SweepResult> sweep_on_device(const DeviceRow& row, const CollisionModel& a, const Pose& pose_a,
                                          const CollisionModel& b, std::span<const RigidMotion> motions,
-                                         double tolerance, const Execution& batch, BatchReport& report,
+                                         double tolerance, const Execution& execution, BatchReport& report,
                                          int stack = kDeviceStack);
 
 }  // namespace standoff::collision

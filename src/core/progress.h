@@ -2,16 +2,19 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <mutex>
 
 #include "core/guarded.h"
-#include "standoff/compute.h"
+#include "standoff/error.h"
+#include "standoff/execution.h"
 
 namespace standoff {
 
 class ProgressMeter {
  public:
-  explicit ProgressMeter(const ComputeOptions& options) : callback_(options.progress) {}
+  /// `callback` may be empty, and must outlive the meter.
+  explicit ProgressMeter(const ProgressCallback& callback) : callback_(callback) {}
 
   /// Begins a stage of `units` steps that spans [from, to] of the whole. Called between parallel parts.
   void stage(const char* name, std::int64_t units, double from, double to) {
@@ -43,7 +46,7 @@ class ProgressMeter {
     if (cancelled_) throw Error(ErrorCode::interrupted, "compute: cancelled; nothing was kept");
   }
 
-  const std::function<bool(const Progress&)>& callback_;
+  const ProgressCallback& callback_;
   Progress stage_;
   std::int64_t units_ = 1;
   double span_ = 0;

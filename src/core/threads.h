@@ -7,19 +7,8 @@
 #include <algorithm>
 #include <cstddef>
 #include <optional>
-#include <string>
-
-#include "standoff/compute.h"
-#include "standoff/error.h"
 
 namespace standoff {
-
-/// Throws Error{usage} unless so many may be asked for.
-inline void check_threads(const char* where, int asked) {
-  if (asked < 0 || asked > kMaxThreads)
-    throw Error(ErrorCode::usage, std::string(where) + ": " + std::to_string(asked) + " threads are not " +
-                                      "to be had; ask for 1 to " + std::to_string(kMaxThreads) + ", or 0 for all");
-}
 
 /// As many as asked for; where that is 0, as many as the caller may use.
 inline int thread_count(int asked) { return asked > 0 ? asked : std::max(1, tbb::this_task_arena::max_concurrency()); }

@@ -38,13 +38,13 @@ constexpr const char* kWhatToDo =
 
 // Everything but the output's own memory, which differs between compute and compute_into. The mesh's hash goes into
 // `hash`, where there is one.
-ComputeReport fill(MeshView mesh, const Grid& grid, const ComputeOptions& options, Sink& sink,
+ComputeReport fill(MeshView mesh, const Grid& grid, double thickness, const ComputeOptions& options, Sink& sink,
                    std::uint64_t* hash = nullptr) {
   const BackendRow& backend =
-      find_backend(options.backend, options.method, static_cast<std::int64_t>(mesh.triangles.size()), grid);
-  Threads threads(options.threads);
+      find_backend(options.execution.backend, options.method, static_cast<std::int64_t>(mesh.triangles.size()), grid);
+  Threads threads(options.execution.threads);
   ComputeReport report;
-  ProgressMeter progress(options);
+  ProgressMeter progress(options.progress);
   threads.run([&] {
     Stopwatch watch;
     progress.stage("prepare", 1, 0, 0.1);
@@ -53,7 +53,7 @@ ComputeReport fill(MeshView mesh, const Grid& grid, const ComputeOptions& option
     const SkipRule rule = effective_rule(options);
     std::vector<std::uint32_t> kept;
     if (rule.kind != SkipRule::Kind::none) {
-      kept = kept_triangles(mesh, grid, options.thickness, rule);
+      kept = kept_triangles(mesh, grid, thickness, rule);
       // To a Job an empty list means all triangles.
       if (kept.empty()) throw std::logic_error("the skip rule left no triangle");
       if (kept.size() == mesh.triangles.size()) kept.clear();
@@ -61,7 +61,8 @@ ComputeReport fill(MeshView mesh, const Grid& grid, const ComputeOptions& option
     report.seconds.prepare = watch.lap();
 
     progress.stage("bin", 1, 0.1, 0.2);
-    const Job job{mesh, kept, grid, options.thickness, threads.count(), options.simd, progress, options.device};
+    const Job job{
+        mesh, kept, grid, thickness, threads.count(), options.execution.simd, progress, options.execution.device};
     const Counts counts = backend.run(job, sink);
     if (hash) {
       progress.stage("hash", 1, 1, 1);
@@ -76,7 +77,7 @@ ComputeReport fill(MeshView mesh, const Grid& grid, const ComputeOptions& option
   progress.stage("done", 1, 1, 1);
   report.method = backend.method_name;
   report.backend = backend.backend_name;
-  report.device = backend.device(options.simd, options.device);
+  report.device = backend.device(options.execution.simd, options.execution.device);
   report.threads = threads.count();
   report.samples = grid.sample_count();
   constexpr std::int64_t side = DistanceField::kTileSide;
@@ -87,22 +88,23 @@ ComputeReport fill(MeshView mesh, const Grid& grid, const ComputeOptions& option
 
 }  // namespace
 
-ComputeResult compute(MeshView mesh, const Grid& grid, const ComputeOptions& options) {
+ComputeResult compute(MeshView mesh, const Grid& grid, double thickness, const ComputeOptions& options) {
   ComputeResult computed;
-  computed.report = compute_into(mesh, grid, computed.field, options);
+  computed.report = compute_into(mesh, grid, thickness, computed.field, options);
   return computed;
 }
 
-ComputeReport compute_into(MeshView mesh, const Grid& grid, DistanceField& field, const ComputeOptions& options) try {
-  validate(options);
+ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickness, DistanceField& field,
+                           const ComputeOptions& options) try {
+  validate(thickness, options);
   validate(grid);
-  check_memory(mesh, grid, options, false);
+  check_memory(mesh, grid, thickness, options, false);
   const Grid where = grid;  // it may be the field's own, which goes with the field
   try {
     if (options.memory_limit != 0) field = {};
-    field.reset(where, options.thickness, options.nearest_triangle);
+    field.reset(where, thickness, options.nearest_triangle);
     Sink sink(field);
-    ComputeReport report = fill(mesh, where, options, sink, &field.provenance.mesh_hash);
+    ComputeReport report = fill(mesh, where, thickness, options, sink, &field.provenance.mesh_hash);
     report.tiles_stored = field.stored_tiles();
     field.provenance.method = report.method;
     field.provenance.version = version();
@@ -115,9 +117,9 @@ ComputeReport compute_into(MeshView mesh, const Grid& grid, DistanceField& field
   throw_as_error("compute", kWhatToDo);
 }
 
-ComputeReport compute_into(MeshView mesh, const Grid& grid, std::span<float> values, std::span<std::uint32_t> nearest,
-                           const ComputeOptions& options) try {
-  validate(options);
+ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickness, std::span<float> values,
+                           std::span<std::uint32_t> nearest, const ComputeOptions& options) try {
+  validate(thickness, options);
   validate(grid);
   const auto samples = static_cast<std::size_t>(grid.sample_count());
   if (values.size() != samples || (!nearest.empty() && nearest.size() != samples) ||
@@ -125,17 +127,17 @@ ComputeReport compute_into(MeshView mesh, const Grid& grid, std::span<float> val
     throw Error(ErrorCode::usage,
                 "compute: the memory given does not hold " + std::to_string(samples) +
                     " values (and as many nearest triangles where they are asked for); give one for each sample");
-  check_memory(mesh, grid, options, true);
-  Threads(options.threads).run([&] {
+  check_memory(mesh, grid, thickness, options, true);
+  Threads(options.execution.threads).run([&] {
     constexpr std::size_t kGrain = std::size_t{1} << 18;
-    const auto far = static_cast<float>(options.thickness);
+    const auto far = static_cast<float>(thickness);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, samples, kGrain), [&](const auto& range) {
       std::fill(values.begin() + range.begin(), values.begin() + range.end(), far);
       if (!nearest.empty()) std::fill(nearest.begin() + range.begin(), nearest.begin() + range.end(), kNoTriangle);
     });
   });
   Sink sink(grid, values, nearest);
-  return fill(mesh, grid, options, sink);
+  return fill(mesh, grid, thickness, options, sink);
 } catch (...) {
   throw_as_error("compute", kWhatToDo);
 }

@@ -2,22 +2,21 @@
 
 #include <string>
 
-#include "core/threads.h"
+#include "core/execution.h"
 
 namespace standoff {
 
-void validate(const ComputeOptions& options) {
+void validate(double thickness, const ComputeOptions& options) {
   const auto fail = [](const char* what) { throw Error(ErrorCode::usage, std::string("compute: ") + what); };
-  if (!(options.thickness > 0)) fail("the thickness must be positive; infinity gives a full field");
-  check_threads("compute", options.threads);
+  if (!(thickness > 0)) fail("the thickness must be positive; infinity gives a full field");
+  validate("compute", options.execution, Runs::everywhere);
   if (options.memory_limit < 0) fail("the memory limit is negative; give bytes, or zero for none");
   if (options.skip.kind == SkipRule::Kind::neighbour && !(options.skip.fraction > 0 && options.skip.fraction <= 1))
     fail("the neighbour rule's fraction must be above 0 and at most 1; 1 is the thesis's");
   // Numbers that were cast to an enumeration.
   const auto one_of = [](auto value, auto last) { return value >= decltype(value){} && value <= last; };
-  if (!one_of(options.method, Method::thesis) || !one_of(options.backend, Backend::emulated) ||
-      !one_of(options.skip.kind, SkipRule::Kind::exact) || !one_of(options.simd, Simd::avx512))
-    fail("method, backend, skip rule or instruction set is none of those there are; take one that is declared");
+  if (!one_of(options.method, Method::thesis) || !one_of(options.skip.kind, SkipRule::Kind::exact))
+    fail("there is no such method or skip rule; take one of enum Method and of SkipRule::Kind");
 }
 
 SkipRule effective_rule(const ComputeOptions& options) {

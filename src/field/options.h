@@ -5,8 +5,8 @@
 
 namespace standoff {
 
-/// Throws Error{usage} for options that make no sense.
-void validate(const ComputeOptions& options);
+/// Throws Error{usage} for a thickness or options that make no sense.
+void validate(double thickness, const ComputeOptions& options);
 /// The skip rule of the method where none is named; never automatic.
 SkipRule effective_rule(const ComputeOptions& options);
 

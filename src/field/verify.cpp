@@ -8,6 +8,7 @@
 #include <random>
 #include <vector>
 
+#include "core/execution.h"
 #include "core/guarded.h"
 #include "core/progress.h"
 #include "core/threads.h"
@@ -104,15 +105,13 @@ double allowed_error(const Grid& grid, double distance) {
 
 VerifyResult verify(const DistanceField& field, MeshView mesh, const VerifyOptions& options) try {
   if (options.samples < 1) throw Error(ErrorCode::usage, "verify: at least one sample must be tested; give 1 or more");
-  check_threads("verify", options.threads);
+  validate("verify", options.execution, Runs::on_the_cpu);
   validate(mesh);
 
-  ComputeOptions talk;
-  talk.progress = options.progress;
-  ProgressMeter progress(talk);
+  ProgressMeter progress(options.progress);
   const auto samples = choose_samples(field, options.samples, options.seed);
   std::vector<Finding> findings(samples.size());
-  Threads(options.threads).run([&] {
+  Threads(options.execution.threads).run([&] {
     progress.stage("sort", 1, 0, 0.05);
     const TriangleGroups groups(mesh);
     progress.stage("verify", static_cast<std::int64_t>(samples.size()), 0.05, 1);

@@ -7,9 +7,11 @@
 #include <optional>
 #include <string>
 
+#include "core/execution.h"
 #include "core/guarded.h"
 #include "core/threads.h"
 #include "simulation/crossing.h"
+#include "standoff/compute.h"
 #include "standoff/simulation.h"
 
 namespace standoff {
@@ -57,7 +59,7 @@ void check(const FlightOptions& o) {
     fail("the thickness must be positive and finite; give a few steps' length");
   if (!(o.threshold >= 0) || !std::isfinite(o.threshold))
     fail("the threshold must be zero or more, and finite; 0 takes the larger spacing");
-  check_threads("simulation", o.threads);
+  validate("simulation", o.execution, Runs::on_the_cpu);
 }
 
 }  // namespace
@@ -80,9 +82,8 @@ struct World::State {
   DistanceField thesis_field(const CollisionModel& model) const {
     const Grid grid = minimum_grid(model.bounds(), options.thickness, options.minimum, options.speed);
     ComputeOptions compute_options;
-    compute_options.thickness = options.thickness;
-    compute_options.threads = options.threads;
-    return compute(model.mesh(), grid, compute_options).field;
+    compute_options.execution = options.execution;
+    return compute(model.mesh(), grid, options.thickness, compute_options).field;
   }
 
   void step(Flier& it) const;
@@ -229,7 +230,7 @@ void World::run(std::int64_t steps, const Visit& visit) try {
         cancelled = !call_back(state.options.progress, Progress{"fly", static_cast<double>(done) / all});
     }
   };
-  Threads(state.options.threads).run([&] { tbb::parallel_for(std::size_t{0}, state.fliers.size(), fly); });
+  Threads(state.options.execution.threads).run([&] { tbb::parallel_for(std::size_t{0}, state.fliers.size(), fly); });
   if (cancelled)
     throw Error(ErrorCode::interrupted, "simulation: cancelled; run it again to go on from where the bodies are");
 } catch (...) {

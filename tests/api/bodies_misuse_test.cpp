@@ -10,7 +10,7 @@ namespace {
 using namespace testing;
 
 const CollisionModel& body() {
-  static const CollisionModel model(one_triangle(), {.threads = 1});
+  static const CollisionModel model(one_triangle(), {.execution = {.threads = 1}});
   return model;
 }
 
@@ -49,13 +49,15 @@ TEST(Misuse, Poses) {
 }
 
 TEST(Misuse, Models) {
-  for (const Mesh& mesh : odd_meshes()) expect_answer_or_error("model", [&] { CollisionModel(mesh, {.threads = 1}); });
+  for (const Mesh& mesh : odd_meshes())
+    expect_answer_or_error("model", [&] { CollisionModel(mesh, {.execution = {.threads = 1}}); });
   for (const double x : kNumbers)
-    expect_answer_or_error(named("spacing", x), [&] { CollisionModel(one_triangle(), {.spacing = x, .threads = 1}); });
+    expect_answer_or_error(named("spacing", x),
+                           [&] { CollisionModel(one_triangle(), {.spacing = x, .execution = {.threads = 1}}); });
   for (const int n : kThreads)
-    expect_usage(named("threads", n), [&] { CollisionModel(one_triangle(), {.threads = n}); });
+    expect_usage(named("threads", n), [&] { CollisionModel(one_triangle(), {.execution = {.threads = n}}); });
   // A model that was moved from held nothing, and each query of it ended the program.
-  CollisionModel first(one_triangle(), {.threads = 1});
+  CollisionModel first(one_triangle(), {.execution = {.threads = 1}});
   const CollisionModel second = std::move(first);
   EXPECT_EQ(first.bounds().max, second.bounds().max);  // NOLINT(bugprone-use-after-move): moves copy
   EXPECT_GT(first.memory_bytes(), 0);
@@ -69,10 +71,10 @@ TEST(Misuse, QueriesAtAnyPose) {
     expect_answer_or_error("distance", [&] { distance(body(), {}, body(), pose); });
     expect_answer_or_error("contacts", [&] { contacts(body(), pose, body(), pose); });
     expect_answer_or_error("sweep", [&] { sweep(body(), pose, body(), {}); });
-    expect_answer_or_error("collide_all", [&] { collide_all(body(), {}, body(), poses, {}, 1); });
-    expect_answer_or_error("distance_all", [&] { distance_all(body(), {}, body(), poses, {}, 1); });
-    expect_answer_or_error("contacts_all", [&] { contacts_all(body(), {}, body(), poses, {}, 1); });
-    expect_answer_or_error("sweep_all", [&] { sweep_all(body(), {}, body(), motions, {}, 1); });
+    expect_answer_or_error("collide_all", [&] { collide_all(body(), {}, body(), poses, {}, {.threads = 1}); });
+    expect_answer_or_error("distance_all", [&] { distance_all(body(), {}, body(), poses, {}, {.threads = 1}); });
+    expect_answer_or_error("contacts_all", [&] { contacts_all(body(), {}, body(), poses, {}, {.threads = 1}); });
+    expect_answer_or_error("sweep_all", [&] { sweep_all(body(), {}, body(), motions, {}, {.threads = 1}); });
     const DistanceField none;
     expect_answer_or_error("collide_thesis", [&] { collide_thesis(none, pose, none, {}, 1); });
     expect_answer_or_error("thesis_sum", [&] { thesis_sum(none, {}, none, pose); });
@@ -100,20 +102,27 @@ TEST(Misuse, OptionsOfQueries) {
 TEST(Misuse, Batches) {
   const std::vector<Pose> poses(3);
   const std::vector<RigidMotion> motions(3);
-  for (const int n : kThreads) {
-    const std::string name = named("threads", n);
-    expect_usage(name, [&] { collide_all(body(), {}, body(), poses, {}, n); });
-    expect_usage(name, [&] { distance_all(body(), {}, body(), poses, {}, n); });
-    expect_usage(name, [&] { contacts_all(body(), {}, body(), poses, {}, n); });
-    expect_usage(name, [&] { sweep_all(body(), {}, body(), motions, {}, n); });
-    for (const Backend backend : {Backend::cpu, Backend::emulated}) {
-      expect_usage(name, [&] { collide_all(body(), {}, body(), poses, {}, Execution{n, backend, 0}); });
-      expect_usage(name, [&] { sweep_all(body(), {}, body(), motions, {}, Execution{n, backend, 0}); });
-    }
+  std::vector<Execution> refused{{.device = -1}, {.backend = none_of<Backend>()}, {.simd = none_of<Simd>()}};
+  for (const int n : kThreads)
+    for (const Backend backend : {Backend::automatic, Backend::cpu, Backend::emulated})
+      refused.push_back({.threads = n, .backend = backend});
+  for (const Execution& execution : refused) {
+    const std::string name = named("threads", execution.threads);
+    expect_usage(name, [&] { collide_all(body(), {}, body(), poses, {}, execution); });
+    expect_usage(name, [&] { distance_all(body(), {}, body(), poses, {}, execution); });
+    expect_usage(name, [&] { contacts_all(body(), {}, body(), poses, {}, execution); });
+    expect_usage(name, [&] { sweep_all(body(), {}, body(), motions, {}, execution); });
+    expect_usage(name, [&] { CollisionModel(one_triangle(), {.execution = execution}); });
+    expect_usage(name, [&] { World(body(), {.execution = execution}); });
   }
-  const Execution none{1, none_of<Backend>(), 0};
-  expect_usage("backend", [&] { collide_all(body(), {}, body(), poses, {}, none); });
-  expect_usage("backend", [&] { sweep_all(body(), {}, body(), motions, {}, none); });
+  for (const Backend backend : {Backend::cuda, Backend::emulated}) {
+    const Execution elsewhere{.backend = backend};
+    const CollideOptions certified{.mode = CollideMode::certified};
+    expect_usage("certified", [&] { collide_all(body(), {}, body(), poses, certified, elsewhere); });
+    expect_usage("distance", [&] { distance_all(body(), {}, body(), poses, {}, elsewhere); });
+    expect_usage("contacts", [&] { contacts_all(body(), {}, body(), poses, {}, elsewhere); });
+    expect_usage("flight", [&] { World(body(), {.execution = elsewhere}); });
+  }
   expect_usage("mode", [&] { collide(body(), {}, body(), {}, {.mode = none_of<CollideMode>()}); });
   for (const Backend backend : {Backend::automatic, Backend::cpu, Backend::cuda, Backend::emulated})
     for (const int device : {-1, 0, 1'000'000}) {
@@ -142,7 +151,7 @@ TEST(Misuse, Flights) {
       const auto with = [&](double FlightOptions::*member) {
         FlightOptions options;
         options.mode = mode;
-        options.threads = 1;
+        options.execution.threads = 1;
         options.on_contact = none_of<OnContact>();
         options.*member = x;
         return options;
@@ -160,14 +169,14 @@ TEST(Misuse, Flights) {
     }
   for (const int n : kThreads) {
     FlightOptions options;
-    options.threads = n;
+    options.execution.threads = n;
     expect_usage(named("threads", n), [&] { World(body(), options); });
   }
 }
 
 TEST(Misuse, Worlds) {
   FlightOptions options;
-  options.threads = 1;
+  options.execution.threads = 1;
   World world(body(), options);
   expect_usage("no body", [&] { world.grid(0); });
   expect_usage("no body", [&] { world.grid(std::numeric_limits<std::size_t>::max()); });

@@ -13,8 +13,8 @@ const Grid kGrid{{9, 9, 9}, {-1, -1, -1}, {0.4, 0.4, 0.4}};
 
 ComputeOptions on_cpu() {
   ComputeOptions options;
-  options.backend = Backend::cpu;
-  options.threads = 1;
+  options.execution.backend = Backend::cpu;
+  options.execution.threads = 1;
   return options;
 }
 
@@ -32,13 +32,11 @@ TEST(Misuse, Grids) {
     });
     expect_answer_or_error(name, [&] { DistanceField::from_dense(grid, 1, {}); });
     expect_answer_or_error(name, [&] { DistanceField().reset(grid, 1); });
-    expect_answer_or_error(name, [&] { compute(mesh, grid, on_cpu()); });
-    expect_answer_or_error(name, [&] { compute_into(mesh, grid, values, on_cpu()); });
+    expect_answer_or_error(name, [&] { compute(mesh, grid, kFullField, on_cpu()); });
+    expect_answer_or_error(name, [&] { compute_into(mesh, grid, 1, values, on_cpu()); });
     for (const double thickness : {1.0, kInfinite}) {
-      ComputeOptions options = on_cpu();
-      options.thickness = thickness;
-      expect_answer_or_error(name, [&] { EXPECT_GT(memory_needed(mesh, grid, options), 0); });
-      expect_answer_or_error(name, [&] { EXPECT_GT(memory_needed(1, grid, options, true), 0); });
+      expect_answer_or_error(name, [&] { EXPECT_GT(memory_needed(mesh, grid, thickness, on_cpu()), 0); });
+      expect_answer_or_error(name, [&] { EXPECT_GT(memory_needed(1, grid, thickness, on_cpu(), true), 0); });
     }
   }
 }
@@ -77,26 +75,25 @@ TEST(Misuse, Meshes) {
     expect_answer_or_error("bounds", [&] { bounds(mesh); });
     expect_answer_or_error("hash", [&] { content_hash(mesh); });
     expect_answer_or_error("inspect", [&] { inspect(mesh); });
-    expect_answer_or_error("memory_needed", [&] { memory_needed(mesh, kGrid, on_cpu()); });
+    expect_answer_or_error("memory_needed", [&] { memory_needed(mesh, kGrid, 1, on_cpu()); });
     expect_answer_or_error("verify", [&] { verify(DistanceField(kGrid, 1), mesh); });
     for (const double thickness : {1.0, kInfinite})
       for (const Method method : {Method::tiles, Method::thesis}) {
         ComputeOptions options = on_cpu();
-        options.thickness = thickness;
         options.method = method;
-        expect_answer_or_error("compute", [&] { compute(mesh, kGrid, options); });
+        expect_answer_or_error("compute", [&] { compute(mesh, kGrid, thickness, options); });
       }
   }
 }
 
-void expect_options(const std::string& name, const ComputeOptions& options) {
+void expect_options(const std::string& name, const ComputeOptions& options, double thickness = kFullField) {
   const Mesh mesh = one_triangle();
   std::vector<float> values(static_cast<std::size_t>(kGrid.sample_count()));
   DistanceField field;
-  expect_answer_or_error(name, [&] { compute(mesh, kGrid, options); });
-  expect_answer_or_error(name, [&] { compute_into(mesh, kGrid, field, options); });
-  expect_answer_or_error(name, [&] { compute_into(mesh, kGrid, values, options); });
-  expect_answer_or_error(name, [&] { EXPECT_GT(memory_needed(mesh, kGrid, options), 0); });
+  expect_answer_or_error(name, [&] { compute(mesh, kGrid, thickness, options); });
+  expect_answer_or_error(name, [&] { compute_into(mesh, kGrid, thickness, field, options); });
+  expect_answer_or_error(name, [&] { compute_into(mesh, kGrid, thickness, values, options); });
+  expect_answer_or_error(name, [&] { EXPECT_GT(memory_needed(mesh, kGrid, thickness, options), 0); });
 }
 
 TEST(Misuse, OptionsOfCompute) {
@@ -106,34 +103,40 @@ TEST(Misuse, OptionsOfCompute) {
     return options;
   };
   for (const double x : kNumbers) {
-    expect_options(named("thickness", x), with(&ComputeOptions::thickness, x));
+    expect_options(named("thickness", x), on_cpu(), x);
     expect_options(named("fraction", x), with(&ComputeOptions::skip, SkipRule{SkipRule::Kind::neighbour, x}));
   }
   for (const std::int64_t n : kCounts) expect_options(named("memory limit", n), with(&ComputeOptions::memory_limit, n));
-  for (const int n : {-1, 1'000'000}) expect_options(named("device", n), with(&ComputeOptions::device, n));
-  for (const ComputeOptions& options :
-       {with(&ComputeOptions::method, none_of<Method>()), with(&ComputeOptions::backend, none_of<Backend>()),
-        with(&ComputeOptions::simd, none_of<Simd>()),
-        with(&ComputeOptions::skip, SkipRule{none_of<SkipRule::Kind>(), 1})}) {
+  for (const ComputeOptions& options : {with(&ComputeOptions::method, none_of<Method>()),
+                                        with(&ComputeOptions::skip, SkipRule{none_of<SkipRule::Kind>(), 1})}) {
     expect_options("no such number", options);
-    expect_usage("no such number", [&] { compute(one_triangle(), kGrid, options); });
+    expect_usage("no such number", [&] { compute(one_triangle(), kGrid, 1, options); });
   }
 }
 
-// A million threads ended in a crash inside TBB.
-TEST(Misuse, Threads) {
-  for (const int threads : kThreads) {
-    ComputeOptions options = on_cpu();
-    options.threads = threads;
-    expect_usage(named("threads", threads), [&] { compute(one_triangle(), kGrid, options); });
-    expect_usage(named("threads", threads), [&] { memory_needed(one_triangle(), kGrid, options); });
-    VerifyOptions verifying;
-    verifying.threads = threads;
-    expect_usage(named("threads", threads), [&] { verify(DistanceField(kGrid, 1), one_triangle(), verifying); });
+// Every call that runs somewhere says the same about where it cannot run.
+TEST(Misuse, Executions) {
+  std::vector<Execution> refused{{.device = -1}, {.backend = none_of<Backend>()}, {.simd = none_of<Simd>()}};
+  for (const int threads : kThreads) refused.push_back({.threads = threads});  // a million ended in a crash inside TBB
+  std::vector<float> values(static_cast<std::size_t>(kGrid.sample_count()));
+  DistanceField field(kGrid, 1);
+  for (const Execution& execution : refused) {
+    const ComputeOptions options{.execution = execution};
+    expect_usage("compute", [&] { compute(one_triangle(), kGrid, 1, options); });
+    expect_usage("compute_into", [&] { compute_into(one_triangle(), kGrid, 1, values, options); });
+    expect_usage("compute_into", [&] { compute_into(one_triangle(), kGrid, 1, field, options); });
+    expect_usage("memory_needed", [&] { memory_needed(one_triangle(), kGrid, 1, options); });
+    expect_usage("memory_needed", [&] { memory_needed(1, kGrid, 1, options); });
+    expect_usage("verify", [&] { verify(field, one_triangle(), {.execution = execution}); });
   }
+  for (const Backend backend : {Backend::cuda, Backend::emulated})
+    expect_usage("verify", [&] { verify(field, one_triangle(), {.execution = {.backend = backend}}); });
+  expect_answer_or_error("device", [&] {
+    compute(one_triangle(), kGrid, 1, {.execution = {.backend = Backend::cuda, .device = 1'000'000}});
+  });
   ComputeOptions most = on_cpu();
-  most.threads = kMaxThreads;
-  EXPECT_EQ(compute(one_triangle(), kGrid, most).report.threads, kMaxThreads);
+  most.execution.threads = kMaxThreads;
+  EXPECT_EQ(compute(one_triangle(), kGrid, 1, most).report.threads, kMaxThreads);
 }
 
 // A count of 2^62 triangles gave a negative number of bytes, and -1 was a count.
@@ -143,16 +146,16 @@ TEST(Misuse, MemoryOfAnyCount) {
       for (const Method method : {Method::tiles, Method::thesis})
         for (const Backend backend : {Backend::cpu, Backend::emulated}) {
           ComputeOptions options = on_cpu();
-          options.thickness = thickness;
           options.method = method;
-          options.backend = backend;
-          const auto ask = [&] { EXPECT_GT(memory_needed(n, kGrid, options), 0) << n; };
+          options.execution.backend = backend;
+          const auto ask = [&] { EXPECT_GT(memory_needed(n, kGrid, thickness, options), 0) << n; };
           if (n < 1)
             expect_usage(named("triangles", n), ask);
           else
             expect_answer_or_error(named("triangles", n), ask);
           const Grid largest{{std::int64_t{1} << 40, std::int64_t{1} << 22, 1}, {}};
-          expect_answer_or_error(named("triangles", n), [&] { EXPECT_GT(memory_needed(n, largest, options), 0) << n; });
+          expect_answer_or_error(named("triangles", n),
+                                 [&] { EXPECT_GT(memory_needed(n, largest, thickness, options), 0) << n; });
         }
 }
 
@@ -197,14 +200,14 @@ TEST(Misuse, Fields) {
 }
 
 TEST(Misuse, Verify) {
-  const DistanceField field = compute(one_triangle(), kGrid, on_cpu()).field;
+  const DistanceField field = compute(one_triangle(), kGrid, kFullField, on_cpu()).field;
   for (const std::int64_t n : kCounts) {
     VerifyOptions options;
-    options.threads = 1;
+    options.execution.threads = 1;
     options.samples = n;
     expect_answer_or_error(named("samples", n), [&] { EXPECT_TRUE(verify(field, one_triangle(), options).ok()); });
   }
-  const DistanceField long_one = compute(one_triangle(), {{5000, 1, 1}, {}}, on_cpu()).field;
+  const DistanceField long_one = compute(one_triangle(), {{5000, 1, 1}, {}}, kFullField, on_cpu()).field;
   EXPECT_TRUE(verify(long_one, one_triangle()).ok());
   for (const double x : kNumbers) expect_answer_or_error("bound", [&] { allowed_error(kGrid, x); });
   for (const Grid& grid : odd_grids())
@@ -215,9 +218,9 @@ TEST(Misuse, Verify) {
 TEST(Misuse, WhatCallbacksThrowComesOut) {
   ComputeOptions options = on_cpu();
   options.progress = [](const Progress&) -> bool { throw 5; };
-  EXPECT_THROW(compute(one_triangle(), kGrid, options), int);
+  EXPECT_THROW(compute(one_triangle(), kGrid, 1, options), int);
   options.progress = [](const Progress&) -> bool { throw std::bad_alloc(); };
-  EXPECT_THROW(compute(one_triangle(), kGrid, options), std::bad_alloc);
+  EXPECT_THROW(compute(one_triangle(), kGrid, 1, options), std::bad_alloc);
   VerifyOptions verifying;
   verifying.progress = [](const Progress&) -> bool { throw std::string("mine"); };
   EXPECT_THROW(verify(DistanceField(kGrid, 1), one_triangle(), verifying), std::string);

@@ -67,8 +67,8 @@ const Grid kGrid{{12, 9, 9}, {-1, -1, -1}, {0.4, 0.4, 0.4}};
 
 ComputeOptions on_cpu() {
   ComputeOptions options;
-  options.backend = Backend::cpu;
-  options.threads = 1;
+  options.execution.backend = Backend::cpu;
+  options.execution.threads = 1;
   options.nearest_triangle = true;
   return options;
 }
@@ -78,19 +78,18 @@ TEST(RefusedMemory, Computing) {
     for (const Method method : {Method::tiles, Method::thesis})
       for (const SkipRule::Kind kind : {SkipRule::Kind::automatic, SkipRule::Kind::exact}) {
         ComputeOptions options = on_cpu();
-        options.thickness = thickness;
         options.method = method;
         options.skip.kind = kind;
-        expect_limit_error("compute", [&] { compute(kMesh, kGrid, options); });
+        expect_limit_error("compute", [&] { compute(kMesh, kGrid, thickness, options); });
       }
   std::vector<float> values(static_cast<std::size_t>(kGrid.sample_count()));
   std::vector<std::uint32_t> nearest(values.size());
-  expect_limit_error("compute_into", [&] { compute_into(kMesh, kGrid, values, nearest, on_cpu()); });
-  expect_limit_error("memory_needed", [&] { memory_needed(kMesh, kGrid, on_cpu()); });
+  expect_limit_error("compute_into", [&] { compute_into(kMesh, kGrid, 1, values, nearest, on_cpu()); });
+  expect_limit_error("memory_needed", [&] { memory_needed(kMesh, kGrid, 1, on_cpu()); });
 }
 
 TEST(RefusedMemory, Fields) {
-  const DistanceField field = compute(kMesh, kGrid, on_cpu()).field;
+  const DistanceField field = compute(kMesh, kGrid, kFullField, on_cpu()).field;
   const std::vector<float> values = field.to_dense();
   expect_limit_error("copy", [&] { DistanceField(field).stored_tiles(); });
   expect_limit_error("assign", [&] {
@@ -105,7 +104,7 @@ TEST(RefusedMemory, Fields) {
     stored.store_nearest(0, 0, 0);
   });
   VerifyOptions options;
-  options.threads = 1;
+  options.execution.threads = 1;
   std::vector<float> few(1);
   std::vector<std::uint32_t> few_nearest(1);
   expect_error_or_limit("value", [&] { field.value(-1, 0, 0); });
@@ -149,8 +148,8 @@ TEST(RefusedMemory, Devices) {
 }
 
 TEST(RefusedMemory, Bodies) {
-  expect_limit_error("model", [&] { CollisionModel(kMesh, {.threads = 1}); });
-  const CollisionModel body(kMesh, {.threads = 1});
+  expect_limit_error("model", [&] { CollisionModel(kMesh, {.execution = {.threads = 1}}); });
+  const CollisionModel body(kMesh, {.execution = {.threads = 1}});
   const Pose near = make_pose({0, 0, 1}, 0.3, {0.1, 0.2, 0.1});
   const std::vector<Pose> poses(3, near);
   const std::vector<RigidMotion> motions(3, RigidMotion{make_pose({0, 0, 1}, 0, {5, 0, 0}), near, {}});
@@ -158,19 +157,19 @@ TEST(RefusedMemory, Bodies) {
   expect_limit_error("distance", [&] { distance(body, {}, body, near); });
   expect_limit_error("contacts", [&] { contacts(body, {}, body, near, {.margin = 0.5}); });
   expect_limit_error("sweep", [&] { sweep(body, {}, body, motions[0]); });
-  expect_limit_error("collide_all", [&] { collide_all(body, {}, body, poses, {}, 1); });
-  expect_limit_error("distance_all", [&] { distance_all(body, {}, body, poses, {}, 1); });
-  expect_limit_error("contacts_all", [&] { contacts_all(body, {}, body, poses, {}, 1); });
-  expect_limit_error("sweep_all", [&] { sweep_all(body, {}, body, motions, {}, 1); });
-  expect_limit_error("batch", [&] { collide_all(body, {}, body, poses, {}, Execution{1}); });
+  expect_limit_error("collide_all", [&] { collide_all(body, {}, body, poses, {}, {.threads = 1}); });
+  expect_limit_error("distance_all", [&] { distance_all(body, {}, body, poses, {}, {.threads = 1}); });
+  expect_limit_error("contacts_all", [&] { contacts_all(body, {}, body, poses, {}, {.threads = 1}); });
+  expect_limit_error("sweep_all", [&] { sweep_all(body, {}, body, motions, {}, {.threads = 1}); });
+  expect_limit_error("batch", [&] { collide_all(body, {}, body, poses, {}, {.threads = 1, .backend = Backend::cpu}); });
 }
 
 TEST(RefusedMemory, Flights) {
-  const CollisionModel body(kMesh, {.threads = 1});
+  const CollisionModel body(kMesh, {.execution = {.threads = 1}});
   for (const FlightMode mode : {FlightMode::sweep, FlightMode::thesis}) {
     FlightOptions options;
     options.mode = mode;
-    options.threads = 1;
+    options.execution.threads = 1;
     expect_limit_error("world", [&] {
       World world(body, options);
       world.add(body, make_pose({0, 0, 1}, 0, {5, 5, 5}));
@@ -188,14 +187,14 @@ TEST(RefusedMemory, Files) {
     expect_limit_error(name, [&] { write_mesh(path, kMesh); });
     expect_limit_error(name, [&] { read_mesh(path); });
   }
-  const DistanceField field = compute(kMesh, kGrid, on_cpu()).field;
+  const DistanceField field = compute(kMesh, kGrid, kFullField, on_cpu()).field;
   for (const char* name : {"a.vti", "a.npz"}) {
     const auto path = folder / name;
     expect_limit_error(name, [&] { write_field(path, field); });
     expect_limit_error(name, [&] { read_field(path); });
   }
   const auto body_path = folder / "a.body", text = folder / "a.txt", picture = folder / "a.png";
-  const CollisionModel body(kMesh, {.threads = 1});
+  const CollisionModel body(kMesh, {.execution = {.threads = 1}});
   expect_limit_error("save", [&] { body.save(body_path); });
   expect_limit_error("load", [&] { CollisionModel::load(body_path); });
   expect_limit_error("write_text", [&] { write_text(text, "some"); });
@@ -211,7 +210,7 @@ TEST(RefusedMemory, Files) {
 TEST(RefusedMemory, NothingLeft) {
   const heap::Limit nothing(0);
   try {
-    compute(kMesh, kGrid, on_cpu());
+    compute(kMesh, kGrid, kFullField, on_cpu());
     ADD_FAILURE() << "no error";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::limit);

@@ -153,7 +153,8 @@ TEST(EdgeCases, NoMotionAndHugeMotion) {
   // Farther still, each step of the time jumps over the wall: once such a sweep did not come back.
   const RigidMotion too_far{moved({0, 0, 6e14}), moved({0, 0, -6e14}), {}};
   EXPECT_EQ(code_of([&] { sweep(wall, {}, ball, too_far); }), ErrorCode::usage);
-  EXPECT_EQ(code_of([&] { sweep_all(wall, {}, ball, std::vector{too_far}, SweepOptions{}, 1); }), ErrorCode::usage);
+  EXPECT_EQ(code_of([&] { sweep_all(wall, {}, ball, std::vector{too_far}, SweepOptions{}, {.threads = 1}); }),
+            ErrorCode::usage);
   EXPECT_FALSE(sweep(wall, {}, ball, {moved({5, 0, 1e9}), moved({5, 0, -1e9}), {}}).hit);
 }
 
@@ -235,8 +236,8 @@ TEST(EdgeCases, NoPosesAndTooFewThreads) {
   EXPECT_TRUE(distance_all(ball, {}, ball, {}, {}).empty());
   EXPECT_TRUE(contacts_all(ball, {}, ball, {}, {}).empty());
   EXPECT_TRUE(sweep_all(ball, {}, ball, {}, {}).empty());
-  EXPECT_EQ(code_of([&] { collide_all(ball, {}, ball, {}, {}, -1); }), ErrorCode::usage);
-  EXPECT_EQ(code_of([&] { CollisionModel(ball_mesh(1, 2), {.threads = -1}); }), ErrorCode::usage);
+  EXPECT_EQ(code_of([&] { collide_all(ball, {}, ball, {}, {}, {.threads = -1}); }), ErrorCode::usage);
+  EXPECT_EQ(code_of([&] { CollisionModel(ball_mesh(1, 2), {.execution = {.threads = -1}}); }), ErrorCode::usage);
   EXPECT_EQ(code_of([&] { CollisionModel(ball_mesh(1, 2), {.spacing = -1}); }), ErrorCode::usage);
   EXPECT_EQ(code_of([&] { CollisionModel(ball_mesh(1, 2), {.spacing = 1e-9}); }), ErrorCode::limit);
 }
@@ -280,10 +281,8 @@ TEST(EdgeCases, MillionsOfContacts) {
 
 TEST(Thesis, FindsWhatIsDeepAndNothingFar) {
   const Mesh a = ball_mesh(1, 6), b = ball_mesh(0.7, 5);
-  ComputeOptions options;
-  options.thickness = 0.4;
-  const DistanceField of_a = compute(a, minimum_grid(bounds(a), 0.4, 4), options).field,
-                      of_b = compute(b, minimum_grid(bounds(b), 0.4, 4), options).field;
+  const DistanceField of_a = compute(a, minimum_grid(bounds(a), 0.4, 4), 0.4).field,
+                      of_b = compute(b, minimum_grid(bounds(b), 0.4, 4), 0.4).field;
   EXPECT_TRUE(collide_thesis(of_a, {}, of_b, moved({1, 0, 0}), 0.2).hit);
   EXPECT_FALSE(collide_thesis(of_a, {}, of_b, moved({5, 0, 0}), 0.2).hit);
   EXPECT_EQ(thesis_sum(of_a, {}, of_b, moved({50, 0, 0})), std::numeric_limits<double>::infinity());

@@ -58,7 +58,7 @@ struct Bodies {
   std::vector<Pose> poses;
   std::vector<RigidMotion> motions;
 
-  explicit Bodies(int threads) : a(random_soup(1, 400, 1, 0.3), {.threads = threads}) {
+  explicit Bodies(int threads) : a(random_soup(1, 400, 1, 0.3), {.execution = {.threads = threads}}) {
     Random random(5);
     for (int n = 0; n < 300; ++n) poses.push_back(random_pose(random, 1.5));
     for (int n = 0; n + 1 < 300; ++n) motions.push_back({poses[n], poses[n + 1], {0.1, 0.2, 0.3}});
@@ -67,15 +67,15 @@ struct Bodies {
 
 TEST(Threads, DoNotShowInTheAnswers) {
   const Bodies one(1), four(4);
-  const auto hits = collide_all(one.a, {}, one.b, one.poses, {}, 1);
-  const auto found = distance_all(one.a, {}, one.b, one.poses, {}, 1);
-  const auto touching = contacts_all(one.a, {}, one.b, one.poses, {.most = 5}, 1);
-  const auto swept = sweep_all(one.a, {}, one.b, one.motions, {}, 1);
+  const auto hits = collide_all(one.a, {}, one.b, one.poses, {}, {.threads = 1});
+  const auto found = distance_all(one.a, {}, one.b, one.poses, {}, {.threads = 1});
+  const auto touching = contacts_all(one.a, {}, one.b, one.poses, {.most = 5}, {.threads = 1});
+  const auto swept = sweep_all(one.a, {}, one.b, one.motions, {}, {.threads = 1});
   for (const int threads : {0, 2, 4}) {
-    expect_same(hits, collide_all(four.a, {}, four.b, four.poses, {}, threads));
-    expect_same(found, distance_all(four.a, {}, four.b, four.poses, {}, threads));
-    expect_same(touching, contacts_all(four.a, {}, four.b, four.poses, {.most = 5}, threads));
-    expect_same(swept, sweep_all(four.a, {}, four.b, four.motions, {}, threads));
+    expect_same(hits, collide_all(four.a, {}, four.b, four.poses, {}, {.threads = threads}));
+    expect_same(found, distance_all(four.a, {}, four.b, four.poses, {}, {.threads = threads}));
+    expect_same(touching, contacts_all(four.a, {}, four.b, four.poses, {.most = 5}, {.threads = threads}));
+    expect_same(swept, sweep_all(four.a, {}, four.b, four.motions, {}, {.threads = threads}));
   }
   // One by one is the same too.
   for (std::size_t n = 0; n < one.poses.size(); n += 7) {
@@ -87,7 +87,7 @@ TEST(Threads, DoNotShowInTheAnswers) {
 
 TEST(Threads, MayShareABody) {
   const Bodies bodies(0);
-  const auto expected = collide_all(bodies.a, {}, bodies.b, bodies.poses, {}, 1);
+  const auto expected = collide_all(bodies.a, {}, bodies.b, bodies.poses, {}, {.threads = 1});
   std::vector<std::vector<CollisionResult>> found(4);
   std::vector<std::thread> threads;
   for (auto& mine : found)

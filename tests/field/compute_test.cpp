@@ -19,10 +19,11 @@ const Grid kGrid{{40, 41, 42}, {-5, -5, -5}, {0.25, 0.25, 0.25}};
 
 Mesh soup() { return testing::random_soup(81, 200, 4, 1); }
 
-void expect_compute_error(const Mesh& mesh, const ComputeOptions& options, ErrorCode code, const std::string& words) {
-  expect_error([&] { compute(mesh, kGrid, options); }, code, words);
+void expect_compute_error(const Mesh& mesh, const ComputeOptions& options, ErrorCode code, const std::string& words,
+                          double thickness = kFullField) {
+  expect_error([&] { compute(mesh, kGrid, thickness, options); }, code, words);
   std::vector<float> values(static_cast<std::size_t>(kGrid.sample_count()));
-  expect_error([&] { compute_into(mesh, kGrid, values, options); }, code, words);
+  expect_error([&] { compute_into(mesh, kGrid, thickness, values, options); }, code, words);
 }
 
 TEST(Compute, MeshErrorsNameTheTriangle) {
@@ -36,13 +37,10 @@ TEST(Compute, MeshErrorsNameTheTriangle) {
 }
 
 TEST(Compute, OptionErrors) {
-  for (const double thickness : {0.0, -1.0, kNaN}) {
-    ComputeOptions options;
-    options.thickness = thickness;
-    expect_compute_error(soup(), options, ErrorCode::usage, "thickness must be positive");
-  }
+  for (const double thickness : {0.0, -1.0, kNaN})
+    expect_compute_error(soup(), {}, ErrorCode::usage, "thickness must be positive", thickness);
   ComputeOptions options;
-  options.threads = -1;
+  options.execution.threads = -1;
   expect_compute_error(soup(), options, ErrorCode::usage, "threads");
   options = {};
   options.memory_limit = -1;
@@ -50,14 +48,14 @@ TEST(Compute, OptionErrors) {
   options = {};
   options.skip = {SkipRule::Kind::neighbour, 1.5};
   expect_compute_error(soup(), options, ErrorCode::usage, "fraction");
-  expect_error([] { compute(soup(), {{0, 1, 1}, {}, {1, 1, 1}}); }, ErrorCode::usage, "at least one sample");
+  expect_error([] { compute(soup(), {{0, 1, 1}, {}, {1, 1, 1}}, 1); }, ErrorCode::usage, "at least one sample");
 }
 
 TEST(Compute, MemoryOfTheWrongLength) {
   std::vector<float> values(static_cast<std::size_t>(kGrid.sample_count()));
   std::vector<std::uint32_t> nearest(values.size());
   const auto expect_refused = [](std::span<float> v, std::span<std::uint32_t> n, const ComputeOptions& options) {
-    expect_error([&] { compute_into(soup(), kGrid, v, n, options); }, ErrorCode::usage, "68880 values");
+    expect_error([&] { compute_into(soup(), kGrid, kFullField, v, n, options); }, ErrorCode::usage, "68880 values");
   };
   expect_refused(std::span(values).first(values.size() - 1), {}, {});
   expect_refused(values, std::span(nearest).first(1), {});
@@ -68,39 +66,36 @@ TEST(Compute, MemoryOfTheWrongLength) {
 
 TEST(Compute, MemoryLimitSaysWhatIsNeededAndWhatToDo) {
   ComputeOptions options;
-  options.thickness = 1;
-  const auto needed = memory_needed(soup(), kGrid, options);
+  const auto needed = memory_needed(soup(), kGrid, 1, options);
   options.memory_limit = needed - 1;
-  expect_error([&] { compute(soup(), kGrid, options); }, ErrorCode::limit, "may need");
-  expect_error([&] { compute(soup(), kGrid, options); }, ErrorCode::limit, "higher limit");
+  expect_error([&] { compute(soup(), kGrid, 1, options); }, ErrorCode::limit, "may need");
+  expect_error([&] { compute(soup(), kGrid, 1, options); }, ErrorCode::limit, "higher limit");
   options.memory_limit = needed;
-  EXPECT_LE(compute(soup(), kGrid, options).field.memory_bytes(), needed);
+  EXPECT_LE(compute(soup(), kGrid, 1, options).field.memory_bytes(), needed);
 }
 
 // What it takes is measured in memory_test.cpp.
 TEST(Compute, MemoryNeededCountsTheCallersMemory) {
   ComputeOptions options;
-  options.thickness = 0.3;
-  const auto dense = [&] { return memory_needed(soup(), kGrid, options, true); };
+  const auto dense = [&] { return memory_needed(soup(), kGrid, 0.3, options, true); };
   const std::int64_t values = dense();
   options.nearest_triangle = true;
   EXPECT_EQ(dense() - values, kGrid.sample_count() * 4);
-  EXPECT_EQ(dense(), memory_needed(200, kGrid, options, true)) << "the mesh does not matter";
+  EXPECT_EQ(dense(), memory_needed(200, kGrid, 0.3, options, true)) << "the mesh does not matter";
 }
 
 TEST(Compute, MemoryNeededDoesNotOverflow) {
   const std::int64_t large = std::int64_t{1} << 40;
   ComputeOptions options;
-  options.threads = 1;
-  EXPECT_GT(memory_needed(1, {{large, 1 << 22, 1}, {}, {1, 1, 1}}, options), large);
+  options.execution.threads = 1;
+  EXPECT_GT(memory_needed(1, {{large, 1 << 22, 1}, {}, {1, 1, 1}}, kFullField, options), large);
 }
 
 TEST(Compute, MemoryNeededCountsTheSkipRule) {
   const auto needed = [](SkipRule::Kind kind) {
     ComputeOptions options;
-    options.thickness = 1;
     options.skip.kind = kind;
-    return memory_needed(1'000'000, kGrid, options);
+    return memory_needed(1'000'000, kGrid, 1, options);
   };
   const auto none = needed(SkipRule::Kind::none);
   EXPECT_EQ(needed(SkipRule::Kind::neighbour) - none, 4'000'000);
@@ -110,7 +105,6 @@ TEST(Compute, MemoryNeededCountsTheSkipRule) {
 TEST(Compute, ProgressNeverFallsAndEndsAtOne) {
   for (const double thickness : {0.5, 4.0}) {
     ComputeOptions options;
-    options.thickness = thickness;
     double last = 0;
     int calls = 0;
     std::vector<std::string> stages;
@@ -125,7 +119,7 @@ TEST(Compute, ProgressNeverFallsAndEndsAtOne) {
       ++calls;
       return true;
     };
-    compute(soup(), kGrid, options);
+    compute(soup(), kGrid, thickness, options);
     EXPECT_EQ(last, 1);
     EXPECT_GT(calls, 10);
     ASSERT_GT(stages.size(), 2u);
@@ -140,9 +134,8 @@ TEST(Compute, CancelsWhereverItIsAsked) {
     for (const int most : {0, 1, 2, 5, 12}) {
       int calls = 0;
       ComputeOptions options;
-      options.thickness = thickness;
       options.progress = [&](const Progress&) { return calls++ < most; };
-      expect_error([&] { compute(soup(), kGrid, options); }, ErrorCode::interrupted, "cancelled");
+      expect_error([&] { compute(soup(), kGrid, thickness, options); }, ErrorCode::interrupted, "cancelled");
       EXPECT_EQ(calls, most + 1) << "not asked again";
     }
 }
@@ -153,13 +146,12 @@ TEST(Compute, CancelsBeforeTheFirstBrick) {
   for (const double thickness : {0.5, 4.0}) {
     int before_bricks = 0;
     ComputeOptions options;
-    options.thickness = thickness;
-    options.threads = 1;
+    options.execution.threads = 1;
     options.progress = [&](const Progress& progress) {
       before_bricks += progress.stage == std::string("gather") && progress.fraction == 0.2;
       return before_bricks < 3;
     };
-    expect_error([&] { compute(mesh, kGrid, options); }, ErrorCode::interrupted, "cancelled");
+    expect_error([&] { compute(mesh, kGrid, thickness, options); }, ErrorCode::interrupted, "cancelled");
   }
 }
 
@@ -171,10 +163,9 @@ TEST(ComputeIntoAField, GivesWhatComputeGives) {
     for (const double thickness : {0.5, std::numeric_limits<double>::infinity(), 0.25})
       for (const Grid& grid : grids) {
         ComputeOptions options;
-        options.thickness = thickness;
         options.nearest_triangle = nearest;
-        const ComputeResult expected = compute(soup(), grid, options);
-        const ComputeReport report = compute_into(soup(), grid, field, options);
+        const ComputeResult expected = compute(soup(), grid, thickness, options);
+        const ComputeReport report = compute_into(soup(), grid, thickness, field, options);
         EXPECT_EQ(report.tiles_stored, expected.report.tiles_stored);
         EXPECT_EQ(field.grid(), grid);
         EXPECT_EQ(field.thickness(), thickness);
@@ -200,9 +191,9 @@ const float* first_tile(const DistanceField& field) {
 
 TEST(ComputeIntoAField, UsesItsMemoryAgain) {
   DistanceField field;
-  compute_into(soup(), kGrid, field);
+  compute_into(soup(), kGrid, kFullField, field);
   const float* const before = first_tile(field);
-  compute_into(soup(), field.grid(), field);
+  compute_into(soup(), field.grid(), kFullField, field);
   EXPECT_EQ(first_tile(field), before);
   EXPECT_EQ(field.grid(), kGrid);
 }
@@ -210,14 +201,14 @@ TEST(ComputeIntoAField, UsesItsMemoryAgain) {
 TEST(ComputeIntoAField, ThatFailsLeavesItEmptyOrAsItWas) {
   DistanceField field;
   const auto expect_refused = [&field](const Mesh& mesh, const ComputeOptions& options, ErrorCode code, bool kept) {
-    compute_into(soup(), kGrid, field);
+    compute_into(soup(), kGrid, kFullField, field);
     const std::vector<float> before = field.to_dense();
-    expect_error([&] { compute_into(mesh, kGrid, field, options); }, code, "");
+    expect_error([&] { compute_into(mesh, kGrid, kFullField, field, options); }, code, "");
     EXPECT_EQ(field.to_dense() == before, kept);
     EXPECT_EQ(field.stored_tiles() == 0, !kept);
   };
   ComputeOptions options;
-  options.threads = -1;
+  options.execution.threads = -1;
   expect_refused(soup(), options, ErrorCode::usage, true);
   options = {};
   options.memory_limit = 1000;
@@ -231,9 +222,8 @@ TEST(ComputeIntoAField, ThatFailsLeavesItEmptyOrAsItWas) {
 
 TEST(Compute, ReportsWhatItDid) {
   ComputeOptions options;
-  options.thickness = 0.5;
-  options.threads = 2;
-  const ComputeResult done = compute(soup(), kGrid, options);
+  options.execution.threads = 2;
+  const ComputeResult done = compute(soup(), kGrid, 0.5, options);
   const ComputeReport& report = done.report;
   EXPECT_EQ(report.method, "tiles");
   EXPECT_EQ(report.backend, "cpu");

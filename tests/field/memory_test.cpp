@@ -39,12 +39,11 @@ void expect_enough(const Mesh& mesh, double thickness) {
   for (const int threads : {1, 8})
     for (const bool nearest : {false, true}) {
       ComputeOptions options;
-      options.backend = Backend::cpu;
-      options.thickness = thickness;
-      options.threads = threads;
+      options.execution.backend = Backend::cpu;
+      options.execution.threads = threads;
       options.nearest_triangle = nearest;
-      const std::int64_t needed = memory_needed(mesh, grid, options);
-      const std::int64_t taken = most_held([&] { compute(mesh, grid, options); });
+      const std::int64_t needed = memory_needed(mesh, grid, thickness, options);
+      const std::int64_t taken = most_held([&] { compute(mesh, grid, thickness, options); });
       EXPECT_LE(taken, needed + kSmallThings)
           << mesh.triangles.size() << " triangles, thickness " << thickness << ", " << threads << " threads";
       EXPECT_LE(needed, memory_needed(std::int64_t(mesh.triangles.size()), grid, options));
@@ -66,23 +65,25 @@ TEST(Memory, WideFieldsTakeNoMoreThanWasSaid) {
 // A band around one triangle stores a few tiles of a grid whose samples would fill 32 GB.
 TEST(Memory, SparseBandsAreNotRefusedForTheirGrid) {
   ComputeOptions options;
-  options.backend = Backend::cpu;
-  options.threads = 2;
+  options.execution.backend = Backend::cpu;
+  options.execution.threads = 2;
   const Grid grid = cube(2000, {0, 0, -0.5}, 1);
-  options.thickness = 2 * grid.spacing.x;
   options.memory_limit = std::int64_t{1} << 30;
-  EXPECT_GT(memory_needed(1, grid, options), 30'000'000'000);
-  const std::int64_t needed = memory_needed(kTriangle, grid, options);
+  EXPECT_GT(memory_needed(1, grid, 2 * grid.spacing.x, options), 30'000'000'000);
+  const std::int64_t needed = memory_needed(kTriangle, grid, 2 * grid.spacing.x, options);
   EXPECT_LE(needed, options.memory_limit);
-  EXPECT_LE(most_held([&] { EXPECT_GT(compute(kTriangle, grid, options).field.stored_tiles(), 1000); }), needed);
+  EXPECT_LE(
+      most_held([&] { EXPECT_GT(compute(kTriangle, grid, 2 * grid.spacing.x, options).field.stored_tiles(), 1000); }),
+      needed);
 }
 
 TEST(Memory, TilesAreCountedWhereTrianglesReach) {
   ComputeOptions options;
-  options.threads = 1;
-  options.thickness = 0.5;
+  options.execution.threads = 1;
   const Grid grid{{4096, 4096, 8}, {}, {1, 1, 1}};
-  const auto needed = [&](const Mesh& mesh) { return memory_needed(mesh, grid, options); };
+  const auto needed = [&](const Mesh& mesh, double thickness = 0.5) {
+    return memory_needed(mesh, grid, thickness, options);
+  };
   // Triangles of one place lie in the same tiles, but the bound adds them up; those off the grid count nothing.
   const auto mesh_of = [](int count, double at) {
     Mesh mesh;
@@ -100,15 +101,13 @@ TEST(Memory, TilesAreCountedWhereTrianglesReach) {
   EXPECT_EQ(needed(mesh_of(256, 3)) - needed(mesh_of(256, -1000)), kChunk);
   EXPECT_EQ(needed(mesh_of(257, 3)) - needed(mesh_of(257, -1000)), 2 * kChunk);
   EXPECT_EQ(needed(mesh_of(129, 6.9)) - needed(mesh_of(129, -1000)), 2 * kChunk) << "two tiles each";
-  const double infinite = kInfinity;
-  options.thickness = infinite;
-  EXPECT_EQ(needed(mesh_of(1, 3)), memory_needed(1, grid, options));
+  EXPECT_EQ(needed(mesh_of(1, 3), kFullField), memory_needed(1, grid, kFullField, options));
 }
 
 // The message of the refusal, or "".
-std::string refusal(const Mesh& mesh, const Grid& grid, const ComputeOptions& options) {
+std::string refusal(const Mesh& mesh, const Grid& grid, double thickness, const ComputeOptions& options) {
   try {
-    compute(mesh, grid, options);
+    compute(mesh, grid, thickness, options);
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::limit);
     return error.what();
@@ -120,32 +119,30 @@ TEST(Memory, WhatIsAdvisedHelps) {
   const Mesh mesh = testing::random_soup(5, 300, 4, 1);
   for (const double thickness : {0.5, kInfinity}) {
     ComputeOptions options;
-    options.backend = Backend::cpu;
-    options.threads = 1;
-    options.thickness = thickness;
+    options.execution.backend = Backend::cpu;
+    options.execution.threads = 1;
     const Grid grid = cube(400, {-5, -5, -5}, 10);
     options.memory_limit = std::int64_t{230} << 20;
-    const std::string told = refusal(mesh, grid, options);
+    const std::string told = refusal(mesh, grid, thickness, options);
     std::smatch side;
     ASSERT_TRUE(std::regex_search(told, side, std::regex("at most about ([0-9]+) samples"))) << told;
     EXPECT_NE(told.find("smaller thickness"), std::string::npos) << told;
-    EXPECT_LE(memory_needed(mesh, cube(std::stoll(side[1]), {-5, -5, -5}, 10), options), options.memory_limit);
-    options.thickness = grid.spacing.x;
-    EXPECT_LE(memory_needed(mesh, grid, options), options.memory_limit);
+    EXPECT_LE(memory_needed(mesh, cube(std::stoll(side[1]), {-5, -5, -5}, 10), thickness, options),
+              options.memory_limit);
+    EXPECT_LE(memory_needed(mesh, grid, grid.spacing.x, options), options.memory_limit);
   }
 }
 
 TEST(Memory, NothingIsAdvisedThatDoesNotHelp) {
   ComputeOptions options;
-  options.backend = Backend::cpu;
-  options.threads = 1;
-  options.thickness = 0.5;
+  options.execution.backend = Backend::cpu;
+  options.execution.threads = 1;
   const Grid grid = cube(400, {-5, -5, -5}, 10);
   options.memory_limit = std::int64_t{32} << 20;  // less than the table of tiles and the lists of triangles
-  const std::string thin = refusal(kTriangle, grid, options);
+  const std::string thin = refusal(kTriangle, grid, 0.5, options);
   EXPECT_EQ(thin.find("smaller thickness"), std::string::npos) << thin;
   options.memory_limit = 1;
-  const std::string none = refusal(kTriangle, grid, options);
+  const std::string none = refusal(kTriangle, grid, 0.5, options);
   EXPECT_EQ(none.find("take"), std::string::npos) << none;
   EXPECT_NE(none.find("; give a higher limit"), std::string::npos) << none;
 }
@@ -162,12 +159,11 @@ TEST(Memory, WhenThereIsNoneItIsALimitError) {
     expect_error(limited, ErrorCode::limit, words);
   };
   ComputeOptions options;
-  options.backend = Backend::cpu;
-  options.threads = 1;
-  options.thickness = 0.5;
+  options.execution.backend = Backend::cpu;
+  options.execution.threads = 1;
   for (const std::int64_t bytes : {10'000, 40'000}) {
-    expect_refused(bytes, "not enough memory", [&] { compute(mesh, grid, options); });
-    expect_refused(bytes, "not enough memory", [&] { compute_into(mesh, grid, values, options); });
+    expect_refused(bytes, "not enough memory", [&] { compute(mesh, grid, 0.5, options); });
+    expect_refused(bytes, "not enough memory", [&] { compute_into(mesh, grid, 0.5, values, options); });
   }
   const TempFolder folder;
   const auto path = folder / "a.obj";

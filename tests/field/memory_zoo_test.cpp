@@ -68,12 +68,12 @@ Grid grid_of(Size3 size) {
 // What TBB, the callback and the texts of a report take.
 constexpr std::int64_t kSmallThings = 64 << 10;
 
-void expect_enough(const Kind& kind, const Grid& grid, const ComputeOptions& options) {
-  const std::int64_t needed = memory_needed(kind.mesh, grid, options);
-  const std::int64_t taken = testing::heap::most_held([&] { compute(kind.mesh, grid, options); });
+void expect_enough(const Kind& kind, const Grid& grid, double thickness, const ComputeOptions& options) {
+  const std::int64_t needed = memory_needed(kind.mesh, grid, thickness, options);
+  const std::int64_t taken = testing::heap::most_held([&] { compute(kind.mesh, grid, thickness, options); });
   EXPECT_LE(taken, needed + kSmallThings)
-      << kind.name << ", " << grid.size.x << "x" << grid.size.y << "x" << grid.size.z << ", thickness "
-      << options.thickness << ", " << options.threads << " threads, method " << static_cast<int>(options.method);
+      << kind.name << ", " << grid.size.x << "x" << grid.size.y << "x" << grid.size.z << ", thickness " << thickness
+      << ", " << options.execution.threads << " threads, method " << static_cast<int>(options.method);
 }
 
 TEST(MemoryOfTheZoo, NoComputationTakesMoreThanWasSaid) {
@@ -82,10 +82,11 @@ TEST(MemoryOfTheZoo, NoComputationTakesMoreThanWasSaid) {
       for (const double samples : {2.0, 8.0, kInfinity}) {
         const Grid grid = grid_of(size);
         ComputeOptions options;
-        options.backend = Backend::cpu;
-        options.thickness = samples * grid.spacing.x;
-        for (options.threads = 1; options.threads <= 8; options.threads += options.threads == 1 ? 1 : 3)
-          expect_enough(kind, grid, options);
+        options.execution.backend = Backend::cpu;
+        for (const int threads : {1, 2, 5, 8}) {
+          options.execution.threads = threads;
+          expect_enough(kind, grid, samples * grid.spacing.x, options);
+        }
       }
 }
 
@@ -93,14 +94,14 @@ TEST(MemoryOfTheZoo, NorDoTheThesisAndTheSkipRules) {
   for (const Kind& kind : zoo()) {
     const Grid grid = grid_of({12, 12, 12});
     ComputeOptions options;
-    options.backend = Backend::cpu;
-    options.thickness = 2 * grid.spacing.x;
-    for (options.threads = 1; options.threads <= 8; options.threads *= 2) {
+    options.execution.backend = Backend::cpu;
+    for (const int threads : {1, 2, 4, 8}) {
+      options.execution.threads = threads;
       options.method = Method::thesis;
-      expect_enough(kind, grid, options);
+      expect_enough(kind, grid, 2 * grid.spacing.x, options);
       options.method = Method::tiles;
       options.skip.kind = SkipRule::Kind::exact;
-      expect_enough(kind, grid, options);
+      expect_enough(kind, grid, 2 * grid.spacing.x, options);
       options.skip.kind = SkipRule::Kind::automatic;
     }
   }
@@ -112,11 +113,11 @@ TEST(MemoryOfTheZoo, ALimitHoldsForManyLargeTriangles) {
   const Mesh mesh = testing::random_soup(5, 60'000, 0.5, 1);
   const Grid grid = grid_of({20, 20, 20});
   ComputeOptions options;
-  options.backend = Backend::cpu;
-  options.threads = 2;
-  options.memory_limit = memory_needed(mesh, grid, options);
+  options.execution.backend = Backend::cpu;
+  options.execution.threads = 2;
+  options.memory_limit = memory_needed(mesh, grid, kFullField, options);
   const testing::heap::Limit hard(options.memory_limit + kSmallThings);
-  EXPECT_GT(compute(mesh, grid, options).report.samples_band, 0);
+  EXPECT_GT(compute(mesh, grid, kFullField, options).report.samples_band, 0);
 }
 
 // Where candidates are too many for a list they come in parts. A field is the least of its parts' fields, bit for bit,

@@ -206,11 +206,10 @@ TEST(ExactRule, DifferentTrianglesOfOneHashStay) {
 
 ComputeResult computed(MeshView mesh, double thickness, Method method, SkipRule::Kind rule) {
   ComputeOptions options;
-  options.thickness = thickness;
   options.method = method;
   options.nearest_triangle = true;
   options.skip.kind = rule;
-  return compute(mesh, kGrid, options);
+  return compute(mesh, kGrid, thickness, options);
 }
 
 TEST(ExactRule, ChangesNoBitOfTheFieldNorOfTheNearestTriangles) {

@@ -88,8 +88,7 @@ TEST(Verify, TrueFieldsPass) {
 TEST(Verify, SamplesAtTheThicknessLieInTheBand) {
   const Mesh plane{{{-1, -1, 7}, {17, -1, 7}, {-1, 17, 7}, {17, 17, 7}}, {{0, 1, 2}, {1, 3, 2}}};
   ComputeOptions options;
-  options.thickness = 1;
-  const ComputeResult computed = compute(plane, {{16, 16, 16}, {}, {1, 1, 1}}, options);
+  const ComputeResult computed = compute(plane, {{16, 16, 16}, {}, {1, 1, 1}}, 1, options);
   EXPECT_EQ(computed.report.samples_band, 3 * 256);
   EXPECT_EQ(verify(computed.field, plane, every_sample()).samples_band, 3 * 256);
 }
@@ -180,7 +179,7 @@ TEST(Verify, SameSamplesForAnyThreadsOtherSamplesForAnotherSeed) {
     VerifyOptions options;
     options.samples = 50;
     options.seed = seed;
-    options.threads = threads;
+    options.execution.threads = threads;
     return verify(field, mesh, options).largest.position;
   };
   EXPECT_EQ(largest(1, 1), largest(1, 2));
@@ -209,7 +208,7 @@ TEST(Verify, Errors) {
   };
   VerifyOptions none, negative, cancelled;
   none.samples = 0;
-  negative.threads = -1;
+  negative.execution.threads = -1;
   cancelled.progress = [](const Progress&) { return false; };
   EXPECT_EQ(code(mesh, none), 2);
   EXPECT_EQ(code(mesh, negative), 2);

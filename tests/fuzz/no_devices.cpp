@@ -7,8 +7,9 @@
 
 namespace standoff {
 
-ComputeResult compute(MeshView, const Grid&, const ComputeOptions&) { std::abort(); }
-ComputeReport compute_into(MeshView, const Grid&, std::span<float>, std::span<std::uint32_t>, const ComputeOptions&) {
+ComputeResult compute(MeshView, const Grid&, double, const ComputeOptions&) { std::abort(); }
+ComputeReport compute_into(MeshView, const Grid&, double, std::span<float>, std::span<std::uint32_t>,
+                           const ComputeOptions&) {
   std::abort();
 }
 

@@ -29,16 +29,15 @@ TEST_P(CudaRoomOf, TooLittleIsSaidAndNothingIsKept) {
   const Mesh mesh = testing::random_soup(81, 200, 4, 1);
   const Grid grid{{21, 18, 13}, {-4, -4, -3}, {0.5, 0.5, 0.5}};
   ComputeOptions options;
-  options.backend = Backend::emulated;
+  options.execution.backend = Backend::emulated;
   options.method = GetParam();
-  options.thickness = 3;
-  const DistanceField field = compute(mesh, grid, options).field;
+  const DistanceField field = compute(mesh, grid, 3, options).field;
   bool fitted = false;
   for (std::int64_t bytes = 0; !fitted; bytes = bytes + bytes / 8 + 100) {
     ASSERT_LT(bytes, 1 << 30);
     const SmallGpu gpu(bytes);
     try {
-      testing::expect_same_bits(compute(mesh, grid, options).field, field);
+      testing::expect_same_bits(compute(mesh, grid, 3, options).field, field);
       fitted = true;
     } catch (const Error& error) {
       const std::string what = error.what();
@@ -48,7 +47,7 @@ TEST_P(CudaRoomOf, TooLittleIsSaidAndNothingIsKept) {
     }
     EXPECT_EQ(emulated::memory_taken, 0);
   }
-  testing::expect_same_bits(compute(mesh, grid, options).field, field);
+  testing::expect_same_bits(compute(mesh, grid, 3, options).field, field);
 }
 
 // What is missing is told before anything is allocated: the sum of all that is known by then, not the piece that did
@@ -57,12 +56,11 @@ TEST(CudaRoom, TheWholeNeedIsTold) {
   const Mesh mesh = testing::random_soup(82, 10, 4, 1);
   const Grid grid{{256, 256, 256}, {-4, -4, -4}, {0.03, 0.03, 0.03}};
   ComputeOptions options;
-  options.backend = Backend::emulated;
+  options.execution.backend = Backend::emulated;
   options.method = Method::thesis;
-  options.thickness = 0.03;
   const SmallGpu gpu(std::int64_t{100} << 20);
   try {
-    compute(mesh, grid, options);
+    compute(mesh, grid, 0.03, options);
     ADD_FAILURE() << "no error";
   } catch (const Error& error) {
     // 8 bytes a sample and 16 a tile: more than 128 MiB. How many tiles must be stored has not been counted yet.

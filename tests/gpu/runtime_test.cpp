@@ -27,9 +27,8 @@ const Mesh kMesh = testing::random_soup(95, 120, 4, 1.2);
 
 ComputeOptions on_gpu(Method method = Method::tiles) {
   ComputeOptions options;
-  options.backend = Backend::cuda;
+  options.execution.backend = Backend::cuda;
   options.method = method;
-  options.thickness = 1;
   return options;
 }
 
@@ -39,7 +38,7 @@ struct Failure {
 };
 Failure failure_of(const ComputeOptions& options) {
   try {
-    compute(kMesh, kGrid, options);
+    compute(kMesh, kGrid, 1, options);
   } catch (const Error& error) {
     return {error.code(), error.what()};
   }
@@ -149,10 +148,10 @@ TEST_F(CudaRuntime, GpusThatAreTooOldAreNamedAndNotTaken) {
   EXPECT_NE(cuda::devices()[1].name.find("too old"), std::string::npos);
   EXPECT_EQ(failure_of(on_gpu()).what, "no error");
   ComputeOptions second = on_gpu();
-  second.device = 1;
+  second.execution.device = 1;
   EXPECT_EQ(failure_of(second).code, ErrorCode::device);
   EXPECT_NE(failure_of(second).what.find("GPU 1 is too old"), std::string::npos);
-  second.device = 2;
+  second.execution.device = 2;
   EXPECT_EQ(failure_of(second).code, ErrorCode::device);
   EXPECT_NE(failure_of(second).what.find("no GPU 2, only 0 to 1"), std::string::npos);
 }
@@ -160,8 +159,8 @@ TEST_F(CudaRuntime, GpusThatAreTooOldAreNamedAndNotTaken) {
 TEST_F(CudaRuntime, AutomaticTakesAGpuThatIsThereForLargeJobs) {
   const auto taken = [](std::int64_t side) {
     ComputeOptions options = on_gpu();
-    options.backend = Backend::automatic;
-    return compute(kMesh, {{side, side, side}, {-4, -4, -4}, {0.1, 0.1, 0.1}}, options).report.backend;
+    options.execution.backend = Backend::automatic;
+    return compute(kMesh, {{side, side, side}, {-4, -4, -4}, {0.1, 0.1, 0.1}}, 1, options).report.backend;
   };
   EXPECT_EQ(taken(20), "cpu");
   EXPECT_EQ(taken(170), "cuda");
@@ -173,7 +172,7 @@ TEST_F(CudaRuntime, AutomaticTakesAGpuThatIsThereForLargeJobs) {
 
 TEST_F(CudaRuntime, TheCallersDeviceStaysCurrent) {
   ComputeOptions second = on_gpu();
-  second.device = 1;
+  second.execution.device = 1;
   EXPECT_EQ(failure_of(second).what, "no error");
   EXPECT_EQ(gpu.current, 0);
   // Setting a device starts CUDA on it: never without need.

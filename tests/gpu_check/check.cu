@@ -201,7 +201,7 @@ int run_blocking() {
       std::vector<float> values(static_cast<std::size_t>(grid.sample_count()), static_cast<float>(thickness));
       std::vector<std::uint32_t> nearest(values.size(), kNoTriangle);
       const ComputeOptions options;
-      ProgressMeter progress(options);
+      ProgressMeter progress(options.progress);
       const Job job{mesh, {}, grid, thickness, 1, Simd::automatic, progress};
       Sink sink(grid, values, nearest);
       const Counts counts = STANDOFF_PLATFORM::run(job, sink, method);

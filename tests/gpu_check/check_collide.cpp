@@ -70,8 +70,8 @@ int run(const Case& c, Backend backend, int count) {
   const CollisionModel a(c.a), b(c.b);
   const std::vector<Pose> poses = poses_for(c, count);
   BatchReport report;
-  const auto found = collide_all(a, c.pose_a, b, poses, {.margin = c.margin}, Execution{.backend = backend}, &report);
-  const auto expected = collide_all(a, c.pose_a, b, poses, {.margin = c.margin});
+  const auto found = collide_all(a, c.pose_a, b, poses, {.margin = c.margin}, {.backend = backend}, &report);
+  const auto expected = collide_all(a, c.pose_a, b, poses, {.margin = c.margin}, {.backend = Backend::cpu});
   int wrong = 0, hits = 0;
   for (std::size_t n = 0; n < poses.size(); ++n)
     wrong += found[n].verdict != expected[n].verdict, hits += expected[n].hit();
@@ -89,8 +89,8 @@ int run_sweeps(const Case& c, Backend backend, int count) {
     motions.push_back({from, to, {}});
   }
   BatchReport report;
-  const auto found = sweep_all(a, c.pose_a, b, motions, {}, Execution{.backend = backend}, &report);
-  const auto expected = sweep_all(a, c.pose_a, b, motions, {});
+  const auto found = sweep_all(a, c.pose_a, b, motions, {}, {.backend = backend}, &report);
+  const auto expected = sweep_all(a, c.pose_a, b, motions, {}, {.backend = Backend::cpu});
   int wrong = 0, hits = 0;
   for (std::size_t n = 0; n < motions.size(); ++n)
     wrong += found[n].hit != expected[n].hit || found[n].time != expected[n].time, hits += expected[n].hit;

@@ -32,7 +32,7 @@ TEST(World, RefusesWhatMakesNoSense) {
     EXPECT_EQ(code_with(&FlightOptions::scatter_rad, bad), ErrorCode::usage) << bad;
   }
   EXPECT_EQ(code_with(&FlightOptions::tolerance, 0.0), ErrorCode::usage);
-  EXPECT_EQ(code_with(&FlightOptions::threads, -1), ErrorCode::usage);
+  EXPECT_EQ(code_with(&FlightOptions::execution, Execution{.threads = -1}), ErrorCode::usage);
   World world(ball(), {});
   Pose bad;
   bad.rotation[0] = nan;

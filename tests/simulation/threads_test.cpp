@@ -13,9 +13,9 @@ using namespace standoff::testing;
 TEST(Fly, RepeatsWithItsSeedOnAnyNumberOfThreads) {
   FlightOptions options;
   options.speed = 0.3;
-  options.threads = 1;
+  options.execution.threads = 1;
   const Flown one = fly(options, 500, 6);
-  options.threads = 4;
+  options.execution.threads = 4;
   const Flown four = fly(options, 500, 6);
   options.seed = 2;
   const Flown other = fly(options, 500, 6);
@@ -29,7 +29,7 @@ TEST(Fly, RepeatsWithItsSeedOnAnyNumberOfThreads) {
 TEST(Fly, ProgressIsToldByOneThreadAtATimeAndStops) {
   FlightOptions options;
   options.speed = 0.3;
-  options.threads = 4;
+  options.execution.threads = 4;
   std::atomic<int> inside{0}, told{0};
   options.progress = [&](const Progress&) {
     EXPECT_EQ(inside++, 0);

@@ -28,11 +28,10 @@ void for_each_sample(const Grid& grid, Use use) {
 inline ComputeResult computed(MeshView mesh, const Grid& grid, double thickness, Simd simd = Simd::automatic,
                               int threads = 2) {
   ComputeOptions options;
-  options.thickness = thickness;
   options.nearest_triangle = true;
-  options.simd = simd;
-  options.threads = threads;
-  return compute(mesh, grid, options);
+  options.execution.simd = simd;
+  options.execution.threads = threads;
+  return compute(mesh, grid, thickness, options);
 }
 
 inline std::vector<std::uint32_t> all_nearest(const DistanceField& field) {

@@ -29,7 +29,7 @@ Outcome run(MeshView mesh, const Grid& grid, double thickness, int threads = 2, 
             const ComputeOptions& options = {}) {
   Outcome result{DistanceField(grid, thickness, true), {}};
   Sink sink(result.field);
-  ProgressMeter progress(options);
+  ProgressMeter progress(options.progress);
   const Job job{mesh, kept, grid, thickness, threads, Simd::automatic, progress};
   Threads(threads).run([&] { result.counts = cpu::run_thesis(job, sink); });
   return result;
@@ -155,7 +155,7 @@ TEST(Thesis, FillsDenseMemoryAsItFillsTiles) {
   std::vector<float> values(static_cast<std::size_t>(grid.sample_count()), 1.0f);
   Sink sink(grid, values, {});
   const ComputeOptions options;
-  ProgressMeter progress(options);
+  ProgressMeter progress(options.progress);
   cpu::run_thesis({mesh, {}, grid, 1, 2, Simd::automatic, progress}, sink);
   EXPECT_EQ(values, sparse.field.to_dense());
 }

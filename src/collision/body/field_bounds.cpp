@@ -84,7 +84,7 @@ FieldBounds plan_field_bounds(const Box& box, double spacing) {
   return bounds;
 }
 
-FieldBounds build_field_bounds(MeshView mesh, Vec3 middle, double spacing, int threads) {
+FieldBounds build_field_bounds(MeshView mesh, Vec3 middle, double spacing, const Execution& execution) {
   std::vector<Vec3> vertices(mesh.vertices.size());
   tbb::parallel_for(std::size_t{0}, vertices.size(), [&](std::size_t v) { vertices[v] = mesh.vertices[v] - middle; });
   const MeshView moved{vertices, mesh.triangles};
@@ -93,12 +93,10 @@ FieldBounds build_field_bounds(MeshView mesh, Vec3 middle, double spacing, int t
   const Grid fine{bounds.size, bounds.origin, {spacing, spacing, spacing}};
   const Grid coarse{bounds.coarse_size, bounds.origin, {coarse_spacing, coarse_spacing, coarse_spacing}};
   ComputeOptions options;
-  options.threads = threads;
-  options.thickness = bounds.band();
-  fill_fine(bounds, compute(moved, fine, options).field);
-  options.thickness = std::numeric_limits<double>::infinity();
+  options.execution = execution;
+  fill_fine(bounds, compute(moved, fine, bounds.band(), options).field);
   bounds.coarse.resize(static_cast<std::size_t>(coarse.sample_count()));
-  compute_into(moved, coarse, bounds.coarse, options);
+  compute_into(moved, coarse, kFullField, bounds.coarse, options);
   for (float& value : bounds.coarse) value = static_cast<float>(value - promised_error(value, coarse_spacing));
   return bounds;
 }

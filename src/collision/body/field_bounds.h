@@ -5,6 +5,7 @@
 
 #include "collision/body/simd_blocks.h"
 #include "core/huge_page_vector.h"
+#include "standoff/execution.h"
 #include "standoff/field.h"
 #include "standoff/mesh.h"
 
@@ -38,6 +39,6 @@ double default_spacing(MeshView mesh, const Box& box);
 FieldBounds plan_field_bounds(const Box& box, double spacing);
 
 /// Builds the fields through compute(). Errors: limit.
-FieldBounds build_field_bounds(MeshView mesh, Vec3 middle, double spacing, int threads);
+FieldBounds build_field_bounds(MeshView mesh, Vec3 middle, double spacing, const Execution& execution);
 
 }  // namespace standoff::collision

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/execution.h"
 #include "core/guarded.h"
 #include "core/number_text.h"
 #include "core/threads.h"
@@ -41,13 +42,13 @@ void CollisionModel::place(Data& data, double spacing) {
 }
 
 CollisionModel::CollisionModel(MeshView mesh, const ModelOptions& options) try {
-  check_threads("model", options.threads);
+  validate("model", options.execution, Runs::everywhere);
   const auto data = std::make_shared<Data>();
   data->mesh = {{mesh.vertices.begin(), mesh.vertices.end()}, {mesh.triangles.begin(), mesh.triangles.end()}};
   place(*data, options.spacing);
   const double spacing = options.spacing > 0 ? options.spacing : collision::default_spacing(mesh, data->box);
-  Threads(options.threads).run([&] {
-    data->field = collision::build_field_bounds(mesh, data->middle, spacing, options.threads);
+  Threads(options.execution.threads).run([&] {
+    data->field = collision::build_field_bounds(mesh, data->middle, spacing, options.execution);
     data->tree = collision::build_tree(mesh, data->middle);
     data->finish();
   });

@@ -85,7 +85,7 @@ TEST(Bounds, SamplesBoundTheDistanceBetweenThem) {
   const Mesh mesh = random_soup(5, 100, 1, 0.4);
   const double h = 0.1;
   const Grid grid = fit_spacing(bounds(mesh), {h, h, h}, 0.3);
-  const DistanceField field = compute(mesh, grid).field;
+  const DistanceField field = compute(mesh, grid, kFullField).field;
   Random random(1);
   double worst_trilinear = 0;
   for (int n = 0; n < 3000; ++n) {
@@ -116,8 +116,7 @@ TEST(Bounds, BeyondABandHalfTheDiagonalIsNotEnough) {
   const Mesh point = one_triangle({0.5, 0.5, 0.5}, {0.5, 0.5, 0.5}, {0.5, 0.5, 0.5});
   const Grid grid{{25, 25, 25}, {-12, -12, -12}, {h, h, h}};
   ComputeOptions options;
-  options.thickness = w;
-  const DistanceField field = compute(point, grid, options).field;
+  const DistanceField field = compute(point, grid, w, options).field;
   std::vector<Vec3> band;
   for (std::int64_t k = 0; k < 25; ++k)
     for (std::int64_t j = 0; j < 25; ++j)
@@ -144,7 +143,7 @@ TEST(Bounds, AStoredNearestTriangleIsAnUpperBoundOnly) {
   const Grid grid = fit_spacing(bounds(mesh), {h, h, h}, 0.3);
   ComputeOptions options;
   options.nearest_triangle = true;
-  const DistanceField field = compute(mesh, grid, options).field;
+  const DistanceField field = compute(mesh, grid, kFullField, options).field;
   Random random(3);
   int wrong = 0;
   for (int n = 0; n < 2000; ++n) {

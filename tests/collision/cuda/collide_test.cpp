@@ -34,7 +34,7 @@ void expect_touching(const CollisionModel& a, const Pose& pose_a, const Collisio
 
 Counts expect_as_cpu(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
                      const std::vector<Pose>& poses, double margin = 0, int stack = collision::kDeviceStack) {
-  const auto expected = collide_all(a, pose_a, b, poses, {.margin = margin});
+  const auto expected = collide_all(a, pose_a, b, poses, {.margin = margin}, {.backend = Backend::cpu});
   Counts counts;
   counts.report.backend = "emulated";
   const auto found = collision::collide_on_device(*collision::find_device(Backend::emulated, poses.size()), a, pose_a,
@@ -172,15 +172,15 @@ TEST(CudaCollide, ThePublicCallSaysWhatItDid) {
   const std::vector<Pose> poses = random_poses(15, 20, 1.3);
   BatchReport report;
   const auto found = collide_all(a, {}, b, poses, {}, kEmulated, &report);
-  const auto expected = collide_all(a, {}, b, poses, {}, 1);
+  const auto expected = collide_all(a, {}, b, poses, {}, {.threads = 1});
   for (std::size_t n = 0; n < poses.size(); ++n) EXPECT_EQ(found[n].verdict, expected[n].verdict);
   EXPECT_EQ(report.backend, "emulated");
   EXPECT_GT(report.on_device, 0);
   EXPECT_TRUE(collide_all(a, {}, b, {}, {}, kEmulated, &report).empty());
   EXPECT_EQ(report.on_device, 0);
-  static_cast<void>(collide_all(a, {}, b, poses, {}, Execution{.threads = 1}, &report));
+  static_cast<void>(collide_all(a, {}, b, poses, {}, {.threads = 1}, &report));
   EXPECT_EQ(report.backend, "cpu");
-  static_cast<void>(collide_all(a, {}, b, poses, {}, Execution{.backend = Backend::automatic}, &report));
+  static_cast<void>(collide_all(a, {}, b, poses, {}, {.backend = Backend::automatic}, &report));
   EXPECT_EQ(report.backend, "cpu");
 }
 

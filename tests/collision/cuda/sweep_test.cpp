@@ -46,7 +46,7 @@ struct Counts {
 
 Counts expect_as_cpu(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
                      const std::vector<RigidMotion>& motions, double tolerance, int stack = collision::kDeviceStack) {
-  const auto expected = sweep_all(a, pose_a, b, motions, {.tolerance = tolerance});
+  const auto expected = sweep_all(a, pose_a, b, motions, {.tolerance = tolerance}, {.backend = Backend::cpu});
   Counts counts;
   const auto found = collision::sweep_on_device(*collision::find_device(Backend::emulated, 1), a, pose_a, b, motions,
                                                 tolerance, kEmulated, counts.report, stack);
@@ -172,14 +172,14 @@ TEST(CudaSweep, ThePublicCallSaysWhatItDid) {
   const auto motions = random_motions(15, 40, 2.5, 3, 1);
   BatchReport report;
   const auto found = sweep_all(a, {}, b, motions, {}, kEmulated, &report);
-  const auto expected = sweep_all(a, {}, b, motions, {}, 1);
+  const auto expected = sweep_all(a, {}, b, motions, {}, {.threads = 1});
   for (std::size_t n = 0; n < motions.size(); ++n) EXPECT_EQ(found[n].hit, expected[n].hit);
   EXPECT_EQ(report.backend, "emulated");
   EXPECT_GT(report.on_device, 0);
   EXPECT_GT(report.undecided, 0);
   if (!cuda::devices().empty()) return;
   try {
-    static_cast<void>(sweep_all(a, {}, b, motions, {}, Execution{.backend = Backend::cuda}));
+    static_cast<void>(sweep_all(a, {}, b, motions, {}, {.backend = Backend::cuda}));
     FAIL() << "no error";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::device);

@@ -15,7 +15,8 @@ namespace {
 
 using namespace standoff::testing;
 
-const ModelOptions kCoarse{0.5, 1};  // fields decide little here: coarse ones are made fast
+// Fields decide little here: coarse ones are made fast.
+const ModelOptions kCoarse{.spacing = 0.5, .execution = {.threads = 1}};
 
 // Pairs of a body with its partner, and in how many poses, each time with other rounding: many cost less each, and few
 // have less slack to hide in, which grows with the body.

@@ -51,7 +51,7 @@ Herds herds(Random& random) {
 // Coarse fields are made fast; some are finer, and decide more.
 ModelOptions model_options(const Mesh& mesh, unsigned seed) {
   const double size = longest(bounds(mesh)), samples = seed % 16 == 5 ? 32 : 4;
-  return {size > 0 ? size / samples : 0, 1};
+  return {size > 0 ? size / samples : 0, {.threads = 1}};
 }
 
 Pose resting_pose(Random& random, double size) {
@@ -122,7 +122,7 @@ void check_emulated(const CollisionModel& a, const Pose& pose_a, const Collision
                     const std::vector<Pose>& poses, double size, Findings& found) {
   for (const double margin : {0.0, 0.01 * size}) {
     const auto device = collide_all(a, pose_a, b, poses, {.margin = margin}, kEmulated);
-    const auto cpu = collide_all(a, pose_a, b, poses, {.margin = margin}, 1);
+    const auto cpu = collide_all(a, pose_a, b, poses, {.margin = margin}, {.threads = 1});
     for (std::size_t n = 0; n < poses.size(); ++n) {
       found.count("emulated poses");
       found.expect(device[n].verdict == cpu[n].verdict, "collide: emulated, another answer");
@@ -138,7 +138,7 @@ void check_emulated(const CollisionModel& a, const Pose& pose_a, const Collision
     motions.back().to.translation = poses[n].translation + (poses[n - 1].translation - poses[n].translation) * 0.1;
   }
   const auto device = sweep_all(a, pose_a, b, motions, {1e-4 * size}, kEmulated);
-  const auto cpu = sweep_all(a, pose_a, b, motions, {1e-4 * size}, 1);
+  const auto cpu = sweep_all(a, pose_a, b, motions, {1e-4 * size}, {.threads = 1});
   for (std::size_t n = 0; n < motions.size(); ++n) {
     found.count("emulated sweeps");
     found.expect(device[n].hit == cpu[n].hit && device[n].time == cpu[n].time, "sweep: emulated, another answer");

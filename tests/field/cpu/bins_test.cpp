@@ -27,7 +27,7 @@ struct Binned {
 Binned binned(const Mesh& mesh, double thickness, std::int64_t most_refs, Reach reach = Reach::distance,
               int threads = 2, std::vector<std::uint32_t> kept = {}) {
   const ComputeOptions options;
-  ProgressMeter progress(options);
+  ProgressMeter progress(options.progress);
   const Job job{mesh, kept, kGrid, thickness, threads, Simd::automatic, progress};
   const cpu::Lattice lattice = cpu::make_lattice(kGrid, thickness);
   Binned result;

@@ -97,18 +97,17 @@ TEST(TilesDeterminism, DenseMemoryIsFilledWhateverItHeld) {
   for (const double thickness : kThicknesses) {
     const ComputeResult sparse = computed(mesh, kGrid, thickness);
     ComputeOptions options;
-    options.thickness = thickness;
     options.nearest_triangle = true;
     std::vector<float> values(samples, std::bit_cast<float>(0xffc0deadu));
     std::vector<std::uint32_t> nearest(samples, 0xdeadbeefu);
-    const ComputeReport report = compute_into(mesh, kGrid, values, nearest, options);
+    const ComputeReport report = compute_into(mesh, kGrid, thickness, values, nearest, options);
     EXPECT_TRUE(testing::bits_of(values) == testing::bits_of(sparse.field.to_dense()));
     EXPECT_TRUE(nearest == testing::all_nearest(sparse.field));
     EXPECT_EQ(report.samples_band, sparse.report.samples_band);
 
     std::vector<float> alone(samples, std::numeric_limits<float>::quiet_NaN());
     options.nearest_triangle = false;
-    compute_into(mesh, kGrid, alone, options);
+    compute_into(mesh, kGrid, thickness, alone, options);
     EXPECT_TRUE(values == alone) << "asking for nearest triangles changes no value";
   }
 }
@@ -117,10 +116,9 @@ TEST(TilesDeterminism, TheExactSkipRuleChangesNoBit) {
   const Mesh mesh = mixed_mesh(300);
   for (const double thickness : kThicknesses) {
     ComputeOptions options;
-    options.thickness = thickness;
     options.nearest_triangle = true;
     options.skip.kind = SkipRule::Kind::exact;
-    const ComputeResult skipped = compute(mesh, kGrid, options);
+    const ComputeResult skipped = compute(mesh, kGrid, thickness, options);
     EXPECT_GT(skipped.report.skipped, 0);
     expect_same_bits(skipped.field, computed(mesh, kGrid, thickness).field);
   }

@@ -13,18 +13,17 @@
 namespace standoff {
 namespace {
 
-ComputeOptions emulated(double thickness, Method method = Method::tiles) {
+ComputeOptions emulated(Method method = Method::tiles) {
   ComputeOptions options;
-  options.backend = Backend::emulated;
+  options.execution.backend = Backend::emulated;
   options.method = method;
-  options.thickness = thickness;
   options.nearest_triangle = true;
   return options;
 }
 
-std::int64_t launches_of(const Mesh& mesh, const Grid& grid, const ComputeOptions& options) {
+std::int64_t launches_of(const Mesh& mesh, const Grid& grid, double thickness) {
   const std::int64_t before = emulation::launch_count();
-  compute(mesh, grid, options);
+  compute(mesh, grid, thickness, emulated());
   return emulation::launch_count() - before;
 }
 
@@ -49,9 +48,9 @@ TEST(CudaCountedRun, CrowdedListsAreNoReasonToBeginAgain) {
   for (const double thickness : {1.0, 4.0, testing::kInfinity}) {
     // More than was guessed by the number of triangles and tiles.
     ASSERT_GT(needed_entries(crowd, grid, thickness), thickness == 1 ? 6 * 400 + 2 * 64 : 4 * 400 + 48 * 64);
-    const std::int64_t launches = launches_of(crowd, grid, emulated(thickness));
+    const std::int64_t launches = launches_of(crowd, grid, thickness);
     EXPECT_GT(launches, 5);
-    EXPECT_EQ(launches, launches_of(few, grid, emulated(thickness))) << thickness;
+    EXPECT_EQ(launches, launches_of(few, grid, thickness)) << thickness;
   }
 }
 
@@ -83,7 +82,7 @@ TEST(CudaCountedRun, NothingIsCopiedThatNobodyWrote) {
   for (const Method method : {Method::tiles, Method::thesis})
     for (const double spacings : {0.5, 6.0}) {
       const std::int64_t before = emulated::unwritten_words_copied;
-      const ComputeResult computed = compute(mesh, grid, emulated(spacings * grid.max_spacing(), method));
+      const ComputeResult computed = compute(mesh, grid, spacings * grid.max_spacing(), emulated(method));
       EXPECT_GT(computed.report.samples_band, 0);
       EXPECT_EQ(emulated::unwritten_words_copied, before);
     }

@@ -79,12 +79,11 @@ Mesh some_mesh() { return testing::random_soup(61, 120, 4, 1.2); }
 
 DistanceField expected(const Mesh& mesh, double thickness, Method method = Method::tiles) {
   ComputeOptions options;
-  options.backend = Backend::cpu;
+  options.execution.backend = Backend::cpu;
   options.method = method;
   options.skip.kind = SkipRule::Kind::none;
-  options.thickness = thickness;
   options.nearest_triangle = true;
-  return compute(mesh, kGrid, options).field;
+  return compute(mesh, kGrid, thickness, options).field;
 }
 
 TEST(CudaDeviceMemory, DenseOutputIsWrittenEverywhere) {

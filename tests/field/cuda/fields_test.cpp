@@ -36,11 +36,10 @@ const Grid kGrid{{25, 19, 18}, {-6, -5, -4.5}, {0.5, 0.5, 0.5}};
 ComputeResult on(Backend backend, Method method, MeshView mesh, const Grid& grid, double thickness) {
   ComputeOptions options;
   options.method = method;
-  options.backend = backend;
-  options.thickness = thickness;
+  options.execution.backend = backend;
   options.nearest_triangle = true;
-  options.threads = 2;
-  return compute(mesh, grid, options);
+  options.execution.threads = 2;
+  return compute(mesh, grid, thickness, options);
 }
 
 void expect_same(Method method, MeshView mesh, const Grid& grid, double thickness) {
@@ -124,12 +123,11 @@ TEST(CudaFields, Scenes) {
 TEST(CudaFields, IntoDenseMemory) {
   const Mesh mesh = mixed_mesh();
   ComputeOptions options;
-  options.thickness = 1;
   std::vector<float> cpu(static_cast<std::size_t>(kGrid.sample_count())), gpu(cpu.size(), -7);
-  options.backend = Backend::cpu;
-  compute_into(mesh, kGrid, cpu, options);
-  options.backend = Backend::emulated;
-  compute_into(mesh, kGrid, gpu, options);
+  options.execution.backend = Backend::cpu;
+  compute_into(mesh, kGrid, 1, cpu, options);
+  options.execution.backend = Backend::emulated;
+  compute_into(mesh, kGrid, 1, gpu, options);
   EXPECT_TRUE(testing::bits_of(cpu) == testing::bits_of(gpu));
 }
 

@@ -96,9 +96,8 @@ TEST_P(FieldFile, KeepsNearestTrianglesOrSaysThatItCannot) {
 TEST_P(FieldFile, KeepsTilesWhoseLeastValueIsTheThickness) {
   const Mesh plane{{{-1, -1, 7}, {17, -1, 7}, {-1, 17, 7}, {17, 17, 7}}, {{0, 1, 2}, {1, 3, 2}}};
   ComputeOptions options;
-  options.thickness = 1;
   options.nearest_triangle = GetParam().nearest;
-  const DistanceField field = compute(plane, {{16, 16, 16}, {}, {1, 1, 1}}, options).field;
+  const DistanceField field = compute(plane, {{16, 16, 16}, {}, {1, 1, 1}}, 1, options).field;
   ASSERT_EQ(field.stored_tiles(), 8);
   ASSERT_EQ(field.value(3, 4, 8), 1);
   const DistanceField read = through_file(field);
