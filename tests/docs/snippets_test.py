@@ -1,10 +1,12 @@
 """What README.md and docs/*.md show in fenced blocks is run as it stands there.
 
-sh     lines `standoff ...` are run, in order; of the project's own scripts the help is asked for
-cpp    is compiled, linked as the README's cmake block says, and run; without a main it is the inside of one
-cmake  is a project's way to standoff, tried with the cpp blocks
-text, and blocks without a language, are pictures of text and passed over.
-"""
+README.md is one session in a shell, from the clone to a program that uses the library, in an empty folder that is also the
+home. Two of its commands get stand-ins: `git clone` copies this source tree, without its bootstrap, and `cmake` passes over the
+building of what is built already. The demo, the installation and the user's program are real.
+
+Of docs/*.md the blocks of sh run in order in a folder with bunny.obj; of the project's own scripts the help is asked for. The
+blocks of cpp are compiled with the library that README.md's session installed and run; without a main they are the inside of
+one. Blocks of text are passed over."""
 import os
 import pathlib
 import re
@@ -13,24 +15,32 @@ import shutil
 import subprocess
 import sys
 
+from snippets import PAGES, README, blocks, session
+
 SOURCE = pathlib.Path(os.environ["STANDOFF_SOURCE_DIR"])
-PROGRAM = pathlib.Path(os.environ["STANDOFF"])
+BUILD = pathlib.Path(os.environ["STANDOFF"]).parent
 MODELS = pathlib.Path("/usr/share/glmark2/models")
-# A mesh where the package with the README's is not installed: two triangles.
-STAND_IN = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0.5\nf 1 2 3\nf 2 4 3\n"
 PROJECT = """cmake_minimum_required(VERSION 3.22)
 project(app LANGUAGES CXX)
+find_package(standoff REQUIRED)
 add_executable(app app.cpp)
+target_link_libraries(app PRIVATE standoff::standoff)
 """
-
-
-def snippets(language):
-    for page in [SOURCE / "README.md", *sorted((SOURCE / "docs").glob("*.md"))]:
-        for match in re.finditer(r"^```(\w*)\n(.*?)^```$", page.read_text(), re.M | re.S):
-            if match[1] not in ("sh", "cpp", "cmake", "text", ""):
-                sys.exit(f"{page}: a block of '{match[1]}', which no test runs; teach {__file__} to")
-            if match[1] == language:
-                yield page.name, match[2]
+GIT = f"""#!/usr/bin/env bash
+set -eu
+[[ $1 == clone && $2 == https://example.org/standoff ]]
+mkdir -p "$3/build"
+cp -r {SOURCE}/script "$3/"
+for entry in {SOURCE}/*; do [[ -e $3/${{entry##*/}} || $entry == */out ]] || ln -s "$entry" "$3/"; done
+printf '#!/bin/sh\\nexit 0\\n' > "$3/script/bootstrap"
+ln -s {BUILD} "$3/build/demo"
+"""
+CMAKE = f"""#!/usr/bin/env bash
+case "$*" in
+  "--preset demo" | "--build build/demo"*) exit 0 ;;
+  *) exec {shutil.which("cmake")} "$@" ;;
+esac
+"""
 
 
 def run(where, *command, **how):
@@ -38,21 +48,37 @@ def run(where, *command, **how):
     done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, **how)
     if done.returncode != 0:
         sys.exit(f"{where}: exit code {done.returncode}\n{done.stdout}")
+    return done.stdout
 
 
-def run_shell():
-    ran = 0
-    for page, text in snippets("sh"):
-        for line in text.splitlines():
-            words = shlex.split(line, comments=True)
-            if words and words[0] == "standoff":
-                run(page, PROGRAM, *words[1:])
-                ran += 1
-            elif words and words[0].startswith("script/"):
-                run(page, SOURCE / words[0], "--help")
-            elif words:
-                sys.exit(f"{page}: '{line}' is neither standoff nor a script of it; teach {__file__} to run it")
-    return ran
+def run_readme(home):
+    stand_ins = home / "bin"
+    stand_ins.mkdir()
+    for name, text in (("git", GIT), ("cmake", CMAKE)):
+        (stand_ins / name).write_text(text)
+        (stand_ins / name).chmod(0o755)
+    script = session(README).replace("\nscript/test", "\nscript/test --help")
+    # Nothing of this test's own surroundings: what a new user has not set is not set.
+    path = f"{stand_ins}:/usr/local/bin:/usr/bin:/bin"
+    said = run("README.md", "bash", "-c", script, cwd=home,
+               env={"HOME": str(home), "PATH": path, "URL": "https://example.org/standoff"})
+    for name in ("out/bunny.vti", "out/bunny.png", "out/horse.vti", "out/band.npz", "out/band.png", "app/bunny.vti"):
+        if not (home / "standoff" / name).stat().st_size:
+            sys.exit(f"README.md: {name} is empty")
+    # Were the blocks called otherwise one day, nothing would be run and nothing would fail.
+    commands = len(re.findall(r"^\++ (?:standoff|script/|cmake|git|build/app)", said, re.M))
+    if commands < 12:
+        sys.exit(f"README.md: only {commands} commands ran; are its blocks still marked sh?\n{said}")
+
+
+def run_shell_of(page, folder):
+    script = ["set -euo pipefail"]
+    for language, text, _ in blocks(page):
+        if language == "sh":
+            script += [re.sub(r"^(script/[\w-]+).*", rf'"{SOURCE}"/\1 --help >/dev/null', line) for line in text.splitlines()]
+    if len(script) > 1:
+        path = f"{BUILD}:{os.environ['PATH']}"
+        run(page.name, "bash", "-c", "\n".join(script), cwd=folder, env={**os.environ, "PATH": path})
 
 
 def with_main(text):
@@ -63,36 +89,29 @@ def with_main(text):
     return "\n".join([line for line in lines if line.startswith("#")] + ["int main() {", *inside, "}", ""])
 
 
-def run_programs():
-    [(_, cmake)] = snippets("cmake")
-    run("install", "cmake", "--install", PROGRAM.parent, "--prefix", pathlib.Path("prefix").resolve())
-    ran = 0
-    for page, text in snippets("cpp"):
-        folder = pathlib.Path(f"app{ran}")
-        folder.mkdir()
-        (folder / "app.cpp").write_text(with_main(text))
-        (folder / "CMakeLists.txt").write_text(PROJECT + cmake)
-        run(page, "cmake", "-S", folder, "-B", folder / "build", f"-DCMAKE_PREFIX_PATH={pathlib.Path('prefix').resolve()}")
-        run(page, "cmake", "--build", folder / "build")
-        run(page, folder / "build" / "app")
-        ran += 1
-    return ran
+def run_programs_of(page, folder, home):
+    for n, (language, text, _) in enumerate(blocks(page)):
+        if language == "cpp":
+            app = folder / f"{page.stem}{n}"
+            app.mkdir()
+            (app / "app.cpp").write_text(with_main(text))
+            (app / "CMakeLists.txt").write_text(PROJECT)
+            run(page.name, "cmake", "-S", app, "-B", app / "build", f"-DCMAKE_PREFIX_PATH={home / '.local'}")
+            run(page.name, "cmake", "--build", app / "build")
+            run(page.name, app / "build" / "app", cwd=folder)
 
 
 def main():
-    for mesh in ("bunny.obj",):
-        if (MODELS / mesh).exists():
-            shutil.copy(MODELS / mesh, mesh)
-        else:
-            pathlib.Path(mesh).write_text(STAND_IN)
-    commands = run_shell()
-    for name in ("bunny.vti", "band.npz", "bunny.png"):
-        if not pathlib.Path(name).stat().st_size:
-            sys.exit(f"{name} is empty")
-    programs = run_programs()
-    # Were the blocks called otherwise one day, nothing would be run and nothing would fail.
-    if commands < 5 or programs < 1:
-        sys.exit(f"only {commands} commands and {programs} programs were found; are the blocks still marked sh and cpp?")
+    if not (MODELS / "bunny.obj").exists():
+        sys.exit(f"no {MODELS}: the demo's meshes are missing; run script/bootstrap build")
+    home, folder = pathlib.Path("home").resolve(), pathlib.Path("docs").resolve()
+    home.mkdir()
+    folder.mkdir()
+    run_readme(home)
+    shutil.copy(MODELS / "bunny.obj", folder)
+    for page in PAGES:
+        run_shell_of(page, folder)
+        run_programs_of(page, folder, home)
 
 
 main()
