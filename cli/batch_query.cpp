@@ -51,7 +51,7 @@ void BatchQuery::check(std::initializer_list<std::string> inputs) const {
 
 std::string BatchQuery::asked() const { return counted(count_, noun_); }
 
-void BatchQuery::deliver(const Answers& answers, const Console& console) const {
+void BatchQuery::deliver(const char* verb, const Answers& answers, const Console& console) const {
   const std::string& table = answers.table.text();
   const std::string file = output_.path().string();
   if (output_.given())
@@ -69,15 +69,16 @@ void BatchQuery::deliver(const Answers& answers, const Console& console) const {
               " on " + report_.backend + (report_.device.empty() ? "" : " (" + report_.device + ")") +
               (report_.backend == "cpu" ? "" : ", " + grouped(again) + " of them taken again by the CPU"));
   if (!console.json()) return;
-  Json json{{std::string(noun_) + "s", count_}};
-  for (const auto& [kind, count] : answers.counts) json[kind] = count;
-  json["seconds"] = seconds_;
+  Json json = json_answer(verb);
+  json["queries"] = count_;
+  for (const auto& [kind, count] : answers.counts) json["counts"][kind] = count;
+  json["seconds"] = {{"query", seconds_}};
   json["device"] = report_.backend;
   json["device_name"] = report_.device;
   json["on_device"] = report_.on_device;
-  json["taken_again"] = {{"undecided", report_.undecided}, {"overflowed", report_.overflowed}};
+  json["recomputed"] = {{"undecided", report_.undecided}, {"overflowed", report_.overflowed}};
   if (!output_.given()) return print(json);
-  json["output"] = {{"file", file}, {"bytes", table.size()}};
+  json["output"] = json_output(output_.path());
   print(json, output_.path());
 }
 

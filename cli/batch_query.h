@@ -48,7 +48,7 @@ class Table {
 /// What was found out: the table, and how many answers were of which kind.
 struct Answers {
   Table table;
-  std::vector<std::pair<const char*, std::int64_t>> counts;  ///< {"hit", 12}; the words are JSON's keys
+  std::vector<std::pair<const char*, std::int64_t>> counts;  ///< {"hit", 12}; the words are keys of `counts`
 };
 
 class BatchQuery {
@@ -75,7 +75,7 @@ class BatchQuery {
     return results;
   }
   /// The table into its file, or on stdout where no JSON is asked for; then what there is to say.
-  void deliver(const Answers& answers, const Console& console) const;
+  void deliver(const char* verb, const Answers& answers, const Console& console) const;
 
  private:
   std::string asked() const;

@@ -33,22 +33,13 @@ CLI::Option* add_pose(CLI::App& verb, const char* name, const char* help, Pose& 
                     [&pose](const std::string& o, const std::string& t) { pose = parse_pose(o, t); });
 }
 
-Json json_body(const CollisionModel& body) {
-  const Grid grid = body.grid();
-  return {
-      {"mesh",
-       {{"triangles", body.mesh().triangles.size()},
-        {"vertices", body.mesh().vertices.size()},
-        {"bounds", {json_point(body.bounds().min), json_point(body.bounds().max)}}}},
-      {"grid",
-       {{"size", json_size(grid.size)}, {"origin", json_point(grid.origin)}, {"spacing", json_point(grid.spacing)}}},
-      {"band", body.band()},
-      {"memory_bytes", body.memory_bytes()}};
-}
-
-Json json_triangle(std::uint32_t triangle) {
-  if (triangle == kNoTriangle) return nullptr;
-  return triangle;
+void add_body(Json& json, const CollisionModel& body) {
+  json["mesh"] = {{"triangles", body.mesh().triangles.size()},
+                  {"vertices", body.mesh().vertices.size()},
+                  {"bounds", json_box(body.bounds())}};
+  json["grid"] = json_grid(body.grid());
+  json["thickness"] = body.band();
+  json["memory_bytes"] = body.memory_bytes();
 }
 
 }  // namespace standoff::cli

@@ -33,10 +33,7 @@ class PairInput {
 /// Adds an option that takes a pose.
 CLI::Option* add_pose(CLI::App& verb, const char* name, const char* help, Pose& pose);
 
-/// Mesh, grid, band and memory of a body.
-Json json_body(const CollisionModel& body);
-
-/// The index, or null for kNoTriangle.
-Json json_triangle(std::uint32_t triangle);
+/// Adds a body's mesh, grid, thickness and memory to an answer.
+void add_body(Json& json, const CollisionModel& body);
 
 }  // namespace standoff::cli

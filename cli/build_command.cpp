@@ -31,6 +31,7 @@ struct Command {
 
 void Command::run() {
   if (!output.given()) output.set_path(input.stem() + ".body");
+  check_input(input.name());
   output.check({{"body", "", true, true, false}});
   const Mesh mesh = with_spinner(console, "reading " + input.name(), [&] { return input.read(); });
   const std::string file = output.path().string();
@@ -39,8 +40,9 @@ void Command::run() {
   console.say(mesh_line(file, mesh) + ", field of " + size_text(body.grid().size) + " samples, " +
               bytes_text(body.memory_bytes()) + " in memory");
   if (!console.json()) return;
-  Json json = json_body(body);
-  json["output"] = {{"file", file}, {"bytes", std::filesystem::file_size(output.path())}};
+  Json json = json_answer("build");
+  add_body(json, body);
+  json["output"] = json_output(output.path());
   print(json, output.path());
 }
 

@@ -68,7 +68,7 @@ void Command::run_batch() {
     answers.table.end_row();
     ++answers.counts[static_cast<std::size_t>(found[n].verdict)].second;
   }
-  batch.deliver(answers, console);
+  batch.deliver("collide", answers, console);
 }
 
 void Command::run() {
@@ -79,9 +79,10 @@ void Command::run() {
   ContactResult all;
   if (contacts > 0) all = standoff::contacts(a, bodies.pose_a(), b, pose, {.most = contacts, .margin = margin});
   if (console.json()) {
-    Json json{{"result", word},
-              {"triangle_a", json_triangle(found.triangle_a)},
-              {"triangle_b", json_triangle(found.triangle_b)}};
+    Json json = json_answer("collide");
+    json["hit"] = found.verdict == Verdict::ambiguous ? Json() : Json(found.hit());
+    json["triangle_a"] = json_triangle(found.triangle_a);
+    json["triangle_b"] = json_triangle(found.triangle_b);
     if (contacts > 0) {
       json["contacts"] = Json::array();
       for (const ContactPoint& contact : all.contacts) json["contacts"].push_back(contact_json(contact));

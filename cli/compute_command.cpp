@@ -28,8 +28,7 @@ constexpr const char* kExamples =
   standoff compute bunny.obj -o field.npz -t 3s -r 400   a band of 3 samples, for numpy
   standoff compute part.stl --unit mm --spacing 0.0005   metres out of millimetres, a sample every 0.5 mm
   standoff compute part.stl --size 100,100,50 -t 0.2     a grid and a thickness of your own
-  standoff compute part.stl --minimum 2 -t 0.1           the smallest grid for collision
-  standoff compute part.stl --dry-run                    grid and memory, nothing else
+  standoff compute part.stl --dry-run                    grid, memory and file size, nothing else
   standoff compute scene:factory -t 2s --json            a mesh made by code; what happened as JSON
 )";
 
@@ -63,34 +62,42 @@ void Command::add_to(CLI::App& verb) {
   mesh.add_to(verb);
   output.add_to(verb, "FIELD",
                 "the field: " + extensions(field_formats(), true) + "\n(default: the mesh's name with .vti, here)");
-  verb.add_flag("--dry-run", dry_run, "print grid, tiles and memory; compute and write nothing")->group("Output");
+  verb.add_flag(
+          "--dry-run", dry_run,
+          "print grid, memory and file size; compute and write nothing.\nExit code 5 where the memory would not do")
+      ->group("Output");
   grid.add_to(verb);
   mesh.add_scale_to(verb);
 
-  const auto add = [&verb](const char* name, const char* value, const char* help, auto set) {
-    add_parsed(verb, {name, value, help, "Method"}, set);
+  const auto add = [&verb](const char* name, const char* value, const char* help, auto set,
+                           const char* group = "Work") {
+    add_parsed(verb, {name, value, help, group}, set);
   };
   using S = const std::string&;
-  add("--method", "NAME", "tiles: exact (default); thesis: Algorithm 1 of 2008",
-      [this](S o, S t) { options.method = parse_method(o, t); });
-  add("--skip", "RULE",
-      "leave triangles out first: none, neighbour[:FRACTION] or\nexact (default: none; thesis: neighbour:1)",
-      [this](S o, S t) { options.skip = parse_skip(o, t); });
   add("--with", "WHAT", "triangle: store the nearest triangle's index as well", [this](S o, S t) {
     parse_choice(o, t, {"triangle"});
     options.nearest_triangle = true;
   });
-  add_device(verb, "Method", options.execution.backend, options.execution.device);
-  add_threads(verb, "Method", options.execution.threads);
+  add_device(verb, "Work", options.execution.backend, options.execution.device);
+  add_threads(verb, "Work", options.execution.threads);
   add("--memory-limit", "SIZE",
       "most memory for the field and its making, as in 500M or 8G\n(default: 80 % of the machine's)",
       [this](S o, S t) { options.memory_limit = parse_bytes(o, t); });
   console.add_to(verb, Console::kMessages | Console::kJson | Console::kProgress);
+  add(
+      "--method", "NAME", "tiles: exact (default); thesis: Algorithm 1 of 2008",
+      [this](S o, S t) { options.method = parse_method(o, t); }, kThesisGroup);
+  add(
+      "--skip", "RULE",
+      "leave triangles out first: none, neighbour[:FRACTION] or\nexact (default: none; thesis: neighbour:1)",
+      [this](S o, S t) { options.skip = parse_skip(o, t); }, kThesisGroup);
+  grid.add_thesis_to(verb);
 }
 
 void Command::run() {
   if (!output.given()) output.set_path(mesh.stem() + ".vti");
-  output.check(field_formats());
+  check_input(mesh.name());
+  dry_run ? output.check_name(field_formats()) : output.check(field_formats());
   if (options.nearest_triangle) output.check_carries_nearest(field_formats());
   if (options.memory_limit == 0) options.memory_limit = default_memory_limit();
 
@@ -99,9 +106,9 @@ void Command::run() {
   validate(loaded);
   const Box box = bounds(loaded);
   check_extent(mesh.name(), box);
-  Plan plan{mesh.name(), loaded, grid.choose(box), output.path().string()};
+  Plan plan{mesh.name(), loaded, grid.choose(box), output.path().string(), output.in_the_way()};
   plan.load_seconds = seconds_since(start);
-  if (dry_run) return console.json() ? print(plan_json(plan, options)) : print(plan_text(plan, options));
+  if (dry_run) return tell(plan, options, console);
   console.say(mesh_line(mesh.name(), loaded));
   console.say(grid_line(plan.choice));
 

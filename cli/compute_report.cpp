@@ -1,12 +1,13 @@
 #include "cli/compute_report.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "cli/files.h"
 #include "cli/memory.h"
 #include "cli/text.h"
+#include "standoff/error.h"
 #include "standoff/field.h"
-#include "standoff/version.h"
 
 namespace standoff::cli {
 namespace {
@@ -16,23 +17,21 @@ std::int64_t tile_count(Size3 size) {
   return ((size.x + side - 1) / side) * ((size.y + side - 1) / side) * ((size.z + side - 1) / side);
 }
 
-std::int64_t bytes_needed(const Plan& plan, const ComputeOptions& options) {
-  return memory_needed(plan.mesh, plan.choice.grid, plan.choice.thickness, options);
+// What the samples take in a file of any format; the rest is a header of less than 4 KiB.
+double sample_bytes(const Plan& plan, const ComputeOptions& options) {
+  return (options.nearest_triangle ? 8.0 : 4.0) * static_cast<double>(plan.choice.grid.sample_count());
 }
 
 Json description(const Plan& plan) {
   const Box box = bounds(plan.mesh);
-  const Grid& grid = plan.choice.grid;
-  return {
-      {"version", version()},
-      {"mesh",
-       {{"file", plan.mesh_name},
-        {"triangles", plan.mesh.triangles.size()},
-        {"vertices", plan.mesh.vertices.size()},
-        {"bounds", {json_point(box.min), json_point(box.max)}}}},
-      {"grid",
-       {{"size", json_size(grid.size)}, {"origin", json_point(grid.origin)}, {"spacing", json_point(grid.spacing)}}},
-      {"thickness", json_number(plan.choice.thickness)}};
+  Json json = json_answer("compute");
+  json["mesh"] = {{"file", plan.mesh_name},
+                  {"triangles", plan.mesh.triangles.size()},
+                  {"vertices", plan.mesh.vertices.size()},
+                  {"bounds", json_box(box)}};
+  json["grid"] = json_grid(plan.choice.grid);
+  json["thickness"] = json_number(plan.choice.thickness);
+  return json;
 }
 
 }  // namespace
@@ -43,28 +42,33 @@ std::string grid_line(const GridChoice& choice) {
   return "grid " + size_text(choice.grid.size) + ", spacing " + spacing_text(choice.grid.spacing) + ", " + band;
 }
 
-std::string plan_text(const Plan& plan, const ComputeOptions& options) {
+void tell(const Plan& plan, const ComputeOptions& options, const Console& console) {
   const Grid& grid = plan.choice.grid;
-  const std::int64_t needed = bytes_needed(plan, options);
-  const std::string over =
-      needed > options.memory_limit ? ", more than the limit of " + bytes_text(options.memory_limit) : "";
-  return mesh_line(plan.mesh_name, plan.mesh) + "\n" + grid_line(plan.choice) + "\n" +  //
-         "from " + point_text(grid.origin) + " to " + point_text(grid.bounds().max) + ", " +
-         counted(grid.sample_count(), "sample") + " in " + counted(tile_count(grid.size), "tile") + "\n" +  //
-         "needs at most " + bytes_text(needed) + " beside the mesh" + over + "\n" +                         //
-         "would write " + plan.output + "\n";
-}
-
-Json plan_json(const Plan& plan, const ComputeOptions& options) {
-  Json json = description(plan);
-  json["samples"] = {{"total", plan.choice.grid.sample_count()}};
-  json["tiles"] = {{"total", tile_count(plan.choice.grid.size)}};
-  json["seconds"] = {{"load", plan.load_seconds}};
-  json["memory_needed_bytes"] = bytes_needed(plan, options);
-  json["memory_limit_bytes"] = options.memory_limit;
-  json["output"] = {{"file", plan.output}};
-  json["dry_run"] = true;
-  return json;
+  const std::int64_t needed = memory_needed(plan.mesh, grid, plan.choice.thickness, options), limit = options.memory_limit;
+  const std::string memory = "needs at most " + bytes_text(needed) + " beside the mesh";
+  const std::string over = ", more than the limit of " + bytes_text(limit);
+  const auto file_bytes = static_cast<std::int64_t>(std::min(sample_bytes(plan, options), 0x1p62));
+  if (console.json()) {
+    Json json = description(plan);
+    json["samples"] = {{"total", grid.sample_count()}};
+    json["tiles"] = {{"total", tile_count(grid.size)}};
+    json["seconds"] = {{"load", plan.load_seconds}};
+    json["memory_needed_bytes"] = needed;
+    json["memory_limit_bytes"] = limit;
+    json["dry_run"] = true;
+    json["output"] = {{"file", plan.output}, {"bytes", file_bytes}, {"in_the_way", plan.in_the_way}};
+    print(json);
+  } else {
+    print(mesh_line(plan.mesh_name, plan.mesh) + "\n" + grid_line(plan.choice) + "\n" +  //
+          "from " + point_text(grid.origin) + " to " + point_text(grid.bounds().max) + ", " +
+          counted(grid.sample_count(), "sample") + " in " + counted(tile_count(grid.size), "tile") + "\n" +  //
+          memory + (needed > limit ? over : "") + "\n" +                                                     //
+          "would write " + plan.output + ", about " + bytes_text(file_bytes) +
+          (plan.in_the_way ? "; it exists: give -f to overwrite it" : "") + "\n");
+  }
+  if (needed > limit)
+    throw Error(ErrorCode::limit, "compute: the field " + memory + over +
+                                      "; take fewer samples, a smaller thickness, or a larger --memory-limit");
 }
 
 void say(const Outcome& outcome, const Console& console) {
@@ -99,6 +103,7 @@ Json outcome_json(const Outcome& outcome) {
   json["device"] = report.backend;
   json["device_name"] = report.device;
   json["threads"] = report.threads;
+  json["dry_run"] = false;
   json["output"] = {{"file", outcome.plan.output}, {"bytes", outcome.written_bytes}};
   return json;
 }

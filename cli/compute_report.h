@@ -16,15 +16,15 @@ struct Plan {
   const Mesh& mesh;
   GridChoice choice;
   std::string output;
+  bool in_the_way = false;  ///< the output exists, and may not be overwritten
   double load_seconds = 0;
 };
 
 /// "grid 256 x 254 x 200, spacing 0.1, full field".
 std::string grid_line(const GridChoice& choice);
 
-/// What --dry-run prints.
-std::string plan_text(const Plan& plan, const ComputeOptions& options);
-Json plan_json(const Plan& plan, const ComputeOptions& options);
+/// What --dry-run prints. Throws Error{limit} after it where the real run would be refused for its memory.
+void tell(const Plan& plan, const ComputeOptions& options, const Console& console);
 
 /// A computation that has written its field.
 struct Outcome {

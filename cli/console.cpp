@@ -4,7 +4,6 @@
 
 #include <cerrno>
 #include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <cstring>
 
@@ -53,21 +52,6 @@ class Bar {
   bool drawn_ = false;
 };
 
-// Objects, and lists of objects, on lines of their own; points and other short lists on one.
-std::string json_text(const Json& json, const std::string& indent) {
-  const bool is_list = json.is_array() && !json.empty() && json.front().is_object();
-  // File names may hold bytes that are no UTF-8; they are shown as replacement characters.
-  const auto dump = [](const Json& value) { return value.dump(-1, ' ', false, Json::error_handler_t::replace); };
-  if (!is_list && (!json.is_object() || json.empty())) return dump(json);
-  std::string text;
-  for (const auto& [key, value] : json.items()) {
-    text += (text.empty() ? "\n" : ",\n") + indent + "  ";
-    if (!is_list) text += dump(key) + ": ";
-    text += json_text(value, indent + "  ");
-  }
-  return (is_list ? "[" : "{") + text + "\n" + indent + (is_list ? "]" : "}");
-}
-
 void to_stderr(const std::string& line) { std::fprintf(stderr, "%s\n", message_line(line).c_str()); }
 
 }  // namespace
@@ -114,7 +98,7 @@ void print(const std::string& text) {
               "standard output: cannot write to it: " + std::string(std::strerror(errno)) + "; send it elsewhere");
 }
 
-void print(const Json& json) { print(json_text(json, "") + "\n"); }
+void print(const Json& json) { print(json_text(json)); }
 
 void print(const std::string& text, const std::filesystem::path& written) {
   try {
@@ -125,10 +109,6 @@ void print(const std::string& text, const std::filesystem::path& written) {
   }
 }
 
-void print(const Json& json, const std::filesystem::path& written) { print(json_text(json, "") + "\n", written); }
-
-Json json_number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-Json json_point(Vec3 v) { return {v.x, v.y, v.z}; }
-Json json_size(Size3 size) { return {size.x, size.y, size.z}; }
+void print(const Json& json, const std::filesystem::path& written) { print(json_text(json), written); }
 
 }  // namespace standoff::cli

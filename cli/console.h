@@ -7,13 +7,11 @@
 #include <string>
 
 #include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
 
+#include "cli/json.h"
 #include "standoff/compute.h"
 
 namespace standoff::cli {
-
-using Json = nlohmann::ordered_json;
 
 /// The options that say how much is told, and how.
 class Console {
@@ -49,10 +47,5 @@ void print(const Json& json);
 /// The same once a file was written: should stdout fail, the message says that the file is there, whole.
 void print(const std::string& text, const std::filesystem::path& written);
 void print(const Json& json, const std::filesystem::path& written);
-
-/// The number, or null where JSON has none for it (infinity).
-Json json_number(double value);
-Json json_point(Vec3 v);
-Json json_size(Size3 size);
 
 }  // namespace standoff::cli

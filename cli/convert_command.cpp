@@ -25,8 +25,18 @@ struct Command {
   FileOutput output;
   Console console;
 
+  void report(const char* kind, const char* key, const Json& what) const;
   void run();
 };
+
+void Command::report(const char* kind, const char* key, const Json& what) const {
+  if (!console.json()) return;
+  Json json = json_answer("convert");
+  json["kind"] = kind;
+  json[key] = what;
+  json["output"] = json_output(output.path());
+  print(json, output.path());
+}
 
 void Command::run() {
   const bool is_field = kind_of(input.name()) == FileKind::field;
@@ -42,18 +52,21 @@ void Command::run() {
   if (kind_of(output.path()) == FileKind::body)
     throw Error(ErrorCode::usage,
                 output.path().string() + ": convert does not make a body of a mesh; use standoff build");
+  check_input(input.name());
   output.check(is_field ? field_formats() : mesh_formats());
   const std::string writing = "writing " + output.path().string();
   if (is_field) {
     const DistanceField field = field_argument.read(input.name(), console);
     with_spinner(console, writing, [&] { write_field(output.path(), field, output.existing()); });
-    return console.say(output.path().string() + ": " + size_text(field.grid().size) + " samples");
+    console.say(output.path().string() + ": " + size_text(field.grid().size) + " samples");
+    return report("field", "grid", json_grid(field.grid()));
   }
   field_argument.check_unused(input.name());
   const Mesh mesh = with_spinner(console, "reading " + input.name(), [&] { return input.read(); });
   validate(mesh);
   with_spinner(console, writing, [&] { write_mesh(output.path(), mesh, output.existing()); });
   console.say(mesh_line(output.path().string(), mesh));
+  report("mesh", "mesh", {{"triangles", mesh.triangles.size()}, {"vertices", mesh.vertices.size()}});
 }
 
 }  // namespace
@@ -61,14 +74,14 @@ void Command::run() {
 void add_convert(CLI::App& program) {
   auto* verb = add_verb(program, "convert", "turn a mesh or field into another format", kExamples);
   const auto command = std::make_shared<Command>();
-  command->input.add_to(*verb, "FILE");
+  command->input.add_any_to(*verb, false);
   command->input.add_scale_to(*verb);
   command->output.add_to(*verb, "FILE",
                          "the new file: " + extensions(mesh_formats(), true) + " for a mesh,\n" +
                              extensions(field_formats(), true) + " for a field");
   verb->get_option("--output")->required();
   command->field_argument.add_to(*verb);
-  command->console.add_to(*verb, Console::kMessages);
+  command->console.add_to(*verb, Console::kMessages | Console::kJson);
   verb->callback([command] { command->run(); });
 }
 

@@ -26,7 +26,8 @@ void run(const Console& console) {
                       {"compute_capability", std::to_string(gpus[n].major) + "." + std::to_string(gpus[n].minor)},
                       {"memory_bytes", gpus[n].memory_bytes}});
     list.push_back({{"device", "emulated"}});
-    Json all{{"devices", list}};
+    Json all = json_answer("devices");
+    all["devices"] = list;
     if (gpus.empty()) all["why_no_gpu"] = cuda::why_no_device();
     return print(all);
   }

@@ -61,7 +61,7 @@ void Command::run_batch() {
     answers.table.end_row();
   }
   answers.counts = {{"touching", touching}, {"beyond_limit", beyond}};
-  batch.deliver(answers, console);
+  batch.deliver("distance", answers, console);
 }
 
 void Command::run() {
@@ -70,12 +70,14 @@ void Command::run() {
   const DistanceResult found = distance(a, bodies.pose_a(), b, pose, inclusive());
   if (console.json()) {
     const bool any = std::isfinite(found.upper);
-    return print(Json{{"lower", json_number(lower(found))},
-                      {"upper", json_number(found.upper)},
-                      {"point_a", any ? json_point(found.point_a) : Json()},
-                      {"point_b", any ? json_point(found.point_b) : Json()},
-                      {"triangle_a", json_triangle(found.triangle_a)},
-                      {"triangle_b", json_triangle(found.triangle_b)}});
+    Json json = json_answer("distance");
+    json["lower"] = json_number(lower(found));
+    json["upper"] = json_number(found.upper);
+    json["point_a"] = any ? json_point(found.point_a) : Json();
+    json["point_b"] = any ? json_point(found.point_b) : Json();
+    json["triangle_a"] = json_triangle(found.triangle_a);
+    json["triangle_b"] = json_triangle(found.triangle_b);
+    return print(json);
   }
   if (!std::isfinite(found.upper)) return print("more than " + exact_number(options.limit) + ", the limit\n");
   print(exact_number(found.upper) + " from " + point_text(found.point_a) + " of A to " + point_text(found.point_b) +

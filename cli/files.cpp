@@ -37,8 +37,37 @@ FileKind kind_of(const fs::path& path) {
   return knows(field_formats(), extension_of(path), false) ? FileKind::field : FileKind::mesh;
 }
 
-void MeshInput::add_to(CLI::App& verb, const std::string& name) {
-  verb.add_option(name, name_, "a mesh file (" + extensions(mesh_formats(), false) + "),\nor scene:NAME[:TRIANGLES]")
+void check_input(const std::string& name) {
+  if (name.starts_with(kScene)) {
+    const SceneName scene = parse_scene(name);
+    if (!std::ranges::any_of(scenes::all(), [&](const auto& known) { return known.name == scene.name; }))
+      scenes::make(scene.name);  // says which there are
+    return;
+  }
+  std::error_code ignored;
+  const auto status = fs::status(name, ignored);
+  if (fs::is_fifo(status) || (fs::is_regular_file(status) && ::access(name.c_str(), R_OK) == 0)) return;
+  read_text(name);  // says why it cannot be read
+}
+
+SceneName parse_scene(const std::string& text) {
+  const std::string name = text.starts_with(kScene) ? text.substr(kScene.size()) : text;
+  const auto colon = name.find(':');
+  if (colon == std::string::npos) return {name};
+  return {name.substr(0, colon), parse_count(std::string(kScene) + name.substr(0, colon) + ":TRIANGLES",
+                                             name.substr(colon + 1), 1, std::int64_t{1} << 32)};
+}
+
+void MeshInput::add_to(CLI::App& verb) {
+  verb.add_option("MESH", name_, "a mesh file (" + extensions(mesh_formats(), false) + "),\nor scene:NAME[:TRIANGLES]")
+      ->required();
+}
+
+void MeshInput::add_any_to(CLI::App& verb, bool bodies) {
+  verb.add_option("FILE", name_,
+                  "a mesh (" + extensions(mesh_formats(), false) + "),\nscene:NAME[:TRIANGLES], " +
+                      (bodies ? "" : "or ") + "a field (" + extensions(field_formats(), false) + ")" +
+                      (bodies ? ",\nor a body (.body)" : ""))
       ->required();
 }
 
@@ -52,8 +81,7 @@ void MeshInput::add_scale_to(CLI::App& verb) {
 }
 
 std::string MeshInput::stem() const {
-  if (!name_.starts_with(kScene)) return fs::path(name_).stem().string();
-  return name_.substr(kScene.size(), name_.find(':', kScene.size()) - kScene.size());
+  return name_.starts_with(kScene) ? parse_scene(name_).name : fs::path(name_).stem().string();
 }
 
 Mesh MeshInput::read() const {
@@ -63,11 +91,8 @@ Mesh MeshInput::read() const {
                                       "was built from");
   const double scale = scale_ ? *scale_ : unit_.value_or(1);
   if (!name_.starts_with(kScene)) return read_mesh(name_, {scale});
-  const auto colon = name_.find(':', kScene.size());
-  std::int64_t triangles = 0;
-  if (colon != std::string::npos)
-    triangles = parse_count(name_.substr(0, colon) + ":TRIANGLES", name_.substr(colon + 1), 1, std::int64_t{1} << 32);
-  Mesh mesh = scenes::make(stem(), triangles);
+  const SceneName scene = parse_scene(name_);
+  Mesh mesh = scenes::make(scene.name, scene.triangles);
   if (scale != 1)
     for (Vec3& vertex : mesh.vertices) vertex = vertex * scale;
   return mesh;
@@ -84,6 +109,16 @@ void FileOutput::add_to(CLI::App& verb, const char* placeholder, const std::stri
 }
 
 void FileOutput::check(const std::vector<FileFormat>& formats) const {
+  check_name(formats);
+  if (in_the_way()) throw Error(ErrorCode::usage, path_.string() + ": it exists; give -f to overwrite it");
+}
+
+bool FileOutput::in_the_way() const {
+  std::error_code ignored;
+  return !force_ && fs::is_regular_file(fs::status(path_, ignored));
+}
+
+void FileOutput::check_name(const std::vector<FileFormat>& formats) const {
   const auto fail = [this](ErrorCode code, const std::string& what) {
     throw Error(code, path_.string() + ": " + what);
   };
@@ -96,7 +131,6 @@ void FileOutput::check(const std::vector<FileFormat>& formats) const {
                                "; use " + extensions(formats, true));
   }
   const auto folder = path_.has_parent_path() ? path_.parent_path() : fs::path(".");
-  if (fs::is_regular_file(status) && !force_) fail(ErrorCode::usage, "it exists; give -f to overwrite it");
   if (!fs::is_directory(folder, ignored))
     fail(ErrorCode::output, "the folder " + folder.string() + " does not exist; create it first");
   if (::access(fs::exists(status) ? path_.c_str() : folder.c_str(), W_OK) != 0)

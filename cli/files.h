@@ -18,11 +18,25 @@ enum class FileKind { mesh, field, body };
 /// By the extension; a name that says nothing is a mesh's, for those are recognised by content.
 FileKind kind_of(const std::filesystem::path& path);
 
+/// Tells before anything is read or written what is wrong with an input's name: no such scene; a file that is missing,
+/// a folder, or not to be read. Errors: usage (scene), input.
+void check_input(const std::string& name);
+
+/// A mesh made by code, as `scene:NAME[:TRIANGLES]` names it.
+struct SceneName {
+  std::string name;
+  std::int64_t triangles = 0;  ///< 0: the scene's own count
+};
+/// Of a text with or without `scene:`. Errors: usage (the number of triangles).
+SceneName parse_scene(const std::string& text);
+
 /// A mesh that a verb reads: a file, or `scene:NAME[:TRIANGLES]`.
 class MeshInput {
  public:
-  /// Adds the positional argument `name`.
-  void add_to(CLI::App& verb, const std::string& name = "MESH");
+  /// Adds the positional argument MESH.
+  void add_to(CLI::App& verb);
+  /// Adds the positional argument FILE for verbs that take meshes, fields and, with `bodies`, bodies.
+  void add_any_to(CLI::App& verb, bool bodies);
   /// Adds --scale and --unit.
   void add_scale_to(CLI::App& verb);
 
@@ -54,6 +68,10 @@ class FileOutput {
   /// Tells before any work what would go wrong after it: an unknown extension (usage), a file in the way without -f
   /// (usage), a folder in the way or missing (output).
   void check(const std::vector<FileFormat>& formats) const;
+  /// The same, but for a file in the way.
+  void check_name(const std::vector<FileFormat>& formats) const;
+  /// Whether there is a file in the way, and no -f.
+  bool in_the_way() const;
   /// Throws Error{usage} where the output is the file that an input comes from, also with -f.
   void check_differs(const std::string& input) const;
   /// A file that has appeared since the check stays, unless -f was given.

@@ -89,16 +89,21 @@ void Command::run() {
   const double rate = static_cast<double>(steps * flies) / std::max(seconds, 1e-9);
   const bool thesis = options.mode == FlightMode::thesis;
   const auto tell = [this](const auto& what) { path.given() ? print(what, path.path()) : print(what); };
-  if (console.json())
-    return tell(Json{{"mode", thesis ? "thesis" : "sweep"},
-                     {"steps", steps},
-                     {"flies", flies},
-                     {"speed", options.speed},
-                     {"seed", options.seed},
-                     {"steps_per_second", rate},
-                     {"collisions", collisions},
-                     {"wall_crossings", options.check ? Json(crossings) : Json()},
-                     {"grid", {{"size", json_size(grid.size)}, {"spacing", json_point(grid.spacing)}}}});
+  if (console.json()) {
+    Json json = json_answer("fly");
+    json["mode"] = thesis ? "thesis" : "sweep";
+    json["steps"] = steps;
+    json["flies"] = flies;
+    json["speed"] = options.speed;
+    json["seed"] = options.seed;
+    json["seconds"] = {{"run", seconds}};
+    json["steps_per_second"] = rate;
+    json["collisions"] = collisions;
+    json["wall_crossings"] = options.check ? Json(crossings) : Json();
+    json["grid"] = json_grid(grid);
+    if (path.given()) json["output"] = json_output(path.path());
+    return tell(json);
+  }
   tell(counted(steps, "step") + (flies > 1 ? " of each of " + grouped(flies) + " flies" : "") + ", " + number(rate) +
        " a second" + (flies > 1 ? " in all" : "") + "; grid " + size_text(grid.size) + "\n" +
        counted(collisions, "collision") + (options.check ? ", " + counted(crossings, "wall crossing") : "") + "\n");
@@ -133,16 +138,7 @@ void add_fly(CLI::App& program) {
   });
   add("--scatter", "DEGREES", "turn at random by up to this after a contact (default 28.6)", "Flight",
       [&options](S o, S t) { options.scatter_rad = parse_degrees(o, t, 180) * std::numbers::pi / 180; });
-  add("--mode", "MODE", "sweep (default) or thesis", "Collision", [&options](S o, S t) {
-    options.mode = parse_choice(o, t, {"sweep", "thesis"}) == 0 ? FlightMode::sweep : FlightMode::thesis;
-  });
-  it->of_thesis.push_back(add("--minimum", "E", "thesis: the minimum grid's factor, 1 or more (default 2)", "Collision",
-                              [&options](S o, S t) { options.minimum = parse_positive(o, t); }));
-  it->of_thesis.push_back(add("--thickness", "T", "thesis: of the fields (default 2)", "Collision",
-                              [&options](S o, S t) { options.thickness = parse_positive(o, t); }));
-  it->of_thesis.push_back(add("--threshold", "D", "thesis: of the sum of two values (default: the larger spacing)",
-                              "Collision", [&options](S o, S t) { options.threshold = parse_positive(o, t); }));
-  it->of_sweep.push_back(add("--tolerance", "D", "sweep: as near as this is touching (default 1e-4)", "Collision",
+  it->of_sweep.push_back(add("--tolerance", "D", "as near as this is touching (default 1e-4)", "Collision",
                              [&options](S o, S t) { options.tolerance = parse_positive(o, t); }));
   verb->add_flag_callback(
           "--no-check", [&options] { options.check = false; }, "do not look for wall crossings: faster")
@@ -151,6 +147,16 @@ void add_fly(CLI::App& program) {
   it->path.add_to(*verb, "FILE", "where each fly starts, turns and ends: .csv or .ply", "--path");
   verb->get_option("--force")->needs(verb->get_option("--path"));
   it->console.add_to(*verb, Console::kMessages | Console::kJson | Console::kProgress);
+  add("--mode", "MODE", "sweep (default) or thesis", kThesisGroup, [&options](S o, S t) {
+    options.mode = parse_choice(o, t, {"sweep", "thesis"}) == 0 ? FlightMode::sweep : FlightMode::thesis;
+  });
+  it->of_thesis.push_back(add("--minimum", "E", "with --mode thesis: the minimum grid's factor, 1 or more (default 2)",
+                              kThesisGroup, [&options](S o, S t) { options.minimum = parse_positive(o, t); }));
+  it->of_thesis.push_back(add("--thickness", "T", "with --mode thesis: of the fields (default 2)", kThesisGroup,
+                              [&options](S o, S t) { options.thickness = parse_positive(o, t); }));
+  it->of_thesis.push_back(add("--threshold", "D",
+                              "with --mode thesis: of the sum of two values (default: the larger spacing)",
+                              kThesisGroup, [&options](S o, S t) { options.threshold = parse_positive(o, t); }));
   verb->callback([command] { command->run(); });
 }
 

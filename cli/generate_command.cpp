@@ -1,4 +1,5 @@
 // standoff generate: a mesh made by code, into a file.
+#include <algorithm>
 #include <memory>
 
 #include "cli/commands.h"
@@ -37,7 +38,9 @@ void Command::print_list() const {
     Json described = Json::array();
     for (const auto& known : scenes::all())
       described.push_back({{"name", known.name}, {"triangles", known.triangles}, {"description", known.description}});
-    return print(Json{{"scenes", described}});
+    Json json = json_answer("generate");
+    json["scenes"] = described;
+    return print(json);
   }
   constexpr std::size_t kNameWidth = 18, kCountWidth = 10;
   const auto blanks = [](std::size_t width, const std::string& beside) {
@@ -55,17 +58,23 @@ void Command::print_list() const {
 void Command::run() {
   if (list) return print_list();
   if (scene.empty()) throw Error(ErrorCode::usage, "generate: no SCENE given; see standoff generate --list");
-  if (!output.given()) output.set_path(scene + ".ply");
+  const SceneName named = parse_scene(scene);
+  if (named.triangles != 0 && triangles != 0)
+    throw Error(ErrorCode::usage, "--triangles: " + scene + " names a number already; give one of them");
+  check_input("scene:" + named.name);
+  if (!output.given()) output.set_path(named.name + ".ply");
   output.check(mesh_formats());
-  const Mesh mesh = scenes::make(scene, triangles);
+  const Mesh mesh = with_spinner(console, "making " + named.name,
+                                 [&] { return scenes::make(named.name, std::max(triangles, named.triangles)); });
   with_spinner(console, "writing " + output.path().string(),
                [&] { write_mesh(output.path(), mesh, output.existing()); });
   console.say(mesh_line(output.path().string(), mesh));
   if (!console.json()) return;
-  print(Json{{"scene", scene},
-             {"mesh", {{"triangles", mesh.triangles.size()}, {"vertices", mesh.vertices.size()}}},
-             {"output", {{"file", output.path().string()}}}},
-        output.path());
+  Json json = json_answer("generate");
+  json["scene"] = named.name;
+  json["mesh"] = {{"triangles", mesh.triangles.size()}, {"vertices", mesh.vertices.size()}};
+  json["output"] = json_output(output.path());
+  print(json, output.path());
 }
 
 }  // namespace
@@ -74,7 +83,8 @@ void add_generate(CLI::App& program) {
   auto* verb =
       add_verb(program, "generate", "make a mesh by code: machines, terrain, a labyrinth, nasty cases", kExamples);
   const auto command = std::make_shared<Command>();
-  auto* scene = verb->add_option("SCENE", command->scene, "the name of a scene, see --list");
+  auto* scene =
+      verb->add_option("SCENE", command->scene, "the name of a scene, see --list; scene:NAME[:TRIANGLES] too");
   auto* list = verb->add_flag("--list", command->list, "list the scenes")->excludes(scene)->group("Scene");
   add_parsed(*verb, {"--triangles", "N", "about so many triangles (default: the scene's own)", "Scene"},
              [command = command.get()](const std::string& option, const std::string& text) {

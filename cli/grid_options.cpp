@@ -36,29 +36,37 @@ void GridOptions::add_to(CLI::App& verb) {
                       [this](S o, S t) { spacing_ = parse_spacing(o, t); });
   auto* size = add("--size", "NX,NY,NZ", "samples per axis; the spacing may then differ per axis",
                    [this](S o, S t) { size_ = parse_size(o, t); });
-  auto* minimum =
-      add("--minimum", "E", "the smallest grid for collision: E samples per thickness\n(2 to 4 in the thesis)",
-          [this](S o, S t) { minimum_ = parse_number(o, t); });
-  auto* speed = add("--speed", "V", "with --minimum: how far a body moves in one step",
-                    [this](S o, S t) { speed_ = parse_number(o, t); });
   auto* bounds = add("--bounds", "x0,..,z1", "cover this box (x0,y0,z0,x1,y1,z1) and not the mesh's",
                      [this](S o, S t) { bounds_ = parse_bounds(o, t); });
-  auto* padding =
-      add("--padding", "N",
-          "samples around the mesh (default: the thickness, at most\na tenth of the longest side; at least 2)",
-          [this](S o, S t) {
-            padding_ = parse_number(o, t);
-            if (!(*padding_ >= 0)) throw Error(ErrorCode::usage, "--padding '" + t + "': give zero or more");
-          });
-  auto* thickness = add("-t,--thickness", "T",
-                        "half-width of the band: world units (0.5), samples (3s),\nor inf for every sample (default)",
-                        [this](S o, S t) { thickness_ = parse_thickness(o, t); });
-  for (auto* option : {samples, spacing, size}) option->excludes(minimum);
+  auto* padding = add("--padding", "N",
+                      "samples around the mesh (default: 2 for a full field; for a\nband its thickness, from 2 to a "
+                      "tenth of the longest side)",
+                      [this](S o, S t) {
+                        padding_ = parse_number(o, t);
+                        if (!(*padding_ >= 0))
+                          throw Error(ErrorCode::usage, "--padding '" + t + "': give zero or more");
+                      });
+  add("-t,--thickness", "T",
+      "half-width of the band: world units (0.5), samples (3s),\nor inf for every sample (default)",
+      [this](S o, S t) { thickness_ = parse_thickness(o, t); });
   spacing->excludes(samples);
   size->excludes(samples)->excludes(spacing);
-  minimum->excludes(bounds)->excludes(padding)->needs(thickness);
   bounds->excludes(padding);
-  speed->needs(minimum);
+}
+
+void GridOptions::add_thesis_to(CLI::App& verb) {
+  using S = const std::string&;
+  auto* minimum =
+      add_parsed(verb,
+                 {"--minimum", "E", "the smallest grid for collision: E samples per thickness\n(2 to 4 in the thesis)",
+                  kThesisGroup},
+                 [this](S o, S t) { minimum_ = parse_number(o, t); });
+  add_parsed(verb, {"--speed", "V", "with --minimum: how far a body moves in one step", kThesisGroup},
+             [this](S o, S t) { speed_ = parse_number(o, t); })
+      ->needs(minimum);
+  for (const char* name : {"--resolution", "--spacing", "--size", "--bounds", "--padding"})
+    minimum->excludes(verb.get_option(name));
+  minimum->needs(verb.get_option("--thickness"));
 }
 
 Box GridOptions::padded(const Box& mesh) const {

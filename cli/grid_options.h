@@ -18,8 +18,11 @@ struct GridChoice {
 
 class GridOptions {
  public:
-  /// Adds -r, --spacing, --size, --minimum, --speed, --bounds, --padding and --thickness, and says which exclude which.
+  /// Adds -r, --spacing, --size, --bounds, --padding and --thickness, and says which exclude which.
   void add_to(CLI::App& verb);
+
+  /// Adds --minimum and --speed, which exclude some of those. Call after it.
+  void add_thesis_to(CLI::App& verb);
 
   /// The grid for a mesh with the given bounds. Errors: usage.
   GridChoice choose(const Box& mesh) const;

@@ -35,20 +35,21 @@ void tell_mesh(const MeshInput& input, const Console& console) {
   const MeshSummary found = inspect(mesh);
   const Box& box = found.bounds;
   if (console.json()) {
-    return print(Json{{"file", input.name()},
-                      {"kind", "mesh"},
-                      {"mesh",
-                       {{"triangles", mesh.triangles.size()},
-                        {"vertices", mesh.vertices.size()},
-                        {"bounds", {json_point(box.min), json_point(box.max)}},
-                        {"extent", json_point(box.extent())},
-                        {"area", found.area},
-                        {"degenerate", found.degenerate},
-                        {"duplicate", found.duplicate},
-                        {"boundary_edges", found.boundary_edges},
-                        {"nonmanifold_edges", found.nonmanifold_edges},
-                        {"closed", found.closed()},
-                        {"hash", hash_text(content_hash(mesh))}}}});
+    Json json = json_answer("info");
+    json["kind"] = "mesh";
+    json["mesh"] = {{"file", input.name()},
+                    {"triangles", mesh.triangles.size()},
+                    {"vertices", mesh.vertices.size()},
+                    {"bounds", json_box(box)},
+                    {"extent", json_point(box.extent())},
+                    {"area", found.area},
+                    {"degenerate", found.degenerate},
+                    {"duplicate", found.duplicate},
+                    {"boundary_edges", found.boundary_edges},
+                    {"nonmanifold_edges", found.nonmanifold_edges},
+                    {"closed", found.closed()},
+                    {"hash", hash_text(content_hash(mesh))}};
+    return print(json);
   }
   const auto count = [](std::size_t n) { return grouped(static_cast<std::int64_t>(n)); };
   print(row("mesh", input.name()) + row("triangles", count(mesh.triangles.size())) +
@@ -68,18 +69,17 @@ void tell_field(const std::string& name, const FieldArgument& input, const Conso
   const Provenance& from = field.provenance;
   const std::int64_t tiles = field.tile_count().count();
   if (console.json()) {
-    Json json{
-        {"file", name},
-        {"kind", "field"},
-        {"grid", {{"size", json_size(g.size)}, {"origin", json_point(g.origin)}, {"spacing", json_point(g.spacing)}}},
-        {"thickness", json_number(field.thickness())},
-        {"values", {{"min", json_number(found.min)}, {"max", json_number(found.max)}, {"nan", found.nan}}},
-        {"samples", {{"total", g.sample_count()}, {"band", found.band}}},
-        {"tiles", {{"total", tiles}, {"stored", field.stored_tiles()}}},
-        {"nearest_triangle", field.has_nearest()},
-        {"method", from.method},
-        {"mesh_hash", from.mesh_hash == 0 ? Json(nullptr) : Json(hash_text(from.mesh_hash))},
-        {"version", from.version}};
+    Json json = json_answer("info");
+    json["kind"] = "field";
+    json["field"] = {
+        {"file", name}, {"nearest_triangle", field.has_nearest()}, {"method", from.method}, {"version", from.version}};
+    json["mesh"] = {{"hash", from.mesh_hash == 0 ? Json(nullptr) : Json(hash_text(from.mesh_hash))}};
+    json["grid"] = json_grid(g);
+    json["thickness"] = json_number(field.thickness());
+    json["values"] = {{"min", json_number(found.min)}, {"max", json_number(found.max)}, {"nan", found.nan}};
+    json["samples"] = {{"total", g.sample_count()}, {"band", found.band}};
+    json["tiles"] = {{"total", tiles}, {"stored", field.stored_tiles()}};
+    json["memory_bytes"] = field.memory_bytes();
     return print(json);
   }
   const auto or_unknown = [](const std::string& text) {
@@ -104,8 +104,10 @@ void tell_field(const std::string& name, const FieldArgument& input, const Conso
 void tell_body(const std::string& name, const Console& console) {
   const CollisionModel body = with_spinner(console, "reading " + name, [&] { return CollisionModel::load(name); });
   if (console.json()) {
-    Json json{{"file", name}, {"kind", "body"}};
-    json.update(json_body(body));
+    Json json = json_answer("info");
+    json["kind"] = "body";
+    json["body"] = {{"file", name}};
+    add_body(json, body);
     return print(json);
   }
   const auto count = [](std::size_t n) { return grouped(static_cast<std::int64_t>(n)); };
@@ -115,7 +117,7 @@ void tell_body(const std::string& name, const Console& console) {
         row("vertices", count(body.mesh().vertices.size())) + row("from", point_text(box.min)) +
         row("to", point_text(box.max)) +
         row("field", size_text(grid.size) + ", " + counted(grid.sample_count(), "sample")) +
-        row("spacing", spacing_text(grid.spacing)) + row("band", number(body.band())) +
+        row("spacing", spacing_text(grid.spacing)) + row("thickness", number(body.band())) +
         row("memory", bytes_text(body.memory_bytes())));
 }
 
@@ -137,9 +139,9 @@ struct Command {
 void add_info(CLI::App& program) {
   auto* verb = add_verb(program, "info", "say what is in a mesh, field or body", kExamples);
   const auto command = std::make_shared<Command>();
-  command->input.add_to(*verb, "FILE");
+  command->input.add_any_to(*verb, true);
   command->field.add_to(*verb);
-  command->console.add_to(*verb, Console::kJson);
+  command->console.add_to(*verb, Console::kJson | Console::kMessages);
   verb->callback([command] { command->run(); });
 }
 

@@ -10,6 +10,9 @@
 
 namespace standoff::cli {
 
+/// The group of the options that rebuild the thesis. It stands last in a verb's help: add them last.
+inline constexpr const char* kThesisGroup = "The thesis of 2008 (docs/thesis.md)";
+
 struct OptionText {
   const char* name;   ///< "-r,--resolution"
   const char* value;  ///< "N", as shown in the help

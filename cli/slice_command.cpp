@@ -53,23 +53,31 @@ void Command::add_to(CLI::App& verb) {
   add("--index", "N", "which sample along the axis, from 0, in place of --at", [this](S o, S t) {
     options.index = parse_count(o, t, 0, std::numeric_limits<std::int64_t>::max());
   })->excludes(at);
-  add("--colormap", "NAME", "viridis (default), or thesis: red, green, blue", [this](S o, S t) {
-    options.colormap = parse_choice(o, t, {"viridis", "thesis"}) == 0 ? Colormap::viridis : Colormap::thesis;
-  });
   add("--pixels", "N", "enlarge the longer side to at least this (default 512)",
       [this](S o, S t) { options.pixels = static_cast<int>(parse_count(o, t, 1, 8192)); });
   input.add_to(verb);
-  console.add_to(verb, Console::kMessages);
+  console.add_to(verb, Console::kMessages | Console::kJson);
+  add_parsed(verb, {"--colormap", "NAME", "viridis (default), or thesis: red, green, blue", kThesisGroup},
+             [this](S o, S t) {
+               options.colormap = parse_choice(o, t, {"viridis", "thesis"}) == 0 ? Colormap::viridis : Colormap::thesis;
+             });
 }
 
 void Command::run() {
   if (!output.given()) output.set_path(std::filesystem::path(field).stem().string() + ".png");
+  check_input(field);
   output.check({{"png", "PNG picture", false, true}});
   const DistanceField loaded = input.read(field, console);
   write_slice_png(output.path(), loaded, options, output.existing());
   const char* axis = options.axis == Axis::x ? "x" : options.axis == Axis::y ? "y" : "z";
   console.say(output.path().string() + ": the plane of " + field + " at " +
               (options.index ? "sample " + std::to_string(*options.index) : number(options.at)) + " along " + axis);
+  if (!console.json()) return;
+  Json json = json_answer("slice");
+  json["field"] = {{"file", field}};
+  json["axis"] = axis;
+  json["output"] = json_output(output.path());
+  print(json, output.path());
 }
 
 }  // namespace

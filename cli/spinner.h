@@ -1,12 +1,15 @@
 // What a terminal shows while files are read and written: the longest silences of all.
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <mutex>
 #include <string>
 #include <thread>
+#include <type_traits>
 
 #include "cli/console.h"
+#include "cli/text.h"
 
 namespace standoff::cli {
 
@@ -30,11 +33,26 @@ class Spinner {
   std::thread thread_;
 };
 
-/// The result of `work`, shown as waited for meanwhile.
+/// The result of `work`, shown as waited for meanwhile. With --verbose it is said how long it took.
 template <class Work>
 auto with_spinner(const Console& console, const std::string& what, Work work) {
-  const Spinner shown(console, what);
-  return work();
+  const auto start = std::chrono::steady_clock::now();
+  const auto tell = [&] {
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+    console.detail(what + ": " + seconds_text(elapsed.count()));
+  };
+  const auto shown_work = [&] {
+    const Spinner shown(console, what);
+    return work();
+  };
+  if constexpr (std::is_void_v<decltype(work())>) {
+    shown_work();
+    tell();
+  } else {
+    auto result = shown_work();
+    tell();
+    return result;
+  }
 }
 
 }  // namespace standoff::cli

@@ -54,7 +54,7 @@ void Command::run_batch() {
     answers.table.end_row();
   }
   answers.counts = {{"free", static_cast<std::int64_t>(found.size()) - hits}, {"hit", hits}};
-  batch.deliver(answers, console);
+  batch.deliver("sweep", answers, console);
 }
 
 void Command::run() {
@@ -62,13 +62,16 @@ void Command::run() {
   if (!has_end) throw Error(ErrorCode::usage, "sweep: no --to given, where B ends; or give --motions with a file");
   const CollisionModel a = bodies.read_a(console), b = bodies.read_b(console);
   const SweepResult found = sweep(a, bodies.pose_a(), b, motion, options);
-  if (console.json())
-    return print(Json{{"hit", found.hit},
-                      {"time", found.time},
-                      {"point", found.hit ? json_point(found.point) : Json()},
-                      {"normal", found.hit ? json_point(found.normal) : Json()},
-                      {"triangle_a", json_triangle(found.triangle_a)},
-                      {"triangle_b", json_triangle(found.triangle_b)}});
+  if (console.json()) {
+    Json json = json_answer("sweep");
+    json["hit"] = found.hit;
+    json["time"] = found.time;
+    json["point"] = found.hit ? json_point(found.point) : Json();
+    json["normal"] = found.hit ? json_point(found.normal) : Json();
+    json["triangle_a"] = json_triangle(found.triangle_a);
+    json["triangle_b"] = json_triangle(found.triangle_b);
+    return print(json);
+  }
   if (!found.hit) return print(std::string("free all the way\n"));
   print("hit at time " + exact_number(found.time) + " of 1, at " + point_text(found.point) + ": triangle " +
         std::to_string(found.triangle_a) + " of A and " + std::to_string(found.triangle_b) + " of B\n");

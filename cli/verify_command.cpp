@@ -29,6 +29,7 @@ struct Command {
   VerifyOptions options;
   Console console;
 
+  Json report(const VerifyResult& found) const;
   void run();
 };
 
@@ -43,7 +44,22 @@ Json sample_json(const SampleCheck& at) {
           {"error", json_number(at.error)},   {"allowed", json_number(at.allowed)}};
 }
 
+Json Command::report(const VerifyResult& found) const {
+  Json json = json_answer("verify");
+  json["field"] = {{"file", field}};
+  json["mesh"] = {{"file", mesh.name()}};
+  json["ok"] = found.ok();
+  json["samples"] = {{"tested", found.samples}, {"band", found.samples_band}, {"wrong", found.samples_wrong}};
+  json["nearest_wrong"] = found.nearest_wrong;
+  json["same_mesh"] = !found.mesh_differs;
+  json["largest"] = sample_json(found.largest);
+  json["worst"] = sample_json(found.worst);
+  return json;
+}
+
 void Command::run() {
+  check_input(field);
+  check_input(mesh.name());
   const DistanceField loaded = input.read(field, console);
   const Mesh triangles = with_spinner(console, "reading " + mesh.name(), [&] { return mesh.read(); });
   const VerifyResult found = [&] {
@@ -58,12 +74,7 @@ void Command::run() {
     console.warn(field + ": computed from another mesh than " + mesh.name() +
                  " as read here, by their hashes; give the --scale or --unit it was computed with");
   if (console.json())
-    print(Json{{"ok", found.ok()},
-               {"samples", {{"tested", found.samples}, {"band", found.samples_band}, {"wrong", found.samples_wrong}}},
-               {"nearest_wrong", found.nearest_wrong},
-               {"same_mesh", !found.mesh_differs},
-               {"largest", sample_json(found.largest)},
-               {"worst", sample_json(found.worst)}});
+    print(report(found));
   else
     print(counted(found.samples, "sample") + " tested, " + grouped(found.samples_band) + " of them in the band\n" +
           "largest error " + number(found.largest.error) + " (allowed there: " + number(found.largest.allowed) + "), " +

@@ -59,17 +59,17 @@ TEST_F(BatchQuery, CollideAnswersLineByLine) {
   EXPECT_EQ(done(words("collide scene:box scene:box --pose-a 0,0,0,0,1,0,90 --poses turned.csv")).out,
             "pose,result\n0,free\n");
   const Json certified = done(words("collide scene:box scene:box --poses poses.csv --certified --json")).json();
-  EXPECT_EQ(certified["hit"], 0);
-  EXPECT_EQ(certified["free"].get<int>() + certified["ambiguous"].get<int>(), 5);
+  EXPECT_EQ(certified["counts"]["hit"], 0);
+  EXPECT_EQ(certified["counts"]["free"].get<int>() + certified["counts"]["ambiguous"].get<int>(), 5);
 }
 
 TEST_F(BatchQuery, TheSummaryCounts) {
   write("poses.csv", kPoses);
   const Json cpu = done(words("collide scene:box scene:box --poses poses.csv --json -j 1")).json();
-  EXPECT_EQ(cpu["poses"], 5);
-  EXPECT_EQ(cpu["free"], 3);
-  EXPECT_EQ(cpu["hit"], 2);
-  EXPECT_GE(cpu["seconds"].get<double>(), 0);
+  EXPECT_EQ(cpu["queries"], 5);
+  EXPECT_EQ(cpu["counts"]["free"], 3);
+  EXPECT_EQ(cpu["counts"]["hit"], 2);
+  EXPECT_GE(cpu["seconds"]["query"].get<double>(), 0);
   EXPECT_EQ(cpu["device"], "cpu");
   EXPECT_EQ(cpu["on_device"], 0);
   EXPECT_FALSE(cpu.contains("output"));
@@ -77,13 +77,13 @@ TEST_F(BatchQuery, TheSummaryCounts) {
       done(words("collide scene:box scene:box --poses poses.csv --json --device emulated -o a.csv")).json();
   EXPECT_EQ(device["device"], "emulated");
   EXPECT_GT(device["on_device"].get<int>(), 0);
-  EXPECT_TRUE(device["taken_again"].contains("undecided"));
-  EXPECT_TRUE(device["taken_again"].contains("overflowed"));
+  EXPECT_TRUE(device["recomputed"].contains("undecided"));
+  EXPECT_TRUE(device["recomputed"].contains("overflowed"));
   EXPECT_EQ(device["output"]["file"], "a.csv");
   EXPECT_EQ(device["output"]["bytes"], std::filesystem::file_size(folder / "a.csv"));
   const Json near = done(words("distance scene:box scene:box --poses poses.csv --limit 0.2 --json")).json();
-  EXPECT_EQ(near["touching"], 2);
-  EXPECT_EQ(near["beyond_limit"], 1);
+  EXPECT_EQ(near["counts"]["touching"], 2);
+  EXPECT_EQ(near["counts"]["beyond_limit"], 1);
 }
 
 TEST_F(BatchQuery, StandardInput) {

@@ -85,9 +85,53 @@ TEST_F(Compute, DryRunWritesNothing) {
   EXPECT_EQ(text.err, "");
   EXPECT_EQ(planned("")["dry_run"], true);
   EXPECT_TRUE(folder.names().empty());
-  // It says so when the real run would be refused, and still succeeds.
-  EXPECT_NE(done(words("compute scene:box --dry-run --memory-limit 1M")).out.find("more than the limit"),
-            std::string::npos);
+  EXPECT_EQ(planned("")["output"]["bytes"], planned("")["samples"]["total"].get<std::int64_t>() * 4);
+}
+
+// Over the limit all is told as ever, and the exit code is that of the real run.
+TEST_F(Compute, DryRunOverTheMemoryLimit) {
+  const Ran text = run(words("compute scene:box --dry-run --memory-limit 1M"));
+  EXPECT_EQ(text.code, 5);
+  EXPECT_NE(text.out.find("needs at most 28.7 MiB beside the mesh, more than the limit of 1.0 MiB\n"),
+            std::string::npos)
+      << text.out;
+  EXPECT_TRUE(text.says("standoff: error: compute: the field needs at most 28.7 MiB")) << text.err;
+  const Ran as_json = run(words("compute scene:box --dry-run --memory-limit 1M --json"));
+  EXPECT_EQ(as_json.code, 5);
+  EXPECT_GT(as_json.json()["memory_needed_bytes"], as_json.json()["memory_limit_bytes"]);
+}
+
+TEST_F(Compute, DryRunLeavesWhatIsThere) {
+  write_bytes(folder / "box.vti", "mine");
+  const Ran text = done(words("compute scene:box --dry-run"));
+  EXPECT_NE(text.out.find("would write box.vti, about 24.8 MiB; it exists: give -f to overwrite it\n"),
+            std::string::npos)
+      << text.out;
+  EXPECT_EQ(planned("")["output"]["in_the_way"], true);
+  EXPECT_EQ(planned("-f")["output"]["in_the_way"], false);
+  EXPECT_EQ(read_bytes(folder / "box.vti"), "mine");
+}
+
+// What is told as the file's size is what the file then has, but for its header.
+TEST_F(Compute, DryRunTellsTheFileSize) {
+  for (const std::string options : {"-o a.vti", "-o a.npz", "-o a.nrrd", "-o b.vti --with triangle"}) {
+    const auto told = planned("-r 40 " + options)["output"]["bytes"].get<std::int64_t>();
+    const auto written = done(words("compute scene:box --json -r 40 " + options)).json()["output"]["bytes"];
+    EXPECT_LE(told, written) << options;
+    EXPECT_GE(told + 4096, written) << options;
+  }
+}
+
+// The name of the input is looked at before the output, and the output before any work.
+TEST_F(Compute, TheInputIsCheckedFirst) {
+  write_bytes(folder / "box.vti", "mine");
+  EXPECT_TRUE(run(words("compute missing.stl -o box.vti")).says("missing.stl: no such file"));
+  EXPECT_TRUE(run(words("compute scene:nowhere -o box.vti")).says("no scene is called 'nowhere'"));
+  write_bytes(folder / "broken.stl", "solid");
+  EXPECT_TRUE(run(words("compute broken.stl -o box.vti")).says("box.vti: it exists"));
+  EXPECT_TRUE(run(words("build missing.stl -o no/such.body")).says("missing.stl: no such file"));
+  EXPECT_TRUE(run(words("convert missing.stl -o box.vti")).says("use standoff compute")) << "the line makes no sense";
+  EXPECT_TRUE(run(words("slice missing.vti -o no/such.png")).says("missing.vti: no such file"));
 }
 
 TEST_F(Compute, Resolution) {

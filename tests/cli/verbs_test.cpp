@@ -1,6 +1,10 @@
 // info, slice, verify, generate, convert, version and help.
 #include <gtest/gtest.h>
 
+#include <map>
+#include <string>
+#include <vector>
+
 #include "scenes/scenes.h"
 #include "standoff/io.h"
 #include "tests/cli/program.h"
@@ -38,6 +42,33 @@ TEST_F(Verbs, VersionAndHelp) {
   }
 }
 
+// The thesis's options are few people's: they stand last.
+TEST_F(Verbs, HelpEndsWithTheThesis) {
+  for (const auto& [verb, options] : std::map<std::string, std::vector<std::string>>{
+           {"compute", {"--method", "--skip", "--minimum", "--speed"}},
+           {"slice", {"--colormap"}},
+           {"fly", {"--mode", "--minimum", "--thickness", "--threshold"}}}) {
+    const std::string help = done({"help", verb}).out;
+    const auto group = help.find("\nThe thesis of 2008");
+    ASSERT_NE(group, std::string::npos) << help;
+    EXPECT_LT(help.find("--quiet"), group);
+    for (const auto& option : options) EXPECT_GT(help.find("  " + option + " "), group) << option;
+  }
+}
+
+TEST_F(Verbs, HelpNamesWhatAVerbTakes) {
+  for (const std::string what : {".stl", "scene:NAME", ".vti", ".body"})
+    EXPECT_TRUE(holds(done({"help", "info"}).out, what)) << what;
+  for (const std::string what : {".stl", "scene:NAME", ".vti"})
+    EXPECT_TRUE(holds(done({"help", "convert"}).out, what)) << what;
+}
+
+TEST_F(Verbs, VerboseSaysHowLongFilesTook) {
+  EXPECT_TRUE(done(words("generate box -v")).says("writing box.ply: 0.0"));
+  EXPECT_TRUE(done(words("info box.ply -v")).says("reading box.ply: 0.0"));
+  EXPECT_EQ(done(words("info box.ply")).err, "");
+}
+
 TEST_F(Verbs, InfoOfAMesh) {
   const Json box = done(words("info scene:box --json")).json();
   EXPECT_EQ(box["kind"], "mesh");
@@ -71,8 +102,8 @@ TEST_F(Verbs, InfoOfAField) {
   EXPECT_LT(json["values"]["min"], 0.05);
   EXPECT_EQ(json["values"]["nan"], 0);
   EXPECT_LT(json["tiles"]["stored"], json["tiles"]["total"]);
-  EXPECT_EQ(json["method"], "tiles");
-  EXPECT_EQ(json["mesh_hash"], done(words("info scene:box --json")).json()["mesh"]["hash"]);
+  EXPECT_EQ(json["field"]["method"], "tiles");
+  EXPECT_EQ(json["mesh"]["hash"], done(words("info scene:box --json")).json()["mesh"]["hash"]);
   const std::string text = done(words("info a.npz")).out;
   EXPECT_TRUE(holds(text, "thickness     0.125")) << text;
   done(words("compute scene:box -r 20 -o full.vti"));
@@ -172,6 +203,10 @@ TEST_F(Verbs, Generate) {
   EXPECT_EQ(made["mesh"]["triangles"], read_mesh(folder / "s.stl").triangles.size());
   const Json same = done(words("info scene:sphere:5000 --json")).json();
   EXPECT_EQ(same["mesh"]["triangles"], made["mesh"]["triangles"]);
+  // As other verbs name it.
+  EXPECT_EQ(done(words("generate scene:sphere:5000 --json")).json()["mesh"], made["mesh"]);
+  EXPECT_TRUE(folder.names().contains("sphere.ply"));
+  EXPECT_TRUE(run(words("generate scene:sphere:5000 --triangles 100")).says("names a number already"));
 }
 
 TEST_F(Verbs, ConvertMeshes) {
