@@ -71,16 +71,16 @@ TEST(Inspect, TheBandOfAField) {
   const Mesh mesh = scenes::make("sphere", 500);
   const Grid grid = fit_samples(bounds(mesh), 37);
   ComputeOptions options;
-  options.backend = Backend::cpu;
-  options.thickness = 2.5 * grid.spacing.x;
-  const ComputeResult plain = compute(mesh, grid, options);
+  options.execution.backend = Backend::cpu;
+  const double thickness = 2.5 * grid.spacing.x;
+  const ComputeResult plain = compute(mesh, grid, thickness, options);
   options.nearest_triangle = true;
-  const ComputeResult nearest = compute(mesh, grid, options);
+  const ComputeResult nearest = compute(mesh, grid, thickness, options);
   for (const ComputeResult* computed : {&plain, &nearest}) {
     const FieldSummary found = inspect(computed->field);
     EXPECT_EQ(found.band, computed->report.samples_band);
     EXPECT_GE(found.min, 0);
-    EXPECT_EQ(found.max, double{static_cast<float>(options.thickness)});
+    EXPECT_EQ(found.max, double{static_cast<float>(thickness)});
     EXPECT_EQ(found.nan, 0);
   }
 }
