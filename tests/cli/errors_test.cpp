@@ -134,7 +134,7 @@ TEST_F(Errors, OptionsThatCannotGoTogetherAreBothNamed) {
       {"compute box.obj -r 10 --size 1,1,1", 2, "--resolution and --size cannot go together"},
       {"compute box.obj --spacing 1 --size 1,1,1", 2, "--spacing and --size cannot go together"},
       {"compute box.obj -t 1 --minimum 2 -r 10", 2, "--resolution and --minimum cannot go together"},
-      {"compute box.obj -t 1 --minimum 2 --padding 1", 2, "--minimum and --padding cannot go together"},
+      {"compute box.obj -t 1 --minimum 2 --padding 1", 2, "--padding and --minimum cannot go together"},
       {"compute box.obj -t 1 --minimum 2 --bounds 0,0,0,1,1,1", 2, "--bounds and --minimum cannot go together"},
       {"compute box.obj --bounds 0,0,0,1,1,1 --padding 1", 2, "--bounds and --padding cannot go together"},
       {"compute box.obj --minimum 2", 2, "--minimum needs --thickness"},
