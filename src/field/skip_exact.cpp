@@ -8,6 +8,7 @@
 
 #include "field/skip.h"
 #include "geometry/sample_range.h"
+#include "geometry/triangle_box.h"
 
 namespace standoff {
 namespace {
@@ -68,9 +69,8 @@ class ExactRule {
     for (auto triangle = static_cast<std::uint32_t>(chunk * kChunk); triangle < end; ++triangle) use(triangle);
   }
 
-  bool in_reach(const Corners& corners) const {
-    const auto& [a, b, c] = corners;
-    return !samples_in(Box{min(a, min(b, c)), max(a, max(b, c))}.grown(reach_), grid_).empty();
+  bool in_reach(std::uint32_t triangle) const {
+    return !samples_in(triangle_box(mesh_, triangle).grown(reach_), grid_).empty();
   }
 
   // An entry is a triangle's hash above its index, so that sorting brings equal hashes together, lowest index first.
@@ -81,10 +81,9 @@ class ExactRule {
       auto& count = places[chunk];
       count.fill(0);
       for_each_in_chunk(chunk, [&](std::uint32_t triangle) {
-        const auto corners = corners_of(mesh_, triangle);
-        kept_[triangle] = in_reach(corners);
+        kept_[triangle] = in_reach(triangle);
         if (!kept_[triangle]) return;
-        hashes[triangle] = hash(corners);
+        hashes[triangle] = hash(corners_of(mesh_, triangle));
         ++count[bucket_of(hashes[triangle])];
       });
     });

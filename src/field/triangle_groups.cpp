@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "geometry/closest_point.h"
+#include "geometry/triangle_box.h"
 
 namespace standoff {
 namespace {
@@ -54,8 +55,11 @@ std::vector<std::uint32_t> along_curve(MeshView mesh) {
 TriangleGroups::TriangleGroups(MeshView mesh) : mesh_(mesh), order_(along_curve(mesh)) {
   boxes_.resize((order_.size() + kGroup - 1) / kGroup);
   tbb::parallel_for(std::size_t{0}, boxes_.size(), [this](std::size_t g) {
-    for (const auto t : group(g))
-      for (int corner = 0; corner < 3; ++corner) boxes_[g].include(mesh_.corner(t, corner));
+    for (const auto t : group(g)) {
+      const Box own = triangle_box(mesh_, t);
+      boxes_[g].include(own.min);
+      boxes_[g].include(own.max);
+    }
   });
 }
 
@@ -83,9 +87,7 @@ double TriangleGroups::distance(Vec3 p, std::uint32_t triangle) const {
 
 double TriangleGroups::look_at(std::size_t g, Vec3 p, double best_sq) const {
   for (const auto t : group(g)) {
-    Box box;
-    for (int corner = 0; corner < 3; ++corner) box.include(mesh_.corner(t, corner));
-    if (box_distance_sq(p, box) < best_sq) best_sq = std::min(best_sq, triangle_distance_sq(p, t));
+    if (box_distance_sq(p, triangle_box(mesh_, t)) < best_sq) best_sq = std::min(best_sq, triangle_distance_sq(p, t));
   }
   return best_sq;
 }

@@ -31,10 +31,10 @@ constexpr std::int64_t kTrianglesAtOnce = 2048;             // of one brick, in 
 // What the bricks share: lengths are in grid units (lattice.h), positions relative to the brick's centre.
 struct Shared {
   const Job& job;
-  Lattice lattice;
+  BlockLattice lattice;
   float coordinate[3][kRow];  // of the samples of a brick, per axis
 
-  explicit Shared(const Job& j) : job(j), lattice(make_lattice(j.grid, j.thickness)) {
+  explicit Shared(const Job& j) : job(j), lattice(make_block_lattice(j.grid, j.thickness)) {
     for (int axis = 0; axis < 3; ++axis)
       for (int sample = 0; sample < kRow; ++sample)
         coordinate[axis][sample] =
@@ -212,7 +212,7 @@ Counts run_thesis(const Job& job, Sink& sink) {
 std::string thesis_device(Simd) { return "portable"; }
 
 std::int64_t thesis_scratch_bytes(std::int64_t triangles, const Grid& grid, double thickness, int threads) {
-  return bins_scratch_bytes(triangles, make_lattice(grid, thickness), std::max(kMostRefs, triangles), threads) +
+  return bins_scratch_bytes(triangles, make_block_lattice(grid, thickness), std::max(kMostRefs, triangles), threads) +
          2 * static_cast<std::int64_t>(sizeof(BrickSamples)) * threads;
 }
 

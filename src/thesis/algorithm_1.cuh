@@ -20,10 +20,10 @@ STANDOFF_KERNEL void clear_samples(Counter* nearest, std::int64_t samples) {
 
 /// The samples of one brick in a triangle's range.
 template <Through kThrough>
-STANDOFF_DEVICE void lower_brick(const gpu::Lattice& l, const Corners& c, std::uint32_t triangle,
+STANDOFF_DEVICE void lower_brick(const Lattice& l, const Corners& c, std::uint32_t triangle,
                                  const SampleRange& range, const Size3& brick, Counter* nearest) {
-  const Size3 first{brick.x * gpu::kBrickSide, brick.y * gpu::kBrickSide, brick.z * gpu::kBrickSide};
-  const Size3 past{first.x + gpu::kBrickSide, first.y + gpu::kBrickSide, first.z + gpu::kBrickSide};
+  const Size3 first{brick.x * kBrickSide, brick.y * kBrickSide, brick.z * kBrickSide};
+  const Size3 past{first.x + kBrickSide, first.y + kBrickSide, first.z + kBrickSide};
   const SampleRange here = intersection(range, {first, past});
   const std::int64_t tile[3] = {2 * brick.x, 2 * brick.y, 2 * brick.z};
   const Triple<double> center = brick_center(l, tile);
@@ -51,7 +51,7 @@ STANDOFF_DEVICE void lower_brick(const gpu::Lattice& l, const Corners& c, std::u
 
 /// Warps stride over the triangles.
 template <Through kThrough>
-STANDOFF_KERNEL void lower_samples(gpu::Lattice l, DeviceMesh mesh, Grid grid, double thickness, Counter* nearest,
+STANDOFF_KERNEL void lower_samples(Lattice l, DeviceMesh mesh, Grid grid, double thickness, Counter* nearest,
                                    Outcome* outcome) {
   const std::int64_t warps = std::int64_t{gridDim.x} * (blockDim.x / 32);
   Counter examined = 0;
@@ -65,7 +65,7 @@ STANDOFF_KERNEL void lower_samples(gpu::Lattice l, DeviceMesh mesh, Grid grid, d
         samples_in(Box{{box.low.x, box.low.y, box.low.z}, {box.high.x, box.high.y, box.high.z}}.grown(thickness), grid);
     if (range.empty()) continue;
     examined += static_cast<Counter>(range.count());
-    constexpr std::int64_t side = gpu::kBrickSide;
+    constexpr std::int64_t side = kBrickSide;
     for (std::int64_t z = range.begin.z / side; z <= (range.end.z - 1) / side; ++z)
       for (std::int64_t y = range.begin.y / side; y <= (range.end.y - 1) / side; ++y)
         for (std::int64_t x = range.begin.x / side; x <= (range.end.x - 1) / side; ++x)
@@ -77,7 +77,7 @@ STANDOFF_KERNEL void lower_samples(gpu::Lattice l, DeviceMesh mesh, Grid grid, d
 /// Sparse output: 1 for each tile with a band sample, 0 behind the last. Blocks of 512 threads
 /// stride over the tiles.
 STANDOFF_KERNEL void __launch_bounds__(kGatherThreads)
-    mark_near_tiles(gpu::Lattice l, const Counter* nearest, std::uint32_t* used, Outcome* outcome) {
+    mark_near_tiles(Lattice l, const Counter* nearest, std::uint32_t* used, Outcome* outcome) {
   if (outcome->stopped) return;
   const SampleAt at = sample_of_thread(static_cast<int>(threadIdx.x));
   for (std::int64_t index = blockIdx.x; index < l.tile_count(); index += gridDim.x) {
@@ -93,7 +93,7 @@ STANDOFF_KERNEL void __launch_bounds__(kGatherThreads)
 
 /// From least squared distances to the field. A block a tile, striding.
 STANDOFF_KERNEL void __launch_bounds__(kGatherThreads)
-    write_samples(gpu::Lattice l, const Counter* nearest, DeviceOutput output, Outcome* outcome) {
+    write_samples(Lattice l, const Counter* nearest, DeviceOutput output, Outcome* outcome) {
   __shared__ Finished finished;
   if (outcome->stopped) return;
   const SampleAt at = sample_of_thread(static_cast<int>(threadIdx.x));

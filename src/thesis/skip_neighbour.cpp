@@ -1,14 +1,10 @@
 #include <cmath>
 
 #include "field/skip.h"
+#include "geometry/triangle_box.h"
 
 namespace standoff {
 namespace {
-
-Box triangle_box(MeshView mesh, std::uint32_t triangle) {
-  const Vec3 a = mesh.corner(triangle, 0), b = mesh.corner(triangle, 1), c = mesh.corner(triangle, 2);
-  return {min(a, min(b, c)), max(a, max(b, c))};
-}
 
 bool contains(const Box& outer, const Box& inner) {
   return outer.min.x <= inner.min.x && outer.min.y <= inner.min.y && outer.min.z <= inner.min.z &&

@@ -35,7 +35,7 @@ class FieldOnDevice {
     task_.method = method;
     task_.outcome = outcome_.as<Outcome>();
     upload(mesh);
-    const std::int64_t tiles = gpu::tile_count(grid);
+    const std::int64_t tiles = tile_count(grid.size);
     if (layout == Layout::sparse) slots_ = Memory(4 * tiles);
     make_output(layout == Layout::dense ? 0 : std::min<std::int64_t>(tiles, 4096));
     make_workspace(gpu::likely_entries(task_.mesh.triangle_count, grid, thickness, method));
@@ -77,7 +77,7 @@ class FieldOnDevice {
   /// How many lists did not get exactly the triangles that were counted for them, after run(). The second pass takes
   /// each tile's count back down to zero; were it to take more than there is, it would write before the list's start.
   std::int64_t unbalanced_lists() const {
-    const gpu::Lattice l = gpu::make_lattice(task_.grid, task_.thickness);
+    const Lattice l = make_lattice(task_.grid, task_.thickness);
     const std::int64_t tiles = l.tile_count();
     const std::uint32_t* on_device = nullptr;
     with_way(task_.method, task_.grid, task_.thickness, [&]<class Arrays>(auto) {
@@ -100,13 +100,13 @@ class FieldOnDevice {
 
   /// Sparse: a slot or -1 for each tile, and the values of all slots.
   std::vector<std::int32_t> slots() const {
-    std::vector<std::int32_t> slots(static_cast<std::size_t>(gpu::tile_count(task_.grid)));
+    std::vector<std::int32_t> slots(static_cast<std::size_t>(tile_count(task_.grid.size)));
     copy_out(slots.data(), task_.output.slots, bytes_of(slots));
     return slots;
   }
   template <class T>
   std::vector<T> pool(const T* on_device) const {
-    std::vector<T> pool(static_cast<std::size_t>(task_.output.slot_capacity) * gpu::kTileSamples);
+    std::vector<T> pool(static_cast<std::size_t>(task_.output.slot_capacity) * kTileSamples);
     copy_out(pool.data(), on_device, bytes_of(pool));
     return pool;
   }
@@ -124,7 +124,7 @@ class FieldOnDevice {
   }
 
   void make_output(std::int64_t slot_capacity) {
-    const std::int64_t count = slots_.as<void>() ? slot_capacity * gpu::kTileSamples : task_.grid.sample_count();
+    const std::int64_t count = slots_.as<void>() ? slot_capacity * kTileSamples : task_.grid.sample_count();
     values_ = Memory();
     nearest_ = Memory();
     values_ = Memory(4 * count);
@@ -152,7 +152,7 @@ class FieldOnDevice {
       copy_out(all.data(), on_device, bytes_of(all));
       return all;
     }
-    const gpu::Lattice l = gpu::make_lattice(grid, task_.thickness);
+    const Lattice l = make_lattice(grid, task_.thickness);
     const std::vector<std::int32_t> slots = this->slots();
     const std::vector<T> pool = this->pool(on_device);
     for (std::int64_t k = 0; k < grid.size.z; ++k)
@@ -161,7 +161,7 @@ class FieldOnDevice {
           const std::int64_t slot = slots[static_cast<std::size_t>(l.tile(i / 8, j / 8, k / 8))];
           if (slot >= 0)
             all[static_cast<std::size_t>(grid.index(i, j, k))] =
-                pool[static_cast<std::size_t>(slot * gpu::kTileSamples + i % 8 + 8 * (j % 8) + 64 * (k % 8))];
+                pool[static_cast<std::size_t>(slot * kTileSamples + i % 8 + 8 * (j % 8) + 64 * (k % 8))];
         }
     return all;
   }

@@ -142,7 +142,7 @@ void run(const Line& l) {
   const double workspace = static_cast<double>(field.workspace_bytes()) / (1 << 20);
   const Times t = measure(l, mesh, field);
   double written =
-      4.0 * static_cast<double>(l.output == "sparse" ? outcome.needed_slots * gpu::kTileSamples : grid.sample_count());
+      4.0 * static_cast<double>(l.output == "sparse" ? outcome.needed_slots * kTileSamples : grid.sample_count());
   if (l.output == "upload") written = static_cast<double>(24 * mesh.vertices.size() + 12 * mesh.triangles.size());
   std::printf("%s,%s,%zu,%s,%s,%lldx%lldx%lld,%g,%.6f,%.6f,%d,%llu,%llu,%llu,%.1f,%.1f,%s,%s\n", l.table.c_str(),
               l.scene.c_str(), mesh.triangles.size(), l.method.c_str(), l.output.c_str(),

@@ -33,10 +33,10 @@ enum class Reach {
 
 /// Sorts the job's triangles into the bricks within reach of them, and hands them to `use` batch by batch in brick
 /// order, ascending in each brick. Each batch holds at most max(most_refs, the fullest brick) indices.
-void for_each_batch(const Job& job, const Lattice& lattice, std::int64_t most_refs,
+void for_each_batch(const Job& job, const BlockLattice& lattice, std::int64_t most_refs,
                     const std::function<void(const Bins&)>& use, Reach reach = Reach::distance);
 
 /// Bytes that for_each_batch may hold, each brick having at most `most_refs` triangles.
-std::int64_t bins_scratch_bytes(std::int64_t triangles, const Lattice& lattice, std::int64_t most_refs, int threads);
+std::int64_t bins_scratch_bytes(std::int64_t triangles, const BlockLattice& lattice, std::int64_t most_refs, int threads);
 
 }  // namespace standoff::cpu

@@ -63,7 +63,7 @@ struct Scratch {
 
 class Descent {
  public:
-  Descent(const Job& job, const Lattice& lattice, const Kernels& kernels, CandidateUse& use)
+  Descent(const Job& job, const BlockLattice& lattice, const Kernels& kernels, CandidateUse& use)
       : job_(job),
         lattice_(lattice),
         kernels_(kernels),
@@ -85,7 +85,7 @@ class Descent {
   CullCell samples_of(const Cell& cell) const {
     CullCell box{};
     for (int axis = 0; axis < 3; ++axis) {
-      const double step = lattice_.spacing[axis] * lattice_.scale;
+      const double step = lattice_.unit[axis];
       const double first = static_cast<double>(cell.low[axis]), last = static_cast<double>(cell.high[axis] - 1);
       const double middle = static_cast<double>(lattice_.size[axis] - 1) / 2;
       box.center[axis] = static_cast<float>(((first + last) / 2 - middle) * step);
@@ -301,7 +301,7 @@ class Descent {
   }
 
   const Job& job_;
-  const Lattice& lattice_;
+  const BlockLattice& lattice_;
   const Kernels& kernels_;
   CandidateUse& use_;
   const Clusters clusters_;
@@ -311,11 +311,11 @@ class Descent {
 
 }  // namespace
 
-void for_each_brick_by_descent(const Job& job, const Lattice& lattice, const Kernels& kernels, CandidateUse& use) {
+void for_each_brick_by_descent(const Job& job, const BlockLattice& lattice, const Kernels& kernels, CandidateUse& use) {
   Descent(job, lattice, kernels, use).run();
 }
 
-std::int64_t descent_scratch_bytes(std::int64_t triangles, const Lattice& lattice, int threads) {
+std::int64_t descent_scratch_bytes(std::int64_t triangles, const BlockLattice& lattice, int threads) {
   return Clusters::bytes(triangles, threads) +
          threads * Scratch::bytes(levels_of(lattice), list_capacity(Clusters::entries_of(triangles)));
 }

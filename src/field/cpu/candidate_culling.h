@@ -25,9 +25,9 @@ class CandidateUse {
 };
 
 /// Tells `use` of every brick that may hold samples within the thickness.
-void for_each_brick_by_descent(const Job& job, const Lattice& lattice, const Kernels& kernels, CandidateUse& use);
+void for_each_brick_by_descent(const Job& job, const BlockLattice& lattice, const Kernels& kernels, CandidateUse& use);
 
 /// Bytes that for_each_brick_by_descent may hold, whatever the triangles.
-std::int64_t descent_scratch_bytes(std::int64_t triangles, const Lattice& lattice, int threads);
+std::int64_t descent_scratch_bytes(std::int64_t triangles, const BlockLattice& lattice, int threads);
 
 }  // namespace standoff::cpu

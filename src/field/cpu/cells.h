@@ -19,14 +19,14 @@ struct Cell {
 };
 
 /// The cell that holds all samples.
-inline Cell whole_grid(const Lattice& lattice) {
+inline Cell whole_grid(const BlockLattice& lattice) {
   Cell whole{{0, 0, 0}, {lattice.size[0], lattice.size[1], lattice.size[2]}, kBrickSide};
   while (whole.side < *std::max_element(lattice.size, lattice.size + 3)) whole.side *= 2;
   return whole;
 }
 
 /// How many cells lie within one another from the grid to a brick, both counted.
-inline int levels_of(const Lattice& lattice) {
+inline int levels_of(const BlockLattice& lattice) {
   int levels = 1;
   for (std::int64_t side = whole_grid(lattice).side; side > kBrickSide; side /= 2) ++levels;
   return levels;
@@ -61,7 +61,7 @@ inline int tile_in(const Cell& brick, const Cell& tile) {
 /// cells are, across its longest side, so that what a thread does lies together.
 class BrickRange {
  public:
-  explicit BrickRange(const Lattice& lattice) : high_{lattice.bricks[0], lattice.bricks[1], lattice.bricks[2]} {}
+  explicit BrickRange(const BlockLattice& lattice) : high_{lattice.bricks[0], lattice.bricks[1], lattice.bricks[2]} {}
   BrickRange(BrickRange& other, tbb::split) : BrickRange(other) {
     const int axis = other.longest();
     std::int64_t step = 1;

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "field/cpu/radix_sort.h"
+#include "geometry/triangle_box.h"
 
 namespace standoff::cpu {
 namespace {
@@ -21,10 +22,10 @@ constexpr std::uint32_t spread(std::uint32_t v) {
 
 }  // namespace
 
-Clusters::Clusters(const Job& job, const Lattice& lattice) : job_(job), lattice_(lattice) {
-  for (int axis = 0; axis < 3; ++axis)
-    center_[axis] = (lattice.origin[axis] + lattice.spacing[axis] * static_cast<double>(lattice.size[axis] - 1) / 2) *
-                    lattice.scale;
+Clusters::Clusters(const Job& job, const BlockLattice& lattice) : job_(job), lattice_(lattice) {
+  const auto middle = [&](int axis) { return static_cast<double>(lattice.size[axis] - 1) / 2; };
+  const Triple<double> center = position(lattice, middle(0), middle(1), middle(2));
+  center_[0] = center.x, center_[1] = center.y, center_[2] = center.z;
   for (int axis = 0; axis < 3; ++axis)
     extent_ = std::max(extent_, static_cast<float>(lattice.spacing[axis] * lattice.scale *
                                                    static_cast<double>(lattice.size[axis]) / 2));
@@ -71,15 +72,13 @@ PackContents Clusters::contents(std::uint32_t entry) const {
 void Clusters::sort() {
   const std::int64_t count = job_.triangle_count();
   const auto included = [&](const tbb::blocked_range<std::int64_t>& range, Box box) {
-    for (std::int64_t n = range.begin(); n < range.end(); ++n)
-      for (int k = 0; k < 3; ++k) box.include(job_.mesh.corner(job_.triangle(n), k));
+    for (std::int64_t n = range.begin(); n < range.end(); ++n) {
+      const Box own = triangle_box(job_.mesh, job_.triangle(n));
+      box = {min(box.min, own.min), max(box.max, own.max)};
+    }
     return box;
   };
-  const auto both = [](Box a, const Box& b) {
-    a.include(b.min);
-    a.include(b.max);
-    return a;
-  };
+  const auto both = [](const Box& a, const Box& b) { return Box{min(a.min, b.min), max(a.max, b.max)}; };
   const Box box = tbb::parallel_reduce(tbb::blocked_range<std::int64_t>(0, count, 4096), Box{}, included, both);
 
   const double longest = std::max({box.extent().x, box.extent().y, box.extent().z});
@@ -89,9 +88,7 @@ void Clusters::sort() {
     job_.progress.check();
     for (std::int64_t n = range.begin(); n < range.end(); ++n) {
       const std::uint32_t triangle = job_.triangle(n);
-      Box own;
-      for (int k = 0; k < 3; ++k) own.include(job_.mesh.corner(triangle, k));
-      const Vec3 at = (own.center() - box.min) * to_cells;
+      const Vec3 at = (triangle_box(job_.mesh, triangle).center() - box.min) * to_cells;
       const auto cell = [](double v) { return static_cast<std::uint32_t>(v < 1023 ? v : 1023); };
       keyed[n] = {spread(cell(at.x)) | spread(cell(at.y)) << 1 | spread(cell(at.z)) << 2, triangle};
     }
@@ -114,9 +111,9 @@ void Clusters::box_triangles() {
         const std::uint32_t triangle = order_[first + n];
         const Vec3 a = job_.mesh.corner(triangle, 0), b = job_.mesh.corner(triangle, 1),
                    c = job_.mesh.corner(triangle, 2);
-        const Vec3 low = min(a, min(b, c)), high = max(a, max(b, c));
+        const Box box = triangle_box(job_.mesh, triangle);
         const Vec3 middle = (a + b + c) * (1.0 / 3);
-        const double lows[3] = {low.x, low.y, low.z}, highs[3] = {high.x, high.y, high.z},
+        const double lows[3] = {box.min.x, box.min.y, box.min.z}, highs[3] = {box.max.x, box.max.y, box.max.z},
                      middles[3] = {middle.x, middle.y, middle.z};
         for (int axis = 0; axis < 3; ++axis) {
           points_[first + n][axis] = static_cast<float>(middles[axis] * lattice_.scale - center_[axis]);

@@ -20,7 +20,7 @@ class Clusters {
  public:
   static constexpr int kFanout = kLanes;
 
-  Clusters(const Job& job, const Lattice& lattice);
+  Clusters(const Job& job, const BlockLattice& lattice);
 
   /// How many entries there are, triangles and packs.
   std::int64_t entries() const { return std::int64_t{triangles_} + level_begin_.back(); }
@@ -67,7 +67,7 @@ class Clusters {
   void box_packs();
 
   const Job& job_;
-  const Lattice& lattice_;
+  const BlockLattice& lattice_;
   double center_[3];
   float extent_ = 0;
   std::uint32_t triangles_ = 0;

@@ -52,11 +52,11 @@ struct Kernels {
   /// Forgets all distances.
   void (*clear)(bool with_nearest, BrickState&);
   /// Lowers the distances of all samples that lie within the thickness of the candidates' boxes.
-  void (*gather_band)(const Lattice&, const Brick&, const Candidates&, bool with_nearest, BrickState&);
+  void (*gather_band)(const BlockLattice&, const Brick&, const Candidates&, bool with_nearest, BrickState&);
   /// A bit per tile of the brick (x fastest) that holds a sample within the thickness; counts these samples.
-  unsigned (*band_tiles)(const Lattice&, const Brick&, BrickState&);
+  unsigned (*band_tiles)(const BlockLattice&, const Brick&, BrickState&);
   /// Writes one tile's distances in world units, clamped by the thickness, and its nearest triangles where asked for.
-  void (*write_tile)(const Lattice&, const BrickState&, int tile, const TileTarget&);
+  void (*write_tile)(const BlockLattice&, const BrickState&, int tile, const TileTarget&);
 
   /// For each point of a lattice, x fastest, the position in the list of the box whose centre is nearest. Requires one
   /// box at least.
@@ -71,10 +71,10 @@ struct Kernels {
                      BoxArrays& kept);
   /// Lowers the distances of a tile's samples, as gather_band, for candidates of which each sample needs few: chooses
   /// them for each cell of 4x4x4 samples.
-  void (*gather_tile)(const Lattice&, const Brick&, int tile, const Candidates&, bool with_nearest, CandidateTable&,
+  void (*gather_tile)(const BlockLattice&, const Brick&, int tile, const Candidates&, bool with_nearest, CandidateTable&,
                       BrickState&);
   /// The same for one cell and the candidates that its boxes stand for; `mesh` lists none.
-  void (*gather_crowded)(const Lattice&, const Brick&, const CrowdedCell&, const Candidates& mesh, bool with_nearest,
+  void (*gather_crowded)(const BlockLattice&, const Brick&, const CrowdedCell&, const Candidates& mesh, bool with_nearest,
                          CrowdedTable&, BrickState&);
 };
 

@@ -1,17 +1,12 @@
 // The samples as the CPU kernels see them: bricks of 16x16x16 samples, in blocks of 4x2x2, one block per wide register.
-//
-// A brick is 2x2x2 tiles: the unit of binning and of the local coordinates. Sixteen and not eight because a triangle is
-// set up once per brick it touches, and small triangles touch half as many bricks as tiles.
 #pragma once
 
 #include <cstdint>
 
-#include "standoff/field.h"
-#include "standoff/grid.h"
+#include "field/lattice.h"
 
 namespace standoff::cpu {
 
-inline constexpr int kBrickSide = 16;
 inline constexpr int kBrickTiles = 8;
 inline constexpr int kLanes = 16;
 inline constexpr int kBlockX = 4, kBlockY = 2, kBlockZ = 2;
@@ -29,38 +24,32 @@ constexpr int block_of_clump(int clump, int lane) {
 }
 static_assert(kLanes == 16 && kClumps == 16 && kBlocksX == 4 && kBlocksY == 8 && kBlocksZ == 8);
 
-/// What all bricks of a grid share. Lengths are in grid units: world units times `scale`, a power of two that brings
-/// the largest spacing to [1, 2). So nothing is lost by scaling, and no mesh is too small or too large for float.
-struct Lattice {
-  double scale;
-  double origin[3];      ///< of the grid, world units
-  double spacing[3];     ///< world units
-  std::int64_t size[3];  ///< samples
+/// The shared lattice, and what wide registers load: coordinates of a brick's samples and blocks relative to its centre.
+struct BlockLattice : standoff::Lattice {
   std::int64_t bricks[3];
-  float thickness;  ///< grid units, may be infinite
-  float thickness_sq;
-  float thickness_world;
   float inverse_spacing[3];               ///< 1 / grid units
   float block_radius;                     ///< half the diagonal of a block, grid units
   float clump_radius;                     ///< of a clump
-  alignas(64) float x[kBlocksX][kLanes];  ///< sample coordinates relative to the brick's centre, by block column
+  alignas(64) float x[kBlocksX][kLanes];  ///< sample coordinates, by block column
   alignas(64) float y[kBlocksY][kLanes];
   alignas(64) float z[kBlocksZ][kLanes];
-
-  alignas(64) float clump_centers[3][kClumps];  ///< relative to the brick's centre
+  alignas(64) float clump_centers[3][kClumps];
   alignas(64) float block_centers[kClumps][3][kLanes];
 
   std::int64_t brick_count() const { return bricks[0] * bricks[1] * bricks[2]; }
 };
 
-Lattice make_lattice(const Grid& grid, double thickness);
+using Lattice = BlockLattice;  // what the kernels call it
 
-/// A brick and its centre, world units times scale.
+/// Requires a valid grid and a positive thickness.
+BlockLattice make_block_lattice(const Grid& grid, double thickness);
+
+/// A brick and its centre, grid units.
 struct Brick {
   std::int64_t at[3];
   double center[4];  // the fourth is zero: loaded as one wide register
 };
 
-Brick brick_at(const Lattice& lattice, std::int64_t index);
+Brick brick_at(const BlockLattice& lattice, std::int64_t index);
 
 }  // namespace standoff::cpu

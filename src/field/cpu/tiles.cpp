@@ -22,7 +22,7 @@ static_assert(sizeof(Vec3) == 3 * sizeof(double) && sizeof(Triangle) == 3 * size
 std::int64_t most_refs(std::int64_t triangles) { return std::max<std::int64_t>(triangles, std::int64_t{16} << 20); }
 
 // Forgets the samples past the grid's far faces, so that stored tiles hold the thickness there.
-void clear_outside(const Lattice& lattice, const Brick& brick, bool with_nearest, BrickState& state) {
+void clear_outside(const BlockLattice& lattice, const Brick& brick, bool with_nearest, BrickState& state) {
   int size[3];
   for (int axis = 0; axis < 3; ++axis)
     size[axis] = static_cast<int>(std::min<std::int64_t>(kBrickSide, lattice.size[axis] - brick.at[axis] * kBrickSide));
@@ -37,7 +37,7 @@ void clear_outside(const Lattice& lattice, const Brick& brick, bool with_nearest
 }
 
 // Gives the finished tiles of a brick to the sink.
-void emit(const Lattice& lattice, const Brick& brick, const Kernels& kernels, BrickState& state, Sink& sink) {
+void emit(const BlockLattice& lattice, const Brick& brick, const Kernels& kernels, BrickState& state, Sink& sink) {
   const unsigned tiles = kernels.band_tiles(lattice, brick, state);
   if (tiles != 0) clear_outside(lattice, brick, sink.with_nearest(), state);
   for (int tile = 0; tile < kBrickTiles; ++tile)
@@ -46,11 +46,6 @@ void emit(const Lattice& lattice, const Brick& brick, const Kernels& kernels, Br
           lattice, state, tile,
           sink.open(2 * brick.at[0] + (tile & 1), 2 * brick.at[1] + (tile >> 1 & 1), 2 * brick.at[2] + (tile >> 2)));
 }
-
-// Up to this many spacings triangles are binned straight into bricks: nearly all that are binned then lie within the
-// thickness of some sample. Beyond, candidates are handed down, since most are farther than others everywhere.
-constexpr double kThinBand = 4;
-bool is_thin(const Grid& grid, double thickness) { return thickness <= kThinBand * grid.max_spacing(); }
 
 struct Tables {
   CandidateTable tile;
@@ -65,7 +60,7 @@ struct ThreadState {
 class TilesRun : private CandidateUse {
  public:
   TilesRun(const Job& job, Sink& sink)
-      : job_(job), sink_(sink), lattice_(make_lattice(job.grid, job.thickness)), kernels_(kernels_for(job.simd)) {}
+      : job_(job), sink_(sink), lattice_(make_block_lattice(job.grid, job.thickness)), kernels_(kernels_for(job.simd)) {}
 
   Counts run() {
     job_.progress.stage("gather", lattice_.brick_count(), 0.2, 1);
@@ -122,7 +117,7 @@ class TilesRun : private CandidateUse {
 
   const Job& job_;
   Sink& sink_;
-  const Lattice lattice_;
+  const BlockLattice lattice_;
   const Kernels& kernels_;
   PerThread<ThreadState> states_;
 };
@@ -135,7 +130,7 @@ std::string tiles_device(Simd requested) { return kernels_for(requested).name; }
 
 std::int64_t tiles_scratch_bytes(std::int64_t triangles, const Grid& grid, double thickness, int threads) {
   const auto per_thread = static_cast<std::int64_t>(sizeof(ThreadState)) * threads;
-  const Lattice lattice = make_lattice(grid, thickness);
+  const BlockLattice lattice = make_block_lattice(grid, thickness);
   if (is_thin(grid, thickness))
     return bins_scratch_bytes(triangles, lattice, most_refs(triangles), threads) + per_thread;
   return descent_scratch_bytes(triangles, lattice, threads) + per_thread +

@@ -3,6 +3,7 @@
 // of threads of its own.
 #pragma once
 
+#include "field/binning.h"
 #include "field/cuda/corners.cuh"
 
 namespace standoff::STANDOFF_PLATFORM {
@@ -10,30 +11,9 @@ namespace standoff::STANDOFF_PLATFORM {
 /// Threads of a block, unless a kernel needs another number.
 inline constexpr unsigned kThreads = 256;
 
-/// Tiles low[axis] to high[axis]; low > high on some axis for none.
-struct TileRange {
-  std::int64_t low[3], high[3];
-
-  STANDOFF_HD bool empty() const { return low[0] > high[0] || low[1] > high[1] || low[2] > high[2]; }
-  STANDOFF_HD bool is_small() const { return high[0] - low[0] <= 1 && high[1] - low[1] <= 1 && high[2] - low[2] <= 1; }
-};
-
 /// The tiles with samples in the triangle's grown box.
-STANDOFF_DEVICE TileRange tiles_of(const gpu::Lattice& l, const Corners& c) {
-  const BoxOf<double> box = box_of(c.at[0], c.at[1], c.at[2]);
-  const double lows[3] = {box.low.x, box.low.y, box.low.z}, highs[3] = {box.high.x, box.high.y, box.high.z};
-  TileRange range;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double past = static_cast<double>(l.size[axis]);
-    const double from = (lows[axis] - l.origin[axis]) * l.to_samples[axis] - l.reach[axis];
-    const double to = (highs[axis] - l.origin[axis]) * l.to_samples[axis] + l.reach[axis];
-    // The first sample at or above `from` and the last at or below `to`, by truncation of what is not negative.
-    const auto first = static_cast<std::int64_t>(min(max(from + (1 - gpu::kBoxSlack), 0.0), past));
-    const auto last = static_cast<std::int64_t>(min(max(to + 1, 0.0), past)) - 1;
-    range.low[axis] = first / gpu::kTileSide;
-    range.high[axis] = last < first ? -1 : last / gpu::kTileSide;
-  }
-  return range;
+STANDOFF_DEVICE CellRange tiles_of(const Lattice& l, const Corners& c) {
+  return reached_cells<kTileSide>(l, box_of(c.at[0], c.at[1], c.at[2]));
 }
 
 /// The triangles of each tile: entries[start[tile]] to entries[start[tile + 1] - 1].
@@ -78,13 +58,13 @@ inline constexpr int kBinBlocks = 6;
 /// A thread a triangle. Lists the long ones in the first pass.
 template <bool kPlace>
 STANDOFF_KERNEL void __launch_bounds__(kThreads, kBinBlocks)
-    bin_small(gpu::Lattice l, DeviceMesh mesh, TileLists lists, LongList long_ones, Outcome* outcome) {
+    bin_small(Lattice l, DeviceMesh mesh, TileLists lists, LongList long_ones, Outcome* outcome) {
   const std::int64_t n = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
   if (n >= mesh.used_count()) return;
   if (kPlace && outcome->stopped) return;
   const std::uint32_t triangle = used_triangle(mesh, n);
   if (!kPlace && !is_valid(mesh, triangle, outcome)) return;
-  const TileRange r = tiles_of(l, corners_of(mesh, triangle));
+  const CellRange r = tiles_of(l, corners_of(mesh, triangle));
   if (r.empty()) return;
   if (!r.is_small()) {
     if (!kPlace) long_ones.triangles[atomicAdd(long_ones.count, Counter{1})] = triangle;
@@ -99,32 +79,19 @@ STANDOFF_KERNEL void __launch_bounds__(kThreads, kBinBlocks)
 
 /// A block a long triangle, a thread a tile of its range.
 template <bool kPlace>
-STANDOFF_KERNEL void bin_long(gpu::Lattice l, DeviceMesh mesh, TileLists lists, LongList long_ones, Outcome* outcome) {
+STANDOFF_KERNEL void bin_long(Lattice l, DeviceMesh mesh, TileLists lists, LongList long_ones, Outcome* outcome) {
   if (outcome->stopped) return;
-  double radius_sq = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double half = l.unit[axis] * (gpu::kTileSide - 1) / 2;
-    radius_sq += half * half;
-  }
-  const double reach = (l.thickness_units + sqrt(radius_sq)) * (1 + gpu::kBoxSlack);
+  const double reach_sq = cell_reach_sq<kTileSide>(l);
   const Counter count = *long_ones.count;
   for (Counter n = blockIdx.x; n < count; n += gridDim.x) {
     const std::uint32_t triangle = long_ones.triangles[n];
     const Corners c = corners_of(mesh, triangle);
-    const TileRange r = tiles_of(l, c);
-    constexpr double middle = (gpu::kTileSide - 1) / 2.0;
-    const auto center = [&](std::int64_t x, std::int64_t y, std::int64_t z) {
-      return place(l, static_cast<double>(x * gpu::kTileSide) + middle,
-                   static_cast<double>(y * gpu::kTileSide) + middle, static_cast<double>(z * gpu::kTileSide) + middle);
-    };
-    const Triple<double> first = center(r.low[0], r.low[1], r.low[2]);
-    const TriangleFrame<double> frame =
-        make_frame(local(l, c.at[0], first), local(l, c.at[1], first), local(l, c.at[2], first), 1e-24);
+    const CellRange r = tiles_of(l, c);
+    const LongTriangle<kTileSide> long_triangle(l, r, c.at);
     const std::int64_t nx = r.high[0] - r.low[0] + 1, ny = r.high[1] - r.low[1] + 1, nz = r.high[2] - r.low[2] + 1;
     for (std::int64_t at = threadIdx.x; at < nx * ny * nz; at += blockDim.x) {
       const std::int64_t x = r.low[0] + at % nx, y = r.low[1] + at / nx % ny, z = r.low[2] + at / (nx * ny);
-      const Triple<double> here = center(x, y, z) - first;
-      if (distance_sq(frame, here) <= reach * reach && !use_tile<kPlace>(lists, l.tile(x, y, z), triangle))
+      if (long_triangle.reaches(l, x, y, z, reach_sq) && !use_tile<kPlace>(lists, l.tile(x, y, z), triangle))
         stop_for_miscount(outcome);
     }
   }

@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <string>
 
+#include "core/tile_count.h"
+#include "field/tolerances.h"
 #include "standoff/compute.h"
 
 namespace standoff::gpu {
@@ -13,18 +15,9 @@ namespace standoff::gpu {
 /// Tiles copied between device and host at once: 32 MiB.
 inline constexpr std::int64_t kTilesAtOnce = 16384;
 
-/// Up to this many spacings triangles are binned straight into tiles, beyond they are handed down from coarse cells:
-/// as on the CPU, whose constant this repeats.
-inline constexpr double kThinBand = 4;
-inline bool is_thin(const Grid& grid, double thickness) { return thickness <= kThinBand * grid.max_spacing(); }
-
-inline std::int64_t tile_count(const Grid& grid) {
-  return (grid.size.x + 7) / 8 * ((grid.size.y + 7) / 8) * ((grid.size.z + 7) / 8);
-}
-
 /// Bytes of host memory that a run takes beside its output.
 inline std::int64_t host_scratch_bytes(const Grid& grid) {
-  return 4 * tile_count(grid) + 2 * 4 * kTilesAtOnce * DistanceField::kTileSamples;
+  return 4 * tile_count(grid.size) + 2 * 4 * kTilesAtOnce * DistanceField::kTileSamples;
 }
 
 /// Throws Error{usage} for counts that no mesh has, and lists that no memory holds.
@@ -44,7 +37,7 @@ inline void check_counts(std::int64_t triangles, double thickness, std::int64_t 
 /// triangles.
 inline std::int64_t likely_entries(std::int64_t triangles, const Grid& grid, double thickness, Method method) {
   if (method == Method::thesis) return 0;
-  const std::int64_t tiles = tile_count(grid);
+  const std::int64_t tiles = tile_count(grid.size);
   if (is_thin(grid, thickness)) return 6 * triangles + 2 * tiles;
   const double mixed = 110 * std::sqrt(static_cast<double>(triangles) * static_cast<double>(tiles));
   return std::max({8 * triangles + static_cast<std::int64_t>(mixed), 48 * tiles, std::int64_t{64}});

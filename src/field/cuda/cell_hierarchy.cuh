@@ -91,7 +91,7 @@ STANDOFF_DEVICE std::int64_t parent_of(const Step& step, Counter chunk) {
 
 /// Begins a chunk: all threads of the block take part. No barrier comes first: what others than the first eight threads
 /// may still read of the chunk before, `base`, is not written here.
-STANDOFF_DEVICE void begin_chunk(const gpu::Lattice& l, const Step& step, Counter number, Chunk& chunk) {
+STANDOFF_DEVICE void begin_chunk(const Lattice& l, const Step& step, Counter number, Chunk& chunk) {
   const int t = static_cast<int>(threadIdx.x);
   if (t < 8) {
     const std::int64_t parent = parent_of(step, number);
@@ -128,18 +128,18 @@ struct Candidate {
   float slack;
 };
 
-STANDOFF_DEVICE Candidate candidate(const gpu::Lattice& l, const DeviceMesh& mesh, std::uint32_t triangle,
+STANDOFF_DEVICE Candidate candidate(const Lattice& l, const DeviceMesh& mesh, std::uint32_t triangle,
                                     const Chunk& chunk) {
   const Corners c = corners_of(mesh, triangle);
   const Triple<float> a = narrowed(local(l, c.at[0], chunk.center)), b = narrowed(local(l, c.at[1], chunk.center)),
                       d = narrowed(local(l, c.at[2], chunk.center));
   const BoxOf<float> box = box_of(a, b, d);
-  return {make_frame(a, b, d, float{gpu::kLeastLengthSq}), box,
-          fma(max(farthest_coordinate(box), chunk.extent), gpu::kSlackShare, gpu::kSlack)};
+  return {make_frame(a, b, d, float{kLeastLengthSq}), box,
+          fma(max(farthest_coordinate(box), chunk.extent), kSlackOfCoordinate, kSlack)};
 }
 
 STANDOFF_KERNEL void __launch_bounds__(kChunk)
-    bound_children(gpu::Lattice l, DeviceMesh mesh, Step step, Outcome* outcome) {
+    bound_children(Lattice l, DeviceMesh mesh, Step step, Outcome* outcome) {
   __shared__ Chunk chunk;
   if (outcome->stopped) return;
   const int t = static_cast<int>(threadIdx.x);
@@ -167,10 +167,10 @@ STANDOFF_KERNEL void __launch_bounds__(kChunk)
 }
 
 /// Whether a candidate may be nearest to a sample of the child.
-STANDOFF_DEVICE bool may_be_nearest(const gpu::Lattice& l, const Candidate& c, const Child& child) {
+STANDOFF_DEVICE bool may_be_nearest(const Lattice& l, const Candidate& c, const Child& child) {
   const float least = max(sqrt(distance_sq(c.frame, child.center)) - c.slack, 0.0f);
-  const float by_distance = child.within + 2 * child.radius * (1 + gpu::kSlack);
-  const float by_reach = l.thickness * (1 + gpu::kSlack) + child.radius;
+  const float by_distance = child.within + 2 * child.radius * (1 + kSlack);
+  const float by_reach = l.thickness * (1 + kSlack) + child.radius;
   if (least > min(by_distance, by_reach)) return false;
   const Triple<float>& q = child.surface;
   float spread = 2 * child.half[0] * max(c.box.high.x - q.x, q.x - c.box.low.x);
@@ -181,7 +181,7 @@ STANDOFF_DEVICE bool may_be_nearest(const gpu::Lattice& l, const Candidate& c, c
 }
 
 STANDOFF_KERNEL void __launch_bounds__(kChunk)
-    keep_candidates(gpu::Lattice l, DeviceMesh mesh, Step step, Outcome* outcome) {
+    keep_candidates(Lattice l, DeviceMesh mesh, Step step, Outcome* outcome) {
   __shared__ Chunk chunk;
   if (outcome->stopped) return;
   const int t = static_cast<int>(threadIdx.x);
@@ -212,7 +212,7 @@ STANDOFF_KERNEL void __launch_bounds__(kChunk)
   }
 }
 
-STANDOFF_KERNEL void __launch_bounds__(kChunk) hand_down(gpu::Lattice l, Step step, Outcome* outcome) {
+STANDOFF_KERNEL void __launch_bounds__(kChunk) hand_down(Lattice l, Step step, Outcome* outcome) {
   __shared__ Chunk chunk;
   if (outcome->stopped) return;
   const int t = static_cast<int>(threadIdx.x);

@@ -1,7 +1,8 @@
 // A triangle's corners out of device memory, checked, and moved to where they become float.
 #pragma once
 
-#include "field/cuda/lattice.h"
+#include "field/lattice.h"
+#include "geometry/triangle_box.h"
 #include "geometry/triangle_lines.h"
 #include "gpu/platform.cuh"
 #include "gpu/scan.h"
@@ -56,28 +57,6 @@ STANDOFF_DEVICE bool is_valid(const DeviceMesh& mesh, std::uint32_t triangle, Ou
     stop(outcome);
   }
   return valid;
-}
-
-/// A corner relative to `center` (grid units).
-STANDOFF_DEVICE Triple<double> local(const gpu::Lattice& l, const Triple<double>& corner,
-                                     const Triple<double>& center) {
-  return {fma(corner.x, l.scale, -center.x), fma(corner.y, l.scale, -center.y), fma(corner.z, l.scale, -center.z)};
-}
-
-STANDOFF_DEVICE Triple<float> narrowed(const Triple<double>& p) {
-  return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
-}
-
-/// The box of three points.
-template <class F>
-struct BoxOf {
-  Triple<F> low, high;
-};
-
-template <class F>
-STANDOFF_DEVICE BoxOf<F> box_of(const Triple<F>& a, const Triple<F>& b, const Triple<F>& c) {
-  return {{min(a.x, min(b.x, c.x)), min(a.y, min(b.y, c.y)), min(a.z, min(b.z, c.z))},
-          {max(a.x, max(b.x, c.x)), max(a.y, max(b.y, c.y)), max(a.z, max(b.z, c.z))}};
 }
 
 /// The longest side of a box, and its farthest coordinate from the origin.

@@ -29,7 +29,7 @@ class Growing {
 
 /// Bytes that a CountedRun takes from its beginning on; lists and values come to them when they have been counted.
 inline std::int64_t counting_bytes(std::int64_t triangles, const Grid& grid, double thickness, Method method) {
-  const gpu::Lattice l = gpu::make_lattice(grid, thickness);
+  const Lattice l = make_lattice(grid, thickness);
   return with_way(method, grid, thickness, [&]<class Arrays>(auto) {
     gpu::Workspace memory(nullptr);
     const Arrays arrays(memory, triangles, l, 0);
@@ -44,7 +44,7 @@ class CountedRun {
   template <class Waited>
   CountedRun(const DeviceMesh& mesh, const Grid& grid, double thickness, Method method, bool with_nearest,
              Waited waited)
-      : l_(gpu::make_lattice(grid, thickness)), with_nearest_(with_nearest), outcome_memory_(sizeof(Outcome)) {
+      : l_(make_lattice(grid, thickness)), with_nearest_(with_nearest), outcome_memory_(sizeof(Outcome)) {
     check_count(mesh);
     const std::int64_t tiles = l_.tile_count();
     task_ = {mesh, grid, thickness, method, {}, outcome_memory_.as<Outcome>()};
@@ -123,7 +123,7 @@ class CountedRun {
       throw Error(ErrorCode::internal, "gpu: the kernels stopped without a reason; please report this");
   }
 
-  std::int64_t value_count() const { return static_cast<std::int64_t>(outcome_.needed_slots) * gpu::kTileSamples; }
+  std::int64_t value_count() const { return static_cast<std::int64_t>(outcome_.needed_slots) * kTileSamples; }
   std::int64_t value_bytes() const { return (with_nearest_ ? 8 : 4) * value_count(); }
 
   // Tiles are copied out many at a time, also those that will have lost their slot: so none may be left unwritten.
@@ -137,7 +137,7 @@ class CountedRun {
     fill_bytes(nullptr, task_.output.nearest, 0, 4 * value_count());
   }
 
-  gpu::Lattice l_;
+  Lattice l_;
   bool with_nearest_;
   Task task_;
   Outcome outcome_{};

@@ -10,8 +10,8 @@ Counts run_thesis(const Job& job, Sink& sink) { return run(job, sink, Method::th
 
 std::int64_t scratch_bytes(std::int64_t triangles, const Grid& grid, double thickness, int) {
   const std::int64_t entries = gpu::likely_entries(triangles, grid, thickness, Method::tiles);
-  constexpr std::int64_t tile_bytes = 2 * 4 * gpu::kTileSamples, mesh_bytes = 9 * 8 + 3 * 4;
-  return gpu::host_scratch_bytes(grid) + gpu::tile_count(grid) * (tile_bytes + 4) + triangles * mesh_bytes +
+  constexpr std::int64_t tile_bytes = 2 * 4 * kTileSamples, mesh_bytes = 9 * 8 + 3 * 4;
+  return gpu::host_scratch_bytes(grid) + tile_count(grid.size) * (tile_bytes + 4) + triangles * mesh_bytes +
          std::max(workspace_bytes(triangles, grid, thickness, Method::tiles, entries),
                   workspace_bytes(triangles, grid, thickness, Method::thesis, 0));
 }

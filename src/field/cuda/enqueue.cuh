@@ -15,7 +15,7 @@ namespace standoff::STANDOFF_PLATFORM {
 template <Through kThrough = Through::write, class Use>
 auto with_way(Method method, const Grid& grid, double thickness, Use use) {
   if (method == Method::thesis) return use.template operator()<ThesisArrays>(enqueue_thesis<kThrough>);
-  if (gpu::is_thin(grid, thickness)) return use.template operator()<ThinArrays>(enqueue_thin<kThrough>);
+  if (is_thin(grid, thickness)) return use.template operator()<ThinArrays>(enqueue_thin<kThrough>);
   return use.template operator()<ThickArrays>(enqueue_thick);
 }
 
@@ -24,7 +24,7 @@ inline constexpr std::int64_t kAlignmentLoss = 4096;
 
 inline std::int64_t needed_bytes(std::int64_t triangles, const Grid& grid, double thickness, Method method,
                                  std::int64_t entries) {
-  const gpu::Lattice l = gpu::make_lattice(grid, thickness);
+  const Lattice l = make_lattice(grid, thickness);
   return with_way(method, grid, thickness, [&]<class Arrays>(auto) {
     gpu::Workspace memory(nullptr);
     const Arrays arrays(memory, triangles, l, 0);
@@ -63,7 +63,7 @@ inline void check_task(const Task& task, const void* workspace, std::int64_t byt
 template <Through kThrough = Through::write>
 void enqueue_task(const Task& task, void* workspace, std::int64_t bytes, Stream stream) {
   const std::int64_t triangles = task.mesh.used_count();
-  const gpu::Lattice l = gpu::make_lattice(task.grid, task.thickness);
+  const Lattice l = make_lattice(task.grid, task.thickness);
   with_way<kThrough>(task.method, task.grid, task.thickness, [&]<class Arrays>(auto enqueue_way) {
     gpu::Workspace measure(nullptr), memory(workspace);
     const Arrays empty(measure, triangles, l, 0);

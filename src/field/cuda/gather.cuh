@@ -13,7 +13,7 @@ namespace standoff::STANDOFF_PLATFORM {
 
 using gpu::Through;
 
-inline constexpr int kGatherThreads = gpu::kTileSamples;
+inline constexpr int kGatherThreads = kTileSamples;
 inline constexpr int kWarps = kGatherThreads / 32;
 static_assert(Stage::kTriangles <= kGatherThreads && Stage::kTriangles % 32 == 0);
 
@@ -26,10 +26,10 @@ STANDOFF_DEVICE SampleAt sample_of_thread(int thread) {
   return {(warp & 1) * 4 + (lane & 3), (warp >> 1 & 1) * 4 + (lane >> 2 & 3), (warp >> 2) * 2 + (lane >> 4)};
 }
 /// Half the diagonal of a warp's samples, grid units, rounded up.
-STANDOFF_DEVICE float warp_radius(const gpu::Lattice& l) {
+STANDOFF_DEVICE float warp_radius(const Lattice& l) {
   const auto x = static_cast<float>(1.5 * l.unit[0]), y = static_cast<float>(1.5 * l.unit[1]),
              z = static_cast<float>(0.5 * l.unit[2]);
-  return sqrt(x * x + y * y + z * z) * (1 + gpu::kSlack);
+  return sqrt(x * x + y * y + z * z) * (1 + kSlack);
 }
 
 /// The largest value among the lanes of a warp.
@@ -46,14 +46,14 @@ struct Nearest {
 
 /// Measures from a warp's samples to the staged triangles, `count` of them. Returns how many were measured.
 template <bool kNearest, Through kThrough>
-STANDOFF_DEVICE int gather_stage(const gpu::Lattice& l, const Stage& stage, int count, const Triple<float>& sample,
+STANDOFF_DEVICE int gather_stage(const Lattice& l, const Stage& stage, int count, const Triple<float>& sample,
                                  const Triple<float>& warp_center, bool in_grid, float known_within, Nearest& best) {
   const int lane = static_cast<int>(threadIdx.x) % 32;
   int measured = 0;
   for (int first = 0; first < count; first += 32) {
     // Samples past the grid never hold anything back.
     const float worst = sqrt(warp_max(in_grid ? best.distance_sq : 0));
-    const float within = min(l.thickness, min(worst, known_within)) * (1 + gpu::kSlack) + warp_radius(l);
+    const float within = min(l.thickness, min(worst, known_within)) * (1 + kSlack) + warp_radius(l);
     const int mine = first + lane;
     const bool is_near =
         mine < count && sqrt(staged_distance_sq(stage, mine, warp_center)) - stage.slack[mine] <= within;
@@ -74,18 +74,18 @@ STANDOFF_DEVICE int gather_stage(const gpu::Lattice& l, const Stage& stage, int 
 
 /// A tile's finished samples, x fastest, before they are written in rows.
 struct Finished {
-  float value[gpu::kTileSamples];
-  std::uint32_t nearest[gpu::kTileSamples];
+  float value[kTileSamples];
+  std::uint32_t nearest[kTileSamples];
   unsigned band, measured;  // samples in the band; warps' triangles
 };
 
 /// Writes a tile: to its slot, or where it lies in the dense grid. All threads of the block take part.
-STANDOFF_DEVICE void write_tile(const gpu::Lattice& l, const std::int64_t* tile, std::int64_t index,
+STANDOFF_DEVICE void write_tile(const Lattice& l, const std::int64_t* tile, std::int64_t index,
                                 const Finished& finished, const DeviceOutput& output) {
   const int t = static_cast<int>(threadIdx.x);
   std::int64_t at;
   if (output.slots) {
-    at = std::int64_t{output.slots[index]} * gpu::kTileSamples + t;
+    at = std::int64_t{output.slots[index]} * kTileSamples + t;
   } else {
     const int x = t % 8, y = t / 8 % 8, z = t / 64;
     if (x >= inside(l, tile, 0) || y >= inside(l, tile, 1) || z >= inside(l, tile, 2)) return;
@@ -98,7 +98,7 @@ STANDOFF_DEVICE void write_tile(const gpu::Lattice& l, const std::int64_t* tile,
 /// Clamps the samples, leaves them in `finished`, and writes the tile; one without a band sample stays unstored
 /// (sparse). All threads of the block take part.
 template <Through kThrough = Through::write>
-STANDOFF_DEVICE void finish_tile(const gpu::Lattice& l, const std::int64_t* tile, std::int64_t index,
+STANDOFF_DEVICE void finish_tile(const Lattice& l, const std::int64_t* tile, std::int64_t index,
                                  const SampleAt& at, float value, std::uint32_t nearest, bool is_band,
                                  Finished& finished, const DeviceOutput& output, Outcome* outcome) {
   const int t = at.x + 8 * at.y + 64 * at.z;
@@ -127,7 +127,7 @@ struct GatherLists {
 /// Blocks stride over the tiles.
 template <bool kNearest, Through kThrough = Through::write>
 STANDOFF_KERNEL void __launch_bounds__(kGatherThreads, 2)
-    gather(gpu::Lattice l, DeviceMesh mesh, GatherLists lists, DeviceOutput output, Outcome* outcome) {
+    gather(Lattice l, DeviceMesh mesh, GatherLists lists, DeviceOutput output, Outcome* outcome) {
   __shared__ Stage stage;
   __shared__ Finished finished;
   if (outcome->stopped) return;
@@ -153,7 +153,7 @@ STANDOFF_KERNEL void __launch_bounds__(kGatherThreads, 2)
     if (lists.nearest_bound) {
       const double half = 3.5 * sqrt(l.unit[0] * l.unit[0] + l.unit[1] * l.unit[1] + l.unit[2] * l.unit[2]);
       const float bound = __uint_as_float(static_cast<std::uint32_t>(lists.nearest_bound[index] >> 32));
-      known_within = min(known_within, bound + static_cast<float>(half) * (1 + gpu::kSlack));
+      known_within = min(known_within, bound + static_cast<float>(half) * (1 + kSlack));
     }
 
     if (thread == 0) finished.band = finished.measured = 0;

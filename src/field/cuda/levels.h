@@ -1,7 +1,7 @@
 // Cells of the coarse-to-fine way: level 0 are the tiles, each level above joins 2x2x2 cells, the last is one cell.
 #pragma once
 
-#include "field/cuda/lattice.h"
+#include "field/lattice.h"
 
 namespace standoff::gpu {
 
@@ -42,7 +42,7 @@ STANDOFF_INLINE Cell cell_at(const Lattice& l, const Level& level, const std::in
     cell.half[axis] = static_cast<float>(static_cast<double>(past - 1 - first) / 2 * l.unit[axis]) * (1 + kSlack);
     radius_sq += cell.half[axis] * cell.half[axis];
   }
-  cell.center = place(l, middle[0], middle[1], middle[2]);
+  cell.center = position(l, middle[0], middle[1], middle[2]);
   cell.radius = sqrt(radius_sq);
   return cell;
 }

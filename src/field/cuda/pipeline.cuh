@@ -30,14 +30,14 @@ struct TileArrays {
     running_sum(stream, sum_scratch, sum_scratch_bytes, counts, start, count);
   }
   /// Slots for the tiles marked as used.
-  void give(const gpu::Lattice& l, const Task& task, Stream stream) const {
+  void give(const Lattice& l, const Task& task, Stream stream) const {
     const std::int64_t tiles = l.tile_count();
     sum(used, rank, tiles + 1, stream);
     launch(stream, "give slots", give_slots, blocks_for(tiles + 1), kThreads, used, rank, tiles, task.output,
            task.outcome);
   }
   /// Slots for the tiles that have triangles.
-  void give(const gpu::Lattice& l, const Task& task, const Counter* start, Stream stream) const {
+  void give(const Lattice& l, const Task& task, const Counter* start, Stream stream) const {
     const std::int64_t tiles = l.tile_count();
     launch(stream, "mark tiles", mark_used_tiles, blocks_for(tiles + 1), kThreads, start, tiles, used);
     give(l, task, stream);
@@ -51,7 +51,7 @@ struct ThinArrays {
   TileLists lists;
   LongList long_ones;
 
-  ThinArrays(gpu::Workspace& memory, std::int64_t triangles, const gpu::Lattice& l, std::int64_t entries)
+  ThinArrays(gpu::Workspace& memory, std::int64_t triangles, const Lattice& l, std::int64_t entries)
       : tiles(memory, l.tile_count()) {
     lists.counts = memory.take<std::uint32_t>(l.tile_count() + 1);
     lists.start = memory.take<Counter>(l.tile_count() + 1);
@@ -74,7 +74,7 @@ struct ThickArrays {
   Counter* chunk_start;
   Counter capacity;  // of each of entries, and of keep
 
-  ThickArrays(gpu::Workspace& memory, std::int64_t, const gpu::Lattice& l, std::int64_t most)
+  ThickArrays(gpu::Workspace& memory, std::int64_t, const Lattice& l, std::int64_t most)
       : tiles(memory, l.tile_count()), capacity(static_cast<Counter>(most)) {
     const std::int64_t cells = l.tile_count() + 1;  // no level has more
     counts = memory.take<std::uint32_t>(cells);
@@ -92,12 +92,12 @@ struct ThesisArrays {
   TileArrays tiles;
   Counter* nearest;
 
-  ThesisArrays(gpu::Workspace& memory, std::int64_t, const gpu::Lattice& l, std::int64_t)
+  ThesisArrays(gpu::Workspace& memory, std::int64_t, const Lattice& l, std::int64_t)
       : tiles(memory, l.tile_count()), nearest(memory.take<Counter>(l.size[0] * l.size[1] * l.size[2])) {}
 };
 
 template <Through kThrough = Through::write>
-void launch_gather(const gpu::Lattice& l, const Task& task, const GatherLists& lists, Stream stream) {
+void launch_gather(const Lattice& l, const Task& task, const GatherLists& lists, Stream stream) {
   // Sparse: most tiles are empty, so blocks look for those that are not.
   const std::int64_t tiles = l.tile_count(), most = task.output.slots ? std::int64_t{kManyBlocks} * 4 : 0x7fffffff;
   launch(stream, "gather", task.output.nearest ? gather<true, kThrough> : gather<false, kThrough>,
@@ -105,7 +105,7 @@ void launch_gather(const gpu::Lattice& l, const Task& task, const GatherLists& l
 }
 
 /// Thin bands, first half: how many triangles each tile has, and which tiles get a slot. Nothing is listed.
-inline void count_thin(const gpu::Lattice& l, const Task& task, const ThinArrays& a, Stream stream) {
+inline void count_thin(const Lattice& l, const Task& task, const ThinArrays& a, Stream stream) {
   const std::int64_t tiles = l.tile_count(), per_triangle = blocks_for(task.mesh.used_count());
   launch(stream, "clear", clear_outcome, 1, 1, task.outcome, a.long_ones.count);
   fill_bytes(stream, a.lists.counts, 0, (tiles + 1) * static_cast<std::int64_t>(sizeof(std::uint32_t)));
@@ -120,7 +120,7 @@ inline void count_thin(const gpu::Lattice& l, const Task& task, const ThinArrays
 
 /// Thin bands, second half: the lists, and the field from them.
 template <Through kThrough = Through::write>
-void fill_thin(const gpu::Lattice& l, const Task& task, const ThinArrays& a, Stream stream) {
+void fill_thin(const Lattice& l, const Task& task, const ThinArrays& a, Stream stream) {
   const std::int64_t per_triangle = blocks_for(task.mesh.used_count());
   launch(stream, "list small", bin_small<true>, per_triangle, kThreads, l, task.mesh, a.lists, a.long_ones,
          task.outcome);
@@ -131,7 +131,7 @@ void fill_thin(const gpu::Lattice& l, const Task& task, const ThinArrays& a, Str
 }
 
 template <Through kThrough>
-void enqueue_thin(const gpu::Lattice& l, const Task& task, const ThinArrays& a, Stream stream) {
+void enqueue_thin(const Lattice& l, const Task& task, const ThinArrays& a, Stream stream) {
   count_thin(l, task, a, stream);
   fill_thin<kThrough>(l, task, a, stream);
 }
@@ -142,7 +142,7 @@ struct Descent {
   std::int64_t parents, children;
   int from;
 
-  Descent(const gpu::Lattice& l, const ThickArrays& a, int child_level, int half)
+  Descent(const Lattice& l, const ThickArrays& a, int child_level, int half)
       : step{gpu::level_of(l, child_level + 1),
              gpu::level_of(l, child_level),
              a.start[half],
@@ -166,7 +166,7 @@ inline void begin_thick(const Task& task, const ThickArrays& a, Stream stream) {
 }
 
 /// First half of a level: which children keep which candidates, and how many that makes. No list is written.
-inline void count_level(const gpu::Lattice& l, const Task& task, const ThickArrays& a, const Descent& d,
+inline void count_level(const Lattice& l, const Task& task, const ThickArrays& a, const Descent& d,
                         Stream stream) {
   launch(stream, "count chunks", count_chunks, blocks_for(d.parents + 1), kThreads, d.step.parent_start, d.parents,
          a.counts, task.outcome);
@@ -180,16 +180,16 @@ inline void count_level(const gpu::Lattice& l, const Task& task, const ThickArra
 }
 
 /// Second half of a level: the children's lists.
-inline void fill_level(const gpu::Lattice& l, const Task& task, const Descent& d, Stream stream) {
+inline void fill_level(const Lattice& l, const Task& task, const Descent& d, Stream stream) {
   launch(stream, "hand down", hand_down, kManyBlocks, kChunk, l, d.step, task.outcome);
 }
 
 /// The field from the tiles' lists, which are in half `half`.
-inline void gather_thick(const gpu::Lattice& l, const Task& task, const ThickArrays& a, int half, Stream stream) {
+inline void gather_thick(const Lattice& l, const Task& task, const ThickArrays& a, int half, Stream stream) {
   launch_gather(l, task, {a.start[half], a.entries[half], gpu::top_level(l) > 0 ? a.bound : nullptr}, stream);
 }
 
-inline void enqueue_thick(const gpu::Lattice& l, const Task& task, const ThickArrays& a, Stream stream) {
+inline void enqueue_thick(const Lattice& l, const Task& task, const ThickArrays& a, Stream stream) {
   begin_thick(task, a, stream);
   int half = 0;
   for (int number = gpu::top_level(l); number > 0; --number, half = 1 - half) {
@@ -202,14 +202,14 @@ inline void enqueue_thick(const gpu::Lattice& l, const Task& task, const ThickAr
 }
 
 /// How many blocks stride over the tiles.
-inline std::int64_t tile_blocks(const gpu::Lattice& l) {
+inline std::int64_t tile_blocks(const Lattice& l) {
   const std::int64_t tiles = l.tile_count(), most = std::int64_t{kManyBlocks} * 4;
   return tiles < most ? tiles : most;
 }
 
 /// Algorithm 1, first half: the least distance of each sample, and which tiles get a slot.
 template <Through kThrough = Through::write>
-void lower_thesis(const gpu::Lattice& l, const Task& task, const ThesisArrays& a, Stream stream) {
+void lower_thesis(const Lattice& l, const Task& task, const ThesisArrays& a, Stream stream) {
   const std::int64_t tiles = l.tile_count(), samples = task.grid.sample_count();
   const std::int64_t warps = blocks_for(32 * task.mesh.used_count());
   launch(stream, "clear", clear_outcome, 1, 1, task.outcome, static_cast<Counter*>(nullptr));
@@ -224,12 +224,12 @@ void lower_thesis(const gpu::Lattice& l, const Task& task, const ThesisArrays& a
 }
 
 /// Algorithm 1, second half: the field from them.
-inline void write_thesis(const gpu::Lattice& l, const Task& task, const ThesisArrays& a, Stream stream) {
+inline void write_thesis(const Lattice& l, const Task& task, const ThesisArrays& a, Stream stream) {
   launch(stream, "write", write_samples, tile_blocks(l), kGatherThreads, l, a.nearest, task.output, task.outcome);
 }
 
 template <Through kThrough>
-void enqueue_thesis(const gpu::Lattice& l, const Task& task, const ThesisArrays& a, Stream stream) {
+void enqueue_thesis(const Lattice& l, const Task& task, const ThesisArrays& a, Stream stream) {
   lower_thesis<kThrough>(l, task, a, stream);
   write_thesis(l, task, a, stream);
 }

@@ -40,12 +40,12 @@ class MeshOnDevice {
 };
 
 /// Takes finished tiles from the device, some at a time, and gives them to the sink.
-inline void hand_over(const DeviceOutput& output, const gpu::Lattice& l, Sink& sink, ProgressMeter& progress) {
+inline void hand_over(const DeviceOutput& output, const Lattice& l, Sink& sink, ProgressMeter& progress) {
   const std::int64_t tiles = l.tile_count();
   std::vector<std::int32_t> slots(static_cast<std::size_t>(tiles));
   copy_out(slots.data(), output.slots, tiles * static_cast<std::int64_t>(sizeof(std::int32_t)));
   const std::int64_t batch = std::min(output.slot_capacity, gpu::kTilesAtOnce);
-  std::vector<float> values(static_cast<std::size_t>(batch) * gpu::kTileSamples);
+  std::vector<float> values(static_cast<std::size_t>(batch) * kTileSamples);
   std::vector<std::uint32_t> nearest(output.nearest ? values.size() : 0);
   std::int64_t here = 0, end = 0;  // the slots in host memory
   for (std::int64_t index = 0; index < tiles; ++index) {
@@ -54,17 +54,17 @@ inline void hand_over(const DeviceOutput& output, const gpu::Lattice& l, Sink& s
     if (slot >= end) {  // slots ascend
       here = slot;
       end = std::min(here + batch, output.slot_capacity);
-      const std::int64_t first = here * gpu::kTileSamples, bytes = (end - here) * gpu::kTileSamples * 4;
+      const std::int64_t first = here * kTileSamples, bytes = (end - here) * kTileSamples * 4;
       copy_out(values.data(), output.values + first, bytes);
       if (output.nearest) copy_out(nearest.data(), output.nearest + first, bytes);
       progress.advance();
     }
     std::int64_t tile[3];
-    gpu::tile_at(l, index, tile);
+    tile_at(l, index, tile);
     const TileTarget target = sink.open(tile[0], tile[1], tile[2]);
     for (std::int64_t z = 0; z < target.size.z; ++z)
       for (std::int64_t y = 0; y < target.size.y; ++y) {
-        const std::int64_t from = (slot - here) * gpu::kTileSamples + 64 * z + 8 * y;
+        const std::int64_t from = (slot - here) * kTileSamples + 64 * z + 8 * y;
         const std::int64_t to = target.row * y + target.slice * z;
         std::copy_n(values.data() + from, target.size.x, target.values + to);
         if (target.nearest) std::copy_n(nearest.data() + from, target.size.x, target.nearest + to);
@@ -75,7 +75,7 @@ inline void hand_over(const DeviceOutput& output, const gpu::Lattice& l, Sink& s
 /// Runs a job.
 inline Counts run(const Job& job, Sink& sink, Method method) {
   job.progress.stage("gather", 1, 0.2, 0.9);
-  const gpu::Lattice l = gpu::make_lattice(job.grid, job.thickness);
+  const Lattice l = make_lattice(job.grid, job.thickness);
   expect_room(MeshOnDevice::bytes_of(job) + counting_bytes(job.triangle_count(), job.grid, job.thickness, method));
   const MeshOnDevice mesh(job);
   const CountedRun field(mesh.mesh(), job.grid, job.thickness, method, sink.with_nearest(),

@@ -38,19 +38,19 @@ STANDOFF_DEVICE float staged_distance_sq(const Stage& stage, int n, const Triple
 }
 
 /// Sets up a triangle relative to a brick's centre, exactly as the CPU does.
-STANDOFF_DEVICE void set_up(const gpu::Lattice& l, const DeviceMesh& mesh, std::uint32_t triangle,
+STANDOFF_DEVICE void set_up(const Lattice& l, const DeviceMesh& mesh, std::uint32_t triangle,
                             const Triple<double>& center, Stage& stage, int n) {
   const Corners c = corners_of(mesh, triangle);
   const Triple<double> a = local(l, c.at[0], center), b = local(l, c.at[1], center), d = local(l, c.at[2], center);
   const Triple<float> fa = narrowed(a), fb = narrowed(b), fd = narrowed(d);
   const BoxOf<float> box = box_of(fa, fb, fd);
   stage.index[n] = triangle;
-  stage.slack[n] = fma(farthest_coordinate(box), gpu::kSlackShare, gpu::kSlack);
-  stage.is_long[n] = gpu::kLongTriangle < longest_side(box);
+  stage.slack[n] = fma(farthest_coordinate(box), kSlackOfCoordinate, kSlack);
+  stage.is_long[n] = kLongTriangle < longest_side(box);
   if (stage.is_long[n])
-    store(make_lines<float>(make_frame(a, b, d, double{gpu::kLeastLengthSq})), stage.setup[n]);
+    store(make_lines<float>(make_frame(a, b, d, double{kLeastLengthSq})), stage.setup[n]);
   else
-    store(make_frame(fa, fb, fd, float{gpu::kLeastLengthSq}), stage.setup[n]);
+    store(make_frame(fa, fb, fd, float{kLeastLengthSq}), stage.setup[n]);
 }
 
 }  // namespace standoff::STANDOFF_PLATFORM

@@ -29,7 +29,7 @@ Binned binned(const Mesh& mesh, double thickness, std::int64_t most_refs, Reach 
   const ComputeOptions options;
   ProgressMeter progress(options.progress);
   const Job job{mesh, kept, kGrid, thickness, threads, Simd::automatic, progress};
-  const cpu::Lattice lattice = cpu::make_lattice(kGrid, thickness);
+  const cpu::BlockLattice lattice = cpu::make_block_lattice(kGrid, thickness);
   Binned result;
   cpu::for_each_batch(
       job, lattice, most_refs,
@@ -80,7 +80,7 @@ TEST(TilesBins, EveryBrickHasTheTrianglesThatReachItsSamples) {
   const Mesh mesh = testing::random_soup(63, 60, 9, 3);
   for (const double thickness : {0.1, 1.0}) {
     const Binned by_distance = binned(mesh, thickness, 1 << 20), by_box = binned(mesh, thickness, 1 << 20, Reach::box);
-    const cpu::Lattice lattice = cpu::make_lattice(kGrid, thickness);
+    const cpu::BlockLattice lattice = cpu::make_block_lattice(kGrid, thickness);
     std::vector<std::set<std::uint32_t>> within(by_distance.bricks.size()), in_box(within.size());
     testing::for_each_sample(kGrid, [&](auto i, auto j, auto k) {
       const auto brick = static_cast<std::size_t>(i / 16 + lattice.bricks[0] * (j / 16 + lattice.bricks[1] * (k / 16)));

@@ -33,7 +33,7 @@ TEST(CudaLists, AMeshThatChangesBetweenThePassesIsNoticed) {
     Task task{view, grid, 1.0, Method::tiles, {}, &outcome};
     std::vector<float> values(static_cast<std::size_t>(grid.sample_count()), -77.0f);
     task.output.values = values.data();
-    const gpu::Lattice l = gpu::make_lattice(grid, 1.0);
+    const Lattice l = make_lattice(grid, 1.0);
     const Memory memory(needed_bytes(30, grid, 1.0, Method::tiles, 10000));
     gpu::Workspace workspace(memory.as<void>());
     const ThinArrays arrays(workspace, 30, l, 10000);

@@ -1,0 +1,121 @@
+// The grid as the backends see it, on the CPU and on the GPU: tiles of 8x8x8 samples in bricks of 2x2x2 tiles, whose centres
+// are the origins of all float coordinates. That both compute these coordinates here is what makes their bits the same.
+//
+//   world units --(* scale)--> grid units --(- brick's centre, in double)--> local coordinates, float
+//
+// A brick and not a tile is the origin because a triangle is set up once for each brick it touches, and small triangles
+// touch half as many bricks as tiles.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "core/tile_count.h"
+#include "field/tolerances.h"
+#include "geometry/host_device.h"
+#include "geometry/triple.h"
+#include "standoff/field.h"
+#include "standoff/grid.h"
+
+namespace standoff {
+
+inline constexpr int kTileSide = DistanceField::kTileSide;
+inline constexpr int kTileSamples = DistanceField::kTileSamples;
+inline constexpr int kBrickSide = 2 * kTileSide;
+
+/// Lengths are in grid units: world units times `scale`, a power of two that brings the largest spacing to [1, 2). So
+/// nothing is lost by scaling, and no mesh is too small or too large for float.
+struct Lattice {
+  double scale;
+  double origin[3];   ///< of the grid, world units
+  double spacing[3];  ///< world units
+  double unit[3];     ///< spacing, grid units
+  std::int64_t size[3];
+  std::int64_t tiles[3];
+  double to_samples[3];             ///< 1 / spacing, world units
+  double reach[3];                  ///< the thickness in samples, with a margin for rounding
+  double thickness_units;           ///< grid units; this and the next three may be infinite
+  float coordinate[3][kBrickSide];  ///< of a brick's samples relative to its centre, grid units
+  float thickness, thickness_sq;    ///< grid units
+  float thickness_world;
+  float unscale;  ///< 1 / scale
+
+  STANDOFF_HD std::int64_t tile_count() const { return tiles[0] * tiles[1] * tiles[2]; }
+  STANDOFF_HD std::int64_t tile(std::int64_t x, std::int64_t y, std::int64_t z) const {
+    return x + tiles[0] * (y + tiles[1] * z);
+  }
+};
+
+/// Of sample n of a brick, relative to its centre. Grid units.
+inline float brick_coordinate(const Lattice& l, int n, int axis) {
+  return static_cast<float>((n - (kBrickSide - 1) / 2.0) * l.unit[axis]);
+}
+
+/// Requires a valid grid and a positive thickness.
+inline Lattice make_lattice(const Grid& grid, double thickness) {
+  Lattice l{};
+  l.scale = std::ldexp(1.0, -std::ilogb(grid.max_spacing()));
+  const Vec3 unit = grid.spacing * l.scale;
+  const double units[3] = {unit.x, unit.y, unit.z}, origin[3] = {grid.origin.x, grid.origin.y, grid.origin.z},
+               spacing[3] = {grid.spacing.x, grid.spacing.y, grid.spacing.z};
+  const std::int64_t size[3] = {grid.size.x, grid.size.y, grid.size.z};
+  for (int axis = 0; axis < 3; ++axis) {
+    l.origin[axis] = origin[axis];
+    l.spacing[axis] = spacing[axis];
+    l.unit[axis] = units[axis];
+    l.size[axis] = size[axis];
+    l.tiles[axis] = tiles_along(size[axis]);
+    l.to_samples[axis] = 1 / spacing[axis];
+    l.reach[axis] = thickness * l.to_samples[axis] + 2 * kBoxSlack;
+    for (int n = 0; n < kBrickSide; ++n) l.coordinate[axis][n] = brick_coordinate(l, n, axis);
+  }
+  l.thickness_units = thickness * l.scale;
+  l.thickness = static_cast<float>(thickness * l.scale);
+  l.thickness_sq = l.thickness * l.thickness;
+  l.thickness_world = static_cast<float>(thickness);
+  l.unscale = static_cast<float>(1 / l.scale);
+  return l;
+}
+
+/// Where sample (x, y, z) lies, which may be between two. Grid units.
+STANDOFF_INLINE Triple<double> position(const Lattice& l, double x, double y, double z) {
+  return {(l.origin[0] + l.spacing[0] * x) * l.scale, (l.origin[1] + l.spacing[1] * y) * l.scale,
+          (l.origin[2] + l.spacing[2] * z) * l.scale};
+}
+
+/// The middle of the samples of cell (x, y, z), of those kSide on a side. Grid units.
+template <int kSide>
+STANDOFF_INLINE Triple<double> cell_center(const Lattice& l, std::int64_t x, std::int64_t y, std::int64_t z) {
+  constexpr double middle = (kSide - 1) / 2.0;
+  return position(l, static_cast<double>(x * kSide) + middle, static_cast<double>(y * kSide) + middle,
+                  static_cast<double>(z * kSide) + middle);
+}
+
+/// The centre of the brick that holds tile (tx, ty, tz).
+STANDOFF_INLINE Triple<double> brick_center(const Lattice& l, const std::int64_t* tile) {
+  return cell_center<kBrickSide>(l, tile[0] >> 1, tile[1] >> 1, tile[2] >> 1);
+}
+
+/// A point in world units relative to `center`, which is in grid units. The product is exact, so that fused or not gives
+/// the same number.
+STANDOFF_INLINE Triple<double> local(const Lattice& l, const Triple<double>& point, const Triple<double>& center) {
+  return {fma(point.x, l.scale, -center.x), fma(point.y, l.scale, -center.y), fma(point.z, l.scale, -center.z)};
+}
+
+STANDOFF_INLINE Triple<float> narrowed(const Triple<double>& p) {
+  return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
+}
+
+STANDOFF_INLINE void tile_at(const Lattice& l, std::int64_t index, std::int64_t* tile) {
+  tile[0] = index % l.tiles[0];
+  tile[1] = index / l.tiles[0] % l.tiles[1];
+  tile[2] = index / (l.tiles[0] * l.tiles[1]);
+}
+
+/// Samples of the tile inside the grid, on one axis.
+STANDOFF_INLINE int inside(const Lattice& l, const std::int64_t* tile, int axis) {
+  const std::int64_t left = l.size[axis] - tile[axis] * kTileSide;
+  return left < kTileSide ? static_cast<int>(left) : kTileSide;
+}
+
+}  // namespace standoff

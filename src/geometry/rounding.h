@@ -1,0 +1,18 @@
+// How far rounding moves a computed number: the bound that error analyses of sums and products are written with.
+//
+// Each rounded operation multiplies its exact result by 1 + d, |d| <= u, the unit roundoff. After n of them the product
+// of the factors lies within 1 +- gamma(n), gamma(n) = n u / (1 - n u).
+// Source: N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2nd edition (2002), lemma 3.1.
+#pragma once
+
+namespace standoff {
+
+/// The unit roundoff: the largest relative error of one operation that rounds to nearest.
+inline constexpr double kRoundoffFloat = 0x1p-24, kRoundoffDouble = 0x1p-53;
+
+/// The relative error of n operations in float, n far below 2^24.
+constexpr double gamma_float(int n) { return n * kRoundoffFloat / (1 - n * kRoundoffFloat); }
+/// The same in double.
+constexpr double gamma_double(int n) { return n * kRoundoffDouble / (1 - n * kRoundoffDouble); }
+
+}  // namespace standoff

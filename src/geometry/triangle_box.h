@@ -1,0 +1,27 @@
+// The box of a triangle.
+#pragma once
+
+#include "geometry/triple.h"
+#include "standoff/mesh.h"
+
+namespace standoff {
+
+/// The lowest and the highest coordinates of three points.
+template <class F>
+struct BoxOf {
+  Triple<F> low, high;
+};
+
+template <class F>
+STANDOFF_INLINE BoxOf<F> box_of(const Triple<F>& a, const Triple<F>& b, const Triple<F>& c) {
+  return {{min(a.x, min(b.x, c.x)), min(a.y, min(b.y, c.y)), min(a.z, min(b.z, c.z))},
+          {max(a.x, max(b.x, c.x)), max(a.y, max(b.y, c.y)), max(a.z, max(b.z, c.z))}};
+}
+
+/// The box of a triangle of a mesh. Requires a valid triangle.
+inline Box triangle_box(const MeshView& mesh, std::size_t triangle) {
+  const Vec3 a = mesh.corner(triangle, 0), b = mesh.corner(triangle, 1), c = mesh.corner(triangle, 2);
+  return {min(a, min(b, c)), max(a, max(b, c))};
+}
+
+}  // namespace standoff
