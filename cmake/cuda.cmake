@@ -19,7 +19,7 @@ if(STANDOFF_WITH_CUDA AND CMAKE_CUDA_COMPILER AND NOT STANDOFF_SANITIZE AND NOT 
   target_link_libraries(standoff PRIVATE $<LINK_ONLY:CUDA::cudart_static>)
   list(APPEND STANDOFF_LINKED_PACKAGES CUDAToolkit)
   set(STANDOFF_HAVE_CUDA ON)
-  file(GLOB STANDOFF_CUDA_SOURCES CONFIGURE_DEPENDS src/gpu/*.cu src/field/cuda/*.cu src/collision/cuda/*.cu)
+  file(GLOB STANDOFF_CUDA_SOURCES CONFIGURE_DEPENDS src/gpu/*.cu src/collision/cuda/*.cu src/backends/cuda/*.cu)
   target_sources(standoff PRIVATE ${STANDOFF_CUDA_SOURCES})
   set_source_files_properties(${STANDOFF_CUDA_SOURCES} PROPERTIES COMPILE_OPTIONS "${STANDOFF_CUDA_FLAGS}")
 else()
@@ -27,11 +27,11 @@ else()
   if(STANDOFF_WITH_CUDA AND NOT STANDOFF_SANITIZE AND NOT STANDOFF_COVERAGE)
     message(STATUS "nvcc not found: no CUDA backend (docs/cuda.md says how to get it)")
   endif()
-  target_sources(standoff PRIVATE src/gpu/without_cuda.cpp src/field/cuda/without_cuda.cpp src/collision/cuda/without_cuda.cpp)
+  target_sources(standoff PRIVATE src/gpu/without_cuda.cpp src/collision/cuda/without_cuda.cpp src/backends/cuda/without_cuda.cpp)
 endif()
 
-file(GLOB STANDOFF_EMULATION_SOURCES CONFIGURE_DEPENDS src/gpu/*_emulated.cpp src/gpu/emulation/*.cpp src/field/cuda/*emulated*.cpp
-     src/collision/cuda/*_emulated.cpp)
+file(GLOB STANDOFF_EMULATION_SOURCES CONFIGURE_DEPENDS src/gpu/*_emulated.cpp src/gpu/emulation/*.cpp
+     src/collision/cuda/*_emulated.cpp src/backends/cuda/*_emulated.cpp)
 target_sources(standoff PRIVATE src/field/cuda/api.cpp ${STANDOFF_EMULATION_SOURCES})
 find_package(boost_context QUIET CONFIG)
 if(boost_context_FOUND)

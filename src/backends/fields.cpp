@@ -2,8 +2,8 @@
 
 #include <array>
 
+#include "backends/cuda/fields.h"
 #include "field/cpu/tiles.h"
-#include "field/cuda/backend.h"
 #include "gpu/devices.h"
 #include "thesis/algorithm_1.h"
 

@@ -1,5 +1,6 @@
-// Which cells a triangle has to be looked at in, on the CPU (bricks) and on the GPU (tiles): first those that its box grown
-// by the thickness touches; of a long triangle, which misses most cells of its box, those whose centre is near enough.
+// Which cells a triangle has to be looked at in, on the CPU (bricks) and on the GPU (tiles): first those that its box
+// grown by the thickness touches; of a long triangle, which misses most cells of its box, those whose centre is near
+// enough.
 #pragma once
 
 #include "field/lattice.h"
@@ -35,8 +36,8 @@ STANDOFF_INLINE CellRange reached_cells(const Lattice& l, const BoxOf<double>& b
   return range;
 }
 
-/// Squared: how near the centre of a cell is to a triangle that lies within the thickness of some of its samples, at most.
-/// Grid units.
+/// Squared: how near the centre of a cell is to a triangle that lies within the thickness of some of its samples, at
+/// most. Grid units.
 template <int kSide>
 STANDOFF_INLINE double cell_reach_sq(const Lattice& l) {
   double radius_sq = 0;
@@ -55,14 +56,16 @@ struct LongTriangle {
   CellRange range;
 
   /// Corners in world units.
-  STANDOFF_INLINE LongTriangle(const Lattice& l, const CellRange& cells, const Triple<double> (&corner)[3]) : range(cells) {
+  STANDOFF_INLINE LongTriangle(const Lattice& l, const CellRange& cells, const Triple<double> (&corner)[3])
+      : range(cells) {
     const Triple<double> first = cell_center<kSide>(l, cells.low[0], cells.low[1], cells.low[2]);
     frame = make_frame(local(l, corner[0], first), local(l, corner[1], first), local(l, corner[2], first),
-                       kLeastLengthSqOfCells);
+                       double{kLeastLengthSqOfCells});
   }
 
   /// Whether it is within cell_reach_sq() of the centre of a cell.
-  STANDOFF_INLINE bool reaches(const Lattice& l, std::int64_t x, std::int64_t y, std::int64_t z, double reach_sq) const {
+  STANDOFF_INLINE bool reaches(const Lattice& l, std::int64_t x, std::int64_t y, std::int64_t z,
+                               double reach_sq) const {
     const Triple<double> center{l.unit[0] * kSide * static_cast<double>(x - range.low[0]),
                                 l.unit[1] * kSide * static_cast<double>(y - range.low[1]),
                                 l.unit[2] * kSide * static_cast<double>(z - range.low[2])};

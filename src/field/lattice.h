@@ -1,5 +1,6 @@
-// The grid as the backends see it, on the CPU and on the GPU: tiles of 8x8x8 samples in bricks of 2x2x2 tiles, whose centres
-// are the origins of all float coordinates. That both compute these coordinates here is what makes their bits the same.
+// The grid as the backends see it, on the CPU and on the GPU: tiles of 8x8x8 samples in bricks of 2x2x2 tiles, whose
+// centres are the origins of all float coordinates. That both compute these coordinates here is what makes their bits
+// the same.
 //
 //   world units --(* scale)--> grid units --(- brick's centre, in double)--> local coordinates, float
 //
@@ -96,8 +97,8 @@ STANDOFF_INLINE Triple<double> brick_center(const Lattice& l, const std::int64_t
   return cell_center<kBrickSide>(l, tile[0] >> 1, tile[1] >> 1, tile[2] >> 1);
 }
 
-/// A point in world units relative to `center`, which is in grid units. The product is exact, so that fused or not gives
-/// the same number.
+/// A point in world units relative to `center`, which is in grid units. The product is exact, so that fused or not
+/// gives the same number.
 STANDOFF_INLINE Triple<double> local(const Lattice& l, const Triple<double>& point, const Triple<double>& center) {
   return {fma(point.x, l.scale, -center.x), fma(point.y, l.scale, -center.y), fma(point.z, l.scale, -center.z)};
 }

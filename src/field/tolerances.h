@@ -1,6 +1,6 @@
-// The constants of the method `tiles` that the CPU and the GPU share: what decides the bits of a field, what rounding may
-// add to a box or a distance, and which of the two ways a thickness goes. Lengths are in grid units (lattice.h): the
-// largest spacing is 1 to 2 of them, the grid far from the origin or not.
+// The constants of the method `tiles` that the CPU and the GPU share: what decides the bits of a field, what rounding
+// may add to a box or a distance, and which of the two ways a thickness goes. Lengths are in grid units (lattice.h):
+// the largest spacing is 1 to 2 of them, the grid far from the origin or not.
 #pragma once
 
 #include "geometry/rounding.h"
@@ -9,38 +9,38 @@
 namespace standoff {
 
 /// Triangles whose box has a longer side are set up in double, shorter ones in float. Grid units. At 16 a triangle's
-/// corners lie within 40 units of the brick's centre, where float resolves 4e-6, against a promise of 1.6e-5: the tests of
-/// exactness measure a quarter of the promise at most. Decides bits. Smaller: more triangles take the slower set-up in
-/// double. Larger: errors grow with it, beyond the promise from some 64 on.
+/// corners lie within 40 units of the brick's centre, where float resolves 4e-6, against a promise of 1.6e-5: the tests
+/// of exactness measure a quarter of the promise at most. Decides bits. Smaller: more triangles take the slower set-up
+/// in double. Larger: errors grow with it, beyond the promise from some 64 on.
 inline constexpr float kLongTriangle = 16;
 
-/// Edges and altitudes whose square is smaller count as zero when a triangle is set up for samples. Squared grid units: a
-/// tenth of the promised error. Decides bits. Larger: needles are measured as lines that are not. Smaller: slivers get
-/// frames whose directions are rounding.
+/// Edges and altitudes whose square is smaller count as zero when a triangle is set up for samples. Squared grid units:
+/// a tenth of the promised error. Decides bits. Larger: needles are measured as lines that are not. Smaller: slivers
+/// get frames whose directions are rounding.
 inline constexpr float kLeastLengthSq = 1e-12f;
 /// The same where a triangle is set up in double to be compared with cells' centres alone, which decides no bit.
 inline constexpr double kLeastLengthSqOfCells = 1e-24;
 
 /// What rounding may add to a distance when blocks, tiles and cells are culled: this many grid units, or this share,
-/// whichever the place asks for. A distance of 300 units that took ten operations in float is off by 2e-4. Decides no bit
-/// while it is above rounding; below it samples lose their nearest triangle. Larger: more candidates are kept.
+/// whichever the place asks for. A distance of 300 units that took ten operations in float is off by 2e-4. Decides no
+/// bit while it is above rounding; below it samples lose their nearest triangle. Larger: more candidates are kept.
 inline constexpr float kSlack = 1e-3f;
 static_assert(kSlack > 300 * gamma_float(10));
 
-/// The GPU culls in coordinates relative to coarse cells, which may be large: this share of the farthest coordinate comes
-/// on top of kSlack. 64 roundings.
+/// The GPU culls in coordinates relative to coarse cells, which may be large: this share of the farthest coordinate
+/// comes on top of kSlack. 64 roundings.
 inline constexpr float kSlackOfCoordinate = 4e-6f;
 static_assert(kSlackOfCoordinate > gamma_float(64));
 
 /// What rounding may add to a box in samples, or to a distance between cells as a share, both in double. Far above
-/// double's rounding, far below one sample: larger, and triangles are put into bricks that they do not reach; smaller, and
-/// grids 2^30 spacings from the mesh lose triangles.
+/// double's rounding, far below one sample: larger, and triangles are put into bricks that they do not reach; smaller,
+/// and grids 2^30 spacings from the mesh lose triangles.
 inline constexpr double kBoxSlack = 1e-6;
 static_assert(kBoxSlack > 0x1p30 * gamma_double(4));
 
-/// Up to this thickness, in spacings, triangles are sorted straight into bricks or tiles: nearly all that are sorted then
-/// lie within the thickness of some sample. Beyond, candidates are handed down from coarse cells, since most triangles are
-/// farther than others everywhere. Decides speed alone: both ways give the same field.
+/// Up to this thickness, in spacings, triangles are sorted straight into bricks or tiles: nearly all that are sorted
+/// then lie within the thickness of some sample. Beyond, candidates are handed down from coarse cells, since most
+/// triangles are farther than others everywhere. Decides speed alone: both ways give the same field.
 inline constexpr double kThinBand = 4;
 inline bool is_thin(const Grid& grid, double thickness) { return thickness <= kThinBand * grid.max_spacing(); }
 

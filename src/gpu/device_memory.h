@@ -1,4 +1,4 @@
-// What is said where the GPU's memory is too small.
+// The error of too little device memory.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@ namespace standoff::gpu {
 
 /// Throws Error{limit}: `need` bytes were wanted, `free` of `total` were there. More may be wanted later, when the
 /// lists have been counted.
-[[noreturn]] inline void fail_for_room(std::int64_t need, std::int64_t free, std::int64_t total) {
+[[noreturn]] inline void throw_out_of_memory(std::int64_t need, std::int64_t free, std::int64_t total) {
   const auto mib = [](std::int64_t bytes) { return std::to_string((bytes + (1 << 20) - 1) >> 20); };
   throw Error(ErrorCode::limit, "cuda: this field needs at least " + mib(need) + " MiB more of the GPU's memory, " +
                                     std::to_string(free >> 20) + " of " + mib(total) +

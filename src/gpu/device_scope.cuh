@@ -1,8 +1,11 @@
-// The device that CUDA's calls are about.
+// The device that calls of the platform are about.
 #pragma once
 
+#include "gpu/platform.cuh"
+
+#ifdef __CUDACC__
+
 #include "gpu/devices.h"
-#include "gpu/platform_cuda.cuh"
 
 namespace standoff::cuda {
 
@@ -28,3 +31,16 @@ class DeviceScope {
 };
 
 }  // namespace standoff::cuda
+
+#else
+
+namespace standoff::emulated {
+
+/// There is one.
+struct DeviceScope {
+  explicit DeviceScope(int) {}
+};
+
+}  // namespace standoff::emulated
+
+#endif

@@ -17,6 +17,9 @@
 
 namespace standoff::cuda {
 
+inline constexpr Backend kBackend = Backend::cuda;
+inline constexpr bool kIsEmulated = false;
+
 /// Where in standoff something is called: as a parameter's default, the place of the call that leaves the parameter
 /// out. Not std::source_location, whose current() nvcc before 12.2 does not take for a constant there.
 struct Place {
@@ -91,11 +94,11 @@ inline void copy_out(void* to, const void* from, std::int64_t bytes, const Place
 }
 
 /// Throws Error{limit} where so much memory is not free now.
-inline void expect_room(std::int64_t bytes, const Place& at = Place::current()) {
+inline void require_free_memory(std::int64_t bytes, const Place& at = Place::current()) {
   std::size_t free = 0, total = 0;
   check_call(cudaMemGetInfo(&free, &total), "cudaMemGetInfo", at);
   if (bytes > static_cast<std::int64_t>(free))
-    gpu::fail_for_room(bytes, static_cast<std::int64_t>(free), static_cast<std::int64_t>(total));
+    gpu::throw_out_of_memory(bytes, static_cast<std::int64_t>(free), static_cast<std::int64_t>(total));
 }
 
 /// Device memory that frees itself.
@@ -108,7 +111,7 @@ class Memory {
       cudaGetLastError();
       std::size_t free = 0, total = 0;
       cudaMemGetInfo(&free, &total);
-      gpu::fail_for_room(bytes, static_cast<std::int64_t>(free), static_cast<std::int64_t>(total));
+      gpu::throw_out_of_memory(bytes, static_cast<std::int64_t>(free), static_cast<std::int64_t>(total));
     }
     check_call(result, "cudaMalloc", at);
   }

@@ -21,6 +21,9 @@ using cuda::Outcome;
 using cuda::Stream;
 using cuda::Task;
 
+inline constexpr Backend kBackend = Backend::emulated;
+inline constexpr bool kIsEmulated = true;
+
 /// Reads what other threads change meanwhile.
 template <class T>
 T load_relaxed(T* at) {
@@ -66,16 +69,16 @@ inline std::atomic<std::int64_t> memory_taken{0};
 inline std::atomic<std::int64_t> memory_total{std::int64_t{1} << 40};
 
 /// Throws Error{limit} where so much memory is not free now.
-inline void expect_room(std::int64_t bytes) {
+inline void require_free_memory(std::int64_t bytes) {
   const std::int64_t free = memory_total - memory_taken;
-  if (bytes > free) gpu::fail_for_room(bytes, free, memory_total);
+  if (bytes > free) gpu::throw_out_of_memory(bytes, free, memory_total);
 }
 
 class Memory {
  public:
   Memory() = default;
   explicit Memory(std::int64_t bytes) {
-    expect_room(bytes);
+    require_free_memory(bytes);
     at_ = {::operator new (static_cast<std::size_t>(bytes), std::align_val_t{kAlignment}), Release{bytes}};
     memory_taken += bytes;
     std::memset(at_.get(), kPoison, static_cast<std::size_t>(bytes));

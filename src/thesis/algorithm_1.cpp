@@ -14,9 +14,8 @@
 
 #include "field/cpu/bins.h"
 #include "field/cpu/lattice.h"
-#include "geometry/sample_range.h"
 #include "simd/four.h"
-#include "thesis/thesis_distance.h"
+#include "thesis/brick_part.h"
 
 namespace standoff::cpu {
 namespace {
@@ -36,16 +35,12 @@ struct Shared {
 
   explicit Shared(const Job& j) : job(j), lattice(make_block_lattice(j.grid, j.thickness)) {
     for (int axis = 0; axis < 3; ++axis)
-      for (int sample = 0; sample < kRow; ++sample)
-        coordinate[axis][sample] =
-            static_cast<float>((sample - (kBrickSide - 1) / 2.0) * lattice.spacing[axis] * lattice.scale);
+      for (int sample = 0; sample < kRow; ++sample) coordinate[axis][sample] = brick_coordinate(lattice, sample, axis);
   }
 
   SampleRange samples(const Brick& brick) const {
-    const Size3 begin{brick.at[0] * kBrickSide, brick.at[1] * kBrickSide, brick.at[2] * kBrickSide};
-    return {begin,
-            {std::min(begin.x + kBrickSide, lattice.size[0]), std::min(begin.y + kBrickSide, lattice.size[1]),
-             std::min(begin.z + kBrickSide, lattice.size[2])}};
+    return intersection(samples_of_brick({brick.at[0], brick.at[1], brick.at[2]}),
+                        {{0, 0, 0}, {lattice.size[0], lattice.size[1], lattice.size[2]}});
   }
 };
 
@@ -118,16 +113,14 @@ class Gather {
   template <bool kNearest>
   void add(std::uint32_t index) {
     const MeshView& mesh = shared_.job.mesh;
-    const Vec3 p = mesh.corner(index, 0), q = mesh.corner(index, 1), r = mesh.corner(index, 2);
+    const Triple<double> corner[3] = {triple_of(mesh.corner(index, 0)), triple_of(mesh.corner(index, 1)),
+                                      triple_of(mesh.corner(index, 2))};
     const SampleRange all = shared_.samples(brick_);
-    const Box box{min(p, min(q, r)), max(p, max(q, r))};
-    const SampleRange range = intersection(samples_in(box.grown(shared_.job.thickness), shared_.job.grid), all);
+    const SampleRange range = intersection(visited_samples(corner, shared_.job.grid, shared_.job.thickness), all);
     if (range.empty()) return;
     examined_ += range.count();
-    const auto local = [&](Vec3 corner) {
-      return corner * shared_.lattice.scale - Vec3{brick_.center[0], brick_.center[1], brick_.center[2]};
-    };
-    const auto triangle = make_thesis_triangle<Four>(local(p), local(q), local(r));
+    const Triple<double> center{brick_.center[0], brick_.center[1], brick_.center[2]};
+    const auto triangle = thesis_triangle<Four>(shared_.lattice, corner, center);
     const int x0 = static_cast<int>(range.begin.x - all.begin.x), count = static_cast<int>(range.end.x - range.begin.x);
     for (auto z = range.begin.z - all.begin.z; z < range.end.z - all.begin.z; ++z)
       for (auto y = range.begin.y - all.begin.y; y < range.end.y - all.begin.y; ++y)

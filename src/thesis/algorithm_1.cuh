@@ -5,11 +5,13 @@
 // the triangle's index, so that the lowest index wins ties.
 #pragma once
 
-#include "field/cuda/gather.cuh"
-#include "geometry/sample_range.h"
-#include "thesis/thesis_distance.h"
+#include "field/cuda/counted_run.cuh"
+#include "thesis/brick_part.h"
+#include "thesis/stop_after.h"
 
 namespace standoff::STANDOFF_PLATFORM {
+
+using gpu::StopAfter;
 
 STANDOFF_KERNEL void clear_samples(Counter* nearest, std::int64_t samples) {
   const Counter infinite = Counter{__float_as_uint(__builtin_inff())} << 32 | kNoTriangle;
@@ -19,38 +21,32 @@ STANDOFF_KERNEL void clear_samples(Counter* nearest, std::int64_t samples) {
 }
 
 /// The samples of one brick in a triangle's range.
-template <Through kThrough>
-STANDOFF_DEVICE void lower_brick(const Lattice& l, const Corners& c, std::uint32_t triangle,
-                                 const SampleRange& range, const Size3& brick, Counter* nearest) {
-  const Size3 first{brick.x * kBrickSide, brick.y * kBrickSide, brick.z * kBrickSide};
-  const Size3 past{first.x + kBrickSide, first.y + kBrickSide, first.z + kBrickSide};
-  const SampleRange here = intersection(range, {first, past});
-  const std::int64_t tile[3] = {2 * brick.x, 2 * brick.y, 2 * brick.z};
-  const Triple<double> center = brick_center(l, tile);
-  const auto corner = [&](int which) {
-    const Triple<double> p = local(l, c.at[which], center);
-    return Vec3{p.x, p.y, p.z};
-  };
-  const ThesisTriangle<float> t = make_thesis_triangle<float>(corner(0), corner(1), corner(2));
+template <StopAfter kLast>
+STANDOFF_DEVICE void lower_brick(const Lattice& l, const Corners& c, std::uint32_t triangle, const SampleRange& range,
+                                 const Size3& brick, Counter* nearest) {
+  const SampleRange all = samples_of_brick(brick), here = intersection(range, all);
+  const Size3& first = all.begin;
+  const ThesisTriangle<float> t =
+      thesis_triangle<float>(l, c.at, cell_center<kBrickSide>(l, brick.x, brick.y, brick.z));
   const std::int64_t nx = here.end.x - here.begin.x, ny = here.end.y - here.begin.y, count = here.count();
   for (std::int64_t n = threadIdx.x % 32; n < count; n += 32) {
     const std::int64_t x = here.begin.x + n % nx, y = here.begin.y + n / nx % ny, z = here.begin.z + n / (nx * ny);
     const Triple<float> p{l.coordinate[0][x - first.x], l.coordinate[1][y - first.y], l.coordinate[2][z - first.z]};
-    if (kThrough < Through::distance) {
+    if (kLast < StopAfter::distance) {
       if (__float_as_uint(p.x + p.y + p.z) == gpu::kNever) *nearest = triangle;
       continue;
     }
     const Counter mine = Counter{__float_as_uint(distance_sq(t, p))} << 32 | triangle;
     Counter* const sample = nearest + x + l.size[0] * (y + l.size[1] * z);
     // What was read may be old, then the atomic minimum decides; it is never too small.
-    const bool lower = (kThrough != Through::read && kThrough != Through::write) || mine < load_relaxed(sample);
-    const bool writes = kThrough >= Through::write || mine >> 32 == gpu::kNever;
+    const bool lower = (kLast != StopAfter::read && kLast != StopAfter::write) || mine < load_relaxed(sample);
+    const bool writes = kLast >= StopAfter::write || mine >> 32 == gpu::kNever;
     if (lower && writes) atomicMin(sample, mine);
   }
 }
 
 /// Warps stride over the triangles.
-template <Through kThrough>
+template <StopAfter kLast>
 STANDOFF_KERNEL void lower_samples(Lattice l, DeviceMesh mesh, Grid grid, double thickness, Counter* nearest,
                                    Outcome* outcome) {
   const std::int64_t warps = std::int64_t{gridDim.x} * (blockDim.x / 32);
@@ -60,16 +56,14 @@ STANDOFF_KERNEL void lower_samples(Lattice l, DeviceMesh mesh, Grid grid, double
     const std::uint32_t triangle = used_triangle(mesh, n);
     if (!is_valid(mesh, triangle, outcome)) continue;
     const Corners c = corners_of(mesh, triangle);
-    const BoxOf<double> box = box_of(c.at[0], c.at[1], c.at[2]);
-    const SampleRange range =
-        samples_in(Box{{box.low.x, box.low.y, box.low.z}, {box.high.x, box.high.y, box.high.z}}.grown(thickness), grid);
+    const SampleRange range = visited_samples(c.at, grid, thickness);
     if (range.empty()) continue;
     examined += static_cast<Counter>(range.count());
-    constexpr std::int64_t side = kBrickSide;
-    for (std::int64_t z = range.begin.z / side; z <= (range.end.z - 1) / side; ++z)
-      for (std::int64_t y = range.begin.y / side; y <= (range.end.y - 1) / side; ++y)
-        for (std::int64_t x = range.begin.x / side; x <= (range.end.x - 1) / side; ++x)
-          lower_brick<kThrough>(l, c, triangle, range, {x, y, z}, nearest);
+    const SampleRange bricks = bricks_of(range);
+    for (std::int64_t z = bricks.begin.z; z < bricks.end.z; ++z)
+      for (std::int64_t y = bricks.begin.y; y < bricks.end.y; ++y)
+        for (std::int64_t x = bricks.begin.x; x < bricks.end.x; ++x)
+          lower_brick<kLast>(l, c, triangle, range, {x, y, z}, nearest);
   }
   if (threadIdx.x % 32 == 0) atomicAdd(&outcome->samples_examined, examined);
 }
@@ -116,5 +110,47 @@ STANDOFF_KERNEL void __launch_bounds__(kGatherThreads)
                 output, outcome);
   }
 }
+
+/// The pipeline of Algorithm 1 (pipeline.cuh says what a pipeline has): it keeps a number per sample.
+struct Algorithm1 {
+  static constexpr std::int64_t kBytesPerEntry = 1;  // it has no lists
+  TileArrays tiles;
+  Counter* nearest;
+
+  Algorithm1(gpu::Workspace& memory, std::int64_t, const Lattice& l, std::int64_t)
+      : tiles(memory, l.tile_count()), nearest(memory.take<Counter>(l.size[0] * l.size[1] * l.size[2])) {}
+
+  /// First half: the least distance of each sample, and which tiles get a slot.
+  template <StopAfter kLast = StopAfter::write>
+  void lower(const Lattice& l, const Task& task, Stream stream) const {
+    const std::int64_t all = l.tile_count(), samples = task.grid.sample_count();
+    const std::int64_t warps = blocks_for(32 * task.mesh.used_count());
+    launch(stream, "clear", clear_outcome, 1, 1, task.outcome, static_cast<Counter*>(nullptr));
+    launch(stream, "clear samples", clear_samples, kManyBlocks, kThreads, nearest, samples);
+    launch(stream, "Algorithm 1", lower_samples<kLast>, warps < kManyBlocks * 8 ? warps : kManyBlocks * 8, kThreads, l,
+           task.mesh, task.grid, task.thickness, nearest, task.outcome);
+    if (!task.output.slots) return;
+    fill_bytes(stream, tiles.used, 0, (all + 1) * static_cast<std::int64_t>(sizeof(std::uint32_t)));
+    launch(stream, "mark tiles", mark_near_tiles, tile_blocks(l), kGatherThreads, l, nearest, tiles.used, task.outcome);
+    tiles.give(l, task, stream);
+  }
+
+  /// Second half: the field from them.
+  void write(const Lattice& l, const Task& task, Stream stream) const {
+    launch(stream, "write", write_samples, tile_blocks(l), kGatherThreads, l, nearest, task.output, task.outcome);
+  }
+
+  void enqueue(const Lattice& l, const Task& task, Stream stream) const {
+    lower(l, task, stream);
+    write(l, task, stream);
+  }
+  void run(CountedRun& run) {
+    lower(run.lattice, run.task, nullptr);
+    run.wait();
+    require_free_memory(run.value_bytes());
+    run.make_values();
+    write(run.lattice, run.task, nullptr);
+  }
+};
 
 }  // namespace standoff::STANDOFF_PLATFORM

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "field/cuda/emulated.h"
+#include "backends/cuda/emulated.h"
 #include "scenes/scenes.h"
 #include "standoff/collision.h"
 #include "standoff/compute.h"

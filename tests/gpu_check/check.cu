@@ -11,7 +11,7 @@
 #include <string>
 #include <utility>
 
-#include "field/cuda/run_from_host.cuh"
+#include "backends/cuda/fields.h"
 #include "gpu/timing.cuh"
 #include "scenes/scenes.h"
 #include "standoff/error.h"
@@ -204,7 +204,7 @@ int run_blocking() {
       ProgressMeter progress(options.progress);
       const Job job{mesh, {}, grid, thickness, 1, Simd::automatic, progress};
       Sink sink(grid, values, nearest);
-      const Counts counts = STANDOFF_PLATFORM::run(job, sink, method);
+      const Counts counts = method == Method::thesis ? run_thesis(job, sink) : run_tiles(job, sink);
       faults += judge(different(values, expected.values()) == 0 && different(nearest, expected.nearest()) == 0 &&
                           counts.samples_band == static_cast<std::int64_t>(outcome.samples_band),
                       "from host memory to host memory");

@@ -6,9 +6,8 @@
 #include <limits>
 #include <vector>
 
-#include "field/cuda/capacity.h"
-#include "field/cuda/emulated.h"
-#include "field/cuda/enqueue.cuh"
+#include "backends/cuda/emulated.h"
+#include "backends/cuda/pipelines.cuh"
 #include "standoff/cuda.h"
 #include "standoff/mesh.h"
 
@@ -38,7 +37,7 @@ class FieldOnDevice {
     const std::int64_t tiles = tile_count(grid.size);
     if (layout == Layout::sparse) slots_ = Memory(4 * tiles);
     make_output(layout == Layout::dense ? 0 : std::min<std::int64_t>(tiles, 4096));
-    make_workspace(gpu::likely_entries(task_.mesh.triangle_count, grid, thickness, method));
+    make_workspace(cuda::likely_entries(task_.mesh.triangle_count, grid, thickness, method));
   }
 
   void upload(const Mesh& mesh) {
@@ -80,9 +79,9 @@ class FieldOnDevice {
     const Lattice l = make_lattice(task_.grid, task_.thickness);
     const std::int64_t tiles = l.tile_count();
     const std::uint32_t* on_device = nullptr;
-    with_way(task_.method, task_.grid, task_.thickness, [&]<class Arrays>(auto) {
+    with_pipeline(task_.method, task_.grid, task_.thickness, [&]<class Pipeline>() {
       gpu::Workspace memory(workspace_.as<void>());
-      const Arrays arrays(memory, task_.mesh.used_count(), l, 0);
+      const Pipeline arrays(memory, task_.mesh.used_count(), l, 0);
       if constexpr (requires { arrays.lists; })
         on_device = arrays.lists.counts;
       else if constexpr (requires { arrays.counts; })

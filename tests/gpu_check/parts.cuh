@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "field/cuda/enqueue.cuh"
 #include "tests/gpu_check/field_on_device.cuh"
+#include "thesis/ablation.cuh"
 
 namespace standoff::STANDOFF_PLATFORM {
 
@@ -14,9 +14,9 @@ struct Part {
   void (*enqueue)(const Task&, void*, std::int64_t, Stream);
 };
 inline constexpr Part kParts[] = {
-    {"through_lists", enqueue_task<Through::lists>}, {"through_set_up", enqueue_task<Through::set_up>},
-    {"through_vote", enqueue_task<Through::vote>},   {"through_distance", enqueue_task<Through::distance>},
-    {"through_read", enqueue_task<Through::read>},   {"write_always", enqueue_task<Through::always>},
+    {"through_lists", enqueue_until<StopAfter::lists>}, {"through_set_up", enqueue_until<StopAfter::set_up>},
+    {"through_vote", enqueue_until<StopAfter::vote>},   {"through_distance", enqueue_until<StopAfter::distance>},
+    {"through_read", enqueue_until<StopAfter::read>},   {"write_always", enqueue_until<StopAfter::always>},
 };
 
 /// The part of that name, or null.

@@ -1,19 +1,19 @@
-// Collision queries on CUDA.
+// Collision queries on a GPU. nvcc compiles this file for CUDA; collision_emulated.cpp compiles it for the emulation.
 #include "collision/cuda/collide.cuh"
 #include "collision/cuda/queries.h"
 #include "collision/cuda/sweep.cuh"
 #include "gpu/device_scope.cuh"
 
-namespace standoff::cuda {
+namespace standoff::STANDOFF_PLATFORM {
 
 void collide(const collision::CollideJob& job) {
   const DeviceScope scope(job.device);
-  run_collide(job, Backend::cuda);
+  run_collide(job, kBackend);
 }
 
 void sweep(const collision::SweepJob& job) {
   const DeviceScope scope(job.device);
-  run_sweep(job, Backend::cuda);
+  run_sweep(job, kBackend);
 }
 
-}  // namespace standoff::cuda
+}  // namespace standoff::STANDOFF_PLATFORM

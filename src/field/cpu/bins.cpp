@@ -59,7 +59,8 @@ class Binning {
   template <class Use>
   void for_each_brick_of_long(std::uint32_t triangle, Use use) const {
     const CellRange r = range(triangle);
-    const Triple<double> corner[3] = {triple_of(job_.mesh.corner(triangle, 0)), triple_of(job_.mesh.corner(triangle, 1)),
+    const Triple<double> corner[3] = {triple_of(job_.mesh.corner(triangle, 0)),
+                                      triple_of(job_.mesh.corner(triangle, 1)),
                                       triple_of(job_.mesh.corner(triangle, 2))};
     const LongTriangle<kBrickSide> long_triangle(lattice_, r, corner);
     for (std::int64_t z = r.low[2]; z <= r.high[2]; ++z)
@@ -149,7 +150,8 @@ void for_each_batch(const Job& job, const BlockLattice& lattice, std::int64_t mo
   }
 }
 
-std::int64_t bins_scratch_bytes(std::int64_t triangles, const BlockLattice& lattice, std::int64_t most_refs, int threads) {
+std::int64_t bins_scratch_bytes(std::int64_t triangles, const BlockLattice& lattice, std::int64_t most_refs,
+                                int threads) {
   const std::int64_t keys = triangles, bricks = lattice.brick_count();
   const std::int64_t counters = bricks * (chunk_count(triangles, bricks, threads) + 1) + 1;
   // No triangle is in more bricks than there are.

@@ -37,6 +37,7 @@ void for_each_batch(const Job& job, const BlockLattice& lattice, std::int64_t mo
                     const std::function<void(const Bins&)>& use, Reach reach = Reach::distance);
 
 /// Bytes that for_each_batch may hold, each brick having at most `most_refs` triangles.
-std::int64_t bins_scratch_bytes(std::int64_t triangles, const BlockLattice& lattice, std::int64_t most_refs, int threads);
+std::int64_t bins_scratch_bytes(std::int64_t triangles, const BlockLattice& lattice, std::int64_t most_refs,
+                                int threads);
 
 }  // namespace standoff::cpu

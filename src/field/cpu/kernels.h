@@ -71,11 +71,11 @@ struct Kernels {
                      BoxArrays& kept);
   /// Lowers the distances of a tile's samples, as gather_band, for candidates of which each sample needs few: chooses
   /// them for each cell of 4x4x4 samples.
-  void (*gather_tile)(const BlockLattice&, const Brick&, int tile, const Candidates&, bool with_nearest, CandidateTable&,
-                      BrickState&);
+  void (*gather_tile)(const BlockLattice&, const Brick&, int tile, const Candidates&, bool with_nearest,
+                      CandidateTable&, BrickState&);
   /// The same for one cell and the candidates that its boxes stand for; `mesh` lists none.
-  void (*gather_crowded)(const BlockLattice&, const Brick&, const CrowdedCell&, const Candidates& mesh, bool with_nearest,
-                         CrowdedTable&, BrickState&);
+  void (*gather_crowded)(const BlockLattice&, const Brick&, const CrowdedCell&, const Candidates& mesh,
+                         bool with_nearest, CrowdedTable&, BrickState&);
 };
 
 /// The kernels for an instruction set; the best one there is for Simd::automatic. Throws Error{usage} where the

@@ -24,7 +24,8 @@ constexpr int block_of_clump(int clump, int lane) {
 }
 static_assert(kLanes == 16 && kClumps == 16 && kBlocksX == 4 && kBlocksY == 8 && kBlocksZ == 8);
 
-/// The shared lattice, and what wide registers load: coordinates of a brick's samples and blocks relative to its centre.
+/// The shared lattice, and what wide registers load: coordinates of a brick's samples and blocks relative to its
+/// centre.
 struct BlockLattice : standoff::Lattice {
   std::int64_t bricks[3];
   float inverse_spacing[3];               ///< 1 / grid units

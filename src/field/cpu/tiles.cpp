@@ -60,7 +60,10 @@ struct ThreadState {
 class TilesRun : private CandidateUse {
  public:
   TilesRun(const Job& job, Sink& sink)
-      : job_(job), sink_(sink), lattice_(make_block_lattice(job.grid, job.thickness)), kernels_(kernels_for(job.simd)) {}
+      : job_(job),
+        sink_(sink),
+        lattice_(make_block_lattice(job.grid, job.thickness)),
+        kernels_(kernels_for(job.simd)) {}
 
   Counts run() {
     job_.progress.stage("gather", lattice_.brick_count(), 0.2, 1);

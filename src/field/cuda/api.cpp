@@ -4,7 +4,6 @@
 #include <string>
 
 #include "core/guarded.h"
-#include "field/cuda/backend.h"
 #include "field/cuda/capacity.h"
 #include "standoff/error.h"
 
@@ -13,12 +12,10 @@ namespace standoff::cuda {
 std::int64_t likely_entries(std::int64_t triangles, const Grid& grid, double thickness, Method method) try {
   validate(grid);
   gpu::check_counts(triangles, thickness, 0);
-  return gpu::likely_entries(triangles, grid, thickness, method);
+  return method == Method::thesis ? 0 : gpu::estimate_list_entries(triangles, grid, thickness);
 } catch (...) {
   throw_as_error("cuda");
 }
-
-std::int64_t scratch_bytes(std::int64_t, const Grid& grid, double, int) { return gpu::host_scratch_bytes(grid); }
 
 void check(const Outcome& outcome, const Task& task) try {
   if (outcome.stopped == 0) return;

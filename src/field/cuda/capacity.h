@@ -1,4 +1,4 @@
-// How much room the lists of a field may want: guesses, and which way a thickness goes.
+// How much memory the lists of a field may need, and what else is known before its triangles are looked at.
 #pragma once
 
 #include <algorithm>
@@ -30,13 +30,12 @@ inline void check_counts(std::int64_t triangles, double thickness, std::int64_t 
     throw Error(ErrorCode::usage, "cuda: the thickness must be positive; infinity gives a full field");
 }
 
-/// For those who cannot wait until entries have been counted. Thin bands: small triangles lie in four or five tiles at
-/// thickness 2. Otherwise: a tile near the surface keeps what lies in it and around it, one far away what it cannot
-/// tell apart; the sum grows with the triangles and, where they are smaller than tiles, with the root of triangles
-/// times tiles. The factors are fitted to full fields of the scenes (terrain, machines) at 2,000 to 1,000,000
-/// triangles.
-inline std::int64_t likely_entries(std::int64_t triangles, const Grid& grid, double thickness, Method method) {
-  if (method == Method::thesis) return 0;
+/// List entries of the method `tiles`, for those who cannot wait until they have been counted. Thin bands: small
+/// triangles lie in four or five tiles at thickness 2. Otherwise: a tile near the surface keeps what lies in it and
+/// around it, one far away what it cannot tell apart; the sum grows with the triangles and, where they are smaller than
+/// tiles, with the root of triangles times tiles. The factors are fitted to full fields of the scenes (terrain,
+/// machines) at 2,000 to 1,000,000 triangles.
+inline std::int64_t estimate_list_entries(std::int64_t triangles, const Grid& grid, double thickness) {
   const std::int64_t tiles = tile_count(grid.size);
   if (is_thin(grid, thickness)) return 6 * triangles + 2 * tiles;
   const double mixed = 110 * std::sqrt(static_cast<double>(triangles) * static_cast<double>(tiles));

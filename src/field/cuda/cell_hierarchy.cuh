@@ -138,8 +138,7 @@ STANDOFF_DEVICE Candidate candidate(const Lattice& l, const DeviceMesh& mesh, st
           fma(max(farthest_coordinate(box), chunk.extent), kSlackOfCoordinate, kSlack)};
 }
 
-STANDOFF_KERNEL void __launch_bounds__(kChunk)
-    bound_children(Lattice l, DeviceMesh mesh, Step step, Outcome* outcome) {
+STANDOFF_KERNEL void __launch_bounds__(kChunk) bound_children(Lattice l, DeviceMesh mesh, Step step, Outcome* outcome) {
   __shared__ Chunk chunk;
   if (outcome->stopped) return;
   const int t = static_cast<int>(threadIdx.x);

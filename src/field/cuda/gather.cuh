@@ -7,11 +7,8 @@
 #pragma once
 
 #include "field/cuda/stage.cuh"
-#include "thesis/ablation.h"
 
 namespace standoff::STANDOFF_PLATFORM {
-
-using gpu::Through;
 
 inline constexpr int kGatherThreads = kTileSamples;
 inline constexpr int kWarps = kGatherThreads / 32;
@@ -44,8 +41,24 @@ struct Nearest {
   std::uint32_t triangle;
 };
 
-/// Measures from a warp's samples to the staged triangles, `count` of them. Returns how many were measured.
-template <bool kNearest, Through kThrough>
+/// Measures from a sample to the staged triangles whose bits are set in `left`, from `first` on.
+template <bool kNearest>
+STANDOFF_DEVICE void measure(const Stage& stage, int first, std::uint32_t left, const Triple<float>& sample,
+                             Nearest& best) {
+  for (; left; left &= left - 1) {
+    const int n = first + __ffs(static_cast<int>(left)) - 1;
+    const float d = staged_distance_sq(stage, n, sample);
+    if (kNearest) {
+      const std::uint32_t triangle = stage.index[n];
+      if (d < best.distance_sq || (d == best.distance_sq && triangle < best.triangle)) best.triangle = triangle;
+    }
+    best.distance_sq = min(d, best.distance_sq);
+  }
+}
+
+/// Measures from a warp's samples to those of the staged triangles, `count` of them, that its vote leaves. Returns how
+/// many were measured.
+template <bool kNearest, class Steps>
 STANDOFF_DEVICE int gather_stage(const Lattice& l, const Stage& stage, int count, const Triple<float>& sample,
                                  const Triple<float>& warp_center, bool in_grid, float known_within, Nearest& best) {
   const int lane = static_cast<int>(threadIdx.x) % 32;
@@ -57,20 +70,35 @@ STANDOFF_DEVICE int gather_stage(const Lattice& l, const Stage& stage, int count
     const int mine = first + lane;
     const bool is_near =
         mine < count && sqrt(staged_distance_sq(stage, mine, warp_center)) - stage.slack[mine] <= within;
-    std::uint32_t left = __ballot_sync(0xffffffffu, is_near);
+    const std::uint32_t left = __ballot_sync(0xffffffffu, is_near);
     measured += __popc(left);
-    for (; kThrough >= Through::distance && left; left &= left - 1) {
-      const int n = first + __ffs(static_cast<int>(left)) - 1;
-      const float d = staged_distance_sq(stage, n, sample);
-      if (kNearest) {
-        const std::uint32_t triangle = stage.index[n];
-        if (d < best.distance_sq || (d == best.distance_sq && triangle < best.triangle)) best.triangle = triangle;
-      }
-      best.distance_sq = min(d, best.distance_sq);
-    }
+    Steps::template measure<kNearest>(stage, first, left, sample, best);
   }
   return measured;
 }
+
+/// The steps of a gather. A program that measures what each of them costs gives the kernel steps of its own, of which
+/// some do nothing; a field takes these.
+struct AllSteps {
+  static STANDOFF_DEVICE void set_up(const Lattice& l, const DeviceMesh& mesh, std::uint32_t triangle,
+                                     const Triple<double>& center, Stage& stage, int n) {
+    STANDOFF_PLATFORM::set_up(l, mesh, triangle, center, stage, n);
+  }
+  template <bool kNearest, class Steps>
+  static STANDOFF_DEVICE int gather_stage(const Lattice& l, const Stage& stage, int count, const Triple<float>& sample,
+                                          const Triple<float>& warp_center, bool in_grid, float known_within,
+                                          Nearest& best) {
+    return STANDOFF_PLATFORM::gather_stage<kNearest, Steps>(l, stage, count, sample, warp_center, in_grid, known_within,
+                                                            best);
+  }
+  template <bool kNearest>
+  static STANDOFF_DEVICE void measure(const Stage& stage, int first, std::uint32_t left, const Triple<float>& sample,
+                                      Nearest& best) {
+    STANDOFF_PLATFORM::measure<kNearest>(stage, first, left, sample, best);
+  }
+  /// Whether a finished sample's tile is written.
+  static STANDOFF_DEVICE bool writes(float) { return true; }
+};
 
 /// A tile's finished samples, x fastest, before they are written in rows.
 struct Finished {
@@ -97,18 +125,18 @@ STANDOFF_DEVICE void write_tile(const Lattice& l, const std::int64_t* tile, std:
 
 /// Clamps the samples, leaves them in `finished`, and writes the tile; one without a band sample stays unstored
 /// (sparse). All threads of the block take part.
-template <Through kThrough = Through::write>
-STANDOFF_DEVICE void finish_tile(const Lattice& l, const std::int64_t* tile, std::int64_t index,
-                                 const SampleAt& at, float value, std::uint32_t nearest, bool is_band,
-                                 Finished& finished, const DeviceOutput& output, Outcome* outcome) {
+template <class Steps = AllSteps>
+STANDOFF_DEVICE void finish_tile(const Lattice& l, const std::int64_t* tile, std::int64_t index, const SampleAt& at,
+                                 float value, std::uint32_t nearest, bool is_band, Finished& finished,
+                                 const DeviceOutput& output, Outcome* outcome) {
   const int t = at.x + 8 * at.y + 64 * at.z;
   finished.value[t] = value;
   finished.nearest[t] = nearest;
   const std::uint32_t band = __ballot_sync(0xffffffffu, is_band);
   if (threadIdx.x % 32 == 0) atomicAdd(&finished.band, static_cast<unsigned>(__popc(band)));
   __syncthreads();
-  const bool writes = kThrough >= Through::write || __float_as_uint(finished.value[t]) == gpu::kNever;
-  if (writes && (!output.slots || finished.band != 0)) write_tile(l, tile, index, finished, output);
+  if (Steps::writes(finished.value[t]) && (!output.slots || finished.band != 0))
+    write_tile(l, tile, index, finished, output);
   if (threadIdx.x == 0) {
     atomicAdd(&outcome->samples_band, Counter{finished.band});
     atomicAdd(&outcome->samples_examined, Counter{32} * finished.measured);
@@ -125,7 +153,7 @@ struct GatherLists {
 };
 
 /// Blocks stride over the tiles.
-template <bool kNearest, Through kThrough = Through::write>
+template <bool kNearest, class Steps = AllSteps>
 STANDOFF_KERNEL void __launch_bounds__(kGatherThreads, 2)
     gather(Lattice l, DeviceMesh mesh, GatherLists lists, DeviceOutput output, Outcome* outcome) {
   __shared__ Stage stage;
@@ -164,20 +192,18 @@ STANDOFF_KERNEL void __launch_bounds__(kGatherThreads, 2)
     for (Counter first = lists.start[index]; first < end; first += Stage::kTriangles) {
       const int count = end - first < Stage::kTriangles ? static_cast<int>(end - first) : Stage::kTriangles;
       __syncthreads();  // the last stage has been read
-      if (kThrough >= Through::set_up && thread < count)
-        set_up(l, mesh, lists.entries[first + static_cast<Counter>(thread)], center, stage, thread);
+      if (thread < count)
+        Steps::set_up(l, mesh, lists.entries[first + static_cast<Counter>(thread)], center, stage, thread);
       __syncthreads();
-      if constexpr (kThrough >= Through::vote)
-        measured += gather_stage<kNearest, kThrough>(l, stage, count, sample, warp_center, in_grid, known_within, best);
-      else
-        measured += __float_as_uint(stage.setup[thread % Stage::kTriangles].number[count % 32]) == gpu::kNever;
+      measured += Steps::template gather_stage<kNearest, Steps>(l, stage, count, sample, warp_center, in_grid,
+                                                                known_within, best);
     }
     __syncthreads();  // the counters are zero, also where no triangle came by
     if (thread % 32 == 0) atomicAdd(&finished.measured, static_cast<unsigned>(measured));
     const bool in_band = in_grid && !(l.thickness_sq < best.distance_sq);
     const float value = in_grid ? min(sqrt(best.distance_sq) * l.unscale, l.thickness_world) : l.thickness_world;
-    finish_tile<kThrough>(l, tile, index, at, value, in_band ? best.triangle : kNoTriangle, in_band, finished, output,
-                          outcome);
+    finish_tile<Steps>(l, tile, index, at, value, in_band ? best.triangle : kNoTriangle, in_band, finished, output,
+                       outcome);
   }
 }
 

@@ -1,18 +1,24 @@
-// The launches of one field by each way, in order. A way has two halves: after the first one it is known how much room
-// the second one needs. On a stream all of it is there beforehand (enqueue_...); who can wait looks in between
-// (counted_run.cuh).
+// The launches of one field, in order: a pipeline for thin bands, one for thick bands and full fields. A pipeline has
+// two halves: after the first one it is known how much memory the second one needs. On a stream all of it is there
+// beforehand (enqueue.cuh); whoever can wait looks in between (counted_run.cuh).
+//
+// A pipeline P is a struct of arrays in device memory with
+//   P::kBytesPerEntry                                   bytes that its lists take per entry
+//   P(Workspace&, triangles, lattice, entries)          takes the arrays from a workspace, or measures them
+//   p.enqueue(lattice, task, stream)                    launches all of it
+//   p.run(counted run)                                  launches it half by half (counted_run.cuh)
 #pragma once
 
 #include "field/cuda/cell_hierarchy.cuh"
+#include "field/cuda/gather.cuh"
 #include "field/cuda/outcome.cuh"
 #include "gpu/workspace.h"
-#include "thesis/algorithm_1.cuh"
 
 namespace standoff::STANDOFF_PLATFORM {
 
 inline std::int64_t blocks_for(std::int64_t items) { return (items + kThreads - 1) / kThreads; }
 
-/// What every way needs: which tiles are used, and scratch for running sums over the tiles.
+/// What every pipeline needs: which tiles are used, and scratch for running sums over the tiles.
 struct TileArrays {
   std::uint32_t* used;  // per tile, and a zero behind the last
   Counter* rank;        // their running sum
@@ -44,14 +50,24 @@ struct TileArrays {
   }
 };
 
-/// The arrays of the way for thin bands.
-struct ThinArrays {
+class CountedRun;
+
+template <class Steps = AllSteps>
+void launch_gather(const Lattice& l, const Task& task, const GatherLists& lists, Stream stream) {
+  // Sparse: most tiles are empty, so blocks look for those that are not.
+  const std::int64_t tiles = l.tile_count(), most = task.output.slots ? std::int64_t{kManyBlocks} * 4 : 0x7fffffff;
+  launch(stream, "gather", task.output.nearest ? gather<true, Steps> : gather<false, Steps>,
+         tiles < most ? tiles : most, kGatherThreads, l, task.mesh, lists, task.output, task.outcome);
+}
+
+/// Thin bands: triangles are counted in the tiles that they reach, and then listed there.
+struct ThinBand {
   static constexpr std::int64_t kBytesPerEntry = 4;
   TileArrays tiles;
   TileLists lists;
   LongList long_ones;
 
-  ThinArrays(gpu::Workspace& memory, std::int64_t triangles, const Lattice& l, std::int64_t entries)
+  ThinBand(gpu::Workspace& memory, std::int64_t triangles, const Lattice& l, std::int64_t entries)
       : tiles(memory, l.tile_count()) {
     lists.counts = memory.take<std::uint32_t>(l.tile_count() + 1);
     lists.start = memory.take<Counter>(l.tile_count() + 1);
@@ -60,10 +76,41 @@ struct ThinArrays {
     long_ones.triangles = memory.take<std::uint32_t>(triangles);
     long_ones.count = memory.take<Counter>(1);
   }
+
+  /// First half: how many triangles each tile has, and which tiles get a slot. Nothing is listed.
+  void count(const Lattice& l, const Task& task, Stream stream) const {
+    const std::int64_t all = l.tile_count(), per_triangle = blocks_for(task.mesh.used_count());
+    launch(stream, "clear", clear_outcome, 1, 1, task.outcome, long_ones.count);
+    fill_bytes(stream, lists.counts, 0, (all + 1) * static_cast<std::int64_t>(sizeof(std::uint32_t)));
+    launch(stream, "count small", bin_small<false>, per_triangle, kThreads, l, task.mesh, lists, long_ones,
+           task.outcome);
+    launch(stream, "count long", bin_long<false>, kManyBlocks, kThreads, l, task.mesh, lists, long_ones, task.outcome);
+    tiles.sum(lists.counts, lists.start, all + 1, stream);
+    launch(stream, "check room", check_entries, 1, 1, lists.start + all, lists.capacity, task.outcome);
+    if (task.output.slots) tiles.give(l, task, lists.start, stream);
+  }
+
+  /// Second half: the lists, and the field from them.
+  template <class Steps = AllSteps>
+  void fill(const Lattice& l, const Task& task, Stream stream) const {
+    const std::int64_t per_triangle = blocks_for(task.mesh.used_count());
+    launch(stream, "list small", bin_small<true>, per_triangle, kThreads, l, task.mesh, lists, long_ones, task.outcome);
+    launch(stream, "list long", bin_long<true>, kManyBlocks, kThreads, l, task.mesh, lists, long_ones, task.outcome);
+    launch(stream, "check lists", check_lists, blocks_for(l.tile_count()), kThreads, lists.counts, l.tile_count(),
+           task.outcome);
+    launch_gather<Steps>(l, task, {lists.start, lists.entries, nullptr}, stream);
+  }
+
+  void enqueue(const Lattice& l, const Task& task, Stream stream) const {
+    count(l, task, stream);
+    fill(l, task, stream);
+  }
+  inline void run(CountedRun& run);
 };
 
-/// The lists of one level of a descent, and those of its parents: the two swap from level to level.
-struct ThickArrays {
+/// Thick bands and full fields: the lists of one level of cells, and those of their parents; the two swap from level to
+/// level (cell_hierarchy.cuh).
+struct ThickBand {
   static constexpr std::int64_t kBytesPerEntry = 4 + 4 + 1;
   TileArrays tiles;
   std::uint32_t* counts;
@@ -74,7 +121,7 @@ struct ThickArrays {
   Counter* chunk_start;
   Counter capacity;  // of each of entries, and of keep
 
-  ThickArrays(gpu::Workspace& memory, std::int64_t, const Lattice& l, std::int64_t most)
+  ThickBand(gpu::Workspace& memory, std::int64_t, const Lattice& l, std::int64_t most)
       : tiles(memory, l.tile_count()), capacity(static_cast<Counter>(most)) {
     const std::int64_t cells = l.tile_count() + 1;  // no level has more
     counts = memory.take<std::uint32_t>(cells);
@@ -84,154 +131,70 @@ struct ThickArrays {
     bound = memory.take<Counter>(cells);
     chunk_start = memory.take<Counter>(cells);
   }
-};
 
-/// The method thesis keeps a number per sample.
-struct ThesisArrays {
-  static constexpr std::int64_t kBytesPerEntry = 1;  // it has no lists
-  TileArrays tiles;
-  Counter* nearest;
-
-  ThesisArrays(gpu::Workspace& memory, std::int64_t, const Lattice& l, std::int64_t)
-      : tiles(memory, l.tile_count()), nearest(memory.take<Counter>(l.size[0] * l.size[1] * l.size[2])) {}
-};
-
-template <Through kThrough = Through::write>
-void launch_gather(const Lattice& l, const Task& task, const GatherLists& lists, Stream stream) {
-  // Sparse: most tiles are empty, so blocks look for those that are not.
-  const std::int64_t tiles = l.tile_count(), most = task.output.slots ? std::int64_t{kManyBlocks} * 4 : 0x7fffffff;
-  launch(stream, "gather", task.output.nearest ? gather<true, kThrough> : gather<false, kThrough>,
-         tiles < most ? tiles : most, kGatherThreads, l, task.mesh, lists, task.output, task.outcome);
-}
-
-/// Thin bands, first half: how many triangles each tile has, and which tiles get a slot. Nothing is listed.
-inline void count_thin(const Lattice& l, const Task& task, const ThinArrays& a, Stream stream) {
-  const std::int64_t tiles = l.tile_count(), per_triangle = blocks_for(task.mesh.used_count());
-  launch(stream, "clear", clear_outcome, 1, 1, task.outcome, a.long_ones.count);
-  fill_bytes(stream, a.lists.counts, 0, (tiles + 1) * static_cast<std::int64_t>(sizeof(std::uint32_t)));
-  launch(stream, "count small", bin_small<false>, per_triangle, kThreads, l, task.mesh, a.lists, a.long_ones,
-         task.outcome);
-  launch(stream, "count long", bin_long<false>, kManyBlocks, kThreads, l, task.mesh, a.lists, a.long_ones,
-         task.outcome);
-  a.tiles.sum(a.lists.counts, a.lists.start, tiles + 1, stream);
-  launch(stream, "check room", check_entries, 1, 1, a.lists.start + tiles, a.lists.capacity, task.outcome);
-  if (task.output.slots) a.tiles.give(l, task, a.lists.start, stream);
-}
-
-/// Thin bands, second half: the lists, and the field from them.
-template <Through kThrough = Through::write>
-void fill_thin(const Lattice& l, const Task& task, const ThinArrays& a, Stream stream) {
-  const std::int64_t per_triangle = blocks_for(task.mesh.used_count());
-  launch(stream, "list small", bin_small<true>, per_triangle, kThreads, l, task.mesh, a.lists, a.long_ones,
-         task.outcome);
-  launch(stream, "list long", bin_long<true>, kManyBlocks, kThreads, l, task.mesh, a.lists, a.long_ones, task.outcome);
-  launch(stream, "check lists", check_lists, blocks_for(l.tile_count()), kThreads, a.lists.counts, l.tile_count(),
-         task.outcome);
-  launch_gather<kThrough>(l, task, {a.lists.start, a.lists.entries, nullptr}, stream);
-}
-
-template <Through kThrough>
-void enqueue_thin(const Lattice& l, const Task& task, const ThinArrays& a, Stream stream) {
-  count_thin(l, task, a, stream);
-  fill_thin<kThrough>(l, task, a, stream);
-}
-
-/// One level of the descent: from the parents' lists in half `from` of the arrays to the children's in the other.
-struct Descent {
-  Step step;
-  std::int64_t parents, children;
-  int from;
-
-  Descent(const Lattice& l, const ThickArrays& a, int child_level, int half)
-      : step{gpu::level_of(l, child_level + 1),
-             gpu::level_of(l, child_level),
-             a.start[half],
-             a.entries[half],
-             a.chunk_start,
-             a.keep,
-             a.bound,
-             a.counts,
-             a.start[1 - half],
-             a.entries[1 - half]},
-        parents(step.parent.count()),
-        children(step.child.count()),
-        from(half) {}
-};
-
-/// The root of the descent, in half 0.
-inline void begin_thick(const Task& task, const ThickArrays& a, Stream stream) {
-  launch(stream, "clear", clear_outcome, 1, 1, task.outcome, static_cast<Counter*>(nullptr));
-  launch(stream, "list all", list_all, blocks_for(task.mesh.used_count()), kThreads, task.mesh, a.entries[0],
-         a.start[0], task.outcome);
-}
-
-/// First half of a level: which children keep which candidates, and how many that makes. No list is written.
-inline void count_level(const Lattice& l, const Task& task, const ThickArrays& a, const Descent& d,
-                        Stream stream) {
-  launch(stream, "count chunks", count_chunks, blocks_for(d.parents + 1), kThreads, d.step.parent_start, d.parents,
-         a.counts, task.outcome);
-  a.tiles.sum(a.counts, a.chunk_start, d.parents + 1, stream);
-  launch(stream, "clear bounds", clear_bounds, blocks_for(d.children), kThreads, a.bound, d.children);
-  fill_bytes(stream, a.counts, 0, (d.children + 1) * static_cast<std::int64_t>(sizeof(std::uint32_t)));
-  launch(stream, "bound", bound_children, kManyBlocks, kChunk, l, task.mesh, d.step, task.outcome);
-  launch(stream, "keep", keep_candidates, kManyBlocks, kChunk, l, task.mesh, d.step, task.outcome);
-  a.tiles.sum(a.counts, a.start[1 - d.from], d.children + 1, stream);
-  launch(stream, "check room", check_entries, 1, 1, a.start[1 - d.from] + d.children, a.capacity, task.outcome);
-}
-
-/// Second half of a level: the children's lists.
-inline void fill_level(const Lattice& l, const Task& task, const Descent& d, Stream stream) {
-  launch(stream, "hand down", hand_down, kManyBlocks, kChunk, l, d.step, task.outcome);
-}
-
-/// The field from the tiles' lists, which are in half `half`.
-inline void gather_thick(const Lattice& l, const Task& task, const ThickArrays& a, int half, Stream stream) {
-  launch_gather(l, task, {a.start[half], a.entries[half], gpu::top_level(l) > 0 ? a.bound : nullptr}, stream);
-}
-
-inline void enqueue_thick(const Lattice& l, const Task& task, const ThickArrays& a, Stream stream) {
-  begin_thick(task, a, stream);
-  int half = 0;
-  for (int number = gpu::top_level(l); number > 0; --number, half = 1 - half) {
-    const Descent level(l, a, number - 1, half);
-    count_level(l, task, a, level, stream);
-    fill_level(l, task, level, stream);
+  /// From the parents' lists in half `half` of the arrays to the children's in the other.
+  Step step_to(const Lattice& l, int child_level, int half) const {
+    return {gpu::level_of(l, child_level + 1),
+            gpu::level_of(l, child_level),
+            start[half],
+            entries[half],
+            chunk_start,
+            keep,
+            bound,
+            counts,
+            start[1 - half],
+            entries[1 - half]};
   }
-  if (task.output.slots) a.tiles.give(l, task, a.start[half], stream);
-  gather_thick(l, task, a, half, stream);
-}
+
+  /// The list of the one cell that is the whole grid, in half 0.
+  void begin(const Task& task, Stream stream) const {
+    launch(stream, "clear", clear_outcome, 1, 1, task.outcome, static_cast<Counter*>(nullptr));
+    launch(stream, "list all", list_all, blocks_for(task.mesh.used_count()), kThreads, task.mesh, entries[0], start[0],
+           task.outcome);
+  }
+
+  /// First half of a level: which children keep which candidates, and how many that makes. No list is written.
+  void count_level(const Lattice& l, const Task& task, const Step& step, int half, Stream stream) const {
+    const std::int64_t parents = step.parent.count(), children = step.child.count();
+    launch(stream, "count chunks", count_chunks, blocks_for(parents + 1), kThreads, step.parent_start, parents, counts,
+           task.outcome);
+    tiles.sum(counts, chunk_start, parents + 1, stream);
+    launch(stream, "clear bounds", clear_bounds, blocks_for(children), kThreads, bound, children);
+    fill_bytes(stream, counts, 0, (children + 1) * static_cast<std::int64_t>(sizeof(std::uint32_t)));
+    launch(stream, "bound", bound_children, kManyBlocks, kChunk, l, task.mesh, step, task.outcome);
+    launch(stream, "keep", keep_candidates, kManyBlocks, kChunk, l, task.mesh, step, task.outcome);
+    tiles.sum(counts, start[1 - half], children + 1, stream);
+    launch(stream, "check room", check_entries, 1, 1, start[1 - half] + children, capacity, task.outcome);
+  }
+
+  /// Second half of a level: the children's lists.
+  static void fill_level(const Lattice& l, const Task& task, const Step& step, Stream stream) {
+    launch(stream, "hand down", hand_down, kManyBlocks, kChunk, l, step, task.outcome);
+  }
+
+  /// The field from the tiles' lists, which are in half `half`.
+  void gather_tiles(const Lattice& l, const Task& task, int half, Stream stream) const {
+    launch_gather(l, task, {start[half], entries[half], gpu::top_level(l) > 0 ? bound : nullptr}, stream);
+  }
+
+  void enqueue(const Lattice& l, const Task& task, Stream stream) const {
+    begin(task, stream);
+    int half = 0;
+    for (int number = gpu::top_level(l); number > 0; --number, half = 1 - half) {
+      const Step step = step_to(l, number - 1, half);
+      count_level(l, task, step, half, stream);
+      fill_level(l, task, step, stream);
+    }
+    if (task.output.slots) tiles.give(l, task, start[half], stream);
+    gather_tiles(l, task, half, stream);
+  }
+  inline void run(CountedRun& run);
+};
 
 /// How many blocks stride over the tiles.
 inline std::int64_t tile_blocks(const Lattice& l) {
   const std::int64_t tiles = l.tile_count(), most = std::int64_t{kManyBlocks} * 4;
   return tiles < most ? tiles : most;
-}
-
-/// Algorithm 1, first half: the least distance of each sample, and which tiles get a slot.
-template <Through kThrough = Through::write>
-void lower_thesis(const Lattice& l, const Task& task, const ThesisArrays& a, Stream stream) {
-  const std::int64_t tiles = l.tile_count(), samples = task.grid.sample_count();
-  const std::int64_t warps = blocks_for(32 * task.mesh.used_count());
-  launch(stream, "clear", clear_outcome, 1, 1, task.outcome, static_cast<Counter*>(nullptr));
-  launch(stream, "clear samples", clear_samples, kManyBlocks, kThreads, a.nearest, samples);
-  launch(stream, "Algorithm 1", lower_samples<kThrough>, warps < kManyBlocks * 8 ? warps : kManyBlocks * 8, kThreads, l,
-         task.mesh, task.grid, task.thickness, a.nearest, task.outcome);
-  if (!task.output.slots) return;
-  fill_bytes(stream, a.tiles.used, 0, (tiles + 1) * static_cast<std::int64_t>(sizeof(std::uint32_t)));
-  launch(stream, "mark tiles", mark_near_tiles, tile_blocks(l), kGatherThreads, l, a.nearest, a.tiles.used,
-         task.outcome);
-  a.tiles.give(l, task, stream);
-}
-
-/// Algorithm 1, second half: the field from them.
-inline void write_thesis(const Lattice& l, const Task& task, const ThesisArrays& a, Stream stream) {
-  launch(stream, "write", write_samples, tile_blocks(l), kGatherThreads, l, a.nearest, task.output, task.outcome);
-}
-
-template <Through kThrough>
-void enqueue_thesis(const Lattice& l, const Task& task, const ThesisArrays& a, Stream stream) {
-  lower_thesis<kThrough>(l, task, a, stream);
-  write_thesis(l, task, a, stream);
 }
 
 }  // namespace standoff::STANDOFF_PLATFORM

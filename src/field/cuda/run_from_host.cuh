@@ -72,14 +72,15 @@ inline void hand_over(const DeviceOutput& output, const Lattice& l, Sink& sink, 
   }
 }
 
-/// Runs a job.
-inline Counts run(const Job& job, Sink& sink, Method method) {
+/// Runs a job on the current device.
+template <class Pipeline>
+Counts run_from_host(const Job& job, Sink& sink) {
   job.progress.stage("gather", 1, 0.2, 0.9);
   const Lattice l = make_lattice(job.grid, job.thickness);
-  expect_room(MeshOnDevice::bytes_of(job) + counting_bytes(job.triangle_count(), job.grid, job.thickness, method));
+  require_free_memory(MeshOnDevice::bytes_of(job) + counting_bytes<Pipeline>(job.triangle_count(), l));
   const MeshOnDevice mesh(job);
-  const CountedRun field(mesh.mesh(), job.grid, job.thickness, method, sink.with_nearest(),
-                         [&] { job.progress.advance(0); });
+  CountedRun field(mesh.mesh(), job.grid, job.thickness, sink.with_nearest(), [&] { job.progress.advance(0); });
+  field.run<Pipeline>();
   job.progress.stage("copy", std::max<std::int64_t>(1, l.tile_count() / gpu::kTilesAtOnce), 0.9, 1);
   hand_over(field.output(), l, sink, job.progress);
   return {static_cast<std::int64_t>(field.outcome().samples_examined),

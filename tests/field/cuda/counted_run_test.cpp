@@ -1,6 +1,7 @@
 // The blocking way, emulated: what is needed is counted before room is made for it. So no work is done twice, the room
 // is just what is needed, and nothing is copied to the host that no kernel wrote.
 #include "field/cuda/counted_run.cuh"
+#include "backends/cuda/pipelines.cuh"
 
 #include <gtest/gtest.h>
 
@@ -32,8 +33,16 @@ cuda::DeviceMesh on_device(const Mesh& mesh) {
           static_cast<std::int64_t>(mesh.triangles.size())};
 }
 
+emulated::CountedRun run_of(
+    const Mesh& mesh, const Grid& grid, double thickness, Method method = Method::tiles,
+    std::function<void()> waited = [] {}) {
+  emulated::CountedRun run(on_device(mesh), grid, thickness, false, std::move(waited));
+  emulated::with_pipeline(method, grid, thickness, [&]<class Pipeline>() { run.run<Pipeline>(); });
+  return run;
+}
+
 std::int64_t needed_entries(const Mesh& mesh, const Grid& grid, double thickness) {
-  const emulated::CountedRun run(on_device(mesh), grid, thickness, Method::tiles, false, [] {});
+  const emulated::CountedRun run = run_of(mesh, grid, thickness);
   return static_cast<std::int64_t>(run.outcome().needed_entries);
 }
 
@@ -61,13 +70,13 @@ TEST(CudaCountedRun, RoomIsMadeForWhatWasCounted) {
   for (const Method method : {Method::tiles, Method::thesis})
     for (const double thickness : {0.5, 3.0}) {
       int looks = 0;
-      const CountedRun run(on_device(mesh), grid, thickness, method, false, [&] { ++looks; });
+      const CountedRun run = run_of(mesh, grid, thickness, method, [&] { ++looks; });
       EXPECT_GT(looks, 0);
       const auto slots = static_cast<std::int64_t>(run.outcome().needed_slots);
       EXPECT_GT(slots, 0);
       EXPECT_EQ(run.output().slot_capacity, slots);
       std::int64_t stored = 0;
-      for (std::int64_t tile = 0; tile < gpu::tile_count(grid); ++tile) stored += run.output().slots[tile] >= 0;
+      for (std::int64_t tile = 0; tile < tile_count(grid.size); ++tile) stored += run.output().slots[tile] >= 0;
       EXPECT_LE(stored, slots);
       EXPECT_EQ(run.output().nearest, nullptr);
     }
@@ -93,9 +102,9 @@ TEST(CudaCountedRun, SomeSlotsAreNeverWritten) {
   using namespace emulated;
   const Mesh mesh = scenes::make("bender", 400);
   const Grid grid = fit_samples(bounds(mesh), 60, 2);
-  const CountedRun run(on_device(mesh), grid, 0.5 * grid.max_spacing(), Method::tiles, false, [] {});
+  const CountedRun run = run_of(mesh, grid, 0.5 * grid.max_spacing());
   std::int64_t stored = 0;
-  for (std::int64_t tile = 0; tile < gpu::tile_count(grid); ++tile) stored += run.output().slots[tile] >= 0;
+  for (std::int64_t tile = 0; tile < tile_count(grid.size); ++tile) stored += run.output().slots[tile] >= 0;
   EXPECT_LT(stored, static_cast<std::int64_t>(run.outcome().needed_slots));
 }
 

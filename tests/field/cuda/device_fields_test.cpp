@@ -8,7 +8,7 @@
 #include <limits>
 #include <vector>
 
-#include "field/cuda/emulated.h"
+#include "backends/cuda/emulated.h"
 #include "standoff/compute.h"
 #include "standoff/error.h"
 #include "tests/support/fields.h"

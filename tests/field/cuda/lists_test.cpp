@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "field/cuda/enqueue.cuh"
-#include "field/cuda/pipeline.cuh"
 #include "standoff/error.h"
 #include "tests/support/random_mesh.h"
 
@@ -34,16 +33,16 @@ TEST(CudaLists, AMeshThatChangesBetweenThePassesIsNoticed) {
     std::vector<float> values(static_cast<std::size_t>(grid.sample_count()), -77.0f);
     task.output.values = values.data();
     const Lattice l = make_lattice(grid, 1.0);
-    const Memory memory(needed_bytes(30, grid, 1.0, Method::tiles, 10000));
+    const Memory memory(needed_bytes<ThinBand>(30, l, 10000));
     gpu::Workspace workspace(memory.as<void>());
-    const ThinArrays arrays(workspace, 30, l, 10000);
-    count_thin(l, task, arrays, nullptr);
+    const ThinBand arrays(workspace, 30, l, 10000);
+    arrays.count(l, task, nullptr);
     ASSERT_EQ(outcome.stopped, 0u);
     std::copy(here.vertices.begin(), here.vertices.end(), mesh.vertices.begin());
     // The long ones were listed in the first pass.
     if (!leaves) std::iota(arrays.long_ones.triangles, arrays.long_ones.triangles + 30, 0u);
     if (!leaves && longest > 1) *arrays.long_ones.count = 30;
-    fill_thin(l, task, arrays, nullptr);
+    arrays.fill(l, task, nullptr);
     EXPECT_NE(outcome.stopped, 0u);
     EXPECT_TRUE(std::all_of(values.begin(), values.end(), [](float v) { return v == -77.0f; }));
     try {

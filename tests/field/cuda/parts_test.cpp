@@ -4,8 +4,9 @@
 #include <algorithm>
 #include <vector>
 
-#include "field/cuda/enqueue.cuh"
+#include "backends/cuda/emulated.h"
 #include "tests/support/random_mesh.h"
+#include "thesis/ablation.cuh"
 
 namespace standoff::emulated {
 namespace {
@@ -21,7 +22,7 @@ struct Result {
   }
 };
 
-template <Through kThrough>
+template <StopAfter kLast>
 Result run(Method method) {
   const Mesh mesh = testing::random_soup(91, 120, 4, 1.2);
   const Grid grid{{21, 18, 13}, {-4, -4, -3}, {0.5, 0.5, 0.5}};
@@ -35,36 +36,36 @@ Result run(Method method) {
   task.method = method;
   task.output.values = result.values.data();
   task.outcome = &result.outcome;
-  const std::int64_t bytes = needed_bytes(120, grid, 1, method, 4000);
+  const std::int64_t bytes = workspace_bytes(120, grid, 1, method, 4000);
   const Memory workspace(bytes);
-  enqueue_task<kThrough>(task, workspace.as<void>(), bytes, nullptr);
+  enqueue_until<kLast>(task, workspace.as<void>(), bytes, nullptr);
   EXPECT_EQ(result.outcome.stopped, 0u);
   return result;
 }
 
 TEST(CudaParts, OfTiles) {
-  const Result whole = run<Through::write>(Method::tiles);
+  const Result whole = run<StopAfter::write>(Method::tiles);
   EXPECT_GT(whole.outcome.samples_band, 0u);
   EXPECT_FALSE(whole.all(kRubbish));
-  const Result distance = run<Through::distance>(Method::tiles);
+  const Result distance = run<StopAfter::distance>(Method::tiles);
   EXPECT_TRUE(distance.all(kRubbish));
   EXPECT_EQ(distance.outcome.samples_band, whole.outcome.samples_band);
-  const Result vote = run<Through::vote>(Method::tiles);
+  const Result vote = run<StopAfter::vote>(Method::tiles);
   EXPECT_TRUE(vote.all(kRubbish));
   EXPECT_EQ(vote.outcome.samples_band, 0u);
   EXPECT_GE(vote.outcome.samples_examined, whole.outcome.samples_examined);
-  const Result set_up = run<Through::set_up>(Method::tiles);
+  const Result set_up = run<StopAfter::set_up>(Method::tiles);
   EXPECT_EQ(set_up.outcome.samples_examined, 0u);
-  EXPECT_EQ(run<Through::lists>(Method::tiles).outcome.needed_entries, whole.outcome.needed_entries);
+  EXPECT_EQ(run<StopAfter::lists>(Method::tiles).outcome.needed_entries, whole.outcome.needed_entries);
 }
 
 TEST(CudaParts, OfAlgorithm1) {
-  const Result whole = run<Through::write>(Method::thesis);
+  const Result whole = run<StopAfter::write>(Method::thesis);
   EXPECT_FALSE(whole.all(1));
-  EXPECT_EQ(run<Through::always>(Method::thesis).values, whole.values);
-  EXPECT_TRUE(run<Through::read>(Method::thesis).all(1));
-  EXPECT_TRUE(run<Through::distance>(Method::thesis).all(1));
-  const Result lists = run<Through::lists>(Method::thesis);
+  EXPECT_EQ(run<StopAfter::always>(Method::thesis).values, whole.values);
+  EXPECT_TRUE(run<StopAfter::read>(Method::thesis).all(1));
+  EXPECT_TRUE(run<StopAfter::distance>(Method::thesis).all(1));
+  const Result lists = run<StopAfter::lists>(Method::thesis);
   EXPECT_TRUE(lists.all(1));
   EXPECT_EQ(lists.outcome.samples_examined, whole.outcome.samples_examined);
 }

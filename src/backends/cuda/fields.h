@@ -1,4 +1,4 @@
-// The GPU backends as the table of backends sees them (src/backends/fields.cpp): on CUDA, and emulated on the CPU.
+// Fields on a GPU as the table of backends sees them (src/backends/fields.cpp): on CUDA, and emulated on the CPU.
 #pragma once
 
 #include "field/backend.h"

@@ -1,6 +1,7 @@
-// What stands for the CUDA backend where standoff is built without a CUDA compiler: it says so.
+// What stands for fields on CUDA where standoff is built without a CUDA compiler: it says so.
+#include "backends/cuda/fields.h"
 #include "core/guarded.h"
-#include "field/cuda/backend.h"
+#include "field/cuda/capacity.h"
 #include "gpu/devices.h"
 #include "standoff/cuda.h"
 
@@ -15,6 +16,7 @@ namespace {
 
 Counts run_tiles(const Job&, Sink&) { fail(); }
 Counts run_thesis(const Job&, Sink&) { fail(); }
+std::int64_t scratch_bytes(std::int64_t, const Grid& grid, double, int) { return gpu::host_scratch_bytes(grid); }
 
 std::int64_t workspace_bytes(std::int64_t, const Grid&, double, Method, std::int64_t) { fail(); }
 void enqueue(const Task&, void*, std::int64_t, Stream) { fail(); }

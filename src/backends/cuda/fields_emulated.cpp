@@ -1,0 +1,2 @@
+// fields.cu for the emulated GPU.
+#include "backends/cuda/fields.cu"
