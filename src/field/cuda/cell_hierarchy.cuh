@@ -1,5 +1,5 @@
 // Thick bands and full fields: candidates are handed down from coarse cells to fine ones. A cell starts from what its
-// parent kept and drops what cannot be nearest to any of its samples (docs/tiles.md gives the three tests).
+// parent kept and drops what cannot be nearest to any of its samples (docs/cuda.md derives the three tests).
 //
 // A step from parents to their eight children: every candidate of every parent is one thread's, in blocks of kChunk
 // candidates of one parent.
