@@ -24,8 +24,7 @@ namespace {
 // as any other, or past the brick, where rows have spare room.
 constexpr int kAtOnce = 4;
 constexpr int kRow = kBrickSide + kAtOnce;
-constexpr std::int64_t kMostRefs = std::int64_t{16} << 20;  // indices held at once: 64 MiB
-constexpr std::int64_t kTrianglesAtOnce = 2048;             // of one brick, in one task
+constexpr std::int64_t kTrianglesAtOnce = 2048;  // of one brick, in one task
 
 // What the bricks share: lengths are in grid units (lattice.h), positions relative to the brick's centre.
 struct Shared {
@@ -198,14 +197,14 @@ Counts run_thesis(const Job& job, Sink& sink) {
       job.progress.advance();
     });
   };
-  for_each_batch(job, shared.lattice, std::max(kMostRefs, job.triangle_count()), gather_batch, Reach::box);
+  for_each_batch(job, shared.lattice, most_refs(job.triangle_count()), gather_batch, Reach::box);
   return {examined, band};
 }
 
 std::string thesis_device(Simd) { return "portable"; }
 
 std::int64_t thesis_scratch_bytes(std::int64_t triangles, const Grid& grid, double thickness, int threads) {
-  return bins_scratch_bytes(triangles, make_block_lattice(grid, thickness), std::max(kMostRefs, triangles), threads) +
+  return bins_scratch_bytes(triangles, make_block_lattice(grid, thickness), most_refs(triangles), threads) +
          2 * static_cast<std::int64_t>(sizeof(BrickSamples)) * threads;
 }
 

@@ -1,6 +1,7 @@
 // Which triangles each brick has to look at: a counting sort of triangles into bricks.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -30,6 +31,11 @@ enum class Reach {
   distance,  ///< those that may hold samples within the thickness of it
   box,       ///< those that may hold samples of its box grown by the thickness
 };
+
+/// Indices that a method holds at once: 64 MiB of them, or as many as there are triangles.
+inline std::int64_t most_refs(std::int64_t triangles) {
+  return std::max<std::int64_t>(triangles, std::int64_t{16} << 20);
+}
 
 /// Sorts the job's triangles into the bricks within reach of them, and hands them to `use` batch by batch in brick
 /// order, ascending in each brick. Each batch holds at most max(most_refs, the fullest brick) indices.

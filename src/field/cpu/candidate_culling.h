@@ -1,33 +1,119 @@
-// Which triangles each tile has to look at when the thickness is large or infinite: candidates handed down from coarse
-// cells to fine ones, and culled on the way (docs/tiles.md).
+// Thick bands and full fields: which triangles each brick, tile and cell has to look at (docs/tiles.md).
+//
+//   triangles in packs of 16, packs of packs (clusters.h)
+//       |  the largest packs
+//       v
+//   +-------------+     +------+     +---+   +--+
+//   |             | --> |      | --> |   |-->|  |--> triangles of a tile, or of a cell where a tile is crowded
+//   |  the grid   |     | half |     |   |   +--+
+//   |             |     +------+     +---+   tile
+//   +-------------+                  brick
+//
+// A cell's list is made out of its parent's in three steps.
+//   1. Cull. An entry (a triangle or a pack, by its box) is dropped where it cannot hold the point nearest to any
+//   sample of
+//      the cell: it is beyond the thickness, or for each sample some reference, a point of the surface, is nearer.
+//   2. Open. Packs longer than half the cell give way to what they hold, culled alike, until none is left. Where the
+//   list
+//      is full the rest stays closed, and the tile opens it part by part.
+//   3. Points. Near each of the 3x3x3 points that divide the cell into halves a point of the surface is found, by
+//   following
+//      the nearest boxes down to a triangle. Those at its eight corners are a half's references.
 #pragma once
 
 #include <cstdint>
-#include <span>
+#include <vector>
 
 #include "field/backend.h"
+#include "field/cpu/box_list.h"
+#include "field/cpu/cells.h"
+#include "field/cpu/clusters.h"
 #include "field/cpu/kernels.h"
-#include "field/cpu/lattice.h"
 
 namespace standoff::cpu {
 
-/// What is done with the candidates of bricks. Many threads call it, each with one brick after the other.
-class CandidateUse {
- public:
-  virtual ~CandidateUse() = default;
-  virtual void begin_brick() = 0;
-  /// A tile of the brick, and at least all triangles (mesh indices) that are nearest to some sample of it within the
-  /// thickness; where these are very many, some of them, and the others by further calls.
-  virtual void use_tile(const Brick& brick, int tile, std::span<const std::uint32_t> triangles) = 0;
-  /// The same for a cell, where the tile would have too many.
-  virtual void use_cell(const Brick& brick, const CrowdedCell& cell) = 0;
-  virtual void end_brick(const Brick& brick) = 0;
+/// The points that divide a cell into halves, and a point of the surface near each.
+struct SurfacePoints {
+  float at[kLatticeSide][kLatticeSide][kLatticeSide][3];  // z, y, x, coordinate
 };
 
-/// Tells `use` of every brick that may hold samples within the thickness.
-void for_each_brick_by_descent(const Job& job, const BlockLattice& lattice, const Kernels& kernels, CandidateUse& use);
+/// The references of a half of `cell`.
+References references_of(const SurfacePoints& points, const Cell& cell, const Cell& half);
 
-/// Bytes that for_each_brick_by_descent may hold, whatever the triangles.
-std::int64_t descent_scratch_bytes(std::int64_t triangles, const BlockLattice& lattice, int threads);
+/// What candidates are culled for: the samples of a cell, and points of the surface near its corners.
+struct CellTarget {
+  CullCell samples;
+  References near;
+};
+
+/// Packs longer than this are opened on the way to a cell, grid units: half its longest side. A longer pack is a poor
+/// stand-in for its triangles there; a shorter one is opened further down, where most of it has been culled.
+float opened_length(const CullCell& samples);
+
+/// A cell and its list.
+struct CellCandidates {
+  explicit CellCandidates(std::int64_t capacity) : list(capacity) {}
+
+  Cell cell{};  ///< none yet: its side is zero
+  BoxList list;
+  SurfacePoints points;  ///< where the list is not empty
+};
+
+/// What one thread uses again and again.
+struct CandidateLists {
+  CandidateLists(int level_count, std::int64_t capacity);
+  static std::int64_t bytes(int level_count, std::int64_t capacity);
+
+  /// The whole grid first, a brick last. A level holds the cell that was entered last, so that the bricks of one cell
+  /// share its list.
+  std::vector<CellCandidates> levels;
+  BoxList tile, cell;
+  BoxList part;  ///< of the candidates of a tile or cell, where they are too many for one list
+  std::vector<PackContents> packs;
+  std::vector<std::uint32_t> triangles;
+};
+
+/// Many threads may ask, each with lists of its own.
+class CandidateCulling {
+ public:
+  CandidateCulling(const Job& job, const BlockLattice& lattice, const Kernels& kernels);
+  /// Bytes that it and the lists of so many threads may hold, whatever the triangles.
+  static std::int64_t bytes(std::int64_t triangles, const BlockLattice& lattice, int threads);
+
+  CandidateLists make_lists() const;
+  CellTarget target(const Cell& cell, const References& near) const;
+  /// The mesh index of an entry that is a triangle.
+  std::uint32_t triangle(std::uint32_t entry) const { return clusters_.triangle(entry); }
+
+  /// The candidates of a cell of a level, 0 being the whole grid. Requires that its parent was entered before.
+  const CellCandidates& enter(int level, const Cell& cell, const References& near, CandidateLists& lists) const;
+
+  /// What of the parent's list may be nearest to a sample of the target, with no pack longer than `largest` where there
+  /// is room for what they hold. Returns whether there was.
+  bool narrow(const BoxArrays& parent, const CellTarget& target, float largest, BoxList& result,
+              std::vector<PackContents>& packs) const;
+  /// Puts in the place of packs longer than `largest` what of them may be nearest; returns as above.
+  bool open_packs(const CellTarget& target, float largest, BoxList& list, std::vector<PackContents>& packs) const;
+  /// Takes some candidates out of a list, opening all packs, into lists.part: triangles alone. False at the end, where
+  /// the list is empty and no more are left.
+  bool next_part(const CellTarget& target, BoxList& list, CandidateLists& lists) const;
+
+  /// Whether a tile has so many candidates, small ones, that its cells had better choose theirs by boxes.
+  bool is_crowded(const BoxList& list, const CellTarget& tile) const;
+  /// Requires a list with an entry.
+  SurfacePoints points_of(const CullCell& samples, const BoxArrays& list) const;
+  /// A cell of a brick as the kernels see it; refers to `boxes`, all of triangles.
+  CrowdedCell crowded_cell(const Brick& brick, const Cell& cell, const BoxArrays& boxes) const;
+
+ private:
+  bool take_large(std::int64_t first, float largest, BoxList& list, std::vector<PackContents>& packs) const;
+  void surface_point(std::uint32_t entry, const float (&at)[3], float (&point)[3]) const;
+
+  const Job& job_;
+  const BlockLattice& lattice_;
+  const Kernels& kernels_;
+  Clusters clusters_;
+  BoxList roots_;
+};
 
 }  // namespace standoff::cpu

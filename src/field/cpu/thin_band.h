@@ -1,0 +1,16 @@
+// Thin bands on the CPU: triangles are sorted into the bricks that they reach (bins.h).
+#pragma once
+
+#include <cstdint>
+
+#include "field/backend.h"
+#include "field/cpu/kernels.h"
+
+namespace standoff::cpu {
+
+Counts gather_thin(const Job& job, const BlockLattice& lattice, const Kernels& kernels, Sink& sink);
+
+/// Bytes that gather_thin may hold, whatever the triangles.
+std::int64_t thin_scratch_bytes(std::int64_t triangles, const BlockLattice& lattice, int threads);
+
+}  // namespace standoff::cpu
