@@ -46,7 +46,7 @@ void expect_enough(const Mesh& mesh, double thickness) {
       const std::int64_t taken = most_held([&] { compute(mesh, grid, thickness, options); });
       EXPECT_LE(taken, needed + kSmallThings)
           << mesh.triangles.size() << " triangles, thickness " << thickness << ", " << threads << " threads";
-      EXPECT_LE(needed, memory_needed(std::int64_t(mesh.triangles.size()), grid, options));
+      EXPECT_LE(needed, memory_needed(std::int64_t(mesh.triangles.size()), grid, thickness, options));
     }
 }
 
