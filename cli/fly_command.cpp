@@ -138,7 +138,7 @@ void add_fly(CLI::App& program) {
   });
   add("--scatter", "DEGREES", "turn at random by up to this after a contact (default 28.6)", "Flight",
       [&options](S o, S t) { options.scatter_rad = parse_degrees(o, t, 180) * std::numbers::pi / 180; });
-  it->of_sweep.push_back(add("--tolerance", "D", "as near as this is touching (default 1e-4)", "Collision",
+  it->of_sweep.push_back(add("--tolerance", "D", "as near as this is touching (default: 3e-5 of the fly)", "Collision",
                              [&options](S o, S t) { options.tolerance = parse_positive(o, t); }));
   verb->add_flag_callback(
           "--no-check", [&options] { options.check = false; }, "do not look for wall crossings: faster")

@@ -89,7 +89,7 @@ void add_sweep(CLI::App& program) {
   using S = const std::string&;
   add_parsed(*verb, {"--center", "X,Y,Z", "the point of B that goes straight (default 0,0,0)", "Place"},
              [&motion](S o, S t) { motion.center = parse_point(o, t); });
-  add_parsed(*verb, {"--tolerance", "D", "as near as this is a hit (default 1e-4)", "Question"},
+  add_parsed(*verb, {"--tolerance", "D", "as near as this is a hit (default: 3e-5 of the smaller body)", "Question"},
              [command = command.get()](S o, S t) { command->options.tolerance = parse_positive(o, t, kMostMargin); });
   command->batch
       .add_to(*verb, "--motions",

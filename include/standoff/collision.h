@@ -22,14 +22,19 @@
 
 namespace standoff {
 
+namespace collision {
+struct ModelData;
+struct ModelAccess;
+}  // namespace collision
+
 struct ModelOptions {
   double spacing = 0;   ///< of the model's field, world units; 0: chosen from the mesh
   Execution execution;  ///< of the building: its fields may come from a GPU
 };
 
 /// What queries need of a body, built once: a sparse distance field near the surface, a coarse one around it, and a
-/// tree over the triangles. Cheap to copy: copies share, and what was moved from shares still. Safe to use from many
-/// threads.
+/// bounding volume hierarchy (BVH) of the triangles. Copies share the data and are cheap; a model that was moved from
+/// stays usable. Safe to use from many threads.
 class CollisionModel {
  public:
   /// Errors: input (mesh; larger than 1e12 or smaller than 1e-12, or past 1e15), usage (options), limit (a field of too
@@ -46,6 +51,8 @@ class CollisionModel {
   /// The samples of its field, and how far from the surface that field reaches; world units.
   Grid grid() const;
   double band() const;
+  /// The memory that the model's arrays take: mesh, fields and BVH, in bytes. Copies of the model share it; copies on
+  /// GPUs are not counted.
   std::int64_t memory_bytes() const;
 
   /// Writes the model; the file appears whole or not at all. Errors: output.
@@ -53,13 +60,10 @@ class CollisionModel {
   /// Reads a model that save() wrote. Errors: input, for anything else and for damaged files.
   static CollisionModel load(const std::filesystem::path& path);
 
-  struct Data;
-  const Data& data() const { return *data_; }
-
  private:
-  explicit CollisionModel(std::shared_ptr<const Data> data) : data_(std::move(data)) {}
-  static void place(Data& data, double spacing);
-  std::shared_ptr<const Data> data_;
+  friend struct collision::ModelAccess;
+  explicit CollisionModel(std::shared_ptr<const collision::ModelData> data) : data_(std::move(data)) {}
+  std::shared_ptr<const collision::ModelData> data_;
 };
 
 enum class CollideMode {
@@ -143,10 +147,14 @@ struct RigidMotion {
 Pose pose_at(const RigidMotion& motion, double t);
 
 struct SweepOptions {
-  /// Surfaces this near count as touching; world units, positive. Counts as 2^-48 of the coordinates of poses, meshes
-  /// and ways where it is less: rounding moves bodies by that.
-  double tolerance = 1e-4;
+  /// Surfaces within this distance count as touching; world units, not negative. 0: automatic_tolerance(a, b). At least
+  /// 2^-48 of the coordinates of poses, meshes and motions: rounding alone moves bodies by that.
+  double tolerance = 0;
 };
+
+/// The tolerance of a sweep that names none: 2^-15 (3e-5) of the longest side of the smaller body's box, but no less
+/// than 2^-40 (1e-12) of the larger body's. Bodies of size 3 get 1e-4.
+double automatic_tolerance(const CollisionModel& a, const CollisionModel& b);
 
 struct SweepResult {
   bool hit = false;

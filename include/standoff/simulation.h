@@ -31,7 +31,7 @@ struct FlightOptions {
   double speed = 0.02;       ///< world units a step
   double scatter_rad = 0.5;  ///< after a contact the direction is turned at random by up to this much; 0: never
   Box room;                  ///< moving bodies turn back where the middle of their box would leave this; empty: endless
-  double tolerance = 1e-4;   ///< sweep mode: surfaces this near count as touching
+  double tolerance = 0;      ///< sweep mode: as in SweepOptions
   double thickness = 2;      ///< thesis mode: of both fields
   double minimum = 2;        ///< thesis mode: e of minimum_grid()
   double threshold = 0;      ///< thesis mode: of the sum; 0: the larger spacing of the two grids

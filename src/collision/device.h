@@ -35,7 +35,7 @@ inline constexpr int kDeviceStack = 256;
 
 /// Poses to be decided. A verdict of free or hit is that of the CPU.
 struct CollideJob {
-  const CollisionModel::Data &field, &tree;
+  const ModelData &field, &tree;
   bool field_is_b;   ///< else it is a
   DoublePlace of_a;  ///< a in the world
   double margin;
@@ -56,7 +56,7 @@ struct SweepAnswer {
 };
 
 struct SweepJob {
-  const CollisionModel::Data &field, &tree;
+  const ModelData &field, &tree;
   std::span<const SweepQuery> queries;
   std::span<SweepAnswer> answers;  ///< as many
   int device;

@@ -31,14 +31,14 @@ Pose orthonormal(Pose pose) {
 double magnitude(Vec3 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 
 double size_of(const CollisionModel& model) {
-  const Vec3 e = model.data().box.extent();
+  const Vec3 e = data_of(model).box.extent();
   return std::max({e.x, e.y, e.z});
 }
 
 }  // namespace
 
 Pair::Pair(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b)
-    : field(a.data(), pose_a), tree(b.data(), pose_b), swapped(size_of(b) > size_of(a)) {
+    : field(data_of(a), pose_a), tree(data_of(b), pose_b), swapped(size_of(b) > size_of(a)) {
   if (swapped) std::swap(field, tree);
   // relative = frame^-1 (tree's pose), between coordinates relative to where the middles are in the world.
   const Pose &f = field.pose, &t = tree.pose;

@@ -20,11 +20,11 @@ inline DoublePlace place_of(const Pose& pose) {
 
 /// A body in the world.
 struct Placed {
-  const CollisionModel::Data* body;
+  const ModelData* body;
   Pose pose;
   bool moved;  ///< the pose is not the identity
 
-  Placed(const CollisionModel::Data& data, const Pose& at) : body(&data), pose(at), moved(!(at == Pose{})) {}
+  Placed(const ModelData& data, const Pose& at) : body(&data), pose(at), moved(!(at == Pose{})) {}
   /// The corners in the world of a triangle, by its place in the tree: what all exact answers are about.
   Corners world(std::uint32_t place) const {
     const Corners& c = body->corners[place];

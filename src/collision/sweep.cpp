@@ -30,6 +30,9 @@ double jump_on_way(const Pair& pair, const Course& course) {
   return 16 * 0x1p-53 * (pair.far + length(course.center) + length(course.velocity));
 }
 
+// What automatic_tolerance() promises. Powers of two, so that scaling both bodies scales it exactly.
+constexpr double kSweepTolerance = 0x1p-15, kLeastSweepTolerance = 0x1p-40;
+
 // Times near 1 are rounded by 1e-16. In terms of the speed.
 constexpr double kTimeRounding = 4e-16;
 
@@ -256,9 +259,10 @@ class Follow {
 };
 
 void check(const SweepOptions& options) {
-  if (!(options.tolerance > 0) || !(options.tolerance <= 1e30))
+  if (!(options.tolerance >= 0) || !(options.tolerance <= 1e30))
     throw Error(ErrorCode::usage,
-                "sweep: the tolerance must be above 0 and at most 1e30; give a small part of the bodies' size");
+                "sweep: the tolerance must be from 0 to 1e30; give a small part of the bodies' size, or 0 for the "
+                "automatic one");
 }
 
 void check(const RigidMotion& motion) {
@@ -272,23 +276,26 @@ void check(const RigidMotion& motion) {
 // Times are rounded, and where that alone moves a body by a good part of its size there is nothing left to follow.
 void check_length(const CollisionModel& a, const CollisionModel& b, const RigidMotion& motion, double tolerance) {
   const double way = length(apply(motion.to, motion.center) - apply(motion.from, motion.center));
-  if (kTimeRounding * way <= std::max(tolerance, (a.data().radius + b.data().radius) / 8)) return;
+  if (kTimeRounding * way <= std::max(tolerance, (data_of(a).radius + data_of(b).radius) / 8)) return;
   throw Error(ErrorCode::usage,
               "sweep: the motion is so long that rounding alone moves bodies of this size by a good part of it; "
               "sweep it in pieces");
 }
 
-void check_all(const CollisionModel& a, const CollisionModel& b, std::span<const RigidMotion> motions,
-               const SweepOptions& options) {
+// Checks what was asked; returns the tolerance.
+double checked_tolerance(const CollisionModel& a, const CollisionModel& b, std::span<const RigidMotion> motions,
+                         const SweepOptions& options) {
   check(options);
+  const double tolerance = options.tolerance > 0 ? options.tolerance : automatic_tolerance(a, b);
   for (const RigidMotion& motion : motions) {
     check(motion);
-    check_length(a, b, motion, options.tolerance);
+    check_length(a, b, motion, tolerance);
   }
+  return tolerance;
 }
 
 // How far a point of the body is at the end from where the even turn leads it: rotations need only nearly be some.
-double jump_at_end(const Course& course, const CollisionModel::Data& body) {
+double jump_at_end(const Course& course, const ModelData& body) {
   const RigidMotion& m = course.motion;
   if (m.from.rotation == m.to.rotation) return 0;
   double off_sq = 0;
@@ -319,7 +326,7 @@ float distance_kept(const Pair& pair, const Course& course, double tolerance) {
 
 // All the way they were half the tolerance apart; what jumps less has not met.
 bool may_jump_at_end(const Course& course, const CollisionModel& moving, double tolerance) {
-  return !(jump_at_end(course, moving.data()) < tolerance / 4);
+  return !(jump_at_end(course, data_of(moving)) < tolerance / 4);
 }
 
 SweepResult sweep_exactly(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
@@ -341,11 +348,21 @@ SweepResult sweep_exactly(const CollisionModel& a, const Pose& pose_a, const Col
 
 }  // namespace collision
 
+double automatic_tolerance(const CollisionModel& a, const CollisionModel& b) {
+  const auto size = [](const CollisionModel& model) {
+    const Vec3 extent = model.bounds().extent();
+    return std::max({extent.x, extent.y, extent.z});
+  };
+  const auto [smaller, larger] = std::minmax(size(a), size(b));
+  // Two points have no size: then what rounding leaves counts.
+  return std::max({collision::kSweepTolerance * smaller, collision::kLeastSweepTolerance * larger, 1e-100});
+}
+
 SweepResult sweep(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const RigidMotion& motion,
                   const SweepOptions& options) try {
-  collision::check_all(a, b, {&motion, 1}, options);
+  const double tolerance = collision::checked_tolerance(a, b, {&motion, 1}, options);
   validate(pose_a);
-  return collision::sweep_exactly(a, pose_a, b, motion, options.tolerance);
+  return collision::sweep_exactly(a, pose_a, b, motion, tolerance);
 } catch (...) {
   throw_as_error("sweep");
 }
@@ -353,14 +370,14 @@ SweepResult sweep(const CollisionModel& a, const Pose& pose_a, const CollisionMo
 std::vector<SweepResult> sweep_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
                                    std::span<const RigidMotion> motions, const SweepOptions& options,
                                    const Execution& execution, BatchReport* report) try {
-  collision::check_all(a, b, motions, options);
+  const double tolerance = collision::checked_tolerance(a, b, motions, options);
   validate("sweep", execution, Runs::everywhere);
   validate(pose_a);
   const collision::DeviceRow* const row = collision::find_device(execution.backend, motions.size());
   BatchReport done{row ? row->name : "cpu", row ? row->device_name(execution.device) : ""};
-  auto results = row ? collision::sweep_on_device(*row, a, pose_a, b, motions, options.tolerance, execution, done)
+  auto results = row ? collision::sweep_on_device(*row, a, pose_a, b, motions, tolerance, execution, done)
                      : collision::for_each<SweepResult>(motions.size(), execution.threads, [&](std::size_t n) {
-                         return collision::sweep_exactly(a, pose_a, b, motions[n], options.tolerance);
+                         return collision::sweep_exactly(a, pose_a, b, motions[n], tolerance);
                        });
   if (report) *report = done;
   return results;

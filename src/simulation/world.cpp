@@ -53,8 +53,8 @@ void check(const FlightOptions& o) {
     fail("the speed must be zero or more, and finite; give world units a step");
   if (!(o.scatter_rad >= 0 && o.scatter_rad <= std::numbers::pi))
     fail("the scatter must be from 0 to pi; 0 turns that off");
-  if (!(o.tolerance > 0) || !std::isfinite(o.tolerance))
-    fail("the tolerance must be positive and finite; give a small part of the bodies' size");
+  if (!(o.tolerance >= 0) || !std::isfinite(o.tolerance))
+    fail("the tolerance must be zero or more, and finite; give a small part of the bodies' size, or 0");
   if (!(o.thickness > 0) || !std::isfinite(o.thickness))
     fail("the thickness must be positive and finite; give a few steps' length");
   if (!(o.threshold >= 0) || !std::isfinite(o.threshold))
@@ -68,6 +68,7 @@ struct World::State {
   struct Standing {
     CollisionModel model;
     Pose pose;
+    double tolerance;                    // sweep mode
     std::optional<DistanceField> field;  // thesis mode
     std::optional<CrossingCheck> check;
   };
@@ -113,12 +114,13 @@ bool World::State::thesis_step(Flier& it, const Pose& next) const {
 // contact by the tolerance, so that it may part again.
 bool World::State::sweep_step(Flier& it, Pose& next) const {
   SweepResult first;
+  double tolerance = 0;
   for (const Standing& body : standing) {
-    const SweepResult swept = sweep(body.model, body.pose, flier, {it.pose, next, {}}, {options.tolerance});
-    if (swept.hit && (!first.hit || swept.time < first.time)) first = swept;
+    const SweepResult swept = sweep(body.model, body.pose, flier, {it.pose, next, {}}, {body.tolerance});
+    if (swept.hit && (!first.hit || swept.time < first.time)) first = swept, tolerance = body.tolerance;
   }
   if (!first.hit) return false;
-  const double time = std::max(0.0, first.time - (options.speed > 0 ? options.tolerance / options.speed : 0));
+  const double time = std::max(0.0, first.time - (options.speed > 0 ? tolerance / options.speed : 0));
   next.translation = it.pose.translation + (next.translation - it.pose.translation) * time;
   const bool mirror = options.on_contact == OnContact::reflect && length(first.normal) > 0;
   const Vec3 away = mirror ? it.direction - first.normal * (2 * dot(first.normal, it.direction)) : it.direction * -1.0;
@@ -170,7 +172,8 @@ World::~World() = default;
 
 void World::add(const CollisionModel& body, const Pose& pose) try {
   validate(pose);
-  State::Standing standing{body, pose, {}, {}};
+  const double asked = state_->options.tolerance;
+  State::Standing standing{body, pose, asked > 0 ? asked : automatic_tolerance(body, state_->flier), {}, {}};
   if (state_->options.mode == FlightMode::thesis) standing.field = state_->thesis_field(body);
   if (state_->options.check) standing.check.emplace(body.mesh(), pose);
   state_->standing.push_back(std::move(standing));

@@ -224,7 +224,7 @@ TEST(EdgeCases, PosesThatAreNoneAreErrors) {
   EXPECT_EQ(code_of([&] { distance(ball, {}, ball, {}, {.tolerance = std::nan("")}); }), ErrorCode::usage);
   EXPECT_EQ(code_of([&] { distance(ball, {}, ball, {}, {.limit = std::nan("")}); }), ErrorCode::usage);
   EXPECT_EQ(code_of([&] { contacts(ball, {}, ball, {}, {.margin = -1}); }), ErrorCode::usage);
-  EXPECT_EQ(code_of([&] { sweep(ball, {}, ball, {}, {0}); }), ErrorCode::usage);
+  EXPECT_EQ(code_of([&] { sweep(ball, {}, ball, {}, {-1}); }), ErrorCode::usage);
   EXPECT_EQ(code_of([&] { sweep(ball, {}, ball, {}, {std::nan("")}); }), ErrorCode::usage);
   EXPECT_EQ(code_of([&] { contacts(ball, {}, ball, {}, {.most = 0}); }), ErrorCode::usage);
   EXPECT_EQ(code_of([&] { CollisionModel(Mesh{}); }), ErrorCode::input);

@@ -86,6 +86,35 @@ TEST(Sweep, AStraightWayDoesNotDependOnTheCenter) {
   EXPECT_THROW(sweep(resting, {}, box, motion), Error);
 }
 
+// The default was 1e-4 world units: bodies 1e-6 across hit what they passed at a hundred times their size, and bodies
+// 1e6 across took their steps down to 1e-10 of themselves.
+TEST(Sweep, TheDefaultToleranceHasTheScaleOfTheBodies) {
+  for (const double size : {1e-9, 1e-6, 1.0, 1e6, 1e9}) {
+    SCOPED_TRACE(size);
+    Mesh wall;
+    add_triangle(wall, {0, -9 * size, -9 * size}, {0, 9 * size, -9 * size}, {0, 0, 9 * size});
+    const CollisionModel resting(wall), box(ball_mesh(0.5 * size, 2));
+    const double tolerance = automatic_tolerance(resting, box);
+    EXPECT_GE(tolerance, 0x1p-16 * size);
+    EXPECT_LE(tolerance, 0x1p-14 * size);
+    EXPECT_EQ(tolerance, automatic_tolerance(box, resting));
+    RigidMotion motion;
+    motion.from.translation = {-10 * size, 0, 0}, motion.to.translation = {10 * size, 0, 0};
+    const SweepResult by_default = sweep(resting, {}, box, motion);
+    ASSERT_TRUE(by_default.hit);
+    EXPECT_EQ(by_default.time, sweep(resting, {}, box, motion, {tolerance}).time);
+    EXPECT_NEAR(by_default.time, 0.475, 0.03);
+    // Beside the wall, at a distance of the body's own size.
+    motion.from.translation = motion.to.translation = {1.5 * size, 0, 0};
+    motion.to.translation.y = size;
+    EXPECT_FALSE(sweep(resting, {}, box, motion).hit);
+  }
+  const CollisionModel point(one_triangle({1, 1, 1}, {1, 1, 1}, {1, 1, 1})), ball(ball_mesh(8, 2));
+  EXPECT_GT(automatic_tolerance(point, point), 0);
+  EXPECT_GE(automatic_tolerance(point, ball), 0x1p-36);
+  EXPECT_LE(automatic_tolerance(point, ball), 0x1p-35);
+}
+
 // A mesh 2e10 from its own origin: the translations of its poses are rounded by 4e-6. A needle passes along an edge,
 // nearer than that, on a way that does not touch it; but poses on the way do.
 TEST(Sweep, WhatRoundsThePosesIsKeptBetweenBodies) {

@@ -34,7 +34,7 @@ void ask(const CollisionModel& body, const Pose& pose) {
 
 void fuzz_body(std::string_view bytes) {
   try {
-    const CollisionModel body = CollisionModel::Data::read(FileView("fuzzed", bytes), BodyChecksum::ignored);
+    const CollisionModel body = collision::read_model(FileView("fuzzed", bytes), collision::BodyChecksum::ignored);
     try {
       ask(body, placed(body, 0.7, body.bounds().extent() * Vec3{1.1, 0.1, 0.2}));
       ask(body, {});

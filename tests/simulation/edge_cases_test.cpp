@@ -31,7 +31,7 @@ TEST(World, RefusesWhatMakesNoSense) {
     EXPECT_EQ(code_with(&FlightOptions::threshold, bad), ErrorCode::usage) << bad;
     EXPECT_EQ(code_with(&FlightOptions::scatter_rad, bad), ErrorCode::usage) << bad;
   }
-  EXPECT_EQ(code_with(&FlightOptions::tolerance, 0.0), ErrorCode::usage);
+  EXPECT_EQ(code_with(&FlightOptions::tolerance, -1.0), ErrorCode::usage);
   EXPECT_EQ(code_with(&FlightOptions::execution, Execution{.threads = -1}), ErrorCode::usage);
   World world(ball(), {});
   Pose bad;
@@ -96,6 +96,7 @@ TEST(World, TurnsBackOrReflects) {
     SCOPED_TRACE(speed);
     FlightOptions options;
     options.speed = speed;
+    options.tolerance = 1e-4;
     Flier before;
     const Flier back = after_the_floor(options, before);
     EXPECT_NEAR(length(back.direction + before.direction), 0, 1e-12);

@@ -8,6 +8,7 @@
 #include "core/threads.h"
 
 namespace standoff {
+namespace collision {
 namespace {
 
 // Single precision carries lengths, and their squares, in this range; the trees' coordinates are single.
@@ -15,7 +16,7 @@ constexpr double kLeastSize = 1e-12, kMostSize = 1e12;
 
 }  // namespace
 
-void CollisionModel::Data::finish() {
+void ModelData::finish() {
   view = field.view();
   corners.reserve(tree.order.size());
   for (const std::uint32_t t : tree.order) {
@@ -25,27 +26,36 @@ void CollisionModel::Data::finish() {
   }
 }
 
-// What follows from mesh and spacing before there is a field: box and middle, and whether they will do.
-void CollisionModel::place(Data& data, double spacing) {
-  validate(data.mesh);
+void ModelData::prepare(double spacing) {
+  validate(mesh);
   if (!(spacing >= 0) || !std::isfinite(spacing))
     throw Error(ErrorCode::usage, "model: the spacing must be positive and finite; give zero to have it chosen");
-  data.box = standoff::bounds(data.mesh);
-  data.middle = data.box.center();
-  const Vec3 extent = data.box.extent();
+  box = bounds(mesh);
+  middle = box.center();
+  const Vec3 extent = box.extent();
   const double size = std::max({extent.x, extent.y, extent.z});
-  if (!(size <= kMostSize) || (size > 0 && size < kLeastSize) || !(length(data.middle) < 1e15))
+  if (!(size <= kMostSize) || (size > 0 && size < kLeastSize) || !(length(middle) < 1e15))
     throw Error(ErrorCode::input,
-                "model: the mesh is " + collision::number_text(size) +
+                "model: the mesh is " + number_text(size) +
                     " across; scale it to between 1e-12 and 1e12, and nearer than 1e15 to the origin");
-  data.field.box = {data.box.min - data.middle, data.box.max - data.middle};
+  field.box = {box.min - middle, box.max - middle};
 }
+
+std::int64_t ModelData::memory_bytes() const {
+  const auto bytes = [](const auto& array) { return array.size() * sizeof(array[0]); };
+  std::size_t sum = bytes(mesh.vertices) + bytes(mesh.triangles) + bytes(field.slots) + bytes(field.samples) +
+                    bytes(field.coarse) + bytes(corners) + bytes(tree.order) + bytes(tree.faces);
+  for (const Level& level : tree.levels) sum += bytes(level.balls) + bytes(level.boxes);
+  return static_cast<std::int64_t>(sum);
+}
+
+}  // namespace collision
 
 CollisionModel::CollisionModel(MeshView mesh, const ModelOptions& options) try {
   validate("model", options.execution, Runs::everywhere);
-  const auto data = std::make_shared<Data>();
+  const auto data = std::make_shared<collision::ModelData>();
   data->mesh = {{mesh.vertices.begin(), mesh.vertices.end()}, {mesh.triangles.begin(), mesh.triangles.end()}};
-  place(*data, options.spacing);
+  data->prepare(options.spacing);
   const double spacing = options.spacing > 0 ? options.spacing : collision::default_spacing(mesh, data->box);
   Threads(options.execution.threads).run([&] {
     data->field = collision::build_field_bounds(mesh, data->middle, spacing, options.execution);
@@ -65,15 +75,6 @@ Grid CollisionModel::grid() const {
 }
 double CollisionModel::band() const { return data_->field.band(); }
 
-std::int64_t CollisionModel::memory_bytes() const {
-  const Data& d = *data_;
-  std::size_t bytes = d.mesh.vertices.size() * sizeof(Vec3) + d.mesh.triangles.size() * sizeof(Triangle) +
-                      d.field.slots.size() * sizeof(std::int32_t) + d.field.samples.size() +
-                      d.field.coarse.size() * sizeof(float) + d.corners.size() * sizeof(Corners) +
-                      d.tree.order.size() * sizeof(std::uint32_t);
-  for (const auto& level : d.tree.levels)
-    bytes += level.balls.size() * sizeof(collision::Balls) + level.boxes.size() * sizeof(collision::Boxes);
-  return static_cast<std::int64_t>(bytes);
-}
+std::int64_t CollisionModel::memory_bytes() const { return data_->memory_bytes(); }
 
 }  // namespace standoff

@@ -8,25 +8,33 @@
 
 namespace standoff {
 
-class FileView;
-enum class BodyChecksum;
+namespace collision {
 
-struct CollisionModel::Data {
+struct ModelData {
   Mesh mesh;
   Box box;            ///< of the corners
   Vec3 middle;        ///< tree and field are relative to it
   double radius = 0;  ///< of a ball about the middle that holds all corners
-  collision::FieldBounds field;
-  collision::FieldView view{};  ///< of `field`
-  collision::Tree tree;
-  collision::BigVector<Corners> corners;  ///< of the triangles, in tree order
-  collision::DeviceCopies copies;         ///< what GPUs keep of all this
+  FieldBounds field;
+  FieldView view{};  ///< of `field`
+  Tree tree;
+  BigVector<Corners> corners;  ///< of the triangles, in tree order
+  DeviceCopies copies;         ///< what GPUs keep of all this
 
-  /// Everything that follows from mesh, field and tree order. Called once all three are there.
+  /// The first step of building and of loading: checks the mesh, and sets box and middle. A spacing of 0 is chosen
+  /// later. Errors: input, usage.
+  void prepare(double spacing);
+  /// The last step: everything that follows from mesh, field and tree order.
   void finish();
-
-  /// What load() makes of a file's bytes: model_file.h.
-  static CollisionModel read(const FileView& file, BodyChecksum checksum);
+  std::int64_t memory_bytes() const;
 };
 
+/// The way from a model to its data, for this library alone.
+struct ModelAccess {
+  static const ModelData& data(const CollisionModel& model) { return *model.data_; }
+  static CollisionModel model(std::shared_ptr<const ModelData> data) { return CollisionModel(std::move(data)); }
+};
+inline const ModelData& data_of(const CollisionModel& model) { return ModelAccess::data(model); }
+
+}  // namespace collision
 }  // namespace standoff

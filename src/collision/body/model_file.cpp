@@ -4,6 +4,7 @@
 // the tree's order against being a permutation, tile numbers against the tiles there are. So a damaged or hostile file
 // is an error or a body with wrong bounds, but never an access out of range. The checksum finds damage, not malice.
 #include "collision/body/model_file.h"
+#include "collision/body/model.h"
 
 #include <algorithm>
 #include <bit>
@@ -15,6 +16,7 @@
 #include "files/body_magic.h"
 
 namespace standoff {
+namespace collision {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "arrays are written as they lie in memory");
@@ -77,7 +79,7 @@ class Arrays {
   std::size_t at_;
 };
 
-void check_field(const FileView& file, const collision::FieldBounds& field, const Header& header) {
+void check_field(const FileView& file, const FieldBounds& field, const Header& header) {
   const auto fail = [&](const char* what) { file.fail("field", std::string(what) + "; save the body again"); };
   constexpr std::int64_t side = DistanceField::kTileSide;
   const auto tiles = [](std::int64_t n) { return static_cast<std::uint64_t>((n + side - 1) / side); };
@@ -94,8 +96,60 @@ void check_field(const FileView& file, const collision::FieldBounds& field, cons
 
 }  // namespace
 
+CollisionModel read_model(const FileView& file, BodyChecksum checksum) {
+  Header header{};
+  if (file.size() < sizeof header + sizeof(std::uint64_t) || !file.bytes().starts_with(kBodyMagic))
+    file.fail("", "this is no body that standoff saved; give a mesh, or save a body again");
+  std::memcpy(&header, file.bytes().data(), sizeof header);
+  if (header.version != kVersion)
+    file.fail("header", "version " + std::to_string(header.version) + " is not known to this standoff, which knows " +
+                            std::to_string(kVersion) + "; save the body again");
+  Checksum sum;
+  sum.add(&header, sizeof header);
+  const auto data = std::make_shared<ModelData>();
+  Arrays arrays(file, sizeof header);
+  FieldBounds field;
+  arrays.take(data->mesh.vertices, header.vertices, sum);
+  arrays.take(data->mesh.triangles, header.triangles, sum);
+  arrays.take(data->tree.order, header.triangles, sum);
+  arrays.take(field.slots, header.slots, sum);
+  arrays.take(field.samples, header.samples, sum);
+  arrays.take(field.coarse, header.coarse, sum);
+  std::uint64_t stored = 0;
+  if (file.size() - arrays.at() != sizeof stored)
+    file.fail("", "its length is not what its header says; save the body again");
+  std::memcpy(&stored, file.bytes().data() + arrays.at(), sizeof stored);
+  if (checksum == BodyChecksum::checked && stored != sum.value())
+    file.fail("", "it is damaged: its checksum is not that of its content; save the body again");
+
+  if (!(header.spacing > 0) || !std::isfinite(header.spacing))
+    file.fail("header", "its field's spacing is not positive and finite; save the body again");
+  try {
+    data->prepare(header.spacing);
+    data->field = plan_field_bounds(data->field.box, header.spacing);
+  } catch (const Error& error) {
+    file.fail("", std::string(diagnosis(error.what())) + "; save the body again");
+  }
+  data->field.slots = std::move(field.slots);
+  data->field.samples = std::move(field.samples);
+  data->field.coarse = std::move(field.coarse);
+  check_field(file, data->field, header);
+  std::vector<bool> seen(header.triangles);
+  for (const std::uint32_t t : data->tree.order) {
+    if (t >= header.triangles || seen[t])
+      file.fail("tree", "its order names a triangle twice or one there is not; save the body again");
+    seen[t] = true;
+  }
+  fill_levels(data->tree, data->mesh, data->middle);
+  data->finish();
+  return ModelAccess::model(data);
+}
+
+}  // namespace collision
+
 void CollisionModel::save(const std::filesystem::path& path, Existing existing) const try {
-  const Data& d = *data_;
+  using namespace collision;
+  const ModelData& d = *data_;
   AtomicFile file(path, existing);
   Checksum sum;
   const auto put = [&](const void* data, std::size_t bytes) {
@@ -128,58 +182,9 @@ void CollisionModel::save(const std::filesystem::path& path, Existing existing) 
 }
 
 CollisionModel CollisionModel::load(const std::filesystem::path& path) try {
-  return Data::read(FileView(path), BodyChecksum::checked);
+  return collision::read_model(FileView(path), collision::BodyChecksum::checked);
 } catch (...) {
   throw_as_error("model");
-}
-
-CollisionModel CollisionModel::Data::read(const FileView& file, BodyChecksum checksum) {
-  Header header{};
-  if (file.size() < sizeof header + sizeof(std::uint64_t) || !file.bytes().starts_with(kBodyMagic))
-    file.fail("", "this is no body that standoff saved; give a mesh, or save a body again");
-  std::memcpy(&header, file.bytes().data(), sizeof header);
-  if (header.version != kVersion)
-    file.fail("header", "version " + std::to_string(header.version) + " is not known to this standoff, which knows " +
-                            std::to_string(kVersion) + "; save the body again");
-  Checksum sum;
-  sum.add(&header, sizeof header);
-  const auto data = std::make_shared<Data>();
-  Arrays arrays(file, sizeof header);
-  collision::FieldBounds field;
-  arrays.take(data->mesh.vertices, header.vertices, sum);
-  arrays.take(data->mesh.triangles, header.triangles, sum);
-  arrays.take(data->tree.order, header.triangles, sum);
-  arrays.take(field.slots, header.slots, sum);
-  arrays.take(field.samples, header.samples, sum);
-  arrays.take(field.coarse, header.coarse, sum);
-  std::uint64_t stored = 0;
-  if (file.size() - arrays.at() != sizeof stored)
-    file.fail("", "its length is not what its header says; save the body again");
-  std::memcpy(&stored, file.bytes().data() + arrays.at(), sizeof stored);
-  if (checksum == BodyChecksum::checked && stored != sum.value())
-    file.fail("", "it is damaged: its checksum is not that of its content; save the body again");
-
-  if (!(header.spacing > 0) || !std::isfinite(header.spacing))
-    file.fail("header", "its field's spacing is not positive and finite; save the body again");
-  try {
-    place(*data, header.spacing);
-    data->field = collision::plan_field_bounds(data->field.box, header.spacing);
-  } catch (const Error& error) {
-    file.fail("", std::string(diagnosis(error.what())) + "; save the body again");
-  }
-  data->field.slots = std::move(field.slots);
-  data->field.samples = std::move(field.samples);
-  data->field.coarse = std::move(field.coarse);
-  check_field(file, data->field, header);
-  std::vector<bool> seen(header.triangles);
-  for (const std::uint32_t t : data->tree.order) {
-    if (t >= header.triangles || seen[t])
-      file.fail("tree", "its order names a triangle twice or one there is not; save the body again");
-    seen[t] = true;
-  }
-  collision::fill_levels(data->tree, data->mesh, data->middle);
-  data->finish();
-  return CollisionModel(std::shared_ptr<const Data>(data));
 }
 
 }  // namespace standoff

@@ -1,11 +1,14 @@
-// Bodies in files, for load() and for the fuzzer, whose changed bytes would end at the checksum.
+// Models in files, for load() and for the fuzzer, whose changed bytes would end at the checksum.
 #pragma once
 
-#include "collision/body/model.h"
 #include "files/file_view.h"
+#include "standoff/collision.h"
 
-namespace standoff {
+namespace standoff::collision {
 
 enum class BodyChecksum { checked, ignored };
 
-}  // namespace standoff
+/// The model in a file's bytes. Errors: input.
+CollisionModel read_model(const FileView& file, BodyChecksum checksum);
+
+}  // namespace standoff::collision

@@ -33,7 +33,7 @@ STANDOFF_DEVICE void load_corners(const BodyView& body, std::uint32_t place, Tri
 
 class BodyOnDevice : public collision::OnDevice {
  public:
-  explicit BodyOnDevice(const CollisionModel::Data& data) {
+  explicit BodyOnDevice(const collision::ModelData& data) {
     static_assert(sizeof(standoff::Corners) == 9 * sizeof(double));
     gpu::Workspace measure(nullptr);
     place(data, measure, [](auto*, const auto*, std::int64_t) {});
@@ -45,7 +45,7 @@ class BodyOnDevice : public collision::OnDevice {
 
  private:
   template <class Copy>
-  void place(const CollisionModel::Data& data, gpu::Workspace& arrays, Copy copy) {
+  void place(const collision::ModelData& data, gpu::Workspace& arrays, Copy copy) {
     const auto put = [&]<class Values>(const Values& values) {
       using Value = typename Values::value_type;
       const auto count = static_cast<std::int64_t>(values.size());
@@ -73,7 +73,7 @@ class BodyOnDevice : public collision::OnDevice {
 };
 
 /// The body's copy on a device, which is the current one.
-inline std::shared_ptr<const BodyOnDevice> on_device(const CollisionModel::Data& data, Backend backend, int device) {
+inline std::shared_ptr<const BodyOnDevice> on_device(const collision::ModelData& data, Backend backend, int device) {
   return std::static_pointer_cast<const BodyOnDevice>(
       data.copies.get(backend, device, [&] { return std::make_shared<BodyOnDevice>(data); }));
 }

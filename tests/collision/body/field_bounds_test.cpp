@@ -21,7 +21,7 @@ using namespace standoff::collision;
 std::vector<Vec3> points_around(const CollisionModel& model, int count, unsigned seed) {
   Random random(seed);
   std::vector<Vec3> points;
-  const double half = model.data().radius;
+  const double half = data_of(model).radius;
   for (int n = 0; n < count; ++n) points.push_back(random.in_cube(half * (n % 3 == 0 ? 4 : 1.1)));
   return points;
 }
@@ -29,7 +29,7 @@ std::vector<Vec3> points_around(const CollisionModel& model, int count, unsigned
 TEST(Bounds, GapsNeverExceedTheDistance) {
   for (const Mesh& mesh : {ball_mesh(1, 5, {7, 8, 9}), random_soup(3, 200, 1, 0.3), nasty_soup(2, 60, 3)}) {
     const CollisionModel model(mesh, {.spacing = 0.07});
-    const auto& data = model.data();
+    const auto& data = data_of(model);
     const std::vector<Vec3> points = points_around(model, 3200, 1);
     double worst = -1, tightest = 0;
     int counted = 0;
@@ -57,7 +57,7 @@ TEST(Bounds, GapsNeverExceedTheDistance) {
 
 TEST(Bounds, KernelsAgreeBitForBit) {
   const CollisionModel model(random_soup(3, 200, 1, 0.3));
-  const auto& data = model.data();
+  const auto& data = data_of(model);
   const Kernels* const* rows = all_kernels();
   const Level& level = data.tree.levels[0];
   FloatPlace place{{0.6f, -0.8f, 0, 0.8f, 0.6f, 0, 0, 0, 1}, {0.1f, 0.2f, -0.3f}};

@@ -87,7 +87,7 @@ TEST_F(ModelFile, WhatCannotBeIsAnErrorWithoutTheChecksumToo) {
     std::string bad = good;
     std::memcpy(bad.data() + at, &value, sizeof value);
     try {
-      CollisionModel::Data::read(FileView("x.body", bad), BodyChecksum::ignored);
+      collision::read_model(FileView("x.body", bad), collision::BodyChecksum::ignored);
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::input);
       return std::string(error.what());

@@ -209,12 +209,12 @@ TEST(CudaCollide, ABodyIsCopiedToADeviceOnce) {
     ADD_FAILURE() << "copied again";
     return nullptr;
   };
-  std::weak_ptr<const collision::OnDevice> copy = shared.data().copies.get(Backend::emulated, 0, never);
+  std::weak_ptr<const collision::OnDevice> copy = collision::data_of(shared).copies.get(Backend::emulated, 0, never);
   EXPECT_FALSE(copy.expired());
   {
     const CollisionModel gone(ball_mesh(1, 3));
     static_cast<void>(collide_all(gone, {}, b, poses, {}, kEmulated));
-    copy = gone.data().copies.get(Backend::emulated, 0, never);
+    copy = collision::data_of(gone).copies.get(Backend::emulated, 0, never);
     EXPECT_FALSE(copy.expired());
   }
   EXPECT_TRUE(copy.expired());
