@@ -102,12 +102,12 @@ def pages(results=BENCH / "results" / QUOTED):
     page = PAGE.format(quoted=QUOTED, machine="\n".join(f"- {line}" for line in comments), summary=markdown(summary(rows, True)),
                        pairs=markdown(pairs), tables="\n\n".join(tables))
     made = {ROOT / "docs" / "collision_tables.md": page}
-    for path, with_cases in ((ROOT / "README.md", False), (ROOT / "docs" / "collision.md", True)):
+    for path, with_cases in ((ROOT / "README.md", False), (ROOT / "docs" / "collision_benchmarks.md", True)):
         table = markdown(summary(rows, with_cases))
         made[path] = between_markers(path.read_text(), "collision summary", f"{table}\n\n{measured(comments)}")
     comments, rows = read(results / "collision-threads.csv")
     table = markdown([{key: row[key] for key in row if key not in ("at least", "met")} for row in rows])
-    path = ROOT / "docs" / "collision.md"
+    path = ROOT / "docs" / "collision_benchmarks.md"
     made[path] = between_markers(made[path], "collision batches", f"{table}\n\n{measured(comments)}")
     return made
 

@@ -1,7 +1,7 @@
-// Do two rigid bodies touch, how near are they, where do they touch, and when will they? (docs/collision.md)
+// Exact collision, distance, contact and sweep queries between two rigid bodies (docs/collision.md).
 //
-// A body is its surface: any triangles, open or closed. Bodies inside one another without touching surfaces are free.
-// Answers are exact for the triangles as they stand in the world: each corner `apply(pose, corner)`, rounded to double.
+// A body is its surface: any triangles, open or closed. A body inside another one is free unless the surfaces touch.
+// Answers are about the corners in the world: `apply(pose, corner)`, rounded to double.
 #pragma once
 
 #include <cstdint>
@@ -67,47 +67,48 @@ class CollisionModel {
 };
 
 enum class CollideMode {
-  exact,      ///< free or hit, decided by triangles where the field cannot
+  exact,      ///< free or hit; triangles decide where the field cannot
   certified,  ///< from the field alone: free, hit (only where the margin is positive) or ambiguous
 };
 
 enum class Verdict { free, hit, ambiguous };
 
 struct CollideOptions {
-  double margin = 0;  ///< nearer than this, or as near, is a hit; world units, finite, not negative
+  double margin = 0;  ///< bodies within this distance are a hit; world units, finite, not negative
   CollideMode mode = CollideMode::exact;
 };
 
 struct CollisionResult {
   Verdict verdict = Verdict::free;
-  /// A pair of triangles that touch, or are within the margin; kNoTriangle unless an exact hit.
+  /// Two triangles that intersect or are within the margin; kNoTriangle unless the mode is exact and the verdict hit.
   std::uint32_t triangle_a = kNoTriangle;
   std::uint32_t triangle_b = kNoTriangle;
 
   bool hit() const { return verdict == Verdict::hit; }
 };
 
-/// Do the bodies touch? Errors of all queries: usage, for poses that are not rigid or not finite, and for options.
+/// Whether the bodies intersect (docs/collide.md). Errors of all queries: usage, for poses that are not rigid or not
+/// finite, and for options.
 CollisionResult collide(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
                         const CollideOptions& options = {});
 
 struct DistanceOptions {
-  double tolerance = 0;  ///< upper - lower may be this much more than rounding; world units
-  double limit = std::numeric_limits<double>::infinity();  ///< nothing farther than this is looked for
+  double tolerance = 0;  ///< upper - lower may be this large, beside rounding; world units
+  double limit = std::numeric_limits<double>::infinity();  ///< nothing farther than this is searched for
 };
 
 struct DistanceResult {
   double lower = 0;  ///< the distance is at least this; 0 where the bodies touch
-  double upper = 0;  ///< and at most this: that of the two points. Infinite where nothing lies within the limit
+  double upper = 0;  ///< and at most this: that of the two points; infinite where nothing lies within the limit
   Vec3 point_a;      ///< on a's surface, in the world
   Vec3 point_b;      ///< on b's
   std::uint32_t triangle_a = kNoTriangle;
   std::uint32_t triangle_b = kNoTriangle;
 };
 
-/// The least distance between the surfaces. `lower` is within `tolerance` and 1e-6 * (size of the bodies) of `upper`;
-/// where the tolerance is 0, `upper` itself is the least distance of all pairs of triangles, within 32 * 2^-53 of the
-/// longest side of the box around the pair.
+/// The least distance between the surfaces (docs/distance.md). `lower` is within `tolerance` and 1e-6 * (size of the
+/// bodies) of `upper`; where the tolerance is 0, `upper` itself is the least distance of all pairs of triangles, within
+/// 32 * 2^-53 of the longest side of the box around the pair.
 DistanceResult distance(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
                         const DistanceOptions& options = {});
 
@@ -116,11 +117,11 @@ struct ContactOptions {
   double margin = 0;        ///< pairs within this distance are contacts too
 };
 
-/// Two triangles that touch, whatever their shape. Point and depth err by 1e-9 of their extent at the most.
+/// Two triangles that intersect, of any shape. Point and depth err by at most 1e-9 of their extent.
 struct ContactPoint {
   Vec3 point;   ///< in the world: the middle of the segment both share, or of the shortest segment between them
-  Vec3 normal;  ///< unit length, the way b has to go
-  /// How far b has to move along `normal` until this pair is apart; minus their distance where the pair is apart.
+  Vec3 normal;  ///< unit length, from a to b
+  /// How far b has to move along `normal` until this pair is separated; minus their distance where it is.
   double depth = 0;
   std::uint32_t triangle_a = 0;
   std::uint32_t triangle_b = 0;
@@ -132,12 +133,13 @@ struct ContactResult {
   bool overflow = false;
 };
 
+/// Where the surfaces intersect (docs/contacts.md).
 ContactResult contacts(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
                        const ContactOptions& options = {});
 
-/// A rigid motion during time 0 to 1: the rotation turns evenly about one axis through the body's point `center`, which
-/// itself moves evenly on a straight line. At both ends the body is at the poses given. Poses do not tell how often a
-/// body turns: it takes the shorter way round, half a turn at the most; ask for longer ones in parts.
+/// A rigid motion during time 0 to 1, between two poses: the body's point `center` moves on a straight line with
+/// constant velocity, and the body turns about an axis through it with constant angular velocity. The rotation between
+/// the two poses is the shorter one (at most 180 degrees); split longer rotations.
 struct RigidMotion {
   Pose from, to;
   Vec3 center;  ///< of the body; at most 1e15 from its origin
@@ -148,7 +150,7 @@ Pose pose_at(const RigidMotion& motion, double t);
 
 struct SweepOptions {
   /// Surfaces within this distance count as touching; world units, not negative. 0: automatic_tolerance(a, b). At least
-  /// 2^-48 of the coordinates of poses, meshes and motions: rounding alone moves bodies by that.
+  /// 2^-48 of the coordinates of poses, meshes and motions: rounding moves bodies by that.
   double tolerance = 0;
 };
 
@@ -158,18 +160,18 @@ double automatic_tolerance(const CollisionModel& a, const CollisionModel& b);
 
 struct SweepResult {
   bool hit = false;
-  /// The bodies are apart during [0, time); where there is a hit they are within the tolerance at `time`. 1 where free.
+  /// The time of impact: the bodies do not intersect during [0, time) and are within the tolerance at `time`. 1: free.
   double time = 1;
   std::uint32_t triangle_a = kNoTriangle;
   std::uint32_t triangle_b = kNoTriangle;
-  Vec3 point;   ///< where they meet, in the world
+  Vec3 point;   ///< of contact, in the world
   Vec3 normal;  ///< unit length, from a to b; zero where the bodies touch at the start
 };
 
-/// When b, in motion, first comes within the tolerance of a, which rests. Never free where the bodies touch on the way,
-/// at any speed; a hit may be told where they pass within the tolerance. Bodies that are within it at the start, but do
-/// not touch, are free to part. Errors: usage, also for motions some 1e14 times as long as the bodies, on which
-/// rounding hides where they are.
+/// When b, in motion, first touches a, which rests (docs/sweep.md): conservative advancement. Never free where the
+/// bodies touch on the motion, at any speed; a hit may be reported where they pass within the tolerance. If they start
+/// closer than the tolerance without touching, separating motion is not a hit. Errors: usage, also for motions some
+/// 1e14 times as long as the bodies, where rounding hides the path.
 SweepResult sweep(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const RigidMotion& motion,
                   const SweepOptions& options = {});
 
@@ -204,10 +206,9 @@ std::vector<SweepResult> sweep_all(const CollisionModel& a, const Pose& pose_a, 
                                    std::span<const RigidMotion> motions, const SweepOptions& options = {},
                                    const Execution& execution = {}, BatchReport* report = nullptr);
 
-/// Algorithm 2 of the 2008 thesis, for comparison: samples of one field that lie in the other's grid are visited, and
-/// where both fields have a value (below their thickness) at the sample and at the sample nearest to it, the bodies are
-/// said to collide if the sum of both is below `threshold`. It may be wrong either way: docs/collision.md tells how
-/// often.
+/// Algorithm 2 of the 2008 thesis, for comparison: visits the samples of one field that lie in the other's grid. Where
+/// a sample and the nearest sample of the other field both have a value (below their thickness) and the sum of both is
+/// below `threshold`, the bodies collide. It errs either way; docs/thesis.md says how often.
 struct ThesisCollisionResult {
   bool hit = false;
   std::int64_t samples = 0;  ///< visited

@@ -1,4 +1,4 @@
-// Where a rigid body is.
+// Position and orientation of a rigid body.
 #pragma once
 
 #include <array>
@@ -21,16 +21,16 @@ constexpr Vec3 rotate(const Pose& pose, Vec3 p) {
   return {r[0] * p.x + r[1] * p.y + r[2] * p.z, r[3] * p.x + r[4] * p.y + r[5] * p.z,
           r[6] * p.x + r[7] * p.y + r[8] * p.z};
 }
-/// The place in the world of a point of the body.
+/// A point of the body, in the world.
 constexpr Vec3 apply(const Pose& pose, Vec3 p) { return rotate(pose, p) + pose.translation; }
 
-/// The rotation backwards; the transpose is the inverse of a rotation.
+/// The inverse rotation; the transpose is the inverse of a rotation.
 constexpr Vec3 rotate_back(const Pose& pose, Vec3 v) {
   const auto& r = pose.rotation;
   return {r[0] * v.x + r[3] * v.y + r[6] * v.z, r[1] * v.x + r[4] * v.y + r[7] * v.z,
           r[2] * v.x + r[5] * v.y + r[8] * v.z};
 }
-/// The place in the body of a point of the world.
+/// A point of the world, in the body's coordinates.
 constexpr Vec3 apply_inverse(const Pose& pose, Vec3 p) { return rotate_back(pose, p - pose.translation); }
 
 /// First `inner`, then `outer`.

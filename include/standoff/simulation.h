@@ -1,4 +1,4 @@
-// Bodies that fly among bodies that stand: the thesis's fly in the labyrinth (docs/collision.md).
+// Bodies that move among bodies that rest: the thesis's fly in the labyrinth (docs/thesis.md).
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,8 @@
-// Yes or no.
+// Do two bodies touch? The public functions.
+#include "collision/collide.h"
+
 #include "collision/batch.h"
+#include "collision/certified.h"
 #include "collision/collide_on_device.h"
 #include "collision/find_intersecting.h"
 #include "core/execution.h"
@@ -9,10 +12,10 @@ namespace standoff {
 
 CollisionResult collision::collide_exactly(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
                                            const Pose& pose_b, double margin) {
-  const Pair pair(a, pose_a, b, pose_b);
-  const auto found = find_touching(pair, margin);
+  const QueryPair pair(a, pose_a, b, pose_b);
+  const auto found = find_intersecting_pair(pair, margin);
   if (!found) return {};
-  std::uint32_t first = pair.field.triangle(found->of_field), second = pair.tree.triangle(found->of_tree);
+  std::uint32_t first = pair.target.triangle(found->of_target), second = pair.probe.triangle(found->of_probe);
   if (pair.swapped) std::swap(first, second);
   return {Verdict::hit, first, second};
 }
@@ -29,7 +32,7 @@ void check(const CollideOptions& options) {
 CollisionResult collide_checked(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
                                 const Pose& pose_b, const CollideOptions& options) {
   if (options.mode == CollideMode::exact) return collision::collide_exactly(a, pose_a, b, pose_b, options.margin);
-  return {.verdict = collision::certify(collision::Pair(a, pose_a, b, pose_b), options.margin)};
+  return {.verdict = collision::certify(collision::QueryPair(a, pose_a, b, pose_b), options.margin)};
 }
 
 }  // namespace

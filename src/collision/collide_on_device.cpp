@@ -1,11 +1,12 @@
-// Poses go to the device in pieces, but those that a ball and a box alone tell free. What it leaves undecided the CPU
+// Poses go to the device in pieces, but those that a sphere and a box alone tell free. What it leaves undecided the CPU
 // decides.
 #include "collision/collide_on_device.h"
 
 #include <algorithm>
 
 #include "collision/batch.h"
-#include "collision/pair.h"
+#include "collision/collide.h"
+#include "collision/query_pair.h"
 
 namespace standoff::collision {
 namespace {
@@ -18,14 +19,14 @@ struct Prepared {
   bool apart;
 };
 
-Prepared prepare(const Pair& pair, double margin) {
-  const Pose& of_b = pair.swapped ? pair.field.pose : pair.tree.pose;
-  return {{place_of(of_b), pair.place, pair.limit(margin)}, pair.apart(margin)};
+Prepared prepare(const QueryPair& pair, double margin) {
+  const Pose& of_b = pair.swapped ? pair.target.pose : pair.probe.pose;
+  return {{transform_of(of_b), pair.transform, pair.limit(margin)}, pair.apart(margin)};
 }
 
-CollisionResult told(const Pair& bodies, const PoseAnswer& answer) {
+CollisionResult result_of(const QueryPair& bodies, const PoseAnswer& answer) {
   if (answer.verdict != DeviceVerdict::hit) return {};
-  std::uint32_t first = bodies.field.triangle(answer.of_field), second = bodies.tree.triangle(answer.of_tree);
+  std::uint32_t first = bodies.target.triangle(answer.of_target), second = bodies.probe.triangle(answer.of_probe);
   if (bodies.swapped) std::swap(first, second);
   return {Verdict::hit, first, second};
 }
@@ -36,21 +37,22 @@ std::vector<CollisionResult> collide_on_device(const DeviceRow& row, const Colli
                                                const CollisionModel& b, std::span<const Pose> poses_b, double margin,
                                                const Execution& execution, BatchReport& report, int stack) {
   std::vector<CollisionResult> results(poses_b.size());
-  const Pair bodies(a, pose_a, b, {});  // which of them gives its field does not depend on poses
+  const QueryPair bodies(a, pose_a, b, {});  // which of them gives its field does not depend on poses
   for (std::size_t first = 0; first < poses_b.size(); first += kPiece) {
     const auto poses = poses_b.subspan(first, std::min(kPiece, poses_b.size() - first));
-    const auto prepared = for_each<Prepared>(
-        poses.size(), execution.threads, [&](std::size_t n) { return prepare(Pair(a, pose_a, b, poses[n]), margin); });
+    const auto prepared = for_each<Prepared>(poses.size(), execution.threads, [&](std::size_t n) {
+      return prepare(QueryPair(a, pose_a, b, poses[n]), margin);
+    });
     std::vector<PoseQuery> queries;
     std::vector<std::size_t> which;
     for (std::size_t n = 0; n < prepared.size(); ++n)
       if (!prepared[n].apart) queries.push_back(prepared[n].query), which.push_back(n);
     std::vector<PoseAnswer> answers(queries.size());
     if (!queries.empty())
-      row.collide({.field = *bodies.field.body,
-                   .tree = *bodies.tree.body,
-                   .field_is_b = bodies.swapped,
-                   .of_a = place_of(pose_a),
+      row.collide({.target = *bodies.target.body,
+                   .probe = *bodies.probe.body,
+                   .target_is_b = bodies.swapped,
+                   .of_a = transform_of(pose_a),
                    .margin = margin,
                    .queries = queries,
                    .answers = answers,
@@ -58,7 +60,7 @@ std::vector<CollisionResult> collide_on_device(const DeviceRow& row, const Colli
                    .stack = stack});
     const auto found = for_each<CollisionResult>(answers.size(), execution.threads, [&](std::size_t n) {
       const bool decided = answers[n].verdict == DeviceVerdict::free || answers[n].verdict == DeviceVerdict::hit;
-      return decided ? told(bodies, answers[n]) : collide_exactly(a, pose_a, b, poses[which[n]], margin);
+      return decided ? result_of(bodies, answers[n]) : collide_exactly(a, pose_a, b, poses[which[n]], margin);
     });
     for (std::size_t n = 0; n < found.size(); ++n) {
       results[first + which[n]] = found[n];

@@ -1,4 +1,4 @@
-// Yes or no for many poses at once, on a device.
+// Exact collide() for many poses at once, on a device.
 #pragma once
 
 #include <vector>
@@ -7,14 +7,11 @@
 
 namespace standoff::collision {
 
-/// What the device decides; the others go to the CPU, and are counted. Poses must be valid.
+/// The device decides what it can, the CPU decides the others; `report` counts both. Requires poses that collide_all()
+/// has checked.
 std::vector<CollisionResult> collide_on_device(const DeviceRow& row, const CollisionModel& a, const Pose& pose_a,
                                                const CollisionModel& b, std::span<const Pose> poses_b, double margin,
                                                const Execution& execution, BatchReport& report,
                                                int stack = kDeviceStack);
-
-/// The answer of the CPU.
-CollisionResult collide_exactly(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                                const Pose& pose_b, double margin);
 
 }  // namespace standoff::collision

@@ -1,5 +1,5 @@
-// Where two surfaces touch. Packets of the tree's triangles that may touch come in an order that jumps over the whole
-// contact area; the pairs they give are decided in turns, one of each packet after the other, until there are enough.
+// Where do two surfaces intersect? The probe's packets come in an order that is spread over the contact area; their
+// candidate pairs are decided in turns, one of each packet after the other, until there are enough.
 #include <algorithm>
 #include <cmath>
 
@@ -28,22 +28,23 @@ constexpr double kDirectionTold = 1e6 * kDistanceRounding;
 constexpr std::size_t kAhead = 2;
 
 // Of triangles that do not touch: their closest points, whose direction is one of rounding where they are very near.
-Overlap between(const Corners& p, const Corners& q, const ClosestPair& pair) {
+Penetration between(const Corners& p, const Corners& q, const ClosestPair& pair) {
   const double apart = std::sqrt(pair.distance_sq);
   const bool has_direction = apart > kDirectionTold * extent_of(p, q);
-  return {pair.on_p + pair.way * 0.5, has_direction ? pair.way * (1 / apart) : overlap(p, q).normal, -apart};
+  return {pair.on_p + pair.separation * 0.5, has_direction ? pair.separation * (1 / apart) : penetration(p, q).normal,
+          -apart};
 }
 
-class Gather {
+class ContactSearch {
  public:
-  Gather(const Pair& pair, const ContactOptions& options)
+  ContactSearch(const QueryPair& pair, const ContactOptions& options)
       : pair_(pair),
         kernels_(kernels()),
         margin_(options.margin),
         limit_(pair.limit(options.margin)),
         most_(static_cast<std::size_t>(options.most)),
         some_(ClosePairs::kAllLanes >> (kLanes - std::clamp<std::size_t>(most_ / kTakeTurns / 4, 1, kLanes))),
-        walk_(pair, kernels_, limit_, kRoots),
+        traversal_(pair, kernels_, limit_, kRoots),
         close_(pair, kernels_, limit_),
         batch_(pair, kernels_) {}
 
@@ -56,7 +57,7 @@ class Gather {
 
  private:
   struct Candidate {
-    std::uint32_t field_place, tree_place;
+    std::uint32_t target_index, probe_index;
   };
 
   // About every second candidate turns out to touch.
@@ -70,7 +71,7 @@ class Gather {
     ends_.clear();
     const std::size_t before = looked_up_;
     for (; looked_up_ < kTakeTurns || !plenty(); ++looked_up_) {
-      while (packets_.size() <= next_ + kAhead && walk_on()) {
+      while (packets_.size() <= next_ + kAhead && prefetch_next()) {
       }
       if (next_ < packets_.size()) {
         const std::uint32_t packet = packets_[next_++];
@@ -88,18 +89,18 @@ class Gather {
   }
 
   // Asks the memory for the next packet. False when there is none.
-  bool walk_on() {
-    const auto packet = walk_.next();
-    if (packet) fetch(pair_.tree.body->tree.faces[packets_.emplace_back(*packet)]);
+  bool prefetch_next() {
+    const auto packet = traversal_.next();
+    if (packet) fetch(pair_.probe.body->bvh.triangles[packets_.emplace_back(*packet)]);
     return packet.has_value();
   }
 
   void look_up(std::uint32_t packet, std::uint32_t lanes) {
     const std::size_t before = candidates_.size();
-    close_.visit(packet, lanes, [this](std::uint32_t field_place, std::uint32_t tree_place) {
-      fetch(pair_.field.body->corners[field_place]);
-      fetch(pair_.tree.body->corners[tree_place]);
-      candidates_.push_back({field_place, tree_place});
+    close_.visit(packet, lanes, [this](std::uint32_t target_index, std::uint32_t probe_index) {
+      fetch(pair_.target.body->corners[target_index]);
+      fetch(pair_.probe.body->corners[probe_index]);
+      candidates_.push_back({target_index, probe_index});
       return true;
     });
     if (candidates_.size() > before) ends_.push_back(candidates_.size());
@@ -114,7 +115,7 @@ class Gather {
         const std::size_t at = (n == 0 ? 0 : ends_[n - 1]) + turn;
         if (at >= ends_[n]) continue;
         ++left;
-        batch_.add(candidates_[at].field_place, candidates_[at].tree_place);
+        batch_.add(candidates_[at].target_index, candidates_[at].probe_index);
         if (batch_.full() && !settle()) return false;
       }
     }
@@ -122,24 +123,24 @@ class Gather {
   }
 
   bool settle() {
-    return batch_.settle([this](std::uint32_t field_place, std::uint32_t tree_place, bool touch, auto where) {
-      if (touch) return add(field_place, tree_place, where());
+    return batch_.settle([this](std::uint32_t target_index, std::uint32_t probe_index, bool touch, auto where) {
+      if (touch) return add(target_index, probe_index, where());
       if (!(margin_ > 0)) return true;
-      const Corners p = pair_.field.world(field_place), q = pair_.tree.world(tree_place);
+      const Corners p = pair_.target.world(target_index), q = pair_.probe.world(probe_index);
       const ClosestPair pair = closest_points(p, q);
       if (!(pair.distance_sq <= margin_ * margin_)) return true;
-      return add(field_place, tree_place, between(p, q, pair));
+      return add(target_index, probe_index, between(p, q, pair));
     });
   }
 
   // False when there is no room.
-  bool add(std::uint32_t field_place, std::uint32_t tree_place, const Overlap& found) {
+  bool add(std::uint32_t target_index, std::uint32_t probe_index, const Penetration& found) {
     if (result_.contacts.size() == most_) {
       result_.overflow = true;
       return false;
     }
-    const std::uint32_t of_field = pair_.field.triangle(field_place), of_tree = pair_.tree.triangle(tree_place);
-    ContactPoint contact{found.point, found.normal, found.depth, of_field, of_tree};
+    const std::uint32_t of_target = pair_.target.triangle(target_index), of_probe = pair_.probe.triangle(probe_index);
+    ContactPoint contact{found.point, found.normal, found.depth, of_target, of_probe};
     if (pair_.swapped) {
       contact.normal = contact.normal * -1.0;
       std::swap(contact.triangle_a, contact.triangle_b);
@@ -148,13 +149,13 @@ class Gather {
     return true;
   }
 
-  const Pair& pair_;
+  const QueryPair& pair_;
   const Kernels& kernels_;
   const double margin_;
   const float limit_;
   const std::size_t most_;
   const std::uint32_t some_;  // lanes of a packet, each with a few candidates where bodies lie on each other
-  SpreadWalk walk_;
+  StratifiedTraversal traversal_;
   std::vector<std::uint32_t> packets_;  // in the order of the walk
   std::size_t next_ = 0, looked_up_ = 0;
   std::vector<std::uint32_t> cut_short_;  // packets of which only some_ were looked at
@@ -180,8 +181,8 @@ ContactResult contacts(const CollisionModel& a, const Pose& pose_a, const Collis
   collision::check(options);
   validate(pose_a);
   validate(pose_b);
-  const collision::Pair pair(a, pose_a, b, pose_b);
-  return collision::Gather(pair, options).run();
+  const collision::QueryPair pair(a, pose_a, b, pose_b);
+  return collision::ContactSearch(pair, options).run();
 } catch (...) {
   throw_as_error("contacts");
 }
@@ -194,8 +195,8 @@ std::vector<ContactResult> contacts_all(const CollisionModel& a, const Pose& pos
   validate(pose_a);
   collision::validate_all(poses_b);
   return collision::for_each<ContactResult>(poses_b.size(), execution.threads, [&](std::size_t n) {
-    const collision::Pair pair(a, pose_a, b, poses_b[n]);
-    return collision::Gather(pair, options).run();
+    const collision::QueryPair pair(a, pose_a, b, poses_b[n]);
+    return collision::ContactSearch(pair, options).run();
   });
 } catch (...) {
   throw_as_error("contacts");

@@ -11,23 +11,23 @@
 
 namespace standoff::collision {
 
-/// A pose of b. Bounds are the CPU's: they are made by Pair on the host.
+/// A pose of b. Bounds are the CPU's: QueryPair makes them on the host.
 struct PoseQuery {
-  DoublePlace of_b;  ///< b in the world
-  FloatPlace place;  ///< from the tree's body to the field's, both relative to their middles
-  float limit;       ///< balls and boxes farther apart than this are farther than the margin
+  DoubleTransform of_b;      ///< b in the world
+  FloatTransform transform;  ///< from the probe's coordinates to the target's, both relative to their middles
+  float limit;               ///< spheres and boxes farther apart than this are farther than the margin
 };
 
 enum class DeviceVerdict : std::uint32_t {
   free,
   hit,
-  undecided,  ///< rounding may hide a touching pair, and no other pair touches for certain
-  overflow,   ///< more nodes waited than the stack holds
+  undecided,  ///< rounding may hide an intersecting pair, and no other pair intersects for certain
+  overflow,   ///< the stack of nodes is too short
 };
 
 struct PoseAnswer {
   DeviceVerdict verdict;
-  std::uint32_t of_field, of_tree;  ///< the places in the trees of two triangles that touch, where there is a hit
+  std::uint32_t of_target, of_probe;  ///< BVH indices of two triangles that intersect, where there is a hit
 };
 
 /// The largest stack of nodes that devices have, for each of the two trees.
@@ -35,9 +35,9 @@ inline constexpr int kDeviceStack = 256;
 
 /// Poses to be decided. A verdict of free or hit is that of the CPU.
 struct CollideJob {
-  const ModelData &field, &tree;
-  bool field_is_b;   ///< else it is a
-  DoublePlace of_a;  ///< a in the world
+  const ModelData &target, &probe;
+  bool target_is_b;      ///< else it is a
+  DoubleTransform of_a;  ///< a in the world
   double margin;
   std::span<const PoseQuery> queries;
   std::span<PoseAnswer> answers;  ///< as many
@@ -47,7 +47,7 @@ struct CollideJob {
 
 /// A motion of b.
 struct SweepQuery {
-  Way way;
+  RelativeMotion motion;
   float keep;  ///< distance left after every step
 };
 
@@ -56,7 +56,7 @@ struct SweepAnswer {
 };
 
 struct SweepJob {
-  const ModelData &field, &tree;
+  const ModelData &target, &probe;
   std::span<const SweepQuery> queries;
   std::span<SweepAnswer> answers;  ///< as many
   int device;

@@ -1,15 +1,17 @@
-// The least distance of two surfaces: the tree's balls against the field, nearest first, and where a ball may still be
-// nearer than the best pair found, its triangles against the other tree's boxes.
+// How far apart are two surfaces? Best first: the probe's bounding spheres against the target's field, nearest first;
+// a triangle whose sphere may be nearer than the best pair so far goes down the target's BVH.
 #include <algorithm>
 #include <bit>
 #include <cmath>
 
 #include "collision/batch.h"
+#include "collision/body/sphere_bound.h"
 #include "collision/find_intersecting.h"
 #include "collision/pair_batch.h"
+#include "collision/tolerances.h"
 #include "core/execution.h"
 #include "core/guarded.h"
-#include "geometry/intersection.h"
+#include "geometry/penetration.h"
 
 namespace standoff {
 namespace collision {
@@ -17,7 +19,7 @@ namespace {
 
 // The best of the bounds s - |x - x_i| from the eight samples around x: of the fine field, or of the coarse one where
 // the fine one is clamped. The sample behind x, seen from the surface, loses little, whereas the nearest one loses up
-// to sqrt(3)/2 spacings; each look costs as much as all sixteen lanes of the kernel, so it is for balls that are left
+// to sqrt(3)/2 spacings; each look costs as much as all sixteen lanes of the kernel, so it is for spheres that are left
 // over.
 float bound_from_eight(const FieldView& f, const float* x) {
   const auto best_of = [x, &f](float spacing, float per_spacing, const float* last, auto value) {
@@ -25,10 +27,10 @@ float bound_from_eight(const FieldView& f, const float* x) {
     float at[3];
     for (int axis = 0; axis < 3; ++axis) {
       at[axis] = (x[axis] - f.origin[axis]) * per_spacing;
-      if (!(at[axis] >= 0 && at[axis] < last[axis])) return -kNothing;
+      if (!(at[axis] >= 0 && at[axis] < last[axis])) return -kInfinity;
       cell[axis] = static_cast<std::int32_t>(at[axis]);
     }
-    float best = -kNothing;
+    float best = -kInfinity;
     for (int corner = 0; corner < 8; ++corner) {
       const std::int32_t i = cell[0] + (corner & 1), j = cell[1] + (corner >> 1 & 1), k = cell[2] + (corner >> 2);
       const float u = at[0] - static_cast<float>(i), v = at[1] - static_cast<float>(j),
@@ -39,72 +41,70 @@ float bound_from_eight(const FieldView& f, const float* x) {
   };
   bool clamped = false;
   const float fine = best_of(f.spacing, f.per_spacing, f.last, [&](std::int32_t i, std::int32_t j, std::int32_t k) {
-    const std::int64_t slot = f.slots[((k >> 3) * f.tiles[1] + (j >> 3)) * f.tiles[0] + (i >> 3)];
-    const std::uint8_t sample = f.samples[(slot << 9) + ((k & 7) << 6 | (j & 7) << 3 | (i & 7))];
-    clamped = clamped || sample == 255;
+    const std::uint8_t sample = fine_sample(f, tile_of(f, i, j, k), index_in_tile(i, j, k));
+    clamped = clamped || sample == kClampedSample;
     return static_cast<float>(sample) * f.step;
   });
   if (!clamped) return fine;
   return std::max(fine, best_of(f.coarse_spacing, f.per_coarse_spacing, f.coarse_last,
                                 [&](std::int32_t i, std::int32_t j, std::int32_t k) {
-                                  return f.coarse[(k * f.coarse_size[1] + j) * f.coarse_size[0] + i];
+                                  return f.coarse[coarse_index(f, i, j, k)];
                                 }));
 }
 
-class Nearest {
+class DistanceSearch {
  public:
-  Nearest(const Pair& pair, double tolerance, double limit)
+  DistanceSearch(const QueryPair& pair, double tolerance, double limit)
       : pair_(pair), kernels_(kernels()), tolerance_(tolerance), best_(limit), batch_(pair, kernels_) {
     lower_reach();
   }
 
   void run() {
     if (pair_.root_gap() > reach_) return;
-    visit(pair_.tree.body->tree.top(), 0);
+    visit(pair_.probe.body->bvh.top(), 0);
   }
 
   double best() const { return best_; }
   bool found() const { return found_; }
-  Vec3 on_field, on_tree;                   ///< the closest points
-  std::uint32_t of_field = 0, of_tree = 0;  ///< places in the trees
+  Vec3 on_target, on_probe;                   ///< the closest points
+  std::uint32_t of_target = 0, of_probe = 0;  ///< places in the trees
 
  private:
   // Bounds above this cannot hide a pair that is nearer than the best one by more than the tolerance.
   void lower_reach() {
     reach_ = static_cast<float>(std::min((best_ - tolerance_) * (1 + 1e-6), 1e30)) + pair_.slack;
-    reach_sq_ = reach_ < 0 ? -1 : reach_ * reach_ * (1 + 1e-6f);
+    reach_sq_ = reach_ < 0 ? -1 : reach_ * reach_ * kRoundUp;
   }
 
   void visit(int level, std::uint32_t packet) {
     alignas(64) float gap[kLanes];
-    const Level& nodes = pair_.tree.body->tree.levels[level];
-    kernels_.gaps(pair_.field.body->view, pair_.place, nodes.balls[packet], reach_, gap);
+    const BvhLevel& nodes = pair_.probe.body->bvh.levels[level];
+    kernels_.gaps(pair_.target.body->view, pair_.transform, nodes.spheres[packet], reach_, gap);
     int lanes[kLanes];
     const int count = lanes_within(gap, reach_, lanes);
     for (int n = 0; n < count && gap[lanes[n]] <= reach_; ++n) {
-      if (found_ && level <= 1 && closer_look(nodes.balls[packet], lanes[n]) > reach_) continue;
+      if (found_ && level <= 1 && closer_look(nodes.spheres[packet], lanes[n]) > reach_) continue;
       const std::uint32_t child = packet * kLanes + lanes[n];
       if (level > 0) {
         visit(level - 1, child);
       } else {
-        descend(pair_.field.body->tree.top(), 0, child, pair_.box_of(child));
+        descend(pair_.target.body->bvh.top(), 0, child, pair_.box_of(child));
       }
     }
     if (level == 0) measure();
   }
 
-  float closer_look(const Balls& balls, int lane) const {
-    const float* r = pair_.place.rotation;
+  float closer_look(const Sphere16& spheres, int lane) const {
     float x[3];
     for (int axis = 0; axis < 3; ++axis)
-      x[axis] = r[3 * axis] * balls.center[0][lane] + r[3 * axis + 1] * balls.center[1][lane] +
-                r[3 * axis + 2] * balls.center[2][lane] + pair_.place.translation[axis];
-    return bound_from_eight(pair_.field.body->view, x) - balls.radius[lane];
+      x[axis] =
+          transformed(pair_.transform, axis, spheres.center[0][lane], spheres.center[1][lane], spheres.center[2][lane]);
+    return bound_from_eight(pair_.target.body->view, x) - spheres.radius[lane];
   }
 
-  void descend(int level, std::uint32_t node, std::uint32_t tree_place, const FloatBox& box) {
+  void descend(int level, std::uint32_t node, std::uint32_t probe_index, const FloatBox& box) {
     alignas(64) float distance_sq[kLanes];
-    kernels_.distances_sq(pair_.field.body->tree.levels[level].boxes[node], box, distance_sq);
+    kernels_.distances_sq(pair_.target.body->bvh.levels[level].boxes[node], box, distance_sq);
     int lanes[kLanes], count = 0;
     for (int n = 0; n < kLanes; ++n)
       if (distance_sq[n] <= reach_sq_) lanes[count++] = n;
@@ -112,31 +112,32 @@ class Nearest {
     for (int n = 0; n < count && distance_sq[lanes[n]] <= reach_sq_; ++n) {
       const std::uint32_t child = node * kLanes + lanes[n];
       if (level > 0)
-        descend(level - 1, child, tree_place, box);
+        descend(level - 1, child, probe_index, box);
       else
-        add(child, tree_place);
+        add(child, probe_index);
     }
   }
 
   // While nothing is found every pair counts; later the reach may lag behind a little.
-  void add(std::uint32_t field_place, std::uint32_t tree_place) {
-    batch_.add(field_place, tree_place);
+  void add(std::uint32_t target_index, std::uint32_t probe_index) {
+    batch_.add(target_index, probe_index);
     if (batch_.full() || !found_) measure();
   }
 
   void measure() {
     bool nearer = false;
-    batch_.measure([&](std::uint32_t field_place, std::uint32_t tree_place, double distance_sq, Vec3 of_p, Vec3 of_q) {
-      if (!(distance_sq < best_ * best_)) return;
-      best_ = std::sqrt(distance_sq);
-      on_field = of_p, on_tree = of_q;
-      of_field = field_place, of_tree = tree_place;
-      found_ = nearer = true;
-    });
+    batch_.measure(
+        [&](std::uint32_t target_index, std::uint32_t probe_index, double distance_sq, Vec3 of_p, Vec3 of_q) {
+          if (!(distance_sq < best_ * best_)) return;
+          best_ = std::sqrt(distance_sq);
+          on_target = of_p, on_probe = of_q;
+          of_target = target_index, of_probe = probe_index;
+          found_ = nearer = true;
+        });
     if (nearer) lower_reach();
   }
 
-  const Pair& pair_;
+  const QueryPair& pair_;
   const Kernels& kernels_;
   const double tolerance_;
   double best_;
@@ -147,30 +148,30 @@ class Nearest {
 
 DistanceResult distance_checked(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
                                 const Pose& pose_b, const DistanceOptions& options) {
-  const Pair pair(a, pose_a, b, pose_b);
+  const QueryPair pair(a, pose_a, b, pose_b);
   DistanceResult result;
   std::uint32_t first = 0, second = 0;
   Vec3 on_first, on_second;
-  if (const auto touching = find_touching(pair, 0)) {
-    first = touching->of_field, second = touching->of_tree;
-    on_first = on_second = overlap(pair.field.world(first), pair.tree.world(second)).point;
+  if (const auto touching = find_intersecting_pair(pair, 0)) {
+    first = touching->of_target, second = touching->of_probe;
+    on_first = on_second = penetration(pair.target.world(first), pair.probe.world(second)).point;
   } else {
-    Nearest search(pair, options.tolerance, options.limit);
+    DistanceSearch search(pair, options.tolerance, options.limit);
     search.run();
     if (!search.found()) {
       result.lower = options.limit;
       result.upper = std::numeric_limits<double>::infinity();
       return result;
     }
-    first = search.of_field, second = search.of_tree;
-    on_first = search.on_field, on_second = search.on_tree;
+    first = search.of_target, second = search.of_probe;
+    on_first = search.on_target, on_second = search.on_probe;
     result.upper = search.best();
     result.lower = std::max(0.0, result.upper - options.tolerance);
   }
   if (pair.swapped) std::swap(on_first, on_second);
   result.point_a = on_first, result.point_b = on_second;
-  result.triangle_a = pair.field.triangle(first), result.triangle_b = pair.tree.triangle(second);
-  if (pair.swapped) result.triangle_a = pair.tree.triangle(second), result.triangle_b = pair.field.triangle(first);
+  result.triangle_a = pair.target.triangle(first), result.triangle_b = pair.probe.triangle(second);
+  if (pair.swapped) result.triangle_a = pair.probe.triangle(second), result.triangle_b = pair.target.triangle(first);
   return result;
 }
 

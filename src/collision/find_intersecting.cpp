@@ -1,4 +1,4 @@
-// Balls of one body's tree against the other's field, nearest first; where the field cannot tell, triangles.
+// Sphere16 of one body's tree against the other's field, nearest first; where the field cannot tell, triangles.
 #include "collision/find_intersecting.h"
 
 #include <algorithm>
@@ -11,9 +11,9 @@
 namespace standoff::collision {
 namespace {
 
-class Search {
+class IntersectionSearch {
  public:
-  Search(const Pair& pair, double margin)
+  IntersectionSearch(const QueryPair& pair, double margin)
       : pair_(pair),
         kernels_(kernels()),
         margin_(margin),
@@ -21,8 +21,8 @@ class Search {
         close_(pair, kernels_, limit_),
         batch_(pair, kernels_) {}
 
-  std::optional<Touching> run() {
-    if (pair_.apart(margin_) || !visit(pair_.tree.body->tree.top(), 0)) return {};
+  std::optional<IntersectingPair> run() {
+    if (pair_.apart(margin_) || !visit(pair_.probe.body->bvh.top(), 0)) return {};
     return found_;
   }
 
@@ -31,15 +31,15 @@ class Search {
     if (level == 0) {
       // The packet reaches the surface: its triangles' boxes tell more than the field would.
       const bool none =
-          close_.visit(packet, ClosePairs::kAllLanes, [this](std::uint32_t field_place, std::uint32_t tree_place) {
-            batch_.add(field_place, tree_place);
+          close_.visit(packet, ClosePairs::kAllLanes, [this](std::uint32_t target_index, std::uint32_t probe_index) {
+            batch_.add(target_index, probe_index);
             return !batch_.full() || settle();
           });
       return !(none && settle());
     }
     alignas(64) float gap[kLanes];
-    const Level& nodes = pair_.tree.body->tree.levels[level];
-    kernels_.gaps(pair_.field.body->view, pair_.place, nodes.balls[packet], limit_, gap);
+    const BvhLevel& nodes = pair_.probe.body->bvh.levels[level];
+    kernels_.gaps(pair_.target.body->view, pair_.transform, nodes.spheres[packet], limit_, gap);
     int lanes[kLanes];
     const int count = lanes_within(gap, limit_, lanes);
     for (int n = 0; n < count; ++n)
@@ -47,33 +47,34 @@ class Search {
     return false;
   }
 
-  // False when one of the pairs that wait touches.
+  // False when one of the pairs intersects.
   bool settle() {
-    return batch_.settle([this](std::uint32_t field_place, std::uint32_t tree_place, bool hit, auto&&) {
+    return batch_.settle([this](std::uint32_t target_index, std::uint32_t probe_index, bool hit, auto&&) {
       if (!hit && margin_ > 0) {
-        const Corners p = pair_.field.world(field_place), q = pair_.tree.world(tree_place);
+        const Corners p = pair_.target.world(target_index), q = pair_.probe.world(probe_index);
         hit = closest_points(p, q).distance_sq <= margin_ * margin_;
       }
-      if (hit) found_ = {field_place, tree_place};
+      if (hit) found_ = {target_index, probe_index};
       return !hit;
     });
   }
 
-  const Pair& pair_;
+  const QueryPair& pair_;
   const Kernels& kernels_;
   const double margin_;
-  const float limit_;  // balls and boxes farther away than this are farther than the margin
+  const float limit_;  // spheres and boxes farther away than this are farther than the margin
   ClosePairs close_;
   PairBatch batch_;
-  Touching found_{};
+  IntersectingPair found_{};
 };
 
 }  // namespace
 
-std::optional<Touching> find_touching(const Pair& pair, double margin) {
-  // Bodies of one shape in one place have the same first triangle.
-  if (pair.relative == Pose{} && triangles_touch(pair.field.world(0), pair.tree.world(0))) return Touching{0, 0};
-  return Search(pair, margin).run();
+std::optional<IntersectingPair> find_intersecting_pair(const QueryPair& pair, double margin) {
+  // Bodies of one shape at one pose have the same first triangle.
+  if (pair.relative == Pose{} && triangles_intersect(pair.target.world(0), pair.probe.world(0)))
+    return IntersectingPair{0, 0};
+  return IntersectionSearch(pair, margin).run();
 }
 
 }  // namespace standoff::collision

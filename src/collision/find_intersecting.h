@@ -1,22 +1,19 @@
-// The search for one pair of triangles that touch, which several queries begin with.
+// The search for one pair of triangles that intersect, with which several queries begin.
 #pragma once
 
 #include <cstdint>
 #include <optional>
 
-#include "collision/pair.h"
+#include "collision/query_pair.h"
 
 namespace standoff::collision {
 
-/// Two triangles by their places in the trees.
-struct Touching {
-  std::uint32_t of_field, of_tree;
+/// Two triangles by their BVH indices.
+struct IntersectingPair {
+  std::uint32_t of_target, of_probe;
 };
 
-/// A pair of triangles that touch or are within the margin; nothing where there is none.
-std::optional<Touching> find_touching(const Pair& pair, double margin);
-
-/// Free, hit or ambiguous, from the field alone.
-Verdict certify(const Pair& pair, double margin);
+/// A pair of triangles that intersect or are within the margin; nothing where there is none.
+std::optional<IntersectingPair> find_intersecting_pair(const QueryPair& pair, double margin);
 
 }  // namespace standoff::collision

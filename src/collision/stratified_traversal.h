@@ -1,6 +1,6 @@
-// The packets of the tree's triangles that may reach the field's surface, in an order that jumps over the whole of it.
-// All of them are looked up at once where they are few; else some nodes of one level, which then give their packets in
-// turns, and so do their branches: of a large contact area no more is looked up than is asked for.
+// Visits the probe's packets of triangles that may reach the target's surface in bit-reversed, round-robin order, so
+// that any prefix of them is spread over the contact area. Nodes are expanded lazily: no more of a large contact area
+// is visited than is asked for.
 #pragma once
 
 #include <algorithm>
@@ -10,17 +10,17 @@
 #include <span>
 #include <vector>
 
-#include "collision/pair.h"
+#include "collision/query_pair.h"
 
 namespace standoff::collision {
 
-class SpreadWalk {
+class StratifiedTraversal {
  public:
-  /// Packets farther than `limit` are left out as far as their balls show it. At least `breadth` nodes take turns,
+  /// Packets farther than `limit` are left out as far as their spheres show it. At least `breadth` nodes take turns,
   /// where there are as many.
-  SpreadWalk(const Pair& pair, const Kernels& kernels, float limit, std::size_t breadth)
+  StratifiedTraversal(const QueryPair& pair, const Kernels& kernels, float limit, std::size_t breadth)
       : pair_(pair), kernels_(kernels), limit_(limit) {
-    int level = pair.tree.body->tree.top();
+    int level = pair.probe.body->bvh.top();
     std::vector<std::uint32_t> front, below;
     front.reserve(kLanes * breadth);
     below.reserve(kLanes * breadth);
@@ -34,7 +34,7 @@ class SpreadWalk {
       front.swap(below);
     }
     nodes_.reserve(2 * front.size());
-    all_ = spread(front, level);
+    all_ = bit_reversed(front, level);
   }
 
   /// The next packet of the lowest level; none when all have been given.
@@ -42,40 +42,40 @@ class SpreadWalk {
 
  private:
   // Nodes that stand together in nodes_, and whose turn it is.
-  struct Turns {
+  struct RoundRobin {
     std::uint32_t first = 0, count = 0, now = 0;
   };
   struct Node {
     std::uint32_t packet;
     std::int16_t level;
     bool open = false;
-    Turns branches;
+    RoundRobin branches;
   };
 
-  std::optional<std::uint32_t> next(Turns& turns) {
+  std::optional<std::uint32_t> next(RoundRobin& turns) {
     while (turns.count > 0) {
       if (turns.now == turns.count) turns.now = 0;
       const std::uint32_t at = turns.first + turns.now;
       if (nodes_[at].level == 0) {
         const std::uint32_t packet = nodes_[at].packet;
-        leave(turns);
+        remove_current(turns);
         return packet;
       }
       if (!nodes_[at].open) open(at);
-      Turns branches = nodes_[at].branches;  // nodes_ may move
+      RoundRobin branches = nodes_[at].branches;  // nodes_ may move
       const auto packet = next(branches);
       nodes_[at].branches = branches;
       if (packet) {
         ++turns.now;
         return packet;
       }
-      leave(turns);
+      remove_current(turns);
     }
     return {};
   }
 
   // The one whose turn it is has nothing more to give.
-  void leave(Turns& turns) {
+  void remove_current(RoundRobin& turns) {
     --turns.count;
     if (turns.now == 0)
       ++turns.first;
@@ -87,7 +87,7 @@ class SpreadWalk {
   void open(std::uint32_t at) {
     const int level = nodes_[at].level;
     const Branches branches = reaching(level, nodes_[at].packet);
-    const Turns turns = spread(std::span(branches.packet, branches.count), level - 1);
+    const RoundRobin turns = bit_reversed(std::span(branches.packet, branches.count), level - 1);
     nodes_[at].branches = turns;
     nodes_[at].open = true;
   }
@@ -98,21 +98,22 @@ class SpreadWalk {
   };
   Branches reaching(int level, std::uint32_t packet) const {
     alignas(64) float gap[kLanes];
-    kernels_.gaps(pair_.field.body->view, pair_.place, pair_.tree.body->tree.levels[level].balls[packet], limit_, gap);
+    kernels_.gaps(pair_.target.body->view, pair_.transform, pair_.probe.body->bvh.levels[level].spheres[packet], limit_,
+                  gap);
     Branches branches;
     for (std::uint32_t n = 0; n < kLanes; ++n)
       if (gap[n] <= limit_) branches.packet[branches.count++] = packet * kLanes + n;
     if (level > 1)
       for (std::size_t n = 0; n < branches.count; ++n)
-        fetch(pair_.tree.body->tree.levels[level - 1].balls[branches.packet[n]]);
+        fetch(pair_.probe.body->bvh.levels[level - 1].spheres[branches.packet[n]]);
     return branches;
   }
 
-  // Nodes in the order of their numbers with the bits turned around: each falls into the largest gap the ones before it
-  // have left.
-  Turns spread(std::span<const std::uint32_t> packets, int level) {
+  // Nodes in the order of their numbers with the bits rotated around: each falls into the largest gap the ones before
+  // it have left.
+  RoundRobin bit_reversed(std::span<const std::uint32_t> packets, int level) {
     const auto count = static_cast<std::uint32_t>(packets.size()), end = std::bit_ceil(count);
-    const Turns turns{static_cast<std::uint32_t>(nodes_.size()), count};
+    const RoundRobin turns{static_cast<std::uint32_t>(nodes_.size()), count};
     std::uint32_t at = 0;
     for (std::uint32_t number = 0; number < end; ++number) {
       if (at < count) nodes_.push_back({packets[at], static_cast<std::int16_t>(level), false, {}});
@@ -123,11 +124,11 @@ class SpreadWalk {
     return turns;
   }
 
-  const Pair& pair_;
+  const QueryPair& pair_;
   const Kernels& kernels_;
   const float limit_;
   std::vector<Node> nodes_;
-  Turns all_;
+  RoundRobin all_;
 };
 
 }  // namespace standoff::collision

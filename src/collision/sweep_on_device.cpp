@@ -1,10 +1,12 @@
 // Motions go to the device in pieces. What is not certainly free the CPU sweeps from the beginning: begun later its
-// steps would be others, and with them the time of a hit, and whether what passes within the tolerance is told as one.
+// steps would be others, and with them the time of a hit, and whether a pass within the tolerance counts as one.
 #include "collision/sweep_on_device.h"
 
 #include <algorithm>
 
 #include "collision/batch.h"
+#include "collision/sweep.h"
+#include "collision/sweep_rounding.h"
 
 namespace standoff::collision {
 namespace {
@@ -17,7 +19,7 @@ struct Prepared {
   bool jumps;  ///< the last pose must be looked at
 };
 
-// Only what is free all the way, and does not jump after it, needs no CPU.
+// The CPU sweeps all motions but those that are free and whose last pose does not jump.
 bool decided(const Prepared& motion, const SweepAnswer& answer) {
   return answer.verdict == DeviceVerdict::free && !motion.jumps;
 }
@@ -29,22 +31,22 @@ std::vector<SweepResult> sweep_on_device(const DeviceRow& row, const CollisionMo
                                          double tolerance, const Execution& execution, BatchReport& report, int stack) {
   std::vector<SweepResult> results;
   results.reserve(motions.size());
-  const Pair bodies(a, pose_a, b, {});  // which of them gives its field does not depend on motions
+  const QueryPair bodies(a, pose_a, b, {});  // which of them gives its field does not depend on motions
   for (std::size_t first = 0; first < motions.size(); first += kPiece) {
     const auto piece = motions.subspan(first, std::min(kPiece, motions.size() - first));
     const auto prepared = for_each<Prepared>(piece.size(), execution.threads, [&](std::size_t n) {
-      const Course course(piece[n]);
-      const Pair pair(a, pose_a, b, piece[n].from);
-      const double kept = tolerance_kept(pair, course, tolerance);
-      return Prepared{{RelativeMotion(pair, course).way(), distance_kept(pair, course, kept)},
-                      may_jump_at_end(course, b, kept)};
+      const AxisAngleMotion path(piece[n]);
+      const QueryPair pair(a, pose_a, b, piece[n].from);
+      const double kept = tolerance_kept(pair, path, tolerance);
+      return Prepared{{relative_motion(pair, path), distance_kept(pair, path, kept)},
+                      last_pose_may_jump(path, b, kept)};
     });
     std::vector<SweepQuery> queries;
     queries.reserve(prepared.size());
     for (const Prepared& one : prepared) queries.push_back(one.query);
     std::vector<SweepAnswer> answers(piece.size());
-    row.sweep({.field = *bodies.field.body,
-               .tree = *bodies.tree.body,
+    row.sweep({.target = *bodies.target.body,
+               .probe = *bodies.probe.body,
                .queries = queries,
                .answers = answers,
                .device = execution.device,

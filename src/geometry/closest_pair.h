@@ -3,9 +3,9 @@
 // They lie on an edge of each, or on a corner of one and over the inside of the other: nine pairs of segments and six
 // corners. Nothing is fused, so that all instruction sets round alike.
 //
-// The distance errs by a few roundings of the pair's extent, whatever the shapes (docs/collision.md says how many, a
+// The distance errs by a few roundings of the pair's extent, whatever the shapes (docs/distance.md says how many, a
 // test holds it): places on an edge and over a face come from vectors that are made perpendicular to one another, not
-// from determinants, whose errors grow as nearly parallel edges and slivers get thinner. What is off then is a place
+// from determinants, whose errors grow as nearly parallel edges and slivers get thinner. What is off then is a position
 // along such an edge, and only by so much that the distance there differs by a rounding.
 #pragma once
 
@@ -17,7 +17,7 @@ template <class F>
 struct PairPoints {
   F distance_sq;
   Triple<F> on_p, on_q;
-  Triple<F> way;  ///< from the one to the other: far from the origin their difference would have lost digits
+  Triple<F> separation;  ///< from the one to the other: far from the origin their difference would have lost digits
 };
 
 /// Without fused operations, unlike those of the geometry room.
@@ -33,7 +33,7 @@ STANDOFF_INLINE Triple<F> plain_cross(const Triple<F>& a, const Triple<F>& b) {
 /// A triangle with what its edges need: edge k leads from corner k to the next one.
 template <class F>
 struct Edges {
-  Triple<F> corner[3], way[3];
+  Triple<F> corner[3], edge[3];
   F inverse_sq[3];  ///< of the length; 0 for none
 };
 
@@ -42,8 +42,8 @@ STANDOFF_INLINE Edges<F> edges_of(const Triple<F> (&corner)[3]) {
   Edges<F> e;
   for (int k = 0; k < 3; ++k) {
     e.corner[k] = corner[k];
-    e.way[k] = corner[(k + 1) % 3] - corner[k];
-    const F length_sq = plain_dot(e.way[k], e.way[k]);
+    e.edge[k] = corner[(k + 1) % 3] - corner[k];
+    const F length_sq = plain_dot(e.edge[k], e.edge[k]);
     const auto some = less(F(0), length_sq);
     e.inverse_sq[k] = select(some, F(1) / select(some, length_sq, F(1)), F(0));
   }
@@ -60,14 +60,14 @@ STANDOFF_INLINE void take_if_nearer(PairPoints<F>& best, const Triple<F>& on_p, 
   best.on_q = select(nearer, on_q, best.on_q);
 }
 
-/// Edge i of p and edge j of q. The place on p's edge is first that of the lines: where what p's edge has across q's,
-/// `across`, takes most from what the start has across it, `start`. The place on q's edge is the best for that, and the
-/// place on p's edge then the best for this one: each step only comes nearer, and together they find the least distance
-/// (Ericson, Real-Time Collision Detection, 5.1.9).
+/// Edge i of p and edge j of q. The position on p's edge is first that of the lines: where what p's edge has across
+/// q's, `across`, takes most from what the start has across it, `start`. The position on q's edge is the best for that,
+/// and the position on p's edge then the best for this one: each step only comes nearer, and together they find the
+/// least distance (Ericson, Real-Time Collision Detection, 5.1.9).
 template <class F>
 STANDOFF_INLINE void try_edges(const Edges<F>& p, int i, const Edges<F>& q, int j, PairPoints<F>& best) {
   const auto within = [](const F& t) __attribute__((always_inline)) { return min(max(t, F(0)), F(1)); };
-  const Triple<F>&u = p.way[i], &v = q.way[j], r = p.corner[i] - q.corner[j];
+  const Triple<F>&u = p.edge[i], &v = q.edge[j], r = p.corner[i] - q.corner[j];
   const F uv = plain_dot(u, v), u_on_v = uv * q.inverse_sq[j], r_on_v = plain_dot(v, r) * q.inverse_sq[j];
   const Triple<F> across = u - v * u_on_v, start = r - v * r_on_v;
   const F across_sq = plain_dot(across, across);
@@ -87,7 +87,7 @@ struct Feet {
   F along_inverse_sq, across_inverse_sq, side_on_along;
 
   STANDOFF_INLINE explicit Feet(const Edges<F>& e)
-      : corner(e.corner[0]), along(e.way[0]), side(e.corner[2] - e.corner[0]), along_inverse_sq(e.inverse_sq[0]) {
+      : corner(e.corner[0]), along(e.edge[0]), side(e.corner[2] - e.corner[0]), along_inverse_sq(e.inverse_sq[0]) {
     side_on_along = plain_dot(along, side) * along_inverse_sq;
     across = side - along * side_on_along;
     // Once more: rounding has left it some of `along`, which for a sliver is much of it.
@@ -126,7 +126,7 @@ STANDOFF_INLINE PairPoints<F> closest_pair(const Triple<F> (&world_p)[3], const 
     const auto over_p = feet_p.below(q[k], foot);
     take_if_nearer(best, select(over_p, foot, p[0]), q[k]);
   }
-  best.way = best.on_q - best.on_p;
+  best.separation = best.on_q - best.on_p;
   best.on_p = best.on_p + origin, best.on_q = best.on_q + origin;
   return best;
 }

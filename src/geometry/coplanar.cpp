@@ -8,7 +8,7 @@ namespace {
 bool between(double v, double a, double b) { return (a <= v && v <= b) || (b <= v && v <= a); }
 bool in_box(const Flat& p, const Flat& a, const Flat& b) { return between(p.x, a.x, b.x) && between(p.y, a.y, b.y); }
 
-bool segments_touch(const Flat& p, const Flat& q, const Flat& a, const Flat& b) {
+bool segments_intersect(const Flat& p, const Flat& q, const Flat& a, const Flat& b) {
   const int pa = orient2d(p, q, a), pb = orient2d(p, q, b), ap = orient2d(a, b, p), aq = orient2d(a, b, q);
   if (pa * pb < 0 && ap * aq < 0) return true;
   return (pa == 0 && in_box(a, p, q)) || (pb == 0 && in_box(b, p, q)) || (ap == 0 && in_box(p, a, b)) ||
@@ -40,21 +40,22 @@ int upright_axis(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   return axis;
 }
 
-bool segments_touch(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b) {
+bool segments_intersect(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b) {
   if (orient3d(p, q, a, b) != 0) return false;
   const int axis = upright_axis(p, q, a, b);
-  if (axis >= 0) return segments_touch(dropped(p, axis), dropped(q, axis), dropped(a, axis), dropped(b, axis));
+  if (axis >= 0) return segments_intersect(dropped(p, axis), dropped(q, axis), dropped(a, axis), dropped(b, axis));
   return extents_touch(p.x, q.x, a.x, b.x) && extents_touch(p.y, q.y, a.y, b.y) && extents_touch(p.z, q.z, a.z, b.z);
 }
 
-bool touches_in_plane(const Vec3& p, const Vec3& q, const Corners& t) {
+bool intersects_in_plane(const Vec3& p, const Vec3& q, const Corners& t) {
   const int axis = upright_axis(t[0], t[1], t[2]);
   if (axis < 0)
-    return segments_touch(p, q, t[0], t[1]) || segments_touch(p, q, t[1], t[2]) || segments_touch(p, q, t[2], t[0]);
+    return segments_intersect(p, q, t[0], t[1]) || segments_intersect(p, q, t[1], t[2]) ||
+           segments_intersect(p, q, t[2], t[0]);
   const Flat a = dropped(t[0], axis), b = dropped(t[1], axis), c = dropped(t[2], axis);
   const Flat u = dropped(p, axis), v = dropped(q, axis);
-  return in_triangle(u, a, b, c) || in_triangle(v, a, b, c) || segments_touch(u, v, a, b) ||
-         segments_touch(u, v, b, c) || segments_touch(u, v, c, a);
+  return in_triangle(u, a, b, c) || in_triangle(v, a, b, c) || segments_intersect(u, v, a, b) ||
+         segments_intersect(u, v, b, c) || segments_intersect(u, v, c, a);
 }
 
 }  // namespace standoff

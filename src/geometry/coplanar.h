@@ -33,11 +33,11 @@ int upright_axis(const Vec3& a, const Vec3& b, const Vec3& c);
 int upright_axis(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 
 /// Whether segments pq and ab have a point in common.
-bool segments_touch(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b);
+bool segments_intersect(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b);
 
 /// Whether segment pq, which lies in the triangle's plane, touches it. So does any segment in the plane of three points
 /// on a line.
-bool touches_in_plane(const Vec3& p, const Vec3& q, const Corners& t);
+bool intersects_in_plane(const Vec3& p, const Vec3& q, const Corners& t);
 
 /// A corner that both have; neighbours in one mesh, and bodies that lie in the same place, have one. Null: none.
 inline const Vec3* common_corner(const Corners& p, const Corners& q) {

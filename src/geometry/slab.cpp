@@ -43,10 +43,10 @@ class Thickest {
 
 Slab slab_between(const Corners& p, const Corners& q, const ClosestPair& closest) {
   const double apart = std::sqrt(closest.distance_sq);
-  const Slab slab = slab_along(p, q, apart > 0 ? closest.way * (1 / apart) : Vec3{});
+  const Slab slab = slab_along(p, q, apart > 0 ? closest.separation * (1 / apart) : Vec3{});
   if (slab.thickness > kTurned * apart) return slab;
   Thickest thickest(p, q, slab);
-  const Vec3& way = closest.way;
+  const Vec3& way = closest.separation;
   const auto edge = [](const Corners& t, int k) { return t[(k + 1) % 3] - t[k]; };
   for (const Corners* t : {&p, &q}) {
     thickest.try_along(normal_direction(*t), way);

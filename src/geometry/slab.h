@@ -1,4 +1,4 @@
-// The slab between two triangles that are apart: what tells when they may meet.
+// The slab between two triangles that are apart: a separating direction, from which sweeps bound the time of impact.
 #pragma once
 
 #include "geometry/triangle_pair.h"

@@ -4,11 +4,11 @@
 namespace standoff::collision {
 
 /// Coordinates of one frame in another: x -> rotation * x + translation.
-struct FloatPlace {
+struct FloatTransform {
   float rotation[9];
   float translation[3];
 };
-struct DoublePlace {
+struct DoubleTransform {
   double rotation[9];
   double translation[3];
 };

@@ -1,12 +1,13 @@
-// Do two triangles touch, as far as double precision can tell? Without branches: for double, and for eight doubles at
-// once. After Guigue and Devillers, Fast and robust triangle-triangle overlap test using orientation predicates (2003).
+// Do two triangles intersect, as far as double precision can tell? Without branches: for double, and for eight doubles
+// at once. After Guigue and Devillers, Fast and robust triangle-triangle overlap test using orientation predicates
+// (2003).
 //
-// Triangles whose corners are not all on one side of the other's plane both cross the line in which the planes meet.
-// Let a0 be the corner of p that is alone on its side of q's plane: the edges a0 a1 and a0 a2 pass the line at two
-// points, and so do b0 b1 and b0 b2. The triangles touch unless both points of one come before both of the other. Which
-// of two points comes first is the sign of det(a_i - a0, b0 - a0, b_j - a0): with a0 = A - s u and b0 = B - t w, u and
-// w the edges' directions and A and B the points, it is (u x w).(A - B) or its negative, and since both edges from a0
-// pass to the same side, and those from b0, that has one sign for all four.
+// Triangles whose corners are not all on one side of the other's plane both cross the line in which the planes
+// intersect. Let a0 be the corner of p that is alone on its side of q's plane: the edges a0 a1 and a0 a2 pass the line
+// at two points, and so do b0 b1 and b0 b2. The triangles intersect unless both points of one come before both of the
+// other. Which of two points comes first is the sign of det(a_i - a0, b0 - a0, b_j - a0): with a0 = A - s u and b0 = B
+// - t w, u and w the edges' directions and A and B the points, it is (u x w).(A - B) or its negative, and since both
+// edges from a0 pass to the same side, and those from b0, that has one sign for all four.
 //
 // Determinants are wrong by 7e-16 times the sum of their products' magnitudes at the most (Shewchuk's first stage), of
 // which there are six, none larger than the product of the extents. What lies within that is left to others.
@@ -23,15 +24,15 @@ using FlagsOf = decltype(less(F(), F()));
 
 STANDOFF_INLINE bool negated(bool flag) { return !flag; }
 
-/// A point placed in the world, in the order of apply() for poses, so that all answers are about the same corners.
+/// A transformed point, rounded as apply() rounds for poses, so that all answers are about the same corners.
 template <class F>
-STANDOFF_INLINE F placed_row(const double* row, double translation, const Triple<F>& at) {
+STANDOFF_INLINE F transformed_row(const double* row, double translation, const Triple<F>& at) {
   return F(row[0]) * at.x + F(row[1]) * at.y + F(row[2]) * at.z + F(translation);
 }
 template <class F>
-STANDOFF_INLINE Triple<F> placed(const DoublePlace& place, const Triple<F>& at) {
-  const double *const r = place.rotation, *const t = place.translation;
-  return {placed_row(r, t[0], at), placed_row(r + 3, t[1], at), placed_row(r + 6, t[2], at)};
+STANDOFF_INLINE Triple<F> transformed(const DoubleTransform& transform, const Triple<F>& at) {
+  const double *const r = transform.rotation, *const t = transform.translation;
+  return {transformed_row(r, t[0], at), transformed_row(r + 3, t[1], at), transformed_row(r + 6, t[2], at)};
 }
 
 /// Signs of numbers, as far as they are beyond a bound.
@@ -73,22 +74,22 @@ STANDOFF_INLINE F extent(const Triple<F> (&p)[3], const Triple<F> (&q)[3], F Tri
          min(min(p[0].*axis, min(p[1].*axis, p[2].*axis)), min(q[0].*axis, min(q[1].*axis, q[2].*axis)));
 }
 
-/// The answer, and what it was made of: where the triangles touch can be told from it.
+/// The answer, and the numbers it was made of, from which overlap_penetration.h finds the point of contact.
 template <class F>
-struct Meeting {
-  FlagsOf<F> touch, unsure;  ///< for certain; rounding may hide the answer
+struct TriangleOverlap {
+  FlagsOf<F> intersecting, unsure;  ///< for certain; rounding may hide the answer
   Triple<F> p_normal, q_normal;
   F p_height[3], q_height[3];    ///< of the corners over the other's plane, times its normal's length
   Turned<F> a, b;                ///< p and q
   Triple<F> a1, a2, b0, b1, b2;  ///< their corners relative to a's first one
 };
 template <class F>
-STANDOFF_INLINE Meeting<F> meeting(const Triple<F> (&p)[3], const Triple<F> (&q)[3]) {
+STANDOFF_INLINE TriangleOverlap<F> triangle_overlap(const Triple<F> (&p)[3], const Triple<F> (&q)[3]) {
   constexpr double kRounding = 6e-15, kUnderflow = 1e-290;
   const F bound =
       extent(p, q, &Triple<F>::x) * extent(p, q, &Triple<F>::y) * extent(p, q, &Triple<F>::z) * F(kRounding) +
       F(kUnderflow);
-  Meeting<F> m;
+  TriangleOverlap<F> m;
   m.p_normal = plain_cross(p[1] - p[0], p[2] - p[0]), m.q_normal = plain_cross(q[1] - q[0], q[2] - q[0]);
   for (int k = 0; k < 3; ++k)
     m.p_height[k] = plain_dot(m.q_normal, p[k] - q[0]), m.q_height[k] = plain_dot(m.p_normal, q[k] - p[0]);
@@ -106,8 +107,8 @@ STANDOFF_INLINE Meeting<F> meeting(const Triple<F> (&p)[3], const Triple<F> (&q)
   const FlagsOf<F> all_after = order[0].negative & order[1].negative & order[2].negative & order[3].negative;
   const FlagsOf<F> sure = m.a.sure & m.b.sure;
   const FlagsOf<F> apart = m.a.apart | m.b.apart | (sure & (all_before | all_after));
-  m.touch = sure & negated(apart) & before & after;
-  m.unsure = negated(apart | m.touch);
+  m.intersecting = sure & negated(apart) & before & after;
+  m.unsure = negated(apart | m.intersecting);
   return m;
 }
 

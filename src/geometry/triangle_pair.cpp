@@ -14,7 +14,7 @@ namespace {
 // `from` and `to` are the sides of t's plane that p and q lie on.
 bool touches(const Vec3& p, const Vec3& q, int from, int to, const Corners& t) {
   if (from * to > 0) return false;
-  if (from == 0 && to == 0) return touches_in_plane(p, q, t);
+  if (from == 0 && to == 0) return intersects_in_plane(p, q, t);
   const int ab = orient3d(p, q, t[0], t[1]), bc = orient3d(p, q, t[1], t[2]);
   if (ab * bc < 0) return false;
   const int ca = orient3d(p, q, t[2], t[0]);
@@ -23,7 +23,7 @@ bool touches(const Vec3& p, const Vec3& q, int from, int to, const Corners& t) {
 
 }  // namespace
 
-bool triangles_touch(const Corners& p, const Corners& q) {
+bool triangles_intersect(const Corners& p, const Corners& q) {
   if (common_corner(p, q)) return true;
   int of_p[3], of_q[3];
   for (int n = 0; n < 3; ++n) of_p[n] = orient3d(q[0], q[1], q[2], p[n]);
@@ -39,7 +39,7 @@ ClosestPair closest_points(const Corners& p, const Corners& q) {
   const Triple<double> of_p[3] = {triple_of(p[0]), triple_of(p[1]), triple_of(p[2])},
                        of_q[3] = {triple_of(q[0]), triple_of(q[1]), triple_of(q[2])};
   const auto found = collision::closest_pair(of_p, of_q);
-  return {found.distance_sq, vec_of(found.on_p), vec_of(found.on_q), vec_of(found.way)};
+  return {found.distance_sq, vec_of(found.on_p), vec_of(found.on_q), vec_of(found.separation)};
 }
 
 double extent_of(const Corners& p, const Corners& q) {

@@ -1,4 +1,4 @@
-// Two triangles in the same coordinates: do they touch, how near are they?
+// Two triangles in the same coordinates: do they intersect, how far apart are they?
 #pragma once
 
 #include "geometry/coplanar.h"
@@ -6,12 +6,12 @@
 namespace standoff {
 
 /// Whether the triangles have a point in common, exactly. Segments and points count as triangles.
-bool triangles_touch(const Corners& p, const Corners& q);
+bool triangles_intersect(const Corners& p, const Corners& q);
 
 struct ClosestPair {
   double distance_sq;
   Vec3 on_p, on_q;
-  Vec3 way;  ///< from on_p to on_q; far from the origin their difference would have lost digits
+  Vec3 separation;  ///< from on_p to on_q; far from the origin their difference would have lost digits
 };
 
 /// The closest points of two triangles that do not cross: of touching ones where they touch at an edge, of crossing

@@ -10,7 +10,7 @@
 #include "core/execution.h"
 #include "core/guarded.h"
 #include "core/threads.h"
-#include "simulation/crossing.h"
+#include "simulation/crossing_check.h"
 #include "standoff/compute.h"
 #include "standoff/simulation.h"
 

@@ -30,7 +30,7 @@ inline Corners corners_at(MeshView mesh, std::size_t t, const Pose& pose) {
 inline bool brute_touch(MeshView a, const Pose& pose_a, MeshView b, const Pose& pose_b) {
   for (std::size_t s = 0; s < a.triangles.size(); ++s)
     for (std::size_t t = 0; t < b.triangles.size(); ++t)
-      if (triangles_touch(corners_at(a, s, pose_a), corners_at(b, t, pose_b))) return true;
+      if (triangles_intersect(corners_at(a, s, pose_a), corners_at(b, t, pose_b))) return true;
   return false;
 }
 
@@ -40,7 +40,7 @@ inline double brute_pair_distance(MeshView a, const Pose& pose_a, MeshView b, co
   for (std::size_t s = 0; s < a.triangles.size(); ++s)
     for (std::size_t t = 0; t < b.triangles.size(); ++t) {
       const Corners p = corners_at(a, s, pose_a), q = corners_at(b, t, pose_b);
-      if (triangles_touch(p, q)) return 0;
+      if (triangles_intersect(p, q)) return 0;
       least_sq = std::min(least_sq, closest_points(p, q).distance_sq);
     }
   return std::sqrt(least_sq);

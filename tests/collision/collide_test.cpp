@@ -23,7 +23,7 @@ void expect_as_brute_force(const Mesh& a, const Mesh& b, int poses, double half,
     hits += expected;
     if (!expected) continue;
     const Corners p = corners_at(a, found.triangle_a, pose_a), q = corners_at(b, found.triangle_b, pose_b);
-    ASSERT_TRUE(triangles_touch(p, q) || closest_points(p, q).distance_sq <= margin * margin);
+    ASSERT_TRUE(triangles_intersect(p, q) || closest_points(p, q).distance_sq <= margin * margin);
   }
   EXPECT_GT(hits, poses / 10);
   EXPECT_LT(hits, poses * 9 / 10);

@@ -20,7 +20,7 @@ Pairs brute_pairs(const Mesh& a, const Pose& pose_a, const Mesh& b, const Pose& 
   for (std::uint32_t s = 0; s < a.triangles.size(); ++s)
     for (std::uint32_t t = 0; t < b.triangles.size(); ++t) {
       const Corners p = corners_at(a, s, pose_a), q = corners_at(b, t, pose_b);
-      if (triangles_touch(p, q) || (margin > 0 && closest_points(p, q).distance_sq <= margin * margin))
+      if (triangles_intersect(p, q) || (margin > 0 && closest_points(p, q).distance_sq <= margin * margin))
         pairs.insert({s, t});
     }
   return pairs;
@@ -44,7 +44,7 @@ void expect_as_brute_force(const Mesh& a, const Mesh& b, int poses, double half,
       // Moved along the normal by its depth, the pair is apart.
       Pose out = pose_b;
       out.translation = out.translation + c.normal * (c.depth + 1e-9);
-      const bool still = triangles_touch(corners_at(a, c.triangle_a, pose_a), corners_at(b, c.triangle_b, out));
+      const bool still = triangles_intersect(corners_at(a, c.triangle_a, pose_a), corners_at(b, c.triangle_b, out));
       EXPECT_FALSE(c.depth >= 0 && still);
     }
     EXPECT_EQ(found, expected);
@@ -97,7 +97,7 @@ void expect_so_many_as_wanted(const Mesh& a, const Mesh& b, std::size_t expected
     EXPECT_EQ(found.overflow, most < all) << "of " << most;
     Pairs pairs;
     for (const ContactPoint& c : found.contacts) {
-      EXPECT_TRUE(triangles_touch(corners_at(a, c.triangle_a, {}), corners_at(b, c.triangle_b, {})));
+      EXPECT_TRUE(triangles_intersect(corners_at(a, c.triangle_a, {}), corners_at(b, c.triangle_b, {})));
       pairs.insert({c.triangle_a, c.triangle_b});
     }
     EXPECT_EQ(pairs.size(), found.contacts.size());
@@ -126,7 +126,7 @@ void expect_all_of_a_sheet_on_a_floor(const Mesh& floor, const Mesh& sheet) {
     const Corners q = corners_at(sheet, t, {});
     const auto [low, high] = std::minmax({q[0].z, q[1].z, q[2].z});
     for (std::uint32_t s = 0; low <= 0 && high >= 0 && s < floor.triangles.size(); ++s)
-      expected += triangles_touch(corners_at(floor, s, {}), q);
+      expected += triangles_intersect(corners_at(floor, s, {}), q);
   }
   EXPECT_GT(expected, 8u);
   expect_so_many_as_wanted(floor, sheet, expected);

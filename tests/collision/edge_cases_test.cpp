@@ -29,7 +29,7 @@ TEST(EdgeCases, IdenticalBodiesTouch) {
   std::size_t pairs = 0;
   for (std::size_t i = 0; i < small.triangles.size(); ++i)
     for (std::size_t j = 0; j < small.triangles.size(); ++j)
-      pairs += triangles_touch(corners_at(small, i, pose), corners_at(small, j, pose));
+      pairs += triangles_intersect(corners_at(small, i, pose), corners_at(small, j, pose));
   const ContactResult all = contacts(of_small, pose, of_small, pose, {.most = 1'000'000});
   EXPECT_EQ(all.contacts.size(), pairs);
   for (const ContactPoint& c : all.contacts) EXPECT_TRUE(is_finite(c.point) && is_finite(c.normal) && c.depth >= 0);

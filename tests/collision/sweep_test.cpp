@@ -47,7 +47,7 @@ void expect_sound(const Mesh& a, const Mesh& b, int cases, double half, double w
     ASSERT_LE(apart, kTolerance * (1 + 1e-9));
     const Corners p = corners_at(a, swept.triangle_a, c.pose_a),
                   q = corners_at(b, swept.triangle_b, pose_at(c.motion, swept.time));
-    ASSERT_TRUE(triangles_touch(p, q) || closest_points(p, q).distance_sq <= kTolerance * kTolerance * (1 + 1e-9));
+    ASSERT_TRUE(triangles_intersect(p, q) || closest_points(p, q).distance_sq <= kTolerance * kTolerance * (1 + 1e-9));
   }
   EXPECT_GT(hits, cases / 20);
   EXPECT_GT(frees, cases / 20);

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "collision/cpu/kernels.h"
-#include "geometry/intersection.h"
+#include "geometry/penetration.h"
 #include "geometry/slab.h"
 #include "geometry/triangle_pair.h"
 #include "tests/collision/bodies.h"
@@ -29,7 +29,7 @@ TEST(ThinTriangles, DistancesOfNearlyParallelEdgesAreRightToRounding) {
     const Corners p{at - along, at + along, at - up};
     const Vec3 turned = along + direction(random) * angle, start = at + up * apart;
     const Corners q{start - turned, start + turned, start + up};
-    if (triangles_touch(p, q)) continue;
+    if (triangles_intersect(p, q)) continue;
     const double off = std::abs(std::sqrt(closest_points(p, q).distance_sq) - gap(p, q)) / extent_of(p, q);
     worst = std::max(worst, off);
   }
@@ -42,14 +42,14 @@ TEST(ThinTriangles, DistancesOfSliversAreRightToRounding) {
   Random random(2);
   double worst = 0, off_triangle = 0, way_off = 0;
   for (int n = 0; n < 20'000; ++n) {
-    SliverPair pair = sliver_pair(random, log_between(random, 1e-15, 1), Thin::any_way, Meeting::near);
+    SliverPair pair = sliver_pair(random, log_between(random, 1e-15, 1), Thin::any_way, TriangleOverlap::near);
     const Vec3 far = n % 2 ? random.in_cube(1e6) : Vec3{};
     const Corners p = moved_by(pair.p, far), q = moved_by(pair.q, far);
-    if (triangles_touch(p, q)) continue;
+    if (triangles_intersect(p, q)) continue;
     const ClosestPair found = closest_points(p, q);
     const double extent = extent_of(p, q), place = extent + length(far);
     worst = std::max(worst, std::abs(std::sqrt(found.distance_sq) - gap(p, q)) / extent);
-    way_off = std::max(way_off, std::abs(length(found.way) - std::sqrt(found.distance_sq)) / extent);
+    way_off = std::max(way_off, std::abs(length(found.separation) - std::sqrt(found.distance_sq)) / extent);
     off_triangle = std::max({off_triangle, root_of(point_triangle_sq(found.on_p, p)) / place,
                              root_of(point_triangle_sq(found.on_q, q)) / place});
   }
@@ -64,10 +64,10 @@ TEST(ThinTriangles, NoneIsPartedFromWhatItTouches) {
   int touching = 0;
   for (int round = 0; round < 2'000; ++round) {
     const double ratio = log_between(random, 1e-12, 1e-2);
-    collision::Faces faces[2];
+    collision::Triangle16 faces[2];
     Corners corners[2][collision::kLanes];
     for (int n = 0; n < collision::kLanes; ++n) {
-      const SliverPair pair = sliver_pair(random, ratio, Thin::any_way, Meeting::touching);
+      const SliverPair pair = sliver_pair(random, ratio, Thin::any_way, TriangleOverlap::touching);
       for (const int which : {0, 1}) {
         const Corners& from = which == 0 ? pair.p : pair.q;
         for (int k = 0; k < 3; ++k) {
@@ -77,20 +77,21 @@ TEST(ThinTriangles, NoneIsPartedFromWhatItTouches) {
         }
       }
     }
-    const collision::FloatPlace here{{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    const collision::FloatTransform here{{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
     for (int k = 0; collision::all_kernels()[k] != nullptr; ++k) {
       const collision::Kernels& kernels = *collision::all_kernels()[k];
-      collision::Faces placed[2];
-      collision::Boxes boxes[2];
+      collision::Triangle16 placed[2];
+      collision::Aabb16 boxes[2];
       collision::FloatBox all;
-      for (const int which : {0, 1}) kernels.place_faces(here, faces[which], 0, placed[which], boxes[which], all);
+      for (const int which : {0, 1})
+        kernels.transform_triangles(here, faces[which], 0, placed[which], boxes[which], all);
       collision::LanePair pairs[collision::kLanes * collision::kLanes];
-      const int count = kernels.close_lanes({&placed[0], &boxes[0], 0xffff}, {&placed[1], &boxes[1], 0xffff}, 0, pairs);
+      const int count = kernels.close_pairs({&placed[0], &boxes[0], 0xffff}, {&placed[1], &boxes[1], 0xffff}, 0, pairs);
       bool told[collision::kLanes][collision::kLanes] = {};
       for (int n = 0; n < count; ++n) told[pairs[n].a][pairs[n].b] = true;
       for (int i = 0; i < collision::kLanes; ++i)
         for (int j = 0; j < collision::kLanes; ++j) {
-          if (!triangles_touch(corners[0][i], corners[1][j])) continue;
+          if (!triangles_intersect(corners[0][i], corners[1][j])) continue;
           ++touching;
           EXPECT_TRUE(told[i][j]) << kernels.name;
         }
@@ -101,14 +102,14 @@ TEST(ThinTriangles, NoneIsPartedFromWhatItTouches) {
 
 // A pair moved by a little more than the depth along the normal is apart, whatever the triangles are.
 void expect_way_out(const Corners& p, const Corners& q) {
-  ASSERT_TRUE(triangles_touch(p, q));
-  const Overlap found = overlap(p, q);
+  ASSERT_TRUE(triangles_intersect(p, q));
+  const Penetration found = penetration(p, q);
   const double extent = std::max(extent_of(p, q), 1e-300);
   EXPECT_NEAR(length(found.normal), 1, 1e-15);
   EXPECT_GE(found.depth, 0);
-  EXPECT_FALSE(triangles_touch(p, moved_by(q, found.normal * (found.depth + kOverlapError * extent))));
-  EXPECT_LE(root_of(point_triangle_sq(found.point, p)), kOverlapError * extent);
-  EXPECT_LE(root_of(point_triangle_sq(found.point, q)), kOverlapError * extent);
+  EXPECT_FALSE(triangles_intersect(p, moved_by(q, found.normal * (found.depth + kPenetrationError * extent))));
+  EXPECT_LE(root_of(point_triangle_sq(found.point, p)), kPenetrationError * extent);
+  EXPECT_LE(root_of(point_triangle_sq(found.point, q)), kPenetrationError * extent);
 }
 
 TEST(ThinTriangles, SegmentsAndPointsHaveAWayOut) {
@@ -119,7 +120,7 @@ TEST(ThinTriangles, SegmentsAndPointsHaveAWayOut) {
   int touching = 0;
   for (const Corners& p : all)
     for (const Corners& q : all) {
-      if (!triangles_touch(p, q)) continue;
+      if (!triangles_intersect(p, q)) continue;
       ++touching;
       expect_way_out(p, q);
     }
@@ -130,9 +131,9 @@ TEST(ThinTriangles, SliversHaveAWayOutAndAPointOnBoth) {
   Random random(5);
   int touching = 0;
   for (int n = 0; n < 20'000; ++n) {
-    const SliverPair pair =
-        sliver_pair(random, log_between(random, 1e-15, 1), n % 2 ? Thin::any_way : Thin::along_z, Meeting::touching);
-    if (!triangles_touch(pair.p, pair.q)) continue;
+    const SliverPair pair = sliver_pair(random, log_between(random, 1e-15, 1), n % 2 ? Thin::any_way : Thin::along_z,
+                                        TriangleOverlap::touching);
+    if (!triangles_intersect(pair.p, pair.q)) continue;
     ++touching;
     expect_way_out(pair.p, pair.q);
   }
@@ -142,7 +143,7 @@ TEST(ThinTriangles, SliversHaveAWayOutAndAPointOnBoth) {
 // The middle of the segment that both share, not one of its ends, for triangles in general position too.
 TEST(ThinTriangles, TheSharedSegmentsMiddleIsThePoint) {
   const Corners flat{Vec3{0, 0, 0}, Vec3{4, 0, 0}, Vec3{0, 4, 0}};
-  const Overlap found = overlap(flat, {Vec3{1, 1, 1}, Vec3{1, 1, -1}, Vec3{-3, 1, -1}});
+  const Penetration found = penetration(flat, {Vec3{1, 1, 1}, Vec3{1, 1, -1}, Vec3{-3, 1, -1}});
   EXPECT_NEAR(length(found.point - Vec3{0.5, 1, 0}), 0, 1e-15);
   EXPECT_NEAR(found.depth, 1, 1e-15);
 }
@@ -158,7 +159,7 @@ TEST(ThinTriangles, TheSlabIsAsThickAsTheyAreApart) {
     Corners p{in_plane(), in_plane(), in_plane()};
     const Vec3 above = (p[0] + p[1] + p[2]) * (1 / 3.0) + up * apart;
     const Corners q{above, above + up + in_plane(), above + up * 0.5 + in_plane()};
-    if (triangles_touch(p, q)) continue;
+    if (triangles_intersect(p, q)) continue;
     const ClosestPair closest = closest_points(p, q);
     const double distance = std::sqrt(closest.distance_sq);
     const collision::Slab slab = collision::slab_between(p, q, closest);

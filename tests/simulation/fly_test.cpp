@@ -1,7 +1,7 @@
 // Flies in a small labyrinth: what they pass through, what repeats, what is written.
 #include <gtest/gtest.h>
 
-#include "simulation/crossing.h"
+#include "simulation/crossing_check.h"
 #include "standoff/simulation.h"
 #include "tests/collision/bodies.h"
 #include "tests/simulation/room.h"
@@ -83,7 +83,7 @@ TEST(Crossing, AgreesWithEveryTriangle) {
     const Vec3 from = random.in_cube(1.5), to = from + random.in_cube(n % 2 ? 0.3 : 3);
     bool expected = false;
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-      expected = expected || triangles_touch({from, to, to}, corners_at(mesh, t, {}));
+      expected = expected || triangles_intersect({from, to, to}, corners_at(mesh, t, {}));
     ASSERT_EQ(check.crosses(from, to), expected);
     crossed += expected;
   }

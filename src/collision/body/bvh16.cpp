@@ -40,70 +40,70 @@ void arrange(Item* first, Item* last, std::int64_t capacity) {
   }
 }
 
-// A ball's radius is rounded up, so that it holds its corners in spite of float rounding.
+// A sphere's radius is rounded up, so that it holds its corners in spite of float rounding.
 constexpr float kRoundUp = 1 + 0x1p-21f;
 
-struct Place {
+struct FloatPoint {
   float x[3];
 };
 
-Place place(Vec3 corner, Vec3 middle) {
+FloatPoint to_float(Vec3 corner, Vec3 middle) {
   const Vec3 c = corner - middle;
   return {{static_cast<float>(c.x), static_cast<float>(c.y), static_cast<float>(c.z)}};
 }
 
 }  // namespace
 
-void fill_levels(Tree& tree, MeshView mesh, Vec3 middle) {
-  const auto count = static_cast<std::int64_t>(tree.order.size());
-  std::vector<Place> corners(3 * tree.order.size());
+void fill_levels(Bvh16& bvh, MeshView mesh, Vec3 middle) {
+  const auto count = static_cast<std::int64_t>(bvh.order.size());
+  std::vector<FloatPoint> corners(3 * bvh.order.size());
   tbb::parallel_for(std::int64_t{0}, count, [&](std::int64_t n) {
-    for (int k = 0; k < 3; ++k) corners[3 * n + k] = place(mesh.corner(tree.order[n], k), middle);
+    for (int k = 0; k < 3; ++k) corners[3 * n + k] = to_float(mesh.corner(bvh.order[n], k), middle);
   });
-  tree.faces.resize(static_cast<std::size_t>((count + kLanes - 1) / kLanes));
-  tbb::parallel_for(std::int64_t{0}, static_cast<std::int64_t>(tree.faces.size()) * kLanes, [&](std::int64_t n) {
-    const Place* const from = corners.data() + 3 * std::min(n, count - 1);
+  bvh.triangles.resize(static_cast<std::size_t>((count + kLanes - 1) / kLanes));
+  tbb::parallel_for(std::int64_t{0}, static_cast<std::int64_t>(bvh.triangles.size()) * kLanes, [&](std::int64_t n) {
+    const FloatPoint* const from = corners.data() + 3 * std::min(n, count - 1);
     for (int k = 0; k < 3; ++k)
-      for (int axis = 0; axis < 3; ++axis) tree.faces[n / kLanes].corner[k][axis][n % kLanes] = from[k].x[axis];
+      for (int axis = 0; axis < 3; ++axis) bvh.triangles[n / kLanes].corner[k][axis][n % kLanes] = from[k].x[axis];
   });
-  tree.levels.clear();
+  bvh.levels.clear();
   for (std::int64_t size = 1;; size *= kLanes) {  // triangles of a node
     const std::int64_t nodes = (count + size - 1) / size, packets = (nodes + kLanes - 1) / kLanes;
-    Level level;
-    level.balls.resize(packets);
+    BvhLevel level;
+    level.spheres.resize(packets);
     level.boxes.resize(packets);
     tbb::parallel_for(std::int64_t{0}, packets * kLanes, [&](std::int64_t n) {
-      Balls& balls = level.balls[n / kLanes];
-      Boxes& boxes = level.boxes[n / kLanes];
+      Sphere16& spheres = level.spheres[n / kLanes];
+      Aabb16& boxes = level.boxes[n / kLanes];
       const int lane = static_cast<int>(n % kLanes);
-      const Place* const begin = corners.data() + 3 * std::min(n * size, count);
-      const Place* const end = corners.data() + 3 * std::min((n + 1) * size, count);
+      const FloatPoint* const begin = corners.data() + 3 * std::min(n * size, count);
+      const FloatPoint* const end = corners.data() + 3 * std::min((n + 1) * size, count);
       FloatBox box;
-      for (const Place* p = begin; p != end; ++p) box.include(p->x);
+      for (const FloatPoint* p = begin; p != end; ++p) box.include(p->x);
       float center[3] = {};
-      float radius = begin == end ? -kNothing : 0;
+      float radius = begin == end ? -kInfinity : 0;
       for (int axis = 0; axis < 3; ++axis) {
         boxes.min[axis][lane] = box.min[axis];
         boxes.max[axis][lane] = box.max[axis];
         if (begin != end) center[axis] = box.min[axis] + (box.max[axis] - box.min[axis]) / 2;
-        balls.center[axis][lane] = center[axis];
+        spheres.center[axis][lane] = center[axis];
       }
-      for (const Place* p = begin; p != end; ++p) {
+      for (const FloatPoint* p = begin; p != end; ++p) {
         const float x = p->x[0] - center[0], y = p->x[1] - center[1], z = p->x[2] - center[2];
         radius = std::max(radius, x * x + y * y + z * z);
       }
-      balls.radius[lane] = begin == end ? radius : std::sqrt(radius) * kRoundUp;
+      spheres.radius[lane] = begin == end ? radius : std::sqrt(radius) * kRoundUp;
     });
-    tree.levels.push_back(std::move(level));
+    bvh.levels.push_back(std::move(level));
     if (packets == 1) return;
   }
 }
 
-Tree build_tree(MeshView mesh, Vec3 middle) {
+Bvh16 build_bvh(MeshView mesh, Vec3 middle) {
   std::vector<Item> items(mesh.triangles.size());
   tbb::parallel_for(std::size_t{0}, items.size(), [&](std::size_t n) {
-    const Place a = place(mesh.corner(n, 0), middle), b = place(mesh.corner(n, 1), middle),
-                c = place(mesh.corner(n, 2), middle);
+    const FloatPoint a = to_float(mesh.corner(n, 0), middle), b = to_float(mesh.corner(n, 1), middle),
+                     c = to_float(mesh.corner(n, 2), middle);
     for (int axis = 0; axis < 3; ++axis) {
       const auto [low, high] = std::minmax({a.x[axis], b.x[axis], c.x[axis]});
       items[n].at[axis] = low + (high - low) / 2;
@@ -113,11 +113,11 @@ Tree build_tree(MeshView mesh, Vec3 middle) {
   std::int64_t capacity = 1;
   while (capacity < static_cast<std::int64_t>(items.size())) capacity *= kLanes;
   arrange(items.data(), items.data() + items.size(), capacity);
-  Tree tree;
-  tree.order.reserve(items.size());
-  for (const Item& item : items) tree.order.push_back(item.triangle);
-  fill_levels(tree, mesh, middle);
-  return tree;
+  Bvh16 bvh;
+  bvh.order.reserve(items.size());
+  for (const Item& item : items) bvh.order.push_back(item.triangle);
+  fill_levels(bvh, mesh, middle);
+  return bvh;
 }
 
 }  // namespace standoff::collision

@@ -25,9 +25,9 @@ double promised_error(double distance, double spacing) { return 1e-6 * (distance
 
 std::uint8_t rounded_down(float value, double spacing) {
   const double band = kBandSamples * spacing;
-  if (value >= static_cast<float>(band)) return 255;
+  if (value >= static_cast<float>(band)) return kClampedSample;
   const double bound = value - promised_error(value, spacing);
-  return static_cast<std::uint8_t>(std::max(0.0, std::floor(bound / band * 255)));
+  return static_cast<std::uint8_t>(std::max(0.0, std::floor(bound / band * kClampedSample)));
 }
 
 void fill_fine(FieldBounds& bounds, const DistanceField& field) {
@@ -43,7 +43,7 @@ void fill_fine(FieldBounds& bounds, const DistanceField& field) {
         }
   constexpr std::size_t kSize = DistanceField::kTileSamples;
   bounds.samples.resize((stored.size() + 1) * kSize);
-  std::fill_n(bounds.samples.begin(), kSize, std::uint8_t{255});
+  std::fill_n(bounds.samples.begin(), kSize, std::uint8_t{kClampedSample});
   tbb::parallel_for(std::size_t{0}, stored.size(), [&](std::size_t t) {
     for (std::size_t n = 0; n < kSize; ++n)
       bounds.samples[(t + 1) * kSize + n] = rounded_down(stored[t][n], bounds.spacing);
@@ -108,7 +108,7 @@ FieldView FieldBounds::view() const {
   view.coarse_spacing = static_cast<float>(coarse_spacing);
   view.per_spacing = static_cast<float>(1 / spacing);
   view.per_coarse_spacing = static_cast<float>(1 / coarse_spacing);
-  view.step = static_cast<float>(band() / 255);
+  view.step = static_cast<float>(band() / kClampedSample);
   const auto set = [](float(&to)[3], Vec3 v) {
     to[0] = static_cast<float>(v.x), to[1] = static_cast<float>(v.y), to[2] = static_cast<float>(v.z);
   };

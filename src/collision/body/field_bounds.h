@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "collision/body/simd_blocks.h"
+#include "collision/body/field_view.h"
 #include "core/huge_page_vector.h"
 #include "standoff/execution.h"
 #include "standoff/field.h"
@@ -12,7 +12,7 @@
 namespace standoff::collision {
 
 /// Half-width of the fine field's band, and the coarse field's spacing, in fine spacings. The band must reach past the
-/// coarse field's error, sqrt(3)/2 * 4 spacings, so that the coarse bound is only asked where it is good for something.
+/// coarse field's error, sqrt(3)/2 * 4 spacings, so that the coarse bound is only used where it is the better one.
 inline constexpr int kBandSamples = 4;
 inline constexpr int kCoarseStep = 4;
 
@@ -22,17 +22,17 @@ struct FieldBounds {
   double spacing = 1;
   Size3 size, coarse_size;
   Vec3 origin;
-  Box box;                        ///< of the surface
-  BigVector<std::int32_t> slots;  ///< per tile; tile 0 of the samples is all far
-  BigVector<std::uint8_t> samples;
-  BigVector<float> coarse;  ///< distances, rounded down; no clamping
+  Box box;                             ///< of the surface
+  HugePageVector<std::int32_t> slots;  ///< per tile; tile 0 of the samples is all far
+  HugePageVector<std::uint8_t> samples;
+  HugePageVector<float> coarse;  ///< distances, rounded down; no clamping
 
   double band() const { return kBandSamples * spacing; }
   FieldView view() const;
 };
 
 /// The spacing for a mesh when none is asked for: about 12 million samples in its box, but never less than a
-/// quarter of its mean edge, below which a finer field tells no more.
+/// quarter of its mean edge, below which a finer field gives no better bound.
 double default_spacing(MeshView mesh, const Box& box);
 
 /// The fields' grids for a mesh of that box, without samples. Errors: limit.

@@ -18,8 +18,8 @@ constexpr double kLeastSize = 1e-12, kMostSize = 1e12;
 
 void ModelData::finish() {
   view = field.view();
-  corners.reserve(tree.order.size());
-  for (const std::uint32_t t : tree.order) {
+  corners.reserve(bvh.order.size());
+  for (const std::uint32_t t : bvh.order) {
     corners.push_back({mesh.vertices[mesh.triangles[t][0]], mesh.vertices[mesh.triangles[t][1]],
                        mesh.vertices[mesh.triangles[t][2]]});
     for (const Vec3& v : corners.back()) radius = std::max(radius, length(v - middle));
@@ -44,8 +44,8 @@ void ModelData::prepare(double spacing) {
 std::int64_t ModelData::memory_bytes() const {
   const auto bytes = [](const auto& array) { return array.size() * sizeof(array[0]); };
   std::size_t sum = bytes(mesh.vertices) + bytes(mesh.triangles) + bytes(field.slots) + bytes(field.samples) +
-                    bytes(field.coarse) + bytes(corners) + bytes(tree.order) + bytes(tree.faces);
-  for (const Level& level : tree.levels) sum += bytes(level.balls) + bytes(level.boxes);
+                    bytes(field.coarse) + bytes(corners) + bytes(bvh.order) + bytes(bvh.triangles);
+  for (const BvhLevel& level : bvh.levels) sum += bytes(level.spheres) + bytes(level.boxes);
   return static_cast<std::int64_t>(sum);
 }
 
@@ -59,7 +59,7 @@ CollisionModel::CollisionModel(MeshView mesh, const ModelOptions& options) try {
   const double spacing = options.spacing > 0 ? options.spacing : collision::default_spacing(mesh, data->box);
   Threads(options.execution.threads).run([&] {
     data->field = collision::build_field_bounds(mesh, data->middle, spacing, options.execution);
-    data->tree = collision::build_tree(mesh, data->middle);
+    data->bvh = collision::build_bvh(mesh, data->middle);
     data->finish();
   });
   data_ = data;

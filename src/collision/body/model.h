@@ -2,7 +2,7 @@
 #pragma once
 
 #include "collision/body/bvh16.h"
-#include "collision/body/device_copies.h"
+#include "collision/body/device_model_cache.h"
 #include "collision/body/field_bounds.h"
 #include "standoff/collision.h"
 
@@ -13,23 +13,23 @@ namespace collision {
 struct ModelData {
   Mesh mesh;
   Box box;            ///< of the corners
-  Vec3 middle;        ///< tree and field are relative to it
-  double radius = 0;  ///< of a ball about the middle that holds all corners
+  Vec3 middle;        ///< BVH and fields are relative to it
+  double radius = 0;  ///< of a sphere about the middle that holds all corners
   FieldBounds field;
   FieldView view{};  ///< of `field`
-  Tree tree;
-  BigVector<Corners> corners;  ///< of the triangles, in tree order
-  DeviceCopies copies;         ///< what GPUs keep of all this
+  Bvh16 bvh;
+  HugePageVector<Corners> corners;  ///< of the triangles, in the order of the BVH
+  DeviceModelCache device_models;   ///< what GPUs keep of all this
 
   /// The first step of building and of loading: checks the mesh, and sets box and middle. A spacing of 0 is chosen
   /// later. Errors: input, usage.
   void prepare(double spacing);
-  /// The last step: everything that follows from mesh, field and tree order.
+  /// The last step: everything that follows from mesh, field and the order of the BVH.
   void finish();
   std::int64_t memory_bytes() const;
 };
 
-/// The way from a model to its data, for this library alone.
+/// A model's data, for this library alone.
 struct ModelAccess {
   static const ModelData& data(const CollisionModel& model) { return *model.data_; }
   static CollisionModel model(std::shared_ptr<const ModelData> data) { return CollisionModel(std::move(data)); }

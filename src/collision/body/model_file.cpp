@@ -1,7 +1,7 @@
 // Bodies in files: a header, then the arrays as they lie in memory, little endian, and a checksum over all of it.
 //
 // What is read is not believed: sizes are checked against the file's and against what the mesh and the spacing give,
-// the tree's order against being a permutation, tile numbers against the tiles there are. So a damaged or hostile file
+// the BVH's order against being a permutation, tile numbers against the tiles there are. So a damaged or hostile file
 // is an error or a body with wrong bounds, but never an access out of range. The checksum finds damage, not malice.
 #include "collision/body/model_file.h"
 #include "collision/body/model.h"
@@ -111,7 +111,7 @@ CollisionModel read_model(const FileView& file, BodyChecksum checksum) {
   FieldBounds field;
   arrays.take(data->mesh.vertices, header.vertices, sum);
   arrays.take(data->mesh.triangles, header.triangles, sum);
-  arrays.take(data->tree.order, header.triangles, sum);
+  arrays.take(data->bvh.order, header.triangles, sum);
   arrays.take(field.slots, header.slots, sum);
   arrays.take(field.samples, header.samples, sum);
   arrays.take(field.coarse, header.coarse, sum);
@@ -135,12 +135,12 @@ CollisionModel read_model(const FileView& file, BodyChecksum checksum) {
   data->field.coarse = std::move(field.coarse);
   check_field(file, data->field, header);
   std::vector<bool> seen(header.triangles);
-  for (const std::uint32_t t : data->tree.order) {
+  for (const std::uint32_t t : data->bvh.order) {
     if (t >= header.triangles || seen[t])
       file.fail("tree", "its order names a triangle twice or one there is not; save the body again");
     seen[t] = true;
   }
-  fill_levels(data->tree, data->mesh, data->middle);
+  fill_levels(data->bvh, data->mesh, data->middle);
   data->finish();
   return ModelAccess::model(data);
 }
@@ -170,7 +170,7 @@ void CollisionModel::save(const std::filesystem::path& path, Existing existing) 
   put(&header, sizeof header);
   put_all(d.mesh.vertices);
   put_all(d.mesh.triangles);
-  put_all(d.tree.order);
+  put_all(d.bvh.order);
   put_all(d.field.slots);
   put_all(d.field.samples);
   put_all(d.field.coarse);

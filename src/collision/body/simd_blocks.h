@@ -1,4 +1,4 @@
-// Sixteen balls or boxes at a time: what the kernels work on. Lanes without content hold an empty ball or box.
+// Sixteen spheres or boxes at a time: what the kernels work on. Lanes without content hold an empty sphere or box.
 #pragma once
 
 #include <cstddef>
@@ -10,20 +10,20 @@
 namespace standoff::collision {
 
 inline constexpr int kLanes = 16;
-inline constexpr float kNothing = std::numeric_limits<float>::infinity();
+inline constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-struct alignas(64) Balls {
+struct alignas(64) Sphere16 {
   float center[3][kLanes];
-  float radius[kLanes];  ///< minus infinity: no ball
+  float radius[kLanes];  ///< minus infinity: no sphere
 };
 
-struct alignas(64) Boxes {
+struct alignas(64) Aabb16 {
   float min[3][kLanes];
   float max[3][kLanes];
 };
 
 /// Triangles: corner, axis, lane.
-struct alignas(64) Faces {
+struct alignas(64) Triangle16 {
   float corner[3][3][kLanes];
 };
 
@@ -35,14 +35,15 @@ struct alignas(64) TrianglePairs {
   double p[3][3][kPairs], q[3][3][kPairs];
 };
 
-/// Which of eight pairs touch, and where and how deep they are in each other: as overlap() tells it.
-struct alignas(64) Meetings {
+/// Which of eight pairs intersect, and their point, normal and depth as in Penetration.
+struct alignas(64) PairOverlaps {
   double point[3][kPairs];
   double normal[3][kPairs];
   double depth[kPairs];
-  std::uint32_t touching;    ///< bit n: pair n touches, for certain; only then its numbers mean something
-  std::uint32_t inaccurate;  ///< bit n: it touches, but point, normal and depth may err by more than overlap() promises
-  std::uint32_t unsure;      ///< bit n: rounding may hide the answer
+  std::uint32_t intersecting;  ///< bit n: pair n touches, for certain; only then its numbers mean something
+  std::uint32_t
+      inaccurate;        ///< bit n: it touches, but point, normal and depth may err by more than penetration() promises
+  std::uint32_t unsure;  ///< bit n: rounding may hide the answer
 };
 
 /// The closest points of eight pairs that do not cross.
@@ -60,8 +61,8 @@ inline void fetch(const T& what) {
 
 /// One box.
 struct FloatBox {
-  float min[3] = {kNothing, kNothing, kNothing};
-  float max[3] = {-kNothing, -kNothing, -kNothing};
+  float min[3] = {kInfinity, kInfinity, kInfinity};
+  float max[3] = {-kInfinity, -kInfinity, -kInfinity};
 
   void include(const float* p) {
     for (int axis = 0; axis < 3; ++axis) {
@@ -78,37 +79,22 @@ struct FloatBox {
   }
 };
 
-inline FloatBox lane_of(const Boxes& boxes, int lane) {
+inline FloatBox lane_of(const Aabb16& boxes, int lane) {
   FloatBox box;
   for (int axis = 0; axis < 3; ++axis) box.min[axis] = boxes.min[axis][lane], box.max[axis] = boxes.max[axis][lane];
   return box;
 }
 
 /// Some of sixteen triangles, and their boxes.
-struct Packet {
-  const Faces* faces;
-  const Boxes* boxes;
+struct TriangleSubset {
+  const Triangle16* triangles;
+  const Aabb16* boxes;
   std::uint32_t lanes;  ///< bits
 };
 
 /// A lane of one packet and one of another.
 struct LanePair {
   std::uint8_t a, b;
-};
-
-/// The fields of a body, as the kernels read them (field_bounds.h). Positions are relative to the body's middle.
-struct FieldView {
-  float origin[3];                        ///< of sample (0,0,0) of both grids
-  float spacing, coarse_spacing;          ///< of the fine and the coarse grid
-  float per_spacing, per_coarse_spacing;  ///< their reciprocals
-  float last[3], coarse_last[3];          ///< the largest index per axis
-  std::int32_t tiles[2];                  ///< of the fine grid along x and y
-  std::int32_t coarse_size[2];            ///< of the coarse grid along x and y
-  float step;                             ///< what one unit of a fine sample stands for
-  float min[3], max[3];                   ///< the box of the surface
-  const std::int32_t* slots;              ///< per tile: where its 512 samples start, in tiles
-  const std::uint8_t* samples;
-  const float* coarse;
 };
 
 }  // namespace standoff::collision

@@ -3,31 +3,35 @@
 
 #include <cstdint>
 
+#include "collision/body/field_view.h"
 #include "collision/body/simd_blocks.h"
 
 namespace standoff::collision {
 
 struct Kernels {
   const char* name;
-  /// Lower bounds of the distance between 16 balls, placed in the field's frame, and the surface: negative where a
-  /// ball may touch. Where a bound from the coarse field exceeds `enough`, the fine field is not asked.
-  void (*gaps)(const FieldView&, const FloatPlace&, const Balls&, float enough, float* gap);
-  /// The same for balls each at its own place already: centres in the field's frame.
+  /// Lower bounds of the distance between 16 spheres, placed in the field's frame, and the surface: negative where a
+  /// sphere may touch. Where a bound from the coarse field exceeds `enough`, the fine field is not asked.
+  void (*gaps)(const FieldView&, const FloatTransform&, const Sphere16&, float enough, float* gap);
+  /// The same for spheres each at its own place already: centres in the field's frame.
   void (*gaps_at)(const FieldView&, const float (*center)[kLanes], const float* radius, float enough, float* gap);
   /// Bit n: box n and `box` share a point.
-  std::uint32_t (*overlaps)(const Boxes&, const FloatBox& box);
+  std::uint32_t (*overlaps)(const Aabb16&, const FloatBox& box);
   /// Squared distances between the boxes and `box`.
-  void (*distances_sq)(const Boxes&, const FloatBox& box, float* distance_sq);
+  void (*distances_sq)(const Aabb16&, const FloatBox& box, float* distance_sq);
   /// Places 16 triangles in another frame, and their boxes grown by `by`; `all` becomes the box around those.
-  void (*place_faces)(const FloatPlace&, const Faces&, float by, Faces& placed, Boxes& boxes, FloatBox& all);
+  void (*transform_triangles)(const FloatTransform&, const Triangle16&, float by, Triangle16& transformed,
+                              Aabb16& boxes, FloatBox& all);
   /// The pairs of triangles, one of each packet, whose boxes share a point and which neither triangle's plane keeps
   /// more than `apart` from each other. Fastest where b is the one with fewer lanes. Returns how many.
-  int (*close_lanes)(const Packet& a, const Packet& b, float apart, LanePair* pairs);
-  /// Decides eight pairs in the world; where `place_p` or `place_q` is given, their corners are still to be taken
-  /// there.
-  void (*meet)(const TrianglePairs&, const DoublePlace* place_p, const DoublePlace* place_q, Meetings&);
-  /// The closest points of eight pairs that do not cross, placed as for `meet`.
-  void (*closest)(const TrianglePairs&, const DoublePlace* place_p, const DoublePlace* place_q, ClosestOfPairs&);
+  int (*close_pairs)(const TriangleSubset& a, const TriangleSubset& b, float apart, LanePair* pairs);
+  /// Decides eight pairs in the world; where `transform_p` or `transform_q` is given, their corners are still to be
+  /// taken there.
+  void (*overlap_pairs)(const TrianglePairs&, const DoubleTransform* transform_p, const DoubleTransform* transform_q,
+                        PairOverlaps&);
+  /// The closest points of eight pairs that do not cross, placed as for overlap_pairs.
+  void (*closest)(const TrianglePairs&, const DoubleTransform* transform_p, const DoubleTransform* transform_q,
+                  ClosestOfPairs&);
 };
 
 /// The kernels for this processor.

@@ -1,9 +1,9 @@
 // The kernels for AVX-512.
 #ifdef __AVX512F__
 
-#include "collision/body/ball_bound.h"
+#include "collision/body/sphere_bound.h"
 #include "collision/cpu/kernels.h"
-#include "geometry/crossing.h"
+#include "geometry/overlap_penetration.h"
 
 #include <immintrin.h>
 
@@ -15,7 +15,8 @@ namespace {
 
 }  // namespace
 
-extern const Kernels kKernels{"avx512", gaps, gaps_at, overlaps, distances_sq, place_faces, close_lanes, meet, closest};
+extern const Kernels kKernels{"avx512",    gaps,          gaps_at, overlaps, distances_sq, transform_triangles,
+                              close_pairs, overlap_pairs, closest};
 
 }  // namespace standoff::collision::avx512
 

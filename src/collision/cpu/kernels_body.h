@@ -48,7 +48,7 @@ void gaps_at(const FieldView& f, const float (*center)[kLanes], const float* rad
   alignas(64) std::int32_t coarse_at[kLanes], tile[kLanes], within[kLanes];
   alignas(64) float coarse_off[kLanes], fine_off[kLanes], outside[kLanes];
   for (int n = 0; n < kLanes; ++n) {
-    const BallSamples at = samples_near(f, center[0][n], center[1][n], center[2][n], radius[n]);
+    const SphereSamples at = samples_near(f, center[0][n], center[1][n], center[2][n], radius[n]);
     outside[n] = at.outside, coarse_off[n] = at.coarse_off, fine_off[n] = at.fine_off;
     coarse_at[n] = at.coarse, tile[n] = at.tile, within[n] = at.within;
   }
@@ -65,33 +65,37 @@ void gaps_at(const FieldView& f, const float (*center)[kLanes], const float* rad
   }
 }
 
-void gaps(const FieldView& f, const FloatPlace& place, const Balls& balls, float enough, float* gap) {
+void gaps(const FieldView& f, const FloatTransform& transform, const Sphere16& spheres, float enough, float* gap) {
   alignas(64) float center[3][kLanes];
-  const float* r = place.rotation;
+  const float* r = transform.rotation;
   for (int axis = 0; axis < 3; ++axis)
     for (int n = 0; n < kLanes; ++n)
-      center[axis][n] = r[3 * axis] * balls.center[0][n] + r[3 * axis + 1] * balls.center[1][n] +
-                        r[3 * axis + 2] * balls.center[2][n] + place.translation[axis];
-  gaps_at(f, center, balls.radius, enough, gap);
+      center[axis][n] = r[3 * axis] * spheres.center[0][n] + r[3 * axis + 1] * spheres.center[1][n] +
+                        r[3 * axis + 2] * spheres.center[2][n] + transform.translation[axis];
+  gaps_at(f, center, spheres.radius, enough, gap);
 }
 
-std::uint32_t overlaps(const Boxes& boxes, const FloatBox& box) {
-  alignas(64) std::int32_t meets[kLanes];
+std::uint32_t overlaps(const Aabb16& boxes, const FloatBox& box) {
+  alignas(64) std::int32_t overlapping[kLanes];
   for (int n = 0; n < kLanes; ++n)
-    meets[n] = -((boxes.min[0][n] <= box.max[0]) & (boxes.max[0][n] >= box.min[0]) & (boxes.min[1][n] <= box.max[1]) &
-                 (boxes.max[1][n] >= box.min[1]) & (boxes.min[2][n] <= box.max[2]) & (boxes.max[2][n] >= box.min[2]));
-  return bits_of(meets);
+    overlapping[n] =
+        -((boxes.min[0][n] <= box.max[0]) & (boxes.max[0][n] >= box.min[0]) & (boxes.min[1][n] <= box.max[1]) &
+          (boxes.max[1][n] >= box.min[1]) & (boxes.min[2][n] <= box.max[2]) & (boxes.max[2][n] >= box.min[2]));
+  return bits_of(overlapping);
 }
 
-void place_faces(const FloatPlace& place, const Faces& faces, float by, Faces& placed, Boxes& boxes, FloatBox& all) {
-  const float* r = place.rotation;
+void transform_triangles(const FloatTransform& transform, const Triangle16& triangles, float by,
+                         Triangle16& transformed, Aabb16& boxes, FloatBox& all) {
+  const float* r = transform.rotation;
   for (int axis = 0; axis < 3; ++axis) {
     for (int k = 0; k < 3; ++k)
       for (int n = 0; n < kLanes; ++n)
-        placed.corner[k][axis][n] = r[3 * axis] * faces.corner[k][0][n] + r[3 * axis + 1] * faces.corner[k][1][n] +
-                                    r[3 * axis + 2] * faces.corner[k][2][n] + place.translation[axis];
+        transformed.corner[k][axis][n] = r[3 * axis] * triangles.corner[k][0][n] +
+                                         r[3 * axis + 1] * triangles.corner[k][1][n] +
+                                         r[3 * axis + 2] * triangles.corner[k][2][n] + transform.translation[axis];
     for (int n = 0; n < kLanes; ++n) {
-      const float a = placed.corner[0][axis][n], b = placed.corner[1][axis][n], c = placed.corner[2][axis][n];
+      const float a = transformed.corner[0][axis][n], b = transformed.corner[1][axis][n],
+                  c = transformed.corner[2][axis][n];
       boxes.min[axis][n] = least(a, least(b, c)) - by;
       boxes.max[axis][n] = most(a, most(b, c)) + by;
     }
@@ -130,10 +134,10 @@ struct Planes {
   Wide normal[3], normal_size;
   Wide low, high;
 };
-inline Planes planes_of(const Faces& faces) {
+inline Planes planes_of(const Triangle16& triangles) {
   Planes p;
   for (int k = 0; k < 3; ++k)
-    for (int axis = 0; axis < 3; ++axis) p.corner[k][axis] = wide(faces.corner[k][axis]);
+    for (int axis = 0; axis < 3; ++axis) p.corner[k][axis] = wide(triangles.corner[k][axis]);
   Wide edge[2][3], shadow[2] = {};
   for (int k = 0; k < 2; ++k)
     for (int axis = 0; axis < 3; ++axis) edge[k][axis] = p.corner[k + 1][axis] - p.corner[0][axis];
@@ -152,8 +156,8 @@ inline Planes planes_of(const Faces& faces) {
 struct Shadows {
   alignas(64) float normal[3][kLanes], normal_size[kLanes], low[kLanes], high[kLanes];
 };
-inline Shadows shadows_of(const Faces& faces) {
-  const Planes p = planes_of(faces);
+inline Shadows shadows_of(const Triangle16& triangles) {
+  const Planes p = planes_of(triangles);
   Shadows s;
   const auto store = [](const Wide& value, float* to) { *reinterpret_cast<Wide*>(to) = value; };
   for (int axis = 0; axis < 3; ++axis) store(p.normal[axis], s.normal[axis]);
@@ -163,7 +167,7 @@ inline Shadows shadows_of(const Faces& faces) {
   return s;
 }
 
-inline std::uint32_t not_parted(const Planes& planes, const Faces& others, const Shadows& shadows, int lane,
+inline std::uint32_t not_parted(const Planes& planes, const Triangle16& others, const Shadows& shadows, int lane,
                                 float apart) {
   Wide span{}, shadow[3], back[3];
   for (int k = 0; k < 3; ++k) {
@@ -185,21 +189,21 @@ inline std::uint32_t not_parted(const Planes& planes, const Faces& others, const
   return bits_of(most(on_face - by_face, on_other - by_other) <= Wide{});
 }
 
-int close_lanes(const Packet& a, const Packet& b, float apart, LanePair* pairs) {
-  const Planes planes = planes_of(*a.faces);
-  const Shadows shadows = shadows_of(*b.faces);
+int close_pairs(const TriangleSubset& a, const TriangleSubset& b, float apart, LanePair* pairs) {
+  const Planes planes = planes_of(*a.triangles);
+  const Shadows shadows = shadows_of(*b.triangles);
   int count = 0;
   for (std::uint32_t left = b.lanes; left != 0; left &= left - 1) {
     const int lane = __builtin_ctz(left);
     std::uint32_t near = overlaps(*a.boxes, lane_of(*b.boxes, lane)) & a.lanes;
-    if (near != 0) near &= not_parted(planes, *b.faces, shadows, lane, apart);
+    if (near != 0) near &= not_parted(planes, *b.triangles, shadows, lane, apart);
     for (; near != 0; near &= near - 1)
       pairs[count++] = {static_cast<std::uint8_t>(__builtin_ctz(near)), static_cast<std::uint8_t>(lane)};
   }
   return count;
 }
 
-void distances_sq(const Boxes& boxes, const FloatBox& box, float* distance_sq) {
+void distances_sq(const Aabb16& boxes, const FloatBox& box, float* distance_sq) {
   for (int n = 0; n < kLanes; ++n) {
     float sum = 0;
     for (int axis = 0; axis < 3; ++axis) {

@@ -1,5 +1,5 @@
-// The kernels for pairs of triangles, eight at a time, included after kernels_body.h: meeting.h, crossing.h and
-// closest_pair.h for eight doubles.
+// The kernels for pairs of triangles, eight at a time, included after kernels_body.h: triangle_overlap.h, crossing.h
+// and closest_pair.h for eight doubles.
 
 // Eight doubles, and eight answers: what geometry's templates need of a number.
 struct EightFlags {
@@ -56,32 +56,35 @@ inline void store(const Points& points, double (&to)[3][kPairs]) {
 struct EightPairs {
   Points p[3], q[3];
 };
-inline EightPairs placed(const TrianglePairs& pairs, const DoublePlace* place_p, const DoublePlace* place_q) {
+inline EightPairs transformed(const TrianglePairs& pairs, const DoubleTransform* transform_p,
+                              const DoubleTransform* transform_q) {
   EightPairs result;
   for (int k = 0; k < 3; ++k) {
     result.p[k] = load(pairs.p[k]), result.q[k] = load(pairs.q[k]);
-    if (place_p) result.p[k] = placed(*place_p, result.p[k]);
-    if (place_q) result.q[k] = placed(*place_q, result.q[k]);
+    if (transform_p) result.p[k] = transformed(*transform_p, result.p[k]);
+    if (transform_q) result.q[k] = transformed(*transform_q, result.q[k]);
   }
   return result;
 }
 
-void meet(const TrianglePairs& pairs, const DoublePlace* place_p, const DoublePlace* place_q, Meetings& out) {
-  const EightPairs pair = placed(pairs, place_p, place_q);
-  const Meeting<Eight> m = meeting(pair.p, pair.q);
-  out.touching = bits_of(m.touch);
+void overlap_pairs(const TrianglePairs& pairs, const DoubleTransform* transform_p, const DoubleTransform* transform_q,
+                   PairOverlaps& out) {
+  const EightPairs pair = transformed(pairs, transform_p, transform_q);
+  const TriangleOverlap<Eight> m = triangle_overlap(pair.p, pair.q);
+  out.intersecting = bits_of(m.intersecting);
   out.unsure = bits_of(m.unsure);
   out.inaccurate = 0;
-  if (out.touching == 0) return;
-  const Crossing<Eight> c = crossing(m, pair.p, pair.q);
-  out.inaccurate = out.touching & ~bits_of(c.accurate);
+  if (out.intersecting == 0) return;
+  const OverlapPenetration<Eight> c = penetration(m, pair.p, pair.q);
+  out.inaccurate = out.intersecting & ~bits_of(c.accurate);
   store(c.point, out.point);
   store(c.normal, out.normal);
   c.depth.store(out.depth);
 }
 
-void closest(const TrianglePairs& pairs, const DoublePlace* place_p, const DoublePlace* place_q, ClosestOfPairs& out) {
-  const EightPairs pair = placed(pairs, place_p, place_q);
+void closest(const TrianglePairs& pairs, const DoubleTransform* transform_p, const DoubleTransform* transform_q,
+             ClosestOfPairs& out) {
+  const EightPairs pair = transformed(pairs, transform_p, transform_q);
   const PairPoints<Eight> found = closest_pair(pair.p, pair.q);
   found.distance_sq.store(out.distance_sq);
   store(found.on_p, out.on_p);

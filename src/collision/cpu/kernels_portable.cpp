@@ -1,7 +1,7 @@
 // The kernels for any processor.
-#include "collision/body/ball_bound.h"
+#include "collision/body/sphere_bound.h"
 #include "collision/cpu/kernels.h"
-#include "geometry/crossing.h"
+#include "geometry/overlap_penetration.h"
 
 namespace standoff::collision::portable {
 namespace {
@@ -11,7 +11,7 @@ namespace {
 
 }  // namespace
 
-extern const Kernels kKernels{"portable",  gaps,        gaps_at, overlaps, distances_sq,
-                              place_faces, close_lanes, meet,    closest};
+extern const Kernels kKernels{"portable",          gaps,        gaps_at,       overlaps, distances_sq,
+                              transform_triangles, close_pairs, overlap_pairs, closest};
 
 }  // namespace standoff::collision::portable

@@ -1,12 +1,13 @@
-// Yes or no for many poses: a warp per pose. The tree's balls are looked up in the field, two packets of sixteen at a
-// time, the nearest first. A packet of triangles that reaches the surface goes through the boxes of the field's tree;
-// pairs whose boxes meet wait until there is one for each lane, and are decided in double precision. The bounds and the
-// decision are the CPU's own (ball_bound.h, meeting.h), and so is the slack between single and double.
+// Exact collide() for many poses: a warp per pose. The probe's bounding spheres are looked up in the target's field,
+// two packets of sixteen at a time, nearest first. A packet of triangles that reaches the surface goes down the
+// target's BVH; pairs whose boxes overlap are collected until there is one for each lane, and are decided in double
+// precision. Bounds and decision are the CPU's (sphere_bound.h, triangle_overlap.h), and so is the slack of single
+// precision.
 #pragma once
 
-#include "collision/body/ball_bound.h"
-#include "collision/cuda/field_boxes.cuh"
+#include "collision/body/sphere_bound.h"
 #include "collision/cuda/queries.cuh"
+#include "collision/cuda/target_boxes.cuh"
 #include "geometry/triangle_overlap.h"
 
 namespace standoff::STANDOFF_PLATFORM {
@@ -18,9 +19,9 @@ using collision::PoseQuery;
 inline constexpr unsigned kCollideThreads = 128;
 
 struct CollideTask {
-  BodyView field, tree;
-  bool field_is_b;
-  collision::DoublePlace of_a;
+  DeviceModelView target, probe;
+  bool target_is_b;
+  collision::DoubleTransform of_a;
   double margin;
   const PoseQuery* queries;
   PoseAnswer* answers;
@@ -30,29 +31,29 @@ struct CollideTask {
 };
 
 /// A warp's part of shared memory.
-struct SearchRoom {
+struct SearchShared {
   static constexpr int kWaiting = 64;  // 31 and what 32 lanes add
-  std::uint32_t nodes[collision::kDeviceStack], field_nodes[collision::kDeviceStack];
+  std::uint32_t nodes[collision::kDeviceStack], target_nodes[collision::kDeviceStack];
   float gap[32];
   FlatBox box[kLanes], all;  // of the placed triangles
-  std::uint32_t of_field[kWaiting], of_tree[kWaiting];
+  std::uint32_t of_target[kWaiting], of_probe[kWaiting];
 };
 
 class PoseSearch {
   using Nodes = NodeStack<std::uint32_t>;
 
  public:
-  STANDOFF_DEVICE PoseSearch(const CollideTask& task, const PoseQuery& query, SearchRoom& room)
-      : task_(task), query_(query), room_(room), lane_(lane_in_warp()) {}
+  STANDOFF_DEVICE PoseSearch(const CollideTask& task, const PoseQuery& query, SearchShared& shared)
+      : task_(task), query_(query), shared_(shared), lane_(lane_in_warp()) {}
 
   STANDOFF_DEVICE PoseAnswer run() {
-    Nodes nodes(room_.nodes, task_.stack, packet_word(task_.tree.top, 0));
+    Nodes nodes(shared_.nodes, task_.stack, packet_word(task_.probe.top, 0));
     while (!nodes.empty() && verdict_ != DeviceVerdict::hit && verdict_ != DeviceVerdict::overflow) {
       // Where undecided a pair that surely touches may still come.
       const bool triangles = nodes.top_level() == 0;
       const std::uint32_t word = nodes.take(triangles ? kMostLevels : 1, kNoPacket);
       if (triangles)
-        meet_packet(packet_of(__shfl_sync(kWarp, word, 0)));
+        test_packet(packet_of(__shfl_sync(kWarp, word, 0)));
       else
         open(nodes, word);
     }
@@ -60,39 +61,39 @@ class PoseSearch {
   }
 
  private:
-  STANDOFF_DEVICE float placed(int axis, float x, float y, float z) const {
-    return collision::placed(query_.place, axis, x, y, z);
+  STANDOFF_DEVICE float transformed(int axis, float x, float y, float z) const {
+    return collision::transformed(query_.transform, axis, x, y, z);
   }
 
-  // Puts the packets below the nodes whose balls come near on the stack, the nearest on top.
+  // Puts the packets below the nodes whose spheres come near on the stack, the nearest on top.
   STANDOFF_DEVICE void open(Nodes& nodes, std::uint32_t word) {
     const int level = level_of(word), n = static_cast<int>(lane_ % kLanes);
-    float gap = collision::kNothing;
+    float gap = collision::kInfinity;
     if (word != kNoPacket) {
-      const collision::Balls& balls = task_.tree.balls[level][packet_of(word)];
-      const float x = balls.center[0][n], y = balls.center[1][n], z = balls.center[2][n];
-      gap = collision::gap_of_ball(task_.field.field, placed(0, x, y, z), placed(1, x, y, z), placed(2, x, y, z),
-                                   balls.radius[n], query_.limit);
+      const collision::Sphere16& spheres = task_.probe.spheres[level][packet_of(word)];
+      const float x = spheres.center[0][n], y = spheres.center[1][n], z = spheres.center[2][n];
+      gap = collision::gap_of_sphere(task_.target.field, transformed(0, x, y, z), transformed(1, x, y, z),
+                                     transformed(2, x, y, z), spheres.radius[n], query_.limit);
     }
     const bool near = gap <= query_.limit;
     const std::uint32_t lanes = __ballot_sync(kWarp, near);
-    const int farther = larger_keys(lanes, gap, room_.gap);
+    const int farther = larger_keys(lanes, gap, shared_.gap);
     if (!nodes.put(lanes, farther, packet_word(level - 1, packet_of(word) * kLanes + n)))
       verdict_ = DeviceVerdict::overflow;
   }
 
-  // The packet's triangles against those of the field's body.
-  STANDOFF_DEVICE void meet_packet(std::uint32_t packet) {
-    place_boxes(packet);
+  // The packet's triangles against the target's.
+  STANDOFF_DEVICE void test_packet(std::uint32_t packet) {
+    transform_boxes(packet);
     int waiting = 0;
-    const auto use = [&](bool near, std::uint32_t place, const FlatBox& box) {
+    const auto use = [&](bool near, std::uint32_t index, const FlatBox& box) {
       for (int t = 0; t < kLanes; ++t) {
-        const bool meets = near && meet(box, room_.box[t]);
-        const std::uint32_t lanes = __ballot_sync(kWarp, meets);
+        const bool overlapping = near && overlap(box, shared_.box[t]);
+        const std::uint32_t lanes = __ballot_sync(kWarp, overlapping);
         if (lanes == 0) continue;
-        if (meets) {
+        if (overlapping) {
           const int at = waiting + __popc(lanes & lanes_below(lane_));
-          room_.of_field[at] = place, room_.of_tree[at] = packet * kLanes + static_cast<std::uint32_t>(t);
+          shared_.of_target[at] = index, shared_.of_probe[at] = packet * kLanes + static_cast<std::uint32_t>(t);
         }
         waiting += __popc(lanes);
         __syncwarp();
@@ -103,33 +104,33 @@ class PoseSearch {
       }
       return true;
     };
-    if (!for_boxes_that_meet(room_.all, task_.field, room_.field_nodes, task_.stack, use))
+    if (!for_overlapping_boxes(shared_.all, task_.target, shared_.target_nodes, task_.stack, use))
       verdict_ = DeviceVerdict::overflow;
     else if (waiting > 0 && verdict_ != DeviceVerdict::hit)
       settle(0, waiting);
   }
 
-  // The boxes of a packet's triangles in the field's frame, grown by the limit, and the box around them.
-  STANDOFF_DEVICE void place_boxes(std::uint32_t packet) {
-    const collision::Faces& faces = task_.tree.faces[packet];
+  // The boxes of a packet's triangles in the target's frame, grown by the limit, and the box around them.
+  STANDOFF_DEVICE void transform_boxes(std::uint32_t packet) {
+    const collision::Triangle16& triangles = task_.probe.triangles[packet];
     if (lane_ < kLanes) {
-      const bool exists = packet * kLanes + lane_ < task_.tree.triangles;
+      const bool exists = packet * kLanes + lane_ < task_.probe.triangle_count;
       for (int axis = 0; axis < 3; ++axis) {
-        float low = collision::kNothing, high = -collision::kNothing;
+        float low = collision::kInfinity, high = -collision::kInfinity;
         for (int k = 0; k < 3 && exists; ++k) {
-          const float(&corner)[3][kLanes] = faces.corner[k];
-          const float at = placed(axis, corner[0][lane_], corner[1][lane_], corner[2][lane_]);
+          const float(&corner)[3][kLanes] = triangles.corner[k];
+          const float at = transformed(axis, corner[0][lane_], corner[1][lane_], corner[2][lane_]);
           low = min(at, low), high = max(at, high);
         }
-        room_.box[lane_].side[axis] = low - query_.limit, room_.box[lane_].side[3 + axis] = high + query_.limit;
+        shared_.box[lane_].side[axis] = low - query_.limit, shared_.box[lane_].side[3 + axis] = high + query_.limit;
       }
     }
     __syncwarp();
     if (lane_ < 6) {
-      float side = room_.box[0].side[lane_];
+      float side = shared_.box[0].side[lane_];
       for (int n = 1; n < kLanes; ++n)
-        side = lane_ < 3 ? min(side, room_.box[n].side[lane_]) : max(side, room_.box[n].side[lane_]);
-      room_.all.side[lane_] = side;
+        side = lane_ < 3 ? min(side, shared_.box[n].side[lane_]) : max(side, shared_.box[n].side[lane_]);
+      shared_.all.side[lane_] = side;
     }
     __syncwarp();
   }
@@ -137,24 +138,24 @@ class PoseSearch {
   // Decides `count` of the pairs that wait, from `first` on, a lane each.
   STANDOFF_DEVICE void settle(int first, int count) {
     bool touches = false, unsure = false;
-    std::uint32_t of_field = 0, of_tree = 0;
+    std::uint32_t of_target = 0, of_probe = 0;
     if (static_cast<int>(lane_) < count) {
-      of_field = room_.of_field[first + lane_], of_tree = room_.of_tree[first + lane_];
+      of_target = shared_.of_target[first + lane_], of_probe = shared_.of_probe[first + lane_];
       Triple<double> p[3], q[3];
-      load_corners(task_.field, of_field, p);
-      load_corners(task_.tree, of_tree, q);
-      const collision::DoublePlace& of_p = task_.field_is_b ? query_.of_b : task_.of_a;
-      const collision::DoublePlace& of_q = task_.field_is_b ? task_.of_a : query_.of_b;
-      for (int k = 0; k < 3; ++k) p[k] = collision::placed(of_p, p[k]), q[k] = collision::placed(of_q, q[k]);
-      const collision::Meeting<double> met = collision::meeting(p, q);
-      touches = met.touch, unsure = met.unsure;
+      load_corners(task_.target, of_target, p);
+      load_corners(task_.probe, of_probe, q);
+      const collision::DoubleTransform& of_p = task_.target_is_b ? query_.of_b : task_.of_a;
+      const collision::DoubleTransform& of_q = task_.target_is_b ? task_.of_a : query_.of_b;
+      for (int k = 0; k < 3; ++k) p[k] = collision::transformed(of_p, p[k]), q[k] = collision::transformed(of_q, q[k]);
+      const collision::TriangleOverlap<double> overlap = collision::triangle_overlap(p, q);
+      touches = overlap.intersecting, unsure = overlap.unsure;
       if (!touches && task_.margin > 0)
         touches = collision::closest_pair(p, q).distance_sq <= task_.margin * task_.margin;
     }
     const std::uint32_t touching = __ballot_sync(kWarp, touches);
     if (touching != 0) {
       const int one = __ffs(static_cast<int>(touching)) - 1;
-      of_field_ = __shfl_sync(kWarp, of_field, one), of_tree_ = __shfl_sync(kWarp, of_tree, one);
+      of_field_ = __shfl_sync(kWarp, of_target, one), of_tree_ = __shfl_sync(kWarp, of_probe, one);
       verdict_ = DeviceVerdict::hit;
     } else if (__ballot_sync(kWarp, unsure) != 0) {
       verdict_ = DeviceVerdict::undecided;
@@ -165,7 +166,7 @@ class PoseSearch {
 
   const CollideTask& task_;
   const PoseQuery& query_;
-  SearchRoom& room_;
+  SearchShared& shared_;
   const std::uint32_t lane_;
   // The same in all lanes.
   DeviceVerdict verdict_ = DeviceVerdict::free;
@@ -174,18 +175,19 @@ class PoseSearch {
 
 /// Warps take one pose after the other.
 __global__ void __launch_bounds__(kCollideThreads) collide_poses(CollideTask task) {
-  __shared__ SearchRoom rooms[kCollideThreads / 32];
-  answer_queries<PoseSearch>(task, rooms);
+  __shared__ SearchShared shared[kCollideThreads / 32];
+  answer_queries<PoseSearch>(task, shared);
 }
 
 /// Decides a batch on the current device.
 inline void run_collide(const collision::CollideJob& job, Backend backend) {
-  const auto field = on_device(job.field, backend, job.device), tree = on_device(job.tree, backend, job.device);
+  const auto target = device_model_of(job.target, backend, job.device),
+             probe = device_model_of(job.probe, backend, job.device);
   run_queries<kCollideThreads>(
       "collide_poses", collide_poses, job.queries, job.answers,
       [&](const PoseQuery* queries, PoseAnswer* answers, std::uint32_t count, std::uint32_t* next) {
-        return CollideTask{field->view(), tree->view(), job.field_is_b, job.of_a, job.margin,
-                           queries,       answers,      count,          next,     job.stack};
+        return CollideTask{target->view(), probe->view(), job.target_is_b, job.of_a, job.margin,
+                           queries,        answers,       count,           next,     job.stack};
       });
 }
 

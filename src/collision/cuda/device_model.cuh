@@ -1,4 +1,4 @@
-// A body of collision queries in device memory.
+// A collision model in device memory.
 #pragma once
 
 #include "collision/device.h"
@@ -13,39 +13,39 @@ using collision::kLanes;
 // Levels of a tree over as many triangles as there may be: sixteen to the eighth power.
 inline constexpr int kMostLevels = 8;
 
-/// What kernels read of a body. What it points to lies in device memory.
-struct BodyView {
+/// What kernels read of a model. What it points to lies in device memory.
+struct DeviceModelView {
   collision::FieldView field;
-  const collision::Balls* balls[kMostLevels];  ///< by level, as in Tree
-  const collision::Boxes* boxes[kMostLevels];
-  const collision::Faces* faces;
-  const double* corners;  ///< nine a triangle, by place in the tree
+  const collision::Sphere16* spheres[kMostLevels];  ///< by level, as in Bvh16
+  const collision::Aabb16* boxes[kMostLevels];
+  const collision::Triangle16* triangles;
+  const double* corners;  ///< nine a triangle, by index in the BVH
   Triple<double> middle;
-  std::uint32_t triangles;
+  std::uint32_t triangle_count;
   int top;  ///< level
 };
 
-/// Corners of the triangle at a place in the tree, in the body's own coordinates.
-STANDOFF_DEVICE void load_corners(const BodyView& body, std::uint32_t place, Triple<double> (&corner)[3]) {
-  const double* const at = body.corners + 9 * std::int64_t{place};
+/// Corners of a triangle, by its index in the BVH, in the model's own coordinates.
+STANDOFF_DEVICE void load_corners(const DeviceModelView& model, std::uint32_t index, Triple<double> (&corner)[3]) {
+  const double* const at = model.corners + 9 * std::int64_t{index};
   for (int k = 0; k < 3; ++k) corner[k] = {at[3 * k], at[3 * k + 1], at[3 * k + 2]};
 }
 
-class BodyOnDevice : public collision::OnDevice {
+class DeviceModel : public collision::CachedDeviceModel {
  public:
-  explicit BodyOnDevice(const collision::ModelData& data) {
+  explicit DeviceModel(const collision::ModelData& data) {
     static_assert(sizeof(standoff::Corners) == 9 * sizeof(double));
     gpu::Workspace measure(nullptr);
-    place(data, measure, [](auto*, const auto*, std::int64_t) {});
+    lay_out(data, measure, [](auto*, const auto*, std::int64_t) {});
     memory_ = Memory(measure.used());
     gpu::Workspace arrays(memory_.as<void>());
-    place(data, arrays, [](auto* to, const auto* from, std::int64_t bytes) { copy_in(to, from, bytes); });
+    lay_out(data, arrays, [](auto* to, const auto* from, std::int64_t bytes) { copy_in(to, from, bytes); });
   }
-  const BodyView& view() const { return view_; }
+  const DeviceModelView& view() const { return view_; }
 
  private:
   template <class Copy>
-  void place(const collision::ModelData& data, gpu::Workspace& arrays, Copy copy) {
+  void lay_out(const collision::ModelData& data, gpu::Workspace& arrays, Copy copy) {
     const auto put = [&]<class Values>(const Values& values) {
       using Value = typename Values::value_type;
       const auto count = static_cast<std::int64_t>(values.size());
@@ -57,25 +57,26 @@ class BodyOnDevice : public collision::OnDevice {
     view_.field.slots = put(data.field.slots);
     view_.field.samples = put(data.field.samples);
     view_.field.coarse = put(data.field.coarse);
-    view_.top = data.tree.top();
+    view_.top = data.bvh.top();
     for (int level = 0; level <= view_.top; ++level) {
-      view_.balls[level] = put(data.tree.levels[level].balls);
-      view_.boxes[level] = put(data.tree.levels[level].boxes);
+      view_.spheres[level] = put(data.bvh.levels[level].spheres);
+      view_.boxes[level] = put(data.bvh.levels[level].boxes);
     }
-    view_.faces = put(data.tree.faces);
+    view_.triangles = put(data.bvh.triangles);
     view_.corners = reinterpret_cast<const double*>(put(data.corners));
     view_.middle = {data.middle.x, data.middle.y, data.middle.z};
-    view_.triangles = static_cast<std::uint32_t>(data.tree.order.size());
+    view_.triangle_count = static_cast<std::uint32_t>(data.bvh.order.size());
   }
 
   Memory memory_;
-  BodyView view_{};
+  DeviceModelView view_{};
 };
 
-/// The body's copy on a device, which is the current one.
-inline std::shared_ptr<const BodyOnDevice> on_device(const collision::ModelData& data, Backend backend, int device) {
-  return std::static_pointer_cast<const BodyOnDevice>(
-      data.copies.get(backend, device, [&] { return std::make_shared<BodyOnDevice>(data); }));
+/// The model's copy on a device, which must be the current one.
+inline std::shared_ptr<const DeviceModel> device_model_of(const collision::ModelData& data, Backend backend,
+                                                          int device) {
+  return std::static_pointer_cast<const DeviceModel>(
+      data.device_models.get(backend, device, [&] { return std::make_shared<DeviceModel>(data); }));
 }
 
 }  // namespace standoff::STANDOFF_PLATFORM

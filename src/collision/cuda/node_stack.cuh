@@ -5,7 +5,7 @@
 
 namespace standoff::STANDOFF_PLATFORM {
 
-// A packet of sixteen nodes in one word: its level above its place, which is below 2^28 for 2^32 triangles.
+// A packet of sixteen nodes in one word: its level above its index, which is below 2^28 for 2^32 triangles.
 inline constexpr int kLevelShift = 28;
 inline constexpr std::uint32_t kNoPacket = 0xffffffffu;
 STANDOFF_DEVICE std::uint32_t packet_word(int level, std::uint32_t packet) {

@@ -16,12 +16,12 @@ STANDOFF_DEVICE std::uint32_t take_query(std::uint32_t* next) {
 }
 
 /// Answers queries until none is left, a warp each: its search of a task, a query and the warp's room.
-template <class Search, class Task, class Room>
-STANDOFF_DEVICE void answer_queries(const Task& task, Room* rooms) {
+template <class Search, class Task, class Shared>
+STANDOFF_DEVICE void answer_queries(const Task& task, Shared* shared) {
   for (;;) {
     const std::uint32_t n = take_query(task.next);
     if (n >= task.count) return;
-    const auto answer = Search(task, task.queries[n], rooms[threadIdx.x / 32]).run();
+    const auto answer = Search(task, task.queries[n], shared[threadIdx.x / 32]).run();
     if (lane_in_warp() == 0) task.answers[n] = answer;
   }
 }

@@ -59,18 +59,18 @@ TEST(Bounds, KernelsAgreeBitForBit) {
   const CollisionModel model(random_soup(3, 200, 1, 0.3));
   const auto& data = data_of(model);
   const Kernels* const* rows = all_kernels();
-  const Level& level = data.tree.levels[0];
-  FloatPlace place{{0.6f, -0.8f, 0, 0.8f, 0.6f, 0, 0, 0, 1}, {0.1f, 0.2f, -0.3f}};
+  const BvhLevel& level = data.bvh.levels[0];
+  FloatTransform place{{0.6f, -0.8f, 0, 0.8f, 0.6f, 0, 0, 0, 1}, {0.1f, 0.2f, -0.3f}};
   FloatBox box;
   for (const float* p : {level.boxes[0].min[0], level.boxes[0].max[0]}) {
     const float at[3] = {p[0], p[1], p[2]};
     box.include(at);
   }
   for (int k = 1; rows[k] != nullptr; ++k)
-    for (std::size_t packet = 0; packet < level.balls.size(); ++packet) {
+    for (std::size_t packet = 0; packet < level.spheres.size(); ++packet) {
       alignas(64) float a[kLanes], b[kLanes];
-      rows[0]->gaps(data.view, place, level.balls[packet], 0.1f, a);
-      rows[k]->gaps(data.view, place, level.balls[packet], 0.1f, b);
+      rows[0]->gaps(data.view, place, level.spheres[packet], 0.1f, a);
+      rows[k]->gaps(data.view, place, level.spheres[packet], 0.1f, b);
       EXPECT_EQ(std::memcmp(a, b, sizeof a), 0) << rows[0]->name << " and " << rows[k]->name;
       rows[0]->distances_sq(level.boxes[packet], box, a);
       rows[k]->distances_sq(level.boxes[packet], box, b);

@@ -7,7 +7,7 @@
 
 #include "collision/cpu/kernels.h"
 #include "geometry/closest_point.h"
-#include "geometry/intersection.h"
+#include "geometry/penetration.h"
 #include "geometry/triangle_pair.h"
 #include "standoff/pose.h"
 #include "tests/support/random_mesh.h"
@@ -70,32 +70,34 @@ void put(const Corners& corners, int lane, double (&to)[3][3][kPairs]) {
     to[k][0][lane] = corners[k].x, to[k][1][lane] = corners[k].y, to[k][2][lane] = corners[k].z;
 }
 
-DoublePlace place_of(const Pose& pose) {
-  DoublePlace place;
-  std::copy(pose.rotation.begin(), pose.rotation.end(), place.rotation);
-  place.translation[0] = pose.translation.x, place.translation[1] = pose.translation.y;
-  place.translation[2] = pose.translation.z;
-  return place;
+DoubleTransform transform_of(const Pose& pose) {
+  DoubleTransform transform;
+  std::copy(pose.rotation.begin(), pose.rotation.end(), transform.rotation);
+  transform.translation[0] = pose.translation.x, transform.translation[1] = pose.translation.y;
+  transform.translation[2] = pose.translation.z;
+  return transform;
 }
 
-Corners placed(const Pose& pose, const Corners& c) { return {apply(pose, c[0]), apply(pose, c[1]), apply(pose, c[2])}; }
+Corners transformed(const Pose& pose, const Corners& c) {
+  return {apply(pose, c[0]), apply(pose, c[1]), apply(pose, c[2])};
+}
 
 TEST(PairKernels, MeetAnswersAsTheExactTest) {
   const std::vector<TwoTriangles> all = pairs_of_all_kinds();
   const Pose pose_p = make_pose({1, 2, 3}, 0.7, {}), pose_q = make_pose({-1, 1, 0}, 0.1, {});
-  const DoublePlace place_p = place_of(pose_p), place_q = place_of(pose_q);
+  const DoubleTransform transform_p = transform_of(pose_p), transform_q = transform_of(pose_q);
   for (const bool moved : {false, true}) {
     int touching = 0, unsure_of_crossing = 0, crossing = 0;
     for (std::size_t first = 0; first < all.size(); first += kPairs) {
       TrianglePairs pairs;
       for (int n = 0; n < kPairs; ++n) put(all[first + n].p, n, pairs.p), put(all[first + n].q, n, pairs.q);
-      Meetings met;
-      kernels().meet(pairs, moved ? &place_p : nullptr, moved ? &place_q : nullptr, met);
+      PairOverlaps overlap;
+      kernels().overlap_pairs(pairs, moved ? &transform_p : nullptr, moved ? &transform_q : nullptr, overlap);
       for (int n = 0; n < kPairs; ++n) {
-        const Corners p = moved ? placed(pose_p, all[first + n].p) : all[first + n].p,
-                      q = moved ? placed(pose_q, all[first + n].q) : all[first + n].q;
-        const bool told = (met.touching >> n & 1) != 0, unsure = (met.unsure >> n & 1) != 0;
-        const bool touch = triangles_touch(p, q);
+        const Corners p = moved ? transformed(pose_p, all[first + n].p) : all[first + n].p,
+                      q = moved ? transformed(pose_q, all[first + n].q) : all[first + n].q;
+        const bool told = (overlap.intersecting >> n & 1) != 0, unsure = (overlap.unsure >> n & 1) != 0;
+        const bool touch = triangles_intersect(p, q);
         ASSERT_FALSE(told && unsure);
         if (!unsure) {
           ASSERT_EQ(told, touch) << "pair " << first + n << " of kind " << (first + n) % 8;
@@ -120,15 +122,15 @@ TEST(PairKernels, MeetTellsWhereAndHowDeep) {
       two[n] = {random_triangle(random, {}, 1), random_triangle(random, {}, 1)};
       put(two[n].p, n, pairs.p), put(two[n].q, n, pairs.q);
     }
-    Meetings met;
-    kernels().meet(pairs, nullptr, nullptr, met);
+    PairOverlaps overlap;
+    kernels().overlap_pairs(pairs, nullptr, nullptr, overlap);
     for (int n = 0; n < kPairs; ++n) {
-      if ((met.touching >> n & 1) == 0) continue;
-      const Overlap expected = overlap(two[n].p, two[n].q);
-      const Vec3 point{met.point[0][n], met.point[1][n], met.point[2][n]},
-          normal{met.normal[0][n], met.normal[1][n], met.normal[2][n]};
+      if ((overlap.intersecting >> n & 1) == 0) continue;
+      const Penetration expected = penetration(two[n].p, two[n].q);
+      const Vec3 point{overlap.point[0][n], overlap.point[1][n], overlap.point[2][n]},
+          normal{overlap.normal[0][n], overlap.normal[1][n], overlap.normal[2][n]};
       EXPECT_LT(length(point - expected.point), 1e-9);
-      EXPECT_NEAR(met.depth[n], expected.depth, 1e-12);
+      EXPECT_NEAR(overlap.depth[n], expected.depth, 1e-12);
       EXPECT_LT(length(normal - expected.normal), 1e-9);
       ++compared;
     }
@@ -180,7 +182,7 @@ TEST(PairKernels, ClosestPointsAreOnTheTrianglesAndNoOthersAreCloser) {
     ClosestOfPairs found;
     kernels().closest(pairs, nullptr, nullptr, found);
     for (int n = 0; n < kPairs; ++n) {
-      if (triangles_touch(two[n].p, two[n].q)) continue;
+      if (triangles_intersect(two[n].p, two[n].q)) continue;
       const Vec3 on_p{found.on_p[0][n], found.on_p[1][n], found.on_p[2][n]},
           on_q{found.on_q[0][n], found.on_q[1][n], found.on_q[2][n]};
       const double distance = std::sqrt(found.distance_sq[n]);
@@ -197,16 +199,16 @@ TEST(PairKernels, ClosestPointsAreOnTheTrianglesAndNoOthersAreCloser) {
 
 TEST(PairKernels, EightAtATimeAreMeasuredAsOneByOne) {
   const std::vector<TwoTriangles> all = pairs_of_all_kinds();
-  const DoublePlace place = place_of(make_pose({1, 2, 3}, 0.7, {1, 2, 3}));
+  const DoubleTransform transform = transform_of(make_pose({1, 2, 3}, 0.7, {1, 2, 3}));
   const Pose pose = make_pose({1, 2, 3}, 0.7, {1, 2, 3});
   for (std::size_t first = 0; first < all.size(); first += kPairs) {
     TrianglePairs pairs;
     for (int n = 0; n < kPairs; ++n) put(all[first + n].p, n, pairs.p), put(all[first + n].q, n, pairs.q);
     for (int k = 0; all_kernels()[k] != nullptr; ++k) {
       ClosestOfPairs found;
-      all_kernels()[k]->closest(pairs, nullptr, &place, found);
+      all_kernels()[k]->closest(pairs, nullptr, &transform, found);
       for (int n = 0; n < kPairs; ++n) {
-        const ClosestPair one = closest_points(all[first + n].p, placed(pose, all[first + n].q));
+        const ClosestPair one = closest_points(all[first + n].p, transformed(pose, all[first + n].q));
         ASSERT_EQ(found.distance_sq[n], one.distance_sq) << all_kernels()[k]->name << ", pair " << first + n;
         ASSERT_EQ(found.on_p[0][n], one.on_p.x);
         ASSERT_EQ(found.on_q[2][n], one.on_q.z);
@@ -216,26 +218,26 @@ TEST(PairKernels, EightAtATimeAreMeasuredAsOneByOne) {
 }
 
 struct Sixteen {
-  Faces faces;
-  Boxes boxes;
+  Triangle16 triangles;
+  Aabb16 boxes;
   Corners corners[kLanes];
 };
 
 Sixteen random_packet(Random& random, float by) {
-  Faces faces;
+  Triangle16 triangles;
   Sixteen packet;
   for (int n = 0; n < kLanes; ++n) {
     const Corners c = random_triangle(random, random.in_cube(1), n % 4 == 0 ? 0.01 : 0.5);
     for (int k = 0; k < 3; ++k) {
       const Vec3 rounded{float(c[k].x), float(c[k].y), float(c[k].z)};
       packet.corners[n][k] = rounded;
-      faces.corner[k][0][n] = float(c[k].x), faces.corner[k][1][n] = float(c[k].y),
-      faces.corner[k][2][n] = float(c[k].z);
+      triangles.corner[k][0][n] = float(c[k].x), triangles.corner[k][1][n] = float(c[k].y),
+      triangles.corner[k][2][n] = float(c[k].z);
     }
   }
   FloatBox all;
-  const FloatPlace here{{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
-  kernels().place_faces(here, faces, by, packet.faces, packet.boxes, all);
+  const FloatTransform here{{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+  kernels().transform_triangles(here, triangles, by, packet.triangles, packet.boxes, all);
   return packet;
 }
 
@@ -248,7 +250,8 @@ TEST(PairKernels, NoPairWithinTheLimitIsLeftOut) {
     LanePair pairs[kLanes * kLanes];
     bool told[kLanes][kLanes] = {};
     const std::uint32_t lanes_a = 0xfff7, lanes_b = 0x7fff;
-    const int count = kernels().close_lanes({&a.faces, &a.boxes, lanes_a}, {&b.faces, &b.boxes, lanes_b}, limit, pairs);
+    const int count =
+        kernels().close_pairs({&a.triangles, &a.boxes, lanes_a}, {&b.triangles, &b.boxes, lanes_b}, limit, pairs);
     for (int n = 0; n < count; ++n) {
       ASSERT_TRUE((lanes_a >> pairs[n].a & 1) != 0 && (lanes_b >> pairs[n].b & 1) != 0) << "a lane that was not given";
       ASSERT_FALSE(told[pairs[n].a][pairs[n].b]) << "a pair told twice";
@@ -258,7 +261,7 @@ TEST(PairKernels, NoPairWithinTheLimitIsLeftOut) {
     for (int i = 0; i < kLanes; ++i)
       for (int j = 0; j < kLanes; ++j) {
         if ((lanes_a >> i & 1) == 0 || (lanes_b >> j & 1) == 0) continue;
-        if (!triangles_touch(a.corners[i], b.corners[j]) &&
+        if (!triangles_intersect(a.corners[i], b.corners[j]) &&
             closest_points(a.corners[i], b.corners[j]).distance_sq > double{limit} * limit)
           continue;
         ++near;
@@ -273,19 +276,19 @@ TEST(PairKernels, AgreeBitForBit) {
   Random random(5);
   const Kernels* const* rows = all_kernels();
   const std::vector<TwoTriangles> all = pairs_of_all_kinds();
-  const DoublePlace place = place_of(make_pose({1, 2, 3}, 0.7, {1, 2, 3}));
-  const FloatPlace turned{{0.6f, -0.8f, 0, 0.8f, 0.6f, 0, 0, 0, 1}, {0.1f, 0.2f, -0.3f}};
+  const DoubleTransform transform = transform_of(make_pose({1, 2, 3}, 0.7, {1, 2, 3}));
+  const FloatTransform turned{{0.6f, -0.8f, 0, 0.8f, 0.6f, 0, 0, 0, 1}, {0.1f, 0.2f, -0.3f}};
   for (int k = 1; rows[k] != nullptr; ++k) {
     for (std::size_t first = 0; first < all.size(); first += kPairs) {
       TrianglePairs pairs;
       for (int n = 0; n < kPairs; ++n) put(all[first + n].p, n, pairs.p), put(all[first + n].q, n, pairs.q);
-      Meetings a, b;
-      rows[0]->meet(pairs, &place, nullptr, a);
-      rows[k]->meet(pairs, &place, nullptr, b);
-      ASSERT_EQ(a.touching, b.touching) << rows[0]->name << " and " << rows[k]->name;
+      PairOverlaps a, b;
+      rows[0]->overlap_pairs(pairs, &transform, nullptr, a);
+      rows[k]->overlap_pairs(pairs, &transform, nullptr, b);
+      ASSERT_EQ(a.intersecting, b.intersecting) << rows[0]->name << " and " << rows[k]->name;
       ASSERT_EQ(a.unsure, b.unsure);
       for (int n = 0; n < kPairs; ++n) {
-        if ((a.touching >> n & 1) == 0) continue;
+        if ((a.intersecting >> n & 1) == 0) continue;
         for (int axis = 0; axis < 3; ++axis) {
           ASSERT_EQ(a.point[axis][n], b.point[axis][n]);
           ASSERT_EQ(a.normal[axis][n], b.normal[axis][n]);
@@ -295,18 +298,18 @@ TEST(PairKernels, AgreeBitForBit) {
     }
     for (int round = 0; round < 50; ++round) {
       const Sixteen one = random_packet(random, 0), other = random_packet(random, 0.1f);
-      Faces faces[2];
-      Boxes boxes[2];
+      Triangle16 triangles[2];
+      Aabb16 boxes[2];
       FloatBox around[2];
       LanePair pairs[2][kLanes * kLanes];
       int count[2];
       for (const int which : {0, 1}) {
         const Kernels& kernels = *rows[which == 0 ? 0 : k];
-        kernels.place_faces(turned, one.faces, 0.1f, faces[which], boxes[which], around[which]);
-        count[which] = kernels.close_lanes({&faces[which], &boxes[which], 0xffff}, {&other.faces, &other.boxes, 0xffff},
-                                           0.1f, pairs[which]);
+        kernels.transform_triangles(turned, one.triangles, 0.1f, triangles[which], boxes[which], around[which]);
+        count[which] = kernels.close_pairs({&triangles[which], &boxes[which], 0xffff},
+                                           {&other.triangles, &other.boxes, 0xffff}, 0.1f, pairs[which]);
       }
-      ASSERT_EQ(std::memcmp(&faces[0], &faces[1], sizeof faces[0]), 0);
+      ASSERT_EQ(std::memcmp(&triangles[0], &triangles[1], sizeof triangles[0]), 0);
       ASSERT_EQ(std::memcmp(&boxes[0], &boxes[1], sizeof boxes[0]), 0);
       ASSERT_EQ(std::memcmp(&around[0], &around[1], sizeof around[0]), 0);
       ASSERT_EQ(count[0], count[1]);

@@ -29,7 +29,7 @@ struct Counts {
 void expect_touching(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
                      const CollisionResult& found, double margin) {
   const Corners p = corners_at(a.mesh(), found.triangle_a, pose_a), q = corners_at(b.mesh(), found.triangle_b, pose_b);
-  EXPECT_TRUE(triangles_touch(p, q) || closest_points(p, q).distance_sq <= margin * margin);
+  EXPECT_TRUE(triangles_intersect(p, q) || closest_points(p, q).distance_sq <= margin * margin);
 }
 
 Counts expect_as_cpu(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
@@ -205,16 +205,17 @@ TEST(CudaCollide, ABodyIsCopiedToADeviceOnce) {
   const CollisionModel shared = a;
   const std::vector<Pose> poses = random_poses(16, 4, 1);
   static_cast<void>(collide_all(a, {}, b, poses, {}, kEmulated));
-  const auto never = []() -> std::shared_ptr<const collision::OnDevice> {
+  const auto never = []() -> std::shared_ptr<const collision::CachedDeviceModel> {
     ADD_FAILURE() << "copied again";
     return nullptr;
   };
-  std::weak_ptr<const collision::OnDevice> copy = collision::data_of(shared).copies.get(Backend::emulated, 0, never);
+  std::weak_ptr<const collision::CachedDeviceModel> copy =
+      collision::data_of(shared).device_models.get(Backend::emulated, 0, never);
   EXPECT_FALSE(copy.expired());
   {
     const CollisionModel gone(ball_mesh(1, 3));
     static_cast<void>(collide_all(gone, {}, b, poses, {}, kEmulated));
-    copy = collision::data_of(gone).copies.get(Backend::emulated, 0, never);
+    copy = collision::data_of(gone).device_models.get(Backend::emulated, 0, never);
     EXPECT_FALSE(copy.expired());
   }
   EXPECT_TRUE(copy.expired());

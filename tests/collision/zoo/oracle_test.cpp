@@ -125,7 +125,7 @@ TEST(ZooOracle, TheFilterChangesNothing) {
   int sure[3] = {};
   for (int n = 0; n < 20'000; ++n) {
     const double ratio = std::pow(10, -static_cast<double>(random.below(16)));
-    const SliverPair pair = sliver_pair(random, ratio, static_cast<Thin>(n % 2), static_cast<Meeting>(n % 3));
+    const SliverPair pair = sliver_pair(random, ratio, static_cast<Thin>(n % 2), static_cast<TriangleOverlap>(n % 3));
     const Pose pose = random_pose(random, n % 5 == 0 ? 1e3 : 1);
     const auto at = [&](const Corners& t) { return Corners{apply(pose, t[0]), apply(pose, t[1]), apply(pose, t[2])}; };
     const Corners p = at(pair.p), q = at(pair.q);
@@ -145,7 +145,7 @@ TEST(ZooOracle, GapsAreThoseOfNearestPoints) {
   double worst = 0;
   for (int n = 0; n < 3000; ++n) {
     const double ratio = std::pow(10, -static_cast<double>(random.below(16)));
-    SliverPair pair = sliver_pair(random, ratio, static_cast<Thin>(n % 2), Meeting::anywhere);
+    SliverPair pair = sliver_pair(random, ratio, static_cast<Thin>(n % 2), TriangleOverlap::anywhere);
     if (n % 7 == 0) pair.p[2] = pair.p[n % 2];                   // segments
     if (n % 11 == 0) pair.q[0] = pair.q[1] = pair.q[2];          // points
     if (n % 13 == 0) pair.p[1] = (pair.p[0] + pair.p[2]) * 0.5;  // three on a line, nearly

@@ -72,13 +72,13 @@ struct SliverPair {
 };
 
 /// How the second one comes to its place.
-enum class Meeting {
+enum class TriangleOverlap {
   touching,  ///< a point of it falls on a point of the first one, but for rounding
   near,      ///< beside such a place, by 1e-17 to 0.1
   anywhere,  ///< about as far as they are long
 };
 
-inline SliverPair sliver_pair(Random& random, double ratio, Thin thin, Meeting meeting) {
+inline SliverPair sliver_pair(Random& random, double ratio, Thin thin, TriangleOverlap meeting) {
   const Shape p = sliver(random, ratio, thin);
   // Every other partner is a sliver too, of the same height or another one; some lie nearly in the plane of the first.
   const std::uint32_t kind = random.below(8);
@@ -89,8 +89,8 @@ inline SliverPair sliver_pair(Random& random, double ratio, Thin thin, Meeting m
       v = (p.corners[1] - p.corners[0]) * random.between(-1, 1) + (p.corners[2] - p.corners[0]) * random.between(-1, 1);
   }
   Vec3 by{};
-  if (meeting == Meeting::near) by = direction(random) * log_between(random, 1e-17, 0.1);
-  if (meeting == Meeting::anywhere) by = random.in_cube(0.4);
+  if (meeting == TriangleOverlap::near) by = direction(random) * log_between(random, 1e-17, 0.1);
+  if (meeting == TriangleOverlap::anywhere) by = random.in_cube(0.4);
   return {p.at({}), q.at(by)};
 }
 
@@ -106,7 +106,7 @@ inline SliverBodies sliver_bodies(unsigned seed, double ratio, int count) {
   const int along = static_cast<int>(thin == Thin::along_z ? std::ceil(std::sqrt(count)) : std::ceil(std::cbrt(count)));
   SliverBodies bodies;
   for (int n = 0; n < count; ++n) {
-    const auto meeting = static_cast<Meeting>(random.below(3));
+    const auto meeting = static_cast<TriangleOverlap>(random.below(3));
     const SliverPair pair = sliver_pair(random, ratio, thin, meeting);
     const double x = n % along - along / 2, y = n / along % along - along / 2,
                  z = thin == Thin::along_z ? 0 : n / along / along - along / 2;

@@ -1,13 +1,13 @@
 // What two triangles share is convex. Its corners are corners of one that lie in the other, places where an edge of one
 // passes through the other, and crossings of edges in one plane. Which of them there are is decided by signs of
 // determinants, exactly; where they are, by ratios of determinants whose values are right however small they are.
-#include "geometry/intersection.h"
+#include "geometry/penetration.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "geometry/crossing.h"
+#include "geometry/overlap_penetration.h"
 #include "geometry/triangle_pair.h"
 
 namespace standoff {
@@ -65,7 +65,7 @@ class Farthest {
 
 void add_corners_inside(const Corners& corners, const Heights& heights, const Corners& t, Farthest& shared) {
   for (int k = 0; k < 3; ++k)
-    if (heights.of[k] == 0 && touches_in_plane(corners[k], corners[k], t)) shared.add(corners[k]);
+    if (heights.of[k] == 0 && intersects_in_plane(corners[k], corners[k], t)) shared.add(corners[k]);
 }
 
 // Edges that pass from one side of the triangle's plane to the other, within the triangle.
@@ -102,7 +102,7 @@ Vec3 common_point(const Corners& p, const Corners& q) {
     for (int n = 0, m = 2; n < 3; m = n++) add_crossing(p[j], p[k], q[m], q[n], shared);
   if (shared.any()) return shared.middle();
   const ClosestPair pair = closest_points(p, q);
-  return pair.on_p + pair.way * 0.5;
+  return pair.on_p + pair.separation * 0.5;
 }
 
 bool is_zero(const Vec3& v) { return v == Vec3{}; }
@@ -156,21 +156,21 @@ Vec3 across(const Vec3& v) {
 }
 
 // The answer where rounding leaves it right.
-bool take_accurate(const Corners& p, const Corners& q, Overlap& result) {
+bool take_accurate(const Corners& p, const Corners& q, Penetration& result) {
   const Triple<double> of_p[3] = {triple_of(p[0]), triple_of(p[1]), triple_of(p[2])},
                        of_q[3] = {triple_of(q[0]), triple_of(q[1]), triple_of(q[2])};
-  const auto met = collision::meeting(of_p, of_q);
-  if (!met.touch) return false;
-  const auto found = collision::crossing(met, of_p, of_q);
+  const auto overlap = collision::triangle_overlap(of_p, of_q);
+  if (!overlap.intersecting) return false;
+  const auto found = collision::penetration(overlap, of_p, of_q);
   result = {vec_of(found.point), vec_of(found.normal), found.depth};
   return found.accurate;
 }
 
 }  // namespace
 
-Overlap overlap(const Corners& p, const Corners& q) {
+Penetration penetration(const Corners& p, const Corners& q) {
   // Corners that both have are on both planes, which hides the answer from the quick way.
-  if (Overlap quick; !common_corner(p, q) && take_accurate(p, q, quick)) return quick;
+  if (Penetration quick; !common_corner(p, q) && take_accurate(p, q, quick)) return quick;
   WayOut way(p, q);
   way.try_along(normal_direction(p));
   way.try_along(normal_direction(q));

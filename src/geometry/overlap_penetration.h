@@ -1,5 +1,5 @@
-// Where two triangles that cross do so, and the shortest way out, from what the test of them has found (meeting.h): for
-// double, and for eight doubles at once.
+// The penetration of two intersecting triangles, point, normal and depth, from the numbers of their test
+// (triangle_overlap.h): for double, and for eight doubles at once.
 #pragma once
 
 #include "geometry/triangle_overlap.h"
@@ -7,9 +7,9 @@
 namespace standoff::collision {
 
 template <class F>
-struct Crossing {
+struct OverlapPenetration {
   Triple<F> point;      ///< the middle of the segment they share
-  Triple<F> normal;     ///< unit length, the way q has to go
+  Triple<F> normal;     ///< unit length: q separates along it
   F depth;              ///< how far
   FlagsOf<F> accurate;  ///< no number is farther off than 1e-9 of the pair's extent
 };
@@ -20,7 +20,7 @@ struct Crossing {
 inline constexpr double kLeastSine = 1e-3;
 
 template <class F>
-STANDOFF_INLINE FlagsOf<F> is_accurate(const Meeting<F>& m, const Triple<F> (&p)[3], const Triple<F> (&q)[3]) {
+STANDOFF_INLINE FlagsOf<F> is_accurate(const TriangleOverlap<F>& m, const Triple<F> (&p)[3], const Triple<F> (&q)[3]) {
   const F p_normal_sq = plain_dot(m.p_normal, m.p_normal), q_normal_sq = plain_dot(m.q_normal, m.q_normal),
           least_sq(kLeastSine * kLeastSine);
   const auto squared = [](const Triple<F>& v) __attribute__((always_inline)) { return plain_dot(v, v); };
@@ -41,18 +41,19 @@ STANDOFF_INLINE FlagsOf<F> is_accurate(const Meeting<F>& m, const Triple<F> (&p)
 /// The middle of the segment that both share: it lies between the second and the third of the four points at which
 /// edges pass through the planes' common line.
 template <class F>
-STANDOFF_INLINE Triple<F> middle_of_shared(const Meeting<F>& m) {
+STANDOFF_INLINE Triple<F> middle_of_shared(const TriangleOverlap<F>& m) {
   const Triple<F> along = plain_cross(m.p_normal, m.q_normal);
   Triple<F> at[4] = {m.a1 * (m.a.height[0] / (m.a.height[0] - m.a.height[1])),
                      m.a2 * (m.a.height[0] / (m.a.height[0] - m.a.height[2])),
                      m.b0 + (m.b1 - m.b0) * (m.b.height[0] / (m.b.height[0] - m.b.height[1])),
                      m.b0 + (m.b2 - m.b0) * (m.b.height[0] / (m.b.height[0] - m.b.height[2]))};
-  F place[4] = {plain_dot(along, at[0]), plain_dot(along, at[1]), plain_dot(along, at[2]), plain_dot(along, at[3])};
+  F position[4] = {plain_dot(along, at[0]), plain_dot(along, at[1]), plain_dot(along, at[2]), plain_dot(along, at[3])};
   const auto ordered = [&](int i, int j) __attribute__((always_inline)) {
-    const FlagsOf<F> swap = less(place[j], place[i]);
+    const FlagsOf<F> swap = less(position[j], position[i]);
     const Triple<F> low = select(swap, at[j], at[i]), high = select(swap, at[i], at[j]);
-    const F least_place = select(swap, place[j], place[i]), most_place = select(swap, place[i], place[j]);
-    at[i] = low, at[j] = high, place[i] = least_place, place[j] = most_place;
+    const F least_position = select(swap, position[j], position[i]),
+            most_position = select(swap, position[i], position[j]);
+    at[i] = low, at[j] = high, position[i] = least_position, position[j] = most_position;
   };
   ordered(0, 1);
   ordered(2, 3);
@@ -61,10 +62,11 @@ STANDOFF_INLINE Triple<F> middle_of_shared(const Meeting<F>& m) {
   return m.a.corner[0] + (at[1] + at[2]) * F(0.5);
 }
 
-/// Of triangles that touch, for certain.
+/// Requires that the triangles intersect for certain.
 template <class F>
-STANDOFF_INLINE Crossing<F> crossing(const Meeting<F>& m, const Triple<F> (&p)[3], const Triple<F> (&q)[3]) {
-  Crossing<F> c;
+STANDOFF_INLINE OverlapPenetration<F> penetration(const TriangleOverlap<F>& m, const Triple<F> (&p)[3],
+                                                  const Triple<F> (&q)[3]) {
+  OverlapPenetration<F> c;
   c.accurate = is_accurate(m, p, q);
   c.point = middle_of_shared(m);
   // Along p's normal p itself is flat, as it is no sliver, and so is q along its own: the way out is how far the other

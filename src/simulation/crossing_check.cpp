@@ -1,4 +1,4 @@
-#include "simulation/crossing.h"
+#include "simulation/crossing_check.h"
 
 #include <algorithm>
 #include <cmath>
@@ -76,7 +76,7 @@ bool CrossingCheck::crosses(Vec3 from, Vec3 to) const {
       for (auto x = r.begin[0]; x < r.end[0]; ++x) {
         const auto cell = static_cast<std::size_t>((z * size_[1] + y) * size_[0] + x);
         for (auto n = first_[cell]; n < first_[cell + 1]; ++n)
-          if (meet(box, boxes_[members_[n]]) && triangles_touch(way, triangles_[members_[n]])) return true;
+          if (meet(box, boxes_[members_[n]]) && triangles_intersect(way, triangles_[members_[n]])) return true;
       }
   return false;
 }

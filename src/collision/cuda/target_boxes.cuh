@@ -1,5 +1,5 @@
-// The triangles of the field's body whose boxes a box meets: a warp goes through the boxes of its tree, two packets of
-// sixteen at a time.
+// The triangles of the target whose boxes overlap a box: a warp goes down the target's BVH, two packets of sixteen at a
+// time.
 #pragma once
 
 #include "collision/cuda/node_stack.cuh"
@@ -10,24 +10,24 @@ namespace standoff::STANDOFF_PLATFORM {
 struct FlatBox {
   float side[6];
 };
-STANDOFF_DEVICE bool meet(const FlatBox& a, const FlatBox& b) {
-  bool meets = true;
+STANDOFF_DEVICE bool overlap(const FlatBox& a, const FlatBox& b) {
+  bool overlapping = true;
   for (int axis = 0; axis < 3; ++axis)
-    meets = meets && a.side[axis] <= b.side[3 + axis] && a.side[3 + axis] >= b.side[axis];
-  return meets;
+    overlapping = overlapping && a.side[axis] <= b.side[3 + axis] && a.side[3 + axis] >= b.side[axis];
+  return overlapping;
 }
-STANDOFF_DEVICE FlatBox box_in(const collision::Boxes& boxes, std::uint32_t n) {
+STANDOFF_DEVICE FlatBox box_in(const collision::Aabb16& boxes, std::uint32_t n) {
   FlatBox box;
   for (int axis = 0; axis < 3; ++axis) box.side[axis] = boxes.min[axis][n], box.side[3 + axis] = boxes.max[axis][n];
   return box;
 }
 
-/// Calls use(this lane has one, its place in the tree, its box) with triangles, all lanes together, until it returns
+/// Calls use(this lane has one, its BVH index, its box) with triangles, all lanes together, until it returns
 /// false. False, with triangles left out, where `words`, shared memory for `capacity` packets, did not suffice.
 template <class Use>
-STANDOFF_DEVICE bool for_boxes_that_meet(const FlatBox& box, const BodyView& body, std::uint32_t* words, int capacity,
-                                         Use use) {
-  NodeStack<std::uint32_t> nodes(words, capacity, packet_word(body.top, 0));
+STANDOFF_DEVICE bool for_overlapping_boxes(const FlatBox& box, const DeviceModelView& model, std::uint32_t* words,
+                                           int capacity, Use use) {
+  NodeStack<std::uint32_t> nodes(words, capacity, packet_word(model.top, 0));
   while (!nodes.empty()) {
     const std::uint32_t word = nodes.take(0, kNoPacket);
     const int level = level_of(word);
@@ -35,8 +35,8 @@ STANDOFF_DEVICE bool for_boxes_that_meet(const FlatBox& box, const BodyView& bod
     FlatBox own{};
     bool near = word != kNoPacket;
     if (near) {
-      own = box_in(body.boxes[level][packet_of(word)], lane_in_warp() % kLanes);
-      near = meet(own, box);
+      own = box_in(model.boxes[level][packet_of(word)], lane_in_warp() % kLanes);
+      near = overlap(own, box);
     }
     const std::uint32_t inner = __ballot_sync(kWarp, near && level > 0);
     if (!nodes.put(inner, __popc(inner & lanes_below(lane_in_warp())), packet_word(level - 1, child))) return false;

@@ -1,13 +1,14 @@
-// A lower bound of the distance between a ball and a surface, from the surface's fields: in single precision, for the
-// CPU's loops over sixteen balls and the GPU's thread per ball.
+// The gap of a bounding sphere: a lower bound of its distance from a surface, from the surface's distance fields. In
+// single precision, for the CPU's loops over sixteen spheres and the GPU's thread per sphere.
 //
-// Distance is 1-Lipschitz, so a sample s at x_i gives d(x) >= s - |x - x_i| for every x, and a ball (x, r) is at least
-// d(x) - r away (docs/collision.md). The nearest sample is taken, of the coarse field and then of the fine one; a
+// Distance is 1-Lipschitz, so a sample s at x_i gives d(x) >= s - |x - x_i| for every x, and a sphere (x, r) is at
+// least d(x) - r away (docs/collision.md). The nearest sample is taken, of the coarse field and then of the fine one; a
 // sample clamped by the band's half-width is still a lower bound. So is the distance to the surface's box.
 #pragma once
 
-#include "collision/body/simd_blocks.h"
+#include "collision/body/field_view.h"
 #include "geometry/scalar.h"
+#include "geometry/transform.h"
 
 namespace standoff::collision {
 
@@ -28,15 +29,15 @@ STANDOFF_INLINE float outside_sq(const FieldView& f, int axis, float x) {
   return out * out;
 }
 
-/// The samples nearest to a ball's centre, and what they say less.
-struct BallSamples {
+/// The samples nearest to a sphere's centre, and what they say less.
+struct SphereSamples {
   float outside;               ///< the bound from the surface's box
   float coarse_off, fine_off;  ///< to be taken off the samples
   std::int32_t coarse;         ///< the coarse sample
-  std::int32_t tile, within;   ///< the fine one: its tile, and its place there
+  std::int32_t tile, within;   ///< the fine one: its tile, and its index there
 };
 
-STANDOFF_INLINE BallSamples samples_near(const FieldView& f, float x, float y, float z, float radius) {
+STANDOFF_INLINE SphereSamples samples_near(const FieldView& f, float x, float y, float z, float radius) {
   const auto coarse = [&f](int axis, float at) __attribute__((always_inline)) {
     return nearest_index(at, f.origin[axis], f.per_coarse_spacing, f.coarse_last[axis]);
   };
@@ -48,27 +49,23 @@ STANDOFF_INLINE BallSamples samples_near(const FieldView& f, float x, float y, f
   return {sqrt(outside_sq(f, 0, x) + outside_sq(f, 1, y) + outside_sq(f, 2, z)) - radius,
           sqrt(cx.off_sq + cy.off_sq + cz.off_sq) * f.coarse_spacing + radius,
           sqrt(fx.off_sq + fy.off_sq + fz.off_sq) * f.spacing + radius,
-          (cz.at * f.coarse_size[1] + cy.at) * f.coarse_size[0] + cx.at,
-          ((fz.at >> 3) * f.tiles[1] + (fy.at >> 3)) * f.tiles[0] + (fx.at >> 3),
-          (fz.at & 7) << 6 | (fy.at & 7) << 3 | (fx.at & 7)};
+          coarse_index(f, cx.at, cy.at, cz.at),
+          tile_of(f, fx.at, fy.at, fz.at),
+          index_in_tile(fx.at, fy.at, fz.at)};
 }
 
-STANDOFF_INLINE std::uint8_t fine_sample(const FieldView& f, std::int32_t tile, std::int32_t within) {
-  return f.samples[(static_cast<std::int64_t>(f.slots[tile]) << 9) + within];
-}
-
-/// The bound. Where that from the coarse field exceeds `enough`, the fine field is not asked.
-STANDOFF_INLINE float gap_of_ball(const FieldView& f, float x, float y, float z, float radius, float enough) {
-  const BallSamples at = samples_near(f, x, y, z, radius);
+/// The gap. Where the coarse field's bound exceeds `enough`, the fine field is not sampled.
+STANDOFF_INLINE float gap_of_sphere(const FieldView& f, float x, float y, float z, float radius, float enough) {
+  const SphereSamples at = samples_near(f, x, y, z, radius);
   const float gap = max(at.outside, f.coarse[at.coarse] - at.coarse_off);
   if (gap > enough) return gap;
   return max(gap, static_cast<float>(fine_sample(f, at.tile, at.within)) * f.step - at.fine_off);
 }
 
-/// Coordinate `axis` of a point placed in another frame.
-STANDOFF_INLINE float placed(const FloatPlace& place, int axis, float x, float y, float z) {
-  const float* const r = place.rotation + 3 * axis;
-  return r[0] * x + r[1] * y + r[2] * z + place.translation[axis];
+/// Coordinate `axis` of a transformed point.
+STANDOFF_INLINE float transformed(const FloatTransform& transform, int axis, float x, float y, float z) {
+  const float* const r = transform.rotation + 3 * axis;
+  return r[0] * x + r[1] * y + r[2] * z + transform.translation[axis];
 }
 
 }  // namespace standoff::collision

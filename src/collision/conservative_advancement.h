@@ -1,0 +1,80 @@
+// The steps and bounds of conservative advancement, for the CPU and for GPUs (docs/sweep.md proves them). This work is
+// based on: Mirtich, Impulse-based Dynamic Simulation of Rigid Body Systems (1996); Tang, Kim, Manocha, C2A: Controlled
+// Conservative Advancement for Continuous Collision Detection of Polygonal Models (2009).
+//
+// A bounding sphere (c, r) whose centre is at distance L or more from the surface at time t is free until
+// t + (L - r - keep) / speed, where no time's speed of its centre exceeds `speed`: distance is 1-Lipschitz, and a
+// sphere that turns about its own centre stays where it is. A child sphere may start at the time up to which its parent
+// is free: the triangles in it are in the parent too.
+#pragma once
+
+#include "collision/relative_motion.h"
+#include "collision/tolerances.h"
+
+namespace standoff::collision {
+
+/// A bounding sphere in motion: it touches nothing until `time`.
+struct MovingSphere {
+  Triple<double> offset;  ///< of its centre: RelativeMotion
+  double speed, time;
+
+  /// Takes the step that `gap`, a lower bound of the distance, allows, and leaves `keep` of it. True where the sphere
+  /// has not reached `end` and the step was longer than `worthwhile`: another one pays.
+  STANDOFF_INLINE bool step(float gap, float keep, double end, float worthwhile) {
+    const float distance = gap * kRoundDown - keep;
+    const double before = time;
+    if (distance > 0) time = speed > 0 ? before + distance / speed : kNever;
+    return time > before && time < end && distance > worthwhile;
+  }
+};
+
+/// A triangle of the probe in motion.
+struct MovingTriangle {
+  Triple<double> offset[3];
+  double radius, speed, acceleration;  ///< upper bounds for all corners; the radius is about the base point
+};
+
+/// The triangle with the given corners, relative to the probe's middle.
+STANDOFF_INLINE MovingTriangle moving_triangle(const RelativeMotion& motion, const Triple<double> (&corner)[3]) {
+  MovingTriangle t{};
+  for (int k = 0; k < 3; ++k) {
+    t.offset[k] = motion.offset(corner[k]);
+    t.radius = max(t.radius, length(t.offset[k]));
+    t.speed = max(t.speed, motion.speed(t.offset[k]));
+    t.acceleration = max(t.acceleration, motion.acceleration(t.offset[k]));
+  }
+  return t;
+}
+
+/// The time until which a triangle that has stopped at `t` is tested against the target's triangles at once.
+STANDOFF_INLINE double look_ahead(double t, double speed, double spacing) {
+  return speed > 0 ? t + kLookAhead * spacing / speed : kNever;
+}
+
+/// How far a path leaves its chord at the most in a time: acceleration * dt^2 / 8.
+STANDOFF_INLINE float chord_deviation(double acceleration, double duration) {
+  return static_cast<float>(acceleration * duration * duration / 8) * kRoundUp;
+}
+
+/// The box that a triangle sweeps between two times, grown by `by`: that of its corners at both, grown by how far their
+/// paths leave the chords.
+STANDOFF_INLINE void swept_bounds(const RelativeMotion& motion, const MovingTriangle& triangle, double t, double until,
+                                  float by, float (&low)[3], float (&high)[3]) {
+  const float grown = by + chord_deviation(triangle.acceleration, until - t);
+  for (int axis = 0; axis < 3; ++axis) low[axis] = __builtin_inff(), high[axis] = -__builtin_inff();
+  for (int k = 0; k < 6; ++k) {
+    const Triple<double> x = motion.at(triangle.offset[k % 3], k < 3 ? t : until);
+    const float at[3] = {static_cast<float>(x.x), static_cast<float>(x.y), static_cast<float>(x.z)};
+    for (int axis = 0; axis < 3; ++axis) low[axis] = min(at[axis], low[axis]), high[axis] = max(at[axis], high[axis]);
+  }
+  for (int axis = 0; axis < 3; ++axis) low[axis] -= grown, high[axis] += grown;
+}
+
+/// An upper bound of the speed along the unit vector `normal` that a rotation of `rate` about the unit vector `axis`
+/// gives to points within `radius` of the axis.
+STANDOFF_INLINE double rotation_speed_along(const Triple<double>& normal, const Triple<double>& axis, double rate,
+                                            double radius) {
+  return rate == 0 ? 0 : length(plain_cross(normal, axis)) * rate * radius;
+}
+
+}  // namespace standoff::collision

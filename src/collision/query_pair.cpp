@@ -1,0 +1,101 @@
+#include "collision/query_pair.h"
+
+#include <cmath>
+
+#include "collision/tolerances.h"
+
+namespace standoff::collision {
+namespace {
+
+// How far a pose's matrix is from a rotation, as validate() measures it.
+double rigid_error(const Pose& pose) {
+  const auto& r = pose.rotation;
+  const Vec3 rows[3] = {{r[0], r[1], r[2]}, {r[3], r[4], r[5]}, {r[6], r[7], r[8]}};
+  double off = 0;
+  for (int i = 0; i < 3; ++i)
+    for (int j = i; j < 3; ++j) off = std::max(off, std::abs(dot(rows[i], rows[j]) - (i == j ? 1 : 0)));
+  return off;
+}
+
+// The pose with a rotation to rounding, by making its rows perpendicular to one another.
+Pose orthonormal(Pose pose) {
+  auto& r = pose.rotation;
+  const Vec3 first{r[0], r[1], r[2]}, second{r[3], r[4], r[5]};
+  const Vec3 x = first * (1 / length(first)), across = second - x * dot(x, second);
+  const Vec3 y = across * (1 / length(across)), z = cross(x, y);
+  r = {x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y, z.z};
+  return pose;
+}
+
+double magnitude(Vec3 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
+
+double size_of(const CollisionModel& model) {
+  const Vec3 e = data_of(model).box.extent();
+  return std::max({e.x, e.y, e.z});
+}
+
+}  // namespace
+
+QueryPair::QueryPair(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b)
+    : target(data_of(a), pose_a), probe(data_of(b), pose_b), swapped(size_of(b) > size_of(a)) {
+  if (swapped) std::swap(target, probe);
+  // relative = frame^-1 (the probe's pose), between coordinates relative to where the middles are in the world.
+  const Pose &f = target.pose, &t = probe.pose;
+  const double off = rigid_error(f);
+  frame = off > kOrthonormal ? orthonormal(f) : f;
+  for (int column = 0; column < 3; ++column) {
+    const auto& r = t.rotation;
+    const Vec3 rotated = rotate_back(frame, {r[column], r[3 + column], r[6 + column]});
+    relative.rotation[column] = rotated.x, relative.rotation[3 + column] = rotated.y,
+    relative.rotation[6 + column] = rotated.z;
+  }
+  const Vec3 world_middle = apply(t, probe.body->middle) - apply(f, target.body->middle);
+  relative.translation = rotate_back(frame, world_middle);
+  const Vec3 d = relative.translation;
+  for (int n = 0; n < 9; ++n) transform.rotation[n] = static_cast<float>(relative.rotation[n]);
+  transform.translation[0] = static_cast<float>(d.x);
+  transform.translation[1] = static_cast<float>(d.y);
+  transform.translation[2] = static_cast<float>(d.z);
+  // The slack covers: in single precision, transforming a sphere (four roundings of numbers no larger than `reach`),
+  // sampling and subtracting (about ten more), and the middles' rounding; matrices that are rotations only nearly; and
+  // in double precision, coordinates far from the world's origin.
+  const double reach = target.body->radius + 2 * probe.body->radius + target.body->field.band();
+  far = magnitude(f.translation) + magnitude(t.translation) + magnitude(target.body->middle) +
+        magnitude(probe.body->middle) + target.body->radius + probe.body->radius;
+  slack =
+      static_cast<float>((kSinglePrecisionSlack + 4 * (off + rigid_error(t))) * reach + kDoublePrecisionSlack * far);
+}
+
+double QueryPair::root_gap() const {
+  const Vec3 d = relative.translation;
+  const Box& box = target.body->field.box;
+  const Vec3 out = max(max(box.min - d, d - box.max), Vec3{0, 0, 0});
+  return length(out) - probe.body->radius;
+}
+
+FloatBox QueryPair::region(float by) const {
+  const Vec3 half = probe.body->box.extent() * 0.5, offset = probe.body->box.center() - probe.body->middle;
+  const Vec3 center = apply(relative, offset);
+  const double at[3] = {center.x, center.y, center.z};
+  FloatBox box;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double* r = &relative.rotation[3 * axis];
+    const double reach = std::abs(r[0]) * half.x + std::abs(r[1]) * half.y + std::abs(r[2]) * half.z;
+    // Beyond `by`, what it holds may be placed off by the slack.
+    box.min[axis] = static_cast<float>(at[axis] - reach) - by - slack;
+    box.max[axis] = static_cast<float>(at[axis] + reach) + by + slack;
+  }
+  return box;
+}
+
+FloatBox QueryPair::box_of(std::uint32_t probe_index) const {
+  FloatBox box;
+  for (const Vec3& corner : probe.body->corners[probe_index]) {
+    const Vec3 p = apply(relative, corner - probe.body->middle);
+    const float at[3] = {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
+    box.include(at);
+  }
+  return box;
+}
+
+}  // namespace standoff::collision

@@ -1,0 +1,76 @@
+// The two bodies of a query: the target's distance field is sampled by the probe's bounding spheres.
+#pragma once
+
+#include <algorithm>
+
+#include "collision/body/model.h"
+#include "collision/cpu/kernels.h"
+#include "collision/tolerances.h"
+
+namespace standoff::collision {
+
+/// A pose as kernels take it.
+inline DoubleTransform transform_of(const Pose& pose) {
+  DoubleTransform transform;
+  for (int n = 0; n < 9; ++n) transform.rotation[n] = pose.rotation[n];
+  transform.translation[0] = pose.translation.x;
+  transform.translation[1] = pose.translation.y;
+  transform.translation[2] = pose.translation.z;
+  return transform;
+}
+
+/// A model with its pose in the world.
+struct PlacedModel {
+  const ModelData* body;
+  Pose pose;
+  bool moved;  ///< the pose is not the identity
+
+  PlacedModel(const ModelData& data, const Pose& at) : body(&data), pose(at), moved(!(at == Pose{})) {}
+  /// The corners in the world of a triangle, by its index in the BVH: all exact answers are about these.
+  Corners world(std::uint32_t index) const {
+    const Corners& c = body->corners[index];
+    if (!moved) return c;
+    return {apply(pose, c[0]), apply(pose, c[1]), apply(pose, c[2])};
+  }
+  std::uint32_t triangle(std::uint32_t index) const { return body->bvh.order[index]; }
+};
+
+/// The target is the larger body. `transform` and `relative` take coordinates of the probe to those of the target, both
+/// relative to the models' middles.
+struct QueryPair {
+  PlacedModel target, probe;
+  bool swapped;  ///< a is the probe
+  /// The target's pose with an orthonormal rotation. Errors of a pose's matrix then count over the size of the body,
+  /// not over its distance from the other one.
+  Pose frame;
+  Pose relative;
+  FloatTransform transform;
+  /// A bound of the coordinates that transforming both bodies to the world goes through.
+  double far;
+  /// How much bounds in single precision, in the target's frame, may be wrong about the world: docs/collision.md.
+  float slack;
+
+  QueryPair(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b);
+
+  /// A lower bound of the distance: from the probe's bounding sphere to the target's box.
+  double root_gap() const;
+  /// Spheres and boxes farther apart than this are farther apart than the margin.
+  float limit(double margin) const { return static_cast<float>(margin) * kRoundUp + slack; }
+  /// root_gap() shows that the bodies are farther apart than the margin.
+  bool apart(double margin) const { return root_gap() > margin + slack; }
+  /// The probe's box in the target's frame, grown by `by`.
+  FloatBox region(float by) const;
+  /// The box of a triangle of the probe, in the target's frame.
+  FloatBox box_of(std::uint32_t probe_index) const;
+};
+
+/// The lanes whose gap is at most `limit`, the nearest first. Returns how many.
+inline int lanes_within(const float (&gap)[kLanes], float limit, int (&lanes)[kLanes]) {
+  int count = 0;
+  for (int n = 0; n < kLanes; ++n)
+    if (gap[n] <= limit) lanes[count++] = n;
+  std::sort(lanes, lanes + count, [&gap](int a, int b) { return gap[a] < gap[b]; });
+  return count;
+}
+
+}  // namespace standoff::collision

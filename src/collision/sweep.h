@@ -1,0 +1,12 @@
+// The CPU's answer to one sweep.
+#pragma once
+
+#include "standoff/collision.h"
+
+namespace standoff::collision {
+
+/// sweep() without its checks. The tolerance is positive.
+SweepResult sweep_exactly(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                          const RigidMotion& motion, double tolerance);
+
+}  // namespace standoff::collision
