@@ -13,16 +13,16 @@
 
 namespace standoff {
 
-/// How a moving body finds out that it meets a standing one.
+/// How contacts of a moving body with resting ones are found.
 enum class FlightMode {
-  sweep,   ///< the way of a step is swept: nothing is passed through, at any speed
-  thesis,  ///< the place after the step is tested by Algorithm 2: fast bodies pass through
+  sweep,   ///< each step is a sweep: nothing is passed through, at any speed
+  thesis,  ///< Algorithm 2 tests the pose after the step: fast bodies pass through
 };
 
-/// What it does then.
+/// What a moving body does on a contact.
 enum class OnContact {
-  turn_back,  ///< flies back where it came from, as in the thesis, but for `scatter_rad`
-  reflect,    ///< off the surface it met, like light (thesis mode knows no normals: it turns back)
+  turn_back,  ///< reverses its direction, as in the thesis, scattered by `scatter_rad`
+  reflect,    ///< is mirrored by the surface, like light (thesis mode has no normals: it turns back)
 };
 
 struct FlightOptions {
@@ -30,11 +30,11 @@ struct FlightOptions {
   OnContact on_contact = OnContact::turn_back;
   double speed = 0.02;       ///< world units a step
   double scatter_rad = 0.5;  ///< after a contact the direction is turned at random by up to this much; 0: never
-  Box room;                  ///< moving bodies turn back where the middle of their box would leave this; empty: endless
-  double tolerance = 0;      ///< sweep mode: as in SweepOptions
-  double thickness = 2;      ///< thesis mode: of both fields
-  double minimum = 2;        ///< thesis mode: e of minimum_grid()
-  double threshold = 0;      ///< thesis mode: of the sum; 0: the larger spacing of the two grids
+  Box room;              ///< moving bodies turn back where the middle of their box would leave this; empty: no limit
+  double tolerance = 0;  ///< sweep mode: as in SweepOptions
+  double thickness = 2;  ///< thesis mode: of both fields
+  double minimum = 2;    ///< thesis mode: e of minimum_grid()
+  double threshold = 0;  ///< thesis mode: of the sum; 0: the larger spacing of the two grids
   std::uint64_t seed = 1;
   Execution execution;  ///< on the CPU: other backends are Error{usage}
   bool check = true;    ///< count wall crossings by the independent check
@@ -47,11 +47,11 @@ struct Flier {
   Vec3 direction;  ///< unit length
   std::int64_t collisions = 0;
   std::int64_t turns = 0;      ///< where it would have left the room
-  std::int64_t crossings = 0;  ///< steps on which it crossed a standing surface, by the independent check
+  std::int64_t crossings = 0;  ///< steps on which it crossed a resting surface, by the independent check
   std::uint64_t seed = 0;      ///< of its random numbers; changes as they are drawn
 };
 
-/// Standing bodies, and any number of moving ones of one shape, which take no notice of each other.
+/// Resting bodies, and any number of moving ones of one shape, which ignore each other.
 class World {
  public:
   /// Errors: usage (options), input.
@@ -60,21 +60,22 @@ class World {
   World& operator=(const World&) = delete;
   ~World();
 
-  /// A standing body. Errors: usage (pose).
+  /// Adds a resting body. Errors: usage (pose).
   void add(const CollisionModel& body, const Pose& pose = {});
-  /// A moving body at a random place inside `box`, apart from all standing ones, upright and turned and sent off at
-  /// random: the n-th is the same whatever came before. Errors: input when no free place is found in 10,000 tries.
+  /// Adds a moving body at a random pose inside `box` that touches no resting one, turned about the vertical, with a
+  /// random direction. The n-th is the same whatever came before. Errors: input when no free place is found in 10,000
+  /// tries.
   void add_flier(const Box& box);
   std::span<const Flier> fliers() const;
 
   /// `steps` steps (0 or more) of all moving bodies, spread over threads; the result does not depend on how many.
-  /// `visit(flier, step, pose)`, where given, is called at the place each flier starts from, wherever it
+  /// `visit(flier, step, pose)`, where given, is called where each flier starts, wherever it
   /// turns and where it ends; for one flier in order, for different ones from different threads.
   /// What it throws ends the run and comes out of it as it is.
   using Visit = std::function<void(std::size_t flier, std::int64_t step, const Pose& pose)>;
   void run(std::int64_t steps, const Visit& visit = {});
 
-  /// Thesis mode: the grid of the n-th standing body's field; sweep mode: that of its model.
+  /// Thesis mode: the grid of the n-th resting body's field; sweep mode: that of its model.
   Grid grid(std::size_t n) const;
 
  private:

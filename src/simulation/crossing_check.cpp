@@ -10,7 +10,7 @@ namespace {
 constexpr int kDirections = 32;
 constexpr double kMostCells = 4e6;
 
-bool meet(const Box& a, const Box& b) {
+bool overlap(const Box& a, const Box& b) {
   return a.min.x <= b.max.x && b.min.x <= a.max.x && a.min.y <= b.max.y && b.min.y <= a.max.y && a.min.z <= b.max.z &&
          b.min.z <= a.max.z;
 }
@@ -55,7 +55,7 @@ CrossingCheck::CrossingCheck(MeshView mesh, const Pose& pose) {
 CrossingCheck::Range CrossingCheck::cells(const Box& box) const {
   Range range{};
   for (int axis = 0; axis < 3; ++axis) {
-    // One cell of margin: what rounding may move is found all the same.
+    // A margin of a millionth of a cell covers the rounding.
     const double low = std::floor((component(box.min, axis) - component(box_.min, axis)) / cell_ - 1e-6);
     const double high = std::floor((component(box.max, axis) - component(box_.min, axis)) / cell_ + 1e-6) + 1;
     range.begin[axis] = static_cast<std::int64_t>(std::clamp(low, 0.0, static_cast<double>(size_[axis])));
@@ -68,15 +68,15 @@ bool CrossingCheck::crosses(Vec3 from, Vec3 to) const {
   Box box;
   box.include(from);
   box.include(to);
-  if (!meet(box, box_)) return false;
-  const Corners way{from, to, to};
+  if (!overlap(box, box_)) return false;
+  const Corners segment{from, to, to};
   const Range r = cells(box);
   for (auto z = r.begin[2]; z < r.end[2]; ++z)
     for (auto y = r.begin[1]; y < r.end[1]; ++y)
       for (auto x = r.begin[0]; x < r.end[0]; ++x) {
         const auto cell = static_cast<std::size_t>((z * size_[1] + y) * size_[0] + x);
         for (auto n = first_[cell]; n < first_[cell + 1]; ++n)
-          if (meet(box, boxes_[members_[n]]) && triangles_intersect(way, triangles_[members_[n]])) return true;
+          if (overlap(box, boxes_[members_[n]]) && triangles_intersect(segment, triangles_[members_[n]])) return true;
       }
   return false;
 }

@@ -1,5 +1,5 @@
-// The independent check: does a straight way cross a surface? Triangles in the cells of a plain grid, each tested
-// exactly; no field, no ball, nothing of the queries but the test of two triangles.
+// The independent check: does a segment intersect a surface? Triangles in the cells of a uniform grid, each tested
+// exactly. It shares nothing with the queries but the exact test of two triangles.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ namespace standoff {
 
 class CrossingCheck {
  public:
-  /// Where the triangles of a mesh stand in the world.
+  /// The mesh at a pose in the world.
   CrossingCheck(MeshView mesh, const Pose& pose);
   /// The segment and the surface have a point in common.
   bool crosses(Vec3 from, Vec3 to) const;
@@ -33,7 +33,7 @@ class CrossingCheck {
 };
 
 /// Corners of the mesh that stick out farthest in directions all around, and the middle of its box: the points whose
-/// ways are checked.
+/// paths are checked.
 std::vector<Vec3> outermost_points(MeshView mesh);
 
 }  // namespace standoff

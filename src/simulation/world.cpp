@@ -18,7 +18,7 @@ namespace standoff {
 namespace {
 
 constexpr int kTries = 10'000;
-// Steps a flier makes before another one has its turn, and progress is told.
+// Steps of one flier between two reports of progress.
 constexpr std::int64_t kStepsAtOnce = 1000;
 
 // splitmix64: numbers in [0, 1) from a state of 64 bits.
@@ -65,20 +65,20 @@ void check(const FlightOptions& o) {
 }  // namespace
 
 struct World::State {
-  struct Standing {
+  struct Resting {
     CollisionModel model;
     Pose pose;
-    double tolerance;                    // sweep mode
+    double tolerance;                    // of sweeps; fliers start twice as far away
     std::optional<DistanceField> field;  // thesis mode
     std::optional<CrossingCheck> check;
   };
 
   CollisionModel flier;
   FlightOptions options;
-  std::vector<Standing> standing;
+  std::vector<Resting> resting;
   std::vector<Flier> fliers;
   std::optional<DistanceField> field;  // of the flier, in thesis mode
-  std::vector<Vec3> marks;             // the points whose ways are checked
+  std::vector<Vec3> marks;             // the points whose paths are checked
 
   DistanceField thesis_field(const CollisionModel& model) const {
     const Grid grid = minimum_grid(model.bounds(), options.thickness, options.minimum, options.speed);
@@ -89,12 +89,12 @@ struct World::State {
 
   void step(Flier& it) const;
   bool leaves_room(const Pose& pose) const;
-  bool thesis_hit(const Standing& body, const Pose& at) const;
+  bool thesis_hit(const Resting& body, const Pose& at) const;
   bool thesis_step(Flier& it, const Pose& next) const;
   bool sweep_step(Flier& it, Pose& next) const;
 };
 
-bool World::State::thesis_hit(const Standing& body, const Pose& at) const {
+bool World::State::thesis_hit(const Resting& body, const Pose& at) const {
   const double spacing = std::max(body.field->grid().max_spacing(), field->grid().max_spacing());
   const double threshold = options.threshold > 0 ? options.threshold : spacing;
   return collide_thesis(*body.field, body.pose, *field, at, threshold).hit;
@@ -102,7 +102,7 @@ bool World::State::thesis_hit(const Standing& body, const Pose& at) const {
 
 // True where the flier collides at `next`; it then stays where it is.
 bool World::State::thesis_step(Flier& it, const Pose& next) const {
-  for (const Standing& body : standing) {
+  for (const Resting& body : resting) {
     if (!thesis_hit(body, next)) continue;
     it.direction = scattered(it.direction * -1.0, options.scatter_rad, it.seed);
     return true;
@@ -110,12 +110,12 @@ bool World::State::thesis_step(Flier& it, const Pose& next) const {
   return false;
 }
 
-// True where the flier meets something on its way to `next`, which becomes the place where it stops: short of the
-// contact by the tolerance, so that it may part again.
+// True where the flier touches something before `next`, which then becomes the pose where it stops: the tolerance short
+// of the contact, so that it can separate again.
 bool World::State::sweep_step(Flier& it, Pose& next) const {
   SweepResult first;
   double tolerance = 0;
-  for (const Standing& body : standing) {
+  for (const Resting& body : resting) {
     const SweepResult swept = sweep(body.model, body.pose, flier, {it.pose, next, {}}, {body.tolerance});
     if (swept.hit && (!first.hit || swept.time < first.time)) first = swept, tolerance = body.tolerance;
   }
@@ -152,7 +152,7 @@ void World::State::step(Flier& it) const {
   }
   if (options.check) {
     bool crossed = false;
-    for (const Standing& body : standing)
+    for (const Resting& body : resting)
       for (const Vec3& mark : marks) crossed = crossed || body.check->crosses(apply(it.pose, mark), apply(next, mark));
     it.crossings += crossed;
   }
@@ -173,10 +173,10 @@ World::~World() = default;
 void World::add(const CollisionModel& body, const Pose& pose) try {
   validate(pose);
   const double asked = state_->options.tolerance;
-  State::Standing standing{body, pose, asked > 0 ? asked : automatic_tolerance(body, state_->flier), {}, {}};
-  if (state_->options.mode == FlightMode::thesis) standing.field = state_->thesis_field(body);
-  if (state_->options.check) standing.check.emplace(body.mesh(), pose);
-  state_->standing.push_back(std::move(standing));
+  State::Resting resting{body, pose, asked > 0 ? asked : automatic_tolerance(body, state_->flier), {}, {}};
+  if (state_->options.mode == FlightMode::thesis) resting.field = state_->thesis_field(body);
+  if (state_->options.check) resting.check.emplace(body.mesh(), pose);
+  state_->resting.push_back(std::move(resting));
 } catch (...) {
   throw_as_error("simulation");
 }
@@ -193,11 +193,10 @@ void World::add_flier(const Box& box) try {
     it.pose = make_pose({0, 1, 0}, 2 * std::numbers::pi * draw(it.seed), {});
     it.pose.translation = at - rotate(it.pose, middle);
     bool free = true;
-    for (const auto& body : state_->standing)
-      free = free &&
-             !collide(body.model, body.pose, state_->flier, it.pose, {.margin = 2 * state_->options.tolerance}).hit();
-    // Nor where the thesis's test would see a collision for ever.
-    for (const auto& body : state_->standing)
+    for (const auto& body : state_->resting)
+      free = free && !collide(body.model, body.pose, state_->flier, it.pose, {.margin = 2 * body.tolerance}).hit();
+    // Nor where the thesis's test would report a collision at every step.
+    for (const auto& body : state_->resting)
       free = free && (state_->options.mode != FlightMode::thesis || !state_->thesis_hit(body, it.pose));
     if (!free) continue;
     it.direction = random_direction(it.seed);
@@ -241,9 +240,9 @@ void World::run(std::int64_t steps, const Visit& visit) try {
 }
 
 Grid World::grid(std::size_t n) const try {
-  if (n >= state_->standing.size())
-    throw Error(ErrorCode::usage, "simulation: there is no standing body " + std::to_string(n) + "; add it first");
-  const State::Standing& body = state_->standing[n];
+  if (n >= state_->resting.size())
+    throw Error(ErrorCode::usage, "simulation: there is no resting body " + std::to_string(n) + "; add it first");
+  const State::Resting& body = state_->resting[n];
   return body.field ? body.field->grid() : body.model.grid();
 } catch (...) {
   throw_as_error("simulation");

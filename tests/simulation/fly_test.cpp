@@ -18,6 +18,21 @@ std::int64_t total(const Flown& flown, std::int64_t Flier::*what) {
   return sum;
 }
 
+// A tolerance of 0 stands for the automatic one wherever it counts: for the sweeps, for where a flier stops, and for how
+// far from resting bodies it starts.
+TEST(Fly, ByDefaultTheToleranceIsAutomatic) {
+  FlightOptions options;
+  options.speed = 0.7;
+  const Flown by_default = fly(options, 300, 5);
+  options.tolerance = automatic_tolerance(CollisionModel(room()), CollisionModel(ball_mesh(0.3, 3)));
+  const Flown named = fly(options, 300, 5);
+  ASSERT_EQ(by_default.path.size(), named.path.size());
+  std::int64_t collisions = 0;
+  for (std::size_t n = 0; n < named.path.size(); ++n) EXPECT_EQ(by_default.path[n].point, named.path[n].point) << n;
+  for (const Flier& it : named.fliers) collisions += it.collisions;
+  EXPECT_GT(collisions, 10);
+}
+
 TEST(Fly, SweptOnesPassThroughNothingAtAnySpeed) {
   for (const OnContact what : {OnContact::turn_back, OnContact::reflect})
     for (const double speed : {0.02, 0.5, 5.0, 100.0}) {
