@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "field/triangle_groups.h"
+#include "standoff/compute.h"
 #include "standoff/error.h"
 #include "tests/support/closest_of_all.h"
 #include "tests/support/random_mesh.h"
