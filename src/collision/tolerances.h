@@ -2,19 +2,24 @@
 // typical value, and what breaks when they change. Shared by the CPU and by GPUs.
 #pragma once
 
+#include "geometry/rounding.h"
+
 namespace standoff::collision {
 
 /// Factors that carry a number in single precision past its own rounding: a conversion from double and some ten
 /// operations, 2^-24 (6e-8) each. Nearer to 1, a bound may end up on the wrong side of what it bounds; farther from 1,
 /// queries look at pairs that they need not look at.
 inline constexpr float kRoundUp = 1.000001f, kRoundDown = 1 - 1e-6f;
+static_assert(kRoundUp - 1 > gamma_float(12) && 1 - kRoundDown > gamma_float(12));
 
 /// What placing a bounding sphere and looking it up in a field may be off by, relative to the coordinates that this
 /// goes through (QueryPair::reach): 14 operations in single precision are 8e-7, the spheres' own rounding as much
 /// again. Smaller: touching bodies count as free. Larger: more pairs are tested exactly.
 inline constexpr double kSinglePrecisionSlack = 2e-6;
+static_assert(kSinglePrecisionSlack > 2 * gamma_float(14));
 /// The same in double precision, relative to coordinates in the world: some 40 operations of 2^-53 (1.1e-16).
 inline constexpr double kDoublePrecisionSlack = 1e-14;
+static_assert(kDoublePrecisionSlack > gamma_double(40));
 /// Rotations whose rows are off by less than this are taken as they are: kDoublePrecisionSlack has room for it. Others
 /// are made orthonormal first.
 inline constexpr double kOrthonormal = 4e-15;
@@ -24,7 +29,7 @@ inline constexpr double kOrthonormal = 4e-15;
 inline constexpr double kSweepTolerance = 0x1p-15, kLeastSweepTolerance = 0x1p-40;
 /// A pose at some time goes through 12 roundings of its coordinates, a corner in it through 4 more: bodies jump by this
 /// from one time to the next, relative to the coordinates. Smaller: a sweep misses what touches at a rounded pose.
-inline constexpr double kPoseRounding = 16 * 0x1p-53;
+inline constexpr double kPoseRounding = 16 * kRoundoffDouble;
 /// Times near 1 are rounded by 1e-16; so much time may be lost in an addition, times two for safety. Smaller: bodies on
 /// motions 1e10 times their size jump past each other.
 inline constexpr double kTimeRounding = 4e-16;

@@ -10,7 +10,7 @@ namespace standoff {
 namespace {
 
 // Shewchuk's bound of the first stage in the plane, in terms of the sum of the products' magnitudes.
-constexpr double kRounded2d = (3 + 16 * kUnitRoundoff) * kUnitRoundoff;
+constexpr double kRounded2d = (3 + 16 * kRoundoffDouble) * kRoundoffDouble;
 
 // What rounding may hide of a determinant, in terms of the sum of its products' magnitudes, and of what underflows.
 constexpr double kTwofoldBound = 0x1p-97, kUnderflow = 1e-250;

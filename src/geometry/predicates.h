@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "geometry/rounding.h"
 #include "standoff/vec.h"
 
 namespace standoff {
@@ -26,9 +27,8 @@ int orient2d(const Flat& a, const Flat& b, const Flat& c);
 /// The determinant itself: its sign is exact, and its value within 4e-15 of itself.
 double determinant2d(const Flat& a, const Flat& b, const Flat& c);
 
-inline constexpr double kUnitRoundoff = 0x1p-53;
 /// Shewchuk's bound of the first stage, in terms of the sum of the products' magnitudes.
-inline constexpr double kRounded3d = (7 + 56 * kUnitRoundoff) * kUnitRoundoff;
+inline constexpr double kRounded3d = (7 + 56 * kRoundoffDouble) * kRoundoffDouble;
 
 /// A determinant in double arithmetic, and the sum of its products' magnitudes, which bounds its rounding.
 struct RoundedDeterminant {

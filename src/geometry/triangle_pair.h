@@ -2,6 +2,7 @@
 #pragma once
 
 #include "geometry/coplanar.h"
+#include "geometry/rounding.h"
 
 namespace standoff {
 
@@ -17,7 +18,7 @@ struct ClosestPair {
 /// The closest points of two triangles that do not cross: of touching ones where they touch at an edge, of crossing
 /// ones those of their edges and corners. The distance errs by kDistanceRounding of their extent at the most: the
 /// longest side of the box around both.
-inline constexpr double kDistanceRounding = 32 * 0x1p-53;
+inline constexpr double kDistanceRounding = 32 * kRoundoffDouble;
 ClosestPair closest_points(const Corners& p, const Corners& q);
 
 /// The longest side of the box around both.
