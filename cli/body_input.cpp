@@ -28,6 +28,10 @@ void PairInput::add_to(CLI::App& verb) {
   add_pose(verb, "--pose-a", "where A is (default: where its file puts it)", pose_a_);
 }
 
+void PairInput::check() const {
+  for (const std::string& name : {a_, b_}) check_input(name);
+}
+
 CLI::Option* add_pose(CLI::App& verb, const char* name, const char* help, Pose& pose) {
   return add_parsed(verb, {name, "POSE", help, "Place"},
                     [&pose](const std::string& o, const std::string& t) { pose = parse_pose(o, t); });

@@ -19,6 +19,8 @@ class PairInput {
  public:
   /// Adds the arguments A and B and the option --pose-a.
   void add_to(CLI::App& verb);
+  /// Tells before anything is built what is wrong with the names of both. Errors: usage, input.
+  void check() const;
   CollisionModel read_a(const Console& console) const { return read_body(a_, console); }
   CollisionModel read_b(const Console& console) const { return read_body(b_, console); }
   const std::string& name_a() const { return a_; }

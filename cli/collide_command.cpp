@@ -72,6 +72,7 @@ void Command::run_batch() {
 }
 
 void Command::run() {
+  bodies.check();
   if (batch.given()) return run_batch();
   const CollisionModel a = bodies.read_a(console), b = bodies.read_b(console);
   const CollisionResult found = collide(a, bodies.pose_a(), b, pose, options());

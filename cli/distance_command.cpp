@@ -65,6 +65,7 @@ void Command::run_batch() {
 }
 
 void Command::run() {
+  bodies.check();
   if (batch.given()) return run_batch();
   const CollisionModel a = bodies.read_a(console), b = bodies.read_b(console);
   const DistanceResult found = distance(a, bodies.pose_a(), b, pose, inclusive());

@@ -16,6 +16,13 @@ int fail(ErrorCode code, const std::string& message) {
   return static_cast<int>(code);
 }
 
+// The library speaks of itself. What its user types to follow its advice is the program's to say.
+std::string with_options(const Error& error) {
+  const std::string message = error.what();
+  if (error.code() != ErrorCode::device || message.find("--device") != std::string::npos) return message;
+  return message + " (standoff devices lists what there is; --device cpu takes the CPU)";
+}
+
 }  // namespace
 
 int exit_code_of(const std::function<void()>& run) {
@@ -25,7 +32,7 @@ int exit_code_of(const std::function<void()>& run) {
   } catch (const Error& error) {
     if (error.code() == ErrorCode::interrupted)
       return fail(error.code(), "interrupted; no partial file was left, run it again");
-    return fail(error.code(), error.what());
+    return fail(error.code(), with_options(error));
   } catch (const std::bad_alloc&) {
     return fail(ErrorCode::limit,
                 "out of memory; take fewer samples, a smaller thickness, or a machine with more memory");

@@ -1,5 +1,6 @@
 #include "cli/field_argument.h"
 
+#include "cli/files.h"
 #include "cli/memory.h"
 #include "cli/options.h"
 #include "cli/parse.h"
@@ -17,6 +18,9 @@ void FieldArgument::add_to(CLI::App& verb) {
 }
 
 DistanceField FieldArgument::read(const std::string& name, const Console& console) const {
+  if (kind_of(name) != FileKind::field)
+    throw Error(ErrorCode::input, name + ": this is no field, as " + extensions(field_formats(), false) +
+                                      " are; compute the field of a mesh with standoff compute");
   const std::int64_t limit = memory_limit_ ? *memory_limit_ : default_memory_limit();
   return with_spinner(console, "reading " + name, [&] { return read_field(name, {.memory_limit = limit}); });
 }

@@ -38,6 +38,9 @@ FileKind kind_of(const fs::path& path) {
 }
 
 void check_input(const std::string& name) {
+  if (name == "-")
+    throw Error(ErrorCode::input,
+                "-: meshes and fields are not read by this name; give a file, or /dev/stdin for a pipe");
   if (name.starts_with(kScene)) {
     const SceneName scene = parse_scene(name);
     if (!std::ranges::any_of(scenes::all(), [&](const auto& known) { return known.name == scene.name; }))
@@ -89,6 +92,8 @@ Mesh MeshInput::read() const {
     throw Error(ErrorCode::input, name_ +
                                       ": this is a body, for collide, distance, sweep and fly; give the mesh it "
                                       "was built from");
+  if (kind_of(name_) == FileKind::field)
+    throw Error(ErrorCode::input, name_ + ": this is a field; give the mesh it was computed from");
   const double scale = scale_ ? *scale_ : unit_.value_or(1);
   if (!name_.starts_with(kScene)) return read_mesh(name_, {scale});
   const SceneName scene = parse_scene(name_);

@@ -44,7 +44,7 @@ class MeshInput {
   const std::string& name() const { return name_; }
   /// What the mesh would be called without folder and extension.
   std::string stem() const;
-  /// Errors: input, also for a body, which is no mesh any more.
+  /// Errors: input, also for fields and bodies, which are no meshes any more.
   Mesh read() const;
 
   /// The same for a name taken from elsewhere.

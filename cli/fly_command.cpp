@@ -49,6 +49,7 @@ void Command::check_mode() const {
 
 void Command::run() {
   check_mode();
+  for (const std::string& name : {labyrinth, fly}) check_input(name);
   if (path.given()) {
     path.check({{"csv", "", false, true, false}, {"ply", "", false, true, false}});
     path.check_differs(labyrinth);

@@ -58,6 +58,7 @@ void Command::run_batch() {
 }
 
 void Command::run() {
+  bodies.check();
   if (batch.given()) return run_batch();
   if (!has_end) throw Error(ErrorCode::usage, "sweep: no --to given, where B ends; or give --motions with a file");
   const CollisionModel a = bodies.read_a(console), b = bodies.read_b(console);

@@ -165,6 +165,15 @@ TEST_F(Errors, Input) {
       {"verify missing.vti box.obj", 3, "missing.vti: "},
       {"convert missing.obj -o a.stl", 3, "missing.obj: "},
       {"convert missing.npz -o a.vti", 3, "missing.npz: "},
+      {"slice box.obj", 3, "box.obj: this is no field, as .vti, .nrrd or .npz are; compute the field of a mesh with"},
+      {"verify box.obj box.obj", 3, "box.obj: this is no field"},
+      {"verify broken.vti broken.vti", 3, "broken.vti"},
+      {"compute broken.vti -o a.vti", 3, "broken.vti: this is a field; give the mesh it was computed from"},
+      {"collide scene:box broken.vti", 3, "broken.vti: this is a field"},
+      {"compute -", 3, "-: meshes and fields are not read by this name; give a file, or /dev/stdin for a pipe"},
+      // Both names are looked at before the first body is built.
+      {"distance broken.vti missing.obj", 3, "missing.obj: no such file"},
+      {"fly --fly missing.obj --labyrinth broken.vti", 3, "missing.obj: no such file"},
   });
 }
 

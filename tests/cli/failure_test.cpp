@@ -44,11 +44,16 @@ TEST(Failure, MemoryThatIsNotThereIsALimit) {
 
 TEST(Failure, ErrorsAreWhatTheySay) {
   for (const ErrorCode code : {ErrorCode::internal, ErrorCode::usage, ErrorCode::input, ErrorCode::output,
-                               ErrorCode::limit, ErrorCode::device, ErrorCode::verify}) {
+                               ErrorCode::limit, ErrorCode::verify}) {
     const Told error = told([&] { throw Error(code, "a.stl: what\rit is; what to do"); });
     EXPECT_EQ(error.code, static_cast<int>(code));
     EXPECT_EQ(error.words, "standoff: error: a.stl: what it is; what to do\n");
   }
+  const Told device = told([] { throw Error(ErrorCode::device, "cuda: no GPU; use the CPU"); });
+  EXPECT_EQ(device.code, 6);
+  EXPECT_EQ(device.words,
+            "standoff: error: cuda: no GPU; use the CPU (standoff devices lists what there is; --device cpu takes the "
+            "CPU)\n");
   const Told interrupted = told([] { throw Error(ErrorCode::interrupted, "compute: cancelled"); });
   EXPECT_EQ(interrupted.code, 130);
   EXPECT_EQ(interrupted.words, "standoff: error: interrupted; no partial file was left, run it again\n");
