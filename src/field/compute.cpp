@@ -4,16 +4,14 @@
 
 #include <algorithm>
 #include <chrono>
-#include <stdexcept>
 
 #include "core/guarded.h"
 #include "core/progress.h"
 #include "core/threads.h"
-#include "field/backend.h"
-#include "field/float_range.h"
-#include "field/memory.h"
+#include "core/tile_count.h"
 #include "field/options.h"
-#include "field/skip.h"
+#include "field/plan.h"
+#include "field/prepare.h"
 #include "standoff/version.h"
 
 namespace standoff {
@@ -36,55 +34,72 @@ class Stopwatch {
 constexpr const char* kWhatToDo =
     "take fewer samples or a smaller thickness, or give a memory limit to be told beforehand";
 
-// Everything but the output's own memory, which differs between compute and compute_into. The mesh's hash goes into
-// `hash`, where there is one.
-ComputeReport fill(MeshView mesh, const Grid& grid, double thickness, const ComputeOptions& options, Sink& sink,
-                   std::uint64_t* hash = nullptr) {
-  const BackendRow& backend =
-      find_backend(options.execution.backend, options.method, static_cast<std::int64_t>(mesh.triangles.size()), grid);
-  Threads threads(options.execution.threads);
-  ComputeReport report;
-  ProgressMeter progress(options.progress);
-  threads.run([&] {
-    Stopwatch watch;
-    progress.stage("prepare", 1, 0, 0.1);
-    validate(mesh);
-    check_domain(mesh, grid);
-    const SkipRule rule = effective_rule(options);
-    std::vector<std::uint32_t> kept;
-    if (rule.kind != SkipRule::Kind::none) {
-      kept = kept_triangles(mesh, grid, thickness, rule);
-      // To a Job an empty list means all triangles.
-      if (kept.empty()) throw std::logic_error("the skip rule left no triangle");
-      if (kept.size() == mesh.triangles.size()) kept.clear();
-    }
-    report.seconds.prepare = watch.lap();
+// One computation in two steps. Between them its caller makes the output's memory.
+class Computation {
+ public:
+  Computation(MeshView mesh, const Grid& grid, double thickness, const ComputeOptions& options, bool is_dense)
+      : mesh_(mesh),
+        options_(options),
+        plan_(make_plan(static_cast<std::int64_t>(mesh.triangles.size()), grid, thickness, options, is_dense)),
+        threads_(options.execution.threads),
+        progress_(options.progress) {}
 
-    progress.stage("bin", 1, 0.1, 0.2);
-    const Job job{
-        mesh, kept, grid, thickness, threads.count(), options.execution.simd, progress, options.execution.device};
-    const Counts counts = backend.run(job, sink);
-    if (hash) {
-      progress.stage("hash", 1, 1, 1);
-      *hash = content_hash(mesh);
-    }
-    report.seconds.compute = watch.lap();
-    report.triangles = static_cast<std::int64_t>(mesh.triangles.size());
-    report.skipped = report.triangles - job.triangle_count();
-    report.samples_examined = counts.samples_examined;
-    report.samples_band = counts.samples_band;
-  });
-  progress.stage("done", 1, 1, 1);
-  report.method = backend.method_name;
-  report.backend = backend.backend_name;
-  report.device = backend.device(options.execution.simd, options.execution.device);
-  report.threads = threads.count();
-  report.samples = grid.sample_count();
-  constexpr std::int64_t side = DistanceField::kTileSide;
-  report.tiles =
-      ((grid.size.x + side - 1) / side) * ((grid.size.y + side - 1) / side) * ((grid.size.z + side - 1) / side);
-  return report;
-}
+  const Plan& plan() const { return plan_; }
+
+  /// Throws where the mesh or the memory will not do.
+  void check() {
+    threads_.run([&] {
+      Stopwatch watch;
+      progress_.stage("prepare", 1, 0, 0.1);
+      check_mesh(mesh_, plan_, options_);
+      report_.seconds.prepare = watch.lap();
+    });
+  }
+
+  /// Skip rule and backend. Requires check(). The mesh's hash goes into `hash`, where there is one.
+  ComputeReport run(Sink& sink, std::uint64_t* hash = nullptr) {
+    threads_.run([&] {
+      Stopwatch watch;
+      const std::vector<std::uint32_t> kept = kept_by_plan(mesh_, plan_);
+      report_.seconds.prepare += watch.lap();
+      progress_.stage("bin", 1, 0.1, 0.2);
+      const Job job{.mesh = mesh_,
+                    .kept = kept,
+                    .grid = plan_.grid,
+                    .thickness = plan_.thickness,
+                    .threads = plan_.threads,
+                    .simd = options_.execution.simd,
+                    .progress = progress_,
+                    .device = options_.execution.device};
+      const Counts counts = plan_.row->run(job, sink);
+      if (hash) {
+        progress_.stage("hash", 1, 1, 1);
+        *hash = content_hash(mesh_);
+      }
+      report_.seconds.compute = watch.lap();
+      report_.triangles = plan_.triangles;
+      report_.skipped = plan_.triangles - job.triangle_count();
+      report_.samples_examined = counts.samples_examined;
+      report_.samples_band = counts.samples_band;
+    });
+    progress_.stage("done", 1, 1, 1);
+    report_.method = plan_.row->method_name;
+    report_.backend = plan_.row->backend_name;
+    report_.device = plan_.row->device(options_.execution.simd, options_.execution.device);
+    report_.threads = plan_.threads;
+    report_.samples = plan_.grid.sample_count();
+    report_.tiles = tile_count(plan_.grid.size);
+    return report_;
+  }
+
+ private:
+  MeshView mesh_;
+  const ComputeOptions& options_;
+  Plan plan_;
+  Threads threads_;
+  ProgressMeter progress_;
+  ComputeReport report_;
+};
 
 }  // namespace
 
@@ -98,13 +113,14 @@ ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickness, Di
                            const ComputeOptions& options) try {
   validate(thickness, options);
   validate(grid);
-  check_memory(mesh, grid, thickness, options, false);
-  const Grid where = grid;  // it may be the field's own, which goes with the field
+  // It has a grid of its own: the caller's may be the field's, which goes with the field.
+  Computation computation(mesh, grid, thickness, options, false);
+  computation.check();
   try {
     if (options.memory_limit != 0) field = {};
-    field.reset(where, thickness, options.nearest_triangle);
+    field.reset(computation.plan().grid, thickness, options.nearest_triangle);
     Sink sink(field);
-    ComputeReport report = fill(mesh, where, thickness, options, sink, &field.provenance.mesh_hash);
+    ComputeReport report = computation.run(sink, &field.provenance.mesh_hash);
     report.tiles_stored = field.stored_tiles();
     field.provenance.method = report.method;
     field.provenance.version = version();
@@ -127,7 +143,8 @@ ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickness, st
     throw Error(ErrorCode::usage,
                 "compute: the memory given does not hold " + std::to_string(samples) +
                     " values (and as many nearest triangles where they are asked for); give one for each sample");
-  check_memory(mesh, grid, thickness, options, true);
+  Computation computation(mesh, grid, thickness, options, true);
+  computation.check();
   Threads(options.execution.threads).run([&] {
     constexpr std::size_t kGrain = std::size_t{1} << 18;
     const auto far = static_cast<float>(thickness);
@@ -137,7 +154,7 @@ ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickness, st
     });
   });
   Sink sink(grid, values, nearest);
-  return fill(mesh, grid, thickness, options, sink);
+  return computation.run(sink);
 } catch (...) {
   throw_as_error("compute", kWhatToDo);
 }

@@ -1,86 +1,27 @@
 #include "field/memory.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
-
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <string>
 
 #include "core/field_bytes.h"
 #include "core/guarded.h"
 #include "core/threads.h"
-#include "field/backend.h"
+#include "core/tile_count.h"
 #include "field/options.h"
+#include "field/prepare.h"
 #include "field/skip.h"
-#include "geometry/sample_range.h"
-#include "standoff/verify.h"
 
 namespace standoff {
 namespace {
 
-constexpr std::int64_t kSide = DistanceField::kTileSide;
-
-double tiles_of(const Size3& size) {
-  const auto along = [](std::int64_t samples) { return static_cast<double>((samples + kSide - 1) / kSide); };
-  return along(size.x) * along(size.y) * along(size.z);
-}
-
-double tiles_of(const SampleRange& range) {
-  if (range.empty()) return 0;
-  const auto along = [](std::int64_t begin, std::int64_t end) {
-    return static_cast<double>((end - 1) / kSide - begin / kSide + 1);
-  };
-  return along(range.begin.x, range.end.x) * along(range.begin.y, range.end.y) * along(range.begin.z, range.end.z);
-}
-
-// No more tiles hold a band sample than lie in all triangles' grown boxes together. Sums of whole numbers are exact up
-// to 2^53, in any order; beyond that nothing fits.
-double tiles_reached(MeshView mesh, const Grid& grid, double thickness, const ComputeOptions& options) {
-  const double all = tiles_of(grid.size);
-  if (std::isinf(thickness)) return all;
-  // More than any method's rounding, which could find a sample nearer than it is.
-  const double reach = thickness + 10 * allowed_error(grid, thickness);
-  const auto add = [&](const tbb::blocked_range<std::size_t>& triangles, double sum) {
-    for (std::size_t t = triangles.begin(); t < triangles.end(); ++t) {
-      const Vec3 a = mesh.corner(t, 0), b = mesh.corner(t, 1), c = mesh.corner(t, 2);
-      sum += tiles_of(samples_in(Box{min(a, min(b, c)), max(a, max(b, c))}.grown(reach), grid));
-    }
-    return sum;
-  };
-  constexpr std::size_t kGrain = std::size_t{1} << 14;
-  return Threads(options.execution.threads).run([&] {
-    return std::min(all, tbb::parallel_reduce(tbb::blocked_range<std::size_t>(0, mesh.triangles.size(), kGrain), 0.0,
-                                              add, std::plus<>()));
-  });
-}
-
-std::int64_t bytes_needed(std::int64_t triangles, double tiles, const Grid& grid, double thickness,
-                          const ComputeOptions& options, bool dense) {
-  const BackendRow& backend = find_backend(options.execution.backend, options.method, triangles, grid);
-  const double output = dense ? 4.0 * static_cast<double>(grid.sample_count()) * (options.nearest_triangle ? 2 : 1)
-                              : field_bytes(tiles, tiles_of(grid.size), options.nearest_triangle);
-  const double scratch =
-      static_cast<double>(backend.scratch_bytes(triangles, grid, thickness, thread_count(options.execution.threads)));
-  const SkipRule rule = effective_rule(options);
-  const double kept = rule.kind == SkipRule::Kind::none ? 0 : static_cast<double>(skip_bytes(triangles, rule));
-  const double total = output + scratch + kept;
-  return total < 0x1p62 ? static_cast<std::int64_t>(total) : std::int64_t{1} << 62;
-}
-
-// Requires a valid mesh and grid.
-std::int64_t bytes_for_mesh(MeshView mesh, const Grid& grid, double thickness, const ComputeOptions& options,
-                            bool dense) {
-  const double tiles = dense ? 0 : tiles_reached(mesh, grid, thickness, options);
-  return bytes_needed(static_cast<std::int64_t>(mesh.triangles.size()), tiles, grid, thickness, options, dense);
-}
+double tiles_of_grid(const Plan& plan) { return static_cast<double>(tile_count(plan.grid.size)); }
 
 // What may be said to help is what has been seen to help.
 class Advice {
  public:
-  Advice(MeshView mesh, const Grid& grid, double thickness, const ComputeOptions& options, bool dense)
-      : mesh_(mesh), grid_(grid), thickness_(thickness), options_(options), dense_(dense) {}
+  Advice(MeshView mesh, const Plan& plan, const ComputeOptions& options)
+      : mesh_(mesh), plan_(plan), grid_(plan.grid), thickness_(plan.thickness), options_(options) {}
 
   std::string text() const {
     const std::int64_t side = largest_side();
@@ -92,7 +33,8 @@ class Advice {
 
  private:
   bool fits(const Grid& grid, double thickness) const {
-    return bytes_for_mesh(mesh_, grid, thickness, options_, dense_) <= options_.memory_limit;
+    const Plan plan = make_plan(plan_.triangles, grid, thickness, options_, plan_.is_dense);
+    return bytes_needed(plan, look_at(mesh_, plan, true).tiles) <= options_.memory_limit;
   }
 
   // A band one sample wide.
@@ -122,13 +64,35 @@ class Advice {
   }
 
   MeshView mesh_;
+  const Plan& plan_;
   const Grid& grid_;
   double thickness_;
   const ComputeOptions& options_;
-  bool dense_;
 };
 
 }  // namespace
+
+std::int64_t bytes_needed(const Plan& plan, double tiles) {
+  const double samples = static_cast<double>(plan.grid.sample_count());
+  const double output = plan.is_dense ? 4.0 * samples * (plan.with_nearest ? 2 : 1)
+                                      : field_bytes(tiles, tiles_of_grid(plan), plan.with_nearest);
+  const double scratch =
+      static_cast<double>(plan.row->scratch_bytes(plan.triangles, plan.grid, plan.thickness, plan.threads));
+  const double kept =
+      plan.rule.kind == SkipRule::Kind::none ? 0 : static_cast<double>(skip_bytes(plan.triangles, plan.rule));
+  const double total = output + scratch + kept;
+  return total < 0x1p62 ? static_cast<std::int64_t>(total) : std::int64_t{1} << 62;
+}
+
+std::int64_t bytes_needed(const Plan& plan) { return bytes_needed(plan, tiles_of_grid(plan)); }
+
+void check_memory(MeshView mesh, const Plan& plan, double tiles, const ComputeOptions& options) {
+  const std::int64_t limit = options.memory_limit, needed = bytes_needed(plan, tiles);
+  if (limit == 0 || needed <= limit) return;
+  throw Error(ErrorCode::limit, "compute: the field may need " +
+                                    over_the_limit(static_cast<double>(needed), static_cast<double>(limit)) + "; " +
+                                    Advice(mesh, plan, options).text());
+}
 
 std::int64_t memory_needed(std::int64_t triangles, const Grid& grid, double thickness, const ComputeOptions& options,
                            bool dense) try {
@@ -138,7 +102,7 @@ std::int64_t memory_needed(std::int64_t triangles, const Grid& grid, double thic
     throw Error(triangles < 1 ? ErrorCode::usage : ErrorCode::limit,
                 "compute: no mesh has " + std::to_string(triangles) + " triangles; ask for 1 to " +
                     std::to_string(kMaxTriangles));
-  return bytes_needed(triangles, tiles_of(grid.size), grid, thickness, options, dense);
+  return bytes_needed(make_plan(triangles, grid, thickness, options, dense));
 } catch (...) {
   throw_as_error("compute");
 }
@@ -147,21 +111,12 @@ std::int64_t memory_needed(MeshView mesh, const Grid& grid, double thickness, co
                            bool dense) try {
   validate(grid);
   validate(thickness, options);
-  validate(mesh);
-  return bytes_for_mesh(mesh, grid, thickness, options, dense);
+  return Threads(options.execution.threads).run([&] {
+    const Plan plan = make_plan(static_cast<std::int64_t>(mesh.triangles.size()), grid, thickness, options, dense);
+    return bytes_needed(plan, look_at(mesh, plan, !dense).tiles);
+  });
 } catch (...) {
   throw_as_error("compute");
-}
-
-void check_memory(MeshView mesh, const Grid& grid, double thickness, const ComputeOptions& options, bool dense) {
-  const std::int64_t limit = options.memory_limit;
-  if (limit == 0) return;
-  if (memory_needed(static_cast<std::int64_t>(mesh.triangles.size()), grid, thickness, options, dense) <= limit) return;
-  const std::int64_t needed = memory_needed(mesh, grid, thickness, options, dense);
-  if (needed <= limit) return;
-  throw Error(ErrorCode::limit, "compute: the field may need " +
-                                    over_the_limit(static_cast<double>(needed), static_cast<double>(limit)) + "; " +
-                                    Advice(mesh, grid, thickness, options, dense).text());
 }
 
 }  // namespace standoff

@@ -1,12 +1,18 @@
 // How much memory a computation may need, before it starts.
 #pragma once
 
-#include "standoff/compute.h"
+#include "field/plan.h"
 
 namespace standoff {
 
-/// Throws Error{limit} where the computation may need more than options.memory_limit, with what would fit. Looks at the
-/// triangles only if no bound without them is small enough. Errors: input (mesh) and limit (mesh) if it looks.
-void check_memory(MeshView mesh, const Grid& grid, double thickness, const ComputeOptions& options, bool dense);
+/// Output and scratch, where so many tiles hold band samples; dense output takes no notice of them. At most 2^62.
+std::int64_t bytes_needed(const Plan& plan, double tiles);
+/// The same for whatever triangles: all tiles of the grid.
+std::int64_t bytes_needed(const Plan& plan);
+
+/// Throws Error{limit} where the computation may need more than
+/// options.memory_limit, with what would fit. `tiles`: those that the mesh's triangles reach (prepare.h). Requires a
+/// valid mesh.
+void check_memory(MeshView mesh, const Plan& plan, double tiles, const ComputeOptions& options);
 
 }  // namespace standoff

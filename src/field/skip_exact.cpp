@@ -6,6 +6,7 @@
 #include <bit>
 #include <limits>
 
+#include "field/reach.h"
 #include "field/skip.h"
 #include "geometry/sample_range.h"
 #include "geometry/triangle_box.h"
@@ -47,8 +48,7 @@ class ExactRule {
       : mesh_(mesh),
         grid_(grid),
         chunks_((static_cast<std::int64_t>(mesh.triangles.size()) + kChunk - 1) / kChunk),
-        // More than any method's rounding, which could find a sample nearer than it is.
-        reach_(thickness + 1e-5 * (thickness + 16 * grid.max_spacing())),
+        reach_(reach_beyond_rounding(grid, thickness)),
         kept_(mesh.triangles.size(), 1) {}
 
   std::vector<std::uint32_t> kept() {

@@ -217,7 +217,7 @@ TEST(ComputeIntoAField, ThatFailsLeavesItEmptyOrAsItWas) {
   int calls = 0;
   options.progress = [&](const Progress&) { return calls++ < 4; };
   expect_refused(soup(), options, ErrorCode::interrupted, false);
-  expect_refused({}, {}, ErrorCode::input, false);
+  expect_refused({}, {}, ErrorCode::input, true);
 }
 
 TEST(Compute, ReportsWhatItDid) {

@@ -1,0 +1,94 @@
+#include "field/prepare.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <stdexcept>
+
+#include "core/tile_count.h"
+#include "field/float_range.h"
+#include "field/memory.h"
+#include "field/reach.h"
+#include "field/skip.h"
+#include "geometry/sample_range.h"
+#include "geometry/triangle_box.h"
+
+namespace standoff {
+namespace {
+
+using Positions = tbb::blocked_range<std::size_t>;
+constexpr std::size_t kGrain = 16384;
+
+// Vertices lie in a row, corners do not: several times faster than from corner to corner.
+bool vertices_near(MeshView mesh, const FloatRange& range) {
+  const auto look = [&](const Positions& positions, bool good) {
+    for (std::size_t v = positions.begin(); v < positions.end(); ++v) good &= range.holds(mesh.vertices[v]);
+    return good;
+  };
+  return tbb::parallel_reduce(Positions(0, mesh.vertices.size(), kGrain), true, look, std::logical_and<>());
+}
+
+double tiles_of_range(const SampleRange& range) {
+  if (range.empty()) return 0;
+  constexpr std::int64_t side = DistanceField::kTileSide;
+  const auto along = [](std::int64_t begin, std::int64_t end) {
+    return static_cast<double>((end - 1) / side - begin / side + 1);
+  };
+  return along(range.begin.x, range.end.x) * along(range.begin.y, range.end.y) * along(range.begin.z, range.end.z);
+}
+
+}  // namespace
+
+MeshLook look_at(MeshView mesh, const Plan& plan, bool counts_tiles) {
+  // Where something is wrong, validate() looks again and tells what.
+  const bool counts_fit = !mesh.triangles.empty() && mesh.triangles.size() <= kMaxTriangles &&
+                          mesh.vertices.size() <= std::numeric_limits<std::uint32_t>::max();
+  const bool is_near = counts_fit && has_float_spacing(plan.grid) && vertices_near(mesh, FloatRange(plan.grid));
+  if (!is_near) validate(mesh);
+
+  const auto all = static_cast<double>(tile_count(plan.grid.size));
+  const bool counts_boxes = counts_tiles && !std::isinf(plan.thickness);
+  const double reach = reach_beyond_rounding(plan.grid, plan.thickness);
+  // Sums of whole numbers are exact up to 2^53, in any order; beyond that nothing fits.
+  struct Sum {
+    bool in_range;
+    double tiles;
+  };
+  const auto look = [&](const Positions& positions, Sum sum) {
+    bool in_range = true;
+    for (std::size_t t = positions.begin(); t < positions.end(); ++t)
+      for (const auto v : mesh.triangles[t]) in_range &= v < mesh.vertices.size();
+    sum.in_range &= in_range;
+    if (!counts_boxes || !in_range) return sum;
+    for (std::size_t t = positions.begin(); t < positions.end(); ++t)
+      sum.tiles += tiles_of_range(samples_in(triangle_box(mesh, t).grown(reach), plan.grid));
+    return sum;
+  };
+  const auto both = [](const Sum& a, const Sum& b) { return Sum{a.in_range && b.in_range, a.tiles + b.tiles}; };
+  const Sum found = tbb::parallel_reduce(Positions(0, mesh.triangles.size(), kGrain), Sum{true, 0}, look, both);
+  if (!found.in_range) validate(mesh);
+  return {is_near, counts_boxes ? std::min(all, found.tiles) : counts_tiles ? all : 0};
+}
+
+void check_mesh(MeshView mesh, const Plan& plan, const ComputeOptions& options) {
+  // Most fields fit whatever their triangles are.
+  const bool may_be_over = options.memory_limit != 0 && bytes_needed(plan) > options.memory_limit;
+  const MeshLook look = look_at(mesh, plan, may_be_over && !plan.is_dense);
+  if (may_be_over) check_memory(mesh, plan, look.tiles, options);
+  if (!look.is_near) check_domain(mesh, plan.grid);
+}
+
+std::vector<std::uint32_t> kept_by_plan(MeshView mesh, const Plan& plan) {
+  if (plan.rule.kind == SkipRule::Kind::none) return {};
+  std::vector<std::uint32_t> kept = kept_triangles(mesh, plan.grid, plan.thickness, plan.rule);
+  // To a Job an empty list means all triangles.
+  if (kept.empty()) throw std::logic_error("the skip rule left no triangle");
+  if (kept.size() == mesh.triangles.size()) kept.clear();
+  return kept;
+}
+
+}  // namespace standoff

@@ -1,0 +1,30 @@
+// The step before the backend: is the mesh legal, is there memory, does float hold its distances, which triangles stay.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "field/plan.h"
+
+namespace standoff {
+
+/// What one look at a mesh tells.
+struct MeshLook {
+  /// Float holds the distances of all vertices (float_range.h). Where not, those that matter may still be near enough.
+  bool is_near;
+  /// Tiles that hold samples of some triangle's box grown by the thickness, at most; 0 where they were not counted.
+  double tiles;
+};
+
+/// Goes over the vertices once and over the triangles once, in memory's order. Uses the caller's arena. Errors: as
+/// validate(mesh).
+MeshLook look_at(MeshView mesh, const Plan& plan, bool counts_tiles);
+
+/// Throws as validate(mesh) does; Error{limit} where the computation may need more than options.memory_limit, with what
+/// would fit, and as check_domain(mesh, grid) does. Looks at the mesh once. Uses the caller's arena.
+void check_mesh(MeshView mesh, const Plan& plan, const ComputeOptions& options);
+
+/// The triangles that the plan's skip rule keeps, ascending; empty when all of them. Requires a checked mesh.
+std::vector<std::uint32_t> kept_by_plan(MeshView mesh, const Plan& plan);
+
+}  // namespace standoff

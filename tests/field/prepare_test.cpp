@@ -1,0 +1,85 @@
+// The step before the backend: which of several faults is told, and what is none.
+#include "field/prepare.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "tests/support/fields.h"
+#include "tests/support/random_mesh.h"
+
+namespace standoff {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+// Nearly all tiles of so large a grid lie far from the mesh: whether the field fits is told by the triangles alone.
+const Grid kGrid{{400, 400, 400}, {-10, -10, -10}, {0.05, 0.05, 0.05}};
+constexpr double kThickness = 0.1;
+
+Mesh small_mesh() { return testing::random_soup(401, 50, 1, 0.5); }
+
+ComputeOptions limited(std::int64_t bytes) {
+  ComputeOptions options;
+  options.execution.backend = Backend::cpu;
+  options.memory_limit = bytes;
+  return options;
+}
+
+MeshLook look(const Mesh& mesh) {
+  const ComputeOptions options = limited(0);
+  const Plan plan = make_plan(static_cast<std::int64_t>(mesh.triangles.size()), kGrid, kThickness, options, false);
+  return look_at(mesh, plan, true);
+}
+
+// The look goes over vertices in a row, also those that no triangle uses: these may be anything.
+TEST(Prepare, VerticesThatNothingUsesDoNotMatter) {
+  const Mesh mesh = small_mesh();
+  const MeshLook expected = look(mesh);
+  EXPECT_TRUE(expected.is_near);
+  EXPECT_GT(expected.tiles, 0);
+  EXPECT_LT(expected.tiles, 50 * 50 * 50);
+  for (const Vec3 unused : {Vec3{kNan, 0, 0}, Vec3{0, kNan, 0}, Vec3{0, 0, -kNan}, Vec3{1e300, 0, 0}}) {
+    Mesh more = mesh;
+    more.vertices.push_back(unused);
+    EXPECT_FALSE(look(more).is_near);
+    EXPECT_EQ(look(more).tiles, expected.tiles);
+    const ComputeOptions options = limited(std::int64_t{1} << 27);
+    EXPECT_EQ(compute(more, kGrid, kThickness, options).report.samples_band,
+              compute(mesh, kGrid, kThickness, options).report.samples_band);
+  }
+}
+
+// An illegal mesh first, then too little memory, then a mesh too far away.
+TEST(Prepare, TheFirstFaultIsTold) {
+  const auto message = [](const Mesh& mesh, std::int64_t bytes) -> std::string {
+    try {
+      compute(mesh, kGrid, kThickness, limited(bytes));
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  Mesh mesh = small_mesh();
+  EXPECT_EQ(message(mesh, 0), "");
+  EXPECT_NE(message(mesh, 1000).find("may need"), std::string::npos);
+
+  mesh.vertices[mesh.triangles[7][1]].x = 1e30;
+  EXPECT_NE(message(mesh, 0).find("triangle 7 is farther than"), std::string::npos) << message(mesh, 0);
+  EXPECT_NE(message(mesh, 1000).find("may need"), std::string::npos);
+
+  mesh.vertices[mesh.triangles[9][2]].y = kNan;
+  for (const std::int64_t bytes : {0, 1000})
+    EXPECT_NE(message(mesh, bytes).find("triangle 9: vertex"), std::string::npos) << message(mesh, bytes);
+
+  mesh = small_mesh();
+  mesh.triangles[11][0] = 4'000'000;
+  for (const std::int64_t bytes : {0, 1000})
+    EXPECT_NE(message(mesh, bytes).find("triangle 11: index 4000000"), std::string::npos) << message(mesh, bytes);
+
+  mesh.triangles.clear();
+  for (const std::int64_t bytes : {0, 1000})
+    EXPECT_NE(message(mesh, bytes).find("no triangles"), std::string::npos) << message(mesh, bytes);
+}
+
+}  // namespace
+}  // namespace standoff
