@@ -1,8 +1,10 @@
 // Distance fields: sparse 8x8x8 tiles over a grid.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
-#include <functional>
+#include <iterator>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -23,27 +25,47 @@ struct Provenance {
   std::string version;          ///< version of standoff that computed it
 };
 
-/// Values on a grid: min(distance, thickness) at every sample. Samples live in tiles of 8x8x8; a tile without a band
-/// sample, one whose distance is at most `thickness`, need not be stored, and compute() stores none. Moves are cheap;
-/// copies are deep.
+class TilePool;
+
+/// The distance to the nearest triangle at every sample of a grid, clamped to the thickness; negative inside, where the
+/// field is signed. Samples are stored in tiles of 8x8x8. A tile is stored only where it is needed: all samples of a
+/// tile that is not stored have one value, background(), which is the thickness outside and -thickness deep inside.
+/// Moves are cheap; copies are deep.
 class DistanceField {
  public:
   static constexpr int kTileSide = 8;
   static constexpr int kTileSamples = kTileSide * kTileSide * kTileSide;
 
-  /// An empty field: one sample at the origin, infinitely far from everything, and no room for tiles: tile() is
-  /// nullptr. A field that was moved from is the same.
+  /// The values of one tile, x fastest. Samples past the grid hold the thickness.
+  using TileValues = std::span<const float, kTileSamples>;
+  /// The nearest-triangle indices of one tile, x fastest; kNoTriangle where a sample has none.
+  using TileNearest = std::span<const std::uint32_t, kTileSamples>;
+
+  /// In slots(), a tile that is not stored: every sample is +thickness.
+  static constexpr std::int32_t kOutside = -1;
+  /// In slots(), a tile that is not stored: every sample is -thickness.
+  static constexpr std::int32_t kInside = -2;
+
+  /// Tiles per axis that cover so many samples; the last ones may reach past them.
+  static constexpr Size3 tiles_over(const Size3& samples) {
+    return {(samples.x + kTileSide - 1) / kTileSide, (samples.y + kTileSide - 1) / kTileSide,
+            (samples.z + kTileSide - 1) / kTileSide};
+  }
+
+  /// An empty field: one sample at the origin, infinitely far from everything, and no room for tiles. A field that was
+  /// moved from is the same.
   DistanceField();
-  /// A field without stored tiles: every value is `thickness` (which may be infinite). Validates the grid.
-  /// `with_nearest` reserves a nearest-triangle index beside every stored sample.
+  /// A field without stored tiles: every value is `thickness` (world units, positive, may be infinite).
+  /// `with_nearest` keeps a nearest-triangle index beside every stored sample.
+  /// Errors: usage (grid, thickness), limit (memory, 2^31 tiles or more).
   DistanceField(const Grid& grid, double thickness, bool with_nearest = false);
-  /// Makes the field what that constructor would, and keeps the memory of its tiles for those to come, as far as the
-  /// grid may need it: to get memory anew can take as long as to fill it. Errors: as the constructor; when memory runs
-  /// out, the field has no tiles and no room for any.
+  /// Re-initialises like the constructor, but reuses the memory of the tiles there were: to get memory anew can take as
+  /// long as to fill it. Errors: as the constructor; when memory runs out, the field has no tiles and no room for any.
   void reset(const Grid& grid, double thickness, bool with_nearest = false);
-  /// A field from one value per sample, x fastest. Tiles in which no value is below the thickness and no sample has a
-  /// nearest triangle are not stored: without nearest triangles a distance that equals the thickness cannot be told
-  /// from one beyond it. Errors: usage when the number of values is not the number of samples.
+  /// A field from one value per sample, x fastest. A tile is not stored where no sample has a nearest triangle and all
+  /// values are at least the thickness, or all at most -thickness. Without nearest triangles a distance that equals the
+  /// thickness cannot be told from a clamped one. Errors: as the constructor; usage when the number of values is not
+  /// the number of samples.
   static DistanceField from_dense(const Grid& grid, double thickness, std::span<const float> values,
                                   std::span<const std::uint32_t> nearest = {});
 
@@ -54,6 +76,7 @@ class DistanceField {
   ~DistanceField();
 
   const Grid& grid() const { return grid_; }
+  /// Half-width of the band, world units: no value is larger in magnitude.
   double thickness() const { return thickness_; }
   bool has_nearest() const { return with_nearest_; }
   Provenance provenance;
@@ -65,52 +88,133 @@ class DistanceField {
   std::uint32_t nearest(std::int64_t i, std::int64_t j, std::int64_t k) const;
   /// The trilinear interpolation at a point (world units); outside the grid, that of the nearest point of the grid.
   /// Within (sqrt(3)/2) * spacing of the distance where no corner is clamped by the thickness (cubic cells).
+  /// Errors: usage (not a number).
   double interpolate(Vec3 point) const;
   /// The gradient of the trilinear interpolation, by its analytic derivative; zero along axes with one sample. Outside
   /// the grid, that of the nearest point of the grid, from within: interpolate() itself does not change there along the
-  /// axes on which the point lies outside.
+  /// axes on which the point lies outside. Errors: usage (not a number).
   Vec3 gradient(Vec3 point) const;
 
   /// Tiles per axis; the last ones may reach past the grid.
   Size3 tile_count() const;
   std::int64_t stored_tiles() const;
-  /// The 512 values of a stored tile, x fastest, or nullptr. Samples past the grid hold the thickness. Errors: usage
-  /// (not one of tile_count()).
-  const float* tile(std::int64_t tx, std::int64_t ty, std::int64_t tz) const;
-  /// The 512 nearest-triangle indices of a stored tile, or nullptr. Errors: usage (not one of tile_count(), or no
-  /// nearest triangles).
-  const std::uint32_t* tile_nearest(std::int64_t tx, std::int64_t ty, std::int64_t tz) const;
+  /// The values of a tile, or nothing where it is not stored: then all of them are background(). Errors: usage (not one
+  /// of tile_count()).
+  std::optional<TileValues> tile(std::int64_t tx, std::int64_t ty, std::int64_t tz) const;
+  /// The nearest triangles of a tile, or nothing where it is not stored: then it has none. Errors: usage (not one of
+  /// tile_count(), or no nearest triangles).
+  std::optional<TileNearest> tile_nearest(std::int64_t tx, std::int64_t ty, std::int64_t tz) const;
+  /// What every sample of a tile holds that is not stored: the thickness, or -thickness after mark_inside(). For a
+  /// stored tile the thickness, which its samples past the grid hold. Errors: usage (not one of tile_count()).
+  float background(std::int64_t tx, std::int64_t ty, std::int64_t tz) const;
 
-  /// Stores a tile with undefined content and returns its 512 values to fill in. Safe to call from many threads for
-  /// different tiles. Errors: usage, when the tile is stored already or not one of tile_count(), and when the field is
-  /// empty; limit, when memory runs out: the field is then as it was.
-  float* store_tile(std::int64_t tx, std::int64_t ty, std::int64_t tz);
+  /// A stored tile, in tiles().
+  struct Tile {
+    std::int64_t index;                      ///< its place in slots()
+    Size3 at;                                ///< its place among the tiles; the first sample is 8 * at
+    TileValues values;                       ///< x fastest
+    std::span<const std::uint32_t> nearest;  ///< 512, or none in a field without nearest triangles
+  };
+  class TileRange;
+  /// The stored tiles, x fastest: for (const DistanceField::Tile& tile : field.tiles()). Valid until tiles are stored,
+  /// erased, or the field is changed otherwise.
+  TileRange tiles() const;
+
+  /// Stores a tile with undefined content and returns its values to fill in; they stay where they are until the tile is
+  /// erased, or the field reset or destroyed. Safe to call from many threads for different tiles. Errors: usage, when
+  /// the tile is stored already or not one of tile_count(), and when the field is empty; limit, when memory runs out:
+  /// the field is then as it was.
+  std::span<float, kTileSamples> store_tile(std::int64_t tx, std::int64_t ty, std::int64_t tz);
   /// The indices of a stored tile to fill in. Errors: usage, when it is not stored, and without nearest triangles.
-  std::uint32_t* store_nearest(std::int64_t tx, std::int64_t ty, std::int64_t tz);
+  std::span<std::uint32_t, kTileSamples> store_nearest(std::int64_t tx, std::int64_t ty, std::int64_t tz);
+  /// Makes -thickness the background() of a tile that is not stored. Safe to call from many threads for different
+  /// tiles. Errors: usage, when the tile is stored or not one of tile_count(), and when the field is empty.
+  void mark_inside(std::int64_t tx, std::int64_t ty, std::int64_t tz);
+  /// Forgets a stored tile; its background is then the thickness. The tile of the last slot moves into the slot that is
+  /// free now, so that spans of its values are no longer valid. Takes a pass over slots(). Errors: usage, when it is
+  /// not stored.
+  void erase_tile(std::int64_t tx, std::int64_t ty, std::int64_t tz);
+
+  /// The stored tiles as flat arrays, without a copy. slots() has an entry per tile of the grid, x fastest: its slot,
+  /// or kOutside or kInside where it is not stored. The values of a tile begin at 512 * slot in tile_values(), and its
+  /// nearest triangles at 512 * slot in tile_nearest_values(). Slots are 0 to stored_tiles() - 1, in the order in which
+  /// tiles were stored, which may differ from run to run. cuda::DeviceOutput has the same layout. The spans are valid
+  /// until tiles are stored, erased, or the field is changed otherwise.
+  std::span<const std::int32_t> slots() const { return slots_; }
+  std::span<const float> tile_values() const;
+  /// Errors: usage (no nearest triangles).
+  std::span<const std::uint32_t> tile_nearest_values() const;
+  /// Per slot, the tile's place among the tiles (x, y, z). Takes a pass over slots(). Errors: limit.
+  std::vector<std::array<std::int32_t, 3>> tile_coordinates() const;
 
   /// Writes the dense values of the slices k in [first, first + count), x fastest.
   /// Errors: usage, for slices there are not, and unless out.size() == size.x * size.y * count.
   void copy_slices(std::int64_t first, std::int64_t count, std::span<float> out) const;
+  /// The same with nearest triangles. Errors: usage too without nearest triangles.
   void copy_nearest_slices(std::int64_t first, std::int64_t count, std::span<std::uint32_t> out) const;
   /// All values, x fastest. Errors: limit.
   std::vector<float> to_dense() const;
-  /// Bytes of the stored tiles and of their table.
+  /// Bytes of the stored tiles and of slots().
   std::int64_t memory_bytes() const;
 
  private:
-  struct Pool;
   static constexpr Grid kEmptyGrid{{1, 1, 1}, {}, {1, 1, 1}};
   static constexpr double kEmptyThickness = std::numeric_limits<double>::infinity();
 
   std::int64_t tile_index(std::int64_t tx, std::int64_t ty, std::int64_t tz) const;
+  std::int32_t slot_of(std::int64_t tx, std::int64_t ty, std::int64_t tz) const;
+  float background_of(std::int32_t slot) const;
   void expect_sample(std::int64_t i, std::int64_t j, std::int64_t k) const;
   std::int32_t& entry_of(std::int64_t tx, std::int64_t ty, std::int64_t tz);
+  Tile tile_at(std::int64_t index) const;
 
   Grid grid_ = kEmptyGrid;
   double thickness_ = kEmptyThickness;
   bool with_nearest_ = false;
-  std::vector<std::int32_t> slots_;  // per tile, x fastest: its slot in the pool, or kNotStored
-  std::unique_ptr<Pool> pool_;
+  std::vector<std::int32_t> slots_;
+  std::unique_ptr<TilePool> pool_;
 };
+
+class DistanceField::TileRange {
+ public:
+  class Iterator {
+   public:
+    using value_type = Tile;
+    using difference_type = std::ptrdiff_t;
+    using iterator_concept = std::forward_iterator_tag;
+
+    Iterator() = default;
+    Iterator(const DistanceField& field, std::int64_t index) : field_(&field), index_(index) { to_stored(); }
+    Tile operator*() const { return field_->tile_at(index_); }
+    Iterator& operator++() {
+      ++index_;
+      to_stored();
+      return *this;
+    }
+    Iterator operator++(int) {
+      const Iterator before = *this;
+      ++*this;
+      return before;
+    }
+    friend bool operator==(const Iterator&, const Iterator&) = default;
+
+   private:
+    void to_stored() {
+      const std::span<const std::int32_t> slots = field_->slots();
+      while (index_ < std::ssize(slots) && slots[static_cast<std::size_t>(index_)] < 0) ++index_;
+    }
+    const DistanceField* field_ = nullptr;
+    std::int64_t index_ = 0;
+  };
+
+  explicit TileRange(const DistanceField& field) : field_(&field) {}
+  Iterator begin() const { return {*field_, 0}; }
+  Iterator end() const { return {*field_, std::ssize(field_->slots())}; }
+
+ private:
+  const DistanceField* field_;
+};
+
+inline DistanceField::TileRange DistanceField::tiles() const { return TileRange(*this); }
 
 }  // namespace standoff

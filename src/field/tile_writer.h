@@ -34,8 +34,8 @@ class Sink {
   TileTarget open(std::int64_t tx, std::int64_t ty, std::int64_t tz) {
     constexpr std::int64_t side = DistanceField::kTileSide;
     if (field_) {
-      TileTarget target{field_->store_tile(tx, ty, tz), nullptr, side, side * side, {side, side, side}};
-      if (with_nearest_) target.nearest = field_->store_nearest(tx, ty, tz);
+      TileTarget target{field_->store_tile(tx, ty, tz).data(), nullptr, side, side * side, {side, side, side}};
+      if (with_nearest_) target.nearest = field_->store_nearest(tx, ty, tz).data();
       return target;
     }
     const std::int64_t x = tx * side, y = ty * side, z = tz * side, at = grid_.index(x, y, z);

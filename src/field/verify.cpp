@@ -29,26 +29,17 @@ std::vector<Sample> all_samples(const Size3& size) {
   return samples;
 }
 
-std::vector<std::int64_t> stored_tiles(const DistanceField& field) {
-  std::vector<std::int64_t> stored;
-  const Size3 tiles = field.tile_count();
-  for (std::int64_t z = 0, index = 0; z < tiles.z; ++z)
-    for (std::int64_t y = 0; y < tiles.y; ++y)
-      for (std::int64_t x = 0; x < tiles.x; ++x, ++index)
-        if (field.tile(x, y, z)) stored.push_back(index);
-  return stored;
-}
-
 std::vector<Sample> choose_samples(const DistanceField& field, std::int64_t count, std::uint64_t seed) {
   constexpr std::int64_t side = DistanceField::kTileSide;
-  const Size3 size = field.grid().size, tiles = field.tile_count();
+  const Size3 size = field.grid().size;
   if (field.grid().sample_count() <= count) return all_samples(size);
   // The generator's numbers are the same everywhere, which the standard does not promise of its distributions.
   std::mt19937_64 random(seed);
   const auto below = [&random](std::int64_t n) {
     return static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(n));
   };
-  const auto stored = stored_tiles(field);
+  std::vector<Size3> stored;
+  for (const DistanceField::Tile& tile : field.tiles()) stored.push_back(tile.at);
   std::vector<Sample> samples;
   samples.reserve(static_cast<std::size_t>(count));
   for (std::int64_t n = 0; n < count; ++n) {
@@ -56,12 +47,11 @@ std::vector<Sample> choose_samples(const DistanceField& field, std::int64_t coun
       samples.push_back({below(size.x), below(size.y), below(size.z)});
       continue;
     }
-    const auto tile = stored[static_cast<std::size_t>(below(static_cast<std::int64_t>(stored.size())))];
+    const Size3& tile = stored[static_cast<std::size_t>(below(static_cast<std::int64_t>(stored.size())))];
     const auto within = [&](std::int64_t t, std::int64_t samples_along) {
       return t * side + below(std::min(side, samples_along - t * side));
     };
-    samples.push_back({within(tile % tiles.x, size.x), within(tile / tiles.x % tiles.y, size.y),
-                       within(tile / (tiles.x * tiles.y), size.z)});
+    samples.push_back({within(tile.x, size.x), within(tile.y, size.y), within(tile.z, size.z)});
   }
   return samples;
 }
@@ -79,7 +69,8 @@ Finding check(const DistanceField& field, const TriangleGroups& groups, const Sa
   Finding finding{{at.i, at.j, at.k, position, field.value(at.i, at.j, at.k), std::min(distance, field.thickness())}};
   SampleCheck& sample = finding.sample;
   sample.allowed = allowed_error(field.grid(), sample.expected);
-  sample.error = std::abs(sample.stored - sample.expected);
+  // The distance alone is checked, not the side.
+  sample.error = std::abs(std::abs(sample.stored) - sample.expected);
   if (std::isnan(sample.error)) sample.error = std::numeric_limits<double>::infinity();
   finding.in_band = distance <= field.thickness();
   finding.wrong = sample.error > sample.allowed;

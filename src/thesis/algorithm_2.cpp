@@ -36,28 +36,23 @@ std::int64_t for_each_sum(const DistanceField& a, const Pose& pose_a, const Dist
   if (!boxes_overlap(a, pose_a, b, pose_b)) return 0;
   const auto far_a = static_cast<float>(a.thickness()), far_b = static_cast<float>(b.thickness());
   const Grid &grid = a.grid(), &visited = b.grid();
-  const Size3 tiles = b.tile_count();
   std::int64_t samples = 0;
-  for (std::int64_t tz = 0; tz < tiles.z; ++tz)
-    for (std::int64_t ty = 0; ty < tiles.y; ++ty)
-      for (std::int64_t tx = 0; tx < tiles.x; ++tx) {
-        const float* tile = b.tile(tx, ty, tz);
-        if (!tile) continue;
-        for (int n = 0; n < DistanceField::kTileSamples; ++n) {
-          const std::int64_t i = tx * kSide + n % kSide, j = ty * kSide + n / kSide % kSide,
-                             k = tz * kSide + n / (kSide * kSide);
-          if (i >= visited.size.x || j >= visited.size.y || k >= visited.size.z) continue;
-          ++samples;
-          if (!(std::abs(tile[n]) < far_b)) continue;
-          const Vec3 p = apply_inverse(pose_a, apply(pose_b, visited.position(i, j, k)));
-          const std::int64_t u = nearest_index(p.x, grid.origin.x, grid.spacing.x, grid.size.x),
-                             v = nearest_index(p.y, grid.origin.y, grid.spacing.y, grid.size.y),
-                             w = nearest_index(p.z, grid.origin.z, grid.spacing.z, grid.size.z);
-          if (u < 0 || v < 0 || w < 0) continue;
-          const float other = a.value(u, v, w);
-          if (std::abs(other) < far_a && !use(double{tile[n]} + double{other})) return samples;
-        }
-      }
+  for (const DistanceField::Tile& tile : b.tiles())
+    for (int n = 0; n < DistanceField::kTileSamples; ++n) {
+      const std::int64_t i = tile.at.x * kSide + n % kSide, j = tile.at.y * kSide + n / kSide % kSide,
+                         k = tile.at.z * kSide + n / (kSide * kSide);
+      if (i >= visited.size.x || j >= visited.size.y || k >= visited.size.z) continue;
+      ++samples;
+      const float value = tile.values[static_cast<std::size_t>(n)];
+      if (!(std::abs(value) < far_b)) continue;
+      const Vec3 p = apply_inverse(pose_a, apply(pose_b, visited.position(i, j, k)));
+      const std::int64_t u = nearest_index(p.x, grid.origin.x, grid.spacing.x, grid.size.x),
+                         v = nearest_index(p.y, grid.origin.y, grid.spacing.y, grid.size.y),
+                         w = nearest_index(p.z, grid.origin.z, grid.spacing.z, grid.size.z);
+      if (u < 0 || v < 0 || w < 0) continue;
+      const float other = a.value(u, v, w);
+      if (std::abs(other) < far_a && !use(double{value} + double{other})) return samples;
+    }
   return samples;
 }
 

@@ -46,8 +46,8 @@ TEST(DistanceField, NewOnesAreFarEverywhere) {
   EXPECT_EQ(field.thickness(), 3.5);
   EXPECT_EQ(field.tile_count(), (Size3{3, 2, 4}));
   EXPECT_EQ(field.stored_tiles(), 0);
-  EXPECT_EQ(field.tile(2, 1, 3), nullptr);
-  EXPECT_EQ(field.tile_nearest(2, 1, 3), nullptr);
+  EXPECT_FALSE(field.tile(2, 1, 3));
+  EXPECT_FALSE(field.tile_nearest(2, 1, 3));
   for_each_sample(kGrid, [&](auto i, auto j, auto k) {
     ASSERT_EQ(field.value(i, j, k), 3.5f);
     ASSERT_EQ(field.nearest(i, j, k), kNoTriangle);
@@ -94,11 +94,11 @@ TEST(DistanceField, OnlyTilesWithAValueBelowTheThicknessAreStored) {
   for (std::int64_t z = 0; z < 4; ++z)
     for (std::int64_t y = 0; y < 2; ++y)
       for (std::int64_t x = 0; x < 3; ++x)
-        EXPECT_EQ(field.tile(x, y, z) != nullptr, (x == 1 && y == 0 && z == 2) || (x == 2 && y == 1 && z == 3))
+        EXPECT_EQ(field.tile(x, y, z).has_value(), (x == 1 && y == 0 && z == 2) || (x == 2 && y == 1 && z == 3))
             << x << y << z;
   EXPECT_EQ(field.to_dense(), values);
   // Past the grid a stored tile holds the thickness.
-  const float* last = field.tile(2, 1, 3);
+  const DistanceField::TileValues last = field.tile(2, 1, 3).value();
   EXPECT_EQ(last[2 + 8 * (1 + 8 * 1)], 0.5f);
   EXPECT_EQ(last[3 + 8 * (1 + 8 * 1)], 2);
   EXPECT_EQ(last[7 + 8 * (7 + 8 * 7)], 2);
@@ -118,8 +118,8 @@ TEST(DistanceField, TilesWithNearestTrianglesAtTheThicknessAreStored) {
 
 TEST(DistanceField, StoredTilesAreReadBack) {
   DistanceField field(kGrid, 9, true);
-  float* values = field.store_tile(1, 1, 2);
-  std::uint32_t* nearest = field.store_nearest(1, 1, 2);
+  const auto values = field.store_tile(1, 1, 2);
+  const auto nearest = field.store_nearest(1, 1, 2);
   for (int n = 0; n < 512; ++n) values[n] = static_cast<float>(n) / 100, nearest[n] = static_cast<std::uint32_t>(n);
   EXPECT_EQ(field.stored_tiles(), 1);
   EXPECT_EQ(field.value(8, 8, 16), 0);
@@ -159,7 +159,7 @@ TEST(DistanceField, CopiesAreDeepAndMovesAreWhole) {
   EXPECT_EQ(copy.provenance.mesh_hash, 42u);
   EXPECT_EQ(copy.provenance.version, "1.2.3");
   EXPECT_EQ(copy.memory_bytes(), field.memory_bytes());
-  const_cast<float*>(field.tile(0, 0, 0))[0] = 3.25f;
+  const_cast<float&>((*field.tile(0, 0, 0))[0]) = 3.25f;
   EXPECT_EQ(field.value(0, 0, 0), 3.25f);
   EXPECT_EQ(copy.to_dense(), values);
   EXPECT_EQ(testing::all_nearest(copy), nearest);
@@ -183,8 +183,8 @@ void expect_empty(DistanceField& field) {
   EXPECT_EQ(field.tile_count(), (Size3{1, 1, 1}));
   EXPECT_EQ(field.stored_tiles(), 0);
   EXPECT_EQ(field.memory_bytes(), 0);
-  EXPECT_EQ(field.tile(0, 0, 0), nullptr);
-  EXPECT_EQ(field.tile_nearest(0, 0, 0), nullptr);
+  EXPECT_FALSE(field.tile(0, 0, 0));
+  EXPECT_FALSE(field.tile_nearest(0, 0, 0));
   EXPECT_EQ(field.value(0, 0, 0), kInfinity);
   EXPECT_EQ(field.nearest(0, 0, 0), kNoTriangle);
   EXPECT_EQ(field.interpolate({3, 4, 5}), kInfinity);

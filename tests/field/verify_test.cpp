@@ -162,7 +162,7 @@ TEST(Verify, HalfTheSamplesAreDrawnFromStoredTiles) {
   testing::add_triangle(mesh, {0.5, 0.5, 0.5}, {1, 0.5, 0.5}, {0.5, 1, 0.5});
   const Grid wide{{400, 400, 400}, {0, 0, 0}, {0.5, 0.5, 0.5}};
   DistanceField field(wide, 1);
-  float* tile = field.store_tile(0, 0, 0);
+  const auto tile = field.store_tile(0, 0, 0);
   for (int n = 0; n < DistanceField::kTileSamples; ++n) {
     const Vec3 p = wide.position(n % 8, n / 8 % 8, n / 64);
     tile[n] = static_cast<float>(std::min(1.0, brute_distance(mesh, p)));

@@ -1,6 +1,7 @@
 // What every fuzzer of a field reader does.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -17,7 +18,7 @@ inline int fuzz_field(DistanceField (*read)(const FieldInput&), const std::uint8
     const DistanceField field = read(FieldInput(view));
     if (!(field.thickness() > 0)) std::abort();
     for (const float value : field.to_dense())
-      if (!(value <= static_cast<float>(field.thickness()))) std::abort();
+      if (!(std::abs(value) <= static_cast<float>(field.thickness()))) std::abort();
   } catch (const Error& error) {
     if (error.code() != ErrorCode::input && error.code() != ErrorCode::limit) std::abort();
   }

@@ -111,7 +111,7 @@ TEST(Slice, SidesAreEnlargedByWholeFactorsAndTrueToSpace) {
 TEST(Slice, InfiniteValuesAreGrey) {
   // Tiles from x = 8 on are absent: infinite.
   DistanceField field({{16, 8, 1}, {}, {1, 1, 1}}, kInfinite);
-  float* tile = field.store_tile(0, 0, 0);
+  const auto tile = field.store_tile(0, 0, 0);
   for (int n = 0; n < DistanceField::kTileSamples; ++n) tile[n] = static_cast<float>(n % 8);
   const Plane plane = plane_of(field, {});
   const SlicePicture picture = draw_slice(field, {});

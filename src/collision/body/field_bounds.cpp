@@ -31,16 +31,12 @@ std::uint8_t rounded_down(float value, double spacing) {
 }
 
 void fill_fine(FieldBounds& bounds, const DistanceField& field) {
-  const Size3 tiles = field.tile_count();
-  bounds.slots.assign(static_cast<std::size_t>(tiles.count()), 0);
-  std::vector<const float*> stored;
-  for (std::int64_t z = 0, n = 0; z < tiles.z; ++z)
-    for (std::int64_t y = 0; y < tiles.y; ++y)
-      for (std::int64_t x = 0; x < tiles.x; ++x, ++n)
-        if (const float* tile = field.tile(x, y, z)) {
-          stored.push_back(tile);
-          bounds.slots[n] = static_cast<std::int32_t>(stored.size());
-        }
+  bounds.slots.assign(static_cast<std::size_t>(field.tile_count().count()), 0);
+  std::vector<DistanceField::TileValues> stored;
+  for (const DistanceField::Tile& tile : field.tiles()) {
+    stored.push_back(tile.values);
+    bounds.slots[static_cast<std::size_t>(tile.index)] = static_cast<std::int32_t>(stored.size());
+  }
   constexpr std::size_t kSize = DistanceField::kTileSamples;
   bounds.samples.resize((stored.size() + 1) * kSize);
   std::fill_n(bounds.samples.begin(), kSize, std::uint8_t{kClampedSample});

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <optional>
 #include <string>
@@ -51,16 +52,20 @@ class TileReader {
   Size3 size_, step_;
 };
 
-enum class TileContent { far, near, bad };
+enum class TileContent { outside, inside, near, bad };
 
-// Branch-free, so that it costs little beside reading: NaN is neither near nor within the thickness.
-TileContent content(const std::array<float, kTile>& tile, float far) {
-  int near = 0, good = 0;
+// What a tile holds of which `samples` lie in the grid; the rest is `far`. Branch-free, so that it costs little beside
+// reading: NaN is neither within the thickness nor as far as it.
+TileContent content(const std::array<float, kTile>& tile, float far, std::int64_t samples) {
+  std::int64_t good = 0, outside = 0, inside = 0;
   for (const float value : tile) {
-    near |= static_cast<int>(value < far);
-    good += static_cast<int>(value <= far);
+    good += static_cast<int>(std::abs(value) <= far);
+    outside += static_cast<int>(value >= far);
+    inside += static_cast<int>(value <= -far);
   }
-  return good != static_cast<int>(kTile) ? TileContent::bad : near ? TileContent::near : TileContent::far;
+  if (good != static_cast<int>(kTile)) return TileContent::bad;
+  if (outside == static_cast<int>(kTile)) return TileContent::outside;
+  return inside == samples ? TileContent::inside : TileContent::near;
 }
 
 // Branch-free as well: most tiles of a band's file have no triangle.
@@ -71,13 +76,13 @@ bool has_triangle(const std::array<std::uint32_t, kTile>& tile) {
 }
 
 [[noreturn]] void fail_at_bad(const FieldInput& file, const std::array<float, kTile>& tile, float far, Size3 first) {
-  const auto bad = std::ranges::find_if(tile, [far](float value) { return !(value <= far); });
+  const auto bad = std::ranges::find_if(tile, [far](float value) { return !(std::abs(value) <= far); });
   const std::int64_t at = bad - tile.begin();
   const auto name = [](std::int64_t i) { return std::to_string(i); };
   file.fail("sample (" + name(first.x + at % kSide) + "," + name(first.y + at / kSide % kSide) + "," +
                 name(first.z + at / (kSide * kSide)) + ")",
-            "the value " + text_of(*bad) + " is not a number up to the thickness, " + text_of(far) +
-                "; the file is damaged or no distance field, write it again");
+            "the value " + text_of(*bad) + " is not a number, or larger in magnitude than the thickness, " +
+                text_of(far) + "; the file is damaged or no distance field, write it again");
 }
 
 void check(const FieldInput& file, const StoredField& stored) {
@@ -94,40 +99,46 @@ class TileWalk {
   TileWalk(const FieldInput& file, const StoredField& stored)
       : file_(file),
         size_(stored.grid.size),
+        tiles_(DistanceField::tiles_over(size_)),
         far_(static_cast<float>(stored.thickness)),
         values_(file, stored.distance, size_) {
     if (stored.nearest) nearest_.emplace(file, *stored.nearest, size_);
   }
 
-  Size3 tile_count() const {
-    const auto along = [](std::int64_t samples) { return (samples + kSide - 1) / kSide; };
-    return {along(size_.x), along(size_.y), along(size_.z)};
-  }
+  std::int64_t tile_count() const { return tiles_.count(); }
 
-  // visit(tx, ty, tz, values, nearest) for each tile that is to be stored. Throws at a value that is none.
-  template <class Visit>
-  void operator()(Visit visit) const {
-    std::array<float, kTile> tile;
+  // store(tile, values, nearest) for each tile that is to be stored, mark_inside(tile) for each that is deep inside.
+  // Throws at a value that is none.
+  template <class Store, class MarkInside>
+  void operator()(Store store, MarkInside mark_inside) const {
+    std::array<float, kTile> values;
     std::array<std::uint32_t, kTile> nearest;
-    const Size3 tiles = tile_count();
-    for (std::int64_t tz = 0; tz < tiles.z; ++tz)
-      for (std::int64_t ty = 0; ty < tiles.y; ++ty)
-        for (std::int64_t tx = 0; tx < tiles.x; ++tx) {
-          const Size3 first{tx * kSide, ty * kSide, tz * kSide};
-          values_.read(first, far_, tile);
-          const TileContent found = content(tile, far_);
-          if (found == TileContent::bad) fail_at_bad(file_, tile, far_, first);
+    for (std::int64_t tz = 0; tz < tiles_.z; ++tz)
+      for (std::int64_t ty = 0; ty < tiles_.y; ++ty)
+        for (std::int64_t tx = 0; tx < tiles_.x; ++tx) {
+          const Size3 tile{tx, ty, tz}, first{tx * kSide, ty * kSide, tz * kSide};
+          values_.read(first, far_, values);
+          const TileContent found = content(values, far_, samples_from(first));
+          if (found == TileContent::bad) fail_at_bad(file_, values, far_, first);
           if (nearest_) nearest_->read(first, kNoTriangle, nearest);
           // A distance that equals the thickness lies in the band: only its nearest triangle tells it from a clamped
           // one.
-          if (found == TileContent::far && !(nearest_ && has_triangle(nearest))) continue;
-          visit(tx, ty, tz, tile, nearest);
+          if (found == TileContent::near || (nearest_ && has_triangle(nearest)))
+            store(tile, values, nearest);
+          else if (found == TileContent::inside)
+            mark_inside(tile);
         }
   }
 
  private:
+  // Samples of the grid in the tile whose first sample is `first`.
+  std::int64_t samples_from(const Size3& first) const {
+    return std::min(kSide, size_.x - first.x) * std::min(kSide, size_.y - first.y) *
+           std::min(kSide, size_.z - first.z);
+  }
+
   const FieldInput& file_;
-  Size3 size_;
+  Size3 size_, tiles_;
   float far_;
   TileReader<float> values_;
   std::optional<TileReader<std::uint32_t>> nearest_;
@@ -136,13 +147,13 @@ class TileWalk {
 // A file whose tiles might not fit, were all of them stored, is gone through once to count them.
 void check_memory(const FieldInput& file, const TileWalk& walk, bool with_nearest) {
   if (file.memory_limit() == 0) return;
-  const auto limit = static_cast<double>(file.memory_limit()), all = static_cast<double>(walk.tile_count().count());
+  const auto limit = static_cast<double>(file.memory_limit()), all = static_cast<double>(walk.tile_count());
   if (field_bytes(all, all, with_nearest) <= limit) return;
   const double least = field_bytes(0, all, with_nearest);
   if (least > limit)
     throw Error(ErrorCode::limit, "its tiles need more than " + over_the_limit(least, limit) + "; give a higher limit");
   double stored = 0;
-  walk([&](auto&&...) { ++stored; });
+  walk([&](auto&&...) { ++stored; }, [](const Size3&) {});
   const double needed = field_bytes(stored, all, with_nearest);
   if (needed > limit)
     throw Error(ErrorCode::limit, "its tiles need " + over_the_limit(needed, limit) + "; give a higher limit");
@@ -155,10 +166,12 @@ DistanceField load(const FieldInput& file, const StoredField& stored) {
   check_memory(file, walk, with_nearest);
   DistanceField field(stored.grid, stored.thickness, with_nearest);
   field.provenance = stored.provenance;
-  walk([&](std::int64_t tx, std::int64_t ty, std::int64_t tz, const auto& values, const auto& nearest) {
-    std::ranges::copy(values, field.store_tile(tx, ty, tz));
-    if (with_nearest) std::ranges::copy(nearest, field.store_nearest(tx, ty, tz));
-  });
+  walk(
+      [&](const Size3& tile, const auto& values, const auto& nearest) {
+        std::ranges::copy(values, field.store_tile(tile.x, tile.y, tile.z).begin());
+        if (with_nearest) std::ranges::copy(nearest, field.store_nearest(tile.x, tile.y, tile.z).begin());
+      },
+      [&](const Size3& tile) { field.mark_inside(tile.x, tile.y, tile.z); });
   return field;
 }
 

@@ -114,13 +114,13 @@ TEST(CudaDeviceMemory, SparseTilesAreThoseOfTheField) {
       for (int y = 0; y < 3; ++y)
         for (int x = 0; x < 3; ++x, ++index) {
           const std::int32_t slot = on.slots[index];
-          ASSERT_EQ(slot >= 0, field.tile(x, y, z) != nullptr) << index;
+          ASSERT_EQ(slot >= 0, field.tile(x, y, z).has_value()) << index;
           if (slot < 0) continue;
           EXPECT_GT(slot, last);
           last = slot;
           ++stored;
-          EXPECT_EQ(std::memcmp(&on.values[512 * slot], field.tile(x, y, z), 512 * sizeof(float)), 0);
-          EXPECT_EQ(std::memcmp(&on.nearest[512 * slot], field.tile_nearest(x, y, z), 512 * sizeof(float)), 0);
+          EXPECT_EQ(std::memcmp(&on.values[512 * slot], field.tile(x, y, z)->data(), 512 * sizeof(float)), 0);
+          EXPECT_EQ(std::memcmp(&on.nearest[512 * slot], field.tile_nearest(x, y, z)->data(), 512 * sizeof(float)), 0);
         }
     EXPECT_EQ(stored, field.stored_tiles());
   }

@@ -32,8 +32,8 @@ inline DistanceField odd_field(const Grid& grid = odd_grid(), double thickness =
     for (std::int64_t ty = 0; ty < tiles.y; ++ty)
       for (std::int64_t tx = 0; tx < tiles.x; ++tx) {
         if (odd_value(8 * tx, 8 * ty, 8 * tz, kInfinite) >= thickness) continue;
-        float* values = field.store_tile(tx, ty, tz);
-        std::uint32_t* indices = nearest ? field.store_nearest(tx, ty, tz) : nullptr;
+        const auto values = field.store_tile(tx, ty, tz);
+        std::uint32_t* const indices = nearest ? field.store_nearest(tx, ty, tz).data() : nullptr;
         for (std::int64_t n = 0; n < 512; ++n) {
           const std::int64_t i = 8 * tx + n % 8, j = 8 * ty + n / 8 % 8, k = 8 * tz + n / 64;
           const bool inside = i < grid.size.x && j < grid.size.y && k < grid.size.z;

@@ -1,0 +1,35 @@
+// The errors of DistanceField.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "core/guarded.h"
+#include "standoff/error.h"
+
+namespace standoff {
+
+/// Throws Error{usage} with what `message` returns. Out of line: who asks for one sample passes no try block. Nor are
+/// the numbers that a message holds stored for it, as long as it captures them by value.
+template <class Message>
+[[noreturn, gnu::cold, gnu::noinline]] void fail_field(Message message) try {
+  throw Error(ErrorCode::usage, "field: " + std::string(message()));
+} catch (...) {
+  throw_as_error("field");
+}
+
+[[noreturn]] inline void fail_without_nearest() {
+  fail_field([] { return "it holds no nearest triangles; compute it with them"; });
+}
+
+/// "(1,2,3)".
+inline std::string index_text(std::int64_t x, std::int64_t y, std::int64_t z) {
+  return "(" + std::to_string(x) + "," + std::to_string(y) + "," + std::to_string(z) + ")";
+}
+
+/// For what needs memory: throws what is being handled as the Error it is or stands for.
+[[noreturn]] inline void throw_field_error() {
+  throw_as_error("field", "take fewer samples, or a machine with more");
+}
+
+}  // namespace standoff

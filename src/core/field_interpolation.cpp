@@ -1,0 +1,71 @@
+// Values and gradients between the samples.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/field_error.h"
+#include "standoff/field.h"
+
+namespace standoff {
+namespace {
+
+// The cell that holds a point, along one axis: its first sample, and where in the cell the point lies.
+struct AxisCell {
+  std::int64_t first = 0;
+  std::int64_t second = 0;
+  double t = 0;
+};
+
+AxisCell axis_cell(double point, double origin, double spacing, std::int64_t size) {
+  if (size == 1) return {};
+  const double at = std::clamp((point - origin) / spacing, 0.0, static_cast<double>(size - 1));
+  const auto first = std::min(static_cast<std::int64_t>(at), size - 2);
+  return {first, first + 1, at - static_cast<double>(first)};
+}
+
+struct Cell {
+  AxisCell x, y, z;
+  std::array<double, 8> corner{};  // x fastest
+};
+
+Cell cell_at(const DistanceField& field, Vec3 p) {
+  if (std::isnan(p.x) || std::isnan(p.y) || std::isnan(p.z))
+    fail_field([] { return "the point to look at is not a number; give three numbers"; });
+  const Grid& g = field.grid();
+  Cell cell{axis_cell(p.x, g.origin.x, g.spacing.x, g.size.x), axis_cell(p.y, g.origin.y, g.spacing.y, g.size.y),
+            axis_cell(p.z, g.origin.z, g.spacing.z, g.size.z)};
+  int n = 0;
+  for (const auto k : {cell.z.first, cell.z.second})
+    for (const auto j : {cell.y.first, cell.y.second})
+      for (const auto i : {cell.x.first, cell.x.second}) cell.corner[n++] = field.value(i, j, k);
+  return cell;
+}
+
+// An infinite value at either end with a share in the result makes it infinite, never NaN.
+double mix(double a, double b, double t) {
+  if (a == b || t == 0) return a;
+  return std::isinf(a) ? a : a + (b - a) * t;
+}
+
+}  // namespace
+
+double DistanceField::interpolate(Vec3 point) const {
+  const Cell cell = cell_at(*this, point);
+  const auto& c = cell.corner;
+  const auto row = [&](int n) { return mix(c[n], c[n + 1], cell.x.t); };
+  return mix(mix(row(0), row(2), cell.y.t), mix(row(4), row(6), cell.y.t), cell.z.t);
+}
+
+Vec3 DistanceField::gradient(Vec3 point) const {
+  const Cell cell = cell_at(*this, point);
+  const auto& c = cell.corner;
+  const double tx = cell.x.t, ty = cell.y.t, tz = cell.z.t;
+  // Difference along one axis, interpolated bilinearly along the two others; `step` is that axis's stride in c.
+  const auto slope = [&](int step, int u, double tu, int v, double tv) {
+    const auto difference = [&](int n) { return c[n + step] == c[n] ? 0.0 : c[n + step] - c[n]; };
+    return mix(mix(difference(0), difference(u), tu), mix(difference(v), difference(u + v), tu), tv);
+  };
+  return Vec3{slope(1, 2, ty, 4, tz), slope(2, 1, tx, 4, tz), slope(4, 1, tx, 2, ty)} / grid_.spacing;
+}
+
+}  // namespace standoff
