@@ -31,7 +31,7 @@ Vec3 filling(const Mesh& mesh, Vec3 extent, double margin) {
 Grid padded_grid(const Box& box, std::int64_t samples, double thickness) {
   const Vec3 e = box.extent();
   const double spacing = std::max({e.x, e.y, e.z}) / (static_cast<double>(samples - 1) - 2 * thickness);
-  return fit_samples(box, samples, thickness * spacing);
+  return fit_samples(box, samples, {.length = thickness * spacing, .least_samples = 0});
 }
 
 /// Cubic cells in a cube of samples centred on the mesh, whose box grown by `thickness` samples it holds.

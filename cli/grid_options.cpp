@@ -10,16 +10,8 @@
 namespace standoff::cli {
 namespace {
 
-// Around the mesh there are at least so many samples, for slices and surfaces that do not end at the face of the grid.
-constexpr double kLeastPadding = 2;
 // A wide band is not followed farther than this share of the mesh's longest side, or few samples are left for the mesh.
 constexpr double kMostPadding = 0.1;
-
-// How far an axis grows on each side when `samples` of its `cells` lie there and the rest covers the extent.
-double growth(double extent, double cells, double samples) {
-  if (samples == 0 || extent == 0 || cells == 0) return 0;
-  return samples * extent / std::max(cells - 2 * samples, 0.0);
-}
 
 double longest(Vec3 extent) { return std::max({extent.x, extent.y, extent.z}); }
 
@@ -69,50 +61,30 @@ void GridOptions::add_thesis_to(CLI::App& verb) {
   minimum->needs(verb.get_option("--thickness"));
 }
 
-Box GridOptions::padded(const Box& mesh) const {
-  const Vec3 extent = mesh.extent();
-  const double side = longest(extent);
-  // The growth of one axis with the given extent, where `cells` is what the axis has, or what its spacing makes of it.
-  const auto along = [&](double axis_extent, double cells, double spacing) {
-    const auto grown = [&](double samples) {
-      return spacing > 0 ? samples * spacing : growth(axis_extent, cells, samples);
+Padding GridOptions::padding() const {
+  if (bounds_) return {.least_samples = 0};
+  if (padding_) {
+    const auto leaves_none = [this](std::int64_t samples) {
+      return samples > 1 && static_cast<double>(samples - 1) <= 2 * *padding_;
     };
-    if (padding_) {
-      if (spacing == 0 && cells > 0 && cells <= 2 * *padding_)
-        throw Error(ErrorCode::usage, "--padding '" + number(*padding_) +
-                                          "' leaves no samples for the mesh; take less, or " +
-                                          (size_ ? "a larger --size" : "more with --resolution"));
-      return grown(*padding_);
-    }
-    const double least = grown(spacing > 0 ? kLeastPadding : std::clamp((cells - 1) / 2, 0.0, kLeastPadding));
-    if (thickness_.infinite()) return least;
-    const double sample = spacing_ ? longest(*spacing_) : 0;
-    const double wanted = !thickness_.in_samples ? thickness_.value
-                          : sample > 0           ? thickness_.world(sample)
-                                                 : grown(thickness_.value);
-    return std::max(least, side > 0 ? std::min(wanted, kMostPadding * side) : wanted);
-  };
-  Vec3 by;
-  if (spacing_) {
-    by = {along(extent.x, 0, spacing_->x), along(extent.y, 0, spacing_->y), along(extent.z, 0, spacing_->z)};
-  } else if (size_) {
-    const auto cells = [](std::int64_t samples) { return static_cast<double>(samples - 1); };
-    by = {along(extent.x, cells(size_->x), 0), along(extent.y, cells(size_->y), 0),
-          along(extent.z, cells(size_->z), 0)};
-  } else {
-    const auto cells = static_cast<double>(samples_ - 1);
-    // A mesh that is one point gets cells of size 1.
-    const bool no_scale = side == 0 && (thickness_.infinite() || thickness_.in_samples);
-    const double all = no_scale ? cells / 2 : along(side, cells, 0);
-    by = {all, all, all};
+    const bool none = size_ ? leaves_none(size_->x) || leaves_none(size_->y) || leaves_none(size_->z)
+                            : !spacing_ && leaves_none(samples_);
+    if (none)
+      throw Error(ErrorCode::usage, "--padding '" + number(*padding_) +
+                                        "' leaves no samples for the mesh; take less, or " +
+                                        (size_ ? "a larger --size" : "more with --resolution"));
+    return {.samples = *padding_, .least_samples = 0};
   }
-  return {mesh.min - by, mesh.max + by};
+  if (thickness_.infinite()) return {};
+  if (!thickness_.in_samples) return {.length = thickness_.value, .most_share = kMostPadding};
+  if (spacing_) return {.length = thickness_.world(longest(*spacing_)), .most_share = kMostPadding};
+  return {.samples = thickness_.value, .most_share = kMostPadding};
 }
 
 Grid GridOptions::around(const Box& box) const {
-  if (spacing_) return fit_spacing(box, *spacing_);
-  if (size_) return fit_size(box, *size_);
-  return fit_samples(box, samples_);
+  if (spacing_) return fit_spacing(box, *spacing_, padding());
+  if (size_) return fit_size(box, *size_, padding());
+  return fit_samples(box, samples_, padding());
 }
 
 GridChoice GridOptions::choose(const Box& mesh) const {
@@ -122,7 +94,7 @@ GridChoice GridOptions::choose(const Box& mesh) const {
                   "--minimum: needs a --thickness in world units, by which it sets the samples; give one without s");
     return {minimum_grid(mesh, thickness_.value, *minimum_, speed_), thickness_.value};
   }
-  const Grid grid = around(bounds_ ? *bounds_ : padded(mesh));
+  const Grid grid = around(bounds_.value_or(mesh));
   return {grid, thickness_.world(grid.max_spacing())};
 }
 

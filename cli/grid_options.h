@@ -29,7 +29,7 @@ class GridOptions {
 
  private:
   Grid around(const Box& box) const;
-  Box padded(const Box& mesh) const;
+  Padding padding() const;
 
   std::int64_t samples_ = kDefaultSamples;
   std::optional<Vec3> spacing_;

@@ -1,7 +1,9 @@
 // Regular grids of samples, and helpers that fit them to meshes.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <limits>
 
 #include "standoff/vec.h"
 
@@ -33,18 +35,46 @@ void validate(const Grid& grid);
 /// Samples along the longest side when nothing else is said.
 inline constexpr std::int64_t kDefaultSamples = 256;
 
-/// Cubic cells, `samples` on the longest side of `box` grown by `padding` (world units) on all sides. The other sides
-/// get as many samples as cover the box; the grid is centred on it. A box without extent gets spacing 1.
-/// Errors: usage when the box is empty, samples < 2, or padding is negative or not finite.
-Grid fit_samples(const Box& box, std::int64_t samples = kDefaultSamples, double padding = 0);
+/// How far a grid reaches beyond the box it is fitted to, on each side of each axis:
+/// max(least_samples, min(max(length, samples), most_share * the box's longest side)).
+struct Padding {
+  double length = 0;         ///< world units
+  double samples = 0;        ///< samples of the grid itself
+  double least_samples = 2;  ///< where the grid has so many: for slices and surfaces that do not end at its faces
+  double most_share = std::numeric_limits<double>::infinity();  ///< a wider band is cut off
+};
 
-/// Cells of the given size, as many as cover `box` grown by `padding`, centred on it. Errors: usage as above.
-Grid fit_spacing(const Box& box, Vec3 spacing, double padding = 0);
+/// The padding that a band wants: its thickness (world units), so that no sample nearer than the thickness is left out,
+/// and at least two samples. A full field (infinite) gets two samples. Errors: usage unless the thickness is positive.
+Padding padding_for(double thickness);
 
-/// The given number of samples per axis, the outermost ones on the faces of `box` grown by `padding`, so that the
-/// spacing may differ per axis. An axis without extent, or with one sample, gets the largest spacing of the others (or
-/// 1). Errors: usage as above.
-Grid fit_size(const Box& box, Size3 size, double padding = 0);
+/// Cubic cells, `samples` on the longest side of the padded box. The other sides get as many samples as cover it; the
+/// grid is centred on it. A box without extent gets spacing 1 where the padding has no length, and one sample without
+/// padding.
+/// Errors: usage when the box is empty, samples < 2, a member of the padding is negative or no number, or nothing is
+/// left for the box; limit when it takes more than 2^40 samples on a side.
+Grid fit_samples(const Box& box, std::int64_t samples, const Padding& padding);
+/// The same with padding_for(thickness): give the thickness of the field that is to be computed.
+inline Grid fit_samples(const Box& box, std::int64_t samples = kDefaultSamples,
+                        double thickness = std::numeric_limits<double>::infinity()) {
+  return fit_samples(box, samples, padding_for(thickness));
+}
+
+/// Cells of the given size, as many as cover the padded box, centred on it. Errors: as above.
+Grid fit_spacing(const Box& box, Vec3 spacing, const Padding& padding);
+/// The same with padding_for(thickness).
+inline Grid fit_spacing(const Box& box, Vec3 spacing, double thickness = std::numeric_limits<double>::infinity()) {
+  return fit_spacing(box, spacing, padding_for(thickness));
+}
+
+/// The given number of samples per axis, the outermost ones on the faces of the padded box, so that the spacing may
+/// differ per axis. An axis without extent, or with one sample, gets the largest spacing of the others (or 1).
+/// Errors: as above.
+Grid fit_size(const Box& box, Size3 size, const Padding& padding);
+/// The same with padding_for(thickness).
+inline Grid fit_size(const Box& box, Size3 size, double thickness = std::numeric_limits<double>::infinity()) {
+  return fit_size(box, size, padding_for(thickness));
+}
 
 /// The thesis's minimum grid: the box grown by the thickness, (max - min) / thickness * e samples per axis, rounded
 /// up, at least 2. `e` is 2 to 4 in the thesis; `speed`, the distance a body moves in one step, makes the grid finer:

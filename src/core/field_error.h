@@ -24,12 +24,12 @@ template <class Message>
 
 /// "(1,2,3)".
 inline std::string index_text(std::int64_t x, std::int64_t y, std::int64_t z) {
-  return "(" + std::to_string(x) + "," + std::to_string(y) + "," + std::to_string(z) + ")";
+  std::string text = "(";
+  text.append(std::to_string(x)).append(",").append(std::to_string(y)).append(",").append(std::to_string(z));
+  return text.append(")");
 }
 
 /// For what needs memory: throws what is being handled as the Error it is or stands for.
-[[noreturn]] inline void throw_field_error() {
-  throw_as_error("field", "take fewer samples, or a machine with more");
-}
+[[noreturn]] inline void throw_field_error() { throw_as_error("field", "take fewer samples, or a machine with more"); }
 
 }  // namespace standoff

@@ -62,7 +62,7 @@ void TilePool::grow(std::int64_t tiles) {
   const std::size_t bytes = bytes_of(room);
   if (bytes > values_.room() || (with_nearest_ && bytes > nearest_.room()))
     throw Error(ErrorCode::limit, "field: " + std::to_string(tiles) +
-                                      " tiles need more address space than this process may use; raise its limit "
+                                      " tiles need more memory addresses than this process may use; raise its limit "
                                       "(RLIMIT_AS), take fewer samples or a smaller thickness");
   // One of them may be there from before.
   if (bytes > values_.size()) values_.resize(bytes);

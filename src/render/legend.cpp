@@ -34,7 +34,7 @@ std::string short_text(double number, int digits) {
   return {text.begin(), end};
 }
 
-Legend::Legend(double least, double greatest, bool clamped, Colormap map)
+Legend::Legend(double least, double greatest, double thickness, Colormap map)
     : least_(least), greatest_(greatest), map_(map) {
   const double range = greatest - least;
   // So many digits that neighbouring numbers differ.
@@ -44,11 +44,11 @@ Legend::Legend(double least, double greatest, bool clamped, Colormap map)
   // A distance of rounding errors is shown as the zero it stands for.
   const double fine = range > 0 ? step * 1e-3 : 0;
   const auto rounded = [fine](double number) { return fine > 0 ? std::round(number / fine) * fine : number; };
-  ticks_.push_back({1, (clamped ? ">= " : "") + short_text(rounded(greatest), digits)});
+  ticks_.push_back({1, (greatest >= thickness ? ">= " : "") + short_text(rounded(greatest), digits)});
   if (!(range > 0)) return;
   for (double n = std::floor(greatest / step); n * step > least && ticks_.size() < 2 * kSteps; --n)
     if (n * step < greatest) ticks_.push_back({(n * step - least) / range, short_text(n * step, digits)});
-  ticks_.push_back({0, short_text(rounded(least), digits)});
+  ticks_.push_back({0, (least <= -thickness ? "<= " : "") + short_text(rounded(least), digits)});
 }
 
 Color Legend::color(double value) const {

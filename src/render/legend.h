@@ -11,8 +11,8 @@ namespace standoff {
 
 class Legend {
  public:
-  /// From the least to the greatest value. `clamped`: the greatest stands for itself and all beyond.
-  Legend(double least, double greatest, bool clamped, Colormap map);
+  /// From the least to the greatest value. Those of magnitude `thickness` stand for themselves and all beyond.
+  Legend(double least, double greatest, double thickness, Colormap map);
 
   /// A value's color; grey when it is not finite.
   Color color(double value) const;

@@ -44,7 +44,7 @@ std::optional<Legend> legend_of(const Plane& plane, double thickness, Colormap m
     greatest = std::max(greatest, value);
   }
   if (!(least <= greatest)) return std::nullopt;
-  return Legend(least, greatest, greatest >= static_cast<float>(thickness), map);
+  return Legend(least, greatest, static_cast<float>(thickness), map);
 }
 
 }  // namespace
@@ -71,7 +71,7 @@ SlicePicture draw_slice(const DistanceField& field, const SliceOptions& options)
   draw_text(picture.image, kMargin, kMargin, caption[0], kInk);
   draw_text(picture.image, kMargin, kMargin + kLine, caption[1], kFaint);
   if (legend) legend->draw(picture.image, kMargin + width + kGap, top, legend_height);
-  const Legend grey(0, 0, false, options.colormap);
+  const Legend grey(0, 0, field.thickness(), options.colormap);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       // The sample whose cell holds the pixel's centre; rows of the picture run down.

@@ -59,8 +59,11 @@ TEST(Misuse, FittingGrids) {
       expect_answer_or_error(named("size", n), [&] { fit_size(box, {n, 1, n}); });
     }
     for (const double x : kNumbers) {
-      expect_answer_or_error(named("padding", x), [&] { fit_samples(box, 5, x); });
-      expect_answer_or_error(named("padding", x), [&] { fit_size(box, {2, 2, 2}, x); });
+      expect_answer_or_error(named("padding", x), [&] { fit_samples(box, 5, {.samples = x}); });
+      expect_answer_or_error(named("thickness", x), [&] { fit_samples(box, 5, x); });
+      expect_answer_or_error(named("padding", x), [&] { fit_size(box, {2, 2, 2}, {.length = x}); });
+      expect_answer_or_error(named("padding", x), [&] { fit_size(box, {9, 9, 9}, {.least_samples = x}); });
+      expect_answer_or_error(named("padding", x), [&] { fit_spacing(box, {1, 1, 1}, {.length = 5, .most_share = x}); });
       expect_answer_or_error(named("spacing", x), [&] { fit_spacing(box, {1, x, 1}, 1); });
       expect_answer_or_error(named("thickness", x), [&] { minimum_grid(box, x); });
       expect_answer_or_error(named("e", x), [&] { minimum_grid(box, 1, x); });

@@ -2,10 +2,13 @@
 #include "standoff/field.h"
 
 #include <gtest/gtest.h>
+#include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
+#include <ranges>
 #include <stdexcept>
 #include <vector>
 
@@ -234,6 +237,146 @@ TEST(DistanceField, CopiesManyTiles) {
   const auto field = DistanceField::from_dense(grid, 3.5, values);
   EXPECT_EQ(field.stored_tiles(), 576);
   EXPECT_EQ(DistanceField(field).to_dense(), values);
+}
+
+TEST(DistanceField, StoredTilesAreGoneThroughInOrder) {
+  DistanceField field(kGrid, 9, true);
+  for (const Size3 at : {Size3{2, 1, 3}, {0, 0, 0}, {1, 0, 2}}) {
+    std::ranges::fill(field.store_tile(at.x, at.y, at.z), static_cast<float>(at.x));
+    std::ranges::fill(field.store_nearest(at.x, at.y, at.z), static_cast<std::uint32_t>(at.z));
+  }
+  field.mark_inside(1, 1, 1);
+  std::vector<Size3> found;
+  for (const DistanceField::Tile& tile : field.tiles()) {
+    found.push_back(tile.at);
+    EXPECT_EQ(tile.index, tile.at.x + 3 * (tile.at.y + 2 * tile.at.z));
+    EXPECT_EQ(tile.values.data(), field.tile(tile.at.x, tile.at.y, tile.at.z)->data());
+    EXPECT_EQ(tile.values[511], static_cast<float>(tile.at.x));
+    ASSERT_EQ(tile.nearest.size(), 512u);
+    EXPECT_EQ(tile.nearest[511], static_cast<std::uint32_t>(tile.at.z));
+  }
+  EXPECT_EQ(found, (std::vector<Size3>{{0, 0, 0}, {1, 0, 2}, {2, 1, 3}}));
+  const DistanceField none(kGrid, 9), empty;
+  EXPECT_TRUE(none.tiles().begin() == none.tiles().end());
+  EXPECT_TRUE(empty.tiles().begin() == empty.tiles().end());
+  static_assert(std::ranges::forward_range<DistanceField::TileRange>);
+}
+
+// What a GPU or numpy takes: one array, in which slots() tells where each tile lies.
+TEST(DistanceField, StoredTilesLieInOneArray) {
+  const Grid grid{{64, 64, 72}, {}, {1, 1, 1}};
+  const auto values = numbers(grid, 3);
+  const std::vector<std::uint32_t> nearest(values.size(), 5);
+  const auto field = DistanceField::from_dense(grid, 3.5, values, nearest);
+  EXPECT_EQ(field.slots().size(), 576u);
+  EXPECT_EQ(field.tile_values().size(), 576u * 512);
+  EXPECT_EQ(field.tile_nearest_values().size(), 576u * 512);
+  const auto coordinates = field.tile_coordinates();
+  ASSERT_EQ(coordinates.size(), 576u);
+  for (std::size_t slot = 0; slot < coordinates.size(); ++slot) {
+    const auto& [x, y, z] = coordinates[slot];
+    EXPECT_EQ(field.slots()[static_cast<std::size_t>(x + 8 * (y + 8 * z))], static_cast<std::int32_t>(slot));
+    EXPECT_EQ(field.tile(x, y, z)->data(), &field.tile_values()[512 * slot]);
+    EXPECT_EQ(field.tile_nearest(x, y, z)->data(), &field.tile_nearest_values()[512 * slot]);
+  }
+  const DistanceField empty;
+  EXPECT_TRUE(empty.slots().empty() && empty.tile_values().empty() && empty.tile_coordinates().empty());
+  EXPECT_EQ(code_of([] { return DistanceField(kGrid, 1).tile_nearest_values(); }), ErrorCode::usage);
+}
+
+TEST(DistanceField, TilesStayWhereTheyAreWhileThreadsStoreMore) {
+  const Grid grid{{160, 160, 160}, {}, {1, 1, 1}};
+  DistanceField field(grid, 9, true);
+  const std::int64_t count = field.tile_count().count();
+  tbb::parallel_for(std::int64_t{0}, count, [&](std::int64_t n) {
+    const Size3 at{n % 20, n / 20 % 20, n / 400};
+    const auto values = field.store_tile(at.x, at.y, at.z);
+    const auto nearest = field.store_nearest(at.x, at.y, at.z);
+    for (int s = 0; s < 512; ++s) values[s] = static_cast<float>(n), nearest[s] = static_cast<std::uint32_t>(n);
+  });
+  EXPECT_EQ(field.stored_tiles(), count);
+  for (const DistanceField::Tile& tile : field.tiles()) {
+    ASSERT_TRUE(std::ranges::all_of(tile.values, [&](float v) { return v == static_cast<float>(tile.index); }));
+    ASSERT_TRUE(std::ranges::all_of(tile.nearest, [&](auto t) { return t == tile.index; }));
+  }
+}
+
+TEST(DistanceField, ErasedTilesAreGone) {
+  const auto values = numbers(kGrid, 3);
+  const std::vector<std::uint32_t> nearest(values.size(), 5);
+  auto field = DistanceField::from_dense(kGrid, 3.5, values, nearest);
+  ASSERT_EQ(field.stored_tiles(), 24);
+  for (const Size3 at : {Size3{1, 0, 2}, {2, 1, 3}, {0, 0, 0}}) field.erase_tile(at.x, at.y, at.z);
+  EXPECT_EQ(field.stored_tiles(), 21);
+  EXPECT_EQ(field.tile_values().size(), 21u * 512);
+  for_each_sample(kGrid, [&](auto i, auto j, auto k) {
+    const Size3 at{i / 8, j / 8, k / 8};
+    const bool erased = at == Size3{1, 0, 2} || at == Size3{2, 1, 3} || at == Size3{0, 0, 0};
+    ASSERT_EQ(field.value(i, j, k), erased ? 3.5f : values[kGrid.index(i, j, k)]);
+    ASSERT_EQ(field.nearest(i, j, k), erased ? kNoTriangle : 5u);
+  });
+  EXPECT_EQ(code_of([&] { field.erase_tile(1, 0, 2); }), ErrorCode::usage);
+  std::ranges::fill(field.store_tile(1, 0, 2), 1.0f);
+  EXPECT_EQ(field.stored_tiles(), 22);
+  EXPECT_EQ(field.value(8, 0, 16), 1);
+}
+
+// A tile that is not stored was +thickness, whatever side it lies on.
+TEST(DistanceField, TilesDeepInsideNeedNotBeStored) {
+  DistanceField field(kGrid, 2, true);
+  std::ranges::fill(field.store_tile(0, 0, 0), 0.5f);
+  std::ranges::fill(field.store_nearest(0, 0, 0), 7u);
+  field.mark_inside(1, 0, 0);
+  EXPECT_EQ(field.background(1, 0, 0), -2);
+  EXPECT_EQ(field.background(2, 0, 0), 2);
+  EXPECT_EQ(field.background(0, 0, 0), 2) << "a stored one";
+  EXPECT_EQ(field.slots()[1], DistanceField::kInside);
+  EXPECT_EQ(field.slots()[2], DistanceField::kOutside);
+  EXPECT_FALSE(field.tile(1, 0, 0));
+  EXPECT_EQ(field.value(8, 0, 0), -2);
+  EXPECT_EQ(field.nearest(8, 0, 0), kNoTriangle);
+  EXPECT_EQ(field.interpolate(kGrid.position(9, 1, 1)), -2);
+  EXPECT_EQ(field.interpolate((kGrid.position(15, 1, 1) + kGrid.position(16, 1, 1)) * 0.5), 0) << "-2 and 2";
+  EXPECT_EQ(field.gradient((kGrid.position(15, 1, 1) + kGrid.position(16, 1, 1)) * 0.5).x, 4 / kGrid.spacing.x);
+  std::vector<float> slice(static_cast<std::size_t>(kGrid.size.x * kGrid.size.y));
+  field.copy_slices(0, 1, slice);
+  EXPECT_EQ(slice[7], 0.5f);
+  EXPECT_EQ(slice[8], -2);
+  EXPECT_EQ(slice[16], 2);
+  EXPECT_EQ(DistanceField(field).value(8, 0, 0), -2);
+  EXPECT_EQ(field.stored_tiles(), 1);
+  EXPECT_EQ(code_of([&] { field.mark_inside(0, 0, 0); }), ErrorCode::usage) << "stored";
+  EXPECT_EQ(code_of([&] { field.mark_inside(3, 0, 0); }), ErrorCode::usage) << "no tile";
+  EXPECT_EQ(code_of([] { DistanceField().mark_inside(0, 0, 0); }), ErrorCode::usage);
+  field.store_tile(1, 0, 0)[0] = 1;
+  EXPECT_EQ(field.value(8, 0, 0), 1);
+  field.reset(kGrid, 2);
+  EXPECT_EQ(field.background(1, 0, 0), 2);
+}
+
+TEST(DistanceField, SignedFieldsComeBackFromDenseMemory) {
+  const Grid grid{{33, 20, 17}, {}, {1, 1, 1}};
+  std::vector<float> values;
+  for_each_sample(grid,
+                  [&](auto i, auto, auto) { values.push_back(std::clamp(static_cast<float>(i) - 20, -2.0f, 2.0f)); });
+  const auto field = DistanceField::from_dense(grid, 2, values);
+  // Along x: two tiles inside, one stored, one outside, and one that holds a single sample of the grid.
+  for (std::size_t n = 0; n < field.slots().size(); ++n) {
+    const std::size_t tx = n % 5;
+    if (tx == 2)
+      EXPECT_GE(field.slots()[n], 0);
+    else
+      EXPECT_EQ(field.slots()[n], tx < 2 ? DistanceField::kInside : DistanceField::kOutside) << n;
+  }
+  EXPECT_EQ(field.to_dense(), values);
+  for_each_sample(grid, [&](auto i, auto j, auto k) { ASSERT_EQ(field.value(i, j, k), values[grid.index(i, j, k)]); });
+  const auto again = DistanceField::from_dense(grid, 2, field.to_dense());
+  EXPECT_TRUE(std::ranges::equal(again.slots(), field.slots()));
+  // Of a tile at the grid's end only the samples in the grid count.
+  const auto last =
+      DistanceField::from_dense({{9, 1, 1}, {}, {1, 1, 1}}, 2, std::vector<float>{0, 0, 0, 0, 0, 0, 0, 0, -2});
+  EXPECT_EQ(last.stored_tiles(), 1);
+  EXPECT_EQ(last.background(1, 0, 0), -2);
 }
 
 TEST(DistanceField, InterpolatesLinearFunctionsExactly) {

@@ -128,7 +128,7 @@ std::vector<Case> cases(bool quick) {
   add("far from the origin", testing::random_soup(75, 100, 6, 2, far), there);
   for (const scenes::Scene& scene : scenes::all()) {
     const Mesh mesh = scenes::make(scene.name, std::min<std::int64_t>(scene.triangles, 400));
-    add(scene.name, mesh, fit_samples(bounds(mesh), 20, 0));
+    add(scene.name, mesh, fit_samples(bounds(mesh), 20, {.least_samples = 0}));
   }
   return all;
 }

@@ -156,7 +156,7 @@ TEST(Legend, CopesWithAnyRange) {
       {0, 1}, {0, kLargest}, {-kLargest, kLargest}, {0, kTiny},          {1e6, 1e6 + 0.1}, {-3, -2},
       {0, 0}, {5, 5},        {-1e-20, 1e20},        {16777215, 16777216}};
   for (const auto& [least, greatest] : ranges) {
-    const Legend legend(least, greatest, false, Colormap::viridis);
+    const Legend legend(least, greatest, kInfinite, Colormap::viridis);
     Image image(legend.width(), 300, {255, 255, 255});
     legend.draw(image, 0, 0, 300);
     EXPECT_LT(legend.width(), 400);
@@ -167,7 +167,9 @@ TEST(Legend, CopesWithAnyRange) {
     EXPECT_EQ(legend.color(kInfinite), kGrey);
   }
   // What is clamped says so.
-  EXPECT_GT(Legend(0, 2, true, Colormap::viridis).width(), Legend(0, 2, false, Colormap::viridis).width());
+  const auto width = [](double thickness) { return Legend(-2, 2, thickness, Colormap::viridis).width(); };
+  EXPECT_GT(width(2), width(3));
+  EXPECT_GT(Legend(-2, 1, 2, Colormap::viridis).width(), Legend(-2, 1, 3, Colormap::viridis).width()) << "inside";
 }
 
 TEST(Legend, NumbersAreShort) {

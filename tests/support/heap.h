@@ -1,5 +1,5 @@
-// A heap that counts what is held, has a limit, and can refuse one allocation. It replaces operator new: include it in
-// one file of a program.
+// A heap that counts what is held, has a limit, and can refuse one allocation. It replaces operator new, and sees the
+// pages of fields: include it in one file of a program.
 #pragma once
 
 #include <atomic>
@@ -8,6 +8,8 @@
 #include <limits>
 #include <new>
 
+#include "core/growing_memory.h"
+
 namespace standoff::testing::heap {
 
 inline constexpr std::int64_t kUnlimited = std::numeric_limits<std::int64_t>::max();
@@ -15,17 +17,29 @@ inline std::atomic<std::int64_t> held{0}, most{0}, limit{kUnlimited};
 /// How many more allocations succeed; the one after them fails, and those behind it succeed again.
 inline std::atomic<std::int64_t> until_refusal{kUnlimited};
 
-// Every block begins with its length, in as many bytes as its alignment.
-inline void* take(std::size_t bytes, std::size_t alignment) {
-  const std::int64_t now = held.fetch_add(static_cast<std::int64_t>(bytes)) + static_cast<std::int64_t>(bytes);
-  const bool refused = now > limit || until_refusal.fetch_sub(1) == 0;
-  const bool countable = bytes < std::size_t{1} << 62;
-  void* block = refused || !countable ? nullptr : std::aligned_alloc(alignment, (bytes / alignment + 2) * alignment);
-  if (!block) {
-    held -= static_cast<std::int64_t>(bytes);
+// Throws std::bad_alloc where so many bytes more are refused.
+inline void count(std::int64_t bytes) {
+  const std::int64_t now = held.fetch_add(bytes) + bytes;
+  if (now > limit || until_refusal.fetch_sub(1) == 0) {
+    held -= bytes;
     throw std::bad_alloc();
   }
   for (std::int64_t before = most; before < now && !most.compare_exchange_weak(before, now);) {
+  }
+}
+inline const bool pages_are_counted = [] {
+  account_pages = [](std::int64_t bytes) { bytes > 0 ? count(bytes) : static_cast<void>(held += bytes); };
+  return true;
+}();
+
+// Every block begins with its length, in as many bytes as its alignment.
+inline void* take(std::size_t bytes, std::size_t alignment) {
+  if (bytes >= std::size_t{1} << 62) throw std::bad_alloc();
+  count(static_cast<std::int64_t>(bytes));
+  void* block = std::aligned_alloc(alignment, (bytes / alignment + 2) * alignment);
+  if (!block) {
+    held -= static_cast<std::int64_t>(bytes);
+    throw std::bad_alloc();
   }
   *static_cast<std::size_t*>(block) = bytes;
   return static_cast<char*>(block) + alignment;

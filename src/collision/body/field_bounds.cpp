@@ -66,7 +66,7 @@ FieldBounds plan_field_bounds(const Box& box, double spacing) {
   FieldBounds bounds;
   bounds.spacing = spacing;
   bounds.box = box;
-  const Grid fine = fit_spacing(box, {spacing, spacing, spacing}, bounds.band());
+  const Grid fine = fit_spacing(box, {spacing, spacing, spacing}, {.length = bounds.band(), .least_samples = 0});
   Size3 coarse;
   for (auto n : {&Size3::x, &Size3::y, &Size3::z}) coarse.*n = (fine.size.*n + kCoarseStep - 2) / kCoarseStep + 1;
   if (std::max({fine.size.x, fine.size.y, fine.size.z}) > kMostAlong ||

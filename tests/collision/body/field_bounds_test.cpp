@@ -84,7 +84,7 @@ TEST(Bounds, KernelsAgreeBitForBit) {
 TEST(Bounds, SamplesBoundTheDistanceBetweenThem) {
   const Mesh mesh = random_soup(5, 100, 1, 0.4);
   const double h = 0.1;
-  const Grid grid = fit_spacing(bounds(mesh), {h, h, h}, 0.3);
+  const Grid grid = fit_spacing(bounds(mesh), {h, h, h}, {.length = 0.3, .least_samples = 0});
   const DistanceField field = compute(mesh, grid, kFullField).field;
   Random random(1);
   double worst_trilinear = 0;
@@ -140,7 +140,7 @@ TEST(Bounds, BeyondABandHalfTheDiagonalIsNotEnough) {
 TEST(Bounds, AStoredNearestTriangleIsAnUpperBoundOnly) {
   const Mesh mesh = random_soup(6, 200, 1, 0.2);
   const double h = 0.15;
-  const Grid grid = fit_spacing(bounds(mesh), {h, h, h}, 0.3);
+  const Grid grid = fit_spacing(bounds(mesh), {h, h, h}, {.length = 0.3, .least_samples = 0});
   ComputeOptions options;
   options.nearest_triangle = true;
   const DistanceField field = compute(mesh, grid, kFullField, options).field;

@@ -87,7 +87,7 @@ TEST(CudaCountedRun, RoomIsMadeForWhatWasCounted) {
 // whole slots were copied all the same, which is harmless, but initcheck calls it an error.
 TEST(CudaCountedRun, NothingIsCopiedThatNobodyWrote) {
   const Mesh mesh = scenes::make("bender", 400);
-  const Grid grid = fit_samples(bounds(mesh), 60, 2);
+  const Grid grid = fit_samples(bounds(mesh), 60, {.length = 2, .least_samples = 0});
   for (const Method method : {Method::tiles, Method::thesis})
     for (const double spacings : {0.5, 6.0}) {
       const std::int64_t before = emulated::unwritten_words_copied;
@@ -101,7 +101,7 @@ TEST(CudaCountedRun, NothingIsCopiedThatNobodyWrote) {
 TEST(CudaCountedRun, SomeSlotsAreNeverWritten) {
   using namespace emulated;
   const Mesh mesh = scenes::make("bender", 400);
-  const Grid grid = fit_samples(bounds(mesh), 60, 2);
+  const Grid grid = fit_samples(bounds(mesh), 60, {.length = 2, .least_samples = 0});
   const CountedRun run = run_of(mesh, grid, 0.5 * grid.max_spacing());
   std::int64_t stored = 0;
   for (std::int64_t tile = 0; tile < tile_count(grid.size); ++tile) stored += run.output().slots[tile] >= 0;

@@ -207,7 +207,9 @@ TEST(DamagedField, Nrrd) {
           {"thickness:=1000", "thickness:=much", "the thickness is not a number"},
           {"thickness:=1000", "thickness:=-1", ": the thickness -1 is not positive"},
           {"thickness:=1000", "thickness:=nan", ": the thickness nan is not positive"},
-          {"thickness:=1000", "thickness:=999", ":sample (0,0,2): the value 1000 is not a number, or larger in magnitude than the thickness, 999"},
+          {"thickness:=1000", "thickness:=0.5", "larger in magnitude than the thickness, 0.5"},
+          {"thickness:=1000", "thickness:=999",
+           ":sample (0,0,2): the value 1000 is not a number, or larger in magnitude than the thickness, 999"},
       });
 }
 

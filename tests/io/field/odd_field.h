@@ -2,8 +2,10 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
+#include <vector>
 
 #include "standoff/field.h"
 
@@ -42,6 +44,26 @@ inline DistanceField odd_field(const Grid& grid = odd_grid(), double thickness =
         }
       }
   return field;
+}
+
+/// Inside and outside of a ball, clamped at 2: tiles deep inside, tiles far outside and tiles of both, on a grid that
+/// no axis of is a multiple of a tile, with the ball reaching past one face.
+inline float ball_value(std::int64_t i, std::int64_t j, std::int64_t k) {
+  const double x = static_cast<double>(i) - 20, y = static_cast<double>(j) - 21, z = static_cast<double>(k) - 40;
+  return static_cast<float>(std::clamp(std::sqrt(x * x + y * y + z * z) - 16, -2.0, 2.0));
+}
+inline Grid ball_grid() { return {{61, 43, 45}, {-1.5, 0.1, 7}, {1, 1, 1}}; }
+inline DistanceField ball_field(bool nearest = false) {
+  const Grid grid = ball_grid();
+  std::vector<float> values;
+  std::vector<std::uint32_t> indices;
+  for (std::int64_t k = 0; k < grid.size.z; ++k)
+    for (std::int64_t j = 0; j < grid.size.y; ++j)
+      for (std::int64_t i = 0; i < grid.size.x; ++i) {
+        values.push_back(ball_value(i, j, k));
+        if (nearest) indices.push_back(std::abs(values.back()) < 2 ? static_cast<std::uint32_t>(i + j) : kNoTriangle);
+      }
+  return DistanceField::from_dense(grid, 2, values, indices);
 }
 
 }  // namespace standoff

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
+#include <vector>
 
 #include "io/field/samples.h"
 #include "odd_field.h"
@@ -106,6 +108,26 @@ TEST_P(FieldFile, KeepsTilesWhoseLeastValueIsTheThickness) {
   const std::string bytes = read_bytes(path());
   write_field(path(), read);
   EXPECT_TRUE(read_bytes(path()) == bytes);
+}
+
+std::vector<std::int32_t> backgrounds(const DistanceField& field) {
+  std::vector<std::int32_t> all;
+  for (const std::int32_t slot : field.slots()) all.push_back(std::min(slot, 0));
+  return all;
+}
+
+// Tiles that are -thickness throughout were stored when they were read.
+TEST_P(FieldFile, KeepsTheSignAndWhatIsDeepInside) {
+  for (const bool nearest : {false, true}) {
+    if (nearest && !GetParam().nearest) continue;
+    const DistanceField field = ball_field(nearest);
+    const DistanceField read = through_file(field);
+    expect_same(read, field);
+    EXPECT_EQ(backgrounds(read), backgrounds(field));
+    EXPECT_GT(std::ranges::count(read.slots(), DistanceField::kInside), 3);
+    EXPECT_GT(std::ranges::count(read.slots(), DistanceField::kOutside), 3);
+    EXPECT_LT(read.stored_tiles(), read.tile_count().count() / 2);
+  }
 }
 
 TEST_P(FieldFile, WritesTheSameBytesTwice) {
