@@ -32,9 +32,6 @@ struct SkipRule {
   double fraction = 1;  ///< neighbour only: the share of the box that must lie inside, in (0, 1]
 };
 
-/// The thickness of a full field, in which every sample is a distance: the dearest field there is.
-inline constexpr double kFullField = std::numeric_limits<double>::infinity();
-
 struct ComputeOptions {
   Method method = Method::tiles;
   SkipRule skip;

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "standoff/execution.h"
 #include "standoff/grid.h"
 #include "standoff/mesh.h"
 #include "standoff/vec.h"
@@ -94,6 +95,10 @@ class DistanceField {
   /// the grid, that of the nearest point of the grid, from within: interpolate() itself does not change there along the
   /// axes on which the point lies outside. Errors: usage (not a number).
   Vec3 gradient(Vec3 point) const;
+  /// The same at many points, on the CPU: out[n] is what points[n] gives alone. Errors: usage too for lengths that
+  /// differ and for an execution that makes no sense; nothing is promised about `out` then.
+  void interpolate(std::span<const Vec3> points, std::span<double> out, const Execution& execution = {}) const;
+  void gradient(std::span<const Vec3> points, std::span<Vec3> out, const Execution& execution = {}) const;
 
   /// Tiles per axis; the last ones may reach past the grid.
   Size3 tile_count() const;

@@ -32,6 +32,9 @@ struct Grid {
 /// where a side is of more than 2^40 samples or all of them are more than 2^62. The helpers below check their grids so.
 void validate(const Grid& grid);
 
+/// The thickness of a full field, in which every sample is a distance: the dearest field there is.
+inline constexpr double kFullField = std::numeric_limits<double>::infinity();
+
 /// Samples along the longest side when nothing else is said.
 inline constexpr std::int64_t kDefaultSamples = 256;
 
@@ -55,15 +58,14 @@ Padding padding_for(double thickness);
 /// left for the box; limit when it takes more than 2^40 samples on a side.
 Grid fit_samples(const Box& box, std::int64_t samples, const Padding& padding);
 /// The same with padding_for(thickness): give the thickness of the field that is to be computed.
-inline Grid fit_samples(const Box& box, std::int64_t samples = kDefaultSamples,
-                        double thickness = std::numeric_limits<double>::infinity()) {
+inline Grid fit_samples(const Box& box, std::int64_t samples = kDefaultSamples, double thickness = kFullField) {
   return fit_samples(box, samples, padding_for(thickness));
 }
 
 /// Cells of the given size, as many as cover the padded box, centred on it. Errors: as above.
 Grid fit_spacing(const Box& box, Vec3 spacing, const Padding& padding);
 /// The same with padding_for(thickness).
-inline Grid fit_spacing(const Box& box, Vec3 spacing, double thickness = std::numeric_limits<double>::infinity()) {
+inline Grid fit_spacing(const Box& box, Vec3 spacing, double thickness = kFullField) {
   return fit_spacing(box, spacing, padding_for(thickness));
 }
 
@@ -72,7 +74,7 @@ inline Grid fit_spacing(const Box& box, Vec3 spacing, double thickness = std::nu
 /// Errors: as above.
 Grid fit_size(const Box& box, Size3 size, const Padding& padding);
 /// The same with padding_for(thickness).
-inline Grid fit_size(const Box& box, Size3 size, double thickness = std::numeric_limits<double>::infinity()) {
+inline Grid fit_size(const Box& box, Size3 size, double thickness = kFullField) {
   return fit_size(box, size, padding_for(thickness));
 }
 

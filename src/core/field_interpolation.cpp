@@ -1,9 +1,14 @@
 // Values and gradients between the samples.
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "core/execution.h"
 #include "core/field_error.h"
+#include "core/threads.h"
 #include "standoff/field.h"
 
 namespace standoff {
@@ -47,7 +52,37 @@ double mix(double a, double b, double t) {
   return std::isinf(a) ? a : a + (b - a) * t;
 }
 
+// out[n] = at(points[n]), by many threads.
+template <class T, class At>
+void for_all_points(std::span<const Vec3> points, std::span<T> out, const Execution& execution, At at) {
+  validate("field", execution, Runs::on_the_cpu);
+  if (points.size() != out.size())
+    fail_field([=] {
+      return std::to_string(points.size()) + " points have no room in " + std::to_string(out.size()) +
+             " results; give room for one each";
+    });
+  constexpr std::size_t kAtOnce = 1024;  // points: some tens of microseconds
+  Threads(execution.threads).run([&] {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), kAtOnce), [&](const auto& part) {
+      for (std::size_t n = part.begin(); n < part.end(); ++n) out[n] = at(points[n]);
+    });
+  });
+}
+
 }  // namespace
+
+void DistanceField::interpolate(std::span<const Vec3> points, std::span<double> out, const Execution& execution) const
+    try {
+  for_all_points(points, out, execution, [this](Vec3 point) { return interpolate(point); });
+} catch (...) {
+  throw_as_error("field");
+}
+
+void DistanceField::gradient(std::span<const Vec3> points, std::span<Vec3> out, const Execution& execution) const try {
+  for_all_points(points, out, execution, [this](Vec3 point) { return gradient(point); });
+} catch (...) {
+  throw_as_error("field");
+}
 
 double DistanceField::interpolate(Vec3 point) const {
   const Cell cell = cell_at(*this, point);

@@ -448,6 +448,35 @@ TEST(DistanceField, AxesOfOneSample) {
   EXPECT_EQ(point.gradient({3, 3, 3}), Vec3{});
 }
 
+TEST(DistanceField, ManyPointsGetWhatEachGetsAlone) {
+  const auto field = DistanceField::from_dense(kGrid, 2, numbers(kGrid, 3));
+  const Box box = kGrid.bounds();
+  std::mt19937 random(8);
+  std::vector<Vec3> points;
+  for (int n = 0; n < 5000; ++n) {
+    const auto share = [&] { return static_cast<double>(random() % 1201) / 1000 - 0.1; };
+    points.push_back(box.min + box.extent() * Vec3{share(), share(), share()});
+  }
+  for (const int threads : {1, 3}) {
+    std::vector<double> values(points.size(), -1);
+    std::vector<Vec3> slopes(points.size());
+    field.interpolate(points, values, {.threads = threads});
+    field.gradient(points, slopes, {.threads = threads});
+    for (std::size_t n = 0; n < points.size(); ++n) {
+      ASSERT_EQ(values[n], field.interpolate(points[n])) << n;
+      ASSERT_EQ(slopes[n], field.gradient(points[n])) << n;
+    }
+  }
+  std::vector<double> few(3);
+  EXPECT_EQ(code_of([&] { field.interpolate(points, few); }), ErrorCode::usage);
+  std::vector<double> values(points.size());
+  EXPECT_EQ(code_of([&] { field.interpolate(points, values, {.threads = -1}); }), ErrorCode::usage);
+  EXPECT_EQ(code_of([&] { field.interpolate(points, values, {.backend = Backend::cuda}); }), ErrorCode::usage);
+  points[4321].y = std::nan("");
+  EXPECT_EQ(code_of([&] { field.interpolate(points, values); }), ErrorCode::usage);
+  EXPECT_NO_THROW(field.interpolate(std::span<const Vec3>(), std::span<double>()));
+}
+
 // Infinity less infinity would be no number.
 TEST(DistanceField, InfiniteValuesGiveInfinityNeverNaN) {
   const float infinite = std::numeric_limits<float>::infinity();
