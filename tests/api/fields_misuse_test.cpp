@@ -169,6 +169,9 @@ void expect_field(const std::string& name, DistanceField& field) {
       expect_answer_or_error(name, [&] { field.nearest(0, a, b); });
       expect_answer_or_error(name, [&] { field.tile(b, 0, a); });
       expect_answer_or_error(name, [&] { field.tile_nearest(a, b, a); });
+      expect_answer_or_error(name, [&] { field.background(a, b, 0); });
+      expect_answer_or_error(name, [&] { field.mark_inside(a, b, a); });
+      expect_answer_or_error(name, [&] { field.erase_tile(b, a, b); });
       expect_answer_or_error(name, [&] { field.store_nearest(a, b, b); });
       expect_answer_or_error(name, [&] { field.store_tile(a, b, b); });
       std::vector<float> values(81);
@@ -183,6 +186,9 @@ void expect_field(const std::string& name, DistanceField& field) {
     expect_answer_or_error(name, [&] { field.gradient({0, x, 0}); });
   }
   expect_answer_or_error(name, [&] { field.to_dense(); });
+  expect_answer_or_error(name, [&] { field.tile_coordinates(); });
+  expect_answer_or_error(name, [&] { field.tile_nearest_values(); });
+  expect_answer_or_error(name, [&] { EXPECT_EQ(std::ssize(field.tile_values()), 512 * field.stored_tiles()); });
   expect_answer_or_error(name, [&] { EXPECT_GE(field.memory_bytes(), 0); });
   expect_answer_or_error(name, [&] { verify(field, one_triangle()); });
   expect_answer_or_error(name, [&] { DistanceField(field).value(0, 0, 0); });

@@ -116,6 +116,15 @@ TEST(RefusedMemory, Fields) {
   expect_error_or_limit("tile_nearest", [&] { field.tile_nearest(0, 2, 0); });
   expect_error_or_limit("store_tile", [&] { DistanceField().store_tile(0, 0, 0); });
   expect_error_or_limit("store_nearest", [&] { DistanceField(kGrid, 1).store_nearest(0, 0, 0); });
+  expect_error_or_limit("background", [&] { field.background(0, 2, 0); });
+  expect_error_or_limit("mark_inside", [&] { DistanceField().mark_inside(0, 0, 0); });
+  expect_error_or_limit("erase_tile", [&] { DistanceField(kGrid, 1).erase_tile(0, 0, 0); });
+  expect_error_or_limit("tile_nearest_values", [&] { DistanceField(kGrid, 1).tile_nearest_values(); });
+  expect_limit_error("tile_coordinates", [&] { field.tile_coordinates(); });
+  const std::vector<Vec3> points(3);
+  std::vector<Vec3> slopes(3);
+  expect_limit_error("gradient", [&] { field.gradient(points, slopes, {.threads = 1}); });
+  expect_error_or_limit("padding_for", [] { padding_for(-1); });
   expect_error_or_limit("copy_slices", [&] { field.copy_slices(0, 1, few); });
   expect_error_or_limit("copy_nearest_slices", [&] { field.copy_nearest_slices(0, 1, few_nearest); });
   expect_limit_error("verify", [&] { verify(field, kMesh, options); });

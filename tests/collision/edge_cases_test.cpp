@@ -1,6 +1,7 @@
 // Cases that tend to be forgotten, and properties that hold whatever the bodies.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "standoff/collision.h"
@@ -277,6 +278,21 @@ TEST(EdgeCases, MillionsOfContacts) {
   const ContactResult some = contacts(a, {}, b, {}, {.most = 1000});
   EXPECT_EQ(some.contacts.size(), 1000u);
   EXPECT_TRUE(some.overflow);
+}
+
+// As far inside as the thickness, a value was clamped: it stands for no distance.
+TEST(Thesis, TakesValuesOfSignedFieldsWithinTheThickness) {
+  const Grid grid{{24, 24, 24}, {}, {1, 1, 1}};
+  std::vector<float> values;
+  for (int n = 0; n < 24 * 24 * 24; ++n) {
+    const double x = n % 24 - 11.5, y = n / 24 % 24 - 11.5, z = n / 576 - 11.5;
+    values.push_back(static_cast<float>(std::clamp(std::sqrt(x * x + y * y + z * z) - 9, -2.0, 2.0)));
+  }
+  const DistanceField ball = DistanceField::from_dense(grid, 2, values);
+  float least = 0;
+  for (const float value : values)
+    if (value > -2) least = std::min(least, value);
+  EXPECT_EQ(thesis_sum(ball, {}, ball, {}), 2 * double{least});
 }
 
 TEST(Thesis, FindsWhatIsDeepAndNothingFar) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -83,6 +84,20 @@ TEST(Inspect, TheBandOfAField) {
     EXPECT_EQ(found.max, double{static_cast<float>(thickness)});
     EXPECT_EQ(found.nan, 0);
   }
+}
+
+// Values as far inside as the thickness were clamped too: they are no band.
+TEST(Inspect, TheBandOfASignedField) {
+  const Grid grid{{24, 8, 8}, {}, {1, 1, 1}};
+  std::vector<float> values;
+  for (int n = 0; n < 24 * 64; ++n) values.push_back(static_cast<float>(std::min(n % 24 - 12, 3)) / 2);
+  for (float& value : values) value = std::max(value, -1.5f);
+  const DistanceField field = DistanceField::from_dense(grid, 1.5, values);
+  ASSERT_EQ(field.background(0, 0, 0), -1.5f);
+  const FieldSummary found = inspect(field);
+  EXPECT_EQ(found.min, -1.5);
+  EXPECT_EQ(found.max, 1.5);
+  EXPECT_EQ(found.band, 5 * 64) << "-1 to 1 in steps of a half";
 }
 
 TEST(Inspect, ValuesThatAreNoNumberAreCounted) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -157,6 +158,17 @@ TEST(Verify, WrongNearestTriangleIsFound) {
 }
 
 // One triangle in a wide grid: random samples alone would hardly meet its band.
+// The side is not verified, and a negative distance was taken to be wrong.
+TEST(Verify, ChecksTheDistanceOfSignedFields) {
+  Mesh mesh;
+  testing::add_triangle(mesh, {0.5, 0.5, 0.5}, {1, 0.5, 0.5}, {0.5, 1, 0.5});
+  const auto inside = [](auto, auto, auto, float& value, auto&) { value = -value; };
+  EXPECT_TRUE(verify(field_of(mesh, 0.5, inside), mesh, every_sample()).ok());
+  EXPECT_GT(std::ranges::count(field_of(mesh, 0.5, inside).slots(), DistanceField::kInside), 0);
+  const auto wrong = [](auto i, auto, auto, float& value, auto&) { value = i == 14 ? -value - 0.1f : -value; };
+  EXPECT_FALSE(verify(field_of(mesh, 0.9, wrong), mesh, every_sample()).ok());
+}
+
 TEST(Verify, HalfTheSamplesAreDrawnFromStoredTiles) {
   Mesh mesh;
   testing::add_triangle(mesh, {0.5, 0.5, 0.5}, {1, 0.5, 0.5}, {0.5, 1, 0.5});
