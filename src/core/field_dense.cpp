@@ -19,20 +19,27 @@ void expect_slices(const Grid& grid, std::int64_t first, std::int64_t count, std
         [] { return "slices to copy are out of range or do not fit the memory given; give it a value a sample"; });
 }
 
-// Copies slices of a tiled array into dense memory. `tile` returns a tile's samples, if it is stored; `background` what
-// they are throughout where it is not.
-template <class T, class TileAt, class Background>
-void copy_tiled(const Grid& grid, std::int64_t first, std::int64_t count, TileAt tile, Background background, T* out) {
-  const Size3 n = grid.size;
+// Copies slices into dense memory from the stored tiles `all`, a slot each. What is not stored is `outside` or
+// `inside`.
+template <class T>
+void copy_tiled(const DistanceField& field, std::int64_t first, std::int64_t count, const T* all, T outside, T inside,
+                T* out) {
+  const Size3 n = field.grid().size, tiles = field.tile_count();
+  const std::span<const std::int32_t> slots = field.slots();
+  if (slots.empty()) {
+    std::fill_n(out, n.x * n.y * count, outside);
+    return;
+  }
   for (std::int64_t k = first; k < first + count; ++k)
     for (std::int64_t j = 0; j < n.y; ++j) {
-      const std::int64_t ty = j / kSide, tz = k / kSide, row = kSide * (j % kSide + kSide * (k % kSide));
-      for (std::int64_t i = 0; i < n.x; i += kSide) {
+      const std::int32_t* slot = slots.data() + tiles.x * (j / kSide + tiles.y * (k / kSide));
+      const std::int64_t row = kSide * (j % kSide + kSide * (k % kSide));
+      for (std::int64_t i = 0; i < n.x; i += kSide, ++slot) {
         const std::int64_t run = std::min<std::int64_t>(kSide, n.x - i);
-        if (const auto samples = tile(i / kSide, ty, tz))
-          std::copy_n(samples->data() + row, run, out);
+        if (*slot >= 0)
+          std::copy_n(all + *slot * std::int64_t{kSamples} + row, run, out);
         else
-          std::fill_n(out, run, background(i / kSide, ty, tz));
+          std::fill_n(out, run, *slot == DistanceField::kInside ? inside : outside);
         out += run;
       }
     }
@@ -67,17 +74,14 @@ struct DenseTile {
 
 void DistanceField::copy_slices(std::int64_t first, std::int64_t count, std::span<float> out) const {
   expect_slices(grid_, first, count, out.size());
-  copy_tiled(
-      grid_, first, count, [&](auto x, auto y, auto z) { return tile(x, y, z); },
-      [&](auto x, auto y, auto z) { return background(x, y, z); }, out.data());
+  const auto far = static_cast<float>(thickness_);
+  copy_tiled(*this, first, count, tile_values().data(), far, -far, out.data());
 }
 
 void DistanceField::copy_nearest_slices(std::int64_t first, std::int64_t count, std::span<std::uint32_t> out) const {
   if (!with_nearest_) fail_without_nearest();
   expect_slices(grid_, first, count, out.size());
-  copy_tiled(
-      grid_, first, count, [&](auto x, auto y, auto z) { return tile_nearest(x, y, z); },
-      [](auto...) { return kNoTriangle; }, out.data());
+  copy_tiled(*this, first, count, tile_nearest_values().data(), kNoTriangle, kNoTriangle, out.data());
 }
 
 std::vector<float> DistanceField::to_dense() const try {

@@ -53,7 +53,7 @@ class Reach {
     };
     const double by =
         combined(grown(std::clamp((cells - 1) / 2, 0.0, padding_.least_samples)), grown(padding_.samples));
-    if (!(by < std::numeric_limits<double>::infinity()))
+    if (std::isinf(by) && std::isfinite(extent))
       fail("the padding leaves no samples for the box; take less of it, or more samples");
     return by;
   }

@@ -4,14 +4,16 @@
 #include <sys/resource.h>
 
 #include <bit>
+#include <memory>
 #include <new>
 
 namespace standoff {
 namespace {
 
 // Addresses alone: they cost no memory, nor do they count against what the system promises to its processes.
-void* reserved_addresses(std::size_t bytes) {
-  void* const at = ::mmap(nullptr, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+void* reserved_addresses(std::size_t room) {
+  void* const at =
+      ::mmap(nullptr, room + GrowingMemory::kHugePage, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   return at == MAP_FAILED ? nullptr : at;
 }
 
@@ -35,14 +37,22 @@ void GrowingMemory::reserve(std::size_t bytes) {
     at = reserved_addresses(room);
     if (!at) continue;
     // All that is left would leave none for others: take half of it.
-    ::munmap(at, room);
+    ::munmap(at, room + kHugePage);
     room = room / 2 / kLeast * kLeast;
     at = room > 0 ? reserved_addresses(room) : nullptr;
     break;
   }
   if (!at) throw std::bad_alloc();
-  data_ = at;
+  addresses_ = at;
   room_ = room;
+  data_ = at;
+  std::size_t space = room + kHugePage;
+  std::align(kHugePage, room, data_, space);
+#ifdef MADV_HUGEPAGE
+  // A system without them says no, which does no harm.
+  if (room > kHugePage)
+    static_cast<void>(::madvise(static_cast<char*>(data_) + kHugePage, room - kHugePage, MADV_HUGEPAGE));
+#endif
 }
 
 void GrowingMemory::resize(std::size_t bytes) {
@@ -66,9 +76,9 @@ void GrowingMemory::resize(std::size_t bytes) {
 
 void GrowingMemory::release() noexcept {
   if (!data_) return;
-  ::munmap(data_, room_);
+  ::munmap(addresses_, room_ + kHugePage);
   if (size_ > 0) account_pages(-static_cast<std::int64_t>(size_));
-  data_ = nullptr;
+  addresses_ = data_ = nullptr;
   room_ = size_ = 0;
 }
 

