@@ -34,10 +34,10 @@ struct DeviceMesh {
 };
 
 /// Where the field goes, in device memory. Dense: `slots` is null, and `values` holds one value a sample, x fastest.
-/// Sparse: `slots` holds one entry a tile of 8x8x8 samples (x fastest), as DistanceField::slots() does: the tile's slot;
-/// DistanceField::kOutside, -1, where every sample is +thickness; DistanceField::kInside, -2, where every sample is
-/// -thickness (signed fields alone). Tile values stand at values + 512 * slot, x fastest. Slots ascend with the tiles;
-/// some may stay unused.
+/// Sparse: `slots` holds one entry a tile of 8x8x8 samples (x fastest), as DistanceField::slots() does: the tile's
+/// slot; DistanceField::kOutside, -1, where every sample is +thickness; DistanceField::kInside, -2, where every sample
+/// is -thickness (signed fields alone). Tile values stand at values + 512 * slot, x fastest. Slots ascend with the
+/// tiles; some may stay unused.
 struct DeviceOutput {
   float* values = nullptr;
   std::uint32_t* nearest = nullptr;  ///< as long as values, or null where nearest triangles are not wanted

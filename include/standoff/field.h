@@ -47,12 +47,6 @@ class DistanceField {
   /// In slots(), a tile that is not stored: every sample is -thickness.
   static constexpr std::int32_t kInside = -2;
 
-  /// Tiles per axis that cover so many samples; the last ones may reach past them.
-  static constexpr Size3 tiles_over(const Size3& samples) {
-    return {(samples.x + kTileSide - 1) / kTileSide, (samples.y + kTileSide - 1) / kTileSide,
-            (samples.z + kTileSide - 1) / kTileSide};
-  }
-
   /// An empty field: one sample at the origin, infinitely far from everything, and no room for tiles. A field that was
   /// moved from is the same.
   DistanceField();

@@ -6,6 +6,7 @@
 
 #include "core/field_bytes.h"
 #include "core/field_error.h"
+#include "core/tile_count.h"
 #include "core/tile_pool.h"
 #include "standoff/field.h"
 
@@ -40,7 +41,7 @@ void DistanceField::reset(const Grid& grid, double thickness, bool with_nearest)
   validate(grid);
   if (!(thickness > 0))
     throw Error(ErrorCode::usage, "field: the thickness must be positive; infinity gives a full field");
-  const std::int64_t tiles = tiles_over(grid.size).count();
+  const std::int64_t tiles = standoff::tile_count(grid.size);
   if (tiles > std::numeric_limits<std::int32_t>::max())
     throw Error(ErrorCode::limit, "field: " + std::to_string(tiles) + " tiles are more than 2^31; take fewer samples");
   // Without a pool the field has no tiles, should memory run out on the way.
@@ -95,7 +96,7 @@ DistanceField& DistanceField::operator=(const DistanceField& other) try {
   throw_field_error();
 }
 
-Size3 DistanceField::tile_count() const { return tiles_over(grid_.size); }
+Size3 DistanceField::tile_count() const { return tiles_of(grid_.size); }
 
 std::int64_t DistanceField::stored_tiles() const { return pool_ ? pool_->size() : 0; }
 

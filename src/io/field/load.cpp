@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/field_bytes.h"
+#include "core/tile_count.h"
 #include "io/field/header_text.h"
 #include "io/field/samples.h"
 #include "standoff/error.h"
@@ -99,7 +100,7 @@ class TileWalk {
   TileWalk(const FieldInput& file, const StoredField& stored)
       : file_(file),
         size_(stored.grid.size),
-        tiles_(DistanceField::tiles_over(size_)),
+        tiles_(tiles_of(size_)),
         far_(static_cast<float>(stored.thickness)),
         values_(file, stored.distance, size_) {
     if (stored.nearest) nearest_.emplace(file, *stored.nearest, size_);
@@ -133,8 +134,7 @@ class TileWalk {
  private:
   // Samples of the grid in the tile whose first sample is `first`.
   std::int64_t samples_from(const Size3& first) const {
-    return std::min(kSide, size_.x - first.x) * std::min(kSide, size_.y - first.y) *
-           std::min(kSide, size_.z - first.z);
+    return std::min(kSide, size_.x - first.x) * std::min(kSide, size_.y - first.y) * std::min(kSide, size_.z - first.z);
   }
 
   const FieldInput& file_;
