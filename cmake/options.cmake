@@ -5,6 +5,8 @@ else()
   set(STANDOFF_TOP_LEVEL OFF)
 endif()
 option(BUILD_SHARED_LIBS "libstandoff as a shared library" OFF)
+set(STANDOFF_COMPONENTS "collision;simulation;render;emulation" CACHE STRING
+    "what is built besides meshes and fields; simulation needs collision")
 option(STANDOFF_BUILD_CLI "the standoff program" ${STANDOFF_TOP_LEVEL})
 option(STANDOFF_BUILD_SCENES "meshes made by code (for the program, tests and bench)" ${STANDOFF_TOP_LEVEL})
 option(STANDOFF_BUILD_TESTS "the tests" ${STANDOFF_TOP_LEVEL})
@@ -22,4 +24,13 @@ set(STANDOFF_SANITIZE "" CACHE STRING "sanitizers for everything, e.g. address;u
 
 if(STANDOFF_TOP_LEVEL AND NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
   set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
+endif()
+
+foreach(component IN LISTS STANDOFF_COMPONENTS)
+  if(NOT component MATCHES "^(collision|simulation|render|emulation)$")
+    message(FATAL_ERROR "STANDOFF_COMPONENTS: there is no component '${component}'; take some of collision, simulation, render and emulation")
+  endif()
+endforeach()
+if("simulation" IN_LIST STANDOFF_COMPONENTS AND NOT "collision" IN_LIST STANDOFF_COMPONENTS)
+  message(FATAL_ERROR "STANDOFF_COMPONENTS: simulation needs collision; add it")
 endif()
