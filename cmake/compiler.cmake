@@ -23,6 +23,9 @@ endif()
 if("undefined" IN_LIST STANDOFF_SANITIZE)
   add_compile_options(-fno-sanitize-recover=all)
 endif()
+if(STANDOFF_BUILD_FUZZERS)
+  add_compile_options(-fsanitize=fuzzer-no-link)  # so that a fuzzer sees which branches a file takes
+endif()
 if(STANDOFF_COVERAGE)
   # Atomic: threads that count at once leave negative numbers, at which gcovr stops.
   add_compile_options(--coverage -fprofile-update=atomic)

@@ -10,6 +10,8 @@ if(NOT BUILD_SHARED_LIBS)
     string(APPEND STANDOFF_FIND_DEPENDENCIES "find_dependency(${dependency})\n")
   endforeach()
 endif()
+# find_package(standoff COMPONENTS ...) knows what this build holds.
+set(STANDOFF_FOUND_COMPONENTS field ${STANDOFF_COMPONENTS})
 configure_package_config_file(cmake/standoff-config.cmake.in standoff-config.cmake INSTALL_DESTINATION ${STANDOFF_PACKAGE_DIR})
 # Before 1.0 a minor version may change the interface.
 write_basic_package_version_file(standoff-config-version.cmake COMPATIBILITY SameMinorVersion)

@@ -11,8 +11,10 @@ namespace {
 
 constexpr std::array kRows{
     DeviceRow{Backend::cuda, "cuda", cuda::available, cuda::device_name, cuda::collide, cuda::sweep},
+#ifdef STANDOFF_HAVE_EMULATION
     DeviceRow{Backend::emulated, "emulated", [] { return true; },
               [](int) { return std::string("emulated on the CPU"); }, emulated::collide, emulated::sweep},
+#endif
 };
 
 // A copy to the GPU and back must be worth it. The value is a guess: it was not measured.
@@ -26,6 +28,10 @@ const DeviceRow* find_device(Backend backend, std::size_t count) {
   for (const DeviceRow& row : kRows)
     if (row.backend == (automatic ? Backend::cuda : backend) && row.available()) return &row;
   if (backend == Backend::cuda) throw Error(ErrorCode::device, cuda::why_not_available());
+  if (backend == Backend::emulated)
+    throw Error(ErrorCode::device,
+                "batch: this build of standoff has no emulated GPU; use the CPU, or build standoff with the component "
+                "'emulation' (STANDOFF_COMPONENTS)");
   return nullptr;
 }
 

@@ -11,7 +11,7 @@ namespace standoff {
 namespace {
 
 constexpr auto kAlways = [] { return true; };
-constexpr auto kEmulatedDevice = [](Simd, int) { return std::string("emulated on the CPU"); };
+[[maybe_unused]] constexpr auto kEmulatedDevice = [](Simd, int) { return std::string("emulated on the CPU"); };
 constexpr auto kGpuName = [](Simd, int device) { return cuda::device_name(device); };
 
 constexpr std::array kRows{
@@ -23,10 +23,12 @@ constexpr std::array kRows{
                [](Simd simd, int) { return cpu::tiles_device(simd); }, cpu::run_tiles, cpu::tiles_scratch_bytes},
     BackendRow{Backend::cpu, Method::thesis, "cpu", "thesis", kAlways,
                [](Simd simd, int) { return cpu::thesis_device(simd); }, cpu::run_thesis, cpu::thesis_scratch_bytes},
+#ifdef STANDOFF_HAVE_EMULATION
     BackendRow{Backend::emulated, Method::tiles, "emulated", "tiles", kAlways, kEmulatedDevice, emulated::run_tiles,
                emulated::scratch_bytes},
     BackendRow{Backend::emulated, Method::thesis, "emulated", "thesis", kAlways, kEmulatedDevice, emulated::run_thesis,
                emulated::scratch_bytes},
+#endif
 };
 
 // Starting CUDA takes longer than the CPU takes for a small field. The value is a guess: it was not measured.
@@ -40,6 +42,11 @@ const BackendRow& find_backend(Backend backend, Method method, std::int64_t tria
   for (const BackendRow& row : kRows)
     if (row.method == method && (wanted == Backend::automatic || row.backend == wanted) && row.available()) return row;
   if (backend == Backend::cuda) throw Error(ErrorCode::device, cuda::why_not_available());
+  if (backend == Backend::emulated)
+    throw Error(
+        ErrorCode::device,
+        "compute: this build of standoff has no emulated GPU; use the CPU, or build standoff with the component "
+        "'emulation' (STANDOFF_COMPONENTS)");
   throw Error(ErrorCode::device, "compute: no backend runs this method; use another method or backend");
 }
 

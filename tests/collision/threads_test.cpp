@@ -1,4 +1,5 @@
 // Many threads at once give what one gives.
+// labels: memory threads
 #include <gtest/gtest.h>
 
 #include <thread>

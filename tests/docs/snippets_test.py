@@ -7,6 +7,7 @@ building of what is built already. The demo, the installation and the user's pro
 Of docs/*.md the blocks of sh run in order in a folder with bunny.obj; of the project's own scripts the help is asked for. The
 blocks of cpp are compiled with the library that README.md's session installed and run; without a main they are the inside of
 one. Blocks of text are passed over."""
+# labels: builds
 import os
 import pathlib
 import re

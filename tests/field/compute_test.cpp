@@ -1,4 +1,5 @@
 // compute and compute_into: options, errors, progress, memory.
+// labels: memory threads
 #include "standoff/compute.h"
 
 #include <gtest/gtest.h>

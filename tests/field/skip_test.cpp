@@ -1,3 +1,5 @@
+// labels: memory threads
+
 #include "field/skip.h"
 #include "core/threads.h"
 

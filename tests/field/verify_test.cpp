@@ -1,3 +1,5 @@
+// labels: memory threads
+
 #include "standoff/verify.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// labels: memory threads
+
 #include "files/atomic_file.h"
 
 #include <gtest/gtest.h>

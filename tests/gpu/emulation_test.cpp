@@ -1,4 +1,5 @@
 // The emulation of CUDA itself: what kernels may do works in every order, and planted faults are found.
+// labels: memory threads
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # script/gpu-check on the emulated GPU, in parts that go on where the last one stopped: its programs build without the
 # rest of standoff and its dependencies, every job runs once, every table has its rows. (steps_test.py: steps that fail.)
+# labels: builds
 set -euo pipefail
 gpu_check() { JOBS=1 "$STANDOFF_SOURCE_DIR/script/gpu-check" --emulated "$@" >log 2>&1; }
 fail() { echo "$*"; cat log; exit 1; }

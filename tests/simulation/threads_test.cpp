@@ -1,4 +1,5 @@
 // Flies on many threads fly as on one.
+// labels: memory threads
 #include <gtest/gtest.h>
 
 #include <atomic>

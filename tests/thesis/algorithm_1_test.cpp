@@ -1,3 +1,5 @@
+// labels: threads
+
 #include "thesis/algorithm_1.h"
 
 #include <gtest/gtest.h>

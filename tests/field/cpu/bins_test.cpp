@@ -1,3 +1,5 @@
+// labels: memory threads
+
 #include "field/cpu/bins.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,5 @@
 // The method tiles: the same bits for any number of threads, any run, any instruction set and either kind of memory.
+// labels: threads
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 // The method tiles against the distance by definition.
+// labels: memory
 #include <gtest/gtest.h>
 
 #include "standoff/compute.h"

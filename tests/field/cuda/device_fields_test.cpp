@@ -1,5 +1,6 @@
 // standoff/cuda.h, emulated: dense and sparse output in memory that held something else, too little room, bad
 // triangles.
+// labels: memory threads
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,7 @@
-// The smallest user of standoff: the field of one triangle, looked up at one sample.
+// The smallest user of standoff: the field of one triangle, looked up at one sample. Where standoff was built without
+// the component for it, the emulated GPU is refused in words.
 #include <standoff/compute.h>
+#include <standoff/error.h>
 #include <standoff/field.h>
 #include <standoff/grid.h>
 #include <standoff/mesh.h>
@@ -11,4 +13,10 @@ int main() {
   const standoff::Grid grid{.size = {9, 9, 9}, .origin = {0, 0, 0}, .spacing = {0.125, 0.125, 0.125}};
   const standoff::ComputeResult computed = standoff::compute(mesh, grid, 0.5);
   std::printf("distance %g of %d triangle\n", computed.field.value(2, 2, 2), int(computed.report.triangles));
+  try {
+    standoff::compute(mesh, grid, 0.5, {.execution = {.backend = standoff::Backend::emulated}});
+    std::puts("emulated too");
+  } catch (const standoff::Error& error) {
+    std::puts(error.what());
+  }
 }

@@ -1,4 +1,5 @@
 // The exact weld against a sorted map, over many blocks and any number of threads.
+// labels: memory threads
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 

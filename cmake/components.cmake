@@ -1,0 +1,82 @@
+# The library's components: object libraries, all of which together are standoff::standoff. A program of this project may link
+# one alone, with those it stands on. A component's optional packages are its own business (cmake/dependencies.cmake).
+
+# What every component is compiled with.
+add_library(standoff_settings INTERFACE)
+target_include_directories(standoff_settings INTERFACE ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR}/src)
+target_compile_features(standoff_settings INTERFACE cxx_std_20)
+target_link_libraries(standoff_settings INTERFACE TBB::tbb)
+
+add_library(standoff)
+add_library(standoff::standoff ALIAS standoff)
+set_target_properties(standoff PROPERTIES VERSION ${PROJECT_VERSION} LINKER_LANGUAGE CXX
+                      SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+target_include_directories(standoff PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>)
+target_compile_features(standoff PUBLIC cxx_std_20)
+target_link_libraries(standoff PRIVATE TBB::tbb)
+set(STANDOFF_OBJECTS "")
+
+# standoff_component(NAME FILES ...): the component NAME of all files that match, below src.
+function(standoff_component name)
+  cmake_parse_arguments(PARSE_ARGV 1 component "" "" "FILES;WITHOUT;LIBRARIES")
+  list(TRANSFORM component_FILES PREPEND ${PROJECT_SOURCE_DIR}/src/)
+  file(GLOB sources CONFIGURE_DEPENDS ${component_FILES})
+  if(component_WITHOUT)
+    list(FILTER sources EXCLUDE REGEX "${component_WITHOUT}")
+  endif()
+  add_library(standoff_${name} OBJECT ${sources})
+  target_link_libraries(standoff_${name} PUBLIC standoff_settings ${component_LIBRARIES} PRIVATE standoff_warnings)
+  target_sources(standoff PRIVATE $<TARGET_OBJECTS:standoff_${name}>)
+  foreach(library IN LISTS component_LIBRARIES)
+    target_link_libraries(standoff PRIVATE $<LINK_ONLY:${library}>)
+  endforeach()
+  set(STANDOFF_OBJECTS ${STANDOFF_OBJECTS} $<TARGET_OBJECTS:standoff_${name}> PARENT_SCOPE)
+endfunction()
+
+# Meshes, grids, fields and their files: what every reader and writer stands on.
+standoff_component(core FILES core/*.cpp files/*.cpp geometry/*.cpp io/mesh/*.cpp io/field/*.cpp LIBRARIES ${STANDOFF_ASSIMP})
+if(STANDOFF_ASSIMP)
+  target_compile_definitions(standoff_core PRIVATE STANDOFF_HAVE_ASSIMP)
+endif()
+
+# CUDA kernels, or what says that there are none.
+if(STANDOFF_HAVE_CUDA)
+  set(STANDOFF_CUDA_FILES *.cu)
+else()
+  set(STANDOFF_CUDA_FILES without_cuda.cpp)
+endif()
+
+# Fields of meshes on the CPU and on CUDA.
+standoff_component(field FILES field/*.cpp field/cpu/*.cpp field/cuda/*.cpp gpu/${STANDOFF_CUDA_FILES} thesis/*.cpp
+                   backends/fields.cpp backends/cuda/${STANDOFF_CUDA_FILES} WITHOUT /algorithm_2 LIBRARIES ${STANDOFF_CUDA_RUNTIME})
+
+if("collision" IN_LIST STANDOFF_COMPONENTS)
+  standoff_component(collision FILES collision/*.cpp collision/body/*.cpp collision/cpu/*.cpp collision/cuda/${STANDOFF_CUDA_FILES}
+                     thesis/algorithm_2*.cpp backends/collision.cpp)
+endif()
+if("simulation" IN_LIST STANDOFF_COMPONENTS)
+  standoff_component(simulation FILES simulation/*.cpp)
+endif()
+if("render" IN_LIST STANDOFF_COMPONENTS)
+  standoff_component(render FILES render/*.cpp LIBRARIES ${STANDOFF_PNG})
+  if(STANDOFF_PNG)
+    target_compile_definitions(standoff_render PRIVATE STANDOFF_HAVE_PNG)
+  endif()
+endif()
+if("emulation" IN_LIST STANDOFF_COMPONENTS)
+  set(emulated gpu/*_emulated.cpp gpu/emulation/*.cpp backends/cuda/*_emulated.cpp)
+  if(TARGET standoff_collision)
+    list(APPEND emulated collision/cuda/*_emulated.cpp)
+  endif()
+  standoff_component(emulation FILES ${emulated} LIBRARIES ${STANDOFF_BOOST_CONTEXT})
+  if(STANDOFF_BOOST_CONTEXT)
+    target_compile_definitions(standoff_emulation PRIVATE STANDOFF_HAVE_BOOST_CONTEXT)
+  endif()
+  set_source_files_properties(src/backends/fields.cpp src/backends/collision.cpp PROPERTIES COMPILE_DEFINITIONS STANDOFF_HAVE_EMULATION)
+endif()
+
+include(cmake/simd.cmake)
+if(STANDOFF_HAVE_CUDA)
+  file(GLOB STANDOFF_CUDA_SOURCES CONFIGURE_DEPENDS src/gpu/*.cu src/backends/cuda/*.cu src/collision/cuda/*.cu)
+  set_source_files_properties(${STANDOFF_CUDA_SOURCES} PROPERTIES COMPILE_OPTIONS "${STANDOFF_CUDA_FLAGS}")
+endif()

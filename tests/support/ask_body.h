@@ -1,0 +1,50 @@
+// A body from bytes that nobody vouches for, and every query of it: for the fuzzer, and for what it found
+// (corpus/body).
+#pragma once
+
+#include <algorithm>
+#include <cstdlib>
+#include <string_view>
+
+#include "collision/body/model_file.h"
+#include "standoff/collision.h"
+#include "standoff/error.h"
+
+namespace standoff {
+
+/// The body of a file called `fuzzed`. The checksum is not looked at: past it no changed byte would come.
+inline CollisionModel read_body(std::string_view bytes) {
+  return collision::read_model(FileView("fuzzed", bytes), collision::BodyChecksum::ignored);
+}
+
+/// The body's middle, turned, moved by this.
+inline Pose placed(const CollisionModel& body, double angle_rad, Vec3 by) {
+  const Vec3 middle = body.bounds().center();
+  Pose pose = make_pose({3, 1, 2}, angle_rad, {});
+  pose.translation = middle - rotate(pose, middle) + by;
+  return pose;
+}
+
+/// Every query ends, whatever bounds the body holds; or, for places past 1e15, is refused with Error{usage}.
+inline void ask(const CollisionModel& body, const Pose& pose) {
+  // Sweeps take steps as short as the tolerance: it has to suit the way.
+  const Vec3 extent = body.bounds().extent();
+  const double size = std::max({extent.x, extent.y, extent.z, 1e-9});
+  collide(body, {}, body, pose);
+  collide(body, {}, body, pose, {.margin = size, .mode = CollideMode::certified});
+  distance(body, {}, body, pose);
+  contacts(body, {}, body, pose, {.most = 8, .margin = 0.01 * size});
+  sweep(body, {}, body, {pose, placed(body, 2, extent * Vec3{-1, 0.3, 0.2}), body.bounds().center()}, {0.01 * size});
+}
+
+/// All of it beside itself and in its own place.
+inline void ask(const CollisionModel& body) {
+  try {
+    ask(body, placed(body, 0.7, body.bounds().extent() * Vec3{1.1, 0.1, 0.2}));
+    ask(body, {});
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::usage) std::abort();
+  }
+}
+
+}  // namespace standoff
