@@ -19,6 +19,7 @@ class FieldInput {
   /// A limit of 0 bytes is none.
   explicit FieldInput(const FileView& view, std::int64_t memory_limit = 0) : view_(view), memory_limit_(memory_limit) {}
 
+  const FileView& view() const { return view_; }
   const std::filesystem::path& path() const { return view_.path(); }
   std::uint64_t size() const { return view_.size(); }
   /// Most bytes that the field in memory may take; 0: as many as it needs.

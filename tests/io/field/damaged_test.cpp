@@ -91,9 +91,9 @@ TEST(DamagedField, Vti) {
           {"<Piece Extent=\"0 2", "<Piece Extent=\"0 1",
            "the piece is not all of the image; save the whole as one piece"},
           {"<Piece Ext", "<Pi Ext", ":header: it has 0 pieces; save it as one"},
-          {"Scalars=\"distance\"", "Scalars=distance", "the XML header is damaged"},
-          {"<FieldData>", "<FieldData", "the XML header is damaged"},
-          {"<FieldData>", "<!-- <FieldData>", "the XML header is damaged"},
+          {"Scalars=\"distance\"", "Scalars=distance", ":line 11: a damaged tag"},
+          {"<FieldData>", "<FieldData", ":line 4: a tag inside a tag"},
+          {"<FieldData>", "<!-- <FieldData>", ":line 4: a comment or section without an end"},
           {"format=\"appended\" offset=\"0\"", "format=\"binary\" offset=\"0\"",
            "facts are read from appended or ascii"},
           {"offset=\"0\"", "offset=\"-1\"", "the array's offset lies outside the file"},
@@ -150,9 +150,9 @@ TEST(DamagedField, MessagesShowTheBeginningOfLongNamesOfMembers) {
 
 // A fuzzer's find: what looked like the last tag was none, and the reader took the last of no tags.
 TEST(DamagedField, VtiWhoseAppendedDataIsNoTag) {
-  expect_refused("vti", "<?xml <AppendedData encoding=\"raw\"?>_", ":byte 6: the XML header is damaged");
+  expect_refused("vti", "<?xml <AppendedData encoding=\"raw\"?>_", "no tag begins the appended data");
   expect_refused("vti", "<?xml ?><!-- <AppendedData encoding=\"raw\">-->_", "no '_' begins the appended data");
-  expect_refused("vti", "<VTKFile encoding=\"raw\"><AppendedDataset encoding=\"raw\">_", "the XML header is damaged");
+  expect_refused("vti", "<X encoding=\"raw\"><AppendedDataset encoding=\"raw\">_", "no tag begins the appended data");
 }
 
 TEST(DamagedField, VtiLengths) {

@@ -364,8 +364,8 @@ TEST_F(Assimp, ItsMessagesAreCutToALine) {
 TEST_F(Assimp, ColladaThatIsNoPlainXml) {
   refused("a.dae", Collada{.before = "<!DOCTYPE COLLADA [<!ENTITY a \"1\">]>"}.text(), "a document type is not read");
   refused("a.dae", Collada().text() + std::string(1, '\0'), "a zero byte");
-  refused("a.dae", Collada{.before = "<!-- "}.text(), "it is cut off");
-  refused("a.dae", Collada{.before = "<a b>"}.text(), "a tag that is none");
+  refused("a.dae", Collada{.before = "<!-- "}.text(), "a comment or section without an end");
+  refused("a.dae", Collada{.before = "<a b>"}.text(), "a damaged tag");
   const std::string whole = Collada().text();
   for (std::size_t size = 60; size < whole.size(); size += 7) refused("a.dae", whole.substr(0, size), "a.dae");
 }
