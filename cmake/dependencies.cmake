@@ -1,8 +1,9 @@
-# Required: TBB. Optional: assimp and libpng, found or left out with a word. None shows in the public headers.
+# Required: TBB and zlib. Optional: assimp and libpng, found or left out with a word. None shows in the public headers.
 find_package(Threads REQUIRED)
 find_package(TBB REQUIRED)
-target_link_libraries(standoff PRIVATE TBB::tbb)
-set(STANDOFF_LINKED_PACKAGES Threads TBB)
+find_package(ZLIB REQUIRED)
+target_link_libraries(standoff PRIVATE TBB::tbb ZLIB::ZLIB)
+set(STANDOFF_LINKED_PACKAGES Threads TBB ZLIB)
 
 # standoff_optional(NAME TARGET DEFINITION LOSS): links TARGET of package NAME where it is found; LOSS says what is missed.
 macro(standoff_optional name target definition loss)

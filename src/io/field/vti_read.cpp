@@ -21,8 +21,7 @@ constexpr std::string_view kAppended = "<AppendedData";
 
 class Reader {
  public:
-  explicit Reader(const FieldInput& file)
-      : file_(file), head_(file.text(0, kMaxHeader)), scan_(file.view(), header()) {}
+  explicit Reader(const FileView& file) : file_(file), head_(file.text(0, kMaxHeader)), scan_(file, header()) {}
 
   StoredField read() {
     std::string_view section;
@@ -127,10 +126,10 @@ class Reader {
     if (!offset || *offset > file_.size()) fail(tag, "the array's offset lies outside the file; write the file again");
     const std::uint64_t at = data_ + *offset;
     if (length_bytes_ == 8) {
-      bytes = file_.read<std::uint64_t>(at);
+      bytes = file_.number<std::uint64_t>(at);
       if (big_endian_) bytes = __builtin_bswap64(bytes);
     } else {
-      const auto narrow = file_.read<std::uint32_t>(at);
+      const auto narrow = file_.number<std::uint32_t>(at);
       bytes = big_endian_ ? __builtin_bswap32(narrow) : narrow;
     }
     file_.require(at + length_bytes_, bytes, "an array");
@@ -186,7 +185,7 @@ class Reader {
     if (bytes != sample_bytes(stored_.grid))
       fail(tag,
            "it has " + std::to_string(bytes) + " bytes, not 4 for each sample of WholeExtent; write the file again");
-    return {at, big_endian_, false};
+    return {at, big_endian_, false, {}, false};
   }
 
   void read_samples() {
@@ -203,7 +202,7 @@ class Reader {
     stored_.distance = samples(*distance, "Float32");
   }
 
-  const FieldInput& file_;
+  const FileView& file_;
   std::string_view head_;
   std::uint64_t data_ = 0, length_bytes_ = 4;
   XmlScan scan_;
@@ -216,9 +215,9 @@ class Reader {
 
 }  // namespace
 
-DistanceField read_vti(const FieldInput& file) {
+DistanceField read_vti(const FileView& file, std::int64_t memory_limit) {
   const StoredField stored = Reader(file).read();
-  return load_field(file, stored);
+  return load_field(file, stored, memory_limit);
 }
 
 }  // namespace standoff
