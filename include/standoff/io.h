@@ -32,8 +32,9 @@ struct MeshReadOptions {
 };
 
 /// Reads a mesh; the format goes by the extension, or by content where no format has that extension. A file whose
-/// extension says one format and whose content another is an error. Equal vertices are welded exactly, polygons are
-/// triangulated. Errors: input, with `FILE:WHERE: what; what to do`; limit when memory runs out.
+/// extension says one format and whose content another is an error. A file may be packed by gzip: mesh.obj.gz is OBJ.
+/// Equal vertices are welded exactly, polygons are triangulated. Errors: input, with `FILE:WHERE: what; what to do`;
+/// limit when memory runs out.
 Mesh read_mesh(const std::filesystem::path& path, const MeshReadOptions& options = {});
 
 /// Writes a mesh; the file appears whole or not at all. Errors: output, usage (unknown extension).

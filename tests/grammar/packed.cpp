@@ -19,7 +19,7 @@ std::string packed(Choices& c, const std::string& content, int window) {
   ::deflate(&stream, Z_FINISH);
   bytes.resize(stream.total_out);
   ::deflateEnd(&stream);
-  if (c.trick()) damage(c, bytes);
+  damage(c, bytes);
   return bytes;
 }
 

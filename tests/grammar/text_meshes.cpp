@@ -1,5 +1,6 @@
 // OBJ and OFF: statements and rows as the many programs write them.
 #include "tests/grammar/hostile.h"
+#include "tests/grammar/packed.h"
 #include "tests/grammar/shape.h"
 
 namespace standoff::grammar {
@@ -87,6 +88,12 @@ std::string off_row_end(Choices& c, const std::string& line) {
 }  // namespace
 
 File make_obj(Choices& c) { return Obj(c).make(); }
+
+File make_obj_gz(Choices& c) {
+  File file = make_obj(c);
+  file.bytes = gzipped(c, file.bytes);
+  return file;
+}
 
 File make_off(Choices& c) {
   const std::string line = line_end(c);

@@ -154,11 +154,12 @@ Mesh read_with_assimp(const FileView& file, const char* extension) {
   try {
     const AssimpLosses losses;
     Assimp::Importer importer;
-    importer.SetIOHandler(new AssimpFiles(file));  // the importer deletes it
+    const std::string name = std::string("mesh.") + extension;
+    importer.SetIOHandler(new AssimpFiles(file, name));  // the importer deletes it
     keep_importers(importer, extension);
     // Else a scene without meshes gets one, of its nodes' skeleton, which is not in the file.
     importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
-    const aiScene* scene = importer.ReadFile(file.path().string(), aiProcess_ValidateDataStructure);
+    const aiScene* scene = importer.ReadFile(name, aiProcess_ValidateDataStructure);
     if (!scene) fail(file, importer.GetErrorString());
     if (!losses.first().empty()) fail(file, losses.first());
     return SceneReader(file, *scene).read();

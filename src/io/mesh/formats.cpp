@@ -2,12 +2,14 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <memory>
 #include <new>
 #include <span>
 #include <string>
 
 #include "core/guarded.h"
 #include "files/body_magic.h"
+#include "files/inflate.h"
 #include "files/text_cursor.h"
 #include "io/mesh/format.h"
 #include "standoff/io.h"
@@ -47,8 +49,14 @@ constexpr std::array<MeshFormat, 8> kFormats{{
     {"dae", "DAE", "COLLADA", is_dae, read_dae, nullptr},
 }};
 
-const MeshFormat* format_by_extension(const std::filesystem::path& path) {
+bool is_called_gz(const std::filesystem::path& path) {
   const std::string extension = path.extension().string();
+  return !extension.empty() && equals_ignoring_case(extension, ".gz");
+}
+
+// Of x.obj.gz it is OBJ.
+const MeshFormat* format_by_extension(const std::filesystem::path& path) {
+  const std::string extension = (is_called_gz(path) ? path.stem() : path).extension().string();
   for (const MeshFormat& format : kFormats)
     if (!extension.empty() && equals_ignoring_case(extension.substr(1), format.extension)) return &format;
   return nullptr;
@@ -72,6 +80,8 @@ const MeshFormat& format_to_read(const FileView& file) {
   if (file.bytes().starts_with(kBodyMagic))
     file.fail("byte 0", "the content is a body that standoff build made, and no mesh; rename it to end in .body");
   const MeshFormat* named = format_by_extension(file.path());
+  if (is_gzip(file.bytes()) && named && !named->recognises(file.bytes()))
+    file.fail("byte 0", "the content is packed by gzip; rename it to end in ." + std::string(named->extension) + ".gz");
   const MeshFormat* found = named && named->recognises(file.bytes()) ? named : format_by_content(file.bytes());
   if (!named && !found)
     file.fail("", "neither its name nor its content tells a mesh format; give one of " +
@@ -85,6 +95,18 @@ const MeshFormat& format_to_read(const FileView& file) {
                       "; convert it to STL, PLY or OBJ, or build standoff with assimp (Debian: libassimp-dev, CMake: "
                       "STANDOFF_WITH_ASSIMP)");
   return format;
+}
+
+// What is packed by gzip, by its name or, where the name says no format, by its content.
+Mesh read_any(const FileView& file) {
+  if (file.size() == 0) file.fail("", "the file is empty; check the program that wrote it");
+  const bool gz = is_called_gz(file.path());
+  if (gz && !is_gzip(file.bytes()))
+    file.fail("byte 0", "the name says gzip but the content is not packed; rename it without .gz");
+  if (!is_gzip(file.bytes()) || (format_by_extension(file.path()) && !gz)) return format_to_read(file).read(file);
+  const std::unique_ptr<FileView> unpacked = unpack_gzip(file);
+  if (unpacked->size() == 0) file.fail("", "nothing is packed in it; check the program that wrote it");
+  return format_to_read(*unpacked).read(*unpacked);
 }
 
 void scale_vertices(const FileView& file, Mesh& mesh, double scale) {
@@ -112,8 +134,7 @@ Mesh read_mesh(const std::filesystem::path& path, const MeshReadOptions& options
     throw Error(ErrorCode::usage, "scale must be positive and finite; give 0.001 for millimetres to metres");
   try {
     const FileView file(path);
-    if (file.size() == 0) file.fail("", "the file is empty; check the program that wrote it");
-    Mesh mesh = format_to_read(file).read(file);
+    Mesh mesh = read_any(file);
     scale_vertices(file, mesh, options.scale);
     return mesh;
   } catch (const std::bad_alloc&) {
@@ -124,7 +145,7 @@ Mesh read_mesh(const std::filesystem::path& path, const MeshReadOptions& options
 }
 
 void write_mesh(const std::filesystem::path& path, MeshView mesh, Existing existing) try {
-  const MeshFormat* format = format_by_extension(path);
+  const MeshFormat* format = is_called_gz(path) ? nullptr : format_by_extension(path);
   if (!format || !format->write)
     throw Error(ErrorCode::usage, path.string() + ": no mesh format to write goes by this extension; use one of " +
                                       extensions([](const MeshFormat& f) { return f.write != nullptr; }));

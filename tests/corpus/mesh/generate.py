@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Writes the files of this folder that expected.txt lists. The same bytes on every run."""
 import base64
+import gzip
 import json
 import pathlib
 import struct
@@ -12,6 +13,11 @@ FACES = [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)]
 
 def write(name, content):
     (HERE / name).write_bytes(content if isinstance(content, bytes) else content.encode())
+
+
+def gz(content):
+    """As gzip packs it, the same on every run."""
+    return gzip.compress(content if isinstance(content, bytes) else content.encode(), mtime=0)
 
 
 def binary_stl(header=b"", count=None, points=POINTS, tail=b""):
@@ -239,3 +245,18 @@ write("ply_without_extension", ply())
 write("obj_called_mesh.txt", "# a comment first\n" + obj())
 write("stl_called_mesh.dat", binary_stl())
 write("off_called_mesh.dat", off())
+
+write("gz_obj.obj.gz", gz(obj()))
+write("gz_stl.stl.gz", gz(binary_stl()))
+write("gz_upper_case.PLY.GZ", gz(ply()))
+write("gz_gltf.gltf.gz", gz(gltf()))
+write("gz_two_streams.off.gz", gz(off()[:40]) + gz(off()[40:]) + bytes(100))
+write("gz_by_content.dat", gz(obj()))
+write("gz_without_format.gz", gz(off()))
+write("gz_called_obj.obj", gz(obj()))
+write("gz_not_packed.obj.gz", obj())
+write("gz_other_content.stl.gz", gz(ply()))
+write("gz_cut_off.obj.gz", gz(obj())[:-12])
+write("gz_wrong_checksum.obj.gz", gz(obj())[:-8] + bytes(8))
+write("gz_empty.obj.gz", gz(""))
+write("gz_error_inside.obj.gz", gz(obj().replace("v 1 0 0", "v 1 0 x")))

@@ -1,6 +1,7 @@
 // Files that assimp reads wrongly, or that end the program in it: they must be errors before or after it.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <cstring>
@@ -41,6 +42,14 @@ class Assimp : public ::testing::Test {
 template <class Value>
 std::string bytes_of(std::initializer_list<Value> values) {
   return {reinterpret_cast<const char*>(values.begin()), values.size() * sizeof(Value)};
+}
+
+std::string packed(const std::string& bytes) {
+  const TempFolder folder;
+  const gzFile file = ::gzopen((folder / "packed").c_str(), "wb");
+  ::gzwrite(file, bytes.data(), static_cast<unsigned>(bytes.size()));
+  ::gzclose(file);
+  return read_bytes(folder / "packed");
 }
 
 std::string chunk(std::uint16_t id, const std::string& content) {
@@ -359,6 +368,12 @@ TEST_F(Assimp, ItsMessagesAreCutToALine) {
     EXPECT_EQ(message.find('\n'), message.npos);
     EXPECT_TRUE(says_what_to_do(message)) << message;
   }
+}
+
+TEST_F(Assimp, PackedFilesAreReadToo) {
+  // Assimp is told of the name that says the format.
+  EXPECT_EQ(triangles("a.3ds.gz", packed(tetrahedron(0, 1, 2))), 1u);
+  EXPECT_EQ(triangles("a.dae.gz", packed(Collada().text())), triangles("a.dae", Collada().text()));
 }
 
 TEST_F(Assimp, ColladaThatIsNoPlainXml) {

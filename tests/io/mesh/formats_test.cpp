@@ -1,6 +1,7 @@
 // Writing and reading back, scaling, and what is asked for in vain.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <zlib.h>
 
 #include <array>
 #include <cmath>
@@ -157,6 +158,34 @@ TEST(MeshFormats, PipesAreReadToTheirEnd) {
   writer.join();
   EXPECT_EQ(read.vertices, mesh.vertices);
   EXPECT_EQ(read.triangles, mesh.triangles);
+}
+
+void write_packed(const std::filesystem::path& path, const std::string& bytes, int times = 1) {
+  const gzFile file = ::gzopen(path.c_str(), "wb1");
+  for (; times > 0; --times)
+    ASSERT_EQ(::gzwrite(file, bytes.data(), static_cast<unsigned>(bytes.size())), static_cast<int>(bytes.size()));
+  ASSERT_EQ(::gzclose(file), Z_OK);
+}
+
+TEST(MeshFormats, PackedMeshesOfEveryWrittenFormatAreRead) {
+  const TempFolder folder;
+  const Mesh mesh = blob(false);
+  for (const std::string name : {"mesh.stl", "mesh.ply", "mesh.obj"}) {
+    write_mesh(folder / name, mesh);
+    write_packed(folder / (name + ".gz"), read_bytes(folder / name));
+    const Mesh plain = read_mesh(folder / name), packed = read_mesh(folder / (name + ".gz"));
+    EXPECT_EQ(packed.vertices, plain.vertices) << name;
+    EXPECT_EQ(packed.triangles, plain.triangles) << name;
+    expect_error([&] { write_mesh(folder / (name + ".gz"), mesh); }, ErrorCode::usage, "use one of .stl, .ply, .obj");
+  }
+}
+
+// A hundred kilobytes that would become a hundred megabytes.
+TEST(MeshFormats, PackedFilesThatBecomeFarTooLargeAreRefused) {
+  const TempFolder folder;
+  write_packed(folder / "mesh.obj.gz", std::string(1 << 20, '\n'), 100);
+  ASSERT_LT(std::filesystem::file_size(folder / "mesh.obj.gz"), 1u << 19);
+  expect_error([&] { read_mesh(folder / "mesh.obj.gz"); }, ErrorCode::limit, "mesh.obj.gz: it unpacks to more than ");
 }
 
 TEST(MeshFormats, TableTellsWhatThisBuildCan) {
