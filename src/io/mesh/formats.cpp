@@ -76,12 +76,21 @@ std::string extensions(const Wanted& wanted) {
   return list;
 }
 
+// Text of two bytes a character, in either order: all formats of text are ASCII or UTF-8.
+bool is_utf_16(std::string_view content) {
+  if (content.size() < 4) return false;
+  const bool little = content.starts_with("\xff\xfe"), big = content.starts_with("\xfe\xff");
+  return (little && content[3] == '\0') || (big && content[2] == '\0');
+}
+
 const MeshFormat& format_to_read(const FileView& file) {
   if (file.bytes().starts_with(kBodyMagic))
     file.fail("byte 0", "the content is a body that standoff build made, and no mesh; rename it to end in .body");
   const MeshFormat* named = format_by_extension(file.path());
   if (is_gzip(file.bytes()) && named && !named->recognises(file.bytes()))
     file.fail("byte 0", "the content is packed by gzip; rename it to end in ." + std::string(named->extension) + ".gz");
+  if (is_utf_16(file.bytes()) && !(named && named->recognises(file.bytes())))
+    file.fail("byte 0", "the text is UTF-16; save it as UTF-8 or ASCII");
   const MeshFormat* found = named && named->recognises(file.bytes()) ? named : format_by_content(file.bytes());
   if (!named && !found)
     file.fail("", "neither its name nor its content tells a mesh format; give one of " +
