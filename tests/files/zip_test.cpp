@@ -103,8 +103,8 @@ TEST(DamagedZip, SaysWhatIsWrong) {
 // What Python's zipfile makes of these members, and reads.
 std::string packed_by_python(const std::string& members) {
   const TempFolder folder;
-  const std::string command = kPython +
-                              std::string(" -B -c 'import sys, zipfile; z = zipfile.ZipFile(sys.argv[1], \"w\", "
+  const std::string command = std::string(kPython) +
+                              " -B -c 'import sys, zipfile; z = zipfile.ZipFile(sys.argv[1], \"w\", "
                               "zipfile.ZIP_DEFLATED); " +
                               members + "; z.close()' '" + (folder / "a.zip").string() + "'";
   EXPECT_EQ(std::system(command.c_str()), 0) << command;
