@@ -6,7 +6,7 @@
 #include <string>
 
 #include "core/field_bytes.h"
-#include "io/field/header_text.h"
+#include "core/number_text.h"
 #include "io/field/samples.h"
 #include "standoff/error.h"
 
@@ -109,13 +109,13 @@ bool has_triangle(const std::array<std::uint32_t, kTile>& tile) {
   const auto name = [](std::int64_t i) { return std::to_string(i); };
   file.fail("sample (" + name(first.x + at % kSide) + "," + name(first.y + at / kSide % kSide) + "," +
                 name(first.z + at / (kSide * kSide)) + ")",
-            "the value " + text_of(*bad) + " is not a number up to the thickness, " + text_of(far) +
+            "the value " + exact_text(*bad) + " is not a number up to the thickness, " + exact_text(far) +
                 "; the file is damaged or no distance field, write it again");
 }
 
 void check(const FileView& file, const StoredField& stored) {
   if (!(stored.thickness > 0))
-    file.fail("the thickness " + text_of(stored.thickness) + " is not positive; write the file again");
+    file.fail("the thickness " + exact_text(stored.thickness) + " is not positive; write the file again");
   require_valid(file, stored.grid);
   const auto require_array = [&](const StoredArray& array, const char* what) {
     if (!array.open) file.require(array.offset, sample_bytes(stored.grid), what);

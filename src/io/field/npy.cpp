@@ -3,6 +3,7 @@
 #include <cstring>
 #include <string_view>
 
+#include "core/number_text.h"
 #include "files/shown.h"
 #include "io/field/header_text.h"
 

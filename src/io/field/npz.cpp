@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/number_text.h"
 #include "files/shown.h"
 #include "files/zip_reader.h"
 #include "files/zip_writer.h"

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/number_text.h"
 #include "files/inflate.h"
 #include "files/shown.h"
 #include "io/field/format.h"
@@ -136,7 +137,7 @@ DistanceField read_nrrd(const FileView& file, std::int64_t memory_limit) {
 
 void write_nrrd(AtomicFile& file, const DistanceField& field) {
   const Grid& grid = field.grid();
-  const auto text = [](double number) { return text_of(number); };
+  const auto text = [](double number) { return exact_text(number); };
   const auto vector = [&](double x, double y, double z) {
     return std::string("(") + text(x) + "," + text(y) + "," + text(z) + ")";
   };

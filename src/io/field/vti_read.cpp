@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/number_text.h"
 #include "files/shown.h"
 #include "files/xml_scan.h"
 #include "io/field/format.h"
