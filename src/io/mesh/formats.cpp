@@ -1,13 +1,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <memory>
 #include <new>
 #include <span>
 #include <string>
+#include <utility>
 
 #include "core/guarded.h"
+#include "core/number_text.h"
 #include "files/body_magic.h"
 #include "files/inflate.h"
 #include "files/text_cursor.h"
@@ -32,20 +35,37 @@ bool is_gltf(std::string_view content) {
 bool is_dae(std::string_view content) { return content.substr(0, 1024).find("<COLLADA") != content.npos; }
 
 #ifdef STANDOFF_HAVE_ASSIMP
-constexpr Mesh (*read_3ds)(const FileView&) = [](const FileView& file) { return read_with_assimp(file, "3ds"); };
-constexpr Mesh (*read_dae)(const FileView&) = [](const FileView& file) { return read_with_assimp(file, "dae"); };
+template <const char* const& extension>
+Mesh by_assimp(const FileView& file, MeshReadReport& report) {
+  return read_with_assimp(file, extension, report);
+}
+constexpr const char *k3ds = "3ds", *kDae = "dae";
+constexpr auto read_3ds = by_assimp<k3ds>, read_dae = by_assimp<kDae>;
 #else
-constexpr auto read_3ds = nullptr, read_dae = nullptr;
+constexpr std::nullptr_t read_3ds = nullptr, read_dae = nullptr;
 #endif
 
-constexpr std::array<MeshFormat, 8> kFormats{{
-    {"stl", "STL", "STL, binary or ASCII; written as binary", is_stl, read_stl, write_stl},
-    {"ply", "PLY", "PLY, binary or ASCII; written as binary little endian", is_ply, read_ply, write_ply},
-    {"obj", "OBJ", "Wavefront OBJ", is_obj, read_obj, write_obj},
-    {"off", "OFF", "OFF, text", is_off, read_off, nullptr},
+// A reader that takes coordinates as they are.
+template <Mesh (*read)(const FileView&)>
+Mesh as_is(const FileView& file, MeshReadReport&) {
+  return read(file);
+}
+// One whose format is in metres, and y up.
+template <Mesh (*read)(const FileView&)>
+Mesh in_metres(const FileView& file, MeshReadReport& report) {
+  report.metres_per_unit = 1;
+  return read(file);
+}
+
+constexpr std::array<MeshFormat, 9> kFormats{{
+    {"stl", "STL", "STL, binary or ASCII; written as binary", is_stl, as_is<read_stl>, write_stl},
+    {"ply", "PLY", "PLY, binary or ASCII; written as binary little endian", is_ply, as_is<read_ply>, write_ply},
+    {"obj", "OBJ", "Wavefront OBJ", is_obj, as_is<read_obj>, write_obj},
+    {"off", "OFF", "OFF, text", is_off, as_is<read_off>, nullptr},
+    {"mesh", "Medit", "Medit, text", is_medit, as_is<read_medit>, nullptr},
     {"3ds", "3DS", "3D Studio", is_3ds, read_3ds, nullptr},
-    {"glb", "GLB", "glTF 2.0, binary", is_glb, read_glb, nullptr},
-    {"gltf", "glTF", "glTF 2.0, JSON", is_gltf, read_gltf, nullptr},
+    {"glb", "GLB", "glTF 2.0, binary", is_glb, in_metres<read_glb>, nullptr},
+    {"gltf", "glTF", "glTF 2.0, JSON", is_gltf, in_metres<read_gltf>, nullptr},
     {"dae", "DAE", "COLLADA", is_dae, read_dae, nullptr},
 }};
 
@@ -106,16 +126,23 @@ const MeshFormat& format_to_read(const FileView& file) {
   return format;
 }
 
+Mesh read_as(const MeshFormat& format, const FileView& file, MeshReadReport& report) {
+  report.format = format.extension;
+  return format.read(file, report);
+}
+
 // What is packed by gzip, by its name or, where the name says no format, by its content.
-Mesh read_any(const FileView& file) {
+Mesh read_any(const FileView& file, MeshReadReport& report) {
   if (file.size() == 0) file.fail("", "the file is empty; check the program that wrote it");
   const bool gz = is_called_gz(file.path());
   if (gz && !is_gzip(file.bytes()))
     file.fail("byte 0", "the name says gzip but the content is not packed; rename it without .gz");
-  if (!is_gzip(file.bytes()) || (format_by_extension(file.path()) && !gz)) return format_to_read(file).read(file);
+  if (!is_gzip(file.bytes()) || (format_by_extension(file.path()) && !gz))
+    return read_as(format_to_read(file), file, report);
   const std::unique_ptr<FileView> unpacked = unpack_gzip(file);
   if (unpacked->size() == 0) file.fail("", "nothing is packed in it; check the program that wrote it");
-  return format_to_read(*unpacked).read(*unpacked);
+  report.unpacked = true;
+  return read_as(format_to_read(*unpacked), *unpacked, report);
 }
 
 void scale_vertices(const FileView& file, Mesh& mesh, double scale) {
@@ -138,13 +165,35 @@ std::vector<FileFormat> mesh_formats() try {
   throw_as_error("formats");
 }
 
-Mesh read_mesh(const std::filesystem::path& path, const MeshReadOptions& options) try {
+std::vector<std::string> notes(const MeshReadReport& report) try {
+  std::vector<std::string> notes;
+  if (report.unpacked) notes.push_back("unpacked by gzip");
+  if (report.turned()) {
+    std::string axes;
+    for (const int axis : report.axes)
+      axes += std::string(axes.empty() ? "" : ", ") + (axis < 0 ? "-" : "") + "xyz"[std::abs(axis) - 1];
+    notes.push_back("axes turned so that y is up: x, y, z are " + axes + " of the file");
+  }
+  if (report.unit_scale != 1)
+    notes.push_back("coordinates multiplied by " + number_text(report.unit_scale) + ", as the file's unit asks for");
+  if (report.metres_per_unit > 0)
+    notes.push_back(report.metres_per_unit == 1 ? std::string("in metres, as the format says")
+                                                : "a unit is " + number_text(report.metres_per_unit) +
+                                                      " m, the file says; coordinates are kept in it");
+  return notes;
+} catch (...) {
+  throw_as_error("mesh");
+}
+
+Mesh read_mesh(const std::filesystem::path& path, const MeshReadOptions& options, MeshReadReport* report) try {
   if (!(std::isfinite(options.scale) && options.scale > 0))
     throw Error(ErrorCode::usage, "scale must be positive and finite; give 0.001 for millimetres to metres");
   try {
     const FileView file(path);
-    Mesh mesh = read_any(file);
+    MeshReadReport found;
+    Mesh mesh = read_any(file, found);
     scale_vertices(file, mesh, options.scale);
+    if (report) *report = std::move(found);
     return mesh;
   } catch (const std::bad_alloc&) {
     throw Error(ErrorCode::limit, path.string() + ": not enough memory for its triangles; use a machine with more");

@@ -324,3 +324,27 @@ inside["buffers"] = [{"byteLength": len(points)}]
 write("gltf_padded.glb", glb_of(json.dumps(inside), points, True, True))
 write("gltf_padding_not_counted.glb", glb_of(json.dumps(inside), points, False, True))
 write("gltf_unpadded.glb", glb_of(json.dumps(inside), points, False, False))
+
+
+def medit(first="MeshVersionFormatted 2\n", dimension="Dimension 3\n", vertices=4, faces=4, points=POINTS, end="End\n", between=""):
+    return (f"{first}{dimension}Vertices\n{vertices}\n" + "".join("%s %s %s 0\n" % p for p in points) + between +
+            f"Triangles\n{faces}\n" + "".join("%d %d %d 7\n" % tuple(i + 1 for i in f) for f in FACES) + end)
+
+
+write("medit_plain.mesh", medit())
+write("medit_dimension_on_next_line.mesh", medit(dimension="Dimension\n3\n", end=""))
+write("medit_comments.mesh", "# written by hand\n" + medit(between="# faces follow\n").replace("0 0 0 0\n", "0 0 0 0 # first\n"))
+write("medit_other_keywords.mesh", medit(between="Corners 2\n1\n2\nEdges\n1\n1 2 5\nTetrahedra\n1\n1 2 3 4 0\nNormals\n1\n0 0 -1e0\n"))
+write("medit_called_mesh.dat", medit())
+write("medit_quadrilaterals.mesh", medit(faces=0, end="").replace(medit(faces=0, end="").split("Triangles\n0\n")[1], "")
+      + "Quadrilaterals 1\n1 2 3 4 0\nEnd\n")
+write("medit_two_dimensions.mesh", medit(dimension="Dimension 2\n"))
+write("medit_index_zero.mesh", medit().replace("1 3 2 7", "0 3 2 7"))
+write("medit_index_out_of_range.mesh", medit().replace("1 3 2 7", "1 3 5 7"))
+write("medit_absurd_vertices.mesh", medit(vertices=4000000000))
+write("medit_negative_count.mesh", medit(faces=-1))
+write("medit_cut_off.mesh", medit(end="")[:-9])
+write("medit_nan.mesh", medit(points=[("nan", 0, 0)] + POINTS[1:]))
+write("medit_no_triangles.mesh", medit().split("Triangles")[0] + "End\n")
+write("medit_no_keyword.mesh", medit(between="1 2 3\n"))
+write("medit_ogre.mesh", b"\x00\x10[MeshSerializer_v1.100]\n" + bytes(40))
