@@ -102,7 +102,8 @@ void Command::run() {
   if (options.memory_limit == 0) options.memory_limit = default_memory_limit();
 
   auto start = std::chrono::steady_clock::now();
-  const Mesh loaded = with_spinner(console, "reading " + mesh.name(), [&] { return mesh.read(); });
+  MeshReadReport read;
+  const Mesh loaded = with_spinner(console, "reading " + mesh.name(), [&] { return mesh.read(&read); });
   validate(loaded);
   const Box box = bounds(loaded);
   check_extent(mesh.name(), box);
@@ -110,6 +111,7 @@ void Command::run() {
   plan.load_seconds = seconds_since(start);
   if (dry_run) return tell(plan, options, console);
   console.say(mesh_line(mesh.name(), loaded));
+  for (const std::string& note : notes(read)) console.detail(mesh.name() + ": " + note);
   console.say(grid_line(plan.choice));
 
   ComputeResult computed = [&] {

@@ -84,10 +84,12 @@ void MeshInput::add_scale_to(CLI::App& verb) {
 }
 
 std::string MeshInput::stem() const {
-  return name_.starts_with(kScene) ? parse_scene(name_).name : fs::path(name_).stem().string();
+  if (name_.starts_with(kScene)) return parse_scene(name_).name;
+  const fs::path path(name_);
+  return (path.extension() == ".gz" ? path.stem() : path).stem().string();
 }
 
-Mesh MeshInput::read() const {
+Mesh MeshInput::read(MeshReadReport* report) const {
   if (kind_of(name_) == FileKind::body)
     throw Error(ErrorCode::input, name_ +
                                       ": this is a body, for collide, distance, sweep and fly; give the mesh it "
@@ -95,7 +97,7 @@ Mesh MeshInput::read() const {
   if (kind_of(name_) == FileKind::field)
     throw Error(ErrorCode::input, name_ + ": this is a field; give the mesh it was computed from");
   const double scale = scale_ ? *scale_ : unit_.value_or(1);
-  if (!name_.starts_with(kScene)) return read_mesh(name_, {scale});
+  if (!name_.starts_with(kScene)) return read_mesh(name_, {scale}, report);
   const SceneName scene = parse_scene(name_);
   Mesh mesh = scenes::make(scene.name, scene.triangles);
   if (scale != 1)

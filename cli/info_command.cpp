@@ -31,7 +31,8 @@ std::string row(const char* name, const std::string& value) {
 std::string none_or(std::int64_t n) { return n == 0 ? "none" : grouped(n); }
 
 void tell_mesh(const MeshInput& input, const Console& console) {
-  const Mesh mesh = with_spinner(console, "reading " + input.name(), [&] { return input.read(); });
+  MeshReadReport report;
+  const Mesh mesh = with_spinner(console, "reading " + input.name(), [&] { return input.read(&report); });
   const MeshSummary found = inspect(mesh);
   const Box& box = found.bounds;
   if (console.json()) {
@@ -48,11 +49,17 @@ void tell_mesh(const MeshInput& input, const Console& console) {
                     {"boundary_edges", found.boundary_edges},
                     {"nonmanifold_edges", found.nonmanifold_edges},
                     {"closed", found.closed()},
+                    {"format", report.format.empty() ? Json(nullptr) : Json(report.format)},
+                    {"unit_scale", report.unit_scale},
+                    {"metres_per_unit", report.metres_per_unit > 0 ? Json(report.metres_per_unit) : Json(nullptr)},
+                    {"axes", report.axes},
                     {"hash", hash_text(content_hash(mesh))}};
     return print(json);
   }
   const auto count = [](std::size_t n) { return grouped(static_cast<std::int64_t>(n)); };
-  print(row("mesh", input.name()) + row("triangles", count(mesh.triangles.size())) +
+  std::string read;
+  for (const std::string& note : notes(report)) read += row("read", note);
+  print(row("mesh", input.name()) + read + row("triangles", count(mesh.triangles.size())) +
         row("vertices", count(mesh.vertices.size())) + row("from", point_text(box.min)) +
         row("to", point_text(box.max)) + row("extent", point_text(box.extent())) + row("area", number(found.area)) +
         row("degenerate", none_or(found.degenerate)) + row("duplicate", none_or(found.duplicate)) +

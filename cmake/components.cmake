@@ -34,7 +34,7 @@ function(standoff_component name)
 endfunction()
 
 # Meshes, grids, fields and their files: what every reader and writer stands on.
-standoff_component(core FILES core/*.cpp files/*.cpp geometry/*.cpp io/mesh/*.cpp io/field/*.cpp LIBRARIES ${STANDOFF_ASSIMP})
+standoff_component(core FILES core/*.cpp files/*.cpp geometry/*.cpp io/mesh/*.cpp io/field/*.cpp LIBRARIES ZLIB::ZLIB ${STANDOFF_ASSIMP})
 if(STANDOFF_ASSIMP)
   target_compile_definitions(standoff_core PRIVATE STANDOFF_HAVE_ASSIMP)
 endif()

@@ -1,7 +1,8 @@
-# Required: TBB. Optional: what each component may use, found or left out with a word. None shows in the public headers.
+# Required: TBB and zlib. Optional: what each component may use, found or left out with a word. None shows in the public headers.
 find_package(Threads REQUIRED)
 find_package(TBB REQUIRED)
-set(STANDOFF_LINKED_PACKAGES Threads TBB)
+find_package(ZLIB REQUIRED)
+set(STANDOFF_LINKED_PACKAGES Threads TBB ZLIB)
 
 # standoff_optional(VARIABLE PACKAGE TARGET LOSS): VARIABLE is the target where the package is found; LOSS says what is missed.
 macro(standoff_optional variable package target loss)

@@ -1,6 +1,7 @@
 // Reading and writing meshes and fields.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -31,10 +32,30 @@ struct MeshReadOptions {
   double scale = 1;  ///< vertices are multiplied by this (finite, positive)
 };
 
+/// What the file says of its coordinates, and what its reader did to them beside MeshReadOptions::scale. STL, PLY, OBJ,
+/// OFF and .mesh files are taken as they are.
+struct MeshReadReport {
+  std::string format;     ///< by its extension: "3ds"
+  bool unpacked = false;  ///< the file was packed by gzip
+  double unit_scale = 1;  ///< coordinates were multiplied by this, for the file's unit
+  double metres_per_unit =
+      0;  ///< of the coordinates that were read, before the caller's scale; 0: the file does not say
+  /// Which axes of the file became x, y and z: 1, 2, 3 for its x, y, z, negative where the direction is turned round.
+  std::array<int, 3> axes{1, 2, 3};
+
+  bool turned() const { return axes != std::array<int, 3>{1, 2, 3}; }
+};
+
+/// The report as sentences for people, without full stops; none where nothing was done and nothing is known.
+std::vector<std::string> notes(const MeshReadReport& report);
+
 /// Reads a mesh; the format goes by the extension, or by content where no format has that extension. A file whose
-/// extension says one format and whose content another is an error. Equal vertices are welded exactly, polygons are
-/// triangulated. Errors: input, with `FILE:WHERE: what; what to do`; limit when memory runs out.
-Mesh read_mesh(const std::filesystem::path& path, const MeshReadOptions& options = {});
+/// extension says one format and whose content another is an error. A file may be packed by gzip: mesh.obj.gz is OBJ.
+/// Equal vertices are welded exactly, polygons are triangulated. Errors: input, with `FILE:WHERE: what; what to do`;
+/// limit when memory runs out.
+/// A `report`, where one is given, says what was done to the file's coordinates.
+Mesh read_mesh(const std::filesystem::path& path, const MeshReadOptions& options = {},
+               MeshReadReport* report = nullptr);
 
 /// Writes a mesh; the file appears whole or not at all. Errors: output, usage (unknown extension).
 void write_mesh(const std::filesystem::path& path, MeshView mesh, Existing existing = Existing::replace);

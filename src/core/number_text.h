@@ -1,17 +1,33 @@
-// Numbers in messages: of any size, in a few digits, with a point in every locale.
+// Numbers as text and back, with a point in every locale.
 #pragma once
 
-#include <array>
 #include <charconv>
+#include <cstdint>
+#include <optional>
 #include <string>
+#include <string_view>
 
-namespace standoff::collision {
+namespace standoff {
 
-/// "0.02", "1e+21".
-inline std::string number_text(double value) {
-  std::array<char, 32> text;
-  const auto end = std::to_chars(text.begin(), text.end(), value, std::chars_format::general, 6).ptr;
-  return {text.begin(), end};
+/// For people, in six digits: "0.02", "1e+21".
+std::string number_text(double value);
+/// The shortest text that reads back as the same number; "inf" for infinity.
+std::string exact_text(double value);
+std::string exact_text(float value);
+/// Rounded to a whole number, without exponent: "300000000000000000000000".
+std::string whole_text(double value);
+/// "0x" and 16 hexadecimal digits.
+std::string hash_text(std::uint64_t hash);
+std::optional<std::uint64_t> hash_in(std::string_view text);
+
+/// The number that is the whole text, or nothing. Doubles may be "inf" and "nan".
+template <class Number>
+std::optional<Number> number_in(std::string_view text) {
+  Number number{};
+  if (text.starts_with('+')) text.remove_prefix(1);
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return number;
 }
 
-}  // namespace standoff::collision
+}  // namespace standoff

@@ -56,7 +56,7 @@ void validate(const Pose& pose) try {
   for (int i = 0; i < 3; ++i)
     for (int j = i; j < 3; ++j) off = std::max(off, std::abs(dot(rows[i], rows[j]) - (i == j ? 1 : 0)));
   if (!(off <= kRigidTolerance))
-    fail("the matrix is no rotation: its rows are off unit length and right angles by " + collision::number_text(off) +
+    fail("the matrix is no rotation: its rows are off unit length and right angles by " + number_text(off) +
          "; take scaling and shear out of it");
   if (!(dot(cross(rows[0], rows[1]), rows[2]) > 0)) fail("the matrix mirrors; a rigid body cannot, negate one axis");
 } catch (...) {

@@ -14,6 +14,7 @@
 #include <string>
 #include <system_error>
 
+#include "files/descriptor.h"
 #include "files/temp_file_registry.h"
 #include "standoff/error.h"
 
@@ -175,13 +176,30 @@ void AtomicFile::append(const char* data, std::size_t bytes) {
 
 void AtomicFile::commit() {
   flush();
+  if (kind_ != Kind::straight) sync(file_);
   if (kind_ == Kind::unnamed) link_unnamed();
   close();
   if (kind_ == Kind::straight) return;
   if (unfinished_ != target_) take_name();
+  sync_folder();
   unfinished_.clear();
   forget_unfinished(slot_);
   slot_ = -1;
+}
+
+// Without it a disk may have the name before the bytes, and after a loss of power the name alone.
+void AtomicFile::sync(int file) const {
+  while (::fsync(file) != 0) {
+    if (errno == EINTR) continue;
+    if (errno == EINVAL || errno == ENOSYS || errno == ENOTSUP) return;  // there are file systems that cannot
+    fail(errno);
+  }
+}
+
+// The name is an entry of the folder. Whatever goes wrong here, the file is there and whole.
+void AtomicFile::sync_folder() const noexcept {
+  const Descriptor folder(::open(target_.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (folder.number() >= 0) (void)::fsync(folder.number());
 }
 
 // Gives the unnamed file the target's name, or, when that is taken, a name to rename from: linking cannot replace.

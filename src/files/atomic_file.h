@@ -10,11 +10,12 @@
 
 namespace standoff {
 
-/// Writes beside the target and takes its place on commit. Without a commit the target stays as it was and nothing is
-/// left: on Linux the unfinished file has no name where the file system can do that, so even a killed process leaves
-/// nothing; elsewhere it is called `.standoff-*.part`, and the destructor or remove_unfinished_files() removes it.
-/// A symbolic link is followed; permissions of a replaced file are kept; devices and pipes are written straight.
-/// Every member throws Error{output} as `FILE: what; what to do`.
+/// Writes beside the target and takes its place on commit: once its bytes are on the disk, so that the target is the
+/// old file or the new one whenever a process, or the machine, ends. Without a commit the target stays as it was and
+/// nothing is left: on Linux the unfinished file has no name where the file system can do that, so even a killed
+/// process leaves nothing; elsewhere it is called `.standoff-*.part`, and the destructor or remove_unfinished_files()
+/// removes it. A symbolic link is followed; permissions of a replaced file are kept; devices and pipes are written
+/// straight. Every member throws Error{output} as `FILE: what; what to do`.
 class AtomicFile {
  public:
   enum class Unfinished {
@@ -37,8 +38,10 @@ class AtomicFile {
   void overwrite(std::uint64_t offset, const void* data, std::size_t bytes);
   /// Bytes appended so far.
   std::uint64_t size() const { return size_; }
-  /// Writes what is buffered and puts the file in the target's place. Nothing may be written after it. A target to be
-  /// kept that has appeared since is an error; looking for it and taking its name is one step.
+  /// Writes what is buffered and puts the file in the target's place; when it returns, a loss of power does not take
+  /// the file away. It waits for the disk: milliseconds, and as long as the disk takes for the bytes. Nothing may be
+  /// written after it. A target to be kept that has appeared since is an error; looking for it and taking its name is
+  /// one step.
   void commit();
 
  private:
@@ -47,6 +50,8 @@ class AtomicFile {
   void flush();
   void append(const char* data, std::size_t bytes);
   void close();
+  void sync(int file) const;
+  void sync_folder() const noexcept;
   void link_unnamed();
   void take_name();
   void discard() noexcept;

@@ -109,4 +109,10 @@ void FileView::fail(const std::string& where, const std::string& message) const 
   throw Error(ErrorCode::input, text);
 }
 
+void FileView::fail_short(std::uint64_t offset, std::uint64_t bytes, const char* what) const {
+  fail("byte " + std::to_string(offset), std::string(what) + " of " + std::to_string(bytes) +
+                                             " bytes reaches past the end of the file, " + std::to_string(size()) +
+                                             " bytes; it is cut off or damaged, get all of it");
+}
+
 }  // namespace standoff

@@ -3,10 +3,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "files/descriptor.h"
 
@@ -29,6 +31,9 @@ class FileView {
   FileView(const std::filesystem::path& name, const Descriptor& file, std::uint64_t longest);
   /// A view of somebody else's bytes, which must outlive it; `name` stands in messages.
   FileView(const std::filesystem::path& name, std::string_view bytes) : path_(name), bytes_(bytes) {}
+  /// Takes bytes that were made of the file's.
+  FileView(const std::filesystem::path& name, std::unique_ptr<char[]> bytes, std::size_t size)
+      : path_(name), bytes_(bytes.get(), size), read_(std::move(bytes)) {}
   FileView(const FileView&) = delete;
   FileView& operator=(const FileView&) = delete;
   ~FileView();
@@ -37,10 +42,29 @@ class FileView {
   std::string_view bytes() const { return bytes_; }
   std::size_t size() const { return bytes_.size(); }
 
+  /// At most `bytes` bytes from `offset` on, fewer at the end of the file.
+  std::string_view text(std::uint64_t offset, std::uint64_t bytes) const {
+    return offset < size() ? bytes_.substr(offset, bytes) : std::string_view();
+  }
+  /// The number whose bytes, little endian, begin at `offset`. Errors: input, where the file ends before.
+  template <class Number>
+  Number number(std::uint64_t offset) const {
+    require(offset, sizeof(Number), "a number");
+    Number number;
+    std::memcpy(&number, bytes_.data() + offset, sizeof number);
+    return number;
+  }
+  /// Throws Error{input} unless the file holds `bytes` bytes from `offset` on; `what` names them in the message.
+  void require(std::uint64_t offset, std::uint64_t bytes, const char* what) const {
+    if (offset > size() || bytes > size() - offset) fail_short(offset, bytes, what);
+  }
+
   /// Throws Error{input} "FILE:WHERE: MESSAGE", or "FILE: MESSAGE" where `where` is empty.
   [[noreturn]] void fail(const std::string& where, const std::string& message) const;
+  [[noreturn]] void fail(const std::string& message) const { fail("", message); }
 
  private:
+  [[noreturn]] void fail_short(std::uint64_t offset, std::uint64_t bytes, const char* what) const;
   // Up to the end or to `longest` bytes; more than `most` is an error.
   void read_all(int descriptor, std::size_t expected, std::size_t longest, std::size_t most);
 

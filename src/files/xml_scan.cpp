@@ -31,27 +31,35 @@ bool take_attribute(std::string_view& text, std::string_view& name, std::string_
 
 }  // namespace
 
-std::string_view XmlTag::attribute(std::string_view wanted) const {
+std::optional<std::string_view> XmlTag::find(std::string_view wanted) const {
   std::string_view rest = attributes, found, value;
   while (take_attribute(rest, found, value))
     if (found == wanted) return value;
-  return {};
+  return std::nullopt;
 }
 
-XmlScan::XmlScan(const FileView& file) : file_(file), bytes_(file.bytes()) {
-  if (const auto zero = bytes_.find('\0'); zero != bytes_.npos)
-    file.fail("byte " + std::to_string(zero), "a zero byte; the text must be UTF-8, convert it");
+XmlScan::XmlScan(const FileView& file, std::string_view text) : file_(file), text_(text) {
+  if (const auto zero = text_.find('\0'); zero != text_.npos)
+    file.fail("byte " + std::to_string(place(text_.data() + zero)), "a zero byte; the text must be UTF-8, convert it");
+}
+
+std::size_t XmlScan::place(const char* character) const {
+  return static_cast<std::size_t>(character - file_.bytes().data());
 }
 
 void XmlScan::fail(const std::string& message) const {
-  if (tag_ == bytes_.size()) file_.fail("", message);
-  TextCursor(file_, tag_).fail(message);
+  if (tag_ == text_.size()) file_.fail("", message);
+  TextCursor(file_, place(text_.data() + tag_)).fail(message);
+}
+
+void XmlScan::fail_at(const XmlTag& tag, const std::string& message) const {
+  TextCursor(file_, place(tag.name.data())).fail(message);
 }
 
 bool XmlScan::next(XmlTag& tag) {
   for (;;) {
-    tag_ = at_ = std::min(bytes_.find('<', at_), bytes_.size());
-    const std::string_view rest = bytes_.substr(at_);
+    tag_ = at_ = std::min(text_.find('<', at_), text_.size());
+    const std::string_view rest = text_.substr(at_);
     if (rest.empty()) return false;
     if (rest.starts_with("<!--")) {
       at_ += 4;
@@ -70,17 +78,17 @@ bool XmlScan::next(XmlTag& tag) {
 }
 
 void XmlScan::skip_past(std::string_view end) {
-  const auto found = bytes_.find(end, at_);
-  if (found == bytes_.npos) fail("the file ends in what begins here; it is cut off, get all of it");
+  const auto found = text_.find(end, at_);
+  if (found == text_.npos) fail("a comment or section without an end; the file is cut off or damaged, get all of it");
   at_ = found + end.size();
 }
 
 XmlTag XmlScan::read_tag() {
-  const bool close = bytes_.substr(at_ + 1).starts_with('/');
+  const bool close = text_.substr(at_ + 1).starts_with('/');
   const std::size_t begin = at_ + 1 + close;
   char quote = 0;
-  for (at_ = begin; at_ < bytes_.size() && (quote || bytes_[at_] != '>'); ++at_) {
-    const char c = bytes_[at_];
+  for (at_ = begin; at_ < text_.size() && (quote || text_[at_] != '>'); ++at_) {
+    const char c = text_[at_];
     if (quote)
       quote = c == quote ? '\0' : quote;
     else if (c == '"' || c == '\'')
@@ -88,8 +96,8 @@ XmlTag XmlScan::read_tag() {
     else if (c == '<')
       fail("a tag inside a tag; repair the file");
   }
-  if (at_ == bytes_.size()) fail("the file ends in a tag; it is cut off, get all of it");
-  std::string_view inside = bytes_.substr(begin, at_ - begin);
+  if (at_ == text_.size()) fail("a tag without an end; the file is cut off or damaged, get all of it");
+  std::string_view inside = text_.substr(begin, at_ - begin);
   ++at_;
   XmlTag tag{close ? XmlTag::Kind::close : XmlTag::Kind::open, {}, {}, {}, false};
   if (!close && inside.ends_with('/')) {
@@ -103,9 +111,9 @@ XmlTag XmlScan::read_tag() {
   while (take_attribute(rest, name, value)) {
   }
   if (tag.name.empty() || std::find_if_not(rest.begin(), rest.end(), is_space) != rest.end() || !name.empty())
-    fail("a tag that is none; repair the file");
-  tag.text = bytes_.substr(at_, bytes_.find('<', at_) - at_);
-  tag.only_text = bytes_.substr(at_ + tag.text.size()).starts_with("</");
+    fail("a damaged tag; repair the file");
+  tag.text = text_.substr(at_, text_.find('<', at_) - at_);
+  tag.only_text = text_.substr(at_ + tag.text.size()).starts_with("</");
   return tag;
 }
 

@@ -1,6 +1,8 @@
 // The tags of an XML text one after the other, without building its tree.
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -17,26 +19,35 @@ struct XmlTag {
   bool only_text;               ///< what ends the text is a closing tag
 
   /// The value of an attribute as written, or nothing. The first one counts.
-  std::string_view attribute(std::string_view name) const;
+  std::optional<std::string_view> find(std::string_view attribute) const;
+  /// The same, empty where the attribute is missing.
+  std::string_view attribute(std::string_view wanted) const { return find(wanted).value_or(std::string_view()); }
+  /// Opens an element: <a> or <a/>.
+  bool opens() const { return kind != Kind::close; }
 };
 
 /// Reads UTF-8 without document types; comments, CDATA and instructions are passed over. Checks the form of tags only,
-/// not that they match. Errors: input, with the line.
+/// not that they match. Nothing is copied: tags point into the file. Errors: input, with the line.
 class XmlScan {
  public:
-  explicit XmlScan(const FileView& file);
+  explicit XmlScan(const FileView& file) : XmlScan(file, file.bytes()) {}
+  /// Scans `text` alone, a part of the file's bytes.
+  XmlScan(const FileView& file, std::string_view text);
 
   /// False at the end.
   bool next(XmlTag& tag);
   /// Throws with the line of the tag read last, or after the end without one.
   [[noreturn]] void fail(const std::string& message) const;
+  /// Throws with the line of a tag read before.
+  [[noreturn]] void fail_at(const XmlTag& tag, const std::string& message) const;
 
  private:
+  std::size_t place(const char* character) const;
   void skip_past(std::string_view end);
   XmlTag read_tag();
 
   const FileView& file_;
-  std::string_view bytes_;
+  std::string_view text_;
   std::size_t at_ = 0;
   std::size_t tag_ = 0;
 };

@@ -5,7 +5,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   // Checksums keep damaged arrays from their reader, so it also gets the bytes themselves.
   const standoff::FileView view("fuzz", {reinterpret_cast<const char*>(data), size});
   try {
-    const standoff::NpyArray array = standoff::read_npy(standoff::FieldInput(view), "array", 0, size);
+    const standoff::NpyArray array = standoff::read_npy(view, "array", view.bytes(), size);
     if (array.offset + array.bytes != size) std::abort();
   } catch (const standoff::Error&) {
   }

@@ -6,6 +6,7 @@
 
 #include "tests/grammar/field.h"
 #include "tests/grammar/hostile.h"
+#include "tests/grammar/packed.h"
 #include "tests/grammar/shape.h"
 #include "tests/grammar/xml.h"
 
@@ -144,14 +145,16 @@ File make_nrrd(Choices& c) {
     say("axis mins", three(c, grid.origin, "  "));
   }
   say("endian", word(c, big ? "big" : "little"));
-  say("encoding", word(c, "raw"));
+  const bool packed = c.one_in(4);
+  say("encoding", word(c, !packed ? "raw" : c.one_in(2) ? "gz" : "gzip"));
   if (c.trick()) say(c.one_in(2) ? "data file" : "byte skip", bad_path(c));
   if (c.trick())
     for (std::uint32_t n = c.many(); n > 0; --n) text += "key" + std::to_string(n) + ":=" + line;
   text += "thickness:=" + real64(c, field.thickness) + line;
   if (c.one_in(2)) text += "method:=" + word(c, "tiles\\n") + line;
   if (!c.trick()) text += line;
-  File made{text + array_of(c, field.values, big), {}, field};
+  const std::string samples = array_of(c, field.values, big);
+  File made{text + (packed ? gzipped(c, samples) : samples), {}, field};
   if (c.one_in(8)) made.bytes += "more";
   damage(c, made.bytes);
   return made;

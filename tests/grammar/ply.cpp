@@ -35,6 +35,8 @@ class Ply {
       extra_element();
       if ((part == 1) == faces_first)
         vertices();
+      else if (c_.one_in(4))
+        strips();
       else
         faces();
     }
@@ -43,11 +45,23 @@ class Ply {
     if (!c_.trick()) header_ += word(c_, "end_header") + (encoding_ == 0 ? line_ : header_line_);
     File file{header_ + body_, {}, {}};
     damage(c_, file.bytes);
-    add_triangles(shape_, file.truth.triangles);
+    if (strips_)
+      add_strips(file.truth.triangles);
+    else
+      add_triangles(shape_, file.truth.triangles);
     return file;
   }
 
  private:
+  void add_strips(std::vector<Corners>& to) const {
+    for (const auto& face : shape_.faces) {
+      const auto add = [&](std::size_t a, std::size_t b, std::size_t c) {
+        to.push_back({shape_.points[face[a]], shape_.points[face[b]], shape_.points[face[c]]});
+      };
+      add(1, 2, 0);
+      if (face.size() == 4) add(0, 2, 3);
+    }
+  }
   static double whole_part(double x) { return std::abs(x) < 30000 ? std::trunc(x) : 7; }
 
   void begin() {
@@ -111,8 +125,11 @@ class Ply {
         return put(value);
     }
   }
+  // Values that the header does not tell of may follow those of a row on their line.
   void end_row() {
-    if (encoding_ == 0) body_ += line_ + noise(c_);
+    if (encoding_ != 0) return;
+    if (body_.ends_with(' ') && c_.one_in(16)) body_ += "7 more";
+    body_ += line_ + noise(c_);
   }
 
   // Properties that are read over: numbers and lists of them.
@@ -174,6 +191,24 @@ class Ply {
     }
   }
 
+  // Each face as a strip that goes to and fro between its two ends, one after the other in one list.
+  void strips() {
+    for (auto& face : shape_.faces)
+      if (face.size() > 4 || face.size() < 3) face = {0, 1, 2};
+    element("tristrips", 1);
+    list(Type::int32, Type::int32, "vertex_indices");
+    std::vector<std::int64_t> corners;
+    for (const auto& face : shape_.faces) {
+      for (const std::size_t corner : {1, 2, 0, 3})
+        if (corner < face.size()) corners.push_back(face[corner]);
+      corners.push_back(-1);
+    }
+    put(static_cast<std::int32_t>(corners.size()));
+    for (const auto corner : corners) put(static_cast<std::int32_t>(corner));
+    end_row();
+    strips_ = true;
+  }
+
   void extra_element() {
     if (!c_.one_in(4)) return;
     const std::uint32_t rows = c_.below(4);
@@ -215,6 +250,7 @@ class Ply {
   Type coordinate_ = Type::float32;
   std::string line_, header_line_, header_, body_;
   int named_ = 0;
+  bool strips_ = false;
 };
 
 }  // namespace

@@ -1,5 +1,8 @@
-// OBJ and OFF: statements and rows as the many programs write them.
+// OBJ, OFF and Medit: statements and rows as the many programs write them.
+#include <algorithm>
+
 #include "tests/grammar/hostile.h"
+#include "tests/grammar/packed.h"
 #include "tests/grammar/shape.h"
 
 namespace standoff::grammar {
@@ -88,6 +91,12 @@ std::string off_row_end(Choices& c, const std::string& line) {
 
 File make_obj(Choices& c) { return Obj(c).make(); }
 
+File make_obj_gz(Choices& c) {
+  File file = make_obj(c);
+  file.bytes = gzipped(c, file.bytes);
+  return file;
+}
+
 File make_off(Choices& c) {
   const std::string line = line_end(c);
   const Shape shape = make_shape(c, Polygons::some, true);
@@ -111,6 +120,48 @@ File make_off(Choices& c) {
     text += std::to_string(corners);
     for (std::uint32_t n = 0; n < corners; ++n) text += " " + std::to_string(c.below(3));
   }
+  File file{text, {}, {}};
+  damage(c, file.bytes);
+  add_triangles(shape, file.truth.triangles);
+  return file;
+}
+
+File make_medit(Choices& c) {
+  const std::string line = line_end(c);
+  Shape shape = make_shape(c, Polygons::some, true);
+  for (auto& face : shape.faces)
+    if (face.size() < 3 || face.size() > 4) face = {0, 1, 2};
+  // Triangles come first or last, all together.
+  const bool quads_first = c.one_in(3);
+  std::ranges::stable_sort(shape.faces, [&](const auto& a, const auto& b) {
+    return quads_first ? a.size() > b.size() : a.size() < b.size();
+  });
+  const auto gap = [&] { return c.one_in(12) ? line : c.one_in(6) ? "\t " : " "; };
+  const auto end = [&] { return (c.one_in(12) ? " # remark" : "") + line + noise(c); };
+  const auto others = [&] {
+    if (!c.one_in(4)) return std::string();
+    return std::string(c.one_in(2) ? "Corners" : "Edges") + line + "2" + line + "1 1 0" + line + "2 1 0" + line;
+  };
+  std::string text = c.one_in(6) ? "# mesh" + line : "";
+  text += word(c, "MeshVersionFormatted") + gap() + whole(c, 1 + c.below(2)) + end();
+  text += word(c, "Dimension") + gap() + whole(c, 3) + end() + others();
+  text += word(c, "Vertices") + gap() + whole(c, static_cast<std::int64_t>(shape.points.size())) + line;
+  for (const Vec3& p : shape.points) {
+    for (const double x : {p.x, p.y, p.z}) text += real(c, x) + gap();
+    text += whole(c, c.below(3)) + end();
+  }
+  for (const std::size_t corners : {quads_first ? 4 : 3, quads_first ? 3 : 4}) {
+    text += others();
+    const auto of_kind = std::ranges::count(shape.faces, corners, &std::vector<std::uint32_t>::size);
+    if (of_kind == 0 && c.one_in(2)) continue;
+    text += word(c, corners == 3 ? "Triangles" : "Quadrilaterals") + gap() + whole(c, of_kind) + line;
+    for (const auto& face : shape.faces) {
+      if (face.size() != corners) continue;
+      for (const auto corner : face) text += whole(c, std::int64_t{corner} + 1) + gap();
+      text += whole(c, c.below(3)) + end();
+    }
+  }
+  if (!c.one_in(4)) text += word(c, "End") + line;
   File file{text, {}, {}};
   damage(c, file.bytes);
   add_triangles(shape, file.truth.triangles);

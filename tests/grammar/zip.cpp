@@ -1,8 +1,10 @@
 #include "tests/grammar/zip.h"
 
-#include "io/field/zip_crc32.h"
-#include "io/field/zip_format.h"
+#include <zlib.h>
+
+#include "files/zip_format.h"
 #include "tests/grammar/hostile.h"
+#include "tests/grammar/packed.h"
 
 namespace standoff::grammar {
 namespace {
@@ -24,10 +26,11 @@ class Archive {
     Entry entry{word(c_, name), "", "", 0, 0, 0, 0, 0, 0};
     entry.flags = descriptor ? kDescriptor : 0;
     if (c_.trick()) entry.flags |= kEncrypted;
-    const bool deflated = c_.trick();
-    entry.method = deflated ? kDeflated : stored(c_, std::uint16_t{0});
-    const std::string body = deflated ? one_block(content) : content;
-    entry.crc = stored(c_, crc32(std::as_bytes(std::span(content))));
+    const bool packed = c_.one_in(3);
+    entry.method = stored(c_, packed ? kDeflated : std::uint16_t{0});
+    const std::string body = packed ? deflated(c_, content) : content;
+    entry.crc = stored(
+        c_, static_cast<std::uint32_t>(::crc32_z(0, reinterpret_cast<const Bytef*>(content.data()), content.size())));
     entry.bytes = stored(c_, static_cast<std::uint32_t>(content.size()));
     entry.stored_bytes = stored(c_, static_cast<std::uint32_t>(body.size()));
     // A member may begin where another one does.
@@ -77,12 +80,6 @@ class Archive {
                                 raw(stored(c_, std::uint64_t{entry.offset}));
     entry.extra += raw(zip::kExtra64) + raw(stored(c_, static_cast<std::uint16_t>(numbers.size()))) + numbers;
     entry.bytes = entry.stored_bytes = entry.offset = zip::kIn64;
-  }
-
-  // Deflate's block of bytes as they are.
-  static std::string one_block(const std::string& content) {
-    const auto length = static_cast<std::uint16_t>(content.size());
-    return "\x01" + raw(length) + raw(static_cast<std::uint16_t>(~length)) + content;
   }
 
   void put_entry(const Entry& e) {

@@ -47,11 +47,10 @@ DistanceField read_field(const std::filesystem::path& path, const FieldReadOptio
     throw Error(ErrorCode::usage, "a memory limit must be zero or more bytes; give zero for none");
   const FieldFormat& format = format_of(path, ErrorCode::input);
   // Dense files can be larger than memory, and sparse fields of theirs small.
-  const FileView view(path, FileView::Access::map);
-  const FieldInput file(view, options.memory_limit);
+  const FileView file(path, FileView::Access::map);
   if (file.size() == 0) file.fail("the file is empty; write it again");
   try {
-    return format.read(file);
+    return format.read(file, options.memory_limit);
   } catch (const std::bad_alloc&) {
     throw Error(ErrorCode::limit, path.string() + ": not enough memory for its samples; use a machine with more");
   }

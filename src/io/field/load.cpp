@@ -7,8 +7,8 @@
 #include <string>
 
 #include "core/field_bytes.h"
+#include "core/number_text.h"
 #include "core/tile_count.h"
-#include "io/field/header_text.h"
 #include "io/field/samples.h"
 #include "standoff/error.h"
 
@@ -18,24 +18,53 @@ namespace {
 constexpr std::int64_t kSide = DistanceField::kTileSide;
 constexpr std::size_t kTile = DistanceField::kTileSamples;
 
-// Reads tiles of an array that lies in the file, each number on its own: numbers need not be aligned there.
+// An array in the file as it is.
+class PlainBytes : public ByteStream {
+ public:
+  explicit PlainBytes(std::string_view bytes) : left_(bytes) {}
+  std::string_view next(std::uint64_t bytes) override {
+    const std::string_view part = left_.substr(0, bytes);
+    left_.remove_prefix(part.size());
+    return part;
+  }
+  void finish() override {}
+
+ private:
+  std::string_view left_;
+};
+
+// Reads tiles of an array, a layer of them after the other: a layer spans the grid but for its slowest axis, along
+// which it is a tile thick. Each number is read on its own: numbers need not be aligned.
 template <class Sample>
 class TileReader {
  public:
-  TileReader(const FieldInput& file, const StoredArray& array, const Size3& size)
-      : bytes_(file.text(array.offset, sizeof(Sample) * static_cast<std::uint64_t>(size.count())).data()),
-        swapped_(array.big_endian),
+  TileReader(const FileView& file, const StoredArray& array, const Size3& size)
+      : swapped_(array.big_endian),
         size_(size),
-        step_(array.z_fastest ? Size3{size.y * size.z, size.z, 1} : Size3{1, size.x, size.x * size.y}) {}
+        step_(array.z_fastest ? Size3{size.y * size.z, size.z, 1} : Size3{1, size.x, size.x * size.y}),
+        planes_(array.z_fastest ? size.x : size.z),
+        plane_(size.count() / planes_) {
+    stream_ = array.open ? array.open() : std::make_unique<PlainBytes>(file.text(array.offset, file.size()));
+    if (array.open) stream_->next(array.offset);
+  }
 
-  // The tile whose first sample is `first`, x fastest; `absent` where the grid ends.
+  // The next kSide planes, or what is left of them.
+  void next_layer() {
+    begin_ += layer_;
+    layer_ = std::min(kSide, planes_ - read_) * plane_;
+    read_ += layer_ / plane_;
+    bytes_ = stream_->next(sizeof(Sample) * static_cast<std::uint64_t>(layer_)).data();
+  }
+  void finish() { stream_->finish(); }
+
+  // The tile whose first sample is `first`, x fastest; `absent` where the grid ends. It lies in the layer.
   void read(Size3 first, Sample absent, std::array<Sample, kTile>& tile) const {
     tile.fill(absent);
     const std::int64_t nx = std::min(kSide, size_.x - first.x), ny = std::min(kSide, size_.y - first.y),
                        nz = std::min(kSide, size_.z - first.z);
     for (std::int64_t z = 0; z < nz; ++z)
       for (std::int64_t y = 0; y < ny; ++y) {
-        const std::int64_t from = first.x * step_.x + (first.y + y) * step_.y + (first.z + z) * step_.z;
+        const std::int64_t from = first.x * step_.x + (first.y + y) * step_.y + (first.z + z) * step_.z - begin_;
         Sample* row = tile.data() + kSide * (y + kSide * z);
         for (std::int64_t x = 0; x < nx; ++x) row[x] = number(from + x * step_.x);
       }
@@ -48,9 +77,13 @@ class TileReader {
     return std::bit_cast<Sample>(swapped_ ? __builtin_bswap32(bits) : bits);
   }
 
-  const char* bytes_;
+  std::unique_ptr<ByteStream> stream_;
   bool swapped_;
   Size3 size_, step_;
+  std::int64_t planes_, plane_;         // of the slowest axis, and samples in each
+  std::int64_t read_ = 0;               // planes up to the end of the layer
+  std::int64_t begin_ = 0, layer_ = 0;  // of the layer: its first sample, and how many there are
+  const char* bytes_ = nullptr;
 };
 
 enum class TileContent { outside, inside, near, bad };
@@ -76,94 +109,116 @@ bool has_triangle(const std::array<std::uint32_t, kTile>& tile) {
   return found != 0;
 }
 
-[[noreturn]] void fail_at_bad(const FieldInput& file, const std::array<float, kTile>& tile, float far, Size3 first) {
+[[noreturn]] void fail_at_bad(const FileView& file, const std::array<float, kTile>& tile, float far, Size3 first) {
   const auto bad = std::ranges::find_if(tile, [far](float value) { return !(std::abs(value) <= far); });
   const std::int64_t at = bad - tile.begin();
   const auto name = [](std::int64_t i) { return std::to_string(i); };
   file.fail("sample (" + name(first.x + at % kSide) + "," + name(first.y + at / kSide % kSide) + "," +
                 name(first.z + at / (kSide * kSide)) + ")",
-            "the value " + text_of(*bad) + " is not a number, or larger in magnitude than the thickness, " +
-                text_of(far) + "; the file is damaged or no distance field, write it again");
+            "the value " + exact_text(*bad) + " is not a number, or larger in magnitude than the thickness, " +
+                exact_text(far) + "; the file is damaged or no distance field, write it again");
 }
 
-void check(const FieldInput& file, const StoredField& stored) {
+void check(const FileView& file, const StoredField& stored) {
   if (!(stored.thickness > 0))
-    file.fail("the thickness " + text_of(stored.thickness) + " is not positive; write the file again");
+    file.fail("the thickness " + exact_text(stored.thickness) + " is not positive; write the file again");
   require_valid(file, stored.grid);
-  file.require(stored.distance.offset, sample_bytes(stored.grid), "the array of distances");
-  if (stored.nearest) file.require(stored.nearest->offset, sample_bytes(stored.grid), "the array of nearest triangles");
+  const auto require_array = [&](const StoredArray& array, const char* what) {
+    if (!array.open) file.require(array.offset, sample_bytes(stored.grid), what);
+  };
+  require_array(stored.distance, "the array of distances");
+  if (stored.nearest) require_array(*stored.nearest, "the array of nearest triangles");
 }
 
-// Goes through the tiles of a file in order.
+// Goes through the tiles of a file, a layer along the slowest axis after the other.
 class TileWalk {
  public:
-  TileWalk(const FieldInput& file, const StoredField& stored)
-      : file_(file),
-        size_(stored.grid.size),
-        tiles_(tiles_of(size_)),
-        far_(static_cast<float>(stored.thickness)),
-        values_(file, stored.distance, size_) {
-    if (stored.nearest) nearest_.emplace(file, *stored.nearest, size_);
-  }
+  TileWalk(const FileView& file, const StoredField& stored)
+      : file_(file), stored_(stored), size_(stored.grid.size), far_(static_cast<float>(stored.thickness)) {}
 
-  std::int64_t tile_count() const { return tiles_.count(); }
+  Size3 tile_count() const { return tiles_of(size_); }
+  // Bytes that are held of packed arrays: a layer.
+  double held() const {
+    const Size3& n = size_;
+    double bytes = 0;
+    for (const StoredArray* array : {&stored_.distance, stored_.nearest ? &*stored_.nearest : nullptr})
+      if (array && array->packed) {
+        const std::int64_t planes = array->z_fastest ? n.x : n.z;
+        bytes += 4 * static_cast<double>(n.count() / planes * std::min(planes, kSide));
+      }
+    return bytes;
+  }
 
   // store(tile, values, nearest) for each tile that is to be stored, mark_inside(tile) for each that is deep inside.
   // Throws at a value that is none.
   template <class Store, class MarkInside>
   void operator()(Store store, MarkInside mark_inside) const {
-    std::array<float, kTile> values;
-    std::array<std::uint32_t, kTile> nearest;
-    for (std::int64_t tz = 0; tz < tiles_.z; ++tz)
-      for (std::int64_t ty = 0; ty < tiles_.y; ++ty)
-        for (std::int64_t tx = 0; tx < tiles_.x; ++tx) {
-          const Size3 tile{tx, ty, tz}, first{tx * kSide, ty * kSide, tz * kSide};
-          values_.read(first, far_, values);
-          const TileContent found = content(values, far_, samples_from(first));
-          if (found == TileContent::bad) fail_at_bad(file_, values, far_, first);
-          if (nearest_) nearest_->read(first, kNoTriangle, nearest);
-          // A distance that equals the thickness lies in the band: only its nearest triangle tells it from a clamped
-          // one.
-          if (found == TileContent::near || (nearest_ && has_triangle(nearest)))
-            store(tile, values, nearest);
-          else if (found == TileContent::inside)
-            mark_inside(tile);
-        }
+    TileReader<float> values(file_, stored_.distance, size_);
+    std::optional<TileReader<std::uint32_t>> nearest;
+    if (stored_.nearest) nearest.emplace(file_, *stored_.nearest, size_);
+    const Size3 tiles = tile_count();
+    const bool along_x = stored_.distance.z_fastest;
+    for (std::int64_t layer = 0; layer < (along_x ? tiles.x : tiles.z); ++layer) {
+      values.next_layer();
+      if (nearest) nearest->next_layer();
+      for (std::int64_t tz = along_x ? 0 : layer; tz < (along_x ? tiles.z : layer + 1); ++tz)
+        for (std::int64_t ty = 0; ty < tiles.y; ++ty)
+          for (std::int64_t tx = along_x ? layer : 0; tx < (along_x ? layer + 1 : tiles.x); ++tx)
+            visit(values, nearest, {tx, ty, tz}, store, mark_inside);
+    }
+    values.finish();
+    if (nearest) nearest->finish();
   }
 
  private:
+  template <class Store, class MarkInside>
+  void visit(const TileReader<float>& values, const std::optional<TileReader<std::uint32_t>>& nearest, Size3 at,
+             const Store& store, const MarkInside& mark_inside) const {
+    const Size3 first{at.x * kSide, at.y * kSide, at.z * kSide};
+    std::array<float, kTile> tile;
+    values.read(first, far_, tile);
+    const TileContent found = content(tile, far_, samples_from(first));
+    if (found == TileContent::bad) fail_at_bad(file_, tile, far_, first);
+    std::array<std::uint32_t, kTile> triangles;
+    if (nearest) nearest->read(first, kNoTriangle, triangles);
+    // A distance that equals the thickness lies in the band: only its nearest triangle tells it from a clamped one.
+    if (found == TileContent::near || (nearest && has_triangle(triangles)))
+      store(at, tile, triangles);
+    else if (found == TileContent::inside)
+      mark_inside(at);
+  }
   // Samples of the grid in the tile whose first sample is `first`.
   std::int64_t samples_from(const Size3& first) const {
     return std::min(kSide, size_.x - first.x) * std::min(kSide, size_.y - first.y) * std::min(kSide, size_.z - first.z);
   }
 
-  const FieldInput& file_;
-  Size3 size_, tiles_;
+  const FileView& file_;
+  const StoredField& stored_;
+  Size3 size_;
   float far_;
-  TileReader<float> values_;
-  std::optional<TileReader<std::uint32_t>> nearest_;
 };
 
 // A file whose tiles might not fit, were all of them stored, is gone through once to count them.
-void check_memory(const FieldInput& file, const TileWalk& walk, bool with_nearest) {
-  if (file.memory_limit() == 0) return;
-  const auto limit = static_cast<double>(file.memory_limit()), all = static_cast<double>(walk.tile_count());
-  if (field_bytes(all, all, with_nearest) <= limit) return;
-  const double least = field_bytes(0, all, with_nearest);
+void check_memory(const TileWalk& walk, bool with_nearest, std::int64_t memory_limit) {
+  if (memory_limit == 0) return;
+  const double limit = static_cast<double>(memory_limit), all = static_cast<double>(walk.tile_count().count()),
+               held = walk.held();
+  if (held + field_bytes(all, all, with_nearest) <= limit) return;
+  const double least = held + field_bytes(0, all, with_nearest);
   if (least > limit)
     throw Error(ErrorCode::limit, "its tiles need more than " + over_the_limit(least, limit) + "; give a higher limit");
   double stored = 0;
   walk([&](auto&&...) { ++stored; }, [](const Size3&) {});
-  const double needed = field_bytes(stored, all, with_nearest);
+  const double needed = held + field_bytes(stored, all, with_nearest);
   if (needed > limit)
     throw Error(ErrorCode::limit, "its tiles need " + over_the_limit(needed, limit) + "; give a higher limit");
 }
 
-DistanceField load(const FieldInput& file, const StoredField& stored) {
+DistanceField load(const FileView& file, const StoredField& stored, std::int64_t memory_limit) {
   check(file, stored);
   const bool with_nearest = stored.nearest.has_value();
   const TileWalk walk(file, stored);
-  check_memory(file, walk, with_nearest);
+  check_memory(walk, with_nearest, memory_limit);
   DistanceField field(stored.grid, stored.thickness, with_nearest);
   field.provenance = stored.provenance;
   walk(
@@ -177,7 +232,7 @@ DistanceField load(const FieldInput& file, const StoredField& stored) {
 
 }  // namespace
 
-void require_valid(const FieldInput& file, const Grid& grid) {
+void require_valid(const FileView& file, const Grid& grid) {
   try {
     validate(grid);
   } catch (const Error& error) {
@@ -185,9 +240,9 @@ void require_valid(const FieldInput& file, const Grid& grid) {
   }
 }
 
-DistanceField load_field(const FieldInput& file, const StoredField& stored) {
+DistanceField load_field(const FileView& file, const StoredField& stored, std::int64_t memory_limit) {
   try {
-    return load(file, stored);
+    return load(file, stored, memory_limit);
   } catch (const Error& error) {
     // What a field says of its own limits lacks the file's name.
     if (error.code() == ErrorCode::input) throw;

@@ -3,6 +3,8 @@
 #include <cstring>
 #include <string_view>
 
+#include "core/number_text.h"
+#include "files/shown.h"
 #include "io/field/header_text.h"
 
 namespace standoff {
@@ -10,7 +12,6 @@ namespace {
 
 constexpr std::string_view kMagic = "\x93NUMPY";
 constexpr std::uint64_t kAlignment = 64;
-constexpr std::uint64_t kMaxHeader = 1u << 16;  // what version 1 can say; longer ones describe records
 
 // The header is a Python dictionary: {'descr': '<f4', 'fortran_order': True, 'shape': (2, 3, 4), }
 class Dictionary {
@@ -87,9 +88,8 @@ std::string npy_header(const NpyHeader& header) {
   return std::string(kMagic) + '\1' + '\0' + static_cast<char>(length & 0xFF) + static_cast<char>(length >> 8) + text;
 }
 
-NpyArray read_npy(const FieldInput& file, const std::string& name, std::uint64_t offset, std::uint64_t bytes) {
-  const auto fail = [&](const std::string& what) { file.fail(name, what); };
-  const std::string_view start = file.text(offset, std::min<std::uint64_t>(bytes, 12));
+NpyArray read_npy(const FileView& file, const std::string& name, std::string_view start, std::uint64_t bytes) {
+  const auto fail = [&](const std::string& what) { file.fail(shown(name), what); };
   if (start.size() < 10 || !start.starts_with(kMagic)) fail("it is no NumPy array; write the file again");
   const bool short_length = start[6] == 1;
   if (start[6] < 1 || start[6] > 3 || (!short_length && start.size() < 12))
@@ -97,14 +97,13 @@ NpyArray read_npy(const FieldInput& file, const std::string& name, std::uint64_t
   std::uint32_t length = 0;
   std::memcpy(&length, start.data() + 8, short_length ? 2 : 4);
   const std::uint64_t header = short_length ? 10 : 12;
-  if (length > kMaxHeader || length > bytes - header)
+  if (length > kMaxNpyHeader - header || length > bytes - header)
     fail("its header reaches past its end; the file is damaged, write it again");
   NpyArray array;
-  if (!Dictionary(file.text(offset + header, length)).read(array))
+  if (!Dictionary(start.substr(header, length)).read(array))
     fail("its header describes no plain array; save one of numbers, not of records or objects");
-  array.name = name;
-  array.offset = offset + header + length;
-  array.bytes = bytes - header - length;
+  array.offset = header + length;
+  array.bytes = bytes - array.offset;
   return array;
 }
 

@@ -3,9 +3,10 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "io/field/input.h"
+#include "files/file_view.h"
 
 namespace standoff {
 
@@ -18,13 +19,16 @@ struct NpyHeader {
 /// The header with its padding, a multiple of 64 bytes.
 std::string npy_header(const NpyHeader& header);
 
+/// The longest header that is read; longer ones describe records.
+inline constexpr std::uint64_t kMaxNpyHeader = 12 + (std::uint64_t{1} << 16);
+
 struct NpyArray : NpyHeader {
-  std::string name;          ///< for messages
-  std::uint64_t offset = 0;  ///< of the first value
+  std::uint64_t offset = 0;  ///< of the first value in the array's file
   std::uint64_t bytes = 0;   ///< from there to the end of the array's file
 };
 
-/// Reads the header of the array file that lies in `bytes` bytes from `offset` on. Errors: input.
-NpyArray read_npy(const FieldInput& file, const std::string& name, std::uint64_t offset, std::uint64_t bytes);
+/// Reads the header of an array file of `bytes` bytes, of which `start` is the beginning: all of it, or at least
+/// kMaxNpyHeader. Errors: input; `name` stands in messages.
+NpyArray read_npy(const FileView& file, const std::string& name, std::string_view start, std::uint64_t bytes);
 
 }  // namespace standoff

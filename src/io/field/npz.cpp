@@ -1,16 +1,20 @@
 // NPZ: a zip archive of NumPy arrays, one file each.
+#include <algorithm>
 #include <array>
+#include <cstring>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "core/number_text.h"
 #include "files/shown.h"
+#include "files/zip_reader.h"
+#include "files/zip_writer.h"
 #include "io/field/format.h"
 #include "io/field/header_text.h"
 #include "io/field/npy.h"
 #include "io/field/samples.h"
-#include "io/field/zip_reader.h"
-#include "io/field/zip_writer.h"
 
 namespace standoff {
 namespace {
@@ -20,38 +24,57 @@ constexpr const char* kNearest = "nearest_triangle";
 
 std::string quoted(const std::string& name) { return "'" + name + "'"; }
 
+// An array of the archive.
+struct Member : NpyArray {
+  const ZipMember* zip = nullptr;
+  std::string name;   // for messages
+  std::string start;  // its file's first bytes: all that small arrays have
+
+  // Value n of an array that lies in the first bytes.
+  template <class Number>
+  Number value(std::uint64_t n) const {
+    Number number;
+    std::memcpy(&number, start.data() + offset + n * sizeof number, sizeof number);
+    return number;
+  }
+};
+
 class Archive {
  public:
-  explicit Archive(const FieldInput& file) : file_(file), members_(read_zip(file)) {}
+  explicit Archive(const FileView& file) : file_(file), members_(read_zip(file)) {}
 
-  // The array of that name, its checksum verified.
-  std::optional<NpyArray> find(const std::string& name) const {
-    for (const ZipMember& member : members_) {
-      if (member.name != name + ".npy") continue;
-      check_crc(file_, member);
-      return read_npy(file_, member.name, member.offset, member.bytes);
+  // The array of that name.
+  std::optional<Member> find(const std::string& name) const {
+    for (const ZipMember& zip : members_) {
+      if (zip.name != name + ".npy") continue;
+      Member member;
+      member.zip = &zip;
+      member.name = zip.name;
+      member.start = ZipMemberStream(file_, zip).next(std::min(zip.bytes, kStart));
+      static_cast<NpyArray&>(member) = read_npy(file_, member.name, member.start, zip.bytes);
+      return member;
     }
     return std::nullopt;
   }
-  NpyArray get(const std::string& name) const {
-    if (auto array = find(name)) return *array;
+  Member get(const std::string& name) const {
+    if (auto array = find(name)) return *std::move(array);
     file_.fail("the array " + quoted(name) + " is missing; save it too");
   }
 
   // A single number, or one per axis.
-  std::vector<double> numbers(const NpyArray& array, std::size_t count) const {
+  std::vector<double> numbers(const Member& array, std::size_t count) const {
     std::uint64_t values = 1;
     for (const auto side : array.shape)
       values = side == 1 ? values : values == 1 ? static_cast<std::uint64_t>(side) : 0;
     const std::uint64_t width = array.type == "<f8" || array.type == "<i8" ? 8 : array.type == "<f4" ? 4 : 0;
-    if (values != count || width == 0 || array.bytes < count * width)
+    if (values != count || width == 0 || !is_small(array, count * width))
       file_.fail(array.name,
                  "it is not " + std::to_string(count) + " number(s) of type float64; save it again as such");
     std::vector<double> numbers;
-    for (std::uint64_t at = array.offset; numbers.size() < count; at += width)
-      numbers.push_back(array.type == "<f8"   ? file_.read<double>(at)
-                        : array.type == "<i8" ? static_cast<double>(file_.read<std::int64_t>(at))
-                                              : static_cast<double>(file_.read<float>(at)));
+    for (std::uint64_t n = 0; n < count; ++n)
+      numbers.push_back(array.type == "<f8"   ? array.value<double>(n)
+                        : array.type == "<i8" ? static_cast<double>(array.value<std::int64_t>(n))
+                                              : static_cast<double>(array.value<float>(n)));
     return numbers;
   }
   Vec3 vector(const std::string& name) const {
@@ -66,18 +89,23 @@ class Archive {
     const auto length = array->type.starts_with("<U")
                             ? number_in<std::uint64_t>(std::string_view(array->type).substr(2))
                             : std::nullopt;
-    if (!length || *length > kMaxText || !array->shape.empty() || array->bytes < 4 * *length)
+    if (!length || *length > kMaxText || !array->shape.empty() || !is_small(*array, 4 * *length))
       file_.fail(array->name, "it is not a short string; save it again as one");
     std::string text;
     for (std::uint64_t n = 0; n < *length; ++n) {
-      const auto c = file_.read<std::uint32_t>(array->offset + 4 * n);
+      const auto c = array->value<std::uint32_t>(n);
       if (c != 0) text += c < 128 ? static_cast<char>(c) : '?';
     }
     return text;
   }
 
-  // Three-dimensional samples of the given kind: "f4" or "u4".
-  StoredArray samples(const NpyArray& array, const std::string& kind, Size3& size) const {
+  std::uint64_t hash(const std::string& name) const {
+    const auto array = find(name);
+    return array && array->type == "<u8" && is_small(*array, 8) ? array->value<std::uint64_t>(0) : 0;
+  }
+
+  // Three-dimensional samples of the given kind: "f4" or "u4". The archive must outlive them.
+  StoredArray samples(const Member& array, const std::string& kind, Size3& size) const {
     if (array.type != "<" + kind && array.type != ">" + kind)
       file_.fail(array.name, "its type is " + in_quotes(array.type) + "; save it as " + quoted("<" + kind));
     if (array.shape.size() != 3) file_.fail(array.name, "it has not three axes; save it as array[i,j,k]");
@@ -85,11 +113,20 @@ class Archive {
     for (const auto side : array.shape) room = side > 0 ? room / static_cast<std::uint64_t>(side) : 0;
     if (room == 0) file_.fail(array.name, "it is shorter than its shape says; the file is damaged, write it again");
     size = {array.shape[0], array.shape[1], array.shape[2]};
-    return {array.offset, array.type.starts_with('>'), !array.fortran_order};
+    const auto open = [this, zip = array.zip] { return std::make_unique<ZipMemberStream>(file_, *zip); };
+    return {array.offset, array.type.starts_with('>'), !array.fortran_order, open, array.zip->deflated};
   }
 
  private:
-  const FieldInput& file_;
+  // All of a small array's file; its checksum has been compared when it was read.
+  static constexpr std::uint64_t kStart = kMaxNpyHeader + 4 * kMaxText;
+
+  // Whether the array has the bytes, and its file is no longer than small ones are.
+  static bool is_small(const Member& array, std::uint64_t bytes) {
+    return array.bytes >= bytes && array.zip->bytes <= kStart;
+  }
+
+  const FileView& file_;
   std::vector<ZipMember> members_;
 };
 
@@ -129,7 +166,7 @@ class ArrayWriter {
 
 }  // namespace
 
-DistanceField read_npz(const FieldInput& file) {
+DistanceField read_npz(const FileView& file, std::int64_t memory_limit) {
   const Archive archive(file);
   StoredField stored;
   stored.distance = archive.samples(archive.get(kDistance), "f4", stored.grid.size);
@@ -138,15 +175,14 @@ DistanceField read_npz(const FieldInput& file) {
   if (const auto thickness = archive.find("thickness")) stored.thickness = archive.numbers(*thickness, 1)[0];
   stored.provenance.method = archive.text("method");
   stored.provenance.version = archive.text("version");
-  if (const auto hash = archive.find("mesh_hash"); hash && hash->type == "<u8" && hash->bytes >= 8)
-    stored.provenance.mesh_hash = file.read<std::uint64_t>(hash->offset);
+  stored.provenance.mesh_hash = archive.hash("mesh_hash");
   if (const auto nearest = archive.find(kNearest)) {
     Size3 size;
     stored.nearest = archive.samples(*nearest, "u4", size);
     if (size != stored.grid.size || stored.nearest->z_fastest != stored.distance.z_fastest)
       file.fail(nearest->name, "its shape or order is not that of " + quoted(kDistance) + "; save both alike");
   }
-  return load_field(file, stored);
+  return load_field(file, stored, memory_limit);
 }
 
 void write_npz(AtomicFile& file, const DistanceField& field) {

@@ -1,8 +1,11 @@
 // NRRD: a text header, an empty line, raw samples.
 #include <array>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "core/number_text.h"
+#include "files/inflate.h"
 #include "files/shown.h"
 #include "io/field/format.h"
 #include "io/field/header_text.h"
@@ -12,13 +15,15 @@
 namespace standoff {
 namespace {
 
+bool is_gzip_encoding(const NrrdLine& encoding) { return encoding.text == "gzip" || encoding.text == "gz"; }
+
 // What changes where or how samples are stored, and is not read.
 void refuse_unsupported(const NrrdHeader& header) {
   const NrrdLine& type = header.get("type");
   if (type.text != "float")
     header.fail(type, "samples of type " + in_quotes(type.text) + " are not read; convert them to float");
   const NrrdLine& encoding = header.get("encoding");
-  if (encoding.text != "raw")
+  if (encoding.text != "raw" && !is_gzip_encoding(encoding))
     header.fail(encoding,
                 "encoding " + in_quotes(encoding.text) + " is not read; save it raw (unu save -f nrrd -e raw)");
   for (const char* name : {"data file", "datafile"})
@@ -96,9 +101,19 @@ Size3 read_sizes(const NrrdHeader& header) {
   return {sizes[0], sizes[1], sizes[2]};
 }
 
+// Samples that are packed, after the empty line, by gzip.
+StoredArray packed(const FileView& file, const NrrdHeader& header, const Grid& grid, const NrrdLine& endian) {
+  require_valid(file, grid);
+  const std::string_view bytes = file.text(header.data, file.size());
+  if (sample_bytes(grid) / kMostDeflated > bytes.size())
+    header.fail(header.get("sizes"),
+                "they ask for more samples than so short a file can hold; it is cut off or damaged, get all of it");
+  return {0, endian.text == "big", false, [&file, bytes] { return std::make_unique<GzipStream>(file, bytes); }, true};
+}
+
 }  // namespace
 
-DistanceField read_nrrd(const FieldInput& file) {
+DistanceField read_nrrd(const FileView& file, std::int64_t memory_limit) {
   const NrrdHeader header = read_nrrd_header(file);
   refuse_unsupported(header);
   StoredField stored;
@@ -107,7 +122,8 @@ DistanceField read_nrrd(const FieldInput& file) {
   const NrrdLine& endian = header.get("endian");
   if (endian.text != "little" && endian.text != "big")
     header.fail(endian, "endian is little or big; write the file again");
-  stored.distance = {header.data, endian.text == "big", false};
+  stored.distance = {header.data, endian.text == "big", false, {}, false};
+  if (is_gzip_encoding(header.get("encoding"))) stored.distance = packed(file, header, stored.grid, endian);
   if (const NrrdLine* line = header.key("thickness")) {
     const auto thickness = number_in<double>(trimmed(line->text));
     if (!thickness) header.fail(*line, "the thickness is not a number; write the file again");
@@ -116,12 +132,12 @@ DistanceField read_nrrd(const FieldInput& file) {
   if (const NrrdLine* line = header.key("method")) stored.provenance.method = line->text.substr(0, kMaxText);
   if (const NrrdLine* line = header.key("version")) stored.provenance.version = line->text.substr(0, kMaxText);
   if (const NrrdLine* line = header.key("mesh_hash")) stored.provenance.mesh_hash = hash_in(line->text).value_or(0);
-  return load_field(file, stored);
+  return load_field(file, stored, memory_limit);
 }
 
 void write_nrrd(AtomicFile& file, const DistanceField& field) {
   const Grid& grid = field.grid();
-  const auto text = [](double number) { return text_of(number); };
+  const auto text = [](double number) { return exact_text(number); };
   const auto vector = [&](double x, double y, double z) {
     return std::string("(") + text(x) + "," + text(y) + "," + text(z) + ")";
   };

@@ -55,7 +55,7 @@ const NrrdLine* NrrdHeader::key(const std::string& name) const {
   return found == keys.end() ? nullptr : &found->second;
 }
 
-NrrdHeader read_nrrd_header(const FieldInput& file) {
+NrrdHeader read_nrrd_header(const FileView& file) {
   const std::string_view text = file.text(0, kMaxHeader);
   if (!text.starts_with("NRRD000")) file.fail("header", "it does not begin with NRRD000; give a NRRD file");
   NrrdHeader header{file, {}, {}, 0};

@@ -5,7 +5,7 @@
 #include <map>
 #include <string>
 
-#include "io/field/input.h"
+#include "files/file_view.h"
 
 namespace standoff {
 
@@ -15,7 +15,7 @@ struct NrrdLine {
 };
 
 struct NrrdHeader {
-  const FieldInput& file;
+  const FileView& file;
   std::map<std::string, NrrdLine> fields;  ///< "name: value", names in lower case
   std::map<std::string, NrrdLine> keys;    ///< "key:=value", escapes undone
   std::uint64_t data = 0;                  ///< offset of the first sample
@@ -31,7 +31,7 @@ struct NrrdHeader {
 };
 
 /// Reads the lines up to the empty one. Errors: input.
-NrrdHeader read_nrrd_header(const FieldInput& file);
+NrrdHeader read_nrrd_header(const FileView& file);
 
 /// The value of a key as the header spells it.
 std::string nrrd_escaped(const std::string& value);

@@ -4,10 +4,12 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <span>
 
-#include "io/field/input.h"
+#include "files/byte_stream.h"
+#include "files/file_view.h"
 #include "standoff/field.h"
 
 namespace standoff {
@@ -24,9 +26,13 @@ std::uint64_t sample_bytes(const Grid& grid);
 
 /// One 4-byte number per sample, somewhere in a file.
 struct StoredArray {
+  /// Where it begins in the file, or in what `open` gives.
   std::uint64_t offset = 0;
   bool big_endian = false;
   bool z_fastest = false;  ///< C order of a[i,j,k]; x varies fastest otherwise
+  /// Opens the part of the file that holds it, where that is packed or checked. There must be enough of it.
+  std::function<std::unique_ptr<ByteStream>()> open;
+  bool packed = false;  ///< memory is taken for what `open` gives
 };
 
 /// What the header of a field file says.
@@ -39,10 +45,11 @@ struct StoredField {
 };
 
 /// Throws Error{input} unless the grid is valid.
-void require_valid(const FieldInput& file, const Grid& grid);
+void require_valid(const FileView& file, const Grid& grid);
 
-/// Builds the field, tile by tile, without holding all samples densely. Errors: input when the grid or thickness make
-/// no sense, the file is too short, or a value is not a number or exceeds the thickness; limit as DistanceField.
-DistanceField load_field(const FieldInput& file, const StoredField& stored);
+/// Builds the field, tile by tile, without holding all samples densely: of packed arrays, as many as a layer of tiles
+/// has. Errors: input when the grid or thickness make no sense, the file is too short, or a value is not a number or
+/// exceeds the thickness; limit as DistanceField, and for more than `memory_limit` bytes unless that is 0.
+DistanceField load_field(const FileView& file, const StoredField& stored, std::int64_t memory_limit);
 
 }  // namespace standoff

@@ -7,11 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "core/number_text.h"
 #include "files/shown.h"
+#include "files/xml_scan.h"
 #include "io/field/format.h"
 #include "io/field/header_text.h"
 #include "io/field/samples.h"
-#include "io/field/vti_tags.h"
 
 namespace standoff {
 namespace {
@@ -21,12 +22,13 @@ constexpr std::string_view kAppended = "<AppendedData";
 
 class Reader {
  public:
-  explicit Reader(const FieldInput& file) : file_(file), head_(file.text(0, kMaxHeader)) {}
+  explicit Reader(const FileView& file) : file_(file), head_(file.text(0, kMaxHeader)), scan_(file, header()) {}
 
   StoredField read() {
-    const auto tags = header_tags();
-    std::string section;
-    for (const VtiTag& tag : tags) {
+    std::string_view section;
+    XmlTag tag{}, last{};
+    for (; scan_.next(tag); last = tag) {
+      if (!tag.opens()) continue;
       if (tag.name == "VTKFile") read_file(tag);
       if (tag.name == "ImageData") read_image(tag);
       if (tag.name == "Piece") read_piece(tag);
@@ -35,6 +37,7 @@ class Reader {
       if (section == "PointData") points_.push_back(tag);
       if (section == "FieldData") read_fact(tag);
     }
+    check_appended(last);
     if (!found_file_) file_.fail("header", "it is no VTK XML file; give a .vti file");
     if (!found_image_) file_.fail("header", "it holds no ImageData; save the field as image data");
     if (pieces_ != 1) file_.fail("header", "it has " + std::to_string(pieces_) + " pieces; save it as one");
@@ -43,17 +46,14 @@ class Reader {
   }
 
  private:
-  [[noreturn]] void fail(const VtiTag& tag, const std::string& what) const {
-    file_.fail("byte " + std::to_string(tag.offset), what);
-  }
-  const std::string& get(const VtiTag& tag, const char* attribute) const {
-    if (const std::string* value = tag.find(attribute)) return *value;
-    fail(tag, "<" + tag.name + "> lacks " + attribute + "; write the file again");
+  [[noreturn]] void fail(const XmlTag& tag, const std::string& what) const { scan_.fail_at(tag, what); }
+  std::string_view get(const XmlTag& tag, const char* attribute) const {
+    if (const auto value = tag.find(attribute)) return *value;
+    fail(tag, "<" + shown(tag.name) + "> lacks " + attribute + "; write the file again");
   }
   template <std::size_t n, class Number>
-  std::array<Number, n> numbers(const VtiTag& tag, const char* attribute) const {
-    const std::string& text = get(tag, attribute);
-    const auto words = words_of(text);
+  std::array<Number, n> numbers(const XmlTag& tag, const char* attribute) const {
+    const auto words = words_of(get(tag, attribute));
     std::array<Number, n> numbers{};
     for (std::size_t k = 0; k < n; ++k) {
       const auto number = words.size() == n ? number_in<Number>(words[k]) : std::nullopt;
@@ -64,7 +64,8 @@ class Reader {
     return numbers;
   }
 
-  std::vector<VtiTag> header_tags() {
+  // The text up to the tag that begins the appended data; what follows it is no XML.
+  std::string_view header() {
     const auto start = head_.find(kAppended);
     if (start == std::string::npos)
       file_.fail("header", "no appended data; save it with raw appended data (no file of VTK? check its name)");
@@ -74,26 +75,25 @@ class Reader {
       file_.fail("byte " + std::to_string(start),
                  "no '_' begins the appended data; the file is damaged, write it again");
     data_ = mark + 1;
-    auto tags = read_vti_tags(file_, head_.substr(0, close + 1));
-    // It may stand in a comment or in a processing instruction, after which nothing may be left.
-    if (tags.empty() || tags.back().name != kAppended.substr(1))
-      file_.fail("byte " + std::to_string(start), "the XML header is damaged; write the file again");
-    if (const std::string* encoding = tags.back().find("encoding"); !encoding || *encoding != "raw")
-      fail(tags.back(), "the appended data is not raw; save it with encoding raw");
-    return tags;
+    return head_.substr(0, close + 1);
   }
 
-  void read_file(const VtiTag& tag) {
+  // The tag may stand in a comment or in an instruction, and other tags begin with its letters.
+  void check_appended(const XmlTag& last) const {
+    if (last.name != kAppended.substr(1)) scan_.fail("no tag begins the appended data; write the file again");
+    if (last.attribute("encoding") != "raw") fail(last, "the appended data is not raw; save it with encoding raw");
+  }
+
+  void read_file(const XmlTag& tag) {
     found_file_ = true;
     if (get(tag, "type") != "ImageData")
       fail(tag, "it holds " + shown(get(tag, "type")) + "; save the field as ImageData");
     if (tag.find("compressor")) fail(tag, "it is compressed; save it without compression");
     big_endian_ = get(tag, "byte_order") == "BigEndian";
-    const std::string* header = tag.find("header_type");
-    length_bytes_ = header && *header == "UInt64" ? 8 : 4;
+    length_bytes_ = tag.attribute("header_type") == "UInt64" ? 8 : 4;
   }
 
-  void read_image(const VtiTag& tag) {
+  void read_image(const XmlTag& tag) {
     found_image_ = true;
     extent_ = numbers<6, std::int64_t>(tag, "WholeExtent");
     constexpr std::int64_t kFar = std::int64_t{1} << 40;
@@ -113,24 +113,24 @@ class Reader {
       fail(tag, "the axes of the grid must be those of the world; resample it");
   }
 
-  void read_piece(const VtiTag& tag) {
+  void read_piece(const XmlTag& tag) {
     ++pieces_;
     if (found_image_ && numbers<6, std::int64_t>(tag, "Extent") != extent_)
       fail(tag, "the piece is not all of the image; save the whole as one piece");
   }
 
   // Where the bytes of an array lie, after their length.
-  std::uint64_t payload(const VtiTag& tag, std::uint64_t& bytes) const {
+  std::uint64_t payload(const XmlTag& tag, std::uint64_t& bytes) const {
     if (get(tag, "format") != "appended")
       fail(tag, "the array is not in the appended data; save it with appended data");
     const auto offset = number_in<std::uint64_t>(get(tag, "offset"));
     if (!offset || *offset > file_.size()) fail(tag, "the array's offset lies outside the file; write the file again");
     const std::uint64_t at = data_ + *offset;
     if (length_bytes_ == 8) {
-      bytes = file_.read<std::uint64_t>(at);
+      bytes = file_.number<std::uint64_t>(at);
       if (big_endian_) bytes = __builtin_bswap64(bytes);
     } else {
-      const auto narrow = file_.read<std::uint32_t>(at);
+      const auto narrow = file_.number<std::uint32_t>(at);
       bytes = big_endian_ ? __builtin_bswap32(narrow) : narrow;
     }
     file_.require(at + length_bytes_, bytes, "an array");
@@ -138,7 +138,7 @@ class Reader {
   }
 
   // The bytes of a small array, appended or as numbers in the text.
-  std::string bytes_of(const VtiTag& tag) const {
+  std::string bytes_of(const XmlTag& tag) const {
     if (get(tag, "format") == "appended") {
       std::uint64_t bytes = 0;
       const std::uint64_t at = payload(tag, bytes);
@@ -150,9 +150,9 @@ class Reader {
     bytes.resize(std::min<std::size_t>(bytes.size(), kMaxText));
     return bytes;
   }
-  std::string string_of(const VtiTag& tag) const { return bytes_of(tag).c_str(); }
+  std::string string_of(const XmlTag& tag) const { return bytes_of(tag).c_str(); }
 
-  void read_thickness(const VtiTag& tag) {
+  void read_thickness(const XmlTag& tag) {
     if (get(tag, "type") != "Float64") fail(tag, "the thickness is not of type Float64; write the file again");
     if (get(tag, "format") == "ascii") {
       const auto words = words_of(tag.text);
@@ -168,35 +168,34 @@ class Reader {
     stored_.thickness = std::bit_cast<double>(big_endian_ ? __builtin_bswap64(bits) : bits);
   }
 
-  void read_fact(const VtiTag& tag) {
-    const std::string* name = tag.find("Name");
-    if (!name) return;
-    if (*name == "thickness") read_thickness(tag);
-    if (*name == "method") stored_.provenance.method = string_of(tag);
-    if (*name == "version") stored_.provenance.version = string_of(tag);
-    if (*name == "mesh_hash") stored_.provenance.mesh_hash = hash_in(string_of(tag)).value_or(0);
+  void read_fact(const XmlTag& tag) {
+    const std::string_view name = tag.attribute("Name");
+    if (name == "thickness") read_thickness(tag);
+    if (name == "method") stored_.provenance.method = string_of(tag);
+    if (name == "version") stored_.provenance.version = string_of(tag);
+    if (name == "mesh_hash") stored_.provenance.mesh_hash = hash_in(string_of(tag)).value_or(0);
   }
 
-  StoredArray samples(const VtiTag& tag, const char* type) const {
+  StoredArray samples(const XmlTag& tag, const char* type) const {
     if (get(tag, "type") != type)
       fail(tag, "samples of type " + shown(get(tag, "type")) + " are not read; save them as " + type);
-    if (const std::string* n = tag.find("NumberOfComponents"); n && *n != "1")
+    if (const auto n = tag.find("NumberOfComponents"); n && *n != "1")
       fail(tag, "it has " + shown(*n) + " numbers per sample; save one");
     std::uint64_t bytes = 0;
     const std::uint64_t at = payload(tag, bytes);
     if (bytes != sample_bytes(stored_.grid))
       fail(tag,
            "it has " + std::to_string(bytes) + " bytes, not 4 for each sample of WholeExtent; write the file again");
-    return {at, big_endian_, false};
+    return {at, big_endian_, false, {}, false};
   }
 
   void read_samples() {
     require_valid(file_, stored_.grid);
-    const VtiTag* distance = nullptr;
-    for (const VtiTag& tag : points_) {
-      const std::string* name = tag.find("Name");
-      if (name && *name == "nearest_triangle") stored_.nearest = samples(tag, "UInt32");
-      if (name && *name == "distance") distance = &tag;
+    const XmlTag* distance = nullptr;
+    for (const XmlTag& tag : points_) {
+      const std::string_view name = tag.attribute("Name");
+      if (name == "nearest_triangle") stored_.nearest = samples(tag, "UInt32");
+      if (name == "distance") distance = &tag;
     }
     // A file of somebody else, whose only array can be nothing but the distance.
     if (!distance && points_.size() == 1) distance = points_.data();
@@ -204,21 +203,22 @@ class Reader {
     stored_.distance = samples(*distance, "Float32");
   }
 
-  const FieldInput& file_;
+  const FileView& file_;
   std::string_view head_;
-  StoredField stored_;
-  std::vector<VtiTag> points_;
-  std::array<std::int64_t, 6> extent_{};
   std::uint64_t data_ = 0, length_bytes_ = 4;
+  XmlScan scan_;
+  StoredField stored_;
+  std::vector<XmlTag> points_;
+  std::array<std::int64_t, 6> extent_{};
   int pieces_ = 0;
   bool found_file_ = false, found_image_ = false, big_endian_ = false;
 };
 
 }  // namespace
 
-DistanceField read_vti(const FieldInput& file) {
+DistanceField read_vti(const FileView& file, std::int64_t memory_limit) {
   const StoredField stored = Reader(file).read();
-  return load_field(file, stored);
+  return load_field(file, stored, memory_limit);
 }
 
 }  // namespace standoff

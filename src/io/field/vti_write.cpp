@@ -2,8 +2,8 @@
 #include <cstdint>
 #include <string>
 
+#include "core/number_text.h"
 #include "io/field/format.h"
-#include "io/field/header_text.h"
 #include "io/field/samples.h"
 
 namespace standoff {
@@ -25,7 +25,7 @@ class Elements {
   std::uint64_t offset_ = 0;
 };
 
-std::string three(double x, double y, double z) { return text_of(x) + " " + text_of(y) + " " + text_of(z); }
+std::string three(double x, double y, double z) { return exact_text(x) + " " + exact_text(y) + " " + exact_text(z); }
 
 std::string header_of(const DistanceField& field, const std::string& method, const std::string& hash,
                       const std::string& version) {

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "files/file_view.h"
 
@@ -17,8 +18,8 @@ namespace standoff {
 /// for assimp: what a mesh refers to, such as textures, is none of its shape.
 class AssimpFiles : public Assimp::IOSystem {
  public:
-  /// The view must outlive it.
-  explicit AssimpFiles(const FileView& file) : name_(file.path().string()), bytes_(file.bytes()) {}
+  /// Assimp goes by the extension of `name`, which the file's own need not have. The view must outlive it.
+  AssimpFiles(const FileView& file, std::string name) : name_(std::move(name)), bytes_(file.bytes()) {}
 
   bool Exists(const char* name) const override { return name == name_; }
   char getOsSeparator() const override { return '/'; }

@@ -7,7 +7,9 @@
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
+#include <array>
 #include <assimp/Importer.hpp>
+#include <cmath>
 #include <new>
 #include <optional>
 #include <set>
@@ -15,6 +17,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/number_text.h"
 #include "files/shown.h"
 #include "files/text_cursor.h"
 #include "io/mesh/3ds_check.h"
@@ -35,6 +38,24 @@ Placement of_matrix(const aiMatrix4x4& matrix) {
   for (unsigned r = 0; r < 3; ++r)
     for (unsigned c = 0; c < 4; ++c) placement.rows[r][c] = double(matrix[r][c]);
   return placement;
+}
+
+// Assimp puts the turn to y up and the file's unit into the root of the scene. Where that is no such thing, but a place
+// of the file's own making, nothing is reported.
+void report_root(const aiMatrix4x4& root, MeshReadReport& report) {
+  const float scale = std::hypot(root[0][0], root[0][1], root[0][2]);
+  std::array<int, 3> axes{};
+  for (unsigned row = 0; row < 3; ++row)
+    for (unsigned column = 0; column < 3; ++column) {
+      const float share = root[row][column] / scale;
+      constexpr float kRounding = 1e-5f;
+      if (std::abs(share) < kRounding) continue;
+      if (std::abs(std::abs(share) - 1) > kRounding || axes[row] != 0) return;
+      axes[row] = static_cast<int>(column + 1) * (share < 0 ? -1 : 1);
+    }
+  if (std::abs(axes[0] * axes[1] * axes[2]) != 6) return;
+  report.axes = axes;
+  report.unit_scale = number_in<double>(exact_text(scale)).value_or(1);  // 0.01, not the float's 0.00999999977...
 }
 
 // Walks the tree of nodes; a mesh that hangs on several nodes appears several times.
@@ -147,20 +168,23 @@ void keep_importers(Assimp::Importer& importer, const std::string& extension) {
 
 }  // namespace
 
-Mesh read_with_assimp(const FileView& file, const char* extension) {
+Mesh read_with_assimp(const FileView& file, const char* extension, MeshReadReport& report) {
   // What would make assimp crash or take all memory.
   if (std::string_view(extension) == "3ds") check_3ds(file);
   if (std::string_view(extension) == "dae") check_collada(file);
   try {
     const AssimpLosses losses;
     Assimp::Importer importer;
-    importer.SetIOHandler(new AssimpFiles(file));  // the importer deletes it
+    const std::string name = std::string("mesh.") + extension;
+    importer.SetIOHandler(new AssimpFiles(file, name));  // the importer deletes it
     keep_importers(importer, extension);
     // Else a scene without meshes gets one, of its nodes' skeleton, which is not in the file.
     importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
-    const aiScene* scene = importer.ReadFile(file.path().string(), aiProcess_ValidateDataStructure);
+    const aiScene* scene = importer.ReadFile(name, aiProcess_ValidateDataStructure);
     if (!scene) fail(file, importer.GetErrorString());
     if (!losses.first().empty()) fail(file, losses.first());
+    if (scene->mRootNode) report_root(scene->mRootNode->mTransformation, report);
+    if (std::string_view(extension) == "dae") report.metres_per_unit = 1;  // which the unit was turned into
     return SceneReader(file, *scene).read();
   } catch (const Error&) {
     throw;

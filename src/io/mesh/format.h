@@ -1,10 +1,11 @@
-// The table of mesh formats: a format is one file and a row in mesh_formats.cpp.
+// The table of mesh formats: a format is one file and a row in formats.cpp.
 #pragma once
 
 #include <string_view>
 
 #include "files/atomic_file.h"
 #include "files/file_view.h"
+#include "standoff/io.h"
 #include "standoff/mesh.h"
 
 namespace standoff {
@@ -14,8 +15,9 @@ struct MeshFormat {
   const char* name;  ///< for messages: "STL"
   const char* description;
   bool (*recognises)(std::string_view content);  ///< cheap; false when in doubt
-  Mesh (*read)(const FileView&);                 ///< nullptr when this build cannot; the file is not empty
-  void (*write)(AtomicFile&, MeshView);          ///< everything but the commit; nullptr when it cannot
+  /// nullptr when this build cannot; the file is not empty. What it does to coordinates, it reports.
+  Mesh (*read)(const FileView&, MeshReadReport&);
+  void (*write)(AtomicFile&, MeshView);  ///< everything but the commit; nullptr when it cannot
 };
 
 bool is_stl(std::string_view content);
@@ -33,10 +35,13 @@ void write_obj(AtomicFile& file, MeshView mesh);
 bool is_off(std::string_view content);
 Mesh read_off(const FileView& file);
 
+bool is_medit(std::string_view content);
+Mesh read_medit(const FileView& file);
+
 Mesh read_gltf(const FileView& file);
 Mesh read_glb(const FileView& file);
 
 /// 3DS and DAE. Only with STANDOFF_HAVE_ASSIMP.
-Mesh read_with_assimp(const FileView& file, const char* extension);
+Mesh read_with_assimp(const FileView& file, const char* extension, MeshReadReport& report);
 
 }  // namespace standoff

@@ -1,13 +1,18 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
+#include <memory>
 #include <new>
 #include <span>
 #include <string>
+#include <utility>
 
 #include "core/guarded.h"
+#include "core/number_text.h"
 #include "files/body_magic.h"
+#include "files/inflate.h"
 #include "files/text_cursor.h"
 #include "io/mesh/format.h"
 #include "standoff/io.h"
@@ -30,25 +35,48 @@ bool is_gltf(std::string_view content) {
 bool is_dae(std::string_view content) { return content.substr(0, 1024).find("<COLLADA") != content.npos; }
 
 #ifdef STANDOFF_HAVE_ASSIMP
-constexpr Mesh (*read_3ds)(const FileView&) = [](const FileView& file) { return read_with_assimp(file, "3ds"); };
-constexpr Mesh (*read_dae)(const FileView&) = [](const FileView& file) { return read_with_assimp(file, "dae"); };
+template <const char* const& extension>
+Mesh by_assimp(const FileView& file, MeshReadReport& report) {
+  return read_with_assimp(file, extension, report);
+}
+constexpr const char *k3ds = "3ds", *kDae = "dae";
+constexpr auto read_3ds = by_assimp<k3ds>, read_dae = by_assimp<kDae>;
 #else
-constexpr auto read_3ds = nullptr, read_dae = nullptr;
+constexpr std::nullptr_t read_3ds = nullptr, read_dae = nullptr;
 #endif
 
-constexpr std::array<MeshFormat, 8> kFormats{{
-    {"stl", "STL", "STL, binary or ASCII; written as binary", is_stl, read_stl, write_stl},
-    {"ply", "PLY", "PLY, binary or ASCII; written as binary little endian", is_ply, read_ply, write_ply},
-    {"obj", "OBJ", "Wavefront OBJ", is_obj, read_obj, write_obj},
-    {"off", "OFF", "OFF, text", is_off, read_off, nullptr},
+// A reader that takes coordinates as they are.
+template <Mesh (*read)(const FileView&)>
+Mesh as_is(const FileView& file, MeshReadReport&) {
+  return read(file);
+}
+// One whose format is in metres, and y up.
+template <Mesh (*read)(const FileView&)>
+Mesh in_metres(const FileView& file, MeshReadReport& report) {
+  report.metres_per_unit = 1;
+  return read(file);
+}
+
+constexpr std::array<MeshFormat, 9> kFormats{{
+    {"stl", "STL", "STL, binary or ASCII; written as binary", is_stl, as_is<read_stl>, write_stl},
+    {"ply", "PLY", "PLY, binary or ASCII; written as binary little endian", is_ply, as_is<read_ply>, write_ply},
+    {"obj", "OBJ", "Wavefront OBJ", is_obj, as_is<read_obj>, write_obj},
+    {"off", "OFF", "OFF, text", is_off, as_is<read_off>, nullptr},
+    {"mesh", "Medit", "Medit, text", is_medit, as_is<read_medit>, nullptr},
     {"3ds", "3DS", "3D Studio", is_3ds, read_3ds, nullptr},
-    {"glb", "GLB", "glTF 2.0, binary", is_glb, read_glb, nullptr},
-    {"gltf", "glTF", "glTF 2.0, JSON", is_gltf, read_gltf, nullptr},
+    {"glb", "GLB", "glTF 2.0, binary", is_glb, in_metres<read_glb>, nullptr},
+    {"gltf", "glTF", "glTF 2.0, JSON", is_gltf, in_metres<read_gltf>, nullptr},
     {"dae", "DAE", "COLLADA", is_dae, read_dae, nullptr},
 }};
 
-const MeshFormat* format_by_extension(const std::filesystem::path& path) {
+bool is_called_gz(const std::filesystem::path& path) {
   const std::string extension = path.extension().string();
+  return !extension.empty() && equals_ignoring_case(extension, ".gz");
+}
+
+// Of x.obj.gz it is OBJ.
+const MeshFormat* format_by_extension(const std::filesystem::path& path) {
+  const std::string extension = (is_called_gz(path) ? path.stem() : path).extension().string();
   for (const MeshFormat& format : kFormats)
     if (!extension.empty() && equals_ignoring_case(extension.substr(1), format.extension)) return &format;
   return nullptr;
@@ -68,10 +96,21 @@ std::string extensions(const Wanted& wanted) {
   return list;
 }
 
+// Text of two bytes a character, in either order: all formats of text are ASCII or UTF-8.
+bool is_utf_16(std::string_view content) {
+  if (content.size() < 4) return false;
+  const bool little = content.starts_with("\xff\xfe"), big = content.starts_with("\xfe\xff");
+  return (little && content[3] == '\0') || (big && content[2] == '\0');
+}
+
 const MeshFormat& format_to_read(const FileView& file) {
   if (file.bytes().starts_with(kBodyMagic))
     file.fail("byte 0", "the content is a body that standoff build made, and no mesh; rename it to end in .body");
   const MeshFormat* named = format_by_extension(file.path());
+  if (is_gzip(file.bytes()) && named && !named->recognises(file.bytes()))
+    file.fail("byte 0", "the content is packed by gzip; rename it to end in ." + std::string(named->extension) + ".gz");
+  if (is_utf_16(file.bytes()) && !(named && named->recognises(file.bytes())))
+    file.fail("byte 0", "the text is UTF-16; save it as UTF-8 or ASCII");
   const MeshFormat* found = named && named->recognises(file.bytes()) ? named : format_by_content(file.bytes());
   if (!named && !found)
     file.fail("", "neither its name nor its content tells a mesh format; give one of " +
@@ -85,6 +124,25 @@ const MeshFormat& format_to_read(const FileView& file) {
                       "; convert it to STL, PLY or OBJ, or build standoff with assimp (Debian: libassimp-dev, CMake: "
                       "STANDOFF_WITH_ASSIMP)");
   return format;
+}
+
+Mesh read_as(const MeshFormat& format, const FileView& file, MeshReadReport& report) {
+  report.format = format.extension;
+  return format.read(file, report);
+}
+
+// What is packed by gzip, by its name or, where the name says no format, by its content.
+Mesh read_any(const FileView& file, MeshReadReport& report) {
+  if (file.size() == 0) file.fail("", "the file is empty; check the program that wrote it");
+  const bool gz = is_called_gz(file.path());
+  if (gz && !is_gzip(file.bytes()))
+    file.fail("byte 0", "the name says gzip but the content is not packed; rename it without .gz");
+  if (!is_gzip(file.bytes()) || (format_by_extension(file.path()) && !gz))
+    return read_as(format_to_read(file), file, report);
+  const std::unique_ptr<FileView> unpacked = unpack_gzip(file);
+  if (unpacked->size() == 0) file.fail("", "nothing is packed in it; check the program that wrote it");
+  report.unpacked = true;
+  return read_as(format_to_read(*unpacked), *unpacked, report);
 }
 
 void scale_vertices(const FileView& file, Mesh& mesh, double scale) {
@@ -107,14 +165,35 @@ std::vector<FileFormat> mesh_formats() try {
   throw_as_error("formats");
 }
 
-Mesh read_mesh(const std::filesystem::path& path, const MeshReadOptions& options) try {
+std::vector<std::string> notes(const MeshReadReport& report) try {
+  std::vector<std::string> notes;
+  if (report.unpacked) notes.push_back("unpacked by gzip");
+  if (report.turned()) {
+    std::string axes;
+    for (const int axis : report.axes)
+      axes += std::string(axes.empty() ? "" : ", ") + (axis < 0 ? "-" : "") + "xyz"[std::abs(axis) - 1];
+    notes.push_back("axes turned so that y is up: x, y, z are " + axes + " of the file");
+  }
+  if (report.unit_scale != 1)
+    notes.push_back("coordinates multiplied by " + number_text(report.unit_scale) + ", as the file's unit asks for");
+  if (report.metres_per_unit > 0)
+    notes.push_back(report.metres_per_unit == 1 ? std::string("in metres, as the format says")
+                                                : "a unit is " + number_text(report.metres_per_unit) +
+                                                      " m, the file says; coordinates are kept in it");
+  return notes;
+} catch (...) {
+  throw_as_error("mesh");
+}
+
+Mesh read_mesh(const std::filesystem::path& path, const MeshReadOptions& options, MeshReadReport* report) try {
   if (!(std::isfinite(options.scale) && options.scale > 0))
     throw Error(ErrorCode::usage, "scale must be positive and finite; give 0.001 for millimetres to metres");
   try {
     const FileView file(path);
-    if (file.size() == 0) file.fail("", "the file is empty; check the program that wrote it");
-    Mesh mesh = format_to_read(file).read(file);
+    MeshReadReport found;
+    Mesh mesh = read_any(file, found);
     scale_vertices(file, mesh, options.scale);
+    if (report) *report = std::move(found);
     return mesh;
   } catch (const std::bad_alloc&) {
     throw Error(ErrorCode::limit, path.string() + ": not enough memory for its triangles; use a machine with more");
@@ -124,7 +203,7 @@ Mesh read_mesh(const std::filesystem::path& path, const MeshReadOptions& options
 }
 
 void write_mesh(const std::filesystem::path& path, MeshView mesh, Existing existing) try {
-  const MeshFormat* format = format_by_extension(path);
+  const MeshFormat* format = is_called_gz(path) ? nullptr : format_by_extension(path);
   if (!format || !format->write)
     throw Error(ErrorCode::usage, path.string() + ": no mesh format to write goes by this extension; use one of " +
                                       extensions([](const MeshFormat& f) { return f.write != nullptr; }));

@@ -28,38 +28,40 @@ GltfNumbers::GltfNumbers(const FileView& file, const std::optional<JsonView>& ac
     : file_(file), buffers_(buffers) {
   if (!accessors) return;
   accessors_.reserve(accessors->size());
-  accessors->each_element([&](const JsonView& json) { accessors_.push_back(accessor(json)); });
+  accessors->each_element([&](const JsonView& json) { accessors_.push_back(json); });
 }
 
-const GltfNumbers::Accessor& GltfNumbers::find(std::uint64_t accessor) const {
-  if (accessor >= accessors_.size())
-    file_.fail("", "it names accessor " + std::to_string(accessor) + " of " + std::to_string(accessors_.size()) +
+const GltfNumbers::Accessor& GltfNumbers::find(std::uint64_t number) {
+  if (number >= accessors_.size())
+    file_.fail("", "it names accessor " + std::to_string(number) + " of " + std::to_string(accessors_.size()) +
                        ", counted from 0; repair the file");
-  return accessors_[accessor];
+  const auto known = read_.find(number);
+  return known != read_.end() ? known->second : read_.emplace(number, accessor(number)).first->second;
 }
 
-GltfNumbers::Accessor GltfNumbers::accessor(const JsonView& json) {
+GltfNumbers::Accessor GltfNumbers::accessor(std::uint64_t number) {
+  const JsonView& json = accessors_[number];
   constexpr std::array<std::pair<std::string_view, std::uint8_t>, 7> kWidths{
       {{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}, {"MAT2", 4}, {"MAT3", 9}, {"MAT4", 16}}};
   const auto type = json.find("componentType"), width = json.find("type"), count = json.find("count");
   if (!type || !width || !count)
-    file_.fail(name(accessors_.size()), "it lacks a type, a componentType or a count; repair the file");
+    file_.fail(name(number), "it lacks a type, a componentType or a count; repair the file");
   const auto found = std::ranges::find(kWidths, width->text(), &std::pair<std::string_view, std::uint8_t>::first);
-  const std::uint64_t number = type->whole();
-  if (found == kWidths.end() || number < 5120 || number > 5126 || number == 5124)
-    file_.fail(name(accessors_.size()), "its type or componentType is none of glTF's; repair the file");
-  Accessor read{{}, count->whole(), 0, static_cast<Type>(number), found->second, false};
+  const std::uint64_t code = type->whole();
+  if (found == kWidths.end() || code < 5120 || code > 5126 || code == 5124)
+    file_.fail(name(number), "its type or componentType is none of glTF's; repair the file");
+  Accessor read{{}, count->whole(), 0, static_cast<Type>(code), found->second, false};
   if (json.find("bufferView")) read.place = gltf_place(json);
   if (const auto normalized = json.find("normalized")) read.normalized = normalized->boolean();
   if (const auto given = json.find("sparse")) {
-    sparse_.push_back(sparse(*given, read.count));
+    sparse_.push_back(sparse(number, *given, read.count));
     read.sparse = sparse_.size();
   }
   return read;
 }
 
-GltfNumbers::Sparse GltfNumbers::sparse(const JsonView& json, std::uint64_t count) const {
-  const std::string where = name(accessors_.size());
+GltfNumbers::Sparse GltfNumbers::sparse(std::uint64_t accessor, const JsonView& json, std::uint64_t count) const {
+  const std::string where = name(accessor);
   const auto given = json.find("count"), indices = json.find("indices"), values = json.find("values");
   const auto type = indices ? indices->find("componentType") : std::nullopt;
   if (!given || !indices || !values || !type)

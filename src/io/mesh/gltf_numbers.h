@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -13,7 +14,8 @@
 
 namespace standoff {
 
-/// Reads what accessors hold. Errors everywhere: input, as `FILE:accessor N: ...`, for what is out of range, missing
+/// Reads what accessors hold, those that are asked for: whatever is wrong with texture coordinates, it fails nothing.
+/// Errors everywhere: input, as `FILE:accessor N: ...`, for what is out of range, missing
 /// or of the wrong kind.
 class GltfNumbers {
  public:
@@ -21,7 +23,7 @@ class GltfNumbers {
   GltfNumbers(const FileView& file, const std::optional<JsonView>& accessors, GltfBuffers& buffers);
 
   /// Elements of an accessor.
-  std::uint64_t count(std::uint64_t accessor) const { return find(accessor).count; }
+  std::uint64_t count(std::uint64_t accessor) { return find(accessor).count; }
   /// Reads the buffers an accessor needs, and makes sure that its numbers lie in them.
   void require(std::uint64_t accessor);
   /// Appends the positions of an accessor: of three floats, or of integers as KHR_mesh_quantization allows.
@@ -47,9 +49,9 @@ class GltfNumbers {
   };
 
   std::string name(std::uint64_t accessor) const { return "accessor " + std::to_string(accessor); }
-  const Accessor& find(std::uint64_t accessor) const;
-  Accessor accessor(const JsonView& json);
-  Sparse sparse(const JsonView& json, std::uint64_t count) const;
+  const Accessor& find(std::uint64_t accessor);
+  Accessor accessor(std::uint64_t number);
+  Sparse sparse(std::uint64_t number, const JsonView& json, std::uint64_t count) const;
 
   template <class Body>
   static void with_type(Type type, const Body& body);
@@ -60,7 +62,8 @@ class GltfNumbers {
 
   const FileView& file_;
   GltfBuffers& buffers_;
-  std::vector<Accessor> accessors_;
+  std::vector<JsonView> accessors_;
+  std::map<std::uint64_t, Accessor> read_;  // those asked for
   std::vector<Sparse> sparse_;
 };
 

@@ -101,13 +101,22 @@ std::size_t check_header(const FileView& file) {
   return length;
 }
 
+constexpr std::uint32_t kJson = 0x4e4f534a, kBinary = 0x004e4942;
+
+// Where the next chunk begins. Chunks are padded to a multiple of four bytes, and their lengths count that. Some
+// programs do not pad; some do, and do not count it. Which one it was, the type of a binary chunk tells.
+std::size_t next_chunk(std::string_view bytes, std::size_t end, std::size_t length) {
+  const std::size_t padded = (end + 3) / 4 * 4;
+  const bool unpadded = end != padded && length - end >= kChunkHeader && number_at(bytes, end + 4) == kBinary;
+  return std::min(length, unpadded ? end : padded);
+}
+
 }  // namespace
 
 Mesh read_gltf(const FileView& file) { return read_scene(file, file.bytes(), {}); }
 
 // Chunks: the JSON first, then the binary part; others are passed over.
 Mesh read_glb(const FileView& file) {
-  constexpr std::uint32_t kJson = 0x4e4f534a, kBinary = 0x004e4942;
   const std::string_view bytes = file.bytes();
   const std::size_t length = check_header(file);
   std::optional<std::string_view> json, binary;
@@ -123,7 +132,7 @@ Mesh read_glb(const FileView& file) {
       json = content;
     else if (type == kBinary && !binary)
       binary = content;
-    at = std::min(length, at + kChunkHeader + (chunk + 3) / 4 * 4);  // chunks are padded
+    at = next_chunk(bytes, at + kChunkHeader + chunk, length);
   }
   return read_scene(file, *json, binary);
 }

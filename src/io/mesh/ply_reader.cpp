@@ -3,6 +3,7 @@
 #include <array>
 #include <bit>
 #include <cstring>
+#include <optional>
 #include <type_traits>
 
 #include "files/text_cursor.h"
@@ -54,7 +55,8 @@ template <bool kBigEndian>
 class BinaryBody {
  public:
   static constexpr bool kAscii = false;
-  BinaryBody(const FileView& file, std::size_t begin, const Row& row) : rest_(file.bytes().substr(begin)), row_(row) {}
+  BinaryBody(const FileView& file, const PlyHeader& header, const Row& row)
+      : rest_(file.bytes().substr(header.body)), row_(row) {}
 
   std::uint64_t bytes_left() const { return rest_.size(); }
 
@@ -76,6 +78,8 @@ class BinaryBody {
     rest_.remove_prefix(count * ply_size(type));
   }
 
+  void end_row() {}
+
  private:
   void require(std::uint64_t bytes) const {
     if (rest_.size() < bytes)
@@ -86,10 +90,14 @@ class BinaryBody {
   const Row& row_;
 };
 
+// A row has a line of its own, and what follows its values there is not looked at: some programs add to a row without
+// a word in the header. Others break rows into several lines, or put all into one. So values are taken wherever they
+// are, and the rest of a row's last line is passed over where there are lines enough for all rows.
 class AsciiBody {
  public:
   static constexpr bool kAscii = true;
-  AsciiBody(const FileView& file, std::size_t begin, const Row&) : file_(file), text_(file, begin) {}
+  AsciiBody(const FileView& file, const PlyHeader& header, const Row&)
+      : file_(file), header_(header), text_(file, header.body) {}
 
   std::uint64_t bytes_left() const { return file_.size() - text_.offset(); }
 
@@ -107,16 +115,38 @@ class AsciiBody {
         text_.fail("the file ends in the middle of its data; it is cut off, get all of it");
   }
 
+  void end_row() {
+    text_.skip_blanks();
+    if (text_.at_line_end()) return;
+    if (!lines_are_rows_) lines_are_rows_ = count_lines() >= count_rows();
+    if (*lines_are_rows_) text_.skip_line();
+  }
+
  private:
+  std::uint64_t count_rows() const {
+    double rows = 0;  // files can ask for more than 64 bits count
+    for (const PlyElement& element : header_.elements)
+      if (!element.properties.empty()) rows += static_cast<double>(element.count);
+    return static_cast<std::uint64_t>(std::min(rows, 0x1p63));
+  }
+  std::uint64_t count_lines() const {
+    std::uint64_t lines = 0;
+    TextCursor text(file_, header_.body);
+    for (text.skip_space(); !text.at_end(); text.skip_space(), ++lines) text.skip_line();
+    return lines;
+  }
+
   const FileView& file_;
+  const PlyHeader& header_;
   TextCursor text_;
+  std::optional<bool> lines_are_rows_;  // asked where a row has more than its values
 };
 
 template <class Body>
 class PlyReader {
  public:
   PlyReader(const FileView& file, const PlyHeader& header)
-      : file_(file), header_(header), row_{file}, body_(file, header.body, row_), builder_(file) {}
+      : file_(file), header_(header), row_{file}, body_(file, header, row_), builder_(file) {}
 
   Mesh read() {
     for (const PlyElement& element : header_.elements)
@@ -129,11 +159,12 @@ class PlyReader {
   void read_element(const PlyElement& element) {
     row_.element = &element;
     row_.number = 0;
-    const bool is_vertex = element.name == "vertex", is_face = element.name == "face";
+    const bool is_vertex = element.name == "vertex", is_face = element.name == "face",
+               is_strips = element.name == "tristrips";
     const std::uint64_t least = element.least_bytes(Body::kAscii);
     // Rows without content need no loop, however many the header claims. Vertices and faces without any are refused
     // below.
-    if (least == 0 && !is_vertex && !is_face) return;
+    if (least == 0 && !is_vertex && !is_face && !is_strips) return;
     if (least > 0 && element.count > (body_.bytes_left() + Body::kAscii) / least)
       file_.fail("header", "it promises " + std::to_string(element.count) + " of element " + in_quotes(element.name) +
                                ", more than the file can hold; it is cut off or damaged, get all of it");
@@ -141,14 +172,18 @@ class PlyReader {
       read_vertices(element);
     else if (is_face)
       read_faces(element);
+    else if (is_strips)
+      read_strips(element);
     else
       for_each_row(element, [&](const PlyProperty& property) { skip(property); });
   }
 
   template <class ReadProperty>
   void for_each_row(const PlyElement& element, const ReadProperty& read_property) {
-    for (row_.number = 0; row_.number < element.count; ++row_.number)
+    for (row_.number = 0; row_.number < element.count; ++row_.number) {
       for (const PlyProperty& property : element.properties) read_property(property);
+      body_.end_row();
+    }
   }
 
   void skip(const PlyProperty& property) { body_.skip(property.type, property.list ? list_length(property) : 1); }
@@ -181,28 +216,57 @@ class PlyReader {
           skip(property);
         ++p;
       }
+      body_.end_row();
     }
   }
 
-  void read_faces(const PlyElement& element) {
+  // The list of vertices of each row of an element.
+  const PlyProperty& corners_of(const PlyElement& element) const {
     int corners = element.find("vertex_indices");
     if (corners < 0) corners = element.find("vertex_index");
     const PlyProperty* list = corners < 0 ? nullptr : &element.properties[static_cast<std::size_t>(corners)];
     if (!list || !list->list || list->type >= PlyType::float32)
-      file_.fail("header",
-                 "element face needs a list of integers called vertex_indices; write the file again with one");
+      file_.fail("header", "element " + element.name +
+                               " needs a list of integers called vertex_indices; write the file again with one");
+    return *list;
+  }
+
+  void read_faces(const PlyElement& element) {
+    const PlyProperty& list = corners_of(element);
     builder_.triangles.reserve(element.count);
     std::vector<std::uint32_t> face;
     for_each_row(element, [&](const PlyProperty& property) {
-      if (&property != list) return skip(property);
+      if (&property != &list) return skip(property);
       face.resize(list_length(property));
-      for (auto& corner : face) corner = index(property.type);
+      for (auto& corner : face) corner = index(body_.template value<std::int64_t>(property.type));
       builder_.add_face(face);
     });
   }
 
-  std::uint32_t index(PlyType type) {
-    const auto value = body_.template value<std::int64_t>(type);
+  // Strips of triangles, as scans of Stanford's have them: all in one list, with -1 between one and the next. Every
+  // other triangle of a strip turns the other way round, and is turned back here.
+  void read_strips(const PlyElement& element) {
+    const PlyProperty& list = corners_of(element);
+    for_each_row(element, [&](const PlyProperty& property) {
+      if (&property != &list) return skip(property);
+      std::array<std::uint32_t, 2> before{};
+      std::uint64_t corners = 0;  // of this strip, so far
+      for (std::uint64_t left = list_length(property); left > 0; --left) {
+        const auto value = body_.template value<std::int64_t>(property.type);
+        if (value == -1) {
+          corners = 0;
+          continue;
+        }
+        const std::uint32_t corner = index(value);
+        if (++corners > 2)
+          builder_.triangles.push_back(corners % 2 == 1 ? Triangle{before[0], before[1], corner}
+                                                        : Triangle{before[1], before[0], corner});
+        before = {before[1], corner};
+      }
+    });
+  }
+
+  std::uint32_t index(std::int64_t value) {
     if (value < 0 || static_cast<std::uint64_t>(value) >= vertex_count_)
       row_.fail("vertex index " + std::to_string(value) + " is out of range, there are " +
                 std::to_string(vertex_count_) + " vertices; repair the mesh");

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Writes the files of this folder that expected.txt lists. The same bytes on every run."""
 import base64
+import gzip
 import json
 import pathlib
 import struct
@@ -12,6 +13,11 @@ FACES = [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)]
 
 def write(name, content):
     (HERE / name).write_bytes(content if isinstance(content, bytes) else content.encode())
+
+
+def gz(content):
+    """As gzip packs it, the same on every run."""
+    return gzip.compress(content if isinstance(content, bytes) else content.encode(), mtime=0)
 
 
 def binary_stl(header=b"", count=None, points=POINTS, tail=b""):
@@ -239,3 +245,106 @@ write("ply_without_extension", ply())
 write("obj_called_mesh.txt", "# a comment first\n" + obj())
 write("stl_called_mesh.dat", binary_stl())
 write("off_called_mesh.dat", off())
+
+write("gz_obj.obj.gz", gz(obj()))
+write("gz_stl.stl.gz", gz(binary_stl()))
+write("gz_upper_case.PLY.GZ", gz(ply()))
+write("gz_gltf.gltf.gz", gz(gltf()))
+write("gz_two_streams.off.gz", gz(off()[:40]) + gz(off()[40:]) + bytes(100))
+write("gz_by_content.dat", gz(obj()))
+write("gz_without_format.gz", gz(off()))
+write("gz_called_obj.obj", gz(obj()))
+write("gz_not_packed.obj.gz", obj())
+write("gz_other_content.stl.gz", gz(ply()))
+write("gz_cut_off.obj.gz", gz(obj())[:-12])
+write("gz_wrong_checksum.obj.gz", gz(obj())[:-8] + bytes(8))
+write("gz_empty.obj.gz", gz(""))
+write("gz_error_inside.obj.gz", gz(obj().replace("v 1 0 0", "v 1 0 x")))
+
+# Texture coordinates are not needed, and fail nothing.
+textured = json.loads(gltf())
+textured["meshes"][0]["primitives"][0]["attributes"].update({"TEXCOORD_0": 2, "TEXCOORD_1": 99})
+textured["accessors"].append({"bufferView": 7, "componentType": 9999, "count": -4, "type": "VEC9"})
+write("gltf_bad_texture_coordinates.gltf", json.dumps(textured))
+write("obj_bad_texture_coordinates.obj", "vt nan x\nvt\n" + obj().replace("f 1 3 2", "f 1/99 3/x 2/-7/0"))
+write("off_bad_texture_coordinates.off", off(first="STOFF\n").replace("0 0 0\n", "0 0 0 x nan\n", 1))
+write("ply_texture_lists.ply", ply().replace(b"vertex_indices\n", b"vertex_indices\nproperty list uchar float texcoord\n")
+      .replace(b"3 0 2 1\n", b"3 0 2 1 6 0 0 nan 1 x 0\n").replace(b"3 0 1 3\n", b"3 0 1 3 0\n")
+      .replace(b"3 1 2 3\n", b"3 1 2 3 0\n").replace(b"3 2 0 3\n", b"3 2 0 3 0\n"))
+
+# Rows of text: more than the header says, in several lines, all in one.
+write("ply_text_extra_values.ply", ply().replace(b"1 0 0\n", b"1 0 0 0.5 x\n").replace(b"3 0 2 1\n", b"3 0 2 1 9 9 9\n"))
+write("ply_text_broken_rows.ply", ply().replace(b"1 0 0\n", b"1\n\n0 0\n").replace(b"3 0 2 1\n", b"3 0\n2 1\n"))
+head, rows = ply().split(b"end_header\n")
+write("ply_text_one_row.ply", head + b"end_header\n" + rows.replace(b"\n", b" "))
+
+# Triangle strips as Stanford's scans have them: 0 2 1 3 0 turns to and fro, then the last triangle alone.
+STRIPS = [0, 2, 1, 3, -1, 0, 1, 3, -1, 2, 0, 3, -1, 3]
+STRIP_HEADER = ply().split(b"element face")[0]
+
+
+def strips(indices, order=None):
+    if order is None:
+        head = STRIP_HEADER
+        body = "".join("%s %s %s\n" % p for p in POINTS) + " ".join(map(str, [len(indices)] + indices)) + "\n"
+        body = body.encode()
+    else:
+        head = STRIP_HEADER.replace(b"ascii", b"binary_little_endian" if order == "<" else b"binary_big_endian")
+        body = b"".join(struct.pack(order + "3f", *p) for p in POINTS) + struct.pack(
+            f"{order}{len(indices) + 1}i", len(indices), *indices)
+    return head + b"element tristrips 1\nproperty list int int vertex_indices\nend_header\n" + body
+
+
+write("ply_strips.ply", strips(STRIPS))
+write("ply_strips_little_endian.ply", strips(STRIPS, "<"))
+write("ply_strips_big_endian.ply", strips(STRIPS, ">"))
+write("ply_strips_as_faces.ply", ply(body="".join("%s %s %s\n" % p for p in POINTS) +
+                                     "3 0 2 1\n3 1 2 3\n3 0 1 3\n3 2 0 3\n"))
+write("ply_strips_index_out_of_range.ply", strips([0, 2, 1, 4]))
+write("ply_strips_negative_index.ply", strips([0, 2, 1, -2]))
+write("ply_strips_without_triangles.ply", strips([0, 2, -1, 1, -1]))
+
+write("obj_utf_16.obj", ("\ufeff" + obj()).encode("utf-16-le"))
+write("stl_utf_16_big_endian.stl", ("\ufeff" + ascii_stl()).encode("utf-16-be"))
+
+
+def glb_of(document, binary, counted, padded):
+    """A binary glTF whose lengths count the padding, or do not, or that has none."""
+    text = document.encode()
+    text += b" " * (1 if len(text) % 4 == 0 else 0)  # so that there is something to pad
+    padding = b" " * (-len(text) % 4) if padded else b""
+    chunk = struct.pack("<II", len(text) + (len(padding) if counted else 0), 0x4E4F534A) + text + padding
+    chunk += struct.pack("<II", len(binary), 0x004E4942) + binary
+    return b"glTF" + struct.pack("<II", 2, 12 + len(chunk)) + chunk
+
+
+points = struct.pack("<12f12H", *(c for p in POINTS for c in p), *(i for f in FACES for i in f))
+inside = json.loads(gltf())
+inside["buffers"] = [{"byteLength": len(points)}]
+write("gltf_padded.glb", glb_of(json.dumps(inside), points, True, True))
+write("gltf_padding_not_counted.glb", glb_of(json.dumps(inside), points, False, True))
+write("gltf_unpadded.glb", glb_of(json.dumps(inside), points, False, False))
+
+
+def medit(first="MeshVersionFormatted 2\n", dimension="Dimension 3\n", vertices=4, faces=4, points=POINTS, end="End\n", between=""):
+    return (f"{first}{dimension}Vertices\n{vertices}\n" + "".join("%s %s %s 0\n" % p for p in points) + between +
+            f"Triangles\n{faces}\n" + "".join("%d %d %d 7\n" % tuple(i + 1 for i in f) for f in FACES) + end)
+
+
+write("medit_plain.mesh", medit())
+write("medit_dimension_on_next_line.mesh", medit(dimension="Dimension\n3\n", end=""))
+write("medit_comments.mesh", "# written by hand\n" + medit(between="# faces follow\n").replace("0 0 0 0\n", "0 0 0 0 # first\n"))
+write("medit_other_keywords.mesh", medit(between="Corners 2\n1\n2\nEdges\n1\n1 2 5\nTetrahedra\n1\n1 2 3 4 0\nNormals\n1\n0 0 -1e0\n"))
+write("medit_called_mesh.dat", medit())
+write("medit_quadrilaterals.mesh", medit(faces=0, end="").replace(medit(faces=0, end="").split("Triangles\n0\n")[1], "")
+      + "Quadrilaterals 1\n1 2 3 4 0\nEnd\n")
+write("medit_two_dimensions.mesh", medit(dimension="Dimension 2\n"))
+write("medit_index_zero.mesh", medit().replace("1 3 2 7", "0 3 2 7"))
+write("medit_index_out_of_range.mesh", medit().replace("1 3 2 7", "1 3 5 7"))
+write("medit_absurd_vertices.mesh", medit(vertices=4000000000))
+write("medit_negative_count.mesh", medit(faces=-1))
+write("medit_cut_off.mesh", medit(end="")[:-9])
+write("medit_nan.mesh", medit(points=[("nan", 0, 0)] + POINTS[1:]))
+write("medit_no_triangles.mesh", medit().split("Triangles")[0] + "End\n")
+write("medit_no_keyword.mesh", medit(between="1 2 3\n"))
+write("medit_ogre.mesh", b"\x00\x10[MeshSerializer_v1.100]\n" + bytes(40))

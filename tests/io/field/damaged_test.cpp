@@ -91,9 +91,9 @@ TEST(DamagedField, Vti) {
           {"<Piece Extent=\"0 2", "<Piece Extent=\"0 1",
            "the piece is not all of the image; save the whole as one piece"},
           {"<Piece Ext", "<Pi Ext", ":header: it has 0 pieces; save it as one"},
-          {"Scalars=\"distance\"", "Scalars=distance", "the XML header is damaged"},
-          {"<FieldData>", "<FieldData", "the XML header is damaged"},
-          {"<FieldData>", "<!-- <FieldData>", "the XML header is damaged"},
+          {"Scalars=\"distance\"", "Scalars=distance", ":line 11: a damaged tag"},
+          {"<FieldData>", "<FieldData", ":line 4: a tag inside a tag"},
+          {"<FieldData>", "<!-- <FieldData>", ":line 4: a comment or section without an end"},
           {"format=\"appended\" offset=\"0\"", "format=\"binary\" offset=\"0\"",
            "facts are read from appended or ascii"},
           {"offset=\"0\"", "offset=\"-1\"", "the array's offset lies outside the file"},
@@ -144,15 +144,15 @@ TEST(DamagedField, MessagesShowTheBeginningOfLongNamesOfMembers) {
   bytes.replace(entry + 46, static_cast<unsigned char>(bytes[entry + 28]), name);
   const auto length = static_cast<std::uint16_t>(name.size());
   std::memcpy(bytes.data() + entry + 28, &length, sizeof length);
-  bytes[entry + 10] = 8;  // deflated
-  expect_refused("npz", bytes, ":?" + std::string(39, 'n') + "...: it is compressed; save it with numpy.savez");
+  bytes[entry + 10] = 9;  // a method that nobody uses
+  expect_refused("npz", bytes, ":?" + std::string(39, 'n') + "...: it is packed by method 9, which is not read");
 }
 
 // A fuzzer's find: what looked like the last tag was none, and the reader took the last of no tags.
 TEST(DamagedField, VtiWhoseAppendedDataIsNoTag) {
-  expect_refused("vti", "<?xml <AppendedData encoding=\"raw\"?>_", ":byte 6: the XML header is damaged");
+  expect_refused("vti", "<?xml <AppendedData encoding=\"raw\"?>_", "no tag begins the appended data");
   expect_refused("vti", "<?xml ?><!-- <AppendedData encoding=\"raw\">-->_", "no '_' begins the appended data");
-  expect_refused("vti", "<VTKFile encoding=\"raw\"><AppendedDataset encoding=\"raw\">_", "the XML header is damaged");
+  expect_refused("vti", "<X encoding=\"raw\"><AppendedDataset encoding=\"raw\">_", "no tag begins the appended data");
 }
 
 TEST(DamagedField, VtiLengths) {
@@ -180,7 +180,9 @@ TEST(DamagedField, Nrrd) {
           {"type: float\n", "", ":header: the field 'type' is missing"},
           {"type: float", "type float", ":line 3: 'type float' is no header field"},
           {"type: float", "type:", ":line 3: 'type:' is no header field"},
-          {"encoding: raw", "encoding: gzip", ": encoding 'gzip' is not read; save it raw"},
+          {"encoding: raw", "encoding: bzip2", ": encoding 'bzip2' is not read; save it raw"},
+          {"encoding: raw", "encoding: gzip", ": its packed bytes are damaged"},
+
           {"encoding: raw", "encoding: raw\ndata file: a.raw", ": samples in another file are not read"},
           {"encoding: raw", "encoding: raw\nbyte skip: -1", ": skips before the samples are not read"},
           {"dimension: 3", "dimension: 4", ": a field has 3 dimensions, not '4'"},
@@ -213,6 +215,17 @@ TEST(DamagedField, Nrrd) {
       });
 }
 
+// Nothing is unpacked of a file that is too short for what it says, however little that is of it.
+TEST(DamagedField, NrrdWhosePackedSamplesAreTooFew) {
+  std::string bytes = bytes_of("nrrd");
+  const auto set = [&](const std::string& from, const std::string& to) {
+    bytes.replace(bytes.find(from), from.size(), to);
+  };
+  set("encoding: raw", "encoding: gz");
+  set("sizes: 3 4 5", "sizes: 3000 4000 5000");
+  expect_refused("nrrd", bytes, ":line 6: they ask for more samples than so short a file can hold");
+}
+
 TEST(DamagedField, ValuesThatAreNoDistances) {
   std::string bytes = bytes_of("nrrd");
   const auto at = bytes.size() - 4 * (3 * 4 * 5) + 4 * (1 + 3 * (2 + 4 * 3));
@@ -223,9 +236,8 @@ TEST(DamagedField, ValuesThatAreNoDistances) {
 }
 
 DistanceField read_from_memory(const std::string& extension, const std::string& bytes) {
-  const FileView view("a." + extension, bytes);
-  const FieldInput input(view);
-  return extension == "vti" ? read_vti(input) : extension == "nrrd" ? read_nrrd(input) : read_npz(input);
+  const FileView file("a." + extension, bytes);
+  return extension == "vti" ? read_vti(file, 0) : extension == "nrrd" ? read_nrrd(file, 0) : read_npz(file, 0);
 }
 
 // Whatever a file lost at its end is noticed.

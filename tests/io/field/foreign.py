@@ -137,17 +137,17 @@ def rewrite_vti(path):
     writer.Write()
 
 
-def write_npz(path, values, **more):
-    np.savez(path, **more, spacing=SPACING, distance=values, origin=np.array(ORIGIN))
+def write_npz(path, values, save=np.savez, **more):
+    save(path, **more, spacing=SPACING, distance=values, origin=np.array(ORIGIN))
 
 
-def write_nrrd(path, endian):
+def write_nrrd(path, endian, encoding="raw"):
     """teem makes the file from bare samples."""
     values = expected()[0].astype("<f4").ravel(order="F").tobytes()
     make = ["teem-unu", "make", "-t", "float", "-s", *map(str, SIZE), "-en", "little", "-e", "raw", "-i", "-", "-spc", "3",
             "-orig", "({},{},{})".format(*ORIGIN), "-dirs", "({},0,0) (0,{},0) (0,0,{})".format(*SPACING)]
     made = subprocess.run(make, input=values, check=True, capture_output=True).stdout
-    subprocess.run(["teem-unu", "save", "-f", "nrrd", "-e", "raw", "-en", endian, "-i", "-", "-o", path], input=made, check=True)
+    subprocess.run(["teem-unu", "save", "-f", "nrrd", "-e", encoding, "-en", endian, "-i", "-", "-o", path], input=made, check=True)
 
 
 KINDS = {
@@ -160,6 +160,10 @@ KINDS = {
     "numpy Fortran order": lambda path: write_npz(path, np.asfortranarray(expected()[0])),
     "numpy big endian": lambda path: write_npz(path, expected()[0].astype(">f4")),
     "numpy extra arrays": lambda path: write_npz(path, expected()[0], other=np.zeros(3), thickness=np.inf),
+    "numpy compressed C order": lambda path: write_npz(path, expected()[0], np.savez_compressed, thickness=np.inf),
+    "numpy compressed Fortran order": lambda path: write_npz(path, np.asfortranarray(expected()[0]), np.savez_compressed),
+    "numpy compressed zeros": lambda path: write_npz(path, np.zeros((200, 200, 200), "<f4"), np.savez_compressed),
+    "teem gzip": lambda path: write_nrrd(path, "big", "gzip"),
     "teem little": lambda path: write_nrrd(path, "little"),
     "teem big": lambda path: write_nrrd(path, "big"),
 }

@@ -5,6 +5,7 @@
 
 #include "odd_field.h"
 #include "standoff/io.h"
+#include "tests/support/expect_error.h"
 #include "tests/support/paths.h"
 #include "tests/support/temp_folder.h"
 
@@ -50,7 +51,10 @@ INSTANTIATE_TEST_SUITE_P(Readers, WrittenByOthers,
                                            Foreign{"vtk big endian", "vti"}, Foreign{"vtk extent from 5", "vti"},
                                            Foreign{"numpy C order", "npz"}, Foreign{"numpy Fortran order", "npz"},
                                            Foreign{"numpy big endian", "npz"}, Foreign{"numpy extra arrays", "npz"},
-                                           Foreign{"teem little", "nrrd"}, Foreign{"teem big", "nrrd"}));
+                                           Foreign{"numpy compressed C order", "npz"},
+                                           Foreign{"numpy compressed Fortran order", "npz"},
+                                           Foreign{"teem gzip", "nrrd"}, Foreign{"teem little", "nrrd"},
+                                           Foreign{"teem big", "nrrd"}));
 
 TEST_P(WrittenByOthers, IsTheSameField) {
   const TempFolder folder;
@@ -66,6 +70,22 @@ TEST_P(WrittenByOthers, IsTheSameField) {
   EXPECT_EQ(field.thickness(), kInfinite);
   EXPECT_EQ(field.provenance.mesh_hash, 0u);
   EXPECT_TRUE(field.to_dense() == expected.to_dense());
+}
+
+// Half as many kilobytes as it has megabytes of samples: the limit is held though the file is small.
+TEST(CompressedField, KeepsToTheMemoryLimit) {
+  const TempFolder folder;
+  const auto path = folder / "zeros.npz";
+  run_foreign("write " + quoted(path.string()) + " 'numpy compressed zeros'");
+  ASSERT_LT(std::filesystem::file_size(path), 100'000u);
+  expect_error([&] { read_field(path, {.memory_limit = 1 << 20}); }, ErrorCode::limit, "its tiles need");
+  // Room for the tiles, but none for the layer that is unpacked.
+  const DistanceField field = read_field(path);
+  EXPECT_EQ(field.grid().size, (Size3{200, 200, 200}));
+  const std::int64_t layer = 4 * 8 * 200 * 200;
+  expect_error([&] { read_field(path, {.memory_limit = field.memory_bytes() + layer / 2}); }, ErrorCode::limit,
+               "its tiles need");
+  EXPECT_NO_THROW(read_field(path, {.memory_limit = field.memory_bytes() + 4 * layer}));
 }
 
 TEST(RewrittenByVtk, KeepsFactsAndNearestTriangles) {

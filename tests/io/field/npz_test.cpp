@@ -4,9 +4,9 @@
 #include <cstring>
 #include <map>
 
+#include "files/zip_writer.h"
 #include "io/field/format.h"
 #include "io/field/npy.h"
-#include "io/field/zip_writer.h"
 #include "odd_field.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/temp_folder.h"
@@ -44,8 +44,7 @@ DistanceField read(const std::map<std::string, std::string>& members) {
   }
   zip.finish();
   file.commit();
-  const FileView view(folder / "a.npz");
-  return read_npz(FieldInput(view));
+  return read_npz(FileView(folder / "a.npz"), 0);
 }
 
 DistanceField read(const Arrays& arrays) {
@@ -123,7 +122,7 @@ TEST(Npz, MissingArraysAreNamed) {
 TEST(Npy, HeadersInAllSpellings) {
   const auto read_header = [](const std::string& bytes) {
     const FileView view("a.npy", bytes);
-    return read_npy(FieldInput(view), "x.npy", 0, bytes.size());
+    return read_npy(view, "x.npy", bytes, bytes.size());
   };
   const auto header = [](std::string text, char version = 1) {
     const auto length = static_cast<std::uint32_t>(text.size());

@@ -1,6 +1,7 @@
 // Files that assimp reads wrongly, or that end the program in it: they must be errors before or after it.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <cstring>
@@ -41,6 +42,14 @@ class Assimp : public ::testing::Test {
 template <class Value>
 std::string bytes_of(std::initializer_list<Value> values) {
   return {reinterpret_cast<const char*>(values.begin()), values.size() * sizeof(Value)};
+}
+
+std::string packed(const std::string& bytes) {
+  const TempFolder folder;
+  const gzFile file = ::gzopen((folder / "packed").c_str(), "wb");
+  ::gzwrite(file, bytes.data(), static_cast<unsigned>(bytes.size()));
+  ::gzclose(file);
+  return read_bytes(folder / "packed");
 }
 
 std::string chunk(std::uint16_t id, const std::string& content) {
@@ -361,11 +370,17 @@ TEST_F(Assimp, ItsMessagesAreCutToALine) {
   }
 }
 
+TEST_F(Assimp, PackedFilesAreReadToo) {
+  // Assimp is told of the name that says the format.
+  EXPECT_EQ(triangles("a.3ds.gz", packed(tetrahedron(0, 1, 2))), 1u);
+  EXPECT_EQ(triangles("a.dae.gz", packed(Collada().text())), triangles("a.dae", Collada().text()));
+}
+
 TEST_F(Assimp, ColladaThatIsNoPlainXml) {
   refused("a.dae", Collada{.before = "<!DOCTYPE COLLADA [<!ENTITY a \"1\">]>"}.text(), "a document type is not read");
   refused("a.dae", Collada().text() + std::string(1, '\0'), "a zero byte");
-  refused("a.dae", Collada{.before = "<!-- "}.text(), "it is cut off");
-  refused("a.dae", Collada{.before = "<a b>"}.text(), "a tag that is none");
+  refused("a.dae", Collada{.before = "<!-- "}.text(), "a comment or section without an end");
+  refused("a.dae", Collada{.before = "<a b>"}.text(), "a damaged tag");
   const std::string whole = Collada().text();
   for (std::size_t size = 60; size < whole.size(); size += 7) refused("a.dae", whole.substr(0, size), "a.dae");
 }

@@ -1,7 +1,9 @@
 // Writing and reading back, scaling, and what is asked for in vain.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <zlib.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -12,6 +14,7 @@
 
 #include "standoff/io.h"
 #include "tests/support/expect_error.h"
+#include "tests/support/paths.h"
 #include "tests/support/temp_folder.h"
 
 namespace standoff {
@@ -157,6 +160,65 @@ TEST(MeshFormats, PipesAreReadToTheirEnd) {
   writer.join();
   EXPECT_EQ(read.vertices, mesh.vertices);
   EXPECT_EQ(read.triangles, mesh.triangles);
+}
+
+bool readable(const std::string& extension) {
+  return std::ranges::any_of(mesh_formats(),
+                             [&](const FileFormat& f) { return f.extension == extension && f.readable; });
+}
+
+void write_packed(const std::filesystem::path& path, const std::string& bytes, int times = 1) {
+  const gzFile file = ::gzopen(path.c_str(), "wb1");
+  for (; times > 0; --times)
+    ASSERT_EQ(::gzwrite(file, bytes.data(), static_cast<unsigned>(bytes.size())), static_cast<int>(bytes.size()));
+  ASSERT_EQ(::gzclose(file), Z_OK);
+}
+
+TEST(MeshFormats, PackedMeshesOfEveryWrittenFormatAreRead) {
+  const TempFolder folder;
+  const Mesh mesh = blob(false);
+  for (const std::string name : {"mesh.stl", "mesh.ply", "mesh.obj"}) {
+    write_mesh(folder / name, mesh);
+    write_packed(folder / (name + ".gz"), read_bytes(folder / name));
+    const Mesh plain = read_mesh(folder / name), packed = read_mesh(folder / (name + ".gz"));
+    EXPECT_EQ(packed.vertices, plain.vertices) << name;
+    EXPECT_EQ(packed.triangles, plain.triangles) << name;
+    expect_error([&] { write_mesh(folder / (name + ".gz"), mesh); }, ErrorCode::usage, "use one of .stl, .ply, .obj");
+  }
+}
+
+// A hundred kilobytes that would become a hundred megabytes.
+TEST(MeshFormats, PackedFilesThatBecomeFarTooLargeAreRefused) {
+  const TempFolder folder;
+  write_packed(folder / "mesh.obj.gz", std::string(1 << 20, '\n'), 100);
+  ASSERT_LT(std::filesystem::file_size(folder / "mesh.obj.gz"), 1u << 19);
+  expect_error([&] { read_mesh(folder / "mesh.obj.gz"); }, ErrorCode::limit, "mesh.obj.gz: it unpacks to more than ");
+}
+
+TEST(MeshFormats, ReportsWhatWasDoneToCoordinates) {
+  const std::filesystem::path corpus = std::filesystem::path(kSourceFolder) / "tests/corpus";
+  MeshReadReport report;
+  read_mesh(corpus / "mesh/gz_gltf.gltf.gz", {}, &report);
+  EXPECT_EQ(report.format, "gltf");
+  EXPECT_TRUE(report.unpacked);
+  EXPECT_EQ(report.metres_per_unit, 1);
+  EXPECT_FALSE(report.turned());
+  EXPECT_EQ(notes(report), (std::vector<std::string>{"unpacked by gzip", "in metres, as the format says"}));
+  read_mesh(corpus / "mesh/obj_plain.obj", {.scale = 2}, &report);
+  EXPECT_EQ(report.format, "obj");
+  EXPECT_TRUE(notes(report).empty());
+  if (!readable("dae")) return;
+  const Mesh mesh = read_mesh(corpus / "assimp/tetrahedron.dae", {}, &report);
+  EXPECT_EQ(report.axes, (std::array<int, 3>{1, 3, -2}));
+  EXPECT_EQ(report.unit_scale, 0.01);
+  EXPECT_EQ(notes(report).at(0), "axes turned so that y is up: x, y, z are x, z, -y of the file");
+  EXPECT_EQ(notes(report).at(1), "coordinates multiplied by 0.01, as the file's unit asks for");
+  // As the file has it: turned by 90 degrees about z, and moved by (1, 2, 3) after.
+  EXPECT_NEAR(mesh.vertices[0].y, 0.03, 1e-8);
+  read_mesh(corpus / "assimp/tetrahedron.3ds", {}, &report);
+  EXPECT_EQ(report.axes, (std::array<int, 3>{1, 3, -2}));
+  EXPECT_EQ(report.unit_scale, 1);
+  EXPECT_EQ(report.metres_per_unit, 0);
 }
 
 TEST(MeshFormats, TableTellsWhatThisBuildCan) {

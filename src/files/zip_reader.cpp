@@ -1,11 +1,12 @@
-#include "io/field/zip_reader.h"
+#include "files/zip_reader.h"
+
+#include <zlib.h>
 
 #include <algorithm>
 #include <cstring>
 
 #include "files/shown.h"
-#include "io/field/zip_crc32.h"
-#include "io/field/zip_format.h"
+#include "files/zip_format.h"
 
 namespace standoff {
 namespace {
@@ -21,7 +22,7 @@ std::uint16_t u16(std::string_view bytes, std::uint64_t offset) { return number_
 std::uint32_t u32(std::string_view bytes, std::uint64_t offset) { return number_at<std::uint32_t>(bytes, offset); }
 std::uint64_t u64(std::string_view bytes, std::uint64_t offset) { return number_at<std::uint64_t>(bytes, offset); }
 
-std::string_view record(const FieldInput& file, std::uint64_t offset, std::uint64_t bytes) {
+std::string_view record(const FileView& file, std::uint64_t offset, std::uint64_t bytes) {
   file.require(offset, bytes, "a record of the archive");
   return file.text(offset, bytes);
 }
@@ -30,7 +31,7 @@ struct Directory {
   std::uint64_t offset = 0, bytes = 0, count = 0;
 };
 
-Directory find_directory(const FieldInput& file) {
+Directory find_directory(const FileView& file) {
   // The end record is last, but for a comment of at most 65535 bytes.
   const std::uint64_t tail_bytes = std::min<std::uint64_t>(file.size(), zip::kDirectoryEndBytes + 0xFFFF);
   const std::string_view tail = file.text(file.size() - tail_bytes, tail_bytes);
@@ -47,8 +48,7 @@ Directory find_directory(const FieldInput& file) {
 }
 
 // Replaces sizes and offset that stand in the extra field.
-void widen(const FieldInput& file, std::string_view extra, ZipMember& member, std::uint64_t& stored,
-           std::uint64_t& header) {
+void widen(const FileView& file, std::string_view extra, ZipMember& member, std::uint64_t& header) {
   for (std::uint64_t at = 0; extra.size() - at >= 4;) {
     const std::uint64_t length = u16(extra, at + 2), next = at + 4 + length;
     if (next > extra.size()) break;
@@ -57,7 +57,7 @@ void widen(const FieldInput& file, std::string_view extra, ZipMember& member, st
       continue;
     }
     at += 4;
-    for (std::uint64_t* value : {&member.bytes, &stored, &header}) {
+    for (std::uint64_t* value : {&member.bytes, &member.packed, &header}) {
       if (*value != zip::kIn64) continue;
       if (next - at < 8) file.fail(shown(member.name), "its 64-bit sizes are damaged; write the file again");
       *value = u64(extra, at);
@@ -68,7 +68,7 @@ void widen(const FieldInput& file, std::string_view extra, ZipMember& member, st
 }
 
 // Local headers repeat the directory, but their extra fields may have another length.
-std::uint64_t data_offset(const FieldInput& file, const std::string& name, std::uint64_t header) {
+std::uint64_t data_offset(const FileView& file, const std::string& name, std::uint64_t header) {
   const std::string_view local = record(file, header, zip::kLocalHeaderBytes);
   if (u32(local, 0) != zip::kLocalHeader) file.fail(shown(name), "its header is damaged; write the file again");
   return header + zip::kLocalHeaderBytes + u16(local, 26) + u16(local, 28);
@@ -76,7 +76,7 @@ std::uint64_t data_offset(const FieldInput& file, const std::string& name, std::
 
 }  // namespace
 
-std::vector<ZipMember> read_zip(const FieldInput& file) {
+std::vector<ZipMember> read_zip(const FileView& file) {
   const Directory directory = find_directory(file);
   file.require(directory.offset, directory.bytes, "the archive's directory");
   std::vector<ZipMember> members;
@@ -89,23 +89,55 @@ std::vector<ZipMember> read_zip(const FieldInput& file) {
     const std::string_view rest = record(file, at + zip::kDirectoryHeaderBytes, name_bytes + extra_bytes);
     at += zip::kDirectoryHeaderBytes + name_bytes + extra_bytes + comment_bytes;
 
-    ZipMember member{std::string(rest.substr(0, name_bytes)), 0, u32(fixed, 24), u32(fixed, 16)};
-    std::uint64_t stored = u32(fixed, 20), header = u32(fixed, 42);
-    widen(file, rest.substr(name_bytes), member, stored, header);
-    if (u16(fixed, 8) & 1) file.fail(shown(member.name), "it is encrypted; save it without a password");
-    if (u16(fixed, 10) != 0)
-      file.fail(shown(member.name), "it is compressed; save it with numpy.savez, not savez_compressed");
-    if (stored != member.bytes) file.fail(shown(member.name), "its sizes contradict each other; write the file again");
+    constexpr std::uint16_t kStored = 0, kDeflated = 8, kEncrypted = 1;
+    ZipMember member{std::string(rest.substr(0, name_bytes)), 0, u32(fixed, 20), u32(fixed, 24), u32(fixed, 16)};
+    std::uint64_t header = u32(fixed, 42);
+    widen(file, rest.substr(name_bytes), member, header);
+    if (u16(fixed, 8) & kEncrypted) file.fail(shown(member.name), "it is encrypted; save it without a password");
+    const std::uint16_t method = u16(fixed, 10);
+    if (method != kStored && method != kDeflated)
+      file.fail(shown(member.name), "it is packed by method " + std::to_string(method) +
+                                        ", which is not read; write it again, deflated or not packed at all");
+    member.deflated = method == kDeflated;
+    const bool possible =
+        member.deflated ? member.bytes / kMostDeflated <= member.packed : member.packed == member.bytes;
+    if (!possible) file.fail(shown(member.name), "its sizes contradict each other; write the file again");
     member.offset = data_offset(file, member.name, header);
-    file.require(member.offset, member.bytes, "a member");
+    file.require(member.offset, member.packed, "a member");
     members.push_back(std::move(member));
   }
   return members;
 }
 
-void check_crc(const FieldInput& file, const ZipMember& member) {
-  if (crc32(std::as_bytes(std::span(file.text(member.offset, member.bytes)))) != member.crc)
-    file.fail(shown(member.name), "its checksum is wrong; the file is damaged, write it again");
+ZipMemberStream::ZipMemberStream(const FileView& file, const ZipMember& member) : file_(file), member_(member) {
+  if (member.deflated)
+    inflater_.emplace(file, shown(member.name), file.text(member.offset, member.packed), Inflater::Wrapper::none);
 }
+
+std::string_view ZipMemberStream::next(std::uint64_t bytes) {
+  if (bytes > member_.bytes - done_) fail("it is shorter than its content says; the file is damaged, write it again");
+  std::string_view part = file_.text(member_.offset + done_, bytes);
+  if (inflater_) {
+    if (buffer_.size() < bytes) {
+      buffer_ = {};  // what is there is not kept beside it
+      buffer_.resize(bytes);
+    }
+    inflater_->fill(buffer_.data(), bytes);
+    part = {buffer_.data(), bytes};
+  }
+  done_ += bytes;
+  if (bytes > 0)  // zlib takes no bytes for a new beginning
+    crc_ = static_cast<std::uint32_t>(::crc32_z(crc_, reinterpret_cast<const Bytef*>(part.data()), part.size()));
+  if (done_ == member_.bytes && crc_ != member_.crc) fail("its checksum is wrong; the file is damaged, write it again");
+  return part;
+}
+
+void ZipMemberStream::finish() {
+  constexpr std::uint64_t kPart = std::uint64_t{1} << 20;
+  do next(std::min(kPart, member_.bytes - done_));
+  while (done_ < member_.bytes);
+}
+
+void ZipMemberStream::fail(const char* what) const { file_.fail(shown(member_.name), what); }
 
 }  // namespace standoff

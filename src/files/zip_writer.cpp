@@ -1,7 +1,8 @@
-#include "io/field/zip_writer.h"
+#include "files/zip_writer.h"
 
-#include "io/field/zip_crc32.h"
-#include "io/field/zip_format.h"
+#include <zlib.h>
+
+#include "files/zip_format.h"
 
 namespace standoff {
 namespace {
@@ -46,7 +47,9 @@ void ZipWriter::begin(const std::string& name, std::uint64_t bytes) {
 }
 
 void ZipWriter::write(std::span<const std::byte> bytes) {
-  members_.back().crc = crc32(bytes, members_.back().crc);
+  if (bytes.empty()) return;  // which zlib takes for a new beginning
+  std::uint32_t& crc = members_.back().crc;
+  crc = static_cast<std::uint32_t>(::crc32_z(crc, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
   file_.write(bytes.data(), bytes.size());
 }
 

@@ -1,0 +1,24 @@
+// Bytes that are read front to back.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+namespace standoff {
+
+/// A part of a file, unpacked as it is read. Errors: input, as `FILE:WHERE: ...`, for bytes that are missing or
+/// damaged.
+class ByteStream {
+ public:
+  ByteStream() = default;
+  ByteStream(const ByteStream&) = delete;
+  ByteStream& operator=(const ByteStream&) = delete;
+  virtual ~ByteStream() = default;
+
+  /// The next bytes, so many and no fewer. They live until the next call, or as long as the file's view.
+  virtual std::string_view next(std::uint64_t bytes) = 0;
+  /// Reads what is left, and checks the whole where the file holds a checksum.
+  virtual void finish() = 0;
+};
+
+}  // namespace standoff
