@@ -5,13 +5,14 @@
 #include "collision/cuda/queries.h"
 #include "gpu/devices.h"
 #include "standoff/error.h"
+#include "standoff/testing/emulation.h"
 
 namespace standoff::collision {
 namespace {
 
 constexpr std::array kRows{
     DeviceRow{Backend::cuda, "cuda", cuda::available, cuda::device_name, cuda::collide, cuda::sweep},
-    DeviceRow{Backend::emulated, "emulated", [] { return true; },
+    DeviceRow{testing::kEmulated, "emulated", [] { return true; },
               [](int) { return std::string("emulated on the CPU"); }, emulated::collide, emulated::sweep},
 };
 

@@ -8,6 +8,8 @@
 namespace standoff {
 namespace {
 
+using namespace experimental;
+
 using namespace standoff::testing;
 
 TEST(Fly, RepeatsWithItsSeedOnAnyNumberOfThreads) {
