@@ -16,6 +16,11 @@ int fail(ErrorCode code, const std::string& message) {
   return static_cast<int>(code);
 }
 
+// What the program has to offer where the library knows no more: its own options.
+std::string own_advice(const Error& error) {
+  return error.code() == ErrorCode::device ? " (--device cpu; `standoff devices` lists what there is)" : "";
+}
+
 }  // namespace
 
 int exit_code_of(const std::function<void()>& run) {
@@ -25,7 +30,7 @@ int exit_code_of(const std::function<void()>& run) {
   } catch (const Error& error) {
     if (error.code() == ErrorCode::interrupted)
       return fail(error.code(), "interrupted; no partial file was left, run it again");
-    return fail(error.code(), error.what());
+    return fail(error.code(), error.what() + own_advice(error));
   } catch (const std::bad_alloc&) {
     return fail(ErrorCode::limit,
                 "out of memory; take fewer samples, a smaller thickness, or a machine with more memory");

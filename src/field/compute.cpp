@@ -104,7 +104,8 @@ ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickness, Di
     if (options.memory_limit != 0) field = {};
     field.reset(where, thickness, options.nearest_triangle);
     Sink sink(field);
-    ComputeReport report = fill(mesh, where, thickness, options, sink, &field.provenance.mesh_hash);
+    ComputeReport report =
+        fill(mesh, where, thickness, options, sink, options.hash_mesh ? &field.provenance.mesh_hash : nullptr);
     report.tiles_stored = field.stored_tiles();
     field.provenance.method = report.method;
     field.provenance.version = version();

@@ -159,9 +159,10 @@ void check_memory(MeshView mesh, const Grid& grid, double thickness, const Compu
   if (memory_needed(static_cast<std::int64_t>(mesh.triangles.size()), grid, thickness, options, dense) <= limit) return;
   const std::int64_t needed = memory_needed(mesh, grid, thickness, options, dense);
   if (needed <= limit) return;
-  throw Error(ErrorCode::limit, "compute: the field may need " +
-                                    over_the_limit(static_cast<double>(needed), static_cast<double>(limit)) + "; " +
-                                    Advice(mesh, grid, thickness, options, dense).text());
+  throw Error(ErrorCode::limit,
+              "compute: the field may need " + over_the_limit(static_cast<double>(needed), static_cast<double>(limit)) +
+                  "; " + Advice(mesh, grid, thickness, options, dense).text(),
+              {.bytes_needed = needed, .bytes_limit = limit});
 }
 
 }  // namespace standoff

@@ -20,8 +20,8 @@ std::int64_t total(const Flown& flown, std::int64_t Flier::*what) {
   return sum;
 }
 
-// A tolerance of 0 stands for the automatic one wherever it counts: for the sweeps, for where a flier stops, and for how
-// far from resting bodies it starts.
+// A tolerance of 0 stands for the automatic one wherever it counts: for the sweeps, for where a flier stops, and for
+// how far from resting bodies it starts.
 TEST(Fly, ByDefaultTheToleranceIsAutomatic) {
   FlightOptions options;
   options.speed = 0.7;

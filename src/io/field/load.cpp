@@ -140,12 +140,14 @@ void check_memory(const FieldInput& file, const TileWalk& walk, bool with_neares
   if (field_bytes(all, all, with_nearest) <= limit) return;
   const double least = field_bytes(0, all, with_nearest);
   if (least > limit)
-    throw Error(ErrorCode::limit, "its tiles need more than " + over_the_limit(least, limit) + "; give a higher limit");
+    throw Error(ErrorCode::limit, "its tiles need more than " + over_the_limit(least, limit) + "; give a higher limit",
+                limit_details(least, limit));
   double stored = 0;
   walk([&](auto&&...) { ++stored; });
   const double needed = field_bytes(stored, all, with_nearest);
   if (needed > limit)
-    throw Error(ErrorCode::limit, "its tiles need " + over_the_limit(needed, limit) + "; give a higher limit");
+    throw Error(ErrorCode::limit, "its tiles need " + over_the_limit(needed, limit) + "; give a higher limit",
+                limit_details(needed, limit));
 }
 
 DistanceField load(const FieldInput& file, const StoredField& stored) {
@@ -178,7 +180,9 @@ DistanceField load_field(const FieldInput& file, const StoredField& stored) {
   } catch (const Error& error) {
     // What a field says of its own limits lacks the file's name.
     if (error.code() == ErrorCode::input) throw;
-    throw Error(error.code(), file.path().string() + ": " + error.what());
+    ErrorDetails details = error.details();
+    details.file = file.path().string();
+    throw Error(error.code(), details.file + ": " + error.what(), details);
   }
 }
 
