@@ -13,10 +13,12 @@
 #include "cli/signals.h"
 #include "cli/text.h"
 #include "cli/usage.h"
-#include "standoff/simulation.h"
+#include "standoff/experimental/simulation.h"
 
 namespace standoff::cli {
 namespace {
+
+using namespace experimental;
 
 constexpr const char* kExamples =
     R"(  standoff fly --steps 100000 --speed 0.04 --path out.csv      one fly, where it flew as a table

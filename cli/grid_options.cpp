@@ -6,6 +6,7 @@
 #include "cli/options.h"
 #include "cli/text.h"
 #include "standoff/error.h"
+#include "standoff/thesis.h"
 
 namespace standoff::cli {
 namespace {

@@ -8,6 +8,7 @@
 
 #include "cli/text.h"
 #include "standoff/error.h"
+#include "standoff/testing/emulation.h"
 
 namespace standoff::cli {
 namespace {
@@ -182,7 +183,7 @@ Method parse_method(const std::string& option, const std::string& text) {
 }
 
 Backend parse_backend(const std::string& option, const std::string& text, int& device) {
-  constexpr Backend backends[] = {Backend::automatic, Backend::cpu, Backend::cuda, Backend::emulated};
+  constexpr Backend backends[] = {Backend::automatic, Backend::cpu, Backend::cuda, testing::kEmulated};
   const auto colon = text.find(':');
   const std::string name = text.substr(0, colon);
   const Backend backend = backends[parse_choice(option, name, {"auto", "cpu", "cuda", "emulated"})];

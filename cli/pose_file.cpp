@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "cli/parse.h"
+#include "files/text_file.h"
 #include "standoff/error.h"
 #include "standoff/io.h"
 

@@ -6,8 +6,8 @@
 #include <csignal>
 #include <cstring>
 
+#include "files/temp_file_registry.h"
 #include "standoff/error.h"
-#include "standoff/interrupt.h"
 
 namespace standoff::cli {
 namespace {

@@ -28,8 +28,8 @@ struct ModelAccess;
 }  // namespace collision
 
 struct ModelOptions {
-  double spacing = 0;   ///< of the model's field, world units; 0: chosen from the mesh
-  Execution execution;  ///< of the building: its fields may come from a GPU
+  double spacing = 0;        ///< of the model's field, world units; 0: chosen from the mesh
+  Execution execution = {};  ///< of the building: its fields may come from a GPU
 };
 
 /// What queries need of a body, built once: a sparse distance field near the surface, a coarse one around it, and a
@@ -205,17 +205,5 @@ std::vector<ContactResult> contacts_all(const CollisionModel& a, const Pose& pos
 std::vector<SweepResult> sweep_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
                                    std::span<const RigidMotion> motions, const SweepOptions& options = {},
                                    const Execution& execution = {}, BatchReport* report = nullptr);
-
-/// Algorithm 2 of the 2008 thesis, for comparison: visits the samples of one field that lie in the other's grid. Where
-/// a sample and the nearest sample of the other field both have a value (below their thickness) and the sum of both is
-/// below `threshold`, the bodies collide. It errs either way; docs/thesis.md says how often.
-struct ThesisCollisionResult {
-  bool hit = false;
-  std::int64_t samples = 0;  ///< visited
-};
-ThesisCollisionResult collide_thesis(const DistanceField& a, const Pose& pose_a, const DistanceField& b,
-                                     const Pose& pose_b, double threshold);
-/// The least such sum, with which the threshold can be chosen; infinite where no sample counts.
-double thesis_sum(const DistanceField& a, const Pose& pose_a, const DistanceField& b, const Pose& pose_b);
 
 }  // namespace standoff

@@ -34,11 +34,14 @@ struct SkipRule {
 
 struct ComputeOptions {
   Method method = Method::tiles;
-  SkipRule skip;
-  Execution execution;
+  SkipRule skip = {};
+  Execution execution = {};
   std::int64_t memory_limit = 0;  ///< bytes of output and scratch together; 0: no limit
   bool nearest_triangle = false;  ///< also store the nearest triangle's index per band sample, lowest on ties
-  ProgressCallback progress;
+  /// Also hash the mesh into the field's provenance, by which verify() and readers of its file can tell that a mesh is
+  /// another one. A pass over the mesh, little beside the field; compute_into dense memory keeps no provenance.
+  bool hash_mesh = true;
+  ProgressCallback progress = {};
 };
 
 /// What a computation did.

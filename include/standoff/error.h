@@ -1,8 +1,12 @@
 // The one exception type of standoff.
 #pragma once
 
+#include <cstdint>
+#include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace standoff {
 
@@ -18,15 +22,33 @@ enum class ErrorCode {
   interrupted = 130,  ///< cancelled by the progress callback or a signal
 };
 
+/// What the message says in words, for programs: set where it is known.
+struct ErrorDetails {
+  std::optional<std::int64_t> triangle = {};      ///< the first triangle of the mesh that cannot be used
+  std::optional<std::int64_t> bytes_needed = {};  ///< ErrorCode::limit: how much memory it may take
+  std::optional<std::int64_t> bytes_limit = {};   ///< and the limit, or what there is
+  std::string file = {};                          ///< the file that cannot be read or written; empty: none
+  std::optional<std::int64_t> line = {};          ///< in that file, from 1
+  std::optional<std::int64_t> byte = {};          ///< in that file, from 0
+};
+
 /// Thrown by every function of standoff that fails, and nothing else is, but for what the caller's own callbacks throw.
 /// The message says what, where, why and what to do next; for files it reads `FILE:WHERE: what; what to do`.
 class Error : public std::runtime_error {
  public:
   Error(ErrorCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
+  Error(ErrorCode code, const std::string& message, ErrorDetails details)
+      : std::runtime_error(message), code_(code), details_(std::make_shared<ErrorDetails>(std::move(details))) {}
+
   ErrorCode code() const noexcept { return code_; }
+  const ErrorDetails& details() const noexcept {
+    static const ErrorDetails none;
+    return details_ ? *details_ : none;
+  }
 
  private:
   ErrorCode code_;
+  std::shared_ptr<const ErrorDetails> details_;  // shared, so that copies of an Error throw nothing
 };
 
 }  // namespace standoff

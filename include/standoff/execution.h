@@ -9,8 +9,7 @@ namespace standoff {
 enum class Backend {
   automatic,  ///< an NVIDIA GPU where there is one and the work is large enough for it, else the CPU
   cpu,
-  cuda,      ///< an NVIDIA GPU
-  emulated,  ///< the GPU's kernels on the CPU, thread by thread: slow, to find faults with
+  cuda,  ///< an NVIDIA GPU
 };
 
 /// The instruction set that fills fields on the CPU. The bits of the result do not depend on it.

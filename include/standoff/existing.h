@@ -1,11 +1,12 @@
-// What a file that is already there means to whoever writes one of its name.
+// What to do when the output file already exists.
 #pragma once
 
 namespace standoff {
 
 enum class Existing {
-  replace,  ///< the new one takes its place
-  keep,  ///< it stays, also when it has appeared only during the writing: Error{output}. Devices and pipes are written
+  replace,  ///< the new file takes its place
+  keep,     ///< fail with Error{output} if the file exists or appears before the write completes; devices and pipes are
+            ///< always written
 };
 
 }  // namespace standoff

@@ -78,10 +78,4 @@ inline Grid fit_size(const Box& box, Size3 size, double thickness = kFullField) 
   return fit_size(box, size, padding_for(thickness));
 }
 
-/// The thesis's minimum grid: the box grown by the thickness, (max - min) / thickness * e samples per axis, rounded
-/// up, at least 2. `e` is 2 to 4 in the thesis; `speed`, the distance a body moves in one step, makes the grid finer:
-/// the factor used is e * (1 + speed / thickness). Errors: usage when the thickness is not positive and finite, e < 1
-/// or speed < 0.
-Grid minimum_grid(const Box& box, double thickness, double e = 2, double speed = 0);
-
 }  // namespace standoff

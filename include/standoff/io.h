@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "standoff/error.h"
@@ -71,10 +70,5 @@ DistanceField read_field(const std::filesystem::path& path, const FieldReadOptio
 /// Writes a field as .vti, .nrrd or .npz (docs/formats.md); the file appears whole or not at all. Values are never held
 /// densely. Errors: output, usage (unknown extension, or nearest triangles in a format that cannot carry them).
 void write_field(const std::filesystem::path& path, const DistanceField& field, Existing existing = Existing::replace);
-
-/// The bytes of a file. Errors: input; limit when memory runs out.
-std::string read_text(const std::filesystem::path& path);
-/// Writes bytes as they are; the file appears whole or not at all. Errors: output.
-void write_text(const std::filesystem::path& path, std::string_view text, Existing existing = Existing::replace);
 
 }  // namespace standoff

@@ -11,10 +11,10 @@ namespace standoff {
 
 struct VerifyOptions {
   std::int64_t samples =
-      1000;                ///< how many samples to test, at least 1; every one when the grid has no more than these
-  std::uint64_t seed = 1;  ///< chooses the samples; the same seed takes the same ones
-  Execution execution;     ///< on the CPU: other backends are Error{usage}
-  ProgressCallback progress;
+      1000;                  ///< how many samples to test, at least 1; every one when the grid has no more than these
+  std::uint64_t seed = 1;    ///< chooses the samples; the same seed takes the same ones
+  Execution execution = {};  ///< on the CPU: other backends are Error{usage}
+  ProgressCallback progress = {};
 };
 
 /// One sample, and what was found there. All distances are in world units.

@@ -1,8 +1,12 @@
+// Which standoff this is.
 #pragma once
 
+#define STANDOFF_VERSION_MAJOR 0
+#define STANDOFF_VERSION_MINOR 1
+#define STANDOFF_VERSION_PATCH 0
 #define STANDOFF_VERSION "0.1.0"
 
 namespace standoff {
-/// The version of the library, e.g. "0.1.0".
+/// The version of the library, e.g. "0.1.0": that of the headers it was compiled with.
 const char* version();
 }  // namespace standoff

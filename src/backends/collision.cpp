@@ -5,6 +5,7 @@
 #include "collision/cuda/queries.h"
 #include "gpu/devices.h"
 #include "standoff/error.h"
+#include "standoff/testing/emulation.h"
 
 namespace standoff::collision {
 namespace {
@@ -12,7 +13,7 @@ namespace {
 constexpr std::array kRows{
     DeviceRow{Backend::cuda, "cuda", cuda::available, cuda::device_name, cuda::collide, cuda::sweep},
 #ifdef STANDOFF_HAVE_EMULATION
-    DeviceRow{Backend::emulated, "emulated", [] { return true; },
+    DeviceRow{testing::kEmulated, "emulated", [] { return true; },
               [](int) { return std::string("emulated on the CPU"); }, emulated::collide, emulated::sweep},
 #endif
 };

@@ -5,6 +5,7 @@
 #include "backends/cuda/fields.h"
 #include "field/cpu/tiles.h"
 #include "gpu/devices.h"
+#include "standoff/testing/emulation.h"
 #include "thesis/algorithm_1.h"
 
 namespace standoff {
@@ -24,9 +25,9 @@ constexpr std::array kRows{
     BackendRow{Backend::cpu, Method::thesis, "cpu", "thesis", kAlways,
                [](Simd simd, int) { return cpu::thesis_device(simd); }, cpu::run_thesis, cpu::thesis_scratch_bytes},
 #ifdef STANDOFF_HAVE_EMULATION
-    BackendRow{Backend::emulated, Method::tiles, "emulated", "tiles", kAlways, kEmulatedDevice, emulated::run_tiles,
+    BackendRow{testing::kEmulated, Method::tiles, "emulated", "tiles", kAlways, kEmulatedDevice, emulated::run_tiles,
                emulated::scratch_bytes},
-    BackendRow{Backend::emulated, Method::thesis, "emulated", "thesis", kAlways, kEmulatedDevice, emulated::run_thesis,
+    BackendRow{testing::kEmulated, Method::thesis, "emulated", "thesis", kAlways, kEmulatedDevice, emulated::run_thesis,
                emulated::scratch_bytes},
 #endif
 };

@@ -19,7 +19,7 @@ inline void validate_all(std::span<const Pose> poses) {
   for (std::size_t n = 0; n < poses.size(); ++n) try {
       validate(poses[n]);
     } catch (const Error& error) {
-      throw Error(error.code(), std::string(error.what()) + " (pose " + std::to_string(n) + ")");
+      throw Error(error.code(), std::string(error.what()) + " (pose " + std::to_string(n) + ")", error.details());
     }
 }
 

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <string>
@@ -20,6 +21,11 @@ std::string over_the_limit(double needed, double limit) {
   std::snprintf(text, sizeof text, "%.0f %s, more than the limit of %.0f %s", std::ceil(needed / unit), name,
                 std::floor(limit / unit), name);
   return text;
+}
+
+ErrorDetails limit_details(double needed, double limit) {
+  const auto whole = [](double bytes) { return static_cast<std::int64_t>(std::min(bytes, 0x1p62)); };
+  return {.bytes_needed = whole(std::ceil(needed)), .bytes_limit = whole(limit)};
 }
 
 }  // namespace standoff

@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include "standoff/error.h"
+
 namespace standoff {
 
 /// Bytes that a DistanceField takes with so many tiles stored, of so many in its grid.
@@ -10,5 +12,7 @@ double field_bytes(double stored_tiles, double all_tiles, bool with_nearest);
 
 /// "161 MiB, more than the limit of 160 MiB": requires needed > limit, and shows it.
 std::string over_the_limit(double needed, double limit);
+/// The same as data.
+ErrorDetails limit_details(double needed, double limit);
 
 }  // namespace standoff

@@ -145,24 +145,4 @@ Grid fit_size(const Box& box, Size3 size, const Padding& padding) try {
   throw_as_error("grid");
 }
 
-Grid minimum_grid(const Box& box, double thickness, double e, double speed) try {
-  if (!(thickness > 0) || !std::isfinite(thickness))
-    fail("the minimum grid needs a positive, finite thickness; give the half-width of the band");
-  if (!(e >= 1) || !std::isfinite(e))
-    fail("the minimum grid's factor e must be at least 1, and finite; the thesis uses 2 to 4");
-  if (!(speed >= 0) || !std::isfinite(speed))
-    fail("the speed must be zero or more, and finite; give world units a step");
-  const Box grown = grown_by(box, {thickness, thickness, thickness});
-  const Vec3 extent = grown.extent();
-  const double per_unit = e * (1 + speed / thickness) / thickness;
-  const auto samples = [&](double side) {
-    const double n = std::ceil(side * per_unit * (1 - 1e-12));
-    if (!(n < 0x1p40)) fail_at_limit("more than 2^40 samples on a side; take a larger thickness");
-    return std::max<std::int64_t>(2, static_cast<std::int64_t>(n));
-  };
-  return fit_size(grown, {samples(extent.x), samples(extent.y), samples(extent.z)}, kNoPadding);
-} catch (...) {
-  throw_as_error("grid");
-}
-
 }  // namespace standoff

@@ -1,21 +1,19 @@
 #include "standoff/mesh.h"
 
-#include <string>
-
 #include "core/guarded.h"
-#include "standoff/error.h"
+#include "core/mesh_errors.h"
 
 namespace standoff {
 
 Box bounds(MeshView mesh) try {
   Box box;
-  for (const auto& triangle : mesh.triangles)
-    for (const auto v : triangle) {
-      if (v >= mesh.vertices.size())
-        throw Error(ErrorCode::input, "mesh: index " + std::to_string(v) + " is out of range, there are " +
-                                          std::to_string(mesh.vertices.size()) + " vertices; repair the mesh");
-      box.include(mesh.vertices[v]);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Triangle triangle = mesh.triangles[t];
+    for (int k = 0; k < 3; ++k) {
+      if (triangle[k] >= mesh.vertices.size()) fail_index(mesh, t, k);
+      box.include(mesh.vertices[triangle[k]]);
     }
+  }
   return box;
 } catch (...) {
   throw_as_error("mesh");

@@ -2,6 +2,7 @@
 #include <tbb/parallel_invoke.h>
 
 #include <array>
+#include <bit>
 #include <cstring>
 
 #include "core/guarded.h"
@@ -36,21 +37,31 @@ std::uint64_t hash_of_words(std::size_t count, Word word) {
 }  // namespace
 
 std::uint64_t content_hash(MeshView mesh) try {
-  static_assert(sizeof(Vec3) == 3 * sizeof(double));
-  const auto* coordinates = reinterpret_cast<const char*>(mesh.vertices.data());
   std::uint64_t vertices = 0, triangles = 0;
   const auto hash_vertices = [&] {
-    vertices = hash_of_words(3 * mesh.vertices.size(), [&](std::size_t n) {
-      std::uint64_t bits;
-      std::memcpy(&bits, coordinates + n * sizeof bits, sizeof bits);
-      return bits;
-    });
+    if (const auto packed = mesh.vertices.packed()) {
+      const auto* coordinates = reinterpret_cast<const char*>(packed->data());
+      vertices = hash_of_words(3 * packed->size(), [&](std::size_t n) {
+        std::uint64_t bits;
+        std::memcpy(&bits, coordinates + n * sizeof bits, sizeof bits);
+        return bits;
+      });
+    } else {
+      vertices = hash_of_words(3 * mesh.vertices.size(), [&](std::size_t n) {
+        const Vec3 v = mesh.vertices[n / 3];
+        return std::bit_cast<std::uint64_t>(n % 3 == 0 ? v.x : n % 3 == 1 ? v.y : v.z);
+      });
+    }
   };
   const auto hash_triangles = [&] {
-    triangles = hash_of_words(2 * mesh.triangles.size(), [&](std::size_t n) {
-      const Triangle& t = mesh.triangles[n / 2];
-      return n % 2 == 0 ? (std::uint64_t{t[0]} << 32) | t[1] : t[2];
-    });
+    const auto hash = [](const auto& all) {
+      return hash_of_words(2 * all.size(), [&](std::size_t n) {
+        const Triangle& t = all[n / 2];
+        return n % 2 == 0 ? (std::uint64_t{t[0]} << 32) | t[1] : t[2];
+      });
+    };
+    const auto packed = mesh.triangles.packed();
+    triangles = packed ? hash(*packed) : hash(mesh.triangles);
   };
   tbb::parallel_invoke(hash_vertices, hash_triangles);
   return mixed(vertices, triangles);

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "core/guarded.h"
-#include "standoff/error.h"
+#include "core/mesh_errors.h"
 
 namespace standoff {
 namespace {
@@ -20,10 +20,20 @@ constexpr std::uint64_t kMaxVertices = 0xffff'ffffu;
 using Positions = tbb::blocked_range<std::size_t>;
 constexpr std::size_t kGrain = 16384;
 
+// Packed arrays in a loop of their own, which the compiler makes wide.
+template <class Array, class Look>
+void each_in_memory(const Array& array, const Positions& positions, Look look) {
+  if (const auto packed = array.packed())
+    for (std::size_t n = positions.begin(); n < positions.end(); ++n) look((*packed)[n]);
+  else
+    for (std::size_t n = positions.begin(); n < positions.end(); ++n) look(array[n]);
+}
+
 bool indices_in_range(MeshView mesh) {
   const auto look = [&](const Positions& positions, bool good) {
-    for (std::size_t t = positions.begin(); t < positions.end(); ++t)
-      for (const auto v : mesh.triangles[t]) good &= v < mesh.vertices.size();
+    each_in_memory(mesh.triangles, positions, [&](const Triangle& t) {
+      for (const std::uint32_t v : t) good &= v < mesh.vertices.size();
+    });
     return good;
   };
   return tbb::parallel_reduce(Positions(0, mesh.triangles.size(), kGrain), true, look, std::logical_and<>());
@@ -31,7 +41,7 @@ bool indices_in_range(MeshView mesh) {
 
 bool vertices_finite(MeshView mesh) {
   const auto look = [&](const Positions& positions, bool good) {
-    for (std::size_t v = positions.begin(); v < positions.end(); ++v) good &= is_finite(mesh.vertices[v]);
+    each_in_memory(mesh.vertices, positions, [&](const Vec3& v) { good &= is_finite(v); });
     return good;
   };
   return tbb::parallel_reduce(Positions(0, mesh.vertices.size(), kGrain), true, look, std::logical_and<>());
@@ -42,6 +52,8 @@ bool vertices_finite(MeshView mesh) {
 void validate(MeshView mesh) try {
   if (mesh.triangles.empty()) throw Error(ErrorCode::input, "mesh: no triangles; give a mesh with at least one");
   const auto vertices = mesh.vertices.size();
+  if (!mesh.triangles.data() || (vertices > 0 && !mesh.vertices.data()))
+    throw Error(ErrorCode::usage, "mesh: an array is null but said not to be empty; give its address");
   if (mesh.triangles.size() > kMaxTriangles || vertices > kMaxVertices)
     throw Error(ErrorCode::limit, "mesh: " + std::to_string(mesh.triangles.size()) + " triangles over " +
                                       std::to_string(vertices) + " vertices are more than " +
@@ -50,14 +62,11 @@ void validate(MeshView mesh) try {
   if (indices_in_range(mesh) && vertices_finite(mesh)) return;
   // Something is wrong, or a vertex that nothing uses is not finite: corner by corner.
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    for (const auto v : mesh.triangles[t]) {
-      if (v >= vertices)
-        throw Error(ErrorCode::input, "mesh: triangle " + std::to_string(t) + ": index " + std::to_string(v) +
-                                          " is out of range, there are " + std::to_string(vertices) +
-                                          " vertices; repair the mesh");
-      if (!is_finite(mesh.vertices[v]))
-        throw Error(ErrorCode::input, "mesh: triangle " + std::to_string(t) + ": vertex " + std::to_string(v) +
-                                          " is not finite; repair the mesh");
+    const Triangle triangle = mesh.triangles[t];
+    for (int k = 0; k < 3; ++k) {
+      if (triangle[k] >= vertices) fail_index(mesh, t, k);
+      if (!is_finite(mesh.vertices[triangle[k]]))
+        fail_triangle(t, "vertex " + std::to_string(triangle[k]) + " is not finite");
     }
   }
 } catch (...) {

@@ -46,9 +46,11 @@ void check_domain(MeshView mesh, const Grid& grid) {
   const std::size_t found = tbb::parallel_reduce(tbb::blocked_range<std::size_t>(0, none, 8192), none, is_far,
                                                  [](std::size_t a, std::size_t b) { return std::min(a, b); });
   if (found != none)
-    throw Error(ErrorCode::limit, "mesh: triangle " + std::to_string(found) +
-                                      " is farther than 2^60 spacings, or 2^125 units, from the grid; remove it, scale "
-                                      "the mesh or coarsen the grid");
+    throw Error(ErrorCode::limit,
+                "mesh: triangle " + std::to_string(found) +
+                    " is farther than 2^60 spacings, or 2^125 units, from the grid; remove it, scale "
+                    "the mesh or coarsen the grid",
+                {.triangle = static_cast<std::int64_t>(found)});
 }
 
 }  // namespace standoff

@@ -89,9 +89,11 @@ std::int64_t bytes_needed(const Plan& plan) { return bytes_needed(plan, tiles_of
 void check_memory(MeshView mesh, const Plan& plan, double tiles, const ComputeOptions& options) {
   const std::int64_t limit = options.memory_limit, needed = bytes_needed(plan, tiles);
   if (limit == 0 || needed <= limit) return;
-  throw Error(ErrorCode::limit, "compute: the field may need " +
-                                    over_the_limit(static_cast<double>(needed), static_cast<double>(limit)) + "; " +
-                                    Advice(mesh, plan, options).text());
+  throw Error(ErrorCode::limit,
+              "compute: the field may need " +
+                  over_the_limit(static_cast<double>(needed), static_cast<double>(limit)) + "; " +
+                  Advice(mesh, plan, options).text(),
+              {.bytes_needed = needed, .bytes_limit = limit});
 }
 
 std::int64_t memory_needed(std::int64_t triangles, const Grid& grid, double thickness, const ComputeOptions& options,

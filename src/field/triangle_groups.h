@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -19,6 +20,8 @@ class TriangleGroups {
   std::size_t triangle_count() const { return order_.size(); }
   /// The distance from p to the mesh.
   double distance(Vec3 p) const;
+  /// The triangle nearest to p, of equally near ones that of lowest index.
+  std::uint32_t nearest(Vec3 p) const;
   /// The distance from p to one triangle.
   double distance(Vec3 p, std::uint32_t triangle) const;
 
@@ -26,7 +29,13 @@ class TriangleGroups {
   static constexpr std::size_t kGroup = 32;
 
   std::span<const std::uint32_t> group(std::size_t g) const;
-  double look_at(std::size_t g, Vec3 p, double best_sq) const;
+  struct Found {
+    double distance_sq = std::numeric_limits<double>::infinity();
+    std::uint32_t triangle = kNoTriangle;
+  };
+
+  Found find(Vec3 p) const;
+  void look_at(std::size_t g, Vec3 p, Found& best) const;
   double triangle_distance_sq(Vec3 p, std::uint32_t triangle) const;
 
   MeshView mesh_;

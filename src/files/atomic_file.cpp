@@ -49,8 +49,7 @@ std::string reason(int error, const std::filesystem::path& folder) {
     case EISDIR:
       return "it is a folder; give the name of a file";
     case EEXIST:
-      return "somebody has written it, and it stays as it is; give another name, or let it be replaced (the program's "
-             "-f)";
+      return "somebody has written it, and it stays as it is; give another name, or let it be replaced";
     case ENAMETOOLONG:
       return "the name is too long; choose a shorter one";
     case ESPIPE:
@@ -254,7 +253,8 @@ void AtomicFile::discard() noexcept {
 }
 
 void AtomicFile::fail(int error) const {
-  throw Error(ErrorCode::output, shown_.string() + ": cannot write it: " + reason(error, target_.parent_path()));
+  throw Error(ErrorCode::output, shown_.string() + ": cannot write it: " + reason(error, target_.parent_path()),
+              {.file = shown_.string()});
 }
 
 }  // namespace standoff

@@ -7,9 +7,11 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <cstring>
 #include <limits>
 #include <new>
+#include <optional>
 #include <system_error>
 
 #include "standoff/error.h"
@@ -38,6 +40,14 @@ std::string reason(int error) {
 // memory would be taken before a larger piece is refused.
 std::size_t most_of_a_pipe() {
   return static_cast<std::size_t>(::sysconf(_SC_PHYS_PAGES)) * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE)) / 4;
+}
+
+// The number in "line 12".
+std::optional<std::int64_t> number_after(std::string_view word, std::string_view where) {
+  std::int64_t number = 0;
+  if (!where.starts_with(word)) return std::nullopt;
+  const auto [end, error] = std::from_chars(where.data() + word.size(), where.data() + where.size(), number);
+  return error == std::errc{} ? std::optional(number) : std::nullopt;
 }
 
 }  // namespace
@@ -106,7 +116,8 @@ void FileView::fail(const std::string& where, const std::string& message) const 
   // Both may hold words of the file, and a zero byte would end the message.
   std::replace_if(
       text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
-  throw Error(ErrorCode::input, text);
+  throw Error(ErrorCode::input, text,
+              {.file = path_.string(), .line = number_after("line ", where), .byte = number_after("byte ", where)});
 }
 
 void FileView::fail_short(std::uint64_t offset, std::uint64_t bytes, const char* what) const {

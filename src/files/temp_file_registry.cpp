@@ -6,8 +6,6 @@
 #include <atomic>
 #include <cstring>
 
-#include "standoff/interrupt.h"
-
 namespace standoff {
 namespace {
 

@@ -12,10 +12,11 @@ namespace standoff::gpu {
 /// lists have been counted.
 [[noreturn]] inline void throw_out_of_memory(std::int64_t need, std::int64_t free, std::int64_t total) {
   const auto mib = [](std::int64_t bytes) { return std::to_string((bytes + (1 << 20) - 1) >> 20); };
-  throw Error(ErrorCode::limit, "cuda: this field needs at least " + mib(need) + " MiB more of the GPU's memory, " +
-                                    std::to_string(free >> 20) + " of " + mib(total) +
-                                    " MiB are free; take fewer samples or a smaller thickness, or use the CPU "
-                                    "(--device cpu)");
+  throw Error(ErrorCode::limit,
+              "cuda: this field needs at least " + mib(need) + " MiB more of the GPU's memory, " +
+                  std::to_string(free >> 20) + " of " + mib(total) +
+                  " MiB are free; take fewer samples or a smaller thickness, or use the CPU",
+              {.bytes_needed = need, .bytes_limit = free});
 }
 
 }  // namespace standoff::gpu

@@ -47,11 +47,11 @@ void check_usable(int device) {
   if (known.empty()) throw Error(ErrorCode::device, why_not_available());
   if (device < 0 || device >= static_cast<int>(known.size()))
     throw Error(ErrorCode::device, "cuda: there is no GPU " + std::to_string(device) + ", only 0 to " +
-                                       std::to_string(known.size() - 1) + "; see `standoff devices`");
+                                       std::to_string(known.size() - 1) + "; take one of these");
   const DeviceInfo& wanted = known[static_cast<std::size_t>(device)];
   if (is_too_old(wanted))
     throw Error(ErrorCode::device, "cuda: GPU " + std::to_string(device) + " is too old: " + age_of(wanted) +
-                                       "; take another (see `standoff devices`) or the CPU (--device cpu)");
+                                       "; take another one or the CPU");
 }
 
 std::vector<DeviceInfo> devices() try {
@@ -88,7 +88,7 @@ std::string why_no_device() try {
 bool available() { return !devices().empty(); }
 
 std::string why_not_available() {
-  return "cuda: " + why_no_device() + "; use the CPU (--device cpu), or install a GPU and its driver";
+  return "cuda: " + why_no_device() + "; use the CPU, or a machine with a GPU and its driver";
 }
 
 std::string device_name(int device) {

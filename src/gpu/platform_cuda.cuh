@@ -37,7 +37,7 @@ inline void check_call(cudaError_t result, const char* call, const Place& at = P
   cudaGetLastError();
   throw Error(ErrorCode::device, std::string("cuda: ") + call + " failed at " + at.file + ":" +
                                      std::to_string(at.line) + ": " + cudaGetErrorString(result) +
-                                     "; run `standoff devices`, or use the CPU (--device cpu)");
+                                     "; see what devices() of standoff/cuda.h says, or use the CPU");
 }
 
 /// Names what the host does, for NVIDIA's profilers.

@@ -12,6 +12,7 @@
 #include "gpu/device_memory.h"
 #include "gpu/emulation/words.h"
 #include "standoff/cuda.h"
+#include "standoff/testing/emulation.h"
 
 namespace standoff::emulated {
 
@@ -21,7 +22,7 @@ using cuda::Outcome;
 using cuda::Stream;
 using cuda::Task;
 
-inline constexpr Backend kBackend = Backend::emulated;
+inline constexpr Backend kBackend = testing::kEmulated;
 inline constexpr bool kIsEmulated = true;
 
 /// Reads what other threads change meanwhile.

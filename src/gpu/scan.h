@@ -27,8 +27,7 @@ inline void expect_summable(std::int64_t count, std::int64_t longest) {
     throw Error(ErrorCode::limit,
                 "cuda: the grid has " + std::to_string(count - 1) + " tiles of 8x8x8 samples, this build sums up " +
                     std::to_string(longest - 1) +
-                    " at most; take fewer samples, build standoff with CUDA 12.8 or newer, or use the "
-                    "CPU (--device cpu)");
+                    " at most; take fewer samples, build standoff with CUDA 12.8 or newer, or use the CPU");
 }
 
 }  // namespace gpu

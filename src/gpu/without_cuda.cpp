@@ -15,7 +15,7 @@ std::string why_no_device() try { return kWhyNot; } catch (...) {
   throw_as_error("cuda");
 }
 std::string why_not_available() {
-  return std::string("cuda: ") + kWhyNot + "; use the CPU (--device cpu), or build it where nvcc is (docs/cuda.md)";
+  return std::string("cuda: ") + kWhyNot + "; use the CPU, or build it where nvcc is (docs/cuda.md)";
 }
 std::string device_name(int) { return "no device"; }
 std::vector<DeviceInfo> devices() { return {}; }

@@ -5,9 +5,9 @@
 
 #include "core/guarded.h"
 #include "files/atomic_file.h"
-#include "standoff/simulation.h"
+#include "standoff/experimental/simulation.h"
 
-namespace standoff {
+namespace standoff::experimental {
 namespace {
 
 void write(AtomicFile& file, const std::string& text) { file.write(text.data(), text.size()); }
@@ -58,4 +58,4 @@ void write_path(const std::filesystem::path& path, std::span<const PathPoint> po
   throw_as_error("path");
 }
 
-}  // namespace standoff
+}  // namespace standoff::experimental

@@ -12,9 +12,10 @@
 #include "core/threads.h"
 #include "simulation/crossing_check.h"
 #include "standoff/compute.h"
-#include "standoff/simulation.h"
+#include "standoff/experimental/simulation.h"
+#include "standoff/thesis.h"
 
-namespace standoff {
+namespace standoff::experimental {
 namespace {
 
 constexpr int kTries = 10'000;
@@ -248,4 +249,4 @@ Grid World::grid(std::size_t n) const try {
   throw_as_error("simulation");
 }
 
-}  // namespace standoff
+}  // namespace standoff::experimental

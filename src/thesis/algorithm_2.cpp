@@ -3,7 +3,8 @@
 #include <limits>
 
 #include "core/guarded.h"
-#include "standoff/collision.h"
+#include "standoff/error.h"
+#include "standoff/thesis.h"
 
 namespace standoff {
 namespace {

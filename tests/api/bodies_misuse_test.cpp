@@ -1,11 +1,15 @@
 // collision.h, pose.h and simulation.h with arguments that make no sense.
 #include "standoff/collision.h"
-#include "standoff/simulation.h"
+#include "standoff/experimental/simulation.h"
+#include "standoff/testing/emulation.h"
+#include "standoff/thesis.h"
 #include "tests/api/misuse.h"
 #include "tests/support/temp_folder.h"
 
 namespace standoff {
 namespace {
+
+using namespace experimental;
 
 using namespace testing;
 
@@ -104,7 +108,7 @@ TEST(Misuse, Batches) {
   const std::vector<RigidMotion> motions(3);
   std::vector<Execution> refused{{.device = -1}, {.backend = none_of<Backend>()}, {.simd = none_of<Simd>()}};
   for (const int n : kThreads)
-    for (const Backend backend : {Backend::automatic, Backend::cpu, Backend::emulated})
+    for (const Backend backend : {Backend::automatic, Backend::cpu, testing::kEmulated})
       refused.push_back({.threads = n, .backend = backend});
   for (const Execution& execution : refused) {
     const std::string name = named("threads", execution.threads);
@@ -115,7 +119,7 @@ TEST(Misuse, Batches) {
     expect_usage(name, [&] { CollisionModel(one_triangle(), {.execution = execution}); });
     expect_usage(name, [&] { World(body(), {.execution = execution}); });
   }
-  for (const Backend backend : {Backend::cuda, Backend::emulated}) {
+  for (const Backend backend : {Backend::cuda, testing::kEmulated}) {
     const Execution elsewhere{.backend = backend};
     const CollideOptions certified{.mode = CollideMode::certified};
     expect_usage("certified", [&] { collide_all(body(), {}, body(), poses, certified, elsewhere); });
@@ -124,7 +128,7 @@ TEST(Misuse, Batches) {
     expect_usage("flight", [&] { World(body(), {.execution = elsewhere}); });
   }
   expect_usage("mode", [&] { collide(body(), {}, body(), {}, {.mode = none_of<CollideMode>()}); });
-  for (const Backend backend : {Backend::automatic, Backend::cpu, Backend::cuda, Backend::emulated})
+  for (const Backend backend : {Backend::automatic, Backend::cpu, Backend::cuda, testing::kEmulated})
     for (const int device : {-1, 0, 1'000'000}) {
       const Execution batch{1, backend, device};
       expect_answer_or_error("collide_all", [&] { collide_all(body(), {}, body(), poses, {}, batch); });

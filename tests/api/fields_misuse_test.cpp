@@ -1,6 +1,9 @@
 // grid.h, mesh.h, field.h, compute.h and verify.h with arguments that make no sense.
 #include "standoff/compute.h"
 #include "standoff/inspect.h"
+#include "standoff/points.h"
+#include "standoff/testing/emulation.h"
+#include "standoff/thesis.h"
 #include "standoff/verify.h"
 #include "tests/api/misuse.h"
 
@@ -78,6 +81,7 @@ TEST(Misuse, Meshes) {
     expect_answer_or_error("bounds", [&] { bounds(mesh); });
     expect_answer_or_error("hash", [&] { content_hash(mesh); });
     expect_answer_or_error("inspect", [&] { inspect(mesh); });
+    expect_answer_or_error("points", [&] { closest_points(mesh, std::vector<Vec3>(2)); });
     expect_answer_or_error("memory_needed", [&] { memory_needed(mesh, kGrid, 1, on_cpu()); });
     expect_answer_or_error("verify", [&] { verify(DistanceField(kGrid, 1), mesh); });
     for (const double thickness : {1.0, kInfinite})
@@ -131,9 +135,11 @@ TEST(Misuse, Executions) {
     expect_usage("memory_needed", [&] { memory_needed(one_triangle(), kGrid, 1, options); });
     expect_usage("memory_needed", [&] { memory_needed(1, kGrid, 1, options); });
     expect_usage("verify", [&] { verify(field, one_triangle(), {.execution = execution}); });
+    expect_usage("points", [&] { closest_points(one_triangle(), {}, execution); });
   }
-  for (const Backend backend : {Backend::cuda, Backend::emulated})
+  for (const Backend backend : {Backend::cuda, testing::kEmulated})
     expect_usage("verify", [&] { verify(field, one_triangle(), {.execution = {.backend = backend}}); });
+  expect_usage("points", [&] { closest_points(one_triangle(), {}, {.backend = Backend::cuda}); });
   expect_answer_or_error("device", [&] {
     compute(one_triangle(), kGrid, 1, {.execution = {.backend = Backend::cuda, .device = 1'000'000}});
   });
@@ -147,7 +153,7 @@ TEST(Misuse, MemoryOfAnyCount) {
   for (const std::int64_t n : kCounts)
     for (const double thickness : {0.5, kInfinite})
       for (const Method method : {Method::tiles, Method::thesis})
-        for (const Backend backend : {Backend::cpu, Backend::emulated}) {
+        for (const Backend backend : {Backend::cpu, testing::kEmulated}) {
           ComputeOptions options = on_cpu();
           options.method = method;
           options.execution.backend = backend;
@@ -192,6 +198,12 @@ void expect_field(const std::string& name, DistanceField& field) {
   expect_answer_or_error(name, [&] { EXPECT_GE(field.memory_bytes(), 0); });
   expect_answer_or_error(name, [&] { verify(field, one_triangle()); });
   expect_answer_or_error(name, [&] { DistanceField(field).value(0, 0, 0); });
+}
+
+TEST(Misuse, Points) {
+  for (const double x : kNumbers)
+    expect_answer_or_error(named("point", x), [&] { closest_points(one_triangle(), std::vector<Vec3>{{0, x, 0}}); });
+  expect_usage("not finite", [&] { closest_points(one_triangle(), std::vector<Vec3>{{0, kNaN, 0}}); });
 }
 
 TEST(Misuse, Fields) {

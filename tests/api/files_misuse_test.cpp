@@ -1,6 +1,7 @@
 // io.h, picture.h, slice.h and cuda.h with arguments that make no sense.
+#include "files/temp_file_registry.h"
+#include "files/text_file.h"
 #include "standoff/cuda.h"
-#include "standoff/interrupt.h"
 #include "standoff/io.h"
 #include "standoff/picture.h"
 #include "standoff/slice.h"

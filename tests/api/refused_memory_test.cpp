@@ -8,14 +8,16 @@
 #include <vector>
 
 #include "backends/cuda/emulated.h"
+#include "files/text_file.h"
 #include "scenes/scenes.h"
 #include "standoff/collision.h"
 #include "standoff/compute.h"
 #include "standoff/cuda.h"
+#include "standoff/experimental/simulation.h"
 #include "standoff/inspect.h"
 #include "standoff/io.h"
 #include "standoff/picture.h"
-#include "standoff/simulation.h"
+#include "standoff/points.h"
 #include "standoff/slice.h"
 #include "standoff/verify.h"
 #include "tests/support/heap.h"
@@ -23,6 +25,8 @@
 
 namespace standoff {
 namespace {
+
+using namespace experimental;
 
 namespace heap = testing::heap;
 
@@ -85,6 +89,8 @@ TEST(RefusedMemory, Computing) {
   std::vector<float> values(static_cast<std::size_t>(kGrid.sample_count()));
   std::vector<std::uint32_t> nearest(values.size());
   expect_limit_error("compute_into", [&] { compute_into(kMesh, kGrid, 1, values, nearest, on_cpu()); });
+  const std::vector<Vec3> points(3);
+  expect_limit_error("points", [&] { closest_points(kMesh, points, {.threads = 1}); });
   expect_limit_error("memory_needed", [&] { memory_needed(kMesh, kGrid, 1, on_cpu()); });
 }
 

@@ -6,6 +6,7 @@
 
 #include "standoff/collision.h"
 #include "standoff/compute.h"
+#include "standoff/thesis.h"
 #include "tests/collision/bodies.h"
 
 namespace standoff {

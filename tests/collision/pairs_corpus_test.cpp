@@ -6,6 +6,7 @@
 
 #include "standoff/collision.h"
 #include "standoff/io.h"
+#include "standoff/testing/emulation.h"
 #include "tests/collision/bodies.h"
 #include "tests/support/paths.h"
 
@@ -56,7 +57,7 @@ TEST(PairsCorpus, AllQueriesTellTheTruth) {
     const CollisionModel a(read_mesh(kFolder + it.name + "_a.obj")), b(read_mesh(kFolder + it.name + "_b.obj"));
     const bool hit = it.answer == "hit";
     const CollideOptions within{.margin = it.margin};
-    const Execution emulated{.backend = Backend::emulated};
+    const Execution emulated{.backend = testing::kEmulated};
     EXPECT_EQ(collide(a, it.pose_a, b, it.pose_b, within).hit(), hit);
     EXPECT_EQ(collide(b, it.pose_b, a, it.pose_a, within).hit(), hit) << "with A and B swapped";
     EXPECT_EQ(collide_all(a, it.pose_a, b, {&it.pose_b, 1}, within, emulated)[0].hit(), hit) << "emulated GPU";

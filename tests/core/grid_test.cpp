@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "standoff/thesis.h"
 #include "tests/support/expect_error.h"
 
 namespace standoff {

@@ -37,10 +37,10 @@ TEST(Mesh, ValidateRefusesWhatIndicesCannotCount) {
   void* reserved = ::mmap(nullptr, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (reserved == MAP_FAILED) GTEST_SKIP() << "no " << bytes << " bytes of addresses";
   MeshView mesh = kMesh;
-  mesh.vertices = {static_cast<const Vec3*>(reserved), vertices};
+  mesh.vertices = std::span(static_cast<const Vec3*>(reserved), vertices);
   expect_error([&] { validate(mesh); }, ErrorCode::limit, "2 triangles over 4294967296 vertices are more than");
   mesh = kMesh;
-  mesh.triangles = {static_cast<const Triangle*>(reserved), triangles};
+  mesh.triangles = std::span(static_cast<const Triangle*>(reserved), triangles);
   expect_error([&] { validate(mesh); }, ErrorCode::limit, "4000000001 triangles over 5 vertices are more than");
   ::munmap(reserved, bytes);
 }

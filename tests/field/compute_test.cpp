@@ -211,6 +211,15 @@ TEST(ComputeIntoAField, ThatFailsLeavesItEmptyOrAsItWas) {
   expect_refused({}, {}, ErrorCode::input, true);
 }
 
+TEST(Compute, HashesTheMeshWhereItIsWanted) {
+  ComputeOptions options;
+  options.hash_mesh = false;
+  options.progress = [](const Progress& progress) { return progress.stage != std::string("hash"); };
+  const DistanceField field = compute(soup(), kGrid, 1, options).field;
+  EXPECT_EQ(field.provenance.mesh_hash, 0u);
+  EXPECT_EQ(field.provenance.method, "tiles");
+}
+
 TEST(Compute, ReportsWhatItDid) {
   ComputeOptions options;
   options.execution.threads = 2;

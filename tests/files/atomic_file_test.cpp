@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "files/temp_file_registry.h"
-#include "standoff/interrupt.h"
+#include "files/text_file.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/temp_folder.h"
 

@@ -7,6 +7,7 @@
 #include "gpu/platform.cuh"
 #include "standoff/compute.h"
 #include "standoff/error.h"
+#include "standoff/testing/emulation.h"
 #include "tests/support/fields.h"
 #include "tests/support/random_mesh.h"
 
@@ -29,7 +30,7 @@ TEST_P(CudaRoomOf, TooLittleIsSaidAndNothingIsKept) {
   const Mesh mesh = testing::random_soup(81, 200, 4, 1);
   const Grid grid{{21, 18, 13}, {-4, -4, -3}, {0.5, 0.5, 0.5}};
   ComputeOptions options;
-  options.execution.backend = Backend::emulated;
+  options.execution.backend = testing::kEmulated;
   options.method = GetParam();
   const DistanceField field = compute(mesh, grid, 3, options).field;
   bool fitted = false;
@@ -56,7 +57,7 @@ TEST(CudaRoom, TheWholeNeedIsTold) {
   const Mesh mesh = testing::random_soup(82, 10, 4, 1);
   const Grid grid{{256, 256, 256}, {-4, -4, -4}, {0.03, 0.03, 0.03}};
   ComputeOptions options;
-  options.execution.backend = Backend::emulated;
+  options.execution.backend = testing::kEmulated;
   options.method = Method::thesis;
   const SmallGpu gpu(std::int64_t{100} << 20);
   try {

@@ -10,6 +10,7 @@
 #include "scenes/scenes.h"
 #include "standoff/collision.h"
 #include "standoff/error.h"
+#include "standoff/testing/emulation.h"
 #include "tests/support/random_mesh.h"
 
 namespace standoff {
@@ -100,7 +101,7 @@ int run_sweeps(const Case& c, Backend backend, int count) {
 int run_all(bool quick, Backend backend) {
   int faults = 0, count = 0;
   for (const Case& c : cases(quick)) {
-    const bool few = quick || backend == Backend::emulated;
+    const bool few = quick || backend == testing::kEmulated;
     faults += run(c, backend, few ? 300 : 20000) + run_sweeps(c, backend, few ? 100 : 5000);
     count += 2;
   }
@@ -117,7 +118,7 @@ int main(int argc, char** argv) {
   for (int n = 1; n < argc; ++n) {
     const std::string option = argv[n];
     if (option == "--quick") quick = true;
-    if (option == "--emulated") backend = standoff::Backend::emulated;
+    if (option == "--emulated") backend = standoff::testing::kEmulated;
   }
   try {
     return standoff::run_all(quick, backend);

@@ -15,6 +15,7 @@
 #include "geometry/sample_range.h"
 #include "scenes/scenes.h"
 #include "standoff/grid.h"
+#include "standoff/thesis.h"
 
 namespace standoff {
 namespace {

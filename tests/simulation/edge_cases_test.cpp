@@ -9,6 +9,8 @@
 namespace standoff {
 namespace {
 
+using namespace experimental;
+
 using namespace standoff::testing;
 
 const CollisionModel& ball() {

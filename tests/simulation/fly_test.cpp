@@ -2,13 +2,15 @@
 #include <gtest/gtest.h>
 
 #include "simulation/crossing_check.h"
-#include "standoff/simulation.h"
+#include "standoff/experimental/simulation.h"
 #include "tests/collision/bodies.h"
 #include "tests/simulation/room.h"
 #include "tests/support/temp_folder.h"
 
 namespace standoff {
 namespace {
+
+using namespace experimental;
 
 using namespace standoff::testing;
 

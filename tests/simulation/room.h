@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <mutex>
 
-#include "standoff/simulation.h"
+#include "standoff/experimental/simulation.h"
 #include "tests/collision/bodies.h"
 
 namespace standoff::testing {
@@ -25,13 +25,13 @@ inline Mesh room() {
 }
 
 struct Flown {
-  std::vector<Flier> fliers;
-  std::vector<PathPoint> path;
+  std::vector<experimental::Flier> fliers;
+  std::vector<experimental::PathPoint> path;
 };
 
-inline Flown fly(FlightOptions options, std::int64_t steps, int count) {
+inline Flown fly(experimental::FlightOptions options, std::int64_t steps, int count) {
   const CollisionModel walls(room()), body(ball_mesh(0.3, 3));
-  World world(body, options);
+  experimental::World world(body, options);
   world.add(walls);
   for (int n = 0; n < count; ++n) world.add_flier({{0.5, 0.5, 0.5}, {9.5, 3.5, 5.5}});
   Flown flown;
@@ -41,7 +41,7 @@ inline Flown fly(FlightOptions options, std::int64_t steps, int count) {
     flown.path.push_back({static_cast<std::int64_t>(n), step, pose.translation});
   });
   // Threads take the fliers in any order; those of one keep theirs.
-  std::ranges::stable_sort(flown.path, {}, &PathPoint::flier);
+  std::ranges::stable_sort(flown.path, {}, &experimental::PathPoint::flier);
   flown.fliers.assign(world.fliers().begin(), world.fliers().end());
   return flown;
 }

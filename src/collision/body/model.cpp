@@ -4,6 +4,7 @@
 
 #include "core/execution.h"
 #include "core/guarded.h"
+#include "core/mesh_copy.h"
 #include "core/number_text.h"
 #include "core/threads.h"
 
@@ -54,7 +55,8 @@ std::int64_t ModelData::memory_bytes() const {
 CollisionModel::CollisionModel(MeshView mesh, const ModelOptions& options) try {
   validate("model", options.execution, Runs::everywhere);
   const auto data = std::make_shared<collision::ModelData>();
-  data->mesh = {{mesh.vertices.begin(), mesh.vertices.end()}, {mesh.triangles.begin(), mesh.triangles.end()}};
+  validate(mesh);
+  data->mesh = copy_of(mesh);
   data->prepare(options.spacing);
   const double spacing = options.spacing > 0 ? options.spacing : collision::default_spacing(mesh, data->box);
   Threads(options.execution.threads).run([&] {

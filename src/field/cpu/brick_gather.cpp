@@ -27,8 +27,7 @@ void clear_outside(const BlockLattice& lattice, const Brick& brick, bool with_ne
 }  // namespace
 
 Candidates candidates_of(const Job& job, std::span<const std::uint32_t> refs) {
-  return {&job.mesh.vertices.data()->x, job.mesh.triangles.data()->data(), refs.data(),
-          static_cast<std::int64_t>(refs.size())};
+  return {memory_of(job.mesh), refs.data(), static_cast<std::int64_t>(refs.size())};
 }
 
 void write_brick(const BlockLattice& lattice, const Brick& brick, const Kernels& kernels, BrickState& state,

@@ -8,6 +8,7 @@
 #include "field/cpu/candidate_table.h"
 #include "field/cpu/crowded_cell.h"
 #include "field/cpu/lattice.h"
+#include "field/cpu/mesh_memory.h"
 #include "field/tile_writer.h"
 #include "standoff/compute.h"
 
@@ -21,10 +22,9 @@ struct BrickState {
   std::int64_t samples_band = 0;
 };
 
-/// Triangles to gather: `count` indices into `triangles`, whose corners index `vertices` (three doubles each).
+/// Triangles to gather: `count` indices into the mesh's.
 struct Candidates {
-  const double* vertices;
-  const std::uint32_t* triangles;
+  MeshMemory mesh;
   const std::uint32_t* refs;
   std::int64_t count;
 };

@@ -39,9 +39,10 @@ STANDOFF_INLINE void load_group(const Lattice& lattice, const Brick& brick, cons
     const std::int64_t n = first + lane < c.count ? first + lane : c.count - 1;
     const std::uint32_t index = c.refs[n];
     group.index[lane] = index;
-    const std::uint32_t* triangle = c.triangles + 3 * std::size_t{index};
-    for (int which = 0; which < 3; ++which)
-      store_local(rows[which][lane], c.vertices + 3 * std::size_t{triangle[which]}, lattice.scale, brick.center);
+    for (int which = 0; which < 3; ++which) {
+      double room[3];
+      store_local(rows[which][lane], corner_of(c.mesh, index, which, room), lattice.scale, brick.center);
+    }
   }
   for (int which = 0; which < 3; ++which)
     group.corner[which] = {load_column(rows[which], 0), load_column(rows[which], 1), load_column(rows[which], 2)};
@@ -136,7 +137,8 @@ STANDOFF_INLINE TriangleFrame<double> double_frame(const Lattice& lattice, const
                                                    std::uint32_t index) {
   Triple<double> corner[3];
   for (int which = 0; which < 3; ++which) {
-    const double* v = c.vertices + 3 * std::size_t{c.triangles[3 * std::size_t{index} + which]};
+    double room[3];
+    const double* v = corner_of(c.mesh, index, which, room);
     corner[which] = {standoff::fma(v[0], lattice.scale, -brick.center[0]),
                      standoff::fma(v[1], lattice.scale, -brick.center[1]),
                      standoff::fma(v[2], lattice.scale, -brick.center[2])};

@@ -44,7 +44,7 @@ STANDOFF_INLINE void choose_crowded(const CrowdedCell& cell, const CellSamples& 
 
 STANDOFF_INLINE void set_up_chosen(const Lattice& lattice, const Brick& brick, const Candidates& mesh,
                                    CrowdedTable& table) {
-  const Candidates chosen{mesh.vertices, mesh.triangles, table.chosen, table.chosen_count};
+  const Candidates chosen{mesh.mesh, table.chosen, table.chosen_count};
   for (int first = 0; first < table.chosen_count; first += kLanes) {
     Group loaded;
     load_group(lattice, brick, chosen, first, loaded);

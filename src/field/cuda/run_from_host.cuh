@@ -14,10 +14,12 @@ namespace standoff::STANDOFF_PLATFORM {
 class MeshOnDevice {
  public:
   explicit MeshOnDevice(const Job& job)
-      : vertices_(bytes(job.mesh.vertices)), triangles_(bytes(job.mesh.triangles)), kept_(bytes(job.kept)) {
-    copy_in(vertices_.as<void>(), job.mesh.vertices.data(), bytes(job.mesh.vertices));
-    copy_in(triangles_.as<void>(), job.mesh.triangles.data(), bytes(job.mesh.triangles));
-    if (!job.kept.empty()) copy_in(kept_.as<void>(), job.kept.data(), bytes(job.kept));
+      : vertices_(bytes<Vec3>(job.mesh.vertices.size())),
+        triangles_(bytes<Triangle>(job.mesh.triangles.size())),
+        kept_(bytes<std::uint32_t>(job.kept.size())) {
+    copy_all<Vec3>(vertices_, job.mesh.vertices);
+    copy_all<Triangle>(triangles_, job.mesh.triangles);
+    if (!job.kept.empty()) copy_in(kept_.as<void>(), job.kept.data(), bytes<std::uint32_t>(job.kept.size()));
     mesh_ = {vertices_.as<double>(),
              static_cast<std::int64_t>(job.mesh.vertices.size()),
              triangles_.as<std::uint32_t>(),
@@ -27,13 +29,29 @@ class MeshOnDevice {
   }
   const DeviceMesh& mesh() const { return mesh_; }
   static std::int64_t bytes_of(const Job& job) {
-    return bytes(job.mesh.vertices) + bytes(job.mesh.triangles) + bytes(job.kept);
+    return bytes<Vec3>(job.mesh.vertices.size()) + bytes<Triangle>(job.mesh.triangles.size()) +
+           bytes<std::uint32_t>(job.kept.size());
   }
 
  private:
   template <class T>
-  static std::int64_t bytes(std::span<const T> all) {
-    return static_cast<std::int64_t>(all.size_bytes());
+  static std::int64_t bytes(std::size_t count) {
+    return static_cast<std::int64_t>(count * sizeof(T));
+  }
+  // Elements of another layout are converted some at a time.
+  template <class T, class Array>
+  static void copy_all(const Memory& to, const Array& all) {
+    if (const auto packed = all.packed()) {
+      copy_in(to.as<void>(), packed->data(), bytes<T>(packed->size()));
+      return;
+    }
+    constexpr std::size_t kAtOnce = std::size_t{1} << 18;
+    std::vector<T> staged(std::min(all.size(), kAtOnce));
+    for (std::size_t first = 0; first < all.size(); first += kAtOnce) {
+      const std::size_t count = std::min(all.size() - first, kAtOnce);
+      for (std::size_t n = 0; n < count; ++n) staged[n] = all[first + n];
+      copy_in(to.as<T>() + first, staged.data(), bytes<T>(count));
+    }
   }
   Memory vertices_, triangles_, kept_;
   DeviceMesh mesh_;

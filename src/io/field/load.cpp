@@ -206,12 +206,14 @@ void check_memory(const TileWalk& walk, bool with_nearest, std::int64_t memory_l
   if (held + field_bytes(all, all, with_nearest) <= limit) return;
   const double least = held + field_bytes(0, all, with_nearest);
   if (least > limit)
-    throw Error(ErrorCode::limit, "its tiles need more than " + over_the_limit(least, limit) + "; give a higher limit");
+    throw Error(ErrorCode::limit, "its tiles need more than " + over_the_limit(least, limit) + "; give a higher limit",
+                limit_details(least, limit));
   double stored = 0;
   walk([&](auto&&...) { ++stored; }, [](const Size3&) {});
   const double needed = held + field_bytes(stored, all, with_nearest);
   if (needed > limit)
-    throw Error(ErrorCode::limit, "its tiles need " + over_the_limit(needed, limit) + "; give a higher limit");
+    throw Error(ErrorCode::limit, "its tiles need " + over_the_limit(needed, limit) + "; give a higher limit",
+                limit_details(needed, limit));
 }
 
 DistanceField load(const FileView& file, const StoredField& stored, std::int64_t memory_limit) {
@@ -246,7 +248,9 @@ DistanceField load_field(const FileView& file, const StoredField& stored, std::i
   } catch (const Error& error) {
     // What a field says of its own limits lacks the file's name.
     if (error.code() == ErrorCode::input) throw;
-    throw Error(error.code(), file.path().string() + ": " + error.what());
+    ErrorDetails details = error.details();
+    details.file = file.path().string();
+    throw Error(error.code(), details.file + ": " + error.what(), details);
   }
 }
 

@@ -9,6 +9,7 @@
 #include "scenes/scenes.h"
 #include "standoff/collision.h"
 #include "standoff/cuda.h"
+#include "standoff/testing/emulation.h"
 #include "tests/collision/bodies.h"
 
 namespace standoff {
@@ -19,7 +20,7 @@ using emulation::Order;
 using emulation::OrderScope;
 
 constexpr Order kOrders[] = {Order::forward, Order::reverse, Order::random};
-const Execution kEmulated{.threads = 2, .backend = Backend::emulated};
+const Execution kEmulation{.threads = 2, .backend = testing::kEmulated};
 
 struct Counts {
   int hits = 0;
@@ -37,8 +38,8 @@ Counts expect_as_cpu(const CollisionModel& a, const Pose& pose_a, const Collisio
   const auto expected = collide_all(a, pose_a, b, poses, {.margin = margin}, {.backend = Backend::cpu});
   Counts counts;
   counts.report.backend = "emulated";
-  const auto found = collision::collide_on_device(*collision::find_device(Backend::emulated, poses.size()), a, pose_a,
-                                                  b, poses, margin, kEmulated, counts.report, stack);
+  const auto found = collision::collide_on_device(*collision::find_device(testing::kEmulated, poses.size()), a, pose_a,
+                                                  b, poses, margin, kEmulation, counts.report, stack);
   EXPECT_EQ(found.size(), poses.size());
   for (std::size_t n = 0; n < poses.size(); ++n) {
     EXPECT_EQ(found[n].verdict, expected[n].verdict) << "pose " << n;
@@ -171,12 +172,12 @@ TEST(CudaCollide, ThePublicCallSaysWhatItDid) {
   const CollisionModel a(ball_mesh(1, 4)), b(ball_mesh(0.5, 3));
   const std::vector<Pose> poses = random_poses(15, 20, 1.3);
   BatchReport report;
-  const auto found = collide_all(a, {}, b, poses, {}, kEmulated, &report);
+  const auto found = collide_all(a, {}, b, poses, {}, kEmulation, &report);
   const auto expected = collide_all(a, {}, b, poses, {}, {.threads = 1});
   for (std::size_t n = 0; n < poses.size(); ++n) EXPECT_EQ(found[n].verdict, expected[n].verdict);
   EXPECT_EQ(report.backend, "emulated");
   EXPECT_GT(report.on_device, 0);
-  EXPECT_TRUE(collide_all(a, {}, b, {}, {}, kEmulated, &report).empty());
+  EXPECT_TRUE(collide_all(a, {}, b, {}, {}, kEmulation, &report).empty());
   EXPECT_EQ(report.on_device, 0);
   static_cast<void>(collide_all(a, {}, b, poses, {}, {.threads = 1}, &report));
   EXPECT_EQ(report.backend, "cpu");
@@ -193,29 +194,29 @@ TEST(CudaCollide, Errors) {
   if (cuda::devices().empty()) {
     EXPECT_EQ(run({}, {.backend = Backend::cuda}), ErrorCode::device);
   }
-  EXPECT_EQ(run({.mode = CollideMode::certified}, kEmulated), ErrorCode::usage);
-  EXPECT_EQ(run({.margin = -1}, kEmulated), ErrorCode::usage);
-  EXPECT_EQ(run({}, {.threads = -1, .backend = Backend::emulated}), ErrorCode::usage);
+  EXPECT_EQ(run({.mode = CollideMode::certified}, kEmulation), ErrorCode::usage);
+  EXPECT_EQ(run({.margin = -1}, kEmulation), ErrorCode::usage);
+  EXPECT_EQ(run({}, {.threads = -1, .backend = testing::kEmulated}), ErrorCode::usage);
   poses[2].translation.x = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(run({}, kEmulated), ErrorCode::usage);
+  EXPECT_EQ(run({}, kEmulation), ErrorCode::usage);
 }
 
 TEST(CudaCollide, ABodyIsCopiedToADeviceOnce) {
   const CollisionModel a(ball_mesh(1, 3)), b(ball_mesh(0.5, 3));
   const CollisionModel shared = a;
   const std::vector<Pose> poses = random_poses(16, 4, 1);
-  static_cast<void>(collide_all(a, {}, b, poses, {}, kEmulated));
+  static_cast<void>(collide_all(a, {}, b, poses, {}, kEmulation));
   const auto never = []() -> std::shared_ptr<const collision::CachedDeviceModel> {
     ADD_FAILURE() << "copied again";
     return nullptr;
   };
   std::weak_ptr<const collision::CachedDeviceModel> copy =
-      collision::data_of(shared).device_models.get(Backend::emulated, 0, never);
+      collision::data_of(shared).device_models.get(testing::kEmulated, 0, never);
   EXPECT_FALSE(copy.expired());
   {
     const CollisionModel gone(ball_mesh(1, 3));
-    static_cast<void>(collide_all(gone, {}, b, poses, {}, kEmulated));
-    copy = collision::data_of(gone).device_models.get(Backend::emulated, 0, never);
+    static_cast<void>(collide_all(gone, {}, b, poses, {}, kEmulation));
+    copy = collision::data_of(gone).device_models.get(testing::kEmulated, 0, never);
     EXPECT_FALSE(copy.expired());
   }
   EXPECT_TRUE(copy.expired());

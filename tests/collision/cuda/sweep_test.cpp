@@ -9,6 +9,7 @@
 #include "scenes/scenes.h"
 #include "standoff/collision.h"
 #include "standoff/cuda.h"
+#include "standoff/testing/emulation.h"
 #include "tests/collision/bodies.h"
 
 namespace standoff {
@@ -18,7 +19,7 @@ using namespace standoff::testing;
 using emulation::Order;
 using emulation::OrderScope;
 
-const Execution kEmulated{.threads = 2, .backend = Backend::emulated};
+const Execution kEmulation{.threads = 2, .backend = testing::kEmulated};
 
 RigidMotion random_motion(Random& random, double half, double way, double turn, Vec3 around = {}) {
   RigidMotion motion;
@@ -48,8 +49,8 @@ Counts expect_as_cpu(const CollisionModel& a, const Pose& pose_a, const Collisio
                      const std::vector<RigidMotion>& motions, double tolerance, int stack = collision::kDeviceStack) {
   const auto expected = sweep_all(a, pose_a, b, motions, {.tolerance = tolerance}, {.backend = Backend::cpu});
   Counts counts;
-  const auto found = collision::sweep_on_device(*collision::find_device(Backend::emulated, 1), a, pose_a, b, motions,
-                                                tolerance, kEmulated, counts.report, stack);
+  const auto found = collision::sweep_on_device(*collision::find_device(testing::kEmulated, 1), a, pose_a, b, motions,
+                                                tolerance, kEmulation, counts.report, stack);
   EXPECT_EQ(found.size(), motions.size());
   for (std::size_t n = 0; n < motions.size(); ++n) {
     SCOPED_TRACE("motion " + std::to_string(n));
@@ -171,7 +172,7 @@ TEST(CudaSweep, ThePublicCallSaysWhatItDid) {
   const CollisionModel a(ball_mesh(1, 4)), b(ball_mesh(0.5, 3));
   const auto motions = random_motions(15, 40, 2.5, 3, 1);
   BatchReport report;
-  const auto found = sweep_all(a, {}, b, motions, {}, kEmulated, &report);
+  const auto found = sweep_all(a, {}, b, motions, {}, kEmulation, &report);
   const auto expected = sweep_all(a, {}, b, motions, {}, {.threads = 1});
   for (std::size_t n = 0; n < motions.size(); ++n) EXPECT_EQ(found[n].hit, expected[n].hit);
   EXPECT_EQ(report.backend, "emulated");

@@ -6,6 +6,7 @@
 // first body's seed.
 #include <gtest/gtest.h>
 
+#include "standoff/testing/emulation.h"
 #include "tests/collision/zoo/ask.h"
 #include "tests/collision/zoo/check_touch.h"
 #include "tests/collision/zoo/slivers.h"
@@ -34,7 +35,7 @@ std::pair<Pose, Pose> poses(Random& random, int n) {
 
 // What a GPU's kernels say, emulated, of the second body at each of the poses.
 void check_emulated(const CollisionModel& a, const CollisionModel& b, const std::vector<Pose>& poses, Findings& found) {
-  const Execution emulated{.threads = 1, .backend = Backend::emulated};
+  const Execution emulated{.threads = 1, .backend = testing::kEmulated};
   const auto answers = collide_all(a, {}, b, poses, {}, emulated);
   for (std::size_t n = 0; n < poses.size(); ++n) {
     const bool expected = !touching_pairs({a.mesh(), {}}, {b.mesh(), poses[n]}).empty();

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "standoff/io.h"
+#include "standoff/testing/emulation.h"
 #include "tests/collision/zoo/animals.h"
 #include "tests/collision/zoo/ask.h"
 #include "tests/collision/zoo/check_distance.h"
@@ -19,7 +20,7 @@ namespace {
 using namespace standoff::testing;
 
 constexpr int kPosesOfAPair = 100;
-const Execution kEmulated{.threads = 1, .backend = Backend::emulated};
+const Execution kEmulation{.threads = 1, .backend = testing::kEmulated};
 
 // Mostly of few triangles, for which the whole truth is known soon; in units from 1e-12 to 1e12, like or unlike.
 struct Herds {
@@ -121,7 +122,7 @@ void check_sweeps(const PlacedPair& at, double size, int n, Random& random, bool
 void check_emulated(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
                     const std::vector<Pose>& poses, double size, Findings& found) {
   for (const double margin : {0.0, 0.01 * size}) {
-    const auto device = collide_all(a, pose_a, b, poses, {.margin = margin}, kEmulated);
+    const auto device = collide_all(a, pose_a, b, poses, {.margin = margin}, kEmulation);
     const auto cpu = collide_all(a, pose_a, b, poses, {.margin = margin}, {.threads = 1});
     for (std::size_t n = 0; n < poses.size(); ++n) {
       found.count("emulated poses");
@@ -137,7 +138,7 @@ void check_emulated(const CollisionModel& a, const Pose& pose_a, const Collision
     motions.push_back({poses[n], poses[n], {}});
     motions.back().to.translation = poses[n].translation + (poses[n - 1].translation - poses[n].translation) * 0.1;
   }
-  const auto device = sweep_all(a, pose_a, b, motions, {1e-4 * size}, kEmulated);
+  const auto device = sweep_all(a, pose_a, b, motions, {1e-4 * size}, kEmulation);
   const auto cpu = sweep_all(a, pose_a, b, motions, {1e-4 * size}, {.threads = 1});
   for (std::size_t n = 0; n < motions.size(); ++n) {
     found.count("emulated sweeps");

@@ -8,6 +8,7 @@
 #include "gpu/emulation/block.h"
 #include "scenes/scenes.h"
 #include "standoff/compute.h"
+#include "standoff/testing/emulation.h"
 #include "tests/support/fields.h"
 #include "tests/support/random_mesh.h"
 
@@ -16,7 +17,7 @@ namespace {
 
 ComputeOptions emulated(Method method = Method::tiles) {
   ComputeOptions options;
-  options.execution.backend = Backend::emulated;
+  options.execution.backend = testing::kEmulated;
   options.method = method;
   options.nearest_triangle = true;
   return options;

@@ -7,6 +7,7 @@
 #include "gpu/emulation/block.h"
 #include "scenes/scenes.h"
 #include "standoff/compute.h"
+#include "standoff/testing/emulation.h"
 #include "tests/support/fields.h"
 #include "tests/support/random_mesh.h"
 
@@ -48,7 +49,7 @@ void expect_same(Method method, MeshView mesh, const Grid& grid, double thicknes
   for (const Order order : {Order::forward, Order::reverse, Order::random}) {
     SCOPED_TRACE("order " + std::to_string(static_cast<int>(order)) + ", thickness " + std::to_string(thickness));
     const OrderScope scope(order, 11);
-    const ComputeResult gpu = on(Backend::emulated, method, mesh, grid, thickness);
+    const ComputeResult gpu = on(testing::kEmulated, method, mesh, grid, thickness);
     testing::expect_same_bits(cpu.field, gpu.field);
     EXPECT_EQ(cpu.field.stored_tiles(), gpu.field.stored_tiles());
     EXPECT_EQ(cpu.report.samples_band, gpu.report.samples_band);
@@ -116,7 +117,7 @@ TEST(CudaFields, Scenes) {
     for (const double thickness : {2 * grid.max_spacing(), kInfinity}) {
       const OrderScope scope(Order::random, 5);
       testing::expect_same_bits(on(Backend::cpu, Method::tiles, mesh, grid, thickness).field,
-                                on(Backend::emulated, Method::tiles, mesh, grid, thickness).field);
+                                on(testing::kEmulated, Method::tiles, mesh, grid, thickness).field);
     }
   }
 }
@@ -127,7 +128,7 @@ TEST(CudaFields, IntoDenseMemory) {
   std::vector<float> cpu(static_cast<std::size_t>(kGrid.sample_count())), gpu(cpu.size(), -7);
   options.execution.backend = Backend::cpu;
   compute_into(mesh, kGrid, 1, cpu, options);
-  options.execution.backend = Backend::emulated;
+  options.execution.backend = testing::kEmulated;
   compute_into(mesh, kGrid, 1, gpu, options);
   EXPECT_TRUE(testing::bits_of(cpu) == testing::bits_of(gpu));
 }

@@ -1,4 +1,5 @@
 // Bodies that move among bodies that rest: the thesis's fly in the labyrinth (docs/thesis.md).
+// A demonstration of sweeps: names and options may change in any version.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +12,7 @@
 #include "standoff/collision.h"
 #include "standoff/execution.h"
 
-namespace standoff {
+namespace standoff::experimental {
 
 /// How contacts of a moving body with resting ones are found.
 enum class FlightMode {
@@ -30,15 +31,15 @@ struct FlightOptions {
   OnContact on_contact = OnContact::turn_back;
   double speed = 0.02;       ///< world units a step
   double scatter_rad = 0.5;  ///< after a contact the direction is turned at random by up to this much; 0: never
-  Box room;              ///< moving bodies turn back where the middle of their box would leave this; empty: no limit
+  Box room = {};         ///< moving bodies turn back where the middle of their box would leave this; empty: no limit
   double tolerance = 0;  ///< sweep mode: as in SweepOptions
   double thickness = 2;  ///< thesis mode: of both fields
-  double minimum = 2;    ///< thesis mode: e of minimum_grid()
+  double minimum = 2;    ///< thesis mode: e of minimum_grid() in standoff/thesis.h
   double threshold = 0;  ///< thesis mode: of the sum; 0: the larger spacing of the two grids
   std::uint64_t seed = 1;
-  Execution execution;  ///< on the CPU: other backends are Error{usage}
-  bool check = true;    ///< count wall crossings by the independent check
-  ProgressCallback progress;
+  Execution execution = {};  ///< on the CPU: other backends are Error{usage}
+  bool check = true;         ///< count wall crossings by the independent check
+  ProgressCallback progress = {};
 };
 
 /// One moving body. It keeps its orientation.
@@ -94,4 +95,4 @@ struct PathPoint {
 void write_path(const std::filesystem::path& path, std::span<const PathPoint> points,
                 Existing existing = Existing::replace);
 
-}  // namespace standoff
+}  // namespace standoff::experimental

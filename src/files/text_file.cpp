@@ -1,10 +1,11 @@
-// Files of other programs' making, or for them.
+#include "files/text_file.h"
+
 #include <new>
 
 #include "core/guarded.h"
 #include "files/atomic_file.h"
 #include "files/file_view.h"
-#include "standoff/io.h"
+#include "standoff/error.h"
 
 namespace standoff {
 

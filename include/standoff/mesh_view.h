@@ -1,0 +1,204 @@
+// Somebody else's triangles, in whatever layout they lie.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <iterator>
+#include <limits>
+#include <optional>
+#include <span>
+#include <type_traits>
+#include <utility>
+
+#include "standoff/vec.h"
+
+namespace standoff {
+
+/// Three indices into the vertices of a mesh.
+using Triangle = std::array<std::uint32_t, 3>;
+
+/// Goes through the elements of an array one by one.
+template <class Array>
+class ElementIterator {
+ public:
+  using difference_type = std::ptrdiff_t;
+  using value_type = std::remove_cvref_t<decltype(std::declval<const Array&>()[0])>;
+  using pointer = const value_type*;
+  using reference = value_type;
+  using iterator_category = std::input_iterator_tag;
+
+  ElementIterator() = default;
+  ElementIterator(const Array& array, std::size_t n) : array_(&array), n_(n) {}
+  value_type operator*() const { return (*array_)[n_]; }
+  ElementIterator& operator++() {
+    ++n_;
+    return *this;
+  }
+  ElementIterator operator++(int) { return {*array_, n_++}; }
+  friend bool operator==(const ElementIterator& a, const ElementIterator& b) { return a.n_ == b.n_; }
+
+ private:
+  const Array* array_ = nullptr;
+  std::size_t n_ = 0;
+};
+
+/// Vertices in somebody else's memory: three numbers each, side by side; from one vertex to the next `stride` bytes, of
+/// any size and sign. Nothing is copied, and numbers need not be aligned. Floats are read as the doubles they are.
+class VertexArray {
+ public:
+  enum class Type : std::uint8_t { float64, float32 };
+
+  VertexArray() = default;
+  VertexArray(std::span<const Vec3> vertices)
+      : VertexArray(reinterpret_cast<const double*>(vertices.data()), vertices.size()) {}
+  template <class Range>
+  requires std::convertible_to<const Range&, std::span<const Vec3>> VertexArray(const Range& vertices)
+      : VertexArray(std::span<const Vec3>(vertices)) {}
+  /// `first` is the first vertex's x; it may be null where there are none.
+  VertexArray(const double* first, std::size_t count, std::ptrdiff_t stride = 3 * sizeof(double))
+      : data_(reinterpret_cast<const std::byte*>(first)), count_(count), stride_(stride) {}
+  VertexArray(const float* first, std::size_t count, std::ptrdiff_t stride = 3 * sizeof(float))
+      : data_(reinterpret_cast<const std::byte*>(first)), count_(count), stride_(stride), type_(Type::float32) {}
+
+  std::size_t size() const { return count_; }
+  bool empty() const { return count_ == 0; }
+  /// Requires n < size().
+  Vec3 operator[](std::size_t n) const {
+    const std::byte* const at = data_ + static_cast<std::ptrdiff_t>(n) * stride_;
+    if (type_ == Type::float32) {
+      float v[3];
+      std::memcpy(v, at, sizeof v);
+      return {v[0], v[1], v[2]};
+    }
+    double v[3];
+    std::memcpy(v, at, sizeof v);
+    return {v[0], v[1], v[2]};
+  }
+
+  ElementIterator<VertexArray> begin() const { return {*this, 0}; }
+  ElementIterator<VertexArray> end() const { return {*this, count_}; }
+
+  const std::byte* data() const { return data_; }
+  std::ptrdiff_t stride() const { return stride_; }
+  Type type() const { return type_; }
+  /// The vertices as they are where they lie as Vec3 do; else nothing.
+  std::optional<std::span<const Vec3>> packed() const {
+    static_assert(sizeof(Vec3) == 3 * sizeof(double));
+    const bool aligned = reinterpret_cast<std::uintptr_t>(data_) % alignof(Vec3) == 0;
+    if (type_ != Type::float64 || stride_ != std::ptrdiff_t{sizeof(Vec3)} || !aligned) return std::nullopt;
+    return std::span(reinterpret_cast<const Vec3*>(data_), count_);
+  }
+
+ private:
+  const std::byte* data_ = nullptr;
+  std::size_t count_ = 0;
+  std::ptrdiff_t stride_ = sizeof(Vec3);
+  Type type_ = Type::float64;
+};
+
+/// Triangles in somebody else's memory: three indices each, side by side; strides as in VertexArray.
+class TriangleArray {
+ public:
+  enum class Type : std::uint8_t { uint32, int32, uint64, int64 };
+  /// Stands for every index that 32 bits do not hold. No vertex has it: validate() refuses larger meshes.
+  static constexpr std::uint32_t kNoVertex = std::numeric_limits<std::uint32_t>::max();
+
+  TriangleArray() = default;
+  TriangleArray(std::span<const Triangle> triangles)
+      : TriangleArray(reinterpret_cast<const std::uint32_t*>(triangles.data()), triangles.size()) {}
+  template <class Range>
+  requires std::convertible_to<const Range&, std::span<const Triangle>> TriangleArray(const Range& triangles)
+      : TriangleArray(std::span<const Triangle>(triangles)) {}
+  /// `first` is the first triangle's first index; it may be null where there are none.
+  template <std::integral Index>
+  requires(sizeof(Index) == 4 || sizeof(Index) == 8)
+      TriangleArray(const Index* first, std::size_t count, std::ptrdiff_t stride = 3 * sizeof(Index))
+      : data_(reinterpret_cast<const std::byte*>(first)),
+        count_(count),
+        stride_(stride),
+        type_(sizeof(Index) == 4            ? std::signed_integral<Index> ? Type::int32 : Type::uint32
+              : std::signed_integral<Index> ? Type::int64
+                                            : Type::uint64) {}
+
+  std::size_t size() const { return count_; }
+  bool empty() const { return count_ == 0; }
+  /// The three indices, kNoVertex for those below 0 or too large. Requires n < size().
+  Triangle operator[](std::size_t n) const {
+    const std::byte* const at = data_ + static_cast<std::ptrdiff_t>(n) * stride_;
+    if (type_ == Type::uint32) {
+      Triangle t;
+      std::memcpy(t.data(), at, sizeof t);
+      return t;
+    }
+    const auto fitting = [&](int k) {
+      const std::int64_t v = index(n, k);
+      return v >= 0 && v < kNoVertex ? static_cast<std::uint32_t>(v) : kNoVertex;
+    };
+    return {fitting(0), fitting(1), fitting(2)};
+  }
+  /// One index as it stands in memory, at most 2^63 - 1. Requires n < size(), and k in 0 to 2.
+  std::int64_t index(std::size_t n, int k) const {
+    const std::byte* const at = data_ + static_cast<std::ptrdiff_t>(n) * stride_ + k * index_bytes();
+    const auto as = [at]<class Index>(Index value) {
+      std::memcpy(&value, at, sizeof value);
+      return value;
+    };
+    constexpr std::uint64_t kMost = std::numeric_limits<std::int64_t>::max();
+    switch (type_) {
+      case Type::uint32:
+        return as(std::uint32_t{});
+      case Type::int32:
+        return as(std::int32_t{});
+      case Type::int64:
+        return as(std::int64_t{});
+      case Type::uint64:
+        return static_cast<std::int64_t>(std::min(as(std::uint64_t{}), kMost));
+    }
+    return -1;
+  }
+
+  ElementIterator<TriangleArray> begin() const { return {*this, 0}; }
+  ElementIterator<TriangleArray> end() const { return {*this, count_}; }
+
+  const std::byte* data() const { return data_; }
+  std::ptrdiff_t stride() const { return stride_; }
+  Type type() const { return type_; }
+  int index_bytes() const { return type_ == Type::uint32 || type_ == Type::int32 ? 4 : 8; }
+  /// The triangles as they are where they lie as Triangle do; else nothing.
+  std::optional<std::span<const Triangle>> packed() const {
+    static_assert(sizeof(Triangle) == 3 * sizeof(std::uint32_t));
+    const bool aligned = reinterpret_cast<std::uintptr_t>(data_) % alignof(Triangle) == 0;
+    if (type_ != Type::uint32 || stride_ != std::ptrdiff_t{sizeof(Triangle)} || !aligned) return std::nullopt;
+    return std::span(reinterpret_cast<const Triangle*>(data_), count_);
+  }
+
+ private:
+  const std::byte* data_ = nullptr;
+  std::size_t count_ = 0;
+  std::ptrdiff_t stride_ = sizeof(Triangle);
+  Type type_ = Type::uint32;
+};
+
+/// Somebody else's mesh. Open, nonmanifold, self-intersecting and unoriented meshes, degenerate and duplicate triangles
+/// are all legal; NaN or infinite vertices and indices out of range are not. The layout changes no bit of any result.
+///
+///     MeshView view{{points.data(), points.size() / 3}, {faces.data(), faces.size() / 3}};
+struct MeshView {
+  VertexArray vertices;
+  TriangleArray triangles;
+
+  /// Requires a triangle of a valid mesh, and k in 0 to 2.
+  Vec3 corner(std::size_t triangle, int k) const {
+    if (triangles.type() != TriangleArray::Type::uint32)
+      return vertices[static_cast<std::size_t>(triangles.index(triangle, k))];
+    std::uint32_t vertex;
+    std::memcpy(&vertex, triangles.data() + static_cast<std::ptrdiff_t>(triangle) * triangles.stride() + 4 * k, 4);
+    return vertices[vertex];
+  }
+};
+
+}  // namespace standoff

@@ -1,0 +1,34 @@
+// What only the 2008 master's thesis needs: Fagerjord and Lochehina, "GPGPU: Fast and easy Distance Field computation
+// on GPU" (docs/thesis.md). For comparison, not for products: its answers may be wrong.
+//
+// Algorithm 1 is Method::thesis and its skip rule SkipRule::Kind::neighbour, in standoff/compute.h: they fill the same
+// fields by the same call, so a header of their own would only repeat it.
+#pragma once
+
+#include <cstdint>
+
+#include "standoff/field.h"
+#include "standoff/grid.h"
+#include "standoff/pose.h"
+
+namespace standoff {
+
+/// The thesis's minimum grid: the box grown by the thickness, (max - min) / thickness * e samples per axis, rounded
+/// up, at least 2. `e` is 2 to 4 in the thesis; `speed`, the distance a body moves in one step, makes the grid finer:
+/// the factor used is e * (1 + speed / thickness). Errors: usage when the thickness is not positive and finite, e < 1
+/// or speed < 0.
+Grid minimum_grid(const Box& box, double thickness, double e = 2, double speed = 0);
+
+/// Algorithm 2 of the 2008 thesis, for comparison: visits the samples of one field that lie in the other's grid. Where
+/// a sample and the nearest sample of the other field both have a value (below their thickness) and the sum of both is
+/// below `threshold`, the bodies collide. It errs either way; docs/thesis.md says how often.
+struct ThesisCollisionResult {
+  bool hit = false;
+  std::int64_t samples = 0;  ///< visited
+};
+ThesisCollisionResult collide_thesis(const DistanceField& a, const Pose& pose_a, const DistanceField& b,
+                                     const Pose& pose_b, double threshold);
+/// The least such sum, with which the threshold can be chosen; infinite where no sample counts.
+double thesis_sum(const DistanceField& a, const Pose& pose_a, const DistanceField& b, const Pose& pose_b);
+
+}  // namespace standoff

@@ -1,0 +1,24 @@
+// A mesh of one's own from somebody else's.
+#pragma once
+
+#include "standoff/mesh.h"
+
+namespace standoff {
+
+/// The same mesh, whatever the layout of the other one, which must be valid.
+inline Mesh copy_of(const MeshView& mesh) {
+  const auto all = [](const auto& array, auto& to) {
+    if (const auto packed = array.packed()) {
+      to.assign(packed->begin(), packed->end());
+      return;
+    }
+    to.reserve(array.size());
+    for (const auto& one : array) to.push_back(one);
+  };
+  Mesh copy;
+  all(mesh.vertices, copy.vertices);
+  all(mesh.triangles, copy.triangles);
+  return copy;
+}
+
+}  // namespace standoff

@@ -1,0 +1,62 @@
+// The caller's mesh as kernels read it: addresses, strides and types, by functions that are always inlined.
+#pragma once
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+#include "geometry/host_device.h"
+#include "standoff/mesh_view.h"
+
+namespace standoff::cpu {
+
+struct MeshMemory {
+  enum class Numbers : std::uint8_t {
+    doubles,  ///< that are aligned: read where they lie
+    unaligned_doubles,
+    floats,
+  };
+
+  const std::byte* vertices;
+  std::ptrdiff_t vertex_stride;
+  const std::byte* triangles;  ///< the low 32 bits of the first index: those of a valid mesh have no others
+  std::ptrdiff_t triangle_stride;
+  std::ptrdiff_t index_bytes;
+  Numbers numbers;
+};
+
+/// Requires a valid mesh.
+inline MeshMemory memory_of(const MeshView& mesh) {
+  using Numbers = MeshMemory::Numbers;
+  const auto misaligned =
+      reinterpret_cast<std::uintptr_t>(mesh.vertices.data()) | static_cast<std::uintptr_t>(mesh.vertices.stride());
+  const bool floats = mesh.vertices.type() == VertexArray::Type::float32;
+  const int index_bytes = mesh.triangles.index_bytes();
+  return {mesh.vertices.data(),
+          mesh.vertices.stride(),
+          mesh.triangles.data() + (std::endian::native == std::endian::big ? index_bytes - 4 : 0),
+          mesh.triangles.stride(),
+          index_bytes,
+          floats                              ? Numbers::floats
+          : misaligned % alignof(double) != 0 ? Numbers::unaligned_doubles
+                                              : Numbers::doubles};
+}
+
+/// A corner's coordinates: where they lie, or in `room`.
+STANDOFF_INLINE const double* corner_of(const MeshMemory& mesh, std::uint32_t triangle, int which, double* room) {
+  std::uint32_t vertex;
+  __builtin_memcpy(&vertex, mesh.triangles + std::ptrdiff_t{triangle} * mesh.triangle_stride + which * mesh.index_bytes,
+                   4);
+  const std::byte* const at = mesh.vertices + std::ptrdiff_t{vertex} * mesh.vertex_stride;
+  if (mesh.numbers == MeshMemory::Numbers::doubles) return reinterpret_cast<const double*>(at);
+  if (mesh.numbers == MeshMemory::Numbers::floats) {
+    float v[3];
+    __builtin_memcpy(v, at, sizeof v);
+    for (int k = 0; k < 3; ++k) room[k] = v[k];
+  } else {
+    __builtin_memcpy(room, at, 3 * sizeof(double));
+  }
+  return room;
+}
+
+}  // namespace standoff::cpu
