@@ -6,8 +6,8 @@
 namespace standoff::collision::portable {
 namespace {
 
-#include "collision/cpu/kernels_body.h"
-#include "collision/cpu/kernels_pairs.h"
+#include "collision/cpu/kernels/close_triangles.inl"
+#include "collision/cpu/kernels/triangle_pairs.inl"
 
 }  // namespace
 

@@ -9,13 +9,16 @@ namespace standoff::cpu::avx512 {
 namespace {
 
 using namespace standoff::avx512;
-#include "field/cpu/kernels_body.h"
-#include "field/cpu/kernels_candidates.h"
-#include "field/cpu/kernels_cell_blocks.h"
-#include "field/cpu/kernels_cells.h"
-#include "field/cpu/kernels_crowded.h"
-#include "field/cpu/kernels_cull.h"
-#include "field/cpu/kernels_nearest.h"
+// Each rests on those before it.
+// clang-format off
+#include "field/cpu/kernels/gather_band.inl"
+#include "field/cpu/kernels/cell_candidates.inl"
+#include "field/cpu/kernels/block_candidates.inl"
+#include "field/cpu/kernels/gather_cells.inl"
+#include "field/cpu/kernels/gather_crowded.inl"
+#include "field/cpu/kernels/cull_boxes.inl"
+#include "field/cpu/kernels/nearest_box.inl"
+// clang-format on
 
 }  // namespace
 

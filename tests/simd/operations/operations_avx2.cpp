@@ -8,7 +8,7 @@ namespace standoff::testing {
 namespace {
 
 using namespace standoff::avx2;
-#include "tests/simd/operations/operations_body.h"
+#include "tests/simd/operations/operations.inl"
 
 }  // namespace
 

@@ -6,7 +6,7 @@ namespace standoff::testing {
 namespace {
 
 using namespace standoff::portable;
-#include "tests/simd/operations/operations_body.h"
+#include "tests/simd/operations/operations.inl"
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-// The kernels that drop boxes of triangles. Included like kernels_body.h, after it.
+// The kernels that drop boxes of triangles. Included like gather_band.inl, after it.
 //
 // With the cell's centre as origin, its half extents h and a point q of the surface, a box that holds the nearest point
 // p of some sample x must have |x-p|^2 < |x-q|^2, that is |p|^2 - |q|^2 < 2 x.(p-q). The right side is at most

@@ -1,4 +1,4 @@
-// The kernels that look for the box nearest to a point, by the boxes' centres. Included like kernels_body.h, after it.
+// The kernels that look for the box nearest to a point, by the boxes' centres. Included like gather_band.inl, after it.
 
 // The nearest box so far, lane by lane.
 struct NearestBox {

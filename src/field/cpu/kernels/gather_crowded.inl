@@ -1,6 +1,6 @@
 // The kernel for cells of tiles with very many candidates, which are small against the spacing: their boxes are tested
-// before anything is known of the triangles, and only those that some block of the cell chooses (kernels_cell_blocks.h)
-// are set up and measured. Included like kernels_body.h, after kernels_cells.h.
+// before anything is known of the triangles, and only those that some block of the cell chooses (block_candidates.inl)
+// are set up and measured. Included like gather_band.inl, after gather_cells.inl.
 
 // What the points of candidates, and the distances computed for them, may be off by beside the share of themselves that
 // block_limits() adds. Points are rounded to kBoxError of the grid, or, where they lie far outside, to a share of their

@@ -1,4 +1,4 @@
-// How the blocks of a cell choose among its candidates. Included like kernels_body.h, after kernels_candidates.h.
+// How the blocks of a cell choose among its candidates. Included like gather_band.inl, after cell_candidates.inl.
 //
 // Between the corners of a cell many candidates may be nearest to some point, but there are few samples. Each candidate
 // holds a point, so none of the samples is farther from the surface than from that; and a candidate is out for a block

@@ -1,6 +1,6 @@
 // The kernel for thick bands and full fields, where each sample has many candidates and needs few: cells choose them by
-// distances from their corners (kernels_candidates.h), and where many are left their blocks choose by the samples'
-// distances from boxes (kernels_cell_blocks.h). Included like kernels_body.h, after those two.
+// distances from their corners (cell_candidates.inl), and where many are left their blocks choose by the samples'
+// distances from boxes (block_candidates.inl). Included like gather_band.inl, after those two.
 
 // Lists the chosen candidates, one by one, so that the loop over them has no branch to mispredict.
 STANDOFF_INLINE void list_chosen(CandidateTable& table) {

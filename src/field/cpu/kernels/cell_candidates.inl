@@ -1,4 +1,4 @@
-// Which candidates of a tile its cells have to look at. Included like kernels_body.h, after it.
+// Which candidates of a tile its cells have to look at. Included like gather_band.inl, after it.
 //
 // The candidates of a tile are set up once, in groups of sixteen, and measured from the corners of its 2x2x2 cells. The
 // nearest point found from a corner is a reference q for the cells around it.
@@ -6,7 +6,7 @@
 // A cell chooses its candidates. A candidate beats q at a sample x of the cell when it holds a point p with
 // |x-p|^2 < |x-q|^2. For a given p the two sides differ by a linear function of x, so if p beats q anywhere in the cell
 // it does so at a corner; and so a candidate is out when, for some q, its distance from each corner is at least that of
-// q. Unlike the test for boxes (kernels_cull.h) this one is not fooled by tilted triangles, whose boxes reach far out
+// q. Unlike the test for boxes (cull_boxes.inl) this one is not fooled by tilted triangles, whose boxes reach far out
 // of them.
 
 // What a distance in a frame may be off by, as a share of the largest coordinate: 32 units of rounding of a length up

@@ -1,4 +1,4 @@
-// The kernels for pairs of triangles, eight at a time, included after kernels_body.h: meeting.h, crossing.h and
+// The kernels for pairs of triangles, eight at a time, included after close_triangles.inl: meeting.h, crossing.h and
 // closest_pair.h for eight doubles.
 
 // Eight doubles, and eight answers: what geometry's templates need of a number.
