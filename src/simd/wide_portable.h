@@ -46,6 +46,7 @@ struct Mask {
 };
 
 struct WideFloat {
+  static constexpr int kLanes = 16;
   Floats v[kParts];
 
   WideFloat() = default;
@@ -115,6 +116,9 @@ STANDOFF_INLINE WideFloat abs(const WideFloat& a) {
 }
 STANDOFF_INLINE Mask less(const WideFloat& a, const WideFloat& b) {
   return by_parts<Mask>(STANDOFF_LANES { return a.v[part] < b.v[part]; });
+}
+STANDOFF_INLINE Mask less_equal(const WideFloat& a, const WideFloat& b) {
+  return by_parts<Mask>(STANDOFF_LANES { return a.v[part] <= b.v[part]; });
 }
 STANDOFF_INLINE Mask equal(const WideFloat& a, const WideFloat& b) {
   return by_parts<Mask>(STANDOFF_LANES { return a.v[part] == b.v[part]; });

@@ -1,22 +1,5 @@
-// The kernels for AVX-512.
+// The queries' kernels for AVX-512.
 #ifdef __AVX512F__
-
-#include "collision/body/ball_bound.h"
-#include "collision/cpu/kernels.h"
-#include "geometry/crossing.h"
-
-#include <immintrin.h>
-
-namespace standoff::collision::avx512 {
-namespace {
-
-#include "collision/cpu/kernels/close_triangles.inl"
-#include "collision/cpu/kernels/triangle_pairs.inl"
-
-}  // namespace
-
-extern const Kernels kKernels{"avx512", gaps, gaps_at, overlaps, distances_sq, place_faces, close_lanes, meet, closest};
-
-}  // namespace standoff::collision::avx512
-
+#define STANDOFF_TARGET_AVX512
+#include "collision/cpu/kernels/table.inl"
 #endif

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "field/cpu/frame_lanes.h"
 #include "field/cpu/lattice.h"
 
 namespace standoff::cpu {
@@ -13,8 +14,7 @@ static_assert(kCellSide == kBlockX && kCellSide == kCellBlocks * kBlockY && kCel
 
 /// Sixteen triangles set up, relative to the brick's centre.
 struct FrameGroup {
-  static constexpr int kNumbers = 20;
-  alignas(64) float frame[kNumbers][kLanes];
+  FrameLanes frame;
   alignas(64) std::uint32_t index[kLanes];  ///< in the mesh
   std::uint32_t is_long;                    ///< bits of the lanes whose samples need lines
 };

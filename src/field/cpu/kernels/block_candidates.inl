@@ -1,8 +1,16 @@
-// How the blocks of a cell choose among its candidates. Included like gather_band.inl, after cell_candidates.inl.
+// How the blocks of a cell choose among its candidates.
 //
 // Between the corners of a cell many candidates may be nearest to some point, but there are few samples. Each candidate
 // holds a point, so none of the samples is farther from the surface than from that; and a candidate is out for a block
 // when its box is farther from each of the block's samples.
+#pragma once
+
+#include "field/cpu/candidate_table.h"
+#include "field/cpu/kernels/cell_candidates.inl"
+#include "field/cpu/kernels/target.inl"
+
+namespace standoff::cpu::STANDOFF_TARGET {
+namespace {
 
 // The samples of a cell: of its blocks, and along the axes.
 struct CellSamples {
@@ -110,3 +118,6 @@ STANDOFF_INLINE void choose_for_blocks(const CellSamples& samples, const BlockLi
     take(first, chosen);
   }
 }
+
+}  // namespace
+}  // namespace standoff::cpu::STANDOFF_TARGET

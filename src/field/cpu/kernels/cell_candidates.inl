@@ -1,4 +1,4 @@
-// Which candidates of a tile its cells have to look at. Included like gather_band.inl, after it.
+// Which candidates of a tile its cells have to look at.
 //
 // The candidates of a tile are set up once, in groups of sixteen, and measured from the corners of its 2x2x2 cells. The
 // nearest point found from a corner is a reference q for the cells around it.
@@ -8,6 +8,14 @@
 // it does so at a corner; and so a candidate is out when, for some q, its distance from each corner is at least that of
 // q. Unlike the test for boxes (cull_boxes.inl) this one is not fooled by tilted triangles, whose boxes reach far out
 // of them.
+#pragma once
+
+#include "field/cpu/candidate_table.h"
+#include "field/cpu/kernels/target.inl"
+#include "field/cpu/kernels/triangle_frames.inl"
+
+namespace standoff::cpu::STANDOFF_TARGET {
+namespace {
 
 // What a distance in a frame may be off by, as a share of the largest coordinate: 32 units of rounding of a length up
 // to sqrt(3) times as large (geometry/triangle_frame.h).
@@ -19,19 +27,9 @@ constexpr float kSlackShare = 1e-4f;
 // A coordinate far from all samples, the square of which is still a number.
 constexpr float kFarAway = 0x1p60f;
 
-STANDOFF_INLINE TriangleFrame<WideFloat> frames_of(const CandidateTable::Group& g) {
-  return frame_from<WideFloat>([&](int n) __attribute__((always_inline)) { return WideFloat::load(g.frame[n]); });
-}
-
 STANDOFF_INLINE void set_up(const Group& loaded, FrameGroup& g) {
-  WideFloat longest(0);
-  for (int axis = 0; axis < 3; ++axis) {
-    const WideFloat a = component(loaded.corner[0], axis), b = component(loaded.corner[1], axis),
-                    c = component(loaded.corner[2], axis);
-    longest = max(longest, max(a, max(b, c)) - min(a, min(b, c)));
-  }
-  g.is_long = less(WideFloat(kLongTriangle), longest).to_bits();
-  store_frames(make_frame(loaded.corner[0], loaded.corner[1], loaded.corner[2], WideFloat(kLeastLengthSq)), g.frame);
+  g.is_long = long_lanes(loaded);
+  store_frames(make_frames(loaded), g.frame);
   WideUint::load(loaded.index).store(g.index);
 }
 
@@ -123,7 +121,7 @@ STANDOFF_INLINE void look_from_corners(CandidateTable& table) {
   for (int n = 0; n < table.count; ++n) {
     CandidateTable::Group& g = table.groups[n];
     const WideUint number(static_cast<std::uint32_t>(n));
-    const TriangleFrame<WideFloat> f = frames_of(g);
+    const TriangleFrame<WideFloat> f = load_frames(g.frame);
     const WideFloat slack = WideFloat::load(g.slack), less_slack = slack * slack * WideFloat(-1 / kSlackShare);
     for (int k = 0, corner = 0; k < kSide; ++k) {
       const WideFloat z = coordinate(corner, 2);
@@ -208,3 +206,6 @@ STANDOFF_INLINE void choose(CandidateTable& table, const CellCorners& cell) {
     table.active_groups += lanes != 0;
   }
 }
+
+}  // namespace
+}  // namespace standoff::cpu::STANDOFF_TARGET

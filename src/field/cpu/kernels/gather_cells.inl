@@ -1,6 +1,17 @@
 // The kernel for thick bands and full fields, where each sample has many candidates and needs few: cells choose them by
 // distances from their corners (cell_candidates.inl), and where many are left their blocks choose by the samples'
-// distances from boxes (block_candidates.inl). Included like gather_band.inl, after those two.
+// distances from boxes (block_candidates.inl).
+#pragma once
+
+#include "field/cpu/candidate_table.h"
+#include "field/cpu/kernels/block_candidates.inl"
+#include "field/cpu/kernels/brick_state.inl"
+#include "field/cpu/kernels/cell_candidates.inl"
+#include "field/cpu/kernels/triangle_frames.inl"
+#include "geometry/triangle_lines.h"
+
+namespace standoff::cpu::STANDOFF_TARGET {
+namespace {
 
 // Lists the chosen candidates, one by one, so that the loop over them has no branch to mispredict.
 STANDOFF_INLINE void list_chosen(CandidateTable& table) {
@@ -184,3 +195,6 @@ void gather_tile_any(const Lattice& lattice, const Brick& brick, int tile, const
   else
     gather_tile<false>(lattice, brick, tile, c, table, state);
 }
+
+}  // namespace
+}  // namespace standoff::cpu::STANDOFF_TARGET
