@@ -25,10 +25,10 @@ struct DoubleMask {
   LongInts v[kDoubleParts];  // all bits of a lane, or none
 
   STANDOFF_INLINE std::uint32_t to_bits() const {
-    std::uint32_t bits = 0;
-    for (int part = 0; part < kDoubleParts; ++part)
-      bits |= static_cast<std::uint32_t>((v[part][0] & 1) | (v[part][1] & 2)) << (kDoublePartLanes * part);
-    return bits;
+    const LongInts bit{1, 2};
+    LongInts set{};
+    for (int part = 0; part < kDoubleParts; ++part) set |= v[part] & (bit << (kDoublePartLanes * part));
+    return static_cast<std::uint32_t>(set[0] | set[1]);
   }
   friend STANDOFF_INLINE DoubleMask operator&(const DoubleMask& a, const DoubleMask& b) {
     return by_double_parts<DoubleMask>(STANDOFF_LANES { return a.v[part] & b.v[part]; });

@@ -27,12 +27,9 @@ struct Mask {
 
   STANDOFF_INLINE std::uint32_t to_bits() const {
     const Ints bit{1, 2, 4, 8};
-    std::uint32_t bits = 0;
-    for (int part = 0; part < kParts; ++part) {
-      const Ints set = v[part] & bit;
-      bits |= static_cast<std::uint32_t>(set[0] | set[1] | set[2] | set[3]) << (kPartLanes * part);
-    }
-    return bits;
+    Ints set{};
+    for (int part = 0; part < kParts; ++part) set |= v[part] & (bit << (kPartLanes * part));
+    return static_cast<std::uint32_t>(set[0] | set[1] | set[2] | set[3]);
   }
   friend STANDOFF_INLINE Mask operator~(const Mask& a) {
     return by_parts<Mask>(STANDOFF_LANES { return ~a.v[part]; });
