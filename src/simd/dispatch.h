@@ -26,7 +26,7 @@ class Dispatch {
   /// All that were compiled, at most one per set and the best first; the last must be portable ones.
   explicit Dispatch(std::initializer_list<Compiled> compiled) {
     for (const Compiled& row : compiled) {
-      if (!has(row.set)) continue;
+      if (!processor_has(row.set)) continue;
       runnable_[count_] = row.kernels;
       sets_[count_++] = row.set;
     }

@@ -7,7 +7,7 @@
 namespace standoff {
 
 /// Whether this processor has all that the kernels of a set are compiled with. Every one has `portable`.
-inline bool has(Simd set) {
+inline bool processor_has(Simd set) {
 #ifdef __x86_64__
   const bool avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
   if (set == Simd::avx2) return avx2;

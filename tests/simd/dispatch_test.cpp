@@ -20,24 +20,24 @@ Dispatch<Kernels> all_sets() {
 TEST(Dispatch, GivesTheSetAskedForWhereTheProcessorHasIt) {
   const Dispatch<Kernels> kernels = all_sets();
   EXPECT_EQ(&kernels.of(Simd::portable, "test"), &kFour);
-  if (has(Simd::avx2)) {
+  if (processor_has(Simd::avx2)) {
     EXPECT_EQ(&kernels.of(Simd::avx2, "test"), &kEight);
   }
-  if (has(Simd::avx512)) {
+  if (processor_has(Simd::avx512)) {
     EXPECT_EQ(&kernels.of(Simd::avx512, "test"), &kSixteen);
   }
 }
 
 TEST(Dispatch, AutomaticIsTheBestTheProcessorHas) {
   const Dispatch<Kernels> kernels = all_sets();
-  const Kernels* const best = has(Simd::avx512) ? &kSixteen : has(Simd::avx2) ? &kEight : &kFour;
+  const Kernels* const best = processor_has(Simd::avx512) ? &kSixteen : processor_has(Simd::avx2) ? &kEight : &kFour;
   EXPECT_EQ(&kernels.best(), best);
   EXPECT_EQ(&kernels.of(Simd::automatic, "test"), best);
 }
 
 TEST(Dispatch, ListsWhatTheProcessorCanRunBestFirst) {
   const Dispatch<Kernels> kernels = all_sets();
-  ASSERT_EQ(kernels.all().size(), 1u + has(Simd::avx2) + has(Simd::avx512));
+  ASSERT_EQ(kernels.all().size(), 1u + processor_has(Simd::avx2) + processor_has(Simd::avx512));
   EXPECT_EQ(kernels.all().front(), &kernels.best());
   EXPECT_EQ(kernels.all().back(), &kFour);
 }

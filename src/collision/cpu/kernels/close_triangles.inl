@@ -26,11 +26,12 @@ void place_faces(const FloatPlace& place, const Faces& faces, float by, Faces& g
 // The axes are the two normals. A sliver's normal is mostly rounding and may point anywhere. That does no harm: any
 // axis may separate, as long as both triangles are projected on it, for a sliver is no point on its own rounded normal.
 //
-// A projection is off by a few roundings of products no larger than |normal| (the sum of its magnitudes) times the span
-// of the corners: kProjectionError of that is some thirty roundings. kProjectionUnderflow covers what underflows, also
-// in programs that flush denormals to zero. With smaller values triangles that touch may be called apart; larger ones
-// only cost time, on pairs that are decided in double.
-constexpr float kProjectionError = 4e-6f, kProjectionUnderflow = 1e-36f;
+// A projection is off by a few roundings, 2^-24 each, of products no larger than |normal| (the sum of its magnitudes)
+// times the span of the corners. kProjectionError is 67 roundings. kProjectionUnderflow covers products that underflow,
+// also in programs that flush denormals to zero. With smaller values triangles that touch may be called apart; with
+// larger ones more pairs go on to the test in double.
+constexpr float kProjectionError = 4e-6f;       // of |normal| times span
+constexpr float kProjectionUnderflow = 1e-36f;  // world units, cubed
 
 // Sixteen triangles with their normals, and what each covers on its own normal, seen from its first corner.
 struct Planes {

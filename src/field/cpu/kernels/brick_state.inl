@@ -53,7 +53,7 @@ unsigned band_tiles(const Lattice& lattice, const Brick& brick, BrickState& stat
   return tiles;
 }
 
-// Writes a block's rows of four; those or the parts of them that the grid's far faces cut off are left out.
+// Writes those samples of a block that lie inside the grid, in rows of four.
 template <class T>
 STANDOFF_INLINE void copy_block(const T* block, int x, int y, int z, const TileTarget& target, T* out) {
   const bool whole = x + kBlockX <= target.size.x && y + kBlockY <= target.size.y && z + kBlockZ <= target.size.z;

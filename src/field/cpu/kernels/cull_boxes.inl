@@ -16,10 +16,13 @@
 namespace standoff::cpu::STANDOFF_TARGET {
 namespace {
 
-// What the squares on the right are raised by, as a share of them and of the cell's, which is nothing for a cell of one
-// sample and counts as kLeastCellSq there at least. Rounding of the sum is below 2e-6 of that; the rest, 1e-5 |q| of
-// distance, covers what the distances that the gather computes in float may be off by, so that culling changes no bit.
-constexpr float kCullMargin = 2e-5f, kLeastCellSq = 4;
+// The margin by which |q|^2 is raised, as a share of |q|^2 + |h|^2 + kLeastCellSq. Rounding of the sum is below 2e-6 of
+// that. The rest, 1e-5 |q| of distance, covers what distances are off by that the gather computes in float, so that
+// culling changes no bit. With a smaller margin it may; a larger one keeps more boxes.
+constexpr float kCullMargin = 2e-5f;
+// Squared grid units: the margin must not vanish for a cell of one sample, whose half extents are 0, beside a q near
+// it.
+constexpr float kLeastCellSq = 4;
 
 // The least values of p^2 - 2hp and of p^2 + 2hp over low <= p <= high.
 struct LeastOnAxis {

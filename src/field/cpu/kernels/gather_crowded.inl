@@ -15,7 +15,7 @@ namespace {
 // to kNear that is less than kSlack; beyond, a triangle that is not long is half as far from each sample, and the share
 // covers it. Long triangles are measured by lines, which do not lose more the longer they are.
 STANDOFF_INLINE float slack_in(const CrowdedCell& cell) {
-  constexpr float kNear = 64;
+  constexpr float kNear = 64;  // grid units
   static_assert(kNear * kFrameError < kSlack && kNear >= 2 * (kLongTriangle + kBrickSide));
   static_assert(2 * kFrameError < kSlackShare / 2);
   return cell.extent * kBoxError + kSlack;

@@ -24,8 +24,8 @@ struct ClumpBlocks {
 };
 constexpr ClumpBlocks kClumpBlocks;
 
-// Calls of their own, for all that inline them cost minutes to compile: which of sixteen points are nearer than a
-// limit, and where a whole block lies in neither half of the triangle.
+// Functions that are not inlined, which saves minutes of compilation: which of sixteen points are nearer than a limit,
+// and the distances of a block that lies in both halves of the triangle.
 __attribute__((noinline)) std::uint32_t points_within(const TriangleLines<WideFloat>& lines, const WidePoint& points,
                                                       float limit_sq) {
   return less(distance_sq(lines, points), WideFloat(limit_sq)).to_bits();
@@ -35,8 +35,8 @@ __attribute__((noinline)) WideFloat distance_sq_in_both(const TriangleLines<Wide
   return distance_sq(lines, points);
 }
 
-// A long triangle: clumps of blocks, and of those the blocks, are chosen by the exact distance of their centres. Most
-// blocks lie in one half of the triangle as a whole, for which half of its lines will do.
+// Chooses clumps of blocks, and blocks in these, by the exact distances of their centres. Most blocks lie wholly on one
+// side of the triangle's altitude: half of its lines are enough for these.
 template <bool kNearest>
 STANDOFF_INLINE void gather_long(const Lattice& lattice, const Brick& brick, const Candidates& c, std::uint32_t index,
                                  BrickState& state) {
