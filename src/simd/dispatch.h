@@ -7,7 +7,7 @@
 #include <string>
 
 #include "simd/instruction_sets.h"
-#include "standoff/compute.h"
+#include "standoff/execution.h"
 #include "standoff/error.h"
 
 namespace standoff {

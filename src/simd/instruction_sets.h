@@ -2,7 +2,7 @@
 // processor that lacks one of a set's would crash in its kernels.
 #pragma once
 
-#include "standoff/compute.h"
+#include "standoff/execution.h"
 
 namespace standoff {
 
