@@ -44,7 +44,8 @@ std::string grid_line(const GridChoice& choice) {
 
 void tell(const Plan& plan, const ComputeOptions& options, const Console& console) {
   const Grid& grid = plan.choice.grid;
-  const std::int64_t needed = memory_needed(plan.mesh, grid, plan.choice.thickness, options), limit = options.memory_limit;
+  const std::int64_t needed = memory_needed(plan.mesh, grid, plan.choice.thickness, options),
+                     limit = options.memory_limit;
   const std::string memory = "needs at most " + bytes_text(needed) + " beside the mesh";
   const std::string over = ", more than the limit of " + bytes_text(limit);
   const auto file_bytes = static_cast<std::int64_t>(std::min(sample_bytes(plan, options), 0x1p62));
