@@ -1,4 +1,4 @@
-# The gather kernels are compiled once per instruction set and chosen at run time (src/simd/).
+# Kernels are compiled once per instruction set and chosen at run time (src/simd/).
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   set(STANDOFF_AVX2_FLAGS -mavx2 -mfma)
   # GCC 12 warns of its own header's undefined registers.
@@ -9,8 +9,10 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
     list(APPEND STANDOFF_AVX2_FLAGS -fno-sanitize=undefined)
     list(APPEND STANDOFF_AVX512_FLAGS -fno-sanitize=undefined)
   endif()
-  set_source_files_properties(src/field/cpu/kernels_avx2.cpp src/collision/cpu/kernels_avx2.cpp PROPERTIES COMPILE_OPTIONS "${STANDOFF_AVX2_FLAGS}")
-  set_source_files_properties(src/field/cpu/kernels_avx512.cpp src/collision/cpu/kernels_avx512.cpp PROPERTIES COMPILE_OPTIONS "${STANDOFF_AVX512_FLAGS}")
+  foreach(feature IN ITEMS field collision)
+    set_source_files_properties(src/${feature}/cpu/kernels_avx2.cpp PROPERTIES COMPILE_OPTIONS "${STANDOFF_AVX2_FLAGS}")
+    set_source_files_properties(src/${feature}/cpu/kernels_avx512.cpp PROPERTIES COMPILE_OPTIONS "${STANDOFF_AVX512_FLAGS}")
+  endforeach()
 endif()
 # Pointers are left to the address sanitizer here: with these checks the kernels take three times as long to compile.
 if("undefined" IN_LIST STANDOFF_SANITIZE AND "address" IN_LIST STANDOFF_SANITIZE)

@@ -42,5 +42,5 @@ build() {
 # The C++ files of the project: those git tracks, or all where there is no git.
 cpp_files() {
   { git ls-files -co --exclude-standard 2>/dev/null || find . -path ./build -prune -o -type f -printf '%P\n'; } |
-    grep -E '\.(h|cpp|cuh|cu)$' | sort
+    grep -E '\.(h|inl|cpp|cuh|cu)$' | sort
 }

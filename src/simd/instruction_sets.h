@@ -2,25 +2,20 @@
 // processor that lacks one of a set's would crash in its kernels.
 #pragma once
 
+#include "standoff/execution.h"
+
 namespace standoff {
 
-/// All that the AVX2 kernels are compiled with.
-inline bool has_avx2() {
+/// Whether this processor has all that the kernels of a set are compiled with. Every one has `portable`.
+inline bool processor_has(Simd set) {
 #ifdef __x86_64__
-  return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
-#else
-  return false;
+  const bool avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+  if (set == Simd::avx2) return avx2;
+  if (set == Simd::avx512)
+    return avx2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+           __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl");
 #endif
-}
-
-/// All that the AVX-512 kernels are compiled with.
-inline bool has_avx512() {
-#ifdef __x86_64__
-  return has_avx2() && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-         __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl");
-#else
-  return false;
-#endif
+  return set == Simd::portable;
 }
 
 }  // namespace standoff

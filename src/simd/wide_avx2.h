@@ -25,6 +25,7 @@ struct Mask {
 };
 
 struct WideFloat {
+  static constexpr int kLanes = 16;
   __m256 lo, hi;
 
   WideFloat() = default;
@@ -72,6 +73,9 @@ STANDOFF_INLINE WideFloat abs(WideFloat a) {
 }
 STANDOFF_INLINE Mask less(WideFloat a, WideFloat b) {
   return {_mm256_cmp_ps(a.lo, b.lo, _CMP_LT_OQ), _mm256_cmp_ps(a.hi, b.hi, _CMP_LT_OQ)};
+}
+STANDOFF_INLINE Mask less_equal(WideFloat a, WideFloat b) {
+  return {_mm256_cmp_ps(a.lo, b.lo, _CMP_LE_OQ), _mm256_cmp_ps(a.hi, b.hi, _CMP_LE_OQ)};
 }
 STANDOFF_INLINE Mask equal(WideFloat a, WideFloat b) {
   return {_mm256_cmp_ps(a.lo, b.lo, _CMP_EQ_OQ), _mm256_cmp_ps(a.hi, b.hi, _CMP_EQ_OQ)};

@@ -18,6 +18,7 @@ struct Mask {
 };
 
 struct WideFloat {
+  static constexpr int kLanes = 16;
   __m512 v;
 
   WideFloat() = default;
@@ -41,6 +42,7 @@ STANDOFF_INLINE WideFloat max(WideFloat a, WideFloat b) { return _mm512_max_ps(a
 STANDOFF_INLINE WideFloat sqrt(WideFloat a) { return _mm512_sqrt_ps(a.v); }
 STANDOFF_INLINE WideFloat abs(WideFloat a) { return _mm512_abs_ps(a.v); }
 STANDOFF_INLINE Mask less(WideFloat a, WideFloat b) { return {_mm512_cmp_ps_mask(a.v, b.v, _CMP_LT_OQ)}; }
+STANDOFF_INLINE Mask less_equal(WideFloat a, WideFloat b) { return {_mm512_cmp_ps_mask(a.v, b.v, _CMP_LE_OQ)}; }
 STANDOFF_INLINE Mask equal(WideFloat a, WideFloat b) { return {_mm512_cmp_ps_mask(a.v, b.v, _CMP_EQ_OQ)}; }
 STANDOFF_INLINE WideFloat select(Mask m, WideFloat yes, WideFloat no) {
   return _mm512_mask_blend_ps(m.bits, no.v, yes.v);

@@ -78,8 +78,8 @@ TEST(ThinTriangles, NoneIsPartedFromWhatItTouches) {
       }
     }
     const collision::FloatTransform here{{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
-    for (int k = 0; collision::all_kernels()[k] != nullptr; ++k) {
-      const collision::Kernels& kernels = *collision::all_kernels()[k];
+    for (const collision::Kernels* row : collision::all_kernels()) {
+      const collision::Kernels& kernels = *row;
       collision::Triangle16 placed[2];
       collision::Aabb16 boxes[2];
       collision::FloatBox all;

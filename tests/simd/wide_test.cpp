@@ -9,10 +9,10 @@
 #include <cstring>
 #include <limits>
 #include <random>
-#include <vector>
 
 #include "geometry/scalar.h"
 #include "tests/simd/operations/operations.h"
+#include "tests/simd/operations/targets.h"
 
 namespace standoff::testing {
 namespace {
@@ -20,18 +20,6 @@ namespace {
 constexpr int kLanes = 16;
 using Lanes = std::array<float, kLanes>;
 using UintLanes = std::array<std::uint32_t, kLanes>;
-
-// The targets this processor has.
-std::vector<const SimdOperations*> targets() {
-  std::vector<const SimdOperations*> found{&kPortableOperations};
-#ifdef __x86_64__
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) found.push_back(&kAvx2Operations);
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw") &&
-      __builtin_cpu_supports("avx512vl"))
-    found.push_back(&kAvx512Operations);
-#endif
-  return found;
-}
 
 // Ordinary numbers, and those that instructions treat each in its own way.
 class Numbers {
@@ -204,13 +192,15 @@ TEST(Simd, Comparisons) {
     Lanes b = numbers.lanes();
     b[2] = a[2], b[15] = a[15];
     const UintLanes c = numbers.uints(), d = numbers.uints();
-    Bits less = 0, equal = 0, less_uints = 0;
+    Bits less = 0, less_equal = 0, equal = 0, less_uints = 0;
     for (int n = 0; n < kLanes; ++n) {
       less |= Bits{a[n] < b[n]} << n;
+      less_equal |= Bits{a[n] <= b[n]} << n;
       equal |= Bits{a[n] == b[n]} << n;
       less_uints |= Bits{c[n] < d[n]} << n;
     }
     EXPECT_EQ(target.less(a.data(), b.data()), less);
+    EXPECT_EQ(target.less_equal(a.data(), b.data()), less_equal);
     EXPECT_EQ(target.equal(a.data(), b.data()), equal);
     EXPECT_EQ(target.less_uints(c.data(), d.data()), less_uints);
   });

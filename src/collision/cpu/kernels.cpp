@@ -1,7 +1,7 @@
-// Chooses the kernels at run time.
+// The queries' kernels for each instruction set, and the choice among them.
 #include "collision/cpu/kernels.h"
 
-#include "simd/instruction_sets.h"
+#include "simd/dispatch.h"
 
 namespace standoff::collision {
 
@@ -19,26 +19,20 @@ extern const Kernels kKernels;
 
 namespace {
 
-struct Available {
-  const Kernels* rows[4] = {};
-  Available() {
-    int n = 0;
+const Dispatch<Kernels>& dispatch() {
+  static const Dispatch<Kernels> kernels({
 #ifdef __x86_64__
-    if (has_avx512()) rows[n++] = &avx512::kKernels;
-    if (has_avx2()) rows[n++] = &avx2::kKernels;
+      {Simd::avx512, &avx512::kKernels},
+      {Simd::avx2, &avx2::kKernels},
 #endif
-    rows[n] = &portable::kKernels;
-  }
-};
-
-const Available& available() {
-  static const Available rows;
-  return rows;
+      {Simd::portable, &portable::kKernels},
+  });
+  return kernels;
 }
 
 }  // namespace
 
-const Kernels& kernels() { return *available().rows[0]; }
-const Kernels* const* all_kernels() { return available().rows; }
+const Kernels& kernels() { return dispatch().best(); }
+std::span<const Kernels* const> all_kernels() { return dispatch().all(); }
 
 }  // namespace standoff::collision

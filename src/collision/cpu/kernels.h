@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "collision/body/field_view.h"
 #include "collision/body/simd_blocks.h"
@@ -36,7 +37,7 @@ struct Kernels {
 
 /// The kernels for this processor.
 const Kernels& kernels();
-/// The others, for tests: those that this processor can run.
-const Kernels* const* all_kernels();
+/// All that this processor can run, best first, for tests.
+std::span<const Kernels* const> all_kernels();
 
 }  // namespace standoff::collision

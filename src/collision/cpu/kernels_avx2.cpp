@@ -1,23 +1,5 @@
-// The kernels for AVX2.
+// The queries' kernels for AVX2.
 #ifdef __AVX2__
-
-#include "collision/body/sphere_bound.h"
-#include "collision/cpu/kernels.h"
-#include "geometry/overlap_penetration.h"
-
-#include <immintrin.h>
-
-namespace standoff::collision::avx2 {
-namespace {
-
-#include "collision/cpu/kernels_body.h"
-#include "collision/cpu/kernels_pairs.h"
-
-}  // namespace
-
-extern const Kernels kKernels{"avx2",      gaps,          gaps_at, overlaps, distances_sq, transform_triangles,
-                              close_pairs, overlap_pairs, closest};
-
-}  // namespace standoff::collision::avx2
-
+#define STANDOFF_TARGET_AVX2
+#include "collision/cpu/kernels/table.inl"
 #endif

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "field/cpu/frame_lanes.h"
 #include "field/cpu/lattice.h"
 
 namespace standoff::cpu {
@@ -13,13 +14,14 @@ static_assert(kCellSide == kBlockX && kCellSide == kCellBlocks * kBlockY && kCel
 
 /// Sixteen triangles set up, relative to the brick's centre.
 struct FrameGroup {
-  static constexpr int kNumbers = 20;
-  alignas(64) float frame[kNumbers][kLanes];
+  FrameLanes frame;
   alignas(64) std::uint32_t index[kLanes];  ///< in the mesh
   std::uint32_t is_long;                    ///< bits of the lanes whose samples need lines
 };
 
-/// As many groups as are looked at together.
+/// Groups that are looked at together, 2048 triangles. A thread's table of them takes 0.6 MiB; most tiles have far
+/// fewer candidates. With fewer groups, tiles with more candidates go on in more parts, each with reference points of
+/// its own.
 inline constexpr int kTableGroups = 128;
 
 /// Candidates one by one: group * 16 + lane; room for a register more.
@@ -31,16 +33,22 @@ struct CandidateList {
 /// Some candidates of one tile. More candidates than fit come one table after the other.
 struct CandidateTable {
   static constexpr int kGroups = kTableGroups;
-  static constexpr int kExtentNumbers = 9;
   static constexpr int kCornersPerAxis = 3;
   static constexpr int kCorners = kCornersPerAxis * kCornersPerAxis * kCornersPerAxis;
+
+  /// What blocks choose by: the box of each candidate, and a point of it. Axis, candidate.
+  template <int kCount>
+  struct Extents {
+    alignas(64) float low[3][kCount];
+    alignas(64) float high[3][kCount];
+    alignas(64) float point[3][kCount];
+  };
 
   struct Group : FrameGroup {
     alignas(64) float slack[kLanes];  ///< what a distance from the frame may be off by
     /// What the squared distance from each corner of the lattice is at least.
     alignas(64) float corner_distance_sq[kCorners][kLanes];
-    /// What blocks choose by: lowest and highest coordinates of each candidate, then those of a point of it.
-    alignas(64) float extent[kExtentNumbers][kLanes];
+    Extents<kLanes> extent;
     std::uint32_t lanes;  ///< bits of the lanes in use
   };
   Group groups[kGroups];
@@ -63,9 +71,9 @@ struct CandidateTable {
   Active active[kGroups];
   int active_groups;
 
-  CandidateList list;                                                       ///< those of a cell
-  alignas(64) float listed_extent[kExtentNumbers][(kGroups + 1) * kLanes];  ///< of the candidates in the list
-  CandidateList block_list[kBlocksOfCell];                                  ///< those that a block has to look at
+  CandidateList list;                             ///< those of a cell
+  Extents<(kGroups + 1) * kLanes> listed_extent;  ///< of the candidates in the list; room for a register more
+  CandidateList block_list[kBlocksOfCell];        ///< those that a block has to look at
 };
 
 }  // namespace standoff::cpu

@@ -1,8 +1,7 @@
-// Chooses the kernels at run time.
+// The field's kernels for each instruction set, and the choice among them.
 #include "field/cpu/kernels.h"
 
-#include "simd/instruction_sets.h"
-#include "standoff/error.h"
+#include "simd/dispatch.h"
 
 namespace standoff::cpu {
 
@@ -18,34 +17,15 @@ extern const Kernels kKernels;
 }
 #endif
 
-namespace {
-
-bool supports(Simd simd) {
-  if (simd == Simd::avx2) return has_avx2();
-  if (simd == Simd::avx512) return has_avx512();
-  return simd == Simd::portable;
-}
-
-const Kernels& kernels_of(Simd simd) {
-#ifdef __x86_64__
-  if (simd == Simd::avx512) return avx512::kKernels;
-  if (simd == Simd::avx2) return avx2::kKernels;
-#endif
-  static_cast<void>(simd);
-  return portable::kKernels;
-}
-
-}  // namespace
-
 const Kernels& kernels_for(Simd simd) {
-  if (simd == Simd::automatic) {
-    for (const Simd best : {Simd::avx512, Simd::avx2})
-      if (supports(best)) return kernels_of(best);
-    return kernels_of(Simd::portable);
-  }
-  if (!supports(simd))
-    throw Error(ErrorCode::usage, "compute: this processor lacks the instruction set asked for; use automatic");
-  return kernels_of(simd);
+  static const Dispatch<Kernels> kernels({
+#ifdef __x86_64__
+      {Simd::avx512, &avx512::kKernels},
+      {Simd::avx2, &avx2::kKernels},
+#endif
+      {Simd::portable, &portable::kKernels},
+  });
+  return kernels.of(simd, "compute");
 }
 
 }  // namespace standoff::cpu

@@ -1,24 +1,2 @@
-// The kernels for any processor.
-#include "field/cpu/kernels.h"
-#include "geometry/triangle_lines.h"
-#include "simd/wide_portable.h"
-
-namespace standoff::cpu::portable {
-namespace {
-
-using namespace standoff::portable;
-#include "field/cpu/kernels_body.h"
-#include "field/cpu/kernels_candidates.h"
-#include "field/cpu/kernels_cell_blocks.h"
-#include "field/cpu/kernels_cells.h"
-#include "field/cpu/kernels_crowded.h"
-#include "field/cpu/kernels_cull.h"
-#include "field/cpu/kernels_nearest.h"
-
-}  // namespace
-
-extern const Kernels kKernels{"portable",         clear,           gather_band_any, band_tiles, write_tile,
-                              nearest_to_lattice, nearest_in_pack, cull_boxes,      cull_packs, gather_tile_any,
-                              gather_crowded_any};
-
-}  // namespace standoff::cpu::portable
+// The field's kernels for any processor.
+#include "field/cpu/kernels/table.inl"

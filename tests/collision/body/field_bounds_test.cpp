@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <span>
 
 #include "collision/body/model.h"
 #include "collision/cpu/kernels.h"
@@ -58,7 +59,7 @@ TEST(Bounds, GapsNeverExceedTheDistance) {
 TEST(Bounds, KernelsAgreeBitForBit) {
   const CollisionModel model(random_soup(3, 200, 1, 0.3));
   const auto& data = data_of(model);
-  const Kernels* const* rows = all_kernels();
+  const std::span<const Kernels* const> rows = all_kernels();
   const BvhLevel& level = data.bvh.levels[0];
   FloatTransform place{{0.6f, -0.8f, 0, 0.8f, 0.6f, 0, 0, 0, 1}, {0.1f, 0.2f, -0.3f}};
   FloatBox box;
@@ -66,7 +67,7 @@ TEST(Bounds, KernelsAgreeBitForBit) {
     const float at[3] = {p[0], p[1], p[2]};
     box.include(at);
   }
-  for (int k = 1; rows[k] != nullptr; ++k)
+  for (std::size_t k = 1; k < rows.size(); ++k)
     for (std::size_t packet = 0; packet < level.spheres.size(); ++packet) {
       alignas(64) float a[kLanes], b[kLanes];
       rows[0]->gaps(data.view, place, level.spheres[packet], 0.1f, a);

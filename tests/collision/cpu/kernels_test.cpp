@@ -204,12 +204,12 @@ TEST(PairKernels, EightAtATimeAreMeasuredAsOneByOne) {
   for (std::size_t first = 0; first < all.size(); first += kPairs) {
     TrianglePairs pairs;
     for (int n = 0; n < kPairs; ++n) put(all[first + n].p, n, pairs.p), put(all[first + n].q, n, pairs.q);
-    for (int k = 0; all_kernels()[k] != nullptr; ++k) {
+    for (const Kernels* row : all_kernels()) {
       ClosestOfPairs found;
-      all_kernels()[k]->closest(pairs, nullptr, &transform, found);
+      row->closest(pairs, nullptr, &transform, found);
       for (int n = 0; n < kPairs; ++n) {
         const ClosestPair one = closest_points(all[first + n].p, transformed(pose, all[first + n].q));
-        ASSERT_EQ(found.distance_sq[n], one.distance_sq) << all_kernels()[k]->name << ", pair " << first + n;
+        ASSERT_EQ(found.distance_sq[n], one.distance_sq) << row->name << ", pair " << first + n;
         ASSERT_EQ(found.on_p[0][n], one.on_p.x);
         ASSERT_EQ(found.on_q[2][n], one.on_q.z);
       }
@@ -274,11 +274,11 @@ TEST(PairKernels, NoPairWithinTheLimitIsLeftOut) {
 
 TEST(PairKernels, AgreeBitForBit) {
   Random random(5);
-  const Kernels* const* rows = all_kernels();
+  const std::span<const Kernels* const> rows = all_kernels();
   const std::vector<TwoTriangles> all = pairs_of_all_kinds();
   const DoubleTransform transform = transform_of(make_pose({1, 2, 3}, 0.7, {1, 2, 3}));
   const FloatTransform turned{{0.6f, -0.8f, 0, 0.8f, 0.6f, 0, 0, 0, 1}, {0.1f, 0.2f, -0.3f}};
-  for (int k = 1; rows[k] != nullptr; ++k) {
+  for (std::size_t k = 1; k < rows.size(); ++k) {
     for (std::size_t first = 0; first < all.size(); first += kPairs) {
       TrianglePairs pairs;
       for (int n = 0; n < kPairs; ++n) put(all[first + n].p, n, pairs.p), put(all[first + n].q, n, pairs.q);

@@ -9,6 +9,25 @@ using Floats = const float*;
 using Uints = const std::uint32_t*;
 using Bits = std::uint32_t;  ///< a mask: lane n is bit n
 
+/// Those of WideDouble: every pointer is to eight lanes.
+struct DoubleOperations {
+  void (*add)(const double*, const double*, double* out);
+  void (*subtract)(const double*, const double*, double* out);
+  void (*multiply)(const double*, const double*, double* out);
+  void (*divide)(const double*, const double*, double* out);
+  void (*min)(const double*, const double*, double* out);
+  void (*max)(const double*, const double*, double* out);
+  void (*negate)(const double*, double* out);
+  void (*sqrt)(const double*, double* out);
+  void (*broadcast)(double, double* out);
+  Bits (*less)(const double*, const double*);
+  Bits (*mask_not)(Bits);
+  Bits (*mask_and)(Bits, Bits);
+  Bits (*mask_or)(Bits, Bits);
+  Bits (*mask_xor)(Bits, Bits);
+  void (*select)(Bits, const double* yes, const double* no, double* out);
+};
+
 /// Every pointer is to sixteen lanes unless said otherwise; `out` may not overlap the others.
 struct SimdOperations {
   const char* name;
@@ -28,6 +47,7 @@ struct SimdOperations {
   float (*reduce_min)(Floats);
   void (*truncate)(Floats, int* out);
   Bits (*less)(Floats, Floats);
+  Bits (*less_equal)(Floats, Floats);
   Bits (*equal)(Floats, Floats);
   Bits (*mask_not)(Bits);
   Bits (*mask_and)(Bits, Bits);
@@ -43,6 +63,7 @@ struct SimdOperations {
   Bits (*less_uints)(Uints, Uints);
   void (*select_uints)(Bits, Uints yes, Uints no, std::uint32_t* out);
   int (*pack_uints)(Bits, Uints, std::uint32_t* out);
+  DoubleOperations doubles;
 };
 
 extern const SimdOperations kPortableOperations;

@@ -1,19 +1,11 @@
 // The wide types of AVX2.
 #ifdef __AVX2__
-
-#include "simd/wide_avx2.h"
-#include "tests/simd/operations/operations.h"
+#define STANDOFF_TARGET_AVX2
+#include "tests/simd/operations/operations.inl"
 
 namespace standoff::testing {
-namespace {
 
-using namespace standoff::avx2;
-#include "tests/simd/operations/operations_body.h"
-
-}  // namespace
-
-extern const SimdOperations kAvx2Operations = operations_of_this_target("avx2");
+extern const SimdOperations kAvx2Operations = operations_of_this_target();
 
 }  // namespace standoff::testing
-
 #endif

@@ -1,19 +1,11 @@
-// The wide types of AVX512.
+// The wide types of AVX-512.
 #ifdef __AVX512F__
-
-#include "simd/wide_avx512.h"
-#include "tests/simd/operations/operations.h"
+#define STANDOFF_TARGET_AVX512
+#include "tests/simd/operations/operations.inl"
 
 namespace standoff::testing {
-namespace {
 
-using namespace standoff::avx512;
-#include "tests/simd/operations/operations_body.h"
-
-}  // namespace
-
-extern const SimdOperations kAvx512Operations = operations_of_this_target("avx512");
+extern const SimdOperations kAvx512Operations = operations_of_this_target();
 
 }  // namespace standoff::testing
-
 #endif

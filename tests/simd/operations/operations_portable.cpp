@@ -1,15 +1,8 @@
 // The wide types of every processor.
-#include "simd/wide_portable.h"
-#include "tests/simd/operations/operations.h"
+#include "tests/simd/operations/operations.inl"
 
 namespace standoff::testing {
-namespace {
 
-using namespace standoff::portable;
-#include "tests/simd/operations/operations_body.h"
-
-}  // namespace
-
-extern const SimdOperations kPortableOperations = operations_of_this_target("portable");
+extern const SimdOperations kPortableOperations = operations_of_this_target();
 
 }  // namespace standoff::testing

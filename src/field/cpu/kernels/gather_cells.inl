@@ -1,6 +1,17 @@
-// The kernel for thick bands and full fields, where each sample has many candidates and needs few: cells choose them by
-// distances from their corners (kernels_candidates.h), and where many are left their blocks choose by the samples'
-// distances from boxes (kernels_cell_blocks.h). Included like kernels_body.h, after those two.
+// The kernel for thick bands and full fields, where a tile has many candidates and each sample needs few of them. Cells
+// choose among them by distances from the cell's corners (cell_candidates.inl). Where many are left, each block of the
+// cell chooses again, by the distances of its samples from boxes (block_candidates.inl).
+#pragma once
+
+#include "field/cpu/candidate_table.h"
+#include "field/cpu/kernels/block_candidates.inl"
+#include "field/cpu/kernels/brick_state.inl"
+#include "field/cpu/kernels/cell_candidates.inl"
+#include "field/cpu/kernels/triangle_frames.inl"
+#include "geometry/triangle_lines.h"
+
+namespace standoff::cpu::STANDOFF_TARGET {
+namespace {
 
 // Lists the chosen candidates, one by one, so that the loop over them has no branch to mispredict.
 STANDOFF_INLINE void list_chosen(CandidateTable& table) {
@@ -19,8 +30,13 @@ STANDOFF_INLINE void list_extents(CandidateTable& table) {
   for (int n = 0; n < table.active_groups; ++n) {
     const CandidateTable::Active& active = table.active[n];
     const Mask lanes = mask_from_bits(active.lanes);
-    for (int k = 0; k < CandidateTable::kExtentNumbers; ++k)
-      store_packed(table.listed_extent[k] + count, lanes, WideFloat::load(table.groups[active.group].extent[k]));
+    const auto& from = table.groups[active.group].extent;
+    auto& to = table.listed_extent;
+    for (int axis = 0; axis < 3; ++axis) {
+      store_packed(to.low[axis] + count, lanes, WideFloat::load(from.low[axis]));
+      store_packed(to.high[axis] + count, lanes, WideFloat::load(from.high[axis]));
+      store_packed(to.point[axis] + count, lanes, WideFloat::load(from.point[axis]));
+    }
     count += __builtin_popcount(active.lanes);
   }
 }
@@ -32,8 +48,9 @@ STANDOFF_INLINE void list_for_blocks(const Lattice& lattice, CandidateTable& tab
   const CellSamples samples = cell_samples(lattice, at, {0, 0, 0});
   const auto& extent = table.listed_extent;
   PointDistances distances;
-  for (int n = 0; n < table.list.count; ++n) distances.look_at(samples, extent[6][n], extent[7][n], extent[8][n]);
-  // Long triangles are measured by lines, which do not lose more the longer they are.
+  for (int n = 0; n < table.list.count; ++n)
+    distances.look_at(samples, extent.point[0][n], extent.point[1][n], extent.point[2][n]);
+  // Long triangles do not count: the error of lines does not grow with a triangle's length.
   WideFloat widest(kSlack);
   for (int n = 0; n < table.active_groups; ++n) {
     const CandidateTable::Group& g = table.groups[table.active[n].group];
@@ -46,7 +63,7 @@ STANDOFF_INLINE void list_for_blocks(const Lattice& lattice, CandidateTable& tab
   const BlockLimits limits = block_limits(lattice, at, distances, slack, state);
   for (CandidateList& list : table.block_list) list.count = 0;
   choose_for_blocks(
-      samples, limits, {extent[0], extent[1], extent[2]}, {extent[3], extent[4], extent[5]},
+      samples, limits, {extent.low[0], extent.low[1], extent.low[2]}, {extent.high[0], extent.high[1], extent.high[2]},
       table.list.count, [&](int first, const Mask(&chosen)[kBlocksOfCell]) __attribute__((always_inline)) {
         const WideUint candidates = WideUint::load(table.list.candidate + first);
         for (int n = 0; n < kBlocksOfCell; ++n) {
@@ -65,25 +82,27 @@ STANDOFF_INLINE void lower(WideFloat& best, WideUint& nearest, const WideFloat& 
   best = min(d, best);
 }
 
-// Whether a triangle's frame is off by no more than its slack. The altitude of a needle a millionth as high as it is
-// long is lost in the rounding of its corners: then the frame may be askew by far more.
+// Whether distances in a triangle's frame are off by no more than its slack. A needle a millionth as high as it is long
+// loses its altitude in the rounding of its corners, and its frame may be askew by far more.
 STANDOFF_INLINE bool is_sound(const TriangleFrame<float>& f) {
-  constexpr float kLeastHeight = 1e-4f;  // of the base: a hundred times what rounding makes of nothing
+  // As a share of the base: a hundred times the height that rounding gives to a triangle of none.
+  constexpr float kLeastHeight = 1e-4f;
   const float base = f.left.leg + f.right.leg, height = f.left.length * f.left.nx;
   return height > kLeastHeight * base;
 }
 
-// What squared distances in a sound frame must not exceed, sample by sample, for the lines of the same long triangle to
-// come out no farther than `best_sq`. Those in the frame are off by `slack` at most, in which kSlack is far above what
-// lines are off by: so a candidate that is passed over would have changed no bit.
+// A limit for squared distances in a sound frame, sample by sample: where a long triangle's frame gives more, its lines
+// give more than `best_sq`. Distances in the frame are off by at most `slack`, and those by lines by far less than the
+// kSlack in it. So a candidate that is passed over would have changed no bit.
 STANDOFF_INLINE WideFloat frame_limit_sq(const WideFloat& best_sq, float slack) {
   const WideFloat reach = fma(sqrt(best_sq), WideFloat(1 + kSlackShare), WideFloat(slack));
   return reach * reach;
 }
 
-// The listed candidates of the groups against the blocks (bx, by + j, bz + k), j and k below kSide. Lines of long
-// triangles take a set-up in double for every list they are in, so they are made only where the frame, which is there,
-// does not tell that the triangle is too far away. Where many triangles are as large as the grid, nearly all are.
+// Lowers the distances of the blocks (bx, by + j, bz + k), j and k below kSide, to those of the listed candidates. The
+// lines of a long triangle are set up in double, once for each list the triangle is in. So they are made only where the
+// frame, which is there already, does not show that the triangle is too far away. Where many triangles are as large as
+// the grid, it shows that of nearly all.
 template <bool kNearest, int kSide, class Group>
 STANDOFF_INLINE void gather_listed(const Lattice& lattice, const Brick& brick, const Candidates& c, const Group* groups,
                                    const CandidateList& list, int bx, int by, int bz, BrickState& state) {
@@ -138,7 +157,7 @@ STANDOFF_INLINE void gather_listed(const Lattice& lattice, const Brick& brick, c
   state.samples_examined += std::int64_t{kLanes} * kCount * list.count;
 }
 
-// With more candidates than this a cell's blocks choose among them once more, each for itself.
+// With more candidates than this a cell's blocks choose among them once more, each for itself. It decides time only.
 constexpr int kManyCandidates = 40;
 
 // One cell, from the candidates of its tile.
@@ -184,3 +203,6 @@ void gather_tile_any(const Lattice& lattice, const Brick& brick, int tile, const
   else
     gather_tile<false>(lattice, brick, tile, c, table, state);
 }
+
+}  // namespace
+}  // namespace standoff::cpu::STANDOFF_TARGET

@@ -1,5 +1,14 @@
-// The table of operations for the target whose wide types are in scope. Included once per target into a namespace
-// without a name, as the kernels are: no copy compiled for one processor may serve others.
+// The table of operations for this file's instruction set (simd/target.h). All in a namespace without a name, as the
+// kernels are: no copy compiled for one processor may serve others.
+#pragma once
+
+#include "simd/target.h"
+#include "tests/simd/operations/operations.h"
+
+namespace standoff::testing {
+namespace {
+
+using namespace standoff::STANDOFF_TARGET;
 
 #define STANDOFF_UNARY(expression)     \
   [](Floats p, float* out) {           \
@@ -12,9 +21,51 @@
     (expression).store(out);                                   \
   }
 
-constexpr SimdOperations operations_of_this_target(const char* name) {
+#define STANDOFF_DOUBLE_UNARY(expression) \
+  [](const double* p, double* out) {      \
+    const auto a = WideDouble::load(p);   \
+    (expression).store(out);              \
+  }
+#define STANDOFF_DOUBLE_BINARY(expression)                       \
+  [](const double* p, const double* q, double* out) {            \
+    const auto a = WideDouble::load(p), b = WideDouble::load(q); \
+    (expression).store(out);                                     \
+  }
+
+// What has the bits as its mask: WideDouble has masks from comparisons alone.
+STANDOFF_INLINE DoubleMask double_mask(Bits bits) {
+  double lanes[WideDouble::kLanes];
+  for (int n = 0; n < WideDouble::kLanes; ++n) lanes[n] = bits >> n & 1;
+  return less(WideDouble(0), WideDouble::load(lanes));
+}
+
+constexpr DoubleOperations double_operations() {
+  DoubleOperations o{};
+  o.add = STANDOFF_DOUBLE_BINARY(a + b);
+  o.subtract = STANDOFF_DOUBLE_BINARY(a - b);
+  o.multiply = STANDOFF_DOUBLE_BINARY(a * b);
+  o.divide = STANDOFF_DOUBLE_BINARY(a / b);
+  o.min = STANDOFF_DOUBLE_BINARY(min(a, b));
+  o.max = STANDOFF_DOUBLE_BINARY(max(a, b));
+  o.negate = STANDOFF_DOUBLE_UNARY(-a);
+  o.sqrt = STANDOFF_DOUBLE_UNARY(sqrt(a));
+  o.broadcast = [](double value, double* out) { WideDouble(value).store(out); };
+  o.less = [](const double* a, const double* b) {
+    return Bits{less(WideDouble::load(a), WideDouble::load(b)).to_bits()};
+  };
+  o.mask_not = [](Bits a) { return Bits{negated(double_mask(a)).to_bits()}; };
+  o.mask_and = [](Bits a, Bits b) { return Bits{(double_mask(a) & double_mask(b)).to_bits()}; };
+  o.mask_or = [](Bits a, Bits b) { return Bits{(double_mask(a) | double_mask(b)).to_bits()}; };
+  o.mask_xor = [](Bits a, Bits b) { return Bits{(double_mask(a) ^ double_mask(b)).to_bits()}; };
+  o.select = [](Bits m, const double* yes, const double* no, double* out) {
+    select(double_mask(m), WideDouble::load(yes), WideDouble::load(no)).store(out);
+  };
+  return o;
+}
+
+constexpr SimdOperations operations_of_this_target() {
   SimdOperations o{};
-  o.name = name;
+  o.name = STANDOFF_TARGET_NAME;
   o.add = STANDOFF_BINARY(a + b);
   o.subtract = STANDOFF_BINARY(a - b);
   o.multiply = STANDOFF_BINARY(a * b);
@@ -33,6 +84,7 @@ constexpr SimdOperations operations_of_this_target(const char* name) {
   o.reduce_min = [](Floats a) { return reduce_min(WideFloat::load(a)); };
   o.truncate = [](Floats a, int* out) { store_truncated(out, WideFloat::load(a)); };
   o.less = [](Floats a, Floats b) { return Bits{less(WideFloat::load(a), WideFloat::load(b)).to_bits()}; };
+  o.less_equal = [](Floats a, Floats b) { return Bits{less_equal(WideFloat::load(a), WideFloat::load(b)).to_bits()}; };
   o.equal = [](Floats a, Floats b) { return Bits{equal(WideFloat::load(a), WideFloat::load(b)).to_bits()}; };
   o.mask_not = [](Bits a) { return Bits{(~mask_from_bits(a)).to_bits()}; };
   o.mask_and = [](Bits a, Bits b) { return Bits{(mask_from_bits(a) & mask_from_bits(b)).to_bits()}; };
@@ -55,8 +107,14 @@ constexpr SimdOperations operations_of_this_target(const char* name) {
   o.pack_uints = [](Bits m, Uints a, std::uint32_t* out) {
     return store_packed(out, mask_from_bits(m), WideUint::load(a));
   };
+  o.doubles = double_operations();
   return o;
 }
 
 #undef STANDOFF_UNARY
 #undef STANDOFF_BINARY
+#undef STANDOFF_DOUBLE_UNARY
+#undef STANDOFF_DOUBLE_BINARY
+
+}  // namespace
+}  // namespace standoff::testing

@@ -1,4 +1,11 @@
-// The kernels that look for the box nearest to a point, by the boxes' centres. Included like kernels_body.h, after it.
+// The kernels that look for the box nearest to a point, by the boxes' centres.
+#pragma once
+
+#include "field/cpu/box_arrays.h"
+#include "field/cpu/kernels/target.inl"
+
+namespace standoff::cpu::STANDOFF_TARGET {
+namespace {
 
 // The nearest box so far, lane by lane.
 struct NearestBox {
@@ -57,3 +64,6 @@ int nearest_in_pack(const PackContents& pack, const float* point) {
   distance_sq = select(used, distance_sq, WideFloat(__builtin_inff()));
   return static_cast<int>(nearest_position({distance_sq, lane_numbers()}));
 }
+
+}  // namespace
+}  // namespace standoff::cpu::STANDOFF_TARGET

@@ -1,4 +1,4 @@
-// The kernels that drop boxes of triangles. Included like kernels_body.h, after it.
+// The kernels that drop boxes of triangles.
 //
 // With the cell's centre as origin, its half extents h and a point q of the surface, a box that holds the nearest point
 // p of some sample x must have |x-p|^2 < |x-q|^2, that is |p|^2 - |q|^2 < 2 x.(p-q). The right side is at most
@@ -8,11 +8,21 @@
 // have their least values at p = h and p = -h, clamped to the box: but for +-2hq these do not depend on q, so many
 // points q cost little more than one. Far from a flat sheet, with q nearest to the cell's corners, this leaves the
 // patch under the cell; comparing distances leaves a disc that grows with the distance.
+#pragma once
 
-// What the squares on the right are raised by, as a share of them and of the cell's, which is nothing for a cell of one
-// sample and counts as kLeastCellSq there at least. Rounding of the sum is below 2e-6 of that; the rest, 1e-5 |q| of
-// distance, covers what the distances that the gather computes in float may be off by, so that culling changes no bit.
-constexpr float kCullMargin = 2e-5f, kLeastCellSq = 4;
+#include "field/cpu/box_arrays.h"
+#include "field/cpu/kernels/target.inl"
+
+namespace standoff::cpu::STANDOFF_TARGET {
+namespace {
+
+// The margin by which |q|^2 is raised, as a share of |q|^2 + |h|^2 + kLeastCellSq. Rounding of the sum is below 2e-6 of
+// that. The rest, 1e-5 |q| of distance, covers what distances are off by that the gather computes in float, so that
+// culling changes no bit. With a smaller margin it may; a larger one keeps more boxes.
+constexpr float kCullMargin = 2e-5f;
+// Squared grid units: the margin must not vanish for a cell of one sample, whose half extents are 0, beside a q near
+// it.
+constexpr float kLeastCellSq = 4;
 
 // The least values of p^2 - 2hp and of p^2 + 2hp over low <= p <= high.
 struct LeastOnAxis {
@@ -124,3 +134,6 @@ void cull_packs(const PackContents* packs, std::int64_t count, const CullCell& c
     keep_some(c, load(boxes.low), load(boxes.high), WideUint(packs[n].first) + lane_numbers(), packs[n].count, kept);
   }
 }
+
+}  // namespace
+}  // namespace standoff::cpu::STANDOFF_TARGET

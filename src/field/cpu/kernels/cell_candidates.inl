@@ -1,4 +1,4 @@
-// Which candidates of a tile its cells have to look at. Included like kernels_body.h, after it.
+// Which candidates of a tile its cells have to look at.
 //
 // The candidates of a tile are set up once, in groups of sixteen, and measured from the corners of its 2x2x2 cells. The
 // nearest point found from a corner is a reference q for the cells around it.
@@ -6,32 +6,36 @@
 // A cell chooses its candidates. A candidate beats q at a sample x of the cell when it holds a point p with
 // |x-p|^2 < |x-q|^2. For a given p the two sides differ by a linear function of x, so if p beats q anywhere in the cell
 // it does so at a corner; and so a candidate is out when, for some q, its distance from each corner is at least that of
-// q. Unlike the test for boxes (kernels_cull.h) this one is not fooled by tilted triangles, whose boxes reach far out
-// of them.
+// q. The test for boxes (cull_boxes.inl) keeps tilted triangles, whose boxes are much larger than they are; this one
+// does not.
+#pragma once
 
-// What a distance in a frame may be off by, as a share of the largest coordinate: 32 units of rounding of a length up
-// to sqrt(3) times as large (geometry/triangle_frame.h).
+#include "field/cpu/candidate_table.h"
+#include "field/cpu/kernels/target.inl"
+#include "field/cpu/kernels/triangle_frames.inl"
+
+namespace standoff::cpu::STANDOFF_TARGET {
+namespace {
+
+// What a distance in a frame may be off by, as a share of the triangle's largest coordinate: 32 units of rounding of a
+// length up to sqrt(3) times as large (geometry/triangle_frame.h), 6.6e-6. With less, culling may drop the triangle
+// that is nearest; with more it only keeps more of them.
 constexpr float kFrameError = 32 * 1.7320508f * 0x1p-23f;
-// What a squared distance is lowered by, so that the square of (distance - slack) is no less:
-// (d-s)^2 >= d^2 - 2ds >= d^2 (1-a) - s^2/a.
+// The share a by which squared distances are lowered to allow for a slack s in the distance d, without a root:
+// (d-s)^2 >= d^2 - 2ds >= d^2 (1-a) - s^2/a. Any a in (0, 1) is safe; it decides
+// how many candidates are kept for nothing, those beyond the limit by a d^2 + s^2/a. With s = kSlack the second term is
+// 0.01 squared grid units.
 constexpr float kSlackShare = 1e-4f;
+// What is added to a squared distance, beside the share a of it, to allow for a slack s in the distance the other way:
+// (d+s)^2 <= d^2 (1+a) + s^2 (1+1/a).
+STANDOFF_INLINE float beyond_slack(float slack) { return slack * slack * (1 + 1 / kSlackShare); }
 
-// A coordinate far from all samples, the square of which is still a number.
+// A coordinate, in grid units, far from all samples; its square is still finite.
 constexpr float kFarAway = 0x1p60f;
 
-STANDOFF_INLINE TriangleFrame<WideFloat> frames_of(const CandidateTable::Group& g) {
-  return frame_from<WideFloat>([&](int n) __attribute__((always_inline)) { return WideFloat::load(g.frame[n]); });
-}
-
 STANDOFF_INLINE void set_up(const Group& loaded, FrameGroup& g) {
-  WideFloat longest(0);
-  for (int axis = 0; axis < 3; ++axis) {
-    const WideFloat a = component(loaded.corner[0], axis), b = component(loaded.corner[1], axis),
-                    c = component(loaded.corner[2], axis);
-    longest = max(longest, max(a, max(b, c)) - min(a, min(b, c)));
-  }
-  g.is_long = less(WideFloat(kLongTriangle), longest).to_bits();
-  store_frames(make_frame(loaded.corner[0], loaded.corner[1], loaded.corner[2], WideFloat(kLeastLengthSq)), g.frame);
+  g.is_long = long_lanes(loaded);
+  store_frames(make_frames(loaded), g.frame);
   WideUint::load(loaded.index).store(g.index);
 }
 
@@ -51,10 +55,10 @@ STANDOFF_INLINE void fill_table(const Lattice& lattice, const Brick& brick, cons
                       d = component(loaded.corner[2], axis);
       const WideFloat low = min(a, min(b, d)), high = max(a, max(b, d));
       farthest = max(farthest, max(abs(low), abs(high)));
-      low.store(g.extent[axis]);
-      high.store(g.extent[3 + axis]);
+      low.store(g.extent.low[axis]);
+      high.store(g.extent.high[axis]);
       // Rounding may leave that of a long triangle far off it: somewhere else, where it limits nothing.
-      select(is_long, WideFloat(kFarAway), (a + b + d) * WideFloat(1 / 3.0f)).store(g.extent[6 + axis]);
+      select(is_long, WideFloat(kFarAway), (a + b + d) * WideFloat(1 / 3.0f)).store(g.extent.point[axis]);
     }
     const WideFloat slack = fma(farthest, WideFloat(kFrameError), WideFloat(kSlack));
     slack.store(g.slack);
@@ -123,7 +127,7 @@ STANDOFF_INLINE void look_from_corners(CandidateTable& table) {
   for (int n = 0; n < table.count; ++n) {
     CandidateTable::Group& g = table.groups[n];
     const WideUint number(static_cast<std::uint32_t>(n));
-    const TriangleFrame<WideFloat> f = frames_of(g);
+    const TriangleFrame<WideFloat> f = load_frames(g.frame);
     const WideFloat slack = WideFloat::load(g.slack), less_slack = slack * slack * WideFloat(-1 / kSlackShare);
     for (int k = 0, corner = 0; k < kSide; ++k) {
       const WideFloat z = coordinate(corner, 2);
@@ -170,8 +174,7 @@ STANDOFF_INLINE CellCorners cell_corners(const Lattice& lattice, const Candidate
   result.reach_sq = reach * reach;
   for (int q = 0; q < 8; ++q) {
     const CandidateTable::Corner& reference = table.corners[number[q]];
-    // The surface passes within the slack of the reference: (d+s)^2 <= d^2 (1+a) + s^2 (1+1/a).
-    const float added_sq = reference.slack * reference.slack * (1 + 1 / kSlackShare);
+    const float added_sq = beyond_slack(reference.slack);  // the surface passes within the slack of the reference
     result.reference[q] = &reference;
     for (int n = 0; n < 8; ++n) {
       const float* at = table.corners[number[n]].at;
@@ -208,3 +211,6 @@ STANDOFF_INLINE void choose(CandidateTable& table, const CellCorners& cell) {
     table.active_groups += lanes != 0;
   }
 }
+
+}  // namespace
+}  // namespace standoff::cpu::STANDOFF_TARGET

@@ -1,8 +1,16 @@
-// How the blocks of a cell choose among its candidates. Included like kernels_body.h, after kernels_candidates.h.
+// How the blocks of a cell choose among its candidates.
 //
-// Between the corners of a cell many candidates may be nearest to some point, but there are few samples. Each candidate
-// holds a point, so none of the samples is farther from the surface than from that; and a candidate is out for a block
-// when its box is farther from each of the block's samples.
+// Many candidates may be nearest to some point of a cell, but the cell has few samples. A point of any candidate limits
+// how far a sample can be from the surface. A block leaves out the candidates whose boxes are farther than this limit
+// from each of its samples.
+#pragma once
+
+#include "field/cpu/candidate_table.h"
+#include "field/cpu/kernels/cell_candidates.inl"
+#include "field/cpu/kernels/target.inl"
+
+namespace standoff::cpu::STANDOFF_TARGET {
+namespace {
 
 // The samples of a cell: of its blocks, and along the axes.
 struct CellSamples {
@@ -27,10 +35,6 @@ STANDOFF_INLINE CellSamples cell_samples(const Lattice& lattice, const int (&at)
   return s;
 }
 
-// What is added to a squared distance, beside a share of it, where the surface passes within the slack of its point:
-// (d+s)^2 <= d^2 (1+a) + s^2 (1+1/a).
-STANDOFF_INLINE float beyond_slack(float slack) { return slack * slack * (1 + 1 / kSlackShare); }
-
 // Squared distances of a cell's samples from the nearest of the points looked at.
 struct PointDistances {
   WideFloat least_sq[kBlocksOfCell];
@@ -38,7 +42,7 @@ struct PointDistances {
   STANDOFF_INLINE PointDistances() {
     for (WideFloat& l : least_sq) l = WideFloat(__builtin_inff());
   }
-  // A point of which it is known only that the surface passes near, by a squared distance that is this much larger.
+  // Takes a point of the surface. Where the surface only passes near it, `added_sq` is added to the squared distances.
   STANDOFF_INLINE void look_at(const CellSamples& s, float px, float py, float pz, float added_sq = 0) {
     const WideFloat dx = s.x - WideFloat(px), dx_sq = fma(dx, dx, WideFloat(added_sq));
     for (int k = 0; k < kCellBlocks; ++k) {
@@ -77,9 +81,9 @@ STANDOFF_INLINE BlockLimits block_limits(const Lattice& lattice, const int (&at)
   return limits;
 }
 
-// Calls take(first, chosen) for the boxes first to first + 15 and so on; chosen[n] are those that the n-th block has to
-// look at. Sixteen boxes at a time, and all samples, whose squared distances from a box are sums of three numbers of
-// which there are four for each axis.
+// Calls take(first, chosen) for each sixteen boxes, `first` being the number of the first one; chosen[n] are those that
+// the n-th block has to look at. The squared distance of a sample from a box is a sum of three numbers, one per axis,
+// and a cell has four different ones on each axis.
 template <class Take>
 STANDOFF_INLINE void choose_for_blocks(const CellSamples& samples, const BlockLimits& limits,
                                        const float* const (&low)[3], const float* const (&high)[3], int count,
@@ -110,3 +114,6 @@ STANDOFF_INLINE void choose_for_blocks(const CellSamples& samples, const BlockLi
     take(first, chosen);
   }
 }
+
+}  // namespace
+}  // namespace standoff::cpu::STANDOFF_TARGET

@@ -1,6 +1,13 @@
 // The kernel for cells of tiles with very many candidates, which are small against the spacing: their boxes are tested
-// before anything is known of the triangles, and only those that some block of the cell chooses (kernels_cell_blocks.h)
-// are set up and measured. Included like kernels_body.h, after kernels_cells.h.
+// before anything is known of the triangles, and only those that some block of the cell chooses (block_candidates.inl)
+// are set up and measured.
+#pragma once
+
+#include "field/cpu/crowded_cell.h"
+#include "field/cpu/kernels/gather_cells.inl"
+
+namespace standoff::cpu::STANDOFF_TARGET {
+namespace {
 
 // What the points of candidates, and the distances computed for them, may be off by beside the share of themselves that
 // block_limits() adds. Points are rounded to kBoxError of the grid, or, where they lie far outside, to a share of their
@@ -8,7 +15,7 @@
 // to kNear that is less than kSlack; beyond, a triangle that is not long is half as far from each sample, and the share
 // covers it. Long triangles are measured by lines, which do not lose more the longer they are.
 STANDOFF_INLINE float slack_in(const CrowdedCell& cell) {
-  constexpr float kNear = 64;
+  constexpr float kNear = 64;  // grid units
   static_assert(kNear * kFrameError < kSlack && kNear >= 2 * (kLongTriangle + kBrickSide));
   static_assert(2 * kFrameError < kSlackShare / 2);
   return cell.extent * kBoxError + kSlack;
@@ -80,3 +87,6 @@ void gather_crowded_any(const Lattice& lattice, const Brick& brick, const Crowde
   else
     gather_crowded<false>(lattice, brick, cell, mesh, table, state);
 }
+
+}  // namespace
+}  // namespace standoff::cpu::STANDOFF_TARGET

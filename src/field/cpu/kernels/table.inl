@@ -1,0 +1,26 @@
+// The table of the field's kernels for this file's instruction set.
+#pragma once
+
+#include "field/cpu/kernels/brick_state.inl"
+#include "field/cpu/kernels/cull_boxes.inl"
+#include "field/cpu/kernels/gather_band.inl"
+#include "field/cpu/kernels/gather_cells.inl"
+#include "field/cpu/kernels/gather_crowded.inl"
+#include "field/cpu/kernels/nearest_box.inl"
+
+namespace standoff::cpu::STANDOFF_TARGET {
+
+extern const Kernels kKernels;
+const Kernels kKernels{.name = STANDOFF_TARGET_NAME,
+                       .clear = clear,
+                       .gather_band = gather_band_any,
+                       .band_tiles = band_tiles,
+                       .write_tile = write_tile,
+                       .nearest_to_lattice = nearest_to_lattice,
+                       .nearest_in_pack = nearest_in_pack,
+                       .cull_boxes = cull_boxes,
+                       .cull_packs = cull_packs,
+                       .gather_tile = gather_tile_any,
+                       .gather_crowded = gather_crowded_any};
+
+}  // namespace standoff::cpu::STANDOFF_TARGET

@@ -1,0 +1,48 @@
+// What all fragments of the field's kernels begin with: the wide types of the instruction set, and the tolerances.
+//
+// Only always-inlined functions of other rooms may be called from kernels, and nothing of the standard library: a
+// function compiled for AVX-512 that the linker shares with the rest of the program would crash older processors
+// (script/check_weak_symbols).
+#pragma once
+
+#include "field/cpu/kernels.h"
+#include "field/cpu/lattice.h"
+#include "geometry/triple.h"
+#include "simd/target.h"
+
+namespace standoff::cpu::STANDOFF_TARGET {
+
+using namespace standoff::STANDOFF_TARGET;
+
+static_assert(kLanes == WideFloat::kLanes);
+
+using WidePoint = Triple<WideFloat>;
+
+// Triangles at most this long, in grid units, are set up in float, sixteen at once; longer ones in double, one by one.
+// At 16 the corners lie within 40 units of the brick's centre, where float resolves 4e-6 against the promised 1.6e-5:
+// the tests of exactness measure a quarter of the promise at most.
+constexpr float kLongTriangle = 16;
+// Shorter edges and altitudes count as zero, squared grid units: a tenth of the promised error.
+constexpr float kLeastLengthSq = 1e-12f;
+// What rounding may add to a box or a distance when blocks are chosen, grid units.
+constexpr float kSlack = 1e-3f;
+
+namespace {
+
+STANDOFF_INLINE const WideFloat& component(const WidePoint& p, int axis) {
+  return axis == 0 ? p.x : axis == 1 ? p.y : p.z;
+}
+
+// Sixteen points: axis, lane.
+STANDOFF_INLINE WidePoint load_points(const float (&at)[3][kLanes]) {
+  return {WideFloat::load(at[0]), WideFloat::load(at[1]), WideFloat::load(at[2])};
+}
+
+// Samples of the brick inside the grid, per axis.
+STANDOFF_INLINE int inside(const Lattice& lattice, const Brick& brick, int axis) {
+  const std::int64_t left = lattice.size[axis] - brick.at[axis] * kBrickSide;
+  return left < kBrickSide ? static_cast<int>(left) : kBrickSide;
+}
+
+}  // namespace
+}  // namespace standoff::cpu::STANDOFF_TARGET

@@ -1,0 +1,112 @@
+// Sixteen triangles at a time, loaded from the mesh and set up as frames (geometry/triangle_frame.h).
+#pragma once
+
+#include "field/cpu/frame_lanes.h"
+#include "field/cpu/kernels/target.inl"
+#include "geometry/triangle_frame.h"
+
+namespace standoff::cpu::STANDOFF_TARGET {
+namespace {
+
+// Sixteen triangles, corners relative to the brick's centre in grid units.
+struct Group {
+  WidePoint corner[3];
+  alignas(64) std::uint32_t index[kLanes];
+};
+
+// Loads the triangles refs[first], refs[first + 1], ...; past the end the last one again, which changes nothing.
+STANDOFF_INLINE void load_group(const Lattice& lattice, const Brick& brick, const Candidates& c, std::int64_t first,
+                                Group& group) {
+  alignas(64) float rows[3][kLanes][4];
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const std::int64_t n = first + lane < c.count ? first + lane : c.count - 1;
+    const std::uint32_t index = c.refs[n];
+    group.index[lane] = index;
+    for (int which = 0; which < 3; ++which) {
+      double room[3];
+      store_local(rows[which][lane], corner_of(c.mesh, index, which, room), lattice.scale, brick.center);
+    }
+  }
+  for (int which = 0; which < 3; ++which)
+    group.corner[which] = {load_column(rows[which], 0), load_column(rows[which], 1), load_column(rows[which], 2)};
+}
+
+STANDOFF_INLINE TriangleFrame<WideFloat> make_frames(const Group& group) {
+  return make_frame(group.corner[0], group.corner[1], group.corner[2], WideFloat(kLeastLengthSq));
+}
+
+// Bits of the triangles that are to be measured by lines: those whose box has a side longer than kLongTriangle.
+STANDOFF_INLINE std::uint32_t long_lanes(const Group& group) {
+  WideFloat longest(0);
+  for (int axis = 0; axis < 3; ++axis) {
+    const WideFloat a = component(group.corner[0], axis), b = component(group.corner[1], axis),
+                    c = component(group.corner[2], axis);
+    longest = max(longest, max(a, max(b, c)) - min(a, min(b, c)));
+  }
+  return less(WideFloat(kLongTriangle), longest).to_bits();
+}
+
+// Frames into lanes and out of them, number by number.
+STANDOFF_INLINE void store_line(const Linear<WideFloat>& line, FrameLanes::Line& to) {
+  line.g.x.store(to.gx);
+  line.g.y.store(to.gy);
+  line.g.z.store(to.gz);
+  line.c.store(to.c);
+}
+STANDOFF_INLINE void store_half(const HalfTriangle<WideFloat>& half, FrameLanes::Half& to) {
+  half.leg.store(to.leg);
+  half.length.store(to.length);
+  half.nx.store(to.nx);
+  half.ny.store(to.ny);
+}
+STANDOFF_INLINE void store_frames(const TriangleFrame<WideFloat>& f, FrameLanes& to) {
+  store_line(f.q, to.q);
+  store_line(f.y, to.y);
+  store_line(f.z, to.z);
+  store_half(f.left, to.left);
+  store_half(f.right, to.right);
+}
+
+template <class F, class Read>
+STANDOFF_INLINE Linear<F> read_line(const FrameLanes::Line& line, Read read) {
+  return {{read(line.gx), read(line.gy), read(line.gz)}, read(line.c)};
+}
+template <class F, class Read>
+STANDOFF_INLINE HalfTriangle<F> read_half(const FrameLanes::Half& half, Read read) {
+  return {read(half.leg), read(half.length), read(half.nx), read(half.ny)};
+}
+// The frame whose numbers are what `read` makes of sixteen lanes.
+template <class F, class Read>
+STANDOFF_INLINE TriangleFrame<F> read_frame(const FrameLanes& from, Read read) {
+  return {read_line<F>(from.q, read), read_line<F>(from.y, read), read_line<F>(from.z, read),
+          read_half<F>(from.left, read), read_half<F>(from.right, read)};
+}
+
+// The frames of all lanes.
+STANDOFF_INLINE TriangleFrame<WideFloat> load_frames(const FrameLanes& from) {
+  return read_frame<WideFloat>(
+      from, [](const float(&lanes)[kLanes]) __attribute__((always_inline)) { return WideFloat::load(lanes); });
+}
+// One triangle's frame, in all lanes when F is wide.
+template <class F>
+STANDOFF_INLINE TriangleFrame<F> frame_of_lane(const FrameLanes& from, std::uint32_t lane) {
+  return read_frame<F>(
+      from, [&](const float(&lanes)[kLanes]) __attribute__((always_inline)) { return F(lanes[lane]); });
+}
+
+// The frame of a long triangle, in double.
+STANDOFF_INLINE TriangleFrame<double> double_frame(const Lattice& lattice, const Brick& brick, const Candidates& c,
+                                                   std::uint32_t index) {
+  Triple<double> corner[3];
+  for (int which = 0; which < 3; ++which) {
+    double room[3];
+    const double* v = corner_of(c.mesh, index, which, room);
+    corner[which] = {standoff::fma(v[0], lattice.scale, -brick.center[0]),
+                     standoff::fma(v[1], lattice.scale, -brick.center[1]),
+                     standoff::fma(v[2], lattice.scale, -brick.center[2])};
+  }
+  return make_frame(corner[0], corner[1], corner[2], double{kLeastLengthSq});
+}
+
+}  // namespace
+}  // namespace standoff::cpu::STANDOFF_TARGET

@@ -1,0 +1,57 @@
+// Chooses a feature's kernels at run time: the best this processor can run, or those of the set that was asked for.
+#pragma once
+
+#include <cstddef>
+#include <initializer_list>
+#include <span>
+#include <string>
+
+#include "simd/instruction_sets.h"
+#include "standoff/execution.h"
+#include "standoff/error.h"
+
+namespace standoff {
+
+/// The kernels of a feature, `Kernels` being its table of functions: one such table per instruction set. Which of them
+/// this processor can run is asked once, when the object is made.
+template <class Kernels>
+class Dispatch {
+ public:
+  /// Kernels compiled for a set.
+  struct Compiled {
+    Simd set;
+    const Kernels* kernels;
+  };
+
+  /// All that were compiled, at most one per set and the best first; the last must be portable ones.
+  explicit Dispatch(std::initializer_list<Compiled> compiled) {
+    for (const Compiled& row : compiled) {
+      if (!processor_has(row.set)) continue;
+      runnable_[count_] = row.kernels;
+      sets_[count_++] = row.set;
+    }
+  }
+
+  const Kernels& best() const { return *runnable_[0]; }
+
+  /// The kernels of a set; the best for Simd::automatic. Throws Error{usage} that begins with `where` when this
+  /// processor cannot run them.
+  const Kernels& of(Simd set, const char* where) const {
+    if (set == Simd::automatic) return best();
+    for (int n = 0; n < count_; ++n)
+      if (sets_[n] == set) return *runnable_[n];
+    throw Error(ErrorCode::usage,
+                std::string(where) + ": this processor lacks the instruction set asked for; use automatic");
+  }
+
+  /// All that this processor can run, best first: tests compare them.
+  std::span<const Kernels* const> all() const { return {runnable_, static_cast<std::size_t>(count_)}; }
+
+ private:
+  static constexpr int kSets = 3;
+  const Kernels* runnable_[kSets] = {};
+  Simd sets_[kSets] = {};
+  int count_ = 0;
+};
+
+}  // namespace standoff

@@ -1,0 +1,78 @@
+// Eight doubles in two AVX2 registers. Same names and same results as wide_double_avx512.h.
+#pragma once
+
+#include <immintrin.h>
+
+#include <cstdint>
+
+#include "geometry/host_device.h"
+
+namespace standoff::avx2 {
+
+struct DoubleMask {
+  __m256d lo, hi;
+  STANDOFF_INLINE std::uint32_t to_bits() const {
+    return static_cast<std::uint32_t>(_mm256_movemask_pd(lo) | (_mm256_movemask_pd(hi) << 4));
+  }
+  friend STANDOFF_INLINE DoubleMask operator&(DoubleMask a, DoubleMask b) {
+    return {_mm256_and_pd(a.lo, b.lo), _mm256_and_pd(a.hi, b.hi)};
+  }
+  friend STANDOFF_INLINE DoubleMask operator|(DoubleMask a, DoubleMask b) {
+    return {_mm256_or_pd(a.lo, b.lo), _mm256_or_pd(a.hi, b.hi)};
+  }
+  friend STANDOFF_INLINE DoubleMask operator^(DoubleMask a, DoubleMask b) {
+    return {_mm256_xor_pd(a.lo, b.lo), _mm256_xor_pd(a.hi, b.hi)};
+  }
+  friend STANDOFF_INLINE DoubleMask negated(DoubleMask a) {
+    const __m256d ones = _mm256_castsi256_pd(_mm256_set1_epi32(-1));
+    return {_mm256_xor_pd(a.lo, ones), _mm256_xor_pd(a.hi, ones)};
+  }
+};
+
+struct WideDouble {
+  static constexpr int kLanes = 8;
+  __m256d lo, hi;
+
+  WideDouble() = default;
+  STANDOFF_INLINE WideDouble(__m256d low, __m256d high) : lo(low), hi(high) {}
+  STANDOFF_INLINE explicit WideDouble(double value) : lo(_mm256_set1_pd(value)), hi(lo) {}
+
+  static STANDOFF_INLINE WideDouble load(const double* p) { return {_mm256_loadu_pd(p), _mm256_loadu_pd(p + 4)}; }
+  STANDOFF_INLINE void store(double* p) const {
+    _mm256_storeu_pd(p, lo);
+    _mm256_storeu_pd(p + 4, hi);
+  }
+
+  friend STANDOFF_INLINE WideDouble operator+(WideDouble a, WideDouble b) {
+    return {_mm256_add_pd(a.lo, b.lo), _mm256_add_pd(a.hi, b.hi)};
+  }
+  friend STANDOFF_INLINE WideDouble operator-(WideDouble a, WideDouble b) {
+    return {_mm256_sub_pd(a.lo, b.lo), _mm256_sub_pd(a.hi, b.hi)};
+  }
+  friend STANDOFF_INLINE WideDouble operator*(WideDouble a, WideDouble b) {
+    return {_mm256_mul_pd(a.lo, b.lo), _mm256_mul_pd(a.hi, b.hi)};
+  }
+  friend STANDOFF_INLINE WideDouble operator/(WideDouble a, WideDouble b) {
+    return {_mm256_div_pd(a.lo, b.lo), _mm256_div_pd(a.hi, b.hi)};
+  }
+  friend STANDOFF_INLINE WideDouble operator-(WideDouble a) {
+    const __m256d sign = _mm256_set1_pd(-0.0);
+    return {_mm256_xor_pd(a.lo, sign), _mm256_xor_pd(a.hi, sign)};
+  }
+};
+
+STANDOFF_INLINE WideDouble min(WideDouble a, WideDouble b) {
+  return {_mm256_min_pd(a.lo, b.lo), _mm256_min_pd(a.hi, b.hi)};
+}
+STANDOFF_INLINE WideDouble max(WideDouble a, WideDouble b) {
+  return {_mm256_max_pd(a.lo, b.lo), _mm256_max_pd(a.hi, b.hi)};
+}
+STANDOFF_INLINE WideDouble sqrt(WideDouble a) { return {_mm256_sqrt_pd(a.lo), _mm256_sqrt_pd(a.hi)}; }
+STANDOFF_INLINE DoubleMask less(WideDouble a, WideDouble b) {
+  return {_mm256_cmp_pd(a.lo, b.lo, _CMP_LT_OQ), _mm256_cmp_pd(a.hi, b.hi, _CMP_LT_OQ)};
+}
+STANDOFF_INLINE WideDouble select(DoubleMask m, WideDouble yes, WideDouble no) {
+  return {_mm256_blendv_pd(no.lo, yes.lo, m.lo), _mm256_blendv_pd(no.hi, yes.hi, m.hi)};
+}
+
+}  // namespace standoff::avx2

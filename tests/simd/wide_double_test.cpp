@@ -1,0 +1,122 @@
+// Every operation on eight doubles of every SIMD target against plain numbers, lane by lane and bit by bit.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "geometry/scalar.h"
+#include "tests/simd/operations/operations.h"
+#include "tests/simd/operations/targets.h"
+
+namespace standoff::testing {
+namespace {
+
+constexpr int kDoubleLanes = 8;
+using DoubleLanes = std::array<double, kDoubleLanes>;
+
+// Ordinary numbers, and those that instructions treat each in its own way.
+class Numbers {
+ public:
+  DoubleLanes lanes() {
+    DoubleLanes lanes;
+    for (double& lane : lanes) lane = next();
+    return lanes;
+  }
+  Bits bits() { return static_cast<Bits>(random_() & 0xff); }
+  double next() {
+    using Limits = std::numeric_limits<double>;
+    constexpr std::array kOdd{0.0,
+                              -0.0,
+                              1.0,
+                              -1.0,
+                              Limits::infinity(),
+                              -Limits::infinity(),
+                              Limits::quiet_NaN(),
+                              Limits::denorm_min(),
+                              -Limits::min(),
+                              Limits::max()};
+    if (random_() % 3 == 0) return kOdd[random_() % kOdd.size()];
+    return std::ldexp(static_cast<double>(random_()) - 0x1p63, static_cast<int>(random_() % 20) - 72);
+  }
+
+ private:
+  std::mt19937_64 random_{7};
+};
+
+// Not-a-numbers are alike; everything else must be so to the last bit, the sign of zero included.
+void expect_same(double expected, double found) {
+  if (std::isnan(expected) && std::isnan(found)) return;
+  EXPECT_EQ(std::bit_cast<std::uint64_t>(expected), std::bit_cast<std::uint64_t>(found)) << expected << " " << found;
+}
+
+template <class Check>
+void for_targets(Check check) {
+  for (const SimdOperations* target : targets()) {
+    SCOPED_TRACE(target->name);
+    Numbers numbers;
+    for (int n = 0; n < 200; ++n) check(target->doubles, numbers);
+  }
+}
+
+TEST(WideDouble, OperationsOnTwoNumbers) {
+  struct Row {
+    void (*DoubleOperations::*wide)(const double*, const double*, double*);
+    double (*plain)(double, double);
+  };
+  const Row rows[] = {
+      {&DoubleOperations::add, [](double a, double b) { return a + b; }},
+      {&DoubleOperations::subtract, [](double a, double b) { return a - b; }},
+      {&DoubleOperations::multiply, [](double a, double b) { return a * b; }},
+      {&DoubleOperations::divide, [](double a, double b) { return a / b; }},
+      {&DoubleOperations::min, [](double a, double b) { return standoff::min(a, b); }},
+      {&DoubleOperations::max, [](double a, double b) { return standoff::max(a, b); }},
+  };
+  for_targets([&](const DoubleOperations& target, Numbers& numbers) {
+    const DoubleLanes a = numbers.lanes(), b = numbers.lanes();
+    for (const Row& row : rows) {
+      DoubleLanes out;
+      (target.*row.wide)(a.data(), b.data(), out.data());
+      for (int n = 0; n < kDoubleLanes; ++n) expect_same(row.plain(a[n], b[n]), out[n]);
+    }
+  });
+}
+
+TEST(WideDouble, OperationsOnOneNumber) {
+  for_targets([&](const DoubleOperations& target, Numbers& numbers) {
+    const DoubleLanes a = numbers.lanes();
+    DoubleLanes negative, root, same;
+    target.negate(a.data(), negative.data());
+    target.sqrt(a.data(), root.data());
+    target.broadcast(a[0], same.data());
+    for (int n = 0; n < kDoubleLanes; ++n) {
+      expect_same(-a[n], negative[n]);
+      expect_same(standoff::sqrt(a[n]), root[n]);
+      expect_same(a[0], same[n]);
+    }
+  });
+}
+
+TEST(WideDouble, MasksAndWhatTheySelect) {
+  for_targets([](const DoubleOperations& target, Numbers& numbers) {
+    const DoubleLanes a = numbers.lanes();
+    DoubleLanes b = numbers.lanes(), out;
+    b[5] = a[5];
+    Bits less = 0;
+    for (int n = 0; n < kDoubleLanes; ++n) less |= Bits{a[n] < b[n]} << n;
+    EXPECT_EQ(target.less(a.data(), b.data()), less);
+
+    const Bits m = numbers.bits(), other = numbers.bits();
+    EXPECT_EQ(target.mask_not(m), ~m & 0xff);
+    EXPECT_EQ(target.mask_and(m, other), m & other);
+    EXPECT_EQ(target.mask_or(m, other), m | other);
+    EXPECT_EQ(target.mask_xor(m, other), m ^ other);
+    target.select(m, a.data(), b.data(), out.data());
+    for (int n = 0; n < kDoubleLanes; ++n) expect_same(m >> n & 1 ? a[n] : b[n], out[n]);
+  });
+}
+
+}  // namespace
+}  // namespace standoff::testing
