@@ -7,8 +7,8 @@
 #include <string>
 
 #include "simd/instruction_sets.h"
-#include "standoff/execution.h"
 #include "standoff/error.h"
+#include "standoff/execution.h"
 
 namespace standoff {
 
