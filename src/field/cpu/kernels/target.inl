@@ -7,6 +7,7 @@
 
 #include "field/cpu/kernels.h"
 #include "field/cpu/lattice.h"
+#include "field/tolerances.h"
 #include "geometry/triple.h"
 #include "simd/target.h"
 
@@ -17,15 +18,6 @@ using namespace standoff::STANDOFF_TARGET;
 static_assert(kLanes == WideFloat::kLanes);
 
 using WidePoint = Triple<WideFloat>;
-
-// Triangles at most this long, in grid units, are set up in float, sixteen at once; longer ones in double, one by one.
-// At 16 the corners lie within 40 units of the brick's centre, where float resolves 4e-6 against the promised 1.6e-5:
-// the tests of exactness measure a quarter of the promise at most.
-constexpr float kLongTriangle = 16;
-// Shorter edges and altitudes count as zero, squared grid units: a tenth of the promised error.
-constexpr float kLeastLengthSq = 1e-12f;
-// What rounding may add to a box or a distance when blocks are chosen, grid units.
-constexpr float kSlack = 1e-3f;
 
 namespace {
 
