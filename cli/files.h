@@ -44,8 +44,8 @@ class MeshInput {
   const std::string& name() const { return name_; }
   /// What the mesh would be called without folder and extension.
   std::string stem() const;
-  /// What was done to the file's coordinates goes into `report`. Errors: input, also for fields and bodies, which are no
-  /// meshes any more.
+  /// What was done to the file's coordinates goes into `report`. Errors: input, also for fields and bodies, which are
+  /// no meshes any more.
   Mesh read(MeshReadReport* report = nullptr) const;
 
   /// The same for a name taken from elsewhere.

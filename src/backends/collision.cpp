@@ -29,7 +29,7 @@ const DeviceRow* find_device(Backend backend, std::size_t count) {
   for (const DeviceRow& row : kRows)
     if (row.backend == (automatic ? Backend::cuda : backend) && row.available()) return &row;
   if (backend == Backend::cuda) throw Error(ErrorCode::device, cuda::why_not_available());
-  if (backend == Backend::emulated)
+  if (backend == testing::kEmulated)
     throw Error(ErrorCode::device,
                 "batch: this build of standoff has no emulated GPU; use the CPU, or build standoff with the component "
                 "'emulation' (STANDOFF_COMPONENTS)");

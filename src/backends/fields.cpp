@@ -43,7 +43,7 @@ const BackendRow& find_backend(Backend backend, Method method, std::int64_t tria
   for (const BackendRow& row : kRows)
     if (row.method == method && (wanted == Backend::automatic || row.backend == wanted) && row.available()) return row;
   if (backend == Backend::cuda) throw Error(ErrorCode::device, cuda::why_not_available());
-  if (backend == Backend::emulated)
+  if (backend == testing::kEmulated)
     throw Error(
         ErrorCode::device,
         "compute: this build of standoff has no emulated GPU; use the CPU, or build standoff with the component "

@@ -90,9 +90,8 @@ void check_memory(MeshView mesh, const Plan& plan, double tiles, const ComputeOp
   const std::int64_t limit = options.memory_limit, needed = bytes_needed(plan, tiles);
   if (limit == 0 || needed <= limit) return;
   throw Error(ErrorCode::limit,
-              "compute: the field may need " +
-                  over_the_limit(static_cast<double>(needed), static_cast<double>(limit)) + "; " +
-                  Advice(mesh, plan, options).text(),
+              "compute: the field may need " + over_the_limit(static_cast<double>(needed), static_cast<double>(limit)) +
+                  "; " + Advice(mesh, plan, options).text(),
               {.bytes_needed = needed, .bytes_limit = limit});
 }
 

@@ -1,5 +1,6 @@
 // The smallest user of standoff: the field of one triangle, looked up at one sample. Where standoff was built without
 // the component for it, the emulated GPU is refused in words.
+#include <standoff/testing/emulation.h>
 #include <standoff/compute.h>
 #include <standoff/error.h>
 #include <standoff/field.h>
@@ -14,7 +15,7 @@ int main() {
   const standoff::ComputeResult computed = standoff::compute(mesh, grid, 0.5);
   std::printf("distance %g of %d triangle\n", computed.field.value(2, 2, 2), int(computed.report.triangles));
   try {
-    standoff::compute(mesh, grid, 0.5, {.execution = {.backend = standoff::Backend::emulated}});
+    standoff::compute(mesh, grid, 0.5, {.execution = {.backend = standoff::testing::kEmulated}});
     std::puts("emulated too");
   } catch (const standoff::Error& error) {
     std::puts(error.what());
