@@ -36,8 +36,10 @@ class Reach {
   Reach(const Box& box, const Padding& padding) : padding_(padding) {
     expect_box(box);
     for (const double number : {padding.length, padding.samples, padding.least_samples})
-      if (!(number >= 0) || !std::isfinite(number)) fail("the padding must be zero or more, and finite");
-    if (!(padding.most_share >= 0)) fail("the padding's share of the longest side must be zero or more");
+      if (!(number >= 0) || !std::isfinite(number))
+        fail("the padding must be zero or more, and finite; give world units or samples");
+    if (!(padding.most_share >= 0))
+      fail("the padding's share of the longest side must be zero or more; infinity sets no bound");
     side_ = longest(box.extent());
   }
 

@@ -104,14 +104,14 @@ AtomicFile::AtomicFile(const std::filesystem::path& target, Existing existing, U
     return;
   }
   if (exists && existing_ == Existing::keep) fail(EEXIST);
-  const auto folder = target_.parent_path();
-  if (unfinished == Unfinished::named || !open_unnamed(folder)) open_named(folder);
+  folder_ = target_.parent_path();
+  if (unfinished == Unfinished::named || !open_unnamed()) open_named();
   if (exists) (void)!::fchmod(file_, there.st_mode & 0777);
 }
 
-bool AtomicFile::open_unnamed([[maybe_unused]] const std::filesystem::path& folder) {
+bool AtomicFile::open_unnamed() {
 #ifdef O_TMPFILE
-  file_ = ::open(folder.c_str(), kOpen | O_TMPFILE, kMode);
+  file_ = ::open(folder_.c_str(), kOpen | O_TMPFILE, kMode);
   if (file_ < 0) return false;
   // Naming it later goes through /proc, which a container may lack.
   if (::access(handle_of(file_).c_str(), F_OK) == 0) {
@@ -123,8 +123,8 @@ bool AtomicFile::open_unnamed([[maybe_unused]] const std::filesystem::path& fold
   return false;
 }
 
-void AtomicFile::open_named(const std::filesystem::path& folder) {
-  unfinished_ = folder / unfinished_name();
+void AtomicFile::open_named() {
+  unfinished_ = folder_ / unfinished_name();
   slot_ = note_unfinished(unfinished_);
   file_ = ::open(unfinished_.c_str(), kOpen | O_CREAT | O_EXCL, kMode);
   if (file_ >= 0) return;
@@ -197,7 +197,7 @@ void AtomicFile::sync(int file) const {
 
 // The name is an entry of the folder. Whatever goes wrong here, the file is there and whole.
 void AtomicFile::sync_folder() const noexcept {
-  const Descriptor folder(::open(target_.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  const Descriptor folder(::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (folder.number() >= 0) (void)::fsync(folder.number());
 }
 
@@ -212,7 +212,7 @@ void AtomicFile::link_unnamed() {
     return;
   }
   if (errno != EEXIST || existing_ == Existing::keep) fail(errno);
-  unfinished_ = target_.parent_path() / unfinished_name();
+  unfinished_ = folder_ / unfinished_name();
   slot_ = note_unfinished(unfinished_);
   if (!link_as(unfinished_)) fail(errno);
 }

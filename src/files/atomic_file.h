@@ -45,8 +45,8 @@ class AtomicFile {
   void commit();
 
  private:
-  bool open_unnamed(const std::filesystem::path& folder);
-  void open_named(const std::filesystem::path& folder);
+  bool open_unnamed();
+  void open_named();
   void flush();
   void append(const char* data, std::size_t bytes);
   void close();
@@ -61,6 +61,7 @@ class AtomicFile {
 
   std::filesystem::path shown_;   // the target as the caller wrote it, for messages
   std::filesystem::path target_;  // absolute, links followed
+  std::filesystem::path folder_;  // the target's; known beforehand, for nothing may fail once the file is there
   std::filesystem::path unfinished_;
   Kind kind_ = Kind::named;
   Existing existing_;

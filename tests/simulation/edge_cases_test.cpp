@@ -1,5 +1,6 @@
 // What a world refuses, and flights whose course is known.
 #include <gtest/gtest.h>
+#include <optional>
 
 #include <cmath>
 #include <limits>
@@ -18,7 +19,7 @@ const CollisionModel& ball() {
   return model;
 }
 
-ErrorCode code_with(auto FlightOptions::*what, auto value) {
+std::optional<ErrorCode> code_with(auto FlightOptions::*what, auto value) {
   FlightOptions options;
   options.*what = value;
   return code_of([&] { World world(ball(), options); });

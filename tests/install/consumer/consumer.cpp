@@ -1,11 +1,11 @@
 // The smallest user of standoff: the field of one triangle, looked up at one sample. Where standoff was built without
 // the component for it, the emulated GPU is refused in words.
-#include <standoff/testing/emulation.h>
 #include <standoff/compute.h>
 #include <standoff/error.h>
 #include <standoff/field.h>
 #include <standoff/grid.h>
 #include <standoff/mesh.h>
+#include <standoff/testing/emulation.h>
 
 #include <cstdio>
 
