@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Do standoff and a peer give the same answer? Each answer is a number.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Batches of collision queries with one thread and with two, taking turns; seconds by the clock on the wall.
 #include <iostream>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // standoff's compute_into on a workload, through the public API.
 #include <map>
 #include <memory>

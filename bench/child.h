@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A job that may take far too long: in a process of its own, which is stopped.
 #pragma once
 

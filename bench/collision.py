@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Collision queries beside FCL and Coal, both in one process with standoff, in turns (collision_contest.cpp), and batches of
 them with one thread and with two (bench_collision.cpp)."""
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Collision queries beside a peer's: both in one program, taking turns, so that a noisy machine disturbs both alike.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Two bodies, where the second one is, and what is asked: shared by the drivers that measure collision queries.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Do two programs compute the same field?
 #pragma once
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """standoff beside its peers: same job, same run, alternating processes."""
 
 from harness import machine_lines, markdown, median, results_folder, seconds, write_csv

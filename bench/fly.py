@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Figure 5.5 of the thesis, rebuilt and carried on: how fast the fly flies against the samples of the grid, and what it
 flies through against its speed, in both modes. Uses the standoff program."""
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The programs of tests/gpu, built for this machine's GPU: which nvcc, which architecture, ninja or make; and what the
 kernels take, out of the build's log."""
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """script/gpu-check's work, part by part: builds, then hands over to the steps of gpu_steps.py. script/gpu-check -h says
 what it does and how it is called."""
 

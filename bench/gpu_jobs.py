@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What script/gpu-check measures: lines for tests/gpu_check/measure.cu, and what its rows say together."""
 
 import csv

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The steps of script/gpu-check, one after the other. One that fails, or takes too long, is told and remembered, and the
 next one begins. What a step has found is in its file at once."""
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """gpu_tables.py FOLDER: what script/gpu-check measured, as tables beside the thesis's figures, our goals, and what was
 predicted for this GPU before (gpu_predictions.csv).
 

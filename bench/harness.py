@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Running the drivers of bench/, and writing down what they measured."""
 
 import csv

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Coal's answers to collision queries: BVHs of OBBRSS, as FCL's, of which it is the successor.
 #include <coal/BVH/BVH_model.h>
 #include <coal/collision.h>

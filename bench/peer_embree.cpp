@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Embree's point query at the samples of a dense grid: exact, one walk of its tree per sample.
 #include <embree3/rtcore.h>
 #include <tbb/blocked_range3d.h>

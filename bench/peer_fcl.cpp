@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // FCL's answers to collision queries: BVHs of OBBRSS, as in FCL's own benchmarks.
 #include <fcl/fcl.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // OpenVDB's meshToVolume, unsigned: a sparse band of approximate distances.
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Dense.h>

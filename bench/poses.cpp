@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Where the second of two bodies is placed, and the ways it is swept along.
 #include <cmath>
 #include <functional>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What is asked about two bodies, and where the second one is then, as a word.
 #pragma once
 

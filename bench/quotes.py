@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What the documentation says of measured collision queries, written from the CSV file of one machine: a page of its own
 and the parts of others between markers. tests/bench/collision_tables_test.py compares them."""
 

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
 """Measures standoff, alone or beside its peers. script/bench builds the drivers and starts this.
 
   run.py                 the named workloads of workloads.json

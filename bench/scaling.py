@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """How the time grows with triangles and with samples: tables, CSV files and plots."""
 
 import math

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The tables of the 2008 thesis, rebuilt on this machine's CPU with both methods."""
 
 import json

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What every driver measures: a mesh on a grid, given by the same command line options to all of them.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Many questions at once: what the batches of collide, distance and sweep share.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The bodies that collide, distance, sweep and fly are about.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // standoff build: a mesh made into a body, once, for many questions.
 #include <filesystem>
 #include <memory>

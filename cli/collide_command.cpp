@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // standoff collide: do two bodies touch, and where?
 #include <memory>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The verbs: each adds itself to the program and runs when it is named. One file per verb.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // standoff compute: a mesh file into a field file.
 #include <chrono>
 #include <cmath>

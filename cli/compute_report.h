@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What `standoff compute` says of what it will do, does and has done.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the program says: people's messages and the progress bar on stderr, data on stdout.
 #pragma once
 

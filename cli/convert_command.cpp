@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // standoff convert: mesh to mesh, field to field.
 #include <memory>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // standoff devices: where fields can be computed.
 #include <memory>
 #include <thread>

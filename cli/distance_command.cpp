@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // standoff distance: how near are two bodies?
 #include <algorithm>
 #include <cmath>

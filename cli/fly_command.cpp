@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // standoff fly: the fly in the labyrinth, as in the thesis and without its accidents.
 #include <algorithm>
 #include <chrono>

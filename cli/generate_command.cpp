@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // standoff generate: a mesh made by code, into a file.
 #include <algorithm>
 #include <memory>

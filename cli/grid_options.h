@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The grid of `standoff compute`, from its options.
 #pragma once
 

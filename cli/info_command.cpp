@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // standoff info: what is in a mesh, field or body file.
 #include <cmath>
 #include <memory>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What --json prints: one object per answer, whose keys docs/json.md lists.
 #pragma once
 

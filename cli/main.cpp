@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The standoff program: its verbs.
 #include <CLI/CLI.hpp>
 

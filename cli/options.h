@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One way to add an option whose text is parsed at once, so that a bad value is told before any work; and the options
 // that several verbs have.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Option values from text. Every function throws Error{usage} as `OPTION 'TEXT': what; what to give`.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Files with one pose or motion on each line.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // standoff slice: a picture of a plane of a field.
 #include "standoff/slice.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a terminal shows while files are read and written: the longest silences of all.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // standoff sweep: when does a moving body meet a resting one?
 #include <memory>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Text as it may go to a terminal: numbers as people read them, and what comes from outside made harmless.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The program's help, and its words for command lines that make no sense.
 #pragma once
 

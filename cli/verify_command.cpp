@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // standoff verify: a field against its mesh, by brute force in double precision.
 #include <memory>
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # The library's components: object libraries, all of which together are standoff::standoff. A program of this project may link
 # one alone, with those it stands on. A component's optional packages are its own business (cmake/dependencies.cmake).
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # CUDA where nvcc is found: enables the language before the components are made, which take its settings.
 set(STANDOFF_HAVE_CUDA OFF)
 set(STANDOFF_CUDA_RUNTIME "")

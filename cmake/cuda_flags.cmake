@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # How nvcc compiles the kernels: arithmetic stays the CPU's, nothing is fused that the source does not fuse.
 set(STANDOFF_CUDA_FLAGS --fmad=false --expt-relaxed-constexpr -Xcompiler=-ffp-contract=off -Xcompiler=-fno-math-errno)
 # CMake before 3.27 does not know how nvcc is told C++20. Once CUDA is enabled.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Required: TBB and zlib. Optional: what each component may use, found or left out with a word. None shows in the public headers.
 find_package(Threads REQUIRED)
 find_package(TBB REQUIRED)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Install rules and the package files of find_package(standoff).
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)

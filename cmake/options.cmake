@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # What is built. As a part of another project standoff builds its library alone.
 if(CMAKE_SOURCE_DIR STREQUAL PROJECT_SOURCE_DIR)
   set(STANDOFF_TOP_LEVEL ON)

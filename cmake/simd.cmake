@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Kernels are compiled once per instruction set and chosen at run time (src/simd/).
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   set(STANDOFF_AVX2_FLAGS -mavx2 -mfma)

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Collects the triangles of a scene. Everything a scene makes passes through here.
 #pragma once
 

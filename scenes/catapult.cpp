@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A catapult of timbers, wheels and ropes. Its triangles are large: beams are boxes that are not divided.
 #include "scenes/drives.h"
 #include "scenes/families.h"

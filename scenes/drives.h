@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Machines and their drives. Each stands on y = 0 of its frame.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The factory hall: three bays of 3.5 units, open at the sides so that one sees in. A unit is about five metres.
 #include <array>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A house fly that looks along +z: head with big eyes, ringed abdomen, two wings, six legs.
 #include "scenes/families.h"
 #include "scenes/solids.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Where a part stands: an affine map from its own coordinates to the scene's.
 #pragma once
 

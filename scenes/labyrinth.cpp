@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A maze of walls on a floor: every cell can be reached from every other one in exactly one way.
 #include <array>
 

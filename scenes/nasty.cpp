@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Meshes that break careless code. All are legal input.
 
 #include "scenes/families.h"

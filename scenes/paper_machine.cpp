@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A paper machine along z: head box, wire, presses, drying cylinders, calender, reel. machine_2 is the same machine
 // with its hood, its piping and its small parts.
 

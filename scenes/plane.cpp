@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // An aeroplane with two propellers that flies along +z; its wings lie along x.
 #include "scenes/drives.h"
 #include "scenes/families.h"

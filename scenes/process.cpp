@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Two process plants: vessels joined by piping, small and tall; and a pulp line, long and low.
 #include "scenes/drives.h"
 #include "scenes/families.h"

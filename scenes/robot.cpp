@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A standing robot with spread arms: barrel body, domed head with antenna and visor, ribbed hoses for limbs.
 #include "scenes/families.h"
 #include "scenes/solids.h"

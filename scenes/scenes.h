@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Meshes made by code: the same on every machine, any size on request. Shared by the program, tests and bench.
 #pragma once
 

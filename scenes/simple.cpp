@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Sphere, box, terrain: shapes whose distances can be written down, or that come in any size.
 
 #include "scenes/families.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Brings a scene to a wanted number of triangles.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Closed solids, outward oriented. Each stands upright: its axis is the y axis of its frame, its base at y = 0 unless
 // said otherwise. Lengths are in the scene's units; frames given to these functions are rigid or mildly scaled.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Steelwork: what holds a plant up and lets people walk in it.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Tanks, and the piping that joins them.
 #pragma once
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Shared by the scripts: where we are, how to speak, how to build. Sourced, not run.
 # shellcheck shell=bash
 set -euo pipefail
@@ -13,7 +14,7 @@ fail() {
 }
 
 # Prints the comment at the top of the script that runs.
-print_help() { sed -n '2,/^[^#]/{/^#/s/^# \{0,1\}//p}' "$self"; }
+print_help() { sed -n '3,/^[^#]/{/^#/s/^# \{0,1\}//p}' "$self"; }
 
 if command -v ccache >/dev/null; then
   export CMAKE_CXX_COMPILER_LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER-ccache}

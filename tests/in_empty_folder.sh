@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Runs a command in a new folder that is removed afterwards.
 set -euo pipefail
 folder=$(mktemp -d)

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Exact collision, distance, contact and sweep queries between two rigid bodies (docs/collision.md).
 //
 // A body is its surface: any triangles, open or closed. A body inside another one is free unless the surfaces touch.

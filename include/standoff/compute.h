@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // From a mesh and a grid to a distance field.
 #pragma once
 

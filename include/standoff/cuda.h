@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Distance fields for those who live on the GPU: mesh, workspace and output in device memory, on the caller's stream.
 //
 // Nothing here allocates, waits for the GPU or reads from it, so that calls can be captured into a CUDA graph. For host

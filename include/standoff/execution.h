@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Where work runs, and how long work tells how far it is.
 #pragma once
 

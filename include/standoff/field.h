@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Distance fields: sparse 8x8x8 tiles over a grid.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Regular grids of samples, and helpers that fit them to meshes.
 #pragma once
 

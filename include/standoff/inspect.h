@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a mesh or a field holds, in numbers: for reports, and for a look at files before they are used.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Triangle meshes: triangles over shared vertices.
 #pragma once
 

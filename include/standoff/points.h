@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The points of a mesh nearest to any points.
 //
 // This is the interface that stays. Behind it now is the search that verify() tests fields with: exact, and made for

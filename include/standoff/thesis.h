@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What only the 2008 master's thesis needs: Fagerjord and Lochehina, "GPGPU: Fast and easy Distance Field computation
 // on GPU" (docs/thesis.md). For comparison, not for products: its answers may be wrong.
 //

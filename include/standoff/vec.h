@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Value types of the public API: points, integer extents and boxes.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The same query many times, spread over threads.
 #pragma once
 

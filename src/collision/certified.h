@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the target's distance field alone can decide.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Pairs of triangles that bounding boxes and separating axes leave for exact tests.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Do two bodies touch? The public functions.
 #include "collision/collide.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Poses go to the device in pieces, but those that a sphere and a box alone tell free. What it leaves undecided the CPU
 // decides.
 #include "collision/collide_on_device.h"

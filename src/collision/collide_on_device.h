@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Exact collide() for many poses at once, on a device.
 #pragma once
 

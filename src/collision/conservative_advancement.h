@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The steps and bounds of conservative advancement, for the CPU and for GPUs (docs/sweep.md proves them). This work is
 // based on: Mirtich, Impulse-based Dynamic Simulation of Rigid Body Systems (1996); Tang, Kim, Manocha, C2A: Controlled
 // Conservative Advancement for Continuous Collision Detection of Polygonal Models (2009).

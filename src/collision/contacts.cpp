@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Where do two surfaces intersect? The probe's packets come in an order that is spread over the contact area; their
 // candidate pairs are decided in turns, one of each packet after the other, until there are enough.
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The seam between batches of queries and the devices that answer them.
 #pragma once
 

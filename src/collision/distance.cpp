@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How far apart are two surfaces? Best first: the probe's bounding spheres against the target's field, nearest first;
 // a triangle whose sphere may be nearer than the best pair so far goes down the target's BVH.
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Sphere16 of one body's tree against the other's field, nearest first; where the field cannot tell, triangles.
 #include "collision/find_intersecting.h"
 

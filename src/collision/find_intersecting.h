@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The search for one pair of triangles that intersect, with which several queries begin.
 #pragma once
 

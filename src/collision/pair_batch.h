@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Pairs of triangles, collected to be decided eight at a time.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The two bodies of a query: the target's distance field is sampled by the probe's bounding spheres.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Relative rigid motion of the probe in the target's frame: numbers alone, for the CPU and for GPUs.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "collision/rigid_motion.h"
 #include "core/guarded.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Rigid motions in the world, and as the target of a pair sees the probe move.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Visits the probe's packets of triangles that may reach the target's surface in bit-reversed, round-robin order, so
 // that any prefix of them is spread over the contact area. Nodes are expanded lazily: no more of a large contact area
 // is visited than is asked for.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // When do two bodies first touch? The public functions, and what they check.
 #include "collision/sweep.h"
 

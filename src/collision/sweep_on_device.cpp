@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Motions go to the device in pieces. What is not certainly free the CPU sweeps from the beginning: begun later its
 // steps would be others, and with them the time of a hit, and whether a pass within the tolerance counts as one.
 #include "collision/sweep_on_device.h"

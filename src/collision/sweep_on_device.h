@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Sweeps for many motions at once, on a device.
 #pragma once
 

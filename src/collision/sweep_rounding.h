@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What rounding does to bodies in motion, and how far they are kept apart because of it.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Bounding spheres are advanced until the field no longer shows that they are free, those that stop first first; their
 // children start from there. A triangle whose sphere has stopped is tested against the target triangles that overlap
 // the box it sweeps next.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Conservative advancement of the probe's BVH through the target's distance field.
 #pragma once
 

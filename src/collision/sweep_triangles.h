@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Conservative advancement of one pair of triangles, in the world and in double precision.
 #pragma once
 

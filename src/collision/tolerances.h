@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The constants of collision queries that decide what rounding may do and when a search gives up, in one place: unit,
 // typical value, and what breaks when they change. Shared by the CPU and by GPUs.
 #pragma once

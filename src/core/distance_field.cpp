@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a field stores and where.
 #include <algorithm>
 #include <cmath>

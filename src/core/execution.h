@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The check of what callers say about where to run.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How much memory a field takes, and how a limit that is too small is told.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // From tiles to dense memory and back.
 #include <algorithm>
 #include <array>

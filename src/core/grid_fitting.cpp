@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Grids around boxes.
 #include <algorithm>
 #include <array>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Memory that grows without moving: addresses are reserved once, pages are taken from the system step by step.
 #pragma once
 

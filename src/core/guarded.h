@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Errors of others become errors of standoff: in one place, for every public function.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A mesh of one's own from somebody else's.
 #pragma once
 

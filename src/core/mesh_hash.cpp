@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A number that tells meshes apart.
 #include <tbb/parallel_invoke.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Whether a mesh can be computed with.
 #include "standoff/mesh.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Numbers as text and back, with a point in every locale.
 #pragma once
 

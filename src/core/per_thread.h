@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What each thread of parallel work has to itself.
 #pragma once
 

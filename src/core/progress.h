@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Progress of long work, counted by many threads and told to the caller by one at a time.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How many tiles of samples a grid has.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The memory of a field's stored tiles: one array of values and one of nearest triangles, a slot for each tile.
 #pragma once
 

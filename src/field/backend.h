@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The seam between the pipeline and the backends: one job in, tiles into a sink, counts out.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which cells a triangle has to be looked at in, on the CPU (bricks) and on the GPU (tiles): first those that its box
 // grown by the thickness touches; of a long triangle, which misses most cells of its box, those whose centre is near
 // enough.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The grid as the backends see it, on the CPU and on the GPU: tiles of 8x8x8 samples in bricks of 2x2x2 tiles, whose
 // centres are the origins of all float coordinates. That both compute these coordinates here is what makes their bits
 // the same.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the options of a computation mean where they leave something open.
 #pragma once
 

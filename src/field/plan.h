@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What is computed and how: decided once, before any triangle is looked at.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The step before the backend: is the mesh legal, is there memory, does float hold its distances, which triangles stay.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Skip rules: which triangles may be left out before any distance is computed (docs/skip.md). Each rule is one function
 // here and one file; to change a rule or add one, start from kept_triangles.
 #pragma once

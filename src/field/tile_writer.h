@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Where a backend puts finished tiles: the sparse tiles of a DistanceField, or the caller's dense memory.
 #pragma once
 

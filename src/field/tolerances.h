@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The constants of the method `tiles` that the CPU and the GPU share: what decides the bits of a field, what rounding
 // may add to a box or a distance, and which of the two ways a thickness goes. Lengths are in grid units (lattice.h):
 // the largest spacing is 1 to 2 of them, the grid far from the origin or not.

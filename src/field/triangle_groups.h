@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // All triangles of a mesh in small groups of neighbours, for exact distances in double precision.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Unpacks what zip and gzip pack: deflated bytes (RFC 1951, RFC 1952), by zlib.
 #pragma once
 

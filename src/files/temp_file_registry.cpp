@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "files/temp_file_registry.h"
 
 #include <unistd.h>

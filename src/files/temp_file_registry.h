@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The names of unfinished files, kept where a signal handler can reach them.
 #pragma once
 

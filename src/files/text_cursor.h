@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Words and numbers of text formats, with the line they stand in.
 #pragma once
 

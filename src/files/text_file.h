@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Whole text files.
 #pragma once
 

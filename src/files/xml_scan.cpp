@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "files/xml_scan.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The tags of an XML text one after the other, without building its tree.
 #pragma once
 

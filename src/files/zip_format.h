@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Signatures and sizes of the records of a zip archive. PKWARE APPNOTE 6.3, section 4.3.
 #pragma once
 

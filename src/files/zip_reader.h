@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Zip archives, read: their directory, and their members front to back. Layout: PKWARE APPNOTE 6.3.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Uncompressed zip archives, written front to back. Layout: PKWARE APPNOTE 6.3.
 #pragma once
 

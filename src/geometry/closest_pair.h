@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The closest points of two triangles that do not cross, without branches: for double, and for eight doubles at once.
 //
 // They lie on an edge of each, or on a corner of one and over the inside of the other: nine pairs of segments and six

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The closest point of a triangle, in world coordinates, by the regions of its corners, edges and face
 // (Ericson, Real-Time Collision Detection, 2005, section 5.1.5).
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Points, segments and triangles that lie in one plane or on one line, exactly: after dropping an axis on which the
 // plane does not stand upright.
 #pragma once

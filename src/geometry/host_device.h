@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Marks functions that run on the host and, under nvcc, on the device: the one place that knows about CUDA here.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The penetration of two intersecting triangles, point, normal and depth, from the numbers of their test
 // (triangle_overlap.h): for double, and for eight doubles at once.
 #pragma once

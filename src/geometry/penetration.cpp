@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What two triangles share is convex. Its corners are corners of one that lie in the other, places where an edge of one
 // passes through the other, and crossings of edges in one plane. Which of them there are is decided by signs of
 // determinants, exactly; where they are, by ratios of determinants whose values are right however small they are.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Where two triangles intersect, and the shortest translation that separates them: for slivers, segments and points
 // too.
 #pragma once

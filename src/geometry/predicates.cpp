@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // After Shewchuk, Adaptive precision floating-point arithmetic and fast robust geometric predicates (1997): his first
 // stage with its error bound; then twofold arithmetic, numbers as the sum of two doubles; and where not even these 100
 // bits tell, the sum of all products, exactly.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Signs and values of determinants: a double computation with an error bound decides nearly always, expansions the
 // rest. All hold for coordinates that are zero or of magnitude 1e-90 to 1e100.
 #pragma once

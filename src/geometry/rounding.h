@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How far rounding moves a computed number: the bound that error analyses of sums and products are written with.
 //
 // Each rounded operation multiplies its exact result by 1 + d, |d| <= u, the unit roundoff. After n of them the product

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The arithmetic that geometry is written in, for float and double. src/simd gives the same names for wide types,
 // so that one source serves the double-precision set-up, the SIMD kernels and the CUDA kernels, with the same
 // roundings.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The slab between two triangles that are apart: a separating direction, from which sweeps bound the time of impact.
 #pragma once
 

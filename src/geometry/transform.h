@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Rigid transforms as the kernels read them, on the CPU and on GPUs.
 #pragma once
 

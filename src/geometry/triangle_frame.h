@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Distance from points to a triangle in the triangle's own frame, without branches.
 //
 // The frame. x runs along the longest edge AB, y along the altitude to the third corner C, z along the normal; the

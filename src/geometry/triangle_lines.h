@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The frame of a large triangle, ready for points far closer together than the triangle is wide.
 //
 // Frame coordinates of a point in the middle of a triangle 1000 samples wide are of the order of 1000, too coarse in

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Do two triangles intersect, as far as double precision can tell? Without branches: for double, and for eight doubles
 // at once. After Guigue and Devillers, Fast and robust triangle-triangle overlap test using orientation predicates
 // (2003).

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Two triangles touch exactly where an edge of one touches the other triangle. An edge touches a triangle where its
 // ends are not on the same side of the triangle's plane and the line through it passes all three edges on the same
 // side: signs of determinants alone, which are exact. What lies in one plane is decided in the plane (coplanar.h).

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Two triangles in the same coordinates: do they intersect, how far apart are they?
 #pragma once
 

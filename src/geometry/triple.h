@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Three numbers of any arithmetic type: the vector of the templates in this room.
 #pragma once
 

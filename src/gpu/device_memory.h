@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The error of too little device memory.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The device that calls of the platform are about.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The GPUs that CUDA sees.
 #include "gpu/devices.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which GPUs there are, and why there is none: of this build (devices.cu, or without_cuda.cpp) and of this machine.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the kernels and the code that launches them run on: CUDA, or its emulation on the CPU. All that ends
 // in .cuh is compiled for both, each in a namespace of its own.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // CUDA as the platform: launches with a label, memory, errors that name call, file and line.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The emulation as the platform: device memory is plain memory, poisoned when it is new so that nothing can depend on
 // what was there.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The one thing taken from a library: running sums. CUB under nvcc (scan.cu), a loop in the emulation
 // (scan_emulated.cpp). Nothing has to be sorted: lists come from counting, and their order changes no bit of a field.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Clocks and recordings for measurements, on either platform.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What stands for the GPUs where standoff is built without a CUDA compiler: none.
 #include "core/guarded.h"
 #include "gpu/devices.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One piece of memory cut into arrays, or, without memory, how much they take.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Where the corners of a mesh fall on the picture.
 #pragma once
 

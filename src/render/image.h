@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Pixels in memory, and the PNG file they end in.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A bar of colors with numbers beside it.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "render/mesh_picture.h"
 
 #include "core/guarded.h"

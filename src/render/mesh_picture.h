@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The picture of a mesh, before it becomes a file.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #ifdef STANDOFF_HAVE_PNG
 #include <png.h>
 #endif

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The picture of a plane, before it becomes a file.
 #pragma once
 

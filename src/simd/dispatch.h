@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Chooses a feature's kernels at run time: the best this processor can run, or those of the set that was asked for.
 #pragma once
 

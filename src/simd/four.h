@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Four floats that every processor can add at once, by the vector types of g++ and clang: for loops that need not be
 // compiled once per instruction set, and that compilers will not vectorise by themselves because they choose.
 #pragma once

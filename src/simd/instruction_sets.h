@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the processor has, asked in one place: kernels are compiled for sets of instructions (cmake/simd.cmake), and a
 // processor that lacks one of a set's would crash in its kernels.
 #pragma once

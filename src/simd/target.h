@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The instruction set that a file of kernels is compiled for: its wide types, under the same names for every set.
 //
 // Kernels are written once, in fragments (.inl), and compiled once per set, by a kernels_<set>.cpp that says its set

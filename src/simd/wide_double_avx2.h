@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Eight doubles in two AVX2 registers. Same names and same results as wide_double_avx512.h.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Eight doubles as four of the compiler's own vectors, which every processor's baseline has. Same names and same
 // results as wide_double_avx512.h.
 #pragma once

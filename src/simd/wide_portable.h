@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Sixteen floats as four of the compiler's own vectors, which every processor's baseline has. Same names and same
 // results as wide_avx512.h: fma has one rounding even where the processor has none, at the price of a library call.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The independent check: does a segment intersect a surface? Triangles in the cells of a uniform grid, each tested
 // exactly. It shares nothing with the queries but the exact test of two triangles.
 #pragma once

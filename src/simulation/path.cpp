@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Paths as tables and as polylines.
 #include <array>
 #include <charconv>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Fields with steps left out, to measure what these cost (Table 5.4 of the thesis): the product's kernels with other
 // steps.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Algorithm 1 of the 2008 thesis: a warp per triangle visits the samples in its grown box, and each sample keeps the
 // least distance by an atomic minimum that is written only if smaller, which alone gave the thesis a factor of 2 to 3.
 //

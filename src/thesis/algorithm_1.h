@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The method `thesis` on the CPU: Algorithm 1 of the 2008 thesis (docs/thesis.md).
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Algorithm 2 of the thesis (Fagerjord and Lochehina, 2008). The samples of the field with fewer of them are visited.
 #include <cmath>
 #include <limits>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Algorithm 1, what the CPU and the GPU share: the samples that a triangle visits, brick by brick, and the triangle as
 // a brick sees it.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The thesis's smallest grid for collision (docs/thesis.md).
 #include <algorithm>
 #include <cmath>

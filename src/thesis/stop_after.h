@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Ablation: after which step a measured kernel stops. Table 5.4 of the thesis takes two times, and their difference is
 // what a step costs.
 #pragma once

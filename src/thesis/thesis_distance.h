@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Squared distance to a triangle the thesis's way: Ericson's Voronoi regions, cross products replaced by dot products.
 //
 // Source: C. Ericson, Real-Time Collision Detection (2005), section 5.1.5, as the 2008 thesis uses it. Let n = ab x ac.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // collision.h, pose.h and simulation.h with arguments that make no sense.
 #include "standoff/collision.h"
 #include "standoff/experimental/simulation.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // grid.h, mesh.h, field.h, compute.h and verify.h with arguments that make no sense.
 #include "standoff/compute.h"
 #include "standoff/inspect.h"

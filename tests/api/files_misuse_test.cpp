@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // io.h, picture.h, slice.h and cuda.h with arguments that make no sense.
 #include "files/temp_file_registry.h"
 #include "files/text_file.h"

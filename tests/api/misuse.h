@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Arguments that make no sense, and what a public function may do with them: answer, or throw an Error that says what
 // to do next. Nothing else: no other exception, no crash, no endless work.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Public functions when an allocation is refused, be it the first, the second or any other: Error{limit}, and nothing
 // is lost.
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // When two programs give the same answer: a peer of ours, so that what it sees is known.
 #include "bench/agreement.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A job in a process of its own: what it returns, when it is stopped, how it fails.
 #include "bench/child.h"
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The tables of bench/collision.py, from drivers that only pretend to measure: what is asked of them, which of several
 processes counts, and what is said of a peer that was stopped."""
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Poses of the benchmarks: where they say they are, and always the same ones.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What is asked of two bodies, as drivers of the benchmarks read it.
 #include "bench/question.h"
 

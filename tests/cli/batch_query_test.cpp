@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Many poses at once: collide, distance and sweep of a file.
 #include <fcntl.h>
 #include <gtest/gtest.h>

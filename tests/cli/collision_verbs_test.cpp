@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // build, collide, distance, sweep and fly.
 #include <gtest/gtest.h>
 

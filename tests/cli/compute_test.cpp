@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // standoff compute: grids, thickness, outputs, and what it says.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // standoff devices, and compute on the device that every machine has: the emulated one.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Every exit code, and the form of every message: `standoff: error: WHERE: what; what to do`, on one line.
 #include <gtest/gtest.h>
 

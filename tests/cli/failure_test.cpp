@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Exit codes of failures that no command line brings about at will: bugs of our own, and memory that is not there.
 #include "cli/failure.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Signals, full disks, closed pipes and terminals: nothing half-written stays, whatever happens.
 #include <gtest/gtest.h>
 #include <stdlib.h>

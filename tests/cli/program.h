@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Runs the standoff program as a user does, in an empty folder of the test's own.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // info, slice, verify, generate, convert, version and help.
 #include <gtest/gtest.h>
 

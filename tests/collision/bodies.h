@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Bodies, poses and brute force for the tests of collision queries.
 #pragma once
 

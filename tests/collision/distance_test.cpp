@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Distances against every pair of triangles.
 #include <gtest/gtest.h>
 

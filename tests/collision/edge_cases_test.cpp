@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Cases that tend to be forgotten, and properties that hold whatever the bodies.
 #include <gtest/gtest.h>
 

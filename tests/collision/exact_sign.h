@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Whole numbers of any length, and doubles as such: arithmetic that cannot round, for tests of arithmetic that must not
 // show that it does. Slow; it shares nothing with src/geometry/predicates.cpp.
 #pragma once

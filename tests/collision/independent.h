@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Answers about bodies by another way than standoff's, for long checks: a binary tree of boxes, and triangles told
 // apart by shadows on axes (standoff's exact test is by signs of determinants at edges), first in double with a bound
 // of its rounding, then in whole numbers. Triangles must have an area.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The fly in the labyrinth against answers found another way (independent.h). A few hundred questions by default; for
 // as many as docs/collision.md tells of, run this program with the environment variables below.
 #include <gtest/gtest.h>

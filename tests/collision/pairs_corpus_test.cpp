@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Pairs of bodies that were once answered wrong: tests/corpus/pairs, whose expected.txt tells what was the matter.
 #include <gtest/gtest.h>
 

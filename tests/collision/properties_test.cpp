@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What holds whatever the bodies.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Bodies far away, tiny, huge, thin, and turned by matrices that single precision has rounded: against every pair of
 // triangles as it stands in the world.
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Sweeps against the bodies at many times on the way, each tested with every pair of triangles.
 #include <gtest/gtest.h>
 

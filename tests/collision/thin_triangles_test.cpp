@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Triangles so thin that rounding turns their normals, and what they lie on: how near they are, and where they touch.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Many threads at once give what one gives.
 // labels: memory threads
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Distance fields as containers: what is stored, and what is read back.
 #include "standoff/field.h"
 

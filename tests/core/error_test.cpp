@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What an Error's details say: the same as its message, for programs.
 #include "standoff/error.h"
 

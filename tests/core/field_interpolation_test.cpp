@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What lies between the samples of a field.
 #include <gtest/gtest.h>
 

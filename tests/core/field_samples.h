@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A grid and values for the tests of fields.
 #pragma once
 

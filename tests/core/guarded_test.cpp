@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What foreign exceptions become, and that the caller's own pass as they are.
 #include "core/guarded.h"
 

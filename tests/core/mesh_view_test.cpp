@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One mesh in every layout a caller may hold it in: all of standoff must see the same mesh, bit for bit.
 #include "standoff/mesh_view.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Poses from an axis and an angle, and what is no pose.
 #include "standoff/pose.h"
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """docs/json.md against the program: each section's commands are run, and the objects that they print held against its table.
 
 Every key that is printed stands in the table, with a type that fits; every row of the table is printed by one command at

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """The fenced blocks of README.md and docs/*.md, and README.md as a session in a shell.
 
     tests/docs/snippets.py > session.sh

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What README.md and docs/*.md show in fenced blocks is run as it stands there.
 
 README.md is one session in a shell, from the clone to a program that uses the library, in an empty folder that is also the

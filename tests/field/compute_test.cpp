@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // compute and compute_into: options, errors, progress, memory.
 // labels: memory threads
 #include "standoff/compute.h"

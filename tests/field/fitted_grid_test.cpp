@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The grid that is fitted for a thickness holds the whole band. README's example once cut it off: the surface at half
 // the thickness had 870 open edges.
 #include <gtest/gtest.h>

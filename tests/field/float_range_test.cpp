@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Mesh and grid so far apart, or so uneven, that squared distances in float would mean nothing: an error, by both
 // methods, where fields of infinities, a loop without end and a crash were seen.
 #include <gtest/gtest.h>

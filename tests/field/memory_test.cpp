@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Memory: what a computation says that it needs against what it takes, and what happens when there is none.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // memory_needed() is an upper bound: what computations of many kinds of meshes hold on the heap, against what was said.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The step before the backend: which of several faults is told, and what is none.
 #include "field/prepare.h"
 

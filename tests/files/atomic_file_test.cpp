@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // labels: memory threads
 
 #include "files/atomic_file.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a write promises of a machine that loses its power: the bytes are on the disk before they get the file's name.
 // The program's own fsync stands before the system's, and tells what it was asked for.
 #include <gtest/gtest.h>

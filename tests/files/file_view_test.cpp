@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Input files, whatever becomes of them while they are read.
 #include "files/file_view.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Any bytes give a body or Error{input}; of a body, whatever bounds it holds, queries end and stay inside its arrays.
 #include <cstddef>
 #include <cstdint>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What every fuzzer of files that are written by grammar does.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What every mesh fuzzer asks of its reader.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the flags of the build must keep: a float is rounded, whatever is packed with it.
 #include <gtest/gtest.h>
 

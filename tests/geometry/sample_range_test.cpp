@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "geometry/sample_range.h"
 
 #include <gtest/gtest.h>

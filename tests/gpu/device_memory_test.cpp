@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A GPU whose memory is too small, emulated: an error that says how much is needed, nothing kept, and all works
 // afterwards.
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The emulation of CUDA itself: what kernels may do works in every order, and planted faults are found.
 // labels: memory threads
 #include <gtest/gtest.h>

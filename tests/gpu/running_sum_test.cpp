@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How many numbers CUB sums up at once, which depends on its version.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What standoff asks of the CUDA runtime, on a GPU that is pretended: work in device memory allocates nothing and waits
 // for nothing; a call that fails is named, nothing is kept, and the next field is computed.
 #include <gtest/gtest.h>

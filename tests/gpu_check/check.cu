@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // gpu-check, first part: every kernel on this machine's GPU against the same kernels emulated on the CPU, bit for bit,
 // and against distances by definition in double precision. Small grids; scripts run it under compute-sanitizer too.
 //

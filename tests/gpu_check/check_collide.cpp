@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // gpu-check, collisions: poses decided and motions swept on this machine's GPU against the CPU's answers.
 //
 // check_collide [--quick] [--emulated]: prints a line per case and how many were wrong; exit code 0 where none was.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A mesh and its field in device memory, for checks and measurements without the rest of standoff.
 #pragma once
 

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # script/gpu-check on the emulated GPU, in parts that go on where the last one stopped: its programs build without the
 # rest of standoff and its dependencies, every job runs once, every table has its rows. (steps_test.py: steps that fail.)
 # labels: builds

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // gpu-check, second part: how long fields take, device memory to device memory, by CUDA events. Reads jobs from stdin,
 // a line each:
 //   TABLE SCENE TRIANGLES METHOD OUTPUT NX NY NZ EX EY EZ SCALE MARGIN THICKNESS SECONDS_2008 AT_MOST_MS

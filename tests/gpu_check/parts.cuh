@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Fields with parts left out, to see what these cost (Table 5.4 of the thesis).
 #pragma once
 

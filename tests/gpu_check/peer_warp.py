@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """peer_warp.py [--once] FILE.bin...: NVIDIA Warp's mesh_query_point at the jobs that `measure --export` wrote.
 
 A thread a sample asks Warp's tree of the mesh for the closest point, no farther than the thickness, and writes the

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The parts of script/gpu-check that the emulated GPU does not reach: compilers and GPUs that are too old, tools that are not
 there or do not work, steps that fail or hang; and what its tables are made of. Programs are pretended by scripts."""
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // 3DS: chunks within chunks.
 #include "tests/grammar/hostile.h"
 #include "tests/grammar/shape.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Bodies: those of tests/corpus/body with parts replaced, and a checksum that fits, or nothing past it would be read.
 #include <cstring>
 #include <filesystem>

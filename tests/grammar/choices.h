@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Where a grammar's decisions come from: a random number generator, or the bytes of a fuzzer.
 #pragma once
 

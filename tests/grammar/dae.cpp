@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // COLLADA: sources and inputs, every kind of primitive, nodes that instance geometries and nodes, units and axes.
 #include <cmath>
 #include <numbers>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Small fields for grammars to write.
 #pragma once
 

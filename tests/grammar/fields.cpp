@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // VTI and NRRD: a text header, then samples.
 #include <array>
 #include <charconv>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Files written by grammars of their formats, good ones and hostile ones: each is read or refused with an Error, in
 // bounded time and memory, and a good one is read as what was written. A few hundred of each format by default; for as
 // many as docs/testing.md tells of, run this program with

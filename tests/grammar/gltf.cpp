@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // glTF 2.0 as JSON and as GLB: buffers of every kind, views with strides and offsets, indexed and plain triangles,
 // strips and fans, trees of nodes.
 #include <cmath>

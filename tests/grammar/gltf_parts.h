@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Parts of glTF files: their data, the frame of a GLB, trees of nodes that are none.
 #pragma once
 

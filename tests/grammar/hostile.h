@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What breaks readers: numbers, names and bytes as no good file has them. Each function writes the plain thing unless a
 // trick is played.
 #pragma once

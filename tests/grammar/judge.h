@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Holds what a reader says of a file against what is known of it.
 #pragma once
 

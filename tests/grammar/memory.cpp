@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The functions of malloc's family, in front of those of the C library: the linker gives ours to every library of the
 // program. Blocks count by what the library set aside for them.
 #include "tests/grammar/memory.h"

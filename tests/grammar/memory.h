@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Counts the bytes a program holds, whoever asks for them: standoff, assimp, the standard library.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // NPZ: arrays of NumPy in a zip archive.
 #include <cmath>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Bytes as zip and gzip pack them.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // PLY: headers of every kind, text and both endians. Positions of any type, properties and elements nobody asked for,
 // lists of every count and index type.
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Makes files, has them read in children that may crash, hang and take memory, and counts.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What counts files must see each way in which one can go wrong, or its zeros say nothing.
 #include "tests/grammar/run.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // STL, binary and text.
 #include "tests/grammar/hostile.h"
 #include "tests/grammar/shape.h"

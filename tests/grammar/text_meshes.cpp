@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // OBJ, OFF and Medit: statements and rows as the many programs write them.
 #include <algorithm>
 

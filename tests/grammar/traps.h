@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The folder in which files that were written by grammar lie when they are read.
 #pragma once
 

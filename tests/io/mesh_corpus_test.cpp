@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The corpus of broken and odd mesh files: tests/corpus/mesh/expected.txt says what each of them gives.
 #include <gtest/gtest.h>
 

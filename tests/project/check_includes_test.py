@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """script/check_includes refuses what it is there to refuse: each fault is put into a small tree that is clean without it."""
 
 import importlib.machinery

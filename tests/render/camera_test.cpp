@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Where meshes fall on pictures, at any size a double can hold.
 #include "render/camera.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The solids of the scenes: closed, oriented outwards, without flat triangles.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The table of scenes: counts, extents, any size on request, the same bits everywhere.
 #include "scenes/scenes.h"
 

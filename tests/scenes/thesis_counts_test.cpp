@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The scenes stand in for the meshes of the 2008 thesis: at its grids, its skip rule and Algorithm 1 must find about as
 // much work in them. The figures are those of its Tables 5.1 and 5.3.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the tests of scenes ask of a mesh as a surface.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which kernels are chosen, of those that are compiled and those that this processor can run.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Every operation on eight doubles of every SIMD target against plain numbers, lane by lane and bit by bit.
 #include <gtest/gtest.h>
 

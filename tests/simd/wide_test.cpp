@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Every operation of every SIMD target against plain numbers, lane by lane and bit by bit: that the targets agree is
 // what "the same bits on every processor" rests on.
 #include <gtest/gtest.h>

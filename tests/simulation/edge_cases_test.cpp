@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a world refuses, and flights whose course is known.
 #include <gtest/gtest.h>
 #include <optional>

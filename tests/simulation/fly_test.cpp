@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Flies in a small labyrinth: what they pass through, what repeats, what is written.
 #include <gtest/gtest.h>
 

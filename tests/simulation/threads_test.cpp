@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Flies on many threads fly as on one.
 // labels: memory threads
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A body from bytes that nobody vouches for, and every query of it: for the fuzzer, and for what it found
 // (corpus/body).
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The distance field by definition, for tests: every triangle, in double precision.
 #pragma once
 

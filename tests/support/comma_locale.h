@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A locale that writes 1,5 for one and a half, as many do, whatever the machine has installed.
 #pragma once
 

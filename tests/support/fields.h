@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Fields in tests: computed in one line, gone through sample by sample, compared with the reference and bit by bit.
 #pragma once
 

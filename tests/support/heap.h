@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A heap that counts what is held, has a limit, and can refuse one allocation. It replaces operator new, and sees the
 // pages of fields: include it in one file of a program.
 #pragma once

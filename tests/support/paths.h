@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Where the tests find what they run and read. Told by CMake to one file alone: all the others compile alike in every
 // folder, so that a compiler cache serves all checkouts and builds.
 #pragma once

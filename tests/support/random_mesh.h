@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Small random meshes for tests, the same on every machine.
 #pragma once
 

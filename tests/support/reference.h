@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Distances by definition, independent of everything in src: a triangle is its three edges and, where the point's foot
 // lies between them, its face. In long double, so that slivers and far points need no thought.
 #pragma once

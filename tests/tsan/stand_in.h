@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What standoff uses of TBB, made of std::thread, for builds under the thread sanitizer alone: Debian's libtbb is not
 // built for it, so that it sees no task begin after the one that made it, and takes nearly every use of the result for
 // a race. Here all order between threads is by thread starts and joins, which it sees. Races of our own loop bodies are

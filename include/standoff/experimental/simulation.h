@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Bodies that move among bodies that rest: the thesis's fly in the labyrinth (docs/thesis.md).
 // A demonstration of sweeps: names and options may change in any version.
 #pragma once

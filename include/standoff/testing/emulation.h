@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The GPU's kernels on the CPU, thread by thread: slow, for finding faults (docs/cuda.md). Not for products.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The functions of standoff/cuda.h over plain memory, emulated on the CPU: for tests.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Fields on a GPU by every method: the public functions for device memory (standoff/cuda.h), and the rows of the table
 // of backends. nvcc compiles this file for CUDA; fields_emulated.cpp compiles it for the emulation.
 #include "backends/cuda/emulated.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Fields on a GPU as the table of backends sees them (src/backends/fields.cpp): on CUDA, and emulated on the CPU.
 #pragma once
 

@@ -1,2 +1,3 @@
+// SPDX-License-Identifier: Apache-2.0
 // fields.cu for the emulated GPU.
 #include "backends/cuda/fields.cu"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which pipeline computes a field: by the method, and for `tiles` by the thickness.
 #pragma once
 

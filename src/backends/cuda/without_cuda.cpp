@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What stands for fields on CUDA where standoff is built without a CUDA compiler: it says so.
 #include "backends/cuda/fields.h"
 #include "core/guarded.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // An implicit 16-wide BVH over the triangles of a body: node n of a level has the nodes 16 n to 16 n + 15 of the level
 // below as children. Level 0 holds the triangles themselves.
 #pragma once

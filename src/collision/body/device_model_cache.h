@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A model's copies in the memory of devices, made on first use and freed with the model.
 #pragma once
 

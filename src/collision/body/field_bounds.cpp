@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "collision/body/field_bounds.h"
 
 #include <tbb/parallel_for.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Lower bounds of the distance to a surface, everywhere: a fine sparse field near it, a coarse one around it.
 #pragma once
 

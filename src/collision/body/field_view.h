@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A model's two distance fields as kernels read them, on the CPU and on GPUs, and how their samples are addressed.
 #pragma once
 

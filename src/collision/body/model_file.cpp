@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Bodies in files: a header, then the arrays as they lie in memory, little endian, and a checksum over all of it.
 //
 // What is read is not believed: sizes are checked against the file's and against what the mesh and the spacing give,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Models in files, for load() and for the fuzzer, whose changed bytes would end at the checksum.
 #pragma once
 

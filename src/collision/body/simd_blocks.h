@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Sixteen spheres or boxes at a time: what the kernels work on. Lanes without content hold an empty sphere or box.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The gap of a bounding sphere: a lower bound of its distance from a surface, from the surface's distance fields. In
 // single precision, for the CPU's loops over sixteen spheres and the GPU's thread per sphere.
 //

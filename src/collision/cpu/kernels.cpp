@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The queries' kernels for each instruction set, and the choice among them.
 #include "collision/cpu/kernels.h"
 

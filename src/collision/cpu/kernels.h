@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The inner loops of the queries, one set for each instruction set; the answers do not depend on it.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Exact collide() for many poses: a warp per pose. The probe's bounding spheres are looked up in the target's field,
 // two packets of sixteen at a time, nearest first. A packet of triangles that reaches the surface goes down the
 // target's BVH; pairs whose boxes overlap are collected until there is one for each lane, and are decided in double

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Collision queries on a GPU. nvcc compiles this file for CUDA; collision_emulated.cpp compiles it for the emulation.
 #include "collision/cuda/collide.cuh"
 #include "collision/cuda/queries.h"

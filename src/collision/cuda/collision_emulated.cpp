@@ -1,2 +1,3 @@
+// SPDX-License-Identifier: Apache-2.0
 // collision.cu for the emulated GPU.
 #include "collision/cuda/collision.cu"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A collision model in device memory.
 #pragma once
 

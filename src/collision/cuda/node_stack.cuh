@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Nodes of a tree that a warp has still to look at, in shared memory.
 #pragma once
 

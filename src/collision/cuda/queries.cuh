@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Batches of queries: from host memory to the kernel that answers them and back, a warp per query.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Collision queries on GPUs as the table of devices sees them (src/backends/collision.cpp): on CUDA, and emulated on
 // the CPU.
 #pragma once

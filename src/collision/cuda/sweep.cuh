@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which motions are certainly free? A warp per motion: the probe's bounding spheres are advanced, two packets of
 // sixteen at a time, those that stop first first; their children start from there. Triangles that stop are tested
 // against the target triangles that overlap the box they sweep, a lane each; where a pair comes nearer than twice the

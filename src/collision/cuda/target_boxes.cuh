@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The triangles of the target whose boxes overlap a box: a warp goes down the target's BVH, two packets of sixteen at a
 // time.
 #pragma once

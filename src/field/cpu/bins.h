@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which triangles each brick has to look at: a counting sort of triangles into bricks.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Boxes of triangles and of packs of them, as the culling kernels read and write them.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A list of boxes, of a length that is known beforehand.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "field/cpu/brick_gather.h"
 
 #include <algorithm>

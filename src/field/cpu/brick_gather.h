@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What thin and thick bands share: triangles as the kernels take them, and the end of a brick.
 #pragma once
 

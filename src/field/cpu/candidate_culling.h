@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Thick bands and full fields: which triangles each brick, tile and cell has to look at (docs/tiles.md).
 //
 //   triangles in packs of 16, packs of packs (clusters.h)

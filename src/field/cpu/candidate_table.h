@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Room for the candidates of a tile while its cells are visited.
 #pragma once
 

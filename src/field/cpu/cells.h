@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The cells that candidates are handed down through: the grid, its halves, and theirs.
 #pragma once
 

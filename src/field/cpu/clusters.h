@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Triangles in groups of neighbours, groups of groups, and a box around each: what coarse cells look at instead of
 // triangles.
 #pragma once

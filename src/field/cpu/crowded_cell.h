@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The candidates of a cell among triangles that are small against the spacing, and room for those it chooses.
 #pragma once
 

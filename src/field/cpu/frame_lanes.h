@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The frames of sixteen triangles in memory: a register for each number of TriangleFrame (geometry/triangle_frame.h),
 // lane n of which belongs to triangle n.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The field's kernels for each instruction set, and the choice among them.
 #include "field/cpu/kernels.h"
 

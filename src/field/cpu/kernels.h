@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The inner loops of the CPU backend, compiled once per instruction set (kernels_*.cpp) and chosen at run time. All
 // sets give the same bits.
 #pragma once

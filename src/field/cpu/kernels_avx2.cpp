@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The field's kernels for AVX2.
 #ifdef __AVX2__
 #define STANDOFF_TARGET_AVX2

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The samples as the CPU kernels see them: bricks of 16x16x16 samples, in blocks of 4x2x2, one block per wide register.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The caller's mesh as kernels read it: addresses, strides and types, by functions that are always inlined.
 #pragma once
 

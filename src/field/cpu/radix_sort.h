@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Sorts indices by 32-bit keys: a stable radix sort in parallel chunks, the same result for any number of threads.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Thick bands and full fields on the CPU: candidates are handed down from coarse cells to tiles (candidate_culling.h).
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Thin bands on the CPU: triangles are sorted into the bricks that they reach (bins.h).
 #pragma once
 

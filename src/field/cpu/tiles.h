@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The method `tiles` on the CPU (docs/tiles.md).
 #pragma once
 

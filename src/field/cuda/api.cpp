@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The parts of standoff/cuda.h that need no GPU.
 #include "standoff/cuda.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Thin bands: which triangles each tile has to look at, by counting. A triangle goes into the tiles that its box grown
 // by the thickness touches. One that touches more than two in a row is compared with their centres, exactly, by a block
 // of threads of its own.

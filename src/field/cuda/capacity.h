@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How much memory the lists of a field may need, and what else is known before its triangles are looked at.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Thick bands and full fields: candidates are handed down from coarse cells to fine ones. A cell starts from what its
 // parent kept and drops what cannot be nearest to any of its samples (docs/cuda.md derives the three tests).
 //

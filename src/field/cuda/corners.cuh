@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A triangle's corners out of device memory, checked, and moved to where they become float.
 #pragma once
 

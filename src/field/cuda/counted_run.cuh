@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A field for somebody who can wait: what is needed is counted, the host looks, makes just that room, and the work goes
 // on. Nothing is guessed, so nothing is done twice; what it costs is a wait per level of cells, or one in all.
 #pragma once

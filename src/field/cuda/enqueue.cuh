@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Partitions a workspace, and enqueues the kernels of a field there.
 #pragma once
 

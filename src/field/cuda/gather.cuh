@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A block of threads per tile: each thread holds one sample in registers, all triangles of the tile pass by in shared
 // memory, and each sample is written once.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Cells of the coarse-to-fine way: level 0 are the tiles, each level above joins 2x2x2 cells, the last is one cell.
 #pragma once
 

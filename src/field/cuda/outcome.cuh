@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Small kernels that keep the outcome, and lists of tiles.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The blocking way: from host memory to a sink, one field at a time.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Triangles in shared memory, set up for the samples of one tile.
 #pragma once
 

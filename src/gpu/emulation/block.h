@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Runs CUDA kernels on the CPU, to test them where there is no GPU: the threads of a block are fibers that take turns,
 // blocks come one after the other. The words that kernels are written in stand in words.h.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The words of CUDA C++ that the kernels use, for a plain C++ compiler (block.h). Only kernels include this: the names
 // are CUDA's own and stand in no namespace.
 #pragma once

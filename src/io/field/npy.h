@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The header of NumPy's array files (.npy). https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // NPZ: a zip archive of NumPy arrays, one file each.
 #include <algorithm>
 #include <array>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // NRRD: a text header, an empty line, raw samples.
 #include <array>
 #include <memory>

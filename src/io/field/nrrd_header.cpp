@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "io/field/nrrd_header.h"
 
 #include "files/shown.h"

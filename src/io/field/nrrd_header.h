@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The text header of a NRRD file. https://teem.sourceforge.net/nrrd/format.html
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The samples of a field between its tiles and the arrays of a file, a few slices at a time.
 #pragma once
 

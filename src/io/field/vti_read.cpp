@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // VTI: what standoff and VTK write as raw appended data, uncompressed, in one piece.
 #include <algorithm>
 #include <array>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // VTI: VTK's XML image data with raw appended arrays, each after its length in bytes (64 bits).
 #include <cstdint>
 #include <string>

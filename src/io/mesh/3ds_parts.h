@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How many things a 3DS file may hold.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The one file that assimp gets to see.
 #pragma once
 #ifdef STANDOFF_HAVE_ASSIMP

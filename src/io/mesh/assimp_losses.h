@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What assimp leaves out of a mesh and mentions in its log alone.
 #pragma once
 #ifdef STANDOFF_HAVE_ASSIMP

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // 3DS and COLLADA through assimp, which only ever sees those: its readers of STL, PLY, OBJ and OFF
 // fail in worse ways than ours. Of what it returns nothing is trusted.
 #ifdef STANDOFF_HAVE_ASSIMP

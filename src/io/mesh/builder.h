@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // From the vertices and faces of a file to a mesh.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What must hold of a COLLADA file before assimp may see it.
 #pragma once
 

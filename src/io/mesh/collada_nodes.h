@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which nodes of a COLLADA scene instance which.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How large the shapes of a COLLADA file are.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The table of mesh formats: a format is one file and a row in formats.cpp.
 #pragma once
 

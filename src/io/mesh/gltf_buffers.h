@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The bytes of a glTF file's buffers, and the views through which they are looked at.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The nodes of a glTF file: which of them stand in its scene, and where.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The numbers of a glTF file: accessors, the views of buffers they look through, and the buffers' bytes.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // glTF 2.0, as JSON or binary: the triangles of its scene, where their nodes place them.
 #include <algorithm>
 #include <array>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "io/mesh/json_view.h"
 
 #include <algorithm>

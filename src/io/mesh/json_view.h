@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // JSON that points into the text: nothing is copied, nothing is kept beside the file.
 #pragma once
 

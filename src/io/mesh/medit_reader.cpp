@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Medit's .mesh in text (INRIA, report RT-0253): keywords, each with a count and as many rows. Triangles and
 // quadrilaterals are read, everything else is passed over.
 #include <cctype>

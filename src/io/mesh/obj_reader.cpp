@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Wavefront OBJ: v and f statements; everything else is passed over.
 #include <algorithm>
 #include <array>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The header of a PLY file: what its body holds, in which order and types.
 #pragma once
 

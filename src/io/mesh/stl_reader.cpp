@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // STL, binary and ASCII: triangles as three corners each, welded here.
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Uniform resource identifiers (RFC 3986), as far as files hold them.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Exact weld: equal positions become one vertex, in parallel, with numbers that do not depend on the threads.
 #pragma once
 

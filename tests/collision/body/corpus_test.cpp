@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the fuzzer of bodies found: tests/corpus/body/expected.txt says what each of its files gives.
 #include <gtest/gtest.h>
 

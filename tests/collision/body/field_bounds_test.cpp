@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The bounds the queries rest on, the ones that hold and the ones that do not, and the kernels that compute them.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Bodies in files: the same answers, and what becomes of files that are damaged or made up.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // memory_bytes() against a heap that counts.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The kernels that choose and decide pairs of triangles, against the exact test and brute force.
 #include <gtest/gtest.h>
 

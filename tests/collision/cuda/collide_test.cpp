@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Yes or no for many poses by the GPU's kernels, emulated: the CPU's answers, in every order in which threads may take
 // turns.
 #include <gtest/gtest.h>

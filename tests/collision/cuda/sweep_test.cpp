@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Sweeps for many motions by the GPU's kernels, emulated: what they call free is free for the CPU too, and all answers
 // are the CPU's.
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The zoo: bodies of few triangles, each of a shape that has broken somebody's collision test, and poses in which they
 // touch, nearly touch, or do not.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How much a random test asks. Brief by default; more, from the seed that is wanted, by environment variables.
 #pragma once
 

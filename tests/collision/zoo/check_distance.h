@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // distance() of one pose, against what is true.
 #pragma once
 

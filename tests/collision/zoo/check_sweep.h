@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // sweep() of one motion, against what is true at places on the way, and of the whole way where it is straight.
 #pragma once
 

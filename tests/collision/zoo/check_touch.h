@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // collide() and contacts() of one pose, against what is true.
 #pragma once
 

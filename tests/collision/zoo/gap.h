@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How far apart are two triangles, whatever they are? In 113 bits, where differences of doubles and their products are
 // exact as long as they are of like size: the normal of a sliver comes out as it is. Squares are off by less than
 // 1e-17 of the corners' distances from each other, squared; roots are rounded to double.

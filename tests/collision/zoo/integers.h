@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Whole numbers of so many 64-bit limbs, without rounding and without memory of their own: exact answers about millions
 // of triangles. Products have as many limbs as both factors, so nothing overflows but sums (see touch.h for how much
 // room those are left). exact_sign.h does the same for numbers of any length; tests compare both.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The answers that the zoo's tests hold against standoff, against others: whole numbers against those of any length,
 // the exact touch against determinants of small whole numbers, gaps against points drawn at random, ways against
 // prisms.

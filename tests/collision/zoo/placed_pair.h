@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Two placed bodies, with all that is true of them.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Slivers that touch or nearly touch others by construction. The lengths are about 1/2, the heights `ratio` of them.
 #pragma once
 

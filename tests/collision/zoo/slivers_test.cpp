@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Slivers, of every height from a tenth of their length to the rounding of doubles, against exact answers. A triangle's
 // computed normal is off by more, and the separating axes with it, the thinner the triangle is: a test that took it to
 // be perpendicular to its triangle missed up to 1.4 % of these pairs that touch.

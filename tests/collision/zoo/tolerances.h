@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How far an answer may be off, in one place, as docs/collision.md promises it. u is half the epsilon of double.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Have two triangles a point in common? Exactly, and whatever they are: segments and points too. standoff decides it by
 // the sides of planes on which corners lie; this asks for an axis on which shadows are apart. Two convex sets of
 // corners are apart where the origin is outside the set of their differences, and that set has few facets: their

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What is true of all pairs of triangles of two placed bodies, by the exact test, in the order of the triangles.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How deep a triangle that goes straight goes into one that rests: exactly, by the solid that it passes through.
 #pragma once
 

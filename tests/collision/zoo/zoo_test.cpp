@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Bodies of the zoo, in millions of poses, motions and distances if so many are asked for, against exact answers.
 //
 // STANDOFF_CHECK_ZOO: poses; a tenth of them are asked for their distance too, a tenth for a sweep.

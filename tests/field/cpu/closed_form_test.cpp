@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The method tiles where the distance is known in closed form.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The method tiles: the same bits for any number of threads, any run, any instruction set and either kind of memory.
 // labels: threads
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The method tiles against the distance by definition.
 // labels: memory
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Triangles far larger than the grid, in great numbers: thick bands pass most of them over by their frames in float,
 // thin bands measure them all by their lines. What is passed over must change no bit, so both give the same values.
 #include <gtest/gtest.h>

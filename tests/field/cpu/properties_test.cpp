@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The method tiles: what must hold between one field and another, or within one.
 #include <gtest/gtest.h>
 

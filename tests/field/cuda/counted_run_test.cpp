@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The blocking way, emulated: what is needed is counted before room is made for it. So no work is done twice, the room
 // is just what is needed, and nothing is copied to the host that no kernel wrote.
 #include "field/cuda/counted_run.cuh"

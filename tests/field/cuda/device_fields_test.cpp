@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // standoff/cuda.h, emulated: dense and sparse output in memory that held something else, too little room, bad
 // triangles.
 // labels: memory threads

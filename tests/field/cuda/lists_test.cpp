@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The lists of thin bands, whose length is counted in a pass of its own.
 #include <gtest/gtest.h>
 

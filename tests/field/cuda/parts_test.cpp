@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Parts that are left out to be measured: each is left out, and what comes before it is done.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A GPU that is not there: the calls of the CUDA runtime end here (the linker turns them over, see
 // tests/CMakeLists.txt). Memory is the machine's, kernels are counted and not run. For what standoff asks of CUDA, in
 // which order and on which stream, and for what it does where a call fails.

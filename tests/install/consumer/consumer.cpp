@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The smallest user of standoff: the field of one triangle, looked up at one sample. Where standoff was built without
 // the component for it, the emulated GPU is refused in words.
 #include <standoff/compute.h>

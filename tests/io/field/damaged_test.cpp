@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Files that are damaged, hostile, or of a kind that is not read: each has its message, and none a crash.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Reads and writes fields with software that is not ours: VTK, numpy and teem.
 
     foreign.py read  FILE THICKNESS [nearest]   fails unless FILE holds the field of tests/io/field/odd_field.h

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Our files read by VTK, numpy and teem, and theirs read by us.
 #include <gtest/gtest.h>
 

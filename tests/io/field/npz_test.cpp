@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What arrays an .npz must hold, and what is said where they are others.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A field in which every sample can be told from every other, on a grid alike along no two axes.
 #pragma once
 

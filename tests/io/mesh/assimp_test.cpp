@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Files that assimp reads wrongly, or that end the program in it: they must be errors before or after it.
 #include <gtest/gtest.h>
 #include <sys/stat.h>

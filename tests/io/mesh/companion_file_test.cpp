@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Files that a mesh refers to: regular ones in its folder, and nothing else, are opened.
 #include <gtest/gtest.h>
 #include <sys/stat.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Writing and reading back, scaling, and what is asked for in vain.
 #include <gtest/gtest.h>
 #include <sys/stat.h>

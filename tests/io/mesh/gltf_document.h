@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A glTF of one triangle, of which a test changes parts.
 #pragma once
 

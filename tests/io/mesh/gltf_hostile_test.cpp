@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // glTF files that are damaged, or made to do harm: each is an error before anything dangerous is done.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // glTF: every way to write the same triangles gives the same triangles.
 #include <gtest/gtest.h>
 

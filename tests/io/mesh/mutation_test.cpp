@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Valid files with bytes changed, cut out or repeated: reading them gives a valid mesh or an Error, and nothing else.
 #include <gtest/gtest.h>
 

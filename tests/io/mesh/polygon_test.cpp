@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Polygons into triangles: areas, counts and corners, from every starting corner and every side.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Meshes that people made, from Debian's glmark2-data and assimp-testmodels, and the same files as assimp sees them.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Numbers and lines of text formats.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The exact weld against a sorted map, over many blocks and any number of threads.
 // labels: memory threads
 #include <gtest/gtest.h>

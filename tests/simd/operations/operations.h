@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The operations of a SIMD target (src/simd) on sixteen lanes in memory: what the tests compare with plain numbers.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The table of operations for this file's instruction set (simd/target.h). All in a namespace without a name, as the
 // kernels are: no copy compiled for one processor may serve others.
 #pragma once

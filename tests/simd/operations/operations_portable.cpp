@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The wide types of every processor.
 #include "tests/simd/operations/operations.inl"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which SIMD targets this processor has. Not for the files that are compiled for one of them: others may get their
 // copy.
 #pragma once

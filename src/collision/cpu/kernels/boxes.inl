@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The kernels that compare sixteen boxes with one.
 #pragma once
 

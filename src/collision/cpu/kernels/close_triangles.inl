@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The kernels that choose pairs of triangles which may be near each other: by their boxes, and by two separating axes.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The kernels that bound how far sixteen spheres are from a surface, by its fields (sphere_bound.h).
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The table of the queries' kernels for this file's instruction set.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What all fragments of the queries' kernels begin with: the wide types of the instruction set, and the blocks of
 // sixteen lanes they are filled from. Nothing is fused, so all sets round alike.
 #pragma once

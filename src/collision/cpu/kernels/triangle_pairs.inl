@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The kernels that decide and measure pairs of triangles, eight at a time: triangle_overlap.h, overlap_penetration.h
 // and closest_pair.h for eight doubles.
 #pragma once

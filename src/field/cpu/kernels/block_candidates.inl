@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How the blocks of a cell choose among its candidates.
 //
 // Many candidates may be nearest to some point of a cell, but the cell has few samples. A point of any candidate limits

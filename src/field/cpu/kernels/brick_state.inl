@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The samples of a brick while triangles are gathered into it: cleared, lowered, and written into tiles.
 #pragma once
 

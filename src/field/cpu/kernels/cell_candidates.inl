@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which candidates of a tile its cells have to look at.
 //
 // The candidates of a tile are set up once, in groups of sixteen, and measured from the corners of its 2x2x2 cells. The

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The kernels that drop boxes of triangles.
 //
 // With the cell's centre as origin, its half extents h and a point q of the surface, a box that holds the nearest point

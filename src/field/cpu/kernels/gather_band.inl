@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The kernel for narrow bands: each triangle against the blocks of samples that its box, grown by the thickness,
 // reaches.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The kernel for thick bands and full fields, where a tile has many candidates and each sample needs few of them. Cells
 // choose among them by distances from the cell's corners (cell_candidates.inl). Where many are left, each block of the
 // cell chooses again, by the distances of its samples from boxes (block_candidates.inl).

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The kernel for cells of tiles with very many candidates, which are small against the spacing: their boxes are tested
 // before anything is known of the triangles, and only those that some block of the cell chooses (block_candidates.inl)
 // are set up and measured.

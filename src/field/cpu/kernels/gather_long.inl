@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One long triangle against the samples of a brick, by lines that are set up in double (geometry/triangle_lines.h).
 #pragma once
 

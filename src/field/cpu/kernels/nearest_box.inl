@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The kernels that look for the box nearest to a point, by the boxes' centres.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What all fragments of the field's kernels begin with: the wide types of the instruction set, and the tolerances.
 //
 // Only always-inlined functions of other rooms may be called from kernels, and nothing of the standard library: a

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Sixteen triangles at a time, loaded from the mesh and set up as frames (geometry/triangle_frame.h).
 #pragma once
 
