@@ -61,14 +61,26 @@ class VertexArray {
       : VertexArray(std::span<const Vec3>(vertices)) {}
   /// `first` is the first vertex's x; it may be null where there are none.
   VertexArray(const double* first, std::size_t count, std::ptrdiff_t stride = 3 * sizeof(double))
-      : data_(reinterpret_cast<const std::byte*>(first)), count_(count), stride_(stride) {}
+      : data_(reinterpret_cast<const std::byte*>(first)),
+        count_(count),
+        stride_(stride),
+        dense_(stride == std::ptrdiff_t{sizeof(Vec3)}) {}
   VertexArray(const float* first, std::size_t count, std::ptrdiff_t stride = 3 * sizeof(float))
-      : data_(reinterpret_cast<const std::byte*>(first)), count_(count), stride_(stride), type_(Type::float32) {}
+      : data_(reinterpret_cast<const std::byte*>(first)),
+        count_(count),
+        stride_(stride),
+        type_(Type::float32),
+        dense_(false) {}
 
   std::size_t size() const { return count_; }
   bool empty() const { return count_ == 0; }
   /// Requires n < size().
   Vec3 operator[](std::size_t n) const {
+    if (dense_) {
+      Vec3 v;
+      std::memcpy(&v, data_ + n * sizeof(Vec3), sizeof v);
+      return v;
+    }
     const std::byte* const at = data_ + static_cast<std::ptrdiff_t>(n) * stride_;
     if (type_ == Type::float32) {
       float v[3];
@@ -86,6 +98,8 @@ class VertexArray {
   const std::byte* data() const { return data_; }
   std::ptrdiff_t stride() const { return stride_; }
   Type type() const { return type_; }
+  /// Doubles without gaps between vertices.
+  bool dense() const { return dense_; }
   /// The vertices as they are where they lie as Vec3 do; else nothing.
   std::optional<std::span<const Vec3>> packed() const {
     static_assert(sizeof(Vec3) == 3 * sizeof(double));
@@ -99,6 +113,7 @@ class VertexArray {
   std::size_t count_ = 0;
   std::ptrdiff_t stride_ = sizeof(Vec3);
   Type type_ = Type::float64;
+  bool dense_ = true;  // doubles without gaps: most meshes, and the fastest to read
 };
 
 /// Triangles in somebody else's memory: three indices each, side by side; strides as in VertexArray.
@@ -123,7 +138,8 @@ class TriangleArray {
         stride_(stride),
         type_(sizeof(Index) == 4            ? std::signed_integral<Index> ? Type::int32 : Type::uint32
               : std::signed_integral<Index> ? Type::int64
-                                            : Type::uint64) {}
+                                            : Type::uint64),
+        dense_(type_ == Type::uint32 && stride == std::ptrdiff_t{sizeof(Triangle)}) {}
 
   std::size_t size() const { return count_; }
   bool empty() const { return count_ == 0; }
@@ -132,7 +148,7 @@ class TriangleArray {
     const std::byte* const at = data_ + static_cast<std::ptrdiff_t>(n) * stride_;
     if (type_ == Type::uint32) {
       Triangle t;
-      std::memcpy(t.data(), at, sizeof t);
+      std::memcpy(t.data(), dense_ ? data_ + n * sizeof(Triangle) : at, sizeof t);
       return t;
     }
     const auto fitting = [&](int k) {
@@ -168,6 +184,8 @@ class TriangleArray {
   const std::byte* data() const { return data_; }
   std::ptrdiff_t stride() const { return stride_; }
   Type type() const { return type_; }
+  /// Unsigned indices of 32 bits without gaps between triangles.
+  bool dense() const { return dense_; }
   int index_bytes() const { return type_ == Type::uint32 || type_ == Type::int32 ? 4 : 8; }
   /// The triangles as they are where they lie as Triangle do; else nothing.
   std::optional<std::span<const Triangle>> packed() const {
@@ -182,6 +200,7 @@ class TriangleArray {
   std::size_t count_ = 0;
   std::ptrdiff_t stride_ = sizeof(Triangle);
   Type type_ = Type::uint32;
+  bool dense_ = true;  // 32 bits, unsigned, without gaps
 };
 
 /// Somebody else's mesh. Open, nonmanifold, self-intersecting and unoriented meshes, degenerate and duplicate triangles
@@ -194,10 +213,9 @@ struct MeshView {
 
   /// Requires a triangle of a valid mesh, and k in 0 to 2.
   Vec3 corner(std::size_t triangle, int k) const {
-    if (triangles.type() != TriangleArray::Type::uint32)
-      return vertices[static_cast<std::size_t>(triangles.index(triangle, k))];
+    if (!triangles.dense()) return vertices[static_cast<std::size_t>(triangles.index(triangle, k))];
     std::uint32_t vertex;
-    std::memcpy(&vertex, triangles.data() + static_cast<std::ptrdiff_t>(triangle) * triangles.stride() + 4 * k, 4);
+    std::memcpy(&vertex, triangles.data() + triangle * sizeof(Triangle) + 4 * static_cast<std::size_t>(k), 4);
     return vertices[vertex];
   }
 };

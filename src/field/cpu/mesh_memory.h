@@ -24,6 +24,7 @@ struct MeshMemory {
   std::ptrdiff_t triangle_stride;
   std::ptrdiff_t index_bytes;
   Numbers numbers;
+  bool dense;  ///< aligned doubles and 32-bit indices, without gaps: no stride has to be looked up
 };
 
 /// Requires a valid mesh.
@@ -33,19 +34,26 @@ inline MeshMemory memory_of(const MeshView& mesh) {
       reinterpret_cast<std::uintptr_t>(mesh.vertices.data()) | static_cast<std::uintptr_t>(mesh.vertices.stride());
   const bool floats = mesh.vertices.type() == VertexArray::Type::float32;
   const int index_bytes = mesh.triangles.index_bytes();
+  const bool aligned = misaligned % alignof(double) == 0;
   return {mesh.vertices.data(),
           mesh.vertices.stride(),
           mesh.triangles.data() + (std::endian::native == std::endian::big ? index_bytes - 4 : 0),
           mesh.triangles.stride(),
           index_bytes,
-          floats                              ? Numbers::floats
-          : misaligned % alignof(double) != 0 ? Numbers::unaligned_doubles
-                                              : Numbers::doubles};
+          floats     ? Numbers::floats
+          : !aligned ? Numbers::unaligned_doubles
+                     : Numbers::doubles,
+          aligned && mesh.vertices.dense() && mesh.triangles.dense()};
 }
 
-/// A corner's coordinates: where they lie, or in `room`.
+/// A corner's coordinates: where they lie, or in `room`. kDense requires mesh.dense.
+template <bool kDense>
 STANDOFF_INLINE const double* corner_of(const MeshMemory& mesh, std::uint32_t triangle, int which, double* room) {
   std::uint32_t vertex;
+  if (kDense) {
+    __builtin_memcpy(&vertex, mesh.triangles + 12 * std::size_t{triangle} + 4 * static_cast<std::size_t>(which), 4);
+    return reinterpret_cast<const double*>(mesh.vertices + 24 * std::size_t{vertex});
+  }
   __builtin_memcpy(&vertex, mesh.triangles + std::ptrdiff_t{triangle} * mesh.triangle_stride + which * mesh.index_bytes,
                    4);
   const std::byte* const at = mesh.vertices + std::ptrdiff_t{vertex} * mesh.vertex_stride;

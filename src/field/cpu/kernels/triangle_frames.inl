@@ -15,19 +15,30 @@ struct Group {
   alignas(64) std::uint32_t index[kLanes];
 };
 
-// Loads the triangles refs[first], refs[first + 1], ...; past the end the last one again, which changes nothing.
-STANDOFF_INLINE void load_group(const Lattice& lattice, const Brick& brick, const Candidates& c, std::int64_t first,
-                                Group& group) {
-  alignas(64) float rows[3][kLanes][4];
+// The corners of the triangles refs[first], refs[first + 1], ..., corner by corner and lane by lane.
+using CornerRows = float[3][kLanes][4];
+template <bool kDense>
+STANDOFF_INLINE void load_corners(const Lattice& lattice, const Brick& brick, const Candidates& c, std::int64_t first,
+                                  CornerRows& rows, Group& group) {
   for (int lane = 0; lane < kLanes; ++lane) {
     const std::int64_t n = first + lane < c.count ? first + lane : c.count - 1;
     const std::uint32_t index = c.refs[n];
     group.index[lane] = index;
     for (int which = 0; which < 3; ++which) {
       double room[3];
-      store_local(rows[which][lane], corner_of(c.mesh, index, which, room), lattice.scale, brick.center);
+      store_local(rows[which][lane], corner_of<kDense>(c.mesh, index, which, room), lattice.scale, brick.center);
     }
   }
+}
+
+// Loads the triangles refs[first], refs[first + 1], ...; past the end the last one again, which changes nothing.
+STANDOFF_INLINE void load_group(const Lattice& lattice, const Brick& brick, const Candidates& c, std::int64_t first,
+                                Group& group) {
+  alignas(64) CornerRows rows;
+  if (c.mesh.dense)
+    load_corners<true>(lattice, brick, c, first, rows, group);
+  else
+    load_corners<false>(lattice, brick, c, first, rows, group);
   for (int which = 0; which < 3; ++which)
     group.corner[which] = {load_column(rows[which], 0), load_column(rows[which], 1), load_column(rows[which], 2)};
 }
@@ -101,7 +112,7 @@ STANDOFF_INLINE TriangleFrame<double> double_frame(const Lattice& lattice, const
   Triple<double> corner[3];
   for (int which = 0; which < 3; ++which) {
     double room[3];
-    const double* v = corner_of(c.mesh, index, which, room);
+    const double* v = corner_of<false>(c.mesh, index, which, room);
     corner[which] = {standoff::fma(v[0], lattice.scale, -brick.center[0]),
                      standoff::fma(v[1], lattice.scale, -brick.center[1]),
                      standoff::fma(v[2], lattice.scale, -brick.center[2])};
