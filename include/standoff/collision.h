@@ -29,19 +29,19 @@ struct ModelAccess;
 }  // namespace collision
 
 struct ModelOptions {
-  double spacing = 0;        ///< of the model's field, world units; 0: chosen from the mesh
-  Execution execution = {};  ///< of the building: its fields may come from a GPU
+  double spacing = 0;        ///< of the model's fine field, world units; 0: chosen from the mesh
+  Execution execution = {};  ///< where the model is built; its fields may be computed on a GPU
 };
 
-/// What queries need of a body, built once: a sparse distance field near the surface, a coarse one around it, and a
-/// bounding volume hierarchy (BVH) of the triangles. Copies share the data and are cheap; a model that was moved from
+/// A body prepared for queries: its mesh, a sparse distance field near the surface, a coarse one around it, and a
+/// bounding volume hierarchy (BVH) of the triangles. Copies share the data and are cheap. A model that was moved from
 /// stays usable. Safe to use from many threads.
 class CollisionModel {
  public:
-  /// Errors: input (mesh; larger than 1e12 or smaller than 1e-12, or past 1e15), usage (options), limit (a field of too
-  /// many samples).
+  /// Copies the mesh and builds fields and BVH. Errors: input (an invalid mesh; its size outside 1e-12 to 1e12, or a
+  /// coordinate beyond 1e15), usage (options), limit (memory, or a field of too many samples).
   explicit CollisionModel(MeshView mesh, const ModelOptions& options = {});
-  // No moves: they would leave a model of nothing behind.
+  // No moves: they would leave an empty model behind.
   CollisionModel(const CollisionModel&) = default;
   CollisionModel& operator=(const CollisionModel&) = default;
   ~CollisionModel() = default;
@@ -49,16 +49,15 @@ class CollisionModel {
   /// The mesh the model was built from.
   MeshView mesh() const;
   Box bounds() const;
-  /// The samples of its field, and how far from the surface that field reaches; world units.
+  /// The grid of the fine field, and its thickness; world units.
   Grid grid() const;
   double band() const;
-  /// The memory that the model's arrays take: mesh, fields and BVH, in bytes. Copies of the model share it; copies on
-  /// GPUs are not counted.
+  /// Bytes of the model's arrays: mesh, fields and BVH. Copies of the model share them. Copies on GPUs do not count.
   std::int64_t memory_bytes() const;
 
   /// Writes the model; the file appears whole or not at all. Errors: output.
   void save(const std::filesystem::path& path, Existing existing = Existing::replace) const;
-  /// Reads a model that save() wrote. Errors: input, for anything else and for damaged files.
+  /// Reads a model that save() wrote. Errors: input, for damaged and other files; limit.
   static CollisionModel load(const std::filesystem::path& path);
 
  private:
@@ -68,8 +67,8 @@ class CollisionModel {
 };
 
 enum class CollideMode {
-  exact,      ///< free or hit; triangles decide where the field cannot
-  certified,  ///< from the field alone: free, hit (only where the margin is positive) or ambiguous
+  exact,      ///< free or hit; triangles decide where the fields cannot
+  certified,  ///< from the fields alone: free, hit (only with a positive margin) or ambiguous
 };
 
 enum class Verdict { free, hit, ambiguous };
@@ -94,35 +93,36 @@ CollisionResult collide(const CollisionModel& a, const Pose& pose_a, const Colli
                         const CollideOptions& options = {});
 
 struct DistanceOptions {
-  double tolerance = 0;  ///< upper - lower may be this large, beside rounding; world units
-  double limit = std::numeric_limits<double>::infinity();  ///< nothing farther than this is searched for
+  double tolerance = 0;  ///< how large upper - lower may be, besides rounding; world units, not negative
+  double limit = std::numeric_limits<double>::infinity();  ///< the search stops at this distance; world units
 };
 
 struct DistanceResult {
-  double lower = 0;  ///< the distance is at least this; 0 where the bodies touch
-  double upper = 0;  ///< and at most this: that of the two points; infinite where nothing lies within the limit
+  double lower = 0;  ///< the distance is at least this; 0 if the bodies intersect
+  double upper = 0;  ///< the distance of the two points; infinite if the bodies are farther apart than the limit
   Vec3 point_a;      ///< on a's surface, in the world
-  Vec3 point_b;      ///< on b's
+  Vec3 point_b;      ///< on b's surface
   std::uint32_t triangle_a = kNoTriangle;
   std::uint32_t triangle_b = kNoTriangle;
 };
 
-/// The least distance between the surfaces (docs/distance.md). `lower` is within `tolerance` and 1e-6 * (size of the
-/// bodies) of `upper`; where the tolerance is 0, `upper` itself is the least distance of all pairs of triangles, within
-/// 32 * 2^-53 of the longest side of the box around the pair.
+/// The least distance between the surfaces (docs/distance.md). upper - lower <= tolerance + 1e-6 * (size of
+/// the bodies). With tolerance 0, `upper` is the least distance of all pairs of triangles, within 32 * 2^-53 of the
+/// longest side of the box around the pair. Errors: as collide.
 DistanceResult distance(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
                         const DistanceOptions& options = {});
 
 struct ContactOptions {
-  std::int64_t most = 100;  ///< contacts to report, at least 1
-  double margin = 0;        ///< pairs within this distance are contacts too
+  std::int64_t most = 100;  ///< how many contacts to report at most; at least 1
+  double margin = 0;        ///< pairs within this distance are contacts too; world units
 };
 
-/// Two triangles that intersect, of any shape. Point and depth err by at most 1e-9 of their extent.
+/// A contact: two triangles that intersect or are within the margin. Point and depth err by at most 1e-9 of the
+/// triangles' extent, for every shape of triangle.
 struct ContactPoint {
   Vec3 point;   ///< in the world: the middle of the segment both share, or of the shortest segment between them
   Vec3 normal;  ///< unit length, from a to b
-  /// How far b has to move along `normal` until this pair is separated; minus their distance where it is.
+  /// How far b must move along `normal` to separate this pair; if it is separated, minus its distance. World units.
   double depth = 0;
   std::uint32_t triangle_a = 0;
   std::uint32_t triangle_b = 0;
@@ -130,11 +130,11 @@ struct ContactPoint {
 
 struct ContactResult {
   std::vector<ContactPoint> contacts;
-  /// There are more pairs than `contacts` holds; what it holds is then spread over the contact area.
+  /// True if there are more pairs than `contacts` holds; these are then spread over the contact area.
   bool overflow = false;
 };
 
-/// Where the surfaces intersect (docs/contacts.md).
+/// The pairs of triangles that intersect or are within the margin (docs/contacts.md). Errors: as collide; limit.
 ContactResult contacts(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
                        const ContactOptions& options = {});
 
@@ -150,13 +150,14 @@ struct RigidMotion {
 Pose pose_at(const RigidMotion& motion, double t);
 
 struct SweepOptions {
-  /// Surfaces within this distance count as touching; world units, not negative. 0: automatic_tolerance(a, b). At least
-  /// 2^-48 of the coordinates of poses, meshes and motions: rounding moves bodies by that.
+  /// Surfaces within this distance count as touching; world units, not negative. 0: automatic_tolerance(a, b). A
+  /// tolerance below 2^-48 of the coordinates of poses, meshes and motions counts as that: rounding moves bodies so
+  /// far.
   double tolerance = 0;
 };
 
-/// The tolerance of a sweep that names none: 2^-15 (3e-5) of the longest side of the smaller body's box, but no less
-/// than 2^-40 (1e-12) of the larger body's. Bodies of size 3 get 1e-4.
+/// The default tolerance of a sweep: 2^-15 (3e-5) of the longest side of the smaller body's box, but at least 2^-40
+/// (1e-12) of the larger body's. For bodies of size 3 this is 1e-4. World units.
 double automatic_tolerance(const CollisionModel& a, const CollisionModel& b);
 
 struct SweepResult {
@@ -165,44 +166,45 @@ struct SweepResult {
   double time = 1;
   std::uint32_t triangle_a = kNoTriangle;
   std::uint32_t triangle_b = kNoTriangle;
-  Vec3 point;   ///< of contact, in the world
-  Vec3 normal;  ///< unit length, from a to b; zero where the bodies touch at the start
+  Vec3 point;   ///< where they touch at `time`, in the world
+  Vec3 normal;  ///< unit length, from a to b; zero if the bodies intersect at the start
 };
 
-/// When b, in motion, first touches a, which rests (docs/sweep.md): conservative advancement. Never free where the
-/// bodies touch on the motion, at any speed; a hit may be reported where they pass within the tolerance. If they start
-/// closer than the tolerance without touching, separating motion is not a hit. Errors: usage, also for motions some
-/// 1e14 times as long as the bodies, where rounding hides the path.
+/// When the moving body b first touches the resting body a, by conservative advancement (docs/sweep.md). If the bodies
+/// touch during the motion, the result is a hit, at any speed. If they pass within the tolerance without touching, it
+/// may be a hit. If they start closer than the tolerance without touching, separating motion is not a hit. Errors: as
+/// collide; usage also for motions some 1e14 times as long as the bodies, where rounding hides the path.
 SweepResult sweep(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const RigidMotion& motion,
                   const SweepOptions& options = {});
 
-/// What a batch did.
+/// How a batch was answered.
 struct BatchReport {
   std::string backend;         ///< "cpu", "cuda" or "emulated"
   std::string device;          ///< the GPU's name
   std::int64_t on_device = 0;  ///< queries that the device decided; the CPU decided the others
-  /// Of these, those that the device could not decide: rounding hid the answer, or a sweep is not certainly free.
+  /// Queries left to the CPU because the device could not decide them: rounding hid the answer, or a sweep is not
+  /// certainly free.
   std::int64_t undecided = 0;
-  std::int64_t overflowed = 0;  ///< and those for which its lists were too short
+  std::int64_t overflowed = 0;  ///< queries left to the CPU because the device's lists were too short
 };
 
-/// The same for many poses of b. The same verdicts in the same order, wherever they are computed. A GPU keeps what it
-/// needs of the bodies for as long as they live; of several pairs of triangles that touch it may report another one.
-/// Certified answers come from the CPU alone. Errors: as collide, and usage (execution, certified answers from a GPU),
-/// device (none there, or it failed), limit (too little memory on it).
+/// collide() for many poses of b, in their order. Verdicts do not depend on the backend; a GPU may report another of
+/// several intersecting pairs of triangles. A GPU keeps its copies of the models until they are destroyed. Certified
+/// queries run on the CPU only. Errors: as collide; usage also for `execution` and for certified queries on a GPU;
+/// device (no GPU, or it failed); limit (too little memory on it).
 std::vector<CollisionResult> collide_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
                                          std::span<const Pose> poses_b, const CollideOptions& options = {},
                                          const Execution& execution = {}, BatchReport* report = nullptr);
-/// The same for many poses, on the CPU: other backends are Error{usage}.
+/// distance() for many poses of b, in their order. Runs on the CPU; other backends are Error{usage}.
 std::vector<DistanceResult> distance_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
                                          std::span<const Pose> poses_b, const DistanceOptions& options = {},
                                          const Execution& execution = {});
-/// The same for many poses, on the CPU: other backends are Error{usage}.
+/// contacts() for many poses of b, in their order. Runs on the CPU; other backends are Error{usage}.
 std::vector<ContactResult> contacts_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
                                         std::span<const Pose> poses_b, const ContactOptions& options = {},
                                         const Execution& execution = {});
-/// The same for many motions. A GPU finds those that are certainly free; the CPU sweeps the others. Errors: as sweep,
-/// and usage (execution), device, limit.
+/// sweep() for many motions, in their order. A GPU finds motions that are certainly free; the CPU sweeps the others, so
+/// results do not depend on the backend. Errors: as sweep; usage also for `execution`; device, limit.
 std::vector<SweepResult> sweep_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
                                    std::span<const RigidMotion> motions, const SweepOptions& options = {},
                                    const Execution& execution = {}, BatchReport* report = nullptr);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From a mesh and a grid to a distance field.
+// Computes distance fields of meshes.
 #pragma once
 
 #include <cstdint>
@@ -24,9 +24,9 @@ enum class Method {
 /// Which triangles may be left out before any distance is computed (docs/skip.md).
 struct SkipRule {
   enum class Kind {
-    automatic,  ///< what the method wants: none for tiles, neighbour(1) for thesis
+    automatic,  ///< the method's default: none for tiles, neighbour(1) for thesis
     none,       ///< keep all
-    neighbour,  ///< the thesis: drop a triangle whose grown box lies inside its predecessor's or successor's
+    neighbour,  ///< the thesis's rule: drop a triangle whose grown box lies inside its predecessor's or successor's
     exact,      ///< drop only triangles that provably change no sample
   };
   Kind kind = Kind::automatic;
@@ -39,8 +39,8 @@ struct ComputeOptions {
   Execution execution = {};
   std::int64_t memory_limit = 0;  ///< bytes of output and scratch together; 0: no limit
   bool nearest_triangle = false;  ///< also store the nearest triangle's index per band sample, lowest on ties
-  /// Also hash the mesh into the field's provenance, by which verify() and readers of its file can tell that a mesh is
-  /// another one. A pass over the mesh, little beside the field; compute_into dense memory keeps no provenance.
+  /// Also store the mesh's hash in the field's provenance, so that verify() and readers of its file can detect another
+  /// mesh. Costs one pass over the mesh. compute_into dense memory stores no provenance.
   bool hash_mesh = true;
   ProgressCallback progress = {};
 };
@@ -60,7 +60,7 @@ struct ComputeReport {
   std::int64_t tiles_stored = 0;      ///< tiles with a band sample; 0 from compute_into, which stores none
   struct Seconds {
     double prepare = 0;  ///< validation, skip rule
-    double compute = 0;  ///< the backend's work, and from compute the mesh's hash
+    double compute = 0;  ///< the backend's work; and the mesh's hash, where it is computed
   } seconds;
 };
 
@@ -69,16 +69,17 @@ struct ComputeResult {
   ComputeReport report;
 };
 
-/// Computes the field of `mesh` on `grid`. `thickness` is half the width of the band in world units, positive:
-/// distances beyond it are stored as the thickness; kFullField stores them all. For every valid mesh within 2^30
-/// spacings of the grid `tiles` promises |value - d| <= 1e-6 * (d + 16 * max spacing) + 4 * epsilon * C against double
-/// precision, and the same bits for any number of threads. Here d is min(distance, thickness), epsilon that of double,
-/// and C the largest coordinate of the grid in magnitude: allowed_error() of standoff/verify.h. Errors: usage (options,
-/// thickness or grid), input (mesh), limit (memory, sizes, distance of the mesh from the grid), device, interrupted.
+/// Computes the field of `mesh` on `grid`. `thickness` is half the width of the band in world units, positive: larger
+/// distances are stored as the thickness. kFullField stores all distances. For every valid mesh within 2^30 spacings
+/// of the grid, `tiles` guarantees |value - d| <= 1e-6 * (d + 16 * max spacing) + 4 * epsilon * C against double
+/// precision, and the same bits for any number of threads. Here d is min(distance, thickness), epsilon is 2^-52, and C
+/// is the largest coordinate of the grid in magnitude. allowed_error() of standoff/verify.h computes the bound. Errors:
+/// usage (options, thickness or grid), input (mesh), limit (memory, sizes, distance of the mesh from the grid), device,
+/// interrupted.
 ComputeResult compute(MeshView mesh, const Grid& grid, double thickness, const ComputeOptions& options = {});
 
-/// The same into the caller's memory: one value per sample, x fastest; every element is written, whatever it held.
-/// `nearest` is either empty or as long as `values`. Errors: as compute, and usage when a length is wrong.
+/// Like compute(), into the caller's memory: one value per sample, x fastest. Every element is written. `nearest` is
+/// either empty or as long as `values`. Errors: as compute; usage also for a wrong length.
 ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickness, std::span<float> values,
                            std::span<std::uint32_t> nearest, const ComputeOptions& options = {});
 inline ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickness, std::span<float> values,
@@ -86,20 +87,20 @@ inline ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickn
   return compute_into(mesh, grid, thickness, values, {}, options);
 }
 
-/// The same into an existing field, whatever it holds; the memory of its tiles is reused, unless there is a memory
-/// limit. Use it when computing many fields: allocation can take a third of a thin band's time.
-/// `grid` may be the field's own. Errors: as compute; the field is then as it was, or empty.
+/// Like compute(), into an existing field, whose content is replaced. The memory of its tiles is reused, unless there
+/// is a memory limit. Use it when computing many fields: allocation can take a third of a thin band's time. `grid` may
+/// be the field's own. Errors: as compute; the field is then unchanged or empty.
 ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickness, DistanceField& field,
                            const ComputeOptions& options = {});
 
-/// Bytes that compute (dense = false) or compute_into (dense = true) may need, and hold against the memory limit: an
-/// upper bound (docs/tiles.md, Memory). No tile is counted that no triangle's box, grown by the thickness, reaches; nor
-/// is the mesh. Takes one pass over the triangles. Errors: usage (grid, thickness, options), input (mesh), limit
+/// An upper bound of the bytes that compute (dense = false) or compute_into (dense = true) needs besides the mesh. They
+/// compare it with the memory limit (docs/tiles.md, Memory). Only tiles that the grown box of some triangle intersects
+/// are counted. Takes one pass over the triangles. Errors: usage (grid, thickness, options), input (mesh), limit
 /// (mesh), device.
 std::int64_t memory_needed(MeshView mesh, const Grid& grid, double thickness, const ComputeOptions& options = {},
                            bool dense = false);
-/// The same for whatever mesh of so many triangles, 1 to kMaxTriangles: a sparse field may store every tile of the
-/// grid. More than 2^62 bytes are told as 2^62.
+/// The same bound for any mesh of `triangles` triangles, 1 to kMaxTriangles: every tile of the grid is counted. At most
+/// 2^62.
 std::int64_t memory_needed(std::int64_t triangles, const Grid& grid, double thickness,
                            const ComputeOptions& options = {}, bool dense = false);
 

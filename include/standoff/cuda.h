@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Distance fields for those who live on the GPU: mesh, workspace and output in device memory, on the caller's stream.
+// Distance fields from and to device memory, asynchronously on the caller's CUDA stream (docs/cuda.md).
 //
-// Nothing here allocates, waits for the GPU or reads from it, so that calls can be captured into a CUDA graph. For host
-// memory use compute() with Execution::backend = Backend::cuda, which is built on this. See docs/cuda.md.
+// enqueue() neither allocates nor waits for the GPU nor reads from it, so that calls can be captured into a CUDA graph.
+// For host memory use compute() with Execution::backend = Backend::cuda, which is built on this.
 #pragma once
 
 #include <cstdint>
@@ -43,18 +43,18 @@ struct DeviceOutput {
   float* values = nullptr;
   std::uint32_t* nearest = nullptr;  ///< as long as values, or null where nearest triangles are not wanted
   std::int32_t* slots = nullptr;
-  std::int64_t slot_capacity = 0;  ///< sparse: how many tiles `values` has room for
+  std::int64_t slot_capacity = 0;  ///< sparse: how many tiles `values` can hold
 };
 
-/// What happened, in device memory; written by enqueue's work. Copy it back when it suits you.
+/// The result of enqueue's work, which writes it to device memory. Copy it to the host and call check().
 struct Outcome {
   static constexpr unsigned long long kNone = ~0ull;
-  unsigned long long stopped;       ///< not 0: something below is wrong, and the output was not written
+  unsigned long long stopped;       ///< not 0: the task failed, and the output was not written
   unsigned long long bad_triangle;  ///< the first triangle with an index out of range or a corner not finite, or kNone
-  unsigned long long needed_entries;    ///< triangle list entries needed; where too few were given, so far. kNone where
-                                        ///< the mesh was seen to change meanwhile
+  unsigned long long needed_entries;    ///< triangle list entries needed; a lower bound if too few were given. kNone if
+                                        ///< the mesh changed during the work
   unsigned long long needed_slots;      ///< tiles that may have to be stored (sparse output)
-  unsigned long long samples_examined;  ///< as in Report
+  unsigned long long samples_examined;  ///< as in ComputeReport
   unsigned long long samples_band;
 };
 
@@ -68,30 +68,30 @@ struct Task {
   Outcome* outcome = nullptr;
 };
 
-/// Room for triangle lists that most meshes of this size get by with. A guess: what is really needed stands in the
-/// Outcome, and no guess gives a wrong field.
+/// An estimate of the list entries that suffices for most meshes of this size. Outcome::needed_entries gives the true
+/// number. Too small an estimate never gives a wrong field. Errors: usage (grid, thickness).
 std::int64_t likely_entries(std::int64_t triangles, const Grid& grid, double thickness, Method method = Method::tiles);
 
-/// Bytes of device memory that enqueue wants for a mesh of at most `triangles` used triangles with room for `entries`
-/// list entries.
+/// Bytes of device memory that enqueue needs for a mesh of at most `triangles` used triangles and `entries` list
+/// entries.
 std::int64_t workspace_bytes(std::int64_t triangles, const Grid& grid, double thickness, Method method,
                              std::int64_t entries);
 
 /// Puts the computation on the stream and returns. `workspace` (device memory, 256-byte aligned) is in use until the
-/// work is done; its content before and after means nothing. Mesh and output must stay as they are until then. The
-/// field is the one that compute() gives. Errors: usage (grid, thickness, null pointers, too small a workspace: it says
-/// how large), device.
+/// work is done; its content before does not matter, and after is undefined. Mesh and output must not change until
+/// then. The field has the bits that compute() gives. Errors: usage (grid, thickness, null pointers, too small a
+/// workspace: it says how large), device.
 void enqueue(const Task& task, void* workspace, std::int64_t bytes, Stream stream);
 
-/// Several fields, one after the other on the stream, through one workspace that is large enough for each. Where a task
-/// is refused, none is put on the stream.
+/// Several fields, one after the other on the stream, through one workspace that is large enough for each. If a task is
+/// invalid, none is put on the stream. Errors: as above.
 void enqueue(std::span<const Task> tasks, void* workspace, std::int64_t bytes, Stream stream);
 
-/// Throws what the outcome (copied to the host) says: Error{input} for a bad triangle, or a mesh that changed
-/// meanwhile, Error{limit} for too little room. Returns where all is well.
+/// Throws if the task failed. `outcome` is a copy in host memory. Error{input}: a bad triangle, or the mesh changed
+/// during the work. Error{limit}: too few list entries or slots.
 void check(const Outcome& outcome, const Task& task);
 
-/// A GPU, or why there is none.
+/// A GPU.
 struct DeviceInfo {
   std::string name;
   int major = 0, minor = 0;  ///< compute capability
@@ -101,7 +101,7 @@ struct DeviceInfo {
 /// The GPUs, in CUDA's order; the name of one that is too old for this build says so. Empty without a driver, a GPU
 /// that standoff can use, or CUDA in this build.
 std::vector<DeviceInfo> devices();
-/// In a sentence: why devices() is empty, or an empty text.
+/// A sentence that says why devices() is empty; empty if it is not.
 std::string why_no_device();
 
 }  // namespace standoff::cuda

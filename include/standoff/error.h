@@ -14,7 +14,7 @@ namespace standoff {
 /// What kind of thing went wrong. The values are the exit codes of the `standoff` program.
 enum class ErrorCode {
   internal = 1,       ///< a bug in standoff
-  usage = 2,          ///< arguments or options that make no sense, alone or together
+  usage = 2,          ///< invalid arguments or options, alone or together
   input = 3,          ///< a file or mesh that cannot be used as it is
   output = 4,         ///< a file that cannot be written
   limit = 5,          ///< more memory, or a larger size, than is allowed
@@ -23,18 +23,18 @@ enum class ErrorCode {
   interrupted = 130,  ///< cancelled by the progress callback or a signal
 };
 
-/// What the message says in words, for programs: set where it is known.
+/// The data in an error's message, for programs. Each member is set if it is known.
 struct ErrorDetails {
   std::optional<std::int64_t> triangle = {};      ///< the first triangle of the mesh that cannot be used
-  std::optional<std::int64_t> bytes_needed = {};  ///< ErrorCode::limit: how much memory it may take
-  std::optional<std::int64_t> bytes_limit = {};   ///< and the limit, or what there is
+  std::optional<std::int64_t> bytes_needed = {};  ///< ErrorCode::limit: how much memory is needed
+  std::optional<std::int64_t> bytes_limit = {};   ///< ErrorCode::limit: the limit, or the memory there is
   std::string file = {};                          ///< the file that cannot be read or written; empty: none
   std::optional<std::int64_t> line = {};          ///< in that file, from 1
   std::optional<std::int64_t> byte = {};          ///< in that file, from 0
 };
 
-/// Thrown by every function of standoff that fails, and nothing else is, but for what the caller's own callbacks throw.
-/// The message says what, where, why and what to do next; for files it reads `FILE:WHERE: what; what to do`.
+/// The only exception that functions of standoff throw, except those of the caller's own callbacks. The message says
+/// what, where, why and what to do next; for files it reads `FILE:WHERE: what; what to do`.
 class Error : public std::runtime_error {
  public:
   Error(ErrorCode code, const std::string& message) : std::runtime_error(message), code_(code) {}

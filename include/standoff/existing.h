@@ -5,7 +5,7 @@
 namespace standoff {
 
 enum class Existing {
-  replace,  ///< the new file takes its place
+  replace,  ///< replace it
   keep,     ///< fail with Error{output} if the file exists or appears before the write completes; devices and pipes are
             ///< always written
 };

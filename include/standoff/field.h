@@ -20,7 +20,7 @@
 
 namespace standoff {
 
-/// Where a field came from; travels with it into every file format.
+/// Where a field came from. Every file format stores it.
 struct Provenance {
   std::string method;           ///< "tiles", "thesis", or empty when unknown
   std::uint64_t mesh_hash = 0;  ///< content_hash of the mesh, 0 when unknown
@@ -29,10 +29,9 @@ struct Provenance {
 
 class TilePool;
 
-/// The distance to the nearest triangle at every sample of a grid, clamped to the thickness; negative inside, where the
-/// field is signed. Samples are stored in tiles of 8x8x8. A tile is stored only where it is needed: all samples of a
-/// tile that is not stored have one value, background(), which is the thickness outside and -thickness deep inside.
-/// Moves are cheap; copies are deep.
+/// The distance to the nearest triangle at every sample of a grid, clamped to the thickness. In a signed field, samples
+/// inside are negative. Samples are stored in tiles of 8x8x8. All samples of a tile that is not stored have one value,
+/// background(): the thickness outside, -thickness deep inside. Moves are cheap; copies are deep.
 class DistanceField {
  public:
   static constexpr int kTileSide = 8;
@@ -48,20 +47,19 @@ class DistanceField {
   /// In slots(), a tile that is not stored: every sample is -thickness.
   static constexpr std::int32_t kInside = -2;
 
-  /// An empty field: one sample at the origin, infinitely far from everything, and no room for tiles. A field that was
-  /// moved from is the same.
+  /// An empty field: one sample at the origin, whose value is infinite. It cannot store tiles. A field that was moved
+  /// from is the same.
   DistanceField();
   /// A field without stored tiles: every value is `thickness` (world units, positive, may be infinite).
   /// `with_nearest` keeps a nearest-triangle index beside every stored sample.
   /// Errors: usage (grid, thickness), limit (memory, 2^31 tiles or more).
   DistanceField(const Grid& grid, double thickness, bool with_nearest = false);
-  /// Re-initialises like the constructor, but reuses the memory of the tiles there were: to get memory anew can take as
-  /// long as to fill it. Errors: as the constructor; when memory runs out, the field has no tiles and no room for any.
+  /// Re-initialises like the constructor, but reuses allocated tile memory: allocating it again can take as long as
+  /// filling it. Errors: as the constructor; if memory runs out, the field has no tiles and cannot store any.
   void reset(const Grid& grid, double thickness, bool with_nearest = false);
-  /// A field from one value per sample, x fastest. A tile is not stored where no sample has a nearest triangle and all
-  /// values are at least the thickness, or all at most -thickness. Without nearest triangles a distance that equals the
-  /// thickness cannot be told from a clamped one. Errors: as the constructor; usage when the number of values is not
-  /// the number of samples.
+  /// A field from one value per sample, x fastest. A tile is not stored if none of its samples has a nearest triangle,
+  /// and all values are at least the thickness or all at most -thickness. Without nearest triangles, a distance that
+  /// equals the thickness counts as clamped. Errors: as the constructor; usage unless there is one value per sample.
   static DistanceField from_dense(const Grid& grid, double thickness, std::span<const float> values,
                                   std::span<const std::uint32_t> nearest = {});
 
@@ -86,71 +84,70 @@ class DistanceField {
   /// Within (sqrt(3)/2) * spacing of the distance where no corner is clamped by the thickness (cubic cells).
   /// Errors: usage (not a number).
   double interpolate(Vec3 point) const;
-  /// The gradient of the trilinear interpolation, by its analytic derivative; zero along axes with one sample. Outside
-  /// the grid, that of the nearest point of the grid, from within: interpolate() itself does not change there along the
-  /// axes on which the point lies outside. Errors: usage (not a number).
+  /// The gradient of the trilinear interpolation at a point (world units), by its analytic derivative; zero along axes
+  /// with one sample. Outside the grid it is the one-sided gradient at the nearest point of the grid, not that of
+  /// interpolate(), which is constant there along the outward axes. Errors: usage (not a number).
   Vec3 gradient(Vec3 point) const;
-  /// The same at many points, on the CPU: out[n] is what points[n] gives alone. Errors: usage too for lengths that
-  /// differ and for an execution that makes no sense; nothing is promised about `out` then.
+  /// The same at many points, on the CPU: out[n] is the result for points[n]. Errors: usage, also if the lengths differ
+  /// or `execution` is invalid; `out` is then unspecified.
   void interpolate(std::span<const Vec3> points, std::span<double> out, const Execution& execution = {}) const;
   void gradient(std::span<const Vec3> points, std::span<Vec3> out, const Execution& execution = {}) const;
 
   /// Tiles per axis; the last ones may reach past the grid.
   Size3 tile_count() const;
   std::int64_t stored_tiles() const;
-  /// The values of a tile, or nothing where it is not stored: then all of them are background(). Errors: usage (not one
-  /// of tile_count()).
+  /// The values of a tile; nullopt if it is not stored: all its values are then background(). Errors: usage (no such
+  /// tile).
   std::optional<TileValues> tile(std::int64_t tx, std::int64_t ty, std::int64_t tz) const;
-  /// The nearest triangles of a tile, or nothing where it is not stored: then it has none. Errors: usage (not one of
-  /// tile_count(), or no nearest triangles).
+  /// The nearest triangles of a tile; nullopt if it is not stored. Errors: usage (no such tile, or a field without
+  /// nearest triangles).
   std::optional<TileNearest> tile_nearest(std::int64_t tx, std::int64_t ty, std::int64_t tz) const;
-  /// What every sample of a tile holds that is not stored: the thickness, or -thickness after mark_inside(). For a
-  /// stored tile the thickness, which its samples past the grid hold. Errors: usage (not one of tile_count()).
+  /// The value of every sample of a tile that is not stored: the thickness, or -thickness after mark_inside(). For a
+  /// stored tile it is the thickness, the value of its samples past the grid. Errors: usage (no such tile).
   float background(std::int64_t tx, std::int64_t ty, std::int64_t tz) const;
 
   /// A stored tile, in tiles().
   struct Tile {
-    std::int64_t index;                      ///< its place in slots()
-    Size3 at;                                ///< its place among the tiles; the first sample is 8 * at
+    std::int64_t index;                      ///< its index in slots()
+    Size3 at;                                ///< its index per axis; its first sample is 8 * at
     TileValues values;                       ///< x fastest
-    std::span<const std::uint32_t> nearest;  ///< 512, or none in a field without nearest triangles
+    std::span<const std::uint32_t> nearest;  ///< 512; empty in a field without nearest triangles
   };
   class TileRange;
-  /// The stored tiles, x fastest: for (const DistanceField::Tile& tile : field.tiles()). Valid until tiles are stored,
-  /// erased, or the field is changed otherwise.
+  /// The stored tiles, x fastest: for (const DistanceField::Tile& tile : field.tiles()). Valid until the field is
+  /// changed.
   TileRange tiles() const;
 
-  /// Stores a tile with undefined content and returns its values to fill in; they stay where they are until the tile is
-  /// erased, or the field reset or destroyed. Safe to call from many threads for different tiles. Errors: usage, when
-  /// the tile is stored already or not one of tile_count(), and when the field is empty; limit, when memory runs out:
-  /// the field is then as it was.
+  /// Stores a tile with undefined content and returns its values, to be written by the caller. The span is valid until
+  /// a tile is erased, or the field is reset or destroyed. Safe to call from many threads for different tiles. Errors:
+  /// usage (the tile is stored already, no such tile, or an empty field); limit (memory): the field is then unchanged.
   std::span<float, kTileSamples> store_tile(std::int64_t tx, std::int64_t ty, std::int64_t tz);
-  /// The indices of a stored tile to fill in. Errors: usage, when it is not stored, and without nearest triangles.
+  /// The nearest triangles of a stored tile, to be written by the caller. Errors: usage (the tile is not stored, or a
+  /// field without nearest triangles).
   std::span<std::uint32_t, kTileSamples> store_nearest(std::int64_t tx, std::int64_t ty, std::int64_t tz);
   /// Makes -thickness the background() of a tile that is not stored. Safe to call from many threads for different
-  /// tiles. Errors: usage, when the tile is stored or not one of tile_count(), and when the field is empty.
+  /// tiles. Errors: usage (the tile is stored, no such tile, or an empty field).
   void mark_inside(std::int64_t tx, std::int64_t ty, std::int64_t tz);
-  /// Forgets a stored tile; its background is then the thickness. The tile of the last slot moves into the slot that is
-  /// free now, so that spans of its values are no longer valid. Takes a pass over slots(). Errors: usage, when it is
-  /// not stored.
+  /// Removes a stored tile; its background() is then the thickness. The tile in the last slot moves into the free slot,
+  /// which invalidates spans of its values. Takes one pass over slots(). Errors: usage (the tile is not stored).
   void erase_tile(std::int64_t tx, std::int64_t ty, std::int64_t tz);
 
   /// The stored tiles as flat arrays, without a copy. slots() has an entry per tile of the grid, x fastest: its slot,
-  /// or kOutside or kInside where it is not stored. The values of a tile begin at 512 * slot in tile_values(), and its
+  /// or kOutside or kInside if it is not stored. The values of a tile begin at 512 * slot in tile_values(), and its
   /// nearest triangles at 512 * slot in tile_nearest_values(). Slots are 0 to stored_tiles() - 1, in the order in which
   /// tiles were stored, which may differ from run to run. cuda::DeviceOutput has the same layout. The spans are valid
-  /// until tiles are stored, erased, or the field is changed otherwise.
+  /// until the field is changed.
   std::span<const std::int32_t> slots() const { return slots_; }
   std::span<const float> tile_values() const;
   /// Errors: usage (no nearest triangles).
   std::span<const std::uint32_t> tile_nearest_values() const;
-  /// Per slot, the tile's place among the tiles (x, y, z). Takes a pass over slots(). Errors: limit.
+  /// Per slot, the tile's index along x, y and z. Takes one pass over slots(). Errors: limit.
   std::vector<std::array<std::int32_t, 3>> tile_coordinates() const;
 
   /// Writes the dense values of the slices k in [first, first + count), x fastest.
-  /// Errors: usage, for slices there are not, and unless out.size() == size.x * size.y * count.
+  /// Errors: usage (slices outside the grid, or out.size() != size.x * size.y * count).
   void copy_slices(std::int64_t first, std::int64_t count, std::span<float> out) const;
-  /// The same with nearest triangles. Errors: usage too without nearest triangles.
+  /// The same for nearest triangles. Errors: usage, also for a field without nearest triangles.
   void copy_nearest_slices(std::int64_t first, std::int64_t count, std::span<std::uint32_t> out) const;
   /// All values, x fastest. Errors: limit.
   std::vector<float> to_dense() const;

@@ -10,7 +10,7 @@
 
 namespace standoff {
 
-/// Sample (i,j,k), 0 <= i < size.x and so on, sits at origin + spacing * (i,j,k). x varies fastest in memory.
+/// Sample (i,j,k), 0 <= i < size.x and so on, is at origin + spacing * (i,j,k). x varies fastest in memory.
 struct Grid {
   Size3 size;                ///< samples per axis, each at least 1
   Vec3 origin;               ///< position of sample (0,0,0), world units
@@ -29,41 +29,41 @@ struct Grid {
   double max_spacing() const { return std::max({spacing.x, spacing.y, spacing.z}); }
 };
 
-/// Throws Error{usage} unless sizes and spacings are positive, spacings, origin and extent finite, and Error{limit}
-/// where a side is of more than 2^40 samples or all of them are more than 2^62. The helpers below check their grids so.
+/// Throws Error{usage} unless sizes and spacings are positive, and spacings, origin and extent finite; Error{limit} if
+/// a side has more than 2^40 samples or the grid more than 2^62. The helpers below validate their grids.
 void validate(const Grid& grid);
 
-/// The thickness of a full field, in which every sample is a distance: the dearest field there is.
+/// The thickness of a full field, in which no value is clamped. No field takes longer to compute.
 inline constexpr double kFullField = std::numeric_limits<double>::infinity();
 
-/// Samples along the longest side when nothing else is said.
+/// The default number of samples along the longest side.
 inline constexpr std::int64_t kDefaultSamples = 256;
 
 /// How far a grid reaches beyond the box it is fitted to, on each side of each axis:
 /// max(least_samples, min(max(length, samples), most_share * the box's longest side)).
 struct Padding {
   double length = 0;         ///< world units
-  double samples = 0;        ///< samples of the grid itself
-  double least_samples = 2;  ///< where the grid has so many: for slices and surfaces that do not end at its faces
-  double most_share = std::numeric_limits<double>::infinity();  ///< a wider band is cut off
+  double samples = 0;        ///< in units of the grid's spacing
+  double least_samples = 2;  ///< so that slices and isosurfaces do not end at the grid's faces; less in tiny grids
+  double most_share = std::numeric_limits<double>::infinity();  ///< cuts off a wider band
 };
 
-/// The padding that a band wants: its thickness (world units), so that no sample nearer than the thickness is left out,
-/// and at least two samples. A full field (infinite) gets two samples. Errors: usage unless the thickness is positive.
+/// The padding for a narrow band: its thickness (world units), so that the grid holds the whole band, and at least two
+/// samples. For a full field: two samples. Errors: usage unless the thickness is positive.
 Padding padding_for(double thickness);
 
-/// Cubic cells, `samples` on the longest side of the padded box. The other sides get as many samples as cover it; the
-/// grid is centred on it. A box without extent gets spacing 1 where the padding has no length, and one sample without
-/// padding.
-/// Errors: usage when the box is empty, samples < 2, a member of the padding is negative or no number, or nothing is
-/// left for the box; limit when it takes more than 2^40 samples on a side.
+/// A grid of equal spacings with `samples` samples on the longest side of the padded box, centred on it. The other
+/// sides get as many samples as cover the box. A box without extent gets spacing 1 if the padding has no length, and
+/// one sample if there is no padding.
+/// Errors: usage (an empty box; samples < 2; a member of the padding that is negative or not a number; a padding that
+/// takes all samples), limit (more than 2^40 samples on a side).
 Grid fit_samples(const Box& box, std::int64_t samples, const Padding& padding);
-/// The same with padding_for(thickness): give the thickness of the field that is to be computed.
+/// The same with padding_for(thickness). `thickness` is that of the field to be computed.
 inline Grid fit_samples(const Box& box, std::int64_t samples = kDefaultSamples, double thickness = kFullField) {
   return fit_samples(box, samples, padding_for(thickness));
 }
 
-/// Cells of the given size, as many as cover the padded box, centred on it. Errors: as above.
+/// A grid of the given spacings, with as many samples as cover the padded box, centred on it. Errors: as above.
 Grid fit_spacing(const Box& box, Vec3 spacing, const Padding& padding);
 /// The same with padding_for(thickness).
 inline Grid fit_spacing(const Box& box, Vec3 spacing, double thickness = kFullField) {

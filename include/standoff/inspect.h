@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a mesh or a field holds, in numbers: for reports, and for a look at files before they are used.
+// Statistics of meshes and fields, for reports and for checking files before use.
 #pragma once
 
 #include <cstdint>
@@ -17,24 +17,24 @@ struct MeshSummary {
   std::int64_t boundary_edges = 0;     ///< edges of one triangle
   std::int64_t nonmanifold_edges = 0;  ///< edges of three triangles or more
 
-  /// Every edge has two triangles. Whether triangles cross each other, and which side they face, is not looked at.
+  /// Every edge has two triangles. Self-intersections and orientation are not checked.
   bool closed() const { return boundary_edges == 0 && nonmanifold_edges == 0; }
 };
 
-/// Counts what a mesh holds. Vertices are told apart by their index: where a file gives every triangle vertices of its
-/// own, every edge is a boundary. Triangles that name a vertex twice have no edges. Takes 36 bytes a triangle, and the
-/// time to sort three edges of each. Errors: those of validate(mesh); limit.
+/// Computes statistics of a mesh. Vertices are identified by index: if every triangle has its own vertices, every edge
+/// is a boundary. A triangle that names a vertex twice has no edges. Takes 36 bytes per triangle, and the time to sort
+/// three edges per triangle. Errors: those of validate(mesh); limit.
 MeshSummary inspect(MeshView mesh);
 
 struct FieldSummary {
-  double min = 0, max = 0;  ///< of the values in world units; NaN is left out; infinite where every value is NaN
-  std::int64_t band = 0;    ///< samples no farther than the thickness; see inspect
+  double min = 0, max = 0;  ///< of the values, world units, without NaN; infinite if every value is NaN
+  std::int64_t band = 0;    ///< samples in the band; see inspect
   std::int64_t nan = 0;     ///< samples that are not a number
 };
 
-/// Looks at every sample of a field, a slice at a time. A field with nearest triangles counts as its band the samples
-/// that have one, as compute() does. Without them it counts the samples nearer than the thickness: one whose value
-/// equals the thickness may have been clamped to it. Errors: limit.
+/// Computes statistics over every sample of a field, a slice at a time. If the field has nearest triangles, its band
+/// is the samples that have one, as in compute(). Otherwise it is the samples nearer than the thickness, because a
+/// value that equals the thickness may be clamped. Errors: limit.
 FieldSummary inspect(const DistanceField& field);
 
 }  // namespace standoff

@@ -32,28 +32,27 @@ struct MeshReadOptions {
   double scale = 1;  ///< vertices are multiplied by this (finite, positive)
 };
 
-/// What the file says of its coordinates, and what its reader did to them beside MeshReadOptions::scale. STL, PLY, OBJ,
-/// OFF and .mesh files are taken as they are.
+/// What a file says about its coordinates, and how its reader changed them besides MeshReadOptions::scale. Readers do
+/// not change the coordinates of STL, PLY, OBJ, OFF and .mesh files.
 struct MeshReadReport {
   std::string format;     ///< by its extension: "3ds"
-  bool unpacked = false;  ///< the file was packed by gzip
+  bool unpacked = false;  ///< the file was compressed by gzip
   double unit_scale = 1;  ///< coordinates were multiplied by this, for the file's unit
-  double metres_per_unit =
-      0;  ///< of the coordinates that were read, before the caller's scale; 0: the file does not say
-  /// Which axes of the file became x, y and z: 1, 2, 3 for its x, y, z, negative where the direction is turned round.
+  /// Metres per unit of the coordinates as read, before the caller's scale; 0: the file does not say.
+  double metres_per_unit = 0;
+  /// Which axes of the file became x, y and z: 1, 2, 3 for its x, y, z; negative if the direction was reversed.
   std::array<int, 3> axes{1, 2, 3};
 
   bool turned() const { return axes != std::array<int, 3>{1, 2, 3}; }
 };
 
-/// The report as sentences for people, without full stops; none where nothing was done and nothing is known.
+/// The report as English sentences without full stops; empty if nothing was done and nothing is known.
 std::vector<std::string> notes(const MeshReadReport& report);
 
-/// Reads a mesh; the format goes by the extension, or by content where no format has that extension. A file whose
-/// extension says one format and whose content another is an error. A file may be packed by gzip: mesh.obj.gz is OBJ.
-/// Equal vertices are welded exactly, polygons are triangulated. Errors: input, with `FILE:WHERE: what; what to do`;
-/// limit when memory runs out.
-/// A `report`, where one is given, says what was done to the file's coordinates.
+/// Reads a mesh. The extension decides the format; if no format has that extension, the content does. It is an error if
+/// extension and content contradict each other. A file may be compressed by gzip: mesh.obj.gz is OBJ. Equal vertices
+/// are welded exactly, and polygons are triangulated. `report`, unless null, receives what was done to the coordinates.
+/// Errors: input, with `FILE:WHERE: what; what to do`; limit (memory).
 Mesh read_mesh(const std::filesystem::path& path, const MeshReadOptions& options = {},
                MeshReadReport* report = nullptr);
 
@@ -61,11 +60,11 @@ Mesh read_mesh(const std::filesystem::path& path, const MeshReadOptions& options
 void write_mesh(const std::filesystem::path& path, MeshView mesh, Existing existing = Existing::replace);
 
 struct FieldReadOptions {
-  std::int64_t memory_limit = 0;  ///< most bytes the field may take, 0: no limit; looked at before they are taken
+  std::int64_t memory_limit = 0;  ///< bytes that the field may take; 0: no limit. Checked before allocation
 };
 
 /// Reads a field written by write_field: the same values, thickness, nearest triangles and provenance. Errors: input;
-/// limit, also when memory runs out.
+/// limit (memory_limit, or memory runs out).
 DistanceField read_field(const std::filesystem::path& path, const FieldReadOptions& options = {});
 
 /// Writes a field as .vti, .nrrd or .npz (docs/formats.md); the file appears whole or not at all. Values are never held

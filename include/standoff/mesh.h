@@ -11,10 +11,10 @@
 
 namespace standoff {
 
-/// The most triangles a mesh may have. An index of one fits in 32 bits, with room for a few marks.
+/// The largest number of triangles of a mesh. Indices fit into 32 bits, and a few values stay free for marks.
 inline constexpr std::uint64_t kMaxTriangles = 4'000'000'000;
 
-/// Stands for "no triangle" where an index is told: a sample farther than the thickness, a query without a hit.
+/// The index that means "no triangle": of a sample farther than the thickness, or of a query without a hit.
 inline constexpr std::uint32_t kNoTriangle = std::numeric_limits<std::uint32_t>::max();
 
 /// A mesh that owns its vertices (world units) and triangles.
@@ -26,9 +26,8 @@ struct Mesh {
 };
 
 /// Throws Error{input} that names the first triangle whose indices are out of range or whose corners are not finite,
-/// or says that there are no triangles; Error{usage} for arrays that are null but said not to be empty; and
-/// Error{limit} for more than kMaxTriangles triangles or 2^32 - 1 vertices. Vertices that no triangle uses are not
-/// looked at.
+/// or if there are no triangles; Error{usage} for null arrays whose size is not 0; Error{limit} for more than
+/// kMaxTriangles triangles or 2^32 - 1 vertices. Vertices that no triangle uses are not checked.
 void validate(MeshView mesh);
 
 /// The box of all corners of all triangles; empty for a mesh without triangles. Errors: input (index out of range).

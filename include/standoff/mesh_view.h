@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Somebody else's triangles, in whatever layout they lie.
+// Views of the caller's vertices and triangles, in any layout, without a copy.
 #pragma once
 
 #include <algorithm>
@@ -22,7 +22,7 @@ namespace standoff {
 /// Three indices into the vertices of a mesh.
 using Triangle = std::array<std::uint32_t, 3>;
 
-/// Goes through the elements of an array one by one.
+/// Iterates over the elements of an array.
 template <class Array>
 class ElementIterator {
  public:
@@ -47,8 +47,8 @@ class ElementIterator {
   std::size_t n_ = 0;
 };
 
-/// Vertices in somebody else's memory: three numbers each, side by side; from one vertex to the next `stride` bytes, of
-/// any size and sign. Nothing is copied, and numbers need not be aligned. Floats are read as the doubles they are.
+/// A view of vertices in the caller's memory: three adjacent numbers each, `stride` bytes from one vertex to the next.
+/// The stride may have any size and sign. Numbers need not be aligned. Floats are converted to double, exactly.
 class VertexArray {
  public:
   enum class Type : std::uint8_t { float64, float32 };
@@ -100,7 +100,7 @@ class VertexArray {
   Type type() const { return type_; }
   /// Doubles without gaps between vertices.
   bool dense() const { return dense_; }
-  /// The vertices as they are where they lie as Vec3 do; else nothing.
+  /// The vertices as a span if their layout is that of Vec3; else nullopt.
   std::optional<std::span<const Vec3>> packed() const {
     static_assert(sizeof(Vec3) == 3 * sizeof(double));
     const bool aligned = reinterpret_cast<std::uintptr_t>(data_) % alignof(Vec3) == 0;
@@ -116,11 +116,12 @@ class VertexArray {
   bool dense_ = true;  // doubles without gaps: most meshes, and the fastest to read
 };
 
-/// Triangles in somebody else's memory: three indices each, side by side; strides as in VertexArray.
+/// A view of triangles in the caller's memory: three adjacent indices each; strides as in VertexArray.
 class TriangleArray {
  public:
   enum class Type : std::uint8_t { uint32, int32, uint64, int64 };
-  /// Stands for every index that 32 bits do not hold. No vertex has it: validate() refuses larger meshes.
+  /// The value of every index that does not fit into 32 bits. No vertex has this index: validate() rejects larger
+  /// meshes.
   static constexpr std::uint32_t kNoVertex = std::numeric_limits<std::uint32_t>::max();
 
   TriangleArray() = default;
@@ -157,7 +158,7 @@ class TriangleArray {
     };
     return {fitting(0), fitting(1), fitting(2)};
   }
-  /// One index as it stands in memory, at most 2^63 - 1. Requires n < size(), and k in 0 to 2.
+  /// One index with its value in memory, at most 2^63 - 1. Requires n < size(), and k in 0 to 2.
   std::int64_t index(std::size_t n, int k) const {
     const std::byte* const at = data_ + static_cast<std::ptrdiff_t>(n) * stride_ + k * index_bytes();
     const auto as = [at]<class Index>(Index value) {
@@ -187,7 +188,7 @@ class TriangleArray {
   /// Unsigned indices of 32 bits without gaps between triangles.
   bool dense() const { return dense_; }
   int index_bytes() const { return type_ == Type::uint32 || type_ == Type::int32 ? 4 : 8; }
-  /// The triangles as they are where they lie as Triangle do; else nothing.
+  /// The triangles as a span if their layout is that of Triangle; else nullopt.
   std::optional<std::span<const Triangle>> packed() const {
     static_assert(sizeof(Triangle) == 3 * sizeof(std::uint32_t));
     const bool aligned = reinterpret_cast<std::uintptr_t>(data_) % alignof(Triangle) == 0;
@@ -203,8 +204,9 @@ class TriangleArray {
   bool dense_ = true;  // 32 bits, unsigned, without gaps
 };
 
-/// Somebody else's mesh. Open, nonmanifold, self-intersecting and unoriented meshes, degenerate and duplicate triangles
-/// are all legal; NaN or infinite vertices and indices out of range are not. The layout changes no bit of any result.
+/// A view of the caller's mesh. Open, nonmanifold, self-intersecting and unoriented meshes, degenerate and duplicate
+/// triangles are valid; NaN or infinite vertices and indices out of range are not. The layout changes no bit of any
+/// result. The arrays must outlive the view.
 ///
 ///     MeshView view{{points.data(), points.size() / 3}, {faces.data(), faces.size() / 3}};
 struct MeshView {

@@ -10,11 +10,11 @@
 
 namespace standoff {
 
-/// From where a mesh is looked at. The whole mesh is always in the picture.
+/// Size and viewpoint of a picture. It always shows the whole mesh.
 struct PictureOptions {
   int width = 1280;           ///< pixels, 16 to 8192
   int height = 960;           ///< pixels, 16 to 8192
-  double azimuth_deg = 35;    ///< the eye's turn about the up axis; 0 looks at the front: along +y (z up) or -z (y up)
+  double azimuth_deg = 35;    ///< the eye's angle about the up axis; 0 looks at the front: along +y (z up) or -z (y up)
   double elevation_deg = 25;  ///< the eye's height above the horizon, -90 to 90
   bool perspective = true;    ///< false: parallel rays
   Axis up = Axis::z;

@@ -16,7 +16,7 @@ struct Pose {
   friend constexpr bool operator==(const Pose&, const Pose&) = default;
 };
 
-/// The rotation alone. Rounded as written: three products, two sums, from x to z.
+/// Applies only the rotation. Evaluated as written: three products and two sums per coordinate, from x to z.
 constexpr Vec3 rotate(const Pose& pose, Vec3 p) {
   const auto& r = pose.rotation;
   return {r[0] * p.x + r[1] * p.y + r[2] * p.z, r[3] * p.x + r[4] * p.y + r[5] * p.z,
@@ -25,7 +25,7 @@ constexpr Vec3 rotate(const Pose& pose, Vec3 p) {
 /// A point of the body, in the world.
 constexpr Vec3 apply(const Pose& pose, Vec3 p) { return rotate(pose, p) + pose.translation; }
 
-/// The inverse rotation; the transpose is the inverse of a rotation.
+/// Applies the inverse rotation, which is the transpose.
 constexpr Vec3 rotate_back(const Pose& pose, Vec3 v) {
   const auto& r = pose.rotation;
   return {r[0] * v.x + r[3] * v.y + r[6] * v.z, r[1] * v.x + r[4] * v.y + r[7] * v.z,
@@ -34,19 +34,19 @@ constexpr Vec3 rotate_back(const Pose& pose, Vec3 v) {
 /// A point of the world, in the body's coordinates.
 constexpr Vec3 apply_inverse(const Pose& pose, Vec3 p) { return rotate_back(pose, p - pose.translation); }
 
-/// First `inner`, then `outer`.
+/// The pose that applies `inner`, then `outer`.
 Pose compose(const Pose& outer, const Pose& inner);
 
-/// Turned by `angle_rad` about `axis` through the origin (right hand; any length but zero), then moved.
-/// Errors: usage when the axis has no direction or a number is not finite.
+/// A rotation by `angle_rad` about `axis` through the origin (right-handed; the axis may have any length but zero),
+/// then a translation. Errors: usage (a zero axis, or a number that is not finite).
 Pose make_pose(Vec3 axis, double angle_rad, Vec3 translation);
 
-/// How far the product of a rotation and its transpose may be from the identity, per entry: what a rotation
-/// that was stored in single precision keeps.
+/// How far the product of a rotation and its transpose may be from the identity, per entry. A rotation stored in single
+/// precision is within it.
 inline constexpr double kRigidTolerance = 1e-6;
 
-/// Throws Error{usage} unless all numbers are finite, the translation below 1e15, and the rotation is one: no scaling,
-/// shear or mirror.
+/// Throws Error{usage} unless all numbers are finite, the translation is below 1e15 in magnitude, and the matrix is a
+/// rotation within kRigidTolerance: no scaling, shear or reflection.
 void validate(const Pose& pose);
 
 }  // namespace standoff

@@ -19,8 +19,8 @@ enum class Colormap {
 
 struct SliceOptions {
   Axis axis = Axis::z;  ///< the axis the plane is perpendicular to
-  double at = 0.5;      ///< where along the axis: 0 is the first sample, 1 the last; the nearest sample is taken
-  std::optional<std::int64_t> index;  ///< the sample along the axis itself, from 0; used in place of `at`
+  double at = 0.5;      ///< position along the axis: 0 is the first sample, 1 the last; rounded to the nearest sample
+  std::optional<std::int64_t> index;  ///< the sample along the axis, from 0; overrides `at`
   Colormap colormap = Colormap::viridis;
   int pixels = 512;  ///< the plane's longer side is enlarged by a whole factor to at least this, 1 to 8192
 };

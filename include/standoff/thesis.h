@@ -20,16 +20,17 @@ namespace standoff {
 /// or speed < 0.
 Grid minimum_grid(const Box& box, double thickness, double e = 2, double speed = 0);
 
-/// Algorithm 2 of the 2008 thesis, for comparison: visits the samples of one field that lie in the other's grid. Where
-/// a sample and the nearest sample of the other field both have a value (below their thickness) and the sum of both is
-/// below `threshold`, the bodies collide. It errs either way; docs/thesis.md says how often.
+/// Algorithm 2 of the 2008 thesis, for comparison: visits the samples of one field that lie in the other's grid. The
+/// bodies collide if, for one of them, its value and that of the nearest sample of the other field are both below the
+/// thickness, and their sum is below `threshold`. It misses collisions and raises false alarms; docs/thesis.md says how
+/// often.
 struct ThesisCollisionResult {
   bool hit = false;
   std::int64_t samples = 0;  ///< visited
 };
 ThesisCollisionResult collide_thesis(const DistanceField& a, const Pose& pose_a, const DistanceField& b,
                                      const Pose& pose_b, double threshold);
-/// The least such sum, with which the threshold can be chosen; infinite where no sample counts.
+/// The least such sum, from which a threshold can be chosen; infinite if there is none.
 double thesis_sum(const DistanceField& a, const Pose& pose_a, const DistanceField& b, const Pose& pose_b);
 
 }  // namespace standoff

@@ -36,7 +36,7 @@ struct Size3 {
   std::int64_t x = 0, y = 0, z = 0;
 
   friend constexpr bool operator==(const Size3&, const Size3&) = default;
-  /// All of them: 0 where a side is not positive, the largest number there is where they are more than that.
+  /// The product: 0 if a side is not positive, the largest std::int64_t if the product is larger.
   constexpr std::int64_t count() const {
     constexpr std::int64_t most = std::numeric_limits<std::int64_t>::max();
     if (x <= 0 || y <= 0 || z <= 0) return 0;

@@ -18,36 +18,36 @@ struct VerifyOptions {
   ProgressCallback progress = {};
 };
 
-/// One sample, and what was found there. All distances are in world units.
+/// One tested sample. All distances are in world units.
 struct SampleCheck {
   std::int64_t i = 0, j = 0, k = 0;
   Vec3 position;
   double stored = 0;    ///< the field's value
-  double expected = 0;  ///< min(distance, thickness), the distance in double precision
-  double error = 0;     ///< |stored - expected|; infinite where the field holds no number
-  double allowed = 0;   ///< the bound that compute() promises there
+  double expected = 0;  ///< min(distance, thickness), computed in double precision
+  double error = 0;     ///< |stored - expected|; infinite if `stored` is not a number
+  double allowed = 0;   ///< the bound that compute() guarantees there
 };
 
 struct VerifyResult {
   std::int64_t samples = 0;        ///< samples tested
-  std::int64_t samples_band = 0;   ///< of those, the ones no farther than the thickness
-  std::int64_t samples_wrong = 0;  ///< of those, the ones whose error is above the bound
-  std::int64_t nearest_wrong = 0;  ///< samples whose stored nearest triangle is farther than the distance allows
+  std::int64_t samples_band = 0;   ///< tested samples no farther than the thickness
+  std::int64_t samples_wrong = 0;  ///< tested samples whose error is above the bound
+  std::int64_t nearest_wrong = 0;  ///< tested samples whose stored nearest triangle is too far away
   SampleCheck largest;             ///< the sample with the largest error
-  SampleCheck worst;               ///< the sample with the largest error in terms of what is allowed there
-  bool mesh_differs = false;       ///< the field says that it was computed from another mesh
+  SampleCheck worst;               ///< the sample with the largest ratio of error to allowed error
+  bool mesh_differs = false;       ///< the field's provenance names another mesh
 
   bool ok() const { return samples_wrong == 0 && nearest_wrong == 0; }
 };
 
 /// The error allowed where the distance, clamped to the thickness, is `distance`:
-/// 1e-6 * (distance + 16 * max spacing), and what a double cannot resolve at the sample's coordinates.
+/// 1e-6 * (distance + 16 * max spacing), plus 4 epsilon of the grid's largest coordinate in magnitude. World units.
 double allowed_error(const Grid& grid, double distance);
 
-/// Compares the field at random samples with distances computed in double precision: every triangle counts, and only
-/// those are passed over whose boxes lie farther away than a distance already found. Half of the samples are drawn from
-/// the stored tiles, so that a narrow band in a wide grid is tested too. Nothing of compute() is used.
-/// A field with wrong values is a result, not an error. Errors: input (mesh), usage (options), interrupted.
+/// Compares the field at random samples with distances computed in double precision over all triangles; a triangle is
+/// left out only if its box is farther away than a distance already found. Half of the samples are drawn from the
+/// stored tiles, so that a narrow band in a large grid is tested too. Uses nothing of compute(). A field with wrong
+/// values is a result, not an error. Errors: input (mesh), usage (options), interrupted.
 VerifyResult verify(const DistanceField& field, MeshView mesh, const VerifyOptions& options = {});
 
 }  // namespace standoff

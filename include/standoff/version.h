@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which standoff this is.
+// The version of standoff.
 #pragma once
 
 #define STANDOFF_VERSION_MAJOR 0

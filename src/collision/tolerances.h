@@ -21,7 +21,7 @@ static_assert(kSinglePrecisionSlack > 2 * gamma_float(14));
 /// The same in double precision, relative to coordinates in the world: some 40 operations of 2^-53 (1.1e-16).
 inline constexpr double kDoublePrecisionSlack = 1e-14;
 static_assert(kDoublePrecisionSlack > gamma_double(40));
-/// Rotations whose rows are off by less than this are taken as they are: kDoublePrecisionSlack has room for it. Others
+/// Rotations whose rows are off by less than this are taken as they are: kDoublePrecisionSlack covers it. Others
 /// are made orthonormal first.
 inline constexpr double kOrthonormal = 4e-15;
 

@@ -45,7 +45,7 @@ void DistanceField::reset(const Grid& grid, double thickness, bool with_nearest)
   const std::int64_t tiles = standoff::tile_count(grid.size);
   if (tiles > std::numeric_limits<std::int32_t>::max())
     throw Error(ErrorCode::limit, "field: " + std::to_string(tiles) + " tiles are more than 2^31; take fewer samples");
-  // Without a pool the field has no tiles, should memory run out on the way.
+  // Without a pool the field has no tiles, should memory run out before the end.
   std::unique_ptr<TilePool> pool = std::exchange(pool_, nullptr);
   if (!pool) pool = std::make_unique<TilePool>();
   provenance = {};

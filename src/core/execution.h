@@ -9,7 +9,7 @@ namespace standoff {
 /// Which backends a call has.
 enum class Runs { everywhere, on_the_cpu };
 
-/// Throws Error{usage}, beginning with `where`, for values that make no sense, and for a backend the call does not
+/// Throws Error{usage}, beginning with `where`, for invalid values, and for a backend the call does not
 /// have.
 void validate(const char* where, const Execution& execution, Runs runs);
 

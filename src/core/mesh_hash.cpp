@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A number that tells meshes apart.
+// A hash of the content of a mesh.
 #include <tbb/parallel_invoke.h>
 
 #include <array>

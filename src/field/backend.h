@@ -11,7 +11,7 @@
 
 namespace standoff {
 
-/// What a method has to do. The mesh is valid and holds at least one triangle.
+/// The input of a backend. The mesh is valid and holds at least one triangle.
 struct Job {
   MeshView mesh;
   /// The triangles to use, ascending indices into mesh.triangles; empty when all are used. (The skip rule's

@@ -6,7 +6,7 @@
 
 namespace standoff {
 
-/// Throws Error{usage} for a thickness or options that make no sense.
+/// Throws Error{usage} for an invalid thickness or invalid options.
 void validate(double thickness, const ComputeOptions& options);
 /// The skip rule of the method where none is named; never automatic.
 SkipRule effective_rule(const ComputeOptions& options);

@@ -45,7 +45,7 @@ double tiles_of_range(const SampleRange& range) {
 }  // namespace
 
 MeshLook look_at(MeshView mesh, const Plan& plan, bool counts_tiles) {
-  // Where something is wrong, validate() looks again and tells what.
+  // Where something is wrong, validate() looks again and reports what.
   const bool counts_fit = !mesh.triangles.empty() && mesh.triangles.size() <= kMaxTriangles &&
                           mesh.vertices.size() <= std::numeric_limits<std::uint32_t>::max();
   const bool is_near = counts_fit && has_float_spacing(plan.grid) && vertices_near(mesh, FloatRange(plan.grid));

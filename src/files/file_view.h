@@ -30,7 +30,7 @@ class FileView {
   explicit FileView(const std::filesystem::path& path, Access access = Access::copy);
   /// The bytes of an open file, `longest` at the most; `name` stands in messages. Errors: as above.
   FileView(const std::filesystem::path& name, const Descriptor& file, std::uint64_t longest);
-  /// A view of somebody else's bytes, which must outlive it; `name` stands in messages.
+  /// A view of the caller's bytes, which must outlive it; messages contain `name`.
   FileView(const std::filesystem::path& name, std::string_view bytes) : path_(name), bytes_(bytes) {}
   /// Takes bytes that were made of the file's.
   FileView(const std::filesystem::path& name, std::unique_ptr<char[]> bytes, std::size_t size)

@@ -97,7 +97,7 @@ struct Feet {
     const auto flat = less(F(0), across_sq);
     across_inverse_sq = select(flat, F(1) / select(flat, across_sq, F(1)), F(0));
   }
-  /// Sets `foot`, and tells where it lies inside.
+  /// Sets `foot`; returns the lanes in which it lies inside.
   STANDOFF_INLINE auto below(const Triple<F>& point, Triple<F>& foot) const {
     const Triple<F> r = point - corner;
     const F y = plain_dot(across, r) * across_inverse_sq;

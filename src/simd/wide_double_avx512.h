@@ -10,7 +10,7 @@
 
 namespace standoff::avx512 {
 
-/// What less() tells of eight pairs of doubles.
+/// The result of less() for eight pairs of doubles.
 struct DoubleMask {
   __mmask8 bits;
   STANDOFF_INLINE std::uint32_t to_bits() const { return bits; }

@@ -89,7 +89,7 @@ class Gather {
         add<true>(refs_[n]);
       else
         add<false>(refs_[n]);
-      // Often enough that whoever cancels need not wait, were each triangle to reach every sample.
+      // Often enough that cancelling is quick, even if each triangle reaches every sample.
       constexpr std::size_t kAsk = 256;
       if (n % kAsk == 0) shared_.job.progress.advance(0);
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bodies that move among bodies that rest: the thesis's fly in the labyrinth (docs/thesis.md).
+// Moving bodies among resting bodies: the thesis's fly in the labyrinth (docs/thesis.md).
 // A demonstration of sweeps: names and options may change in any version.
 #pragma once
 
@@ -64,16 +64,15 @@ class World {
 
   /// Adds a resting body. Errors: usage (pose).
   void add(const CollisionModel& body, const Pose& pose = {});
-  /// Adds a moving body at a random pose inside `box` that touches no resting one, turned about the vertical, with a
-  /// random direction. The n-th is the same whatever came before. Errors: input when no free place is found in 10,000
-  /// tries.
+  /// Adds a moving body at a random pose inside `box` that touches no resting body, rotated about the vertical, with a
+  /// random direction. The n-th body's random numbers depend only on n and the seed. Errors: input if 10,000 tries find
+  /// no free pose.
   void add_flier(const Box& box);
   std::span<const Flier> fliers() const;
 
-  /// `steps` steps (0 or more) of all moving bodies, spread over threads; the result does not depend on how many.
-  /// `visit(flier, step, pose)`, where given, is called where each flier starts, wherever it
-  /// turns and where it ends; for one flier in order, for different ones from different threads.
-  /// What it throws ends the run and comes out of it as it is.
+  /// Runs `steps` steps (0 or more) of all moving bodies in parallel; the result does not depend on the number of
+  /// threads. `visit(flier, step, pose)`, if given, is called where each flier starts, turns and ends: in order for one
+  /// flier, from different threads for different fliers. An exception from it ends the run and leaves run() unchanged.
   using Visit = std::function<void(std::size_t flier, std::int64_t step, const Pose& pose)>;
   void run(std::int64_t steps, const Visit& visit = {});
 

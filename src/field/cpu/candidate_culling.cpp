@@ -12,7 +12,7 @@ namespace {
 // where the tile is: so what a thread holds does not grow with the mesh. Lists of scenes and scans are shorter
 // (docs/tiles.md, Memory).
 constexpr std::int64_t kMostEntries = std::int64_t{1} << 15;
-// Packs opened at once where not all have room; what that adds to a list, level by level of packs within packs.
+// Packs opened at once where not all fit into the list; what that adds to a list, level by level of packs within packs.
 constexpr std::int64_t kPacksAtOnce = 64, kMostPackLevels = 8;
 constexpr std::int64_t kOpening = kPacksAtOnce * (Clusters::kFanout - 1) * kMostPackLevels;
 static_assert((std::uint64_t{1} << 4 * kMostPackLevels) >= kMaxTriangles);

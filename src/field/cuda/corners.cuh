@@ -15,7 +15,7 @@ namespace standoff::STANDOFF_PLATFORM {
 STANDOFF_DEVICE void stop(Outcome* outcome) { atomicAdd(&outcome->stopped, Counter{1}); }
 
 /// The second pass over the triangles wants more of a list, or less, than the first one counted for it. What is
-/// computed is the same, so the mesh is not: somebody wrote it meanwhile.
+/// computed is the same, so the mesh is not: it was written meanwhile.
 STANDOFF_DEVICE void stop_for_miscount(Outcome* outcome) {
   outcome->needed_entries = Outcome::kNone;
   stop(outcome);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The launches of one field, in order: a pipeline for thin bands, one for thick bands and full fields. A pipeline has
 // two halves: after the first one it is known how much memory the second one needs. On a stream all of it is there
-// beforehand (enqueue.cuh); whoever can wait looks in between (counted_run.cuh).
+// beforehand (enqueue.cuh); from host memory the counts are read in between (counted_run.cuh).
 //
 // A pipeline P is a struct of arrays in device memory with
 //   P::kBytesPerEntry                                   bytes that its lists take per entry

@@ -49,7 +49,7 @@ struct StoredField {
 void require_valid(const FileView& file, const Grid& grid);
 
 /// Builds the field, tile by tile, without holding all samples densely: of packed arrays, as many as a layer of tiles
-/// has. Errors: input when the grid or thickness make no sense, the file is too short, or a value is not a number or
+/// has. Errors: input when the grid or thickness is invalid, the file is too short, or a value is not a number or
 /// exceeds the thickness; limit as DistanceField, and for more than `memory_limit` bytes unless that is 0.
 DistanceField load_field(const FileView& file, const StoredField& stored, std::int64_t memory_limit);
 

@@ -198,7 +198,7 @@ class Reader {
       if (name == "nearest_triangle") stored_.nearest = samples(tag, "UInt32");
       if (name == "distance") distance = &tag;
     }
-    // A file of somebody else, whose only array can be nothing but the distance.
+    // A file of another program, whose only array must be the distance.
     if (!distance && points_.size() == 1) distance = points_.data();
     if (!distance) file_.fail("header", "its point data lacks an array 'distance'; name it so");
     stored_.distance = samples(*distance, "Float32");

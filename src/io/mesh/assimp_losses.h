@@ -9,7 +9,7 @@
 namespace standoff {
 
 /// While one lives it hears assimp's warnings of this thread. Assimp's log is one for the whole process, so only one
-/// lives at a time: the next one waits. A logger that the program itself has given assimp is left in place.
+/// lives at a time: the next one blocks until then. A logger that the program itself has given assimp is left in place.
 class AssimpLosses {
  public:
   AssimpLosses();

@@ -63,7 +63,7 @@ class Search {
   }
 
   // To open a device can do things already: look first. Between the look and the opening it may have been exchanged, so
-  // opening waits for nobody, and what was opened is looked at again.
+  // opening does not block, and what was opened is looked at again.
   Descriptor open_last(const Descriptor& folder, const std::string& name) const {
     require(S_IFREG, about(folder, name));
     Descriptor opened(
