@@ -18,7 +18,7 @@ namespace {
 // Packets whose pairs take turns: more would spread the contacts better, but each has to be looked up.
 constexpr std::size_t kTakeTurns = 24;
 
-// Nodes from which the walk begins, at least: below a tree with so few of them all packets are found at once, which
+// Nodes from which the walk begins, at least: in a BVH with so few of them all packets are found at once, which
 // costs less for each.
 constexpr std::size_t kRoots = 2 * kLanes;
 

@@ -31,7 +31,7 @@ struct PoseAnswer {
   std::uint32_t of_target, of_probe;  ///< BVH indices of two triangles that intersect, where there is a hit
 };
 
-/// The largest stack of nodes that devices have, for each of the two trees.
+/// The largest stack of nodes that devices have, for each of the two BVHs.
 inline constexpr int kDeviceStack = 256;
 
 /// Poses to be decided. A verdict of free or hit is that of the CPU.
@@ -43,7 +43,7 @@ struct CollideJob {
   std::span<const PoseQuery> queries;
   std::span<PoseAnswer> answers;  ///< as many
   int device;
-  int stack = kDeviceStack;  ///< nodes that may wait at a time; fewer to test what happens then
+  int stack = kDeviceStack;  ///< nodes on it at most; tests take fewer, to see it overflow
 };
 
 /// A motion of b.

@@ -68,7 +68,7 @@ class DistanceSearch {
   double best() const { return best_; }
   bool found() const { return found_; }
   Vec3 on_target, on_probe;                   ///< the closest points
-  std::uint32_t of_target = 0, of_probe = 0;  ///< places in the trees
+  std::uint32_t of_target = 0, of_probe = 0;  ///< indices in the BVHs' orders
 
  private:
   // Bounds above this cannot hide a pair that is nearer than the best one by more than the tolerance.

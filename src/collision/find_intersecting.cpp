@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sphere16 of one body's tree against the other's field, nearest first; where the field cannot tell, triangles.
+// The probe's bounding spheres against the target's field, nearest first; triangles where the field cannot decide.
 #include "collision/find_intersecting.h"
 
 #include <algorithm>

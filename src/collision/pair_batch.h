@@ -33,8 +33,8 @@ class PairBatch {
   }
 
   /// Decides the pairs in the order they were added, and calls use(target index, probe index, intersecting, where),
-  /// until it returns false. False when it did; nothing waits afterwards. `where()` gives the Penetration of those that
-  /// touch.
+  /// until it returns false. False when it did; no pair is left afterwards. `where()` gives the Penetration of those
+  /// that touch.
   template <class Use>
   bool settle(Use use) {
     PairOverlaps overlap;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Relative rigid motion of the probe in the target's frame: numbers alone, for the CPU and for GPUs.
+// Relative rigid motion of the probe in the target's frame: plain numbers, shared by the CPU and GPUs.
 #pragma once
 
 #include "geometry/triangle_overlap.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The check of what callers say about where to run.
+// Validates Execution.
 #pragma once
 
 #include "standoff/execution.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How much memory a field takes, and how a limit that is too small is told.
+// How much memory a field takes, and the error of a limit that is too small.
 #pragma once
 
 #include <string>

@@ -20,9 +20,9 @@ class GrowingMemory {
   GrowingMemory& operator=(const GrowingMemory&) = delete;
   ~GrowingMemory() { release(); }
 
-  /// Makes room for at least `bytes`, so that resize() need not move anything. Keeps the pages where the room is large
-  /// enough already, and gives them back where it is not. Where the process may not use so many addresses (RLIMIT_AS),
-  /// room() is smaller. Throws std::bad_alloc when there are hardly any.
+  /// Reserves addresses for at least `bytes`, so that resize() need not move anything. Keeps the pages where the room
+  /// is large enough already, and gives them back where it is not. Where the process may not use so many addresses
+  /// (RLIMIT_AS), room() is smaller. Throws std::bad_alloc when there are hardly any.
   void reserve(std::size_t bytes);
   /// Where the system has huge pages, those beyond the first kHugePage are such, if resize() takes whole ones: a tenth
   /// of the time for 32 MiB.

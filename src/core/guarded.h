@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Errors of others become errors of standoff: in one place, for every public function.
+// Turns every other exception into standoff::Error, for all public functions.
 #pragma once
 
 #include <exception>
@@ -7,7 +7,7 @@
 
 namespace standoff {
 
-/// What the caller's own function threw. It goes through standoff as it is.
+/// An exception of the caller's callback, which passes unchanged.
 struct FromCallback {
   std::exception_ptr thrown;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Arrays that queries read at random places: on huge pages where the system has them, for otherwise most of a query's
+// Arrays that queries read at random indices: on huge pages where the system has them, for otherwise most of a query's
 // time goes into TLB misses (collide takes 1.4 times as long without).
 #pragma once
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A mesh of one's own from somebody else's.
+// Copies a view of a mesh.
 #pragma once
 
 #include "standoff/mesh.h"

@@ -12,9 +12,9 @@
 
 namespace standoff {
 
-/// One T for each place in the arena of the thread that makes this, made when the place is first used. Unlike
+/// One T for each slot of the TBB arena of the thread that makes this, made when the slot is first used. Unlike
 /// tbb::enumerable_thread_specific, which has one for every thread that ever comes by, there are never more than the
-/// arena has places: so memory can be told beforehand.
+/// arena has slots: so its memory is known beforehand.
 template <class T>
 class PerThread {
  public:

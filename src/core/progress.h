@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Progress of long work, counted by many threads and told to the caller by one at a time.
+// Progress of long work, counted by many threads and reported to the caller by one at a time.
 #pragma once
 
 #include <atomic>

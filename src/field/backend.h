@@ -38,7 +38,7 @@ struct Counts {
   std::int64_t samples_band = 0;
 };
 
-/// One way to fill a field. Backends add rows to the table in src/backends/fields.cpp.
+/// A method on a backend. Backends add rows to the table in src/backends/fields.cpp.
 struct BackendRow {
   Backend backend;
   Method method;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is computed and how: decided once, before any triangle is looked at.
+// What is computed and how: decided once, before any triangle is read.
 #pragma once
 
 #include "field/backend.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The step before the backend: is the mesh legal, is there memory, does float hold its distances, which triangles stay.
+// The step before the backend: validates the mesh, checks memory and the range of float, applies the skip rule.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace standoff {
 
-/// What one look at a mesh tells.
+/// What one pass over a mesh finds out.
 struct MeshLook {
   /// Float holds the distances of all vertices (float_range.h). Where not, those that matter may still be near enough.
   bool is_near;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The constants of the method `tiles` that the CPU and the GPU share: what decides the bits of a field, what rounding
-// may add to a box or a distance, and which of the two ways a thickness goes. Lengths are in grid units (lattice.h):
+// may add to a box or a distance, and which algorithm a thickness gets. Lengths are in grid units (lattice.h):
 // the largest spacing is 1 to 2 of them, the grid far from the origin or not.
 #pragma once
 
@@ -23,7 +23,7 @@ inline constexpr float kLeastLengthSq = 1e-12f;
 inline constexpr double kLeastLengthSqOfCells = 1e-24;
 
 /// What rounding may add to a distance when blocks, tiles and cells are culled: this many grid units, or this share,
-/// whichever the place asks for. A distance of 300 units that took ten operations in float is off by 2e-4. Decides no
+/// whichever the caller needs. A distance of 300 units that took ten operations in float is off by 2e-4. Decides no
 /// bit while it is above rounding; below it samples lose their nearest triangle. Larger: more candidates are kept.
 inline constexpr float kSlack = 1e-3f;
 static_assert(kSlack > 300 * gamma_float(10));
@@ -41,7 +41,7 @@ static_assert(kBoxSlack > 0x1p30 * gamma_double(4));
 
 /// Up to this thickness, in spacings, triangles are sorted straight into bricks or tiles: nearly all that are sorted
 /// then lie within the thickness of some sample. Beyond, candidates are handed down from coarse cells, since most
-/// triangles are farther than others everywhere. Decides speed alone: both ways give the same field.
+/// triangles are farther than others everywhere. Decides speed alone: both algorithms give the same field.
 inline constexpr double kThinBand = 4;
 inline bool is_thin(const Grid& grid, double thickness) { return thickness <= kThinBand * grid.max_spacing(); }
 

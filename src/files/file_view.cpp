@@ -86,7 +86,7 @@ FileView::~FileView() {
 
 void FileView::read_all(int descriptor, std::size_t expected, std::size_t longest, std::size_t most) {
   constexpr std::size_t kLeast = std::size_t{1} << 16, kMostAtOnce = std::size_t{1} << 30;
-  // One byte more than expected, so that the end is met without room for more.
+  // One byte more than expected, so that the end is found without a larger buffer.
   std::size_t room = std::max(expected + 1, kLeast), size = 0;
   try {
     read_ = std::make_unique_for_overwrite<char[]>(room);

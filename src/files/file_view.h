@@ -15,7 +15,7 @@
 
 namespace standoff {
 
-/// A file's bytes for as long as the view lives, and the way to complain about them.
+/// A file's bytes for as long as the view lives, and the errors about them.
 class FileView {
  public:
   enum class Access {

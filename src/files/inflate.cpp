@@ -106,7 +106,7 @@ std::unique_ptr<FileView> unpack_gzip(const FileView& file) {
   const std::uint64_t most = most_unpacked(file.size());
   Inflater inflater(file, "", file.bytes(), Inflater::Wrapper::gzip);
   // The last four bytes are the size, where there is one stream below 4 GiB and nothing behind it. One byte more, so
-  // that the end is met without room for more.
+  // that the end is found without a larger buffer.
   constexpr std::uint64_t kSize = 4;
   const std::uint64_t said = file.size() < kSize ? 0 : file.number<std::uint32_t>(file.size() - kSize);
   std::size_t room = std::max(kLeast, said <= most ? said + 1 : 0), size = 0;

@@ -21,7 +21,7 @@ struct PairPoints {
   Triple<F> separation;  ///< from the one to the other: far from the origin their difference would have lost digits
 };
 
-/// Without fused operations, unlike those of the geometry room.
+/// Without fused operations, unlike the rest of src/geometry.
 template <class F>
 STANDOFF_INLINE F plain_dot(const Triple<F>& a, const Triple<F>& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;

@@ -40,7 +40,7 @@ bool segments_intersect(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3&
 /// on a line.
 bool intersects_in_plane(const Vec3& p, const Vec3& q, const Corners& t);
 
-/// A corner that both have; neighbours in one mesh, and bodies that lie in the same place, have one. Null: none.
+/// A corner that both have; neighbours in one mesh, and bodies with the same pose, have one. Null: none.
 inline const Vec3* common_corner(const Corners& p, const Corners& q) {
   for (const Vec3& corner : p)
     if (corner == q[0] || corner == q[1] || corner == q[2]) return &corner;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Marks functions that run on the host and, under nvcc, on the device: the one place that knows about CUDA here.
+// Marks functions that run on the host and, under nvcc, on the device: the one file here that knows about CUDA.
 #pragma once
 
 #ifdef __CUDACC__

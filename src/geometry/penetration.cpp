@@ -90,7 +90,7 @@ void add_crossing(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, Fa
 }
 
 Vec3 common_point(const Corners& p, const Corners& q) {
-  // Neighbours of one mesh, and bodies that lie in the same place.
+  // Neighbours of one mesh, and bodies with the same pose.
   if (const Vec3* const corner = common_corner(p, q); corner && !(on_both_sides(p, q) && on_both_sides(q, p)))
     return *corner;
   const Heights of_p(p, q), of_q(q, p);
@@ -108,7 +108,8 @@ Vec3 common_point(const Corners& p, const Corners& q) {
 
 bool is_zero(const Vec3& v) { return v == Vec3{}; }
 
-// The way out along a direction, either way, with what both triangles reach along it: none is taken to be flat.
+// The shortest translation along a direction, of either sign, that separates both triangles, by their measured extents
+// along it: none is taken to be flat.
 class WayOut {
  public:
   WayOut(const Corners& p, const Corners& q) : p_(p), q_(q) {}
@@ -170,7 +171,7 @@ bool take_accurate(const Corners& p, const Corners& q, Penetration& result) {
 }  // namespace
 
 Penetration penetration(const Corners& p, const Corners& q) {
-  // Corners that both have are on both planes, which hides the answer from the quick way.
+  // Corners that both have are on both planes, which hides the answer from the quick test.
   if (Penetration quick; !common_corner(p, q) && take_accurate(p, q, quick)) return quick;
   WayOut way(p, q);
   way.try_along(normal_direction(p));

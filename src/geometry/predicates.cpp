@@ -128,7 +128,7 @@ double determinant3d_exactly(const Vec3& a, const Vec3& b, const Vec3& c, const 
   return sum.value();
 }
 
-// What two stages of bounds leave open is told exactly.
+// What two stages of bounds leave open is decided exactly.
 template <class Twofold, class Exact>
 double value_of(const RoundedDeterminant& first, double bound, double beyond, Twofold twofold, Exact exactly) {
   if (std::abs(first.value) > beyond * (bound * first.magnitude) + kUnderflow) return first.value;

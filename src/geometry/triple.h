@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Three numbers of any arithmetic type: the vector of the templates in this room.
+// Three numbers of any arithmetic type: the vector type of these templates.
 #pragma once
 
 #include "geometry/scalar.h"

@@ -7,7 +7,7 @@ namespace standoff {
 namespace {
 
 constexpr double kMargin = 0.04;  // of the picture's shorter side, on all sides
-// The eye's distance from the centre of the unit ball that holds the mesh: a field of view of 30 degrees.
+// The eye's distance from the centre of the unit sphere around the mesh: a field of view of 30 degrees.
 constexpr double kEye = 3.86;
 
 // From axes with z up and the front at -y to the world's.

@@ -9,7 +9,7 @@
 
 namespace standoff {
 
-/// A vertex on the picture. Depth is 1/distance in perspective and -distance otherwise: either way linear over the
+/// A vertex on the picture. Depth is 1/distance in perspective and -distance otherwise: both are linear over the
 /// picture and greater when nearer.
 struct ScreenPoint {
   std::int32_t x = 0, y = 0;  ///< in kSubpixels per pixel, from the top left corner of the picture
@@ -38,7 +38,8 @@ class Camera {
   Seen seen(Vec3 point) const;
 
   Vec3 center_, right_, up_, back_;
-  // Divided by unit_, then times scale_, the mesh is in the unit ball. One factor could not be a double for all meshes.
+  // Divided by unit_, then times scale_, the mesh is in the unit sphere. One factor could not be a double for all
+  // meshes.
   double unit_ = 1, scale_ = 1;
   bool perspective_;
 };

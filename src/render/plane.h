@@ -20,7 +20,7 @@ struct Plane {
   float value(std::int64_t r, std::int64_t u) const { return values[static_cast<std::size_t>(r + width * u)]; }
 };
 
-/// Errors: usage when the place lies outside the field.
+/// Errors: usage when the plane lies outside the field.
 Plane plane_of(const DistanceField& field, const SliceOptions& options);
 
 }  // namespace standoff

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Squared distance to a triangle the thesis's way: Ericson's Voronoi regions, cross products replaced by dot products.
+// Squared distance to a triangle as the thesis computes it: Ericson's Voronoi regions, cross products replaced by dot
+// products.
 //
 // Source: C. Ericson, Real-Time Collision Detection (2005), section 5.1.5, as the 2008 thesis uses it. Let n = ab x ac.
 // A point p projects into the triangle when n . (ab x ap), n . (ap x ac) and n . (bc x bp) are positive. Lagrange's

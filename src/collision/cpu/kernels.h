@@ -15,13 +15,13 @@ struct Kernels {
   /// Lower bounds of the distance between 16 spheres, placed in the field's frame, and the surface: negative where a
   /// sphere may touch. Where a bound from the coarse field exceeds `enough`, the fine field is not asked.
   void (*gaps)(const FieldView&, const FloatTransform&, const Sphere16&, float enough, float* gap);
-  /// The same for spheres each at its own place already: centres in the field's frame.
+  /// The same for spheres whose centres are in the field's frame already.
   void (*gaps_at)(const FieldView&, const float (*center)[kLanes], const float* radius, float enough, float* gap);
   /// Bit n: box n and `box` share a point.
   std::uint32_t (*overlaps)(const Aabb16&, const FloatBox& box);
   /// Squared distances between the boxes and `box`.
   void (*distances_sq)(const Aabb16&, const FloatBox& box, float* distance_sq);
-  /// Places 16 triangles in another frame, and their boxes grown by `by`; `all` becomes the box around those.
+  /// Transforms 16 triangles into another frame, and their boxes grown by `by`; `all` becomes the box around those.
   void (*transform_triangles)(const FloatTransform&, const Triangle16&, float by, Triangle16& transformed,
                               Aabb16& boxes, FloatBox& all);
   /// The pairs of triangles, one of each packet, whose boxes share a point and which neither triangle's plane keeps

@@ -11,7 +11,7 @@ namespace standoff::STANDOFF_PLATFORM {
 
 using collision::kLanes;
 
-// Levels of a tree over as many triangles as there may be: sixteen to the eighth power.
+// Levels of a BVH over as many triangles as there may be: sixteen to the eighth power.
 inline constexpr int kMostLevels = 8;
 
 /// What kernels read of a model. What it points to lies in device memory.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Nodes of a tree that a warp has still to look at, in shared memory.
+// The stack of BVH nodes that a warp has still to visit, in shared memory.
 #pragma once
 
 #include "collision/cuda/device_model.cuh"

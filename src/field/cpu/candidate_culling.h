@@ -12,14 +12,12 @@
 //
 // A cell's list is made out of its parent's in three steps.
 //   1. Cull. An entry (a triangle or a pack, by its box) is dropped where it cannot hold the point nearest to any
-//   sample of
-//      the cell: it is beyond the thickness, or for each sample some reference, a point of the surface, is nearer.
-//   2. Open. Packs longer than half the cell give way to what they hold, culled alike, until none is left. Where the
-//   list
-//      is full the rest stays closed, and the tile opens it part by part.
+//      sample of the cell: it is beyond the thickness, or for each sample some reference, a point of the surface, is
+//      nearer.
+//   2. Open. Packs longer than half the cell are replaced by what they hold, culled alike, until none is left. Where
+//      the list is full the rest stays closed, and the tile opens it part by part.
 //   3. Points. Near each of the 3x3x3 points that divide the cell into halves a point of the surface is found, by
-//   following
-//      the nearest boxes down to a triangle. Those at its eight corners are a half's references.
+//      following the nearest boxes down to a triangle. Those at its eight corners are a half's references.
 #pragma once
 
 #include <cstdint>

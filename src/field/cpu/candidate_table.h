@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Room for the candidates of a tile while its cells are visited.
+// Scratch memory for the candidates of a tile while its cells are visited.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The candidates of a cell among triangles that are small against the spacing, and room for those it chooses.
+// The candidates of a cell among triangles that are small against the spacing, and scratch memory for those it keeps.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A field for somebody who can wait: what is needed is counted, the host looks, makes just that room, and the work goes
-// on. Nothing is guessed, so nothing is done twice; what it costs is a wait per level of cells, or one in all.
+// A field from host memory: the device counts what is needed, the host reads the counts, allocates it, and the work
+// goes on. Nothing is guessed, so nothing is done twice; what it costs is a wait per level of cells, or one in all.
 #pragma once
 
 #include <functional>
@@ -39,7 +39,7 @@ std::int64_t counting_bytes(std::int64_t triangles, const Lattice& l) {
 }
 
 /// One sparse field, on the default stream. A pipeline's run() goes on from here: it launches, looks at what was
-/// counted, makes that room, and launches what needs it.
+/// counted, allocates that memory, and launches what needs it.
 class CountedRun {
  public:
   /// The mesh is in device memory, and was validated. `waited` is called after each look at the counts.
@@ -87,7 +87,7 @@ class CountedRun {
       throw Error(ErrorCode::internal, "gpu: the kernels stopped without a reason; please report this");
     return outcome_;
   }
-  /// The same between two halves: the caller is told.
+  /// The same between two halves; reports progress to the caller.
   const Outcome& wait() {
     look();
     waited_();

@@ -20,7 +20,7 @@ auto with_tiles_pipeline(const Grid& grid, double thickness, Use use) {
 // What cutting the memory into arrays may lose to their alignment.
 inline constexpr std::int64_t kAlignmentLoss = 4096;
 
-/// Bytes of a workspace with room for `entries` list entries, and one for each triangle.
+/// Bytes of a workspace for `entries` list entries, and one for each triangle.
 template <class Pipeline>
 std::int64_t needed_bytes(std::int64_t triangles, const Lattice& l, std::int64_t entries) {
   gpu::Workspace memory(nullptr);
@@ -58,7 +58,7 @@ inline void check_workspace(const void* workspace, std::int64_t bytes, std::int6
          " at least; ask workspace_bytes()");
 }
 
-/// A pipeline in a workspace, all of whose room goes to its lists. Requires a checked task and workspace.
+/// A pipeline in a workspace, whose remaining memory all goes to its lists. Requires a checked task and workspace.
 template <class Pipeline>
 Pipeline in_workspace(const Task& task, const Lattice& l, void* workspace, std::int64_t bytes) {
   const std::int64_t triangles = task.mesh.used_count();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cells of the coarse-to-fine way: level 0 are the tiles, each level above joins 2x2x2 cells, the last is one cell.
+// The cells that candidates are passed down through: level 0 are the tiles, each level above joins 2x2x2 cells, the
+// last is one cell.
 #pragma once
 
 #include "field/lattice.h"

@@ -23,7 +23,7 @@ STANDOFF_KERNEL void mark_used_tiles(const Counter* start, std::int64_t tiles, s
   if (tile <= tiles) used[tile] = tile < tiles && start[tile + 1] > start[tile];
 }
 
-/// From the running sum of `used`: each tile's slot or -1, where there is room for all. A thread a tile.
+/// From the running sum of `used`: each tile's slot or -1, if there are slots for all. A thread a tile.
 STANDOFF_KERNEL void give_slots(const std::uint32_t* used, const Counter* rank, std::int64_t tiles, DeviceOutput output,
                                 Outcome* outcome) {
   const std::int64_t tile = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;

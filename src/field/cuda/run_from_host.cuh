@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The blocking way: from host memory to a sink, one field at a time.
+// Runs a job from host memory to a sink and waits for it, one field at a time.
 #pragma once
 
 #include <algorithm>

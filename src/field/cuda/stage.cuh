@@ -7,7 +7,8 @@
 namespace standoff::STANDOFF_PLATFORM {
 
 /// One triangle ready to be measured to: a frame, or where it is long the lines of one. Eleven loads of 16 bytes, and
-/// 44 words apart: loads by neighbouring threads of neighbouring triangles then meet in no bank of shared memory.
+/// 44 words apart: loads by neighbouring threads of neighbouring triangles then never conflict in a bank of shared
+/// memory.
 struct alignas(16) Staged {
   float number[44];
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Fibers: stacks of their own that take turns on one thread of the machine. Over Boost.Context where it is there, over
-// ucontext (slower: a system call a switch) where not. The sanitizers are told about every switch.
+// ucontext (slower: a system call a switch) where not. Every switch is announced to the sanitizers.
 #pragma once
 
 #include <cstddef>

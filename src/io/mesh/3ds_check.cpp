@@ -44,7 +44,7 @@ class NodeCheck {
       file.fail("byte " + std::to_string(begin), "more than " + std::to_string(kMostNodes) +
                                                      " nodes in its keyframes; write the file again without animation");
     const std::size_t zero = std::min(file.bytes().find('\0', begin), end), place = zero + 5;
-    if (place + 2 > file.size()) return;  // assimp tells
+    if (place + 2 > file.size()) return;  // assimp reports it
     add(static_cast<std::uint16_t>(number_at<std::uint16_t>(file.bytes(), place) + 1));
     // A camera or a light that has the name of a node goes on from there: from now on any node may be a level of its
     // own.
