@@ -16,8 +16,9 @@ ROOT = BENCH.parent
 PAGE = """# Collision queries, pair by pair
 
 This page is written by `script/bench collision --peers`, from [its CSV file](../bench/results/{quoted}/collision.csv).
-Every question goes to standoff and to a peer in one process, in turns: up to five rounds over all poses, medians, processor
-time of one thread. A ratio is how many times as fast as the peer standoff is: below 1 it is slower. [bench/README.md](../bench/README.md) says more.
+Standoff and a peer answer every query in one process, in turns. Times are medians of up to five rounds over all poses,
+in processor time of one thread. A ratio is how many times as fast as the peer standoff is; below 1 it is slower.
+[bench/README.md](../bench/README.md) says more.
 
 {machine}
 
@@ -29,9 +30,9 @@ time of one thread. A ratio is how many times as fast as the peer standoff is: b
 
 {pairs}
 
-*1 apart*: b turned at random comes from afar, in a random direction, and stops where the least distance is 1. *1 deep*: it goes on until 1
-beyond the first contact, and touches there. *In its box*: anywhere in a's box. Motions have random directions; terrains are swept
-down. Lengths are those of the pair's line above.
+*1 apart*: b has a random rotation and approaches from far away, in a random direction, until the distance is 1. *1 deep*: it
+continues until 1 beyond the first contact, and touches there. *In its box*: anywhere in a's box. Motions have random
+directions; terrains are swept down. Lengths are in the units of the pair's line above.
 
 {tables}
 """
