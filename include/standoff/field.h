@@ -11,6 +11,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "standoff/execution.h"
@@ -75,7 +76,9 @@ class DistanceField {
   /// Half-width of the band, world units: no value is larger in magnitude.
   double thickness() const { return thickness_; }
   bool has_nearest() const { return with_nearest_; }
-  Provenance provenance;
+  /// Where the field came from; of a field that no call of standoff filled nothing is known. reset() forgets it.
+  const Provenance& provenance() const { return provenance_; }
+  void set_provenance(Provenance provenance) { provenance_ = std::move(provenance); }
 
   /// The value at sample (i,j,k), world units. Errors: usage (no sample of the grid).
   float value(std::int64_t i, std::int64_t j, std::int64_t k) const;
@@ -97,6 +100,11 @@ class DistanceField {
 
   /// Tiles per axis; the last ones may reach past the grid.
   Size3 tile_count() const;
+  /// The same for any grid of so many samples, each side at least 1: what a field of it will have.
+  static constexpr Size3 tiles_of(const Size3& samples) {
+    constexpr std::int64_t more = kTileSide - 1;
+    return {(samples.x + more) / kTileSide, (samples.y + more) / kTileSide, (samples.z + more) / kTileSide};
+  }
   std::int64_t stored_tiles() const;
   /// The values of a tile, or nothing where it is not stored: then all of them are background(). Errors: usage (not one
   /// of tile_count()).
@@ -168,6 +176,7 @@ class DistanceField {
   std::int32_t& entry_of(std::int64_t tx, std::int64_t ty, std::int64_t tz);
   Tile tile_at(std::int64_t index) const;
 
+  Provenance provenance_;
   Grid grid_ = kEmptyGrid;
   double thickness_ = kEmptyThickness;
   bool with_nearest_ = false;
