@@ -16,6 +16,7 @@
 #include "standoff/error.h"
 #include "standoff/execution.h"
 #include "standoff/existing.h"
+#include "standoff/export.h"
 #include "standoff/field.h"
 #include "standoff/grid.h"
 #include "standoff/mesh.h"
@@ -36,7 +37,7 @@ struct ModelOptions {
 /// What queries need of a body, built once: a sparse distance field near the surface, a coarse one around it, and a
 /// bounding volume hierarchy (BVH) of the triangles. Copies share the data and are cheap; a model that was moved from
 /// stays usable. Safe to use from many threads.
-class CollisionModel {
+class STANDOFF_API CollisionModel {
  public:
   /// Errors: input (mesh; larger than 1e12 or smaller than 1e-12, or past 1e15), usage (options), limit (a field of too
   /// many samples).
@@ -90,8 +91,8 @@ struct CollisionResult {
 
 /// Whether the bodies intersect (docs/collide.md). Errors of all queries: usage, for poses that are not rigid or not
 /// finite, and for options.
-CollisionResult collide(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
-                        const CollideOptions& options = {});
+STANDOFF_API CollisionResult collide(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                                     const Pose& pose_b, const CollideOptions& options = {});
 
 struct DistanceOptions {
   double tolerance = 0;  ///< upper - lower may be this large, beside rounding; world units
@@ -110,8 +111,8 @@ struct DistanceResult {
 /// The least distance between the surfaces (docs/distance.md). `lower` is within `tolerance` and 1e-6 * (size of the
 /// bodies) of `upper`; where the tolerance is 0, `upper` itself is the least distance of all pairs of triangles, within
 /// 32 * 2^-53 of the longest side of the box around the pair.
-DistanceResult distance(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
-                        const DistanceOptions& options = {});
+STANDOFF_API DistanceResult distance(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                                     const Pose& pose_b, const DistanceOptions& options = {});
 
 struct ContactOptions {
   std::int64_t most = 100;  ///< contacts to report, at least 1
@@ -135,8 +136,8 @@ struct ContactResult {
 };
 
 /// Where the surfaces intersect (docs/contacts.md).
-ContactResult contacts(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
-                       const ContactOptions& options = {});
+STANDOFF_API ContactResult contacts(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                                    const Pose& pose_b, const ContactOptions& options = {});
 
 /// A rigid motion during time 0 to 1, between two poses: the body's point `center` moves on a straight line with
 /// constant velocity, and the body turns about an axis through it with constant angular velocity. The rotation between
@@ -147,7 +148,7 @@ struct RigidMotion {
 };
 
 /// The pose at time t in [0, 1].
-Pose pose_at(const RigidMotion& motion, double t);
+STANDOFF_API Pose pose_at(const RigidMotion& motion, double t);
 
 struct SweepOptions {
   /// Surfaces within this distance count as touching; world units, not negative. 0: automatic_tolerance(a, b). At least
@@ -157,7 +158,7 @@ struct SweepOptions {
 
 /// The tolerance of a sweep that names none: 2^-15 (3e-5) of the longest side of the smaller body's box, but no less
 /// than 2^-40 (1e-12) of the larger body's. Bodies of size 3 get 1e-4.
-double automatic_tolerance(const CollisionModel& a, const CollisionModel& b);
+STANDOFF_API double automatic_tolerance(const CollisionModel& a, const CollisionModel& b);
 
 struct SweepResult {
   bool hit = false;
@@ -173,8 +174,8 @@ struct SweepResult {
 /// bodies touch on the motion, at any speed; a hit may be reported where they pass within the tolerance. If they start
 /// closer than the tolerance without touching, separating motion is not a hit. Errors: usage, also for motions some
 /// 1e14 times as long as the bodies, where rounding hides the path.
-SweepResult sweep(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const RigidMotion& motion,
-                  const SweepOptions& options = {});
+STANDOFF_API SweepResult sweep(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                               const RigidMotion& motion, const SweepOptions& options = {});
 
 /// What a batch did.
 struct BatchReport {
@@ -190,21 +191,24 @@ struct BatchReport {
 /// needs of the bodies for as long as they live; of several pairs of triangles that touch it may report another one.
 /// Certified answers come from the CPU alone. Errors: as collide, and usage (execution, certified answers from a GPU),
 /// device (none there, or it failed), limit (too little memory on it).
-std::vector<CollisionResult> collide_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                                         std::span<const Pose> poses_b, const CollideOptions& options = {},
-                                         const Execution& execution = {}, BatchReport* report = nullptr);
+STANDOFF_API std::vector<CollisionResult> collide_all(const CollisionModel& a, const Pose& pose_a,
+                                                      const CollisionModel& b, std::span<const Pose> poses_b,
+                                                      const CollideOptions& options = {},
+                                                      const Execution& execution = {}, BatchReport* report = nullptr);
 /// The same for many poses, on the CPU: other backends are Error{usage}.
-std::vector<DistanceResult> distance_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                                         std::span<const Pose> poses_b, const DistanceOptions& options = {},
-                                         const Execution& execution = {});
+STANDOFF_API std::vector<DistanceResult> distance_all(const CollisionModel& a, const Pose& pose_a,
+                                                      const CollisionModel& b, std::span<const Pose> poses_b,
+                                                      const DistanceOptions& options = {},
+                                                      const Execution& execution = {});
 /// The same for many poses, on the CPU: other backends are Error{usage}.
-std::vector<ContactResult> contacts_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                                        std::span<const Pose> poses_b, const ContactOptions& options = {},
-                                        const Execution& execution = {});
+STANDOFF_API std::vector<ContactResult> contacts_all(const CollisionModel& a, const Pose& pose_a,
+                                                     const CollisionModel& b, std::span<const Pose> poses_b,
+                                                     const ContactOptions& options = {},
+                                                     const Execution& execution = {});
 /// The same for many motions. A GPU finds those that are certainly free; the CPU sweeps the others. Errors: as sweep,
 /// and usage (execution), device, limit.
-std::vector<SweepResult> sweep_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                                   std::span<const RigidMotion> motions, const SweepOptions& options = {},
-                                   const Execution& execution = {}, BatchReport* report = nullptr);
+STANDOFF_API std::vector<SweepResult> sweep_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                                                std::span<const RigidMotion> motions, const SweepOptions& options = {},
+                                                const Execution& execution = {}, BatchReport* report = nullptr);
 
 }  // namespace standoff

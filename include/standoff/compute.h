@@ -9,6 +9,7 @@
 
 #include "standoff/error.h"
 #include "standoff/execution.h"
+#include "standoff/export.h"
 #include "standoff/field.h"
 #include "standoff/grid.h"
 #include "standoff/mesh.h"
@@ -75,12 +76,13 @@ struct ComputeResult {
 /// precision, and the same bits for any number of threads. Here d is min(distance, thickness), epsilon that of double,
 /// and C the largest coordinate of the grid in magnitude: allowed_error() of standoff/verify.h. Errors: usage (options,
 /// thickness or grid), input (mesh), limit (memory, sizes, distance of the mesh from the grid), device, interrupted.
-ComputeResult compute(MeshView mesh, const Grid& grid, double thickness, const ComputeOptions& options = {});
+STANDOFF_API ComputeResult compute(MeshView mesh, const Grid& grid, double thickness,
+                                   const ComputeOptions& options = {});
 
 /// The same into the caller's memory: one value per sample, x fastest; every element is written, whatever it held.
 /// `nearest` is either empty or as long as `values`. Errors: as compute, and usage when a length is wrong.
-ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickness, std::span<float> values,
-                           std::span<std::uint32_t> nearest, const ComputeOptions& options = {});
+STANDOFF_API ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickness, std::span<float> values,
+                                        std::span<std::uint32_t> nearest, const ComputeOptions& options = {});
 inline ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickness, std::span<float> values,
                                   const ComputeOptions& options = {}) {
   return compute_into(mesh, grid, thickness, values, {}, options);
@@ -89,18 +91,18 @@ inline ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickn
 /// The same into an existing field, whatever it holds; the memory of its tiles is reused, unless there is a memory
 /// limit. Use it when computing many fields: allocation can take a third of a thin band's time.
 /// `grid` may be the field's own. Errors: as compute; the field is then as it was, or empty.
-ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickness, DistanceField& field,
-                           const ComputeOptions& options = {});
+STANDOFF_API ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickness, DistanceField& field,
+                                        const ComputeOptions& options = {});
 
 /// Bytes that compute (dense = false) or compute_into (dense = true) may need, and hold against the memory limit: an
 /// upper bound (docs/tiles.md, Memory). No tile is counted that no triangle's box, grown by the thickness, reaches; nor
 /// is the mesh. Takes one pass over the triangles. Errors: usage (grid, thickness, options), input (mesh), limit
 /// (mesh), device.
-std::int64_t memory_needed(MeshView mesh, const Grid& grid, double thickness, const ComputeOptions& options = {},
-                           bool dense = false);
+STANDOFF_API std::int64_t memory_needed(MeshView mesh, const Grid& grid, double thickness,
+                                        const ComputeOptions& options = {}, bool dense = false);
 /// The same for whatever mesh of so many triangles, 1 to kMaxTriangles: a sparse field may store every tile of the
 /// grid. More than 2^62 bytes are told as 2^62.
-std::int64_t memory_needed(std::int64_t triangles, const Grid& grid, double thickness,
-                           const ComputeOptions& options = {}, bool dense = false);
+STANDOFF_API std::int64_t memory_needed(std::int64_t triangles, const Grid& grid, double thickness,
+                                        const ComputeOptions& options = {}, bool dense = false);
 
 }  // namespace standoff

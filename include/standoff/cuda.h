@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "standoff/compute.h"
+#include "standoff/export.h"
 #include "standoff/field.h"
 #include "standoff/grid.h"
 
@@ -70,26 +71,27 @@ struct Task {
 
 /// Room for triangle lists that most meshes of this size get by with. A guess: what is really needed stands in the
 /// Outcome, and no guess gives a wrong field.
-std::int64_t likely_entries(std::int64_t triangles, const Grid& grid, double thickness, Method method = Method::tiles);
+STANDOFF_API std::int64_t likely_entries(std::int64_t triangles, const Grid& grid, double thickness,
+                                         Method method = Method::tiles);
 
 /// Bytes of device memory that enqueue wants for a mesh of at most `triangles` used triangles with room for `entries`
 /// list entries.
-std::int64_t workspace_bytes(std::int64_t triangles, const Grid& grid, double thickness, Method method,
-                             std::int64_t entries);
+STANDOFF_API std::int64_t workspace_bytes(std::int64_t triangles, const Grid& grid, double thickness, Method method,
+                                          std::int64_t entries);
 
 /// Puts the computation on the stream and returns. `workspace` (device memory, 256-byte aligned) is in use until the
 /// work is done; its content before and after means nothing. Mesh and output must stay as they are until then. The
 /// field is the one that compute() gives. Errors: usage (grid, thickness, null pointers, too small a workspace: it says
 /// how large), device.
-void enqueue(const Task& task, void* workspace, std::int64_t bytes, Stream stream);
+STANDOFF_API void enqueue(const Task& task, void* workspace, std::int64_t bytes, Stream stream);
 
 /// Several fields, one after the other on the stream, through one workspace that is large enough for each. Where a task
 /// is refused, none is put on the stream.
-void enqueue(std::span<const Task> tasks, void* workspace, std::int64_t bytes, Stream stream);
+STANDOFF_API void enqueue(std::span<const Task> tasks, void* workspace, std::int64_t bytes, Stream stream);
 
 /// Throws what the outcome (copied to the host) says: Error{input} for a bad triangle, or a mesh that changed
 /// meanwhile, Error{limit} for too little room. Returns where all is well.
-void check(const Outcome& outcome, const Task& task);
+STANDOFF_API void check(const Outcome& outcome, const Task& task);
 
 /// A GPU, or why there is none.
 struct DeviceInfo {
@@ -100,8 +102,8 @@ struct DeviceInfo {
 
 /// The GPUs, in CUDA's order; the name of one that is too old for this build says so. Empty without a driver, a GPU
 /// that standoff can use, or CUDA in this build.
-std::vector<DeviceInfo> devices();
+STANDOFF_API std::vector<DeviceInfo> devices();
 /// In a sentence: why devices() is empty, or an empty text.
-std::string why_no_device();
+STANDOFF_API std::string why_no_device();
 
 }  // namespace standoff::cuda

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "standoff/execution.h"
+#include "standoff/export.h"
 #include "standoff/grid.h"
 #include "standoff/mesh.h"
 #include "standoff/vec.h"
@@ -34,7 +35,7 @@ class TilePool;
 /// field is signed. Samples are stored in tiles of 8x8x8. A tile is stored only where it is needed: all samples of a
 /// tile that is not stored have one value, background(), which is the thickness outside and -thickness deep inside.
 /// Moves are cheap; copies are deep.
-class DistanceField {
+class STANDOFF_API DistanceField {
  public:
   static constexpr int kTileSide = 8;
   static constexpr int kTileSamples = kTileSide * kTileSide * kTileSide;

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "standoff/export.h"
 #include "standoff/vec.h"
 
 namespace standoff {
@@ -31,7 +32,7 @@ struct Grid {
 
 /// Throws Error{usage} unless sizes and spacings are positive, spacings, origin and extent finite, and Error{limit}
 /// where a side is of more than 2^40 samples or all of them are more than 2^62. The helpers below check their grids so.
-void validate(const Grid& grid);
+STANDOFF_API void validate(const Grid& grid);
 
 /// The thickness of a full field, in which every sample is a distance: the dearest field there is.
 inline constexpr double kFullField = std::numeric_limits<double>::infinity();
@@ -50,21 +51,21 @@ struct Padding {
 
 /// The padding that a band wants: its thickness (world units), so that no sample nearer than the thickness is left out,
 /// and at least two samples. A full field (infinite) gets two samples. Errors: usage unless the thickness is positive.
-Padding padding_for(double thickness);
+STANDOFF_API Padding padding_for(double thickness);
 
 /// Cubic cells, `samples` on the longest side of the padded box. The other sides get as many samples as cover it; the
 /// grid is centred on it. A box without extent gets spacing 1 where the padding has no length, and one sample without
 /// padding.
 /// Errors: usage when the box is empty, samples < 2, a member of the padding is negative or no number, or nothing is
 /// left for the box; limit when it takes more than 2^40 samples on a side.
-Grid fit_samples(const Box& box, std::int64_t samples, const Padding& padding);
+STANDOFF_API Grid fit_samples(const Box& box, std::int64_t samples, const Padding& padding);
 /// The same with padding_for(thickness): give the thickness of the field that is to be computed.
 inline Grid fit_samples(const Box& box, std::int64_t samples = kDefaultSamples, double thickness = kFullField) {
   return fit_samples(box, samples, padding_for(thickness));
 }
 
 /// Cells of the given size, as many as cover the padded box, centred on it. Errors: as above.
-Grid fit_spacing(const Box& box, Vec3 spacing, const Padding& padding);
+STANDOFF_API Grid fit_spacing(const Box& box, Vec3 spacing, const Padding& padding);
 /// The same with padding_for(thickness).
 inline Grid fit_spacing(const Box& box, Vec3 spacing, double thickness = kFullField) {
   return fit_spacing(box, spacing, padding_for(thickness));
@@ -73,7 +74,7 @@ inline Grid fit_spacing(const Box& box, Vec3 spacing, double thickness = kFullFi
 /// The given number of samples per axis, the outermost ones on the faces of the padded box, so that the spacing may
 /// differ per axis. An axis without extent, or with one sample, gets the largest spacing of the others (or 1).
 /// Errors: as above.
-Grid fit_size(const Box& box, Size3 size, const Padding& padding);
+STANDOFF_API Grid fit_size(const Box& box, Size3 size, const Padding& padding);
 /// The same with padding_for(thickness).
 inline Grid fit_size(const Box& box, Size3 size, double thickness = kFullField) {
   return fit_size(box, size, padding_for(thickness));

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "standoff/export.h"
 #include "standoff/field.h"
 #include "standoff/mesh.h"
 
@@ -24,7 +25,7 @@ struct MeshSummary {
 /// Counts what a mesh holds. Vertices are told apart by their index: where a file gives every triangle vertices of its
 /// own, every edge is a boundary. Triangles that name a vertex twice have no edges. Takes 36 bytes a triangle, and the
 /// time to sort three edges of each. Errors: those of validate(mesh); limit.
-MeshSummary inspect(MeshView mesh);
+STANDOFF_API MeshSummary inspect(MeshView mesh);
 
 struct FieldSummary {
   double min = 0, max = 0;  ///< of the values in world units; NaN is left out; infinite where every value is NaN
@@ -35,6 +36,6 @@ struct FieldSummary {
 /// Looks at every sample of a field, a slice at a time. A field with nearest triangles counts as its band the samples
 /// that have one, as compute() does. Without them it counts the samples nearer than the thickness: one whose value
 /// equals the thickness may have been clamped to it. Errors: limit.
-FieldSummary inspect(const DistanceField& field);
+STANDOFF_API FieldSummary inspect(const DistanceField& field);
 
 }  // namespace standoff

@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "standoff/export.h"
 #include "standoff/vec.h"
 
 namespace standoff {
@@ -35,11 +36,11 @@ constexpr Vec3 rotate_back(const Pose& pose, Vec3 v) {
 constexpr Vec3 apply_inverse(const Pose& pose, Vec3 p) { return rotate_back(pose, p - pose.translation); }
 
 /// First `inner`, then `outer`.
-Pose compose(const Pose& outer, const Pose& inner);
+STANDOFF_API Pose compose(const Pose& outer, const Pose& inner);
 
 /// Turned by `angle_rad` about `axis` through the origin (right hand; any length but zero), then moved.
 /// Errors: usage when the axis has no direction or a number is not finite.
-Pose make_pose(Vec3 axis, double angle_rad, Vec3 translation);
+STANDOFF_API Pose make_pose(Vec3 axis, double angle_rad, Vec3 translation);
 
 /// How far the product of a rotation and its transpose may be from the identity, per entry: what a rotation
 /// that was stored in single precision keeps.
@@ -47,6 +48,6 @@ inline constexpr double kRigidTolerance = 1e-6;
 
 /// Throws Error{usage} unless all numbers are finite, the translation below 1e15, and the rotation is one: no scaling,
 /// shear or mirror.
-void validate(const Pose& pose);
+STANDOFF_API void validate(const Pose& pose);
 
 }  // namespace standoff

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "standoff/execution.h"
+#include "standoff/export.h"
 #include "standoff/field.h"
 #include "standoff/mesh.h"
 
@@ -42,12 +43,12 @@ struct VerifyResult {
 
 /// The error allowed where the distance, clamped to the thickness, is `distance`:
 /// 1e-6 * (distance + 16 * max spacing), and what a double cannot resolve at the sample's coordinates.
-double allowed_error(const Grid& grid, double distance);
+STANDOFF_API double allowed_error(const Grid& grid, double distance);
 
 /// Compares the field at random samples with distances computed in double precision: every triangle counts, and only
 /// those are passed over whose boxes lie farther away than a distance already found. Half of the samples are drawn from
 /// the stored tiles, so that a narrow band in a wide grid is tested too. Nothing of compute() is used.
 /// A field with wrong values is a result, not an error. Errors: input (mesh), usage (options), interrupted.
-VerifyResult verify(const DistanceField& field, MeshView mesh, const VerifyOptions& options = {});
+STANDOFF_API VerifyResult verify(const DistanceField& field, MeshView mesh, const VerifyOptions& options = {});
 
 }  // namespace standoff
