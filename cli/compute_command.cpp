@@ -126,7 +126,7 @@ void Command::run() {
   start = std::chrono::steady_clock::now();
   with_spinner(console, "writing " + output.path().string(),
                [&] { write_field(output.path(), computed.field, output.existing()); });
-  Outcome outcome{plan, computed.report, computed.field.provenance.mesh_hash};
+  Outcome outcome{plan, computed.report, computed.field.provenance().mesh_hash};
   outcome.write_seconds = seconds_since(start);
   std::error_code ignored;  // a pipe has no size
   const auto size = std::filesystem::file_size(output.path(), ignored);

@@ -13,10 +13,7 @@
 namespace standoff::cli {
 namespace {
 
-std::int64_t tile_count(Size3 size) {
-  constexpr std::int64_t side = DistanceField::kTileSide;
-  return ((size.x + side - 1) / side) * ((size.y + side - 1) / side) * ((size.z + side - 1) / side);
-}
+std::int64_t tile_count(Size3 samples) { return DistanceField::tiles_of(samples).count(); }
 
 // What the samples take in a file of any format; the rest is a header of less than 4 KiB.
 double sample_bytes(const Plan& plan, const ComputeOptions& options) {

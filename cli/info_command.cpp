@@ -74,7 +74,7 @@ void tell_field(const std::string& name, const FieldArgument& input, const Conso
   const DistanceField field = input.read(name, console);
   const Grid& g = field.grid();
   const FieldSummary found = inspect(field);
-  const Provenance& from = field.provenance;
+  const Provenance& from = field.provenance();
   const std::int64_t tiles = field.tile_count().count();
   if (console.json()) {
     Json json = json_answer("info");

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# Kernels are compiled once per instruction set and chosen at run time (src/simd/).
+# Kernels are compiled once per instruction set and chosen at run time (src/simd/). tests/gpu_check includes this too.
+get_filename_component(STANDOFF_KERNELS ${CMAKE_CURRENT_LIST_DIR}/../src ABSOLUTE)
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   set(STANDOFF_AVX2_FLAGS -mavx2 -mfma)
   # GCC 12 warns of its own header's undefined registers.
@@ -11,18 +12,18 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
     list(APPEND STANDOFF_AVX512_FLAGS -fno-sanitize=undefined)
   endif()
   foreach(feature IN ITEMS field collision)
-    set_source_files_properties(src/${feature}/cpu/kernels_avx2.cpp PROPERTIES COMPILE_OPTIONS "${STANDOFF_AVX2_FLAGS}")
-    set_source_files_properties(src/${feature}/cpu/kernels_avx512.cpp PROPERTIES COMPILE_OPTIONS "${STANDOFF_AVX512_FLAGS}")
+    set_source_files_properties(${STANDOFF_KERNELS}/${feature}/cpu/kernels_avx2.cpp PROPERTIES COMPILE_OPTIONS "${STANDOFF_AVX2_FLAGS}")
+    set_source_files_properties(${STANDOFF_KERNELS}/${feature}/cpu/kernels_avx512.cpp PROPERTIES COMPILE_OPTIONS "${STANDOFF_AVX512_FLAGS}")
   endforeach()
 endif()
 # Pointers are left to the address sanitizer here: with these checks the kernels take three times as long to compile.
 if("undefined" IN_LIST STANDOFF_SANITIZE AND "address" IN_LIST STANDOFF_SANITIZE)
-  set_source_files_properties(src/field/cpu/kernels_portable.cpp PROPERTIES COMPILE_OPTIONS "-fno-sanitize=alignment,null,object-size")
+  set_source_files_properties(${STANDOFF_KERNELS}/field/cpu/kernels_portable.cpp PROPERTIES COMPILE_OPTIONS "-fno-sanitize=alignment,null,object-size")
 endif()
 # Fuzzers ask for no field: its kernels must only link. Under clang's sanitizers they take minutes to compile.
 if(STANDOFF_BUILD_FUZZERS)
   foreach(set IN ITEMS portable avx2 avx512)
     string(TOUPPER ${set} name)
-    set_source_files_properties(src/field/cpu/kernels_${set}.cpp PROPERTIES COMPILE_OPTIONS "${STANDOFF_${name}_FLAGS};-fno-sanitize=all;-O0")
+    set_source_files_properties(${STANDOFF_KERNELS}/field/cpu/kernels_${set}.cpp PROPERTIES COMPILE_OPTIONS "${STANDOFF_${name}_FLAGS};-fno-sanitize=all;-O0")
   endforeach()
 endif()

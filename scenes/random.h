@@ -6,7 +6,8 @@
 
 namespace standoff::scenes {
 
-/// The finaliser of splitmix64: every bit of the input reaches every bit of the output.
+/// splitmix64, as in src/core, which scenes do not see: these are made through the public headers alone, and a scene
+/// must stay the same whatever becomes of the library.
 constexpr std::uint64_t hash(std::uint64_t x) {
   x += 0x9e3779b97f4a7c15u;
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;

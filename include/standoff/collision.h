@@ -16,6 +16,7 @@
 #include "standoff/error.h"
 #include "standoff/execution.h"
 #include "standoff/existing.h"
+#include "standoff/export.h"
 #include "standoff/field.h"
 #include "standoff/grid.h"
 #include "standoff/mesh.h"
@@ -36,7 +37,7 @@ struct ModelOptions {
 /// A body prepared for queries: its mesh, a sparse distance field near the surface, a coarse one around it, and a
 /// bounding volume hierarchy (BVH) of the triangles. Copies share the data and are cheap. A model that was moved from
 /// stays usable. Safe to use from many threads.
-class CollisionModel {
+class STANDOFF_API CollisionModel {
  public:
   /// Copies the mesh and builds fields and BVH. Errors: input (an invalid mesh; its size outside 1e-12 to 1e12, or a
   /// coordinate beyond 1e15), usage (options), limit (memory, or a field of too many samples).
@@ -89,8 +90,8 @@ struct CollisionResult {
 
 /// Whether the bodies intersect (docs/collide.md). Errors of all queries: usage, for poses that are not rigid or not
 /// finite, and for options.
-CollisionResult collide(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
-                        const CollideOptions& options = {});
+STANDOFF_API CollisionResult collide(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                                     const Pose& pose_b, const CollideOptions& options = {});
 
 struct DistanceOptions {
   double tolerance = 0;  ///< how large upper - lower may be, besides rounding; world units, not negative
@@ -109,8 +110,8 @@ struct DistanceResult {
 /// The least distance between the surfaces (docs/distance.md). upper - lower <= tolerance + 1e-6 * (size of
 /// the bodies). With tolerance 0, `upper` is the least distance of all pairs of triangles, within 32 * 2^-53 of the
 /// longest side of the box around the pair. Errors: as collide.
-DistanceResult distance(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
-                        const DistanceOptions& options = {});
+STANDOFF_API DistanceResult distance(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                                     const Pose& pose_b, const DistanceOptions& options = {});
 
 struct ContactOptions {
   std::int64_t most = 100;  ///< how many contacts to report at most; at least 1
@@ -135,8 +136,8 @@ struct ContactResult {
 };
 
 /// The pairs of triangles that intersect or are within the margin (docs/contacts.md). Errors: as collide; limit.
-ContactResult contacts(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
-                       const ContactOptions& options = {});
+STANDOFF_API ContactResult contacts(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                                    const Pose& pose_b, const ContactOptions& options = {});
 
 /// A rigid motion during time 0 to 1, between two poses: the body's point `center` moves on a straight line with
 /// constant velocity, and the body turns about an axis through it with constant angular velocity. The rotation between
@@ -147,7 +148,7 @@ struct RigidMotion {
 };
 
 /// The pose at time t in [0, 1].
-Pose pose_at(const RigidMotion& motion, double t);
+STANDOFF_API Pose pose_at(const RigidMotion& motion, double t);
 
 struct SweepOptions {
   /// Surfaces within this distance count as touching; world units, not negative. 0: automatic_tolerance(a, b). A
@@ -158,7 +159,7 @@ struct SweepOptions {
 
 /// The default tolerance of a sweep: 2^-15 (3e-5) of the longest side of the smaller body's box, but at least 2^-40
 /// (1e-12) of the larger body's. For bodies of size 3 this is 1e-4. World units.
-double automatic_tolerance(const CollisionModel& a, const CollisionModel& b);
+STANDOFF_API double automatic_tolerance(const CollisionModel& a, const CollisionModel& b);
 
 struct SweepResult {
   bool hit = false;
@@ -174,8 +175,8 @@ struct SweepResult {
 /// touch during the motion, the result is a hit, at any speed. If they pass within the tolerance without touching, it
 /// may be a hit. If they start closer than the tolerance without touching, separating motion is not a hit. Errors: as
 /// collide; usage also for motions some 1e14 times as long as the bodies, where rounding hides the path.
-SweepResult sweep(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const RigidMotion& motion,
-                  const SweepOptions& options = {});
+STANDOFF_API SweepResult sweep(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                               const RigidMotion& motion, const SweepOptions& options = {});
 
 /// How a batch was answered.
 struct BatchReport {
@@ -192,21 +193,24 @@ struct BatchReport {
 /// several intersecting pairs of triangles. A GPU keeps its copies of the models until they are destroyed. Certified
 /// queries run on the CPU only. Errors: as collide; usage also for `execution` and for certified queries on a GPU;
 /// device (no GPU, or it failed); limit (too little memory on it).
-std::vector<CollisionResult> collide_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                                         std::span<const Pose> poses_b, const CollideOptions& options = {},
-                                         const Execution& execution = {}, BatchReport* report = nullptr);
+STANDOFF_API std::vector<CollisionResult> collide_all(const CollisionModel& a, const Pose& pose_a,
+                                                      const CollisionModel& b, std::span<const Pose> poses_b,
+                                                      const CollideOptions& options = {},
+                                                      const Execution& execution = {}, BatchReport* report = nullptr);
 /// distance() for many poses of b, in their order. Runs on the CPU; other backends are Error{usage}.
-std::vector<DistanceResult> distance_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                                         std::span<const Pose> poses_b, const DistanceOptions& options = {},
-                                         const Execution& execution = {});
+STANDOFF_API std::vector<DistanceResult> distance_all(const CollisionModel& a, const Pose& pose_a,
+                                                      const CollisionModel& b, std::span<const Pose> poses_b,
+                                                      const DistanceOptions& options = {},
+                                                      const Execution& execution = {});
 /// contacts() for many poses of b, in their order. Runs on the CPU; other backends are Error{usage}.
-std::vector<ContactResult> contacts_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                                        std::span<const Pose> poses_b, const ContactOptions& options = {},
-                                        const Execution& execution = {});
+STANDOFF_API std::vector<ContactResult> contacts_all(const CollisionModel& a, const Pose& pose_a,
+                                                     const CollisionModel& b, std::span<const Pose> poses_b,
+                                                     const ContactOptions& options = {},
+                                                     const Execution& execution = {});
 /// sweep() for many motions, in their order. A GPU finds motions that are certainly free; the CPU sweeps the others, so
 /// results do not depend on the backend. Errors: as sweep; usage also for `execution`; device, limit.
-std::vector<SweepResult> sweep_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                                   std::span<const RigidMotion> motions, const SweepOptions& options = {},
-                                   const Execution& execution = {}, BatchReport* report = nullptr);
+STANDOFF_API std::vector<SweepResult> sweep_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                                                std::span<const RigidMotion> motions, const SweepOptions& options = {},
+                                                const Execution& execution = {}, BatchReport* report = nullptr);
 
 }  // namespace standoff

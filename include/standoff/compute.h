@@ -9,6 +9,7 @@
 
 #include "standoff/error.h"
 #include "standoff/execution.h"
+#include "standoff/export.h"
 #include "standoff/field.h"
 #include "standoff/grid.h"
 #include "standoff/mesh.h"
@@ -76,12 +77,13 @@ struct ComputeResult {
 /// is the largest coordinate of the grid in magnitude. allowed_error() of standoff/verify.h computes the bound. Errors:
 /// usage (options, thickness or grid), input (mesh), limit (memory, sizes, distance of the mesh from the grid), device,
 /// interrupted.
-ComputeResult compute(MeshView mesh, const Grid& grid, double thickness, const ComputeOptions& options = {});
+STANDOFF_API ComputeResult compute(MeshView mesh, const Grid& grid, double thickness,
+                                   const ComputeOptions& options = {});
 
 /// Like compute(), into the caller's memory: one value per sample, x fastest. Every element is written. `nearest` is
 /// either empty or as long as `values`. Errors: as compute; usage also for a wrong length.
-ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickness, std::span<float> values,
-                           std::span<std::uint32_t> nearest, const ComputeOptions& options = {});
+STANDOFF_API ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickness, std::span<float> values,
+                                        std::span<std::uint32_t> nearest, const ComputeOptions& options = {});
 inline ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickness, std::span<float> values,
                                   const ComputeOptions& options = {}) {
   return compute_into(mesh, grid, thickness, values, {}, options);
@@ -90,18 +92,18 @@ inline ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickn
 /// Like compute(), into an existing field, whose content is replaced. The memory of its tiles is reused, unless there
 /// is a memory limit. Use it when computing many fields: allocation can take a third of a thin band's time. `grid` may
 /// be the field's own. Errors: as compute; the field is then unchanged or empty.
-ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickness, DistanceField& field,
-                           const ComputeOptions& options = {});
+STANDOFF_API ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickness, DistanceField& field,
+                                        const ComputeOptions& options = {});
 
 /// An upper bound of the bytes that compute (dense = false) or compute_into (dense = true) needs besides the mesh. They
 /// compare it with the memory limit (docs/tiles.md, Memory). Only tiles that the grown box of some triangle intersects
 /// are counted. Takes one pass over the triangles. Errors: usage (grid, thickness, options), input (mesh), limit
 /// (mesh), device.
-std::int64_t memory_needed(MeshView mesh, const Grid& grid, double thickness, const ComputeOptions& options = {},
-                           bool dense = false);
+STANDOFF_API std::int64_t memory_needed(MeshView mesh, const Grid& grid, double thickness,
+                                        const ComputeOptions& options = {}, bool dense = false);
 /// The same bound for any mesh of `triangles` triangles, 1 to kMaxTriangles: every tile of the grid is counted. At most
 /// 2^62.
-std::int64_t memory_needed(std::int64_t triangles, const Grid& grid, double thickness,
-                           const ComputeOptions& options = {}, bool dense = false);
+STANDOFF_API std::int64_t memory_needed(std::int64_t triangles, const Grid& grid, double thickness,
+                                        const ComputeOptions& options = {}, bool dense = false);
 
 }  // namespace standoff

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "standoff/compute.h"
+#include "standoff/export.h"
 #include "standoff/field.h"
 #include "standoff/grid.h"
 
@@ -70,26 +71,27 @@ struct Task {
 
 /// An estimate of the list entries that suffices for most meshes of this size. Outcome::needed_entries gives the true
 /// number. Too small an estimate never gives a wrong field. Errors: usage (grid, thickness).
-std::int64_t likely_entries(std::int64_t triangles, const Grid& grid, double thickness, Method method = Method::tiles);
+STANDOFF_API std::int64_t likely_entries(std::int64_t triangles, const Grid& grid, double thickness,
+                                         Method method = Method::tiles);
 
 /// Bytes of device memory that enqueue needs for a mesh of at most `triangles` used triangles and `entries` list
 /// entries.
-std::int64_t workspace_bytes(std::int64_t triangles, const Grid& grid, double thickness, Method method,
-                             std::int64_t entries);
+STANDOFF_API std::int64_t workspace_bytes(std::int64_t triangles, const Grid& grid, double thickness, Method method,
+                                          std::int64_t entries);
 
 /// Puts the computation on the stream and returns. `workspace` (device memory, 256-byte aligned) is in use until the
 /// work is done; its content before does not matter, and after is undefined. Mesh and output must not change until
 /// then. The field has the bits that compute() gives. Errors: usage (grid, thickness, null pointers, too small a
 /// workspace: it says how large), device.
-void enqueue(const Task& task, void* workspace, std::int64_t bytes, Stream stream);
+STANDOFF_API void enqueue(const Task& task, void* workspace, std::int64_t bytes, Stream stream);
 
 /// Several fields, one after the other on the stream, through one workspace that is large enough for each. If a task is
 /// invalid, none is put on the stream. Errors: as above.
-void enqueue(std::span<const Task> tasks, void* workspace, std::int64_t bytes, Stream stream);
+STANDOFF_API void enqueue(std::span<const Task> tasks, void* workspace, std::int64_t bytes, Stream stream);
 
 /// Throws if the task failed. `outcome` is a copy in host memory. Error{input}: a bad triangle, or the mesh changed
 /// during the work. Error{limit}: too few list entries or slots.
-void check(const Outcome& outcome, const Task& task);
+STANDOFF_API void check(const Outcome& outcome, const Task& task);
 
 /// A GPU.
 struct DeviceInfo {
@@ -100,8 +102,8 @@ struct DeviceInfo {
 
 /// The GPUs, in CUDA's order; the name of one that is too old for this build says so. Empty without a driver, a GPU
 /// that standoff can use, or CUDA in this build.
-std::vector<DeviceInfo> devices();
+STANDOFF_API std::vector<DeviceInfo> devices();
 /// A sentence that says why devices() is empty; empty if it is not.
-std::string why_no_device();
+STANDOFF_API std::string why_no_device();
 
 }  // namespace standoff::cuda

@@ -9,6 +9,8 @@
 #include <string>
 #include <utility>
 
+#include "standoff/export.h"
+
 namespace standoff {
 
 /// What kind of thing went wrong. The values are the exit codes of the `standoff` program.
@@ -35,7 +37,7 @@ struct ErrorDetails {
 
 /// The only exception that functions of standoff throw, except those of the caller's own callbacks. The message says
 /// what, where, why and what to do next; for files it reads `FILE:WHERE: what; what to do`.
-class Error : public std::runtime_error {
+class STANDOFF_API Error : public std::runtime_error {
  public:
   Error(ErrorCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
   Error(ErrorCode code, const std::string& message, ErrorDetails details)

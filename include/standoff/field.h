@@ -11,9 +11,11 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "standoff/execution.h"
+#include "standoff/export.h"
 #include "standoff/grid.h"
 #include "standoff/mesh.h"
 #include "standoff/vec.h"
@@ -32,7 +34,7 @@ class TilePool;
 /// The distance to the nearest triangle at every sample of a grid, clamped to the thickness. In a signed field, samples
 /// inside are negative. Samples are stored in tiles of 8x8x8. All samples of a tile that is not stored have one value,
 /// background(): the thickness outside, -thickness deep inside. Moves are cheap; copies are deep.
-class DistanceField {
+class STANDOFF_API DistanceField {
  public:
   static constexpr int kTileSide = 8;
   static constexpr int kTileSamples = kTileSide * kTileSide * kTileSide;
@@ -73,7 +75,9 @@ class DistanceField {
   /// Half-width of the band, world units: no value is larger in magnitude.
   double thickness() const { return thickness_; }
   bool has_nearest() const { return with_nearest_; }
-  Provenance provenance;
+  /// Where the field came from; empty unless standoff filled the field. reset() clears it.
+  const Provenance& provenance() const { return provenance_; }
+  void set_provenance(Provenance provenance) { provenance_ = std::move(provenance); }
 
   /// The value at sample (i,j,k), world units. Errors: usage (no sample of the grid).
   float value(std::int64_t i, std::int64_t j, std::int64_t k) const;
@@ -95,6 +99,11 @@ class DistanceField {
 
   /// Tiles per axis; the last ones may reach past the grid.
   Size3 tile_count() const;
+  /// Tiles per axis of a field on a grid of `samples` samples, at least 1 per axis.
+  static constexpr Size3 tiles_of(const Size3& samples) {
+    constexpr std::int64_t more = kTileSide - 1;
+    return {(samples.x + more) / kTileSide, (samples.y + more) / kTileSide, (samples.z + more) / kTileSide};
+  }
   std::int64_t stored_tiles() const;
   /// The values of a tile; nullopt if it is not stored: all its values are then background(). Errors: usage (no such
   /// tile).
@@ -165,6 +174,7 @@ class DistanceField {
   std::int32_t& entry_of(std::int64_t tx, std::int64_t ty, std::int64_t tz);
   Tile tile_at(std::int64_t index) const;
 
+  Provenance provenance_;
   Grid grid_ = kEmptyGrid;
   double thickness_ = kEmptyThickness;
   bool with_nearest_ = false;

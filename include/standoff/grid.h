@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "standoff/export.h"
 #include "standoff/vec.h"
 
 namespace standoff {
@@ -31,7 +32,7 @@ struct Grid {
 
 /// Throws Error{usage} unless sizes and spacings are positive, and spacings, origin and extent finite; Error{limit} if
 /// a side has more than 2^40 samples or the grid more than 2^62. The helpers below validate their grids.
-void validate(const Grid& grid);
+STANDOFF_API void validate(const Grid& grid);
 
 /// The thickness of a full field, in which no value is clamped. No field takes longer to compute.
 inline constexpr double kFullField = std::numeric_limits<double>::infinity();
@@ -50,21 +51,21 @@ struct Padding {
 
 /// The padding for a narrow band: its thickness (world units), so that the grid holds the whole band, and at least two
 /// samples. For a full field: two samples. Errors: usage unless the thickness is positive.
-Padding padding_for(double thickness);
+STANDOFF_API Padding padding_for(double thickness);
 
 /// A grid of equal spacings with `samples` samples on the longest side of the padded box, centred on it. The other
 /// sides get as many samples as cover the box. A box without extent gets spacing 1 if the padding has no length, and
 /// one sample if there is no padding.
 /// Errors: usage (an empty box; samples < 2; a member of the padding that is negative or not a number; a padding that
 /// takes all samples), limit (more than 2^40 samples on a side).
-Grid fit_samples(const Box& box, std::int64_t samples, const Padding& padding);
+STANDOFF_API Grid fit_samples(const Box& box, std::int64_t samples, const Padding& padding);
 /// The same with padding_for(thickness). `thickness` is that of the field to be computed.
 inline Grid fit_samples(const Box& box, std::int64_t samples = kDefaultSamples, double thickness = kFullField) {
   return fit_samples(box, samples, padding_for(thickness));
 }
 
 /// A grid of the given spacings, with as many samples as cover the padded box, centred on it. Errors: as above.
-Grid fit_spacing(const Box& box, Vec3 spacing, const Padding& padding);
+STANDOFF_API Grid fit_spacing(const Box& box, Vec3 spacing, const Padding& padding);
 /// The same with padding_for(thickness).
 inline Grid fit_spacing(const Box& box, Vec3 spacing, double thickness = kFullField) {
   return fit_spacing(box, spacing, padding_for(thickness));
@@ -73,7 +74,7 @@ inline Grid fit_spacing(const Box& box, Vec3 spacing, double thickness = kFullFi
 /// The given number of samples per axis, the outermost ones on the faces of the padded box, so that the spacing may
 /// differ per axis. An axis without extent, or with one sample, gets the largest spacing of the others (or 1).
 /// Errors: as above.
-Grid fit_size(const Box& box, Size3 size, const Padding& padding);
+STANDOFF_API Grid fit_size(const Box& box, Size3 size, const Padding& padding);
 /// The same with padding_for(thickness).
 inline Grid fit_size(const Box& box, Size3 size, double thickness = kFullField) {
   return fit_size(box, size, padding_for(thickness));

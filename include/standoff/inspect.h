@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "standoff/export.h"
 #include "standoff/field.h"
 #include "standoff/mesh.h"
 
@@ -24,7 +25,7 @@ struct MeshSummary {
 /// Computes statistics of a mesh. Vertices are identified by index: if every triangle has its own vertices, every edge
 /// is a boundary. A triangle that names a vertex twice has no edges. Takes 36 bytes per triangle, and the time to sort
 /// three edges per triangle. Errors: those of validate(mesh); limit.
-MeshSummary inspect(MeshView mesh);
+STANDOFF_API MeshSummary inspect(MeshView mesh);
 
 struct FieldSummary {
   double min = 0, max = 0;  ///< of the values, world units, without NaN; infinite if every value is NaN
@@ -35,6 +36,6 @@ struct FieldSummary {
 /// Computes statistics over every sample of a field, a slice at a time. If the field has nearest triangles, its band
 /// is the samples that have one, as in compute(). Otherwise it is the samples nearer than the thickness, because a
 /// value that equals the thickness may be clamped. Errors: limit.
-FieldSummary inspect(const DistanceField& field);
+STANDOFF_API FieldSummary inspect(const DistanceField& field);
 
 }  // namespace standoff

@@ -10,6 +10,7 @@
 
 #include "standoff/error.h"
 #include "standoff/existing.h"
+#include "standoff/export.h"
 #include "standoff/field.h"
 #include "standoff/mesh.h"
 
@@ -25,8 +26,8 @@ struct FileFormat {
 };
 
 /// The formats this build knows.
-std::vector<FileFormat> mesh_formats();
-std::vector<FileFormat> field_formats();
+STANDOFF_API std::vector<FileFormat> mesh_formats();
+STANDOFF_API std::vector<FileFormat> field_formats();
 
 struct MeshReadOptions {
   double scale = 1;  ///< vertices are multiplied by this (finite, positive)
@@ -47,17 +48,17 @@ struct MeshReadReport {
 };
 
 /// The report as English sentences without full stops; empty if nothing was done and nothing is known.
-std::vector<std::string> notes(const MeshReadReport& report);
+STANDOFF_API std::vector<std::string> notes(const MeshReadReport& report);
 
 /// Reads a mesh. The extension decides the format; if no format has that extension, the content does. It is an error if
 /// extension and content contradict each other. A file may be compressed by gzip: mesh.obj.gz is OBJ. Equal vertices
 /// are welded exactly, and polygons are triangulated. `report`, unless null, receives what was done to the coordinates.
 /// Errors: input, with `FILE:WHERE: what; what to do`; limit (memory).
-Mesh read_mesh(const std::filesystem::path& path, const MeshReadOptions& options = {},
-               MeshReadReport* report = nullptr);
+STANDOFF_API Mesh read_mesh(const std::filesystem::path& path, const MeshReadOptions& options = {},
+                            MeshReadReport* report = nullptr);
 
 /// Writes a mesh; the file appears whole or not at all. Errors: output, usage (unknown extension).
-void write_mesh(const std::filesystem::path& path, MeshView mesh, Existing existing = Existing::replace);
+STANDOFF_API void write_mesh(const std::filesystem::path& path, MeshView mesh, Existing existing = Existing::replace);
 
 struct FieldReadOptions {
   std::int64_t memory_limit = 0;  ///< bytes that the field may take; 0: no limit. Checked before allocation
@@ -65,10 +66,11 @@ struct FieldReadOptions {
 
 /// Reads a field written by write_field: the same values, thickness, nearest triangles and provenance. Errors: input;
 /// limit (memory_limit, or memory runs out).
-DistanceField read_field(const std::filesystem::path& path, const FieldReadOptions& options = {});
+STANDOFF_API DistanceField read_field(const std::filesystem::path& path, const FieldReadOptions& options = {});
 
 /// Writes a field as .vti, .nrrd or .npz (docs/formats.md); the file appears whole or not at all. Values are never held
 /// densely. Errors: output, usage (unknown extension, or nearest triangles in a format that cannot carry them).
-void write_field(const std::filesystem::path& path, const DistanceField& field, Existing existing = Existing::replace);
+STANDOFF_API void write_field(const std::filesystem::path& path, const DistanceField& field,
+                              Existing existing = Existing::replace);
 
 }  // namespace standoff

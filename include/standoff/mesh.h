@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "standoff/export.h"
 #include "standoff/mesh_view.h"
 #include "standoff/vec.h"
 
@@ -28,13 +29,13 @@ struct Mesh {
 /// Throws Error{input} that names the first triangle whose indices are out of range or whose corners are not finite,
 /// or if there are no triangles; Error{usage} for null arrays whose size is not 0; Error{limit} for more than
 /// kMaxTriangles triangles or 2^32 - 1 vertices. Vertices that no triangle uses are not checked.
-void validate(MeshView mesh);
+STANDOFF_API void validate(MeshView mesh);
 
 /// The box of all corners of all triangles; empty for a mesh without triangles. Errors: input (index out of range).
-Box bounds(MeshView mesh);
+STANDOFF_API Box bounds(MeshView mesh);
 
 /// A 64-bit hash of vertices and triangles, in order: equal meshes have equal hashes on every machine, in every
 /// layout.
-std::uint64_t content_hash(MeshView mesh);
+STANDOFF_API std::uint64_t content_hash(MeshView mesh);
 
 }  // namespace standoff

@@ -6,6 +6,7 @@
 
 #include "standoff/axis.h"
 #include "standoff/existing.h"
+#include "standoff/export.h"
 #include "standoff/mesh.h"
 
 namespace standoff {
@@ -23,7 +24,7 @@ struct PictureOptions {
 /// Draws a mesh, flatly shaded, both sides of every triangle alike, and writes it as a PNG picture, which appears whole
 /// or not at all. Takes about 30 bytes per vertex and 32 per pixel.
 /// Errors: input (mesh), usage (options, or built without libpng), output.
-void write_mesh_png(const std::filesystem::path& path, MeshView mesh, const PictureOptions& options = {},
-                    Existing existing = Existing::replace);
+STANDOFF_API void write_mesh_png(const std::filesystem::path& path, MeshView mesh, const PictureOptions& options = {},
+                                 Existing existing = Existing::replace);
 
 }  // namespace standoff

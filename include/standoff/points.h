@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "standoff/execution.h"
+#include "standoff/export.h"
 #include "standoff/mesh.h"
 #include "standoff/vec.h"
 
@@ -31,6 +32,7 @@ struct ClosestPoint {
 /// the distance errs by a few 1e-16 of the extent of point and triangle together. Runs on the CPU. Time is proportional
 /// to points * (triangles / 32).
 /// Errors: input (mesh), usage (execution; a point that is not finite), limit (mesh or points beyond 1e150; memory).
-std::vector<ClosestPoint> closest_points(MeshView mesh, std::span<const Vec3> points, const Execution& execution = {});
+STANDOFF_API std::vector<ClosestPoint> closest_points(MeshView mesh, std::span<const Vec3> points,
+                                                      const Execution& execution = {});
 
 }  // namespace standoff

@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "standoff/export.h"
 #include "standoff/vec.h"
 
 namespace standoff {
@@ -35,11 +36,11 @@ constexpr Vec3 rotate_back(const Pose& pose, Vec3 v) {
 constexpr Vec3 apply_inverse(const Pose& pose, Vec3 p) { return rotate_back(pose, p - pose.translation); }
 
 /// The pose that applies `inner`, then `outer`.
-Pose compose(const Pose& outer, const Pose& inner);
+STANDOFF_API Pose compose(const Pose& outer, const Pose& inner);
 
 /// A rotation by `angle_rad` about `axis` through the origin (right-handed; the axis may have any length but zero),
 /// then a translation. Errors: usage (a zero axis, or a number that is not finite).
-Pose make_pose(Vec3 axis, double angle_rad, Vec3 translation);
+STANDOFF_API Pose make_pose(Vec3 axis, double angle_rad, Vec3 translation);
 
 /// How far the product of a rotation and its transpose may be from the identity, per entry. A rotation stored in single
 /// precision is within it.
@@ -47,6 +48,6 @@ inline constexpr double kRigidTolerance = 1e-6;
 
 /// Throws Error{usage} unless all numbers are finite, the translation is below 1e15 in magnitude, and the matrix is a
 /// rotation within kRigidTolerance: no scaling, shear or reflection.
-void validate(const Pose& pose);
+STANDOFF_API void validate(const Pose& pose);
 
 }  // namespace standoff

@@ -8,6 +8,7 @@
 
 #include "standoff/axis.h"
 #include "standoff/existing.h"
+#include "standoff/export.h"
 #include "standoff/field.h"
 
 namespace standoff {
@@ -30,7 +31,7 @@ struct SliceOptions {
 /// for y, y and z for x. Colors span the finite values of the plane; infinite ones are grey. Planes of more than 8192
 /// pixels on a side are thinned to that.
 /// Errors: usage (options out of range, or built without libpng), output.
-void write_slice_png(const std::filesystem::path& path, const DistanceField& field, const SliceOptions& options = {},
-                     Existing existing = Existing::replace);
+STANDOFF_API void write_slice_png(const std::filesystem::path& path, const DistanceField& field,
+                                  const SliceOptions& options = {}, Existing existing = Existing::replace);
 
 }  // namespace standoff

@@ -8,6 +8,7 @@
 
 #include <cstdint>
 
+#include "standoff/export.h"
 #include "standoff/field.h"
 #include "standoff/grid.h"
 #include "standoff/pose.h"
@@ -18,7 +19,7 @@ namespace standoff {
 /// up, at least 2. `e` is 2 to 4 in the thesis; `speed`, the distance a body moves in one step, makes the grid finer:
 /// the factor used is e * (1 + speed / thickness). Errors: usage when the thickness is not positive and finite, e < 1
 /// or speed < 0.
-Grid minimum_grid(const Box& box, double thickness, double e = 2, double speed = 0);
+STANDOFF_API Grid minimum_grid(const Box& box, double thickness, double e = 2, double speed = 0);
 
 /// Algorithm 2 of the 2008 thesis, for comparison: visits the samples of one field that lie in the other's grid. The
 /// bodies collide if, for one of them, its value and that of the nearest sample of the other field are both below the
@@ -28,9 +29,9 @@ struct ThesisCollisionResult {
   bool hit = false;
   std::int64_t samples = 0;  ///< visited
 };
-ThesisCollisionResult collide_thesis(const DistanceField& a, const Pose& pose_a, const DistanceField& b,
-                                     const Pose& pose_b, double threshold);
+STANDOFF_API ThesisCollisionResult collide_thesis(const DistanceField& a, const Pose& pose_a, const DistanceField& b,
+                                                  const Pose& pose_b, double threshold);
 /// The least such sum, from which a threshold can be chosen; infinite if there is none.
-double thesis_sum(const DistanceField& a, const Pose& pose_a, const DistanceField& b, const Pose& pose_b);
+STANDOFF_API double thesis_sum(const DistanceField& a, const Pose& pose_a, const DistanceField& b, const Pose& pose_b);
 
 }  // namespace standoff

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "standoff/execution.h"
+#include "standoff/export.h"
 #include "standoff/field.h"
 #include "standoff/mesh.h"
 
@@ -42,12 +43,12 @@ struct VerifyResult {
 
 /// The error allowed where the distance, clamped to the thickness, is `distance`:
 /// 1e-6 * (distance + 16 * max spacing), plus 4 epsilon of the grid's largest coordinate in magnitude. World units.
-double allowed_error(const Grid& grid, double distance);
+STANDOFF_API double allowed_error(const Grid& grid, double distance);
 
 /// Compares the field at random samples with distances computed in double precision over all triangles; a triangle is
 /// left out only if its box is farther away than a distance already found. Half of the samples are drawn from the
-/// stored tiles, so that a narrow band in a large grid is tested too. Uses nothing of compute(). A field with wrong
+/// stored tiles, so that a narrow band in a large grid is tested too. Shares no code with compute(). A field with wrong
 /// values is a result, not an error. Errors: input (mesh), usage (options), interrupted.
-VerifyResult verify(const DistanceField& field, MeshView mesh, const VerifyOptions& options = {});
+STANDOFF_API VerifyResult verify(const DistanceField& field, MeshView mesh, const VerifyOptions& options = {});
 
 }  // namespace standoff

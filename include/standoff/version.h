@@ -7,7 +7,9 @@
 #define STANDOFF_VERSION_PATCH 0
 #define STANDOFF_VERSION "0.1.0"
 
+#include "standoff/export.h"
+
 namespace standoff {
 /// The version of the library, e.g. "0.1.0": that of the headers it was compiled with.
-const char* version();
+STANDOFF_API const char* version();
 }  // namespace standoff

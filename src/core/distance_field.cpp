@@ -48,7 +48,7 @@ void DistanceField::reset(const Grid& grid, double thickness, bool with_nearest)
   // Without a pool the field has no tiles, should memory run out before the end.
   std::unique_ptr<TilePool> pool = std::exchange(pool_, nullptr);
   if (!pool) pool = std::make_unique<TilePool>();
-  provenance = {};
+  provenance_ = {};
   grid_ = grid;
   thickness_ = thickness;
   with_nearest_ = with_nearest;
@@ -67,7 +67,7 @@ DistanceField::DistanceField(DistanceField&& other) noexcept { *this = std::move
 
 DistanceField& DistanceField::operator=(DistanceField&& other) noexcept {
   // Each member of `other` becomes what a new field's is; to itself a field can be assigned as well.
-  provenance = std::exchange(other.provenance, {});
+  provenance_ = std::exchange(other.provenance_, {});
   grid_ = std::exchange(other.grid_, kEmptyGrid);
   thickness_ = std::exchange(other.thickness_, kEmptyThickness);
   with_nearest_ = std::exchange(other.with_nearest_, false);
@@ -77,7 +77,7 @@ DistanceField& DistanceField::operator=(DistanceField&& other) noexcept {
 }
 
 DistanceField::DistanceField(const DistanceField& other) try
-    : provenance(other.provenance),
+    : provenance_(other.provenance_),
       grid_(other.grid_),
       thickness_(other.thickness_),
       with_nearest_(other.with_nearest_),

@@ -7,18 +7,13 @@
 #include <cstring>
 
 #include "core/guarded.h"
+#include "core/splitmix64.h"
 #include "standoff/mesh.h"
 
 namespace standoff {
 namespace {
 
-// One round of the splitmix64 finaliser: every input bit reaches every output bit.
-constexpr std::uint64_t mixed(std::uint64_t h, std::uint64_t value) {
-  h = (h ^ value) + 0x9e3779b97f4a7c15u;
-  h = (h ^ (h >> 30)) * 0xbf58476d1ce4e5b9u;
-  h = (h ^ (h >> 27)) * 0x94d049bb133111ebu;
-  return h ^ (h >> 31);
-}
+constexpr std::uint64_t mixed(std::uint64_t h, std::uint64_t value) { return splitmix64(h ^ value); }
 
 // The hash of word(0), ..., word(count - 1) in eight chains side by side: one chain would wait for its own
 // multiplications, and compute() hashes every mesh.

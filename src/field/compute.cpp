@@ -121,10 +121,10 @@ ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickness, Di
     if (options.memory_limit != 0) field = {};
     field.reset(computation.plan().grid, thickness, options.nearest_triangle);
     Sink sink(field);
-    ComputeReport report = computation.run(sink, options.hash_mesh ? &field.provenance.mesh_hash : nullptr);
+    std::uint64_t mesh_hash = 0;
+    ComputeReport report = computation.run(sink, options.hash_mesh ? &mesh_hash : nullptr);
     report.tiles_stored = field.stored_tiles();
-    field.provenance.method = report.method;
-    field.provenance.version = version();
+    field.set_provenance({report.method, mesh_hash, version()});
     return report;
   } catch (...) {
     field = {};

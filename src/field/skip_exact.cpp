@@ -7,6 +7,7 @@
 #include <bit>
 #include <limits>
 
+#include "core/splitmix64.h"
 #include "field/reach.h"
 #include "field/skip.h"
 #include "geometry/sample_range.h"
@@ -30,7 +31,7 @@ bool same_bits(const Corners& a, const Corners& b) {
 std::uint32_t hash(const Corners& corners) {
   std::uint64_t h = 0;
   for (const std::uint64_t bits : std::bit_cast<std::array<std::uint64_t, 9>>(corners)) {
-    h = (h ^ bits) * 0x9e3779b97f4a7c15u;
+    h = (h ^ bits) * kSplitmixStep;
     h ^= h >> 32;
   }
   return static_cast<std::uint32_t>(h);

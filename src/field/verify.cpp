@@ -115,7 +115,7 @@ VerifyResult verify(const DistanceField& field, MeshView mesh, const VerifyOptio
 
   VerifyResult result;
   result.samples = static_cast<std::int64_t>(samples.size());
-  result.mesh_differs = field.provenance.mesh_hash != 0 && field.provenance.mesh_hash != content_hash(mesh);
+  result.mesh_differs = field.provenance().mesh_hash != 0 && field.provenance().mesh_hash != content_hash(mesh);
   result.largest = result.worst = findings.front().sample;
   for (const Finding& finding : findings) {
     const SampleCheck& sample = finding.sample;

@@ -10,6 +10,7 @@
 
 #include "core/execution.h"
 #include "core/guarded.h"
+#include "core/splitmix64.h"
 #include "core/threads.h"
 #include "simulation/crossing_check.h"
 #include "standoff/compute.h"
@@ -23,14 +24,11 @@ constexpr int kTries = 10'000;
 // Steps of one flier between two reports of progress.
 constexpr std::int64_t kStepsAtOnce = 1000;
 
-// splitmix64: numbers in [0, 1) from a state of 64 bits.
+// Numbers in [0, 1) from a state of 64 bits.
 double draw(std::uint64_t& state) {
-  state += 0x9e3779b97f4a7c15u;
-  std::uint64_t h = state;
-  h = (h ^ (h >> 30)) * 0xbf58476d1ce4e5b9u;
-  h = (h ^ (h >> 27)) * 0x94d049bb133111ebu;
-  h ^= h >> 31;
-  return static_cast<double>(h >> 11) * 0x1p-53;
+  const std::uint64_t bits = splitmix64(state);
+  state += kSplitmixStep;
+  return static_cast<double>(bits >> 11) * 0x1p-53;
 }
 
 Vec3 random_direction(std::uint64_t& state) {

@@ -168,7 +168,7 @@ TEST_F(Verbs, VerifyFails) {
   auto values = field.to_dense();
   values[static_cast<std::size_t>(field.grid().index(3, 4, 5))] += 0.01f;
   DistanceField wrong = DistanceField::from_dense(field.grid(), field.thickness(), values);
-  wrong.provenance = field.provenance;
+  wrong.set_provenance(field.provenance());
   write_field(folder / "wrong.vti", wrong);
   const Ran ran = run(words("verify wrong.vti scene:box --samples 1000000"));
   EXPECT_EQ(ran.code, 7);
@@ -230,7 +230,7 @@ TEST_F(Verbs, ConvertFields) {
   const DistanceField from = read_field(folder / "a.vti"), to = read_field(folder / "a.npz");
   EXPECT_EQ(to.to_dense(), from.to_dense());
   EXPECT_EQ(to.grid(), from.grid());
-  EXPECT_EQ(to.provenance.mesh_hash, from.provenance.mesh_hash);
+  EXPECT_EQ(to.provenance().mesh_hash, from.provenance().mesh_hash);
   EXPECT_EQ(done(words("verify a.npz scene:fly")).code, 0);
 }
 

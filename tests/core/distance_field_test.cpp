@@ -138,11 +138,11 @@ TEST(DistanceField, CopiesAreDeepAndMovesAreWhole) {
   const auto values = numbers(kGrid, 3);
   const std::vector<std::uint32_t> nearest(values.size(), 5);
   auto field = DistanceField::from_dense(kGrid, 3.5, values, nearest);
-  field.provenance = {"tiles", 42, "1.2.3"};
+  field.set_provenance({"tiles", 42, "1.2.3"});
   DistanceField copy(field);
-  EXPECT_EQ(copy.provenance.method, "tiles");
-  EXPECT_EQ(copy.provenance.mesh_hash, 42u);
-  EXPECT_EQ(copy.provenance.version, "1.2.3");
+  EXPECT_EQ(copy.provenance().method, "tiles");
+  EXPECT_EQ(copy.provenance().mesh_hash, 42u);
+  EXPECT_EQ(copy.provenance().version, "1.2.3");
   EXPECT_EQ(copy.memory_bytes(), field.memory_bytes());
   const_cast<float&>((*field.tile(0, 0, 0))[0]) = 3.25f;
   EXPECT_EQ(field.value(0, 0, 0), 3.25f);
@@ -163,8 +163,8 @@ void expect_empty(DistanceField& field) {
   EXPECT_EQ(field.grid(), (Grid{{1, 1, 1}, {}, {1, 1, 1}}));
   EXPECT_EQ(field.thickness(), kInfinity);
   EXPECT_FALSE(field.has_nearest());
-  EXPECT_EQ(field.provenance.method, "");
-  EXPECT_EQ(field.provenance.mesh_hash, 0u);
+  EXPECT_EQ(field.provenance().method, "");
+  EXPECT_EQ(field.provenance().mesh_hash, 0u);
   EXPECT_EQ(field.tile_count(), (Size3{1, 1, 1}));
   EXPECT_EQ(field.stored_tiles(), 0);
   EXPECT_EQ(field.memory_bytes(), 0);
@@ -187,7 +187,7 @@ TEST(DistanceField, EmptyOnesAreFarEverywhere) {
 TEST(DistanceField, MovedFromOnesAreEmpty) {
   const auto values = numbers(kGrid, 3);
   auto field = DistanceField::from_dense(kGrid, 3.5, values, std::vector<std::uint32_t>(values.size(), 5));
-  field.provenance = {"tiles", 42, "1.2.3"};
+  field.set_provenance({"tiles", 42, "1.2.3"});
   DistanceField moved(std::move(field));
   expect_empty(field);
   field = std::move(moved);
@@ -195,7 +195,16 @@ TEST(DistanceField, MovedFromOnesAreEmpty) {
   DistanceField& itself = field;
   field = std::move(itself);
   EXPECT_EQ(field.to_dense(), values);
-  EXPECT_EQ(field.provenance.mesh_hash, 42u);
+  EXPECT_EQ(field.provenance().mesh_hash, 42u);
+}
+
+TEST(DistanceField, TilesOfAGridAreKnownBeforeTheField) {
+  for (const Size3 samples : {Size3{1, 8, 9}, Size3{7, 16, 17}, Size3{64, 1, 65}}) {
+    const DistanceField field({samples, {}, {1, 1, 1}}, 1);
+    EXPECT_EQ(DistanceField::tiles_of(samples), field.tile_count());
+    EXPECT_EQ(std::ssize(field.slots()), field.tile_count().count());
+  }
+  EXPECT_EQ(DistanceField::tiles_of({7, 16, 17}), (Size3{1, 2, 3}));
 }
 
 TEST(DistanceField, TilesAreStoredOnce) {

@@ -174,8 +174,8 @@ TEST(ComputeIntoAField, GivesWhatComputeGives) {
         EXPECT_EQ(field.has_nearest(), nearest);
         EXPECT_EQ(field.to_dense(), expected.field.to_dense());
         EXPECT_EQ(field.memory_bytes(), expected.field.memory_bytes());
-        EXPECT_EQ(field.provenance.method, "tiles");
-        EXPECT_EQ(field.provenance.mesh_hash, content_hash(soup()));
+        EXPECT_EQ(field.provenance().method, "tiles");
+        EXPECT_EQ(field.provenance().mesh_hash, content_hash(soup()));
         if (!nearest) continue;
         EXPECT_EQ(testing::all_nearest(field), testing::all_nearest(expected.field));
       }
@@ -217,8 +217,8 @@ TEST(Compute, HashesTheMeshWhereItIsWanted) {
   options.hash_mesh = false;
   options.progress = [](const Progress& progress) { return progress.stage != std::string("hash"); };
   const DistanceField field = compute(soup(), kGrid, 1, options).field;
-  EXPECT_EQ(field.provenance.mesh_hash, 0u);
-  EXPECT_EQ(field.provenance.method, "tiles");
+  EXPECT_EQ(field.provenance().mesh_hash, 0u);
+  EXPECT_EQ(field.provenance().method, "tiles");
 }
 
 TEST(Compute, ReportsWhatItDid) {
@@ -238,9 +238,9 @@ TEST(Compute, ReportsWhatItDid) {
   for (const float value : done.field.to_dense()) band += value < 0.5f;
   EXPECT_EQ(report.samples_band, band);
   EXPECT_GE(report.samples_examined, band);
-  EXPECT_EQ(done.field.provenance.method, "tiles");
-  EXPECT_EQ(done.field.provenance.mesh_hash, content_hash(soup()));
-  EXPECT_EQ(done.field.provenance.version, version());
+  EXPECT_EQ(done.field.provenance().method, "tiles");
+  EXPECT_EQ(done.field.provenance().mesh_hash, content_hash(soup()));
+  EXPECT_EQ(done.field.provenance().version, version());
   EXPECT_EQ(done.field.thickness(), 0.5);
 }
 

@@ -3,23 +3,18 @@
 
 #include <algorithm>
 
+#include "core/splitmix64.h"
+
 namespace standoff::grammar {
 namespace {
 
 // From one trick in two places, which leaves nothing whole, to one in a thousand, which most files do not see.
 std::uint32_t rarity_of(std::uint32_t choice) { return 2u << choice % 10; }
 
-// splitmix64, whose state steps: neighbouring seeds must begin far from each other.
-constexpr std::uint64_t kStep = 0x9e3779b97f4a7c15u;
-std::uint64_t mixed(std::uint64_t z) {
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-  return z ^ (z >> 31);
-}
-
 }  // namespace
 
-Choices::Choices(std::uint64_t seed) : state_(mixed(seed + kStep)) {
+// Mixed first: neighbouring seeds must begin far from each other.
+Choices::Choices(std::uint64_t seed) : state_(splitmix64(seed)) {
   if (below(2) == 1) rarity_ = rarity_of(below(10));
 }
 
@@ -46,8 +41,9 @@ std::uint32_t Choices::many() {
 // Of a fuzzer as few bytes as hold n.
 std::uint32_t Choices::next(std::uint32_t n) {
   if (!from_bytes_) {
-    state_ += kStep;
-    return static_cast<std::uint32_t>(mixed(state_) >> 32);
+    const std::uint64_t bits = splitmix64(state_);
+    state_ += kSplitmixStep;
+    return static_cast<std::uint32_t>(bits >> 32);
   }
   std::uint32_t number = 0;
   const std::size_t wanted = n <= 0x100 ? 1 : n <= 0x10000 ? 2 : 4, taken = std::min(wanted, bytes_.size());

@@ -12,6 +12,7 @@
 
 #include "standoff/collision.h"
 #include "standoff/execution.h"
+#include "standoff/export.h"
 
 namespace standoff::experimental {
 
@@ -54,7 +55,7 @@ struct Flier {
 };
 
 /// Resting bodies, and any number of moving ones of one shape, which ignore each other.
-class World {
+class STANDOFF_API World {
  public:
   /// Errors: usage (options), input.
   World(const CollisionModel& flier, const FlightOptions& options);
@@ -92,7 +93,7 @@ struct PathPoint {
 
 /// Writes paths, sorted by flier and step, as .csv (flier,step,x,y,z) or as .ply with vertices and edges; the file
 /// appears whole or not at all. Errors: output, usage (another extension).
-void write_path(const std::filesystem::path& path, std::span<const PathPoint> points,
-                Existing existing = Existing::replace);
+STANDOFF_API void write_path(const std::filesystem::path& path, std::span<const PathPoint> points,
+                             Existing existing = Existing::replace);
 
 }  // namespace standoff::experimental

@@ -137,7 +137,7 @@ class TileWalk {
   TileWalk(const FileView& file, const StoredField& stored)
       : file_(file), stored_(stored), size_(stored.grid.size), far_(static_cast<float>(stored.thickness)) {}
 
-  Size3 tile_count() const { return tiles_of(size_); }
+  Size3 tile_count() const { return DistanceField::tiles_of(size_); }
   // Bytes that are held of packed arrays: a layer.
   double held() const {
     const Size3& n = size_;
@@ -223,7 +223,7 @@ DistanceField load(const FileView& file, const StoredField& stored, std::int64_t
   const TileWalk walk(file, stored);
   check_memory(walk, with_nearest, memory_limit);
   DistanceField field(stored.grid, stored.thickness, with_nearest);
-  field.provenance = stored.provenance;
+  field.set_provenance(stored.provenance);
   walk(
       [&](const Size3& tile, const auto& values, const auto& nearest) {
         std::ranges::copy(values, field.store_tile(tile.x, tile.y, tile.z).begin());

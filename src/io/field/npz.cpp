@@ -193,10 +193,10 @@ void write_npz(AtomicFile& file, const DistanceField& field) {
   arrays.vector("spacing", grid.spacing);
   const double thickness = field.thickness();
   arrays.small("thickness", {"<f8", {}, false}, std::as_bytes(std::span(&thickness, 1)));
-  arrays.text("method", field.provenance.method);
-  const std::uint64_t hash = field.provenance.mesh_hash;
+  arrays.text("method", field.provenance().method);
+  const std::uint64_t hash = field.provenance().mesh_hash;
   arrays.small("mesh_hash", {"<u8", {}, false}, std::as_bytes(std::span(&hash, 1)));
-  arrays.text("version", field.provenance.version);
+  arrays.text("version", field.provenance().version);
 
   const auto sink = [&](std::span<const std::byte> part) { arrays.write(part); };
   const std::vector<std::int64_t> shape{grid.size.x, grid.size.y, grid.size.z};

@@ -149,9 +149,9 @@ void write_nrrd(AtomicFile& file, const DistanceField& field) {
       "\nspace directions: " + vector(grid.spacing.x, 0, 0) + " " + vector(0, grid.spacing.y, 0) + " " +
       vector(0, 0, grid.spacing.z) + "\ncenters: node node node\nkinds: domain domain domain\nendian: little\n" +
       "encoding: raw\nspace origin: " + vector(grid.origin.x, grid.origin.y, grid.origin.z) +
-      "\nthickness:=" + text(field.thickness()) + "\nmethod:=" + nrrd_escaped(field.provenance.method) +
-      "\nmesh_hash:=" + hash_text(field.provenance.mesh_hash) + "\nversion:=" + nrrd_escaped(field.provenance.version) +
-      "\n\n";
+      "\nthickness:=" + text(field.thickness()) + "\nmethod:=" + nrrd_escaped(field.provenance().method) +
+      "\nmesh_hash:=" + hash_text(field.provenance().mesh_hash) +
+      "\nversion:=" + nrrd_escaped(field.provenance().version) + "\n\n";
   file.write(header.data(), header.size());
   send_values(field, [&](std::span<const std::byte> part) { file.write(part.data(), part.size()); });
 }

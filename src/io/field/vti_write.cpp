@@ -58,8 +58,8 @@ std::string header_of(const DistanceField& field, const std::string& method, con
 
 void write_vti(AtomicFile& file, const DistanceField& field) {
   // Strings end with a zero byte, so they may hold none.
-  const std::string method = field.provenance.method.c_str(), version = field.provenance.version.c_str();
-  const std::string hash = hash_text(field.provenance.mesh_hash);
+  const std::string method = field.provenance().method.c_str(), version = field.provenance().version.c_str();
+  const std::string hash = hash_text(field.provenance().mesh_hash);
   const auto sink = [&](std::span<const std::byte> part) { file.write(part.data(), part.size()); };
   const auto block = [&](const void* data, std::uint64_t bytes) {
     file.write(&bytes, sizeof bytes);

@@ -69,7 +69,7 @@ TEST_P(WrittenByOthers, IsTheSameField) {
   const Vec3 off = field.grid().origin - expected.grid().origin;
   EXPECT_LE(length(off), 1e-9);
   EXPECT_EQ(field.thickness(), kInfinite);
-  EXPECT_EQ(field.provenance.mesh_hash, 0u);
+  EXPECT_EQ(field.provenance().mesh_hash, 0u);
   EXPECT_TRUE(field.to_dense() == expected.to_dense());
 }
 
@@ -96,9 +96,9 @@ TEST(RewrittenByVtk, KeepsFactsAndNearestTriangles) {
   run_foreign("write " + quoted(path.string()) + " 'vtk rewritten'");
   const DistanceField field = read_field(path);
   EXPECT_EQ(field.thickness(), 4200.5);
-  EXPECT_EQ(field.provenance.method, "tiles");
-  EXPECT_EQ(field.provenance.version, "1.2.3");
-  EXPECT_EQ(field.provenance.mesh_hash, 0x0123456789abcdefu);
+  EXPECT_EQ(field.provenance().method, "tiles");
+  EXPECT_EQ(field.provenance().version, "1.2.3");
+  EXPECT_EQ(field.provenance().mesh_hash, 0x0123456789abcdefu);
   ASSERT_TRUE(field.has_nearest());
   EXPECT_EQ(field.nearest(7, 3, 2), odd_nearest(7, 3, 2, 4200.5));
   EXPECT_EQ(field.nearest(7, 3, 20), kNoTriangle);

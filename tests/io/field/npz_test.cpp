@@ -60,7 +60,7 @@ TEST(Npz, GoodArraysAreRead) {
   EXPECT_EQ(field.value(0, 1, 0), 4);
   EXPECT_EQ(field.nearest(1, 1, 0), 4u);
   EXPECT_EQ(field.thickness(), 7);
-  EXPECT_EQ(field.provenance.method, "");
+  EXPECT_EQ(field.provenance().method, "");
 }
 
 TEST(Npz, NumbersOfOtherTypesAreRead) {
