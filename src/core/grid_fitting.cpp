@@ -12,8 +12,6 @@
 namespace standoff {
 namespace {
 
-constexpr Padding kNoPadding{.least_samples = 0};
-
 [[noreturn]] void fail(const std::string& what) { throw Error(ErrorCode::usage, "grid: " + what); }
 [[noreturn]] void fail_at_limit(const std::string& what) { throw Error(ErrorCode::limit, "grid: " + what); }
 

@@ -39,6 +39,13 @@ std::optional<std::string_view> XmlTag::find(std::string_view wanted) const {
   return std::nullopt;
 }
 
+std::optional<std::string_view> XmlTag::find_local(std::string_view wanted) const {
+  std::string_view rest = attributes, found, value;
+  while (take_attribute(rest, found, value))
+    if (found.substr(found.rfind(':') + 1) == wanted) return value;
+  return std::nullopt;
+}
+
 XmlScan::XmlScan(const FileView& file, std::string_view text) : file_(file), text_(text) {
   if (const auto zero = text_.find('\0'); zero != text_.npos)
     file.fail("byte " + std::to_string(place(text_.data() + zero)), "a zero byte; the text must be UTF-8, convert it");

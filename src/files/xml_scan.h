@@ -23,6 +23,10 @@ struct XmlTag {
   std::optional<std::string_view> find(std::string_view attribute) const;
   /// The same, empty where the attribute is missing.
   std::string_view attribute(std::string_view wanted) const { return find(wanted).value_or(std::string_view()); }
+  /// The value of an attribute whatever stands before the colon of its name: of `path`, that of p:path too.
+  std::optional<std::string_view> find_local(std::string_view attribute) const;
+  /// The name without what stands before its colon.
+  std::string_view local_name() const { return name.substr(name.rfind(':') + 1); }
   /// Opens an element: <a> or <a/>.
   bool opens() const { return kind != Kind::close; }
 };

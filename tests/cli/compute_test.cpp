@@ -237,6 +237,32 @@ TEST_F(Compute, QuietAndVerbose) {
   EXPECT_TRUE(ran.says("distances computed")) << ran.err;
 }
 
+// What a reader did to the axes and the unit is not silent: -v and info say it, --json in numbers.
+TEST_F(Compute, TellsWhatTheReaderDidToCoordinates) {
+  std::vector<std::string> files{"mesh/threemf_plain.3mf"};
+  for (const FileFormat& format : mesh_formats())
+    if (format.readable && (format.extension == "3ds" || format.extension == "dae"))
+      files.push_back("assimp/tetrahedron." + format.extension);
+  const std::string turned = "axes turned so that y is up: x, y, z are x, z, -y of the file";
+  for (const std::string& file : files) {
+    SCOPED_TRACE(file);
+    const std::string path = std::string(kSourceFolder) + "/tests/corpus/" + file;
+    const Ran loud = done({"compute", path, "-r", "9", "-o", "a.vti", "-f", "-v"});
+    EXPECT_TRUE(loud.says(path + ": " + turned)) << loud.err;
+    EXPECT_FALSE(done({"compute", path, "-r", "9", "-o", "a.vti", "-f"}).says(turned));
+    const Ran info = done({"info", path});
+    EXPECT_NE(info.out.find("read          " + turned), std::string::npos) << info.out;
+    const Json json = done({"info", path, "--json"}).json()["mesh"];
+    EXPECT_EQ(json["axes"], Json({1, 3, -2}));
+    if (file.ends_with("3ds")) continue;  // it has no unit
+    const std::string scaled = "coordinates multiplied by 0.0";
+    EXPECT_TRUE(loud.says(path + ": " + scaled)) << loud.err;
+    EXPECT_NE(info.out.find("read          " + scaled), std::string::npos) << info.out;
+    EXPECT_EQ(json["unit_scale"], file.ends_with("3mf") ? 0.001 : 0.01);
+    EXPECT_EQ(json["metres_per_unit"], 1);
+  }
+}
+
 TEST_F(Compute, ForceOverwrites) {
   write_bytes(folder / "a.vti", "mine");
   const Ran ran = run(words("compute scene:box -r 20 -o a.vti"));

@@ -2,5 +2,6 @@
 #include "grammar_fuzz.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  return standoff::grammar::fuzz_one_of({"gltf", "glb", "ply", "obj", "obj.gz", "off", "stl", "mesh"}, data, size);
+  return standoff::grammar::fuzz_one_of({"gltf", "glb", "ply", "obj", "obj.gz", "off", "stl", "mesh", "3mf"}, data,
+                                        size);
 }

@@ -4,8 +4,8 @@
 #include <numbers>
 
 #include "tests/grammar/hostile.h"
+#include "tests/grammar/placed.h"
 #include "tests/grammar/shape.h"
-#include "tests/grammar/transform.h"
 #include "tests/grammar/xml.h"
 
 namespace standoff::grammar {
@@ -230,15 +230,7 @@ class Collada {
 
   static constexpr std::size_t kMost = 400;  // triangles: instances of instances grow fast
 
-  void show(const Truth& part, const Transform& to) {
-    double most = 0, slack = 0;
-    for (const Corners& corners : part.triangles)
-      for (const Vec3& p : corners) most = std::max({most, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
-    for (const double s : part.slack) slack = std::max(slack, s);
-    for (const Corners& corners : part.triangles)
-      file_.truth.triangles.push_back({to(corners[0]), to(corners[1]), to(corners[2])});
-    file_.truth.slack.resize(file_.truth.triangles.size(), to.slack(most, slack));
-  }
+  void show(const Truth& part, const Transform& to) { add_placed(part, to, Mirrored::as_it_is, file_.truth); }
 
   // Nodes that instance each other: in a chain, twice, in a circle.
   void hang(Xml& scene) {

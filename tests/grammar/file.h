@@ -54,6 +54,7 @@ File make_obj_gz(Choices&);
 File make_off(Choices&);
 File make_medit(Choices&);
 File make_3ds(Choices&);
+File make_3mf(Choices&);
 File make_gltf(Choices&);
 File make_glb(Choices&);
 File make_dae(Choices&);
@@ -63,11 +64,11 @@ File make_npz(Choices&);
 File make_body(Choices&);
 
 inline constexpr Grammar kGrammars[] = {
-    {"gltf", Kind::mesh, make_gltf}, {"glb", Kind::mesh, make_glb},   {"dae", Kind::mesh, make_dae},
-    {"ply", Kind::mesh, make_ply},   {"obj", Kind::mesh, make_obj},   {"obj.gz", Kind::mesh, make_obj_gz},
-    {"off", Kind::mesh, make_off},   {"stl", Kind::mesh, make_stl},   {"mesh", Kind::mesh, make_medit},
-    {"3ds", Kind::mesh, make_3ds},   {"vti", Kind::field, make_vti},  {"nrrd", Kind::field, make_nrrd},
-    {"npz", Kind::field, make_npz},  {"body", Kind::body, make_body},
+    {"gltf", Kind::mesh, make_gltf},  {"glb", Kind::mesh, make_glb},  {"dae", Kind::mesh, make_dae},
+    {"ply", Kind::mesh, make_ply},    {"obj", Kind::mesh, make_obj},  {"obj.gz", Kind::mesh, make_obj_gz},
+    {"off", Kind::mesh, make_off},    {"stl", Kind::mesh, make_stl},  {"mesh", Kind::mesh, make_medit},
+    {"3ds", Kind::mesh, make_3ds},    {"3mf", Kind::mesh, make_3mf},  {"vti", Kind::field, make_vti},
+    {"nrrd", Kind::field, make_nrrd}, {"npz", Kind::field, make_npz}, {"body", Kind::body, make_body},
 };
 
 /// Names that files refer to which must not be opened. Who runs a grammar makes them beside its files: a pipe that

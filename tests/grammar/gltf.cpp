@@ -6,8 +6,8 @@
 #include "tests/grammar/gltf_parts.h"
 #include "tests/grammar/hostile.h"
 #include "tests/grammar/json.h"
+#include "tests/grammar/placed.h"
 #include "tests/grammar/shape.h"
-#include "tests/grammar/transform.h"
 
 namespace standoff::grammar {
 namespace {
@@ -116,15 +116,11 @@ class Gltf {
     json_["scene"] = second ? 1 : 0;
   }
 
+  // What a mirror turns inside out is to be turned back (glTF 2.0, 3.7.4).
   void show(const std::vector<Corners>& triangles, const Transform& at) {
-    double most = 0;
-    for (const Corners& corners : triangles)
-      for (const Vec3& p : corners) most = std::max({most, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
-    // What a mirror turns inside out is to be turned back (glTF 2.0, 3.7.4).
-    const std::size_t second = at.mirrors() ? 2 : 1;
-    for (const Corners& corners : triangles)
-      file_.truth.triangles.push_back({at(corners[0]), at(corners[second]), at(corners[3 - second])});
-    file_.truth.slack.resize(file_.truth.triangles.size(), at.slack(most));
+    Truth part;
+    part.triangles = triangles;
+    add_placed(part, at, Mirrored::turned_back, file_.truth);
   }
 
   static Json number(double value) {

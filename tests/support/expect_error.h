@@ -16,9 +16,9 @@ inline bool says_what_to_do(const std::string& message) {
   if (semicolon == message.npos) return false;
   const std::string advice = message.substr(semicolon);
   for (const char* verb :
-       {"add",      "build", "check", "choose", "convert",     "create", "flatten", "get",    "give",
-        "instance", "join",  "name",  "place",  "put",         "remove", "rename",  "repair", "resample",
-        "save",     "scale", "split", "take",   "triangulate", "use",    "write",   "make",   "leave"})
+       {"add",   "build", "check",       "choose", "convert", "create", "flatten", "get",      "give", "instance",
+        "join",  "name",  "place",       "put",    "remove",  "rename", "repair",  "resample", "save", "scale",
+        "split", "take",  "triangulate", "use",    "write",   "make",   "leave",   "unpack"})
     if (advice.find(std::string(" ") + verb + " ") != advice.npos) return true;
   return false;
 }

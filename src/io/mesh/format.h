@@ -42,6 +42,9 @@ Mesh read_medit(const FileView& file);
 Mesh read_gltf(const FileView& file);
 Mesh read_glb(const FileView& file);
 
+bool is_3mf(std::string_view content);
+Mesh read_3mf(const FileView& file, MeshReadReport& report);
+
 /// 3DS and DAE. Only with STANDOFF_HAVE_ASSIMP.
 Mesh read_with_assimp(const FileView& file, const char* extension, MeshReadReport& report);
 

@@ -58,7 +58,7 @@ Mesh in_metres(const FileView& file, MeshReadReport& report) {
   return read(file);
 }
 
-constexpr std::array<MeshFormat, 9> kFormats{{
+constexpr std::array<MeshFormat, 10> kFormats{{
     {"stl", "STL", "STL, binary or ASCII; written as binary", is_stl, as_is<read_stl>, write_stl},
     {"ply", "PLY", "PLY, binary or ASCII; written as binary little endian", is_ply, as_is<read_ply>, write_ply},
     {"obj", "OBJ", "Wavefront OBJ", is_obj, as_is<read_obj>, write_obj},
@@ -67,6 +67,7 @@ constexpr std::array<MeshFormat, 9> kFormats{{
     {"3ds", "3DS", "3D Studio", is_3ds, read_3ds, nullptr},
     {"glb", "GLB", "glTF 2.0, binary", is_glb, in_metres<read_glb>, nullptr},
     {"gltf", "glTF", "glTF 2.0, JSON", is_gltf, in_metres<read_gltf>, nullptr},
+    {"3mf", "3MF", "3D Manufacturing Format", is_3mf, read_3mf, nullptr},
     {"dae", "DAE", "COLLADA", is_dae, read_dae, nullptr},
 }};
 
@@ -142,6 +143,9 @@ Mesh read_any(const FileView& file, MeshReadReport& report) {
     return read_as(format_to_read(file), file, report);
   const std::unique_ptr<FileView> unpacked = unpack_gzip(file);
   if (unpacked->size() == 0) file.fail("", "nothing is packed in it; check the program that wrote it");
+  // Each packing multiplies what a few bytes become.
+  if (is_3mf(unpacked->bytes()))
+    file.fail("", "a 3MF archive packed by gzip is not read; unpack it (gunzip) and read what comes out");
   report.unpacked = true;
   return read_as(format_to_read(*unpacked), *unpacked, report);
 }

@@ -88,7 +88,7 @@ Mesh read_binary(const FileView& file) {
 
 class AsciiStl {
  public:
-  explicit AsciiStl(const FileView& file) : file_(file), text_(file) {}
+  explicit AsciiStl(const FileView& file) : text_(file) {}
 
   std::vector<Vec3> corners() {
     expect("solid");
@@ -146,7 +146,6 @@ class AsciiStl {
                   "expected " + wanted + ", found " + in_quotes(word) + "; the file is damaged, write it again");
   }
 
-  const FileView& file_;
   TextCursor text_;
   std::vector<Vec3> corners_;
 };

@@ -62,7 +62,12 @@ TEST(MeshMutation, GivesAMeshOrAnError) {
        {"ply_text.ply", "ply_faces_first.ply", "ply_extra_elements.ply", "ply_little_endian.ply",
         "ply_big_endian.ply"}},
       {read_obj, {"obj_plain.obj", "obj_corner_forms.obj", "obj_continued_lines.obj", "obj_concave.obj"}},
-      {read_off, {"off_plain.off", "off_colours.off"}}};
+      {read_off, {"off_plain.off", "off_colours.off"}},
+      {[](const FileView& file) {
+         MeshReadReport report;
+         return read_3mf(file, report);
+       },
+       {"threemf_plain.3mf", "threemf_components.3mf", "threemf_production.3mf"}}};
   std::mt19937 random(2008);
   int read = 0, refused = 0;
   for (const Reader& reader : readers)
