@@ -1,25 +1,11 @@
 #!/usr/bin/env python3
-"""Writes the files of this folder that expected.txt lists. The same bytes on every run."""
+# SPDX-License-Identifier: Apache-2.0
+"""Writes the files of this folder that expected.txt lists, but for 3MF (generate_threemf.py). The same bytes on every run."""
 import base64
-import gzip
-import io
 import json
-import pathlib
 import struct
-import zipfile
 
-HERE = pathlib.Path(__file__).parent
-POINTS = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
-FACES = [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)]
-
-
-def write(name, content):
-    (HERE / name).write_bytes(content if isinstance(content, bytes) else content.encode())
-
-
-def gz(content):
-    """As gzip packs it, the same on every run."""
-    return gzip.compress(content if isinstance(content, bytes) else content.encode(), mtime=0)
+from samples import FACES, NAN_POINTS, POINTS, gz, write
 
 
 def binary_stl(header=b"", count=None, points=POINTS, tail=b""):
@@ -78,7 +64,6 @@ def glb(text):
     return struct.pack("<4sII", b"glTF", 2, 12 + len(body)) + body
 
 
-nan = [(0, 0, 0), (float("nan"), 0, 0), (0, 1, 0), (0, 0, 1)]
 inf = [(0, 0, 0), (1, 0, 0), (0, float("inf"), 0), (0, 0, 1)]
 text = ascii_stl()
 
@@ -93,7 +78,7 @@ write("stl_cut_off_in_header.stl", binary_stl()[:83])
 write("stl_absurd_count.stl", binary_stl(count=0xffffffff))
 write("stl_count_too_large.stl", binary_stl(count=5))
 write("stl_no_triangles.stl", binary_stl(count=0)[:84])
-write("stl_nan.stl", binary_stl(points=nan))
+write("stl_nan.stl", binary_stl(points=NAN_POINTS))
 write("stl_infinite.stl", binary_stl(points=inf))
 write("stl_empty.stl", b"")
 write("stl_one_byte.stl", b"s")
@@ -138,10 +123,10 @@ write("ply_extra_elements.ply",
           body="0 0 0 0\n1 0 0 2 .5 .5\n0 1 0 0\n0 0 1 1 1\n1 2 1.5 2.5\n3 0\n" +
           "".join("3 %s %s %s\n" % f for f in FACES)))
 write("ply_element_without_properties.ply", ply(extra="element nothing 9000000000000000000\n"))
-write("ply_unused_nan.ply", ply(vertices=5, points=nan[1:2] + POINTS, faces=1,
+write("ply_unused_nan.ply", ply(vertices=5, points=NAN_POINTS[1:2] + POINTS, faces=1,
                                 body="nan 0 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 1 2 3\n"))
 write("ply_edges_and_points.ply", ply(faces=4, body="0 0 0\n1 0 0\n0 1 0\n0 0 1\n0\n1 0\n2 0 1\n3 0 1 2\n"))
-write("ply_nan.ply", ply(points=nan))
+write("ply_nan.ply", ply(points=NAN_POINTS))
 write("ply_index_out_of_range.ply", ply().replace(b"3 1 2 3", b"3 1 2 4"))
 write("ply_negative_index.ply", ply().replace(b"3 1 2 3", b"3 1 2 -1"))
 write("ply_binary_index_out_of_range.ply",
@@ -202,7 +187,7 @@ write("obj_index_too_large.obj", obj() + "f 1 2 5000000000\n")
 write("obj_index_lowest.obj", obj() + "f 1 2 -9223372036854775808\n")
 write("obj_bad_corner.obj", obj() + "f 1 2 three\n")
 write("obj_corner_with_tail.obj", obj() + "f 1 2 3x\n")
-write("obj_nan.obj", obj(nan))
+write("obj_nan.obj", obj(NAN_POINTS))
 write("obj_overflow.obj", obj().replace("v 1 ", "v 1e400 ", 1))
 write("obj_missing_coordinate.obj", obj().replace("v 1 0 0", "v 1 0"))
 write("obj_bad_number.obj", obj().replace("v 1 0 0", "v 1 0 0x"))
@@ -222,7 +207,7 @@ write("off_negative_count.off", off(vertices=-4))
 write("off_cut_off.off", off()[:-9])
 write("off_cut_off_in_vertices.off", off()[:30])
 write("off_index_out_of_range.off", off().replace("3 1 2 3", "3 1 2 4"))
-write("off_nan.off", off(points=nan))
+write("off_nan.off", off(points=NAN_POINTS))
 write("off_binary.off", "OFF BINARY\n" + "\0" * 60)
 write("off_four_dimensions.off", off(first="4OFF\n"))
 # glTF
@@ -350,99 +335,3 @@ write("medit_nan.mesh", medit(points=[("nan", 0, 0)] + POINTS[1:]))
 write("medit_no_triangles.mesh", medit().split("Triangles")[0] + "End\n")
 write("medit_no_keyword.mesh", medit(between="1 2 3\n"))
 write("medit_ogre.mesh", b"\x00\x10[MeshSerializer_v1.100]\n" + bytes(40))
-
-
-CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
-THREEMF = "http://schemas.microsoft.com/3dmanufacturing/"
-
-
-def threemf_mesh(points=POINTS, faces=FACES):
-    return ("<mesh>\n<vertices>\n" + "".join('<vertex x="%s" y="%s" z="%s"/>\n' % p for p in points) +
-            "</vertices>\n<triangles>\n" + "".join('<triangle v1="%d" v2="%d" v3="%d"/>\n' % f for f in faces) +
-            "</triangles>\n</mesh>\n")
-
-
-def threemf_model(objects=None, build='<item objectid="1"/>', attributes='unit="millimeter"', before=""):
-    """The XML of a model part; objects as (id, content)."""
-    objects = objects or [(1, threemf_mesh())]
-    return (f'<?xml version="1.0" encoding="UTF-8"?>\n{before}<model {attributes} xml:lang="en-US" xmlns="{CORE}" '
-            f'xmlns:p="{THREEMF}production/2015/06" xmlns:b="{THREEMF}beamlattice/2017/02">\n'
-            '<metadata name="Title">a &amp; b</metadata>\n<resources>\n' +
-            "".join(f'<object id="{n}" type="model">\n{content}</object>\n' for n, content in objects) +
-            f"</resources>\n<build>\n{build}\n</build>\n</model>\n")
-
-
-def threemf(model=None, target="/3D/3dmodel.model", relations=None, packed=True, **parts):
-    """The archive of a model part and others, the same on every run."""
-    relations = relations or f'<Relationship Target="{target}" Id="rel0" Type="{THREEMF}2013/01/3dmodel"/>'
-    members = {
-        "[Content_Types].xml": '<?xml version="1.0" encoding="UTF-8"?>\n<Types '
-                               'xmlns="http://schemas.openxmlformats.org/package/2006/content-types"><Default '
-                               'Extension="rels" ContentType="application/vnd.openxmlformats-package.relationships+xml"/>'
-                               '<Default Extension="model" ContentType="application/vnd.ms-package.3dmanufacturing-'
-                               '3dmodel+xml"/></Types>\n',
-        "_rels/.rels": '<?xml version="1.0" encoding="UTF-8"?>\n<Relationships xmlns="http://schemas.openxmlformats.org/'
-                       f'package/2006/relationships">{relations}</Relationships>\n',
-        target.lstrip("/"): model or threemf_model()}
-    members.update({name.replace("__", "/") + ".model": text for name, text in parts.items()})
-    bytes_ = io.BytesIO()
-    with zipfile.ZipFile(bytes_, "w") as archive:
-        for name, text in members.items():
-            if text != "":
-                archive.writestr(zipfile.ZipInfo(name), text,
-                                 zipfile.ZIP_DEFLATED if packed else zipfile.ZIP_STORED)
-    return bytes_.getvalue()
-
-
-def threemf_with_line(old, new):
-    return threemf(threemf_model().replace(old, new))
-
-
-shift = 'transform="1 0 0 0 1 0 0 0 1 10 20 30"'
-turn = 'transform="0 1 0 -1 0 0 0 0 1 5 0 0"'  # x becomes y
-assembly = [(1, threemf_mesh()), (2, f'<components><component objectid="1"/><component objectid="1" {turn}/></components>')]
-write("threemf_plain.3mf", threemf())
-write("threemf_called_mesh.dat", threemf())
-write("threemf_not_packed.3mf", threemf(packed=False))
-write("threemf_other_target.3mf", threemf(target="3D/Other.model"))
-write("threemf_no_unit.3mf", threemf(threemf_model(attributes="")))
-write("threemf_metres.3mf", threemf(threemf_model(attributes='unit="meter"')))
-write("threemf_no_relations.3mf", threemf().replace(b"_rels/.rels", b"_rels/_rels"))
-write("threemf_two_items.3mf", threemf(threemf_model(build=f'<item objectid="1"/><item objectid="1" {shift} printable="1"/>')))
-write("threemf_components.3mf", threemf(threemf_model(assembly, f'<item objectid="2" {shift}/>')))
-write("threemf_not_in_build.3mf", threemf(threemf_model([(1, threemf_mesh()), (7, threemf_mesh(faces=FACES[:1]))])))
-write("threemf_mirrored.3mf", threemf(threemf_model(build='<item objectid="1" transform="-1 0 0 0 1 0 0 0 1 0 0 0"/>')))
-write("threemf_production.3mf", threemf(
-    threemf_model([(2, '<components><component p:path="/3D/Objects/object_1.model" objectid="1" p:UUID="1"/></components>')],
-                  '<item objectid="2"/>', 'unit="millimeter" requiredextensions="p"'),
-    **{"3D__Objects__object_1": threemf_model(build="")}))
-write("threemf_cycle.3mf", threemf(threemf_model([(1, '<components><component objectid="1"/></components>')])))
-write("threemf_doubling.3mf", threemf(threemf_model(
-    [(1, threemf_mesh())] + [(n, f'<components><component objectid="{n - 1}"/><component objectid="{n - 1}"/></components>')
-                             for n in range(2, 42)], '<item objectid="41"/>')))
-write("threemf_missing_object.3mf", threemf(threemf_model(build='<item objectid="9"/>')))
-write("threemf_missing_part.3mf", threemf(threemf_model(build='<item objectid="1" p:path="/3D/none.model"/>')))
-write("threemf_no_model.3mf", threemf(relations='<Relationship Target="/3D/none.model" Type="%s2013/01/3dmodel"/>' % THREEMF))
-write("threemf_index_out_of_range.3mf", threemf_with_line('v1="0" v2="2" v3="1"', 'v1="0" v2="4" v3="1"'))
-write("threemf_negative_index.3mf", threemf_with_line('v1="0" v2="2" v3="1"', 'v1="-1" v2="2" v3="1"'))
-write("threemf_nan.3mf", threemf(threemf_model([(1, threemf_mesh(nan))])))
-write("threemf_no_coordinate.3mf", threemf_with_line('x="1" y="0" z="0"', 'x="1" z="0"'))
-write("threemf_overflow.3mf", threemf(threemf_model(
-    [(1, threemf_mesh([("1e300", 0, 0)] + POINTS[1:]))], '<item objectid="1" transform="1e300 0 0 0 1 0 0 0 1 0 0 0"/>')))
-write("threemf_short_transform.3mf", threemf(threemf_model(build='<item objectid="1" transform="1 0 0"/>')))
-write("threemf_unknown_unit.3mf", threemf(threemf_model(attributes='unit="parsec"')))
-write("threemf_empty_build.3mf", threemf(threemf_model(build="")))
-write("threemf_entities.3mf", threemf(threemf_model(before='<!DOCTYPE x [<!ENTITY a "&b;&b;"><!ENTITY b "c">]>\n')))
-write("threemf_not_closed.3mf", threemf(threemf_model().replace("</build>\n</model>\n", "")))
-write("threemf_wrong_end.3mf", threemf(threemf_model().replace("</triangles>", "</vertices>")))
-write("threemf_beams.3mf", threemf(threemf_model([(1, threemf_mesh().replace("</mesh>", "<b:beamlattice/></mesh>"))])))
-write("threemf_required_beams.3mf", threemf(threemf_model(attributes='requiredextensions="p b"')))
-write("threemf_boolean.3mf", threemf(threemf_model([(1, '<bo:booleanshape objectid="2"/>')])))
-write("threemf_low_resolution.3mf", threemf_with_line('type="model"', 's:meshresolution="lowres"'))
-write("threemf_same_id.3mf", threemf(threemf_model([(1, threemf_mesh()), (1, threemf_mesh())])))
-write("threemf_encrypted.3mf", threemf(relations='<Relationship Target="/Secure/keystore.xml" Type="http://schemas.microsoft.com/'
-                                       '3dmanufacturing/2019/04/keystore"/>'))
-write("threemf_cut_off.3mf", threemf()[:-30])
-write("threemf_damaged.3mf", threemf(packed=False).replace(b'x="1"', b'x="2"'))
-write("threemf_renamed.stl", threemf())
-write("gz_threemf.3mf.gz", gz(threemf()))
