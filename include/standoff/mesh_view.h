@@ -149,7 +149,7 @@ class TriangleArray {
     const std::byte* const at = data_ + static_cast<std::ptrdiff_t>(n) * stride_;
     if (type_ == Type::uint32) {
       Triangle t;
-      std::memcpy(t.data(), dense_ ? data_ + n * sizeof(Triangle) : at, sizeof t);
+      std::memcpy(t.data(), at, sizeof t);
       return t;
     }
     const auto fitting = [&](int k) {
