@@ -22,6 +22,24 @@ namespace standoff {
 /// Three indices into the vertices of a mesh.
 using Triangle = std::array<std::uint32_t, 3>;
 
+namespace detail {
+
+/// The number in memory at `from`, which need not be aligned. Vertices are read number by number with it: compilers
+/// copy 24 bytes through the stack, which made binning a fine mesh's triangles a third slower.
+template <class Number>
+Number load(const std::byte* from) {
+  Number value;
+  std::memcpy(&value, from, sizeof value);
+  return value;
+}
+
+template <class Number>
+Vec3 load_vertex(const std::byte* from) {
+  return {load<Number>(from), load<Number>(from + sizeof(Number)), load<Number>(from + 2 * sizeof(Number))};
+}
+
+}  // namespace detail
+
 /// Iterates over the elements of an array.
 template <class Array>
 class ElementIterator {
@@ -76,20 +94,9 @@ class VertexArray {
   bool empty() const { return count_ == 0; }
   /// Requires n < size().
   Vec3 operator[](std::size_t n) const {
-    if (dense_) {
-      Vec3 v;
-      std::memcpy(&v, data_ + n * sizeof(Vec3), sizeof v);
-      return v;
-    }
+    if (dense_) return detail::load_vertex<double>(data_ + n * sizeof(Vec3));
     const std::byte* const at = data_ + static_cast<std::ptrdiff_t>(n) * stride_;
-    if (type_ == Type::float32) {
-      float v[3];
-      std::memcpy(v, at, sizeof v);
-      return {v[0], v[1], v[2]};
-    }
-    double v[3];
-    std::memcpy(v, at, sizeof v);
-    return {v[0], v[1], v[2]};
+    return type_ == Type::float32 ? detail::load_vertex<float>(at) : detail::load_vertex<double>(at);
   }
 
   ElementIterator<VertexArray> begin() const { return {*this, 0}; }
@@ -147,11 +154,9 @@ class TriangleArray {
   /// The three indices, kNoVertex for those below 0 or too large. Requires n < size().
   Triangle operator[](std::size_t n) const {
     const std::byte* const at = data_ + static_cast<std::ptrdiff_t>(n) * stride_;
-    if (type_ == Type::uint32) {
-      Triangle t;
-      std::memcpy(t.data(), at, sizeof t);
-      return t;
-    }
+    if (type_ == Type::uint32)
+      return {detail::load<std::uint32_t>(at), detail::load<std::uint32_t>(at + 4),
+              detail::load<std::uint32_t>(at + 8)};
     const auto fitting = [&](int k) {
       const std::int64_t v = index(n, k);
       return v >= 0 && v < kNoVertex ? static_cast<std::uint32_t>(v) : kNoVertex;
@@ -161,20 +166,16 @@ class TriangleArray {
   /// One index with its value in memory, at most 2^63 - 1. Requires n < size(), and k in 0 to 2.
   std::int64_t index(std::size_t n, int k) const {
     const std::byte* const at = data_ + static_cast<std::ptrdiff_t>(n) * stride_ + k * index_bytes();
-    const auto as = [at]<class Index>(Index value) {
-      std::memcpy(&value, at, sizeof value);
-      return value;
-    };
     constexpr std::uint64_t kMost = std::numeric_limits<std::int64_t>::max();
     switch (type_) {
       case Type::uint32:
-        return as(std::uint32_t{});
+        return detail::load<std::uint32_t>(at);
       case Type::int32:
-        return as(std::int32_t{});
+        return detail::load<std::int32_t>(at);
       case Type::int64:
-        return as(std::int64_t{});
+        return detail::load<std::int64_t>(at);
       case Type::uint64:
-        return static_cast<std::int64_t>(std::min(as(std::uint64_t{}), kMost));
+        return static_cast<std::int64_t>(std::min(detail::load<std::uint64_t>(at), kMost));
     }
     return -1;
   }
@@ -216,9 +217,18 @@ struct MeshView {
   /// Requires a triangle of a valid mesh, and k in 0 to 2.
   Vec3 corner(std::size_t triangle, int k) const {
     if (!triangles.dense()) return vertices[static_cast<std::size_t>(triangles.index(triangle, k))];
-    std::uint32_t vertex;
-    std::memcpy(&vertex, triangles.data() + triangle * sizeof(Triangle) + 4 * static_cast<std::size_t>(k), 4);
-    return vertices[vertex];
+    const std::byte* const first = triangles.data() + triangle * sizeof(Triangle);
+    return vertices[detail::load<std::uint32_t>(first + sizeof(std::uint32_t) * static_cast<std::size_t>(k))];
+  }
+
+  /// The three corners of a triangle of a valid mesh. Faster than corner() three times.
+  std::array<Vec3, 3> corners(std::size_t triangle) const {
+    if (!triangles.dense() || !vertices.dense()) return {corner(triangle, 0), corner(triangle, 1), corner(triangle, 2)};
+    const Triangle t = triangles[triangle];
+    const auto vertex = [&](std::uint32_t n) {
+      return detail::load_vertex<double>(vertices.data() + n * sizeof(Vec3));
+    };
+    return {vertex(t[0]), vertex(t[1]), vertex(t[2])};
   }
 };
 

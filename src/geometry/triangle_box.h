@@ -21,7 +21,7 @@ STANDOFF_INLINE BoxOf<F> box_of(const Triple<F>& a, const Triple<F>& b, const Tr
 
 /// The box of a triangle of a mesh. Requires a valid triangle.
 inline Box triangle_box(const MeshView& mesh, std::size_t triangle) {
-  const Vec3 a = mesh.corner(triangle, 0), b = mesh.corner(triangle, 1), c = mesh.corner(triangle, 2);
+  const auto [a, b, c] = mesh.corners(triangle);
   return {min(a, min(b, c)), max(a, max(b, c))};
 }
 

@@ -113,8 +113,8 @@ class Gather {
   template <bool kNearest>
   void add(std::uint32_t index) {
     const MeshView& mesh = shared_.job.mesh;
-    const Triple<double> corner[3] = {triple_of(mesh.corner(index, 0)), triple_of(mesh.corner(index, 1)),
-                                      triple_of(mesh.corner(index, 2))};
+    const auto [a, b, c] = mesh.corners(index);
+    const Triple<double> corner[3] = {triple_of(a), triple_of(b), triple_of(c)};
     const SampleRange all = shared_.samples(brick_);
     const SampleRange range = intersection(visited_samples(corner, shared_.job.grid, shared_.job.thickness), all);
     if (range.empty()) return;

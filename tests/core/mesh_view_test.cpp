@@ -123,6 +123,8 @@ TEST(MeshView, ElementsBoundsAndHashesAreThoseOfTheMesh) {
     EXPECT_TRUE(std::equal(mesh.vertices.begin(), mesh.vertices.end(), view.vertices.begin()));
     EXPECT_TRUE(std::equal(mesh.triangles.begin(), mesh.triangles.end(), view.triangles.begin()));
     EXPECT_EQ(view.corner(7, 2), MeshView(mesh).corner(7, 2));
+    EXPECT_EQ(view.corners(7), MeshView(mesh).corners(7));
+    EXPECT_EQ(view.corners(7)[1], view.corner(7, 1));
     EXPECT_EQ(view.triangles.index(9, 1), mesh.triangles[9][1]);
     validate(view);
     EXPECT_EQ(bounds(view).min, box.min);

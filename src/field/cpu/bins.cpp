@@ -60,9 +60,8 @@ class Binning {
   template <class Use>
   void for_each_brick_of_long(std::uint32_t triangle, Use use) const {
     const CellRange r = range(triangle);
-    const Triple<double> corner[3] = {triple_of(job_.mesh.corner(triangle, 0)),
-                                      triple_of(job_.mesh.corner(triangle, 1)),
-                                      triple_of(job_.mesh.corner(triangle, 2))};
+    const auto [a, b, c] = job_.mesh.corners(triangle);
+    const Triple<double> corner[3] = {triple_of(a), triple_of(b), triple_of(c)};
     const LongTriangle<kBrickSide> long_triangle(lattice_, r, corner);
     for (std::int64_t z = r.low[2]; z <= r.high[2]; ++z)
       for (std::int64_t y = r.low[1]; y <= r.high[1]; ++y)
@@ -99,7 +98,7 @@ void for_each_batch(const Job& job, const BlockLattice& lattice, std::int64_t mo
   tbb::parallel_for(std::int64_t{0}, chunks, [&](std::int64_t chunk) {
     auto& count = counts[chunk];
     count.assign(static_cast<std::size_t>(bricks), 0);
-    for (std::int64_t n = chunk_begin(chunk); n < chunk_begin(chunk + 1); ++n) {
+    for (std::int64_t n = chunk_begin(chunk), end_of_chunk = chunk_begin(chunk + 1); n < end_of_chunk; ++n) {
       if (n % kCheckEvery == 0) job.progress.check();
       const std::uint32_t triangle = job.triangle(n);
       keys[n] = binning.key(triangle);
@@ -138,7 +137,7 @@ void for_each_batch(const Job& job, const BlockLattice& lattice, std::int64_t mo
     bins.refs.resize(static_cast<std::size_t>(total));
     tbb::parallel_for(std::int64_t{0}, chunks, [&](std::int64_t chunk) {
       auto& position = counts[chunk];
-      for (std::int64_t n = chunk_begin(chunk); n < chunk_begin(chunk + 1); ++n) {
+      for (std::int64_t n = chunk_begin(chunk), end_of_chunk = chunk_begin(chunk + 1); n < end_of_chunk; ++n) {
         if (n % kCheckEvery == 0) job.progress.check();
         const std::uint32_t triangle = job.triangle(n);
         binning.for_each_brick(triangle, keys[n], [&](std::int64_t brick) {

@@ -110,9 +110,8 @@ void Clusters::box_triangles() {
       const std::uint32_t first = kFanout * pack, count = std::min<std::uint32_t>(kFanout, triangles_ - first);
       for (std::uint32_t n = 0; n < count; ++n) {
         const std::uint32_t triangle = order_[first + n];
-        const Vec3 a = job_.mesh.corner(triangle, 0), b = job_.mesh.corner(triangle, 1),
-                   c = job_.mesh.corner(triangle, 2);
-        const Box box = triangle_box(job_.mesh, triangle);
+        const auto [a, b, c] = job_.mesh.corners(triangle);
+        const Box box{min(a, min(b, c)), max(a, max(b, c))};
         const Vec3 middle = (a + b + c) * (1.0 / 3);
         const double lows[3] = {box.min.x, box.min.y, box.min.z}, highs[3] = {box.max.x, box.max.y, box.max.z},
                      middles[3] = {middle.x, middle.y, middle.z};

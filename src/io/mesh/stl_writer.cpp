@@ -44,7 +44,7 @@ void write_stl(AtomicFile& file, MeshView mesh) {
   std::memcpy(header.data() + kStlCount, &count, sizeof count);
   file.write(header.data(), header.size());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const Vec3 a = mesh.corner(t, 0), b = mesh.corner(t, 1), c = mesh.corner(t, 2);
+    const auto [a, b, c] = mesh.corners(t);
     if (!fits_floats(a) || !fits_floats(b) || !fits_floats(c))
       fail(file, "a vertex is too far from the origin for the 32-bit floats of STL; write .ply or .obj");
     std::array<char, kStlRecord> record{};
