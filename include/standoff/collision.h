@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Exact collision, distance, contact and sweep queries between two rigid bodies (docs/collision.md).
 //
-// A body is its surface: any triangles, open or closed. A body inside another one is free unless the surfaces touch.
-// Answers are about the corners in the world: `apply(pose, corner)`, rounded to double.
+// A body is its surface: any triangles, open or closed. A body inside another one counts as free unless the surfaces
+// touch. Answers refer to the corners in world coordinates: `apply(pose, corner)`, rounded to double.
 #pragma once
 
 #include <cstdint>
@@ -30,19 +30,19 @@ struct ModelAccess;
 }  // namespace collision
 
 struct ModelOptions {
-  double spacing = 0;        ///< of the model's fine field, world units; 0: chosen from the mesh
+  double spacing = 0;        ///< spacing of the model's fine field, world units; 0: chosen from the mesh
   Execution execution = {};  ///< where the model is built; its fields may be computed on a GPU
 };
 
 /// A body prepared for queries: its mesh, a sparse distance field near the surface, a coarse one around it, and a
-/// bounding volume hierarchy (BVH) of the triangles. Copies share the data and are cheap. A model that was moved from
-/// stays usable. Safe to use from many threads.
+/// bounding volume hierarchy (BVH) of the triangles. Copies share the data and are cheap. A moved-from model stays
+/// usable. Many threads may use a model at the same time.
 class STANDOFF_API CollisionModel {
  public:
-  /// Copies the mesh and builds fields and BVH. Errors: input (an invalid mesh; its size outside 1e-12 to 1e12, or a
-  /// coordinate beyond 1e15), usage (options), limit (memory, or a field of too many samples).
+  /// Copies the mesh, and builds the fields and the BVH. Errors: input (an invalid mesh, a size outside 1e-12 to 1e12,
+  /// or a centre farther than 1e15 from the origin), usage (options), limit (memory, or a field of too many samples).
   explicit CollisionModel(MeshView mesh, const ModelOptions& options = {});
-  // No moves: they would leave an empty model behind.
+  // There are no moves, because they would leave an empty model behind.
   CollisionModel(const CollisionModel&) = default;
   CollisionModel& operator=(const CollisionModel&) = default;
   ~CollisionModel() = default;
@@ -53,12 +53,12 @@ class STANDOFF_API CollisionModel {
   /// The grid of the fine field, and its thickness; world units.
   Grid grid() const;
   double band() const;
-  /// Bytes of the model's arrays: mesh, fields and BVH. Copies of the model share them. Copies on GPUs do not count.
+  /// Bytes of the model's arrays: mesh, fields and BVH. Copies of the model share them. Copies on GPUs are not counted.
   std::int64_t memory_bytes() const;
 
   /// Writes the model; the file appears whole or not at all. Errors: output.
   void save(const std::filesystem::path& path, Existing existing = Existing::replace) const;
-  /// Reads a model that save() wrote. Errors: input, for damaged and other files; limit.
+  /// Reads a model that save() wrote. Errors: input (a damaged file, or one of another kind), limit.
   static CollisionModel load(const std::filesystem::path& path);
 
  private:
@@ -68,7 +68,7 @@ class STANDOFF_API CollisionModel {
 };
 
 enum class CollideMode {
-  exact,      ///< free or hit; triangles decide where the fields cannot
+  exact,      ///< free or hit; triangles are tested where the fields cannot decide
   certified,  ///< from the fields alone: free, hit (only with a positive margin) or ambiguous
 };
 
@@ -94,7 +94,7 @@ STANDOFF_API CollisionResult collide(const CollisionModel& a, const Pose& pose_a
                                      const Pose& pose_b, const CollideOptions& options = {});
 
 struct DistanceOptions {
-  double tolerance = 0;  ///< how large upper - lower may be, besides rounding; world units, not negative
+  double tolerance = 0;  ///< the largest allowed upper - lower, apart from rounding; world units, not negative
   double limit = std::numeric_limits<double>::infinity();  ///< the search stops at this distance; world units
 };
 
@@ -108,22 +108,23 @@ struct DistanceResult {
 };
 
 /// The least distance between the surfaces (docs/distance.md). upper - lower <= tolerance + 1e-6 * (size of
-/// the bodies). With tolerance 0, `upper` is the least distance of all pairs of triangles, within 32 * 2^-53 of the
+/// the bodies). With tolerance 0, `upper` is the least distance over all pairs of triangles, within 32 * 2^-53 of the
 /// longest side of the box around the pair. Errors: as collide.
 STANDOFF_API DistanceResult distance(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
                                      const Pose& pose_b, const DistanceOptions& options = {});
 
 struct ContactOptions {
-  std::int64_t most = 100;  ///< how many contacts to report at most; at least 1
+  std::int64_t most = 100;  ///< the largest number of contacts to report; at least 1
   double margin = 0;        ///< pairs within this distance are contacts too; world units
 };
 
 /// A contact: two triangles that intersect or are within the margin. Point and depth err by at most 1e-9 of the
 /// triangles' extent, for every shape of triangle.
 struct ContactPoint {
-  Vec3 point;   ///< in the world: the middle of the segment both share, or of the shortest segment between them
+  Vec3 point;   ///< in the world: the middle of the segment that both share, or of the shortest one between them
   Vec3 normal;  ///< unit length, from a to b
-  /// How far b must move along `normal` to separate this pair; if it is separated, minus its distance. World units.
+  /// How far b must move along `normal` to separate this pair. If the triangles do not intersect, minus their distance.
+  /// World units.
   double depth = 0;
   std::uint32_t triangle_a = 0;
   std::uint32_t triangle_b = 0;
@@ -131,7 +132,7 @@ struct ContactPoint {
 
 struct ContactResult {
   std::vector<ContactPoint> contacts;
-  /// True if there are more pairs than `contacts` holds; these are then spread over the contact area.
+  /// True if there are more pairs than the list has. The listed ones are then spread over the contact area.
   bool overflow = false;
 };
 
@@ -144,7 +145,7 @@ STANDOFF_API ContactResult contacts(const CollisionModel& a, const Pose& pose_a,
 /// the two poses is the shorter one (at most 180 degrees); split longer rotations.
 struct RigidMotion {
   Pose from, to;
-  Vec3 center;  ///< of the body; at most 1e15 from its origin
+  Vec3 center;  ///< a point of the body, in body coordinates, which are at most 1e15 in magnitude
 };
 
 /// The pose at time t in [0, 1].
@@ -152,8 +153,8 @@ STANDOFF_API Pose pose_at(const RigidMotion& motion, double t);
 
 struct SweepOptions {
   /// Surfaces within this distance count as touching; world units, not negative. 0: automatic_tolerance(a, b). A
-  /// tolerance below 2^-48 of the coordinates of poses, meshes and motions counts as that: rounding moves bodies so
-  /// far.
+  /// tolerance below 2^-48 of the coordinates of poses, meshes and motions counts as 2^-48 of them, because rounding
+  /// may move bodies that far.
   double tolerance = 0;
 };
 
@@ -163,7 +164,8 @@ STANDOFF_API double automatic_tolerance(const CollisionModel& a, const Collision
 
 struct SweepResult {
   bool hit = false;
-  /// The time of impact: the bodies do not intersect during [0, time) and are within the tolerance at `time`. 1: free.
+  /// The time of impact: the bodies do not intersect during [0, time) and are within the tolerance at `time`. 1 if
+  /// there is no hit.
   double time = 1;
   std::uint32_t triangle_a = kNoTriangle;
   std::uint32_t triangle_b = kNoTriangle;
@@ -173,12 +175,12 @@ struct SweepResult {
 
 /// When the moving body b first touches the resting body a, by conservative advancement (docs/sweep.md). If the bodies
 /// touch during the motion, the result is a hit, at any speed. If they pass within the tolerance without touching, it
-/// may be a hit. If they start closer than the tolerance without touching, separating motion is not a hit. Errors: as
-/// collide; usage also for motions some 1e14 times as long as the bodies, where rounding hides the path.
+/// may be a hit. If they start within the tolerance without touching and then separate, it is not a hit. Errors: as
+/// collide; usage also for motions some 1e14 times as long as the bodies, for which rounding of the time is too large.
 STANDOFF_API SweepResult sweep(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
                                const RigidMotion& motion, const SweepOptions& options = {});
 
-/// How a batch was answered.
+/// How the queries of a batch were decided.
 struct BatchReport {
   std::string backend;         ///< "cpu", "cuda" or "emulated"
   std::string device;          ///< the GPU's name
@@ -189,20 +191,20 @@ struct BatchReport {
   std::int64_t overflowed = 0;  ///< queries left to the CPU because the device's lists were too short
 };
 
-/// collide() for many poses of b, in their order. Verdicts do not depend on the backend; a GPU may report another of
-/// several intersecting pairs of triangles. A GPU keeps its copies of the models until they are destroyed. Certified
-/// queries run on the CPU only. Errors: as collide; usage also for `execution` and for certified queries on a GPU;
-/// device (no GPU, or it failed); limit (too little memory on it).
+/// collide() for many poses of b; the results have the order of the poses. Verdicts do not depend on the backend; if
+/// several pairs of triangles intersect, a GPU may report another one. Copies of the models stay on the GPU until the
+/// models are destroyed. Certified queries run on the CPU only. Errors: as collide; usage also for `execution` and for
+/// certified queries on a GPU; device (there is no GPU, or it failed); limit (the GPU has too little memory).
 STANDOFF_API std::vector<CollisionResult> collide_all(const CollisionModel& a, const Pose& pose_a,
                                                       const CollisionModel& b, std::span<const Pose> poses_b,
                                                       const CollideOptions& options = {},
                                                       const Execution& execution = {}, BatchReport* report = nullptr);
-/// distance() for many poses of b, in their order. Runs on the CPU; other backends are Error{usage}.
+/// distance() for many poses of b, in their order. Runs on the CPU; any other backend is Error{usage}.
 STANDOFF_API std::vector<DistanceResult> distance_all(const CollisionModel& a, const Pose& pose_a,
                                                       const CollisionModel& b, std::span<const Pose> poses_b,
                                                       const DistanceOptions& options = {},
                                                       const Execution& execution = {});
-/// contacts() for many poses of b, in their order. Runs on the CPU; other backends are Error{usage}.
+/// contacts() for many poses of b, in their order. Runs on the CPU; any other backend is Error{usage}.
 STANDOFF_API std::vector<ContactResult> contacts_all(const CollisionModel& a, const Pose& pose_a,
                                                      const CollisionModel& b, std::span<const Pose> poses_b,
                                                      const ContactOptions& options = {},

@@ -19,14 +19,14 @@ namespace standoff {
 /// An algorithm that fills a field.
 enum class Method {
   tiles,   ///< exact; the default (docs/tiles.md)
-  thesis,  ///< Algorithm 1 of the 2008 thesis (docs/thesis.md): not exact where its skip rule drops a triangle
+  thesis,  ///< Algorithm 1 of the 2008 thesis (docs/thesis.md); not exact where its skip rule drops a triangle
 };
 
-/// Which triangles may be left out before any distance is computed (docs/skip.md).
+/// A rule that decides which triangles are left out before any distance is computed (docs/skip.md).
 struct SkipRule {
   enum class Kind {
     automatic,  ///< the method's default: none for tiles, neighbour(1) for thesis
-    none,       ///< keep all
+    none,       ///< keep all triangles
     neighbour,  ///< the thesis's rule: drop a triangle whose grown box lies inside its predecessor's or successor's
     exact,      ///< drop only triangles that provably change no sample
   };
@@ -38,10 +38,10 @@ struct ComputeOptions {
   Method method = Method::tiles;
   SkipRule skip = {};
   Execution execution = {};
-  std::int64_t memory_limit = 0;  ///< bytes of output and scratch together; 0: no limit
+  std::int64_t memory_limit = 0;  ///< bytes of output and scratch memory together; 0: no limit
   bool nearest_triangle = false;  ///< also store the nearest triangle's index per band sample, lowest on ties
-  /// Also store the mesh's hash in the field's provenance, so that verify() and readers of its file can detect another
-  /// mesh. Costs one pass over the mesh. compute_into dense memory stores no provenance.
+  /// Also store the mesh's hash in the field's provenance, so that verify() and readers of the field's file can detect
+  /// that a mesh is not the field's. Costs one pass over the mesh. compute_into dense memory stores no provenance.
   bool hash_mesh = true;
   ProgressCallback progress = {};
 };
@@ -61,7 +61,7 @@ struct ComputeReport {
   std::int64_t tiles_stored = 0;      ///< tiles with a band sample; 0 from compute_into, which stores none
   struct Seconds {
     double prepare = 0;  ///< validation, skip rule
-    double compute = 0;  ///< the backend's work; and the mesh's hash, where it is computed
+    double compute = 0;  ///< the backend's work, and hashing the mesh if that is done
   } seconds;
 };
 
@@ -80,8 +80,8 @@ struct ComputeResult {
 STANDOFF_API ComputeResult compute(MeshView mesh, const Grid& grid, double thickness,
                                    const ComputeOptions& options = {});
 
-/// Like compute(), into the caller's memory: one value per sample, x fastest. Every element is written. `nearest` is
-/// either empty or as long as `values`. Errors: as compute; usage also for a wrong length.
+/// Like compute(), but into the caller's memory: one value per sample, x fastest. Every element is written. `nearest`
+/// is either empty or as long as `values`. Errors: as compute; usage also for a wrong length.
 STANDOFF_API ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickness, std::span<float> values,
                                         std::span<std::uint32_t> nearest, const ComputeOptions& options = {});
 inline ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickness, std::span<float> values,
@@ -89,20 +89,20 @@ inline ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickn
   return compute_into(mesh, grid, thickness, values, {}, options);
 }
 
-/// Like compute(), into an existing field, whose content is replaced. The memory of its tiles is reused, unless there
-/// is a memory limit. Use it when computing many fields: allocation can take a third of a thin band's time. `grid` may
-/// be the field's own. Errors: as compute; the field is then unchanged or empty.
+/// Like compute(), but into an existing field, whose content is replaced. The memory of its tiles is reused, unless
+/// there is a memory limit. Use it when computing many fields: allocation can take a third of a thin band's time.
+/// `grid` may be the field's own. Errors: as compute; the field is then unchanged or empty.
 STANDOFF_API ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickness, DistanceField& field,
                                         const ComputeOptions& options = {});
 
-/// An upper bound of the bytes that compute (dense = false) or compute_into (dense = true) needs besides the mesh. They
-/// compare it with the memory limit (docs/tiles.md, Memory). Only tiles that the grown box of some triangle intersects
-/// are counted. Takes one pass over the triangles. Errors: usage (grid, thickness, options), input (mesh), limit
-/// (mesh), device.
+/// An upper bound of the bytes that compute (dense = false) or compute_into (dense = true) needs besides the mesh.
+/// These functions compare it with the memory limit (docs/tiles.md, Memory). Only tiles that the grown box of some
+/// triangle intersects are counted. Takes one pass over the triangles. Errors: usage (grid, thickness, options), input
+/// (mesh), limit (mesh), device.
 STANDOFF_API std::int64_t memory_needed(MeshView mesh, const Grid& grid, double thickness,
                                         const ComputeOptions& options = {}, bool dense = false);
-/// The same bound for any mesh of `triangles` triangles, 1 to kMaxTriangles: every tile of the grid is counted. At most
-/// 2^62.
+/// The same bound for any mesh of `triangles` triangles, 1 to kMaxTriangles: every tile of the grid is counted. The
+/// result is at most 2^62.
 STANDOFF_API std::int64_t memory_needed(std::int64_t triangles, const Grid& grid, double thickness,
                                         const ComputeOptions& options = {}, bool dense = false);
 

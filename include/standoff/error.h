@@ -13,14 +13,14 @@
 
 namespace standoff {
 
-/// What kind of thing went wrong. The values are the exit codes of the `standoff` program.
+/// The kind of an error. The values are the exit codes of the `standoff` program.
 enum class ErrorCode {
   internal = 1,       ///< a bug in standoff
-  usage = 2,          ///< invalid arguments or options, alone or together
+  usage = 2,          ///< invalid arguments or options, or an invalid combination of them
   input = 3,          ///< a file or mesh that cannot be used as it is
   output = 4,         ///< a file that cannot be written
   limit = 5,          ///< more memory, or a larger size, than is allowed
-  device = 6,         ///< a device that is absent or failed
+  device = 6,         ///< a GPU that is absent or failed
   verify = 7,         ///< a field that does not match its mesh
   interrupted = 130,  ///< cancelled by the progress callback or a signal
 };
@@ -35,8 +35,9 @@ struct ErrorDetails {
   std::optional<std::int64_t> byte = {};          ///< in that file, from 0
 };
 
-/// The only exception that functions of standoff throw, except those of the caller's own callbacks. The message says
-/// what, where, why and what to do next; for files it reads `FILE:WHERE: what; what to do`.
+/// The only exception that functions of standoff throw; exceptions from the caller's callbacks pass unchanged. The
+/// message says what is wrong, where and why, and what to do next. For files it has the form
+/// `FILE:WHERE: what; what to do`.
 class STANDOFF_API Error : public std::runtime_error {
  public:
   Error(ErrorCode code, const std::string& message) : std::runtime_error(message), code_(code) {}

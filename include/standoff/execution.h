@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where work runs, and how long work reports its progress.
+// Where work runs, and how work that takes long reports its progress.
 #pragma once
 
 #include <functional>
@@ -19,8 +19,9 @@ enum class Simd { automatic, portable, avx2, avx512 };
 /// The largest number of threads a call accepts.
 inline constexpr int kMaxThreads = 1024;
 
-/// Where a call runs. No member changes a result, except which of several intersecting pairs of triangles a GPU
-/// reports. Every call throws Error{usage} for invalid values and for a backend that it does not have.
+/// Where a call runs. No member changes a result, with one exception: if several pairs of triangles intersect, a GPU
+/// may report another pair than the CPU. Every call throws Error{usage} for invalid values and for a backend that it
+/// does not have.
 struct Execution {
   /// At most kMaxThreads. 0: the concurrency of the calling TBB arena, by default all cores.
   int threads = 0;
@@ -32,11 +33,11 @@ struct Execution {
 struct Progress {
   const char* stage = "";  ///< of compute: "prepare", "bin", "gather", "copy" (from a GPU), "hash" (not of
                            ///< compute_into dense memory), "done"; of verify: "sort", "verify"
-  double fraction = 0;     ///< of the whole work, 0 to 1, never falling
+  double fraction = 0;     ///< the finished share of the whole work, 0 to 1; never decreases
 };
 
-/// Called repeatedly, from one thread at a time. Return false to cancel: the call then throws Error{interrupted}. An
-/// exception from the callback ends the work and leaves the call unchanged.
+/// Called repeatedly, from one thread at a time. Return false to cancel: the call then throws Error{interrupted}. If
+/// the callback throws, the work ends and the exception reaches the caller unchanged.
 using ProgressCallback = std::function<bool(const Progress&)>;
 
 }  // namespace standoff
