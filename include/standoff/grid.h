@@ -21,20 +21,21 @@ struct Grid {
   Vec3 position(std::int64_t i, std::int64_t j, std::int64_t k) const {
     return origin + spacing * Vec3{double(i), double(j), double(k)};
   }
-  /// Requires a valid grid, and a sample of it.
+  /// The position of sample (i,j,k) in memory, x fastest. Requires a valid grid and a sample of it.
   std::int64_t index(std::int64_t i, std::int64_t j, std::int64_t k) const { return i + size.x * (j + size.y * k); }
   std::int64_t sample_count() const { return size.count(); }
-  /// The box whose corners are the first and the last sample. Requires sides of at least 1.
+  /// The box whose corners are the first and the last sample. Requires a size of at least 1 per axis.
   Box bounds() const { return {origin, position(size.x - 1, size.y - 1, size.z - 1)}; }
   /// The largest of the three spacings.
   double max_spacing() const { return std::max({spacing.x, spacing.y, spacing.z}); }
 };
 
-/// Throws Error{usage} unless sizes and spacings are positive, and spacings, origin and extent finite; Error{limit} if
-/// a side has more than 2^40 samples or the grid more than 2^62. The helpers below validate their grids.
+/// Throws Error{usage} unless sizes and spacings are positive, and spacings, origin and extent are finite. Throws
+/// Error{limit} if a side has more than 2^40 samples or the grid more than 2^62. The helpers below validate their
+/// grids.
 STANDOFF_API void validate(const Grid& grid);
 
-/// The thickness of a full field, in which no value is clamped. No field takes longer to compute.
+/// The thickness of a full field, in which no value is clamped. A full field is the most expensive one.
 inline constexpr double kFullField = std::numeric_limits<double>::infinity();
 
 /// The default number of samples along the longest side.
@@ -46,34 +47,34 @@ struct Padding {
   double length = 0;         ///< world units
   double samples = 0;        ///< in units of the grid's spacing
   double least_samples = 2;  ///< so that slices and isosurfaces do not end at the grid's faces; less in tiny grids
-  double most_share = std::numeric_limits<double>::infinity();  ///< cuts off a wider band
+  double most_share = std::numeric_limits<double>::infinity();  ///< if finite, may cut off a wide band
 };
 
-/// The padding for a narrow band: its thickness (world units), so that the grid holds the whole band, and at least two
-/// samples. For a full field: two samples. Errors: usage unless the thickness is positive.
+/// The padding for a narrow band: its thickness (world units), so that the grid contains the whole band, but at least
+/// two samples. The padding for a full field: two samples. Errors: usage unless the thickness is positive.
 STANDOFF_API Padding padding_for(double thickness);
 
-/// A grid of equal spacings with `samples` samples on the longest side of the padded box, centred on it. The other
-/// sides get as many samples as cover the box. A box without extent gets spacing 1 if the padding has no length, and
-/// one sample if there is no padding.
+/// A grid of equal spacings with `samples` samples on the longest side of the padded box, centred on the box. The other
+/// sides get as many samples as cover the padded box. A box without extent gets spacing 1 if the padding has no length,
+/// and one sample if there is no padding.
 /// Errors: usage (an empty box; samples < 2; a member of the padding that is negative or not a number; a padding that
-/// takes all samples), limit (more than 2^40 samples on a side).
+/// leaves no samples for the box), limit (more than 2^40 samples on a side).
 STANDOFF_API Grid fit_samples(const Box& box, std::int64_t samples, const Padding& padding);
-/// The same with padding_for(thickness). `thickness` is that of the field to be computed.
+/// The same with padding_for(thickness). `thickness` is the thickness of the field that will be computed.
 inline Grid fit_samples(const Box& box, std::int64_t samples = kDefaultSamples, double thickness = kFullField) {
   return fit_samples(box, samples, padding_for(thickness));
 }
 
-/// A grid of the given spacings, with as many samples as cover the padded box, centred on it. Errors: as above.
+/// A grid of the given spacings, with as many samples as cover the padded box, centred on the box. Errors: as above.
 STANDOFF_API Grid fit_spacing(const Box& box, Vec3 spacing, const Padding& padding);
 /// The same with padding_for(thickness).
 inline Grid fit_spacing(const Box& box, Vec3 spacing, double thickness = kFullField) {
   return fit_spacing(box, spacing, padding_for(thickness));
 }
 
-/// The given number of samples per axis, the outermost ones on the faces of the padded box, so that the spacing may
-/// differ per axis. An axis without extent, or with one sample, gets the largest spacing of the others (or 1).
-/// Errors: as above.
+/// A grid of the given number of samples per axis. The outermost samples are on the faces of the padded box, so the
+/// spacing may differ per axis. An axis without extent, or with one sample, gets the largest spacing of the others (or
+/// 1 if there is none). Errors: as above.
 STANDOFF_API Grid fit_size(const Box& box, Size3 size, const Padding& padding);
 /// The same with padding_for(thickness).
 inline Grid fit_size(const Box& box, Size3 size, double thickness = kFullField) {

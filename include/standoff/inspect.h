@@ -15,20 +15,20 @@ struct MeshSummary {
   double area = 0;                     ///< of all triangles together, in squared units of the mesh
   std::int64_t degenerate = 0;         ///< triangles without area
   std::int64_t duplicate = 0;          ///< triangles with the same three vertices as an earlier one, in any order
-  std::int64_t boundary_edges = 0;     ///< edges of one triangle
-  std::int64_t nonmanifold_edges = 0;  ///< edges of three triangles or more
+  std::int64_t boundary_edges = 0;     ///< edges with exactly one triangle
+  std::int64_t nonmanifold_edges = 0;  ///< edges with three triangles or more
 
-  /// Every edge has two triangles. Self-intersections and orientation are not checked.
+  /// Whether every edge has two triangles. Self-intersections and orientation are not checked.
   bool closed() const { return boundary_edges == 0 && nonmanifold_edges == 0; }
 };
 
-/// Computes statistics of a mesh. Vertices are identified by index: if every triangle has its own vertices, every edge
-/// is a boundary. A triangle that names a vertex twice has no edges. Takes 36 bytes per triangle, and the time to sort
-/// three edges per triangle. Errors: those of validate(mesh); limit.
+/// Computes statistics of a mesh. Vertices are compared by index: if every triangle has its own vertices, every edge is
+/// a boundary edge. The edges of a triangle that names a vertex twice are not counted. Takes 36 bytes per triangle, and
+/// the time to sort three edges per triangle. Errors: those of validate(mesh); limit.
 STANDOFF_API MeshSummary inspect(MeshView mesh);
 
 struct FieldSummary {
-  double min = 0, max = 0;  ///< of the values, world units, without NaN; infinite if every value is NaN
+  double min = 0, max = 0;  ///< of all values but NaN, world units; infinite if every value is NaN
   std::int64_t band = 0;    ///< samples in the band; see inspect
   std::int64_t nan = 0;     ///< samples that are not a number
 };

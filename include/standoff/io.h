@@ -16,7 +16,7 @@
 
 namespace standoff {
 
-/// A file format by its file name extension.
+/// A file format. Its file name extension identifies it.
 struct FileFormat {
   std::string extension;    ///< lower case, without the dot: "stl"
   std::string description;  ///< "STL, binary or ASCII"
@@ -25,7 +25,7 @@ struct FileFormat {
   bool nearest = false;  ///< fields only: can carry nearest triangles
 };
 
-/// The formats this build knows.
+/// The formats that this build can read or write.
 STANDOFF_API std::vector<FileFormat> mesh_formats();
 STANDOFF_API std::vector<FileFormat> field_formats();
 
@@ -33,12 +33,12 @@ struct MeshReadOptions {
   double scale = 1;  ///< vertices are multiplied by this (finite, positive)
 };
 
-/// What a file says about its coordinates, and how its reader changed them besides MeshReadOptions::scale. Readers do
-/// not change the coordinates of STL, PLY, OBJ, OFF and .mesh files.
+/// What a file says about its coordinates, and how the reader changed them, apart from MeshReadOptions::scale. The
+/// coordinates of STL, PLY, OBJ, OFF and .mesh files are not changed.
 struct MeshReadReport {
-  std::string format;     ///< by its extension: "3ds"
+  std::string format;     ///< the extension of the format, such as "3ds"
   bool unpacked = false;  ///< the file was compressed by gzip
-  double unit_scale = 1;  ///< coordinates were multiplied by this, for the file's unit
+  double unit_scale = 1;  ///< coordinates were multiplied by this because of the file's unit
   /// Metres per unit of the coordinates as read, before the caller's scale; 0: the file does not say.
   double metres_per_unit = 0;
   /// Which axes of the file became x, y and z: 1, 2, 3 for its x, y, z; negative if the direction was reversed.
@@ -47,13 +47,13 @@ struct MeshReadReport {
   bool turned() const { return axes != std::array<int, 3>{1, 2, 3}; }
 };
 
-/// The report as English sentences without full stops; empty if nothing was done and nothing is known.
+/// The report as English sentences without full stops. Empty if the reader changed nothing and the unit is unknown.
 STANDOFF_API std::vector<std::string> notes(const MeshReadReport& report);
 
-/// Reads a mesh. The extension decides the format; if no format has that extension, the content does. It is an error if
-/// extension and content contradict each other. A file may be compressed by gzip: mesh.obj.gz is OBJ. Equal vertices
-/// are welded exactly, and polygons are triangulated. `report`, unless null, receives what was done to the coordinates.
-/// Errors: input, with `FILE:WHERE: what; what to do`; limit (memory).
+/// Reads a mesh. The extension decides the format; if no format has that extension, the content decides. It is an error
+/// if extension and content contradict each other. A file may be compressed by gzip: mesh.obj.gz is read as OBJ. Equal
+/// vertices are welded exactly, and polygons are triangulated. `report`, unless null, receives what was done to the
+/// coordinates. Errors: input, with a message `FILE:WHERE: what; what to do`; limit (memory).
 STANDOFF_API Mesh read_mesh(const std::filesystem::path& path, const MeshReadOptions& options = {},
                             MeshReadReport* report = nullptr);
 
@@ -68,8 +68,9 @@ struct FieldReadOptions {
 /// limit (memory_limit, or memory runs out).
 STANDOFF_API DistanceField read_field(const std::filesystem::path& path, const FieldReadOptions& options = {});
 
-/// Writes a field as .vti, .nrrd or .npz (docs/formats.md); the file appears whole or not at all. Values are never held
-/// densely. Errors: output, usage (unknown extension, or nearest triangles in a format that cannot carry them).
+/// Writes a field as .vti, .nrrd or .npz (docs/formats.md); the file appears whole or not at all. The whole field is
+/// never converted to dense values in memory. Errors: output, usage (unknown extension, or nearest triangles in a
+/// format that cannot carry them).
 STANDOFF_API void write_field(const std::filesystem::path& path, const DistanceField& field,
                               Existing existing = Existing::replace);
 

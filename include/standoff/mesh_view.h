@@ -65,8 +65,8 @@ class ElementIterator {
   std::size_t n_ = 0;
 };
 
-/// A view of vertices in the caller's memory: three adjacent numbers each, `stride` bytes from one vertex to the next.
-/// The stride may have any size and sign. Numbers need not be aligned. Floats are converted to double, exactly.
+/// A view of vertices in the caller's memory. A vertex is three adjacent numbers; the next vertex begins `stride` bytes
+/// later. The stride may have any size and sign. Numbers need not be aligned. Floats are converted to double exactly.
 class VertexArray {
  public:
   enum class Type : std::uint8_t { float64, float32 };
@@ -77,7 +77,7 @@ class VertexArray {
   template <class Range>
   requires std::convertible_to<const Range&, std::span<const Vec3>> VertexArray(const Range& vertices)
       : VertexArray(std::span<const Vec3>(vertices)) {}
-  /// `first` is the first vertex's x; it may be null where there are none.
+  /// `first` is the x of the first vertex; it may be null if there are no vertices.
   VertexArray(const double* first, std::size_t count, std::ptrdiff_t stride = 3 * sizeof(double))
       : data_(reinterpret_cast<const std::byte*>(first)),
         count_(count),
@@ -105,7 +105,7 @@ class VertexArray {
   const std::byte* data() const { return data_; }
   std::ptrdiff_t stride() const { return stride_; }
   Type type() const { return type_; }
-  /// Doubles without gaps between vertices.
+  /// Whether the vertices are doubles without gaps between them.
   bool dense() const { return dense_; }
   /// The vertices as a span if their layout is that of Vec3; else nullopt.
   std::optional<std::span<const Vec3>> packed() const {
@@ -123,7 +123,7 @@ class VertexArray {
   bool dense_ = true;  // doubles without gaps: most meshes, and the fastest to read
 };
 
-/// A view of triangles in the caller's memory: three adjacent indices each; strides as in VertexArray.
+/// A view of triangles in the caller's memory. A triangle is three adjacent indices; strides are as in VertexArray.
 class TriangleArray {
  public:
   enum class Type : std::uint8_t { uint32, int32, uint64, int64 };
@@ -137,7 +137,7 @@ class TriangleArray {
   template <class Range>
   requires std::convertible_to<const Range&, std::span<const Triangle>> TriangleArray(const Range& triangles)
       : TriangleArray(std::span<const Triangle>(triangles)) {}
-  /// `first` is the first triangle's first index; it may be null where there are none.
+  /// `first` is the first index of the first triangle; it may be null if there are no triangles.
   template <std::integral Index>
   requires(sizeof(Index) == 4 || sizeof(Index) == 8)
       TriangleArray(const Index* first, std::size_t count, std::ptrdiff_t stride = 3 * sizeof(Index))
@@ -151,7 +151,7 @@ class TriangleArray {
 
   std::size_t size() const { return count_; }
   bool empty() const { return count_ == 0; }
-  /// The three indices, kNoVertex for those below 0 or too large. Requires n < size().
+  /// The three indices; kNoVertex replaces those that are negative or too large. Requires n < size().
   Triangle operator[](std::size_t n) const {
     const std::byte* const at = data_ + static_cast<std::ptrdiff_t>(n) * stride_;
     if (type_ == Type::uint32)
@@ -163,7 +163,7 @@ class TriangleArray {
     };
     return {fitting(0), fitting(1), fitting(2)};
   }
-  /// One index with its value in memory, at most 2^63 - 1. Requires n < size(), and k in 0 to 2.
+  /// Index k of triangle n as it is in memory, but at most 2^63 - 1. Requires n < size(), and k in 0 to 2.
   std::int64_t index(std::size_t n, int k) const {
     const std::byte* const at = data_ + static_cast<std::ptrdiff_t>(n) * stride_ + k * index_bytes();
     constexpr std::uint64_t kMost = std::numeric_limits<std::int64_t>::max();
@@ -186,7 +186,7 @@ class TriangleArray {
   const std::byte* data() const { return data_; }
   std::ptrdiff_t stride() const { return stride_; }
   Type type() const { return type_; }
-  /// Unsigned indices of 32 bits without gaps between triangles.
+  /// Whether the indices are unsigned, have 32 bits, and have no gaps between triangles.
   bool dense() const { return dense_; }
   int index_bytes() const { return type_ == Type::uint32 || type_ == Type::int32 ? 4 : 8; }
   /// The triangles as a span if their layout is that of Triangle; else nullopt.
@@ -214,7 +214,7 @@ struct MeshView {
   VertexArray vertices;
   TriangleArray triangles;
 
-  /// Requires a triangle of a valid mesh, and k in 0 to 2.
+  /// Corner k of a triangle. Requires a triangle of a valid mesh, and k in 0 to 2.
   Vec3 corner(std::size_t triangle, int k) const {
     if (!triangles.dense()) return vertices[static_cast<std::size_t>(triangles.index(triangle, k))];
     const std::byte* const first = triangles.data() + triangle * sizeof(Triangle);

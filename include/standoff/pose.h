@@ -17,13 +17,14 @@ struct Pose {
   friend constexpr bool operator==(const Pose&, const Pose&) = default;
 };
 
-/// Applies only the rotation. Evaluated as written: three products and two sums per coordinate, from x to z.
+/// Applies only the rotation. The expression is evaluated as written: three products and two sums per coordinate, from
+/// x to z.
 constexpr Vec3 rotate(const Pose& pose, Vec3 p) {
   const auto& r = pose.rotation;
   return {r[0] * p.x + r[1] * p.y + r[2] * p.z, r[3] * p.x + r[4] * p.y + r[5] * p.z,
           r[6] * p.x + r[7] * p.y + r[8] * p.z};
 }
-/// A point of the body, in the world.
+/// Maps a point of the body to world coordinates.
 constexpr Vec3 apply(const Pose& pose, Vec3 p) { return rotate(pose, p) + pose.translation; }
 
 /// Applies the inverse rotation, which is the transpose.
@@ -32,7 +33,7 @@ constexpr Vec3 rotate_back(const Pose& pose, Vec3 v) {
   return {r[0] * v.x + r[3] * v.y + r[6] * v.z, r[1] * v.x + r[4] * v.y + r[7] * v.z,
           r[2] * v.x + r[5] * v.y + r[8] * v.z};
 }
-/// A point of the world, in the body's coordinates.
+/// Maps a point in world coordinates to the body's coordinates.
 constexpr Vec3 apply_inverse(const Pose& pose, Vec3 p) { return rotate_back(pose, p - pose.translation); }
 
 /// The pose that applies `inner`, then `outer`.
@@ -42,8 +43,8 @@ STANDOFF_API Pose compose(const Pose& outer, const Pose& inner);
 /// then a translation. Errors: usage (a zero axis, or a number that is not finite).
 STANDOFF_API Pose make_pose(Vec3 axis, double angle_rad, Vec3 translation);
 
-/// How far the product of a rotation and its transpose may be from the identity, per entry. A rotation stored in single
-/// precision is within it.
+/// The largest allowed difference, per entry, between the identity and the product of a rotation and its transpose.
+/// Rotations stored in single precision fulfil it.
 inline constexpr double kRigidTolerance = 1e-6;
 
 /// Throws Error{usage} unless all numbers are finite, the translation is below 1e15 in magnitude, and the matrix is a

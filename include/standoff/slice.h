@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures of a plane of a field.
+// Pictures of slices through a field.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +14,8 @@
 namespace standoff {
 
 enum class Colormap {
-  viridis,  ///< dark blue (least) over green to yellow (greatest): even steps for the eye, readable in grey
-  thesis,   ///< red (least) over green to blue (greatest), as the 2008 thesis draws its slices
+  viridis,  ///< from dark blue (least) over green to yellow (greatest): visually uniform, readable in grey
+  thesis,   ///< from red (least) over green to blue (greatest), as the 2008 thesis draws its slices
 };
 
 struct SliceOptions {
@@ -26,10 +26,10 @@ struct SliceOptions {
   int pixels = 512;  ///< the plane's longer side is enlarged by a whole factor to at least this, 1 to 8192
 };
 
-/// Draws the samples of a plane with a legend and writes a PNG picture, which appears whole or not at all. Samples are
-/// squares (rectangles where spacings differ); the plane's first axis runs right, its second up: x and y for z, x and z
-/// for y, y and z for x. Colors span the finite values of the plane; infinite ones are grey. Planes of more than 8192
-/// pixels on a side are thinned to that.
+/// Draws the samples of a plane with a legend, and writes a PNG picture, which appears whole or not at all. Samples are
+/// squares (rectangles if the spacings differ). The plane's first axis points right and its second up: x and y for axis
+/// z, x and z for y, y and z for x. The colours span the finite values of the plane; infinite values are grey. If a
+/// side would have more than 8192 pixels, samples are left out.
 /// Errors: usage (options out of range, or built without libpng), output.
 STANDOFF_API void write_slice_png(const std::filesystem::path& path, const DistanceField& field,
                                   const SliceOptions& options = {}, Existing existing = Existing::replace);

@@ -31,12 +31,12 @@ constexpr Vec3 max(Vec3 a, Vec3 b) { return {std::max(a.x, b.x), std::max(a.y, b
 inline double length(Vec3 a) { return std::sqrt(dot(a, a)); }
 inline bool is_finite(Vec3 a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
 
-/// Counts along the three axes. Counts are 64-bit everywhere: grids may exceed 2^31 samples.
+/// Counts along the three axes. All counts have 64 bits, because grids may have more than 2^31 samples.
 struct Size3 {
   std::int64_t x = 0, y = 0, z = 0;
 
   friend constexpr bool operator==(const Size3&, const Size3&) = default;
-  /// The product: 0 if a side is not positive, the largest std::int64_t if the product is larger.
+  /// The product; 0 if a count is not positive, and the largest std::int64_t if the product exceeds it.
   constexpr std::int64_t count() const {
     constexpr std::int64_t most = std::numeric_limits<std::int64_t>::max();
     if (x <= 0 || y <= 0 || z <= 0) return 0;
@@ -45,7 +45,7 @@ struct Size3 {
   }
 };
 
-/// An axis-aligned box; empty while min exceeds max on some axis, as a new one does.
+/// An axis-aligned box. It is empty if min exceeds max on some axis; a new box is empty.
 struct Box {
   Vec3 min = Vec3{1, 1, 1} * std::numeric_limits<double>::infinity();
   Vec3 max = Vec3{1, 1, 1} * -std::numeric_limits<double>::infinity();

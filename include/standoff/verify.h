@@ -12,10 +12,9 @@
 namespace standoff {
 
 struct VerifyOptions {
-  std::int64_t samples =
-      1000;                  ///< how many samples to test, at least 1; every one when the grid has no more than these
-  std::uint64_t seed = 1;    ///< chooses the samples; the same seed takes the same ones
-  Execution execution = {};  ///< on the CPU: other backends are Error{usage}
+  std::int64_t samples = 1000;  ///< the number of samples to test, at least 1; all if the grid has no more
+  std::uint64_t seed = 1;       ///< chooses the samples; the same seed chooses the same samples
+  Execution execution = {};     ///< runs on the CPU; any other backend is Error{usage}
   ProgressCallback progress = {};
 };
 
@@ -33,7 +32,7 @@ struct VerifyResult {
   std::int64_t samples = 0;        ///< samples tested
   std::int64_t samples_band = 0;   ///< tested samples no farther than the thickness
   std::int64_t samples_wrong = 0;  ///< tested samples whose error is above the bound
-  std::int64_t nearest_wrong = 0;  ///< tested samples whose stored nearest triangle is too far away
+  std::int64_t nearest_wrong = 0;  ///< tested samples whose stored nearest triangle is farther than is allowed
   SampleCheck largest;             ///< the sample with the largest error
   SampleCheck worst;               ///< the sample with the largest ratio of error to allowed error
   bool mesh_differs = false;       ///< the field's provenance names another mesh
@@ -41,14 +40,15 @@ struct VerifyResult {
   bool ok() const { return samples_wrong == 0 && nearest_wrong == 0; }
 };
 
-/// The error allowed where the distance, clamped to the thickness, is `distance`:
-/// 1e-6 * (distance + 16 * max spacing), plus 4 epsilon of the grid's largest coordinate in magnitude. World units.
+/// The allowed error of a value if the distance, clamped to the thickness, is `distance`:
+/// 1e-6 * (distance + 16 * max spacing) + 4 * 2^-52 * (the grid's largest coordinate in magnitude). World units.
 STANDOFF_API double allowed_error(const Grid& grid, double distance);
 
 /// Compares the field at random samples with distances computed in double precision over all triangles; a triangle is
-/// left out only if its box is farther away than a distance already found. Half of the samples are drawn from the
-/// stored tiles, so that a narrow band in a large grid is tested too. Shares no code with compute(). A field with wrong
-/// values is a result, not an error. Errors: input (mesh), usage (options), interrupted.
+/// skipped only if its box is farther away than a distance that was already found. Half of the samples are drawn from
+/// the stored tiles, so that a narrow band in a large grid is tested too. This search shares no code with compute(). If
+/// the field has wrong values, the result says so; that is not an error. Errors: input (mesh), usage (options),
+/// interrupted.
 STANDOFF_API VerifyResult verify(const DistanceField& field, MeshView mesh, const VerifyOptions& options = {});
 
 }  // namespace standoff

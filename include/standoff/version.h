@@ -10,6 +10,6 @@
 #include "standoff/export.h"
 
 namespace standoff {
-/// The version of the library, e.g. "0.1.0": that of the headers it was compiled with.
+/// The version of the library, such as "0.1.0": the version of the headers with which it was compiled.
 STANDOFF_API const char* version();
 }  // namespace standoff

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Moving bodies among resting bodies: the thesis's fly in the labyrinth (docs/thesis.md).
-// A demonstration of sweeps: names and options may change in any version.
+// It is a demonstration of sweeps; names and options may change in any version.
 #pragma once
 
 #include <cstdint>
@@ -18,28 +18,28 @@ namespace standoff::experimental {
 
 /// How contacts of a moving body with resting ones are found.
 enum class FlightMode {
-  sweep,   ///< each step is a sweep: nothing is passed through, at any speed
+  sweep,   ///< each step is a sweep: bodies pass through nothing, at any speed
   thesis,  ///< Algorithm 2 tests the pose after the step: fast bodies pass through
 };
 
 /// What a moving body does on a contact.
 enum class OnContact {
   turn_back,  ///< reverses its direction, as in the thesis, scattered by `scatter_rad`
-  reflect,    ///< is mirrored by the surface, like light (thesis mode has no normals: it turns back)
+  reflect,    ///< is reflected by the surface, like light; thesis mode has no normals, so the body turns back
 };
 
 struct FlightOptions {
   FlightMode mode = FlightMode::sweep;
   OnContact on_contact = OnContact::turn_back;
-  double speed = 0.02;       ///< world units a step
-  double scatter_rad = 0.5;  ///< after a contact the direction is turned at random by up to this much; 0: never
-  Box room = {};         ///< moving bodies turn back where the middle of their box would leave this; empty: no limit
+  double speed = 0.02;       ///< world units per step
+  double scatter_rad = 0.5;  ///< after a contact the direction is turned at random by up to this angle, 0 to pi
+  Box room = {};         ///< moving bodies turn back where the centre of their box would leave this; empty: no limit
   double tolerance = 0;  ///< sweep mode: as in SweepOptions
-  double thickness = 2;  ///< thesis mode: of both fields
-  double minimum = 2;    ///< thesis mode: e of minimum_grid() in standoff/thesis.h
-  double threshold = 0;  ///< thesis mode: of the sum; 0: the larger spacing of the two grids
+  double thickness = 2;  ///< thesis mode: the thickness of both fields
+  double minimum = 2;    ///< thesis mode: the parameter e of minimum_grid() in standoff/thesis.h
+  double threshold = 0;  ///< thesis mode: the threshold of the sum; 0: the larger spacing of the two grids
   std::uint64_t seed = 1;
-  Execution execution = {};  ///< on the CPU: other backends are Error{usage}
+  Execution execution = {};  ///< runs on the CPU; any other backend is Error{usage}
   bool check = true;         ///< count wall crossings by the independent check
   ProgressCallback progress = {};
 };
@@ -49,12 +49,12 @@ struct Flier {
   Pose pose;
   Vec3 direction;  ///< unit length
   std::int64_t collisions = 0;
-  std::int64_t turns = 0;      ///< where it would have left the room
-  std::int64_t crossings = 0;  ///< steps on which it crossed a resting surface, by the independent check
-  std::uint64_t seed = 0;      ///< of its random numbers; changes as they are drawn
+  std::int64_t turns = 0;      ///< how often it turned back because it would have left the room
+  std::int64_t crossings = 0;  ///< steps in which it crossed a resting surface, by the independent check
+  std::uint64_t seed = 0;      ///< the state of its random numbers; changes with each number drawn
 };
 
-/// Resting bodies, and any number of moving ones of one shape, which ignore each other.
+/// Resting bodies and any number of moving bodies. The moving ones have the same shape and ignore each other.
 class STANDOFF_API World {
  public:
   /// Errors: usage (options), input.
@@ -66,18 +66,19 @@ class STANDOFF_API World {
   /// Adds a resting body. Errors: usage (pose).
   void add(const CollisionModel& body, const Pose& pose = {});
   /// Adds a moving body at a random pose inside `box` that touches no resting body, rotated about the vertical, with a
-  /// random direction. The n-th body's random numbers depend only on n and the seed. Errors: input if 10,000 tries find
-  /// no free pose.
+  /// random direction. The random numbers of the n-th body depend only on n and the seed. Errors: input if 10,000 tries
+  /// find no free pose.
   void add_flier(const Box& box);
   std::span<const Flier> fliers() const;
 
   /// Runs `steps` steps (0 or more) of all moving bodies in parallel; the result does not depend on the number of
-  /// threads. `visit(flier, step, pose)`, if given, is called where each flier starts, turns and ends: in order for one
-  /// flier, from different threads for different fliers. An exception from it ends the run and leaves run() unchanged.
+  /// threads. `visit(flier, step, pose)`, if given, is called when a flier starts, turns and ends. The calls for one
+  /// flier come in order; calls for different fliers may come from different threads. If `visit` throws, the run ends
+  /// and the exception reaches the caller unchanged.
   using Visit = std::function<void(std::size_t flier, std::int64_t step, const Pose& pose)>;
   void run(std::int64_t steps, const Visit& visit = {});
 
-  /// Thesis mode: the grid of the n-th resting body's field; sweep mode: that of its model.
+  /// The grid of the n-th resting body: in thesis mode that of its field, in sweep mode that of its model.
   Grid grid(std::size_t n) const;
 
  private:
