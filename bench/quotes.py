@@ -16,8 +16,8 @@ ROOT = BENCH.parent
 PAGE = """# Collision queries, pair by pair
 
 This page is written by `script/bench collision --peers`, from [its CSV file](../bench/results/{quoted}/collision.csv).
-Standoff and a peer answer every query in one process, in turns. Times are medians of up to five rounds over all poses,
-in processor time of one thread. A ratio is how many times as fast as the peer standoff is; below 1 it is slower.
+standoff and a peer run in one process and take turns at every query. A time is the median of up to five rounds over all
+poses, in processor time of one thread. A ratio is the peer's time divided by standoff's; below 1, standoff is slower.
 [bench/README.md](../bench/README.md) says more.
 
 {machine}
@@ -30,9 +30,10 @@ in processor time of one thread. A ratio is how many times as fast as the peer s
 
 {pairs}
 
-*1 apart*: b has a random rotation and approaches from far away, in a random direction, until the distance is 1. *1 deep*: it
-continues until 1 beyond the first contact, and touches there. *In its box*: anywhere in a's box. Motions have random
-directions; terrains are swept down. Lengths are in the units of the pair's line above.
+The column *place of b* says where b is. *1 apart*: b has a random rotation and approaches from far away, in a random
+direction, until the distance is 1. *1 deep*: b moves on in that direction, to 1 beyond the first contact, and touches a
+there. *In its box*: b is anywhere in a's box. Motions have random directions, but terrains are swept down. Lengths are in
+the units of the table above.
 
 {tables}
 """
