@@ -18,19 +18,20 @@ INTRODUCTION = """# The thesis's tables, rebuilt
 This page is written by `script/bench thesis`. It repeats Tables 5.1, 5.2, 5.3 and the CPU half of 5.5 of the thesis
 (Fagerjord and Lochehina, 2008) with both methods of standoff: `thesis`, its Algorithm 1, and `tiles`, which is exact.
 
-**The meshes are stand-ins.** The thesis's meshes are not public. The ones used here are made by code (`scenes/`) with
-the same numbers of triangles and the same extents, scaled, or stretched per axis, to the same grids. How many triangles
-the skip rule finds, and how many samples are examined, depends on the order and shapes of triangles: the scenes come
-near, but cannot be the same.
+**The meshes are stand-ins.** The thesis's meshes are not public. The meshes used here are made by code (`scenes/`). They
+have the same numbers of triangles and the same extents, and are scaled, or stretched per axis, to the same grids. The
+numbers of skipped triangles and of examined samples depend on the order and the shapes of the triangles, so they are
+close to the thesis's numbers, but not equal.
 
-- *2008* columns are the thesis's figures: seconds on a GeForce 8800 GTS 512 MB (Table 5.5: its CPU emulation).
-- All other columns were measured here, on the CPU, with {threads} threads: the median of the warm calls.
+- The *2008* columns are from the thesis. Its seconds are for a GeForce 8800 GTS 512 MB (in Table 5.5, for its CPU
+  emulation).
+- All other columns were measured here, on the CPU, with {threads} threads. A time is the median of the warm calls.
 - *units* is the box of the grid in the thesis's units ("resolution"); the mesh's box is {margin} units smaller on each side.
 - *examined* counts point-triangle distances. The thesis gives its thickness as 2 units, but its counts fit triangle
-  boxes grown by less: {growth_units} units and {growth_samples} samples, so 1 on a unit grid (8.0 samples for a small
-  triangle). Both methods ran with that thickness.
-- *largest error* and *mean error* compare the thesis method's field with the exact one over the band, in samples. They
-  come from triangles that its skip rule drops.
+  boxes that are grown by less: by {growth_units} units plus {growth_samples} samples, which is 1 unit on a unit grid (8.0
+  samples for a small triangle). Both methods ran with this thickness.
+- *largest error* and *mean error* compare the field of the method `thesis` with the exact one over the band, in
+  samples. The errors come from triangles that its skip rule drops.
 
 {machine}
 """
