@@ -21,7 +21,7 @@ namespace standoff {
 /// speed < 0.
 STANDOFF_API Grid minimum_grid(const Box& box, double thickness, double e = 2, double speed = 0);
 
-/// Algorithm 2 of the 2008 thesis, for comparison. It visits the samples of the field with fewer samples that lie in
+/// Algorithm 2 of the 2008 thesis, for comparison. Of the field with fewer samples, it visits those samples that lie in
 /// the other field's grid. The bodies collide if, for one of these samples, its value and that of the nearest sample of
 /// the other field are both below the thickness of their fields, and the sum of the values is below `threshold`. The
 /// algorithm misses collisions and raises false alarms; docs/thesis.md says how often.
