@@ -21,7 +21,7 @@ struct Grid {
   Vec3 position(std::int64_t i, std::int64_t j, std::int64_t k) const {
     return origin + spacing * Vec3{double(i), double(j), double(k)};
   }
-  /// The position of sample (i,j,k) in memory, x fastest. Requires a valid grid and a sample of it.
+  /// The index of sample (i,j,k) in a dense array, x fastest. Requires a valid grid and a sample of it.
   std::int64_t index(std::int64_t i, std::int64_t j, std::int64_t k) const { return i + size.x * (j + size.y * k); }
   std::int64_t sample_count() const { return size.count(); }
   /// The box whose corners are the first and the last sample. Requires a size of at least 1 per axis.

@@ -127,8 +127,8 @@ class VertexArray {
 class TriangleArray {
  public:
   enum class Type : std::uint8_t { uint32, int32, uint64, int64 };
-  /// The value of every index that does not fit into 32 bits. No vertex has this index: validate() rejects larger
-  /// meshes.
+  /// The value of every index that does not fit into 32 bits. No vertex has this index, because validate() rejects
+  /// meshes with so many vertices.
   static constexpr std::uint32_t kNoVertex = std::numeric_limits<std::uint32_t>::max();
 
   TriangleArray() = default;
