@@ -21,8 +21,8 @@ endforeach()
 if("thread" IN_LIST STANDOFF_SANITIZE)
   include_directories(BEFORE ${CMAKE_CURRENT_SOURCE_DIR}/tests/tsan)  # a TBB whose order the sanitizer sees
 endif()
-if("undefined" IN_LIST STANDOFF_SANITIZE)
-  add_compile_options(-fno-sanitize-recover=all)
+if(STANDOFF_SANITIZE)
+  add_compile_options(-fno-sanitize-recover=undefined)
 endif()
 if(STANDOFF_BUILD_FUZZERS)
   add_compile_options(-fsanitize=fuzzer-no-link)  # so that a fuzzer sees which branches a file takes

@@ -7,7 +7,7 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   set(STANDOFF_AVX512_FLAGS -mavx512f -mavx512dq -mavx512bw -mavx512vl -mfma -mprefer-vector-width=512
       -Wno-uninitialized -Wno-maybe-uninitialized)
   # The same code as in kernels_portable.cpp, where undefined behaviour is looked for; once more costs half a minute.
-  if("undefined" IN_LIST STANDOFF_SANITIZE)
+  if(STANDOFF_SANITIZE)
     list(APPEND STANDOFF_AVX2_FLAGS -fno-sanitize=undefined)
     list(APPEND STANDOFF_AVX512_FLAGS -fno-sanitize=undefined)
   endif()
