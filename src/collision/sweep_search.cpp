@@ -21,7 +21,7 @@ class SweepSearch {
   SweepSearch(const QueryPair& pair, const AxisAngleMotion& path, double tolerance)
       : pair_(pair),
         motion_(relative_motion(pair, path)),
-        kernels_(kernels()),
+        kernels_(pair.kernels),
         triangles_(pair, path, tolerance),
         keep_(distance_kept(pair, path, tolerance)),
         enough_(static_cast<float>(pair.target.body->field.spacing)) {}

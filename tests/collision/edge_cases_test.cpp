@@ -248,7 +248,7 @@ TEST(EdgeCases, NoPosesAndTooFewThreads) {
 TEST(EdgeCases, MarginsWiderThanTheBand) {
   const CollisionModel a(ball_mesh(1, 4)), b(ball_mesh(0.5, 3));
   const Pose pose = moved({6, 0, 0});
-  ASSERT_GT(4.4, a.band());
+  ASSERT_GT(4.4, a.thickness());
   EXPECT_FALSE(collide(a, {}, b, pose, {.margin = 4.49}).hit());
   EXPECT_TRUE(collide(a, {}, b, pose, {.margin = 4.5 + 1e-12}).hit());
   EXPECT_TRUE(collide(a, {}, b, pose, {.margin = 1e6}).hit());
