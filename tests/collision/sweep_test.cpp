@@ -87,6 +87,27 @@ TEST(Sweep, AStraightWayDoesNotDependOnTheCenter) {
   EXPECT_THROW(sweep(resting, {}, box, motion), Error);
 }
 
+// The blade turns about the centre of its bounding sphere, which therefore stays where it is while the blade does not.
+// Such a triangle was taken to be free for ever once the box of its first step was, and went through the post.
+TEST(Sweep, ATriangleTurnsAboutTheCentreOfItsSphere) {
+  const Mesh blade = one_triangle({-1, -0.1, 0}, {1, -0.1, 0}, {0, 0.1, 0});
+  Mesh posts = one_triangle({-0.05, 0.6, -0.1}, {0.05, 0.6, -0.1}, {0, 0.62, 0.1});
+  add_triangle(posts, {3, 3, 3}, {3.1, 3, 3}, {3, 3.1, 3});  // makes them the larger body
+  const CollisionModel turning(blade), resting(posts);
+  RigidMotion motion;
+  for (const double angle_rad : {3.0, -3.0}) {
+    motion.to = make_pose({0, 0, 1}, angle_rad, {});
+    const SweepResult blade_turns = sweep(resting, {}, turning, motion),
+                      posts_turn = sweep(turning, {}, resting, motion);
+    for (const SweepResult& swept : {blade_turns, posts_turn}) {
+      ASSERT_TRUE(swept.hit);
+      EXPECT_NEAR(swept.time, 0.5, 0.1);
+    }
+    EXPECT_LT(brute_pair_distance(posts, {}, blade, pose_at(motion, blade_turns.time)), 1e-4);
+    EXPECT_LT(brute_pair_distance(blade, {}, posts, pose_at(motion, posts_turn.time)), 1e-4);
+  }
+}
+
 // The default was 1e-4 world units: bodies 1e-6 across hit what they passed at a hundred times their size, and bodies
 // 1e6 across took their steps down to 1e-10 of themselves.
 TEST(Sweep, TheDefaultToleranceHasTheScaleOfTheBodies) {

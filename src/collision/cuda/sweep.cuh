@@ -76,14 +76,8 @@ class MotionSearch {
     const float least = level == 0 ? collision::kWorthwhileTriangleStep * field.spacing : 0;
     const float worthwhile = max(collision::kWorthwhileStep * radius, least);
     const Triple<double> offset = query_.motion.offset(center);
-    collision::MovingSphere sphere{offset, query_.motion.speed(offset), start};
-    for (bool goes_on = true; goes_on;) {
-      const Triple<double> x = query_.motion.at(offset, sphere.time);
-      const float gap = collision::gap_of_sphere(field, static_cast<float>(x.x), static_cast<float>(x.y),
-                                                 static_cast<float>(x.z), radius, field.spacing);
-      goes_on = sphere.step(gap, query_.keep, kEnd, worthwhile);
-    }
-    return sphere.time;
+    return collision::advanced({offset, query_.motion.speed(offset), start}, radius, query_.motion, field, query_.keep,
+                               kEnd, worthwhile);
   }
 
   // Follows the triangles of those lanes that stopped.
