@@ -309,7 +309,7 @@ TEST(Thesis, FindsWhatIsDeepAndNothingFar) {
     const Pose pose = random_pose(random, 1.5);
     const double sum = thesis_sum(of_a, {}, of_b, pose);
     EXPECT_EQ(collide_thesis(of_a, {}, of_b, pose, 0.3).hit, sum < 0.3);
-    // The sum errs by the way from a sample to its neighbour.
+    // The sum errs by the distance from a sample to its neighbour.
     const double off = std::sqrt(3) / 2 * of_a.grid().max_spacing();
     EXPECT_GE(sum, distance(CollisionModel(a), {}, CollisionModel(b), pose).upper - off - 1e-5);
   }

@@ -149,7 +149,7 @@ TEST(ThinTriangles, TheSharedSegmentsMiddleIsThePoint) {
   EXPECT_NEAR(found.depth, 1, 1e-15);
 }
 
-// The way between closest points is one of rounding where they are very near; the slab then lies along a feature.
+// The direction between closest points is one of rounding where they are very near; the slab then lies along a feature.
 TEST(ThinTriangles, TheSlabIsAsThickAsTheyAreApart) {
   Random random(7);
   int near = 0;

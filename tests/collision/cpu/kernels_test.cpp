@@ -155,8 +155,8 @@ double distance_by_projections(const Corners& p, const Corners& q) {
   for (const Vec3& start : p) {
     Triple<double> on_p = triple(start), on_q = onto(on_p, q);
     for (int n = 0; n < 1500; ++n) on_p = onto(on_q, p), on_q = onto(on_p, q);
-    const Triple<double> way = on_q - on_p;
-    least = std::min(least, std::sqrt(dot(way, way)));
+    const Triple<double> separation = on_q - on_p;
+    least = std::min(least, std::sqrt(dot(separation, separation)));
   }
   return least;
 }
