@@ -43,7 +43,7 @@ void add_body(Json& json, const CollisionModel& body) {
                   {"vertices", body.mesh().vertices.size()},
                   {"bounds", json_box(body.bounds())}};
   json["grid"] = json_grid(body.grid());
-  json["thickness"] = body.band();
+  json["thickness"] = body.thickness();
   json["memory_bytes"] = body.memory_bytes();
 }
 

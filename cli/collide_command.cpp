@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// standoff collide: do two bodies touch, and where?
+// standoff collide: do two bodies intersect, and where?
 #include <memory>
 
 #include "cli/batch_query.h"
@@ -18,7 +18,7 @@ namespace {
 constexpr const char* kExamples = R"(  standoff collide maze.stl fly.stl --pose 3,1,2               B moved
   standoff collide maze.stl fly.stl --pose 3,1,2,0,1,0,90      turned by 90 degrees about the y axis, then moved
   standoff collide a.stl b.stl --margin 0.01                   nearer than 0.01 counts
-  standoff collide a.stl b.stl --contacts 20 --json            where they touch
+  standoff collide a.stl b.stl --contacts 20 --json            where they intersect
   standoff collide maze.stl fly.stl --poses poses.csv          a pose on each line; the answers as a table
   standoff collide maze.stl fly.stl --poses - -o hits.csv --device cuda < poses.csv
 )";
@@ -51,7 +51,7 @@ const char* word_of(Verdict contact) {
   return contact == Verdict::free ? "free" : contact == Verdict::hit ? "hit" : "ambiguous";
 }
 
-// Which of several triangles touch depends on the device: the table leaves it out, so that it does not.
+// Which of several intersecting triangles is found depends on the device: the table leaves it out, so that it does not.
 void Command::run_batch() {
   batch.check({bodies.name_a(), bodies.name_b()});
   if (certified && batch.execution().backend != Backend::automatic && batch.execution().backend != Backend::cpu)
@@ -108,7 +108,7 @@ void Command::run() {
 }  // namespace
 
 void add_collide(CLI::App& program) {
-  auto* verb = add_verb(program, "collide", "do two bodies touch, and where", kExamples);
+  auto* verb = add_verb(program, "collide", "do two bodies intersect, and where", kExamples);
   const auto command = std::make_shared<Command>();
   command->bodies.add_to(*verb);
   auto* pose = add_pose(*verb, "--pose", "where B is: x,y,z; x,y,z,ax,ay,az,degrees; or a 3x4 matrix", command->pose);
@@ -117,9 +117,9 @@ void add_collide(CLI::App& program) {
                                    "from the fields alone: free, hit or ambiguous, no triangle is looked at");
   certified->group("Question");
   add_parsed(*verb, {"--margin", "D", "as near as this is a hit too (default 0)", "Question"},
-             [command = command.get()](S o, S t) { command->margin = parse_not_negative(o, t, kMostMargin); });
+             [command = command.get()](S o, S t) { command->margin = parse_not_negative(o, t, kMaxMargin); });
   auto* contacts =
-      add_parsed(*verb, {"--contacts", "N", "list up to N pairs of triangles that touch", "Question"},
+      add_parsed(*verb, {"--contacts", "N", "list up to N pairs of triangles that intersect", "Question"},
                  [command = command.get()](S o, S t) { command->contacts = parse_count(o, t, 1, 1'000'000'000); });
   contacts->excludes(certified);
   command->batch.add_to(*verb, "--poses", kPosesHelp, "pose")->excludes(pose)->excludes(contacts);

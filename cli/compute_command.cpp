@@ -51,10 +51,9 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 
 // Beyond this the padding of the box or the squares of distances would be infinite.
 void check_extent(const std::string& name, const Box& box) {
-  constexpr double kFarthest = 1e150;
   for (const Vec3 corner : {box.min, box.max})
     for (const double c : {corner.x, corner.y, corner.z})
-      if (std::abs(c) > kFarthest)
+      if (std::abs(c) > kMaxCoordinate)
         throw Error(ErrorCode::input, name + ": a coordinate of " + number(c) +
                                           ", too far out for a grid; repair the mesh, or scale it down with --scale");
 }

@@ -67,7 +67,7 @@ void Command::run() {
   {
     const Cancellable cancellable;
     options.progress = console.progress();
-    options.room = maze.bounds();
+    options.bounds = maze.bounds();
     World world(flier, options);
     world.add(maze);
     grid = world.grid(0);

@@ -15,8 +15,6 @@ namespace {
 // A wide band is not followed farther than this share of the mesh's longest side, or few samples are left for the mesh.
 constexpr double kMostPadding = 0.1;
 
-double longest(Vec3 extent) { return std::max({extent.x, extent.y, extent.z}); }
-
 }  // namespace
 
 void GridOptions::add_to(CLI::App& verb) {
@@ -79,7 +77,7 @@ Padding GridOptions::padding() const {
   }
   if (thickness_.infinite()) return {};
   if (!thickness_.in_samples) return {.length = thickness_.value, .most_share = kMostPadding};
-  if (spacing_) return {.length = thickness_.world(longest(*spacing_)), .most_share = kMostPadding};
+  if (spacing_) return {.length = thickness_.world(max_norm(*spacing_)), .most_share = kMostPadding};
   return {.samples = thickness_.value, .most_share = kMostPadding};
 }
 

@@ -205,7 +205,8 @@ Vec3 parse_point(const std::string& option, const std::string& text) {
   const auto v = parse_numbers(option, text);
   if (v.size() != 3) reject(option, text, "give three numbers: x,y,z");
   for (const double c : v)
-    if (std::abs(c) > 1e15) reject(option, text, "a number past 1e15; give a point of the body");
+    if (std::abs(c) > kMaxPosition)
+      reject(option, text, "a number past " + number(kMaxPosition) + "; give a point of the body");
   return {v[0], v[1], v[2]};
 }
 

@@ -27,8 +27,6 @@ struct Thickness {
 
 /// A finite number.
 double parse_number(const std::string& option, const std::string& text);
-/// What collision queries take for a margin or a tolerance.
-inline constexpr double kMostMargin = 1e30;
 
 /// A finite number above zero.
 double parse_positive(const std::string& option, const std::string& text,
@@ -66,7 +64,7 @@ Pose parse_pose(const std::string& option, const std::string& text);
 Pose pose_of(std::span<const double> numbers);
 /// Finite numbers with commas between them, and blanks around them. Errors: usage, as above.
 std::vector<double> numbers_in(std::string_view text);
-/// Three numbers: x,y,z, none past 1e15.
+/// Three numbers: x,y,z, none past kMaxPosition.
 Vec3 parse_point(const std::string& option, const std::string& text);
 
 /// The index of `text` among `choices`.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// standoff sweep: when does a moving body meet a resting one?
+// standoff sweep: when does a moving body first touch a resting one?
 #include <memory>
 
 #include "cli/batch_query.h"
@@ -18,7 +18,7 @@ namespace {
 
 constexpr const char* kExamples = R"(  standoff sweep maze.stl fly.stl --from 3,1,2 --to 9,1,2
   standoff sweep a.stl b.stl --from 0,0,5 --to 0,0,0,0,0,1,90 --json   turning as it goes
-  standoff sweep maze.stl fly.stl --motions ways.csv -o hits.csv       from and to on each line
+  standoff sweep maze.stl fly.stl --motions motions.csv -o hits.csv    from and to on each line
 )";
 
 struct Command {
@@ -74,7 +74,7 @@ void Command::run() {
     json["triangle_b"] = json_triangle(found.triangle_b);
     return print(json);
   }
-  if (!found.hit) return print(std::string("free all the way\n"));
+  if (!found.hit) return print(std::string("free during the whole motion\n"));
   print("hit at time " + exact_number(found.time) + " of 1, at " + point_text(found.point) + ": triangle " +
         std::to_string(found.triangle_a) + " of A and " + std::to_string(found.triangle_b) + " of B\n");
 }
@@ -82,17 +82,17 @@ void Command::run() {
 }  // namespace
 
 void add_sweep(CLI::App& program) {
-  auto* verb = add_verb(program, "sweep", "when a moving body first meets a resting one", kExamples);
+  auto* verb = add_verb(program, "sweep", "when a moving body first touches a resting one", kExamples);
   const auto command = std::make_shared<Command>();
   command->bodies.add_to(*verb);
   RigidMotion& motion = command->motion;
   auto* from = add_pose(*verb, "--from", "where B starts: x,y,z; x,y,z,ax,ay,az,degrees; or a 3x4 matrix", motion.from);
-  auto* to = add_pose(*verb, "--to", "where B ends; it turns the shorter way round", motion.to);
+  auto* to = add_pose(*verb, "--to", "where B ends; it turns by the shorter rotation", motion.to);
   using S = const std::string&;
-  add_parsed(*verb, {"--center", "X,Y,Z", "the point of B that goes straight (default 0,0,0)", "Place"},
+  add_parsed(*verb, {"--center", "X,Y,Z", "the point of B that moves on a straight line (default 0,0,0)", "Place"},
              [&motion](S o, S t) { motion.center = parse_point(o, t); });
   add_parsed(*verb, {"--tolerance", "D", "as near as this is a hit (default: 3e-5 of the smaller body)", "Question"},
-             [command = command.get()](S o, S t) { command->options.tolerance = parse_positive(o, t, kMostMargin); });
+             [command = command.get()](S o, S t) { command->options.tolerance = parse_positive(o, t, kMaxMargin); });
   command->batch
       .add_to(*verb, "--motions",
               "where B starts and ends, many times: a file with the\nnumbers of --from and --to on each line, - for "

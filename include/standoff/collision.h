@@ -29,6 +29,12 @@ struct ModelData;
 struct ModelAccess;
 }  // namespace collision
 
+/// The sizes that a model's mesh may have: the longest side of its box, world units. Single precision carries such
+/// lengths and their squares. A mesh that is a single point has size 0, and is valid too.
+inline constexpr double kMinModelSize = 1e-12, kMaxModelSize = 1e12;
+/// The largest margin and sweep tolerance, world units.
+inline constexpr double kMaxMargin = 1e30;
+
 struct ModelOptions {
   double spacing = 0;        ///< spacing of the model's fine field, world units; 0: chosen from the mesh
   Execution execution = {};  ///< where the model is built; its fields may be computed on a GPU
@@ -39,8 +45,9 @@ struct ModelOptions {
 /// usable. Many threads may use a model at the same time.
 class STANDOFF_API CollisionModel {
  public:
-  /// Copies the mesh, and builds the fields and the BVH. Errors: input (an invalid mesh, a size outside 1e-12 to 1e12,
-  /// or a centre farther than 1e15 from the origin), usage (options), limit (memory, or a field of too many samples).
+  /// Copies the mesh, and builds the fields and the BVH. Errors: input (an invalid mesh, a size outside kMinModelSize
+  /// to kMaxModelSize, or a box whose centre has a coordinate beyond kMaxPosition), usage (options), limit (memory, or
+  /// a field of too many samples).
   explicit CollisionModel(MeshView mesh, const ModelOptions& options = {});
   // There are no moves, because they would leave an empty model behind.
   CollisionModel(const CollisionModel&) = default;
@@ -52,7 +59,7 @@ class STANDOFF_API CollisionModel {
   Box bounds() const;
   /// The grid of the fine field, and its thickness; world units.
   Grid grid() const;
-  double band() const;
+  double thickness() const;
   /// Bytes of the model's arrays: mesh, fields and BVH. Copies of the model share them. Copies on GPUs are not counted.
   std::int64_t memory_bytes() const;
 
@@ -75,7 +82,7 @@ enum class CollideMode {
 enum class Verdict { free, hit, ambiguous };
 
 struct CollideOptions {
-  double margin = 0;  ///< bodies within this distance are a hit; world units, finite, not negative
+  double margin = 0;  ///< bodies within this distance are a hit; world units, 0 to kMaxMargin
   CollideMode mode = CollideMode::exact;
 };
 
@@ -115,7 +122,7 @@ STANDOFF_API DistanceResult distance(const CollisionModel& a, const Pose& pose_a
 
 struct ContactOptions {
   std::int64_t most = 100;  ///< the largest number of contacts to report; at least 1
-  double margin = 0;        ///< pairs within this distance are contacts too; world units
+  double margin = 0;        ///< pairs within this distance are contacts too; world units, 0 to kMaxMargin
 };
 
 /// A contact: two triangles that intersect or are within the margin. Point and depth err by at most 1e-9 of the
@@ -145,14 +152,14 @@ STANDOFF_API ContactResult contacts(const CollisionModel& a, const Pose& pose_a,
 /// the two poses is the shorter one (at most 180 degrees); split longer rotations.
 struct RigidMotion {
   Pose from, to;
-  Vec3 center;  ///< a point of the body, in body coordinates, which are at most 1e15 in magnitude
+  Vec3 center;  ///< a point of the body, in body coordinates; no coordinate is beyond kMaxPosition
 };
 
 /// The pose at time t in [0, 1].
 STANDOFF_API Pose pose_at(const RigidMotion& motion, double t);
 
 struct SweepOptions {
-  /// Surfaces within this distance count as touching; world units, not negative. 0: automatic_tolerance(a, b). A
+  /// Surfaces within this distance count as touching; world units, 0 to kMaxMargin. 0: automatic_tolerance(a, b). A
   /// tolerance below 2^-48 of the coordinates of poses, meshes and motions counts as 2^-48 of them, because rounding
   /// may move bodies that far.
   double tolerance = 0;

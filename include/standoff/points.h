@@ -31,7 +31,8 @@ struct ClosestPoint {
 /// The closest point for each of `points`, in this order. The result has the same bits for any number of threads. All
 /// arithmetic is in double precision; the error of the distance is a few 1e-16 of the extent of point and triangle
 /// together. Runs on the CPU. The time is proportional to points * (triangles / 32).
-/// Errors: input (mesh), usage (execution; a point that is not finite), limit (mesh or points beyond 1e150; memory).
+/// Errors: input (mesh), usage (execution; a point that is not finite), limit (a coordinate of mesh or points beyond
+/// kMaxCoordinate; memory).
 STANDOFF_API std::vector<ClosestPoint> closest_points(MeshView mesh, std::span<const Vec3> points,
                                                       const Execution& execution = {});
 

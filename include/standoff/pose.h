@@ -47,8 +47,12 @@ STANDOFF_API Pose make_pose(Vec3 axis, double angle_rad, Vec3 translation);
 /// Rotations stored in single precision fulfil it.
 inline constexpr double kRigidTolerance = 1e-6;
 
-/// Throws Error{usage} unless all numbers are finite, the translation is below 1e15 in magnitude, and the matrix is a
-/// rotation within kRigidTolerance: no scaling, shear or reflection.
+/// The largest magnitude of coordinates of poses, motions and models, world units: their squares are within single
+/// precision's range.
+inline constexpr double kMaxPosition = 1e15;
+
+/// Throws Error{usage} unless all numbers are finite, no coordinate of the translation is beyond kMaxPosition, and the
+/// matrix is a rotation within kRigidTolerance: no scaling, shear or reflection.
 STANDOFF_API void validate(const Pose& pose);
 
 }  // namespace standoff

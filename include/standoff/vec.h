@@ -9,6 +9,9 @@
 
 namespace standoff {
 
+/// Squares of distances between points are finite if no coordinate is larger than this in magnitude. World units.
+inline constexpr double kMaxCoordinate = 1e150;
+
 /// A point or vector in world units.
 struct Vec3 {
   double x = 0, y = 0, z = 0;
@@ -29,6 +32,8 @@ constexpr Vec3 cross(Vec3 a, Vec3 b) { return {a.y * b.z - a.z * b.y, a.z * b.x 
 constexpr Vec3 min(Vec3 a, Vec3 b) { return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)}; }
 constexpr Vec3 max(Vec3 a, Vec3 b) { return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)}; }
 inline double length(Vec3 a) { return std::sqrt(dot(a, a)); }
+/// The largest of |x|, |y| and |z|.
+inline double max_norm(Vec3 a) { return std::max({std::abs(a.x), std::abs(a.y), std::abs(a.z)}); }
 inline bool is_finite(Vec3 a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
 
 /// Counts along the three axes. All counts have 64 bits, because grids may have more than 2^31 samples.
@@ -52,6 +57,10 @@ struct Box {
 
   constexpr bool empty() const { return !(min.x <= max.x && min.y <= max.y && min.z <= max.z); }
   constexpr Vec3 extent() const { return max - min; }
+  constexpr double longest_side() const {
+    const Vec3 e = extent();
+    return std::max({e.x, e.y, e.z});
+  }
   constexpr Vec3 center() const { return (min + max) * 0.5; }
   constexpr void include(Vec3 p) {
     min = standoff::min(min, p);

@@ -14,7 +14,7 @@ namespace {
 class Certify {
  public:
   Certify(const QueryPair& pair, double margin)
-      : pair_(pair), kernels_(kernels()), margin_(margin), limit_(pair.limit(margin)) {}
+      : pair_(pair), kernels_(pair.kernels), margin_(margin), limit_(pair.limit(margin)) {}
 
   Verdict run() {
     if (pair_.apart(margin_)) return Verdict::free;
@@ -53,7 +53,7 @@ class Certify {
     const int sample = fine_sample(view, tile_of(view, i, j, k), index_in_tile(i, j, k));
     if (sample == kClampedSample) return std::numeric_limits<double>::infinity();
     // Samples were rounded down by a step and compute()'s error at the most.
-    return (sample + 1) * f.band() / kClampedSample + 3e-5 * f.spacing + off + pair_.slack;
+    return (sample + 1) * f.thickness() / kClampedSample + 3e-5 * f.spacing + off + pair_.slack;
   }
 
   const QueryPair& pair_;

@@ -11,8 +11,7 @@ namespace standoff::collision {
 class ClosePairs {
  public:
   /// Pairs farther from each other than `limit` are left out as far as boxes and the triangles' planes show it.
-  ClosePairs(const QueryPair& pair, const Kernels& kernels, float limit)
-      : pair_(pair), kernels_(kernels), limit_(limit) {}
+  ClosePairs(const QueryPair& pair, float limit) : pair_(pair), kernels_(pair.kernels), limit_(limit) {}
 
   static constexpr std::uint32_t kAllLanes = (1u << kLanes) - 1;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Do two bodies touch? The public functions.
+// Do two bodies intersect? The public functions.
 #include "collision/collide.h"
 
 #include "collision/batch.h"
@@ -8,32 +8,34 @@
 #include "collision/find_intersecting.h"
 #include "core/execution.h"
 #include "core/guarded.h"
+#include "core/number_text.h"
 
 namespace standoff {
 
 CollisionResult collision::collide_exactly(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                                           const Pose& pose_b, double margin) {
-  const QueryPair pair(a, pose_a, b, pose_b);
+                                           const Pose& pose_b, double margin, const Kernels& kernels) {
+  const QueryPair pair(a, pose_a, b, pose_b, kernels);
   const auto found = find_intersecting_pair(pair, margin);
   if (!found) return {};
-  std::uint32_t first = pair.target.triangle(found->of_target), second = pair.probe.triangle(found->of_probe);
-  if (pair.swapped) std::swap(first, second);
-  return {Verdict::hit, first, second};
+  const TrianglesOfBoth triangles = pair.triangles_of(found->of_target, found->of_probe);
+  return {Verdict::hit, triangles.a, triangles.b};
 }
 
 namespace {
 
 void check(const CollideOptions& options) {
   if (options.mode != CollideMode::exact && options.mode != CollideMode::certified)
-    throw Error(ErrorCode::usage, "collide: the mode is none of those there are; take exact or certified");
-  if (!(options.margin >= 0) || !(options.margin <= 1e30))
-    throw Error(ErrorCode::usage, "collide: the margin must be from 0 to 1e30; give it in world units");
+    throw Error(ErrorCode::usage, "collide: unknown mode; take CollideMode::exact or CollideMode::certified");
+  if (!(options.margin >= 0) || !(options.margin <= kMaxMargin))
+    throw Error(ErrorCode::usage,
+                "collide: the margin must be from 0 to " + number_text(kMaxMargin) + "; give it in world units");
 }
 
 CollisionResult collide_checked(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                                const Pose& pose_b, const CollideOptions& options) {
-  if (options.mode == CollideMode::exact) return collision::collide_exactly(a, pose_a, b, pose_b, options.margin);
-  return {.verdict = collision::certify(collision::QueryPair(a, pose_a, b, pose_b), options.margin)};
+                                const Pose& pose_b, const CollideOptions& options, const collision::Kernels& kernels) {
+  if (options.mode == CollideMode::exact)
+    return collision::collide_exactly(a, pose_a, b, pose_b, options.margin, kernels);
+  return {.verdict = collision::certify(collision::QueryPair(a, pose_a, b, pose_b, kernels), options.margin)};
 }
 
 }  // namespace
@@ -43,7 +45,7 @@ CollisionResult collide(const CollisionModel& a, const Pose& pose_a, const Colli
   check(options);
   validate(pose_a);
   validate(pose_b);
-  return collide_checked(a, pose_a, b, pose_b, options);
+  return collide_checked(a, pose_a, b, pose_b, options, collision::best_kernels());
 } catch (...) {
   throw_as_error("collide");
 }
@@ -57,12 +59,13 @@ std::vector<CollisionResult> collide_all(const CollisionModel& a, const Pose& po
            certified ? Runs::on_the_cpu : Runs::everywhere);
   validate(pose_a);
   collision::validate_all(poses_b);
+  const collision::Kernels& kernels = collision::kernels_for(execution.simd, "collide");
   const Backend backend = certified ? Backend::cpu : execution.backend;
   const collision::DeviceRow* const row = collision::find_device(backend, poses_b.size());
   BatchReport done{row ? row->name : "cpu", row ? row->device_name(execution.device) : ""};
   auto results = row ? collision::collide_on_device(*row, a, pose_a, b, poses_b, options.margin, execution, done)
                      : collision::for_each<CollisionResult>(poses_b.size(), execution.threads, [&](std::size_t n) {
-                         return collide_checked(a, pose_a, b, poses_b[n], options);
+                         return collide_checked(a, pose_a, b, poses_b[n], options, kernels);
                        });
   if (report) *report = done;
   return results;

@@ -27,9 +27,8 @@ Prepared prepare(const QueryPair& pair, double margin) {
 
 CollisionResult result_of(const QueryPair& bodies, const PoseAnswer& answer) {
   if (answer.verdict != DeviceVerdict::hit) return {};
-  std::uint32_t first = bodies.target.triangle(answer.of_target), second = bodies.probe.triangle(answer.of_probe);
-  if (bodies.swapped) std::swap(first, second);
-  return {Verdict::hit, first, second};
+  const TrianglesOfBoth triangles = bodies.triangles_of(answer.of_target, answer.of_probe);
+  return {Verdict::hit, triangles.a, triangles.b};
 }
 
 }  // namespace
@@ -38,11 +37,12 @@ std::vector<CollisionResult> collide_on_device(const DeviceRow& row, const Colli
                                                const CollisionModel& b, std::span<const Pose> poses_b, double margin,
                                                const Execution& execution, BatchReport& report, int stack) {
   std::vector<CollisionResult> results(poses_b.size());
-  const QueryPair bodies(a, pose_a, b, {});  // which of them gives its field does not depend on poses
+  const Kernels& kernels = kernels_for(execution.simd, "collide");
+  const QueryPair bodies(a, pose_a, b, {}, kernels);  // which of them gives its field does not depend on poses
   for (std::size_t first = 0; first < poses_b.size(); first += kPiece) {
     const auto poses = poses_b.subspan(first, std::min(kPiece, poses_b.size() - first));
     const auto prepared = for_each<Prepared>(poses.size(), execution.threads, [&](std::size_t n) {
-      return prepare(QueryPair(a, pose_a, b, poses[n]), margin);
+      return prepare(QueryPair(a, pose_a, b, poses[n], kernels), margin);
     });
     std::vector<PoseQuery> queries;
     std::vector<std::size_t> which;
@@ -61,7 +61,7 @@ std::vector<CollisionResult> collide_on_device(const DeviceRow& row, const Colli
                    .stack = stack});
     const auto found = for_each<CollisionResult>(answers.size(), execution.threads, [&](std::size_t n) {
       const bool decided = answers[n].verdict == DeviceVerdict::free || answers[n].verdict == DeviceVerdict::hit;
-      return decided ? result_of(bodies, answers[n]) : collide_exactly(a, pose_a, b, poses[which[n]], margin);
+      return decided ? result_of(bodies, answers[n]) : collide_exactly(a, pose_a, b, poses[which[n]], margin, kernels);
     });
     for (std::size_t n = 0; n < found.size(); ++n) {
       results[first + which[n]] = found[n];

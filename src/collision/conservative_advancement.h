@@ -9,6 +9,7 @@
 // is free: the triangles in it are in the parent too.
 #pragma once
 
+#include "collision/body/sphere_bound.h"
 #include "collision/relative_motion.h"
 #include "collision/tolerances.h"
 
@@ -28,6 +29,19 @@ struct MovingSphere {
     return time > before && time < end && distance > worthwhile;
   }
 };
+
+/// The time until which a sphere stays free by the field, or somewhat less: it is advanced until its steps are no
+/// longer worthwhile.
+STANDOFF_INLINE double advanced(MovingSphere sphere, float radius, const RelativeMotion& motion, const FieldView& field,
+                                float keep, double end, float worthwhile) {
+  for (bool goes_on = true; goes_on;) {
+    const Triple<double> x = motion.at(sphere.offset, sphere.time);
+    const float gap = gap_of_sphere(field, static_cast<float>(x.x), static_cast<float>(x.y), static_cast<float>(x.z),
+                                    radius, field.spacing);
+    goes_on = sphere.step(gap, keep, end, worthwhile);
+  }
+  return sphere.time;
+}
 
 /// A triangle of the probe in motion.
 struct MovingTriangle {

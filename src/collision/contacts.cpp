@@ -10,6 +10,7 @@
 #include "collision/stratified_traversal.h"
 #include "core/execution.h"
 #include "core/guarded.h"
+#include "core/number_text.h"
 
 namespace standoff {
 namespace collision {
@@ -28,7 +29,8 @@ constexpr double kDirectionTold = 1e6 * kDistanceRounding;
 // Packets asked for from memory before they are looked up.
 constexpr std::size_t kAhead = 2;
 
-// Of triangles that do not touch: their closest points, whose direction is one of rounding where they are very near.
+// Of triangles that do not intersect: their closest points, whose direction is one of rounding where they are very
+// near.
 Penetration between(const Corners& p, const Corners& q, const ClosestPair& pair) {
   const double apart = std::sqrt(pair.distance_sq);
   const bool has_direction = apart > kDirectionTold * extent_of(p, q);
@@ -40,14 +42,13 @@ class ContactSearch {
  public:
   ContactSearch(const QueryPair& pair, const ContactOptions& options)
       : pair_(pair),
-        kernels_(kernels()),
         margin_(options.margin),
         limit_(pair.limit(options.margin)),
         most_(static_cast<std::size_t>(options.most)),
         some_(ClosePairs::kAllLanes >> (kLanes - std::clamp<std::size_t>(most_ / kTakeTurns / 4, 1, kLanes))),
-        traversal_(pair, kernels_, limit_, kRoots),
-        close_(pair, kernels_, limit_),
-        batch_(pair, kernels_) {}
+        traversal_(pair, limit_, kRoots),
+        close_(pair, limit_),
+        batch_(pair) {}
 
   ContactResult run() {
     if (pair_.apart(margin_)) return {};
@@ -61,7 +62,7 @@ class ContactSearch {
     std::uint32_t target_index, probe_index;
   };
 
-  // About every second candidate turns out to touch.
+  // About every second candidate turns out to intersect.
   bool plenty() const { return candidates_.size() / 2 > most_ - result_.contacts.size(); }
 
   // Packets come here because they reach the surface: asking the field for each triangle would cost more than it saves.
@@ -124,8 +125,8 @@ class ContactSearch {
   }
 
   bool settle() {
-    return batch_.settle([this](std::uint32_t target_index, std::uint32_t probe_index, bool touch, auto where) {
-      if (touch) return add(target_index, probe_index, where());
+    return batch_.settle([this](std::uint32_t target_index, std::uint32_t probe_index, bool intersecting, auto where) {
+      if (intersecting) return add(target_index, probe_index, where());
       if (!(margin_ > 0)) return true;
       const Corners p = pair_.target.world(target_index), q = pair_.probe.world(probe_index);
       const ClosestPair pair = closest_points(p, q);
@@ -134,24 +135,19 @@ class ContactSearch {
     });
   }
 
-  // False when there is no room.
+  // False when as many as are wanted were found before.
   bool add(std::uint32_t target_index, std::uint32_t probe_index, const Penetration& found) {
     if (result_.contacts.size() == most_) {
       result_.overflow = true;
       return false;
     }
-    const std::uint32_t of_target = pair_.target.triangle(target_index), of_probe = pair_.probe.triangle(probe_index);
-    ContactPoint contact{found.point, found.normal, found.depth, of_target, of_probe};
-    if (pair_.swapped) {
-      contact.normal = contact.normal * -1.0;
-      std::swap(contact.triangle_a, contact.triangle_b);
-    }
-    result_.contacts.push_back(contact);
+    const TrianglesOfBoth triangles = pair_.triangles_of(target_index, probe_index);
+    const Vec3 normal = pair_.swapped ? found.normal * -1.0 : found.normal;
+    result_.contacts.push_back({found.point, normal, found.depth, triangles.a, triangles.b});
     return true;
   }
 
   const QueryPair& pair_;
-  const Kernels& kernels_;
   const double margin_;
   const float limit_;
   const std::size_t most_;
@@ -170,8 +166,9 @@ class ContactSearch {
 void check(const ContactOptions& options) {
   if (options.most < 1)
     throw Error(ErrorCode::usage, "contacts: the number of contacts must be one or more; give as many as you can use");
-  if (!(options.margin >= 0) || !(options.margin <= 1e30))
-    throw Error(ErrorCode::usage, "contacts: the margin must be from 0 to 1e30; give it in world units");
+  if (!(options.margin >= 0) || !(options.margin <= kMaxMargin))
+    throw Error(ErrorCode::usage,
+                "contacts: the margin must be from 0 to " + number_text(kMaxMargin) + "; give it in world units");
 }
 
 }  // namespace
@@ -182,7 +179,7 @@ ContactResult contacts(const CollisionModel& a, const Pose& pose_a, const Collis
   collision::check(options);
   validate(pose_a);
   validate(pose_b);
-  const collision::QueryPair pair(a, pose_a, b, pose_b);
+  const collision::QueryPair pair(a, pose_a, b, pose_b, collision::best_kernels());
   return collision::ContactSearch(pair, options).run();
 } catch (...) {
   throw_as_error("contacts");
@@ -195,8 +192,9 @@ std::vector<ContactResult> contacts_all(const CollisionModel& a, const Pose& pos
   validate("contacts", execution, Runs::on_the_cpu);
   validate(pose_a);
   collision::validate_all(poses_b);
+  const collision::Kernels& kernels = collision::kernels_for(execution.simd, "contacts");
   return collision::for_each<ContactResult>(poses_b.size(), execution.threads, [&](std::size_t n) {
-    const collision::QueryPair pair(a, pose_a, b, poses_b[n]);
+    const collision::QueryPair pair(a, pose_a, b, poses_b[n], kernels);
     return collision::ContactSearch(pair, options).run();
   });
 } catch (...) {

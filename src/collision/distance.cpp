@@ -56,7 +56,7 @@ float bound_from_eight(const FieldView& f, const float* x) {
 class DistanceSearch {
  public:
   DistanceSearch(const QueryPair& pair, double tolerance, double limit)
-      : pair_(pair), kernels_(kernels()), tolerance_(tolerance), best_(limit), batch_(pair, kernels_) {
+      : pair_(pair), kernels_(pair.kernels), tolerance_(tolerance), best_(limit), batch_(pair) {
     lower_reach();
   }
 
@@ -73,7 +73,7 @@ class DistanceSearch {
  private:
   // Bounds above this cannot hide a pair that is nearer than the best one by more than the tolerance.
   void lower_reach() {
-    reach_ = static_cast<float>(std::min((best_ - tolerance_) * (1 + 1e-6), 1e30)) + pair_.slack;
+    reach_ = static_cast<float>(std::min((best_ - tolerance_) * (1 + 1e-6), kMaxMargin)) + pair_.slack;
     reach_sq_ = reach_ < 0 ? -1 : reach_ * reach_ * kRoundUp;
   }
 
@@ -148,14 +148,14 @@ class DistanceSearch {
 };
 
 DistanceResult distance_checked(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                                const Pose& pose_b, const DistanceOptions& options) {
-  const QueryPair pair(a, pose_a, b, pose_b);
+                                const Pose& pose_b, const DistanceOptions& options, const Kernels& kernels) {
+  const QueryPair pair(a, pose_a, b, pose_b, kernels);
   DistanceResult result;
-  std::uint32_t first = 0, second = 0;
-  Vec3 on_first, on_second;
-  if (const auto touching = find_intersecting_pair(pair, 0)) {
-    first = touching->of_target, second = touching->of_probe;
-    on_first = on_second = penetration(pair.target.world(first), pair.probe.world(second)).point;
+  std::uint32_t of_target = 0, of_probe = 0;
+  Vec3 on_target, on_probe;
+  if (const auto intersecting = find_intersecting_pair(pair, 0)) {
+    of_target = intersecting->of_target, of_probe = intersecting->of_probe;
+    on_target = on_probe = penetration(pair.target.world(of_target), pair.probe.world(of_probe)).point;
   } else {
     DistanceSearch search(pair, options.tolerance, options.limit);
     search.run();
@@ -164,15 +164,15 @@ DistanceResult distance_checked(const CollisionModel& a, const Pose& pose_a, con
       result.upper = std::numeric_limits<double>::infinity();
       return result;
     }
-    first = search.of_target, second = search.of_probe;
-    on_first = search.on_target, on_second = search.on_probe;
+    of_target = search.of_target, of_probe = search.of_probe;
+    on_target = search.on_target, on_probe = search.on_probe;
     result.upper = search.best();
     result.lower = std::max(0.0, result.upper - options.tolerance);
   }
-  if (pair.swapped) std::swap(on_first, on_second);
-  result.point_a = on_first, result.point_b = on_second;
-  result.triangle_a = pair.target.triangle(first), result.triangle_b = pair.probe.triangle(second);
-  if (pair.swapped) result.triangle_a = pair.probe.triangle(second), result.triangle_b = pair.target.triangle(first);
+  if (pair.swapped) std::swap(on_target, on_probe);
+  result.point_a = on_target, result.point_b = on_probe;
+  const TrianglesOfBoth triangles = pair.triangles_of(of_target, of_probe);
+  result.triangle_a = triangles.a, result.triangle_b = triangles.b;
   return result;
 }
 
@@ -191,7 +191,7 @@ DistanceResult distance(const CollisionModel& a, const Pose& pose_a, const Colli
   collision::check(options);
   validate(pose_a);
   validate(pose_b);
-  return collision::distance_checked(a, pose_a, b, pose_b, options);
+  return collision::distance_checked(a, pose_a, b, pose_b, options, collision::best_kernels());
 } catch (...) {
   throw_as_error("distance");
 }
@@ -203,8 +203,9 @@ std::vector<DistanceResult> distance_all(const CollisionModel& a, const Pose& po
   validate("distance", execution, Runs::on_the_cpu);
   validate(pose_a);
   collision::validate_all(poses_b);
+  const collision::Kernels& kernels = collision::kernels_for(execution.simd, "distance");
   return collision::for_each<DistanceResult>(poses_b.size(), execution.threads, [&](std::size_t n) {
-    return collision::distance_checked(a, pose_a, b, poses_b[n], options);
+    return collision::distance_checked(a, pose_a, b, poses_b[n], options, kernels);
   });
 } catch (...) {
   throw_as_error("distance");

@@ -16,11 +16,11 @@ class IntersectionSearch {
  public:
   IntersectionSearch(const QueryPair& pair, double margin)
       : pair_(pair),
-        kernels_(kernels()),
+        kernels_(pair.kernels),
         margin_(margin),
         limit_(pair.limit(margin)),
-        close_(pair, kernels_, limit_),
-        batch_(pair, kernels_) {}
+        close_(pair, limit_),
+        batch_(pair) {}
 
   std::optional<IntersectingPair> run() {
     if (pair_.apart(margin_) || !visit(pair_.probe.body->bvh.top(), 0)) return {};
@@ -50,7 +50,8 @@ class IntersectionSearch {
 
   // False when one of the pairs intersects.
   bool settle() {
-    return batch_.settle([this](std::uint32_t target_index, std::uint32_t probe_index, bool hit, auto&&) {
+    return batch_.settle([this](std::uint32_t target_index, std::uint32_t probe_index, bool intersecting, auto&&) {
+      bool hit = intersecting;
       if (!hit && margin_ > 0) {
         const Corners p = pair_.target.world(target_index), q = pair_.probe.world(probe_index);
         hit = closest_points(p, q).distance_sq <= margin_ * margin_;

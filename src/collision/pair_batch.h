@@ -12,9 +12,9 @@ namespace standoff::collision {
 
 class PairBatch {
  public:
-  PairBatch(const QueryPair& pair, const Kernels& kernels)
+  explicit PairBatch(const QueryPair& pair)
       : pair_(pair),
-        kernels_(kernels),
+        kernels_(pair.kernels),
         transform_p_(transform_of(pair.target.pose)),
         transform_q_(transform_of(pair.probe.pose)) {}
 
@@ -34,7 +34,7 @@ class PairBatch {
 
   /// Decides the pairs in the order they were added, and calls use(target index, probe index, intersecting, where),
   /// until it returns false. False when it did; no pair is left afterwards. `where()` gives the Penetration of those
-  /// that touch.
+  /// that intersect.
   template <class Use>
   bool settle(Use use) {
     PairOverlaps overlap;
@@ -49,8 +49,8 @@ class PairBatch {
                 {overlap.normal[0][n], overlap.normal[1][n], overlap.normal[2][n]},
                 overlap.depth[n]};
       };
-      const bool touch = is(overlap.intersecting, n) || (is(overlap.unsure, n) && triangles_intersect(p(), q()));
-      if (!use(target_[n], probe_[n], touch, where)) return false;
+      const bool intersecting = is(overlap.intersecting, n) || (is(overlap.unsure, n) && triangles_intersect(p(), q()));
+      if (!use(target_[n], probe_[n], intersecting, where)) return false;
     }
     return true;
   }

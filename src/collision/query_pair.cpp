@@ -28,17 +28,14 @@ Pose orthonormal(Pose pose) {
   return pose;
 }
 
-double magnitude(Vec3 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
-
-double size_of(const CollisionModel& model) {
-  const Vec3 e = data_of(model).box.extent();
-  return std::max({e.x, e.y, e.z});
-}
-
 }  // namespace
 
-QueryPair::QueryPair(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b)
-    : target(data_of(a), pose_a), probe(data_of(b), pose_b), swapped(size_of(b) > size_of(a)) {
+QueryPair::QueryPair(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
+                     const Kernels& with_kernels)
+    : target(data_of(a), pose_a),
+      probe(data_of(b), pose_b),
+      swapped(probe.body->box.longest_side() > target.body->box.longest_side()),
+      kernels(with_kernels) {
   if (swapped) std::swap(target, probe);
   // relative = frame^-1 (the probe's pose), between coordinates relative to where the middles are in the world.
   const Pose &f = target.pose, &t = probe.pose;
@@ -60,9 +57,9 @@ QueryPair::QueryPair(const CollisionModel& a, const Pose& pose_a, const Collisio
   // The slack covers: in single precision, transforming a sphere (four roundings of numbers no larger than `reach`),
   // sampling and subtracting (about ten more), and the middles' rounding; matrices that are rotations only nearly; and
   // in double precision, coordinates far from the world's origin.
-  const double reach = target.body->radius + 2 * probe.body->radius + target.body->field.band();
-  far = magnitude(f.translation) + magnitude(t.translation) + magnitude(target.body->middle) +
-        magnitude(probe.body->middle) + target.body->radius + probe.body->radius;
+  const double reach = target.body->radius + 2 * probe.body->radius + target.body->field.thickness();
+  far = max_norm(f.translation) + max_norm(t.translation) + max_norm(target.body->middle) +
+        max_norm(probe.body->middle) + target.body->radius + probe.body->radius;
   slack =
       static_cast<float>((kSinglePrecisionSlack + 4 * (off + rigid_error(t))) * reach + kDoublePrecisionSlack * far);
 }

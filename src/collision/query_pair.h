@@ -33,7 +33,11 @@ struct PlacedModel {
     if (!moved) return c;
     return {apply(pose, c[0]), apply(pose, c[1]), apply(pose, c[2])};
   }
-  std::uint32_t triangle(std::uint32_t index) const { return body->bvh.order[index]; }
+};
+
+/// A triangle of body a and one of body b, as their meshes number them.
+struct TrianglesOfBoth {
+  std::uint32_t a, b;
 };
 
 /// The target is the larger body. `transform` and `relative` take coordinates of the probe to those of the target, both
@@ -50,8 +54,17 @@ struct QueryPair {
   double far;
   /// How much bounds in single precision, in the target's frame, may be wrong about the world: docs/collision.md.
   float slack;
+  /// The inner loops that answer the query.
+  const Kernels& kernels;
 
-  QueryPair(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b);
+  QueryPair(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
+            const Kernels& with_kernels);
+
+  /// The triangles of a and b, by their indices in the BVHs of target and probe.
+  TrianglesOfBoth triangles_of(std::uint32_t target_index, std::uint32_t probe_index) const {
+    const std::uint32_t first = target.body->bvh.order[target_index], second = probe.body->bvh.order[probe_index];
+    return swapped ? TrianglesOfBoth{second, first} : TrianglesOfBoth{first, second};
+  }
 
   /// A lower bound of the distance: from the probe's bounding sphere to the target's box.
   double root_gap() const;

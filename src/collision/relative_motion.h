@@ -7,7 +7,7 @@
 
 namespace standoff::collision {
 
-/// v turned about a unit axis.
+/// v turned about a unit axis (Rodrigues' formula).
 STANDOFF_INLINE Triple<double> rotated(const Triple<double>& v, const Triple<double>& axis, double cosine,
                                        double sine) {
   return v * cosine + plain_cross(axis, v) * sine + axis * (plain_dot(axis, v) * (1 - cosine));

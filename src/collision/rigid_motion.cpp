@@ -53,8 +53,7 @@ AxisAngle axis_angle_of(const std::array<double, 9>& r) {
 
 Vec3 rotated(Vec3 v, Vec3 axis, double angle_rad) {
   if (angle_rad == 0) return v;
-  const double c = std::cos(angle_rad), s = std::sin(angle_rad);
-  return v * c + cross(axis, v) * s + axis * (dot(axis, v) * (1 - c));
+  return vec_of(rotated(triple_of(v), triple_of(axis), std::cos(angle_rad), std::sin(angle_rad)));
 }
 
 AxisAngleMotion::AxisAngleMotion(const RigidMotion& m) : poses(m) {

@@ -19,8 +19,8 @@ class StratifiedTraversal {
  public:
   /// Packets farther than `limit` are left out as far as their spheres show it. At least `breadth` nodes take turns,
   /// where there are as many.
-  StratifiedTraversal(const QueryPair& pair, const Kernels& kernels, float limit, std::size_t breadth)
-      : pair_(pair), kernels_(kernels), limit_(limit) {
+  StratifiedTraversal(const QueryPair& pair, float limit, std::size_t breadth)
+      : pair_(pair), kernels_(pair.kernels), limit_(limit) {
     int level = pair.probe.body->bvh.top();
     std::vector<std::uint32_t> front, below;
     front.reserve(kLanes * breadth);

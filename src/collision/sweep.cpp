@@ -13,6 +13,7 @@
 #include "collision/tolerances.h"
 #include "core/execution.h"
 #include "core/guarded.h"
+#include "core/number_text.h"
 #include "geometry/penetration.h"
 
 namespace standoff {
@@ -20,18 +21,18 @@ namespace collision {
 namespace {
 
 void check(const SweepOptions& options) {
-  if (!(options.tolerance >= 0) || !(options.tolerance <= 1e30))
-    throw Error(ErrorCode::usage,
-                "sweep: the tolerance must be from 0 to 1e30; give a small part of the bodies' size, or 0 for the "
-                "automatic one");
+  if (!(options.tolerance >= 0) || !(options.tolerance <= kMaxMargin))
+    throw Error(ErrorCode::usage, "sweep: the tolerance must be from 0 to " + number_text(kMaxMargin) +
+                                      "; give a small part of the bodies' size, or 0 for the automatic one");
 }
 
 void check(const RigidMotion& motion) {
   validate(motion.from);
   validate(motion.to);
   const Vec3 c = motion.center;
-  if (!is_finite(c) || std::max({std::abs(c.x), std::abs(c.y), std::abs(c.z)}) > 1e15)
-    throw Error(ErrorCode::usage, "sweep: the motion's center is not finite or past 1e15; give a point of the body");
+  if (!is_finite(c) || max_norm(c) > kMaxPosition)
+    throw Error(ErrorCode::usage, "sweep: the motion's center is not finite or past " + number_text(kMaxPosition) +
+                                      "; give a point of the body");
 }
 
 // Times are rounded. Where that alone moves a body by a good part of its size, no path is left to follow.
@@ -58,30 +59,25 @@ double checked_tolerance(const CollisionModel& a, const CollisionModel& b, std::
 }  // namespace
 
 SweepResult sweep_exactly(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                          const RigidMotion& motion, double asked) {
+                          const RigidMotion& motion, double asked, const Kernels& kernels) {
   const AxisAngleMotion path(motion);
-  const QueryPair pair(a, pose_a, b, motion.from);
+  const QueryPair pair(a, pose_a, b, motion.from, kernels);
   const double tolerance = tolerance_kept(pair, path, asked);
   const SweepResult swept = first_contact(pair, path, tolerance);
   if (swept.hit || !last_pose_may_jump(path, b, tolerance)) return swept;
-  const QueryPair end(a, pose_a, b, motion.to);
+  const QueryPair end(a, pose_a, b, motion.to, kernels);
   const auto found = find_intersecting_pair(end, 0);
   if (!found) return swept;
   const Corners of_target = end.target.world(found->of_target), of_probe = end.probe.world(found->of_probe);
   const Penetration where = end.swapped ? penetration(of_probe, of_target) : penetration(of_target, of_probe);
-  std::uint32_t of_a = end.target.triangle(found->of_target), of_b = end.probe.triangle(found->of_probe);
-  if (end.swapped) std::swap(of_a, of_b);
-  return {true, 1, of_a, of_b, where.point, where.normal};
+  const TrianglesOfBoth triangles = end.triangles_of(found->of_target, found->of_probe);
+  return {true, 1, triangles.a, triangles.b, where.point, where.normal};
 }
 
 }  // namespace collision
 
 double automatic_tolerance(const CollisionModel& a, const CollisionModel& b) {
-  const auto size = [](const CollisionModel& model) {
-    const Vec3 extent = model.bounds().extent();
-    return std::max({extent.x, extent.y, extent.z});
-  };
-  const auto [smaller, larger] = std::minmax({size(a), size(b)});
+  const auto [smaller, larger] = std::minmax({a.bounds().longest_side(), b.bounds().longest_side()});
   // Two points have no size: only what rounding leaves counts.
   return std::max({collision::kSweepTolerance * smaller, collision::kLeastSweepTolerance * larger, 1e-100});
 }
@@ -90,7 +86,7 @@ SweepResult sweep(const CollisionModel& a, const Pose& pose_a, const CollisionMo
                   const SweepOptions& options) try {
   const double tolerance = collision::checked_tolerance(a, b, {&motion, 1}, options);
   validate(pose_a);
-  return collision::sweep_exactly(a, pose_a, b, motion, tolerance);
+  return collision::sweep_exactly(a, pose_a, b, motion, tolerance, collision::best_kernels());
 } catch (...) {
   throw_as_error("sweep");
 }
@@ -101,11 +97,12 @@ std::vector<SweepResult> sweep_all(const CollisionModel& a, const Pose& pose_a, 
   const double tolerance = collision::checked_tolerance(a, b, motions, options);
   validate("sweep", execution, Runs::everywhere);
   validate(pose_a);
+  const collision::Kernels& kernels = collision::kernels_for(execution.simd, "sweep");
   const collision::DeviceRow* const row = collision::find_device(execution.backend, motions.size());
   BatchReport done{row ? row->name : "cpu", row ? row->device_name(execution.device) : ""};
   auto results = row ? collision::sweep_on_device(*row, a, pose_a, b, motions, tolerance, execution, done)
                      : collision::for_each<SweepResult>(motions.size(), execution.threads, [&](std::size_t n) {
-                         return collision::sweep_exactly(a, pose_a, b, motions[n], tolerance);
+                         return collision::sweep_exactly(a, pose_a, b, motions[n], tolerance, kernels);
                        });
   if (report) *report = done;
   return results;

@@ -32,12 +32,13 @@ std::vector<SweepResult> sweep_on_device(const DeviceRow& row, const CollisionMo
                                          double tolerance, const Execution& execution, BatchReport& report, int stack) {
   std::vector<SweepResult> results;
   results.reserve(motions.size());
-  const QueryPair bodies(a, pose_a, b, {});  // which of them gives its field does not depend on motions
+  const Kernels& kernels = kernels_for(execution.simd, "sweep");
+  const QueryPair bodies(a, pose_a, b, {}, kernels);  // which of them gives its field does not depend on motions
   for (std::size_t first = 0; first < motions.size(); first += kPiece) {
     const auto piece = motions.subspan(first, std::min(kPiece, motions.size() - first));
     const auto prepared = for_each<Prepared>(piece.size(), execution.threads, [&](std::size_t n) {
       const AxisAngleMotion path(piece[n]);
-      const QueryPair pair(a, pose_a, b, piece[n].from);
+      const QueryPair pair(a, pose_a, b, piece[n].from, kernels);
       const double kept = tolerance_kept(pair, path, tolerance);
       return Prepared{{relative_motion(pair, path), distance_kept(pair, path, kept)},
                       last_pose_may_jump(path, b, kept)};
@@ -53,7 +54,8 @@ std::vector<SweepResult> sweep_on_device(const DeviceRow& row, const CollisionMo
                .device = execution.device,
                .stack = stack});
     const auto found = for_each<SweepResult>(piece.size(), execution.threads, [&](std::size_t n) {
-      return decided(prepared[n], answers[n]) ? SweepResult{} : sweep_exactly(a, pose_a, b, piece[n], tolerance);
+      return decided(prepared[n], answers[n]) ? SweepResult{}
+                                              : sweep_exactly(a, pose_a, b, piece[n], tolerance, kernels);
     });
     results.insert(results.end(), found.begin(), found.end());
     for (std::size_t n = 0; n < answers.size(); ++n) {

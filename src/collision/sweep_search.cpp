@@ -21,7 +21,7 @@ class SweepSearch {
   SweepSearch(const QueryPair& pair, const AxisAngleMotion& path, double tolerance)
       : pair_(pair),
         motion_(relative_motion(pair, path)),
-        kernels_(kernels()),
+        kernels_(pair.kernels),
         triangles_(pair, path, tolerance),
         keep_(distance_kept(pair, path, tolerance)),
         enough_(static_cast<float>(pair.target.body->field.spacing)) {}
@@ -117,17 +117,9 @@ class SweepSearch {
   double jump(std::uint32_t probe_index, double t) {
     const Sphere16& spheres = pair_.probe.body->bvh.levels[0].spheres[probe_index / kLanes];
     const int n = static_cast<int>(probe_index % kLanes);
-    const float radius = spheres.radius[n];
     const Triple<double> offset = motion_.offset({spheres.center[0][n], spheres.center[1][n], spheres.center[2][n]});
-    MovingSphere sphere{offset, motion_.speed(offset), t};
-    if (!(sphere.speed > 0)) return kNever;
-    for (bool goes_on = true; goes_on;) {
-      const Triple<double> x = motion_.at(offset, sphere.time);
-      const float gap = gap_of_sphere(pair_.target.body->view, static_cast<float>(x.x), static_cast<float>(x.y),
-                                      static_cast<float>(x.z), radius, enough_);
-      goes_on = sphere.step(gap, keep_, end(), kWorthwhileTriangleStep * enough_);
-    }
-    return sphere.time;
+    return advanced({offset, motion_.speed(offset), t}, spheres.radius[n], motion_, pair_.target.body->view, keep_,
+                    end(), kWorthwhileTriangleStep * enough_);
   }
 
   void descend(int level, std::uint32_t node, std::uint32_t probe_index, const FloatBox& box) {

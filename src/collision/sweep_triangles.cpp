@@ -80,9 +80,8 @@ double TriangleSweep::time_to_reserve(const Corners& moving, double t, const Sla
 
 SweepResult TriangleSweep::hit(double t, std::uint32_t target_index, std::uint32_t probe_index, Vec3 point,
                                Vec3 normal) const {
-  std::uint32_t a = pair_.target.triangle(target_index), b = pair_.probe.triangle(probe_index);
-  if (pair_.swapped) std::swap(a, b);
-  return {true, t, a, b, point, normal};
+  const TrianglesOfBoth triangles = pair_.triangles_of(target_index, probe_index);
+  return {true, t, triangles.a, triangles.b, point, normal};
 }
 
 SweepResult TriangleSweep::hit(double t, std::uint32_t target_index, std::uint32_t probe_index,

@@ -9,7 +9,8 @@ namespace standoff::collision {
 
 /// Factors that carry a number in single precision past its own rounding: a conversion from double and some ten
 /// operations, 2^-24 (6e-8) each. Nearer to 1, a bound may end up on the wrong side of what it bounds; farther from 1,
-/// queries look at pairs that they need not look at.
+/// queries look at pairs that they need not look at. Numbers, and not 1 + gamma_float(12): that is another float, and
+/// with it other pairs would be looked at, and other steps of sweeps taken.
 inline constexpr float kRoundUp = 1.000001f, kRoundDown = 1 - 1e-6f;
 static_assert(kRoundUp - 1 > gamma_float(12) && 1 - kRoundDown > gamma_float(12));
 

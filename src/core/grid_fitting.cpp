@@ -15,8 +15,6 @@ namespace {
 [[noreturn]] void fail(const std::string& what) { throw Error(ErrorCode::usage, "grid: " + what); }
 [[noreturn]] void fail_at_limit(const std::string& what) { throw Error(ErrorCode::limit, "grid: " + what); }
 
-double longest(Vec3 extent) { return std::max({extent.x, extent.y, extent.z}); }
-
 void expect_box(const Box& box) {
   if (box.empty()) fail("the box to cover is empty; give a mesh with triangles");
 }
@@ -39,7 +37,7 @@ class Reach {
         fail("the padding must be zero or more, and finite; give world units or samples");
     if (!(padding.most_share >= 0))
       fail("the padding's share of the longest side must be zero or more; infinity sets no bound");
-    side_ = longest(box.extent());
+    side_ = box.longest_side();
   }
 
   /// Along an axis of which the spacing is known.
@@ -99,11 +97,11 @@ Padding padding_for(double thickness) try {
 Grid fit_samples(const Box& box, std::int64_t samples, const Padding& padding) try {
   if (samples < 2) fail("at least 2 samples are needed on the longest side; give 2 or more");
   const Reach reach(box, padding);
-  const double extent = longest(box.extent()), cells = static_cast<double>(samples - 1);
+  const double extent = box.longest_side(), cells = static_cast<double>(samples - 1);
   const bool no_scale = extent == 0 && padding.length == 0 && (padding.samples > 0 || padding.least_samples > 0);
   const double by = no_scale ? cells / 2 : reach.by_cells(extent, cells);
   const Box grown = grown_by(box, {by, by, by});
-  const double side = longest(grown.extent()), spacing = side > 0 ? side / cells : 1.0;
+  const double side = grown.longest_side(), spacing = side > 0 ? side / cells : 1.0;
   if (!(spacing > 0)) fail("the box is too small to divide into that many samples; scale the mesh up");
   return centred(grown, {spacing, spacing, spacing});
 } catch (...) {
@@ -134,7 +132,7 @@ Grid fit_size(const Box& box, Size3 size, const Padding& padding) try {
   std::array<double, 3> spacing{};
   for (int axis = 0; axis < 3; ++axis)
     if (sizes[axis] > 1) spacing[axis] = extents[axis] / static_cast<double>(sizes[axis] - 1);
-  const double widest = longest({spacing[0], spacing[1], spacing[2]});
+  const double widest = std::max({spacing[0], spacing[1], spacing[2]});
   for (double& h : spacing)
     if (!(h > 0)) h = widest > 0 ? widest : 1.0;
   Grid grid{size, {}, {spacing[0], spacing[1], spacing[2]}};

@@ -11,7 +11,7 @@
 #include <sys/mman.h>
 #endif
 
-namespace standoff::collision {
+namespace standoff {
 
 template <class T>
 struct HugePageAllocator {
@@ -45,4 +45,4 @@ struct HugePageAllocator {
 template <class T>
 using HugePageVector = std::vector<T, HugePageAllocator<T>>;
 
-}  // namespace standoff::collision
+}  // namespace standoff

@@ -23,7 +23,7 @@ Pose compose(const Pose& outer, const Pose& inner) {
 }
 
 Pose make_pose(Vec3 axis, double angle_rad, Vec3 translation) try {
-  const double largest = std::max({std::abs(axis.x), std::abs(axis.y), std::abs(axis.z)});
+  const double largest = max_norm(axis);
   if (!(largest > 0) || !is_finite(axis) || !std::isfinite(angle_rad) || !is_finite(translation))
     throw Error(
         ErrorCode::usage,
@@ -48,9 +48,9 @@ void validate(const Pose& pose) try {
   for (const double r : pose.rotation)
     if (!std::isfinite(r)) fail("the rotation holds a number that is not finite; give nine finite numbers");
   const Vec3 t = pose.translation;
-  if (!is_finite(t) ||
-      std::max({std::abs(t.x), std::abs(t.y), std::abs(t.z)}) > 1e15)  // its square is within single precision's range
-    fail("the translation is not finite or past 1e15; give three finite numbers, or another unit of length");
+  if (!is_finite(t) || max_norm(t) > kMaxPosition)
+    fail("the translation is not finite or past " + number_text(kMaxPosition) +
+         "; give three finite numbers, or another unit of length");
   const auto& r = pose.rotation;
   const Vec3 rows[3] = {{r[0], r[1], r[2]}, {r[3], r[4], r[5]}, {r[6], r[7], r[8]}};
   double off = 0;

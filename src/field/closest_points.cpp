@@ -7,6 +7,7 @@
 
 #include "core/execution.h"
 #include "core/guarded.h"
+#include "core/number_text.h"
 #include "core/threads.h"
 #include "field/triangle_groups.h"
 #include "geometry/closest_point.h"
@@ -16,21 +17,17 @@
 namespace standoff {
 namespace {
 
-// Squares of distances between such coordinates are finite.
-constexpr double kFarthest = 1e150;
-
-double largest(Vec3 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
-
 void check(MeshView mesh, std::span<const Vec3> points) {
   validate(mesh);
   const Box box = bounds(mesh);
-  if (!(std::max(largest(box.min), largest(box.max)) <= kFarthest))
-    throw Error(ErrorCode::limit, "points: the mesh reaches beyond 1e150; scale it down");
+  if (!(std::max(max_norm(box.min), max_norm(box.max)) <= kMaxCoordinate))
+    throw Error(ErrorCode::limit, "points: the mesh reaches beyond " + number_text(kMaxCoordinate) + "; scale it down");
   for (std::size_t n = 0; n < points.size(); ++n) {
     if (!is_finite(points[n]))
       throw Error(ErrorCode::usage, "points: point " + std::to_string(n) + " is not finite; leave it out");
-    if (!(largest(points[n]) <= kFarthest))
-      throw Error(ErrorCode::limit, "points: point " + std::to_string(n) + " lies beyond 1e150; scale it down");
+    if (!(max_norm(points[n]) <= kMaxCoordinate))
+      throw Error(ErrorCode::limit, "points: point " + std::to_string(n) + " lies beyond " +
+                                        number_text(kMaxCoordinate) + "; scale it down");
   }
 }
 

@@ -10,13 +10,12 @@
 #include "core/splitmix64.h"
 #include "field/reach.h"
 #include "field/skip.h"
+#include "geometry/corners.h"
 #include "geometry/sample_range.h"
 #include "geometry/triangle_box.h"
 
 namespace standoff {
 namespace {
-
-using Corners = std::array<Vec3, 3>;
 
 Corners corners_of(MeshView mesh, std::uint32_t triangle) {
   return {mesh.corner(triangle, 0), mesh.corner(triangle, 1), mesh.corner(triangle, 2)};

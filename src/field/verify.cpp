@@ -90,8 +90,7 @@ Finding check(const DistanceField& field, const TriangleGroups& groups, const Sa
 
 double allowed_error(const Grid& grid, double distance) {
   const Box box = grid.bounds();
-  const auto reach = [](Vec3 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); };
-  const double resolution = 4 * std::numeric_limits<double>::epsilon() * std::max(reach(box.min), reach(box.max));
+  const double resolution = 4 * std::numeric_limits<double>::epsilon() * std::max(max_norm(box.min), max_norm(box.max));
   return 1e-6 * (distance + 16 * grid.max_spacing()) + resolution;
 }
 

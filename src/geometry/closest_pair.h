@@ -5,14 +5,14 @@
 // corners. Nothing is fused, so that all instruction sets round alike.
 //
 // The distance errs by a few roundings of the pair's extent, whatever the shapes (docs/distance.md says how many, a
-// test holds it): places on an edge and over a face come from vectors that are made perpendicular to one another, not
+// test holds it): points on an edge and over a face come from vectors that are made perpendicular to one another, not
 // from determinants, whose errors grow as nearly parallel edges and slivers get thinner. What is off then is a position
 // along such an edge, and only by so much that the distance there differs by a rounding.
 #pragma once
 
 #include "geometry/triple.h"
 
-namespace standoff::collision {
+namespace standoff {
 
 template <class F>
 struct PairPoints {
@@ -53,8 +53,8 @@ STANDOFF_INLINE Edges<F> edges_of(const Triple<F> (&corner)[3]) {
 
 template <class F>
 STANDOFF_INLINE void take_if_nearer(PairPoints<F>& best, const Triple<F>& on_p, const Triple<F>& on_q) {
-  const Triple<F> way = on_q - on_p;
-  const F distance_sq = plain_dot(way, way);
+  const Triple<F> separation = on_q - on_p;
+  const F distance_sq = plain_dot(separation, separation);
   const auto nearer = less(distance_sq, best.distance_sq);
   best.distance_sq = select(nearer, distance_sq, best.distance_sq);
   best.on_p = select(nearer, on_p, best.on_p);
@@ -120,7 +120,7 @@ STANDOFF_INLINE PairPoints<F> closest_pair(const Triple<F> (&world_p)[3], const 
     for (int j = 0; j < 3; ++j) try_edges(edges_p, i, edges_q, j, best);
   const Feet<F> feet_p(edges_p), feet_q(edges_q);
   for (int k = 0; k < 3; ++k) {
-    // Where the foot lies outside it gives way to the corner, which is no nearer than the edges.
+    // Where the foot lies outside, a corner is taken in its stead, which is no nearer than the edges.
     Triple<F> foot;
     const auto over_q = feet_q.below(p[k], foot);
     take_if_nearer(best, p[k], select(over_q, foot, q[0]));
@@ -132,4 +132,4 @@ STANDOFF_INLINE PairPoints<F> closest_pair(const Triple<F> (&world_p)[3], const 
   return best;
 }
 
-}  // namespace standoff::collision
+}  // namespace standoff

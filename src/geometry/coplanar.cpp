@@ -16,7 +16,7 @@ bool segments_intersect(const Flat& p, const Flat& q, const Flat& a, const Flat&
          (aq == 0 && in_box(q, a, b));
 }
 
-bool extents_touch(double p, double q, double a, double b) {
+bool extents_overlap(double p, double q, double a, double b) {
   return std::max(std::min(p, q), std::min(a, b)) <= std::min(std::max(p, q), std::max(a, b));
 }
 
@@ -45,7 +45,8 @@ bool segments_intersect(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3&
   if (orient3d(p, q, a, b) != 0) return false;
   const int axis = upright_axis(p, q, a, b);
   if (axis >= 0) return segments_intersect(dropped(p, axis), dropped(q, axis), dropped(a, axis), dropped(b, axis));
-  return extents_touch(p.x, q.x, a.x, b.x) && extents_touch(p.y, q.y, a.y, b.y) && extents_touch(p.z, q.z, a.z, b.z);
+  return extents_overlap(p.x, q.x, a.x, b.x) && extents_overlap(p.y, q.y, a.y, b.y) &&
+         extents_overlap(p.z, q.z, a.z, b.z);
 }
 
 bool intersects_in_plane(const Vec3& p, const Vec3& q, const Corners& t) {

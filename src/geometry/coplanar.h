@@ -3,13 +3,10 @@
 // plane does not stand upright.
 #pragma once
 
-#include <array>
-
+#include "geometry/corners.h"
 #include "geometry/predicates.h"
 
 namespace standoff {
-
-using Corners = std::array<Vec3, 3>;
 
 /// The point without one coordinate; what turns left still does.
 inline Flat dropped(const Vec3& v, int axis) {
@@ -36,8 +33,8 @@ int upright_axis(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 /// Whether segments pq and ab have a point in common.
 bool segments_intersect(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b);
 
-/// Whether segment pq, which lies in the triangle's plane, touches it. So does any segment in the plane of three points
-/// on a line.
+/// Whether segment pq, which lies in the triangle's plane, intersects it. So does any segment in the plane of three
+/// points on a line.
 bool intersects_in_plane(const Vec3& p, const Vec3& q, const Corners& t);
 
 /// A corner that both have; neighbours in one mesh, and bodies with the same pose, have one. Null: none.

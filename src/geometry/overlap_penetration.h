@@ -5,7 +5,7 @@
 
 #include "geometry/triangle_overlap.h"
 
-namespace standoff::collision {
+namespace standoff {
 
 template <class F>
 struct OverlapPenetration {
@@ -70,17 +70,17 @@ STANDOFF_INLINE OverlapPenetration<F> penetration(const TriangleOverlap<F>& m, c
   OverlapPenetration<F> c;
   c.accurate = is_accurate(m, p, q);
   c.point = middle_of_shared(m);
-  // Along p's normal p itself is flat, as it is no sliver, and so is q along its own: the way out is how far the other
-  // reaches.
+  // Along p's normal p itself is flat, as it is no sliver, and so is q along its own: what separates them there is as
+  // long as the other's extent beyond it.
   const F p_size = F(1) / sqrt(plain_dot(m.p_normal, m.p_normal)),
           q_size = F(1) / sqrt(plain_dot(m.q_normal, m.q_normal));
   const Triple<F> p_unit = m.p_normal * p_size, q_unit = m.q_normal * q_size;
   c.depth = -min(m.q_height[0], min(m.q_height[1], m.q_height[2])) * p_size;
   c.normal = p_unit;
-  const auto keep_shallower = [&c](const F& depth, const Triple<F>& way) __attribute__((always_inline)) {
+  const auto keep_shallower = [&c](const F& depth, const Triple<F>& direction) __attribute__((always_inline)) {
     const FlagsOf<F> shallower = less(depth, c.depth);
     c.depth = select(shallower, depth, c.depth);
-    c.normal = select(shallower, way, c.normal);
+    c.normal = select(shallower, direction, c.normal);
   };
   keep_shallower(max(m.q_height[0], max(m.q_height[1], m.q_height[2])) * p_size, p_unit * F(-1));
   keep_shallower(max(m.p_height[0], max(m.p_height[1], m.p_height[2])) * q_size, q_unit);
@@ -88,4 +88,4 @@ STANDOFF_INLINE OverlapPenetration<F> penetration(const TriangleOverlap<F>& m, c
   return c;
 }
 
-}  // namespace standoff::collision
+}  // namespace standoff

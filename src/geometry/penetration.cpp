@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What two triangles share is convex. Its corners are corners of one that lie in the other, places where an edge of one
+// What two triangles share is convex. Its corners are corners of one that lie in the other, points where an edge of one
 // passes through the other, and crossings of edges in one plane. Which of them there are is decided by signs of
 // determinants, exactly; where they are, by ratios of determinants whose values are right however small they are.
 #include "geometry/penetration.h"
@@ -45,10 +45,10 @@ class Farthest {
  public:
   void add(const Vec3& point) {
     for (int n = 0; n < count_; ++n) {
-      const Vec3 way = point - points_[n];
-      if (const double apart_sq = dot(way, way); apart_sq > most_sq_) {
+      const Vec3 offset = point - points_[n];
+      if (const double apart_sq = dot(offset, offset); apart_sq > most_sq_) {
         most_sq_ = apart_sq;
-        middle_ = points_[n] + way * 0.5;
+        middle_ = points_[n] + offset * 0.5;
       }
     }
     if (count_ == 0) middle_ = point;
@@ -110,11 +110,11 @@ bool is_zero(const Vec3& v) { return v == Vec3{}; }
 
 // The shortest translation along a direction, of either sign, that separates both triangles, by their measured extents
 // along it: none is taken to be flat.
-class WayOut {
+class MinimumTranslation {
  public:
-  WayOut(const Corners& p, const Corners& q) : p_(p), q_(q) {}
+  MinimumTranslation(const Corners& p, const Corners& q) : p_(p), q_(q) {}
   void try_along(const Vec3& direction) {
-    const double most = std::max({std::abs(direction.x), std::abs(direction.y), std::abs(direction.z)});
+    const double most = max_norm(direction);
     if (!(most > 0)) return;
     const Vec3 scaled = direction * (1 / most), n = scaled * (1 / length(scaled));
     const Reach p = reach(p_, n), q = reach(q_, n);
@@ -161,9 +161,9 @@ Vec3 across(const Vec3& v) {
 bool take_accurate(const Corners& p, const Corners& q, Penetration& result) {
   const Triple<double> of_p[3] = {triple_of(p[0]), triple_of(p[1]), triple_of(p[2])},
                        of_q[3] = {triple_of(q[0]), triple_of(q[1]), triple_of(q[2])};
-  const auto overlap = collision::triangle_overlap(of_p, of_q);
+  const auto overlap = triangle_overlap(of_p, of_q);
   if (!overlap.intersecting) return false;
-  const auto found = collision::penetration(overlap, of_p, of_q);
+  const auto found = penetration(overlap, of_p, of_q);
   result = {vec_of(found.point), vec_of(found.normal), found.depth};
   return found.accurate;
 }
@@ -173,15 +173,15 @@ bool take_accurate(const Corners& p, const Corners& q, Penetration& result) {
 Penetration penetration(const Corners& p, const Corners& q) {
   // Corners that both have are on both planes, which hides the answer from the quick test.
   if (Penetration quick; !common_corner(p, q) && take_accurate(p, q, quick)) return quick;
-  WayOut way(p, q);
-  way.try_along(normal_direction(p));
-  way.try_along(normal_direction(q));
-  if (!way.any()) {  // segments and points: across both, or across the one that is no point
+  MinimumTranslation translation(p, q);
+  translation.try_along(normal_direction(p));
+  translation.try_along(normal_direction(q));
+  if (!translation.any()) {  // segments and points: across both, or across the one that is no point
     const Vec3 along_p = longest_edge(p), along_q = longest_edge(q);
-    way.try_along(cross(along_p, along_q));
-    if (!(way.depth() == 0)) way.try_along(across(is_zero(along_p) ? along_q : along_p));
+    translation.try_along(cross(along_p, along_q));
+    if (!(translation.depth() == 0)) translation.try_along(across(is_zero(along_p) ? along_q : along_p));
   }
-  return {common_point(p, q), way.normal(), way.depth()};
+  return {common_point(p, q), translation.normal(), translation.depth()};
 }
 
 }  // namespace standoff

@@ -46,9 +46,8 @@ inline RoundedDeterminant rounded_determinant3d(const Vec3& a, const Vec3& b, co
 
 inline int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   const RoundedDeterminant det = rounded_determinant3d(a, b, c, d);
-  // The bound holds where nothing underflows; products below 1e-290 take the exact stage, which loses nothing above
-  // 1e-90.
-  const double bound = kRounded3d * det.magnitude + 1e-290;
+  // What may have underflowed takes the exact stage, which loses nothing of coordinates above 1e-90.
+  const double bound = kRounded3d * det.magnitude + kUnderflowOf3d;
   if (det.value > bound) return 1;
   if (-det.value > bound) return -1;
   return orient3d_beyond_rounding(a, b, c, d);

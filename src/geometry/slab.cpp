@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace standoff::collision {
+namespace standoff {
 namespace {
 
 // A slab this much thinner than the triangles are apart is one along a direction that rounding has turned.
@@ -26,11 +26,11 @@ class Thickest {
  public:
   Thickest(const Corners& p, const Corners& q, const Slab& first) : p_(p), q_(q), best_(first) {}
 
-  /// To the side to which the way between the triangles leads.
-  void try_along(const Vec3& direction, const Vec3& way) {
+  /// Its normal points to the side of `separation`, from p to q.
+  void try_along(const Vec3& direction, const Vec3& separation) {
     const double size = length(direction);
     if (!(size > 0)) return;
-    const Slab slab = slab_along(p_, q_, direction * ((dot(direction, way) < 0 ? -1 : 1) / size));
+    const Slab slab = slab_along(p_, q_, direction * ((dot(direction, separation) < 0 ? -1 : 1) / size));
     if (slab.thickness > best_.thickness) best_ = slab;
   }
   const Slab& best() const { return best_; }
@@ -47,15 +47,15 @@ Slab slab_between(const Corners& p, const Corners& q, const ClosestPair& closest
   const Slab slab = slab_along(p, q, apart > 0 ? closest.separation * (1 / apart) : Vec3{});
   if (slab.thickness > kTurned * apart) return slab;
   Thickest thickest(p, q, slab);
-  const Vec3& way = closest.separation;
+  const Vec3& separation = closest.separation;
   const auto edge = [](const Corners& t, int k) { return t[(k + 1) % 3] - t[k]; };
   for (const Corners* t : {&p, &q}) {
-    thickest.try_along(normal_direction(*t), way);
-    for (int k = 0; k < 3; ++k) thickest.try_along(cross(edge(*t, k), cross(way, edge(*t, k))), way);
+    thickest.try_along(normal_direction(*t), separation);
+    for (int k = 0; k < 3; ++k) thickest.try_along(cross(edge(*t, k), cross(separation, edge(*t, k))), separation);
   }
   for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) thickest.try_along(cross(edge(p, i), edge(q, j)), way);
+    for (int j = 0; j < 3; ++j) thickest.try_along(cross(edge(p, i), edge(q, j)), separation);
   return thickest.best();
 }
 
-}  // namespace standoff::collision
+}  // namespace standoff

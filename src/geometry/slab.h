@@ -4,7 +4,7 @@
 
 #include "geometry/triangle_pair.h"
 
-namespace standoff::collision {
+namespace standoff {
 
 /// All of the one triangle lies on one side of it, all of the other on the other side.
 struct Slab {
@@ -18,4 +18,4 @@ struct Slab {
 /// those across an edge of each, and those across one edge. Heights err by a few roundings of the pair's extent.
 Slab slab_between(const Corners& p, const Corners& q, const ClosestPair& closest);
 
-}  // namespace standoff::collision
+}  // namespace standoff

@@ -2,7 +2,7 @@
 // Rigid transforms as the kernels read them, on the CPU and on GPUs.
 #pragma once
 
-namespace standoff::collision {
+namespace standoff {
 
 /// Coordinates of one frame in another: x -> rotation * x + translation.
 struct FloatTransform {
@@ -14,4 +14,4 @@ struct DoubleTransform {
   double translation[3];
 };
 
-}  // namespace standoff::collision
+}  // namespace standoff

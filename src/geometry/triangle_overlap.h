@@ -15,9 +15,10 @@
 #pragma once
 
 #include "geometry/closest_pair.h"
+#include "geometry/rounding.h"
 #include "geometry/transform.h"
 
-namespace standoff::collision {
+namespace standoff {
 
 /// What less() gives: bool, or several of them.
 template <class F>
@@ -86,10 +87,10 @@ struct TriangleOverlap {
 };
 template <class F>
 STANDOFF_INLINE TriangleOverlap<F> triangle_overlap(const Triple<F> (&p)[3], const Triple<F> (&q)[3]) {
-  constexpr double kRounding = 6e-15, kUnderflow = 1e-290;
+  constexpr double kRounding = 6e-15;
   const F bound =
       extent(p, q, &Triple<F>::x) * extent(p, q, &Triple<F>::y) * extent(p, q, &Triple<F>::z) * F(kRounding) +
-      F(kUnderflow);
+      F(kUnderflowOf3d);
   TriangleOverlap<F> m;
   m.p_normal = plain_cross(p[1] - p[0], p[2] - p[0]), m.q_normal = plain_cross(q[1] - q[0], q[2] - q[0]);
   for (int k = 0; k < 3; ++k)
@@ -113,4 +114,4 @@ STANDOFF_INLINE TriangleOverlap<F> triangle_overlap(const Triple<F> (&p)[3], con
   return m;
 }
 
-}  // namespace standoff::collision
+}  // namespace standoff

@@ -21,19 +21,19 @@ namespace standoff::cuda {
 inline constexpr Backend kBackend = Backend::cuda;
 inline constexpr bool kIsEmulated = false;
 
-/// Where in standoff something is called: as a parameter's default, the place of the call that leaves the parameter
+/// Where in standoff something is called: as a parameter's default, the site of the call that leaves the parameter
 /// out. Not std::source_location, whose current() nvcc before 12.2 does not take for a constant there.
-struct Place {
+struct CallSite {
   const char* file;
   int line;
-  static constexpr Place current(const char* file = __builtin_FILE(), int line = __builtin_LINE()) {
+  static constexpr CallSite current(const char* file = __builtin_FILE(), int line = __builtin_LINE()) {
     return {file, line};
   }
 };
 
-/// Throws Error{device} where a call of CUDA failed, at the place in standoff that wanted it. The error is taken from
-/// CUDA, so that later calls do not see it.
-inline void check_call(cudaError_t result, const char* call, const Place& at = Place::current()) {
+/// Throws Error{device} where a call of CUDA failed, at the call site in standoff that wanted it. The error is taken
+/// from CUDA, so that later calls do not see it.
+inline void check_call(cudaError_t result, const char* call, const CallSite& at = CallSite::current()) {
   if (result == cudaSuccess) return;
   cudaGetLastError();
   throw Error(ErrorCode::device, std::string("cuda: ") + call + " failed at " + at.file + ":" +
@@ -66,8 +66,8 @@ inline constexpr unsigned kManyBlocks = 2048;
 /// What a launch is called, and where it stands.
 struct LaunchName {
   const char* label;
-  Place at;
-  LaunchName(const char* text, const Place& place = Place::current()) : label(text), at(place) {}
+  CallSite at;
+  LaunchName(const char* text, const CallSite& site = CallSite::current()) : label(text), at(site) {}
 };
 
 template <class... Parameters, class... Arguments>
@@ -82,20 +82,21 @@ void launch(Stream stream, const LaunchName& name, void (*kernel)(Parameters...)
   check_call(cudaLaunchKernelEx(&shape, kernel, Parameters(arguments)...), name.label, name.at);
 }
 
-inline void fill_bytes(Stream stream, void* to, int value, std::int64_t bytes, const Place& at = Place::current()) {
+inline void fill_bytes(Stream stream, void* to, int value, std::int64_t bytes,
+                       const CallSite& at = CallSite::current()) {
   check_call(cudaMemsetAsync(to, value, static_cast<std::size_t>(bytes), stream), "cudaMemsetAsync", at);
 }
-inline void copy_in(void* to, const void* from, std::int64_t bytes, const Place& at = Place::current()) {
+inline void copy_in(void* to, const void* from, std::int64_t bytes, const CallSite& at = CallSite::current()) {
   check_call(cudaMemcpy(to, from, static_cast<std::size_t>(bytes), cudaMemcpyHostToDevice), "cudaMemcpy to the GPU",
              at);
 }
-inline void copy_out(void* to, const void* from, std::int64_t bytes, const Place& at = Place::current()) {
+inline void copy_out(void* to, const void* from, std::int64_t bytes, const CallSite& at = CallSite::current()) {
   check_call(cudaMemcpy(to, from, static_cast<std::size_t>(bytes), cudaMemcpyDeviceToHost), "cudaMemcpy from the GPU",
              at);
 }
 
 /// Throws Error{limit} where so much memory is not free now.
-inline void require_free_memory(std::int64_t bytes, const Place& at = Place::current()) {
+inline void require_free_memory(std::int64_t bytes, const CallSite& at = CallSite::current()) {
   std::size_t free = 0, total = 0;
   check_call(cudaMemGetInfo(&free, &total), "cudaMemGetInfo", at);
   if (bytes > static_cast<std::int64_t>(free))
@@ -106,7 +107,7 @@ inline void require_free_memory(std::int64_t bytes, const Place& at = Place::cur
 class Memory {
  public:
   Memory() = default;
-  explicit Memory(std::int64_t bytes, const Place& at = Place::current()) {
+  explicit Memory(std::int64_t bytes, const CallSite& at = CallSite::current()) {
     const cudaError_t result = cudaMalloc(&at_, static_cast<std::size_t>(bytes > 0 ? bytes : 1));
     if (result == cudaErrorMemoryAllocation) {
       cudaGetLastError();

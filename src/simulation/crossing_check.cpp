@@ -31,7 +31,7 @@ CrossingCheck::CrossingCheck(MeshView mesh, const Pose& pose) {
     boxes_.push_back(box);
   }
   const Vec3 e = box_.extent();
-  const double longest = std::max({e.x, e.y, e.z, 1e-300});
+  const double longest = std::max(box_.longest_side(), 1e-300);
   // About one cell for each triangle, were they spread over the box; a flat box counts as a hundredth high.
   const double volume = std::max(e.x, longest / 100) * std::max(e.y, longest / 100) * std::max(e.z, longest / 100);
   cell_ = std::max(std::cbrt(volume / std::min(static_cast<double>(triangles_.size()), kMostCells)), longest / 1000);

@@ -88,7 +88,7 @@ struct World::State {
   }
 
   void step(Flier& it) const;
-  bool leaves_room(const Pose& pose) const;
+  bool leaves_bounds(const Pose& pose) const;
   bool thesis_hit(const Resting& body, const Pose& at) const;
   bool thesis_step(Flier& it, const Pose& next) const;
   bool sweep_step(Flier& it, Pose& next) const;
@@ -128,16 +128,16 @@ bool World::State::sweep_step(Flier& it, Pose& next) const {
   return true;
 }
 
-bool World::State::leaves_room(const Pose& pose) const {
-  if (options.room.empty()) return false;
+bool World::State::leaves_bounds(const Pose& pose) const {
+  if (options.bounds.empty()) return false;
   const Vec3 at = apply(pose, flier.bounds().center());
-  return min(max(at, options.room.min), options.room.max) != at;
+  return min(max(at, options.bounds.min), options.bounds.max) != at;
 }
 
 void World::State::step(Flier& it) const {
   Pose next = it.pose;
   next.translation = next.translation + it.direction * options.speed;
-  if (leaves_room(next)) {
+  if (leaves_bounds(next)) {
     it.direction = scattered(it.direction * -1.0, options.scatter_rad, it.seed);
     ++it.turns;
     return;
@@ -204,7 +204,7 @@ void World::add_flier(const Box& box) try {
     return;
   }
   throw Error(ErrorCode::input,
-              "simulation: no free place for a moving body in 10,000 tries; give it more room or make it smaller");
+              "simulation: no free pose for a moving body in 10,000 tries; give it more room or make it smaller");
 } catch (...) {
   throw_as_error("simulation");
 }

@@ -15,8 +15,8 @@
 
 #include "field/cpu/bins.h"
 #include "field/cpu/lattice.h"
-#include "simd/four.h"
 #include "thesis/brick_part.h"
+#include "thesis/four.h"
 
 namespace standoff::cpu {
 namespace {

@@ -167,10 +167,10 @@ TEST(Misuse, Flights) {
       expect(named("thickness", x), with(&FlightOptions::thickness));
       expect(named("minimum", x), with(&FlightOptions::minimum));
       expect(named("threshold", x), with(&FlightOptions::threshold));
-      FlightOptions room = with(&FlightOptions::threshold);
-      room.threshold = 0;
-      room.room = {{x, -1, -1}, {1, x, 1}};
-      expect(named("room", x), room);
+      FlightOptions outside = with(&FlightOptions::threshold);
+      outside.threshold = 0;
+      outside.bounds = {{x, -1, -1}, {1, x, 1}};
+      expect(named("bounds", x), outside);
     }
   for (const int n : kThreads) {
     FlightOptions options;

@@ -179,7 +179,7 @@ TEST_F(BatchQuery, ErrorsNameFileAndLine) {
   bad("1,2,3,4,5,6", "give x,y,z; or");
   bad("1,2,3,0,0,0,90", "the axis has no direction");
   bad("2,0,0,0,0,2,0,0,0,0,2,0", "pose: the matrix is no rotation");
-  bad("1e16,0,0", "pose: the translation is not finite or past 1e15");
+  bad("1e16,0,0", "pose: the translation is not finite or past 1e+15");
   write("ways.csv", "1,2,3,4,5,6\n1,2,3\n");
   expect("sweep scene:box scene:box --motions ways.csv", 3, "ways.csv:2: 3 numbers; give those of two poses");
   write("ways.csv", "1,2,3,4,5,6,7,8,9,10\n");

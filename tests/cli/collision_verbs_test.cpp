@@ -44,7 +44,7 @@ TEST_F(CollisionVerbs, DistanceAndSweep) {
   const Json swept = done(words("sweep scene:box scene:box --from 5,0,0 --to -5,0,0 --json")).json();
   EXPECT_EQ(swept["hit"], true);
   EXPECT_NEAR(swept["time"].get<double>(), 0.3, 1e-5);
-  EXPECT_EQ(done(words("sweep scene:box scene:box --from 5,9,0 --to -5,9,0")).out, "free all the way\n");
+  EXPECT_EQ(done(words("sweep scene:box scene:box --from 5,9,0 --to -5,9,0")).out, "free during the whole motion\n");
 }
 
 TEST_F(CollisionVerbs, ZeroIsAsGoodAsTheDefault) {
@@ -140,7 +140,7 @@ TEST_F(CollisionVerbs, ErrorsSayWhatToDo) {
   done(words("generate box -o room.ply"));
   expect("fly --steps 5 --labyrinth room.ply --path room.ply -f", 2, "room.ply: it is an input");
   expect("fly --steps 5 --scatter 181", 2, "--scatter '181': give degrees from 0 to 180");
-  expect("sweep scene:box scene:box --to 1,0,0 --center 1e16,0,0", 2, "--center '1e16,0,0': a number past 1e15");
+  expect("sweep scene:box scene:box --to 1,0,0 --center 1e16,0,0", 2, "--center '1e16,0,0': a number past 1e+15");
   expect("fly --mode fast", 2, "--mode 'fast': give sweep or thesis");
   // These messages once said nothing of the option, or thousands of digits of the number.
   expect("collide scene:box scene:box --margin 1e31", 2, "--margin '1e31': must be at most 1e+30");

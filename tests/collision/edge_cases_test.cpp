@@ -248,7 +248,7 @@ TEST(EdgeCases, NoPosesAndTooFewThreads) {
 TEST(EdgeCases, MarginsWiderThanTheBand) {
   const CollisionModel a(ball_mesh(1, 4)), b(ball_mesh(0.5, 3));
   const Pose pose = moved({6, 0, 0});
-  ASSERT_GT(4.4, a.band());
+  ASSERT_GT(4.4, a.thickness());
   EXPECT_FALSE(collide(a, {}, b, pose, {.margin = 4.49}).hit());
   EXPECT_TRUE(collide(a, {}, b, pose, {.margin = 4.5 + 1e-12}).hit());
   EXPECT_TRUE(collide(a, {}, b, pose, {.margin = 1e6}).hit());
@@ -309,7 +309,7 @@ TEST(Thesis, FindsWhatIsDeepAndNothingFar) {
     const Pose pose = random_pose(random, 1.5);
     const double sum = thesis_sum(of_a, {}, of_b, pose);
     EXPECT_EQ(collide_thesis(of_a, {}, of_b, pose, 0.3).hit, sum < 0.3);
-    // The sum errs by the way from a sample to its neighbour.
+    // The sum errs by the distance from a sample to its neighbour.
     const double off = std::sqrt(3) / 2 * of_a.grid().max_spacing();
     EXPECT_GE(sum, distance(CollisionModel(a), {}, CollisionModel(b), pose).upper - off - 1e-5);
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Answers about bodies by another way than standoff's, for long checks: a binary tree of boxes, and triangles told
+// Answers about bodies by another method than standoff's, for long checks: a binary tree of boxes, and triangles told
 // apart by shadows on axes (standoff's exact test is by signs of determinants at edges), first in double with a bound
 // of its rounding, then in whole numbers. Triangles must have an area.
 #pragma once
@@ -114,12 +114,13 @@ inline bool independent_touch(const std::array<Vec3, 3>& p, const std::array<Vec
   return apart ? false : sure ? true : touch_exactly(p, q);
 }
 
-/// A triangle that goes straight by `way` stays out of a resting one, or is in it by no more than `deep`: some axis
-/// shows it. Axes shorter than `least` times what they are made of have no direction, and are left out.
+/// A triangle that goes straight by `translation` stays out of a resting one, or is in it by no more than `deep`: some
+/// axis shows it. Axes shorter than `least` times what they are made of have no direction, and are left out.
 template <class T>
-bool stays_out(const std::array<Vec3, 3>& moving, Vec3 way, const std::array<Vec3, 3>& resting, double deep, T least) {
+bool stays_out(const std::array<Vec3, 3>& moving, Vec3 translation, const std::array<Vec3, 3>& resting, double deep,
+               T least) {
   const ThreeCorners<T> p = seen_from<T>(resting[0], moving), q = seen_from<T>(resting[0], resting);
-  const Triple<T> v{T(way.x), T(way.y), T(way.z)};
+  const Triple<T> v{T(translation.x), T(translation.y), T(translation.z)};
   std::array<Triple<T>, 6> prism;
   for (int k = 0; k < 3; ++k) prism[k] = p[k], prism[k + 3] = {p[k][0] + v[0], p[k][1] + v[1], p[k][2] + v[2]};
   const auto shows = [&](const Triple<T>& u, const Triple<T>& w) {
@@ -140,9 +141,10 @@ bool stays_out(const std::array<Vec3, 3>& moving, Vec3 way, const std::array<Vec
 }
 
 /// The same, where double cannot tell in long double. Directions are off by epsilon / `least`.
-inline bool stays_out(const std::array<Vec3, 3>& moving, Vec3 way, const std::array<Vec3, 3>& resting, double deep) {
-  return stays_out<double>(moving, way, resting, deep, 1e-5) ||
-         stays_out<Wider>(moving, way, resting, deep, Wider(1e-8));
+inline bool stays_out(const std::array<Vec3, 3>& moving, Vec3 translation, const std::array<Vec3, 3>& resting,
+                      double deep) {
+  return stays_out<double>(moving, translation, resting, deep, 1e-5) ||
+         stays_out<Wider>(moving, translation, resting, deep, Wider(1e-8));
 }
 
 /// The least distance of two triangles that do not touch: of corners from triangles and of edges from edges, each found
@@ -213,17 +215,17 @@ class IndependentBody {
     });
   }
 
-  /// Going straight by `way` it passes through the other one by more than `deep`.
-  bool passes_through(const IndependentBody& other, Vec3 way, double deep) {
-    // In parts, because boxes of long ways hold much.
-    const int parts = 1 + static_cast<int>(length(way));
+  /// Going straight by `translation` it passes through the other one by more than `deep`.
+  bool passes_through(const IndependentBody& other, Vec3 translation, double deep) {
+    // In parts, because boxes of long translations hold much.
+    const int parts = 1 + static_cast<int>(length(translation));
     const std::vector<Vec3> from = vertices_;
     bool passes = false;
     for (int n = 0; n < parts && !passes; ++n) {
-      passes = any_pair(other, way * (1.0 / parts), 0, 0, [&](std::uint32_t s, std::uint32_t t) {
-        return !stays_out(triangle(s), way * (1.0 / parts), other.triangle(t), deep);
+      passes = any_pair(other, translation * (1.0 / parts), 0, 0, [&](std::uint32_t s, std::uint32_t t) {
+        return !stays_out(triangle(s), translation * (1.0 / parts), other.triangle(t), deep);
       });
-      for (std::size_t v = 0; v < from.size(); ++v) vertices_[v] = from[v] + way * ((n + 1.0) / parts);
+      for (std::size_t v = 0; v < from.size(); ++v) vertices_[v] = from[v] + translation * ((n + 1.0) / parts);
       fit_boxes();
     }
     return passes;
@@ -279,26 +281,28 @@ class IndependentBody {
     const auto [a, b, c] = triangle(t);
     return {min(min(a, b), c), max(max(a, b), c)};
   }
-  static bool meet(const Box& a, Vec3 way, const Box& b) {
-    const Vec3 none{}, low = a.min + min(way, none), high = a.max + max(way, none);
+  static bool meet(const Box& a, Vec3 translation, const Box& b) {
+    const Vec3 none{}, low = a.min + min(translation, none), high = a.max + max(translation, none);
     return low.x <= b.max.x && low.y <= b.max.y && low.z <= b.max.z && high.x >= b.min.x && high.y >= b.min.y &&
            high.z >= b.min.z;
   }
 
   template <class Test>
-  bool any_pair(const IndependentBody& other, Vec3 way, std::size_t mine, std::size_t theirs, const Test& test) const {
+  bool any_pair(const IndependentBody& other, Vec3 translation, std::size_t mine, std::size_t theirs,
+                const Test& test) const {
     const Node &a = nodes_[mine], &b = other.nodes_[theirs];
-    if (!meet(a.box, way, b.box)) return false;
+    if (!meet(a.box, translation, b.box)) return false;
     if (a.right == 0 && b.right == 0) {
       for (std::size_t s = a.begin; s < a.end; ++s)
         for (std::size_t t = b.begin; t < b.end; ++t)
-          if (meet(box_of(order_[s]), way, other.box_of(other.order_[t])) && test(order_[s], other.order_[t]))
+          if (meet(box_of(order_[s]), translation, other.box_of(other.order_[t])) && test(order_[s], other.order_[t]))
             return true;
       return false;
     }
     if (b.right == 0 || (a.right != 0 && a.end - a.begin > b.end - b.begin))
-      return any_pair(other, way, mine + 1, theirs, test) || any_pair(other, way, a.right, theirs, test);
-    return any_pair(other, way, mine, theirs + 1, test) || any_pair(other, way, mine, b.right, test);
+      return any_pair(other, translation, mine + 1, theirs, test) ||
+             any_pair(other, translation, a.right, theirs, test);
+    return any_pair(other, translation, mine, theirs + 1, test) || any_pair(other, translation, mine, b.right, test);
   }
 
   const Mesh& mesh_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The fly in the labyrinth against answers found another way (independent.h). A few hundred questions by default; for
-// as many as docs/collision.md tells of, run this program with the environment variables below.
+// The fly in the labyrinth against answers found by another method (independent.h). A few hundred questions by default;
+// for as many as docs/collision.md tells of, run this program with the environment variables below.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -105,7 +105,7 @@ TEST_F(Labyrinth, SweepsMissNothing) {
     const SweepResult swept = sweep(model, {}, flier, motion, {.tolerance = kTolerance});
     hits += swept.hit;
     if (turns) {
-      // Places on the way, as many as a way has lengths of a thin part of the fly, and always some.
+      // Positions on the path, as many as a path has lengths of a thin part of the fly, and always some.
       ++turning;
       const int times = 12 + static_cast<int>(speed * 4);
       for (int k = 1; k <= times; ++k) {
@@ -115,13 +115,13 @@ TEST_F(Labyrinth, SweepsMissNothing) {
       }
     } else {
       moving.place(motion.from);
-      const Vec3 way = motion.to.translation - motion.from.translation;
-      ASSERT_FALSE(moving.passes_through(still, way * swept.time, kRounding)) << "before " << swept.time;
-      // A check that saw nothing would pass everything: it must see what the whole way leads through.
+      const Vec3 translation = motion.to.translation - motion.from.translation;
+      ASSERT_FALSE(moving.passes_through(still, translation * swept.time, kRounding)) << "before " << swept.time;
+      // A check that saw nothing would pass everything: it must see what the whole path leads through.
       if (swept.hit) {
         ++straight_hits;
         moving.place(motion.from);
-        seen += moving.passes_through(still, way, kRounding);
+        seen += moving.passes_through(still, translation, kRounding);
       }
     }
     if (!swept.hit) continue;

@@ -82,7 +82,7 @@ TEST(Properties, BothOrdersGiveTheSameAnswers) {
   }
 }
 
-// It does not matter which of both moves: a straight way of b is the same way of a backwards.
+// It does not matter which of both moves: a translation of b is the same translation of a backwards.
 TEST(Properties, SweepsOfTheOtherBodyEndAtTheSameTime) {
   const CollisionModel a(random_soup(1, 60, 1, 0.3)), b(ball_mesh(0.3, 3));
   constexpr double kTolerance = 1e-6;
@@ -91,16 +91,16 @@ TEST(Properties, SweepsOfTheOtherBodyEndAtTheSameTime) {
   for (int n = 0; n < 200; ++n) {
     const Pose rest = random_pose(random, 1), from = random_pose(random, 3);
     if (collide(a, rest, b, from, {.margin = 10 * kTolerance}).hit()) continue;
-    const Vec3 way = random.in_cube(5);
+    const Vec3 translation = random.in_cube(5);
     Pose to = from, back = rest;
-    to.translation = to.translation + way, back.translation = back.translation - way;
+    to.translation = to.translation + translation, back.translation = back.translation - translation;
     const SweepResult one = sweep(a, rest, b, {from, to, {}}, {kTolerance}),
                       other = sweep(b, from, a, {rest, back, {}}, {kTolerance});
-    // A hit is where they are within the tolerance: grazing ways take long to get from there to touching.
-    if (one.hit != other.hit || std::abs(one.time - other.time) * length(way) > 2 * kTolerance) {
+    // A hit is where they are within the tolerance: grazing motions take long to get from there to touching.
+    if (one.hit != other.hit || std::abs(one.time - other.time) * length(translation) > 2 * kTolerance) {
       const double t = std::min(one.time, other.time);
       Pose at = from;
-      at.translation = at.translation + way * t;
+      at.translation = at.translation + translation * t;
       EXPECT_LE(distance(a, rest, b, at).upper, kTolerance * (1 + 1e-6)) << "pose " << n;
     }
     hits += one.hit;

@@ -36,7 +36,7 @@ Tally expect_as_brute_force(const Mesh& a, const Mesh& b, int poses, double half
     SCOPED_TRACE("pose " + std::to_string(n));
     const Pose pose_a = round(random_pose(random, half));
     Pose pose_b = round(random_pose(random, half));
-    // Half of them moved along the shortest way until they touch, but for rounding.
+    // Half of them moved along the shortest separation until they touch, but for rounding.
     if (n % 2) {
       const DistanceResult apart = distance(model_a, pose_a, model_b, pose_b);
       pose_b.translation = pose_b.translation + (apart.point_a - apart.point_b);

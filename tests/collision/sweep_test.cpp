@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sweeps against the bodies at many times on the way, each tested with every pair of triangles.
+// Sweeps against the bodies at many times of the motion, each tested with every pair of triangles.
 #include <gtest/gtest.h>
 
 #include "standoff/collision.h"
@@ -15,25 +15,26 @@ struct Case {
   RigidMotion motion;
 };
 
-Case random_case(Random& random, double half, double way, double turn, bool at_rest_at_origin) {
+Case random_case(Random& random, double half, double translation, double turn, bool at_rest_at_origin) {
   Case c;
   if (!at_rest_at_origin) c.pose_a = random_pose(random, half);
   c.motion.from = random_pose(random, half);
   c.motion.center = random.in_cube(0.5);
   const Pose delta = make_pose(random.in_cube(1) + Vec3{1e-3, 0, 0}, random.between(0, turn), {});
   c.motion.to.rotation = compose(delta, c.motion.from).rotation;
-  c.motion.to.translation = c.motion.from.translation + random.in_cube(way);
+  c.motion.to.translation = c.motion.from.translation + random.in_cube(translation);
   return c;
 }
 
-void expect_sound(const Mesh& a, const Mesh& b, int cases, double half, double way, double turn, unsigned seed) {
+void expect_sound(const Mesh& a, const Mesh& b, int cases, double half, double translation, double turn,
+                  unsigned seed) {
   const CollisionModel model_a(a), model_b(b);
   Random random(seed);
   constexpr double kTolerance = 1e-3;
   int hits = 0, frees = 0;
   for (int n = 0; n < cases; ++n) {
     SCOPED_TRACE("case " + std::to_string(n));
-    const Case c = random_case(random, half, way, turn, n % 2);
+    const Case c = random_case(random, half, translation, turn, n % 2);
     const SweepResult swept = sweep(model_a, c.pose_a, model_b, c.motion, {.tolerance = kTolerance});
     constexpr int kTimes = 40;
     for (int k = 0; k <= kTimes; ++k) {
@@ -69,9 +70,9 @@ TEST(Sweep, TheLargerBodyMoves) {
   expect_sound(ball_mesh(0.4, 2), ball_mesh(1, 3), 100, 2, 4, 0, 6);
 }
 
-// A straight way is the same whatever point of the body is said to go straight: a far one once brought its rounding,
+// A straight motion is the same whatever point of the body is said to go straight: a far one once brought its rounding,
 // and the body through the wall.
-TEST(Sweep, AStraightWayDoesNotDependOnTheCenter) {
+TEST(Sweep, AStraightMotionDoesNotDependOnTheCenter) {
   Mesh wall;
   add_triangle(wall, {0, -9, -9}, {0, 9, -9}, {0, 0, 9});
   const CollisionModel resting(wall), box(ball_mesh(0.5, 2));
@@ -85,6 +86,27 @@ TEST(Sweep, AStraightWayDoesNotDependOnTheCenter) {
   EXPECT_EQ(far.time, near.time);
   motion.center.x = 2e15;
   EXPECT_THROW(sweep(resting, {}, box, motion), Error);
+}
+
+// The blade turns about the centre of its bounding sphere, which therefore stays where it is while the blade does not.
+// Such a triangle was taken to be free for ever once the box of its first step was, and went through the post.
+TEST(Sweep, ATriangleTurnsAboutTheCentreOfItsSphere) {
+  const Mesh blade = one_triangle({-1, -0.1, 0}, {1, -0.1, 0}, {0, 0.1, 0});
+  Mesh posts = one_triangle({-0.05, 0.6, -0.1}, {0.05, 0.6, -0.1}, {0, 0.62, 0.1});
+  add_triangle(posts, {3, 3, 3}, {3.1, 3, 3}, {3, 3.1, 3});  // makes them the larger body
+  const CollisionModel turning(blade), resting(posts);
+  RigidMotion motion;
+  for (const double angle_rad : {3.0, -3.0}) {
+    motion.to = make_pose({0, 0, 1}, angle_rad, {});
+    const SweepResult blade_turns = sweep(resting, {}, turning, motion),
+                      posts_turn = sweep(turning, {}, resting, motion);
+    for (const SweepResult& swept : {blade_turns, posts_turn}) {
+      ASSERT_TRUE(swept.hit);
+      EXPECT_NEAR(swept.time, 0.5, 0.1);
+    }
+    EXPECT_LT(brute_pair_distance(posts, {}, blade, pose_at(motion, blade_turns.time)), 1e-4);
+    EXPECT_LT(brute_pair_distance(blade, {}, posts, pose_at(motion, posts_turn.time)), 1e-4);
+  }
 }
 
 // The default was 1e-4 world units: bodies 1e-6 across hit what they passed at a hundred times their size, and bodies
@@ -117,7 +139,7 @@ TEST(Sweep, TheDefaultToleranceHasTheScaleOfTheBodies) {
 }
 
 // A mesh 2e10 from its own origin: the translations of its poses are rounded by 4e-6. A needle passes along an edge,
-// nearer than that, on a way that does not touch it; but poses on the way do.
+// nearer than that, on a path that does not touch it; but poses on the path do.
 TEST(Sweep, WhatRoundsThePosesIsKeptBetweenBodies) {
   const Vec3 far{-301108018.0963652, -18188532272.843033, 11690617903.502226}, x{1, 0, 0};
   const CollisionModel still(one_triangle({0, -1, -1}, {0, 1, 1}, {0, 1, -1})),
@@ -125,8 +147,8 @@ TEST(Sweep, WhatRoundsThePosesIsKeptBetweenBodies) {
   int free = 0;
   for (int n = 0; n < 200; ++n) {
     const double beside = 1e-7 * std::pow(1.08, n);
-    const Vec3 from = Vec3{0, -2e-4 - beside, -2e-4 + beside} - far, way{0, 4e-4, 4e-4};
-    const RigidMotion motion{moved(from), moved(from + way), {}};
+    const Vec3 from = Vec3{0, -2e-4 - beside, -2e-4 + beside} - far, translation{0, 4e-4, 4e-4};
+    const RigidMotion motion{moved(from), moved(from + translation), {}};
     const SweepResult swept = sweep(still, {}, needle, motion, {1e-7});
     free += !swept.hit;
     for (int k = 0; k < 100 && swept.time > 0; ++k)

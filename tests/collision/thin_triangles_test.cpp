@@ -78,7 +78,7 @@ TEST(ThinTriangles, NoneIsPartedFromWhatItTouches) {
         }
       }
     }
-    const collision::FloatTransform here{{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    const FloatTransform here{{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
     for (const collision::Kernels* row : collision::all_kernels()) {
       const collision::Kernels& kernels = *row;
       collision::Triangle16 placed[2];
@@ -149,7 +149,7 @@ TEST(ThinTriangles, TheSharedSegmentsMiddleIsThePoint) {
   EXPECT_NEAR(found.depth, 1, 1e-15);
 }
 
-// The way between closest points is one of rounding where they are very near; the slab then lies along a feature.
+// The direction between closest points is one of rounding where they are very near; the slab then lies along a feature.
 TEST(ThinTriangles, TheSlabIsAsThickAsTheyAreApart) {
   Random random(7);
   int near = 0;
@@ -163,7 +163,7 @@ TEST(ThinTriangles, TheSlabIsAsThickAsTheyAreApart) {
     if (triangles_intersect(p, q)) continue;
     const ClosestPair closest = closest_points(p, q);
     const double distance = std::sqrt(closest.distance_sq);
-    const collision::Slab slab = collision::slab_between(p, q, closest);
+    const Slab slab = slab_between(p, q, closest);
     EXPECT_LE(slab.thickness, distance + 1e-15);
     if (distance > 1e-13) {
       EXPECT_GT(slab.thickness, 0.25 * distance);

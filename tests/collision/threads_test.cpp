@@ -7,53 +7,12 @@
 
 #include "standoff/collision.h"
 #include "tests/collision/bodies.h"
+#include "tests/collision/expect_same.h"
 
 namespace standoff {
 namespace {
 
 using namespace standoff::testing;
-
-void expect_same(const CollisionResult& a, const CollisionResult& b) {
-  EXPECT_EQ(a.verdict, b.verdict);
-  EXPECT_EQ(a.triangle_a, b.triangle_a);
-  EXPECT_EQ(a.triangle_b, b.triangle_b);
-}
-
-void expect_same(const DistanceResult& a, const DistanceResult& b) {
-  EXPECT_EQ(a.lower, b.lower);
-  EXPECT_EQ(a.upper, b.upper);
-  EXPECT_EQ(a.point_a, b.point_a);
-  EXPECT_EQ(a.point_b, b.point_b);
-  EXPECT_EQ(a.triangle_a, b.triangle_a);
-  EXPECT_EQ(a.triangle_b, b.triangle_b);
-}
-
-void expect_same(const ContactResult& a, const ContactResult& b) {
-  EXPECT_EQ(a.overflow, b.overflow);
-  ASSERT_EQ(a.contacts.size(), b.contacts.size());
-  for (std::size_t k = 0; k < a.contacts.size(); ++k) {
-    EXPECT_EQ(a.contacts[k].point, b.contacts[k].point);
-    EXPECT_EQ(a.contacts[k].normal, b.contacts[k].normal);
-    EXPECT_EQ(a.contacts[k].depth, b.contacts[k].depth);
-    EXPECT_EQ(a.contacts[k].triangle_a, b.contacts[k].triangle_a);
-    EXPECT_EQ(a.contacts[k].triangle_b, b.contacts[k].triangle_b);
-  }
-}
-
-void expect_same(const SweepResult& a, const SweepResult& b) {
-  EXPECT_EQ(a.hit, b.hit);
-  EXPECT_EQ(a.time, b.time);
-  EXPECT_EQ(a.point, b.point);
-  EXPECT_EQ(a.normal, b.normal);
-  EXPECT_EQ(a.triangle_a, b.triangle_a);
-  EXPECT_EQ(a.triangle_b, b.triangle_b);
-}
-
-template <class Result>
-void expect_same(const std::vector<Result>& a, const std::vector<Result>& b) {
-  ASSERT_EQ(a.size(), b.size());
-  for (std::size_t n = 0; n < a.size(); ++n) expect_same(a[n], b[n]);
-}
 
 struct Bodies {
   CollisionModel a, b{ball_mesh(0.4, 3)};
@@ -89,20 +48,33 @@ TEST(Threads, DoNotShowInTheAnswers) {
 
 TEST(Threads, MayShareABody) {
   const Bodies bodies(0);
-  const auto expected = collide_all(bodies.a, {}, bodies.b, bodies.poses, {}, {.threads = 1});
-  std::vector<std::vector<CollisionResult>> found(4);
+  const DistanceOptions near{.tolerance = 0.1};
+  const ContactOptions few{.most = 3};
+  struct Answers {
+    std::vector<CollisionResult> hits;
+    std::vector<DistanceResult> distances;
+    std::vector<ContactResult> contacts;
+  };
+  const Answers expected{collide_all(bodies.a, {}, bodies.b, bodies.poses, {}, {.threads = 1}),
+                         distance_all(bodies.a, {}, bodies.b, bodies.poses, near, {.threads = 1}),
+                         contacts_all(bodies.a, {}, bodies.b, bodies.poses, few, {.threads = 1})};
+  std::vector<Answers> found(4);
   std::vector<std::thread> threads;
   for (auto& mine : found)
-    threads.emplace_back([&bodies, &mine] {
+    threads.emplace_back([&, answers = &mine] {
       const CollisionModel a = bodies.a, b = bodies.b;  // copies share
       for (const Pose& pose : bodies.poses) {
-        mine.push_back(collide(a, {}, b, pose));
-        distance(a, {}, b, pose, {.tolerance = 0.1});
-        contacts(a, {}, b, pose, {.most = 3});
+        answers->hits.push_back(collide(a, {}, b, pose));
+        answers->distances.push_back(distance(a, {}, b, pose, near));
+        answers->contacts.push_back(contacts(a, {}, b, pose, few));
       }
     });
   for (std::thread& thread : threads) thread.join();
-  for (const auto& mine : found) expect_same(expected, mine);
+  for (const Answers& mine : found) {
+    expect_same(expected.hits, mine.hits);
+    expect_same(expected.distances, mine.distances);
+    expect_same(expected.contacts, mine.contacts);
+  }
 }
 
 }  // namespace

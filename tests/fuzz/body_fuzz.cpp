@@ -9,7 +9,8 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   try {
-    standoff::ask(standoff::read_body({reinterpret_cast<const char*>(data), size}));
+    const auto error = standoff::ask(standoff::read_body({reinterpret_cast<const char*>(data), size}));
+    if (error && *error != standoff::ErrorCode::usage) std::abort();
   } catch (const standoff::Error& error) {
     if (error.code() != standoff::ErrorCode::input || !std::string_view(error.what()).starts_with("fuzzed:"))
       std::abort();

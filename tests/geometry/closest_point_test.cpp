@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "geometry/closest_point.h"
+#include "geometry/corners.h"
 
 #include <gtest/gtest.h>
 
@@ -15,7 +16,6 @@ namespace {
 
 using testing::Random;
 using Point = Triple<double>;
-using Corners = std::array<Vec3, 3>;
 
 Point point(Vec3 v) { return {v.x, v.y, v.z}; }
 

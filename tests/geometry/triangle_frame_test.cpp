@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "geometry/closest_point.h"
+#include "geometry/corners.h"
 #include "geometry/triangle_lines.h"
 #include "tests/support/random_mesh.h"
 #include "tests/support/reference.h"
@@ -17,7 +18,6 @@ namespace {
 
 using testing::Random;
 using testing::reference_distance;
-using Corners = std::array<Vec3, 3>;
 
 template <class F>
 Triple<F> rounded_point(Vec3 v) {

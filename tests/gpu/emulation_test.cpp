@@ -82,12 +82,12 @@ TEST(Emulation, BarriersAtDifferentPlacesAreNamed) {
     else
       __syncthreads();
   });
-  EXPECT_NE(fault.find("divergent barrier: threads wait at different places"), std::string::npos) << fault;
+  EXPECT_NE(fault.find("divergent barrier: threads wait at different call sites"), std::string::npos) << fault;
 }
 
 TEST(Emulation, BarriersOnTheSameLineOfDifferentFilesAreNamed) {
   const std::string fault = fault_of([] { __syncthreads(threadIdx.x < 40 ? "one.cuh" : "other.cuh", 7); });
-  EXPECT_NE(fault.find("threads wait at different places, one.cuh:7 and other.cuh:7"), std::string::npos) << fault;
+  EXPECT_NE(fault.find("threads wait at different call sites, one.cuh:7 and other.cuh:7"), std::string::npos) << fault;
 }
 
 TEST(Emulation, VotesOfOneWarpAtDifferentPlacesAreNamed) {
@@ -97,7 +97,7 @@ TEST(Emulation, VotesOfOneWarpAtDifferentPlacesAreNamed) {
     else
       __ballot_sync(0xffffffffu, 0);
   });
-  EXPECT_NE(fault.find("divergent warp: lanes wait at different places"), std::string::npos) << fault;
+  EXPECT_NE(fault.find("divergent warp: lanes wait at different call sites"), std::string::npos) << fault;
 }
 
 TEST(Emulation, AShuffleWithoutItsWarpIsNamed) {

@@ -53,7 +53,7 @@ TEST(World, RefusesWhatMakesNoSense) {
               world.add_flier({{-0.01, -0.01, 0.29}, {0.01, 0.01, 0.31}});
             }),
             ErrorCode::input)
-      << "no free place";
+      << "no free pose";
 }
 
 TEST(World, FliesStraightWhereNothingIs) {

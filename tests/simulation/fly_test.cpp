@@ -67,7 +67,7 @@ TEST(Fly, TheThesisMissesWhatIsFast) {
 TEST(Fly, StaysInItsRoom) {
   FlightOptions options;
   options.speed = 0.5;
-  options.room = {{1, 1, 1}, {4, 3, 3}};
+  options.bounds = {{1, 1, 1}, {4, 3, 3}};
   const CollisionModel walls(room()), body(ball_mesh(0.3, 3));
   World world(body, options);
   world.add(walls);

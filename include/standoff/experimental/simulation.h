@@ -33,7 +33,7 @@ struct FlightOptions {
   OnContact on_contact = OnContact::turn_back;
   double speed = 0.02;       ///< world units per step
   double scatter_rad = 0.5;  ///< after a contact the direction is turned at random by up to this angle, 0 to pi
-  Box room = {};         ///< moving bodies turn back where the centre of their box would leave this; empty: no limit
+  Box bounds = {};       ///< moving bodies turn back where the centre of their box would leave this; empty: no limit
   double tolerance = 0;  ///< sweep mode: as in SweepOptions
   double thickness = 2;  ///< thesis mode: the thickness of both fields
   double minimum = 2;    ///< thesis mode: the parameter e of minimum_grid() in standoff/thesis.h
@@ -49,7 +49,7 @@ struct Flier {
   Pose pose;
   Vec3 direction;  ///< unit length
   std::int64_t collisions = 0;
-  std::int64_t turns = 0;      ///< how often it turned back because it would have left the room
+  std::int64_t turns = 0;      ///< how often it turned back because it would have left the bounds
   std::int64_t crossings = 0;  ///< steps in which it crossed a resting surface, by the independent check
   std::uint64_t seed = 0;      ///< the state of its random numbers; changes with each number drawn
 };

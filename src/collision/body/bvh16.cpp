@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collision/body/tolerances.h"
+
 namespace standoff::collision {
 namespace {
 
@@ -40,9 +42,6 @@ void arrange(Item* first, Item* last, std::int64_t capacity) {
     arrange(middle, last, capacity);
   }
 }
-
-// A sphere's radius is rounded up, so that it holds its corners in spite of float rounding.
-constexpr float kRoundUp = 1 + 0x1p-21f;
 
 struct FloatPoint {
   float x[3];
@@ -93,7 +92,7 @@ void fill_levels(Bvh16& bvh, MeshView mesh, Vec3 middle) {
         const float x = p->x[0] - center[0], y = p->x[1] - center[1], z = p->x[2] - center[2];
         radius = std::max(radius, x * x + y * y + z * z);
       }
-      spheres.radius[lane] = begin == end ? radius : std::sqrt(radius) * kRoundUp;
+      spheres.radius[lane] = begin == end ? radius : std::sqrt(radius) * kSphereRoundUp;
     });
     bvh.levels.push_back(std::move(level));
     if (packets == 1) return;

@@ -55,7 +55,7 @@ double default_spacing(MeshView mesh, const Box& box) {
     for (int k = 0; k < 3; ++k) edges += length(mesh.corner(t, k) - mesh.corner(t, (k + 1) % 3));
   const double mean_edge = edges / (3.0 * static_cast<double>(mesh.triangles.size()));
   const Vec3 e = box.extent();
-  const double longest = std::max({e.x, e.y, e.z});
+  const double longest = box.longest_side();
   if (!(longest > 0)) return 1;
   // Flat boxes too are padded by the band: the thinnest side counts as a hundredth of the longest at least.
   const double volume =
@@ -67,7 +67,7 @@ FieldBounds plan_field_bounds(const Box& box, double spacing) {
   FieldBounds bounds;
   bounds.spacing = spacing;
   bounds.box = box;
-  const Grid fine = fit_spacing(box, {spacing, spacing, spacing}, {.length = bounds.band(), .least_samples = 0});
+  const Grid fine = fit_spacing(box, {spacing, spacing, spacing}, {.length = bounds.thickness(), .least_samples = 0});
   Size3 coarse;
   for (auto n : {&Size3::x, &Size3::y, &Size3::z}) coarse.*n = (fine.size.*n + kCoarseStep - 2) / kCoarseStep + 1;
   if (std::max({fine.size.x, fine.size.y, fine.size.z}) > kMostAlong ||
@@ -91,7 +91,7 @@ FieldBounds build_field_bounds(MeshView mesh, Vec3 middle, double spacing, const
   const Grid coarse{bounds.coarse_size, bounds.origin, {coarse_spacing, coarse_spacing, coarse_spacing}};
   ComputeOptions options;
   options.execution = execution;
-  fill_fine(bounds, compute(moved, fine, bounds.band(), options).field);
+  fill_fine(bounds, compute(moved, fine, bounds.thickness(), options).field);
   bounds.coarse.resize(static_cast<std::size_t>(coarse.sample_count()));
   compute_into(moved, coarse, kFullField, bounds.coarse, options);
   for (float& value : bounds.coarse) value = static_cast<float>(value - promised_error(value, coarse_spacing));
@@ -105,7 +105,7 @@ FieldView FieldBounds::view() const {
   view.coarse_spacing = static_cast<float>(coarse_spacing);
   view.per_spacing = static_cast<float>(1 / spacing);
   view.per_coarse_spacing = static_cast<float>(1 / coarse_spacing);
-  view.step = static_cast<float>(band() / kClampedSample);
+  view.step = static_cast<float>(thickness() / kClampedSample);
   const auto set = [](float(&to)[3], Vec3 v) {
     to[0] = static_cast<float>(v.x), to[1] = static_cast<float>(v.y), to[2] = static_cast<float>(v.z);
   };

@@ -28,7 +28,7 @@ struct FieldBounds {
   HugePageVector<std::uint8_t> samples;
   HugePageVector<float> coarse;  ///< distances, rounded down; no clamping
 
-  double band() const { return kBandSamples * spacing; }
+  double thickness() const { return kBandSamples * spacing; }
   FieldView view() const;
 };
 

@@ -11,13 +11,6 @@
 
 namespace standoff {
 namespace collision {
-namespace {
-
-// Single precision carries lengths, and their squares, in this range; the trees' coordinates are single.
-constexpr double kLeastSize = 1e-12, kMostSize = 1e12;
-
-}  // namespace
-
 void ModelData::finish() {
   view = field.view();
   corners.reserve(bvh.order.size());
@@ -34,12 +27,11 @@ void ModelData::prepare(double spacing) {
     throw Error(ErrorCode::usage, "model: the spacing must be positive and finite; give zero to have it chosen");
   box = bounds(mesh);
   middle = box.center();
-  const Vec3 extent = box.extent();
-  const double size = std::max({extent.x, extent.y, extent.z});
-  if (!(size <= kMostSize) || (size > 0 && size < kLeastSize) || !(length(middle) < 1e15))
-    throw Error(ErrorCode::input,
-                "model: the mesh is " + number_text(size) +
-                    " across; scale it to between 1e-12 and 1e12, and nearer than 1e15 to the origin");
+  const double size = box.longest_side();
+  if (!(size <= kMaxModelSize) || (size > 0 && size < kMinModelSize) || !(length(middle) < kMaxPosition))
+    throw Error(ErrorCode::input, "model: the mesh is " + number_text(size) + " across; scale it to between " +
+                                      number_text(kMinModelSize) + " and " + number_text(kMaxModelSize) +
+                                      ", and nearer than " + number_text(kMaxPosition) + " to the origin");
   field.box = {box.min - middle, box.max - middle};
 }
 
@@ -76,7 +68,7 @@ Grid CollisionModel::grid() const {
   const double h = data_->field.spacing;
   return {data_->field.size, data_->field.origin + data_->middle, {h, h, h}};
 }
-double CollisionModel::band() const { return data_->field.band(); }
+double CollisionModel::thickness() const { return data_->field.thickness(); }
 
 std::int64_t CollisionModel::memory_bytes() const { return data_->memory_bytes(); }
 

@@ -138,7 +138,7 @@ CollisionModel read_model(const FileView& file, BodyChecksum checksum) {
   std::vector<bool> seen(header.triangles);
   for (const std::uint32_t t : data->bvh.order) {
     if (t >= header.triangles || seen[t])
-      file.fail("tree", "its order names a triangle twice or one there is not; save the body again");
+      file.fail("BVH", "its order names a triangle twice or one there is not; save the body again");
     seen[t] = true;
   }
   fill_levels(data->bvh, data->mesh, data->middle);

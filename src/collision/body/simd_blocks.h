@@ -41,9 +41,9 @@ struct alignas(64) PairOverlaps {
   double point[3][kPairs];
   double normal[3][kPairs];
   double depth[kPairs];
-  std::uint32_t intersecting;  ///< bit n: pair n touches, for certain; only then its numbers mean something
+  std::uint32_t intersecting;  ///< bit n: pair n intersects, for certain; only then its numbers mean something
   std::uint32_t
-      inaccurate;        ///< bit n: it touches, but point, normal and depth may err by more than penetration() promises
+      inaccurate;  ///< bit n: it intersects, but point, normal and depth may err by more than penetration() promises
   std::uint32_t unsure;  ///< bit n: rounding may hide the answer
 };
 

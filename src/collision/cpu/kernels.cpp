@@ -33,7 +33,8 @@ const Dispatch<Kernels>& dispatch() {
 
 }  // namespace
 
-const Kernels& kernels() { return dispatch().best(); }
+const Kernels& kernels_for(Simd simd, const char* where) { return dispatch().of(simd, where); }
+const Kernels& best_kernels() { return dispatch().best(); }
 std::span<const Kernels* const> all_kernels() { return dispatch().all(); }
 
 }  // namespace standoff::collision

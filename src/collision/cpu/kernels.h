@@ -7,6 +7,7 @@
 
 #include "collision/body/field_view.h"
 #include "collision/body/simd_blocks.h"
+#include "standoff/execution.h"
 
 namespace standoff::collision {
 
@@ -36,8 +37,11 @@ struct Kernels {
                   ClosestOfPairs&);
 };
 
-/// The kernels for this processor.
-const Kernels& kernels();
+/// The kernels for an instruction set; the best there are for Simd::automatic. Throws Error{usage} that begins with
+/// `where` when the processor lacks the set.
+const Kernels& kernels_for(Simd simd, const char* where);
+/// The best kernels that this processor can run.
+const Kernels& best_kernels();
 /// All that this processor can run, best first, for tests.
 std::span<const Kernels* const> all_kernels();
 

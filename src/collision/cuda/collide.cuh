@@ -22,7 +22,7 @@ inline constexpr unsigned kCollideThreads = 128;
 struct CollideTask {
   DeviceModelView target, probe;
   bool target_is_b;
-  collision::DoubleTransform of_a;
+  DoubleTransform of_a;
   double margin;
   const PoseQuery* queries;
   PoseAnswer* answers;
@@ -36,7 +36,7 @@ struct SearchShared {
   static constexpr int kWaiting = 64;  // 31 and what 32 lanes add
   std::uint32_t nodes[collision::kDeviceStack], target_nodes[collision::kDeviceStack];
   float gap[32];
-  FlatBox box[kLanes], all;  // of the placed triangles
+  FlatBox box[kLanes], all;  // of the transformed triangles
   std::uint32_t of_target[kWaiting], of_probe[kWaiting];
 };
 
@@ -50,7 +50,7 @@ class PoseSearch {
   STANDOFF_DEVICE PoseAnswer run() {
     Nodes nodes(shared_.nodes, task_.stack, packet_word(task_.probe.top, 0));
     while (!nodes.empty() && verdict_ != DeviceVerdict::hit && verdict_ != DeviceVerdict::overflow) {
-      // Where undecided a pair that surely touches may still come.
+      // Where undecided a pair that intersects for certain may still come.
       const bool triangles = nodes.top_level() == 0;
       const std::uint32_t word = nodes.take(triangles ? kMostLevels : 1, kNoPacket);
       if (triangles)
@@ -58,7 +58,7 @@ class PoseSearch {
       else
         open(nodes, word);
     }
-    return {verdict_, of_field_, of_tree_};
+    return {verdict_, of_target_, of_probe_};
   }
 
  private:
@@ -138,25 +138,24 @@ class PoseSearch {
 
   // Decides `count` of the pairs that wait, from `first` on, a lane each.
   STANDOFF_DEVICE void settle(int first, int count) {
-    bool touches = false, unsure = false;
+    bool hit = false, unsure = false;
     std::uint32_t of_target = 0, of_probe = 0;
     if (static_cast<int>(lane_) < count) {
       of_target = shared_.of_target[first + lane_], of_probe = shared_.of_probe[first + lane_];
       Triple<double> p[3], q[3];
       load_corners(task_.target, of_target, p);
       load_corners(task_.probe, of_probe, q);
-      const collision::DoubleTransform& of_p = task_.target_is_b ? query_.of_b : task_.of_a;
-      const collision::DoubleTransform& of_q = task_.target_is_b ? task_.of_a : query_.of_b;
-      for (int k = 0; k < 3; ++k) p[k] = collision::transformed(of_p, p[k]), q[k] = collision::transformed(of_q, q[k]);
-      const collision::TriangleOverlap<double> overlap = collision::triangle_overlap(p, q);
-      touches = overlap.intersecting, unsure = overlap.unsure;
-      if (!touches && task_.margin > 0)
-        touches = collision::closest_pair(p, q).distance_sq <= task_.margin * task_.margin;
+      const DoubleTransform& of_p = task_.target_is_b ? query_.of_b : task_.of_a;
+      const DoubleTransform& of_q = task_.target_is_b ? task_.of_a : query_.of_b;
+      for (int k = 0; k < 3; ++k) p[k] = standoff::transformed(of_p, p[k]), q[k] = standoff::transformed(of_q, q[k]);
+      const TriangleOverlap<double> overlap = triangle_overlap(p, q);
+      hit = overlap.intersecting, unsure = overlap.unsure;
+      if (!hit && task_.margin > 0) hit = closest_pair(p, q).distance_sq <= task_.margin * task_.margin;
     }
-    const std::uint32_t touching = __ballot_sync(kWarp, touches);
-    if (touching != 0) {
-      const int one = __ffs(static_cast<int>(touching)) - 1;
-      of_field_ = __shfl_sync(kWarp, of_target, one), of_tree_ = __shfl_sync(kWarp, of_probe, one);
+    const std::uint32_t hits = __ballot_sync(kWarp, hit);
+    if (hits != 0) {
+      const int one = __ffs(static_cast<int>(hits)) - 1;
+      of_target_ = __shfl_sync(kWarp, of_target, one), of_probe_ = __shfl_sync(kWarp, of_probe, one);
       verdict_ = DeviceVerdict::hit;
     } else if (__ballot_sync(kWarp, unsure) != 0) {
       verdict_ = DeviceVerdict::undecided;
@@ -171,7 +170,7 @@ class PoseSearch {
   const std::uint32_t lane_;
   // The same in all lanes.
   DeviceVerdict verdict_ = DeviceVerdict::free;
-  std::uint32_t of_field_ = 0, of_tree_ = 0;
+  std::uint32_t of_target_ = 0, of_probe_ = 0;
 };
 
 /// Warps take one pose after the other.

@@ -31,7 +31,7 @@ STANDOFF_DEVICE std::uint32_t word_of(const TimedPacket& entry) { return entry.w
 template <class Entry>
 class NodeStack {
  public:
-  /// `entries` is shared memory, room for `capacity`.
+  /// `entries` is shared memory for `capacity` of them.
   STANDOFF_DEVICE NodeStack(Entry* entries, int capacity, Entry first)
       : entries_(entries), capacity_(capacity), count_(1) {
     __syncwarp();
@@ -53,7 +53,7 @@ class NodeStack {
   }
 
   /// Puts the entries of some lanes on top, that with the highest rank (0 to their number less one) uppermost. False,
-  /// and nothing put, where there is no room.
+  /// and nothing put, where they do not fit.
   STANDOFF_DEVICE bool put(std::uint32_t lanes, int rank, Entry entry) {
     const int more = __popc(lanes);
     if (count_ + more > capacity_) return false;

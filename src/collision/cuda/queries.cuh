@@ -16,7 +16,7 @@ STANDOFF_DEVICE std::uint32_t take_query(std::uint32_t* next) {
   return __shfl_sync(kWarp, n, 0);
 }
 
-/// Answers queries until none is left, a warp each: its search of a task, a query and the warp's room.
+/// Answers queries until none is left, a warp each: its search of a task, a query and the warp's shared memory.
 template <class Search, class Task, class Shared>
 STANDOFF_DEVICE void answer_queries(const Task& task, Shared* shared) {
   for (;;) {

@@ -50,7 +50,7 @@ class MotionSearch {
       const TimedPacket packet = nodes.take(0, {0, kNoPacket});
       const int level = level_of(packet.word);
       const std::uint32_t n = lane_in_warp() % kLanes;
-      double time = 2;
+      double time = collision::kNever;
       if (packet.word != kNoPacket) {
         const collision::Sphere16& spheres = task_.probe.spheres[level][packet_of(packet.word)];
         if (spheres.radius[n] >= 0)
@@ -76,14 +76,8 @@ class MotionSearch {
     const float least = level == 0 ? collision::kWorthwhileTriangleStep * field.spacing : 0;
     const float worthwhile = max(collision::kWorthwhileStep * radius, least);
     const Triple<double> offset = query_.motion.offset(center);
-    collision::MovingSphere sphere{offset, query_.motion.speed(offset), start};
-    for (bool goes_on = true; goes_on;) {
-      const Triple<double> x = query_.motion.at(offset, sphere.time);
-      const float gap = collision::gap_of_sphere(field, static_cast<float>(x.x), static_cast<float>(x.y),
-                                                 static_cast<float>(x.z), radius, field.spacing);
-      goes_on = sphere.step(gap, query_.keep, kEnd, worthwhile);
-    }
-    return sphere.time;
+    return collision::advanced({offset, query_.motion.speed(offset), start}, radius, query_.motion, field, query_.keep,
+                               kEnd, worthwhile);
   }
 
   // Follows the triangles of those lanes that stopped.
@@ -162,10 +156,10 @@ class MotionSearch {
       for (int k = 0; k < 3; ++k) q[k] = query_.motion.at(triangle.offset[k], t);
       // At the start they may cross, where the distance of edges and corners says nothing.
       if (t == 0) {
-        const collision::TriangleOverlap<double> overlap = collision::triangle_overlap(p, q);
+        const TriangleOverlap<double> overlap = triangle_overlap(p, q);
         if (overlap.intersecting || overlap.unsure) return true;
       }
-      const collision::PairPoints<double> pair = collision::closest_pair(p, q);
+      const PairPoints<double> pair = closest_pair(p, q);
       const double apart = sqrt(pair.distance_sq);
       if (!(apart > 2 * keep)) return true;
       const double nearing = approach(pair.separation * (1 / apart), triangle);
@@ -181,10 +175,10 @@ class MotionSearch {
   STANDOFF_DEVICE double approach(const Triple<double>& n, const MovingTriangle& triangle) const {
     const collision::RelativeMotion& motion = query_.motion;
     if (motion.angle_rad == 0)
-      return motion.target_moves ? collision::plain_dot(n, motion.velocity) : -collision::plain_dot(n, motion.velocity);
+      return motion.target_moves ? plain_dot(n, motion.velocity) : -plain_dot(n, motion.velocity);
     if (motion.target_moves) return triangle.speed;
     return collision::rotation_speed_along(n, motion.axis, abs(motion.angle_rad), triangle.radius) -
-           collision::plain_dot(n, motion.velocity);
+           plain_dot(n, motion.velocity);
   }
 
   const SweepTask& task_;

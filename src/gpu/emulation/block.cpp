@@ -27,7 +27,7 @@ struct Thread {
   Index3 index{};
   unsigned rank = 0;
   State state = State::done;
-  Place at{};                   // the barrier it waits at
+  CallSite at{};                // the barrier it waits at
   std::uint32_t mask = 0;       // of that barrier
   unsigned block_barriers = 0;  // passed so far
   unsigned warp_barriers = 0;
@@ -57,7 +57,7 @@ std::atomic<std::int64_t> launches{0};
 Order order_now = Order::forward;
 unsigned seed_now = 1;
 
-STANDOFF_UNWATCHED void wait(State state, const Place& at) {
+STANDOFF_UNWATCHED void wait(State state, const CallSite& at) {
   running.current->state = state;
   running.current->at = at;
   running.current->fiber.park();
@@ -71,8 +71,8 @@ STANDOFF_UNWATCHED void run_thread() {
   running.current->fiber.finish();
 }
 
-STANDOFF_UNWATCHED Place place_of(unsigned n) { return running.threads[n]->at; }
-STANDOFF_UNWATCHED bool same(const Place& a, const Place& b) {
+STANDOFF_UNWATCHED CallSite call_site_of(unsigned n) { return running.threads[n]->at; }
+STANDOFF_UNWATCHED bool same(const CallSite& a, const CallSite& b) {
   return a.line == b.line && std::strcmp(a.file, b.file) == 0;
 }
 
@@ -107,7 +107,7 @@ class BlockRun {
     while (!all_done()) {
       bool moved = take_turns();
       moved |= open_block_barrier();
-      if (!moved) fail("threads wait for each other at " + waiting_places());
+      if (!moved) fail("threads wait for each other at " + waiting_call_sites());
     }
     acquire(&running.tags.of_end);
   }
@@ -163,7 +163,7 @@ class BlockRun {
         together &= !all || same(other.at, t.at);
       }
       if (!all) continue;
-      if (!together) fail("divergent warp: lanes wait at different places, " + waiting_places());
+      if (!together) fail("divergent warp: lanes wait at different call sites, " + waiting_call_sites());
       const std::uint32_t mask = t.mask;
       for (unsigned m = first; m < end; ++m)
         if (mask >> (m - first) & 1) running.threads[m]->state = State::ready;
@@ -177,23 +177,23 @@ class BlockRun {
     if (waiting == 0 || waiting + done != running.count) return false;
     if (done != 0)
       fail("divergent barrier: " + std::to_string(done) + " of " + std::to_string(running.count) +
-           " threads have ended, the others wait at " + waiting_places());
+           " threads have ended, the others wait at " + waiting_call_sites());
     for (unsigned n = 0; n < running.count; ++n)
-      if (!same(place_of(n), place_of(0)))
-        fail("divergent barrier: threads wait at different places, " + waiting_places());
+      if (!same(call_site_of(n), call_site_of(0)))
+        fail("divergent barrier: threads wait at different call sites, " + waiting_call_sites());
     for (unsigned n = 0; n < running.count; ++n) running.threads[n]->state = State::ready;
     return true;
   }
 
-  std::string waiting_places() const {
-    std::vector<std::string> places;
+  std::string waiting_call_sites() const {
+    std::vector<std::string> sites;
     for (unsigned n = 0; n < running.count; ++n)
       if (running.threads[n]->state == State::at_block_barrier || running.threads[n]->state == State::at_warp_barrier)
-        places.push_back(std::string(place_of(n).file) + ":" + std::to_string(place_of(n).line));
-    std::sort(places.begin(), places.end());
-    places.erase(std::unique(places.begin(), places.end()), places.end());
+        sites.push_back(std::string(call_site_of(n).file) + ":" + std::to_string(call_site_of(n).line));
+    std::sort(sites.begin(), sites.end());
+    sites.erase(std::unique(sites.begin(), sites.end()), sites.end());
     std::string all;
-    for (const std::string& one : places) all += (all.empty() ? "" : " and ") + one;
+    for (const std::string& one : sites) all += (all.empty() ? "" : " and ") + one;
     return all;
   }
 
@@ -245,14 +245,14 @@ STANDOFF_UNWATCHED Extent3 block_extent() { return running.block; }
 STANDOFF_UNWATCHED Extent3 grid_extent() { return running.grid; }
 STANDOFF_UNWATCHED unsigned lane() { return running.current->rank % kWarp; }
 
-STANDOFF_UNWATCHED void block_barrier(const Place& at) {
+STANDOFF_UNWATCHED void block_barrier(const CallSite& at) {
   char* tag = &running.tags.of_block[running.current->block_barriers++ & 1];
   release(tag);
   wait(State::at_block_barrier, at);
   acquire(tag);
 }
 
-STANDOFF_UNWATCHED void warp_barrier(std::uint32_t mask, const Place& at) {
+STANDOFF_UNWATCHED void warp_barrier(std::uint32_t mask, const CallSite& at) {
   char* tag = &running.warp_tags[2 * (running.current->rank / kWarp) + (running.current->warp_barriers++ & 1)];
   release(tag);
   running.current->mask = mask & existing_lanes();

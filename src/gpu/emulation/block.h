@@ -4,11 +4,11 @@
 //
 // Found: missing barriers (run in all three orders: results differ), races within a block (under the thread sanitizer),
 // accesses out of bounds (under the address sanitizer; shared memory is plain static memory), barriers that not all
-// threads of a block reach, or reach at different places, and the same of a warp's votes and shuffles (an Error that
-// names them). Not covered: races between blocks, which never run side by side here; the order in which other threads
-// see writes to memory; cooperative groups; asynchronous copies; streams, which are in order here; bank conflicts and
-// all else that is about time; shared memory read before it is written, which holds what the block before left there.
-// Stricter than the hardware: a barrier is a fault once a thread of the block has ended.
+// threads of a block reach, or reach at different call sites, and the same of a warp's votes and shuffles (an Error
+// that names them). Not covered: races between blocks, which never run side by side here; the order in which other
+// threads see writes to memory; cooperative groups; asynchronous copies; streams, which are in order here; bank
+// conflicts and all else that is about time; shared memory read before it is written, which holds what the block before
+// left there. Stricter than the hardware: a barrier is a fault once a thread of the block has ended.
 #pragma once
 
 #include <cstdint>
@@ -57,15 +57,15 @@ Extent3 grid_extent();
 unsigned lane();
 
 /// Where in the source a thread waits.
-struct Place {
+struct CallSite {
   const char* file;
   int line;
 };
 
 /// Waits for all threads of the block.
-void block_barrier(const Place& at);
+void block_barrier(const CallSite& at);
 /// Waits for the threads of the warp named in `mask`.
-void warp_barrier(std::uint32_t mask, const Place& at);
+void warp_barrier(std::uint32_t mask, const CallSite& at);
 /// A slot per lane of the calling thread's warp, for shuffles and votes.
 std::uint64_t& exchange_slot(unsigned of_lane);
 /// The lanes of the warp that exist.

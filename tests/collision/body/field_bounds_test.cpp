@@ -42,12 +42,12 @@ TEST(Bounds, GapsNeverExceedTheDistance) {
         center[0][n] = float(p.x), center[1][n] = float(p.y), center[2][n] = float(p.z);
         radius[n] = n % 2 ? 0.0f : 0.05f;
       }
-      kernels().gaps_at(data.view, center, radius, 1e30f, gap);
+      best_kernels().gaps_at(data.view, center, radius, 1e30f, gap);
       for (int n = 0; n < kLanes; ++n) {
         const Vec3 p = Vec3{center[0][n], center[1][n], center[2][n]} + data.middle;
         const double true_gap = reference_distance(mesh, p) - radius[n];
         worst = std::max(worst, gap[n] - true_gap);
-        if (true_gap > 0.5 * model.band()) continue;
+        if (true_gap > 0.5 * model.thickness()) continue;
         tightest += true_gap - gap[n];
         ++counted;
       }

@@ -93,7 +93,7 @@ TEST(PairKernels, MeetAnswersAsTheExactTest) {
       TrianglePairs pairs;
       for (int n = 0; n < kPairs; ++n) put(all[first + n].p, n, pairs.p), put(all[first + n].q, n, pairs.q);
       PairOverlaps overlap;
-      kernels().overlap_pairs(pairs, moved ? &transform_p : nullptr, moved ? &transform_q : nullptr, overlap);
+      best_kernels().overlap_pairs(pairs, moved ? &transform_p : nullptr, moved ? &transform_q : nullptr, overlap);
       for (int n = 0; n < kPairs; ++n) {
         const Corners p = moved ? transformed(pose_p, all[first + n].p) : all[first + n].p,
                       q = moved ? transformed(pose_q, all[first + n].q) : all[first + n].q;
@@ -124,7 +124,7 @@ TEST(PairKernels, MeetTellsWhereAndHowDeep) {
       put(two[n].p, n, pairs.p), put(two[n].q, n, pairs.q);
     }
     PairOverlaps overlap;
-    kernels().overlap_pairs(pairs, nullptr, nullptr, overlap);
+    best_kernels().overlap_pairs(pairs, nullptr, nullptr, overlap);
     for (int n = 0; n < kPairs; ++n) {
       if ((overlap.intersecting >> n & 1) == 0) continue;
       const Penetration expected = penetration(two[n].p, two[n].q);
@@ -155,8 +155,8 @@ double distance_by_projections(const Corners& p, const Corners& q) {
   for (const Vec3& start : p) {
     Triple<double> on_p = triple(start), on_q = onto(on_p, q);
     for (int n = 0; n < 1500; ++n) on_p = onto(on_q, p), on_q = onto(on_p, q);
-    const Triple<double> way = on_q - on_p;
-    least = std::min(least, std::sqrt(dot(way, way)));
+    const Triple<double> separation = on_q - on_p;
+    least = std::min(least, std::sqrt(dot(separation, separation)));
   }
   return least;
 }
@@ -181,7 +181,7 @@ TEST(PairKernels, ClosestPointsAreOnTheTrianglesAndNoOthersAreCloser) {
       put(two[n].p, n, pairs.p), put(two[n].q, n, pairs.q);
     }
     ClosestOfPairs found;
-    kernels().closest(pairs, nullptr, nullptr, found);
+    best_kernels().closest(pairs, nullptr, nullptr, found);
     for (int n = 0; n < kPairs; ++n) {
       if (triangles_intersect(two[n].p, two[n].q)) continue;
       const Vec3 on_p{found.on_p[0][n], found.on_p[1][n], found.on_p[2][n]},
@@ -238,7 +238,7 @@ Sixteen random_packet(Random& random, float by) {
   }
   FloatBox all;
   const FloatTransform here{{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
-  kernels().transform_triangles(here, triangles, by, packet.triangles, packet.boxes, all);
+  best_kernels().transform_triangles(here, triangles, by, packet.triangles, packet.boxes, all);
   return packet;
 }
 
@@ -252,7 +252,7 @@ TEST(PairKernels, NoPairWithinTheLimitIsLeftOut) {
     bool told[kLanes][kLanes] = {};
     const std::uint32_t lanes_a = 0xfff7, lanes_b = 0x7fff;
     const int count =
-        kernels().close_pairs({&a.triangles, &a.boxes, lanes_a}, {&b.triangles, &b.boxes, lanes_b}, limit, pairs);
+        best_kernels().close_pairs({&a.triangles, &a.boxes, lanes_a}, {&b.triangles, &b.boxes, lanes_b}, limit, pairs);
     for (int n = 0; n < count; ++n) {
       ASSERT_TRUE((lanes_a >> pairs[n].a & 1) != 0 && (lanes_b >> pairs[n].b & 1) != 0) << "a lane that was not given";
       ASSERT_FALSE(told[pairs[n].a][pairs[n].b]) << "a pair told twice";

@@ -22,22 +22,22 @@ using emulation::OrderScope;
 
 const Execution kEmulation{.threads = 2, .backend = testing::kEmulated};
 
-RigidMotion random_motion(Random& random, double half, double way, double turn, Vec3 around = {}) {
+RigidMotion random_motion(Random& random, double half, double translation, double turn, Vec3 around = {}) {
   RigidMotion motion;
   motion.from = random_pose(random, half);
   motion.from.translation = motion.from.translation + around;
   motion.center = random.in_cube(0.5);
   const Pose delta = make_pose(random.in_cube(1) + Vec3{1e-3, 0, 0}, random.between(0, turn), {});
   motion.to.rotation = turn > 0 ? compose(delta, motion.from).rotation : motion.from.rotation;
-  motion.to.translation = motion.from.translation + random.in_cube(way);
+  motion.to.translation = motion.from.translation + random.in_cube(translation);
   return motion;
 }
 
-std::vector<RigidMotion> random_motions(unsigned seed, int count, double half, double way, double turn,
+std::vector<RigidMotion> random_motions(unsigned seed, int count, double half, double translation, double turn,
                                         Vec3 around = {}) {
   Random random(seed);
   std::vector<RigidMotion> motions;
-  for (int n = 0; n < count; ++n) motions.push_back(random_motion(random, half, way, turn, around));
+  for (int n = 0; n < count; ++n) motions.push_back(random_motion(random, half, translation, turn, around));
   return motions;
 }
 
@@ -115,7 +115,7 @@ TEST(CudaSweep, FarFromTheOriginAndInOtherUnits) {
   }
 }
 
-// Coarse fields let triangles look far ahead, where their ways are arcs: a stake that stands where the arc is farthest
+// Coarse fields let triangles look far ahead, where their paths are arcs: a stake that stands where the arc is farthest
 // from its chord.
 TEST(CudaSweep, TurningOnTheSpot) {
   const CollisionModel stake(one_triangle({1, 0, -0.5}, {1.01, 0, 0.5}, {1.01, 0.01, 0.5}), {.spacing = 1}),
@@ -131,9 +131,9 @@ TEST(CudaSweep, TurningOnTheSpot) {
 
 TEST(CudaSweep, FastAndSlowAndNotAtAll) {
   const CollisionModel large(ball_mesh(1, 7)), small(ball_mesh(0.3, 3));
-  for (const double way : {0.02, 40.0}) {
-    SCOPED_TRACE("way " + std::to_string(way));
-    const Counts counts = expect_as_cpu(large, {}, small, random_motions(10, 200, 2, way, 0.5), 1e-4);
+  for (const double translation : {0.02, 40.0}) {
+    SCOPED_TRACE("translation " + std::to_string(translation));
+    const Counts counts = expect_as_cpu(large, {}, small, random_motions(10, 200, 2, translation, 0.5), 1e-4);
     EXPECT_GT(counts.report.on_device, 50);
     EXPECT_GT(counts.hits, 5);
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What random questions found: how many answers were wrong, in which way, and the farthest that an answer was off.
+// What random questions found: how many answers were wrong, how, and the farthest that an answer was off.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -29,9 +29,9 @@ inline QuadPoint along(const QuadPoint& from, const QuadPoint& step, Quad t) {
 inline Quad squared(const QuadPoint& v) { return dotted(v, v); }
 
 inline Quad point_segment_sq(const QuadPoint& x, const QuadPoint& from, const QuadPoint& to) {
-  const QuadPoint step = to - from, way = x - from;
-  const Quad all = squared(step), here = dotted(way, step);
-  if (!(here > 0)) return squared(way);
+  const QuadPoint step = to - from, separation = x - from;
+  const Quad all = squared(step), here = dotted(separation, step);
+  if (!(here > 0)) return squared(separation);
   if (!(here < all)) return squared(x - to);
   return squared(x - along(from, step, here / all));
 }

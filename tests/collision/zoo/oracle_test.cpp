@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The answers that the zoo's tests hold against standoff, against others: whole numbers against those of any length,
-// the exact touch against determinants of small whole numbers, gaps against points drawn at random, ways against
-// prisms.
+// the exact touch against determinants of small whole numbers, gaps against points drawn at random, translations
+// against prisms.
 #include <gtest/gtest.h>
 
 #include "tests/collision/exact_sign.h"
 #include "tests/collision/zoo/animals.h"
 #include "tests/collision/zoo/gap.h"
-#include "tests/collision/zoo/way.h"
+#include "tests/collision/zoo/swept_depth.h"
 
 namespace standoff {
 namespace {
@@ -33,7 +33,7 @@ TEST(ZooOracle, IntegersAreThoseOfAnyLength) {
   }
 }
 
-// Segment and triangle on a lattice, by determinants; what is flat by its parts. Not standoff's way either: all in
+// Segment and triangle on a lattice, by determinants; what is flat by its parts. Not standoff's method either: all in
 // int64.
 using Point = std::array<std::int64_t, 3>;
 std::int64_t det(const Point& a, const Point& b, const Point& c, const Point& d) {
@@ -159,8 +159,8 @@ TEST(ZooOracle, GapsAreThoseOfNearestPoints) {
     };
     double least = 1e300;
     for (int k = 0; k < 200; ++k) {
-      const Vec3 way = drawn(pair.p) - drawn(pair.q);
-      least = std::min(least, length(way));
+      const Vec3 translation = drawn(pair.p) - drawn(pair.q);
+      least = std::min(least, length(translation));
     }
     ASSERT_GE(least, found * (1 - 1e-15)) << n;
     for (const Vec3& v : pair.p) least = std::min(least, root_of(point_triangle_sq(v, pair.q)));
@@ -172,8 +172,8 @@ TEST(ZooOracle, GapsAreThoseOfNearestPoints) {
   EXPECT_GT(worst, 1e-3) << "two edges are nearest sometimes";
 }
 
-// On a lattice places on a way are exact: where the triangles touch at one of them, and where they go deep into each
-// other, as another test of prisms has it.
+// On a lattice positions on a path are exact: where the triangles touch at one of them, and where they go deep into
+// each other, as another test of prisms has it.
 TEST(ZooOracle, DepthsOnAWayAreThoseOfThePrism) {
   Random random(5);
   int through = 0, beside = 0, met = 0;
@@ -185,8 +185,8 @@ TEST(ZooOracle, DepthsOnAWayAreThoseOfThePrism) {
     };
     const Corners p = triangle(), q = triangle();
     constexpr int kPlaces = 64;
-    const Vec3 step = rounded(random.in_cube(0.7)) * 0.25, way = step * kPlaces;
-    const double depth = depth_on_way(p, way, q);
+    const Vec3 step = rounded(random.in_cube(0.7)) * 0.25, translation = step * kPlaces;
+    const double depth = swept_depth(p, translation, q);
     bool touching = false;
     for (int k = 0; k <= kPlaces; ++k) {
       const Vec3 by = step * k;
@@ -195,10 +195,10 @@ TEST(ZooOracle, DepthsOnAWayAreThoseOfThePrism) {
     ASSERT_TRUE(!touching || depth >= 0) << n;
     met += touching;
     if (std::abs(depth) < 1e-9) continue;  // touching, or flat
-    ASSERT_EQ(stays_out(p, way, q, 0), depth < 0) << n;
+    ASSERT_EQ(stays_out(p, translation, q, 0), depth < 0) << n;
     if (depth > 0) {
-      ASSERT_TRUE(stays_out(p, way, q, depth * (1 + 1e-9))) << n;
-      ASSERT_FALSE(stays_out(p, way, q, depth * (1 - 1e-9))) << n;
+      ASSERT_TRUE(stays_out(p, translation, q, depth * (1 + 1e-9))) << n;
+      ASSERT_FALSE(stays_out(p, translation, q, depth * (1 - 1e-9))) << n;
     }
     (depth > 0 ? through : beside)++;
   }

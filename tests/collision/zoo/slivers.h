@@ -27,7 +27,7 @@ struct Shape {
   Corners at(Vec3 place) const { return {corners[0] + place, corners[1] + place, corners[2] + place}; }
 };
 
-/// Which way slivers are thin.
+/// How slivers are thin.
 enum class Thin {
   any_way,  ///< heights are as exact as the rounding of the corners leaves them
   along_z,  ///< near z = 0, where heights of 1e-300 would be exact

@@ -33,9 +33,9 @@ struct Allowed {
   /// A contact's point from both of its triangles, and how far beyond its depth b moves along its normal until they are
   /// apart.
   double contact() const { return 1e-9 * extent + 4 * kRoundoff * coordinate; }
-  /// The place of a body on its way, at a time that is a double, and by poses with such translations: that of a mesh
-  /// far from its own origin is rounded by more than where it is in the world. So much a tolerance is at least.
-  double on_way(double length_of_way, double translation) const {
+  /// The position of a body on its path, at a time that is a double, and by poses with such translations: that of a
+  /// mesh far from its own origin is rounded by more than where it is in the world. So much a tolerance is at least.
+  double on_path(double length_of_way, double translation) const {
     return 128 * kRoundoff * (extent + coordinate + length_of_way + translation);
   }
 

@@ -74,12 +74,12 @@ bool apart_exactly(std::span<const Triple<T>> p, std::span<const Triple<T>> q, s
     }
   if (any_axis) return false;
   // All edges have one direction, or none a length.
-  const Triple<T> way = p[0] - q[0];
+  const Triple<T> separation = p[0] - q[0];
   for (std::size_t k = 0; k < count; ++k) {
     if (is_zero(edges[k])) continue;
-    return !is_zero(cross_of(way, edges[k])) || shadows_apart(edges[k], p, q);
+    return !is_zero(cross_of(separation, edges[k])) || shadows_apart(edges[k], p, q);
   }
-  return !is_zero(way);
+  return !is_zero(separation);
 }
 
 template <int kLimbs>

@@ -75,10 +75,10 @@ Pose resting_pose(Random& random, double size) {
 
 // A motion that is at `pose` at time `meeting`.
 RigidMotion motion_through(Random& random, const Pose& pose, double meeting, double size) {
-  const Vec3 way = direction(random) * (size * log_between(random, 1e-6, 1e3));
+  const Vec3 translation = direction(random) * (size * log_between(random, 1e-6, 1e3));
   RigidMotion motion{pose, pose, {}};
-  motion.from.translation = pose.translation - way * meeting;
-  motion.to.translation = pose.translation + way * (1 - meeting);
+  motion.from.translation = pose.translation - translation * meeting;
+  motion.to.translation = pose.translation + translation * (1 - meeting);
   return motion;
 }
 
@@ -100,7 +100,7 @@ void show(const RigidMotion& motion, double tolerance) {
 
 void check_sweeps(const PlacedPair& at, double size, int n, Random& random, bool shown, Findings& found) {
   const double tolerance = size * log_between(random, 1e-15, 1e-2);
-  if (n % 3 == 0) {  // no way at all
+  if (n % 3 == 0) {  // no translation at all
     if (shown) show({at.pose_b, at.pose_b, {}}, tolerance);
     check_sweep(at, {at.pose_b, at.pose_b, {}}, tolerance, 0, random, found);
     return;
@@ -195,7 +195,7 @@ TEST(Zoo, AnswersAreTrue) {
   EXPECT_LT(touching, all * 19 / 20);
   if (all < 20'000) return;  // one pair alone need not have everything
   for (const char* what :
-       {"straight sweeps whose whole way leads through", "sweeps that hit", "sweeps that touch at the start",
+       {"straight sweeps whose whole path leads through", "sweeps that hit", "sweeps that touch at the start",
         "certified free", "margins", "pairs within a margin, and apart", "contacts with too little room",
         "rough distances", "emulated poses", "emulated sweeps"})
     EXPECT_GT(found.counted(what), 0) << what;

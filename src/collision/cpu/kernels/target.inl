@@ -5,8 +5,7 @@
 
 #include "collision/body/simd_blocks.h"
 #include "collision/cpu/kernels.h"
-#include "geometry/triple.h"
-#include "simd/target.h"
+#include "simd/points.inl"
 
 namespace standoff::collision::STANDOFF_TARGET {
 
@@ -14,17 +13,8 @@ using namespace standoff::STANDOFF_TARGET;
 
 static_assert(kLanes == WideFloat::kLanes && kPairs == WideDouble::kLanes);
 
-using WidePoint = Triple<WideFloat>;
-
 namespace {
 
-/// Sixteen points, or three sides of sixteen boxes: axis, lane.
-STANDOFF_INLINE WidePoint load_points(const float (&at)[3][kLanes]) {
-  return {WideFloat::load(at[0]), WideFloat::load(at[1]), WideFloat::load(at[2])};
-}
-STANDOFF_INLINE void store_points(const WidePoint& points, float (&at)[3][kLanes]) {
-  points.x.store(at[0]), points.y.store(at[1]), points.z.store(at[2]);
-}
 /// One point in all lanes.
 STANDOFF_INLINE WidePoint same_points(const float* at) {
   return {WideFloat(at[0]), WideFloat(at[1]), WideFloat(at[2])};

@@ -10,17 +10,8 @@
 namespace standoff::collision::STANDOFF_TARGET {
 namespace {
 
-using DoublePoints = Triple<WideDouble>;
-
-STANDOFF_INLINE DoublePoints load_points(const double (&at)[3][kPairs]) {
-  return {WideDouble::load(at[0]), WideDouble::load(at[1]), WideDouble::load(at[2])};
-}
-STANDOFF_INLINE void store_points(const DoublePoints& points, double (&at)[3][kPairs]) {
-  points.x.store(at[0]), points.y.store(at[1]), points.z.store(at[2]);
-}
-
 struct EightPairs {
-  DoublePoints p[3], q[3];
+  DoublePoint p[3], q[3];
 };
 STANDOFF_INLINE EightPairs transformed_pairs(const TrianglePairs& pairs, const DoubleTransform* transform_p,
                                              const DoubleTransform* transform_q) {

@@ -9,8 +9,7 @@
 #include "field/cpu/kernels.h"
 #include "field/cpu/lattice.h"
 #include "field/tolerances.h"
-#include "geometry/triple.h"
-#include "simd/target.h"
+#include "simd/points.inl"
 
 namespace standoff::cpu::STANDOFF_TARGET {
 
@@ -18,17 +17,10 @@ using namespace standoff::STANDOFF_TARGET;
 
 static_assert(kLanes == WideFloat::kLanes);
 
-using WidePoint = Triple<WideFloat>;
-
 namespace {
 
 STANDOFF_INLINE const WideFloat& component(const WidePoint& p, int axis) {
   return axis == 0 ? p.x : axis == 1 ? p.y : p.z;
-}
-
-// Sixteen points: axis, lane.
-STANDOFF_INLINE WidePoint load_points(const float (&at)[3][kLanes]) {
-  return {WideFloat::load(at[0]), WideFloat::load(at[1]), WideFloat::load(at[2])};
 }
 
 // Samples of the brick inside the grid, per axis.

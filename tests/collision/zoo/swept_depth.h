@@ -35,9 +35,9 @@ double depth_exactly(std::span<const Triple<T>> p, std::span<const Triple<T>> q,
   return least < std::numeric_limits<long double>::infinity() ? static_cast<double>(least) : 0;
 }
 
-/// Of a triangle on its way into one that rests, in their units.
+/// Of a triangle translated into one that rests, in their units.
 template <int kLimbs>
-double depth_on_way(const Corners& moving, const Vec3& way, const Corners& resting, int exponent) {
+double swept_depth(const Corners& moving, const Vec3& translation, const Corners& resting, int exponent) {
   using Number = Integer<kLimbs>;
   const auto whole = [exponent](const Vec3& v) {
     return Triple<Number>{integer_of<kLimbs>(v.x, exponent), integer_of<kLimbs>(v.y, exponent),
@@ -45,7 +45,7 @@ double depth_on_way(const Corners& moving, const Vec3& way, const Corners& resti
   };
   std::array<Triple<Number>, 6> prism;
   std::array<Triple<Number>, 3> t;
-  const Triple<Number> v = whole(way);
+  const Triple<Number> v = whole(translation);
   for (int k = 0; k < 3; ++k) {
     prism[k] = whole(moving[k]), t[k] = whole(resting[k]);
     prism[k + 3] = {prism[k][0] + v[0], prism[k][1] + v[1], prism[k][2] + v[2]};
@@ -55,16 +55,16 @@ double depth_on_way(const Corners& moving, const Vec3& way, const Corners& resti
   return std::ldexp(depth_exactly<Number>(prism, t, edges), exponent);
 }
 
-inline double depth_on_way(const Corners& moving, const Vec3& way, const Corners& resting) {
+inline double swept_depth(const Corners& moving, const Vec3& translation, const Corners& resting) {
   BitRange range;
   for (const Corners* t : {&moving, &resting})
     for (const Vec3& v : *t) range.include(v);
-  range.include(way);
-  ++range.highest;  // a corner at the end of its way is a sum
-  if (range.fits(1)) return depth_on_way<1>(moving, way, resting, range.lowest);
-  if (range.fits(2)) return depth_on_way<2>(moving, way, resting, range.lowest);
-  if (range.fits(4)) return depth_on_way<4>(moving, way, resting, range.lowest);
-  return depth_on_way<20>(moving, way, resting, range.lowest);
+  range.include(translation);
+  ++range.highest;  // a translated corner is a sum
+  if (range.fits(1)) return swept_depth<1>(moving, translation, resting, range.lowest);
+  if (range.fits(2)) return swept_depth<2>(moving, translation, resting, range.lowest);
+  if (range.fits(4)) return swept_depth<4>(moving, translation, resting, range.lowest);
+  return swept_depth<20>(moving, translation, resting, range.lowest);
 }
 
 }  // namespace standoff::testing

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// Points in lanes, one after the other: what kernels fill their wide types from.
+#pragma once
+
+#include "geometry/triple.h"
+#include "simd/target.h"
+
+namespace standoff::STANDOFF_TARGET {
+
+using WidePoint = Triple<WideFloat>;
+using DoublePoint = Triple<WideDouble>;
+
+namespace {
+
+/// Sixteen points, or three sides of sixteen boxes: axis, lane.
+STANDOFF_INLINE WidePoint load_points(const float (&at)[3][WideFloat::kLanes]) {
+  return {WideFloat::load(at[0]), WideFloat::load(at[1]), WideFloat::load(at[2])};
+}
+STANDOFF_INLINE void store_points(const WidePoint& points, float (&at)[3][WideFloat::kLanes]) {
+  points.x.store(at[0]), points.y.store(at[1]), points.z.store(at[2]);
+}
+
+/// Eight points in double precision.
+STANDOFF_INLINE DoublePoint load_points(const double (&at)[3][WideDouble::kLanes]) {
+  return {WideDouble::load(at[0]), WideDouble::load(at[1]), WideDouble::load(at[2])};
+}
+STANDOFF_INLINE void store_points(const DoublePoint& points, double (&at)[3][WideDouble::kLanes]) {
+  points.x.store(at[0]), points.y.store(at[1]), points.z.store(at[2]);
+}
+
+}  // namespace
+}  // namespace standoff::STANDOFF_TARGET
