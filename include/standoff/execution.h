@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where work runs, and how long work reports its progress.
+// Where work runs.
 #pragma once
-
-#include <functional>
 
 namespace standoff {
 
@@ -28,15 +26,5 @@ struct Execution {
   int device = 0;  ///< which GPU, from 0, for Backend::cuda
   Simd simd = Simd::automatic;
 };
-
-struct Progress {
-  const char* stage = "";  ///< of compute: "prepare", "bin", "gather", "copy" (from a GPU), "hash" (not of
-                           ///< compute_into dense memory), "done"; of verify: "sort", "verify"
-  double fraction = 0;     ///< of the whole work, 0 to 1, never falling
-};
-
-/// Called repeatedly, from one thread at a time. Return false to cancel: the call then throws Error{interrupted}. An
-/// exception from the callback ends the work and leaves the call unchanged.
-using ProgressCallback = std::function<bool(const Progress&)>;
 
 }  // namespace standoff
