@@ -24,7 +24,7 @@ struct MeshMemory {
   std::ptrdiff_t triangle_stride;
   std::ptrdiff_t index_bytes;
   Numbers numbers;
-  bool dense;  ///< aligned doubles and 32-bit indices, without gaps: no stride has to be looked up
+  bool packed;  ///< aligned doubles and 32-bit indices, without gaps: no stride has to be looked up
 };
 
 /// Requires a valid mesh.
@@ -43,14 +43,14 @@ inline MeshMemory memory_of(const MeshView& mesh) {
           floats     ? Numbers::floats
           : !aligned ? Numbers::unaligned_doubles
                      : Numbers::doubles,
-          aligned && mesh.vertices.dense() && mesh.triangles.dense()};
+          aligned && mesh.vertices.packed() && mesh.triangles.packed()};
 }
 
-/// A corner's coordinates: where they lie, or in `room`. kDense requires mesh.dense.
-template <bool kDense>
+/// A corner's coordinates: where they lie, or in `room`. kPacked requires mesh.packed.
+template <bool kPacked>
 STANDOFF_INLINE const double* corner_of(const MeshMemory& mesh, std::uint32_t triangle, int which, double* room) {
   std::uint32_t vertex;
-  if (kDense) {
+  if (kPacked) {
     __builtin_memcpy(&vertex, mesh.triangles + 12 * std::size_t{triangle} + 4 * static_cast<std::size_t>(which), 4);
     return reinterpret_cast<const double*>(mesh.vertices + 24 * std::size_t{vertex});
   }

@@ -42,7 +42,7 @@ class MeshOnDevice {
   // Elements of another layout are converted some at a time.
   template <class T, class Array>
   static void copy_all(const Memory& to, const Array& all) {
-    if (const auto packed = all.packed()) {
+    if (const auto packed = all.as_span()) {
       copy_in(to.as<void>(), packed->data(), bytes<T>(packed->size()));
       return;
     }

@@ -17,7 +17,7 @@ struct Group {
 
 // The corners of the triangles refs[first], refs[first + 1], ..., corner by corner and lane by lane.
 using CornerRows = float[3][kLanes][4];
-template <bool kDense>
+template <bool kPacked>
 STANDOFF_INLINE void load_corners(const Lattice& lattice, const Brick& brick, const Candidates& c, std::int64_t first,
                                   CornerRows& rows, Group& group) {
   for (int lane = 0; lane < kLanes; ++lane) {
@@ -26,7 +26,7 @@ STANDOFF_INLINE void load_corners(const Lattice& lattice, const Brick& brick, co
     group.index[lane] = index;
     for (int which = 0; which < 3; ++which) {
       double room[3];
-      store_local(rows[which][lane], corner_of<kDense>(c.mesh, index, which, room), lattice.scale, brick.center);
+      store_local(rows[which][lane], corner_of<kPacked>(c.mesh, index, which, room), lattice.scale, brick.center);
     }
   }
 }
@@ -35,7 +35,7 @@ STANDOFF_INLINE void load_corners(const Lattice& lattice, const Brick& brick, co
 STANDOFF_INLINE void load_group(const Lattice& lattice, const Brick& brick, const Candidates& c, std::int64_t first,
                                 Group& group) {
   alignas(64) CornerRows rows;
-  if (c.mesh.dense)
+  if (c.mesh.packed)
     load_corners<true>(lattice, brick, c, first, rows, group);
   else
     load_corners<false>(lattice, brick, c, first, rows, group);
