@@ -7,9 +7,6 @@
 namespace standoff::cpu {
 namespace {
 
-static_assert(sizeof(Vec3) == 3 * sizeof(double) && sizeof(Triangle) == 3 * sizeof(std::uint32_t),
-              "the kernels read vertices and triangles as plain arrays");
-
 // Forgets the samples past the grid's far faces, so that stored tiles hold the thickness there.
 void clear_outside(const BlockLattice& lattice, const Brick& brick, bool with_nearest, BrickState& state) {
   int size[3];
