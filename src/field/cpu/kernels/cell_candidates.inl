@@ -41,8 +41,8 @@ STANDOFF_INLINE void set_up(const Group& loaded, FrameGroup& g) {
 }
 
 // Sets up the candidates first, first + 1, ... as far as there is room.
-STANDOFF_INLINE void fill_table(const Lattice& lattice, const Brick& brick, const Candidates& c, std::int64_t first,
-                                CandidateTable& table) {
+STANDOFF_INLINE void fill_table(const BlockLattice& lattice, const Brick& brick, const Candidates& c,
+                                std::int64_t first, CandidateTable& table) {
   table.count = 0;
   for (; table.count < CandidateTable::kGroups && first < c.count; ++table.count, first += kLanes) {
     CandidateTable::Group& g = table.groups[table.count];
@@ -72,7 +72,7 @@ constexpr int kTileCells = DistanceField::kTileSide / kCellSide;
 static_assert(CandidateTable::kCornersPerAxis == kTileCells + 1);
 
 // A coordinate of the tile's lattice of cells relative to the brick's centre: its faces lie on the outermost samples.
-STANDOFF_INLINE float corner_coordinate(const Lattice& lattice, int axis, int first_sample, int n) {
+STANDOFF_INLINE float corner_coordinate(const BlockLattice& lattice, int axis, int first_sample, int n) {
   const float sample = n == 0            ? 0
                        : n == kTileCells ? DistanceField::kTileSide - 1
                                          : kCellSide * static_cast<float>(n) - 0.5f;
@@ -82,7 +82,7 @@ STANDOFF_INLINE float corner_coordinate(const Lattice& lattice, int axis, int fi
 }
 
 // The lattice of a tile's cells; nothing is known near its corners yet.
-STANDOFF_INLINE void place_corners(const Lattice& lattice, const int (&first_sample)[3], CandidateTable& table) {
+STANDOFF_INLINE void place_corners(const BlockLattice& lattice, const int (&first_sample)[3], CandidateTable& table) {
   constexpr int kSide = CandidateTable::kCornersPerAxis;
   for (int n = 0; n < CandidateTable::kCorners; ++n) {
     CandidateTable::Corner& corner = table.corners[n];
@@ -159,7 +159,8 @@ struct CellCorners {
   float reach_sq;
 };
 
-STANDOFF_INLINE CellCorners cell_corners(const Lattice& lattice, const CandidateTable& table, const int (&cell)[3]) {
+STANDOFF_INLINE CellCorners cell_corners(const BlockLattice& lattice, const CandidateTable& table,
+                                         const int (&cell)[3]) {
   constexpr int kSide = CandidateTable::kCornersPerAxis;
   CellCorners result;
   const int(&number)[8] = result.number;

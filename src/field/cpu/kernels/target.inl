@@ -32,7 +32,7 @@ STANDOFF_INLINE WidePoint load_points(const float (&at)[3][kLanes]) {
 }
 
 // Samples of the brick inside the grid, per axis.
-STANDOFF_INLINE int inside(const Lattice& lattice, const Brick& brick, int axis) {
+STANDOFF_INLINE int inside(const BlockLattice& lattice, const Brick& brick, int axis) {
   const std::int64_t left = lattice.size[axis] - brick.at[axis] * kBrickSide;
   return left < kBrickSide ? static_cast<int>(left) : kBrickSide;
 }

@@ -18,8 +18,8 @@ struct Group {
 // The corners of the triangles refs[first], refs[first + 1], ..., corner by corner and lane by lane.
 using CornerRows = float[3][kLanes][4];
 template <bool kPacked>
-STANDOFF_INLINE void load_corners(const Lattice& lattice, const Brick& brick, const Candidates& c, std::int64_t first,
-                                  CornerRows& rows, Group& group) {
+STANDOFF_INLINE void load_corners(const BlockLattice& lattice, const Brick& brick, const Candidates& c,
+                                  std::int64_t first, CornerRows& rows, Group& group) {
   for (int lane = 0; lane < kLanes; ++lane) {
     const std::int64_t n = first + lane < c.count ? first + lane : c.count - 1;
     const std::uint32_t index = c.refs[n];
@@ -32,8 +32,8 @@ STANDOFF_INLINE void load_corners(const Lattice& lattice, const Brick& brick, co
 }
 
 // Loads the triangles refs[first], refs[first + 1], ...; past the end the last one again, which changes nothing.
-STANDOFF_INLINE void load_group(const Lattice& lattice, const Brick& brick, const Candidates& c, std::int64_t first,
-                                Group& group) {
+STANDOFF_INLINE void load_group(const BlockLattice& lattice, const Brick& brick, const Candidates& c,
+                                std::int64_t first, Group& group) {
   alignas(64) CornerRows rows;
   if (c.mesh.packed)
     load_corners<true>(lattice, brick, c, first, rows, group);
@@ -107,7 +107,7 @@ STANDOFF_INLINE TriangleFrame<F> frame_of_lane(const FrameLanes& from, std::uint
 }
 
 // The frame of a long triangle, in double.
-STANDOFF_INLINE TriangleFrame<double> double_frame(const Lattice& lattice, const Brick& brick, const Candidates& c,
+STANDOFF_INLINE TriangleFrame<double> double_frame(const BlockLattice& lattice, const Brick& brick, const Candidates& c,
                                                    std::uint32_t index) {
   Triple<double> corner[3];
   for (int which = 0; which < 3; ++which) {
