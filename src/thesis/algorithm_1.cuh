@@ -78,7 +78,9 @@ STANDOFF_KERNEL void __launch_bounds__(kGatherThreads)
   for (std::int64_t index = blockIdx.x; index < l.tile_count(); index += gridDim.x) {
     std::int64_t tile[3];
     tile_at(l, index, tile);
-    if (at.x >= inside(l, tile, 0) || at.y >= inside(l, tile, 1) || at.z >= inside(l, tile, 2)) continue;
+    if (at.x >= inside<kTileSide>(l, tile, 0) || at.y >= inside<kTileSide>(l, tile, 1) ||
+        at.z >= inside<kTileSide>(l, tile, 2))
+      continue;
     const std::int64_t sample =
         tile[0] * 8 + at.x + l.size[0] * (tile[1] * 8 + at.y + l.size[1] * (tile[2] * 8 + at.z));
     const float d = __uint_as_float(static_cast<std::uint32_t>(nearest[sample] >> 32));
@@ -95,7 +97,8 @@ STANDOFF_KERNEL void __launch_bounds__(kGatherThreads)
   for (std::int64_t index = blockIdx.x; index < l.tile_count(); index += gridDim.x) {
     std::int64_t tile[3];
     tile_at(l, index, tile);
-    const bool in_grid = at.x < inside(l, tile, 0) && at.y < inside(l, tile, 1) && at.z < inside(l, tile, 2);
+    const bool in_grid = at.x < inside<kTileSide>(l, tile, 0) && at.y < inside<kTileSide>(l, tile, 1) &&
+                         at.z < inside<kTileSide>(l, tile, 2);
     float value = __builtin_inff();
     std::uint32_t triangle = kNoTriangle;
     if (in_grid) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "field/cpu/brick_gather.h"
 
-#include <algorithm>
 #include <limits>
 
 namespace standoff::cpu {
@@ -10,8 +9,7 @@ namespace {
 // Forgets the samples past the grid's far faces, so that stored tiles hold the thickness there.
 void clear_outside(const BlockLattice& lattice, const Brick& brick, bool with_nearest, BrickState& state) {
   int size[3];
-  for (int axis = 0; axis < 3; ++axis)
-    size[axis] = static_cast<int>(std::min<std::int64_t>(kBrickSide, lattice.size[axis] - brick.at[axis] * kBrickSide));
+  for (int axis = 0; axis < 3; ++axis) size[axis] = inside<kBrickSide>(lattice, brick.at, axis);
   for (int z = 0; z < kBrickSide; ++z)
     for (int y = 0; y < kBrickSide; ++y)
       for (int x = z < size[2] && y < size[1] ? size[0] : 0; x < kBrickSide; ++x) {

@@ -117,7 +117,8 @@ STANDOFF_DEVICE void write_tile(const Lattice& l, const std::int64_t* tile, std:
     at = std::int64_t{output.slots[index]} * kTileSamples + t;
   } else {
     const int x = t % 8, y = t / 8 % 8, z = t / 64;
-    if (x >= inside(l, tile, 0) || y >= inside(l, tile, 1) || z >= inside(l, tile, 2)) return;
+    if (x >= inside<kTileSide>(l, tile, 0) || y >= inside<kTileSide>(l, tile, 1) || z >= inside<kTileSide>(l, tile, 2))
+      return;
     at = tile[0] * 8 + x + l.size[0] * (tile[1] * 8 + y + l.size[1] * (tile[2] * 8 + z));
   }
   output.values[at] = finished.value[t];
@@ -175,7 +176,8 @@ STANDOFF_KERNEL void __launch_bounds__(kGatherThreads, 2)
     const Triple<float> sample{x[at.x], y[at.y], z[at.z]};
     const int wx = at.x & 4, wy = at.y & 4, wz = at.z & 6;
     const Triple<float> warp_center{(x[wx] + x[wx + 3]) / 2, (y[wy] + y[wy + 3]) / 2, (z[wz] + z[wz + 1]) / 2};
-    const bool in_grid = at.x < inside(l, tile, 0) && at.y < inside(l, tile, 1) && at.z < inside(l, tile, 2);
+    const bool in_grid = at.x < inside<kTileSide>(l, tile, 0) && at.y < inside<kTileSide>(l, tile, 1) &&
+                         at.z < inside<kTileSide>(l, tile, 2);
 
     // No sample of the tile is farther from the mesh than this, where something is known.
     float known_within = l.thickness;

@@ -39,7 +39,8 @@ STANDOFF_INLINE std::uint32_t inside_bits(const int (&size)[3], int bx, int by, 
 
 unsigned band_tiles(const BlockLattice& lattice, const Brick& brick, BrickState& state) {
   const WideFloat limit_sq(lattice.thickness_sq);
-  const int size[3] = {inside(lattice, brick, 0), inside(lattice, brick, 1), inside(lattice, brick, 2)};
+  const int size[3] = {inside<kBrickSide>(lattice, brick.at, 0), inside<kBrickSide>(lattice, brick.at, 1),
+                       inside<kBrickSide>(lattice, brick.at, 2)};
   const bool whole = size[0] == kBrickSide && size[1] == kBrickSide && size[2] == kBrickSide;
   unsigned tiles = 0;
   for (int block = 0; block < kBlocks; ++block) {

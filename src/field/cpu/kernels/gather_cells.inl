@@ -191,8 +191,8 @@ void gather_tile(const BlockLattice& lattice, const Brick& brick, int tile, cons
       const int cell[3] = {n & 1, n >> 1 & 1, n >> 2};
       const int at[3] = {corner[0] + cell[0] * kCellSide, corner[1] + cell[1] * kCellSide,
                          corner[2] + cell[2] * kCellSide};
-      if (at[0] >= inside(lattice, brick, 0) || at[1] >= inside(lattice, brick, 1) ||
-          at[2] >= inside(lattice, brick, 2))
+      if (at[0] >= inside<kBrickSide>(lattice, brick.at, 0) || at[1] >= inside<kBrickSide>(lattice, brick.at, 1) ||
+          at[2] >= inside<kBrickSide>(lattice, brick.at, 2))
         continue;
       gather_cell<kNearest>(lattice, brick, c, table, cell_corners(lattice, table, cell), at, state);
     }

@@ -31,11 +31,5 @@ STANDOFF_INLINE WidePoint load_points(const float (&at)[3][kLanes]) {
   return {WideFloat::load(at[0]), WideFloat::load(at[1]), WideFloat::load(at[2])};
 }
 
-// Samples of the brick inside the grid, per axis.
-STANDOFF_INLINE int inside(const BlockLattice& lattice, const Brick& brick, int axis) {
-  const std::int64_t left = lattice.size[axis] - brick.at[axis] * kBrickSide;
-  return left < kBrickSide ? static_cast<int>(left) : kBrickSide;
-}
-
 }  // namespace
 }  // namespace standoff::cpu::STANDOFF_TARGET
