@@ -70,8 +70,7 @@ STANDOFF_INLINE void copy_block(const T* block, int x, int y, int z, const TileT
 }
 
 void write_tile(const BlockLattice& lattice, const BrickState& state, int tile, const TileTarget& target) {
-  const WideFloat limit_sq(lattice.thickness_sq), limit(lattice.thickness_world),
-      unscale(static_cast<float>(1 / lattice.scale));
+  const WideFloat limit_sq(lattice.thickness_sq), limit(lattice.thickness_world), unscale(lattice.unscale);
   constexpr int nx = kBlocksX / 2, ny = kBlocksY / 2, nz = kBlocksZ / 2;
   const int x0 = (tile & 1) * nx, y0 = (tile >> 1 & 1) * ny, z0 = (tile >> 2 & 1) * nz;
   for (int bz = 0; bz < nz; ++bz)
