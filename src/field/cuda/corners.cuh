@@ -60,10 +60,7 @@ STANDOFF_DEVICE bool is_valid(const DeviceMesh& mesh, std::uint32_t triangle, Ou
   return valid;
 }
 
-/// The longest side of a box, and its farthest coordinate from the origin.
-STANDOFF_DEVICE float longest_side(const BoxOf<float>& b) {
-  return max(b.high.x - b.low.x, max(b.high.y - b.low.y, b.high.z - b.low.z));
-}
+/// The farthest coordinate of a box from the origin.
 STANDOFF_DEVICE float farthest_coordinate(const BoxOf<float>& b) {
   return max(max(max(abs(b.low.x), abs(b.high.x)), max(abs(b.low.y), abs(b.high.y))), max(abs(b.low.z), abs(b.high.z)));
 }

@@ -4,6 +4,7 @@
 
 #include "field/cpu/frame_lanes.h"
 #include "field/cpu/kernels/target.inl"
+#include "field/set_up.h"
 #include "geometry/triangle_frame.h"
 
 namespace standoff::cpu::STANDOFF_TARGET {
@@ -47,15 +48,9 @@ STANDOFF_INLINE TriangleFrame<WideFloat> make_frames(const Group& group) {
   return make_frame(group.corner[0], group.corner[1], group.corner[2], WideFloat(kLeastLengthSq));
 }
 
-// Bits of the triangles that are to be measured by lines: those whose box has a side longer than kLongTriangle.
+// Bits of the triangles that are to be measured by lines.
 STANDOFF_INLINE std::uint32_t long_lanes(const Group& group) {
-  WideFloat longest(0);
-  for (int axis = 0; axis < 3; ++axis) {
-    const WideFloat a = component(group.corner[0], axis), b = component(group.corner[1], axis),
-                    c = component(group.corner[2], axis);
-    longest = max(longest, max(a, max(b, c)) - min(a, min(b, c)));
-  }
-  return less(WideFloat(kLongTriangle), longest).to_bits();
+  return is_long(box_of(group.corner[0], group.corner[1], group.corner[2])).to_bits();
 }
 
 // Frames into lanes and out of them, number by number.
@@ -109,13 +104,12 @@ STANDOFF_INLINE TriangleFrame<F> frame_of_lane(const FrameLanes& from, std::uint
 // The frame of a long triangle, in double.
 STANDOFF_INLINE TriangleFrame<double> double_frame(const BlockLattice& lattice, const Brick& brick, const Candidates& c,
                                                    std::uint32_t index) {
+  const Triple<double> center{brick.center[0], brick.center[1], brick.center[2]};
   Triple<double> corner[3];
   for (int which = 0; which < 3; ++which) {
     double room[3];
     const double* v = corner_of<false>(c.mesh, index, which, room);
-    corner[which] = {standoff::fma(v[0], lattice.scale, -brick.center[0]),
-                     standoff::fma(v[1], lattice.scale, -brick.center[1]),
-                     standoff::fma(v[2], lattice.scale, -brick.center[2])};
+    corner[which] = local(lattice, {v[0], v[1], v[2]}, center);
   }
   return make_frame(corner[0], corner[1], corner[2], double{kLeastLengthSq});
 }
