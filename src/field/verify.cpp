@@ -127,7 +127,7 @@ VerifyResult verify(const DistanceField& field, MeshView mesh, const VerifyOptio
   }
   return result;
 } catch (...) {
-  throw_as_error("verify", "test fewer samples, or use a machine with more");
+  throw_as_error("verify", "test fewer samples, or provide more memory");
 }
 
 }  // namespace standoff

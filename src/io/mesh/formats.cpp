@@ -201,7 +201,7 @@ Mesh read_mesh(const std::filesystem::path& path, const MeshReadOptions& options
     if (report) *report = std::move(found);
     return mesh;
   } catch (const std::bad_alloc&) {
-    throw Error(ErrorCode::limit, path.string() + ": not enough memory for its triangles; use a machine with more");
+    throw Error(ErrorCode::limit, path.string() + ": not enough memory for its triangles; provide more memory");
   }
 } catch (...) {
   throw_as_error("mesh");
