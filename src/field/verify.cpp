@@ -12,6 +12,7 @@
 #include "core/execution.h"
 #include "core/guarded.h"
 #include "core/progress.h"
+#include "core/promised_error.h"
 #include "core/threads.h"
 #include "field/triangle_groups.h"
 
@@ -92,7 +93,7 @@ double allowed_error(const Grid& grid, double distance) {
   const Box box = grid.bounds();
   const auto reach = [](Vec3 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); };
   const double resolution = 4 * std::numeric_limits<double>::epsilon() * std::max(reach(box.min), reach(box.max));
-  return 1e-6 * (distance + 16 * grid.max_spacing()) + resolution;
+  return promised_error(distance, grid.max_spacing()) + resolution;
 }
 
 VerifyResult verify(const DistanceField& field, MeshView mesh, const VerifyOptions& options) try {
