@@ -18,7 +18,7 @@ inline constexpr int kChunk = 256;
 
 /// What the step reads and writes.
 struct Step {
-  gpu::Level parent, child;
+  Level parent, child;
   const Counter* parent_start;          // per parent, and the end
   const std::uint32_t* parent_entries;  // triangles
   const Counter* chunk_start;           // per parent, and the end
@@ -98,7 +98,7 @@ STANDOFF_DEVICE void begin_chunk(const Lattice& l, const Step& step, Counter num
     const std::int64_t parent = parent_of(step, number);
     const std::int64_t at[3] = {parent % step.parent.cells[0], parent / step.parent.cells[0] % step.parent.cells[1],
                                 parent / (step.parent.cells[0] * step.parent.cells[1])};
-    const gpu::Cell whole = gpu::cell_at(l, step.parent, at);
+    const CellBox whole = cell_at(l, step.parent, at);
     if (t == 0) {
       chunk.first = step.parent_start[parent] + (number - step.chunk_start[parent]) * kChunk;
       const Counter end = step.parent_start[parent + 1];
@@ -110,7 +110,7 @@ STANDOFF_DEVICE void begin_chunk(const Lattice& l, const Step& step, Counter num
     Child& child = chunk.child[t];
     child.index = -1;
     if (of_child[0] < step.child.cells[0] && of_child[1] < step.child.cells[1] && of_child[2] < step.child.cells[2]) {
-      const gpu::Cell cell = gpu::cell_at(l, step.child, of_child);
+      const CellBox cell = cell_at(l, step.child, of_child);
       child.index = of_child[0] + step.child.cells[0] * (of_child[1] + step.child.cells[1] * of_child[2]);
       child.center = narrowed(cell.center - whole.center);
       for (int axis = 0; axis < 3; ++axis) child.half[axis] = cell.half[axis];
