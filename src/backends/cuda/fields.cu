@@ -18,10 +18,13 @@ std::int64_t bytes_for(std::int64_t triangles, const Grid& grid, double thicknes
                        [&]<class Pipeline>() { return needed_bytes<Pipeline>(triangles, l, entries); });
 }
 
-Counts run(const Job& job, Sink& sink, Method method) {
+Counts run(const Job& job, Sink& sink, Method method) try {
   const DeviceScope scope(job.device);
   return with_pipeline(method, job.grid, job.thickness,
                        [&]<class Pipeline>() { return run_from_host<Pipeline>(job, sink); });
+} catch (const gpu::OutOfMemory& error) {
+  throw Error(error.code(), std::string(error.what()) + ", or take fewer samples or a smaller thickness",
+              error.details());
 }
 
 }  // namespace

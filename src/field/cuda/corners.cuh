@@ -7,9 +7,17 @@
 #include "geometry/triangle_lines.h"
 #include "gpu/platform.cuh"
 #include "gpu/scan.h"
+#include "standoff/cuda.h"
 #include "standoff/field.h"
 
 namespace standoff::STANDOFF_PLATFORM {
+
+#ifndef __CUDACC__  // the emulation takes the tasks of standoff/cuda.h, over plain memory
+using cuda::DeviceMesh;
+using cuda::DeviceOutput;
+using cuda::Outcome;
+using cuda::Task;
+#endif
 
 /// Lets no later kernel write anything.
 STANDOFF_DEVICE void stop(Outcome* outcome) { atomicAdd(&outcome->stopped, Counter{1}); }
