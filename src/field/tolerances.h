@@ -22,11 +22,16 @@ inline constexpr float kLeastLengthSq = 1e-12f;
 /// The same where a triangle is set up in double to be compared with cells' centres alone, which decides no bit.
 inline constexpr double kLeastLengthSqOfCells = 1e-24;
 
-/// What rounding may add to a distance when blocks, tiles and cells are culled: this many grid units, or this share,
-/// whichever the caller needs. A distance of 300 units that took ten operations in float is off by 2e-4. Decides no
-/// bit while it is above rounding; below it samples lose their nearest triangle. Larger: more candidates are kept.
+/// What rounding may add to a distance when blocks, tiles and cells are culled. Grid units: a distance of 300 that took
+/// ten operations in float is off by 2e-4. Decides no bit while it is above rounding; below it samples lose their
+/// nearest triangle. Larger: more candidates are kept.
 inline constexpr float kSlack = 1e-3f;
 static_assert(kSlack > 300 * gamma_float(10));
+
+/// The same as a share, of lengths of any size: thicknesses, radii, distances found so far. Ten operations are off by
+/// 6e-7. Smaller or larger: as kSlack.
+inline constexpr float kSlackRatio = 1e-3f;
+static_assert(kSlackRatio > gamma_float(10));
 
 /// The GPU culls in coordinates relative to coarse cells, which may be large: this share of the farthest coordinate
 /// comes on top of kSlack. 64 roundings.

@@ -169,8 +169,8 @@ STANDOFF_KERNEL void __launch_bounds__(kChunk) bound_children(Lattice l, DeviceM
 /// Whether a candidate may be nearest to a sample of the child.
 STANDOFF_DEVICE bool may_be_nearest(const Lattice& l, const Candidate& c, const Child& child) {
   const float least = max(sqrt(distance_sq(c.frame, child.center)) - c.slack, 0.0f);
-  const float by_distance = child.within + 2 * child.radius * (1 + kSlack);
-  const float by_reach = l.thickness * (1 + kSlack) + child.radius;
+  const float by_distance = child.within + 2 * child.radius * (1 + kSlackRatio);
+  const float by_reach = l.thickness * (1 + kSlackRatio) + child.radius;
   if (least > min(by_distance, by_reach)) return false;
   const Triple<float>& q = child.surface;
   float spread = 2 * child.half[0] * max(c.box.high.x - q.x, q.x - c.box.low.x);

@@ -27,7 +27,7 @@ STANDOFF_DEVICE SampleAt sample_of_thread(int thread) {
 STANDOFF_DEVICE float warp_radius(const Lattice& l) {
   const auto x = static_cast<float>(1.5 * l.unit[0]), y = static_cast<float>(1.5 * l.unit[1]),
              z = static_cast<float>(0.5 * l.unit[2]);
-  return sqrt(x * x + y * y + z * z) * (1 + kSlack);
+  return sqrt(x * x + y * y + z * z) * (1 + kSlackRatio);
 }
 
 /// The largest value among the lanes of a warp.
@@ -67,7 +67,7 @@ STANDOFF_DEVICE int gather_stage(const Lattice& l, const Stage& stage, int count
   for (int first = 0; first < count; first += 32) {
     // Samples past the grid never hold anything back.
     const float worst = sqrt(warp_max(in_grid ? best.distance_sq : 0));
-    const float within = min(l.thickness, min(worst, known_within)) * (1 + kSlack) + warp_radius(l);
+    const float within = min(l.thickness, min(worst, known_within)) * (1 + kSlackRatio) + warp_radius(l);
     const int mine = first + lane;
     const bool is_near =
         mine < count && sqrt(staged_distance_sq(stage, mine, warp_center)) - stage.slack[mine] <= within;
@@ -184,7 +184,7 @@ STANDOFF_KERNEL void __launch_bounds__(kGatherThreads, 2)
     if (lists.nearest_bound) {
       const double half = 3.5 * sqrt(l.unit[0] * l.unit[0] + l.unit[1] * l.unit[1] + l.unit[2] * l.unit[2]);
       const float bound = __uint_as_float(static_cast<std::uint32_t>(lists.nearest_bound[index] >> 32));
-      known_within = min(known_within, bound + static_cast<float>(half) * (1 + kSlack));
+      known_within = min(known_within, bound + static_cast<float>(half) * (1 + kSlackRatio));
     }
 
     if (thread == 0) finished.band = finished.measured = 0;

@@ -41,7 +41,7 @@ STANDOFF_INLINE CellBox cell_at(const Lattice& l, const Level& level, const std:
     const std::int64_t first = at[axis] * level.side;
     const std::int64_t past = first + level.side < l.size[axis] ? first + level.side : l.size[axis];
     middle[axis] = static_cast<double>(first + past - 1) / 2;
-    cell.half[axis] = static_cast<float>(static_cast<double>(past - 1 - first) / 2 * l.unit[axis]) * (1 + kSlack);
+    cell.half[axis] = static_cast<float>(static_cast<double>(past - 1 - first) / 2 * l.unit[axis]) * (1 + kSlackRatio);
     radius_sq += cell.half[axis] * cell.half[axis];
   }
   cell.center = position(l, middle[0], middle[1], middle[2]);

@@ -69,7 +69,7 @@ struct BlockLimits {
 // The points looked at, the boxes and what is computed for their triangles may be off by `slack`.
 STANDOFF_INLINE BlockLimits block_limits(const BlockLattice& lattice, const int (&at)[3], const PointDistances& points,
                                          float slack, const BrickState& state) {
-  const float slack_sq = slack * slack, within = lattice.thickness * (1 + kSlack);
+  const float slack_sq = slack * slack, within = lattice.thickness * (1 + kSlackRatio);
   const WideFloat added(beyond_slack(slack));
   // A box is out when gap^2 (1-a) - s^2/a > known, and 1/(1-a) < 1 + 2a.
   const WideFloat lowered_by(slack_sq / kSlackShare);

@@ -172,7 +172,7 @@ STANDOFF_INLINE CellCorners cell_corners(const BlockLattice& lattice, const Cand
     diagonal_sq += side * side;
   }
   // No sample is farther than half the diagonal from the nearest corner.
-  const float reach = (lattice.thickness + standoff::sqrt(diagonal_sq) / 2) * (1 + kSlack);
+  const float reach = (lattice.thickness + standoff::sqrt(diagonal_sq) / 2) * (1 + kSlackRatio);
   result.reach_sq = reach * reach;
   for (int q = 0; q < 8; ++q) {
     const CandidateTable::Corner& reference = table.corners[number[q]];

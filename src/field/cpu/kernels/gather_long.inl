@@ -43,11 +43,11 @@ STANDOFF_INLINE void gather_long(const BlockLattice& lattice, const Brick& brick
                                  std::uint32_t index, BrickState& state) {
   const TriangleLines<WideFloat> lines = make_lines<WideFloat>(double_frame(lattice, brick, c, index));
   const auto within = [&](float radius) __attribute__((always_inline)) {
-    const float reach = (lattice.thickness + radius) * (1 + kSlack) + kSlack;
+    const float reach = (lattice.thickness + radius) * (1 + kSlackRatio) + kSlack;
     return reach * reach;
   };
   const float reach_sq = within(lattice.block_radius);
-  const WideFloat beside(lattice.block_radius * (1 + kSlack) + kSlack);
+  const WideFloat beside(lattice.block_radius * (1 + kSlackRatio) + kSlack);
   std::uint32_t clumps = points_within(lines, load_points(lattice.clump_centers), within(lattice.clump_radius));
   for (; clumps; clumps &= clumps - 1) {
     const int clump = __builtin_ctz(clumps);
