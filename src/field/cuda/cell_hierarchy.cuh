@@ -166,6 +166,12 @@ STANDOFF_KERNEL void __launch_bounds__(kChunk) bound_children(Lattice l, DeviceM
   }
 }
 
+/// What the bound b of the test `bisector` (docs/cuda.md) is raised by, as a share, beside the slack that is in b and d
+/// already. Decides no bit while it is above the rounding of the test's operations; below it samples lose their nearest
+/// triangle. Larger: more candidates are kept.
+inline constexpr float kBisectorSlack = 1e-5f;
+static_assert(kBisectorSlack > gamma_float(16));
+
 /// Whether a candidate may be nearest to a sample of the child.
 STANDOFF_DEVICE bool may_be_nearest(const Lattice& l, const Candidate& c, const Child& child) {
   const float least = max(sqrt(distance_sq(c.frame, child.center)) - c.slack, 0.0f);
@@ -176,7 +182,7 @@ STANDOFF_DEVICE bool may_be_nearest(const Lattice& l, const Candidate& c, const 
   float spread = 2 * child.half[0] * max(c.box.high.x - q.x, q.x - c.box.low.x);
   spread = fma(2 * child.half[1], max(c.box.high.y - q.y, q.y - c.box.low.y), spread);
   spread = fma(2 * child.half[2], max(c.box.high.z - q.z, q.z - c.box.low.z), spread);
-  const float within = child.within * (1 + 1e-5f);
+  const float within = child.within * (1 + kBisectorSlack);
   return fma(least, least, -spread) < within * within;
 }
 

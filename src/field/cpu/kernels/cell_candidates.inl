@@ -18,15 +18,6 @@
 namespace standoff::cpu::STANDOFF_TARGET {
 namespace {
 
-// What a distance in a frame may be off by, as a share of the triangle's largest coordinate: 32 units of rounding of a
-// length up to sqrt(3) times as large (geometry/triangle_frame.h), 6.6e-6. With less, culling may drop the triangle
-// that is nearest; with more it only keeps more of them.
-constexpr float kFrameError = 32 * 1.7320508f * 0x1p-23f;
-// The share a by which squared distances are lowered to allow for a slack s in the distance d, without a root:
-// (d-s)^2 >= d^2 - 2ds >= d^2 (1-a) - s^2/a. Any a in (0, 1) is safe; it decides
-// how many candidates are kept for nothing, those beyond the limit by a d^2 + s^2/a. With s = kSlack the second term is
-// 0.01 squared grid units.
-constexpr float kSlackShare = 1e-4f;
 // What is added to a squared distance, beside the share a of it, to allow for a slack s in the distance the other way:
 // (d+s)^2 <= d^2 (1+a) + s^2 (1+1/a).
 STANDOFF_INLINE float beyond_slack(float slack) { return slack * slack * (1 + 1 / kSlackShare); }
