@@ -47,7 +47,8 @@ struct MeshReadReport {
   bool turned() const { return axes != std::array<int, 3>{1, 2, 3}; }
 };
 
-/// The report as English sentences without full stops; empty if nothing was done and nothing is known.
+/// The report as English sentences without full stops; empty if nothing was done and nothing is known. Errors: usage
+/// (an axis that is not 1, 2 or 3, or negative).
 STANDOFF_API std::vector<std::string> notes(const MeshReadReport& report);
 
 /// Reads a mesh. The extension decides the format; if no format has that extension, the content does. It is an error if
