@@ -68,7 +68,8 @@ endif()
 
 # Fields of meshes on the CPU and on CUDA.
 standoff_component(field FILES field/*.cpp field/cpu/*.cpp field/cuda/*.cpp gpu/${STANDOFF_CUDA_FILES} thesis/*.cpp
-                   backends/fields.cpp backends/cuda/${STANDOFF_CUDA_FILES} WITHOUT /algorithm_2 LIBRARIES ${STANDOFF_CUDA_RUNTIME})
+                   backends/fields.cpp backends/skip_rules.cpp backends/cuda/${STANDOFF_CUDA_FILES} WITHOUT /algorithm_2
+                   LIBRARIES ${STANDOFF_CUDA_RUNTIME})
 
 if("collision" IN_LIST STANDOFF_COMPONENTS)
   standoff_component(collision FILES collision/*.cpp collision/body/*.cpp collision/cpu/*.cpp collision/cuda/${STANDOFF_CUDA_FILES}

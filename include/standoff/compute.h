@@ -13,6 +13,7 @@
 #include "standoff/field.h"
 #include "standoff/grid.h"
 #include "standoff/mesh.h"
+#include "standoff/progress.h"
 
 namespace standoff {
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where work runs, and how work that takes long reports its progress.
+// Where work runs.
 #pragma once
-
-#include <functional>
 
 namespace standoff {
 
@@ -31,15 +29,5 @@ struct Execution {
   int device = 0;  ///< which GPU, from 0, for Backend::cuda
   Simd simd = Simd::automatic;
 };
-
-struct Progress {
-  const char* stage = "";  ///< of compute: "prepare", "bin", "gather", "copy" (from a GPU), "hash" (not of
-                           ///< compute_into dense memory), "done"; of verify: "sort", "verify"
-  double fraction = 0;     ///< the finished share of the whole work, 0 to 1; never decreases
-};
-
-/// Called repeatedly, from one thread at a time. Return false to cancel: the call then throws Error{interrupted}. If
-/// the callback throws, the work ends and the exception reaches the caller unchanged.
-using ProgressCallback = std::function<bool(const Progress&)>;
 
 }  // namespace standoff

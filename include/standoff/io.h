@@ -48,6 +48,7 @@ struct MeshReadReport {
 };
 
 /// The report as English sentences without full stops. Empty if the reader changed nothing and the unit is unknown.
+/// Errors: usage (an axis that is not 1, 2 or 3, or negative).
 STANDOFF_API std::vector<std::string> notes(const MeshReadReport& report);
 
 /// Reads a mesh. The extension decides the format; if no format has that extension, the content decides. It is an error

@@ -82,19 +82,19 @@ class VertexArray {
       : data_(reinterpret_cast<const std::byte*>(first)),
         count_(count),
         stride_(stride),
-        dense_(stride == std::ptrdiff_t{sizeof(Vec3)}) {}
+        packed_(stride == std::ptrdiff_t{sizeof(Vec3)}) {}
   VertexArray(const float* first, std::size_t count, std::ptrdiff_t stride = 3 * sizeof(float))
       : data_(reinterpret_cast<const std::byte*>(first)),
         count_(count),
         stride_(stride),
         type_(Type::float32),
-        dense_(false) {}
+        packed_(false) {}
 
   std::size_t size() const { return count_; }
   bool empty() const { return count_ == 0; }
   /// Requires n < size().
   Vec3 operator[](std::size_t n) const {
-    if (dense_) return detail::load_vertex<double>(data_ + n * sizeof(Vec3));
+    if (packed_) return detail::load_vertex<double>(data_ + n * sizeof(Vec3));
     const std::byte* const at = data_ + static_cast<std::ptrdiff_t>(n) * stride_;
     return type_ == Type::float32 ? detail::load_vertex<float>(at) : detail::load_vertex<double>(at);
   }
@@ -106,12 +106,12 @@ class VertexArray {
   std::ptrdiff_t stride() const { return stride_; }
   Type type() const { return type_; }
   /// Whether the vertices are doubles without gaps between them.
-  bool dense() const { return dense_; }
-  /// The vertices as a span if their layout is that of Vec3; else nullopt.
-  std::optional<std::span<const Vec3>> packed() const {
+  bool packed() const { return packed_; }
+  /// The vertices as a span if they are packed and aligned; else nullopt.
+  std::optional<std::span<const Vec3>> as_span() const {
     static_assert(sizeof(Vec3) == 3 * sizeof(double));
     const bool aligned = reinterpret_cast<std::uintptr_t>(data_) % alignof(Vec3) == 0;
-    if (type_ != Type::float64 || stride_ != std::ptrdiff_t{sizeof(Vec3)} || !aligned) return std::nullopt;
+    if (!packed_ || !aligned) return std::nullopt;
     return std::span(reinterpret_cast<const Vec3*>(data_), count_);
   }
 
@@ -120,7 +120,7 @@ class VertexArray {
   std::size_t count_ = 0;
   std::ptrdiff_t stride_ = sizeof(Vec3);
   Type type_ = Type::float64;
-  bool dense_ = true;  // doubles without gaps: most meshes, and the fastest to read
+  bool packed_ = true;  // doubles without gaps: most meshes, and the fastest to read
 };
 
 /// A view of triangles in the caller's memory. A triangle is three adjacent indices; strides are as in VertexArray.
@@ -147,7 +147,7 @@ class TriangleArray {
         type_(sizeof(Index) == 4            ? std::signed_integral<Index> ? Type::int32 : Type::uint32
               : std::signed_integral<Index> ? Type::int64
                                             : Type::uint64),
-        dense_(type_ == Type::uint32 && stride == std::ptrdiff_t{sizeof(Triangle)}) {}
+        packed_(type_ == Type::uint32 && stride == std::ptrdiff_t{sizeof(Triangle)}) {}
 
   std::size_t size() const { return count_; }
   bool empty() const { return count_ == 0; }
@@ -187,13 +187,13 @@ class TriangleArray {
   std::ptrdiff_t stride() const { return stride_; }
   Type type() const { return type_; }
   /// Whether the indices are unsigned, have 32 bits, and have no gaps between triangles.
-  bool dense() const { return dense_; }
+  bool packed() const { return packed_; }
   int index_bytes() const { return type_ == Type::uint32 || type_ == Type::int32 ? 4 : 8; }
-  /// The triangles as a span if their layout is that of Triangle; else nullopt.
-  std::optional<std::span<const Triangle>> packed() const {
+  /// The triangles as a span if they are packed and aligned; else nullopt.
+  std::optional<std::span<const Triangle>> as_span() const {
     static_assert(sizeof(Triangle) == 3 * sizeof(std::uint32_t));
     const bool aligned = reinterpret_cast<std::uintptr_t>(data_) % alignof(Triangle) == 0;
-    if (type_ != Type::uint32 || stride_ != std::ptrdiff_t{sizeof(Triangle)} || !aligned) return std::nullopt;
+    if (!packed_ || !aligned) return std::nullopt;
     return std::span(reinterpret_cast<const Triangle*>(data_), count_);
   }
 
@@ -202,7 +202,7 @@ class TriangleArray {
   std::size_t count_ = 0;
   std::ptrdiff_t stride_ = sizeof(Triangle);
   Type type_ = Type::uint32;
-  bool dense_ = true;  // 32 bits, unsigned, without gaps
+  bool packed_ = true;  // 32 bits, unsigned, without gaps
 };
 
 /// A view of the caller's mesh. Open, nonmanifold, self-intersecting and unoriented meshes, degenerate and duplicate
@@ -216,14 +216,15 @@ struct MeshView {
 
   /// Corner k of a triangle. Requires a triangle of a valid mesh, and k in 0 to 2.
   Vec3 corner(std::size_t triangle, int k) const {
-    if (!triangles.dense()) return vertices[static_cast<std::size_t>(triangles.index(triangle, k))];
+    if (!triangles.packed()) return vertices[static_cast<std::size_t>(triangles.index(triangle, k))];
     const std::byte* const first = triangles.data() + triangle * sizeof(Triangle);
     return vertices[detail::load<std::uint32_t>(first + sizeof(std::uint32_t) * static_cast<std::size_t>(k))];
   }
 
   /// The three corners of a triangle of a valid mesh. Faster than corner() three times.
   std::array<Vec3, 3> corners(std::size_t triangle) const {
-    if (!triangles.dense() || !vertices.dense()) return {corner(triangle, 0), corner(triangle, 1), corner(triangle, 2)};
+    if (!triangles.packed() || !vertices.packed())
+      return {corner(triangle, 0), corner(triangle, 1), corner(triangle, 2)};
     const Triangle t = triangles[triangle];
     const auto vertex = [&](std::uint32_t n) {
       return detail::load_vertex<double>(vertices.data() + n * sizeof(Vec3));

@@ -8,6 +8,7 @@
 #include "standoff/export.h"
 #include "standoff/field.h"
 #include "standoff/mesh.h"
+#include "standoff/progress.h"
 
 namespace standoff {
 

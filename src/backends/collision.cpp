@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "backends/no_emulation.h"
 #include "collision/cuda/queries.h"
 #include "gpu/devices.h"
 #include "standoff/error.h"
@@ -30,10 +31,7 @@ const DeviceRow* find_device(Backend backend, std::size_t count) {
   for (const DeviceRow& row : kRows)
     if (row.backend == (automatic ? Backend::cuda : backend) && row.available()) return &row;
   if (backend == Backend::cuda) throw Error(ErrorCode::device, cuda::why_not_available());
-  if (backend == testing::kEmulated)
-    throw Error(ErrorCode::device,
-                "batch: this build of standoff has no emulated GPU; use the CPU, or build standoff with the component "
-                "'emulation' (STANDOFF_COMPONENTS)");
+  if (backend == testing::kEmulated) throw_no_emulation("batch");
   return nullptr;
 }
 

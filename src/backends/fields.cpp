@@ -4,6 +4,7 @@
 #include <array>
 
 #include "backends/cuda/fields.h"
+#include "backends/no_emulation.h"
 #include "field/cpu/tiles.h"
 #include "gpu/devices.h"
 #include "standoff/testing/emulation.h"
@@ -44,12 +45,9 @@ const BackendRow& find_backend(Backend backend, Method method, std::int64_t tria
   for (const BackendRow& row : kRows)
     if (row.method == method && (wanted == Backend::automatic || row.backend == wanted) && row.available()) return row;
   if (backend == Backend::cuda) throw Error(ErrorCode::device, cuda::why_not_available());
-  if (backend == testing::kEmulated)
-    throw Error(
-        ErrorCode::device,
-        "compute: this build of standoff has no emulated GPU; use the CPU, or build standoff with the component "
-        "'emulation' (STANDOFF_COMPONENTS)");
-  throw Error(ErrorCode::device, "compute: no backend runs this method; use another method or backend");
+  if (backend == testing::kEmulated) throw_no_emulation("compute");
+  // The CPU has a row for every method, and options are checked before.
+  throw Error(ErrorCode::internal, "compute: no row for this method; this is a bug in standoff, please report it");
 }
 
 }  // namespace standoff

@@ -7,9 +7,14 @@
 #include <cmath>
 
 #include "collision/body/sphere_bound.h"
+#include "core/promised_error.h"
 
 namespace standoff::collision {
 namespace {
+
+// compute()'s error within the band of the fine field, in its spacings, with room for rounding.
+constexpr double kFineError = 3e-5;
+static_assert(kFineError > promised_error(kBandSamples, 1));
 
 class Certify {
  public:
@@ -53,7 +58,7 @@ class Certify {
     const int sample = fine_sample(view, tile_of(view, i, j, k), index_in_tile(i, j, k));
     if (sample == kClampedSample) return std::numeric_limits<double>::infinity();
     // Samples were rounded down by a step and compute()'s error at the most.
-    return (sample + 1) * f.thickness() / kClampedSample + 3e-5 * f.spacing + off + pair_.slack;
+    return (sample + 1) * f.thickness() / kClampedSample + kFineError * f.spacing + off + pair_.slack;
   }
 
   const QueryPair& pair_;

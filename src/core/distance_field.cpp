@@ -5,7 +5,6 @@
 #include <string>
 #include <utility>
 
-#include "core/field_bytes.h"
 #include "core/field_error.h"
 #include "core/tile_count.h"
 #include "core/tile_pool.h"
@@ -24,15 +23,6 @@ constexpr int within(std::int64_t i, std::int64_t j, std::int64_t k) {
 bool is_one_of(std::int64_t n, std::int64_t count) { return n >= 0 && n < count; }
 
 }  // namespace
-
-double field_bytes(double stored_tiles, double all_tiles, bool with_nearest) {
-  constexpr double kTileBytes = sizeof(float) * kSamples;
-  // Tiles are fewer than 2^31; what is more fits no memory, and steps do not matter.
-  const double tiles = stored_tiles < 0x1p31
-                           ? static_cast<double>(TilePool::in_steps(static_cast<std::int64_t>(stored_tiles)))
-                           : stored_tiles;
-  return tiles * kTileBytes * (with_nearest ? 2 : 1) + all_tiles * sizeof(std::int32_t);
-}
 
 DistanceField::DistanceField(const Grid& grid, double thickness, bool with_nearest) {
   reset(grid, thickness, with_nearest);

@@ -1,12 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "core/field_bytes.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <string>
 
-#include "core/field_bytes.h"
+#include "core/tile_pool.h"
+#include "standoff/field.h"
 
 namespace standoff {
+
+double field_bytes(double stored_tiles, double all_tiles, bool with_nearest) {
+  constexpr double kTileBytes = sizeof(float) * DistanceField::kTileSamples;
+  // Tiles are fewer than 2^31; what is more fits no memory, and steps do not matter.
+  const double tiles = stored_tiles < 0x1p31
+                           ? static_cast<double>(TilePool::in_steps(static_cast<std::int64_t>(stored_tiles)))
+                           : stored_tiles;
+  return tiles * kTileBytes * (with_nearest ? 2 : 1) + all_tiles * sizeof(std::int32_t);
+}
 
 std::string over_the_limit(double needed, double limit) {
   double unit = 1;

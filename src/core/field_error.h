@@ -31,6 +31,6 @@ inline std::string index_text(std::int64_t x, std::int64_t y, std::int64_t z) {
 }
 
 /// For what needs memory: throws what is being handled as the Error it is or stands for.
-[[noreturn]] inline void throw_field_error() { throw_as_error("field", "take fewer samples, or a machine with more"); }
+[[noreturn]] inline void throw_field_error() { throw_as_error("field", "take fewer samples, or provide more memory"); }
 
 }  // namespace standoff

@@ -13,7 +13,7 @@ namespace standoff {
 namespace {
 
 // Made while there is memory: to copy an Error takes none.
-const Error kNoMemory(ErrorCode::limit, "the machine has not enough memory; use one with more, or smaller input");
+const Error kNoMemory(ErrorCode::limit, "not enough memory; use smaller input, or provide more memory");
 
 // The exception being handled, which is no Error.
 Error as_error(const char* where, const char* what_to_do) {
@@ -21,9 +21,9 @@ Error as_error(const char* where, const char* what_to_do) {
   try {
     throw;
   } catch (const std::bad_alloc&) {
-    return Error(ErrorCode::limit, place + "the machine has not enough memory; " + what_to_do);
+    return Error(ErrorCode::limit, place + "not enough memory; " + what_to_do);
   } catch (const std::length_error&) {
-    return Error(ErrorCode::limit, place + "no machine has enough memory; " + what_to_do);
+    return Error(ErrorCode::limit, place + "no memory is large enough; " + what_to_do);
   } catch (const std::system_error& error) {
     return Error(ErrorCode::limit,
                  place + "the system refused: " + error.what() + "; free some of its resources, or use fewer threads");

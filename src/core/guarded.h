@@ -26,6 +26,6 @@ decltype(auto) call_back(const Callback& callback, Arguments&&... arguments) {
 /// Memory that is not there, and sizes that no memory holds, become Error{limit} with what to do; what the system
 /// refuses Error{limit} too; what a callback threw comes out as it is; all else is a bug, Error{internal}.
 [[noreturn]] void throw_as_error(const char* where,
-                                 const char* what_to_do = "use a machine with more, or smaller input");
+                                 const char* what_to_do = "use smaller input, or provide more memory");
 
 }  // namespace standoff

@@ -9,7 +9,7 @@ namespace standoff {
 /// The same mesh, whatever the layout of the other one, which must be valid.
 inline Mesh copy_of(const MeshView& mesh) {
   const auto all = [](const auto& array, auto& to) {
-    if (const auto packed = array.packed()) {
+    if (const auto packed = array.as_span()) {
       to.assign(packed->begin(), packed->end());
       return;
     }

@@ -35,7 +35,7 @@ std::uint64_t hash_of_words(std::size_t count, Word word) {
 std::uint64_t content_hash(MeshView mesh) try {
   std::uint64_t vertices = 0, triangles = 0;
   const auto hash_vertices = [&] {
-    if (const auto packed = mesh.vertices.packed()) {
+    if (const auto packed = mesh.vertices.as_span()) {
       const auto* coordinates = reinterpret_cast<const char*>(packed->data());
       vertices = hash_of_words(3 * packed->size(), [&](std::size_t n) {
         std::uint64_t bits;
@@ -56,7 +56,7 @@ std::uint64_t content_hash(MeshView mesh) try {
         return n % 2 == 0 ? (std::uint64_t{t[0]} << 32) | t[1] : t[2];
       });
     };
-    const auto packed = mesh.triangles.packed();
+    const auto packed = mesh.triangles.as_span();
     triangles = packed ? hash(*packed) : hash(mesh.triangles);
   };
   tbb::parallel_invoke(hash_vertices, hash_triangles);

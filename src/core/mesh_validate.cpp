@@ -24,7 +24,7 @@ constexpr std::size_t kGrain = 16384;
 // Packed arrays in a loop of their own, which the compiler makes wide.
 template <class Array, class Look>
 void each_in_memory(const Array& array, const Positions& positions, Look look) {
-  if (const auto packed = array.packed())
+  if (const auto packed = array.as_span())
     for (std::size_t n = positions.begin(); n < positions.end(); ++n) look((*packed)[n]);
   else
     for (std::size_t n = positions.begin(); n < positions.end(); ++n) look(array[n]);

@@ -8,7 +8,7 @@
 
 #include "core/guarded.h"
 #include "standoff/error.h"
-#include "standoff/execution.h"
+#include "standoff/progress.h"
 
 namespace standoff {
 

@@ -99,7 +99,7 @@ std::vector<ClosestPoint> closest_points(MeshView mesh, std::span<const Vec3> po
   });
   return found;
 } catch (...) {
-  throw_as_error("points", "ask about fewer points at once, or use a machine with more");
+  throw_as_error("points", "ask about fewer points at once, or provide more memory");
 }
 
 }  // namespace standoff

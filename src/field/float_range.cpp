@@ -16,24 +16,21 @@ namespace {
 constexpr double kLeastSpacing = 0x1p-110, kLargestSpacing = 0x1p100;
 constexpr double kMostUneven = 0x1p60;  // the largest spacing to the least
 
+bool is_moderate(double spacing) { return spacing >= kLeastSpacing && spacing <= kLargestSpacing; }
+bool is_even(Vec3 h) { return std::min({h.x, h.y, h.z}) >= std::max({h.x, h.y, h.z}) / kMostUneven; }
+
 }  // namespace
 
 FloatRange::FloatRange(const Grid& grid)
     : center_(grid.bounds().center()), farthest_(std::min(0x1p60 * grid.max_spacing(), 0x1p125)) {}
 
-bool has_float_spacing(const Grid& grid) {
-  const double spacing = grid.max_spacing();
-  const Vec3 h = grid.spacing;
-  return spacing >= kLeastSpacing && spacing <= kLargestSpacing && std::min({h.x, h.y, h.z}) >= spacing / kMostUneven;
-}
+bool has_float_spacing(const Grid& grid) { return is_moderate(grid.max_spacing()) && is_even(grid.spacing); }
 
 void check_domain(MeshView mesh, const Grid& grid) {
-  const double spacing = grid.max_spacing();
-  if (spacing < kLeastSpacing || spacing > kLargestSpacing)
-    throw Error(ErrorCode::limit, "compute: the spacing is " + std::to_string(std::ilogb(spacing)) +
+  if (!is_moderate(grid.max_spacing()))
+    throw Error(ErrorCode::limit, "compute: the spacing is " + std::to_string(std::ilogb(grid.max_spacing())) +
                                       " binary orders from one, too many for values in float; scale mesh and grid");
-  const Vec3 h = grid.spacing;
-  if (std::min({h.x, h.y, h.z}) < spacing / kMostUneven)
+  if (!is_even(grid.spacing))
     throw Error(ErrorCode::limit,
                 "compute: one spacing is less than 2^-60 of another, too little for float; take more even spacings");
   const FloatRange near(grid);

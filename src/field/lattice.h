@@ -114,10 +114,11 @@ STANDOFF_INLINE void tile_at(const Lattice& l, std::int64_t index, std::int64_t*
   tile[2] = index / (l.tiles[0] * l.tiles[1]);
 }
 
-/// Samples of the tile inside the grid, on one axis.
-STANDOFF_INLINE int inside(const Lattice& l, const std::int64_t* tile, int axis) {
-  const std::int64_t left = l.size[axis] - tile[axis] * kTileSide;
-  return left < kTileSide ? static_cast<int>(left) : kTileSide;
+/// Samples inside the grid, along one axis, of a tile or brick of kSide samples on a side.
+template <int kSide>
+STANDOFF_INLINE int inside(const Lattice& l, const std::int64_t* at, int axis) {
+  const std::int64_t left = l.size[axis] - at[axis] * kSide;
+  return left < kSide ? static_cast<int>(left) : kSide;
 }
 
 }  // namespace standoff

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "field/skip_exact.h"
+
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
@@ -9,7 +11,6 @@
 
 #include "core/splitmix64.h"
 #include "field/reach.h"
-#include "field/skip.h"
 #include "geometry/corners.h"
 #include "geometry/sample_range.h"
 #include "geometry/triangle_box.h"

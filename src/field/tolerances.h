@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The constants of the method `tiles` that the CPU and the GPU share: what decides the bits of a field, what rounding
-// may add to a box or a distance, and which algorithm a thickness gets. Lengths are in grid units (lattice.h):
-// the largest spacing is 1 to 2 of them, the grid far from the origin or not.
+// The constants of the method `tiles` that the CPU and the GPU, or several kernels, share: what decides the bits of a
+// field, what rounding may add to a box or a distance, and which algorithm a thickness gets. Lengths are in grid units
+// (lattice.h): the largest spacing is 1 to 2 of them, the grid far from the origin or not.
 #pragma once
 
 #include "geometry/rounding.h"
@@ -22,11 +22,34 @@ inline constexpr float kLeastLengthSq = 1e-12f;
 /// The same where a triangle is set up in double to be compared with cells' centres alone, which decides no bit.
 inline constexpr double kLeastLengthSqOfCells = 1e-24;
 
-/// What rounding may add to a distance when blocks, tiles and cells are culled: this many grid units, or this share,
-/// whichever the caller needs. A distance of 300 units that took ten operations in float is off by 2e-4. Decides no
-/// bit while it is above rounding; below it samples lose their nearest triangle. Larger: more candidates are kept.
+/// What rounding may add to a distance when blocks, tiles and cells are culled. Grid units: a distance of 300 that took
+/// ten operations in float is off by 2e-4. Decides no bit while it is above rounding; below it samples lose their
+/// nearest triangle. Larger: more candidates are kept.
 inline constexpr float kSlack = 1e-3f;
 static_assert(kSlack > 300 * gamma_float(10));
+
+/// The same as a share, of lengths of any size: thicknesses, radii, distances found so far. Ten operations are off by
+/// 6e-7. Smaller or larger: as kSlack.
+inline constexpr float kSlackRatio = 1e-3f;
+static_assert(kSlackRatio > gamma_float(10));
+
+/// What a distance in a triangle's frame may be off by on the CPU, as a share of the triangle's largest coordinate
+/// relative to its brick: 32 units of rounding of a length up to sqrt(3) times as large (geometry/triangle_frame.h),
+/// 6.6e-6. Decides no bit while it is above that; with less, culling may drop the triangle that is nearest. Larger:
+/// more candidates are kept.
+inline constexpr float kFrameError = 32 * 1.7320508f * 0x1p-23f;
+
+/// The share a by which the CPU lowers squared distances to allow for a slack s in the distance d, without a root:
+/// (d-s)^2 >= d^2 - 2ds >= d^2 (1-a) - s^2/a. Any a in (0, 1) is safe; it decides how many candidates are kept for
+/// nothing, those beyond the limit by a d^2 + s^2/a. With s = kSlack the second term is 0.01 squared grid units.
+inline constexpr float kSlackShare = 1e-4f;
+
+/// What the CPU's boxes of triangles are grown by on each side, as a share of the largest coordinate relative to the
+/// grid's centre: 16 units of float rounding. Their own rounding takes 1, that of a reference sqrt(3) and that of a
+/// cell's centre sqrt(3)/2, all of coordinates within the grid. References far outside are covered by kCullMargin
+/// (cull_boxes.inl). Decides no bit while it is above that; smaller, and culling may drop the triangle that is nearest.
+/// Larger: more boxes are kept.
+inline constexpr float kBoxError = 0x1p-20f;
 
 /// The GPU culls in coordinates relative to coarse cells, which may be large: this share of the farthest coordinate
 /// comes on top of kSlack. 64 roundings.

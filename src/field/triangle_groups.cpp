@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "geometry/closest_point.h"
+#include "geometry/morton.h"
 #include "geometry/triangle_box.h"
 
 namespace standoff {
@@ -19,17 +20,12 @@ double box_distance_sq(Vec3 p, const Box& box) {
   return dot(outside, outside);
 }
 
-// The top 21 bits of each coordinate's place in [0, 1), interleaved: near numbers are near places.
-std::uint64_t morton(Vec3 unit) {
-  const auto spread = [](double u) {
-    std::uint64_t v = u > 0 ? static_cast<std::uint64_t>(std::min(u, 1.0) * 0x1fffff) : 0;  // NaN counts as 0
-    v = (v | v << 32) & 0x001f00000000ffff;
-    v = (v | v << 16) & 0x001f0000ff0000ff;
-    v = (v | v << 8) & 0x100f00f00f00f00f;
-    v = (v | v << 4) & 0x10c30c30c30c30c3;
-    return (v | v << 2) & 0x1249249249249249;
+// A place in [0, 1) along each axis, by the top 21 bits of each coordinate.
+std::uint64_t curve_key(Vec3 unit) {
+  const auto cell = [](double u) {
+    return u > 0 ? static_cast<std::uint64_t>(std::min(u, 1.0) * 0x1fffff) : 0;  // NaN counts as 0
   };
-  return spread(unit.x) | spread(unit.y) << 1 | spread(unit.z) << 2;
+  return morton(cell(unit.x), cell(unit.y), cell(unit.z));
 }
 
 std::vector<std::uint32_t> along_curve(MeshView mesh) {
@@ -42,7 +38,7 @@ std::vector<std::uint32_t> along_curve(MeshView mesh) {
   std::vector<Entry> entries(mesh.triangles.size());
   tbb::parallel_for(std::size_t{0}, entries.size(), [&](std::size_t t) {
     const Vec3 centre = mesh.corner(t, 0) * (1.0 / 3) + mesh.corner(t, 1) * (1.0 / 3) + mesh.corner(t, 2) * (1.0 / 3);
-    entries[t] = {morton((centre - box.min) / extent), static_cast<std::uint32_t>(t)};
+    entries[t] = {curve_key((centre - box.min) / extent), static_cast<std::uint32_t>(t)};
   });
   tbb::parallel_sort(
       entries, [](const Entry& a, const Entry& b) { return a.key != b.key ? a.key < b.key : a.triangle < b.triangle; });

@@ -12,6 +12,7 @@
 #include "core/execution.h"
 #include "core/guarded.h"
 #include "core/progress.h"
+#include "core/promised_error.h"
 #include "core/threads.h"
 #include "field/triangle_groups.h"
 
@@ -91,7 +92,7 @@ Finding check(const DistanceField& field, const TriangleGroups& groups, const Sa
 double allowed_error(const Grid& grid, double distance) {
   const Box box = grid.bounds();
   const double resolution = 4 * std::numeric_limits<double>::epsilon() * std::max(max_norm(box.min), max_norm(box.max));
-  return 1e-6 * (distance + 16 * grid.max_spacing()) + resolution;
+  return promised_error(distance, grid.max_spacing()) + resolution;
 }
 
 VerifyResult verify(const DistanceField& field, MeshView mesh, const VerifyOptions& options) try {
@@ -126,7 +127,7 @@ VerifyResult verify(const DistanceField& field, MeshView mesh, const VerifyOptio
   }
   return result;
 } catch (...) {
-  throw_as_error("verify", "test fewer samples, or use a machine with more");
+  throw_as_error("verify", "test fewer samples, or provide more memory");
 }
 
 }  // namespace standoff

@@ -107,7 +107,7 @@ void FileView::read_all(int descriptor, std::size_t expected, std::size_t longes
       size += static_cast<std::size_t>(got);
     }
   } catch (const std::bad_alloc&) {
-    throw Error(ErrorCode::limit, path_.string() + ": not enough memory to read it; use a machine with more");
+    throw Error(ErrorCode::limit, path_.string() + ": not enough memory to read it; provide more memory");
   }
   bytes_ = {read_.get(), size};
 }

@@ -14,7 +14,7 @@ std::string read_text(const std::filesystem::path& path) try {
   try {
     return std::string(FileView(path).bytes());
   } catch (const std::bad_alloc&) {
-    throw Error(ErrorCode::limit, path.string() + ": not enough memory for it; use a machine with more");
+    throw Error(ErrorCode::limit, path.string() + ": not enough memory for it; provide more memory");
   }
 } catch (...) {
   throw_as_error("file");

@@ -33,10 +33,12 @@ STANDOFF_INLINE FlagsOf<F> is_accurate(const TriangleOverlap<F>& m, const Triple
     const F drop = from - to;
     return less(least_sq * squared(edge) * normal_sq, drop * drop);
   };
-  return fat(p, p_normal_sq) & fat(q, q_normal_sq) & steep(m.a.height[0], m.a.height[1], m.a1, q_normal_sq) &
-         steep(m.a.height[0], m.a.height[2], m.a2, q_normal_sq) &
-         steep(m.b.height[0], m.b.height[1], m.b1 - m.b0, p_normal_sq) &
-         steep(m.b.height[0], m.b.height[2], m.b2 - m.b0, p_normal_sq);
+  const FlagsOf<F> p_fat = fat(p, p_normal_sq), q_fat = fat(q, q_normal_sq);
+  const FlagsOf<F> a_steep[2] = {steep(m.a.height[0], m.a.height[1], m.a1, q_normal_sq),
+                                 steep(m.a.height[0], m.a.height[2], m.a2, q_normal_sq)};
+  const FlagsOf<F> b_steep[2] = {steep(m.b.height[0], m.b.height[1], m.b1 - m.b0, p_normal_sq),
+                                 steep(m.b.height[0], m.b.height[2], m.b2 - m.b0, p_normal_sq)};
+  return p_fat & q_fat & a_steep[0] & a_steep[1] & b_steep[0] & b_steep[1];
 }
 
 /// The middle of the segment that both share: it lies between the second and the third of the four points at which

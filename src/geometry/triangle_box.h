@@ -19,6 +19,11 @@ STANDOFF_INLINE BoxOf<F> box_of(const Triple<F>& a, const Triple<F>& b, const Tr
           {max(a.x, max(b.x, c.x)), max(a.y, max(b.y, c.y)), max(a.z, max(b.z, c.z))}};
 }
 
+template <class F>
+STANDOFF_INLINE F longest_side(const BoxOf<F>& box) {
+  return max(box.high.x - box.low.x, max(box.high.y - box.low.y, box.high.z - box.low.z));
+}
+
 /// The box of a triangle of a mesh. Requires a valid triangle.
 inline Box triangle_box(const MeshView& mesh, std::size_t triangle) {
   const auto [a, b, c] = mesh.corners(triangle);

@@ -7,6 +7,7 @@
 
 #include "core/guarded.h"
 #include "gpu/platform_cuda.cuh"
+#include "standoff/cuda.h"
 
 namespace standoff::cuda {
 namespace {

@@ -13,8 +13,9 @@
 #include <utility>
 
 #include "gpu/device_memory.h"
-#include "standoff/cuda.h"
+#include "gpu/stream.h"
 #include "standoff/error.h"
+#include "standoff/execution.h"
 
 namespace standoff::cuda {
 

@@ -12,16 +12,12 @@
 
 #include "gpu/device_memory.h"
 #include "gpu/emulation/words.h"
-#include "standoff/cuda.h"
+#include "gpu/stream.h"
 #include "standoff/testing/emulation.h"
 
 namespace standoff::emulated {
 
-using cuda::DeviceMesh;
-using cuda::DeviceOutput;
-using cuda::Outcome;
 using cuda::Stream;
-using cuda::Task;
 
 inline constexpr Backend kBackend = testing::kEmulated;
 inline constexpr bool kIsEmulated = true;

@@ -7,7 +7,7 @@
 #include <limits>
 #include <string>
 
-#include "standoff/cuda.h"
+#include "gpu/stream.h"
 #include "standoff/error.h"
 
 namespace standoff {
@@ -22,13 +22,13 @@ constexpr std::int64_t longest_running_sum(int cub_version) {
   return cub_version < 200700 ? std::numeric_limits<std::int32_t>::max() : std::numeric_limits<std::int64_t>::max();
 }
 
-/// Throws Error{limit} where a running sum over `count` tiles or cells is longer than `longest`.
+/// Throws Error{limit} where a running sum over `count` numbers is longer than `longest`.
 inline void expect_summable(std::int64_t count, std::int64_t longest) {
   if (count > longest)
     throw Error(ErrorCode::limit,
-                "cuda: the grid has " + std::to_string(count - 1) + " tiles of 8x8x8 samples, this build sums up " +
-                    std::to_string(longest - 1) +
-                    " at most; take fewer samples, build standoff with CUDA 12.8 or newer, or use the CPU");
+                "cuda: a running sum over " + std::to_string(count) + " numbers, of which this build sums up " +
+                    std::to_string(longest) +
+                    " at most; make the work smaller, build standoff with CUDA 12.8 or newer, or use the CPU");
 }
 
 }  // namespace gpu

@@ -61,7 +61,7 @@ void write_mesh_png(const std::filesystem::path& path, MeshView mesh, const Pict
   require_png();
   write_png(path, draw_mesh(mesh, options), existing);
 } catch (...) {
-  throw_as_error("picture", "draw fewer pixels, or use a machine with more");
+  throw_as_error("picture", "draw fewer pixels, or provide more memory");
 }
 
 }  // namespace standoff

@@ -88,7 +88,7 @@ void write_slice_png(const std::filesystem::path& path, const DistanceField& fie
   require_png();
   write_png(path, draw_slice(field, options).image, existing);
 } catch (...) {
-  throw_as_error("slice", "take fewer pixels, or a machine with more");
+  throw_as_error("slice", "take fewer pixels, or provide more memory");
 }
 
 }  // namespace standoff

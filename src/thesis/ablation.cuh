@@ -11,7 +11,7 @@ namespace standoff::STANDOFF_PLATFORM {
 
 /// The field is computed, but not written.
 struct StepsToDistance : AllSteps {
-  static STANDOFF_DEVICE bool writes(float value) { return __float_as_uint(value) == gpu::kNever; }
+  static STANDOFF_DEVICE bool writes(float value) { return __float_as_uint(value) == kNeverBits; }
 };
 /// Warps choose their triangles, but do not measure to them.
 struct StepsToVote : StepsToDistance {
@@ -24,7 +24,7 @@ struct StepsToSetUp : StepsToVote {
   static STANDOFF_DEVICE int gather_stage(const Lattice&, const Stage& stage, int count, const Triple<float>&,
                                           const Triple<float>&, bool, float, Nearest&) {
     const float number = stage.setup[threadIdx.x % Stage::kTriangles].number[count % 32];
-    return __float_as_uint(number) == gpu::kNever;
+    return __float_as_uint(number) == kNeverBits;
   }
 };
 /// Lists are walked through.

@@ -143,7 +143,7 @@ std::int64_t emit(const Shared& shared, const Brick& brick, const BrickSamples& 
   const SampleRange all = shared.samples(brick);
   const int size[3] = {static_cast<int>(all.end.x - all.begin.x), static_cast<int>(all.end.y - all.begin.y),
                        static_cast<int>(all.end.z - all.begin.z)};
-  const float limit = shared.lattice.thickness_world, unscale = static_cast<float>(1 / shared.lattice.scale);
+  const float limit = shared.lattice.thickness_world, unscale = shared.lattice.unscale;
   std::int64_t band = 0;
   float values[side][side][side];
   for (int tile = 0; tile < kBrickTiles; ++tile) {

@@ -12,8 +12,6 @@
 
 namespace standoff::STANDOFF_PLATFORM {
 
-using gpu::StopAfter;
-
 STANDOFF_KERNEL void clear_samples(Counter* nearest, std::int64_t samples) {
   const Counter infinite = Counter{__float_as_uint(__builtin_inff())} << 32 | kNoTriangle;
   for (std::int64_t n = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x; n < samples;
@@ -34,14 +32,14 @@ STANDOFF_DEVICE void lower_brick(const Lattice& l, const Corners& c, std::uint32
     const std::int64_t x = here.begin.x + n % nx, y = here.begin.y + n / nx % ny, z = here.begin.z + n / (nx * ny);
     const Triple<float> p{l.coordinate[0][x - first.x], l.coordinate[1][y - first.y], l.coordinate[2][z - first.z]};
     if (kLast < StopAfter::distance) {
-      if (__float_as_uint(p.x + p.y + p.z) == gpu::kNever) *nearest = triangle;
+      if (__float_as_uint(p.x + p.y + p.z) == kNeverBits) *nearest = triangle;
       continue;
     }
     const Counter mine = Counter{__float_as_uint(distance_sq(t, p))} << 32 | triangle;
     Counter* const sample = nearest + x + l.size[0] * (y + l.size[1] * z);
     // What was read may be old, then the atomic minimum decides; it is never too small.
     const bool lower = (kLast != StopAfter::read && kLast != StopAfter::write) || mine < load_relaxed(sample);
-    const bool writes = kLast >= StopAfter::write || mine >> 32 == gpu::kNever;
+    const bool writes = kLast >= StopAfter::write || mine >> 32 == kNeverBits;
     if (lower && writes) atomicMin(sample, mine);
   }
 }
@@ -78,7 +76,9 @@ STANDOFF_KERNEL void __launch_bounds__(kGatherThreads)
   for (std::int64_t index = blockIdx.x; index < l.tile_count(); index += gridDim.x) {
     std::int64_t tile[3];
     tile_at(l, index, tile);
-    if (at.x >= inside(l, tile, 0) || at.y >= inside(l, tile, 1) || at.z >= inside(l, tile, 2)) continue;
+    if (at.x >= inside<kTileSide>(l, tile, 0) || at.y >= inside<kTileSide>(l, tile, 1) ||
+        at.z >= inside<kTileSide>(l, tile, 2))
+      continue;
     const std::int64_t sample =
         tile[0] * 8 + at.x + l.size[0] * (tile[1] * 8 + at.y + l.size[1] * (tile[2] * 8 + at.z));
     const float d = __uint_as_float(static_cast<std::uint32_t>(nearest[sample] >> 32));
@@ -95,7 +95,8 @@ STANDOFF_KERNEL void __launch_bounds__(kGatherThreads)
   for (std::int64_t index = blockIdx.x; index < l.tile_count(); index += gridDim.x) {
     std::int64_t tile[3];
     tile_at(l, index, tile);
-    const bool in_grid = at.x < inside(l, tile, 0) && at.y < inside(l, tile, 1) && at.z < inside(l, tile, 2);
+    const bool in_grid = at.x < inside<kTileSide>(l, tile, 0) && at.y < inside<kTileSide>(l, tile, 1) &&
+                         at.z < inside<kTileSide>(l, tile, 2);
     float value = __builtin_inff();
     std::uint32_t triangle = kNoTriangle;
     if (in_grid) {

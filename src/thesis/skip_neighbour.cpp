@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "thesis/skip_neighbour.h"
+
+#include <algorithm>
 #include <cmath>
 
-#include "field/skip.h"
 #include "geometry/triangle_box.h"
 
 namespace standoff {

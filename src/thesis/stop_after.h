@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-namespace standoff::gpu {
+namespace standoff {
 
 /// Each goes farther than the one before. A step that a method does not have costs it nothing.
 enum class StopAfter {
@@ -20,6 +20,6 @@ enum class StopAfter {
 
 /// The bits of a float that no arithmetic gives. What is left out would happen at these, so that the compiler must
 /// compute all that comes before.
-inline constexpr std::uint32_t kNever = 0x7fa00001u;
+inline constexpr std::uint32_t kNeverBits = 0x7fa00001u;
 
-}  // namespace standoff::gpu
+}  // namespace standoff

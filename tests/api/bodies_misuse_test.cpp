@@ -55,7 +55,10 @@ TEST(Misuse, Poses) {
 
 TEST(Misuse, Models) {
   for (const Mesh& mesh : odd_meshes())
-    expect_answer_or_error("model", [&] { CollisionModel(mesh, {.execution = {.threads = 1}}); });
+    expect_answer_or_error("model", [&] {
+      const CollisionModel model(mesh, {.execution = {.threads = 1}});
+      EXPECT_GT(automatic_tolerance(model, body()), 0);
+    });
   for (const double x : kNumbers)
     expect_answer_or_error(named("spacing", x),
                            [&] { CollisionModel(one_triangle(), {.spacing = x, .execution = {.threads = 1}}); });

@@ -36,6 +36,11 @@ TEST(Misuse, Reading) {
   write_mesh(mesh, one_triangle());
   write_field(field, DistanceField({{3, 3, 3}, {}}, 1));
   for (const double x : kNumbers) expect_answer_or_error(named("scale", x), [&] { read_mesh(mesh, {x}); });
+  // The letter of an axis was read from outside of "xyz".
+  for (const int axis : {0, 4, -4, std::numeric_limits<int>::min(), std::numeric_limits<int>::max()})
+    expect_usage(named("axis", axis), [&] { notes({.format = {}, .axes = {1, 2, axis}}); });
+  for (const double x : kNumbers)
+    expect_answer_or_error(named("unit", x), [&] { notes({.format = {}, .unit_scale = x, .metres_per_unit = x}); });
   for (const std::int64_t n : kCounts) expect_answer_or_error(named("limit", n), [&] { read_field(field, {n}); });
 }
 

@@ -203,6 +203,7 @@ TEST(RefusedMemory, Files) {
     expect_limit_error(name, [&] { write_mesh(path, kMesh); });
     expect_limit_error(name, [&] { read_mesh(path); });
   }
+  expect_limit_error("notes", [&] { notes({.format = {}, .unpacked = true, .axes = {1, 3, -2}}); });
   const DistanceField field = compute(kMesh, kGrid, kFullField, on_cpu()).field;
   for (const char* name : {"a.vti", "a.npz"}) {
     const auto path = folder / name;

@@ -106,8 +106,8 @@ void in_every_layout(const Mesh& mesh, Use use) {
 TEST(MeshView, OfVectorsAndSpansIsPacked) {
   const Mesh mesh = float_mesh(1);
   const MeshView view = mesh;
-  EXPECT_EQ(view.vertices.packed()->data(), mesh.vertices.data());
-  EXPECT_EQ(view.triangles.packed()->data(), mesh.triangles.data());
+  EXPECT_EQ(view.vertices.as_span()->data(), mesh.vertices.data());
+  EXPECT_EQ(view.triangles.as_span()->data(), mesh.triangles.data());
   EXPECT_EQ((MeshView{std::span(mesh.vertices).first(4), std::span(mesh.triangles).first(2)}.triangles.size()), 2u);
   EXPECT_TRUE(MeshView{}.triangles.empty());
 }

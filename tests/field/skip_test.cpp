@@ -3,6 +3,7 @@
 
 #include "field/skip.h"
 #include "core/threads.h"
+#include "field/skip_exact.h"
 
 #include <gtest/gtest.h>
 
@@ -12,6 +13,7 @@
 
 #include "tests/support/fields.h"
 #include "tests/support/random_mesh.h"
+#include "thesis/skip_neighbour.h"
 
 namespace standoff {
 namespace {

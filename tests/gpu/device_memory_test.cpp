@@ -4,11 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <vector>
 
 #include "gpu/platform.cuh"
+#include "standoff/collision.h"
 #include "standoff/compute.h"
 #include "standoff/error.h"
 #include "standoff/testing/emulation.h"
+#include "tests/collision/bodies.h"
 #include "tests/support/fields.h"
 #include "tests/support/random_mesh.h"
 
@@ -71,6 +74,34 @@ TEST(CudaRoom, TheWholeNeedIsTold) {
         std::string::npos)
         << error.what();
   }
+}
+
+// The platform's message spoke of fields to those who asked about bodies.
+TEST(CudaRoom, ABatchOfPosesIsNotToldToTakeFewerSamples) {
+  const CollisionModel ball(testing::ball_mesh(1, 4)), small(testing::ball_mesh(0.5, 3));
+  testing::Random random(83);
+  std::vector<Pose> poses;
+  for (int n = 0; n < 50; ++n) poses.push_back(testing::random_pose(random, 1.5));
+  const auto expected = collide_all(ball, {}, small, poses, {}, {.backend = Backend::cpu});
+  int refused = 0;
+  bool fitted = false;
+  for (std::int64_t bytes = 0; !fitted; bytes = 2 * bytes + 100) {
+    ASSERT_LT(bytes, std::int64_t{1} << 32);
+    const SmallGpu gpu(bytes);
+    try {
+      const auto found = collide_all(ball, {}, small, poses, {}, {.backend = testing::kEmulated});
+      for (std::size_t n = 0; n < poses.size(); ++n) EXPECT_EQ(found[n].verdict, expected[n].verdict) << "pose " << n;
+      fitted = true;
+    } catch (const Error& error) {
+      const std::string what = error.what();
+      EXPECT_EQ(error.code(), ErrorCode::limit) << what;
+      EXPECT_NE(what.find("MiB more of the GPU's memory"), std::string::npos) << what;
+      EXPECT_EQ(what.find("field"), std::string::npos) << what;
+      EXPECT_EQ(what.find("samples"), std::string::npos) << what;
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 3) << "a GPU that is too small for one model, for both, and for the queries";
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods, CudaRoomOf, ::testing::Values(Method::tiles, Method::thesis));

@@ -86,7 +86,7 @@ class FieldOnDevice {
       if constexpr (requires { arrays.lists; })
         on_device = arrays.lists.counts;
       else if constexpr (requires { arrays.counts; })
-        on_device = gpu::top_level(l) > 0 ? arrays.counts : nullptr;
+        on_device = top_level(l) > 0 ? arrays.counts : nullptr;
     });
     if (!on_device) return 0;  // no lists, or one of all triangles
     std::vector<std::uint32_t> counts(static_cast<std::size_t>(tiles));

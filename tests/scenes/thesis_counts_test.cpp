@@ -12,11 +12,11 @@
 
 #include <cstdio>
 
-#include "field/skip.h"
 #include "geometry/sample_range.h"
 #include "scenes/scenes.h"
 #include "standoff/grid.h"
 #include "standoff/thesis.h"
+#include "thesis/skip_neighbour.h"
 
 namespace standoff {
 namespace {

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "core/threads.h"
-#include "field/skip.h"
 #include "tests/support/fields.h"
 #include "tests/support/random_mesh.h"
+#include "thesis/skip_neighbour.h"
 
 namespace standoff {
 namespace {

@@ -13,6 +13,7 @@
 #include "standoff/collision.h"
 #include "standoff/execution.h"
 #include "standoff/export.h"
+#include "standoff/progress.h"
 
 namespace standoff::experimental {
 

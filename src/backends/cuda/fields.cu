@@ -18,10 +18,13 @@ std::int64_t bytes_for(std::int64_t triangles, const Grid& grid, double thicknes
                        [&]<class Pipeline>() { return needed_bytes<Pipeline>(triangles, l, entries); });
 }
 
-Counts run(const Job& job, Sink& sink, Method method) {
+Counts run(const Job& job, Sink& sink, Method method) try {
   const DeviceScope scope(job.device);
   return with_pipeline(method, job.grid, job.thickness,
                        [&]<class Pipeline>() { return run_from_host<Pipeline>(job, sink); });
+} catch (const gpu::OutOfMemory& error) {
+  throw Error(error.code(), std::string(error.what()) + ", or take fewer samples or a smaller thickness",
+              error.details());
 }
 
 }  // namespace
@@ -29,7 +32,7 @@ Counts run(const Job& job, Sink& sink, Method method) {
 std::int64_t workspace_bytes(std::int64_t triangles, const Grid& grid, double thickness, Method method,
                              std::int64_t entries) try {
   validate(grid);
-  gpu::check_counts(triangles, thickness, entries);
+  check_counts(triangles, thickness, entries);
   return bytes_for(triangles, grid, thickness, method, entries);
 } catch (...) {
   throw_as_error("cuda");
@@ -58,9 +61,9 @@ Counts run_tiles(const Job& job, Sink& sink) { return run(job, sink, Method::til
 Counts run_thesis(const Job& job, Sink& sink) { return run(job, sink, Method::thesis); }
 
 std::int64_t scratch_bytes(std::int64_t triangles, const Grid& grid, double thickness, int) {
-  const std::int64_t host = gpu::host_scratch_bytes(grid);
+  const std::int64_t host = host_scratch_bytes(grid);
   if (!kIsEmulated) return host;
-  const std::int64_t entries = gpu::estimate_list_entries(triangles, grid, thickness);
+  const std::int64_t entries = estimate_list_entries(triangles, grid, thickness);
   constexpr std::int64_t tile_bytes = 2 * 4 * kTileSamples, mesh_bytes = 9 * 8 + 3 * 4;
   return host + tile_count(grid.size) * (tile_bytes + 4) + triangles * mesh_bytes +
          std::max(bytes_for(triangles, grid, thickness, Method::tiles, entries),

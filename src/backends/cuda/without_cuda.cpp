@@ -17,7 +17,7 @@ namespace {
 
 Counts run_tiles(const Job&, Sink&) { fail(); }
 Counts run_thesis(const Job&, Sink&) { fail(); }
-std::int64_t scratch_bytes(std::int64_t, const Grid& grid, double, int) { return gpu::host_scratch_bytes(grid); }
+std::int64_t scratch_bytes(std::int64_t, const Grid& grid, double, int) { return host_scratch_bytes(grid); }
 
 std::int64_t workspace_bytes(std::int64_t, const Grid&, double, Method, std::int64_t) { fail(); }
 void enqueue(const Task&, void*, std::int64_t, Stream) { fail(); }

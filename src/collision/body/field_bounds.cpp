@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/number_text.h"
+#include "core/promised_error.h"
 #include "standoff/compute.h"
 #include "standoff/error.h"
 
@@ -21,12 +22,10 @@ constexpr double kMostCoarse = 0x1p28;
 constexpr std::int64_t kMostAlong = (std::int64_t{1} << 23) - 1;
 constexpr int kTile = DistanceField::kTileSide;
 
-// compute() promises this error; stored bounds are lowered by it.
-double promised_error(double distance, double spacing) { return 1e-6 * (distance + 16 * spacing); }
-
 std::uint8_t rounded_down(float value, double spacing) {
   const double band = kBandSamples * spacing;
   if (value >= static_cast<float>(band)) return kClampedSample;
+  // Below the distance, whatever compute() is off by.
   const double bound = value - promised_error(value, spacing);
   return static_cast<std::uint8_t>(std::max(0.0, std::floor(bound / band * kClampedSample)));
 }

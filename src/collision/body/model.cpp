@@ -59,7 +59,7 @@ CollisionModel::CollisionModel(MeshView mesh, const ModelOptions& options) try {
   });
   data_ = data;
 } catch (...) {
-  throw_as_error("model", "take a larger spacing, or a machine with more");
+  throw_as_error("model", "take a larger spacing, or provide more memory");
 }
 
 MeshView CollisionModel::mesh() const { return data_->mesh; }

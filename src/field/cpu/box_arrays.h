@@ -16,11 +16,6 @@ struct BoxArrays {
   std::int64_t count;
 };
 
-/// What boxes are grown by on each side, as a share of the largest coordinate: 16 units of float rounding. Their own
-/// rounding takes 1, that of a reference sqrt(3) and that of a cell's centre sqrt(3)/2, all of coordinates within the
-/// grid. References far outside are covered by kCullMargin.
-inline constexpr float kBoxError = 0x1p-20f;
-
 /// The boxes of up to kLanes consecutive entries, together because they are looked at together.
 struct BoxPack {
   alignas(64) float low[3][kLanes];

@@ -1,20 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "field/cpu/brick_gather.h"
 
-#include <algorithm>
 #include <limits>
 
 namespace standoff::cpu {
 namespace {
 
-static_assert(sizeof(Vec3) == 3 * sizeof(double) && sizeof(Triangle) == 3 * sizeof(std::uint32_t),
-              "the kernels read vertices and triangles as plain arrays");
-
 // Forgets the samples past the grid's far faces, so that stored tiles hold the thickness there.
 void clear_outside(const BlockLattice& lattice, const Brick& brick, bool with_nearest, BrickState& state) {
   int size[3];
-  for (int axis = 0; axis < 3; ++axis)
-    size[axis] = static_cast<int>(std::min<std::int64_t>(kBrickSide, lattice.size[axis] - brick.at[axis] * kBrickSide));
+  for (int axis = 0; axis < 3; ++axis) size[axis] = inside<kBrickSide>(lattice, brick.at, axis);
   for (int z = 0; z < kBrickSide; ++z)
     for (int y = 0; y < kBrickSide; ++y)
       for (int x = z < size[2] && y < size[1] ? size[0] : 0; x < kBrickSide; ++x) {

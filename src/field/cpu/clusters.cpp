@@ -8,20 +8,10 @@
 #include <cmath>
 
 #include "field/cpu/radix_sort.h"
+#include "geometry/morton.h"
 #include "geometry/triangle_box.h"
 
 namespace standoff::cpu {
-namespace {
-
-// Bits 0, 3, 6, ... of the result are the ten lowest bits of v.
-constexpr std::uint32_t spread(std::uint32_t v) {
-  v = (v | v << 16) & 0x030000ff;
-  v = (v | v << 8) & 0x0300f00f;
-  v = (v | v << 4) & 0x030c30c3;
-  return (v | v << 2) & 0x09249249;
-}
-
-}  // namespace
 
 Clusters::Clusters(const Job& job, const BlockLattice& lattice) : job_(job), lattice_(lattice) {
   const auto middle = [&](int axis) { return static_cast<double>(lattice.size[axis] - 1) / 2; };
@@ -91,7 +81,7 @@ void Clusters::sort() {
       const std::uint32_t triangle = job_.triangle(n);
       const Vec3 at = (triangle_box(job_.mesh, triangle).center() - box.min) * to_cells;
       const auto cell = [](double v) { return static_cast<std::uint32_t>(v < 1023 ? v : 1023); };
-      keyed[n] = {spread(cell(at.x)) | spread(cell(at.y)) << 1 | spread(cell(at.z)) << 2, triangle};
+      keyed[n] = {static_cast<std::uint32_t>(morton(cell(at.x), cell(at.y), cell(at.z))), triangle};
     }
   });
   radix_sort(keyed, job_.threads);

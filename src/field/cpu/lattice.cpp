@@ -7,7 +7,7 @@ namespace standoff::cpu {
 
 BlockLattice make_block_lattice(const Grid& grid, double thickness) {
   BlockLattice lattice{};
-  static_cast<standoff::Lattice&>(lattice) = make_lattice(grid, thickness);
+  static_cast<Lattice&>(lattice) = make_lattice(grid, thickness);
   for (int axis = 0; axis < 3; ++axis) {
     lattice.bricks[axis] = (lattice.size[axis] + kBrickSide - 1) / kBrickSide;
     lattice.inverse_spacing[axis] = static_cast<float>(1 / lattice.unit[axis]);

@@ -27,7 +27,7 @@ static_assert(kLanes == 16 && kClumps == 16 && kBlocksX == 4 && kBlocksY == 8 &&
 
 /// The shared lattice, and what wide registers load: coordinates of a brick's samples and blocks relative to its
 /// centre.
-struct BlockLattice : standoff::Lattice {
+struct BlockLattice : Lattice {
   std::int64_t bricks[3];
   float inverse_spacing[3];               ///< 1 / grid units
   float block_radius;                     ///< half the diagonal of a block, grid units
@@ -40,8 +40,6 @@ struct BlockLattice : standoff::Lattice {
 
   std::int64_t brick_count() const { return bricks[0] * bricks[1] * bricks[2]; }
 };
-
-using Lattice = BlockLattice;  // what the kernels call it
 
 /// Requires a valid grid and a positive thickness.
 BlockLattice make_block_lattice(const Grid& grid, double thickness);

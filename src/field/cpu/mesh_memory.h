@@ -24,7 +24,7 @@ struct MeshMemory {
   std::ptrdiff_t triangle_stride;
   std::ptrdiff_t index_bytes;
   Numbers numbers;
-  bool dense;  ///< aligned doubles and 32-bit indices, without gaps: no stride has to be looked up
+  bool packed;  ///< aligned doubles and 32-bit indices, without gaps: no stride has to be looked up
 };
 
 /// Requires a valid mesh.
@@ -43,16 +43,21 @@ inline MeshMemory memory_of(const MeshView& mesh) {
           floats     ? Numbers::floats
           : !aligned ? Numbers::unaligned_doubles
                      : Numbers::doubles,
-          aligned && mesh.vertices.dense() && mesh.triangles.dense()};
+          aligned && mesh.vertices.packed() && mesh.triangles.packed()};
 }
 
-/// A corner's coordinates: where they lie, or in `room`. kDense requires mesh.dense.
-template <bool kDense>
+static_assert(sizeof(Vec3) == 3 * sizeof(double) && sizeof(Triangle) == 3 * sizeof(std::uint32_t),
+              "packed vertices and triangles are read as arrays of these");
+
+/// A corner's coordinates: where they lie, or in `room`. kPacked requires mesh.packed.
+template <bool kPacked>
 STANDOFF_INLINE const double* corner_of(const MeshMemory& mesh, std::uint32_t triangle, int which, double* room) {
   std::uint32_t vertex;
-  if (kDense) {
-    __builtin_memcpy(&vertex, mesh.triangles + 12 * std::size_t{triangle} + 4 * static_cast<std::size_t>(which), 4);
-    return reinterpret_cast<const double*>(mesh.vertices + 24 * std::size_t{vertex});
+  if (kPacked) {
+    __builtin_memcpy(&vertex,
+                     mesh.triangles + sizeof(Triangle) * triangle + sizeof vertex * static_cast<std::size_t>(which),
+                     sizeof vertex);
+    return reinterpret_cast<const double*>(mesh.vertices + sizeof(Vec3) * vertex);
   }
   __builtin_memcpy(&vertex, mesh.triangles + std::ptrdiff_t{triangle} * mesh.triangle_stride + which * mesh.index_bytes,
                    4);

@@ -12,8 +12,8 @@ namespace standoff::cuda {
 
 std::int64_t likely_entries(std::int64_t triangles, const Grid& grid, double thickness, Method method) try {
   validate(grid);
-  gpu::check_counts(triangles, thickness, 0);
-  return method == Method::thesis ? 0 : gpu::estimate_list_entries(triangles, grid, thickness);
+  check_counts(triangles, thickness, 0);
+  return method == Method::thesis ? 0 : estimate_list_entries(triangles, grid, thickness);
 } catch (...) {
   throw_as_error("cuda");
 }

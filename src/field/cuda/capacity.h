@@ -11,7 +11,7 @@
 #include "field/tolerances.h"
 #include "standoff/compute.h"
 
-namespace standoff::gpu {
+namespace standoff {
 
 /// Tiles copied between device and host at once: 32 MiB.
 inline constexpr std::int64_t kTilesAtOnce = 16384;
@@ -43,4 +43,4 @@ inline std::int64_t estimate_list_entries(std::int64_t triangles, const Grid& gr
   return std::max({8 * triangles + static_cast<std::int64_t>(mixed), 48 * tiles, std::int64_t{64}});
 }
 
-}  // namespace standoff::gpu
+}  // namespace standoff

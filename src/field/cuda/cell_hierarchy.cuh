@@ -18,7 +18,7 @@ inline constexpr int kChunk = 256;
 
 /// What the step reads and writes.
 struct Step {
-  gpu::Level parent, child;
+  Level parent, child;
   const Counter* parent_start;          // per parent, and the end
   const std::uint32_t* parent_entries;  // triangles
   const Counter* chunk_start;           // per parent, and the end
@@ -98,7 +98,7 @@ STANDOFF_DEVICE void begin_chunk(const Lattice& l, const Step& step, Counter num
     const std::int64_t parent = parent_of(step, number);
     const std::int64_t at[3] = {parent % step.parent.cells[0], parent / step.parent.cells[0] % step.parent.cells[1],
                                 parent / (step.parent.cells[0] * step.parent.cells[1])};
-    const gpu::Cell whole = gpu::cell_at(l, step.parent, at);
+    const CellBox whole = cell_at(l, step.parent, at);
     if (t == 0) {
       chunk.first = step.parent_start[parent] + (number - step.chunk_start[parent]) * kChunk;
       const Counter end = step.parent_start[parent + 1];
@@ -110,7 +110,7 @@ STANDOFF_DEVICE void begin_chunk(const Lattice& l, const Step& step, Counter num
     Child& child = chunk.child[t];
     child.index = -1;
     if (of_child[0] < step.child.cells[0] && of_child[1] < step.child.cells[1] && of_child[2] < step.child.cells[2]) {
-      const gpu::Cell cell = gpu::cell_at(l, step.child, of_child);
+      const CellBox cell = cell_at(l, step.child, of_child);
       child.index = of_child[0] + step.child.cells[0] * (of_child[1] + step.child.cells[1] * of_child[2]);
       child.center = narrowed(cell.center - whole.center);
       for (int axis = 0; axis < 3; ++axis) child.half[axis] = cell.half[axis];
@@ -166,17 +166,23 @@ STANDOFF_KERNEL void __launch_bounds__(kChunk) bound_children(Lattice l, DeviceM
   }
 }
 
+/// What the bound b of the test `bisector` (docs/cuda.md) is raised by, as a share, beside the slack that is in b and d
+/// already. Decides no bit while it is above the rounding of the test's operations; below it samples lose their nearest
+/// triangle. Larger: more candidates are kept.
+inline constexpr float kBisectorSlack = 1e-5f;
+static_assert(kBisectorSlack > gamma_float(16));
+
 /// Whether a candidate may be nearest to a sample of the child.
 STANDOFF_DEVICE bool may_be_nearest(const Lattice& l, const Candidate& c, const Child& child) {
   const float least = max(sqrt(distance_sq(c.frame, child.center)) - c.slack, 0.0f);
-  const float by_distance = child.within + 2 * child.radius * (1 + kSlack);
-  const float by_reach = l.thickness * (1 + kSlack) + child.radius;
+  const float by_distance = child.within + 2 * child.radius * (1 + kSlackRatio);
+  const float by_reach = l.thickness * (1 + kSlackRatio) + child.radius;
   if (least > min(by_distance, by_reach)) return false;
   const Triple<float>& q = child.surface;
   float spread = 2 * child.half[0] * max(c.box.high.x - q.x, q.x - c.box.low.x);
   spread = fma(2 * child.half[1], max(c.box.high.y - q.y, q.y - c.box.low.y), spread);
   spread = fma(2 * child.half[2], max(c.box.high.z - q.z, q.z - c.box.low.z), spread);
-  const float within = child.within * (1 + 1e-5f);
+  const float within = child.within * (1 + kBisectorSlack);
   return fma(least, least, -spread) < within * within;
 }
 

@@ -7,9 +7,17 @@
 #include "geometry/triangle_lines.h"
 #include "gpu/platform.cuh"
 #include "gpu/scan.h"
+#include "standoff/cuda.h"
 #include "standoff/field.h"
 
 namespace standoff::STANDOFF_PLATFORM {
+
+#ifndef __CUDACC__  // the emulation takes the tasks of standoff/cuda.h, over plain memory
+using cuda::DeviceMesh;
+using cuda::DeviceOutput;
+using cuda::Outcome;
+using cuda::Task;
+#endif
 
 /// Lets no later kernel write anything.
 STANDOFF_DEVICE void stop(Outcome* outcome) { atomicAdd(&outcome->stopped, Counter{1}); }
@@ -60,10 +68,7 @@ STANDOFF_DEVICE bool is_valid(const DeviceMesh& mesh, std::uint32_t triangle, Ou
   return valid;
 }
 
-/// The longest side of a box, and its farthest coordinate from the origin.
-STANDOFF_DEVICE float longest_side(const BoxOf<float>& b) {
-  return max(b.high.x - b.low.x, max(b.high.y - b.low.y, b.high.z - b.low.z));
-}
+/// The farthest coordinate of a box from the origin.
 STANDOFF_DEVICE float farthest_coordinate(const BoxOf<float>& b) {
   return max(max(max(abs(b.low.x), abs(b.high.x)), max(abs(b.low.y), abs(b.high.y))), max(abs(b.low.z), abs(b.high.z)));
 }

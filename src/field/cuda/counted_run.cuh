@@ -136,7 +136,7 @@ inline void ThickBand::run(CountedRun& run) {
   entries[0] = run.entries[0].room_for<std::uint32_t>(most);
   begin(run.task, nullptr);
   int half = 0;
-  for (int number = gpu::top_level(run.lattice); number > 0; --number, half = 1 - half) {
+  for (int number = top_level(run.lattice); number > 0; --number, half = 1 - half) {
     keep = run.keep.room_for<unsigned char>(most);
     Step step = step_to(run.lattice, number - 1, half);
     count_level(run.lattice, run.task, step, half, nullptr);

@@ -27,7 +27,7 @@ STANDOFF_DEVICE SampleAt sample_of_thread(int thread) {
 STANDOFF_DEVICE float warp_radius(const Lattice& l) {
   const auto x = static_cast<float>(1.5 * l.unit[0]), y = static_cast<float>(1.5 * l.unit[1]),
              z = static_cast<float>(0.5 * l.unit[2]);
-  return sqrt(x * x + y * y + z * z) * (1 + kSlack);
+  return sqrt(x * x + y * y + z * z) * (1 + kSlackRatio);
 }
 
 /// The largest value among the lanes of a warp.
@@ -67,7 +67,7 @@ STANDOFF_DEVICE int gather_stage(const Lattice& l, const Stage& stage, int count
   for (int first = 0; first < count; first += 32) {
     // Samples past the grid never hold anything back.
     const float worst = sqrt(warp_max(in_grid ? best.distance_sq : 0));
-    const float within = min(l.thickness, min(worst, known_within)) * (1 + kSlack) + warp_radius(l);
+    const float within = min(l.thickness, min(worst, known_within)) * (1 + kSlackRatio) + warp_radius(l);
     const int mine = first + lane;
     const bool is_near =
         mine < count && sqrt(staged_distance_sq(stage, mine, warp_center)) - stage.slack[mine] <= within;
@@ -117,7 +117,8 @@ STANDOFF_DEVICE void write_tile(const Lattice& l, const std::int64_t* tile, std:
     at = std::int64_t{output.slots[index]} * kTileSamples + t;
   } else {
     const int x = t % 8, y = t / 8 % 8, z = t / 64;
-    if (x >= inside(l, tile, 0) || y >= inside(l, tile, 1) || z >= inside(l, tile, 2)) return;
+    if (x >= inside<kTileSide>(l, tile, 0) || y >= inside<kTileSide>(l, tile, 1) || z >= inside<kTileSide>(l, tile, 2))
+      return;
     at = tile[0] * 8 + x + l.size[0] * (tile[1] * 8 + y + l.size[1] * (tile[2] * 8 + z));
   }
   output.values[at] = finished.value[t];
@@ -175,14 +176,15 @@ STANDOFF_KERNEL void __launch_bounds__(kGatherThreads, 2)
     const Triple<float> sample{x[at.x], y[at.y], z[at.z]};
     const int wx = at.x & 4, wy = at.y & 4, wz = at.z & 6;
     const Triple<float> warp_center{(x[wx] + x[wx + 3]) / 2, (y[wy] + y[wy + 3]) / 2, (z[wz] + z[wz + 1]) / 2};
-    const bool in_grid = at.x < inside(l, tile, 0) && at.y < inside(l, tile, 1) && at.z < inside(l, tile, 2);
+    const bool in_grid = at.x < inside<kTileSide>(l, tile, 0) && at.y < inside<kTileSide>(l, tile, 1) &&
+                         at.z < inside<kTileSide>(l, tile, 2);
 
     // No sample of the tile is farther from the mesh than this, where something is known.
     float known_within = l.thickness;
     if (lists.nearest_bound) {
       const double half = 3.5 * sqrt(l.unit[0] * l.unit[0] + l.unit[1] * l.unit[1] + l.unit[2] * l.unit[2]);
       const float bound = __uint_as_float(static_cast<std::uint32_t>(lists.nearest_bound[index] >> 32));
-      known_within = min(known_within, bound + static_cast<float>(half) * (1 + kSlack));
+      known_within = min(known_within, bound + static_cast<float>(half) * (1 + kSlackRatio));
     }
 
     if (thread == 0) finished.band = finished.measured = 0;

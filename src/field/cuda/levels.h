@@ -5,7 +5,7 @@
 
 #include "field/lattice.h"
 
-namespace standoff::gpu {
+namespace standoff {
 
 struct Level {
   std::int64_t side;  // of a cell, samples
@@ -28,20 +28,20 @@ inline int top_level(const Lattice& l) {
 }
 
 /// The samples of a cell inside the grid, as a box around them. Grid units.
-struct Cell {
+struct CellBox {
   Triple<double> center;
   float half[3], radius;  // with a margin for rounding
 };
 
-STANDOFF_INLINE Cell cell_at(const Lattice& l, const Level& level, const std::int64_t* at) {
-  Cell cell;
+STANDOFF_INLINE CellBox cell_at(const Lattice& l, const Level& level, const std::int64_t* at) {
+  CellBox cell;
   double middle[3];
   float radius_sq = 0;
   for (int axis = 0; axis < 3; ++axis) {
     const std::int64_t first = at[axis] * level.side;
     const std::int64_t past = first + level.side < l.size[axis] ? first + level.side : l.size[axis];
     middle[axis] = static_cast<double>(first + past - 1) / 2;
-    cell.half[axis] = static_cast<float>(static_cast<double>(past - 1 - first) / 2 * l.unit[axis]) * (1 + kSlack);
+    cell.half[axis] = static_cast<float>(static_cast<double>(past - 1 - first) / 2 * l.unit[axis]) * (1 + kSlackRatio);
     radius_sq += cell.half[axis] * cell.half[axis];
   }
   cell.center = position(l, middle[0], middle[1], middle[2]);
@@ -49,4 +49,4 @@ STANDOFF_INLINE Cell cell_at(const Lattice& l, const Level& level, const std::in
   return cell;
 }
 
-}  // namespace standoff::gpu
+}  // namespace standoff

@@ -135,8 +135,8 @@ struct ThickBand {
 
   /// From the parents' lists in half `half` of the arrays to the children's in the other.
   Step step_to(const Lattice& l, int child_level, int half) const {
-    return {gpu::level_of(l, child_level + 1),
-            gpu::level_of(l, child_level),
+    return {level_of(l, child_level + 1),
+            level_of(l, child_level),
             start[half],
             entries[half],
             chunk_start,
@@ -175,13 +175,13 @@ struct ThickBand {
 
   /// The field from the tiles' lists, which are in half `half`.
   void gather_tiles(const Lattice& l, const Task& task, int half, Stream stream) const {
-    launch_gather(l, task, {start[half], entries[half], gpu::top_level(l) > 0 ? bound : nullptr}, stream);
+    launch_gather(l, task, {start[half], entries[half], top_level(l) > 0 ? bound : nullptr}, stream);
   }
 
   void enqueue(const Lattice& l, const Task& task, Stream stream) const {
     begin(task, stream);
     int half = 0;
-    for (int number = gpu::top_level(l); number > 0; --number, half = 1 - half) {
+    for (int number = top_level(l); number > 0; --number, half = 1 - half) {
       const Step step = step_to(l, number - 1, half);
       count_level(l, task, step, half, stream);
       fill_level(l, task, step, stream);

@@ -42,7 +42,7 @@ class MeshOnDevice {
   // Elements of another layout are converted some at a time.
   template <class T, class Array>
   static void copy_all(const Memory& to, const Array& all) {
-    if (const auto packed = all.packed()) {
+    if (const auto packed = all.as_span()) {
       copy_in(to.as<void>(), packed->data(), bytes<T>(packed->size()));
       return;
     }
@@ -63,7 +63,7 @@ inline void hand_over(const DeviceOutput& output, const Lattice& l, Sink& sink, 
   const std::int64_t tiles = l.tile_count();
   std::vector<std::int32_t> slots(static_cast<std::size_t>(tiles));
   copy_out(slots.data(), output.slots, tiles * static_cast<std::int64_t>(sizeof(std::int32_t)));
-  const std::int64_t batch = std::min(output.slot_capacity, gpu::kTilesAtOnce);
+  const std::int64_t batch = std::min(output.slot_capacity, kTilesAtOnce);
   std::vector<float> values(static_cast<std::size_t>(batch) * kTileSamples);
   std::vector<std::uint32_t> nearest(output.nearest ? values.size() : 0);
   std::int64_t here = 0, end = 0;  // the slots in host memory
@@ -100,7 +100,7 @@ Counts run_from_host(const Job& job, Sink& sink) {
   const MeshOnDevice mesh(job);
   CountedRun field(mesh.mesh(), job.grid, job.thickness, sink.with_nearest(), [&] { job.progress.advance(0); });
   field.run<Pipeline>();
-  job.progress.stage("copy", std::max<std::int64_t>(1, l.tile_count() / gpu::kTilesAtOnce), 0.9, 1);
+  job.progress.stage("copy", std::max<std::int64_t>(1, l.tile_count() / kTilesAtOnce), 0.9, 1);
   hand_over(field.output(), l, sink, job.progress);
   return {static_cast<std::int64_t>(field.outcome().samples_examined),
           static_cast<std::int64_t>(field.outcome().samples_band)};

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "field/cuda/corners.cuh"
+#include "field/set_up.h"
 
 namespace standoff::STANDOFF_PLATFORM {
 
@@ -48,7 +49,7 @@ STANDOFF_DEVICE void set_up(const Lattice& l, const DeviceMesh& mesh, std::uint3
   const BoxOf<float> box = box_of(fa, fb, fd);
   stage.index[n] = triangle;
   stage.slack[n] = fma(farthest_coordinate(box), kSlackOfCoordinate, kSlack);
-  stage.is_long[n] = kLongTriangle < longest_side(box);
+  stage.is_long[n] = is_long(box);
   if (stage.is_long[n])
     store(make_lines<float>(make_frame(a, b, d, double{kLeastLengthSq})), stage.setup[n]);
   else

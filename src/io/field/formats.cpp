@@ -53,7 +53,7 @@ DistanceField read_field(const std::filesystem::path& path, const FieldReadOptio
   try {
     return format.read(file, options.memory_limit);
   } catch (const std::bad_alloc&) {
-    throw Error(ErrorCode::limit, path.string() + ": not enough memory for its samples; use a machine with more");
+    throw Error(ErrorCode::limit, path.string() + ": not enough memory for its samples; provide more memory");
   }
 } catch (...) {
   throw_as_error("field");

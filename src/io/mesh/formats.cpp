@@ -175,8 +175,12 @@ std::vector<std::string> notes(const MeshReadReport& report) try {
   if (report.unpacked) notes.push_back("unpacked by gzip");
   if (report.turned()) {
     std::string axes;
-    for (const int axis : report.axes)
+    for (const int axis : report.axes) {
+      if (axis < -3 || axis == 0 || axis > 3)
+        throw Error(ErrorCode::usage,
+                    "mesh: a report's axis is " + std::to_string(axis) + "; give 1, 2 or 3, or their negatives");
       axes += std::string(axes.empty() ? "" : ", ") + (axis < 0 ? "-" : "") + "xyz"[std::abs(axis) - 1];
+    }
     notes.push_back("axes turned so that y is up: x, y, z are " + axes + " of the file");
   }
   if (report.unit_scale != 1)
@@ -201,7 +205,7 @@ Mesh read_mesh(const std::filesystem::path& path, const MeshReadOptions& options
     if (report) *report = std::move(found);
     return mesh;
   } catch (const std::bad_alloc&) {
-    throw Error(ErrorCode::limit, path.string() + ": not enough memory for its triangles; use a machine with more");
+    throw Error(ErrorCode::limit, path.string() + ": not enough memory for its triangles; provide more memory");
   }
 } catch (...) {
   throw_as_error("mesh");

@@ -20,7 +20,7 @@ struct CellSamples {
 };
 
 // Those of the cell whose first sample is `at`, moved by `offset`.
-STANDOFF_INLINE CellSamples cell_samples(const Lattice& lattice, const int (&at)[3], const float (&offset)[3]) {
+STANDOFF_INLINE CellSamples cell_samples(const BlockLattice& lattice, const int (&at)[3], const float (&offset)[3]) {
   const int bx = at[0] / kBlockX, by = at[1] / kBlockY, bz = at[2] / kBlockZ;
   CellSamples s;
   s.x = WideFloat::load(lattice.x[bx]) + WideFloat(offset[0]);
@@ -67,9 +67,9 @@ struct BlockLimits {
 };
 
 // The points looked at, the boxes and what is computed for their triangles may be off by `slack`.
-STANDOFF_INLINE BlockLimits block_limits(const Lattice& lattice, const int (&at)[3], const PointDistances& points,
+STANDOFF_INLINE BlockLimits block_limits(const BlockLattice& lattice, const int (&at)[3], const PointDistances& points,
                                          float slack, const BrickState& state) {
-  const float slack_sq = slack * slack, within = lattice.thickness * (1 + kSlack);
+  const float slack_sq = slack * slack, within = lattice.thickness * (1 + kSlackRatio);
   const WideFloat added(beyond_slack(slack));
   // A box is out when gap^2 (1-a) - s^2/a > known, and 1/(1-a) < 1 + 2a.
   const WideFloat lowered_by(slack_sq / kSlackShare);

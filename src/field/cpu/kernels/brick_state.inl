@@ -37,9 +37,10 @@ STANDOFF_INLINE std::uint32_t inside_bits(const int (&size)[3], int bx, int by, 
   return bits;
 }
 
-unsigned band_tiles(const Lattice& lattice, const Brick& brick, BrickState& state) {
+unsigned band_tiles(const BlockLattice& lattice, const Brick& brick, BrickState& state) {
   const WideFloat limit_sq(lattice.thickness_sq);
-  const int size[3] = {inside(lattice, brick, 0), inside(lattice, brick, 1), inside(lattice, brick, 2)};
+  const int size[3] = {inside<kBrickSide>(lattice, brick.at, 0), inside<kBrickSide>(lattice, brick.at, 1),
+                       inside<kBrickSide>(lattice, brick.at, 2)};
   const bool whole = size[0] == kBrickSide && size[1] == kBrickSide && size[2] == kBrickSide;
   unsigned tiles = 0;
   for (int block = 0; block < kBlocks; ++block) {
@@ -68,9 +69,8 @@ STANDOFF_INLINE void copy_block(const T* block, int x, int y, int z, const TileT
   }
 }
 
-void write_tile(const Lattice& lattice, const BrickState& state, int tile, const TileTarget& target) {
-  const WideFloat limit_sq(lattice.thickness_sq), limit(lattice.thickness_world),
-      unscale(static_cast<float>(1 / lattice.scale));
+void write_tile(const BlockLattice& lattice, const BrickState& state, int tile, const TileTarget& target) {
+  const WideFloat limit_sq(lattice.thickness_sq), limit(lattice.thickness_world), unscale(lattice.unscale);
   constexpr int nx = kBlocksX / 2, ny = kBlocksY / 2, nz = kBlocksZ / 2;
   const int x0 = (tile & 1) * nx, y0 = (tile >> 1 & 1) * ny, z0 = (tile >> 2 & 1) * nz;
   for (int bz = 0; bz < nz; ++bz)

@@ -18,15 +18,6 @@
 namespace standoff::cpu::STANDOFF_TARGET {
 namespace {
 
-// What a distance in a frame may be off by, as a share of the triangle's largest coordinate: 32 units of rounding of a
-// length up to sqrt(3) times as large (geometry/triangle_frame.h), 6.6e-6. With less, culling may drop the triangle
-// that is nearest; with more it only keeps more of them.
-constexpr float kFrameError = 32 * 1.7320508f * 0x1p-23f;
-// The share a by which squared distances are lowered to allow for a slack s in the distance d, without a root:
-// (d-s)^2 >= d^2 - 2ds >= d^2 (1-a) - s^2/a. Any a in (0, 1) is safe; it decides
-// how many candidates are kept for nothing, those beyond the limit by a d^2 + s^2/a. With s = kSlack the second term is
-// 0.01 squared grid units.
-constexpr float kSlackShare = 1e-4f;
 // What is added to a squared distance, beside the share a of it, to allow for a slack s in the distance the other way:
 // (d+s)^2 <= d^2 (1+a) + s^2 (1+1/a).
 STANDOFF_INLINE float beyond_slack(float slack) { return slack * slack * (1 + 1 / kSlackShare); }
@@ -41,8 +32,8 @@ STANDOFF_INLINE void set_up(const Group& loaded, FrameGroup& g) {
 }
 
 // Sets up the candidates first, first + 1, ... as far as there is room.
-STANDOFF_INLINE void fill_table(const Lattice& lattice, const Brick& brick, const Candidates& c, std::int64_t first,
-                                CandidateTable& table) {
+STANDOFF_INLINE void fill_table(const BlockLattice& lattice, const Brick& brick, const Candidates& c,
+                                std::int64_t first, CandidateTable& table) {
   table.count = 0;
   for (; table.count < CandidateTable::kGroups && first < c.count; ++table.count, first += kLanes) {
     CandidateTable::Group& g = table.groups[table.count];
@@ -72,7 +63,7 @@ constexpr int kTileCells = DistanceField::kTileSide / kCellSide;
 static_assert(CandidateTable::kCornersPerAxis == kTileCells + 1);
 
 // A coordinate of the tile's lattice of cells relative to the brick's centre: its faces lie on the outermost samples.
-STANDOFF_INLINE float corner_coordinate(const Lattice& lattice, int axis, int first_sample, int n) {
+STANDOFF_INLINE float corner_coordinate(const BlockLattice& lattice, int axis, int first_sample, int n) {
   const float sample = n == 0            ? 0
                        : n == kTileCells ? DistanceField::kTileSide - 1
                                          : kCellSide * static_cast<float>(n) - 0.5f;
@@ -82,7 +73,7 @@ STANDOFF_INLINE float corner_coordinate(const Lattice& lattice, int axis, int fi
 }
 
 // The lattice of a tile's cells; nothing is known near its corners yet.
-STANDOFF_INLINE void place_corners(const Lattice& lattice, const int (&first_sample)[3], CandidateTable& table) {
+STANDOFF_INLINE void place_corners(const BlockLattice& lattice, const int (&first_sample)[3], CandidateTable& table) {
   constexpr int kSide = CandidateTable::kCornersPerAxis;
   for (int n = 0; n < CandidateTable::kCorners; ++n) {
     CandidateTable::Corner& corner = table.corners[n];
@@ -159,7 +150,8 @@ struct CellCorners {
   float reach_sq;
 };
 
-STANDOFF_INLINE CellCorners cell_corners(const Lattice& lattice, const CandidateTable& table, const int (&cell)[3]) {
+STANDOFF_INLINE CellCorners cell_corners(const BlockLattice& lattice, const CandidateTable& table,
+                                         const int (&cell)[3]) {
   constexpr int kSide = CandidateTable::kCornersPerAxis;
   CellCorners result;
   const int(&number)[8] = result.number;
@@ -171,7 +163,7 @@ STANDOFF_INLINE CellCorners cell_corners(const Lattice& lattice, const Candidate
     diagonal_sq += side * side;
   }
   // No sample is farther than half the diagonal from the nearest corner.
-  const float reach = (lattice.thickness + standoff::sqrt(diagonal_sq) / 2) * (1 + kSlack);
+  const float reach = (lattice.thickness + standoff::sqrt(diagonal_sq) / 2) * (1 + kSlackRatio);
   result.reach_sq = reach * reach;
   for (int q = 0; q < 8; ++q) {
     const CandidateTable::Corner& reference = table.corners[number[q]];

@@ -80,7 +80,7 @@ STANDOFF_INLINE Culling culling(const CullCell& cell, const References& referenc
   Culling c;
   c.center = {WideFloat(cell.center[0]), WideFloat(cell.center[1]), WideFloat(cell.center[2])};
   c.half = cell.half;
-  c.reach_sq = WideFloat(cell.reach * cell.reach * (1 + kSlack) + kSlack * kSlack);
+  c.reach_sq = WideFloat(cell.reach * cell.reach * (1 + kSlackRatio) + kSlack * kSlack);
   c.is_limited = cell.reach < __builtin_inff();
   c.count = references.count;
   const float half_sq = cell.half[0] * cell.half[0] + cell.half[1] * cell.half[1] + cell.half[2] * cell.half[2];

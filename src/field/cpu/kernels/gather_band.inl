@@ -16,7 +16,7 @@ struct BlockRanges {
   alignas(64) int last[3][kLanes];
 };
 
-STANDOFF_INLINE void block_ranges(const Lattice& lattice, const Group& group, BlockRanges& ranges) {
+STANDOFF_INLINE void block_ranges(const BlockLattice& lattice, const Group& group, BlockRanges& ranges) {
   constexpr int shift[3] = {2, 1, 1};
   static_assert(1 << shift[0] == kBlockX && 1 << shift[1] == kBlockY && 1 << shift[2] == kBlockZ);
   const WideFloat zero(0), side(kBrickSide), middle((kBrickSide - 1) / 2.0f), slack(kSlack), one(1);
@@ -40,8 +40,8 @@ STANDOFF_INLINE void block_ranges(const Lattice& lattice, const Group& group, Bl
 // A short triangle against the blocks in its grown box, kCount blocks wide from block x0 on: the count is a constant so
 // that the innermost loop has no branch to mispredict.
 template <bool kNearest, int kCount>
-STANDOFF_INLINE void gather_rows(const Lattice& lattice, const BlockRanges& ranges, const TriangleFrame<WideFloat>& f,
-                                 int lane, std::uint32_t index, BrickState& state) {
+STANDOFF_INLINE void gather_rows(const BlockLattice& lattice, const BlockRanges& ranges,
+                                 const TriangleFrame<WideFloat>& f, int lane, std::uint32_t index, BrickState& state) {
   const int x0 = ranges.first[0][lane], y0 = ranges.first[1][lane], y1 = ranges.last[1][lane],
             z0 = ranges.first[2][lane], z1 = ranges.last[2][lane];
   for (int bz = z0; bz <= z1; ++bz) {
@@ -62,8 +62,8 @@ STANDOFF_INLINE void gather_rows(const Lattice& lattice, const BlockRanges& rang
 }
 
 template <bool kNearest>
-STANDOFF_INLINE void gather_short(const Lattice& lattice, const BlockRanges& ranges, const FrameLanes& frames, int lane,
-                                  std::uint32_t index, BrickState& state) {
+STANDOFF_INLINE void gather_short(const BlockLattice& lattice, const BlockRanges& ranges, const FrameLanes& frames,
+                                  int lane, std::uint32_t index, BrickState& state) {
   const int nx = ranges.last[0][lane] - ranges.first[0][lane] + 1,
             ny = ranges.last[1][lane] - ranges.first[1][lane] + 1,
             nz = ranges.last[2][lane] - ranges.first[2][lane] + 1;
@@ -82,7 +82,7 @@ STANDOFF_INLINE void gather_short(const Lattice& lattice, const BlockRanges& ran
 }
 
 template <bool kNearest>
-void gather_band(const Lattice& lattice, const Brick& brick, const Candidates& c, BrickState& state) {
+void gather_band(const BlockLattice& lattice, const Brick& brick, const Candidates& c, BrickState& state) {
   Group group;
   BlockRanges ranges;
   FrameLanes frames;
@@ -101,7 +101,7 @@ void gather_band(const Lattice& lattice, const Brick& brick, const Candidates& c
   }
 }
 
-void gather_band_any(const Lattice& lattice, const Brick& brick, const Candidates& c, bool with_nearest,
+void gather_band_any(const BlockLattice& lattice, const Brick& brick, const Candidates& c, bool with_nearest,
                      BrickState& state) {
   if (with_nearest)
     gather_band<true>(lattice, brick, c, state);

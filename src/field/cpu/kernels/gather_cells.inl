@@ -43,7 +43,7 @@ STANDOFF_INLINE void list_extents(CandidateTable& table) {
 }
 
 // Lists for each block of the cell the candidates that it chooses.
-STANDOFF_INLINE void list_for_blocks(const Lattice& lattice, CandidateTable& table, const CellCorners& cell,
+STANDOFF_INLINE void list_for_blocks(const BlockLattice& lattice, CandidateTable& table, const CellCorners& cell,
                                      const int (&at)[3], const BrickState& state) {
   list_extents(table);
   const CellSamples samples = cell_samples(lattice, at, {0, 0, 0});
@@ -105,8 +105,9 @@ STANDOFF_INLINE WideFloat frame_limit_sq(const WideFloat& best_sq, float slack) 
 // frame, which is there already, does not show that the triangle is too far away. Where many triangles are as large as
 // the grid, it shows that of nearly all.
 template <bool kNearest, int kSide, class Group>
-STANDOFF_INLINE void gather_listed(const Lattice& lattice, const Brick& brick, const Candidates& c, const Group* groups,
-                                   const CandidateList& list, int bx, int by, int bz, BrickState& state) {
+STANDOFF_INLINE void gather_listed(const BlockLattice& lattice, const Brick& brick, const Candidates& c,
+                                   const Group* groups, const CandidateList& list, int bx, int by, int bz,
+                                   BrickState& state) {
   constexpr int kCount = kSide * kSide;
   const auto block = [&](int n) __attribute__((always_inline)) {
     return block_index(bx, by + n % kSide, bz + n / kSide);
@@ -163,8 +164,9 @@ constexpr int kManyCandidates = 40;
 
 // One cell, from the candidates of its tile.
 template <bool kNearest>
-STANDOFF_INLINE void gather_cell(const Lattice& lattice, const Brick& brick, const Candidates& c, CandidateTable& table,
-                                 const CellCorners& cell, const int (&at)[3], BrickState& state) {
+STANDOFF_INLINE void gather_cell(const BlockLattice& lattice, const Brick& brick, const Candidates& c,
+                                 CandidateTable& table, const CellCorners& cell, const int (&at)[3],
+                                 BrickState& state) {
   const int bx = at[0] / kBlockX, by = at[1] / kBlockY, bz = at[2] / kBlockZ;
   choose(table, cell);
   list_chosen(table);
@@ -177,7 +179,7 @@ STANDOFF_INLINE void gather_cell(const Lattice& lattice, const Brick& brick, con
 }
 
 template <bool kNearest>
-void gather_tile(const Lattice& lattice, const Brick& brick, int tile, const Candidates& c, CandidateTable& table,
+void gather_tile(const BlockLattice& lattice, const Brick& brick, int tile, const Candidates& c, CandidateTable& table,
                  BrickState& state) {
   constexpr int tile_side = DistanceField::kTileSide;
   const int corner[3] = {(tile & 1) * tile_side, (tile >> 1 & 1) * tile_side, (tile >> 2) * tile_side};
@@ -189,15 +191,15 @@ void gather_tile(const Lattice& lattice, const Brick& brick, int tile, const Can
       const int cell[3] = {n & 1, n >> 1 & 1, n >> 2};
       const int at[3] = {corner[0] + cell[0] * kCellSide, corner[1] + cell[1] * kCellSide,
                          corner[2] + cell[2] * kCellSide};
-      if (at[0] >= inside(lattice, brick, 0) || at[1] >= inside(lattice, brick, 1) ||
-          at[2] >= inside(lattice, brick, 2))
+      if (at[0] >= inside<kBrickSide>(lattice, brick.at, 0) || at[1] >= inside<kBrickSide>(lattice, brick.at, 1) ||
+          at[2] >= inside<kBrickSide>(lattice, brick.at, 2))
         continue;
       gather_cell<kNearest>(lattice, brick, c, table, cell_corners(lattice, table, cell), at, state);
     }
   }
 }
 
-void gather_tile_any(const Lattice& lattice, const Brick& brick, int tile, const Candidates& c, bool with_nearest,
+void gather_tile_any(const BlockLattice& lattice, const Brick& brick, int tile, const Candidates& c, bool with_nearest,
                      CandidateTable& table, BrickState& state) {
   if (with_nearest)
     gather_tile<true>(lattice, brick, tile, c, table, state);

@@ -50,7 +50,7 @@ STANDOFF_INLINE void choose_crowded(const CrowdedCell& cell, const CellSamples& 
       });
 }
 
-STANDOFF_INLINE void set_up_chosen(const Lattice& lattice, const Brick& brick, const Candidates& mesh,
+STANDOFF_INLINE void set_up_chosen(const BlockLattice& lattice, const Brick& brick, const Candidates& mesh,
                                    CrowdedTable& table) {
   const Candidates chosen{mesh.mesh, table.chosen, table.chosen_count};
   for (int first = 0; first < table.chosen_count; first += kLanes) {
@@ -61,7 +61,7 @@ STANDOFF_INLINE void set_up_chosen(const Lattice& lattice, const Brick& brick, c
 }
 
 template <bool kNearest>
-void gather_crowded(const Lattice& lattice, const Brick& brick, const CrowdedCell& cell, const Candidates& mesh,
+void gather_crowded(const BlockLattice& lattice, const Brick& brick, const CrowdedCell& cell, const Candidates& mesh,
                     CrowdedTable& table, BrickState& state) {
   const CellSamples samples = cell_samples(lattice, cell.at, cell.brick_center);
   for (std::int64_t first = 0; first < cell.boxes.count; first += CrowdedTable::kMost) {
@@ -81,8 +81,8 @@ void gather_crowded(const Lattice& lattice, const Brick& brick, const CrowdedCel
   }
 }
 
-void gather_crowded_any(const Lattice& lattice, const Brick& brick, const CrowdedCell& cell, const Candidates& mesh,
-                        bool with_nearest, CrowdedTable& table, BrickState& state) {
+void gather_crowded_any(const BlockLattice& lattice, const Brick& brick, const CrowdedCell& cell,
+                        const Candidates& mesh, bool with_nearest, CrowdedTable& table, BrickState& state) {
   if (with_nearest)
     gather_crowded<true>(lattice, brick, cell, mesh, table, state);
   else

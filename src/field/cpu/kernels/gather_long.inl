@@ -9,7 +9,7 @@
 namespace standoff::cpu::STANDOFF_TARGET {
 namespace {
 
-STANDOFF_INLINE WidePoint block_samples(const Lattice& lattice, int block) {
+STANDOFF_INLINE WidePoint block_samples(const BlockLattice& lattice, int block) {
   return {WideFloat::load(lattice.x[block % kBlocksX]), WideFloat::load(lattice.y[block / kBlocksX % kBlocksY]),
           WideFloat::load(lattice.z[block / (kBlocksX * kBlocksY)])};
 }
@@ -39,15 +39,15 @@ __attribute__((noinline)) WideFloat distance_sq_in_both(const TriangleLines<Wide
 // Chooses clumps of blocks, and blocks in these, by the exact distances of their centres. Most blocks lie wholly on one
 // side of the triangle's altitude: half of its lines are enough for these.
 template <bool kNearest>
-STANDOFF_INLINE void gather_long(const Lattice& lattice, const Brick& brick, const Candidates& c, std::uint32_t index,
-                                 BrickState& state) {
+STANDOFF_INLINE void gather_long(const BlockLattice& lattice, const Brick& brick, const Candidates& c,
+                                 std::uint32_t index, BrickState& state) {
   const TriangleLines<WideFloat> lines = make_lines<WideFloat>(double_frame(lattice, brick, c, index));
   const auto within = [&](float radius) __attribute__((always_inline)) {
-    const float reach = (lattice.thickness + radius) * (1 + kSlack) + kSlack;
+    const float reach = (lattice.thickness + radius) * (1 + kSlackRatio) + kSlack;
     return reach * reach;
   };
   const float reach_sq = within(lattice.block_radius);
-  const WideFloat beside(lattice.block_radius * (1 + kSlack) + kSlack);
+  const WideFloat beside(lattice.block_radius * (1 + kSlackRatio) + kSlack);
   std::uint32_t clumps = points_within(lines, load_points(lattice.clump_centers), within(lattice.clump_radius));
   for (; clumps; clumps &= clumps - 1) {
     const int clump = __builtin_ctz(clumps);

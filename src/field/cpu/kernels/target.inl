@@ -23,11 +23,5 @@ STANDOFF_INLINE const WideFloat& component(const WidePoint& p, int axis) {
   return axis == 0 ? p.x : axis == 1 ? p.y : p.z;
 }
 
-// Samples of the brick inside the grid, per axis.
-STANDOFF_INLINE int inside(const Lattice& lattice, const Brick& brick, int axis) {
-  const std::int64_t left = lattice.size[axis] - brick.at[axis] * kBrickSide;
-  return left < kBrickSide ? static_cast<int>(left) : kBrickSide;
-}
-
 }  // namespace
 }  // namespace standoff::cpu::STANDOFF_TARGET

@@ -4,6 +4,7 @@
 
 #include "field/cpu/frame_lanes.h"
 #include "field/cpu/kernels/target.inl"
+#include "field/set_up.h"
 #include "geometry/triangle_frame.h"
 
 namespace standoff::cpu::STANDOFF_TARGET {
@@ -17,25 +18,25 @@ struct Group {
 
 // The corners of the triangles refs[first], refs[first + 1], ..., corner by corner and lane by lane.
 using CornerRows = float[3][kLanes][4];
-template <bool kDense>
-STANDOFF_INLINE void load_corners(const Lattice& lattice, const Brick& brick, const Candidates& c, std::int64_t first,
-                                  CornerRows& rows, Group& group) {
+template <bool kPacked>
+STANDOFF_INLINE void load_corners(const BlockLattice& lattice, const Brick& brick, const Candidates& c,
+                                  std::int64_t first, CornerRows& rows, Group& group) {
   for (int lane = 0; lane < kLanes; ++lane) {
     const std::int64_t n = first + lane < c.count ? first + lane : c.count - 1;
     const std::uint32_t index = c.refs[n];
     group.index[lane] = index;
     for (int which = 0; which < 3; ++which) {
       double room[3];
-      store_local(rows[which][lane], corner_of<kDense>(c.mesh, index, which, room), lattice.scale, brick.center);
+      store_local(rows[which][lane], corner_of<kPacked>(c.mesh, index, which, room), lattice.scale, brick.center);
     }
   }
 }
 
 // Loads the triangles refs[first], refs[first + 1], ...; past the end the last one again, which changes nothing.
-STANDOFF_INLINE void load_group(const Lattice& lattice, const Brick& brick, const Candidates& c, std::int64_t first,
-                                Group& group) {
+STANDOFF_INLINE void load_group(const BlockLattice& lattice, const Brick& brick, const Candidates& c,
+                                std::int64_t first, Group& group) {
   alignas(64) CornerRows rows;
-  if (c.mesh.dense)
+  if (c.mesh.packed)
     load_corners<true>(lattice, brick, c, first, rows, group);
   else
     load_corners<false>(lattice, brick, c, first, rows, group);
@@ -47,15 +48,9 @@ STANDOFF_INLINE TriangleFrame<WideFloat> make_frames(const Group& group) {
   return make_frame(group.corner[0], group.corner[1], group.corner[2], WideFloat(kLeastLengthSq));
 }
 
-// Bits of the triangles that are to be measured by lines: those whose box has a side longer than kLongTriangle.
+// Bits of the triangles that are to be measured by lines.
 STANDOFF_INLINE std::uint32_t long_lanes(const Group& group) {
-  WideFloat longest(0);
-  for (int axis = 0; axis < 3; ++axis) {
-    const WideFloat a = component(group.corner[0], axis), b = component(group.corner[1], axis),
-                    c = component(group.corner[2], axis);
-    longest = max(longest, max(a, max(b, c)) - min(a, min(b, c)));
-  }
-  return less(WideFloat(kLongTriangle), longest).to_bits();
+  return is_long(box_of(group.corner[0], group.corner[1], group.corner[2])).to_bits();
 }
 
 // Frames into lanes and out of them, number by number.
@@ -107,15 +102,14 @@ STANDOFF_INLINE TriangleFrame<F> frame_of_lane(const FrameLanes& from, std::uint
 }
 
 // The frame of a long triangle, in double.
-STANDOFF_INLINE TriangleFrame<double> double_frame(const Lattice& lattice, const Brick& brick, const Candidates& c,
+STANDOFF_INLINE TriangleFrame<double> double_frame(const BlockLattice& lattice, const Brick& brick, const Candidates& c,
                                                    std::uint32_t index) {
+  const Triple<double> center{brick.center[0], brick.center[1], brick.center[2]};
   Triple<double> corner[3];
   for (int which = 0; which < 3; ++which) {
     double room[3];
     const double* v = corner_of<false>(c.mesh, index, which, room);
-    corner[which] = {standoff::fma(v[0], lattice.scale, -brick.center[0]),
-                     standoff::fma(v[1], lattice.scale, -brick.center[1]),
-                     standoff::fma(v[2], lattice.scale, -brick.center[2])};
+    corner[which] = local(lattice, {v[0], v[1], v[2]}, center);
   }
   return make_frame(corner[0], corner[1], corner[2], double{kLeastLengthSq});
 }
