@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // memory_needed() is an upper bound: what computations of many kinds of meshes hold on the heap, against what was said.
+// labels: none
 #include <gtest/gtest.h>
 
 #include <algorithm>

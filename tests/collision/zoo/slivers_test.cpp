@@ -5,6 +5,7 @@
 //
 // STANDOFF_CHECK_SLIVERS: pairs of each height, a third of them touching by construction; STANDOFF_CHECK_SEED: the
 // first body's seed.
+// labels: none
 #include <gtest/gtest.h>
 
 #include "standoff/testing/emulation.h"

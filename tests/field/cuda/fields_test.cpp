@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // The GPU's kernels, emulated: the same bits as the CPU backend, in every order in which threads may take turns.
-// labels: memory
 #include <gtest/gtest.h>
 
 #include <string>
