@@ -43,7 +43,7 @@ class HelpFormatter : public CLI::Formatter {
   }
   std::string make_subcommand(const CLI::App* verb) const override {
     const std::string description = verb->get_description();
-    return "  " + verb->get_name() + std::string(12 - verb->get_name().size(), ' ') +
+    return "  " + verb->get_name() + std::string(std::max<std::size_t>(12, verb->get_name().size() + 1) - verb->get_name().size(), ' ') +
            description.substr(0, description.find('\n')) + "\n";
   }
 };

@@ -7,7 +7,8 @@
 
 namespace standoff::testing {
 
-/// A backend that is accepted wherever Backend::cuda is. Its answers are those of a GPU.
-inline constexpr Backend kEmulated{3};
+/// A backend that is accepted wherever Backend::cuda is. Its answers are those of a GPU. The value is far from those of
+/// the enumerators, which may become more.
+inline constexpr Backend kEmulated{1000};
 
 }  // namespace standoff::testing
