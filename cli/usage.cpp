@@ -43,8 +43,9 @@ class HelpFormatter : public CLI::Formatter {
   }
   std::string make_subcommand(const CLI::App* verb) const override {
     const std::string description = verb->get_description();
-    return "  " + verb->get_name() + std::string(std::max<std::size_t>(12, verb->get_name().size() + 1) - verb->get_name().size(), ' ') +
-           description.substr(0, description.find('\n')) + "\n";
+    std::string name = verb->get_name() + ' ';
+    name.resize(std::max<std::size_t>(name.size(), 12), ' ');
+    return "  " + name + description.substr(0, description.find('\n')) + "\n";
   }
 };
 
