@@ -78,6 +78,17 @@ void Command::add_to(CLI::App& verb) {
     parse_choice(o, t, {"triangle"});
     options.nearest_triangle = true;
   });
+  add(
+      "--sign", "METHOD",
+      "make values inside negative: winding (by the winding number;\nthe mesh must be closed and oriented), parity "
+      "(orientation\n"
+      "does not matter) or none (default)",
+      [this](S o, S t) { options.sign.method = parse_sign(o, t); }, "Sign");
+  add(
+      "--rule", "NAME", "inside is where the winding number is positive (default),\nnonzero or odd",
+      [this](S o, S t) { options.sign.rule = parse_winding_rule(o, t); }, "Sign");
+  verb.add_flag("--invert", options.sign.invert, "exchange inside and outside, as for a room scanned from inside")
+      ->group("Sign");
   add_device(verb, "Work", options.execution.backend, options.execution.device);
   add_threads(verb, "Work", options.execution.threads);
   add("--memory-limit", "SIZE",

@@ -73,17 +73,17 @@ void tell(const Plan& plan, const ComputeOptions& options, const Console& consol
 void say(const Outcome& outcome, const Console& console) {
   const ComputeReport& report = outcome.report;
   const double load = outcome.plan.load_seconds, prepare = report.seconds.prepare, compute = report.seconds.compute,
-               write = outcome.write_seconds;
+               sign = report.seconds.sign, write = outcome.write_seconds;
   if (report.skipped > 0) console.say(counted(report.skipped, "triangle") + " skipped");
   console.detail(counted(report.samples_band, "sample") + " in the band, " + grouped(report.tiles_stored) + " of " +
                  counted(report.tiles, "tile") + " stored, " + counted(report.samples_examined, "distance") +
                  " computed");
   console.detail("load " + seconds_text(load) + ", prepare " + seconds_text(prepare) + ", compute " +
-                 seconds_text(compute) + ", write " + seconds_text(write) + "; peak memory " +
-                 bytes_text(peak_memory_bytes()));
+                 seconds_text(compute) + (sign > 0 ? ", sign " + seconds_text(sign) : "") + ", write " +
+                 seconds_text(write) + "; peak memory " + bytes_text(peak_memory_bytes()));
   console.say(outcome.plan.output + ": " + bytes_text(outcome.written_bytes) + " in " +
-              seconds_text(load + prepare + compute + write) + "; " + report.method + " on " + report.backend + " (" +
-              report.device + "), " + counted(report.threads, "thread"));
+              seconds_text(load + prepare + compute + sign + write) + "; " + report.method + " on " + report.backend +
+              " (" + report.device + "), " + counted(report.threads, "thread"));
 }
 
 Json outcome_json(const Outcome& outcome) {
@@ -96,6 +96,7 @@ Json outcome_json(const Outcome& outcome) {
   json["seconds"] = {{"load", outcome.plan.load_seconds},
                      {"prepare", report.seconds.prepare},
                      {"compute", report.seconds.compute},
+                     {"sign", report.seconds.sign},
                      {"write", outcome.write_seconds}};
   json["peak_memory_bytes"] = peak_memory_bytes();
   json["method"] = report.method;

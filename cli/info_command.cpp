@@ -79,8 +79,11 @@ void tell_field(const std::string& name, const FieldArgument& input, const Conso
   if (console.json()) {
     Json json = json_answer("info");
     json["kind"] = "field";
-    json["field"] = {
-        {"file", name}, {"nearest_triangle", field.has_nearest()}, {"method", from.method}, {"version", from.version}};
+    json["field"] = {{"file", name},
+                     {"nearest_triangle", field.has_nearest()},
+                     {"method", from.method},
+                     {"sign", from.sign},
+                     {"version", from.version}};
     json["mesh"] = {{"hash", from.mesh_hash == 0 ? Json(nullptr) : Json(hash_text(from.mesh_hash))}};
     json["grid"] = json_grid(g);
     json["thickness"] = json_number(field.thickness());
@@ -94,19 +97,21 @@ void tell_field(const std::string& name, const FieldArgument& input, const Conso
     return text.empty() ? std::string("unknown") : beginning(text, 200);
   };
   const std::string made = or_unknown(from.method) + ", standoff " + or_unknown(from.version);
-  print(row("field", name) + row("size", size_text(g.size) + ", " + counted(g.sample_count(), "sample")) +
-        row("origin", point_text(g.origin)) + row("to", point_text(g.bounds().max)) +
-        row("spacing", spacing_text(g.spacing)) +
-        row("thickness",
-            std::isinf(field.thickness()) ? "infinite: every sample is a distance" : number(field.thickness())) +
-        row("values", number(found.min) + " to " + number(found.max) +
-                          (found.nan > 0 ? "; " + counted(found.nan, "sample") + " not a number" : "")) +
-        row("band", counted(found.band, "sample") +
-                        (field.has_nearest() || std::isinf(field.thickness()) ? "" : " nearer than the thickness")) +
-        row("tiles", grouped(field.stored_tiles()) + " of " + grouped(tiles) + " stored, " +
-                         bytes_text(field.memory_bytes()) + " in memory") +
-        row("nearest", field.has_nearest() ? "triangles stored" : "not stored") + row("method", made) +
-        row("mesh hash", from.mesh_hash == 0 ? "unknown" : hash_text(from.mesh_hash)));
+  print(
+      row("field", name) + row("size", size_text(g.size) + ", " + counted(g.sample_count(), "sample")) +
+      row("origin", point_text(g.origin)) + row("to", point_text(g.bounds().max)) +
+      row("spacing", spacing_text(g.spacing)) +
+      row("thickness",
+          std::isinf(field.thickness()) ? "infinite: every sample is a distance" : number(field.thickness())) +
+      row("values", number(found.min) + " to " + number(found.max) +
+                        (found.nan > 0 ? "; " + counted(found.nan, "sample") + " not a number" : "")) +
+      row("band", counted(found.band, "sample") +
+                      (field.has_nearest() || std::isinf(field.thickness()) ? "" : " nearer than the thickness")) +
+      row("tiles", grouped(field.stored_tiles()) + " of " + grouped(tiles) + " stored, " +
+                       bytes_text(field.memory_bytes()) + " in memory") +
+      row("nearest", field.has_nearest() ? "triangles stored" : "not stored") +
+      row("sign", from.sign.empty() ? (found.min < 0 ? "signed, method unknown" : "none") : beginning(from.sign, 200)) +
+      row("method", made) + row("mesh hash", from.mesh_hash == 0 ? "unknown" : hash_text(from.mesh_hash)));
 }
 
 void tell_body(const std::string& name, const Console& console) {

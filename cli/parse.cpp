@@ -183,6 +183,16 @@ Method parse_method(const std::string& option, const std::string& text) {
   return parse_choice(option, text, {"tiles", "thesis"}) == 0 ? Method::tiles : Method::thesis;
 }
 
+SignMethod parse_sign(const std::string& option, const std::string& text) {
+  constexpr SignMethod methods[] = {SignMethod::none, SignMethod::winding, SignMethod::parity};
+  return methods[parse_choice(option, text, {"none", "winding", "parity"})];
+}
+
+WindingRule parse_winding_rule(const std::string& option, const std::string& text) {
+  constexpr WindingRule rules[] = {WindingRule::positive, WindingRule::nonzero, WindingRule::odd};
+  return rules[parse_choice(option, text, {"positive", "nonzero", "odd"})];
+}
+
 Backend parse_backend(const std::string& option, const std::string& text, int& device) {
   constexpr Backend backends[] = {Backend::automatic, Backend::cpu, Backend::cuda, testing::kEmulated};
   const auto colon = text.find(':');

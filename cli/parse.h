@@ -51,6 +51,8 @@ std::int64_t parse_bytes(const std::string& option, const std::string& text);
 /// none, neighbour, neighbour:F, exact.
 SkipRule parse_skip(const std::string& option, const std::string& text);
 Method parse_method(const std::string& option, const std::string& text);
+SignMethod parse_sign(const std::string& option, const std::string& text);
+WindingRule parse_winding_rule(const std::string& option, const std::string& text);
 /// auto, cpu, cuda, cuda:N or emulated; N goes to `device`.
 Backend parse_backend(const std::string& option, const std::string& text, int& device);
 /// Metres per mm, cm, m, in, ft or km.

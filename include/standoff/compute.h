@@ -14,6 +14,7 @@
 #include "standoff/grid.h"
 #include "standoff/mesh.h"
 #include "standoff/progress.h"
+#include "standoff/sign.h"
 
 namespace standoff {
 
@@ -38,6 +39,7 @@ struct SkipRule {
 struct ComputeOptions {
   Method method = Method::tiles;
   SkipRule skip = {};
+  SignOptions sign = {};  ///< by default values have no sign; the memory limit does not count what deciding it needs
   Execution execution = {};
   std::int64_t memory_limit = 0;  ///< bytes of output and scratch memory together; 0: no limit
   bool nearest_triangle = false;  ///< also store the nearest triangle's index per band sample, lowest on ties
@@ -63,6 +65,7 @@ struct ComputeReport {
   struct Seconds {
     double prepare = 0;  ///< validation, skip rule
     double compute = 0;  ///< the backend's work, and hashing the mesh if that is done
+    double sign = 0;     ///< deciding which samples are inside
   } seconds;
 };
 

@@ -27,6 +27,7 @@ struct Provenance {
   std::string method;           ///< "tiles", "thesis", or empty if unknown
   std::uint64_t mesh_hash = 0;  ///< content_hash of the mesh, 0 if unknown
   std::string version;          ///< version of standoff that computed it
+  std::string sign;             ///< how the sign was decided: "winding" or "parity"; empty if there is none
 };
 
 class TilePool;
@@ -136,6 +137,8 @@ class STANDOFF_API DistanceField {
   /// The nearest triangles of a stored tile, for the caller to write. Errors: usage (the tile is not stored, or the
   /// field has no nearest triangles).
   std::span<std::uint32_t, kTileSamples> store_nearest(std::int64_t tx, std::int64_t ty, std::int64_t tz);
+  /// The values of a stored tile, for the caller to change. Errors: usage (the tile is not stored).
+  std::span<float, kTileSamples> edit_tile(std::int64_t tx, std::int64_t ty, std::int64_t tz);
   /// Sets the background() of a tile that is not stored to -thickness. Safe to call from many threads for different
   /// tiles. Errors: usage (the tile is stored, no such tile, or an empty field).
   void mark_inside(std::int64_t tx, std::int64_t ty, std::int64_t tz);

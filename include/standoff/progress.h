@@ -7,7 +7,7 @@
 namespace standoff {
 
 struct Progress {
-  const char* stage = "";  ///< of compute: "prepare", "bin", "gather", "copy" (from a GPU), "hash" (not of
+  const char* stage = "";  ///< of compute: "prepare", "bin", "gather", "copy" (from a GPU), "sign", "hash" (not of
                            ///< compute_into dense memory), "done"; of verify: "sort", "verify"
   double fraction = 0;     ///< the finished share of the whole work, 0 to 1; never decreases
 };

@@ -180,6 +180,12 @@ std::span<std::uint32_t, kSamples> DistanceField::store_nearest(std::int64_t tx,
   return std::span<std::uint32_t, kSamples>(pool_->nearest(slot), kSamples);
 }
 
+std::span<float, kSamples> DistanceField::edit_tile(std::int64_t tx, std::int64_t ty, std::int64_t tz) {
+  const std::int32_t slot = entry_of(tx, ty, tz);
+  if (slot < 0) fail_field([=] { return "the tile " + index_text(tx, ty, tz) + " is not stored; store it first"; });
+  return std::span<float, kSamples>(pool_->values(slot), kSamples);
+}
+
 void DistanceField::mark_inside(std::int64_t tx, std::int64_t ty, std::int64_t tz) {
   std::int32_t& entry = entry_of(tx, ty, tz);
   if (entry >= 0)

@@ -13,6 +13,7 @@
 #include "field/options.h"
 #include "field/plan.h"
 #include "field/prepare.h"
+#include "sign/sign_field.h"
 #include "standoff/version.h"
 
 namespace standoff {
@@ -53,12 +54,15 @@ class Computation {
       Stopwatch watch;
       progress_.stage("prepare", 1, 0, 0.1);
       check_mesh(mesh_, plan_, options_);
+      expect_signable(mesh_, options_.sign);
       report_.seconds.prepare = watch.lap();
     });
   }
 
-  /// Skip rule and backend. Requires check(). The mesh's hash goes into `hash`, where there is one.
-  ComputeReport run(Sink& sink, std::uint64_t* hash = nullptr) {
+  /// Skip rule, backend and sign(), which gives the output its sign. Requires check(). The mesh's hash goes into
+  /// `hash`, where there is one.
+  template <class Sign>
+  ComputeReport run(Sink& sink, const Sign& sign, std::uint64_t* hash = nullptr) {
     threads_.run([&] {
       Stopwatch watch;
       const std::vector<std::uint32_t> kept = kept_by_plan(mesh_, plan_);
@@ -78,6 +82,11 @@ class Computation {
         *hash = content_hash(mesh_);
       }
       report_.seconds.compute = watch.lap();
+      if (options_.sign.method != SignMethod::none) {
+        progress_.stage("sign", 1, 1, 1);
+        sign(progress_);
+        report_.seconds.sign = watch.lap();
+      }
       report_.triangles = plan_.triangles;
       report_.skipped = plan_.triangles - job.triangle_count();
       report_.samples_examined = counts.samples_examined;
@@ -122,9 +131,11 @@ ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickness, Di
     field.reset(computation.plan().grid, thickness, options.nearest_triangle);
     Sink sink(field);
     std::uint64_t mesh_hash = 0;
-    ComputeReport report = computation.run(sink, options.hash_mesh ? &mesh_hash : nullptr);
+    ComputeReport report = computation.run(
+        sink, [&](ProgressMeter& progress) { sign_field(mesh, options.sign, field, progress); },
+        options.hash_mesh ? &mesh_hash : nullptr);
     report.tiles_stored = field.stored_tiles();
-    field.set_provenance({report.method, mesh_hash, version()});
+    field.set_provenance({report.method, mesh_hash, version(), name_of(options.sign.method)});
     return report;
   } catch (...) {
     field = {};
@@ -155,7 +166,9 @@ ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickness, st
     });
   });
   Sink sink(grid, values, nearest);
-  return computation.run(sink);
+  return computation.run(sink, [&](ProgressMeter& progress) {
+    sign_values(mesh, options.sign, computation.plan().grid, values, progress);
+  });
 } catch (...) {
   throw_as_error("compute", kWhatToDo);
 }

@@ -10,9 +10,6 @@
 namespace standoff {
 namespace {
 
-// Shewchuk's bound of the first stage in the plane, in terms of the sum of the products' magnitudes.
-constexpr double kRounded2d = (3 + 16 * kRoundoffDouble) * kRoundoffDouble;
-
 // What rounding may hide of a determinant, in terms of the sum of its products' magnitudes, and of what underflows.
 constexpr double kTwofoldBound = 0x1p-97, kUnderflow = 1e-250;
 // Determinants this many times larger than their rounding are within 4e-15 of themselves.
@@ -101,11 +98,6 @@ Two twofold_determinant3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec
   return u[0] * (v[1] * w[2] - v[2] * w[1]) + u[1] * (v[2] * w[0] - v[0] * w[2]) + u[2] * (v[0] * w[1] - v[1] * w[0]);
 }
 
-RoundedDeterminant rounded_determinant2d(const Flat& a, const Flat& b, const Flat& c) {
-  const double left = (b.x - a.x) * (c.y - a.y), right = (b.y - a.y) * (c.x - a.x);
-  return {left - right, std::abs(left) + std::abs(right)};
-}
-
 double determinant2d_exactly(const Flat& a, const Flat& b, const Flat& c) {
   const Parts one = {1, 0};
   Expansion sum;
@@ -159,7 +151,9 @@ double determinant3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d)
   return value_of_determinant3d(a, b, c, d, kTellsValue);
 }
 
-int orient2d(const Flat& a, const Flat& b, const Flat& c) { return sign(value_of_determinant2d(a, b, c, 1)); }
+int orient2d_beyond_rounding(const Flat& a, const Flat& b, const Flat& c) {
+  return sign(value_of_determinant2d(a, b, c, 1));
+}
 double determinant2d(const Flat& a, const Flat& b, const Flat& c) {
   return value_of_determinant2d(a, b, c, kTellsValue);
 }

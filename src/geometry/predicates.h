@@ -25,11 +25,14 @@ struct Flat {
 
 /// The sign of det(b - a, c - a): 1 where a, b, c turn left; 0 exactly where they lie on a line.
 int orient2d(const Flat& a, const Flat& b, const Flat& c);
+/// The sign where rounding may hide it.
+int orient2d_beyond_rounding(const Flat& a, const Flat& b, const Flat& c);
 /// The determinant itself: its sign is exact, and its value within 4e-15 of itself.
 double determinant2d(const Flat& a, const Flat& b, const Flat& c);
 
 /// Shewchuk's bound of the first stage, in terms of the sum of the products' magnitudes.
 inline constexpr double kRounded3d = (7 + 56 * kRoundoffDouble) * kRoundoffDouble;
+inline constexpr double kRounded2d = (3 + 16 * kRoundoffDouble) * kRoundoffDouble;
 
 /// A determinant in double arithmetic, and the sum of its products' magnitudes, which bounds its rounding.
 struct RoundedDeterminant {
@@ -42,6 +45,19 @@ inline RoundedDeterminant rounded_determinant3d(const Vec3& a, const Vec3& b, co
   return {u.z * (vxwy - vywx) - v.z * (uxwy - uywx) + w.z * (uxvy - uyvx),
           (std::abs(vxwy) + std::abs(vywx)) * std::abs(u.z) + (std::abs(uxwy) + std::abs(uywx)) * std::abs(v.z) +
               (std::abs(uxvy) + std::abs(uyvx)) * std::abs(w.z)};
+}
+
+inline RoundedDeterminant rounded_determinant2d(const Flat& a, const Flat& b, const Flat& c) {
+  const double left = (b.x - a.x) * (c.y - a.y), right = (b.y - a.y) * (c.x - a.x);
+  return {left - right, std::abs(left) + std::abs(right)};
+}
+
+inline int orient2d(const Flat& a, const Flat& b, const Flat& c) {
+  const RoundedDeterminant det = rounded_determinant2d(a, b, c);
+  const double bound = kRounded2d * det.magnitude + kUnderflowOf2d;
+  if (det.value > bound) return 1;
+  if (-det.value > bound) return -1;
+  return orient2d_beyond_rounding(a, b, c);
 }
 
 inline int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {

@@ -14,6 +14,8 @@ inline constexpr double kRoundoffFloat = 0x1p-24, kRoundoffDouble = 0x1p-53;
 /// Added to the bound of a determinant of three differences: products below it may have lost digits to underflow. In
 /// world units, cubed.
 inline constexpr double kUnderflowOf3d = 1e-290;
+/// The same of two differences, squared.
+inline constexpr double kUnderflowOf2d = 1e-290;
 
 /// The relative error of n operations in float, n far below 2^24.
 constexpr double gamma_float(int n) { return n * kRoundoffFloat / (1 - n * kRoundoffFloat); }

@@ -177,6 +177,7 @@ DistanceField read_npz(const FileView& file, std::int64_t memory_limit) {
   stored.provenance.method = archive.text("method");
   stored.provenance.version = archive.text("version");
   stored.provenance.mesh_hash = archive.hash("mesh_hash");
+  if (archive.find("sign")) stored.provenance.sign = archive.text("sign");
   if (const auto nearest = archive.find(kNearest)) {
     Size3 size;
     stored.nearest = archive.samples(*nearest, "u4", size);
@@ -197,6 +198,7 @@ void write_npz(AtomicFile& file, const DistanceField& field) {
   const std::uint64_t hash = field.provenance().mesh_hash;
   arrays.small("mesh_hash", {"<u8", {}, false}, std::as_bytes(std::span(&hash, 1)));
   arrays.text("version", field.provenance().version);
+  if (!field.provenance().sign.empty()) arrays.text("sign", field.provenance().sign);
 
   const auto sink = [&](std::span<const std::byte> part) { arrays.write(part); };
   const std::vector<std::int64_t> shape{grid.size.x, grid.size.y, grid.size.z};

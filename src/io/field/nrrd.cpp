@@ -132,6 +132,7 @@ DistanceField read_nrrd(const FileView& file, std::int64_t memory_limit) {
   }
   if (const NrrdLine* line = header.key("method")) stored.provenance.method = line->text.substr(0, kMaxText);
   if (const NrrdLine* line = header.key("version")) stored.provenance.version = line->text.substr(0, kMaxText);
+  if (const NrrdLine* line = header.key("sign")) stored.provenance.sign = line->text.substr(0, kMaxText);
   if (const NrrdLine* line = header.key("mesh_hash")) stored.provenance.mesh_hash = hash_in(line->text).value_or(0);
   return load_field(file, stored, memory_limit);
 }
@@ -142,6 +143,7 @@ void write_nrrd(AtomicFile& file, const DistanceField& field) {
   const auto vector = [&](double x, double y, double z) {
     return std::string("(") + text(x) + "," + text(y) + "," + text(z) + ")";
   };
+  const std::string& sign = field.provenance().sign;
   const std::string header =
       "NRRD0005\n# Distances to a triangle mesh, at most the thickness, by standoff\n"
       "type: float\ndimension: 3\nspace dimension: 3\nsizes: " +
@@ -151,7 +153,8 @@ void write_nrrd(AtomicFile& file, const DistanceField& field) {
       "encoding: raw\nspace origin: " + vector(grid.origin.x, grid.origin.y, grid.origin.z) +
       "\nthickness:=" + text(field.thickness()) + "\nmethod:=" + nrrd_escaped(field.provenance().method) +
       "\nmesh_hash:=" + hash_text(field.provenance().mesh_hash) +
-      "\nversion:=" + nrrd_escaped(field.provenance().version) + "\n\n";
+      "\nversion:=" + nrrd_escaped(field.provenance().version) + (sign.empty() ? "" : "\nsign:=" + nrrd_escaped(sign)) +
+      "\n\n";
   file.write(header.data(), header.size());
   send_values(field, [&](std::span<const std::byte> part) { file.write(part.data(), part.size()); });
 }

@@ -174,6 +174,7 @@ class Reader {
     if (name == "thickness") read_thickness(tag);
     if (name == "method") stored_.provenance.method = string_of(tag);
     if (name == "version") stored_.provenance.version = string_of(tag);
+    if (name == "sign") stored_.provenance.sign = string_of(tag);
     if (name == "mesh_hash") stored_.provenance.mesh_hash = hash_in(string_of(tag)).value_or(0);
   }
 

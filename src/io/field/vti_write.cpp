@@ -29,7 +29,7 @@ class Elements {
 std::string three(double x, double y, double z) { return exact_text(x) + " " + exact_text(y) + " " + exact_text(z); }
 
 std::string header_of(const DistanceField& field, const std::string& method, const std::string& hash,
-                      const std::string& version) {
+                      const std::string& version, const std::string& sign) {
   const Grid& g = field.grid();
   const auto last = [](std::int64_t side) { return std::to_string(side - 1); };
   const std::string extent = "0 " + last(g.size.x) + " 0 " + last(g.size.y) + " 0 " + last(g.size.z);
@@ -47,6 +47,7 @@ std::string header_of(const DistanceField& field, const std::string& method, con
   text += elements.array("      ", "String", "method", method.size() + 1, kOne);
   text += elements.array("      ", "String", "mesh_hash", hash.size() + 1, kOne);
   text += elements.array("      ", "String", "version", version.size() + 1, kOne);
+  if (!sign.empty()) text += elements.array("      ", "String", "sign", sign.size() + 1, kOne);
   text += "    </FieldData>\n    <Piece Extent=\"" + extent + "\">\n      <PointData Scalars=\"distance\">\n";
   text += elements.array("        ", "Float32", "distance", sample_bytes(g));
   if (field.has_nearest()) text += elements.array("        ", "UInt32", "nearest_triangle", sample_bytes(g));
@@ -58,18 +59,20 @@ std::string header_of(const DistanceField& field, const std::string& method, con
 
 void write_vti(AtomicFile& file, const DistanceField& field) {
   // Strings end with a zero byte, so they may hold none.
-  const std::string method = field.provenance().method.c_str(), version = field.provenance().version.c_str();
+  const std::string method = field.provenance().method.c_str(), version = field.provenance().version.c_str(),
+                    sign = field.provenance().sign.c_str();
   const std::string hash = hash_text(field.provenance().mesh_hash);
   const auto sink = [&](std::span<const std::byte> part) { file.write(part.data(), part.size()); };
   const auto block = [&](const void* data, std::uint64_t bytes) {
     file.write(&bytes, sizeof bytes);
     file.write(data, bytes);
   };
-  const std::string header = header_of(field, method, hash, version);
+  const std::string header = header_of(field, method, hash, version, sign);
   file.write(header.data(), header.size());
   const double thickness = field.thickness();
   block(&thickness, sizeof thickness);
   for (const std::string* text : {&method, &hash, &version}) block(text->c_str(), text->size() + 1);
+  if (!sign.empty()) block(sign.c_str(), sign.size() + 1);
   const std::uint64_t bytes = sample_bytes(field.grid());
   file.write(&bytes, sizeof bytes);
   send_values(field, sink);

@@ -35,6 +35,7 @@ void expect_same(const DistanceField& a, const DistanceField& b) {
   EXPECT_EQ(a.provenance().method, b.provenance().method);
   EXPECT_EQ(a.provenance().mesh_hash, b.provenance().mesh_hash);
   EXPECT_EQ(a.provenance().version, b.provenance().version);
+  EXPECT_EQ(a.provenance().sign, b.provenance().sign);
   EXPECT_TRUE(a.to_dense() == b.to_dense());
   ASSERT_EQ(a.has_nearest(), b.has_nearest());
   if (!a.has_nearest()) return;
@@ -80,10 +81,10 @@ TEST_P(FieldFile, KeepsExtremeNumbers) {
 TEST_P(FieldFile, KeepsProvenanceOfAnyText) {
   DistanceField field = odd_field();
   for (const char* text : {"", "two words", "<&\"'>", "back\\slash\nand line", ":=", "  spaces  "}) {
-    field.set_provenance({text, 0, text});
+    field.set_provenance({text, 0, text, text});
     expect_same(through_file(field), field);
   }
-  field.set_provenance({.mesh_hash = ~std::uint64_t{0}});
+  field.set_provenance({"", ~std::uint64_t{0}, "", ""});
   expect_same(through_file(field), field);
 }
 

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where a predicate turns true, searched from a guess that is nearly always right.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+namespace standoff {
+
+/// The first n in [0, size) for which is_true(n), or `size`. is_true must stay true once it is. Takes two calls where
+/// the guess is right, and a logarithm of its error otherwise.
+template <class Predicate>
+std::int64_t first_from_guess(std::int64_t guess, std::int64_t size, const Predicate& is_true) {
+  std::int64_t low = guess - 1, high = guess;  // false at low, true at high, where low < 0 is false and size is true
+  for (std::int64_t step = 1; low >= 0 && is_true(low); step *= 2) {
+    high = low;
+    low -= step;
+  }
+  for (std::int64_t step = 1; high < size && !is_true(high); step *= 2) {
+    low = high;
+    high += step;
+  }
+  low = std::max<std::int64_t>(low, -1);
+  high = std::min(high, size);
+  while (high - low > 1) {
+    const std::int64_t middle = low + (high - low) / 2;
+    (is_true(middle) ? high : low) = middle;
+  }
+  return high;
+}
+
+}  // namespace standoff

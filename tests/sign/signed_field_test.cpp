@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+// Signed fields: their magnitudes are those of the unsigned ones, bit for bit, and their signs those of the winding
+// number as the sum of solid angles (van Oosterom and Strackee 1983), in sparse and dense fields, bands and full ones.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+
+#include "scenes/scenes.h"
+#include "standoff/compute.h"
+#include "tests/sign/solid_soup.h"
+#include "tests/support/expect_error.h"
+#include "tests/support/fields.h"
+
+namespace standoff {
+namespace {
+
+using testing::Random;
+
+double winding_number(const Mesh& mesh, const Vec3& p) {
+  double sum = 0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto [a, b, c] = MeshView(mesh).corners(t);
+    const Vec3 u = a - p, v = b - p, w = c - p;
+    const double lu = length(u), lv = length(v), lw = length(w);
+    sum += 2 * std::atan2(dot(u, cross(v, w)), lu * lv * lw + dot(u, v) * lw + dot(v, w) * lu + dot(w, u) * lv);
+  }
+  return sum / (4 * std::numbers::pi);
+}
+
+Mesh soup(unsigned seed, int count) {
+  Random random(seed);
+  std::vector<testing::Tetrahedron> all;
+  for (int n = 0; n < count; ++n) {
+    const Vec3 at = random.in_cube(1);
+    all.push_back({at + random.in_cube(1), at + random.in_cube(1), at + random.in_cube(1), at + random.in_cube(1)});
+  }
+  return testing::mesh_of(all);
+}
+
+// How many values have the wrong sign or another magnitude than without one.
+std::int64_t wrong_values(const Mesh& mesh, const Grid& grid, double thickness, const DistanceField& field) {
+  ComputeOptions unsigned_options;
+  const DistanceField plain = compute(mesh, grid, thickness, unsigned_options).field;
+  std::int64_t wrong = 0;
+  testing::for_each_sample(grid, [&](std::int64_t i, std::int64_t j, std::int64_t k) {
+    const float value = field.value(i, j, k), magnitude = plain.value(i, j, k);
+    const double winding = winding_number(mesh, grid.position(i, j, k));
+    const bool near_surface = std::abs(winding - std::round(winding)) > 1e-6;
+    wrong += std::bit_cast<std::uint32_t>(std::abs(value)) != std::bit_cast<std::uint32_t>(magnitude) ||
+             (!near_surface && magnitude > 1e-4f && (value < 0) != (winding > 0.5));
+  });
+  return wrong;
+}
+
+TEST(SignedField, BandsAndFullFieldsSparseAndDense) {
+  const Grid grid{{29, 26, 31}, {-2.1, -2, -2.2}, {0.15, 0.16, 0.145}};
+  for (unsigned seed = 0; seed < 6; ++seed) {
+    const Mesh mesh = soup(seed, 5);
+    // Of 0.02 most tiles between the band's samples have samples on both sides.
+    for (const double thickness : {0.02, 0.3, kFullField}) {
+      ComputeOptions options;
+      options.sign.method = SignMethod::winding;
+      options.nearest_triangle = seed % 2 == 0;
+      const ComputeResult result = compute(mesh, grid, thickness, options);
+      EXPECT_EQ(wrong_values(mesh, grid, thickness, result.field), 0) << seed << ", " << thickness;
+      EXPECT_EQ(result.field.provenance().sign, "winding");
+      std::vector<float> dense(static_cast<std::size_t>(grid.sample_count()));
+      std::vector<std::uint32_t> nearest(options.nearest_triangle ? dense.size() : 0);
+      compute_into(mesh, grid, thickness, dense, nearest, options);
+      EXPECT_TRUE(std::ranges::equal(dense, result.field.to_dense(), {}, std::bit_cast<std::uint32_t, float>,
+                                     std::bit_cast<std::uint32_t, float>));
+    }
+  }
+}
+
+TEST(SignedField, ScenesOfOverlappingParts) {
+  const Mesh mesh = scenes::make("catapult", 3000);
+  const Box box = bounds(mesh);
+  const Vec3 extent = box.extent();
+  const double spacing = std::max({extent.x, extent.y, extent.z}) / 24;
+  const Grid grid{{28, 28, 28}, box.min - Vec3{1.3, 1.7, 1.1} * spacing, {spacing, spacing, spacing}};
+  ComputeOptions options;
+  options.sign.method = SignMethod::winding;
+  for (const double thickness : {2 * spacing, kFullField})
+    EXPECT_EQ(wrong_values(mesh, grid, thickness, compute(mesh, grid, thickness, options).field), 0);
+}
+
+TEST(SignedField, TheSameBitsForAnyNumberOfThreads) {
+  const Mesh mesh = soup(7, 40);
+  const Grid grid{{70, 60, 50}, {-2.5, -2.5, -2.5}, {0.07, 0.08, 0.1}};
+  std::vector<float> first;
+  for (const int threads : {1, 2, 5}) {
+    ComputeOptions options;
+    options.sign.method = SignMethod::winding;
+    options.execution.threads = threads;
+    const std::vector<float> values = compute(mesh, grid, 0.2, options).field.to_dense();
+    if (first.empty()) first = values;
+    EXPECT_EQ(values, first) << threads;
+  }
+}
+
+TEST(SignedField, MeshesThatAreNotClosed) {
+  Mesh mesh = soup(3, 3);
+  const Grid grid{{8, 8, 8}, {-1, -1, -1}, {0.3, 0.3, 0.3}};
+  ComputeOptions winding, parity;
+  winding.sign.method = SignMethod::winding;
+  parity.sign.method = SignMethod::parity;
+  std::swap(mesh.triangles[5][0], mesh.triangles[5][1]);
+  expect_error([&] { compute(mesh, grid, 1, winding); }, ErrorCode::input, "not oriented alike");
+  EXPECT_NO_THROW(compute(mesh, grid, 1, parity));
+  mesh.triangles.pop_back();
+  expect_error([&] { compute(mesh, grid, 1, winding); }, ErrorCode::input, "3 edges belong to a single triangle");
+  expect_error([&] { compute(mesh, grid, 1, parity); }, ErrorCode::input, "is not closed");
+}
+
+TEST(SignedField, VerticesNeedNotBeWelded) {
+  const Mesh welded = soup(9, 2);
+  Mesh loose;
+  for (std::size_t t = 0; t < welded.triangles.size(); ++t) {
+    const auto [a, b, c] = MeshView(welded).corners(t);
+    testing::add_triangle(loose, a, b, c);
+  }
+  const Grid grid{{20, 20, 20}, {-2, -2, -2}, {0.2, 0.2, 0.2}};
+  ComputeOptions options;
+  options.sign.method = SignMethod::winding;
+  EXPECT_EQ(compute(loose, grid, 0.3, options).field.to_dense(), compute(welded, grid, 0.3, options).field.to_dense());
+}
+
+TEST(SignedField, OptionsThatContradictEachOther) {
+  const Mesh mesh = soup(1, 1);
+  const auto rejects = [&](const SignOptions& sign, const char* what) {
+    ComputeOptions options;
+    options.sign = sign;
+    expect_error([&] { compute(mesh, {{4, 4, 4}, {}}, 1, options); }, ErrorCode::usage, what);
+  };
+  rejects({static_cast<SignMethod>(99)}, "no such sign method");
+  rejects({SignMethod::winding, static_cast<WindingRule>(-1)}, "no such sign method");
+  rejects({SignMethod::parity, WindingRule::nonzero}, "for the sign method winding alone");
+  rejects({SignMethod::none, WindingRule::positive, true}, "cannot be inverted");
+}
+
+}  // namespace
+}  // namespace standoff
