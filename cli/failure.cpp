@@ -35,7 +35,7 @@ int exit_code_of(const std::function<void()>& run) {
       return fail(error.code(), "interrupted; no partial file was left, run it again");
     return fail(error.code(), with_options(error));
   } catch (const std::bad_alloc&) {
-    return fail(ErrorCode::limit, "out of memory; take fewer samples, a smaller thickness, or provide more memory");
+    return fail(ErrorCode::limit, "not enough memory; use a smaller mesh or fewer samples, or provide more memory");
   } catch (const std::exception& error) {
     return fail(ErrorCode::internal,
                 "internal: " + std::string(error.what()) + "; this is a bug in standoff, please report it");

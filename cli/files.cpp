@@ -60,7 +60,7 @@ SceneName parse_scene(const std::string& text) {
   const auto colon = name.find(':');
   if (colon == std::string::npos) return {name};
   return {name.substr(0, colon), parse_count(std::string(kScene) + name.substr(0, colon) + ":TRIANGLES",
-                                             name.substr(colon + 1), 1, std::int64_t{1} << 32)};
+                                             name.substr(colon + 1), 1, scenes::kMostTriangles)};
 }
 
 void MeshInput::add_to(CLI::App& verb) {

@@ -89,7 +89,7 @@ void add_generate(CLI::App& program) {
   auto* list = verb->add_flag("--list", command->list, "list the scenes")->excludes(scene)->group("Scene");
   add_parsed(*verb, {"--triangles", "N", "about so many triangles (default: the scene's own)", "Scene"},
              [command = command.get()](const std::string& option, const std::string& text) {
-               command->triangles = parse_count(option, text, 1, std::int64_t{1} << 32);
+               command->triangles = parse_count(option, text, 1, scenes::kMostTriangles);
              })
       ->excludes(list);
   command->output.add_to(

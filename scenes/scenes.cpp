@@ -129,10 +129,9 @@ std::vector<Scene> all() {
 }
 
 Mesh make(std::string_view name, std::int64_t triangles) {
-  constexpr std::int64_t kMost = 200'000'000;  // about 10 GB; vertex indices stay far below 2^32
   const Entry& e = entry(name);
-  if (triangles < 0 || triangles > kMost)
-    fail("cannot make " + std::to_string(triangles) + " triangles; ask for 1 to " + std::to_string(kMost) +
+  if (triangles < 0 || triangles > kMostTriangles)
+    fail("cannot make " + std::to_string(triangles) + " triangles; ask for 1 to " + std::to_string(kMostTriangles) +
          ", or 0 for the scene's own count");
   const std::int64_t wanted = triangles == 0 ? e.triangles : triangles;
   return e.make != nullptr ? e.make(wanted) : make_assembly(e.assembly, wanted);

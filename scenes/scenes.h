@@ -21,6 +21,9 @@ struct Scene {
 /// and face outwards, but for the exhaust stubs of the plane and the chute of our_process; parts overlap as they do in
 /// CAD.
 
+/// The most triangles that make() makes: about 10 GB, and vertex indices stay far below 2^32.
+inline constexpr std::int64_t kMostTriangles = 200'000'000;
+
 /// All scenes, in the order of the documentation.
 std::vector<Scene> all();
 

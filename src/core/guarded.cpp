@@ -15,6 +15,11 @@ namespace {
 // Made while there is memory: to copy an Error takes none.
 const Error kNoMemory(ErrorCode::limit, "not enough memory; use smaller input, or provide more memory");
 
+Error refused(const std::string& place, const std::exception& error) {
+  return Error(ErrorCode::limit,
+               place + "the system refused: " + error.what() + "; free some of its resources, or use fewer threads");
+}
+
 // The exception being handled, which is no Error.
 Error as_error(const char* where, const char* what_to_do) {
   const std::string place = std::string(where) + ": ";
@@ -25,9 +30,10 @@ Error as_error(const char* where, const char* what_to_do) {
   } catch (const std::length_error&) {
     return Error(ErrorCode::limit, place + "no memory is large enough; " + what_to_do);
   } catch (const std::system_error& error) {
-    return Error(ErrorCode::limit,
-                 place + "the system refused: " + error.what() + "; free some of its resources, or use fewer threads");
+    return refused(place, error);
   } catch (const std::exception& error) {
+    // TBB reports so that it got no thread.
+    if (std::string(error.what()).find("pthread_create") != std::string::npos) return refused(place, error);
     return Error(ErrorCode::internal, place + error.what() + "; this is a bug in standoff, please report it");
   } catch (...) {
     return Error(ErrorCode::internal,

@@ -75,7 +75,8 @@ Finding check(const DistanceField& field, const TriangleGroups& groups, const Sa
   sample.error = std::abs(std::abs(sample.stored) - sample.expected);
   if (std::isnan(sample.error)) sample.error = std::numeric_limits<double>::infinity();
   finding.in_band = distance <= field.thickness();
-  finding.wrong = sample.error > sample.allowed;
+  // A grid beyond the range of double has infinite distances, which no comparison can confirm.
+  finding.wrong = !(std::isfinite(distance) && sample.error <= sample.allowed);
   if (!field.has_nearest()) return finding;
   // Near the thickness rounding decides whether there is a nearest triangle.
   const std::uint32_t nearest = field.nearest(at.i, at.j, at.k);

@@ -40,7 +40,7 @@ TEST(Failure, BugsAreOne) {
 TEST(Failure, MemoryThatIsNotThereIsALimit) {
   const Told memory = told([] { throw std::bad_alloc(); });
   EXPECT_EQ(memory.code, 5);
-  EXPECT_EQ(memory.words.rfind("standoff: error: out of memory; take fewer samples", 0), 0u) << memory.words;
+  EXPECT_EQ(memory.words.rfind("standoff: error: not enough memory; use a smaller mesh", 0), 0u) << memory.words;
 }
 
 TEST(Failure, ErrorsAreWhatTheySay) {

@@ -138,7 +138,7 @@ TEST(DistanceField, CopiesAreDeepAndMovesAreWhole) {
   const auto values = numbers(kGrid, 3);
   const std::vector<std::uint32_t> nearest(values.size(), 5);
   auto field = DistanceField::from_dense(kGrid, 3.5, values, nearest);
-  field.set_provenance({"tiles", 42, "1.2.3"});
+  field.set_provenance({"tiles", 42, "1.2.3", "winding"});
   DistanceField copy(field);
   EXPECT_EQ(copy.provenance().method, "tiles");
   EXPECT_EQ(copy.provenance().mesh_hash, 42u);
@@ -187,7 +187,7 @@ TEST(DistanceField, EmptyOnesAreFarEverywhere) {
 TEST(DistanceField, MovedFromOnesAreEmpty) {
   const auto values = numbers(kGrid, 3);
   auto field = DistanceField::from_dense(kGrid, 3.5, values, std::vector<std::uint32_t>(values.size(), 5));
-  field.set_provenance({"tiles", 42, "1.2.3"});
+  field.set_provenance({"tiles", 42, "1.2.3", "winding"});
   DistanceField moved(std::move(field));
   expect_empty(field);
   field = std::move(moved);

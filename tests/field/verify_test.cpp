@@ -233,5 +233,12 @@ TEST(Verify, Errors) {
   EXPECT_EQ(code(mesh, {}), 0);
 }
 
+// Distances there are infinite in double, as is the error that is allowed.
+TEST(Verify, AGridBeyondTheRangeOfDoubleMatchesNoMesh) {
+  const Mesh mesh = testing::random_soup(1, 10, 1, 1);
+  const DistanceField field({{4, 4, 4}, {1e160, 0, 0}}, 2);
+  EXPECT_EQ(verify(field, mesh).samples_wrong, 64);
+}
+
 }  // namespace
 }  // namespace standoff

@@ -29,7 +29,7 @@ inline Grid odd_grid() { return {{11, 9, 21}, {-1.5, 0.1, 1e6}, {0.125, 0.3, 2}}
 
 inline DistanceField odd_field(const Grid& grid = odd_grid(), double thickness = kInfinite, bool nearest = false) {
   DistanceField field(grid, thickness, nearest);
-  field.set_provenance({"tiles", 0x0123456789abcdefu, "1.2.3", "winding"});
+  field.set_provenance({"tiles", 0x0123456789abcdefu, "1.2.3", ""});
   const Size3 tiles = field.tile_count();
   for (std::int64_t tz = 0; tz < tiles.z; ++tz)
     for (std::int64_t ty = 0; ty < tiles.y; ++ty)
