@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a row of samples, a ray along +x, crosses a triangle. All decisions are signs of determinants, which are exact
-// (geometry/predicates.h), so neighbouring triangles agree on the edge between them.
+// Where a row of samples, a ray along +x, crosses a triangle. All decisions are signs of determinants, which are exact:
+// rounded ones decide wherever their error bound lets them, else those of geometry/predicates.h. So neighbouring
+// triangles agree on the edge between them.
 //
 // Rays through an edge, a corner, or along a triangle are no special cases: every sample (x, y, z) stands for the point
 // (x + e^3, y + e, z + e^2), where e is positive and smaller than any number ("simulation of simplicity", Edelsbrunner
@@ -8,42 +9,86 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 
 #include "geometry/predicates.h"
 #include "standoff/vec.h"
 
 namespace standoff {
 
-using TriangleCorners = std::array<Vec3, 3>;
+/// A triangle that many rows are tested against.
+class RayTriangle {
+ public:
+  explicit RayTriangle(const std::array<Vec3, 3>& corners) : t_(corners) {
+    const Vec3 u = t_[1] - t_[0], v = t_[2] - t_[0];
+    const auto minor = [](double a, double b, double c, double d) {
+      return RoundedDeterminant{a * b - c * d, std::abs(a * b) + std::abs(c * d)};
+    };
+    normal_ = {minor(u.y, v.z, u.z, v.y), minor(u.z, v.x, u.x, v.z), minor(u.x, v.y, u.y, v.x)};
+  }
 
-namespace ray {
+  const std::array<Vec3, 3>& corners() const { return t_; }
 
-inline int sign_of(double value) { return (value > 0) - (value < 0); }
+  /// 1 where the row through (y, z) leaves the solid at this triangle, which is where the normal has a positive x; -1
+  /// where it enters it; 0 where it misses the triangle.
+  int crossing(double y, double z) const {
+    bool left = true, right = true;
+    for (int n = 0; n < 3; ++n) {
+      const RoundedDeterminant det = rounded_determinant2d(flat(n), flat((n + 1) % 3), {y, z});
+      const double bound = kRounded2d * det.magnitude + kUnderflowOf2d;
+      left &= det.value > bound;
+      right &= -det.value > bound;
+      if (!(std::abs(det.value) > bound)) return crossing_near_edge(y, z);
+    }
+    return int{left} - int{right};
+  }
 
-/// On which side of the line from a to b the point (y, z) is, seen along x from +x: 1 left, -1 right. 0 only where a
-/// and b have the same y and z.
-inline int side_of_edge(const Vec3& a, const Vec3& b, double y, double z) {
-  if (const int side = orient2d({a.y, a.z}, {b.y, b.z}, {y, z})) return side;
-  if (a.z != b.z) return sign_of(a.z - b.z);
-  return sign_of(b.y - a.y);
-}
+  /// About where the row through (y, z) crosses the triangle; any number where rounding hides it.
+  double crossing_x(double y, double z) const {
+    return t_[0].x - (normal_[1].value * (y - t_[0].y) + normal_[2].value * (z - t_[0].z)) / normal_[0].value;
+  }
 
-/// 1 where the row through (y, z) leaves the solid at this triangle, which is where the normal has a positive x; -1
-/// where it enters it; 0 where it misses the triangle.
-inline int crossing(const TriangleCorners& t, double y, double z) {
-  const int side = side_of_edge(t[0], t[1], y, z);
-  if (side == 0 || side_of_edge(t[1], t[2], y, z) != side || side_of_edge(t[2], t[0], y, z) != side) return 0;
-  return side;
-}
+  /// Whether a sample of a row is past the triangle. `crossing` is that of the row, and not 0.
+  bool is_past(const Vec3& sample, int crossing) const {
+    const Vec3 w = sample - t_[0];
+    const double det = w.x * normal_[0].value + w.y * normal_[1].value + w.z * normal_[2].value;
+    const double magnitude = std::abs(w.x) * normal_[0].magnitude + std::abs(w.y) * normal_[1].magnitude +
+                             std::abs(w.z) * normal_[2].magnitude;
+    // The form of Shewchuk's first stage, with the same bound.
+    if (std::abs(det) > kRounded3d * magnitude + kUnderflowOf3d) return (det > 0) == (crossing > 0);
+    return is_past_near_plane(sample, crossing);
+  }
 
-/// Whether a sample of a row is past the triangle's plane, seen from -x. `crossing` is that of the row, not 0.
-inline bool is_past(const TriangleCorners& t, const Vec3& sample, int crossing) {
-  int side = orient3d(t[0], t[1], t[2], sample);
-  if (side == 0) side = orient2d({t[0].z, t[0].x}, {t[1].z, t[1].x}, {t[2].z, t[2].x});  // of the normal's y
-  if (side == 0) side = orient2d({t[0].x, t[0].y}, {t[1].x, t[1].y}, {t[2].x, t[2].y});  // of its z
-  if (side == 0) side = crossing;                                                        // of its x
-  return side * crossing > 0;
-}
+ private:
+  Flat flat(int n) const { return {t_[static_cast<std::size_t>(n)].y, t_[static_cast<std::size_t>(n)].z}; }
 
-}  // namespace ray
+  static int sign_of(double value) { return (value > 0) - (value < 0); }
+
+  // On which side of the line from corner n to the next one the point (y, z) is: 1 left, -1 right. 0 only if both have
+  // the same y and z.
+  int side_of_edge(int n, double y, double z) const {
+    const Flat a = flat(n), b = flat((n + 1) % 3);
+    if (const int side = orient2d(a, b, {y, z})) return side;
+    if (a.y != b.y) return sign_of(a.y - b.y);
+    return sign_of(b.x - a.x);
+  }
+
+  int crossing_near_edge(double y, double z) const {
+    const int side = side_of_edge(0, y, z);
+    if (side == 0 || side_of_edge(1, y, z) != side || side_of_edge(2, y, z) != side) return 0;
+    return side;
+  }
+
+  bool is_past_near_plane(const Vec3& sample, int crossing) const {
+    int side = orient3d(t_[0], t_[1], t_[2], sample);
+    if (side == 0) side = orient2d({t_[0].z, t_[0].x}, {t_[1].z, t_[1].x}, {t_[2].z, t_[2].x});  // of the normal's y
+    if (side == 0) side = orient2d({t_[0].x, t_[0].y}, {t_[1].x, t_[1].y}, {t_[2].x, t_[2].y});  // of its z
+    if (side == 0) side = crossing;                                                              // of its x
+    return side * crossing > 0;
+  }
+
+  std::array<Vec3, 3> t_;
+  std::array<RoundedDeterminant, 3> normal_;  // its parts, and what they are made of
+};
+
 }  // namespace standoff

@@ -19,21 +19,35 @@ namespace {
 constexpr std::int64_t kSide = RowCrossing::kSide;
 
 // The samples of one axis, as Grid::position gives them.
-struct Axis {
-  double origin, spacing;
-  std::int64_t size;
+class Axis {
+ public:
+  Axis(double origin, double spacing, std::int64_t size)
+      : origin_(origin), spacing_(spacing), per_spacing_(1 / spacing), size_(size) {}
 
-  double at(std::int64_t n) const { return origin + spacing * static_cast<double>(n); }
-  // The sample that `value` is next to, or the number of samples.
-  std::int64_t guess(double value) const {
-    const double sample = std::ceil((value - origin) / spacing);
-    if (!(sample > 0)) return 0;
-    return sample < static_cast<double>(size) ? static_cast<std::int64_t>(sample) : size;
+  std::int64_t size() const { return size_; }
+  double at(std::int64_t n) const { return origin_ + spacing_ * static_cast<double>(n); }
+  // The first sample for which is_true, which stays true: near `value`, or the number of samples.
+  template <class Predicate>
+  std::int64_t first(double value, const Predicate& is_true) const {
+    return first_from_guess(guess(value), size_, is_true);
   }
   // The first sample at or above `value`, or the number of samples.
   std::int64_t first_from(double value) const {
-    return first_from_guess(guess(value), size, [&](std::int64_t n) { return at(n) >= value; });
+    return first(value, [&](std::int64_t n) { return at(n) >= value; });
   }
+
+ private:
+  // Rounded up without ceil(), which is a call where there is no SSE4.1.
+  std::int64_t guess(double value) const {
+    const double sample = (value - origin_) * per_spacing_;
+    if (!(sample > 0)) return 0;
+    if (!(sample < static_cast<double>(size_))) return size_;
+    const auto below = static_cast<std::int64_t>(sample);
+    return below + (static_cast<double>(below) < sample);
+  }
+
+  double origin_, spacing_, per_spacing_;
+  std::int64_t size_;
 };
 
 // A crossing and the row of tiles that it belongs to.
@@ -52,20 +66,24 @@ class Scan {
         tiles_y_(tiles_along(grid.size.y)) {}
 
   void add(std::size_t triangle, std::vector<Found>& found) const {
-    const TriangleCorners t = mesh_.corners(triangle);
+    const std::array<Vec3, 3> t = mesh_.corners(triangle);
     // Half open: a row at the largest y or z passes beside the triangle.
-    const auto [low_y, high_y] = std::minmax({t[0].y, t[1].y, t[2].y});
-    const std::int64_t first_y = y_.first_from(low_y), past_y = y_.first_from(high_y);
+    const std::int64_t first_y = y_.first_from(std::min({t[0].y, t[1].y, t[2].y})),
+                       past_y = y_.first_from(std::max({t[0].y, t[1].y, t[2].y}));
     if (first_y == past_y) return;
-    const auto [low_z, high_z] = std::minmax({t[0].z, t[1].z, t[2].z});
-    const std::int64_t first_z = z_.first_from(low_z), past_z = z_.first_from(high_z);
+    const std::int64_t first_z = z_.first_from(std::min({t[0].z, t[1].z, t[2].z})),
+                       past_z = z_.first_from(std::max({t[0].z, t[1].z, t[2].z}));
+    if (first_z == past_z) return;
+    const RayTriangle ray(t);
     for (std::int64_t k = first_z; k < past_z; ++k)
       for (std::int64_t j = first_y; j < past_y; ++j) {
         const double y = y_.at(j), z = z_.at(k);
-        const int crossing = ray::crossing(t, y, z);
+        const int crossing = ray.crossing(y, z);
         if (crossing == 0) continue;
-        const std::int64_t past = first_past(t, y, z, crossing);
-        if (past == x_.size) continue;
+        const std::int64_t past = x_.first(ray.crossing_x(y, z), [&](std::int64_t n) {
+          return ray.is_past({x_.at(n), y, z}, crossing);
+        });
+        if (past == x_.size()) continue;
         const auto row = static_cast<int>(j % kSide + kSide * (k % kSide));
         found.push_back(
             {static_cast<std::size_t>(j / kSide + tiles_y_ * (k / kSide)), RowCrossing::make(row, past, crossing)});
@@ -73,15 +91,6 @@ class Scan {
   }
 
  private:
-  // The first sample of the row that is past the triangle, or the number of samples.
-  std::int64_t first_past(const TriangleCorners& t, double y, double z, int crossing) const {
-    const Vec3 normal = cross(t[1] - t[0], t[2] - t[0]);
-    const double x = t[0].x - (normal.y * (y - t[0].y) + normal.z * (z - t[0].z)) / normal.x;
-    return first_from_guess(x_.guess(x), x_.size, [&](std::int64_t n) {
-      return ray::is_past(t, {x_.at(n), y, z}, crossing);
-    });
-  }
-
   MeshView mesh_;
   Axis x_, y_, z_;
   std::int64_t tiles_y_;
