@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sign/sign_field.h"
 
-#include <tbb/blocked_range2d.h>
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -29,14 +29,15 @@ void for_each_row_of_tiles(MeshView mesh, const SignOptions& options, const Grid
                            const Use& use) {
   const RowCrossings crossings(mesh, grid, progress);
   PerThread<InsideRows> scratch([&] { return InsideRows(grid, options); });
-  tbb::parallel_for(tbb::blocked_range2d<std::int64_t>(0, tiles_along(grid.size.z), 1, 0, tiles_along(grid.size.y), 8),
-                    [&](const auto& range) {
-                      progress.check();
-                      InsideRows& rows = scratch.local();
-                      for (std::int64_t tz = range.rows().begin(); tz != range.rows().end(); ++tz)
-                        for (std::int64_t ty = range.cols().begin(); ty != range.cols().end(); ++ty)
-                          if (rows.fill(crossings.of_tiles(ty, tz), ty, tz)) use(rows, ty, tz);
-                    });
+  const std::int64_t tiles_y = tiles_along(grid.size.y), rows_of_tiles = tiles_y * tiles_along(grid.size.z);
+  tbb::parallel_for(tbb::blocked_range<std::int64_t>(0, rows_of_tiles, 8), [&](const auto& range) {
+    progress.check();
+    InsideRows& rows = scratch.local();
+    for (std::int64_t n = range.begin(); n != range.end(); ++n) {
+      const std::int64_t ty = n % tiles_y, tz = n / tiles_y;
+      if (rows.fill(crossings.of_tiles(ty, tz), ty, tz)) use(rows, ty, tz);
+    }
+  });
 }
 
 void negate_inside(std::span<const std::uint8_t, 64> inside, std::span<float, kSamples> values) {
