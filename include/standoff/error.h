@@ -22,6 +22,7 @@ enum class ErrorCode {
   limit = 5,          ///< more memory, or a larger size, than is allowed
   device = 6,         ///< a GPU that is absent or failed
   verify = 7,         ///< a field that does not match its mesh
+  doubt = 8,          ///< a sign that is not certain, where certainty was asked for
   interrupted = 130,  ///< cancelled by the progress callback or a signal
 };
 

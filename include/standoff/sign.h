@@ -2,16 +2,24 @@
 // Which side of a surface is inside (docs/sign.md).
 #pragma once
 
+#include <cstdint>
+#include <string>
+
 namespace standoff {
 
-/// How the sign of a field is decided. The sign never changes the magnitude of a value.
+/// How the sign of a field is decided. No method but `shell` changes the magnitude of a value.
 enum class SignMethod {
-  none,     ///< no sign: all values are positive
-  winding,  ///< by the winding number of the mesh, an exact integer; the mesh must be closed and oriented
-  parity,   ///< by the parity of the winding number; the mesh must be closed, its orientation does not matter
+  none,       ///< no sign: all values are positive
+  winding,    ///< by the winding number: an exact integer if the mesh is closed, else the generalised winding number
+  parity,     ///< by the parity of crossings; the mesh must be closed, its orientation does not matter
+  normal,     ///< by the angle-weighted normal of the nearest face, edge or vertex: for terrain and sheets with a front
+  flood,      ///< outside is what can be reached from the grid's border between samples that no triangle separates
+  shell,      ///< the mesh as a solid of thickness SignOptions::shell: distance - shell / 2
+  automatic,  ///< by the diagnosis of the mesh; ComputeReport says which method and why
 };
 
-/// Which winding numbers are inside, for SignMethod::winding.
+/// Which winding numbers are inside, for SignMethod::winding. For open meshes, `positive` is above 1/2 and `nonzero` is
+/// above 1/2 in magnitude.
 enum class WindingRule {
   positive,  ///< above 0: overlapping solids are united, and a solid turned inside out is a cavity
   nonzero,   ///< not 0: the orientation of a whole solid does not matter
@@ -22,6 +30,18 @@ struct SignOptions {
   SignMethod method = SignMethod::none;
   WindingRule rule = WindingRule::positive;
   bool invert = false;  ///< exchange inside and outside, for example for the scan of a room
+  bool strict = false;  ///< Error{doubt} where the sign is not certain
+  double shell = 0;     ///< SignMethod::shell alone: thickness of the sheet, world units, positive
+};
+
+/// How the sign of a field was decided.
+struct SignReport {
+  SignMethod method = SignMethod::none;  ///< the one that was used; never `automatic`
+  std::string why;                       ///< one sentence: why this method, and what was done to the mesh before
+  bool sure = true;                      ///< whether the mesh leaves no doubt what is inside
+  std::int64_t flipped = 0;              ///< triangles that were taken in the opposite orientation
+  std::int64_t left_out = 0;             ///< triangles that were left out: pairs that face each other
+  std::int64_t boundary_edges = 0;       ///< edges that do not cancel after that: 0 if the mesh is closed
 };
 
 }  // namespace standoff

@@ -13,6 +13,7 @@
 #include "field/options.h"
 #include "field/plan.h"
 #include "field/prepare.h"
+#include "sign/plan.h"
 #include "sign/sign_field.h"
 #include "standoff/version.h"
 
@@ -54,12 +55,12 @@ class Computation {
       Stopwatch watch;
       progress_.stage("prepare", 1, 0, 0.1);
       check_mesh(mesh_, plan_, options_);
-      expect_signable(mesh_, options_.sign);
+      sign_plan_ = plan_sign(mesh_, options_.sign);
       report_.seconds.prepare = watch.lap();
     });
   }
 
-  /// Skip rule, backend and sign(), which gives the output its sign. Requires check(). The mesh's hash goes into
+  /// Skip rule, backend, and sign(sides), which gives the output its sign. Requires check(). The mesh's hash goes into
   /// `hash`, where there is one.
   template <class Sign>
   ComputeReport run(Sink& sink, const Sign& sign, std::uint64_t* hash = nullptr) {
@@ -82,9 +83,9 @@ class Computation {
         *hash = content_hash(mesh_);
       }
       report_.seconds.compute = watch.lap();
-      if (options_.sign.method != SignMethod::none) {
+      if (sign_plan_.has_sign()) {
         progress_.stage("sign", 1, 1, 1);
-        sign(progress_);
+        sign(*make_sides(mesh_, sign_plan_, options_.sign, plan_.grid, progress_), progress_);
         report_.seconds.sign = watch.lap();
       }
       report_.triangles = plan_.triangles;
@@ -95,6 +96,7 @@ class Computation {
     progress_.stage("done", 1, 1, 1);
     report_.method = plan_.row->method_name;
     report_.backend = plan_.row->backend_name;
+    report_.sign = sign_plan_.report;
     report_.device = plan_.row->device(options_.execution.simd, options_.execution.device);
     report_.threads = plan_.threads;
     report_.samples = plan_.grid.sample_count();
@@ -106,6 +108,7 @@ class Computation {
   MeshView mesh_;
   const ComputeOptions& options_;
   Plan plan_;
+  SignPlan sign_plan_;
   Threads threads_;
   ProgressMeter progress_;
   ComputeReport report_;
@@ -132,10 +135,11 @@ ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickness, Di
     Sink sink(field);
     std::uint64_t mesh_hash = 0;
     ComputeReport report = computation.run(
-        sink, [&](ProgressMeter& progress) { sign_field(mesh, options.sign, field, progress); },
+        sink,
+        [&](const Sides& sides, ProgressMeter& progress) { sign_field(sides, options.sign.invert, field, progress); },
         options.hash_mesh ? &mesh_hash : nullptr);
     report.tiles_stored = field.stored_tiles();
-    field.set_provenance({report.method, mesh_hash, version(), name_of(options.sign.method)});
+    field.set_provenance({report.method, mesh_hash, version(), name_of(report.sign.method)});
     return report;
   } catch (...) {
     field = {};
@@ -166,8 +170,8 @@ ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickness, st
     });
   });
   Sink sink(grid, values, nearest);
-  return computation.run(sink, [&](ProgressMeter& progress) {
-    sign_values(mesh, options.sign, computation.plan().grid, values, progress);
+  return computation.run(sink, [&](const Sides& sides, ProgressMeter& progress) {
+    sign_values(sides, options.sign.invert, computation.plan().grid, values, progress);
   });
 } catch (...) {
   throw_as_error("compute", kWhatToDo);

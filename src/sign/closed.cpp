@@ -4,31 +4,18 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 
-#include <array>
-#include <bit>
 #include <cstdint>
 
-#include "core/splitmix64.h"
+#include "core/position_hash.h"
 
 namespace standoff {
 namespace {
-
-// Two numbers of 64 bits, multiplied and folded: every bit of both reaches every bit of the result.
-std::uint64_t folded(std::uint64_t a, std::uint64_t b) {
-  const auto product = static_cast<unsigned __int128>(a) * b;
-  return static_cast<std::uint64_t>(product) ^ static_cast<std::uint64_t>(product >> 64);
-}
 
 struct Hash {
   std::uint64_t a, b;
 };
 
-Hash hash_of(const Vec3& v) {
-  const auto bits = [](double x) { return std::bit_cast<std::uint64_t>(x + 0.0); };  // -0 and 0 are one position
-  const std::uint64_t x = bits(v.x), y = bits(v.y), z = bits(v.z);
-  const std::uint64_t xy = folded(x ^ 0xa0761d6478bd642f, y ^ 0xe7037ed1a0b428db);
-  return {folded(xy ^ 0x8ebc6af09c88c6e3, z ^ 0x589965cc75374cc3), folded(xy + 0x1d8e4e27c47d124f, z + kSplitmixStep)};
-}
+Hash hash_of(const Vec3& v) { return {position_hash(v), position_hash(v, 0x452821e638d01377u)}; }
 
 // Sums over edges; they do not depend on the order of the triangles.
 struct Sums {
@@ -40,8 +27,8 @@ struct Sums {
     const bool forward = from.a != to.a ? from.a < to.a : from.b < to.b;
     const Hash& low = forward ? from : to;
     const Hash& high = forward ? to : from;
-    const std::uint64_t a = folded(low.a ^ 0xeb44accab455d165, high.a ^ 0x9ddfea08eb382d69),
-                        b = folded(low.b + 0xc2b2ae3d27d4eb4f, high.b + 0x165667b19e3779f9);
+    const std::uint64_t a = folded_product(low.a ^ 0xeb44accab455d165, high.a ^ 0x9ddfea08eb382d69),
+                        b = folded_product(low.b + 0xc2b2ae3d27d4eb4f, high.b + 0x165667b19e3779f9);
     signed_a += forward ? a : -a;
     signed_b += forward ? b : -b;
     odd_a ^= a;

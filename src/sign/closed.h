@@ -6,9 +6,9 @@
 
 namespace standoff {
 
-/// Vertices count by position, so a mesh need not be welded. Edges of length 0 do not count. Sums of 128 random bits
-/// per edge decide: a closed mesh is always recognised; a mesh that is not closed is taken for a closed one with a
-/// probability of 2^-128.
+/// Vertices count by position, so a mesh need not be welded. Edges of length 0 do not count. Sums of 128 bits
+/// per edge, hashes of its ends, decide: a closed mesh is always recognised, and a mesh that is not closed is not taken
+/// for a closed one unless it was made for the purpose.
 struct Closed {
   bool oriented = false;    ///< each edge is used as often in one direction as in the other: w is an integer everywhere
   bool unoriented = false;  ///< each edge is used an even number of times: the parity of crossings is well defined

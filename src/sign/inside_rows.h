@@ -2,13 +2,13 @@
 // Which samples of a row of tiles are inside, one bit each.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
 
-#include "sign/row_crossings.h"
+#include "standoff/field.h"
 #include "standoff/grid.h"
-#include "standoff/sign.h"
 
 namespace standoff {
 
@@ -16,30 +16,46 @@ namespace standoff {
 /// grid are outside.
 class InsideRows {
  public:
-  InsideRows(const Grid& grid, const SignOptions& options);
+  static constexpr int kSide = 8;              ///< samples of a tile along an axis: the bits of a byte
+  static constexpr int kRows = kSide * kSide;  ///< rows of a tile: row y + 8 z
+  static_assert(kSide == DistanceField::kTileSide);
 
-  /// Fills the rows from their crossings. Returns whether any sample is inside.
-  bool fill(std::span<const RowCrossing> crossings, std::int64_t ty, std::int64_t tz);
+  explicit InsideRows(const Grid& grid);
 
-  /// Tile tx: a byte for each of its rows, y + 8 z.
-  std::span<const std::uint8_t, 64> tile(std::int64_t tx) const {
-    return std::span<const std::uint8_t, 64>(bits_.data() + 64 * tx, 64);
+  /// All samples of the tiles (., ty, tz) are outside.
+  void clear(std::int64_t ty, std::int64_t tz);
+  /// Marks samples begin to end - 1 of a row that is in the grid. Requires begin < end.
+  void set(int row, std::int64_t begin, std::int64_t end);
+  /// Exchanges inside and outside within the grid.
+  void invert();
+
+  /// Tile tx: a byte for each of its rows.
+  std::span<const std::uint8_t, kRows> tile(std::int64_t tx) const {
+    return std::span<const std::uint8_t, kRows>(bits_.data() + kRows * tx, kRows);
   }
-  /// Whether all samples of the tile that are within the grid are inside.
+  std::span<std::uint8_t, kRows> tile(std::int64_t tx) {
+    return std::span<std::uint8_t, kRows>(bits_.data() + kRows * tx, kRows);
+  }
+  /// The byte of a row of tile tx if all its samples are inside.
+  std::uint8_t full_byte(int row, std::int64_t tx) const {
+    return in_grid(row) ? static_cast<std::uint8_t>(0xff >> (kSide - samples_along_x(tx))) : std::uint8_t{0};
+  }
+  /// Whether no, or every, sample of the tile that is within the grid is inside.
+  bool is_empty(std::int64_t tx) const;
   bool is_full(std::int64_t tx) const;
-  /// Byte tx of a row.
-  std::uint8_t byte(int row, std::int64_t tx) const { return bits_[static_cast<std::size_t>(64 * tx + row)]; }
+  bool is_inside(int row, std::int64_t i) const {
+    return (bits_[static_cast<std::size_t>(kRows * (i / kSide) + row)] >> (i % kSide) & 1) != 0;
+  }
   /// Whether the row is a row of the grid.
-  bool in_grid(int row) const { return row % 8 < rows_y_ && row / 8 < rows_z_; }
+  bool in_grid(int row) const { return row % kSide < rows_y_ && row / kSide < rows_z_; }
+  const Size3& size() const { return size_; }
 
  private:
-  bool is_inside(std::int32_t winding) const;
-  void set(int row, std::int64_t begin, std::int64_t end);
+  std::int64_t samples_along_x(std::int64_t tx) const { return std::min<std::int64_t>(kSide, size_.x - kSide * tx); }
 
   Size3 size_;
-  SignOptions options_;
-  std::int64_t rows_y_ = 8, rows_z_ = 8;  // of the tiles, within the grid
-  std::vector<std::uint8_t> bits_;        // by tile, then by row
+  std::int64_t rows_y_ = kSide, rows_z_ = kSide;  // of the tiles, within the grid
+  std::vector<std::uint8_t> bits_;                // by tile, then by row
 };
 
 }  // namespace standoff

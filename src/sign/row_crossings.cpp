@@ -16,7 +16,7 @@
 namespace standoff {
 namespace {
 
-constexpr std::int64_t kSide = RowCrossing::kSide;
+constexpr std::int64_t kSide = InsideRows::kSide;
 
 // The samples of one axis, as Grid::position gives them.
 class Axis {
@@ -58,7 +58,7 @@ struct Found {
 
 class Scan {
  public:
-  Scan(MeshView mesh, const Grid& grid)
+  Scan(const OrientedMesh& mesh, const Grid& grid)
       : mesh_(mesh),
         x_{grid.origin.x, grid.spacing.x, grid.size.x},
         y_{grid.origin.y, grid.spacing.y, grid.size.y},
@@ -66,6 +66,7 @@ class Scan {
         tiles_y_(tiles_along(grid.size.y)) {}
 
   void add(std::size_t triangle, std::vector<Found>& found) const {
+    if (mesh_.use_of(triangle) == 0) return;
     const std::array<Vec3, 3> t = mesh_.corners(triangle);
     // Half open: a row at the largest y or z passes beside the triangle.
     const std::int64_t first_y = y_.first_from(std::min({t[0].y, t[1].y, t[2].y})),
@@ -91,19 +92,19 @@ class Scan {
   }
 
  private:
-  MeshView mesh_;
+  OrientedMesh mesh_;
   Axis x_, y_, z_;
   std::int64_t tiles_y_;
 };
 
 }  // namespace
 
-RowCrossings::RowCrossings(MeshView mesh, const Grid& grid, ProgressMeter& progress)
+RowCrossings::RowCrossings(const OrientedMesh& mesh, const Grid& grid, ProgressMeter& progress)
     : tiles_y_(tiles_along(grid.size.y)), begin_(static_cast<std::size_t>(tiles_y_ * tiles_along(grid.size.z)) + 1) {
   constexpr std::size_t kGrain = 4096;
   const Scan scan(mesh, grid);
   PerThread<std::vector<Found>> found;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.triangles.size(), kGrain), [&](const auto& range) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.mesh.triangles.size(), kGrain), [&](const auto& range) {
     progress.check();
     std::vector<Found>& mine = found.local();
     for (std::size_t t = range.begin(); t != range.end(); ++t) scan.add(t, mine);

@@ -7,15 +7,14 @@
 #include <vector>
 
 #include "core/progress.h"
+#include "sign/inside_rows.h"
+#include "sign/oriented_mesh.h"
 #include "standoff/grid.h"
-#include "standoff/mesh.h"
 
 namespace standoff {
 
 /// A row of the grid crosses a triangle between two of its samples.
 struct RowCrossing {
-  static constexpr int kSide = 8;  ///< rows of a tile along y and z
-
   std::uint64_t key;  ///< sorts by row, then along the row
 
   static RowCrossing make(int row, std::int64_t past, int crossing) {
@@ -34,7 +33,7 @@ struct RowCrossing {
 class RowCrossings {
  public:
   /// Requires a valid mesh and grid. Runs on the threads of the calling TBB arena.
-  RowCrossings(MeshView mesh, const Grid& grid, ProgressMeter& progress);
+  RowCrossings(const OrientedMesh& mesh, const Grid& grid, ProgressMeter& progress);
 
   /// Those of the 64 rows of the tiles (., ty, tz), sorted.
   std::span<const RowCrossing> of_tiles(std::int64_t ty, std::int64_t tz) const {

@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "core/progress.h"
+#include "sign/integer_winding.h"
 #include "tests/sign/solid_soup.h"
 
 namespace standoff {
@@ -28,16 +29,19 @@ Outcome compare(const std::vector<Tetrahedron>& tetrahedra, const Grid& grid, co
   const Mesh mesh = testing::mesh_of(tetrahedra);
   const ProgressCallback none;
   ProgressMeter progress(none);
-  const RowCrossings crossings(mesh, grid, progress);
-  InsideRows rows(grid, options);
+  const WindingRule rule = options.method == SignMethod::parity ? WindingRule::odd : options.rule;
+  const IntegerWinding winding({mesh}, grid, rule, progress);
+  InsideRows rows(grid);
   Outcome outcome;
   for (std::int64_t tz = 0; 8 * tz < grid.size.z; ++tz)
     for (std::int64_t ty = 0; 8 * ty < grid.size.y; ++ty) {
-      rows.fill(crossings.of_tiles(ty, tz), ty, tz);
+      rows.clear(ty, tz);
+      winding.fill(rows, ty, tz);
+      if (options.invert) rows.invert();
       for (int row = 0; row < 64; ++row)
         for (std::int64_t i = 0; i < 8 * ((grid.size.x + 7) / 8); ++i) {
           const std::int64_t j = 8 * ty + row % 8, k = 8 * tz + row / 8;
-          const bool inside = (rows.byte(row, i / 8) >> (i % 8) & 1) != 0;
+          const bool inside = rows.is_inside(row, i);
           if (i >= grid.size.x || j >= grid.size.y || k >= grid.size.z) {
             outcome.wrong += inside;  // beyond the grid all is outside
             continue;
@@ -118,7 +122,7 @@ TEST(InsideRows, SheetsOfThousandsOfShells) {
   const Mesh mesh = testing::mesh_of(nested);
   const ProgressCallback none;
   ProgressMeter progress(none);
-  const RowCrossings crossings(mesh, grid, progress);
+  const RowCrossings crossings({mesh}, grid, progress);
   std::int32_t deepest = 0;
   for (int row = 0; row < 64; ++row) {
     std::int32_t winding = 0;

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "io/mesh/polygon.h"
-#include "io/mesh/weld.h"
+#include "core/weld.h"
 #include "standoff/error.h"
 
 namespace standoff {

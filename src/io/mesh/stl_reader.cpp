@@ -11,7 +11,7 @@
 #include "io/mesh/builder.h"
 #include "io/mesh/format.h"
 #include "io/mesh/stl_binary.h"
-#include "io/mesh/weld.h"
+#include "core/weld.h"
 #include "standoff/error.h"
 
 namespace standoff {

@@ -10,7 +10,7 @@
 #include <tuple>
 #include <vector>
 
-#include "io/mesh/weld.h"
+#include "core/weld.h"
 
 namespace standoff {
 namespace {

@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/position_hash.h"
 #include "standoff/vec.h"
 
 namespace standoff {
@@ -35,23 +36,10 @@ constexpr std::uint32_t kBlock = 1 << 14;
 constexpr std::uint32_t kFree = std::numeric_limits<std::uint32_t>::max();
 constexpr std::uint32_t kAhead = 24;  // positions between the request for a slot and its use
 
-inline std::uint64_t mixed(std::uint64_t a, std::uint64_t b) {
-  const auto product = static_cast<unsigned __int128>(a) * b;
-  return static_cast<std::uint64_t>(product) ^ static_cast<std::uint64_t>(product >> 64);
-}
-
-// Adding zero makes -0 and +0 alike.
-inline std::uint64_t bits(double c) { return std::bit_cast<std::uint64_t>(c + 0.0); }
-
 // By bits, so that a NaN equals itself and a million of them do not become a million slots in a row.
 inline bool same(Vec3 a, Vec3 b) {
-  return ((bits(a.x) ^ bits(b.x)) | (bits(a.y) ^ bits(b.y)) | (bits(a.z) ^ bits(b.z))) == 0;
-}
-
-// Constants without structure: digits of pi.
-inline std::uint64_t hash(Vec3 p) {
-  const std::uint64_t xy = mixed(bits(p.x) ^ 0x243f6a8885a308d3u, bits(p.y) ^ 0x13198a2e03707345u);
-  return mixed(xy ^ bits(p.z), 0xa4093822299f31d1u);
+  return position_bits(a.x) == position_bits(b.x) && position_bits(a.y) == position_bits(b.y) &&
+         position_bits(a.z) == position_bits(b.z);
 }
 
 template <class Body>
@@ -73,7 +61,7 @@ std::uint32_t weld_block(std::uint32_t begin, std::uint32_t end, const Position&
   std::uint32_t distinct = 0;
   for (std::uint32_t i = begin; i < end; ++i) {
     const Vec3 p = position(i);
-    std::size_t slot = hash(p) % size;
+    std::size_t slot = position_hash(p) % size;
     while (table[slot] != free && !same(position(begin + table[slot]), p)) slot = (slot + 1) % size;
     if (table[slot] == free) {
       table[slot] = static_cast<std::uint16_t>(i - begin);
@@ -117,7 +105,7 @@ class SharedTable {
   void set(std::uint32_t slot, std::uint32_t number) { at(slot).store(number, std::memory_order_relaxed); }
 
  private:
-  std::uint64_t home(Vec3 p) const { return hash(p) & mask_; }
+  std::uint64_t home(Vec3 p) const { return position_hash(p) & mask_; }
   std::atomic_ref<std::uint32_t> at(std::uint64_t slot) const { return std::atomic_ref(slots_[slot]); }
 
   const Position& position_;
