@@ -61,7 +61,7 @@ Json sign_json(const SignCheck& sign) {
 
 std::string sign_line(const SignCheck& sign) {
   if (sign.method.empty() || !sign.can_check) return "";
-  return "sign by " + sign.method + ": " + counted(sign.checked, "sample") + " checked, " + grouped(sign.wrong) +
+  return "sign (" + sign.method + "): " + counted(sign.checked, "sample") + " checked, " + grouped(sign.wrong) +
          " wrong, " + grouped(sign.unknown) + " not decided\n";
 }
 
@@ -114,7 +114,7 @@ void Command::warn_of(const VerifyResult& found) const {
     console.warn(field +
                  ": has negative values but does not say how their sign was decided; only distances are checked");
   else
-    console.warn(field + ": the sign, by " + sign.method + ", cannot be checked with this mesh; only distances are");
+    console.warn(field + ": the sign (" + sign.method + ") cannot be checked with this mesh; only distances are");
 }
 
 void Command::fail(const VerifyResult& found) const {
