@@ -123,6 +123,7 @@ Copies find_copies(const MeshEdges& edges, std::size_t triangles) {
       ++found.left_out;
       if (copy.forward != kept_forward) opposite = copy.triangle;
     }
+    found.same_winding = found.same_winding && keep == excess;
     if (keep == 1 && opposite != kNone) found.either.emplace_back(kept, opposite);
   }
   if (found.left_out == 0) found.use.clear();

@@ -30,6 +30,7 @@ struct Copies {
   std::int64_t same = 0;      ///< triangles with an earlier copy in the same orientation
   std::int64_t opposite = 0;  ///< pairs in opposite orientation; each triangle is in one pair at the most
   std::int64_t left_out = 0;
+  bool same_winding = true;  ///< whether what is left out cancels: the winding number is that of all triangles
   bool two_sided = false;
 };
 

@@ -117,7 +117,6 @@ Orientation orient(MeshView mesh, const MeshEdges& edges) {
   const Copies copies = find_copies(edges, triangles);
   found.same = copies.same;
   found.opposite = copies.opposite;
-  found.left_out = copies.left_out;
   found.two_sided = copies.two_sided;
 
   Patches patches = find_patches(edges, copies, triangles);
@@ -134,9 +133,14 @@ Orientation orient(MeshView mesh, const MeshEdges& edges) {
       found.use[opposite] = 1;
     }
   found.flipped = std::ranges::count(found.use, -1);
+  found.left_out = copies.left_out;
   found.inconsistent_after = inconsistent_edges(edges, found.use);
   found.boundary_edges = boundary_edges(edges, found.use);
-  if (found.flipped == 0 && found.left_out == 0) found.use.clear();
+  // A mesh that needs nothing is used as it is, with the pairs that cancel each other.
+  if (found.flipped == 0 && copies.same_winding) {
+    found.use.clear();
+    found.left_out = 0;
+  }
   return found;
 }
 

@@ -2,7 +2,8 @@
 // The orientation in which a mesh's sign is decided. Files are often wrong: faces flipped one by one, parts turned
 // inside out, faces listed twice. The winding number counts what is there; this finds what was meant, where it can.
 //
-// 1. Copies of triangles that the surface around does not need are left out (copies.h).
+// 1. Copies of triangles that the surface around does not need are left out (copies.h). If they cancel each other, and
+//    nothing else is to be done, they stay.
 // 2. Within a patch, neighbours are made consistent; the majority of the triangles stays (patches.h).
 // 3. Patches that meet at nonmanifold edges are turned so that their borders cancel (pieces.h).
 // 4. Pieces with a volume are turned outwards: what contains all others must have a positive volume, and is turned
