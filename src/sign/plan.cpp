@@ -9,26 +9,6 @@
 
 namespace standoff {
 
-const char* name_of(SignMethod method) {
-  switch (method) {
-    case SignMethod::none:
-      return "";
-    case SignMethod::winding:
-      return "winding";
-    case SignMethod::parity:
-      return "parity";
-    case SignMethod::normal:
-      return "normal";
-    case SignMethod::flood:
-      return "flood";
-    case SignMethod::shell:
-      return "shell";
-    case SignMethod::automatic:
-      return "automatic";
-  }
-  return "";
-}
-
 SignPlan plan_sign(MeshView mesh, const SignOptions& options) {
   SignPlan plan;
   plan.report.method = options.method;

@@ -15,9 +15,6 @@
 
 namespace standoff {
 
-/// The name of a method in options and in the provenance of fields; empty for none.
-const char* name_of(SignMethod method);
-
 struct SignPlan {
   SignReport report;
   std::vector<std::int8_t> use;  ///< OrientedMesh::use
