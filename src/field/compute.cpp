@@ -15,6 +15,7 @@
 #include "field/prepare.h"
 #include "sign/plan.h"
 #include "sign/sign_field.h"
+#include "sign/sign_text.h"
 #include "standoff/version.h"
 
 namespace standoff {
@@ -139,7 +140,7 @@ ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickness, Di
         [&](const Sides& sides, ProgressMeter& progress) { sign_field(sides, options.sign.invert, field, progress); },
         options.hash_mesh ? &mesh_hash : nullptr);
     report.tiles_stored = field.stored_tiles();
-    field.set_provenance({report.method, mesh_hash, version(), name_of(report.sign.method)});
+    field.set_provenance({report.method, mesh_hash, version(), written(sign_text_of(options.sign, report.sign))});
     return report;
   } catch (...) {
     field = {};
