@@ -26,6 +26,9 @@ Closed closed_in_use(const OrientedMesh& mesh) {
   return closed;
 }
 
+// So near to a threshold compute() leaves the side of an open mesh's sample to rounding (sign/open_winding).
+constexpr double kEitherSide = 1e-9;
+
 bool contains(const Box& box, const Vec3& p) { return min(box.min, p) == box.min && max(box.max, p) == box.max; }
 
 }  // namespace
@@ -51,7 +54,8 @@ SideJudgement SignJudge::judge(const Vec3& p) const {
       way_ == Way::crossings ? winding_by_crossings(mesh_, groups_, p) : winding_by_angles(mesh_, p);
   // All rules depend on the nearest whole number alone, so the side changes at the halves.
   const double whole = std::round(winding.value);
-  if (winding.on_surface || !(std::abs(winding.value - whole) + winding.error < 0.5)) return {};
+  const double from_whole = std::abs(winding.value - whole) + winding.error;
+  if (winding.on_surface || !(from_whole < 0.5 - kEitherSide)) return {};
   return {is_inside(whole) != sign_.invert, winding.value};
 }
 

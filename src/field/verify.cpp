@@ -17,6 +17,8 @@
 #include "core/threads.h"
 #include "field/sign_judge.h"
 #include "field/triangle_groups.h"
+#include "sign/mesh_edges.h"
+#include "sign/orient.h"
 #include "sign/sign_text.h"
 
 namespace standoff {
@@ -69,9 +71,12 @@ struct Finding {
   SideJudgement side;
 };
 
-// The orientation that the sign was decided with, as OrientedMesh::use says it: the caller's, unless the field tells of
-// flipped triangles.
-std::vector<std::int8_t> oriented_for_sign(MeshView, const SignText&) { return {}; }
+// The orientation that the sign was decided with, as OrientedMesh::use says it. Which one a mesh was meant to have is
+// no question of right and wrong, so compute()'s answer is taken; verify checks what follows from it.
+std::vector<std::int8_t> oriented_for_sign(MeshView mesh, const SignText& sign) {
+  if (!sign.oriented) return {};
+  return orient(mesh, MeshEdges(mesh)).use;
+}
 
 // One field and its mesh. Requires a valid mesh. Runs on the threads of the calling TBB arena.
 class Check {
