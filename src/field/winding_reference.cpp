@@ -16,17 +16,15 @@ using Corners = std::array<Vec3, 3>;
 // As seen along y.
 Flat flat(const Vec3& v) { return {v.x, v.z}; }
 
-// Where q is of the line from a to b: 1 left of it, -1 right. Requires a.x != b.x. A q on the line stands for
-// (q.x + e, q.y + e^2), where e is positive and smaller than any number: the determinant changes by
-// (a.y - b.y) e + (b.x - a.x) e^2.
+// Where q is of the line from a to b: 1 left of it, -1 right. Requires a.x != b.x. Each q stands for (q.x + e^2, q.y +
+// e), where e is positive and smaller than any number: from a point on the line it lies above.
 int side_of_line(const Flat& a, const Flat& b, const Flat& q) {
-  if (const int side = orient2d(a, b, q)) return side;
-  if (a.y != b.y) return a.y > b.y ? 1 : -1;
-  return b.x > a.x ? 1 : -1;
+  const int side = orient2d(a, b, q);
+  return side != 0 ? side : b.x > a.x ? 1 : -1;
 }
 
-// How often the triangle goes round p as seen along y, x right and z up: 1 to the left, -1 to the right, or 0. These
-// are its edges above p, by direction. A corner at p's x counts as left of it, which is the same e as above.
+// How often the triangle goes round p as seen along y, x right and z up: 1 to the left, -1 to the right, or 0. Counts
+// the edges that pass above p, by direction. With the same e a corner at p's x is left of p.
 int turns_round(const Corners& t, const Vec3& p) {
   int turns = 0;
   for (std::size_t n = 0; n < 3; ++n) {

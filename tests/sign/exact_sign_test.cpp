@@ -9,6 +9,7 @@
 
 #include <filesystem>
 
+#include "core/number_text.h"
 #include "scenes/scenes.h"
 #include "sign/closed.h"
 #include "standoff/io.h"
@@ -128,38 +129,46 @@ Totals ask(const SidesOfSamples& sides, unsigned seed, std::int64_t samples) {
 }
 
 const std::int64_t kAsked = testing::from_environment("STANDOFF_CHECK_SIGNS", 0);
-const auto kSeed = static_cast<unsigned>(testing::from_environment("STANDOFF_CHECK_SEED", 1));
+
+// Another one for each mesh.
+unsigned next_seed() {
+  static auto seed = static_cast<unsigned>(testing::from_environment("STANDOFF_CHECK_SEED", 1));
+  return seed++;
+}
+
+void print(const char* place, const Sides& sides) {
+  const auto count = [](std::int64_t n) { return static_cast<long long>(n); };
+  std::printf("  %s: %lld inside, %lld outside, %lld wrong; %lld on the surface\n", place, count(sides.inside),
+              count(sides.outside), count(sides.wrong), count(sides.on_surface));
+}
 
 void expect_right(const std::string& name, const Mesh& mesh, std::int64_t few,
                   const SignOptions& options = {.method = SignMethod::winding}) {
-  const Totals all = ask(SidesOfSamples(mesh, options), kSeed, kAsked > 0 ? kAsked : few);
-  EXPECT_EQ(all.anywhere.wrong, 0) << name << ", seed " << kSeed;
-  EXPECT_EQ(all.beside.wrong, 0) << name << ", seed " << kSeed;
+  const unsigned seed = next_seed();
+  const Totals all = ask(SidesOfSamples(mesh, options), seed, kAsked > 0 ? kAsked : few);
+  EXPECT_EQ(all.anywhere.wrong, 0) << name << ", seed " << seed;
+  EXPECT_EQ(all.beside.wrong, 0) << name << ", seed " << seed;
   EXPECT_GT(all.beside.inside, 0) << name;
   EXPECT_GT(all.beside.outside, 0) << name;
-  if (kAsked > 0)
-    std::printf(
-        "%-24s %9zu triangles, random: %9lld (%lld wrong), within ulps of the surface: %9lld (%lld wrong), on it: "
-        "%lld\n",
-        name.c_str(), mesh.triangles.size(), static_cast<long long>(all.anywhere.samples()),
-        static_cast<long long>(all.anywhere.wrong), static_cast<long long>(all.beside.samples()),
-        static_cast<long long>(all.beside.wrong), static_cast<long long>(all.beside.on_surface));
+  if (kAsked == 0) return;
+  std::printf("%s, %zu triangles, seed %u\n", name.c_str(), mesh.triangles.size(), seed);
+  print("random", all.anywhere);
+  print("beside the surface", all.beside);
 }
 
 TEST(ExactSign, IntersectingSolidsOfAllSizes) {
   for (const double size : {1.0, 1e-30, 1e30, 1e-7})
     for (const double far : {0.0, 1e6}) {
-      const auto solids = tetrahedra(kSeed, 12, size, Vec3{1, -0.7, 0.3} * (far * size));
-      const std::string name = "solids of " + std::to_string(size) + " at " + std::to_string(far);
-      expect_right(name, testing::mesh_of(solids), 10'000);
-      expect_right(name + ", nonzero", testing::mesh_of(solids), 4'000,
-                   {.method = SignMethod::winding, .rule = WindingRule::nonzero});
-      expect_right(name + ", parity", testing::mesh_of(solids), 4'000, {.method = SignMethod::parity});
+      const Mesh mesh = testing::mesh_of(tetrahedra(next_seed(), 12, size, Vec3{1, -0.7, 0.3} * (far * size)));
+      const std::string name = "solids of " + exact_text(size) + " at " + exact_text(far * size);
+      expect_right(name, mesh, 10'000);
+      expect_right(name + ", nonzero", mesh, 4'000, {.method = SignMethod::winding, .rule = WindingRule::nonzero});
+      expect_right(name + ", parity", mesh, 4'000, {.method = SignMethod::parity});
     }
 }
 
 TEST(ExactSign, SolidsWithManyCornersInOnePlane) {
-  Random random(kSeed);
+  Random random(next_seed());
   expect_right("integers", testing::mesh_of(testing::integer_tetrahedra(random, 40, 4)), 40'000);
   expect_right("flat", testing::mesh_of(testing::integer_tetrahedra(random, 40, 1)), 20'000);
 }
