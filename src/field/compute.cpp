@@ -13,7 +13,7 @@
 #include "field/options.h"
 #include "field/plan.h"
 #include "field/prepare.h"
-#include "sign/plan.h"
+#include "sign/make_sides.h"
 #include "sign/sign_field.h"
 #include "sign/sign_text.h"
 #include "standoff/version.h"
@@ -86,7 +86,8 @@ class Computation {
       report_.seconds.compute = watch.lap();
       if (sign_plan_.has_sign()) {
         progress_.stage("sign", 1, 1, 1);
-        sign(*make_sides(mesh_, sign_plan_, options_.sign, plan_.grid, progress_), progress_);
+        if (const auto sides = make_sides(mesh_, sign_plan_, options_.sign, plan_.grid, progress_))
+          sign(*sides, progress_);
         report_.seconds.sign = watch.lap();
       }
       report_.triangles = plan_.triangles;

@@ -46,4 +46,8 @@ double diameter_of(std::span<const BoundaryEdge> loop);
 /// the hole.
 double cap_area(std::span<const BoundaryEdge> loop);
 
+/// The signed volume of the cones from `origin` to these triangles. With that of the cones to the mesh, it is that of
+/// the mesh with its holes closed.
+double cap_volume(std::span<const BoundaryEdge> loop, const Vec3& origin);
+
 }  // namespace standoff

@@ -2,53 +2,44 @@
 #include "sign/orient.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "sign/copies.h"
 #include "sign/edge_sides.h"
 #include "sign/nesting.h"
 #include "sign/patches.h"
 #include "sign/pieces.h"
+#include "sign/solid.h"
 
 namespace standoff {
 namespace {
 
-// Sums over the triangles of a piece.
-struct Size {
+struct PieceSize {
   Box bounds;
-  double volume = 0, area = 0;
-  Vec3 normals;
+  PartSums sums;
 };
 
-std::vector<Size> sizes_of(const OrientedMesh& mesh, const Pieces& pieces) {
-  std::vector<Size> sizes(pieces.size());
+std::vector<PieceSize> sizes_of(const OrientedMesh& mesh, const Pieces& pieces) {
+  std::vector<PieceSize> sizes(pieces.size());
   for (std::size_t t = 0; t < pieces.of.size(); ++t)
     for (const Vec3& corner : mesh.mesh.corners(t)) sizes[pieces.of[t]].bounds.include(corner);
   for (std::size_t t = 0; t < pieces.of.size(); ++t) {
     if (mesh.use_of(t) == 0) continue;
-    Size& size = sizes[pieces.of[t]];
+    PieceSize& size = sizes[pieces.of[t]];
     const auto [a, b, c] = mesh.corners(t);
-    const Vec3 normal = cross(b - a, c - a) * 0.5;
-    size.volume += dot(a - size.bounds.center(), normal) / 3;
-    size.area += length(normal);
-    size.normals = size.normals + normal;
+    size.sums.add(a, b, c, size.bounds.center());
   }
   return sizes;
 }
 
-std::vector<Part> parts_of(const Pieces& pieces, const std::vector<Size>& sizes) {
+std::vector<Part> parts_of(const Pieces& pieces, const std::vector<PieceSize>& sizes) {
   std::vector<Part> parts;
-  for (std::size_t n = 0; n < pieces.size(); ++n) {
-    const Size& size = sizes[n];
-    const bool is_sheet = pieces.closed[n] == 0 && !(length(size.normals) < kSheetNormals * size.area);
-    const bool has_volume = std::abs(size.volume) > kNoVolume * size.area * std::sqrt(size.area);
-    parts.push_back({size.bounds, has_volume && !is_sheet && pieces.unorientable[n] == 0});
-  }
+  for (std::size_t n = 0; n < pieces.size(); ++n)
+    parts.push_back({sizes[n].bounds, pieces.unorientable[n] == 0 && is_solid(sizes[n].sums, pieces.closed[n] != 0)});
   return parts;
 }
 
 // For each piece -1 if it is to be turned, else 1.
-std::vector<std::int8_t> turns_of(const std::vector<Part>& parts, const std::vector<Size>& sizes,
+std::vector<std::int8_t> turns_of(const std::vector<Part>& parts, const std::vector<PieceSize>& sizes,
                                   const Nesting& nesting) {
   // The sign of the volume of the outermost piece around each, 0 while it is unknown.
   std::vector<std::int8_t> outermost(parts.size());
@@ -58,7 +49,7 @@ std::vector<std::int8_t> turns_of(const std::vector<Part>& parts, const std::vec
     for (inwards.clear(); outermost[at] == 0; at = nesting.parent[at]) {
       inwards.push_back(at);
       if (nesting.parent[at] == Nesting::kNone) {
-        outermost[at] = sizes[at].volume < 0 ? -1 : 1;
+        outermost[at] = sizes[at].sums.volume < 0 ? -1 : 1;
         break;
       }
     }
@@ -67,7 +58,7 @@ std::vector<std::int8_t> turns_of(const std::vector<Part>& parts, const std::vec
   std::vector<std::int8_t> turns(parts.size(), 1);
   for (std::size_t n = 0; n < parts.size(); ++n) {
     if (!parts[n].solid) continue;
-    const bool inside_out = sizes[n].volume * outermost[n] < 0;
+    const bool inside_out = sizes[n].sums.volume * outermost[n] < 0;
     turns[n] = static_cast<std::int8_t>(inside_out && nesting.depth[n] % 2 == 0 ? -outermost[n] : outermost[n]);
   }
   return turns;
@@ -75,9 +66,9 @@ std::vector<std::int8_t> turns_of(const std::vector<Part>& parts, const std::vec
 
 // Turns the pieces with a volume outwards. Returns whether their nesting is known.
 bool turn_outwards(MeshView mesh, const Pieces& pieces, std::vector<std::int8_t>& use) {
-  const std::vector<Size> sizes = sizes_of({mesh, use}, pieces);
+  const std::vector<PieceSize> sizes = sizes_of({mesh, use}, pieces);
   const std::vector<Part> parts = parts_of(pieces, sizes);
-  const auto is_inside_out = [&](std::size_t n) { return parts[n].solid && sizes[n].volume < 0; };
+  const auto is_inside_out = [&](std::size_t n) { return parts[n].solid && sizes[n].sums.volume < 0; };
   bool any = false;
   for (std::size_t n = 0; n < parts.size(); ++n) any = any || is_inside_out(n);
   if (!any) return true;

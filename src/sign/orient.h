@@ -10,7 +10,7 @@
 //    together with all that is inside it. After that a piece of negative volume stays a cavity if it is inside an odd
 //    number of others, and is turned if it is inside an even number. Pieces of positive volume stay, solids inside
 //    solids. So a mesh that is inside out as a whole, with its cavities, gives the same result as the right one.
-// A piece without a volume, a sheet, and a piece that cannot be oriented are left as step 3 leaves them.
+// A piece without a volume, a sheet (solid.h), and a piece that cannot be oriented are left as step 3 leaves them.
 #pragma once
 
 #include <cstdint>
@@ -34,14 +34,6 @@ struct Orientation {
   bool two_sided = false;                ///< nearly every face is there twice, once in each orientation
   bool nesting_known = true;             ///< false: there are too many parts, and none was turned by its volume
 };
-
-/// A piece has no volume, and is not turned, if |volume| is at most kNoVolume * area^1.5: 1e-3 of that of a ball whose
-/// radius is 1e-6 of its length is above it, what rounding makes of a flat piece is far below.
-inline constexpr double kNoVolume = 1e-10;
-/// An open piece is a sheet if the sum of its normals, each as long as its triangle's area, is at least this part of
-/// its area. 0: closed, or as many holes on one side as on the opposite one; 0.2: a cube without lid; 0.5: a
-/// hemisphere; 1: flat.
-inline constexpr double kSheetNormals = 0.25;
 
 /// Requires a valid mesh and its edges. Does not depend on the number of threads; the counts do not depend on the order
 /// of the triangles or of their corners unless parts of equal size contradict each other. Applied to its own result it

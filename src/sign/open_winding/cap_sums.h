@@ -40,6 +40,14 @@ class NodeStack {
     return end;
   }
 
+  /// The most that the caps of these nodes may add anywhere in the cell; infinite, or any number above `enough`.
+  double bound_of(Part part, const Cell& cell, double enough) const {
+    double sum = 0;
+    for (std::size_t n = part.begin; n < part.end && sum <= enough; ++n)
+      sum += bound_of_field(tree_[nodes_[n]].caps, cell);
+    return sum;
+  }
+
   /// Adds the fields of those nodes of `part` that are known to `tolerance` in the cell, and returns the others: larger
   /// ones than `open_above` are opened. They are on top of the stack.
   Part add_far(Part part, const Cell& cell, double tolerance, double open_above, LinearField& sum) {

@@ -2,6 +2,7 @@
 // A part of the winding number in a cell: a linear function, and how far it may be off.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "standoff/vec.h"
@@ -13,11 +14,12 @@ struct Cell {
   Vec3 center, half;  ///< every sample of the cell is within center +- half
   double radius;      ///< the length of half
 
-  /// The distance of the nearest point of the box.
-  double distance_to(const Vec3& p) const {
-    const Vec3 d{std::abs(p.x - center.x) - half.x, std::abs(p.y - center.y) - half.y,
-                 std::abs(p.z - center.z) - half.z};
-    return length(max(d, Vec3{}));
+  /// The squared distance of the nearest point of the box.
+  double distance_sq(const Vec3& p) const {
+    const double x = std::max(std::abs(p.x - center.x) - half.x, 0.0),
+                 y = std::max(std::abs(p.y - center.y) - half.y, 0.0),
+                 z = std::max(std::abs(p.z - center.z) - half.z, 0.0);
+    return x * x + y * y + z * z;
   }
 };
 

@@ -12,9 +12,6 @@ namespace {
 
 constexpr std::int64_t kSide = InsideRows::kSide;
 
-// Fields of caps that are known this well in tiles are good enough for most tiles: w is near an integer there.
-constexpr double kTolerance = 1e-3;
-
 // Decides the tiles of one row of tiles: as many as possible at once, where the mesh is far, or its caps are.
 class RowOfTiles {
  public:
@@ -46,15 +43,16 @@ class RowOfTiles {
     const Cell cell = cell_of(mesh_.grid, box);
     far.move_to(cell.center);
     // Nodes much smaller than the cell wait for smaller cells.
-    const NodeStack::Part near = stack_.add_far(nodes, cell, kTolerance, cell.radius / 2, far);
-    if (near.begin != near.end || !decide_by_windings(box, far.value, far.reach(cell.half))) {
+    const NodeStack::Part near = stack_.add_far(nodes, cell, kFieldTolerance, cell.radius / 2, far);
+    const double reach = far.reach(cell.half) + stack_.bound_of(near, cell, 0.5);
+    if (!decide_by_windings(box, far.value, reach)) {
       if (tiles.end - tiles.begin > 1) {
         const std::int64_t middle = (tiles.begin + tiles.end) / 2;
         decide({tiles.begin, middle}, near, far);
         decide({middle, tiles.end}, near, far);
       } else {
-        doubtful_ += tile_sides_.decide(box, windings_, open_tiles_.contains(tiles.begin, ty_, tz_),
-                                        rows_.tile(tiles.begin));
+        doubtful_ += tile_sides_.decide(box, windings_, open_tiles_.contains(tiles.begin, ty_, tz_), near,
+                                        far, rows_.tile(tiles.begin));
       }
     }
     stack_.resize(size);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace standoff {
@@ -17,6 +18,9 @@ void add_outer(Skew& skew, const Vec3& a, const Vec3& b) {
 }
 
 void finish(Moments& caps) {
+  caps.radius *= 1 + 1e-12;
+  const double near = caps.radius + std::sqrt(std::sqrt(3 * caps.inertia / kFieldTolerance));
+  caps.near_sq = near * near;
   const double third = (caps.skew[0] + caps.skew[1] + caps.skew[2]) / 3;
   for (std::size_t n = 0; n < 3; ++n) caps.skew[n] -= third;
   const Skew& s = caps.skew;
@@ -57,7 +61,6 @@ Moments moments_of(const Rim& rim) {
     add_outer(caps.skew, area, (u + v + w) * (1 / 3.0));
     caps.inertia += size / 6 * (dot(u, u) + dot(v, v) + dot(w, w) + dot(u, v) + dot(v, w) + dot(w, u));
   });
-  caps.radius *= 1 + 1e-12;
   finish(caps);
   return caps;
 }
@@ -75,7 +78,6 @@ Moments joined(const Moments& a, const Moments& b) {
     add_outer(caps.skew, part->area, d);
     caps.inertia += part->inertia + part->total * dot(d, d);  // both centers are centroids
   }
-  caps.radius *= 1 + 1e-12;
   finish(caps);
   return caps;
 }
@@ -84,9 +86,9 @@ Moments joined(const Moments& a, const Moments& b) {
 
 bool add_far_field(const Moments& caps, const Cell& cell, double tolerance, LinearField& sum) {
   // docs/open_winding.md derives these bounds.
-  const double d = cell.distance_to(caps.center), gap = d - caps.radius;
-  if (!(gap > 0)) return false;
-  const double gap_sq = gap * gap, d_sq = d * d;
+  const double d_sq = cell.distance_sq(caps.center);
+  if (!(d_sq > caps.near_sq)) return false;
+  const double d = std::sqrt(d_sq), gap = d - caps.radius, gap_sq = gap * gap;
   const double error = 3 * caps.inertia / (gap_sq * gap_sq) +
                        cell.radius * cell.radius * (3 * caps.area_norm + 12 * caps.skew_norm / d) / (d_sq * d_sq);
   if (!(error <= tolerance)) return false;
@@ -96,6 +98,11 @@ bool add_far_field(const Moments& caps, const Cell& cell, double tolerance, Line
   sum.gradient = sum.gradient + (r * (3 * i2 * (area_r - 5 * i2 * r_skew_r)) - caps.area + skew_r * (6 * i2)) * i3;
   sum.error += error;
   return true;
+}
+
+double bound_of_field(const Moments& caps, const Cell& cell) {
+  const double gap = std::sqrt(cell.distance_sq(caps.center)) - caps.radius;
+  return gap > 0 ? caps.total / (gap * gap) : std::numeric_limits<double>::infinity();
 }
 
 RimTree::RimTree(const Rims& rims) {

@@ -23,11 +23,18 @@ struct Moments {
   double area_norm = 0, skew_norm = 0;  ///< bounds of area, and of the sum of skew's singular values
   double total = 0;                     ///< the sum of the areas' sizes
   double inertia = 0;                   ///< the same of size * distance^2 from the center
+  double near_sq = 0;                   ///< nearer than its square root, kFieldTolerance is not met
 };
 
+/// Fields of caps that are known this well in a cell are taken as they are. Some hundred of them may add up.
+inline constexpr double kFieldTolerance = 3e-4;
+
 /// Adds the caps' field in the cell to `sum`, whose center is that of the cell, if it is known to `tolerance` there;
-/// returns whether it did.
+/// returns whether it did. Requires tolerance <= kFieldTolerance.
 bool add_far_field(const Moments& caps, const Cell& cell, double tolerance, LinearField& sum);
+
+/// The most that the caps may add anywhere in the cell, without a look at where they face. Infinite if they are near.
+double bound_of_field(const Moments& caps, const Cell& cell);
 
 class RimTree {
  public:

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sign/open_winding/tile_sides.h"
 
-#include <bit>
+#include <algorithm>
 #include <cmath>
 
 #include "sign/open_winding/cell_touch.h"
@@ -12,8 +12,6 @@ namespace {
 
 constexpr std::int64_t kSide = InsideRows::kSide;
 
-// Fields of caps that are known this well in a cell are taken as they are. Some hundred of them may add up.
-constexpr double kTolerance = 1e-4;
 // Rounding of sums of windings and fields of magnitude up to some thousands.
 constexpr double kRounding = 1e-12;
 // Few samples are decided one by one.
@@ -45,6 +43,7 @@ Interval cap_sum_at(const OpenMesh& mesh, const Vec3& p, double tolerance, NodeS
 }
 
 std::int64_t TileSides::decide(const SampleBox& tile, const RowWindings& windings, bool smooth,
+                               NodeStack::Part nodes, const LinearField& far,
                                std::span<std::uint8_t, InsideRows::kRows> inside) {
   tile_ = tile;
   smooth_ = smooth;
@@ -60,43 +59,59 @@ std::int64_t TileSides::decide(const SampleBox& tile, const RowWindings& winding
                           for (std::int64_t i = from; i < to; ++i) windings_[kSide * row + bit_of(i)] = winding;
                         });
     }
-  visit(tile, stack_.root(), {});
+  visit(tile, nodes, far);
   return doubtful_;
 }
 
 void TileSides::visit(const SampleBox& box, NodeStack::Part nodes, LinearField far) {
-  const int unknown = unknown_in(box);
-  if (unknown == 0) return;
+  if (!has_more_unknown_than(0, box)) return;
   const std::size_t size = stack_.size();
   const Cell cell = cell_of(mesh_.grid, box);
   far.move_to(cell.center);
-  NodeStack::Part near = stack_.add_far(nodes, cell, kTolerance, 0, far);
-  if (unknown <= kFew) {
+  NodeStack::Part near = stack_.add_far(nodes, cell, kFieldTolerance, 0, far);
+  if (!has_more_unknown_than(kFew, box)) {
     decide_one_by_one(box, near, far);
     return stack_.resize(size);
   }
 
+  // A bound is cheaper than a field, and decides most samples.
+  decide_by_winding(box, far.value, far.reach(cell.half) + stack_.bound_of(near, cell, 0.5) + kRounding, true);
+  if (!has_more_unknown_than(0, box)) return stack_.resize(size);
+
   // The caps that may be in the cell come first.
-  const auto in_cell = [&](std::size_t n) { return may_touch(rim_of(mesh_, stack_[n]), cell); };
+  const auto in_cell = [&](std::size_t n) {
+    const Moments& caps = mesh_.tree[stack_[n]].caps;
+    return cell.distance_sq(caps.center) <= caps.radius * caps.radius && may_touch(rim_of(mesh_, stack_[n]), cell);
+  };
   const std::size_t caps_end = stack_.partition(near, in_cell);
   const bool caps_inside = caps_end != near.begin;
-  if (!caps_inside || smooth_) {
+  // Where a rim passes near the center there is no bound.
+  const auto near_center = [&](std::size_t n) {
+    const Vec3 d = rim_of(mesh_, stack_[n]).corners[0] - cell.center;
+    return dot(d, d) < cell.radius * cell.radius;
+  };
+  bool bounded = !caps_inside || smooth_;
+  for (std::size_t n = near.begin; bounded && n < near.end; ++n) bounded = !near_center(n);
+  if (bounded) {
     LinearField field = far, known = far;
     std::size_t end = near.begin;
     for (std::size_t n = near.begin; n < near.end; ++n) {
-      const LinearField one = cap_field(rim_of(mesh_, stack_[n]), cell);
-      field.add(one);
-      if (n >= caps_end && one.error <= kTolerance) {
-        known.add(one);
-      } else {
-        stack_.set(end++, stack_[n]);
+      // Next to an edge there is no bound: smaller cells are needed, whatever the other caps are.
+      if (field.error < 0.5) {
+        const LinearField one = cap_field(rim_of(mesh_, stack_[n]), cell);
+        field.add(one);
+        if (n >= caps_end && one.error <= kFieldTolerance) {
+          known.add(one);
+          continue;
+        }
       }
+      stack_.set(end++, stack_[n]);
     }
     near.end = end;
     if (!caps_inside) {
-      decide_by_field(box, field, true);
+      decide_by_field(box, cell, field, true);
     } else if (continue_across_caps(box, near, known, field)) {
-      decide_by_field(box, field, false);
+      decide_by_field(box, cell, field, false);
     }
     far = known;
   }
@@ -132,13 +147,40 @@ bool TileSides::continue_across_caps(const SampleBox& box, NodeStack::Part nodes
   return true;
 }
 
-void TileSides::decide_by_field(const SampleBox& box, const LinearField& field, bool with_windings) {
+void TileSides::decide_by_field(const SampleBox& box, const Cell& cell, const LinearField& field, bool with_windings) {
   if (!(field.error < 0.5)) return;
+  decide_by_winding(box, field.value, field.reach(cell.half) + kRounding, with_windings);
   for_each_unknown(box, [&](std::int64_t i, std::int64_t j, std::int64_t k, std::size_t row) {
     const unsigned x = bit_of(i);
     const double windings = with_windings ? windings_[kSide * row + x] : 0;
     decide_sample(row, x, windings + field.at(mesh_.grid.position(i, j, k)), field.error + kRounding);
   });
+}
+
+// Samples of equal integers together, where the rest stays within `reach` of `value` in the whole box.
+void TileSides::decide_by_winding(const SampleBox& box, double value, double reach, bool with_windings) {
+  if (!(reach < 0.5 - kDoubt)) return;
+  std::int32_t last = 0;
+  bool sure = false, inside = false;
+  const auto look_at = [&](std::int32_t winding) {
+    last = winding;
+    sure = margin(winding + value, mesh_.rule) > reach + kDoubt;
+    inside = is_inside(winding + value, mesh_.rule);
+  };
+  look_at(0);
+  for (std::int64_t k = box.begin[2]; k < box.end[2]; ++k)
+    for (std::int64_t j = box.begin[1]; j < box.end[1]; ++j) {
+      const std::size_t row = row_of(j, k);
+      unsigned decided = 0, marked = 0;
+      for (unsigned x = bit_of(box.begin[0]), end = x + static_cast<unsigned>(box.end[0] - box.begin[0]); x < end; ++x) {
+        const std::int32_t winding = with_windings ? windings_[kSide * row + x] : 0;
+        if (winding != last) look_at(winding);
+        decided |= unsigned{sure} << x;
+        marked |= unsigned{sure && inside} << x;
+      }
+      inside_[row] |= static_cast<std::uint8_t>(marked & unknown_[row]);
+      unknown_[row] &= static_cast<std::uint8_t>(~decided);
+    }
 }
 
 void TileSides::decide_one_by_one(const SampleBox& box, NodeStack::Part nodes, const LinearField& far) {
@@ -147,7 +189,7 @@ void TileSides::decide_one_by_one(const SampleBox& box, NodeStack::Part nodes, c
     const double winding = windings_[kSide * row + x];
     const Vec3 p = mesh_.grid.position(i, j, k);
     Interval angles = add_angles(mesh_, p, stack_, nodes, {far.at(p), far.error});
-    for (double tolerance = kTolerance / 64; !decide_sample(row, x, winding + angles.value, angles.error + kRounding);
+    for (double tolerance = kFieldTolerance / 64; !decide_sample(row, x, winding + angles.value, angles.error + kRounding);
          tolerance = tolerance > 1e-9 ? tolerance / 64 : 0) {
       angles = cap_sum_at(mesh_, p, tolerance, stack_);
       // What is left then is rounding: the value decides.
@@ -167,13 +209,13 @@ bool TileSides::decide_sample(std::size_t row, unsigned x, double winding, doubl
   return true;
 }
 
-int TileSides::unknown_in(const SampleBox& box) const {
-  const unsigned mask = (0xffu >> (kSide - (box.end[0] - box.begin[0]))) << bit_of(box.begin[0]);
-  if (box.end[0] <= box.begin[0]) return 0;
+bool TileSides::has_more_unknown_than(int few, const SampleBox& box) const {
   int count = 0;
   for (std::int64_t k = box.begin[2]; k < box.end[2]; ++k)
-    for (std::int64_t j = box.begin[1]; j < box.end[1]; ++j) count += std::popcount(unknown_[row_of(j, k)] & mask);
-  return count;
+    for (std::int64_t j = box.begin[1]; j < box.end[1]; ++j)
+      for (unsigned bits = unknown_[row_of(j, k)] & bits_of(box); bits != 0; bits &= bits - 1)
+        if (++count > few) return true;
+  return false;
 }
 
 }  // namespace standoff

@@ -39,25 +39,31 @@ class TileSides {
   TileSides(const OpenMesh& mesh, NodeStack& stack) : mesh_(mesh), stack_(stack) {}
 
   /// Marks the samples of the box, which is a tile or what is in the grid of it. `smooth`: no triangle of the mesh
-  /// touches the tile. Returns how many samples are doubtful.
-  std::int64_t decide(const SampleBox& tile, const RowWindings& windings, bool smooth,
+  /// touches the tile. `far` is the field of all caps but those of `nodes`. Returns how many samples are doubtful.
+  std::int64_t decide(const SampleBox& tile, const RowWindings& windings, bool smooth, NodeStack::Part nodes,
+                      const LinearField& far,
                       std::span<std::uint8_t, InsideRows::kRows> inside);
 
  private:
   void visit(const SampleBox& box, NodeStack::Part nodes, LinearField far);
-  void decide_by_field(const SampleBox& box, const LinearField& field, bool with_windings);
+  void decide_by_field(const SampleBox& box, const Cell& cell, const LinearField& field, bool with_windings);
+  void decide_by_winding(const SampleBox& box, double value, double reach, bool with_windings);
   void decide_one_by_one(const SampleBox& box, NodeStack::Part nodes, const LinearField& far);
   bool continue_across_caps(const SampleBox& box, NodeStack::Part nodes, const LinearField& far,
                             LinearField& field) const;
   bool decide_sample(std::size_t row, unsigned x, double winding, double error);
-  int unknown_in(const SampleBox& box) const;
+  bool has_more_unknown_than(int few, const SampleBox& box) const;
 
   // Where a sample's row is in the tile, and its bit there.
   std::size_t row_of(std::int64_t j, std::int64_t k) const {
     return static_cast<std::size_t>(j - tile_.begin[1] + InsideRows::kSide * (k - tile_.begin[2]));
   }
   unsigned bit_of(std::int64_t i) const { return static_cast<unsigned>(i - tile_.begin[0]); }
-  // Calls use(i, row, k) ...
+  // The samples of the box in one of its rows.
+  unsigned bits_of(const SampleBox& box) const {
+    return ((1u << (box.end[0] - box.begin[0])) - 1) << bit_of(box.begin[0]);
+  }
+  // Calls use(i, j, k, row) for each sample of the box that is not decided.
   template <class Use>
   void for_each_unknown(const SampleBox& box, const Use& use) const {
     for (std::int64_t k = box.begin[2]; k < box.end[2]; ++k)
