@@ -137,8 +137,7 @@ void Check::compare_shell(double value, Finding& finding) const {
   sample.expected = std::clamp(value, -thickness, thickness);
   sample.allowed = allowed_error(field_.grid(), value + sign_.shell / 2);
   finding.in_band = value <= thickness;
-  if (std::abs(value) > sample.allowed) finding.side.inside = (value < 0) != sign_.invert;
-  if (sign_.invert) sample.expected = -sample.expected;
+  if (std::abs(value) > sample.allowed) finding.side.inside = value < 0;
   sample.error = std::abs(sample.stored - sample.expected);
 }
 

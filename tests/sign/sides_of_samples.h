@@ -9,7 +9,7 @@
 
 #include "core/progress.h"
 #include "field/winding_reference.h"
-#include "sign/plan.h"
+#include "sign/make_sides.h"
 #include "tests/support/random_mesh.h"
 
 namespace standoff::testing {
@@ -40,7 +40,8 @@ class SidesOfSamples {
   Sides compare(const Grid& grid, const Known& known) const {
     const ProgressCallback none;
     ProgressMeter progress(none);
-    const auto sides = make_sides(mesh_, plan_, options_, grid, progress);
+    SignPlan plan = plan_;
+    const auto sides = make_sides(mesh_, plan, options_, grid, progress);
     InsideRows rows(grid);
     Sides found;
     for (std::int64_t tz = 0; 8 * tz < grid.size.z; ++tz)

@@ -58,6 +58,7 @@ TEST(SignText, OtherTextsAreNotGuessedAt) {
                            "shell inf",
                            "shell nan",
                            "shell 1 2",
+                           "shell 1 inverted",
                            "shell 0,01",
                            "flood\n",
                            "by a neural network"})
@@ -65,7 +66,7 @@ TEST(SignText, OtherTextsAreNotGuessedAt) {
 }
 
 TEST(SignText, SaysWhatWasDone) {
-  const SignOptions options{.method = SignMethod::automatic, .rule = WindingRule::nonzero, .invert = true, .shell = 2};
+  SignOptions options{.method = SignMethod::automatic, .rule = WindingRule::nonzero, .invert = true, .shell = 2};
   const auto text = [&](SignMethod used, std::int64_t flipped) {
     SignReport report;
     report.method = used;
@@ -75,11 +76,12 @@ TEST(SignText, SaysWhatWasDone) {
   EXPECT_EQ(text(SignMethod::winding, 0), "winding nonzero inverted");
   EXPECT_EQ(text(SignMethod::none, 0), "");
   EXPECT_EQ(text(SignMethod::flood, 3), "flood oriented inverted");
-  EXPECT_EQ(text(SignMethod::shell, 0), "shell 2 inverted");
   SignReport left_out;
   left_out.method = SignMethod::parity;
   left_out.left_out = 2;
   EXPECT_EQ(written(sign_text_of(options, left_out)), "parity oriented inverted");
+  options.invert = false;
+  EXPECT_EQ(text(SignMethod::shell, 0), "shell 2");
 }
 
 }  // namespace
