@@ -14,6 +14,8 @@ namespace {
 
 using testing::Random;
 
+// Half of the solids below are inside out, and stay so.
+const SignOptions kAsItIs{.method = SignMethod::winding, .as_oriented = true};
 const Grid kGrid{{18, 17, 19}, {-2.1, -2, -2.2}, {0.23, 0.24, 0.225}};
 
 Mesh solids(unsigned seed, int count) {
@@ -55,7 +57,8 @@ DistanceField renamed(const DistanceField& field, const std::string& sign) {
 
 TEST(VerifySign, TrueSignsPass) {
   const Mesh mesh = solids(1, 6);
-  for (const SignOptions& sign : {SignOptions{.method = SignMethod::winding},
+  for (const SignOptions& sign : {kAsItIs,
+                                  {.method = SignMethod::winding},
                                   {.method = SignMethod::winding, .rule = WindingRule::nonzero},
                                   {.method = SignMethod::winding, .rule = WindingRule::odd},
                                   {.method = SignMethod::winding, .invert = true},
@@ -72,7 +75,7 @@ TEST(VerifySign, TrueSignsPass) {
 // Two of the rules never agree on these solids, so a field that names the wrong one fails.
 TEST(VerifySign, TheRuleIsTheFieldsOwn) {
   const Mesh mesh = solids(1, 6);
-  const DistanceField field = signed_field(mesh, {.method = SignMethod::winding});
+  const DistanceField field = signed_field(mesh, kAsItIs);
   EXPECT_EQ(verified(renamed(field, "winding"), mesh).sign.wrong, 0);
   for (const char* other : {"winding nonzero", "winding odd", "parity", "winding inverted"}) {
     const VerifyResult found = verified(renamed(field, other), mesh);
@@ -84,7 +87,7 @@ TEST(VerifySign, TheRuleIsTheFieldsOwn) {
 
 TEST(VerifySign, EveryWrongSampleIsFound) {
   const Mesh mesh = solids(2, 6);
-  const DistanceField field = signed_field(mesh, {.method = SignMethod::winding});
+  const DistanceField field = signed_field(mesh, kAsItIs);
   const auto wrong_at = [&](auto is_wrong) {
     return verified(
         changed(field, "winding", [&](float& value, std::size_t n) { value = is_wrong(n) ? -value : value; }), mesh);
@@ -157,7 +160,8 @@ TEST(VerifySign, MeshesThatWereOrientedFirst) {
   const Mesh right = solids(9, 1);
   Mesh mesh = right;
   std::swap(mesh.triangles[2][0], mesh.triangles[2][1]);
-  const DistanceField field = signed_field(right, {.method = SignMethod::winding, .rule = WindingRule::nonzero});
+  const DistanceField field =
+      signed_field(right, {.method = SignMethod::winding, .rule = WindingRule::nonzero, .as_oriented = true});
   EXPECT_TRUE(verified(renamed(field, "winding nonzero"), right).ok());
   const VerifyResult oriented = verified(renamed(field, "winding nonzero oriented"), mesh);
   EXPECT_EQ(oriented.sign.wrong, 0);
@@ -179,7 +183,7 @@ TEST(VerifySign, ThresholdsAreNotDecided) {
 TEST(VerifySign, FloodIsCheckedBeyondTheMesh) {
   const Mesh mesh = solids(5, 2);
   const Box box = bounds(mesh);
-  const DistanceField field = renamed(signed_field(mesh, {.method = SignMethod::winding}), "flood");
+  const DistanceField field = renamed(signed_field(mesh, kAsItIs), "flood");
   const VerifyResult right = verified(field, mesh);
   EXPECT_TRUE(right.ok());
   EXPECT_GT(right.sign.checked, 100);
@@ -214,7 +218,7 @@ TEST(VerifySign, ShellsAreDistancesLessHalfTheirThickness) {
 
 TEST(VerifySign, WhatIsNotKnownIsNotJudged) {
   const Mesh mesh = solids(7, 3);
-  const DistanceField field = signed_field(mesh, {.method = SignMethod::winding});
+  const DistanceField field = signed_field(mesh, kAsItIs);
   for (const char* name : {"", "normal", "by hand", "winding or so"}) {
     const VerifyResult found = verified(renamed(field, name), mesh);
     EXPECT_TRUE(found.ok()) << name;
@@ -228,7 +232,7 @@ TEST(VerifySign, WhatIsNotKnownIsNotJudged) {
 
 TEST(VerifySign, TheSameForAnyNumberOfThreads) {
   const Mesh mesh = solids(8, 6);
-  const DistanceField field = changed(signed_field(mesh, {.method = SignMethod::winding}), "winding",
+  const DistanceField field = changed(signed_field(mesh, kAsItIs), "winding",
                                       [](float& value, std::size_t n) { value = n % 11 == 0 ? -value : value; });
   VerifyOptions one, two;
   one.execution.threads = 1;

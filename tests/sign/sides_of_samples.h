@@ -27,10 +27,13 @@ struct Sides {
   std::int64_t samples() const { return inside + outside; }
 };
 
+/// By the winding number of the mesh as it is: parts that are inside out count as such.
+inline constexpr SignOptions kAsItIs{.method = SignMethod::winding, .as_oriented = true};
+
 /// A closed mesh whose samples are asked for.
 class SidesOfSamples {
  public:
-  explicit SidesOfSamples(Mesh mesh, const SignOptions& options = {.method = SignMethod::winding})
+  explicit SidesOfSamples(Mesh mesh, const SignOptions& options = kAsItIs)
       : mesh_(std::move(mesh)), options_(options), plan_(plan_sign(mesh_, options)), groups_(mesh_) {}
 
   const Mesh& mesh() const { return mesh_; }
