@@ -126,7 +126,7 @@ void Check::compare_distance(double distance, Finding& finding) const {
   sample.error = std::abs(std::abs(sample.stored) - sample.expected);
   finding.in_band = distance <= field_.thickness();
   // The value 0 has no side.
-  if (sample.stored != 0 && !std::isnan(sample.stored)) finding.side = judge_.judge(sample.position);
+  if (sample.stored != 0 && !std::isnan(sample.stored)) finding.side = judge_.judge(sample.position, sample.allowed);
   if (finding.side.inside.value_or(false)) sample.expected = -sample.expected;
 }
 
