@@ -4,7 +4,9 @@
 #include <string>
 
 #include "sign/closed.h"
+#include "sign/flood.h"
 #include "sign/integer_winding.h"
+#include "sign/normal_sides.h"
 #include "standoff/error.h"
 
 namespace standoff {
@@ -32,7 +34,9 @@ const char* name_of(SignMethod method) {
 SignPlan plan_sign(MeshView mesh, const SignOptions& options) {
   SignPlan plan;
   plan.report.method = options.method;
-  if (options.method == SignMethod::none) return plan;
+  if (options.method == SignMethod::none || options.method == SignMethod::normal ||
+      options.method == SignMethod::flood || options.method == SignMethod::shell)
+    return plan;  // they take any mesh
   const Closed closed = is_closed(mesh);
   if (options.method == SignMethod::parity ? closed.unoriented : closed.oriented) return plan;
   if (!closed.unoriented)
@@ -46,7 +50,10 @@ SignPlan plan_sign(MeshView mesh, const SignOptions& options) {
 }
 
 std::unique_ptr<Sides> make_sides(MeshView mesh, const SignPlan& plan, const SignOptions& options, const Grid& grid,
-                                  ProgressMeter& progress) {
+                                  double thickness, const NearestTriangles& nearest, ProgressMeter& progress) {
+  if (plan.report.method == SignMethod::flood) return std::make_unique<Flood>(mesh, grid, progress);
+  if (plan.report.method == SignMethod::normal)
+    return std::make_unique<NormalSides>(OrientedMesh{mesh, plan.use}, grid, thickness, nearest, progress);
   const WindingRule rule = plan.report.method == SignMethod::parity ? WindingRule::odd : options.rule;
   return std::make_unique<IntegerWinding>(OrientedMesh{mesh, plan.use}, grid, rule, progress);
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/progress.h"
+#include "sign/nearest_triangles.h"
 #include "sign/oriented_mesh.h"
 #include "sign/sides.h"
 #include "standoff/grid.h"
@@ -29,8 +30,10 @@ struct SignPlan {
 /// Requires a valid mesh and valid options. Runs on the threads of the calling TBB arena.
 SignPlan plan_sign(MeshView mesh, const SignOptions& options);
 
-/// What decides the sides of a grid's samples by this plan. Requires plan.has_sign(). Throws Error{interrupted}.
+/// What decides the sides of a grid's samples by this plan. `thickness` and `nearest` are the field's; only
+/// SignMethod::normal needs nearest triangles. Requires plan.has_sign(), and not SignMethod::shell (shell.h). Throws
+/// Error{interrupted}.
 std::unique_ptr<Sides> make_sides(MeshView mesh, const SignPlan& plan, const SignOptions& options, const Grid& grid,
-                                  ProgressMeter& progress);
+                                  double thickness, const NearestTriangles& nearest, ProgressMeter& progress);
 
 }  // namespace standoff
