@@ -67,8 +67,8 @@ STANDOFF_API double allowed_error(const Grid& grid, double distance);
 /// compute()'s. `winding` and `parity` of closed meshes: every sample, exactly, by the crossings of a ray along +y.
 /// `winding` of open meshes: by the sum of all solid angles in double precision, which takes time in proportion to
 /// samples times triangles (some 25 ns each); samples within 1e-9 and its rounding error of the threshold count as
-/// unknown. `flood`: samples outside of the mesh's box. `normal`: samples on the same side of all triangles that
-/// may be the nearest. `shell`: expected values are distance - shell / 2.
+/// unknown. `flood`: samples outside of the mesh's box. `normal`: samples in the band, on the same side of all
+/// triangles that may be the nearest. `shell`: expected values are distance - shell / 2.
 ///
 /// If the field has wrong values, the result says so; that is not an error. Errors: input (mesh), usage (options),
 /// interrupted.

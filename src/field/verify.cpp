@@ -125,8 +125,10 @@ void Check::compare_distance(double distance, Finding& finding) const {
   sample.allowed = allowed_error(field_.grid(), sample.expected);
   sample.error = std::abs(std::abs(sample.stored) - sample.expected);
   finding.in_band = distance <= field_.thickness();
-  // The value 0 has no side.
-  if (sample.stored != 0 && !std::isnan(sample.stored)) finding.side = judge_.judge(sample.position, sample.allowed);
+  // The value 0 has no side. Normals decide in the band; what is beyond takes the side of its surroundings.
+  const bool has_side = sample.stored != 0 && !std::isnan(sample.stored);
+  if (has_side && (finding.in_band || sign_.method != SignMethod::normal))
+    finding.side = judge_.judge(sample.position, sample.allowed);
   if (finding.side.inside.value_or(false)) sample.expected = -sample.expected;
 }
 
@@ -136,8 +138,9 @@ void Check::compare_shell(double value, Finding& finding) const {
   const double thickness = field_.thickness();
   sample.expected = std::clamp(value, -thickness, thickness);
   sample.allowed = allowed_error(field_.grid(), value + sign_.shell / 2);
-  finding.in_band = value <= thickness;
-  if (std::abs(value) > sample.allowed) finding.side.inside = value < 0;
+  finding.in_band = std::abs(value) <= thickness;
+  if (std::abs(value) > sample.allowed) finding.side.inside = (value < 0) != sign_.invert;
+  if (sign_.invert) sample.expected = -sample.expected;
   sample.error = std::abs(sample.stored - sample.expected);
 }
 
@@ -146,7 +149,7 @@ void Check::compare_nearest(double distance, Finding& finding) const {
   const std::uint32_t nearest = field_.nearest(sample.i, sample.j, sample.k);
   // Near the thickness rounding decides whether there is a nearest triangle.
   if (nearest == kNoTriangle)
-    finding.nearest_wrong = distance - sign_.shell / 2 < field_.thickness() - sample.allowed;
+    finding.nearest_wrong = std::abs(distance - sign_.shell / 2) < field_.thickness() - sample.allowed;
   else
     finding.nearest_wrong =
         nearest >= groups_.triangle_count() || groups_.distance(sample.position, nearest) > distance + sample.allowed;

@@ -59,8 +59,7 @@ std::optional<SignText> sign_text_in(std::string_view text) {
   }
   // Whatever was passed over, repeated or in another order makes a difference here.
   if (found.method == SignMethod::none || written(found) != text) return std::nullopt;
-  if (found.method == SignMethod::shell && (found.invert || !(found.shell > 0 && std::isfinite(found.shell))))
-    return std::nullopt;
+  if (found.method == SignMethod::shell && !(found.shell > 0 && std::isfinite(found.shell))) return std::nullopt;
   return found;
 }
 

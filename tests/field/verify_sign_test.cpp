@@ -250,6 +250,32 @@ TEST(VerifySign, ShellsAreDistancesLessHalfTheirThickness) {
   EXPECT_GT(shell("shell 0.2", 0.2f).samples_wrong, 0);
 }
 
+// Whatever compute makes of a mesh with holes, flipped faces and several solids, verify finds it right.
+TEST(VerifySign, AllThatComputeMakes) {
+  Mesh broken = solids(11, 5);
+  broken.triangles.erase(broken.triangles.begin() + 9);
+  std::swap(broken.triangles[4][0], broken.triangles[4][1]);
+  broken.triangles.push_back(broken.triangles[6]);
+  for (const SignOptions& sign :
+       {kAsItIs, SignOptions{.method = SignMethod::winding}, SignOptions{.method = SignMethod::normal},
+        SignOptions{.method = SignMethod::flood}, SignOptions{.method = SignMethod::automatic},
+        SignOptions{.method = SignMethod::winding, .rule = WindingRule::nonzero, .invert = true},
+        SignOptions{.method = SignMethod::winding, .rule = WindingRule::odd},
+        SignOptions{.method = SignMethod::shell, .shell = 0.3},
+        SignOptions{.method = SignMethod::shell, .invert = true, .shell = 0.05}})
+    for (const double thickness : {0.1, kFullField}) {
+      ComputeOptions options;
+      options.sign = sign;
+      options.nearest_triangle = true;
+      const DistanceField field = compute(broken, kGrid, thickness, options).field;
+      const VerifyResult found = verified(field, broken);
+      EXPECT_TRUE(found.ok()) << found.sign.method << " within " << thickness << ": worst " << found.sign.worst.stored
+                              << " at distance " << found.sign.worst.expected << ", " << found.samples_wrong
+                              << " values, " << found.nearest_wrong << " triangles, " << found.sign.wrong << " signs";
+      EXPECT_GT(found.sign.checked, 50) << found.sign.method;
+    }
+}
+
 TEST(VerifySign, WhatIsNotKnownIsNotJudged) {
   const Mesh mesh = solids(7, 3);
   const DistanceField field = signed_field(mesh, kAsItIs);

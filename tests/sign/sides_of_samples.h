@@ -44,7 +44,7 @@ class SidesOfSamples {
     const ProgressCallback none;
     ProgressMeter progress(none);
     SignPlan plan = plan_;
-    const auto sides = make_sides(mesh_, plan, options_, grid, progress);
+    const auto sides = make_sides(mesh_, plan, options_, {grid}, progress);
     InsideRows rows(grid);
     Sides found;
     for (std::int64_t tz = 0; 8 * tz < grid.size.z; ++tz)
