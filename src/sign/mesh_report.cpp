@@ -43,18 +43,19 @@ bool is_degenerate(const Corners& t) {
 
 void add_triangles(MeshView mesh, MeshReport& found) {
   found.triangles = static_cast<std::int64_t>(mesh.triangles.size());
+  found.bounds = bounds(mesh);
+  if (!(std::max(max_norm(found.bounds.min), max_norm(found.bounds.max)) <= kMostCoordinate))
+    throw Error(ErrorCode::limit,
+                "report: a coordinate is larger than 1e60, where volumes exceed all numbers; scale the mesh");
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const Corners corners = mesh.corners(t);
-    for (const Vec3& corner : corners) found.bounds.include(corner);
     found.area += length(cross(corners[1] - corners[0], corners[2] - corners[0])) / 2;
     found.degenerate += is_degenerate(corners);
   }
-  if (!(std::max(max_norm(found.bounds.min), max_norm(found.bounds.max)) <= kMostCoordinate))
-    throw Error(ErrorCode::limit,
-                "report: a coordinate is larger than 1e60, and volumes are no numbers there; scale the mesh");
 }
 
 void add_orientation(const Orientation& orientation, MeshReport& found) {
+  found.duplicate = orientation.repeated;
   found.duplicate_same = orientation.same;
   found.duplicate_opposite = orientation.opposite;
   found.two_sided = orientation.two_sided;
@@ -124,7 +125,10 @@ MeshReport examine(MeshView mesh, const MeshReportOptions& options) {
   add_triangles(mesh, found);
   const MeshEdges edges(mesh);
   found.positions = edges.positions();
-  for_each_edge(edges, {}, [&](std::span<const EdgeUse> sides) { found.nonmanifold_edges += sides.size() > 2; });
+  for_each_edge(edges, {}, [&](std::span<const EdgeUse> sides) {
+    found.open_edges += sides.size() == 1;
+    found.nonmanifold_edges += sides.size() > 2;
+  });
   const Orientation orientation = orient(mesh, edges);
   add_orientation(orientation, found);
   const OrientedMesh oriented{mesh, orientation.use};
