@@ -37,9 +37,9 @@ bool has_no_volume(const MeshReport& report, double area, double limit) {
 }
 
 Recommendation closed(const MeshReport& report, double area) {
-  bool any_solid = !has_no_volume(report, area, kNoVolume);
-  for (const MeshComponent& component : report.components) any_solid = any_solid || component.solid;
-  if (!any_solid) return {SignMethod::none, true, "the mesh is closed, but has no volume: there is no inside"};
+  // Solids may have a sum of 0: one and its equal inside out. Then some winding number shows it.
+  if (report.most_winding == 0 && has_no_volume(report, area, kNoVolume))
+    return {SignMethod::none, true, "the mesh is closed, but has no volume: there is no inside"};
   const std::string is_closed = after_repairs(report) + "the mesh is closed";
   if (report.two_sided) return {SignMethod::winding, false, is_closed + kTwoSides};
   if (!report.nesting_known)

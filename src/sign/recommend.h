@@ -22,8 +22,8 @@ struct Recommendation {
   std::string why;  ///< one sentence without a capital and a full stop
 };
 
-/// Looks at the figures of the report, whose `method` is not set yet. `area_used` is that of the triangles in use, and
-/// `even` says whether each edge has an even number of triangles.
+/// Looks at the figures of the report that diagnose() finds, whose `method` is not set yet. `area_used` is that of the
+/// triangles in use, and `even` says whether each edge has an even number of triangles.
 Recommendation recommend(const MeshReport& report, double area_used, bool even);
 
 }  // namespace standoff
