@@ -69,7 +69,7 @@ struct MeshReport {
   std::vector<MeshComponent> components;  ///< the largest ones by area, largest first
   std::int32_t deepest = 0;               ///< largest MeshComponent::depth of all components
   bool nesting_known = true;              ///< false: too many components; depths are 0
-  /// The winding numbers seen along 128 x 128 rows through the mesh; both 0 if the mesh is not closed.
+  /// The winding numbers seen along up to 128 x 128 rows through the mesh; both 0 if the mesh is not closed.
   std::int32_t least_winding = 0, most_winding = 0;
 
   /// Pairs of triangles that intersect though they share no position. Neighbours that fold onto each other are not

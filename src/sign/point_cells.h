@@ -26,9 +26,9 @@ class PointCells {
     begin_.resize(static_cast<std::size_t>(side_ * side_) + 1);
     for (const PartPoint& point : points) ++begin_[cell_of(point) + 1];
     for (std::size_t n = 1; n < begin_.size(); ++n) begin_[n] += begin_[n - 1];
-    order_.resize(points.size());
+    sorted_.resize(points.size());
     std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
-    for (std::uint32_t n = 0; n < points.size(); ++n) order_[next[cell_of(points[n])]++] = n;
+    for (std::uint32_t n = 0; n < points.size(); ++n) sorted_[next[cell_of(points[n])]++] = {points[n], n};
   }
 
   /// How many points for_each() visits.
@@ -37,15 +37,20 @@ class PointCells {
     for_each_run(box, [&](std::uint32_t first, std::uint32_t past) { sum += past - first; });
     return sum;
   }
-  /// Calls visit(number) for all points whose y and z are in the box, and for some others.
+  /// Calls visit(point, number) for all points whose y and z are in the box, and for some others.
   template <class Visit>
   void for_each(const Box& box, const Visit& visit) const {
     for_each_run(box, [&](std::uint32_t first, std::uint32_t past) {
-      for (std::uint32_t n = first; n < past; ++n) visit(order_[n]);
+      for (std::uint32_t n = first; n < past; ++n) visit(sorted_[n].point, sorted_[n].number);
     });
   }
 
  private:
+  struct Numbered {
+    PartPoint point;
+    std::uint32_t number;
+  };
+
   // Monotone, so that a point between two others is in a cell between theirs.
   std::int64_t along(double value, double min, double max) const {
     const double width = max / 2 - min / 2;  // finite whatever the numbers are
@@ -70,7 +75,8 @@ class PointCells {
 
   Box box_;
   std::int64_t side_ = 1;
-  std::vector<std::uint32_t> begin_, order_;
+  std::vector<std::uint32_t> begin_;
+  std::vector<Numbered> sorted_;
 };
 
 }  // namespace standoff
