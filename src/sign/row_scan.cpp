@@ -28,6 +28,36 @@ using PairOfInts = std::int64_t __attribute__((vector_size(16)));
 Pair least(Pair a, Pair b) { return a < b ? a : b; }
 Pair largest(Pair a, Pair b) { return a > b ? a : b; }
 
+Pair one_where(PairOfInts mask) { return reinterpret_cast<Pair>(mask & reinterpret_cast<PairOfInts>(Pair{1, 1})); }
+bool both(PairOfInts mask) { return (mask[0] & mask[1]) != 0; }
+// Requires |x| < 2^51: what is added leaves no room for fractions.
+template <class Number>
+Number rounded_to_nearest(Number x) {
+  return (x + 0x1.8p52) - 0x1.8p52;
+}
+Pair rounded_down(Pair x) {
+  const Pair nearest = rounded_to_nearest(x);
+  return nearest - one_where(nearest > x);
+}
+double rounded_down(double x) {
+  const double nearest = rounded_to_nearest(x);
+  return nearest - (nearest > x ? 1.0 : 0.0);
+}
+RowPatch::Across across(Pair at) { return {static_cast<float>(at[0]), static_cast<float>(at[1])}; }
+
+template <bool kPacked>
+Vec3 corners_x(const MeshView& mesh, std::size_t triangle) {
+  const auto x = [&](std::size_t n) {
+    if constexpr (kPacked) {
+      const auto vertex = detail::load<std::uint32_t>(mesh.triangles.data() + sizeof(Triangle) * triangle + 4 * n);
+      return detail::load<double>(mesh.vertices.data() + sizeof(Vec3) * vertex);
+    } else {
+      return mesh.corner(triangle, static_cast<int>(n)).x;
+    }
+  };
+  return {x(0), x(1), x(2)};
+}
+
 template <bool kPacked>
 Pair corner_yz(const MeshView& mesh, std::size_t triangle, std::size_t n) {
   if constexpr (kPacked) {
@@ -38,6 +68,19 @@ Pair corner_yz(const MeshView& mesh, std::size_t triangle, std::size_t n) {
     return Pair{corner.y, corner.z};
   }
 }
+
+// Rows of patches of each width.
+struct RowInPatch {
+  std::uint8_t p, q;
+};
+using RowsInPatch = std::array<std::array<RowInPatch, RowPatch::kMostRows>, RowPatch::kMostWidth + 1>;
+constexpr RowsInPatch kRowsInPatch = [] {
+  RowsInPatch rows{};
+  for (std::size_t width = 1; width < rows.size(); ++width)
+    for (std::size_t n = 0; n < rows[width].size(); ++n)
+      rows[width][n] = {static_cast<std::uint8_t>(n % width), static_cast<std::uint8_t>(n / width)};
+  return rows;
+}();
 
 double least(double a, double b, double c) { return std::min(std::min(a, b), c); }
 double largest(double a, double b, double c) { return std::max(std::max(a, b), c); }
@@ -50,7 +93,7 @@ Span span_in_plane(const RowPatch& t, double q, double slack, std::int64_t width
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (int n = 0; n < 3; ++n) {
     const int m = (n + 1) % 3;
-    const double q0 = t.q[n], q1 = t.q[m], p0 = t.p[n], p1 = t.p[m];
+    const double q0 = t.at[n].q, q1 = t.at[m].q, p0 = t.at[n].p, p1 = t.at[m].p;
     if (q < std::min(q0, q1) - slack || q > std::max(q0, q1) + slack) continue;
     const double rise = q1 - q0, run = p1 - p0;
     double from = p0, to = p1;
@@ -69,10 +112,6 @@ Span span_in_plane(const RowPatch& t, double q, double slack, std::int64_t width
 
 // Patches that wait for the kernel, and where their rows are.
 struct RowScan::Batch {
-  struct Place {
-    std::size_t triangle;
-    std::int64_t base, j, k;  // of x = 0, and of the patch's first row
-  };
   Batch(const RowWindow& rows, CrossingList& to, std::int64_t tiles_along_y)
       : window(rows),
         list(to),
@@ -87,7 +126,23 @@ struct RowScan::Batch {
   std::array<Place, CrossedRows::kMostPatches> places;
   CrossedRows found;
 
-  void add(std::int64_t j, std::int64_t k, std::int64_t past, bool enters, bool counts) const {
+  // The patch in the next place gets these rows, from (p, q) on; `place` is that of (0, 0).
+  void add(std::int64_t p, std::int64_t q, const Extent& rows, const Place& place) {
+    RowPatch& patch = patches[static_cast<std::size_t>(count)];
+    patch.first = {static_cast<float>(p), static_cast<float>(q)};
+    patch.width = static_cast<std::int32_t>(rows.columns);
+    patch.height = static_cast<std::int32_t>(rows.planes);
+    places[static_cast<std::size_t>(count++)] = {place.triangle, place.base, place.j + p, place.k + q};
+  }
+  // The row (j, k) of a number in `found`.
+  std::array<std::int64_t, 2> row_of(std::uint32_t number) const {
+    const std::uint32_t row = number % RowPatch::kMostRows, which = number / RowPatch::kMostRows;
+    const Place& place = places[which];
+    if (patches[which].height == 1) return {place.j + row, place.k};
+    const RowInPatch& at = kRowsInPatch[static_cast<std::size_t>(patches[which].width)][row];
+    return {place.j + at.p, place.k + at.q};
+  }
+  void add_crossing(std::int64_t j, std::int64_t k, std::int64_t past, bool enters, bool counts) const {
     const auto y = static_cast<std::uint64_t>(j), z = static_cast<std::uint64_t>(k);
     const std::uint64_t tiles =
         y / kSide + static_cast<std::uint64_t>(tiles_y) * (z / kSide) - static_cast<std::uint64_t>(first_tiles);
@@ -134,72 +189,74 @@ bool RowScan::scan_filtered(std::size_t first, std::size_t end, Batch& batch) co
       per = 1 / spacing, before{1 - kNearRow, 1 - kNearRow}, after{1 + kNearRow, 1 + kNearRow},
       window_begin{double(window.begin[0]), double(window.begin[1])},
       window_end{double(window.end[0]), double(window.end[1])}, none{0, 0};
+  const double size_x = static_cast<double>(x_.size());
   for (std::size_t t = first; t < end; ++t) {
     const Pair a = corner_yz<kPacked>(mesh_.mesh, t, 0), b = corner_yz<kPacked>(mesh_.mesh, t, 1),
                c = corner_yz<kPacked>(mesh_.mesh, t, 2);
     const Pair low = least(least(a, b), c), high = largest(largest(a, b), c);
     // The first rows after low - kNearRow and after high + kNearRow: one too many at each end, at most.
-    const Pair from = largest((low - origin) * per + before, window_begin),
-               to = largest(least((high - origin) * per + after, window_end), none);
-    PairOfInts begin = __builtin_convertvector(from, PairOfInts), past = __builtin_convertvector(to, PairOfInts);
-    PairOfInts some = begin < past;
-    if ((some[0] & some[1]) == 0) continue;
-    // Half open: a row at the largest y or z passes beside the triangle. Lanes of comparisons are -1 or 0.
-    begin -= origin + spacing * __builtin_convertvector(begin, Pair) < low;
-    past += origin + spacing * __builtin_convertvector(past - 1, Pair) >= high;
-    some = begin < past;
-    if ((some[0] & some[1]) == 0 || mesh_.use_of(t) == 0) continue;
-    if (!add_filtered(t, {{begin[0], begin[1]}, {past[0], past[1]}}, batch)) return false;
+    Pair begin = rounded_down(largest((low - origin) * per + before, window_begin)),
+         past = rounded_down(largest(least((high - origin) * per + after, window_end), none));
+    if (!both(begin < past)) continue;
+    // Half open: a row at the largest y or z passes beside the triangle.
+    begin += one_where(origin + spacing * begin < low);
+    past -= one_where(origin + spacing * (past - 1) >= high);
+    if (!both(begin < past) || mesh_.use_of(t) == 0) continue;
+
+    const Vec3 x = corners_x<kPacked>(mesh_.mesh, t);
+    const double xs[3] = {x_.to_samples(x.x), x_.to_samples(x.y), x_.to_samples(x.z)};
+    const double low_x = least(xs[0], xs[1], xs[2]);
+    if (low_x > size_x + 1) continue;
+    if (batch.count == CrossedRows::kMostPatches && !finish(batch)) return false;
+    // All relative to a sample near the triangle. Written where it stays: a copy would wait for these numbers.
+    RowPatch& patch = batch.patches[static_cast<std::size_t>(batch.count)];
+    const double base = rounded_down(std::max(low_x, -0x1p40));
+    const double x0 = xs[0] - base, x1 = xs[1] - base, x2 = xs[2] - base;
+    const Pair at0 = (a - origin) * per - begin, at1 = (b - origin) * per - begin, at2 = (c - origin) * per - begin;
+    const double most_x = std::max(largest(x0, x1, x2), 1.0);  // none is negative
+    const Pair extent = past - begin,
+               most = largest(largest(largest(at0, -at0), largest(at1, -at1)),
+                              largest(largest(at2, -at2), largest(extent, Pair{slack_, slack_})));
+    const Place place{t, static_cast<std::int64_t>(base), static_cast<std::int64_t>(begin[0]),
+                      static_cast<std::int64_t>(begin[1])};
+    const Extent rows{static_cast<std::int64_t>(extent[0]), static_cast<std::int64_t>(extent[1])};
+    if (!(largest(most_x, most[0], most[1]) < RowPatch::kMost)) {
+      if (!add_rows(place, rows, batch)) return false;
+      continue;
+    }
+    patch.x[0] = static_cast<float>(x0);
+    patch.x[1] = static_cast<float>(x1);
+    patch.x[2] = static_cast<float>(x2);
+    patch.at[0] = across(at0);
+    patch.at[1] = across(at1);
+    patch.at[2] = across(at2);
+    patch.most_x = static_cast<float>(most_x);
+    patch.most = across(most);
+    patch.slack = static_cast<float>(slack_);
+    if (rows.columns <= RowPatch::kMostWidth && rows.columns * rows.planes <= RowPatch::kMostRows)
+      batch.add(0, 0, rows, place);
+    else if (!add_strips(RowPatch(patch), rows, place, batch))
+      return false;
   }
   return true;
 }
 
-bool RowScan::add_filtered(std::size_t triangle, const Rows& rows, Batch& batch) const {
-  const std::array<Vec3, 3> t = mesh_.mesh.corners(triangle);
-  const double x[3] = {x_.to_samples(t[0].x), x_.to_samples(t[1].x), x_.to_samples(t[2].x)};
-  const double low_x = least(x[0], x[1], x[2]), width = static_cast<double>(rows.end[0] - rows.begin[0]),
-               height = static_cast<double>(rows.end[1] - rows.begin[1]);
-  if (low_x > static_cast<double>(x_.size()) + 1) return true;
-  // All relative to a sample near the triangle.
-  const double base = std::floor(std::max(low_x, -0x1p40)), j = static_cast<double>(rows.begin[0]),
-               k = static_cast<double>(rows.begin[1]);
-  RowPatch patch;
-  double most_x = 1, most_p = std::max(width, slack_), most_q = std::max(height, slack_);
-  for (std::size_t n = 0; n < 3; ++n) {
-    const double local_x = x[n] - base, p = y_.to_samples(t[n].y) - j, q = z_.to_samples(t[n].z) - k;
-    most_x = std::max(most_x, std::abs(local_x));
-    most_p = std::max(most_p, std::abs(p));
-    most_q = std::max(most_q, std::abs(q));
-    patch.x[n] = static_cast<float>(local_x);
-    patch.p[n] = static_cast<float>(p);
-    patch.q[n] = static_cast<float>(q);
-  }
-  if (!(largest(most_x, most_p, most_q) < RowPatch::kMost)) return add_rows(triangle, t, rows, batch);
-  patch.most_x = static_cast<float>(most_x);
-  patch.most_p = static_cast<float>(most_p);
-  patch.most_q = static_cast<float>(most_q);
-  patch.slack = static_cast<float>(slack_);
-
-  const auto add = [&](std::int64_t p, std::int64_t q, std::int64_t patch_width, std::int64_t patch_height) {
+// A triangle with too many rows for one patch.
+bool RowScan::add_strips(const RowPatch& patch, const Extent& rows, const Place& place, Batch& batch) const {
+  const auto [columns, planes] = rows;
+  const auto add = [&](std::int64_t p, std::int64_t q, std::int64_t width, std::int64_t height) {
     if (batch.count == CrossedRows::kMostPatches && !finish(batch)) return false;
-    RowPatch& one = batch.patches[static_cast<std::size_t>(batch.count)];
-    one = patch;
-    one.first_p = static_cast<float>(p);
-    one.first_q = static_cast<float>(q);
-    one.width = static_cast<std::int32_t>(patch_width);
-    one.height = static_cast<std::int32_t>(patch_height);
-    batch.places[static_cast<std::size_t>(batch.count++)] = {triangle, static_cast<std::int64_t>(base),
-                                                             rows.begin[0] + p, rows.begin[1] + q};
+    batch.patches[static_cast<std::size_t>(batch.count)] = patch;
+    batch.add(p, q, {width, height}, place);
     return true;
   };
-  const std::int64_t columns = rows.end[0] - rows.begin[0], planes = rows.end[1] - rows.begin[1];
   if (columns <= RowPatch::kMostWidth) {
     const std::int64_t at_once = RowPatch::kMostRows / columns;
     for (std::int64_t q = 0; q < planes; q += at_once)
       if (!add(0, q, columns, std::min(at_once, planes - q))) return false;
     return true;
   }
-  const double slack = slack_ + 0x1p-23 * std::max(most_p, most_q);  // rounded to float
+  const double slack = slack_ + 0x1p-23 * std::max(double{patch.most.p}, double{patch.most.q});  // rounded to float
   for (std::int64_t q = 0; q < planes; ++q) {
     const Span span = span_in_plane(patch, static_cast<double>(q), slack, columns);
     for (std::int64_t p = span.begin; p < span.end; p += RowPatch::kMostRows)
@@ -212,28 +269,21 @@ bool RowScan::finish(Batch& batch) const {
   CrossedRows& found = batch.found;
   kernels_->cross_rows(batch.patches.data(), batch.count, found);
   batch.count = 0;
-  // The row (j, k) of a number of CrossedRows.
-  const auto row_of = [&](std::uint32_t number, const Batch::Place& place, const RowPatch& patch) {
-    const std::uint32_t row = number % RowPatch::kMostRows, width = static_cast<std::uint32_t>(patch.width);
-    return std::array<std::int64_t, 2>{place.j + row % width, place.k + row / width};
-  };
   for (int n = 0; n < found.count;) {
     const std::ptrdiff_t room = std::min<std::ptrdiff_t>(found.count - n, CrossingList::kBlock);
     if (!batch.list.make_room(room)) return false;
     for (const int end = n + static_cast<int>(room); n < end; ++n) {
-      const std::uint32_t number = found.row[n], which = number / RowPatch::kMostRows;
-      const Batch::Place& place = batch.places[which];
-      const auto [j, k] = row_of(number, place, batch.patches[which]);
+      const std::uint32_t which = found.row[n] / RowPatch::kMostRows;
+      const Place& place = batch.places[which];
+      const auto [j, k] = batch.row_of(found.row[n]);
       const std::int64_t past = std::max<std::int64_t>(0, place.base + static_cast<std::int64_t>(found.past[n]));
-      const bool enters = found.leaves[which] != (mesh_.use_of(place.triangle) > 0);
-      batch.add(j, k, past, enters, past < x_.size());
+      batch.add_crossing(j, k, past, found.leaves[which] != (mesh_.use_of(place.triangle) > 0), past < x_.size());
     }
   }
   for (int n = 0; n < found.unsure_count; ++n) {
-    const std::uint32_t number = found.unsure[n], which = number / RowPatch::kMostRows;
-    const Batch::Place& place = batch.places[which];
-    const auto [j, k] = row_of(number, place, batch.patches[which]);
-    if (!add_exactly(place.triangle, mesh_.mesh.corners(place.triangle), j, k, batch)) return false;
+    const std::size_t triangle = batch.places[found.unsure[n] / RowPatch::kMostRows].triangle;
+    const auto [j, k] = batch.row_of(found.unsure[n]);
+    if (!add_exactly(triangle, mesh_.mesh.corners(triangle), j, k, batch)) return false;
   }
   return true;
 }
@@ -241,20 +291,19 @@ bool RowScan::finish(Batch& batch) const {
 bool RowScan::add_all_exactly(std::size_t triangle, const RowWindow& window, Batch& batch) const {
   if (mesh_.use_of(triangle) == 0) return true;
   const std::array<Vec3, 3> t = mesh_.mesh.corners(triangle);
-  const std::int64_t begin_y = y_.first_from(least(t[0].y, t[1].y, t[2].y)),
-                     begin_z = z_.first_from(least(t[0].z, t[1].z, t[2].z)),
-                     end_y = y_.first_from(largest(t[0].y, t[1].y, t[2].y)),
-                     end_z = z_.first_from(largest(t[0].z, t[1].z, t[2].z));
-  return add_rows(triangle, t,
-                  {{std::max(begin_y, window.begin[0]), std::max(begin_z, window.begin[1])},
-                   {std::min(end_y, window.end[0]), std::min(end_z, window.end[1])}},
+  const std::int64_t j = std::max(window.begin[0], y_.first_from(least(t[0].y, t[1].y, t[2].y))),
+                     k = std::max(window.begin[1], z_.first_from(least(t[0].z, t[1].z, t[2].z)));
+  return add_rows({triangle, 0, j, k},
+                  {std::min(window.end[0], y_.first_from(largest(t[0].y, t[1].y, t[2].y))) - j,
+                   std::min(window.end[1], z_.first_from(largest(t[0].z, t[1].z, t[2].z))) - k},
                   batch);
 }
 
-bool RowScan::add_rows(std::size_t triangle, const std::array<Vec3, 3>& corners, const Rows& rows, Batch& batch) const {
-  for (std::int64_t k = rows.begin[1]; k < rows.end[1]; ++k)
-    for (std::int64_t j = rows.begin[0]; j < rows.end[0]; ++j)
-      if (!add_exactly(triangle, corners, j, k, batch)) return false;
+bool RowScan::add_rows(const Place& place, const Extent& rows, Batch& batch) const {
+  const std::array<Vec3, 3> corners = mesh_.mesh.corners(place.triangle);
+  for (std::int64_t q = 0; q < rows.planes; ++q)
+    for (std::int64_t p = 0; p < rows.columns; ++p)
+      if (!add_exactly(place.triangle, corners, place.j + p, place.k + q, batch)) return false;
   return true;
 }
 
@@ -269,7 +318,7 @@ bool RowScan::add_exactly(std::size_t triangle, const std::array<Vec3, 3>& corne
   });
   if (past == x_.size()) return true;
   if (!batch.list.make_room(1)) return false;
-  batch.add(j, k, past, crossing * mesh_.use_of(triangle) < 0, true);
+  batch.add_crossing(j, k, past, crossing * mesh_.use_of(triangle) < 0, true);
   return true;
 }
 

@@ -31,15 +31,20 @@ class RowScan {
 
  private:
   struct Batch;
-  // The rows that may cross a triangle.
-  struct Rows {
-    std::array<std::int64_t, 2> begin, end;
+  // How many rows, along y and along z.
+  struct Extent {
+    std::int64_t columns, planes;
+  };
+  // Where a patch is.
+  struct Place {
+    std::size_t triangle;
+    std::int64_t base, j, k;  // of x = 0, and of the first row
   };
 
   template <bool kPacked>
   bool scan_filtered(std::size_t first, std::size_t end, Batch& batch) const;
-  bool add_filtered(std::size_t triangle, const Rows& rows, Batch& batch) const;
-  bool add_rows(std::size_t triangle, const std::array<Vec3, 3>& corners, const Rows& rows, Batch& batch) const;
+  bool add_strips(const cpu::RowPatch& patch, const Extent& rows, const Place& place, Batch& batch) const;
+  bool add_rows(const Place& place, const Extent& rows, Batch& batch) const;
   bool add_all_exactly(std::size_t triangle, const RowWindow& window, Batch& batch) const;
   bool add_exactly(std::size_t triangle, const std::array<Vec3, 3>& corners, std::int64_t j, std::int64_t k,
                    Batch& batch) const;

@@ -15,11 +15,18 @@ struct RowPatch {
   /// than a row.
   static constexpr double kMost = 1 << 20;
 
-  float x[3], p[3], q[3];        ///< corners
-  float most_x, most_p, most_q;  ///< bounds of |x|, |p| and |q|, of corners and rows; at least 1, slack and slack
-  float slack;                   ///< what coordinates may be off by, beside their rounding to float
-  float first_p, first_q;        ///< the first row
-  std::int32_t width, height;    ///< of the patch, in rows
+  /// A place across the rows.
+  struct Across {
+    float p, q;
+  };
+
+  float x[3];                  ///< of the corners
+  Across at[3];                ///< of the corners
+  float most_x;                ///< a bound of the corners' |x|, at least 1
+  Across most;                 ///< bounds of |p| and |q|, of corners and rows, at least `slack`
+  float slack;                 ///< what coordinates may be off by, beside their rounding to float
+  Across first;                ///< the first row
+  std::int32_t width, height;  ///< of the patch, in rows
 };
 
 /// Rows are numbered 64 * patch + (p - first_p) + width * (q - first_q).

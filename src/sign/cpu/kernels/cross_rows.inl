@@ -50,8 +50,8 @@ struct LinearOfRow {
 };
 
 STANDOFF_INLINE void cross_patch(const RowPatch& t, std::uint32_t first_number, bool& leaves, CrossedRows& found) {
-  const float a0 = t.p[1] - t.p[0], a1 = t.p[2] - t.p[1], a2 = t.p[0] - t.p[2];
-  const float b0 = t.q[0] - t.q[1], b1 = t.q[1] - t.q[2], b2 = t.q[2] - t.q[0];
+  const float a0 = t.at[1].p - t.at[0].p, a1 = t.at[2].p - t.at[1].p, a2 = t.at[0].p - t.at[2].p;
+  const float b0 = t.at[0].q - t.at[1].q, b1 = t.at[1].q - t.at[2].q, b2 = t.at[2].q - t.at[0].q;
   const float area = a0 * b2 - a2 * b0;
   leaves = area > 0;
   // As if the corners turned left.
@@ -59,26 +59,26 @@ STANDOFF_INLINE void cross_patch(const RowPatch& t, std::uint32_t first_number, 
   const auto side = [&](float a, float b, float p, float q) __attribute__((always_inline)) {
     return LinearOfRow{WideFloat(sign * b), WideFloat(sign * a), WideFloat(-sign * (b * p + a * q))};
   };
-  const LinearOfRow side0 = side(a0, b0, t.p[0], t.q[0]), side1 = side(a1, b1, t.p[1], t.q[1]),
-                    side2 = side(a2, b2, t.p[2], t.q[2]);
-  const float wh = t.most_p * t.most_q, w_h = t.most_p + t.most_q;
+  const LinearOfRow side0 = side(a0, b0, t.at[0].p, t.at[0].q), side1 = side(a1, b1, t.at[1].p, t.at[1].q),
+                    side2 = side(a2, b2, t.at[2].p, t.at[2].q);
+  const float wh = t.most.p * t.most.q, w_h = t.most.p + t.most.q;
   const float bound = kRounding * wh + 16 * t.slack * w_h;
 
   const float x1 = t.x[1] - t.x[0], x2 = t.x[2] - t.x[0], per_area = 1 / area;
   // Of u x v with u = (x1, a0, -b0) and v = (x2, -a2, b2), the normal.
   const float x_p = (b0 * x2 + b2 * x1) * per_area, x_q = (a0 * x2 + a2 * x1) * per_area;
-  const float x_0 = t.x[0] - x_p * t.p[0] - x_q * t.q[0];
+  const float x_0 = t.x[0] - x_p * t.at[0].p - x_q * t.at[0].q;
   const LinearOfRow plane{WideFloat(x_p), WideFloat(x_q), WideFloat(x_0)};
   const float of_minors = 8 * t.most_x * kRounding * wh + 64 * t.slack * (wh + t.most_x * w_h);
   const float x_bound =
       of_minors * __builtin_fabsf(per_area) +
-      0x1p-20f * (__builtin_fabsf(x_0) + __builtin_fabsf(x_p) * t.most_p + __builtin_fabsf(x_q) * t.most_q + t.most_x) +
+      0x1p-20f * (__builtin_fabsf(x_0) + __builtin_fabsf(x_p) * t.most.p + __builtin_fabsf(x_q) * t.most.q + t.most_x) +
       t.slack;
 
   const int rows = t.width * t.height, width = t.height == 1 ? 0 : t.width;
   for (int row = 0; row < rows; row += WideFloat::kLanes) {
-    const WideFloat p = WideFloat::load(kRowPlaces.p[width] + row) + WideFloat(t.first_p),
-                    q = WideFloat::load(kRowPlaces.q[width] + row) + WideFloat(t.first_q);
+    const WideFloat p = WideFloat::load(kRowPlaces.p[width] + row) + WideFloat(t.first.p),
+                    q = WideFloat::load(kRowPlaces.q[width] + row) + WideFloat(t.first.q);
     const WideFloat e0 = side0.at(p, q), e1 = side1.at(p, q), e2 = side2.at(p, q);
     const WideFloat least = min(min(e0, e1), e2), most = max(max(e0, e1), e2);
     const WideFloat x = plane.at(p, q);
