@@ -10,6 +10,7 @@
 #include "core/progress.h"
 #include "core/threads.h"
 #include "core/tile_count.h"
+#include "field/memory.h"
 #include "field/options.h"
 #include "field/plan.h"
 #include "field/prepare.h"
@@ -85,7 +86,7 @@ class Computation {
       report_.seconds.compute = watch.lap();
       if (sign_plan_.has_sign()) {
         progress_.stage("sign", 1, 1, 1);
-        sign(*make_sides(mesh_, sign_plan_, options_.sign, plan_.grid, progress_), progress_);
+        sign(*make_sides(mesh_, sign_plan_, options_.sign, plan_.grid, progress_, crossing_bytes(plan_)), progress_);
         report_.seconds.sign = watch.lap();
       }
       report_.triangles = plan_.triangles;
@@ -135,8 +136,7 @@ ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickness, Di
     Sink sink(field);
     std::uint64_t mesh_hash = 0;
     ComputeReport report = computation.run(
-        sink,
-        [&](const Sides& sides, ProgressMeter& progress) { sign_field(sides, options.sign.invert, field, progress); },
+        sink, [&](Sides& sides, ProgressMeter& progress) { sign_field(sides, options.sign.invert, field, progress); },
         options.hash_mesh ? &mesh_hash : nullptr);
     report.tiles_stored = field.stored_tiles();
     field.set_provenance({report.method, mesh_hash, version(), name_of(report.sign.method)});
@@ -170,7 +170,7 @@ ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickness, st
     });
   });
   Sink sink(grid, values, nearest);
-  return computation.run(sink, [&](const Sides& sides, ProgressMeter& progress) {
+  return computation.run(sink, [&](Sides& sides, ProgressMeter& progress) {
     sign_values(sides, options.sign.invert, computation.plan().grid, values, progress);
   });
 } catch (...) {

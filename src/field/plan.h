@@ -15,6 +15,7 @@ struct Plan {
   double thickness;
   int threads;
   bool with_nearest;
+  bool with_sign;
   bool is_dense;  ///< into the caller's memory, not into tiles
 };
 

@@ -43,11 +43,12 @@ class BlockBudget {
 class CrossingList {
  public:
   static constexpr std::size_t kBlock = 4096;  ///< 32 KiB
+  static constexpr std::ptrdiff_t kMostAtOnce = 64;
   using Block = std::array<FoundCrossing, kBlock>;
 
   explicit CrossingList(BlockBudget& budget) : budget_(&budget) {}
 
-  /// Makes room for `count` more, at most kBlock; false if the budget is spent.
+  /// Makes room for `count` more, at most kMostAtOnce; false if the budget is spent.
   bool make_room(std::ptrdiff_t count) { return end_ - next_ >= count || take_block(); }
   /// Adds one, if it counts: where that is as likely as not, nothing depends on a guess. Requires room.
   void add(const FoundCrossing& crossing, bool counts) {

@@ -26,9 +26,9 @@ SignPlan plan_sign(MeshView mesh, const SignOptions& options) {
 }
 
 std::unique_ptr<Sides> make_sides(MeshView mesh, const SignPlan& plan, const SignOptions& options, const Grid& grid,
-                                  ProgressMeter& progress) {
+                                  ProgressMeter& progress, std::int64_t crossing_bytes) {
   const WindingRule rule = plan.report.method == SignMethod::parity ? WindingRule::odd : options.rule;
-  return std::make_unique<IntegerWinding>(OrientedMesh{mesh, plan.use}, grid, rule, progress);
+  return std::make_unique<IntegerWinding>(OrientedMesh{mesh, plan.use}, grid, rule, progress, crossing_bytes);
 }
 
 }  // namespace standoff

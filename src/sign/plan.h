@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -26,8 +27,10 @@ struct SignPlan {
 /// Requires a valid mesh and valid options. Runs on the threads of the calling TBB arena.
 SignPlan plan_sign(MeshView mesh, const SignOptions& options);
 
-/// What decides the sides of a grid's samples by this plan. Requires plan.has_sign(). Throws Error{interrupted}.
+/// What decides the sides of a grid's samples by this plan. `crossing_bytes`: what may be held of crossings at a
+/// time (RowCrossings), where they can be found again. Requires plan.has_sign(). Throws Error{interrupted}.
 std::unique_ptr<Sides> make_sides(MeshView mesh, const SignPlan& plan, const SignOptions& options, const Grid& grid,
-                                  ProgressMeter& progress);
+                                  ProgressMeter& progress,
+                                  std::int64_t crossing_bytes = std::numeric_limits<std::int64_t>::max());
 
 }  // namespace standoff

@@ -3,6 +3,7 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <array>
@@ -18,8 +19,11 @@ namespace standoff {
 namespace {
 
 constexpr std::int64_t kSide = InsideRows::kSide, kRows = InsideRows::kRows;
-constexpr std::int64_t kEntries = CrossingList::kBlock / 2;  // of a block, at least: some end with places unused
-constexpr std::int64_t kBlockBytes = CrossingList::kBlock * (sizeof(FoundCrossing) + sizeof(RowCrossing));
+constexpr std::int64_t kEntries = CrossingList::kBlock - CrossingList::kMostAtOnce;  // of a block, at least
+// A block, its places in lists that grow, and its crossings when they are sorted.
+constexpr std::int64_t kBlockBytes = CrossingList::kBlock * (sizeof(FoundCrossing) + sizeof(RowCrossing)) + 64;
+// Of row_by_row(): a vector that grows is held twice, and half as large.
+constexpr std::int64_t kGrowth = 3;
 // Counters of the counting sort: parts of the input that are sorted side by side have counters of their own.
 constexpr std::int64_t kMostRowsOfTiles = std::int64_t{1} << (FoundCrossing::kRowBits - 6);  // of a window
 constexpr std::int64_t kMostCounters = std::int64_t{1} << 19;
@@ -60,7 +64,9 @@ RowCrossings::RowCrossings(const OrientedMesh& mesh, const Grid& grid, ProgressM
       triangles_(mesh.mesh.triangles.size()),
       size_(grid.size),
       progress_(&progress),
-      blocks_(bytes / kBlockBytes),
+      blocks_(std::max(bytes, least_bytes(static_cast<std::int64_t>(mesh.mesh.triangles.size()),
+                                          tbb::this_task_arena::max_concurrency())) /
+              kBlockBytes),
       tiles_y_(tiles_along(grid.size.y)),
       rows_of_tiles_(tiles_y_ * tiles_along(grid.size.z)),
       try_(std::min(rows_of_tiles_, kMostRowsOfTiles)) {}
@@ -160,6 +166,14 @@ void RowCrossings::find_row_by_row(std::int64_t tiles) {
 
 std::int64_t RowCrossings::least_bytes(std::int64_t triangles, int threads) {
   return kBlockBytes * (triangles / kEntries + 1 + threads);
+}
+
+std::int64_t RowCrossings::other_bytes(std::int64_t triangles, const Grid& grid, int threads) {
+  const std::int64_t rows_of_tiles = std::min(tiles_along(grid.size.y) * tiles_along(grid.size.z), kMostRowsOfTiles),
+                     parts = std::clamp<std::int64_t>(kMostCounters / rows_of_tiles, 1, threads),
+                     row_by_row =
+                         kGrowth * kRows * (std::min(grid.size.x, triangles) + triangles / RowCrossing::kMostSteps + 1);
+  return 8 * ((parts + 1) * (rows_of_tiles + 1) + row_by_row);
 }
 
 }  // namespace standoff

@@ -44,8 +44,7 @@ class RowCrossings {
   /// All crossings of the grid. Requires a valid mesh and grid, which outlive this. Runs on the threads of the calling
   /// TBB arena.
   RowCrossings(const OrientedMesh& mesh, const Grid& grid, ProgressMeter& progress);
-  /// None yet. `bytes`: what all crossings held at a time may take, if it is enough for those of one row of samples
-  /// (least_bytes).
+  /// None yet. `bytes`: what all crossings held at a time may take, or least_bytes if that is more.
   RowCrossings(const OrientedMesh& mesh, const Grid& grid, ProgressMeter& progress, std::int64_t bytes);
 
   /// Finds the crossings of the rows of tiles from number `first` on (ty + tiles_y * tz), in place of those held, and
@@ -59,9 +58,10 @@ class RowCrossings {
     return std::span(crossings_).subspan(begin_[n], begin_[n + 1] - begin_[n]);
   }
 
-  /// The least that `bytes` may be for a mesh of so many triangles, and what is held beside them at most.
+  /// The least that `bytes` may be for a mesh of so many triangles, which is enough for one row; and what is held
+  /// beside them at most.
   static std::int64_t least_bytes(std::int64_t triangles, int threads);
-  static std::int64_t other_bytes(const Grid& grid, int threads);
+  static std::int64_t other_bytes(std::int64_t triangles, const Grid& grid, int threads);
 
  private:
   bool find(std::int64_t first, std::int64_t count);

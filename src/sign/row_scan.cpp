@@ -270,7 +270,7 @@ bool RowScan::finish(Batch& batch) const {
   kernels_->cross_rows(batch.patches.data(), batch.count, found);
   batch.count = 0;
   for (int n = 0; n < found.count;) {
-    const std::ptrdiff_t room = std::min<std::ptrdiff_t>(found.count - n, CrossingList::kBlock);
+    const std::ptrdiff_t room = std::min<std::ptrdiff_t>(found.count - n, CrossingList::kMostAtOnce);
     if (!batch.list.make_room(room)) return false;
     for (const int end = n + static_cast<int>(room); n < end; ++n) {
       const std::uint32_t which = found.row[n] / RowPatch::kMostRows;
