@@ -152,13 +152,13 @@ struct RowScan::Batch {
   }
 };
 
-RowScan::RowScan(const OrientedMesh& mesh, const Grid& grid)
+RowScan::RowScan(const OrientedMesh& mesh, const Grid& grid, Simd simd)
     : mesh_(mesh),
       grid_(grid),
       x_{grid.origin.x, grid.spacing.x, grid.size.x},
       y_{grid.origin.y, grid.spacing.y, grid.size.y},
       z_{grid.origin.z, grid.spacing.z, grid.size.z},
-      kernels_(&cpu::sign_kernels_for(Simd::automatic)) {
+      kernels_(&cpu::sign_kernels_for(simd)) {
   // A corner becomes samples by three operations, of which each adds 2^-53 of at most size + kMost; a sample is off its
   // place by two roundings, of at most size and of size + |origin| / spacing.
   const auto slack = [](double origin, double spacing, std::int64_t size) {

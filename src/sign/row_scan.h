@@ -23,7 +23,7 @@ struct RowWindow {
 class RowScan {
  public:
   /// Requires a valid mesh and grid; the mesh outlives the scan.
-  RowScan(const OrientedMesh& mesh, const Grid& grid);
+  RowScan(const OrientedMesh& mesh, const Grid& grid, Simd simd = Simd::automatic);
 
   /// Adds the crossings of triangles first to end - 1 with the window's rows to the list, but for those past the last
   /// sample. Returns whether it had room for all.
