@@ -86,7 +86,6 @@ std::int64_t RowCrossings::load(std::int64_t first) {
 
 bool RowCrossings::find(std::int64_t first, std::int64_t count) {
   first_ = first;
-  crossings_ = {};
   begin_.clear();
   const std::int64_t ty = first % tiles_y_, tz = first / tiles_y_, layers = std::max<std::int64_t>(1, count / tiles_y_);
   const RowWindow window{
@@ -97,6 +96,7 @@ bool RowCrossings::find(std::int64_t first, std::int64_t count) {
 
 bool RowCrossings::find(const RowWindow& window, std::size_t count) {
   constexpr std::size_t kGrain = 4096;
+  crossings_ = std::vector<RowCrossing>();  // gives the memory back, which clear() does not
   BlockBudget budget(blocks_);
   PerThread<CrossingList> lists([&] { return CrossingList(budget); });
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, triangles_, kGrain), [&](const auto& range) {
