@@ -94,6 +94,26 @@ TEST(RowScan, Slivers) {
   }
 }
 
+// Triangles that pass a sample, or have a side that passes a row, by less than single precision tells: 2^-32 to 2^-18
+// of their size.
+TEST(RowScan, RowsAndSamplesWithinRounding) {
+  Random random(9);
+  for (const double far : {0.0, 1e5, 3e9})
+    for (const double size : {1.0, 4.0, 30.0, 300.0}) {
+      const Grid grid{{30, 20, 20}, {far - 15, -far - 10, 2 * far - 10}, {1, 1.1, 0.9}};
+      Mesh mesh;
+      for (int n = 0; n < 300; ++n) {
+        const Vec3 sample = grid.position(2 + random.below(26), 2 + random.below(16), 2 + random.below(16));
+        const double by = size * std::ldexp(1.0, -18 - static_cast<int>(random.below(15)));
+        const Vec3 at = sample + random.in_cube(by), a = at + random.in_cube(size), b = at + random.in_cube(size);
+        const double u = random.between(0.2, 0.6), v = n % 2 == 0 ? random.between(0.1, 0.4) : 0;
+        // at = u a + v b + (1 - u - v) c; where v is 0, it is on the side from a to c.
+        testing::add_triangle(mesh, a, b, (at - a * u - b * v) * (1 / (1 - u - v)));
+      }
+      expect_exact({mesh}, grid, all_of(grid), "size " + std::to_string(size) + " at " + std::to_string(far));
+    }
+}
+
 // Corners on samples, edges along rows, planes that hold rows.
 TEST(RowScan, TrianglesOnTheSamples) {
   Random random(5);

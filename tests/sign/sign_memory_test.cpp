@@ -110,7 +110,7 @@ TEST(SignMemory, ALimitChangesNoSign) {
   }
   EXPECT_EQ(testing::bits_of(limited.to_dense()), testing::bits_of(whole));
   options.memory_limit -= 1;
-  expect_error([&] { compute(mesh, grid, grid.max_spacing(), options); }, ErrorCode::limit, "memory");
+  expect_error([&] { compute(mesh, grid, grid.max_spacing(), options); }, ErrorCode::limit, "more than the limit");
 }
 
 }  // namespace
