@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sign/inside_rows.h"
 
+#include <array>
+#include <cstring>
+
 #include "core/tile_count.h"
 
 namespace standoff {
@@ -32,6 +35,28 @@ void InsideRows::set(int row, std::int64_t begin, std::int64_t end) {
   at(first) |= head;
   for (std::int64_t tx = first + 1; tx < last; ++tx) at(tx) = 0xff;
   at(last) |= tail;
+}
+
+// The last sample of a tile says whether the row goes on inside.
+void InsideRows::finish_toggles() {
+  using Rows = std::int8_t __attribute__((vector_size(16)));
+  const std::int64_t tiles = tiles_along(size_.x);
+  std::array<Rows, kRows / sizeof(Rows)> before{};
+  for (std::int64_t tx = first_tile_; tx < tiles; ++tx) {
+    std::uint8_t* const bytes = bits_.data() + kRows * tx;
+    for (Rows& rows : before) {
+      std::uint8_t* const here = bytes + sizeof(Rows) * static_cast<std::size_t>(&rows - before.data());
+      Rows toggled;
+      std::memcpy(&toggled, here, sizeof toggled);
+      rows = toggled ^ (rows < 0);
+      std::memcpy(here, &rows, sizeof rows);
+    }
+  }
+  if (first_tile_ == tiles) return;
+  end_of_tiles_ = tiles;
+  // Beyond the grid all is outside.
+  if (const std::int64_t last = samples_along_x(tiles - 1); last < kSide)
+    for (std::uint8_t& byte : tile(tiles - 1)) byte &= static_cast<std::uint8_t>(0xff >> (kSide - last));
 }
 
 void InsideRows::invert() {

@@ -28,6 +28,15 @@ class InsideRows {
   void clear(std::int64_t ty, std::int64_t tz);
   /// Marks samples begin to end - 1 of a row that is in the grid. Requires begin < end.
   void set(int row, std::int64_t begin, std::int64_t end);
+  /// Exchanges inside and outside from a sample of a row on, if `really`. Takes effect with finish_toggles().
+  void toggle(int row, std::int64_t from, bool really) {
+    const std::int64_t tx = from / kSide;
+    first_tile_ = std::min(first_tile_, tx);
+    bits_[static_cast<std::size_t>(kRows * tx + row)] ^=
+        static_cast<std::uint8_t>((0xff << from % kSide) & -int{really});
+  }
+  /// Requires that the samples toggled were outside, and that nothing else was set.
+  void finish_toggles();
   /// Exchanges inside and outside within the grid.
   void invert();
 

@@ -34,24 +34,52 @@ void negate_inside(std::span<const std::uint8_t, 64> inside, std::span<float, kS
     if (inside[row] != 0) negate(inside[row], values.data() + kSide * row);
 }
 
-void sign_tile(const InsideRows& rows, std::int64_t tx, std::int64_t ty, std::int64_t tz, DistanceField& field) {
-  const std::span<const std::uint8_t, 64> inside = rows.tile(tx);
-  if (rows.is_empty(tx)) return;
-  if (field.tile(tx, ty, tz)) return negate_inside(inside, field.edit_tile(tx, ty, tz));
-  if (rows.is_full(tx)) return field.mark_inside(tx, ty, tz);
-  const std::span<float, kSamples> values = field.store_tile(tx, ty, tz);
-  std::ranges::fill(values, static_cast<float>(field.thickness()));
-  if (field.has_nearest()) std::ranges::fill(field.store_nearest(tx, ty, tz), kNoTriangle);
-  negate_inside(inside, values);
-}
+// Gives the tiles of a row of tiles their signs.
+class TileSigns {
+ public:
+  TileSigns(const InsideRows& rows, std::int64_t ty, std::int64_t tz, DistanceField& field)
+      : rows_(rows), ty_(ty), tz_(tz), field_(field) {}
+
+  void add(std::int64_t tx) {
+    if (rows_.is_empty(tx)) return;
+    if (field_.tile(tx, ty_, tz_)) return take(tx);
+    if (rows_.is_full(tx)) return field_.mark_inside(tx, ty_, tz_);
+    const std::span<float, kSamples> values = field_.store_tile(tx, ty_, tz_);
+    std::ranges::fill(values, static_cast<float>(field_.thickness()));
+    if (field_.has_nearest()) std::ranges::fill(field_.store_nearest(tx, ty_, tz_), kNoTriangle);
+    negate_inside(rows_.tile(tx), values);
+  }
+  // The last tile waits until it is called.
+  void finish() {
+    if (waiting_) negate_inside(rows_.tile(tx_), std::span<float, kSamples>(waiting_, kSamples));
+    waiting_ = nullptr;
+  }
+
+ private:
+  // Tiles are far from each other in memory: while one is negated the next one is fetched.
+  void take(std::int64_t tx) {
+    float* const values = field_.edit_tile(tx, ty_, tz_).data();
+    for (int n = 0; n < kSamples; n += 16) __builtin_prefetch(values + n, 1);
+    finish();
+    waiting_ = values;
+    tx_ = tx;
+  }
+
+  const InsideRows& rows_;
+  std::int64_t ty_, tz_;
+  DistanceField& field_;
+  float* waiting_ = nullptr;
+  std::int64_t tx_ = 0;
+};
 
 }  // namespace
 
 void sign_field(Sides& sides, bool invert, DistanceField& field, ProgressMeter& progress) {
   for_each_row_of_tiles(sides, invert, field.grid(), progress,
                         [&](const InsideRows& rows, std::int64_t ty, std::int64_t tz) {
-                          for (std::int64_t tx = rows.first_tile(); tx < rows.end_of_tiles(); ++tx)
-                            sign_tile(rows, tx, ty, tz, field);
+                          TileSigns signs(rows, ty, tz, field);
+                          for (std::int64_t tx = rows.first_tile(); tx < rows.end_of_tiles(); ++tx) signs.add(tx);
+                          signs.finish();
                         });
 }
 
