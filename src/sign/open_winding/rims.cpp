@@ -113,8 +113,8 @@ Rims::Rims(const Boundary& boundary) {
 }
 
 void Rims::add(std::vector<Vec3> polygon, std::int32_t weight) {
-  constexpr std::size_t kArc = 8;  // edges
-  while (polygon.size() > kMaxCorners) {
+  constexpr std::size_t kArc = 8, kUncut = 32;  // edges
+  for (std::size_t most = kUncut; polygon.size() > most; most = kMaxCorners) {
     const std::size_t size = polygon.size(), arcs = (size + kArc - 1) / kArc;
     std::vector<Vec3> chords, arc;
     for (std::size_t n = 0; n < arcs; ++n) {

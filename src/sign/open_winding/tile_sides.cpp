@@ -59,16 +59,16 @@ std::int64_t TileSides::decide(const SampleBox& tile, const RowWindings& winding
                           for (std::int64_t i = from; i < to; ++i) windings_[kSide * row + bit_of(i)] = winding;
                         });
     }
-  visit(tile, nodes, far);
+  visit(tile, nodes, far, kFieldTolerance);
   return doubtful_;
 }
 
-void TileSides::visit(const SampleBox& box, NodeStack::Part nodes, LinearField far) {
+void TileSides::visit(const SampleBox& box, NodeStack::Part nodes, LinearField far, double tolerance) {
   if (!has_more_unknown_than(0, box)) return;
   const std::size_t size = stack_.size();
   const Cell cell = cell_of(mesh_.grid, box);
   far.move_to(cell.center);
-  NodeStack::Part near = stack_.add_far(nodes, cell, kFieldTolerance, 0, far);
+  NodeStack::Part near = stack_.add_far(nodes, cell, tolerance, 0, far);
   if (!has_more_unknown_than(kFew, box)) {
     decide_one_by_one(box, near, far);
     return stack_.resize(size);
@@ -100,7 +100,7 @@ void TileSides::visit(const SampleBox& box, NodeStack::Part nodes, LinearField f
       if (field.error < 0.5) {
         const LinearField one = cap_field(rim_of(mesh_, stack_[n]), cell);
         field.add(one);
-        if (n >= caps_end && one.error <= kFieldTolerance) {
+        if (n >= caps_end && one.error <= tolerance) {
           known.add(one);
           continue;
         }
@@ -112,6 +112,11 @@ void TileSides::visit(const SampleBox& box, NodeStack::Part nodes, LinearField f
       decide_by_field(box, cell, field, true);
     } else if (continue_across_caps(box, near, known, field)) {
       decide_by_field(box, cell, field, false);
+    }
+    // Where far caps are most of what is not known, the samples left need them more precisely.
+    if (known.error > field.error / 2 && known.error > kRounding && has_more_unknown_than(kFew, box)) {
+      stack_.resize(size);
+      return visit(box, stack_.root(), {}, tolerance / 32);
     }
     far = known;
   }
@@ -127,7 +132,7 @@ void TileSides::visit(const SampleBox& box, NodeStack::Part nodes, LinearField f
         const std::int64_t middle = std::min(box.begin[axis] + half, box.end[axis]);
         (part >> axis & 1 ? child.begin : child.end)[axis] = middle;
       }
-      visit(child, near, far);
+      visit(child, near, far, tolerance);
     }
   }
   stack_.resize(size);

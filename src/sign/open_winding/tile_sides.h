@@ -45,7 +45,7 @@ class TileSides {
                       std::span<std::uint8_t, InsideRows::kRows> inside);
 
  private:
-  void visit(const SampleBox& box, NodeStack::Part nodes, LinearField far);
+  void visit(const SampleBox& box, NodeStack::Part nodes, LinearField far, double tolerance);
   void decide_by_field(const SampleBox& box, const Cell& cell, const LinearField& field, bool with_windings);
   void decide_by_winding(const SampleBox& box, double value, double reach, bool with_windings);
   void decide_one_by_one(const SampleBox& box, NodeStack::Part nodes, const LinearField& far);
