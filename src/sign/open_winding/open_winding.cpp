@@ -51,8 +51,8 @@ class RowOfTiles {
         decide({tiles.begin, middle}, near, far);
         decide({middle, tiles.end}, near, far);
       } else {
-        doubtful_ += tile_sides_.decide(box, windings_, open_tiles_.contains(tiles.begin, ty_, tz_), near,
-                                        far, rows_.tile(tiles.begin));
+        doubtful_ += tile_sides_.decide(box, windings_, open_tiles_.contains(tiles.begin, ty_, tz_), near, far,
+                                        rows_.tile(tiles.begin));
       }
     }
     stack_.resize(size);

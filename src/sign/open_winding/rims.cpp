@@ -10,8 +10,8 @@ namespace standoff {
 namespace {
 
 // A point amid the corners. Unequal weights, so that it is on no line that the corners' symmetry would put samples on:
-// solid angles are ill-conditioned at the edges of their triangles. Near the first corner relative to it, for meshes far
-// from the origin.
+// solid angles are ill-conditioned at the edges of their triangles. Near the first corner relative to it, for meshes
+// far from the origin.
 Vec3 point_amid(std::span<const Vec3> corners) {
   constexpr double kGolden = 0.6180339887498949;
   Vec3 sum;

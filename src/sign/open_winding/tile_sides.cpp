@@ -17,9 +17,7 @@ constexpr double kRounding = 1e-12;
 // Few samples are decided one by one.
 constexpr int kFew = 4;
 
-Rim rim_of(const OpenMesh& mesh, std::int32_t node) {
-  return mesh.rims[static_cast<std::size_t>(mesh.tree[node].rim)];
-}
+Rim rim_of(const OpenMesh& mesh, std::int32_t node) { return mesh.rims[static_cast<std::size_t>(mesh.tree[node].rim)]; }
 
 Interval add_angles(const OpenMesh& mesh, const Vec3& p, const NodeStack& stack, NodeStack::Part leaves, Interval sum) {
   for (std::size_t n = leaves.begin; n < leaves.end; ++n) {
@@ -42,9 +40,8 @@ Interval cap_sum_at(const OpenMesh& mesh, const Vec3& p, double tolerance, NodeS
   return sum;
 }
 
-std::int64_t TileSides::decide(const SampleBox& tile, const RowWindings& windings, bool smooth,
-                               NodeStack::Part nodes, const LinearField& far,
-                               std::span<std::uint8_t, InsideRows::kRows> inside) {
+std::int64_t TileSides::decide(const SampleBox& tile, const RowWindings& windings, bool smooth, NodeStack::Part nodes,
+                               const LinearField& far, std::span<std::uint8_t, InsideRows::kRows> inside) {
   tile_ = tile;
   smooth_ = smooth;
   inside_ = inside;
@@ -177,7 +174,8 @@ void TileSides::decide_by_winding(const SampleBox& box, double value, double rea
     for (std::int64_t j = box.begin[1]; j < box.end[1]; ++j) {
       const std::size_t row = row_of(j, k);
       unsigned decided = 0, marked = 0;
-      for (unsigned x = bit_of(box.begin[0]), end = x + static_cast<unsigned>(box.end[0] - box.begin[0]); x < end; ++x) {
+      for (unsigned x = bit_of(box.begin[0]), end = x + static_cast<unsigned>(box.end[0] - box.begin[0]); x < end;
+           ++x) {
         const std::int32_t winding = with_windings ? windings_[kSide * row + x] : 0;
         if (winding != last) look_at(winding);
         decided |= unsigned{sure} << x;
@@ -194,7 +192,8 @@ void TileSides::decide_one_by_one(const SampleBox& box, NodeStack::Part nodes, c
     const double winding = windings_[kSide * row + x];
     const Vec3 p = mesh_.grid.position(i, j, k);
     Interval angles = add_angles(mesh_, p, stack_, nodes, {far.at(p), far.error});
-    for (double tolerance = kFieldTolerance / 64; !decide_sample(row, x, winding + angles.value, angles.error + kRounding);
+    for (double tolerance = kFieldTolerance / 64;
+         !decide_sample(row, x, winding + angles.value, angles.error + kRounding);
          tolerance = tolerance > 1e-9 ? tolerance / 64 : 0) {
       angles = cap_sum_at(mesh_, p, tolerance, stack_);
       // What is left then is rounding: the value decides.
@@ -206,7 +205,7 @@ void TileSides::decide_one_by_one(const SampleBox& box, NodeStack::Part nodes, c
 // Decides a sample if the interval is on one side, and narrow enough to tell whether it is doubtful.
 bool TileSides::decide_sample(std::size_t row, unsigned x, double winding, double error) {
   const double distance = margin(winding, mesh_.rule);
-  if (distance < error || (error > kDoubt / 5 && distance < error + kDoubt)) return false;
+  if (distance < error || (error > kDoubtError && distance < error + kDoubt)) return false;
   doubtful_ += distance < kDoubt;
   const auto bit = static_cast<std::uint8_t>(1u << x);
   unknown_[row] &= static_cast<std::uint8_t>(~bit);

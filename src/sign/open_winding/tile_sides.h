@@ -14,8 +14,8 @@
 
 namespace standoff {
 
-/// How near to a threshold winding numbers are doubtful.
-inline constexpr double kDoubt = 0.05;
+/// How near to a threshold winding numbers are doubtful, and how far those that are counted may be off.
+inline constexpr double kDoubt = 0.05, kDoubtError = 0.025;
 
 /// What decides the sides of an open mesh: the caps of its boundary, and the rule.
 struct OpenMesh {
@@ -41,8 +41,7 @@ class TileSides {
   /// Marks the samples of the box, which is a tile or what is in the grid of it. `smooth`: no triangle of the mesh
   /// touches the tile. `far` is the field of all caps but those of `nodes`. Returns how many samples are doubtful.
   std::int64_t decide(const SampleBox& tile, const RowWindings& windings, bool smooth, NodeStack::Part nodes,
-                      const LinearField& far,
-                      std::span<std::uint8_t, InsideRows::kRows> inside);
+                      const LinearField& far, std::span<std::uint8_t, InsideRows::kRows> inside);
 
  private:
   void visit(const SampleBox& box, NodeStack::Part nodes, LinearField far, double tolerance);
