@@ -7,8 +7,8 @@
 #include <span>
 
 #include "sign/inside_rows.h"
-#include "sign/open_winding/cap_sums.h"
 #include "sign/open_winding/cells.h"
+#include "sign/open_winding/node_stack.h"
 #include "sign/open_winding/row_windings.h"
 #include "standoff/sign.h"
 
@@ -45,10 +45,13 @@ class TileSides {
 
  private:
   void visit(const SampleBox& box, NodeStack::Part nodes, LinearField far, double tolerance);
+  void split(const SampleBox& box, NodeStack::Part nodes, const LinearField& far, double tolerance);
+  bool decide_by_fields(const SampleBox& box, const Cell& cell, NodeStack::Part& near, LinearField& far,
+                        double tolerance);
   void decide_by_field(const SampleBox& box, const Cell& cell, const LinearField& field, bool with_windings);
   void decide_by_winding(const SampleBox& box, double value, double reach, bool with_windings);
   void decide_one_by_one(const SampleBox& box, NodeStack::Part nodes, const LinearField& far);
-  bool continue_across_caps(const SampleBox& box, NodeStack::Part nodes, const LinearField& far,
+  void continue_across_caps(const SampleBox& box, NodeStack::Part nodes, const LinearField& far,
                             LinearField& field) const;
   bool decide_sample(std::size_t row, unsigned x, double winding, double error);
   bool has_more_unknown_than(int few, const SampleBox& box) const;
