@@ -149,6 +149,14 @@ TEST(Rims, CloseTheBoundary) {
   for (std::size_t n = 0; n < rims.size(); ++n) EXPECT_LE(rims[n].corners.size(), Rims::kMaxCorners);
 }
 
+TEST(Rims, LoopsThatShareAnEdgeKeepTheirWeights) {
+  const Vec3 a{0, 0, 0}, b{1, 0, 0}, c{0, 1, 0}, d{0, 0, 1};
+  Boundary shared;
+  shared.edges = {{b, c, 1}, {c, a, 1}, {a, b, 4}, {b, d, 3}, {d, a, 3}};
+  shared.begin.push_back(shared.edges.size());
+  expect_closing(shared);
+}
+
 TEST(Rims, LoopsThatTouchAreTakenApart) {
   const Vec3 a{0, 0, 0}, b{1, 0, 0}, c{0, 1, 0}, d{-1, 0, 0}, e{0, -1, 0};
   Boundary eight = polygon(std::array{a, b, c});
