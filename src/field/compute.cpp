@@ -14,9 +14,10 @@
 #include "field/options.h"
 #include "field/plan.h"
 #include "field/prepare.h"
-#include "sign/plan.h"
+#include "sign/make_sides.h"
 #include "sign/shell.h"
 #include "sign/sign_field.h"
+#include "sign/sign_text.h"
 #include "standoff/version.h"
 
 namespace standoff {
@@ -141,9 +142,9 @@ class Computation {
   void sign(Output& output) {
     if (sign_plan_.report.method == SignMethod::shell)
       return output.thicken(Shell(options_.sign, plan_.field_thickness), progress_);
-    const auto sides =
-        make_sides(mesh_, sign_plan_, options_.sign, plan_.grid, plan_.field_thickness, output.nearest(), progress_);
-    output.sign(*sides, options_.sign.invert, progress_);
+    const UnsignedField field{plan_.grid, plan_.field_thickness, output.nearest()};
+    if (const auto sides = make_sides(mesh_, sign_plan_, options_.sign, field, progress_))
+      output.sign(*sides, options_.sign.invert, progress_);
   }
 
   MeshView mesh_;
@@ -177,7 +178,7 @@ ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickness, Di
     ComputeReport report = computation.run(FieldOutput(field), options.hash_mesh ? &mesh_hash : nullptr);
     if (!options.nearest_triangle) field.erase_nearest();
     report.tiles_stored = field.stored_tiles();
-    field.set_provenance({report.method, mesh_hash, version(), name_of(report.sign.method)});
+    field.set_provenance({report.method, mesh_hash, version(), written(sign_text_of(options.sign, report.sign))});
     return report;
   } catch (...) {
     field = {};

@@ -18,6 +18,7 @@
 #include "standoff/inspect.h"
 #include "standoff/io.h"
 #include "standoff/picture.h"
+#include "standoff/occupancy.h"
 #include "standoff/points.h"
 #include "standoff/slice.h"
 #include "standoff/verify.h"
@@ -92,6 +93,7 @@ TEST(RefusedMemory, Computing) {
   expect_limit_error("compute_into", [&] { compute_into(kMesh, kGrid, 1, values, nearest, on_cpu()); });
   const std::vector<Vec3> points(3);
   expect_limit_error("points", [&] { closest_points(kMesh, points, {.threads = 1}); });
+  expect_limit_error("occupancy", [&] { occupancy(kMesh, kGrid, {SignMethod::automatic}, {.threads = 1}); });
   expect_limit_error("memory_needed", [&] { memory_needed(kMesh, kGrid, 1, on_cpu()); });
 }
 
