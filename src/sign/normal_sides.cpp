@@ -70,11 +70,11 @@ void NormalSides::decide_band(const OrientedMesh& mesh, const Grid& grid, const 
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, tiles.size(), 8), [&](const auto& range) {
     progress.check();
     for (std::size_t n = range.begin(); n != range.end(); ++n) {
-      const auto [tx, ty, tz] = lattice_.tile_at(tiles[n]);
+      const std::array<std::int64_t, 3> tile = lattice_.tile_at(tiles[n]);
       Known& part = parts_[n];
-      nearest.for_each(tx, ty, tz, [&](std::size_t at, std::uint32_t triangle) {
+      nearest.for_each(tile[0], tile[1], tile[2], [&](std::size_t at, std::uint32_t triangle) {
         const auto s = static_cast<std::int64_t>(at);
-        const Vec3 p = grid.position(kSide * tx + s % 8, kSide * ty + s / 8 % 8, kSide * tz + s / 64);
+        const Vec3 p = grid.position(kSide * tile[0] + s % 8, kSide * tile[1] + s / 8 % 8, kSide * tile[2] + s / 64);
         const Pseudonormals::Place place = normals.place_of(p, triangle);
         // What is on the surface gets no side here, so that none spreads from it.
         if (place == Pseudonormals::Place::on_surface) return;
