@@ -129,6 +129,9 @@ TEST(RefusedMemory, Fields) {
   expect_error_or_limit("background", [&] { field.background(0, 2, 0); });
   expect_error_or_limit("mark_inside", [&] { DistanceField().mark_inside(0, 0, 0); });
   expect_error_or_limit("erase_tile", [&] { DistanceField(kGrid, 1).erase_tile(0, 0, 0); });
+  const std::vector<Size3> twice(2);
+  expect_error_or_limit("erase_tiles", [&] { DistanceField(kGrid, 1).erase_tiles(twice); });
+  DistanceField(kGrid, 1, true).erase_nearest();
   expect_error_or_limit("tile_nearest_values", [&] { DistanceField(kGrid, 1).tile_nearest_values(); });
   expect_limit_error("tile_coordinates", [&] { field.tile_coordinates(); });
   const std::vector<Vec3> points(3);
