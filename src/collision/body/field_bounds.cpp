@@ -4,10 +4,12 @@
 #include <tbb/parallel_for.h>
 
 #include <cmath>
+#include <span>
 #include <string>
 
 #include "core/number_text.h"
 #include "core/promised_error.h"
+#include "sign/closed.h"
 #include "standoff/compute.h"
 #include "standoff/error.h"
 
@@ -23,6 +25,7 @@ constexpr std::int64_t kMostAlong = (std::int64_t{1} << 23) - 1;
 constexpr int kTile = DistanceField::kTileSide;
 
 std::uint8_t rounded_down(float value, double spacing) {
+  value = std::abs(value);
   const double band = kBandSamples * spacing;
   if (value >= static_cast<float>(band)) return kClampedSample;
   // Below the distance, whatever compute() is off by.
@@ -30,7 +33,12 @@ std::uint8_t rounded_down(float value, double spacing) {
   return static_cast<std::uint8_t>(std::max(0.0, std::floor(bound / band * kClampedSample)));
 }
 
-void fill_fine(FieldBounds& bounds, const DistanceField& field) {
+// One bit per value. Requires that `bits` begins with zeros.
+void mark_inside(std::span<const float> values, std::span<std::uint8_t> bits) {
+  for (std::size_t n = 0; n < values.size(); ++n) bits[n / 8] |= static_cast<std::uint8_t>((values[n] < 0) << n % 8);
+}
+
+void fill_fine(FieldBounds& bounds, const DistanceField& field, bool has_sign) {
   bounds.slots.assign(static_cast<std::size_t>(field.tile_count().count()), 0);
   std::vector<DistanceField::TileValues> stored;
   for (const DistanceField::Tile& tile : field.tiles()) {
@@ -40,9 +48,11 @@ void fill_fine(FieldBounds& bounds, const DistanceField& field) {
   constexpr std::size_t kSize = DistanceField::kTileSamples;
   bounds.samples.resize((stored.size() + 1) * kSize);
   std::fill_n(bounds.samples.begin(), kSize, std::uint8_t{kClampedSample});
+  if (has_sign) bounds.inside.resize(bounds.samples.size() / 8);
   tbb::parallel_for(std::size_t{0}, stored.size(), [&](std::size_t t) {
     for (std::size_t n = 0; n < kSize; ++n)
       bounds.samples[(t + 1) * kSize + n] = rounded_down(stored[t][n], bounds.spacing);
+    if (has_sign) mark_inside(stored[t], std::span(bounds.inside).subspan((t + 1) * kSize / 8, kSize / 8));
   });
 }
 
@@ -90,10 +100,19 @@ FieldBounds build_field_bounds(MeshView mesh, Vec3 middle, double spacing, const
   const Grid coarse{bounds.coarse_size, bounds.origin, {coarse_spacing, coarse_spacing, coarse_spacing}};
   ComputeOptions options;
   options.execution = execution;
-  fill_fine(bounds, compute(moved, fine, bounds.thickness(), options).field);
+  const bool has_sign = is_closed(moved).oriented;
+  if (has_sign) options.sign.method = SignMethod::winding;
+  fill_fine(bounds, compute(moved, fine, bounds.thickness(), options).field, has_sign);
   bounds.coarse.resize(static_cast<std::size_t>(coarse.sample_count()));
   compute_into(moved, coarse, kFullField, bounds.coarse, options);
-  for (float& value : bounds.coarse) value = static_cast<float>(value - promised_error(value, coarse_spacing));
+  if (has_sign) {
+    bounds.coarse_inside.resize((bounds.coarse.size() + 7) / 8);
+    mark_inside(bounds.coarse, bounds.coarse_inside);
+  }
+  for (float& value : bounds.coarse) {
+    value = std::abs(value);
+    value = static_cast<float>(value - promised_error(value, coarse_spacing));
+  }
   return bounds;
 }
 
