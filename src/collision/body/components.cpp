@@ -48,6 +48,7 @@ std::vector<std::uint32_t> first_of_components(MeshView mesh) {
     seen[component] = true;
     firsts.push_back(static_cast<std::uint32_t>(t));
   }
+  firsts.shrink_to_fit();  // models keep it
   return firsts;
 }
 

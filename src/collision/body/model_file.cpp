@@ -191,8 +191,10 @@ void CollisionModel::save(const std::filesystem::path& path, Existing existing) 
   put_all(d.field.samples);
   put_all(d.field.coarse);
   put_all(d.components);
-  put_all(d.field.inside);
-  put_all(d.field.coarse_inside);
+  if (d.field.has_sign()) {
+    put_all(d.field.inside);
+    put_all(d.field.coarse_inside);
+  }
   const std::uint64_t value = sum.value();
   file.write(&value, sizeof value);
   file.commit();
