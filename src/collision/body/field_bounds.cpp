@@ -25,7 +25,6 @@ constexpr std::int64_t kMostAlong = (std::int64_t{1} << 23) - 1;
 constexpr int kTile = DistanceField::kTileSide;
 
 std::uint8_t rounded_down(float value, double spacing) {
-  value = std::abs(value);
   const double band = kBandSamples * spacing;
   if (value >= static_cast<float>(band)) return kClampedSample;
   // Below the distance, whatever compute() is off by.
@@ -33,9 +32,11 @@ std::uint8_t rounded_down(float value, double spacing) {
   return static_cast<std::uint8_t>(std::max(0.0, std::floor(bound / band * kClampedSample)));
 }
 
-// One bit per value. Requires that `bits` begins with zeros.
-void mark_inside(std::span<const float> values, std::span<std::uint8_t> bits) {
-  for (std::size_t n = 0; n < values.size(); ++n) bits[n / 8] |= static_cast<std::uint8_t>((values[n] < 0) << n % 8);
+// The bits of eight values, set where they are negative.
+std::uint8_t signs_of(const float* values) {
+  unsigned bits = 0;
+  for (unsigned n = 0; n < 8; ++n) bits |= unsigned{values[n] < 0} << n;
+  return static_cast<std::uint8_t>(bits);
 }
 
 void fill_fine(FieldBounds& bounds, const DistanceField& field, bool has_sign) {
@@ -51,9 +52,24 @@ void fill_fine(FieldBounds& bounds, const DistanceField& field, bool has_sign) {
   if (has_sign) bounds.inside.resize(bounds.samples.size() / 8);
   tbb::parallel_for(std::size_t{0}, stored.size(), [&](std::size_t t) {
     for (std::size_t n = 0; n < kSize; ++n)
-      bounds.samples[(t + 1) * kSize + n] = rounded_down(stored[t][n], bounds.spacing);
-    if (has_sign) mark_inside(stored[t], std::span(bounds.inside).subspan((t + 1) * kSize / 8, kSize / 8));
+      bounds.samples[(t + 1) * kSize + n] = rounded_down(std::abs(stored[t][n]), bounds.spacing);
+    if (has_sign)
+      for (std::size_t n = 0; n < kSize; n += 8) bounds.inside[((t + 1) * kSize + n) / 8] = signs_of(&stored[t][n]);
   });
+}
+
+// Each coarse sample is also one of the fine field, unless it is past its last one, and so outside the surface's box.
+void fill_coarse_inside(FieldBounds& bounds, const DistanceField& fine) {
+  const Size3 size = bounds.coarse_size;
+  bounds.coarse_inside.resize(static_cast<std::size_t>((size.count() + 7) / 8));
+  std::size_t n = 0;
+  for (std::int64_t k = 0; k < size.z; ++k)
+    for (std::int64_t j = 0; j < size.y; ++j)
+      for (std::int64_t i = 0; i < size.x; ++i, ++n) {
+        const std::int64_t x = kCoarseStep * i, y = kCoarseStep * j, z = kCoarseStep * k;
+        const bool in_fine = x < bounds.size.x && y < bounds.size.y && z < bounds.size.z;
+        bounds.coarse_inside[n / 8] |= static_cast<std::uint8_t>((in_fine && fine.value(x, y, z) < 0) << n % 8);
+      }
 }
 
 }  // namespace
@@ -102,17 +118,15 @@ FieldBounds build_field_bounds(MeshView mesh, Vec3 middle, double spacing, const
   options.execution = execution;
   const bool has_sign = is_closed(moved).oriented;
   if (has_sign) options.sign.method = SignMethod::winding;
-  fill_fine(bounds, compute(moved, fine, bounds.thickness(), options).field, has_sign);
+  {
+    const DistanceField field = compute(moved, fine, bounds.thickness(), options).field;
+    fill_fine(bounds, field, has_sign);
+    if (has_sign) fill_coarse_inside(bounds, field);
+  }
+  options.sign = {};
   bounds.coarse.resize(static_cast<std::size_t>(coarse.sample_count()));
   compute_into(moved, coarse, kFullField, bounds.coarse, options);
-  if (has_sign) {
-    bounds.coarse_inside.resize((bounds.coarse.size() + 7) / 8);
-    mark_inside(bounds.coarse, bounds.coarse_inside);
-  }
-  for (float& value : bounds.coarse) {
-    value = std::abs(value);
-    value = static_cast<float>(value - promised_error(value, coarse_spacing));
-  }
+  for (float& value : bounds.coarse) value = static_cast<float>(value - promised_error(value, coarse_spacing));
   return bounds;
 }
 
