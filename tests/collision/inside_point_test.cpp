@@ -16,7 +16,8 @@ using namespace standoff::collision;
 std::vector<Mesh> solids() {
   return {solid_ball(1, 6, {3, 4, 5}), solid_torus(1, 0.4, 24, 12),
           joined({solid_ball(1.2, 5), turned_inside_out(solid_ball(0.9, 5)), solid_ball(0.5, 4),
-                  solid_ball(0.5, 4, {0.3, 0, 0}), solid_box({0.1, 2, 0.1}, {0.2, 0.3, 0.4})})};
+                  solid_ball(0.5, 4, {0.3, 0, 0}), solid_box({0.1, 2, 0.1}, {0.2, 0.3, 0.4}),
+                  turned_inside_out(solid_ball(0.6, 4, {1.5, 0, 0}))})};
 }
 
 // By finer and finer fields; the finest has tiles that are not stored, inside and outside.
@@ -44,22 +45,34 @@ TEST(FieldSide, IsRightWhereItIsKnown) {
     }
 }
 
-// Each single sample of the fine field, with its own position.
-TEST(FieldSide, OfEverySample) {
-  const Mesh mesh = solid_torus(1, 0.4, 10, 6);
-  const CollisionModel model(mesh, {.spacing = 0.04, .execution = {.threads = 1}});
-  const ModelData& data = data_of(model);
-  const Grid grid = model.grid();
-  std::int64_t unknown = 0;
-  for (std::int64_t n = 0; n < grid.sample_count(); n += 37) {
-    const Vec3 x = grid.position(n % grid.size.x, n / grid.size.x % grid.size.y, n / (grid.size.x * grid.size.y));
-    const Side side = side_of(data, x - data.middle, 1e-9);
-    if (side == Side::unknown)
-      ++unknown;
-    else
-      ASSERT_EQ(side == Side::inside, winding_by_angles(mesh, {}, x) > 0.5) << n;
+// Every sample of the fine field, and the middle of every cell, with a wall at every distance from the tiles: where a
+// tile that is not stored ends four spacings from the wall, the nearest coarse sample may lie beyond the tile, too near
+// to the wall to decide.
+TEST(FieldSide, OfEverySampleAndCell) {
+  const double h = 0.06;
+  for (int n = 0; n < 16; ++n) {
+    const Vec3 half{0.9 + 0.25 * h * n, 0.95, 0.93};
+    const CollisionModel model(solid_box(half), {.spacing = h, .execution = {.threads = 1}});
+    const ModelData& data = data_of(model);
+    const Grid grid = model.grid();
+    for (const double shift : {0.0, 0.5 * h}) {
+      std::int64_t unknown = 0, near = 0;
+      for (std::int64_t k = 0; k < grid.size.z; ++k)
+        for (std::int64_t j = 0; j < grid.size.y; ++j)
+          for (std::int64_t i = 0; i < grid.size.x; ++i) {
+            const Vec3 x = grid.position(i, j, k) + Vec3{shift, shift, shift};
+            const double over = std::max({std::abs(x.x) - half.x, std::abs(x.y) - half.y, std::abs(x.z) - half.z});
+            const Side side = side_of(data, x - data.middle, 1e-9);
+            if (side == Side::unknown) {
+              ++unknown;
+            } else {
+              ASSERT_EQ(side == Side::inside, over < 0) << n << " " << i;
+            }
+            near += std::abs(over) < h;
+          }
+      EXPECT_LT(unknown, near);
+    }
   }
-  EXPECT_LT(unknown, grid.sample_count() / 37 / 20) << "only samples within a step of the surface";
 }
 
 TEST(InsideTest, RaysAndFieldsAgreeAtAnyPose) {
@@ -98,6 +111,25 @@ TEST(InsideTest, RaysThroughCornersAndEdges) {
         const bool in_box = std::max({std::abs(x), std::abs(y), std::abs(z)}) < 2;
         EXPECT_EQ(test.is_inside_by_ray({x, y, z}), in_box) << x << " " << y << " " << z;
       }
+}
+
+// The matrix shrinks the body by 5e-7. Its transpose, in place of its inverse, moves points by more than that towards
+// the middle, from outside to inside.
+TEST(InsideTest, PosesThatAreNotQuiteRotations) {
+  const CollisionModel model(solid_box({1.003, 0.1, 0.1}), {.spacing = 0.005});
+  Pose pose;
+  for (const int entry : {0, 4, 8}) pose.rotation[static_cast<std::size_t>(entry)] = 1 - 4.9e-7;
+  validate(pose);
+  const PlacedModel placed(data_of(model), pose);
+  const InsideTest test(placed);
+  const Grid grid = model.grid();
+  for (std::int64_t j = 0; j < grid.size.y; ++j)
+    for (std::int64_t k = 0; k < grid.size.z; ++k) {
+      const Vec3 sample = grid.position(0, j, k);
+      if (std::max(std::abs(sample.y), std::abs(sample.z)) > 0.099) continue;
+      EXPECT_FALSE(test.is_inside({1.003 * (1 - 3e-7), sample.y, sample.z}));
+      EXPECT_TRUE(test.is_inside({1.003 * (1 - 6e-7), sample.y, sample.z}));
+    }
 }
 
 TEST(InsideTest, TellsBodiesApart) {
