@@ -10,8 +10,9 @@
 #include "sign/ray_crossing.h"
 
 namespace standoff::collision {
-
 namespace {
+
+static_assert(4 * kSinglePrecisionSlack > (3 * 1.8 + 1) * gamma_float(8));
 
 // A bound of the coordinates that placing a body goes through.
 double far(const PlacedModel& placed) {

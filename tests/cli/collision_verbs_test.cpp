@@ -89,7 +89,8 @@ TEST_F(CollisionVerbs, BodiesAreBuiltOnceForEveryQuestion) {
   const Json told = done(words("info box.body --json")).json();
   EXPECT_EQ(told["kind"], "body");
   EXPECT_EQ(built["closed"], true);
-  for (const char* what : {"mesh", "closed", "grid", "thickness", "memory_bytes"}) EXPECT_EQ(told[what], built[what]) << what;
+  for (const char* what : {"mesh", "closed", "grid", "thickness", "memory_bytes"})
+    EXPECT_EQ(told[what], built[what]) << what;
   EXPECT_NE(done(words("info box.body")).out.find("triangles     12\n"), std::string::npos);
   // The same answers from the file as from the mesh, wherever a body may stand.
   for (const std::string line :

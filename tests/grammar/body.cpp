@@ -109,7 +109,8 @@ File make_body(Choices& c) {
     rest.remove_prefix(std::min(size, rest.size()));
   };
   take(kHeader);
-  for (std::size_t k = 0; k < kArrays; ++k) take(widths[k] * count_of(k));
+  const std::size_t arrays = number_at<std::uint32_t>(bytes, kClosed) != 0 ? kArrays : kArrays - 2;
+  for (std::size_t k = 0; k < arrays; ++k) take(widths[k] * count_of(k));
   file.bytes = bytes + raw(stored(c, sum.value()));
   damage(c, file.bytes);
   return file;
