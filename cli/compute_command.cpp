@@ -89,6 +89,8 @@ void Command::add_to(CLI::App& verb) {
       [this](S o, S t) { options.sign.rule = parse_winding_rule(o, t); }, "Sign");
   verb.add_flag("--invert", options.sign.invert, "exchange inside and outside, as for a room scanned from inside")
       ->group("Sign");
+  verb.add_flag("--as-oriented", options.sign.as_oriented, "take triangles as they are oriented; repair nothing first")
+      ->group("Sign");
   verb.add_flag("--strict", options.sign.strict, "fail with exit code 8 where the sign is not certain")->group("Sign");
   add_device(verb, "Work", options.execution.backend, options.execution.device);
   add_threads(verb, "Work", options.execution.threads);

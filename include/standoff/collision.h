@@ -62,8 +62,8 @@ class STANDOFF_API CollisionModel {
   Grid grid() const;
   double thickness() const;
   /// Whether the mesh is closed and consistently oriented: each edge is used as often in one direction as in the other.
-  /// Its inside is then where its winding number is positive, as by SignMethod::winding, and the fine field has a sign.
-  /// A mesh that is turned inside out has nothing inside.
+  /// Its inside is then where its winding number is positive, as by SignMethod::winding with SignOptions::as_oriented,
+  /// and its fields have a sign. A mesh that is turned inside out has nothing inside.
   bool closed() const;
   /// Bytes of the model's arrays: mesh, fields and BVH. Copies of the model share them. Copies on GPUs are not counted.
   std::int64_t memory_bytes() const;

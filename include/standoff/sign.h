@@ -52,6 +52,8 @@ struct SignOptions {
   WindingRule rule = WindingRule::positive;
   bool invert = false;  ///< exchange inside and outside, for example for the scan of a room
   bool strict = false;  ///< Error{doubt} where the sign is not certain
+  /// Take the triangles as they are oriented. By default the orientation is repaired first (docs/diagnosis.md).
+  bool as_oriented = false;
   double shell = 0;     ///< SignMethod::shell alone: thickness of the sheet, world units, positive
 };
 

@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sign/sign_field.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 
-#include "core/per_thread.h"
 #include "core/tile_count.h"
+#include "sign/each_row_of_tiles.h"
 
 namespace standoff {
 namespace {
@@ -16,24 +13,6 @@ constexpr int kSide = DistanceField::kTileSide, kSamples = DistanceField::kTileS
 
 // Zero stays zero: a sample on the surface has no side.
 float negated(float value, bool inside) { return inside && value != 0 ? -value : value; }
-
-// Calls use(rows, ty, tz) for each row of tiles.
-template <class Use>
-void for_each_row_of_tiles(const Sides& sides, bool invert, const Grid& grid, ProgressMeter& progress, const Use& use) {
-  PerThread<InsideRows> scratch([&] { return InsideRows(grid); });
-  const std::int64_t tiles_y = tiles_along(grid.size.y), rows_of_tiles = tiles_y * tiles_along(grid.size.z);
-  tbb::parallel_for(tbb::blocked_range<std::int64_t>(0, rows_of_tiles, 8), [&](const auto& range) {
-    progress.check();
-    InsideRows& rows = scratch.local();
-    for (std::int64_t n = range.begin(); n != range.end(); ++n) {
-      const std::int64_t ty = n % tiles_y, tz = n / tiles_y;
-      rows.clear(ty, tz);
-      sides.fill(rows, ty, tz);
-      if (invert) rows.invert();
-      use(rows, ty, tz);
-    }
-  });
-}
 
 void negate_inside(std::span<const std::uint8_t, 64> inside, std::span<float, kSamples> values) {
   for (std::size_t row = 0; row < inside.size(); ++row) {

@@ -17,6 +17,8 @@
 #include "standoff/experimental/simulation.h"
 #include "standoff/inspect.h"
 #include "standoff/io.h"
+#include "standoff/mesh_report.h"
+#include "standoff/occupancy.h"
 #include "standoff/picture.h"
 #include "standoff/points.h"
 #include "standoff/slice.h"
@@ -92,6 +94,7 @@ TEST(RefusedMemory, Computing) {
   expect_limit_error("compute_into", [&] { compute_into(kMesh, kGrid, 1, values, nearest, on_cpu()); });
   const std::vector<Vec3> points(3);
   expect_limit_error("points", [&] { closest_points(kMesh, points, {.threads = 1}); });
+  expect_limit_error("occupancy", [&] { occupancy(kMesh, kGrid, {SignMethod::automatic}, {.threads = 1}); });
   expect_limit_error("memory_needed", [&] { memory_needed(kMesh, kGrid, 1, on_cpu()); });
 }
 
@@ -140,6 +143,7 @@ TEST(RefusedMemory, Fields) {
 
 TEST(RefusedMemory, Meshes) {
   expect_limit_error("inspect", [&] { inspect(kMesh); });
+  expect_limit_error("report", [&] { report(kMesh); });
   const std::vector<Triangle> wrong{{0, 1, 9}};
   expect_error_or_limit("bounds", [&] { bounds({kMesh.vertices, wrong}); });
   expect_error_or_limit("validate", [&] { validate(MeshView{kMesh.vertices, wrong}); });

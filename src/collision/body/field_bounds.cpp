@@ -117,7 +117,8 @@ FieldBounds build_field_bounds(MeshView mesh, Vec3 middle, double spacing, const
   ComputeOptions options;
   options.execution = execution;
   const bool has_sign = is_closed(moved).oriented;
-  if (has_sign) options.sign.method = SignMethod::winding;
+  // As the triangles are oriented: so are the crossings that containment counts near the surface.
+  if (has_sign) options.sign = {.method = SignMethod::winding, .as_oriented = true};
   {
     const DistanceField field = compute(moved, fine, bounds.thickness(), options).field;
     fill_fine(bounds, field, has_sign);
