@@ -3,14 +3,10 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
-#include <memory>
 #include <vector>
 
-#include "core/progress.h"
+#include "sign/boundary.h"
 #include "sign/oriented_mesh.h"
-#include "sign/sides.h"
-#include "standoff/grid.h"
 #include "standoff/mesh.h"
 #include "standoff/sign.h"
 
@@ -19,18 +15,19 @@ namespace standoff {
 struct SignPlan {
   SignReport report;
   std::vector<std::int8_t> use;  ///< OrientedMesh::use
+  Boundary boundary;             ///< of the mesh in that orientation; empty also where the method needs none
 
   bool has_sign() const { return report.method != SignMethod::none; }
 };
 
-/// Throws Error{input} where the method does not fit the mesh, Error{doubt} where it fits and `strict` forbids it.
-/// Requires a valid mesh and valid options. Runs on the threads of the calling TBB arena.
+/// Throws Error{input} where the method does not fit the mesh, Error{doubt} where it fits but is not certain and
+/// `strict` is asked for. Requires a valid mesh and valid options. Runs on the threads of the calling TBB arena.
 SignPlan plan_sign(MeshView mesh, const SignOptions& options);
 
-/// What decides the sides of a grid's samples by this plan. `crossing_bytes`: what may be held of crossings at a
-/// time (RowCrossings), where they can be found again. Requires plan.has_sign(). Throws Error{interrupted}.
-std::unique_ptr<Sides> make_sides(MeshView mesh, const SignPlan& plan, const SignOptions& options, const Grid& grid,
-                                  ProgressMeter& progress,
-                                  std::int64_t crossing_bytes = std::numeric_limits<std::int64_t>::max());
+/// Orients the mesh by its parts, for the winding number: sets `use`, `boundary` and the report's figures.
+void orient_for(SignPlan& plan, MeshView mesh);
+
+/// Throws Error{doubt} where the plan is not certain and `strict` is asked for.
+void expect_sure(const SignPlan& plan, const SignOptions& options);
 
 }  // namespace standoff

@@ -2,6 +2,7 @@
 // grid.h, mesh.h, field.h, compute.h and verify.h with arguments that make no sense.
 #include "standoff/compute.h"
 #include "standoff/inspect.h"
+#include "standoff/mesh_report.h"
 #include "standoff/occupancy.h"
 #include "standoff/points.h"
 #include "standoff/testing/emulation.h"
@@ -83,6 +84,7 @@ TEST(Misuse, Meshes) {
     expect_answer_or_error("bounds", [&] { bounds(mesh); });
     expect_answer_or_error("hash", [&] { content_hash(mesh); });
     expect_answer_or_error("inspect", [&] { inspect(mesh); });
+    expect_answer_or_error("report", [&] { report(mesh); });
     expect_answer_or_error("points", [&] { closest_points(mesh, std::vector<Vec3>(2)); });
     expect_answer_or_error("occupancy", [&] { occupancy(mesh, kGrid); });
     expect_answer_or_error("memory_needed", [&] { memory_needed(mesh, kGrid, 1, on_cpu()); });
@@ -182,6 +184,7 @@ void expect_field(const std::string& name, DistanceField& field) {
       expect_answer_or_error(name, [&] { field.background(a, b, 0); });
       expect_answer_or_error(name, [&] { field.mark_inside(a, b, a); });
       expect_answer_or_error(name, [&] { field.erase_tile(b, a, b); });
+      expect_answer_or_error(name, [&] { field.erase_tiles(std::vector<Size3>{{0, 0, 0}, {a, b, a}}); });
       expect_answer_or_error(name, [&] { field.store_nearest(a, b, b); });
       expect_answer_or_error(name, [&] { field.store_tile(a, b, b); });
       std::vector<float> values(81);
@@ -201,6 +204,7 @@ void expect_field(const std::string& name, DistanceField& field) {
   expect_answer_or_error(name, [&] { EXPECT_EQ(std::ssize(field.tile_values()), 512 * field.stored_tiles()); });
   expect_answer_or_error(name, [&] { EXPECT_GE(field.memory_bytes(), 0); });
   expect_answer_or_error(name, [&] { verify(field, one_triangle()); });
+  expect_answer_or_error(name, [&] { field.erase_nearest(); });
   expect_answer_or_error(name, [&] { DistanceField(field).value(0, 0, 0); });
 }
 
