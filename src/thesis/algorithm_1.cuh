@@ -127,7 +127,7 @@ struct Algorithm1 {
   void lower(const Lattice& l, const Task& task, Stream stream) const {
     const std::int64_t all = l.tile_count(), samples = task.grid.sample_count();
     const std::int64_t warps = blocks_for(32 * task.mesh.used_count());
-    launch(stream, "clear", clear_outcome, 1, 1, task.outcome, static_cast<Counter*>(nullptr));
+    launch(stream, "clear", clear_outcome, 1, 1, task.outcome, static_cast<Counter*>(nullptr), 0);
     launch(stream, "clear samples", clear_samples, kManyBlocks, kThreads, nearest, samples);
     launch(stream, "Algorithm 1", lower_samples<kLast>, warps < kManyBlocks * 8 ? warps : kManyBlocks * 8, kThreads, l,
            task.mesh, task.grid, task.thickness, nearest, task.outcome);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A block of threads per tile: each thread holds one sample in registers, all triangles of the tile pass by in shared
-// memory, and each sample is written once.
+// Thick bands and full fields: a block of threads per tile. Each thread holds one sample in registers, all triangles of
+// the tile pass by in shared memory, and each sample is written once. (Thin bands: gather_band.cuh.)
 //
 // A warp holds 4x4x2 samples. Before it measures, its lanes compare 32 triangles with the centre of these samples, one
 // each, and a vote leaves those that can be nearer than what the samples have. So all lanes measure to the same
@@ -59,7 +59,7 @@ STANDOFF_DEVICE void measure(const Stage& stage, int first, std::uint32_t left, 
 
 /// Measures from a warp's samples to those of the staged triangles, `count` of them, that its vote leaves. Returns how
 /// many were measured.
-template <bool kNearest, class Steps>
+template <bool kNearest>
 STANDOFF_DEVICE int gather_stage(const Lattice& l, const Stage& stage, int count, const Triple<float>& sample,
                                  const Triple<float>& warp_center, bool in_grid, float known_within, Nearest& best) {
   const int lane = static_cast<int>(threadIdx.x) % 32;
@@ -73,33 +73,10 @@ STANDOFF_DEVICE int gather_stage(const Lattice& l, const Stage& stage, int count
         mine < count && sqrt(staged_distance_sq(stage, mine, warp_center)) - stage.slack[mine] <= within;
     const std::uint32_t left = __ballot_sync(0xffffffffu, is_near);
     measured += __popc(left);
-    Steps::template measure<kNearest>(stage, first, left, sample, best);
+    measure<kNearest>(stage, first, left, sample, best);
   }
   return measured;
 }
-
-/// The steps of a gather. A program that measures what each of them costs gives the kernel steps of its own, of which
-/// some do nothing; a field takes these.
-struct AllSteps {
-  static STANDOFF_DEVICE void set_up(const Lattice& l, const DeviceMesh& mesh, std::uint32_t triangle,
-                                     const Triple<double>& center, Stage& stage, int n) {
-    STANDOFF_PLATFORM::set_up(l, mesh, triangle, center, stage, n);
-  }
-  template <bool kNearest, class Steps>
-  static STANDOFF_DEVICE int gather_stage(const Lattice& l, const Stage& stage, int count, const Triple<float>& sample,
-                                          const Triple<float>& warp_center, bool in_grid, float known_within,
-                                          Nearest& best) {
-    return STANDOFF_PLATFORM::gather_stage<kNearest, Steps>(l, stage, count, sample, warp_center, in_grid, known_within,
-                                                            best);
-  }
-  template <bool kNearest>
-  static STANDOFF_DEVICE void measure(const Stage& stage, int first, std::uint32_t left, const Triple<float>& sample,
-                                      Nearest& best) {
-    STANDOFF_PLATFORM::measure<kNearest>(stage, first, left, sample, best);
-  }
-  /// Whether a finished sample's tile is written.
-  static STANDOFF_DEVICE bool writes(float) { return true; }
-};
 
 /// A tile's finished samples, x fastest, before they are written in rows.
 struct Finished {
@@ -127,7 +104,6 @@ STANDOFF_DEVICE void write_tile(const Lattice& l, const std::int64_t* tile, std:
 
 /// Clamps the samples, leaves them in `finished`, and writes the tile; one without a band sample stays unstored
 /// (sparse). All threads of the block take part.
-template <class Steps = AllSteps>
 STANDOFF_DEVICE void finish_tile(const Lattice& l, const std::int64_t* tile, std::int64_t index, const SampleAt& at,
                                  float value, std::uint32_t nearest, bool is_band, Finished& finished,
                                  const DeviceOutput& output, Outcome* outcome) {
@@ -137,8 +113,7 @@ STANDOFF_DEVICE void finish_tile(const Lattice& l, const std::int64_t* tile, std
   const std::uint32_t band = __ballot_sync(0xffffffffu, is_band);
   if (threadIdx.x % 32 == 0) atomicAdd(&finished.band, static_cast<unsigned>(__popc(band)));
   __syncthreads();
-  if (Steps::writes(finished.value[t]) && (!output.slots || finished.band != 0))
-    write_tile(l, tile, index, finished, output);
+  if (!output.slots || finished.band != 0) write_tile(l, tile, index, finished, output);
   if (threadIdx.x == 0) {
     atomicAdd(&outcome->samples_band, Counter{finished.band});
     atomicAdd(&outcome->samples_examined, Counter{32} * finished.measured);
@@ -155,7 +130,7 @@ struct GatherLists {
 };
 
 /// Blocks stride over the tiles.
-template <bool kNearest, class Steps = AllSteps>
+template <bool kNearest>
 STANDOFF_KERNEL void __launch_bounds__(kGatherThreads, 2)
     gather(Lattice l, DeviceMesh mesh, GatherLists lists, DeviceOutput output, Outcome* outcome) {
   __shared__ Stage stage;
@@ -195,18 +170,15 @@ STANDOFF_KERNEL void __launch_bounds__(kGatherThreads, 2)
     for (Counter first = lists.start[index]; first < end; first += Stage::kTriangles) {
       const int count = end - first < Stage::kTriangles ? static_cast<int>(end - first) : Stage::kTriangles;
       __syncthreads();  // the last stage has been read
-      if (thread < count)
-        Steps::set_up(l, mesh, lists.entries[first + static_cast<Counter>(thread)], center, stage, thread);
+      if (thread < count) set_up(l, mesh, lists.entries[first + static_cast<Counter>(thread)], center, stage, thread);
       __syncthreads();
-      measured += Steps::template gather_stage<kNearest, Steps>(l, stage, count, sample, warp_center, in_grid,
-                                                                known_within, best);
+      measured += gather_stage<kNearest>(l, stage, count, sample, warp_center, in_grid, known_within, best);
     }
     __syncthreads();  // the counters are zero, also where no triangle came by
     if (thread % 32 == 0) atomicAdd(&finished.measured, static_cast<unsigned>(measured));
     const bool in_band = in_grid && !(l.thickness_sq < best.distance_sq);
     const float value = in_grid ? min(sqrt(best.distance_sq) * l.unscale, l.thickness_world) : l.thickness_world;
-    finish_tile<Steps>(l, tile, index, at, value, in_band ? best.triangle : kNoTriangle, in_band, finished, output,
-                       outcome);
+    finish_tile(l, tile, index, at, value, in_band ? best.triangle : kNoTriangle, in_band, finished, output, outcome);
   }
 }
 

@@ -13,14 +13,14 @@ namespace standoff::STANDOFF_PLATFORM {
 struct alignas(16) Staged {
   float number[44];
 };
-static_assert(sizeof(TriangleFrame<float>) <= sizeof(Staged) && sizeof(TriangleLines<float>) <= sizeof(Staged));
 
-template <class Setup>
-STANDOFF_DEVICE void store(const Setup& setup, Staged& to) {
+template <class Setup, class Words>
+STANDOFF_DEVICE void store(const Setup& setup, Words& to) {
+  static_assert(sizeof setup <= sizeof to);
   __builtin_memcpy(&to, &setup, sizeof setup);
 }
-template <class Setup>
-STANDOFF_DEVICE Setup load(const Staged& from) {
+template <class Setup, class Words>
+STANDOFF_DEVICE Setup load(const Words& from) {
   Setup setup;
   __builtin_memcpy(&setup, &from, sizeof setup);
   return setup;

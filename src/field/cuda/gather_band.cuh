@@ -1,0 +1,304 @@
+// SPDX-License-Identifier: Apache-2.0
+// Thin bands: a block of threads takes one tile after the other, and its warps share the tile's triangles. What the
+// samples have found lies in shared memory, where it is lowered by atomic minima: the order of triangles changes no
+// bit.
+//
+// A short triangle reaches a few samples of the tile. A lane takes a row of them, along which two thirds of the linear
+// functions of the frame stay the same, and no lane measures where the triangle does not reach. A long triangle is
+// compared with the centres of the tile's 16 groups of 4x4x2 samples, a lane each, and measured to in the groups that
+// are near.
+#pragma once
+
+#include <type_traits>
+
+#include "field/cuda/band_stage.cuh"
+#include "field/cuda/band_work.cuh"
+#include "field/cuda/gather.cuh"
+
+namespace standoff::STANDOFF_PLATFORM {
+
+inline constexpr int kBandThreads = 128;
+inline constexpr int kBandWarps = kBandThreads / 32;
+static_assert(kLeastPart == kBandThreads);
+
+/// What a sample has found: the squared distance's bits, which ascend with it as it is not negative; above the nearest
+/// triangle's index where that is wanted, so that the lowest wins a tie.
+template <bool kNearest>
+using Found = std::conditional_t<kNearest, Counter, std::uint32_t>;
+
+template <bool kNearest>
+STANDOFF_DEVICE Found<kNearest> found(float distance_sq, std::uint32_t triangle) {
+  if constexpr (kNearest) return Counter{__float_as_uint(distance_sq)} << 32 | triangle;
+  return __float_as_uint(distance_sq);
+}
+/// What is above all that lies in the band. (A distance above the thickness is clamped to it: its square is above the
+/// square of the thickness as rounded, so at least one float above the thickness squared.)
+template <bool kNearest>
+STANDOFF_DEVICE Found<kNearest> nothing_found(const Lattice& l) {
+  return found<kNearest>(__uint_as_float(__float_as_uint(l.thickness_sq) + 1), 0);
+}
+
+/// Words from row to row: those of a triangle's rows then lie in different banks of shared memory.
+inline constexpr int kFoundRow = kTileSide + 1;
+STANDOFF_DEVICE int found_at(int x, int y, int z) { return x + kFoundRow * (y + kTileSide * z); }
+
+/// What the threads of a block share.
+template <bool kNearest>
+struct BandTile {
+  WorkItem item;
+  int has_item;
+  unsigned band;  // samples in it
+  TileView view;
+  Found<kNearest> found[kFoundRow * kTileSide * kTileSide];
+  BandStage stage[kBandWarps];
+};
+
+/// The steps of a gather. A program that measures what each of them costs leaves some out; a field takes these.
+struct AllSteps {
+  static constexpr bool kSetsUp = true;     // triangles
+  static constexpr bool kFindsRows = true;  // which samples to measure from
+  static constexpr bool kMeasures = true;
+  static constexpr bool kWrites = true;
+  /// Whether a number that was found is written, or counted where its step is the last.
+  static STANDOFF_DEVICE bool uses(float) { return true; }
+};
+
+/// The bitwise or over the lanes of a warp.
+STANDOFF_DEVICE std::uint32_t warp_or(std::uint32_t bits) {
+#if defined(__CUDA_ARCH__) && __CUDA_ARCH__ >= 800
+  return __reduce_or_sync(0xffffffffu, bits);
+#else
+  for (int step = 16; step > 0; step /= 2) bits |= __shfl_xor_sync(0xffffffffu, bits, step);
+  return bits;
+#endif
+}
+
+/// Measures from a row of samples to a staged triangle; returns how many samples that were.
+template <bool kNearest, class Steps>
+STANDOFF_DEVICE unsigned measure_row(const Lattice& l, const BandStage& stage, int n, unsigned row,
+                                     BandTile<kNearest>& tile) {
+  const StagedRows rows = stage.rows[n];
+  const int x = static_cast<int>(rows.box & 15), nx = static_cast<int>(rows.box >> 4 & 15),
+            ny = static_cast<int>(rows.box >> 12 & 15);
+  if constexpr (Steps::kMeasures) {
+    const int of_triangle = static_cast<int>(row - (rows.number & 0xffff));
+    const int deep = of_triangle * static_cast<int>(rows.number >> 16) >> 10;
+    const int y = static_cast<int>(rows.box >> 8 & 15) + of_triangle - deep * ny,
+              z = static_cast<int>(rows.box >> 16) + deep;
+    const auto f = load<TriangleFrame<float>>(stage.frame[n]);
+    const float py = tile.view.coordinate[1][y], pz = tile.view.coordinate[2][z];
+    // evaluate() of triangle_frame.h, of which all but the last step is the same along the row.
+    const float q0 = fma(py, f.q.g.y, fma(pz, f.q.g.z, f.q.c)), y0 = fma(py, f.y.g.y, fma(pz, f.y.g.z, f.y.c)),
+                z0 = fma(py, f.z.g.y, fma(pz, f.z.g.z, f.z.c));
+    const std::uint32_t triangle = kNearest ? stage.triangle[n] : 0;
+    const float* const px = tile.view.coordinate[0] + x;
+    Found<kNearest>* const at = tile.found + found_at(x, y, z);
+    for (int i = 0; i < nx; ++i) {
+      const float d = frame_distance_sq(f, fma(px[i], f.q.g.x, q0), fma(px[i], f.y.g.x, y0), fma(px[i], f.z.g.x, z0));
+      if (d <= l.thickness_sq) atomicMin(at + i, found<kNearest>(d, triangle));
+    }
+  }
+  return static_cast<unsigned>(nx);
+}
+
+/// Measures to the staged short triangles, which have `count` rows. All lanes take part; each returns from how many
+/// samples it measured.
+template <bool kNearest, class Steps>
+STANDOFF_DEVICE unsigned gather_rows(const Lattice& l, const BandStage& stage, unsigned count,
+                                     BandTile<kNearest>& tile) {
+  const unsigned lane = threadIdx.x % 32;
+  const unsigned first_row = stage.rows[lane].number & 0xffff;  // of the triangle that is this lane's here
+  unsigned measured = 0;
+  int begun = 0;  // triangles whose rows begin before `first`
+  for (unsigned first = 0; first < count; first += 32) {
+    const unsigned ahead = first_row - first;
+    const std::uint32_t begin = warp_or(ahead < 32 ? 1u << ahead : 0);
+    const int n = begun + __popc(begin & (0xffffffffu >> (31 - lane))) - 1;
+    begun += __popc(begin);
+    if (first + lane < count) measured += measure_row<kNearest, Steps>(l, stage, n, first + lane, tile);
+  }
+  return measured;
+}
+
+/// Measures to the staged long triangles, `count` of them. All lanes take part, and each returns from how many samples
+/// it measured.
+template <bool kNearest, class Steps>
+STANDOFF_DEVICE unsigned gather_long(const Lattice& l, const BandStage& stage, int count, BandTile<kNearest>& tile) {
+  const int lane = static_cast<int>(threadIdx.x) % 32;
+  const float* const x = tile.view.coordinate[0];
+  const float* const y = tile.view.coordinate[1];
+  const float* const z = tile.view.coordinate[2];
+  const SampleAt group = sample_of_thread(lane % 16 * 32);  // the first sample of this lane's group
+  const Triple<float> center{(x[group.x] + x[group.x + 3]) / 2, (y[group.y] + y[group.y + 3]) / 2,
+                             (z[group.z] + z[group.z + 1]) / 2};
+  const float within = l.thickness * (1 + kSlackRatio) + warp_radius(l);
+  unsigned measured = 0;
+  for (int first = 0; first < count; first += 2) {  // half a warp each
+    const int mine = first + lane / 16;
+    const bool is_near =
+        mine < count &&
+        sqrt(distance_sq(load<TriangleLines<float>>(stage.lines[mine]), center)) - stage.slack[mine] <= within;
+    const std::uint32_t near = __ballot_sync(0xffffffffu, is_near);
+    measured += static_cast<unsigned>(__popc(near));
+    if constexpr (Steps::kMeasures) {
+      for (std::uint32_t left = near; left; left &= left - 1) {
+        const int bit = __ffs(static_cast<int>(left)) - 1, n = first + bit / 16;
+        const SampleAt at = sample_of_thread(bit % 16 * 32 + lane);
+        const float d =
+            distance_sq(load<TriangleLines<float>>(stage.lines[n]), Triple<float>{x[at.x], y[at.y], z[at.z]});
+        if (d <= l.thickness_sq)
+          atomicMin(&tile.found[found_at(at.x, at.y, at.z)], found<kNearest>(d, stage.triangle[n]));
+      }
+    }
+  }
+  return measured;
+}
+
+/// Measures to the triangles of the block's item. Returns from how many samples this lane measured.
+template <bool kNearest, class Steps>
+STANDOFF_DEVICE unsigned gather_item(const Lattice& l, const DeviceMesh& mesh, const std::uint32_t* entries,
+                                     BandTile<kNearest>& tile) {
+  const int warp = static_cast<int>(threadIdx.x) / 32, lane = static_cast<int>(threadIdx.x) % 32;
+  BandStage& stage = tile.stage[warp];
+  const std::uint32_t count = tile.item.count, rounds = (count + kBandThreads - 1) / kBandThreads,
+                      each = (count + rounds * kBandWarps - 1) / (rounds * kBandWarps);
+  unsigned measured = 0;
+  for (std::uint32_t first = static_cast<std::uint32_t>(warp) * each; first < count; first += each * kBandWarps) {
+    const int here = static_cast<int>(count - first < each ? count - first : each);
+    const std::uint32_t triangle =
+        entries[tile.item.first + first + static_cast<std::uint32_t>(lane < here ? lane : 0)];
+    if constexpr (Steps::kSetsUp) {
+      const Staged32 staged = stage_short(l, mesh, tile.view, triangle, here, stage);
+      if constexpr (Steps::kFindsRows)
+        measured += gather_rows<kNearest, Steps>(l, stage, staged.rows, tile);
+      else
+        measured += Steps::uses(stage.frame[lane].number[staged.rows % 20]);
+      __syncwarp();
+      std::uint32_t left = staged.is_long;
+      while (left) {
+        const int long_ones = stage_long(l, mesh, tile.view, triangle, left, stage);
+        if constexpr (Steps::kFindsRows)
+          measured += gather_long<kNearest, Steps>(l, stage, long_ones, tile);
+        else
+          measured += Steps::uses(stage.lines[lane % BandStage::kLong].number[long_ones]);
+        __syncwarp();
+        for (int n = 0; n < long_ones; ++n) left &= left - 1;
+      }
+    } else {
+      measured += Steps::uses(__uint_as_float(triangle));
+    }
+  }
+  return measured;
+}
+
+/// Finishes the tile: clamps what `at` says each sample has found, and writes it; a tile without a band sample stays
+/// unstored (sparse). All threads of the block take part. Returns how many samples are in the band.
+template <bool kNearest, class Steps, class At>
+STANDOFF_DEVICE unsigned finish_band(const Lattice& l, const std::int64_t* tile, const int* inside, unsigned* band,
+                                     const DeviceOutput& output, At at) {
+  const int t = static_cast<int>(threadIdx.x);
+  constexpr int kEach = kTileSamples / kBandThreads;
+  const auto nothing = nothing_found<kNearest>(l);
+  for (int n = 0; n < kEach; ++n) {
+    const int s = t + n * kBandThreads, x = s % 8, y = s / 8 % 8, z = s / 64;
+    const bool in_grid = x < inside[0] && y < inside[1] && z < inside[2];
+    const std::uint32_t is_band = __ballot_sync(0xffffffffu, in_grid && at(x, y, z) < nothing);
+    if (t % 32 == 0 && is_band) atomicAdd(band, static_cast<unsigned>(__popc(is_band)));
+  }
+  __syncthreads();
+  const unsigned in_band = *band;
+  const std::int64_t index = l.tile(tile[0], tile[1], tile[2]);
+  if (output.slots && in_band == 0) {
+    if (t == 0) output.slots[index] = -1;
+    return 0;
+  }
+  for (int n = 0; n < kEach; ++n) {
+    const int s = t + n * kBandThreads, x = s % 8, y = s / 8 % 8, z = s / 64;
+    const bool in_grid = x < inside[0] && y < inside[1] && z < inside[2];
+    if (!output.slots && !in_grid) continue;
+    const Found<kNearest> best = at(x, y, z);
+    const bool is_band = in_grid && best < nothing;
+    const auto bits = static_cast<std::uint32_t>(kNearest ? best >> (kNearest ? 32 : 0) : best);
+    const float value = is_band ? min(sqrt(__uint_as_float(bits)) * l.unscale, l.thickness_world) : l.thickness_world;
+    if (!Steps::uses(value)) continue;
+    const std::int64_t to = output.slots
+                                ? std::int64_t{output.slots[index]} * kTileSamples + s
+                                : tile[0] * 8 + x + l.size[0] * (tile[1] * 8 + y + l.size[1] * (tile[2] * 8 + z));
+    output.values[to] = value;
+    if (kNearest) output.nearest[to] = is_band ? static_cast<std::uint32_t>(best) : kNoTriangle;
+  }
+  return in_band;
+}
+
+/// Leaves what a part of a list has found where the other parts do. All threads of the block take part.
+template <bool kNearest>
+STANDOFF_DEVICE void merge_part(const Lattice& l, const BandTile<kNearest>& tile, Found<kNearest>* into) {
+  const auto nothing = nothing_found<kNearest>(l);
+  for (int s = static_cast<int>(threadIdx.x); s < kTileSamples; s += kBandThreads) {
+    const Found<kNearest> best = tile.found[found_at(s % 8, s / 8 % 8, s / 64)];
+    if (best < nothing) atomicMin(into + s, best);
+  }
+}
+
+/// Blocks take items until there are none. A tile whose list is cut is only lowered, and left to finish_cut_tiles.
+template <bool kNearest, class Steps = AllSteps>
+STANDOFF_KERNEL void __launch_bounds__(kBandThreads, 8)
+    gather_band(Lattice l, DeviceMesh mesh, const std::uint32_t* entries, BandWork work, DeviceOutput output,
+                Outcome* outcome) {
+  __shared__ BandTile<kNearest> tile;
+  if (outcome->stopped) return;
+  const int t = static_cast<int>(threadIdx.x);
+  const Counter items = work.size();
+  Counter mine = t == 0 ? atomicAdd(&work.counts->taken, Counter{1}) : 0;
+  Counter band = 0, measured = 0;
+  for (;;) {
+    if (t == 0) {
+      tile.has_item = mine < items;
+      if (mine < items) {
+        tile.item = work.at(mine);
+        mine = atomicAdd(&work.counts->taken, Counter{1});  // the next one: known by then
+      }
+      tile.band = 0;
+    }
+    __syncthreads();
+    if (!tile.has_item) break;
+    view_tile(l, tile.item.tile, tile.view);
+    for (int n = t; n < kFoundRow * kTileSide * kTileSide; n += kBandThreads)
+      tile.found[n] = nothing_found<kNearest>(l);
+    __syncthreads();
+    measured += gather_item<kNearest, Steps>(l, mesh, entries, tile);
+    __syncthreads();
+    if (tile.item.cut != kWhole)
+      merge_part(l, tile, reinterpret_cast<Found<kNearest>*>(work.found) + std::int64_t{tile.item.cut} * kTileSamples);
+    else
+      band += finish_band<kNearest, Steps>(l, tile.item.tile, tile.view.inside, &tile.band, output,
+                                           [&](int x, int y, int z) { return tile.found[found_at(x, y, z)]; });
+    __syncthreads();
+  }
+  for (int step = 16; step > 0; step /= 2) measured += __shfl_xor_sync(0xffffffffu, measured, step);
+  if (t % 32 == 0 && measured) atomicAdd(&outcome->samples_examined, measured);
+  if (t == 0 && band) atomicAdd(&outcome->samples_band, band);
+}
+
+/// Blocks stride over the tiles whose lists were cut.
+template <bool kNearest, class Steps = AllSteps>
+STANDOFF_KERNEL void __launch_bounds__(kBandThreads)
+    finish_cut_tiles(Lattice l, BandWork work, DeviceOutput output, Outcome* outcome) {
+  __shared__ unsigned band;
+  if (outcome->stopped) return;
+  Counter all = 0;
+  for (Counter n = blockIdx.x; n < work.counts->cut; n += gridDim.x) {
+    const auto* const from = reinterpret_cast<const Found<kNearest>*>(work.found) + n * kTileSamples;
+    std::int64_t tile[3];
+    tile_at(l, work.cut_tiles[n], tile);
+    const int within[3] = {inside<kTileSide>(l, tile, 0), inside<kTileSide>(l, tile, 1), inside<kTileSide>(l, tile, 2)};
+    if (threadIdx.x == 0) band = 0;
+    __syncthreads();
+    all += finish_band<kNearest, Steps>(l, tile, within, &band, output,
+                                        [&](int x, int y, int z) { return from[x + 8 * y + 64 * z]; });
+    __syncthreads();
+  }
+  if (threadIdx.x == 0 && all) atomicAdd(&outcome->samples_band, all);
+}
+
+}  // namespace standoff::STANDOFF_PLATFORM
