@@ -94,22 +94,15 @@ STANDOFF_DEVICE SampleBox reached_samples(const Lattice& l, const TileView& view
   return s;
 }
 
-/// A triangle relative to the brick's centre, before it is set up.
-struct LocalTriangle {
+/// A triangle's corners relative to the brick's centre.
+struct LocalCorners {
   Triple<double> a, b, c;
-  STANDOFF_DEVICE LocalTriangle(const Lattice& l, const DeviceMesh& mesh, std::uint32_t triangle,
-                                const Triple<double>& center) {
-    const Corners corners = corners_of(mesh, triangle);
-    a = local(l, corners.at[0], center), b = local(l, corners.at[1], center), c = local(l, corners.at[2], center);
-  }
-  STANDOFF_DEVICE BoxOf<float> box() const { return box_of(narrowed(a), narrowed(b), narrowed(c)); }
-  STANDOFF_DEVICE TriangleFrame<float> frame() const {
-    return make_frame(narrowed(a), narrowed(b), narrowed(c), float{kLeastLengthSq});
-  }
-  STANDOFF_DEVICE TriangleLines<float> lines() const {
-    return make_lines<float>(make_frame(a, b, c, double{kLeastLengthSq}));
-  }
 };
+STANDOFF_DEVICE LocalCorners local_corners(const Lattice& l, const DeviceMesh& mesh, std::uint32_t triangle,
+                                           const Triple<double>& center) {
+  const Corners corners = corners_of(mesh, triangle);
+  return {local(l, corners.at[0], center), local(l, corners.at[1], center), local(l, corners.at[2], center)};
+}
 
 /// What a warp knows of the triangles it has staged.
 struct Staged32 {
@@ -126,18 +119,14 @@ STANDOFF_DEVICE Staged32 stage_short(const Lattice& l, const DeviceMesh& mesh, c
   bool is_long_one = false;
   int rows = 0;
   SampleBox box{};
-  TriangleFrame<float> frame;
+  Triple<float> a{}, b{}, c{};
   if (lane < count) {
-    const LocalTriangle local(l, mesh, triangle, view.center);
-    const BoxOf<float> around = local.box();
+    const LocalCorners corners = local_corners(l, mesh, triangle, view.center);
+    a = narrowed(corners.a), b = narrowed(corners.b), c = narrowed(corners.c);
+    const BoxOf<float> around = box_of(a, b, c);
     is_long_one = is_long(around);
-    if (!is_long_one) {
-      box = reached_samples(l, view, around);
-      if (box.nx > 0 && box.ny > 0 && box.nz > 0) {
-        rows = box.ny * box.nz;
-        frame = local.frame();
-      }
-    }
+    if (!is_long_one) box = reached_samples(l, view, around);
+    if (box.nx > 0 && box.ny > 0 && box.nz > 0) rows = box.ny * box.nz;
   }
   int through = rows;  // the rows up to this lane's
   for (int step = 1; step < 32; step *= 2) {
@@ -147,7 +136,7 @@ STANDOFF_DEVICE Staged32 stage_short(const Lattice& l, const DeviceMesh& mesh, c
   const std::uint32_t reaching = __ballot_sync(0xffffffffu, rows > 0);
   if (rows > 0) {
     const int n = __popc(reaching & before);
-    store(frame, stage.frame[n]);
+    store(make_frame(a, b, c, float{kLeastLengthSq}), stage.frame[n]);
     stage.rows[n] = packed(box, static_cast<unsigned>(through - rows));
     stage.triangle[n] = triangle;
   }
@@ -165,9 +154,10 @@ STANDOFF_DEVICE int stage_long(const Lattice& l, const DeviceMesh& mesh, const T
                                std::uint32_t is_long, BandStage& stage) {
   const int lane = static_cast<int>(threadIdx.x) % 32, n = __popc(is_long & ((1u << lane) - 1));
   if ((is_long >> lane & 1) && n < BandStage::kLong) {
-    const LocalTriangle local(l, mesh, triangle, view.center);
-    store(local.lines(), stage.lines[n]);
-    stage.slack[n] = fma(farthest_coordinate(local.box()), kSlackOfCoordinate, kSlack);
+    const auto [a, b, c] = local_corners(l, mesh, triangle, view.center);
+    const BoxOf<float> box = box_of(narrowed(a), narrowed(b), narrowed(c));
+    stage.slack[n] = fma(farthest_coordinate(box), kSlackOfCoordinate, kSlack);
+    store(make_lines<float>(make_frame(a, b, c, double{kLeastLengthSq})), stage.lines[n]);
     stage.triangle[n] = triangle;
   }
   __syncwarp();

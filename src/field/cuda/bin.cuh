@@ -66,6 +66,30 @@ STANDOFF_DEVICE bool use_tile(const TileLists& lists, std::int64_t tile, std::ui
   return fits;
 }
 
+/// The same for all lanes of a warp at once, each with a tile of its own choice, or with tile -1 for none: neighbouring
+/// triangles lie in the same tiles, and those that do take their places by one atomic operation.
+template <bool kPlace>
+STANDOFF_DEVICE bool use_tiles(const TileLists& lists, std::int64_t tile, std::uint32_t triangle) {
+  const int lane = static_cast<int>(threadIdx.x) % 32;
+  const std::uint32_t same = __match_any_sync(0xffffffffu, static_cast<Counter>(tile));
+  const int leader = __ffs(static_cast<int>(same)) - 1;
+  const auto wanted = static_cast<std::uint32_t>(__popc(same));
+  std::uint32_t before = 0;
+  if (lane == leader && tile >= 0) {
+    if (kPlace)
+      before = atomicSub(&lists.counts[tile], wanted);
+    else
+      atomicAdd(&lists.counts[tile], wanted);
+  }
+  if (!kPlace) return true;
+  before = __shfl_sync(0xffffffffu, before, leader);
+  if (tile < 0) return true;
+  const std::uint32_t place = before - 1 - static_cast<std::uint32_t>(__popc(same & ((1u << lane) - 1)));
+  const bool fits = place < kNoCount;
+  if (fits) lists.entries[lists.start[tile] + place] = triangle;
+  return fits;
+}
+
 // bin_small waits for memory most of the time: six blocks to a multiprocessor, so at most 40 registers; four fill one
 // of compute capability 7.5.
 #if defined(__CUDA_ARCH__) && __CUDA_ARCH__ < 800
@@ -78,21 +102,25 @@ inline constexpr int kBinBlocks = 6;
 template <bool kPlace>
 STANDOFF_KERNEL void __launch_bounds__(kThreads, kBinBlocks)
     bin_small(Lattice l, DeviceMesh mesh, TileLists lists, LongList long_ones, Outcome* outcome) {
-  const std::int64_t n = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
-  if (n >= mesh.used_count()) return;
   if (kPlace && outcome->stopped) return;
-  const std::uint32_t triangle = used_triangle(mesh, n);
-  if (!kPlace && !is_valid(mesh, triangle, outcome)) return;
-  const CellRange r = tiles_of(l, corners_of(mesh, triangle));
-  if (r.empty()) return;
-  if (!r.is_small()) {
+  const std::int64_t n = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
+  CellRange r{{0, 0, 0}, {-1, -1, -1}};
+  std::uint32_t triangle = 0;
+  if (n < mesh.used_count()) {
+    triangle = used_triangle(mesh, n);
+    if (kPlace || is_valid(mesh, triangle, outcome)) r = tiles_of(l, corners_of(mesh, triangle));
+  }
+  bool places = !r.empty();
+  if (places && !r.is_small()) {
     if (!kPlace) list_long(long_ones, r, triangle);
-    return;
+    places = false;
   }
   bool fits = true;
-  for (std::int64_t z = r.low[2]; z <= r.high[2]; ++z)
-    for (std::int64_t y = r.low[1]; y <= r.high[1]; ++y)
-      for (std::int64_t x = r.low[0]; x <= r.high[0]; ++x) fits &= use_tile<kPlace>(lists, l.tile(x, y, z), triangle);
+  for (int corner = 0; corner < 8; ++corner) {  // all lanes of the warp, whatever their ranges
+    const std::int64_t x = r.low[0] + (corner & 1), y = r.low[1] + (corner >> 1 & 1), z = r.low[2] + (corner >> 2);
+    const bool mine = places && x <= r.high[0] && y <= r.high[1] && z <= r.high[2];
+    if (__ballot_sync(0xffffffffu, mine) != 0) fits &= use_tiles<kPlace>(lists, mine ? l.tile(x, y, z) : -1, triangle);
+  }
   if (!fits) stop_for_miscount(outcome);
 }
 

@@ -57,20 +57,57 @@ STANDOFF_DEVICE void measure(const Stage& stage, int first, std::uint32_t left, 
   }
 }
 
+/// The samples of a warp, and the point of the mesh nearest to their centre as far as is known.
+struct WarpSamples {
+  Triple<float> center;
+  Triple<float> surface;
+  float within;  // no farther than this is `surface` from the centre; infinite while none is known
+};
+
+/// Whether triangle n may be nearest to one of the warp's samples, which the point `surface` does not rule out. `least`
+/// is a lower bound of its distance from their centre. (The test `bisector` of cell_hierarchy.cuh, with the warp's
+/// samples for a child.)
+STANDOFF_DEVICE bool may_be_nearest(const Lattice& l, const Stage& stage, int n, float least, const WarpSamples& warp) {
+  const Triple<float>& q = warp.surface;
+  const auto x = static_cast<float>(3 * l.unit[0]), y = static_cast<float>(3 * l.unit[1]),
+             z = static_cast<float>(l.unit[2]);  // twice the half extents
+  float spread = x * max(stage.high[0][n] - q.x, q.x - stage.low[0][n]);
+  spread = fma(y, max(stage.high[1][n] - q.y, q.y - stage.low[1][n]), spread);
+  spread = fma(z, max(stage.high[2][n] - q.z, q.z - stage.low[2][n]), spread);
+  const float within = warp.within * (1 + kBisectorSlack);
+  return fma(least, least, -spread) < within * within;
+}
+
+/// Lowers the warp's nearest point to that of the 32 staged triangles from `first` on, one a lane, whose distance is at
+/// most `most`. All lanes take part.
+STANDOFF_DEVICE void find_surface(const Stage& stage, int first, float most, WarpSamples& warp) {
+  float nearest = most;
+  for (int bits = 16; bits > 0; bits /= 2) nearest = min(nearest, __shfl_xor_sync(0xffffffffu, nearest, bits));
+  const std::uint32_t which = __ballot_sync(0xffffffffu, most == nearest);
+  if (!(nearest < warp.within)) return;
+  warp.within = nearest;
+  const int n = first + __ffs(static_cast<int>(which)) - 1;
+  warp.surface = closest_in_frame(load<TriangleFrame<float>>(stage.setup[n]), warp.center);
+}
+
 /// Measures from a warp's samples to those of the staged triangles, `count` of them, that its vote leaves. Returns how
 /// many were measured.
 template <bool kNearest>
 STANDOFF_DEVICE int gather_stage(const Lattice& l, const Stage& stage, int count, const Triple<float>& sample,
-                                 const Triple<float>& warp_center, bool in_grid, float known_within, Nearest& best) {
+                                 bool in_grid, float known_within, WarpSamples& warp, Nearest& best) {
   const int lane = static_cast<int>(threadIdx.x) % 32;
   int measured = 0;
   for (int first = 0; first < count; first += 32) {
+    const int mine = first + lane;
+    const bool exists = mine < count;
+    const float d = exists ? sqrt(staged_distance_sq(stage, mine, warp.center)) : 0;
+    const float slack = exists ? stage.slack[mine] : 0;
+    find_surface(stage, first, exists && !stage.is_long[mine] ? d + slack : __builtin_inff(), warp);
     // Samples past the grid never hold anything back.
     const float worst = sqrt(warp_max(in_grid ? best.distance_sq : 0));
     const float within = min(l.thickness, min(worst, known_within)) * (1 + kSlackRatio) + warp_radius(l);
-    const int mine = first + lane;
-    const bool is_near =
-        mine < count && sqrt(staged_distance_sq(stage, mine, warp_center)) - stage.slack[mine] <= within;
+    const float least = max(d - slack, 0.0f);
+    const bool is_near = exists && least <= within && may_be_nearest(l, stage, mine, least, warp);
     const std::uint32_t left = __ballot_sync(0xffffffffu, is_near);
     measured += __popc(left);
     measure<kNearest>(stage, first, left, sample, best);
@@ -150,15 +187,19 @@ STANDOFF_KERNEL void __launch_bounds__(kGatherThreads, 2)
     const float* const z = l.coordinate[2] + corner[2];
     const Triple<float> sample{x[at.x], y[at.y], z[at.z]};
     const int wx = at.x & 4, wy = at.y & 4, wz = at.z & 6;
-    const Triple<float> warp_center{(x[wx] + x[wx + 3]) / 2, (y[wy] + y[wy + 3]) / 2, (z[wz] + z[wz + 1]) / 2};
+    WarpSamples warp{
+        {(x[wx] + x[wx + 3]) / 2, (y[wy] + y[wy + 3]) / 2, (z[wz] + z[wz + 1]) / 2}, {0, 0, 0}, __builtin_inff()};
     const bool in_grid = at.x < inside<kTileSide>(l, tile, 0) && at.y < inside<kTileSide>(l, tile, 1) &&
                          at.z < inside<kTileSide>(l, tile, 2);
 
     // No sample of the tile is farther from the mesh than this, where something is known.
     float known_within = l.thickness;
+    std::uint32_t nearest_center = kNoTriangle;
     if (lists.nearest_bound) {
       const double half = 3.5 * sqrt(l.unit[0] * l.unit[0] + l.unit[1] * l.unit[1] + l.unit[2] * l.unit[2]);
-      const float bound = __uint_as_float(static_cast<std::uint32_t>(lists.nearest_bound[index] >> 32));
+      const Counter nearest_bound = lists.nearest_bound[index];
+      const float bound = __uint_as_float(static_cast<std::uint32_t>(nearest_bound >> 32));
+      nearest_center = static_cast<std::uint32_t>(nearest_bound);
       known_within = min(known_within, bound + static_cast<float>(half) * (1 + kSlackRatio));
     }
 
@@ -166,13 +207,18 @@ STANDOFF_KERNEL void __launch_bounds__(kGatherThreads, 2)
     Nearest best{__builtin_inff(), kNoTriangle};
     int measured = 0;
     const Triple<double> center = brick_center(l, tile);
-    const Counter end = lists.start[index + 1];
-    for (Counter first = lists.start[index]; first < end; first += Stage::kTriangles) {
-      const int count = end - first < Stage::kTriangles ? static_cast<int>(end - first) : Stage::kTriangles;
+    const Counter begin = lists.start[index], listed = lists.start[index + 1] - begin;
+    // Before the list comes the triangle nearest to the tile's centre, of which it is one: so warps know a point of the
+    // mesh near to them from the start. Measured to twice, it changes nothing.
+    const Counter extra = nearest_center != kNoTriangle && listed > 0, all = listed + extra;
+    for (Counter first = 0; first < all; first += Stage::kTriangles) {
+      const int count = all - first < Stage::kTriangles ? static_cast<int>(all - first) : Stage::kTriangles;
+      const Counter mine = first + static_cast<Counter>(thread);
       __syncthreads();  // the last stage has been read
-      if (thread < count) set_up(l, mesh, lists.entries[first + static_cast<Counter>(thread)], center, stage, thread);
+      if (thread < count)
+        set_up(l, mesh, mine < extra ? nearest_center : lists.entries[begin + mine - extra], center, stage, thread);
       __syncthreads();
-      measured += gather_stage<kNearest>(l, stage, count, sample, warp_center, in_grid, known_within, best);
+      measured += gather_stage<kNearest>(l, stage, count, sample, in_grid, known_within, warp, best);
     }
     __syncthreads();  // the counters are zero, also where no triangle came by
     if (thread % 32 == 0) atomicAdd(&finished.measured, static_cast<unsigned>(measured));

@@ -17,9 +17,15 @@
 
 namespace standoff::STANDOFF_PLATFORM {
 
+#ifndef BAND_BLOCKS
+#define BAND_BLOCKS 8
+#endif
 inline constexpr int kBandThreads = 128;
 inline constexpr int kBandWarps = kBandThreads / 32;
 static_assert(kLeastPart == kBandThreads);
+
+/// A warp stages this many triangles at least: staging takes as long for one as for 32.
+inline constexpr std::uint32_t kLeastEach = 8;
 
 /// What a sample has found: the squared distance's bits, which ascend with it as it is not negative; above the nearest
 /// triangle's index where that is wanted, so that the lowest wins a tie.
@@ -161,7 +167,8 @@ STANDOFF_DEVICE unsigned gather_item(const Lattice& l, const DeviceMesh& mesh, c
   const int warp = static_cast<int>(threadIdx.x) / 32, lane = static_cast<int>(threadIdx.x) % 32;
   BandStage& stage = tile.stage[warp];
   const std::uint32_t count = tile.item.count, rounds = (count + kBandThreads - 1) / kBandThreads,
-                      each = (count + rounds * kBandWarps - 1) / (rounds * kBandWarps);
+                      even = (count + rounds * kBandWarps - 1) / (rounds * kBandWarps),
+                      each = even < kLeastEach ? kLeastEach : even;
   unsigned measured = 0;
   for (std::uint32_t first = static_cast<std::uint32_t>(warp) * each; first < count; first += each * kBandWarps) {
     const int here = static_cast<int>(count - first < each ? count - first : each);
@@ -242,7 +249,7 @@ STANDOFF_DEVICE void merge_part(const Lattice& l, const BandTile<kNearest>& tile
 
 /// Blocks take items until there are none. A tile whose list is cut is only lowered, and left to finish_cut_tiles.
 template <bool kNearest, class Steps = AllSteps>
-STANDOFF_KERNEL void __launch_bounds__(kBandThreads, 8)
+STANDOFF_KERNEL void __launch_bounds__(kBandThreads, BAND_BLOCKS)
     gather_band(Lattice l, DeviceMesh mesh, const std::uint32_t* entries, BandWork work, DeviceOutput output,
                 Outcome* outcome) {
   __shared__ BandTile<kNearest> tile;

@@ -32,6 +32,7 @@ struct Stage {
   float slack[kTriangles];  // what a distance may be off by when tiles and blocks are culled
   std::uint32_t index[kTriangles];
   unsigned char is_long[kTriangles];
+  float low[3][kTriangles], high[3][kTriangles];  // its box, relative to the brick's centre
 };
 
 /// The squared distance from p to staged triangle n.
@@ -50,6 +51,8 @@ STANDOFF_DEVICE void set_up(const Lattice& l, const DeviceMesh& mesh, std::uint3
   stage.index[n] = triangle;
   stage.slack[n] = fma(farthest_coordinate(box), kSlackOfCoordinate, kSlack);
   stage.is_long[n] = is_long(box);
+  stage.low[0][n] = box.low.x, stage.low[1][n] = box.low.y, stage.low[2][n] = box.low.z;
+  stage.high[0][n] = box.high.x, stage.high[1][n] = box.high.y, stage.high[2][n] = box.high.z;
   if (stage.is_long[n])
     store(make_lines<float>(make_frame(a, b, d, double{kLeastLengthSq})), stage.setup[n]);
   else
