@@ -46,30 +46,9 @@ struct BandStage {
   StagedRows rows[kShort];
   std::uint32_t triangle[kShort];
   float slack[kLong];
+  int long_count;  // of the staged ones
 };
 static_assert(sizeof(StagedLines) * BandStage::kLong <= sizeof(StagedFrame) * BandStage::kShort);
-
-/// The tile that the triangles are set up for: what all threads of a block read.
-struct TileView {
-  float coordinate[3][kTileSide];  // of its samples, relative to the brick's centre
-  float to_samples[3];             // samples per grid unit
-  int inside[3];                   // samples inside the grid
-  Triple<double> center;           // of its brick
-};
-
-/// Fills the view, with the first 24 threads of a block.
-STANDOFF_DEVICE void view_tile(const Lattice& l, const std::int64_t* tile, TileView& view) {
-  const int t = static_cast<int>(threadIdx.x);
-  if (t < 3 * kTileSide) {
-    const int axis = t / kTileSide, n = t % kTileSide;
-    view.coordinate[axis][n] = l.coordinate[axis][static_cast<int>(tile[axis] & 1) * kTileSide + n];
-    if (n == 0) {
-      view.to_samples[axis] = static_cast<float>(1 / l.unit[axis]);
-      view.inside[axis] = inside<kTileSide>(l, tile, axis);
-    }
-  }
-  if (t == 0) view.center = brick_center(l, tile);
-}
 
 /// The first sample at or above `low` and how many there are up to `high`, along an axis; 0 or fewer for none. Off by
 /// the rounding of numbers that are not farther from the tile than a short triangle is: 1e-5 grid units at most, which
@@ -160,9 +139,10 @@ STANDOFF_DEVICE int stage_long(const Lattice& l, const DeviceMesh& mesh, const T
     store(make_lines<float>(make_frame(a, b, c, double{kLeastLengthSq})), stage.lines[n]);
     stage.triangle[n] = triangle;
   }
+  const int all = __popc(is_long), count = all < BandStage::kLong ? all : BandStage::kLong;
+  if (lane == 0) stage.long_count = count;
   __syncwarp();
-  const int all = __popc(is_long);
-  return all < BandStage::kLong ? all : BandStage::kLong;
+  return count;
 }
 
 }  // namespace standoff::STANDOFF_PLATFORM

@@ -23,11 +23,16 @@ STANDOFF_DEVICE SampleAt sample_of_thread(int thread) {
   const int warp = thread / 32, lane = thread % 32;
   return {(warp & 1) * 4 + (lane & 3), (warp >> 1 & 1) * 4 + (lane >> 2 & 3), (warp >> 2) * 2 + (lane >> 4)};
 }
-/// Half the diagonal of a warp's samples, grid units, rounded up.
-STANDOFF_DEVICE float warp_radius(const Lattice& l) {
-  const auto x = static_cast<float>(1.5 * l.unit[0]), y = static_cast<float>(1.5 * l.unit[1]),
-             z = static_cast<float>(0.5 * l.unit[2]);
-  return sqrt(x * x + y * y + z * z) * (1 + kSlackRatio);
+/// The samples of any warp, grid units: how wide they are along each axis, and half their diagonal, rounded up.
+struct WarpExtent {
+  float width[3], radius;
+};
+STANDOFF_DEVICE WarpExtent warp_extent(const Lattice& l) {
+  WarpExtent e{{static_cast<float>(3 * l.unit[0]), static_cast<float>(3 * l.unit[1]), static_cast<float>(l.unit[2])},
+               0};
+  const float x = e.width[0] / 2, y = e.width[1] / 2, z = e.width[2] / 2;
+  e.radius = sqrt(x * x + y * y + z * z) * (1 + kSlackRatio);
+  return e;
 }
 
 /// The largest value among the lanes of a warp.
@@ -67,13 +72,12 @@ struct WarpSamples {
 /// Whether triangle n may be nearest to one of the warp's samples, which the point `surface` does not rule out. `least`
 /// is a lower bound of its distance from their centre. (The test `bisector` of cell_hierarchy.cuh, with the warp's
 /// samples for a child.)
-STANDOFF_DEVICE bool may_be_nearest(const Lattice& l, const Stage& stage, int n, float least, const WarpSamples& warp) {
+STANDOFF_DEVICE bool may_be_nearest(const WarpExtent& extent, const Stage& stage, int n, float least,
+                                    const WarpSamples& warp) {
   const Triple<float>& q = warp.surface;
-  const auto x = static_cast<float>(3 * l.unit[0]), y = static_cast<float>(3 * l.unit[1]),
-             z = static_cast<float>(l.unit[2]);  // twice the half extents
-  float spread = x * max(stage.high[0][n] - q.x, q.x - stage.low[0][n]);
-  spread = fma(y, max(stage.high[1][n] - q.y, q.y - stage.low[1][n]), spread);
-  spread = fma(z, max(stage.high[2][n] - q.z, q.z - stage.low[2][n]), spread);
+  float spread = extent.width[0] * max(stage.high[0][n] - q.x, q.x - stage.low[0][n]);
+  spread = fma(extent.width[1], max(stage.high[1][n] - q.y, q.y - stage.low[1][n]), spread);
+  spread = fma(extent.width[2], max(stage.high[2][n] - q.z, q.z - stage.low[2][n]), spread);
   const float within = warp.within * (1 + kBisectorSlack);
   return fma(least, least, -spread) < within * within;
 }
@@ -93,8 +97,9 @@ STANDOFF_DEVICE void find_surface(const Stage& stage, int first, float most, War
 /// Measures from a warp's samples to those of the staged triangles, `count` of them, that its vote leaves. Returns how
 /// many were measured.
 template <bool kNearest>
-STANDOFF_DEVICE int gather_stage(const Lattice& l, const Stage& stage, int count, const Triple<float>& sample,
-                                 bool in_grid, float known_within, WarpSamples& warp, Nearest& best) {
+STANDOFF_DEVICE int gather_stage(const Lattice& l, const WarpExtent& extent, const Stage& stage, int count,
+                                 const Triple<float>& sample, bool in_grid, float known_within, WarpSamples& warp,
+                                 Nearest& best) {
   const int lane = static_cast<int>(threadIdx.x) % 32;
   int measured = 0;
   for (int first = 0; first < count; first += 32) {
@@ -105,9 +110,9 @@ STANDOFF_DEVICE int gather_stage(const Lattice& l, const Stage& stage, int count
     find_surface(stage, first, exists && !stage.is_long[mine] ? d + slack : __builtin_inff(), warp);
     // Samples past the grid never hold anything back.
     const float worst = sqrt(warp_max(in_grid ? best.distance_sq : 0));
-    const float within = min(l.thickness, min(worst, known_within)) * (1 + kSlackRatio) + warp_radius(l);
+    const float within = min(l.thickness, min(worst, known_within)) * (1 + kSlackRatio) + extent.radius;
     const float least = max(d - slack, 0.0f);
-    const bool is_near = exists && least <= within && may_be_nearest(l, stage, mine, least, warp);
+    const bool is_near = exists && least <= within && may_be_nearest(extent, stage, mine, least, warp);
     const std::uint32_t left = __ballot_sync(0xffffffffu, is_near);
     measured += __popc(left);
     measure<kNearest>(stage, first, left, sample, best);
@@ -123,17 +128,16 @@ struct Finished {
 };
 
 /// Writes a tile: to its slot, or where it lies in the dense grid. All threads of the block take part.
-STANDOFF_DEVICE void write_tile(const Lattice& l, const std::int64_t* tile, std::int64_t index,
-                                const Finished& finished, const DeviceOutput& output) {
+STANDOFF_DEVICE void write_tile(const Lattice& l, const TileView& view, std::int64_t index, const Finished& finished,
+                                const DeviceOutput& output) {
   const int t = static_cast<int>(threadIdx.x);
   std::int64_t at;
   if (output.slots) {
     at = std::int64_t{output.slots[index]} * kTileSamples + t;
   } else {
     const int x = t % 8, y = t / 8 % 8, z = t / 64;
-    if (x >= inside<kTileSide>(l, tile, 0) || y >= inside<kTileSide>(l, tile, 1) || z >= inside<kTileSide>(l, tile, 2))
-      return;
-    at = tile[0] * 8 + x + l.size[0] * (tile[1] * 8 + y + l.size[1] * (tile[2] * 8 + z));
+    if (x >= view.inside[0] || y >= view.inside[1] || z >= view.inside[2]) return;
+    at = view.tile[0] * 8 + x + l.size[0] * (view.tile[1] * 8 + y + l.size[1] * (view.tile[2] * 8 + z));
   }
   output.values[at] = finished.value[t];
   if (output.nearest) output.nearest[at] = finished.nearest[t];
@@ -141,7 +145,7 @@ STANDOFF_DEVICE void write_tile(const Lattice& l, const std::int64_t* tile, std:
 
 /// Clamps the samples, leaves them in `finished`, and writes the tile; one without a band sample stays unstored
 /// (sparse). All threads of the block take part.
-STANDOFF_DEVICE void finish_tile(const Lattice& l, const std::int64_t* tile, std::int64_t index, const SampleAt& at,
+STANDOFF_DEVICE void finish_tile(const Lattice& l, const TileView& view, std::int64_t index, const SampleAt& at,
                                  float value, std::uint32_t nearest, bool is_band, Finished& finished,
                                  const DeviceOutput& output, Outcome* outcome) {
   const int t = at.x + 8 * at.y + 64 * at.z;
@@ -150,7 +154,7 @@ STANDOFF_DEVICE void finish_tile(const Lattice& l, const std::int64_t* tile, std
   const std::uint32_t band = __ballot_sync(0xffffffffu, is_band);
   if (threadIdx.x % 32 == 0) atomicAdd(&finished.band, static_cast<unsigned>(__popc(band)));
   __syncthreads();
-  if (!output.slots || finished.band != 0) write_tile(l, tile, index, finished, output);
+  if (!output.slots || finished.band != 0) write_tile(l, view, index, finished, output);
   if (threadIdx.x == 0) {
     atomicAdd(&outcome->samples_band, Counter{finished.band});
     atomicAdd(&outcome->samples_examined, Counter{32} * finished.measured);
@@ -172,59 +176,63 @@ STANDOFF_KERNEL void __launch_bounds__(kGatherThreads, 2)
     gather(Lattice l, DeviceMesh mesh, GatherLists lists, DeviceOutput output, Outcome* outcome) {
   __shared__ Stage stage;
   __shared__ Finished finished;
+  __shared__ TileView view;
+  __shared__ WarpExtent extent;
+  __shared__ float tile_radius;
   if (outcome->stopped) return;
   const int thread = static_cast<int>(threadIdx.x);
+  if (thread == 0) {
+    extent = warp_extent(l);
+    const double half = 3.5 * sqrt(l.unit[0] * l.unit[0] + l.unit[1] * l.unit[1] + l.unit[2] * l.unit[2]);
+    tile_radius = static_cast<float>(half) * (1 + kSlackRatio);
+  }
   const SampleAt at = sample_of_thread(thread);
   const std::int64_t tiles = l.tile_count();
   for (std::int64_t index = blockIdx.x; index < tiles; index += gridDim.x) {
     if (output.slots && output.slots[index] < 0) continue;
-    std::int64_t tile[3];
-    tile_at(l, index, tile);
-    const int corner[3] = {static_cast<int>(tile[0] & 1) * 8, static_cast<int>(tile[1] & 1) * 8,
-                           static_cast<int>(tile[2] & 1) * 8};
-    const float* const x = l.coordinate[0] + corner[0];
-    const float* const y = l.coordinate[1] + corner[1];
-    const float* const z = l.coordinate[2] + corner[2];
+    view_tile(l, index, view);
+    if (thread == 0) finished.band = finished.measured = 0;
+    __syncthreads();
+    const float* const x = view.coordinate[0];
+    const float* const y = view.coordinate[1];
+    const float* const z = view.coordinate[2];
     const Triple<float> sample{x[at.x], y[at.y], z[at.z]};
     const int wx = at.x & 4, wy = at.y & 4, wz = at.z & 6;
     WarpSamples warp{
         {(x[wx] + x[wx + 3]) / 2, (y[wy] + y[wy + 3]) / 2, (z[wz] + z[wz + 1]) / 2}, {0, 0, 0}, __builtin_inff()};
-    const bool in_grid = at.x < inside<kTileSide>(l, tile, 0) && at.y < inside<kTileSide>(l, tile, 1) &&
-                         at.z < inside<kTileSide>(l, tile, 2);
+    const bool in_grid = at.x < view.inside[0] && at.y < view.inside[1] && at.z < view.inside[2];
 
     // No sample of the tile is farther from the mesh than this, where something is known.
     float known_within = l.thickness;
     std::uint32_t nearest_center = kNoTriangle;
     if (lists.nearest_bound) {
-      const double half = 3.5 * sqrt(l.unit[0] * l.unit[0] + l.unit[1] * l.unit[1] + l.unit[2] * l.unit[2]);
       const Counter nearest_bound = lists.nearest_bound[index];
       const float bound = __uint_as_float(static_cast<std::uint32_t>(nearest_bound >> 32));
       nearest_center = static_cast<std::uint32_t>(nearest_bound);
-      known_within = min(known_within, bound + static_cast<float>(half) * (1 + kSlackRatio));
+      known_within = min(known_within, bound + tile_radius);
     }
 
-    if (thread == 0) finished.band = finished.measured = 0;
     Nearest best{__builtin_inff(), kNoTriangle};
     int measured = 0;
-    const Triple<double> center = brick_center(l, tile);
     const Counter begin = lists.start[index], listed = lists.start[index + 1] - begin;
     // Before the list comes the triangle nearest to the tile's centre, of which it is one: so warps know a point of the
     // mesh near to them from the start. Measured to twice, it changes nothing.
     const Counter extra = nearest_center != kNoTriangle && listed > 0, all = listed + extra;
     for (Counter first = 0; first < all; first += Stage::kTriangles) {
       const int count = all - first < Stage::kTriangles ? static_cast<int>(all - first) : Stage::kTriangles;
-      const Counter mine = first + static_cast<Counter>(thread);
+      // The warps set up in turns.
+      const int n = (thread + static_cast<int>(first % kGatherThreads)) % kGatherThreads;
+      const Counter mine = first + static_cast<Counter>(n);
       __syncthreads();  // the last stage has been read
-      if (thread < count)
-        set_up(l, mesh, mine < extra ? nearest_center : lists.entries[begin + mine - extra], center, stage, thread);
+      if (n < count)
+        set_up(l, mesh, mine < extra ? nearest_center : lists.entries[begin + mine - extra], view.center, stage, n);
       __syncthreads();
-      measured += gather_stage<kNearest>(l, stage, count, sample, in_grid, known_within, warp, best);
+      measured += gather_stage<kNearest>(l, extent, stage, count, sample, in_grid, known_within, warp, best);
     }
-    __syncthreads();  // the counters are zero, also where no triangle came by
     if (thread % 32 == 0) atomicAdd(&finished.measured, static_cast<unsigned>(measured));
     const bool in_band = in_grid && !(l.thickness_sq < best.distance_sq);
     const float value = in_grid ? min(sqrt(best.distance_sq) * l.unscale, l.thickness_world) : l.thickness_world;
-    finish_tile(l, tile, index, at, value, in_band ? best.triangle : kNoTriangle, in_band, finished, output, outcome);
+    finish_tile(l, view, index, at, value, in_band ? best.triangle : kNoTriangle, in_band, finished, output, outcome);
   }
 }
 

@@ -126,21 +126,23 @@ STANDOFF_DEVICE unsigned gather_rows(const Lattice& l, const BandStage& stage, u
   return measured;
 }
 
-/// Measures to the staged long triangles, `count` of them. All lanes take part, and each returns from how many samples
-/// it measured.
-template <bool kNearest, class Steps>
-STANDOFF_DEVICE unsigned gather_long(const Lattice& l, const BandStage& stage, int count, BandTile<kNearest>& tile) {
-  const int lane = static_cast<int>(threadIdx.x) % 32;
+/// Measures to the staged long triangles, from kGroups of the tile's groups of samples on: from all of them, or from a
+/// warp's share. All lanes take part, and each returns from how many samples it measured.
+template <bool kNearest, class Steps, int kGroups>
+STANDOFF_DEVICE unsigned gather_long(const Lattice& l, const BandStage& stage, int first_group,
+                                     BandTile<kNearest>& tile) {
+  constexpr int kAtOnce = 32 / kGroups;  // triangles, a lane for each of them and each group
+  const int lane = static_cast<int>(threadIdx.x) % 32, count = stage.long_count;
   const float* const x = tile.view.coordinate[0];
   const float* const y = tile.view.coordinate[1];
   const float* const z = tile.view.coordinate[2];
-  const SampleAt group = sample_of_thread(lane % 16 * 32);  // the first sample of this lane's group
+  const SampleAt group = sample_of_thread((first_group + lane % kGroups) * 32);  // the first of this lane's group
   const Triple<float> center{(x[group.x] + x[group.x + 3]) / 2, (y[group.y] + y[group.y + 3]) / 2,
                              (z[group.z] + z[group.z + 1]) / 2};
-  const float within = l.thickness * (1 + kSlackRatio) + warp_radius(l);
+  const float within = l.thickness * (1 + kSlackRatio) + warp_extent(l).radius;
   unsigned measured = 0;
-  for (int first = 0; first < count; first += 2) {  // half a warp each
-    const int mine = first + lane / 16;
+  for (int first = 0; first < count; first += kAtOnce) {
+    const int mine = first + lane / kGroups;
     const bool is_near =
         mine < count &&
         sqrt(distance_sq(load<TriangleLines<float>>(stage.lines[mine]), center)) - stage.slack[mine] <= within;
@@ -148,8 +150,8 @@ STANDOFF_DEVICE unsigned gather_long(const Lattice& l, const BandStage& stage, i
     measured += static_cast<unsigned>(__popc(near));
     if constexpr (Steps::kMeasures) {
       for (std::uint32_t left = near; left; left &= left - 1) {
-        const int bit = __ffs(static_cast<int>(left)) - 1, n = first + bit / 16;
-        const SampleAt at = sample_of_thread(bit % 16 * 32 + lane);
+        const int bit = __ffs(static_cast<int>(left)) - 1, n = first + bit / kGroups;
+        const SampleAt at = sample_of_thread((first_group + bit % kGroups) * 32 + lane);
         const float d =
             distance_sq(load<TriangleLines<float>>(stage.lines[n]), Triple<float>{x[at.x], y[at.y], z[at.z]});
         if (d <= l.thickness_sq)
@@ -160,7 +162,17 @@ STANDOFF_DEVICE unsigned gather_long(const Lattice& l, const BandStage& stage, i
   return measured;
 }
 
-/// Measures to the triangles of the block's item. Returns from how many samples this lane measured.
+/// Without the lowest `count` of its bits.
+STANDOFF_DEVICE std::uint32_t without_lowest(std::uint32_t bits, int count) {
+  for (int n = 0; n < count; ++n) bits &= bits - 1;
+  return bits;
+}
+
+/// Measures to the triangles of the block's item; ends with a barrier. Returns from how many samples this lane
+/// measured.
+///
+/// A list of few triangles, which is staged at once, may have long ones in one warp alone. So all warps measure to
+/// these, each from a quarter of the samples. In a longer list each warp has some, and none waits for another.
 template <bool kNearest, class Steps>
 STANDOFF_DEVICE unsigned gather_item(const Lattice& l, const DeviceMesh& mesh, const std::uint32_t* entries,
                                      BandTile<kNearest>& tile) {
@@ -170,10 +182,10 @@ STANDOFF_DEVICE unsigned gather_item(const Lattice& l, const DeviceMesh& mesh, c
                       even = (count + rounds * kBandWarps - 1) / (rounds * kBandWarps),
                       each = even < kLeastEach ? kLeastEach : even;
   unsigned measured = 0;
+  std::uint32_t triangle = 0, long_ones = 0;
   for (std::uint32_t first = static_cast<std::uint32_t>(warp) * each; first < count; first += each * kBandWarps) {
     const int here = static_cast<int>(count - first < each ? count - first : each);
-    const std::uint32_t triangle =
-        entries[tile.item.first + first + static_cast<std::uint32_t>(lane < here ? lane : 0)];
+    triangle = entries[tile.item.first + first + static_cast<std::uint32_t>(lane < here ? lane : 0)];
     if constexpr (Steps::kSetsUp) {
       const Staged32 staged = stage_short(l, mesh, tile.view, triangle, here, stage);
       if constexpr (Steps::kFindsRows)
@@ -181,21 +193,29 @@ STANDOFF_DEVICE unsigned gather_item(const Lattice& l, const DeviceMesh& mesh, c
       else
         measured += Steps::uses(stage.frame[lane].number[staged.rows % 20]);
       __syncwarp();
-      std::uint32_t left = staged.is_long;
-      while (left) {
-        const int long_ones = stage_long(l, mesh, tile.view, triangle, left, stage);
-        if constexpr (Steps::kFindsRows)
-          measured += gather_long<kNearest, Steps>(l, stage, long_ones, tile);
-        else
-          measured += Steps::uses(stage.lines[lane % BandStage::kLong].number[long_ones]);
+      long_ones = staged.is_long;
+      while (rounds > 1 && long_ones) {
+        const int staged_ones = stage_long(l, mesh, tile.view, triangle, long_ones, stage);
+        if constexpr (Steps::kFindsRows) measured += gather_long<kNearest, Steps, 16>(l, stage, 0, tile);
         __syncwarp();
-        for (int n = 0; n < long_ones; ++n) left &= left - 1;
+        long_ones = without_lowest(long_ones, staged_ones);
       }
     } else {
       measured += Steps::uses(__uint_as_float(triangle));
     }
   }
-  return measured;
+  for (;;) {
+    const int staged_ones = stage_long(l, mesh, tile.view, triangle, long_ones, stage);
+    long_ones = without_lowest(long_ones, staged_ones);
+    __syncthreads();
+    int all = 0;
+    for (int n = 0; n < kBandWarps; ++n) all += tile.stage[n].long_count;
+    if (all == 0) return measured;
+    if constexpr (Steps::kFindsRows)
+      for (int n = 0; n < kBandWarps; ++n)
+        measured += gather_long<kNearest, Steps, 16 / kBandWarps>(l, tile.stage[n], 16 / kBandWarps * warp, tile);
+    __syncthreads();
+  }
 }
 
 /// Finishes the tile: clamps what `at` says each sample has found, and writes it; a tile without a band sample stays
@@ -269,12 +289,16 @@ STANDOFF_KERNEL void __launch_bounds__(kBandThreads, BAND_BLOCKS)
     }
     __syncthreads();
     if (!tile.has_item) break;
+    if (tile.item.count == 0) {
+      if constexpr (Steps::kWrites) fill_tiles(l, tile.item, output);
+      __syncthreads();
+      continue;
+    }
     view_tile(l, tile.item.tile, tile.view);
     for (int n = t; n < kFoundRow * kTileSide * kTileSide; n += kBandThreads)
       tile.found[n] = nothing_found<kNearest>(l);
     __syncthreads();
     measured += gather_item<kNearest, Steps>(l, mesh, entries, tile);
-    __syncthreads();
     if (tile.item.cut != kWhole)
       merge_part(l, tile, reinterpret_cast<Found<kNearest>*>(work.found) + std::int64_t{tile.item.cut} * kTileSamples);
     else

@@ -51,13 +51,17 @@ struct TileArrays {
   }
 };
 
+/// How many blocks stride over the tiles.
+inline std::int64_t tile_blocks(const Lattice& l) {
+  const std::int64_t tiles = l.tile_count(), most = std::int64_t{kManyBlocks} * 4;
+  return tiles < most ? tiles : most;
+}
+
 class CountedRun;
 
 inline void launch_gather(const Lattice& l, const Task& task, const GatherLists& lists, Stream stream) {
-  // Sparse: most tiles are empty, so blocks look for those that are not.
-  const std::int64_t tiles = l.tile_count(), most = task.output.slots ? std::int64_t{kManyBlocks} * 4 : 0x7fffffff;
-  launch(stream, "gather", task.output.nearest ? gather<true> : gather<false>, tiles < most ? tiles : most,
-         kGatherThreads, l, task.mesh, lists, task.output, task.outcome);
+  launch(stream, "gather", task.output.nearest ? gather<true> : gather<false>, tile_blocks(l), kGatherThreads, l,
+         task.mesh, lists, task.output, task.outcome);
 }
 
 /// Thin bands: triangles are counted in the tiles that they reach, and then listed there.
@@ -77,7 +81,7 @@ struct ThinBand {
     long_ones.triangles = memory.take<std::uint32_t>(triangles);
     long_ones.capacity = triangles;
     long_ones.count = memory.take<Counter>(2);
-    work.capacity = l.tile_count() + kMostParts;
+    work.capacity = l.tile_count() + tile_groups(l) + kMostParts;
     work.items = memory.take<WorkItem>(work.capacity);
     work.most_cut = l.tile_count() < kMostParts ? l.tile_count() : kMostParts;
     work.cut_tiles = memory.take<std::int64_t>(work.most_cut);
@@ -108,9 +112,8 @@ struct ThinBand {
            task.outcome);
     fill_bytes(stream, work.counts, 0, sizeof *work.counts);
     fill_bytes(stream, work.found, 0xff, work.most_cut * kTileSamples * static_cast<std::int64_t>(sizeof(Counter)));
-    launch(stream, "list work", list_work, blocks_for(l.tile_count()), kThreads, l, lists.start, work, task.outcome);
-    if (Steps::kWrites && !task.output.slots)
-      launch(stream, "fill outside", fill_outside, kManyBlocks, kThreads, l, task.output, task.outcome);
+    launch(stream, "list work", list_work, blocks_for(32 * tile_groups(l)), kThreads, l, lists.start, work,
+           !task.output.slots, task.outcome);
     const bool with_nearest = task.output.nearest;
     launch(stream, "gather band", with_nearest ? gather_band<true, Steps> : gather_band<false, Steps>, kManyBlocks,
            kBandThreads, l, task.mesh, lists.entries, work, task.output, task.outcome);
@@ -207,11 +210,5 @@ struct ThickBand {
   }
   inline void run(CountedRun& run);
 };
-
-/// How many blocks stride over the tiles.
-inline std::int64_t tile_blocks(const Lattice& l) {
-  const std::int64_t tiles = l.tile_count(), most = std::int64_t{kManyBlocks} * 4;
-  return tiles < most ? tiles : most;
-}
 
 }  // namespace standoff::STANDOFF_PLATFORM

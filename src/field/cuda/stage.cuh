@@ -7,6 +7,36 @@
 
 namespace standoff::STANDOFF_PLATFORM {
 
+/// The tile that triangles are set up for: what all threads of a block read.
+struct TileView {
+  std::int64_t tile[3];
+  float coordinate[3][kTileSide];  // of its samples, relative to the brick's centre
+  float to_samples[3];             // samples per grid unit
+  int inside[3];                   // samples inside the grid
+  Triple<double> center;           // of its brick
+};
+
+/// Fills the view of `tile`, with the first 24 threads of a block.
+STANDOFF_DEVICE void view_tile(const Lattice& l, const std::int64_t* tile, TileView& view) {
+  const int t = static_cast<int>(threadIdx.x);
+  if (t >= 3 * kTileSide) return;
+  const int axis = t / kTileSide, n = t % kTileSide;
+  view.coordinate[axis][n] = l.coordinate[axis][static_cast<int>(tile[axis] & 1) * kTileSide + n];
+  if (n == 0) {
+    view.tile[axis] = tile[axis];
+    view.to_samples[axis] = static_cast<float>(1 / l.unit[axis]);
+    view.inside[axis] = inside<kTileSide>(l, tile, axis);
+  }
+  if (t == 0) view.center = brick_center(l, tile);
+}
+/// The same for the tile of that number.
+STANDOFF_DEVICE void view_tile(const Lattice& l, std::int64_t index, TileView& view) {
+  if (threadIdx.x >= 32) return;  // others need not divide
+  std::int64_t tile[3];
+  tile_at(l, index, tile);
+  view_tile(l, tile, view);
+}
+
 /// One triangle ready to be measured to: a frame, or where it is long the lines of one. Eleven loads of 16 bytes, and
 /// 44 words apart: loads by neighbouring threads of neighbouring triangles then never conflict in a bank of shared
 /// memory.
