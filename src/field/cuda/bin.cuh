@@ -102,7 +102,7 @@ inline constexpr int kBinBlocks = 6;
 template <bool kPlace>
 STANDOFF_KERNEL void __launch_bounds__(kThreads, kBinBlocks)
     bin_small(Lattice l, DeviceMesh mesh, TileLists lists, LongList long_ones, Outcome* outcome) {
-  if (kPlace && outcome->stopped) return;
+  if (kPlace && __ballot_sync(0xffffffffu, outcome->stopped != 0) != 0) return;  // a warp stays together
   const std::int64_t n = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
   CellRange r{{0, 0, 0}, {-1, -1, -1}};
   std::uint32_t triangle = 0;

@@ -17,12 +17,11 @@
 
 namespace standoff::STANDOFF_PLATFORM {
 
-#ifndef BAND_BLOCKS
-#define BAND_BLOCKS 8
-#endif
-inline constexpr int kBandThreads = 128;
+// Few warps to a block, as all of them wait for the last one at the end of a tile; and so many blocks to a
+// multiprocessor that others go on meanwhile. 56 registers, of which the double precision of long triangles wants more.
+inline constexpr int kBandThreads = 128, kBandBlocks = 9;
 inline constexpr int kBandWarps = kBandThreads / 32;
-static_assert(kLeastPart == kBandThreads);
+static_assert(kLeastPart % kBandThreads == 0);
 
 /// A warp stages this many triangles at least: staging takes as long for one as for 32.
 inline constexpr std::uint32_t kLeastEach = 8;
@@ -269,7 +268,7 @@ STANDOFF_DEVICE void merge_part(const Lattice& l, const BandTile<kNearest>& tile
 
 /// Blocks take items until there are none. A tile whose list is cut is only lowered, and left to finish_cut_tiles.
 template <bool kNearest, class Steps = AllSteps>
-STANDOFF_KERNEL void __launch_bounds__(kBandThreads, BAND_BLOCKS)
+STANDOFF_KERNEL void __launch_bounds__(kBandThreads, kBandBlocks)
     gather_band(Lattice l, DeviceMesh mesh, const std::uint32_t* entries, BandWork work, DeviceOutput output,
                 Outcome* outcome) {
   __shared__ BandTile<kNearest> tile;

@@ -60,8 +60,11 @@ inline std::int64_t tile_blocks(const Lattice& l) {
 class CountedRun;
 
 inline void launch_gather(const Lattice& l, const Task& task, const GatherLists& lists, Stream stream) {
-  launch(stream, "gather", task.output.nearest ? gather<true> : gather<false>, tile_blocks(l), kGatherThreads, l,
-         task.mesh, lists, task.output, task.outcome);
+  // Dense: a block a tile, as some take far longer than others. Sparse: most tiles may be empty, so blocks look for
+  // those that are not.
+  const std::int64_t tiles = l.tile_count(), blocks = task.output.slots || tiles > 0x7fffffff ? tile_blocks(l) : tiles;
+  launch(stream, "gather", task.output.nearest ? gather<true> : gather<false>, blocks, kGatherThreads, l, task.mesh,
+         lists, task.output, task.outcome);
 }
 
 /// Thin bands: triangles are counted in the tiles that they reach, and then listed there.
@@ -115,7 +118,7 @@ struct ThinBand {
     launch(stream, "list work", list_work, blocks_for(32 * tile_groups(l)), kThreads, l, lists.start, work,
            !task.output.slots, task.outcome);
     const bool with_nearest = task.output.nearest;
-    launch(stream, "gather band", with_nearest ? gather_band<true, Steps> : gather_band<false, Steps>, kManyBlocks,
+    launch(stream, "gather band", with_nearest ? gather_band<true, Steps> : gather_band<false, Steps>, kManyBlocks * 2,
            kBandThreads, l, task.mesh, lists.entries, work, task.output, task.outcome);
     launch(stream, "finish cut tiles", with_nearest ? finish_cut_tiles<true, Steps> : finish_cut_tiles<false, Steps>,
            work.most_cut < kManyBlocks ? work.most_cut : kManyBlocks, kBandThreads, l, work, task.output, task.outcome);
