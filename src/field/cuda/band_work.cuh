@@ -74,7 +74,7 @@ STANDOFF_KERNEL void list_work(Lattice l, const Counter* start, BandWork work, b
   const std::uint32_t light = __ballot_sync(0xffffffffu, is_light);
   Counter place = 0;
   if (lane == 0 && (light || fills_here))
-    place = atomicAdd(&work.counts->light, static_cast<Counter>(__popc(light) + fills_here));
+    place = atomicAdd(&work.counts->light, static_cast<Counter>(__popc(light)) + (fills_here ? 1 : 0));
   place = __shfl_sync(0xffffffffu, place, 0) + static_cast<Counter>(__popc(light & ((1u << lane) - 1)));
   if (is_light) work.items[work.capacity - 1 - static_cast<std::int64_t>(place)] = item;
   if (fills_here)
