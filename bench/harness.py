@@ -14,7 +14,7 @@ import sys
 from pathlib import Path
 
 BENCH = Path(__file__).resolve().parent
-PROGRAMS = {"standoff": "bench_standoff", "openvdb": "peer_openvdb", "embree": "peer_embree", "collision": "bench_collision",
+PROGRAMS = {"standoff": "bench_standoff", "sign": "bench_sign", "openvdb": "peer_openvdb", "embree": "peer_embree", "collision": "bench_collision",
             "fcl": "peer_fcl", "coal": "peer_coal"}
 
 

@@ -8,6 +8,7 @@
   run.py thesis          the tables of the 2008 thesis, rebuilt
   run.py collision       batches of collision queries with 1 and 2 threads; with --peers, queries beside FCL and Coal
   run.py terrains        two surfaces that conform to each other, beside FCL and Coal (needs --peers)
+  run.py sign            what a sign adds; with --peers beside OpenVDB's level sets and libigl (STANDOFF_PEER_PYTHON)
   run.py quote           the documentation's tables of collision queries, written again from the CSV file
   run.py fly             the fly in the labyrinth: Figure 5.5 of the thesis, and what both modes miss
 Tables go to stdout, progress to stderr, CSV files to bench/results/<machine>/."""
@@ -21,6 +22,7 @@ import contests
 import fly
 import quotes
 import scaling
+import sign
 import thesis_tables
 from harness import BENCH, Drivers
 
@@ -28,7 +30,7 @@ from harness import BENCH, Drivers
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", nargs="?", default="contests",
-                        choices=["contests", "scaling", "thesis", "collision", "terrains", "quote", "fly"])
+                        choices=["contests", "scaling", "thesis", "collision", "terrains", "sign", "quote", "fly"])
     parser.add_argument("--peers", action="store_true", help="run the peers too (built with STANDOFF_BENCH_PEERS)")
     parser.add_argument("--build", default=str(BENCH.parent / "build" / "bench"), help="build folder of the drivers")
     parser.add_argument("--only", help="workloads or tables whose name holds this; nothing is written then")
@@ -40,7 +42,7 @@ def main():
     workloads = json.loads(Path(BENCH / "workloads.json").read_text())
     drivers = Drivers(arguments.build)
     if arguments.list:
-        kinds = [workloads[kind] for kind in ("contests", "scaling", "batches")]
+        kinds = [workloads[kind] for kind in ("contests", "sign", "scaling", "batches")]
         kinds += [workloads["collision"]["pairs"], workloads["terrains"]["places"]]
         for job in (job for jobs in kinds for job in jobs):
             print(f"{job['name']:24} {job['what']}")
@@ -65,6 +67,8 @@ def main():
         parser.error(f"no peers in {drivers.folder}; configure with -DSTANDOFF_BENCH_PEERS=ON")
     if arguments.what == "contests":
         contests.run(drivers, workloads, arguments.peers, arguments.only, arguments.rounds, arguments.build)
+    elif arguments.what == "sign":
+        sign.run(drivers, workloads, arguments.peers, arguments.only, arguments.rounds, arguments.build)
     elif arguments.what == "scaling":
         scaling.run(drivers, workloads, arguments.only, arguments.rounds, arguments.build)
     else:

@@ -32,6 +32,15 @@ Json description(const Plan& plan) {
   return json;
 }
 
+std::string sign_line(const SignReport& sign) {
+  std::string done;
+  if (sign.flipped > 0) done += "; " + counted(sign.flipped, "triangle") + " taken in the opposite orientation";
+  if (sign.left_out > 0) done += "; " + counted(sign.left_out, "triangle") + " left out";
+  const std::string method =
+      sign.method == SignMethod::none ? "no sign" : std::string("sign by ") + name_of(sign.method);
+  return method + ": " + sign.why + done + (sign.sure ? "" : "; not certain");
+}
+
 }  // namespace
 
 std::string grid_line(const GridChoice& choice) {
@@ -74,6 +83,7 @@ void say(const Outcome& outcome, const Console& console) {
   const ComputeReport& report = outcome.report;
   const double load = outcome.plan.load_seconds, prepare = report.seconds.prepare, compute = report.seconds.compute,
                sign = report.seconds.sign, write = outcome.write_seconds;
+  if (!report.sign.why.empty()) console.say(sign_line(report.sign));
   if (report.skipped > 0) console.say(counted(report.skipped, "triangle") + " skipped");
   console.detail(counted(report.samples_band, "sample") + " in the band, " + grouped(report.tiles_stored) + " of " +
                  counted(report.tiles, "tile") + " stored, " + counted(report.samples_examined, "distance") +
@@ -91,6 +101,12 @@ Json outcome_json(const Outcome& outcome) {
   Json json = description(outcome.plan);
   json["mesh"]["skipped"] = report.skipped;
   json["mesh"]["hash"] = hash_text(outcome.mesh_hash);
+  json["sign"] = {{"method", name_of(report.sign.method)},
+                  {"why", report.sign.why},
+                  {"sure", report.sign.sure},
+                  {"flipped", report.sign.flipped},
+                  {"left_out", report.sign.left_out},
+                  {"boundary_edges", report.sign.boundary_edges}};
   json["samples"] = {{"total", report.samples}, {"examined", report.samples_examined}, {"band", report.samples_band}};
   json["tiles"] = {{"total", report.tiles}, {"stored", report.tiles_stored}};
   json["seconds"] = {{"load", outcome.plan.load_seconds},

@@ -25,7 +25,8 @@ Examples:
 constexpr const char* kFooter = R"(Messages go to stderr, data to stdout. Output files appear whole or not at all.
 
 Exit codes: 0 done, 1 internal error, 2 wrong usage, 3 unusable input, 4 cannot write, 5 over a limit,
-6 no such device, 7 verify found wrong values, 130 interrupted.)";
+6 no such device, 7 verify found wrong values, 8 the sign is not certain,
+130 interrupted.)";
 
 class HelpFormatter : public CLI::Formatter {
  public:

@@ -18,6 +18,27 @@ enum class SignMethod {
   automatic,  ///< by the diagnosis of the mesh; ComputeReport says which method and why
 };
 
+/// The name of a method in options, reports and the provenance of fields; empty for `none`.
+constexpr const char* name_of(SignMethod method) {
+  switch (method) {
+    case SignMethod::none:
+      return "";
+    case SignMethod::winding:
+      return "winding";
+    case SignMethod::parity:
+      return "parity";
+    case SignMethod::normal:
+      return "normal";
+    case SignMethod::flood:
+      return "flood";
+    case SignMethod::shell:
+      return "shell";
+    case SignMethod::automatic:
+      return "auto";
+  }
+  return "";
+}
+
 /// Which winding numbers are inside, for SignMethod::winding. For open meshes, `positive` is above 1/2 and `nonzero` is
 /// above 1/2 in magnitude.
 enum class WindingRule {
@@ -31,6 +52,8 @@ struct SignOptions {
   WindingRule rule = WindingRule::positive;
   bool invert = false;  ///< exchange inside and outside, for example for the scan of a room
   bool strict = false;  ///< Error{doubt} where the sign is not certain
+  /// Take the triangles as they are oriented. By default the orientation is repaired first (docs/diagnosis.md).
+  bool as_oriented = false;
   double shell = 0;     ///< SignMethod::shell alone: thickness of the sheet, world units, positive
 };
 

@@ -37,8 +37,8 @@ MeshSummary inspect(MeshView mesh) try {
   edges.reserve(3 * mesh.triangles.size());
   corners.reserve(mesh.triangles.size());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const Vec3 a = mesh.corner(t, 0);
-    const double area = length(cross(mesh.corner(t, 1) - a, mesh.corner(t, 2) - a)) / 2;
+    const auto [a, b, c] = mesh.corners(t);
+    const double area = length(cross(b - a, c - a)) / 2;
     found.area += area;
     found.degenerate += area == 0;
     Triangle sorted = mesh.triangles[t];

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/execution.h"
+#include "sign/options.h"
 
 namespace standoff {
 
@@ -18,12 +19,7 @@ void validate(double thickness, const ComputeOptions& options) {
   const auto one_of = [](auto value, auto last) { return value >= decltype(value){} && value <= last; };
   if (!one_of(options.method, Method::thesis) || !one_of(options.skip.kind, SkipRule::Kind::exact))
     fail("there is no such method or skip rule; take one of enum Method and of SkipRule::Kind");
-  if (!one_of(options.sign.method, SignMethod::parity) || !one_of(options.sign.rule, WindingRule::odd))
-    fail("there is no such sign method or winding rule; take one of enum SignMethod and of WindingRule");
-  if (options.sign.method != SignMethod::winding && options.sign.rule != WindingRule::positive)
-    fail("a winding rule is for the sign method winding alone; leave it out");
-  if (options.sign.method == SignMethod::none && options.sign.invert)
-    fail("a field without a sign cannot be inverted; choose a sign method");
+  validate(options.sign);
 }
 
 SkipRule effective_rule(const ComputeOptions& options) {

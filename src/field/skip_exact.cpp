@@ -9,6 +9,7 @@
 #include <bit>
 #include <limits>
 
+#include "core/places_from_counts.h"
 #include "core/splitmix64.h"
 #include "field/reach.h"
 #include "geometry/corners.h"
@@ -17,10 +18,6 @@
 
 namespace standoff {
 namespace {
-
-Corners corners_of(MeshView mesh, std::uint32_t triangle) {
-  return {mesh.corner(triangle, 0), mesh.corner(triangle, 1), mesh.corner(triangle, 2)};
-}
 
 // Bits and not values are compared: 0 equals -0, but may give a result that does not.
 bool same_bits(const Corners& a, const Corners& b) {
@@ -85,17 +82,13 @@ class ExactRule {
       for_each_in_chunk(chunk, [&](std::uint32_t triangle) {
         kept_[triangle] = in_reach(triangle);
         if (!kept_[triangle]) return;
-        hashes[triangle] = hash(corners_of(mesh_, triangle));
+        hashes[triangle] = hash(mesh_.corners(triangle));
         ++count[bucket_of(hashes[triangle])];
       });
     });
-    std::uint32_t total = 0;
-    for (std::uint32_t bucket = 0; bucket < kBuckets; ++bucket) {
-      start_[bucket] = total;
-      for (auto& place : places) total += std::exchange(place[bucket], total);
-    }
-    start_[kBuckets] = total;
-    entries_.resize(total);
+    start_[kBuckets] =
+        places_from_counts(places, kBuckets, [&](std::size_t bucket, std::uint32_t place) { start_[bucket] = place; });
+    entries_.resize(start_[kBuckets]);
     tbb::parallel_for(std::int64_t{0}, chunks_, [&](std::int64_t chunk) {
       for_each_in_chunk(chunk, [&](std::uint32_t triangle) {
         if (kept_[triangle])
@@ -117,8 +110,8 @@ class ExactRule {
       const auto triangle = static_cast<std::uint32_t>(*entry);
       const bool alone = count == 0 && (entry + 1 == end || *entry >> 32 != *(entry + 1) >> 32);
       if (alone) continue;
-      const auto corners = corners_of(mesh_, triangle);
-      const auto is_original = [&](std::uint32_t other) { return same_bits(corners, corners_of(mesh_, other)); };
+      const auto corners = mesh_.corners(triangle);
+      const auto is_original = [&](std::uint32_t other) { return same_bits(corners, mesh_.corners(other)); };
       if (std::any_of(originals.begin(), originals.begin() + count, is_original))
         kept_[triangle] = 0;
       else if (count < kMostCompared)

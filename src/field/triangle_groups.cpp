@@ -37,7 +37,8 @@ std::vector<std::uint32_t> along_curve(MeshView mesh) {
   const Vec3 extent = max(box.extent(), Vec3{1, 1, 1} * std::numeric_limits<double>::min());
   std::vector<Entry> entries(mesh.triangles.size());
   tbb::parallel_for(std::size_t{0}, entries.size(), [&](std::size_t t) {
-    const Vec3 centre = mesh.corner(t, 0) * (1.0 / 3) + mesh.corner(t, 1) * (1.0 / 3) + mesh.corner(t, 2) * (1.0 / 3);
+    const auto [a, b, c] = mesh.corners(t);
+    const Vec3 centre = a * (1.0 / 3) + b * (1.0 / 3) + c * (1.0 / 3);
     entries[t] = {curve_key((centre - box.min) / extent), static_cast<std::uint32_t>(t)};
   });
   tbb::parallel_sort(
@@ -97,8 +98,8 @@ void TriangleGroups::look_at(std::size_t g, Vec3 p, Found& best) const {
 
 double TriangleGroups::triangle_distance_sq(Vec3 p, std::uint32_t t) const {
   // Relative to the sample, so that a mesh far from the origin loses nothing.
-  const auto corner = [&](int k) { return triple_of(mesh_.corner(t, k) - p); };
-  return closest_distance_sq(Triple<double>{0, 0, 0}, corner(0), corner(1), corner(2));
+  const auto [a, b, c] = mesh_.corners(t);
+  return closest_distance_sq(Triple<double>{0, 0, 0}, triple_of(a - p), triple_of(b - p), triple_of(c - p));
 }
 
 }  // namespace standoff

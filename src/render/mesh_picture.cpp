@@ -49,7 +49,8 @@ Image draw_mesh(MeshView mesh, const PictureOptions& options) {
   const auto points = camera.project(mesh, raster.image().width, raster.image().height);
   const Vec3 world_up = camera.turned(up_vector(options.up));
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const Vec3 normal = camera.facing_normal(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2));
+    const auto [a, b, c] = mesh.corners(t);
+    const Vec3 normal = camera.facing_normal(a, b, c);
     const Triangle& v = mesh.triangles[t];
     raster.draw(points[v[0]], points[v[1]], points[v[2]], shaded(normal, dot(normal, world_up)));
   }

@@ -2,6 +2,8 @@
 // grid.h, mesh.h, field.h, compute.h and verify.h with arguments that make no sense.
 #include "standoff/compute.h"
 #include "standoff/inspect.h"
+#include "standoff/mesh_report.h"
+#include "standoff/occupancy.h"
 #include "standoff/points.h"
 #include "standoff/testing/emulation.h"
 #include "standoff/thesis.h"
@@ -82,7 +84,9 @@ TEST(Misuse, Meshes) {
     expect_answer_or_error("bounds", [&] { bounds(mesh); });
     expect_answer_or_error("hash", [&] { content_hash(mesh); });
     expect_answer_or_error("inspect", [&] { inspect(mesh); });
+    expect_answer_or_error("report", [&] { report(mesh); });
     expect_answer_or_error("points", [&] { closest_points(mesh, std::vector<Vec3>(2)); });
+    expect_answer_or_error("occupancy", [&] { occupancy(mesh, kGrid); });
     expect_answer_or_error("memory_needed", [&] { memory_needed(mesh, kGrid, 1, on_cpu()); });
     expect_answer_or_error("verify", [&] { verify(DistanceField(kGrid, 1), mesh); });
     for (const double thickness : {1.0, kInfinite})
@@ -137,6 +141,7 @@ TEST(Misuse, Executions) {
     expect_usage("memory_needed", [&] { memory_needed(1, kGrid, 1, options); });
     expect_usage("verify", [&] { verify(field, one_triangle(), {.execution = execution}); });
     expect_usage("points", [&] { closest_points(one_triangle(), {}, execution); });
+    expect_usage("occupancy", [&] { occupancy(one_triangle(), kGrid, {SignMethod::automatic}, execution); });
   }
   for (const Backend backend : {Backend::cuda, testing::kEmulated})
     expect_usage("verify", [&] { verify(field, one_triangle(), {.execution = {.backend = backend}}); });
@@ -179,6 +184,7 @@ void expect_field(const std::string& name, DistanceField& field) {
       expect_answer_or_error(name, [&] { field.background(a, b, 0); });
       expect_answer_or_error(name, [&] { field.mark_inside(a, b, a); });
       expect_answer_or_error(name, [&] { field.erase_tile(b, a, b); });
+      expect_answer_or_error(name, [&] { field.erase_tiles(std::vector<Size3>{{0, 0, 0}, {a, b, a}}); });
       expect_answer_or_error(name, [&] { field.store_nearest(a, b, b); });
       expect_answer_or_error(name, [&] { field.store_tile(a, b, b); });
       std::vector<float> values(81);
@@ -198,6 +204,7 @@ void expect_field(const std::string& name, DistanceField& field) {
   expect_answer_or_error(name, [&] { EXPECT_EQ(std::ssize(field.tile_values()), 512 * field.stored_tiles()); });
   expect_answer_or_error(name, [&] { EXPECT_GE(field.memory_bytes(), 0); });
   expect_answer_or_error(name, [&] { verify(field, one_triangle()); });
+  expect_answer_or_error(name, [&] { field.erase_nearest(); });
   expect_answer_or_error(name, [&] { DistanceField(field).value(0, 0, 0); });
 }
 

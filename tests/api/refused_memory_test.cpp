@@ -17,6 +17,8 @@
 #include "standoff/experimental/simulation.h"
 #include "standoff/inspect.h"
 #include "standoff/io.h"
+#include "standoff/mesh_report.h"
+#include "standoff/occupancy.h"
 #include "standoff/picture.h"
 #include "standoff/points.h"
 #include "standoff/slice.h"
@@ -92,6 +94,7 @@ TEST(RefusedMemory, Computing) {
   expect_limit_error("compute_into", [&] { compute_into(kMesh, kGrid, 1, values, nearest, on_cpu()); });
   const std::vector<Vec3> points(3);
   expect_limit_error("points", [&] { closest_points(kMesh, points, {.threads = 1}); });
+  expect_limit_error("occupancy", [&] { occupancy(kMesh, kGrid, {SignMethod::automatic}, {.threads = 1}); });
   expect_limit_error("memory_needed", [&] { memory_needed(kMesh, kGrid, 1, on_cpu()); });
 }
 
@@ -126,6 +129,9 @@ TEST(RefusedMemory, Fields) {
   expect_error_or_limit("background", [&] { field.background(0, 2, 0); });
   expect_error_or_limit("mark_inside", [&] { DistanceField().mark_inside(0, 0, 0); });
   expect_error_or_limit("erase_tile", [&] { DistanceField(kGrid, 1).erase_tile(0, 0, 0); });
+  const std::vector<Size3> twice(2);
+  expect_error_or_limit("erase_tiles", [&] { DistanceField(kGrid, 1).erase_tiles(twice); });
+  DistanceField(kGrid, 1, true).erase_nearest();
   expect_error_or_limit("tile_nearest_values", [&] { DistanceField(kGrid, 1).tile_nearest_values(); });
   expect_limit_error("tile_coordinates", [&] { field.tile_coordinates(); });
   const std::vector<Vec3> points(3);
@@ -140,6 +146,7 @@ TEST(RefusedMemory, Fields) {
 
 TEST(RefusedMemory, Meshes) {
   expect_limit_error("inspect", [&] { inspect(kMesh); });
+  expect_limit_error("report", [&] { report(kMesh); });
   const std::vector<Triangle> wrong{{0, 1, 9}};
   expect_error_or_limit("bounds", [&] { bounds({kMesh.vertices, wrong}); });
   expect_error_or_limit("validate", [&] { validate(MeshView{kMesh.vertices, wrong}); });
@@ -170,6 +177,14 @@ TEST(RefusedMemory, Bodies) {
   const std::vector<Pose> poses(3, near);
   const std::vector<RigidMotion> motions(3, RigidMotion{make_pose({0, 0, 1}, 0, {5, 0, 0}), near, {}});
   expect_limit_error("collide", [&] { collide(body, {}, body, near); });
+  Mesh tetrahedron = kMesh;
+  tetrahedron.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+  expect_limit_error("closed model", [&] { CollisionModel(tetrahedron, {.execution = {.threads = 1}}); });
+  const CollisionModel closed(tetrahedron, {.execution = {.threads = 1}});
+  expect_limit_error("containment", [&] { collide(closed, {}, body, near, {.containment = true}); });
+  expect_limit_error("containments",
+                     [&] { collide_all(closed, {}, body, poses, {.containment = true}, {.threads = 1}); });
+  expect_error_or_limit("no containment", [&] { collide(body, {}, body, near, {.containment = true}); });
   expect_limit_error("distance", [&] { distance(body, {}, body, near); });
   expect_limit_error("contacts", [&] { contacts(body, {}, body, near, {.margin = 0.5}); });
   expect_limit_error("sweep", [&] { sweep(body, {}, body, motions[0]); });

@@ -9,6 +9,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/places_from_counts.h"
+
 namespace standoff::cpu {
 
 struct KeyedIndex {
@@ -42,13 +44,7 @@ inline void radix_sort(std::vector<KeyedIndex>& items, int threads) {
       for (std::int64_t n = size * chunk / chunks; n < size * (chunk + 1) / chunks; ++n)
         ++positions[chunk][bucket(items[n])];
     });
-    std::uint32_t total = 0;
-    for (std::uint32_t b = 0; b < kBuckets; ++b)
-      for (auto& position : positions) {
-        const std::uint32_t count = position[b];
-        position[b] = total;
-        total += count;
-      }
+    places_from_counts(positions, kBuckets, [](std::size_t, std::uint32_t) {});
     tbb::parallel_for(std::int64_t{0}, chunks, [&](std::int64_t chunk) {
       for (std::int64_t n = size * chunk / chunks; n < size * (chunk + 1) / chunks; ++n)
         sorted[positions[chunk][bucket(items[n])]++] = items[n];

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "field/cuda/corners.cuh"
-#include "field/set_up.h"
+#include "field/is_long.h"
 
 namespace standoff::STANDOFF_PLATFORM {
 

@@ -4,7 +4,7 @@
 
 #include "field/cpu/frame_lanes.h"
 #include "field/cpu/kernels/target.inl"
-#include "field/set_up.h"
+#include "field/is_long.h"
 #include "geometry/triangle_frame.h"
 
 namespace standoff::cpu::STANDOFF_TARGET {

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sign/options.h"
+
+#include <cmath>
+#include <string>
+
+#include "standoff/error.h"
+
+namespace standoff {
+
+void validate(const SignOptions& options) {
+  const auto fail = [](const char* what) { throw Error(ErrorCode::usage, std::string("compute: ") + what); };
+  const auto is = [&](SignMethod method) { return options.method == method; };
+  // Numbers that were cast to an enumeration.
+  const auto one_of = [](auto value, auto last) { return value >= decltype(value){} && value <= last; };
+  if (!one_of(options.method, SignMethod::automatic) || !one_of(options.rule, WindingRule::odd))
+    fail("there is no such sign method or winding rule; take one of enum SignMethod and of WindingRule");
+  if (options.rule != WindingRule::positive && !is(SignMethod::winding) && !is(SignMethod::automatic))
+    fail("a winding rule is for the sign methods winding and automatic; leave it out");
+  if (options.invert && is(SignMethod::none)) fail("a field without a sign cannot be inverted; choose a sign method");
+  if (options.strict && is(SignMethod::none))
+    fail("a field without a sign has none to be strict about; choose a sign method");
+  if (is(SignMethod::shell) && !(options.shell > 0 && std::isfinite(options.shell)))
+    fail("the thickness of a shell must be positive and finite");
+  if (!is(SignMethod::shell) && options.shell != 0)
+    fail("a shell's thickness is for the sign method shell; leave it out");
+}
+
+}  // namespace standoff
