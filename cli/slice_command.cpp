@@ -56,12 +56,16 @@ void Command::add_to(CLI::App& verb) {
   })->excludes(at);
   add("--pixels", "N", "enlarge the longer side to at least this (default 512)",
       [this](S o, S t) { options.pixels = static_cast<int>(parse_count(o, t, 1, 8192)); });
+  add("--colormap", "NAME",
+      "auto (default): diverging if the field has a sign, else viridis;\ndiverging: blue inside, white at 0, red "
+      "outside; viridis: dark\n"
+      "blue to yellow; thesis: red, green, blue as in 2008",
+      [this](S o, S t) {
+        constexpr Colormap maps[] = {Colormap::automatic, Colormap::diverging, Colormap::viridis, Colormap::thesis};
+        options.colormap = maps[parse_choice(o, t, {"auto", "diverging", "viridis", "thesis"})];
+      });
   input.add_to(verb);
   console.add_to(verb, Console::kMessages | Console::kJson);
-  add_parsed(verb, {"--colormap", "NAME", "viridis (default), or thesis: red, green, blue", kThesisGroup},
-             [this](S o, S t) {
-               options.colormap = parse_choice(o, t, {"viridis", "thesis"}) == 0 ? Colormap::viridis : Colormap::thesis;
-             });
 }
 
 void Command::run() {

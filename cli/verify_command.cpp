@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // standoff verify: a field against its mesh, by brute force in double precision.
+#include <cmath>
+#include <limits>
 #include <memory>
 
 #include "cli/commands.h"
@@ -31,6 +33,8 @@ struct Command {
   Console console;
 
   Json report(const VerifyResult& found) const;
+  void warn_of(const VerifyResult& found) const;
+  void fail(const VerifyResult& found) const;
   void run();
 };
 
@@ -45,6 +49,22 @@ Json sample_json(const SampleCheck& at) {
           {"error", json_number(at.error)},   {"allowed", json_number(at.allowed)}};
 }
 
+Json sign_json(const SignCheck& sign) {
+  return {{"method", sign.method},
+          {"checked", sign.checked},
+          {"wrong", sign.wrong},
+          {"unknown", sign.unknown},
+          {"negative", sign.negative},
+          {"worst", sign.wrong > 0 ? sample_json(sign.worst) : Json()},
+          {"worst_winding", sign.wrong > 0 ? json_number(sign.worst_winding) : Json()}};
+}
+
+std::string sign_line(const SignCheck& sign) {
+  if (sign.method.empty() || !sign.can_check) return "";
+  return "sign (" + sign.method + "): " + counted(sign.checked, "sample") + " checked, " + grouped(sign.wrong) +
+         " wrong, " + grouped(sign.unknown) + " not decided\n";
+}
+
 Json Command::report(const VerifyResult& found) const {
   Json json = json_answer("verify");
   json["field"] = {{"file", field}};
@@ -52,6 +72,7 @@ Json Command::report(const VerifyResult& found) const {
   json["ok"] = found.ok();
   json["samples"] = {{"tested", found.samples}, {"band", found.samples_band}, {"wrong", found.samples_wrong}};
   json["nearest_wrong"] = found.nearest_wrong;
+  json["sign"] = sign_json(found.sign);
   json["same_mesh"] = !found.mesh_differs;
   json["largest"] = sample_json(found.largest);
   json["worst"] = sample_json(found.worst);
@@ -71,25 +92,48 @@ void Command::run() {
   options.progress = nullptr;
   if (interrupted()) throw Error(ErrorCode::interrupted, "interrupted");
 
-  if (found.mesh_differs)
-    console.warn(field + ": computed from another mesh than " + mesh.name() +
-                 " as read here, by their hashes; give the --scale or --unit it was computed with");
+  warn_of(found);
   if (console.json())
     print(report(found));
   else
     print(counted(found.samples, "sample") + " tested, " + grouped(found.samples_band) + " of them in the band\n" +
           "largest error " + number(found.largest.error) + " (allowed there: " + number(found.largest.allowed) + "), " +
           sample_text(found.largest) + ": stored " + exact_number(found.largest.stored) + ", expected " +
-          exact_number(found.largest.expected) + "\n");
-  if (found.ok()) return console.say("the field matches the mesh");
+          exact_number(found.largest.expected) + "\n" + sign_line(found.sign));
+  if (!found.ok()) fail(found);
+  console.say("the field matches the mesh");
+}
+
+void Command::warn_of(const VerifyResult& found) const {
+  if (found.mesh_differs)
+    console.warn(field + ": computed from another mesh than " + mesh.name() +
+                 " as read here, by their hashes; give the --scale or --unit it was computed with");
+  const SignCheck& sign = found.sign;
+  if (sign.can_check || (sign.method.empty() && sign.negative == 0)) return;
+  if (sign.method.empty())
+    console.warn(field +
+                 ": has negative values but does not say how their sign was decided; only distances are checked");
+  else
+    console.warn(field + ": the sign (" + sign.method + ") cannot be checked with this mesh; only distances are");
+}
+
+void Command::fail(const VerifyResult& found) const {
+  const auto fail_with = [&](const std::string& what) {
+    throw Error(ErrorCode::verify, field + ": " + what + "; compute it again from " + mesh.name());
+  };
   if (found.samples_wrong > 0)
-    throw Error(ErrorCode::verify, field + ": " + sample_text(found.worst) + ": the value is wrong by " +
-                                       number(found.worst.error) + ", more than the " + number(found.worst.allowed) +
-                                       " allowed, as " + counted(found.samples_wrong, "sample") + " of " +
-                                       grouped(found.samples) + " are; compute it again from " + mesh.name());
-  throw Error(ErrorCode::verify, field + ": the nearest triangle of " + counted(found.nearest_wrong, "sample") +
-                                     " of " + grouped(found.samples) + " is not the nearest; compute it again from " +
-                                     mesh.name());
+    fail_with(sample_text(found.worst) + ": the value is wrong by " + number(found.worst.error) + ", more than the " +
+              number(found.worst.allowed) + " allowed, as " + counted(found.samples_wrong, "sample") + " of " +
+              grouped(found.samples) + " are");
+  const SignCheck& sign = found.sign;
+  if (sign.wrong > 0) {
+    const bool inside = sign.worst.expected < 0;
+    fail_with(sample_text(sign.worst) + ": the sign is wrong, the sample is " + (inside ? "inside" : "outside") +
+              (std::isnan(sign.worst_winding) ? "" : " (winding number " + number(sign.worst_winding) + ")") + "; " +
+              counted(sign.wrong, "sample") + " of " + grouped(sign.checked) + " have the wrong sign");
+  }
+  fail_with("the nearest triangle of " + counted(found.nearest_wrong, "sample") + " of " + grouped(found.samples) +
+            " is not the nearest");
 }
 
 }  // namespace

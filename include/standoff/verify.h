@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "standoff/execution.h"
 #include "standoff/export.h"
@@ -24,9 +25,22 @@ struct SampleCheck {
   std::int64_t i = 0, j = 0, k = 0;
   Vec3 position;
   double stored = 0;    ///< the field's value
-  double expected = 0;  ///< min(distance, thickness), computed in double precision
-  double error = 0;     ///< |stored - expected|; infinite if `stored` is not a number
+  double expected = 0;  ///< min(distance, thickness), computed in double precision; negative if found to be inside
+  double error = 0;     ///< ||stored| - |expected||; infinite if `stored` is not a number
   double allowed = 0;   ///< the bound that compute() guarantees there
+};
+
+/// The check of a field's sign (docs/sign.md, "Check").
+struct SignCheck {
+  std::string method;        ///< how the sign was decided, by the field's provenance; empty: it does not say
+  bool can_check = false;    ///< whether verify can check any sign that was decided that way
+  std::int64_t checked = 0;  ///< tested samples whose side was compared
+  std::int64_t wrong = 0;    ///< of these, how many are on the other side
+  std::int64_t unknown =
+      0;  ///< tested samples whose side cannot be told: on the surface, too near to it, or see method
+  std::int64_t negative = 0;  ///< tested samples with a negative value
+  SampleCheck worst;          ///< if any is wrong: the one farthest from the surface
+  double worst_winding = 0;   ///< the winding number there; not a number if another check found it
 };
 
 struct VerifyResult {
@@ -36,9 +50,10 @@ struct VerifyResult {
   std::int64_t nearest_wrong = 0;  ///< tested samples whose stored nearest triangle is farther than is allowed
   SampleCheck largest;             ///< the sample with the largest error
   SampleCheck worst;               ///< the sample with the largest ratio of error to allowed error
+  SignCheck sign;                  ///< whether negative values are inside
   bool mesh_differs = false;       ///< the field's provenance names another mesh
 
-  bool ok() const { return samples_wrong == 0 && nearest_wrong == 0; }
+  bool ok() const { return samples_wrong == 0 && nearest_wrong == 0 && sign.wrong == 0; }
 };
 
 /// The allowed error of a value if the distance, clamped to the thickness, is `distance`:
@@ -47,8 +62,16 @@ STANDOFF_API double allowed_error(const Grid& grid, double distance);
 
 /// Compares the field at random samples with distances computed in double precision over all triangles; a triangle is
 /// skipped only if its box is farther away than a distance that was already found. Half of the samples are drawn from
-/// the stored tiles, so that a narrow band in a large grid is tested too. This search shares no code with compute(). If
-/// the field has wrong values, the result says so; that is not an error. Errors: input (mesh), usage (options),
+/// the stored tiles, so that a narrow band in a large grid is tested too. This search shares no code with compute().
+///
+/// If the field's provenance says how its sign was decided, the sign is checked as well, by other means than
+/// compute()'s. `winding` and `parity` of closed meshes: every sample, exactly, by the crossings of a ray along +y.
+/// `winding` of open meshes: by the sum of all solid angles in double precision, which takes time in proportion to
+/// samples times triangles (about 40 ns each); samples within its rounding error of the threshold count as unknown.
+/// `flood`: samples outside of the mesh's box. `shell`: expected values are distance - shell / 2. `normal` is not
+/// checked.
+///
+/// If the field has wrong values, the result says so; that is not an error. Errors: input (mesh), usage (options),
 /// interrupted.
 STANDOFF_API VerifyResult verify(const DistanceField& field, MeshView mesh, const VerifyOptions& options = {});
 

@@ -13,8 +13,9 @@
 #include "field/options.h"
 #include "field/plan.h"
 #include "field/prepare.h"
-#include "sign/plan.h"
+#include "sign/make_sides.h"
 #include "sign/sign_field.h"
+#include "sign/sign_text.h"
 #include "standoff/version.h"
 
 namespace standoff {
@@ -85,7 +86,8 @@ class Computation {
       report_.seconds.compute = watch.lap();
       if (sign_plan_.has_sign()) {
         progress_.stage("sign", 1, 1, 1);
-        sign(*make_sides(mesh_, sign_plan_, options_.sign, plan_.grid, progress_), progress_);
+        if (const auto sides = make_sides(mesh_, sign_plan_, options_.sign, plan_.grid, progress_))
+          sign(*sides, progress_);
         report_.seconds.sign = watch.lap();
       }
       report_.triangles = plan_.triangles;
@@ -139,7 +141,7 @@ ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickness, Di
         [&](const Sides& sides, ProgressMeter& progress) { sign_field(sides, options.sign.invert, field, progress); },
         options.hash_mesh ? &mesh_hash : nullptr);
     report.tiles_stored = field.stored_tiles();
-    field.set_provenance({report.method, mesh_hash, version(), name_of(report.sign.method)});
+    field.set_provenance({report.method, mesh_hash, version(), written(sign_text_of(options.sign, report.sign))});
     return report;
   } catch (...) {
     field = {};

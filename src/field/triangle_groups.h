@@ -25,6 +25,16 @@ class TriangleGroups {
   std::uint32_t nearest(Vec3 p) const;
   /// The distance from p to one triangle.
   double distance(Vec3 p, std::uint32_t triangle) const;
+  /// Calls use(triangle) for triangles in groups of neighbours: for all of a group or for none. Each triangle whose box
+  /// meets the ray from p along +y is among them.
+  template <class Use>
+  void for_each_above(Vec3 p, const Use& use) const {
+    for (std::size_t g = 0; g < boxes_.size(); ++g) {
+      const Box& box = boxes_[g];
+      if (box.min.x <= p.x && p.x <= box.max.x && box.min.z <= p.z && p.z <= box.max.z && p.y <= box.max.y)
+        for (const std::uint32_t triangle : group(g)) use(triangle);
+    }
+  }
 
  private:
   static constexpr std::size_t kGroup = 32;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <random>
 #include <vector>
 
@@ -14,7 +15,9 @@
 #include "core/progress.h"
 #include "core/promised_error.h"
 #include "core/threads.h"
+#include "field/sign_judge.h"
 #include "field/triangle_groups.h"
+#include "sign/sign_text.h"
 
 namespace standoff {
 namespace {
@@ -63,29 +66,102 @@ struct Finding {
   bool in_band = false;
   bool wrong = false;
   bool nearest_wrong = false;
+  SideJudgement side;
 };
 
-Finding check(const DistanceField& field, const TriangleGroups& groups, const Sample& at) {
-  const Vec3 position = field.grid().position(at.i, at.j, at.k);
-  const double distance = groups.distance(position);
-  Finding finding{{at.i, at.j, at.k, position, field.value(at.i, at.j, at.k), std::min(distance, field.thickness())}};
+// The orientation that the sign was decided with, as OrientedMesh::use says it: the caller's, unless the field tells of
+// flipped triangles.
+std::vector<std::int8_t> oriented_for_sign(MeshView, const SignText&) { return {}; }
+
+// One field and its mesh. Requires a valid mesh. Runs on the threads of the calling TBB arena.
+class Check {
+ public:
+  Check(const DistanceField& field, MeshView mesh)
+      : field_(field),
+        sign_(sign_text_in(field.provenance().sign).value_or(SignText{})),
+        groups_(mesh),
+        judge_(mesh, groups_, sign_, oriented_for_sign(mesh, sign_)) {}
+
+  bool is_shell() const { return sign_.method == SignMethod::shell; }
+  bool can_check_sign() const { return is_shell() || judge_.can_judge(); }
+  Finding sample(const Sample& at) const;
+
+ private:
+  void compare_distance(double distance, Finding& finding) const;
+  void compare_shell(double distance, Finding& finding) const;
+  void compare_nearest(double distance, Finding& finding) const;
+
+  const DistanceField& field_;
+  SignText sign_;
+  TriangleGroups groups_;
+  SignJudge judge_;
+};
+
+Finding Check::sample(const Sample& at) const {
+  const Vec3 position = field_.grid().position(at.i, at.j, at.k);
+  const double distance = groups_.distance(position);
+  Finding finding;
   SampleCheck& sample = finding.sample;
-  sample.allowed = allowed_error(field.grid(), sample.expected);
-  // The distance alone is checked, not the side.
-  sample.error = std::abs(std::abs(sample.stored) - sample.expected);
+  sample = {at.i, at.j, at.k, position, field_.value(at.i, at.j, at.k)};
+  if (is_shell())
+    compare_shell(distance - sign_.shell / 2, finding);
+  else
+    compare_distance(distance, finding);
   if (std::isnan(sample.error)) sample.error = std::numeric_limits<double>::infinity();
-  finding.in_band = distance <= field.thickness();
   // A grid beyond the range of double has infinite distances, which no comparison can confirm.
   finding.wrong = !(std::isfinite(distance) && sample.error <= sample.allowed);
-  if (!field.has_nearest()) return finding;
+  if (field_.has_nearest()) compare_nearest(distance, finding);
+  return finding;
+}
+
+void Check::compare_distance(double distance, Finding& finding) const {
+  SampleCheck& sample = finding.sample;
+  sample.expected = std::min(distance, field_.thickness());
+  sample.allowed = allowed_error(field_.grid(), sample.expected);
+  sample.error = std::abs(std::abs(sample.stored) - sample.expected);
+  finding.in_band = distance <= field_.thickness();
+  // The value 0 has no side.
+  if (sample.stored != 0 && !std::isnan(sample.stored)) finding.side = judge_.judge(sample.position);
+  if (finding.side.inside.value_or(false)) sample.expected = -sample.expected;
+}
+
+// `value` is the distance to the surface of the thickened sheet.
+void Check::compare_shell(double value, Finding& finding) const {
+  SampleCheck& sample = finding.sample;
+  const double thickness = field_.thickness();
+  sample.expected = std::clamp(value, -thickness, thickness);
+  sample.allowed = allowed_error(field_.grid(), value + sign_.shell / 2);
+  finding.in_band = value <= thickness;
+  if (std::abs(value) > sample.allowed) finding.side.inside = (value < 0) != sign_.invert;
+  if (sign_.invert) sample.expected = -sample.expected;
+  sample.error = std::abs(sample.stored - sample.expected);
+}
+
+void Check::compare_nearest(double distance, Finding& finding) const {
+  const SampleCheck& sample = finding.sample;
+  const std::uint32_t nearest = field_.nearest(sample.i, sample.j, sample.k);
   // Near the thickness rounding decides whether there is a nearest triangle.
-  const std::uint32_t nearest = field.nearest(at.i, at.j, at.k);
   if (nearest == kNoTriangle)
-    finding.nearest_wrong = distance < field.thickness() - sample.allowed;
+    finding.nearest_wrong = distance - sign_.shell / 2 < field_.thickness() - sample.allowed;
   else
     finding.nearest_wrong =
-        nearest >= groups.triangle_count() || groups.distance(position, nearest) > distance + sample.allowed;
-  return finding;
+        nearest >= groups_.triangle_count() || groups_.distance(sample.position, nearest) > distance + sample.allowed;
+}
+
+void count_sign(const Finding& finding, SignCheck& sign) {
+  const SampleCheck& sample = finding.sample;
+  sign.negative += sample.stored < 0;
+  if (!finding.side.inside) {
+    ++sign.unknown;
+    return;
+  }
+  ++sign.checked;
+  if ((sample.stored < 0) == *finding.side.inside) return;
+  if (sign.wrong == 0 || std::abs(sample.expected) > std::abs(sign.worst.expected)) {
+    sign.worst = sample;
+    sign.worst_winding = finding.side.winding.value_or(std::numeric_limits<double>::quiet_NaN());
+  }
+  ++sign.wrong;
 }
 
 }  // namespace
@@ -104,17 +180,19 @@ VerifyResult verify(const DistanceField& field, MeshView mesh, const VerifyOptio
   ProgressMeter progress(options.progress);
   const auto samples = choose_samples(field, options.samples, options.seed);
   std::vector<Finding> findings(samples.size());
+  VerifyResult result;
+  result.sign.method = field.provenance().sign;
   Threads(options.execution.threads).run([&] {
     progress.stage("sort", 1, 0, 0.05);
-    const TriangleGroups groups(mesh);
+    const Check check(field, mesh);
+    result.sign.can_check = check.can_check_sign();
     progress.stage("verify", static_cast<std::int64_t>(samples.size()), 0.05, 1);
     tbb::parallel_for(std::size_t{0}, samples.size(), [&](std::size_t n) {
-      findings[n] = check(field, groups, samples[n]);
+      findings[n] = check.sample(samples[n]);
       progress.advance();
     });
   });
 
-  VerifyResult result;
   result.samples = static_cast<std::int64_t>(samples.size());
   result.mesh_differs = field.provenance().mesh_hash != 0 && field.provenance().mesh_hash != content_hash(mesh);
   result.largest = result.worst = findings.front().sample;
@@ -123,6 +201,7 @@ VerifyResult verify(const DistanceField& field, MeshView mesh, const VerifyOptio
     result.samples_band += finding.in_band;
     result.samples_wrong += finding.wrong;
     result.nearest_wrong += finding.nearest_wrong;
+    count_sign(finding, result.sign);
     if (sample.error > result.largest.error) result.largest = sample;
     if (sample.error / sample.allowed > result.worst.error / result.worst.allowed) result.worst = sample;
   }

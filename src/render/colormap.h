@@ -7,7 +7,8 @@
 
 namespace standoff {
 
-/// The color of `t` in [0, 1]; values outside count as the nearer end.
+/// The color of `t` in [0, 1]; values outside count as the nearer end. `automatic` counts as viridis: a number has no
+/// sign.
 Color color_of(Colormap map, double t);
 
 }  // namespace standoff

@@ -54,6 +54,10 @@ Legend::Legend(double least, double greatest, double thickness, Colormap map)
 
 Color Legend::color(double value) const {
   if (!std::isfinite(value)) return kGrey;
+  if (map_ == Colormap::diverging) {
+    const double most = std::max(std::abs(least_), std::abs(greatest_));
+    return color_of(map_, most > 0 ? 0.5 + 0.5 * (value / most) : 0.5);
+  }
   return color_of(map_, greatest_ > least_ ? (value - least_) / (greatest_ - least_) : 0);
 }
 
@@ -66,7 +70,7 @@ int Legend::width() const {
 void Legend::draw(Image& image, int x, int y, int height) const {
   image.fill(x - 1, y - 1, kBarWidth + 2, height + 2, kInk);
   for (int row = 0; row < height; ++row)
-    image.fill(x, y + row, kBarWidth, 1, color_of(map_, greatest_ > least_ ? 1 - (row + 0.5) / height : 0));
+    image.fill(x, y + row, kBarWidth, 1, color_at(greatest_ > least_ ? 1 - (row + 0.5) / height : 0));
   const int room = kTextHeight + kTextHeight / 2;
   for (const Tick& tick : ticks_) {
     const int row = static_cast<int>(std::lround((1 - tick.share) * (height - 1)));

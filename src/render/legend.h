@@ -12,7 +12,8 @@ namespace standoff {
 
 class Legend {
  public:
-  /// From the least to the greatest value. Those of magnitude `thickness` stand for themselves and all beyond.
+  /// From the least to the greatest value. Those of magnitude `thickness` stand for themselves and all beyond. Colors
+  /// of Colormap::diverging have their middle at 0, and reach equally far to both sides.
   Legend(double least, double greatest, double thickness, Colormap map);
 
   /// A value's color; grey when it is not finite.
@@ -27,6 +28,8 @@ class Legend {
     double share;  // of the way from the least to the greatest value
     std::string label;
   };
+
+  Color color_at(double share) const { return color(least_ + share * (greatest_ - least_)); }
 
   double least_, greatest_;
   Colormap map_;

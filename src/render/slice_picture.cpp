@@ -11,6 +11,7 @@
 #include "core/guarded.h"
 #include "render/legend.h"
 #include "render/text.h"
+#include "render/zero_line.h"
 #include "standoff/error.h"
 
 namespace standoff {
@@ -48,6 +49,26 @@ std::optional<Legend> legend_of(const Plane& plane, double thickness, Colormap m
   return Legend(least, greatest, static_cast<float>(thickness), map);
 }
 
+bool has_sign(const DistanceField& field) {
+  const auto negative = [](auto number) { return number < 0; };
+  return !field.provenance().sign.empty() || std::ranges::count(field.slots(), DistanceField::kInside) > 0 ||
+         std::ranges::any_of(field.tile_values(), negative);
+}
+
+// Dark on light colors, light on dark ones.
+void draw_zero_line(const Plane& plane, Colormap map, SlicePicture& picture) {
+  const Color line = map == Colormap::diverging ? kInk : kPaper;
+  const std::vector<float> covered = zero_line(plane, picture.width, picture.height);
+  for (int y = 0; y < picture.height; ++y)
+    for (int x = 0; x < picture.width; ++x) {
+      const float share = covered[static_cast<std::size_t>(y) * picture.width + x];
+      if (share == 0) continue;
+      Color& pixel = picture.image.at(picture.left + x, picture.top + y);
+      for (std::size_t c = 0; c < 3; ++c)
+        pixel[c] = static_cast<std::uint8_t>(std::lround(pixel[c] * (1 - share) + line[c] * share));
+    }
+}
+
 }  // namespace
 
 SlicePicture draw_slice(const DistanceField& field, const SliceOptions& options) {
@@ -56,7 +77,10 @@ SlicePicture draw_slice(const DistanceField& field, const SliceOptions& options)
                 "slice: the picture's size must be 1 to " + std::to_string(kMaxSide) + " pixels; 512 is usual");
   const Plane plane = plane_of(field, options);
   const auto [width, height] = enlarged(plane, options.pixels);
-  const std::optional<Legend> legend = legend_of(plane, field.thickness(), options.colormap);
+  const bool is_signed = has_sign(field);
+  Colormap map = options.colormap;
+  if (map == Colormap::automatic) map = is_signed ? Colormap::diverging : Colormap::viridis;
+  const std::optional<Legend> legend = legend_of(plane, field.thickness(), map);
 
   const std::array<std::string, 2> caption{std::string(legend ? "distance" : "no finite distance") + " at " +
                                                plane.normal + " = " + short_text(plane.position, 6),
@@ -72,7 +96,7 @@ SlicePicture draw_slice(const DistanceField& field, const SliceOptions& options)
   draw_text(picture.image, kMargin, kMargin, caption[0], kInk);
   draw_text(picture.image, kMargin, kMargin + kLine, caption[1], kFaint);
   if (legend) legend->draw(picture.image, kMargin + width + kGap, top, legend_height);
-  const Legend grey(0, 0, field.thickness(), options.colormap);
+  const Legend grey(0, 0, field.thickness(), map);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       // The sample whose cell holds the pixel's centre; rows of the picture run down.
@@ -80,6 +104,7 @@ SlicePicture draw_slice(const DistanceField& field, const SliceOptions& options)
       const std::int64_t u = (2 * (height - y) - 1) * plane.height / (2 * height);
       picture.image.at(kMargin + x, top + y) = (legend ? *legend : grey).color(plane.value(r, u));
     }
+  if (is_signed) draw_zero_line(plane, map, picture);
   return picture;
 }
 

@@ -8,8 +8,8 @@
 #include "core/guarded.h"
 #include "core/threads.h"
 #include "sign/each_row_of_tiles.h"
+#include "sign/make_sides.h"
 #include "sign/options.h"
-#include "sign/plan.h"
 #include "standoff/error.h"
 
 namespace standoff {
@@ -50,8 +50,8 @@ Occupancy occupancy(MeshView mesh, const Grid& grid, const SignOptions& sign, co
     meter.stage("sign", 1, 0, 1);
     SignPlan plan = plan_sign(mesh, sign);
     found.bits.resize(static_cast<std::size_t>(found.row_bytes() * grid.size.y * grid.size.z));
-    if (plan.has_sign()) {
-      const auto sides = make_sides(mesh, plan, sign, grid, meter);
+    const auto sides = plan.has_sign() ? make_sides(mesh, plan, sign, grid, meter) : nullptr;
+    if (sides) {
       for_each_row_of_tiles(
           *sides, sign.invert, grid, meter,
           [&](const InsideRows& rows, std::int64_t ty, std::int64_t tz) { copy_rows(rows, ty, tz, found); });

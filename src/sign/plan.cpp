@@ -4,31 +4,119 @@
 #include <string>
 
 #include "sign/closed.h"
-#include "sign/integer_winding.h"
+#include "sign/orient.h"
 #include "standoff/error.h"
+#include "standoff/mesh_report.h"
+#include "standoff/mesh_report.h"
 
 namespace standoff {
+namespace {
+
+[[noreturn]] void fail(const std::string& what) { throw Error(ErrorCode::input, "compute: " + what); }
+
+std::string counted(std::int64_t n, const std::string& what) {
+  return std::to_string(n) + ' ' + what + (n == 1 ? "" : "s");
+}
+
+std::string open_edges(const SignPlan& plan) {
+  return counted(plan.report.boundary_edges, "edge") + " of it do not cancel";
+}
+
+void plan_parity(SignPlan& plan, const Closed& closed) {
+  if (!closed.unoriented)
+    fail(
+        "the mesh is not closed (some edge belongs to an odd number of triangles), so crossings have no parity; repair "
+        "the mesh, or take the sign method winding or flood");
+  plan.report.why = "each edge has an even number of triangles";
+}
+
+void plan_winding(SignPlan& plan, MeshView mesh, const Closed& closed, const SignOptions& options) {
+  if (closed.oriented) {
+    plan.report.why = "the mesh is closed and consistently oriented";
+    return;
+  }
+  if (options.as_oriented) {
+    plan.boundary = net_boundary({mesh}, MeshEdges(mesh));
+    plan.report.boundary_edges = static_cast<std::int64_t>(plan.boundary.edges.size());
+    plan.was_oriented = true;
+  } else {
+    orient_for(plan, mesh);
+  }
+  plan.report.sure = plan.boundary.edges.empty();
+  plan.report.why = plan.report.sure ? "the mesh is closed once it is oriented"
+                                     : "the generalised winding number decides; the mesh is open: " + open_edges(plan);
+}
+
+void plan_normal(SignPlan& plan, MeshView mesh, const Closed& closed, const SignOptions& options) {
+  if (!closed.oriented && !options.as_oriented) orient_for(plan, mesh);
+  plan.report.sure = closed.oriented || (plan.was_oriented && plan.boundary.edges.empty());
+  plan.report.why = plan.report.sure ? "the mesh is closed" : "front and back of the nearest triangle decide";
+}
+
+void plan_flood(SignPlan& plan, const Closed& closed) {
+  plan.report.sure = closed.unoriented;
+  plan.report.why = plan.report.sure ? "the mesh is closed" : "outside is what a flood reaches; the mesh has gaps";
+}
+
+void plan_automatic(SignPlan& plan, MeshView mesh, const Closed& closed, const SignOptions& options) {
+  if (closed.oriented) {
+    plan.report.method = SignMethod::winding;
+    return plan_winding(plan, mesh, closed, options);
+  }
+  const MeshReport found = report(mesh, {.most_components = 0, .most_intersections = 0});
+  plan.report.method = found.method;
+  if (found.method == SignMethod::winding) orient_for(plan, mesh);
+  plan.report.boundary_edges = found.boundary_edges;
+  plan.report.sure = found.sure;
+  plan.report.why = found.why;
+}
+
+}  // namespace
+
+void orient_for(SignPlan& plan, MeshView mesh) {
+  const MeshEdges edges(mesh);
+  Orientation found = orient(mesh, edges);
+  plan.use = std::move(found.use);
+  plan.boundary = net_boundary({mesh, plan.use}, edges);
+  plan.was_oriented = true;
+  plan.report.flipped = found.flipped;
+  plan.report.left_out = found.left_out;
+  plan.report.boundary_edges = static_cast<std::int64_t>(plan.boundary.edges.size());
+}
+
+void expect_sure(const SignPlan& plan, const SignOptions& options) {
+  if (!options.strict || plan.report.sure) return;
+  throw Error(ErrorCode::doubt, "compute: the sign is not certain (" + plan.report.why +
+                                    "), and strict allows no doubt; repair the mesh, or allow it");
+}
 
 SignPlan plan_sign(MeshView mesh, const SignOptions& options) {
   SignPlan plan;
   plan.report.method = options.method;
   if (options.method == SignMethod::none) return plan;
+  if (options.method == SignMethod::shell) {
+    plan.report.why = "the mesh is a sheet of that thickness";
+    return plan;
+  }
   const Closed closed = is_closed(mesh);
-  if (options.method == SignMethod::parity ? closed.unoriented : closed.oriented) return plan;
-  if (!closed.unoriented)
-    throw Error(
-        ErrorCode::input,
-        "compute: the mesh is not closed (some edge belongs to an odd number of triangles), so it has no inside; "
-        "repair the mesh, or leave out the sign");
-  throw Error(ErrorCode::input,
-              "compute: neighbouring triangles of the mesh are not oriented alike, so its winding number is no "
-              "integer; orient the mesh, or take the sign method parity");
-}
-
-std::unique_ptr<Sides> make_sides(MeshView mesh, const SignPlan& plan, const SignOptions& options, const Grid& grid,
-                                  ProgressMeter& progress) {
-  const WindingRule rule = plan.report.method == SignMethod::parity ? WindingRule::odd : options.rule;
-  return std::make_unique<IntegerWinding>(OrientedMesh{mesh, plan.use}, grid, rule, progress);
+  switch (options.method) {
+    case SignMethod::winding:
+      plan_winding(plan, mesh, closed, options);
+      break;
+    case SignMethod::parity:
+      plan_parity(plan, closed);
+      break;
+    case SignMethod::normal:
+      plan_normal(plan, mesh, closed, options);
+      break;
+    case SignMethod::flood:
+      plan_flood(plan, closed);
+      break;
+    default:
+      plan_automatic(plan, mesh, closed, options);
+  }
+  expect_sure(plan, options);
+  return plan;
 }
 
 }  // namespace standoff

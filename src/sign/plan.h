@@ -3,13 +3,10 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <vector>
 
-#include "core/progress.h"
+#include "sign/boundary.h"
 #include "sign/oriented_mesh.h"
-#include "sign/sides.h"
-#include "standoff/grid.h"
 #include "standoff/mesh.h"
 #include "standoff/sign.h"
 
@@ -18,16 +15,20 @@ namespace standoff {
 struct SignPlan {
   SignReport report;
   std::vector<std::int8_t> use;  ///< OrientedMesh::use
+  Boundary boundary;             ///< of the mesh in that orientation; empty also where the method needs none
+  bool was_oriented = false;     ///< whether the mesh was examined and oriented; closed meshes are not, at first
 
   bool has_sign() const { return report.method != SignMethod::none; }
 };
 
-/// Throws Error{input} where the method does not fit the mesh, Error{doubt} where it fits and `strict` forbids it.
-/// Requires a valid mesh and valid options. Runs on the threads of the calling TBB arena.
+/// Throws Error{input} where the method does not fit the mesh, Error{doubt} where it fits but is not certain and
+/// `strict` is asked for. Requires a valid mesh and valid options. Runs on the threads of the calling TBB arena.
 SignPlan plan_sign(MeshView mesh, const SignOptions& options);
 
-/// What decides the sides of a grid's samples by this plan. Requires plan.has_sign(). Throws Error{interrupted}.
-std::unique_ptr<Sides> make_sides(MeshView mesh, const SignPlan& plan, const SignOptions& options, const Grid& grid,
-                                  ProgressMeter& progress);
+/// Orients the mesh by its parts, for the winding number: sets `use`, `boundary` and the report's figures.
+void orient_for(SignPlan& plan, MeshView mesh);
+
+/// Throws Error{doubt} where the plan is not certain and `strict` is asked for.
+void expect_sure(const SignPlan& plan, const SignOptions& options);
 
 }  // namespace standoff

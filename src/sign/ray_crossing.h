@@ -6,6 +6,10 @@
 // Rays through an edge, a corner, or along a triangle are no special cases: every sample (x, y, z) stands for the point
 // (x + e^3, y + e, z + e^2), where e is positive and smaller than any number ("simulation of simplicity", Edelsbrunner
 // and Muecke 1990). That point is on no triangle with an area.
+//
+// A ray along y or z is one along x in coordinates that are turned in a circle: (y, z, x) or (z, x, y). The points that
+// samples stand for must stay the same ones, so that crossings along the three axes agree. They are displaced most
+// along y, then along z, then along x, which is the same circle, begun at another of the turned axes.
 #pragma once
 
 #include <array>
@@ -19,7 +23,9 @@ namespace standoff {
 /// A triangle that many rows are tested against.
 class RayTriangle {
  public:
-  explicit RayTriangle(const std::array<Vec3, 3>& corners) : t_(corners) {
+  /// `most`: the axis, 0 to 2 for x to z, along which samples are displaced most. The two after it in the circle
+  /// follow.
+  explicit RayTriangle(const std::array<Vec3, 3>& corners, int most = 1) : t_(corners), most_(most) {
     const Vec3 u = t_[1] - t_[0], v = t_[2] - t_[0];
     const auto minor = [](double a, double b, double c, double d) {
       return RoundedDeterminant{a * b - c * d, std::abs(a * b) + std::abs(c * d)};
@@ -69,8 +75,11 @@ class RayTriangle {
   int side_of_edge(int n, double y, double z) const {
     const Flat a = flat(n), b = flat((n + 1) % 3);
     if (const int side = orient2d(a, b, {y, z})) return side;
-    if (a.y != b.y) return sign_of(a.y - b.y);
-    return sign_of(b.x - a.x);
+    // The derivatives of the determinant along y and z.
+    const int along_y = sign_of(a.y - b.y), along_z = sign_of(b.x - a.x);
+    const bool z_before_y = most_ == 2;
+    const int first = z_before_y ? along_z : along_y, second = z_before_y ? along_y : along_z;
+    return first != 0 ? first : second;
   }
 
   int crossing_near_edge(double y, double z) const {
@@ -81,13 +90,18 @@ class RayTriangle {
 
   bool is_past_near_plane(const Vec3& sample, int crossing) const {
     int side = orient3d(t_[0], t_[1], t_[2], sample);
-    if (side == 0) side = orient2d({t_[0].z, t_[0].x}, {t_[1].z, t_[1].x}, {t_[2].z, t_[2].x});  // of the normal's y
-    if (side == 0) side = orient2d({t_[0].x, t_[0].y}, {t_[1].x, t_[1].y}, {t_[2].x, t_[2].y});  // of its z
-    if (side == 0) side = crossing;                                                              // of its x
+    // Its derivatives are the parts of the normal.
+    for (int n = 0; side == 0; ++n) {
+      const int axis = (most_ + n) % 3;
+      if (axis == 0) side = crossing;
+      if (axis == 1) side = orient2d({t_[0].z, t_[0].x}, {t_[1].z, t_[1].x}, {t_[2].z, t_[2].x});
+      if (axis == 2) side = orient2d({t_[0].x, t_[0].y}, {t_[1].x, t_[1].y}, {t_[2].x, t_[2].y});
+    }
     return side * crossing > 0;
   }
 
   std::array<Vec3, 3> t_;
+  int most_;
   std::array<RoundedDeterminant, 3> normal_;  // its parts, and what they are made of
 };
 

@@ -123,7 +123,7 @@ TEST_F(Errors, UsageOfValues) {
       {"compute box.obj --progress always", 2, "--progress 'always': give auto or never"},
       {"slice broken.vti --axis w", 2, "--axis 'w': give x, y or z"},
       {"slice broken.vti --at 1.5", 2, "--at '1.5': give a number from 0 to 1"},
-      {"slice broken.vti --colormap jet", 2, "--colormap 'jet': give viridis or thesis"},
+      {"slice broken.vti --colormap jet", 2, "--colormap 'jet': give auto, diverging, viridis or thesis"},
       {"verify broken.vti box.obj --samples 0", 2, "--samples '0'"},
       {"generate box --triangles 0", 2, "--triangles '0'"},
   });

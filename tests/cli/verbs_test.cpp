@@ -47,7 +47,6 @@ TEST_F(Verbs, VersionAndHelp) {
 TEST_F(Verbs, HelpEndsWithTheThesis) {
   for (const auto& [verb, options] : std::map<std::string, std::vector<std::string>>{
            {"compute", {"--method", "--skip", "--minimum", "--speed"}},
-           {"slice", {"--colormap"}},
            {"fly", {"--mode", "--minimum", "--thickness", "--threshold"}}}) {
     const std::string help = done({"help", verb}).out;
     const auto group = help.find("\nThe thesis of 2008");
@@ -142,6 +141,12 @@ TEST_F(Verbs, Slice) {
     EXPECT_TRUE(is_png(*pictures.rbegin())) << options;
   }
   EXPECT_EQ(pictures.size(), 7u) << "two options gave the same picture";
+  done(words("compute scene:fly -r 40 -t inf --sign winding -f -o a.vti"));
+  for (const std::string map : {"auto", "diverging", "viridis", "thesis"}) {
+    done(words("slice a.vti -q -f -o b.png --colormap " + map));
+    pictures.insert(read_bytes(folder / "b.png"));
+  }
+  EXPECT_EQ(pictures.size(), 10u) << "auto is diverging where there is a sign";
   EXPECT_EQ(run(words("slice a.vti -o b.png")).code, 2);
   EXPECT_EQ(run(words("slice a.vti -o c.png --index 1000")).code, 2);
 }
@@ -179,6 +184,54 @@ TEST_F(Verbs, VerifyFails) {
   EXPECT_EQ(as_json.json()["ok"], false);
   EXPECT_EQ(as_json.json()["samples"]["wrong"], 1);
   EXPECT_EQ(as_json.json()["worst"]["sample"], Json({3, 4, 5}));
+}
+
+// The sample's sign is turned around, and nothing else.
+DistanceField with_wrong_sign(const DistanceField& field, std::int64_t index) {
+  auto values = field.to_dense();
+  values[static_cast<std::size_t>(index)] *= -1;
+  DistanceField wrong = DistanceField::from_dense(field.grid(), field.thickness(), values);
+  wrong.set_provenance(field.provenance());
+  return wrong;
+}
+
+TEST_F(Verbs, VerifyChecksTheSign) {
+  done(words("compute scene:box -r 20 --sign winding --rule odd --invert -o a.vti"));
+  EXPECT_TRUE(holds(done(words("info a.vti")).out, "sign          winding odd inverted\n"));
+  const std::string every = " scene:box --samples 1000000";
+  const Ran right = done(words("verify a.vti" + every));
+  EXPECT_TRUE(holds(right.out, "sign (winding odd inverted): ")) << right.out;
+  EXPECT_TRUE(holds(right.out, " checked, 0 wrong, ")) << right.out;
+
+  const DistanceField field = read_field(folder / "a.vti");
+  write_field(folder / "wrong.npz", with_wrong_sign(field, field.grid().index(3, 4, 5)));
+  const Ran wrong = run(words("verify wrong.npz" + every));
+  EXPECT_EQ(wrong.code, 7);
+  EXPECT_TRUE(wrong.says("standoff: error: wrong.npz: sample (3, 4, 5) at ")) << wrong.err;
+  EXPECT_TRUE(wrong.says("the sign is wrong, the sample is ")) << wrong.err;
+  EXPECT_TRUE(wrong.says("1 sample of ")) << wrong.err;
+  const Json json = run(words("verify wrong.npz --json" + every)).json();
+  EXPECT_EQ(json["ok"], false);
+  EXPECT_EQ(json["samples"]["wrong"], 0);
+  EXPECT_EQ(json["sign"]["method"], "winding odd inverted");
+  EXPECT_EQ(json["sign"]["wrong"], 1);
+  EXPECT_EQ(json["sign"]["worst"]["sample"], Json({3, 4, 5}));
+}
+
+// A sign that nothing is known of is not passed over in silence.
+TEST_F(Verbs, VerifySaysWhatItDoesNotCheck) {
+  done(words("compute scene:box -r 20 --sign winding -o a.vti"));
+  DistanceField field = read_field(folder / "a.vti");
+  const auto verified_as = [&](const std::string& sign) {
+    field.set_provenance({"", 0, "", sign});
+    write_field(folder / "b.vti", field);
+    return done(words("verify b.vti scene:box"));
+  };
+  EXPECT_FALSE(verified_as("winding").says("warning"));
+  EXPECT_TRUE(verified_as("").says("has negative values but does not say how their sign was decided")) << "no words";
+  EXPECT_TRUE(verified_as("by hand").says("the sign (by hand) cannot be checked")) << "other words";
+  done(words("compute scene:box -r 20 -f -o a.vti"));
+  EXPECT_FALSE(done(words("verify a.vti scene:box")).says("warning"));
 }
 
 TEST_F(Verbs, VerifySaysWhenTheMeshIsAnother) {

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which side of a mesh a point is on, for verify: by what the field says about its sign, but not by how it was
+// computed.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "field/triangle_groups.h"
+#include "field/winding_reference.h"
+#include "sign/sign_text.h"
+
+namespace standoff {
+
+struct SideJudgement {
+  std::optional<bool> inside;     ///< empty: on the surface, too near to it for rounding, or it cannot be known here
+  std::optional<double> winding;  ///< the reference's winding number, if the side was decided by it
+};
+
+class SignJudge {
+ public:
+  /// `use` as in OrientedMesh. The mesh and the groups must outlive this. Runs on the threads of the calling TBB arena.
+  SignJudge(MeshView mesh, const TriangleGroups& groups, const SignText& sign, std::vector<std::int8_t> use);
+
+  /// Whether a side can be judged at all. Of `flood` it is that of points beyond the mesh's box alone; of `normal` and
+  /// `shell`, and of winding numbers and parities that this mesh does not have, it is none.
+  bool can_judge() const { return way_ != Way::none; }
+  SideJudgement judge(const Vec3& p) const;
+
+ private:
+  enum class Way { none, crossings, angles, box };
+
+  bool is_inside(double whole) const;
+
+  OrientedMesh mesh_;
+  const TriangleGroups& groups_;
+  SignText sign_;
+  std::vector<std::int8_t> use_;
+  Way way_ = Way::none;
+  Box box_;
+};
+
+}  // namespace standoff

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "field/winding_reference.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "geometry/predicates.h"
+
+namespace standoff {
+namespace {
+
+using Corners = std::array<Vec3, 3>;
+
+// As seen along y.
+Flat flat(const Vec3& v) { return {v.x, v.z}; }
+
+// Where q is of the line from a to b: 1 left of it, -1 right. Requires a.x != b.x. Each q stands for (q.x + e^2, q.y +
+// e), where e is positive and smaller than any number: from a point on the line it lies above.
+int side_of_line(const Flat& a, const Flat& b, const Flat& q) {
+  const int side = orient2d(a, b, q);
+  return side != 0 ? side : b.x > a.x ? 1 : -1;
+}
+
+// How often the triangle goes round p as seen along y, x right and z up: 1 to the left, -1 to the right, or 0. Counts
+// the edges that pass above p, by direction. With the same e a corner at p's x is left of p.
+int turns_round(const Corners& t, const Vec3& p) {
+  int turns = 0;
+  for (std::size_t n = 0; n < 3; ++n) {
+    const Vec3 &a = t[n], &b = t[(n + 1) % 3];
+    const bool a_left = a.x <= p.x, b_left = b.x <= p.x;
+    if (a_left == b_left) continue;
+    const int side = side_of_line(flat(a), flat(b), flat(p));
+    if (a_left && side < 0) --turns;
+    if (b_left && side > 0) ++turns;
+  }
+  return turns;
+}
+
+bool in_box(const Corners& t, const Vec3& p) {
+  const Vec3 low = min(min(t[0], t[1]), t[2]), high = max(max(t[0], t[1]), t[2]);
+  return low.x <= p.x && p.x <= high.x && low.y <= p.y && p.y <= high.y && low.z <= p.z && p.z <= high.z;
+}
+
+// Whether q is left of one edge and right of another.
+bool is_outside(const Flat& a, const Flat& b, const Flat& c, const Flat& q) {
+  const int sides[] = {orient2d(a, b, q), orient2d(b, c, q), orient2d(c, a, q)};
+  return std::ranges::count(sides, 1) > 0 && std::ranges::count(sides, -1) > 0;
+}
+
+// Whether p is on the triangle, exactly. A point of the triangle's plane is on it where its shadows along all three
+// axes are on the triangle's. A shadow that is a line is left by a point with both sides, and ends with its box.
+bool is_on(const Corners& t, const Vec3& p) {
+  if (!in_box(t, p) || orient3d(t[0], t[1], t[2], p) != 0) return false;
+  const auto outside = [&](double Vec3::*right, double Vec3::*up) {
+    const auto shadow = [&](const Vec3& v) { return Flat{v.*right, v.*up}; };
+    return is_outside(shadow(t[0]), shadow(t[1]), shadow(t[2]), shadow(p));
+  };
+  return !outside(&Vec3::x, &Vec3::y) && !outside(&Vec3::y, &Vec3::z) && !outside(&Vec3::z, &Vec3::x);
+}
+
+}  // namespace
+
+ReferenceWinding winding_by_crossings(const OrientedMesh& mesh, const TriangleGroups& groups, const Vec3& p) {
+  ReferenceWinding winding;
+  groups.for_each_above(p, [&](std::uint32_t triangle) {
+    if (mesh.use_of(triangle) == 0) return;
+    const Corners t = mesh.corners(triangle);
+    winding.on_surface = winding.on_surface || is_on(t, p);
+    // With n = (b - a) x (c - a), turns = -sign(n.y): an upward normal is seen from its back. A ray leaves the solid
+    // where n.y > 0. orient3d = sign(n . (p - a)), and n . (p - a) = n.y * (height of p above the triangle's plane):
+    // p is below the triangle where orient3d = turns. 0 means on it, as said above.
+    const int turns = turns_round(t, p);
+    if (turns != 0 && orient3d(t[0], t[1], t[2], p) == turns) winding.value -= turns;
+  });
+  return winding;
+}
+
+ReferenceWinding winding_by_angles(const OrientedMesh& mesh, const Vec3& p) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  double sum = 0, error = 0;
+  for (std::size_t triangle = 0; triangle < mesh.mesh.triangles.size(); ++triangle) {
+    if (mesh.use_of(triangle) == 0) continue;
+    Corners t = mesh.corners(triangle);
+    for (Vec3& v : t) v = v - p, v = v * (1 / length(v));
+    // tan(angle / 2) = sine / cosine. In units u of 2^-53: each corner's direction is off by at most 6 u. So sine is
+    // off by 18 u and 10 u of its own rounding, cosine by 36 u and 21 u of its own, both together by less than 64 u. As
+    // seen from the origin the point (cosine, sine) is then off by at most asin(64 u / its distance). The origin is
+    // where p is on an edge: there any angle is possible.
+    const double sine = dot(t[0], cross(t[1], t[2]));
+    const double cosine = 1 + dot(t[0], t[1]) + dot(t[1], t[2]) + dot(t[2], t[0]);
+    if (!std::isfinite(sine + cosine)) return {0, kInfinity};
+    sum += std::atan2(sine, cosine);
+    const double off = 64 * kRoundoffDouble / std::max(std::abs(sine), std::abs(cosine));
+    error += (off < 1 ? 2 * off : 2 * std::numbers::pi) + kRoundoffDouble * std::abs(sum);
+  }
+  return {sum / (2 * std::numbers::pi), error / (2 * std::numbers::pi)};
+}
+
+}  // namespace standoff

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// A tree of boxes over items in an order in which near ones are near: level n has a box for each kBranch boxes of the
+// level below. No pointers: children are found by number.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "standoff/vec.h"
+
+namespace standoff {
+
+inline bool overlap(const Box& a, const Box& b) {
+  return a.min.x <= b.max.x && b.min.x <= a.max.x && a.min.y <= b.max.y && b.min.y <= a.max.y && a.min.z <= b.max.z &&
+         b.min.z <= a.max.z;
+}
+
+class BoxTree {
+ public:
+  static constexpr std::size_t kBranch = 4;
+
+  explicit BoxTree(std::vector<Box> boxes) {
+    levels_.push_back(std::move(boxes));
+    while (levels_.back().size() > 1) {
+      const std::vector<Box>& below = levels_.back();
+      std::vector<Box> level((below.size() + kBranch - 1) / kBranch);
+      for (std::size_t n = 0; n < below.size(); ++n) {
+        Box& box = level[n / kBranch];
+        box.min = min(box.min, below[n].min);
+        box.max = max(box.max, below[n].max);
+      }
+      levels_.push_back(std::move(level));
+    }
+  }
+
+  /// Calls visit(other) for all items after `item` whose boxes overlap that of `item`, until it returns false.
+  template <class Visit>
+  void for_each_later_overlap(std::size_t item, const Visit& visit) const {
+    search(levels_.size() - 1, 0, item, levels_[0][item], visit);
+  }
+
+ private:
+  template <class Visit>
+  bool search(std::size_t level, std::size_t node, std::size_t item, const Box& box, const Visit& visit) const {
+    if (!overlap(levels_[level][node], box)) return true;
+    if (level == 0) return node <= item || visit(node);
+    const std::size_t below = level - 1, first = kBranch * node,
+                      past = std::min(first + kBranch, levels_[below].size());
+    // The last item below child n comes before item (n + 1) kBranch^below.
+    for (std::size_t child = first; child < past; ++child)
+      if ((child + 1) << 2 * below > item && !search(below, child, item, box, visit)) return false;
+    return true;
+  }
+  static_assert(kBranch == 1 << 2);
+
+  std::vector<std::vector<Box>> levels_;  // the items first
+};
+
+}  // namespace standoff

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sign/make_sides.h"
+
+#include "sign/flood.h"
+#include "sign/integer_winding.h"
+#include "sign/open_winding/open_winding.h"
+
+namespace standoff {
+namespace {
+
+std::unique_ptr<Sides> winding_sides(MeshView mesh, SignPlan& plan, const SignOptions& options, const Grid& grid,
+                                     ProgressMeter& progress) {
+  const auto oriented = [&] { return OrientedMesh{mesh, plan.use}; };
+  if (!plan.boundary.edges.empty())
+    return std::make_unique<OpenWinding>(oriented(), plan.boundary, grid, options.rule, progress);
+  auto sides = std::make_unique<IntegerWinding>(oriented(), grid, options.rule, progress);
+  // A closed mesh is oriented by its parts only where that changes a sample: where something is inside out.
+  const bool repairs = !options.as_oriented && !plan.was_oriented && options.rule == WindingRule::positive;
+  if (!repairs || sides->least_winding() >= 0) return sides;
+  orient_for(plan, mesh);
+  if (plan.use.empty()) return sides;
+  plan.report.why += ", but parts of it are inside out";
+  return std::make_unique<IntegerWinding>(oriented(), grid, options.rule, progress);
+}
+
+std::unique_ptr<Sides> flood_sides(MeshView mesh, SignPlan& plan, const SignOptions& options, const Grid& grid,
+                                   ProgressMeter& progress) {
+  auto sides = std::make_unique<Flood>(mesh, grid, progress);
+  if (!sides->leaks()) return sides;
+  plan.report.sure = false;
+  plan.report.why += "; the flood comes everywhere, so nothing is inside: the gaps are too wide for this grid";
+  expect_sure(plan, options);
+  if (options.method != SignMethod::automatic) return sides;
+  plan.report.method = SignMethod::none;
+  return nullptr;
+}
+
+}  // namespace
+
+std::unique_ptr<Sides> make_sides(MeshView mesh, SignPlan& plan, const SignOptions& options, const Grid& grid,
+                                  ProgressMeter& progress) {
+  switch (plan.report.method) {
+    case SignMethod::winding:
+      return winding_sides(mesh, plan, options, grid, progress);
+    case SignMethod::flood:
+      return flood_sides(mesh, plan, options, grid, progress);
+    default:
+      return std::make_unique<IntegerWinding>(OrientedMesh{mesh}, grid, WindingRule::odd, progress);
+  }
+}
+
+}  // namespace standoff

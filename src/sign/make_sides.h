@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// From the plan of a sign to what decides each sample.
+#pragma once
+
+#include <memory>
+
+#include "core/progress.h"
+#include "sign/plan.h"
+#include "sign/sides.h"
+#include "standoff/grid.h"
+
+namespace standoff {
+
+/// What decides the sides of a grid's samples by this plan; nothing where it turns out that there is no inside. What
+/// the grid shows goes into the plan. Requires plan.has_sign(). The mesh and the plan must stay where they are. Throws
+/// Error{interrupted, doubt}.
+std::unique_ptr<Sides> make_sides(MeshView mesh, SignPlan& plan, const SignOptions& options, const Grid& grid,
+                                  ProgressMeter& progress);
+
+}  // namespace standoff

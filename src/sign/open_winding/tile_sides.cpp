@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sign/open_winding/tile_sides.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sign/open_winding/cell_touch.h"
+#include "sign/open_winding/winding_rule.h"
+
+namespace standoff {
+namespace {
+
+constexpr std::int64_t kSide = InsideRows::kSide;
+
+// Rounding of sums of windings and fields of magnitude up to some thousands.
+constexpr double kRounding = 1e-12;
+// Few samples are decided one by one.
+constexpr int kFew = 4;
+
+Rim rim_of(const OpenMesh& mesh, std::int32_t node) {
+  return mesh.rims[static_cast<std::size_t>(mesh.tree[node].rim)];
+}
+
+Interval add_angles(const OpenMesh& mesh, const Vec3& p, const NodeStack& stack, NodeStack::Part leaves, Interval sum) {
+  for (std::size_t n = leaves.begin; n < leaves.end; ++n) {
+    const CapAngle angle = cap_angle(rim_of(mesh, stack[n]), p);
+    sum.value += angle.value;
+    sum.error += angle.error;
+  }
+  return sum;
+}
+
+}  // namespace
+
+Interval cap_sum_at(const OpenMesh& mesh, const Vec3& p, double tolerance, NodeStack& stack) {
+  const std::size_t size = stack.size();
+  LinearField far;
+  far.center = p;
+  const NodeStack::Part near = stack.add_far(stack.root(), {p, {}, 0}, tolerance, 0, far);
+  const Interval sum = add_angles(mesh, p, stack, near, {far.value, far.error});
+  stack.resize(size);
+  return sum;
+}
+
+std::int64_t TileSides::decide(const SampleBox& tile, const RowWindings& windings, bool smooth,
+                               NodeStack::Part nodes, const LinearField& far,
+                               std::span<std::uint8_t, InsideRows::kRows> inside) {
+  tile_ = tile;
+  smooth_ = smooth;
+  inside_ = inside;
+  doubtful_ = 0;
+  unknown_.fill(0);
+  for (std::int64_t k = tile.begin[2]; k < tile.end[2]; ++k)
+    for (std::int64_t j = tile.begin[1]; j < tile.end[1]; ++j) {
+      const std::size_t row = row_of(j, k);
+      unknown_[row] = static_cast<std::uint8_t>(0xff >> (kSide - (tile.end[0] - tile.begin[0])));
+      windings.for_each(static_cast<int>(row), tile.begin[0], tile.end[0],
+                        [&](std::int64_t from, std::int64_t to, std::int32_t winding) {
+                          for (std::int64_t i = from; i < to; ++i) windings_[kSide * row + bit_of(i)] = winding;
+                        });
+    }
+  visit(tile, nodes, far);
+  return doubtful_;
+}
+
+void TileSides::visit(const SampleBox& box, NodeStack::Part nodes, LinearField far) {
+  if (!has_more_unknown_than(0, box)) return;
+  const std::size_t size = stack_.size();
+  const Cell cell = cell_of(mesh_.grid, box);
+  far.move_to(cell.center);
+  NodeStack::Part near = stack_.add_far(nodes, cell, kFieldTolerance, 0, far);
+  if (!has_more_unknown_than(kFew, box)) {
+    decide_one_by_one(box, near, far);
+    return stack_.resize(size);
+  }
+
+  // A bound is cheaper than a field, and decides most samples.
+  decide_by_winding(box, far.value, far.reach(cell.half) + stack_.bound_of(near, cell, 0.5) + kRounding, true);
+  if (!has_more_unknown_than(0, box)) return stack_.resize(size);
+
+  // The caps that may be in the cell come first.
+  const auto in_cell = [&](std::size_t n) {
+    const Moments& caps = mesh_.tree[stack_[n]].caps;
+    return cell.distance_sq(caps.center) <= caps.radius * caps.radius && may_touch(rim_of(mesh_, stack_[n]), cell);
+  };
+  const std::size_t caps_end = stack_.partition(near, in_cell);
+  const bool caps_inside = caps_end != near.begin;
+  // Where a rim passes near the center there is no bound.
+  const auto near_center = [&](std::size_t n) {
+    const Vec3 d = rim_of(mesh_, stack_[n]).corners[0] - cell.center;
+    return dot(d, d) < cell.radius * cell.radius;
+  };
+  bool bounded = !caps_inside || smooth_;
+  for (std::size_t n = near.begin; bounded && n < near.end; ++n) bounded = !near_center(n);
+  if (bounded) {
+    LinearField field = far, known = far;
+    std::size_t end = near.begin;
+    for (std::size_t n = near.begin; n < near.end; ++n) {
+      // Next to an edge there is no bound: smaller cells are needed, whatever the other caps are.
+      if (field.error < 0.5) {
+        const LinearField one = cap_field(rim_of(mesh_, stack_[n]), cell);
+        field.add(one);
+        if (n >= caps_end && one.error <= kFieldTolerance) {
+          known.add(one);
+          continue;
+        }
+      }
+      stack_.set(end++, stack_[n]);
+    }
+    near.end = end;
+    if (!caps_inside) {
+      decide_by_field(box, cell, field, true);
+    } else if (continue_across_caps(box, near, known, field)) {
+      decide_by_field(box, cell, field, false);
+    }
+    far = known;
+  }
+  const std::int64_t side = box.end[2] - box.begin[2];
+  const auto longest = std::max({side, box.end[1] - box.begin[1], box.end[0] - box.begin[0]});
+  if (longest <= 2) {
+    decide_one_by_one(box, near, far);
+  } else {
+    const std::int64_t half = longest > 4 ? 4 : 2;
+    for (int part = 0; part < 8; ++part) {
+      SampleBox child = box;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const std::int64_t middle = std::min(box.begin[axis] + half, box.end[axis]);
+        (part >> axis & 1 ? child.begin : child.end)[axis] = middle;
+      }
+      visit(child, near, far);
+    }
+  }
+  stack_.resize(size);
+}
+
+// The winding number of the open mesh at the center of a cell that the mesh does not touch: continued from a sample,
+// whose winding is an integer and an angle. The angle at the center is right but for an integer.
+bool TileSides::continue_across_caps(const SampleBox& box, NodeStack::Part nodes, const LinearField& far,
+                                     LinearField& field) const {
+  if (!(field.error < 0.2)) return false;
+  const std::int64_t i = (box.begin[0] + box.end[0]) / 2, j = (box.begin[1] + box.end[1]) / 2,
+                     k = (box.begin[2] + box.end[2]) / 2;
+  const Vec3 p = mesh_.grid.position(i, j, k);
+  const Interval angles = add_angles(mesh_, p, stack_, nodes, {far.at(p), far.error});
+  const double winding = windings_[kSide * row_of(j, k) + bit_of(i)] + angles.value;
+  field.value += std::nearbyint(winding - field.at(p));
+  return true;
+}
+
+void TileSides::decide_by_field(const SampleBox& box, const Cell& cell, const LinearField& field, bool with_windings) {
+  if (!(field.error < 0.5)) return;
+  decide_by_winding(box, field.value, field.reach(cell.half) + kRounding, with_windings);
+  for_each_unknown(box, [&](std::int64_t i, std::int64_t j, std::int64_t k, std::size_t row) {
+    const unsigned x = bit_of(i);
+    const double windings = with_windings ? windings_[kSide * row + x] : 0;
+    decide_sample(row, x, windings + field.at(mesh_.grid.position(i, j, k)), field.error + kRounding);
+  });
+}
+
+// Samples of equal integers together, where the rest stays within `reach` of `value` in the whole box.
+void TileSides::decide_by_winding(const SampleBox& box, double value, double reach, bool with_windings) {
+  if (!(reach < 0.5 - kDoubt)) return;
+  std::int32_t last = 0;
+  bool sure = false, inside = false;
+  const auto look_at = [&](std::int32_t winding) {
+    last = winding;
+    sure = margin(winding + value, mesh_.rule) > reach + kDoubt;
+    inside = is_inside(winding + value, mesh_.rule);
+  };
+  look_at(0);
+  for (std::int64_t k = box.begin[2]; k < box.end[2]; ++k)
+    for (std::int64_t j = box.begin[1]; j < box.end[1]; ++j) {
+      const std::size_t row = row_of(j, k);
+      unsigned decided = 0, marked = 0;
+      for (unsigned x = bit_of(box.begin[0]), end = x + static_cast<unsigned>(box.end[0] - box.begin[0]); x < end; ++x) {
+        const std::int32_t winding = with_windings ? windings_[kSide * row + x] : 0;
+        if (winding != last) look_at(winding);
+        decided |= unsigned{sure} << x;
+        marked |= unsigned{sure && inside} << x;
+      }
+      inside_[row] |= static_cast<std::uint8_t>(marked & unknown_[row]);
+      unknown_[row] &= static_cast<std::uint8_t>(~decided);
+    }
+}
+
+void TileSides::decide_one_by_one(const SampleBox& box, NodeStack::Part nodes, const LinearField& far) {
+  for_each_unknown(box, [&](std::int64_t i, std::int64_t j, std::int64_t k, std::size_t row) {
+    const unsigned x = bit_of(i);
+    const double winding = windings_[kSide * row + x];
+    const Vec3 p = mesh_.grid.position(i, j, k);
+    Interval angles = add_angles(mesh_, p, stack_, nodes, {far.at(p), far.error});
+    for (double tolerance = kFieldTolerance / 64; !decide_sample(row, x, winding + angles.value, angles.error + kRounding);
+         tolerance = tolerance > 1e-9 ? tolerance / 64 : 0) {
+      angles = cap_sum_at(mesh_, p, tolerance, stack_);
+      // What is left then is rounding: the value decides.
+      if (tolerance == 0) angles.error = -kRounding;
+    }
+  });
+}
+
+// Decides a sample if the interval is on one side, and narrow enough to tell whether it is doubtful.
+bool TileSides::decide_sample(std::size_t row, unsigned x, double winding, double error) {
+  const double distance = margin(winding, mesh_.rule);
+  if (distance < error || (error > kDoubt / 5 && distance < error + kDoubt)) return false;
+  doubtful_ += distance < kDoubt;
+  const auto bit = static_cast<std::uint8_t>(1u << x);
+  unknown_[row] &= static_cast<std::uint8_t>(~bit);
+  if (is_inside(winding, mesh_.rule)) inside_[row] |= bit;
+  return true;
+}
+
+bool TileSides::has_more_unknown_than(int few, const SampleBox& box) const {
+  int count = 0;
+  for (std::int64_t k = box.begin[2]; k < box.end[2]; ++k)
+    for (std::int64_t j = box.begin[1]; j < box.end[1]; ++j)
+      for (unsigned bits = unknown_[row_of(j, k)] & bits_of(box); bits != 0; bits &= bits - 1)
+        if (++count > few) return true;
+  return false;
+}
+
+}  // namespace standoff

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: Apache-2.0
+// What verify says of signs: true fields pass, each wrong sign is found, and what cannot be judged is counted so.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "field/winding_reference.h"
+#include "standoff/compute.h"
+#include "standoff/verify.h"
+#include "tests/sign/solid_soup.h"
+
+namespace standoff {
+namespace {
+
+using testing::Random;
+
+const Grid kGrid{{18, 17, 19}, {-2.1, -2, -2.2}, {0.23, 0.24, 0.225}};
+
+Mesh solids(unsigned seed, int count) {
+  Random random(seed);
+  std::vector<testing::Tetrahedron> all;
+  for (int n = 0; n < count; ++n) {
+    const Vec3 at = random.in_cube(1);
+    all.push_back({at + random.in_cube(1), at + random.in_cube(1), at + random.in_cube(1), at + random.in_cube(1)});
+  }
+  return testing::mesh_of(all);
+}
+
+DistanceField signed_field(const Mesh& mesh, const SignOptions& sign, double thickness = kFullField) {
+  ComputeOptions options;
+  options.sign = sign;
+  return compute(mesh, kGrid, thickness, options).field;
+}
+
+VerifyResult verified(const DistanceField& field, const Mesh& mesh) {
+  VerifyOptions options;
+  options.samples = kGrid.sample_count();
+  return verify(field, mesh, options);
+}
+
+// The field with values changed by change(value, index) and another provenance.
+template <class Change>
+DistanceField changed(const DistanceField& field, const std::string& sign, const Change& change) {
+  std::vector<float> values = field.to_dense();
+  for (std::size_t n = 0; n < values.size(); ++n) change(values[n], n);
+  DistanceField result = DistanceField::from_dense(kGrid, field.thickness(), values);
+  Provenance provenance = field.provenance();
+  provenance.sign = sign;
+  result.set_provenance(provenance);
+  return result;
+}
+DistanceField renamed(const DistanceField& field, const std::string& sign) {
+  return changed(field, sign, [](float&, std::size_t) {});
+}
+
+TEST(VerifySign, TrueSignsPass) {
+  const Mesh mesh = solids(1, 6);
+  for (const SignOptions& sign : {SignOptions{.method = SignMethod::winding},
+                                  {.method = SignMethod::winding, .rule = WindingRule::nonzero},
+                                  {.method = SignMethod::winding, .rule = WindingRule::odd},
+                                  {.method = SignMethod::winding, .invert = true},
+                                  {.method = SignMethod::parity}})
+    for (const double thickness : {0.15, kFullField}) {
+      const VerifyResult found = verified(signed_field(mesh, sign, thickness), mesh);
+      EXPECT_TRUE(found.ok()) << found.sign.method;
+      EXPECT_TRUE(found.sign.can_check);
+      EXPECT_EQ(found.sign.checked, kGrid.sample_count()) << found.sign.method;
+      EXPECT_GT(found.sign.negative, 10) << found.sign.method;
+    }
+}
+
+// Two of the rules never agree on these solids, so a field that names the wrong one fails.
+TEST(VerifySign, TheRuleIsTheFieldsOwn) {
+  const Mesh mesh = solids(1, 6);
+  const DistanceField field = signed_field(mesh, {.method = SignMethod::winding});
+  EXPECT_EQ(verified(renamed(field, "winding"), mesh).sign.wrong, 0);
+  for (const char* other : {"winding nonzero", "winding odd", "parity", "winding inverted"}) {
+    const VerifyResult found = verified(renamed(field, other), mesh);
+    EXPECT_GT(found.sign.wrong, 0) << other;
+    EXPECT_EQ(found.samples_wrong, 0) << other;
+    EXPECT_FALSE(found.ok()) << other;
+  }
+}
+
+TEST(VerifySign, EveryWrongSampleIsFound) {
+  const Mesh mesh = solids(2, 6);
+  const DistanceField field = signed_field(mesh, {.method = SignMethod::winding});
+  const auto wrong_at = [&](auto is_wrong) {
+    return verified(
+        changed(field, "winding", [&](float& value, std::size_t n) { value = is_wrong(n) ? -value : value; }), mesh);
+  };
+  const VerifyResult one = wrong_at([](std::size_t n) { return n == 1234; });
+  EXPECT_EQ(one.sign.wrong, 1);
+  EXPECT_FALSE(one.ok());
+  EXPECT_EQ(one.samples_wrong, 0) << "its distance is right";
+  EXPECT_EQ(kGrid.index(one.sign.worst.i, one.sign.worst.j, one.sign.worst.k), 1234);
+  EXPECT_EQ(one.sign.worst.stored<0, one.sign.worst.expected> 0);
+  EXPECT_EQ(one.sign.worst_winding > 0, one.sign.worst.expected < 0);
+
+  const VerifyResult many = wrong_at([](std::size_t n) { return n % 7 == 0; });
+  EXPECT_EQ(many.sign.wrong, (kGrid.sample_count() + 6) / 7);
+  float farthest = 0;
+  for (std::size_t n = 0; n < static_cast<std::size_t>(kGrid.sample_count()); n += 7)
+    farthest = std::max(farthest, std::abs(field.to_dense()[n]));
+  EXPECT_EQ(std::abs(many.sign.worst.stored), farthest);
+}
+
+// Which side of a box samples a unit in the last place beside its faces are on, and on them none.
+TEST(VerifySign, SamplesBesideTheSurface) {
+  const double s = 0.7;
+  Mesh mesh = testing::mesh_of({{Vec3{0, 0, 0}, Vec3{s, 0, 0}, Vec3{0, s, 0}, Vec3{0, 0, s}}});
+  const double ulp = std::nextafter(0.25, 1.0) - 0.25;
+  // Samples below, on and above z = 0; x and y are well inside.
+  const Grid grid{{1, 1, 3}, {0.125, 0.125, -ulp}, {1, 1, ulp}};
+  const auto found = [&](float below, float on, float above) {
+    DistanceField field = DistanceField::from_dense(grid, kFullField, std::vector{below, on, above});
+    field.set_provenance({"tiles", 0, "1", "winding"});
+    return verify(field, mesh);
+  };
+  const auto tiny = static_cast<float>(ulp);
+  const VerifyResult right = found(tiny, tiny, -tiny);
+  EXPECT_EQ(right.sign.checked, 2);
+  EXPECT_EQ(right.sign.unknown, 1);
+  EXPECT_TRUE(right.ok());
+  EXPECT_EQ(found(-tiny, tiny, -tiny).sign.wrong, 1);
+  EXPECT_EQ(found(tiny, -tiny, tiny).sign.wrong, 1);
+  EXPECT_EQ(found(0, 0, 0).sign.unknown, 3) << "0 has no side";
+}
+
+// Half of a solid is missing. By definition: the side of the sum of solid angles.
+TEST(VerifySign, OpenMeshesByTheGeneralisedWindingNumber) {
+  Mesh mesh = solids(4, 5);
+  mesh.triangles.erase(mesh.triangles.begin() + 3, mesh.triangles.begin() + 6);
+  mesh.triangles.pop_back();
+  const DistanceField plain = signed_field(mesh, {});
+  const auto winding = [&](std::size_t n) {
+    const auto i = static_cast<std::int64_t>(n);
+    const Vec3 p = kGrid.position(i % kGrid.size.x, i / kGrid.size.x % kGrid.size.y, i / kGrid.size.x / kGrid.size.y);
+    return winding_by_angles({mesh}, p).value;
+  };
+  const auto field_by = [&](const std::string& name, auto is_inside) {
+    return changed(plain, name, [&](float& value, std::size_t n) { value = is_inside(winding(n)) ? -value : value; });
+  };
+  const VerifyResult positive = verified(field_by("winding", [](double w) { return w > 0.5; }), mesh);
+  EXPECT_TRUE(positive.ok());
+  EXPECT_EQ(positive.sign.checked, kGrid.sample_count());
+  EXPECT_TRUE(verified(field_by("winding nonzero", [](double w) { return std::abs(w) > 0.5; }), mesh).ok());
+  EXPECT_GT(verified(field_by("winding", [](double w) { return w > 0.45; }), mesh).sign.wrong, 0);
+  // A parity it has not.
+  const VerifyResult parity = verified(renamed(plain, "parity"), mesh);
+  EXPECT_FALSE(parity.sign.can_check);
+  EXPECT_EQ(parity.sign.checked, 0);
+}
+
+TEST(VerifySign, FloodIsCheckedBeyondTheMesh) {
+  const Mesh mesh = solids(5, 2);
+  const Box box = bounds(mesh);
+  const DistanceField field = renamed(signed_field(mesh, {.method = SignMethod::winding}), "flood");
+  const VerifyResult right = verified(field, mesh);
+  EXPECT_TRUE(right.ok());
+  EXPECT_GT(right.sign.checked, 100);
+  EXPECT_GT(right.sign.unknown, 100);
+  EXPECT_LT(kGrid.origin.x, box.min.x);
+  const VerifyResult leaked =
+      verified(changed(field, "flood", [](float& value, std::size_t n) { value = n == 0 ? -value : value; }), mesh);
+  EXPECT_EQ(leaked.sign.wrong, 1);
+  EXPECT_TRUE(std::isnan(leaked.sign.worst_winding));
+  EXPECT_EQ(verified(renamed(field, "flood inverted"), mesh).sign.wrong, right.sign.checked);
+}
+
+TEST(VerifySign, ShellsAreDistancesLessHalfTheirThickness) {
+  const Mesh mesh = solids(6, 1);
+  const DistanceField plain = signed_field(mesh, {}, 0.5);
+  const auto shell = [&](const std::string& name, float by) {
+    return verified(changed(plain, name, [by](float& value, std::size_t) { value = std::min(value - by, 0.4f); }),
+                    mesh);
+  };
+  std::vector<float> values = plain.to_dense();
+  for (float& value : values) value = std::min(value - 0.1f, 0.4f);
+  DistanceField field = DistanceField::from_dense(kGrid, 0.4, values);
+  field.set_provenance({"tiles", 0, "1", "shell 0.2"});
+  const VerifyResult right = verified(field, mesh);
+  EXPECT_TRUE(right.ok()) << right.samples_wrong << ", " << right.sign.wrong;
+  EXPECT_GT(right.sign.negative, 10);
+  EXPECT_EQ(right.sign.checked + right.sign.unknown, right.samples);
+  field.set_provenance({"tiles", 0, "1", "shell 0.21"});
+  EXPECT_GT(verified(field, mesh).samples_wrong, 0);
+  EXPECT_GT(shell("shell 0.2", 0.2f).samples_wrong, 0);
+}
+
+TEST(VerifySign, WhatIsNotKnownIsNotJudged) {
+  const Mesh mesh = solids(7, 3);
+  const DistanceField field = signed_field(mesh, {.method = SignMethod::winding});
+  for (const char* name : {"", "normal", "by hand", "winding or so"}) {
+    const VerifyResult found = verified(renamed(field, name), mesh);
+    EXPECT_TRUE(found.ok()) << name;
+    EXPECT_FALSE(found.sign.can_check) << name;
+    EXPECT_EQ(found.sign.checked, 0) << name;
+    EXPECT_EQ(found.sign.unknown, found.samples) << name;
+    EXPECT_GT(found.sign.negative, 0) << name;
+    EXPECT_EQ(found.sign.method, name);
+  }
+}
+
+TEST(VerifySign, TheSameForAnyNumberOfThreads) {
+  const Mesh mesh = solids(8, 6);
+  const DistanceField field = changed(signed_field(mesh, {.method = SignMethod::winding}), "winding",
+                                      [](float& value, std::size_t n) { value = n % 11 == 0 ? -value : value; });
+  VerifyOptions one, two;
+  one.execution.threads = 1;
+  two.execution.threads = 2;
+  const VerifyResult a = verify(field, mesh, one), b = verify(field, mesh, two);
+  EXPECT_EQ(a.sign.wrong, b.sign.wrong);
+  EXPECT_GT(a.sign.wrong, 0);
+  EXPECT_EQ(a.sign.worst.position, b.sign.worst.position);
+}
+
+}  // namespace
+}  // namespace standoff

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+// Slices of signed fields: colours that part at 0, and the line there.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+
+#include "render/colormap.h"
+#include "render/legend.h"
+#include "render/slice_picture.h"
+#include "render/zero_line.h"
+
+namespace standoff {
+namespace {
+
+constexpr float kInf = std::numeric_limits<float>::infinity();
+constexpr Color kWhite{247, 247, 247};
+
+// Samples of a function of right and up, from 0 on.
+template <class Value>
+Plane plane_of_values(std::int64_t width, std::int64_t height, const Value& value) {
+  Plane plane;
+  plane.width = width;
+  plane.height = height;
+  for (std::int64_t u = 0; u < height; ++u)
+    for (std::int64_t r = 0; r < width; ++r)
+      plane.values.push_back(static_cast<float>(value(static_cast<double>(r), static_cast<double>(u))));
+  return plane;
+}
+
+double sum(const std::vector<float>& covered) { return std::accumulate(covered.begin(), covered.end(), 0.0); }
+
+TEST(ZeroLine, IsOnePixelWideAndWhereItBelongs) {
+  // Upright, between two columns of pixels' centres: sample r's square has pixels 10 r to 10 r + 9, so its centre is at
+  // 10 r + 5, and the pixel's at x + 0.5. The line is at r = 2.37, which is 28.7: between centres 28.5 and 29.5.
+  const Plane upright = plane_of_values(5, 4, [](auto r, auto) { return r - 2.37; });
+  const std::vector<float> covered = zero_line(upright, 50, 40);
+  for (int y = 0; y < 40; ++y)
+    for (int x = 0; x < 50; ++x) {
+      const double expected = x == 28 ? 0.8 : x == 29 ? 0.2 : 0;
+      ASSERT_NEAR(covered[50 * y + x], expected, 1e-4) << x << ", " << y;
+    }
+  // Upwards is up: u = 0.3 is at 8 from below.
+  const Plane level = plane_of_values(5, 4, [](auto, auto u) { return u - 0.3; });
+  const std::vector<float> rows = zero_line(level, 50, 40);
+  for (int y = 0; y < 40; ++y) ASSERT_NEAR(rows[50 * y + 7], y == 31 || y == 32 ? 0.5 : 0, 1e-4) << y;
+}
+
+// The ink of a line is its length, whichever way it runs.
+TEST(ZeroLine, HasTheLengthOfTheCurve) {
+  for (const double angle : {0.0, 0.2, 0.6, 0.7853981, 1.2, 2.5}) {
+    const Plane plane =
+        plane_of_values(9, 9, [&](auto r, auto u) { return std::cos(angle) * (r - 4) + std::sin(angle) * (u - 4); });
+    const double length = 360 / std::max(std::abs(std::cos(angle)), std::abs(std::sin(angle)));
+    // The outermost half squares repeat their samples, and an oblique line is up to 9 % thinner.
+    EXPECT_NEAR(sum(zero_line(plane, 360, 360)) / length, 0.95, 0.08) << angle;
+  }
+  const Plane circle = plane_of_values(101, 101, [](auto r, auto u) { return std::hypot(r - 50.0, u - 50.0) - 30; });
+  EXPECT_NEAR(sum(zero_line(circle, 404, 404)) / (2 * 3.14159265 * 120), 1, 0.06);
+  EXPECT_NEAR(sum(zero_line(circle, 50, 50)) / (2 * 3.14159265 * 30 * 50 / 101), 1, 0.1) << "fewer pixels than samples";
+}
+
+TEST(ZeroLine, OnlyWhereTheSignChanges) {
+  const auto ink = [](auto value) { return sum(zero_line(plane_of_values(6, 6, value), 60, 60)); };
+  EXPECT_EQ(ink([](auto r, auto) { return std::abs(r - 3.0); }), 0) << "it touches 0";
+  EXPECT_EQ(ink([](auto r, auto) { return r < 3 ? -1 : -2; }), 0);
+  EXPECT_EQ(ink([](auto, auto) { return 0; }), 0);
+  EXPECT_EQ(ink([](auto r, auto) { return r < 3 ? -kInf : kInf; }), 0);
+  EXPECT_NEAR(ink([](auto r, auto) { return r < 3 ? -1 : 1; }), 60, 1e-3) << "clamped on both sides";
+  EXPECT_NEAR(ink([](auto r, auto) { return r < 3 ? -1 : 0; }), 60, 1e-3) << "0 is outside";
+  EXPECT_EQ(sum(zero_line(plane_of_values(1, 1, [](auto, auto) { return -1; }), 1, 1)), 0);
+}
+
+TEST(SignedLegend, ColorsPartAtZero) {
+  const Legend legend(-1, 3, 10, Colormap::diverging);
+  EXPECT_EQ(legend.color(0), kWhite);
+  EXPECT_EQ(legend.color(3), color_of(Colormap::diverging, 1));
+  EXPECT_EQ(legend.color(-1), color_of(Colormap::diverging, 0.5 - 0.5 / 3)) << "as dark as 1 is";
+  EXPECT_EQ(Legend(2, 2, 2, Colormap::diverging).color(2), color_of(Colormap::diverging, 1));
+  EXPECT_EQ(Legend(-2, -2, 2, Colormap::diverging).color(-2), color_of(Colormap::diverging, 0));
+  EXPECT_EQ(Legend(0, 0, 2, Colormap::diverging).color(0), kWhite);
+  Image image(legend.width(), 401, {255, 255, 255});
+  legend.draw(image, 0, 0, 401);
+  EXPECT_EQ(image.at(3, 300), kWhite) << "0 is a quarter up";
+}
+
+// Relative luminance to lightness (CIE 1976).
+double lightness(const Color& color) {
+  const auto linear = [](std::uint8_t c) {
+    const double s = c / 255.0;
+    return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
+  };
+  return 116 * std::cbrt(0.2126 * linear(color[0]) + 0.7152 * linear(color[1]) + 0.0722 * linear(color[2])) - 16;
+}
+
+TEST(SignedColors, BlueInsideRedOutsideEquallyDark) {
+  for (int n = 1; n <= 100; ++n) {
+    const Color in = color_of(Colormap::diverging, 0.5 - n / 200.0),
+                out = color_of(Colormap::diverging, 0.5 + n / 200.0);
+    const Color before = color_of(Colormap::diverging, 0.5 + (n - 1) / 200.0);
+    EXPECT_GT(in[2], in[0]) << n;
+    EXPECT_GT(out[0], out[2]) << n;
+    EXPECT_NEAR(lightness(in), lightness(out), 6) << n;
+    EXPECT_LT(lightness(out), lightness(before) + 0.01) << n;
+  }
+  EXPECT_EQ(color_of(Colormap::diverging, 0.5), kWhite);
+}
+
+DistanceField ball() {
+  DistanceField field({{24, 24, 1}, {}, {1, 1, 1}}, 4);
+  std::vector<float> values;
+  for (int y = 0; y < 24; ++y)
+    for (int x = 0; x < 24; ++x)
+      values.push_back(static_cast<float>(std::clamp(std::hypot(x - 11.5, y - 11.5) - 9, -4.0, 4.0)));
+  return DistanceField::from_dense(field.grid(), 4, values);
+}
+
+TEST(SignedSlice, AutomaticTakesDivergingColorsWhereThereIsASign) {
+  const auto centre = [](const DistanceField& field, Colormap map) {
+    SliceOptions options;
+    options.colormap = map;
+    const SlicePicture picture = draw_slice(field, options);
+    return picture.image.at(picture.left + picture.width / 2, picture.top + picture.height / 2);
+  };
+  EXPECT_EQ(centre(ball(), Colormap::automatic), color_of(Colormap::diverging, 0));
+  EXPECT_EQ(centre(ball(), Colormap::viridis), color_of(Colormap::viridis, 0));
+  EXPECT_EQ(centre(ball(), Colormap::thesis), color_of(Colormap::thesis, 0));
+  DistanceField outside({{8, 8, 1}, {}, {1, 1, 1}}, 4);
+  EXPECT_EQ(centre(outside, Colormap::automatic), color_of(Colormap::viridis, 0));
+  outside.set_provenance({"tiles", 1, "1", "winding"});
+  EXPECT_EQ(centre(outside, Colormap::automatic), color_of(Colormap::diverging, 1)) << "signed, and nothing inside";
+  DistanceField deep({{8, 8, 1}, {}, {1, 1, 1}}, 4);
+  deep.mark_inside(0, 0, 0);
+  EXPECT_EQ(centre(deep, Colormap::automatic), color_of(Colormap::diverging, 0)) << "no tile is stored";
+}
+
+TEST(SignedSlice, TheLineIsDrawnOverTheColors) {
+  std::vector<float> values;
+  for (int n = 0; n < 24 * 24; ++n) values.push_back(static_cast<float>(n % 24) - 20.5f);
+  const auto field = DistanceField::from_dense({{24, 24, 1}, {}, {1, 1, 1}}, 30, values);
+  for (const Colormap map : {Colormap::diverging, Colormap::viridis}) {
+    SliceOptions options;
+    options.colormap = map;
+    const SlicePicture picture = draw_slice(field, options);
+    // Samples of 22 pixels, the line in the middle between 20 and 21: half of a pixel on each side.
+    const Color ink = map == Colormap::diverging ? Color{40, 44, 52} : Color{255, 255, 255};
+    const Legend legend(-20.5, 2.5, 30, map);
+    for (const int sample : {20, 21}) {
+      const Color color = legend.color(sample - 20.5);
+      const int x = picture.left + (sample == 20 ? 461 : 462), y = picture.top + picture.height / 2 - 1;
+      for (std::size_t c = 0; c < 3; ++c)
+        EXPECT_NEAR(picture.image.at(x, y)[c], (color[c] + ink[c]) / 2.0, 1) << sample << ", " << c;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace standoff

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: Apache-2.0
+// The flood: on closed solids it agrees with the winding number; of soups, walls within walls, gaps and meshes that
+// leave the grid the answer is known; and on anything it is what a flood from sample to sample finds.
+#include "sign/flood.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+#include <queue>
+
+#include "core/tile_count.h"
+#include "scenes/scenes.h"
+#include "sign/integer_winding.h"
+#include "tests/sign/solid_soup.h"
+#include "tests/support/fields.h"
+
+namespace standoff {
+namespace {
+
+using testing::Random;
+
+// Whether each sample of the grid is inside, x fastest.
+std::vector<bool> sides_of(const Sides& sides, const Grid& grid) {
+  std::vector<bool> inside(static_cast<std::size_t>(grid.sample_count()));
+  InsideRows rows(grid);
+  for (std::int64_t tz = 0; tz < tiles_along(grid.size.z); ++tz)
+    for (std::int64_t ty = 0; ty < tiles_along(grid.size.y); ++ty) {
+      rows.clear(ty, tz);
+      sides.fill(rows, ty, tz);
+      for (int row = 0; row < 64; ++row)
+        for (std::int64_t i = 0; i < 8 * tiles_along(grid.size.x); ++i) {
+          const std::int64_t j = 8 * ty + row % 8, k = 8 * tz + row / 8;
+          const bool in_grid = i < grid.size.x && j < grid.size.y && k < grid.size.z;
+          if (in_grid) inside[static_cast<std::size_t>(grid.index(i, j, k))] = rows.is_inside(row, i);
+          EXPECT_TRUE(in_grid || !rows.is_inside(row, i));
+        }
+    }
+  return inside;
+}
+
+struct Flooded {
+  std::vector<bool> inside;
+  std::int64_t count;
+  bool leaks;
+};
+
+Flooded flood(const Mesh& mesh, const Grid& grid) {
+  const ProgressCallback none;
+  ProgressMeter progress(none);
+  const Flood flood(mesh, grid, progress);
+  Flooded result{sides_of(flood, grid), flood.inside_samples(), flood.leaks()};
+  EXPECT_EQ(std::ranges::count(result.inside, true), result.count);
+  return result;
+}
+
+std::vector<bool> winding(const Mesh& mesh, const Grid& grid) {
+  const ProgressCallback none;
+  ProgressMeter progress(none);
+  return sides_of(IntegerWinding({mesh}, grid, WindingRule::nonzero, progress), grid);
+}
+
+// A flood from sample to sample over the lattice.
+std::vector<bool> flood_by_samples(const Mesh& mesh, const Grid& grid) {
+  const TileLattice lattice = TileLattice::around(grid, bounds(mesh));
+  const ProgressCallback none;
+  ProgressMeter progress(none);
+  const GridEdges edges(mesh, lattice, progress);
+  const std::array<std::int64_t, 3> size{lattice.axes[0].size(), lattice.axes[1].size(), lattice.axes[2].size()};
+  using Sample = std::array<std::int64_t, 3>;
+  const auto index = [&](const Sample& s) {
+    return static_cast<std::size_t>(s[0] + size[0] * (s[1] + size[1] * s[2]));
+  };
+  const auto is_crossed = [&](const Sample& s, std::size_t axis) {
+    const TileEdges& tile = edges.of_tile(lattice.index(s[0] / 8, s[1] / 8, s[2] / 8));
+    return (tile.crossed[axis][static_cast<std::size_t>(s[2] % 8)] >> (s[0] % 8 + 8 * (s[1] % 8)) & 1) != 0;
+  };
+  std::vector<bool> reached(static_cast<std::size_t>(size[0] * size[1] * size[2]));
+  std::queue<Sample> next;
+  const auto enter = [&](const Sample& s) {
+    if (reached[index(s)]) return;
+    reached[index(s)] = true;
+    next.push(s);
+  };
+  for (std::int64_t z = 0; z < size[2]; ++z)
+    for (std::int64_t y = 0; y < size[1]; ++y)
+      for (std::int64_t x = 0; x < size[0]; ++x)
+        if (x == 0 || y == 0 || z == 0 || x + 1 == size[0] || y + 1 == size[1] || z + 1 == size[2]) enter({x, y, z});
+  while (!next.empty()) {
+    const Sample at = next.front();
+    next.pop();
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      Sample up = at, down = at;
+      if (++up[axis] < size[axis] && !is_crossed(at, axis)) enter(up);
+      if (--down[axis] >= 0 && !is_crossed(down, axis)) enter(down);
+    }
+  }
+  std::vector<bool> inside;
+  testing::for_each_sample(grid, [&](auto i, auto j, auto k) {
+    inside.push_back(!reached[index({i + 8 * lattice.origin.x, j + 8 * lattice.origin.y, k + 8 * lattice.origin.z})]);
+  });
+  return inside;
+}
+
+// Each side of a box is two triangles of corners of their own.
+void add_box(Mesh& mesh, const Box& box) {
+  const auto at = [&](int n) {
+    return Vec3{n & 1 ? box.max.x : box.min.x, n & 2 ? box.max.y : box.min.y, n & 4 ? box.max.z : box.min.z};
+  };
+  constexpr int sides[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
+  for (const auto& s : sides) {
+    testing::add_triangle(mesh, at(s[0]), at(s[1]), at(s[2]));
+    testing::add_triangle(mesh, at(s[0]), at(s[2]), at(s[3]));
+  }
+}
+
+// Samples within the box.
+std::vector<bool> within(const Box& box, const Grid& grid) {
+  std::vector<bool> inside;
+  testing::for_each_sample(grid, [&](auto i, auto j, auto k) {
+    const Vec3 p = grid.position(i, j, k);
+    inside.push_back(p.x > box.min.x && p.y > box.min.y && p.z > box.min.z && p.x < box.max.x && p.y < box.max.y &&
+                     p.z < box.max.z);
+  });
+  return inside;
+}
+
+const Box kBox{{-1.03, -0.87, -1.11}, {1.01, 0.93, 0.98}};
+const Grid kGrid{{33, 30, 31}, {-1.6, -1.5, -1.5}, {0.1, 0.1, 0.1}};
+
+TEST(Flood, AgreesWithTheWindingNumberOfSolids) {
+  for (unsigned seed = 0; seed < 30; ++seed) {
+    Random random(seed);
+    const Mesh mesh = testing::mesh_of(testing::integer_tetrahedra(random, 1, 9));
+    const Grid grid{{22, 21, 23}, {-10, -10, -10}};
+    EXPECT_EQ(flood(mesh, grid).inside, winding(mesh, grid)) << seed;
+  }
+  const Mesh sphere = scenes::make("sphere", 2000);
+  const Grid grid = fit_samples(bounds(sphere), 60);
+  const Flooded flooded = flood(sphere, grid);
+  EXPECT_EQ(flooded.inside, winding(sphere, grid));
+  EXPECT_GT(flooded.count, 5000);
+}
+
+TEST(Flood, OrientationAndInnerWallsDoNotMatter) {
+  Mesh mesh;
+  add_box(mesh, kBox);
+  Random random(5);
+  for (Triangle& t : mesh.triangles)
+    if (random.below(2) == 0) std::swap(t[0], t[1]);
+  EXPECT_EQ(flood(mesh, kGrid).inside, within(kBox, kGrid));
+  testing::add_triangle(mesh, {-1.03, -0.87, 0}, {1.01, -0.87, 0}, {0, 0.93, 0.2});  // a wall inside
+  add_box(mesh, {{-0.5, -0.5, -0.5}, {0.4, 0.4, 0.4}});                              // and a body
+  add_box(mesh, kBox);                                                               // every face twice
+  const Flooded flooded = flood(mesh, kGrid);
+  EXPECT_EQ(flooded.inside, within(kBox, kGrid));
+  EXPECT_FALSE(flooded.leaks);
+}
+
+// A slot in one side. The flood comes through where an edge of the grid does.
+TEST(Flood, LeaksThroughGapsThatAnEdgePasses) {
+  const auto with_slot = [](double from, double to) {
+    Mesh mesh;
+    add_box(mesh, kBox);
+    mesh.triangles.resize(mesh.triangles.size() - 2);  // the side at max.x, made anew of two parts
+    const double x = kBox.max.x;
+    const auto rectangle = [&](double y0, double y1) {
+      const double z0 = kBox.min.z, z1 = kBox.max.z;
+      testing::add_triangle(mesh, {x, y0, z0}, {x, y1, z0}, {x, y1, z1});
+      testing::add_triangle(mesh, {x, y0, z0}, {x, y1, z1}, {x, y0, z1});
+    };
+    rectangle(kBox.min.y, from);
+    rectangle(to, kBox.max.y);
+    return mesh;
+  };
+  EXPECT_EQ(flood(with_slot(0.01, 0.09), kGrid).inside, within(kBox, kGrid));  // samples have y = 0 and 0.1
+  const Flooded leaking = flood(with_slot(0.01, 0.15), kGrid);
+  EXPECT_TRUE(leaking.leaks);
+  EXPECT_EQ(leaking.count, 0);
+  Mesh mesh = with_slot(0.01, 0.15);
+  add_box(mesh, {{-0.55, -0.55, -0.55}, {-0.25, -0.25, -0.25}});
+  const Flooded some = flood(mesh, kGrid);  // what else is closed stays inside
+  EXPECT_FALSE(some.leaks);
+  EXPECT_EQ(some.inside, within({{-0.55, -0.55, -0.55}, {-0.25, -0.25, -0.25}}, kGrid));
+}
+
+TEST(Flood, MeshesThatReachOrLeaveTheBorderOfTheGrid) {
+  Mesh mesh;
+  add_box(mesh, kBox);
+  const Grid grids[] = {{{21, 20, 22}, {-1.03, -0.87, -1.11}, {0.1, 0.1, 0.1}},  // begins at the box's corner
+                        {{16, 16, 16}, {-0.75, -0.75, -0.75}, {0.1, 0.1, 0.1}},  // within the box
+                        {{17, 12, 9}, {-0.1, -1.2, 0.2}, {0.12, 0.1, 0.15}},     // cuts it
+                        {{1, 1, 1}, {0, 0, 0}},
+                        {{1, 30, 1}, {0, -1.5, 0}, {1, 0.1, 1}},
+                        {{9, 9, 9}, {-4e-6, -4e-6, -4e-6}, {1e-6, 1e-6, 1e-6}}};  // doubles its spacing to get out
+  for (const Grid& grid : grids) {
+    // Samples on the box's faces have no side.
+    const std::vector<bool> found = flood(mesh, grid).inside, expected = within(kBox, grid);
+    std::size_t n = 0, wrong = 0;
+    testing::for_each_sample(grid, [&](auto i, auto j, auto k) {
+      const bool on_face = testing::reference_distance(mesh, grid.position(i, j, k)) < 1e-12;
+      wrong += !on_face && found[n] != expected[n];
+      ++n;
+    });
+    EXPECT_EQ(wrong, 0u);
+  }
+}
+
+TEST(Flood, IsWhatAFloodFromSampleToSampleFinds) {
+  std::int64_t inside = 0;
+  for (unsigned seed = 0; seed < 12; ++seed) {
+    // Triangles so large and many that they enclose cavities.
+    const Mesh mesh = testing::random_soup(seed, 160, 1, 1.2);
+    const Grid grid{{27, 25, 24}, {-0.9, -0.8, -0.7}, {0.07, 0.06, 0.065}};
+    const Flooded flooded = flood(mesh, grid);
+    EXPECT_EQ(flooded.inside, flood_by_samples(mesh, grid)) << seed;
+    inside += flooded.count;
+  }
+  EXPECT_GT(inside, 1000);
+}
+
+}  // namespace
+}  // namespace standoff

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which parts contain which: known depths, and boxes compared with all other boxes.
+#include "sign/nesting.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/sign/shapes.h"
+
+namespace standoff {
+namespace {
+
+using namespace testing;
+
+// A mesh of boxes, each a part.
+struct Boxes {
+  Mesh mesh;
+  std::vector<std::uint32_t> part_of;
+  std::vector<Part> parts;
+
+  void add(const Box& bounds, bool turned = false) {
+    const Mesh one = turned ? reversed(box(bounds.min, bounds.max)) : box(bounds.min, bounds.max);
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+    mesh.vertices.insert(mesh.vertices.end(), one.vertices.begin(), one.vertices.end());
+    for (const Triangle& t : one.triangles) mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+    part_of.insert(part_of.end(), one.triangles.size(), static_cast<std::uint32_t>(parts.size()));
+    parts.push_back({bounds, true});
+  }
+  Nesting nesting(std::int64_t most = kMostNestingTests) const { return find_nesting({mesh}, part_of, parts, most); }
+};
+
+Box cube(double half, Vec3 center = {}) {
+  const Vec3 h{half, half, half};
+  return {center - h, center + h};
+}
+
+TEST(Nesting, ThousandsOfNestedShells) {
+  constexpr int kShells = 700;
+  Boxes boxes;
+  for (int n = 0; n < kShells; ++n) boxes.add(cube(1 + (n * 7) % kShells), n % 3 == 0);  // not in the order of size
+  const Nesting found = boxes.nesting();
+  ASSERT_TRUE(found.known);
+  std::int64_t wrong = 0;
+  for (std::uint32_t n = 0; n < kShells; ++n) {
+    const int depth = kShells - 1 - (static_cast<int>(n) * 7) % kShells;
+    wrong += found.depth[n] != depth;
+    wrong += (found.parent[n] == Nesting::kNone) != (depth == 0);
+    if (depth > 0) wrong += found.depth[found.parent[n]] != depth - 1;
+  }
+  EXPECT_EQ(wrong, 0);
+}
+
+TEST(Nesting, BoxesInBoxesAreComparedWithAllOthers) {
+  Random random(5);
+  Boxes boxes;
+  for (int n = 0; n < 400; ++n) boxes.add(cube(random.between(0.01, 1), random.in_cube(2)), random.below(2) == 0);
+  const Nesting found = boxes.nesting();
+  for (std::size_t n = 0; n < boxes.parts.size(); ++n) {
+    int depth = 0;
+    for (const Part& other : boxes.parts) {
+      const Box &a = other.bounds, &b = boxes.parts[n].bounds;
+      depth += a.min.x < b.min.x && a.min.y < b.min.y && a.min.z < b.min.z && a.max.x > b.max.x && a.max.y > b.max.y &&
+               a.max.z > b.max.z;
+    }
+    EXPECT_EQ(found.depth[n], depth);
+  }
+}
+
+TEST(Nesting, ABoxAroundIsNotEnough) {
+  // A ball in the hole of a torus: in its box, not in it.
+  const Mesh ring = torus(), ball = moved(sphere(), {}, 0.2), core = moved(sphere(), {0, 1, 0}, 0.1);
+  const Mesh mesh = joined(joined(ring, ball), core);
+  std::vector<std::uint32_t> part_of(ring.triangles.size(), 0);
+  part_of.insert(part_of.end(), ball.triangles.size(), 1);
+  part_of.insert(part_of.end(), core.triangles.size(), 2);
+  const std::vector<Part> parts = {{bounds(ring), true}, {bounds(ball), true}, {bounds(core), true}};
+  EXPECT_EQ(find_nesting({mesh}, part_of, parts).depth, (std::vector<std::int32_t>{0, 0, 1}));
+}
+
+TEST(Nesting, PartsThatTouchFromInside) {
+  Boxes boxes;
+  boxes.add(cube(1));
+  boxes.add({{-1, -1, -1}, {0, 0, 0}});
+  boxes.add({{0, 0, 0}, {1, 1, 1}});
+  boxes.add({{1, -1, -1}, {2, 1, 1}});  // beside it
+  EXPECT_EQ(boxes.nesting().depth, (std::vector<std::int32_t>{0, 1, 1, 0}));
+}
+
+TEST(Nesting, IsNotKnownIfItTakesTooLong) {
+  Boxes boxes;
+  for (int n = 0; n < 50; ++n) boxes.add(cube(1 + n));
+  EXPECT_TRUE(boxes.nesting().known);
+  const Nesting found = boxes.nesting(100);
+  EXPECT_FALSE(found.known);
+  EXPECT_EQ(found.depth, std::vector<std::int32_t>(50));
+}
+
+TEST(Nesting, OnlySolidPartsCount) {
+  Boxes boxes;
+  for (int n = 0; n < 4; ++n) boxes.add(cube(4 - n));
+  boxes.parts[1].solid = false;
+  EXPECT_EQ(boxes.nesting().depth, (std::vector<std::int32_t>{0, 0, 1, 2}));
+}
+
+}  // namespace
+}  // namespace standoff

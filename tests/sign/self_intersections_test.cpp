@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+// Triangles that intersect: as many as all pairs have, and bounded effort.
+#include "sign/self_intersections.h"
+
+#include <gtest/gtest.h>
+
+#include "core/threads.h"
+#include "geometry/triangle_pair.h"
+#include "tests/sign/shapes.h"
+
+namespace standoff {
+namespace {
+
+using namespace testing;
+
+constexpr std::int64_t kAll = 1'000'000'000;
+
+SelfIntersections find(const Mesh& mesh, std::int64_t most_pairs = kAll, std::int64_t most_tests = kAll) {
+  return find_self_intersections(mesh, MeshEdges(mesh), most_pairs, most_tests);
+}
+
+std::int64_t among_all_pairs(const Mesh& mesh) {
+  std::int64_t count = 0;
+  for (std::size_t s = 0; s < mesh.triangles.size(); ++s)
+    for (std::size_t t = s + 1; t < mesh.triangles.size(); ++t) {
+      const auto p = MeshView(mesh).corners(s), q = MeshView(mesh).corners(t);
+      bool shared = false;
+      for (const Vec3& corner : p) shared = shared || std::ranges::count(q, corner) > 0;
+      count += !shared && triangles_intersect(p, q);
+    }
+  return count;
+}
+
+TEST(SelfIntersections, AreThoseOfAllPairs) {
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    for (const Mesh& mesh : {random_soup(seed, 80, 1, 0.5), nasty_soup(seed, 80, 2)}) {
+      const SelfIntersections found = find(mesh);
+      EXPECT_TRUE(found.complete);
+      EXPECT_EQ(found.pairs, among_all_pairs(mesh));
+    }
+  }
+  EXPECT_EQ(find(sphere()).pairs, 0);
+  EXPECT_EQ(find(torus()).pairs, 0);
+  const Mesh bottle = klein_bottle();
+  EXPECT_GT(find(bottle).pairs, 24);
+  EXPECT_EQ(find(bottle).pairs, among_all_pairs(bottle));
+  const Mesh overlapping = joined(sphere(), moved(sphere(), {0.5, 0.1, 0.2}));
+  EXPECT_GT(find(overlapping).pairs, 30);
+  EXPECT_EQ(find(overlapping).pairs, among_all_pairs(overlapping));
+}
+
+TEST(SelfIntersections, SmallAndFlatMeshes) {
+  Mesh one;
+  add_triangle(one, {0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+  EXPECT_EQ(find(one).pairs, 0);
+  Mesh points;
+  for (int n = 0; n < 9; ++n) add_triangle(points, {1, 2, 3}, {1, 2, 3}, {1, 2, 3});
+  EXPECT_EQ(find(points).pairs, 0);  // they share a position
+}
+
+TEST(SelfIntersections, TheSearchStopsAtEachLimit) {
+  const Mesh mesh = random_soup(3, 6000, 1, 0.3);
+  const SelfIntersections all = find(mesh), few_pairs = find(mesh, 10), few_tests = find(mesh, kAll, 10);
+  EXPECT_TRUE(all.complete);
+  for (const SelfIntersections& some : {few_pairs, few_tests}) {
+    EXPECT_FALSE(some.complete);
+    EXPECT_GE(some.pairs, 10);
+    EXPECT_LT(some.pairs, all.pairs);
+  }
+  // A triangle whose box overlaps those of all others.
+  Mesh fan = random_soup(3, 4500, 1, 0.001);
+  add_triangle(fan, {-9, -9, -9}, {9, 9, 9}, {-9, 9, -9});
+  std::swap(fan.triangles.front(), fan.triangles.back());
+  EXPECT_FALSE(find(fan).complete);
+}
+
+TEST(SelfIntersections, DoNotDependOnTheThreads) {
+  const Mesh mesh = random_soup(4, 3000, 1, 0.2);
+  const SelfIntersections one = Threads(1).run([&] { return find(mesh, 1000); }),
+                          three = Threads(3).run([&] { return find(mesh, 1000); });
+  EXPECT_EQ(one.pairs, three.pairs);
+  EXPECT_FALSE(one.complete);
+}
+
+}  // namespace
+}  // namespace standoff
