@@ -33,6 +33,7 @@ class Sign : public testing::ProgramTest {
   std::string sides(const std::string& options) const {
     const Ran ran = compute(options);
     EXPECT_EQ(ran.code, 0) << ran.err;
+    if (ran.code != 0) return "";
     const DistanceField computed = field();
     std::string found;
     for (const double x : {0.02, 0.75, 1.1}) found += computed.interpolate({x, 0.01, 0.02}) < 0 ? '-' : '+';
