@@ -145,6 +145,11 @@ class STANDOFF_API DistanceField {
   /// Removes a stored tile; its background() is then the thickness. The tile in the last slot moves into the free slot,
   /// which invalidates spans of its values. Takes one pass over slots(). Errors: usage (the tile is not stored).
   void erase_tile(std::int64_t tx, std::int64_t ty, std::int64_t tz);
+  /// The same for many tiles, each named by its index per axis, with one pass over slots() for all. Errors: usage (a
+  /// tile is not stored, or is named twice), limit (memory); the field is then unchanged.
+  void erase_tiles(std::span<const Size3> tiles);
+  /// Removes the nearest triangles, if there are any; has_nearest() is then false.
+  void erase_nearest();
 
   /// The stored tiles as flat arrays, without a copy. slots() has one entry per tile of the grid, x fastest: the tile's
   /// slot, or kOutside or kInside if the tile is not stored. The values of a tile begin at 512 * slot in tile_values(),

@@ -2,6 +2,7 @@
 // What a field stores and where.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <string>
 #include <utility>
 
@@ -194,16 +195,51 @@ void DistanceField::mark_inside(std::int64_t tx, std::int64_t ty, std::int64_t t
 }
 
 void DistanceField::erase_tile(std::int64_t tx, std::int64_t ty, std::int64_t tz) {
-  std::int32_t& entry = entry_of(tx, ty, tz);
-  if (entry < 0)
-    fail_field([=] { return "the tile " + index_text(tx, ty, tz) + " is not stored; erase a stored one"; });
-  const std::int32_t slot = std::exchange(entry, kOutside), last = static_cast<std::int32_t>(pool_->size() - 1);
-  if (slot != last) {
-    std::copy_n(pool_->values(last), kSamples, pool_->values(slot));
-    if (with_nearest_) std::copy_n(pool_->nearest(last), kSamples, pool_->nearest(slot));
-    *std::ranges::find(slots_, last) = slot;
+  const Size3 tile{tx, ty, tz};
+  erase_tiles(std::span(&tile, 1));
+}
+
+void DistanceField::erase_tiles(std::span<const Size3> tiles) try {
+  if (tiles.empty()) return;
+  std::vector<std::size_t> entry_of_slot(static_cast<std::size_t>(stored_tiles()));
+  for (std::size_t n = 0; n < slots_.size(); ++n)
+    if (slots_[n] >= 0) entry_of_slot[static_cast<std::size_t>(slots_[n])] = n;
+  // All are taken out of the table, or none.
+  std::vector<std::int32_t> free;
+  free.reserve(tiles.size());
+  const auto index = [&](const Size3& at) { return static_cast<std::size_t>(tile_index(at.x, at.y, at.z)); };
+  const auto take_out = [&](const Size3& at) {
+    std::int32_t& entry = entry_of(at.x, at.y, at.z);
+    if (entry < 0)
+      fail_field([&] { return "the tile " + index_text(at.x, at.y, at.z) + " is not stored; erase a stored one"; });
+    free.push_back(std::exchange(entry, kOutside));
+  };
+  try {
+    for (const Size3& at : tiles) take_out(at);
+  } catch (...) {
+    for (std::size_t n = 0; n < free.size(); ++n) slots_[index(tiles[n])] = free[n];
+    throw;
   }
-  pool_->remove_last();
+  // The last tile moves into the free slot. From the last slot on, so that the tile that moves is never one of these.
+  std::ranges::sort(free, std::greater<>());
+  for (const std::int32_t slot : free) {
+    const auto last = static_cast<std::int32_t>(pool_->size() - 1);
+    if (slot != last) {
+      std::copy_n(pool_->values(last), kSamples, pool_->values(slot));
+      if (with_nearest_) std::copy_n(pool_->nearest(last), kSamples, pool_->nearest(slot));
+      const std::size_t moved = entry_of_slot[static_cast<std::size_t>(last)];
+      slots_[moved] = slot;
+      entry_of_slot[static_cast<std::size_t>(slot)] = moved;
+    }
+    pool_->remove_last();
+  }
+} catch (...) {
+  throw_field_error();
+}
+
+void DistanceField::erase_nearest() {
+  with_nearest_ = false;
+  if (pool_) pool_->release_nearest();
 }
 
 std::span<const float> DistanceField::tile_values() const {

@@ -30,6 +30,11 @@ class TilePool {
   /// A new slot; its values and nearest triangles mean nothing yet. Safe from many threads. Throws std::bad_alloc, or
   /// Error{limit} where the process may not use more addresses; the pool is then as it was.
   std::int64_t add();
+  /// Gives back the memory of the nearest triangles.
+  void release_nearest() {
+    with_nearest_ = false;
+    nearest_.release();
+  }
   /// Forgets the last slot.
   void remove_last() { --used_; }
 

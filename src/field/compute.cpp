@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <vector>
 
 #include "core/guarded.h"
 #include "core/progress.h"
@@ -14,6 +15,7 @@
 #include "field/plan.h"
 #include "field/prepare.h"
 #include "sign/make_sides.h"
+#include "sign/shell.h"
 #include "sign/sign_field.h"
 #include "sign/sign_text.h"
 #include "standoff/version.h"
@@ -38,6 +40,36 @@ class Stopwatch {
 constexpr const char* kWhatToDo =
     "take fewer samples or a smaller thickness, or give a memory limit to be told beforehand";
 
+// Where the values go: into the tiles of a field, or into dense memory.
+class FieldOutput {
+ public:
+  explicit FieldOutput(DistanceField& field) : field_(field) {}
+  Sink sink() { return Sink(field_); }
+  NearestTriangles nearest() const { return NearestTriangles(field_); }
+  void sign(const Sides& sides, bool invert, ProgressMeter& progress) { sign_field(sides, invert, field_, progress); }
+  void thicken(const Shell& shell, ProgressMeter& progress) { apply(shell, field_, progress); }
+
+ private:
+  DistanceField& field_;
+};
+
+class DenseOutput {
+ public:
+  DenseOutput(const Grid& grid, std::span<float> values, std::span<std::uint32_t> nearest)
+      : grid_(grid), values_(values), nearest_(nearest) {}
+  Sink sink() { return {grid_, values_, nearest_}; }
+  NearestTriangles nearest() const { return {grid_, nearest_}; }
+  void sign(const Sides& sides, bool invert, ProgressMeter& progress) {
+    sign_values(sides, invert, grid_, values_, progress);
+  }
+  void thicken(const Shell& shell, ProgressMeter& progress) { apply(shell, values_, nearest_, progress); }
+
+ private:
+  const Grid& grid_;
+  std::span<float> values_;
+  std::span<std::uint32_t> nearest_;
+};
+
 // One computation in two steps. Between them its caller makes the output's memory.
 class Computation {
  public:
@@ -61,10 +93,10 @@ class Computation {
     });
   }
 
-  /// Skip rule, backend, and sign(sides), which gives the output its sign. Requires check(). The mesh's hash goes into
-  /// `hash`, where there is one.
-  template <class Sign>
-  ComputeReport run(Sink& sink, const Sign& sign, std::uint64_t* hash = nullptr) {
+  /// Skip rule, backend and sign. Requires check(). The mesh's hash goes into `hash`, where there is one.
+  template <class Output>
+  ComputeReport run(Output output, std::uint64_t* hash = nullptr) {
+    Sink sink = output.sink();
     threads_.run([&] {
       Stopwatch watch;
       const std::vector<std::uint32_t> kept = kept_by_plan(mesh_, plan_);
@@ -86,8 +118,7 @@ class Computation {
       report_.seconds.compute = watch.lap();
       if (sign_plan_.has_sign()) {
         progress_.stage("sign", 1, 1, 1);
-        if (const auto sides = make_sides(mesh_, sign_plan_, options_.sign, plan_.grid, progress_))
-          sign(*sides, progress_);
+        sign(output);
         report_.seconds.sign = watch.lap();
       }
       report_.triangles = plan_.triangles;
@@ -107,6 +138,15 @@ class Computation {
   }
 
  private:
+  template <class Output>
+  void sign(Output& output) {
+    if (sign_plan_.report.method == SignMethod::shell)
+      return output.thicken(Shell(options_.sign, plan_.field_thickness), progress_);
+    const UnsignedField field{plan_.grid, plan_.field_thickness, output.nearest()};
+    if (const auto sides = make_sides(mesh_, sign_plan_, options_.sign, field, progress_))
+      output.sign(*sides, options_.sign.invert, progress_);
+  }
+
   MeshView mesh_;
   const ComputeOptions& options_;
   Plan plan_;
@@ -133,13 +173,10 @@ ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickness, Di
   computation.check();
   try {
     if (options.memory_limit != 0) field = {};
-    field.reset(computation.plan().grid, thickness, options.nearest_triangle);
-    Sink sink(field);
+    field.reset(computation.plan().grid, thickness, computation.plan().with_nearest);
     std::uint64_t mesh_hash = 0;
-    ComputeReport report = computation.run(
-        sink,
-        [&](const Sides& sides, ProgressMeter& progress) { sign_field(sides, options.sign.invert, field, progress); },
-        options.hash_mesh ? &mesh_hash : nullptr);
+    ComputeReport report = computation.run(FieldOutput(field), options.hash_mesh ? &mesh_hash : nullptr);
+    if (!options.nearest_triangle) field.erase_nearest();
     report.tiles_stored = field.stored_tiles();
     field.set_provenance({report.method, mesh_hash, version(), written(sign_text_of(options.sign, report.sign))});
     return report;
@@ -163,18 +200,20 @@ ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickness, st
                     " values (and as many nearest triangles where they are asked for); give one for each sample");
   Computation computation(mesh, grid, thickness, options, true);
   computation.check();
+  std::vector<std::uint32_t> own_nearest;  // for the sign alone
+  if (computation.plan().with_nearest && nearest.empty()) {
+    own_nearest.resize(samples);
+    nearest = own_nearest;
+  }
   Threads(options.execution.threads).run([&] {
     constexpr std::size_t kGrain = std::size_t{1} << 18;
-    const auto far = static_cast<float>(thickness);
+    const auto far = static_cast<float>(computation.plan().thickness);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, samples, kGrain), [&](const auto& range) {
       std::fill(values.begin() + range.begin(), values.begin() + range.end(), far);
       if (!nearest.empty()) std::fill(nearest.begin() + range.begin(), nearest.begin() + range.end(), kNoTriangle);
     });
   });
-  Sink sink(grid, values, nearest);
-  return computation.run(sink, [&](const Sides& sides, ProgressMeter& progress) {
-    sign_values(sides, options.sign.invert, computation.plan().grid, values, progress);
-  });
+  return computation.run(DenseOutput(grid, values, nearest));
 } catch (...) {
   throw_as_error("compute", kWhatToDo);
 }

@@ -22,7 +22,7 @@ double tiles_of_grid(const Plan& plan) { return static_cast<double>(tile_count(p
 class Advice {
  public:
   Advice(MeshView mesh, const Plan& plan, const ComputeOptions& options)
-      : mesh_(mesh), plan_(plan), grid_(plan.grid), thickness_(plan.thickness), options_(options) {}
+      : mesh_(mesh), plan_(plan), grid_(plan.grid), thickness_(plan.field_thickness), options_(options) {}
 
   std::string text() const {
     const std::int64_t side = largest_side();

@@ -12,13 +12,15 @@ struct Plan {
   SkipRule rule;          ///< never automatic
   std::int64_t triangles;
   Grid grid;
-  double thickness;
+  double thickness;        ///< distances are computed up to it
+  double field_thickness;  ///< the field's; that of a shell is smaller
   int threads;
-  bool with_nearest;
+  bool with_nearest;  ///< for the caller or for the sign
   bool is_dense;  ///< into the caller's memory, not into tiles
 };
 
-/// Requires a valid grid, thickness and options. Throws Error{device} where no backend fits.
+/// Requires a valid grid, thickness and options. Throws Error{device} where no backend fits,
+/// Error{limit} for a shell that is too thick.
 Plan make_plan(std::int64_t triangles, const Grid& grid, double thickness, const ComputeOptions& options,
                bool is_dense);
 

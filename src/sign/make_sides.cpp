@@ -3,6 +3,7 @@
 
 #include "sign/flood.h"
 #include "sign/integer_winding.h"
+#include "sign/normal_sides.h"
 #include "sign/open_winding/open_winding.h"
 
 namespace standoff {
@@ -37,15 +38,18 @@ std::unique_ptr<Sides> flood_sides(MeshView mesh, SignPlan& plan, const SignOpti
 
 }  // namespace
 
-std::unique_ptr<Sides> make_sides(MeshView mesh, SignPlan& plan, const SignOptions& options, const Grid& grid,
+std::unique_ptr<Sides> make_sides(MeshView mesh, SignPlan& plan, const SignOptions& options, const UnsignedField& field,
                                   ProgressMeter& progress) {
+  const OrientedMesh oriented{mesh, plan.use};
   switch (plan.report.method) {
     case SignMethod::winding:
-      return winding_sides(mesh, plan, options, grid, progress);
+      return winding_sides(mesh, plan, options, field.grid, progress);
     case SignMethod::flood:
-      return flood_sides(mesh, plan, options, grid, progress);
+      return flood_sides(mesh, plan, options, field.grid, progress);
+    case SignMethod::normal:
+      return std::make_unique<NormalSides>(oriented, field.grid, field.thickness, field.nearest, progress);
     default:
-      return std::make_unique<IntegerWinding>(OrientedMesh{mesh}, grid, WindingRule::odd, progress);
+      return std::make_unique<IntegerWinding>(oriented, field.grid, WindingRule::odd, progress);
   }
 }
 

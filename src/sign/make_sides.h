@@ -5,16 +5,24 @@
 #include <memory>
 
 #include "core/progress.h"
+#include "sign/nearest_triangles.h"
 #include "sign/plan.h"
 #include "sign/sides.h"
 #include "standoff/grid.h"
 
 namespace standoff {
 
-/// What decides the sides of a grid's samples by this plan; nothing where it turns out that there is no inside. What
-/// the grid shows goes into the plan. Requires plan.has_sign(). The mesh and the plan must stay where they are. Throws
-/// Error{interrupted, doubt}.
-std::unique_ptr<Sides> make_sides(MeshView mesh, SignPlan& plan, const SignOptions& options, const Grid& grid,
+/// What the sides are decided for. Only SignMethod::normal looks at more than the grid.
+struct UnsignedField {
+  const Grid& grid;
+  double thickness = 0;
+  NearestTriangles nearest = {};
+};
+
+/// What decides the sides of the field's samples by this plan; nothing where it turns out that there is no inside. What
+/// the grid shows goes into the plan. Requires plan.has_sign(), and not SignMethod::shell (shell.h). The mesh and the
+/// plan must stay where they are. Throws Error{interrupted, doubt}.
+std::unique_ptr<Sides> make_sides(MeshView mesh, SignPlan& plan, const SignOptions& options, const UnsignedField& field,
                                   ProgressMeter& progress);
 
 }  // namespace standoff

@@ -50,7 +50,7 @@ Occupancy occupancy(MeshView mesh, const Grid& grid, const SignOptions& sign, co
     meter.stage("sign", 1, 0, 1);
     SignPlan plan = plan_sign(mesh, sign);
     found.bits.resize(static_cast<std::size_t>(found.row_bytes() * grid.size.y * grid.size.z));
-    const auto sides = plan.has_sign() ? make_sides(mesh, plan, sign, grid, meter) : nullptr;
+    const auto sides = plan.has_sign() ? make_sides(mesh, plan, sign, {grid}, meter) : nullptr;
     if (sides) {
       for_each_row_of_tiles(
           *sides, sign.invert, grid, meter,

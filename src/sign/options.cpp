@@ -17,8 +17,7 @@ void validate(const SignOptions& options) {
     fail("there is no such sign method or winding rule; take one of enum SignMethod and of WindingRule");
   if (options.rule != WindingRule::positive && !is(SignMethod::winding) && !is(SignMethod::automatic))
     fail("a winding rule is for the sign methods winding and automatic; leave it out");
-  if (options.invert && (is(SignMethod::none) || is(SignMethod::shell)))
-    fail("a field without an inside cannot be inverted; choose another sign method");
+  if (options.invert && is(SignMethod::none)) fail("a field without a sign cannot be inverted; choose a sign method");
   if (options.strict && is(SignMethod::none))
     fail("a field without a sign has none to be strict about; choose a sign method");
   if (is(SignMethod::shell) && !(options.shell > 0 && std::isfinite(options.shell)))

@@ -7,7 +7,6 @@
 #include "sign/orient.h"
 #include "standoff/error.h"
 #include "standoff/mesh_report.h"
-#include "standoff/mesh_report.h"
 
 namespace standoff {
 namespace {

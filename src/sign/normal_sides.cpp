@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sign/normal_sides.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+
+#include "core/tile_count.h"
+
+namespace standoff {
+namespace {
+
+constexpr std::int64_t kSide = DistanceField::kTileSide;
+
+// Both ends of a crossed edge are within its length of the mesh. If they have nearest triangles, an edge from a sample
+// without one crosses nothing, and need not be looked at. The margin is far above the rounding of distances.
+bool has_ends_of_crossed_edges(const Grid& grid, double thickness) { return thickness > 1.001 * grid.max_spacing(); }
+
+GridEdges edges_of(MeshView mesh, const TileLattice& lattice, bool needed, ProgressMeter& progress) {
+  return needed ? GridEdges(mesh, lattice, progress) : GridEdges(lattice);
+}
+
+std::uint64_t first_bits(std::int64_t count) {
+  return count < 64 ? (std::uint64_t{1} << count) - 1 : ~std::uint64_t{0};
+}
+
+TileBits in_grid(const Size3& size, const std::array<std::int64_t, 3>& tile) {
+  const std::uint64_t row = first_bits(std::min(kSide, size.x - kSide * tile[0])) * kFirstX;
+  TileBits bits{};
+  for (std::int64_t z = 0; z < std::min(kSide, size.z - kSide * tile[2]); ++z)
+    bits[static_cast<std::size_t>(z)] = row & first_bits(kSide * std::min(kSide, size.y - kSide * tile[1]));
+  return bits;
+}
+
+// Calls use(face, neighbour) for the tiles next to a tile.
+template <class Use>
+void for_each_neighbour(const TileLattice& lattice, std::size_t tile, const Use& use) {
+  const std::array<std::int64_t, 3> at = lattice.tile_at(tile),
+                                    tiles{lattice.tiles.x, lattice.tiles.y, lattice.tiles.z};
+  for (const Face face : kFaces) {
+    std::array<std::int64_t, 3> other = at;
+    other[face.axis] += face.up ? 1 : -1;
+    if (other[face.axis] < 0 || other[face.axis] == tiles[face.axis]) continue;
+    use(face, lattice.index(other[0], other[1], other[2]));
+  }
+}
+
+}  // namespace
+
+NormalSides::NormalSides(const OrientedMesh& mesh, const Grid& grid, double thickness, const NearestTriangles& nearest,
+                         ProgressMeter& progress)
+    : lattice_(TileLattice::of(grid)),
+      edges_(edges_of(mesh.mesh, lattice_, !has_ends_of_crossed_edges(grid, thickness), progress)),
+      mixed_(lattice_.tile_count()),
+      is_known_(lattice_.tile_count()),
+      is_inside_(lattice_.tile_count()) {
+  find_tiles(nearest);
+  decide_band(mesh, grid, nearest, progress);
+  spread(grid, progress);
+}
+
+void NormalSides::find_tiles(const NearestTriangles& nearest) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, lattice_.tile_count(), 64), [&](const auto& range) {
+    for (std::size_t tile = range.begin(); tile != range.end(); ++tile) {
+      const auto [tx, ty, tz] = lattice_.tile_at(tile);
+      bool some = edges_.tiles().has(tile);
+      nearest.for_each(tx, ty, tz, [&](std::size_t, std::uint32_t) { some = true; });
+      if (some) mixed_.add(tile);
+    }
+  });
+  mixed_.number_them();
+  parts_.resize(mixed_.count());
+}
+
+void NormalSides::decide_band(const OrientedMesh& mesh, const Grid& grid, const NearestTriangles& nearest,
+                              ProgressMeter& progress) {
+  const Pseudonormals normals(mesh);
+  std::vector<std::size_t> tiles;
+  tiles.reserve(mixed_.count());
+  mixed_.for_each([&](std::size_t tile) { tiles.push_back(tile); });
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, tiles.size(), 8), [&](const auto& range) {
+    progress.check();
+    for (std::size_t n = range.begin(); n != range.end(); ++n) {
+      const auto [tx, ty, tz] = lattice_.tile_at(tiles[n]);
+      Known& part = parts_[n];
+      nearest.for_each(tx, ty, tz, [&](std::size_t at, std::uint32_t triangle) {
+        const auto s = static_cast<std::int64_t>(at);
+        const Vec3 p = grid.position(kSide * tx + s % 8, kSide * ty + s / 8 % 8, kSide * tz + s / 64);
+        const Pseudonormals::Place place = normals.place_of(p, triangle);
+        // What is on the surface gets no side here, so that none spreads from it.
+        if (place == Pseudonormals::Place::on_surface) return;
+        (place == Pseudonormals::Place::back ? part.inside : part.outside)[at / 64] |= std::uint64_t{1} << at % 64;
+      });
+    }
+  });
+}
+
+// What a step finds depends on the sides before it alone, not on the order of the tiles.
+void NormalSides::spread(const Grid& grid, ProgressMeter& progress) {
+  std::vector<std::size_t> changed;
+  mixed_.for_each([&](std::size_t tile) {
+    const Known all = spread_within(known(tile), edges_.of_tile(tile), in_grid(grid.size, lattice_.tile_at(tile)));
+    set(tile, all);
+    changed.push_back(tile);
+  });
+  std::vector<bool> is_next(lattice_.tile_count());
+  std::vector<std::size_t> next;
+  std::vector<Known> found;
+  while (!changed.empty()) {
+    progress.check();
+    next.clear();
+    for (const std::size_t tile : changed)
+      for_each_neighbour(lattice_, tile, [&](Face, std::size_t other) {
+        if (is_next[other] || is_known_[other]) return;
+        is_next[other] = true;
+        next.push_back(other);
+      });
+    found.clear();
+    for (const std::size_t tile : next) found.push_back(after_step(tile, in_grid(grid.size, lattice_.tile_at(tile))));
+    changed.clear();
+    for (std::size_t n = 0; n < next.size(); ++n) {
+      is_next[next[n]] = false;
+      if (found[n] == known(next[n])) continue;
+      set(next[n], found[n]);
+      changed.push_back(next[n]);
+    }
+  }
+}
+
+NormalSides::Known NormalSides::known(std::size_t tile) const {
+  if (mixed_.has(tile)) return parts_[mixed_.number(tile)];
+  if (!is_known_[tile]) return {};
+  return is_inside_[tile] ? Known{{}, kAllBits} : Known{kAllBits, {}};
+}
+
+void NormalSides::set(std::size_t tile, const Known& known) {
+  if (mixed_.has(tile)) {
+    parts_[mixed_.number(tile)] = known;
+    return;
+  }
+  is_known_[tile] = true;
+  is_inside_[tile] = any(known.inside);
+}
+
+NormalSides::Known NormalSides::after_step(std::size_t tile, const TileBits& in_grid) const {
+  Known all = known(tile);
+  const TileBits free = in_grid & ~(all.outside | all.inside);
+  if (!any(free)) return all;
+  Known reached;
+  int outside = 0, inside = 0;
+  for_each_neighbour(lattice_, tile, [&](Face face, std::size_t other) {
+    const Known there = known(other);
+    const Face back{face.axis, !face.up};  // from there to here
+    const TileEdges& lower = edges_.of_tile(face.up ? tile : other);
+    const TileBits from_outside = beyond(there.outside, back, lower) & free,
+                   from_inside = beyond(there.inside, back, lower) & free;
+    outside += count(from_outside);
+    inside += count(from_inside);
+    reached.outside = reached.outside | from_outside;
+    reached.inside = reached.inside | from_inside;
+  });
+  if (mixed_.has(tile)) {
+    all.outside = all.outside | reached.outside;
+    all.inside = all.inside | (reached.inside & ~reached.outside);
+    return spread_within(all, edges_.of_tile(tile), in_grid);
+  }
+  if (outside + inside == 0) return all;
+  return inside > outside ? Known{{}, kAllBits} : Known{kAllBits, {}};
+}
+
+// Sample by sample.
+NormalSides::Known NormalSides::spread_within(Known known, const TileEdges& edges, const TileBits& in_grid) const {
+  while (true) {
+    const TileBits free = in_grid & ~(known.outside | known.inside);
+    const TileBits outside = with_neighbours(known.outside, edges) & free,
+                   inside = with_neighbours(known.inside, edges) & free & ~outside;
+    if (!any(outside) && !any(inside)) return known;
+    known.outside = known.outside | outside;
+    known.inside = known.inside | inside;
+  }
+}
+
+void NormalSides::fill(InsideRows& rows, std::int64_t ty, std::int64_t tz) const {
+  for (std::int64_t tx = 0; tx < tiles_along(rows.size().x); ++tx) {
+    const Known here = known(lattice_.index(tx, ty, tz));
+    if (any(here.inside)) mark(rows, tx, here.inside);
+  }
+}
+
+}  // namespace standoff

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// The sides of an oriented mesh, open or closed: in front of its nearest part is outside, behind it is inside.
+#pragma once
+
+#include <vector>
+
+#include "sign/grid_edges.h"
+#include "sign/nearest_triangles.h"
+#include "sign/oriented_mesh.h"
+#include "sign/pseudonormals.h"
+#include "sign/sides.h"
+
+namespace standoff {
+
+/// Samples with a nearest triangle have the side that Pseudonormals finds. The others, beyond the band or within
+/// rounding of the surface, take the side of samples that they are connected with by grid edges that no triangle
+/// crosses: a breadth-first search from all tiles with a nearest triangle at once. One step takes a side into a
+/// neighbouring tile. A tile that has neither nearest triangles nor crossed edges has one side: that of the larger
+/// number of samples at its faces that had one before the step. Of equally many, and of samples that no side comes to,
+/// the side is outside.
+class NormalSides final : public Sides {
+ public:
+  /// Requires a valid mesh and grid, and the nearest triangles of a field of this thickness. Runs on the threads of the
+  /// calling TBB arena. Throws Error{interrupted}.
+  NormalSides(const OrientedMesh& mesh, const Grid& grid, double thickness, const NearestTriangles& nearest,
+              ProgressMeter& progress);
+
+  void fill(InsideRows& rows, std::int64_t ty, std::int64_t tz) const override;
+
+ private:
+  // The samples of a tile whose side is known.
+  struct Known {
+    TileBits outside{}, inside{};
+    friend bool operator==(const Known&, const Known&) = default;
+  };
+
+  void find_tiles(const NearestTriangles& nearest);
+  void decide_band(const OrientedMesh& mesh, const Grid& grid, const NearestTriangles& nearest,
+                   ProgressMeter& progress);
+  void spread(const Grid& grid, ProgressMeter& progress);
+
+  Known known(std::size_t tile) const;
+  void set(std::size_t tile, const Known& known);
+  Known after_step(std::size_t tile, const TileBits& in_grid) const;
+  Known spread_within(Known known, const TileEdges& edges, const TileBits& in_grid) const;
+
+  TileLattice lattice_;
+  GridEdges edges_;
+  TileSet mixed_;                           // tiles with nearest triangles or crossed edges
+  std::vector<Known> parts_;                // theirs
+  std::vector<bool> is_known_, is_inside_;  // of all other tiles
+};
+
+}  // namespace standoff

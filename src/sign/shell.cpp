@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sign/shell.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <vector>
+
+#include "core/tile_count.h"
+
+namespace standoff {
+namespace {
+
+constexpr std::int64_t kSide = DistanceField::kTileSide;
+
+void apply_to(const Shell& shell, float& value, std::uint32_t* nearest) {
+  if (nearest && shell.is_deep(value)) *nearest = kNoTriangle;
+  value = shell.value(value);
+}
+
+void apply_to_tile(const Shell& shell, std::int64_t tx, std::int64_t ty, std::int64_t tz, DistanceField& field) {
+  if (!field.tile(tx, ty, tz)) {
+    if (shell.inverts()) field.mark_inside(tx, ty, tz);
+    return;
+  }
+  const auto values = field.edit_tile(tx, ty, tz);
+  std::uint32_t* const nearest = field.has_nearest() ? field.store_nearest(tx, ty, tz).data() : nullptr;
+  const Size3& size = field.grid().size;
+  const auto far = static_cast<float>(field.thickness());
+  for (std::int64_t n = 0; n < DistanceField::kTileSamples; ++n) {
+    const std::int64_t x = n % kSide, y = n / kSide % kSide, z = n / (kSide * kSide);
+    const bool in_grid = kSide * tx + x < size.x && kSide * ty + y < size.y && kSide * tz + z < size.z;
+    float& value = values[static_cast<std::size_t>(n)];
+    if (in_grid)
+      apply_to(shell, value, nearest ? nearest + n : nullptr);
+    else
+      value = far;
+  }
+}
+
+// Whether all samples of a tile that are in the grid are clamped to this value.
+bool is_clamped_to(float value, const DistanceField::Tile& tile, const Size3& size) {
+  const std::int64_t x_end = std::min(kSide, size.x - kSide * tile.at.x),
+                     y_end = std::min(kSide, size.y - kSide * tile.at.y),
+                     z_end = std::min(kSide, size.z - kSide * tile.at.z);
+  for (std::int64_t z = 0; z < z_end; ++z)
+    for (std::int64_t y = 0; y < y_end; ++y)
+      for (std::int64_t x = 0; x < x_end; ++x) {
+        const auto n = static_cast<std::size_t>(x + kSide * (y + kSide * z));
+        if (tile.values[n] != value || (!tile.nearest.empty() && tile.nearest[n] != kNoTriangle)) return false;
+      }
+  return true;
+}
+
+void drop_clamped_tiles(DistanceField& field) {
+  const auto far = static_cast<float>(field.thickness());
+  std::vector<Size3> outside, inside;
+  for (const DistanceField::Tile& tile : field.tiles()) {
+    if (is_clamped_to(far, tile, field.grid().size)) outside.push_back(tile.at);
+    if (is_clamped_to(-far, tile, field.grid().size)) inside.push_back(tile.at);
+  }
+  field.erase_tiles(outside);
+  field.erase_tiles(inside);
+  for (const Size3& at : inside) field.mark_inside(at.x, at.y, at.z);
+}
+
+}  // namespace
+
+void apply(const Shell& shell, DistanceField& field, ProgressMeter& progress) {
+  const Size3 tiles = field.tile_count();
+  tbb::parallel_for(tbb::blocked_range<std::int64_t>(0, tiles.y * tiles.z, 8), [&](const auto& range) {
+    progress.check();
+    for (std::int64_t n = range.begin(); n != range.end(); ++n)
+      for (std::int64_t tx = 0; tx < tiles.x; ++tx) apply_to_tile(shell, tx, n % tiles.y, n / tiles.y, field);
+  });
+  drop_clamped_tiles(field);
+}
+
+void apply(const Shell& shell, std::span<float> values, std::span<std::uint32_t> nearest, ProgressMeter& progress) {
+  constexpr std::size_t kGrain = std::size_t{1} << 16;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, values.size(), kGrain), [&](const auto& range) {
+    progress.check();
+    for (std::size_t n = range.begin(); n != range.end(); ++n)
+      apply_to(shell, values[n], nearest.empty() ? nullptr : &nearest[n]);
+  });
+}
+
+}  // namespace standoff
