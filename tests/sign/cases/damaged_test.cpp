@@ -22,14 +22,14 @@ struct Solid {
   Mesh mesh;
   std::size_t step;  // of the triangles to damage
 };
-std::vector<Solid> solids() { return {{"ball", sphere(6), 13}, {"box", box({-1, -1, -1}, {1, 2, 3}), 1}}; }
+std::vector<Solid> solids() { return {{"ball", sphere(6), 29}, {"box", box({-1, -1, -1}, {1, 2, 3}), 1}}; }
 
 template <class Use>
 void for_each_damage(const Use& use) {
   for (const Solid& solid : solids())
     for (std::size_t t = 0; t < solid.mesh.triangles.size(); t += solid.step) {
       SCOPED_TRACE(std::string(solid.name) + ", triangle " + std::to_string(t));
-      use(solid.mesh, t, grid_around(solid.mesh, 15));
+      use(solid.mesh, t, grid_around(solid.mesh, 12));
     }
 }
 
@@ -92,14 +92,15 @@ TEST(DamagedCases, ScansWithHoles) {
 
 TEST(DamagedCases, OneBigHole) {
   const Mesh ball = sphere(10);
-  for (const double z : {0.6, 0.33, 0.0}) {
+  for (const double z : {0.6, 0.33, 0.0, -0.5}) {
     const Mesh mesh = cut_off(ball, z);
-    const Grid grid = grid_around(ball, 16);
+    const Grid grid = grid_around(ball, 14);
     const ByWinding positive(mesh, grid), nonzero(mesh, grid, WindingRule::nonzero);
     expect_sides(mesh, grid, kWinding, positive);
     expect_sides(mesh, grid, kAsOriented, positive);
     expect_sides(mesh, grid, {.method = SignMethod::winding, .rule = WindingRule::nonzero}, nonzero);
-    // Nothing is left to repair, and if all looks the other way, all is flipped.
+    // If all looks the other way, all is flipped: what is left is more body than sheet. Of half a ball that is open.
+    if (z <= 0) continue;
     EXPECT_EQ(expect_sides(reversed(mesh), grid, kWinding, positive).flipped, std::ssize(mesh.triangles));
   }
 }
@@ -124,7 +125,7 @@ TEST(DamagedCases, PartsWithTJunctions) {
     known.emplace_back(box(low, high));
   }
   const auto in_parts = [&](Vec3 p) { return in_any(known, p); };
-  const Grid grid = grid_around(mesh, 22);
+  const Grid grid = grid_around(mesh, 16);
   for (const SignOptions& sign : {kWinding, kAutomatic, kAsOriented}) {
     const SignReport report = expect_sides(mesh, grid, sign, in_parts);
     EXPECT_EQ(report.method, SignMethod::winding);
@@ -143,7 +144,7 @@ TEST(DamagedCases, PartsWithCracksBetweenAllTriangles) {
     known.emplace_back(one, 1e-5);
   }
   const auto in_parts = [&](Vec3 p) { return in_any(known, p); };
-  const Grid grid = grid_around(whole, 20);
+  const Grid grid = grid_around(whole, 14);
   for (const Mesh& mesh : {cracked_floats(whole, 1), cracked(whole, 1e-15, 2), cracked(whole, 1e-6, 3)})
     for (const SignOptions& sign : {kAsOriented, kWinding, kAutomatic}) {
       const SignReport report = expect_sides(mesh, grid, sign, in_parts);
