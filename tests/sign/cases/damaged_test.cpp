@@ -90,6 +90,15 @@ TEST(DamagedCases, ScansWithHoles) {
     }
 }
 
+// Large regions are decided as one.
+TEST(DamagedCases, HolesInFineGrids) {
+  const Mesh ball = sphere(9);
+  for (const Mesh& mesh : {with_holes(ball, 0.05, 1), with_holes(ball, 0.5, 2), cut_off(ball, 0.2)}) {
+    const Grid grid = grid_around(mesh, 60, 0.6);
+    expect_sides(mesh, grid, kAsOriented, ByWinding(mesh, grid, WindingRule::positive, 97), 0.1);
+  }
+}
+
 TEST(DamagedCases, OneBigHole) {
   const Mesh ball = sphere(10);
   for (const double z : {0.6, 0.33, 0.0, -0.5}) {

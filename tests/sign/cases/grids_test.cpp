@@ -71,6 +71,15 @@ TEST(GridCases, WhollyInside) {
   expect_sides(reversed(kBall), grid, kWinding, Convex(kBall));
 }
 
+// A flood begins at the grid's border. Where that is within the solid it says nothing, or says so.
+TEST(GridCases, FloodThatBeginsInside) {
+  for (const Vec3 low : {Vec3{-0.3, -0.2, -0.3}, Vec3{-0.2, -0.3, 0.1}}) {  // wholly inside, and half of it
+    const Grid grid{{9, 9, 17}, low, {0.05, 0.05, 0.08}};
+    const Compared found = compare_sides(kBall, grid, kFlood, Convex(kBall));
+    EXPECT_TRUE(found.wrong == 0 || !found.report.sure) << found.wrong << " are wrong, and it is sure";
+  }
+}
+
 // No tile of a thin band is stored: all that is said is each tile's side.
 TEST(GridCases, NoTileIsStored) {
   ComputeOptions options;

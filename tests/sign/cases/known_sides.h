@@ -27,12 +27,14 @@ inline double winding_number(MeshView mesh, Vec3 p) {
   return sum / (2 * std::numbers::pi);
 }
 
-/// Sides of a grid's samples by the generalised winding number. None is known within 1e-6 of a threshold.
+/// Sides of every n-th sample of a grid by the generalised winding number. None is known within 1e-6 of a threshold.
 class ByWinding {
  public:
-  ByWinding(const Mesh& mesh, const Grid& grid, WindingRule rule = WindingRule::positive) : grid_(grid) {
+  ByWinding(const Mesh& mesh, const Grid& grid, WindingRule rule = WindingRule::positive, std::size_t every = 1)
+      : grid_(grid) {
     for_each_sample(grid, [&](std::int64_t i, std::int64_t j, std::int64_t k) {
-      sides_.push_back(side(winding_number(mesh, grid.position(i, j, k)), rule));
+      sides_.push_back(sides_.size() % every == 0 ? side(winding_number(mesh, grid.position(i, j, k)), rule)
+                                                  : Side::unknown);
     });
   }
   Side operator()(Vec3 p) const {

@@ -2,6 +2,8 @@
 // Surfaces that enclose nothing, or have no sides: sheets, terrain, a Moebius strip, a Klein bottle, two-sided faces.
 #include <gtest/gtest.h>
 
+#include <tuple>
+
 #include "tests/sign/cases/known_sides.h"
 #include "tests/sign/cases/solids.h"
 #include "tests/support/expect_error.h"
@@ -102,6 +104,27 @@ TEST(SheetCases, SolidsByNormals) {
   expect_sides(ring, grid_around(ring, 24), kNormal, RoundTorus(24, 12, 1, 0.3));
 }
 
+// Corners of a tetrahedron where some faces are fans of many triangles, and the others one each: the fans must not
+// outvote them. Beside sharp corners, the nearest face alone would tell the wrong side.
+TEST(SheetCases, SharpCornersByNormals) {
+  for (const double height : {0.2, 1.0, 6.0}) {
+    Mesh mesh;
+    mesh.vertices = {{0, 0, height}, {-1, -1, 0}, {1, -1, 0}, {0, 1, 0}};
+    mesh.triangles = {{0, 1, 2}, {1, 3, 2}, {0, 2, 3}, {0, 3, 1}};
+    const Convex known(mesh);
+    mesh.triangles.erase(mesh.triangles.begin(), mesh.triangles.begin() + 2);
+    for (int n = 0; n < 64; ++n) {  // both faces at the edge of y = -1
+      const Vec3 a{-1 + n / 32.0, -1, 0}, b{-1 + (n + 1) / 32.0, -1, 0};
+      add_triangle(mesh, {0, 0, height}, a, b);
+      add_triangle(mesh, {0, 1, 0}, b, a);
+    }
+    for (const Vec3 corner : {Vec3{0, 0, height}, Vec3{-1, -1, 0}, Vec3{1, -1, 0}, Vec3{0, 1, 0}}) {
+      const Grid grid{{16, 16, 16}, corner - Vec3{0.301, 0.302, 0.303}, {0.04, 0.04, 0.04}};
+      expect_sides(mesh, grid, kNormal, known);
+    }
+  }
+}
+
 TEST(SheetCases, ShellsOfEveryMesh) {
   const double thickness = 0.22;
   for (const Mesh& mesh : {flat_square(), terrain(), moebius(), klein_bottle(), two_sided(sphere(6))}) {
@@ -149,6 +172,31 @@ TEST(SheetCases, KleinBottle) {
   const SignReport report = expect_sides(mesh, grid, kAutomatic, in_bottle);
   EXPECT_TRUE(report.method == SignMethod::flood || report.method == SignMethod::parity) << report.why;
   expect_doubt(mesh, grid, kWinding);
+}
+
+// A cup that opens one way of six: a flood comes in there alone, and its walls are inside.
+TEST(SheetCases, FloodOfACup) {
+  for (int axis = 0; axis < 3; ++axis)
+    for (const bool up : {false, true}) {
+      SCOPED_TRACE(std::to_string(axis) + (up ? " up" : " down"));
+      const auto turned = [&](Vec3 p) { return axis == 0 ? Vec3{p.z, p.x, p.y} : axis == 1 ? Vec3{p.y, p.z, p.x} : p; };
+      const auto wall = [&](Vec3 low, Vec3 high) {
+        if (!up) std::tie(low.z, high.z) = std::pair(-high.z, -low.z);
+        const Vec3 a = turned(low), b = turned(high);
+        return box(min(a, b), max(a, b));
+      };
+      Mesh cup;
+      std::vector<Convex> walls;
+      for (const auto& [low, high] : {std::pair(Vec3{-1, -1, -1}, Vec3{1, 1, -0.6}),
+                                      {{-1, -1, -0.7}, {-0.6, 1, 1}},
+                                      {{0.6, -1, -0.7}, {1, 1, 1}},
+                                      {{-0.7, -1, -0.7}, {0.7, -0.6, 1}},
+                                      {{-0.7, 0.6, -0.7}, {0.7, 1, 1}}}) {
+        walls.emplace_back(wall(low, high));
+        cup = joined(std::move(cup), wall(low, high));
+      }
+      expect_sides(cup, grid_around(cup, 26), kFlood, [&](Vec3 p) { return in_any(walls, p); });
+    }
 }
 
 // Nothing holds a flood off: all is outside, and that is no answer.

@@ -13,8 +13,8 @@ using namespace testing;  // NOLINT: a test of what that folder has
 
 // The winding number as triangles are oriented, with each rule.
 void expect_brute_force_sides(const Mesh& mesh, const Grid& grid) {
-  for (const WindingRule rule : {WindingRule::positive, WindingRule::nonzero}) {
-    SCOPED_TRACE(rule == WindingRule::positive ? "positive" : "nonzero");
+  for (const WindingRule rule : {WindingRule::positive, WindingRule::nonzero, WindingRule::odd}) {
+    SCOPED_TRACE(static_cast<int>(rule));
     const SignOptions sign{.method = SignMethod::winding, .rule = rule, .as_oriented = true};
     expect_sides(mesh, grid, sign, ByWinding(mesh, grid, rule));
   }
