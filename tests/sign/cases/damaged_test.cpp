@@ -99,6 +99,14 @@ TEST(DamagedCases, HolesInFineGrids) {
   }
 }
 
+// Half of a ball's triangles are missing, so the winding number is about 1/2 wherever one is inside: hundreds of holes,
+// none of which matters alone, decide every sample.
+TEST(DamagedCases, HalfOfAllTrianglesMissing) {
+  const Mesh mesh = with_holes(sphere(16), 0.5, 7);
+  const Grid grid = grid_around(mesh, 22);
+  expect_sides(mesh, grid, kAsOriented, ByWinding(mesh, grid, WindingRule::positive, 9), 0.1);
+}
+
 TEST(DamagedCases, OneBigHole) {
   const Mesh ball = sphere(10);
   for (const double z : {0.6, 0.33, 0.0, -0.5}) {
