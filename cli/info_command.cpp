@@ -8,65 +8,46 @@
 #include "cli/console.h"
 #include "cli/field_argument.h"
 #include "cli/files.h"
+#include "cli/mesh_report.h"
+#include "cli/options.h"
+#include "cli/parse.h"
 #include "cli/signals.h"
 #include "cli/spinner.h"
 #include "cli/text.h"
 #include "cli/usage.h"
 #include "standoff/inspect.h"
 #include "standoff/io.h"
+#include "standoff/mesh_report.h"
 
 namespace standoff::cli {
 namespace {
 
-constexpr const char* kExamples = R"(  standoff info bunny.obj            triangles, bounds, whether it is closed
+constexpr const char* kExamples =
+    R"(  standoff info bunny.obj            what it is, what is wrong with it, which sign method fits
   standoff info bunny.vti            grid, thickness, values
   standoff info bunny.vti --json     the same for programs
 )";
 
-std::string row(const char* name, const std::string& value) {
-  std::string line = name;
-  return line + std::string(14 - line.size(), ' ') + one_line(value) + "\n";
-}
-
-// "12", or "12 (3 % of ...)" would be more than people ask; zero is said in a word.
-std::string none_or(std::int64_t n) { return n == 0 ? "none" : grouped(n); }
-
-void tell_mesh(const MeshInput& input, const Console& console) {
-  MeshReadReport report;
-  const Mesh mesh = with_spinner(console, "reading " + input.name(), [&] { return input.read(&report); });
-  const MeshSummary found = inspect(mesh);
-  const Box& box = found.bounds;
+void tell_mesh(const MeshInput& input, const MeshReportOptions& options, const Console& console) {
+  MeshReadReport read;
+  const Mesh mesh = with_spinner(console, "reading " + input.name(), [&] { return input.read(&read); });
+  const MeshReport found = with_spinner(console, "examining " + input.name(), [&] { return report(mesh, options); });
   if (console.json()) {
     Json json = json_answer("info");
     json["kind"] = "mesh";
     json["mesh"] = {{"file", input.name()},
-                    {"triangles", mesh.triangles.size()},
                     {"vertices", mesh.vertices.size()},
-                    {"bounds", json_box(box)},
-                    {"extent", json_point(box.extent())},
-                    {"area", found.area},
-                    {"degenerate", found.degenerate},
-                    {"duplicate", found.duplicate},
-                    {"boundary_edges", found.boundary_edges},
-                    {"nonmanifold_edges", found.nonmanifold_edges},
-                    {"closed", found.closed()},
-                    {"format", report.format.empty() ? Json(nullptr) : Json(report.format)},
-                    {"unit_scale", report.unit_scale},
-                    {"metres_per_unit", report.metres_per_unit > 0 ? Json(report.metres_per_unit) : Json(nullptr)},
-                    {"axes", report.axes},
+                    {"format", read.format.empty() ? Json(nullptr) : Json(read.format)},
+                    {"unit_scale", read.unit_scale},
+                    {"metres_per_unit", read.metres_per_unit > 0 ? Json(read.metres_per_unit) : Json(nullptr)},
+                    {"axes", read.axes},
                     {"hash", hash_text(content_hash(mesh))}};
+    add_report(json, found);
     return print(json);
   }
-  const auto count = [](std::size_t n) { return grouped(static_cast<std::int64_t>(n)); };
-  std::string read;
-  for (const std::string& note : notes(report)) read += row("read", note);
-  print(row("mesh", input.name()) + read + row("triangles", count(mesh.triangles.size())) +
-        row("vertices", count(mesh.vertices.size())) + row("from", point_text(box.min)) +
-        row("to", point_text(box.max)) + row("extent", point_text(box.extent())) + row("area", number(found.area)) +
-        row("degenerate", none_or(found.degenerate)) + row("duplicate", none_or(found.duplicate)) +
-        row("closed", found.closed() ? "yes"
-                                     : "no: " + counted(found.boundary_edges, "boundary edge") + ", " +
-                                           counted(found.nonmanifold_edges, "nonmanifold edge")) +
+  std::string done;
+  for (const std::string& note : notes(read)) done += row("read", note);
+  print(row("mesh", input.name()) + done + report_text(found, mesh.vertices.size()) +
         row("hash", hash_text(content_hash(mesh))));
 }
 
@@ -137,13 +118,17 @@ void tell_body(const std::string& name, const Console& console) {
 struct Command {
   MeshInput input;
   FieldArgument field;
+  MeshReportOptions options;
   Console console;
 
   void run() const {
+    const bool is_mesh = kind_of(input.name()) != FileKind::field && kind_of(input.name()) != FileKind::body;
+    if (!is_mesh && options.spacing > 0)
+      throw Error(ErrorCode::usage, "--spacing: " + input.name() + " is no mesh; leave it out");
     if (kind_of(input.name()) == FileKind::field) return tell_field(input.name(), field, console);
     field.check_unused(input.name());
     if (kind_of(input.name()) == FileKind::body) return tell_body(input.name(), console);
-    tell_mesh(input, console);
+    tell_mesh(input, options, console);
   }
 };
 
@@ -154,6 +139,10 @@ void add_info(CLI::App& program) {
   const auto command = std::make_shared<Command>();
   command->input.add_any_to(*verb, true);
   command->field.add_to(*verb);
+  add_parsed(*verb, {"--spacing", "S", "distance between planned samples: says how large holes are in samples", "Mesh"},
+             [options = &command->options](const std::string& option, const std::string& text) {
+               options->spacing = parse_positive(option, text);
+             });
   command->console.add_to(*verb, Console::kJson | Console::kMessages);
   verb->callback([command] { command->run(); });
 }

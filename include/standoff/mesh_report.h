@@ -43,9 +43,11 @@ struct MeshReport {
 
   // As the mesh is. Edges are pairs of positions.
   std::int64_t degenerate = 0;          ///< triangles without area, exactly
+  std::int64_t duplicate = 0;           ///< triangles with an earlier copy, in any orientation
   std::int64_t duplicate_same = 0;      ///< triangles with an earlier copy in the same orientation
   std::int64_t duplicate_opposite = 0;  ///< pairs of copies in opposite orientation
   bool two_sided = false;               ///< nearly every face is there twice, once in each orientation
+  std::int64_t open_edges = 0;          ///< edges of one triangle
   std::int64_t nonmanifold_edges = 0;   ///< edges of three triangles or more
   std::int64_t inconsistent_edges = 0;  ///< edges of two triangles that run along it in the same direction
 
@@ -67,7 +69,7 @@ struct MeshReport {
   std::vector<MeshComponent> components;  ///< the largest ones by area, largest first
   std::int32_t deepest = 0;               ///< largest MeshComponent::depth of all components
   bool nesting_known = true;              ///< false: too many components; depths are 0
-  /// The winding numbers seen along 128 x 128 rows through the mesh; both 0 if the mesh is not closed.
+  /// The winding numbers seen along up to 128 x 128 rows through the mesh; both 0 if the mesh is not closed.
   std::int32_t least_winding = 0, most_winding = 0;
 
   /// Pairs of triangles that intersect though they share no position. Neighbours that fold onto each other are not
@@ -94,7 +96,7 @@ struct MeshReportOptions {
 };
 
 /// Examines a mesh; a mesh without triangles gets an empty report. The result does not depend on the number of threads.
-/// Takes about 120 bytes per triangle. Errors: those of validate(mesh) for a mesh with triangles; usage (spacing is
+/// Takes up to 200 bytes per triangle. Errors: those of validate(mesh) for a mesh with triangles; usage (spacing is
 /// negative or not finite, negative limits, execution); limit.
 STANDOFF_API MeshReport report(MeshView mesh, const MeshReportOptions& options = {});
 

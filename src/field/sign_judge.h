@@ -23,14 +23,18 @@ class SignJudge {
   /// `use` as in OrientedMesh. The mesh and the groups must outlive this. Runs on the threads of the calling TBB arena.
   SignJudge(MeshView mesh, const TriangleGroups& groups, const SignText& sign, std::vector<std::int8_t> use);
 
-  /// Whether a side can be judged at all. Of `flood` it is that of points beyond the mesh's box alone; of `normal` and
-  /// `shell`, and of winding numbers and parities that this mesh does not have, it is none.
+  /// Whether a side can be judged at all. Of `flood` it is that of points beyond the mesh's box alone; of `normal` that
+  /// of points which are on the same side of all nearest triangles; of `shell`, and of a parity that this mesh does not
+  /// have, it is none.
   bool can_judge() const { return way_ != Way::none; }
-  SideJudgement judge(const Vec3& p) const;
+  /// `allowed` is the error that the point's distance may have: world units.
+  SideJudgement judge(const Vec3& p, double allowed) const;
 
  private:
-  enum class Way { none, crossings, angles, box };
+  enum class Way { none, crossings, angles, box, nearest };
 
+  SideJudgement by_winding(const Vec3& p) const;
+  std::optional<bool> behind_nearest(const Vec3& p, double allowed) const;
   bool is_inside(double whole) const;
 
   OrientedMesh mesh_;

@@ -25,6 +25,16 @@ class TriangleGroups {
   std::uint32_t nearest(Vec3 p) const;
   /// The distance from p to one triangle.
   double distance(Vec3 p, std::uint32_t triangle) const;
+  /// Calls use(triangle) for each triangle that is no farther from p than `most`.
+  template <class Use>
+  void for_each_within(Vec3 p, double most, const Use& use) const {
+    for (std::size_t g = 0; g < boxes_.size(); ++g) {
+      const Vec3 outside = max(max(boxes_[g].min - p, p - boxes_[g].max), Vec3{});
+      if (!(length(outside) <= most)) continue;
+      for (const std::uint32_t triangle : group(g))
+        if (distance(p, triangle) <= most) use(triangle);
+    }
+  }
   /// Calls use(triangle) for triangles in groups of neighbours: for all of a group or for none. Each triangle whose box
   /// meets the ray from p along +y is among them.
   template <class Use>

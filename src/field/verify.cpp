@@ -17,6 +17,8 @@
 #include "core/threads.h"
 #include "field/sign_judge.h"
 #include "field/triangle_groups.h"
+#include "sign/mesh_edges.h"
+#include "sign/orient.h"
 #include "sign/sign_text.h"
 
 namespace standoff {
@@ -69,9 +71,12 @@ struct Finding {
   SideJudgement side;
 };
 
-// The orientation that the sign was decided with, as OrientedMesh::use says it: the caller's, unless the field tells of
-// flipped triangles.
-std::vector<std::int8_t> oriented_for_sign(MeshView, const SignText&) { return {}; }
+// The orientation that the sign was decided with, as OrientedMesh::use says it. Which one a mesh was meant to have is
+// no question of right and wrong, so compute()'s answer is taken; verify checks what follows from it.
+std::vector<std::int8_t> oriented_for_sign(MeshView mesh, const SignText& sign) {
+  if (!sign.oriented) return {};
+  return orient(mesh, MeshEdges(mesh)).use;
+}
 
 // One field and its mesh. Requires a valid mesh. Runs on the threads of the calling TBB arena.
 class Check {
@@ -120,8 +125,10 @@ void Check::compare_distance(double distance, Finding& finding) const {
   sample.allowed = allowed_error(field_.grid(), sample.expected);
   sample.error = std::abs(std::abs(sample.stored) - sample.expected);
   finding.in_band = distance <= field_.thickness();
-  // The value 0 has no side.
-  if (sample.stored != 0 && !std::isnan(sample.stored)) finding.side = judge_.judge(sample.position);
+  // The value 0 has no side. Normals decide in the band; what is beyond takes the side of its surroundings.
+  const bool has_side = sample.stored != 0 && !std::isnan(sample.stored);
+  if (has_side && (finding.in_band || sign_.method != SignMethod::normal))
+    finding.side = judge_.judge(sample.position, sample.allowed);
   if (finding.side.inside.value_or(false)) sample.expected = -sample.expected;
 }
 
@@ -131,7 +138,7 @@ void Check::compare_shell(double value, Finding& finding) const {
   const double thickness = field_.thickness();
   sample.expected = std::clamp(value, -thickness, thickness);
   sample.allowed = allowed_error(field_.grid(), value + sign_.shell / 2);
-  finding.in_band = value <= thickness;
+  finding.in_band = std::abs(value) <= thickness;
   if (std::abs(value) > sample.allowed) finding.side.inside = (value < 0) != sign_.invert;
   if (sign_.invert) sample.expected = -sample.expected;
   sample.error = std::abs(sample.stored - sample.expected);
@@ -142,7 +149,7 @@ void Check::compare_nearest(double distance, Finding& finding) const {
   const std::uint32_t nearest = field_.nearest(sample.i, sample.j, sample.k);
   // Near the thickness rounding decides whether there is a nearest triangle.
   if (nearest == kNoTriangle)
-    finding.nearest_wrong = distance - sign_.shell / 2 < field_.thickness() - sample.allowed;
+    finding.nearest_wrong = std::abs(distance - sign_.shell / 2) < field_.thickness() - sample.allowed;
   else
     finding.nearest_wrong =
         nearest >= groups_.triangle_count() || groups_.distance(sample.position, nearest) > distance + sample.allowed;

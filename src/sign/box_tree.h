@@ -48,9 +48,9 @@ class BoxTree {
     if (level == 0) return node <= item || visit(node);
     const std::size_t below = level - 1, first = kBranch * node,
                       past = std::min(first + kBranch, levels_[below].size());
-    // The last item below child n comes before item (n + 1) kBranch^below.
+    // All items below child n come before item (n + 1) kBranch^below.
     for (std::size_t child = first; child < past; ++child)
-      if ((child + 1) << 2 * below > item && !search(below, child, item, box, visit)) return false;
+      if ((child + 1) << 2 * below > item + 1 && !search(below, child, item, box, visit)) return false;
     return true;
   }
   static_assert(kBranch == 1 << 2);

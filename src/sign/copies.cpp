@@ -96,6 +96,7 @@ Copies find_copies(const MeshEdges& edges, std::size_t triangles) {
   const auto forward_of = [&](std::size_t face) { return std::ranges::count_if(faces.of(face), &Copy::forward); };
   for (std::size_t face = 0; face < faces.size(); ++face) {
     const auto all = std::ranges::ssize(faces.of(face)), forward = forward_of(face), backward = all - forward;
+    found.repeated += all - 1;
     found.opposite += std::min(forward, backward);
     found.same += std::max<std::int64_t>(forward - 1, 0) + std::max<std::int64_t>(backward - 1, 0);
   }

@@ -27,6 +27,7 @@ struct Copies {
   std::vector<std::int8_t> use;  ///< for each triangle 0 if it is left out, else 1; empty: all are used
   /// Triangles kept with one in the opposite orientation that was left out: the one may stand for the other.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> either;
+  std::int64_t repeated = 0;  ///< triangles with an earlier copy in any orientation
   std::int64_t same = 0;      ///< triangles with an earlier copy in the same orientation
   std::int64_t opposite = 0;  ///< pairs in opposite orientation; each triangle is in one pair at the most
   std::int64_t left_out = 0;

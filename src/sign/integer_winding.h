@@ -13,16 +13,12 @@ class IntegerWinding final : public Sides {
   /// Requires a mesh that is closed in the orientation given, or, for WindingRule::odd, an even number of triangles at
   /// each edge. Runs on the threads of the calling TBB arena. Throws Error{interrupted}.
   IntegerWinding(const OrientedMesh& mesh, const Grid& grid, WindingRule rule, ProgressMeter& progress)
-      : crossings_(mesh, grid, progress), grid_size_(grid.size), rule_(rule) {}
+      : crossings_(mesh, grid, progress), rule_(rule) {}
 
   void fill(InsideRows& rows, std::int64_t ty, std::int64_t tz) const override;
 
-  /// The least winding number of all samples, or 0 if that is positive. Runs on the threads of the calling TBB arena.
-  std::int32_t least_winding() const;
-
  private:
   RowCrossings crossings_;
-  Size3 grid_size_;
   WindingRule rule_;
 };
 

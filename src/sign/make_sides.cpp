@@ -9,19 +9,10 @@
 namespace standoff {
 namespace {
 
-std::unique_ptr<Sides> winding_sides(MeshView mesh, SignPlan& plan, const SignOptions& options, const Grid& grid,
+std::unique_ptr<Sides> winding_sides(const OrientedMesh& mesh, const SignPlan& plan, WindingRule rule, const Grid& grid,
                                      ProgressMeter& progress) {
-  const auto oriented = [&] { return OrientedMesh{mesh, plan.use}; };
-  if (!plan.boundary.edges.empty())
-    return std::make_unique<OpenWinding>(oriented(), plan.boundary, grid, options.rule, progress);
-  auto sides = std::make_unique<IntegerWinding>(oriented(), grid, options.rule, progress);
-  // A closed mesh is oriented by its parts only where that changes a sample: where something is inside out.
-  const bool repairs = !options.as_oriented && !plan.was_oriented && options.rule == WindingRule::positive;
-  if (!repairs || sides->least_winding() >= 0) return sides;
-  orient_for(plan, mesh);
-  if (plan.use.empty()) return sides;
-  plan.report.why += ", but parts of it are inside out";
-  return std::make_unique<IntegerWinding>(oriented(), grid, options.rule, progress);
+  if (plan.boundary.edges.empty()) return std::make_unique<IntegerWinding>(mesh, grid, rule, progress);
+  return std::make_unique<OpenWinding>(mesh, plan.boundary, grid, rule, progress);
 }
 
 std::unique_ptr<Sides> flood_sides(MeshView mesh, SignPlan& plan, const SignOptions& options, const Grid& grid,
@@ -43,7 +34,7 @@ std::unique_ptr<Sides> make_sides(MeshView mesh, SignPlan& plan, const SignOptio
   const OrientedMesh oriented{mesh, plan.use};
   switch (plan.report.method) {
     case SignMethod::winding:
-      return winding_sides(mesh, plan, options, field.grid, progress);
+      return winding_sides(oriented, plan, options.rule, field.grid, progress);
     case SignMethod::flood:
       return flood_sides(mesh, plan, options, field.grid, progress);
     case SignMethod::normal:

@@ -30,9 +30,9 @@ struct Nesting {
 inline constexpr std::int64_t kMostNestingTests = 1'000'000'000;
 
 /// A part is inside another one if its box is inside the other's box and the other's winding number is not 0 at most of
-/// three of its corners. Winding numbers are counted along rays by exact predicates; of a part with holes they may be
-/// wrong where the ray passes a hole. Requires `part_of` for each triangle, and parts that are oriented consistently,
-/// inwards or outwards. Runs on the threads of the calling TBB arena.
+/// three of its points, in triangles far from each other. Winding numbers are counted along rays by exact predicates;
+/// of a part with holes they may be wrong where the ray passes a hole. Requires `part_of` for each triangle, and parts
+/// that are oriented consistently, inwards or outwards. Runs on the threads of the calling TBB arena.
 Nesting find_nesting(const OrientedMesh& mesh, std::span<const std::uint32_t> part_of, std::span<const Part> parts,
                      std::int64_t most_tests = kMostNestingTests);
 

@@ -106,6 +106,7 @@ Orientation orient(MeshView mesh, const MeshEdges& edges) {
   Orientation found;
   found.inconsistent_before = inconsistent_edges(edges, {});
   const Copies copies = find_copies(edges, triangles);
+  found.repeated = copies.repeated;
   found.same = copies.same;
   found.opposite = copies.opposite;
   found.two_sided = copies.two_sided;

@@ -22,10 +22,10 @@
 namespace standoff {
 
 struct Orientation {
-  std::vector<std::int8_t> use;          ///< OrientedMesh::use; empty: all triangles as they are
-  std::int64_t flipped = 0;              ///< triangles that are used in the opposite orientation
-  std::int64_t left_out = 0;             ///< triangles that are not used
-  std::int64_t same = 0, opposite = 0;   ///< Copies::same, Copies::opposite
+  std::vector<std::int8_t> use;                       ///< OrientedMesh::use; empty: all triangles as they are
+  std::int64_t flipped = 0;                           ///< triangles that are used in the opposite orientation
+  std::int64_t left_out = 0;                          ///< triangles that are not used
+  std::int64_t repeated = 0, same = 0, opposite = 0;  ///< those of Copies
   std::int64_t patches = 0;              ///< of triangles that are used; those with two equal corners do not count
   std::int64_t unorientable = 0;         ///< patches with but one side
   std::int64_t inconsistent_before = 0;  ///< edges of exactly two triangles with the same direction in both

@@ -5,6 +5,7 @@
 
 #include "sign/closed.h"
 #include "sign/orient.h"
+#include "sign/outward.h"
 #include "standoff/error.h"
 #include "standoff/mesh_report.h"
 
@@ -30,25 +31,26 @@ void plan_parity(SignPlan& plan, const Closed& closed) {
 }
 
 void plan_winding(SignPlan& plan, MeshView mesh, const Closed& closed, const SignOptions& options) {
-  if (closed.oriented) {
+  if (closed.oriented && (options.as_oriented || options.rule != WindingRule::positive || faces_outwards(mesh))) {
     plan.report.why = "the mesh is closed and consistently oriented";
     return;
   }
   if (options.as_oriented) {
     plan.boundary = net_boundary({mesh}, MeshEdges(mesh));
     plan.report.boundary_edges = static_cast<std::int64_t>(plan.boundary.edges.size());
-    plan.was_oriented = true;
   } else {
     orient_for(plan, mesh);
   }
   plan.report.sure = plan.boundary.edges.empty();
-  plan.report.why = plan.report.sure ? "the mesh is closed once it is oriented"
-                                     : "the generalised winding number decides; the mesh is open: " + open_edges(plan);
+  plan.report.why = closed.oriented ? "the mesh is closed; parts that were inside out are turned"
+                    : plan.report.sure
+                        ? "the mesh is closed once it is oriented"
+                        : "the generalised winding number decides; the mesh is open: " + open_edges(plan);
 }
 
 void plan_normal(SignPlan& plan, MeshView mesh, const Closed& closed, const SignOptions& options) {
   if (!closed.oriented && !options.as_oriented) orient_for(plan, mesh);
-  plan.report.sure = closed.oriented || (plan.was_oriented && plan.boundary.edges.empty());
+  plan.report.sure = closed.oriented || (!options.as_oriented && plan.boundary.edges.empty());
   plan.report.why = plan.report.sure ? "the mesh is closed" : "front and back of the nearest triangle decide";
 }
 
@@ -77,7 +79,6 @@ void orient_for(SignPlan& plan, MeshView mesh) {
   Orientation found = orient(mesh, edges);
   plan.use = std::move(found.use);
   plan.boundary = net_boundary({mesh, plan.use}, edges);
-  plan.was_oriented = true;
   plan.report.flipped = found.flipped;
   plan.report.left_out = found.left_out;
   plan.report.boundary_edges = static_cast<std::int64_t>(plan.boundary.edges.size());

@@ -16,7 +16,6 @@ struct SignPlan {
   SignReport report;
   std::vector<std::int8_t> use;  ///< OrientedMesh::use
   Boundary boundary;             ///< of the mesh in that orientation; empty also where the method needs none
-  bool was_oriented = false;     ///< whether the mesh was examined and oriented; closed meshes are not, at first
 
   bool has_sign() const { return report.method != SignMethod::none; }
 };

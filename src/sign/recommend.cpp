@@ -30,18 +30,18 @@ std::string after_repairs(const MeshReport& report) {
   return done.empty() ? "" : "with " + done + " ";
 }
 
+constexpr const char* kTwoSides = " (nearly every face is there in both orientations, and one of each pair is used)";
+
 bool has_no_volume(const MeshReport& report, double area, double limit) {
   return !(std::abs(report.volume) > limit * area * std::sqrt(area));
 }
 
 Recommendation closed(const MeshReport& report, double area) {
-  bool any_solid = !has_no_volume(report, area, kNoVolume);
-  for (const MeshComponent& component : report.components) any_solid = any_solid || component.solid;
-  if (!any_solid) return {SignMethod::none, true, "the mesh is closed, but has no volume: there is no inside"};
+  // Solids may have a sum of 0: one and its equal inside out. Then some winding number shows it.
+  if (report.most_winding == 0 && has_no_volume(report, area, kNoVolume))
+    return {SignMethod::none, true, "the mesh is closed, but has no volume: there is no inside"};
   const std::string is_closed = after_repairs(report) + "the mesh is closed";
-  if (report.two_sided)
-    return {SignMethod::winding, false,
-            is_closed + "; nearly every face was there in both orientations, and one of each pair is used"};
+  if (report.two_sided) return {SignMethod::winding, false, is_closed + kTwoSides};
   if (!report.nesting_known)
     return {SignMethod::winding, false,
             is_closed + ", but it has too many parts to find out which of them are cavities"};
@@ -70,11 +70,9 @@ Recommendation recommend(const MeshReport& report, double area_used, bool even) 
             open +
                 ": it is a sheet rather than a body, and has no inside; `normal` tells its front from its back, "
                 "`shell` makes it a solid"};
-  if (report.two_sided)
-    return {SignMethod::flood, false,
-            open + "; nearly every face is there in both orientations: `flood` finds what is enclosed"};
   return {SignMethod::winding, false,
-          after_repairs(report) + open + ": the generalised winding number decides, with doubt near the holes"};
+          after_repairs(report) + open + (report.two_sided ? kTwoSides : "") +
+              ": the generalised winding number decides, with doubt near the holes"};
 }
 
 }  // namespace standoff

@@ -28,17 +28,17 @@ SignText sign_text_of(const SignOptions& options, const SignReport& report) {
   if (text.method == SignMethod::winding) text.rule = options.rule;
   if (text.method == SignMethod::shell) text.shell = options.shell;
   text.invert = options.invert;
-  text.flipped = report.flipped > 0;
+  text.oriented = report.flipped > 0 || report.left_out > 0;
   return text;
 }
 
 std::string written(const SignText& text) {
   std::string words = name_of(text.method);
   if (words.empty()) return words;
-  if (text.method == SignMethod::shell) words += " " + exact_text(text.shell);
+  if (text.method == SignMethod::shell) words.append(1, ' ').append(exact_text(text.shell));
   if (text.rule == WindingRule::nonzero) words += " nonzero";
   if (text.rule == WindingRule::odd) words += " odd";
-  if (text.flipped) words += " flipped";
+  if (text.oriented) words += " oriented";
   if (text.invert) words += " inverted";
   return words;
 }
@@ -53,7 +53,7 @@ std::optional<SignText> sign_text_in(std::string_view text) {
     const std::string_view word = next_word(rest);
     if (word == "nonzero") found.rule = WindingRule::nonzero;
     if (word == "odd") found.rule = WindingRule::odd;
-    if (word == "flipped") found.flipped = true;
+    if (word == "oriented") found.oriented = true;
     if (word == "inverted") found.invert = true;
     if (const auto number = number_in<double>(word)) found.shell = *number;
   }

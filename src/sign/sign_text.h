@@ -15,8 +15,8 @@ struct SignText {
   SignMethod method = SignMethod::none;  ///< never `automatic`
   WindingRule rule = WindingRule::positive;
   bool invert = false;
-  bool flipped = false;  ///< triangles were taken in the opposite orientation
-  double shell = 0;      ///< SignMethod::shell alone: world units
+  bool oriented = false;  ///< triangles were turned around or left out before (sign/orient.h)
+  double shell = 0;       ///< SignMethod::shell alone: world units
 
   friend bool operator==(const SignText&, const SignText&) = default;
 };
@@ -24,7 +24,7 @@ struct SignText {
 /// The text of a sign that was decided with these options, as the report says.
 SignText sign_text_of(const SignOptions& options, const SignReport& report);
 
-/// The method, then what differs from its default: "winding", "winding odd flipped inverted", "shell 0.01". Empty
+/// The method, then what differs from its default: "winding", "winding odd oriented inverted", "shell 0.01". Empty
 /// without a sign. Numbers are read back as they were.
 std::string written(const SignText& text);
 

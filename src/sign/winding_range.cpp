@@ -9,11 +9,24 @@
 namespace standoff {
 namespace {
 
+// Rows that pass through the triangles' boxes, by the boxes' areas, if there are `rows` by `rows` of them.
+double tests_of(MeshView mesh, const Box& bounds, std::int64_t rows) {
+  double share = 0;
+  const Vec3 whole = bounds.extent();
+  if (!(whole.y > 0 && whole.z > 0)) return 0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    Box box;
+    for (const Vec3& corner : mesh.corners(t)) box.include(corner);
+    share += box.extent().y / whole.y * (box.extent().z / whole.z);
+  }
+  return share * static_cast<double>(rows * rows);
+}
+
 // Samples in the middle of as many cells of the bounds.
-Grid samples_in(const Box& bounds) {
+Grid samples_in(const Box& bounds, std::int64_t rows) {
   Grid grid;
-  grid.size = {1024, 128, 128};
-  const Vec3 cells{1024, 128, 128};
+  grid.size = {1024, rows, rows};
+  const Vec3 cells{1024, static_cast<double>(rows), static_cast<double>(rows)};
   Vec3 extent = bounds.extent();
   for (double* side : {&extent.x, &extent.y, &extent.z})
     if (!(*side > 0)) *side = 1;  // no sample can be inside
@@ -27,7 +40,11 @@ Grid samples_in(const Box& bounds) {
 WindingRange find_winding_range(const OrientedMesh& mesh, const Box& bounds) {
   const ProgressCallback none;
   ProgressMeter progress(none);
-  const Grid grid = samples_in(bounds);
+  // Thousands of shells inside each other have very many crossings, and show most of their winding numbers in any row.
+  constexpr double kMostTests = 2e7;
+  std::int64_t rows = 128;
+  for (double tests = tests_of(mesh.mesh, bounds, rows); tests > kMostTests && rows > 8; tests /= 4) rows /= 2;
+  const Grid grid = samples_in(bounds, rows);
   const RowCrossings crossings(mesh, grid, progress);
   WindingRange range;
   for (std::int64_t tz = 0; tz < tiles_along(grid.size.z); ++tz)

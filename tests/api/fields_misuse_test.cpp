@@ -2,6 +2,7 @@
 // grid.h, mesh.h, field.h, compute.h and verify.h with arguments that make no sense.
 #include "standoff/compute.h"
 #include "standoff/inspect.h"
+#include "standoff/mesh_report.h"
 #include "standoff/occupancy.h"
 #include "standoff/points.h"
 #include "standoff/testing/emulation.h"
@@ -83,6 +84,7 @@ TEST(Misuse, Meshes) {
     expect_answer_or_error("bounds", [&] { bounds(mesh); });
     expect_answer_or_error("hash", [&] { content_hash(mesh); });
     expect_answer_or_error("inspect", [&] { inspect(mesh); });
+    expect_answer_or_error("report", [&] { report(mesh); });
     expect_answer_or_error("points", [&] { closest_points(mesh, std::vector<Vec3>(2)); });
     expect_answer_or_error("occupancy", [&] { occupancy(mesh, kGrid); });
     expect_answer_or_error("memory_needed", [&] { memory_needed(mesh, kGrid, 1, on_cpu()); });

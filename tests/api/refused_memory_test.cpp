@@ -17,8 +17,9 @@
 #include "standoff/experimental/simulation.h"
 #include "standoff/inspect.h"
 #include "standoff/io.h"
-#include "standoff/picture.h"
+#include "standoff/mesh_report.h"
 #include "standoff/occupancy.h"
+#include "standoff/picture.h"
 #include "standoff/points.h"
 #include "standoff/slice.h"
 #include "standoff/verify.h"
@@ -142,6 +143,7 @@ TEST(RefusedMemory, Fields) {
 
 TEST(RefusedMemory, Meshes) {
   expect_limit_error("inspect", [&] { inspect(kMesh); });
+  expect_limit_error("report", [&] { report(kMesh); });
   const std::vector<Triangle> wrong{{0, 1, 9}};
   expect_error_or_limit("bounds", [&] { bounds({kMesh.vertices, wrong}); });
   expect_error_or_limit("validate", [&] { validate(MeshView{kMesh.vertices, wrong}); });

@@ -92,6 +92,27 @@ TEST_F(Verbs, InfoOfAMesh) {
   EXPECT_EQ(odd["closed"], false);
 }
 
+TEST_F(Verbs, InfoDiagnosesAMesh) {
+  // A tetrahedron whose last face is flipped, and one without its last face.
+  const std::string corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n";
+  write_bytes(folder / "flipped.obj", corners + "f 2 4 3\n");
+  write_bytes(folder / "open.obj", corners);
+  const Json flipped = done(words("info flipped.obj --json")).json();
+  EXPECT_EQ(flipped["mesh"]["inconsistent_edges"], 3);
+  EXPECT_EQ(flipped["orientation"]["flipped"], 1);
+  EXPECT_EQ(flipped["sign"]["method"], "winding");
+  EXPECT_EQ(flipped["sign"]["sure"], true);
+  EXPECT_DOUBLE_EQ(flipped["components"][0]["volume"], 1. / 6);
+  EXPECT_TRUE(
+      holds(done(words("info flipped.obj")).out, "orientation   3 inconsistent edges; for the sign: 1 flipped\n"));
+  const std::string open = done(words("info open.obj --spacing 0.5")).out;
+  EXPECT_TRUE(holds(open, "closed        no: 3 boundary edges in 1 loop, the largest 1.41421 across (2.82843 samples)"))
+      << open;
+  EXPECT_TRUE(holds(open, "\nsign          none, not certain: the mesh is open")) << open;
+  done(words("compute scene:box -r 20 -o box.vti"));
+  EXPECT_EQ(run(words("info box.vti --spacing 0.5")).code, 2);
+}
+
 TEST_F(Verbs, InfoOfAField) {
   done(words("compute scene:box -r 40 -t 0.125 -o a.npz"));
   const Json json = done(words("info a.npz --json")).json();

@@ -14,6 +14,8 @@ namespace {
 
 using testing::Random;
 
+// Half of the solids below are inside out, and stay so.
+const SignOptions kAsItIs{.method = SignMethod::winding, .as_oriented = true};
 const Grid kGrid{{18, 17, 19}, {-2.1, -2, -2.2}, {0.23, 0.24, 0.225}};
 
 Mesh solids(unsigned seed, int count) {
@@ -55,7 +57,8 @@ DistanceField renamed(const DistanceField& field, const std::string& sign) {
 
 TEST(VerifySign, TrueSignsPass) {
   const Mesh mesh = solids(1, 6);
-  for (const SignOptions& sign : {SignOptions{.method = SignMethod::winding},
+  for (const SignOptions& sign : {kAsItIs,
+                                  {.method = SignMethod::winding},
                                   {.method = SignMethod::winding, .rule = WindingRule::nonzero},
                                   {.method = SignMethod::winding, .rule = WindingRule::odd},
                                   {.method = SignMethod::winding, .invert = true},
@@ -72,7 +75,7 @@ TEST(VerifySign, TrueSignsPass) {
 // Two of the rules never agree on these solids, so a field that names the wrong one fails.
 TEST(VerifySign, TheRuleIsTheFieldsOwn) {
   const Mesh mesh = solids(1, 6);
-  const DistanceField field = signed_field(mesh, {.method = SignMethod::winding});
+  const DistanceField field = signed_field(mesh, kAsItIs);
   EXPECT_EQ(verified(renamed(field, "winding"), mesh).sign.wrong, 0);
   for (const char* other : {"winding nonzero", "winding odd", "parity", "winding inverted"}) {
     const VerifyResult found = verified(renamed(field, other), mesh);
@@ -84,7 +87,7 @@ TEST(VerifySign, TheRuleIsTheFieldsOwn) {
 
 TEST(VerifySign, EveryWrongSampleIsFound) {
   const Mesh mesh = solids(2, 6);
-  const DistanceField field = signed_field(mesh, {.method = SignMethod::winding});
+  const DistanceField field = signed_field(mesh, kAsItIs);
   const auto wrong_at = [&](auto is_wrong) {
     return verified(
         changed(field, "winding", [&](float& value, std::size_t n) { value = is_wrong(n) ? -value : value; }), mesh);
@@ -152,10 +155,35 @@ TEST(VerifySign, OpenMeshesByTheGeneralisedWindingNumber) {
   EXPECT_EQ(parity.sign.checked, 0);
 }
 
+// The field of the right mesh, and a file of it in which one face is turned around.
+TEST(VerifySign, MeshesThatWereOrientedFirst) {
+  const Mesh right = solids(9, 1);
+  Mesh mesh = right;
+  std::swap(mesh.triangles[2][0], mesh.triangles[2][1]);
+  const DistanceField field =
+      signed_field(right, {.method = SignMethod::winding, .rule = WindingRule::nonzero, .as_oriented = true});
+  EXPECT_TRUE(verified(renamed(field, "winding nonzero"), right).ok());
+  const VerifyResult oriented = verified(renamed(field, "winding nonzero oriented"), mesh);
+  EXPECT_EQ(oriented.sign.wrong, 0);
+  EXPECT_EQ(oriented.sign.checked, kGrid.sample_count());
+  EXPECT_GT(verified(renamed(field, "winding nonzero"), mesh).sign.wrong, 0);
+}
+
+// The side above a square is 1/2 of a winding number away from that below: exactly in its plane there is none.
+TEST(VerifySign, ThresholdsAreNotDecided) {
+  const Mesh square{{{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}};
+  const Grid grid{{1, 1, 3}, {0.3, 0.2, -1e-8}, {1, 1, 1e-8}};
+  DistanceField field = DistanceField::from_dense(grid, kFullField, std::vector{1e-8f, 1e-9f, 1e-8f});
+  field.set_provenance({"tiles", 0, "1", "winding"});
+  const VerifyResult found = verify(field, square);
+  EXPECT_EQ(found.sign.unknown, 1) << "that in the plane; beside it w is 1/2 - 5e-9";
+  EXPECT_EQ(found.sign.wrong, 0);
+}
+
 TEST(VerifySign, FloodIsCheckedBeyondTheMesh) {
   const Mesh mesh = solids(5, 2);
   const Box box = bounds(mesh);
-  const DistanceField field = renamed(signed_field(mesh, {.method = SignMethod::winding}), "flood");
+  const DistanceField field = renamed(signed_field(mesh, kAsItIs), "flood");
   const VerifyResult right = verified(field, mesh);
   EXPECT_TRUE(right.ok());
   EXPECT_GT(right.sign.checked, 100);
@@ -166,6 +194,40 @@ TEST(VerifySign, FloodIsCheckedBeyondTheMesh) {
   EXPECT_EQ(leaked.sign.wrong, 1);
   EXPECT_TRUE(std::isnan(leaked.sign.worst_winding));
   EXPECT_EQ(verified(renamed(field, "flood inverted"), mesh).sign.wrong, right.sign.checked);
+}
+
+// Behind a sheet is inside; of a solid it is the same as by the winding number.
+TEST(VerifySign, NormalsByTheSideOfTheNearestTriangle) {
+  Random random(3);
+  Mesh sheet;
+  for (int n = 0; n < 100; ++n) sheet.vertices.push_back({n % 10 - 4.5, n / 10 - 4.5, random.between(-0.2, 0.2)});
+  for (std::uint32_t n = 0; n < 89; ++n)
+    if (n % 10 != 9) {
+      sheet.triangles.push_back({n, n + 1, n + 11});
+      sheet.triangles.push_back({n, n + 11, n + 10});
+    }
+  const DistanceField plain = signed_field(sheet, {});
+  const auto below = [&](float& value, std::size_t n) {
+    const auto k = static_cast<std::int64_t>(n) / (kGrid.size.x * kGrid.size.y);
+    if (kGrid.position(0, 0, k).z < 0) value = -value;
+  };
+  // Between the sheet's lowest and highest points it is not known here what is below.
+  const auto wrong_outside = [&](const VerifyResult& found) {
+    return found.sign.wrong > 0 && std::abs(found.sign.worst.position.z) > 0.25;
+  };
+  const VerifyResult right = verified(changed(plain, "normal", below), sheet);
+  EXPECT_FALSE(wrong_outside(right));
+  EXPECT_GT(right.sign.checked, right.samples * 3 / 4);
+  EXPECT_TRUE(wrong_outside(verified(changed(plain, "normal inverted", below), sheet)));
+  EXPECT_TRUE(wrong_outside(verified(renamed(plain, "normal"), sheet)));
+
+  const Mesh solid = solids(10, 1);
+  const DistanceField field = signed_field(solid, {.method = SignMethod::winding});
+  const bool is_turned = field.provenance().sign == "winding oriented";
+  const VerifyResult same = verified(renamed(field, is_turned ? "normal oriented" : "normal"), solid);
+  EXPECT_EQ(same.sign.wrong, 0);
+  EXPECT_GT(same.sign.checked, 300) << "beyond its edges and corners it is not decided";
+  EXPECT_GT(same.sign.negative, 0);
 }
 
 TEST(VerifySign, ShellsAreDistancesLessHalfTheirThickness) {
@@ -188,10 +250,36 @@ TEST(VerifySign, ShellsAreDistancesLessHalfTheirThickness) {
   EXPECT_GT(shell("shell 0.2", 0.2f).samples_wrong, 0);
 }
 
+// Whatever compute makes of a mesh with holes, flipped faces and several solids, verify finds it right.
+TEST(VerifySign, AllThatComputeMakes) {
+  Mesh broken = solids(11, 5);
+  broken.triangles.erase(broken.triangles.begin() + 9);
+  std::swap(broken.triangles[4][0], broken.triangles[4][1]);
+  broken.triangles.push_back(broken.triangles[6]);
+  for (const SignOptions& sign :
+       {kAsItIs, SignOptions{.method = SignMethod::winding}, SignOptions{.method = SignMethod::normal},
+        SignOptions{.method = SignMethod::flood}, SignOptions{.method = SignMethod::automatic},
+        SignOptions{.method = SignMethod::winding, .rule = WindingRule::nonzero, .invert = true},
+        SignOptions{.method = SignMethod::winding, .rule = WindingRule::odd},
+        SignOptions{.method = SignMethod::shell, .shell = 0.3},
+        SignOptions{.method = SignMethod::shell, .invert = true, .shell = 0.05}})
+    for (const double thickness : {0.1, kFullField}) {
+      ComputeOptions options;
+      options.sign = sign;
+      options.nearest_triangle = true;
+      const DistanceField field = compute(broken, kGrid, thickness, options).field;
+      const VerifyResult found = verified(field, broken);
+      EXPECT_TRUE(found.ok()) << found.sign.method << " within " << thickness << ": worst " << found.sign.worst.stored
+                              << " at distance " << found.sign.worst.expected << ", " << found.samples_wrong
+                              << " values, " << found.nearest_wrong << " triangles, " << found.sign.wrong << " signs";
+      EXPECT_GT(found.sign.checked, 50) << found.sign.method;
+    }
+}
+
 TEST(VerifySign, WhatIsNotKnownIsNotJudged) {
   const Mesh mesh = solids(7, 3);
-  const DistanceField field = signed_field(mesh, {.method = SignMethod::winding});
-  for (const char* name : {"", "normal", "by hand", "winding or so"}) {
+  const DistanceField field = signed_field(mesh, kAsItIs);
+  for (const char* name : {"", "by hand", "winding or so"}) {
     const VerifyResult found = verified(renamed(field, name), mesh);
     EXPECT_TRUE(found.ok()) << name;
     EXPECT_FALSE(found.sign.can_check) << name;
@@ -204,7 +292,7 @@ TEST(VerifySign, WhatIsNotKnownIsNotJudged) {
 
 TEST(VerifySign, TheSameForAnyNumberOfThreads) {
   const Mesh mesh = solids(8, 6);
-  const DistanceField field = changed(signed_field(mesh, {.method = SignMethod::winding}), "winding",
+  const DistanceField field = changed(signed_field(mesh, kAsItIs), "winding",
                                       [](float& value, std::size_t n) { value = n % 11 == 0 ? -value : value; });
   VerifyOptions one, two;
   one.execution.threads = 1;

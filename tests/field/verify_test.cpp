@@ -161,7 +161,7 @@ TEST(Verify, WrongNearestTriangleIsFound) {
 }
 
 // One triangle in a wide grid: random samples alone would hardly meet its band.
-// The side is not verified, and a negative distance was taken to be wrong.
+// Without a word on the sign the side is not verified. A negative distance was taken to be wrong.
 TEST(Verify, ChecksTheDistanceOfSignedFields) {
   Mesh mesh;
   testing::add_triangle(mesh, {0.5, 0.5, 0.5}, {1, 0.5, 0.5}, {0.5, 1, 0.5});

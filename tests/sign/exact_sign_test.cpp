@@ -93,7 +93,7 @@ TEST(ExactSign, ThousandsOfNestedShells) {
     return winding;
   };
   for (const WindingRule rule : {WindingRule::positive, WindingRule::odd}) {
-    const SidesOfSamples sides(mesh, {.method = SignMethod::winding, .rule = rule});
+    const SidesOfSamples sides(mesh, {.method = SignMethod::winding, .rule = rule, .as_oriented = true});
     Sides all = sides.compare({{100, 3, 3}, {-3010.25, -1.5, -1.5}, {40.5, 1.25, 1.25}}, known);
     all += sides.compare({{100, 2, 2}, {2970.3, 2.5, 2.5}, {0.5, 17, 2900}}, known);
     EXPECT_EQ(all.wrong, 0);
@@ -143,7 +143,7 @@ void print(const char* place, const Sides& sides) {
 }
 
 void expect_right(const std::string& name, const Mesh& mesh, std::int64_t few,
-                  const SignOptions& options = {.method = SignMethod::winding}) {
+                  const SignOptions& options = testing::kAsItIs) {
   const unsigned seed = next_seed();
   const Totals all = ask(SidesOfSamples(mesh, options), seed, kAsked > 0 ? kAsked : few);
   EXPECT_EQ(all.anywhere.wrong, 0) << name << ", seed " << seed;
@@ -162,7 +162,8 @@ TEST(ExactSign, IntersectingSolidsOfAllSizes) {
       const Mesh mesh = testing::mesh_of(tetrahedra(next_seed(), 12, size, Vec3{1, -0.7, 0.3} * (far * size)));
       const std::string name = "solids of " + exact_text(size) + " at " + exact_text(far * size);
       expect_right(name, mesh, 10'000);
-      expect_right(name + ", nonzero", mesh, 4'000, {.method = SignMethod::winding, .rule = WindingRule::nonzero});
+      expect_right(name + ", nonzero", mesh, 4'000,
+                   {.method = SignMethod::winding, .rule = WindingRule::nonzero, .as_oriented = true});
       expect_right(name + ", parity", mesh, 4'000, {.method = SignMethod::parity});
     }
 }

@@ -34,7 +34,7 @@ Box cube(double half, Vec3 center = {}) {
 }
 
 TEST(Nesting, ThousandsOfNestedShells) {
-  constexpr int kShells = 700;
+  constexpr int kShells = 701;
   Boxes boxes;
   for (int n = 0; n < kShells; ++n) boxes.add(cube(1 + (n * 7) % kShells), n % 3 == 0);  // not in the order of size
   const Nesting found = boxes.nesting();
@@ -66,14 +66,15 @@ TEST(Nesting, BoxesInBoxesAreComparedWithAllOthers) {
 }
 
 TEST(Nesting, ABoxAroundIsNotEnough) {
-  // A ball in the hole of a torus: in its box, not in it.
-  const Mesh ring = torus(), ball = moved(sphere(), {}, 0.2), core = moved(sphere(), {0, 1, 0}, 0.1);
-  const Mesh mesh = joined(joined(ring, ball), core);
+  // Balls in the hole of a torus, in its tube, and beside the tube, where a ray passes through it.
+  const Mesh ring = torus(), hole = moved(sphere(), {}, 0.2), tube = moved(sphere(), {0, 1, 0}, 0.1),
+             beside = moved(sphere(), {-0.24, 0, 1.28}, 0.01);
+  const Mesh mesh = joined(joined(joined(ring, hole), tube), beside);
   std::vector<std::uint32_t> part_of(ring.triangles.size(), 0);
-  part_of.insert(part_of.end(), ball.triangles.size(), 1);
-  part_of.insert(part_of.end(), core.triangles.size(), 2);
-  const std::vector<Part> parts = {{bounds(ring), true}, {bounds(ball), true}, {bounds(core), true}};
-  EXPECT_EQ(find_nesting({mesh}, part_of, parts).depth, (std::vector<std::int32_t>{0, 0, 1}));
+  for (const std::uint32_t part : {1, 2, 3}) part_of.insert(part_of.end(), hole.triangles.size(), part);
+  const std::vector<Part> parts = {
+      {bounds(ring), true}, {bounds(hole), true}, {bounds(tube), true}, {bounds(beside), true}};
+  EXPECT_EQ(find_nesting({mesh}, part_of, parts).depth, (std::vector<std::int32_t>{0, 0, 1, 0}));
 }
 
 TEST(Nesting, PartsThatTouchFromInside) {

@@ -68,7 +68,7 @@ TEST(SelfIntersections, TheSearchStopsAtEachLimit) {
     EXPECT_LT(some.pairs, all.pairs);
   }
   // A triangle whose box overlaps those of all others.
-  Mesh fan = random_soup(3, 4500, 1, 0.001);
+  Mesh fan = random_soup(3, 12000, 1, 0.001);
   add_triangle(fan, {-9, -9, -9}, {9, 9, 9}, {-9, 9, -9});
   std::swap(fan.triangles.front(), fan.triangles.back());
   EXPECT_FALSE(find(fan).complete);

@@ -9,7 +9,7 @@
 
 #include "core/progress.h"
 #include "field/winding_reference.h"
-#include "sign/plan.h"
+#include "sign/make_sides.h"
 #include "tests/support/random_mesh.h"
 
 namespace standoff::testing {
@@ -27,10 +27,13 @@ struct Sides {
   std::int64_t samples() const { return inside + outside; }
 };
 
+/// By the winding number of the mesh as it is: parts that are inside out count as such.
+inline constexpr SignOptions kAsItIs{.method = SignMethod::winding, .as_oriented = true};
+
 /// A closed mesh whose samples are asked for.
 class SidesOfSamples {
  public:
-  explicit SidesOfSamples(Mesh mesh, const SignOptions& options = {.method = SignMethod::winding})
+  explicit SidesOfSamples(Mesh mesh, const SignOptions& options = kAsItIs)
       : mesh_(std::move(mesh)), options_(options), plan_(plan_sign(mesh_, options)), groups_(mesh_) {}
 
   const Mesh& mesh() const { return mesh_; }
@@ -40,7 +43,8 @@ class SidesOfSamples {
   Sides compare(const Grid& grid, const Known& known) const {
     const ProgressCallback none;
     ProgressMeter progress(none);
-    const auto sides = make_sides(mesh_, plan_, options_, grid, progress);
+    SignPlan plan = plan_;
+    const auto sides = make_sides(mesh_, plan, options_, {grid}, progress);
     InsideRows rows(grid);
     Sides found;
     for (std::int64_t tz = 0; 8 * tz < grid.size.z; ++tz)

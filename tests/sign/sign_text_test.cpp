@@ -15,8 +15,8 @@ TEST(SignText, EveryTextIsReadBack) {
   for (const auto method : {SignMethod::winding, SignMethod::parity, SignMethod::normal, SignMethod::flood})
     for (const auto rule : {WindingRule::positive, WindingRule::nonzero, WindingRule::odd})
       for (const bool invert : {false, true})
-        for (const bool flipped : {false, true}) {
-          const SignText text{method, rule, invert, flipped};
+        for (const bool oriented : {false, true}) {
+          const SignText text{method, rule, invert, oriented};
           texts.insert(written(text));
           EXPECT_EQ(sign_text_in(written(text)), text) << written(text);
         }
@@ -31,7 +31,7 @@ TEST(SignText, TextsOfFilesStayReadable) {
   EXPECT_EQ(written({}), "");
   EXPECT_EQ(written({SignMethod::winding}), "winding");
   EXPECT_EQ(written({SignMethod::parity}), "parity");
-  EXPECT_EQ(written({SignMethod::winding, WindingRule::odd, true, true}), "winding odd flipped inverted");
+  EXPECT_EQ(written({SignMethod::winding, WindingRule::odd, true, true}), "winding odd oriented inverted");
   EXPECT_EQ(written({.method = SignMethod::shell, .shell = 0.01}), "shell 0.01");
   const CommaLocale locale;
   EXPECT_EQ(written({.method = SignMethod::shell, .shell = 0.01}), "shell 0.01");
@@ -58,6 +58,7 @@ TEST(SignText, OtherTextsAreNotGuessedAt) {
                            "shell inf",
                            "shell nan",
                            "shell 1 2",
+
                            "shell 0,01",
                            "flood\n",
                            "by a neural network"})
@@ -74,7 +75,11 @@ TEST(SignText, SaysWhatWasDone) {
   };
   EXPECT_EQ(text(SignMethod::winding, 0), "winding nonzero inverted");
   EXPECT_EQ(text(SignMethod::none, 0), "");
-  EXPECT_EQ(text(SignMethod::flood, 3), "flood flipped inverted");
+  EXPECT_EQ(text(SignMethod::flood, 3), "flood oriented inverted");
+  SignReport left_out;
+  left_out.method = SignMethod::parity;
+  left_out.left_out = 2;
+  EXPECT_EQ(written(sign_text_of(options, left_out)), "parity oriented inverted");
   EXPECT_EQ(text(SignMethod::shell, 0), "shell 2 inverted");
 }
 

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whether a closed mesh needs no turning: the quick answer for most meshes, before orient() looks closely.
+#pragma once
+
+#include "standoff/mesh.h"
+
+namespace standoff {
+
+/// True only if each set of triangles that share vertices, by index, is closed and has a positive volume: then no part
+/// is inside out. Does not depend on the number of threads. Requires a valid mesh. Runs on the threads of the calling
+/// TBB arena.
+bool faces_outwards(MeshView mesh);
+
+}  // namespace standoff
