@@ -42,6 +42,7 @@ void add_body(Json& json, const CollisionModel& body) {
   json["mesh"] = {{"triangles", body.mesh().triangles.size()},
                   {"vertices", body.mesh().vertices.size()},
                   {"bounds", json_box(body.bounds())}};
+  json["closed"] = body.closed();
   json["grid"] = json_grid(body.grid());
   json["thickness"] = body.thickness();
   json["memory_bytes"] = body.memory_bytes();

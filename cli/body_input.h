@@ -36,7 +36,7 @@ class PairInput {
 /// Adds an option that takes a pose.
 CLI::Option* add_pose(CLI::App& verb, const char* name, const char* help, Pose& pose);
 
-/// Adds a body's mesh, grid, thickness and memory to an answer.
+/// Adds a body's mesh, whether it is closed, its grid, thickness and memory to an answer.
 void add_body(Json& json, const CollisionModel& body);
 
 }  // namespace standoff::cli

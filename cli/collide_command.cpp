@@ -19,6 +19,7 @@ constexpr const char* kExamples = R"(  standoff collide maze.stl fly.stl --pose 
   standoff collide maze.stl fly.stl --pose 3,1,2,0,1,0,90      turned by 90 degrees about the y axis, then moved
   standoff collide a.stl b.stl --margin 0.01                   nearer than 0.01 counts
   standoff collide a.stl b.stl --contacts 20 --json            where they intersect
+  standoff collide tank.stl ball.stl --containment             hit also where one is inside the other
   standoff collide maze.stl fly.stl --poses poses.csv          a pose on each line; the answers as a table
   standoff collide maze.stl fly.stl --poses - -o hits.csv --device cuda < poses.csv
 )";
@@ -28,15 +29,17 @@ struct Command {
   Pose pose;
   double margin = 0;
   std::int64_t contacts = 0;
-  bool certified = false;
+  bool certified = false, containment = false;
   BatchQuery batch;
   Console console;
 
   CollideOptions options() const {
-    return {.margin = margin, .mode = certified ? CollideMode::certified : CollideMode::exact};
+    return {
+        .margin = margin, .mode = certified ? CollideMode::certified : CollideMode::exact, .containment = containment};
   }
   void run();
   void run_batch();
+  void say_what_is_open(const CollisionModel& a, const CollisionModel& b) const;
 };
 
 Json contact_json(const ContactPoint& contact) {
@@ -51,6 +54,41 @@ const char* word_of(Verdict contact) {
   return contact == Verdict::free ? "free" : contact == Verdict::hit ? "hit" : "ambiguous";
 }
 
+const char* word_of(Containment containment) {
+  switch (containment) {
+    case Containment::none:
+      return "none";
+    case Containment::b_in_a:
+      return "b_in_a";
+    case Containment::a_in_b:
+      return "a_in_b";
+    case Containment::partly:
+      return "partly";
+  }
+  return "";
+}
+
+const char* sentence_of(Containment containment) {
+  switch (containment) {
+    case Containment::none:
+      return "";
+    case Containment::b_in_a:
+      return "B is inside A";
+    case Containment::a_in_b:
+      return "A is inside B";
+    case Containment::partly:
+      return "parts of a body are inside the other one";
+  }
+  return "";
+}
+
+// With one open body only half of the question has an answer.
+void Command::say_what_is_open(const CollisionModel& a, const CollisionModel& b) const {
+  if (containment && a.closed() != b.closed())
+    console.say(std::string(a.closed() ? "B" : "A") +
+                " is not closed and consistently oriented, so nothing counts as inside it");
+}
+
 // Which of several intersecting triangles is found depends on the device: the table leaves it out, so that it does not.
 void Command::run_batch() {
   batch.check({bodies.name_a(), bodies.name_b()});
@@ -58,16 +96,24 @@ void Command::run_batch() {
     throw Error(ErrorCode::usage, "--certified: comes from the CPU alone; leave --device out");
   const std::vector<Pose> poses = read_poses(batch.file());
   const CollisionModel a = bodies.read_a(console), b = bodies.read_b(console);
+  say_what_is_open(a, b);
   const auto found = batch.answers(console, poses.size(), [&](BatchReport& report) {
     return collide_all(a, bodies.pose_a(), b, poses, options(), batch.execution(), &report);
   });
-  Answers answers{Table("pose,result"), {{"free", 0}, {"hit", 0}}};
+  Answers answers{Table(containment ? "pose,result,containment" : "pose,result"), {{"free", 0}, {"hit", 0}}};
   if (certified) answers.counts.emplace_back("ambiguous", 0);
+  const std::size_t verdicts = answers.counts.size();
+  if (containment)
+    for (const Containment kind : {Containment::b_in_a, Containment::a_in_b, Containment::partly})
+      answers.counts.emplace_back(word_of(kind), 0);
   for (std::size_t n = 0; n < found.size(); ++n) {
     answers.table.cell(static_cast<std::int64_t>(n));
     answers.table.cell(word_of(found[n].verdict));
+    if (containment) answers.table.cell(word_of(found[n].containment));
     answers.table.end_row();
     ++answers.counts[static_cast<std::size_t>(found[n].verdict)].second;
+    if (found[n].containment != Containment::none)
+      ++answers.counts[verdicts + static_cast<std::size_t>(found[n].containment) - 1].second;
   }
   batch.deliver("collide", answers, console);
 }
@@ -76,6 +122,7 @@ void Command::run() {
   bodies.check();
   if (batch.given()) return run_batch();
   const CollisionModel a = bodies.read_a(console), b = bodies.read_b(console);
+  say_what_is_open(a, b);
   const CollisionResult found = collide(a, bodies.pose_a(), b, pose, options());
   const char* const word = word_of(found.verdict);
   ContactResult all;
@@ -85,6 +132,7 @@ void Command::run() {
     json["hit"] = found.verdict == Verdict::ambiguous ? Json() : Json(found.hit());
     json["triangle_a"] = json_triangle(found.triangle_a);
     json["triangle_b"] = json_triangle(found.triangle_b);
+    if (containment) json["containment"] = word_of(found.containment);
     if (contacts > 0) {
       json["contacts"] = Json::array();
       for (const ContactPoint& contact : all.contacts) json["contacts"].push_back(contact_json(contact));
@@ -93,7 +141,9 @@ void Command::run() {
     return print(json);
   }
   std::string text = word;
-  if (found.hit() && !certified)
+  if (found.containment != Containment::none)
+    text += std::string(": ") + sentence_of(found.containment);
+  else if (found.hit() && !certified)
     text +=
         ": triangle " + std::to_string(found.triangle_a) + " of A and " + std::to_string(found.triangle_b) + " of B";
   text += '\n';
@@ -122,6 +172,10 @@ void add_collide(CLI::App& program) {
       add_parsed(*verb, {"--contacts", "N", "list up to N pairs of triangles that intersect", "Question"},
                  [command = command.get()](S o, S t) { command->contacts = parse_count(o, t, 1, 1'000'000'000); });
   contacts->excludes(certified);
+  verb->add_flag("--containment", command->containment,
+                 "a body inside the other one is a hit too; at least one must be closed")
+      ->group("Question")
+      ->excludes(certified);
   command->batch.add_to(*verb, "--poses", kPosesHelp, "pose")->excludes(pose)->excludes(contacts);
   command->batch.add_device_to(*verb);
   command->console.add_to(*verb, Console::kMessages | Console::kJson);

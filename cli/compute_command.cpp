@@ -39,10 +39,14 @@ struct Command {
   GridOptions grid;
   ComputeOptions options;
   Console console;
+  Thickness shell{0};  // of --sign shell
   bool dry_run = false;
 
   void add_to(CLI::App& verb);
   void run();
+
+ private:
+  GridChoice choose_grid(const Box& box);
 };
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
@@ -82,8 +86,14 @@ void Command::add_to(CLI::App& verb) {
       "--sign", "METHOD",
       "make values inside negative: winding (by the winding number;\nthe mesh must be closed and oriented), parity "
       "(orientation\n"
-      "does not matter) or none (default)",
-      [this](S o, S t) { options.sign.method = parse_sign(o, t); }, "Sign");
+      "does not matter), normal (behind the nearest triangle: for\nterrain), flood (what a flood from outside does not "
+      "reach),\nshell:T (the surface as a solid of thickness T: 0.5 or 3s)\nor none (default)",
+      [this](S o, S t) {
+        const SignChoice choice = parse_sign(o, t);
+        options.sign.method = choice.method;
+        shell = choice.shell;
+      },
+      "Sign");
   add(
       "--rule", "NAME", "inside is where the winding number is positive (default),\nnonzero or odd",
       [this](S o, S t) { options.sign.rule = parse_winding_rule(o, t); }, "Sign");
@@ -108,6 +118,15 @@ void Command::add_to(CLI::App& verb) {
   grid.add_thesis_to(verb);
 }
 
+// The grid is one around the solid: a shell reaches beyond the mesh. Sets the shell's thickness in world units.
+GridChoice Command::choose_grid(const Box& box) {
+  if (options.sign.method != SignMethod::shell) return grid.choose(box);
+  const double spacing = shell.in_samples ? grid.choose(box).grid.max_spacing() : 1;
+  GridChoice choice = grid.choose(box.grown(shell.world(spacing) / 2));
+  options.sign.shell = shell.world(choice.grid.max_spacing());
+  return choice;
+}
+
 void Command::run() {
   if (!output.given()) output.set_path(mesh.stem() + ".vti");
   check_input(mesh.name());
@@ -121,7 +140,7 @@ void Command::run() {
   validate(loaded);
   const Box box = bounds(loaded);
   check_extent(mesh.name(), box);
-  Plan plan{mesh.name(), loaded, grid.choose(box), output.path().string(), output.in_the_way()};
+  Plan plan{mesh.name(), loaded, choose_grid(box), output.path().string(), output.in_the_way()};
   plan.load_seconds = seconds_since(start);
   if (dry_run) return tell(plan, options, console);
   console.say(mesh_line(mesh.name(), loaded));

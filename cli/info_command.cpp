@@ -109,7 +109,7 @@ void tell_body(const std::string& name, const Console& console) {
   const Grid grid = body.grid();
   print(row("body", name) + row("triangles", count(body.mesh().triangles.size())) +
         row("vertices", count(body.mesh().vertices.size())) + row("from", point_text(box.min)) +
-        row("to", point_text(box.max)) +
+        row("to", point_text(box.max)) + row("closed", body.closed() ? "yes" : "no") +
         row("field", size_text(grid.size) + ", " + counted(grid.sample_count(), "sample")) +
         row("spacing", spacing_text(grid.spacing)) + row("thickness", number(body.thickness())) +
         row("memory", bytes_text(body.memory_bytes())));

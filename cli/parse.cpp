@@ -65,6 +65,14 @@ std::string no_number(std::string_view text) {
   return whole && error == std::errc::result_out_of_range ? "out of the range of numbers" : "not a number";
 }
 
+// World units, or samples with an s.
+std::optional<Thickness> finite_thickness(std::string_view text) {
+  const bool in_samples = text.ends_with('s');
+  const auto value = whole_text<double>(in_samples ? text.substr(0, text.size() - 1) : text);
+  if (!value || !std::isfinite(*value)) return {};
+  return Thickness{*value, in_samples};
+}
+
 double at_most(const std::string& option, const std::string& text, double value, double most) {
   if (value > most) reject(option, text, "must be at most " + number(most));
   return value;
@@ -130,12 +138,10 @@ Box parse_bounds(const std::string& option, const std::string& text) {
 
 Thickness parse_thickness(const std::string& option, const std::string& text) {
   if (text == "inf" || text == "infinite") return {std::numeric_limits<double>::infinity()};
-  const bool in_samples = text.ends_with('s');
-  const auto value = whole_text<double>(in_samples ? text.substr(0, text.size() - 1) : text);
-  if (!value || !std::isfinite(*value))
-    reject(option, text, "give world units (0.5), samples (3s), or inf for a full field");
-  if (!(*value > 0)) reject(option, text, "the thickness must be above zero; inf gives a full field");
-  return {*value, in_samples};
+  const auto thickness = finite_thickness(text);
+  if (!thickness) reject(option, text, "give world units (0.5), samples (3s), or inf for a full field");
+  if (!(thickness->value > 0)) reject(option, text, "the thickness must be above zero; inf gives a full field");
+  return *thickness;
 }
 
 std::int64_t parse_bytes(const std::string& option, const std::string& text) {
@@ -183,9 +189,21 @@ Method parse_method(const std::string& option, const std::string& text) {
   return parse_choice(option, text, {"tiles", "thesis"}) == 0 ? Method::tiles : Method::thesis;
 }
 
-SignMethod parse_sign(const std::string& option, const std::string& text) {
-  constexpr SignMethod methods[] = {SignMethod::none, SignMethod::winding, SignMethod::parity};
-  return methods[parse_choice(option, text, {"none", "winding", "parity"})];
+SignChoice parse_sign(const std::string& option, const std::string& text) {
+  constexpr SignMethod methods[] = {SignMethod::none,   SignMethod::winding, SignMethod::parity,
+                                    SignMethod::normal, SignMethod::flood,   SignMethod::shell};
+  const auto colon = text.find(':');
+  const auto method =
+      methods[parse_choice(option, text.substr(0, colon), {"none", "winding", "parity", "normal", "flood", "shell"})];
+  const bool has_value = colon != std::string::npos;
+  if (method != SignMethod::shell) {
+    if (has_value) reject(option, text, "only shell takes a value, its thickness");
+    return {method};
+  }
+  const auto shell = has_value ? finite_thickness(std::string_view(text).substr(colon + 1)) : std::nullopt;
+  if (!shell || !(shell->value > 0))
+    reject(option, text, "give a thickness above zero, as in shell:0.5 (world units) or shell:3s (samples)");
+  return {method, *shell};
 }
 
 WindingRule parse_winding_rule(const std::string& option, const std::string& text) {

@@ -51,7 +51,13 @@ std::int64_t parse_bytes(const std::string& option, const std::string& text);
 /// none, neighbour, neighbour:F, exact.
 SkipRule parse_skip(const std::string& option, const std::string& text);
 Method parse_method(const std::string& option, const std::string& text);
-SignMethod parse_sign(const std::string& option, const std::string& text);
+/// A method of signs, with the thickness of the solid for shell.
+struct SignChoice {
+  SignMethod method = SignMethod::none;
+  Thickness shell{0};
+};
+/// none, winding, parity, normal, flood or shell:T, where T is world units or samples, as for parse_thickness.
+SignChoice parse_sign(const std::string& option, const std::string& text);
 WindingRule parse_winding_rule(const std::string& option, const std::string& text);
 /// auto, cpu, cuda, cuda:N or emulated; N goes to `device`.
 Backend parse_backend(const std::string& option, const std::string& text, int& device);

@@ -67,7 +67,8 @@ else()
 endif()
 
 # Fields of meshes on the CPU and on CUDA.
-standoff_component(field FILES sign/*.cpp sign/open_winding/*.cpp field/*.cpp field/cpu/*.cpp field/cuda/*.cpp gpu/${STANDOFF_CUDA_FILES} thesis/*.cpp
+standoff_component(field FILES sign/*.cpp sign/cpu/*.cpp sign/open_winding/*.cpp field/*.cpp field/cpu/*.cpp field/cuda/*.cpp
+                   gpu/${STANDOFF_CUDA_FILES} thesis/*.cpp
                    backends/fields.cpp backends/skip_rules.cpp backends/cuda/${STANDOFF_CUDA_FILES} WITHOUT /algorithm_2
                    LIBRARIES ${STANDOFF_CUDA_RUNTIME})
 

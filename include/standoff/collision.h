@@ -2,7 +2,8 @@
 // Exact collision, distance, contact and sweep queries between two rigid bodies (docs/collision.md).
 //
 // A body is its surface: any triangles, open or closed. A body inside another one counts as free unless the surfaces
-// touch. Answers refer to the corners in world coordinates: `apply(pose, corner)`, rounded to double.
+// touch, or CollideOptions::containment asks for it. Answers refer to the corners in world coordinates:
+// `apply(pose, corner)`, rounded to double.
 #pragma once
 
 #include <cstdint>
@@ -40,9 +41,9 @@ struct ModelOptions {
   Execution execution = {};  ///< where the model is built; its fields may be computed on a GPU
 };
 
-/// A body prepared for queries: its mesh, a sparse distance field near the surface, a coarse one around it, and a
-/// bounding volume hierarchy (BVH) of the triangles. Copies share the data and are cheap. A moved-from model stays
-/// usable. Many threads may use a model at the same time.
+/// A body prepared for queries: its mesh, a sparse distance field near the surface, a coarse one around it (signed if
+/// the mesh is closed), and a bounding volume hierarchy (BVH) of the triangles. Copies share the data and are cheap. A
+/// moved-from model stays usable. Many threads may use a model at the same time.
 class STANDOFF_API CollisionModel {
  public:
   /// Copies the mesh, and builds the fields and the BVH. Errors: input (an invalid mesh, a size outside kMinModelSize
@@ -60,6 +61,10 @@ class STANDOFF_API CollisionModel {
   /// The grid of the fine field, and its thickness; world units.
   Grid grid() const;
   double thickness() const;
+  /// Whether the mesh is closed and consistently oriented: each edge is used as often in one direction as in the other.
+  /// Its inside is then where its winding number is positive, as by SignMethod::winding with SignOptions::as_oriented,
+  /// and its fields have a sign. A mesh that is turned inside out has nothing inside.
+  bool closed() const;
   /// Bytes of the model's arrays: mesh, fields and BVH. Copies of the model share them. Copies on GPUs are not counted.
   std::int64_t memory_bytes() const;
 
@@ -84,19 +89,32 @@ enum class Verdict { free, hit, ambiguous };
 struct CollideOptions {
   double margin = 0;  ///< bodies within this distance are a hit; world units, 0 to kMaxMargin
   CollideMode mode = CollideMode::exact;
+  /// Whether a body inside a closed one is a hit too. At least one of the bodies must be closed; nothing is ever inside
+  /// one that is not. Only for CollideMode::exact.
+  bool containment = false;
+};
+
+/// What lies inside what, where the surfaces neither intersect nor come within the margin.
+enum class Containment {
+  none,
+  b_in_a,  ///< all of b's surface is inside a
+  a_in_b,
+  partly,  ///< some connected components of a surface are inside the other body, but no surface as a whole
 };
 
 struct CollisionResult {
   Verdict verdict = Verdict::free;
-  /// Two triangles that intersect or are within the margin; kNoTriangle unless the mode is exact and the verdict hit.
+  /// Two triangles that intersect or are within the margin; kNoTriangle if there are none, and in certified mode.
   std::uint32_t triangle_a = kNoTriangle;
   std::uint32_t triangle_b = kNoTriangle;
+  /// Without CollideOptions::containment always `none`; any other value makes the verdict a hit.
+  Containment containment = Containment::none;
 
   bool hit() const { return verdict == Verdict::hit; }
 };
 
 /// Whether the bodies intersect (docs/collide.md). Errors of all queries: usage, for poses that are not rigid or not
-/// finite, and for options.
+/// finite, and for options. With `containment`, input if neither body is closed.
 STANDOFF_API CollisionResult collide(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
                                      const Pose& pose_b, const CollideOptions& options = {});
 
@@ -189,9 +207,11 @@ STANDOFF_API SweepResult sweep(const CollisionModel& a, const Pose& pose_a, cons
 
 /// How the queries of a batch were decided.
 struct BatchReport {
-  std::string backend;         ///< "cpu", "cuda" or "emulated"
-  std::string device;          ///< the GPU's name
-  std::int64_t on_device = 0;  ///< queries that the device decided; the CPU decided the others
+  std::string backend;  ///< "cpu", "cuda" or "emulated"
+  std::string device;   ///< the GPU's name
+  /// Queries that the device decided; the CPU decided the others. Containment is always decided by the CPU, and is not
+  /// counted here.
+  std::int64_t on_device = 0;
   /// Queries left to the CPU because the device could not decide them: rounding hid the answer, or a sweep is not
   /// certainly free.
   std::int64_t undecided = 0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Decides from the field alone. Free: no sphere of a triangle reaches the surface. Hit, with a margin: a corner of a
-// triangle is nearer than it, for d(x) <= s + |x - x_i|. Without a margin an unsigned field cannot tell
-// touching from nearly touching: ambiguous.
+// triangle is nearer than it, for d(x) <= s + |x - x_i|. Without a margin, bounds of the
+// distance cannot tell touching from nearly touching: ambiguous.
 #include "collision/certified.h"
 
 #include <cmath>

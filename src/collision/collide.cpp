@@ -5,6 +5,7 @@
 #include "collision/batch.h"
 #include "collision/certified.h"
 #include "collision/collide_on_device.h"
+#include "collision/containment.h"
 #include "collision/find_intersecting.h"
 #include "core/execution.h"
 #include "core/guarded.h"
@@ -29,6 +30,17 @@ void check(const CollideOptions& options) {
   if (!(options.margin >= 0) || !(options.margin <= kMaxMargin))
     throw Error(ErrorCode::usage,
                 "collide: the margin must be from 0 to " + number_text(kMaxMargin) + "; give it in world units");
+  if (options.containment && options.mode != CollideMode::exact)
+    throw Error(ErrorCode::usage, "collide: containment is not for certified mode; take CollideMode::exact");
+}
+
+// A free result becomes a hit where one body is inside the other.
+CollisionResult with_containment(CollisionResult result, const CollisionModel& a, const Pose& pose_a,
+                                 const CollisionModel& b, const Pose& pose_b) {
+  if (result.hit()) return result;
+  result.containment = collision::containment(a, pose_a, b, pose_b);
+  if (result.containment != Containment::none) result.verdict = Verdict::hit;
+  return result;
 }
 
 CollisionResult collide_checked(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
@@ -43,9 +55,11 @@ CollisionResult collide_checked(const CollisionModel& a, const Pose& pose_a, con
 CollisionResult collide(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
                         const CollideOptions& options) try {
   check(options);
+  if (options.containment) collision::require_closed(a, b);
   validate(pose_a);
   validate(pose_b);
-  return collide_checked(a, pose_a, b, pose_b, options, collision::best_kernels());
+  const CollisionResult result = collide_checked(a, pose_a, b, pose_b, options, collision::best_kernels());
+  return options.containment ? with_containment(result, a, pose_a, b, pose_b) : result;
 } catch (...) {
   throw_as_error("collide");
 }
@@ -57,6 +71,7 @@ std::vector<CollisionResult> collide_all(const CollisionModel& a, const Pose& po
   check(options);
   validate(certified ? "collide: certified mode" : "collide", execution,
            certified ? Runs::on_the_cpu : Runs::everywhere);
+  if (options.containment) collision::require_closed(a, b);
   validate(pose_a);
   collision::validate_all(poses_b);
   const collision::Kernels& kernels = collision::kernels_for(execution.simd, "collide");
@@ -67,6 +82,10 @@ std::vector<CollisionResult> collide_all(const CollisionModel& a, const Pose& po
                      : collision::for_each<CollisionResult>(poses_b.size(), execution.threads, [&](std::size_t n) {
                          return collide_checked(a, pose_a, b, poses_b[n], options, kernels);
                        });
+  if (options.containment)
+    results = collision::for_each<CollisionResult>(results.size(), execution.threads, [&](std::size_t n) {
+      return with_containment(results[n], a, pose_a, b, poses_b[n]);
+    });
   if (report) *report = done;
   return results;
 } catch (...) {

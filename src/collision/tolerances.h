@@ -4,6 +4,7 @@
 #pragma once
 
 #include "geometry/rounding.h"
+#include "standoff/pose.h"
 
 namespace standoff::collision {
 
@@ -25,6 +26,16 @@ static_assert(kDoublePrecisionSlack > gamma_double(40));
 /// Rotations whose rows are off by less than this are taken as they are: kDoublePrecisionSlack covers it. Others
 /// are made orthonormal first.
 inline constexpr double kOrthonormal = 4e-15;
+
+/// What the transpose of a pose's matrix, taken for its inverse, may place a point of a body off by, relative to the
+/// body's size: entries of the matrix times its transpose are off by kRigidTolerance, so their spectral norm by three
+/// times that, and a corner of the box is sqrt(3) radii away; the rest is for the rounding of samples to single
+/// precision. Smaller: a side may be wrong. Larger: more rays are followed.
+inline constexpr double kInverseSlack = 1e-5;
+static_assert(kInverseSlack > 3 * 1.8 * kRigidTolerance + 8 * kRoundoffFloat);
+/// A factor that carries a length past what such a matrix lengthens it by.
+inline constexpr double kRigidRoundUp = 1 + 2e-6;
+static_assert(kRigidRoundUp * kRigidRoundUp > 1 + 3 * kRigidTolerance);
 
 /// The automatic tolerance of a sweep, relative to the smaller and to the larger body. Larger: sweeps are faster and
 /// report hits where bodies pass each other. Powers of two: scaling both bodies by one scales it exactly.

@@ -11,6 +11,7 @@
 #include "core/progress.h"
 #include "core/threads.h"
 #include "core/tile_count.h"
+#include "field/memory.h"
 #include "field/options.h"
 #include "field/plan.h"
 #include "field/prepare.h"
@@ -46,7 +47,7 @@ class FieldOutput {
   explicit FieldOutput(DistanceField& field) : field_(field) {}
   Sink sink() { return Sink(field_); }
   NearestTriangles nearest() const { return NearestTriangles(field_); }
-  void sign(const Sides& sides, bool invert, ProgressMeter& progress) { sign_field(sides, invert, field_, progress); }
+  void sign(Sides& sides, bool invert, ProgressMeter& progress) { sign_field(sides, invert, field_, progress); }
   void thicken(const Shell& shell, ProgressMeter& progress) { apply(shell, field_, progress); }
 
  private:
@@ -59,7 +60,7 @@ class DenseOutput {
       : grid_(grid), values_(values), nearest_(nearest) {}
   Sink sink() { return {grid_, values_, nearest_}; }
   NearestTriangles nearest() const { return {grid_, nearest_}; }
-  void sign(const Sides& sides, bool invert, ProgressMeter& progress) {
+  void sign(Sides& sides, bool invert, ProgressMeter& progress) {
     sign_values(sides, invert, grid_, values_, progress);
   }
   void thicken(const Shell& shell, ProgressMeter& progress) { apply(shell, values_, nearest_, progress); }
@@ -142,7 +143,7 @@ class Computation {
   void sign(Output& output) {
     if (sign_plan_.report.method == SignMethod::shell)
       return output.thicken(Shell(options_.sign, plan_.field_thickness), progress_);
-    const UnsignedField field{plan_.grid, plan_.field_thickness, output.nearest()};
+    const UnsignedField field{plan_.grid, plan_.field_thickness, output.nearest(), crossing_bytes(plan_)};
     if (const auto sides = make_sides(mesh_, sign_plan_, options_.sign, field, progress_))
       output.sign(*sides, options_.sign.invert, progress_);
   }

@@ -12,9 +12,23 @@
 #include "field/options.h"
 #include "field/prepare.h"
 #include "field/skip.h"
+#include "sign/closed.h"
+#include "sign/inside_rows.h"
+#include "sign/row_crossings.h"
 
 namespace standoff {
 namespace {
+
+// What a backend holds beside the output.
+std::int64_t scratch_bytes(const Plan& plan) {
+  return plan.row->scratch_bytes(plan.triangles, plan.grid, plan.thickness, plan.threads);
+}
+
+// What deciding the sign holds beside the output and the crossings.
+std::int64_t sign_bytes(const Plan& plan) {
+  return RowCrossings::other_bytes(plan.triangles, plan.grid, plan.threads) +
+         plan.threads * InsideRows::bytes(plan.grid);
+}
 
 double tiles_of_grid(const Plan& plan) { return static_cast<double>(tile_count(plan.grid.size)); }
 
@@ -77,15 +91,21 @@ std::int64_t bytes_needed(const Plan& plan, double tiles) {
   const double samples = static_cast<double>(plan.grid.sample_count());
   const double output = plan.is_dense ? 4.0 * samples * (plan.with_nearest ? 2 : 1)
                                       : field_bytes(tiles, tiles_of_grid(plan), plan.with_nearest);
-  const double scratch =
-      static_cast<double>(plan.row->scratch_bytes(plan.triangles, plan.grid, plan.thickness, plan.threads));
+  // The sign is decided when the backend has given its memory back; whether the mesh is closed, before the output.
+  const double scratch = static_cast<double>(
+      plan.with_sign ? std::max(scratch_bytes(plan), sign_bytes(plan) + crossing_bytes(plan)) : scratch_bytes(plan));
+  const double before = plan.with_sign ? static_cast<double>(closed_bytes(plan.triangles)) : 0;
   const double kept =
       plan.rule.kind == SkipRule::Kind::none ? 0 : static_cast<double>(skip_bytes(plan.triangles, plan.rule));
-  const double total = output + scratch + kept;
+  const double total = std::max(before, output + scratch + kept);
   return total < 0x1p62 ? static_cast<std::int64_t>(total) : std::int64_t{1} << 62;
 }
 
 std::int64_t bytes_needed(const Plan& plan) { return bytes_needed(plan, tiles_of_grid(plan)); }
+
+std::int64_t crossing_bytes(const Plan& plan) {
+  return std::max(RowCrossings::least_bytes(plan.triangles, plan.threads), scratch_bytes(plan) - sign_bytes(plan));
+}
 
 void check_memory(MeshView mesh, const Plan& plan, double tiles, const ComputeOptions& options) {
   const std::int64_t limit = options.memory_limit, needed = bytes_needed(plan, tiles);

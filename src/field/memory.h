@@ -11,6 +11,9 @@ std::int64_t bytes_needed(const Plan& plan, double tiles);
 /// The same for whatever triangles: all tiles of the grid.
 std::int64_t bytes_needed(const Plan& plan);
 
+/// What crossings may take while the sign is decided: what the backend took before, if that is enough.
+std::int64_t crossing_bytes(const Plan& plan);
+
 /// Throws Error{limit} where the computation may need more than
 /// options.memory_limit, with what would fit. `tiles`: those that the mesh's triangles reach (prepare.h). Requires a
 /// valid mesh.

@@ -35,6 +35,7 @@ Plan make_plan(std::int64_t triangles, const Grid& grid, double thickness, const
           thickness,
           thread_count(options.execution.threads),
           options.nearest_triangle || options.sign.method == SignMethod::normal,
+          options.sign.method != SignMethod::none,
           is_dense};
 }
 

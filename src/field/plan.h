@@ -16,6 +16,7 @@ struct Plan {
   double field_thickness;  ///< the field's; that of a shell is smaller
   int threads;
   bool with_nearest;  ///< for the caller or for the sign
+  bool with_sign;
   bool is_dense;  ///< into the caller's memory, not into tiles
 };
 

@@ -53,7 +53,10 @@ MeshLook look_at(MeshView mesh, const Plan& plan, bool counts_tiles) {
 
   const auto all = static_cast<double>(tile_count(plan.grid.size));
   const bool counts_boxes = counts_tiles && !std::isinf(plan.thickness);
-  const double reach = reach_beyond_rounding(plan.grid, plan.thickness);
+  // A signed field has the tiles with samples on both sides too. The surface passes between two of these that are
+  // neighbours, and one of them is within half of their distance of it.
+  const double least = plan.with_sign ? plan.grid.max_spacing() / 2 : 0;
+  const double reach = reach_beyond_rounding(plan.grid, std::max(plan.thickness, least));
   // Sums of whole numbers are exact up to 2^53, in any order; beyond that nothing fits.
   struct Sum {
     bool in_range;

@@ -59,7 +59,7 @@ Boundary net_boundary(const OrientedMesh& mesh, const MeshEdges& edges) {
   std::vector<std::uint32_t> ends;
   for (const Numbered& one : all) ends.insert(ends.end(), {one.low, one.high});
   std::ranges::sort(ends);
-  ends.erase(std::ranges::unique(ends).begin(), ends.end());
+  ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
   const auto number_of = [&](std::uint32_t position) {
     return static_cast<std::uint32_t>(std::ranges::lower_bound(ends, position) - ends.begin());
   };

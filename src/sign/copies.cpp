@@ -70,7 +70,7 @@ std::vector<std::int64_t> votes_for_one(const MeshEdges& edges, const Faces& fac
     const auto single = std::ranges::count(here, kNone);
     if (single == std::ranges::ssize(here)) return;
     std::ranges::sort(here);
-    here.erase(std::ranges::unique(here).begin(), here.end());
+    here.erase(std::unique(here.begin(), here.end()), here.end());
     if (single > 0) here.pop_back();
     if (single == 0 && here.size() == 2) {
       groups.join(here[0], here[1]);

@@ -27,7 +27,7 @@ Flood::Flood(MeshView mesh, const Grid& grid, ProgressMeter& progress)
       parts_(edges_.tiles().count()),
       whole_tiles_(lattice_.tile_count()) {
   flood(progress);
-  inside_samples_ = count_inside(grid);
+  inside_samples_ = count_inside(grid.size);
 }
 
 // A tile without crossed edges is reached as a whole. What is reached does not depend on the order of the tiles.
@@ -43,10 +43,16 @@ void Flood::flood(ProgressMeter& progress) {
     next.pop_back();
     const std::array<std::int64_t, 3> at = lattice_.tile_at(tile);
     const TileBits from = reached(tile);
+    const bool is_whole = whole_tiles_[tile];
     for (const Face face : kFaces) {
       if (at[face.axis] == (face.up ? tiles[face.axis] - 1 : 0)) continue;
       const std::size_t other = face.up ? tile + stride[face.axis] : tile - stride[face.axis];
       if (whole_tiles_[other]) continue;
+      if (is_whole && !edges_.tiles().has(other)) {
+        whole_tiles_[other] = true;
+        next.push_back(other);
+        continue;
+      }
       enter(other, beyond(from, face, edges_.of_tile(face.up ? tile : other)), next);
     }
   }
@@ -75,23 +81,23 @@ TileBits Flood::reached(std::size_t tile) const {
   return whole_tiles_[tile] ? kAllBits : TileBits{};
 }
 
+TileBits Flood::inside_of(const Size3& size, const std::array<std::int64_t, 3>& tile) const {
+  const std::size_t index = lattice_.index_in_grid(tile[0], tile[1], tile[2]);
+  return whole_tiles_[index] ? TileBits{} : bits_in_grid(size, tile) & ~reached(index);
+}
+
 void Flood::fill(InsideRows& rows, std::int64_t ty, std::int64_t tz) const {
   for (std::int64_t tx = 0; tx < tiles_along(rows.size().x); ++tx) {
-    const TileBits outside = reached(lattice_.index_in_grid(tx, ty, tz));
-    if (outside != kAllBits) mark(rows, tx, ~outside);
+    const TileBits inside = inside_of(rows.size(), {tx, ty, tz});
+    if (any(inside)) mark(rows, tx, inside);
   }
 }
 
-std::int64_t Flood::count_inside(const Grid& grid) const {
-  InsideRows rows(grid);
+std::int64_t Flood::count_inside(const Size3& size) const {
   std::int64_t sum = 0;
-  for (std::int64_t tz = 0; tz < tiles_along(grid.size.z); ++tz)
-    for (std::int64_t ty = 0; ty < tiles_along(grid.size.y); ++ty) {
-      rows.clear(ty, tz);
-      fill(rows, ty, tz);
-      for (std::int64_t tx = 0; tx < tiles_along(grid.size.x); ++tx)
-        for (const std::uint8_t row : rows.tile(tx)) sum += std::popcount(row);
-    }
+  for (std::int64_t tz = 0; tz < tiles_along(size.z); ++tz)
+    for (std::int64_t ty = 0; ty < tiles_along(size.y); ++ty)
+      for (std::int64_t tx = 0; tx < tiles_along(size.x); ++tx) sum += count(inside_of(size, {tx, ty, tz}));
   return sum;
 }
 

@@ -30,7 +30,8 @@ class Flood final : public Sides {
   void flood(ProgressMeter& progress);
   void enter(std::size_t tile, const TileBits& samples, std::vector<std::size_t>& next);
   TileBits reached(std::size_t tile) const;
-  std::int64_t count_inside(const Grid& grid) const;
+  TileBits inside_of(const Size3& size, const std::array<std::int64_t, 3>& tile) const;  // of the grid
+  std::int64_t count_inside(const Size3& size) const;
 
   TileLattice lattice_;
   GridEdges edges_;

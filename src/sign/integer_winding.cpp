@@ -4,19 +4,16 @@
 namespace standoff {
 
 void IntegerWinding::fill(InsideRows& rows, std::int64_t ty, std::int64_t tz) const {
-  const std::int64_t size = rows.size().x;
-  const std::span<const RowCrossing> crossings = crossings_.of_tiles(ty, tz);
-  for (auto next = crossings.begin(); next != crossings.end();) {
-    const int row = next->row();
-    std::int32_t winding = 0;
-    std::int64_t from = 0;
-    for (; next != crossings.end() && next->row() == row; ++next) {
-      if (next->past() != from && is_inside(winding, rule_)) rows.set(row, from, next->past());
-      from = next->past();
-      winding += next->step();
-    }
-    if (from < size && is_inside(winding, rule_)) rows.set(row, from, size);
+  std::int32_t winding = 0;
+  int row = -1;
+  for (const RowCrossing& crossing : crossings_.of_tiles(ty, tz)) {
+    winding = crossing.row() == row ? winding : 0;
+    row = crossing.row();
+    const bool before = is_inside(winding, rule_);
+    winding += crossing.step();
+    rows.toggle(row, crossing.past(), is_inside(winding, rule_) != before);
   }
+  rows.finish_toggles();
 }
 
 }  // namespace standoff

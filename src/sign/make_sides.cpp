@@ -9,10 +9,11 @@
 namespace standoff {
 namespace {
 
-std::unique_ptr<Sides> winding_sides(const OrientedMesh& mesh, const SignPlan& plan, WindingRule rule, const Grid& grid,
-                                     ProgressMeter& progress) {
-  if (plan.boundary.edges.empty()) return std::make_unique<IntegerWinding>(mesh, grid, rule, progress);
-  return std::make_unique<OpenWinding>(mesh, plan.boundary, grid, rule, progress);
+std::unique_ptr<Sides> winding_sides(const OrientedMesh& mesh, const SignPlan& plan, WindingRule rule,
+                                     const UnsignedField& field, ProgressMeter& progress) {
+  if (plan.boundary.edges.empty())
+    return std::make_unique<IntegerWinding>(mesh, field.grid, rule, progress, field.crossing_bytes);
+  return std::make_unique<OpenWinding>(mesh, plan.boundary, field.grid, rule, progress);
 }
 
 std::unique_ptr<Sides> flood_sides(MeshView mesh, SignPlan& plan, const SignOptions& options, const Grid& grid,
@@ -34,13 +35,13 @@ std::unique_ptr<Sides> make_sides(MeshView mesh, SignPlan& plan, const SignOptio
   const OrientedMesh oriented{mesh, plan.use};
   switch (plan.report.method) {
     case SignMethod::winding:
-      return winding_sides(oriented, plan, options.rule, field.grid, progress);
+      return winding_sides(oriented, plan, options.rule, field, progress);
     case SignMethod::flood:
       return flood_sides(mesh, plan, options, field.grid, progress);
     case SignMethod::normal:
       return std::make_unique<NormalSides>(oriented, field.grid, field.thickness, field.nearest, progress);
     default:
-      return std::make_unique<IntegerWinding>(oriented, field.grid, WindingRule::odd, progress);
+      return std::make_unique<IntegerWinding>(oriented, field.grid, WindingRule::odd, progress, field.crossing_bytes);
   }
 }
 

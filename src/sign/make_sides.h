@@ -2,6 +2,8 @@
 // From the plan of a sign to what decides each sample.
 #pragma once
 
+#include <cstdint>
+#include <limits>
 #include <memory>
 
 #include "core/progress.h"
@@ -12,11 +14,13 @@
 
 namespace standoff {
 
-/// What the sides are decided for. Only SignMethod::normal looks at more than the grid.
+/// What the sides are decided for. Only SignMethod::normal looks at thickness and nearest triangles.
 struct UnsignedField {
   const Grid& grid;
   double thickness = 0;
   NearestTriangles nearest = {};
+  /// What crossings may take at a time (RowCrossings) where they can be found again; bytes.
+  std::int64_t crossing_bytes = std::numeric_limits<std::int64_t>::max();
 };
 
 /// What decides the sides of the field's samples by this plan; nothing where it turns out that there is no inside. What

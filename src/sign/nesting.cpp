@@ -9,6 +9,7 @@
 #include <array>
 #include <optional>
 #include <tuple>
+#include <utility>
 
 #include "core/per_thread.h"
 #include "sign/point_cells.h"
@@ -102,7 +103,7 @@ struct Hit {
 
 struct Inside {
   std::uint32_t inner, outer;
-  friend auto operator<=>(const Inside&, const Inside&) = default;
+  friend bool operator==(const Inside&, const Inside&) = default;
 };
 
 class Search {
@@ -200,7 +201,7 @@ Nesting find_nesting(const OrientedMesh& mesh, std::span<const std::uint32_t> pa
   if (!nesting.known || points.empty()) return nesting;
   std::vector<Inside> found;
   search.find(points, found);
-  std::ranges::sort(found);
+  std::ranges::sort(found, {}, [](const Inside& i) { return std::pair(i.inner, i.outer); });
   for (auto next = found.begin(); next != found.end();) {
     const auto first = next;
     while (next != found.end() && *next == *first) ++next;

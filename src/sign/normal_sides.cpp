@@ -21,18 +21,6 @@ GridEdges edges_of(MeshView mesh, const TileLattice& lattice, bool needed, Progr
   return needed ? GridEdges(mesh, lattice, progress) : GridEdges(lattice);
 }
 
-std::uint64_t first_bits(std::int64_t count) {
-  return count < 64 ? (std::uint64_t{1} << count) - 1 : ~std::uint64_t{0};
-}
-
-TileBits in_grid(const Size3& size, const std::array<std::int64_t, 3>& tile) {
-  const std::uint64_t row = first_bits(std::min(kSide, size.x - kSide * tile[0])) * kFirstX;
-  TileBits bits{};
-  for (std::int64_t z = 0; z < std::min(kSide, size.z - kSide * tile[2]); ++z)
-    bits[static_cast<std::size_t>(z)] = row & first_bits(kSide * std::min(kSide, size.y - kSide * tile[1]));
-  return bits;
-}
-
 // Calls use(face, neighbour) for the tiles next to a tile.
 template <class Use>
 void for_each_neighbour(const TileLattice& lattice, std::size_t tile, const Use& use) {
@@ -82,11 +70,11 @@ void NormalSides::decide_band(const OrientedMesh& mesh, const Grid& grid, const 
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, tiles.size(), 8), [&](const auto& range) {
     progress.check();
     for (std::size_t n = range.begin(); n != range.end(); ++n) {
-      const auto [tx, ty, tz] = lattice_.tile_at(tiles[n]);
+      const std::array<std::int64_t, 3> tile = lattice_.tile_at(tiles[n]);
       Known& part = parts_[n];
-      nearest.for_each(tx, ty, tz, [&](std::size_t at, std::uint32_t triangle) {
+      nearest.for_each(tile[0], tile[1], tile[2], [&](std::size_t at, std::uint32_t triangle) {
         const auto s = static_cast<std::int64_t>(at);
-        const Vec3 p = grid.position(kSide * tx + s % 8, kSide * ty + s / 8 % 8, kSide * tz + s / 64);
+        const Vec3 p = grid.position(kSide * tile[0] + s % 8, kSide * tile[1] + s / 8 % 8, kSide * tile[2] + s / 64);
         const Pseudonormals::Place place = normals.place_of(p, triangle);
         // What is on the surface gets no side here, so that none spreads from it.
         if (place == Pseudonormals::Place::on_surface) return;
@@ -100,7 +88,7 @@ void NormalSides::decide_band(const OrientedMesh& mesh, const Grid& grid, const 
 void NormalSides::spread(const Grid& grid, ProgressMeter& progress) {
   std::vector<std::size_t> changed;
   mixed_.for_each([&](std::size_t tile) {
-    const Known all = spread_within(known(tile), edges_.of_tile(tile), in_grid(grid.size, lattice_.tile_at(tile)));
+    const Known all = spread_within(known(tile), edges_.of_tile(tile), bits_in_grid(grid.size, lattice_.tile_at(tile)));
     set(tile, all);
     changed.push_back(tile);
   });
@@ -117,7 +105,8 @@ void NormalSides::spread(const Grid& grid, ProgressMeter& progress) {
         next.push_back(other);
       });
     found.clear();
-    for (const std::size_t tile : next) found.push_back(after_step(tile, in_grid(grid.size, lattice_.tile_at(tile))));
+    for (const std::size_t tile : next)
+      found.push_back(after_step(tile, bits_in_grid(grid.size, lattice_.tile_at(tile))));
     changed.clear();
     for (std::size_t n = 0; n < next.size(); ++n) {
       is_next[next[n]] = false;
@@ -183,8 +172,8 @@ NormalSides::Known NormalSides::spread_within(Known known, const TileEdges& edge
 
 void NormalSides::fill(InsideRows& rows, std::int64_t ty, std::int64_t tz) const {
   for (std::int64_t tx = 0; tx < tiles_along(rows.size().x); ++tx) {
-    const Known here = known(lattice_.index(tx, ty, tz));
-    if (any(here.inside)) mark(rows, tx, here.inside);
+    const TileBits inside = known(lattice_.index(tx, ty, tz)).inside;
+    if (any(inside)) mark(rows, tx, inside & bits_in_grid(rows.size(), {tx, ty, tz}));
   }
 }
 

@@ -16,8 +16,8 @@ namespace standoff {
 /// rounding of the surface, take the side of samples that they are connected with by grid edges that no triangle
 /// crosses: a breadth-first search from all tiles with a nearest triangle at once. One step takes a side into a
 /// neighbouring tile. A tile that has neither nearest triangles nor crossed edges has one side: that of the larger
-/// number of samples at its faces that had one before the step. Of equally many, and of samples that no side comes to,
-/// the side is outside.
+/// number of samples next to its faces that had one before the step. Of equally many, and of samples that no side comes
+/// to, the side is outside.
 class NormalSides final : public Sides {
  public:
   /// Requires a valid mesh and grid, and the nearest triangles of a field of this thickness. Runs on the threads of the

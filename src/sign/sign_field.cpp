@@ -2,6 +2,9 @@
 #include "sign/sign_field.h"
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
+#include <cstring>
 
 #include "core/tile_count.h"
 #include "sign/each_row_of_tiles.h"
@@ -11,48 +14,95 @@ namespace {
 
 constexpr int kSide = DistanceField::kTileSide, kSamples = DistanceField::kTileSamples;
 
-// Zero stays zero: a sample on the surface has no side.
-float negated(float value, bool inside) { return inside && value != 0 ? -value : value; }
+using FourUints = std::uint32_t __attribute__((vector_size(16)));
 
-void negate_inside(std::span<const std::uint8_t, 64> inside, std::span<float, kSamples> values) {
-  for (std::size_t row = 0; row < inside.size(); ++row) {
-    if (inside[row] == 0) continue;
-    for (std::size_t x = 0; x < kSide; ++x) {
-      float& value = values[kSide * row + x];
-      value = negated(value, (inside[row] >> x & 1) != 0);
-    }
+// Negates the values of those of eight samples that are inside. Zero stays zero: a sample on the surface has no side.
+void negate(std::uint8_t inside, float* values) {
+  constexpr std::array<FourUints, 2> bit{FourUints{1, 2, 4, 8}, FourUints{16, 32, 64, 128}};
+  const FourUints all = FourUints{} + inside;
+  for (std::size_t half = 0; half < 2; ++half) {
+    FourUints four;
+    std::memcpy(&four, values + 4 * half, sizeof four);
+    const FourUints changes = ((all & bit[half]) != 0) & ((four << 1) != 0);
+    four ^= changes << 31;
+    std::memcpy(values + 4 * half, &four, sizeof four);
   }
 }
 
-void sign_tile(const InsideRows& rows, std::int64_t tx, std::int64_t ty, std::int64_t tz, DistanceField& field) {
-  const std::span<const std::uint8_t, 64> inside = rows.tile(tx);
-  if (rows.is_empty(tx)) return;
-  if (field.tile(tx, ty, tz)) return negate_inside(inside, field.edit_tile(tx, ty, tz));
-  if (rows.is_full(tx)) return field.mark_inside(tx, ty, tz);
-  const std::span<float, kSamples> values = field.store_tile(tx, ty, tz);
-  std::ranges::fill(values, static_cast<float>(field.thickness()));
-  if (field.has_nearest()) std::ranges::fill(field.store_nearest(tx, ty, tz), kNoTriangle);
-  negate_inside(inside, values);
+void negate_inside(std::span<const std::uint8_t, 64> inside, std::span<float, kSamples> values) {
+  for (std::size_t row = 0; row < inside.size(); ++row)
+    if (inside[row] != 0) negate(inside[row], values.data() + kSide * row);
 }
+
+// Gives the tiles of a row of tiles their signs.
+class TileSigns {
+ public:
+  TileSigns(const InsideRows& rows, std::int64_t ty, std::int64_t tz, DistanceField& field)
+      : rows_(rows), ty_(ty), tz_(tz), field_(field) {}
+
+  void add(std::int64_t tx) {
+    if (rows_.is_empty(tx)) return;
+    if (field_.tile(tx, ty_, tz_)) return take(tx);
+    if (rows_.is_full(tx)) return field_.mark_inside(tx, ty_, tz_);
+    const std::span<float, kSamples> values = field_.store_tile(tx, ty_, tz_);
+    std::ranges::fill(values, static_cast<float>(field_.thickness()));
+    if (field_.has_nearest()) std::ranges::fill(field_.store_nearest(tx, ty_, tz_), kNoTriangle);
+    negate_inside(rows_.tile(tx), values);
+  }
+  // The last tile waits until it is called.
+  void finish() {
+    if (waiting_) negate_inside(rows_.tile(tx_), std::span<float, kSamples>(waiting_, kSamples));
+    waiting_ = nullptr;
+  }
+
+ private:
+  // Tiles are far from each other in memory: while one is negated the next one is fetched.
+  void take(std::int64_t tx) {
+    float* const values = field_.edit_tile(tx, ty_, tz_).data();
+    for (int n = 0; n < kSamples; n += 16) __builtin_prefetch(values + n, 1);
+    finish();
+    waiting_ = values;
+    tx_ = tx;
+  }
+
+  const InsideRows& rows_;
+  std::int64_t ty_, tz_;
+  DistanceField& field_;
+  float* waiting_ = nullptr;
+  std::int64_t tx_ = 0;
+};
 
 }  // namespace
 
-void sign_field(const Sides& sides, bool invert, DistanceField& field, ProgressMeter& progress) {
-  const std::int64_t tiles_x = tiles_along(field.grid().size.x);
+void sign_field(Sides& sides, bool invert, DistanceField& field, ProgressMeter& progress) {
   for_each_row_of_tiles(sides, invert, field.grid(), progress,
                         [&](const InsideRows& rows, std::int64_t ty, std::int64_t tz) {
-                          for (std::int64_t tx = 0; tx < tiles_x; ++tx) sign_tile(rows, tx, ty, tz, field);
+                          TileSigns signs(rows, ty, tz, field);
+                          for (std::int64_t tx = rows.first_tile(); tx < rows.end_of_tiles(); ++tx) signs.add(tx);
+                          signs.finish();
                         });
 }
 
-void sign_values(const Sides& sides, bool invert, const Grid& grid, std::span<float> values, ProgressMeter& progress) {
+void sign_values(Sides& sides, bool invert, const Grid& grid, std::span<float> values, ProgressMeter& progress) {
   for_each_row_of_tiles(sides, invert, grid, progress, [&](const InsideRows& rows, std::int64_t ty, std::int64_t tz) {
     for (int row = 0; row < InsideRows::kRows; ++row) {
       if (!rows.in_grid(row)) continue;
       const auto first = static_cast<std::size_t>(grid.index(0, kSide * ty + row % kSide, kSide * tz + row / kSide));
-      for (std::int64_t i = 0; i < grid.size.x; ++i) {
-        float& value = values[first + static_cast<std::size_t>(i)];
-        value = negated(value, rows.is_inside(row, i));
+      for (std::int64_t tx = rows.first_tile(); tx < rows.end_of_tiles(); ++tx) {
+        const std::uint8_t inside = rows.tile(tx)[static_cast<std::size_t>(row)];
+        if (inside == 0) continue;
+        // The last tile may be cut.
+        const auto here =
+            values.subspan(first + static_cast<std::size_t>(kSide * tx),
+                           static_cast<std::size_t>(std::min<std::int64_t>(kSide, grid.size.x - kSide * tx)));
+        std::array<float, kSide> eight{};
+        if (here.size() == kSide) {
+          negate(inside, here.data());
+        } else {
+          std::ranges::copy(here, eight.begin());
+          negate(inside, eight.data());
+          std::copy_n(eight.begin(), here.size(), here.begin());
+        }
       }
     }
   });

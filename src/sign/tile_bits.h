@@ -2,6 +2,7 @@
 // Sets of samples of a tile, one bit each, and which of their neighbours they reach.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstddef>
@@ -88,12 +89,21 @@ inline TileBits beyond(const TileBits& from, Face face, const TileEdges& lower) 
   return to;
 }
 
-/// Marks these samples of tile tx, those within the grid, as inside.
+/// Marks these samples of tile tx as inside. Requires samples within the grid, and rows that were cleared.
 inline void mark(InsideRows& rows, std::int64_t tx, const TileBits& inside) {
-  for (int row = 0; row < InsideRows::kRows; ++row) {
-    const auto byte = inside[static_cast<std::size_t>(row / 8)] >> 8 * (row % 8) & rows.full_byte(row, tx);
-    rows.tile(tx)[static_cast<std::size_t>(row)] |= static_cast<std::uint8_t>(byte);
-  }
+  const auto tile = rows.tile(tx);
+  for (std::size_t row = 0; row < tile.size(); ++row)
+    tile[row] = static_cast<std::uint8_t>(inside[row / 8] >> 8 * (row % 8));
+}
+
+/// The samples of a grid's tile that are within the grid, which has so many samples.
+inline TileBits bits_in_grid(const Size3& size, const std::array<std::int64_t, 3>& tile) {
+  const auto first = [](std::int64_t n) { return n < 64 ? (std::uint64_t{1} << n) - 1 : ~std::uint64_t{0}; };
+  const auto within = [](std::int64_t samples, std::int64_t at) { return std::min<std::int64_t>(8, samples - 8 * at); };
+  const std::uint64_t slice = first(within(size.x, tile[0])) * kFirstX & first(8 * within(size.y, tile[1]));
+  TileBits bits{};
+  for (std::int64_t z = 0; z < within(size.z, tile[2]); ++z) bits[static_cast<std::size_t>(z)] = slice;
+  return bits;
 }
 
 /// The samples of a tile at a face.

@@ -20,13 +20,6 @@ struct Span {
   LatticeAxis axis(const LatticeAxis::Margin& margin) const { return {origin, spacing, kSide * tiles, margin}; }
 };
 
-LatticeAxis::Margin grown(const Span& span, LatticeAxis::Margin margin) {
-  while (!(span.axis(margin).at(0) < span.low)) margin.before += kSide;
-  for (LatticeAxis axis = span.axis(margin); !(axis.at(axis.size() - 1) > span.high); axis = span.axis(margin))
-    margin.after += kSide;
-  return margin;
-}
-
 // Tiles along the axis that evenly spaced samples need, about: as a double, because they may be too many to count.
 double tiles_needed(const Span& span) {
   const double first = std::max(0.0, (span.origin - span.low) / span.spacing),
@@ -34,13 +27,35 @@ double tiles_needed(const Span& span) {
   return (first + past) / kSide + 2;
 }
 
-// Whole tiles that certainly do not reach beyond the box, so that `grown` adds the last ones alone.
+// Whole tiles that certainly do not reach beyond the box, so that the last ones are added one by one.
 LatticeAxis::Margin most_of(const Span& span) {
   const auto whole = [](double samples) {
     return kSide * std::max<std::int64_t>(0, static_cast<std::int64_t>(samples / kSide) - 1);
   };
   return {whole((span.origin - span.low) / span.spacing),
           whole((span.high - span.origin) / span.spacing - static_cast<double>(kSide * span.tiles)), false};
+}
+
+// Adds up to so many tiles on each side, until the outermost samples are outside the box. Returns whether they are.
+bool reach_beyond(const Span& span, std::int64_t most, LatticeAxis::Margin& margin) {
+  const auto before = [&] { return span.axis(margin).at(0) < span.low; };
+  const auto after = [&] {
+    const LatticeAxis axis = span.axis(margin);
+    return axis.at(axis.size() - 1) > span.high;
+  };
+  for (std::int64_t n = 0; n < most && !before(); ++n) margin.before += kSide;
+  for (std::int64_t n = 0; n < most && !after(); ++n) margin.after += kSide;
+  return before() && after();
+}
+
+LatticeAxis::Margin margin_around(const Span& span, bool even) {
+  // Even spacings get nowhere where they are lost in the rounding of coordinates.
+  constexpr std::int64_t kMostEven = 4, kMostDoubling = 300;
+  if (even)
+    if (LatticeAxis::Margin margin = most_of(span); reach_beyond(span, kMostEven, margin)) return margin;
+  LatticeAxis::Margin margin{0, 0, true};
+  reach_beyond(span, kMostDoubling, margin);  // beyond all numbers, if need be
+  return margin;
 }
 
 TileLattice made_of(const std::array<Span, 3>& spans, const std::array<LatticeAxis::Margin, 3>& margins) {
@@ -81,8 +96,7 @@ TileLattice TileLattice::around(const Grid& grid, const Box& box) {
   for (const Span& span : spans) needed *= tiles_needed(span);
   const bool even = needed <= std::max(kMostTimes * static_cast<double>(standoff::tile_count(grid.size)), kMostTiles);
   std::array<LatticeAxis::Margin, 3> margins;
-  for (std::size_t n = 0; n < 3; ++n)
-    margins[n] = grown(spans[n], even ? most_of(spans[n]) : LatticeAxis::Margin{0, 0, true});
+  for (std::size_t n = 0; n < 3; ++n) margins[n] = margin_around(spans[n], even);
   return made_of(spans, margins);
 }
 

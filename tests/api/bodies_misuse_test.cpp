@@ -131,6 +131,9 @@ TEST(Misuse, Batches) {
     expect_usage("contacts", [&] { contacts_all(body(), {}, body(), poses, {}, elsewhere); });
     expect_usage("flight", [&] { World(body(), {.execution = elsewhere}); });
   }
+  expect_usage("certified containment",
+               [&] { collide_all(body(), {}, body(), poses, {.mode = CollideMode::certified, .containment = true}); });
+  expect_answer_or_error("containment", [&] { collide(body(), {}, body(), {}, {.containment = true}); });
   expect_usage("mode", [&] { collide(body(), {}, body(), {}, {.mode = none_of<CollideMode>()}); });
   for (const Backend backend : {Backend::automatic, Backend::cpu, Backend::cuda, testing::kEmulated})
     for (const int device : {-1, 0, 1'000'000}) {

@@ -184,6 +184,7 @@ void expect_field(const std::string& name, DistanceField& field) {
       expect_answer_or_error(name, [&] { field.background(a, b, 0); });
       expect_answer_or_error(name, [&] { field.mark_inside(a, b, a); });
       expect_answer_or_error(name, [&] { field.erase_tile(b, a, b); });
+      expect_answer_or_error(name, [&] { field.erase_tiles(std::vector<Size3>{{0, 0, 0}, {a, b, a}}); });
       expect_answer_or_error(name, [&] { field.store_nearest(a, b, b); });
       expect_answer_or_error(name, [&] { field.store_tile(a, b, b); });
       std::vector<float> values(81);
@@ -203,6 +204,7 @@ void expect_field(const std::string& name, DistanceField& field) {
   expect_answer_or_error(name, [&] { EXPECT_EQ(std::ssize(field.tile_values()), 512 * field.stored_tiles()); });
   expect_answer_or_error(name, [&] { EXPECT_GE(field.memory_bytes(), 0); });
   expect_answer_or_error(name, [&] { verify(field, one_triangle()); });
+  expect_answer_or_error(name, [&] { field.erase_nearest(); });
   expect_answer_or_error(name, [&] { DistanceField(field).value(0, 0, 0); });
 }
 

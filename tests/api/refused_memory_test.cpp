@@ -129,6 +129,9 @@ TEST(RefusedMemory, Fields) {
   expect_error_or_limit("background", [&] { field.background(0, 2, 0); });
   expect_error_or_limit("mark_inside", [&] { DistanceField().mark_inside(0, 0, 0); });
   expect_error_or_limit("erase_tile", [&] { DistanceField(kGrid, 1).erase_tile(0, 0, 0); });
+  const std::vector<Size3> twice(2);
+  expect_error_or_limit("erase_tiles", [&] { DistanceField(kGrid, 1).erase_tiles(twice); });
+  DistanceField(kGrid, 1, true).erase_nearest();
   expect_error_or_limit("tile_nearest_values", [&] { DistanceField(kGrid, 1).tile_nearest_values(); });
   expect_limit_error("tile_coordinates", [&] { field.tile_coordinates(); });
   const std::vector<Vec3> points(3);
@@ -174,6 +177,14 @@ TEST(RefusedMemory, Bodies) {
   const std::vector<Pose> poses(3, near);
   const std::vector<RigidMotion> motions(3, RigidMotion{make_pose({0, 0, 1}, 0, {5, 0, 0}), near, {}});
   expect_limit_error("collide", [&] { collide(body, {}, body, near); });
+  Mesh tetrahedron = kMesh;
+  tetrahedron.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+  expect_limit_error("closed model", [&] { CollisionModel(tetrahedron, {.execution = {.threads = 1}}); });
+  const CollisionModel closed(tetrahedron, {.execution = {.threads = 1}});
+  expect_limit_error("containment", [&] { collide(closed, {}, body, near, {.containment = true}); });
+  expect_limit_error("containments",
+                     [&] { collide_all(closed, {}, body, poses, {.containment = true}, {.threads = 1}); });
+  expect_error_or_limit("no containment", [&] { collide(body, {}, body, near, {.containment = true}); });
   expect_limit_error("distance", [&] { distance(body, {}, body, near); });
   expect_limit_error("contacts", [&] { contacts(body, {}, body, near, {.margin = 0.5}); });
   expect_limit_error("sweep", [&] { sweep(body, {}, body, motions[0]); });

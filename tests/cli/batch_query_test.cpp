@@ -64,6 +64,20 @@ TEST_F(BatchQuery, CollideAnswersLineByLine) {
   EXPECT_EQ(certified["counts"]["free"].get<int>() + certified["counts"]["ambiguous"].get<int>(), 5);
 }
 
+TEST_F(BatchQuery, CollideKnowsInside) {
+  write("small.obj", "v 0 0 0\nv 0.2 0 0\nv 0 0.2 0\nf 1 2 3\n");
+  write("poses.csv", "0,0,0\n0.9,0,0\n5,0,0\n0.1,0.1,0.1\n");
+  const Ran ran = done(words("collide scene:box small.obj --poses poses.csv --containment"));
+  EXPECT_EQ(ran.out, "pose,result,containment\n0,hit,b_in_a\n1,hit,none\n2,free,none\n3,hit,b_in_a\n");
+  EXPECT_TRUE(ran.says("4 poses: 1 free, 3 hit, 2 b in a, 0 a in b, 0 partly; in ")) << ran.err;
+  EXPECT_EQ(done(words("collide scene:box small.obj --poses poses.csv --containment --device emulated")).out, ran.out);
+  const Json json = done(words("collide small.obj scene:box --poses poses.csv --containment --json")).json();
+  EXPECT_EQ(json["counts"]["hit"], 3);
+  EXPECT_EQ(json["counts"]["a_in_b"], 3);
+  EXPECT_EQ(json["counts"]["b_in_a"], 0);
+  expect("collide small.obj small.obj --poses poses.csv --containment", 3, "collide: neither body is closed");
+}
+
 TEST_F(BatchQuery, TheSummaryCounts) {
   write("poses.csv", kPoses);
   const Json cpu = done(words("collide scene:box scene:box --poses poses.csv --json -j 1")).json();

@@ -31,6 +31,32 @@ TEST_F(CollisionVerbs, Collide) {
   EXPECT_NE(done(words("collide scene:box scene:box --pose 1.6,0,0")).out, "free\n");
 }
 
+TEST_F(CollisionVerbs, CollideKnowsInside) {
+  done(words("generate terrain --triangles 200 -o sheet.ply"));
+  write_bytes(folder / "small.obj", "v 0 0 0\nv 0.2 0 0\nv 0 0.2 0\nf 1 2 3\n");
+  write_bytes(folder / "two.obj", "v 0 0 0\nv 0.2 0 0\nv 0 0.2 0\nv 9 0 0\nv 9 1 0\nv 9 0 1\nf 1 2 3\nf 4 5 6\n");
+  EXPECT_EQ(done(words("collide scene:box small.obj")).out, "free\n");
+  const Ran inside = done(words("collide scene:box small.obj --containment"));
+  EXPECT_EQ(inside.out, "hit: B is inside A\n");
+  EXPECT_EQ(inside.err, "B is not closed and consistently oriented, so nothing counts as inside it\n");
+  EXPECT_EQ(done(words("collide small.obj scene:box --containment -q")).out, "hit: A is inside B\n");
+  EXPECT_EQ(done(words("collide scene:box two.obj --containment")).out,
+            "hit: parts of a body are inside the other one\n");
+  EXPECT_EQ(done(words("collide scene:box small.obj --pose 5,0,0 --containment")).out, "free\n");
+  EXPECT_TRUE(
+      done(words("collide scene:box small.obj --pose 0.9,0,0 --containment")).out.starts_with("hit: triangle "));
+  const Json json = done(words("collide scene:box small.obj --containment --json --contacts 2")).json();
+  EXPECT_EQ(json["hit"], true);
+  EXPECT_EQ(json["containment"], "b_in_a");
+  EXPECT_TRUE(json["triangle_a"].is_null());
+  EXPECT_TRUE(json["contacts"].empty());
+  EXPECT_FALSE(done(words("collide scene:box small.obj --json")).json().contains("containment"));
+  const Ran open = run(words("collide sheet.ply small.obj --containment"));
+  EXPECT_EQ(open.code, 3);
+  EXPECT_TRUE(open.says("neither body is closed and consistently oriented")) << open.err;
+  EXPECT_EQ(run(words("collide scene:box small.obj --containment --certified")).code, 2);
+}
+
 TEST_F(CollisionVerbs, DistanceAndSweep) {
   const Json near = done(words("distance scene:box scene:box --pose 5,0,0 --json")).json();
   EXPECT_DOUBLE_EQ(near["upper"].get<double>(), 3);
@@ -62,7 +88,9 @@ TEST_F(CollisionVerbs, BodiesAreBuiltOnceForEveryQuestion) {
   EXPECT_EQ(built["output"]["bytes"], read_bytes(folder / "box.body").size());
   const Json told = done(words("info box.body --json")).json();
   EXPECT_EQ(told["kind"], "body");
-  for (const char* what : {"mesh", "grid", "thickness", "memory_bytes"}) EXPECT_EQ(told[what], built[what]) << what;
+  EXPECT_EQ(built["closed"], true);
+  for (const char* what : {"mesh", "closed", "grid", "thickness", "memory_bytes"})
+    EXPECT_EQ(told[what], built[what]) << what;
   EXPECT_NE(done(words("info box.body")).out.find("triangles     12\n"), std::string::npos);
   // The same answers from the file as from the mesh, wherever a body may stand.
   for (const std::string line :

@@ -14,6 +14,7 @@ inline void expect_same(const CollisionResult& a, const CollisionResult& b) {
   EXPECT_EQ(a.verdict, b.verdict);
   EXPECT_EQ(a.triangle_a, b.triangle_a);
   EXPECT_EQ(a.triangle_b, b.triangle_b);
+  EXPECT_EQ(a.containment, b.containment);
 }
 
 inline void expect_same(const DistanceResult& a, const DistanceResult& b) {

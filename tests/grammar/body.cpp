@@ -12,7 +12,7 @@
 namespace standoff::grammar {
 namespace {
 
-constexpr std::size_t kHeader = 64, kCounts = 16, kSpacing = 56;
+constexpr std::size_t kHeader = 72, kClosed = 12, kCounts = 16, kSpacing = 56, kComponents = 64;
 
 std::string body(const char* name) {
   std::ifstream file(std::filesystem::path(kSourceFolder) / "tests/corpus/body" / name, std::ios::binary);
@@ -62,13 +62,21 @@ File make_body(Choices& c) {
   const std::string& base = c.pick(kBodies);
   File file;
   std::string bytes = base.substr(0, base.size() - sizeof(std::uint64_t));
-  // vertices, triangles, the tree's order, tiles' places, samples, the coarse field
-  const std::size_t widths[] = {24, 12, 4, 4, 1, 4};
-  std::size_t counts[6];
-  const std::size_t counted[] = {0, 1, 1, 2, 3, 4};
-  for (std::size_t k = 0; k < 6; ++k) counts[k] = number_at<std::uint64_t>(bytes, kCounts + 8 * counted[k]);
+  // vertices, triangles, the tree's order, tiles' places, samples, the coarse field, components, and one bit for each
+  // sample of both fields, if the body is closed
+  constexpr std::size_t kArrays = 9;
+  const std::size_t widths[kArrays] = {24, 12, 4, 4, 1, 4, 4, 1, 1};
+  const auto count_of = [&bytes](std::size_t array) -> std::uint64_t {
+    constexpr std::size_t counted[] = {0, 1, 1, 2, 3, 4, 6, 3, 4};  // the double of the spacing has the place of 5
+    static_assert(kCounts + 8 * 5 == kSpacing && kCounts + 8 * 6 == kComponents);
+    const auto count = number_at<std::uint64_t>(bytes, kCounts + 8 * counted[array]);
+    if (array < 7) return count;
+    return number_at<std::uint32_t>(bytes, kClosed) != 0 ? count / 8 + (count % 8 != 0) : 0;
+  };
+  std::size_t counts[kArrays];
+  for (std::size_t k = 0; k < kArrays; ++k) counts[k] = count_of(k);
   std::vector<std::size_t> ends{kHeader};
-  for (std::size_t k = 0; k < 6; ++k) ends.push_back(ends.back() + counts[k] * widths[k]);
+  for (std::size_t k = 0; k < kArrays; ++k) ends.push_back(ends.back() + counts[k] * widths[k]);
   for (std::size_t t = 0; t < counts[1]; ++t) {
     Corners corners;
     for (std::size_t k = 0; k < 3; ++k)
@@ -78,6 +86,7 @@ File make_body(Choices& c) {
   for (std::size_t at = 8; at < kCounts; at += 4) spoil<std::uint32_t>(c, bytes, at);
   for (std::size_t k = 0; k < 5; ++k) spoil<std::uint64_t>(c, bytes, kCounts + 8 * k);
   spoil<double>(c, bytes, kSpacing);
+  spoil<std::uint64_t>(c, bytes, kComponents);
   const auto somewhere = [&](std::size_t array) {
     return ends[array] + widths[array] * c.below(static_cast<std::uint32_t>(std::max<std::size_t>(counts[array], 1)));
   };
@@ -88,6 +97,9 @@ File make_body(Choices& c) {
     spoil<std::int32_t>(c, bytes, somewhere(3));
     spoil<std::uint8_t>(c, bytes, somewhere(4));
     spoil<float>(c, bytes, somewhere(5));
+    spoil<std::uint32_t>(c, bytes, somewhere(6));
+    spoil<std::uint8_t>(c, bytes, somewhere(7));
+    spoil<std::uint8_t>(c, bytes, somewhere(8));
   }
   // Of the arrays as the header now counts them: those are summed one by one.
   Checksum sum;
@@ -97,7 +109,8 @@ File make_body(Choices& c) {
     rest.remove_prefix(std::min(size, rest.size()));
   };
   take(kHeader);
-  for (std::size_t k = 0; k < 6; ++k) take(widths[k] * number_at<std::uint64_t>(bytes, kCounts + 8 * counted[k]));
+  const std::size_t arrays = number_at<std::uint32_t>(bytes, kClosed) != 0 ? kArrays : kArrays - 2;
+  for (std::size_t k = 0; k < arrays; ++k) take(widths[k] * count_of(k));
   file.bytes = bytes + raw(stored(c, sum.value()));
   damage(c, file.bytes);
   return file;

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
 
 #include "sign/lattice_crossings.h"
@@ -151,6 +152,13 @@ TEST(TileLattice, ReachesBeyondTheBox) {
   // Evenly it would take 10^15 tiles.
   const Size3 far = expect_around({{-1e5, -1e5, -1e5}, {1e5, 1e5, 1e12}});
   EXPECT_LE(far.x + far.y + far.z, 40);
+  // The spacing is lost in rounding: all samples of the grid are at 1.
+  const double spacing = std::ldexp(1.0, -90);
+  const TileLattice lost =
+      TileLattice::around({{8, 8, 8}, {1, 1, 1}, {spacing, spacing, spacing}}, {{1, 1, 1}, {1, 1, 1}});
+  EXPECT_LT(lost.axes[0].at(0), 1);
+  EXPECT_GT(lost.axes[0].at(lost.axes[0].size() - 1), 1);
+  EXPECT_LE(lost.tiles.x, 20);
 }
 
 }  // namespace

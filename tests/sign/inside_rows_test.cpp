@@ -30,7 +30,8 @@ Outcome compare(const std::vector<Tetrahedron>& tetrahedra, const Grid& grid, co
   const ProgressCallback none;
   ProgressMeter progress(none);
   const WindingRule rule = options.method == SignMethod::parity ? WindingRule::odd : options.rule;
-  const IntegerWinding winding({mesh}, grid, rule, progress);
+  IntegerWinding winding({mesh}, grid, rule, progress);
+  EXPECT_EQ(winding.load(0), (grid.size.y + 7) / 8 * ((grid.size.z + 7) / 8));
   InsideRows rows(grid);
   Outcome outcome;
   for (std::int64_t tz = 0; 8 * tz < grid.size.z; ++tz)

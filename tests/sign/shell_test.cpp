@@ -120,7 +120,7 @@ TEST(Shell, ThicknessesThatAreNone) {
   expect_error([&] { compute(mesh, kGrid, 1, shell_of(1e6)); }, ErrorCode::limit, "coarser than the grid");
   ComputeOptions options;
   options.sign.shell = 1;
-  expect_error([&] { compute(mesh, kGrid, 1, options); }, ErrorCode::usage, "for the sign method shell alone");
+  expect_error([&] { compute(mesh, kGrid, 1, options); }, ErrorCode::usage, "for the sign method shell");
 }
 
 }  // namespace

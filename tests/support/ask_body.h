@@ -31,6 +31,7 @@ inline void ask(const CollisionModel& body, const Pose& pose) {
   // Sweeps take steps as short as the tolerance: a share of the motion's length bounds their number.
   const double size = std::max(body.bounds().longest_side(), 1e-9);
   collide(body, {}, body, pose);
+  if (body.closed()) collide(body, {}, body, pose, {.containment = true});
   collide(body, {}, body, pose, {.margin = size, .mode = CollideMode::certified});
   distance(body, {}, body, pose);
   contacts(body, {}, body, pose, {.most = 8, .margin = 0.01 * size});

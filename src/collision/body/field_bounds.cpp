@@ -4,10 +4,12 @@
 #include <tbb/parallel_for.h>
 
 #include <cmath>
+#include <span>
 #include <string>
 
 #include "core/number_text.h"
 #include "core/promised_error.h"
+#include "sign/closed.h"
 #include "standoff/compute.h"
 #include "standoff/error.h"
 
@@ -30,7 +32,14 @@ std::uint8_t rounded_down(float value, double spacing) {
   return static_cast<std::uint8_t>(std::max(0.0, std::floor(bound / band * kClampedSample)));
 }
 
-void fill_fine(FieldBounds& bounds, const DistanceField& field) {
+// The bits of eight values, set where they are negative.
+std::uint8_t signs_of(const float* values) {
+  unsigned bits = 0;
+  for (unsigned n = 0; n < 8; ++n) bits |= unsigned{values[n] < 0} << n;
+  return static_cast<std::uint8_t>(bits);
+}
+
+void fill_fine(FieldBounds& bounds, const DistanceField& field, bool has_sign) {
   bounds.slots.assign(static_cast<std::size_t>(field.tile_count().count()), 0);
   std::vector<DistanceField::TileValues> stored;
   for (const DistanceField::Tile& tile : field.tiles()) {
@@ -40,10 +49,27 @@ void fill_fine(FieldBounds& bounds, const DistanceField& field) {
   constexpr std::size_t kSize = DistanceField::kTileSamples;
   bounds.samples.resize((stored.size() + 1) * kSize);
   std::fill_n(bounds.samples.begin(), kSize, std::uint8_t{kClampedSample});
+  if (has_sign) bounds.inside.resize(bounds.samples.size() / 8);
   tbb::parallel_for(std::size_t{0}, stored.size(), [&](std::size_t t) {
     for (std::size_t n = 0; n < kSize; ++n)
-      bounds.samples[(t + 1) * kSize + n] = rounded_down(stored[t][n], bounds.spacing);
+      bounds.samples[(t + 1) * kSize + n] = rounded_down(std::abs(stored[t][n]), bounds.spacing);
+    if (has_sign)
+      for (std::size_t n = 0; n < kSize; n += 8) bounds.inside[((t + 1) * kSize + n) / 8] = signs_of(&stored[t][n]);
   });
+}
+
+// Each coarse sample is also one of the fine field, unless it is past its last one, and so outside the surface's box.
+void fill_coarse_inside(FieldBounds& bounds, const DistanceField& fine) {
+  const Size3 size = bounds.coarse_size;
+  bounds.coarse_inside.resize(static_cast<std::size_t>((size.count() + 7) / 8));
+  std::size_t n = 0;
+  for (std::int64_t k = 0; k < size.z; ++k)
+    for (std::int64_t j = 0; j < size.y; ++j)
+      for (std::int64_t i = 0; i < size.x; ++i, ++n) {
+        const std::int64_t x = kCoarseStep * i, y = kCoarseStep * j, z = kCoarseStep * k;
+        const bool in_fine = x < bounds.size.x && y < bounds.size.y && z < bounds.size.z;
+        bounds.coarse_inside[n / 8] |= static_cast<std::uint8_t>((in_fine && fine.value(x, y, z) < 0) << n % 8);
+      }
 }
 
 }  // namespace
@@ -90,7 +116,15 @@ FieldBounds build_field_bounds(MeshView mesh, Vec3 middle, double spacing, const
   const Grid coarse{bounds.coarse_size, bounds.origin, {coarse_spacing, coarse_spacing, coarse_spacing}};
   ComputeOptions options;
   options.execution = execution;
-  fill_fine(bounds, compute(moved, fine, bounds.thickness(), options).field);
+  const bool has_sign = is_closed(moved).oriented;
+  // As the triangles are oriented: so are the crossings that containment counts near the surface.
+  if (has_sign) options.sign = {.method = SignMethod::winding, .as_oriented = true};
+  {
+    const DistanceField field = compute(moved, fine, bounds.thickness(), options).field;
+    fill_fine(bounds, field, has_sign);
+    if (has_sign) fill_coarse_inside(bounds, field);
+  }
+  options.sign = {};
   bounds.coarse.resize(static_cast<std::size_t>(coarse.sample_count()));
   compute_into(moved, coarse, kFullField, bounds.coarse, options);
   for (float& value : bounds.coarse) value = static_cast<float>(value - promised_error(value, coarse_spacing));

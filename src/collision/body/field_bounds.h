@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lower bounds of the distance to a surface, everywhere: a fine sparse field near it, a coarse one around it.
+// Lower bounds of the distance to a surface, everywhere: a fine sparse field near it, a coarse one around it. If the
+// surface is closed, also the sign: which samples are inside. It is stored apart, because distance bounds need none.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +28,11 @@ struct FieldBounds {
   HugePageVector<std::int32_t> slots;  ///< per tile; tile 0 of the samples is all far
   HugePageVector<std::uint8_t> samples;
   HugePageVector<float> coarse;  ///< distances, rounded down; no clamping
+  /// One bit per sample, set if its winding number is positive. In the order of `samples` and of `coarse`, the lowest
+  /// bit of a byte first. Empty if the surface is not closed; the bits of tile 0 mean nothing.
+  HugePageVector<std::uint8_t> inside, coarse_inside;
 
+  bool has_sign() const { return !inside.empty(); }
   double thickness() const { return kBandSamples * spacing; }
   FieldView view() const;
 };
@@ -39,7 +44,8 @@ double default_spacing(MeshView mesh, const Box& box);
 /// The fields' grids for a mesh of that box, without samples. Errors: limit.
 FieldBounds plan_field_bounds(const Box& box, double spacing);
 
-/// Builds the fields through compute(). Errors: limit.
+/// Builds the fields through compute(); they have a sign if the mesh is closed and consistently oriented. Errors:
+/// limit.
 FieldBounds build_field_bounds(MeshView mesh, Vec3 middle, double spacing, const Execution& execution);
 
 }  // namespace standoff::collision

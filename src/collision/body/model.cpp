@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "collision/body/components.h"
 #include "core/execution.h"
 #include "core/guarded.h"
 #include "core/mesh_copy.h"
@@ -38,7 +39,8 @@ void ModelData::prepare(double spacing) {
 std::int64_t ModelData::memory_bytes() const {
   const auto bytes = [](const auto& array) { return array.size() * sizeof(array[0]); };
   std::size_t sum = bytes(mesh.vertices) + bytes(mesh.triangles) + bytes(field.slots) + bytes(field.samples) +
-                    bytes(field.coarse) + bytes(corners) + bytes(bvh.order) + bytes(bvh.triangles);
+                    bytes(field.coarse) + bytes(field.inside) + bytes(field.coarse_inside) + bytes(corners) +
+                    bytes(components) + bytes(bvh.order) + bytes(bvh.triangles);
   for (const BvhLevel& level : bvh.levels) sum += bytes(level.spheres) + bytes(level.boxes);
   return static_cast<std::int64_t>(sum);
 }
@@ -55,6 +57,7 @@ CollisionModel::CollisionModel(MeshView mesh, const ModelOptions& options) try {
   Threads(options.execution.threads).run([&] {
     data->field = collision::build_field_bounds(mesh, data->middle, spacing, options.execution);
     data->bvh = collision::build_bvh(mesh, data->middle);
+    data->components = collision::first_of_components(mesh);
     data->finish();
   });
   data_ = data;
@@ -69,6 +72,7 @@ Grid CollisionModel::grid() const {
   return {data_->field.size, data_->field.origin + data_->middle, {h, h, h}};
 }
 double CollisionModel::thickness() const { return data_->field.thickness(); }
+bool CollisionModel::closed() const { return data_->field.has_sign(); }
 
 std::int64_t CollisionModel::memory_bytes() const { return data_->memory_bytes(); }
 

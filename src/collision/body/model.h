@@ -2,6 +2,8 @@
 // What a CollisionModel holds.
 #pragma once
 
+#include <vector>
+
 #include "collision/body/bvh16.h"
 #include "collision/body/device_model_cache.h"
 #include "collision/body/field_bounds.h"
@@ -19,8 +21,9 @@ struct ModelData {
   FieldBounds field;
   FieldView view{};  ///< of `field`
   Bvh16 bvh;
-  HugePageVector<Corners> corners;  ///< of the triangles, in the order of the BVH
-  DeviceModelCache device_models;   ///< what GPUs keep of all this
+  HugePageVector<Corners> corners;        ///< of the triangles, in the order of the BVH
+  std::vector<std::uint32_t> components;  ///< the first triangle of each connected component
+  DeviceModelCache device_models;         ///< what GPUs keep of all this
 
   /// The first step of building and of loading: checks the mesh, and sets box and middle. A spacing of 0 is chosen
   /// later. Errors: input, usage.

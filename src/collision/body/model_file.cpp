@@ -24,17 +24,20 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "arrays are written as they lie in memory");
 
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
 
 struct Header {
   char magic[8];
   std::uint32_t version;
-  std::uint32_t reserved;
+  std::uint32_t closed;  // 1 if the fields have a sign, else 0
   std::uint64_t vertices, triangles, slots, samples, coarse;
   double spacing;
+  std::uint64_t components;
 };
 static_assert(sizeof(Header::magic) == kBodyMagic.size());
-static_assert(sizeof(Header) == 64 && sizeof(Vec3) == 24 && sizeof(Triangle) == 12);
+static_assert(sizeof(Header) == 72 && sizeof(Vec3) == 24 && sizeof(Triangle) == 12);
+
+constexpr std::uint64_t bytes_of_bits(std::uint64_t bits) { return bits / 8 + (bits % 8 != 0); }
 
 // Eight bytes at a time. A round is a third of splitmix64, for speed: it can be undone, so no changed word goes unseen.
 class Checksum {
@@ -105,6 +108,7 @@ CollisionModel read_model(const FileView& file, BodyChecksum checksum) {
   if (header.version != kVersion)
     file.fail("header", "version " + std::to_string(header.version) + " is not known to this standoff, which knows " +
                             std::to_string(kVersion) + "; save the body again");
+  if (header.closed > 1) file.fail("header", "it is neither closed nor open; save the body again");
   Checksum sum;
   sum.add(&header, sizeof header);
   const auto data = std::make_shared<ModelData>();
@@ -116,6 +120,11 @@ CollisionModel read_model(const FileView& file, BodyChecksum checksum) {
   arrays.take(field.slots, header.slots, sum);
   arrays.take(field.samples, header.samples, sum);
   arrays.take(field.coarse, header.coarse, sum);
+  arrays.take(data->components, header.components, sum);
+  if (header.closed != 0) {
+    arrays.take(field.inside, bytes_of_bits(header.samples), sum);
+    arrays.take(field.coarse_inside, bytes_of_bits(header.coarse), sum);
+  }
   std::uint64_t stored = 0;
   if (file.size() - arrays.at() != sizeof stored)
     file.fail("", "its length is not what its header says; save the body again");
@@ -134,6 +143,8 @@ CollisionModel read_model(const FileView& file, BodyChecksum checksum) {
   data->field.slots = std::move(field.slots);
   data->field.samples = std::move(field.samples);
   data->field.coarse = std::move(field.coarse);
+  data->field.inside = std::move(field.inside);
+  data->field.coarse_inside = std::move(field.coarse_inside);
   check_field(file, data->field, header);
   std::vector<bool> seen(header.triangles);
   for (const std::uint32_t t : data->bvh.order) {
@@ -141,6 +152,9 @@ CollisionModel read_model(const FileView& file, BodyChecksum checksum) {
       file.fail("BVH", "its order names a triangle twice or one there is not; save the body again");
     seen[t] = true;
   }
+  if (data->components.empty() || data->components.size() > header.triangles ||
+      std::ranges::any_of(data->components, [&](std::uint32_t t) { return t >= header.triangles; }))
+    file.fail("components", "there are none, too many, or one without a triangle; save the body again");
   fill_levels(data->bvh, data->mesh, data->middle);
   data->finish();
   return ModelAccess::model(data);
@@ -160,13 +174,14 @@ void CollisionModel::save(const std::filesystem::path& path, Existing existing) 
   const auto put_all = [&](const auto& array) { put(array.data(), array.size() * sizeof(array[0])); };
   Header header{{},
                 kVersion,
-                0,
+                d.field.has_sign(),
                 d.mesh.vertices.size(),
                 d.mesh.triangles.size(),
                 d.field.slots.size(),
                 d.field.samples.size(),
                 d.field.coarse.size(),
-                d.field.spacing};
+                d.field.spacing,
+                d.components.size()};
   kBodyMagic.copy(header.magic, sizeof header.magic);
   put(&header, sizeof header);
   put_all(d.mesh.vertices);
@@ -175,6 +190,11 @@ void CollisionModel::save(const std::filesystem::path& path, Existing existing) 
   put_all(d.field.slots);
   put_all(d.field.samples);
   put_all(d.field.coarse);
+  put_all(d.components);
+  if (d.field.has_sign()) {
+    put_all(d.field.inside);
+    put_all(d.field.coarse_inside);
+  }
   const std::uint64_t value = sum.value();
   file.write(&value, sizeof value);
   file.commit();

@@ -116,8 +116,7 @@ LinearField cap_field(const Rim& rim, const Cell& cell) {
   const CapAngle angle = sum_angles(rim, cell.center, add_edge);
   if (bend == kInfinity) return {cell.center, angle.value, {}, kInfinity};
   const double scale = rim.weight / (4 * std::numbers::pi);
-  return {cell.center, angle.value, gradient * scale,
-          angle.error + scale * bend * cell.radius * cell.radius / 2};
+  return {cell.center, angle.value, gradient * scale, angle.error + scale * bend * cell.radius * cell.radius / 2};
 }
 
 }  // namespace standoff

@@ -43,7 +43,7 @@ class RowOfTiles {
     const Cell cell = cell_of(mesh_.grid, box);
     far.move_to(cell.center);
     // Nodes much smaller than the cell wait for smaller cells.
-    const NodeStack::Part near = stack_.add_far(nodes, cell, kFieldTolerance, cell.radius / 2, far);
+    const NodeStack::Part near = stack_.add_far(nodes, cell, kFieldTolerance, cell.radius / 1, far);
     const double reach = far.reach(cell.half) + stack_.bound_of(near, cell, 0.5);
     if (!decide_by_windings(box, far.value, reach)) {
       if (tiles.end - tiles.begin > 1) {
@@ -51,8 +51,8 @@ class RowOfTiles {
         decide({tiles.begin, middle}, near, far);
         decide({middle, tiles.end}, near, far);
       } else {
-        doubtful_ += tile_sides_.decide(box, windings_, open_tiles_.contains(tiles.begin, ty_, tz_), near,
-                                        far, rows_.tile(tiles.begin));
+        doubtful_ += tile_sides_.decide(box, windings_, open_tiles_.contains(tiles.begin, ty_, tz_), near, far,
+                                        rows_.tile(tiles.begin));
       }
     }
     stack_.resize(size);

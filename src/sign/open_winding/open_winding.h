@@ -32,7 +32,7 @@ class OpenWinding final : public Sides {
   double winding_number(std::int64_t i, std::int64_t j, std::int64_t k) const;
 
   /// How many samples of all tiles filled so far have w within 0.05 (kDoubt) of a threshold, by values of w that
-  /// are off by 0.01 at most. The same for any number of threads.
+  /// are off by at most 0.025 (kDoubtError). The same for any number of threads.
   std::int64_t doubtful() const { return doubtful_.load(std::memory_order_relaxed); }
 
  private:

@@ -12,7 +12,11 @@ namespace {
 using Skew = std::array<double, 6>;
 
 void add_outer(Skew& skew, const Vec3& a, const Vec3& b) {
-  const Skew outer = {a.x * b.x, a.y * b.y, a.z * b.z, (a.x * b.y + a.y * b.x) / 2, (a.y * b.z + a.z * b.y) / 2,
+  const Skew outer = {a.x * b.x,
+                      a.y * b.y,
+                      a.z * b.z,
+                      (a.x * b.y + a.y * b.x) / 2,
+                      (a.y * b.z + a.z * b.y) / 2,
                       (a.z * b.x + a.x * b.z) / 2};
   for (std::size_t n = 0; n < outer.size(); ++n) skew[n] += outer[n];
 }
@@ -26,8 +30,8 @@ void finish(Moments& caps) {
   const Skew& s = caps.skew;
   caps.area_norm = length(caps.area);
   // The singular values of a 3x3 matrix sum up to at most sqrt(3) times its Frobenius norm.
-  caps.skew_norm = std::sqrt(3 * (s[0] * s[0] + s[1] * s[1] + s[2] * s[2] +
-                                  2 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5])));
+  caps.skew_norm =
+      std::sqrt(3 * (s[0] * s[0] + s[1] * s[1] + s[2] * s[2] + 2 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5])));
 }
 
 Vec3 times(const Skew& s, const Vec3& v) {
@@ -127,7 +131,7 @@ void RimTree::build(std::span<std::int32_t> rims, std::span<const Moments> momen
   Box centers;
   for (const std::int32_t rim : rims) centers.include(of(rim).center);
   const Vec3 e = centers.extent();
-  double Vec3::* const axis = e.x >= e.y && e.x >= e.z ? &Vec3::x : e.y >= e.z ? &Vec3::y : &Vec3::z;
+  double Vec3::*const axis = e.x >= e.y && e.x >= e.z ? &Vec3::x : e.y >= e.z ? &Vec3::y : &Vec3::z;
   const std::size_t half = rims.size() / 2;
   std::nth_element(rims.begin(), rims.begin() + static_cast<std::ptrdiff_t>(half), rims.end(),
                    [&](std::int32_t a, std::int32_t b) {

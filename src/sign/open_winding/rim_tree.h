@@ -27,7 +27,7 @@ struct Moments {
 };
 
 /// Fields of caps that are known this well in a cell are taken as they are. Some hundred of them may add up.
-inline constexpr double kFieldTolerance = 3e-4;
+inline constexpr double kFieldTolerance = 1e-3;
 
 /// Adds the caps' field in the cell to `sum`, whose center is that of the cell, if it is known to `tolerance` there;
 /// returns whether it did. Requires tolerance <= kFieldTolerance.

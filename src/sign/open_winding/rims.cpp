@@ -10,8 +10,8 @@ namespace standoff {
 namespace {
 
 // A point amid the corners. Unequal weights, so that it is on no line that the corners' symmetry would put samples on:
-// solid angles are ill-conditioned at the edges of their triangles. Near the first corner relative to it, for meshes far
-// from the origin.
+// solid angles are ill-conditioned at the edges of their triangles. Near the first corner relative to it, for meshes
+// far from the origin.
 Vec3 point_amid(std::span<const Vec3> corners) {
   constexpr double kGolden = 0.6180339887498949;
   Vec3 sum;
@@ -113,8 +113,8 @@ Rims::Rims(const Boundary& boundary) {
 }
 
 void Rims::add(std::vector<Vec3> polygon, std::int32_t weight) {
-  constexpr std::size_t kArc = 8;  // edges
-  while (polygon.size() > kMaxCorners) {
+  constexpr std::size_t kArc = 8, kUncut = 32;  // edges
+  for (std::size_t most = kUncut; polygon.size() > most; most = kMaxCorners) {
     const std::size_t size = polygon.size(), arcs = (size + kArc - 1) / kArc;
     std::vector<Vec3> chords, arc;
     for (std::size_t n = 0; n < arcs; ++n) {

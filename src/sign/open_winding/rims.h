@@ -27,7 +27,7 @@ struct Rim {
 /// areas, and near ones cost little.
 class Rims {
  public:
-  static constexpr std::size_t kMaxCorners = 12;
+  static constexpr std::size_t kMaxCorners = 96;
 
   explicit Rims(const Boundary& boundary);
 

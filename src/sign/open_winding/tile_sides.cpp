@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sign/open_winding/cap_angle.h"
 #include "sign/open_winding/cell_touch.h"
 #include "sign/open_winding/winding_rule.h"
 
@@ -14,12 +15,13 @@ constexpr std::int64_t kSide = InsideRows::kSide;
 
 // Rounding of sums of windings and fields of magnitude up to some thousands.
 constexpr double kRounding = 1e-12;
+// Fields that are off by as much decide little. Less than a quarter: the field at a sample, and the sample's winding
+// number by far fields that are part of it, then tell integers apart.
+constexpr double kUseless = 0.24;
 // Few samples are decided one by one.
 constexpr int kFew = 4;
 
-Rim rim_of(const OpenMesh& mesh, std::int32_t node) {
-  return mesh.rims[static_cast<std::size_t>(mesh.tree[node].rim)];
-}
+Rim rim_of(const OpenMesh& mesh, std::int32_t node) { return mesh.rims[static_cast<std::size_t>(mesh.tree[node].rim)]; }
 
 Interval add_angles(const OpenMesh& mesh, const Vec3& p, const NodeStack& stack, NodeStack::Part leaves, Interval sum) {
   for (std::size_t n = leaves.begin; n < leaves.end; ++n) {
@@ -42,9 +44,8 @@ Interval cap_sum_at(const OpenMesh& mesh, const Vec3& p, double tolerance, NodeS
   return sum;
 }
 
-std::int64_t TileSides::decide(const SampleBox& tile, const RowWindings& windings, bool smooth,
-                               NodeStack::Part nodes, const LinearField& far,
-                               std::span<std::uint8_t, InsideRows::kRows> inside) {
+std::int64_t TileSides::decide(const SampleBox& tile, const RowWindings& windings, bool smooth, NodeStack::Part nodes,
+                               const LinearField& far, std::span<std::uint8_t, InsideRows::kRows> inside) {
   tile_ = tile;
   smooth_ = smooth;
   inside_ = inside;
@@ -59,16 +60,16 @@ std::int64_t TileSides::decide(const SampleBox& tile, const RowWindings& winding
                           for (std::int64_t i = from; i < to; ++i) windings_[kSide * row + bit_of(i)] = winding;
                         });
     }
-  visit(tile, nodes, far);
+  visit(tile, nodes, far, kFieldTolerance);
   return doubtful_;
 }
 
-void TileSides::visit(const SampleBox& box, NodeStack::Part nodes, LinearField far) {
+void TileSides::visit(const SampleBox& box, NodeStack::Part nodes, LinearField far, double tolerance) {
   if (!has_more_unknown_than(0, box)) return;
   const std::size_t size = stack_.size();
   const Cell cell = cell_of(mesh_.grid, box);
   far.move_to(cell.center);
-  NodeStack::Part near = stack_.add_far(nodes, cell, kFieldTolerance, 0, far);
+  NodeStack::Part near = stack_.add_far(nodes, cell, tolerance, 0, far);
   if (!has_more_unknown_than(kFew, box)) {
     decide_one_by_one(box, near, far);
     return stack_.resize(size);
@@ -78,77 +79,80 @@ void TileSides::visit(const SampleBox& box, NodeStack::Part nodes, LinearField f
   decide_by_winding(box, far.value, far.reach(cell.half) + stack_.bound_of(near, cell, 0.5) + kRounding, true);
   if (!has_more_unknown_than(0, box)) return stack_.resize(size);
 
-  // The caps that may be in the cell come first.
-  const auto in_cell = [&](std::size_t n) {
-    const Moments& caps = mesh_.tree[stack_[n]].caps;
-    return cell.distance_sq(caps.center) <= caps.radius * caps.radius && may_touch(rim_of(mesh_, stack_[n]), cell);
-  };
-  const std::size_t caps_end = stack_.partition(near, in_cell);
-  const bool caps_inside = caps_end != near.begin;
-  // Where a rim passes near the center there is no bound.
-  const auto near_center = [&](std::size_t n) {
-    const Vec3 d = rim_of(mesh_, stack_[n]).corners[0] - cell.center;
-    return dot(d, d) < cell.radius * cell.radius;
-  };
-  bool bounded = !caps_inside || smooth_;
-  for (std::size_t n = near.begin; bounded && n < near.end; ++n) bounded = !near_center(n);
-  if (bounded) {
-    LinearField field = far, known = far;
-    std::size_t end = near.begin;
-    for (std::size_t n = near.begin; n < near.end; ++n) {
-      // Next to an edge there is no bound: smaller cells are needed, whatever the other caps are.
-      if (field.error < 0.5) {
-        const LinearField one = cap_field(rim_of(mesh_, stack_[n]), cell);
-        field.add(one);
-        if (n >= caps_end && one.error <= kFieldTolerance) {
-          known.add(one);
-          continue;
-        }
-      }
-      stack_.set(end++, stack_[n]);
-    }
-    near.end = end;
-    if (!caps_inside) {
-      decide_by_field(box, cell, field, true);
-    } else if (continue_across_caps(box, near, known, field)) {
-      decide_by_field(box, cell, field, false);
-    }
-    far = known;
-  }
-  const std::int64_t side = box.end[2] - box.begin[2];
-  const auto longest = std::max({side, box.end[1] - box.begin[1], box.end[0] - box.begin[0]});
-  if (longest <= 2) {
-    decide_one_by_one(box, near, far);
+  if (decide_by_fields(box, cell, near, far, tolerance)) {
+    split(box, near, far, tolerance);
   } else {
-    const std::int64_t half = longest > 4 ? 4 : 2;
-    for (int part = 0; part < 8; ++part) {
-      SampleBox child = box;
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        const std::int64_t middle = std::min(box.begin[axis] + half, box.end[axis]);
-        (part >> axis & 1 ? child.begin : child.end)[axis] = middle;
-      }
-      visit(child, near, far);
-    }
+    stack_.resize(size);
+    visit(box, stack_.root(), {}, tolerance / 32);
   }
   stack_.resize(size);
 }
 
+void TileSides::split(const SampleBox& box, NodeStack::Part nodes, const LinearField& far, double tolerance) {
+  const std::int64_t longest =
+      std::max({box.end[0] - box.begin[0], box.end[1] - box.begin[1], box.end[2] - box.begin[2]});
+  if (longest <= 2) return decide_one_by_one(box, nodes, far);
+  const std::int64_t half = longest > 4 ? 4 : 2;
+  for (int part = 0; part < 8; ++part) {
+    SampleBox child = box;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const std::int64_t middle = std::min(box.begin[axis] + half, box.end[axis]);
+      (part >> axis & 1 ? child.begin : child.end)[axis] = middle;
+    }
+    visit(child, nodes, far, tolerance);
+  }
+}
+
+// Decides by the fields of near caps too. Those that are known in the cell go from `near` to `far`. Returns false if
+// most of what is not known is due to far caps: the samples left need those more precisely.
+bool TileSides::decide_by_fields(const SampleBox& box, const Cell& cell, NodeStack::Part& near, LinearField& far,
+                                 double tolerance) {
+  // The caps that may be in the cell come first.
+  const std::size_t caps_end = stack_.partition(near, [&](std::size_t n) {
+    const Moments& caps = mesh_.tree[stack_[n]].caps;
+    return cell.distance_sq(caps.center) <= caps.radius * caps.radius && may_touch(rim_of(mesh_, stack_[n]), cell);
+  });
+  const bool caps_inside = caps_end != near.begin;
+  if (caps_inside && !smooth_) return true;
+  // Next to a rim there is no bound: smaller cells are needed, whatever the other caps are.
+  for (std::size_t n = near.begin; n < near.end; ++n) {
+    const Vec3 d = rim_of(mesh_, stack_[n]).corners[0] - cell.center;
+    if (dot(d, d) < cell.radius * cell.radius) return true;
+  }
+
+  LinearField field = far;
+  std::size_t end = near.begin;
+  for (std::size_t n = near.begin; n < near.end; ++n) {
+    if (field.error < kUseless) {
+      const LinearField one = cap_field(rim_of(mesh_, stack_[n]), cell);
+      field.add(one);
+      if (n >= caps_end && one.error <= tolerance) {
+        far.add(one);
+        continue;
+      }
+    }
+    stack_.set(end++, stack_[n]);
+  }
+  near.end = end;
+  if (!(field.error < kUseless)) return true;
+  if (caps_inside) continue_across_caps(box, near, far, field);
+  decide_by_field(box, cell, field, !caps_inside);
+  return far.error <= field.error / 2 || far.error <= kRounding || !has_more_unknown_than(kFew, box);
+}
+
 // The winding number of the open mesh at the center of a cell that the mesh does not touch: continued from a sample,
 // whose winding is an integer and an angle. The angle at the center is right but for an integer.
-bool TileSides::continue_across_caps(const SampleBox& box, NodeStack::Part nodes, const LinearField& far,
+void TileSides::continue_across_caps(const SampleBox& box, NodeStack::Part nodes, const LinearField& far,
                                      LinearField& field) const {
-  if (!(field.error < 0.2)) return false;
   const std::int64_t i = (box.begin[0] + box.end[0]) / 2, j = (box.begin[1] + box.end[1]) / 2,
                      k = (box.begin[2] + box.end[2]) / 2;
   const Vec3 p = mesh_.grid.position(i, j, k);
   const Interval angles = add_angles(mesh_, p, stack_, nodes, {far.at(p), far.error});
   const double winding = windings_[kSide * row_of(j, k) + bit_of(i)] + angles.value;
   field.value += std::nearbyint(winding - field.at(p));
-  return true;
 }
 
 void TileSides::decide_by_field(const SampleBox& box, const Cell& cell, const LinearField& field, bool with_windings) {
-  if (!(field.error < 0.5)) return;
   decide_by_winding(box, field.value, field.reach(cell.half) + kRounding, with_windings);
   for_each_unknown(box, [&](std::int64_t i, std::int64_t j, std::int64_t k, std::size_t row) {
     const unsigned x = bit_of(i);
@@ -172,7 +176,8 @@ void TileSides::decide_by_winding(const SampleBox& box, double value, double rea
     for (std::int64_t j = box.begin[1]; j < box.end[1]; ++j) {
       const std::size_t row = row_of(j, k);
       unsigned decided = 0, marked = 0;
-      for (unsigned x = bit_of(box.begin[0]), end = x + static_cast<unsigned>(box.end[0] - box.begin[0]); x < end; ++x) {
+      for (unsigned x = bit_of(box.begin[0]), end = x + static_cast<unsigned>(box.end[0] - box.begin[0]); x < end;
+           ++x) {
         const std::int32_t winding = with_windings ? windings_[kSide * row + x] : 0;
         if (winding != last) look_at(winding);
         decided |= unsigned{sure} << x;
@@ -189,7 +194,8 @@ void TileSides::decide_one_by_one(const SampleBox& box, NodeStack::Part nodes, c
     const double winding = windings_[kSide * row + x];
     const Vec3 p = mesh_.grid.position(i, j, k);
     Interval angles = add_angles(mesh_, p, stack_, nodes, {far.at(p), far.error});
-    for (double tolerance = kFieldTolerance / 64; !decide_sample(row, x, winding + angles.value, angles.error + kRounding);
+    for (double tolerance = kFieldTolerance / 64;
+         !decide_sample(row, x, winding + angles.value, angles.error + kRounding);
          tolerance = tolerance > 1e-9 ? tolerance / 64 : 0) {
       angles = cap_sum_at(mesh_, p, tolerance, stack_);
       // What is left then is rounding: the value decides.
@@ -201,7 +207,7 @@ void TileSides::decide_one_by_one(const SampleBox& box, NodeStack::Part nodes, c
 // Decides a sample if the interval is on one side, and narrow enough to tell whether it is doubtful.
 bool TileSides::decide_sample(std::size_t row, unsigned x, double winding, double error) {
   const double distance = margin(winding, mesh_.rule);
-  if (distance < error || (error > kDoubt / 5 && distance < error + kDoubt)) return false;
+  if (distance < error || (error > kDoubtError && distance < error + kDoubt)) return false;
   doubtful_ += distance < kDoubt;
   const auto bit = static_cast<std::uint8_t>(1u << x);
   unknown_[row] &= static_cast<std::uint8_t>(~bit);

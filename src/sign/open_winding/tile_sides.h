@@ -7,15 +7,15 @@
 #include <span>
 
 #include "sign/inside_rows.h"
-#include "sign/open_winding/cap_sums.h"
 #include "sign/open_winding/cells.h"
+#include "sign/open_winding/node_stack.h"
 #include "sign/open_winding/row_windings.h"
 #include "standoff/sign.h"
 
 namespace standoff {
 
-/// How near to a threshold winding numbers are doubtful.
-inline constexpr double kDoubt = 0.05;
+/// How near to a threshold winding numbers are doubtful, and how far those that are counted may be off.
+inline constexpr double kDoubt = 0.05, kDoubtError = 0.025;
 
 /// What decides the sides of an open mesh: the caps of its boundary, and the rule.
 struct OpenMesh {
@@ -41,15 +41,17 @@ class TileSides {
   /// Marks the samples of the box, which is a tile or what is in the grid of it. `smooth`: no triangle of the mesh
   /// touches the tile. `far` is the field of all caps but those of `nodes`. Returns how many samples are doubtful.
   std::int64_t decide(const SampleBox& tile, const RowWindings& windings, bool smooth, NodeStack::Part nodes,
-                      const LinearField& far,
-                      std::span<std::uint8_t, InsideRows::kRows> inside);
+                      const LinearField& far, std::span<std::uint8_t, InsideRows::kRows> inside);
 
  private:
-  void visit(const SampleBox& box, NodeStack::Part nodes, LinearField far);
+  void visit(const SampleBox& box, NodeStack::Part nodes, LinearField far, double tolerance);
+  void split(const SampleBox& box, NodeStack::Part nodes, const LinearField& far, double tolerance);
+  bool decide_by_fields(const SampleBox& box, const Cell& cell, NodeStack::Part& near, LinearField& far,
+                        double tolerance);
   void decide_by_field(const SampleBox& box, const Cell& cell, const LinearField& field, bool with_windings);
   void decide_by_winding(const SampleBox& box, double value, double reach, bool with_windings);
   void decide_one_by_one(const SampleBox& box, NodeStack::Part nodes, const LinearField& far);
-  bool continue_across_caps(const SampleBox& box, NodeStack::Part nodes, const LinearField& far,
+  void continue_across_caps(const SampleBox& box, NodeStack::Part nodes, const LinearField& far,
                             LinearField& field) const;
   bool decide_sample(std::size_t row, unsigned x, double winding, double error);
   bool has_more_unknown_than(int few, const SampleBox& box) const;

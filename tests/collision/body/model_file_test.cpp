@@ -9,7 +9,7 @@
 #include "collision/body/field_bounds.h"
 #include "collision/body/model_file.h"
 #include "standoff/collision.h"
-#include "tests/collision/bodies.h"
+#include "tests/collision/solids.h"
 #include "tests/support/paths.h"
 #include "tests/support/temp_folder.h"
 
@@ -46,18 +46,18 @@ TEST_F(ModelFile, GivesTheSameAnswers) {
 }
 
 TEST_F(ModelFile, DamageIsAnError) {
-  CollisionModel(ball_mesh(1, 2), {.spacing = 0.3}).save(file_);
+  CollisionModel(solid_ball(1, 2), {.spacing = 0.3}).save(file_);
   const std::string good = bytes(file_);
   const auto code = [&] { return code_of([&] { CollisionModel::load(file_); }); };
   Random random(8);
   for (int n = 0; n < 300; ++n) {
     std::string bad = good;
-    bad[random.below(static_cast<std::uint32_t>(n % 2 ? 64 : bad.size()))] ^= static_cast<char>(1 << random.below(8));
+    bad[random.below(static_cast<std::uint32_t>(n % 2 ? 72 : bad.size()))] ^= static_cast<char>(1 << random.below(8));
     if (bad == good) continue;
     write(file_, bad);
     EXPECT_EQ(code(), ErrorCode::input) << n;
   }
-  for (const std::size_t length : {std::size_t{0}, std::size_t{7}, std::size_t{63}, good.size() / 2, good.size() - 1}) {
+  for (const std::size_t length : {std::size_t{0}, std::size_t{7}, std::size_t{71}, good.size() / 2, good.size() - 1}) {
     write(file_, good.substr(0, length));
     EXPECT_EQ(code(), ErrorCode::input) << length;
   }
@@ -71,6 +71,7 @@ TEST_F(ModelFile, FilesOfTheCorpusAreRead) {
   const std::filesystem::path folder = std::filesystem::path(kSourceFolder) / "tests/corpus/body";
   const CollisionModel box = CollisionModel::load(folder / "box.body");
   EXPECT_EQ(box.mesh().triangles.size(), 12u);
+  EXPECT_TRUE(box.closed());
   EXPECT_NEAR(distance(box, {}, box, moved({3, 0, 0})).upper, 2, 1e-12);
   EXPECT_EQ(CollisionModel::load(folder / "triangle.body").mesh().triangles.size(), 1u);
   EXPECT_EQ(CollisionModel::load(folder / "strip.body").mesh().triangles.size(), 20u);
@@ -78,12 +79,13 @@ TEST_F(ModelFile, FilesOfTheCorpusAreRead) {
 
 // What a checksum that somebody made anew would let through.
 TEST_F(ModelFile, WhatCannotBeIsAnErrorWithoutTheChecksumToo) {
-  CollisionModel(ball_mesh(1, 2), {.spacing = 0.3}).save(file_);
+  CollisionModel(solid_ball(1, 2), {.spacing = 0.3}).save(file_);
   const std::string good = bytes(file_);
   std::uint64_t counts[5];
   std::memcpy(counts, good.data() + 16, sizeof counts);
-  const std::size_t order = 64 + counts[0] * 24 + counts[1] * 12, slots = order + counts[1] * 4,
-                    coarse = slots + counts[2] * 4 + counts[3];
+  const std::size_t order = 72 + counts[0] * 24 + counts[1] * 12, slots = order + counts[1] * 4,
+                    coarse = slots + counts[2] * 4 + counts[3], components = coarse + counts[4] * 4;
+  ASSERT_EQ(good.size(), components + 4 + counts[3] / 8 + (counts[4] + 7) / 8 + 8);
   const auto message = [&](std::size_t at, auto value) {
     std::string bad = good;
     std::memcpy(bad.data() + at, &value, sizeof value);
@@ -98,8 +100,14 @@ TEST_F(ModelFile, WhatCannotBeIsAnErrorWithoutTheChecksumToo) {
   const auto expect = [&](std::size_t at, auto value, const std::string& part) {
     EXPECT_NE(message(at, value).find(part), std::string::npos) << message(at, value);
   };
-  EXPECT_EQ(message(8, std::uint32_t{1}), "read") << "the version it has";
-  expect(8, std::uint32_t{2}, "version 2 is not known");
+  EXPECT_EQ(message(8, std::uint32_t{2}), "read") << "the version it has";
+  for (const std::uint32_t other : {1u, 3u})
+    expect(8, other, "version " + std::to_string(other) + " is not known to this standoff, which knows 2; save the");
+  expect(12, std::uint32_t{2}, "it is neither closed nor open");
+  expect(12, std::uint32_t{0}, "its length is not what its header says");
+  for (const std::uint64_t count : {std::uint64_t{0}, std::uint64_t{2}, ~std::uint64_t{0}})
+    EXPECT_TRUE(message(64, count).starts_with("x.body:")) << count;
+  expect(components, std::uint32_t(counts[1]), ":components: there are none, too many, or one without a triangle");
   for (int n = 0; n < 5; ++n)
     for (const std::uint64_t count : {std::uint64_t{0}, counts[n] + 1, counts[n] - 1, ~std::uint64_t{0}})
       EXPECT_TRUE(message(16 + 8 * n, count).starts_with("x.body:")) << n << " " << count;
@@ -109,9 +117,9 @@ TEST_F(ModelFile, WhatCannotBeIsAnErrorWithoutTheChecksumToo) {
   // It was said to be what a caller may leave to be chosen.
   for (const double spacing : {0.0, -1.0, std::nan(""), HUGE_VAL})
     expect(56, spacing, ":header: its field's spacing is not positive and finite; save the body again");
-  expect(64, std::nan(""), "vertex 0");
-  expect(64, 1e16, "across; save the body again");
-  expect(64 + counts[0] * 24, std::uint32_t(counts[0]), "triangle 0");
+  expect(72, std::nan(""), "vertex 0");
+  expect(72, 1e16, "across; save the body again");
+  expect(72 + counts[0] * 24, std::uint32_t(counts[0]), "triangle 0");
   expect(order, std::uint32_t(counts[1]), "its order names");
   std::uint32_t second;
   std::memcpy(&second, good.data() + order + 4, sizeof second);

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sum of what all caps add to the winding number, for cells within cells: what is known well enough in a cell is
-// known in its parts.
+// Which caps are not summed up yet, for cells within cells: what is known well enough in a cell is known in its parts.
 #pragma once
 
 #include <cstdint>
 #include <utility>
 #include <vector>
 
-#include "sign/open_winding/cap_angle.h"
 #include "sign/open_winding/linear_field.h"
 #include "sign/open_winding/rim_tree.h"
 

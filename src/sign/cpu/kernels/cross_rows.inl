@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+// The kernel that tests rows of samples against triangles, sixteen rows at once.
+//
+// Side n of the triangle, from corner n to the next one, has the function E(p, q) = a q + b p + c, the determinant of
+// the side and the row: positive where the row is on its left. A row crosses the triangle where all three have the same
+// sign. x = x_0 + x_p p + x_q q is where it crosses the plane.
+//
+// Let W, H and R bound |p|, |q| and |x|, and let u = 2^-24. A corner is rounded to float, off by W u. So |a| <= 2W,
+// |b| <= 2H, |c| <= 4WH are off by 4Wu, 4Hu, 20WHu, and E, of four operations more, by less than 2^6 WH u. Its sign is
+// sure beyond twice that, kRounding W H; and 8 s (W + H + s) more where coordinates are off by s, which W and H are not
+// less than.
+//
+// x_p and x_q are quotients by the area, of minors like it, with R in place of W or H. In the triangle the errors of
+// the three move x by less than the first order of 4 R W H / area times the error of E / (W H). That is taken twice: if
+// the area is not half of what it should be, the bound is more than 1/2, as R >= 1. For s it is the same. Rounding of
+// the coefficients and of four operations moves x by less than 2^-20 (|x_0| + |x_p| W + |x_q| H).
+#pragma once
+
+#include "sign/cpu/kernels.h"
+#include "simd/target.h"
+
+namespace standoff::cpu::STANDOFF_TARGET {
+
+using namespace standoff::STANDOFF_TARGET;
+
+namespace {
+
+constexpr float kRounding = 0x1p-17f;
+
+// Rows of a patch of each width, in order: p and q relative to the first row.
+struct RowPlaces {
+  float p[RowPatch::kMostWidth + 1][RowPatch::kMostRows], q[RowPatch::kMostWidth + 1][RowPatch::kMostRows];
+};
+constexpr RowPlaces places_of_rows() {
+  RowPlaces places{};
+  for (int width = 1; width <= RowPatch::kMostWidth; ++width)
+    for (int row = 0; row < RowPatch::kMostRows; ++row) {
+      places.p[width][row] = static_cast<float>(row % width);
+      places.q[width][row] = static_cast<float>(row / width);
+    }
+  // Width 0 stands for a patch one row high.
+  for (int row = 0; row < RowPatch::kMostRows; ++row) places.p[0][row] = static_cast<float>(row);
+  return places;
+}
+constexpr RowPlaces kRowPlaces = places_of_rows();
+
+struct LinearOfRow {
+  WideFloat of_p, of_q, at_0;
+  STANDOFF_INLINE WideFloat at(const WideFloat& p, const WideFloat& q) const { return of_q * q + at_0 + of_p * p; }
+};
+
+STANDOFF_INLINE void cross_patch(const RowPatch& t, std::uint32_t first_number, bool& leaves, CrossedRows& found) {
+  const float a0 = t.at[1].p - t.at[0].p, a1 = t.at[2].p - t.at[1].p, a2 = t.at[0].p - t.at[2].p;
+  const float b0 = t.at[0].q - t.at[1].q, b1 = t.at[1].q - t.at[2].q, b2 = t.at[2].q - t.at[0].q;
+  const float area = a0 * b2 - a2 * b0;
+  leaves = area > 0;
+  // As if the corners turned left.
+  const float sign = leaves ? 1.0f : -1.0f;
+  const auto side = [&](float a, float b, float p, float q) __attribute__((always_inline)) {
+    return LinearOfRow{WideFloat(sign * b), WideFloat(sign * a), WideFloat(-sign * (b * p + a * q))};
+  };
+  const LinearOfRow side0 = side(a0, b0, t.at[0].p, t.at[0].q), side1 = side(a1, b1, t.at[1].p, t.at[1].q),
+                    side2 = side(a2, b2, t.at[2].p, t.at[2].q);
+  const float wh = t.most.p * t.most.q, w_h = t.most.p + t.most.q;
+  const float bound = kRounding * wh + 16 * t.slack * w_h;
+
+  const float x1 = t.x[1] - t.x[0], x2 = t.x[2] - t.x[0], per_area = 1 / area;
+  // Of u x v with u = (x1, a0, -b0) and v = (x2, -a2, b2), the normal.
+  const float x_p = (b0 * x2 + b2 * x1) * per_area, x_q = (a0 * x2 + a2 * x1) * per_area;
+  const float x_0 = t.x[0] - x_p * t.at[0].p - x_q * t.at[0].q;
+  const LinearOfRow plane{WideFloat(x_p), WideFloat(x_q), WideFloat(x_0)};
+  const float of_minors = 8 * t.most_x * kRounding * wh + 64 * t.slack * (wh + t.most_x * w_h);
+  const float x_bound =
+      of_minors * __builtin_fabsf(per_area) +
+      0x1p-20f * (__builtin_fabsf(x_0) + __builtin_fabsf(x_p) * t.most.p + __builtin_fabsf(x_q) * t.most.q + t.most_x) +
+      t.slack;
+
+  const int rows = t.width * t.height, width = t.height == 1 ? 0 : t.width;
+  for (int row = 0; row < rows; row += WideFloat::kLanes) {
+    const WideFloat p = WideFloat::load(kRowPlaces.p[width] + row) + WideFloat(t.first.p),
+                    q = WideFloat::load(kRowPlaces.q[width] + row) + WideFloat(t.first.q);
+    const WideFloat e0 = side0.at(p, q), e1 = side1.at(p, q), e2 = side2.at(p, q);
+    const WideFloat least = min(min(e0, e1), e2), most = max(max(e0, e1), e2);
+    const WideFloat x = plane.at(p, q);
+    // The nearest whole number: what is added leaves no room for fractions.
+    const WideFloat whole(0x1.8p23f), nearest = (x + whole) - whole, off = x - nearest;
+    const Mask inside = less(WideFloat(bound), least),
+               outside = less(least, WideFloat(-bound)) & less(WideFloat(bound), most),
+               is_clear = less(WideFloat(x_bound), abs(off));
+    const Mask exist = mask_from_bits(rows - row < WideFloat::kLanes ? (1u << (rows - row)) - 1 : 0xffff);
+    const Mask crosses = inside & is_clear & exist, unsure = ~(crosses | outside) & exist;
+    const WideUint number = WideUint(first_number + static_cast<std::uint32_t>(row)) + lane_numbers();
+    store_packed(found.past + found.count, crosses,
+                 nearest + select(less(WideFloat(0), off), WideFloat(1), WideFloat(0)));
+    found.count += store_packed(found.row + found.count, crosses, number);
+    if (unsure.to_bits() != 0) found.unsure_count += store_packed(found.unsure + found.unsure_count, unsure, number);
+  }
+}
+
+void cross_rows(const RowPatch* patches, int count, CrossedRows& found) {
+  found.count = found.unsure_count = 0;
+  for (int n = 0; n < count; ++n)
+    cross_patch(patches[n], static_cast<std::uint32_t>(RowPatch::kMostRows * n), found.leaves[n], found);
+}
+
+}  // namespace
+
+extern const SignKernels kSignKernels;
+const SignKernels kSignKernels{.cross_rows = cross_rows};
+
+}  // namespace standoff::cpu::STANDOFF_TARGET

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+// Closed meshes are recognised, however they are stored; meshes that lack or turn a single triangle are not.
+#include "sign/closed.h"
+
+#include <gtest/gtest.h>
+
+#include <utility>
+#include <vector>
+
+#include "scenes/scenes.h"
+#include "tests/sign/solid_soup.h"
+
+namespace standoff {
+namespace {
+
+using testing::Random;
+
+struct Expected {
+  bool oriented, unoriented;
+};
+void expect_closed(const Mesh& mesh, Expected expected, const char* what) {
+  const Closed welded = is_closed(mesh);
+  EXPECT_EQ(welded.oriented, expected.oriented) << what;
+  EXPECT_EQ(welded.unoriented, expected.unoriented) << what;
+  // Three vertices for each triangle, and 0 as -0.
+  Mesh loose;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    auto [a, b, c] = MeshView(mesh).corners(t);
+    if (t % 2 == 0)
+      for (Vec3* v : {&a, &b, &c}) *v = {v->x == 0 ? -0.0 : v->x, v->y == 0 ? -0.0 : v->y, v->z == 0 ? -0.0 : v->z};
+    testing::add_triangle(loose, a, b, c);
+  }
+  const Closed apart = is_closed(loose);
+  EXPECT_EQ(apart.oriented, expected.oriented) << what << ", not welded";
+  EXPECT_EQ(apart.unoriented, expected.unoriented) << what << ", not welded";
+}
+
+Mesh solids() {
+  Random random(1);
+  return testing::mesh_of(testing::integer_tetrahedra(random, 40, 2));
+}
+
+TEST(Closed, SolidsAndScenes) {
+  expect_closed(solids(), {true, true}, "tetrahedra of few corners");
+  expect_closed(scenes::make("catapult", 3000), {true, true}, "catapult");
+}
+
+TEST(Closed, EveryTriangleCounts) {
+  Random random(2);
+  const Mesh whole = testing::mesh_of(testing::integer_tetrahedra(random, 6, 50));
+  for (std::size_t t = 0; t < whole.triangles.size(); ++t) {
+    Mesh missing = whole, turned = whole, twice = whole;
+    missing.triangles.erase(missing.triangles.begin() + static_cast<std::ptrdiff_t>(t));
+    std::swap(turned.triangles[t][0], turned.triangles[t][1]);
+    twice.triangles.push_back(whole.triangles[t]);
+    expect_closed(missing, {false, false}, "one is missing");
+    expect_closed(turned, {false, true}, "one is turned");
+    expect_closed(twice, {false, false}, "one is there twice");
+  }
+}
+
+// Holes that cancel each other in sums of areas, normals or positions.
+TEST(Closed, SymmetricHoles) {
+  Mesh grid;
+  constexpr std::uint32_t kSide = 6;
+  for (std::uint32_t y = 0; y < kSide; ++y)
+    for (std::uint32_t x = 0; x < kSide; ++x) grid.vertices.push_back({double(x), double(y), 0});
+  for (const bool up : {true, false})
+    for (std::uint32_t y = 0; y + 1 < kSide; ++y)
+      for (std::uint32_t x = 0; x + 1 < kSide; ++x) {
+        const std::uint32_t a = x + kSide * y, b = a + 1, c = a + kSide, d = c + 1;
+        for (const Triangle& t : {Triangle{a, b, d}, Triangle{a, d, c}})
+          grid.triangles.push_back(up ? t : Triangle{t[0], t[2], t[1]});
+      }
+  expect_closed(grid, {true, true}, "two sheets");
+  const std::size_t half = grid.triangles.size() / 2;
+  Mesh holes = grid;
+  holes.triangles.erase(holes.triangles.begin() + static_cast<std::ptrdiff_t>(half) + 20);
+  holes.triangles.erase(holes.triangles.begin() + 4);
+  expect_closed(holes, {false, false}, "congruent holes, one in each sheet");
+  Mesh once = grid;
+  once.triangles.erase(once.triangles.begin() + static_cast<std::ptrdiff_t>(half) + 4);
+  once.triangles.erase(once.triangles.begin() + 4);
+  expect_closed(once, {true, true}, "the same triangle of both");
+}
+
+TEST(Closed, DegenerateTrianglesAndDuplicates) {
+  Mesh mesh = solids();
+  const Vec3 a{0.5, 0, 0}, b{1, 2, 3};
+  testing::add_triangle(mesh, a, a, a);
+  testing::add_triangle(mesh, a, b, b);
+  expect_closed(mesh, {true, true}, "a point, and a segment there and back");
+  for (const Triangle t : std::vector<Triangle>(mesh.triangles)) mesh.triangles.push_back(t);
+  expect_closed(mesh, {true, true}, "all twice");
+  Mesh many{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, std::vector<Triangle>(4096, Triangle{0, 1, 2})};
+  expect_closed(many, {false, true}, "one triangle 4096 times");
+}
+
+}  // namespace
+}  // namespace standoff
