@@ -18,22 +18,12 @@ constexpr SignOptions kWinding{.method = SignMethod::winding}, kParity{.method =
 
 constexpr SignOptions by_rule(WindingRule rule) { return {.method = SignMethod::winding, .rule = rule}; }
 
-// Octahedra of radius 1 to kShells about the origin. All numbers are dyadic: |x| + |y| + |z| is exact.
-constexpr int kShells = 2000;
-constexpr double kThin = 0.25;
-const Grid kShellGrid{{24, 16, 8}, {-2010.125, -1100.0625, -400.3125}, {172.5, 149.25, 114.75}};
-
-int shells_about(Vec3 p) {
-  const double norm = std::abs(p.x) + std::abs(p.y) + std::abs(p.z);
-  return norm >= kShells ? 0 : kShells - static_cast<int>(std::floor(norm));
-}
-Side in_some_shell(Vec3 p) { return side_of(shells_about(p) > 0); }
-Side in_an_odd_number(Vec3 p) { return side_of(shells_about(p) % 2 != 0); }
-
-Mesh nested_shells(bool alternate) {
+// Octahedra of radius 1 to `count` about the origin, the outermost oriented outwards. All numbers are dyadic: |x| + |y|
+// + |z| is exact.
+Mesh shells(int count, bool alternate) {
   Mesh mesh;
-  for (int n = 1; n <= kShells; ++n) {
-    const Mesh one = octahedron(n, alternate && (kShells - n) % 2 != 0);
+  for (int n = 1; n <= count; ++n) {
+    const Mesh one = octahedron(n, alternate && (count - n) % 2 != 0);
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
     mesh.vertices.insert(mesh.vertices.end(), one.vertices.begin(), one.vertices.end());
     for (const Triangle& t : one.triangles) mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
@@ -41,24 +31,51 @@ Mesh nested_shells(bool alternate) {
   return mesh;
 }
 
-TEST(NestedCases, ThousandsOfShellsOfAlternatingOrientation) {
-  const Mesh mesh = nested_shells(true);
+int shells_about(Vec3 p, int count) {
+  const double norm = std::abs(p.x) + std::abs(p.y) + std::abs(p.z);
+  return norm >= count ? 0 : count - static_cast<int>(std::floor(norm));
+}
+auto in_some_of(int count) {
+  return [=](Vec3 p) { return side_of(shells_about(p, count) > 0); };
+}
+auto in_an_odd_number_of(int count) {
+  return [=](Vec3 p) { return side_of(shells_about(p, count) % 2 != 0); };
+}
+
+constexpr double kThin = 0.25;
+Grid grid_of_shells(int count) {
+  const double step = count / 2000.0;
+  return {{24, 16, 8}, Vec3{-2010.125, -1100.0625, -400.3125} * step, Vec3{172.5, 149.25, 114.75} * step};
+}
+
+TEST(NestedCases, ShellsOfAlternatingOrientation) {
+  constexpr int kCount = 256;
+  const Mesh mesh = shells(kCount, true);
   for (const SignOptions& sign :
        {kWinding, kParity, kAutomatic, by_rule(WindingRule::odd), by_rule(WindingRule::nonzero)}) {
-    const SignReport report = expect_sides(mesh, kShellGrid, sign, in_an_odd_number, kThin);
+    const SignReport report = expect_sides(mesh, grid_of_shells(kCount), sign, in_an_odd_number_of(kCount), kThin);
     EXPECT_EQ(report.flipped, 0);
     EXPECT_EQ(report.boundary_edges, 0);
     EXPECT_TRUE(report.sure);
   }
 }
 
+TEST(NestedCases, ThousandsOfShellsOfAlternatingOrientation) {
+  constexpr int kCount = 2000;
+  const SignOptions as_oriented{.method = SignMethod::winding, .as_oriented = true};
+  const Mesh mesh = shells(kCount, true);
+  for (const SignOptions& sign : {as_oriented, kParity, by_rule(WindingRule::odd), by_rule(WindingRule::nonzero)})
+    expect_sides(mesh, grid_of_shells(kCount), sign, in_an_odd_number_of(kCount), kThin);
+}
+
 TEST(NestedCases, ThousandsOfShellsOrientedAlike) {
-  const Mesh mesh = nested_shells(false);
-  for (const SignOptions& sign : {kWinding, by_rule(WindingRule::nonzero)})
-    expect_sides(mesh, kShellGrid, sign, in_some_shell, kThin);
+  constexpr int kCount = 2000;
+  const Mesh mesh = shells(kCount, false);
+  const Grid grid = grid_of_shells(kCount);
+  for (const SignOptions& sign : {kWinding, by_rule(WindingRule::nonzero), kFlood})
+    expect_sides(mesh, grid, sign, in_some_of(kCount), kThin);
   for (const SignOptions& sign : {kParity, by_rule(WindingRule::odd)})
-    expect_sides(mesh, kShellGrid, sign, in_an_odd_number, kThin);
-  expect_sides(mesh, kShellGrid, kFlood, in_some_shell, kThin);
+    expect_sides(mesh, grid, sign, in_an_odd_number_of(kCount), kThin);
 }
 
 // A torus in a box: turned inside out it is a cavity, else a solid in a solid.
