@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+// The options of the sign: what the program computes, says and refuses.
+#include <gtest/gtest.h>
+
+#include "standoff/io.h"
+#include "tests/cli/program.h"
+#include "tests/sign/shapes.h"
+
+namespace standoff {
+namespace {
+
+using testing::Json;
+using testing::Ran;
+using testing::words;
+
+// Meshes in files: a ball of radius 1, one of them damaged or turned inside out; a sheet; a strip with one side.
+class Sign : public testing::ProgramTest {
+ protected:
+  Sign() {
+    const Mesh ball = testing::sphere(8);
+    write_mesh(folder / "ball.obj", ball);
+    write_mesh(folder / "inside_out.obj", testing::reversed(ball));
+    write_mesh(folder / "flipped.obj", testing::with_flipped(ball, 60));
+    write_mesh(folder / "hole.obj", testing::without(ball, 60));
+    write_mesh(folder / "both.obj", testing::joined(ball, testing::reversed(ball)));
+    write_mesh(folder / "nested.obj", testing::joined(ball, testing::moved(ball, {}, 0.5)));
+    write_mesh(folder / "sheet.obj", testing::terrain(8, 0.1));
+    write_mesh(folder / "strip.obj", testing::moebius());
+  }
+  Ran compute(const std::string& options) const { return run(words("compute -r 24 -f -o out.vti " + options)); }
+  DistanceField field() const { return read_field(folder / "out.vti"); }
+  // The signs at the centre, between the two balls of nested.obj, and far outside: as in "-+-".
+  std::string sides(const std::string& options) const {
+    const Ran ran = compute(options);
+    EXPECT_EQ(ran.code, 0) << ran.err;
+    if (ran.code != 0) return "";
+    const DistanceField computed = field();
+    std::string found;
+    for (const double x : {0.02, 0.75, 1.1}) found += computed.interpolate({x, 0.01, 0.02}) < 0 ? '-' : '+';
+    return found;
+  }
+};
+
+TEST_F(Sign, EveryMethodAndRule) {
+  EXPECT_EQ(sides("ball.obj"), "+++");
+  for (const std::string method : {"none", "auto", "winding", "parity", "normal", "flood"})
+    EXPECT_EQ(sides("ball.obj --sign " + method), method == "none" ? "+++" : "--+") << method;
+  EXPECT_EQ(sides("ball.obj --sign winding --invert"), "++-");
+  EXPECT_EQ(sides("ball.obj --sign auto --invert"), "++-");
+  EXPECT_EQ(sides("nested.obj --sign winding"), "--+");
+  EXPECT_EQ(sides("nested.obj --sign winding --rule nonzero"), "--+");
+  EXPECT_EQ(sides("nested.obj --sign winding --rule odd"), "+-+");
+  EXPECT_EQ(sides("nested.obj --sign parity"), "+-+");
+  EXPECT_EQ(sides("nested.obj --sign flood"), "--+");
+}
+
+TEST_F(Sign, DamageIsRepairedUnlessTold) {
+  for (const std::string mesh : {"inside_out.obj", "flipped.obj", "hole.obj"})
+    for (const std::string method : {"auto", "winding"}) EXPECT_EQ(sides(mesh + " --sign " + method), "--+") << mesh;
+  EXPECT_EQ(sides("inside_out.obj --sign winding --as-oriented"), "+++");
+  EXPECT_EQ(sides("inside_out.obj --sign winding --as-oriented --rule nonzero"), "--+");
+  EXPECT_EQ(sides("both.obj --sign auto"), "--+");
+  EXPECT_EQ(sides("both.obj --sign flood"), "--+");
+}
+
+// One line on stderr says which method and why, also where there is no sign at last.
+TEST_F(Sign, SaysWhichMethodAndWhy) {
+  EXPECT_TRUE(compute("ball.obj --sign auto").says("sign by winding: ")) << compute("ball.obj --sign auto").err;
+  const Ran flipped = compute("flipped.obj --sign auto");
+  EXPECT_TRUE(flipped.says("sign by winding: ")) << flipped.err;
+  EXPECT_TRUE(flipped.says("1 triangle taken in the opposite orientation")) << flipped.err;
+  const Ran sheet = compute("sheet.obj --sign auto");
+  EXPECT_EQ(sheet.code, 0);
+  EXPECT_TRUE(sheet.says("no sign: ")) << sheet.err;
+  EXPECT_TRUE(sheet.says("normal") && sheet.says("shell")) << sheet.err;
+  EXPECT_GE(field().interpolate({0, 0, -0.2}), 0);
+  // A sheet by its winding number is computed, with a warning of what to take instead, even in silence.
+  const Ran winding = compute("sheet.obj --sign winding -q");
+  EXPECT_EQ(winding.code, 0);
+  EXPECT_TRUE(winding.says("normal")) << winding.err;
+}
+
+TEST_F(Sign, Json) {
+  const Json flipped = compute("flipped.obj --sign auto --json").json()["sign"];
+  EXPECT_EQ(flipped["method"], "winding");
+  EXPECT_EQ(flipped["sure"], true);
+  EXPECT_EQ(flipped["flipped"], 1);
+  EXPECT_EQ(flipped["boundary_edges"], 0);
+  EXPECT_FALSE(flipped["why"].get<std::string>().empty());
+  const Json hole = compute("hole.obj --sign winding --json").json()["sign"];
+  EXPECT_EQ(hole["boundary_edges"], 3);
+  const Json both = compute("both.obj --sign auto --json").json()["sign"];
+  EXPECT_GT(both["left_out"], 0);
+  EXPECT_EQ(compute("sheet.obj --sign auto --json").json()["sign"]["method"], "");
+}
+
+TEST_F(Sign, StrictRefusesWhereItDoubts) {
+  for (const std::string doubtful : {"sheet.obj --sign auto", "sheet.obj --sign winding", "strip.obj --sign auto",
+                                     "strip.obj --sign winding", "sheet.obj --sign flood"}) {
+    const Ran ran = run(words("compute -r 16 -o doubt.vti --strict " + doubtful));
+    EXPECT_EQ(ran.code, 8) << doubtful << "\n" << ran.err;
+    EXPECT_TRUE(ran.says("standoff: error: ")) << ran.err;
+    EXPECT_FALSE(folder.names().contains("doubt.vti")) << doubtful;
+  }
+  for (const std::string sure : {"ball.obj --sign auto", "ball.obj --sign winding", "ball.obj --sign parity",
+                                 "inside_out.obj --sign auto", "flipped.obj --sign winding"})
+    EXPECT_EQ(compute("--strict " + sure).code, 0) << sure;
+}
+
+TEST_F(Sign, PairsThatContradictEachOther) {
+  struct Case {
+    const char* options;
+    const char* message;
+  };
+  for (const auto& [options, message] : {
+           Case{"--invert", "cannot be inverted"},
+           Case{"--sign none --invert", "cannot be inverted"},
+           Case{"--strict", "strict"},
+           Case{"--sign none --strict", "strict"},
+           Case{"--sign parity --rule odd", "winding rule"},
+           Case{"--sign flood --rule nonzero", "winding rule"},
+           Case{"--rule odd", "winding rule"},
+           Case{"--sign wind", "--sign 'wind': give "},
+           Case{"--sign winding --rule even", "--rule 'even': give positive, nonzero or odd"},
+       }) {
+    const Ran ran = run(words("compute -r 16 -o wrong.vti ball.obj " + std::string(options)));
+    EXPECT_EQ(ran.code, 2) << options << "\n" << ran.err;
+    EXPECT_TRUE(ran.says(message)) << options << "\n" << ran.err;
+    EXPECT_FALSE(folder.names().contains("wrong.vti")) << options;
+  }
+  const Ran unknown = run(words("compute ball.obj --sign wind"));
+  for (const char* method : {"auto", "winding", "parity", "normal", "flood", "shell", "none"})
+    EXPECT_TRUE(unknown.says(method)) << method << " is not named: " << unknown.err;
+}
+
+TEST_F(Sign, ParityOfAnOpenMeshIsRefused) {
+  const Ran ran = run(words("compute -r 16 -o open.vti hole.obj --sign parity"));
+  EXPECT_EQ(ran.code, 3);
+  EXPECT_TRUE(ran.says("not closed") && ran.says("take")) << ran.err;
+}
+
+TEST_F(Sign, VerifyFindsAForeignMesh) {
+  EXPECT_EQ(compute("ball.obj --sign winding").code, 0);
+  EXPECT_EQ(run(words("verify out.vti ball.obj")).code, 0);
+  EXPECT_NE(run(words("verify out.vti inside_out.obj")).code, 0);
+}
+
+}  // namespace
+}  // namespace standoff
