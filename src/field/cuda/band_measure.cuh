@@ -33,8 +33,8 @@ STANDOFF_DEVICE Found<kNearest> found(float distance_sq, std::uint32_t triangle)
   return __float_as_uint(distance_sq);
 }
 /// The least that no sample of the band has found: the float after the thickness squared, as rounded. Whatever lies
-/// above the rounded square lies above the true one too, so its root is no less than the thickness, to which it would be
-/// clamped: such distances need not be kept.
+/// above the rounded square lies above the true one too, so its root is no less than the thickness, to which it would
+/// be clamped: such distances need not be kept.
 template <bool kNearest>
 STANDOFF_DEVICE Found<kNearest> nothing_found(const Lattice& l) {
   return found<kNearest>(__uint_as_float(__float_as_uint(l.thickness_sq) + 1), 0);
