@@ -210,14 +210,18 @@ TEST(SheetCases, FloodsThatLeak) {
   }
 }
 
-// The chair of two-sided boards. No orientation tells its inside; a flood does.
-TEST(SheetCases, TwoSidedChair) {
+// The chair of two-sided boards, welded or not. As it is oriented it has no inside; without one copy of each face it
+// has, and a flood needs not even that.
+class TwoSidedChair : public ::testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(SheetCases, TwoSidedChair, ::testing::Bool());
+
+TEST_P(TwoSidedChair, IsItsBoards) {
   Mesh chair;
   std::vector<Convex> boards;
   const auto add = [&](Vec3 low, Vec3 high) {
     const Mesh board = box(low, high);
     boards.emplace_back(board);
-    chair = joined(std::move(chair), two_sided(board));
+    chair = joined(std::move(chair), two_sided(board, GetParam()));
   };
   add({0, 0, 1}, {1, 1, 1.2});
   add({0, 0.8, 1.25}, {1, 1, 2.5});
