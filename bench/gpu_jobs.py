@@ -71,7 +71,7 @@ def own_jobs():
              goal("catapult", "thesis", "dense", CATAPULT, 2), goal("factory", "tiles", "dense", FACTORY, 8)]
     bender = ((150, 150, 50), (150, 150, 50))
     jobs += [Job("figure_1.1", "bender", 0, method, "dense", *bender, 0, 2, 2, "0.02") for method in ("tiles", "thesis")]
-    parts = {"tiles": ("dense", "through_distance", "through_vote", "through_set_up", "through_lists", "counting"),
+    parts = {"tiles": ("dense", "through_distance", "through_rows", "through_set_up", "through_lists", "counting"),
              "thesis": ("dense", "write_always", "through_read", "through_distance", "through_lists")}
     for method, seconds in (("tiles", "-"), ("thesis", "0.64")):
         jobs += [Job("table_5.4", "factory", 0, method, output, *FACTORY, 0, 2, 1, seconds) for output in parts[method]]
@@ -126,8 +126,8 @@ PARTS = [
     ("tiles", "counting", "counting", "", "-"),
     ("tiles", "listing", "through_lists", "counting", "-"),
     ("tiles", "set-up of triangles", "through_set_up", "through_lists", "-"),
-    ("tiles", "choosing triangles for warps", "through_vote", "through_set_up", "-"),
-    ("tiles", "distances", "through_distance", "through_vote", "-"),
+    ("tiles", "finding rows of samples", "through_rows", "through_set_up", "-"),
+    ("tiles", "distances", "through_distance", "through_rows", "-"),
     ("tiles", "memory write", "dense", "through_distance", "-"),
 ]
 

@@ -16,9 +16,10 @@ def ms(text):
 
 
 def predictions(machine):
-    """What was predicted, on paper, for the GPU that the machine's description names: the job's columns to a range."""
+    """What was predicted, on paper, for the GPU and the kernels that the machine's description names: the job's columns to a
+    range."""
     return {(p["scene"], p["method"], p["output"], p["grid"], p["thickness"]): f"{p['ms_from']}-{p['ms_to']}"
-            for p in rows_of(BENCH / "gpu_predictions.csv") if p["gpu"] in machine}
+            for p in rows_of(BENCH / "gpu_predictions.csv") if p["gpu"] in machine and p["standoff"] in machine}
 
 
 def goals(rows, peers, predicted):
@@ -37,8 +38,29 @@ def goals(rows, peers, predicted):
                       "ms": ms(row["median_ms"]), "at most": row["at_most_ms"],
                       **({"predicted": predicted.get(key, "-")} if predicted else {}),
                       "GB/s written": row["written_gb_per_s"],
-                      "Warp, times as long": f"{peer[job] / float(row['median_ms']):.3g}" if compared else ""})
+                      **({"Warp, times as long": f"{peer[job] / float(row['median_ms']):.3g}" if compared else ""}
+                         if peers else {})})
     return shown
+
+
+def quoted_goals(rows, before):
+    """Our jobs, as the documentation shows them: beside what we want, and what the kernels of the first run took."""
+    key = lambda row: tuple(row[name] for name in ("scene", "method", "output", "grid", "thickness"))
+    first = {key(row): row for row in before if row["table"] == "goal"}
+    return [{"scene": row["scene"], "triangles": f"{int(row['triangles']):,}", "method": row["method"],
+             "output": row["output"], "grid": row["grid"], "thickness": row["thickness"], "ms": ms(row["median_ms"]),
+             "wanted, ms": row["at_most_ms"], "first run, ms": ms(first[key(row)]["median_ms"])}
+            for row in rows if row["table"] == "goal"]
+
+
+def quoted_grids(rows, before, scenes):
+    """Table 5.1's grids of some scenes, by both methods, beside what `tiles` took in the first run."""
+    first = {(row["scene"], row["grid"]): row for row in before if (row["table"], row["method"]) == ("table_5.1", "tiles")}
+    table = []
+    for job in beside_thesis([row for row in rows if row["table"] == "table_5.1" and row["scene"] in scenes]):
+        shown = {name: job[name] for name in ("scene", "triangles", "grid", "2008, s", "thesis, ms", "tiles, ms")}
+        table.append(shown | {"tiles, first run, ms": ms(first[job["scene"], job["grid"]]["median_ms"])})
+    return table
 
 
 def beside_thesis(rows):

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the documentation says of measured collision queries, written from the CSV file of one machine: a page of its own
-and the parts of others between markers. tests/bench/collision_tables_test.py compares them."""
+"""What the documentation says of measured collision queries and of fields on a GPU, written from the CSV files of one
+machine each: a page of its own and the parts of others between markers. tests/bench/collision_tables_test.py compares them."""
 
 import csv
 import json
@@ -8,9 +8,12 @@ import re
 import statistics
 from pathlib import Path
 
+import gpu_tables
+from gpu_jobs import rows_of
 from harness import BENCH, markdown
 
 QUOTED = "2-core-avx512"  # the machine the documentation speaks of
+GPU_QUOTED = "nvidia-h200"
 ROOT = BENCH.parent
 
 PAGE = """# Collision queries, pair by pair
@@ -112,7 +115,18 @@ def pages(results=BENCH / "results" / QUOTED):
     table = markdown([{key: row[key] for key in row if key not in ("at least", "met")} for row in rows])
     path = ROOT / "docs" / "collision_benchmarks.md"
     made[path] = between_markers(made[path], "collision batches", f"{table}\n\n{measured(comments)}")
-    return made
+    return made | gpu_page(BENCH / "results" / GPU_QUOTED)
+
+
+def gpu_page(results):
+    """{file: what it should hold} of fields on a GPU; `before` in its folder is the first run."""
+    rows, before = rows_of(results / "gpu.csv"), rows_of(results / "before" / "gpu.csv")
+    machine = (results / "machine.txt").read_text().splitlines()
+    comments = [machine[1].split(",")[0], machine[2].split(", ", 1)[1], machine[-1]]
+    path = ROOT / "docs" / "cuda.md"
+    text = between_markers(path.read_text(), "gpu goals",
+                           f"{markdown(gpu_tables.quoted_goals(rows, before))}\n\n{measured(comments)}")
+    return {path: between_markers(text, "gpu grids", markdown(gpu_tables.quoted_grids(rows, before, ("catapult", "factory"))))}
 
 
 def write():

@@ -29,6 +29,7 @@ constexpr const char* kExamples =
   standoff compute bunny.obj -o field.npz -t 3s -r 400   a band of 3 samples, for numpy
   standoff compute part.stl --unit mm --spacing 0.0005   metres out of millimetres, a sample every 0.5 mm
   standoff compute part.stl --size 100,100,50 -t 0.2     a grid and a thickness of your own
+  standoff compute part.stl --sign auto                  negative inside, and a line that says why
   standoff compute part.stl --dry-run                    grid, memory and file size, nothing else
   standoff compute scene:factory -t 2s --json            a mesh made by code; what happened as JSON
 )";
@@ -84,10 +85,11 @@ void Command::add_to(CLI::App& verb) {
   });
   add(
       "--sign", "METHOD",
-      "make values inside negative: winding (by the winding number;\nthe mesh must be closed and oriented), parity "
-      "(orientation\n"
-      "does not matter), normal (behind the nearest triangle: for\nterrain), flood (what a flood from outside does not "
-      "reach),\nshell:T (the surface as a solid of thickness T: 0.5 or 3s)\nor none (default)",
+      "make values inside negative. auto: what fits the mesh, or\nnothing if it has no inside; winding, parity: by "
+      "crossings;\n"
+      "normal: behind the nearest triangle, for terrain;\nflood: what a flood from outside does not reach;\n"
+      "shell:T: the surface as a solid of thickness T (0.5 or 3s);\nnone (default). `standoff info MESH` says what "
+      "fits",
       [this](S o, S t) {
         const SignChoice choice = parse_sign(o, t);
         options.sign.method = choice.method;

@@ -33,12 +33,9 @@ Json description(const Plan& plan) {
 }
 
 std::string sign_line(const SignReport& sign) {
-  std::string done;
-  if (sign.flipped > 0) done += "; " + counted(sign.flipped, "triangle") + " taken in the opposite orientation";
-  if (sign.left_out > 0) done += "; " + counted(sign.left_out, "triangle") + " left out";
   const std::string method =
       sign.method == SignMethod::none ? "no sign" : std::string("sign by ") + name_of(sign.method);
-  return method + ": " + sign.why + done + (sign.sure ? "" : "; not certain");
+  return method + ": " + sign.why + (sign.sure ? "" : "; not certain");
 }
 
 }  // namespace

@@ -190,11 +190,11 @@ Method parse_method(const std::string& option, const std::string& text) {
 }
 
 SignChoice parse_sign(const std::string& option, const std::string& text) {
-  constexpr SignMethod methods[] = {SignMethod::none,   SignMethod::winding, SignMethod::parity,
-                                    SignMethod::normal, SignMethod::flood,   SignMethod::shell};
+  constexpr SignMethod methods[] = {SignMethod::none,   SignMethod::automatic, SignMethod::winding, SignMethod::parity,
+                                    SignMethod::normal, SignMethod::flood,     SignMethod::shell};
   const auto colon = text.find(':');
-  const auto method =
-      methods[parse_choice(option, text.substr(0, colon), {"none", "winding", "parity", "normal", "flood", "shell"})];
+  const auto method = methods[parse_choice(option, text.substr(0, colon),
+                                           {"none", "auto", "winding", "parity", "normal", "flood", "shell"})];
   const bool has_value = colon != std::string::npos;
   if (method != SignMethod::shell) {
     if (has_value) reject(option, text, "only shell takes a value, its thickness");

@@ -53,8 +53,10 @@ function(standoff_component name)
   set(STANDOFF_OBJECTS ${STANDOFF_OBJECTS} $<TARGET_OBJECTS:standoff_${name}> PARENT_SCOPE)
 endfunction()
 
+include(cmake/rooms.cmake)
+
 # Meshes, grids, fields and their files: what every reader and writer stands on.
-standoff_component(core FILES core/*.cpp files/*.cpp geometry/*.cpp io/mesh/*.cpp io/field/*.cpp LIBRARIES ZLIB::ZLIB ${STANDOFF_ASSIMP})
+standoff_component(core FILES ${STANDOFF_GROUND_FILES} io/mesh/*.cpp io/field/*.cpp LIBRARIES ZLIB::ZLIB ${STANDOFF_ASSIMP})
 if(STANDOFF_ASSIMP)
   target_compile_definitions(standoff_core PRIVATE STANDOFF_HAVE_ASSIMP)
 endif()
@@ -67,14 +69,11 @@ else()
 endif()
 
 # Fields of meshes on the CPU and on CUDA.
-standoff_component(field FILES sign/*.cpp sign/cpu/*.cpp sign/open_winding/*.cpp field/*.cpp field/cpu/*.cpp field/cuda/*.cpp
-                   gpu/${STANDOFF_CUDA_FILES} thesis/*.cpp
-                   backends/fields.cpp backends/skip_rules.cpp backends/cuda/${STANDOFF_CUDA_FILES} WITHOUT /algorithm_2
+standoff_component(field FILES ${STANDOFF_FIELD_FILES} gpu/${STANDOFF_CUDA_FILES} backends/cuda/${STANDOFF_CUDA_FILES} WITHOUT /algorithm_2
                    LIBRARIES ${STANDOFF_CUDA_RUNTIME})
 
 if("collision" IN_LIST STANDOFF_COMPONENTS)
-  standoff_component(collision FILES collision/*.cpp collision/body/*.cpp collision/cpu/*.cpp collision/cuda/${STANDOFF_CUDA_FILES}
-                     thesis/algorithm_2*.cpp backends/collision.cpp)
+  standoff_component(collision FILES ${STANDOFF_COLLISION_FILES} collision/cuda/${STANDOFF_CUDA_FILES})
 endif()
 if("simulation" IN_LIST STANDOFF_COMPONENTS)
   standoff_component(simulation FILES simulation/*.cpp)

@@ -56,6 +56,12 @@ inline constexpr float kBoxError = 0x1p-20f;
 inline constexpr float kSlackOfCoordinate = 4e-6f;
 static_assert(kSlackOfCoordinate > gamma_float(64));
 
+/// What the bound b of the test `bisector` (docs/cuda.md) is raised by, as a share, beside the slack that is in b and d
+/// already. Decides no bit while it is above the rounding of the test's operations; below it samples lose their nearest
+/// triangle. Larger: more candidates are kept.
+inline constexpr float kBisectorSlack = 1e-5f;
+static_assert(kBisectorSlack > gamma_float(16));
+
 /// What rounding may add to a box in samples, or to a distance between cells as a share, both in double. Far above
 /// double's rounding, far below one sample: larger, and triangles are put into bricks that they do not reach; smaller,
 /// and grids 2^30 spacings from the mesh lose triangles.

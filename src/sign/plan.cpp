@@ -2,12 +2,12 @@
 #include "sign/plan.h"
 
 #include <string>
+#include <utility>
 
 #include "sign/closed.h"
-#include "sign/orient.h"
+#include "sign/diagnose.h"
 #include "sign/outward.h"
 #include "standoff/error.h"
-#include "standoff/mesh_report.h"
 
 namespace standoff {
 namespace {
@@ -18,8 +18,19 @@ std::string counted(std::int64_t n, const std::string& what) {
   return std::to_string(n) + ' ' + what + (n == 1 ? "" : "s");
 }
 
-std::string open_edges(const SignPlan& plan) {
-  return counted(plan.report.boundary_edges, "edge") + " of it do not cancel";
+void take(SignPlan& plan, Orientation orientation, Boundary boundary) {
+  plan.use = std::move(orientation.use);
+  plan.boundary = std::move(boundary);
+  plan.report.flipped = orientation.flipped;
+  plan.report.left_out = orientation.left_out;
+  plan.report.boundary_edges = static_cast<std::int64_t>(plan.boundary.edges.size());
+}
+
+void orient_for(SignPlan& plan, MeshView mesh) {
+  const MeshEdges edges(mesh);
+  Orientation found = orient(mesh, edges);
+  Boundary boundary = net_boundary({mesh, found.use}, edges);
+  take(plan, std::move(found), std::move(boundary));
 }
 
 void plan_parity(SignPlan& plan, const Closed& closed) {
@@ -42,10 +53,14 @@ void plan_winding(SignPlan& plan, MeshView mesh, const Closed& closed, const Sig
     orient_for(plan, mesh);
   }
   plan.report.sure = plan.boundary.edges.empty();
-  plan.report.why = closed.oriented ? "the mesh is closed; parts that were inside out are turned"
-                    : plan.report.sure
-                        ? "the mesh is closed once it is oriented"
-                        : "the generalised winding number decides; the mesh is open: " + open_edges(plan);
+  const std::string repaired = plan.use.empty()
+                                   ? ""
+                                   : " once " + counted(plan.report.flipped, "triangle") + " are flipped and " +
+                                         std::to_string(plan.report.left_out) + " left out";
+  plan.report.why = plan.report.sure
+                        ? "the mesh is closed and consistently oriented" + repaired
+                        : "the mesh is open" + repaired + " (" + counted(plan.report.boundary_edges, "edge") +
+                              " do not cancel), so the generalised winding number decides";
 }
 
 void plan_normal(SignPlan& plan, MeshView mesh, const Closed& closed, const SignOptions& options) {
@@ -64,25 +79,15 @@ void plan_automatic(SignPlan& plan, MeshView mesh, const Closed& closed, const S
     plan.report.method = SignMethod::winding;
     return plan_winding(plan, mesh, closed, options);
   }
-  const MeshReport found = report(mesh, {.most_components = 0, .most_intersections = 0});
-  plan.report.method = found.method;
-  if (found.method == SignMethod::winding) orient_for(plan, mesh);
-  plan.report.boundary_edges = found.boundary_edges;
-  plan.report.sure = found.sure;
-  plan.report.why = found.why;
+  Diagnosis found = diagnose(mesh, MeshEdges(mesh));
+  if (found.report.method == SignMethod::winding) take(plan, std::move(found.orientation), std::move(found.boundary));
+  plan.report.method = found.report.method;
+  plan.report.boundary_edges = found.report.boundary_edges;
+  plan.report.sure = found.report.sure;
+  plan.report.why = std::move(found.report.why);
 }
 
 }  // namespace
-
-void orient_for(SignPlan& plan, MeshView mesh) {
-  const MeshEdges edges(mesh);
-  Orientation found = orient(mesh, edges);
-  plan.use = std::move(found.use);
-  plan.boundary = net_boundary({mesh, plan.use}, edges);
-  plan.report.flipped = found.flipped;
-  plan.report.left_out = found.left_out;
-  plan.report.boundary_edges = static_cast<std::int64_t>(plan.boundary.edges.size());
-}
 
 void expect_sure(const SignPlan& plan, const SignOptions& options) {
   if (!options.strict || plan.report.sure) return;

@@ -24,9 +24,6 @@ struct SignPlan {
 /// `strict` is asked for. Requires a valid mesh and valid options. Runs on the threads of the calling TBB arena.
 SignPlan plan_sign(MeshView mesh, const SignOptions& options);
 
-/// Orients the mesh by its parts, for the winding number: sets `use`, `boundary` and the report's figures.
-void orient_for(SignPlan& plan, MeshView mesh);
-
 /// Throws Error{doubt} where the plan is not certain and `strict` is asked for.
 void expect_sure(const SignPlan& plan, const SignOptions& options);
 

@@ -34,7 +34,7 @@ RowCrossing crossing_of(const FoundCrossing& found) {
 
 // Few crossings, and in some meshes many.
 void sort(std::span<RowCrossing> crossings) {
-  constexpr std::size_t kMost = 1024;
+  constexpr std::size_t kMost = 2048;
   if (crossings.size() < 2) return;
   if (crossings.size() > kMost) return std::sort(crossings.begin(), crossings.end());
   // By row first: a few are left for each, in any order.

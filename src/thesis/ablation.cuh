@@ -11,26 +11,20 @@ namespace standoff::STANDOFF_PLATFORM {
 
 /// The field is computed, but not written.
 struct StepsToDistance : AllSteps {
-  static STANDOFF_DEVICE bool writes(float value) { return __float_as_uint(value) == kNeverBits; }
+  static constexpr bool kWrites = false;
+  static STANDOFF_DEVICE bool uses(float value) { return __float_as_uint(value) == kNeverBits; }
 };
-/// Warps choose their triangles, but do not measure to them.
-struct StepsToVote : StepsToDistance {
-  template <bool kNearest>
-  static STANDOFF_DEVICE void measure(const Stage&, int, std::uint32_t, const Triple<float>&, Nearest&) {}
+/// The samples to measure from are found, and counted.
+struct StepsToRows : StepsToDistance {
+  static constexpr bool kMeasures = false;
 };
 /// Triangles are set up, and a number of them is read.
-struct StepsToSetUp : StepsToVote {
-  template <bool kNearest, class Steps>
-  static STANDOFF_DEVICE int gather_stage(const Lattice&, const Stage& stage, int count, const Triple<float>&,
-                                          const Triple<float>&, bool, float, Nearest&) {
-    const float number = stage.setup[threadIdx.x % Stage::kTriangles].number[count % 32];
-    return __float_as_uint(number) == kNeverBits;
-  }
+struct StepsToSetUp : StepsToRows {
+  static constexpr bool kFindsRows = false;
 };
 /// Lists are walked through.
 struct StepsToLists : StepsToSetUp {
-  static STANDOFF_DEVICE void set_up(const Lattice&, const DeviceMesh&, std::uint32_t, const Triple<double>&, Stage&,
-                                     int) {}
+  static constexpr bool kSetsUp = false;
 };
 
 template <StopAfter kLast>
@@ -38,7 +32,7 @@ using StepsTo = std::conditional_t<
     kLast == StopAfter::lists, StepsToLists,
     std::conditional_t<
         kLast == StopAfter::set_up, StepsToSetUp,
-        std::conditional_t<kLast == StopAfter::vote, StepsToVote,
+        std::conditional_t<kLast == StopAfter::rows, StepsToRows,
                            std::conditional_t<kLast == StopAfter::distance, StepsToDistance, AllSteps>>>>;
 
 /// enqueue() with all after a step left out: of thin bands and of Algorithm 1; other fields are whole. Requires a task

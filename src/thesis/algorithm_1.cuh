@@ -90,13 +90,15 @@ STANDOFF_KERNEL void __launch_bounds__(kGatherThreads)
 STANDOFF_KERNEL void __launch_bounds__(kGatherThreads)
     write_samples(Lattice l, const Counter* nearest, DeviceOutput output, Outcome* outcome) {
   __shared__ Finished finished;
+  __shared__ TileView view;
   if (outcome->stopped) return;
   const SampleAt at = sample_of_thread(static_cast<int>(threadIdx.x));
   for (std::int64_t index = blockIdx.x; index < l.tile_count(); index += gridDim.x) {
-    std::int64_t tile[3];
-    tile_at(l, index, tile);
-    const bool in_grid = at.x < inside<kTileSide>(l, tile, 0) && at.y < inside<kTileSide>(l, tile, 1) &&
-                         at.z < inside<kTileSide>(l, tile, 2);
+    view_tile(l, index, view);
+    if (threadIdx.x == 0) finished.band = finished.measured = 0;
+    __syncthreads();
+    const std::int64_t* const tile = view.tile;
+    const bool in_grid = at.x < view.inside[0] && at.y < view.inside[1] && at.z < view.inside[2];
     float value = __builtin_inff();
     std::uint32_t triangle = kNoTriangle;
     if (in_grid) {
@@ -105,10 +107,8 @@ STANDOFF_KERNEL void __launch_bounds__(kGatherThreads)
       value = sqrt(__uint_as_float(static_cast<std::uint32_t>(found >> 32))) * l.unscale;
       triangle = static_cast<std::uint32_t>(found);
     }
-    if (threadIdx.x == 0) finished.band = finished.measured = 0;
-    __syncthreads();
     const bool in_band = in_grid && value <= l.thickness_world;
-    finish_tile(l, tile, index, at, min(value, l.thickness_world), in_band ? triangle : kNoTriangle, in_band, finished,
+    finish_tile(l, view, index, at, min(value, l.thickness_world), in_band ? triangle : kNoTriangle, in_band, finished,
                 output, outcome);
   }
 }
@@ -127,7 +127,7 @@ struct Algorithm1 {
   void lower(const Lattice& l, const Task& task, Stream stream) const {
     const std::int64_t all = l.tile_count(), samples = task.grid.sample_count();
     const std::int64_t warps = blocks_for(32 * task.mesh.used_count());
-    launch(stream, "clear", clear_outcome, 1, 1, task.outcome, static_cast<Counter*>(nullptr));
+    launch(stream, "clear", clear_outcome, 1, 1, task.outcome, static_cast<Counter*>(nullptr), 0);
     launch(stream, "clear samples", clear_samples, kManyBlocks, kThreads, nearest, samples);
     launch(stream, "Algorithm 1", lower_samples<kLast>, warps < kManyBlocks * 8 ? warps : kManyBlocks * 8, kThreads, l,
            task.mesh, task.grid, task.thickness, nearest, task.outcome);

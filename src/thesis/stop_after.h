@@ -11,7 +11,7 @@ namespace standoff {
 enum class StopAfter {
   lists,     ///< tiles: lists made and walked through; thesis: samples walked through, with their positions
   set_up,    ///< triangles set up in shared memory
-  vote,      ///< which triangles a warp must measure to
+  rows,      ///< the samples from which a triangle must be measured to
   distance,  ///< distances, and the least of them
   read,      ///< thesis: what the sample holds is read
   write,     ///< nothing is left out: the field

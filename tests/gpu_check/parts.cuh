@@ -16,7 +16,7 @@ struct Part {
 };
 inline constexpr Part kParts[] = {
     {"through_lists", enqueue_until<StopAfter::lists>}, {"through_set_up", enqueue_until<StopAfter::set_up>},
-    {"through_vote", enqueue_until<StopAfter::vote>},   {"through_distance", enqueue_until<StopAfter::distance>},
+    {"through_rows", enqueue_until<StopAfter::rows>},   {"through_distance", enqueue_until<StopAfter::distance>},
     {"through_read", enqueue_until<StopAfter::read>},   {"write_always", enqueue_until<StopAfter::always>},
 };
 

@@ -196,9 +196,10 @@ class Tables(unittest.TestCase):
 
     def test_predictions_stand_beside_what_was_measured_on_their_gpu_alone(self):
         row = dict(zip(HEAD.split(","), ROW.format("catapult", "412x404x416", "2").split(",")))
-        shown = gpu_tables.goals([row], [], gpu_tables.predictions("name\nNVIDIA H200, 580.1\n"))
+        shown = gpu_tables.goals([row], [], gpu_tables.predictions("name\nNVIDIA H200, 580.1\nstandoff: c863e91\n"))
         self.assertEqual((shown[0]["ms"], shown[0]["predicted"]), ("1.5", "1.25-1.6"))
         self.assertNotIn("predicted", gpu_tables.goals([row], [], gpu_tables.predictions("the emulated GPU"))[0])
+        self.assertNotIn("predicted", gpu_tables.goals([row], [], gpu_tables.predictions("NVIDIA H200\nstandoff: other"))[0])
 
     def test_table_5_4_is_of_differences(self):
         rows = [{"table": "table_5.4", "method": "tiles", "output": output, "median_ms": ms}

@@ -56,7 +56,9 @@ Flooded flood(const Mesh& mesh, const Grid& grid) {
 std::vector<bool> winding(const Mesh& mesh, const Grid& grid) {
   const ProgressCallback none;
   ProgressMeter progress(none);
-  return sides_of(IntegerWinding({mesh}, grid, WindingRule::nonzero, progress), grid);
+  IntegerWinding sides({mesh}, grid, WindingRule::nonzero, progress);
+  sides.load(0);
+  return sides_of(sides, grid);
 }
 
 // A flood from sample to sample over the lattice.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Thin bands: which triangles each tile has to look at, by counting. A triangle goes into the tiles that its box grown
-// by the thickness touches. One that touches more than two in a row is compared with their centres, exactly, by a block
-// of threads of its own.
+// by the thickness touches. One that touches more than two in a row is compared with their centres, exactly, by a warp
+// of its own, or by many where it touches very many.
 #pragma once
 
 #include "field/binning.h"
@@ -25,11 +25,29 @@ struct TileLists {
   Counter capacity;        // of entries
 };
 
-/// Triangles that touch many tiles.
+/// Triangles that touch many tiles; from the end of the array on those that touch very many.
 struct LongList {
   std::uint32_t* triangles;
-  Counter* count;
+  Counter* count;  // of both: two numbers
+  std::int64_t capacity;
 };
+
+/// Triangles whose box holds more tiles than this are shared by kWarpsPerHuge warps. Decides no bit. Every warp sets up
+/// its triangle, which takes as long as some 200 tiles do: with fewer tiles for each the shares would cost more than
+/// they save, with more a triangle across a fine grid would keep one warp busy while all others are done.
+inline constexpr std::int64_t kHugeRange = 1024;
+inline constexpr int kWarpsPerHuge = 32;
+
+/// How many tiles a range holds.
+STANDOFF_DEVICE std::int64_t tiles_in(const CellRange& r) {
+  return (r.high[0] - r.low[0] + 1) * (r.high[1] - r.low[1] + 1) * (r.high[2] - r.low[2] + 1);
+}
+/// Notes a triangle that touches many tiles.
+STANDOFF_DEVICE void list_long(const LongList& list, const CellRange& r, std::uint32_t triangle) {
+  const bool is_huge = tiles_in(r) > kHugeRange;
+  const auto place = static_cast<std::int64_t>(atomicAdd(&list.count[is_huge], Counter{1}));
+  list.triangles[is_huge ? list.capacity - 1 - place : place] = triangle;
+}
 
 /// No list is this long: a count from here on has wrapped below zero.
 inline constexpr std::uint32_t kNoCount = 0xf0000000u;
@@ -48,6 +66,30 @@ STANDOFF_DEVICE bool use_tile(const TileLists& lists, std::int64_t tile, std::ui
   return fits;
 }
 
+/// The same for all lanes of a warp at once, each with a tile of its own choice, or with tile -1 for none: neighbouring
+/// triangles lie in the same tiles, and those that do take their places by one atomic operation.
+template <bool kPlace>
+STANDOFF_DEVICE bool use_tiles(const TileLists& lists, std::int64_t tile, std::uint32_t triangle) {
+  const int lane = static_cast<int>(threadIdx.x) % 32;
+  const std::uint32_t same = __match_any_sync(0xffffffffu, static_cast<Counter>(tile));
+  const int leader = __ffs(static_cast<int>(same)) - 1;
+  const auto wanted = static_cast<std::uint32_t>(__popc(same));
+  std::uint32_t before = 0;
+  if (lane == leader && tile >= 0) {
+    if (kPlace)
+      before = atomicSub(&lists.counts[tile], wanted);
+    else
+      atomicAdd(&lists.counts[tile], wanted);
+  }
+  if (!kPlace) return true;
+  before = __shfl_sync(0xffffffffu, before, leader);
+  if (tile < 0) return true;
+  const std::uint32_t place = before - 1 - static_cast<std::uint32_t>(__popc(same & ((1u << lane) - 1)));
+  const bool fits = place < kNoCount;
+  if (fits) lists.entries[lists.start[tile] + place] = triangle;
+  return fits;
+}
+
 // bin_small waits for memory most of the time: six blocks to a multiprocessor, so at most 40 registers; four fill one
 // of compute capability 7.5.
 #if defined(__CUDA_ARCH__) && __CUDA_ARCH__ < 800
@@ -60,41 +102,61 @@ inline constexpr int kBinBlocks = 6;
 template <bool kPlace>
 STANDOFF_KERNEL void __launch_bounds__(kThreads, kBinBlocks)
     bin_small(Lattice l, DeviceMesh mesh, TileLists lists, LongList long_ones, Outcome* outcome) {
+  if (kPlace && __ballot_sync(0xffffffffu, outcome->stopped != 0) != 0) return;  // a warp stays together
   const std::int64_t n = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
-  if (n >= mesh.used_count()) return;
-  if (kPlace && outcome->stopped) return;
-  const std::uint32_t triangle = used_triangle(mesh, n);
-  if (!kPlace && !is_valid(mesh, triangle, outcome)) return;
-  const CellRange r = tiles_of(l, corners_of(mesh, triangle));
-  if (r.empty()) return;
-  if (!r.is_small()) {
-    if (!kPlace) long_ones.triangles[atomicAdd(long_ones.count, Counter{1})] = triangle;
-    return;
+  CellRange r{{0, 0, 0}, {-1, -1, -1}};
+  std::uint32_t triangle = 0;
+  if (n < mesh.used_count()) {
+    triangle = used_triangle(mesh, n);
+    if (kPlace || is_valid(mesh, triangle, outcome)) r = tiles_of(l, corners_of(mesh, triangle));
+  }
+  bool places = !r.empty();
+  if (places && !r.is_small()) {
+    if (!kPlace) list_long(long_ones, r, triangle);
+    places = false;
   }
   bool fits = true;
-  for (std::int64_t z = r.low[2]; z <= r.high[2]; ++z)
-    for (std::int64_t y = r.low[1]; y <= r.high[1]; ++y)
-      for (std::int64_t x = r.low[0]; x <= r.high[0]; ++x) fits &= use_tile<kPlace>(lists, l.tile(x, y, z), triangle);
+  for (int corner = 0; corner < 8; ++corner) {  // all lanes of the warp, whatever their ranges
+    const std::int64_t x = r.low[0] + (corner & 1), y = r.low[1] + (corner >> 1 & 1), z = r.low[2] + (corner >> 2);
+    const bool mine = places && x <= r.high[0] && y <= r.high[1] && z <= r.high[2];
+    if (__ballot_sync(0xffffffffu, mine) != 0) fits &= use_tiles<kPlace>(lists, mine ? l.tile(x, y, z) : -1, triangle);
+  }
   if (!fits) stop_for_miscount(outcome);
 }
 
-/// A block a long triangle, a thread a tile of its range.
+/// One long triangle, share `share` of `shares` of its range: a lane a tile.
 template <bool kPlace>
-STANDOFF_KERNEL void bin_long(Lattice l, DeviceMesh mesh, TileLists lists, LongList long_ones, Outcome* outcome) {
+STANDOFF_DEVICE void bin_share(const Lattice& l, const DeviceMesh& mesh, const TileLists& lists, std::uint32_t triangle,
+                               int share, int shares, double reach_sq, Outcome* outcome) {
+  const Corners c = corners_of(mesh, triangle);
+  const CellRange r = tiles_of(l, c);
+  if (r.empty()) return;
+  const LongTriangle<kTileSide> long_triangle(l, r, c.at);
+  const std::int64_t nx = r.high[0] - r.low[0] + 1, ny = r.high[1] - r.low[1] + 1, all = tiles_in(r);
+  for (std::int64_t at = 32 * share + static_cast<int>(threadIdx.x) % 32; at < all; at += 32 * shares) {
+    const std::int64_t x = r.low[0] + at % nx, y = r.low[1] + at / nx % ny, z = r.low[2] + at / (nx * ny);
+    if (long_triangle.reaches(l, x, y, z, reach_sq) && !use_tile<kPlace>(lists, l.tile(x, y, z), triangle))
+      stop_for_miscount(outcome);
+  }
+}
+
+/// Warps stride over the long triangles, and over the shares of the huge ones.
+template <bool kPlace>
+STANDOFF_KERNEL void __launch_bounds__(kThreads)
+    bin_long(Lattice l, DeviceMesh mesh, TileLists lists, LongList long_ones, Outcome* outcome) {
   if (outcome->stopped) return;
   const double reach_sq = cell_reach_sq<kTileSide>(l);
-  const Counter count = *long_ones.count;
-  for (Counter n = blockIdx.x; n < count; n += gridDim.x) {
-    const std::uint32_t triangle = long_ones.triangles[n];
-    const Corners c = corners_of(mesh, triangle);
-    const CellRange r = tiles_of(l, c);
-    const LongTriangle<kTileSide> long_triangle(l, r, c.at);
-    const std::int64_t nx = r.high[0] - r.low[0] + 1, ny = r.high[1] - r.low[1] + 1, nz = r.high[2] - r.low[2] + 1;
-    for (std::int64_t at = threadIdx.x; at < nx * ny * nz; at += blockDim.x) {
-      const std::int64_t x = r.low[0] + at % nx, y = r.low[1] + at / nx % ny, z = r.low[2] + at / (nx * ny);
-      if (long_triangle.reaches(l, x, y, z, reach_sq) && !use_tile<kPlace>(lists, l.tile(x, y, z), triangle))
-        stop_for_miscount(outcome);
-    }
+  const Counter count = long_ones.count[0], shares = long_ones.count[1] * kWarpsPerHuge;
+  const Counter first = std::int64_t{blockIdx.x} * (blockDim.x / 32) + threadIdx.x / 32,
+                step = std::int64_t{gridDim.x} * (blockDim.x / 32);
+  for (Counter n = first; n < count + shares; n += step) {
+    // The huge ones first: they take longest.
+    const bool is_huge = n < shares;
+    const std::uint32_t triangle =
+        is_huge ? long_ones.triangles[long_ones.capacity - 1 - static_cast<std::int64_t>(n / kWarpsPerHuge)]
+                : long_ones.triangles[n - shares];
+    bin_share<kPlace>(l, mesh, lists, triangle, is_huge ? static_cast<int>(n % kWarpsPerHuge) : 0,
+                      is_huge ? kWarpsPerHuge : 1, reach_sq, outcome);
   }
 }
 

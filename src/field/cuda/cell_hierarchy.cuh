@@ -166,12 +166,6 @@ STANDOFF_KERNEL void __launch_bounds__(kChunk) bound_children(Lattice l, DeviceM
   }
 }
 
-/// What the bound b of the test `bisector` (docs/cuda.md) is raised by, as a share, beside the slack that is in b and d
-/// already. Decides no bit while it is above the rounding of the test's operations; below it samples lose their nearest
-/// triangle. Larger: more candidates are kept.
-inline constexpr float kBisectorSlack = 1e-5f;
-static_assert(kBisectorSlack > gamma_float(16));
-
 /// Whether a candidate may be nearest to a sample of the child.
 STANDOFF_DEVICE bool may_be_nearest(const Lattice& l, const Candidate& c, const Child& child) {
   const float least = max(sqrt(distance_sq(c.frame, child.center)) - c.slack, 0.0f);

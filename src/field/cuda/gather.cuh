@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A block of threads per tile: each thread holds one sample in registers, all triangles of the tile pass by in shared
-// memory, and each sample is written once.
+// Thick bands and full fields: a block of threads per tile. Each thread holds one sample in registers, all triangles of
+// the tile pass by in shared memory, and each sample is written once. (Thin bands: gather_band.cuh.)
 //
 // A warp holds 4x4x2 samples. Before it measures, its lanes compare 32 triangles with the centre of these samples, one
 // each, and a vote leaves those that can be nearer than what the samples have. So all lanes measure to the same
@@ -23,11 +23,16 @@ STANDOFF_DEVICE SampleAt sample_of_thread(int thread) {
   const int warp = thread / 32, lane = thread % 32;
   return {(warp & 1) * 4 + (lane & 3), (warp >> 1 & 1) * 4 + (lane >> 2 & 3), (warp >> 2) * 2 + (lane >> 4)};
 }
-/// Half the diagonal of a warp's samples, grid units, rounded up.
-STANDOFF_DEVICE float warp_radius(const Lattice& l) {
-  const auto x = static_cast<float>(1.5 * l.unit[0]), y = static_cast<float>(1.5 * l.unit[1]),
-             z = static_cast<float>(0.5 * l.unit[2]);
-  return sqrt(x * x + y * y + z * z) * (1 + kSlackRatio);
+/// The samples of any warp, grid units: how wide they are along each axis, and half their diagonal, rounded up.
+struct WarpExtent {
+  float width[3], radius;
+};
+STANDOFF_DEVICE WarpExtent warp_extent(const Lattice& l) {
+  WarpExtent e{{static_cast<float>(3 * l.unit[0]), static_cast<float>(3 * l.unit[1]), static_cast<float>(l.unit[2])},
+               0};
+  const float x = e.width[0] / 2, y = e.width[1] / 2, z = e.width[2] / 2;
+  e.radius = sqrt(x * x + y * y + z * z) * (1 + kSlackRatio);
+  return e;
 }
 
 /// The largest value among the lanes of a warp.
@@ -57,49 +62,63 @@ STANDOFF_DEVICE void measure(const Stage& stage, int first, std::uint32_t left, 
   }
 }
 
+/// The samples of a warp, and the point of the mesh nearest to their centre as far as is known.
+struct WarpSamples {
+  Triple<float> center;
+  Triple<float> surface;
+  float within;  // no farther than this is `surface` from the centre; infinite while none is known
+};
+
+/// Whether triangle n may be nearest to one of the warp's samples, which the point `surface` does not rule out. `least`
+/// is a lower bound of its distance from their centre. (The test `bisector` of cell_hierarchy.cuh, with the warp's
+/// samples for a child.)
+STANDOFF_DEVICE bool may_be_nearest(const WarpExtent& extent, const Stage& stage, int n, float least,
+                                    const WarpSamples& warp) {
+  const Triple<float>& q = warp.surface;
+  float spread = extent.width[0] * max(stage.high[0][n] - q.x, q.x - stage.low[0][n]);
+  spread = fma(extent.width[1], max(stage.high[1][n] - q.y, q.y - stage.low[1][n]), spread);
+  spread = fma(extent.width[2], max(stage.high[2][n] - q.z, q.z - stage.low[2][n]), spread);
+  const float within = warp.within * (1 + kBisectorSlack);
+  return fma(least, least, -spread) < within * within;
+}
+
+/// Lowers the warp's nearest point to that of the 32 staged triangles from `first` on, one a lane, whose distance is at
+/// most `most`. All lanes take part.
+STANDOFF_DEVICE void find_surface(const Stage& stage, int first, float most, WarpSamples& warp) {
+  float nearest = most;
+  for (int bits = 16; bits > 0; bits /= 2) nearest = min(nearest, __shfl_xor_sync(0xffffffffu, nearest, bits));
+  const std::uint32_t which = __ballot_sync(0xffffffffu, most == nearest);
+  if (!(nearest < warp.within)) return;
+  warp.within = nearest;
+  const int n = first + __ffs(static_cast<int>(which)) - 1;
+  warp.surface = closest_in_frame(load<TriangleFrame<float>>(stage.setup[n]), warp.center);
+}
+
 /// Measures from a warp's samples to those of the staged triangles, `count` of them, that its vote leaves. Returns how
 /// many were measured.
-template <bool kNearest, class Steps>
-STANDOFF_DEVICE int gather_stage(const Lattice& l, const Stage& stage, int count, const Triple<float>& sample,
-                                 const Triple<float>& warp_center, bool in_grid, float known_within, Nearest& best) {
+template <bool kNearest>
+STANDOFF_DEVICE int gather_stage(const Lattice& l, const WarpExtent& extent, const Stage& stage, int count,
+                                 const Triple<float>& sample, bool in_grid, float known_within, WarpSamples& warp,
+                                 Nearest& best) {
   const int lane = static_cast<int>(threadIdx.x) % 32;
   int measured = 0;
   for (int first = 0; first < count; first += 32) {
+    const int mine = first + lane;
+    const bool exists = mine < count;
+    const float d = exists ? sqrt(staged_distance_sq(stage, mine, warp.center)) : 0;
+    const float slack = exists ? stage.slack[mine] : 0;
+    find_surface(stage, first, exists && !stage.is_long[mine] ? d + slack : __builtin_inff(), warp);
     // Samples past the grid never hold anything back.
     const float worst = sqrt(warp_max(in_grid ? best.distance_sq : 0));
-    const float within = min(l.thickness, min(worst, known_within)) * (1 + kSlackRatio) + warp_radius(l);
-    const int mine = first + lane;
-    const bool is_near =
-        mine < count && sqrt(staged_distance_sq(stage, mine, warp_center)) - stage.slack[mine] <= within;
+    const float within = min(l.thickness, min(worst, known_within)) * (1 + kSlackRatio) + extent.radius;
+    const float least = max(d - slack, 0.0f);
+    const bool is_near = exists && least <= within && may_be_nearest(extent, stage, mine, least, warp);
     const std::uint32_t left = __ballot_sync(0xffffffffu, is_near);
     measured += __popc(left);
-    Steps::template measure<kNearest>(stage, first, left, sample, best);
+    measure<kNearest>(stage, first, left, sample, best);
   }
   return measured;
 }
-
-/// The steps of a gather. A program that measures what each of them costs gives the kernel steps of its own, of which
-/// some do nothing; a field takes these.
-struct AllSteps {
-  static STANDOFF_DEVICE void set_up(const Lattice& l, const DeviceMesh& mesh, std::uint32_t triangle,
-                                     const Triple<double>& center, Stage& stage, int n) {
-    STANDOFF_PLATFORM::set_up(l, mesh, triangle, center, stage, n);
-  }
-  template <bool kNearest, class Steps>
-  static STANDOFF_DEVICE int gather_stage(const Lattice& l, const Stage& stage, int count, const Triple<float>& sample,
-                                          const Triple<float>& warp_center, bool in_grid, float known_within,
-                                          Nearest& best) {
-    return STANDOFF_PLATFORM::gather_stage<kNearest, Steps>(l, stage, count, sample, warp_center, in_grid, known_within,
-                                                            best);
-  }
-  template <bool kNearest>
-  static STANDOFF_DEVICE void measure(const Stage& stage, int first, std::uint32_t left, const Triple<float>& sample,
-                                      Nearest& best) {
-    STANDOFF_PLATFORM::measure<kNearest>(stage, first, left, sample, best);
-  }
-  /// Whether a finished sample's tile is written.
-  static STANDOFF_DEVICE bool writes(float) { return true; }
-};
 
 /// A tile's finished samples, x fastest, before they are written in rows.
 struct Finished {
@@ -109,17 +128,16 @@ struct Finished {
 };
 
 /// Writes a tile: to its slot, or where it lies in the dense grid. All threads of the block take part.
-STANDOFF_DEVICE void write_tile(const Lattice& l, const std::int64_t* tile, std::int64_t index,
-                                const Finished& finished, const DeviceOutput& output) {
+STANDOFF_DEVICE void write_tile(const Lattice& l, const TileView& view, std::int64_t index, const Finished& finished,
+                                const DeviceOutput& output) {
   const int t = static_cast<int>(threadIdx.x);
   std::int64_t at;
   if (output.slots) {
     at = std::int64_t{output.slots[index]} * kTileSamples + t;
   } else {
     const int x = t % 8, y = t / 8 % 8, z = t / 64;
-    if (x >= inside<kTileSide>(l, tile, 0) || y >= inside<kTileSide>(l, tile, 1) || z >= inside<kTileSide>(l, tile, 2))
-      return;
-    at = tile[0] * 8 + x + l.size[0] * (tile[1] * 8 + y + l.size[1] * (tile[2] * 8 + z));
+    if (x >= view.inside[0] || y >= view.inside[1] || z >= view.inside[2]) return;
+    at = view.tile[0] * 8 + x + l.size[0] * (view.tile[1] * 8 + y + l.size[1] * (view.tile[2] * 8 + z));
   }
   output.values[at] = finished.value[t];
   if (output.nearest) output.nearest[at] = finished.nearest[t];
@@ -127,8 +145,7 @@ STANDOFF_DEVICE void write_tile(const Lattice& l, const std::int64_t* tile, std:
 
 /// Clamps the samples, leaves them in `finished`, and writes the tile; one without a band sample stays unstored
 /// (sparse). All threads of the block take part.
-template <class Steps = AllSteps>
-STANDOFF_DEVICE void finish_tile(const Lattice& l, const std::int64_t* tile, std::int64_t index, const SampleAt& at,
+STANDOFF_DEVICE void finish_tile(const Lattice& l, const TileView& view, std::int64_t index, const SampleAt& at,
                                  float value, std::uint32_t nearest, bool is_band, Finished& finished,
                                  const DeviceOutput& output, Outcome* outcome) {
   const int t = at.x + 8 * at.y + 64 * at.z;
@@ -137,8 +154,7 @@ STANDOFF_DEVICE void finish_tile(const Lattice& l, const std::int64_t* tile, std
   const std::uint32_t band = __ballot_sync(0xffffffffu, is_band);
   if (threadIdx.x % 32 == 0) atomicAdd(&finished.band, static_cast<unsigned>(__popc(band)));
   __syncthreads();
-  if (Steps::writes(finished.value[t]) && (!output.slots || finished.band != 0))
-    write_tile(l, tile, index, finished, output);
+  if (!output.slots || finished.band != 0) write_tile(l, view, index, finished, output);
   if (threadIdx.x == 0) {
     atomicAdd(&outcome->samples_band, Counter{finished.band});
     atomicAdd(&outcome->samples_examined, Counter{32} * finished.measured);
@@ -155,58 +171,68 @@ struct GatherLists {
 };
 
 /// Blocks stride over the tiles.
-template <bool kNearest, class Steps = AllSteps>
+template <bool kNearest>
 STANDOFF_KERNEL void __launch_bounds__(kGatherThreads, 2)
     gather(Lattice l, DeviceMesh mesh, GatherLists lists, DeviceOutput output, Outcome* outcome) {
   __shared__ Stage stage;
   __shared__ Finished finished;
+  __shared__ TileView view;
+  __shared__ WarpExtent extent;
+  __shared__ float tile_radius;
   if (outcome->stopped) return;
   const int thread = static_cast<int>(threadIdx.x);
+  if (thread == 0) {
+    extent = warp_extent(l);
+    const double half = 3.5 * sqrt(l.unit[0] * l.unit[0] + l.unit[1] * l.unit[1] + l.unit[2] * l.unit[2]);
+    tile_radius = static_cast<float>(half) * (1 + kSlackRatio);
+  }
   const SampleAt at = sample_of_thread(thread);
   const std::int64_t tiles = l.tile_count();
   for (std::int64_t index = blockIdx.x; index < tiles; index += gridDim.x) {
     if (output.slots && output.slots[index] < 0) continue;
-    std::int64_t tile[3];
-    tile_at(l, index, tile);
-    const int corner[3] = {static_cast<int>(tile[0] & 1) * 8, static_cast<int>(tile[1] & 1) * 8,
-                           static_cast<int>(tile[2] & 1) * 8};
-    const float* const x = l.coordinate[0] + corner[0];
-    const float* const y = l.coordinate[1] + corner[1];
-    const float* const z = l.coordinate[2] + corner[2];
+    view_tile(l, index, view);
+    if (thread == 0) finished.band = finished.measured = 0;
+    __syncthreads();
+    const float* const x = view.coordinate[0];
+    const float* const y = view.coordinate[1];
+    const float* const z = view.coordinate[2];
     const Triple<float> sample{x[at.x], y[at.y], z[at.z]};
     const int wx = at.x & 4, wy = at.y & 4, wz = at.z & 6;
-    const Triple<float> warp_center{(x[wx] + x[wx + 3]) / 2, (y[wy] + y[wy + 3]) / 2, (z[wz] + z[wz + 1]) / 2};
-    const bool in_grid = at.x < inside<kTileSide>(l, tile, 0) && at.y < inside<kTileSide>(l, tile, 1) &&
-                         at.z < inside<kTileSide>(l, tile, 2);
+    WarpSamples warp{
+        {(x[wx] + x[wx + 3]) / 2, (y[wy] + y[wy + 3]) / 2, (z[wz] + z[wz + 1]) / 2}, {0, 0, 0}, __builtin_inff()};
+    const bool in_grid = at.x < view.inside[0] && at.y < view.inside[1] && at.z < view.inside[2];
 
     // No sample of the tile is farther from the mesh than this, where something is known.
     float known_within = l.thickness;
+    std::uint32_t nearest_center = kNoTriangle;
     if (lists.nearest_bound) {
-      const double half = 3.5 * sqrt(l.unit[0] * l.unit[0] + l.unit[1] * l.unit[1] + l.unit[2] * l.unit[2]);
-      const float bound = __uint_as_float(static_cast<std::uint32_t>(lists.nearest_bound[index] >> 32));
-      known_within = min(known_within, bound + static_cast<float>(half) * (1 + kSlackRatio));
+      const Counter nearest_bound = lists.nearest_bound[index];
+      const float bound = __uint_as_float(static_cast<std::uint32_t>(nearest_bound >> 32));
+      nearest_center = static_cast<std::uint32_t>(nearest_bound);
+      known_within = min(known_within, bound + tile_radius);
     }
 
-    if (thread == 0) finished.band = finished.measured = 0;
     Nearest best{__builtin_inff(), kNoTriangle};
     int measured = 0;
-    const Triple<double> center = brick_center(l, tile);
-    const Counter end = lists.start[index + 1];
-    for (Counter first = lists.start[index]; first < end; first += Stage::kTriangles) {
-      const int count = end - first < Stage::kTriangles ? static_cast<int>(end - first) : Stage::kTriangles;
+    const Counter begin = lists.start[index], listed = lists.start[index + 1] - begin;
+    // Before the list comes the triangle nearest to the tile's centre, of which it is one: so warps know a point of the
+    // mesh near to them from the start. Measured to twice, it changes nothing.
+    const Counter extra = nearest_center != kNoTriangle && listed > 0, all = listed + extra;
+    for (Counter first = 0; first < all; first += Stage::kTriangles) {
+      const int count = all - first < Stage::kTriangles ? static_cast<int>(all - first) : Stage::kTriangles;
+      // The warps set up in turns.
+      const int n = (thread + static_cast<int>(first % kGatherThreads)) % kGatherThreads;
+      const Counter mine = first + static_cast<Counter>(n);
       __syncthreads();  // the last stage has been read
-      if (thread < count)
-        Steps::set_up(l, mesh, lists.entries[first + static_cast<Counter>(thread)], center, stage, thread);
+      if (n < count)
+        set_up(l, mesh, mine < extra ? nearest_center : lists.entries[begin + mine - extra], view.center, stage, n);
       __syncthreads();
-      measured += Steps::template gather_stage<kNearest, Steps>(l, stage, count, sample, warp_center, in_grid,
-                                                                known_within, best);
+      measured += gather_stage<kNearest>(l, extent, stage, count, sample, in_grid, known_within, warp, best);
     }
-    __syncthreads();  // the counters are zero, also where no triangle came by
     if (thread % 32 == 0) atomicAdd(&finished.measured, static_cast<unsigned>(measured));
     const bool in_band = in_grid && !(l.thickness_sq < best.distance_sq);
     const float value = in_grid ? min(sqrt(best.distance_sq) * l.unscale, l.thickness_world) : l.thickness_world;
-    finish_tile<Steps>(l, tile, index, at, value, in_band ? best.triangle : kNoTriangle, in_band, finished, output,
-                       outcome);
+    finish_tile(l, view, index, at, value, in_band ? best.triangle : kNoTriangle, in_band, finished, output, outcome);
   }
 }
 

@@ -6,9 +6,9 @@
 
 namespace standoff::STANDOFF_PLATFORM {
 
-STANDOFF_KERNEL void clear_outcome(Outcome* outcome, Counter* long_count) {
+STANDOFF_KERNEL void clear_outcome(Outcome* outcome, Counter* counters, int count) {
   *outcome = {0, Outcome::kNone, 0, 0, 0, 0};
-  if (long_count) *long_count = 0;
+  for (int n = 0; n < count; ++n) counters[n] = 0;
 }
 
 /// Stops all that follows where the lists do not fit.

@@ -11,7 +11,7 @@
 #pragma once
 
 #include "field/cuda/cell_hierarchy.cuh"
-#include "field/cuda/gather.cuh"
+#include "field/cuda/gather_band.cuh"
 #include "field/cuda/outcome.cuh"
 #include "gpu/workspace.h"
 
@@ -51,14 +51,20 @@ struct TileArrays {
   }
 };
 
+/// How many blocks stride over the tiles.
+inline std::int64_t tile_blocks(const Lattice& l) {
+  const std::int64_t tiles = l.tile_count(), most = std::int64_t{kManyBlocks} * 4;
+  return tiles < most ? tiles : most;
+}
+
 class CountedRun;
 
-template <class Steps = AllSteps>
-void launch_gather(const Lattice& l, const Task& task, const GatherLists& lists, Stream stream) {
-  // Sparse: most tiles are empty, so blocks look for those that are not.
-  const std::int64_t tiles = l.tile_count(), most = task.output.slots ? std::int64_t{kManyBlocks} * 4 : 0x7fffffff;
-  launch(stream, "gather", task.output.nearest ? gather<true, Steps> : gather<false, Steps>,
-         tiles < most ? tiles : most, kGatherThreads, l, task.mesh, lists, task.output, task.outcome);
+inline void launch_gather(const Lattice& l, const Task& task, const GatherLists& lists, Stream stream) {
+  // Dense: a block a tile, as some take far longer than others. Sparse: most tiles may be empty, so blocks look for
+  // those that are not.
+  const std::int64_t tiles = l.tile_count(), blocks = task.output.slots || tiles > 0x7fffffff ? tile_blocks(l) : tiles;
+  launch(stream, "gather", task.output.nearest ? gather<true> : gather<false>, blocks, kGatherThreads, l, task.mesh,
+         lists, task.output, task.outcome);
 }
 
 /// Thin bands: triangles are counted in the tiles that they reach, and then listed there.
@@ -67,6 +73,7 @@ struct ThinBand {
   TileArrays tiles;
   TileLists lists;
   LongList long_ones;
+  BandWork work;
 
   ThinBand(gpu::Workspace& memory, std::int64_t triangles, const Lattice& l, std::int64_t entries)
       : tiles(memory, l.tile_count()) {
@@ -75,13 +82,20 @@ struct ThinBand {
     lists.entries = memory.take<std::uint32_t>(entries);
     lists.capacity = static_cast<Counter>(entries);
     long_ones.triangles = memory.take<std::uint32_t>(triangles);
-    long_ones.count = memory.take<Counter>(1);
+    long_ones.capacity = triangles;
+    long_ones.count = memory.take<Counter>(2);
+    work.capacity = l.tile_count() + tile_groups(l) + kMostParts;
+    work.items = memory.take<WorkItem>(work.capacity);
+    work.most_cut = l.tile_count() < kMostParts ? l.tile_count() : kMostParts;
+    work.cut_tiles = memory.take<std::int64_t>(work.most_cut);
+    work.found = memory.take<Counter>(work.most_cut * kTileSamples);
+    work.counts = memory.take<WorkCounts>(1);
   }
 
   /// First half: how many triangles each tile has, and which tiles get a slot. Nothing is listed.
   void count(const Lattice& l, const Task& task, Stream stream) const {
     const std::int64_t all = l.tile_count(), per_triangle = blocks_for(task.mesh.used_count());
-    launch(stream, "clear", clear_outcome, 1, 1, task.outcome, long_ones.count);
+    launch(stream, "clear", clear_outcome, 1, 1, task.outcome, long_ones.count, 2);
     fill_bytes(stream, lists.counts, 0, (all + 1) * static_cast<std::int64_t>(sizeof(std::uint32_t)));
     launch(stream, "count small", bin_small<false>, per_triangle, kThreads, l, task.mesh, lists, long_ones,
            task.outcome);
@@ -99,7 +113,15 @@ struct ThinBand {
     launch(stream, "list long", bin_long<true>, kManyBlocks, kThreads, l, task.mesh, lists, long_ones, task.outcome);
     launch(stream, "check lists", check_lists, blocks_for(l.tile_count()), kThreads, lists.counts, l.tile_count(),
            task.outcome);
-    launch_gather<Steps>(l, task, {lists.start, lists.entries, nullptr}, stream);
+    fill_bytes(stream, work.counts, 0, sizeof *work.counts);
+    fill_bytes(stream, work.found, 0xff, work.most_cut * kTileSamples * static_cast<std::int64_t>(sizeof(Counter)));
+    launch(stream, "list work", list_work, blocks_for(32 * tile_groups(l)), kThreads, l, lists.start, work,
+           !task.output.slots, task.outcome);
+    const bool with_nearest = task.output.nearest;
+    launch(stream, "gather band", with_nearest ? gather_band<true, Steps> : gather_band<false, Steps>, kManyBlocks * 2,
+           kBandThreads, l, task.mesh, lists.entries, work, task.output, task.outcome);
+    launch(stream, "finish cut tiles", with_nearest ? finish_cut_tiles<true, Steps> : finish_cut_tiles<false, Steps>,
+           work.most_cut < kManyBlocks ? work.most_cut : kManyBlocks, kBandThreads, l, work, task.output, task.outcome);
   }
 
   void enqueue(const Lattice& l, const Task& task, Stream stream) const {
@@ -149,7 +171,7 @@ struct ThickBand {
 
   /// The list of the one cell that is the whole grid, in half 0.
   void begin(const Task& task, Stream stream) const {
-    launch(stream, "clear", clear_outcome, 1, 1, task.outcome, static_cast<Counter*>(nullptr));
+    launch(stream, "clear", clear_outcome, 1, 1, task.outcome, static_cast<Counter*>(nullptr), 0);
     launch(stream, "list all", list_all, blocks_for(task.mesh.used_count()), kThreads, task.mesh, entries[0], start[0],
            task.outcome);
   }
@@ -191,11 +213,5 @@ struct ThickBand {
   }
   inline void run(CountedRun& run);
 };
-
-/// How many blocks stride over the tiles.
-inline std::int64_t tile_blocks(const Lattice& l) {
-  const std::int64_t tiles = l.tile_count(), most = std::int64_t{kManyBlocks} * 4;
-  return tiles < most ? tiles : most;
-}
 
 }  // namespace standoff::STANDOFF_PLATFORM

@@ -62,6 +62,22 @@ inline std::uint32_t __ballot_sync(std::uint32_t mask, int vote, STANDOFF_CALLED
   return votes;
 }
 
+/// The lanes whose value is this lane's.
+template <class T>
+std::uint32_t __match_any_sync(std::uint32_t mask, T value, STANDOFF_CALLED_FROM) {
+  static_assert(sizeof(T) <= sizeof(std::uint64_t));
+  std::uint64_t bits = 0;
+  std::memcpy(&bits, &value, sizeof value);
+  ::standoff::emulation::exchange_slot(::standoff::emulation::lane()) = bits;
+  ::standoff::emulation::warp_barrier(mask, {file, line});
+  std::uint32_t same = 0;
+  const std::uint32_t lanes = mask & ::standoff::emulation::existing_lanes();
+  for (unsigned n = 0; n < 32; ++n)
+    if ((lanes >> n & 1) && ::standoff::emulation::exchange_slot(n) == bits) same |= 1u << n;
+  ::standoff::emulation::warp_barrier(mask, {file, line});
+  return same;
+}
+
 inline int __popc(std::uint32_t bits) { return std::popcount(bits); }
 inline int __ffs(int bits) { return __builtin_ffs(bits); }
 inline std::uint32_t __float_as_uint(float value) { return std::bit_cast<std::uint32_t>(value); }

@@ -51,10 +51,10 @@ TEST(CudaParts, OfTiles) {
   const Result distance = run<StopAfter::distance>(Method::tiles);
   EXPECT_TRUE(distance.all(kRubbish));
   EXPECT_EQ(distance.outcome.samples_band, whole.outcome.samples_band);
-  const Result vote = run<StopAfter::vote>(Method::tiles);
-  EXPECT_TRUE(vote.all(kRubbish));
-  EXPECT_EQ(vote.outcome.samples_band, 0u);
-  EXPECT_GE(vote.outcome.samples_examined, whole.outcome.samples_examined);
+  const Result rows = run<StopAfter::rows>(Method::tiles);
+  EXPECT_TRUE(rows.all(kRubbish));
+  EXPECT_EQ(rows.outcome.samples_band, 0u);
+  EXPECT_GE(rows.outcome.samples_examined, whole.outcome.samples_examined);
   const Result set_up = run<StopAfter::set_up>(Method::tiles);
   EXPECT_EQ(set_up.outcome.samples_examined, 0u);
   EXPECT_EQ(run<StopAfter::lists>(Method::tiles).outcome.needed_entries, whole.outcome.needed_entries);

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+// Thin bands on the emulated GPU: how the work is cut, and triangles that take ways of their own through the kernels.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+#include <random>
+#include <vector>
+
+#include "field/cuda/pipeline.cuh"
+#include "standoff/compute.h"
+#include "standoff/testing/emulation.h"
+#include "tests/support/fields.h"
+#include "tests/support/random_mesh.h"
+
+namespace standoff::emulated {
+namespace {
+
+ComputeResult on(Backend backend, const Mesh& mesh, const Grid& grid, double thickness) {
+  ComputeOptions options;
+  options.execution.backend = backend;
+  options.nearest_triangle = true;
+  options.execution.threads = 2;
+  return compute(mesh, grid, thickness, options);
+}
+
+void expect_same(const Mesh& mesh, const Grid& grid, double thickness) {
+  const ComputeResult cpu = on(Backend::cpu, mesh, grid, thickness),
+                      gpu = on(standoff::testing::kEmulated, mesh, grid, thickness);
+  EXPECT_GT(cpu.report.samples_band, 0);
+  EXPECT_EQ(cpu.report.samples_band, gpu.report.samples_band);
+  standoff::testing::expect_same_bits(cpu.field, gpu.field);
+}
+
+// The work of lists of given lengths, on a grid of 40x3x2 tiles: two groups of 32 along x, the second one not full.
+struct Listed {
+  static constexpr std::int64_t kTiles = 40 * 3 * 2;
+  std::vector<Counter> start;
+  std::vector<WorkItem> items;
+  std::vector<std::int64_t> cut_tiles = std::vector<std::int64_t>(kTiles);
+  Lattice lattice = make_lattice({{317, 24, 16}, {0, 0, 0}, {1, 1, 1}}, 1);
+  WorkCounts counts{};
+  BandWork work{};
+
+  Listed(const std::vector<Counter>& lengths, bool fills) : start(lengths.size() + 1) {
+    std::partial_sum(lengths.begin(), lengths.end(), start.begin() + 1);
+    items.resize(static_cast<std::size_t>(kTiles + tile_groups(lattice) + kMostParts));
+    work = {items.data(), static_cast<std::int64_t>(items.size()), cut_tiles.data(), nullptr, kTiles, &counts};
+    Outcome outcome{};
+    launch(nullptr, "list work", list_work, blocks_for(32 * tile_groups(lattice)), kThreads, lattice, start.data(),
+           work, fills, &outcome);
+  }
+};
+
+TEST(CudaBand, EveryEntryAndEveryEmptyTileIsInOneItem) {
+  std::mt19937 random(7);
+  for (const Counter longest : {Counter{3}, Counter{600}, Counter{60000}})
+    for (const bool fills : {false, true}) {
+      std::vector<Counter> lengths(Listed::kTiles);
+      for (Counter& length : lengths) length = random() % 3 == 0 ? random() % longest : 0;
+      const Listed listed(lengths, fills);
+      ASSERT_LE(listed.counts.heavy + listed.counts.light, listed.items.size());
+      std::vector<int> seen(listed.start.back()), filled(lengths.size());
+      const Counter part = std::max<Counter>(kLeastPart, (listed.start.back() + kMostParts - 1) / kMostParts);
+      for (Counter n = 0; n < listed.work.size(); ++n) {
+        const WorkItem& item = listed.work.at(n);
+        const auto tile = listed.lattice.tile(item.tile[0], item.tile[1], item.tile[2]);
+        if (item.count == 0) {
+          for (int bit = 0; bit < 32; ++bit)
+            if (item.cut >> bit & 1) ++filled[static_cast<std::size_t>(tile + bit)];
+          continue;
+        }
+        EXPECT_LE(item.count, std::max(part, kHeavyList));
+        EXPECT_EQ(item.cut != kWhole, lengths[static_cast<std::size_t>(tile)] > part);
+        if (item.cut != kWhole) {
+          EXPECT_EQ(listed.cut_tiles[item.cut], tile);
+        }
+        EXPECT_GE(item.first, listed.start[static_cast<std::size_t>(tile)]);
+        ASSERT_LE(item.first + item.count, listed.start[static_cast<std::size_t>(tile) + 1]);
+        for (Counter entry = item.first; entry < item.first + item.count; ++entry) ++seen[entry];
+      }
+      EXPECT_TRUE(std::all_of(seen.begin(), seen.end(), [](int times) { return times == 1; }));
+      for (std::size_t tile = 0; tile < lengths.size(); ++tile)
+        ASSERT_EQ(filled[tile], fills && lengths[tile] == 0) << tile;
+    }
+}
+
+TEST(CudaBand, RowsOfATriangleAreToldApartWithoutDividing) {
+  for (int ny = 1; ny <= kTileSide; ++ny)
+    for (int row = 0; row < kTileSide * kTileSide; ++row) {
+      const StagedRows rows = packed({1, 8, 7, ny, 6, 8}, 2047);
+      EXPECT_EQ(rows.number & 0xffff, 2047u);
+      EXPECT_EQ(row * static_cast<int>(rows.number >> 16) >> 10, row / ny);
+    }
+}
+
+// Without a slice for many warps a triangle across a fine grid would keep one of them busy alone.
+TEST(CudaBand, TrianglesAcrossMoreThanAThousandTiles) {
+  Mesh mesh = standoff::testing::random_soup(111, 20, 100, 3, {140, 130, 4});
+  standoff::testing::add_triangle(mesh, {1, 2, 3}, {270, 263, 4}, {265, 263, 4.5});
+  standoff::testing::add_triangle(mesh, {2, 262, 4}, {271, 1, 3}, {271, 2, 3});
+  const Grid grid{{272, 264, 8}, {0, 0, 0}, {1, 1, 1}};
+  const CellRange whole{{0, 0, 0}, {33, 32, 0}};
+  ASSERT_GT(tiles_in(whole), kHugeRange);
+  expect_same(mesh, grid, 1.5);
+}
+
+// More in one warp than it stages at once, in a list that is staged in one go, in one that is not, and in one that is
+// cut.
+TEST(CudaBand, ManyLongTrianglesInATile) {
+  const Grid grid{{9, 8, 8}, {-4, -4, -4}, {1, 1, 1}};
+  for (const int triangles : {12, 40, 120, 300}) {
+    SCOPED_TRACE(triangles);
+    expect_same(standoff::testing::random_soup(112, triangles, 3, 40), grid, 1.5);
+  }
+}
+
+}  // namespace
+}  // namespace standoff::emulated
