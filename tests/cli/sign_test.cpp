@@ -83,7 +83,7 @@ TEST_F(Sign, SaysWhichMethodAndWhy) {
   EXPECT_TRUE(compute("ball.obj --sign auto").says("sign by winding: ")) << compute("ball.obj --sign auto").err;
   const Ran flipped = compute("flipped.obj --sign auto");
   EXPECT_TRUE(flipped.says("sign by winding: ")) << flipped.err;
-  EXPECT_TRUE(flipped.says("1 triangle taken in the opposite orientation")) << flipped.err;
+  EXPECT_TRUE(flipped.says("1 triangle flipped")) << flipped.err;
   const Ran sheet = compute("sheet.obj --sign auto");
   EXPECT_EQ(sheet.code, 0);
   EXPECT_TRUE(sheet.says("no sign: ")) << sheet.err;

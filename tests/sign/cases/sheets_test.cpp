@@ -236,6 +236,17 @@ TEST_P(TwoSidedChair, IsItsBoards) {
   for (unsigned seed = 0; seed < 3; ++seed) expect_sides(shuffled(chair, seed), grid, kAutomatic, in_boards);
 }
 
+// The volume of such a mesh is 0 but for rounding, which has either sign.
+TEST(SheetCases, TwoSidedBalls) {
+  for (std::uint32_t n = 4; n < 12; ++n)
+    for (const bool welded : {false, true}) {
+      SCOPED_TRACE(std::to_string(n) + (welded ? " welded" : ""));
+      const Mesh ball = moved(sphere(n), {0.3, 0.2, 0.1}, 1.0 / n);
+      const SignReport report = expect_sides(two_sided(ball, welded), grid_around(ball, 12), kAutomatic, Convex(ball));
+      EXPECT_EQ(report.left_out, std::ssize(ball.triangles));
+    }
+}
+
 // A slot that no grid line passes through lets nothing in. What lies within is inside as well.
 TEST(SheetCases, FloodOfASoupWithASlot) {
   const Mesh outer = box({0, 0, 0}, {1, 1, 1});
