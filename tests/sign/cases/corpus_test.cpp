@@ -89,6 +89,13 @@ Kind two_sided_box() {
           false,       {.boundary_edges = 0, .opposite = 12}};
 }
 
+Kind two_sided_ball() {
+  const Mesh one = sphere(6);
+  return {"two-sided", two_sided(one, true),
+          Convex(one), SignMethod::winding,
+          false,       {.boundary_edges = 0, .opposite = 120}};
+}
+
 // Trimesh's multibody.stl, ManifoldPlus's table.off: neighbours that look opposite ways.
 Kind one_flipped() {
   const Mesh ball = sphere(6);
@@ -211,8 +218,8 @@ void expect_found(const Kind& kind, const MeshReport& found) {
 
 TEST(SignCorpus, WhatIsFoundOutAndWhatIsInside) {
   for (const Kind& kind : {many_bodies(), touching_along_an_edge(), three_of_the_same(), t_junctions(), two_sided_box(),
-                           one_flipped(), shared_face(), folded_fin(), loose_triangles(), flat_sheet(), hilly_sheet(),
-                           inside_out(), degenerate(), few_holes(), figure_of_eight()}) {
+                           two_sided_ball(), one_flipped(), shared_face(), folded_fin(), loose_triangles(),
+                           flat_sheet(), hilly_sheet(), inside_out(), degenerate(), few_holes(), figure_of_eight()}) {
     SCOPED_TRACE(kind.name);
     const MeshReport found = report(kind.mesh);
     expect_found(kind, found);

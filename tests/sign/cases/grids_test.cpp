@@ -5,6 +5,7 @@
 
 #include <limits>
 
+#include "standoff/testing/emulation.h"
 #include "tests/sign/cases/known_sides.h"
 #include "tests/sign/cases/solids.h"
 
@@ -153,6 +154,23 @@ TEST(GridCases, SamplesNextToASlantedFace) {
     });
     EXPECT_EQ(wrong, 0) << name_of(sign.method);
   }
+}
+
+// Any number of threads, and the emulated GPU, give the same bits.
+TEST(GridCases, WhereverTheWorkRuns) {
+  const Grid grid = grid_around(kBall, 27);
+  const auto values = [&](const Mesh& mesh, const SignOptions& sign, const Execution& execution) {
+    ComputeOptions options;
+    options.sign = sign;
+    options.execution = execution;
+    return bits_of(compute(mesh, grid, 0.2, options).field.to_dense());
+  };
+  for_each_ball(kAll, [&](const Mesh& mesh, const SignOptions& sign) {
+    const auto first = values(mesh, sign, {.threads = 1});
+    for (const int threads : {2, 5})
+      EXPECT_TRUE(values(mesh, sign, {.threads = threads}) == first) << threads << " threads";
+    EXPECT_TRUE(values(mesh, sign, {.backend = testing::kEmulated}) == first) << "emulated";
+  });
 }
 
 TEST(GridCases, VoxelsHaveTheVolumeOfTheSolid) {

@@ -118,8 +118,13 @@ inline Mesh cut_off(Mesh mesh, double z) {
   return mesh;
 }
 
-/// Every face twice, the second time turned around.
-inline Mesh two_sided(const Mesh& mesh) { return joined(mesh, reversed(mesh)); }
+/// Every face twice, the second time turned around. `welded`: over the same vertices.
+inline Mesh two_sided(Mesh mesh, bool welded = false) {
+  if (!welded) return joined(mesh, reversed(mesh));
+  const Mesh back = reversed(mesh);
+  mesh.triangles.insert(mesh.triangles.end(), back.triangles.begin(), back.triangles.end());
+  return mesh;
+}
 
 /// With triangles that have no area: points, segments there and back, on corners and along edges and across the inside.
 inline Mesh with_degenerate(Mesh mesh, unsigned seed, int count) {
