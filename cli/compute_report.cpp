@@ -80,7 +80,9 @@ void say(const Outcome& outcome, const Console& console) {
   const ComputeReport& report = outcome.report;
   const double load = outcome.plan.load_seconds, prepare = report.seconds.prepare, compute = report.seconds.compute,
                sign = report.seconds.sign, write = outcome.write_seconds;
-  if (!report.sign.why.empty()) console.say(sign_line(report.sign));
+  // Doubt is said aloud where the caller chose the method; who leaves it to the diagnosis asked for a line.
+  if (!report.sign.why.empty())
+    report.sign.sure ? console.say(sign_line(report.sign)) : console.warn(sign_line(report.sign));
   if (report.skipped > 0) console.say(counted(report.skipped, "triangle") + " skipped");
   console.detail(counted(report.samples_band, "sample") + " in the band, " + grouped(report.tiles_stored) + " of " +
                  counted(report.tiles, "tile") + " stored, " + counted(report.samples_examined, "distance") +

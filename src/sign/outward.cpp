@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -51,7 +52,7 @@ class VertexSets {
 };
 
 struct Sums {
-  double volume = 0;
+  double volume = 0, magnitude = 0;
   std::uint64_t edges = 0;  // of hashes of directed edges, opposite ones with opposite signs: 0 if they cancel
 };
 
@@ -92,7 +93,9 @@ bool faces_outwards(MeshView mesh) {
       const Vec3 origin = mesh.vertices[set];  // one of the set's own, so that a small part far away loses nothing
       const auto [a, b, c] = mesh.corners(t);
       Sums& sums = mine.back().sums;
-      sums.volume += dot(a - origin, cross(b - origin, c - origin));
+      const double volume = dot(a - origin, cross(b - origin, c - origin));
+      sums.volume += volume;
+      sums.magnitude += std::abs(volume);
       sums.edges += edge_hash(v[0], v[1]) + edge_hash(v[1], v[2]) + edge_hash(v[2], v[0]);
     }
   });
@@ -100,11 +103,12 @@ bool faces_outwards(MeshView mesh) {
   for (const auto& chunk : parts)
     for (const Part& part : chunk) {
       of_set[part.set].volume += part.sums.volume;
+      of_set[part.set].magnitude += part.sums.magnitude;
       of_set[part.set].edges += part.sums.edges;
     }
-  return std::ranges::all_of(parts, [&](const auto& chunk) {
-    return std::ranges::all_of(
-        chunk, [&](const Part& part) { return of_set[part.set].edges == 0 && of_set[part.set].volume > 0; });
+  constexpr double kRounding = 1e-12;  // of the magnitude; a volume of 0 is less, and counts as none
+  return std::ranges::all_of(of_set, [](const Sums& sums) {
+    return sums.edges == 0 && (sums.magnitude == 0 || sums.volume > kRounding * sums.magnitude);
   });
 }
 

@@ -41,26 +41,36 @@ void plan_parity(SignPlan& plan, const Closed& closed) {
   plan.report.why = "each edge has an even number of triangles";
 }
 
-void plan_winding(SignPlan& plan, MeshView mesh, const Closed& closed, const SignOptions& options) {
-  if (closed.oriented && (options.as_oriented || options.rule != WindingRule::positive || faces_outwards(mesh))) {
+// Most meshes need no diagnosis. Nor does one that is to be taken as it is.
+bool plan_without_diagnosis(SignPlan& plan, MeshView mesh, const Closed& closed, const SignOptions& options) {
+  if (closed.oriented && (options.as_oriented || faces_outwards(mesh))) {
+    plan.report.method = SignMethod::winding;
     plan.report.why = "the mesh is closed and consistently oriented";
-    return;
+    return true;
   }
-  if (options.as_oriented) {
-    plan.boundary = net_boundary({mesh}, MeshEdges(mesh));
-    plan.report.boundary_edges = static_cast<std::int64_t>(plan.boundary.edges.size());
-  } else {
-    orient_for(plan, mesh);
+  if (!options.as_oriented || options.method == SignMethod::automatic) return false;
+  take(plan, {}, net_boundary({mesh}, MeshEdges(mesh)));
+  plan.report.sure = false;
+  plan.report.why = "the mesh is open as it is oriented (" + counted(plan.report.boundary_edges, "edge") +
+                    " do not cancel), so the generalised winding number decides";
+  return true;
+}
+
+void plan_winding(SignPlan& plan, MeshView mesh, const Closed& closed, const SignOptions& options) {
+  if (plan_without_diagnosis(plan, mesh, closed, options)) return;
+  Diagnosis found = diagnose(mesh, MeshEdges(mesh));
+  const bool fits = found.report.method == SignMethod::winding;
+  plan.report.sure = found.report.sure;
+  plan.report.why = found.report.why;
+  if (options.method == SignMethod::automatic) {
+    plan.report.method = found.report.method;
+    plan.report.boundary_edges = found.report.boundary_edges;
+    if (!fits) return;
+  } else if (!fits) {
+    plan.report.sure = false;
+    plan.report.why = "the generalised winding number decides, although " + found.report.why;
   }
-  plan.report.sure = plan.boundary.edges.empty();
-  const std::string repaired = plan.use.empty()
-                                   ? ""
-                                   : " once " + counted(plan.report.flipped, "triangle") + " are flipped and " +
-                                         std::to_string(plan.report.left_out) + " left out";
-  plan.report.why = plan.report.sure
-                        ? "the mesh is closed and consistently oriented" + repaired
-                        : "the mesh is open" + repaired + " (" + counted(plan.report.boundary_edges, "edge") +
-                              " do not cancel), so the generalised winding number decides";
+  take(plan, std::move(found.orientation), std::move(found.boundary));
 }
 
 void plan_normal(SignPlan& plan, MeshView mesh, const Closed& closed, const SignOptions& options) {
@@ -72,19 +82,6 @@ void plan_normal(SignPlan& plan, MeshView mesh, const Closed& closed, const Sign
 void plan_flood(SignPlan& plan, const Closed& closed) {
   plan.report.sure = closed.unoriented;
   plan.report.why = plan.report.sure ? "the mesh is closed" : "outside is what a flood reaches; the mesh has gaps";
-}
-
-void plan_automatic(SignPlan& plan, MeshView mesh, const Closed& closed, const SignOptions& options) {
-  if (closed.oriented) {
-    plan.report.method = SignMethod::winding;
-    return plan_winding(plan, mesh, closed, options);
-  }
-  Diagnosis found = diagnose(mesh, MeshEdges(mesh));
-  if (found.report.method == SignMethod::winding) take(plan, std::move(found.orientation), std::move(found.boundary));
-  plan.report.method = found.report.method;
-  plan.report.boundary_edges = found.report.boundary_edges;
-  plan.report.sure = found.report.sure;
-  plan.report.why = std::move(found.report.why);
 }
 
 }  // namespace
@@ -105,9 +102,6 @@ SignPlan plan_sign(MeshView mesh, const SignOptions& options) {
   }
   const Closed closed = is_closed(mesh);
   switch (options.method) {
-    case SignMethod::winding:
-      plan_winding(plan, mesh, closed, options);
-      break;
     case SignMethod::parity:
       plan_parity(plan, closed);
       break;
@@ -118,7 +112,7 @@ SignPlan plan_sign(MeshView mesh, const SignOptions& options) {
       plan_flood(plan, closed);
       break;
     default:
-      plan_automatic(plan, mesh, closed, options);
+      plan_winding(plan, mesh, closed, options);
   }
   expect_sure(plan, options);
   return plan;

@@ -46,9 +46,7 @@ Recommendation closed(const MeshReport& report, double area) {
     return {SignMethod::winding, false,
             is_closed + ", but it has too many parts to find out which of them are cavities"};
   if (report.least_winding < 0)
-    return {SignMethod::winding, false,
-            is_closed +
-                ", but some winding numbers are negative: a part that is inside out overlaps others or stands alone"};
+    return {SignMethod::winding, true, is_closed + "; some winding numbers are negative, and count as outside"};
   return {SignMethod::winding, true, is_closed + ", so that each winding number is an integer"};
 }
 

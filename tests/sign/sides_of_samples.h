@@ -45,6 +45,7 @@ class SidesOfSamples {
     ProgressMeter progress(none);
     SignPlan plan = plan_;
     const auto sides = make_sides(mesh_, plan, options_, {grid}, progress);
+    sides->load(0);  // everything at once
     InsideRows rows(grid);
     Sides found;
     for (std::int64_t tz = 0; 8 * tz < grid.size.z; ++tz)

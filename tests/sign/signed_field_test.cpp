@@ -63,6 +63,7 @@ TEST(SignedField, BandsAndFullFieldsSparseAndDense) {
     for (const double thickness : {0.02, 0.3, kFullField}) {
       ComputeOptions options;
       options.sign.method = SignMethod::winding;
+      options.sign.as_oriented = true;
       options.nearest_triangle = seed % 2 == 0;
       const ComputeResult result = compute(mesh, grid, thickness, options);
       EXPECT_EQ(wrong_values(mesh, grid, thickness, result.field), 0) << seed << ", " << thickness;
@@ -105,15 +106,17 @@ TEST(SignedField, TheSameBitsForAnyNumberOfThreads) {
 TEST(SignedField, MeshesThatAreNotClosed) {
   Mesh mesh = soup(3, 3);
   const Grid grid{{8, 8, 8}, {-1, -1, -1}, {0.3, 0.3, 0.3}};
-  ComputeOptions winding, parity;
-  winding.sign.method = SignMethod::winding;
-  parity.sign.method = SignMethod::parity;
+  const auto sign_of = [&](const SignOptions& sign) { return compute(mesh, grid, 1, {.sign = sign}).report.sign; };
   std::swap(mesh.triangles[5][0], mesh.triangles[5][1]);
-  expect_error([&] { compute(mesh, grid, 1, winding); }, ErrorCode::input, "not oriented alike");
-  EXPECT_NO_THROW(compute(mesh, grid, 1, parity));
+  EXPECT_TRUE(sign_of({SignMethod::parity}).sure);
+  EXPECT_TRUE(sign_of({SignMethod::winding}).sure);
+  const SignReport as_is = sign_of({.method = SignMethod::winding, .as_oriented = true});
+  EXPECT_FALSE(as_is.sure);
+  EXPECT_EQ(as_is.boundary_edges, 3);
   mesh.triangles.pop_back();
-  expect_error([&] { compute(mesh, grid, 1, winding); }, ErrorCode::input, "3 edges belong to a single triangle");
-  expect_error([&] { compute(mesh, grid, 1, parity); }, ErrorCode::input, "is not closed");
+  EXPECT_FALSE(sign_of({SignMethod::winding}).sure);
+  expect_error([&] { sign_of({SignMethod::parity}); }, ErrorCode::input, "is not closed");
+  expect_error([&] { sign_of({.method = SignMethod::winding, .strict = true}); }, ErrorCode::doubt, "not certain");
 }
 
 TEST(SignedField, VerticesNeedNotBeWelded) {
@@ -138,7 +141,7 @@ TEST(SignedField, OptionsThatContradictEachOther) {
   };
   rejects({static_cast<SignMethod>(99)}, "no such sign method");
   rejects({SignMethod::winding, static_cast<WindingRule>(-1)}, "no such sign method");
-  rejects({SignMethod::parity, WindingRule::nonzero}, "for the sign method winding alone");
+  rejects({SignMethod::parity, WindingRule::nonzero}, "for the sign methods winding and automatic");
   rejects({SignMethod::none, WindingRule::positive, true}, "cannot be inverted");
 }
 
