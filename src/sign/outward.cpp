@@ -11,8 +11,6 @@
 #include <utility>
 #include <vector>
 
-#include "core/position_hash.h"
-
 namespace standoff {
 namespace {
 
@@ -52,16 +50,23 @@ class VertexSets {
 };
 
 struct Sums {
-  double volume = 0, magnitude = 0;
-  std::uint64_t edges = 0;  // of hashes of directed edges, opposite ones with opposite signs: 0 if they cancel
-};
+  double volume = 0, volume_magnitude = 0;
+  Vec3 normal;  // as long as the area
+  double normal_magnitude = 0;
 
-std::uint64_t edge_hash(std::uint32_t from, std::uint32_t to) {
-  const bool forward = from < to;
-  const std::uint64_t both = forward ? std::uint64_t{from} << 32 | to : std::uint64_t{to} << 32 | from;
-  const std::uint64_t hash = folded_product(both ^ 0x243f6a8885a308d3u, 0x9e3779b97f4a7c15u);
-  return from == to ? 0 : forward ? hash : -hash;
-}
+  void add(const Sums& other) {
+    volume += other.volume;
+    volume_magnitude += other.volume_magnitude;
+    normal = normal + other.normal;
+    normal_magnitude += other.normal_magnitude;
+  }
+  // Normals of a closed set have the sum 0, and only then its volume does not depend on where it is measured from.
+  bool faces_outwards() const {
+    constexpr double kRounding = 1e-12;
+    return max_norm(normal) <= kRounding * normal_magnitude &&
+           (volume_magnitude == 0 || volume > kRounding * volume_magnitude);
+  }
+};
 
 }  // namespace
 
@@ -93,23 +98,15 @@ bool faces_outwards(MeshView mesh) {
       const Vec3 origin = mesh.vertices[set];  // one of the set's own, so that a small part far away loses nothing
       const auto [a, b, c] = mesh.corners(t);
       Sums& sums = mine.back().sums;
-      const double volume = dot(a - origin, cross(b - origin, c - origin));
-      sums.volume += volume;
-      sums.magnitude += std::abs(volume);
-      sums.edges += edge_hash(v[0], v[1]) + edge_hash(v[1], v[2]) + edge_hash(v[2], v[0]);
+      const Vec3 normal = cross(b - a, c - a);
+      const double volume = dot(a - origin, normal);
+      sums.add({volume, std::abs(volume), normal, max_norm(normal)});
     }
   });
   std::vector<Sums> of_set(mesh.vertices.size());
   for (const auto& chunk : parts)
-    for (const Part& part : chunk) {
-      of_set[part.set].volume += part.sums.volume;
-      of_set[part.set].magnitude += part.sums.magnitude;
-      of_set[part.set].edges += part.sums.edges;
-    }
-  constexpr double kRounding = 1e-12;  // of the magnitude; a volume of 0 is less, and counts as none
-  return std::ranges::all_of(of_set, [](const Sums& sums) {
-    return sums.edges == 0 && (sums.magnitude == 0 || sums.volume > kRounding * sums.magnitude);
-  });
+    for (const Part& part : chunk) of_set[part.set].add(part.sums);
+  return std::ranges::all_of(of_set, &Sums::faces_outwards);
 }
 
 }  // namespace standoff

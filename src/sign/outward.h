@@ -6,9 +6,9 @@
 
 namespace standoff {
 
-/// True only if each set of triangles that share vertices, by index, is closed and has a positive volume: then no part
-/// is inside out. Does not depend on the number of threads. Requires a valid mesh. Runs on the threads of the calling
-/// TBB arena.
+/// True only if each set of triangles that share vertices, by index, has normals that cancel, as those of a closed set
+/// do, and a volume that is positive, or 0 exactly: then no part of a closed mesh is inside out. Does not depend on the
+/// number of threads. Requires a valid mesh. Runs on the threads of the calling TBB arena.
 bool faces_outwards(MeshView mesh);
 
 }  // namespace standoff
