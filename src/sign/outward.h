@@ -2,6 +2,8 @@
 // Whether a closed mesh needs no turning: the quick answer for most meshes, before orient() looks closely.
 #pragma once
 
+#include <cstdint>
+
 #include "standoff/mesh.h"
 
 namespace standoff {
@@ -10,5 +12,7 @@ namespace standoff {
 /// do, and a volume that is positive, or 0 exactly: then no part of a closed mesh is inside out. Does not depend on the
 /// number of threads. Requires a valid mesh. Runs on the threads of the calling TBB arena.
 bool faces_outwards(MeshView mesh);
+/// What that holds at most, for a mesh without vertices that no triangle uses.
+std::int64_t outward_bytes(std::int64_t triangles);
 
 }  // namespace standoff
