@@ -64,13 +64,12 @@ NormalSides::NormalSides(const OrientedMesh& mesh, const Grid& grid, double thic
   find_tiles(nearest);
   const Pseudonormals normals(mesh);
   decide_band(normals, grid, nearest, progress);
+  std::optional<ClosestTriangle> closest;  // of most fields no sample asks for it
+  decide_rest_of_mixed(mesh.mesh, normals, closest, grid, nearest, progress);
   std::vector<std::size_t> tiles;
-  mixed_.for_each([&](std::size_t tile) {
-    set(tile, spread_within(known(tile), edges_.of_tile(tile), bits_in_grid(grid.size, lattice_.tile_at(tile))));
-    tiles.push_back(tile);
-  });
+  mixed_.for_each([&](std::size_t tile) { tiles.push_back(tile); });
   spread(grid, std::move(tiles), progress);
-  decide_rest(mesh.mesh, normals, grid, nearest, progress);
+  decide_rest(mesh.mesh, normals, closest, grid, progress);
 }
 
 void NormalSides::find_tiles(const NearestTriangles& nearest) {
@@ -100,6 +99,7 @@ void NormalSides::decide_band(const Pseudonormals& normals, const Grid& grid, co
         // What is on the surface gets no side here, so that none spreads from it.
         part.add(normals.place_of(position_of(grid, tile, at), triangle), at);
       });
+      part = spread_within(part, edges_.of_tile(tiles[n]), bits_in_grid(grid.size, tile));
     }
   });
 }
@@ -131,30 +131,48 @@ void NormalSides::spread(const Grid& grid, std::vector<std::size_t> changed, Pro
 }
 
 // A sample with a nearest triangle and no side is on the surface: it is not asked again.
-void NormalSides::decide_rest(MeshView mesh, const Pseudonormals& normals, const Grid& grid,
-                              const NearestTriangles& nearest, ProgressMeter& progress) {
-  if (mesh.triangles.empty()) return;
-  std::optional<ClosestTriangle> closest;  // of most fields no sample is asked
-  for (std::size_t tile = 0; tile < lattice_.tile_count(); ++tile) {
-    if (!any(without_side(grid, tile))) continue;
-    const std::array<std::int64_t, 3> at = lattice_.tile_at(tile);
-    TileBits asked{};
-    nearest.for_each(at[0], at[1], at[2], [&](std::size_t n, std::uint32_t) { add_bit(asked, n); });
-    while (true) {
-      const TileBits rest = without_side(grid, tile) & ~asked;
-      if (!any(rest)) break;
-      progress.check();
-      const std::size_t n = first_of(rest);
-      add_bit(asked, n);
-      if (!closest) closest.emplace(mesh);
-      const Vec3 p = position_of(grid, at, n);
-      const Pseudonormals::Place place = normals.place_of(p, closest->to(p));
-      if (place == Pseudonormals::Place::on_surface) continue;
-      Known grown = known(tile);
-      grown.add(place, n);
-      set(tile, spread_within(grown, edges_.of_tile(tile), bits_in_grid(grid.size, at)));
-      spread(grid, {tile}, progress);
+void NormalSides::decide_rest_of_mixed(MeshView mesh, const Pseudonormals& normals,
+                                       std::optional<ClosestTriangle>& closest, const Grid& grid,
+                                       const NearestTriangles& nearest, ProgressMeter& progress) {
+  std::vector<std::size_t> tiles;
+  mixed_.for_each([&](std::size_t tile) {
+    if (any(without_side(grid, tile))) tiles.push_back(tile);
+  });
+  if (tiles.empty()) return;
+  closest.emplace(mesh);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, tiles.size(), 8), [&](const auto& range) {
+    progress.check();
+    for (std::size_t n = range.begin(); n != range.end(); ++n) {
+      const std::size_t tile = tiles[n];
+      const std::array<std::int64_t, 3> at = lattice_.tile_at(tile);
+      const TileBits in_grid = bits_in_grid(grid.size, at);
+      Known& part = parts_[mixed_.number(tile)];
+      TileBits asked{};
+      nearest.for_each(at[0], at[1], at[2], [&](std::size_t sample, std::uint32_t) { add_bit(asked, sample); });
+      for (TileBits rest; any(rest = without_side(grid, tile) & ~asked);) {
+        const std::size_t sample = first_of(rest);
+        add_bit(asked, sample);
+        const Vec3 p = position_of(grid, at, sample);
+        part.add(normals.place_of(p, closest->to(p)), sample);
+        part = spread_within(part, edges_.of_tile(tile), in_grid);
+      }
     }
+  });
+}
+
+// Regions of whole tiles, which surfaces between two layers of tiles hold off from all others. Few: each is large.
+void NormalSides::decide_rest(MeshView mesh, const Pseudonormals& normals, std::optional<ClosestTriangle>& closest,
+                              const Grid& grid, ProgressMeter& progress) {
+  if (mesh.triangles.empty()) return;
+  for (std::size_t tile = 0; tile < lattice_.tile_count(); ++tile) {
+    if (mixed_.has(tile) || is_known_[tile]) continue;
+    progress.check();
+    if (!closest) closest.emplace(mesh);
+    const Vec3 p = position_of(grid, lattice_.tile_at(tile), 0);
+    Known one;
+    one.add(normals.place_of(p, closest->to(p)), 0);
+    set(tile, one);
+    spread(grid, {tile}, progress);
   }
 }
 

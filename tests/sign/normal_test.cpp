@@ -229,7 +229,7 @@ TEST(NormalSign, OfTerrainIsBelowIt) {
   constexpr int kSquares = 20;
   const Mesh mesh = terrain(kSquares);
   const Grid grid{{41, 39, 52}, {-2.03, -1.91, -2.53}, {0.1, 0.1, 0.1}};
-  for (const double thickness : {0.03, 0.13, 0.5, kFullField}) {
+  for (const double thickness : {1e-6, 0.03, 0.13, 0.5, kFullField}) {
     const DistanceField field = compute(mesh, grid, thickness, by(SignMethod::normal)).field;
     std::int64_t wrong = 0, below = 0;
     testing::for_each_sample(grid, [&](auto i, auto j, auto k) {
@@ -257,7 +257,7 @@ TEST(NormalSign, BeyondTheEndOfASheet) {
 TEST(NormalSign, SparseAndDenseWithAndWithoutNearestTriangles) {
   const Mesh mesh = terrain(9);  // open, and its band ends within the grid
   const Grid grid{{37, 35, 34}, {-3.6, -3.4, -3.3}, {0.2, 0.2, 0.2}};
-  for (const double thickness : {0.07, 0.5, kFullField}) {
+  for (const double thickness : {1e-5, 0.07, 0.5, kFullField}) {
     const DistanceField plain = compute(mesh, grid, thickness).field;
     const DistanceField with = compute(mesh, grid, thickness, by(SignMethod::normal, true)).field;
     DistanceField without = compute(mesh, grid, thickness, by(SignMethod::normal)).field;
