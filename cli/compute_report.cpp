@@ -32,6 +32,13 @@ Json description(const Plan& plan) {
   return json;
 }
 
+std::string confidence_line(const SignConfidence& found) {
+  const auto percent = [](double share) { return number(100 * share) + " %"; };
+  return "confidence: of " + counted(found.samples, "sample") + " in the band " + percent(found.doubtful) +
+         " are doubtful, lines along the three axes disagree about " + percent(found.axes_disagree) +
+         ", and a flood from outside about " + percent(found.flood_disagrees);
+}
+
 std::string sign_line(const SignReport& sign) {
   const std::string method =
       sign.method == SignMethod::none ? "no sign" : std::string("sign by ") + name_of(sign.method);
@@ -83,6 +90,7 @@ void say(const Outcome& outcome, const Console& console) {
   // Doubt is said aloud where the caller chose the method; who leaves it to the diagnosis asked for a line.
   if (!report.sign.why.empty())
     report.sign.sure ? console.say(sign_line(report.sign)) : console.warn(sign_line(report.sign));
+  if (outcome.confidence) console.say(confidence_line(*outcome.confidence));
   if (report.skipped > 0) console.say(counted(report.skipped, "triangle") + " skipped");
   console.detail(counted(report.samples_band, "sample") + " in the band, " + grouped(report.tiles_stored) + " of " +
                  counted(report.tiles, "tile") + " stored, " + counted(report.samples_examined, "distance") +
@@ -106,6 +114,11 @@ Json outcome_json(const Outcome& outcome) {
                   {"flipped", report.sign.flipped},
                   {"left_out", report.sign.left_out},
                   {"boundary_edges", report.sign.boundary_edges}};
+  if (const auto& found = outcome.confidence)
+    json["sign"]["confidence"] = {{"samples", found->samples},
+                                  {"doubtful", found->doubtful},
+                                  {"axes_disagree", found->axes_disagree},
+                                  {"flood_disagrees", found->flood_disagrees}};
   json["samples"] = {{"total", report.samples}, {"examined", report.samples_examined}, {"band", report.samples_band}};
   json["tiles"] = {{"total", report.tiles}, {"stored", report.tiles_stored}};
   json["seconds"] = {{"load", outcome.plan.load_seconds},

@@ -16,8 +16,10 @@ namespace standoff {
 /// rounding of the surface, take the side of samples that they are connected with by grid edges that no triangle
 /// crosses: a breadth-first search from all tiles with a nearest triangle at once. One step takes a side into a
 /// neighbouring tile. A tile that has neither nearest triangles nor crossed edges has one side: that of the larger
-/// number of samples next to its faces that had one before the step. Of equally many, and of samples that no side comes
-/// to, the side is outside.
+/// number of samples next to its faces that had one before the step, of equally many outside.
+///
+/// Then each region that no side came to takes that of one of its samples, whose closest triangle is looked for among
+/// all. A closed mesh lies between any two samples on different sides, so there this is exact.
 class NormalSides final : public Sides {
  public:
   /// Requires a valid mesh and grid, and the nearest triangles of a field of this thickness. Runs on the threads of the
@@ -31,14 +33,18 @@ class NormalSides final : public Sides {
   // The samples of a tile whose side is known.
   struct Known {
     TileBits outside{}, inside{};
+    void add(Pseudonormals::Place place, std::size_t n);  // sample n; on the surface it gets no side
     friend bool operator==(const Known&, const Known&) = default;
   };
 
   void find_tiles(const NearestTriangles& nearest);
-  void decide_band(const OrientedMesh& mesh, const Grid& grid, const NearestTriangles& nearest,
+  void decide_band(const Pseudonormals& normals, const Grid& grid, const NearestTriangles& nearest,
                    ProgressMeter& progress);
-  void spread(const Grid& grid, ProgressMeter& progress);
+  void spread(const Grid& grid, std::vector<std::size_t> changed, ProgressMeter& progress);
+  void decide_rest(MeshView mesh, const Pseudonormals& normals, const Grid& grid, const NearestTriangles& nearest,
+                   ProgressMeter& progress);
 
+  TileBits without_side(const Grid& grid, std::size_t tile) const;
   Known known(std::size_t tile) const;
   void set(std::size_t tile, const Known& known);
   Known after_step(std::size_t tile, const TileBits& in_grid) const;
@@ -49,6 +55,7 @@ class NormalSides final : public Sides {
   TileSet mixed_;                           // tiles with nearest triangles or crossed edges
   std::vector<Known> parts_;                // theirs
   std::vector<bool> is_known_, is_inside_;  // of all other tiles
+  std::vector<bool> is_next_;               // within a step of spread(), of each tile; none otherwise
 };
 
 }  // namespace standoff

@@ -92,6 +92,13 @@ void expect_sure(const SignPlan& plan, const SignOptions& options) {
                                     "), and strict allows no doubt; repair the mesh, or allow it");
 }
 
+bool needs_diagnosis(MeshView mesh, const SignOptions& options) {
+  const SignMethod method = options.method;
+  if (method == SignMethod::normal) return true;
+  if (method != SignMethod::winding && method != SignMethod::automatic) return false;
+  return !is_closed(mesh).oriented || !(options.as_oriented || faces_outwards(mesh));
+}
+
 SignPlan plan_sign(MeshView mesh, const SignOptions& options) {
   SignPlan plan;
   plan.report.method = options.method;
