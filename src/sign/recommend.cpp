@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sign/recommend.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -54,7 +55,7 @@ Recommendation open(const MeshReport& report, double area) {
   const std::string is_open = "the mesh is open";
   const std::string holes = ", and closing its " + counted(report.boundary_loops, "hole", "holes") + " takes " +
                             percent(report.cap_share) + " of its area";
-  if (report.openness >= kSheetOpenness || has_no_volume(report, area, kSheetVolume))
+  if (std::min(report.openness, report.cap_share) >= kSheet || has_no_volume(report, area, kSheetVolume))
     return {SignMethod::none, false,
             is_open + holes +
                 ": it is a sheet rather than a body, and has no inside; `normal` tells its front from its back, "
@@ -71,7 +72,7 @@ Recommendation open(const MeshReport& report, double area) {
           (cracked ? " along " + counted(report.boundary_edges, "edge", "edges") + ", but its triangles fit together"
                    : holes) +
           (report.two_sided ? kTwoSides : "") + ": the generalised winding number decides, with doubt near the " +
-          (cracked ? "cracks" : "holes")};
+          (cracked ? "gaps" : "holes")};
 }
 
 }  // namespace
