@@ -6,7 +6,7 @@
 
 STANDOFF is the program. The Python needs numpy, libigl, open3d, trimesh and rtree (pip install them into an environment).
 All ask the same 21^3 samples about small bodies whose inside has a closed form. A mesh that is damaged stands for the body
-it was made from. Samples within 1e-6 of the extent of the mesh do not count."""
+it was made from. Samples on the surface of that body, or within 1e-6 of its extent, do not count."""
 
 import importlib.metadata
 import json
@@ -45,23 +45,23 @@ def two_cubes():
 
 
 def cases():
-    """(what, vertices, faces, inside, least and largest coordinate of the samples)."""
+    """(what, vertices, faces, faces of the body, inside, least and largest coordinate of the samples)."""
     v, f = cube(0, 1)
     unit = within((0, 1)), -0.5, 1.5
     ball = trimesh.creation.icosphere(3)
     bv, bf = np.array(ball.vertices), np.array(ball.faces, dtype=np.int64)
     lid = (v[f][:, :, 2] == 1).all(axis=1)
     return [
-        ("cube", v, f, *unit),
-        ("ball of 1280 triangles", bv, bf, behind_all_faces(bv, bf), -1.5, 1.5),
-        ("cube of side 1e-6", v * 1e-6, f, within((0, 1e-6)), -0.5e-6, 1.5e-6),
-        ("two cubes that overlap", *two_cubes(), within((0, 1), (0.5, 1.5)), -0.5, 2),
-        ("cube, inside out", v, f[:, ::-1].copy(), *unit),
-        ("cube, one triangle flipped", v, np.vstack([f[:1, ::-1], f[1:]]), *unit),
-        ("cube, one triangle twice", v, np.vstack([f, f[:1]]), *unit),
-        ("the same, opposite", v, np.vstack([f, f[:1, ::-1]]), *unit),
-        ("cube, one triangle missing", v, f[1:], *unit),
-        ("cube without a lid", v, f[~lid], *unit),
+        ("cube", v, f, f, *unit),
+        ("ball of 1280 triangles", bv, bf, bf, behind_all_faces(bv, bf), -1.5, 1.5),
+        ("cube of side 1e-6", v * 1e-6, f, f, within((0, 1e-6)), -0.5e-6, 1.5e-6),
+        ("two cubes that overlap", *two_cubes(), two_cubes()[1], within((0, 1), (0.5, 1.5)), -0.5, 2),
+        ("cube, inside out", v, f[:, ::-1].copy(), f, *unit),
+        ("cube, one triangle flipped", v, np.vstack([f[:1, ::-1], f[1:]]), f, *unit),
+        ("cube, one triangle twice", v, np.vstack([f, f[:1]]), f, *unit),
+        ("the same, opposite", v, np.vstack([f, f[:1, ::-1]]), f, *unit),
+        ("cube, one triangle missing", v, f[1:], f, *unit),
+        ("cube without a lid", v, f[~lid], f, *unit),
     ]
 
 
@@ -113,6 +113,10 @@ PEERS = {
 }
 
 
+def distance_to(points, v, f):
+    return np.sqrt(igl.point_mesh_squared_distance(points, v, f)[0])
+
+
 def shown(value, distance, inside, counts, extent):
     """Samples on the wrong side, and the largest error of a magnitude as a share of the extent, where there is one."""
     wrong = int(((value < 0) != inside)[counts].sum())
@@ -130,11 +134,11 @@ def markdown(rows):
 
 def sides(program):
     rows = []
-    for what, v, f, inside_of, low, high in cases():
+    for what, v, f, body, inside_of, low, high in cases():
         points, ours = standoff(program, v, f, low, high)
         extent = float(np.ptp(v, axis=0).max())
-        distance = np.sqrt(igl.point_mesh_squared_distance(points, v, f)[0])
-        inside, counts = inside_of(points), distance > 1e-6 * extent
+        distance = distance_to(points, v, f)
+        inside, counts = inside_of(points), distance_to(points, v, body) > 1e-6 * extent
         row = {"mesh": what, "samples": str(counts.sum()), "standoff, auto": shown(ours, distance, inside, counts, extent)}
         rows.append(row | {name: shown(ask(points, v, f), distance, inside, counts, extent) for name, ask in PEERS.items()})
     markdown(rows)
@@ -144,7 +148,7 @@ def overlap():
     points = np.array([(0.25, 0.25, 0.25), (0.6, 0.7, 0.8), (0.75, 0.75, 0.75), (1.2, 1.2, 1.2), (2, 2, 2)])
     v, f = two_cubes()
     asked = {name: ask(points, v, f) for name, ask in PEERS.items() if "contains" not in name}
-    winding, distance = igl.winding_number(v, f, points), np.sqrt(igl.point_mesh_squared_distance(points, v, f)[0])
+    winding, distance = igl.winding_number(v, f, points), distance_to(points, v, f)
     markdown([{"point": ", ".join(f"{c:g}" for c in p), "w": f"{winding[n]:.0f}", "distance": f"{distance[n]:.4g}"} |
               {name: f"{values[n]:.4g}" for name, values in asked.items()} for n, p in enumerate(points)])
 
