@@ -54,7 +54,7 @@ struct SignOptions {
   bool strict = false;  ///< Error{doubt} where the sign is not certain
   /// Take the triangles as they are oriented. By default the orientation is repaired first (docs/diagnosis.md).
   bool as_oriented = false;
-  double shell = 0;     ///< SignMethod::shell alone: thickness of the sheet, world units, positive
+  double shell = 0;  ///< SignMethod::shell alone: thickness of the sheet, world units, positive
 };
 
 /// How the sign of a field was decided.
