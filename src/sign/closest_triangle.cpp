@@ -36,13 +36,13 @@ ClosestTriangle::ClosestTriangle(MeshView mesh)
     : mesh_(mesh), order_(along_curve(mesh)), runs_(boxes_of_runs(mesh, order_, kRun)) {}
 
 std::uint32_t ClosestTriangle::to(const Vec3& p) const {
-  std::uint32_t closest = kNoTriangle;
+  std::uint32_t closest = order_.empty() ? kNoTriangle : order_.front();
   double least_sq = std::numeric_limits<double>::infinity();
   runs_.for_each_within(p, least_sq, [&](std::size_t run) {
     const std::size_t first = kRun * run;
     for (const std::uint32_t t : std::span(order_).subspan(first, std::min(kRun, order_.size() - first))) {
       const double sq = distance_sq_of(mesh_.corners(t), p);
-      if (sq > least_sq || (sq == least_sq && t > closest)) continue;
+      if (!(sq < least_sq)) continue;
       least_sq = sq;
       closest = t;
     }

@@ -17,9 +17,9 @@ class ClosestTriangle {
   /// the threads of the calling TBB arena.
   explicit ClosestTriangle(MeshView mesh);
 
-  /// Of equally close ones that of lowest index; kNoTriangle if there is none. In double: one that is farther by some
-  /// roundings of its distance may be taken for the closest. Takes logarithmic time where few triangles are about as
-  /// close; at the worst it looks at all.
+  /// kNoTriangle if there is none. In double: one that is farther by some roundings of its distance may be taken for
+  /// the closest, and of equally close ones any, always the same. Takes logarithmic time where few triangles are about
+  /// as close; at the worst it looks at all.
   std::uint32_t to(const Vec3& p) const;
 
  private:
