@@ -40,8 +40,20 @@ class BoxTree {
   void for_each_later_overlap(std::size_t item, const Visit& visit) const {
     search(levels_.size() - 1, 0, item, levels_[0][item], visit);
   }
+  /// Calls visit(item) for all items whose boxes overlap this one.
+  template <class Visit>
+  void for_each_overlap(const Box& box, const Visit& visit) const {
+    search_all(levels_.size() - 1, 0, box, visit);
+  }
 
  private:
+  template <class Visit>
+  void search_all(std::size_t level, std::size_t node, const Box& box, const Visit& visit) const {
+    if (!overlap(levels_[level][node], box)) return;
+    if (level == 0) return visit(node);
+    const std::size_t past = std::min(kBranch * (node + 1), levels_[level - 1].size());
+    for (std::size_t child = kBranch * node; child < past; ++child) search_all(level - 1, child, box, visit);
+  }
   template <class Visit>
   bool search(std::size_t level, std::size_t node, std::size_t item, const Box& box, const Visit& visit) const {
     if (!overlap(levels_[level][node], box)) return true;

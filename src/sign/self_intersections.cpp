@@ -9,40 +9,14 @@
 #include <utility>
 #include <vector>
 
-#include "geometry/morton.h"
 #include "geometry/triangle_pair.h"
-#include "sign/box_tree.h"
+#include "sign/triangle_tree.h"
 
 namespace standoff {
 namespace {
 
 constexpr std::size_t kGroup = 1024;            // triangles between two looks at the limits
 constexpr std::int64_t kMostOfTriangle = 4096;  // tests of one triangle
-
-Box box_of(MeshView mesh, std::size_t triangle) {
-  Box box;
-  for (const Vec3& corner : mesh.corners(triangle)) box.include(corner);
-  return box;
-}
-
-// The triangles, near ones together.
-std::vector<std::uint32_t> along_curve(MeshView mesh) {
-  constexpr double kCells = 1 << 10;
-  const Box bounds = standoff::bounds(mesh);
-  const double side = bounds.longest_side(), scale = side > 0 ? (kCells - 1) / side : 0;
-  const std::size_t triangles = mesh.triangles.size();
-  std::vector<std::uint64_t> keys(triangles);  // cell, triangle
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, triangles, 4096), [&](const auto& range) {
-    for (std::size_t t = range.begin(); t != range.end(); ++t) {
-      const Vec3 at = (box_of(mesh, t).center() - bounds.min) * scale;
-      keys[t] = morton(std::uint64_t(at.x), std::uint64_t(at.y), std::uint64_t(at.z)) << 32 | t;
-    }
-  });
-  std::ranges::sort(keys);
-  std::vector<std::uint32_t> order(triangles);
-  for (std::size_t n = 0; n < triangles; ++n) order[n] = static_cast<std::uint32_t>(keys[n]);
-  return order;
-}
 
 bool share_position(const MeshEdges& edges, std::uint32_t a, std::uint32_t b) {
   for (int i = 0; i < 3; ++i)
@@ -64,12 +38,9 @@ struct Count {
 
 SelfIntersections find_self_intersections(MeshView mesh, const MeshEdges& edges, std::int64_t most_pairs,
                                           std::int64_t most_tests) {
-  const std::vector<std::uint32_t> order = along_curve(mesh);
-  std::vector<Box> boxes(order.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, order.size(), 4096), [&](const auto& range) {
-    for (std::size_t n = range.begin(); n != range.end(); ++n) boxes[n] = box_of(mesh, order[n]);
-  });
-  const BoxTree tree(std::move(boxes));
+  const TriangleTree triangles(mesh);
+  const std::vector<std::uint32_t>& order = triangles.order();
+  const BoxTree& tree = triangles.tree();
 
   const auto count_of = [&](std::size_t n, Count count) {
     const std::array<Vec3, 3> corners = mesh.corners(order[n]);
