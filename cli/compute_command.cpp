@@ -111,6 +111,10 @@ void Command::add_to(CLI::App& verb) {
       [this](S, S t) { confidence.set_path(t); }, "Sign");
   verb.add_flag("--as-oriented", options.sign.as_oriented, "take triangles as they are oriented; repair nothing first")
       ->group("Sign");
+  verb.add_flag(
+          "--outer", options.sign.outer,
+          "leave out triangles inside: distances are to the union of\nall parts (sign winding or auto, closed meshes)")
+      ->group("Sign");
   verb.add_flag("--strict", options.sign.strict, "fail with exit code 8 where the sign is not certain")->group("Sign");
   add_device(verb, "Work", options.execution.backend, options.execution.device);
   add_threads(verb, "Work", options.execution.threads);

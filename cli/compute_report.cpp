@@ -91,6 +91,10 @@ void say(const Outcome& outcome, const Console& console) {
   if (!report.sign.why.empty())
     report.sign.sure ? console.say(sign_line(report.sign)) : console.warn(sign_line(report.sign));
   if (outcome.confidence) console.say(confidence_line(*outcome.confidence));
+  if (report.sign.internal > 0) console.say(counted(report.sign.internal, "triangle") + " inside the union left out");
+  if (report.sign.cut > 0)
+    console.warn(counted(report.sign.cut, "triangle") +
+                 " that others cut are kept: distances inside, near them, are too small");
   if (report.skipped > 0) console.say(counted(report.skipped, "triangle") + " skipped");
   console.detail(counted(report.samples_band, "sample") + " in the band, " + grouped(report.tiles_stored) + " of " +
                  counted(report.tiles, "tile") + " stored, " + counted(report.samples_examined, "distance") +
@@ -113,7 +117,9 @@ Json outcome_json(const Outcome& outcome) {
                   {"sure", report.sign.sure},
                   {"flipped", report.sign.flipped},
                   {"left_out", report.sign.left_out},
-                  {"boundary_edges", report.sign.boundary_edges}};
+                  {"boundary_edges", report.sign.boundary_edges},
+                  {"internal", report.sign.internal},
+                  {"cut", report.sign.cut}};
   if (const auto& found = outcome.confidence)
     json["sign"]["confidence"] = {{"samples", found->samples},
                                   {"doubtful", found->doubtful},

@@ -54,6 +54,9 @@ struct SignOptions {
   bool strict = false;  ///< Error{doubt} where the sign is not certain
   /// Take the triangles as they are oriented. By default the orientation is repaired first (docs/diagnosis.md).
   bool as_oriented = false;
+  /// Leave out triangles with inside on both sides, so that values inside are distances to the surface of the union of
+  /// all parts (docs/outer.md). For winding and automatic; the mesh must be closed. Values outside do not change.
+  bool outer = false;
   double shell = 0;  ///< SignMethod::shell alone: thickness of the sheet, world units, positive
 };
 
@@ -65,6 +68,9 @@ struct SignReport {
   std::int64_t flipped = 0;              ///< triangles that were taken in the opposite orientation
   std::int64_t left_out = 0;             ///< triangles that were left out: pairs that face each other
   std::int64_t boundary_edges = 0;       ///< edges that do not cancel after that: 0 if the mesh is closed
+  std::int64_t internal = 0;             ///< with `outer`: triangles with inside on both sides, which were left out
+  std::int64_t cut =
+      0;  ///< with `outer`: triangles that others divide, kept: inside, distances near them are too small
 };
 
 }  // namespace standoff

@@ -16,6 +16,7 @@
 #include "field/plan.h"
 #include "field/prepare.h"
 #include "sign/make_sides.h"
+#include "sign/outer.h"
 #include "sign/shell.h"
 #include "sign/sign_field.h"
 #include "sign/sign_text.h"
@@ -90,6 +91,7 @@ class Computation {
       progress_.stage("prepare", 1, 0, 0.1);
       check_mesh(mesh_, plan_, options_);
       sign_plan_ = plan_sign(mesh_, options_.sign);
+      if (options_.sign.outer) plan_outer(mesh_, options_.sign, sign_plan_);
       report_.seconds.prepare = watch.lap();
     });
   }
@@ -100,7 +102,7 @@ class Computation {
     Sink sink = output.sink();
     threads_.run([&] {
       Stopwatch watch;
-      const std::vector<std::uint32_t> kept = kept_by_plan(mesh_, plan_);
+      const std::vector<std::uint32_t> kept = kept_by_plan(mesh_, plan_, sign_plan_.exposed);
       report_.seconds.prepare += watch.lap();
       progress_.stage("bin", 1, 0.1, 0.2);
       const Job job{.mesh = mesh_,
@@ -123,7 +125,7 @@ class Computation {
         report_.seconds.sign = watch.lap();
       }
       report_.triangles = plan_.triangles;
-      report_.skipped = plan_.triangles - job.triangle_count();
+      report_.skipped = plan_.triangles - sign_plan_.report.internal - job.triangle_count();
       report_.samples_examined = counts.samples_examined;
       report_.samples_band = counts.samples_band;
     });

@@ -86,8 +86,16 @@ void check_mesh(MeshView mesh, const Plan& plan, const ComputeOptions& options) 
   if (!look.is_near) check_domain(mesh, plan.grid);
 }
 
-std::vector<std::uint32_t> kept_by_plan(MeshView mesh, const Plan& plan) {
-  if (plan.rule.kind == SkipRule::Kind::none) return {};
+std::vector<std::uint32_t> kept_by_plan(MeshView mesh, const Plan& plan, std::span<const std::uint32_t> among) {
+  if (plan.rule.kind == SkipRule::Kind::none) return {among.begin(), among.end()};
+  if (!among.empty()) {
+    std::vector<Triangle> triangles(among.size());
+    std::ranges::transform(among, triangles.begin(), [&](std::uint32_t t) { return mesh.triangles[t]; });
+    std::vector<std::uint32_t> kept = kept_by_plan({mesh.vertices, triangles}, plan, {});
+    if (kept.empty()) return {among.begin(), among.end()};
+    for (std::uint32_t& triangle : kept) triangle = among[triangle];
+    return kept;
+  }
   std::vector<std::uint32_t> kept = kept_triangles(mesh, plan.grid, plan.thickness, plan.rule);
   // To a Job an empty list means all triangles.
   if (kept.empty()) throw std::logic_error("the skip rule left no triangle");

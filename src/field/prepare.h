@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "field/plan.h"
@@ -25,7 +26,8 @@ MeshLook look_at(MeshView mesh, const Plan& plan, bool counts_tiles);
 /// would fit, and as check_domain(mesh, grid) does. Looks at the mesh once. Uses the caller's arena.
 void check_mesh(MeshView mesh, const Plan& plan, const ComputeOptions& options);
 
-/// The triangles that the plan's skip rule keeps, ascending; empty when all of them. Requires a checked mesh.
-std::vector<std::uint32_t> kept_by_plan(MeshView mesh, const Plan& plan);
+/// Of the triangles in `among`, which are all if it is empty, those that the plan's skip rule keeps, ascending; empty
+/// when all of the mesh. The rule sees no others. Requires a checked mesh.
+std::vector<std::uint32_t> kept_by_plan(MeshView mesh, const Plan& plan, std::span<const std::uint32_t> among);
 
 }  // namespace standoff

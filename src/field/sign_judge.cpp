@@ -33,6 +33,8 @@ bool contains(const Box& box, const Vec3& p) { return min(box.min, p) == box.min
 
 }  // namespace
 
+bool is_closed_in_use(const OrientedMesh& mesh) { return closed_in_use(mesh).oriented; }
+
 SignJudge::SignJudge(MeshView mesh, const TriangleGroups& groups, const SignText& sign, std::vector<std::int8_t> use)
     : groups_(groups), sign_(sign), use_(std::move(use)), box_(bounds(mesh)) {
   mesh_ = {mesh, use_};

@@ -18,6 +18,9 @@ struct SideJudgement {
   std::optional<double> winding;  ///< the reference's winding number, if the side was decided by it
 };
 
+/// Whether the edges of the triangles in use cancel, edge by edge.
+bool is_closed_in_use(const OrientedMesh& mesh);
+
 class SignJudge {
  public:
   /// `use` as in OrientedMesh. The mesh and the groups must outlive this. Runs on the threads of the calling TBB arena.

@@ -28,18 +28,19 @@ std::uint64_t curve_key(Vec3 unit) {
   return morton(cell(unit.x), cell(unit.y), cell(unit.z));
 }
 
-std::vector<std::uint32_t> along_curve(MeshView mesh) {
+std::vector<std::uint32_t> along_curve(MeshView mesh, std::span<const std::uint32_t> among) {
   struct Entry {
     std::uint64_t key;
     std::uint32_t triangle;
   };
   const Box box = bounds(mesh);
   const Vec3 extent = max(box.extent(), Vec3{1, 1, 1} * std::numeric_limits<double>::min());
-  std::vector<Entry> entries(mesh.triangles.size());
-  tbb::parallel_for(std::size_t{0}, entries.size(), [&](std::size_t t) {
+  std::vector<Entry> entries(among.empty() ? mesh.triangles.size() : among.size());
+  tbb::parallel_for(std::size_t{0}, entries.size(), [&](std::size_t n) {
+    const std::uint32_t t = among.empty() ? static_cast<std::uint32_t>(n) : among[n];
     const auto [a, b, c] = mesh.corners(t);
     const Vec3 centre = a * (1.0 / 3) + b * (1.0 / 3) + c * (1.0 / 3);
-    entries[t] = {curve_key((centre - box.min) / extent), static_cast<std::uint32_t>(t)};
+    entries[n] = {curve_key((centre - box.min) / extent), t};
   });
   tbb::parallel_sort(
       entries, [](const Entry& a, const Entry& b) { return a.key != b.key ? a.key < b.key : a.triangle < b.triangle; });
@@ -50,7 +51,8 @@ std::vector<std::uint32_t> along_curve(MeshView mesh) {
 
 }  // namespace
 
-TriangleGroups::TriangleGroups(MeshView mesh) : mesh_(mesh), order_(along_curve(mesh)) {
+TriangleGroups::TriangleGroups(MeshView mesh, std::span<const std::uint32_t> among)
+    : mesh_(mesh), order_(along_curve(mesh, among)) {
   boxes_.resize((order_.size() + kGroup - 1) / kGroup);
   tbb::parallel_for(std::size_t{0}, boxes_.size(), [this](std::size_t g) {
     for (const auto t : group(g)) {

@@ -16,10 +16,12 @@ namespace standoff {
 /// is made and about 6 afterwards. The mesh must be valid and outlive this.
 class TriangleGroups {
  public:
-  explicit TriangleGroups(MeshView mesh);
+  /// Of the triangles in `among`, ascending; of all if that is empty.
+  explicit TriangleGroups(MeshView mesh, std::span<const std::uint32_t> among = {});
 
-  std::size_t triangle_count() const { return order_.size(); }
-  /// The distance from p to the mesh.
+  /// Of the mesh.
+  std::size_t triangle_count() const { return mesh_.triangles.size(); }
+  /// The distance from p to these triangles.
   double distance(Vec3 p) const;
   /// The triangle nearest to p, of equally near ones that of lowest index.
   std::uint32_t nearest(Vec3 p) const;

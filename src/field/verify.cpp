@@ -17,6 +17,7 @@
 #include "core/threads.h"
 #include "field/sign_judge.h"
 #include "field/triangle_groups.h"
+#include "sign/exposed.h"
 #include "sign/mesh_edges.h"
 #include "sign/orient.h"
 #include "sign/sign_text.h"
@@ -78,14 +79,30 @@ std::vector<std::int8_t> oriented_for_sign(MeshView mesh, const SignText& sign) 
   return orient(mesh, MeshEdges(mesh)).use;
 }
 
+// The triangles that distances are to, as SignPlan::exposed says it.
+std::vector<std::uint32_t> with_distances(MeshView mesh, const SignText& sign, const std::vector<std::int8_t>& use) {
+  if (!sign.outer) return {};
+  const OrientedMesh oriented{mesh, use};
+  // Of a mesh that is not closed there is no such field. It is another one than the field's, and has all its triangles.
+  if (!is_closed_in_use(oriented)) return {};
+  std::vector<std::uint32_t> exposed;
+  const std::vector<Exposure> of = find_exposed(oriented, sign.rule).of;
+  for (std::uint32_t t = 0; t < of.size(); ++t)
+    if (of[t] != Exposure::internal) exposed.push_back(t);
+  return exposed;
+}
+
 // One field and its mesh. Requires a valid mesh. Runs on the threads of the calling TBB arena.
 class Check {
  public:
   Check(const DistanceField& field, MeshView mesh)
       : field_(field),
         sign_(sign_text_in(field.provenance().sign).value_or(SignText{})),
+        use_(oriented_for_sign(mesh, sign_)),
         groups_(mesh),
-        judge_(mesh, groups_, sign_, oriented_for_sign(mesh, sign_)) {}
+        exposed_(sign_.outer ? std::optional<TriangleGroups>(std::in_place, mesh, with_distances(mesh, sign_, use_))
+                             : std::nullopt),
+        judge_(mesh, groups_, sign_, use_) {}
 
   bool is_shell() const { return sign_.method == SignMethod::shell; }
   bool can_check_sign() const { return is_shell() || judge_.can_judge(); }
@@ -97,14 +114,19 @@ class Check {
   void compare_nearest(double distance, Finding& finding) const;
 
   const DistanceField& field_;
+  // The triangles that distances are to; the sign is that of all.
+  const TriangleGroups& near() const { return exposed_ ? *exposed_ : groups_; }
+
   SignText sign_;
+  std::vector<std::int8_t> use_;
   TriangleGroups groups_;
+  std::optional<TriangleGroups> exposed_;
   SignJudge judge_;
 };
 
 Finding Check::sample(const Sample& at) const {
   const Vec3 position = field_.grid().position(at.i, at.j, at.k);
-  const double distance = groups_.distance(position);
+  const double distance = near().distance(position);
   Finding finding;
   SampleCheck& sample = finding.sample;
   sample = {at.i, at.j, at.k, position, field_.value(at.i, at.j, at.k)};
@@ -152,7 +174,7 @@ void Check::compare_nearest(double distance, Finding& finding) const {
     finding.nearest_wrong = std::abs(distance - sign_.shell / 2) < field_.thickness() - sample.allowed;
   else
     finding.nearest_wrong =
-        nearest >= groups_.triangle_count() || groups_.distance(sample.position, nearest) > distance + sample.allowed;
+        nearest >= groups_.triangle_count() || near().distance(sample.position, nearest) > distance + sample.allowed;
 }
 
 void count_sign(const Finding& finding, SignCheck& sign) {

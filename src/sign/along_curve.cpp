@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "geometry/morton.h"
+#include "geometry/triangle_box.h"
 
 namespace standoff {
 
@@ -22,7 +23,7 @@ std::vector<std::uint32_t> along_curve(MeshView mesh) {
     for (std::size_t t = range.begin(); t != range.end(); ++t) {
       keys[t] = t;
       if (!has_cells) continue;
-      const Vec3 at = (box_of(mesh, t).center() - bounds.min) * scale;
+      const Vec3 at = (triangle_box(mesh, t).center() - bounds.min) * scale;
       keys[t] |= morton(std::uint64_t(at.x), std::uint64_t(at.y), std::uint64_t(at.z)) << 32;
     }
   });

@@ -10,12 +10,6 @@
 
 namespace standoff {
 
-inline Box box_of(MeshView mesh, std::size_t triangle) {
-  Box box;
-  for (const Vec3& corner : mesh.corners(triangle)) box.include(corner);
-  return box;
-}
-
 /// All triangles, by the Morton number of the cell that holds the middle of their box, then by index: 2^10 cells along
 /// the longest side of the mesh. In order of their indices if that side is 0, or too long or too short for doubles.
 /// Requires a valid mesh. Takes 12 bytes for each triangle. Runs on the threads of the calling TBB arena.

@@ -53,8 +53,20 @@ class BoxTree {
   void for_each_within(const Vec3& p, const double& most_sq, const Visit& visit) const {
     if (!levels_[0].empty()) search_near(levels_.size() - 1, 0, p, most_sq, visit);
   }
+  /// Calls visit(item) for all items whose boxes overlap this one.
+  template <class Visit>
+  void for_each_overlap(const Box& box, const Visit& visit) const {
+    search_all(levels_.size() - 1, 0, box, visit);
+  }
 
  private:
+  template <class Visit>
+  void search_all(std::size_t level, std::size_t node, const Box& box, const Visit& visit) const {
+    if (!overlap(levels_[level][node], box)) return;
+    if (level == 0) return visit(node);
+    const std::size_t past = std::min(kBranch * (node + 1), levels_[level - 1].size());
+    for (std::size_t child = kBranch * node; child < past; ++child) search_all(level - 1, child, box, visit);
+  }
   template <class Visit>
   bool search(std::size_t level, std::size_t node, std::size_t item, const Box& box, const Visit& visit) const {
     if (!overlap(levels_[level][node], box)) return true;

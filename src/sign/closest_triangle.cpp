@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "geometry/closest_point.h"
+#include "geometry/triangle_box.h"
 #include "sign/along_curve.h"
 
 namespace standoff {

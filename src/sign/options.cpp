@@ -20,6 +20,8 @@ void validate(const SignOptions& options) {
   if (options.invert && is(SignMethod::none)) fail("a field without a sign cannot be inverted; choose a sign method");
   if (options.strict && is(SignMethod::none))
     fail("a field without a sign has none to be strict about; choose a sign method");
+  if (options.outer && !is(SignMethod::winding) && !is(SignMethod::automatic))
+    fail("outer is for the sign methods winding and automatic; leave it out");
   if (is(SignMethod::shell) && !(options.shell > 0 && std::isfinite(options.shell)))
     fail("the thickness of a shell must be positive and finite");
   if (!is(SignMethod::shell) && options.shell != 0)

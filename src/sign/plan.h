@@ -14,8 +14,9 @@ namespace standoff {
 
 struct SignPlan {
   SignReport report;
-  std::vector<std::int8_t> use;  ///< OrientedMesh::use
-  Boundary boundary;             ///< of the mesh in that orientation; empty also where the method needs none
+  std::vector<std::int8_t> use;        ///< OrientedMesh::use
+  std::vector<std::uint32_t> exposed;  ///< SignOptions::outer: triangles not internal, ascending; empty: all
+  Boundary boundary;                   ///< of the mesh in that orientation; empty also where the method needs none
 
   bool has_sign() const { return report.method != SignMethod::none; }
 };

@@ -10,8 +10,7 @@
 #include <vector>
 
 #include "geometry/triangle_pair.h"
-#include "sign/along_curve.h"
-#include "sign/box_tree.h"
+#include "sign/triangle_tree.h"
 
 namespace standoff {
 namespace {
@@ -39,12 +38,9 @@ struct Count {
 
 SelfIntersections find_self_intersections(MeshView mesh, const MeshEdges& edges, std::int64_t most_pairs,
                                           std::int64_t most_tests) {
-  const std::vector<std::uint32_t> order = along_curve(mesh);
-  std::vector<Box> boxes(order.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, order.size(), 4096), [&](const auto& range) {
-    for (std::size_t n = range.begin(); n != range.end(); ++n) boxes[n] = box_of(mesh, order[n]);
-  });
-  const BoxTree tree(std::move(boxes));
+  const TriangleTree triangles(mesh);
+  const std::vector<std::uint32_t>& order = triangles.order();
+  const BoxTree& tree = triangles.tree();
 
   const auto count_of = [&](std::size_t n, Count count) {
     const std::array<Vec3, 3> corners = mesh.corners(order[n]);

@@ -29,6 +29,7 @@ SignText sign_text_of(const SignOptions& options, const SignReport& report) {
   if (text.method == SignMethod::shell) text.shell = options.shell;
   text.invert = options.invert;
   text.oriented = report.flipped > 0 || report.left_out > 0;
+  text.outer = options.outer;
   return text;
 }
 
@@ -39,6 +40,7 @@ std::string written(const SignText& text) {
   if (text.rule == WindingRule::nonzero) words += " nonzero";
   if (text.rule == WindingRule::odd) words += " odd";
   if (text.oriented) words += " oriented";
+  if (text.outer) words += " outer";
   if (text.invert) words += " inverted";
   return words;
 }
@@ -54,12 +56,14 @@ std::optional<SignText> sign_text_in(std::string_view text) {
     if (word == "nonzero") found.rule = WindingRule::nonzero;
     if (word == "odd") found.rule = WindingRule::odd;
     if (word == "oriented") found.oriented = true;
+    if (word == "outer") found.outer = true;
     if (word == "inverted") found.invert = true;
     if (const auto number = number_in<double>(word)) found.shell = *number;
   }
   // Whatever was passed over, repeated or in another order makes a difference here.
   if (found.method == SignMethod::none || written(found) != text) return std::nullopt;
   if (found.method == SignMethod::shell && !(found.shell > 0 && std::isfinite(found.shell))) return std::nullopt;
+  if (found.outer && found.method != SignMethod::winding) return std::nullopt;
   return found;
 }
 

@@ -16,6 +16,7 @@ struct SignText {
   WindingRule rule = WindingRule::positive;
   bool invert = false;
   bool oriented = false;  ///< triangles were turned around or left out before (sign/orient.h)
+  bool outer = false;     ///< internal triangles were left out (sign/exposed.h)
   double shell = 0;       ///< SignMethod::shell alone: world units
 
   friend bool operator==(const SignText&, const SignText&) = default;

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is on the two sides of a triangle where a row, a line along an axis, passes through it.
+#pragma once
+
+#include <optional>
+
+#include "geometry/predicates.h"
+#include "sign/oriented_mesh.h"
+#include "sign/triangle_tree.h"
+#include "standoff/sign.h"
+
+namespace standoff {
+
+/// A line along an axis: 0 to 2 for x to z, at (y, z), (z, x) or (x, y).
+struct Row {
+  int axis;
+  Flat at;
+};
+
+/// The winding numbers just before and just behind a triangle along a row.
+struct TwoSides {
+  int before, behind;
+};
+
+/// Counts the crossings of rows exactly, as ray_crossing.h does. Where they are along the row is rounded, with a bound:
+/// triangles that may be at the same place, such as a wall that two boxes have in common, are passed as one. So a gap
+/// that is thinner than rounding is none.
+class RowSides {
+ public:
+  /// The mesh and the tree must outlive this. Requires a closed mesh.
+  RowSides(const OrientedMesh& mesh, const TriangleTree& tree);
+
+  /// Nothing where the row misses the triangle, or rounding hides what lies next to it.
+  std::optional<TwoSides> of(std::uint32_t triangle, const Row& row) const;
+  /// Numbers of this size are no more than rounding, in world units: 1e-12 of the mesh's extent, or 64 roundings of
+  /// its coordinates.
+  double thin() const { return thin_; }
+
+ private:
+  OrientedMesh mesh_;
+  const TriangleTree& tree_;
+  Box bounds_;
+  double thin_;
+};
+
+}  // namespace standoff
