@@ -70,7 +70,9 @@ struct Sides {
 
   Sides(const Corners& plane, const Corners& t) {
     for (std::size_t n = 0; n < 3; ++n) {
-      of[n] = orient3d(plane[0], plane[1], plane[2], t[n]);
+      // Neighbours have corners in common, which would take the exact stage.
+      const bool common = t[n] == plane[0] || t[n] == plane[1] || t[n] == plane[2];
+      of[n] = common ? 0 : orient3d(plane[0], plane[1], plane[2], t[n]);
       above += of[n] > 0;
       below += of[n] < 0;
     }
