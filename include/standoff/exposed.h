@@ -15,7 +15,7 @@ namespace standoff {
 enum class Exposure : std::uint8_t {
   exposed,   ///< outside is on one of its sides, or on both
   internal,  ///< inside is on both sides, all over
-  cut,       ///< others divide it, and it may be both; or it is so thin that rounding hides what it is
+  cut,       ///< others are in its interior, and it may be both; or it is so thin that rounding hides what it is
 };
 
 struct ExposedTriangles {

@@ -7,7 +7,7 @@
 
 namespace standoff {
 
-/// How the sign of a field is decided. No method but `shell` changes the magnitude of a value.
+/// How the sign of a field is decided. No method but `shell` changes the magnitude of a value; SignOptions::outer may.
 enum class SignMethod {
   none,       ///< no sign: all values are positive
   winding,    ///< by the winding number: an exact integer if the mesh is closed, else the generalised winding number

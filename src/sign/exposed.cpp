@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The winding number is the same all over one side of a triangle, as far as no other triangle in use is in its
-// interior. So one row through a triangle that no other one cuts decides. Others in its plane may cover parts of it, as
-// a box does that stands on a larger one: then one row decides for each cell between their edges.
+// No triangle in use, but for those in the same plane, has points in the interior of a triangle that is not cut. So
+// just in front of it, before all that lie in its plane, the winding number is the same all over, and so it is just
+// behind: one row through the triangle decides. Walls that two boxes have in common need not have the same triangles.
+// Where a box stands on a part of a triangle, its sides have edges there, and cut it.
 #include "sign/exposed.h"
 
 #include <tbb/blocked_range.h>
@@ -13,14 +14,11 @@
 #include <span>
 
 #include "geometry/coplanar.h"
-#include "sign/flat_cells.h"
 #include "sign/mesh_cuts.h"
 #include "sign/row_sides.h"
 
 namespace standoff {
 namespace {
-
-constexpr std::size_t kMostCells = 4096;  // each costs a row
 
 bool is_inside(int winding, WindingRule rule) {
   if (rule == WindingRule::odd) return winding % 2 != 0;
@@ -65,32 +63,11 @@ class Classify {
   }
 
  private:
+  // By a row through the middle, or near it where rounding hides too much there.
   Exposure by_rows(std::uint32_t triangle) const {
     const Corners corners = mesh_.mesh.corners(triangle);
     const int axis = steepest_axis(corners);
-    const FlatCorners flat = dropped(corners, axis);
-    const auto covered_by = pairs_of(cuts_.covered, triangle);
-    if (covered_by.empty()) return anywhere(triangle, axis, flat);
-
-    std::vector<FlatSegment> segments;
-    for (const auto& [_, other] : covered_by) {
-      const FlatCorners t = dropped(mesh_.mesh.corners(other), axis);
-      for (std::size_t n = 0; n < 3; ++n) segments.push_back({t[n], t[(n + 1) % 3]});
-    }
-    const auto centres = cell_centres(flat, segments, rows_.thin(), kMostCells);
-    if (!centres) return Exposure::cut;
-    std::size_t internal = 0;
-    for (const Flat& centre : *centres) {
-      const Exposure cell = at(triangle, {axis, centre});
-      if (cell == Exposure::cut) return cell;
-      internal += cell == Exposure::internal;
-      if (internal != 0 && cell != Exposure::internal) return Exposure::cut;
-    }
-    return internal == centres->size() ? Exposure::internal : internal == 0 ? Exposure::exposed : Exposure::cut;
-  }
-
-  // By a row through the middle, or near it where rounding hides too much there.
-  Exposure anywhere(std::uint32_t triangle, int axis, const FlatCorners& t) const {
+    const FlatCorners t = dropped(corners, axis);
     constexpr double kShares[][3] = {{1. / 3, 1. / 3, 1. / 3}, {.5, .3, .2}, {.2, .5, .3}, {.3, .2, .5}};
     for (const auto& [a, b, c] : kShares) {
       const Flat middle{a * t[0].x + b * t[1].x + c * t[2].x, a * t[0].y + b * t[1].y + c * t[2].y};

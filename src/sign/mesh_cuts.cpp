@@ -15,31 +15,23 @@
 namespace standoff {
 namespace {
 
-// What one thread finds.
-struct Pairs {
-  TrianglePairs covered, touched;
-};
-
 class Search {
  public:
   Search(const OrientedMesh& mesh, MeshCuts& found) : mesh_(mesh), found_(found) {}
 
-  void compare(std::uint32_t first, std::uint32_t second, Pairs& pairs) const {
+  void compare(std::uint32_t first, std::uint32_t second, TrianglePairs& touched) const {
     const Corners p = mesh_.mesh.corners(first), q = mesh_.mesh.corners(second);
     const bool first_flat = found_.flat[first] != 0, second_flat = found_.flat[second] != 0;
     if (first_flat || second_flat) {
       // A triangle without an area has no sides, and cuts nothing.
       if (first_flat != second_flat && triangles_intersect(p, q))
-        pairs.touched.push_back(first_flat ? std::pair(first, second) : std::pair(second, first));
+        touched.push_back(first_flat ? std::pair(first, second) : std::pair(second, first));
       return;
     }
     const bool first_used = mesh_.use_of(first) != 0, second_used = mesh_.use_of(second) != 0;
-    const PairMeeting meeting = meeting_of(p, q);
-    if (meeting.first_is_cut && second_used) mark(first);
-    if (meeting.second_is_cut && first_used) mark(second);
-    if (meeting.kind != Meeting::overlap) return;
-    if (second_used) pairs.covered.emplace_back(first, second);
-    if (first_used) pairs.covered.emplace_back(second, first);
+    const Cuts cuts = cuts_between(p, q);
+    if (cuts.first && second_used) mark(first);
+    if (cuts.second && first_used) mark(second);
   }
 
  private:
@@ -68,20 +60,17 @@ MeshCuts find_cuts(const OrientedMesh& mesh, const TriangleTree& tree) {
     }
   });
   const Search search(mesh, found);
-  PerThread<Pairs> pairs;
+  PerThread<TrianglePairs> touched;
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, triangles, 64), [&](const auto& range) {
-    Pairs& mine = pairs.local();
+    TrianglePairs& mine = touched.local();
     for (std::size_t n = range.begin(); n != range.end(); ++n)
       tree.tree().for_each_later_overlap(n, [&](std::size_t other) {
         search.compare(tree.order()[n], tree.order()[other], mine);
         return true;
       });
   });
-  pairs.for_each([&](const Pairs& part) {
-    found.covered.insert(found.covered.end(), part.covered.begin(), part.covered.end());
-    found.touched.insert(found.touched.end(), part.touched.begin(), part.touched.end());
-  });
-  std::ranges::sort(found.covered);
+  touched.for_each(
+      [&](const TrianglePairs& part) { found.touched.insert(found.touched.end(), part.begin(), part.end()); });
   std::ranges::sort(found.touched);
   return found;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the triangles of a mesh cut, cover and touch each other (triangle_cut.h).
+// Where the triangles of a mesh cut and touch each other (triangle_cut.h).
 #pragma once
 
 #include <cstdint>
@@ -20,9 +20,9 @@ std::span<const std::pair<std::uint32_t, std::uint32_t>> pairs_of(const Triangle
 
 struct MeshCuts {
   std::vector<std::uint8_t> flat;  ///< for each triangle whether it has no area
-  std::vector<std::uint8_t> cut;   ///< for each triangle whether one that is in use passes through its interior
-  TrianglePairs covered;           ///< a triangle, and one in use that covers a part of it, in its plane
-  TrianglePairs touched;           ///< a triangle without an area, and one with an area that touches it
+  std::vector<std::uint8_t>
+      cut;                ///< for each triangle whether one in use has points in its interior; not those in its plane
+  TrianglePairs touched;  ///< a triangle without an area, and one with an area that touches it
 };
 
 /// Compares all pairs of triangles whose boxes overlap. Requires a valid mesh. Runs on the threads of the calling TBB

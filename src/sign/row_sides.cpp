@@ -53,21 +53,22 @@ Interval place_on(const Corners& t, double y, double z) {
   return {std::clamp(x - off, low, high), std::clamp(x + off, low, high)};
 }
 
+bool in_plane_of(const Corners& plane, const Corners& t) {
+  for (const Vec3& v : t)
+    if (orient3d(plane[0], plane[1], plane[2], v) != 0) return false;
+  return true;
+}
+
 }  // namespace
 
 RowSides::RowSides(const OrientedMesh& mesh, const TriangleTree& tree)
-    : mesh_(mesh),
-      tree_(tree),
-      bounds_(bounds(mesh.mesh)),
-      thin_(1e-12 * bounds_.longest_side() +
-            64 * kRoundoffDouble * std::max(max_norm(bounds_.min), max_norm(bounds_.max))) {}
+    : mesh_(mesh), tree_(tree), bounds_(bounds(mesh.mesh)) {}
 
 std::optional<TwoSides> RowSides::of(std::uint32_t triangle, const Row& row) const {
   const int most_displaced = (4 - row.axis) % 3;
   const Corners own = turned(mesh_.mesh.corners(triangle), row.axis);
   if (RayTriangle(own, most_displaced).crossing(row.at.x, row.at.y) == 0) return std::nullopt;
   const Interval here = place_on(own, row.at.x, row.at.y);
-  if (here.high - here.low > thin_) return std::nullopt;
   TwoSides sides{0, 0};
   bool sure = true;
   tree_.tree().for_each_overlap(box_of(row, bounds_), [&](std::size_t item) {
@@ -82,7 +83,7 @@ std::optional<TwoSides> RowSides::of(std::uint32_t triangle, const Row& row) con
     if (there.high < here.low)
       sides.before -= leaves;
     else
-      sure = sure && there.high - there.low <= thin_;
+      sure = sure && (other == triangle || in_plane_of(own, t));
   });
   return sure ? std::optional(sides) : std::nullopt;
 }

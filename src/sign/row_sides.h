@@ -23,8 +23,8 @@ struct TwoSides {
 };
 
 /// Counts the crossings of rows exactly, as ray_crossing.h does. Where they are along the row is rounded, with a bound:
-/// triangles that may be at the same place, such as a wall that two boxes have in common, are passed as one. So a gap
-/// that is thinner than rounding is none.
+/// what may be on either side of the triangle must be in its plane, such as a wall that two boxes have in common.
+/// Triangles of one plane are passed together.
 class RowSides {
  public:
   /// The mesh and the tree must outlive this. Requires a closed mesh.
@@ -32,15 +32,11 @@ class RowSides {
 
   /// Nothing where the row misses the triangle, or rounding hides what lies next to it.
   std::optional<TwoSides> of(std::uint32_t triangle, const Row& row) const;
-  /// Numbers of this size are no more than rounding, in world units: 1e-12 of the mesh's extent, or 64 roundings of
-  /// its coordinates.
-  double thin() const { return thin_; }
 
  private:
   OrientedMesh mesh_;
   const TriangleTree& tree_;
   Box bounds_;
-  double thin_;
 };
 
 }  // namespace standoff

@@ -39,14 +39,6 @@ bool edge_separates(const FlatCorners& p, const Points& q) {
   return false;
 }
 
-// Whether two triangles of one plane share interior points. Two convex sets without such points are separated by a line
-// along one of their edges.
-bool interiors_meet(const Corners& p, const Corners& q) {
-  const int axis = upright_axis(p[0], p[1], p[2]);
-  const FlatCorners a = dropped(p, axis), b = dropped(q, axis);
-  return !edge_separates(a, b) && !edge_separates(b, a);
-}
-
 // Whether the segment, which may be a point and lies in the triangle's plane, has points in its interior. The line that
 // separates them else is one along an edge or along the segment.
 bool is_in_interior(const Vec3& from, const Vec3& to, const Corners& t) {
@@ -70,13 +62,15 @@ struct Sides {
 
   Sides(const Corners& plane, const Corners& t) {
     for (std::size_t n = 0; n < 3; ++n) {
-      of[n] = orient3d(plane[0], plane[1], plane[2], t[n]);
+      // Neighbours have corners in common, which would take the exact stage.
+      const bool common = t[n] == plane[0] || t[n] == plane[1] || t[n] == plane[2];
+      of[n] = common ? 0 : orient3d(plane[0], plane[1], plane[2], t[n]);
       above += of[n] > 0;
       below += of[n] < 0;
     }
   }
   bool both() const { return above > 0 && below > 0; }
-  bool clear() const { return above == 3 || below == 3; }
+  int zero() const { return 3 - above - below; }
 };
 
 // Whether q, on one closed side of p's plane, has a corner or an edge in p's interior.
@@ -99,35 +93,18 @@ bool pass_through_each_other(const Corners& p, const Corners& q) {
   return triangles_intersect(p, q);
 }
 
-bool same_corners(const Corners& p, const Corners& q) {
-  for (const Vec3& corner : p)
-    if (corner != q[0] && corner != q[1] && corner != q[2]) return false;
-  return true;
-}
-
 }  // namespace
 
-PairMeeting meeting_of(const Corners& first, const Corners& second) {
+Cuts cuts_between(const Corners& first, const Corners& second) {
   const Sides second_sides(first, second);
-  if (second_sides.clear()) return {};
+  if (!second_sides.both() && second_sides.zero() == 0) return {};
   const Sides first_sides(second, first);
-  if (first_sides.clear()) return {};
-  PairMeeting meeting;
-  if (second_sides.above + second_sides.below == 0) {
-    if (same_corners(first, second))
-      meeting.kind = Meeting::same;
-    else if (interiors_meet(first, second))
-      meeting.kind = Meeting::overlap;
-    return meeting;
-  }
   if (first_sides.both() && second_sides.both()) {
-    meeting.first_is_cut = meeting.second_is_cut = pass_through_each_other(first, second);
-  } else {
-    meeting.first_is_cut = first_sides.both() && touches_interior(first, second, second_sides);
-    meeting.second_is_cut = second_sides.both() && touches_interior(second, first, first_sides);
+    const bool cut = pass_through_each_other(first, second);
+    return {cut, cut};
   }
-  if (meeting.first_is_cut || meeting.second_is_cut) meeting.kind = Meeting::cut;
-  return meeting;
+  return {first_sides.both() && touches_interior(first, second, second_sides),
+          second_sides.both() && touches_interior(second, first, first_sides)};
 }
 
 }  // namespace standoff

@@ -54,6 +54,21 @@ TEST_F(Sign, EveryMethodAndRule) {
   EXPECT_EQ(sides("nested.obj --sign flood"), "--+");
 }
 
+TEST_F(Sign, Outer) {
+  const Ran ran = compute("nested.obj --sign auto --outer --json");
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  const Json json = Json::parse(ran.out);
+  EXPECT_EQ(json["sign"]["internal"], 224);
+  EXPECT_EQ(json["sign"]["cut"], 0);
+  EXPECT_NE(ran.err.find("224 triangles inside the union left out"), std::string::npos) << ran.err;
+  EXPECT_LT(field().interpolate({0.02, 0.01, 0.02}), -0.9);
+  EXPECT_EQ(field().provenance().sign, "winding outer");
+  EXPECT_EQ(run(words("verify out.vti nested.obj")).code, 0);
+  EXPECT_EQ(compute("sheet.obj --sign auto --outer").code, 3);
+  EXPECT_EQ(compute("ball.obj --sign flood --outer").code, 2);
+  EXPECT_EQ(compute("ball.obj --outer").code, 2);
+}
+
 // The sheet's height is within 0.1 of z = 0. The grid reaches around the solid.
 TEST_F(Sign, Shell) {
   EXPECT_EQ(compute("sheet.obj --sign shell:0.5").code, 0);

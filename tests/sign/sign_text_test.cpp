@@ -21,6 +21,10 @@ TEST(SignText, EveryTextIsReadBack) {
           EXPECT_EQ(sign_text_in(written(text)), text) << written(text);
         }
   EXPECT_EQ(texts.size(), 48u);
+  const SignText outer{.method = SignMethod::winding, .rule = WindingRule::odd, .oriented = true, .outer = true};
+  EXPECT_EQ(written(outer), "winding odd oriented outer");
+  EXPECT_EQ(sign_text_in(written(outer)), outer);
+  EXPECT_EQ(sign_text_in("parity outer"), std::nullopt);
   for (const double shell : {0.01, 1.0 / 3, 5e-324, 1e300}) {
     const SignText text{.method = SignMethod::shell, .shell = shell};
     EXPECT_EQ(sign_text_in(written(text)), text) << written(text);
