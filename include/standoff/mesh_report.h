@@ -97,8 +97,8 @@ struct MeshReportOptions {
 };
 
 /// Examines a mesh; a mesh without triangles gets an empty report. The result does not depend on the number of threads.
-/// Takes up to 200 bytes per triangle. Errors: those of validate(mesh) for a mesh with triangles; usage (spacing is
-/// negative or not finite, negative limits, execution); limit.
+/// Takes up to 200 bytes per triangle, and 150 per boundary edge. Errors: those of validate(mesh) for a mesh with
+/// triangles; usage (spacing is negative or not finite, negative limits, execution); limit.
 STANDOFF_API MeshReport report(MeshView mesh, const MeshReportOptions& options = {});
 
 }  // namespace standoff

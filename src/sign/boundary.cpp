@@ -10,9 +10,10 @@
 namespace standoff {
 namespace {
 
+// An edge by one of its sides: a soup has three per triangle, so they are small until their order is known.
 struct Numbered {
-  std::uint32_t low, high;  // positions
-  BoundaryEdge edge;
+  EdgeUse side;
+  std::int32_t excess;
 };
 
 // The position of a side's end with the lower, or higher, number.
@@ -21,16 +22,16 @@ Vec3 end_of(const MeshView& mesh, const EdgeUse& side, bool low) {
   return mesh.corner(side.triangle, corner);
 }
 
+BoundaryEdge placed(const MeshView& mesh, const Numbered& one) {
+  return {end_of(mesh, one.side, one.excess > 0), end_of(mesh, one.side, one.excess < 0), std::abs(one.excess)};
+}
+
 std::vector<Numbered> edges_in_excess(const OrientedMesh& mesh, const MeshEdges& edges) {
   std::vector<Numbered> found;
   edges.for_each([&](std::span<const EdgeUse> sides) {
     std::int32_t excess = 0;
     for (const EdgeUse& side : sides) excess += side.forward ? mesh.use_of(side.triangle) : -mesh.use_of(side.triangle);
-    if (excess == 0) return;
-    const EdgeUse& side = sides.front();
-    found.push_back({side.low,
-                     side.high,
-                     {end_of(mesh.mesh, side, excess > 0), end_of(mesh.mesh, side, excess < 0), std::abs(excess)}});
+    if (excess != 0) found.push_back({sides.front(), excess});
   });
   return found;
 }
@@ -48,20 +49,20 @@ Vec3 farthest_from(const Vec3& from, std::span<const BoundaryEdge> loop) {
 Boundary net_boundary(const OrientedMesh& mesh, const MeshEdges& edges) {
   const std::vector<Numbered> all = edges_in_excess(mesh, edges);
   std::vector<std::uint32_t> ends;
-  for (const Numbered& one : all) ends.insert(ends.end(), {one.low, one.high});
+  for (const Numbered& one : all) ends.insert(ends.end(), {one.side.low, one.side.high});
   std::ranges::sort(ends);
   ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
   const auto number_of = [&](std::uint32_t position) {
     return static_cast<std::uint32_t>(std::ranges::lower_bound(ends, position) - ends.begin());
   };
   DisjointSets connected(ends.size());
-  for (const Numbered& one : all) connected.join(number_of(one.low), number_of(one.high));
+  for (const Numbered& one : all) connected.join(number_of(one.side.low), number_of(one.side.high));
 
   // A counting sort by the loops' least positions.
   std::vector<std::uint32_t> loop_of(all.size());
   std::vector<std::size_t> next(ends.size() + 1);
   for (std::size_t n = 0; n < all.size(); ++n) {
-    loop_of[n] = connected.find(number_of(all[n].low)).set;
+    loop_of[n] = connected.find(number_of(all[n].side.low)).set;
     ++next[loop_of[n] + 1];
   }
   Boundary boundary;
@@ -70,7 +71,7 @@ Boundary net_boundary(const OrientedMesh& mesh, const MeshEdges& edges) {
     next[n] += next[n - 1];
   }
   boundary.edges.resize(all.size());
-  for (std::size_t n = 0; n < all.size(); ++n) boundary.edges[next[loop_of[n]]++] = all[n].edge;
+  for (std::size_t n = 0; n < all.size(); ++n) boundary.edges[next[loop_of[n]]++] = placed(mesh.mesh, all[n]);
   return boundary;
 }
 

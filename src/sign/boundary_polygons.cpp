@@ -2,7 +2,10 @@
 #include "sign/boundary_polygons.h"
 
 #include <algorithm>
+#include <cstddef>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "core/weld.h"
 
@@ -13,7 +16,8 @@ namespace {
 // position as many edges begin as end, so a walk never gets stuck.
 class Walk {
  public:
-  explicit Walk(const std::vector<BoundaryEdge>& edges) : edges_(edges), left_(edges.size()), ends_(2 * edges.size()) {
+  Walk(std::span<const BoundaryEdge> edges, const std::function<void(BoundaryPolygon)>& use)
+      : edges_(edges), use_(use), left_(edges.size()), ends_(2 * edges.size()) {
     const auto end = [&](std::uint32_t n) { return n % 2 == 0 ? edges[n / 2].from : edges[n / 2].to; };
     const std::uint32_t positions = weld(end, ends_);
     first_.resize(positions + std::size_t{1});
@@ -29,10 +33,9 @@ class Walk {
     place_.assign(positions, kNowhere);
   }
 
-  std::vector<BoundaryPolygon> polygons() {
+  void run() {
     for (std::size_t start = 0; start + 1 < first_.size(); ++start)
       while (has_edge(start)) walk_from(start);
-    return std::move(found_);
   }
 
  private:
@@ -98,17 +101,17 @@ class Walk {
       if (n > place) place_[from(path_[n])] = kNowhere;
     }
     path_.resize(place);
-    found_.push_back({std::move(polygon), weight});
+    use_({std::move(polygon), weight});
   }
 
-  const std::vector<BoundaryEdge>& edges_;
+  std::span<const BoundaryEdge> edges_;
+  const std::function<void(BoundaryPolygon)>& use_;
   std::vector<std::int32_t> left_;        // of each edge's weight
   std::vector<std::uint32_t> ends_;       // numbers of positions, two an edge
   std::vector<std::size_t> first_, out_;  // edges by the position that they begin at
   std::vector<std::size_t> next_;         // of each position, the next edge to try
   std::vector<std::size_t> path_;         // edges of the walk
   std::vector<std::size_t> place_;        // of each position, where on the path it is
-  std::vector<BoundaryPolygon> found_;
 };
 
 // Relative to the first corner, for polygons far from the origin.
@@ -120,7 +123,16 @@ Vec3 mean_of(std::span<const Vec3> corners) {
 
 }  // namespace
 
-std::vector<BoundaryPolygon> polygons_of(const Boundary& boundary) { return Walk(boundary.edges).polygons(); }
+void for_each_polygon(const Boundary& boundary, const std::function<void(BoundaryPolygon)>& use) {
+  constexpr std::size_t kAtOnce = 1 << 14;  // edges of small loops: a walk takes memory, and some time to begin with
+  const std::span<const BoundaryEdge> edges = boundary.edges;
+  for (std::size_t n = 0, begin = 0; n < boundary.loops(); ++n) {
+    const std::size_t end = boundary.begin[n + 1];
+    if (end - begin < kAtOnce && n + 1 < boundary.loops()) continue;
+    Walk(edges.subspan(begin, end - begin), use).run();
+    begin = end;
+  }
+}
 
 Cap cap_of(const BoundaryPolygon& polygon, const Vec3& origin) {
   const std::size_t size = polygon.corners.size();

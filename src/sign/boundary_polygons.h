@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "sign/boundary.h"
@@ -18,8 +19,9 @@ struct BoundaryPolygon {
 
 /// Polygons whose sum is the boundary. Where a polygon can go on in several ways, it turns back as sharply as it can.
 /// So a T-junction, where an edge runs along one side of a crack and its parts along the other, becomes a polygon of
-/// its own without area, although its ends are those of others. Linear.
-std::vector<BoundaryPolygon> polygons_of(const Boundary& boundary);
+/// its own without area, although its ends are those of others. Linear; takes about 60 bytes per edge of the largest
+/// loop.
+void for_each_polygon(const Boundary& boundary, const std::function<void(BoundaryPolygon)>& use);
 
 /// The triangles (mean of the corners, next corner, corner), `weight` times each: they close a polygon.
 struct Cap {

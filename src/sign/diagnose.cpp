@@ -56,11 +56,11 @@ Cap add_boundary(const Boundary& boundary, MeshReport& found) {
     found.largest_hole = std::max(found.largest_hole, diameter_of(loop));
   }
   Cap caps;
-  for (const BoundaryPolygon& polygon : polygons_of(boundary)) {
+  for_each_polygon(boundary, [&](const BoundaryPolygon& polygon) {
     const Cap cap = cap_of(polygon, found.bounds.center());
     caps.area += cap.area;
     caps.volume += cap.volume;
-  }
+  });
   return caps;
 }
 

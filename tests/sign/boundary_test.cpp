@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <tuple>
+#include <utility>
+#include <vector>
 
 #include "sign/boundary_polygons.h"
 #include "sign/closed.h"
@@ -18,6 +20,12 @@ using namespace testing;
 
 Boundary boundary_of(const Mesh& mesh, std::span<const std::int8_t> use = {}) {
   return net_boundary({mesh, use}, MeshEdges(mesh));
+}
+
+std::vector<BoundaryPolygon> polygons_of(const Boundary& boundary) {
+  std::vector<BoundaryPolygon> polygons;
+  for_each_polygon(boundary, [&](BoundaryPolygon polygon) { polygons.push_back(std::move(polygon)); });
+  return polygons;
 }
 
 // The mesh as it is used, with the caps of the loops, each to an apex of its own.

@@ -28,7 +28,7 @@ Vec3 point_amid(std::span<const Vec3> corners) {
 }  // namespace
 
 Rims::Rims(const Boundary& boundary) {
-  for (BoundaryPolygon& polygon : polygons_of(boundary)) add(std::move(polygon.corners), polygon.weight);
+  for_each_polygon(boundary, [&](BoundaryPolygon polygon) { add(std::move(polygon.corners), polygon.weight); });
 }
 
 void Rims::add(std::vector<Vec3> polygon, std::int32_t weight) {
