@@ -118,10 +118,9 @@ Nesting find_nesting(const OrientedMesh& mesh, std::span<const std::uint32_t> pa
     }
   for (std::uint32_t n = 0; n < order.size(); ++n) {
     if (candidates.inner[n] == 0) continue;
-    const std::uint32_t around = votes.result(n);
-    if (around == Sets::kEmpty) continue;
-    nesting.depth[part_at[n]] = votes.sets().size(around);
-    nesting.parent[part_at[n]] = part_at[votes.sets().last(around)];
+    const auto [depth, parent] = votes.result(n);
+    nesting.depth[part_at[n]] = depth;
+    if (depth > 0) nesting.parent[part_at[n]] = part_at[parent];
   }
   return nesting;
 }
