@@ -109,9 +109,12 @@ Nesting find_nesting(const OrientedMesh& mesh, std::span<const std::uint32_t> pa
   nesting.known = candidates.tests <= most_tests;
   if (!nesting.known) return nesting;
 
+  const auto all_points = points_of(mesh, numbers, candidates.inner);
+  for (std::uint32_t& number : numbers)  // what contains nothing need not be met
+    if (number != Nesting::kNone && candidates.innermost[number] != 0) number = Nesting::kNone;
   const RowSearch search(mesh, numbers, order);
   NestingVotes votes(search, order, most_tests - candidates.tests);
-  for (const std::vector<PartPoint>& points : points_of(mesh, numbers, candidates.inner))
+  for (const std::vector<PartPoint>& points : all_points)
     if (!votes.vote(points, candidates.innermost)) {
       nesting.known = false;
       return nesting;

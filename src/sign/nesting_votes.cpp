@@ -91,7 +91,8 @@ void NestingVotes::sweep(std::span<const RowHit> hits) {
   for (const RowHit& hit : hits) {
     const auto past =
         std::ranges::partition_point(questions_, [&](const Question& q) { return !search_.is_past(q.at, hit); });
-    steps.push_back({static_cast<std::size_t>(past - questions_.begin()), hit.part, hit.step});
+    if (past != questions_.begin())
+      steps.push_back({static_cast<std::size_t>(past - questions_.begin()), hit.part, hit.step});
   }
   std::ranges::sort(
       steps, [](const Step& a, const Step& b) { return a.before != b.before ? a.before > b.before : a.part < b.part; });
