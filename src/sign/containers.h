@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sets of boxes that contain a box. Sets are equal if and only if their numbers are, and a long one that grows takes no
-// more memory than what is new: so thousands of nested shells take linear time.
+// Which boxes contain a box. Boxes that each contain the next one are kept as chains, which share what they have in
+// common: so thousands of nested shells take linear memory and time.
 #pragma once
 
 #include <algorithm>
@@ -33,38 +33,44 @@ class BoxOrder {
   std::vector<Box> boxes_;
 };
 
-/// Sets of numbers, each made of a smaller one and a number above all of its members.
-class Sets {
+/// Chains of numbers, each above the one before it. Chains are equal if and only if their numbers are.
+class Chains {
  public:
   static constexpr std::uint32_t kEmpty = 0;
 
-  /// The set of `below` and `member`.
-  std::uint32_t with(std::uint32_t below, std::uint32_t member) {
+  /// The chain of `below` and then `last`.
+  std::uint32_t with(std::uint32_t below, std::uint32_t last) {
     const auto [place, is_new] =
-        numbers_.try_emplace(std::uint64_t{below} << 32 | member, static_cast<std::uint32_t>(sets_.size()));
-    if (is_new) sets_.push_back({below, member, sets_[below].size + 1});
+        numbers_.try_emplace(std::uint64_t{below} << 32 | last, static_cast<std::uint32_t>(links_.size()));
+    if (is_new) links_.push_back({below, last, links_[below].length + 1});
     return place->second;
   }
-  std::int32_t size(std::uint32_t set) const { return sets_[set].size; }
-  /// The greatest one; of a set that is not empty.
-  std::uint32_t last(std::uint32_t set) const { return sets_[set].last; }
-  std::uint32_t without_last(std::uint32_t set) const { return sets_[set].below; }
-  /// How many sets were made.
-  std::size_t count() const { return sets_.size(); }
+  std::int32_t length(std::uint32_t chain) const { return links_[chain].length; }
+  /// The greatest number; of a chain that is not empty.
+  std::uint32_t last(std::uint32_t chain) const { return links_[chain].last; }
+  std::uint32_t without_last(std::uint32_t chain) const { return links_[chain].below; }
+  /// How many chains were made.
+  std::size_t count() const { return links_.size(); }
 
  private:
-  struct Set {
+  struct Link {
     std::uint32_t below, last;
-    std::int32_t size;
+    std::int32_t length;
   };
-  std::vector<Set> sets_ = {{kEmpty, 0, 0}};
+  std::vector<Link> links_ = {{kEmpty, 0, 0}};
   std::unordered_map<std::uint64_t, std::uint32_t> numbers_;
+};
+
+/// A set of numbers: those of a chain, and then greater ones from a list.
+struct Containers {
+  std::uint32_t chain = Chains::kEmpty, listed = 0;
+  std::size_t first = 0;  ///< where in the list
 };
 
 /// The boxes of parts that a point is in, while it moves.
 class Around {
  public:
-  Around(const BoxOrder& order, Sets& sets) : order_(order), sets_(sets) {}
+  Around(const BoxOrder& order, Chains& chains) : order_(order), chains_(chains) {}
 
   void clear() {
     inside_.clear();
@@ -73,20 +79,21 @@ class Around {
   void enter(std::uint32_t n) { inside_.insert(cut_at(n), n); }
   void leave(std::uint32_t n) { inside_.erase(cut_at(n)); }
 
-  /// Those whose box contains that of n. `steps` is increased by the work done.
-  std::uint32_t containing(std::uint32_t n, std::int64_t& steps) {
+  /// Those whose box contains that of n. Appends to the list, and adds the work done to `steps`.
+  Containers containing(std::uint32_t n, std::vector<std::uint32_t>& list, std::int64_t& steps) {
     const auto before = static_cast<std::size_t>(std::ranges::lower_bound(inside_, n) - inside_.begin());
     for (std::size_t next = nested_.size(); next < before; ++next, ++steps) {
       if (next > 0 && !order_.is_larger(inside_[next - 1], inside_[next])) break;
-      nested_.push_back(sets_.with(next > 0 ? nested_.back() : Sets::kEmpty, inside_[next]));
+      nested_.push_back(chains_.with(next > 0 ? nested_.back() : Chains::kEmpty, inside_[next]));
     }
-    // The nested ones: what contains a box that contains n contains it too.
+    // What contains a box that contains n contains it too.
     std::size_t most = std::min(before, nested_.size());
     for (; most > 0 && !order_.is_larger(inside_[most - 1], n); ++steps) --most;
-    std::uint32_t set = most > 0 ? nested_[most - 1] : Sets::kEmpty;
+    Containers found{most > 0 ? nested_[most - 1] : Chains::kEmpty, 0, list.size()};
     for (std::size_t next = nested_.size(); next < before; ++next, ++steps)
-      if (order_.is_larger(inside_[next], n)) set = sets_.with(set, inside_[next]);
-    return set;
+      if (order_.is_larger(inside_[next], n)) list.push_back(inside_[next]);
+    found.listed = static_cast<std::uint32_t>(list.size() - found.first);
+    return found;
   }
 
  private:
@@ -97,9 +104,9 @@ class Around {
   }
 
   const BoxOrder& order_;
-  Sets& sets_;
+  Chains& chains_;
   std::vector<std::uint32_t> inside_;  // in the order of the boxes
-  std::vector<std::uint32_t> nested_;  // the sets of its first members, as far as each contains the next
+  std::vector<std::uint32_t> nested_;  // chains of its first members, as far as each contains the next
 };
 
 }  // namespace standoff

@@ -109,19 +109,21 @@ Nesting find_nesting(const OrientedMesh& mesh, std::span<const std::uint32_t> pa
   nesting.known = candidates.tests <= most_tests;
   if (!nesting.known) return nesting;
 
+  const auto all_points = points_of(mesh, numbers, candidates.inner);
+  for (std::uint32_t& number : numbers)  // what contains nothing need not be met
+    if (number != Nesting::kNone && candidates.innermost[number] != 0) number = Nesting::kNone;
   const RowSearch search(mesh, numbers, order);
   NestingVotes votes(search, order, most_tests - candidates.tests);
-  for (const std::vector<PartPoint>& points : points_of(mesh, numbers, candidates.inner))
+  for (const std::vector<PartPoint>& points : all_points)
     if (!votes.vote(points, candidates.innermost)) {
       nesting.known = false;
       return nesting;
     }
   for (std::uint32_t n = 0; n < order.size(); ++n) {
     if (candidates.inner[n] == 0) continue;
-    const std::uint32_t around = votes.result(n);
-    if (around == Sets::kEmpty) continue;
-    nesting.depth[part_at[n]] = votes.sets().size(around);
-    nesting.parent[part_at[n]] = part_at[votes.sets().last(around)];
+    const auto [depth, parent] = votes.result(n);
+    nesting.depth[part_at[n]] = depth;
+    if (depth > 0) nesting.parent[part_at[n]] = part_at[parent];
   }
   return nesting;
 }

@@ -9,10 +9,12 @@
 
 namespace standoff {
 
-// A set takes the memory of so many steps' time.
+// What is kept counts as so many steps that it takes some 400 MB at the most, given kMostNestingTests.
 bool NestingVotes::is_too_much() const {
-  constexpr std::int64_t kStepsPerSet = 100;
-  return steps_ + kStepsPerSet * static_cast<std::int64_t>(sets_.count()) > most_steps_ + kStepsPerSet;
+  constexpr std::int64_t kStepsPerChain = 100, kStepsPerListed = 10;
+  return steps_ + kStepsPerChain * static_cast<std::int64_t>(chains_.count() - 1) +
+             kStepsPerListed * static_cast<std::int64_t>(list_.size()) >
+         most_steps_;
 }
 
 bool NestingVotes::vote(std::span<const PartPoint> points, std::span<const std::uint8_t> is_first) {
@@ -89,7 +91,8 @@ void NestingVotes::sweep(std::span<const RowHit> hits) {
   for (const RowHit& hit : hits) {
     const auto past =
         std::ranges::partition_point(questions_, [&](const Question& q) { return !search_.is_past(q.at, hit); });
-    steps.push_back({static_cast<std::size_t>(past - questions_.begin()), hit.part, hit.step});
+    if (past != questions_.begin())
+      steps.push_back({static_cast<std::size_t>(past - questions_.begin()), hit.part, hit.step});
   }
   std::ranges::sort(
       steps, [](const Step& a, const Step& b) { return a.before != b.before ? a.before > b.before : a.part < b.part; });
@@ -104,39 +107,48 @@ void NestingVotes::sweep(std::span<const RowHit> hits) {
       if (was_in && !is_in) around_.leave(part);
     }
     const Question& question = questions_[n - 1];
-    votes_[question.part][round_] = around_.containing(question.part, steps_);
+    votes_[question.part][round_] = around_.containing(question.part, list_, steps_);
   }
   for (const RowHit& hit : hits) winding_[hit.part] = 0;
   around_.clear();
 }
 
-std::uint32_t NestingVotes::result(std::uint32_t n) {
-  const auto [a, b, c] = votes_[n];
-  if (a == b || a == c) return a;
-  if (b == c) return b;
-  // The members of two of them, from the greatest one down.
-  std::array<std::uint32_t, kVotes> left = votes_[n];
-  std::vector<std::uint32_t> members;
+std::uint32_t NestingVotes::last(const Containers& set) const {
+  return set.listed > 0 ? list_[set.first + set.listed - 1] : chains_.last(set.chain);
+}
+
+void NestingVotes::remove_last(Containers& set) const {
+  if (set.listed > 0)
+    --set.listed;
+  else
+    set.chain = chains_.without_last(set.chain);
+}
+
+NestingVotes::Result NestingVotes::result(std::uint32_t n) const {
+  const auto result_of = [&](const Containers& set) {
+    return size(set) == 0 ? Result{} : Result{static_cast<std::int32_t>(size(set)), last(set)};
+  };
+  std::array<Containers, kVotes> left = votes_[n];
+  const auto same_chains = [&](std::size_t a, std::size_t b) {
+    return left[a].chain == left[b].chain && left[a].listed == 0 && left[b].listed == 0;
+  };
+  if (same_chains(0, 1) || same_chains(0, 2)) return result_of(left[0]);
+  if (same_chains(1, 2)) return result_of(left[1]);
+  // Count what is in two of them, from the last one on.
+  Result found;
   for (;;) {
     std::uint32_t greatest = 0;
-    bool any = false;
-    for (const std::uint32_t set : left)
-      if (set != Sets::kEmpty) {
-        greatest = std::max(greatest, sets_.last(set));
-        any = true;
-      }
-    if (!any) break;
     int votes = 0;
-    for (std::uint32_t& set : left)
-      if (set != Sets::kEmpty && sets_.last(set) == greatest) {
-        ++votes;
-        set = sets_.without_last(set);
-      }
-    if (votes > 1) members.push_back(greatest);
+    for (const Containers& set : left) {
+      if (size(set) == 0 || last(set) < greatest) continue;
+      votes = last(set) > greatest ? 1 : votes + 1;
+      greatest = last(set);
+    }
+    if (votes == 0) return found;
+    for (Containers& set : left)
+      if (size(set) > 0 && last(set) == greatest) remove_last(set);
+    if (votes > 1 && found.depth++ == 0) found.parent = greatest;
   }
-  std::uint32_t set = Sets::kEmpty;
-  for (auto member = members.rbegin(); member != members.rend(); ++member) set = sets_.with(set, *member);
-  return set;
 }
 
 }  // namespace standoff

@@ -12,6 +12,9 @@
 //    number of others, and is turned if it is inside an even number. Pieces of positive volume stay, solids inside
 //    solids. So a mesh that is inside out as a whole, with its cavities, gives the same result as the right one.
 // A piece without a volume, a sheet (solid.h), and a piece that cannot be oriented are left as step 3 leaves them.
+// That holds for bodies too whose hole is so large that they count as sheets (kSheetNormals): half a ball, a flat room
+// without its ceiling. They are hills and bowls as well, of which either side may be meant; so one that is inside out
+// stays inside out.
 #pragma once
 
 #include <cstdint>

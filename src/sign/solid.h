@@ -12,7 +12,8 @@ namespace standoff {
 /// million times as long as thick 2e-4. What rounding makes of a flat part is far below.
 inline constexpr double kNoVolume = 1e-10;
 /// An open part is a sheet if the sum of its normals, each as long as its triangle's area, is at least this part of its
-/// area. 0: closed, or with the same holes on opposite sides; 0.2: a cube without lid; 0.5: a hemisphere; 1: flat.
+/// area. 0: closed, or with the same holes on opposite sides; 0.2: a cube without lid; 0.5: a hemisphere; 1: flat. A
+/// sheet is not turned: a hemisphere may be a dome or a bowl.
 inline constexpr double kSheetNormals = 0.25;
 
 /// Sums over the triangles of a part that is oriented consistently. The volume is relative to a point near it, which

@@ -34,7 +34,7 @@ Box cube(double half, Vec3 center = {}) {
 }
 
 TEST(Nesting, ThousandsOfNestedShells) {
-  constexpr int kShells = 701;
+  constexpr int kShells = 4001;
   Boxes boxes;
   for (int n = 0; n < kShells; ++n) boxes.add(cube(1 + (n * 7) % kShells), n % 3 == 0);  // not in the order of size
   const Nesting found = boxes.nesting();
@@ -63,6 +63,38 @@ TEST(Nesting, BoxesInBoxesAreComparedWithAllOthers) {
     }
     EXPECT_EQ(found.depth[n], depth);
   }
+}
+
+// Balls in balls at random places: trees of many branches, with several children on each row.
+TEST(Nesting, TreesOfBalls) {
+  Random random(11);
+  Mesh mesh;
+  std::vector<std::uint32_t> part_of;
+  std::vector<Part> parts;
+  std::vector<std::int32_t> depths;
+  std::vector<std::uint32_t> parents;
+  const auto add = [&](const auto& again, Vec3 center, double radius, std::uint32_t parent, int depth) -> void {
+    const auto number = static_cast<std::uint32_t>(parts.size());
+    const Mesh ball = moved(sphere(5), center, radius), one = random.below(2) == 0 ? ball : reversed(ball);
+    mesh = joined(std::move(mesh), one);
+    part_of.insert(part_of.end(), one.triangles.size(), number);
+    parts.push_back({bounds(one), true});
+    depths.push_back(depth);
+    parents.push_back(parent);
+    if (depth == 6) return;
+    // Four children beside each other, or one, or none.
+    const std::uint32_t kind = random.below(6);
+    if (kind == 0 && depth > 1) return;
+    for (int n = 0; n < (kind < 4 ? 1 : 4); ++n) {
+      const Vec3 at = kind < 4 ? Vec3{} : Vec3{n & 1 ? 0.35 : -0.35, n & 2 ? 0.35 : -0.35, 0.1 * n - 0.15};
+      again(again, center + (at + random.in_cube(0.02)) * radius, radius * (kind < 4 ? 0.8 : 0.3), number, depth + 1);
+    }
+  };
+  for (int n = 0; n < 12; ++n) add(add, {2.5 * (n % 4), 2.2 * (n / 4), 0}, 1, Nesting::kNone, 0);
+  const Nesting found = find_nesting({mesh}, part_of, parts);
+  EXPECT_EQ(found.depth, depths);
+  EXPECT_EQ(found.parent, parents);
+  EXPECT_GT(parts.size(), 200u);
 }
 
 TEST(Nesting, ABoxAroundIsNotEnough) {
