@@ -18,6 +18,7 @@
 #include "cli/text.h"
 #include "cli/usage.h"
 #include "standoff/compute.h"
+#include "standoff/confidence.h"
 #include "standoff/error.h"
 #include "standoff/io.h"
 
@@ -42,8 +43,10 @@ struct Command {
   Console console;
   Thickness shell{0};  // of --sign shell
   bool dry_run = false;
+  FileOutput confidence;  // of the sign; without a name: not asked for
 
   void add_to(CLI::App& verb);
+  SignConfidence write_confidence(const Mesh& loaded, const DistanceField& field) const;
   void run();
 
  private:
@@ -101,6 +104,11 @@ void Command::add_to(CLI::App& verb) {
       [this](S o, S t) { options.sign.rule = parse_winding_rule(o, t); }, "Sign");
   verb.add_flag("--invert", options.sign.invert, "exchange inside and outside, as for a room scanned from inside")
       ->group("Sign");
+  add(
+      "--confidence", "FIELD",
+      "also write how far each sample's winding number is from the\nnext odd half, 0 to 0.5, and say how sure the sign "
+      "is",
+      [this](S, S t) { confidence.set_path(t); }, "Sign");
   verb.add_flag("--as-oriented", options.sign.as_oriented, "take triangles as they are oriented; repair nothing first")
       ->group("Sign");
   verb.add_flag(
@@ -137,6 +145,11 @@ void Command::run() {
   if (!output.given()) output.set_path(mesh.stem() + ".vti");
   check_input(mesh.name());
   dry_run ? output.check_name(field_formats()) : output.check(field_formats());
+  if (confidence.given()) {
+    if (options.sign.method == SignMethod::none)
+      throw Error(ErrorCode::usage, "--confidence is for fields with a sign; give --sign too");
+    confidence.check_name(field_formats());
+  }
   if (options.nearest_triangle) output.check_carries_nearest(field_formats());
   if (options.memory_limit == 0) options.memory_limit = default_memory_limit();
 
@@ -169,8 +182,17 @@ void Command::run() {
   std::error_code ignored;  // a pipe has no size
   const auto size = std::filesystem::file_size(output.path(), ignored);
   outcome.written_bytes = ignored ? 0 : static_cast<std::int64_t>(size);
+  if (confidence.given()) outcome.confidence = write_confidence(loaded, computed.field);
   say(outcome, console);
   if (console.json()) print(outcome_json(outcome), output.path());
+}
+
+SignConfidence Command::write_confidence(const Mesh& loaded, const DistanceField& field) const {
+  return with_spinner(console, "writing " + confidence.path().string(), [&] {
+    const std::vector<float> margins = winding_margins(loaded, field.grid(), options.sign, {options.execution.threads});
+    write_field(confidence.path(), DistanceField::from_dense(field.grid(), 0.5, margins), output.existing());
+    return sign_confidence(loaded, field, margins, {options.execution.threads});
+  });
 }
 
 }  // namespace

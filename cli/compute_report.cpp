@@ -32,6 +32,13 @@ Json description(const Plan& plan) {
   return json;
 }
 
+std::string confidence_line(const SignConfidence& found) {
+  const auto percent = [](double share) { return number(100 * share) + " %"; };
+  return "confidence: of " + counted(found.samples, "sample") + " in the band " + percent(found.doubtful) +
+         " are doubtful, lines along the three axes disagree about " + percent(found.axes_disagree) +
+         ", and a flood from outside about " + percent(found.flood_disagrees);
+}
+
 std::string sign_line(const SignReport& sign) {
   const std::string method =
       sign.method == SignMethod::none ? "no sign" : std::string("sign by ") + name_of(sign.method);
@@ -83,6 +90,7 @@ void say(const Outcome& outcome, const Console& console) {
   // Doubt is said aloud where the caller chose the method; who leaves it to the diagnosis asked for a line.
   if (!report.sign.why.empty())
     report.sign.sure ? console.say(sign_line(report.sign)) : console.warn(sign_line(report.sign));
+  if (outcome.confidence) console.say(confidence_line(*outcome.confidence));
   if (report.sign.internal > 0) console.say(counted(report.sign.internal, "triangle") + " inside the union left out");
   if (report.sign.cut > 0)
     console.warn(counted(report.sign.cut, "triangle") +
@@ -112,6 +120,11 @@ Json outcome_json(const Outcome& outcome) {
                   {"boundary_edges", report.sign.boundary_edges},
                   {"internal", report.sign.internal},
                   {"cut", report.sign.cut}};
+  if (const auto& found = outcome.confidence)
+    json["sign"]["confidence"] = {{"samples", found->samples},
+                                  {"doubtful", found->doubtful},
+                                  {"axes_disagree", found->axes_disagree},
+                                  {"flood_disagrees", found->flood_disagrees}};
   json["samples"] = {{"total", report.samples}, {"examined", report.samples_examined}, {"band", report.samples_band}};
   json["tiles"] = {{"total", report.tiles}, {"stored", report.tiles_stored}};
   json["seconds"] = {{"load", outcome.plan.load_seconds},

@@ -2,11 +2,13 @@
 // What `standoff compute` says of what it will do, does and has done.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "cli/console.h"
 #include "cli/grid_options.h"
 #include "standoff/compute.h"
+#include "standoff/confidence.h"
 #include "standoff/mesh.h"
 
 namespace standoff::cli {
@@ -34,6 +36,7 @@ struct Outcome {
   std::uint64_t mesh_hash = 0;
   double write_seconds = 0;
   std::int64_t written_bytes = 0;
+  std::optional<SignConfidence> confidence = {};
 };
 
 void say(const Outcome& outcome, const Console& console);

@@ -32,7 +32,7 @@ std::string closed_text(const MeshReport& r) {
   std::string text = "no: " + counted(r.boundary_edges, "boundary edge") + " in " + counted(r.boundary_loops, "loop") +
                      ", the largest " + number(r.largest_hole) + " across";
   if (r.largest_hole_in_samples > 0) text += " (" + number(r.largest_hole_in_samples) + " samples)";
-  return text + "; closing them takes " + percent(r.cap_share) + " of the area";
+  return text + "; closing them takes " + percent(r.cap_share) + " of the area, openness " + number(r.openness);
 }
 
 std::string orientation_text(const MeshReport& r) {
@@ -137,7 +137,8 @@ void add_report(Json& json, const MeshReport& r) {
       {"length", r.boundary_length},
       {"largest_hole", r.largest_hole},
       {"largest_hole_in_samples", r.largest_hole_in_samples > 0 ? Json(r.largest_hole_in_samples) : Json(nullptr)},
-      {"cap_share", r.cap_share}};
+      {"cap_share", r.cap_share},
+      {"openness", r.openness}};
   json["nesting"] = {{"known", r.nesting_known},
                      {"deepest", r.deepest},
                      {"least_winding", r.closed() ? Json(r.least_winding) : Json(nullptr)},

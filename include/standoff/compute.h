@@ -39,7 +39,9 @@ struct SkipRule {
 struct ComputeOptions {
   Method method = Method::tiles;
   SkipRule skip = {};
-  SignOptions sign = {};  ///< by default values have no sign; the memory limit does not count what deciding it needs
+  /// By default values have no sign. The memory limit counts what closed meshes need, and diagnosing others; not the
+  /// holes of open meshes, floods and pseudonormals (docs/sign.md, "Limits").
+  SignOptions sign = {};
   Execution execution = {};
   std::int64_t memory_limit = 0;  ///< bytes of output and scratch memory together; 0: no limit
   bool nearest_triangle = false;  ///< also store the nearest triangle's index per band sample, lowest on ties

@@ -62,8 +62,9 @@ struct MeshReport {
   double boundary_length = 0;
   double largest_hole = 0;             ///< diameter of the largest loop, world units; at most sqrt(3) times too small
   double largest_hole_in_samples = 0;  ///< the same in MeshReportOptions::spacing; 0 if that is not given
-  double cap_share = 0;  ///< area of cones that close the loops, as part of the area of the triangles used
-  double volume = 0;     ///< with the holes closed by these cones; cavities are negative
+  double cap_share = 0;  ///< area of cones that close the boundary, as part of the area of the triangles used
+  double openness = 0;   ///< 0: a body, 1: a sheet, by the winding numbers beside the surface (docs/diagnosis.md)
+  double volume = 0;     ///< with the holes closed by cones (docs/diagnosis.md); cavities are negative
 
   std::int64_t component_count = 0;
   std::vector<MeshComponent> components;  ///< the largest ones by area, largest first

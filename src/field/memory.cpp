@@ -14,6 +14,8 @@
 #include "field/skip.h"
 #include "sign/closed.h"
 #include "sign/inside_rows.h"
+#include "sign/outward.h"
+#include "sign/plan.h"
 #include "sign/row_crossings.h"
 
 namespace standoff {
@@ -35,8 +37,13 @@ double tiles_of_grid(const Plan& plan) { return static_cast<double>(tile_count(p
 // What may be said to help is what has been seen to help.
 class Advice {
  public:
-  Advice(MeshView mesh, const Plan& plan, const ComputeOptions& options)
-      : mesh_(mesh), plan_(plan), grid_(plan.grid), thickness_(plan.field_thickness), options_(options) {}
+  Advice(MeshView mesh, const Plan& plan, const ComputeOptions& options, bool diagnosed)
+      : mesh_(mesh),
+        plan_(plan),
+        grid_(plan.grid),
+        thickness_(plan.field_thickness),
+        options_(options),
+        diagnosed_(diagnosed) {}
 
   std::string text() const {
     const std::int64_t side = largest_side();
@@ -49,7 +56,7 @@ class Advice {
  private:
   bool fits(const Grid& grid, double thickness) const {
     const Plan plan = make_plan(plan_.triangles, grid, thickness, options_, plan_.is_dense);
-    return bytes_needed(plan, look_at(mesh_, plan, true).tiles) <= options_.memory_limit;
+    return bytes_needed(plan, look_at(mesh_, plan, true).tiles, diagnosed_) <= options_.memory_limit;
   }
 
   // A band one sample wide.
@@ -83,36 +90,41 @@ class Advice {
   const Grid& grid_;
   double thickness_;
   const ComputeOptions& options_;
+  bool diagnosed_;
 };
 
 }  // namespace
 
-std::int64_t bytes_needed(const Plan& plan, double tiles) {
+std::int64_t bytes_needed(const Plan& plan, double tiles, bool diagnosed) {
   const double samples = static_cast<double>(plan.grid.sample_count());
   const double output = plan.is_dense ? 4.0 * samples * (plan.with_nearest ? 2 : 1)
                                       : field_bytes(tiles, tiles_of_grid(plan), plan.with_nearest);
-  // The sign is decided when the backend has given its memory back; whether the mesh is closed, before the output.
+  // The sign is decided when the backend has given its memory back; the mesh is diagnosed before the output.
   const double scratch = static_cast<double>(
       plan.with_sign ? std::max(scratch_bytes(plan), sign_bytes(plan) + crossing_bytes(plan)) : scratch_bytes(plan));
-  const double before = plan.with_sign ? static_cast<double>(closed_bytes(plan.triangles)) : 0;
+  const double before = diagnosed ? static_cast<double>(diagnosis_bytes(plan.triangles))
+                        : plan.with_sign
+                            ? static_cast<double>(std::max(closed_bytes(plan.triangles), outward_bytes(plan.triangles)))
+                            : 0;
   const double kept =
       plan.rule.kind == SkipRule::Kind::none ? 0 : static_cast<double>(skip_bytes(plan.triangles, plan.rule));
   const double total = std::max(before, output + scratch + kept);
   return total < 0x1p62 ? static_cast<std::int64_t>(total) : std::int64_t{1} << 62;
 }
 
-std::int64_t bytes_needed(const Plan& plan) { return bytes_needed(plan, tiles_of_grid(plan)); }
+std::int64_t bytes_needed(const Plan& plan) { return bytes_needed(plan, tiles_of_grid(plan), plan.with_sign); }
 
 std::int64_t crossing_bytes(const Plan& plan) {
   return std::max(RowCrossings::least_bytes(plan.triangles, plan.threads), scratch_bytes(plan) - sign_bytes(plan));
 }
 
 void check_memory(MeshView mesh, const Plan& plan, double tiles, const ComputeOptions& options) {
-  const std::int64_t limit = options.memory_limit, needed = bytes_needed(plan, tiles);
+  const bool diagnosed = needs_diagnosis(mesh, options.sign);
+  const std::int64_t limit = options.memory_limit, needed = bytes_needed(plan, tiles, diagnosed);
   if (limit == 0 || needed <= limit) return;
   throw Error(ErrorCode::limit,
               "compute: the field may need " + over_the_limit(static_cast<double>(needed), static_cast<double>(limit)) +
-                  "; " + Advice(mesh, plan, options).text(),
+                  "; " + Advice(mesh, plan, options, diagnosed).text(),
               {.bytes_needed = needed, .bytes_limit = limit});
 }
 
@@ -135,7 +147,8 @@ std::int64_t memory_needed(MeshView mesh, const Grid& grid, double thickness, co
   validate(thickness, options);
   return Threads(options.execution.threads).run([&] {
     const Plan plan = make_plan(static_cast<std::int64_t>(mesh.triangles.size()), grid, thickness, options, dense);
-    return bytes_needed(plan, look_at(mesh, plan, !dense).tiles);
+    const double tiles = look_at(mesh, plan, !dense).tiles;
+    return bytes_needed(plan, tiles, needs_diagnosis(mesh, options.sign));
   });
 } catch (...) {
   throw_as_error("compute");

@@ -6,8 +6,9 @@
 
 namespace standoff {
 
-/// Output and scratch, where so many tiles hold band samples; dense output takes no notice of them. At most 2^62.
-std::int64_t bytes_needed(const Plan& plan, double tiles);
+/// Output and scratch, where so many tiles hold band samples; dense output takes no notice of them. `diagnosed`:
+/// whether the mesh is diagnosed before, for its sign. At most 2^62.
+std::int64_t bytes_needed(const Plan& plan, double tiles, bool diagnosed);
 /// The same for whatever triangles: all tiles of the grid.
 std::int64_t bytes_needed(const Plan& plan);
 

@@ -43,15 +43,6 @@ Vec3 farthest_from(const Vec3& from, std::span<const BoundaryEdge> loop) {
   return farthest;
 }
 
-// The mean of the edges' ends, summed relative to one of them, for loops far from the origin.
-Vec3 apex_of(std::span<const BoundaryEdge> loop) {
-  if (loop.empty()) return {};
-  const Vec3 origin = loop.front().from;
-  Vec3 sum;
-  for (const BoundaryEdge& edge : loop) sum = sum + (edge.from - origin) + (edge.to - origin);
-  return origin + sum * (0.5 / static_cast<double>(loop.size()));
-}
-
 }  // namespace
 
 Boundary net_boundary(const OrientedMesh& mesh, const MeshEdges& edges) {
@@ -95,21 +86,6 @@ double diameter_of(std::span<const BoundaryEdge> loop) {
   Vec3 from = loop.front().from, to = from;
   for (int search = 0; search < 4; ++search) from = std::exchange(to, farthest_from(to, loop));
   return length(to - from);
-}
-
-double cap_area(std::span<const BoundaryEdge> loop) {
-  const Vec3 apex = apex_of(loop);
-  double area = 0;
-  for (const BoundaryEdge& edge : loop) area += length(cross(edge.to - apex, edge.from - apex)) / 2 * edge.weight;
-  return area;
-}
-
-double cap_volume(std::span<const BoundaryEdge> loop, const Vec3& origin) {
-  const Vec3 apex = apex_of(loop);
-  double volume = 0;
-  for (const BoundaryEdge& edge : loop)
-    volume += dot(apex - origin, cross(edge.to - apex, edge.from - apex)) / 6 * edge.weight;
-  return volume;
 }
 
 }  // namespace standoff

@@ -42,12 +42,4 @@ double length_of(std::span<const BoundaryEdge> loop);
 /// triangles. Linear.
 double diameter_of(std::span<const BoundaryEdge> loop);
 
-/// The area of the triangles (c, to, from) over all edges of the loop, c the mean of their ends: what it takes to close
-/// the hole.
-double cap_area(std::span<const BoundaryEdge> loop);
-
-/// The signed volume of the cones from `origin` to these triangles. With that of the cones to the mesh, it is that of
-/// the mesh with its holes closed.
-double cap_volume(std::span<const BoundaryEdge> loop, const Vec3& origin);
-
 }  // namespace standoff

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <utility>
 #include <vector>
@@ -15,6 +16,12 @@ namespace standoff {
 inline bool overlap(const Box& a, const Box& b) {
   return a.min.x <= b.max.x && b.min.x <= a.max.x && a.min.y <= b.max.y && b.min.y <= a.max.y && a.min.z <= b.max.z &&
          b.min.z <= a.max.z;
+}
+
+/// The squared distance from p to a box, 0 within.
+inline double distance_sq(const Box& box, const Vec3& p) {
+  const Vec3 outside = max(max(box.min - p, p - box.max), Vec3{});
+  return dot(outside, outside);
 }
 
 class BoxTree {
@@ -39,6 +46,12 @@ class BoxTree {
   template <class Visit>
   void for_each_later_overlap(std::size_t item, const Visit& visit) const {
     search(levels_.size() - 1, 0, item, levels_[0][item], visit);
+  }
+  /// Calls visit(item) for all items whose boxes are not farther from p than the root of most_sq, near ones first.
+  /// Visit may lower most_sq.
+  template <class Visit>
+  void for_each_within(const Vec3& p, const double& most_sq, const Visit& visit) const {
+    if (!levels_[0].empty()) search_near(levels_.size() - 1, 0, p, most_sq, visit);
   }
   /// Calls visit(item) for all items whose boxes overlap this one.
   template <class Visit>
@@ -66,6 +79,20 @@ class BoxTree {
     return true;
   }
   static_assert(kBranch == 1 << 2);
+
+  template <class Visit>
+  void search_near(std::size_t level, std::size_t node, const Vec3& p, const double& most_sq,
+                   const Visit& visit) const {
+    if (level == 0) return visit(node);
+    const std::vector<Box>& below = levels_[level - 1];
+    std::array<std::pair<double, std::size_t>, kBranch> children;
+    std::size_t count = 0;
+    for (std::size_t child = kBranch * node; child < std::min(kBranch * (node + 1), below.size()); ++child)
+      children[count++] = {distance_sq(below[child], p), child};
+    std::sort(children.begin(), children.begin() + count);
+    for (std::size_t n = 0; n < count && children[n].first <= most_sq; ++n)
+      search_near(level - 1, children[n].second, p, most_sq, visit);
+  }
 
   std::vector<std::vector<Box>> levels_;  // the items first
 };

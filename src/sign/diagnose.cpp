@@ -4,8 +4,10 @@
 #include <algorithm>
 
 #include "geometry/coplanar.h"
+#include "sign/boundary_polygons.h"
 #include "sign/closed.h"
 #include "sign/edge_sides.h"
+#include "sign/openness.h"
 #include "sign/recommend.h"
 #include "sign/solid.h"
 #include "sign/winding_range.h"
@@ -45,19 +47,19 @@ void add_orientation(const Orientation& orientation, MeshReport& found) {
   found.nesting_known = orientation.nesting_known;
 }
 
-// Of the cones over the boundary; volumes are relative to the centre of the bounds.
-struct Caps {
-  double area = 0, volume = 0;
-};
-Caps add_boundary(const Boundary& boundary, MeshReport& found) {
-  Caps caps;
+// All caps; volumes are relative to the centre of the bounds.
+Cap add_boundary(const Boundary& boundary, MeshReport& found) {
   found.boundary_loops = static_cast<std::int64_t>(boundary.loops());
   for (std::size_t n = 0; n < boundary.loops(); ++n) {
     const std::span<const BoundaryEdge> loop = boundary.loop(n);
     found.boundary_length += length_of(loop);
     found.largest_hole = std::max(found.largest_hole, diameter_of(loop));
-    caps.area += cap_area(loop);
-    caps.volume += cap_volume(loop, found.bounds.center());
+  }
+  Cap caps;
+  for (const BoundaryPolygon& polygon : polygons_of(boundary)) {
+    const Cap cap = cap_of(polygon, found.bounds.center());
+    caps.area += cap.area;
+    caps.volume += cap.volume;
   }
   return caps;
 }
@@ -88,9 +90,10 @@ Diagnosis diagnose(MeshView mesh, const MeshEdges& edges) {
   const OrientedMesh oriented{mesh, all.orientation.use};
   all.boundary = net_boundary(oriented, edges);
   const PartSums sums = sums_of(oriented, found.bounds.center());
-  const Caps caps = add_boundary(all.boundary, found);
-  found.volume = sums.volume + caps.volume;
+  const Cap caps = add_boundary(all.boundary, found);
   found.cap_share = sums.area > 0 ? caps.area / sums.area : 0;
+  found.openness = openness_of(oriented, all.boundary);
+  found.volume = sums.volume + (is_cracked(found) ? 0 : caps.volume);
   if (found.closed()) {
     const WindingRange range = find_winding_range(oriented, found.bounds);
     found.least_winding = range.least;

@@ -21,7 +21,7 @@ struct Nesting {
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
   std::vector<std::int32_t> depth;    ///< for each part, how many others contain it
-  std::vector<std::uint32_t> parent;  ///< the smallest one of those by the volume of its box; kNone: none
+  std::vector<std::uint32_t> parent;  ///< the one of those whose box has the least sum of sides; kNone: none
   bool known = true;                  ///< false if it would take more than kMostNestingTests: then all depths are 0
 };
 
@@ -30,9 +30,13 @@ struct Nesting {
 inline constexpr std::int64_t kMostNestingTests = 1'000'000'000;
 
 /// A part is inside another one if its box is inside the other's box and the other's winding number is not 0 at most of
-/// three of its points, in triangles far from each other. Winding numbers are counted along rays by exact predicates;
-/// of a part with holes they may be wrong where the ray passes a hole. Requires `part_of` for each triangle, and parts
-/// that are oriented consistently, inwards or outwards. Runs on the threads of the calling TBB arena.
+/// three of its points: on it within rounding, far from each other or on rows far from each other. Winding numbers are
+/// counted along rows by exact predicates; of a part with holes they may be wrong where the row passes a hole. Requires
+/// `part_of` for each triangle, and parts that are oriented consistently, inwards or outwards. Runs on the threads of
+/// the calling TBB arena.
+///
+/// A row through an innermost part also asks the parts that it meets on its way, so nested shells take time like
+/// sorting their triangles on the row, apart from the comparison of all boxes that overlap (a nanosecond a pair).
 Nesting find_nesting(const OrientedMesh& mesh, std::span<const std::uint32_t> part_of, std::span<const Part> parts,
                      std::int64_t most_tests = kMostNestingTests);
 

@@ -5,8 +5,11 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <optional>
+#include <utility>
 
 #include "core/tile_count.h"
+#include "sign/closest_triangle.h"
 
 namespace standoff {
 namespace {
@@ -34,6 +37,20 @@ void for_each_neighbour(const TileLattice& lattice, std::size_t tile, const Use&
   }
 }
 
+Vec3 position_of(const Grid& grid, const std::array<std::int64_t, 3>& tile, std::size_t n) {
+  const auto s = static_cast<std::int64_t>(n);
+  return grid.position(kSide * tile[0] + s % 8, kSide * tile[1] + s / 8 % 8, kSide * tile[2] + s / 64);
+}
+
+void add_bit(TileBits& bits, std::size_t n) { bits[n / 64] |= std::uint64_t{1} << n % 64; }
+
+// Requires that there is one.
+std::size_t first_of(const TileBits& bits) {
+  std::size_t z = 0;
+  while (bits[z] == 0) ++z;
+  return 64 * z + static_cast<std::size_t>(std::countr_zero(bits[z]));
+}
+
 }  // namespace
 
 NormalSides::NormalSides(const OrientedMesh& mesh, const Grid& grid, double thickness, const NearestTriangles& nearest,
@@ -42,10 +59,17 @@ NormalSides::NormalSides(const OrientedMesh& mesh, const Grid& grid, double thic
       edges_(edges_of(mesh.mesh, lattice_, !has_ends_of_crossed_edges(grid, thickness), progress)),
       mixed_(lattice_.tile_count()),
       is_known_(lattice_.tile_count()),
-      is_inside_(lattice_.tile_count()) {
+      is_inside_(lattice_.tile_count()),
+      is_next_(lattice_.tile_count()) {
   find_tiles(nearest);
-  decide_band(mesh, grid, nearest, progress);
-  spread(grid, progress);
+  const Pseudonormals normals(mesh);
+  decide_band(normals, grid, nearest, progress);
+  std::optional<ClosestTriangle> closest;  // of most fields no sample asks for it
+  decide_rest_of_mixed(mesh.mesh, normals, closest, grid, nearest, progress);
+  std::vector<std::size_t> tiles;
+  mixed_.for_each([&](std::size_t tile) { tiles.push_back(tile); });
+  spread(grid, std::move(tiles), progress);
+  decide_rest(mesh.mesh, normals, closest, grid, progress);
 }
 
 void NormalSides::find_tiles(const NearestTriangles& nearest) {
@@ -61,9 +85,8 @@ void NormalSides::find_tiles(const NearestTriangles& nearest) {
   parts_.resize(mixed_.count());
 }
 
-void NormalSides::decide_band(const OrientedMesh& mesh, const Grid& grid, const NearestTriangles& nearest,
+void NormalSides::decide_band(const Pseudonormals& normals, const Grid& grid, const NearestTriangles& nearest,
                               ProgressMeter& progress) {
-  const Pseudonormals normals(mesh);
   std::vector<std::size_t> tiles;
   tiles.reserve(mixed_.count());
   mixed_.for_each([&](std::size_t tile) { tiles.push_back(tile); });
@@ -73,26 +96,16 @@ void NormalSides::decide_band(const OrientedMesh& mesh, const Grid& grid, const 
       const std::array<std::int64_t, 3> tile = lattice_.tile_at(tiles[n]);
       Known& part = parts_[n];
       nearest.for_each(tile[0], tile[1], tile[2], [&](std::size_t at, std::uint32_t triangle) {
-        const auto s = static_cast<std::int64_t>(at);
-        const Vec3 p = grid.position(kSide * tile[0] + s % 8, kSide * tile[1] + s / 8 % 8, kSide * tile[2] + s / 64);
-        const Pseudonormals::Place place = normals.place_of(p, triangle);
         // What is on the surface gets no side here, so that none spreads from it.
-        if (place == Pseudonormals::Place::on_surface) return;
-        (place == Pseudonormals::Place::back ? part.inside : part.outside)[at / 64] |= std::uint64_t{1} << at % 64;
+        part.add(normals.place_of(position_of(grid, tile, at), triangle), at);
       });
+      part = spread_within(part, edges_.of_tile(tiles[n]), bits_in_grid(grid.size, tile));
     }
   });
 }
 
 // What a step finds depends on the sides before it alone, not on the order of the tiles.
-void NormalSides::spread(const Grid& grid, ProgressMeter& progress) {
-  std::vector<std::size_t> changed;
-  mixed_.for_each([&](std::size_t tile) {
-    const Known all = spread_within(known(tile), edges_.of_tile(tile), bits_in_grid(grid.size, lattice_.tile_at(tile)));
-    set(tile, all);
-    changed.push_back(tile);
-  });
-  std::vector<bool> is_next(lattice_.tile_count());
+void NormalSides::spread(const Grid& grid, std::vector<std::size_t> changed, ProgressMeter& progress) {
   std::vector<std::size_t> next;
   std::vector<Known> found;
   while (!changed.empty()) {
@@ -100,8 +113,8 @@ void NormalSides::spread(const Grid& grid, ProgressMeter& progress) {
     next.clear();
     for (const std::size_t tile : changed)
       for_each_neighbour(lattice_, tile, [&](Face, std::size_t other) {
-        if (is_next[other] || is_known_[other]) return;
-        is_next[other] = true;
+        if (is_next_[other] || is_known_[other]) return;
+        is_next_[other] = true;
         next.push_back(other);
       });
     found.clear();
@@ -109,12 +122,68 @@ void NormalSides::spread(const Grid& grid, ProgressMeter& progress) {
       found.push_back(after_step(tile, bits_in_grid(grid.size, lattice_.tile_at(tile))));
     changed.clear();
     for (std::size_t n = 0; n < next.size(); ++n) {
-      is_next[next[n]] = false;
+      is_next_[next[n]] = false;
       if (found[n] == known(next[n])) continue;
       set(next[n], found[n]);
       changed.push_back(next[n]);
     }
   }
+}
+
+// A sample with a nearest triangle and no side is on the surface: it is not asked again.
+void NormalSides::decide_rest_of_mixed(MeshView mesh, const Pseudonormals& normals,
+                                       std::optional<ClosestTriangle>& closest, const Grid& grid,
+                                       const NearestTriangles& nearest, ProgressMeter& progress) {
+  std::vector<std::size_t> tiles;
+  mixed_.for_each([&](std::size_t tile) {
+    if (any(without_side(grid, tile))) tiles.push_back(tile);
+  });
+  if (tiles.empty()) return;
+  closest.emplace(mesh);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, tiles.size(), 8), [&](const auto& range) {
+    progress.check();
+    for (std::size_t n = range.begin(); n != range.end(); ++n) {
+      const std::size_t tile = tiles[n];
+      const std::array<std::int64_t, 3> at = lattice_.tile_at(tile);
+      const TileBits in_grid = bits_in_grid(grid.size, at);
+      Known& part = parts_[mixed_.number(tile)];
+      TileBits asked{};
+      nearest.for_each(at[0], at[1], at[2], [&](std::size_t sample, std::uint32_t) { add_bit(asked, sample); });
+      for (TileBits rest; any(rest = without_side(grid, tile) & ~asked);) {
+        const std::size_t sample = first_of(rest);
+        add_bit(asked, sample);
+        const Vec3 p = position_of(grid, at, sample);
+        part.add(normals.place_of(p, closest->to(p)), sample);
+        part = spread_within(part, edges_.of_tile(tile), in_grid);
+      }
+    }
+  });
+}
+
+// Regions of whole tiles, which surfaces between two layers of tiles hold off from all others. Few: each is large.
+void NormalSides::decide_rest(MeshView mesh, const Pseudonormals& normals, std::optional<ClosestTriangle>& closest,
+                              const Grid& grid, ProgressMeter& progress) {
+  if (mesh.triangles.empty()) return;
+  for (std::size_t tile = 0; tile < lattice_.tile_count(); ++tile) {
+    if (mixed_.has(tile) || is_known_[tile]) continue;
+    progress.check();
+    if (!closest) closest.emplace(mesh);
+    const Vec3 p = position_of(grid, lattice_.tile_at(tile), 0);
+    Known one;
+    one.add(normals.place_of(p, closest->to(p)), 0);
+    set(tile, one);
+    spread(grid, {tile}, progress);
+  }
+}
+
+TileBits NormalSides::without_side(const Grid& grid, std::size_t tile) const {
+  const Known there = known(tile);
+  return bits_in_grid(grid.size, lattice_.tile_at(tile)) & ~(there.outside | there.inside);
+}
+
+void NormalSides::Known::add(Pseudonormals::Place place, std::size_t n) {
+  if (place == Pseudonormals::Place::front) add_bit(outside, n);
+  if (place == Pseudonormals::Place::back) add_bit(inside, n);
 }
 
 NormalSides::Known NormalSides::known(std::size_t tile) const {

@@ -2,8 +2,10 @@
 // The sides of an oriented mesh, open or closed: in front of its nearest part is outside, behind it is inside.
 #pragma once
 
+#include <optional>
 #include <vector>
 
+#include "sign/closest_triangle.h"
 #include "sign/grid_edges.h"
 #include "sign/nearest_triangles.h"
 #include "sign/oriented_mesh.h"
@@ -12,12 +14,17 @@
 
 namespace standoff {
 
-/// Samples with a nearest triangle have the side that Pseudonormals finds. The others, beyond the band or within
-/// rounding of the surface, take the side of samples that they are connected with by grid edges that no triangle
-/// crosses: a breadth-first search from all tiles with a nearest triangle at once. One step takes a side into a
-/// neighbouring tile. A tile that has neither nearest triangles nor crossed edges has one side: that of the larger
-/// number of samples next to its faces that had one before the step. Of equally many, and of samples that no side comes
-/// to, the side is outside.
+/// Samples with a nearest triangle have the side that Pseudonormals finds. Other samples take the side of those that
+/// they are connected with by grid edges that no triangle crosses, in three steps:
+/// 1. Within each tile that has nearest triangles or crossed edges. Where no side comes to, one of the connected
+/// samples
+///    asks for its closest triangle among all. This happens in bands thinner than a spacing alone.
+/// 2. From tile to tile: a breadth-first search from all these at once. A tile that has neither nearest triangles nor
+///    crossed edges has one side: that of the larger number of samples next to its faces that had one before the step,
+///    of equally many outside.
+/// 3. Of tiles that no side came to, one of those connected asks.
+/// A closed mesh that does not intersect itself has samples of one side alone in each region, so there all sides are
+/// exact. Samples on the surface that no side comes to are outside.
 class NormalSides final : public Sides {
  public:
   /// Requires a valid mesh and grid, and the nearest triangles of a field of this thickness. Runs on the threads of the
@@ -31,14 +38,20 @@ class NormalSides final : public Sides {
   // The samples of a tile whose side is known.
   struct Known {
     TileBits outside{}, inside{};
+    void add(Pseudonormals::Place place, std::size_t n);  // sample n; on the surface it gets no side
     friend bool operator==(const Known&, const Known&) = default;
   };
 
   void find_tiles(const NearestTriangles& nearest);
-  void decide_band(const OrientedMesh& mesh, const Grid& grid, const NearestTriangles& nearest,
+  void decide_band(const Pseudonormals& normals, const Grid& grid, const NearestTriangles& nearest,
                    ProgressMeter& progress);
-  void spread(const Grid& grid, ProgressMeter& progress);
+  void spread(const Grid& grid, std::vector<std::size_t> changed, ProgressMeter& progress);
+  void decide_rest_of_mixed(MeshView mesh, const Pseudonormals& normals, std::optional<ClosestTriangle>& closest,
+                            const Grid& grid, const NearestTriangles& nearest, ProgressMeter& progress);
+  void decide_rest(MeshView mesh, const Pseudonormals& normals, std::optional<ClosestTriangle>& closest,
+                   const Grid& grid, ProgressMeter& progress);
 
+  TileBits without_side(const Grid& grid, std::size_t tile) const;
   Known known(std::size_t tile) const;
   void set(std::size_t tile, const Known& known);
   Known after_step(std::size_t tile, const TileBits& in_grid) const;
@@ -49,6 +62,7 @@ class NormalSides final : public Sides {
   TileSet mixed_;                           // tiles with nearest triangles or crossed edges
   std::vector<Known> parts_;                // theirs
   std::vector<bool> is_known_, is_inside_;  // of all other tiles
+  std::vector<bool> is_next_;               // within a step of spread(), of each tile; none otherwise
 };
 
 }  // namespace standoff

@@ -7,27 +7,12 @@
 #include "core/execution.h"
 #include "core/guarded.h"
 #include "core/threads.h"
-#include "sign/each_row_of_tiles.h"
 #include "sign/make_sides.h"
 #include "sign/options.h"
+#include "sign/sample_bits.h"
 #include "standoff/error.h"
 
 namespace standoff {
-namespace {
-
-// The bytes of tiles are the bytes of rows.
-void copy_rows(const InsideRows& rows, std::int64_t ty, std::int64_t tz, Occupancy& to) {
-  constexpr std::int64_t kSide = InsideRows::kSide;
-  for (int row = 0; row < InsideRows::kRows; ++row) {
-    if (!rows.in_grid(row)) continue;
-    const std::int64_t j = kSide * ty + row % kSide, k = kSide * tz + row / kSide;
-    std::uint8_t* const bytes = to.bits.data() + (k * to.grid.size.y + j) * to.row_bytes();
-    for (std::int64_t tx = 0; tx < to.row_bytes(); ++tx) bytes[tx] = rows.tile(tx)[static_cast<std::size_t>(row)];
-  }
-}
-
-}  // namespace
-
 std::int64_t Occupancy::count() const {
   return std::accumulate(bits.begin(), bits.end(), std::int64_t{0},
                          [](std::int64_t sum, std::uint8_t byte) { return sum + std::popcount(byte); });
@@ -49,13 +34,8 @@ Occupancy occupancy(MeshView mesh, const Grid& grid, const SignOptions& sign, co
   Threads(execution.threads).run([&] {
     meter.stage("sign", 1, 0, 1);
     SignPlan plan = plan_sign(mesh, sign);
-    found.bits.resize(static_cast<std::size_t>(found.row_bytes() * grid.size.y * grid.size.z));
     const auto sides = plan.has_sign() ? make_sides(mesh, plan, sign, {grid}, meter) : nullptr;
-    if (sides) {
-      for_each_row_of_tiles(
-          *sides, sign.invert, grid, meter,
-          [&](const InsideRows& rows, std::int64_t ty, std::int64_t tz) { copy_rows(rows, ty, tz, found); });
-    }
+    found.bits = sides ? bits_of(*sides, sign.invert, grid, meter).bytes : SampleBits(grid.size).bytes;
     found.sign = plan.report;
   });
   meter.stage("done", 1, 1, 1);

@@ -114,7 +114,7 @@ Orientation orient(MeshView mesh, const MeshEdges& edges) {
   Patches patches = find_patches(edges, copies, triangles);
   found.patches = patches_in_use(edges, patches);
   found.unorientable = std::ranges::count(patches.unorientable, 1);
-  const Pieces pieces = find_pieces(edges, patches);
+  const Pieces pieces = find_pieces(mesh, edges, patches);
   found.use = std::move(patches.turn);
   found.nesting_known = turn_outwards(mesh, pieces, found.use);
 
@@ -125,11 +125,12 @@ Orientation orient(MeshView mesh, const MeshEdges& edges) {
       found.use[opposite] = 1;
     }
   found.flipped = std::ranges::count(found.use, -1);
-  found.left_out = copies.left_out;
+  found.left_out = copies.left_out + pieces.walls;
+  found.walls = pieces.walls;
   found.inconsistent_after = inconsistent_edges(edges, found.use);
   found.boundary_edges = boundary_edges(edges, found.use);
   // A mesh that needs nothing is used as it is, with the pairs that cancel each other.
-  if (found.flipped == 0 && copies.same_winding) {
+  if (found.flipped == 0 && found.walls == 0 && copies.same_winding) {
     found.use.clear();
     found.left_out = 0;
   }

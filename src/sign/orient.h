@@ -5,7 +5,8 @@
 // 1. Copies of triangles that the surface around does not need are left out (copies.h). If they cancel each other, and
 //    nothing else is to be done, they stay.
 // 2. Within a patch, neighbours are made consistent; the majority of the triangles stays (patches.h).
-// 3. Patches that meet at nonmanifold edges are turned so that their borders cancel (pieces.h).
+// 3. Patches that meet at nonmanifold edges and do not cancel there are turned so that they do. Where some are walls
+//    between rooms, the outer hull is turned outwards, and the walls are left out (pieces.h).
 // 4. Pieces with a volume are turned outwards: what contains all others must have a positive volume, and is turned
 //    together with all that is inside it. After that a piece of negative volume stays a cavity if it is inside an odd
 //    number of others, and is turned if it is inside an even number. Pieces of positive volume stay, solids inside
@@ -24,7 +25,8 @@ namespace standoff {
 struct Orientation {
   std::vector<std::int8_t> use;                       ///< OrientedMesh::use; empty: all triangles as they are
   std::int64_t flipped = 0;                           ///< triangles that are used in the opposite orientation
-  std::int64_t left_out = 0;                          ///< triangles that are not used
+  std::int64_t left_out = 0;                          ///< triangles that are not used: copies and walls
+  std::int64_t walls = 0;                             ///< those of Pieces
   std::int64_t repeated = 0, same = 0, opposite = 0;  ///< those of Copies
   std::int64_t patches = 0;              ///< of triangles that are used; those with two equal corners do not count
   std::int64_t unorientable = 0;         ///< patches with but one side

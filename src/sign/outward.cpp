@@ -5,13 +5,12 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <utility>
 #include <vector>
-
-#include "core/position_hash.h"
 
 namespace standoff {
 namespace {
@@ -52,64 +51,77 @@ class VertexSets {
 };
 
 struct Sums {
-  double volume = 0, magnitude = 0;
-  std::uint64_t edges = 0;  // of hashes of directed edges, opposite ones with opposite signs: 0 if they cancel
+  double volume = 0, volume_magnitude = 0;
+  Vec3 normal;  // as long as the area
+  double normal_magnitude = 0;
+
+  void add(const Sums& other) {
+    volume += other.volume;
+    volume_magnitude += other.volume_magnitude;
+    normal = normal + other.normal;
+    normal_magnitude += other.normal_magnitude;
+  }
+  // Normals of a closed set have the sum 0, and only then its volume does not depend on where it is measured from.
+  bool faces_outwards() const {
+    constexpr double kRounding = 1e-12;
+    return max_norm(normal) <= kRounding * normal_magnitude &&
+           (volume_magnitude == 0 || volume > kRounding * volume_magnitude);
+  }
 };
 
-std::uint64_t edge_hash(std::uint32_t from, std::uint32_t to) {
-  const bool forward = from < to;
-  const std::uint64_t both = forward ? std::uint64_t{from} << 32 | to : std::uint64_t{to} << 32 | from;
-  const std::uint64_t hash = folded_product(both ^ 0x243f6a8885a308d3u, 0x9e3779b97f4a7c15u);
-  return from == to ? 0 : forward ? hash : -hash;
-}
+struct Part {
+  std::uint32_t set;
+  Sums sums;
+};
+constexpr std::size_t kChunk = 1024, kChunks = 64;
 
 }  // namespace
 
 bool faces_outwards(MeshView mesh) {
-  constexpr std::size_t kChunk = 4096;
-  const std::size_t triangles = mesh.triangles.size();
-  VertexSets sets(mesh.vertices.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, triangles, kChunk), [&](const auto& range) {
+  const std::size_t triangles = mesh.triangles.size(), vertices = mesh.vertices.size();
+  VertexSets sets(vertices);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, triangles, 4096), [&](const auto& range) {
     for (std::size_t t = range.begin(); t != range.end(); ++t) {
       const Triangle v = mesh.triangles[t];
       sets.join(v[0], v[1]);
       sets.join(v[1], v[2]);
     }
   });
+  std::vector<std::uint32_t> number(vertices);  // of the sets, at their lowest vertices
+  std::uint32_t count = 0;
+  for (std::uint32_t v = 0; v < vertices; ++v)
+    if (sets.find(v) == v) number[v] = count++;
 
-  // Chunks add up by themselves, and then in their order: the sums have the same bits on any number of threads. Within
-  // a chunk most neighbours belong to one set.
-  struct Part {
-    std::uint32_t set;
-    Sums sums;
-  };
-  std::vector<std::vector<Part>> parts((triangles + kChunk - 1) / kChunk);
-  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t chunk) {
-    std::vector<Part>& mine = parts[chunk];
-    for (std::size_t t = chunk * kChunk; t < std::min(triangles, (chunk + 1) * kChunk); ++t) {
-      const Triangle v = mesh.triangles[t];
-      const std::uint32_t set = sets.find(v[0]);
-      if (mine.empty() || mine.back().set != set) mine.push_back({set, {}});
-      const Vec3 origin = mesh.vertices[set];  // one of the set's own, so that a small part far away loses nothing
-      const auto [a, b, c] = mesh.corners(t);
-      Sums& sums = mine.back().sums;
-      const double volume = dot(a - origin, cross(b - origin, c - origin));
-      sums.volume += volume;
-      sums.magnitude += std::abs(volume);
-      sums.edges += edge_hash(v[0], v[1]) + edge_hash(v[1], v[2]) + edge_hash(v[2], v[0]);
-    }
-  });
-  std::vector<Sums> of_set(mesh.vertices.size());
-  for (const auto& chunk : parts)
-    for (const Part& part : chunk) {
-      of_set[part.set].volume += part.sums.volume;
-      of_set[part.set].magnitude += part.sums.magnitude;
-      of_set[part.set].edges += part.sums.edges;
-    }
-  constexpr double kRounding = 1e-12;  // of the magnitude; a volume of 0 is less, and counts as none
-  return std::ranges::all_of(of_set, [](const Sums& sums) {
-    return sums.edges == 0 && (sums.magnitude == 0 || sums.volume > kRounding * sums.magnitude);
-  });
+  // Chunks add up by themselves, some at a time, and then in their order: the sums have the same bits on any number of
+  // threads. Within a chunk most neighbours belong to one set.
+  std::vector<Sums> of_set(count);
+  std::array<std::vector<Part>, kChunks> parts;
+  for (std::size_t first = 0; first < triangles; first += kChunks * kChunk) {
+    tbb::parallel_for(std::size_t{0}, kChunks, [&](std::size_t chunk) {
+      std::vector<Part>& mine = parts[chunk];
+      mine.clear();
+      const std::size_t begin = first + chunk * kChunk, end = std::min(triangles, begin + kChunk);
+      for (std::size_t t = begin; t < end; ++t) {
+        const std::uint32_t set = sets.find(mesh.triangles[t][0]);
+        if (mine.empty() || mine.back().set != set) mine.push_back({set, {}});
+        const Vec3 origin = mesh.vertices[set];  // one of the set's own, so that a small part far away loses nothing
+        const auto [a, b, c] = mesh.corners(t);
+        const Vec3 normal = cross(b - a, c - a);
+        const double volume = dot(a - origin, normal);
+        mine.back().sums.add({volume, std::abs(volume), normal, max_norm(normal)});
+      }
+    });
+    for (const auto& chunk : parts)
+      for (const Part& part : chunk) of_set[number[part.set]].add(part.sums);
+  }
+  return std::ranges::all_of(of_set, &Sums::faces_outwards);
+}
+
+std::int64_t outward_bytes(std::int64_t triangles) {
+  constexpr std::int64_t kMostParts = kChunks * kChunk;
+  // Two numbers for each vertex, the sums of each set, and parts in vectors that double.
+  return triangles * static_cast<std::int64_t>(3 * 8 + sizeof(Sums)) +
+         2 * std::min(triangles, kMostParts) * static_cast<std::int64_t>(sizeof(Part));
 }
 
 }  // namespace standoff

@@ -8,6 +8,7 @@
 #include "sign/disjoint_sets.h"
 #include "sign/edge_sides.h"
 #include "sign/greedy_turns.h"
+#include "sign/outer_hull.h"
 
 namespace standoff {
 namespace {
@@ -88,18 +89,12 @@ void mark_open(const MeshEdges& edges, const Patches& patches, Pieces& pieces) {
   });
 }
 
-}  // namespace
-
-Pieces find_pieces(const MeshEdges& edges, Patches& patches) {
-  const Borders borders = find_borders(edges, patches);
-  const std::vector<TurnPair> pairs = pairs_of(borders);
+// The pieces, all taken to be closed, and the piece of each patch.
+Pieces join_patches(const Patches& patches, const std::vector<TurnPair>& pairs, std::vector<std::uint32_t>& piece_of) {
   DisjointSets sets(patches.size());
   for (const TurnPair& pair : pairs) sets.join(pair.a, pair.b);
-  const std::vector<std::int8_t> turns = greedy_turns(patches.size(), pairs);
-
-  // What the boundary of each piece weighs as it is, and as the greedy choice turns it.
   Pieces found;
-  std::vector<std::uint32_t> piece_of(patches.size());
+  piece_of.resize(patches.size());
   for (std::uint32_t p = 0; p < patches.size(); ++p) {
     const std::uint32_t first = sets.find(p).set;
     if (first == p) {
@@ -110,27 +105,64 @@ Pieces find_pieces(const MeshEdges& edges, Patches& patches) {
     found.unorientable[piece_of[p]] |= patches.unorientable[p];
   }
   found.closed.assign(found.unorientable.size(), 1);
-  std::vector<std::int64_t> gain(found.size());
-  borders.for_each_edge([&](std::span<const Border> here) {
-    std::int64_t as_is = 0, greedy = 0;
-    for (const Border& border : here) {
-      as_is += border.excess;
-      greedy += turns[border.patch] * border.excess;
-    }
-    gain[piece_of[here.front().patch]] += std::abs(as_is) - std::abs(greedy);
-  });
+  for (const std::uint32_t patch : patches.of) found.of.push_back(piece_of[patch]);
+  return found;
+}
 
-  const std::size_t triangles = patches.of.size();
-  found.of.resize(triangles);
-  std::vector<std::int64_t> balance(found.size());  // triangles less those that are to be turned
-  for (std::size_t t = 0; t < triangles; ++t) {
-    found.of[t] = piece_of[patches.of[t]];
-    balance[found.of[t]] += turns[patches.of[t]];
+// What the borders of each piece weigh if its patches are turned so.
+std::vector<std::int64_t> weights(const Borders& borders, const std::vector<std::uint32_t>& piece_of,
+                                  std::size_t pieces, const std::vector<std::int8_t>& turns) {
+  std::vector<std::int64_t> sums(pieces);
+  borders.for_each_edge([&](std::span<const Border> here) {
+    std::int64_t sum = 0;
+    for (const Border& border : here) sum += turns[border.patch] * border.excess;
+    sums[piece_of[here.front().patch]] += std::abs(sum);
+  });
+  return sums;
+}
+
+// Makes -1 of 1 and 1 of -1 in the pieces of which more triangles would be turned than not.
+void let_majority_stay(const Patches& patches, const std::vector<std::uint32_t>& piece_of, std::size_t pieces,
+                       std::vector<std::int8_t>& turns) {
+  std::vector<std::int64_t> balance(pieces);
+  for (const std::uint32_t patch : patches.of) balance[piece_of[patch]] += turns[patch];
+  for (std::size_t p = 0; p < turns.size(); ++p)
+    if (balance[piece_of[p]] < 0) turns[p] = static_cast<std::int8_t>(-turns[p]);
+}
+
+}  // namespace
+
+Pieces find_pieces(MeshView mesh, const MeshEdges& edges, Patches& patches) {
+  const Borders borders = find_borders(edges, patches);
+  const std::vector<TurnPair> pairs = pairs_of(borders);
+  std::vector<std::uint32_t> piece_of;
+  Pieces found = join_patches(patches, pairs, piece_of);
+  const auto weights_of = [&](const std::vector<std::int8_t>& turns) {
+    return weights(borders, piece_of, found.size(), turns);
+  };
+  std::vector<std::int8_t> turns = greedy_turns(patches.size(), pairs);
+  const std::vector<std::int64_t> as_is = weights_of(std::vector<std::int8_t>(patches.size(), 1)),
+                                  greedy = weights_of(turns);
+  let_majority_stay(patches, piece_of, found.size(), turns);
+
+  std::vector<std::uint8_t> left_over(found.size());
+  for (std::size_t n = 0; n < found.size(); ++n) left_over[n] = found.unorientable[n] == 0 && as_is[n] > 0;
+  const std::vector<std::int8_t> hull = outer_hulls(mesh, edges, patches, piece_of, left_over);
+  const std::vector<std::int64_t> of_hull = weights_of(hull);
+  std::vector<std::uint8_t> has_hull(found.size());
+  for (std::size_t p = 0; p < hull.size(); ++p) has_hull[piece_of[p]] |= hull[p] != 0 && of_hull[piece_of[p]] == 0;
+
+  for (std::size_t p = 0; p < turns.size(); ++p) {
+    const std::uint32_t piece = piece_of[p];
+    if (has_hull[piece] != 0) {
+      turns[p] = hull[p];
+    } else if (found.unorientable[piece] != 0 || as_is[piece] <= greedy[piece]) {
+      turns[p] = 1;
+    }
   }
-  for (std::size_t t = 0; t < triangles; ++t) {
-    const std::uint32_t piece = found.of[t];
-    if (gain[piece] <= 0 || found.unorientable[piece] != 0) continue;
-    const int turn = balance[piece] < 0 ? -turns[patches.of[t]] : turns[patches.of[t]];
+  for (std::size_t t = 0; t < patches.turn.size(); ++t) {
+    const int turn = turns[patches.of[t]];
+    found.walls += turn == 0 && patches.turn[t] != 0;
     patches.turn[t] = static_cast<std::int8_t>(turn * patches.turn[t]);
   }
   mark_open(edges, patches, found);

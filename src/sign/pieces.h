@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pieces: patches that border on each other at nonmanifold edges, each turned so that the borders cancel.
+// Pieces: patches that border on each other at nonmanifold edges, each turned so that the borders cancel, or left out.
 #pragma once
 
 #include <cstdint>
@@ -8,6 +8,7 @@
 
 #include "sign/mesh_edges.h"
 #include "sign/patches.h"
+#include "standoff/mesh.h"
 
 namespace standoff {
 
@@ -17,14 +18,22 @@ struct Pieces {
   std::vector<std::uint32_t> of;           ///< for each triangle its piece
   std::vector<std::uint8_t> closed;        ///< for each piece: no edge is left over
   std::vector<std::uint8_t> unorientable;  ///< for each piece: whether one of its patches is
+  std::int64_t walls = 0;                  ///< triangles that are left out, because they are no part of the outer hull
 
   std::size_t size() const { return closed.size(); }
 };
 
-/// Turns whole patches (`patches.turn`) where that makes the sum of the weights of the boundary smaller. The choice is
-/// greedy (greedy_turns.h): of two patches with a common border, most of its edges should cancel. If that is no better
-/// than the patches as they are, they stay, else the majority of the triangles does. A piece with an unorientable patch
+/// Where the borders of a piece do not cancel as they are, patches are turned (`patches.turn`): the outer hull
+/// outwards, and what is no part of it is left out of the sign (outer_hull.h). For a wall between two rooms that is
+/// there once does not separate inside from outside, and three patches meet at its edges: no turn of it makes them
+/// cancel, and the sum of what is left over is the same for some turns of whole rooms. Such walls would disturb the
+/// winding number: beside one that looks away it is 1/2 too low, and less still if more walls behind it do. So what
+/// cannot be reached from outside is inside, also what was a cavity if a wall joins it to the hull.
+///
+/// If there is no hull that is a solid, with borders that all cancel, the choice is greedy (greedy_turns.h): of two
+/// patches with a common border, most of its edges should cancel. If that makes the sum of what is left over smaller,
+/// the patches are turned so, and the majority of the triangles stays; else all do. A piece with an unorientable patch
 /// stays too.
-Pieces find_pieces(const MeshEdges& edges, Patches& patches);
+Pieces find_pieces(MeshView mesh, const MeshEdges& edges, Patches& patches);
 
 }  // namespace standoff

@@ -41,23 +41,21 @@ void plan_parity(SignPlan& plan, const Closed& closed) {
   plan.report.why = "each edge has an even number of triangles";
 }
 
-// Most meshes need no diagnosis. Nor does one that is to be taken as it is.
-bool plan_without_diagnosis(SignPlan& plan, MeshView mesh, const Closed& closed, const SignOptions& options) {
-  if (closed.oriented && (options.as_oriented || faces_outwards(mesh))) {
-    plan.report.method = SignMethod::winding;
-    plan.report.why = "the mesh is closed and consistently oriented";
-    return true;
-  }
-  if (!options.as_oriented || options.method == SignMethod::automatic) return false;
+void take_as_it_is(SignPlan& plan, MeshView mesh) {
   take(plan, {}, net_boundary({mesh}, MeshEdges(mesh)));
   plan.report.sure = false;
   plan.report.why = "the mesh is open as it is oriented (" + counted(plan.report.boundary_edges, "edge") +
                     " do not cancel), so the generalised winding number decides";
-  return true;
 }
 
 void plan_winding(SignPlan& plan, MeshView mesh, const Closed& closed, const SignOptions& options) {
-  if (plan_without_diagnosis(plan, mesh, closed, options)) return;
+  // Most meshes need no diagnosis.
+  if (closed.oriented && (options.as_oriented || faces_outwards(mesh))) {
+    plan.report.method = SignMethod::winding;
+    plan.report.why = "the mesh is closed and consistently oriented";
+    return;
+  }
+  if (options.as_oriented && options.method == SignMethod::winding) return take_as_it_is(plan, mesh);
   Diagnosis found = diagnose(mesh, MeshEdges(mesh));
   const bool fits = found.report.method == SignMethod::winding;
   plan.report.sure = found.report.sure;
@@ -66,6 +64,7 @@ void plan_winding(SignPlan& plan, MeshView mesh, const Closed& closed, const Sig
     plan.report.method = found.report.method;
     plan.report.boundary_edges = found.report.boundary_edges;
     if (!fits) return;
+    if (options.as_oriented) return take_as_it_is(plan, mesh);
   } else if (!fits) {
     plan.report.sure = false;
     plan.report.why = "the generalised winding number decides, although " + found.report.why;
@@ -90,6 +89,13 @@ void expect_sure(const SignPlan& plan, const SignOptions& options) {
   if (!options.strict || plan.report.sure) return;
   throw Error(ErrorCode::doubt, "compute: the sign is not certain (" + plan.report.why +
                                     "), and strict allows no doubt; repair the mesh, or allow it");
+}
+
+bool needs_diagnosis(MeshView mesh, const SignOptions& options) {
+  const SignMethod method = options.method;
+  if (method == SignMethod::normal) return true;
+  if (method != SignMethod::winding && method != SignMethod::automatic) return false;
+  return !is_closed(mesh).oriented || !(options.as_oriented || faces_outwards(mesh));
 }
 
 SignPlan plan_sign(MeshView mesh, const SignOptions& options) {

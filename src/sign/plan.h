@@ -25,6 +25,12 @@ struct SignPlan {
 /// `strict` is asked for. Requires a valid mesh and valid options. Runs on the threads of the calling TBB arena.
 SignPlan plan_sign(MeshView mesh, const SignOptions& options);
 
+/// Whether plan_sign() would look at the mesh's edges, which takes memory: a mesh that is closed and faces outwards
+/// needs no such diagnosis. Requires a valid mesh. Runs on the threads of the calling TBB arena.
+bool needs_diagnosis(MeshView mesh, const SignOptions& options);
+/// What a diagnosis takes at most.
+constexpr std::int64_t diagnosis_bytes(std::int64_t triangles) { return 256 * triangles + (4 << 20); }
+
 /// Throws Error{doubt} where the plan is not certain and `strict` is asked for.
 void expect_sure(const SignPlan& plan, const SignOptions& options);
 

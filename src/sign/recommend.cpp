@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sign/recommend.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -50,6 +51,30 @@ Recommendation closed(const MeshReport& report, double area) {
   return {SignMethod::winding, true, is_closed + ", so that each winding number is an integer"};
 }
 
+Recommendation open(const MeshReport& report, double area) {
+  const std::string is_open = "the mesh is open";
+  const std::string holes = ", and closing its " + counted(report.boundary_loops, "hole", "holes") + " takes " +
+                            percent(report.cap_share) + " of its area";
+  if (std::min(report.openness, report.cap_share) >= kSheet || has_no_volume(report, area, kSheetVolume))
+    return {SignMethod::none, false,
+            is_open + holes +
+                ": it is a sheet rather than a body, and has no inside; `normal` tells its front from its back, "
+                "`shell` makes it a solid"};
+  if (report.volume < 0)
+    return {SignMethod::none, false,
+            is_open +
+                ", and its triangles look inwards: nothing has a positive winding number; turn them, or take "
+                "`winding` with the rule nonzero"};
+  const bool cracked = is_cracked(report);
+  return {
+      SignMethod::winding, false,
+      after_repairs(report) + is_open +
+          (cracked ? " along " + counted(report.boundary_edges, "edge", "edges") + ", but its triangles fit together"
+                   : holes) +
+          (report.two_sided ? kTwoSides : "") + ": the generalised winding number decides, with doubt near the " +
+          (cracked ? "gaps" : "holes")};
+}
+
 }  // namespace
 
 Recommendation recommend(const MeshReport& report, double area_used, bool even) {
@@ -60,17 +85,7 @@ Recommendation recommend(const MeshReport& report, double area_used, bool even) 
     if (even) return {SignMethod::flood, false, text + ", and no edge is open: `flood` finds what is enclosed"};
     return {SignMethod::none, false, text + ", and there are open edges: it has no inside; `shell` makes it a solid"};
   }
-  if (report.boundary_edges == 0) return closed(report, area_used);
-  const std::string open = "the mesh is open, and closing its " + counted(report.boundary_loops, "hole", "holes") +
-                           " takes " + percent(report.cap_share) + " of its area";
-  if (report.cap_share >= kSheetCaps || has_no_volume(report, area_used, kSheetVolume))
-    return {SignMethod::none, false,
-            open +
-                ": it is a sheet rather than a body, and has no inside; `normal` tells its front from its back, "
-                "`shell` makes it a solid"};
-  return {SignMethod::winding, false,
-          after_repairs(report) + open + (report.two_sided ? kTwoSides : "") +
-              ": the generalised winding number decides, with doubt near the holes"};
+  return report.boundary_edges == 0 ? closed(report, area_used) : open(report, area_used);
 }
 
 }  // namespace standoff

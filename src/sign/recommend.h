@@ -9,12 +9,22 @@
 
 namespace standoff {
 
-/// An open mesh has no inside if it takes at least this part of its area to close its holes: 0.5 for a hemisphere, 0.2
-/// for a cube without a lid, 0.38 for a standing animal cut off at a third of its height, about 1 for terrain.
-inline constexpr double kSheetCaps = 0.4;
+/// An open mesh has no inside if it is open in two ways: its openness (openness.h), and the share of its area that it
+/// takes to close it, are at least this. Both are 0.2 for a cube without a lid and at least 0.36 for a hemisphere, and
+/// about 0.9 for terrain. Cracks and T-junctions have no openness, whatever caps they need; walls within a body need
+/// small caps, whatever the winding numbers beside them.
+inline constexpr double kSheet = 1.0 / 3;
 /// The same if |volume| with its holes closed is at most this times area^1.5: a crumpled sheet. A ball has 0.094, a
 /// plate as thick as a thousandth of its sides 3.5e-4.
 inline constexpr double kSheetVolume = 1e-4;
+
+/// Caps of more than kCrackCaps of the area that are more than kCrackRatio times the openness close no holes: they are
+/// triangles or faces once more that share no edges with their neighbours, but lie beside them. For random
+/// holes in up to 40 % of a ball, and for a hemisphere or a flat sheet, the ratio is 1 to 2.
+inline constexpr double kCrackCaps = 0.1, kCrackRatio = 4;
+inline bool is_cracked(const MeshReport& report) {
+  return report.cap_share > kCrackCaps && report.cap_share > kCrackRatio * report.openness;
+}
 
 struct Recommendation {
   SignMethod method = SignMethod::none;

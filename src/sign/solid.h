@@ -28,6 +28,12 @@ struct PartSums {
     area += length(normal);
     normals = normals + normal;
   }
+  /// All of another part, turned if `turn` is -1.
+  void add(const PartSums& other, int turn) {
+    volume += turn * other.volume;
+    area += other.area;
+    normals = normals + other.normals * turn;
+  }
 };
 
 inline bool is_solid(const PartSums& sums, bool closed) {

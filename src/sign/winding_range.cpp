@@ -42,14 +42,17 @@ WindingRange find_winding_range(const OrientedMesh& mesh, const Box& bounds) {
   ProgressMeter progress(none);
   // Thousands of shells inside each other have very many crossings, and show most of their winding numbers in any row.
   constexpr double kMostTests = 2e7;
+  constexpr std::int64_t kBytes = 1 << 20;  // of crossings at a time
   std::int64_t rows = 128;
   for (double tests = tests_of(mesh.mesh, bounds, rows); tests > kMostTests && rows > 8; tests /= 4) rows /= 2;
   const Grid grid = samples_in(bounds, rows);
-  const RowCrossings crossings(mesh, grid, progress);
+  RowCrossings crossings(mesh, grid, progress, kBytes);
   WindingRange range;
-  for (std::int64_t tz = 0; tz < tiles_along(grid.size.z); ++tz)
-    for (std::int64_t ty = 0; ty < tiles_along(grid.size.y); ++ty) {
-      const std::span<const RowCrossing> row = crossings.of_tiles(ty, tz);
+  const std::int64_t tiles_y = tiles_along(grid.size.y), rows_of_tiles = tiles_y * tiles_along(grid.size.z);
+  for (std::int64_t first = 0, end = 0; first < rows_of_tiles; first = end) {
+    end = std::min(rows_of_tiles, crossings.load(first));
+    for (std::int64_t tiles = first; tiles < end; ++tiles) {
+      const std::span<const RowCrossing> row = crossings.of_tiles(tiles % tiles_y, tiles / tiles_y);
       std::int32_t winding = 0;
       for (std::size_t n = 0; n < row.size(); ++n) {
         if (n > 0 && row[n].row() != row[n - 1].row()) winding = 0;
@@ -60,6 +63,7 @@ WindingRange find_winding_range(const OrientedMesh& mesh, const Box& bounds) {
         range.most = std::max(range.most, winding);
       }
     }
+  }
   return range;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // grid.h, mesh.h, field.h, compute.h and verify.h with arguments that make no sense.
 #include "standoff/compute.h"
+#include "standoff/confidence.h"
 #include "standoff/exposed.h"
 #include "standoff/inspect.h"
 #include "standoff/mesh_report.h"
@@ -89,6 +90,8 @@ TEST(Misuse, Meshes) {
     expect_answer_or_error("points", [&] { closest_points(mesh, std::vector<Vec3>(2)); });
     expect_answer_or_error("occupancy", [&] { occupancy(mesh, kGrid); });
     expect_answer_or_error("exposed", [&] { exposed_triangles(mesh); });
+    expect_answer_or_error("confidence", [&] { winding_margins(mesh, kGrid); });
+    expect_answer_or_error("confidence", [&] { sign_confidence(mesh, DistanceField(kGrid, 1), {}); });
     expect_answer_or_error("memory_needed", [&] { memory_needed(mesh, kGrid, 1, on_cpu()); });
     expect_answer_or_error("verify", [&] { verify(DistanceField(kGrid, 1), mesh); });
     for (const double thickness : {1.0, kInfinite})

@@ -13,6 +13,7 @@
 #include "scenes/scenes.h"
 #include "standoff/collision.h"
 #include "standoff/compute.h"
+#include "standoff/confidence.h"
 #include "standoff/cuda.h"
 #include "standoff/experimental/simulation.h"
 #include "standoff/exposed.h"
@@ -95,6 +96,9 @@ TEST(RefusedMemory, Computing) {
   expect_limit_error("compute_into", [&] { compute_into(kMesh, kGrid, 1, values, nearest, on_cpu()); });
   const std::vector<Vec3> points(3);
   expect_limit_error("points", [&] { closest_points(kMesh, points, {.threads = 1}); });
+  expect_limit_error("confidence", [&] {
+    sign_confidence(kMesh, DistanceField(kGrid, 1), winding_margins(kMesh, kGrid, {}, {.threads = 1}), {.threads = 1});
+  });
   expect_limit_error("occupancy", [&] { occupancy(kMesh, kGrid, {SignMethod::automatic}, {.threads = 1}); });
   const Mesh solid{kMesh.vertices, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
   expect_limit_error("exposed", [&] { exposed_triangles(solid, {SignMethod::automatic}, {.threads = 1}); });

@@ -4,8 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <tuple>
+
+#include "sign/boundary_polygons.h"
 #include "sign/closed.h"
-#include "tests/sign/shapes.h"
+#include "tests/sign/cases/solids.h"
 
 namespace standoff {
 namespace {
@@ -60,7 +64,10 @@ TEST(Boundary, OfOneMissingTriangleRunsAlongItsSides) {
   const auto [a, b, c] = corners;
   EXPECT_DOUBLE_EQ(length_of(boundary.loop(0)), sides);
   EXPECT_EQ(diameter_of(boundary.loop(0)), longest);
-  EXPECT_NEAR(cap_area(boundary.loop(0)), length(cross(b - a, c - a)) / 2, 1e-14);
+  const std::vector<BoundaryPolygon> polygons = polygons_of(boundary);
+  ASSERT_EQ(polygons.size(), 1u);
+  EXPECT_NEAR(cap_of(polygons[0], {}).area, length(cross(b - a, c - a)) / 2, 1e-14);
+  EXPECT_NEAR(cap_of(polygons[0], {1, 2, 3}).volume, dot(a - Vec3{1, 2, 3}, cross(b - a, c - a)) / 6, 1e-14);
 }
 
 TEST(Boundary, OfAFlippedTriangleCountsTwice) {
@@ -89,6 +96,34 @@ TEST(Boundary, IsThatOfTheTrianglesAsTheyAreUsed) {
   use[40] = -1;
   EXPECT_EQ(boundary_of(mesh, use).edges[0].weight, 2);
   EXPECT_EQ(boundary_of(with_flipped(mesh, 40), use).loops(), 0u);
+}
+
+// Whichever edges meet at the corners of the box: each crack between two faces is a polygon by itself.
+TEST(Boundary, PolygonsOfTJunctionsHaveNoArea) {
+  for (unsigned seed = 0; seed < 8; ++seed) {
+    const Boundary boundary = boundary_of(shuffled(box_of_t_junctions({0, 0, 0}, {2, 1, 1}, 2), seed));
+    EXPECT_EQ(boundary.loops(), 1u);
+    double area = 0;
+    for (const BoundaryPolygon& polygon : polygons_of(boundary)) area += cap_of(polygon, {}).area;
+    EXPECT_NEAR(area, 0, 1e-12);
+  }
+}
+
+TEST(Boundary, PolygonsHaveNoRepeatedCornersAndAddUpToIt) {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    const Mesh mesh = nasty_soup(seed, 60, 2);
+    Mesh closed = mesh;
+    for (BoundaryPolygon& polygon : polygons_of(boundary_of(mesh))) {
+      const std::size_t size = polygon.corners.size();
+      for (int copy = 0; copy < polygon.weight; ++copy)
+        for (std::size_t n = 0; n < size; ++n)
+          add_triangle(closed, {0.5, 0.5, 100}, polygon.corners[(n + 1) % size], polygon.corners[n]);
+      std::ranges::sort(polygon.corners,
+                        [](const Vec3& a, const Vec3& b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); });
+      EXPECT_TRUE(std::ranges::adjacent_find(polygon.corners) == polygon.corners.end());
+    }
+    EXPECT_TRUE(is_closed(closed).oriented) << seed;
+  }
 }
 
 TEST(Boundary, CapsCloseAnyTriangles) {

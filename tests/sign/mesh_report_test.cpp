@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/sign/cases/solids.h"
 #include "tests/sign/shapes.h"
 #include "tests/sign/solid_soup.h"
 #include "tests/support/expect_error.h"
@@ -152,6 +153,37 @@ TEST(MeshReport, BodiesWithCracks) {
   EXPECT_NEAR(found.volume, 2, 1e-12);
   EXPECT_EQ(found.method, SignMethod::winding);
   EXPECT_FALSE(found.sure);
+}
+
+// No triangle shares an edge with another one: the boundary is all edges, and its caps are all triangles.
+TEST(MeshReport, BodiesOfLooseTriangles) {
+  const Mesh bodies = joined(sphere(10), box({2, 2, 2}, {4, 5, 6}));
+  const double volume = report(bodies).volume;
+  for (const Mesh& mesh : {cracked(bodies, 1e-9, 1), cracked_floats(bodies, 2)}) {
+    const MeshReport found = report(mesh);
+    EXPECT_GT(found.boundary_edges, std::ssize(mesh.triangles) * 2);
+    EXPECT_NEAR(found.cap_share, 1, 0.05);
+    EXPECT_NEAR(found.openness, 0, 1e-4);
+    EXPECT_NEAR(found.volume, volume, 1e-3);
+    expect_method(mesh, SignMethod::winding, false, "its triangles fit together");
+    expect_method(reversed(mesh), SignMethod::none, false, "look inwards");
+  }
+  std::int64_t turned = 0;
+  expect_method(cracked(randomly_turned(bodies, 1, turned), 1e-9, 1), SignMethod::none, false, "sheet");
+  expect_method(cracked(terrain(), 1e-9, 1), SignMethod::none, false, "sheet");
+  // Both sides of a sheet: beside it the winding number is an integer, but nothing is enclosed.
+  const Mesh sides = joined(cracked(terrain(), 1e-9, 1), cracked(reversed(terrain()), 1e-9, 2));
+  EXPECT_LT(report(sides).openness, 0.01);
+  expect_method(sides, SignMethod::none, false, "sheet");
+}
+
+TEST(MeshReport, BodiesOfFacesThatAreCutOtherwise) {
+  const MeshReport found = report(box_of_t_junctions({0, 0, 0}, {2, 1, 1}, 3));
+  EXPECT_EQ(found.boundary_loops, 1);
+  EXPECT_NEAR(found.cap_share, 0, 1e-12);
+  EXPECT_NEAR(found.openness, 0, 1e-12);
+  EXPECT_NEAR(found.volume, 2, 1e-12);
+  EXPECT_EQ(found.method, SignMethod::winding);
 }
 
 TEST(MeshReport, DegenerateTrianglesAreCountedExactly) {

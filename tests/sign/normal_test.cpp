@@ -3,11 +3,15 @@
 // wrong and where the mean of all is; against terrain; and beyond the band.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 
 #include "scenes/scenes.h"
 #include "sign/pseudonormals.h"
 #include "standoff/compute.h"
+#include "tests/sign/shapes.h"
 #include "tests/sign/solid_soup.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/fields.h"
@@ -133,6 +137,67 @@ TEST(NormalSign, OfSolidsIsThatOfTheWindingNumber) {
               0);
 }
 
+// A solid that lines from the origin leave once, with spikes and pits.
+Mesh star(Random& random) {
+  Mesh mesh = testing::sphere(6);
+  std::map<std::array<double, 3>, double> far;  // vertices on the seam are one position
+  for (Vec3& v : mesh.vertices) {
+    const auto [at, is_new] = far.try_emplace({v.x, v.y, v.z});
+    if (is_new) at->second = random.between(1, 7);
+    v = v * at->second;
+  }
+  return mesh;
+}
+
+// Bands so thin that samples on one side of a region, or on both, or of all the grid, have no nearest triangle.
+TEST(NormalSign, OfSolidsIsThatOfTheWindingNumberForAnyBandAndGrid) {
+  std::int64_t inside = 0, all_inside = 0, no_tile = 0;
+  for (unsigned seed = 0; seed < 300; ++seed) {
+    Random random(seed);
+    const bool is_star = random.below(2) == 0;
+    const Tetrahedron corners = outward_tetrahedron(random, 9)[0];
+    const Mesh mesh = is_star ? star(random) : testing::mesh_of({corners});
+    const auto samples = [&] { return static_cast<std::int64_t>(random.between(1, 30)); };
+    const auto step = [&] { return random.between(0.1, 1); };
+    Grid grid{{samples(), samples(), samples()}, random.in_cube(5) - Vec3{3, 3, 3}, {step(), step(), step()}};
+    if (seed % 2 == 1) {  // within the solid, or nearly
+      grid.origin = is_star ? Vec3{} : (corners[0] + corners[1] + corners[2] + corners[3]) * 0.25;
+      grid.spacing = grid.spacing * 0.03;
+    }
+    const double thickness = std::pow(10, random.between(-4, 1));
+    const DistanceField field = compute(mesh, grid, thickness, by(SignMethod::normal)).field;
+    EXPECT_EQ(wrong_signs(field, compute(mesh, grid, thickness, by(SignMethod::winding)).field), 0)
+        << seed << ", " << thickness;
+    std::int64_t here = 0;
+    for (const float value : field.to_dense()) here += value < 0;
+    inside += here;
+    all_inside += here == grid.sample_count();
+    no_tile += field.stored_tiles() == 0;
+  }
+  EXPECT_GT(inside, 10000);
+  EXPECT_GT(all_inside, 10);
+  EXPECT_GT(no_tile, 10);
+}
+
+// Nested cubes between all samples, turned alternately: each layer is a region without any nearest triangle.
+TEST(NormalSign, OfManyRegionsWithoutABand) {
+  Mesh mesh;
+  constexpr int kShells = 12;
+  for (int n = 0; n < kShells; ++n) {
+    const Mesh cube = testing::box(Vec3{-1, -1, -1} * (n + 1.5), Vec3{1, 1, 1} * (n + 1.5));
+    mesh = testing::joined(std::move(mesh), (kShells - n) % 2 == 1 ? cube : testing::reversed(cube));
+  }
+  const Grid grid{{31, 31, 31}, {-15, -15, -15}, {1, 1, 1}};
+  const DistanceField field = compute(mesh, grid, 0.01, by(SignMethod::normal)).field;
+  std::int64_t wrong = 0;
+  testing::for_each_sample(grid, [&](auto i, auto j, auto k) {
+    const auto far = static_cast<std::int64_t>(max_norm(grid.position(i, j, k)));
+    const std::int64_t shells_around = kShells - std::clamp<std::int64_t>(far - 1, 0, kShells);
+    wrong += (field.value(i, j, k) < 0) != (shells_around % 2 == 1);
+  });
+  EXPECT_EQ(wrong, 0);
+}
+
 double height(double x, double y) { return 0.4 * std::sin(2 * x) * std::cos(1.5 * y) + 0.1 * x; }
 
 // Squares of a net, each of two triangles, over [-3, 3] x [-3, 3], facing up.
@@ -164,7 +229,7 @@ TEST(NormalSign, OfTerrainIsBelowIt) {
   constexpr int kSquares = 20;
   const Mesh mesh = terrain(kSquares);
   const Grid grid{{41, 39, 52}, {-2.03, -1.91, -2.53}, {0.1, 0.1, 0.1}};
-  for (const double thickness : {0.03, 0.13, 0.5, kFullField}) {
+  for (const double thickness : {1e-6, 0.03, 0.13, 0.5, kFullField}) {
     const DistanceField field = compute(mesh, grid, thickness, by(SignMethod::normal)).field;
     std::int64_t wrong = 0, below = 0;
     testing::for_each_sample(grid, [&](auto i, auto j, auto k) {
@@ -192,7 +257,7 @@ TEST(NormalSign, BeyondTheEndOfASheet) {
 TEST(NormalSign, SparseAndDenseWithAndWithoutNearestTriangles) {
   const Mesh mesh = terrain(9);  // open, and its band ends within the grid
   const Grid grid{{37, 35, 34}, {-3.6, -3.4, -3.3}, {0.2, 0.2, 0.2}};
-  for (const double thickness : {0.07, 0.5, kFullField}) {
+  for (const double thickness : {1e-5, 0.07, 0.5, kFullField}) {
     const DistanceField plain = compute(mesh, grid, thickness).field;
     const DistanceField with = compute(mesh, grid, thickness, by(SignMethod::normal, true)).field;
     DistanceField without = compute(mesh, grid, thickness, by(SignMethod::normal)).field;

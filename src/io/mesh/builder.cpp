@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "io/mesh/polygon.h"
 #include "core/weld.h"
+#include "io/mesh/polygon.h"
 #include "standoff/error.h"
 
 namespace standoff {

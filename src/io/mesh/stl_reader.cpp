@@ -7,11 +7,11 @@
 #include <array>
 #include <bit>
 
+#include "core/weld.h"
 #include "files/text_cursor.h"
 #include "io/mesh/builder.h"
 #include "io/mesh/format.h"
 #include "io/mesh/stl_binary.h"
-#include "core/weld.h"
 #include "standoff/error.h"
 
 namespace standoff {

@@ -115,14 +115,19 @@ void OpenWinding::fill(InsideRows& rows, std::int64_t ty, std::int64_t tz) const
   doubtful_.fetch_add(doubtful, std::memory_order_relaxed);
 }
 
-double OpenWinding::winding_number(std::int64_t i, std::int64_t j, std::int64_t k) const {
+double OpenWinding::winding_number(std::int64_t i, std::int64_t j, std::int64_t k, double error) const {
   const std::int64_t ty = j / kSide, tz = k / kSide;
   const RowWindings windings(mesh_crossings_.of_tiles(ty, tz), cap_crossings_.of_tiles(ty, tz));
   double winding = 0;
   windings.for_each(static_cast<int>(j % kSide + kSide * (k % kSide)), i, i + 1,
                     [&](std::int64_t, std::int64_t, std::int32_t n) { winding = n; });
   NodeStack stack(tree_);
-  return winding + cap_sum_at({grid_, rule_, rims_, tree_}, grid_.position(i, j, k), 0, stack).value;
+  const OpenMesh mesh{grid_, rule_, rims_, tree_};
+  const Vec3 p = grid_.position(i, j, k);
+  for (double tolerance = kFieldTolerance / 16;; tolerance = tolerance > error / 1024 ? tolerance / 16 : 0) {
+    const Interval sum = cap_sum_at(mesh, p, error > 0 ? tolerance : 0, stack);
+    if (error == 0 || tolerance == 0 || sum.error <= error) return winding + sum.value;
+  }
 }
 
 }  // namespace standoff

@@ -29,7 +29,9 @@ class OpenWinding final : public Sides {
 
   /// w at a sample, within 1e-9 unless the sample is on the boundary within rounding. Linear in the size of the
   /// boundary.
-  double winding_number(std::int64_t i, std::int64_t j, std::int64_t k) const;
+  double winding_number(std::int64_t i, std::int64_t j, std::int64_t k) const { return winding_number(i, j, k, 0); }
+  /// The same within `error`; faster.
+  double winding_number(std::int64_t i, std::int64_t j, std::int64_t k, double error) const;
 
   /// How many samples of all tiles filled so far have w within 0.05 (kDoubt) of a threshold, by values of w that
   /// are off by at most 0.025 (kDoubtError). The same for any number of threads.

@@ -3,8 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
-#include "core/weld.h"
+#include "sign/boundary_polygons.h"
 
 namespace standoff {
 namespace {
@@ -24,92 +25,10 @@ Vec3 point_amid(std::span<const Vec3> corners) {
   return corners[0] + sum * (1 / weights);
 }
 
-// Takes the edges of a boundary apart into polygons: walks along them, and cuts a polygon off wherever the walk comes
-// back to a corner that it has passed. At each position as many edges begin as end, so a walk never gets stuck.
-class Walk {
- public:
-  explicit Walk(const std::vector<BoundaryEdge>& edges) : edges_(edges), left_(edges.size()), ends_(2 * edges.size()) {
-    const auto end = [&](std::uint32_t n) { return n % 2 == 0 ? edges[n / 2].from : edges[n / 2].to; };
-    const std::uint32_t positions = weld(end, ends_);
-    first_.resize(positions + std::size_t{1});
-    for (std::size_t n = 0; n < edges.size(); ++n) {
-      left_[n] = edges[n].weight;
-      ++first_[from(n) + 1];
-    }
-    for (std::size_t n = 0; n < positions; ++n) first_[n + 1] += first_[n];
-    out_.resize(edges.size());
-    next_.assign(first_.begin(), first_.end() - 1);
-    for (std::size_t n = 0; n < edges.size(); ++n) out_[next_[from(n)]++] = n;
-    next_.assign(first_.begin(), first_.end() - 1);
-    place_.assign(positions, kNowhere);
-  }
-
-  /// Calls use(polygon, weight) for each polygon.
-  template <class Use>
-  void for_each(const Use& use) {
-    for (std::size_t start = 0; start + 1 < first_.size(); ++start)
-      while (has_edge(start)) walk_from(start, use);
-  }
-
- private:
-  static constexpr std::size_t kNowhere = static_cast<std::size_t>(-1);
-
-  std::size_t from(std::size_t edge) const { return ends_[2 * edge]; }
-  std::size_t to(std::size_t edge) const { return ends_[2 * edge + 1]; }
-
-  // Whether an edge that is left begins there: out_[next_[position]].
-  bool has_edge(std::size_t position) {
-    while (next_[position] < first_[position + 1] && left_[out_[next_[position]]] == 0) ++next_[position];
-    return next_[position] < first_[position + 1];
-  }
-
-  template <class Use>
-  void walk_from(std::size_t start, const Use& use) {
-    std::size_t position = start;
-    place_[position] = 0;
-    while (has_edge(position)) {
-      path_.push_back(out_[next_[position]]);
-      position = to(path_.back());
-      if (place_[position] == kNowhere) {
-        place_[position] = path_.size();
-      } else {
-        cut_off(place_[position], use);
-      }
-      if (path_.empty()) break;
-    }
-    place_[start] = kNowhere;
-  }
-
-  // The path from this place on is a polygon.
-  template <class Use>
-  void cut_off(std::size_t place, const Use& use) {
-    std::int32_t weight = left_[path_[place]];
-    for (std::size_t n = place; n < path_.size(); ++n) weight = std::min(weight, left_[path_[n]]);
-    std::vector<Vec3> polygon;
-    for (std::size_t n = place; n < path_.size(); ++n) {
-      polygon.push_back(edges_[path_[n]].from);
-      left_[path_[n]] -= weight;
-      if (n > place) place_[from(path_[n])] = kNowhere;
-    }
-    path_.resize(place);
-    use(std::move(polygon), weight);
-  }
-
-  const std::vector<BoundaryEdge>& edges_;
-  std::vector<std::int32_t> left_;        // of each edge's weight
-  std::vector<std::uint32_t> ends_;       // numbers of positions, two an edge
-  std::vector<std::size_t> first_, out_;  // edges by the position that they begin at
-  std::vector<std::size_t> next_;         // of each position, the next edge to try
-  std::vector<std::size_t> path_;         // edges of the walk
-  std::vector<std::size_t> place_;        // of each position, where on the path it is
-};
-
 }  // namespace
 
 Rims::Rims(const Boundary& boundary) {
-  Walk(boundary.edges).for_each([&](std::vector<Vec3> polygon, std::int32_t weight) {
-    add(std::move(polygon), weight);
-  });
+  for (BoundaryPolygon& polygon : polygons_of(boundary)) add(std::move(polygon.corners), polygon.weight);
 }
 
 void Rims::add(std::vector<Vec3> polygon, std::int32_t weight) {

@@ -116,7 +116,7 @@ Kind shared_face() {
   mesh.triangles.push_back({0, 1, 2});
   return {"a shared face", mesh,
           known,           SignMethod::winding,
-          false,           {.components = 1, .boundary_edges = 3, .nonmanifold = 3, .inconsistent = 0, .flipped = 0}};
+          false,           {.components = 1, .boundary_edges = 0, .nonmanifold = 3, .inconsistent = 0, .flipped = 0}};
 }
 
 // libigl's cube_with_fold.ply: a fin without thickness.

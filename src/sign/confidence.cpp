@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "standoff/confidence.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <string>
+
+#include "core/execution.h"
+#include "core/guarded.h"
+#include "core/mesh_copy.h"
+#include "core/threads.h"
+#include "sign/flood.h"
+#include "sign/integer_winding.h"
+#include "sign/open_winding/open_winding.h"
+#include "sign/options.h"
+#include "sign/plan.h"
+#include "sign/sample_bits.h"
+#include "sign/sign_text.h"
+#include "standoff/error.h"
+
+namespace standoff {
+namespace {
+
+constexpr const char* kWhatToDo = "take fewer samples, or provide more memory";
+constexpr double kMarginError = 1e-3, kDoubtful = 0.05;
+
+// From x, y, z to y, z, x.
+Vec3 turned(const Vec3& v) { return {v.y, v.z, v.x}; }
+Grid turned(const Grid& grid) {
+  return {{grid.size.y, grid.size.z, grid.size.x}, turned(grid.origin), turned(grid.spacing)};
+}
+Mesh turned(Mesh mesh) {
+  for (Vec3& v : mesh.vertices) v = turned(v);
+  return mesh;
+}
+
+SampleBits parities_along_x(const Mesh& mesh, const Grid& grid, ProgressMeter& progress) {
+  IntegerWinding parity({mesh}, grid, WindingRule::odd, progress);
+  return bits_of(parity, false, grid, progress);
+}
+
+struct Counts {
+  std::int64_t samples = 0, doubtful = 0, axes = 0, flood = 0;
+  friend Counts operator+(const Counts& a, const Counts& b) {
+    return {a.samples + b.samples, a.doubtful + b.doubtful, a.axes + b.axes, a.flood + b.flood};
+  }
+};
+
+// Calls add(counts, i, j, k) for each sample, and returns the sum.
+template <class Add>
+Counts sum_over(const Size3& size, const Add& add) {
+  return tbb::parallel_reduce(
+      tbb::blocked_range<std::int64_t>(0, size.y * size.z, 64), Counts{},
+      [&](const auto& range, Counts counts) {
+        for (std::int64_t row = range.begin(); row != range.end(); ++row)
+          for (std::int64_t i = 0; i < size.x; ++i) add(counts, i, row % size.y, row / size.y);
+        return counts;
+      },
+      std::plus<>());
+}
+
+}  // namespace
+
+std::vector<float> winding_margins(MeshView mesh, const Grid& grid, const SignOptions& sign, const Execution& execution,
+                                   const ProgressCallback& progress) try {
+  validate("confidence", execution, Runs::on_the_cpu);
+  validate(grid);
+  validate(sign);
+  validate(mesh);
+  ProgressMeter meter(progress);
+  std::vector<float> margins(static_cast<std::size_t>(grid.sample_count()), 0.5f);
+  Threads(execution.threads).run([&] {
+    meter.stage("confidence", 1, 0, 1);
+    const SignOptions by_winding{.method = SignMethod::winding, .as_oriented = sign.as_oriented};
+    const SignPlan plan = plan_sign(mesh, by_winding);
+    if (plan.boundary.edges.empty()) return;
+    const OpenWinding winding({mesh, plan.use}, plan.boundary, grid, WindingRule::positive, meter);
+    tbb::parallel_for(tbb::blocked_range<std::int64_t>(0, grid.size.y * grid.size.z, 16), [&](const auto& range) {
+      meter.check();
+      for (std::int64_t row = range.begin(); row != range.end(); ++row)
+        for (std::int64_t i = 0; i < grid.size.x; ++i) {
+          const double w = winding.winding_number(i, row % grid.size.y, row / grid.size.y, kMarginError);
+          const double margin = std::max(0.0, 0.5 - std::abs(w - std::round(w)));
+          margins[static_cast<std::size_t>(row * grid.size.x + i)] = static_cast<float>(margin);
+        }
+    });
+  });
+  meter.stage("done", 1, 1, 1);
+  return margins;
+} catch (...) {
+  throw_as_error("confidence", kWhatToDo);
+}
+
+SignConfidence sign_confidence(MeshView mesh, const DistanceField& field, const std::vector<float>& margins,
+                               const Execution& execution, const ProgressCallback& progress) try {
+  validate("confidence", execution, Runs::on_the_cpu);
+  validate(mesh);
+  const Grid grid = field.grid();
+  if (static_cast<std::int64_t>(margins.size()) != grid.sample_count())
+    throw Error(ErrorCode::usage, "confidence: there must be a margin for each of the field's " +
+                                      std::to_string(grid.sample_count()) +
+                                      " samples; take winding_margins() of its grid");
+  ProgressMeter meter(progress);
+  Counts counts;
+  Threads(execution.threads).run([&] {
+    meter.stage("confidence", 1, 0, 1);
+    // Lines along x, y and z, each as rows along x of a turned mesh.
+    const Mesh as_it_is = copy_of(mesh), along_y = turned(as_it_is), along_z = turned(along_y);
+    const Grid grid_y = turned(grid), grid_z = turned(grid_y);
+    const SampleBits x = parities_along_x(as_it_is, grid, meter), y = parities_along_x(along_y, grid_y, meter),
+                     z = parities_along_x(along_z, grid_z, meter);
+    Flood flood(mesh, grid, meter);
+    const auto sign = sign_text_in(field.provenance().sign);
+    const SampleBits flooded = bits_of(flood, sign && sign->invert, grid, meter);
+    const auto far = static_cast<float>(field.thickness());
+    counts = sum_over(grid.size, [&](Counts& sum, std::int64_t i, std::int64_t j, std::int64_t k) {
+      const float value = field.value(i, j, k);
+      if (!(std::abs(value) < far)) return;
+      ++sum.samples;
+      sum.doubtful += margins[static_cast<std::size_t>(grid.index(i, j, k))] < kDoubtful;
+      const bool along_x = x(i, j, k);
+      sum.axes += along_x != y(j, k, i) || along_x != z(k, i, j);
+      sum.flood += value != 0 && (value < 0) != flooded(i, j, k);
+    });
+  });
+  meter.stage("done", 1, 1, 1);
+  const auto share = [&](std::int64_t count) {
+    return counts.samples > 0 ? static_cast<double>(count) / static_cast<double>(counts.samples) : 0;
+  };
+  return {counts.samples, share(counts.doubtful), share(counts.axes), share(counts.flood)};
+} catch (...) {
+  throw_as_error("confidence", kWhatToDo);
+}
+
+}  // namespace standoff

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+// How sure a sign is: margins against winding numbers as sums of solid angles, and the shares of samples in doubt.
+#include "standoff/confidence.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "standoff/compute.h"
+#include "tests/sign/shapes.h"
+#include "tests/support/expect_error.h"
+
+namespace standoff {
+namespace {
+
+double winding_number(const Mesh& mesh, const Vec3& p) {
+  double sum = 0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto [a, b, c] = MeshView(mesh).corners(t);
+    const Vec3 u = a - p, v = b - p, w = c - p;
+    const double lu = length(u), lv = length(v), lw = length(w);
+    sum += 2 * std::atan2(dot(u, cross(v, w)), lu * lv * lw + dot(u, v) * lw + dot(v, w) * lu + dot(w, u) * lv);
+  }
+  return sum / (4 * std::numbers::pi);
+}
+
+const Grid kGrid{{20, 18, 16}, {-1.31, -1.27, -1.23}, {0.137, 0.149, 0.163}};
+
+SignConfidence confidence_of(const Mesh& mesh, SignMethod method) {
+  const SignOptions sign{.method = method};
+  const DistanceField field = compute(mesh, kGrid, 0.4, {.sign = sign}).field;
+  return sign_confidence(mesh, field, winding_margins(mesh, kGrid, sign));
+}
+
+TEST(Confidence, MarginsAreTheDistanceOfTheWindingNumberFromOddHalves) {
+  Mesh holes = testing::sphere(8);
+  for (const std::size_t triangle : {150, 90, 91, 30, 3}) holes = testing::without(holes, triangle);
+  const std::vector<float> margins = winding_margins(holes, kGrid, {.as_oriented = true});
+  ASSERT_EQ(margins.size(), 20u * 18 * 16);
+  double least = 1, off = 0;
+  for (std::int64_t k = 0; k < 16; ++k)
+    for (std::int64_t j = 0; j < 18; ++j)
+      for (std::int64_t i = 0; i < 20; ++i) {
+        const double w = winding_number(holes, kGrid.position(i, j, k)), margin = 0.5 - std::abs(w - std::round(w));
+        const double found = margins[static_cast<std::size_t>(kGrid.index(i, j, k))];
+        least = std::min(least, found);
+        off = std::max(off, std::abs(found - margin));
+      }
+  EXPECT_LE(off, 1.1e-3);
+  EXPECT_LT(least, 0.3);
+}
+
+TEST(Confidence, OfClosedMeshesIsComplete) {
+  const Mesh ball = testing::sphere(8);
+  EXPECT_TRUE(std::ranges::all_of(winding_margins(ball, kGrid), [](float margin) { return margin == 0.5f; }));
+  const SignConfidence found = confidence_of(ball, SignMethod::winding);
+  EXPECT_GT(found.samples, 1000);
+  EXPECT_EQ(found.doubtful, 0);
+  EXPECT_EQ(found.axes_disagree, 0);
+  EXPECT_EQ(found.flood_disagrees, 0);
+  // A cavity is not outside, but nothing comes to it.
+  const Mesh hollow = testing::joined(ball, testing::reversed(testing::moved(ball, {}, 0.5)));
+  const SignConfidence cavity = confidence_of(hollow, SignMethod::winding);
+  EXPECT_EQ(cavity.axes_disagree, 0);
+  EXPECT_GT(cavity.flood_disagrees, 0);
+}
+
+TEST(Confidence, OfHalfABallIsSmall) {
+  Mesh half = testing::sphere(8);
+  std::erase_if(half.triangles, [&](const Triangle& t) { return half.vertices[t[0]].z > 0.2; });
+  const SignConfidence found = confidence_of(half, SignMethod::winding);
+  EXPECT_GT(found.doubtful, 0.001);
+  EXPECT_GT(found.axes_disagree, 0.01);
+  EXPECT_GT(found.flood_disagrees, 0.01);  // it comes in
+}
+
+TEST(Confidence, MarginsOfAnotherGrid) {
+  const Mesh ball = testing::sphere(8);
+  const DistanceField field = compute(ball, kGrid, 0.4).field;
+  expect_error([&] { sign_confidence(ball, field, std::vector<float>(3)); }, ErrorCode::usage, "a margin for each");
+}
+
+}  // namespace
+}  // namespace standoff
