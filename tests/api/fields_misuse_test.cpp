@@ -2,6 +2,7 @@
 // grid.h, mesh.h, field.h, compute.h and verify.h with arguments that make no sense.
 #include "standoff/compute.h"
 #include "standoff/confidence.h"
+#include "standoff/exposed.h"
 #include "standoff/inspect.h"
 #include "standoff/mesh_report.h"
 #include "standoff/occupancy.h"
@@ -88,6 +89,7 @@ TEST(Misuse, Meshes) {
     expect_answer_or_error("report", [&] { report(mesh); });
     expect_answer_or_error("points", [&] { closest_points(mesh, std::vector<Vec3>(2)); });
     expect_answer_or_error("occupancy", [&] { occupancy(mesh, kGrid); });
+    expect_answer_or_error("exposed", [&] { exposed_triangles(mesh); });
     expect_answer_or_error("confidence", [&] { winding_margins(mesh, kGrid); });
     expect_answer_or_error("confidence", [&] { sign_confidence(mesh, DistanceField(kGrid, 1), {}); });
     expect_answer_or_error("memory_needed", [&] { memory_needed(mesh, kGrid, 1, on_cpu()); });
@@ -145,6 +147,7 @@ TEST(Misuse, Executions) {
     expect_usage("verify", [&] { verify(field, one_triangle(), {.execution = execution}); });
     expect_usage("points", [&] { closest_points(one_triangle(), {}, execution); });
     expect_usage("occupancy", [&] { occupancy(one_triangle(), kGrid, {SignMethod::automatic}, execution); });
+    expect_usage("exposed", [&] { exposed_triangles(one_triangle(), {SignMethod::automatic}, execution); });
   }
   for (const Backend backend : {Backend::cuda, testing::kEmulated})
     expect_usage("verify", [&] { verify(field, one_triangle(), {.execution = {.backend = backend}}); });

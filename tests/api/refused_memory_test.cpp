@@ -16,6 +16,7 @@
 #include "standoff/confidence.h"
 #include "standoff/cuda.h"
 #include "standoff/experimental/simulation.h"
+#include "standoff/exposed.h"
 #include "standoff/inspect.h"
 #include "standoff/io.h"
 #include "standoff/mesh_report.h"
@@ -99,6 +100,8 @@ TEST(RefusedMemory, Computing) {
     sign_confidence(kMesh, DistanceField(kGrid, 1), winding_margins(kMesh, kGrid, {}, {.threads = 1}), {.threads = 1});
   });
   expect_limit_error("occupancy", [&] { occupancy(kMesh, kGrid, {SignMethod::automatic}, {.threads = 1}); });
+  const Mesh solid{kMesh.vertices, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
+  expect_limit_error("exposed", [&] { exposed_triangles(solid, {SignMethod::automatic}, {.threads = 1}); });
   expect_limit_error("memory_needed", [&] { memory_needed(kMesh, kGrid, 1, on_cpu()); });
 }
 
