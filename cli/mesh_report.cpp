@@ -36,7 +36,7 @@ std::string closed_text(const MeshReport& r) {
 }
 
 std::string orientation_text(const MeshReport& r) {
-  const std::string done = list_of({{r.flipped, "flipped"}, {r.left_out, "copies left out"}}, "");
+  const std::string done = list_of({{r.flipped, "flipped"}, {r.left_out, "left out"}}, "");
   std::string text = r.inconsistent_edges == 0 ? "consistent" : counted(r.inconsistent_edges, "inconsistent edge");
   if (!done.empty()) text += "; for the sign: " + done;
   if (r.unorientable > 0)

@@ -66,7 +66,7 @@ struct SignReport {
   std::string why;                       ///< one sentence: why this method, and what was done to the mesh before
   bool sure = true;                      ///< whether the mesh leaves no doubt what is inside
   std::int64_t flipped = 0;              ///< triangles that were taken in the opposite orientation
-  std::int64_t left_out = 0;             ///< triangles that were left out: pairs that face each other
+  std::int64_t left_out = 0;             ///< triangles that were left out: copies of others, inner walls
   std::int64_t boundary_edges = 0;       ///< edges that do not cancel after that: 0 if the mesh is closed
   std::int64_t internal = 0;             ///< with `outer`: triangles with inside on both sides, which were left out
   std::int64_t cut =

@@ -95,7 +95,7 @@ bool needs_diagnosis(MeshView mesh, const SignOptions& options) {
   const SignMethod method = options.method;
   if (method == SignMethod::normal) return true;
   if (method != SignMethod::winding && method != SignMethod::automatic) return false;
-  return !is_closed(mesh).oriented || !(options.as_oriented || faces_outwards(mesh));
+  return options.outer || !is_closed(mesh).oriented || !(options.as_oriented || faces_outwards(mesh));
 }
 
 SignPlan plan_sign(MeshView mesh, const SignOptions& options) {

@@ -26,8 +26,7 @@ std::string after_repairs(const MeshReport& report) {
   std::string done;
   if (report.flipped > 0) done = counted(report.flipped, "triangle", "triangles") + " flipped";
   if (report.left_out > 0)
-    done += (done.empty() ? "" : " and ") + counted(report.left_out, "copy of a triangle", "copies of triangles") +
-            " left out";
+    done += (done.empty() ? "" : " and ") + counted(report.left_out, "triangle", "triangles") + " left out";
   return done.empty() ? "" : "with " + done + " ";
 }
 

@@ -60,8 +60,8 @@ TEST(MeshReport, DamagedSpheres) {
   expect_method(sphere(), SignMethod::winding, true, "the mesh is closed");
   expect_method(reversed(sphere()), SignMethod::winding, true, "triangles flipped the mesh is closed");
   expect_method(with_flipped(sphere(), 9), SignMethod::winding, true, "1 triangle flipped");
-  expect_method(with_copy(sphere(), 9, false), SignMethod::winding, true, "1 copy of a triangle left out");
-  expect_method(with_copy(sphere(), 9, true), SignMethod::winding, true, "1 copy of a triangle left out");
+  expect_method(with_copy(sphere(), 9, false), SignMethod::winding, true, "1 triangle left out");
+  expect_method(with_copy(sphere(), 9, true), SignMethod::winding, true, "1 triangle left out");
   expect_method(without(sphere(32), 9), SignMethod::winding, false, "1 hole ");
 
   const MeshReport open = report(without(sphere(), 40), {.spacing = 0.125});
