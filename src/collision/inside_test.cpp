@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The field decides away from the surface. Near it a ray does, from the point along +x in the world: the winding number
-// is the sum of its crossings, each of them exact (src/sign/ray_crossing.h).
+// is the sum of its crossings, each of them exact (src/sign/rows/ray_crossing.h).
 #include "collision/inside_test.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "collision/body/field_side.h"
-#include "sign/ray_crossing.h"
+#include "sign/rows/ray_crossing.h"
 
 namespace standoff::collision {
 namespace {

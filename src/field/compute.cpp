@@ -16,7 +16,7 @@
 #include "field/plan.h"
 #include "field/prepare.h"
 #include "sign/make_sides.h"
-#include "sign/outer.h"
+#include "sign/outer/outer.h"
 #include "sign/shell.h"
 #include "sign/sign_field.h"
 #include "sign/sign_text.h"

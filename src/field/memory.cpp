@@ -12,11 +12,11 @@
 #include "field/options.h"
 #include "field/prepare.h"
 #include "field/skip.h"
-#include "sign/closed.h"
+#include "sign/diagnosis/closed.h"
+#include "sign/diagnosis/outward.h"
 #include "sign/inside_rows.h"
-#include "sign/outward.h"
 #include "sign/plan.h"
-#include "sign/row_crossings.h"
+#include "sign/rows/row_crossings.h"
 
 namespace standoff {
 namespace {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "sign/closed.h"
-#include "sign/mesh_edges.h"
+#include "sign/diagnosis/closed.h"
+#include "sign/diagnosis/mesh_edges.h"
 
 namespace standoff {
 namespace {

@@ -17,9 +17,9 @@
 #include "core/threads.h"
 #include "field/sign_judge.h"
 #include "field/triangle_groups.h"
-#include "sign/exposed.h"
-#include "sign/mesh_edges.h"
-#include "sign/orient.h"
+#include "sign/diagnosis/mesh_edges.h"
+#include "sign/diagnosis/orient.h"
+#include "sign/outer/exposed.h"
 #include "sign/sign_text.h"
 
 namespace standoff {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sign/make_sides.h"
 
-#include "sign/flood.h"
-#include "sign/integer_winding.h"
-#include "sign/normal_sides.h"
+#include "sign/flood/flood.h"
+#include "sign/normal/normal_sides.h"
 #include "sign/open_winding/open_winding.h"
+#include "sign/rows/integer_winding.h"
 
 namespace standoff {
 namespace {

@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "core/progress.h"
-#include "sign/nearest_triangles.h"
+#include "sign/normal/nearest_triangles.h"
 #include "sign/plan.h"
 #include "sign/sides.h"
 #include "standoff/grid.h"

@@ -4,9 +4,9 @@
 #include <string>
 #include <utility>
 
-#include "sign/closed.h"
-#include "sign/diagnose.h"
-#include "sign/outward.h"
+#include "sign/diagnosis/closed.h"
+#include "sign/diagnosis/diagnose.h"
+#include "sign/diagnosis/outward.h"
 #include "standoff/error.h"
 
 namespace standoff {

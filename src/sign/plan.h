@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "sign/boundary.h"
+#include "sign/diagnosis/boundary.h"
 #include "sign/oriented_mesh.h"
 #include "standoff/mesh.h"
 #include "standoff/sign.h"

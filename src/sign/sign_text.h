@@ -15,8 +15,8 @@ struct SignText {
   SignMethod method = SignMethod::none;  ///< never `automatic`
   WindingRule rule = WindingRule::positive;
   bool invert = false;
-  bool oriented = false;  ///< triangles were turned around or left out before (sign/orient.h)
-  bool outer = false;     ///< internal triangles were left out (sign/exposed.h)
+  bool oriented = false;  ///< triangles were turned around or left out before (sign/diagnosis/orient.h)
+  bool outer = false;     ///< internal triangles were left out (sign/outer/exposed.h)
   double shell = 0;       ///< SignMethod::shell alone: world units
 
   friend bool operator==(const SignText&, const SignText&) = default;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The boundary of a mesh: known loops, and for any triangles at all that the caps close the mesh.
-#include "sign/boundary.h"
+#include "sign/diagnosis/boundary.h"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "sign/boundary_polygons.h"
-#include "sign/closed.h"
+#include "sign/diagnosis/boundary_polygons.h"
+#include "sign/diagnosis/closed.h"
 #include "tests/sign/cases/solids.h"
 
 namespace standoff {

@@ -5,12 +5,12 @@
 
 #include <memory>
 
-#include "sign/closed.h"
+#include "sign/diagnosis/closed.h"
 #include "sign/open_winding/cap_angle.h"
 #include "sign/open_winding/cell_touch.h"
 #include "sign/open_winding/cells.h"
 #include "sign/open_winding/rim_tree.h"
-#include "sign/row_crossings.h"
+#include "sign/rows/row_crossings.h"
 #include "tests/sign/shapes.h"
 
 namespace standoff {

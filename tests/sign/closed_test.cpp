@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Closed meshes are recognised, however they are stored; meshes that lack or turn a single triangle are not.
-#include "sign/closed.h"
+#include "sign/diagnosis/closed.h"
 
 #include <gtest/gtest.h>
 

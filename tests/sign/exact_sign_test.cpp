@@ -11,7 +11,7 @@
 
 #include "core/number_text.h"
 #include "scenes/scenes.h"
-#include "sign/closed.h"
+#include "sign/diagnosis/closed.h"
 #include "standoff/io.h"
 #include "tests/collision/zoo/ask.h"
 #include "tests/sign/sides_of_samples.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The flood: on closed solids it agrees with the winding number; of soups, walls within walls, gaps and meshes that
 // leave the grid the answer is known; and on anything it is what a flood from sample to sample finds.
-#include "sign/flood.h"
+#include "sign/flood/flood.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 
 #include "core/tile_count.h"
 #include "scenes/scenes.h"
-#include "sign/integer_winding.h"
+#include "sign/rows/integer_winding.h"
 #include "tests/sign/solid_soup.h"
 #include "tests/support/fields.h"
 

@@ -2,14 +2,14 @@
 // Crossed edges: closed meshes are crossed an even number of times by each closed path, although samples lie on
 // corners, edges and faces; each edge against the sides of its ends, which integers tell exactly; and the bits of tiles
 // against the edges one by one.
-#include "sign/grid_edges.h"
+#include "sign/flood/grid_edges.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <map>
 
-#include "sign/lattice_crossings.h"
+#include "sign/flood/lattice_crossings.h"
 #include "tests/sign/solid_soup.h"
 
 namespace standoff {

@@ -9,7 +9,7 @@
 #include <cmath>
 
 #include "core/progress.h"
-#include "sign/integer_winding.h"
+#include "sign/rows/integer_winding.h"
 #include "tests/sign/solid_soup.h"
 
 namespace standoff {

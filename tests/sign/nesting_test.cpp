@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which parts contain which: known depths, and boxes compared with all other boxes.
-#include "sign/nesting.h"
+#include "sign/diagnosis/nesting.h"
 
 #include <gtest/gtest.h>
 

@@ -9,7 +9,7 @@
 #include <map>
 
 #include "scenes/scenes.h"
-#include "sign/pseudonormals.h"
+#include "sign/normal/pseudonormals.h"
 #include "standoff/compute.h"
 #include "tests/sign/shapes.h"
 #include "tests/sign/solid_soup.h"

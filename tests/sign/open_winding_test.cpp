@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "core/tile_count.h"
-#include "sign/integer_winding.h"
+#include "sign/rows/integer_winding.h"
 #include "tests/sign/brute_winding.h"
 #include "tests/sign/shapes.h"
 

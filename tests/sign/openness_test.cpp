@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The openness of meshes: against the sum of all other triangles' solid angles, and of shapes whose kind is known.
-#include "sign/openness.h"
+#include "sign/diagnosis/openness.h"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Orientation: known damage and its repair, what must be left alone, and what the result must not depend on.
-#include "sign/orient.h"
+#include "sign/diagnosis/orient.h"
 
 #include <gtest/gtest.h>
 
-#include "sign/closed.h"
+#include "sign/diagnosis/closed.h"
 #include "sign/oriented_mesh.h"
 #include "tests/sign/shapes.h"
 

@@ -6,7 +6,7 @@
 #include <array>
 #include <set>
 
-#include "sign/orient.h"
+#include "sign/diagnosis/orient.h"
 #include "sign/oriented_mesh.h"
 #include "tests/sign/brute_winding.h"
 #include "tests/sign/cases/solids.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Crossings held in parts, as little memory makes them, are those held all at once; and what is held is no more than
 // was said.
-#include "sign/row_crossings.h"
+#include "sign/rows/row_crossings.h"
 
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/threads.h"
-#include "sign/integer_winding.h"
+#include "sign/rows/integer_winding.h"
 #include "tests/sign/solid_soup.h"
 #include "tests/support/heap.h"
 

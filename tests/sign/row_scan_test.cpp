@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The scan's single precision never decides what it cannot: crossings of triangles of all kinds against exact
 // predicates, row by row, for the kernels of each instruction set.
-#include "sign/row_scan.h"
+#include "sign/rows/row_scan.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "sign/inside_rows.h"
-#include "sign/ray_crossing.h"
+#include "sign/rows/ray_crossing.h"
 #include "simd/instruction_sets.h"
 #include "tests/support/random_mesh.h"
 

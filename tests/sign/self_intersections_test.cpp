@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Triangles that intersect: as many as all pairs have, and bounded effort.
-#include "sign/self_intersections.h"
+#include "sign/diagnosis/self_intersections.h"
 
 #include <gtest/gtest.h>
 

@@ -9,7 +9,7 @@
 
 #include "core/number_text.h"
 #include "core/promised_error.h"
-#include "sign/closed.h"
+#include "sign/diagnosis/closed.h"
 #include "standoff/compute.h"
 #include "standoff/error.h"
 

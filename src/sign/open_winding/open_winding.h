@@ -5,11 +5,11 @@
 #include <atomic>
 #include <cstdint>
 
-#include "sign/boundary.h"
+#include "sign/diagnosis/boundary.h"
 #include "sign/open_winding/open_tiles.h"
 #include "sign/open_winding/rim_tree.h"
 #include "sign/open_winding/rims.h"
-#include "sign/row_crossings.h"
+#include "sign/rows/row_crossings.h"
 #include "sign/sides.h"
 #include "standoff/sign.h"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "sign/boundary_polygons.h"
+#include "sign/diagnosis/boundary_polygons.h"
 
 namespace standoff {
 namespace {

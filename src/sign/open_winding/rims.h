@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "sign/boundary.h"
+#include "sign/diagnosis/boundary.h"
 #include "standoff/mesh.h"
 
 namespace standoff {

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "sign/row_crossings.h"
+#include "sign/rows/row_crossings.h"
 
 namespace standoff {
 

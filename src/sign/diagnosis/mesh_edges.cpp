@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sign/diagnosis/mesh_edges.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <tuple>
+
+#include "core/weld.h"
+
+namespace standoff {
+
+MeshEdges::MeshEdges(MeshView mesh) {
+  const std::size_t triangles = mesh.triangles.size();
+  std::vector<std::uint32_t> number(mesh.vertices.size());
+  const std::uint32_t count = weld([&](std::uint32_t v) { return mesh.vertices[v]; }, number);
+  corners_.resize(3 * triangles);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, triangles, 4096), [&](const auto& range) {
+    for (std::size_t t = range.begin(); t != range.end(); ++t) {
+      const Triangle corners = mesh.triangles[t];
+      for (std::size_t n = 0; n < 3; ++n) corners_[3 * t + n] = number[corners[n]];
+    }
+  });
+
+  // A counting sort by the low end, then each low end's few sides by themselves.
+  const auto for_each_side = [&](const auto& use) {
+    for (std::size_t t = 0; t < triangles; ++t)
+      for (std::uint8_t n = 0; n < 3; ++n) {
+        const std::uint32_t from = corners_[3 * t + n], to = corners_[3 * t + (n + 1) % 3];
+        if (from == to) continue;
+        use(EdgeUse{std::min(from, to), std::max(from, to), static_cast<std::uint32_t>(t), n, from < to});
+      }
+  };
+  first_.resize(std::size_t{count} + 1);
+  for_each_side([&](const EdgeUse& side) { ++first_[side.low + 1]; });
+  for (std::size_t n = 0; n < count; ++n) first_[n + 1] += first_[n];
+  uses_.resize(first_[count]);
+  std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
+  for_each_side([&](const EdgeUse& side) { uses_[next[side.low]++] = side; });
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 1024), [&](const auto& range) {
+    for (std::size_t n = range.begin(); n != range.end(); ++n)
+      std::sort(uses_.begin() + static_cast<std::ptrdiff_t>(first_[n]),
+                uses_.begin() + static_cast<std::ptrdiff_t>(first_[n + 1]), [](const EdgeUse& a, const EdgeUse& b) {
+                  return std::tie(a.high, a.triangle, a.corner) < std::tie(b.high, b.triangle, b.corner);
+                });
+  });
+}
+
+}  // namespace standoff

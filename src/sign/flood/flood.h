@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// The sides of any mesh by a flood: outside is what is reached from far away without passing through a triangle.
+#pragma once
+
+#include <vector>
+
+#include "sign/flood/grid_edges.h"
+#include "sign/sides.h"
+
+namespace standoff {
+
+/// Outside are the samples that a path of grid edges, none of which crosses a triangle, connects with samples around
+/// the mesh's box; all others are inside. The orientation of the triangles does not matter. The paths may leave the
+/// grid: where the mesh does not end within the grid, the flood begins beyond it (TileLattice::around).
+class Flood final : public Sides {
+ public:
+  /// Requires a valid mesh and grid. Runs on the threads of the calling TBB arena. Takes 2.5 bits for each tile, and
+  /// 256 bytes for each one with a crossed edge. Throws Error{interrupted}.
+  Flood(MeshView mesh, const Grid& grid, ProgressMeter& progress);
+
+  void fill(InsideRows& rows, std::int64_t ty, std::int64_t tz) const override;
+
+  /// How many samples of the grid are inside.
+  std::int64_t inside_samples() const { return inside_samples_; }
+  /// Whether the flood came everywhere although the mesh crosses edges: through gaps, or because the mesh encloses no
+  /// sample.
+  bool leaks() const { return inside_samples_ == 0 && edges_.tiles().count() > 0; }
+
+ private:
+  void flood(ProgressMeter& progress);
+  void enter(std::size_t tile, const TileBits& samples, std::vector<std::size_t>& next);
+  TileBits reached(std::size_t tile) const;
+  TileBits inside_of(const Size3& size, const std::array<std::int64_t, 3>& tile) const;  // of the grid
+  std::int64_t count_inside(const Size3& size) const;
+
+  TileLattice lattice_;
+  GridEdges edges_;
+  std::vector<TileBits> parts_;    // of tiles with crossed edges: the samples reached
+  std::vector<bool> whole_tiles_;  // of the others: whether they were reached
+  std::int64_t inside_samples_ = 0;
+};
+
+}  // namespace standoff

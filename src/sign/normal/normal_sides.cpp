@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sign/normal/normal_sides.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "core/tile_count.h"
+#include "sign/normal/closest_triangle.h"
+
+namespace standoff {
+namespace {
+
+constexpr std::int64_t kSide = DistanceField::kTileSide;
+
+// Both ends of a crossed edge are within its length of the mesh. If they have nearest triangles, an edge from a sample
+// without one crosses nothing, and need not be looked at. The margin is far above the rounding of distances.
+bool has_ends_of_crossed_edges(const Grid& grid, double thickness) { return thickness > 1.001 * grid.max_spacing(); }
+
+GridEdges edges_of(MeshView mesh, const TileLattice& lattice, bool needed, ProgressMeter& progress) {
+  return needed ? GridEdges(mesh, lattice, progress) : GridEdges(lattice);
+}
+
+// Calls use(face, neighbour) for the tiles next to a tile.
+template <class Use>
+void for_each_neighbour(const TileLattice& lattice, std::size_t tile, const Use& use) {
+  const std::array<std::int64_t, 3> at = lattice.tile_at(tile),
+                                    tiles{lattice.tiles.x, lattice.tiles.y, lattice.tiles.z};
+  for (const Face face : kFaces) {
+    std::array<std::int64_t, 3> other = at;
+    other[face.axis] += face.up ? 1 : -1;
+    if (other[face.axis] < 0 || other[face.axis] == tiles[face.axis]) continue;
+    use(face, lattice.index(other[0], other[1], other[2]));
+  }
+}
+
+Vec3 position_of(const Grid& grid, const std::array<std::int64_t, 3>& tile, std::size_t n) {
+  const auto s = static_cast<std::int64_t>(n);
+  return grid.position(kSide * tile[0] + s % 8, kSide * tile[1] + s / 8 % 8, kSide * tile[2] + s / 64);
+}
+
+void add_bit(TileBits& bits, std::size_t n) { bits[n / 64] |= std::uint64_t{1} << n % 64; }
+
+// Requires that there is one.
+std::size_t first_of(const TileBits& bits) {
+  std::size_t z = 0;
+  while (bits[z] == 0) ++z;
+  return 64 * z + static_cast<std::size_t>(std::countr_zero(bits[z]));
+}
+
+}  // namespace
+
+NormalSides::NormalSides(const OrientedMesh& mesh, const Grid& grid, double thickness, const NearestTriangles& nearest,
+                         ProgressMeter& progress)
+    : lattice_(TileLattice::of(grid)),
+      edges_(edges_of(mesh.mesh, lattice_, !has_ends_of_crossed_edges(grid, thickness), progress)),
+      mixed_(lattice_.tile_count()),
+      is_known_(lattice_.tile_count()),
+      is_inside_(lattice_.tile_count()),
+      is_next_(lattice_.tile_count()) {
+  find_tiles(nearest);
+  const Pseudonormals normals(mesh);
+  decide_band(normals, grid, nearest, progress);
+  std::optional<ClosestTriangle> closest;  // of most fields no sample asks for it
+  decide_rest_of_mixed(mesh.mesh, normals, closest, grid, nearest, progress);
+  std::vector<std::size_t> tiles;
+  mixed_.for_each([&](std::size_t tile) { tiles.push_back(tile); });
+  spread(grid, std::move(tiles), progress);
+  decide_rest(mesh.mesh, normals, closest, grid, progress);
+}
+
+void NormalSides::find_tiles(const NearestTriangles& nearest) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, lattice_.tile_count(), 64), [&](const auto& range) {
+    for (std::size_t tile = range.begin(); tile != range.end(); ++tile) {
+      const auto [tx, ty, tz] = lattice_.tile_at(tile);
+      bool some = edges_.tiles().has(tile);
+      nearest.for_each(tx, ty, tz, [&](std::size_t, std::uint32_t) { some = true; });
+      if (some) mixed_.add(tile);
+    }
+  });
+  mixed_.number_them();
+  parts_.resize(mixed_.count());
+}
+
+void NormalSides::decide_band(const Pseudonormals& normals, const Grid& grid, const NearestTriangles& nearest,
+                              ProgressMeter& progress) {
+  std::vector<std::size_t> tiles;
+  tiles.reserve(mixed_.count());
+  mixed_.for_each([&](std::size_t tile) { tiles.push_back(tile); });
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, tiles.size(), 8), [&](const auto& range) {
+    progress.check();
+    for (std::size_t n = range.begin(); n != range.end(); ++n) {
+      const std::array<std::int64_t, 3> tile = lattice_.tile_at(tiles[n]);
+      Known& part = parts_[n];
+      nearest.for_each(tile[0], tile[1], tile[2], [&](std::size_t at, std::uint32_t triangle) {
+        // What is on the surface gets no side here, so that none spreads from it.
+        part.add(normals.place_of(position_of(grid, tile, at), triangle), at);
+      });
+      part = spread_within(part, edges_.of_tile(tiles[n]), bits_in_grid(grid.size, tile));
+    }
+  });
+}
+
+// What a step finds depends on the sides before it alone, not on the order of the tiles.
+void NormalSides::spread(const Grid& grid, std::vector<std::size_t> changed, ProgressMeter& progress) {
+  std::vector<std::size_t> next;
+  std::vector<Known> found;
+  while (!changed.empty()) {
+    progress.check();
+    next.clear();
+    for (const std::size_t tile : changed)
+      for_each_neighbour(lattice_, tile, [&](Face, std::size_t other) {
+        if (is_next_[other] || is_known_[other]) return;
+        is_next_[other] = true;
+        next.push_back(other);
+      });
+    found.clear();
+    for (const std::size_t tile : next)
+      found.push_back(after_step(tile, bits_in_grid(grid.size, lattice_.tile_at(tile))));
+    changed.clear();
+    for (std::size_t n = 0; n < next.size(); ++n) {
+      is_next_[next[n]] = false;
+      if (found[n] == known(next[n])) continue;
+      set(next[n], found[n]);
+      changed.push_back(next[n]);
+    }
+  }
+}
+
+// A sample with a nearest triangle and no side is on the surface: it is not asked again.
+void NormalSides::decide_rest_of_mixed(MeshView mesh, const Pseudonormals& normals,
+                                       std::optional<ClosestTriangle>& closest, const Grid& grid,
+                                       const NearestTriangles& nearest, ProgressMeter& progress) {
+  std::vector<std::size_t> tiles;
+  mixed_.for_each([&](std::size_t tile) {
+    if (any(without_side(grid, tile))) tiles.push_back(tile);
+  });
+  if (tiles.empty()) return;
+  closest.emplace(mesh);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, tiles.size(), 8), [&](const auto& range) {
+    progress.check();
+    for (std::size_t n = range.begin(); n != range.end(); ++n) {
+      const std::size_t tile = tiles[n];
+      const std::array<std::int64_t, 3> at = lattice_.tile_at(tile);
+      const TileBits in_grid = bits_in_grid(grid.size, at);
+      Known& part = parts_[mixed_.number(tile)];
+      TileBits asked{};
+      nearest.for_each(at[0], at[1], at[2], [&](std::size_t sample, std::uint32_t) { add_bit(asked, sample); });
+      for (TileBits rest; any(rest = without_side(grid, tile) & ~asked);) {
+        const std::size_t sample = first_of(rest);
+        add_bit(asked, sample);
+        const Vec3 p = position_of(grid, at, sample);
+        part.add(normals.place_of(p, closest->to(p)), sample);
+        part = spread_within(part, edges_.of_tile(tile), in_grid);
+      }
+    }
+  });
+}
+
+// Regions of whole tiles, which surfaces between two layers of tiles hold off from all others. Few: each is large.
+void NormalSides::decide_rest(MeshView mesh, const Pseudonormals& normals, std::optional<ClosestTriangle>& closest,
+                              const Grid& grid, ProgressMeter& progress) {
+  if (mesh.triangles.empty()) return;
+  for (std::size_t tile = 0; tile < lattice_.tile_count(); ++tile) {
+    if (mixed_.has(tile) || is_known_[tile]) continue;
+    progress.check();
+    if (!closest) closest.emplace(mesh);
+    const Vec3 p = position_of(grid, lattice_.tile_at(tile), 0);
+    Known one;
+    one.add(normals.place_of(p, closest->to(p)), 0);
+    set(tile, one);
+    spread(grid, {tile}, progress);
+  }
+}
+
+TileBits NormalSides::without_side(const Grid& grid, std::size_t tile) const {
+  const Known there = known(tile);
+  return bits_in_grid(grid.size, lattice_.tile_at(tile)) & ~(there.outside | there.inside);
+}
+
+void NormalSides::Known::add(Pseudonormals::Place place, std::size_t n) {
+  if (place == Pseudonormals::Place::front) add_bit(outside, n);
+  if (place == Pseudonormals::Place::back) add_bit(inside, n);
+}
+
+NormalSides::Known NormalSides::known(std::size_t tile) const {
+  if (mixed_.has(tile)) return parts_[mixed_.number(tile)];
+  if (!is_known_[tile]) return {};
+  return is_inside_[tile] ? Known{{}, kAllBits} : Known{kAllBits, {}};
+}
+
+void NormalSides::set(std::size_t tile, const Known& known) {
+  if (mixed_.has(tile)) {
+    parts_[mixed_.number(tile)] = known;
+    return;
+  }
+  is_known_[tile] = true;
+  is_inside_[tile] = any(known.inside);
+}
+
+NormalSides::Known NormalSides::after_step(std::size_t tile, const TileBits& in_grid) const {
+  Known all = known(tile);
+  const TileBits free = in_grid & ~(all.outside | all.inside);
+  if (!any(free)) return all;
+  Known reached;
+  int outside = 0, inside = 0;
+  for_each_neighbour(lattice_, tile, [&](Face face, std::size_t other) {
+    const Known there = known(other);
+    const Face back{face.axis, !face.up};  // from there to here
+    const TileEdges& lower = edges_.of_tile(face.up ? tile : other);
+    const TileBits from_outside = beyond(there.outside, back, lower) & free,
+                   from_inside = beyond(there.inside, back, lower) & free;
+    outside += count(from_outside);
+    inside += count(from_inside);
+    reached.outside = reached.outside | from_outside;
+    reached.inside = reached.inside | from_inside;
+  });
+  if (mixed_.has(tile)) {
+    all.outside = all.outside | reached.outside;
+    all.inside = all.inside | (reached.inside & ~reached.outside);
+    return spread_within(all, edges_.of_tile(tile), in_grid);
+  }
+  if (outside + inside == 0) return all;
+  return inside > outside ? Known{{}, kAllBits} : Known{kAllBits, {}};
+}
+
+// Sample by sample.
+NormalSides::Known NormalSides::spread_within(Known known, const TileEdges& edges, const TileBits& in_grid) const {
+  while (true) {
+    const TileBits free = in_grid & ~(known.outside | known.inside);
+    const TileBits outside = with_neighbours(known.outside, edges) & free,
+                   inside = with_neighbours(known.inside, edges) & free & ~outside;
+    if (!any(outside) && !any(inside)) return known;
+    known.outside = known.outside | outside;
+    known.inside = known.inside | inside;
+  }
+}
+
+void NormalSides::fill(InsideRows& rows, std::int64_t ty, std::int64_t tz) const {
+  for (std::int64_t tx = 0; tx < tiles_along(rows.size().x); ++tx) {
+    const TileBits inside = known(lattice_.index(tx, ty, tz)).inside;
+    if (any(inside)) mark(rows, tx, inside & bits_in_grid(rows.size(), {tx, ty, tz}));
+  }
+}
+
+}  // namespace standoff

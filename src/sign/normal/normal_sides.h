@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+// The sides of an oriented mesh, open or closed: in front of its nearest part is outside, behind it is inside.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "sign/flood/grid_edges.h"
+#include "sign/normal/closest_triangle.h"
+#include "sign/normal/nearest_triangles.h"
+#include "sign/normal/pseudonormals.h"
+#include "sign/oriented_mesh.h"
+#include "sign/sides.h"
+
+namespace standoff {
+
+/// Samples with a nearest triangle have the side that Pseudonormals finds. Other samples take the side of those that
+/// they are connected with by grid edges that no triangle crosses, in three steps:
+/// 1. Within each tile that has nearest triangles or crossed edges. Where no side comes to, one of the connected
+/// samples
+///    asks for its closest triangle among all. This happens in bands thinner than a spacing alone.
+/// 2. From tile to tile: a breadth-first search from all these at once. A tile that has neither nearest triangles nor
+///    crossed edges has one side: that of the larger number of samples next to its faces that had one before the step,
+///    of equally many outside.
+/// 3. Of tiles that no side came to, one of those connected asks.
+/// A closed mesh that does not intersect itself has samples of one side alone in each region, so there all sides are
+/// exact. Samples on the surface that no side comes to are outside.
+class NormalSides final : public Sides {
+ public:
+  /// Requires a valid mesh and grid, and the nearest triangles of a field of this thickness. Runs on the threads of the
+  /// calling TBB arena. Throws Error{interrupted}.
+  NormalSides(const OrientedMesh& mesh, const Grid& grid, double thickness, const NearestTriangles& nearest,
+              ProgressMeter& progress);
+
+  void fill(InsideRows& rows, std::int64_t ty, std::int64_t tz) const override;
+
+ private:
+  // The samples of a tile whose side is known.
+  struct Known {
+    TileBits outside{}, inside{};
+    void add(Pseudonormals::Place place, std::size_t n);  // sample n; on the surface it gets no side
+    friend bool operator==(const Known&, const Known&) = default;
+  };
+
+  void find_tiles(const NearestTriangles& nearest);
+  void decide_band(const Pseudonormals& normals, const Grid& grid, const NearestTriangles& nearest,
+                   ProgressMeter& progress);
+  void spread(const Grid& grid, std::vector<std::size_t> changed, ProgressMeter& progress);
+  void decide_rest_of_mixed(MeshView mesh, const Pseudonormals& normals, std::optional<ClosestTriangle>& closest,
+                            const Grid& grid, const NearestTriangles& nearest, ProgressMeter& progress);
+  void decide_rest(MeshView mesh, const Pseudonormals& normals, std::optional<ClosestTriangle>& closest,
+                   const Grid& grid, ProgressMeter& progress);
+
+  TileBits without_side(const Grid& grid, std::size_t tile) const;
+  Known known(std::size_t tile) const;
+  void set(std::size_t tile, const Known& known);
+  Known after_step(std::size_t tile, const TileBits& in_grid) const;
+  Known spread_within(Known known, const TileEdges& edges, const TileBits& in_grid) const;
+
+  TileLattice lattice_;
+  GridEdges edges_;
+  TileSet mixed_;                           // tiles with nearest triangles or crossed edges
+  std::vector<Known> parts_;                // theirs
+  std::vector<bool> is_known_, is_inside_;  // of all other tiles
+  std::vector<bool> is_next_;               // within a step of spread(), of each tile; none otherwise
+};
+
+}  // namespace standoff

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sign/normal/pseudonormals.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "geometry/predicates.h"
+#include "sign/normal/closest_feature.h"
+
+namespace standoff {
+namespace {
+
+using Range = tbb::blocked_range<std::size_t>;
+constexpr std::size_t kGrain = 4096;
+
+struct Normal {
+  Vec3 unit;          // zero if there is no area
+  double length = 0;  // twice the area
+};
+
+// Each part within some roundings of itself, however thin the triangle.
+Normal normal_of(const std::array<Vec3, 3>& t) {
+  const auto part = [&](double Vec3::*u, double Vec3::*v) {
+    return determinant2d({t[0].*u, t[0].*v}, {t[1].*u, t[1].*v}, {t[2].*u, t[2].*v});
+  };
+  const Vec3 normal{part(&Vec3::y, &Vec3::z), part(&Vec3::z, &Vec3::x), part(&Vec3::x, &Vec3::y)};
+  const double largest = max_norm(normal);
+  if (!(largest > 0)) return {};
+  const Vec3 scaled = normal / Vec3{largest, largest, largest};
+  return {scaled * (1 / length(scaled)), largest * length(scaled)};
+}
+
+double angle_at(const std::array<Vec3, 3>& t, std::size_t n, double normal_length) {
+  return std::atan2(normal_length, dot(t[(n + 1) % 3] - t[n], t[(n + 2) % 3] - t[n]));
+}
+
+}  // namespace
+
+Pseudonormals::Pseudonormals(const OrientedMesh& mesh) : mesh_(mesh), edges_(mesh.mesh) {
+  const std::size_t triangles = mesh.mesh.triangles.size();
+  std::vector<Vec3> units(triangles);  // in the orientation of use; zero for what is left out
+  std::vector<double> angles(3 * triangles);
+  tbb::parallel_for(Range(0, triangles, kGrain), [&](const Range& range) {
+    for (std::size_t t = range.begin(); t != range.end(); ++t) {
+      const std::array<Vec3, 3> corners = mesh.mesh.corners(t);
+      const Normal normal = normal_of(corners);
+      units[t] = normal.unit * mesh.use_of(t);
+      for (std::size_t n = 0; n < 3; ++n) angles[3 * t + n] = angle_at(corners, n, normal.length);
+    }
+  });
+  set_normals_of_sides(units);
+  // In the order of the triangles, so that the sums are the same for any number of threads.
+  of_vertices_.resize(edges_.positions());
+  for (std::size_t t = 0; t < triangles; ++t)
+    for (int n = 0; n < 3; ++n) {
+      Vec3& sum = of_vertices_[edges_.position(t, n)];
+      sum = sum + units[t] * angles[3 * t + static_cast<std::size_t>(n)];
+    }
+}
+
+void Pseudonormals::set_normals_of_sides(const std::vector<Vec3>& units) {
+  of_sides_.resize(3 * units.size());
+  facing_.resize(units.size());
+  // Sides of length 0 have no normal; the triangle has none either.
+  const std::span<const EdgeUse> uses = edges_.uses();
+  const auto same_edge = [&](std::size_t m, std::size_t n) {
+    return uses[m].low == uses[n].low && uses[m].high == uses[n].high;
+  };
+  const auto opposite = [&](const EdgeUse& use) { return edges_.position(use.triangle, (use.corner + 2) % 3); };
+  tbb::parallel_for(Range(0, uses.size(), kGrain), [&](const Range& range) {
+    std::vector<EdgeUse> edge;
+    for (std::size_t first = range.begin(); first != range.end(); ++first) {
+      if (first > 0 && same_edge(first - 1, first)) continue;  // the edge is that of another range
+      std::size_t past = first + 1;
+      while (past < uses.size() && same_edge(first, past)) ++past;
+      Vec3 sum{};
+      for (std::size_t n = first; n < past; ++n) sum = sum + units[uses[n].triangle];
+      edge.assign(uses.begin() + static_cast<std::ptrdiff_t>(first), uses.begin() + static_cast<std::ptrdiff_t>(past));
+      for (const EdgeUse& use : edge) of_sides_[3 * use.triangle + use.corner] = sum;
+      // Triangles at one edge and the same opposite corner are one face. Of each, only the first side looks at that.
+      std::ranges::stable_sort(edge, {}, opposite);
+      for (std::size_t n = 0; n < edge.size();) {
+        std::size_t next = n;
+        int net = 0;  // forward triangles less backward ones
+        for (; next < edge.size() && opposite(edge[next]) == opposite(edge[n]); ++next)
+          net += (edge[next].forward ? 1 : -1) * mesh_.use_of(edge[next].triangle);
+        for (; n < next; ++n)
+          if (edge[n].corner == 0)
+            facing_[edge[n].triangle] = static_cast<std::int8_t>(((net > 0) - (net < 0)) * (edge[n].forward ? 1 : -1));
+      }
+    }
+  });
+}
+
+auto Pseudonormals::place_of(const Vec3& p, std::uint32_t triangle) const -> Place {
+  const std::array<Vec3, 3> corners = mesh_.mesh.corners(triangle);
+  const ClosestFeature closest = closest_feature(corners, p);
+  if (closest.kind == ClosestFeature::Kind::face) {
+    const int side = orient3d(corners[0], corners[1], corners[2], p);
+    return side == 0 ? Place::on_surface : side * facing_[triangle] < 0 ? Place::back : Place::front;
+  }
+  // Closer to a side or a corner than some roundings, the direction means nothing.
+  const double size = std::max({max_norm(corners[0] - p), max_norm(corners[1] - p), max_norm(corners[2] - p)});
+  if (max_norm(closest.away) <= 8 * std::numeric_limits<double>::epsilon() * size) return Place::on_surface;
+  const Vec3& normal = closest.kind == ClosestFeature::Kind::side
+                           ? of_sides_[3 * std::size_t{triangle} + static_cast<std::size_t>(closest.n)]
+                           : of_vertices_[edges_.position(triangle, closest.n)];
+  return dot(closest.away, normal) < 0 ? Place::back : Place::front;
+}
+
+}  // namespace standoff

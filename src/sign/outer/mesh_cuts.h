@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where the triangles of a mesh cut and touch each other (triangle_cut.h).
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "sign/diagnosis/triangle_tree.h"
+#include "sign/oriented_mesh.h"
+
+namespace standoff {
+
+/// Pairs of triangles, sorted.
+using TrianglePairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+
+/// The pairs that begin with a triangle.
+std::span<const std::pair<std::uint32_t, std::uint32_t>> pairs_of(const TrianglePairs& pairs, std::uint32_t triangle);
+
+struct MeshCuts {
+  std::vector<std::uint8_t> flat;  ///< for each triangle whether it has no area
+  std::vector<std::uint8_t>
+      cut;                ///< for each triangle whether one in use has points in its interior; not those in its plane
+  TrianglePairs touched;  ///< a triangle without an area, and one with an area that touches it
+};
+
+/// Compares all pairs of triangles whose boxes overlap. Requires a valid mesh. Runs on the threads of the calling TBB
+/// arena; the result does not depend on them.
+MeshCuts find_cuts(const OrientedMesh& mesh, const TriangleTree& tree);
+
+}  // namespace standoff
