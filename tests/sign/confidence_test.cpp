@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// labels: memory threads
 // How sure a sign is: margins against winding numbers as sums of solid angles, and the shares of samples in doubt.
 #include "standoff/confidence.h"
 

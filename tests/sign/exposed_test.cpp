@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// labels: memory threads
 // Which triangles are on the surface of the union: against winding numbers by solid angles, and for solids whose union
 // is known.
 #include "standoff/exposed.h"

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// labels: memory threads
 // The flood: on closed solids it agrees with the winding number; of soups, walls within walls, gaps and meshes that
 // leave the grid the answer is known; and on anything it is what a flood from sample to sample finds.
 #include "sign/flood/flood.h"

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// labels: memory threads
 // Reports of meshes with known answers: closed, damaged, open, without an inside; figures of components in closed form.
 #include "standoff/mesh_report.h"
 

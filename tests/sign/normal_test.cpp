@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// labels: memory threads
 // Signs by pseudonormals: against tetrahedra, whose insides integers tell, with points where the normal of one face is
 // wrong and where the mean of all is; against terrain; and beyond the band.
 #include <gtest/gtest.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// labels: memory threads
 // Sides of open meshes against the sum of all solid angles, at every sample of small grids.
 #include "sign/open_winding/open_winding.h"
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// labels: memory threads
 // Crossings held in parts, as little memory makes them, are those held all at once; and what is held is no more than
 // was said.
 #include "sign/rows/row_crossings.h"

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// labels: memory threads
 // Signed fields: their magnitudes are those of the unsigned ones, bit for bit, and their signs those of the winding
 // number as the sum of solid angles (van Oosterom and Strackee 1983), in sparse and dense fields, bands and full ones.
 #include <gtest/gtest.h>
