@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "cli/commands.h"
 #include "cli/compute_report.h"
@@ -43,7 +44,8 @@ struct Command {
   Console console;
   Thickness shell{0};  // of --sign shell
   bool dry_run = false;
-  FileOutput confidence;  // of the sign; without a name: not asked for
+  std::optional<std::string> confidence_name;
+  FileOutput confidence;  // of the sign, if it has a name
 
   void add_to(CLI::App& verb);
   SignConfidence write_confidence(const Mesh& loaded, const DistanceField& field) const;
@@ -108,7 +110,7 @@ void Command::add_to(CLI::App& verb) {
       "--confidence", "FIELD",
       "also write how far each sample's winding number is from the\nnext odd half, 0 to 0.5, and say how sure the sign "
       "is",
-      [this](S, S t) { confidence.set_path(t); }, "Sign");
+      [this](S, S t) { confidence_name = t; }, "Sign");
   verb.add_flag("--as-oriented", options.sign.as_oriented, "take triangles as they are oriented; repair nothing first")
       ->group("Sign");
   verb.add_flag(
@@ -145,10 +147,12 @@ void Command::run() {
   if (!output.given()) output.set_path(mesh.stem() + ".vti");
   check_input(mesh.name());
   dry_run ? output.check_name(field_formats()) : output.check(field_formats());
-  if (confidence.given()) {
+  if (confidence_name) {
     if (options.sign.method == SignMethod::none)
       throw Error(ErrorCode::usage, "--confidence is for fields with a sign; give --sign too");
-    confidence.check_name(field_formats());
+    confidence = output.beside(*confidence_name);
+    confidence.check_differs(mesh.name());
+    dry_run ? confidence.check_name(field_formats()) : confidence.check(field_formats());
   }
   if (options.nearest_triangle) output.check_carries_nearest(field_formats());
   if (options.memory_limit == 0) options.memory_limit = default_memory_limit();
@@ -182,7 +186,7 @@ void Command::run() {
   std::error_code ignored;  // a pipe has no size
   const auto size = std::filesystem::file_size(output.path(), ignored);
   outcome.written_bytes = ignored ? 0 : static_cast<std::int64_t>(size);
-  if (confidence.given()) outcome.confidence = write_confidence(loaded, computed.field);
+  if (confidence_name) outcome.confidence = write_confidence(loaded, computed.field);
   say(outcome, console);
   if (console.json()) print(outcome_json(outcome), output.path());
 }

@@ -146,6 +146,16 @@ void FileOutput::check_name(const std::vector<FileFormat>& formats) const {
     fail(ErrorCode::output, "permission denied; choose a file and folder that you may write");
 }
 
+FileOutput FileOutput::beside(const fs::path& path) const {
+  std::error_code ignored;
+  if (path.empty()) throw Error(ErrorCode::usage, "a second output has no name; give the name of a file");
+  if (fs::weakly_canonical(fs::absolute(path), ignored) == fs::weakly_canonical(fs::absolute(path_), ignored))
+    throw Error(ErrorCode::usage, path.string() + ": both outputs would be this file; give one of them another name");
+  FileOutput other = *this;
+  other.path_ = path;
+  return other;
+}
+
 void FileOutput::check_differs(const std::string& input) const {
   std::error_code ignored;
   if (fs::equivalent(path_, input, ignored))

@@ -74,6 +74,8 @@ class FileOutput {
   void check_name(const std::vector<FileFormat>& formats) const;
   /// Whether there is a file in the way, and no -f.
   bool in_the_way() const;
+  /// A second output beside this one, with the same -f. Throws Error{usage} where both are one file.
+  FileOutput beside(const std::filesystem::path& path) const;
   /// Throws Error{usage} where the output is the file that an input comes from, also with -f.
   void check_differs(const std::string& input) const;
   /// A file that has appeared since the check stays, unless -f was given.

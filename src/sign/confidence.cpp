@@ -70,13 +70,13 @@ std::vector<float> winding_margins(MeshView mesh, const Grid& grid, const SignOp
                                    const ProgressCallback& progress) try {
   validate("confidence", execution, Runs::on_the_cpu);
   validate(grid);
-  validate(sign);
+  const SignOptions by_winding{.method = SignMethod::winding, .as_oriented = sign.as_oriented};
+  validate(by_winding);
   validate(mesh);
   ProgressMeter meter(progress);
   std::vector<float> margins(static_cast<std::size_t>(grid.sample_count()), 0.5f);
   Threads(execution.threads).run([&] {
     meter.stage("confidence", 1, 0, 1);
-    const SignOptions by_winding{.method = SignMethod::winding, .as_oriented = sign.as_oriented};
     const SignPlan plan = plan_sign(mesh, by_winding);
     if (plan.boundary.edges.empty()) return;
     const OpenWinding winding({mesh, plan.use}, plan.boundary, grid, WindingRule::positive, meter);

@@ -18,6 +18,9 @@ void validate(const SignOptions& options) {
   if (options.rule != WindingRule::positive && !is(SignMethod::winding) && !is(SignMethod::automatic))
     fail("a winding rule is for the sign methods winding and automatic; leave it out");
   if (options.invert && is(SignMethod::none)) fail("a field without a sign cannot be inverted; choose a sign method");
+  if (options.as_oriented &&
+      (is(SignMethod::none) || is(SignMethod::parity) || is(SignMethod::flood) || is(SignMethod::shell)))
+    fail("this sign method does not look at the orientation of triangles; leave out that it is taken as it is");
   if (options.strict && is(SignMethod::none))
     fail("a field without a sign has none to be strict about; choose a sign method");
   if (options.outer && !is(SignMethod::winding) && !is(SignMethod::automatic))

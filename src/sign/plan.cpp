@@ -74,8 +74,8 @@ void plan_winding(SignPlan& plan, MeshView mesh, const Closed& closed, const Sig
 
 void plan_normal(SignPlan& plan, MeshView mesh, const Closed& closed, const SignOptions& options) {
   if (!closed.oriented && !options.as_oriented) orient_for(plan, mesh);
-  plan.report.sure = closed.oriented || (!options.as_oriented && plan.boundary.edges.empty());
-  plan.report.why = plan.report.sure ? "the mesh is closed" : "front and back of the nearest triangle decide";
+  plan.report.sure = false;  // it is right only where no parts overlap and no two faces are one
+  plan.report.why = "front and back of the nearest triangle decide";
 }
 
 void plan_flood(SignPlan& plan, const Closed& closed) {

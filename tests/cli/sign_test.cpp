@@ -2,6 +2,9 @@
 // The options of the sign: what the program computes, says and refuses.
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
+#include "standoff/inspect.h"
 #include "standoff/io.h"
 #include "tests/cli/program.h"
 #include "tests/sign/shapes.h"
@@ -52,6 +55,24 @@ TEST_F(Sign, EveryMethodAndRule) {
   EXPECT_EQ(sides("nested.obj --sign winding --rule odd"), "+-+");
   EXPECT_EQ(sides("nested.obj --sign parity"), "+-+");
   EXPECT_EQ(sides("nested.obj --sign flood"), "--+");
+}
+
+TEST_F(Sign, ConfidenceIsAFileOfItsOwn) {
+  for (const std::string wrong : {"out.vti", "./out.vti", "ball.obj", "margins.txt", "nowhere/margins.vti"})
+    EXPECT_NE(compute("ball.obj --sign auto --confidence " + wrong).code, 0) << wrong;
+  EXPECT_FALSE(std::filesystem::exists(folder / "out.vti"));
+  EXPECT_EQ(compute("ball.obj --confidence margins.vti").code, 2);
+  const Ran ran = compute("hole.obj --sign auto --confidence margins.vti");
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  EXPECT_TRUE(ran.says("confidence: of ")) << ran.err;
+  const DistanceField margins = read_field(folder / "margins.vti");
+  EXPECT_EQ(margins.grid(), field().grid());
+  EXPECT_EQ(margins.thickness(), 0.5);
+  EXPECT_GE(inspect(margins).min, 0);
+  EXPECT_LT(inspect(margins).min, 0.5);
+  // It is in the way now; nothing is computed.
+  EXPECT_EQ(run(words("compute -r 24 -o other.vti hole.obj --sign auto --confidence margins.vti")).code, 2);
+  EXPECT_FALSE(std::filesystem::exists(folder / "other.vti"));
 }
 
 TEST_F(Sign, Outer) {

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-// labels: memory threads
 // Crossings held in parts, as little memory makes them, are those held all at once; and what is held is no more than
 // was said.
 #include "sign/rows/row_crossings.h"

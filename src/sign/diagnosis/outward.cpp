@@ -65,8 +65,9 @@ struct Sums {
   bool faces_outwards() const {
     constexpr double kRounding = 1e-12;
     return max_norm(normal) <= kRounding * normal_magnitude &&
-           (volume_magnitude == 0 || volume > kRounding * volume_magnitude);
+           (!has_area() || volume > kRounding * volume_magnitude);
   }
+  bool has_area() const { return normal_magnitude > 0; }
 };
 
 struct Part {
@@ -114,7 +115,7 @@ bool faces_outwards(MeshView mesh) {
     for (const auto& chunk : parts)
       for (const Part& part : chunk) of_set[number[part.set]].add(part.sums);
   }
-  return std::ranges::all_of(of_set, &Sums::faces_outwards);
+  return std::ranges::any_of(of_set, &Sums::has_area) && std::ranges::all_of(of_set, &Sums::faces_outwards);
 }
 
 std::int64_t outward_bytes(std::int64_t triangles) {
