@@ -64,8 +64,7 @@ struct Sums {
   // Normals of a closed set have the sum 0, and only then its volume does not depend on where it is measured from.
   bool faces_outwards() const {
     constexpr double kRounding = 1e-12;
-    return max_norm(normal) <= kRounding * normal_magnitude &&
-           (!has_area() || volume > kRounding * volume_magnitude);
+    return max_norm(normal) <= kRounding * normal_magnitude && (!has_area() || volume > kRounding * volume_magnitude);
   }
   bool has_area() const { return normal_magnitude > 0; }
 };
