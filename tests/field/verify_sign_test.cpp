@@ -18,16 +18,6 @@ using testing::Random;
 const SignOptions kAsItIs{.method = SignMethod::winding, .as_oriented = true};
 const Grid kGrid{{18, 17, 19}, {-2.1, -2, -2.2}, {0.23, 0.24, 0.225}};
 
-Mesh solids(unsigned seed, int count) {
-  Random random(seed);
-  std::vector<testing::Tetrahedron> all;
-  for (int n = 0; n < count; ++n) {
-    const Vec3 at = random.in_cube(1);
-    all.push_back({at + random.in_cube(1), at + random.in_cube(1), at + random.in_cube(1), at + random.in_cube(1)});
-  }
-  return testing::mesh_of(all);
-}
-
 DistanceField signed_field(const Mesh& mesh, const SignOptions& sign, double thickness = kFullField) {
   ComputeOptions options;
   options.sign = sign;
@@ -56,7 +46,7 @@ DistanceField renamed(const DistanceField& field, const std::string& sign) {
 }
 
 TEST(VerifySign, TrueSignsPass) {
-  const Mesh mesh = solids(1, 6);
+  const Mesh mesh = testing::solid_soup(1, 6);
   for (const SignOptions& sign : {kAsItIs,
                                   {.method = SignMethod::winding},
                                   {.method = SignMethod::winding, .rule = WindingRule::nonzero},
@@ -74,7 +64,7 @@ TEST(VerifySign, TrueSignsPass) {
 
 // Two of the rules never agree on these solids, so a field that names the wrong one fails.
 TEST(VerifySign, TheRuleIsTheFieldsOwn) {
-  const Mesh mesh = solids(1, 6);
+  const Mesh mesh = testing::solid_soup(1, 6);
   const DistanceField field = signed_field(mesh, kAsItIs);
   EXPECT_EQ(verified(renamed(field, "winding"), mesh).sign.wrong, 0);
   for (const char* other : {"winding nonzero", "winding odd", "parity", "winding inverted"}) {
@@ -86,7 +76,7 @@ TEST(VerifySign, TheRuleIsTheFieldsOwn) {
 }
 
 TEST(VerifySign, EveryWrongSampleIsFound) {
-  const Mesh mesh = solids(2, 6);
+  const Mesh mesh = testing::solid_soup(2, 6);
   const DistanceField field = signed_field(mesh, kAsItIs);
   const auto wrong_at = [&](auto is_wrong) {
     return verified(
@@ -132,7 +122,7 @@ TEST(VerifySign, SamplesBesideTheSurface) {
 
 // Half of a solid is missing. By definition: the side of the sum of solid angles.
 TEST(VerifySign, OpenMeshesByTheGeneralisedWindingNumber) {
-  Mesh mesh = solids(4, 5);
+  Mesh mesh = testing::solid_soup(4, 5);
   mesh.triangles.erase(mesh.triangles.begin() + 3, mesh.triangles.begin() + 6);
   mesh.triangles.pop_back();
   const DistanceField plain = signed_field(mesh, {});
@@ -157,7 +147,7 @@ TEST(VerifySign, OpenMeshesByTheGeneralisedWindingNumber) {
 
 // The field of the right mesh, and a file of it in which one face is turned around.
 TEST(VerifySign, MeshesThatWereOrientedFirst) {
-  const Mesh right = solids(9, 1);
+  const Mesh right = testing::solid_soup(9, 1);
   Mesh mesh = right;
   std::swap(mesh.triangles[2][0], mesh.triangles[2][1]);
   const DistanceField field =
@@ -181,7 +171,7 @@ TEST(VerifySign, ThresholdsAreNotDecided) {
 }
 
 TEST(VerifySign, FloodIsCheckedBeyondTheMesh) {
-  const Mesh mesh = solids(5, 2);
+  const Mesh mesh = testing::solid_soup(5, 2);
   const Box box = bounds(mesh);
   const DistanceField field = renamed(signed_field(mesh, kAsItIs), "flood");
   const VerifyResult right = verified(field, mesh);
@@ -221,7 +211,7 @@ TEST(VerifySign, NormalsByTheSideOfTheNearestTriangle) {
   EXPECT_TRUE(wrong_outside(verified(changed(plain, "normal inverted", below), sheet)));
   EXPECT_TRUE(wrong_outside(verified(renamed(plain, "normal"), sheet)));
 
-  const Mesh solid = solids(10, 1);
+  const Mesh solid = testing::solid_soup(10, 1);
   const DistanceField field = signed_field(solid, {.method = SignMethod::winding});
   const bool is_turned = field.provenance().sign == "winding oriented";
   const VerifyResult same = verified(renamed(field, is_turned ? "normal oriented" : "normal"), solid);
@@ -231,7 +221,7 @@ TEST(VerifySign, NormalsByTheSideOfTheNearestTriangle) {
 }
 
 TEST(VerifySign, ShellsAreDistancesLessHalfTheirThickness) {
-  const Mesh mesh = solids(6, 1);
+  const Mesh mesh = testing::solid_soup(6, 1);
   const DistanceField plain = signed_field(mesh, {}, 0.5);
   const auto shell = [&](const std::string& name, float by) {
     return verified(changed(plain, name, [by](float& value, std::size_t) { value = std::min(value - by, 0.4f); }),
@@ -252,7 +242,7 @@ TEST(VerifySign, ShellsAreDistancesLessHalfTheirThickness) {
 
 // Whatever compute makes of a mesh with holes, flipped faces and several solids, verify finds it right.
 TEST(VerifySign, AllThatComputeMakes) {
-  Mesh broken = solids(11, 5);
+  Mesh broken = testing::solid_soup(11, 5);
   broken.triangles.erase(broken.triangles.begin() + 9);
   std::swap(broken.triangles[4][0], broken.triangles[4][1]);
   broken.triangles.push_back(broken.triangles[6]);
@@ -277,7 +267,7 @@ TEST(VerifySign, AllThatComputeMakes) {
 }
 
 TEST(VerifySign, WhatIsNotKnownIsNotJudged) {
-  const Mesh mesh = solids(7, 3);
+  const Mesh mesh = testing::solid_soup(7, 3);
   const DistanceField field = signed_field(mesh, kAsItIs);
   for (const char* name : {"", "by hand", "winding or so"}) {
     const VerifyResult found = verified(renamed(field, name), mesh);
@@ -291,7 +281,7 @@ TEST(VerifySign, WhatIsNotKnownIsNotJudged) {
 }
 
 TEST(VerifySign, TheSameForAnyNumberOfThreads) {
-  const Mesh mesh = solids(8, 6);
+  const Mesh mesh = testing::solid_soup(8, 6);
   const DistanceField field = changed(signed_field(mesh, kAsItIs), "winding",
                                       [](float& value, std::size_t n) { value = n % 11 == 0 ? -value : value; });
   VerifyOptions one, two;

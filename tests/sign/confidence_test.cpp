@@ -7,25 +7,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "standoff/compute.h"
 #include "tests/sign/shapes.h"
+#include "tests/sign/solid_angles.h"
 #include "tests/support/expect_error.h"
 
 namespace standoff {
 namespace {
-
-double winding_number(const Mesh& mesh, const Vec3& p) {
-  double sum = 0;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const auto [a, b, c] = MeshView(mesh).corners(t);
-    const Vec3 u = a - p, v = b - p, w = c - p;
-    const double lu = length(u), lv = length(v), lw = length(w);
-    sum += 2 * std::atan2(dot(u, cross(v, w)), lu * lv * lw + dot(u, v) * lw + dot(v, w) * lu + dot(w, u) * lv);
-  }
-  return sum / (4 * std::numbers::pi);
-}
 
 const Grid kGrid{{20, 18, 16}, {-1.31, -1.27, -1.23}, {0.137, 0.149, 0.163}};
 
@@ -44,7 +33,8 @@ TEST(Confidence, MarginsAreTheDistanceOfTheWindingNumberFromOddHalves) {
   for (std::int64_t k = 0; k < 16; ++k)
     for (std::int64_t j = 0; j < 18; ++j)
       for (std::int64_t i = 0; i < 20; ++i) {
-        const double w = winding_number(holes, kGrid.position(i, j, k)), margin = 0.5 - std::abs(w - std::round(w));
+        const double w = testing::winding_number(holes, kGrid.position(i, j, k)),
+                     margin = 0.5 - std::abs(w - std::round(w));
         const double found = margins[static_cast<std::size_t>(kGrid.index(i, j, k))];
         least = std::min(least, found);
         off = std::max(off, std::abs(found - margin));

@@ -12,32 +12,16 @@
 #include "core/tile_count.h"
 #include "scenes/scenes.h"
 #include "sign/rows/integer_winding.h"
+#include "tests/sign/sides_of.h"
 #include "tests/sign/solid_soup.h"
 #include "tests/support/fields.h"
 
 namespace standoff {
 namespace {
 
-using testing::Random;
+using testing::sides_of;
 
-// Whether each sample of the grid is inside, x fastest.
-std::vector<bool> sides_of(const Sides& sides, const Grid& grid) {
-  std::vector<bool> inside(static_cast<std::size_t>(grid.sample_count()));
-  InsideRows rows(grid);
-  for (std::int64_t tz = 0; tz < tiles_along(grid.size.z); ++tz)
-    for (std::int64_t ty = 0; ty < tiles_along(grid.size.y); ++ty) {
-      rows.clear(ty, tz);
-      sides.fill(rows, ty, tz);
-      for (int row = 0; row < 64; ++row)
-        for (std::int64_t i = 0; i < 8 * tiles_along(grid.size.x); ++i) {
-          const std::int64_t j = 8 * ty + row % 8, k = 8 * tz + row / 8;
-          const bool in_grid = i < grid.size.x && j < grid.size.y && k < grid.size.z;
-          if (in_grid) inside[static_cast<std::size_t>(grid.index(i, j, k))] = rows.is_inside(row, i);
-          EXPECT_TRUE(in_grid || !rows.is_inside(row, i));
-        }
-    }
-  return inside;
-}
+using testing::Random;
 
 struct Flooded {
   std::vector<bool> inside;
@@ -48,7 +32,7 @@ struct Flooded {
 Flooded flood(const Mesh& mesh, const Grid& grid) {
   const ProgressCallback none;
   ProgressMeter progress(none);
-  const Flood flood(mesh, grid, progress);
+  Flood flood(mesh, grid, progress);
   Flooded result{sides_of(flood, grid), flood.inside_samples(), flood.leaks()};
   EXPECT_EQ(std::ranges::count(result.inside, true), result.count);
   return result;
@@ -58,7 +42,6 @@ std::vector<bool> winding(const Mesh& mesh, const Grid& grid) {
   const ProgressCallback none;
   ProgressMeter progress(none);
   IntegerWinding sides({mesh}, grid, WindingRule::nonzero, progress);
-  sides.load(0);
   return sides_of(sides, grid);
 }
 

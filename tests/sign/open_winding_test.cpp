@@ -9,9 +9,12 @@
 #include "sign/rows/integer_winding.h"
 #include "tests/sign/brute_winding.h"
 #include "tests/sign/shapes.h"
+#include "tests/sign/sides_of.h"
 
 namespace standoff {
 namespace {
+
+using testing::sides_of;
 
 using namespace testing;
 
@@ -28,21 +31,6 @@ double distance_to_threshold(double winding, WindingRule rule) {
   if (rule == WindingRule::positive) return std::abs(winding - 0.5);
   if (rule == WindingRule::nonzero) return std::abs(std::abs(winding) - 0.5);
   return std::abs(std::remainder(winding - 0.5, 1.0));
-}
-
-std::vector<bool> sides_of(Sides& sides, const Grid& grid) {
-  sides.load(0);  // everything at once
-  std::vector<bool> inside(static_cast<std::size_t>(grid.sample_count()));
-  InsideRows rows(grid);
-  for (std::int64_t tz = 0; tz < tiles_along(grid.size.z); ++tz)
-    for (std::int64_t ty = 0; ty < tiles_along(grid.size.y); ++ty) {
-      rows.clear(ty, tz);
-      sides.fill(rows, ty, tz);
-      for (int row = 0; row < InsideRows::kRows; ++row)
-        for (std::int64_t i = 0; i < grid.size.x && rows.in_grid(row); ++i)
-          inside[static_cast<std::size_t>(grid.index(i, 8 * ty + row % 8, 8 * tz + row / 8))] = rows.is_inside(row, i);
-    }
-  return inside;
 }
 
 struct Outcome {

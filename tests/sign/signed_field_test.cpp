@@ -7,10 +7,10 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <numbers>
 
 #include "scenes/scenes.h"
 #include "standoff/compute.h"
+#include "tests/sign/solid_angles.h"
 #include "tests/sign/solid_soup.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/fields.h"
@@ -20,27 +20,6 @@ namespace {
 
 using testing::Random;
 
-double winding_number(const Mesh& mesh, const Vec3& p) {
-  double sum = 0;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const auto [a, b, c] = MeshView(mesh).corners(t);
-    const Vec3 u = a - p, v = b - p, w = c - p;
-    const double lu = length(u), lv = length(v), lw = length(w);
-    sum += 2 * std::atan2(dot(u, cross(v, w)), lu * lv * lw + dot(u, v) * lw + dot(v, w) * lu + dot(w, u) * lv);
-  }
-  return sum / (4 * std::numbers::pi);
-}
-
-Mesh soup(unsigned seed, int count) {
-  Random random(seed);
-  std::vector<testing::Tetrahedron> all;
-  for (int n = 0; n < count; ++n) {
-    const Vec3 at = random.in_cube(1);
-    all.push_back({at + random.in_cube(1), at + random.in_cube(1), at + random.in_cube(1), at + random.in_cube(1)});
-  }
-  return testing::mesh_of(all);
-}
-
 // How many values have the wrong sign or another magnitude than without one.
 std::int64_t wrong_values(const Mesh& mesh, const Grid& grid, double thickness, const DistanceField& field) {
   ComputeOptions unsigned_options;
@@ -48,7 +27,7 @@ std::int64_t wrong_values(const Mesh& mesh, const Grid& grid, double thickness, 
   std::int64_t wrong = 0;
   testing::for_each_sample(grid, [&](std::int64_t i, std::int64_t j, std::int64_t k) {
     const float value = field.value(i, j, k), magnitude = plain.value(i, j, k);
-    const double winding = winding_number(mesh, grid.position(i, j, k));
+    const double winding = testing::winding_number(mesh, grid.position(i, j, k));
     const bool near_surface = std::abs(winding - std::round(winding)) > 1e-6;
     wrong += std::bit_cast<std::uint32_t>(std::abs(value)) != std::bit_cast<std::uint32_t>(magnitude) ||
              (!near_surface && magnitude > 1e-4f && (value < 0) != (winding > 0.5));
@@ -59,7 +38,7 @@ std::int64_t wrong_values(const Mesh& mesh, const Grid& grid, double thickness, 
 TEST(SignedField, BandsAndFullFieldsSparseAndDense) {
   const Grid grid{{29, 26, 31}, {-2.1, -2, -2.2}, {0.15, 0.16, 0.145}};
   for (unsigned seed = 0; seed < 6; ++seed) {
-    const Mesh mesh = soup(seed, 5);
+    const Mesh mesh = testing::solid_soup(seed, 5);
     // Of 0.02 most tiles between the band's samples have samples on both sides.
     for (const double thickness : {0.02, 0.3, kFullField}) {
       ComputeOptions options;
@@ -91,7 +70,7 @@ TEST(SignedField, ScenesOfOverlappingParts) {
 }
 
 TEST(SignedField, TheSameBitsForAnyNumberOfThreads) {
-  const Mesh mesh = soup(7, 40);
+  const Mesh mesh = testing::solid_soup(7, 40);
   const Grid grid{{70, 60, 50}, {-2.5, -2.5, -2.5}, {0.07, 0.08, 0.1}};
   std::vector<float> first;
   for (const int threads : {1, 2, 5}) {
@@ -105,7 +84,7 @@ TEST(SignedField, TheSameBitsForAnyNumberOfThreads) {
 }
 
 TEST(SignedField, MeshesThatAreNotClosed) {
-  Mesh mesh = soup(3, 3);
+  Mesh mesh = testing::solid_soup(3, 3);
   const Grid grid{{8, 8, 8}, {-1, -1, -1}, {0.3, 0.3, 0.3}};
   const auto sign_of = [&](const SignOptions& sign) { return compute(mesh, grid, 1, {.sign = sign}).report.sign; };
   std::swap(mesh.triangles[5][0], mesh.triangles[5][1]);
@@ -121,7 +100,7 @@ TEST(SignedField, MeshesThatAreNotClosed) {
 }
 
 TEST(SignedField, VerticesNeedNotBeWelded) {
-  const Mesh welded = soup(9, 2);
+  const Mesh welded = testing::solid_soup(9, 2);
   Mesh loose;
   for (std::size_t t = 0; t < welded.triangles.size(); ++t) {
     const auto [a, b, c] = MeshView(welded).corners(t);
@@ -134,7 +113,7 @@ TEST(SignedField, VerticesNeedNotBeWelded) {
 }
 
 TEST(SignedField, OptionsThatContradictEachOther) {
-  const Mesh mesh = soup(1, 1);
+  const Mesh mesh = testing::solid_soup(1, 1);
   const auto rejects = [&](const SignOptions& sign, const char* what) {
     ComputeOptions options;
     options.sign = sign;

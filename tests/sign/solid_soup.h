@@ -27,6 +27,17 @@ inline Mesh mesh_of(const std::vector<Tetrahedron>& tetrahedra) {
   return mesh;
 }
 
+/// So many random ones near each other; about half are inside out.
+inline Mesh solid_soup(unsigned seed, int count) {
+  Random random(seed);
+  std::vector<Tetrahedron> all;
+  for (int n = 0; n < count; ++n) {
+    const Vec3 at = random.in_cube(1);
+    all.push_back({at + random.in_cube(1), at + random.in_cube(1), at + random.in_cube(1), at + random.in_cube(1)});
+  }
+  return mesh_of(all);
+}
+
 /// Corners are integers of magnitude at most `half`, many of them equal to others or on one line with them.
 inline std::vector<Tetrahedron> integer_tetrahedra(Random& random, int count, std::uint32_t half) {
   std::vector<Tetrahedron> all;

@@ -43,11 +43,7 @@ class LatticeAxis {
   double even(std::int64_t n) const { return origin_ + spacing_ * static_cast<double>(n - before_); }
   static double doublings(std::int64_t samples);  // 1 + 2 + 4 + ..
   std::int64_t guess(double value) const {
-    const double sample = (value - origin_) * per_spacing_ + static_cast<double>(before_);
-    if (!(sample > 0)) return 0;
-    if (!(sample < static_cast<double>(size_))) return size_;
-    const auto below = static_cast<std::int64_t>(sample);
-    return below + (static_cast<double>(below) < sample);
+    return sample_at_or_above((value - origin_) * per_spacing_ + static_cast<double>(before_), size_);
   }
 
   double origin_, spacing_, per_spacing_;

@@ -7,6 +7,15 @@
 
 namespace standoff {
 
+/// The first of `size` samples at or above `place`, a number of samples from the first one, or `size`. Rounded up
+/// without ceil(), which is a call where there is no SSE4.1.
+inline std::int64_t sample_at_or_above(double place, std::int64_t size) {
+  if (!(place > 0)) return 0;
+  if (!(place < static_cast<double>(size))) return size;
+  const auto below = static_cast<std::int64_t>(place);
+  return below + (static_cast<double>(below) < place);
+}
+
 /// The first n in [0, size) for which is_true(n), or `size`. is_true must stay true once it is. Takes two calls where
 /// the guess is right, and a logarithm of its error otherwise.
 template <class Predicate>

@@ -20,7 +20,7 @@ class SampleAxis {
   /// The first sample for which is_true, which stays true: near `value`, or the number of samples.
   template <class Predicate>
   std::int64_t first(double value, const Predicate& is_true) const {
-    return first_from_guess(guess(value), size_, is_true);
+    return first_from_guess(sample_at_or_above(to_samples(value), size_), size_, is_true);
   }
   /// The first sample at or above `value`, or the number of samples.
   std::int64_t first_from(double value) const {
@@ -28,15 +28,6 @@ class SampleAxis {
   }
 
  private:
-  // Rounded up without ceil(), which is a call where there is no SSE4.1.
-  std::int64_t guess(double value) const {
-    const double sample = to_samples(value);
-    if (!(sample > 0)) return 0;
-    if (!(sample < static_cast<double>(size_))) return size_;
-    const auto below = static_cast<std::int64_t>(sample);
-    return below + (static_cast<double>(below) < sample);
-  }
-
   double origin_, spacing_, per_spacing_;
   std::int64_t size_;
 };
