@@ -73,7 +73,7 @@ void plan_winding(SignPlan& plan, MeshView mesh, const Closed& closed, const Sig
 }
 
 void plan_normal(SignPlan& plan, MeshView mesh, const Closed& closed, const SignOptions& options) {
-  if (!closed.oriented && !options.as_oriented) orient_for(plan, mesh);
+  if (!options.as_oriented && !(closed.oriented && faces_outwards(mesh))) orient_for(plan, mesh);
   plan.report.sure = false;  // it is right only where no parts overlap and no two faces are one
   plan.report.why = "front and back of the nearest triangle decide";
 }

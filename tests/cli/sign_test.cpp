@@ -108,6 +108,9 @@ TEST_F(Sign, Shell) {
 TEST_F(Sign, DamageIsRepairedUnlessTold) {
   for (const std::string mesh : {"inside_out.obj", "flipped.obj", "hole.obj"})
     for (const std::string method : {"auto", "winding"}) EXPECT_EQ(sides(mesh + " --sign " + method), "--+") << mesh;
+  for (const std::string mesh : {"inside_out.obj", "flipped.obj"})
+    EXPECT_EQ(sides(mesh + " --sign normal"), "--+") << mesh;
+  EXPECT_EQ(sides("inside_out.obj --sign normal --as-oriented"), "++-");
   EXPECT_EQ(sides("inside_out.obj --sign winding --as-oriented"), "+++");
   EXPECT_EQ(sides("inside_out.obj --sign winding --as-oriented --rule nonzero"), "--+");
   EXPECT_EQ(sides("both.obj --sign auto"), "--+");
