@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+// The options that say how inside is decided, for every verb that asks.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "cli/parse.h"
+#include "standoff/sign.h"
+
+namespace standoff::cli {
+
+/// Adds --sign and what goes with it. The thickness of --sign shell goes to `shell`: it may be in samples.
+void add_sign(CLI::App& verb, SignOptions& options, Thickness& shell);
+
+}  // namespace standoff::cli
