@@ -84,6 +84,8 @@ void Command::check() {
   if (shell.in_samples)
     throw Error(ErrorCode::usage, "--sign shell: points have no samples; give its thickness in world units");
   options.sign.shell = shell.value;
+  if (asked.winding && options.sign.method == SignMethod::none)
+    throw Error(ErrorCode::usage, "--with winding is for signs by winding numbers; give --sign winding too");
   if (skip_invalid) invalid = InvalidPoints::mark;
   if (to_stdout()) return;
   output.check({{"csv", "", false, true, false},
