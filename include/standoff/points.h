@@ -4,24 +4,20 @@
 
 #include <array>
 #include <cstdint>
-#include <filesystem>
 #include <limits>
 #include <memory>
 #include <span>
 #include <vector>
 
 #include "standoff/execution.h"
-#include "standoff/existing.h"
 #include "standoff/export.h"
+#include "standoff/feature.h"
 #include "standoff/mesh.h"
 #include "standoff/progress.h"
 #include "standoff/sign.h"
 #include "standoff/vec.h"
 
 namespace standoff {
-
-/// The part of a triangle that a point of it lies on. Edge n runs from corner n to the next corner.
-enum class Feature : std::uint8_t { face, edge0, edge1, edge2, vertex0, vertex1, vertex2 };
 
 /// The point of a mesh's surface that is nearest to a query point.
 struct ClosestPoint {
@@ -45,13 +41,13 @@ struct MeshQueryOptions {
 /// A mesh, prepared for questions at arbitrary points. Building takes about as long as reading the mesh; each answer is
 /// then found in logarithmic time, and many points that are asked together share most of it. Answers are exact: the
 /// nearest triangle is the one that a comparison with every triangle in double precision finds, of equally near ones
-/// that of lowest index, and the error of the distance is a few 1e-16 of the extent of point and triangle together. They
-/// have the same bits for any number of threads, any instruction set, any backend, and any order or batch of points.
-/// Calls of const members may run at the same time. Moves are cheap; copies share the prepared mesh.
+/// that of lowest index, and the error of the distance is a few 1e-16 of the extent of point and triangle together.
+/// They have the same bits for any number of threads, any instruction set, any backend, and any order or batch of
+/// points. Calls of const members may run at the same time. Moves are cheap; copies share the prepared mesh.
 class STANDOFF_API MeshQuery {
  public:
-  /// Copies the mesh. Errors: input (mesh; a sign method that does not fit it), doubt (`strict`), usage (options), limit
-  /// (a coordinate beyond kMaxCoordinate; memory).
+  /// Copies the mesh. Errors: input (mesh; a sign method that does not fit it), doubt (`strict`), usage (options),
+  /// limit (a coordinate beyond kMaxCoordinate; memory).
   explicit MeshQuery(MeshView mesh, const MeshQueryOptions& options = {});
 
   MeshView mesh() const;
@@ -73,24 +69,15 @@ class STANDOFF_API MeshQuery {
   void winding_numbers(std::span<const Vec3> points, std::span<double> out, const Execution& execution = {},
                        const ProgressCallback& progress = {}) const;
   /// The unit gradient of the distance at a point whose answer is `at`: away from the surface, or, if there is a sign,
-  /// towards the outside. Where several triangles are nearest it is that of at.triangle; on the surface it is the normal
-  /// of that triangle, in the orientation of the sign. Errors: usage (a triangle that the mesh does not have).
+  /// towards the outside. Where several triangles are nearest it is that of at.triangle; on the surface it is the
+  /// normal of that triangle, in the orientation of the sign. Errors: usage (a triangle that the mesh does not have).
   Vec3 gradient(Vec3 point, const ClosestPoint& at) const;
 
   struct Data;
 
  private:
-  friend STANDOFF_API void write_query(const std::filesystem::path& path, const MeshQuery& query, Existing existing);
-  friend STANDOFF_API MeshQuery read_query(const std::filesystem::path& path);
-  explicit MeshQuery(std::shared_ptr<const Data> data) : data_(std::move(data)) {}
   std::shared_ptr<const Data> data_;
 };
-
-/// Writes a query as a file, by convention with the extension `.query`; it appears whole or not at all. Errors: output.
-STANDOFF_API void write_query(const std::filesystem::path& path, const MeshQuery& query,
-                              Existing existing = Existing::replace);
-/// Reads it. Errors: input (`FILE:WHERE: what; what to do`), limit (memory).
-STANDOFF_API MeshQuery read_query(const std::filesystem::path& path);
 
 /// The closest point for each of `points`, in this order, without a sign: a MeshQuery for a single call. Errors: as
 /// MeshQuery and closest().
