@@ -24,7 +24,7 @@ constexpr const char* kExamples =
     R"(  standoff points bunny.obj points.csv                         a distance for each line, on stdout
   standoff points part.stl cloud.ply -o near.ply --sign auto   negative inside; the cloud with answers
   standoff points part.stl points.npy -o near.npz --with closest,triangle
-  producer | standoff points part.query - --sign auto -o near.csv
+  producer | standoff points part.query - -o near.csv              a query that standoff build prepared
 )";
 
 struct Command {
@@ -42,6 +42,7 @@ struct Command {
   void run();
 
  private:
+  bool prepared_before() const { return kind_of(mesh.name()) == FileKind::query; }
   bool to_stdout() const { return !output.given() || output.path() == "-"; }
   void check();
   MeshQuery query() const;
@@ -58,7 +59,7 @@ void parse_asked(const std::string& option, const std::string& text, AskedAnswer
 
 void Command::add_to(CLI::App& verb) {
   using S = const std::string&;
-  mesh.add_to(verb);
+  mesh.add_query_to(verb);
   verb.add_option("POINTS", points, "a file of points (.csv, .ply, .npy or .npz),\nor - for CSV from standard input")
       ->required();
   output.add_to(verb, "ANSWERS", "the answers: .csv, .ply, .npy or .npz\n(default: CSV on standard output)");
@@ -80,11 +81,14 @@ void Command::add_to(CLI::App& verb) {
 // Tells before any work what is wrong.
 void Command::check() {
   check_input(mesh.name());
+  if (prepared_before() && (mesh.scaled() || is_given(options.sign)))
+    throw Error(ErrorCode::usage,
+                mesh.name() + ": a query has its scale and sign; give these options to standoff build");
   if (points != "-") check_input(points);
   if (shell.in_samples)
     throw Error(ErrorCode::usage, "--sign shell: points have no samples; give its thickness in world units");
   options.sign.shell = shell.value;
-  if (asked.winding && options.sign.method == SignMethod::none)
+  if (asked.winding && options.sign.method == SignMethod::none && !prepared_before())
     throw Error(ErrorCode::usage, "--with winding is for signs by winding numbers; give --sign winding too");
   if (skip_invalid) invalid = InvalidPoints::mark;
   if (to_stdout()) return;
@@ -97,6 +101,8 @@ void Command::check() {
 }
 
 MeshQuery Command::query() const {
+  if (prepared_before())
+    return with_spinner(console, "reading " + mesh.name(), [&] { return read_query(mesh.name()); });
   const Mesh loaded = with_spinner(console, "reading " + mesh.name(), [&] { return mesh.read(); });
   console.say(mesh_line(mesh.name(), loaded));
   try {
@@ -137,8 +143,7 @@ void Command::run() {
   json["invalid"] = counts.invalid;
   if (has_sign) {
     json["inside"] = counts.inside;
-    json["sign"] = {
-        {"method", name_of(prepared.sign().method)}, {"why", prepared.sign().why}, {"sure", prepared.sign().sure}};
+    add_sign_report(json, prepared.sign());
   }
   json["distance"] = {{"least", json_number(counts.least)}, {"largest", json_number(counts.largest)}};
   json["memory_bytes"] = prepared.memory_bytes();

@@ -43,4 +43,14 @@ void add_sign(CLI::App& verb, SignOptions& options, Thickness& shell) {
   verb.add_flag("--strict", options.strict, "fail with exit code 8 where the sign is not certain")->group(kGroup);
 }
 
+bool is_given(const SignOptions& sign) {
+  const SignOptions none;
+  return sign.method != none.method || sign.rule != none.rule || sign.invert || sign.as_oriented || sign.outer ||
+         sign.strict;
+}
+
+void add_sign_report(Json& json, const SignReport& report) {
+  json["sign"] = {{"method", name_of(report.method)}, {"why", report.why}, {"sure", report.sure}};
+}
+
 }  // namespace standoff::cli

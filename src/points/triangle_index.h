@@ -44,6 +44,7 @@ class TriangleIndex {
   const cpu::Clusters& clusters() const { return culling_.clusters(); }
   /// By entry of the clusters.
   const cpu::TriangleCorners* corners() const { return corners_.get(); }
+  std::int64_t triangle_count() const { return job_.triangle_count(); }
   std::int64_t memory_bytes() const;
 
  private:

@@ -25,8 +25,8 @@ class NpyFile : public CountedRows {
     if (columns.size() > 1) {
       header.type = "[";
       for (const AnswerColumn& column : columns) {
-        header.type += std::string("('") + column.array + "', '" + type_name(column.type) + "'";
-        header.type += column.parts.size() == 1 ? "), " : ", (3,)), ";
+        header.type.append("('").append(column.array).append("', '").append(type_name(column.type));
+        header.type += column.parts.size() == 1 ? "'), " : "', (3,)), ";
       }
       header.type += "]";
     }
