@@ -38,7 +38,7 @@ class Answering {
         block.gradients.push_back(query_.gradient(block.points[n], block.closest[n]));
     if (asked_.winding) {
       block.windings.resize(count);
-      query_.winding_numbers(block.points, block.windings, execution_, progress);
+      query_.winding_numbers(block.points, block.windings, {.threads = execution_.threads}, progress);  // the CPU's
     }
     for (const std::size_t n : invalid) put_nothing(block, n);
     count_block(block, static_cast<std::int64_t>(invalid.size()));

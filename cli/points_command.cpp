@@ -106,7 +106,9 @@ MeshQuery Command::query() const {
   const Mesh loaded = with_spinner(console, "reading " + mesh.name(), [&] { return mesh.read(); });
   console.say(mesh_line(mesh.name(), loaded));
   try {
-    return with_spinner(console, "preparing " + mesh.name(), [&] { return MeshQuery(loaded, options); });
+    return with_spinner(console, "preparing " + mesh.name(), [&] {
+      return MeshQuery(loaded, {options.sign, {.threads = options.execution.threads}});
+    });
   } catch (const Error& error) {
     throw Error(error.code(), mesh.name() + ": " + error.what(), error.details());
   }

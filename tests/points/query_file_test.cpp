@@ -51,11 +51,12 @@ Mesh damaged_box() {
   return mesh;
 }
 
-Mesh two_boxes() {
+// The second one moved and smaller, so that it overlaps the first or lies inside it.
+Mesh two_boxes(double scale, Vec3 by) {
   Mesh mesh = scenes::make("box");
   const Mesh other = mesh;
   const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
-  for (const Vec3& v : other.vertices) mesh.vertices.push_back(v + Vec3{0.5, 0.3, 0.2});
+  for (const Vec3& v : other.vertices) mesh.vertices.push_back(v * scale + by);
   for (const Triangle& t : other.triangles) mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
   return mesh;
 }
@@ -66,9 +67,9 @@ std::vector<std::pair<Mesh, SignOptions>> cases() {
           {damaged_box(), {.method = SignMethod::winding}},
           {damaged_box(), {.method = SignMethod::winding, .as_oriented = true}},
           {damaged_box(), {.method = SignMethod::normal, .invert = true}},
-          {two_boxes(), {.method = SignMethod::parity}},
-          {two_boxes(), {.method = SignMethod::winding, .rule = WindingRule::odd}},
-          {two_boxes(), {.method = SignMethod::winding, .outer = true}},
+          {two_boxes(1, {0.5, 0.3, 0.2}), {.method = SignMethod::parity}},
+          {two_boxes(1, {0.5, 0.3, 0.2}), {.method = SignMethod::winding, .rule = WindingRule::odd}},
+          {two_boxes(0.3, {}), {.method = SignMethod::winding, .outer = true}},
           {scenes::make("box"), {.method = SignMethod::shell, .shell = 0.1}}};
 }
 
@@ -116,7 +117,8 @@ std::string with(std::string bytes, std::size_t at, T value) {
 }
 
 TEST(QueryFile, DamageIsFound) {
-  const std::string good = bytes_of(MeshQuery(two_boxes(), {.sign = {.method = SignMethod::winding, .outer = true}}));
+  const std::string good =
+      bytes_of(MeshQuery(two_boxes(0.3, {}), {.sign = {.method = SignMethod::winding, .outer = true}}));
   for (std::size_t size = 0; size < good.size(); size += 1 + size / 40)
     expect_refused(good.substr(0, size), "damaged", ArrayChecksum::checked);
   expect_refused(good + "x", "its length is not what its header says");

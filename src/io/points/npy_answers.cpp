@@ -23,12 +23,13 @@ class NpyFile : public CountedRows {
     const auto columns = columns_of(asked());
     NpyHeader header{"<f8", {std::numeric_limits<std::int64_t>::max()}, false};
     if (columns.size() > 1) {
-      header.type = "[";
+      header.type.clear();
+      header.type += '[';
       for (const AnswerColumn& column : columns) {
         header.type.append("('").append(column.array).append("', '").append(type_name(column.type));
         header.type += column.parts.size() == 1 ? "'), " : "', (3,)), ";
       }
-      header.type += "]";
+      header.type += ']';
     }
     const std::size_t room = npy_header(header).size();
     header.shape = {static_cast<std::int64_t>(rows)};
