@@ -4,9 +4,11 @@
 distances are known in closed form."""
 
 import os
+import signal
 import struct
 import subprocess
 import sys
+import tempfile
 import unittest
 import zipfile
 from pathlib import Path
@@ -56,6 +58,10 @@ def ply_bytes(points, encoding="binary_little_endian", kind="double", extra=True
 
 class Points(unittest.TestCase):
     def setUp(self):
+        folder = tempfile.TemporaryDirectory(dir=os.getcwd())
+        self.addCleanup(folder.cleanup)
+        self.addCleanup(os.chdir, os.getcwd())  # before the folder is removed
+        os.chdir(folder.name)
         self.points = np.random.default_rng(3).normal(size=(500, 3))
         self.points[0] = [0, 0, 0.5]  # on the surface
         self.points[1] = [1, 0.75, 0.5]  # on a corner
@@ -295,6 +301,46 @@ class Points(unittest.TestCase):
     def test_scale(self):
         text = self.done("scene:box", "-", "--scale", "2", stdin=b"5,0,0\n").stdout
         self.assertEqual(text, b"distance\n3\n")  # points are not scaled
+
+    def test_queries_in_files(self):
+        np.save("p.npy", self.points)
+        built = subprocess.run([STANDOFF, "build", "scene:box", "-o", "box.query", "--sign", "auto"], capture_output=True)
+        self.assertEqual(built.returncode, 0, built.stderr)
+        fresh = self.done("scene:box", "p.npy", "--with", ALL + ",winding", "--sign", "auto")
+        again = self.done("box.query", "p.npy", "--with", ALL + ",winding")
+        self.assertEqual(again.stdout, fresh.stdout)
+        distance = np.array(csv_columns(fresh.stdout)["distance"], dtype=float)
+        inside = (np.abs(self.points) < HALF).all(axis=1)
+        np.testing.assert_allclose(distance, np.where(inside, -1, 1) * distances_to_box(self.points), atol=1e-14)
+        np.testing.assert_array_equal(np.array(csv_columns(fresh.stdout)["winding"], dtype=float)[2:], inside[2:])
+        self.refused(2, "box.query: a query has its scale and sign", "box.query", "p.npy", "--sign", "auto")
+        self.refused(2, "box.query: a query has its scale and sign", "box.query", "p.npy", "--scale", "2")
+        content = bytearray(Path("box.query").read_bytes())
+        content[200] ^= 1
+        self.refused(3, "it is damaged: its checksum", self.file("bad.query", content), "p.npy")
+        self.refused(3, "this is no query", self.file("none.query", b"solid\n"), "p.npy")
+        self.refused(3, "the content is a query", self.file("named.stl", Path("box.query").read_bytes()), "p.npy")
+        for words, message in [(["-o", "a.query", "--spacing", "1"], "--spacing is for bodies"),
+                               (["-o", "a.body", "--sign", "auto"], "--sign is for queries")]:
+            ran = subprocess.run([STANDOFF, "build", "scene:box", *words], capture_output=True)
+            self.assertEqual(ran.returncode, 2, ran.stderr)
+            self.assertIn(message, ran.stderr.decode())
+
+    def test_emulated_gpu(self):
+        np.save("p.npy", self.points)
+        words = ["scene:fly:2000", "p.npy", "--with", ALL, "--sign", "auto"]
+        self.assertEqual(self.done(*words, "--device", "emulated").stdout, self.done(*words, "--device", "cpu").stdout)
+
+    def test_interrupt(self):
+        with subprocess.Popen([STANDOFF, "points", "scene:box", "-", "-o", "a.csv"], stdin=subprocess.PIPE,
+                              stderr=subprocess.PIPE) as process:
+            process.stdin.write(b"1,2,3\n" * 100)
+            process.stdin.flush()
+            process.stderr.readline()  # the mesh is read
+            process.send_signal(signal.SIGINT)
+            self.assertEqual(process.wait(60), 130)
+            self.assertIn(b"interrupted", process.stderr.read())
+        self.assertEqual(os.listdir("."), [])
 
     def test_output_that_cannot_be_written(self):
         np.save("p.npy", self.points)

@@ -38,7 +38,8 @@ std::vector<Vec3> points_for(const Mesh& mesh, int count) {
     const Vec3 on = a + (b - a) * u + (c - a) * v;
     const Vec3 choices[] = {anywhere,       on, a, (a + b) * 0.5, on + reach * random.in_cube(1e-6), anywhere * 1e3,
                             anywhere * 1e40};
-    points.push_back(choices[n % 7]);
+    const double most = max_norm(choices[n % 7]);
+    points.push_back(choices[n % 7] * (most > kMaxCoordinate ? 0.5 * kMaxCoordinate / most : 1));
   }
   return points;
 }
