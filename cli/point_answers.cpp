@@ -13,8 +13,8 @@
 namespace standoff::cli {
 namespace {
 
-// Enough for many threads, and for points to share work; with all answers 200 bytes each.
-constexpr std::size_t kBlock = std::size_t{1} << 18;
+// Points that are answered together share work: the more the better. Fewer where an answer takes much memory.
+std::size_t block_size(const AskedAnswers& asked) { return std::size_t{1} << (asked.needs_closest() ? 19 : 20); }
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 class Answering {
@@ -85,8 +85,8 @@ class Answering {
   PointCounts counts_{.least = kNan, .largest = kNan};
 };
 
-std::vector<Vec3> next_points(PointReader& reader) {
-  std::vector<Vec3> points(kBlock);
+std::vector<Vec3> next_points(PointReader& reader, const AskedAnswers& asked) {
+  std::vector<Vec3> points(block_size(asked));
   points.resize(reader.read(points));
   return points;
 }
@@ -104,7 +104,7 @@ PointCounts answer_points(const MeshQuery& query, PointReader& reader, AnswerWri
   Answering answering(query, asked, execution);
   // At most three blocks: one is read, one is answered, one is written.
   AnswerBlock written;
-  std::future<std::vector<Vec3>> reading = beside([&] { return next_points(reader); });
+  std::future<std::vector<Vec3>> reading = beside([&] { return next_points(reader, asked); });
   std::future<void> writing;
   for (;;) {
     AnswerBlock block;
@@ -112,7 +112,7 @@ PointCounts answer_points(const MeshQuery& query, PointReader& reader, AnswerWri
     const double before = reader.fraction();
     if (block.points.empty()) break;
     if (progress && !progress({"points", before})) throw Error(ErrorCode::interrupted, "interrupted");
-    reading = beside([&] { return next_points(reader); });
+    reading = beside([&] { return next_points(reader, asked); });
     answering.answer(block, {});
     if (writing.valid()) writing.get();
     written = std::move(block);

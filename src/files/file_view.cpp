@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <charconv>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <new>
 #include <optional>
@@ -67,6 +68,17 @@ FileView::FileView(const std::filesystem::path& name, const Descriptor& file, st
 
 FileView::~FileView() {
   if (mapped_) ::munmap(mapped_, bytes_.size());
+}
+
+void FileView::forget(std::string_view part) const {
+  const std::less<const char*> before;  // any pointers may be compared
+  if (!mapped_ || before(part.data(), bytes_.data()) || before(bytes_.data() + size(), part.data() + part.size()))
+    return;
+  const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+  const auto first = static_cast<std::size_t>(part.data() - bytes_.data());
+  // What stands before the part on its first page is read from the file again, should anybody ask.
+  const std::size_t begin = first / page * page, end = (first + part.size()) / page * page;
+  if (begin < end) (void)::madvise(static_cast<char*>(mapped_) + begin, end - begin, MADV_DONTNEED);
 }
 
 void FileView::read_all(int descriptor, std::size_t expected, std::size_t longest, std::size_t most) {

@@ -127,6 +127,7 @@ class ArrayPoints : public PointReader {
       if (!check_point(points[n], invalid_) && invalid_ == InvalidPoints::reject)
         file_->fail("point " + std::to_string(done_), name_ + invalid_point(done_, points[n]));
     }
+    for (const std::string_view part : bytes) file_->forget(part);
   }
 
   std::unique_ptr<FileView> file_;

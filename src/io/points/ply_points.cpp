@@ -34,6 +34,9 @@ class PlyPoints : public PointReader {
       if (!check_point(points[n], invalid_) && invalid_ == InvalidPoints::reject)
         file_->fail("vertex " + std::to_string(row_.number), invalid_point(row_.number, points[n]));
     }
+    const std::uint64_t end = file_->size() - body_.bytes_left();
+    file_->forget(file_->text(forgotten_, end - forgotten_));
+    forgotten_ = end;
     return n;
   }
   std::optional<std::uint64_t> count() const override { return row_.element->count; }
@@ -63,6 +66,7 @@ class PlyPoints : public PointReader {
   Body body_;
   std::array<int, 3> axes_{};
   InvalidPoints invalid_;
+  std::uint64_t forgotten_ = 0;
 };
 
 }  // namespace
