@@ -18,5 +18,6 @@ void add_collide(CLI::App& program);
 void add_distance(CLI::App& program);
 void add_sweep(CLI::App& program);
 void add_fly(CLI::App& program);
+void add_points(CLI::App& program);
 
 }  // namespace standoff::cli

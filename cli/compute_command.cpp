@@ -14,6 +14,7 @@
 #include "cli/memory.h"
 #include "cli/options.h"
 #include "cli/parse.h"
+#include "cli/sign_options.h"
 #include "cli/signals.h"
 #include "cli/spinner.h"
 #include "cli/text.h"
@@ -88,36 +89,12 @@ void Command::add_to(CLI::App& verb) {
     parse_choice(o, t, {"triangle"});
     options.nearest_triangle = true;
   });
-  add(
-      "--sign", "METHOD",
-      "make values inside negative. auto: what fits the mesh, or\nnothing if it has no inside; winding, parity: by "
-      "crossings;\n"
-      "normal: behind the nearest triangle, for terrain;\nflood: what a flood from outside does not reach;\n"
-      "shell:T: the surface as a solid of thickness T (0.5 or 3s);\nnone (default). `standoff info MESH` says what "
-      "fits",
-      [this](S o, S t) {
-        const SignChoice choice = parse_sign(o, t);
-        options.sign.method = choice.method;
-        shell = choice.shell;
-      },
-      "Sign");
-  add(
-      "--rule", "NAME", "inside is where the winding number is positive (default),\nnonzero or odd",
-      [this](S o, S t) { options.sign.rule = parse_winding_rule(o, t); }, "Sign");
-  verb.add_flag("--invert", options.sign.invert, "exchange inside and outside, as for a room scanned from inside")
-      ->group("Sign");
+  add_sign(verb, options.sign, shell);
   add(
       "--confidence", "FIELD",
       "also write how far each sample's winding number is from the\nnext odd half, 0 to 0.5, and say how sure the sign "
       "is",
       [this](S, S t) { confidence_name = t; }, "Sign");
-  verb.add_flag("--as-oriented", options.sign.as_oriented, "take triangles as they are oriented; repair nothing first")
-      ->group("Sign");
-  verb.add_flag(
-          "--outer", options.sign.outer,
-          "leave out triangles inside: distances are to the union of\nall parts (sign winding or auto, closed meshes)")
-      ->group("Sign");
-  verb.add_flag("--strict", options.sign.strict, "fail with exit code 8 where the sign is not certain")->group("Sign");
   add_device(verb, "Work", options.execution.backend, options.execution.device);
   add_threads(verb, "Work", options.execution.threads);
   add("--memory-limit", "SIZE",

@@ -36,6 +36,7 @@ bool knows(const std::vector<FileFormat>& formats, const std::string& extension,
 
 FileKind kind_of(const fs::path& path) {
   if (extension_of(path) == "body") return FileKind::body;
+  if (extension_of(path) == "query") return FileKind::query;
   return knows(field_formats(), extension_of(path), false) ? FileKind::field : FileKind::mesh;
 }
 
@@ -68,6 +69,13 @@ void MeshInput::add_to(CLI::App& verb) {
       ->required();
 }
 
+void MeshInput::add_query_to(CLI::App& verb) {
+  verb.add_option("MESH", name_,
+                  "a mesh file (" + extensions(mesh_formats(), false) +
+                      "),\nscene:NAME[:TRIANGLES], or a query that standoff build made (.query)")
+      ->required();
+}
+
 void MeshInput::add_any_to(CLI::App& verb, bool bodies) {
   verb.add_option("FILE", name_,
                   "a mesh (" + extensions(mesh_formats(), false) + "),\nscene:NAME[:TRIANGLES], " +
@@ -96,6 +104,8 @@ Mesh MeshInput::read(MeshReadReport* report) const {
     throw Error(ErrorCode::input, name_ +
                                       ": this is a body, for collide, distance, sweep and fly; give the mesh it "
                                       "was built from");
+  if (kind_of(name_) == FileKind::query)
+    throw Error(ErrorCode::input, name_ + ": this is a query, for points; give the mesh it was built from");
   if (kind_of(name_) == FileKind::field)
     throw Error(ErrorCode::input, name_ + ": this is a field; give the mesh it was computed from");
   const double scale = scale_ ? *scale_ : unit_.value_or(1);

@@ -14,7 +14,7 @@
 
 namespace standoff::cli {
 
-enum class FileKind { mesh, field, body };
+enum class FileKind { mesh, field, body, query };
 
 /// By the extension; a name that says nothing is a mesh's, for those are recognised by content.
 FileKind kind_of(const std::filesystem::path& path);
@@ -38,6 +38,8 @@ class MeshInput {
   void add_to(CLI::App& verb);
   /// Adds the positional argument FILE for verbs that take meshes, fields and, with `bodies`, bodies.
   void add_any_to(CLI::App& verb, bool bodies);
+  /// Adds the positional argument MESH, which may also be a query that standoff build made.
+  void add_query_to(CLI::App& verb);
   /// Adds --scale and --unit.
   void add_scale_to(CLI::App& verb);
 

@@ -56,7 +56,7 @@ endfunction()
 include(cmake/rooms.cmake)
 
 # Meshes, grids, fields and their files: what every reader and writer stands on.
-standoff_component(core FILES ${STANDOFF_GROUND_FILES} io/mesh/*.cpp io/field/*.cpp LIBRARIES ZLIB::ZLIB ${STANDOFF_ASSIMP})
+standoff_component(core FILES ${STANDOFF_GROUND_FILES} io/mesh/*.cpp io/field/*.cpp io/points/*.cpp LIBRARIES ZLIB::ZLIB ${STANDOFF_ASSIMP})
 if(STANDOFF_ASSIMP)
   target_compile_definitions(standoff_core PRIVATE STANDOFF_HAVE_ASSIMP)
 endif()
@@ -69,7 +69,8 @@ else()
 endif()
 
 # Fields of meshes on the CPU and on CUDA.
-standoff_component(field FILES ${STANDOFF_FIELD_FILES} gpu/${STANDOFF_CUDA_FILES} backends/cuda/${STANDOFF_CUDA_FILES} WITHOUT /algorithm_2
+standoff_component(field FILES ${STANDOFF_FIELD_FILES} gpu/${STANDOFF_CUDA_FILES} backends/cuda/${STANDOFF_CUDA_FILES}
+                   points/cuda/${STANDOFF_CUDA_FILES} WITHOUT /algorithm_2
                    LIBRARIES ${STANDOFF_CUDA_RUNTIME})
 
 if("collision" IN_LIST STANDOFF_COMPONENTS)
@@ -85,7 +86,7 @@ if("render" IN_LIST STANDOFF_COMPONENTS)
   endif()
 endif()
 if("emulation" IN_LIST STANDOFF_COMPONENTS)
-  set(emulated gpu/*_emulated.cpp gpu/emulation/*.cpp backends/cuda/*_emulated.cpp)
+  set(emulated gpu/*_emulated.cpp gpu/emulation/*.cpp backends/cuda/*_emulated.cpp points/cuda/*_emulated.cpp)
   if(TARGET standoff_collision)
     list(APPEND emulated collision/cuda/*_emulated.cpp)
   endif()
@@ -93,11 +94,11 @@ if("emulation" IN_LIST STANDOFF_COMPONENTS)
   if(STANDOFF_BOOST_CONTEXT)
     target_compile_definitions(standoff_emulation PRIVATE STANDOFF_HAVE_BOOST_CONTEXT)
   endif()
-  set_source_files_properties(src/backends/fields.cpp src/backends/collision.cpp PROPERTIES COMPILE_DEFINITIONS STANDOFF_HAVE_EMULATION)
+  set_source_files_properties(src/backends/fields.cpp src/backends/points.cpp src/backends/collision.cpp PROPERTIES COMPILE_DEFINITIONS STANDOFF_HAVE_EMULATION)
 endif()
 
 include(cmake/simd.cmake)
 if(STANDOFF_HAVE_CUDA)
-  file(GLOB STANDOFF_CUDA_SOURCES CONFIGURE_DEPENDS src/gpu/*.cu src/backends/cuda/*.cu src/collision/cuda/*.cu)
+  file(GLOB STANDOFF_CUDA_SOURCES CONFIGURE_DEPENDS src/gpu/*.cu src/backends/cuda/*.cu src/points/cuda/*.cu src/collision/cuda/*.cu)
   set_source_files_properties(${STANDOFF_CUDA_SOURCES} PROPERTIES COMPILE_OPTIONS "${STANDOFF_CUDA_FLAGS}")
 endif()

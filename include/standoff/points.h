@@ -4,12 +4,15 @@
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <limits>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "standoff/execution.h"
+#include "standoff/existing.h"
 #include "standoff/export.h"
 #include "standoff/feature.h"
 #include "standoff/mesh.h"
@@ -76,8 +79,16 @@ class STANDOFF_API MeshQuery {
   struct Data;
 
  private:
+  friend struct QueryAccess;
+  explicit MeshQuery(std::shared_ptr<const Data> data) : data_(std::move(data)) {}
   std::shared_ptr<const Data> data_;
 };
+
+/// Writes a query as a file, by convention with the extension `.query`; it appears whole or not at all. Errors: output.
+STANDOFF_API void write_query(const std::filesystem::path& path, const MeshQuery& query,
+                              Existing existing = Existing::replace);
+/// Reads it. Errors: input (`FILE:WHERE: what; what to do`), limit (memory).
+STANDOFF_API MeshQuery read_query(const std::filesystem::path& path);
 
 /// The closest point for each of `points`, in this order, without a sign: a MeshQuery for a single call. Errors: as
 /// MeshQuery and closest().

@@ -10,32 +10,18 @@
 #include <cerrno>
 #include <charconv>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <new>
 #include <optional>
-#include <system_error>
 
+#include "files/input_stream.h"
 #include "standoff/error.h"
 
 namespace standoff {
 namespace {
 
 constexpr std::size_t kUnbounded = std::numeric_limits<std::size_t>::max();
-
-std::string reason(int error) {
-  switch (error) {
-    case ENOENT:
-    case ENOTDIR:
-      return "no such file; check the name";
-    case EACCES:
-    case EPERM:
-      return "permission denied; choose a file that you may read";
-    case EISDIR:
-      return "it is a folder; give the name of a file";
-    default:
-      return "cannot read it: " + std::generic_category().message(error) + "; check the disk and try again";
-  }
-}
 
 // A quarter of the memory, for while it grows it is there twice: what comes through a pipe may have no end, and all
 // memory would be taken before a larger piece is refused.
@@ -56,8 +42,8 @@ std::optional<std::int64_t> number_after(std::string_view word, std::string_view
 FileView::FileView(const std::filesystem::path& path, Access access) : path_(path) {
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
   struct stat about {};
-  if (file.number() < 0 || ::fstat(file.number(), &about) != 0) fail("", reason(errno));
-  if (S_ISDIR(about.st_mode)) fail("", reason(EISDIR));
+  if (file.number() < 0 || ::fstat(file.number(), &about) != 0) fail("", cannot_read(errno));
+  if (S_ISDIR(about.st_mode)) fail("", cannot_read(EISDIR));
   if (!S_ISFIFO(about.st_mode) && !S_ISREG(about.st_mode))
     fail("", "it is a device; give the name of a file, or of a pipe");
   const auto size = static_cast<std::size_t>(about.st_size);
@@ -68,20 +54,31 @@ FileView::FileView(const std::filesystem::path& path, Access access) : path_(pat
   }
   if (size == 0) return;
   void* mapped = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file.number(), 0);
-  if (mapped == MAP_FAILED) fail("", reason(errno));
+  if (mapped == MAP_FAILED) fail("", cannot_read(errno));
   mapped_ = mapped;
   bytes_ = {static_cast<const char*>(mapped), size};
 }
 
 FileView::FileView(const std::filesystem::path& name, const Descriptor& file, std::uint64_t longest) : path_(name) {
   struct stat about {};
-  if (::fstat(file.number(), &about) != 0) fail("", reason(errno));
+  if (::fstat(file.number(), &about) != 0) fail("", cannot_read(errno));
   const auto most = static_cast<std::size_t>(longest);
   read_all(file.number(), std::min(static_cast<std::size_t>(about.st_size), most), most, kUnbounded);
 }
 
 FileView::~FileView() {
   if (mapped_) ::munmap(mapped_, bytes_.size());
+}
+
+void FileView::forget(std::string_view part) const {
+  const std::less<const char*> before;  // any pointers may be compared
+  if (!mapped_ || before(part.data(), bytes_.data()) || before(bytes_.data() + size(), part.data() + part.size()))
+    return;
+  const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+  const auto first = static_cast<std::size_t>(part.data() - bytes_.data());
+  // What stands before the part on its first page is read from the file again, should anybody ask.
+  const std::size_t begin = first / page * page, end = (first + part.size()) / page * page;
+  if (begin < end) (void)::madvise(static_cast<char*>(mapped_) + begin, end - begin, MADV_DONTNEED);
 }
 
 void FileView::read_all(int descriptor, std::size_t expected, std::size_t longest, std::size_t most) {
@@ -102,7 +99,7 @@ void FileView::read_all(int descriptor, std::size_t expected, std::size_t longes
       }
       const auto got = ::read(descriptor, read_.get() + size, std::min({room - size, longest - size, kMostAtOnce}));
       if (got < 0 && errno == EINTR) continue;
-      if (got < 0) fail("", reason(errno));
+      if (got < 0) fail("", cannot_read(errno));
       if (got == 0) break;
       size += static_cast<std::size_t>(got);
     }

@@ -47,6 +47,9 @@ class FileView {
   std::string_view text(std::uint64_t offset, std::uint64_t bytes) const {
     return offset < size() ? bytes_.substr(offset, bytes) : std::string_view();
   }
+  /// Says that a part of the bytes is not looked at again: of a mapping its pages leave our memory. Other text than the
+  /// file's is passed over.
+  void forget(std::string_view part) const;
   /// The number whose bytes, little endian, begin at `offset`. Errors: input, where the file ends before.
   template <class Number>
   Number number(std::uint64_t offset) const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,6 +15,7 @@
 #include "geometry/triangle_frame.h"
 #include "points/closest_in_triangle.h"
 #include "points/nearest.h"
+#include "points/nearest_on_device.h"
 #include "points/query_data.h"
 #include "sign/options.h"
 #include "sign/outer/outer.h"
@@ -70,12 +72,17 @@ void answer_all(const MeshQuery::Data& data, std::span<const Vec3> points, const
   progress.stage("points", static_cast<std::int64_t>(points.size()), 0, 1);
   const cpu::PointKernels& kernels = cpu::point_kernels_for(execution.simd);
   const TriangleIndex& index = data.near();
+  const PointDevice* const device = find_point_device(execution.backend, points.size());
   Threads(execution.threads).run([&] {
     std::vector<NearestTriangle> nearest(std::min(kMostPoints, points.size()));
     std::vector<std::uint32_t> order;
     for (std::size_t first = 0; first < points.size(); first += kMostPoints) {
       const std::span<const Vec3> part = points.subspan(first, std::min(kMostPoints, points.size() - first));
-      find_nearest(index, kernels, part, std::span(nearest).first(part.size()), order, progress);
+      const std::span<NearestTriangle> found = std::span(nearest).first(part.size());
+      if (device)
+        find_nearest_on_device(*device, execution.device, data.device_tree(), index, part, found, order, progress);
+      else
+        find_nearest(index, kernels, part, found, order, progress);
       tbb::parallel_for(tbb::blocked_range<std::size_t>(0, part.size(), kTogether), [&](const auto& range) {
         std::array<PointToSide, kTogether> to_side;
         std::array<bool, kTogether> inside;
@@ -106,20 +113,28 @@ void answer_all(const MeshQuery::Data& data, std::span<const Vec3> points, const
 
 }  // namespace
 
-MeshQuery::Data::Data(MeshView view, const MeshQueryOptions& options) : mesh(copy_of(view)), sign(options.sign) {
-  Threads threads(options.execution.threads);
-  threads.run([&] {
-    const Simd simd = options.execution.simd;
-    plan = plan_of(mesh, sign);
-    all.emplace(mesh, std::span<const std::uint32_t>{}, threads.count(), simd);
-    if (!plan.exposed.empty()) exposed.emplace(mesh, plan.exposed, threads.count(), simd);
-    sides = make_sides_of_points({mesh, plan.use}, *all, plan, sign.rule, threads.count(), simd);
-  });
+MeshQuery::Data::Data(Mesh own, const SignOptions& options, SignPlan planned, int threads, Simd simd)
+    : mesh(std::move(own)), sign(options), plan(std::move(planned)) {
+  all.emplace(mesh, std::span<const std::uint32_t>{}, threads, simd);
+  if (!plan.exposed.empty()) exposed.emplace(mesh, plan.exposed, threads, simd);
+  sides = make_sides_of_points({mesh, plan.use}, *all, plan, sign.rule, threads, simd);
+}
+
+const DeviceTree& MeshQuery::Data::device_tree() const {
+  const std::lock_guard lock(tree_mutex_);
+  // Isolated: this thread must not take up work that waits for the lock.
+  if (!tree_) tbb::this_task_arena::isolate([&] { tree_ = std::make_unique<const DeviceTree>(near()); });
+  return *tree_;
 }
 
 MeshQuery::MeshQuery(MeshView mesh, const MeshQueryOptions& options) try {
   check(mesh, options);
-  data_ = std::make_shared<const Data>(mesh, options);
+  Threads threads(options.execution.threads);
+  threads.run([&] {
+    SignPlan plan = plan_of(mesh, options.sign);
+    data_ = std::make_shared<const Data>(copy_of(mesh), options.sign, std::move(plan), threads.count(),
+                                         options.execution.simd);
+  });
 } catch (...) {
   throw_as_error("points");
 }
@@ -138,7 +153,7 @@ std::int64_t MeshQuery::memory_bytes() const {
 
 void MeshQuery::distances(std::span<const Vec3> points, std::span<double> out, const Execution& execution,
                           const ProgressCallback& progress) const try {
-  validate("points", execution, Runs::on_the_cpu);
+  validate("points", execution, Runs::everywhere);
   check(points, out.size());
   answer_all(*data_, points, execution, progress,
              [&](std::size_t n, std::uint32_t, double distance) { out[n] = distance; });
@@ -148,7 +163,7 @@ void MeshQuery::distances(std::span<const Vec3> points, std::span<double> out, c
 
 void MeshQuery::closest(std::span<const Vec3> points, std::span<ClosestPoint> out, const Execution& execution,
                         const ProgressCallback& progress) const try {
-  validate("points", execution, Runs::on_the_cpu);
+  validate("points", execution, Runs::everywhere);
   check(points, out.size());
   answer_all(*data_, points, execution, progress, [&](std::size_t n, std::uint32_t triangle, double distance) {
     const double scale = data_->near().scale_at(points[n]);

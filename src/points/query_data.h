@@ -3,8 +3,10 @@
 #pragma once
 
 #include <memory>
+#include <mutex>
 #include <optional>
 
+#include "points/device_tree.h"
 #include "points/sides_of_points.h"
 #include "points/triangle_index.h"
 #include "sign/plan.h"
@@ -13,16 +15,25 @@
 namespace standoff {
 
 struct MeshQuery::Data {
-  Data(MeshView view, const MeshQueryOptions& options);
+  /// Requires a valid mesh within kMaxCoordinate, and a plan that fits it. Runs on the threads of the calling TBB
+  /// arena.
+  Data(Mesh mesh, const SignOptions& sign, SignPlan plan, int threads, Simd simd);
 
   /// Of the triangles that count for distances: with SignOptions::outer not all.
   const TriangleIndex& near() const { return exposed ? *exposed : *all; }
+
+  /// What a device is given of near(); made on first use.
+  const DeviceTree& device_tree() const;
 
   Mesh mesh;
   SignOptions sign;
   SignPlan plan;
   std::optional<TriangleIndex> all, exposed;
   std::unique_ptr<SidesOfPoints> sides;
+
+ private:
+  mutable std::mutex tree_mutex_;
+  mutable std::unique_ptr<const DeviceTree> tree_;
 };
 
 }  // namespace standoff

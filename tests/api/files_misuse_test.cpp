@@ -5,6 +5,7 @@
 #include "standoff/cuda.h"
 #include "standoff/io.h"
 #include "standoff/picture.h"
+#include "standoff/points.h"
 #include "standoff/slice.h"
 #include "standoff/version.h"
 #include "tests/api/misuse.h"
@@ -31,6 +32,7 @@ TEST(Misuse, Reading) {
     expect_answer_or_error(path.string(), [&] { read_mesh(path); });
     expect_answer_or_error(path.string(), [&] { read_field(path); });
     expect_answer_or_error(path.string(), [&] { read_text(path); });
+    expect_answer_or_error(path.string(), [&] { read_query(path); });
   }
   const auto mesh = folder / "mesh.obj", field = folder / "field.vti";
   write_mesh(mesh, one_triangle());
@@ -55,6 +57,7 @@ TEST(Misuse, Writing) {
     expect_answer_or_error(name, [&] { write_field(path, field); });
     expect_answer_or_error(name, [&] { write_field(path, {}); });
     expect_answer_or_error(name, [&] { write_text(path, {}); });
+    expect_answer_or_error(name, [&] { write_query(path, MeshQuery(one_triangle()), none_of<Existing>()); });
     expect_answer_or_error(name, [&] { write_slice_png(path, field); });
     expect_answer_or_error(name, [&] { write_mesh_png(path, one_triangle(), {.width = 16, .height = 16}); });
   }

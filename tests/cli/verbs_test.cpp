@@ -30,7 +30,7 @@ TEST_F(Verbs, VersionAndHelp) {
   EXPECT_EQ(all, done({"--help"}).out);
   EXPECT_EQ(all, done({"-h"}).out);
   for (const std::string verb : {"compute", "info", "slice", "verify", "generate", "convert", "devices", "build",
-                                 "collide", "distance", "sweep", "fly"}) {
+                                 "collide", "distance", "sweep", "fly", "points"}) {
     EXPECT_TRUE(holds(all, "\n  " + verb + " ")) << verb;
     const std::string help = done({"help", verb}).out;
     EXPECT_EQ(help, done({verb, "--help"}).out);

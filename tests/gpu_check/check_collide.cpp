@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// gpu-check, collisions: poses decided and motions swept on this machine's GPU against the CPU's answers.
+// gpu-check, collisions and points: poses decided, motions swept and nearest triangles found on this machine's GPU
+// against the CPU's answers.
 //
 // check_collide [--quick] [--emulated]: prints a line per case and how many were wrong; exit code 0 where none was.
 // --emulated checks the check: the emulation takes the GPU's part, and no GPU is needed.
@@ -12,6 +13,7 @@
 #include "standoff/collision.h"
 #include "standoff/error.h"
 #include "standoff/testing/emulation.h"
+#include "tests/gpu_check/check_points.h"
 #include "tests/support/random_mesh.h"
 
 namespace standoff {
@@ -106,6 +108,9 @@ int run_all(bool quick, Backend backend) {
     faults += run(c, backend, few ? 300 : 20000) + run_sweeps(c, backend, few ? 100 : 5000);
     count += 2;
   }
+  const auto [wrong, points] = check_points(quick, backend, quick || backend == testing::kEmulated ? 1000 : 200'000);
+  faults += wrong;
+  count += points;
   std::printf("%d of %d checks went wrong\n", faults, count);
   return faults == 0 ? 0 : 7;
 }

@@ -15,7 +15,7 @@ namespace standoff {
 
 /// The body of a file called `fuzzed`. The checksum is not looked at: past it no changed byte would come.
 inline CollisionModel read_body(std::string_view bytes) {
-  return collision::read_model(FileView("fuzzed", bytes), collision::BodyChecksum::ignored);
+  return collision::read_model(FileView("fuzzed", bytes), ArrayChecksum::ignored);
 }
 
 /// The body's middle, turned, moved by this.

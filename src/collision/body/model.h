@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "collision/body/bvh16.h"
-#include "collision/body/device_model_cache.h"
 #include "collision/body/field_bounds.h"
+#include "gpu/device_copies.h"
 #include "standoff/collision.h"
 
 namespace standoff {
@@ -23,7 +23,7 @@ struct ModelData {
   Bvh16 bvh;
   HugePageVector<Corners> corners;        ///< of the triangles, in the order of the BVH
   std::vector<std::uint32_t> components;  ///< the first triangle of each connected component
-  DeviceModelCache device_models;         ///< what GPUs keep of all this
+  gpu::DeviceCopies device_models;        ///< what GPUs keep of all this
 
   /// The first step of building and of loading: checks the mesh, and sets box and middle. A spacing of 0 is chosen
   /// later. Errors: input, usage.

@@ -2,14 +2,12 @@
 // Models in files, for load() and for the fuzzer, whose changed bytes would end at the checksum.
 #pragma once
 
-#include "files/file_view.h"
+#include "files/array_file.h"
 #include "standoff/collision.h"
 
 namespace standoff::collision {
 
-enum class BodyChecksum { checked, ignored };
-
 /// The model in a file's bytes. Errors: input.
-CollisionModel read_model(const FileView& file, BodyChecksum checksum);
+CollisionModel read_model(const FileView& file, ArrayChecksum checksum);
 
 }  // namespace standoff::collision

@@ -32,7 +32,7 @@ STANDOFF_DEVICE void load_corners(const DeviceModelView& model, std::uint32_t in
   for (int k = 0; k < 3; ++k) corner[k] = {at[3 * k], at[3 * k + 1], at[3 * k + 2]};
 }
 
-class DeviceModel : public collision::CachedDeviceModel {
+class DeviceModel : public gpu::DeviceCopy {
  public:
   explicit DeviceModel(const collision::ModelData& data) {
     static_assert(sizeof(standoff::Corners) == 9 * sizeof(double));

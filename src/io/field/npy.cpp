@@ -77,13 +77,15 @@ class Dictionary {
 
 }  // namespace
 
-std::string npy_header(const NpyHeader& header) {
-  std::string text =
-      "{'descr': '" + header.type + "', 'fortran_order': " + (header.fortran_order ? "True" : "False") + ", 'shape': (";
+std::string npy_header(const NpyHeader& header, std::uint64_t room) {
+  const std::string quote = header.type.starts_with('[') ? "" : "'";
+  std::string text = "{'descr': " + quote + header.type + quote +
+                     ", 'fortran_order': " + (header.fortran_order ? "True" : "False") + ", 'shape': (";
   for (const auto side : header.shape) text += std::to_string(side) + ",";
   text += "), }";
   const std::uint64_t before = kMagic.size() + 4;
   text.append((kAlignment - (before + text.size() + 1) % kAlignment) % kAlignment, ' ');
+  if (before + text.size() + 1 < room) text.append(room - before - text.size() - 1, ' ');
   text += '\n';
   const auto length = static_cast<std::uint16_t>(text.size());
   return std::string(kMagic) + '\1' + '\0' + static_cast<char>(length & 0xFF) + static_cast<char>(length >> 8) + text;

@@ -12,13 +12,13 @@
 namespace standoff {
 
 struct NpyHeader {
-  std::string type;                 ///< as numpy spells it: "<f4"
+  std::string type;                 ///< as numpy spells it: "<f4"; a list in brackets for records, which are not read
   std::vector<std::int64_t> shape;  ///< empty for a single value
   bool fortran_order = false;       ///< the first axis varies fastest; the last one otherwise
 };
 
-/// The header with its padding, a multiple of 64 bytes.
-std::string npy_header(const NpyHeader& header);
+/// The header with its padding, a multiple of 64 bytes; of `room` bytes, such a multiple, where it has no more without.
+std::string npy_header(const NpyHeader& header, std::uint64_t room = 0);
 
 /// The longest header that is read; longer ones describe records.
 inline constexpr std::uint64_t kMaxNpyHeader = 12 + (std::uint64_t{1} << 16);

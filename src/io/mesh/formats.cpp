@@ -12,8 +12,8 @@
 
 #include "core/guarded.h"
 #include "core/number_text.h"
-#include "files/body_magic.h"
 #include "files/inflate.h"
+#include "files/magic.h"
 #include "files/text_cursor.h"
 #include "io/mesh/format.h"
 #include "standoff/io.h"
@@ -108,6 +108,8 @@ bool is_utf_16(std::string_view content) {
 const MeshFormat& format_to_read(const FileView& file) {
   if (file.bytes().starts_with(kBodyMagic))
     file.fail("byte 0", "the content is a body that standoff build made, and no mesh; rename it to end in .body");
+  if (file.bytes().starts_with(kQueryMagic))
+    file.fail("byte 0", "the content is a query that standoff build made, and no mesh; rename it to end in .query");
   const MeshFormat* named = format_by_extension(file.path());
   if (is_gzip(file.bytes()) && named && !named->recognises(file.bytes()))
     file.fail("byte 0", "the content is packed by gzip; rename it to end in ." + std::string(named->extension) + ".gz");

@@ -163,6 +163,14 @@ std::uint64_t PlyElement::least_bytes(bool ascii) const {
   return bytes;
 }
 
+std::array<int, 3> position_axes(const FileView& file, const PlyElement& vertices) {
+  const std::array<int, 3> axes{vertices.find("x"), vertices.find("y"), vertices.find("z")};
+  for (const int axis : axes)
+    if (axis < 0 || vertices.properties[static_cast<std::size_t>(axis)].list)
+      file.fail("header", "element vertex needs properties x, y and z; write the file again with them");
+  return axes;
+}
+
 bool is_ply(std::string_view content) {
   return content.starts_with("ply") && content.size() > 3 && is_space(content[3]);
 }

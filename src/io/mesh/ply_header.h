@@ -2,6 +2,7 @@
 // The header of a PLY file: what its body holds, in which order and types.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -39,6 +40,9 @@ struct PlyHeader {
   std::vector<PlyElement> elements;
   std::size_t body = 0;  ///< offset of the first byte after the header
 };
+
+/// Which properties of the vertices are x, y and z. Errors: input, if one is missing or a list.
+std::array<int, 3> position_axes(const FileView& file, const PlyElement& vertices);
 
 /// Errors: input, with the line.
 PlyHeader read_ply_header(const FileView& file);

@@ -207,11 +207,11 @@ TEST(CudaCollide, ABodyIsCopiedToADeviceOnce) {
   const CollisionModel shared = a;
   const std::vector<Pose> poses = random_poses(16, 4, 1);
   static_cast<void>(collide_all(a, {}, b, poses, {}, kEmulation));
-  const auto never = []() -> std::shared_ptr<const collision::CachedDeviceModel> {
+  const auto never = []() -> std::shared_ptr<const gpu::DeviceCopy> {
     ADD_FAILURE() << "copied again";
     return nullptr;
   };
-  std::weak_ptr<const collision::CachedDeviceModel> copy =
+  std::weak_ptr<const gpu::DeviceCopy> copy =
       collision::data_of(shared).device_models.get(testing::kEmulated, 0, never);
   EXPECT_FALSE(copy.expired());
   {

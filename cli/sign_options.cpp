@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/sign_options.h"
+
+#include <string>
+
+#include "cli/options.h"
+
+namespace standoff::cli {
+namespace {
+
+constexpr const char* kGroup = "Sign";
+
+}  // namespace
+
+void add_sign(CLI::App& verb, SignOptions& options, Thickness& shell) {
+  using S = const std::string&;
+  add_parsed(verb,
+             {"--sign", "METHOD",
+              "make values inside negative. auto: what fits the mesh, or\nnothing if it has no inside; winding, "
+              "parity: by "
+              "crossings;\n"
+              "normal: behind the nearest triangle, for terrain;\nflood: what a flood from outside does not reach;\n"
+              "shell:T: the surface as a solid of thickness T (0.5 or 3s);\nnone (default). `standoff info MESH` says "
+              "what "
+              "fits",
+              kGroup},
+             [&](S o, S t) {
+               const SignChoice choice = parse_sign(o, t);
+               options.method = choice.method;
+               shell = choice.shell;
+             });
+  add_parsed(verb,
+             {"--rule", "NAME", "inside is where the winding number is positive (default),\nnonzero or odd", kGroup},
+             [&](S o, S t) { options.rule = parse_winding_rule(o, t); });
+  verb.add_flag("--invert", options.invert, "exchange inside and outside, as for a room scanned from inside")
+      ->group(kGroup);
+  verb.add_flag("--as-oriented", options.as_oriented, "take triangles as they are oriented; repair nothing first")
+      ->group(kGroup);
+  verb.add_flag("--outer", options.outer,
+                "leave out triangles inside: distances are to the union of\nall parts (sign winding or auto, closed "
+                "meshes)")
+      ->group(kGroup);
+  verb.add_flag("--strict", options.strict, "fail with exit code 8 where the sign is not certain")->group(kGroup);
+}
+
+bool is_given(const SignOptions& sign) {
+  const SignOptions none;
+  return sign.method != none.method || sign.rule != none.rule || sign.invert || sign.as_oriented || sign.outer ||
+         sign.strict;
+}
+
+void add_sign_report(Json& json, const SignReport& report) {
+  json["sign"] = {{"method", name_of(report.method)}, {"why", report.why}, {"sure", report.sure}};
+}
+
+}  // namespace standoff::cli

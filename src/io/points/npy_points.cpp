@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+// Points from NumPy arrays: .npy, and one array of an .npz archive. Shape (n, 3), float32 or float64, any byte order
+// and either order of axes.
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+#include <vector>
+
+#include "files/shown.h"
+#include "files/zip_reader.h"
+#include "io/field/npy.h"
+#include "io/points/format.h"
+
+namespace standoff {
+namespace {
+
+// Bytes that lie in memory.
+class MemoryStream : public ByteStream {
+ public:
+  explicit MemoryStream(std::string_view bytes) : left_(bytes) {}
+  std::string_view next(std::uint64_t bytes) override {
+    const std::string_view part = left_.substr(0, bytes);
+    left_.remove_prefix(part.size());
+    return part;
+  }
+  void finish() override {}
+
+ private:
+  std::string_view left_;
+};
+
+template <class Stored>
+double value_at(const char* place, bool swapped) {
+  std::array<char, sizeof(Stored)> bytes;
+  std::memcpy(bytes.data(), place, sizeof(Stored));
+  if (swapped) std::reverse(bytes.begin(), bytes.end());
+  return static_cast<double>(std::bit_cast<Stored>(bytes));
+}
+
+constexpr std::uint64_t kPart = std::uint64_t{1} << 20;  // bytes that are passed over at once
+
+class ArrayPoints : public PointReader {
+ public:
+  ArrayPoints(std::unique_ptr<FileView> file, InvalidPoints invalid) : file_(std::move(file)), invalid_(invalid) {}
+
+  void open_npy() {
+    const std::string_view bytes = file_->bytes();
+    set(read_npy(*file_, "header", bytes.substr(0, kMaxNpyHeader), bytes.size()),
+        [bytes] { return std::make_unique<MemoryStream>(bytes); });
+  }
+
+  void open_npz() {
+    members_ = read_zip(*file_);
+    const ZipMember& member = choose();
+    name_ = shown(member.name) + ": ";
+    const std::string start(ZipMemberStream(*file_, member).next(std::min(member.bytes, kMaxNpyHeader)));
+    set(read_npy(*file_, member.name, start, member.bytes),
+        [this, &member] { return std::make_unique<ZipMemberStream>(*file_, member); });
+  }
+
+  std::size_t read(std::span<Vec3> points) override {
+    const std::uint64_t todo = std::min<std::uint64_t>(points.size(), count_ - done_);
+    for (std::uint64_t n = 0; n < todo;) {
+      const std::uint64_t part = std::min(todo - n, kPart / (3 * width_));
+      take(points.subspan(n, part));
+      n += part;
+    }
+    if (done_ == count_ && !finished_) {
+      streams_[0]->finish();
+      finished_ = true;
+    }
+    return todo;
+  }
+  std::optional<std::uint64_t> count() const override { return count_; }
+  double fraction() const override { return count_ > 0 ? static_cast<double>(done_) / static_cast<double>(count_) : 1; }
+
+ private:
+  // The array `points`, or the only one.
+  const ZipMember& choose() const {
+    for (const ZipMember& member : members_)
+      if (member.name == "points.npy") return member;
+    if (members_.size() != 1)
+      file_->fail("it has " + std::to_string(members_.size()) + " arrays, none of them called points; rename one");
+    return members_[0];
+  }
+
+  template <class Open>
+  void set(const NpyArray& array, const Open& open) {
+    const auto fail = [&](const std::string& what) { file_->fail(name_ + what); };
+    swapped_ = array.type.starts_with('>');
+    if (array.type.size() != 3 || !(swapped_ || array.type.starts_with('<')) ||
+        !(array.type.ends_with("f4") || array.type.ends_with("f8")))
+      fail("its type is " + in_quotes(array.type) + "; save points as float64 or float32");
+    width_ = array.type.ends_with("f4") ? 4 : 8;
+    if (array.shape.size() != 2 || array.shape[1] != 3) {
+      std::string shape;
+      for (const auto side : array.shape) shape += (shape.empty() ? "" : ", ") + std::to_string(side);
+      fail("its shape is (" + shown(shape) + "); points have the shape (n, 3)");
+    }
+    count_ = static_cast<std::uint64_t>(array.shape[0]);
+    if (count_ > array.bytes / (3 * width_))
+      fail("its shape promises " + std::to_string(count_) +
+           " points, more than the file can hold; it is cut off or damaged, get all of it");
+    fortran_ = array.fortran_order;
+    for (std::size_t axis = 0; axis < (fortran_ ? 3u : 1u); ++axis) {
+      streams_[axis] = open();
+      std::uint64_t before = array.offset + axis * count_ * width_;
+      for (std::uint64_t part; before > 0; before -= part) streams_[axis]->next(part = std::min(before, kPart));
+    }
+  }
+
+  // The next points, all of which there are.
+  void take(std::span<Vec3> points) {
+    std::array<std::string_view, 3> bytes;
+    const std::uint64_t step = fortran_ ? width_ : 3 * width_;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      bytes[axis] = fortran_    ? streams_[axis]->next(points.size() * step)
+                    : axis == 0 ? streams_[0]->next(points.size() * step)
+                                : bytes[0].substr(axis * width_);
+    for (std::size_t n = 0; n < points.size(); ++n, ++done_) {
+      const auto value = [&](std::size_t axis) {
+        const char* place = bytes[axis].data() + n * step;
+        return width_ == 4 ? value_at<float>(place, swapped_) : value_at<double>(place, swapped_);
+      };
+      points[n] = {value(0), value(1), value(2)};
+      if (!check_point(points[n], invalid_) && invalid_ == InvalidPoints::reject)
+        file_->fail("point " + std::to_string(done_), name_ + invalid_point(done_, points[n]));
+    }
+    for (const std::string_view part : bytes) file_->forget(part);
+  }
+
+  std::unique_ptr<FileView> file_;
+  InvalidPoints invalid_;
+  std::vector<ZipMember> members_;
+  std::string name_;                                    // of the member, for messages
+  std::array<std::unique_ptr<ByteStream>, 3> streams_;  // one per axis, or one for all
+  bool fortran_ = false, swapped_ = false, finished_ = false;
+  std::uint64_t width_ = 8, count_ = 0, done_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<PointReader> npy_points(std::unique_ptr<FileView> file, InvalidPoints invalid) {
+  auto points = std::make_unique<ArrayPoints>(std::move(file), invalid);
+  points->open_npy();
+  return points;
+}
+
+std::unique_ptr<PointReader> npz_points(std::unique_ptr<FileView> file, InvalidPoints invalid) {
+  auto points = std::make_unique<ArrayPoints>(std::move(file), invalid);
+  points->open_npz();
+  return points;
+}
+
+}  // namespace standoff
