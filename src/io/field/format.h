@@ -38,4 +38,7 @@ void write_nrrd(AtomicFile& file, const DistanceField& field, const FieldWriteOp
 FieldFile read_npz(const FileView& file, const FieldRequest& request);
 void write_npz(AtomicFile& file, const DistanceField& field, const FieldWriteOptions& options);
 
+FieldFile read_vdb(const FileView& file, const FieldRequest& request);
+void write_vdb(AtomicFile& file, const DistanceField& field, const FieldWriteOptions& options);
+
 }  // namespace standoff

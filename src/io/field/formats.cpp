@@ -15,10 +15,11 @@
 namespace standoff {
 namespace {
 
-constexpr std::array<FieldFormat, 3> kFormats{{
+constexpr std::array<FieldFormat, 4> kFormats{{
     {"vti", "VTK XML image data, for ParaView and VTK", true, true, read_vti, write_vti},
     {"nrrd", "NRRD, for Slicer, ITK and teem", false, false, read_nrrd, write_nrrd},
     {"npz", "NumPy arrays", true, true, read_npz, write_npz},
+    {"vdb", "OpenVDB, for Blender, Houdini and OpenVDB", false, false, read_vdb, write_vdb},
 }};
 
 const FieldFormat& format_of(const std::filesystem::path& path, ErrorCode code) {
