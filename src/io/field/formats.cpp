@@ -15,11 +15,12 @@
 namespace standoff {
 namespace {
 
-constexpr std::array<FieldFormat, 4> kFormats{{
+constexpr std::array<FieldFormat, 5> kFormats{{
     {"vti", "VTK XML image data, for ParaView and VTK", true, true, read_vti, write_vti},
     {"nrrd", "NRRD, for Slicer, ITK and teem", false, false, read_nrrd, write_nrrd},
     {"npz", "NumPy arrays", true, true, read_npz, write_npz},
     {"vdb", "OpenVDB, for Blender, Houdini and OpenVDB", false, false, read_vdb, write_vdb},
+    {"nvdb", "NanoVDB, for Warp and GPUs", false, false, read_nvdb, write_nvdb},
 }};
 
 const FieldFormat& format_of(const std::filesystem::path& path, ErrorCode code) {
