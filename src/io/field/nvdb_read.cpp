@@ -90,7 +90,7 @@ Found find_grid(const FileView& file, std::int64_t memory_limit) {
       at += f::kMetaBytes + name_bytes;
       if (pass == 0) continue;
       file.require(grid, packed, "a grid");
-      if (names.size() < 1000) names += (names.empty() ? "" : ", ") + in_quotes(name);
+      if (names.size() < 300) names += (names.empty() ? "" : ", ") + in_quotes(name);
       if (type == nvdb::kFloat) floats.push_back({name, grid, packed, bytes});
       grid += packed;
     }

@@ -68,7 +68,7 @@ Descriptor chosen(const FileView& file, const std::vector<Descriptor>& grids) {
   std::string names;
   for (const Descriptor& grid : grids) {
     if (grid.is_float()) floats.push_back(grid);
-    if (names.size() < 1000) names += (names.empty() ? "" : ", ") + name_of(grid);
+    if (names.size() < 300) names += (names.empty() ? "" : ", ") + name_of(grid);
   }
   if (floats.empty())
     file.fail(grids.empty() ? "it holds no grid; save a level set"

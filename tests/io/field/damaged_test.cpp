@@ -17,9 +17,9 @@ namespace {
 
 Grid small_grid() { return {{3, 4, 5}, {-1, 2, 3}, {0.5, 0.25, 2}}; }
 
-std::string bytes_of(const std::string& extension, bool nearest = false) {
+std::string bytes_of(const std::string& extension, bool nearest = false, bool compress = false) {
   const TempFolder folder;
-  write_field(folder / ("a." + extension), odd_field(small_grid(), 1000, nearest));
+  write_field(folder / ("a." + extension), odd_field(small_grid(), 1000, nearest), {.compress = compress});
   return read_bytes(folder / ("a." + extension));
 }
 
@@ -65,6 +65,8 @@ TEST(DamagedField, OfAnotherKind) {
     expect_refused("vti", bytes, ":header: no appended data");
     expect_refused("nrrd", bytes, ":header: it does not begin with NRRD000");
     expect_refused("npz", bytes, ":directory: it is missing");
+    expect_refused("vdb", bytes, ":header: it is no VDB file; check its name");
+    expect_refused("nvdb", bytes, ":header: it is no NanoVDB file; check its name");
   }
 }
 
@@ -74,7 +76,8 @@ TEST(DamagedField, Vti) {
       {
           {"VTKFile type", "VTKFile typ", "<VTKFile> lacks type; write the file again"},
           {"type=\"ImageData\"", "type=\"PolyData\"", "it holds PolyData; save the field as ImageData"},
-          {"byte_order", "compressor=\"vtkZLibDataCompressor\" byte_order", "it is compressed; save it without"},
+          {"byte_order", "compressor=\"vtkLZ4DataCompressor\" byte_order",
+           "it is compressed by vtkLZ4DataCompressor, which is not read; save it with zlib, or plain"},
           {"byte_order=\"LittleEndian\"", "", "<VTKFile> lacks byte_order"},
           {"VTKFile type", "VTKFiles type", ":header: it is no VTK XML file"},
           {"  <ImageData", "  <Image", ":header: it holds no ImageData"},
@@ -239,9 +242,11 @@ TEST(DamagedField, ValuesThatAreNoDistances) {
 
 DistanceField read_from_memory(const std::string& extension, const std::string& bytes) {
   const FileView file("a." + extension, bytes);
-  if (extension == "vti") return read_vti(file, 0);
-  if (extension == "nrrd") return read_nrrd(file, 0);
-  if (extension == "npz") return read_npz(file, 0);
+  if (extension == "vti") return read_vti(file, {}).field;
+  if (extension == "nrrd") return read_nrrd(file, {}).field;
+  if (extension == "npz") return read_npz(file, {}).field;
+  if (extension == "vdb") return read_vdb(file, {}).field;
+  if (extension == "nvdb") return read_nvdb(file, {}).field;
   throw std::logic_error("no reader for " + extension);  // no Error, so no test passes
 }
 
