@@ -15,8 +15,8 @@ namespace {
 
 std::int64_t tile_count(Size3 samples) { return DistanceField::tiles_of(samples).count(); }
 
-// What a file of the output's format takes at most, but for a header of less than 4 KiB: it has the samples as they are,
-// or packs them. Trees have whole tiles and tables of them.
+// What a file of the output's format takes at most, but for a header of less than 4 KiB: it has the samples as they
+// are, or packs them. Trees have whole tiles and tables of them.
 double most_file_bytes(const Plan& plan, const ComputeOptions& options) {
   if (plan.output.ends_with(".vdb") || plan.output.ends_with(".nvdb")) {
     const auto tiles = static_cast<double>(tile_count(plan.choice.grid.size));

@@ -115,8 +115,9 @@ TEST_F(Compute, DryRunLeavesWhatIsThere) {
 
 // What is told as the file's size is the most that it then has, but for its header; uncompressed, just that.
 TEST_F(Compute, DryRunTellsTheFileSize) {
-  for (const std::string options : {"-o a.vti", "-o a.npz", "-o a.nrrd", "-o b.vti --with triangle", "-o a.vdb", "-o a.nvdb",
-                                    "-o c.vti --uncompressed", "-o c.npz --uncompressed", "-o c.nrrd --uncompressed"}) {
+  for (const std::string options :
+       {"-o a.vti", "-o a.npz", "-o a.nrrd", "-o b.vti --with triangle", "-o a.vdb", "-o a.nvdb",
+        "-o c.vti --uncompressed", "-o c.npz --uncompressed", "-o c.nrrd --uncompressed"}) {
     const auto told = planned("-r 40 " + options)["output"]["bytes"].get<std::int64_t>();
     const auto written = done(words("compute scene:box --json -r 40 " + options)).json()["output"]["bytes"];
     if (options.ends_with("--uncompressed")) {

@@ -55,8 +55,7 @@ struct Both {
     const CrcRuns runs(known, plain.size() / period);
     const auto crc = static_cast<std::uint32_t>(::crc32_z(0, data, plain.size()));
     EXPECT_EQ(deflater.crc32(runs), crc);
-    EXPECT_EQ(runs.joined(crc, crc, plain.size() / period),
-              ::crc32_z(crc, data, plain.size()));
+    EXPECT_EQ(runs.joined(crc, crc, plain.size() / period), ::crc32_z(crc, data, plain.size()));
   }
 };
 

@@ -69,8 +69,8 @@ void unpack_blosc(const FileView& file, const std::string& where, std::string_vi
   std::vector<char> shuffled;
   for (std::size_t block = 0; block < blocks; ++block) {
     const std::size_t first = block * block_bytes, size = std::min(block_bytes, bytes - first);
-    const bool split = !(flags & kWhole) && type_bytes <= kMostSplit && block_bytes / type_bytes >= kLeastSplit &&
-                       size == block_bytes;
+    const bool split =
+        !(flags & kWhole) && type_bytes <= kMostSplit && block_bytes / type_bytes >= kLeastSplit && size == block_bytes;
     const std::size_t parts = split ? type_bytes : 1, part_bytes = size / parts;
     if (part_bytes * parts != size) fail();
     std::span<char> out = to.subspan(first, size);

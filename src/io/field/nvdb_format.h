@@ -6,11 +6,11 @@
 
 namespace standoff::nvdb {
 
-inline constexpr std::uint64_t kMagic = 0x304244566f6e614e;       ///< "NanoVDB0": of files and grids
-inline constexpr std::uint64_t kMagicGrid = 0x314244566f6e614e;   ///< of grids since version 32.6
-inline constexpr std::uint64_t kMagicFile = 0x324244566f6e614e;   ///< of files since then
+inline constexpr std::uint64_t kMagic = 0x304244566f6e614e;      ///< "NanoVDB0": of files and grids
+inline constexpr std::uint64_t kMagicGrid = 0x314244566f6e614e;  ///< of grids since version 32.6
+inline constexpr std::uint64_t kMagicFile = 0x324244566f6e614e;  ///< of files since then
 inline constexpr std::uint32_t kMajor = 32, kVersion = kMajor << 21 | 4u << 10 | 2;
-inline constexpr std::uint32_t kFloat = 1, kLevelSet = 1;         ///< type and class of a grid
+inline constexpr std::uint32_t kFloat = 1, kLevelSet = 1;  ///< type and class of a grid
 enum class Codec : std::uint16_t { none, zip, blosc };
 
 namespace file {

@@ -84,7 +84,8 @@ Found find_grid(const FileView& file, std::int64_t memory_limit) {
     for (unsigned n = 0; n < count; ++n) {
       const std::uint64_t bytes = file.number<std::uint64_t>(at + f::kGridSize),
                           packed = file.number<std::uint64_t>(at + f::kFileSize);
-      const auto type = file.number<std::uint32_t>(at + f::kType), name_bytes = file.number<std::uint32_t>(at + f::kNameSize);
+      const auto type = file.number<std::uint32_t>(at + f::kType),
+                 name_bytes = file.number<std::uint32_t>(at + f::kNameSize);
       file.require(at + f::kMetaBytes, name_bytes, "a grid's name");
       const std::string name = std::string(file.text(at + f::kMetaBytes, name_bytes)).c_str();
       at += f::kMetaBytes + name_bytes;

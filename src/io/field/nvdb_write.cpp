@@ -3,6 +3,7 @@
 // leaves. What NanoVDB has no place for follows as blind data.
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <cstring>
 #include <limits>
@@ -13,6 +14,7 @@
 #include "io/field/format.h"
 #include "io/field/nrrd_header.h"
 #include "io/field/nvdb_format.h"
+#include "io/field/vdb_leaves.h"
 #include "io/field/vdb_tree.h"
 
 namespace standoff {
@@ -63,23 +65,32 @@ std::array<std::int32_t, 3> coordinates(const Size3& at) {
 
 Active active_in(const Tree::Leaf& leaf, const LeafValues& found) {
   Active active;
-  std::size_t first[3] = {8, 8, 8}, last[3] = {0, 0, 0};
-  for (std::size_t n = 0; n < 512; ++n) {
-    if (!found.active[n]) continue;
-    const std::size_t at[3] = {n >> 6, n >> 3 & 7, n & 7};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      first[axis] = std::min(first[axis], at[axis]);
-      last[axis] = std::max(last[axis], at[axis]);
-    }
-    active.least = std::min(active.least, found.values[n]);
-    active.most = std::max(active.most, found.values[n]);
-    ++active.samples;
+  // A word holds a slice of x: 8 rows of y, of 8 bits of z.
+  std::uint64_t slices = 0, x_first = 8, x_last = 0;
+  for (std::uint64_t x = 0; x < 8; ++x) {
+    const std::uint64_t word = found.active.words[x];
+    if (word == 0) continue;
+    slices |= word;
+    x_first = std::min(x_first, x);
+    x_last = x;
+    active.samples += static_cast<std::uint64_t>(std::popcount(word));
   }
   if (active.samples == 0) return active;
+  std::uint64_t z_bits = 0;
+  for (int y = 0; y < 8; ++y) z_bits |= slices >> 8 * y & 0xFF;
+  const std::array<std::uint64_t, 3> first{x_first, static_cast<std::uint64_t>(std::countr_zero(slices)) / 8,
+                                           static_cast<std::uint64_t>(std::countr_zero(z_bits))};
+  const std::array<std::uint64_t, 3> last{x_last, (63 - static_cast<std::uint64_t>(std::countl_zero(slices))) / 8,
+                                          63 - static_cast<std::uint64_t>(std::countl_zero(z_bits))};
   const auto origin = coordinates(leaf.at);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     active.min[axis] = origin[axis] + static_cast<std::int32_t>(first[axis]);
     active.max[axis] = origin[axis] + static_cast<std::int32_t>(last[axis]);
+  }
+  for (std::size_t n = 0; n < 512; ++n) {
+    if (!found.active[n]) continue;
+    active.least = std::min(active.least, found.values[n]);
+    active.most = std::max(active.most, found.values[n]);
   }
   return active;
 }
@@ -95,8 +106,13 @@ std::uint64_t name_key(std::string_view name) {  // as NanoVDB's stringHash
 
 class Writer {
  public:
-  Writer(AtomicFile& file, const DistanceField& field)
-      : file_(file), field_(field), tree_(tree_of(field)), far_(background_of(field)), facts_(facts()) {}
+  Writer(AtomicFile& file, const DistanceField& field, int threads)
+      : file_(file),
+        field_(field),
+        threads_(threads),
+        tree_(tree_of(field)),
+        far_(background_of(field)),
+        facts_(facts()) {}
 
   void write() {
     find_active();
@@ -107,7 +123,7 @@ class Writer {
       write_inner(tree_.uppers[n], uppers_[n], n, tree_.uppers.size(), nvdb::Inner<kLowerLog>::kBytes);
     for (std::size_t n = 0; n < tree_.lowers.size(); ++n)
       write_inner(tree_.lowers[n], lowers_[n], n, tree_.lowers.size(), nvdb::leaf::kBytes);
-    for (const Tree::Leaf& leaf : tree_.leaves) write_leaf(leaf);
+    write_leaves(file_, tree_, threads_, nvdb::leaf::kBytes, [&](std::size_t n, char* to) { return make_leaf(n, to); });
     write_blind();
   }
 
@@ -116,14 +132,17 @@ class Writer {
 
   // Of all nodes, before the first one is written: an inner node says what its children hold.
   void find_active() {
+    leaves_.resize(tree_.leaves.size());
+    each_leaf(tree_, threads_, [&](std::size_t n) {
+      leaves_[n] = active_in(tree_.leaves[n], leaf_values(field_, tree_.leaves[n], far_));
+    });
     uppers_.resize(tree_.uppers.size());
     lowers_.resize(tree_.lowers.size());
     for (std::size_t upper = 0; upper < uppers_.size(); ++upper) {
       const auto& node = tree_.uppers[upper];
       for (std::size_t lower = node.first; lower < node.first + node.count; ++lower) {
         const auto& leaves = tree_.lowers[lower];
-        for (std::size_t n = leaves.first; n < leaves.first + leaves.count; ++n)
-          lowers_[lower].add(active_in(tree_.leaves[n], leaf_values(field_, tree_.leaves[n], far_)));
+        for (std::size_t n = leaves.first; n < leaves.first + leaves.count; ++n) lowers_[lower].add(leaves_[n]);
         uppers_[upper].add(lowers_[lower]);
       }
       all_.add(uppers_[upper]);
@@ -293,12 +312,13 @@ class Writer {
     raw(record.bytes());
   }
 
-  void write_leaf(const Tree::Leaf& leaf) {
+  std::size_t make_leaf(std::size_t n, char* to) const {
     namespace l = nvdb::leaf;
+    const Tree::Leaf& leaf = tree_.leaves[n];
     const LeafValues found = leaf_values(field_, leaf, far_);
-    const Active active = active_in(leaf, found);
-    std::array<char, l::kBytes> record{};
-    const auto put = [&](std::uint64_t at, const auto& value) { std::memcpy(record.data() + at, &value, sizeof value); };
+    const Active& active = leaves_[n];
+    std::fill_n(to, l::kValues, '\0');
+    const auto put = [&](std::uint64_t at, const auto& value) { std::memcpy(to + at, &value, sizeof value); };
     put(l::kBoxMin, active.samples > 0 ? active.min : coordinates(leaf.at));
     if (active.samples > 0) {
       for (std::size_t axis = 0; axis < 3; ++axis)
@@ -309,7 +329,7 @@ class Writer {
     put(l::kMinimum, active.samples > 0 ? active.least : far_);
     put(l::kMaximum, active.samples > 0 ? active.most : far_);
     put(l::kValues, found.values);
-    file_.write(record.data(), record.size());
+    return l::kBytes;
   }
 
   void write_blind() {
@@ -328,18 +348,19 @@ class Writer {
 
   AtomicFile& file_;
   const DistanceField& field_;
+  const int threads_;
   const Tree tree_;
   const float far_;
   const std::string facts_;
-  std::vector<Active> uppers_, lowers_;
+  std::vector<Active> uppers_, lowers_, leaves_;
   Active all_;
 };
 
 }  // namespace
 
-void write_nvdb(AtomicFile& file, const DistanceField& field, const FieldWriteOptions&) {
+void write_nvdb(AtomicFile& file, const DistanceField& field, const FieldWriteOptions& options) {
   vdb::check_indices(field, "nvdb");
-  Writer(file, field).write();
+  Writer(file, field, options.threads).write();
 }
 
 }  // namespace standoff

@@ -117,8 +117,10 @@ void FieldBuilder::begin_filling() {
 // Other programs' values may be a little beyond the background.
 float FieldBuilder::checked(float value, const Coordinates& at) const {
   if (std::isnan(value) || (ours_ && !(std::abs(value) <= far_) && !std::isinf(*facts_.thickness)))
-    file_.fail(place(at), "the value " + exact_text(value) + " is not a number, or larger in magnitude than the "
-                              "thickness, " + exact_text(far_) + "; the file is damaged, write it again");
+    file_.fail(place(at), "the value " + exact_text(value) +
+                              " is not a number, or larger in magnitude than the "
+                              "thickness, " +
+                              exact_text(far_) + "; the file is damaged, write it again");
   return std::clamp(value, -far_, far_);
 }
 

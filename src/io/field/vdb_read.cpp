@@ -34,7 +34,8 @@ std::string name_of(const Descriptor& grid) {
 
 std::vector<Descriptor> read_descriptors(Cursor& from) {
   const FileView& file = from.file();
-  if (file.size() < 8 || from.number<std::uint64_t>() != kMagic) file.fail("header", "it is no VDB file; check its name");
+  if (file.size() < 8 || from.number<std::uint64_t>() != kMagic)
+    file.fail("header", "it is no VDB file; check its name");
   constexpr std::uint32_t kNewest = 225;
   const auto version = from.number<std::uint32_t>();
   if (version < kOldest || version > kNewest)

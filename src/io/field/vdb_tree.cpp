@@ -15,7 +15,8 @@ enum class Made { nothing, node, inside };
 
 class Builder {
  public:
-  explicit Builder(const DistanceField& field) : slots_(field.slots()), tiles_(field.tile_count()) {}
+  explicit Builder(const DistanceField& field)
+      : field_(field), slots_(field.slots()), tiles_(field.tile_count()), far_(static_cast<float>(field.thickness())) {}
 
   Tree build() {
     if (slots_.empty()) return {};
@@ -42,9 +43,25 @@ class Builder {
     return node<kLowerLog>(first, 1, tree_.lowers, tree_.leaves, [this](const Size3& at, std::size_t) {
       const std::int32_t slot = slots_[static_cast<std::size_t>(at.x + tiles_.x * (at.y + tiles_.y * at.z))];
       if (slot < 0) return slot == DistanceField::kInside ? Made::inside : Made::nothing;
-      tree_.leaves.push_back({{8 * at.x, 8 * at.y, 8 * at.z}, slot});
-      return Made::node;
+      const Made made = stored(at, slot);
+      if (made == Made::node) tree_.leaves.push_back({{8 * at.x, 8 * at.y, 8 * at.z}, slot});
+      return made;
     });
+  }
+
+  // A stored tile may have nothing in the band: one that is clamped throughout is no leaf.
+  Made stored(const Size3& at, std::int32_t slot) const {
+    const float* const tile =
+        field_.tile_values().data() + std::size_t{DistanceField::kTileSamples} * static_cast<std::size_t>(slot);
+    if (std::any_of(tile, tile + DistanceField::kTileSamples, [&](float value) { return std::abs(value) < far_; }))
+      return Made::node;
+    const Size3& size = field_.grid().size;
+    bool inside = true, outside = true;
+    for (std::int64_t z = 0; z < std::min<std::int64_t>(8, size.z - 8 * at.z); ++z)
+      for (std::int64_t y = 0; y < std::min<std::int64_t>(8, size.y - 8 * at.y); ++y)
+        for (std::int64_t x = 0; x < std::min<std::int64_t>(8, size.x - 8 * at.x); ++x)
+          (std::signbit(tile[x + 8 * (y + 8 * z)]) ? outside : inside) = false;
+    return outside ? Made::nothing : inside ? Made::inside : Made::node;
   }
 
   template <int log, class Nodes, class Children, class Make>
@@ -64,8 +81,10 @@ class Builder {
     return Made::node;
   }
 
+  const DistanceField& field_;
   std::span<const std::int32_t> slots_;
   Size3 tiles_;
+  float far_;
   Tree tree_;
 };
 
@@ -78,20 +97,30 @@ LeafValues leaf_values(const DistanceField& field, const Tree::Leaf& leaf, float
   const float* const tile =
       field.tile_values().data() + std::size_t{DistanceField::kTileSamples} * static_cast<std::size_t>(leaf.slot);
   const auto thickness = static_cast<float>(field.thickness());
-  const bool whole = leaf.at.x + 8 <= size.x && leaf.at.y + 8 <= size.y && leaf.at.z + 8 <= size.z;
+  // Samples of the grid in each slice of x, a bit each.
+  std::uint64_t in_slice = 0;
+  for (std::size_t n = 0; n < 64; ++n)
+    if (leaf.at.y + static_cast<std::int64_t>(n >> 3) < size.y && leaf.at.z + static_cast<std::int64_t>(n & 7) < size.z)
+      in_slice |= std::uint64_t{1} << n;
   LeafValues found;
-  for (std::size_t n = 0; n < 512; ++n) {
-    const float value = tile[tile_sample(n)];
-    const bool in_grid = whole || (leaf.at.x + static_cast<std::int64_t>(n >> 6) < size.x &&
-                                   leaf.at.y + static_cast<std::int64_t>(n >> 3 & 7) < size.y &&
-                                   leaf.at.z + static_cast<std::int64_t>(n & 7) < size.z);
-    const bool active = in_grid && std::abs(value) < thickness;
-    const bool inside = in_grid && std::signbit(value);
-    found.values[n] = active ? value : inside ? -far : far;
-    if (active)
-      found.active.set(n);
-    else
-      (inside ? found.any_inside : found.any_outside) = true;
+  for (std::size_t x = 0; x < 8; ++x) {
+    const std::uint64_t in_grid = leaf.at.x + static_cast<std::int64_t>(x) < size.x ? in_slice : 0;
+    float* const values = found.values.data() + 64 * x;
+    std::uint64_t near = 0, negative = 0;
+    for (std::size_t n = 0; n < 64; ++n) {
+      const float value = tile[x + (n & 0x38) + 64 * (n & 7)];
+      near |= std::uint64_t{std::abs(value) < thickness} << n;
+      negative |= std::uint64_t{std::signbit(value)} << n;
+      values[n] = value;
+    }
+    near &= in_grid;
+    negative &= in_grid & ~near;
+    found.active.words[x] = near;
+    found.outside.words[x] = ~(near | negative);
+    found.any_inside = found.any_inside || negative != 0;
+    found.any_outside = found.any_outside || found.outside.words[x] != 0;
+    for (std::size_t n = 0; n < 64; ++n)
+      if (!(near >> n & 1)) values[n] = negative >> n & 1 ? -far : far;
   }
   return found;
 }

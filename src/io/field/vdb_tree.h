@@ -79,13 +79,14 @@ Tree tree_of(const DistanceField& field);
 /// The values of a leaf, and which are in the band: nearer than the thickness.
 struct LeafValues {
   std::array<float, 512> values;
-  Mask<kLeafLog> active;
+  Mask<kLeafLog> active, outside;                ///< those that are neither are inside
   bool any_inside = false, any_outside = false;  ///< of those that are not active
 };
 /// `far` replaces the thickness, which may be infinite.
 LeafValues leaf_values(const DistanceField& field, const Tree::Leaf& leaf, float far);
 
-/// The value of what is not stored, in a file: the thickness, or a finite number beyond all values where it is infinite.
+/// The value of what is not stored, in a file: the thickness, or a finite number beyond all values where it is
+/// infinite.
 float background_of(const DistanceField& field);
 /// Whether any sample is inside, or could be: the field has a sign.
 bool is_signed(const DistanceField& field);

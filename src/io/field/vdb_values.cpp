@@ -30,8 +30,8 @@ const float* ValueReader::read(Cursor& from, const std::uint64_t* active, std::s
   if (kind == ValuesKind::one || kind == ValuesKind::background_or_one || kind == ValuesKind::two)
     first = from.number<float>();
   if (kind == ValuesKind::two) second = from.number<float>();
-  const bool masked = kind == ValuesKind::background_or_negative || kind == ValuesKind::background_or_one ||
-                      kind == ValuesKind::two;
+  const bool masked =
+      kind == ValuesKind::background_or_negative || kind == ValuesKind::background_or_one || kind == ValuesKind::two;
   const std::string_view mask = masked ? from.bytes(count / 8, "a mask") : std::string_view();
   std::size_t stored = count;
   if ((compression_ & kActiveMask) && kind != ValuesKind::all) {
@@ -69,7 +69,8 @@ void ValueReader::read_data(Cursor& from, std::size_t count) {
 std::string_view ValueReader::unpacked(Cursor& from, std::size_t bytes) {
   const std::uint64_t at = from.at();
   const auto length = from.number<std::int64_t>();
-  const std::uint64_t packed = length < 0 ? ~static_cast<std::uint64_t>(length) + 1 : static_cast<std::uint64_t>(length);
+  const std::uint64_t packed =
+      length < 0 ? ~static_cast<std::uint64_t>(length) + 1 : static_cast<std::uint64_t>(length);
   const std::string_view data = from.bytes(packed, "the packed values of a node");
   if (length <= 0) {
     if (packed != bytes) from.fail("a node has values for another number of samples; the file is damaged");

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// VDB: OpenVDB's files, of version 224: a header, and one grid: its facts, its transform, the nodes of its tree from the
-// root down (topology), the values of the leaves (buffers). Inactive values are not written: they are + or -background.
+// VDB: OpenVDB's files, of version 224: a header, and one grid: its facts, its transform, the nodes of its tree from
+// the root down (topology), the values of the leaves (buffers). Inactive values are not written: they are + or
+// -background.
 #include <array>
 #include <cstdint>
+#include <cstring>
 #include <string>
+#include <vector>
 
 #include "core/number_text.h"
 #include "io/field/format.h"
 #include "io/field/vdb_format.h"
+#include "io/field/vdb_leaves.h"
 #include "io/field/vdb_tree.h"
 
 namespace standoff {
@@ -17,8 +21,8 @@ using namespace vdb;
 
 class Writer {
  public:
-  Writer(AtomicFile& file, const DistanceField& field)
-      : file_(file), field_(field), tree_(tree_of(field)), far_(background_of(field)) {}
+  Writer(AtomicFile& file, const DistanceField& field, int threads)
+      : file_(file), field_(field), threads_(threads), tree_(tree_of(field)), far_(background_of(field)) {}
 
   void write() {
     number(kMagic);
@@ -65,10 +69,10 @@ class Writer {
     facts.text("name", "distance");
     facts.text("creator", "standoff");
     facts.flag("is_saved_as_half_float", false);
-    facts.numbers(kSizeFact, "vec3i",
-                  std::array<std::int32_t, 3>{static_cast<std::int32_t>(grid.size.x),
-                                              static_cast<std::int32_t>(grid.size.y),
-                                              static_cast<std::int32_t>(grid.size.z)});
+    facts.numbers(
+        kSizeFact, "vec3i",
+        std::array<std::int32_t, 3>{static_cast<std::int32_t>(grid.size.x), static_cast<std::int32_t>(grid.size.y),
+                                    static_cast<std::int32_t>(grid.size.z)});
     facts.numbers(kThicknessFact, "double", std::array<double, 1>{field_.thickness()});
     facts.text(kMethodFact, field_.provenance().method);
     facts.text(kHashFact, hash_text(field_.provenance().mesh_hash));
@@ -77,13 +81,10 @@ class Writer {
     return facts.grid_front(grid.origin, grid.spacing);
   }
 
-  // A node's values that are not active are one of two: what a leaf or a tile has inside, and the background.
-  template <int log>
-  void values_front(const Mask<log>& outside, bool any_inside, bool any_outside) {
-    const auto kind = any_inside ? (any_outside ? ValuesKind::background_or_negative : ValuesKind::negative)
-                                 : ValuesKind::background;
-    number(kind);
-    if (kind == ValuesKind::background_or_negative) raw(outside.bytes());
+  // Values that are not active are one of two: what a leaf or a tile has inside, and the background.
+  static ValuesKind kind_of(bool any_inside, bool any_outside) {
+    if (!any_inside) return ValuesKind::background;
+    return any_outside ? ValuesKind::background_or_negative : ValuesKind::negative;
   }
 
   template <int log>
@@ -91,8 +92,11 @@ class Writer {
     raw(node.child.bytes());
     raw(Mask<log>().bytes());  // no tile is active
     Mask<log> outside;
-    for (std::size_t n = 0; n < outside.words.size(); ++n) outside.words[n] = ~(node.inside.words[n] | node.child.words[n]);
-    values_front(outside, !node.inside.none(), !outside.none());
+    for (std::size_t n = 0; n < outside.words.size(); ++n)
+      outside.words[n] = ~(node.inside.words[n] | node.child.words[n]);
+    const ValuesKind kind = kind_of(!node.inside.none(), !outside.none());
+    number(kind);
+    if (kind == ValuesKind::background_or_negative) raw(outside.bytes());
   }
 
   void coordinates(const Size3& at) {
@@ -101,6 +105,8 @@ class Writer {
   }
 
   void topology() {
+    std::vector<Mask<kLeafLog>> active(tree_.leaves.size());
+    each_leaf(tree_, threads_, [&](std::size_t n) { active[n] = leaf_values(field_, tree_.leaves[n], far_).active; });
     number(std::uint32_t{1});  // buffers of each leaf
     number(far_);
     number(static_cast<std::uint32_t>(tree_.inside.size()));
@@ -116,41 +122,42 @@ class Writer {
       for (std::size_t n = upper.first; n < upper.first + upper.count; ++n) {
         const auto& lower = tree_.lowers[n];
         node_front(lower);
-        for (std::size_t leaf = lower.first; leaf < lower.first + lower.count; ++leaf)
-          raw(leaf_values(field_, tree_.leaves[leaf], far_).active.bytes());
+        for (std::size_t leaf = lower.first; leaf < lower.first + lower.count; ++leaf) raw(active[leaf].bytes());
       }
     }
   }
 
   void buffers() {
-    std::array<float, 512> active;
-    for (const Tree::Leaf& leaf : tree_.leaves) {
-      const LeafValues found = leaf_values(field_, leaf, far_);
-      raw(found.active.bytes());
-      Mask<kLeafLog> outside;
-      std::size_t count = 0;
-      for (std::size_t n = 0; n < 512; ++n) {
-        if (found.active[n])
-          active[count++] = found.values[n];
-        else if (!std::signbit(found.values[n]))
-          outside.set(n);
-      }
-      values_front(outside, found.any_inside, found.any_outside);
-      file_.write(active.data(), count * sizeof active[0]);
-    }
+    constexpr std::size_t kMaskBytes = sizeof(Mask<kLeafLog>), kMost = 2 * kMaskBytes + 1 + 512 * sizeof(float);
+    write_leaves(file_, tree_, threads_, kMost, [&](std::size_t leaf, char* const to) {
+      const LeafValues found = leaf_values(field_, tree_.leaves[leaf], far_);
+      char* at = to;
+      const auto add = [&](const auto& value) {
+        std::memcpy(at, &value, sizeof value);
+        at += sizeof value;
+      };
+      const ValuesKind kind = kind_of(found.any_inside, found.any_outside);
+      add(found.active.words);
+      add(kind);
+      if (kind == ValuesKind::background_or_negative) add(found.outside.words);
+      for (std::size_t n = 0; n < 512; ++n)
+        if (found.active[n]) add(found.values[n]);
+      return static_cast<std::size_t>(at - to);
+    });
   }
 
   AtomicFile& file_;
   const DistanceField& field_;
+  const int threads_;
   const Tree tree_;
   const float far_;
 };
 
 }  // namespace
 
-void write_vdb(AtomicFile& file, const DistanceField& field, const FieldWriteOptions&) {
+void write_vdb(AtomicFile& file, const DistanceField& field, const FieldWriteOptions& options) {
   vdb::check_indices(field, "vdb");
-  Writer(file, field).write();
+  Writer(file, field, options.threads).write();
 }
 
 }  // namespace standoff

@@ -65,17 +65,15 @@ struct Foreign {
 void PrintTo(const Foreign& foreign, std::ostream* out) { *out << foreign.kind; }
 
 class WrittenByOthers : public ::testing::TestWithParam<Foreign> {};
-INSTANTIATE_TEST_SUITE_P(Readers, WrittenByOthers,
-                         ::testing::Values(Foreign{"vtk header 32", "vti"}, Foreign{"vtk header 64", "vti"},
-                                           Foreign{"vtk big endian", "vti"}, Foreign{"vtk extent from 5", "vti"},
-                                           Foreign{"vtk zlib", "vti"}, Foreign{"vtk zlib header 32", "vti"},
-                                           Foreign{"vtk zlib big endian", "vti"},
-                                           Foreign{"numpy C order", "npz"}, Foreign{"numpy Fortran order", "npz"},
-                                           Foreign{"numpy big endian", "npz"}, Foreign{"numpy extra arrays", "npz"},
-                                           Foreign{"numpy compressed C order", "npz"},
-                                           Foreign{"numpy compressed Fortran order", "npz"},
-                                           Foreign{"teem gzip", "nrrd"}, Foreign{"teem little", "nrrd"},
-                                           Foreign{"teem big", "nrrd"}));
+INSTANTIATE_TEST_SUITE_P(
+    Readers, WrittenByOthers,
+    ::testing::Values(Foreign{"vtk header 32", "vti"}, Foreign{"vtk header 64", "vti"},
+                      Foreign{"vtk big endian", "vti"}, Foreign{"vtk extent from 5", "vti"}, Foreign{"vtk zlib", "vti"},
+                      Foreign{"vtk zlib header 32", "vti"}, Foreign{"vtk zlib big endian", "vti"},
+                      Foreign{"numpy C order", "npz"}, Foreign{"numpy Fortran order", "npz"},
+                      Foreign{"numpy big endian", "npz"}, Foreign{"numpy extra arrays", "npz"},
+                      Foreign{"numpy compressed C order", "npz"}, Foreign{"numpy compressed Fortran order", "npz"},
+                      Foreign{"teem gzip", "nrrd"}, Foreign{"teem little", "nrrd"}, Foreign{"teem big", "nrrd"}));
 
 TEST_P(WrittenByOthers, IsTheSameField) {
   const TempFolder folder;

@@ -54,7 +54,7 @@ TEST(NanoVdb, ReadsOurFiles) {
 TEST(NanoVdb, IsReadPackedOrNot) {
   const TempFolder folder;
   const auto path = folder / "a.nvdb";
-  auto handle = nanovdb::createLevelSetSphere<float>(20.25, nanovdb::Vec3d(1, 2, -30), 0.5, 3, nanovdb::Vec3d(0), "ball");
+  auto handle = nanovdb::createLevelSetSphere<float>(20.25f, nanovdb::Vec3<float>(1, 2, -30), 0.5, 3);
   for (const auto codec : {nanovdb::io::Codec::NONE, nanovdb::io::Codec::ZIP}) {
     nanovdb::io::writeGrid(path.string(), handle, codec);
     const DistanceField field = read_field(path);
@@ -76,9 +76,9 @@ TEST(NanoVdb, IsReadPackedOrNot) {
 TEST(NanoVdb, OtherKindsOfGridsAreRefused) {
   const TempFolder folder;
   const auto path = folder / "a.nvdb";
-  auto handle = nanovdb::createLevelSetSphere<double>(20.25, nanovdb::Vec3d(1, 2, -30), 0.5, 3, nanovdb::Vec3d(0), "b");
+  auto handle = nanovdb::createLevelSetSphere<double>(20.25, nanovdb::Vec3d(1, 2, -30), 0.5, 3);
   nanovdb::io::writeGrid(path.string(), handle);
-  expect_error([&] { read_field(path); }, ErrorCode::input, "it holds no grid of floats, but 'b'; save one");
+  expect_error([&] { read_field(path); }, ErrorCode::input, "it holds no grid of floats, but 'sphere_ls'; save one");
 }
 
 }  // namespace
