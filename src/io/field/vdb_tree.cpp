@@ -2,7 +2,9 @@
 #include "io/field/vdb_tree.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstring>
 #include <string>
 
 #include "standoff/error.h"
@@ -92,36 +94,74 @@ class Builder {
 
 Tree tree_of(const DistanceField& field) { return Builder(field).build(); }
 
+namespace {
+
+// Eight flags, 0 or 1 each, as bits: the first one lowest.
+std::uint64_t packed(const std::uint8_t* flags) {
+  std::uint64_t bytes;
+  std::memcpy(&bytes, flags, sizeof bytes);
+  return bytes * 0x0102040810204080u >> 56;
+}
+
+// Bit k of byte n becomes bit n of byte k.
+std::uint64_t transposed(std::uint64_t bits) {
+  std::uint64_t swap = (bits ^ bits >> 7) & 0x00AA00AA00AA00AA;
+  bits ^= swap ^ swap << 7;
+  swap = (bits ^ bits >> 14) & 0x0000CCCC0000CCCC;
+  bits ^= swap ^ swap << 14;
+  swap = (bits ^ bits >> 28) & 0x00000000F0F0F0F0;
+  return bits ^ swap ^ swap << 28;
+}
+
+// Flags of a tile's samples, x fastest, as the mask of a leaf, z fastest.
+Mask<kLeafLog> mask_of(const std::array<std::uint8_t, 512>& flags) {
+  Mask<kLeafLog> mask;
+  for (std::size_t y = 0; y < 8; ++y) {
+    std::uint64_t rows = 0;
+    for (std::size_t z = 0; z < 8; ++z) rows |= packed(flags.data() + 8 * (y + 8 * z)) << 8 * z;
+    rows = transposed(rows);
+    for (std::size_t x = 0; x < 8; ++x) mask.words[x] |= (rows >> 8 * x & 0xFF) << 8 * y;
+  }
+  return mask;
+}
+
+}  // namespace
+
+// Loops over all samples without a branch: for each of many leaves, and twice.
 LeafValues leaf_values(const DistanceField& field, const Tree::Leaf& leaf, float far) {
   const Size3& size = field.grid().size;
   const float* const tile =
       field.tile_values().data() + std::size_t{DistanceField::kTileSamples} * static_cast<std::size_t>(leaf.slot);
   const auto thickness = static_cast<float>(field.thickness());
-  // Samples of the grid in each slice of x, a bit each.
-  std::uint64_t in_slice = 0;
-  for (std::size_t n = 0; n < 64; ++n)
-    if (leaf.at.y + static_cast<std::int64_t>(n >> 3) < size.y && leaf.at.z + static_cast<std::int64_t>(n & 7) < size.z)
-      in_slice |= std::uint64_t{1} << n;
-  LeafValues found;
-  for (std::size_t x = 0; x < 8; ++x) {
-    const std::uint64_t in_grid = leaf.at.x + static_cast<std::int64_t>(x) < size.x ? in_slice : 0;
-    float* const values = found.values.data() + 64 * x;
-    std::uint64_t near = 0, negative = 0;
-    for (std::size_t n = 0; n < 64; ++n) {
-      const float value = tile[x + (n & 0x38) + 64 * (n & 7)];
-      near |= std::uint64_t{std::abs(value) < thickness} << n;
-      negative |= std::uint64_t{std::signbit(value)} << n;
-      values[n] = value;
-    }
-    near &= in_grid;
-    negative &= in_grid & ~near;
-    found.active.words[x] = near;
-    found.outside.words[x] = ~(near | negative);
-    found.any_inside = found.any_inside || negative != 0;
-    found.any_outside = found.any_outside || found.outside.words[x] != 0;
-    for (std::size_t n = 0; n < 64; ++n)
-      if (!(near >> n & 1)) values[n] = negative >> n & 1 ? -far : far;
+  std::array<std::uint8_t, 512> in_grid, near, inside;
+  in_grid.fill(1);
+  if (leaf.at.x + 8 > size.x || leaf.at.y + 8 > size.y || leaf.at.z + 8 > size.z)
+    for (std::size_t n = 0; n < 512; ++n)
+      in_grid[n] = leaf.at.x + static_cast<std::int64_t>(n & 7) < size.x &&
+                   leaf.at.y + static_cast<std::int64_t>(n >> 3 & 7) < size.y &&
+                   leaf.at.z + static_cast<std::int64_t>(n >> 6) < size.z;
+  std::array<float, 512> clamped;
+  for (std::size_t n = 0; n < 512; ++n) {
+    const float value = tile[n];
+    const bool is_near = std::abs(value) < thickness, negative = std::bit_cast<std::int32_t>(value) < 0;
+    near[n] = static_cast<std::uint8_t>(is_near & in_grid[n]);
+    inside[n] = static_cast<std::uint8_t>(!is_near & negative & in_grid[n]);
+    clamped[n] = is_near ? value : std::copysign(far, value);
   }
+  LeafValues found;
+  found.active = mask_of(near);
+  const Mask<kLeafLog> within = mask_of(inside);
+  for (std::size_t x = 0; x < 8; ++x) {
+    found.outside.words[x] = ~(found.active.words[x] | within.words[x]);
+    found.any_inside = found.any_inside || within.words[x] != 0;
+    found.any_outside = found.any_outside || found.outside.words[x] != 0;
+  }
+  for (std::size_t x = 0; x < 8; ++x)
+    for (std::size_t y = 0; y < 8; ++y)
+      for (std::size_t z = 0; z < 8; ++z) found.values[64 * x + 8 * y + z] = clamped[64 * z + 8 * y + x];
+  // Tiles hold the thickness beyond the grid, but nothing keeps a caller from writing there.
+  for (std::size_t n = 0; n < 512; ++n)
+    if (in_grid[tile_sample(n)] == 0) found.values[n] = far;
   return found;
 }
 

@@ -271,13 +271,13 @@ TEST(DamagedField, RandomDamage) {
   for (const FileFormat& format : field_formats()) {
     const std::string good = bytes_of(format.extension, format.nearest);
     const bool tree = format.extension == "vdb" || format.extension == "nvdb";
-    // Of a tree's tables of zeros only a few.
+    // Of a tree's tables, which are long and say little, only a few.
     std::vector<std::size_t> places;
     for (std::size_t n = 0; n < good.size(); ++n)
-      if (!tree || good[n] != 0 || n % 100 == 0) places.push_back(n);
+      if (!tree || n < 2000 || n + 2000 > good.size() || n % 100 == 0) places.push_back(n);
     std::mt19937 random(7);
     int refused = 0;
-    for (int n = 0; n < 4000; ++n) {
+    for (int n = 0; n < (tree ? 600 : 4000); ++n) {
       std::string bytes = good;
       for (unsigned changes = 1 + random() % 4; changes > 0; --changes)
         bytes[places[random() % places.size()]] = static_cast<char>(random());
@@ -290,7 +290,7 @@ TEST(DamagedField, RandomDamage) {
         ++refused;
       }
     }
-    EXPECT_GT(refused, tree ? 100 : 400) << format.extension;
+    EXPECT_GT(refused, tree ? 60 : 400) << format.extension;
   }
 }
 
