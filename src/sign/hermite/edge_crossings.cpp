@@ -95,8 +95,6 @@ class Found {
   std::vector<EdgeCrossing> all_;
 };
 
-double along(const Vec3& at, std::size_t axis) { return axis == 0 ? at.x : axis == 1 ? at.y : at.z; }
-
 // Where the edge crosses the triangle's plane: by the determinants at its ends, of which one is on each side, so that
 // their difference loses nothing.
 double place_between(const Vec3& from, const Vec3& to, const std::array<Vec3, 3>& t) {
