@@ -63,4 +63,10 @@ struct EdgeCrossingOptions {
 STANDOFF_API std::vector<EdgeCrossing> edge_crossings(MeshView mesh, const Grid& grid,
                                                       const EdgeCrossingOptions& options = {});
 
+/// Writes crossings as .npz, a column each (`sample` n x 3 int64, `axis` uint8, `place` float64, `triangle` uint32,
+/// `normal` n x 3 float32, `enters` bool; and the grid: `size`, `origin`, `spacing`), or as .csv, with their positions;
+/// the file appears whole or not at all. Errors: output, usage (another extension).
+STANDOFF_API void write_crossings(const std::filesystem::path& path, std::span<const EdgeCrossing> crossings,
+                                  const Grid& grid, Existing existing = Existing::replace);
+
 }  // namespace standoff

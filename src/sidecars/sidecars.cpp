@@ -5,7 +5,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <atomic>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <optional>
@@ -111,7 +111,7 @@ class Pass {
         kernels_(cpu::sidecar_kernels_for(simd)),
         clear_(clear) {
     const int exponent = -std::ilogb(field.grid().max_spacing());
-    mesh_ = {memory_of(mesh), std::ldexp(1.0, exponent), std::ldexp(1.0, -exponent), true, false, nullptr, false};
+    mesh_ = {cpu::memory_of(mesh), std::ldexp(1.0, exponent), std::ldexp(1.0, -exponent), true, false, nullptr, false};
     for (std::size_t n = 0; n < kinds.size(); ++n) {
       const auto floats = [&] { return std::get<std::vector<float>>(into[n].values).data(); };
       if (kinds[n] == SidecarKind::closest_point) closest_point_ = floats();
@@ -162,17 +162,17 @@ class Pass {
                                         "; give the mesh that the field was computed from");
   }
 
-  void place(const Size3& at, cpu::SidecarTile& tile) const {
+  void place(const std::array<int, 3>& at, cpu::SidecarTile& tile) const {
     constexpr std::int64_t side = DistanceField::kTileSide;
     for (std::int64_t n = 0; n < side; ++n) {
-      const Vec3 position = field_.grid().position(side * at.x + n, side * at.y + n, side * at.z + n);
+      const Vec3 position = field_.grid().position(side * at[0] + n, side * at[1] + n, side * at[2] + n);
       tile.x[n] = position.x, tile.y[n] = position.y, tile.z[n] = position.z;
     }
   }
 
   const DistanceField& field_;
   std::size_t triangles_;
-  std::vector<Size3> tiles_;
+  std::vector<std::array<int, 3>> tiles_;
   const cpu::SidecarKernels& kernels_;
   bool clear_;
   cpu::SidecarMesh mesh_;
