@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 
+#include "cli/beside.h"
 #include "cli/commands.h"
 #include "cli/compute_report.h"
 #include "cli/console.h"
@@ -44,6 +45,7 @@ struct Command {
   Console console;
   Thickness shell{0};  // of --sign shell
   bool dry_run = false;
+  Beside beside;
   std::optional<std::string> confidence_name;
   FileOutput confidence;  // of the sign, if it has a name
 
@@ -84,10 +86,10 @@ void Command::add_to(CLI::App& verb) {
     add_parsed(verb, {name, value, help, group}, set);
   };
   using S = const std::string&;
-  add("--with", "WHAT", "triangle: store the nearest triangle's index as well", [this](S o, S t) {
-    parse_choice(o, t, {"triangle"});
-    options.nearest_triangle = true;
-  });
+  add("--with", "WHAT,..",
+      "store for each sample as well (docs/sidecars.md): nearest, the\nnearest triangle's index (or triangle), "
+      "closest-point,\nbarycentric, feature, gradient; several with commas between",
+      [this](S o, S t) { beside.add(o, t); });
   add(
       "--sign", "METHOD",
       "make values inside negative. auto: what fits the mesh, or\nnothing if it has no inside; winding, parity: by "
@@ -154,7 +156,8 @@ void Command::run() {
     confidence.check_differs(mesh.name());
     dry_run ? confidence.check_name(field_formats()) : confidence.check(field_formats());
   }
-  if (options.nearest_triangle) output.check_carries_nearest(field_formats());
+  beside.check(output);
+  beside.prepare(options);
   if (options.memory_limit == 0) options.memory_limit = default_memory_limit();
 
   auto start = std::chrono::steady_clock::now();
@@ -177,10 +180,12 @@ void Command::run() {
   }();
   options.progress = nullptr;  // and the bar with it
   if (interrupted()) throw Error(ErrorCode::interrupted, "interrupted");
+  const std::vector<Sidecar> sidecars = beside.make(loaded, computed.field, options.execution);
 
   start = std::chrono::steady_clock::now();
-  with_spinner(console, "writing " + output.path().string(),
-               [&] { write_field(output.path(), computed.field, output.existing()); });
+  with_spinner(console, "writing " + output.path().string(), [&] {
+    write_field(output.path(), computed.field, {.existing = output.existing(), .sidecars = sidecars});
+  });
   Outcome outcome{plan, computed.report, computed.field.provenance().mesh_hash};
   outcome.write_seconds = seconds_since(start);
   std::error_code ignored;  // a pipe has no size

@@ -17,7 +17,8 @@ std::int64_t tile_count(Size3 samples) { return DistanceField::tiles_of(samples)
 
 // What the samples take in a file of any format; the rest is a header of less than 4 KiB.
 double sample_bytes(const Plan& plan, const ComputeOptions& options) {
-  return (options.nearest_triangle ? 8.0 : 4.0) * static_cast<double>(plan.choice.grid.sample_count());
+  const double bytes = (options.nearest_triangle ? 8.0 : 4.0) + static_cast<double>(options.bytes_beside);
+  return bytes * static_cast<double>(plan.choice.grid.sample_count());
 }
 
 Json description(const Plan& plan) {
