@@ -42,18 +42,6 @@ void check(const DistanceField& field, std::span<const SidecarKind> kinds, const
   }
 }
 
-// Squares of squares of scaled lengths must be finite: 2^400 is far from what a double holds.
-void check_extent(const Box& mesh, const Grid& grid) {
-  constexpr double kMostSpacings = 0x1p100;
-  const Box box = grid.bounds();
-  const double far = std::max({max_norm(mesh.min - box.max), max_norm(mesh.max - box.min), max_norm(mesh.min - box.min),
-                               max_norm(mesh.max - box.max)});
-  if (!(far / grid.max_spacing() <= kMostSpacings))
-    throw Error(ErrorCode::limit,
-                "sidecars: the mesh reaches beyond 2^100 spacings from the grid; give the mesh that the field was "
-                "computed from");
-}
-
 // Makes room for the values of each kind. Returns whether some of the memory has been used before.
 bool make_room(std::span<const SidecarKind> kinds, std::size_t samples, std::vector<Sidecar>& into) {
   bool used = false;
@@ -105,13 +93,16 @@ class Pass {
  public:
   Pass(MeshView mesh, const DistanceField& field, std::span<const SidecarKind> kinds, std::vector<Sidecar>& into,
        Simd simd, bool clear)
-      : field_(field),
-        triangles_(mesh.triangles.size()),
-        tiles_(field.tile_coordinates()),
-        kernels_(cpu::sidecar_kernels_for(simd)),
-        clear_(clear) {
+      : field_(field), tiles_(field.tile_coordinates()), kernels_(cpu::sidecar_kernels_for(simd)), clear_(clear) {
     const int exponent = -std::ilogb(field.grid().max_spacing());
-    mesh_ = {cpu::memory_of(mesh), std::ldexp(1.0, exponent), std::ldexp(1.0, -exponent), true, false, nullptr, false};
+    mesh_ = {cpu::memory_of(mesh),
+             static_cast<std::uint32_t>(mesh.triangles.size()),
+             std::ldexp(1.0, exponent),
+             std::ldexp(1.0, -exponent),
+             true,
+             false,
+             nullptr,
+             false};
     for (std::size_t n = 0; n < kinds.size(); ++n) {
       const auto floats = [&] { return std::get<std::vector<float>>(into[n].values).data(); };
       if (kinds[n] == SidecarKind::closest_point) closest_point_ = floats();
@@ -135,7 +126,6 @@ class Pass {
     const std::size_t first = slot * kTile;
     tile.values = field_.tile_values().data() + first;
     tile.nearest = field_.tile_nearest_values().data() + first;
-    check_triangles(slot, tile.nearest);
     place(tiles_[slot], tile);
     tile.closest_point = at(closest_point_, 3 * first);
     tile.barycentric = at(barycentric_, 3 * first);
@@ -146,20 +136,22 @@ class Pass {
         if (three) std::memset(three, 0, 3 * kTile * sizeof(float));
       if (tile.feature) std::memset(tile.feature, 0, kTile);
     }
-    return kernels_.fill(mesh_, tile);
+    const int on_surface = kernels_.fill(mesh_, tile);
+    if (on_surface < 0) fail(slot, on_surface);
+    return on_surface;
   }
 
  private:
   static float* at(float* values, std::size_t n) { return values ? values + n : nullptr; }
 
-  void check_triangles(std::size_t slot, const std::uint32_t* nearest) const {
-    std::uint32_t most = 0;
-    for (std::size_t n = 0; n < kTile; ++n) most = std::max(most, nearest[n] == kNoTriangle ? 0 : nearest[n]);
-    if (most >= triangles_)
-      throw Error(ErrorCode::input, "sidecars: a sample of tile " + std::to_string(slot) +
-                                        " has the nearest triangle " + std::to_string(most) + ", but the mesh has " +
-                                        std::to_string(triangles_) +
-                                        "; give the mesh that the field was computed from");
+  [[noreturn]] void fail(std::size_t slot, int why) const {
+    constexpr const char* kAdvice = "; give the mesh that the field was computed from";
+    if (why == cpu::SidecarKernels::kTooFar)
+      throw Error(ErrorCode::limit,
+                  "sidecars: a triangle is larger or farther away than 2^100 spacings" + std::string(kAdvice));
+    throw Error(ErrorCode::input, "sidecars: a sample of tile " + std::to_string(slot) +
+                                      " has a nearest triangle that the mesh does not have, of " +
+                                      std::to_string(mesh_.triangles) + kAdvice);
   }
 
   void place(const std::array<int, 3>& at, cpu::SidecarTile& tile) const {
@@ -171,7 +163,6 @@ class Pass {
   }
 
   const DistanceField& field_;
-  std::size_t triangles_;
   std::vector<std::array<int, 3>> tiles_;
   const cpu::SidecarKernels& kernels_;
   bool clear_;
@@ -232,7 +223,6 @@ void sidecars_into(MeshView mesh, const DistanceField& field, std::span<const Si
   ProgressMeter meter(progress);
   Threads(execution.threads).run([&] {
     validate(mesh);
-    check_extent(bounds(mesh), field.grid());
     const bool clear = make_room(kinds, kTile * static_cast<std::size_t>(field.stored_tiles()), into);
     Pass pass(mesh, field, kinds, into, execution.simd, clear);
     run(pass, mesh, gradient_sign(field), meter);

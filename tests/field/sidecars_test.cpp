@@ -265,7 +265,7 @@ TEST(Sidecars, Errors) {
   fails(ErrorCode::usage, "no nearest triangles", mesh, DistanceField(grid, 1), kAll);
   fails(ErrorCode::usage, "no such kind", mesh, field, std::array{static_cast<SidecarKind>(9)});
   fails(ErrorCode::usage, "twice", mesh, field, std::array{SidecarKind::feature, SidecarKind::feature});
-  fails(ErrorCode::input, "the mesh has 1", few, field, kAll);
+  fails(ErrorCode::input, "does not have, of 1", few, field, kAll);
   fails(ErrorCode::limit, "2^100 spacings", testing::moved(mesh, {0, 0, 0}, 1e40), field, kAll);
   fails(ErrorCode::interrupted, "cancelled", mesh, field, kAll, [](const Progress&) { return false; });
 }

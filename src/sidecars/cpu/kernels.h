@@ -26,6 +26,7 @@ struct SidecarTile {
 
 struct SidecarMesh {
   MeshMemory memory;
+  std::uint32_t triangles;
   /// A power of two that makes lengths moderate, and its inverse.
   double scale, unscale;
   /// The gradient of negative values is against that of the distance.
@@ -39,7 +40,10 @@ struct SidecarMesh {
 };
 
 struct SidecarKernels {
-  /// Fills the outputs. Returns how many samples are on the surface, as slope_of() says.
+  static constexpr int kNoSuchTriangle = -1, kTooFar = -2;
+
+  /// Fills the outputs. Returns how many samples are on the surface, as slope_of() says; kNoSuchTriangle where
+  /// a nearest triangle is none of the mesh's; kTooFar where one is larger or farther than 2^100 scaled units.
   int (*fill)(const SidecarMesh&, const SidecarTile&);
 };
 

@@ -18,23 +18,26 @@ constexpr int kSamplesAtOnce = WideDouble::kLanes;
 
 // What a group of samples is loaded into, lane by lane.
 struct SampleGroup {
-  alignas(64) double corner[3][3][kSamplesAtOnce];  // relative to the sample, scaled
+  alignas(64) double corner[3][3][kSamplesAtOnce];
+  alignas(64) double at[3][kSamplesAtOnce];
   alignas(64) double orientation[kSamplesAtOnce];
   alignas(64) double sign[kSamplesAtOnce];
   std::uint32_t sample[kSamplesAtOnce];
 };
 
 template <bool kPacked>
-STANDOFF_INLINE void load_samples(const SidecarMesh& mesh, const SidecarTile& tile, const std::uint16_t* samples,
+STANDOFF_INLINE void load_samples(const SidecarMesh& mesh, const SidecarTile& tile, const std::uint32_t* samples,
                                   int count, SampleGroup& group) {
   for (int lane = 0; lane < kSamplesAtOnce; ++lane) {
     // Past the end the last one again, which changes nothing.
     const std::uint32_t n = samples[lane < count ? lane : count - 1], triangle = tile.nearest[n];
-    const double at[3] = {tile.x[n % 8], tile.y[n / 8 % 8], tile.z[n / 64]};
+    group.at[0][lane] = tile.x[n % 8];
+    group.at[1][lane] = tile.y[n / 8 % 8];
+    group.at[2][lane] = tile.z[n / 64];
     for (int which = 0; which < 3; ++which) {
       double room[3];
       const double* v = corner_of<kPacked>(mesh.memory, triangle, which, room);
-      for (int axis = 0; axis < 3; ++axis) group.corner[which][axis][lane] = (v[axis] - at[axis]) * mesh.scale;
+      for (int axis = 0; axis < 3; ++axis) group.corner[which][axis][lane] = v[axis];
     }
     group.sample[lane] = n;
     if (!tile.gradient) continue;
@@ -44,9 +47,8 @@ STANDOFF_INLINE void load_samples(const SidecarMesh& mesh, const SidecarTile& ti
   }
 }
 
-STANDOFF_INLINE Triple<WideDouble> load_corner(const SampleGroup& group, int which) {
-  return {WideDouble::load(group.corner[which][0]), WideDouble::load(group.corner[which][1]),
-          WideDouble::load(group.corner[which][2])};
+STANDOFF_INLINE Triple<WideDouble> load_three(const double (&from)[3][kSamplesAtOnce]) {
+  return {WideDouble::load(from[0]), WideDouble::load(from[1]), WideDouble::load(from[2])};
 }
 
 // Three numbers of each sample of the group.
@@ -63,24 +65,17 @@ STANDOFF_INLINE void store_triples(const Triple<WideDouble>& v, const SampleGrou
   }
 }
 
-STANDOFF_INLINE Triple<WideDouble> positions(const SidecarTile& tile, const SampleGroup& group) {
-  alignas(64) double at[3][kSamplesAtOnce];
-  for (int lane = 0; lane < kSamplesAtOnce; ++lane) {
-    const std::uint32_t n = group.sample[lane];
-    at[0][lane] = tile.x[n % 8];
-    at[1][lane] = tile.y[n / 8 % 8];
-    at[2][lane] = tile.z[n / 64];
-  }
-  return {WideDouble::load(at[0]), WideDouble::load(at[1]), WideDouble::load(at[2])};
-}
-
 int fill(const SidecarMesh& mesh, const SidecarTile& tile) {
-  std::uint16_t samples[SidecarTile::kSamples];
+  alignas(64) std::uint32_t samples[SidecarTile::kSamples + WideFloat::kLanes];
   int total = 0, near = 0;
-  for (int n = 0; n < SidecarTile::kSamples; ++n) {
-    samples[total] = static_cast<std::uint16_t>(n);
-    total += tile.nearest[n] != kNoTriangle;
+  std::uint32_t wrong = 0;
+  for (int n = 0; n < SidecarTile::kSamples; n += WideFloat::kLanes) {
+    const WideUint triangle = WideUint::load(tile.nearest + n);
+    const Mask has_one = less(triangle, WideUint(kNoTriangle)), exists = less(triangle, WideUint(mesh.triangles));
+    wrong |= (has_one & ~exists).to_bits();
+    total += store_packed(samples + total, has_one, WideUint(static_cast<std::uint32_t>(n)) + lane_numbers());
   }
+  if (wrong != 0) return SidecarKernels::kNoSuchTriangle;
   SampleGroup group;
   for (int first = 0; first < total; first += kSamplesAtOnce) {
     const int count = total - first < kSamplesAtOnce ? total - first : kSamplesAtOnce;
@@ -88,10 +83,16 @@ int fill(const SidecarMesh& mesh, const SidecarTile& tile) {
       load_samples<true>(mesh, tile, samples + first, count, group);
     else
       load_samples<false>(mesh, tile, samples + first, count, group);
-    const Triple<WideDouble> a = load_corner(group, 0), b = load_corner(group, 1), c = load_corner(group, 2);
+    const Triple<WideDouble> at = load_three(group.at);
+    const WideDouble scale(mesh.scale);
+    const Triple<WideDouble> a = (load_three(group.corner[0]) - at) * scale,
+                             b = (load_three(group.corner[1]) - at) * scale,
+                             c = (load_three(group.corner[2]) - at) * scale;
     const ClosestPart<WideDouble> part = closest_part(a, b, c);
-    if (tile.closest_point)
-      store_triples(positions(tile, group) + part.point * WideDouble(mesh.unscale), group, count, tile.closest_point);
+    // Squares of squares are finite; where something overflowed, one of these is no number or infinite.
+    const WideDouble most(0x1p200);
+    if ((less(part.distance_sq, most) & less(part.side_sq, most)).to_bits() != 0xff) return SidecarKernels::kTooFar;
+    if (tile.closest_point) store_triples(at + part.point * WideDouble(mesh.unscale), group, count, tile.closest_point);
     if (tile.barycentric) store_triples(part.weights, group, count, tile.barycentric);
     if (tile.feature) {
       alignas(64) double feature[kSamplesAtOnce];
