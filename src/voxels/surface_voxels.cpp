@@ -41,7 +41,7 @@ class Painter {
               SampleAxis(voxels.grid.origin.z, voxels.grid.spacing.z, voxels.grid.size.z)} {}
 
   // Goes over the columns of voxels across the triangle, and in each over the voxels near the triangle's plane.
-  void paint(const std::array<Vec3, 3>& t) const {
+  void paint(const std::array<Vec3, 3>& t, ProgressMeter& meter) const {
     const TriangleInVoxels triangle(t, half_);
     const Vec3& n = triangle.normal();
     const double size[3] = {std::abs(n.x), std::abs(n.y), std::abs(n.z)};
@@ -52,12 +52,14 @@ class Painter {
     const Range across_a = range_of(t, a), across_b = range_of(t, b), across_c = range_of(t, c);
     const bool has_plane = triangle.normal_is_good();
     std::array<std::int64_t, 3> at;
-    for (at[c] = across_c.begin; at[c] < across_c.end; ++at[c])
+    for (at[c] = across_c.begin; at[c] < across_c.end; ++at[c]) {
+      meter.check();
       for (at[b] = across_b.begin; at[b] < across_b.end; ++at[b]) {
         const Range near = has_plane ? near_plane(t, n, {a, b, c}, at, across_a) : across_a;
         for (at[a] = near.begin; at[a] < near.end; ++at[a])
           if (triangle.overlaps({axes_[0].at(at[0]), axes_[1].at(at[1]), axes_[2].at(at[2])})) mark(at);
       }
+    }
   }
 
  private:
@@ -121,7 +123,7 @@ Occupancy surface_voxels(MeshView mesh, const Grid& grid, const Execution& execu
     const Painter painter(voxels);
     meter.stage("voxels", static_cast<std::int64_t>(mesh.triangles.size()), 0, 1);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.triangles.size(), kGrain), [&](const auto& range) {
-      for (std::size_t n = range.begin(); n != range.end(); ++n) painter.paint(mesh.corners(n));
+      for (std::size_t n = range.begin(); n != range.end(); ++n) painter.paint(mesh.corners(n), meter);
       meter.advance(static_cast<std::int64_t>(range.size()));
     });
   });

@@ -74,7 +74,7 @@ class Budget {
 // The crossings that a thread has found.
 class Found {
  public:
-  explicit Found(Budget& budget) : budget_(&budget) {}
+  Found(Budget& budget, ProgressMeter& progress) : budget_(&budget), progress_(&progress) {}
 
   void add(const EdgeCrossing& crossing) {
     if (all_.size() == all_.capacity()) grow();
@@ -85,6 +85,7 @@ class Found {
  private:
   void grow() {
     constexpr std::size_t kFirst = 256;
+    progress_->check();
     const std::size_t before = all_.capacity(), after = std::max(kFirst, 2 * before);
     budget_->take(after);
     all_.reserve(after);
@@ -92,6 +93,7 @@ class Found {
   }
 
   Budget* budget_;
+  ProgressMeter* progress_;
   std::vector<EdgeCrossing> all_;
 };
 
@@ -179,7 +181,7 @@ std::vector<EdgeCrossing> edge_crossings(MeshView mesh, const Grid& grid, const 
     const Scan scan({mesh, use}, grid, options.sign.invert);
 
     Budget budget(options.memory_limit);
-    PerThread<Found> found([&] { return Found(budget); });
+    PerThread<Found> found([&] { return Found(budget, progress); });
     progress.stage("crossings", static_cast<std::int64_t>(mesh.triangles.size()), 0.1, 0.8);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.triangles.size(), kGrain), [&](const auto& range) {
       Found& mine = found.local();
