@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "cli/parse.h"
 #include "standoff/error.h"
@@ -45,6 +46,28 @@ std::vector<Sidecar> Beside::make(MeshView mesh, DistanceField& field, const Exe
   std::vector<Sidecar> made = sidecars(mesh, field, kinds_, {.threads = execution.threads});
   if (!nearest_) field.erase_nearest();
   return made;
+}
+
+std::int64_t count_wrong(const FieldFile& file, MeshView mesh, const Execution& execution) {
+  if (!file.field.has_nearest()) return 0;
+  std::int64_t wrong = 0;
+  for (const SidecarKind kind : kKinds)
+    for (const Sidecar& stored : file.sidecars) {
+      if (stored.name != name_of(kind)) continue;
+      const Sidecar right = std::move(sidecars(mesh, file.field, {&kind, 1}, execution)[0]);
+      const auto compare = [&]<class Number>(const std::vector<Number>& numbers) {
+        const auto* const others = std::get_if<std::vector<Number>>(&right.values);
+        const auto width = static_cast<std::size_t>(right.components);
+        if (!others || others->size() != numbers.size() || stored.components != right.components) {
+          ++wrong;  // another array of that name
+          return;
+        }
+        for (std::size_t n = 0; n < numbers.size(); n += width)
+          wrong += std::equal(numbers.data() + n, numbers.data() + n + width, others->data() + n) ? 0 : 1;
+      };
+      std::visit(compare, stored.values);
+    }
+  return wrong;
 }
 
 }  // namespace standoff::cli

@@ -7,6 +7,7 @@
 
 #include "cli/files.h"
 #include "standoff/compute.h"
+#include "standoff/io.h"
 #include "standoff/sidecars.h"
 
 namespace standoff::cli {
@@ -26,5 +27,9 @@ class Beside {
   bool nearest_ = false;
   std::vector<SidecarKind> kinds_;
 };
+
+/// Of the sidecars that are made as `compute --with` makes them: in how many samples they are not what the mesh and the
+/// stored nearest triangles give. 0 where there are none, or no nearest triangles.
+std::int64_t count_wrong(const FieldFile& file, MeshView mesh, const Execution& execution);
 
 }  // namespace standoff::cli

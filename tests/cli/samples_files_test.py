@@ -123,6 +123,15 @@ def sidecars():
     assert data["feature"].dtype == np.uint8 and data["feature"].max() <= 6 and (data["feature"][band] == 0).any()
     for array in (closest, gradient, weights):
         assert (array[~band] == 0).all()
+    # verify finds a single number that is off.
+    run("verify", "s.npz", "scene:sphere:3000")
+    arrays = dict(data)
+    off = tuple(np.argwhere(band)[100])
+    gradient = arrays["gradient"].copy()
+    gradient[off] = -gradient[off]
+    np.savez("wrong.npz", **{**arrays, "gradient": np.asfortranarray(gradient)})
+    failed = run("verify", "wrong.npz", "scene:sphere:3000", code=7)
+    assert "wrong in 1 place" in failed.stderr, failed.stderr
     # Without nearest triangles, and what cannot carry them.
     run("compute", "scene:sphere:3000", "-r", "20", "-t", "2s", "-o", "f.npz", "--with", "feature")
     assert "nearest_triangle" not in np.load("f.npz").files and "feature" in np.load("f.npz").files

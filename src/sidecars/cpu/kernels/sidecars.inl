@@ -51,17 +51,24 @@ STANDOFF_INLINE Triple<WideDouble> load_three(const double (&from)[3][kSamplesAt
   return {WideDouble::load(from[0]), WideDouble::load(from[1]), WideDouble::load(from[2])};
 }
 
+// In a loop of its own, which the compiler makes wide.
+STANDOFF_INLINE void store_rounded(const WideDouble& from, float* to) {
+  alignas(64) double exact[kSamplesAtOnce];
+  from.store(exact);
+  for (int lane = 0; lane < kSamplesAtOnce; ++lane) to[lane] = static_cast<float>(exact[lane]);
+}
+
 // Three numbers of each sample of the group.
 STANDOFF_INLINE void store_triples(const Triple<WideDouble>& v, const SampleGroup& group, int count, float* out) {
-  alignas(64) double x[kSamplesAtOnce], y[kSamplesAtOnce], z[kSamplesAtOnce];
-  v.x.store(x);
-  v.y.store(y);
-  v.z.store(z);
+  alignas(64) float x[kSamplesAtOnce], y[kSamplesAtOnce], z[kSamplesAtOnce];
+  store_rounded(v.x, x);
+  store_rounded(v.y, y);
+  store_rounded(v.z, z);
   for (int lane = 0; lane < count; ++lane) {
     float* const to = out + 3 * group.sample[lane];
-    to[0] = static_cast<float>(x[lane]);
-    to[1] = static_cast<float>(y[lane]);
-    to[2] = static_cast<float>(z[lane]);
+    to[0] = x[lane];
+    to[1] = y[lane];
+    to[2] = z[lane];
   }
 }
 
