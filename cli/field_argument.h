@@ -20,7 +20,7 @@ class FieldArgument {
   void add_to(CLI::App& verb);
   /// Terminals are shown what is waited for. Errors: input; limit, before any memory is taken.
   DistanceField read(const std::string& name, const Console& console) const;
-  /// The same with its sidecars.
+  /// With its sidecars.
   FieldFile read_file(const std::string& name, const Console& console) const;
   /// Throws Error{usage} where the option was given: `name` is no field.
   void check_unused(const std::string& name) const;

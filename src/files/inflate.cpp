@@ -32,8 +32,7 @@ Inflater::Inflater(const FileView& file, std::string where, std::string_view pac
     : file_(file), where_(std::move(where)), left_(packed), wrapper_(wrapper), state_(std::make_unique<State>()) {
   constexpr int kGzip = 16;  // added to the size of the window it asks for gzip's headers
   const int window = wrapper == Wrapper::gzip ? MAX_WBITS + kGzip : wrapper == Wrapper::zlib ? MAX_WBITS : -MAX_WBITS;
-  if (::inflateInit2(&state_->stream, window) != Z_OK)
-    throw std::bad_alloc();
+  if (::inflateInit2(&state_->stream, window) != Z_OK) throw std::bad_alloc();
 }
 
 Inflater::~Inflater() { ::inflateEnd(&state_->stream); }

@@ -48,8 +48,8 @@ std::uint32_t adler32_of_run(std::uint32_t before, std::span<const std::byte> el
   }
   sum %= kPrime;
   // 0 + 1 + ... + (count - 1): one of both factors is even.
-  const std::uint64_t pairs = count % 2 == 0 ? (count / 2 % kPrime) * ((count - 1) % kPrime) % kPrime
-                                             : n * ((count - 1) / 2 % kPrime) % kPrime;
+  const std::uint64_t pairs =
+      count % 2 == 0 ? (count / 2 % kPrime) * ((count - 1) % kPrime) % kPrime : n * ((count - 1) / 2 % kPrime) % kPrime;
   const std::uint64_t low = before & 0xFFFF, high = before >> 16;
   const std::uint64_t new_low = (low + n * sum) % kPrime;
   const std::uint64_t new_high =
@@ -92,7 +92,8 @@ std::uint32_t CrcRuns::of_run(std::uint32_t before, std::span<const std::byte> e
   std::byte copies[1024];
   const std::uint64_t at_once = std::min<std::uint64_t>(sizeof copies / bytes, count);
   for (std::uint64_t n = 0; n < at_once; ++n) std::memcpy(copies + n * bytes, element.data(), bytes);
-  for (; count > 0; count -= std::min(at_once, count)) before = crc_of(before, copies, std::min(at_once, count) * bytes);
+  for (; count > 0; count -= std::min(at_once, count))
+    before = crc_of(before, copies, std::min(at_once, count) * bytes);
   return before;
 }
 

@@ -267,8 +267,7 @@ std::uint32_t RunDeflater::adler32() const {
   std::uint32_t sum = 1;
   each_token(
       [&](std::span<const std::byte> bytes) {
-        sum = static_cast<std::uint32_t>(
-            ::adler32_z(sum, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
+        sum = static_cast<std::uint32_t>(::adler32_z(sum, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
       },
       [&](std::span<const std::byte> element, std::uint32_t run) {
         sum = adler32_of_run(sum, element, run / element.size());

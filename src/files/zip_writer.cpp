@@ -87,14 +87,20 @@ void ZipWriter::finish() {
   const std::uint64_t start = file_.size();
   bool any_wide = false;
   for (const Member& member : members_) {
-    const bool wide =
-        member.bytes >= zip64_from_ || member.packed >= zip64_from_ || member.header >= zip64_from_;
+    const bool wide = member.bytes >= zip64_from_ || member.packed >= zip64_from_ || member.header >= zip64_from_;
     any_wide |= wide;
     Record record;
     record.u32(zip::kDirectoryHeader).u16(kMadeOnUnix | (wide ? kVersion64 : kVersion));
     record.u16(wide ? kVersion64 : kVersion).u16(0);
     record.u16(member.deflated ? kDeflated : kStored).u16(kTime).u16(kDate).u32(member.crc);
-    record.u32(wide ? zip::kIn64 : member.packed).u32(wide ? zip::kIn64 : member.bytes).u16(member.name.size()).u16(wide ? 28 : 0).u16(0).u16(0).u16(0).u32(kRegularFile);
+    record.u32(wide ? zip::kIn64 : member.packed)
+        .u32(wide ? zip::kIn64 : member.bytes)
+        .u16(member.name.size())
+        .u16(wide ? 28 : 0)
+        .u16(0)
+        .u16(0)
+        .u16(0)
+        .u32(kRegularFile);
     record.u32(wide ? zip::kIn64 : member.header).text(member.name);
     if (wide) record.u16(zip::kExtra64).u16(24).u64(member.bytes).u64(member.packed).u64(member.header);
     write_text(record.bytes);

@@ -38,4 +38,10 @@ void write_nrrd(AtomicFile& file, const DistanceField& field, const FieldWriteOp
 FieldFile read_npz(const FileView& file, const FieldRequest& request);
 void write_npz(AtomicFile& file, const DistanceField& field, const FieldWriteOptions& options);
 
+FieldFile read_nvdb(const FileView& file, const FieldRequest& request);
+void write_nvdb(AtomicFile& file, const DistanceField& field, const FieldWriteOptions& options);
+
+FieldFile read_vdb(const FileView& file, const FieldRequest& request);
+void write_vdb(AtomicFile& file, const DistanceField& field, const FieldWriteOptions& options);
+
 }  // namespace standoff

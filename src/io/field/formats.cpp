@@ -15,10 +15,12 @@
 namespace standoff {
 namespace {
 
-constexpr std::array<FieldFormat, 3> kFormats{{
+constexpr std::array<FieldFormat, 5> kFormats{{
     {"vti", "VTK XML image data, for ParaView and VTK", true, true, read_vti, write_vti},
     {"nrrd", "NRRD, for Slicer, ITK and teem", false, false, read_nrrd, write_nrrd},
     {"npz", "NumPy arrays", true, true, read_npz, write_npz},
+    {"vdb", "OpenVDB, for Blender, Houdini and OpenVDB", false, false, read_vdb, write_vdb},
+    {"nvdb", "NanoVDB, for Warp and GPUs", false, false, read_nvdb, write_nvdb},
 }};
 
 const FieldFormat& format_of(const std::filesystem::path& path, ErrorCode code) {
@@ -35,7 +37,7 @@ const FieldFormat& format_of(const std::filesystem::path& path, ErrorCode code) 
 }
 
 // ".vti or .npz": those that can carry what the caller asks for.
-std::string those_with(bool FieldFormat::* can) {
+std::string those_with(bool FieldFormat::*can) {
   std::string names;
   for (const FieldFormat& format : kFormats)
     if (format.*can) names += (names.empty() ? "." : " or .") + std::string(format.extension);
@@ -83,8 +85,8 @@ void write_field(const std::filesystem::path& path, const DistanceField& field, 
   const FieldFormat& format = format_of(path, ErrorCode::usage);
   const std::string cannot = path.string() + ": ." + format.extension + " cannot carry ";
   if (field.has_nearest() && !format.nearest)
-    throw Error(ErrorCode::usage, cannot + "nearest triangles; write " + those_with(&FieldFormat::nearest) +
-                                      ", or compute without them");
+    throw Error(ErrorCode::usage,
+                cannot + "nearest triangles; write " + those_with(&FieldFormat::nearest) + ", or compute without them");
   if (!options.sidecars.empty() && !format.sidecars)
     throw Error(ErrorCode::usage, cannot + "sidecars such as " + shown(options.sidecars[0].name) + "; write " +
                                       those_with(&FieldFormat::sidecars) + ", or leave them out");

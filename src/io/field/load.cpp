@@ -174,7 +174,8 @@ void check_sidecar_memory(const StoredField& stored, const DistanceField& field,
               static_cast<double>(bytes_of(sidecar.array.type));
   const auto limit = static_cast<double>(memory_limit);
   if (needed > limit)
-    throw Error(ErrorCode::limit, "its tiles and sidecars need " + over_the_limit(needed, limit) + "; give a higher limit",
+    throw Error(ErrorCode::limit,
+                "its tiles and sidecars need " + over_the_limit(needed, limit) + "; give a higher limit",
                 limit_details(needed, limit));
 }
 

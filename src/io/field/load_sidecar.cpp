@@ -28,7 +28,8 @@ std::vector<Number> load(const FileView& file, const StoredArray& array, const D
     for (std::int64_t layer = 0; layer < layers; ++layer) {
       reader.next_layer();
       each_stored_tile(field, array.z_fastest, layer, [&](Size3 first, std::int64_t slot) {
-        reader.read_into(first, values.data() + DistanceField::kTileSamples * components * slot + component, components);
+        reader.read_into(first, values.data() + DistanceField::kTileSamples * components * slot + component,
+                         components);
       });
     }
   }

@@ -106,8 +106,8 @@ class Archive {
   // What is no array of the field's own, and has a number or a few for each of its samples. Others may hold anything.
   std::vector<StoredSidecar> sidecars(const Size3& size) const {
     std::vector<StoredSidecar> found;
-    std::set<std::string> names{kDistance, kNearest, "origin", "spacing", "thickness",
-                                "method",  "version", "sign",  "mesh_hash"};
+    std::set<std::string> names{kDistance, kNearest,  "origin", "spacing",  "thickness",
+                                "method",  "version", "sign",   "mesh_hash"};
     for (const ZipMember& zip : members_) {
       const std::string name = zip.name.substr(0, zip.name.size() - std::min<std::size_t>(zip.name.size(), 4));
       if (zip.name != name + ".npy" || !names.insert(name).second) continue;
@@ -202,9 +202,7 @@ class ArrayWriter {
     const Size3& size = field.grid().size;
     std::vector<std::int64_t> shape{size.x, size.y, size.z};
     if (array.components > 1) shape.push_back(array.components);
-    const char* const type = array.type == NumberType::uint8    ? "|u1"
-                             : array.type == NumberType::uint32 ? "<u4"
-                                                                : "<f4";
+    const char* const type = array.type == NumberType::uint8 ? "|u1" : array.type == NumberType::uint32 ? "<u4" : "<f4";
     const NpyHeader header{type, shape, true};
     const std::uint64_t bytes = static_cast<std::uint64_t>(size.count()) * array.element_bytes();
     std::uint32_t crc = options.compress ? begin_deflated(array.name, header, bytes) : 0;
@@ -214,10 +212,11 @@ class ArrayWriter {
         send_samples(field, array, {component}, [&](std::span<const std::byte> part) { zip_.write(part); });
         continue;
       }
-      pack_samples(field, array, {component}, {BlockKind::deflate, options.threads, crc}, [&](const PackedBlock& block) {
-        zip_.write_deflated(block.bytes);
-        crc = block.crc;
-      });
+      pack_samples(field, array, {component}, {BlockKind::deflate, options.threads, crc},
+                   [&](const PackedBlock& block) {
+                     zip_.write_deflated(block.bytes);
+                     crc = block.crc;
+                   });
     }
     if (!options.compress) return zip_.end();
     zip_.write_deflated(kDeflateEnd);

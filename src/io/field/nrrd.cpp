@@ -164,7 +164,8 @@ void write_nrrd(AtomicFile& file, const DistanceField& field, const FieldWriteOp
       std::to_string(grid.size.x) + " " + std::to_string(grid.size.y) + " " + std::to_string(grid.size.z) +
       "\nspace directions: " + vector(grid.spacing.x, 0, 0) + " " + vector(0, grid.spacing.y, 0) + " " +
       vector(0, 0, grid.spacing.z) + "\ncenters: node node node\nkinds: domain domain domain\nendian: little\n" +
-      "encoding: " + (options.compress ? "gzip" : "raw") + "\nspace origin: " + vector(grid.origin.x, grid.origin.y, grid.origin.z) +
+      "encoding: " + (options.compress ? "gzip" : "raw") +
+      "\nspace origin: " + vector(grid.origin.x, grid.origin.y, grid.origin.z) +
       "\nthickness:=" + text(field.thickness()) + "\nmethod:=" + nrrd_escaped(field.provenance().method) +
       "\nmesh_hash:=" + hash_text(field.provenance().mesh_hash) +
       "\nversion:=" + nrrd_escaped(field.provenance().version) + (sign.empty() ? "" : "\nsign:=" + nrrd_escaped(sign)) +

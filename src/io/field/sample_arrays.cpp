@@ -28,12 +28,8 @@ bool is_name(const std::string& name) {
 
 SampleArray distance_array(const DistanceField& field) {
   const auto far = static_cast<float>(field.thickness());
-  return {"distance",
-          NumberType::float32,
-          1,
-          reinterpret_cast<const std::byte*>(field.tile_values().data()),
-          bytes_of_number(far),
-          bytes_of_number(-far)};
+  return {"distance",           NumberType::float32,  1, reinterpret_cast<const std::byte*>(field.tile_values().data()),
+          bytes_of_number(far), bytes_of_number(-far)};
 }
 
 std::vector<SampleArray> arrays_of(const DistanceField& field, std::span<const Sidecar> sidecars) {

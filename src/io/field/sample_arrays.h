@@ -85,7 +85,8 @@ void send_elements(const DistanceField& field, const SampleArray& array, const A
       const std::int64_t to = std::min(last, kSide * (tx + 1)), count = to - i;
       const std::byte* from =
           array.values + (std::size_t{DistanceField::kTileSamples} * static_cast<std::size_t>(slot) +
-                          static_cast<std::size_t>(in_tile + i % kSide)) * all;
+                          static_cast<std::size_t>(in_tile + i % kSide)) *
+                             all;
       if (part.component) {
         from += number * static_cast<std::size_t>(*part.component);
         for (std::int64_t n = 0; n < count; ++n, from += all)

@@ -34,8 +34,8 @@ struct PackOptions {
   int threads = 0;
   std::uint32_t crc = 0;  ///< CRC-32 of what came before
 };
-/// Deflates all elements of an array, and hands the blocks over in order, one at a time. A block depends on its elements
-/// alone. Memory: a few blocks for each thread.
+/// Deflates all elements of an array, and hands the blocks over in order, one at a time. A block depends on its
+/// elements alone. Memory: a few blocks for each thread.
 void pack_samples(const DistanceField& field, const SampleArray& array, const ArrayPart& part,
                   const PackOptions& options, const std::function<void(const PackedBlock&)>& take);
 

@@ -139,9 +139,9 @@ class Reader {
 
   // The bytes of an array.
   struct Payload {
-    std::uint64_t at = 0;       // plain
-    VtkBlocks blocks;           // compressed
-    std::uint64_t bytes = 0;    // unpacked
+    std::uint64_t at = 0;     // plain
+    VtkBlocks blocks;         // compressed
+    std::uint64_t bytes = 0;  // unpacked
   };
   Payload payload(const XmlTag& tag) const {
     if (get(tag, "format") != "appended")

@@ -128,8 +128,8 @@ class Writer {
       return file_.write(fact.bytes.data(), fact.bytes.size());
     }
     const std::string packed = zlib_stream(fact.bytes);
-    for (const std::uint64_t number : {std::uint64_t{1}, std::uint64_t{fact.bytes.size()}, std::uint64_t{0},
-                                       std::uint64_t{packed.size()}})
+    for (const std::uint64_t number :
+         {std::uint64_t{1}, std::uint64_t{fact.bytes.size()}, std::uint64_t{0}, std::uint64_t{packed.size()}})
       write_number(number);
     file_.write(packed.data(), packed.size());
   }

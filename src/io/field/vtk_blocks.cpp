@@ -30,7 +30,8 @@ VtkBlocks read_vtk_blocks(const FileView& file, std::uint64_t at, unsigned numbe
     const std::uint64_t packed = number(kFixed + n), bytes = n + 1 == count && last > 0 ? last : full;
     file.require(place, packed, "a block");
     if (bytes / kMostDeflated > packed)
-      file.fail("byte " + std::to_string(place), "a block so short cannot hold what is said of it; write the file again");
+      file.fail("byte " + std::to_string(place),
+                "a block so short cannot hold what is said of it; write the file again");
     found.blocks.push_back({place, packed, bytes});
     found.bytes += bytes;
     place += packed;

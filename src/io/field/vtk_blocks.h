@@ -37,7 +37,7 @@ class VtkBlockStream : public ByteStream {
  private:
   const FileView& file_;
   const VtkBlocks& blocks_;
-  std::size_t block_ = 0;      // that is being read
+  std::size_t block_ = 0;       // that is being read
   std::uint64_t in_block_ = 0;  // bytes read of it
   std::optional<Inflater> inflater_;
   std::vector<char> buffer_;
