@@ -41,9 +41,10 @@ void Beside::prepare(ComputeOptions& options) const {
   for (const SidecarKind kind : kinds_) options.bytes_beside += bytes_per_sample(kind);
 }
 
-std::vector<Sidecar> Beside::make(MeshView mesh, DistanceField& field, const Execution& execution) const {
+std::vector<Sidecar> Beside::make(MeshView mesh, DistanceField& field, const Execution& execution,
+                                  const ProgressCallback& progress) const {
   if (kinds_.empty()) return {};
-  std::vector<Sidecar> made = sidecars(mesh, field, kinds_, {.threads = execution.threads});
+  std::vector<Sidecar> made = sidecars(mesh, field, kinds_, {.threads = execution.threads}, progress);
   if (!nearest_) field.erase_nearest();
   return made;
 }

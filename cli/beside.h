@@ -21,7 +21,8 @@ class Beside {
   /// Asks for what they are made of, and for the memory they take.
   void prepare(ComputeOptions& options) const;
   /// Makes them, and takes nearest triangles out of the field unless they are to be stored.
-  std::vector<Sidecar> make(MeshView mesh, DistanceField& field, const Execution& execution) const;
+  std::vector<Sidecar> make(MeshView mesh, DistanceField& field, const Execution& execution,
+                            const ProgressCallback& progress) const;
 
  private:
   bool nearest_ = false;

@@ -181,7 +181,10 @@ void Command::run() {
   }();
   options.progress = nullptr;  // and the bar with it
   if (interrupted()) throw Error(ErrorCode::interrupted, "interrupted");
-  const std::vector<Sidecar> sidecars = beside.make(loaded, computed.field, options.execution);
+  const std::vector<Sidecar> sidecars = [&] {
+    const Cancellable cancellable;
+    return beside.make(loaded, computed.field, options.execution, console.progress());
+  }();
 
   start = std::chrono::steady_clock::now();
   const FieldWriteOptions written{.existing = output.existing(),
