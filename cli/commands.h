@@ -13,6 +13,8 @@ void add_verify(CLI::App& program);
 void add_generate(CLI::App& program);
 void add_convert(CLI::App& program);
 void add_devices(CLI::App& program);
+void add_crossings(CLI::App& program);
+void add_voxels(CLI::App& program);
 void add_build(CLI::App& program);
 void add_collide(CLI::App& program);
 void add_distance(CLI::App& program);

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 
+#include "cli/beside.h"
 #include "cli/commands.h"
 #include "cli/compute_report.h"
 #include "cli/console.h"
@@ -45,6 +46,7 @@ struct Command {
   Console console;
   Thickness shell{0};  // of --sign shell
   bool dry_run = false, uncompressed = false;
+  Beside beside;
   std::optional<std::string> confidence_name;
   FileOutput confidence;  // of the sign, if it has a name
 
@@ -86,10 +88,10 @@ void Command::add_to(CLI::App& verb) {
     add_parsed(verb, {name, value, help, group}, set);
   };
   using S = const std::string&;
-  add("--with", "WHAT", "triangle: store the nearest triangle's index as well", [this](S o, S t) {
-    parse_choice(o, t, {"triangle"});
-    options.nearest_triangle = true;
-  });
+  add("--with", "WHAT,..",
+      "store for each sample as well (docs/sidecars.md): nearest, the\nnearest triangle's index (or triangle), "
+      "closest-point,\nbarycentric, feature, gradient; several with commas between",
+      [this](S o, S t) { beside.add(o, t); });
   add_sign(verb, options.sign, shell);
   add(
       "--confidence", "FIELD",
@@ -132,7 +134,8 @@ void Command::run() {
     confidence.check_differs(mesh.name());
     dry_run ? confidence.check_name(field_formats()) : confidence.check(field_formats());
   }
-  if (options.nearest_triangle) output.check_carries_nearest(field_formats());
+  beside.check(output);
+  beside.prepare(options);
   if (options.memory_limit == 0) options.memory_limit = default_memory_limit();
 
   auto start = std::chrono::steady_clock::now();
@@ -155,10 +158,16 @@ void Command::run() {
   }();
   options.progress = nullptr;  // and the bar with it
   if (interrupted()) throw Error(ErrorCode::interrupted, "interrupted");
+  const std::vector<Sidecar> sidecars = [&] {
+    const Cancellable cancellable;
+    return beside.make(loaded, computed.field, options.execution, console.progress());
+  }();
 
   start = std::chrono::steady_clock::now();
-  const FieldWriteOptions written{
-      .existing = output.existing(), .compress = !uncompressed, .threads = options.execution.threads};
+  const FieldWriteOptions written{.existing = output.existing(),
+                                  .compress = !uncompressed,
+                                  .sidecars = sidecars,
+                                  .threads = options.execution.threads};
   with_spinner(console, "writing " + output.path().string(),
                [&] { write_field(output.path(), computed.field, written); });
   Outcome outcome{plan, computed.report, computed.field.provenance().mesh_hash};

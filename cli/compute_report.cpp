@@ -22,7 +22,8 @@ double most_file_bytes(const Plan& plan, const ComputeOptions& options) {
     const auto tiles = static_cast<double>(tile_count(plan.choice.grid.size));
     return 2300 * tiles + 40'000 * (tiles / 512 + 1) + 300'000 * (tiles / 262'144 + 1);
   }
-  return (options.nearest_triangle ? 8.0 : 4.0) * static_cast<double>(plan.choice.grid.sample_count());
+  const double bytes = (options.nearest_triangle ? 8.0 : 4.0) + static_cast<double>(options.bytes_beside);
+  return bytes * static_cast<double>(plan.choice.grid.sample_count());
 }
 
 Json description(const Plan& plan) {

@@ -7,7 +7,6 @@
 #include "cli/parse.h"
 #include "cli/spinner.h"
 #include "standoff/error.h"
-#include "standoff/io.h"
 
 namespace standoff::cli {
 

@@ -177,7 +177,14 @@ void FileOutput::check_carries_nearest(const std::vector<FileFormat>& formats) c
     if (format.extension == extension_of(path_) && !format.nearest)
       throw Error(ErrorCode::usage,
                   path_.string() + ": ." + format.extension +
-                      " cannot carry nearest triangles; write .vti or .npz, or leave out --with triangle");
+                      " cannot carry nearest triangles; write .vti or .npz, or leave out --with nearest");
+}
+
+void FileOutput::check_carries_sidecars(const std::vector<FileFormat>& formats) const {
+  for (const FileFormat& format : formats)
+    if (format.extension == extension_of(path_) && !format.sidecars)
+      throw Error(ErrorCode::usage, path_.string() + ": ." + format.extension +
+                                        " can only carry distances; write .vti or .npz, or leave out --with");
 }
 
 std::string mesh_line(const std::string& name, const Mesh& mesh) {

@@ -84,6 +84,8 @@ class FileOutput {
   Existing existing() const { return force_ ? Existing::replace : Existing::keep; }
   /// Throws Error{usage} when the file's format has no place for nearest triangles.
   void check_carries_nearest(const std::vector<FileFormat>& formats) const;
+  /// The same for sidecars.
+  void check_carries_sidecars(const std::vector<FileFormat>& formats) const;
 
  private:
   std::filesystem::path path_;

@@ -18,6 +18,14 @@ constexpr double kMostPadding = 0.1;
 }  // namespace
 
 void GridOptions::add_to(CLI::App& verb) {
+  add_without_thickness_to(verb);
+  add_parsed(verb,
+             {"-t,--thickness", "T",
+              "half-width of the band: world units (0.5), samples (3s),\nor inf for every sample (default)", "Grid"},
+             [this](const std::string& o, const std::string& t) { thickness_ = parse_thickness(o, t); });
+}
+
+void GridOptions::add_without_thickness_to(CLI::App& verb) {
   const auto add = [&verb](const char* name, const char* value, const char* help, auto set) {
     return add_parsed(verb, {name, value, help, "Grid"}, set);
   };
@@ -38,9 +46,6 @@ void GridOptions::add_to(CLI::App& verb) {
                         if (!(*padding_ >= 0))
                           throw Error(ErrorCode::usage, "--padding '" + t + "': give zero or more");
                       });
-  add("-t,--thickness", "T",
-      "half-width of the band: world units (0.5), samples (3s),\nor inf for every sample (default)",
-      [this](S o, S t) { thickness_ = parse_thickness(o, t); });
   spacing->excludes(samples);
   size->excludes(samples)->excludes(spacing);
   bounds->excludes(padding);

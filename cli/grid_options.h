@@ -21,6 +21,8 @@ class GridOptions {
  public:
   /// Adds -r, --spacing, --size, --bounds, --padding and --thickness, and says which exclude which.
   void add_to(CLI::App& verb);
+  /// The same but for --thickness, for verbs that compute no field.
+  void add_without_thickness_to(CLI::App& verb);
 
   /// Adds --minimum and --speed, which exclude some of those. Call after it.
   void add_thesis_to(CLI::App& verb);

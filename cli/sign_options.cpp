@@ -1,19 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/sign_options.h"
 
-#include <string>
-
 #include "cli/options.h"
 
 namespace standoff::cli {
 namespace {
 
 constexpr const char* kGroup = "Sign";
+using S = const std::string&;
+
+// All but --sign and --outer.
+void add_details(CLI::App& verb, SignOptions& options) {
+  add_parsed(verb,
+             {"--rule", "NAME", "inside is where the winding number is positive (default),\nnonzero or odd", kGroup},
+             [&](S o, S t) { options.rule = parse_winding_rule(o, t); });
+  verb.add_flag("--invert", options.invert, "exchange inside and outside, as for a room scanned from inside")
+      ->group(kGroup);
+  verb.add_flag("--as-oriented", options.as_oriented, "take triangles as they are oriented; repair nothing first")
+      ->group(kGroup);
+  verb.add_flag("--strict", options.strict, "fail with exit code 8 where the sign is not certain")->group(kGroup);
+}
 
 }  // namespace
 
 void add_sign(CLI::App& verb, SignOptions& options, Thickness& shell) {
-  using S = const std::string&;
   add_parsed(verb,
              {"--sign", "METHOD",
               "make values inside negative. auto: what fits the mesh, or\nnothing if it has no inside; winding, "
@@ -29,18 +39,19 @@ void add_sign(CLI::App& verb, SignOptions& options, Thickness& shell) {
                options.method = choice.method;
                shell = choice.shell;
              });
-  add_parsed(verb,
-             {"--rule", "NAME", "inside is where the winding number is positive (default),\nnonzero or odd", kGroup},
-             [&](S o, S t) { options.rule = parse_winding_rule(o, t); });
-  verb.add_flag("--invert", options.invert, "exchange inside and outside, as for a room scanned from inside")
-      ->group(kGroup);
-  verb.add_flag("--as-oriented", options.as_oriented, "take triangles as they are oriented; repair nothing first")
-      ->group(kGroup);
+  add_details(verb, options);
   verb.add_flag("--outer", options.outer,
                 "leave out triangles inside: distances are to the union of\nall parts (sign winding or auto, closed "
                 "meshes)")
       ->group(kGroup);
-  verb.add_flag("--strict", options.strict, "fail with exit code 8 where the sign is not certain")->group(kGroup);
+}
+
+void add_sign_to(CLI::App& verb, const std::vector<std::string>& methods, const char* help, SignOptions& options) {
+  add_parsed(verb, {"--sign", "METHOD", help, kGroup}, [&options, methods](S o, S t) {
+    parse_choice(o, t, methods);
+    options.method = parse_sign(o, t).method;
+  });
+  add_details(verb, options);
 }
 
 bool is_given(const SignOptions& sign) {

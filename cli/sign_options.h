@@ -3,6 +3,8 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
 
 #include "cli/json.h"
 #include "cli/parse.h"
@@ -10,8 +12,13 @@
 
 namespace standoff::cli {
 
-/// Adds --sign and what goes with it. The thickness of --sign shell goes to `shell`: it may be in samples.
+/// Adds --sign, with all methods, and what goes with it. The thickness of --sign shell goes to `shell`: it may be in
+/// samples.
 void add_sign(CLI::App& verb, SignOptions& options, Thickness& shell);
+
+/// Adds --sign, --rule, --invert, --as-oriented and --strict for verbs that ask about samples or triangles and not for
+/// distances. `methods`: what --sign takes, of auto, winding, parity, normal, flood and none.
+void add_sign_to(CLI::App& verb, const std::vector<std::string>& methods, const char* help, SignOptions& options);
 
 /// Whether any of them was given another value than it has without.
 bool is_given(const SignOptions& options);

@@ -44,6 +44,9 @@ struct ComputeOptions {
   SignOptions sign = {};
   Execution execution = {};
   std::int64_t memory_limit = 0;  ///< bytes of output and scratch memory together; 0: no limit
+  /// Bytes for each sample that the output stores, which the caller will keep beside it: sidecars, by
+  /// bytes_per_sample(). The memory limit and memory_needed() count them; nothing else does.
+  std::int64_t bytes_beside = 0;
   bool nearest_triangle = false;  ///< also store the nearest triangle's index per band sample, lowest on ties
   /// Also store the mesh's hash in the field's provenance, so that verify() and readers of the field's file can detect
   /// that a mesh is not the field's. Costs one pass over the mesh. compute_into dense memory stores no provenance.

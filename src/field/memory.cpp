@@ -97,6 +97,8 @@ class Advice {
 
 std::int64_t bytes_needed(const Plan& plan, double tiles, bool diagnosed) {
   const double samples = static_cast<double>(plan.grid.sample_count());
+  const double stored = plan.is_dense ? samples : DistanceField::kTileSamples * tiles;
+  const double beside = stored * static_cast<double>(plan.bytes_beside);
   const double output = plan.is_dense ? 4.0 * samples * (plan.with_nearest ? 2 : 1)
                                       : field_bytes(tiles, tiles_of_grid(plan), plan.with_nearest);
   // The sign is decided when the backend has given its memory back; the mesh is diagnosed before the output.
@@ -108,7 +110,8 @@ std::int64_t bytes_needed(const Plan& plan, double tiles, bool diagnosed) {
                             : 0;
   const double kept =
       plan.rule.kind == SkipRule::Kind::none ? 0 : static_cast<double>(skip_bytes(plan.triangles, plan.rule));
-  const double total = std::max(before, output + scratch + kept);
+  // What is beside the output is made when the scratch memory has been given back.
+  const double total = std::max({before, output + scratch + kept, output + beside});
   return total < 0x1p62 ? static_cast<std::int64_t>(total) : std::int64_t{1} << 62;
 }
 

@@ -13,6 +13,8 @@ void validate(double thickness, const ComputeOptions& options) {
   if (!(thickness > 0)) fail("the thickness must be positive; infinity gives a full field");
   validate("compute", options.execution, Runs::everywhere);
   if (options.memory_limit < 0) fail("the memory limit is negative; give bytes, or zero for none");
+  if (options.bytes_beside < 0 || options.bytes_beside > (1 << 20))
+    fail("the bytes beside each sample must be 0 to 2^20; give the sum of bytes_per_sample()");
   if (options.skip.kind == SkipRule::Kind::neighbour && !(options.skip.fraction > 0 && options.skip.fraction <= 1))
     fail("the neighbour rule's fraction must be above 0 and at most 1; 1 is the thesis's");
   // Numbers that were cast to an enumeration.

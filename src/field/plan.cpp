@@ -36,7 +36,8 @@ Plan make_plan(std::int64_t triangles, const Grid& grid, double thickness, const
           thread_count(options.execution.threads),
           options.nearest_triangle || options.sign.method == SignMethod::normal,
           options.sign.method != SignMethod::none,
-          is_dense};
+          is_dense,
+          options.bytes_beside};
 }
 
 }  // namespace standoff

@@ -17,7 +17,8 @@ struct Plan {
   int threads;
   bool with_nearest;  ///< for the caller or for the sign
   bool with_sign;
-  bool is_dense;  ///< into the caller's memory, not into tiles
+  bool is_dense;              ///< into the caller's memory, not into tiles
+  std::int64_t bytes_beside;  ///< for each stored sample, held by the caller
 };
 
 /// Requires a valid grid, thickness and options. Throws Error{device} where no backend fits,

@@ -17,14 +17,17 @@
 #include "standoff/cuda.h"
 #include "standoff/experimental/simulation.h"
 #include "standoff/exposed.h"
+#include "standoff/hermite.h"
 #include "standoff/inspect.h"
 #include "standoff/io.h"
 #include "standoff/mesh_report.h"
 #include "standoff/occupancy.h"
 #include "standoff/picture.h"
 #include "standoff/points.h"
+#include "standoff/sidecars.h"
 #include "standoff/slice.h"
 #include "standoff/verify.h"
+#include "standoff/voxels.h"
 #include "tests/support/heap.h"
 #include "tests/support/temp_folder.h"
 
@@ -100,6 +103,8 @@ TEST(RefusedMemory, Computing) {
     sign_confidence(kMesh, DistanceField(kGrid, 1), winding_margins(kMesh, kGrid, {}, {.threads = 1}), {.threads = 1});
   });
   expect_limit_error("occupancy", [&] { occupancy(kMesh, kGrid, {SignMethod::automatic}, {.threads = 1}); });
+  expect_limit_error("crossings", [&] { edge_crossings(kMesh, kGrid, {.execution = {.threads = 1}}); });
+  expect_limit_error("surface voxels", [&] { surface_voxels(kMesh, kGrid, {.threads = 1}); });
   const Mesh solid{kMesh.vertices, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
   expect_limit_error("exposed", [&] { exposed_triangles(solid, {SignMethod::automatic}, {.threads = 1}); });
   expect_limit_error("memory_needed", [&] { memory_needed(kMesh, kGrid, 1, on_cpu()); });
@@ -149,6 +154,9 @@ TEST(RefusedMemory, Fields) {
   expect_error_or_limit("copy_nearest_slices", [&] { field.copy_nearest_slices(0, 1, few_nearest); });
   expect_limit_error("verify", [&] { verify(field, kMesh, options); });
   expect_limit_error("inspect", [&] { inspect(field); });
+  const std::vector<SidecarKind> kinds{SidecarKind::gradient, SidecarKind::feature};
+  expect_limit_error("sidecars", [&] { sidecars(kMesh, field, kinds, {.threads = 1}); });
+  expect_limit_error("name_of", [] { name_of(SidecarKind::closest_point); });
 }
 
 TEST(RefusedMemory, Meshes) {
@@ -240,6 +248,16 @@ TEST(RefusedMemory, Files) {
     const auto path = folder / name;
     expect_limit_error(name, [&] { write_field(path, field, {.threads = 1}); });
     expect_limit_error(name, [&] { read_field(path); });
+  }
+  const auto crossings = edge_crossings(kMesh, kGrid);
+  for (const char* name : {"c.npz", "c.csv"}) {
+    const auto path = folder / name;
+    expect_limit_error(name, [&] { write_crossings(path, crossings, kGrid); });
+  }
+  const Occupancy voxels = surface_voxels(kMesh, kGrid);
+  for (const char* name : {"v.npz", "v.nrrd", "v.vti", "v.binvox"}) {
+    const auto path = folder / name;
+    expect_limit_error(name, [&] { write_voxels(path, voxels); });
   }
   const auto body_path = folder / "a.body", text = folder / "a.txt", picture = folder / "a.png";
   const CollisionModel body(kMesh, {.execution = {.threads = 1}});

@@ -13,9 +13,15 @@
 
 namespace standoff {
 
-/// Calls use(axis, sample): the edge from that sample to the next one along the axis crosses the triangle.
+/// How an edge crosses a triangle.
+struct EdgeHit {
+  int crossing;  ///< 1 where the normal points along the axis, -1 where it points against it
+  double at;     ///< about the coordinate along the axis; any number where rounding hides it
+};
+
+/// Calls use(axis, sample, hit): the edge from that sample to the next one along the axis crosses the triangle.
 template <class Use>
-void for_each_crossed_edge(const std::array<Vec3, 3>& corners, const std::array<LatticeAxis, 3>& axes, const Use& use) {
+void for_each_edge_hit(const std::array<Vec3, 3>& corners, const std::array<LatticeAxis, 3>& axes, const Use& use) {
   const auto part = [](const Vec3& v, std::size_t axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; };
   // Half open: samples are displaced upwards, so a line at the largest coordinate passes beside the triangle.
   std::array<std::int64_t, 3> first, past;
@@ -36,7 +42,8 @@ void for_each_crossed_edge(const std::array<Vec3, 3>& corners, const std::array<
         const double y = axes[b].at(j), z = axes[c].at(k);
         const int crossing = ray.crossing(y, z);
         if (crossing == 0) continue;
-        const std::int64_t beyond = axes[a].first(ray.crossing_x(y, z), [&](std::int64_t n) {
+        const double x = ray.crossing_x(y, z);
+        const std::int64_t beyond = axes[a].first(x, [&](std::int64_t n) {
           return ray.is_past({axes[a].at(n), y, z}, crossing);
         });
         if (beyond == 0 || beyond == axes[a].size()) continue;
@@ -44,9 +51,15 @@ void for_each_crossed_edge(const std::array<Vec3, 3>& corners, const std::array<
         sample[a] = beyond - 1;
         sample[b] = j;
         sample[c] = k;
-        use(a, sample);
+        use(a, sample, EdgeHit{crossing, x});
       }
   }
+}
+
+/// The same with use(axis, sample).
+template <class Use>
+void for_each_crossed_edge(const std::array<Vec3, 3>& corners, const std::array<LatticeAxis, 3>& axes, const Use& use) {
+  for_each_edge_hit(corners, axes, [&](std::size_t axis, const auto& sample, const EdgeHit&) { use(axis, sample); });
 }
 
 }  // namespace standoff

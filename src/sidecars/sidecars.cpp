@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "standoff/sidecars.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <optional>
+
+#include "core/advise_huge_pages.h"
+#include "core/execution.h"
+#include "core/guarded.h"
+#include "core/per_thread.h"
+#include "core/progress.h"
+#include "core/threads.h"
+#include "field/cpu/mesh_memory.h"
+#include "sidecars/cpu/kernels.h"
+#include "sign/plan.h"
+#include "sign/sign_text.h"
+#include "standoff/error.h"
+
+namespace standoff {
+namespace {
+
+constexpr std::size_t kTile = DistanceField::kTileSamples;
+
+bool exists(SidecarKind kind) { return kind <= SidecarKind::gradient; }
+int components_of(SidecarKind kind) { return kind == SidecarKind::feature ? 1 : 3; }
+
+void check(const DistanceField& field, std::span<const SidecarKind> kinds, const Execution& execution) {
+  validate("sidecars", execution, Runs::on_the_cpu);
+  const auto fail = [](const char* what) { throw Error(ErrorCode::usage, std::string("sidecars: ") + what); };
+  if (!field.has_nearest())
+    fail("the field has no nearest triangles, from which all else follows; compute it with them");
+  for (std::size_t n = 0; n < kinds.size(); ++n) {
+    if (!exists(kinds[n])) fail("there is no such kind; take one of enum SidecarKind");
+    if (std::ranges::find(kinds.first(n), kinds[n]) != kinds.first(n).end())
+      fail("a kind is named twice; name each once");
+  }
+}
+
+// Makes room for the values of each kind. Returns whether some of the memory has been used before.
+bool make_room(std::span<const SidecarKind> kinds, std::size_t samples, std::vector<Sidecar>& into) {
+  bool used = false;
+  into.resize(kinds.size());
+  for (std::size_t n = 0; n < kinds.size(); ++n) {
+    Sidecar& one = into[n];
+    one.name = name_of(kinds[n]);
+    one.components = components_of(kinds[n]);
+    const auto make = [&]<class Number>(Number) {
+      using Values = std::vector<Number>;
+      if (!std::holds_alternative<Values>(one.values)) one.values = Values();
+      auto& values = std::get<Values>(one.values);
+      const std::size_t count = samples * static_cast<std::size_t>(one.components);
+      if (values.capacity() < count) {
+        values = Values();
+        values.reserve(count);
+        advise_huge_pages(values.data(), count * sizeof(Number));
+      }
+      used = used || !values.empty();
+      values.resize(count);
+    };
+    kinds[n] == SidecarKind::feature ? make(std::uint8_t{}) : make(float{});
+  }
+  return used;
+}
+
+// What the sign says about the gradient.
+struct GradientSign {
+  bool has_negative = true;     // it points against the growing distance where the value is negative
+  bool has_sign = false;        // on the surface it is outwards
+  std::optional<SignText> how;  // if the field says
+};
+
+GradientSign gradient_sign(const DistanceField& field) {
+  const std::string& text = field.provenance().sign;
+  GradientSign sign{true, !text.empty(), sign_text_in(text)};
+  // A shell's values grow away from the mesh on both sides.
+  if (sign.how && sign.how->method == SignMethod::shell) sign.has_negative = sign.has_sign = false;
+  return sign;
+}
+
+// How the triangles are used where the sign was decided; empty: as they are.
+std::vector<std::int8_t> orientation_of(MeshView mesh, const GradientSign& sign) {
+  if (!sign.how || !sign.how->oriented) return {};
+  return plan_sign(mesh, {.method = sign.how->method, .rule = sign.how->rule}).use;
+}
+
+class Pass {
+ public:
+  Pass(MeshView mesh, const DistanceField& field, std::span<const SidecarKind> kinds, std::vector<Sidecar>& into,
+       Simd simd, bool clear)
+      : field_(field), tiles_(field.tile_coordinates()), kernels_(cpu::sidecar_kernels_for(simd)), clear_(clear) {
+    const int exponent = -std::ilogb(field.grid().max_spacing());
+    mesh_ = {cpu::memory_of(mesh),
+             static_cast<std::uint32_t>(mesh.triangles.size()),
+             std::ldexp(1.0, exponent),
+             std::ldexp(1.0, -exponent),
+             true,
+             false,
+             nullptr,
+             false};
+    for (std::size_t n = 0; n < kinds.size(); ++n) {
+      const auto floats = [&] { return std::get<std::vector<float>>(into[n].values).data(); };
+      if (kinds[n] == SidecarKind::closest_point) closest_point_ = floats();
+      if (kinds[n] == SidecarKind::barycentric) barycentric_ = floats();
+      if (kinds[n] == SidecarKind::gradient) gradient_ = floats();
+      if (kinds[n] == SidecarKind::feature) feature_ = std::get<std::vector<std::uint8_t>>(into[n].values).data();
+    }
+  }
+
+  std::size_t tiles() const { return tiles_.size(); }
+  void set_sign(const GradientSign& sign) {
+    mesh_.has_negative = sign.has_negative;
+    mesh_.has_sign = sign.has_sign;
+    mesh_.turned = sign.how && sign.how->invert;
+  }
+  void set_use(const std::vector<std::int8_t>& use) { mesh_.use = use.empty() ? nullptr : use.data(); }
+
+  /// Returns how many samples of the tile are on the surface.
+  int fill(std::size_t slot) const {
+    cpu::SidecarTile tile;
+    const std::size_t first = slot * kTile;
+    tile.values = field_.tile_values().data() + first;
+    tile.nearest = field_.tile_nearest_values().data() + first;
+    place(tiles_[slot], tile);
+    tile.closest_point = at(closest_point_, 3 * first);
+    tile.barycentric = at(barycentric_, 3 * first);
+    tile.gradient = at(gradient_, 3 * first);
+    tile.feature = feature_ ? feature_ + first : nullptr;
+    if (clear_) {
+      for (float* three : {tile.closest_point, tile.barycentric, tile.gradient})
+        if (three) std::memset(three, 0, 3 * kTile * sizeof(float));
+      if (tile.feature) std::memset(tile.feature, 0, kTile);
+    }
+    const int on_surface = kernels_.fill(mesh_, tile);
+    if (on_surface < 0) fail(slot, on_surface);
+    return on_surface;
+  }
+
+ private:
+  static float* at(float* values, std::size_t n) { return values ? values + n : nullptr; }
+
+  [[noreturn]] void fail(std::size_t slot, int why) const {
+    constexpr const char* kAdvice = "; give the mesh that the field was computed from";
+    if (why == cpu::SidecarKernels::kTooFar)
+      throw Error(ErrorCode::limit,
+                  "sidecars: a triangle is larger or farther away than 2^100 spacings" + std::string(kAdvice));
+    throw Error(ErrorCode::input, "sidecars: a sample of tile " + std::to_string(slot) +
+                                      " has a nearest triangle that the mesh does not have, of " +
+                                      std::to_string(mesh_.triangles) + kAdvice);
+  }
+
+  void place(const std::array<int, 3>& at, cpu::SidecarTile& tile) const {
+    constexpr std::int64_t side = DistanceField::kTileSide;
+    for (std::int64_t n = 0; n < side; ++n) {
+      const Vec3 position = field_.grid().position(side * at[0] + n, side * at[1] + n, side * at[2] + n);
+      tile.x[n] = position.x, tile.y[n] = position.y, tile.z[n] = position.z;
+    }
+  }
+
+  const DistanceField& field_;
+  std::vector<std::array<int, 3>> tiles_;
+  const cpu::SidecarKernels& kernels_;
+  bool clear_;
+  cpu::SidecarMesh mesh_;
+  float *closest_point_ = nullptr, *barycentric_ = nullptr, *gradient_ = nullptr;
+  std::uint8_t* feature_ = nullptr;
+};
+
+void run(Pass& pass, MeshView mesh, const GradientSign& sign, ProgressMeter& progress) {
+  constexpr std::size_t kGrain = 16;
+  PerThread<std::vector<std::size_t>> on_surface;
+  pass.set_sign(sign);
+  progress.stage("sidecars", static_cast<std::int64_t>(pass.tiles()), 0, 1);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, pass.tiles(), kGrain), [&](const auto& range) {
+    for (std::size_t slot = range.begin(); slot != range.end(); ++slot)
+      if (pass.fill(slot) > 0) on_surface.local().push_back(slot);
+    progress.advance(static_cast<std::int64_t>(range.size()));
+  });
+  // There the gradient is a normal, whose orientation takes a look at the whole mesh: tiles that need it are few.
+  std::vector<std::size_t> again;
+  on_surface.for_each(
+      [&](const std::vector<std::size_t>& some) { again.insert(again.end(), some.begin(), some.end()); });
+  if (again.empty() || !sign.has_sign) return;
+  const std::vector<std::int8_t> use = orientation_of(mesh, sign);
+  if (use.empty()) return;
+  pass.set_use(use);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, again.size(), kGrain), [&](const auto& range) {
+    for (std::size_t n = range.begin(); n != range.end(); ++n) pass.fill(again[n]);
+  });
+}
+
+}  // namespace
+
+std::string name_of(SidecarKind kind) {
+  switch (kind) {
+    case SidecarKind::closest_point:
+      return "closest_point";
+    case SidecarKind::barycentric:
+      return "barycentric";
+    case SidecarKind::feature:
+      return "feature";
+    case SidecarKind::gradient:
+      return "gradient";
+  }
+  return "";
+}
+
+std::int64_t bytes_per_sample(SidecarKind kind) try {
+  if (!exists(kind)) throw Error(ErrorCode::usage, "sidecars: there is no such kind; take one of enum SidecarKind");
+  return kind == SidecarKind::feature ? 1 : 3 * sizeof(float);
+} catch (...) {
+  throw_as_error("sidecars");
+}
+
+void sidecars_into(MeshView mesh, const DistanceField& field, std::span<const SidecarKind> kinds,
+                   std::vector<Sidecar>& into, const Execution& execution, const ProgressCallback& progress) try {
+  check(field, kinds, execution);
+  ProgressMeter meter(progress);
+  Threads(execution.threads).run([&] {
+    validate(mesh);
+    const bool clear = make_room(kinds, kTile * static_cast<std::size_t>(field.stored_tiles()), into);
+    Pass pass(mesh, field, kinds, into, execution.simd, clear);
+    run(pass, mesh, gradient_sign(field), meter);
+  });
+  meter.stage("done", 1, 1, 1);
+} catch (...) {
+  throw_as_error("sidecars", "ask for fewer sidecars or samples, or provide more memory");
+}
+
+std::vector<Sidecar> sidecars(MeshView mesh, const DistanceField& field, std::span<const SidecarKind> kinds,
+                              const Execution& execution, const ProgressCallback& progress) {
+  std::vector<Sidecar> made;
+  sidecars_into(mesh, field, kinds, made, execution, progress);
+  return made;
+}
+
+}  // namespace standoff

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <utility>
+
+#include "core/execution.h"
+#include "core/guarded.h"
+#include "core/number_text.h"
+#include "core/progress.h"
+#include "core/threads.h"
+#include "sign/rows/sample_axis.h"
+#include "standoff/error.h"
+#include "standoff/voxels.h"
+#include "voxels/voxel_overlap.h"
+
+namespace standoff {
+namespace {
+
+// So that products of three differences are finite.
+constexpr double kMostCoordinate = 1e100;
+
+double part(const Vec3& v, std::size_t axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
+
+// Voxels begin <= n < end along an axis.
+struct Range {
+  std::int64_t begin, end;
+};
+
+class Painter {
+ public:
+  explicit Painter(Occupancy& voxels)
+      : voxels_(voxels),
+        half_(voxels.grid.spacing * 0.5),
+        axes_{SampleAxis(voxels.grid.origin.x, voxels.grid.spacing.x, voxels.grid.size.x),
+              SampleAxis(voxels.grid.origin.y, voxels.grid.spacing.y, voxels.grid.size.y),
+              SampleAxis(voxels.grid.origin.z, voxels.grid.spacing.z, voxels.grid.size.z)} {}
+
+  // Goes over the columns of voxels across the triangle, and in each over the voxels near the triangle's plane.
+  void paint(const std::array<Vec3, 3>& t, ProgressMeter& meter) const {
+    const TriangleInVoxels triangle(t, half_);
+    const Vec3& n = triangle.normal();
+    const double size[3] = {std::abs(n.x), std::abs(n.y), std::abs(n.z)};
+    const std::size_t a = size[0] >= size[1] && size[0] >= size[2] ? 0
+                          : size[1] >= size[2]                     ? 1
+                                                                   : 2,
+                      b = (a + 1) % 3, c = (a + 2) % 3;
+    const Range across_a = range_of(t, a), across_b = range_of(t, b), across_c = range_of(t, c);
+    const bool has_plane = triangle.normal_is_good();
+    std::array<std::int64_t, 3> at;
+    for (at[c] = across_c.begin; at[c] < across_c.end; ++at[c]) {
+      meter.check();
+      for (at[b] = across_b.begin; at[b] < across_b.end; ++at[b]) {
+        const Range near = has_plane ? near_plane(t, n, {a, b, c}, at, across_a) : across_a;
+        for (at[a] = near.begin; at[a] < near.end; ++at[a])
+          if (triangle.overlaps({axes_[0].at(at[0]), axes_[1].at(at[1]), axes_[2].at(at[2])})) mark(at);
+      }
+    }
+  }
+
+ private:
+  // Those that hold a number from low to high, and one more on each side.
+  Range holding(double low, double high, std::size_t axis) const {
+    const double half = part(half_, axis);
+    const SampleAxis& samples = axes_[axis];
+    return {std::max<std::int64_t>(0, samples.first_from(low - half) - 1),
+            std::min(samples.size(), samples.first_from(high + half) + 1)};
+  }
+  Range range_of(const std::array<Vec3, 3>& t, std::size_t axis) const {
+    const auto [low, high] = std::minmax({part(t[0], axis), part(t[1], axis), part(t[2], axis)});
+    return holding(low, high, axis);
+  }
+  // Of the column along axes[0] through `at`: the plane over the column's cross section. The normal is largest along
+  // that axis, and good to 1e-11.
+  Range near_plane(const std::array<Vec3, 3>& t, const Vec3& n, const std::array<std::size_t, 3>& axes,
+                   const std::array<std::int64_t, 3>& at, const Range& all) const {
+    const auto [a, b, c] = axes;
+    const double u = axes_[b].at(at[b]) - part(t[0], b), v = axes_[c].at(at[c]) - part(t[0], c);
+    const double slope_b = part(n, b) / part(n, a), slope_c = part(n, c) / part(n, a);
+    const double middle = part(t[0], a) - slope_b * u - slope_c * v;
+    const double reach = std::abs(slope_b) * part(half_, b) + std::abs(slope_c) * part(half_, c) +
+                         1e-10 * (std::abs(u) + std::abs(v) + part(half_, b) + part(half_, c));
+    const Range near = holding(middle - reach, middle + reach, a);
+    return {std::max(near.begin, all.begin), std::min(near.end, all.end)};
+  }
+
+  void mark(const std::array<std::int64_t, 3>& at) const {
+    const std::int64_t byte = (at[2] * voxels_.grid.size.y + at[1]) * voxels_.row_bytes() + at[0] / 8;
+    const std::atomic_ref bits(voxels_.bits[static_cast<std::size_t>(byte)]);
+    const auto bit = static_cast<std::uint8_t>(1 << (at[0] % 8));
+    if (!(bits.load(std::memory_order_relaxed) & bit)) bits.fetch_or(bit, std::memory_order_relaxed);
+  }
+
+  Occupancy& voxels_;
+  Vec3 half_;
+  std::array<SampleAxis, 3> axes_;
+};
+
+void check_coordinates(const Box& box) {
+  if (!(std::max(max_norm(box.min), max_norm(box.max)) <= kMostCoordinate))
+    throw Error(ErrorCode::limit,
+                "voxels: mesh or grid reach beyond " + number_text(kMostCoordinate) + "; scale them down");
+}
+
+}  // namespace
+
+Occupancy surface_voxels(MeshView mesh, const Grid& grid, const Execution& execution,
+                         const ProgressCallback& progress) try {
+  validate("voxels", execution, Runs::on_the_cpu);
+  validate(grid);
+  validate(mesh);
+  check_coordinates(bounds(mesh));
+  check_coordinates(grid.bounds());
+  Occupancy voxels{grid, {}, {}};
+  voxels.bits.resize(static_cast<std::size_t>(voxels.row_bytes() * grid.size.y * grid.size.z));
+  ProgressMeter meter(progress);
+  Threads(execution.threads).run([&] {
+    constexpr std::size_t kGrain = 256;
+    const Painter painter(voxels);
+    meter.stage("voxels", static_cast<std::int64_t>(mesh.triangles.size()), 0, 1);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.triangles.size(), kGrain), [&](const auto& range) {
+      for (std::size_t n = range.begin(); n != range.end(); ++n) painter.paint(mesh.corners(n), meter);
+      meter.advance(static_cast<std::int64_t>(range.size()));
+    });
+  });
+  meter.stage("done", 1, 1, 1);
+  return voxels;
+} catch (...) {
+  throw_as_error("voxels", "take fewer samples, or provide more memory");
+}
+
+void add_voxels(Occupancy& to, const Occupancy& more) try {
+  if (!(to.grid == more.grid) || to.bits.size() != more.bits.size())
+    throw Error(ErrorCode::usage, "voxels: both must be of the same grid; make them with one");
+  for (std::size_t n = 0; n < to.bits.size(); ++n) to.bits[n] |= more.bits[n];
+} catch (...) {
+  throw_as_error("voxels");
+}
+
+}  // namespace standoff
