@@ -18,12 +18,23 @@ constexpr double kMostPadding = 0.1;
 }  // namespace
 
 void GridOptions::add_to(CLI::App& verb) {
+  add_grid_to(verb);
+  add_parsed(verb,
+             {"-t,--thickness", "T",
+              "half-width of the band: world units (0.5), samples (3s),\nor inf for every sample (default)", "Grid"},
+             [this](const std::string& o, const std::string& t) { thickness_ = parse_thickness(o, t); });
+}
+
+void GridOptions::add_grid_to(CLI::App& verb) {
   const auto add = [&verb](const char* name, const char* value, const char* help, auto set) {
     return add_parsed(verb, {name, value, help, "Grid"}, set);
   };
   using S = const std::string&;
   auto* samples = add("-r,--resolution", "N", "samples on the longest side (default 256)",
-                      [this](S o, S t) { samples_ = parse_count(o, t, 2, std::int64_t{1} << 40); });
+                      [this](S o, S t) {
+                        samples_ = parse_count(o, t, 2, std::int64_t{1} << 40);
+                        samples_given_ = true;
+                      });
   auto* spacing = add("--spacing", "S[,S,S]", "distance between samples, one or per axis",
                       [this](S o, S t) { spacing_ = parse_spacing(o, t); });
   auto* size = add("--size", "NX,NY,NZ", "samples per axis; the spacing may then differ per axis",
@@ -38,9 +49,6 @@ void GridOptions::add_to(CLI::App& verb) {
                         if (!(*padding_ >= 0))
                           throw Error(ErrorCode::usage, "--padding '" + t + "': give zero or more");
                       });
-  add("-t,--thickness", "T",
-      "half-width of the band: world units (0.5), samples (3s),\nor inf for every sample (default)",
-      [this](S o, S t) { thickness_ = parse_thickness(o, t); });
   spacing->excludes(samples);
   size->excludes(samples)->excludes(spacing);
   bounds->excludes(padding);

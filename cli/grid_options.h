@@ -21,6 +21,11 @@ class GridOptions {
  public:
   /// Adds -r, --spacing, --size, --bounds, --padding and --thickness, and says which exclude which.
   void add_to(CLI::App& verb);
+  /// The same without --thickness, for verbs that know the thickness they need.
+  void add_grid_to(CLI::App& verb);
+
+  /// Whether any of them was given.
+  bool given() const { return samples_given_ || spacing_ || size_ || bounds_ || padding_; }
 
   /// Adds --minimum and --speed, which exclude some of those. Call after it.
   void add_thesis_to(CLI::App& verb);
@@ -33,6 +38,7 @@ class GridOptions {
   Padding padding() const;
 
   std::int64_t samples_ = kDefaultSamples;
+  bool samples_given_ = false;
   std::optional<Vec3> spacing_;
   std::optional<Size3> size_;
   std::optional<double> minimum_;

@@ -49,7 +49,7 @@ struct IsoReport {
   std::int64_t clamped = 0;
   std::int64_t capped = 0;    ///< crossed edges that leave the grid: the surface is closed there by a flat cap
   bool floats = false;        ///< whether all coordinates are 32-bit floats
-  double spacing_error = 0;   ///< the clearance: vertices keep so far from samples, in spacings
+  double clearance = 0;   ///< the clearance: vertices keep so far from samples, in spacings
   bool examined = false;      ///< IsoOptions::examine
   std::int64_t components = 0;          ///< if examined
   std::int64_t self_intersections = 0;  ///< if examined: pairs of triangles without a common vertex that intersect

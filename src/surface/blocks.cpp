@@ -119,12 +119,12 @@ const Block* Blocks::find(std::int64_t x, std::int64_t y, std::int64_t z) const 
   return found != end && found->at[0] == x ? &*found : nullptr;
 }
 
-std::array<const Block*, 8> Blocks::upwards(const Block& block) const {
+std::array<const Block*, 8> Blocks::beside(const Block& block, int step) const {
   std::array<const Block*, 8> found;
-  for (std::size_t n = 0; n < 8; ++n)
-    found[n] = n == 0 ? &block
-                      : find(block.at[0] + std::int64_t(n & 1), block.at[1] + std::int64_t(n >> 1 & 1),
-                             block.at[2] + std::int64_t(n >> 2));
+  for (std::size_t n = 0; n < 8; ++n) {
+    const auto along = [&](std::size_t axis) { return block.at[axis] + step * std::int64_t(n >> axis & 1); };
+    found[n] = n == 0 ? &block : find(along(0), along(1), along(2));
+  }
   return found;
 }
 

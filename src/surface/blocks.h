@@ -68,8 +68,10 @@ class Blocks {
   CornerBits corner_bits(const Block& block) const { return corner_bits(block.at[0], block.at[1], block.at[2]); }
   /// nullptr if the surface does not pass through it.
   const Block* find(std::int64_t x, std::int64_t y, std::int64_t z) const;
-  /// The block itself and those above it: number n is at block.at + (n & 1, n >> 1 & 1, n >> 2 & 1).
-  std::array<const Block*, 8> upwards(const Block& block) const;
+  /// The block itself and those beside it: number n is at block.at + step * (n & 1, n >> 1 & 1, n >> 2 & 1), where
+  /// `step` is 1 or -1.
+  std::array<const Block*, 8> beside(const Block& block, int step) const;
+  std::size_t number_of(const Block& block) const { return static_cast<std::size_t>(&block - blocks_.data()); }
 
  private:
   CornerBits corner_bits(std::int64_t x, std::int64_t y, std::int64_t z) const;

@@ -11,11 +11,16 @@
 #include "standoff/error.h"
 #include "standoff/surface.h"
 #include "surface/blocks.h"
+#include "surface/dual_contouring.h"
 #include "surface/edge_points.h"
 #include "surface/marching_cubes.h"
 
 namespace standoff {
 namespace {
+
+// Normals by differences are off by some hundredths: planes at angles below 25 degrees are taken for one.
+constexpr double kFieldTolerance = 0.05;
+const HermiteSource kOfField{hermite_of_field, kFieldTolerance};
 
 constexpr const char* kWhatToDo = "take fewer samples or a larger spacing, or provide more memory";
 
@@ -44,18 +49,22 @@ void expect_within(const DistanceField& field, double level) {
                                     "; compute the field with a larger thickness");
 }
 
-void add_surface(const DistanceField& field, double level, const IsoOptions& options, IsoResult& result,
-                 ProgressMeter& progress) {
+void add_surface(const DistanceField& field, double level, const IsoOptions& options, const HermiteSource& source,
+                 IsoResult& result, ProgressMeter& progress) {
   expect_within(field, level);
   const EdgePoints points(field.grid(), level, options.coordinates);
   const Size3 tiles = field.tile_count();
   progress.stage("find", tiles.y * tiles.z, 0, 0.4);
   const InsideBits inside(field, level, progress);
   Blocks blocks(inside, progress);
-  progress.stage("surface", 2 * std::ssize(blocks.all()), 0.4, 1);
-  march_cubes(blocks, points, result.mesh, result.report, progress);
+  const bool dual = options.method == IsoMethod::dual;
+  progress.stage("surface", (dual ? 5 : 2) * std::ssize(blocks.all()), 0.4, 1);
+  if (dual)
+    contour_dually(blocks, points, source, result.mesh, result.report, progress);
+  else
+    march_cubes(blocks, points, result.mesh, result.report, progress);
   result.report.floats = points.are_floats();
-  result.report.spacing_error = points.clearance();
+  result.report.clearance = points.clearance();
 }
 
 void reverse(std::span<Triangle> triangles) {
@@ -70,10 +79,10 @@ IsoResult isosurface(const DistanceField& field, const IsoOptions& options) try 
   IsoResult result;
   Threads(options.execution.threads).run([&] {
     ProgressMeter progress(options.progress);
-    add_surface(field, options.at, options, result, progress);
+    add_surface(field, options.at, options, kOfField, result, progress);
     if (options.wall > 0) {
       const std::size_t outer = result.mesh.triangles.size();
-      add_surface(field, options.at - options.wall, options, result, progress);
+      add_surface(field, options.at - options.wall, options, kOfField, result, progress);
       reverse(std::span(result.mesh.triangles).subspan(outer));
     }
     progress.stage("done", 1, 1, 1);

@@ -85,7 +85,7 @@ void march_cubes(Blocks& blocks, const EdgePoints& points, Mesh& mesh, IsoReport
   for_each_block(blocks, uniform, progress,
                  [&](std::size_t n, const Block& block, const CornerBits& corners, const Neighbourhood& values) {
                    emit_vertices(block, values, points, thickness, mesh, counted.local());
-                   const auto upwards = blocks.upwards(block);
+                   const auto upwards = blocks.beside(block, 1);
                    Triangle* triangle = mesh.triangles.data() + first_triangle[n];
                    std::uint32_t next_centre = block.first_vertex + block.edge_count;
                    std::array<std::uint32_t, kCellEdges + 1> vertex;

@@ -173,7 +173,7 @@ TEST_P(EachMethod, AWallMakesASolidHollow) {
   EXPECT_NEAR(volume(hollow.mesh), 4 * std::numbers::pi / 3 * (1 - 0.75 * 0.75 * 0.75), 0.01);
 }
 
-INSTANTIATE_TEST_SUITE_P(Methods, EachMethod, ::testing::Values(IsoMethod::marching_cubes),
+INSTANTIATE_TEST_SUITE_P(Methods, EachMethod, ::testing::Values(IsoMethod::marching_cubes, IsoMethod::dual),
                          [](const auto& method) { return method.param == IsoMethod::dual ? "dual" : "cubes"; });
 
 TEST(CellCases, EachEdgeWithAnEndInsideIsOnOneLoop) {

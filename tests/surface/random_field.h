@@ -34,7 +34,7 @@ inline DistanceField noise_field(const Grid& grid, Noise noise, unsigned seed, d
   const std::vector<float> extremes{-infinite, -huge, -1, -tiny, -0.0f, 0, tiny, 1e-30f, 1, huge, infinite};
   std::vector<float> values(static_cast<std::size_t>(grid.sample_count()));
   for (float& value : values) {
-    if (noise == Noise::smooth) value = static_cast<float>(random() / 4294967296.0 * 2 - 1);
+    if (noise == Noise::smooth) value = static_cast<float>(static_cast<double>(random()) * 0x1p-31 - 1);
     if (noise == Noise::integers) value = static_cast<float>(static_cast<int>(random() % 5) - 2);
     if (noise == Noise::extremes) value = extremes[random() % extremes.size()];
   }
