@@ -2,11 +2,13 @@
 // What dual contouring knows of the surface on a crossed edge of the grid: where it is, and its normal.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
 #include "core/progress.h"
 #include "standoff/mesh.h"
+#include "standoff/points.h"
 #include "surface/blocks.h"
 #include "surface/edge_points.h"
 
@@ -28,5 +30,21 @@ struct HermitePoint {
 /// edge, by Block::vertex(). Runs on the threads of the calling TBB arena. Throws Error{interrupted}.
 void hermite_of_field(const Blocks& blocks, const EdgePoints& points, std::span<HermitePoint> data,
                       ProgressMeter& progress);
+
+/// Of the surface of a mesh: the crossing with a triangle, exactly, and its normal. Where none is crossed, as in a hole
+/// that the sign closes, the field's data stay.
+void hermite_of_mesh(const Blocks& blocks, const EdgePoints& points, MeshView mesh, std::span<HermitePoint> data,
+                     ProgressMeter& progress);
+
+/// A surface at a distance from a mesh.
+struct MeshOffset {
+  std::function<std::vector<ClosestPoint>(std::span<const Vec3>)> closest;
+  double distance = 0;  ///< positive
+  bool inside = false;  ///< on the side where values are negative
+};
+/// Of that surface: where the exact distance is the offset's, and the direction to or from the closest point. Where no
+/// such point is found on the edge the field's data stay.
+void hermite_of_offset(const Blocks& blocks, const EdgePoints& points, const MeshOffset& offset,
+                       std::span<HermitePoint> data, ProgressMeter& progress);
 
 }  // namespace standoff

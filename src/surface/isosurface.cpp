@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The public functions: options, the field that a mesh needs, one surface or two, and what is known of the result.
+// Surfaces of fields, and of meshes: of the field that a mesh needs, with what the mesh itself says of its surface.
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <string>
 
 #include "core/execution.h"
@@ -9,66 +10,62 @@
 #include "core/number_text.h"
 #include "core/threads.h"
 #include "standoff/error.h"
+#include "standoff/points.h"
 #include "standoff/surface.h"
-#include "surface/blocks.h"
-#include "surface/dual_contouring.h"
-#include "surface/edge_points.h"
-#include "surface/marching_cubes.h"
+#include "surface/extract.h"
 
 namespace standoff {
 namespace {
 
-// Normals by differences are off by some hundredths: planes at angles below 25 degrees are taken for one.
-constexpr double kFieldTolerance = 0.05;
-const HermiteSource kOfField{hermite_of_field, kFieldTolerance};
-
 constexpr const char* kWhatToDo = "take fewer samples or a larger spacing, or provide more memory";
 
-void validate(const IsoOptions& options, const Grid& grid) {
-  if (!std::isfinite(options.at))
-    throw Error(ErrorCode::usage, "isosurface: the value on the surface is not finite; give a distance");
-  if (!(options.wall >= 0) || !std::isfinite(options.wall))
-    throw Error(ErrorCode::usage, "isosurface: the wall is " + number_text(options.wall) +
-                                      " thick; give a positive thickness, or 0 for none");
-  if (options.wall > 0 && options.wall < grid.max_spacing())
-    throw Error(ErrorCode::usage, "isosurface: a wall of " + number_text(options.wall) +
-                                      " is thinner than the spacing of " + number_text(grid.max_spacing()) +
-                                      ", so that its surfaces could intersect; take a smaller spacing");
-  if (options.method != IsoMethod::marching_cubes && options.method != IsoMethod::dual)
-    throw Error(ErrorCode::usage, "isosurface: there is no such method; take marching_cubes or dual");
-  if (options.coordinates != Coordinates::automatic && options.coordinates != Coordinates::single &&
-      options.coordinates != Coordinates::full)
-    throw Error(ErrorCode::usage, "isosurface: there are no such coordinates; take automatic, single or full");
+// Positions and normals of a mesh are exact: planes at angles of a degree and more are told apart.
+constexpr double kMeshTolerance = 1e-4;
+
+// How much of the whole time the field takes.
+constexpr double kFieldShare = 0.6;
+
+// Computes the field that reaches as far as the surface, its cells, and the samples around them.
+ComputeResult field_of(MeshView mesh, const Grid& grid, const SignOptions& sign, const IsoOptions& options) {
+  ComputeOptions wanted;
+  wanted.sign = sign;
+  wanted.execution = options.execution;
+  wanted.hash_mesh = false;
+  std::exception_ptr thrown;  // by the caller's callback: it passes unchanged
+  if (options.progress)
+    wanted.progress = [&](const Progress& progress) {
+      try {
+        return options.progress({progress.stage, kFieldShare * progress.fraction});
+      } catch (...) {
+        thrown = std::current_exception();
+        throw;
+      }
+    };
+  const double reach = std::max(std::abs(options.at), std::abs(options.at - options.wall));
+  try {
+    return compute(mesh, grid, reach + 2 * length(grid.spacing), wanted);
+  } catch (...) {
+    if (thrown) throw FromCallback{thrown};
+    throw;
+  }
 }
 
-// A field holds no surface of values that it is clamped to.
-void expect_within(const DistanceField& field, double level) {
-  if (std::abs(level) < static_cast<double>(static_cast<float>(field.thickness()))) return;
-  throw Error(ErrorCode::usage, "isosurface: a surface at " + number_text(level) +
-                                    " is not within the field's thickness of " + number_text(field.thickness()) +
-                                    "; compute the field with a larger thickness");
-}
-
-void add_surface(const DistanceField& field, double level, const IsoOptions& options, const HermiteSource& source,
-                 IsoResult& result, ProgressMeter& progress) {
-  expect_within(field, level);
-  const EdgePoints points(field.grid(), level, options.coordinates);
-  const Size3 tiles = field.tile_count();
-  progress.stage("find", tiles.y * tiles.z, 0, 0.4);
-  const InsideBits inside(field, level, progress);
-  Blocks blocks(inside, progress);
-  const bool dual = options.method == IsoMethod::dual;
-  progress.stage("surface", (dual ? 5 : 2) * std::ssize(blocks.all()), 0.4, 1);
-  if (dual)
-    contour_dually(blocks, points, source, result.mesh, result.report, progress);
-  else
-    march_cubes(blocks, points, result.mesh, result.report, progress);
-  result.report.floats = points.are_floats();
-  result.report.clearance = points.clearance();
-}
-
-void reverse(std::span<Triangle> triangles) {
-  for (Triangle& triangle : triangles) std::swap(triangle[1], triangle[2]);
+// Where dual contouring looks for the surface at a level.
+HermiteSource mesh_source(MeshView mesh, const SignOptions& sign, const IsoOptions& options, double level) {
+  const bool is_shell = sign.method == SignMethod::shell;
+  MeshOffset offset;
+  offset.distance = is_shell ? level + sign.shell / 2 : std::abs(level);
+  offset.inside = !is_shell && level < 0;
+  offset.closest = [mesh, threads = options.execution.threads](std::span<const Vec3> points) {
+    return closest_points(mesh, points, {.threads = threads});
+  };
+  if (offset.distance > 0)
+    return {[offset](const Blocks& blocks, const EdgePoints& points, std::span<HermitePoint> data,
+                     ProgressMeter& progress) { hermite_of_offset(blocks, points, offset, data, progress); },
+            kMeshTolerance};
+  return {[mesh](const Blocks& blocks, const EdgePoints& points, std::span<HermitePoint> data,
+                 ProgressMeter& progress) { hermite_of_mesh(blocks, points, mesh, data, progress); },
+          kMeshTolerance};
 }
 
 }  // namespace
@@ -79,16 +76,33 @@ IsoResult isosurface(const DistanceField& field, const IsoOptions& options) try 
   IsoResult result;
   Threads(options.execution.threads).run([&] {
     ProgressMeter progress(options.progress);
-    add_surface(field, options.at, options, kOfField, result, progress);
-    if (options.wall > 0) {
-      const std::size_t outer = result.mesh.triangles.size();
-      add_surface(field, options.at - options.wall, options, kOfField, result, progress);
-      reverse(std::span(result.mesh.triangles).subspan(outer));
-    }
-    progress.stage("done", 1, 1, 1);
+    extract(field, options, [](double) { return field_source(); }, 0, result, progress);
+    finish(options, result);
   });
-  result.report.triangles = std::ssize(result.mesh.triangles);
-  result.report.vertices = std::ssize(result.mesh.vertices);
+  return result;
+} catch (...) {
+  throw_as_error("isosurface", kWhatToDo);
+}
+
+IsoResult isosurface(MeshView mesh, const Grid& grid, const SignOptions& sign, const IsoOptions& options) try {
+  validate(grid);
+  validate(options, grid);
+  const ComputeResult computed = field_of(mesh, grid, sign, options);
+  IsoResult result;
+  result.report.sign = computed.report.sign;
+  if (computed.report.sign.method == SignMethod::none && !(options.at - options.wall > 0)) {
+    const std::string why = computed.report.sign.why;
+    throw Error(ErrorCode::input,
+                "isosurface: there is no inside to make a surface of at " + number_text(options.at - options.wall) +
+                    (why.empty() ? "" : ": " + why) + "; choose a sign method, or a positive distance from the mesh");
+  }
+  Threads(options.execution.threads).run([&] {
+    ProgressMeter progress(options.progress);
+    extract(
+        computed.field, options, [&](double level) { return mesh_source(mesh, sign, options, level); }, kFieldShare,
+        result, progress);
+    finish(options, result);
+  });
   return result;
 } catch (...) {
   throw_as_error("isosurface", kWhatToDo);
