@@ -42,12 +42,12 @@ void fill(Block& block, const CornerBits& corners) {
     block.edges[2][z] = here[0] ^ corners.layers[z + 1][0];
     block.cells[z] = crossed_cells(corners, z);
     block.cell_rank[z] = block.cell_count;
-    block.cell_count = static_cast<std::uint16_t>(block.cell_count + std::popcount(block.cells[z]));
+    block.cell_count = static_cast<std::uint16_t>(block.cell_count + bit_count(block.cells[z]));
   }
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (std::size_t z = 0; z < 8; ++z) {
       block.edge_rank[axis][z] = block.edge_count;
-      block.edge_count = static_cast<std::uint16_t>(block.edge_count + std::popcount(block.edges[axis][z]));
+      block.edge_count = static_cast<std::uint16_t>(block.edge_count + bit_count(block.edges[axis][z]));
     }
 }
 

@@ -30,6 +30,14 @@ struct CornerBits {
   }
 };
 
+/// std::popcount(), which is a call of a function with a table where the processor is not known to have an instruction.
+constexpr int bit_count(std::uint64_t bits) {
+  bits -= bits >> 1 & 0x5555555555555555u;
+  bits = (bits & 0x3333333333333333u) + (bits >> 2 & 0x3333333333333333u);
+  bits = (bits + (bits >> 4)) & 0x0f0f0f0f0f0f0f0fu;
+  return static_cast<int>(bits * 0x0101010101010101u >> 56);
+}
+
 struct Block {
   std::array<std::int32_t, 3> at;                 ///< its first sample is 8 * at
   std::uint32_t first_vertex = 0;                 ///< the number of the vertex of its first crossed edge
@@ -52,7 +60,7 @@ struct Block {
 
  private:
   static std::uint32_t below(std::uint64_t bits, int bit) {
-    return static_cast<std::uint32_t>(std::popcount(bits & ((std::uint64_t{1} << bit) - 1)));
+    return static_cast<std::uint32_t>(bit_count(bits & ((std::uint64_t{1} << bit) - 1)));
   }
 };
 

@@ -5,9 +5,12 @@
 
 #include <algorithm>
 #include <atomic>
-#include <bit>
 #include <cmath>
 #include <limits>
+
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
 
 #include "core/field_error.h"
 
@@ -23,25 +26,30 @@ float least_float_from(double level) {
                                               : rounded;
 }
 
-// Sets `has_nan` if a value is not a number. Comparisons of a whole row become eight bytes of 0 or 1, and the product
-// moves them into the eight bits of one.
+// The bits of eight values that are below the limit. Sets `has_nan` if one is not a number.
+#ifdef __SSE2__
+std::uint64_t bits_of_row(const float* values, float limit, bool& has_nan) {
+  const __m128 low = _mm_loadu_ps(values), high = _mm_loadu_ps(values + 4), all = _mm_set1_ps(limit);
+  has_nan |= _mm_movemask_ps(_mm_cmpunord_ps(low, high)) != 0;
+  return static_cast<std::uint64_t>(_mm_movemask_ps(_mm_cmplt_ps(low, all)) |
+                                    _mm_movemask_ps(_mm_cmplt_ps(high, all)) << 4);
+}
+#else
+std::uint64_t bits_of_row(const float* values, float limit, bool& has_nan) {
+  std::uint64_t bits = 0;
+  for (int n = 0; n < kSide; ++n) {
+    bits |= std::uint64_t{values[n] < limit} << n;
+    has_nan |= std::isnan(values[n]);
+  }
+  return bits;
+}
+#endif
+
 TileBits bits_of(DistanceField::TileValues values, float limit, bool& has_nan) {
-  constexpr std::uint64_t kGather = 0x0102040810204080u;
-  std::array<std::uint8_t, DistanceField::kTileSamples> below;
-  std::uint8_t nan = 0;
-  for (std::size_t n = 0; n < below.size(); ++n) {
-    below[n] = values[n] < limit;
-    nan = static_cast<std::uint8_t>(nan | (values[n] != values[n]));
-  }
-  has_nan = nan != 0;
   TileBits bits{};
-  for (std::size_t row = 0; row < kSide * kSide; ++row) {
-    std::array<std::uint8_t, 8> bytes;
-    std::copy_n(below.begin() + static_cast<std::ptrdiff_t>(8 * row), 8, bytes.begin());
-    auto word = std::bit_cast<std::uint64_t>(bytes);
-    if constexpr (std::endian::native == std::endian::big) word = __builtin_bswap64(word);
-    bits[row / kSide] |= (word * kGather >> 56) << 8 * (row % kSide);
-  }
+  for (std::size_t z = 0; z < kSide; ++z)
+    for (std::size_t y = 0; y < kSide; ++y)
+      bits[z] |= bits_of_row(&values[8 * (y + 8 * z)], limit, has_nan) << 8 * y;
   return bits;
 }
 

@@ -2,6 +2,7 @@
 #include "surface/marching_cubes.h"
 
 #include <array>
+#include <cmath>
 #include <vector>
 
 #include "core/per_thread.h"
@@ -22,14 +23,22 @@ Vec3 edge_point(const EdgePoints& points, const Neighbourhood& values, int axis,
   return {x + (axis == 0 ? t : 0), y + (axis == 1 ? t : 0), z + (axis == 2 ? t : 0)};
 }
 
+// For each edge of a block, by axis and place, the number of its vertex among the block's; of crossed edges alone.
+using Ranks = std::array<std::array<std::uint16_t, 512>, 3>;
+
 void emit_vertices(const Block& block, const Neighbourhood& values, const EdgePoints& points, float thickness,
-                   Mesh& mesh, SurfaceCounts& counts) {
-  Vec3* vertex = &mesh.vertices[block.first_vertex];
+                   Mesh& mesh, Ranks& ranks, SurfaceCounts& counts) {
+  Vec3* const vertices = mesh.vertices.data() + block.first_vertex;
+  const bool counts_edges = std::isfinite(thickness) || values.leaves_grid();
+  std::uint16_t rank = 0;
   for_each_edge(block, [&](int axis, int x, int y, int z) {
     const int x1 = x + (axis == 0), y1 = y + (axis == 1), z1 = z + (axis == 2);
-    *vertex++ = points.at(block.at, edge_point(points, values, axis, x, y, z));
-    counts.count_edge(values.value(x, y, z), values.value(x1, y1, z1), thickness,
-                      !values.is_sample(x, y, z) || !values.is_sample(x1, y1, z1));
+    const float lower = values.value(x, y, z), upper = values.value(x1, y1, z1);
+    const double t = points.crossing(lower, upper);
+    vertices[rank] = points.at(block.at, {x + (axis == 0 ? t : 0), y + (axis == 1 ? t : 0), z + (axis == 2 ? t : 0)});
+    ranks[static_cast<std::size_t>(axis)][static_cast<std::size_t>(x + 8 * (y + 8 * z))] = rank++;
+    if (counts_edges)
+      counts.count_edge(lower, upper, thickness, !values.is_sample(x, y, z) || !values.is_sample(x1, y1, z1));
   });
 }
 
@@ -84,7 +93,8 @@ void march_cubes(Blocks& blocks, const EdgePoints& points, Mesh& mesh, IsoReport
 
   for_each_block(blocks, uniform, progress,
                  [&](std::size_t n, const Block& block, const CornerBits& corners, const Neighbourhood& values) {
-                   emit_vertices(block, values, points, thickness, mesh, counted.local());
+                   Ranks ranks;
+                   emit_vertices(block, values, points, thickness, mesh, ranks, counted.local());
                    const auto upwards = blocks.beside(block, 1);
                    Triangle* triangle = mesh.triangles.data() + first_triangle[n];
                    std::uint32_t next_centre = block.first_vertex + block.edge_count;
@@ -97,10 +107,11 @@ void march_cubes(Blocks& blocks, const EdgePoints& points, Mesh& mesh, IsoReport
                          for (std::size_t e = 0; e < edges; ++e) {
                            const int edge = cell.loop_edges[e], corner = edge_corner(edge);
                            const int x = at.x + (corner & 1), y = at.y + (corner >> 1 & 1), z = at.z + (corner >> 2);
-                           const Block* const owner =
-                               upwards[static_cast<std::size_t>((x >> 3) + 2 * (y >> 3) + 4 * (z >> 3))];
+                           const int axis = edge_axis(edge), owner = (x >> 3) + 2 * (y >> 3) + 4 * (z >> 3);
                            vertex[static_cast<std::size_t>(edge)] =
-                               owner->vertex(edge_axis(edge), x & 7, y & 7, z & 7);
+                               owner == 0 ? block.first_vertex + ranks[static_cast<std::size_t>(axis)]
+                                                                      [static_cast<std::size_t>(x + 8 * (y + 8 * z))]
+                                          : upwards[static_cast<std::size_t>(owner)]->vertex(axis, x & 7, y & 7, z & 7);
                          }
                          if (cell.centre_loop >= 0) {
                            mesh.vertices[next_centre] = points.at(

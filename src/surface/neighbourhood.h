@@ -59,6 +59,8 @@ class Neighbourhood {
     const int tile = ((x + 8) >> 3) + 3 * (((y + 8) >> 3) + 3 * ((z + 8) >> 3));
     return tile_[static_cast<std::size_t>(tile)][(x & 7) + 8 * (y & 7) + 64 * (z & 7)];
   }
+  /// Whether an edge of the block may have an end beyond the grid.
+  bool leaves_grid() const { return at_border_ || first_.x < 0 || first_.y < 0 || first_.z < 0; }
   bool is_sample(int x, int y, int z) const {
     const std::int64_t i = first_.x + x, j = first_.y + y, k = first_.z + z;
     return i >= 0 && j >= 0 && k >= 0 && i < size_.x && j < size_.y && k < size_.z;

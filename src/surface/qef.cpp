@@ -104,6 +104,7 @@ Row least_in_box(const Matrix& m, const Row& right, const Row& low, const Row& h
 void PlaneFit::add(Vec3 point, Vec3 normal) {
   if (count_++ == 0) first_ = point;
   sum_ = sum_ + point;
+  normal_sum_ = normal_sum_ + normal;
   const double at = dot(normal, point - first_);
   right_ = right_ + normal * at;
   normals_[0] += normal.x * normal.x;
@@ -122,6 +123,19 @@ Vec3 PlaneFit::minimum(const Box& box, double tolerance) const {
   Row right = row_of(right_);  // about the mass point
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t j = 0; j < 3; ++j) right[i] -= m[i][j] * offset[j];
+  // The sum of the two lesser eigenvalues is at most that of the squared deviations from the mean normal. Where it
+  // counts as 0 the planes are parallel, as nearly everywhere on smooth surfaces, and no eigenvalue is needed.
+  const double trace = a[0] + a[3] + a[5], along_mean = dot(normal_sum_, normal_sum_) / count_;
+  if (trace - along_mean <= tolerance * along_mean) {
+    const Row direction = row_of(normal_sum_ * (1 / std::sqrt(along_mean * count_)));
+    double rise = 0, slope = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      rise += direction[i] * right[i];
+      for (std::size_t k = 0; k < 3; ++k) slope += direction[i] * m[i][k] * direction[k];
+    }
+    const Vec3 found = mass + normal_sum_ * (rise / slope / std::sqrt(along_mean * count_));
+    if (max(found, box.min) == found && min(found, box.max) == found) return found;
+  }
   Matrix values = m, vectors;
   diagonalise(values, vectors);
   const double largest = std::max({values[0][0], values[1][1], values[2][2]});

@@ -24,7 +24,7 @@ class PlaneFit {
  private:
   std::array<double, 6> normals_{};  // of the matrix A^T A: xx xy xz yy yz zz
   Vec3 right_;                       // A^T b, about the first point
-  Vec3 first_, sum_;
+  Vec3 first_, sum_, normal_sum_;
   int count_ = 0;
 };
 
