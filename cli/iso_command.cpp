@@ -64,7 +64,9 @@ void Command::add_to(CLI::App& verb) {
   output.add_to(verb, "MESH", "the surface: " + extensions(mesh_formats(), true));
   verb.get_option("--output")->required();
   const auto add = [&verb](const char* name, const char* value, const char* help, auto set,
-                           const char* group = "Surface") { add_parsed(verb, {name, value, help, group}, set); };
+                           const char* group = "Surface") {
+    add_parsed(verb, {name, value, help, group}, set);
+  };
   using S = const std::string&;
   add("--at", "D",
       "the value on the surface (default 0): world units (0.5) or\nsamples (2s); negative: inside the solid",
@@ -77,8 +79,8 @@ void Command::add_to(CLI::App& verb) {
   add("--method", "NAME",
       "marching-cubes (default); dual: dual contouring, which\nkeeps the sharp edges and corners of meshes",
       [this](S o, S t) {
-        options.method = parse_choice(o, t, {"marching-cubes", "dual"}) == 0 ? IsoMethod::marching_cubes
-                                                                             : IsoMethod::dual;
+        options.method =
+            parse_choice(o, t, {"marching-cubes", "dual"}) == 0 ? IsoMethod::marching_cubes : IsoMethod::dual;
       });
   add("--coordinates", "NAME",
       "auto: 32-bit floats where they move no vertex noticeably\n(default); single: always; full: never",
@@ -148,10 +150,10 @@ void Command::run() {
   options.progress = nullptr;  // and the bar with it
   if (interrupted()) throw Error(ErrorCode::interrupted, "interrupted");
   if (found.mesh.triangles.empty())
-    throw Error(ErrorCode::input, input.name() + ": there is no surface at " + number(options.at) +
-                                      ": no sample of the grid, or no value, is less; " +
-                                      (is_field ? "standoff info shows the field's values"
-                                                : "take a larger --at, or more samples (-r)"));
+    throw Error(ErrorCode::input,
+                input.name() + ": there is no surface at " + number(options.at) +
+                    ": no sample of the grid, or no value, is less; " +
+                    (is_field ? "standoff info shows the field's values" : "take a larger --at, or more samples (-r)"));
   with_spinner(console, "writing " + output.path().string(),
                [&] { write_mesh(output.path(), found.mesh, output.existing()); });
   say(found, output.path().string(), console);

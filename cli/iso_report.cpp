@@ -8,8 +8,7 @@ namespace standoff::cli {
 
 void say(const IsoResult& found, const std::string& output, const Console& console) {
   const IsoReport& report = found.report;
-  if (!report.sign.why.empty())
-    console.say("sign: " + report.sign.why + (report.sign.sure ? "" : " (not certain)"));
+  if (!report.sign.why.empty()) console.say("sign: " + report.sign.why + (report.sign.sure ? "" : " (not certain)"));
   console.say(mesh_line(output, found.mesh) + (report.floats ? "" : ", 64-bit coordinates"));
   if (report.examined) {
     console.say(counted(report.components, "component") + ", " + (report.intersections_known ? "" : "at least ") +
@@ -21,8 +20,8 @@ void say(const IsoResult& found, const std::string& output, const Console& conso
     console.warn(counted(report.clamped, "edge") +
                  " of the grid that the surface crosses: values there are clamped to the field's thickness, so that "
                  "vertices are not accurate; compute the field with a larger thickness");
-  console.detail(counted(report.ambiguous_faces, "ambiguous face") + "; vertices keep " +
-                 number(report.clearance) + " spacings from samples");
+  console.detail(counted(report.ambiguous_faces, "ambiguous face") + "; vertices keep " + number(report.clearance) +
+                 " spacings from samples");
 }
 
 Json iso_json(const std::string& input, const IsoSubject& subject, const IsoOptions& options, const IsoResult& found,
@@ -35,21 +34,17 @@ Json iso_json(const std::string& input, const IsoSubject& subject, const IsoOpti
   json["at"] = options.at;
   json["wall"] = options.wall;
   json["method"] = options.method == IsoMethod::dual ? "dual" : "marching-cubes";
-  json["surface"] = {{"triangles", report.triangles},
-                     {"vertices", report.vertices},
-                     {"ambiguous_faces", report.ambiguous_faces},
-                     {"clamped", report.clamped},
-                     {"capped", report.capped},
-                     {"floats", report.floats},
-                     {"clearance", report.clearance}};
+  json["surface"] = {
+      {"triangles", report.triangles}, {"vertices", report.vertices}, {"ambiguous_faces", report.ambiguous_faces},
+      {"clamped", report.clamped},     {"capped", report.capped},     {"floats", report.floats},
+      {"clearance", report.clearance}};
   if (report.examined) {
     json["surface"]["components"] = report.components;
     json["surface"]["self_intersections"] = report.self_intersections;
     json["surface"]["intersections_known"] = report.intersections_known;
   }
   if (std::string(subject.kind) == "mesh")
-    json["sign"] = {
-        {"method", name_of(report.sign.method)}, {"why", report.sign.why}, {"sure", report.sign.sure}};
+    json["sign"] = {{"method", name_of(report.sign.method)}, {"why", report.sign.why}, {"sure", report.sign.sure}};
   json["output"] = json_output(output);
   return json;
 }

@@ -47,11 +47,11 @@ struct IsoReport {
   std::int64_t ambiguous_faces = 0;  ///< faces of cells whose corners can be joined in two ways (docs/iso.md)
   /// Crossed edges with an end whose value is clamped to the thickness: their vertices are less accurate.
   std::int64_t clamped = 0;
-  std::int64_t capped = 0;    ///< crossed edges that leave the grid: the surface is closed there by a flat cap
-  bool floats = false;        ///< whether all coordinates are 32-bit floats
-  double clearance = 0;   ///< the clearance: vertices keep so far from samples, in spacings
-  bool examined = false;      ///< IsoOptions::examine
-  std::int64_t components = 0;          ///< if examined
+  std::int64_t capped = 0;      ///< crossed edges that leave the grid: the surface is closed there by a flat cap
+  bool floats = false;          ///< whether all coordinates are 32-bit floats
+  double clearance = 0;         ///< the clearance: vertices keep so far from samples, in spacings
+  bool examined = false;        ///< IsoOptions::examine
+  std::int64_t components = 0;  ///< if examined
   std::int64_t self_intersections = 0;  ///< if examined: pairs of triangles without a common vertex that intersect
   bool intersections_known = true;      ///< if examined. false: the search was stopped, and there may be more
   SignReport sign;                      ///< of a mesh: how its sign was decided

@@ -115,7 +115,8 @@ const Block* Blocks::find(std::int64_t x, std::int64_t y, std::int64_t z) const 
   if (y < -1 || z < -1 || y + 1 >= count_.y || z + 1 >= count_.z) return nullptr;
   const auto row = static_cast<std::size_t>(y + 1 + count_.y * (z + 1));
   const auto begin = blocks_.begin() + first_of_row_[row], end = blocks_.begin() + first_of_row_[row + 1];
-  const auto found = std::lower_bound(begin, end, x, [](const Block& block, std::int64_t at) { return block.at[0] < at; });
+  const auto found =
+      std::lower_bound(begin, end, x, [](const Block& block, std::int64_t at) { return block.at[0] < at; });
   return found != end && found->at[0] == x ? &*found : nullptr;
 }
 

@@ -39,10 +39,10 @@ constexpr int bit_count(std::uint64_t bits) {
 }
 
 struct Block {
-  std::array<std::int32_t, 3> at;                 ///< its first sample is 8 * at
-  std::uint32_t first_vertex = 0;                 ///< the number of the vertex of its first crossed edge
-  std::uint32_t first_cell = 0;                   ///< the number of its first cell
-  std::array<std::array<std::uint64_t, 8>, 3> edges{};     ///< by axis and layer: edges with one end inside
+  std::array<std::int32_t, 3> at;                           ///< its first sample is 8 * at
+  std::uint32_t first_vertex = 0;                           ///< the number of the vertex of its first crossed edge
+  std::uint32_t first_cell = 0;                             ///< the number of its first cell
+  std::array<std::array<std::uint64_t, 8>, 3> edges{};      ///< by axis and layer: edges with one end inside
   std::array<std::array<std::uint16_t, 8>, 3> edge_rank{};  ///< how many there are before this axis and layer
   std::array<std::uint64_t, 8> cells{};                     ///< by layer: cells that the surface passes through
   std::array<std::uint16_t, 8> cell_rank{};

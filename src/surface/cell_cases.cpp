@@ -102,7 +102,8 @@ void add_triangles(int loop_number, CellCase& to) {
   if (triangles.exist()) return triangles.add_to(to);
   to.centre_loop = loop_number;
   for (std::size_t n = 0; n < loop.size(); ++n)
-    to.triangles[static_cast<std::size_t>(to.triangle_count++)] = {loop[n], loop[(n + 1) % loop.size()], CellCase::kCentre};
+    to.triangles[static_cast<std::size_t>(to.triangle_count++)] = {loop[n], loop[(n + 1) % loop.size()],
+                                                                   CellCase::kCentre};
 }
 
 CellCase make_case(std::uint32_t inside, std::uint32_t joined) {
@@ -111,7 +112,8 @@ CellCase make_case(std::uint32_t inside, std::uint32_t joined) {
   made.loop_of.fill(std::numeric_limits<std::uint8_t>::max());
   std::size_t end = 0;
   for (int first = 0; first < kCellEdges; ++first) {
-    if (next[static_cast<std::size_t>(first)] == kNone || made.loop_of[static_cast<std::size_t>(first)] != 255) continue;
+    if (next[static_cast<std::size_t>(first)] == kNone || made.loop_of[static_cast<std::size_t>(first)] != 255)
+      continue;
     const int loop = made.loop_count++;
     for (int edge = first; made.loop_of[static_cast<std::size_t>(edge)] == 255;
          edge = next[static_cast<std::size_t>(edge)]) {

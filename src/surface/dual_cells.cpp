@@ -14,10 +14,7 @@ namespace standoff {
 
 DualCells::DualCells(Blocks& blocks, const UniformTiles& uniform, double level, std::uint64_t first_vertex,
                      ProgressMeter& progress)
-    : blocks_(&blocks),
-      is_special_(blocks.all().size()),
-      special_(blocks.all().size()),
-      doubled_(blocks.all().size()) {
+    : blocks_(&blocks), is_special_(blocks.all().size()), special_(blocks.all().size()), doubled_(blocks.all().size()) {
   std::vector<std::uint16_t> more_loops(blocks.all().size());
   PerThread<SurfaceCounts> counted;
   for_each_block(blocks, uniform, progress,
@@ -92,7 +89,9 @@ void DualCells::find_doubled_faces(ProgressMeter& progress) {
           const int edge = edge_between(corners[k], corners[(k + 1) % 4]);
           const int same = edge_between(corners[k] ^ 1 << axis, corners[(k + 1) % 4] ^ 1 << axis);
           const int same_first = edge_between(corners[0] ^ 1 << axis, corners[1] ^ 1 << axis);
-          const auto loop = [](const SpecialCell& cell, int e) { return cell.found->loop_of[static_cast<std::size_t>(e)]; };
+          const auto loop = [](const SpecialCell& cell, int e) {
+            return cell.found->loop_of[static_cast<std::size_t>(e)];
+          };
           one_below &= loop(lower, edge) == loop(lower, first);
           one_above &= loop(*upper, same) == loop(*upper, same_first);
         }

@@ -88,8 +88,7 @@ class DualContouring {
     for (const std::uint8_t edge : loop)
       fit.add((crossing(beside, at, edge) - lowest) * unit, normal(beside, at, edge));
     const Vec3 least = Vec3{1, 1, 1} * points_.clearance(), most = Vec3{1, 1, 1} - least;
-    const Vec3 found =
-        (mean ? fit.mass_point() : fit.minimum({least * unit, most * unit}, tolerance_)) / unit;
+    const Vec3 found = (mean ? fit.mass_point() : fit.minimum({least * unit, most * unit}, tolerance_)) / unit;
     return lowest + min(max(found, least), most);
   }
 
@@ -180,7 +179,8 @@ class DualContouring {
       const auto beside = blocks_.beside(block, 1);
       std::uint32_t next_vertex = first_face_[n];
       for (const DoubledFace& face : cells_.doubled(block))
-        for (const Vec3 point : face_points(beside, block, face)) mesh_.vertices[next_vertex++] = points_.at(block.at, point);
+        for (const Vec3 point : face_points(beside, block, face))
+          mesh_.vertices[next_vertex++] = points_.at(block.at, point);
       Triangle* triangle = mesh_.triangles.data() + first_triangle[n];
       const Cut* next = cuts_.data() + block.first_vertex;
       for_each_polygon(block, corners, [&](int axis, int x, int y, int z, const DualPolygon& polygon) {

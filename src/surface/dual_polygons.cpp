@@ -74,8 +74,7 @@ DualPolygon DualPolygons::around(int axis, int x, int y, int z, bool outwards_up
     const int found = cells_->find_doubled(cells[lower], across);
     if (found < 0) continue;
     const int face = 2 * across + 1, first = first_edge_of(face);
-    const bool is_first =
-        edge[lower] == first || segment_end(*special[lower]->found, edge[lower], face) == first;
+    const bool is_first = edge[lower] == first || segment_end(*special[lower]->found, edge[lower], face) == first;
     polygon.add((*first_face_)[blocks_->number_of(*cells[lower].block)] + 2 * static_cast<std::uint32_t>(found) +
                 (is_first ? 0 : 1));
   }

@@ -46,10 +46,10 @@ class DualPolygons {
   const std::vector<std::uint32_t>* first_face_;
 };
 
-/// Cuts a quad so that it stays among the four cells' tetrahedra at the edge, which no other polygon enters ("Intersection-
-/// free contouring on an octree grid", Ju and Udeshi 2006): surfaces of cells with one loop then never intersect
-/// themselves. `corner`: its vertices relative to the lower end of the edge, in spacings, in the order of the polygon,
-/// with the edge's axis last.
+/// Cuts a quad so that it stays among the four cells' tetrahedra at the edge, which no other polygon enters
+/// ("Intersection- free contouring on an octree grid", Ju and Udeshi 2006): surfaces of cells with one loop then never
+/// intersect themselves. `corner`: its vertices relative to the lower end of the edge, in spacings, in the order of the
+/// polygon, with the edge's axis last.
 Cut cut_of(const std::array<Vec3, 4>& corner);
 
 }  // namespace standoff

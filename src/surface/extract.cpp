@@ -88,7 +88,13 @@ void extract(const DistanceField& field, const IsoOptions& options,
   add_surface(field, options.at, options, source_of(options.at), from, middle, result, progress);
   if (options.wall > 0) {
     const std::size_t outer = result.mesh.triangles.size();
+    const std::int64_t capped = result.report.capped;
     add_surface(field, inner, options, source_of(inner), middle, 1, result, progress);
+    if (result.report.capped > capped)
+      throw Error(
+          ErrorCode::usage,
+          "isosurface: the hollow reaches the border of the grid, where it would have no wall; take a grid that "
+          "holds the whole solid");
     for (Triangle& triangle : std::span(result.mesh.triangles).subspan(outer)) std::swap(triangle[1], triangle[2]);
   }
   progress.stage("done", 1, 1, 1);

@@ -15,8 +15,8 @@
 namespace standoff {
 
 struct HermitePoint {
-  float t = 0.5f;                 ///< from the lower end, in spacings of the edge's axis
-  float x = 0, y = 0, z = 0;      ///< the unit normal, outwards
+  float t = 0.5f;             ///< from the lower end, in spacings of the edge's axis
+  float x = 0, y = 0, z = 0;  ///< the unit normal, outwards
 
   Vec3 normal() const { return {x, y, z}; }
   void set_normal(Vec3 n) {

@@ -31,6 +31,9 @@ constexpr int most_displaced(int axis) { return axis == 0 ? 1 : axis == 1 ? 0 : 
 using Key = std::uint64_t;
 constexpr Key kNone = std::numeric_limits<Key>::max();
 
+// So near to a sample, in spacings, that rounding decides on which side of it the triangle is.
+constexpr double kAtSample = 1e-5;
+
 Key key_of(bool faces_otherwise, double distance, std::size_t triangle) {
   constexpr double kSteps = 0x1p30;
   const auto steps = static_cast<Key>(std::clamp(distance, 0.0, 1.0) * kSteps);
@@ -75,18 +78,23 @@ class Crossings {
         const int crossing = ray.crossing(y, z);
         if (crossing == 0) continue;
         const double x = ray.crossing_x(y, z);
-        const std::int64_t past =
-            along.first(x, [&](std::int64_t n) { return ray.is_past({along.at(n), y, z}, crossing); });
-        if (past == 0 || past == along.size()) continue;
-        std::array<std::int64_t, 3> at{};
-        at[static_cast<std::size_t>(axis)] = past - 1;
-        at[static_cast<std::size_t>(u)] = j;
-        at[static_cast<std::size_t>(v)] = k;
-        offer(axis, at, along.to_samples(x) - static_cast<double>(past - 1), crossing, triangle);
+        const std::int64_t past = along.first(x, [&](std::int64_t n) {
+          return ray.is_past({along.at(n), y, z}, crossing);
+        });
+        const double t = along.to_samples(x) - static_cast<double>(past - 1);
+        offer(axis, j, k, past - 1, t, crossing, triangle);
+        // At a sample: the value there may be 0, which is outside, whatever the exact side of the sample.
+        if (t < kAtSample) offer(axis, j, k, past - 2, 1, crossing, triangle);
+        if (t > 1 - kAtSample) offer(axis, j, k, past, 0, crossing, triangle);
       }
   }
 
-  void offer(int axis, const std::array<std::int64_t, 3>& at, double t, int crossing, std::size_t triangle) {
+  // Offers a triangle to the edge from sample i of row (j, k) along an axis to the next one.
+  void offer(int axis, std::int64_t j, std::int64_t k, std::int64_t i, double t, int crossing, std::size_t triangle) {
+    std::array<std::int64_t, 3> at{};
+    at[static_cast<std::size_t>(axis)] = i;
+    at[static_cast<std::size_t>((axis + 1) % 3)] = j;
+    at[static_cast<std::size_t>((axis + 2) % 3)] = k;
     const Block* const block = blocks_.find(at[0] >> 3, at[1] >> 3, at[2] >> 3);
     if (!block) return;
     const int x = static_cast<int>(at[0] & 7), y = static_cast<int>(at[1] & 7), z = static_cast<int>(at[2] & 7);

@@ -19,7 +19,7 @@ struct Search {
   double t;
 };
 
-constexpr int kMostRounds = 8;      // three are enough for most
+constexpr int kMostRounds = 8;        // three are enough for most
 constexpr double kNearEnough = 1e-7;  // spacings: what a float of t can tell
 
 std::vector<Search> all_edges(const Blocks& blocks, std::span<const HermitePoint> data) {

@@ -31,8 +31,8 @@ float least_float_from(double level) {
 std::uint64_t bits_of_row(const float* values, float limit, bool& has_nan) {
   const __m128 low = _mm_loadu_ps(values), high = _mm_loadu_ps(values + 4), all = _mm_set1_ps(limit);
   has_nan |= _mm_movemask_ps(_mm_cmpunord_ps(low, high)) != 0;
-  return static_cast<std::uint64_t>(_mm_movemask_ps(_mm_cmplt_ps(low, all)) |
-                                    _mm_movemask_ps(_mm_cmplt_ps(high, all)) << 4);
+  return static_cast<std::uint64_t>(_mm_movemask_ps(_mm_cmplt_ps(low, all)) | _mm_movemask_ps(_mm_cmplt_ps(high, all))
+                                                                                  << 4);
 }
 #else
 std::uint64_t bits_of_row(const float* values, float limit, bool& has_nan) {
@@ -48,8 +48,7 @@ std::uint64_t bits_of_row(const float* values, float limit, bool& has_nan) {
 TileBits bits_of(DistanceField::TileValues values, float limit, bool& has_nan) {
   TileBits bits{};
   for (std::size_t z = 0; z < kSide; ++z)
-    for (std::size_t y = 0; y < kSide; ++y)
-      bits[z] |= bits_of_row(&values[8 * (y + 8 * z)], limit, has_nan) << 8 * y;
+    for (std::size_t y = 0; y < kSide; ++y) bits[z] |= bits_of_row(&values[8 * (y + 8 * z)], limit, has_nan) << 8 * y;
   return bits;
 }
 
@@ -87,8 +86,8 @@ InsideBits::InsideBits(const DistanceField& field, double level, ProgressMeter& 
       if (slot < 0) continue;
       bool has_nan = false;
       const auto s = static_cast<std::size_t>(slot);
-      TileBits bits = bits_of(values.subspan(s * DistanceField::kTileSamples).first<DistanceField::kTileSamples>(),
-                              limit, has_nan);
+      TileBits bits =
+          bits_of(values.subspan(s * DistanceField::kTileSamples).first<DistanceField::kTileSamples>(), limit, has_nan);
       const TileBits grid = samples_of_grid(tx, ty, tz);
       if (has_nan) {
         std::int64_t first = not_a_number;

@@ -76,7 +76,8 @@ IsoResult isosurface(const DistanceField& field, const IsoOptions& options) try 
   IsoResult result;
   Threads(options.execution.threads).run([&] {
     ProgressMeter progress(options.progress);
-    extract(field, options, [](double) { return field_source(); }, 0, result, progress);
+    extract(
+        field, options, [](double) { return field_source(); }, 0, result, progress);
     finish(options, result);
   });
   return result;
@@ -92,9 +93,9 @@ IsoResult isosurface(MeshView mesh, const Grid& grid, const SignOptions& sign, c
   result.report.sign = computed.report.sign;
   if (computed.report.sign.method == SignMethod::none && !(options.at - options.wall > 0)) {
     const std::string why = computed.report.sign.why;
-    throw Error(ErrorCode::input,
-                "isosurface: there is no inside to make a surface of at " + number_text(options.at - options.wall) +
-                    (why.empty() ? "" : ": " + why) + "; choose a sign method, or a positive distance from the mesh");
+    throw Error(ErrorCode::input, "isosurface: there is no inside to make a surface of at " +
+                                      number_text(options.at - options.wall) + (why.empty() ? "" : ": " + why) +
+                                      "; choose a sign method, or a positive distance from the mesh");
   }
   Threads(options.execution.threads).run([&] {
     ProgressMeter progress(options.progress);

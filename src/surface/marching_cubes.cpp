@@ -19,7 +19,8 @@ struct BlockCounts {
 };
 
 Vec3 edge_point(const EdgePoints& points, const Neighbourhood& values, int axis, int x, int y, int z) {
-  const double t = points.crossing(values.value(x, y, z), values.value(x + (axis == 0), y + (axis == 1), z + (axis == 2)));
+  const double t =
+      points.crossing(values.value(x, y, z), values.value(x + (axis == 0), y + (axis == 1), z + (axis == 2)));
   return {x + (axis == 0 ? t : 0), y + (axis == 1 ? t : 0), z + (axis == 2 ? t : 0)};
 }
 
@@ -91,39 +92,38 @@ void march_cubes(Blocks& blocks, const EdgePoints& points, Mesh& mesh, IsoReport
   mesh.vertices.resize(vertices);
   mesh.triangles.resize(triangles);
 
-  for_each_block(blocks, uniform, progress,
-                 [&](std::size_t n, const Block& block, const CornerBits& corners, const Neighbourhood& values) {
-                   Ranks ranks;
-                   emit_vertices(block, values, points, thickness, mesh, ranks, counted.local());
-                   const auto upwards = blocks.beside(block, 1);
-                   Triangle* triangle = mesh.triangles.data() + first_triangle[n];
-                   std::uint32_t next_centre = block.first_vertex + block.edge_count;
-                   std::array<std::uint32_t, kCellEdges + 1> vertex;
-                   for_each_cell(
-                       block, corners, values, points.level(), [&](CellAt at, const CellCase& cell, std::uint32_t) {
-                         std::size_t edges = 0;
-                         for (int loop = 0; loop < cell.loop_count; ++loop)
-                           edges += cell.loop_size[static_cast<std::size_t>(loop)];
-                         for (std::size_t e = 0; e < edges; ++e) {
-                           const int edge = cell.loop_edges[e], corner = edge_corner(edge);
-                           const int x = at.x + (corner & 1), y = at.y + (corner >> 1 & 1), z = at.z + (corner >> 2);
-                           const int axis = edge_axis(edge), owner = (x >> 3) + 2 * (y >> 3) + 4 * (z >> 3);
-                           vertex[static_cast<std::size_t>(edge)] =
-                               owner == 0 ? block.first_vertex + ranks[static_cast<std::size_t>(axis)]
-                                                                      [static_cast<std::size_t>(x + 8 * (y + 8 * z))]
-                                          : upwards[static_cast<std::size_t>(owner)]->vertex(axis, x & 7, y & 7, z & 7);
-                         }
-                         if (cell.centre_loop >= 0) {
-                           mesh.vertices[next_centre] = points.at(
-                               block.at, centre_point(points, values, at, cell.loop(cell.centre_loop)));
-                           vertex[CellCase::kCentre] = next_centre++;
-                         }
-                         for (int t = 0; t < cell.triangle_count; ++t) {
-                           const auto& corner = cell.triangles[static_cast<std::size_t>(t)];
-                           *triangle++ = {vertex[corner[0]], vertex[corner[1]], vertex[corner[2]]};
-                         }
-                       });
-                 });
+  for_each_block(
+      blocks, uniform, progress,
+      [&](std::size_t n, const Block& block, const CornerBits& corners, const Neighbourhood& values) {
+        Ranks ranks;
+        emit_vertices(block, values, points, thickness, mesh, ranks, counted.local());
+        const auto upwards = blocks.beside(block, 1);
+        Triangle* triangle = mesh.triangles.data() + first_triangle[n];
+        std::uint32_t next_centre = block.first_vertex + block.edge_count;
+        std::array<std::uint32_t, kCellEdges + 1> vertex;
+        for_each_cell(block, corners, values, points.level(), [&](CellAt at, const CellCase& cell, std::uint32_t) {
+          std::size_t edges = 0;
+          for (int loop = 0; loop < cell.loop_count; ++loop) edges += cell.loop_size[static_cast<std::size_t>(loop)];
+          for (std::size_t e = 0; e < edges; ++e) {
+            const int edge = cell.loop_edges[e], corner = edge_corner(edge);
+            const int x = at.x + (corner & 1), y = at.y + (corner >> 1 & 1), z = at.z + (corner >> 2);
+            const int axis = edge_axis(edge), owner = (x >> 3) + 2 * (y >> 3) + 4 * (z >> 3);
+            vertex[static_cast<std::size_t>(edge)] =
+                owner == 0 ? block.first_vertex +
+                                 ranks[static_cast<std::size_t>(axis)][static_cast<std::size_t>(x + 8 * (y + 8 * z))]
+                           : upwards[static_cast<std::size_t>(owner)]->vertex(axis, x & 7, y & 7, z & 7);
+          }
+          if (cell.centre_loop >= 0) {
+            mesh.vertices[next_centre] =
+                points.at(block.at, centre_point(points, values, at, cell.loop(cell.centre_loop)));
+            vertex[CellCase::kCentre] = next_centre++;
+          }
+          for (int t = 0; t < cell.triangle_count; ++t) {
+            const auto& corner = cell.triangles[static_cast<std::size_t>(t)];
+            *triangle++ = {vertex[corner[0]], vertex[corner[1]], vertex[corner[2]]};
+          }
+        });
+      });
   std::int64_t ambiguous = 0;
   counted.for_each([&](const SurfaceCounts& one) {
     one.add_to(report);

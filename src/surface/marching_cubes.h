@@ -9,8 +9,8 @@
 
 namespace standoff {
 
-/// Adds to the mesh's vertices and triangles, and to the report's ambiguous faces, clamped and capped edges. Numbers the
-/// vertices of the blocks. Runs on the threads of the calling TBB arena. Throws Error{limit}, Error{interrupted}.
+/// Adds to the mesh's vertices and triangles, and to the report's ambiguous faces, clamped and capped edges. Numbers
+/// the vertices of the blocks. Runs on the threads of the calling TBB arena. Throws Error{limit}, Error{interrupted}.
 void march_cubes(Blocks& blocks, const EdgePoints& points, Mesh& mesh, IsoReport& report, ProgressMeter& progress);
 
 }  // namespace standoff

@@ -18,9 +18,7 @@ class UniformTiles {
     inside_.fill(static_cast<float>(-thickness));
     beyond_.fill(std::numeric_limits<float>::infinity());
   }
-  const float* of(std::int32_t slot) const {
-    return slot == DistanceField::kInside ? inside_.data() : outside_.data();
-  }
+  const float* of(std::int32_t slot) const { return slot == DistanceField::kInside ? inside_.data() : outside_.data(); }
   const float* beyond_grid() const { return beyond_.data(); }
 
  private:

@@ -16,7 +16,8 @@ inline DistanceField field_of(const Grid& grid, const std::function<double(Vec3)
   std::vector<float> values;
   for (std::int64_t k = 0; k < grid.size.z; ++k)
     for (std::int64_t j = 0; j < grid.size.y; ++j)
-      for (std::int64_t i = 0; i < grid.size.x; ++i) values.push_back(static_cast<float>(value(grid.position(i, j, k))));
+      for (std::int64_t i = 0; i < grid.size.x; ++i)
+        values.push_back(static_cast<float>(value(grid.position(i, j, k))));
   return DistanceField::from_dense(grid, kFullField, values);
 }
 
