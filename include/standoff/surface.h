@@ -64,11 +64,11 @@ struct IsoResult {
 
 /// The surface on which the trilinear interpolation of a field has the value options.at. It is closed, oriented
 /// outwards, and a manifold: each edge belongs to two triangles, the triangles at a vertex form one fan, and no two
-/// vertices have the same position. All beyond the grid is outside. A sample of exactly options.at is outside. The
-/// result has the same bits for any number of threads. Takes memory in proportion to the surface, and 64 bytes per
-/// stored tile. `dual` takes normals from the gradient of the field.
-/// Errors: usage (options; a value that is not within the field's thickness), input (a value that is not a number),
-/// limit (memory; more than 2^32 - 2 vertices; coordinates), interrupted.
+/// vertices have the same position. All beyond the grid is outside. A sample of exactly options.at is outside, but -0
+/// is less than 0. The result has the same bits for any number of threads. Takes memory in proportion to the surface,
+/// and 64 bytes per stored tile. `dual` takes normals from the gradient of the field. Errors: usage (options; a value
+/// that is not within the field's thickness), input (a value that is not a number), limit (memory; more than 2^32 - 2
+/// vertices; coordinates), interrupted.
 STANDOFF_API IsoResult isosurface(const DistanceField& field, const IsoOptions& options = {});
 
 /// The same from a mesh: computes the field that is needed, of the mesh on this grid. `dual` takes its normals from the

@@ -31,14 +31,17 @@ struct HermitePoint {
 void hermite_of_field(const Blocks& blocks, const EdgePoints& points, std::span<HermitePoint> data,
                       ProgressMeter& progress);
 
+/// The closest points of a mesh, without a sign.
+using ClosestFunction = std::function<std::vector<ClosestPoint>(std::span<const Vec3>)>;
+
 /// Of the surface of a mesh: the crossing with a triangle, exactly, and its normal. Where none is crossed, as in a hole
 /// that the sign closes, the field's data stay.
-void hermite_of_mesh(const Blocks& blocks, const EdgePoints& points, MeshView mesh, std::span<HermitePoint> data,
-                     ProgressMeter& progress);
+void hermite_of_mesh(const Blocks& blocks, const EdgePoints& points, MeshView mesh, const ClosestFunction& closest,
+                     std::span<HermitePoint> data, ProgressMeter& progress);
 
 /// A surface at a distance from a mesh.
 struct MeshOffset {
-  std::function<std::vector<ClosestPoint>(std::span<const Vec3>)> closest;
+  ClosestFunction closest;
   double distance = 0;  ///< positive
   bool inside = false;  ///< on the side where values are negative
 };

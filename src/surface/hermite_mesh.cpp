@@ -127,10 +127,56 @@ Vec3 unit_normal(const Corners& corners) {
   return scaled * (1 / length(scaled));
 }
 
+Vec3 along(int axis, Vec3 spacing) {
+  return {axis == 0 ? spacing.x : 0, axis == 1 ? spacing.y : 0, axis == 2 ? spacing.z : 0};
+}
+
+// Sets a point to where the plane of a triangle crosses an edge, with its normal to the side that the point's normal
+// is on. False if it does not cross it.
+bool on_plane(const Corners& corners, Vec3 lower, int axis, Vec3 spacing, HermitePoint& point) {
+  const auto part = [&](Vec3 v) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; };
+  const Vec3 normal = unit_normal(corners);
+  if (part(normal) == 0) return false;
+  const double t = dot(normal, corners[0] - lower) / (part(normal) * part(spacing));
+  if (!(t > -kAtSample && t < 1 + kAtSample)) return false;
+  const bool same_side = (part(normal) > 0) == (part(point.normal()) > 0);
+  point.t = static_cast<float>(std::clamp(t, 0.0, 1.0));
+  point.set_normal(same_side ? normal : normal * -1.0);
+  return true;
+}
+
+// A crossed edge with no triangle on it, whose ends are samples.
+struct Grazed {
+  std::uint32_t edge;
+  int axis;
+  Vec3 lower;
+};
+
+// Where rounding is all that keeps a triangle off the edge, as where a face lies in a plane of samples: the triangle
+// nearest to the end that is farther from the surface, if its plane crosses the edge on the mesh.
+void find_nearly(MeshView mesh, const ClosestFunction& closest, const Vec3& spacing, std::span<const Grazed> grazed,
+                 std::span<HermitePoint> data) {
+  std::vector<Vec3> ends, crossings;
+  for (const Grazed& edge : grazed)
+    ends.push_back(edge.lower + (data[edge.edge].t > 0.5f ? Vec3{} : along(edge.axis, spacing)));
+  const std::vector<ClosestPoint> nearest = closest(ends);
+  std::vector<HermitePoint> found(grazed.size());
+  for (std::size_t n = 0; n < grazed.size(); ++n) {
+    const Grazed& edge = grazed[n];
+    found[n] = data[edge.edge];
+    if (!on_plane(mesh.corners(nearest[n].triangle), edge.lower, edge.axis, spacing, found[n])) found[n].t = -1;
+    crossings.push_back(edge.lower + along(edge.axis, spacing) * static_cast<double>(found[n].t));
+  }
+  const std::vector<ClosestPoint> at_crossing = closest(crossings);
+  for (std::size_t n = 0; n < grazed.size(); ++n)
+    if (found[n].t >= 0 && at_crossing[n].distance <= kAtSample * max_norm(along(grazed[n].axis, spacing)))
+      data[grazed[n].edge] = found[n];
+}
+
 }  // namespace
 
-void hermite_of_mesh(const Blocks& blocks, const EdgePoints& points, MeshView mesh, std::span<HermitePoint> data,
-                     ProgressMeter& progress) {
+void hermite_of_mesh(const Blocks& blocks, const EdgePoints& points, MeshView mesh, const ClosestFunction& closest,
+                     std::span<HermitePoint> data, ProgressMeter& progress) {
   hermite_of_field(blocks, points, data, progress);
   Crossings crossings(blocks, mesh, data);
   constexpr std::size_t kAtOnce = 256;
@@ -139,26 +185,31 @@ void hermite_of_mesh(const Blocks& blocks, const EdgePoints& points, MeshView me
     for (std::size_t n = range.begin(); n < range.end(); ++n) crossings.find(n);
   });
   const Grid& grid = blocks.field().grid();
+  const auto lower_end = [&](const Block& block, int x, int y, int z) {
+    return grid.origin + grid.spacing * Vec3{8.0 * block.at[0] + x, 8.0 * block.at[1] + y, 8.0 * block.at[2] + z};
+  };
   tbb::parallel_for(std::size_t{0}, blocks.all().size(), [&](std::size_t n) {
     const Block& block = blocks.all()[n];
     std::uint32_t edge = block.first_vertex;
     for_each_edge(block, [&](int axis, int x, int y, int z) {
-      HermitePoint& point = data[edge];
-      const std::uint32_t triangle = crossings.triangle(edge++);
-      if (triangle == kNoTriangle) return;
-      const Corners corners = mesh.corners(triangle);
-      Vec3 normal = unit_normal(corners);
-      const Vec3 lower =
-          grid.origin + grid.spacing * Vec3{8.0 * block.at[0] + x, 8.0 * block.at[1] + y, 8.0 * block.at[2] + z};
-      const auto part = [&](Vec3 v) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; };
-      if (part(normal) == 0) return;
-      const double t = dot(normal, corners[0] - lower) / (part(normal) * part(grid.spacing));
-      if (!std::isfinite(t)) return;
-      if ((part(normal) > 0) != (part(point.normal()) > 0)) normal = normal * -1.0;
-      point.t = static_cast<float>(std::clamp(t, 0.0, 1.0));
-      point.set_normal(normal);
+      const std::uint32_t triangle = crossings.triangle(edge);
+      if (triangle != kNoTriangle)
+        on_plane(mesh.corners(triangle), lower_end(block, x, y, z), axis, grid.spacing, data[edge]);
+      ++edge;
     });
   });
+  std::vector<Grazed> grazed;
+  const Box box = grid.bounds().grown(0.5 * max_norm(grid.spacing));
+  for (const Block& block : blocks.all()) {
+    std::uint32_t edge = block.first_vertex;
+    for_each_edge(block, [&](int axis, int x, int y, int z) {
+      const Vec3 lower = lower_end(block, x, y, z), upper = lower + along(axis, grid.spacing);
+      const bool within = max(lower, box.min) == lower && min(upper, box.max) == upper;
+      if (crossings.triangle(edge) == kNoTriangle && within) grazed.push_back({edge, axis, lower});
+      ++edge;
+    });
+  }
+  if (!grazed.empty()) find_nearly(mesh, closest, grid.spacing, grazed, data);
 }
 
 }  // namespace standoff

@@ -31,8 +31,10 @@ float least_float_from(double level) {
 std::uint64_t bits_of_row(const float* values, float limit, bool& has_nan) {
   const __m128 low = _mm_loadu_ps(values), high = _mm_loadu_ps(values + 4), all = _mm_set1_ps(limit);
   has_nan |= _mm_movemask_ps(_mm_cmpunord_ps(low, high)) != 0;
-  return static_cast<std::uint64_t>(_mm_movemask_ps(_mm_cmplt_ps(low, all)) | _mm_movemask_ps(_mm_cmplt_ps(high, all))
-                                                                                  << 4);
+  const auto masks = [](__m128 a, __m128 b) {
+    return static_cast<std::uint64_t>(_mm_movemask_ps(a) | _mm_movemask_ps(b) << 4);
+  };
+  return masks(_mm_cmplt_ps(low, all), _mm_cmplt_ps(high, all));
 }
 #else
 std::uint64_t bits_of_row(const float* values, float limit, bool& has_nan) {

@@ -63,8 +63,10 @@ HermiteSource mesh_source(MeshView mesh, const SignOptions& sign, const IsoOptio
     return {[offset](const Blocks& blocks, const EdgePoints& points, std::span<HermitePoint> data,
                      ProgressMeter& progress) { hermite_of_offset(blocks, points, offset, data, progress); },
             kMeshTolerance};
-  return {[mesh](const Blocks& blocks, const EdgePoints& points, std::span<HermitePoint> data,
-                 ProgressMeter& progress) { hermite_of_mesh(blocks, points, mesh, data, progress); },
+  return {[mesh, closest = offset.closest](const Blocks& blocks, const EdgePoints& points, std::span<HermitePoint> data,
+                                           ProgressMeter& progress) {
+            hermite_of_mesh(blocks, points, mesh, closest, data, progress);
+          },
           kMeshTolerance};
 }
 

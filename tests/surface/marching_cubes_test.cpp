@@ -21,16 +21,16 @@ class EachMethod : public ::testing::TestWithParam<IsoMethod> {
 };
 
 const Grid kGrids[] = {
-    {{20, 19, 18}, {}, {1, 1, 1}},
+    {{17, 10, 9}, {}, {1, 1, 1}},
     {{8, 8, 8}, {-3, 5, 7}, {1, 0.25, 3}},
-    {{9, 17, 16}, {1000, -2000, 0.1}, {0.1, 0.1, 0.1}},
+    {{9, 9, 8}, {1000, -2000, 0.1}, {0.1, 0.1, 0.1}},
     {{40, 1, 13}, {}, {1, 1, 1}},  // one sample thick
     {{1, 1, 300}, {}, {2, 2, 2}},
     {{1, 1, 1}, {}, {1, 1, 1}},
-    {{7, 30, 9}, {1e9, 1e9, -1e9}, {0.5, 0.5, 0.5}},  // no floats
-    {{12, 12, 12}, {1e-20, 0, 0}, {1e-20, 1e-20, 1e-20}},
-    {{12, 12, 12}, {}, {1e30, 1e30, 1e30}},
-    {{12, 12, 12}, {}, {1e60, 1e60, 1e60}},
+    {{7, 10, 9}, {1e9, 1e9, -1e9}, {0.5, 0.5, 0.5}},  // no floats
+    {{6, 9, 6}, {1e-20, 0, 0}, {1e-20, 1e-20, 1e-20}},
+    {{6, 9, 6}, {}, {1e30, 1e30, 1e30}},
+    {{6, 9, 6}, {}, {1e60, 1e60, 1e60}},
 };
 
 TEST_P(EachMethod, NoiseHasAManifoldSurface) {
@@ -64,7 +64,7 @@ TEST_P(EachMethod, NoiseIsInside) {
 TEST_P(EachMethod, SphereHasItsVolumeAndArea) {
   const double radius = 1;
   double last_error = 1;
-  for (const std::int64_t samples : {20, 40, 80}) {
+  for (const std::int64_t samples : {15, 30, 60}) {
     const Grid grid = fit_samples({{-1, -1, -1}, {1, 1, 1}}, samples);
     const Mesh mesh = isosurface(field_of(grid, [&](Vec3 p) { return length(p) - radius; }), at(0)).mesh;
     EXPECT_EQ(manifold_fault(mesh), "");
@@ -125,7 +125,7 @@ TEST_P(EachMethod, OppositeBackgroundsAreSeparated) {
   const IsoResult surface = isosurface(field, at(0));
   EXPECT_EQ(manifold_fault(surface.mesh), "");
   EXPECT_NEAR(volume(surface.mesh), 3 * 512, 60);
-  EXPECT_EQ(surface.report.clamped, surface.report.vertices == 0 ? 1 : 6 * 64 * 3 - 2 * 64);
+  EXPECT_EQ(surface.report.clamped, 6 * 64 * 3 - 2 * 64) << "all edges between them";
   EXPECT_GT(surface.report.ambiguous_faces, 0);
 }
 
@@ -138,7 +138,7 @@ TEST_P(EachMethod, EmptyAndFullFields) {
 }
 
 TEST_P(EachMethod, ThreadsChangeNothing) {
-  const DistanceField field = noise_field({{50, 40, 30}, {}, {1, 1, 1}}, Noise::smooth, 5);
+  const DistanceField field = noise_field({{30, 20, 18}, {}, {1, 1, 1}}, Noise::smooth, 5);
   IsoOptions options = at(0.1);
   options.execution.threads = 1;
   const IsoResult one = isosurface(field, options);
