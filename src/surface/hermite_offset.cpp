@@ -17,9 +17,10 @@ struct Search {
   std::uint32_t edge;
   Vec3 lower, step;  // its lower end, and the way to its upper end
   double t;
+  double low = 0, high = 1;  // the crossing lies between them
 };
 
-constexpr int kMostRounds = 8;        // three are enough for most
+constexpr int kMostRounds = 30;       // three are enough for most
 constexpr double kNearEnough = 1e-7;  // spacings: what a float of t can tell
 
 std::vector<Search> all_edges(const Blocks& blocks, std::span<const HermitePoint> data) {
@@ -72,9 +73,12 @@ void hermite_of_offset(const Blocks& blocks, const EdgePoints& points, const Mes
         data[search.edge].set_normal(outwards);
         continue;
       }
-      if (!(std::abs(slope) > 1e-6 * edge)) continue;
-      const double next = std::clamp(search.t - miss / slope, 0.0, 1.0);
-      if (next == search.t) continue;  // out of the edge
+      // Newton's step, or half of what is left where it leads out: past a ridge another triangle is the closest one.
+      const bool is_inside = (miss > 0) == offset.inside, rises = expected > 0;
+      (is_inside == rises ? search.low : search.high) = search.t;
+      double next = search.t - miss / slope;
+      if (!(next > search.low && next < search.high)) next = (search.low + search.high) / 2;
+      if (next == search.t) continue;
       search.t = next;
       left.push_back(search);
     }

@@ -21,9 +21,11 @@ constexpr int kSide = DistanceField::kTileSide;
 
 // A float is below the level where, and only where, it is below the least float that is not.
 float least_float_from(double level) {
+  using Limits = std::numeric_limits<float>;
+  if (level > static_cast<double>(Limits::max())) return Limits::infinity();
+  if (level < static_cast<double>(Limits::lowest())) return Limits::lowest();
   const auto rounded = static_cast<float>(level);
-  return static_cast<double>(rounded) < level ? std::nextafter(rounded, std::numeric_limits<float>::infinity())
-                                              : rounded;
+  return static_cast<double>(rounded) < level ? std::nextafter(rounded, Limits::infinity()) : rounded;
 }
 
 // The bits of eight values that are below the limit. Sets `has_nan` if one is not a number.

@@ -24,6 +24,7 @@
 #include "standoff/picture.h"
 #include "standoff/points.h"
 #include "standoff/slice.h"
+#include "standoff/surface.h"
 #include "standoff/verify.h"
 #include "tests/support/heap.h"
 #include "tests/support/temp_folder.h"
@@ -149,6 +150,15 @@ TEST(RefusedMemory, Fields) {
   expect_error_or_limit("copy_nearest_slices", [&] { field.copy_nearest_slices(0, 1, few_nearest); });
   expect_limit_error("verify", [&] { verify(field, kMesh, options); });
   expect_limit_error("inspect", [&] { inspect(field); });
+}
+
+TEST(RefusedMemory, Surfaces) {
+  const DistanceField field = compute(kMesh, kGrid, kFullField, on_cpu()).field;
+  for (const IsoMethod method : {IsoMethod::marching_cubes, IsoMethod::dual}) {
+    const IsoOptions options{.at = 0.5, .method = method, .examine = true, .execution = {.threads = 1}};
+    expect_limit_error("isosurface", [&] { isosurface(field, options); });
+    expect_limit_error("isosurface of a mesh", [&] { isosurface(kMesh, kGrid, {}, options); });
+  }
 }
 
 TEST(RefusedMemory, Meshes) {
