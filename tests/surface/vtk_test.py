@@ -28,6 +28,8 @@ def field(name, function, size, spacing):
     image.GetPointData().SetScalars(values)
     writer = vtkXMLImageDataWriter()
     writer.SetFileName(name)
+    writer.SetCompressorTypeToNone()
+    writer.EncodeAppendedDataOff()
     writer.SetInputData(image)
     writer.Write()
     return image
