@@ -102,7 +102,8 @@ class DualContouring {
         const SpecialCell* const special = found.loop_count > 1 ? cells_.special(cell) : nullptr;
         for (int loop = 0; loop < found.loop_count; ++loop) {
           Vec3& vertex = mesh_.vertices[cells_.vertex_of_loop(cell, special, loop)];
-          vertex = points_.at(block.at, loop_point(beside, at, found.loop(loop), false));
+          // Where several pieces pass through a cell, the means of their crossings keep them apart.
+          vertex = points_.at(block.at, loop_point(beside, at, found.loop(loop), found.loop_count > 1));
           // Two loops with the same vertex: this one moves, from its mean towards a point of its own.
           const Vec3 own = Vec3{at.x + 0.3 + 0.1 * loop, at.y + 0.4, at.z + 0.6};
           constexpr int kSteps = 16;
