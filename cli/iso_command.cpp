@@ -152,8 +152,10 @@ void Command::run() {
   if (found.mesh.triangles.empty())
     throw Error(ErrorCode::input,
                 input.name() + ": there is no surface at " + number(options.at) +
-                    ": no sample of the grid, or no value, is less; " +
-                    (is_field ? "standoff info shows the field's values" : "take a larger --at, or more samples (-r)"));
+                    (is_field ? std::string(": no value of the field is less; take one that standoff info shows")
+                              : ": no sample of the grid is inside, by the sign " +
+                                    std::string(name_of(found.report.sign.method)) +
+                                    "; take more samples (-r), another --sign, or a larger --at"));
   with_spinner(console, "writing " + output.path().string(),
                [&] { write_mesh(output.path(), found.mesh, output.existing()); });
   say(found, output.path().string(), console);
