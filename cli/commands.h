@@ -12,6 +12,7 @@ void add_slice(CLI::App& program);
 void add_verify(CLI::App& program);
 void add_generate(CLI::App& program);
 void add_convert(CLI::App& program);
+void add_iso(CLI::App& program);
 void add_devices(CLI::App& program);
 void add_crossings(CLI::App& program);
 void add_voxels(CLI::App& program);

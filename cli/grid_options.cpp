@@ -30,8 +30,10 @@ void GridOptions::add_without_thickness_to(CLI::App& verb) {
     return add_parsed(verb, {name, value, help, "Grid"}, set);
   };
   using S = const std::string&;
-  auto* samples = add("-r,--resolution", "N", "samples on the longest side (default 256)",
-                      [this](S o, S t) { samples_ = parse_count(o, t, 2, std::int64_t{1} << 40); });
+  auto* samples = add("-r,--resolution", "N", "samples on the longest side (default 256)", [this](S o, S t) {
+    samples_ = parse_count(o, t, 2, std::int64_t{1} << 40);
+    samples_given_ = true;
+  });
   auto* spacing = add("--spacing", "S[,S,S]", "distance between samples, one or per axis",
                       [this](S o, S t) { spacing_ = parse_spacing(o, t); });
   auto* size = add("--size", "NX,NY,NZ", "samples per axis; the spacing may then differ per axis",

@@ -24,6 +24,9 @@ class GridOptions {
   /// The same but for --thickness, for verbs that compute no field.
   void add_without_thickness_to(CLI::App& verb);
 
+  /// Whether any of them was given.
+  bool given() const { return samples_given_ || spacing_ || size_ || bounds_ || padding_; }
+
   /// Adds --minimum and --speed, which exclude some of those. Call after it.
   void add_thesis_to(CLI::App& verb);
 
@@ -35,6 +38,7 @@ class GridOptions {
   Padding padding() const;
 
   std::int64_t samples_ = kDefaultSamples;
+  bool samples_given_ = false;
   std::optional<Vec3> spacing_;
   std::optional<Size3> size_;
   std::optional<double> minimum_;

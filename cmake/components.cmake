@@ -73,6 +73,9 @@ standoff_component(field FILES ${STANDOFF_FIELD_FILES} gpu/${STANDOFF_CUDA_FILES
                    points/cuda/${STANDOFF_CUDA_FILES} WITHOUT /algorithm_2
                    LIBRARIES ${STANDOFF_CUDA_RUNTIME})
 
+# Surfaces out of fields and meshes.
+standoff_component(surface FILES surface/*.cpp)
+
 if("collision" IN_LIST STANDOFF_COMPONENTS)
   standoff_component(collision FILES ${STANDOFF_COLLISION_FILES} collision/cuda/${STANDOFF_CUDA_FILES})
 endif()

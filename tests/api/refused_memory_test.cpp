@@ -26,6 +26,7 @@
 #include "standoff/points.h"
 #include "standoff/sidecars.h"
 #include "standoff/slice.h"
+#include "standoff/surface.h"
 #include "standoff/verify.h"
 #include "standoff/voxels.h"
 #include "tests/support/heap.h"
@@ -157,6 +158,15 @@ TEST(RefusedMemory, Fields) {
   const std::vector<SidecarKind> kinds{SidecarKind::gradient, SidecarKind::feature};
   expect_limit_error("sidecars", [&] { sidecars(kMesh, field, kinds, {.threads = 1}); });
   expect_limit_error("name_of", [] { name_of(SidecarKind::closest_point); });
+}
+
+TEST(RefusedMemory, Surfaces) {
+  const DistanceField field = compute(kMesh, kGrid, kFullField, on_cpu()).field;
+  for (const IsoMethod method : {IsoMethod::marching_cubes, IsoMethod::dual}) {
+    const IsoOptions options{.at = 0.5, .method = method, .examine = true, .execution = {.threads = 1}};
+    expect_limit_error("isosurface", [&] { isosurface(field, options); });
+    expect_limit_error("isosurface of a mesh", [&] { isosurface(kMesh, kGrid, {}, options); });
+  }
 }
 
 TEST(RefusedMemory, Meshes) {

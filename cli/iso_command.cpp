@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+// standoff iso: a field or mesh into a watertight surface.
+#include <cmath>
+#include <memory>
+
+#include "cli/commands.h"
+#include "cli/console.h"
+#include "cli/field_argument.h"
+#include "cli/files.h"
+#include "cli/grid_options.h"
+#include "cli/iso_report.h"
+#include "cli/options.h"
+#include "cli/parse.h"
+#include "cli/sign_arguments.h"
+#include "cli/signals.h"
+#include "cli/spinner.h"
+#include "cli/text.h"
+#include "cli/usage.h"
+#include "standoff/error.h"
+#include "standoff/io.h"
+#include "standoff/surface.h"
+
+namespace standoff::cli {
+namespace {
+
+constexpr const char* kExamples =
+    R"(  standoff iso damaged.obj -o solid.ply                   a watertight solid out of any mesh
+  standoff iso part.stl --method dual -r 400 -o part.ply  keeps sharp edges
+  standoff iso part.stl --at 0.5 -o larger.stl            everything within 0.5 of the part; -0.5: smaller
+  standoff iso part.stl --hollow 2 -o hollow.stl          a hollow part with walls of 2
+  standoff iso field.vti --at 3s -o offset.ply            of a field: where its value is 3 samples
+)";
+
+struct Command {
+  MeshInput input;
+  FieldArgument field_argument;
+  FileOutput output;
+  GridOptions grid;
+  SignArguments sign{SignMethod::automatic};
+  IsoOptions options;
+  Thickness at{0}, wall{0};
+  bool coordinates_given = false;
+  Console console;
+
+  void add_to(CLI::App& verb);
+  void run();
+
+ private:
+  IsoResult of_field();
+  IsoResult of_mesh();
+  void expect_surface(const IsoResult& found, const std::string& what_to_do) const;
+  void set_levels(double spacing);
+  IsoSubject subject;
+};
+
+// "0.5", "-0.5" or "-2s".
+Thickness parse_level(const std::string& option, const std::string& text) {
+  const bool in_samples = text.ends_with('s');
+  return {parse_number(option, in_samples ? text.substr(0, text.size() - 1) : text), in_samples};
+}
+
+void Command::add_to(CLI::App& verb) {
+  input.add_any_to(verb, false);
+  output.add_to(verb, "MESH", "the surface: " + extensions(mesh_formats(), true));
+  verb.get_option("--output")->required();
+  const auto add = [&verb](const char* name, const char* value, const char* help, auto set,
+                           const char* group = "Surface") {
+    add_parsed(verb, {name, value, help, group}, set);
+  };
+  using S = const std::string&;
+  add("--at", "D",
+      "the value on the surface (default 0): world units (0.5) or\nsamples (2s); negative: inside the solid",
+      [this](S o, S t) { at = parse_level(o, t); });
+  add("--hollow", "T", "make the solid hollow, with walls of this thickness:\nworld units (2) or samples (3s)",
+      [this](S o, S t) {
+        wall = parse_thickness(o, t);
+        if (wall.infinite()) throw Error(ErrorCode::usage, o + " '" + t + "': give a finite thickness");
+      });
+  add("--method", "NAME",
+      "marching-cubes (default); dual: dual contouring, which\nkeeps the sharp edges and corners of meshes",
+      [this](S o, S t) {
+        options.method =
+            parse_choice(o, t, {"marching-cubes", "dual"}) == 0 ? IsoMethod::marching_cubes : IsoMethod::dual;
+      });
+  add("--coordinates", "NAME",
+      "auto: 32-bit floats where they move no vertex noticeably\n(default); single: always; full: never",
+      [this](S o, S t) {
+        options.coordinates = static_cast<Coordinates>(parse_choice(o, t, {"auto", "single", "full"}));
+        coordinates_given = true;
+      });
+  verb.add_flag("--check", options.examine, "also count components and self-intersections of the surface")
+      ->group("Surface");
+  grid.add_without_thickness_to(verb);
+  input.add_scale_to(verb);
+  sign.add_to(verb);
+  add_threads(verb, "Work", options.execution.threads);
+  field_argument.add_to(verb);
+  console.add_to(verb, Console::kMessages | Console::kJson | Console::kProgress);
+}
+
+void Command::set_levels(double spacing) {
+  options.at = at.world(spacing);
+  options.wall = wall.world(spacing);
+}
+
+IsoResult Command::of_field() {
+  if (input.scaled() || sign.given() || grid.given())
+    throw Error(ErrorCode::usage, input.name() + " is a field: options of the mesh, its grid and its sign belong to " +
+                                      "standoff compute; leave them out");
+  const DistanceField field = field_argument.read(input.name(), console);
+  subject = {"field", field.grid()};
+  set_levels(field.grid().max_spacing());
+  const Cancellable cancellable;
+  options.progress = console.progress();
+  return isosurface(field, options);
+}
+
+IsoResult Command::of_mesh() {
+  field_argument.check_unused(input.name());
+  const Mesh mesh = with_spinner(console, "reading " + input.name(), [&] { return input.read(); });
+  validate(mesh);
+  Box box = bounds(mesh);
+  if (const double far = std::max(max_norm(box.min), max_norm(box.max)); far > kMaxCoordinate)
+    throw Error(ErrorCode::input, input.name() + ": a coordinate of " + number(far) +
+                                      ", too far out for a grid; repair the mesh, or scale it down with --scale");
+  // The grid is one around the surface, which reaches beyond the mesh.
+  const bool in_samples = at.in_samples || wall.in_samples || sign.shell().in_samples;
+  double spacing = in_samples ? grid.choose(box).grid.max_spacing() : 1;
+  const double reach = std::max(0.0, at.world(spacing)) + sign.shell().world(spacing) / 2;
+  if (reach > 0) box = box.grown(reach);
+  subject = {"mesh", grid.choose(box).grid};
+  spacing = subject.grid.max_spacing();
+  set_levels(spacing);
+  console.say(mesh_line(input.name(), mesh));
+  const Cancellable cancellable;
+  options.progress = console.progress();
+  return isosurface(mesh, subject.grid, sign.options(spacing), options);
+}
+
+void Command::run() {
+  const bool is_field = kind_of(input.name()) == FileKind::field;
+  if (kind_of(input.name()) == FileKind::body)
+    throw Error(ErrorCode::input, input.name() + ": this is a body; give the mesh it was built from");
+  check_input(input.name());
+  output.check(mesh_formats());
+  output.check_differs(input.name());
+  // .stl has no other numbers; where they do not suffice, the error comes before the file.
+  if (!coordinates_given && output.path().extension() == ".stl") options.coordinates = Coordinates::single;
+  const IsoResult found = is_field ? of_field() : of_mesh();
+  options.progress = nullptr;  // and the bar with it
+  if (interrupted()) throw Error(ErrorCode::interrupted, "interrupted");
+  if (found.mesh.triangles.empty())
+    throw Error(ErrorCode::input,
+                input.name() + ": there is no surface at " + number(options.at) +
+                    (is_field ? std::string(": no value of the field is less; take one that standoff info shows")
+                              : ": no sample of the grid is inside, by the sign " +
+                                    std::string(name_of(found.report.sign.method)) +
+                                    "; take more samples (-r), another --sign, or a larger --at"));
+  with_spinner(console, "writing " + output.path().string(),
+               [&] { write_mesh(output.path(), found.mesh, output.existing()); });
+  say(found, output.path().string(), console);
+  if (console.json()) print(iso_json(input.name(), subject, options, found, output.path()), output.path());
+}
+
+}  // namespace
+
+void add_iso(CLI::App& program) {
+  auto* verb = add_verb(program, "iso", "turn a field or mesh into a watertight surface, at any offset", kExamples);
+  const auto command = std::make_shared<Command>();
+  command->add_to(*verb);
+  verb->callback([command] { command->run(); });
+}
+
+}  // namespace standoff::cli

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+// Surfaces out of fields and meshes: watertight, oriented triangle meshes (docs/iso.md).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "standoff/compute.h"
+#include "standoff/execution.h"
+#include "standoff/export.h"
+#include "standoff/field.h"
+#include "standoff/grid.h"
+#include "standoff/mesh.h"
+#include "standoff/progress.h"
+#include "standoff/sign.h"
+
+namespace standoff {
+
+enum class IsoMethod {
+  marching_cubes,  ///< vertices on the grid's edges: smooth, and as fine as the grid
+  dual,            ///< vertices in the grid's cells, by dual contouring: keeps sharp edges and corners of meshes
+};
+
+/// The numbers of a surface's vertices. With either no two vertices coincide.
+enum class Coordinates {
+  automatic,  ///< single where vertices are moved by no more than 1/1024 of the spacing, else full
+  single,     ///< each is a 32-bit float, as .stl files hold them
+  full,       ///< 64-bit numbers
+};
+
+struct IsoOptions {
+  /// The value on the surface, world units. Inside is where values are less; negative: the solid shrinks, positive: it
+  /// grows by rounding.
+  double at = 0;
+  /// If positive: a second surface at `at - wall`, which faces inwards: the solid becomes hollow, with walls that are
+  /// this thick, world units. At least the largest spacing.
+  double wall = 0;
+  IsoMethod method = IsoMethod::marching_cubes;
+  Coordinates coordinates = Coordinates::automatic;
+  bool examine = false;      ///< also count components and self-intersections of the result
+  Execution execution = {};  ///< the backend must be automatic or cpu, but for the field that a mesh needs
+  ProgressCallback progress = {};
+};
+
+struct IsoReport {
+  std::int64_t triangles = 0, vertices = 0;
+  std::int64_t ambiguous_faces = 0;  ///< faces of cells whose corners can be joined in two ways (docs/iso.md)
+  /// Crossed edges with an end whose value is clamped to the thickness: their vertices are less accurate.
+  std::int64_t clamped = 0;
+  std::int64_t capped = 0;      ///< crossed edges that leave the grid: the surface is closed there by a flat cap
+  bool floats = false;          ///< whether all coordinates are 32-bit floats
+  double clearance = 0;         ///< the clearance: vertices keep so far from samples, in spacings
+  bool examined = false;        ///< IsoOptions::examine
+  std::int64_t components = 0;  ///< if examined
+  std::int64_t self_intersections = 0;  ///< if examined: pairs of triangles without a common vertex that intersect
+  bool intersections_known = true;      ///< if examined. false: the search was stopped, and there may be more
+  SignReport sign;                      ///< of a mesh: how its sign was decided
+};
+
+struct IsoResult {
+  Mesh mesh;  ///< empty if no value, or each value, is less than `at`
+  IsoReport report;
+};
+
+/// The surface on which the trilinear interpolation of a field has the value options.at. It is closed, oriented
+/// outwards, and a manifold: each edge belongs to two triangles, the triangles at a vertex form one fan, and no two
+/// vertices have the same position. All beyond the grid is outside. A sample of exactly options.at is outside, but -0
+/// is less than 0. The result has the same bits for any number of threads. Takes memory in proportion to the surface,
+/// and 64 bytes per stored tile. `dual` takes normals from the gradient of the field. Errors: usage (options; a value
+/// that is not within the field's thickness), input (a value that is not a number), limit (memory; more than 2^32 - 2
+/// vertices; coordinates), interrupted.
+STANDOFF_API IsoResult isosurface(const DistanceField& field, const IsoOptions& options = {});
+
+/// The same from a mesh: computes the field that is needed, of the mesh on this grid. `dual` takes its normals from the
+/// mesh: sharp edges and corners come back. `sign` with SignMethod::automatic suits most meshes; with SignMethod::none
+/// options.at must be positive.
+/// Errors: as above, and those of compute().
+STANDOFF_API IsoResult isosurface(MeshView mesh, const Grid& grid, const SignOptions& sign,
+                                  const IsoOptions& options = {});
+
+}  // namespace standoff

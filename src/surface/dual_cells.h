@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+// The vertices of dual contouring: one for each loop of each cell, and where two loops meet twice, one on each of their
+// two segments.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/progress.h"
+#include "surface/blocks.h"
+#include "surface/cell_cases.h"
+#include "surface/neighbourhood.h"
+
+namespace standoff {
+
+/// A cell of a block, from 0 to 7 along each axis.
+struct CellOf {
+  const Block* block;
+  int x, y, z;
+
+  int bit() const { return x + 8 * y; }
+  std::uint16_t number() const { return static_cast<std::uint16_t>(x + 8 * (y + 8 * z)); }
+};
+
+/// A cell with several loops, or with an ambiguous face.
+struct SpecialCell {
+  std::uint16_t cell;        ///< its number in the block
+  std::uint16_t first_loop;  ///< the number of its second loop among all loops of the block that are not first ones
+  const CellCase* found;
+  std::uint32_t ambiguous;  ///< its ambiguous faces
+};
+
+/// A face whose two segments join the same two loops. The dual of each segment would be the same edge, which would have
+/// four triangles: so the surface gets a vertex on each of the two.
+struct DoubledFace {
+  std::uint16_t cell;  ///< the number of the cell below the face
+  std::uint8_t axis;   ///< to which the face is perpendicular
+};
+
+class DualCells {
+ public:
+  /// Numbers the loops' vertices, from `first_vertex` on. Runs on the threads of the calling TBB arena. Throws
+  /// Error{limit}, Error{interrupted}.
+  DualCells(Blocks& blocks, const UniformTiles& uniform, double level, std::uint64_t first_vertex,
+            ProgressMeter& progress);
+
+  /// The number after the last loop's vertex.
+  std::uint64_t end() const { return end_; }
+  std::int64_t ambiguous_faces() const { return ambiguous_faces_; }
+  /// nullptr: one loop, and no ambiguous faces.
+  const SpecialCell* special(const CellOf& cell) const;
+  /// The vertex of the loop that an edge of the cell is on.
+  std::uint32_t vertex(const CellOf& cell, int edge) const;
+  std::uint32_t vertex_of_loop(const CellOf& cell, const SpecialCell* special, int loop) const;
+
+  std::span<const DoubledFace> doubled(const Block& block) const { return doubled_[blocks_->number_of(block)]; }
+  /// The number, among the doubled faces of the lower cell's block, of the face above that cell along an axis; or -1.
+  int find_doubled(const CellOf& lower, int axis) const;
+
+ private:
+  void find_doubled_faces(ProgressMeter& progress);
+
+  const Blocks* blocks_;
+  std::vector<std::array<std::uint64_t, 8>> is_special_;  // by block and layer
+  std::vector<std::vector<SpecialCell>> special_;
+  std::vector<std::vector<DoubledFace>> doubled_;
+  std::uint64_t end_ = 0;
+  std::int64_t ambiguous_faces_ = 0;
+};
+
+/// The other edge of the segment of an edge in a face of a cell of this case.
+int segment_end(const CellCase& found, int edge, int face);
+/// The lowest edge of a face.
+int first_edge_of(int face);
+
+}  // namespace standoff

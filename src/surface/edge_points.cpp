@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "surface/edge_points.h"
+
+#include <limits>
+
+#include "core/number_text.h"
+#include "standoff/error.h"
+
+namespace standoff {
+namespace {
+
+// The least clearance, in spacings: far below what interpolation can know.
+constexpr double kLeast = 0x1p-16;
+// With more the surface would be moved by more than a thousandth of the spacing: doubles are better.
+constexpr double kMostForFloats = 0x1p-10;
+// More than this is not worth having, also if floats are asked for.
+constexpr double kMost = 0x1p-5;
+// Rounding moves a vertex by half a unit in the last place: two vertices that differ by four remain three apart.
+constexpr double kUnits = 4;
+
+}  // namespace
+
+EdgePoints::EdgePoints(const Grid& grid, double level, Coordinates coordinates) : grid_(grid), level_(level) {
+  double far = 0;  // in spacings: the largest coordinate of an axis against its spacing
+  double largest = 0, least = std::numeric_limits<double>::infinity();
+  const Vec3 beyond = grid.position(grid.size.x + 1, grid.size.y + 1, grid.size.z + 1);
+  const auto look = [&](double origin, double end, double spacing) {
+    const double size = std::max({std::abs(origin - spacing), std::abs(end), spacing});
+    far = std::max(far, size / spacing);
+    largest = std::max(largest, size);
+    least = std::min(least, spacing);
+  };
+  look(grid.origin.x, beyond.x, grid.spacing.x);
+  look(grid.origin.y, beyond.y, grid.spacing.y);
+  look(grid.origin.z, beyond.z, grid.spacing.z);
+
+  // A unit in the last place of a number below 2^n is 2^(n - 24), or 2^(n - 53).
+  const double for_floats = std::max(kLeast, kUnits * far * 0x1p-23);
+  const double for_doubles = std::max(kLeast, kUnits * far * 0x1p-52);
+  const bool in_range = largest < 0x1p127 && least * kLeast > 0x1p-100;
+  const bool floats_do = in_range && for_floats <= (coordinates == Coordinates::single ? kMost : kMostForFloats);
+  if (coordinates == Coordinates::single && !floats_do)
+    throw Error(ErrorCode::limit,
+                "isosurface: 32-bit floats do not tell vertices apart that are " + number_text(far) +
+                    " spacings from the origin; take 64-bit coordinates, or move the mesh nearer to the origin");
+  if (!(for_doubles <= kMost))
+    throw Error(ErrorCode::limit, "isosurface: the grid is " + number_text(far) +
+                                      " spacings from the origin, too far to tell its vertices apart; move the mesh "
+                                      "nearer to the origin, or take a larger spacing");
+  floats_ = coordinates != Coordinates::full && floats_do;
+  clearance_ = floats_ ? for_floats : for_doubles;
+}
+
+}  // namespace standoff

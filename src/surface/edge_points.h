@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where vertices lie, and why no two of them coincide.
+//
+// A vertex on an edge of the grid keeps a small distance from both ends, the *clearance*. Vertices on different edges
+// then differ by the clearance along some axis, and vertices inside a cell keep as far from its faces. The clearance is
+// so large that the numbers of the result, floats or doubles, hold the difference.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "standoff/grid.h"
+#include "standoff/surface.h"
+
+namespace standoff {
+
+/// Rounds to the 24 bits of a float: Veltkamp's splitting. Exact for all numbers that a normal float is near to.
+inline double rounded_to_float(double value) {
+  constexpr double kSplit = 536870913;  // 2^29 + 1
+  const double scaled = value * kSplit;
+  return scaled - (scaled - value);
+}
+
+class EdgePoints {
+ public:
+  /// Errors: usage (coordinates), limit (the grid is too far from the origin for its spacing).
+  EdgePoints(const Grid& grid, double level, Coordinates coordinates);
+
+  double level() const { return level_; }
+  /// In spacings.
+  double clearance() const { return clearance_; }
+  bool are_floats() const { return floats_; }
+
+  /// Where between two samples of these values the interpolation has the level: from the clearance to 1 - clearance.
+  double crossing(float lower, float upper) const {
+    const double a = lower - level_, b = upper - level_;
+    if (std::isinf(a)) return std::isinf(b) ? 0.5 : 1 - clearance_;
+    return kept(a / (a - b));  // 0 if the upper one is infinite
+  }
+  /// The nearest number with that distance from 0 and 1.
+  double kept(double t) const { return std::clamp(t, clearance_, 1 - clearance_); }
+
+  /// The point that is (x, y, z) spacings from the block's first sample, in the numbers of the result.
+  Vec3 at(const std::array<std::int32_t, 3>& block, Vec3 local) const {
+    const auto coordinate = [&](double origin, double spacing, std::int32_t first, double step) {
+      const double c = origin + spacing * (8.0 * first + step);
+      return floats_ ? rounded_to_float(c) : c;
+    };
+    return {coordinate(grid_.origin.x, grid_.spacing.x, block[0], local.x),
+            coordinate(grid_.origin.y, grid_.spacing.y, block[1], local.y),
+            coordinate(grid_.origin.z, grid_.spacing.z, block[2], local.z)};
+  }
+
+ private:
+  Grid grid_;
+  double level_;
+  double clearance_ = 0;
+  bool floats_ = false;
+};
+
+}  // namespace standoff

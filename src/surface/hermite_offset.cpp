@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// Hermite data of a surface at a distance from a mesh: Newton's method along the edges of the grid, by exact distances.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "standoff/points.h"
+#include "surface/cells.h"
+#include "surface/hermite.h"
+
+namespace standoff {
+namespace {
+
+// An edge of the grid whose ends are samples.
+struct Search {
+  std::uint32_t edge;
+  Vec3 lower, step;  // its lower end, and the way to its upper end
+  double t;
+  double low = 0, high = 1;  // the crossing lies between them
+};
+
+constexpr int kMostRounds = 30;       // three are enough for most
+constexpr double kNearEnough = 1e-7;  // spacings: what a float of t can tell
+
+std::vector<Search> all_edges(const Blocks& blocks, std::span<const HermitePoint> data) {
+  const Grid& grid = blocks.field().grid();
+  std::vector<Search> searches;
+  for (const Block& block : blocks.all()) {
+    std::uint32_t edge = block.first_vertex;
+    for_each_edge(block, [&](int axis, int x, int y, int z) {
+      const std::int64_t i = 8 * std::int64_t{block.at[0]} + x, j = 8 * std::int64_t{block.at[1]} + y,
+                         k = 8 * std::int64_t{block.at[2]} + z;
+      const std::uint32_t n = edge++;
+      const Size3& size = grid.size;
+      if (i < 0 || j < 0 || k < 0 || i + (axis == 0) >= size.x || j + (axis == 1) >= size.y ||
+          k + (axis == 2) >= size.z)
+        return;
+      const Vec3 step{axis == 0 ? grid.spacing.x : 0, axis == 1 ? grid.spacing.y : 0, axis == 2 ? grid.spacing.z : 0};
+      searches.push_back({n, grid.position(i, j, k), step, data[n].t});
+    });
+  }
+  return searches;
+}
+
+}  // namespace
+
+void hermite_of_offset(const Blocks& blocks, const EdgePoints& points, const MeshOffset& offset,
+                       std::span<HermitePoint> data, ProgressMeter& progress) {
+  hermite_of_field(blocks, points, data, progress);
+  std::vector<Search> searches = all_edges(blocks, data);
+  std::vector<Vec3> asked;
+  for (int round = 0; round < kMostRounds && !searches.empty(); ++round) {
+    progress.check();
+    asked.clear();
+    for (const Search& search : searches) asked.push_back(search.lower + search.step * search.t);
+    const std::vector<ClosestPoint> found = offset.closest(asked);
+    std::vector<Search> left;
+    for (std::size_t n = 0; n < searches.size(); ++n) {
+      Search search = searches[n];
+      const ClosestPoint& nearest = found[n];
+      const double edge = max_norm(search.step), miss = nearest.distance - offset.distance;
+      if (!(nearest.distance > 0)) continue;  // on the mesh: no direction
+      // The gradient of the value, and its part along the edge, per edge.
+      const Vec3 away = (asked[n] - nearest.point) * (1 / nearest.distance);
+      const double slope = dot(away, search.step);
+      const Vec3 outwards = offset.inside ? away * -1.0 : away;
+      // The value must grow from the end inside to the end outside.
+      const double grows = dot(outwards, search.step), expected = dot(data[search.edge].normal(), search.step);
+      if (std::abs(miss) <= kNearEnough * edge) {
+        if (grows * expected <= 0) continue;  // another surface
+        data[search.edge].t = static_cast<float>(search.t);
+        data[search.edge].set_normal(outwards);
+        continue;
+      }
+      // Newton's step, or half of what is left where it leads out: past a ridge another triangle is the closest one.
+      const bool is_inside = (miss > 0) == offset.inside, rises = expected > 0;
+      (is_inside == rises ? search.low : search.high) = search.t;
+      double next = search.t - miss / slope;
+      if (!(next > search.low && next < search.high)) next = (search.low + search.high) / 2;
+      if (next == search.t) continue;
+      search.t = next;
+      left.push_back(search);
+    }
+    searches = std::move(left);
+  }
+  // Where no point was found the interpolation stays.
+}
+
+}  // namespace standoff

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// standoff iso, as a user runs it.
+#include <gtest/gtest.h>
+
+#include "standoff/io.h"
+#include "tests/cli/program.h"
+#include "tests/surface/manifold.h"
+
+namespace standoff {
+namespace {
+
+using testing::Json;
+using testing::Ran;
+using testing::words;
+
+class Iso : public testing::ProgramTest {
+ protected:
+  Mesh read(const std::string& name) const { return read_mesh(folder / name); }
+};
+
+TEST_F(Iso, MakesAMeshASolid) {
+  const Ran ran = done(words("iso scene:box -r 40 -o box.ply"));
+  EXPECT_TRUE(ran.says("box.ply: ")) << ran.err;
+  EXPECT_EQ(testing::manifold_fault(read("box.ply")), "");
+  EXPECT_NEAR(testing::volume(read("box.ply")), 3, 0.05);
+  const Json json = done(words("iso scene:box -r 40 --method dual --check --json -o sharp.ply")).json();
+  EXPECT_EQ(json["method"], "dual");
+  EXPECT_EQ(json["surface"]["components"], 1);
+  EXPECT_EQ(json["surface"]["self_intersections"], 0);
+  EXPECT_EQ(json["surface"]["triangles"], read("sharp.ply").triangles.size());
+  EXPECT_NEAR(testing::volume(read("sharp.ply")), 3, 1e-3);
+}
+
+// Vertices stay distinct in each format that can be written.
+TEST_F(Iso, EveryFormatKeepsASurfaceWhole) {
+  for (const FileFormat& format : mesh_formats()) {
+    if (!format.writable) continue;
+    const std::string name = "fly." + format.extension;
+    done({"iso", "scene:fly:2000", "-r", "50", "-o", name});
+    EXPECT_EQ(testing::manifold_fault(read(name)), "") << name;
+  }
+}
+
+TEST_F(Iso, OffsetsAndHollows) {
+  const auto volume_of = [&](const std::string& options) {
+    done(words("iso scene:box -r 50 -f -o a.stl " + options));
+    EXPECT_EQ(testing::manifold_fault(read("a.stl")), "") << options;
+    return testing::volume(read("a.stl"));
+  };
+  EXPECT_GT(volume_of("--at 0.1"), 3.6);
+  EXPECT_LT(volume_of("--at -0.1"), 2.4);
+  EXPECT_NEAR(volume_of("--hollow 0.2"), 3 - 1.6 * 1.1 * 0.6, 0.05);
+  EXPECT_NEAR(volume_of("--hollow 3s --method dual"), volume_of("--hollow 3s"), 0.05);
+  EXPECT_GT(volume_of("--sign shell:4s"), 0.1);
+}
+
+TEST_F(Iso, OfAField) {
+  done(words("compute scene:box -r 40 -t 6s --sign winding -o box.vti"));
+  done(words("iso box.vti -o box.ply"));
+  EXPECT_EQ(testing::manifold_fault(read("box.ply")), "");
+  const Json json = done(words("iso box.vti --at 3s --json -f -o box.ply")).json();
+  EXPECT_EQ(json["kind"], "field");
+  EXPECT_GT(json["at"], 0.1);
+  const Ran far = run(words("iso box.vti --at 10s -f -o box.ply"));
+  EXPECT_EQ(far.code, 2);
+  EXPECT_TRUE(far.says("compute the field with a larger thickness")) << far.err;
+  EXPECT_EQ(run(words("iso box.vti --sign winding -f -o box.ply")).code, 2);
+  EXPECT_EQ(run(words("iso box.vti -r 30 -f -o box.ply")).code, 2);
+}
+
+TEST_F(Iso, SaysWhyThereIsNoSurface) {
+  done(words("compute scene:box -r 30 -o unsigned.vti"));
+  const Ran none = run(words("iso unsigned.vti -o a.ply"));
+  EXPECT_EQ(none.code, 3);
+  EXPECT_TRUE(none.says("there is no surface at 0")) << none.err;
+  const Ran sheet = run(words("iso scene:box --sign none -o a.ply"));
+  EXPECT_EQ(sheet.code, 3);
+  EXPECT_TRUE(sheet.says("there is no inside")) << sheet.err;
+  EXPECT_FALSE(folder.names().contains("a.ply"));
+}
+
+// The grid holds a part of the solid alone.
+TEST_F(Iso, SaysWhenTheGridCutsTheSolidOff) {
+  const Ran ran = done(words("iso scene:box -r 30 --bounds 0,0,0,1,1,1 -o a.ply"));
+  EXPECT_TRUE(ran.says("warning: the solid reaches the border of the grid")) << ran.err;
+  EXPECT_EQ(testing::manifold_fault(read("a.ply")), "");
+}
+
+}  // namespace
+}  // namespace standoff
