@@ -29,7 +29,7 @@ struct DeviceTree {
   double scale;                     ///< grid units per world unit
   float extent;                     ///< no coordinate of a box is larger
   std::vector<Node> nodes;          ///< the first is unused
-  const double* corners;            ///< nine an entry, world units
+  std::vector<double> corners;      ///< nine an entry, world units
   const std::uint32_t* indices;     ///< in the mesh, by entry
   gpu::DeviceCopies copies;
 };

@@ -135,7 +135,7 @@ class DeviceTreeCopy : public gpu::DeviceCopy {
     lay_out(tree, arrays);
     const auto count = std::int64_t{tree.triangles};
     copy_in(nodes_, tree.nodes.data(), static_cast<std::int64_t>(tree.nodes.size() * sizeof(DeviceTree::Node)));
-    copy_in(corners_, tree.corners, 9 * count * static_cast<std::int64_t>(sizeof(double)));
+    copy_in(corners_, tree.corners.data(), 9 * count * static_cast<std::int64_t>(sizeof(double)));
     copy_in(indices_, tree.indices, count * static_cast<std::int64_t>(sizeof(std::uint32_t)));
   }
 
