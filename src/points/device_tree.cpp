@@ -28,7 +28,7 @@ DeviceTree::Node around(const DeviceTree::Node& a, const DeviceTree::Node& b) {
 }  // namespace
 
 DeviceTree::DeviceTree(const TriangleIndex& index)
-    : triangles(index.tree().triangles),
+    : triangles(static_cast<std::uint32_t>(index.triangle_count())),
       leaves(std::bit_ceil(static_cast<std::uint32_t>((std::uint64_t{triangles} + kLeaf - 1) / kLeaf))),
       scale(index.scale()),
       nodes(2 * std::size_t{leaves}, kEmpty),
@@ -38,18 +38,19 @@ DeviceTree::DeviceTree(const TriangleIndex& index)
   tbb::parallel_for(std::uint32_t{0}, leaves, [&](std::uint32_t leaf) {
     Node& node = nodes[std::size_t{leaves} + leaf];
     const std::uint64_t first = std::uint64_t{leaf} * kLeaf, end = std::min<std::uint64_t>(triangles, first + kLeaf);
-    for (std::uint64_t entry = first; entry < end; ++entry)
-      for (std::size_t k = 0; k < 3; ++k) {
-        const Vec3 world = index.mesh().corner(indices[entry], static_cast<int>(k));
-        const double corner[3] = {world.x, world.y, world.z};
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-          corners[9 * entry + 3 * k + axis] = corner[axis];
+    for (std::uint64_t entry = first; entry < end; ++entry) {
+      double* to = corners.data() + 9 * entry;
+      for (const Vec3& corner : index.mesh().corners(indices[entry])) {
+        const double coordinates[3] = {corner.x, corner.y, corner.z};
+        for (int axis = 0; axis < 3; ++axis) {
+          *to++ = coordinates[axis];
           // A difference of two numbers is rounded once, whatever they are: by less than the last bit of a float.
-          const auto at = static_cast<float>((corner[axis] - center[axis]) * scale);
+          const auto at = static_cast<float>((coordinates[axis] - center[axis]) * scale);
           node.low[axis] = std::min(node.low[axis], std::nextafter(at, -kInfinity));
           node.high[axis] = std::max(node.high[axis], std::nextafter(at, kInfinity));
         }
       }
+    }
   });
   for (std::uint32_t level = leaves / 2; level > 0; level /= 2)
     tbb::parallel_for(level, 2 * level, [&](std::uint32_t n) {

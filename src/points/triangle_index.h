@@ -45,6 +45,7 @@ class TriangleIndex {
   const cpu::Clusters& clusters() const { return culling_.clusters(); }
   /// The hierarchy as the kernels see it. Places in its order are entries of the clusters.
   const cpu::PackTree& tree() const { return tree_; }
+  std::int64_t triangle_count() const { return job_.triangle_count(); }
   std::int64_t memory_bytes() const;
 
  private:
