@@ -44,7 +44,7 @@ struct Command {
   ComputeOptions options;
   Console console;
   Thickness shell{0};  // of --sign shell
-  bool dry_run = false;
+  bool dry_run = false, uncompressed = false;
   std::optional<std::string> confidence_name;
   FileOutput confidence;  // of the sign, if it has a name
 
@@ -77,6 +77,7 @@ void Command::add_to(CLI::App& verb) {
           "--dry-run", dry_run,
           "print grid, memory and file size; compute and write nothing.\nExit code 5 where the memory would not do")
       ->group("Output");
+  add_uncompressed(verb, uncompressed);
   grid.add_to(verb);
   mesh.add_scale_to(verb);
 
@@ -156,8 +157,10 @@ void Command::run() {
   if (interrupted()) throw Error(ErrorCode::interrupted, "interrupted");
 
   start = std::chrono::steady_clock::now();
+  const FieldWriteOptions written{
+      .existing = output.existing(), .compress = !uncompressed, .threads = options.execution.threads};
   with_spinner(console, "writing " + output.path().string(),
-               [&] { write_field(output.path(), computed.field, output.existing()); });
+               [&] { write_field(output.path(), computed.field, written); });
   Outcome outcome{plan, computed.report, computed.field.provenance().mesh_hash};
   outcome.write_seconds = seconds_since(start);
   std::error_code ignored;  // a pipe has no size
@@ -171,7 +174,8 @@ void Command::run() {
 SignConfidence Command::write_confidence(const Mesh& loaded, const DistanceField& field) const {
   return with_spinner(console, "writing " + confidence.path().string(), [&] {
     const std::vector<float> margins = winding_margins(loaded, field.grid(), options.sign, {options.execution.threads});
-    write_field(confidence.path(), DistanceField::from_dense(field.grid(), 0.5, margins), output.existing());
+    write_field(confidence.path(), DistanceField::from_dense(field.grid(), 0.5, margins),
+                {.existing = output.existing(), .compress = !uncompressed, .threads = options.execution.threads});
     return sign_confidence(loaded, field, margins, {options.execution.threads});
   });
 }

@@ -15,8 +15,13 @@ namespace {
 
 std::int64_t tile_count(Size3 samples) { return DistanceField::tiles_of(samples).count(); }
 
-// What the samples take in a file of any format; the rest is a header of less than 4 KiB.
-double sample_bytes(const Plan& plan, const ComputeOptions& options) {
+// What a file of the output's format takes at most, but for a header of less than 4 KiB: it has the samples as they
+// are, or packs them. Trees have whole tiles and tables of them.
+double most_file_bytes(const Plan& plan, const ComputeOptions& options) {
+  if (plan.output.ends_with(".vdb") || plan.output.ends_with(".nvdb")) {
+    const auto tiles = static_cast<double>(tile_count(plan.choice.grid.size));
+    return 2300 * tiles + 40'000 * (tiles / 512 + 1) + 300'000 * (tiles / 262'144 + 1);
+  }
   return (options.nearest_triangle ? 8.0 : 4.0) * static_cast<double>(plan.choice.grid.sample_count());
 }
 
@@ -59,7 +64,7 @@ void tell(const Plan& plan, const ComputeOptions& options, const Console& consol
                      limit = options.memory_limit;
   const std::string memory = "needs at most " + bytes_text(needed) + " beside the mesh";
   const std::string over = ", more than the limit of " + bytes_text(limit);
-  const auto file_bytes = static_cast<std::int64_t>(std::min(sample_bytes(plan, options), 0x1p62));
+  const auto file_bytes = static_cast<std::int64_t>(std::min(most_file_bytes(plan, options), 0x1p62));
   if (console.json()) {
     Json json = description(plan);
     json["samples"] = {{"total", grid.sample_count()}};
@@ -75,7 +80,7 @@ void tell(const Plan& plan, const ComputeOptions& options, const Console& consol
           "from " + point_text(grid.origin) + " to " + point_text(grid.bounds().max) + ", " +
           counted(grid.sample_count(), "sample") + " in " + counted(tile_count(grid.size), "tile") + "\n" +  //
           memory + (needed > limit ? over : "") + "\n" +                                                     //
-          "would write " + plan.output + ", about " + bytes_text(file_bytes) +
+          "would write " + plan.output + ", at most " + bytes_text(file_bytes) +
           (plan.in_the_way ? "; it exists: give -f to overwrite it" : "") + "\n");
   }
   if (needed > limit)

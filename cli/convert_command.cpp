@@ -6,6 +6,7 @@
 #include "cli/console.h"
 #include "cli/field_argument.h"
 #include "cli/files.h"
+#include "cli/options.h"
 #include "cli/spinner.h"
 #include "cli/text.h"
 #include "cli/usage.h"
@@ -18,6 +19,7 @@ namespace {
 constexpr const char* kExamples = R"(  standoff convert horse.3ds -o horse.stl              a mesh
   standoff convert part.stl -o part.ply --unit mm      a mesh, in metres
   standoff convert bunny.vti -o bunny.npz              a field
+  standoff convert bunny.vti -o bunny.vdb              a field, for Blender and Houdini
 )";
 
 struct Command {
@@ -25,6 +27,7 @@ struct Command {
   FieldArgument field_argument;
   FileOutput output;
   Console console;
+  bool uncompressed = false;
 
   void report(const char* kind, const char* key, const Json& what) const;
   void run();
@@ -57,12 +60,17 @@ void Command::run() {
   output.check(is_field ? field_formats() : mesh_formats());
   const std::string writing = "writing " + output.path().string();
   if (is_field) {
-    const DistanceField field = field_argument.read(input.name(), console);
-    with_spinner(console, writing, [&] { write_field(output.path(), field, output.existing()); });
-    console.say(output.path().string() + ": " + size_text(field.grid().size) + " samples");
-    return report("field", "grid", json_grid(field.grid()));
+    const FieldFile read = field_argument.read_file(input.name(), console);
+    const Grid& grid = read.field.grid();
+    const FieldWriteOptions options{
+        .existing = output.existing(), .compress = !uncompressed, .sidecars = read.sidecars};
+    with_spinner(console, writing, [&] { write_field(output.path(), read.field, options); });
+    console.say(output.path().string() + ": " + size_text(grid.size) + " samples");
+    return report("field", "grid", json_grid(grid));
   }
   field_argument.check_unused(input.name());
+  if (uncompressed)
+    throw Error(ErrorCode::usage, "--uncompressed: it is for fields, and " + input.name() + " is none; leave it out");
   const Mesh mesh = with_spinner(console, "reading " + input.name(), [&] { return input.read(); });
   validate(mesh);
   with_spinner(console, writing, [&] { write_mesh(output.path(), mesh, output.existing()); });
@@ -82,6 +90,7 @@ void add_convert(CLI::App& program) {
                              extensions(field_formats(), true) + " for a field");
   verb->get_option("--output")->required();
   command->field_argument.add_to(*verb);
+  add_uncompressed(*verb, command->uncompressed);
   command->console.add_to(*verb, Console::kMessages | Console::kJson);
   verb->callback([command] { command->run(); });
 }

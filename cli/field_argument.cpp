@@ -18,12 +18,21 @@ void FieldArgument::add_to(CLI::App& verb) {
              [this](const std::string& o, const std::string& t) { memory_limit_ = parse_bytes(o, t); });
 }
 
-DistanceField FieldArgument::read(const std::string& name, const Console& console) const {
+FieldReadOptions FieldArgument::options_for(const std::string& name) const {
   if (kind_of(name) != FileKind::field)
     throw Error(ErrorCode::input, name + ": this is no field, as " + extensions(field_formats(), false) +
                                       " are; compute the field of a mesh with standoff compute");
-  const std::int64_t limit = memory_limit_ ? *memory_limit_ : default_memory_limit();
-  return with_spinner(console, "reading " + name, [&] { return read_field(name, {.memory_limit = limit}); });
+  return {.memory_limit = memory_limit_ ? *memory_limit_ : default_memory_limit()};
+}
+
+DistanceField FieldArgument::read(const std::string& name, const Console& console) const {
+  const FieldReadOptions options = options_for(name);
+  return with_spinner(console, "reading " + name, [&] { return read_field(name, options); });
+}
+
+FieldFile FieldArgument::read_file(const std::string& name, const Console& console) const {
+  const FieldReadOptions options = options_for(name);
+  return with_spinner(console, "reading " + name, [&] { return read_field_file(name, options); });
 }
 
 void FieldArgument::check_unused(const std::string& name) const {

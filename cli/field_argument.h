@@ -10,6 +10,7 @@
 
 #include "cli/console.h"
 #include "standoff/field.h"
+#include "standoff/io.h"
 
 namespace standoff::cli {
 
@@ -19,10 +20,14 @@ class FieldArgument {
   void add_to(CLI::App& verb);
   /// Terminals are shown what is waited for. Errors: input; limit, before any memory is taken.
   DistanceField read(const std::string& name, const Console& console) const;
+  /// With its sidecars.
+  FieldFile read_file(const std::string& name, const Console& console) const;
   /// Throws Error{usage} where the option was given: `name` is no field.
   void check_unused(const std::string& name) const;
 
  private:
+  FieldReadOptions options_for(const std::string& name) const;
+
   std::optional<std::int64_t> memory_limit_;
 };
 

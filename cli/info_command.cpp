@@ -52,7 +52,8 @@ void tell_mesh(const MeshInput& input, const MeshReportOptions& options, const C
 }
 
 void tell_field(const std::string& name, const FieldArgument& input, const Console& console) {
-  const DistanceField field = input.read(name, console);
+  const FieldFile file = input.read_file(name, console);
+  const DistanceField& field = file.field;
   const Grid& g = field.grid();
   const FieldSummary found = inspect(field);
   const Provenance& from = field.provenance();
@@ -62,9 +63,11 @@ void tell_field(const std::string& name, const FieldArgument& input, const Conso
     json["kind"] = "field";
     json["field"] = {{"file", name},
                      {"nearest_triangle", field.has_nearest()},
+                     {"sidecars", Json::array()},
                      {"method", from.method},
                      {"sign", from.sign},
                      {"version", from.version}};
+    for (const Sidecar& sidecar : file.sidecars) json["field"]["sidecars"].push_back(sidecar.name);
     json["mesh"] = {{"hash", from.mesh_hash == 0 ? Json(nullptr) : Json(hash_text(from.mesh_hash))}};
     json["grid"] = json_grid(g);
     json["thickness"] = json_number(field.thickness());
@@ -78,6 +81,10 @@ void tell_field(const std::string& name, const FieldArgument& input, const Conso
     return text.empty() ? std::string("unknown") : beginning(text, 200);
   };
   const std::string made = or_unknown(from.method) + ", standoff " + or_unknown(from.version);
+  std::string sidecars;
+  for (const Sidecar& sidecar : file.sidecars)
+    sidecars += (sidecars.empty() ? "" : ", ") + beginning(sidecar.name, 100) +
+                (sidecar.components > 1 ? " (" + std::to_string(sidecar.components) + " numbers)" : "");
   print(
       row("field", name) + row("size", size_text(g.size) + ", " + counted(g.sample_count(), "sample")) +
       row("origin", point_text(g.origin)) + row("to", point_text(g.bounds().max)) +
@@ -91,6 +98,7 @@ void tell_field(const std::string& name, const FieldArgument& input, const Conso
       row("tiles", grouped(field.stored_tiles()) + " of " + grouped(tiles) + " stored, " +
                        bytes_text(field.memory_bytes()) + " in memory") +
       row("nearest", field.has_nearest() ? "triangles stored" : "not stored") +
+      (sidecars.empty() ? "" : row("sidecars", sidecars)) +
       row("sign", from.sign.empty() ? (found.min < 0 ? "signed, method unknown" : "none") : beginning(from.sign, 200)) +
       row("method", made) + row("mesh hash", from.mesh_hash == 0 ? "unknown" : hash_text(from.mesh_hash)));
 }

@@ -17,6 +17,12 @@ CLI::Option* add_device(CLI::App& verb, const char* group, Backend& backend, int
                     [&](S o, S t) { backend = parse_backend(o, t, device); });
 }
 
+void add_uncompressed(CLI::App& verb, bool& uncompressed) {
+  verb.add_flag("--uncompressed", uncompressed,
+                "write the samples of .vti, .nrrd and .npz as they are: larger\nfiles that are read faster")
+      ->group("Output");
+}
+
 namespace {
 
 // TBB never starts more than this, and warns on stderr when it is asked to.

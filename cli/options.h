@@ -31,6 +31,8 @@ CLI::Option* add_parsed(CLI::App& verb, const OptionText& text, Set set) {
 
 /// Adds --device.
 CLI::Option* add_device(CLI::App& verb, const char* group, Backend& backend, int& device);
+/// Adds --uncompressed, for fields that are written.
+void add_uncompressed(CLI::App& verb, bool& uncompressed);
 /// Adds -j.
 CLI::Option* add_threads(CLI::App& verb, const char* group, int& threads);
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "standoff/export.h"
 #include "standoff/field.h"
 #include "standoff/mesh.h"
+#include "standoff/sidecars.h"
 
 namespace standoff {
 
@@ -22,7 +24,8 @@ struct FileFormat {
   std::string description;  ///< "STL, binary or ASCII"
   bool readable = false;
   bool writable = false;
-  bool nearest = false;  ///< fields only: can carry nearest triangles
+  bool nearest = false;   ///< fields only: can carry nearest triangles
+  bool sidecars = false;  ///< fields only: can carry sidecars
 };
 
 /// The formats that this build can read or write.
@@ -69,10 +72,34 @@ struct FieldReadOptions {
 /// limit (memory_limit, or memory runs out).
 STANDOFF_API DistanceField read_field(const std::filesystem::path& path, const FieldReadOptions& options = {});
 
-/// Writes a field as .vti, .nrrd or .npz (docs/formats.md); the file appears whole or not at all. The whole field is
-/// never converted to dense values in memory. Errors: output, usage (unknown extension, or nearest triangles in a
-/// format that cannot carry them).
+/// A field, and the arrays beside it.
+struct FieldFile {
+  DistanceField field;
+  std::vector<Sidecar> sidecars;  ///< in the file's order, for the slots of `field`
+};
+
+/// Reads a field with its sidecars: every array of floats or bytes with a number, or a few, for each sample. In tiles
+/// that are not stored their numbers are lost: write_field writes zeros there. Errors: as read_field; the memory limit
+/// holds for field and sidecars together.
+STANDOFF_API FieldFile read_field_file(const std::filesystem::path& path, const FieldReadOptions& options = {});
+
+struct FieldWriteOptions {
+  Existing existing = Existing::replace;
+  /// Whether samples are compressed (docs/formats.md). Compressed files take longer to read; runs of equal samples,
+  /// which most of a band's grid is, take nearly no room.
+  bool compress = true;
+  /// Arrays to write beside the distances, each with the numbers of every stored tile of the field.
+  std::span<const Sidecar> sidecars = {};
+  int threads = 0;  ///< that compress; 0: as many as the machine has. The file has the same bytes for any number
+};
+
+/// Writes a field in the format of the extension (docs/formats.md); the file appears whole or not at all. The whole
+/// field is never converted to dense values in memory. Errors: output; usage (unknown extension, nearest triangles or
+/// sidecars in a format that cannot carry them, sidecars that do not fit the field or share a name).
 STANDOFF_API void write_field(const std::filesystem::path& path, const DistanceField& field,
-                              Existing existing = Existing::replace);
+                              const FieldWriteOptions& options = {});
+inline void write_field(const std::filesystem::path& path, const DistanceField& field, Existing existing) {
+  write_field(path, field, FieldWriteOptions{.existing = existing});
+}
 
 }  // namespace standoff

@@ -35,6 +35,8 @@ class AtomicFile {
   const std::filesystem::path& target() const { return shown_; }
   /// Appends bytes, through a buffer when they are few.
   void write(const void* data, std::size_t bytes);
+  /// Whether overwrite() may be called: not for pipes and devices.
+  bool can_overwrite() const { return kind_ != Kind::straight; }
   /// Replaces bytes that were written before. Not for pipes.
   void overwrite(std::uint64_t offset, const void* data, std::size_t bytes);
   /// Bytes appended so far.

@@ -31,8 +31,8 @@ struct Inflater::State {
 Inflater::Inflater(const FileView& file, std::string where, std::string_view packed, Wrapper wrapper)
     : file_(file), where_(std::move(where)), left_(packed), wrapper_(wrapper), state_(std::make_unique<State>()) {
   constexpr int kGzip = 16;  // added to the size of the window it asks for gzip's headers
-  if (::inflateInit2(&state_->stream, wrapper == Wrapper::gzip ? MAX_WBITS + kGzip : -MAX_WBITS) != Z_OK)
-    throw std::bad_alloc();
+  const int window = wrapper == Wrapper::gzip ? MAX_WBITS + kGzip : wrapper == Wrapper::zlib ? MAX_WBITS : -MAX_WBITS;
+  if (::inflateInit2(&state_->stream, window) != Z_OK) throw std::bad_alloc();
 }
 
 Inflater::~Inflater() { ::inflateEnd(&state_->stream); }

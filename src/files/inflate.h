@@ -21,6 +21,7 @@ class Inflater {
  public:
   enum class Wrapper {
     none,  ///< as in zip archives
+    zlib,  ///< with zlib's header and checksum, which is checked
     gzip,  ///< with its headers, lengths and checksums, which are checked; several streams in a row are one
   };
 

@@ -28,7 +28,7 @@ struct Record {
 };
 
 constexpr std::uint16_t kVersion = 20, kVersion64 = 45;  // what a reader must understand
-constexpr std::uint16_t kStored = 0;
+constexpr std::uint16_t kStored = 0, kDeflated = 8;
 constexpr std::uint32_t kDate = 0x21, kTime = 0;  // 1980-01-01: equal fields make equal files
 constexpr std::uint32_t kRegularFile = 0100644u << 16;
 constexpr std::uint16_t kMadeOnUnix = 3 << 8;
@@ -36,15 +36,38 @@ constexpr std::uint16_t kMadeOnUnix = 3 << 8;
 }  // namespace
 
 void ZipWriter::begin(const std::string& name, std::uint64_t bytes) {
-  members_.push_back({name, bytes, file_.size(), 0});
-  const bool wide = bytes >= zip64_from_;
+  begin({name, bytes, bytes, file_.size(), 0, false});
+}
+
+// What is deflated may become a little longer.
+void ZipWriter::begin_deflated(const std::string& name, std::uint64_t bytes) {
+  begin({name, bytes, bytes + bytes / 1000 + 1024, file_.size(), 0, true});
+}
+
+void ZipWriter::begin(const Member& member) {
+  members_.push_back(member);
+  const bool wide = member.packed >= zip64_from_;
   Record record;
-  record.u32(zip::kLocalHeader).u16(wide ? kVersion64 : kVersion).u16(0).u16(kStored).u16(kTime).u16(kDate);
+  record.u32(zip::kLocalHeader).u16(wide ? kVersion64 : kVersion).u16(0);
+  record.u16(member.deflated ? kDeflated : kStored).u16(kTime).u16(kDate);
   record.u32(0);  // the checksum, once it is known
-  const std::uint64_t shown = wide ? zip::kIn64 : bytes;
-  record.u32(shown).u32(shown).u16(name.size()).u16(wide ? 20 : 0).text(name);
-  if (wide) record.u16(zip::kExtra64).u16(16).u64(bytes).u64(bytes);
+  record.u32(wide ? zip::kIn64 : member.packed).u32(wide ? zip::kIn64 : member.bytes);
+  record.u16(member.name.size()).u16(wide ? 20 : 0).text(member.name);
+  if (wide) record.u16(zip::kExtra64).u16(16).u64(member.bytes).u64(member.packed);
   write_text(record.bytes);
+}
+
+void ZipWriter::end_deflated(std::uint32_t crc) {
+  Member& member = members_.back();
+  const bool wide = member.packed >= zip64_from_;
+  const std::uint64_t names = member.header + zip::kLocalHeaderBytes + member.name.size();
+  member.packed = file_.size() - names - (wide ? 20 : 0);
+  member.crc = crc;
+  const Record record = Record().u32(crc).u32(wide ? zip::kIn64 : member.packed);
+  file_.overwrite(member.header + zip::kLocalCrcOffset, record.bytes.data(), record.bytes.size());
+  if (!wide) return;
+  const Record packed = Record().u64(member.packed);
+  file_.overwrite(names + 12, packed.bytes.data(), packed.bytes.size());  // the last part of the extra field
 }
 
 void ZipWriter::write(std::span<const std::byte> bytes) {
@@ -64,15 +87,22 @@ void ZipWriter::finish() {
   const std::uint64_t start = file_.size();
   bool any_wide = false;
   for (const Member& member : members_) {
-    const bool wide = member.bytes >= zip64_from_ || member.header >= zip64_from_;
+    const bool wide = member.bytes >= zip64_from_ || member.packed >= zip64_from_ || member.header >= zip64_from_;
     any_wide |= wide;
     Record record;
     record.u32(zip::kDirectoryHeader).u16(kMadeOnUnix | (wide ? kVersion64 : kVersion));
-    record.u16(wide ? kVersion64 : kVersion).u16(0).u16(kStored).u16(kTime).u16(kDate).u32(member.crc);
-    const std::uint64_t shown = wide ? zip::kIn64 : member.bytes;
-    record.u32(shown).u32(shown).u16(member.name.size()).u16(wide ? 28 : 0).u16(0).u16(0).u16(0).u32(kRegularFile);
+    record.u16(wide ? kVersion64 : kVersion).u16(0);
+    record.u16(member.deflated ? kDeflated : kStored).u16(kTime).u16(kDate).u32(member.crc);
+    record.u32(wide ? zip::kIn64 : member.packed)
+        .u32(wide ? zip::kIn64 : member.bytes)
+        .u16(member.name.size())
+        .u16(wide ? 28 : 0)
+        .u16(0)
+        .u16(0)
+        .u16(0)
+        .u32(kRegularFile);
     record.u32(wide ? zip::kIn64 : member.header).text(member.name);
-    if (wide) record.u16(zip::kExtra64).u16(24).u64(member.bytes).u64(member.bytes).u64(member.header);
+    if (wide) record.u16(zip::kExtra64).u16(24).u64(member.bytes).u64(member.packed).u64(member.header);
     write_text(record.bytes);
   }
   const std::uint64_t end = file_.size(), count = members_.size();

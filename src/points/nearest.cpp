@@ -126,8 +126,14 @@ class Block {
 
   // Fills a group with the points of a range, and returns their box.
   CullCell gather(SortedPoints::Range range, PointGroup& group) const {
+    group.count = static_cast<int>(range.size());
+    group.scale = index_.scale();
     Box box;
-    for (std::int64_t n = range.begin; n < range.end; ++n) box.include(sorted_.local(n));
+    for (int n = 0; n < group.count; ++n) {
+      const Vec3 world = points_[sorted_.index(range.begin + n)];
+      group.world[n][0] = world.x, group.world[n][1] = world.y, group.world[n][2] = world.z;
+      box.include(index_.local(world));
+    }
     const Vec3 middle = box.min + (box.max - box.min) * 0.5;
     const double middles[3] = {middle.x, middle.y, middle.z};
     const double lows[3] = {box.min.x, box.min.y, box.min.z}, highs[3] = {box.max.x, box.max.y, box.max.z};
@@ -143,17 +149,11 @@ class Block {
       group.half[axis] = cell.half[axis];
     }
     group.center[3] = 0;
-    group.count = static_cast<int>(range.size());
-    group.scale = index_.scale();
     const int lanes = (group.count + kLanes - 1) / kLanes * kLanes;
     for (int n = 0; n < lanes; ++n) {
-      const std::int64_t at = range.begin + std::min(n, group.count - 1);
-      const Vec3 world = points_[sorted_.index(at)];
-      const double worlds[3] = {world.x, world.y, world.z};
-      for (int axis = 0; axis < 3; ++axis) {
-        group.world[n][axis] = worlds[axis];
-        group.local[axis][n] = static_cast<float>(worlds[axis] * group.scale - group.center[axis]);
-      }
+      const double(&world)[3] = group.world[std::min(n, group.count - 1)];
+      for (int axis = 0; axis < 3; ++axis)
+        group.local[axis][n] = static_cast<float>(world[axis] * group.scale - group.center[axis]);
       group.upper_sq[n] = std::numeric_limits<float>::infinity();
       group.nearest_sq[n] = std::numeric_limits<double>::infinity();
       group.nearest[n] = kNoTriangle;

@@ -12,19 +12,19 @@
 
 namespace standoff {
 
-SortedPoints::SortedPoints(const TriangleIndex& index, std::span<const Vec3> points) : local_(points.size()) {
+SortedPoints::SortedPoints(const TriangleIndex& index, std::span<const Vec3> points) {
   using Blocked = tbb::blocked_range<std::size_t>;
   const auto add = [&](const Blocked& range, Box box) {
     for (std::size_t n = range.begin(); n < range.end(); ++n) {
-      local_[n] = index.local(points[n]);
-      if (index.is_near(local_[n])) box.include(local_[n]);
+      const Vec3 local = index.local(points[n]);
+      if (index.is_near(local)) box.include(local);
     }
     return box;
   };
   const auto both = [](const Box& a, const Box& b) { return Box{min(a.min, b.min), max(a.max, b.max)}; };
   const Box box = tbb::parallel_reduce(Blocked(0, points.size(), 8192), Box{}, add, both);
   for (std::size_t n = 0; n < points.size(); ++n)
-    if (!index.is_near(local_[n])) far_.push_back(static_cast<std::uint32_t>(n));
+    if (!index.is_near(index.local(points[n]))) far_.push_back(static_cast<std::uint32_t>(n));
   if (far_.size() == points.size()) return;
 
   low_ = box.min;
@@ -34,7 +34,7 @@ SortedPoints::SortedPoints(const TriangleIndex& index, std::span<const Vec3> poi
   keyed_.resize(points.size() - far_.size());
   // The places of near points: their number less the far ones before them.
   const auto key = [&](std::size_t n) {
-    const Vec3 at = (local_[n] - low_) * to_cells;
+    const Vec3 at = (index.local(points[n]) - low_) * to_cells;
     const auto cell = [](double v) { return static_cast<std::uint32_t>(v < kSide - 1 ? v : double{kSide - 1}); };
     return static_cast<std::uint32_t>(morton(cell(at.x), cell(at.y), cell(at.z)));
   };
@@ -45,7 +45,7 @@ SortedPoints::SortedPoints(const TriangleIndex& index, std::span<const Vec3> poi
   } else {
     std::size_t place = 0;
     for (std::size_t n = 0; n < points.size(); ++n)
-      if (index.is_near(local_[n])) keyed_[place++] = {key(n), static_cast<std::uint32_t>(n)};
+      if (index.is_near(index.local(points[n]))) keyed_[place++] = {key(n), static_cast<std::uint32_t>(n)};
   }
   cpu::radix_sort(keyed_, tbb::this_task_arena::max_concurrency());
 }

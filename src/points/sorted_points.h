@@ -33,7 +33,6 @@ class SortedPoints {
   /// The others.
   std::span<const std::uint32_t> far() const { return far_; }
   std::uint32_t index(std::int64_t n) const { return keyed_[static_cast<std::size_t>(n)].index; }
-  const Vec3& local(std::int64_t n) const { return local_[index(n)]; }
 
   /// What of a range, whose points are in none of the cells before this one in Morton order, is in it.
   Range first_of(Range range, const cpu::Cell& cell) const;
@@ -43,7 +42,6 @@ class SortedPoints {
  private:
   std::vector<cpu::KeyedIndex> keyed_;
   std::vector<std::uint32_t> far_;
-  std::vector<Vec3> local_;  // by index
   Vec3 low_;
   double cell_ = 1;  // side of a cell
 };

@@ -9,6 +9,7 @@
 
 #include "geometry/triangle_box.h"
 #include "points/cpu/kernels.h"
+#include "points/turned_boxes.h"
 
 namespace standoff {
 namespace {
@@ -55,6 +56,8 @@ TriangleIndex::TriangleIndex(const Mesh& mesh, std::span<const std::uint32_t> am
   const double(&center)[3] = clusters().center();
   tbb::parallel_for(std::uint32_t{0}, tree_.begin[1],
                     [&](std::uint32_t pack) { kernels.make_frames(tree_, pack, scale(), center, frames_[pack]); });
+  turned_ = make_turned_packs(tree_, scale(), {center[0], center[1], center[2]}, clusters().extent());
+  tree_.turned = turned_.get();
 }
 
 double TriangleIndex::scale_at(Vec3 point) const {
@@ -64,7 +67,8 @@ double TriangleIndex::scale_at(Vec3 point) const {
 }
 
 std::int64_t TriangleIndex::memory_bytes() const {
-  return cpu::Clusters::bytes(job_.triangle_count(), 1) + tree_.begin[1] * std::int64_t{sizeof(cpu::FramePack)};
+  return cpu::Clusters::bytes(job_.triangle_count(), 1) + tree_.begin[1] * std::int64_t{sizeof(cpu::FramePack)} +
+         (tree_.begin[tree_.top + 1] - tree_.begin[1]) * std::int64_t{sizeof(cpu::TurnedPack)};
 }
 
 }  // namespace standoff

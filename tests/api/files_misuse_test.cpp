@@ -18,7 +18,8 @@ using namespace testing;
 
 std::vector<std::filesystem::path> odd_paths(const TempFolder& folder) {
   std::vector<std::filesystem::path> paths{"", "/", ".", "..", folder / "none", std::string(5000, 'a')};
-  for (const char* extension : {"stl", "ply", "obj", "off", "vti", "nrrd", "npz", "png", "glb", "dae", "3ds"}) {
+  for (const char* extension :
+       {"stl", "ply", "obj", "off", "vti", "nrrd", "npz", "vdb", "nvdb", "png", "glb", "dae", "3ds"}) {
     paths.push_back(folder / "no such folder" / ("a." + std::string(extension)));
     paths.push_back(folder / ("a." + std::string(extension)));
     paths.push_back("." + std::string(extension));
@@ -31,6 +32,7 @@ TEST(Misuse, Reading) {
   for (const auto& path : odd_paths(folder)) {
     expect_answer_or_error(path.string(), [&] { read_mesh(path); });
     expect_answer_or_error(path.string(), [&] { read_field(path); });
+    expect_answer_or_error(path.string(), [&] { read_field_file(path); });
     expect_answer_or_error(path.string(), [&] { read_text(path); });
     expect_answer_or_error(path.string(), [&] { read_query(path); });
   }
@@ -43,7 +45,10 @@ TEST(Misuse, Reading) {
     expect_usage(named("axis", axis), [&] { notes({.format = {}, .axes = {1, 2, axis}}); });
   for (const double x : kNumbers)
     expect_answer_or_error(named("unit", x), [&] { notes({.format = {}, .unit_scale = x, .metres_per_unit = x}); });
-  for (const std::int64_t n : kCounts) expect_answer_or_error(named("limit", n), [&] { read_field(field, {n}); });
+  for (const std::int64_t n : kCounts) {
+    expect_answer_or_error(named("limit", n), [&] { read_field(field, {n}); });
+    expect_answer_or_error(named("limit", n), [&] { read_field_file(field, {n}); });
+  }
 }
 
 TEST(Misuse, Writing) {
@@ -56,6 +61,10 @@ TEST(Misuse, Writing) {
     expect_answer_or_error(name, [&] { write_mesh(path, Mesh{}, none_of<Existing>()); });
     expect_answer_or_error(name, [&] { write_field(path, field); });
     expect_answer_or_error(name, [&] { write_field(path, {}); });
+    expect_answer_or_error(name, [&] { write_field(path, {}, none_of<Existing>()); });
+    expect_answer_or_error(name, [&] { write_field(path, field, {.compress = false, .threads = -1}); });
+    const std::vector<Sidecar> odd{{"", -1, {}}, {std::string(1000, 'n'), 1 << 30, std::vector<std::uint8_t>(7)}};
+    expect_answer_or_error(name, [&] { write_field(path, field, {.sidecars = odd}); });
     expect_answer_or_error(name, [&] { write_text(path, {}); });
     expect_answer_or_error(name, [&] { write_query(path, MeshQuery(one_triangle()), none_of<Existing>()); });
     expect_answer_or_error(name, [&] { write_slice_png(path, field); });

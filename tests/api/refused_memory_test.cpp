@@ -227,9 +227,18 @@ TEST(RefusedMemory, Files) {
   }
   expect_limit_error("notes", [&] { notes({.format = {}, .unpacked = true, .axes = {1, 3, -2}}); });
   const DistanceField field = compute(kMesh, kGrid, kFullField, on_cpu()).field;
+  const std::vector<Sidecar> sidecars{
+      {"feature", 1, std::vector<std::uint8_t>(static_cast<std::size_t>(512 * field.stored_tiles()))}};
   for (const char* name : {"a.vti", "a.npz"}) {
     const auto path = folder / name;
-    expect_limit_error(name, [&] { write_field(path, field); });
+    const FieldWriteOptions one{.sidecars = sidecars, .threads = 1};
+    expect_limit_error(name, [&] { write_field(path, field, one); });
+    expect_limit_error(name, [&] { read_field(path); });
+    expect_limit_error(name, [&] { read_field_file(path); });
+  }
+  for (const char* name : {"a.nrrd", "a.vdb", "a.nvdb"}) {
+    const auto path = folder / name;
+    expect_limit_error(name, [&] { write_field(path, field, {.threads = 1}); });
     expect_limit_error(name, [&] { read_field(path); });
   }
   const auto body_path = folder / "a.body", text = folder / "a.txt", picture = folder / "a.png";

@@ -80,6 +80,7 @@ TEST_F(Errors, UsageOfVerbs) {
       {"convert box.obj", 2, "--output is required"},
       {"convert box.obj -o a.vti", 2, "use standoff compute"},
       {"convert broken.vti -o a.stl", 2, "a field can only become a field"},
+      {"convert box.obj -o a.stl --uncompressed", 2, "--uncompressed: it is for fields, and box.obj is none"},
       {"convert broken.vti -o a.npz --scale 2", 2, "--scale and --unit are for meshes"},
   });
 }
@@ -171,7 +172,8 @@ TEST_F(Errors, Input) {
       {"verify missing.vti box.obj", 3, "missing.vti: "},
       {"convert missing.obj -o a.stl", 3, "missing.obj: "},
       {"convert missing.npz -o a.vti", 3, "missing.npz: "},
-      {"slice box.obj", 3, "box.obj: this is no field, as .vti, .nrrd or .npz are; compute the field of a mesh with"},
+      {"slice box.obj", 3,
+       "box.obj: this is no field, as .vti, .nrrd, .npz, .vdb or .nvdb are; compute the field of a mesh with"},
       {"verify box.obj box.obj", 3, "box.obj: this is no field"},
       {"verify broken.vti broken.vti", 3, "broken.vti"},
       {"compute broken.vti -o a.vti", 3, "broken.vti: this is a field; give the mesh it was computed from"},
@@ -185,7 +187,7 @@ TEST_F(Errors, Input) {
 
 TEST_F(Errors, Output) {
   expect_all({
-      {"compute box.obj -o a.jpg", 2, "a.jpg: cannot write .jpg here; use .vti, .nrrd or .npz"},
+      {"compute box.obj -o a.jpg", 2, "a.jpg: cannot write .jpg here; use .vti, .nrrd, .npz, .vdb or .nvdb"},
       {"compute box.obj -o a", 2, "a: the name has no extension; use .vti"},
       {"compute box.obj -o box.obj -f", 2, "box.obj: cannot write .obj here"},
       {"compute box.obj -o broken.vti", 2, "broken.vti: it exists; give -f"},
@@ -238,7 +240,7 @@ TEST_F(Errors, StandardOutputThatFailsLosesNoFile) {
 // Fields are looked at before they take memory: a file of few tiles may be larger than the limit.
 TEST_F(Errors, FieldsThatAreReadKeepTheLimit) {
   done(words("compute scene:box -r 150 -o full.vti"));
-  done(words("compute scene:box -r 150 -t 1s -o band.npz --with triangle"));
+  done(words("compute scene:box -r 150 -t 1s -o band.npz --with triangle --uncompressed"));
   for (const std::string line :
        {"info full.vti", "slice full.vti", "verify full.vti scene:box", "convert full.vti -o b.vti"}) {
     const Ran ran = run(words(line + " --memory-limit 5M"));

@@ -61,14 +61,17 @@ File make_dae(Choices&);
 File make_vti(Choices&);
 File make_nrrd(Choices&);
 File make_npz(Choices&);
+File make_vdb(Choices&);
+File make_nvdb(Choices&);
 File make_body(Choices&);
 
 inline constexpr Grammar kGrammars[] = {
-    {"gltf", Kind::mesh, make_gltf},  {"glb", Kind::mesh, make_glb},  {"dae", Kind::mesh, make_dae},
-    {"ply", Kind::mesh, make_ply},    {"obj", Kind::mesh, make_obj},  {"obj.gz", Kind::mesh, make_obj_gz},
-    {"off", Kind::mesh, make_off},    {"stl", Kind::mesh, make_stl},  {"mesh", Kind::mesh, make_medit},
-    {"3ds", Kind::mesh, make_3ds},    {"3mf", Kind::mesh, make_3mf},  {"vti", Kind::field, make_vti},
-    {"nrrd", Kind::field, make_nrrd}, {"npz", Kind::field, make_npz}, {"body", Kind::body, make_body},
+    {"gltf", Kind::mesh, make_gltf},  {"glb", Kind::mesh, make_glb},   {"dae", Kind::mesh, make_dae},
+    {"ply", Kind::mesh, make_ply},    {"obj", Kind::mesh, make_obj},   {"obj.gz", Kind::mesh, make_obj_gz},
+    {"off", Kind::mesh, make_off},    {"stl", Kind::mesh, make_stl},   {"mesh", Kind::mesh, make_medit},
+    {"3ds", Kind::mesh, make_3ds},    {"3mf", Kind::mesh, make_3mf},   {"vti", Kind::field, make_vti},
+    {"nrrd", Kind::field, make_nrrd}, {"npz", Kind::field, make_npz},  {"vdb", Kind::field, make_vdb},
+    {"nvdb", Kind::field, make_nvdb}, {"body", Kind::body, make_body},
 };
 
 /// Names that files refer to which must not be opened. Who runs a grammar makes them beside its files: a pipe that

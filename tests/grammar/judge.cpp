@@ -100,7 +100,7 @@ std::string check(const Mesh& mesh) {
 }
 
 std::string check(const DistanceField& field) {
-  for (const float value : field.to_dense())
+  for (const float value : field.tile_values())
     if (!(std::abs(value) <= static_cast<float>(field.thickness()))) return "a value past the thickness";
   return "";
 }

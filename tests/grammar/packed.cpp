@@ -30,6 +30,8 @@ constexpr int kGzip = 16;  // added to the window: with gzip's header and checks
 
 std::string deflated(Choices& c, const std::string& content) { return packed(c, content, -MAX_WBITS); }
 
+std::string zlibbed(Choices& c, const std::string& content) { return packed(c, content, MAX_WBITS); }
+
 std::string gzipped(Choices& c, const std::string& content) {
   if (c.trick()) return packed(c, content + std::string(std::size_t{100} * c.many(), '\0'), MAX_WBITS + kGzip);
   const std::size_t cut = c.one_in(3) ? c.below(static_cast<std::uint32_t>(content.size()) + 1) : content.size();

@@ -7,26 +7,41 @@
 #include "files/atomic_file.h"
 #include "files/file_view.h"
 #include "standoff/field.h"
+#include "standoff/io.h"
 
 namespace standoff {
 
-/// A reader throws Error{input} as `FILE:WHERE: what; what to do`, and Error{limit} where the field would take more
-/// than `memory_limit` bytes, before it takes them; 0 is no limit.
+/// What of a file is asked for.
+struct FieldRequest {
+  std::int64_t memory_limit = 0;  ///< bytes; 0 is no limit
+  bool sidecars = true;
+};
+
+/// A reader throws Error{input} as `FILE:WHERE: what; what to do`, and Error{limit} where field and sidecars would take
+/// more than the memory limit, before they take it.
 struct FieldFormat {
   const char* extension;
   const char* description;
-  bool nearest;  ///< can carry nearest triangles
-  DistanceField (*read)(const FileView&, std::int64_t memory_limit);
-  void (*write)(AtomicFile&, const DistanceField&);  ///< everything but the commit
+  bool nearest;   ///< can carry nearest triangles
+  bool sidecars;  ///< can carry sidecars
+  FieldFile (*read)(const FileView&, const FieldRequest&);
+  /// Everything but the commit. Sidecars, if the format can carry them, have been checked.
+  void (*write)(AtomicFile&, const DistanceField&, const FieldWriteOptions&);
 };
 
-DistanceField read_vti(const FileView& file, std::int64_t memory_limit);
-void write_vti(AtomicFile& file, const DistanceField& field);
+FieldFile read_vti(const FileView& file, const FieldRequest& request);
+void write_vti(AtomicFile& file, const DistanceField& field, const FieldWriteOptions& options);
 
-DistanceField read_nrrd(const FileView& file, std::int64_t memory_limit);
-void write_nrrd(AtomicFile& file, const DistanceField& field);
+FieldFile read_nrrd(const FileView& file, const FieldRequest& request);
+void write_nrrd(AtomicFile& file, const DistanceField& field, const FieldWriteOptions& options);
 
-DistanceField read_npz(const FileView& file, std::int64_t memory_limit);
-void write_npz(AtomicFile& file, const DistanceField& field);
+FieldFile read_npz(const FileView& file, const FieldRequest& request);
+void write_npz(AtomicFile& file, const DistanceField& field, const FieldWriteOptions& options);
+
+FieldFile read_nvdb(const FileView& file, const FieldRequest& request);
+void write_nvdb(AtomicFile& file, const DistanceField& field, const FieldWriteOptions& options);
+
+FieldFile read_vdb(const FileView& file, const FieldRequest& request);
+void write_vdb(AtomicFile& file, const DistanceField& field, const FieldWriteOptions& options);
 
 }  // namespace standoff

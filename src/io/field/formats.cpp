@@ -6,17 +6,21 @@
 #include <string>
 
 #include "core/guarded.h"
+#include "files/shown.h"
 #include "io/field/format.h"
+#include "io/field/sample_arrays.h"
 #include "standoff/error.h"
 #include "standoff/io.h"
 
 namespace standoff {
 namespace {
 
-constexpr std::array<FieldFormat, 3> kFormats{{
-    {"vti", "VTK XML image data, for ParaView and VTK", true, read_vti, write_vti},
-    {"nrrd", "NRRD, for Slicer, ITK and teem", false, read_nrrd, write_nrrd},
-    {"npz", "NumPy arrays", true, read_npz, write_npz},
+constexpr std::array<FieldFormat, 5> kFormats{{
+    {"vti", "VTK XML image data, for ParaView and VTK", true, true, read_vti, write_vti},
+    {"nrrd", "NRRD, for Slicer, ITK and teem", false, false, read_nrrd, write_nrrd},
+    {"npz", "NumPy arrays", true, true, read_npz, write_npz},
+    {"vdb", "OpenVDB, for Blender, Houdini and OpenVDB", false, false, read_vdb, write_vdb},
+    {"nvdb", "NanoVDB, for Warp and GPUs", false, false, read_nvdb, write_nvdb},
 }};
 
 const FieldFormat& format_of(const std::filesystem::path& path, ErrorCode code) {
@@ -32,18 +36,15 @@ const FieldFormat& format_of(const std::filesystem::path& path, ErrorCode code) 
                         "; use one of " + known);
 }
 
-}  // namespace
-
-std::vector<FileFormat> field_formats() try {
-  std::vector<FileFormat> formats;
+// ".vti or .npz": those that can carry what the caller asks for.
+std::string those_with(bool FieldFormat::*can) {
+  std::string names;
   for (const FieldFormat& format : kFormats)
-    formats.push_back({format.extension, format.description, true, true, format.nearest});
-  return formats;
-} catch (...) {
-  throw_as_error("formats");
+    if (format.*can) names += (names.empty() ? "." : " or .") + std::string(format.extension);
+  return names;
 }
 
-DistanceField read_field(const std::filesystem::path& path, const FieldReadOptions& options) try {
+FieldFile read(const std::filesystem::path& path, const FieldReadOptions& options, bool sidecars) {
   if (options.memory_limit < 0)
     throw Error(ErrorCode::usage, "a memory limit must be zero or more bytes; give zero for none");
   const FieldFormat& format = format_of(path, ErrorCode::input);
@@ -51,21 +52,48 @@ DistanceField read_field(const std::filesystem::path& path, const FieldReadOptio
   const FileView file(path, FileView::Access::map);
   if (file.size() == 0) file.fail("the file is empty; write it again");
   try {
-    return format.read(file, options.memory_limit);
+    return format.read(file, {options.memory_limit, sidecars});
   } catch (const std::bad_alloc&) {
     throw Error(ErrorCode::limit, path.string() + ": not enough memory for its samples; provide more memory");
   }
+}
+
+}  // namespace
+
+std::vector<FileFormat> field_formats() try {
+  std::vector<FileFormat> formats;
+  for (const FieldFormat& format : kFormats)
+    formats.push_back({format.extension, format.description, true, true, format.nearest, format.sidecars});
+  return formats;
+} catch (...) {
+  throw_as_error("formats");
+}
+
+DistanceField read_field(const std::filesystem::path& path, const FieldReadOptions& options) try {
+  return read(path, options, false).field;
 } catch (...) {
   throw_as_error("field");
 }
 
-void write_field(const std::filesystem::path& path, const DistanceField& field, Existing existing) try {
+FieldFile read_field_file(const std::filesystem::path& path, const FieldReadOptions& options) try {
+  return read(path, options, true);
+} catch (...) {
+  throw_as_error("field");
+}
+
+void write_field(const std::filesystem::path& path, const DistanceField& field, const FieldWriteOptions& options) try {
   const FieldFormat& format = format_of(path, ErrorCode::usage);
+  const std::string cannot = path.string() + ": ." + format.extension + " cannot carry ";
   if (field.has_nearest() && !format.nearest)
-    throw Error(ErrorCode::usage, path.string() + ": ." + format.extension +
-                                      " cannot carry nearest triangles; write .vti or .npz, or compute without them");
-  AtomicFile file(path, existing);
-  format.write(file, field);
+    throw Error(ErrorCode::usage,
+                cannot + "nearest triangles; write " + those_with(&FieldFormat::nearest) + ", or compute without them");
+  if (!options.sidecars.empty() && !format.sidecars)
+    throw Error(ErrorCode::usage, cannot + "sidecars such as " + shown(options.sidecars[0].name) + "; write " +
+                                      those_with(&FieldFormat::sidecars) + ", or leave them out");
+  if (options.threads < 0) throw Error(ErrorCode::usage, "threads must be zero or more; give zero for all");
+  check_sidecars(field, options.sidecars);
+  AtomicFile file(path, options.existing);
+  format.write(file, field, options);
   file.commit();
 } catch (...) {
   throw_as_error("field");

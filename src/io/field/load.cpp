@@ -11,6 +11,7 @@
 #include "core/number_text.h"
 #include "core/tile_count.h"
 #include "io/field/samples.h"
+#include "io/field/tile_reader.h"
 #include "standoff/error.h"
 
 namespace standoff {
@@ -18,74 +19,6 @@ namespace {
 
 constexpr std::int64_t kSide = DistanceField::kTileSide;
 constexpr std::size_t kTile = DistanceField::kTileSamples;
-
-// An array in the file as it is.
-class PlainBytes : public ByteStream {
- public:
-  explicit PlainBytes(std::string_view bytes) : left_(bytes) {}
-  std::string_view next(std::uint64_t bytes) override {
-    const std::string_view part = left_.substr(0, bytes);
-    left_.remove_prefix(part.size());
-    return part;
-  }
-  void finish() override {}
-
- private:
-  std::string_view left_;
-};
-
-// Reads tiles of an array, a layer of them after the other: a layer spans the grid but for its slowest axis, along
-// which it is a tile thick. Each number is read on its own: numbers need not be aligned.
-template <class Sample>
-class TileReader {
- public:
-  TileReader(const FileView& file, const StoredArray& array, const Size3& size)
-      : swapped_(array.big_endian),
-        size_(size),
-        step_(array.z_fastest ? Size3{size.y * size.z, size.z, 1} : Size3{1, size.x, size.x * size.y}),
-        planes_(array.z_fastest ? size.x : size.z),
-        plane_(size.count() / planes_) {
-    stream_ = array.open ? array.open() : std::make_unique<PlainBytes>(file.text(array.offset, file.size()));
-    if (array.open) stream_->next(array.offset);
-  }
-
-  // The next kSide planes, or what is left of them.
-  void next_layer() {
-    begin_ += layer_;
-    layer_ = std::min(kSide, planes_ - read_) * plane_;
-    read_ += layer_ / plane_;
-    bytes_ = stream_->next(sizeof(Sample) * static_cast<std::uint64_t>(layer_)).data();
-  }
-  void finish() { stream_->finish(); }
-
-  // The tile whose first sample is `first`, x fastest; `absent` where the grid ends. It lies in the layer.
-  void read(Size3 first, Sample absent, std::array<Sample, kTile>& tile) const {
-    tile.fill(absent);
-    const std::int64_t nx = std::min(kSide, size_.x - first.x), ny = std::min(kSide, size_.y - first.y),
-                       nz = std::min(kSide, size_.z - first.z);
-    for (std::int64_t z = 0; z < nz; ++z)
-      for (std::int64_t y = 0; y < ny; ++y) {
-        const std::int64_t from = first.x * step_.x + (first.y + y) * step_.y + (first.z + z) * step_.z - begin_;
-        Sample* row = tile.data() + kSide * (y + kSide * z);
-        for (std::int64_t x = 0; x < nx; ++x) row[x] = number(from + x * step_.x);
-      }
-  }
-
- private:
-  Sample number(std::int64_t at) const {
-    std::uint32_t bits;
-    std::memcpy(&bits, bytes_ + sizeof bits * static_cast<std::uint64_t>(at), sizeof bits);
-    return std::bit_cast<Sample>(swapped_ ? __builtin_bswap32(bits) : bits);
-  }
-
-  std::unique_ptr<ByteStream> stream_;
-  bool swapped_;
-  Size3 size_, step_;
-  std::int64_t planes_, plane_;         // of the slowest axis, and samples in each
-  std::int64_t read_ = 0;               // planes up to the end of the layer
-  std::int64_t begin_ = 0, layer_ = 0;  // of the layer: its first sample, and how many there are
-  const char* bytes_ = nullptr;
-};
 
 enum class TileContent { outside, inside, near, bad };
 
@@ -233,6 +166,19 @@ DistanceField load(const FileView& file, const StoredField& stored, std::int64_t
   return field;
 }
 
+void check_sidecar_memory(const StoredField& stored, const DistanceField& field, std::int64_t memory_limit) {
+  if (memory_limit == 0) return;
+  double needed = static_cast<double>(field.memory_bytes());
+  for (const StoredSidecar& sidecar : stored.sidecars)
+    needed += static_cast<double>(field.stored_tiles()) * DistanceField::kTileSamples * sidecar.array.components *
+              static_cast<double>(bytes_of(sidecar.array.type));
+  const auto limit = static_cast<double>(memory_limit);
+  if (needed > limit)
+    throw Error(ErrorCode::limit,
+                "its tiles and sidecars need " + over_the_limit(needed, limit) + "; give a higher limit",
+                limit_details(needed, limit));
+}
+
 }  // namespace
 
 void require_valid(const FileView& file, const Grid& grid) {
@@ -243,9 +189,14 @@ void require_valid(const FileView& file, const Grid& grid) {
   }
 }
 
-DistanceField load_field(const FileView& file, const StoredField& stored, std::int64_t memory_limit) {
+FieldFile load_field(const FileView& file, const StoredField& stored, const FieldRequest& request) {
   try {
-    return load(file, stored, memory_limit);
+    FieldFile loaded{load(file, stored, request.memory_limit), {}};
+    if (!request.sidecars) return loaded;
+    check_sidecar_memory(stored, loaded.field, request.memory_limit);
+    for (const StoredSidecar& sidecar : stored.sidecars)
+      loaded.sidecars.push_back(load_sidecar(file, sidecar, loaded.field));
+    return loaded;
   } catch (const Error& error) {
     // What a field says of its own limits lacks the file's name.
     if (error.code() == ErrorCode::input) throw;

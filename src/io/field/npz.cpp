@@ -5,10 +5,12 @@
 #include <cstring>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "core/number_text.h"
+#include "files/run_deflate.h"
 #include "files/shown.h"
 #include "files/zip_reader.h"
 #include "files/zip_writer.h"
@@ -16,12 +18,15 @@
 #include "io/field/header_text.h"
 #include "io/field/npy.h"
 #include "io/field/samples.h"
+#include "io/field/send_samples.h"
+#include "standoff/error.h"
 
 namespace standoff {
 namespace {
 
 constexpr const char* kDistance = "distance";
 constexpr const char* kNearest = "nearest_triangle";
+constexpr int kMostComponents = 64;
 
 std::string quoted(const std::string& name) { return "'" + name + "'"; }
 
@@ -46,15 +51,8 @@ class Archive {
 
   // The array of that name.
   std::optional<Member> find(const std::string& name) const {
-    for (const ZipMember& zip : members_) {
-      if (zip.name != name + ".npy") continue;
-      Member member;
-      member.zip = &zip;
-      member.name = zip.name;
-      member.start = ZipMemberStream(file_, zip).next(std::min(zip.bytes, kStart));
-      static_cast<NpyArray&>(member) = read_npy(file_, member.name, member.start, zip.bytes);
-      return member;
-    }
+    for (const ZipMember& zip : members_)
+      if (zip.name == name + ".npy") return open(zip);
     return std::nullopt;
   }
   Member get(const std::string& name) const {
@@ -105,6 +103,22 @@ class Archive {
     return array && array->type == "<u8" && is_small(*array, 8) ? array->value<std::uint64_t>(0) : 0;
   }
 
+  // What is no array of the field's own, and has a number or a few for each of its samples. Others may hold anything.
+  std::vector<StoredSidecar> sidecars(const Size3& size) const {
+    std::vector<StoredSidecar> found;
+    std::set<std::string> names{kDistance, kNearest,  "origin", "spacing",  "thickness",
+                                "method",  "version", "sign",   "mesh_hash"};
+    for (const ZipMember& zip : members_) {
+      const std::string name = zip.name.substr(0, zip.name.size() - std::min<std::size_t>(zip.name.size(), 4));
+      if (zip.name != name + ".npy" || !names.insert(name).second) continue;
+      try {
+        if (const auto array = sidecar(open(zip), size)) found.push_back({name, *array});
+      } catch (const Error&) {
+      }
+    }
+    return found;
+  }
+
   // Three-dimensional samples of the given kind: "f4" or "u4". The archive must outlive them.
   StoredArray samples(const Member& array, const std::string& kind, Size3& size) const {
     if (array.type != "<" + kind && array.type != ">" + kind)
@@ -114,11 +128,43 @@ class Archive {
     for (const auto side : array.shape) room = side > 0 ? room / static_cast<std::uint64_t>(side) : 0;
     if (room == 0) file_.fail(array.name, "it is shorter than its shape says; the file is damaged, write it again");
     size = {array.shape[0], array.shape[1], array.shape[2]};
-    const auto open = [this, zip = array.zip] { return std::make_unique<ZipMemberStream>(file_, *zip); };
-    return {array.offset, array.type.starts_with('>'), !array.fortran_order, open, array.zip->deflated};
+    return stored(array, NumberType::float32, 1);
   }
 
  private:
+  Member open(const ZipMember& zip) const {
+    Member member;
+    member.zip = &zip;
+    member.name = zip.name;
+    member.start = ZipMemberStream(file_, zip).next(std::min(zip.bytes, kStart));
+    static_cast<NpyArray&>(member) = read_npy(file_, member.name, member.start, zip.bytes);
+    return member;
+  }
+
+  StoredArray stored(const Member& array, NumberType type, int components) const {
+    const auto open = [this, zip = array.zip] { return std::make_unique<ZipMemberStream>(file_, *zip); };
+    return {.offset = array.offset,
+            .big_endian = array.type.starts_with('>'),
+            .z_fastest = !array.fortran_order,
+            .open = open,
+            .packed = array.zip->deflated,
+            .type = type,
+            .components = components,
+            .planar = array.fortran_order};
+  }
+
+  std::optional<StoredArray> sidecar(const Member& array, const Size3& size) const {
+    const bool floats = array.type == "<f4" || array.type == ">f4";
+    const auto& shape = array.shape;
+    const std::int64_t components = shape.size() == 4 ? shape[3] : 1;
+    if ((!floats && array.type != "|u1") || (shape.size() != 3 && shape.size() != 4)) return std::nullopt;
+    if (Size3{shape[0], shape[1], shape[2]} != size || components < 1 || components > kMostComponents)
+      return std::nullopt;
+    const std::uint64_t needed = sample_bytes({size, {}}) / (floats ? 1 : 4) * static_cast<std::uint64_t>(components);
+    if (array.bytes < needed) return std::nullopt;
+    return stored(array, floats ? NumberType::float32 : NumberType::uint8, static_cast<int>(components));
+  }
+
   // All of a small array's file; its checksum has been compared when it was read.
   static constexpr std::uint64_t kStart = kMaxNpyHeader + 4 * kMaxText;
 
@@ -135,19 +181,10 @@ class ArrayWriter {
  public:
   explicit ArrayWriter(AtomicFile& file) : zip_(file) {}
 
-  void begin(const std::string& name, const NpyHeader& header, std::uint64_t bytes) {
-    const std::string text = npy_header(header);
-    zip_.begin(name + ".npy", text.size() + bytes);
-    zip_.write(std::as_bytes(std::span(text)));
-  }
-  void write(std::span<const std::byte> bytes) { zip_.write(bytes); }
-  void end() { zip_.end(); }
-  void finish() { zip_.finish(); }
-
   void small(const std::string& name, const NpyHeader& header, std::span<const std::byte> bytes) {
     begin(name, header, bytes.size());
-    write(bytes);
-    end();
+    zip_.write(bytes);
+    zip_.end();
   }
   void vector(const std::string& name, Vec3 v) {
     const std::array<double, 3> values{v.x, v.y, v.z};
@@ -160,14 +197,58 @@ class ArrayWriter {
     if (characters.empty()) characters.push_back(0);
     small(name, {"<U" + std::to_string(characters.size()), {}, false}, std::as_bytes(std::span(characters)));
   }
+  // Numbers of a sample are the array's last axis: one component follows the other.
+  void samples(const DistanceField& field, const SampleArray& array, const FieldWriteOptions& options) {
+    const Size3& size = field.grid().size;
+    std::vector<std::int64_t> shape{size.x, size.y, size.z};
+    if (array.components > 1) shape.push_back(array.components);
+    const char* const type = array.type == NumberType::uint8 ? "|u1" : array.type == NumberType::uint32 ? "<u4" : "<f4";
+    const NpyHeader header{type, shape, true};
+    const std::uint64_t bytes = static_cast<std::uint64_t>(size.count()) * array.element_bytes();
+    std::uint32_t crc = options.compress ? begin_deflated(array.name, header, bytes) : 0;
+    if (!options.compress) begin(array.name, header, bytes);
+    for (int component = 0; component < array.components; ++component) {
+      if (!options.compress) {
+        send_samples(field, array, {component}, [&](std::span<const std::byte> part) { zip_.write(part); });
+        continue;
+      }
+      pack_samples(field, array, {component}, {BlockKind::deflate, options.threads, crc},
+                   [&](const PackedBlock& block) {
+                     zip_.write_deflated(block.bytes);
+                     crc = block.crc;
+                   });
+    }
+    if (!options.compress) return zip_.end();
+    zip_.write_deflated(kDeflateEnd);
+    zip_.end_deflated(crc);
+  }
+  void finish() { zip_.finish(); }
 
  private:
+  void begin(const std::string& name, const NpyHeader& header, std::uint64_t bytes) {
+    const std::string text = npy_header(header);
+    zip_.begin(name + ".npy", text.size() + bytes);
+    zip_.write(std::as_bytes(std::span(text)));
+  }
+  // Returns the checksum of the header.
+  std::uint32_t begin_deflated(const std::string& name, const NpyHeader& header, std::uint64_t bytes) {
+    const std::string text = npy_header(header);
+    zip_.begin_deflated(name + ".npy", text.size() + bytes);
+    RunDeflater deflater(1);
+    deflater.elements(reinterpret_cast<const std::byte*>(text.data()), text.size());
+    std::string deflated;
+    deflater.deflate(deflated, RunDeflater::End::more);
+    zip_.write_deflated(deflated);
+    const std::string one(1, ' ');
+    return deflater.crc32(CrcRuns(std::span(&one, 1), text.size()));
+  }
+
   ZipWriter zip_;
 };
 
 }  // namespace
 
-DistanceField read_npz(const FileView& file, std::int64_t memory_limit) {
+FieldFile read_npz(const FileView& file, const FieldRequest& request) {
   const Archive archive(file);
   StoredField stored;
   stored.distance = archive.samples(archive.get(kDistance), "f4", stored.grid.size);
@@ -184,10 +265,11 @@ DistanceField read_npz(const FileView& file, std::int64_t memory_limit) {
     if (size != stored.grid.size || stored.nearest->z_fastest != stored.distance.z_fastest)
       file.fail(nearest->name, "its shape or order is not that of " + quoted(kDistance) + "; save both alike");
   }
-  return load_field(file, stored, memory_limit);
+  if (request.sidecars) stored.sidecars = archive.sidecars(stored.grid.size);
+  return load_field(file, stored, request);
 }
 
-void write_npz(AtomicFile& file, const DistanceField& field) {
+void write_npz(AtomicFile& file, const DistanceField& field, const FieldWriteOptions& options) {
   const Grid& grid = field.grid();
   ArrayWriter arrays(file);
   arrays.vector("origin", grid.origin);
@@ -199,17 +281,7 @@ void write_npz(AtomicFile& file, const DistanceField& field) {
   arrays.small("mesh_hash", {"<u8", {}, false}, std::as_bytes(std::span(&hash, 1)));
   arrays.text("version", field.provenance().version);
   if (!field.provenance().sign.empty()) arrays.text("sign", field.provenance().sign);
-
-  const auto sink = [&](std::span<const std::byte> part) { arrays.write(part); };
-  const std::vector<std::int64_t> shape{grid.size.x, grid.size.y, grid.size.z};
-  arrays.begin(kDistance, {"<f4", shape, true}, sample_bytes(grid));
-  send_values(field, sink);
-  arrays.end();
-  if (field.has_nearest()) {
-    arrays.begin(kNearest, {"<u4", shape, true}, sample_bytes(grid));
-    send_nearest(field, sink);
-    arrays.end();
-  }
+  for (const SampleArray& array : arrays_of(field, options.sidecars)) arrays.samples(field, array, options);
   arrays.finish();
 }
 

@@ -12,6 +12,7 @@
 #include "io/field/header_text.h"
 #include "io/field/nrrd_header.h"
 #include "io/field/samples.h"
+#include "io/field/send_samples.h"
 
 namespace standoff {
 namespace {
@@ -112,9 +113,22 @@ StoredArray packed(const FileView& file, const NrrdHeader& header, const Grid& g
   return {0, endian.text == "big", false, [&file, bytes] { return std::make_unique<GzipStream>(file, bytes); }, true};
 }
 
+void write_gzip(AtomicFile& file, const DistanceField& field, const SampleArray& array, int threads) {
+  file.write("\x1f\x8b\x08\0\0\0\0\0\0\xff", 10);  // deflated, without a name, a time or a system
+  std::uint32_t crc = 0;
+  pack_samples(field, array, {}, {BlockKind::deflate, threads, 0}, [&](const PackedBlock& block) {
+    file.write(block.bytes.data(), block.bytes.size());
+    crc = block.crc;
+  });
+  file.write(kDeflateEnd.data(), kDeflateEnd.size());
+  const auto bytes = static_cast<std::uint32_t>(sample_bytes(field.grid()));  // modulo 2^32
+  file.write(&crc, sizeof crc);
+  file.write(&bytes, sizeof bytes);
+}
+
 }  // namespace
 
-DistanceField read_nrrd(const FileView& file, std::int64_t memory_limit) {
+FieldFile read_nrrd(const FileView& file, const FieldRequest& request) {
   const NrrdHeader header = read_nrrd_header(file);
   refuse_unsupported(header);
   StoredField stored;
@@ -134,10 +148,10 @@ DistanceField read_nrrd(const FileView& file, std::int64_t memory_limit) {
   if (const NrrdLine* line = header.key("version")) stored.provenance.version = line->text.substr(0, kMaxText);
   if (const NrrdLine* line = header.key("sign")) stored.provenance.sign = line->text.substr(0, kMaxText);
   if (const NrrdLine* line = header.key("mesh_hash")) stored.provenance.mesh_hash = hash_in(line->text).value_or(0);
-  return load_field(file, stored, memory_limit);
+  return load_field(file, stored, request);
 }
 
-void write_nrrd(AtomicFile& file, const DistanceField& field) {
+void write_nrrd(AtomicFile& file, const DistanceField& field, const FieldWriteOptions& options) {
   const Grid& grid = field.grid();
   const auto text = [](double number) { return exact_text(number); };
   const auto vector = [&](double x, double y, double z) {
@@ -150,13 +164,18 @@ void write_nrrd(AtomicFile& file, const DistanceField& field) {
       std::to_string(grid.size.x) + " " + std::to_string(grid.size.y) + " " + std::to_string(grid.size.z) +
       "\nspace directions: " + vector(grid.spacing.x, 0, 0) + " " + vector(0, grid.spacing.y, 0) + " " +
       vector(0, 0, grid.spacing.z) + "\ncenters: node node node\nkinds: domain domain domain\nendian: little\n" +
-      "encoding: raw\nspace origin: " + vector(grid.origin.x, grid.origin.y, grid.origin.z) +
+      "encoding: " + (options.compress ? "gzip" : "raw") +
+      "\nspace origin: " + vector(grid.origin.x, grid.origin.y, grid.origin.z) +
       "\nthickness:=" + text(field.thickness()) + "\nmethod:=" + nrrd_escaped(field.provenance().method) +
       "\nmesh_hash:=" + hash_text(field.provenance().mesh_hash) +
       "\nversion:=" + nrrd_escaped(field.provenance().version) + (sign.empty() ? "" : "\nsign:=" + nrrd_escaped(sign)) +
       "\n\n";
   file.write(header.data(), header.size());
-  send_values(field, [&](std::span<const std::byte> part) { file.write(part.data(), part.size()); });
+  const SampleArray distances = distance_array(field);
+  if (options.compress)
+    write_gzip(file, field, distances, options.threads);
+  else
+    send_samples(field, distances, {}, [&](std::span<const std::byte> part) { file.write(part.data(), part.size()); });
 }
 
 }  // namespace standoff

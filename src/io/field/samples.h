@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The samples of a field between its tiles and the arrays of a file, a few slices at a time.
+// What the header of a field file says, and the field that its arrays make.
 #pragma once
 
 #include <cstdint>
@@ -7,25 +7,21 @@
 #include <limits>
 #include <memory>
 #include <optional>
-#include <span>
+#include <string>
+#include <vector>
 
 #include "files/byte_stream.h"
 #include "files/file_view.h"
+#include "io/field/format.h"
+#include "io/field/sample_arrays.h"
 #include "standoff/field.h"
 
 namespace standoff {
 
-/// Takes the bytes of an array in order.
-using ByteSink = std::function<void(std::span<const std::byte>)>;
-
-/// Passes on all values as little endian floats, x fastest.
-void send_values(const DistanceField& field, const ByteSink& sink);
-/// Passes on all nearest triangles as little endian 32-bit integers, x fastest.
-void send_nearest(const DistanceField& field, const ByteSink& sink);
-/// Bytes that either of them passes on.
+/// Bytes of one 4-byte number per sample.
 std::uint64_t sample_bytes(const Grid& grid);
 
-/// One 4-byte number per sample, somewhere in a file.
+/// A number, or a few, per sample, somewhere in a file.
 struct StoredArray {
   /// Where it begins in the file, or in what `open` gives.
   std::uint64_t offset = 0;
@@ -34,6 +30,15 @@ struct StoredArray {
   /// Opens the part of the file that holds it, where that is packed or checked. There must be enough of it.
   std::function<std::unique_ptr<ByteStream>()> open;
   bool packed = false;  ///< memory is taken for what `open` gives
+  NumberType type = NumberType::float32;
+  int components = 1;
+  bool planar = false;  ///< all numbers of the first component, then those of the next; those of a sample otherwise
+};
+
+/// An array that is no distance.
+struct StoredSidecar {
+  std::string name;
+  StoredArray array;
 };
 
 /// What the header of a field file says.
@@ -43,6 +48,7 @@ struct StoredField {
   Provenance provenance;
   StoredArray distance;
   std::optional<StoredArray> nearest;
+  std::vector<StoredSidecar> sidecars;
 };
 
 /// Throws Error{input} unless the grid is valid.
@@ -50,7 +56,10 @@ void require_valid(const FileView& file, const Grid& grid);
 
 /// Builds the field, tile by tile, without holding all samples densely: of packed arrays, as many as a layer of tiles
 /// has. Errors: input when the grid or thickness is invalid, the file is too short, or a value is not a number or
-/// exceeds the thickness; limit as DistanceField, and for more than `memory_limit` bytes unless that is 0.
-DistanceField load_field(const FileView& file, const StoredField& stored, std::int64_t memory_limit);
+/// exceeds the thickness; limit as DistanceField, and for more than the memory limit.
+FieldFile load_field(const FileView& file, const StoredField& stored, const FieldRequest& request);
+
+/// The numbers of a sidecar at the stored tiles of a field.
+Sidecar load_sidecar(const FileView& file, const StoredSidecar& stored, const DistanceField& field);
 
 }  // namespace standoff

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// VTI: what standoff and VTK write as raw appended data, uncompressed, in one piece.
+// VTI: what standoff and VTK write as raw appended data, plain or compressed by zlib, in one piece.
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cstring>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,6 +15,7 @@
 #include "io/field/format.h"
 #include "io/field/header_text.h"
 #include "io/field/samples.h"
+#include "io/field/vtk_blocks.h"
 
 namespace standoff {
 namespace {
@@ -23,7 +25,8 @@ constexpr std::string_view kAppended = "<AppendedData";
 
 class Reader {
  public:
-  explicit Reader(const FileView& file) : file_(file), head_(file.text(0, kMaxHeader)), scan_(file, header()) {}
+  Reader(const FileView& file, bool sidecars)
+      : file_(file), sidecars_(sidecars), head_(file.text(0, kMaxHeader)), scan_(file, header()) {}
 
   StoredField read() {
     std::string_view section;
@@ -89,7 +92,11 @@ class Reader {
     found_file_ = true;
     if (get(tag, "type") != "ImageData")
       fail(tag, "it holds " + shown(get(tag, "type")) + "; save the field as ImageData");
-    if (tag.find("compressor")) fail(tag, "it is compressed; save it without compression");
+    if (const auto compressor = tag.find("compressor")) {
+      if (*compressor != "vtkZLibDataCompressor")
+        fail(tag, "it is compressed by " + shown(*compressor) + ", which is not read; save it with zlib, or plain");
+      compressed_ = true;
+    }
     big_endian_ = get(tag, "byte_order") == "BigEndian";
     length_bytes_ = tag.attribute("header_type") == "UInt64" ? 8 : 4;
   }
@@ -120,30 +127,45 @@ class Reader {
       fail(tag, "the piece is not all of the image; save the whole as one piece");
   }
 
-  // Where the bytes of an array lie, after their length.
-  std::uint64_t payload(const XmlTag& tag, std::uint64_t& bytes) const {
+  // A number of the appended data: lengths have 4 bytes or 8.
+  std::uint64_t length_at(std::uint64_t at) const {
+    if (length_bytes_ == 8) {
+      const auto wide = file_.number<std::uint64_t>(at);
+      return big_endian_ ? __builtin_bswap64(wide) : wide;
+    }
+    const auto narrow = file_.number<std::uint32_t>(at);
+    return big_endian_ ? __builtin_bswap32(narrow) : narrow;
+  }
+
+  // The bytes of an array.
+  struct Payload {
+    std::uint64_t at = 0;     // plain
+    VtkBlocks blocks;         // compressed
+    std::uint64_t bytes = 0;  // unpacked
+  };
+  Payload payload(const XmlTag& tag) const {
     if (get(tag, "format") != "appended")
       fail(tag, "the array is not in the appended data; save it with appended data");
     const auto offset = number_in<std::uint64_t>(get(tag, "offset"));
     if (!offset || *offset > file_.size()) fail(tag, "the array's offset lies outside the file; write the file again");
     const std::uint64_t at = data_ + *offset;
-    if (length_bytes_ == 8) {
-      bytes = file_.number<std::uint64_t>(at);
-      if (big_endian_) bytes = __builtin_bswap64(bytes);
-    } else {
-      const auto narrow = file_.number<std::uint32_t>(at);
-      bytes = big_endian_ ? __builtin_bswap32(narrow) : narrow;
+    if (compressed_) {
+      VtkBlocks blocks = read_vtk_blocks(file_, at, static_cast<unsigned>(length_bytes_), big_endian_);
+      const std::uint64_t bytes = blocks.bytes;
+      return {0, std::move(blocks), bytes};
     }
+    const std::uint64_t bytes = length_at(at);
     file_.require(at + length_bytes_, bytes, "an array");
-    return at + length_bytes_;
+    return {at + length_bytes_, {}, bytes};
   }
 
   // The bytes of a small array, appended or as numbers in the text.
   std::string bytes_of(const XmlTag& tag) const {
     if (get(tag, "format") == "appended") {
-      std::uint64_t bytes = 0;
-      const std::uint64_t at = payload(tag, bytes);
-      return std::string(file_.text(at, std::min(bytes, kMaxText)));
+      const Payload found = payload(tag);
+      const std::uint64_t bytes = std::min(found.bytes, kMaxText);
+      if (!compressed_) return std::string(file_.text(found.at, bytes));
+      return std::string(VtkBlockStream(file_, found.blocks).next(bytes));
     }
     if (get(tag, "format") != "ascii") fail(tag, "facts are read from appended or ascii arrays; save them as such");
     std::string bytes;
@@ -178,17 +200,42 @@ class Reader {
     if (name == "mesh_hash") stored_.provenance.mesh_hash = hash_in(string_of(tag)).value_or(0);
   }
 
+  StoredArray stored(Payload found) const {
+    if (!compressed_) return {.offset = found.at, .big_endian = big_endian_, .open = {}};
+    auto blocks = std::make_shared<VtkBlocks>(std::move(found.blocks));
+    return {.big_endian = big_endian_,
+            .open = [file = &file_, blocks] { return std::make_unique<VtkBlockStream>(*file, *blocks); },
+            .packed = true};
+  }
+
   StoredArray samples(const XmlTag& tag, const char* type) const {
     if (get(tag, "type") != type)
       fail(tag, "samples of type " + shown(get(tag, "type")) + " are not read; save them as " + type);
     if (const auto n = tag.find("NumberOfComponents"); n && *n != "1")
       fail(tag, "it has " + shown(*n) + " numbers per sample; save one");
-    std::uint64_t bytes = 0;
-    const std::uint64_t at = payload(tag, bytes);
-    if (bytes != sample_bytes(stored_.grid))
-      fail(tag,
-           "it has " + std::to_string(bytes) + " bytes, not 4 for each sample of WholeExtent; write the file again");
-    return {at, big_endian_, false, {}, false};
+    Payload found = payload(tag);
+    if (found.bytes != sample_bytes(stored_.grid))
+      fail(tag, "it has " + std::to_string(found.bytes) +
+                    " bytes, not 4 for each sample of WholeExtent; write the file again");
+    return stored(std::move(found));
+  }
+
+  // Other arrays with a number or a few for each sample.
+  void read_sidecar(const XmlTag& tag) {
+    const auto type = tag.attribute("type");
+    const std::string name(tag.attribute("Name"));
+    const auto known = [&](const StoredSidecar& one) { return one.name == name; };
+    if ((type != "Float32" && type != "UInt8") || name.empty() || std::ranges::any_of(stored_.sidecars, known)) return;
+    const auto components = tag.find("NumberOfComponents") ? number_in<int>(tag.attribute("NumberOfComponents")) : 1;
+    constexpr int kMostComponents = 64;
+    if (!components || *components < 1 || *components > kMostComponents) return;
+    Payload found = payload(tag);
+    const std::uint64_t samples = sample_bytes(stored_.grid) / 4;
+    if (found.bytes != samples * (type == "UInt8" ? 1 : 4) * static_cast<std::uint64_t>(*components)) return;
+    StoredArray array = stored(std::move(found));
+    array.type = type == "UInt8" ? NumberType::uint8 : NumberType::float32;
+    array.components = *components;
+    stored_.sidecars.push_back({name, std::move(array)});
   }
 
   void read_samples() {
@@ -203,9 +250,13 @@ class Reader {
     if (!distance && points_.size() == 1) distance = points_.data();
     if (!distance) file_.fail("header", "its point data lacks an array 'distance'; name it so");
     stored_.distance = samples(*distance, "Float32");
+    if (sidecars_)
+      for (const XmlTag& tag : points_)
+        if (&tag != distance && tag.attribute("Name") != "nearest_triangle") read_sidecar(tag);
   }
 
   const FileView& file_;
+  bool sidecars_;
   std::string_view head_;
   std::uint64_t data_ = 0, length_bytes_ = 4;
   XmlScan scan_;
@@ -213,14 +264,14 @@ class Reader {
   std::vector<XmlTag> points_;
   std::array<std::int64_t, 6> extent_{};
   int pieces_ = 0;
-  bool found_file_ = false, found_image_ = false, big_endian_ = false;
+  bool found_file_ = false, found_image_ = false, big_endian_ = false, compressed_ = false;
 };
 
 }  // namespace
 
-DistanceField read_vti(const FileView& file, std::int64_t memory_limit) {
-  const StoredField stored = Reader(file).read();
-  return load_field(file, stored, memory_limit);
+FieldFile read_vti(const FileView& file, const FieldRequest& request) {
+  const StoredField stored = Reader(file, request.sidecars).read();
+  return load_field(file, stored, request);
 }
 
 }  // namespace standoff

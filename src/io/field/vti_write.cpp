@@ -1,87 +1,178 @@
 // SPDX-License-Identifier: Apache-2.0
-// VTI: VTK's XML image data with raw appended arrays, each after its length in bytes (64 bits).
+// VTI: VTK's XML image data with raw appended arrays. A plain array follows its length in bytes (64 bits); a compressed
+// one is a table of blocks, and zlib's streams: number of blocks, bytes of a block, of the last one if it is shorter,
+// and of each when packed.
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "core/number_text.h"
+#include "files/run_deflate.h"
 #include "io/field/format.h"
-#include "io/field/samples.h"
+#include "io/field/send_samples.h"
 
 namespace standoff {
 namespace {
 
-// Writes the elements of arrays and counts where their bytes will lie.
-class Elements {
- public:
-  std::string array(const std::string& indent, const char* type, const char* name, std::uint64_t bytes,
-                    const char* more = "") {
-    const std::string element = std::string(type) == "String" ? "Array" : "DataArray";
-    const std::string text = indent + "<" + element + " type=\"" + type + "\" Name=\"" + name + "\"" + more +
-                             " format=\"appended\" offset=\"" + std::to_string(offset_) + "\"/>\n";
-    offset_ += sizeof(std::uint64_t) + bytes;
-    return text;
-  }
-
- private:
-  std::uint64_t offset_ = 0;
-};
+constexpr std::string_view kEnd = "\n  </AppendedData>\n</VTKFile>\n";
 
 std::string three(double x, double y, double z) { return exact_text(x) + " " + exact_text(y) + " " + exact_text(z); }
 
-std::string header_of(const DistanceField& field, const std::string& method, const std::string& hash,
-                      const std::string& version, const std::string& sign) {
-  const Grid& g = field.grid();
-  const auto last = [](std::int64_t side) { return std::to_string(side - 1); };
-  const std::string extent = "0 " + last(g.size.x) + " 0 " + last(g.size.y) + " 0 " + last(g.size.z);
-  constexpr const char* kOne = " NumberOfTuples=\"1\"";
-  Elements elements;
-  std::string text =
-      "<?xml version=\"1.0\"?>\n"
-      "<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
-      "  <ImageData WholeExtent=\"" +
-      extent + "\" Origin=\"" + three(g.origin.x, g.origin.y, g.origin.z) + "\" Spacing=\"" +
-      three(g.spacing.x, g.spacing.y, g.spacing.z) +
-      "\" Direction=\"1 0 0 0 1 0 0 0 1\">\n"
-      "    <FieldData>\n";
-  text += elements.array("      ", "Float64", "thickness", sizeof(double), kOne);
-  text += elements.array("      ", "String", "method", method.size() + 1, kOne);
-  text += elements.array("      ", "String", "mesh_hash", hash.size() + 1, kOne);
-  text += elements.array("      ", "String", "version", version.size() + 1, kOne);
-  if (!sign.empty()) text += elements.array("      ", "String", "sign", sign.size() + 1, kOne);
-  text += "    </FieldData>\n    <Piece Extent=\"" + extent + "\">\n      <PointData Scalars=\"distance\">\n";
-  text += elements.array("        ", "Float32", "distance", sample_bytes(g));
-  if (field.has_nearest()) text += elements.array("        ", "UInt32", "nearest_triangle", sample_bytes(g));
-  return text +
-         "      </PointData>\n      <CellData/>\n    </Piece>\n  </ImageData>\n  <AppendedData encoding=\"raw\">\n_";
+// A small array of the field's facts.
+struct Fact {
+  const char* type;
+  const char* name;
+  std::string bytes;
+};
+
+std::vector<Fact> facts_of(const DistanceField& field) {
+  const double thickness = field.thickness();
+  const Provenance& from = field.provenance();
+  std::vector<Fact> facts{{"Float64", "thickness", {reinterpret_cast<const char*>(&thickness), sizeof thickness}}};
+  // Strings end with a zero byte, so they may hold none.
+  const auto text = [&](const char* name, const std::string& value) {
+    facts.push_back({"String", name, std::string(value.c_str()) + '\0'});
+  };
+  text("method", from.method);
+  text("mesh_hash", hash_text(from.mesh_hash));
+  text("version", from.version);
+  if (!std::string(from.sign.c_str()).empty()) text("sign", from.sign);
+  return facts;
 }
+
+const char* name_of(NumberType type) {
+  return type == NumberType::uint8 ? "UInt8" : type == NumberType::uint32 ? "UInt32" : "Float32";
+}
+
+class Writer {
+ public:
+  Writer(AtomicFile& file, const DistanceField& field, const FieldWriteOptions& options)
+      : file_(file),
+        field_(field),
+        threads_(options.threads),
+        compress_(options.compress && file.can_overwrite()),
+        facts_(facts_of(field)),
+        arrays_(arrays_of(field, options.sidecars)) {}
+
+  void write() {
+    // Where arrays begin is known once those before them are packed; where they are not, beforehand.
+    plan_offsets();
+    const std::string planned = header();
+    file_.write(planned.data(), planned.size());
+    data_ = file_.size();
+    offsets_.clear();
+    for (const Fact& fact : facts_) write_fact(fact);
+    for (const SampleArray& array : arrays_) write_array(array);
+    file_.write(kEnd.data(), kEnd.size());
+    if (!compress_) return;
+    const std::string known = header();
+    file_.overwrite(0, known.data(), known.size());
+  }
+
+ private:
+  std::uint64_t bytes_of_array(const SampleArray& array) const {
+    return static_cast<std::uint64_t>(field_.grid().sample_count()) * array.element_bytes();
+  }
+
+  void plan_offsets() {
+    std::uint64_t offset = 0;
+    const auto place = [&](std::uint64_t bytes) {
+      offsets_.push_back(offset);
+      offset += sizeof bytes + bytes;
+    };
+    for (const Fact& fact : facts_) place(fact.bytes.size());
+    for (const SampleArray& array : arrays_) place(bytes_of_array(array));
+  }
+
+  // Offsets that are not known yet have room for all digits.
+  std::string place(std::size_t n) const {
+    std::string text = " format=\"appended\" offset=\"" + std::to_string(offsets_[n]) + "\"";
+    if (compress_) text.append(20 - std::to_string(offsets_[n]).size(), ' ');
+    return text + "/>\n";
+  }
+
+  std::string header() const {
+    const Grid& g = field_.grid();
+    const auto last = [](std::int64_t side) { return std::to_string(side - 1); };
+    const std::string extent = "0 " + last(g.size.x) + " 0 " + last(g.size.y) + " 0 " + last(g.size.z);
+    std::string text =
+        "<?xml version=\"1.0\"?>\n"
+        "<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\"";
+    if (compress_) text += " compressor=\"vtkZLibDataCompressor\"";
+    text += ">\n  <ImageData WholeExtent=\"" + extent + "\" Origin=\"" + three(g.origin.x, g.origin.y, g.origin.z) +
+            "\" Spacing=\"" + three(g.spacing.x, g.spacing.y, g.spacing.z) +
+            "\" Direction=\"1 0 0 0 1 0 0 0 1\">\n    <FieldData>\n";
+    std::size_t n = 0;
+    for (const Fact& fact : facts_) {
+      const std::string element = fact.type == std::string("String") ? "Array" : "DataArray";
+      text += "      <" + element + " type=\"" + fact.type + "\" Name=\"" + fact.name + "\" NumberOfTuples=\"1\"" +
+              place(n++);
+    }
+    text += "    </FieldData>\n    <Piece Extent=\"" + extent + "\">\n      <PointData Scalars=\"distance\">\n";
+    for (const SampleArray& array : arrays_) {
+      text += std::string("        <DataArray type=\"") + name_of(array.type) + "\" Name=\"" + array.name + "\"";
+      if (array.components > 1) text += " NumberOfComponents=\"" + std::to_string(array.components) + "\"";
+      text += place(n++);
+    }
+    return text +
+           "      </PointData>\n      <CellData/>\n    </Piece>\n  </ImageData>\n  <AppendedData encoding=\"raw\">\n_";
+  }
+
+  void begin_array() { offsets_.push_back(file_.size() - data_); }
+  void write_number(std::uint64_t number) { file_.write(&number, sizeof number); }
+
+  void write_fact(const Fact& fact) {
+    begin_array();
+    if (!compress_) {
+      write_number(fact.bytes.size());
+      return file_.write(fact.bytes.data(), fact.bytes.size());
+    }
+    const std::string packed = zlib_stream(fact.bytes);
+    for (const std::uint64_t number :
+         {std::uint64_t{1}, std::uint64_t{fact.bytes.size()}, std::uint64_t{0}, std::uint64_t{packed.size()}})
+      write_number(number);
+    file_.write(packed.data(), packed.size());
+  }
+
+  void write_array(const SampleArray& array) {
+    begin_array();
+    if (!compress_) {
+      write_number(bytes_of_array(array));
+      return send_samples(field_, array, {},
+                          [&](std::span<const std::byte> part) { file_.write(part.data(), part.size()); });
+    }
+    const auto step = static_cast<std::uint64_t>(block_elements(array, {}));
+    const auto all = static_cast<std::uint64_t>(field_.grid().sample_count());
+    constexpr std::size_t kFixed = 3;
+    const std::uint64_t blocks = (all + step - 1) / step;
+    std::vector<std::uint64_t> table(kFixed + blocks);
+    table[0] = blocks;
+    table[1] = step * array.element_bytes();
+    table[2] = all % step * array.element_bytes();
+    const std::uint64_t at = file_.size();
+    file_.write(table.data(), table.size() * sizeof table[0]);
+    std::size_t n = kFixed;
+    pack_samples(field_, array, {}, {BlockKind::zlib, threads_, 0}, [&](const PackedBlock& block) {
+      file_.write(block.bytes.data(), block.bytes.size());
+      table[n++] = block.bytes.size();
+    });
+    file_.overwrite(at, table.data(), table.size() * sizeof table[0]);
+  }
+
+  AtomicFile& file_;
+  const DistanceField& field_;
+  int threads_;
+  bool compress_;
+  std::vector<Fact> facts_;
+  std::vector<SampleArray> arrays_;
+  std::vector<std::uint64_t> offsets_;  // of arrays, from the first byte of the appended data
+  std::uint64_t data_ = 0;
+};
 
 }  // namespace
 
-void write_vti(AtomicFile& file, const DistanceField& field) {
-  // Strings end with a zero byte, so they may hold none.
-  const std::string method = field.provenance().method.c_str(), version = field.provenance().version.c_str(),
-                    sign = field.provenance().sign.c_str();
-  const std::string hash = hash_text(field.provenance().mesh_hash);
-  const auto sink = [&](std::span<const std::byte> part) { file.write(part.data(), part.size()); };
-  const auto block = [&](const void* data, std::uint64_t bytes) {
-    file.write(&bytes, sizeof bytes);
-    file.write(data, bytes);
-  };
-  const std::string header = header_of(field, method, hash, version, sign);
-  file.write(header.data(), header.size());
-  const double thickness = field.thickness();
-  block(&thickness, sizeof thickness);
-  for (const std::string* text : {&method, &hash, &version}) block(text->c_str(), text->size() + 1);
-  if (!sign.empty()) block(sign.c_str(), sign.size() + 1);
-  const std::uint64_t bytes = sample_bytes(field.grid());
-  file.write(&bytes, sizeof bytes);
-  send_values(field, sink);
-  if (field.has_nearest()) {
-    file.write(&bytes, sizeof bytes);
-    send_nearest(field, sink);
-  }
-  constexpr std::string_view kEnd = "\n  </AppendedData>\n</VTKFile>\n";
-  file.write(kEnd.data(), kEnd.size());
+void write_vti(AtomicFile& file, const DistanceField& field, const FieldWriteOptions& options) {
+  Writer(file, field, options).write();
 }
 
 }  // namespace standoff

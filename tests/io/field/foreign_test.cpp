@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Our files read by VTK, numpy and teem, and theirs read by us.
+// Our files read by VTK, numpy, teem and OpenVDB, and theirs read by us. NanoVDB is asked in nanovdb_test.cpp.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -22,15 +22,33 @@ void run_foreign(const std::string& arguments) {
 
 std::string quoted(const std::string& text) { return "'" + text + "'"; }
 
+std::vector<FileFormat> formats_for_python() {
+  auto formats = field_formats();
+  std::erase_if(formats, [](const FileFormat& format) { return format.extension == "nvdb"; });
+  return formats;
+}
+
 class ReadByOthers : public ::testing::TestWithParam<FileFormat> {};
-INSTANTIATE_TEST_SUITE_P(AllFormats, ReadByOthers, ::testing::ValuesIn(field_formats()),
+INSTANTIATE_TEST_SUITE_P(AllFormats, ReadByOthers, ::testing::ValuesIn(formats_for_python()),
                          [](const auto& format) { return format.param.extension; });
 
 TEST_P(ReadByOthers, FullField) {
-  const TempFolder folder;
-  const auto path = folder / ("field." + GetParam().extension);
-  write_field(path, odd_field());
-  run_foreign("read " + quoted(path.string()) + " inf");
+  for (const bool compress : {false, true}) {
+    const TempFolder folder;
+    const auto path = folder / ("field." + GetParam().extension);
+    write_field(path, odd_field(), {.compress = compress});
+    run_foreign("read " + quoted(path.string()) + " inf");
+  }
+}
+
+// Tiles deep inside that are not stored have the right sign, and so has what is beyond the grid's last whole tile.
+TEST_P(ReadByOthers, SignedField) {
+  for (const bool compress : {false, true}) {
+    const TempFolder folder;
+    const auto path = folder / ("field." + GetParam().extension);
+    write_field(path, ball_field(), {.compress = compress});
+    run_foreign("ball " + quoted(path.string()));
+  }
 }
 
 TEST_P(ReadByOthers, BandWithNearestTriangles) {
@@ -47,15 +65,15 @@ struct Foreign {
 void PrintTo(const Foreign& foreign, std::ostream* out) { *out << foreign.kind; }
 
 class WrittenByOthers : public ::testing::TestWithParam<Foreign> {};
-INSTANTIATE_TEST_SUITE_P(Readers, WrittenByOthers,
-                         ::testing::Values(Foreign{"vtk header 32", "vti"}, Foreign{"vtk header 64", "vti"},
-                                           Foreign{"vtk big endian", "vti"}, Foreign{"vtk extent from 5", "vti"},
-                                           Foreign{"numpy C order", "npz"}, Foreign{"numpy Fortran order", "npz"},
-                                           Foreign{"numpy big endian", "npz"}, Foreign{"numpy extra arrays", "npz"},
-                                           Foreign{"numpy compressed C order", "npz"},
-                                           Foreign{"numpy compressed Fortran order", "npz"},
-                                           Foreign{"teem gzip", "nrrd"}, Foreign{"teem little", "nrrd"},
-                                           Foreign{"teem big", "nrrd"}));
+INSTANTIATE_TEST_SUITE_P(
+    Readers, WrittenByOthers,
+    ::testing::Values(Foreign{"vtk header 32", "vti"}, Foreign{"vtk header 64", "vti"},
+                      Foreign{"vtk big endian", "vti"}, Foreign{"vtk extent from 5", "vti"}, Foreign{"vtk zlib", "vti"},
+                      Foreign{"vtk zlib header 32", "vti"}, Foreign{"vtk zlib big endian", "vti"},
+                      Foreign{"numpy C order", "npz"}, Foreign{"numpy Fortran order", "npz"},
+                      Foreign{"numpy big endian", "npz"}, Foreign{"numpy extra arrays", "npz"},
+                      Foreign{"numpy compressed C order", "npz"}, Foreign{"numpy compressed Fortran order", "npz"},
+                      Foreign{"teem gzip", "nrrd"}, Foreign{"teem little", "nrrd"}, Foreign{"teem big", "nrrd"}));
 
 TEST_P(WrittenByOthers, IsTheSameField) {
   const TempFolder folder;
@@ -87,6 +105,14 @@ TEST(CompressedField, KeepsToTheMemoryLimit) {
   expect_error([&] { read_field(path, {.memory_limit = field.memory_bytes() + layer / 2}); }, ErrorCode::limit,
                "its tiles need");
   EXPECT_NO_THROW(read_field(path, {.memory_limit = field.memory_bytes() + 4 * layer}));
+}
+
+TEST(CompressedField, OfAnotherCodecIsRefused) {
+  const TempFolder folder;
+  const auto path = folder / "lz4.vti";
+  run_foreign("write " + quoted(path.string()) + " 'vtk lz4'");
+  expect_error([&] { read_field(path); }, ErrorCode::input,
+               "it is compressed by vtkLZ4DataCompressor, which is not read; save it with zlib, or plain");
 }
 
 TEST(RewrittenByVtk, KeepsFactsAndNearestTriangles) {

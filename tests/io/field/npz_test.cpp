@@ -45,7 +45,7 @@ DistanceField read(const std::map<std::string, std::string>& members) {
   }
   zip.finish();
   file.commit();
-  return read_npz(FileView(folder / "a.npz"), 0);
+  return read_npz(FileView(folder / "a.npz"), {}).field;
 }
 
 DistanceField read(const Arrays& arrays) {

@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "io/field/samples.h"
+#include "io/field/send_samples.h"
 #include "odd_field.h"
 #include "standoff/compute.h"
 #include "standoff/io.h"
@@ -147,11 +147,11 @@ TEST_P(FieldFile, KnowsItsExtensionInCapitals) {
 }
 
 // Slices so large that fewer than a layer of tiles is sent at a time.
-TEST(SendValues, SendsAllSlicesWhateverTheirSize) {
+TEST(SendSamples, SendsAllSlicesWhateverTheirSize) {
   const DistanceField field = odd_field({{700, 800, 11}, {}, {1, 1, 1}}, 2000);
   std::vector<float> sent;
   std::size_t largest = 0;
-  send_values(field, [&](std::span<const std::byte> part) {
+  send_samples(field, distance_array(field), {}, [&](std::span<const std::byte> part) {
     const auto* values = reinterpret_cast<const float*>(part.data());
     sent.insert(sent.end(), values, values + part.size() / sizeof(float));
     largest = std::max(largest, part.size());
@@ -167,13 +167,13 @@ TEST(FieldFormats, AreThoseThatTheDocumentationNames) {
     EXPECT_TRUE(format.readable && format.writable);
     EXPECT_FALSE(format.description.empty());
   }
-  EXPECT_EQ(names, "vti nrrd npz ");
+  EXPECT_EQ(names, "vti nrrd npz vdb nvdb ");
 }
 
 TEST(FieldFormats, UnknownNamesAreRefused) {
   const TempFolder folder;
   expect_error([&] { write_field(folder / "a.vtk", odd_field()); }, ErrorCode::usage,
-               "a.vtk: no field format is called .vtk; use one of .vti, .nrrd, .npz");
+               "a.vtk: no field format is called .vtk; use one of .vti, .nrrd, .npz, .vdb, .nvdb");
   expect_error([&] { write_field(folder / "a", odd_field()); }, ErrorCode::usage,
                "a: the name has no extension; use one of");
   expect_error([&] { read_field(folder / "a.txt"); }, ErrorCode::input, "a.txt: no field format is called .txt");

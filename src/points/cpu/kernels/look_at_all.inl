@@ -14,6 +14,9 @@ namespace {
 // Boxes are grown by what the rounding of coordinates takes; the arithmetic of box and bound takes this share.
 constexpr float kBoxShare = 1 - 0x1p-20f;
 
+// The same for turned boxes, whose axes are rounded too.
+constexpr float kTurnedShare = 1 - 0x1p-16f;
+
 struct Waiting {
   float distance_sq;
   std::uint32_t pack;
@@ -61,6 +64,22 @@ STANDOFF_INLINE void measure_pack(const PackTree& tree, std::uint32_t number, On
   }
 }
 
+// At most the squared distances of the point from the turned boxes of a pack.
+STANDOFF_INLINE WideFloat turned_distance_sq(const TurnedPack& boxes, const OnePoint& p) {
+  const auto off = [&](int axis) __attribute__((always_inline)) {
+    return WideFloat(p.at[axis]) - WideFloat::load(boxes.center[axis]);
+  };
+  const WideFloat x = off(0), y = off(1), z = off(2);
+  WideFloat sum(0);
+  for (int n = 0; n < 3; ++n) {
+    const WideFloat along = fma(x, WideFloat::load(boxes.axis[n][0]),
+                                fma(y, WideFloat::load(boxes.axis[n][1]), z * WideFloat::load(boxes.axis[n][2])));
+    const WideFloat outside = max(abs(along) - WideFloat::load(boxes.half[n]), WideFloat(0));
+    sum = fma(outside, outside, sum);
+  }
+  return sum * WideFloat(kTurnedShare);
+}
+
 // Adds the parts of a pack that are nearer than the bound, the nearest last.
 STANDOFF_INLINE int open_pack(const PackTree& tree, const Waiting& w, const OnePoint& p, Waiting* waiting, int count) {
   const BoxPack& boxes = tree.packs[w.pack];
@@ -77,8 +96,11 @@ STANDOFF_INLINE int open_pack(const PackTree& tree, const Waiting& w, const OneP
   std::uint32_t near = less_equal(sum, WideFloat(p.upper_sq)).to_bits();
   if (left < kLanes) near &= (1u << left) - 1;
   if (near == 0) return count;
+  const WideFloat turned = turned_distance_sq(tree.turned[w.pack - tree.begin[1]], p);
+  near &= less_equal(turned, WideFloat(p.upper_sq)).to_bits();
+  if (near == 0) return count;
   alignas(64) float sq[kLanes];
-  sum.store(sq);
+  max(sum, turned).store(sq);
   const int begin = count;
   for (; near != 0; near &= near - 1) {
     const int lane = __builtin_ctz(near);

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+// The arrays of a field as files hold them: a number, or a few, for each sample, x fastest. They are made of the tiles
+// piece by piece; the runs of what is not stored are never written out in memory.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "standoff/field.h"
+#include "standoff/sidecars.h"
+
+namespace standoff {
+
+enum class NumberType { float32, uint32, uint8 };
+constexpr std::size_t bytes_of(NumberType type) { return type == NumberType::uint8 ? 1 : 4; }
+
+/// One array: distances, nearest triangles or a sidecar.
+struct SampleArray {
+  std::string name;
+  NumberType type;
+  int components;
+  const std::byte* values;                   ///< tile after tile, as DistanceField::tile_values()
+  std::array<std::byte, 4> outside, inside;  ///< each number of samples that are not stored
+
+  std::size_t number_bytes() const { return bytes_of(type); }
+  std::size_t element_bytes() const { return number_bytes() * static_cast<std::size_t>(components); }
+};
+
+/// The array of distances.
+SampleArray distance_array(const DistanceField& field);
+/// Distances, nearest triangles where there are any, sidecars.
+std::vector<SampleArray> arrays_of(const DistanceField& field, std::span<const Sidecar> sidecars);
+/// Throws Error{usage} unless names are good and differ, and there are as many numbers as stored samples have.
+void check_sidecars(const DistanceField& field, std::span<const Sidecar> sidecars);
+
+/// Which numbers of an array are elements of their own in a file.
+struct ArrayPart {
+  std::optional<int> component = std::nullopt;  ///< this one; otherwise all, those of a sample together
+
+  std::size_t element_bytes(const SampleArray& array) const {
+    return component ? array.number_bytes() : array.element_bytes();
+  }
+};
+
+/// The element of a sample that is not stored.
+std::string unstored_element(const SampleArray& array, const ArrayPart& part, bool inside);
+
+/// Passes elements [begin, end) on in order: out.elements(bytes, count) for samples of stored tiles, out.run(element,
+/// count) for others.
+template <class Out>
+void send_elements(const DistanceField& field, const SampleArray& array, const ArrayPart& part, std::int64_t begin,
+                   std::int64_t end, Out& out) {
+  constexpr std::int64_t kSide = DistanceField::kTileSide;
+  const Size3 size = field.grid().size, tiles = field.tile_count();
+  const std::string outside = unstored_element(array, part, false), inside = unstored_element(array, part, true);
+  const auto unstored = [&](std::int32_t slot) {
+    return reinterpret_cast<const std::byte*>((slot == DistanceField::kInside ? inside : outside).data());
+  };
+  const std::span<const std::int32_t> slots = field.slots();
+  if (slots.empty()) return out.run(unstored(DistanceField::kOutside), static_cast<std::uint64_t>(end - begin));
+  const std::size_t all = array.element_bytes(), number = array.number_bytes();
+  std::array<std::byte, kSide * 4> gathered;
+  while (begin < end) {
+    const std::int64_t row = begin / size.x, j = row % size.y, k = row / size.y;
+    const std::int64_t last = std::min(end, (row + 1) * size.x) - row * size.x;
+    const std::int32_t* const of_row = slots.data() + tiles.x * (j / kSide + tiles.y * (k / kSide));
+    const std::int64_t in_tile = kSide * (j % kSide + kSide * (k % kSide));
+    for (std::int64_t i = begin - row * size.x; i < last;) {
+      std::int64_t tx = i / kSide;
+      const std::int32_t slot = of_row[tx];
+      if (slot < 0) {
+        while (kSide * ++tx < last && of_row[tx] == slot) {
+        }
+        const std::int64_t to = std::min(last, kSide * tx);
+        out.run(unstored(slot), static_cast<std::uint64_t>(to - i));
+        i = to;
+        continue;
+      }
+      const std::int64_t to = std::min(last, kSide * (tx + 1)), count = to - i;
+      const std::byte* from =
+          array.values + (std::size_t{DistanceField::kTileSamples} * static_cast<std::size_t>(slot) +
+                          static_cast<std::size_t>(in_tile + i % kSide)) *
+                             all;
+      if (part.component) {
+        from += number * static_cast<std::size_t>(*part.component);
+        for (std::int64_t n = 0; n < count; ++n, from += all)
+          std::memcpy(gathered.data() + number * static_cast<std::size_t>(n), from, number);
+        from = gathered.data();
+      }
+      out.elements(from, static_cast<std::uint64_t>(count));
+      i = to;
+    }
+    begin = row * size.x + last;
+  }
+}
+
+}  // namespace standoff

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// A field out of the nodes of a tree, as OpenVDB and NanoVDB store it. A reader goes through its nodes three times: to
+// find their box, to count what will be stored, and to fill the field.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "files/file_view.h"
+#include "io/field/format.h"
+#include "io/field/vdb_tree.h"
+
+namespace standoff::vdb {
+
+using Coordinates = std::array<std::int32_t, 3>;
+
+/// What a file says beside its nodes.
+struct Facts {
+  std::optional<Size3> size;  ///< where standoff wrote it; otherwise that of all that is active
+  Vec3 origin, spacing{1, 1, 1};
+  std::optional<double> thickness;  ///< otherwise it is the background
+  float background = 0;
+  Provenance provenance;
+};
+
+class FieldBuilder {
+ public:
+  /// Errors: input, where the background is no thickness.
+  FieldBuilder(const FileView& file, const Facts& facts, const FieldRequest& request);
+
+  /// A leaf, or a tile of so many samples a side; the value of a tile is that of all its samples.
+  struct Leaf {
+    Coordinates at;
+    Mask<kLeafLog> active;
+  };
+  struct Tile {
+    Coordinates at;
+    std::int64_t side;
+    float value;
+    bool active;
+  };
+
+  void find(const Leaf& leaf);
+  void find(const Tile& tile);
+  /// All have been found.
+  void end_finding();
+  void count(const Leaf& leaf);
+  void count(const Tile& tile);
+  /// All have been counted: takes the memory. Errors: limit, before.
+  void begin_filling();
+  /// No sample may be filled twice. `values` are in the order of a leaf.
+  void fill(const Leaf& leaf, std::span<const float, 512> values);
+  void fill(const Tile& tile);
+  DistanceField take() { return std::move(field_); }
+
+ private:
+  struct Range {
+    Size3 first, last;  ///< tiles of the field, the last one behind
+    bool empty() const { return first.x >= last.x || first.y >= last.y || first.z >= last.z; }
+  };
+  void grow(const Coordinates& at, std::int64_t x, std::int64_t y, std::int64_t z);
+  Range tiles_in(const Coordinates& at, std::int64_t side) const;
+  float checked(float value, const Coordinates& at) const;
+  bool is_clamped(float value) const { return std::abs(value) >= far_; }
+
+  const FileView& file_;
+  Facts facts_;
+  FieldRequest request_;
+  bool ours_;
+  float far_;
+  std::array<std::int64_t, 3> least_, most_, base_{};
+  Grid grid_;
+  double stored_ = 0;
+  DistanceField field_;
+};
+
+}  // namespace standoff::vdb

@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: Apache-2.0
+// VDB: files of OpenVDB, of versions 222 to 225 (since OpenVDB 3): a float grid whose axes are those of the world.
+#include <algorithm>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "core/number_text.h"
+#include "files/shown.h"
+#include "io/field/format.h"
+#include "io/field/header_text.h"
+#include "io/field/vdb_field.h"
+#include "io/field/vdb_values.h"
+
+namespace standoff {
+namespace {
+
+using namespace vdb;
+
+struct Descriptor {
+  std::string name, type;
+  bool instance = false;
+  std::uint64_t grid = 0, blocks = 0;
+
+  bool half() const { return type.ends_with(kHalfSuffix); }
+  bool is_float() const { return type == kFloatTree || type == std::string(kFloatTree) + std::string(kHalfSuffix); }
+};
+
+std::string name_of(const Descriptor& grid) {
+  // OpenVDB adds a number to names that repeat, after a byte 30.
+  return in_quotes(grid.name.substr(0, grid.name.find('\x1e'))) + " (" + shown(grid.type) + ")";
+}
+
+std::vector<Descriptor> read_descriptors(Cursor& from) {
+  const FileView& file = from.file();
+  if (file.size() < 8 || from.number<std::uint64_t>() != kMagic)
+    file.fail("header", "it is no VDB file; check its name");
+  constexpr std::uint32_t kNewest = 225;
+  const auto version = from.number<std::uint32_t>();
+  if (version < kOldest || version > kNewest)
+    file.fail("header", "its version is " + std::to_string(version) + "; save it with OpenVDB 3 to 12");
+  from.number<std::uint64_t>();  // of the library
+  if (from.number<std::uint8_t>() == 0)
+    file.fail("header", "it was written as a stream, without positions; write it to a file instead");
+  from.bytes(kNoId.size(), "its identity");
+  for (auto facts = from.number<std::uint32_t>(); facts > 0; --facts)
+    for (const char* what : {"a fact's name", "a fact's type", "a fact"}) from.text(what);
+  std::vector<Descriptor> grids;
+  for (auto count = from.number<std::uint32_t>(); count > 0; --count) {
+    Descriptor grid;
+    grid.name = from.text("a grid's name");
+    grid.type = from.text("a grid's type");
+    grid.instance = !from.text("a grid's parent").empty();
+    grid.grid = from.number<std::uint64_t>();
+    grid.blocks = from.number<std::uint64_t>();
+    const auto end = from.number<std::uint64_t>();
+    grids.push_back(grid);
+    if (grid.grid > file.size() || grid.blocks > file.size() || end < from.at() || end > file.size())
+      file.fail(shown(grid.name), "the grid lies outside the file; it is cut off or damaged, get all of it");
+    from.go_to(end);
+  }
+  return grids;
+}
+
+// The one of floats; of several, the one called distance.
+Descriptor chosen(const FileView& file, const std::vector<Descriptor>& grids) {
+  std::vector<Descriptor> floats;
+  std::string names;
+  for (const Descriptor& grid : grids) {
+    if (grid.is_float()) floats.push_back(grid);
+    if (names.size() < 300) names += (names.empty() ? "" : ", ") + name_of(grid);
+  }
+  if (floats.empty())
+    file.fail(grids.empty() ? "it holds no grid; save a level set"
+                            : "it holds no grid of floats, but " + names + "; save a level set of floats");
+  if (floats.size() > 1) {
+    std::erase_if(floats, [](const Descriptor& grid) { return grid.name != "distance"; });
+    if (floats.size() != 1)
+      file.fail("it holds several grids: " + names + "; save one, or call one of floats 'distance'");
+  }
+  if (floats[0].instance) file.fail(name_of(floats[0]), "it shares the tree of another grid; save it alone");
+  return floats[0];
+}
+
+class Reader {
+ public:
+  Reader(const FileView& file, const FieldRequest& request)
+      : file_(file), from_(file), grid_(chosen(file, read_descriptors(from_))), request_(request) {}
+
+  DistanceField read() {
+    from_.go_to(grid_.grid);
+    compression_ = from_.number<std::uint32_t>();
+    read_facts();
+    read_transform();
+    topology_ = from_.at();
+    from_.number<std::uint32_t>();
+    facts_.background = from_.number<float>();
+    FieldBuilder builder(file_, facts_, request_);
+    walk([&](const auto& node) { builder.find(node); });
+    builder.end_finding();
+    walk([&](const auto& node) { builder.count(node); });
+    builder.begin_filling();
+    std::vector<Coordinates> leaves;
+    walk([&](const auto& node) {
+      if constexpr (std::is_same_v<std::decay_t<decltype(node)>, FieldBuilder::Tile>)
+        builder.fill(node);
+      else
+        leaves.push_back(node.at);
+    });
+    from_.go_to(grid_.blocks);
+    ValueReader values(compression_, grid_.half(), facts_.background);
+    for (const Coordinates& at : leaves) {
+      FieldBuilder::Leaf leaf{at, {}};
+      from_.mask(leaf.active);
+      builder.fill(leaf, std::span<const float, 512>(values.read(from_, leaf.active), 512));
+    }
+    return builder.take();
+  }
+
+ private:
+  void read_facts() {
+    for (auto count = from_.number<std::uint32_t>(); count > 0; --count) {
+      const std::string_view name = from_.text("a fact's name"), type = from_.text("a fact's type"),
+                             value = from_.text("a fact");
+      const std::string text(value.substr(0, kMaxText));
+      const auto is = [&](const char* fact, const char* of_type, std::size_t bytes) {
+        return name == fact && type == of_type && value.size() == bytes;
+      };
+      if (is(kSizeFact, "vec3i", 12)) {
+        Coordinates size;
+        std::memcpy(size.data(), value.data(), sizeof size);
+        facts_.size = {size[0], size[1], size[2]};
+      }
+      if (is(kThicknessFact, "double", 8)) {
+        double thickness;
+        std::memcpy(&thickness, value.data(), sizeof thickness);
+        facts_.thickness = thickness;
+      }
+      if (type != "string") continue;
+      if (name == kMethodFact) facts_.provenance.method = text;
+      if (name == kVersionFact) facts_.provenance.version = text;
+      if (name == kSignFact) facts_.provenance.sign = text;
+      if (name == kHashFact) facts_.provenance.mesh_hash = hash_in(text).value_or(0);
+    }
+  }
+
+  Vec3 vector() {
+    const auto x = from_.number<double>(), y = from_.number<double>(), z = from_.number<double>();
+    return {x, y, z};
+  }
+
+  void read_transform() {
+    const std::string type(from_.text("the type of the transform"));
+    const bool translated = type.ends_with("TranslateMap");
+    if (type == "ScaleMap" || type == "UniformScaleMap" || type == "ScaleTranslateMap" ||
+        type == "UniformScaleTranslateMap") {
+      if (translated) facts_.origin = vector();
+      facts_.spacing = vector();
+      for (int derived = 0; derived < 4; ++derived) vector();
+    } else if (type == "TranslationMap") {
+      facts_.origin = vector();
+    } else if (type == "AffineMap") {
+      double matrix[4][4];  // of rows of vectors, so the last one translates
+      for (auto& row : matrix)
+        for (double& number : row) number = from_.number<double>();
+      for (int row = 0; row < 3; ++row)
+        for (int column = 0; column < 4; ++column)
+          if (row != column && matrix[row][column] != 0) fail_rotated();
+      facts_.spacing = {matrix[0][0], matrix[1][1], matrix[2][2]};
+      facts_.origin = {matrix[3][0], matrix[3][1], matrix[3][2]};
+    } else {
+      file_.fail(name_of(grid_), "its transform is a " + shown(type) + ", and not a scale per axis; resample it");
+    }
+  }
+  [[noreturn]] void fail_rotated() const {
+    file_.fail(name_of(grid_), "the axes of the grid must be those of the world; resample it");
+  }
+
+  Coordinates coordinates() {
+    const Coordinates at = from_.number<Coordinates>();
+    for (const std::int32_t c : at)
+      if (c % kUpperSide != 0) from_.fail("a node that does not lie where nodes do; the file is damaged");
+    if (!seen_.insert(at).second) from_.fail("two nodes at one place; the file is damaged");
+    return at;
+  }
+
+  // Goes through the topology: use(Leaf) and use(Tile) for all that is not the background.
+  template <class Use>
+  void walk(const Use& use) {
+    from_.go_to(topology_);
+    seen_.clear();
+    if (from_.number<std::uint32_t>() != 1) from_.fail("leaves with several buffers; save the grid again");
+    from_.number<float>();  // the background
+    const auto tiles = from_.number<std::uint32_t>(), children = from_.number<std::uint32_t>();
+    for (std::uint32_t n = 0; n < tiles; ++n) {
+      const Coordinates at = coordinates();
+      const auto value = from_.number<float>();
+      use(FieldBuilder::Tile{at, kUpperSide, value, from_.number<std::uint8_t>() != 0});
+    }
+    ValueReader upper(compression_, grid_.half(), facts_.background), lower = upper;
+    for (std::uint32_t n = 0; n < children; ++n)
+      node<kUpperLog>(coordinates(), kLowerSide, upper, use, [&](const Coordinates& at) {
+        node<kLowerLog>(at, kLeafSide, lower, use, [&](const Coordinates& leaf_at) {
+          FieldBuilder::Leaf leaf{leaf_at, {}};
+          from_.mask(leaf.active);
+          use(leaf);
+        });
+      });
+  }
+
+  template <int log, class Use, class Child>
+  void node(const Coordinates& at, int side, ValueReader& reader, const Use& use, const Child& child) {
+    Mask<log> children, active;
+    from_.mask(children);
+    from_.mask(active);
+    const float* const values = reader.read(from_, active);
+    const auto place = [&](std::size_t n) {
+      const Size3 in_node = child_place<log>(n);
+      // Less than 2^31: nodes of the root lie on multiples of their side.
+      return Coordinates{static_cast<std::int32_t>(at[0] + side * in_node.x),
+                         static_cast<std::int32_t>(at[1] + side * in_node.y),
+                         static_cast<std::int32_t>(at[2] + side * in_node.z)};
+    };
+    for (std::size_t n = 0; n < Mask<log>::kBits; ++n)
+      if (!children[n] && (active[n] || !(values[n] == facts_.background)))
+        use(FieldBuilder::Tile{place(n), side, values[n], active[n]});
+    for (std::size_t n = 0; n < Mask<log>::kBits; ++n)
+      if (children[n]) child(place(n));
+  }
+
+  const FileView& file_;
+  Cursor from_;
+  Descriptor grid_;
+  FieldRequest request_;
+  std::uint32_t compression_ = 0;
+  std::uint64_t topology_ = 0;
+  Facts facts_;
+  std::set<Coordinates> seen_;
+};
+
+}  // namespace
+
+FieldFile read_vdb(const FileView& file, const FieldRequest& request) { return {Reader(file, request).read(), {}}; }
+
+}  // namespace standoff

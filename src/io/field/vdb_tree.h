@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+// The tree of OpenVDB and NanoVDB: leaves of 8^3 samples, which are our tiles, in nodes of 16^3 of them, in nodes of
+// 32^3 of those, in a root without bounds. Within a node z is the fastest axis.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "standoff/field.h"
+#include "standoff/io.h"
+
+namespace standoff::vdb {
+
+inline constexpr int kLeafSide = 8, kLowerSide = 128, kUpperSide = 4096;  ///< in samples
+inline constexpr int kLeafLog = 3, kLowerLog = 4, kUpperLog = 5;          ///< of a node's children per axis
+
+/// A bit for each child or sample of a node of 2^log per axis.
+template <int log>
+struct Mask {
+  static constexpr std::size_t kBits = std::size_t{1} << 3 * log;
+  std::array<std::uint64_t, kBits / 64> words{};
+
+  bool operator[](std::size_t n) const { return words[n / 64] >> n % 64 & 1; }
+  void set(std::size_t n) { words[n / 64] |= std::uint64_t{1} << n % 64; }
+  std::size_t count() const {
+    std::size_t sum = 0;
+    for (const std::uint64_t word : words) sum += static_cast<std::size_t>(__builtin_popcountll(word));
+    return sum;
+  }
+  bool none() const {
+    for (const std::uint64_t word : words)
+      if (word != 0) return false;
+    return true;
+  }
+  std::span<const std::byte> bytes() const { return std::as_bytes(std::span(words)); }
+};
+
+/// The number of a child in its node.
+template <int log>
+constexpr std::size_t child_number(std::int64_t x, std::int64_t y, std::int64_t z) {
+  return static_cast<std::size_t>((x << 2 * log) + (y << log) + z);
+}
+/// The child's place in its node, in children.
+template <int log>
+constexpr Size3 child_place(std::size_t n) {
+  constexpr std::size_t kLast = (std::size_t{1} << log) - 1;
+  return {static_cast<std::int64_t>(n >> 2 * log), static_cast<std::int64_t>(n >> log & kLast),
+          static_cast<std::int64_t>(n & kLast)};
+}
+
+/// Sample n of a leaf is this sample of a tile, whose fastest axis is x.
+constexpr std::size_t tile_sample(std::size_t n) { return (n & 7) << 6 | (n & 0x38) | n >> 6; }
+
+/// A node whose children are nodes, or tiles that are inside; all else is outside.
+template <int log>
+struct Node {
+  Size3 at;  ///< its first sample
+  Mask<log> child, inside;
+  std::size_t first = 0, count = 0;  ///< its children among the nodes of the next level
+};
+
+/// The nodes that a field needs, level by level, each level in the order of the one above. What is inside throughout is
+/// one tile of the highest level it fills.
+struct Tree {
+  struct Leaf {
+    Size3 at;
+    std::int32_t slot;  ///< of the tile
+  };
+  std::vector<Size3> inside;  ///< tiles of the root
+  std::vector<Node<kUpperLog>> uppers;
+  std::vector<Node<kLowerLog>> lowers;
+  std::vector<Leaf> leaves;
+};
+Tree tree_of(const DistanceField& field);
+
+/// The values of a leaf, and which are in the band: nearer than the thickness.
+struct LeafValues {
+  std::array<float, 512> values;
+  Mask<kLeafLog> active, outside;                ///< those that are neither are inside
+  bool any_inside = false, any_outside = false;  ///< of those that are not active
+};
+/// `far` replaces the thickness, which may be infinite.
+LeafValues leaf_values(const DistanceField& field, const Tree::Leaf& leaf, float far);
+
+/// The value of what is not stored, in a file: the thickness, or a finite number beyond all values where it is
+/// infinite.
+float background_of(const DistanceField& field);
+/// Whether any sample is inside, or could be: the field has a sign.
+bool is_signed(const DistanceField& field);
+/// Throws Error{usage} unless all samples have indices of 32 bits.
+void check_indices(const DistanceField& field, const char* format);
+
+}  // namespace standoff::vdb

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+// VDB: OpenVDB's files, of version 224: a header, and one grid: its facts, its transform, the nodes of its tree from
+// the root down (topology), the values of the leaves (buffers). Inactive values are not written: they are + or
+// -background.
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "core/number_text.h"
+#include "io/field/format.h"
+#include "io/field/vdb_format.h"
+#include "io/field/vdb_leaves.h"
+#include "io/field/vdb_tree.h"
+
+namespace standoff {
+namespace {
+
+using namespace vdb;
+
+class Writer {
+ public:
+  Writer(AtomicFile& file, const DistanceField& field, int threads)
+      : file_(file), field_(field), threads_(threads), tree_(tree_of(field)), far_(background_of(field)) {}
+
+  void write() {
+    number(kMagic);
+    number(kVersion);
+    number(std::uint32_t{10});  // of the library whose files these are like
+    number(std::uint32_t{0});
+    number(std::uint8_t{1});  // positions follow the grid's names
+    raw(kNoId);
+    number(std::uint32_t{0});  // facts of the file
+    number(std::uint32_t{1});  // grids
+    text("distance");
+    text(kFloatTree);
+    text("");  // the grid whose tree it shares
+    const std::uint64_t positions = file_.size();
+    constexpr std::uint64_t kPositions = 3 * sizeof(std::uint64_t);
+    std::array<std::uint64_t, 3> at{positions + kPositions, 0, 0};
+    for (const std::uint64_t position : at) number(position);
+    const std::string front = facts();
+    raw(front);
+    topology();
+    at[1] = file_.size();
+    buffers();
+    at[2] = file_.size();
+    file_.overwrite(positions, at.data(), sizeof at);
+  }
+
+ private:
+  template <class Number>
+  void number(Number value) {
+    file_.write(&value, sizeof value);
+  }
+  void raw(std::string_view bytes) { file_.write(bytes.data(), bytes.size()); }
+  void raw(std::span<const std::byte> bytes) { file_.write(bytes.data(), bytes.size()); }
+  void text(std::string_view words) {
+    number(static_cast<std::uint32_t>(words.size()));
+    raw(words);
+  }
+
+  // Compression, metadata and transform.
+  std::string facts() const {
+    const Grid& grid = field_.grid();
+    FactWriter facts;
+    facts.text("class", is_signed(field_) ? "level set" : "unknown");
+    facts.text("name", "distance");
+    facts.text("creator", "standoff");
+    facts.flag("is_saved_as_half_float", false);
+    facts.numbers(
+        kSizeFact, "vec3i",
+        std::array<std::int32_t, 3>{static_cast<std::int32_t>(grid.size.x), static_cast<std::int32_t>(grid.size.y),
+                                    static_cast<std::int32_t>(grid.size.z)});
+    facts.numbers(kThicknessFact, "double", std::array<double, 1>{field_.thickness()});
+    facts.text(kMethodFact, field_.provenance().method);
+    facts.text(kHashFact, hash_text(field_.provenance().mesh_hash));
+    facts.text(kVersionFact, field_.provenance().version);
+    facts.text(kSignFact, field_.provenance().sign);
+    return facts.grid_front(grid.origin, grid.spacing);
+  }
+
+  // Values that are not active are one of two: what a leaf or a tile has inside, and the background.
+  static ValuesKind kind_of(bool any_inside, bool any_outside) {
+    if (!any_inside) return ValuesKind::background;
+    return any_outside ? ValuesKind::background_or_negative : ValuesKind::negative;
+  }
+
+  template <int log>
+  void node_front(const Node<log>& node) {
+    raw(node.child.bytes());
+    raw(Mask<log>().bytes());  // no tile is active
+    Mask<log> outside;
+    for (std::size_t n = 0; n < outside.words.size(); ++n)
+      outside.words[n] = ~(node.inside.words[n] | node.child.words[n]);
+    const ValuesKind kind = kind_of(!node.inside.none(), !outside.none());
+    number(kind);
+    if (kind == ValuesKind::background_or_negative) raw(outside.bytes());
+  }
+
+  void coordinates(const Size3& at) {
+    number(std::array<std::int32_t, 3>{static_cast<std::int32_t>(at.x), static_cast<std::int32_t>(at.y),
+                                       static_cast<std::int32_t>(at.z)});
+  }
+
+  void topology() {
+    std::vector<Mask<kLeafLog>> active(tree_.leaves.size());
+    each_leaf(tree_, threads_, [&](std::size_t n) { active[n] = leaf_values(field_, tree_.leaves[n], far_).active; });
+    number(std::uint32_t{1});  // buffers of each leaf
+    number(far_);
+    number(static_cast<std::uint32_t>(tree_.inside.size()));
+    number(static_cast<std::uint32_t>(tree_.uppers.size()));
+    for (const Size3& at : tree_.inside) {
+      coordinates(at);
+      number(-far_);
+      number(std::uint8_t{0});
+    }
+    for (const auto& upper : tree_.uppers) {
+      coordinates(upper.at);
+      node_front(upper);
+      for (std::size_t n = upper.first; n < upper.first + upper.count; ++n) {
+        const auto& lower = tree_.lowers[n];
+        node_front(lower);
+        for (std::size_t leaf = lower.first; leaf < lower.first + lower.count; ++leaf) raw(active[leaf].bytes());
+      }
+    }
+  }
+
+  void buffers() {
+    constexpr std::size_t kMaskBytes = sizeof(Mask<kLeafLog>), kMost = 2 * kMaskBytes + 1 + 512 * sizeof(float);
+    write_leaves(file_, tree_, threads_, kMost, [&](std::size_t leaf, char* const to) {
+      const LeafValues found = leaf_values(field_, tree_.leaves[leaf], far_);
+      char* at = to;
+      const auto add = [&](const auto& value) {
+        std::memcpy(at, &value, sizeof value);
+        at += sizeof value;
+      };
+      const ValuesKind kind = kind_of(found.any_inside, found.any_outside);
+      add(found.active.words);
+      add(kind);
+      if (kind == ValuesKind::background_or_negative) add(found.outside.words);
+      for (std::size_t n = 0; n < 512; ++n)
+        if (found.active[n]) add(found.values[n]);
+      return static_cast<std::size_t>(at - to);
+    });
+  }
+
+  AtomicFile& file_;
+  const DistanceField& field_;
+  const int threads_;
+  const Tree tree_;
+  const float far_;
+};
+
+}  // namespace
+
+void write_vdb(AtomicFile& file, const DistanceField& field, const FieldWriteOptions& options) {
+  vdb::check_indices(field, "vdb");
+  Writer(file, field, options.threads).write();
+}
+
+}  // namespace standoff
