@@ -275,6 +275,10 @@ TEST(RefusedMemory, Files) {
   const CollisionModel body(kMesh, {.execution = {.threads = 1}});
   expect_limit_error("save", [&] { body.save(body_path); });
   expect_limit_error("load", [&] { CollisionModel::load(body_path); });
+  const auto query_path = folder / "a.query";
+  const MeshQuery query(kMesh, {.execution = {.threads = 1}});
+  expect_limit_error("write_query", [&] { write_query(query_path, query); });
+  expect_limit_error("read_query", [&] { read_query(query_path); });
   expect_limit_error("write_text", [&] { write_text(text, "some"); });
   expect_limit_error("read_text", [&] { read_text(text); });
   const auto flight = folder / "a.csv";
