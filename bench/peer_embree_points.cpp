@@ -8,6 +8,7 @@
 #include <iostream>
 
 #include "embree_mesh.h"
+#include "measure.h"
 #include "point_workload.h"
 
 namespace {

@@ -2,15 +2,11 @@
 #include "point_workload.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <ctime>
-#include <fstream>
 #include <map>
 #include <random>
-#include <stdexcept>
 
-#include "measure.h"
+#include "raw.h"
 #include "scenes/scenes.h"
 #include "standoff/io.h"
 
@@ -41,13 +37,6 @@ class Random {
 double area(const Mesh& mesh, const Triangle& t) {
   const Vec3 a = mesh.vertices[t[0]];
   return 0.5 * length(cross(mesh.vertices[t[1]] - a, mesh.vertices[t[2]] - a));
-}
-
-template <class T>
-void write_raw(const std::filesystem::path& path, const T* values, std::size_t count) {
-  std::ofstream file(path, std::ios::binary);
-  file.write(reinterpret_cast<const char*>(values), static_cast<std::streamsize>(count * sizeof(T)));
-  if (!file) throw std::runtime_error("cannot write " + path.string());
 }
 
 }  // namespace
@@ -109,31 +98,10 @@ PointWorkload PointOptions::make() const {
   work.repeats = repeats_;
   work.answers = answers_;
   if (!save_.empty()) {
-    const std::filesystem::path folder = save_;
-    std::filesystem::create_directories(folder);
-    write_raw(folder / "vertices.f64", work.mesh.vertices.data(), work.mesh.vertices.size());
-    write_raw(folder / "triangles.u32", work.mesh.triangles.data(), work.mesh.triangles.size());
-    write_raw(folder / "points.f64", work.points.data(), work.points.size());
+    save_mesh(save_, work.mesh);
+    write_raw(std::filesystem::path(save_) / "points.f64", work.points.data(), work.points.size());
   }
   return work;
-}
-
-double Clock::wall() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-double Clock::processor() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
-
-void measure_calls(int repeats, const std::string& name, nlohmann::json& line, const std::function<void()>& job) {
-  std::vector<double> on_wall, of_processor;
-  for (int call = 0; call < repeats; ++call) {
-    const Clock clock;
-    job();
-    on_wall.push_back(clock.wall_since());
-    of_processor.push_back(clock.processor_since());
-  }
-  line[name + "_s"] = median(on_wall);
-  line[name + "_cpu_s"] = median(of_processor);
 }
 
 }  // namespace standoff::bench

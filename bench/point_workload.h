@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -54,20 +53,5 @@ class PointOptions {
   PointSet set_ = PointSet::box;
   int threads_ = 2, repeats_ = 5;
 };
-
-/// Seconds on the wall, and of all processors for this process.
-struct Clock {
-  static double wall();
-  static double processor();
-  /// The seconds since it was made.
-  double wall_since() const { return wall() - wall_; }
-  double processor_since() const { return processor() - processor_; }
-
- private:
-  double wall_ = wall(), processor_ = processor();
-};
-
-/// The medians of several calls of `job`, under NAME_s and NAME_cpu_s.
-void measure_calls(int repeats, const std::string& name, nlohmann::json& line, const std::function<void()>& job);
 
 }  // namespace standoff::bench
