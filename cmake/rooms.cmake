@@ -2,6 +2,6 @@
 # The files below src of the components that tests/gpu_check builds too, on machines where the rest of standoff is not built.
 # One list for both: a folder that the library needs is then never missing there.
 set(STANDOFF_GROUND_FILES core/*.cpp files/*.cpp geometry/*.cpp)
-set(STANDOFF_FIELD_FILES sign/*.cpp sign/*/*.cpp field/*.cpp field/cpu/*.cpp field/cuda/*.cpp thesis/*.cpp
+set(STANDOFF_FIELD_FILES sign/*.cpp sign/*/*.cpp field/*.cpp field/cpu/*.cpp field/cuda/*.cpp points/*.cpp points/cpu/*.cpp thesis/*.cpp
     backends/fields.cpp backends/skip_rules.cpp)
 set(STANDOFF_COLLISION_FILES collision/*.cpp collision/body/*.cpp collision/cpu/*.cpp thesis/algorithm_2*.cpp backends/collision.cpp)

@@ -1,38 +1,86 @@
 // SPDX-License-Identifier: Apache-2.0
-// Closest points: the point of a mesh nearest to each given point (docs/points.md).
-//
-// The interface is final. The search is the one that verify() uses: it is exact, and fast enough for thousands of
-// points, but not for millions. For many points close together, a field (standoff/compute.h) is faster.
+// Exact answers at arbitrary points: distance, closest point, inside or outside, winding number (docs/points.md).
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "standoff/execution.h"
 #include "standoff/export.h"
+#include "standoff/feature.h"
 #include "standoff/mesh.h"
+#include "standoff/progress.h"
+#include "standoff/sign.h"
 #include "standoff/vec.h"
 
 namespace standoff {
 
-/// The point of a mesh's surface that is nearest to a query point. A sign may be added in a later version.
+/// The point of a mesh's surface that is nearest to a query point.
 struct ClosestPoint {
-  double distance = std::numeric_limits<double>::infinity();  ///< from the query point to `point`, world units
-  Vec3 point;                                                 ///< on the surface
+  /// From the query point to `point`, world units; negative inside if the query has a sign.
+  double distance = std::numeric_limits<double>::infinity();
+  Vec3 point;                            ///< on the surface
   std::uint32_t triangle = kNoTriangle;  ///< the triangle that contains `point`; the lowest index on ties
+  Feature feature = Feature::face;       ///< what part of the triangle `point` lies on
   /// Barycentric coordinates of `point`, in the order of the triangle's corners; each from 0 to 1, with sum 1 up to
   /// rounding.
   std::array<double, 3> weights = {};
 };
 
-/// The closest point for each of `points`, in this order. The result has the same bits for any number of threads. All
-/// arithmetic is in double precision; the error of the distance is a few 1e-16 of the extent of point and triangle
-/// together. Runs on the CPU. The time is proportional to points * (triangles / 32).
-/// Errors: input (mesh), usage (execution; a point that is not finite), limit (a coordinate of mesh or points beyond
-/// kMaxCoordinate; memory).
+struct MeshQueryOptions {
+  /// How inside is decided. By default it is not, and distances are positive. SignMethod::flood needs a grid and is an
+  /// error; `outer` and `shell` are as in compute().
+  SignOptions sign = {};
+  Execution execution = {};  ///< where the query is built
+};
+
+/// A mesh, prepared for questions at arbitrary points. Building takes about as long as reading the mesh; each answer is
+/// then found in logarithmic time, and many points that are asked together share most of it. Answers are exact: the
+/// nearest triangle is the one that a comparison with every triangle in double precision finds, of equally near ones
+/// that of lowest index, and the error of the distance is a few 1e-16 of the extent of point and triangle together.
+/// They have the same bits for any number of threads, any instruction set, any backend, and any order or batch of
+/// points. Calls of const members may run at the same time. Moves are cheap; copies share the prepared mesh.
+class STANDOFF_API MeshQuery {
+ public:
+  /// Copies the mesh. Errors: input (mesh; a sign method that does not fit it), doubt (`strict`), usage (options),
+  /// limit (a coordinate beyond kMaxCoordinate; memory).
+  explicit MeshQuery(MeshView mesh, const MeshQueryOptions& options = {});
+
+  MeshView mesh() const;
+  /// How inside is decided; its method is `none` if distances have no sign.
+  const SignReport& sign() const;
+  /// What this takes, bytes.
+  std::int64_t memory_bytes() const;
+
+  /// out[n] is the distance of points[n], world units, negative inside if there is a sign. Errors: usage (a point that
+  /// is not finite; lengths that differ; execution), limit (a coordinate beyond kMaxCoordinate; memory), interrupted;
+  /// `out` is then unspecified.
+  void distances(std::span<const Vec3> points, std::span<double> out, const Execution& execution = {},
+                 const ProgressCallback& progress = {}) const;
+  /// The same with the closest point, its triangle, feature and weights.
+  void closest(std::span<const Vec3> points, std::span<ClosestPoint> out, const Execution& execution = {},
+               const ProgressCallback& progress = {}) const;
+  /// The generalised winding number of the mesh, in the orientation that the sign was decided with, at each point: an
+  /// integer if the mesh is closed. On the surface it is that of one of the sides. Errors: as above.
+  void winding_numbers(std::span<const Vec3> points, std::span<double> out, const Execution& execution = {},
+                       const ProgressCallback& progress = {}) const;
+  /// The unit gradient of the distance at a point whose answer is `at`: away from the surface, or, if there is a sign,
+  /// towards the outside. Where several triangles are nearest it is that of at.triangle; on the surface it is the
+  /// normal of that triangle, in the orientation of the sign. Errors: usage (a triangle that the mesh does not have).
+  Vec3 gradient(Vec3 point, const ClosestPoint& at) const;
+
+  struct Data;
+
+ private:
+  std::shared_ptr<const Data> data_;
+};
+
+/// The closest point for each of `points`, in this order, without a sign: a MeshQuery for a single call. Errors: as
+/// MeshQuery and closest().
 STANDOFF_API std::vector<ClosestPoint> closest_points(MeshView mesh, std::span<const Vec3> points,
                                                       const Execution& execution = {});
 

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 
-#include "geometry/closest_point.h"
+#include "geometry/triangle_distance.h"
 #include "geometry/morton.h"
 #include "geometry/triangle_box.h"
 
@@ -101,7 +101,7 @@ void TriangleGroups::look_at(std::size_t g, Vec3 p, Found& best) const {
 double TriangleGroups::triangle_distance_sq(Vec3 p, std::uint32_t t) const {
   // Relative to the sample, so that a mesh far from the origin loses nothing.
   const auto [a, b, c] = mesh_.corners(t);
-  return closest_distance_sq(Triple<double>{0, 0, 0}, triple_of(a - p), triple_of(b - p), triple_of(c - p));
+  return origin_distance_sq(triple_of(a - p), triple_of(b - p), triple_of(c - p));
 }
 
 }  // namespace standoff

@@ -8,7 +8,7 @@
 // Degenerate triangles: the face is only taken when all three barycentric coordinates are positive, which no triangle
 // without area gives except by rounding; then the point is still one of the triangle. Distances measured to the result
 // are therefore never too small (up to rounding). They are at most too large by the width of the triangle where that is
-// lost in rounding: take the smallest of this and of the distances to the three edges where that counts.
+// lost in rounding; triangle_distance.h measures them too.
 #pragma once
 
 #include "geometry/triple.h"
@@ -55,15 +55,6 @@ STANDOFF_HD Triple<F> closest_on_triangle(const Triple<F>& p, const Triple<F>& a
   const F sum = va + vb + vc;
   if (!(va > zero && vb > zero && vc > zero) || !(sum > zero)) return closest_on_segment(p, a, b);
   return a + ab * (vb / sum) + ac * (vc / sum);
-}
-
-/// The squared distance from p to the triangle abc, accurate for slivers, segments and points as well.
-template <class F>
-STANDOFF_HD F closest_distance_sq(const Triple<F>& p, const Triple<F>& a, const Triple<F>& b, const Triple<F>& c) {
-  const auto to = [&p](const Triple<F>& q) { return dot(q - p, q - p); };
-  const F edges =
-      min(to(closest_on_segment(p, a, b)), min(to(closest_on_segment(p, b, c)), to(closest_on_segment(p, c, a))));
-  return min(edges, to(closest_on_triangle(p, a, b, c)));
 }
 
 }  // namespace standoff

@@ -62,6 +62,9 @@ struct WideDouble {
   }
 };
 
+STANDOFF_INLINE WideDouble fma(WideDouble a, WideDouble b, WideDouble c) {
+  return {_mm256_fmadd_pd(a.lo, b.lo, c.lo), _mm256_fmadd_pd(a.hi, b.hi, c.hi)};
+}
 STANDOFF_INLINE WideDouble min(WideDouble a, WideDouble b) {
   return {_mm256_min_pd(a.lo, b.lo), _mm256_min_pd(a.hi, b.hi)};
 }

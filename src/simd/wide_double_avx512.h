@@ -45,6 +45,7 @@ struct WideDouble {
 };
 
 // As those of geometry/scalar.h, lane by lane.
+STANDOFF_INLINE WideDouble fma(WideDouble a, WideDouble b, WideDouble c) { return _mm512_fmadd_pd(a.v, b.v, c.v); }
 STANDOFF_INLINE WideDouble min(WideDouble a, WideDouble b) { return _mm512_min_pd(a.v, b.v); }
 STANDOFF_INLINE WideDouble max(WideDouble a, WideDouble b) { return _mm512_max_pd(a.v, b.v); }
 STANDOFF_INLINE WideDouble sqrt(WideDouble a) { return _mm512_sqrt_pd(a.v); }

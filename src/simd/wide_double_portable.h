@@ -78,6 +78,12 @@ struct WideDouble {
   }
 };
 
+STANDOFF_INLINE WideDouble fma(const WideDouble& a, const WideDouble& b, const WideDouble& c) {
+  return by_double_parts<WideDouble>(STANDOFF_LANES {
+    return Doubles{standoff::fma(a.v[part][0], b.v[part][0], c.v[part][0]),
+                   standoff::fma(a.v[part][1], b.v[part][1], c.v[part][1])};
+  });
+}
 STANDOFF_INLINE WideDouble min(const WideDouble& a, const WideDouble& b) {
   return by_double_parts<WideDouble>(STANDOFF_LANES { return a.v[part] < b.v[part] ? a.v[part] : b.v[part]; });
 }

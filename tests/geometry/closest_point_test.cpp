@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "geometry/closest_point.h"
 #include "geometry/corners.h"
+#include "geometry/triangle_distance.h"
 
 #include <gtest/gtest.h>
 
@@ -20,7 +21,7 @@ using Point = Triple<double>;
 Point point(Vec3 v) { return {v.x, v.y, v.z}; }
 
 double distance(Vec3 p, const Corners& t) {
-  return std::sqrt(closest_distance_sq(point(p), point(t[0]), point(t[1]), point(t[2])));
+  return std::sqrt(origin_distance_sq(point(t[0] - p), point(t[1] - p), point(t[2] - p)));
 }
 
 // The same distance in quadruple precision and another way: the nearest of the face's plane, where the foot lies

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "geometry/closest_point.h"
+#include "geometry/triangle_distance.h"
 #include "standoff/mesh.h"
 
 namespace standoff::testing {
@@ -18,7 +18,7 @@ inline double triangle_distance(MeshView mesh, std::size_t triangle, Vec3 p) {
     const Vec3 v = mesh.corner(triangle, k) - p;
     return Triple<double>{v.x, v.y, v.z};
   };
-  return std::sqrt(closest_distance_sq(Triple<double>{0, 0, 0}, corner(0), corner(1), corner(2)));
+  return std::sqrt(origin_distance_sq(corner(0), corner(1), corner(2)));
 }
 
 /// The distance from p to the mesh.

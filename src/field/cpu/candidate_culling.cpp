@@ -67,8 +67,8 @@ std::int64_t CandidateCulling::bytes(std::int64_t triangles, const BlockLattice&
          threads * CandidateLists::bytes(levels_of(lattice), list_capacity(Clusters::entries_of(triangles)));
 }
 
-CandidateLists CandidateCulling::make_lists() const {
-  return {levels_of(lattice_), list_capacity(clusters_.entries())};
+CandidateLists CandidateCulling::make_lists(int level_count) const {
+  return {level_count, list_capacity(clusters_.entries())};
 }
 
 // Centre and half extents in grid units, relative to the grid's centre. The half extents are rounded up.

@@ -79,10 +79,14 @@ class CandidateCulling {
   /// Bytes that it and the lists of so many threads may hold, whatever the triangles.
   static std::int64_t bytes(std::int64_t triangles, const BlockLattice& lattice, int threads);
 
-  CandidateLists make_lists() const;
+  /// For cells within cells, so many.
+  CandidateLists make_lists(int level_count) const;
   CellTarget target(const Cell& cell, const References& near) const;
   /// The mesh index of an entry that is a triangle.
   std::uint32_t triangle(std::uint32_t entry) const { return clusters_.triangle(entry); }
+  const Clusters& clusters() const { return clusters_; }
+  /// The largest packs, which hold all others.
+  const BoxArrays& roots() const { return roots_.arrays(); }
 
   /// The candidates of a cell of a level, 0 being the whole grid. Requires that its parent was entered before.
   const CellCandidates& enter(int level, const Cell& cell, const References& near, CandidateLists& lists) const;

@@ -26,7 +26,7 @@ class ThickBand {
  public:
   ThickBand(const Job& job, const BlockLattice& lattice, const Kernels& kernels, Sink& sink)
       : job_(job), lattice_(lattice), kernels_(kernels), sink_(sink), culling_(job, lattice, kernels), threads_([this] {
-          return std::make_unique<ThreadState>(culling_.make_lists());
+          return std::make_unique<ThreadState>(culling_.make_lists(levels_of(lattice_)));
         }) {}
 
   Counts run() {

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "geometry/closest_point.h"
+#include "geometry/triangle_distance.h"
 #include "geometry/triangle_box.h"
 #include "sign/diagnosis/along_curve.h"
 
@@ -28,7 +28,7 @@ std::vector<Box> boxes_of_runs(MeshView mesh, std::span<const std::uint32_t> ord
 
 // Relative to the point, so that a place far from the origin loses nothing.
 double distance_sq_of(const std::array<Vec3, 3>& t, const Vec3& p) {
-  return closest_distance_sq(Triple<double>{0, 0, 0}, triple_of(t[0] - p), triple_of(t[1] - p), triple_of(t[2] - p));
+  return origin_distance_sq(triple_of(t[0] - p), triple_of(t[1] - p), triple_of(t[2] - p));
 }
 
 }  // namespace

@@ -122,10 +122,9 @@ double OpenWinding::winding_number(std::int64_t i, std::int64_t j, std::int64_t 
   windings.for_each(static_cast<int>(j % kSide + kSide * (k % kSide)), i, i + 1,
                     [&](std::int64_t, std::int64_t, std::int32_t n) { winding = n; });
   NodeStack stack(tree_);
-  const OpenMesh mesh{grid_, rule_, rims_, tree_};
   const Vec3 p = grid_.position(i, j, k);
   for (double tolerance = kFieldTolerance / 16;; tolerance = tolerance > error / 1024 ? tolerance / 16 : 0) {
-    const Interval sum = cap_sum_at(mesh, p, error > 0 ? tolerance : 0, stack);
+    const Interval sum = cap_sum_at(rims_, tree_, p, error > 0 ? tolerance : 0, stack);
     if (error == 0 || tolerance == 0 || sum.error <= error) return winding + sum.value;
   }
 }

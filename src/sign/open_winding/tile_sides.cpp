@@ -23,26 +23,7 @@ constexpr int kFew = 4;
 
 Rim rim_of(const OpenMesh& mesh, std::int32_t node) { return mesh.rims[static_cast<std::size_t>(mesh.tree[node].rim)]; }
 
-Interval add_angles(const OpenMesh& mesh, const Vec3& p, const NodeStack& stack, NodeStack::Part leaves, Interval sum) {
-  for (std::size_t n = leaves.begin; n < leaves.end; ++n) {
-    const CapAngle angle = cap_angle(rim_of(mesh, stack[n]), p);
-    sum.value += angle.value;
-    sum.error += angle.error;
-  }
-  return sum;
-}
-
 }  // namespace
-
-Interval cap_sum_at(const OpenMesh& mesh, const Vec3& p, double tolerance, NodeStack& stack) {
-  const std::size_t size = stack.size();
-  LinearField far;
-  far.center = p;
-  const NodeStack::Part near = stack.add_far(stack.root(), {p, {}, 0}, tolerance, 0, far);
-  const Interval sum = add_angles(mesh, p, stack, near, {far.value, far.error});
-  stack.resize(size);
-  return sum;
-}
 
 std::int64_t TileSides::decide(const SampleBox& tile, const RowWindings& windings, bool smooth, NodeStack::Part nodes,
                                const LinearField& far, std::span<std::uint8_t, InsideRows::kRows> inside) {
@@ -147,7 +128,7 @@ void TileSides::continue_across_caps(const SampleBox& box, NodeStack::Part nodes
   const std::int64_t i = (box.begin[0] + box.end[0]) / 2, j = (box.begin[1] + box.end[1]) / 2,
                      k = (box.begin[2] + box.end[2]) / 2;
   const Vec3 p = mesh_.grid.position(i, j, k);
-  const Interval angles = add_angles(mesh_, p, stack_, nodes, {far.at(p), far.error});
+  const Interval angles = add_angles(mesh_.rims, mesh_.tree, p, stack_, nodes, {far.at(p), far.error});
   const double winding = windings_[kSide * row_of(j, k) + bit_of(i)] + angles.value;
   field.value += std::nearbyint(winding - field.at(p));
 }
@@ -193,11 +174,11 @@ void TileSides::decide_one_by_one(const SampleBox& box, NodeStack::Part nodes, c
     const unsigned x = bit_of(i);
     const double winding = windings_[kSide * row + x];
     const Vec3 p = mesh_.grid.position(i, j, k);
-    Interval angles = add_angles(mesh_, p, stack_, nodes, {far.at(p), far.error});
+    Interval angles = add_angles(mesh_.rims, mesh_.tree, p, stack_, nodes, {far.at(p), far.error});
     for (double tolerance = kFieldTolerance / 64;
          !decide_sample(row, x, winding + angles.value, angles.error + kRounding);
          tolerance = tolerance > 1e-9 ? tolerance / 64 : 0) {
-      angles = cap_sum_at(mesh_, p, tolerance, stack_);
+      angles = cap_sum_at(mesh_.rims, mesh_.tree, p, tolerance, stack_);
       // What is left then is rounding: the value decides.
       if (tolerance == 0) angles.error = -kRounding;
     }

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "sign/inside_rows.h"
+#include "sign/open_winding/cap_sum.h"
 #include "sign/open_winding/cells.h"
 #include "sign/open_winding/node_stack.h"
 #include "sign/open_winding/row_windings.h"
@@ -24,15 +25,6 @@ struct OpenMesh {
   const Rims& rims;
   const RimTree& tree;
 };
-
-/// A part of the winding number, and how far it may be off.
-struct Interval {
-  double value, error;
-};
-
-/// What all caps add to the winding number at a sample. Fields of far caps are used where they are known to
-/// `tolerance`; with 0, only rounding is left.
-Interval cap_sum_at(const OpenMesh& mesh, const Vec3& p, double tolerance, NodeStack& stack);
 
 class TileSides {
  public:

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "collision/cpu/kernels.h"
-#include "geometry/closest_point.h"
+#include "geometry/triangle_distance.h"
 #include "geometry/penetration.h"
 #include "geometry/triangle_pair.h"
 #include "standoff/pose.h"
@@ -163,7 +163,7 @@ double distance_by_projections(const Corners& p, const Corners& q) {
 
 double distance_from(const Vec3& point, const Corners& t) {
   const auto triple = [](const Vec3& v) { return Triple<double>{v.x, v.y, v.z}; };
-  return std::sqrt(closest_distance_sq(triple(point), triple(t[0]), triple(t[1]), triple(t[2])));
+  return std::sqrt(origin_distance_sq(triple(t[0] - point), triple(t[1] - point), triple(t[2] - point)));
 }
 
 TEST(PairKernels, ClosestPointsAreOnTheTrianglesAndNoOthersAreCloser) {

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// The inner loops of queries at points, compiled once per instruction set (kernels_*.cpp) and chosen at run time. All
+// sets give the same bits.
+#pragma once
+
+#include "field/cpu/box_arrays.h"
+#include "points/cpu/point_group.h"
+#include "standoff/execution.h"
+
+namespace standoff::cpu {
+
+struct PointKernels {
+  /// Lowers nearest_sq and nearest of all points of the group to the nearest of the candidates.
+  void (*look_at)(const PointCandidates&, PointGroup&, PointTable&);
+  /// Bits of the boxes of a pack that the ray from a point towards -x meets.
+  std::uint32_t (*boxes_before)(const PackContents&, const float (&point)[3]);
+};
+
+/// The kernels for an instruction set; the best one there is for Simd::automatic. Throws Error{usage} where the
+/// processor does not have the set.
+const PointKernels& point_kernels_for(Simd simd);
+
+}  // namespace standoff::cpu

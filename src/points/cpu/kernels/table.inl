@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+// The table of the kernels of queries at points for this file's instruction set.
+#pragma once
+
+#include "points/cpu/kernels/boxes_before.inl"
+#include "points/cpu/kernels/look_at.inl"
+
+namespace standoff::cpu::STANDOFF_TARGET {
+
+extern const PointKernels kPointKernels;
+const PointKernels kPointKernels{.look_at = look_at, .boxes_before = boxes_before};
+
+}  // namespace standoff::cpu::STANDOFF_TARGET

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "core/execution.h"
+#include "core/guarded.h"
+#include "core/mesh_copy.h"
+#include "core/number_text.h"
+#include "core/threads.h"
+#include "geometry/triangle_frame.h"
+#include "points/closest_in_triangle.h"
+#include "points/nearest.h"
+#include "points/query_data.h"
+#include "sign/options.h"
+#include "sign/outer/outer.h"
+#include "standoff/error.h"
+
+namespace standoff {
+namespace {
+
+void check(MeshView mesh, const MeshQueryOptions& options) {
+  validate("points", options.execution, Runs::on_the_cpu);
+  validate(options.sign);
+  if (options.sign.method == SignMethod::flood)
+    throw Error(ErrorCode::usage,
+                "points: the sign method flood needs a grid; compute a field, or take another sign method");
+  validate(mesh);
+  const Box box = bounds(mesh);
+  if (!(std::max(max_norm(box.min), max_norm(box.max)) <= kMaxCoordinate))
+    throw Error(ErrorCode::limit, "points: the mesh reaches beyond " + number_text(kMaxCoordinate) + "; scale it down");
+}
+
+void check(std::span<const Vec3> points, std::size_t answers) {
+  if (points.size() != answers)
+    throw Error(ErrorCode::usage, "points: there is memory for " + std::to_string(answers) +
+                                      " answers, but there are " + std::to_string(points.size()) +
+                                      " points; they must be as many");
+  for (std::size_t n = 0; n < points.size(); ++n) {
+    if (!is_finite(points[n]))
+      throw Error(ErrorCode::usage, "points: point " + std::to_string(n) + " is not finite; leave it out");
+    if (!(max_norm(points[n]) <= kMaxCoordinate))
+      throw Error(ErrorCode::limit, "points: point " + std::to_string(n) + " lies beyond " +
+                                        number_text(kMaxCoordinate) + "; scale it down");
+  }
+}
+
+SignPlan plan_of(MeshView mesh, const SignOptions& options) {
+  SignPlan plan = plan_sign(mesh, options);
+  if (options.outer) plan_outer(mesh, options, plan);
+  if (plan.report.method != SignMethod::flood) return plan;
+  plan.report.method = SignMethod::none;  // found by the diagnosis
+  plan.report.sure = false;
+  plan.report.why += "; that needs the grid of a field, so distances at points have no sign";
+  expect_sure(plan, options);
+  return plan;
+}
+
+// Points that are decided together, by one thread.
+constexpr std::size_t kTogether = 1024;
+
+// Calls answer(n, nearest triangle, distance with its sign) for each point, from many threads.
+template <class Answer>
+void answer_all(const MeshQuery::Data& data, std::span<const Vec3> points, const Execution& execution,
+                const ProgressCallback& callback, const Answer& answer) {
+  ProgressMeter progress(callback);
+  progress.stage("points", static_cast<std::int64_t>(points.size()), 0, 1);
+  const cpu::PointKernels& kernels = cpu::point_kernels_for(execution.simd);
+  const TriangleIndex& index = data.near();
+  Threads(execution.threads).run([&] {
+    std::vector<NearestTriangle> nearest(std::min(kMostPoints, points.size()));
+    std::vector<std::uint32_t> order;
+    for (std::size_t first = 0; first < points.size(); first += kMostPoints) {
+      const std::span<const Vec3> part = points.subspan(first, std::min(kMostPoints, points.size() - first));
+      find_nearest(index, kernels, part, std::span(nearest).first(part.size()), order, progress);
+      tbb::parallel_for(tbb::blocked_range<std::size_t>(0, part.size(), kTogether), [&](const auto& range) {
+        std::array<PointToSide, kTogether> to_side;
+        std::array<bool, kTogether> inside;
+        for (std::size_t begin = range.begin(); begin < range.end(); begin += kTogether) {
+          const std::size_t count = std::min(kTogether, range.end() - begin);
+          for (std::size_t n = 0; n < count; ++n) {
+            const std::size_t point = order[begin + n];
+            to_side[n] = {part[point], nearest[point].distance, nearest[point].triangle};
+          }
+          if (data.sides)
+            data.sides->decide(std::span(to_side).first(count), kernels, std::span(inside).first(count));
+          else
+            inside.fill(false);
+          for (std::size_t n = 0; n < count; ++n) {
+            const bool negative = data.plan.has_sign() && inside[n] != data.sign.invert && data.sides;
+            double distance = to_side[n].free_radius;
+            if (data.plan.report.method == SignMethod::shell) {
+              distance -= data.sign.shell / 2;
+              if (data.sign.invert) distance = 0 - distance;
+            }
+            answer(first + order[begin + n], to_side[n].triangle, negative && distance != 0 ? -distance : distance);
+          }
+        }
+      });
+    }
+  });
+}
+
+}  // namespace
+
+MeshQuery::Data::Data(MeshView view, const MeshQueryOptions& options) : mesh(copy_of(view)), sign(options.sign) {
+  Threads threads(options.execution.threads);
+  threads.run([&] {
+    const Simd simd = options.execution.simd;
+    plan = plan_of(mesh, sign);
+    all.emplace(mesh, std::span<const std::uint32_t>{}, threads.count(), simd);
+    if (!plan.exposed.empty()) exposed.emplace(mesh, plan.exposed, threads.count(), simd);
+    sides = make_sides_of_points({mesh, plan.use}, *all, plan, sign.rule, threads.count(), simd);
+  });
+}
+
+MeshQuery::MeshQuery(MeshView mesh, const MeshQueryOptions& options) try {
+  check(mesh, options);
+  data_ = std::make_shared<const Data>(mesh, options);
+} catch (...) {
+  throw_as_error("points");
+}
+
+MeshView MeshQuery::mesh() const { return data_->mesh; }
+const SignReport& MeshQuery::sign() const { return data_->plan.report; }
+
+std::int64_t MeshQuery::memory_bytes() const {
+  const Data& data = *data_;
+  return static_cast<std::int64_t>(data.mesh.vertices.capacity() * sizeof(Vec3) +
+                                   data.mesh.triangles.capacity() * sizeof(Triangle) + data.plan.use.capacity() +
+                                   data.plan.boundary.edges.capacity() * sizeof(BoundaryEdge)) +
+         data.all->memory_bytes() + (data.exposed ? data.exposed->memory_bytes() : 0) +
+         (data.sides ? data.sides->memory_bytes() : 0);
+}
+
+void MeshQuery::distances(std::span<const Vec3> points, std::span<double> out, const Execution& execution,
+                          const ProgressCallback& progress) const try {
+  validate("points", execution, Runs::on_the_cpu);
+  check(points, out.size());
+  answer_all(*data_, points, execution, progress,
+             [&](std::size_t n, std::uint32_t, double distance) { out[n] = distance; });
+} catch (...) {
+  throw_as_error("points", "ask about fewer points at once, or provide more memory");
+}
+
+void MeshQuery::closest(std::span<const Vec3> points, std::span<ClosestPoint> out, const Execution& execution,
+                        const ProgressCallback& progress) const try {
+  validate("points", execution, Runs::on_the_cpu);
+  check(points, out.size());
+  answer_all(*data_, points, execution, progress, [&](std::size_t n, std::uint32_t triangle, double distance) {
+    const double scale = data_->near().scale_at(points[n]);
+    const MeshView mesh = data_->mesh;
+    const auto corner = [&](int k) { return triple_of((mesh.corner(triangle, k) - points[n]) * scale); };
+    ClosestPoint at = closest_in_triangle({corner(0), corner(1), corner(2)});
+    at.point = at.point * (1 / scale) + points[n];
+    at.distance = distance;
+    at.triangle = triangle;
+    out[n] = at;
+  });
+} catch (...) {
+  throw_as_error("points", "ask about fewer points at once, or provide more memory");
+}
+
+void MeshQuery::winding_numbers(std::span<const Vec3> points, std::span<double> out, const Execution& execution,
+                                const ProgressCallback& callback) const try {
+  validate("points", execution, Runs::on_the_cpu);
+  check(points, out.size());
+  if (data_->plan.report.method != SignMethod::winding)
+    throw Error(ErrorCode::usage,
+                "points: winding numbers are known to queries whose sign method is winding; choose it");
+  ProgressMeter progress(callback);
+  progress.stage("points", static_cast<std::int64_t>(points.size()), 0, 1);
+  const cpu::PointKernels& kernels = cpu::point_kernels_for(execution.simd);
+  Threads(execution.threads).run([&] {
+    tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t n) {
+      out[n] = data_->sides->winding_number(points[n], kernels);
+      progress.advance();
+    });
+  });
+} catch (...) {
+  throw_as_error("points", "ask about fewer points at once, or provide more memory");
+}
+
+Vec3 MeshQuery::gradient(Vec3 point, const ClosestPoint& at) const try {
+  const MeshView mesh = data_->mesh;
+  if (at.triangle >= mesh.triangles.size())
+    throw Error(ErrorCode::usage,
+                "points: the mesh has no triangle " + std::to_string(at.triangle) + "; take an answer of this query");
+  const double scale = data_->near().scale_at(point);
+  const Vec3 away = (point - at.point) * scale;
+  const double distance = length(away);
+  if (distance > 0) return away * ((at.distance < 0 ? -1 : 1) / distance);
+  const auto corner = [&](int k) { return triple_of((mesh.corner(at.triangle, k) - point) * scale); };
+  const TriangleFrame<double> frame = make_frame(corner(0), corner(1), corner(2), kLeastLengthSqOfCells);
+  const Vec3 normal = vec_of(frame.z.g);
+  // A frame turns the corners as it likes: its z axis may be either normal.
+  const Vec3 facing = vec_of(cross(corner(1) - corner(0), corner(2) - corner(0)));
+  const int use = OrientedMesh{mesh, data_->plan.use}.use_of(at.triangle);
+  const bool turned = (dot(normal, facing) < 0) != (use < 0);
+  return turned != data_->sign.invert ? normal * -1.0 : normal;
+} catch (...) {
+  throw_as_error("points");
+}
+
+std::vector<ClosestPoint> closest_points(MeshView mesh, std::span<const Vec3> points, const Execution& execution) try {
+  std::vector<ClosestPoint> found(points.size());
+  MeshQuery(mesh, {.execution = execution}).closest(points, found, execution);
+  return found;
+} catch (...) {
+  throw_as_error("points", "ask about fewer points at once, or provide more memory");
+}
+
+}  // namespace standoff

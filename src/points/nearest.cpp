@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "points/nearest.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "core/per_thread.h"
+#include "points/sorted_points.h"
+
+namespace standoff {
+namespace {
+
+using namespace cpu;
+
+constexpr int kLevels = SortedPoints::kBits + 1;
+
+// The half extents of boxes of points are rounded up by this share, and as many grid units.
+constexpr float kHalfSlack = 1e-6f;
+
+// What one thread uses for one group after the other.
+struct ThreadState {
+  explicit ThreadState(CandidateLists&& candidates) : lists(std::move(candidates)) {}
+
+  CandidateLists lists;
+  PointGroup group;
+  PointTable table;
+};
+
+// Answers points of a sorted block, in cells within cells (field/cpu/candidate_culling.h).
+class Block {
+ public:
+  Block(const TriangleIndex& index, const PointKernels& kernels, const SortedPoints& sorted,
+        std::span<const Vec3> points, std::span<NearestTriangle> out)
+      : index_(index), kernels_(kernels), sorted_(sorted), points_(points), out_(out) {}
+
+  void answer(SortedPoints::Range range, ThreadState& state) const {
+    visit(0, {{0, 0, 0}, {SortedPoints::kSide, SortedPoints::kSide, SortedPoints::kSide}, SortedPoints::kSide}, {},
+          range, state);
+  }
+
+ private:
+  void visit(int level, const Cell& cell, const References& near, SortedPoints::Range range, ThreadState& state) const {
+    const CellCandidates& own = enter(level, cell, near, state.lists);
+    if (cell.side == 1) return answer_groups(own, near, range, state);
+    Cell parts[8];
+    const int count = halves(cell, parts);
+    for (int n = 0; n < count; ++n) {
+      const SortedPoints::Range inside = sorted_.first_of(range, parts[n]);
+      range.begin = inside.end;
+      if (inside.size() == 0) continue;
+      const References nearer = references_of(own.points, cell, parts[n]);
+      if (inside.size() <= PointGroup::kMost)
+        answer_group(own, nearer, inside, state);
+      else
+        visit(level + 1, parts[n], nearer, inside, state);
+    }
+  }
+
+  // The candidates of a cell. Requires that its parent was entered before.
+  const CellCandidates& enter(int level, const Cell& cell, const References& near, CandidateLists& lists) const {
+    CellCandidates& own = lists.levels[static_cast<std::size_t>(level)];
+    if (own.cell == cell) return own;
+    const CandidateCulling& culling = index_.culling();
+    const CellTarget target{sorted_.cull_cell(cell), near};
+    const BoxArrays& parent =
+        level == 0 ? culling.roots() : lists.levels[static_cast<std::size_t>(level) - 1].list.arrays();
+    culling.narrow(parent, target, opened_length(target.samples), own.list, lists.packs);
+    own.points = culling.points_of(target.samples, own.list.arrays());
+    own.cell = cell;
+    return own;
+  }
+
+  // Of a cell that is not divided.
+  void answer_groups(const CellCandidates& own, const References& near, SortedPoints::Range range,
+                     ThreadState& state) const {
+    for (; range.size() > PointGroup::kMost; range.begin += PointGroup::kMost)
+      answer_group(own, near, {range.begin, range.begin + PointGroup::kMost}, state);
+    answer_group(own, near, range, state);
+  }
+
+  void answer_group(const CellCandidates& own, const References& near, SortedPoints::Range range,
+                    ThreadState& state) const {
+    PointGroup& group = state.group;
+    const CellTarget target{gather(range, group), near};
+    const CandidateCulling& culling = index_.culling();
+    CandidateLists& lists = state.lists;
+    const auto look_at = [&](const BoxArrays& boxes) {
+      kernels_.look_at({boxes.entry, boxes.count, index_.corners(), index_.clusters().indices()}, group, state.table);
+    };
+    if (culling.narrow(own.list.arrays(), target, 0, lists.cell, lists.packs))
+      look_at(lists.cell.arrays());
+    else
+      while (culling.next_part(target, lists.cell, lists)) look_at(lists.part.arrays());
+    for (int n = 0; n < group.count; ++n)
+      out_[sorted_.index(range.begin + n)] = {std::sqrt(group.nearest_sq[n]) / group.scale, group.nearest[n]};
+  }
+
+  // Fills a group with the points of a range, and returns their box.
+  CullCell gather(SortedPoints::Range range, PointGroup& group) const {
+    Box box;
+    for (std::int64_t n = range.begin; n < range.end; ++n) box.include(sorted_.local(n));
+    const Vec3 middle = box.min + (box.max - box.min) * 0.5;
+    const double middles[3] = {middle.x, middle.y, middle.z};
+    const double lows[3] = {box.min.x, box.min.y, box.min.z}, highs[3] = {box.max.x, box.max.y, box.max.z};
+    CullCell cell;
+    cell.reach = std::numeric_limits<float>::infinity();
+    for (int axis = 0; axis < 3; ++axis) {
+      cell.center[axis] = static_cast<float>(middles[axis]);
+      const double center = cell.center[axis];
+      group.center[axis] = index_.clusters().center()[axis] + center;
+      cell.half[axis] =
+          static_cast<float>(std::max(center - lows[axis], highs[axis] - center)) * (1 + kHalfSlack) + kHalfSlack;
+      group.half[axis] = cell.half[axis];
+    }
+    group.center[3] = 0;
+    group.count = static_cast<int>(range.size());
+    group.scale = index_.scale();
+    const int lanes = (group.count + kLanes - 1) / kLanes * kLanes;
+    for (int n = 0; n < lanes; ++n) {
+      const std::int64_t at = range.begin + std::min(n, group.count - 1);
+      const Vec3 world = points_[sorted_.index(at)];
+      const double worlds[3] = {world.x, world.y, world.z};
+      for (int axis = 0; axis < 3; ++axis) {
+        group.world[n][axis] = worlds[axis];
+        group.local[axis][n] = static_cast<float>(worlds[axis] * group.scale - group.center[axis]);
+      }
+      group.upper_sq[n] = std::numeric_limits<float>::infinity();
+      group.nearest_sq[n] = std::numeric_limits<double>::infinity();
+      group.nearest[n] = kNoTriangle;
+    }
+    return cell;
+  }
+
+  const TriangleIndex& index_;
+  const PointKernels& kernels_;
+  const SortedPoints& sorted_;
+  std::span<const Vec3> points_;
+  std::span<NearestTriangle> out_;
+};
+
+// Points for each task: many, so that the upper cells cost little; few, so that all threads have some.
+constexpr std::int64_t kTask = 4096;
+
+}  // namespace
+
+void find_nearest(const TriangleIndex& index, const PointKernels& kernels, std::span<const Vec3> points,
+                  std::span<NearestTriangle> out, std::vector<std::uint32_t>& order, ProgressMeter& progress) {
+  const SortedPoints sorted(index, points);
+  const Block block(index, kernels, sorted, points, out);
+  PerThread<std::unique_ptr<ThreadState>> threads(
+      [&] { return std::make_unique<ThreadState>(index.culling().make_lists(kLevels)); });
+  const std::int64_t tasks = (sorted.size() + kTask - 1) / kTask;
+  tbb::parallel_for(std::int64_t{0}, tasks, [&](std::int64_t task) {
+    const SortedPoints::Range range{task * kTask, std::min(sorted.size(), (task + 1) * kTask)};
+    block.answer(range, *threads.local());
+    progress.advance(range.size());
+  });
+  tbb::parallel_for(std::size_t{0}, sorted.far().size(), [&](std::size_t n) {
+    const std::uint32_t point = sorted.far()[n];
+    out[point] = find_nearest(index, points[point]);
+    progress.advance();
+  });
+  order.resize(points.size());
+  for (std::int64_t n = 0; n < sorted.size(); ++n) order[static_cast<std::size_t>(n)] = sorted.index(n);
+  std::ranges::copy(sorted.far(), order.begin() + sorted.size());
+}
+
+}  // namespace standoff

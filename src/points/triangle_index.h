@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// The triangles of a mesh, prepared for questions at points: a hierarchy of boxes, and their corners in its order.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "core/progress.h"
+#include "field/backend.h"
+#include "field/cpu/candidate_culling.h"
+#include "field/cpu/kernels.h"
+#include "field/cpu/lattice.h"
+#include "points/cpu/point_group.h"
+#include "standoff/mesh.h"
+
+namespace standoff {
+
+/// Lengths are in grid units of a lattice of kSide^3 cells around the mesh: a power of two of them make a world unit,
+/// and no coordinate of the mesh relative to its middle is beyond kSide of them. That is what the rounding of boxes and
+/// culling is made for (field/tolerances.h).
+class TriangleIndex {
+ public:
+  static constexpr std::int64_t kSide = 1024;
+
+  /// Of the triangles in `among`, ascending; of all if that is empty. Requires a valid mesh, whose coordinates are
+  /// within kMaxCoordinate; both outlive this. Runs on the threads of the calling TBB arena.
+  TriangleIndex(MeshView mesh, std::span<const std::uint32_t> among, int threads, Simd simd);
+  TriangleIndex(const TriangleIndex&) = delete;
+  TriangleIndex& operator=(const TriangleIndex&) = delete;
+
+  double scale() const { return lattice_.scale; }
+  /// A point relative to the middle, grid units.
+  Vec3 local(Vec3 p) const {
+    const double* center = culling_.clusters().center();
+    return p * scale() - Vec3{center[0], center[1], center[2]};
+  }
+  /// A power of two: scale(), or less where the square of a length from a far point would overflow.
+  double scale_at(Vec3 point) const;
+  /// Whether boxes in float may be asked about a point: they are grown by what it may be off by there.
+  bool is_near(Vec3 local) const { return max_norm(local) <= 4 * double{culling_.clusters().extent()}; }
+
+  const cpu::CandidateCulling& culling() const { return culling_; }
+  const cpu::Clusters& clusters() const { return culling_.clusters(); }
+  /// By entry of the clusters.
+  const cpu::TriangleCorners* corners() const { return corners_.get(); }
+  std::int64_t memory_bytes() const;
+
+ private:
+  ProgressCallback silent_;
+  ProgressMeter progress_{silent_};
+  Job job_;
+  cpu::BlockLattice lattice_;
+  cpu::CandidateCulling culling_;
+  std::unique_ptr<cpu::TriangleCorners[]> corners_;
+};
+
+}  // namespace standoff
