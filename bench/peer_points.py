@@ -2,11 +2,12 @@
 """peer_points.py PEER FOLDER [--repeats N] [--signed] [--forms given,morton]: distances of the points of FOLDER (vertices.f64,
 triangles.u32, points.f64: --save of the drivers of points) by a Python library, as one JSON line. PEER is fcpw, libigl or
 open3d; the Python needs it and numpy. Points are asked as they come and in Morton order (sorting is not counted), in the
-library's own batch call, on all cores; its structures are built before, apart."""
+library's own batch call, on all cores; its structures are built before, apart. Returns 3 if this Python has no such library."""
 
 import argparse
 import json
 import statistics
+import sys
 import time
 from pathlib import Path
 
@@ -144,6 +145,10 @@ def main():
     arguments = parser.parse_args()
 
     vertices, triangles, points = read(arguments.folder)
+    try:
+        __import__({"libigl": "igl"}.get(arguments.peer, arguments.peer))
+    except ImportError:
+        return 3
     options = {"vectorised": not arguments.scalar} if arguments.peer == "fcpw" else {"signed": arguments.signed}
     peer = PEERS[arguments.peer](vertices, triangles, **options)
     line = {"driver": arguments.peer, "triangles": len(triangles), "points": len(points), "signed": arguments.signed}
@@ -156,7 +161,8 @@ def main():
     if arguments.answers:
         distances.tofile(arguments.answers)
     print(json.dumps(line))
+    return 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())
