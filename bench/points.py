@@ -30,11 +30,29 @@ def ask_peer(drivers, peer, args, folder, with_sign):
                        *["--signed"] * with_sign)
 
 
-def agreement(folder, name, count, with_sign):
-    """Of some points that are spread over all of them."""
+def chosen(folder, names, triangles, job, with_sign):
+    """The points that all answers are checked at: some that are spread over all of them, and some whose signs differ."""
+    answers = [np.fromfile(folder / f"{name}.f64") for name in names]
+    few = int(np.clip(job["checked_pairs"] / triangles, 5, job["checked"]))
+    some = np.linspace(0, len(answers[0]) - 1, few, dtype=int)
+    differ = np.flatnonzero(np.any([(other < 0) != (answers[0] < 0) for other in answers], axis=0)) if with_sign else []
+    return np.union1d(some, differ[:few]).astype(int)
+
+
+def agreement(folder, name, some, with_sign):
+    """Of the points with these numbers."""
     points = np.fromfile(folder / "points.f64").reshape(-1, 3)
-    some = np.linspace(0, len(points) - 1, count, dtype=int)
     return compare(*read_mesh(folder), points[some], np.fromfile(folder / f"{name}.f64")[some], with_sign)
+
+
+def against_libigl(folder, lines):
+    """Of all points: how far our distances are from libigl's, also in double precision, and how many signs differ."""
+    if "libigl" not in lines:
+        return {}
+    ours, theirs = (np.fromfile(folder / f"{name}.f64") for name in ("standoff", "libigl"))
+    extent = np.ptp(read_mesh(folder)[0], axis=0).max()
+    return {"from libigl": f"{np.abs(np.abs(ours) - np.abs(theirs)).max() / extent:.1e}",
+            "signs unlike libigl's": int(((ours < 0) != (theirs < 0)).sum())}
 
 
 def measure(drivers, args, peers, with_sign, rounds, folder):
@@ -96,8 +114,11 @@ def run(drivers, workloads, with_peers, only, rounds, build, note=""):
                     args = [*mesh["args"], "--points", name, "--count", str(job["count"])]
                     peers = (SIGNED if with_sign else UNSIGNED) if with_peers else ()
                     lines = measure(drivers, args, peers, with_sign, rounds or job["rounds"], Path(folder))
-                    checks = {peer: agreement(Path(folder), peer, job["checked"], with_sign) for peer in lines}
-                rows += rows_of(mesh, where, limits("signed" if with_sign else name), with_sign, lines, checks)
+                    some = chosen(Path(folder), [*lines], lines["standoff"][0]["triangles"], job, with_sign)
+                    checks = {peer: agreement(Path(folder), peer, some, with_sign) for peer in lines}
+                    more = against_libigl(Path(folder), lines)
+                asked = limits("signed" if with_sign else name)
+                rows += [row | more for row in rows_of(mesh, where, asked, with_sign, lines, checks)]
                 if name == "box" and not with_sign:
                     builds.append(build_row(mesh, lines, limits("build")))
     header = machine_lines(build) + ([f"note: {note}"] if note else [])

@@ -128,7 +128,7 @@ class Tables(unittest.TestCase):
 
     def test_points(self):
         job = {"meshes": [{"name": "cube", "what": "cube", "args": []}], "sets": {"box": "in the box", "near": "near"}, "count": 5,
-               "rounds": 2, "checked": 3, "at_least": {"box": 5, "near": 3, "signed": 10, "build": 1},
+               "rounds": 2, "checked": 3, "checked_pairs": 1000, "at_least": {"box": 5, "near": 3, "signed": 10, "build": 1},
                "goal": {"box": 15, "near": 10, "signed": 50, "build": 5}}
         drivers = Pretended({"points": 0.5, "embree_points": 2})
         text = printed(points.run, drivers, {"points": job}, True, None, None, "nowhere", "a noisy day")
@@ -140,6 +140,18 @@ class Tables(unittest.TestCase):
         (line, near) = output_quotes.points_summary(rows)
         self.assertEqual((line["worst"], line["median"], near["at least"]), ("4.00x (cube, embree)", "4.00x", "3x"))
         self.assertIn("| embree | 1 | 4.00x (cube) |", output_quotes.build(quotes.read(self.folder / "points-build.csv")[1]))
+
+    # Where signs differ the exact winding number says whose is wrong.
+    def test_chosen(self):
+        for name, values in (("standoff", np.ones(1000)), ("libigl", np.where(np.arange(1000) == 777, -1.5, 1))):
+            values.tofile(self.folder / f"{name}.f64")
+        CORNERS.tofile(self.folder / "vertices.f64")
+        CUBE.astype(np.uint32).tofile(self.folder / "triangles.u32")
+        job = {"checked": 10, "checked_pairs": 1e9}
+        some = points.chosen(self.folder, ["standoff", "libigl"], 12, job, True)
+        self.assertEqual((len(some), 777 in some, 0 in some, 999 in some), (11, True, True, True))
+        self.assertEqual(len(points.chosen(self.folder, ["standoff", "libigl"], 2e8, job, False)), 5)
+        self.assertEqual(points.against_libigl(self.folder, ["standoff", "libigl"]), {"from libigl": "5.0e-01", "signs unlike libigl's": 1})
 
     # The better peer counts, and the worst mesh.
     def test_summary(self):
