@@ -24,7 +24,7 @@ def ask_peer(drivers, peer, args, folder, with_sign):
     """One process of a peer; None if it is not there."""
     answers = folder / f"{peer}.f64"
     if peer == "embree":
-        return drivers.run("embree_points", args, 1, forms="morton,bounded", answers=answers) if drivers.has("embree_points") else None
+        return drivers.run("embree_points", args, 1, forms="bounded", answers=answers) if drivers.has("embree_points") else None
     forms = "given,morton" if peer == "fcpw" else "morton"
     return peer_python("peer_points.py", peer, folder, "--repeats", 1, "--forms", forms, "--answers", answers,
                        *["--signed"] * with_sign)
