@@ -51,7 +51,7 @@ def points_summary(rows):
 
 
 def points(rows):
-    shown = ("mesh", "triangles", "points", "sign", "peer", "order", "standoff processor s", "peer processor s", "ratio", "ratio on the wall",
+    shown = ("mesh", "triangles", "points", "asked", "sign", "peer", "order", "standoff processor s", "peer processor s", "ratio", "ratio on the wall",
              "largest error", "peer's largest error", "wrong signs", "peer's wrong signs", "compared", "from libigl", "signs unlike libigl's")
     kept = [key for key in shown if any(row.get(key) for row in rows)]
     return f"{markdown(points_summary(rows))}\n\n" + markdown([{key: row.get(key, "") for key in kept} for row in rows])

@@ -72,7 +72,7 @@ def measure(drivers, args, peers, with_sign, rounds, folder):
 def rows_of(mesh, where, asked, with_sign, lines, checks):
     """A row for each peer; one without a peer if none is there."""
     wall, processor = median(lines["standoff"], "given_s"), median(lines["standoff"], "given_cpu_s")
-    first = {"mesh": mesh["what"], "triangles": lines["standoff"][0]["triangles"], "points": where,
+    first = {"mesh": mesh["what"], "triangles": lines["standoff"][0]["triangles"], "points": where, "asked": lines["standoff"][0]["points"],
              "sign": "yes" if with_sign else "no", "standoff s": f"{wall:.3f}", "standoff processor s": f"{processor:.3f}",
              "largest error": f"{checks['standoff']['largest_error']:.1e}", "wrong signs": checks["standoff"]["wrong_signs"],
              "compared": checks["standoff"]["compared"]}
@@ -101,7 +101,7 @@ def build_row(mesh, lines, asked):
     return row | {"at least": f"{asked['at_least']}x", "goal": f"{asked['goal']}x"}
 
 
-def run(drivers, workloads, with_peers, only, rounds, build, note=""):
+def run(drivers, workloads, with_peers, only, rounds, build, note="", count=None):
     job = workloads["points"]
     limits = lambda kind: {key: job[key][kind] for key in ("at_least", "goal")}
     rows, builds = [], []
@@ -111,7 +111,7 @@ def run(drivers, workloads, with_peers, only, rounds, build, note=""):
         for name, where in job["sets"].items():
             for with_sign in (False, True):
                 with tempfile.TemporaryDirectory() as folder:
-                    args = [*mesh["args"], "--points", name, "--count", str(job["count"])]
+                    args = [*mesh["args"], "--points", name, "--count", str(count or job["count"])]
                     peers = (SIGNED if with_sign else UNSIGNED) if with_peers else ()
                     lines = measure(drivers, args, peers, with_sign, rounds or job["rounds"], Path(folder))
                     some = chosen(Path(folder), [*lines], lines["standoff"][0]["triangles"], job, with_sign)

@@ -43,6 +43,7 @@ def main():
     parser.add_argument("--build", default=str(BENCH.parent / "build" / "bench"), help="build folder of the drivers")
     parser.add_argument("--only", help="workloads or tables whose name holds this; nothing is written then")
     parser.add_argument("--rounds", type=int, help="processes per driver, instead of what the workload says")
+    parser.add_argument("--count", type=int, help="of points, instead of what the workload says")
     parser.add_argument("--note", default="", help="what readers must know of this run (not of contests, scaling, thesis, sign)")
     parser.add_argument("--list", action="store_true", help="name the workloads and stop")
     arguments = parser.parse_args()
@@ -79,7 +80,8 @@ def main():
             measured = field_files
         else:  # these need numpy
             measured = importlib.import_module({"points": "points", "iso": "surfaces"}[arguments.what])
-        return measured.run(drivers, workloads, arguments.peers, arguments.only, arguments.rounds, arguments.build, arguments.note)
+        more = {"count": arguments.count} if arguments.what == "points" else {}
+        return measured.run(drivers, workloads, arguments.peers, arguments.only, arguments.rounds, arguments.build, arguments.note, **more)
     if not drivers.has("standoff"):
         parser.error(f"no drivers in {drivers.folder}; build them with script/bench")
     if arguments.peers and not (drivers.has("openvdb") or drivers.has("embree")):

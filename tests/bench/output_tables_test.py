@@ -104,7 +104,7 @@ class Pretended(harness.Drivers):
         if "--answers" in options:
             np.full(5, np.sqrt(3)).tofile(options["--answers"])
         one = self.seconds[driver]
-        line = {"driver": driver, "triangles": 12, "bytes": 1000, "memory_peak": 2e6, "memory_before": 1e6, "surface_triangles": 12}
+        line = {"driver": driver, "triangles": 12, "points": 5, "bytes": 1000, "memory_peak": 2e6, "memory_before": 1e6, "surface_triangles": 12}
         for name in ("build", "given", "morton", "bounded", "iso", "write", "band", "nearest", *sidecar_costs.KINDS[1:]):
             if driver != "points" or name in ("build", "given"):
                 line |= {f"{name}_s": one, f"{name}_cpu_s": 2 * one}
@@ -133,7 +133,7 @@ class Tables(unittest.TestCase):
         drivers = Pretended({"points": 0.5, "embree_points": 2})
         text = printed(points.run, drivers, {"points": job}, True, None, None, "nowhere", "a noisy day")
         self.assertEqual(drivers.asked.count("embree_points"), 4)  # not with a sign
-        self.assertRegex(text, r"cube \| 12 \| in the box \| no .* embree \| .* \| 4\.00x \| 4\.00x \| 5x \| 15x")
+        self.assertRegex(text, r"cube \| 12 \| in the box \| 5 \| no .* embree \| .* \| 4\.00x \| 4\.00x \| 5x \| 15x")
         comments, rows = quotes.read(self.folder / "points.csv")
         self.assertIn("note: a noisy day", comments)
         self.assertEqual([row["wrong signs"] for row in rows], ["0"] * 4)
