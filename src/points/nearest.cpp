@@ -20,6 +20,11 @@ constexpr int kLevels = SortedPoints::kBits + 1;
 // The half extents of boxes of points are rounded up by this share, and as many grid units.
 constexpr float kHalfSlack = 1e-6f;
 
+// Points of a cell that may be answered one by one (is_sparse).
+constexpr std::int64_t kFewPoints = 512;
+// Triangles of a cell's list for each of its points from which on that is faster: measured, within a factor of two.
+constexpr std::int64_t kSparse = 12;
+
 // What one thread uses for one group after the other.
 struct ThreadState {
   explicit ThreadState(CandidateLists&& candidates) : lists(std::move(candidates)) {}
@@ -44,6 +49,7 @@ class Block {
  private:
   void visit(int level, const Cell& cell, const References& near, SortedPoints::Range range, ThreadState& state) const {
     const CellCandidates& own = enter(level, cell, near, state.lists);
+    if (level != 0 && range.size() <= kFewPoints && is_sparse(own, range)) return answer_each(range, state);
     if (cell.side == 1) return answer_groups(own, near, range, state);
     Cell parts[8];
     const int count = halves(cell, parts);
@@ -88,12 +94,32 @@ class Block {
     const CandidateCulling& culling = index_.culling();
     CandidateLists& lists = state.lists;
     const auto look_at = [&](const BoxArrays& boxes) {
-      kernels_.look_at({boxes.entry, boxes.count, index_.corners(), index_.clusters().indices()}, group, state.table);
+      kernels_.look_at(index_.tree(), boxes.entry, boxes.count, group, state.table);
     };
     if (culling.narrow(own.list.arrays(), target, 0, lists.cell, lists.packs))
       look_at(lists.cell.arrays());
     else
       while (culling.next_part(target, lists.cell, lists)) look_at(lists.part.arrays());
+    take_answers(range, group);
+  }
+
+  // Whether the triangles around some points are so many that the points have few in common.
+  bool is_sparse(const CellCandidates& own, SortedPoints::Range range) const {
+    std::int64_t triangles = 0;
+    for (std::int64_t n = 0; n < own.list.size(); ++n) triangles += index_.clusters().triangles_in(own.list.entry(n));
+    return triangles > kSparse * range.size();
+  }
+
+  void answer_each(SortedPoints::Range range, ThreadState& state) const {
+    for (; range.size() > 0; range.begin += PointGroup::kMost) {
+      const SortedPoints::Range some{range.begin, std::min(range.end, range.begin + PointGroup::kMost)};
+      gather(some, state.group);
+      kernels_.look_at_all(index_.tree(), state.group, state.table);
+      take_answers(some, state.group);
+    }
+  }
+
+  void take_answers(SortedPoints::Range range, const PointGroup& group) const {
     for (int n = 0; n < group.count; ++n)
       out_[sorted_.index(range.begin + n)] = {std::sqrt(group.nearest_sq[n]) / group.scale, group.nearest[n]};
   }
@@ -110,6 +136,7 @@ class Block {
     for (int axis = 0; axis < 3; ++axis) {
       cell.center[axis] = static_cast<float>(middles[axis]);
       const double center = cell.center[axis];
+      group.middle[axis] = center;
       group.center[axis] = index_.clusters().center()[axis] + center;
       cell.half[axis] =
           static_cast<float>(std::max(center - lows[axis], highs[axis] - center)) * (1 + kHalfSlack) + kHalfSlack;

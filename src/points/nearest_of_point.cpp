@@ -68,13 +68,9 @@ class Search {
   }
 
   void look_at(std::uint32_t entry) {
-    const TriangleCorners& t = index_.corners()[entry];
-    const auto corner = [&](int n) {
-      return Triple<double>{(t.at[n][0] - world_.x) * scale_, (t.at[n][1] - world_.y) * scale_,
-                            (t.at[n][2] - world_.z) * scale_};
-    };
-    const double sq = origin_distance_sq(corner(0), corner(1), corner(2));
     const std::uint32_t triangle = index_.clusters().triangle(entry);
+    const auto corner = [&](int n) { return triple_of((index_.mesh().corner(triangle, n) - world_) * scale_); };
+    const double sq = origin_distance_sq(corner(0), corner(1), corner(2));
     if (sq > best_sq_ || (sq == best_sq_ && triangle > triangle_)) return;
     best_sq_ = sq;
     triangle_ = triangle;

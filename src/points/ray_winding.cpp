@@ -29,8 +29,7 @@ std::int32_t RayWinding::at(Vec3 point, const cpu::PointKernels& kernels) const 
     const std::uint32_t triangle = clusters.triangle(entry);
     const int use = mesh_.use_of(triangle);
     if (use == 0) continue;
-    const double(&t)[3][3] = index_.corners()[entry].at;
-    const RayTriangle ray({Vec3{t[0][0], t[0][1], t[0][2]}, {t[1][0], t[1][1], t[1][2]}, {t[2][0], t[2][1], t[2][2]}});
+    const RayTriangle ray(mesh_.mesh.corners(triangle));
     const int crossing = ray.crossing(point.y, point.z);
     if (crossing != 0 && ray.is_past(point, crossing)) winding -= use * crossing;
   }

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "geometry/triangle_box.h"
+#include "points/cpu/kernels.h"
 
 namespace standoff {
 namespace {
@@ -36,19 +37,24 @@ constexpr double kAll = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
-TriangleIndex::TriangleIndex(MeshView mesh, std::span<const std::uint32_t> among, int threads, Simd simd)
+TriangleIndex::TriangleIndex(const Mesh& mesh, std::span<const std::uint32_t> among, int threads, Simd simd)
     : job_{mesh, among, grid_around(box_of(mesh, among)), kAll, threads, simd, progress_},
       lattice_(cpu::make_block_lattice(job_.grid, kAll)),
       culling_(job_, lattice_, cpu::kernels_for(simd)),
-      corners_(
-          std::make_unique_for_overwrite<cpu::TriangleCorners[]>(static_cast<std::size_t>(job_.triangle_count()))) {
-  tbb::parallel_for(std::int64_t{0}, job_.triangle_count(), [&](std::int64_t entry) {
-    const auto corners = mesh.corners(clusters().triangle(static_cast<std::uint32_t>(entry)));
-    for (std::size_t n = 0; n < 3; ++n) {
-      double(&at)[3] = corners_[static_cast<std::size_t>(entry)].at[n];
-      at[0] = corners[n].x, at[1] = corners[n].y, at[2] = corners[n].z;
-    }
-  });
+      frames_(std::make_unique_for_overwrite<cpu::FramePack[]>(clusters().level_begin()[1])) {
+  tree_.packs = clusters().packs();
+  tree_.frames = frames_.get();
+  tree_.index = clusters().indices();
+  tree_.vertices = &mesh.vertices.data()->x;
+  tree_.corners = mesh.triangles.data()->data();
+  tree_.triangles = static_cast<std::uint32_t>(job_.triangle_count());
+  tree_.top = static_cast<int>(clusters().level_begin().size()) - 2;
+  std::ranges::copy(clusters().level_begin(), tree_.begin);
+  static_assert(sizeof(Vec3) == 3 * sizeof(double) && sizeof(Triangle) == 3 * sizeof(std::uint32_t));
+  const cpu::PointKernels& kernels = cpu::point_kernels_for(simd);
+  const double(&center)[3] = clusters().center();
+  tbb::parallel_for(std::uint32_t{0}, tree_.begin[1],
+                    [&](std::uint32_t pack) { kernels.make_frames(tree_, pack, scale(), center, frames_[pack]); });
 }
 
 double TriangleIndex::scale_at(Vec3 point) const {
@@ -58,8 +64,7 @@ double TriangleIndex::scale_at(Vec3 point) const {
 }
 
 std::int64_t TriangleIndex::memory_bytes() const {
-  return cpu::Clusters::bytes(job_.triangle_count(), 1) +
-         job_.triangle_count() * std::int64_t{sizeof(cpu::TriangleCorners)};
+  return cpu::Clusters::bytes(job_.triangle_count(), 1) + tree_.begin[1] * std::int64_t{sizeof(cpu::FramePack)};
 }
 
 }  // namespace standoff

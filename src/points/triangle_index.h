@@ -25,14 +25,15 @@ class TriangleIndex {
 
   /// Of the triangles in `among`, ascending; of all if that is empty. Requires a valid mesh, whose coordinates are
   /// within kMaxCoordinate; both outlive this. Runs on the threads of the calling TBB arena.
-  TriangleIndex(MeshView mesh, std::span<const std::uint32_t> among, int threads, Simd simd);
+  TriangleIndex(const Mesh& mesh, std::span<const std::uint32_t> among, int threads, Simd simd);
   TriangleIndex(const TriangleIndex&) = delete;
   TriangleIndex& operator=(const TriangleIndex&) = delete;
 
+  MeshView mesh() const { return job_.mesh; }
   double scale() const { return lattice_.scale; }
   /// A point relative to the middle, grid units.
   Vec3 local(Vec3 p) const {
-    const double* center = culling_.clusters().center();
+    const double(&center)[3] = culling_.clusters().center();
     return p * scale() - Vec3{center[0], center[1], center[2]};
   }
   /// A power of two: scale(), or less where the square of a length from a far point would overflow.
@@ -42,8 +43,8 @@ class TriangleIndex {
 
   const cpu::CandidateCulling& culling() const { return culling_; }
   const cpu::Clusters& clusters() const { return culling_.clusters(); }
-  /// By entry of the clusters.
-  const cpu::TriangleCorners* corners() const { return corners_.get(); }
+  /// The hierarchy as the kernels see it. Places in its order are entries of the clusters.
+  const cpu::PackTree& tree() const { return tree_; }
   std::int64_t memory_bytes() const;
 
  private:
@@ -52,7 +53,8 @@ class TriangleIndex {
   Job job_;
   cpu::BlockLattice lattice_;
   cpu::CandidateCulling culling_;
-  std::unique_ptr<cpu::TriangleCorners[]> corners_;
+  std::unique_ptr<cpu::FramePack[]> frames_;
+  cpu::PackTree tree_{};
 };
 
 }  // namespace standoff

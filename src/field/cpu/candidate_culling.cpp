@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include "geometry/closest_point.h"
-
 namespace standoff::cpu {
 namespace {
 
@@ -191,14 +189,13 @@ void CandidateCulling::surface_point(std::uint32_t entry, const float (&at)[3], 
     const PackContents pack = clusters_.contents(entry);
     entry = pack.first + static_cast<std::uint32_t>(kernels_.nearest_in_pack(pack, at));
   }
-  Triple<double> corner[3];
+  double corner[3][3];
   for (int k = 0; k < 3; ++k) {
     const Vec3 v = job_.mesh.corner(clusters_.triangle(entry), k) * lattice_.scale;
-    const double* center = clusters_.center();
-    corner[k] = {v.x - center[0], v.y - center[1], v.z - center[2]};
+    const double(&center)[3] = clusters_.center();
+    corner[k][0] = v.x - center[0], corner[k][1] = v.y - center[1], corner[k][2] = v.z - center[2];
   }
-  const auto q = closest_on_triangle(Triple<double>{at[0], at[1], at[2]}, corner[0], corner[1], corner[2]);
-  point[0] = static_cast<float>(q.x), point[1] = static_cast<float>(q.y), point[2] = static_cast<float>(q.z);
+  kernels_.nearest_on_triangle(corner, at, point);
 }
 
 CrowdedCell CandidateCulling::crowded_cell(const Brick& brick, const Cell& cell, const BoxArrays& boxes) const {

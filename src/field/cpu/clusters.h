@@ -36,6 +36,9 @@ class Clusters {
   const std::uint32_t* indices() const { return order_.data(); }
   const float (*points() const)[3] { return points_.get(); }
   bool is_pack(std::uint32_t entry) const { return entry >= triangles_; }
+  /// All packs, and the first one of each level; after the last level, the end.
+  const BoxPack* packs() const { return packs_.get(); }
+  const std::vector<std::uint32_t>& level_begin() const { return level_begin_; }
   /// The pack that holds all others.
   std::uint32_t top() const { return triangles_ + level_begin_.back() - 1; }
 
@@ -51,7 +54,7 @@ class Clusters {
     for (std::size_t line = 0; line < sizeof(BoxPack); line += 64) __builtin_prefetch(pack + line);
   }
   /// Of the grid, world units times scale.
-  const double* center() const { return center_; }
+  const double (&center() const)[3] { return center_; }
   /// Half the longest side of the grid.
   float extent() const { return extent_; }
 

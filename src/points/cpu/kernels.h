@@ -10,8 +10,14 @@
 namespace standoff::cpu {
 
 struct PointKernels {
-  /// Lowers nearest_sq and nearest of all points of the group to the nearest of the candidates.
-  void (*look_at)(const PointCandidates&, PointGroup&, PointTable&);
+  /// Sets up the frames of pack `number` of level 0. `center` is that of the boxes, grid units; scale: grid units per
+  /// world unit.
+  void (*make_frames)(const PackTree&, std::uint32_t number, double scale, const double (&center)[3], FramePack&);
+  /// Lowers nearest_sq and nearest of all points of the group to the nearest of the candidates: triangles by their
+  /// places, ascending within each pack of level 0.
+  void (*look_at)(const PackTree&, const std::uint32_t* candidates, std::int64_t count, PointGroup&, PointTable&);
+  /// The same for all triangles, point by point.
+  void (*look_at_all)(const PackTree&, PointGroup&, PointTable&);
   /// Bits of the boxes of a pack that the ray from a point towards -x meets.
   std::uint32_t (*boxes_before)(const PackContents&, const float (&point)[3]);
 };

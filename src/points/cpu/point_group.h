@@ -4,14 +4,32 @@
 
 #include <cstdint>
 
+#include "field/cpu/box_arrays.h"
 #include "field/cpu/frame_lanes.h"
 #include "field/cpu/lattice.h"
 
 namespace standoff::cpu {
 
-/// The corners of a triangle, world units.
-struct TriangleCorners {
-  double at[3][3];
+/// Sixteen triangles of a pack set up as frames, relative to a point amid them. Grid units.
+struct FramePack {
+  FrameLanes frame;
+  double center[3];  ///< relative to the middle of the index
+  float extent;      ///< no coordinate of a corner relative to the center is larger
+};
+
+/// The hierarchy as the kernels see it. Pack k of level l holds the packs 16 (k - begin[l]) + begin[l - 1] and up to 15
+/// after it, or, of level 0, triangles 16 k and up to 15 after it, by their place in the order.
+struct PackTree {
+  static constexpr int kMostLevels = 8;
+
+  const BoxPack* packs;
+  const FramePack* frames;       ///< of the packs of level 0
+  const std::uint32_t* index;    ///< in the mesh, of each triangle by its place
+  const double* vertices;        ///< three numbers each, world units
+  const std::uint32_t* corners;  ///< three vertices of each triangle of the mesh
+  std::uint32_t triangles;
+  int top;  ///< the highest level, which has one pack
+  std::uint32_t begin[kMostLevels + 1];
 };
 
 /// Lengths are in grid units of the index's lattice. Lanes left over repeat the last point.
@@ -20,41 +38,46 @@ struct PointGroup {
 
   int count;                          ///< 1 to kMost
   double scale;                       ///< grid units per world unit, a power of two
-  double center[4];                   ///< the middle of their box, grid units; the fourth is zero
+  double center[4];                   ///< amid them, grid units; the fourth is zero
+  double middle[3];                   ///< the same relative to the middle of the index
   float half[3];                      ///< half of their box, rounded up
   alignas(64) float local[3][kMost];  ///< relative to the center; axis, point
   alignas(64) float upper_sq[kMost];  ///< what the squared distance is at most
   double world[kMost][3];             ///< world units
   double nearest_sq[kMost];           ///< squared distance in double, grid units; infinite before
   std::uint32_t nearest[kMost];       ///< its triangle
+  std::uint32_t start = 0;            ///< a pack of level 0 near which to begin
 };
 
-/// Candidates of a group: entries of the index that are triangles.
-struct PointCandidates {
-  const std::uint32_t* entries;
-  std::int64_t count;
-  const TriangleCorners* corners;  ///< by entry
-  const std::uint32_t* index;      ///< in the mesh, by entry
-};
-
-/// Scratch memory. More candidates than fit come one table after the other.
+/// Scratch memory for a group.
 struct PointTable {
-  static constexpr int kGroups = 16, kMost = kGroups * kLanes;
-  static constexpr int kCorners = 8;
+  static constexpr int kPacks = 64, kCorners = 8, kMostKept = 256, kMostPairs = 1024, kMostNear = 1024;
 
-  struct Group {
-    FrameLanes frame;
-    alignas(64) float slack_sq[kLanes];             ///< what a squared distance may be off by, beside its share
-    alignas(64) float corner_sq[kCorners][kLanes];  ///< from the corners of the points' box, at least
+  /// A pack of level 0 of which some triangles are candidates.
+  struct Pack {
+    std::uint32_t number;
+    std::uint32_t lanes;  ///< bits of the candidates
+    float offset[3];      ///< the group's center relative to the frames'
+    float slack_sq;       ///< what a squared distance may be off by, beside its share
   };
+  Pack packs[kPacks];
+  alignas(64) float corner_sq[kPacks][kCorners][kLanes];     ///< from the corners of the points' box, at least
+  std::uint16_t kept[kPacks * kLanes];                       ///< pack * kLanes + lane
+  alignas(64) float lower_sq[kMostKept][PointGroup::kMost];  ///< squared distances at least, by kept candidate
+
+  /// A triangle, by its place in the order, whose distance from a point is taken in double.
   struct Pair {
-    std::uint32_t entry;
+    std::uint32_t place;
     std::uint32_t point;
   };
-  Group groups[kGroups];
-  std::uint16_t kept[kMost + kLanes];                    ///< group * kLanes + lane
-  alignas(64) float lower_sq[kMost][PointGroup::kMost];  ///< by kept candidate: squared distances at least
-  Pair pairs[kMost * PointGroup::kMost];                 ///< whose distance is taken in double
+  Pair pairs[kMostPairs];
+  int pair_count;
+  /// A triangle that may be the nearest of one point.
+  struct Near {
+    std::uint32_t place;
+    float lower_sq;
+  };
+  Near near[kMostNear];
 };
 
 }  // namespace standoff::cpu

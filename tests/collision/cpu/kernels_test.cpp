@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "collision/cpu/kernels.h"
-#include "geometry/triangle_distance.h"
 #include "geometry/penetration.h"
+#include "geometry/triangle_distance.h"
 #include "geometry/triangle_pair.h"
 #include "standoff/pose.h"
 #include "tests/support/random_mesh.h"

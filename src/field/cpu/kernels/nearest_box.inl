@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The kernels that look for the box nearest to a point, by the boxes' centres.
+// The kernels that look for the box nearest to a point, by the boxes' centres, and for a point of a triangle in it.
 #pragma once
 
 #include "field/cpu/box_arrays.h"
 #include "field/cpu/kernels/target.inl"
+#include "geometry/triangle_distance.h"
 
 namespace standoff::cpu::STANDOFF_TARGET {
 namespace {
@@ -52,6 +53,24 @@ void nearest_to_lattice(const BoxArrays& boxes, const float (&at)[3][kLatticeSid
     }
     for (int n = 0; n < kPlane; ++n) nearest[n + kPlane * k] = nearest_position(found[n]);
   }
+}
+
+void nearest_on_triangle(const double (&corner)[3][3], const float (&at)[3], float (&point)[3]) {
+  const auto off = [&](int n) __attribute__((always_inline)) {
+    return Triple<double>{corner[n][0] - at[0], corner[n][1] - at[1], corner[n][2] - at[2]};
+  };
+  const Triple<double> a = off(0), b = off(1), c = off(2);
+  Triple<double> best = nearest_on_edge(a, b);
+  const auto look = [&](const Triple<double>& q) __attribute__((always_inline)) {
+    if (dot(q, q) < dot(best, best)) best = q;
+  };
+  look(nearest_on_edge(b, c));
+  look(nearest_on_edge(c, a));
+  const NearestInside<double> inside = nearest_inside(a, b, c);
+  if (inside.least > 0) look(point_inside(inside, a, b, c));
+  point[0] = static_cast<float>(best.x + at[0]);
+  point[1] = static_cast<float>(best.y + at[1]);
+  point[2] = static_cast<float>(best.z + at[2]);
 }
 
 int nearest_in_pack(const PackContents& pack, const float* point) {

@@ -4,10 +4,12 @@
 
 #include "points/cpu/kernels/boxes_before.inl"
 #include "points/cpu/kernels/look_at.inl"
+#include "points/cpu/kernels/look_at_all.inl"
 
 namespace standoff::cpu::STANDOFF_TARGET {
 
 extern const PointKernels kPointKernels;
-const PointKernels kPointKernels{.look_at = look_at, .boxes_before = boxes_before};
+const PointKernels kPointKernels{
+    .make_frames = make_frames, .look_at = look_at, .look_at_all = look_at_all, .boxes_before = boxes_before};
 
 }  // namespace standoff::cpu::STANDOFF_TARGET

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// Distances in double decide between triangles that rounding in float cannot tell apart: eight pairs of a point and a
+// triangle at a time.
+#pragma once
+
+#include "geometry/triangle_distance.h"
+#include "points/cpu/kernels/frame_packs.inl"
+
+namespace standoff::cpu::STANDOFF_TARGET {
+namespace {
+
+STANDOFF_INLINE void compare_pairs(const PackTree& tree, PointGroup& points, PointTable& table) {
+  constexpr int kPairs = WideDouble::kLanes;
+  const int pairs = table.pair_count;
+  for (int first = 0; first < pairs; first += kPairs) {
+    alignas(64) double corner[3][3][kPairs];
+    for (int lane = 0; lane < kPairs; ++lane) {
+      const PointTable::Pair& pair = table.pairs[first + lane < pairs ? first + lane : pairs - 1];
+      const double(&p)[3] = points.world[pair.point];
+      const std::uint32_t triangle = tree.index[pair.place];
+      for (int which = 0; which < 3; ++which) {
+        const double* const at = corner_of(tree, triangle, which);
+        for (int axis = 0; axis < 3; ++axis) corner[which][axis][lane] = at[axis] - p[axis];
+      }
+    }
+    const WideDouble scale(points.scale);
+    const auto scaled = [&](int which) __attribute__((always_inline)) { return load_points(corner[which]) * scale; };
+    alignas(64) double sq[kPairs];
+    origin_distance_sq(scaled(0), scaled(1), scaled(2)).store(sq);
+    for (int lane = 0; lane < kPairs && first + lane < pairs; ++lane) {
+      const PointTable::Pair& pair = table.pairs[first + lane];
+      const std::uint32_t triangle = tree.index[pair.place];
+      double& best = points.nearest_sq[pair.point];
+      if (sq[lane] > best || (sq[lane] == best && triangle >= points.nearest[pair.point])) continue;
+      best = sq[lane];
+      points.nearest[pair.point] = triangle;
+    }
+  }
+  table.pair_count = 0;
+}
+
+STANDOFF_INLINE void add_pair(const PackTree& tree, std::uint32_t place, int point, PointGroup& points,
+                              PointTable& table) {
+  if (table.pair_count == PointTable::kMostPairs) compare_pairs(tree, points, table);
+  table.pairs[table.pair_count++] = {place, static_cast<std::uint32_t>(point)};
+}
+
+}  // namespace
+}  // namespace standoff::cpu::STANDOFF_TARGET

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+// The kernel that answers points one by one, down the hierarchy of boxes: for points that are far apart beside the
+// triangles around them, and so have few candidates in common.
+//
+// A point begins at the pack where the last one ended, which bounds its distance. Then packs are visited whose boxes
+// are nearer than the bound, sixteen boxes or triangles at a time, the nearest box first.
+#pragma once
+
+#include "points/cpu/kernels/compare.inl"
+
+namespace standoff::cpu::STANDOFF_TARGET {
+namespace {
+
+// Boxes are grown by what the rounding of coordinates takes; the arithmetic of box and bound takes this share.
+constexpr float kBoxShare = 1 - 0x1p-20f;
+
+struct Waiting {
+  float distance_sq;
+  std::uint32_t pack;
+  int level;
+};
+
+// A point while it is answered.
+struct OnePoint {
+  double local[3];  // relative to the middle of the index
+  float at[3];
+  float upper_sq;
+  int near_count;
+};
+
+// Compares the triangles that may be nearest so far: there are too many of them, or no more.
+STANDOFF_INLINE void settle(const PackTree& tree, OnePoint& p, int point, PointGroup& points, PointTable& table) {
+  for (int n = 0; n < p.near_count; ++n)
+    if (table.near[n].lower_sq <= p.upper_sq) add_pair(tree, table.near[n].place, point, points, table);
+  p.near_count = 0;
+}
+
+STANDOFF_INLINE void measure_pack(const PackTree& tree, std::uint32_t number, OnePoint& p, int point,
+                                  PointGroup& points, PointTable& table) {
+  const FramePack& frames = tree.frames[number];
+  float at[3], extent = frames.extent;
+  for (int axis = 0; axis < 3; ++axis) {
+    at[axis] = static_cast<float>(p.local[axis] - frames.center[axis]);
+    const float far = __builtin_fabsf(at[axis]);
+    extent = far > extent ? far : extent;
+  }
+  const float slack_sq = slack_sq_of(extent);
+  const WideFloat sq =
+      distance_sq(load_frames(frames.frame), WidePoint{WideFloat(at[0]), WideFloat(at[1]), WideFloat(at[2])});
+  const float upper = reduce_min(at_most(sq, slack_sq));
+  p.upper_sq = upper < p.upper_sq ? upper : p.upper_sq;
+  const WideFloat lower = at_least(sq, slack_sq);
+  std::uint32_t near = less_equal(lower, WideFloat(p.upper_sq)).to_bits() & ((1u << size_of_pack(tree, number)) - 1);
+  if (near == 0) return;
+  if (p.near_count + kLanes > PointTable::kMostNear) settle(tree, p, point, points, table);
+  alignas(64) float lowers[kLanes];
+  lower.store(lowers);
+  for (; near != 0; near &= near - 1) {
+    const int lane = __builtin_ctz(near);
+    table.near[p.near_count++] = {number * kLanes + static_cast<unsigned>(lane), lowers[lane]};
+  }
+}
+
+// Adds the parts of a pack that are nearer than the bound, the nearest last.
+STANDOFF_INLINE int open_pack(const PackTree& tree, const Waiting& w, const OnePoint& p, Waiting* waiting, int count) {
+  const BoxPack& boxes = tree.packs[w.pack];
+  WideFloat sum(0);
+  for (int axis = 0; axis < 3; ++axis) {
+    const WideFloat at(p.at[axis]);
+    const WideFloat outside =
+        max(max(WideFloat::load(boxes.low[axis]) - at, at - WideFloat::load(boxes.high[axis])), WideFloat(0));
+    sum = fma(outside, outside, sum);
+  }
+  sum = sum * WideFloat(kBoxShare);
+  const std::uint32_t first = tree.begin[w.level - 1] + kLanes * (w.pack - tree.begin[w.level]);
+  const std::uint32_t left = tree.begin[w.level] - first;
+  std::uint32_t near = less_equal(sum, WideFloat(p.upper_sq)).to_bits();
+  if (left < kLanes) near &= (1u << left) - 1;
+  if (near == 0) return count;
+  alignas(64) float sq[kLanes];
+  sum.store(sq);
+  const int begin = count;
+  for (; near != 0; near &= near - 1) {
+    const int lane = __builtin_ctz(near);
+    int at = count++;
+    for (; at > begin && waiting[at - 1].distance_sq < sq[lane]; --at) waiting[at] = waiting[at - 1];
+    waiting[at] = {sq[lane], first + static_cast<unsigned>(lane), w.level - 1};
+  }
+  return count;
+}
+
+void look_at_all(const PackTree& tree, PointGroup& points, PointTable& table) {
+  table.pair_count = 0;
+  std::uint32_t last = points.start;
+  for (int n = 0; n < points.count; ++n) {
+    OnePoint p;
+    for (int axis = 0; axis < 3; ++axis) {
+      p.local[axis] = points.world[n][axis] * points.scale - (points.center[axis] - points.middle[axis]);
+      p.at[axis] = static_cast<float>(p.local[axis]);
+    }
+    p.upper_sq = __builtin_inff();
+    p.near_count = 0;
+    measure_pack(tree, last, p, n, points, table);
+    const std::uint32_t begun = last;
+    Waiting waiting[kLanes * (PackTree::kMostLevels + 1)];
+    waiting[0] = {0, tree.begin[tree.top], tree.top};
+    for (int count = 1; count != 0;) {
+      const Waiting w = waiting[--count];
+      if (w.distance_sq > p.upper_sq) continue;
+      if (w.level != 0) {
+        count = open_pack(tree, w, p, waiting, count);
+        continue;
+      }
+      if (w.pack == begun) continue;
+      const float before = p.upper_sq;
+      measure_pack(tree, w.pack, p, n, points, table);
+      if (p.upper_sq < before) last = w.pack;
+    }
+    settle(tree, p, n, points, table);
+  }
+  points.start = last;
+  compare_pairs(tree, points, table);
+}
+
+}  // namespace
+}  // namespace standoff::cpu::STANDOFF_TARGET
