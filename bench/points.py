@@ -105,6 +105,7 @@ def run(drivers, workloads, with_peers, only, rounds, build, note="", count=None
     job = workloads["points"]
     limits = lambda kind: {key: job[key][kind] for key in ("at_least", "goal")}
     rows, builds = [], []
+    header = machine_lines(build) + ([f"note: {note}"] if note else [])
     for mesh in job["meshes"]:
         if only and only not in mesh["name"]:
             continue
@@ -121,8 +122,7 @@ def run(drivers, workloads, with_peers, only, rounds, build, note="", count=None
                 rows += [row | more for row in rows_of(mesh, where, asked, with_sign, lines, checks)]
                 if name == "box" and not with_sign:
                     builds.append(build_row(mesh, lines, limits("build")))
-    header = machine_lines(build) + ([f"note: {note}"] if note else [])
+                if not only and with_peers:  # after each, for it takes long
+                    write_csv(results_folder() / "points.csv", header, rows)
+                    write_csv(results_folder() / "points-build.csv", header, builds)
     print("\n\n".join(["\n".join(f"- {line}" for line in header), markdown(rows), markdown(builds)]))
-    if not only and with_peers:
-        write_csv(results_folder() / "points.csv", header, rows)
-        write_csv(results_folder() / "points-build.csv", header, builds)
