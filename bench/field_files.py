@@ -44,9 +44,11 @@ def run_job(drivers, job, with_peers, rounds):
 
 
 def run(drivers, workloads, with_peers, only, rounds, build, note=""):
-    rows = [row for job in workloads["files"] if not only or only in job["name"]
-            for row in run_job(drivers, job, with_peers, rounds)]
     header = machine_lines(build) + ([f"note: {note}"] if note else [])
+    rows = []
+    for job in workloads["files"]:
+        if not only or only in job["name"]:
+            rows += run_job(drivers, job, with_peers, rounds)
+            if not only and with_peers:  # after each, for the large ones take long
+                write_csv(results_folder() / "files.csv", header, rows)
     print("\n\n".join(["\n".join(f"- {line}" for line in header), markdown(rows)]))
-    if not only and with_peers:
-        write_csv(results_folder() / "files.csv", header, rows)
