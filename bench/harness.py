@@ -15,7 +15,9 @@ from pathlib import Path
 
 BENCH = Path(__file__).resolve().parent
 PROGRAMS = {"standoff": "bench_standoff", "sign": "bench_sign", "openvdb": "peer_openvdb", "embree": "peer_embree", "collision": "bench_collision",
-            "fcl": "peer_fcl", "coal": "peer_coal"}
+            "fcl": "peer_fcl", "coal": "peer_coal", "points": "bench_points", "embree_points": "peer_embree_points",
+            "iso": "bench_iso", "openvdb_iso": "peer_openvdb_iso", "files": "bench_files",
+            "openvdb_files": "peer_openvdb_files", "sidecars": "bench_sidecars"}
 
 
 class Drivers:
@@ -42,6 +44,22 @@ class Drivers:
         if done.returncode:
             raise SystemExit(f"bench: {' '.join(command)} failed")
         return [json.loads(line) for line in done.stdout.splitlines()]
+
+
+def peer_python(script, *args):
+    """One process of a script of this folder, with the Python that STANDOFF_PEER_PYTHON names; its JSON line. None if
+    there is no such Python, or it has not what the script needs."""
+    python = os.environ.get("STANDOFF_PEER_PYTHON")
+    if not python:
+        return None
+    command = [python, str(BENCH / script), *map(str, args)]
+    print("  " + " ".join(command), file=sys.stderr)
+    done = subprocess.run(command, stdout=subprocess.PIPE, text=True)
+    if done.returncode == 3:  # what a script returns if it lacks a library
+        return None
+    if done.returncode:
+        raise SystemExit(f"bench: {' '.join(command)} failed")
+    return json.loads(done.stdout.splitlines()[-1])
 
 
 def median(runs, key):

@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
+#include <ctime>
 #include <fstream>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -75,6 +77,34 @@ auto measure(int repeats, Measured& measured, Job&& job) {
     }
   }
   return std::move(*result);
+}
+
+/// Seconds since it was made: on the wall, and of all processors for this process.
+class Clock {
+ public:
+  double wall() const { return now() - wall_; }
+  double processor() const { return processor_now() - processor_; }
+
+ private:
+  static double now() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+  }
+  static double processor_now() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+  double wall_ = now(), processor_ = processor_now();
+};
+
+/// The medians of several calls of `job`, under NAME_s and NAME_cpu_s.
+inline void measure_calls(int repeats, const std::string& name, nlohmann::json& line,
+                          const std::function<void()>& job) {
+  std::vector<double> on_wall, of_processors;
+  for (int call = 0; call < repeats; ++call) {
+    const Clock clock;
+    job();
+    on_wall.push_back(clock.wall());
+    of_processors.push_back(clock.processor());
+  }
+  line[name + "_s"] = median(on_wall);
+  line[name + "_cpu_s"] = median(of_processors);
 }
 
 }  // namespace standoff::bench

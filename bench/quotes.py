@@ -9,6 +9,7 @@ import statistics
 from pathlib import Path
 
 import gpu_tables
+import output_quotes
 from gpu_jobs import rows_of
 from harness import BENCH, markdown
 
@@ -115,6 +116,7 @@ def pages(results=BENCH / "results" / QUOTED):
     table = markdown([{key: row[key] for key in row if key not in ("at least", "met")} for row in rows])
     path = ROOT / "docs" / "collision_benchmarks.md"
     made[path] = between_markers(made[path], "collision batches", f"{table}\n\n{measured(comments)}")
+    made |= output_quotes.pages(read, between_markers, measured)
     return made | gpu_page(BENCH / "results" / GPU_QUOTED)
 
 

@@ -9,19 +9,26 @@
   run.py collision       batches of collision queries with 1 and 2 threads; with --peers, queries beside FCL and Coal
   run.py terrains        two surfaces that conform to each other, beside FCL and Coal (needs --peers)
   run.py sign            what a sign adds; with --peers beside OpenVDB's level sets and libigl (STANDOFF_PEER_PYTHON)
+  run.py points          distances of points; with --peers beside Embree, and FCPW, libigl and Open3D (STANDOFF_PEER_PYTHON)
+  run.py iso             surfaces of fields; with --peers beside OpenVDB and VTK
+  run.py files           writing fields; with --peers beside OpenVDB and NanoVDB
+  run.py sidecars        what each sidecar adds to a band
   run.py quote           the documentation's tables of collision queries, written again from the CSV file
   run.py fly             the fly in the labyrinth: Figure 5.5 of the thesis, and what both modes miss
 Tables go to stdout, progress to stderr, CSV files to bench/results/<machine>/."""
 
 import argparse
+import importlib
 import json
 from pathlib import Path
 
 import collision
 import contests
+import field_files
 import fly
 import quotes
 import scaling
+import sidecar_costs
 import sign
 import thesis_tables
 from harness import BENCH, Drivers
@@ -30,12 +37,14 @@ from harness import BENCH, Drivers
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", nargs="?", default="contests",
-                        choices=["contests", "scaling", "thesis", "collision", "terrains", "sign", "quote", "fly"])
+                        choices=["contests", "scaling", "thesis", "collision", "terrains", "sign", "points", "iso", "files", "sidecars",
+                                 "quote", "fly"])
     parser.add_argument("--peers", action="store_true", help="run the peers too (built with STANDOFF_BENCH_PEERS)")
     parser.add_argument("--build", default=str(BENCH.parent / "build" / "bench"), help="build folder of the drivers")
     parser.add_argument("--only", help="workloads or tables whose name holds this; nothing is written then")
     parser.add_argument("--rounds", type=int, help="processes per driver, instead of what the workload says")
-    parser.add_argument("--note", default="", help="of collision and terrains: what readers must know of this run")
+    parser.add_argument("--count", type=int, help="of points, instead of what the workload says")
+    parser.add_argument("--note", default="", help="what readers must know of this run (not of contests, scaling, thesis, sign)")
     parser.add_argument("--list", action="store_true", help="name the workloads and stop")
     arguments = parser.parse_args()
 
@@ -43,6 +52,7 @@ def main():
     drivers = Drivers(arguments.build)
     if arguments.list:
         kinds = [workloads[kind] for kind in ("contests", "sign", "scaling", "batches")]
+        kinds += [workloads["points"]["meshes"], workloads["iso"]["fields"], workloads["files"], workloads["sidecars"]["fields"]]
         kinds += [workloads["collision"]["pairs"], workloads["terrains"]["places"]]
         for job in (job for jobs in kinds for job in jobs):
             print(f"{job['name']:24} {job['what']}")
@@ -61,6 +71,17 @@ def main():
                                           arguments.note)
         return collision.run(drivers, workloads, arguments.peers, arguments.only, arguments.rounds, arguments.build,
                              arguments.note)
+    if arguments.what in ("points", "iso", "files", "sidecars"):
+        if not drivers.has(arguments.what):
+            parser.error(f"no drivers in {drivers.folder}; build them with script/bench {arguments.what}")
+        if arguments.what == "sidecars":
+            return sidecar_costs.run(drivers, workloads, arguments.only, arguments.rounds, arguments.build, arguments.note)
+        if arguments.what == "files":
+            measured = field_files
+        else:  # these need numpy
+            measured = importlib.import_module({"points": "points", "iso": "surfaces"}[arguments.what])
+        more = {"count": arguments.count} if arguments.what == "points" else {}
+        return measured.run(drivers, workloads, arguments.peers, arguments.only, arguments.rounds, arguments.build, arguments.note, **more)
     if not drivers.has("standoff"):
         parser.error(f"no drivers in {drivers.folder}; build them with script/bench")
     if arguments.peers and not (drivers.has("openvdb") or drivers.has("embree")):
