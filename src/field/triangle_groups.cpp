@@ -8,9 +8,9 @@
 #include <cmath>
 #include <limits>
 
-#include "geometry/triangle_distance.h"
 #include "geometry/morton.h"
 #include "geometry/triangle_box.h"
+#include "geometry/triangle_distance.h"
 
 namespace standoff {
 namespace {

@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "core/execution.h"
 #include "core/guarded.h"
@@ -56,8 +59,14 @@ HermiteSource mesh_source(MeshView mesh, const SignOptions& sign, const IsoOptio
   MeshOffset offset;
   offset.distance = is_shell ? level + sign.shell / 2 : std::abs(level);
   offset.inside = !is_shell && level < 0;
-  offset.closest = [mesh, threads = options.execution.threads](std::span<const Vec3> points) {
-    return closest_points(mesh, points, {.threads = threads});
+  // Made when it is first asked: dual contouring alone does.
+  const auto query = std::make_shared<std::optional<MeshQuery>>();
+  offset.closest = [mesh, query,
+                    execution = Execution{.threads = options.execution.threads}](std::span<const Vec3> points) {
+    if (!*query) query->emplace(mesh, MeshQueryOptions{.execution = execution});
+    std::vector<ClosestPoint> found(points.size());
+    (*query)->closest(points, found, execution);
+    return found;
   };
   if (offset.distance > 0)
     return {[offset](const Blocks& blocks, const EdgePoints& points, std::span<HermitePoint> data,

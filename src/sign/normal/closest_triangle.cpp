@@ -9,8 +9,8 @@
 #include <span>
 #include <vector>
 
-#include "geometry/triangle_distance.h"
 #include "geometry/triangle_box.h"
+#include "geometry/triangle_distance.h"
 #include "sign/diagnosis/along_curve.h"
 
 namespace standoff {

@@ -90,7 +90,7 @@ TEST_F(ModelFile, WhatCannotBeIsAnErrorWithoutTheChecksumToo) {
     std::string bad = good;
     std::memcpy(bad.data() + at, &value, sizeof value);
     try {
-      collision::read_model(FileView("x.body", bad), collision::BodyChecksum::ignored);
+      collision::read_model(FileView("x.body", bad), ArrayChecksum::ignored);
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::input);
       return std::string(error.what());

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "collision/cpu/kernels.h"
+#include "geometry/closest_point.h"
 #include "geometry/penetration.h"
 #include "geometry/triangle_distance.h"
 #include "geometry/triangle_pair.h"
