@@ -69,8 +69,8 @@ class STANDOFF_API MeshQuery {
   void winding_numbers(std::span<const Vec3> points, std::span<double> out, const Execution& execution = {},
                        const ProgressCallback& progress = {}) const;
   /// The unit gradient of the distance at a point whose answer is `at`: away from the surface, or, if there is a sign,
-  /// towards the outside. Where several triangles are nearest it is that of at.triangle; on the surface it is the
-  /// normal of that triangle, in the orientation of the sign. Errors: usage (a triangle that the mesh does not have).
+  /// towards the outside. Where several triangles are nearest it is that of at.triangle; on the surface, within
+  /// rounding, it is the normal of that triangle, in the orientation of the sign. Errors: usage (a triangle that the mesh does not have).
   Vec3 gradient(Vec3 point, const ClosestPoint& at) const;
 
   struct Data;

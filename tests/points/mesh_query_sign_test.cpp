@@ -85,6 +85,12 @@ void expect_sides(const MeshQuery& query, std::span<const Vec3> points, const In
   expect_sides(query, points, expected);
 }
 
+// The order of corners changes the rounding of a distance, nothing else.
+void expect_near(std::span<const double> found, std::span<const double> expected) {
+  ASSERT_EQ(found.size(), expected.size());
+  for (std::size_t n = 0; n < found.size(); ++n) EXPECT_NEAR(found[n], expected[n], 1e-15);
+}
+
 SignOptions by(SignMethod method) { return {.method = method}; }
 
 TEST(MeshQuerySign, ABoxOnEveryPlaneOfItsFacesEdgesAndCorners) {
@@ -137,15 +143,16 @@ TEST(MeshQuerySign, SolidsInsideOutAreRepaired) {
   const std::vector<Vec3> points = points_around(3, 2000, 1.3);
   const std::vector<double> expected = ask(MeshQuery(sphere, {.sign = by(SignMethod::automatic)}), points);
   const MeshQuery repaired(turned, {.sign = by(SignMethod::automatic)});
-  EXPECT_EQ(ask(repaired, points), expected);
+  expect_near(ask(repaired, points), expected);
   EXPECT_EQ(repaired.sign().flipped, std::ssize(turned.triangles));
-  std::vector<double> negative = ask(MeshQuery(sphere, {.sign = {.method = SignMethod::winding, .invert = true}}), points);
+  const MeshQuery inverted(sphere, {.sign = {.method = SignMethod::winding, .invert = true}});
+  std::vector<double> negative = ask(inverted, points);
   for (double& v : negative) v = -v;
   EXPECT_EQ(negative, expected);
   Mesh muddled = sphere;
   for (std::size_t n = 0; n < muddled.triangles.size(); n += 3) muddled = testing::with_flipped(muddled, n);
-  EXPECT_EQ(ask(MeshQuery(muddled, {.sign = by(SignMethod::winding)}), points), expected);
-  EXPECT_EQ(ask(MeshQuery(muddled, {.sign = by(SignMethod::parity)}), points), expected);
+  expect_near(ask(MeshQuery(muddled, {.sign = by(SignMethod::winding)}), points), expected);
+  expect_near(ask(MeshQuery(muddled, {.sign = by(SignMethod::parity)}), points), expected);
 }
 
 // The ray of each point goes through a corner or an edge of the sphere.
@@ -263,7 +270,7 @@ TEST(MeshQuerySign, TheSidesOfAGridsSamples) {
         }
     expect_sides(MeshQuery(mesh, {.sign = sign}), points, inside);
   };
-  for (const char* name : {"nested", "sphere", "box", "catapult", "robot"}) {
+  for (const char* name : {"nested", "sphere", "box", "catapult", "machine_1"}) {
     SCOPED_TRACE(name);
     const Mesh mesh = scenes::make(name, 2000);
     for (const WindingRule rule : {WindingRule::positive, WindingRule::odd})
