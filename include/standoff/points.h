@@ -41,8 +41,8 @@ struct MeshQueryOptions {
 /// A mesh, prepared for questions at arbitrary points. Building takes about as long as reading the mesh; each answer is
 /// then found in logarithmic time, and many points that are asked together share most of it. Answers are exact: the
 /// nearest triangle is the one that a comparison with every triangle in double precision finds, of equally near ones
-/// that of lowest index, and the error of the distance is a few 1e-16 of the extent of point and triangle together.
-/// They have the same bits for any number of threads, any instruction set, any backend, and any order or batch of
+/// that of lowest index, and the error of the distance is a few 1e-16 of the extent of point and triangle together; of
+/// slivers it may be 1e-8 of their length. They have the same bits for any number of threads, any instruction set, any backend, and any order or batch of
 /// points. Calls of const members may run at the same time. Moves are cheap; copies share the prepared mesh.
 class STANDOFF_API MeshQuery {
  public:
