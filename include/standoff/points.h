@@ -42,8 +42,9 @@ struct MeshQueryOptions {
 /// then found in logarithmic time, and many points that are asked together share most of it. Answers are exact: the
 /// nearest triangle is the one that a comparison with every triangle in double precision finds, of equally near ones
 /// that of lowest index, and the error of the distance is a few 1e-16 of the extent of point and triangle together; of
-/// slivers it may be 1e-8 of their length. They have the same bits for any number of threads, any instruction set, any backend, and any order or batch of
-/// points. Calls of const members may run at the same time. Moves are cheap; copies share the prepared mesh.
+/// slivers it may be 1e-8 of their length. They have the same bits for any number of threads, any instruction set, any
+/// backend, and any order or batch of points. Calls of const members may run at the same time. Moves are cheap; copies
+/// share the prepared mesh.
 class STANDOFF_API MeshQuery {
  public:
   /// Copies the mesh. Errors: input (mesh; a sign method that does not fit it), doubt (`strict`), usage (options),
@@ -70,7 +71,8 @@ class STANDOFF_API MeshQuery {
                        const ProgressCallback& progress = {}) const;
   /// The unit gradient of the distance at a point whose answer is `at`: away from the surface, or, if there is a sign,
   /// towards the outside. Where several triangles are nearest it is that of at.triangle; on the surface, within
-  /// rounding, it is the normal of that triangle, in the orientation of the sign. Errors: usage (a triangle that the mesh does not have).
+  /// rounding, it is the normal of that triangle, in the orientation of the sign. Errors: usage (a triangle that the
+  /// mesh does not have).
   Vec3 gradient(Vec3 point, const ClosestPoint& at) const;
 
   struct Data;

@@ -9,8 +9,8 @@ namespace {
 
 using namespace testing;
 
-constexpr std::array kMethods{SignMethod::none,  SignMethod::winding, SignMethod::parity,    SignMethod::normal,
-                              SignMethod::flood, SignMethod::shell,   SignMethod::automatic, none_of<SignMethod>()};
+const std::array kMethods{SignMethod::none,  SignMethod::winding, SignMethod::parity,    SignMethod::normal,
+                          SignMethod::flood, SignMethod::shell,   SignMethod::automatic, none_of<SignMethod>()};
 
 // Every question about some points.
 void ask_all(const std::string& name, const MeshQuery& query, std::span<const Vec3> points) {

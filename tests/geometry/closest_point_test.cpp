@@ -121,7 +121,8 @@ TEST(ClosestPoint, AnEdgeIsTheSameFromBothEnds) {
   Random random(8);
   for (int n = 0; n < 100000; ++n) {
     const double size = std::pow(10, random.between(-60, 60));
-    const Point a = point(random.in_cube(1) * size), b = point(random.in_cube(std::pow(10, random.between(-9, 2))) * size);
+    const Point a = point(random.in_cube(1) * size),
+                b = point(random.in_cube(std::pow(10, random.between(-9, 2))) * size);
     ASSERT_TRUE(same_bits(nearest_on_edge(a, b), nearest_on_edge(b, a))) << n;
     ASSERT_TRUE(same_bits(nearest_on_edge(a, a + b), nearest_on_edge(a + b, a))) << n;
   }
@@ -135,13 +136,15 @@ TEST(ClosestPoint, AnEdgesDistanceIsTheSameInEveryOrderOfCorners) {
     // Both triangles fall away from the point, so that it is in front of the edge or beyond its ends.
     const auto third = [&] { return (a + b) * 0.5 - p * random.between(1, 3); };
     const Vec3 c = third(), d = third();
-    const auto sq = [&](Vec3 u, Vec3 v, Vec3 w) { return origin_distance_sq(point(u - p), point(v - p), point(w - p)); };
+    const auto sq = [&](Vec3 u, Vec3 v, Vec3 w) {
+      return origin_distance_sq(point(u - p), point(v - p), point(w - p));
+    };
     const Point edge = nearest_on_edge(point(a - p), point(b - p));
     const double expected = dot(edge, edge);
     if (expected > reference_sq(p, {a, c, c}) || expected > reference_sq(p, {b, d, d})) continue;
     for (const Vec3& w : {c, d})
-      for (const Corners& t : {Corners{a, b, w}, Corners{b, a, w}, Corners{a, w, b}, Corners{b, w, a}, Corners{w, a, b},
-                               Corners{w, b, a}})
+      for (const Corners& t :
+           {Corners{a, b, w}, Corners{b, a, w}, Corners{a, w, b}, Corners{b, w, a}, Corners{w, a, b}, Corners{w, b, a}})
         ASSERT_EQ(sq(t[0], t[1], t[2]), expected) << n;
   }
 }

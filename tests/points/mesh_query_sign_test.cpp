@@ -24,9 +24,7 @@ std::vector<Vec3> points_around(unsigned seed, int count, double reach, Vec3 mid
   return points;
 }
 
-bool in(Vec3 p, double low, double high) {
-  return std::min({p.x, p.y, p.z}) > low && std::max({p.x, p.y, p.z}) < high;
-}
+bool in(Vec3 p, double low, double high) { return std::min({p.x, p.y, p.z}) > low && std::max({p.x, p.y, p.z}) < high; }
 bool is_on(Vec3 p, double low, double high) {
   const double least = std::min({p.x, p.y, p.z}), most = std::max({p.x, p.y, p.z});
   return least >= low && most <= high && (least == low || most == high);
@@ -77,9 +75,8 @@ void expect_sides(const MeshQuery& query, std::span<const Vec3> points, const st
 }
 
 template <class Inside>
-void expect_sides(const MeshQuery& query, std::span<const Vec3> points, const Inside& is_inside)
-  requires std::is_invocable_v<Inside, Vec3>
-{
+void expect_sides(const MeshQuery& query, std::span<const Vec3> points,
+                  const Inside& is_inside) requires std::is_invocable_v<Inside, Vec3> {
   std::vector<bool> expected;
   for (const Vec3& p : points) expected.push_back(is_inside(p));
   expect_sides(query, points, expected);
@@ -115,8 +112,7 @@ TEST(MeshQuerySign, RoundSolids) {
       expect_sides(MeshQuery(mesh, {.sign = by(method)}), points, [&](Vec3 p) { return height(p) < 0; });
   };
   expect_round(scenes::make("sphere", 2000), 1.3, [](Vec3 p) { return length(p) - 1; });
-  expect_round(testing::torus(64, 32), 1.4,
-               [](Vec3 p) { return std::hypot(std::hypot(p.y, p.z) - 1, p.x) - 0.3; });
+  expect_round(testing::torus(64, 32), 1.4, [](Vec3 p) { return std::hypot(std::hypot(p.y, p.z) - 1, p.x) - 0.3; });
 }
 
 TEST(MeshQuerySign, RulesOfNestedOverlappingAndReversedSolids) {
@@ -125,8 +121,8 @@ TEST(MeshQuerySign, RulesOfNestedOverlappingAndReversedSolids) {
   const std::vector<Vec3> points = lattice(8, std::vector<Cube>{{0, 6}, {2, 4}, {3, 8}});
   const auto expect_rule = [&](const Mesh& mesh, WindingRule rule, const auto& is_inside) {
     SCOPED_TRACE(static_cast<int>(rule));
-    expect_sides(MeshQuery(mesh, {.sign = {.method = SignMethod::winding, .rule = rule, .as_oriented = true}}),
-                 points, is_inside);
+    expect_sides(MeshQuery(mesh, {.sign = {.method = SignMethod::winding, .rule = rule, .as_oriented = true}}), points,
+                 is_inside);
   };
   const auto expect_rules = [&](const Mesh& mesh, const auto& winding) {
     expect_rule(mesh, WindingRule::positive, [&](Vec3 p) { return winding(p) > 0; });
@@ -188,7 +184,8 @@ TEST(MeshQuerySign, OpenMeshesAreJudgedBySolidAngles) {
 }
 
 TEST(MeshQuerySign, WindingNumbersOfClosedMeshesAreWhole) {
-  const Mesh mesh = joined(joined(box({0, 0, 0}, {6, 6, 6}), box({2, 2, 2}, {4, 4, 4})), reversed(box({3, 3, 3}, {8, 8, 8})));
+  const Mesh mesh =
+      joined(joined(box({0, 0, 0}, {6, 6, 6}), box({2, 2, 2}, {4, 4, 4})), reversed(box({3, 3, 3}, {8, 8, 8})));
   const MeshQuery query(mesh, {.sign = {.method = SignMethod::winding, .as_oriented = true}});
   std::vector<Vec3> points = points_around(6, 3000, 5, {4, 4, 4});
   points.push_back({1e100, -1e150, 3});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Distances and closest points of a MeshQuery against every triangle: bit by bit by the same measure, and by another one
-// within rounding.
+// Distances and closest points of a MeshQuery against every triangle: bit by bit by the same measure, and by another
+// one within rounding.
 #include <gtest/gtest.h>
 
 #include <bit>

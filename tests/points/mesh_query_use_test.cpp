@@ -87,24 +87,26 @@ TEST(MeshQueryUse, IsCancelledByItsProgress) {
   std::vector<Vec3> points(20000);
   testing::Random random(1);
   for (Vec3& p : points) p = random.in_cube(2);
-  for_each_question(query, points, points.size(), {}, [](const Progress&) { return false; },
-                    [](auto call) { expect_error(call, ErrorCode::interrupted, ""); });
-  for_each_question(query, points, points.size(), {},
-                    [](const Progress&) -> bool { throw std::domain_error("of the caller"); },
-                    [](auto call) { EXPECT_THROW(call(), std::domain_error); });
+  for_each_question(
+      query, points, points.size(), {}, [](const Progress&) { return false; },
+      [](auto call) { expect_error(call, ErrorCode::interrupted, ""); });
+  for_each_question(
+      query, points, points.size(), {}, [](const Progress&) -> bool { throw std::domain_error("of the caller"); },
+      [](auto call) { EXPECT_THROW(call(), std::domain_error); });
   double last = -1;
-  for_each_question(query, points, points.size(), {},
-                    [&](const Progress& progress) {
-                      EXPECT_GE(progress.fraction, last);
-                      EXPECT_LE(progress.fraction, 1);
-                      last = progress.fraction;
-                      return true;
-                    },
-                    [&](auto call) {
-                      last = -1;
-                      EXPECT_NO_THROW(call());
-                      EXPECT_GE(last, 0);
-                    });
+  for_each_question(
+      query, points, points.size(), {},
+      [&](const Progress& progress) {
+        EXPECT_GE(progress.fraction, last);
+        EXPECT_LE(progress.fraction, 1);
+        last = progress.fraction;
+        return true;
+      },
+      [&](auto call) {
+        last = -1;
+        EXPECT_NO_THROW(call());
+        EXPECT_GE(last, 0);
+      });
 }
 
 TEST(MeshQueryUse, CopiesShareAndOutliveTheOriginal) {
