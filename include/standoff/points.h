@@ -43,13 +43,17 @@ struct MeshQueryOptions {
 /// nearest triangle is the one that a comparison with every triangle in double precision finds, of equally near ones
 /// that of lowest index, and the error of the distance is a few 1e-16 of the extent of point and triangle together; of
 /// slivers it may be 1e-8 of their length. They have the same bits for any number of threads, any instruction set, any
-/// backend, and any order or batch of points. Calls of const members may run at the same time. Moves are cheap; copies
-/// share the prepared mesh.
+/// backend, and any order or batch of points. Calls of const members may run at the same time. Copies share the
+/// prepared mesh and are cheap; a moved-from query stays usable.
 class STANDOFF_API MeshQuery {
  public:
   /// Copies the mesh. Errors: input (mesh; a sign method that does not fit it), doubt (`strict`), usage (options),
   /// limit (a coordinate beyond kMaxCoordinate; memory).
   explicit MeshQuery(MeshView mesh, const MeshQueryOptions& options = {});
+  // There are no moves, because they would leave an empty query behind.
+  MeshQuery(const MeshQuery&) = default;
+  MeshQuery& operator=(const MeshQuery&) = default;
+  ~MeshQuery() = default;
 
   MeshView mesh() const;
   /// How inside is decided; its method is `none` if distances have no sign.

@@ -118,7 +118,9 @@ TEST(MeshQueryUse, CopiesShareAndOutliveTheOriginal) {
   const MeshQuery copy = *query;
   EXPECT_EQ(copy.mesh().vertices.size(), mesh->vertices.size());
   EXPECT_EQ(copy.memory_bytes(), query->memory_bytes());
-  MeshQuery moved = std::move(*query);
+  const MeshQuery moved = std::move(*query);
+  query->distances(points, after);  // NOLINT(bugprone-use-after-move): moves copy
+  EXPECT_EQ(before, after);
   query.reset();
   mesh.reset();
   copy.distances(points, after);
