@@ -44,14 +44,19 @@ struct MeshQueryOptions {
 /// A mesh, prepared for questions at arbitrary points. Building takes about as long as reading the mesh; each answer is
 /// then found in logarithmic time, and many points that are asked together share most of it. Answers are exact: the
 /// nearest triangle is the one that a comparison with every triangle in double precision finds, of equally near ones
-/// that of lowest index, and the error of the distance is a few 1e-16 of the extent of point and triangle together.
-/// They have the same bits for any number of threads, any instruction set, any backend, and any order or batch of
-/// points. Calls of const members may run at the same time. Moves are cheap; copies share the prepared mesh.
+/// that of lowest index, and the error of the distance is a few 1e-16 of the extent of point and triangle together; of
+/// slivers it may be 1e-8 of their length. They have the same bits for any number of threads, any instruction set, any
+/// backend, and any order or batch of points. Calls of const members may run at the same time. Copies share the
+/// prepared mesh and are cheap; a moved-from query stays usable.
 class STANDOFF_API MeshQuery {
  public:
   /// Copies the mesh. Errors: input (mesh; a sign method that does not fit it), doubt (`strict`), usage (options),
   /// limit (a coordinate beyond kMaxCoordinate; memory).
   explicit MeshQuery(MeshView mesh, const MeshQueryOptions& options = {});
+  // There are no moves, because they would leave an empty query behind.
+  MeshQuery(const MeshQuery&) = default;
+  MeshQuery& operator=(const MeshQuery&) = default;
+  ~MeshQuery() = default;
 
   MeshView mesh() const;
   /// How inside is decided; its method is `none` if distances have no sign.
@@ -72,8 +77,9 @@ class STANDOFF_API MeshQuery {
   void winding_numbers(std::span<const Vec3> points, std::span<double> out, const Execution& execution = {},
                        const ProgressCallback& progress = {}) const;
   /// The unit gradient of the distance at a point whose answer is `at`: away from the surface, or, if there is a sign,
-  /// towards the outside. Where several triangles are nearest it is that of at.triangle; on the surface it is the
-  /// normal of that triangle, in the orientation of the sign. Errors: usage (a triangle that the mesh does not have).
+  /// towards the outside. Where several triangles are nearest it is that of at.triangle; on the surface, within
+  /// rounding, it is the normal of that triangle, in the orientation of the sign. Errors: usage (a triangle that the
+  /// mesh does not have).
   Vec3 gradient(Vec3 point, const ClosestPoint& at) const;
 
   struct Data;

@@ -207,8 +207,16 @@ Vec3 MeshQuery::gradient(Vec3 point, const ClosestPoint& at) const try {
   const double scale = data_->near().scale_at(point);
   const Vec3 away = (point - at.point) * scale;
   const double distance = length(away);
-  if (distance > 0) return away * ((at.distance < 0 ? -1 : 1) / distance);
   const auto corner = [&](int k) { return triple_of((mesh.corner(at.triangle, k) - point) * scale); };
+  // What the way to the surface is off by: nearer than that it has no direction.
+  double extent = max_norm(point) * scale;
+  for (int k = 0; k < 3; ++k) extent = std::max(extent, max_norm(vec_of(corner(k))));
+  constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon();
+  if (distance > kRounding * extent) {
+    // The distance of a shell grows away from the mesh, on both sides of its own surface.
+    const bool shell = data_->plan.report.method == SignMethod::shell;
+    return away * ((shell ? data_->sign.invert : at.distance < 0) ? -1 / distance : 1 / distance);
+  }
   const TriangleFrame<double> frame = make_frame(corner(0), corner(1), corner(2), kLeastLengthSqOfCells);
   const Vec3 normal = vec_of(frame.z.g);
   // A frame turns the corners as it likes: its z axis may be either normal.

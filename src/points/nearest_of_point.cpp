@@ -24,11 +24,10 @@ struct Waiting {
 class Search {
  public:
   Search(const TriangleIndex& index, Vec3 point)
-      : index_(index),
-        world_(point),
-        local_(index.local(point)),
-        scale_(index.scale_at(point)),
-        shrink_(scale_ / index.scale()) {}
+      : index_(index), world_(point), scale_(index.scale_at(point)), shrink_(scale_ / index.scale()) {
+    const double(&center)[3] = index.clusters().center();
+    local_ = point * scale_ - Vec3{center[0], center[1], center[2]} * shrink_;
+  }
 
   NearestTriangle run() {
     std::array<Waiting, kMostWaiting> waiting;
@@ -61,7 +60,7 @@ class Search {
   // At most: boxes are grown by what the rounding of their corners takes, and the double arithmetic here is far below.
   double box_distance_sq(const BoxPack& boxes, int n) const {
     const auto outside = [&](int axis, double p) {
-      return std::max({double{boxes.low[axis][n]} - p, p - double{boxes.high[axis][n]}, 0.0}) * shrink_;
+      return std::max({boxes.low[axis][n] * shrink_ - p, p - boxes.high[axis][n] * shrink_, 0.0});
     };
     const double x = outside(0, local_.x), y = outside(1, local_.y), z = outside(2, local_.z);
     return (x * x + y * y + z * z) * (1 - 1e-14);
@@ -77,8 +76,9 @@ class Search {
   }
 
   const TriangleIndex& index_;
-  Vec3 world_, local_;
+  Vec3 world_;
   double scale_, shrink_;
+  Vec3 local_;  // relative to the middle
   double best_sq_ = std::numeric_limits<double>::infinity();
   std::uint32_t triangle_ = kNoTriangle;
 };

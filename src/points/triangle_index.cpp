@@ -63,7 +63,10 @@ TriangleIndex::TriangleIndex(const Mesh& mesh, std::span<const std::uint32_t> am
 double TriangleIndex::scale_at(Vec3 point) const {
   const double farthest = std::max(max_norm(local(point)), double{clusters().extent()});
   constexpr int kMostExponent = 64;
-  return std::ldexp(scale(), std::min(0, kMostExponent - std::ilogb(farthest)));
+  // A point may be too far for grid units of a tiny mesh.
+  const int exponent =
+      std::isfinite(farthest) ? std::ilogb(farthest) : std::ilogb(max_norm(point)) + std::ilogb(scale());
+  return std::ldexp(scale(), std::min(0, kMostExponent - exponent));
 }
 
 std::int64_t TriangleIndex::memory_bytes() const {

@@ -26,7 +26,7 @@ void validate(const SignOptions& options) {
   if (options.outer && !is(SignMethod::winding) && !is(SignMethod::automatic))
     fail("outer is for the sign methods winding and automatic; leave it out");
   if (is(SignMethod::shell) && !(options.shell > 0 && std::isfinite(options.shell)))
-    fail("the thickness of a shell must be positive and finite");
+    fail("the thickness of a shell must be positive and finite; give it in world units");
   if (!is(SignMethod::shell) && options.shell != 0)
     fail("a shell's thickness is for the sign method shell; leave it out");
 }

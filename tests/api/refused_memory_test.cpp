@@ -100,6 +100,20 @@ TEST(RefusedMemory, Computing) {
   expect_limit_error("compute_into", [&] { compute_into(kMesh, kGrid, 1, values, nearest, on_cpu()); });
   const std::vector<Vec3> points(3);
   expect_limit_error("points", [&] { closest_points(kMesh, points, {.threads = 1}); });
+  std::vector<double> numbers(3);
+  std::vector<ClosestPoint> closest(3);
+  for (const SignMethod method : {SignMethod::winding, SignMethod::normal, SignMethod::shell}) {
+    const MeshQueryOptions of_query{.sign = {.method = method, .shell = method == SignMethod::shell ? 0.1 : 0},
+                                    .execution = {.threads = 1}};
+    expect_limit_error("query", [&] { MeshQuery(kMesh, of_query); });
+    const MeshQuery query(kMesh, of_query);
+    expect_limit_error("distances", [&] { query.distances(points, numbers, {.threads = 1}); });
+    expect_limit_error("closest", [&] { query.closest(points, closest, {.threads = 1}); });
+    if (method == SignMethod::winding)
+      expect_limit_error("winding_numbers", [&] { query.winding_numbers(points, numbers, {.threads = 1}); });
+    expect_error_or_limit("gradient", [&] { query.gradient({}, {}); });
+    expect_error_or_limit("few", [&] { query.distances(points, {}); });
+  }
   expect_limit_error("confidence", [&] {
     sign_confidence(kMesh, DistanceField(kGrid, 1), winding_margins(kMesh, kGrid, {}, {.threads = 1}), {.threads = 1});
   });

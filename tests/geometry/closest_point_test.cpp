@@ -7,7 +7,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 
 #include "standoff/vec.h"
 #include "tests/support/random_mesh.h"
@@ -107,6 +109,44 @@ TEST(ClosestPoint, AsGoodAsQuadruplePrecision) {
     worst = std::max(worst, error);
   }
   EXPECT_LT(worst, 1e-8);  // measured: 2.1e-9; small against the promise that it serves to test, 1.6e-5 of a sample
+}
+
+bool same_bits(const Point& a, const Point& b) {
+  return std::bit_cast<std::array<std::uint64_t, 3>>(std::array{a.x, a.y, a.z}) ==
+         std::bit_cast<std::array<std::uint64_t, 3>>(std::array{b.x, b.y, b.z});
+}
+
+// Triangles that share an edge agree about it, so that the lowest index decides between them.
+TEST(ClosestPoint, AnEdgeIsTheSameFromBothEnds) {
+  Random random(8);
+  for (int n = 0; n < 100000; ++n) {
+    const double size = std::pow(10, random.between(-60, 60));
+    const Point a = point(random.in_cube(1) * size),
+                b = point(random.in_cube(std::pow(10, random.between(-9, 2))) * size);
+    ASSERT_TRUE(same_bits(nearest_on_edge(a, b), nearest_on_edge(b, a))) << n;
+    ASSERT_TRUE(same_bits(nearest_on_edge(a, a + b), nearest_on_edge(a + b, a))) << n;
+  }
+}
+
+// Where an edge or a corner is nearest. Between corners of a face, rounding may depend on their order.
+TEST(ClosestPoint, AnEdgesDistanceIsTheSameInEveryOrderOfCorners) {
+  Random random(9);
+  for (int n = 0; n < 30000; ++n) {
+    const Vec3 a = random.in_cube(1), b = random.in_cube(1), p = (a + b) * random.between(0.5, 2);
+    // Both triangles fall away from the point, so that it is in front of the edge or beyond its ends.
+    const auto third = [&] { return (a + b) * 0.5 - p * random.between(1, 3); };
+    const Vec3 c = third(), d = third();
+    const auto sq = [&](Vec3 u, Vec3 v, Vec3 w) {
+      return origin_distance_sq(point(u - p), point(v - p), point(w - p));
+    };
+    const Point edge = nearest_on_edge(point(a - p), point(b - p));
+    const double expected = dot(edge, edge);
+    if (expected > reference_sq(p, {a, c, c}) || expected > reference_sq(p, {b, d, d})) continue;
+    for (const Vec3& w : {c, d})
+      for (const Corners& t :
+           {Corners{a, b, w}, Corners{b, a, w}, Corners{a, w, b}, Corners{b, w, a}, Corners{w, a, b}, Corners{w, b, a}})
+        ASSERT_EQ(sq(t[0], t[1], t[2]), expected) << n;
+  }
 }
 
 }  // namespace

@@ -100,6 +100,17 @@ TEST(WideDouble, OperationsOnOneNumber) {
   });
 }
 
+// One rounding: c is what is left of a * b, nearly, so that two roundings would leave nothing of it.
+TEST(WideDouble, MultiplyAndAddAtOnce) {
+  for_targets([&](const DoubleOperations& target, Numbers& numbers) {
+    const DoubleLanes a = numbers.lanes(), b = numbers.lanes();
+    DoubleLanes c = numbers.lanes(), out;
+    for (int n = 0; n < kDoubleLanes; n += 2) c[n] = -(a[n] * b[n]);
+    target.fma(a.data(), b.data(), c.data(), out.data());
+    for (int n = 0; n < kDoubleLanes; ++n) expect_same(std::fma(a[n], b[n], c[n]), out[n]);
+  });
+}
+
 TEST(WideDouble, MasksAndWhatTheySelect) {
   for_targets([](const DoubleOperations& target, Numbers& numbers) {
     const DoubleLanes a = numbers.lanes();

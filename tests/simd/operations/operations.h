@@ -20,6 +20,7 @@ struct DoubleOperations {
   void (*max)(const double*, const double*, double* out);
   void (*negate)(const double*, double* out);
   void (*sqrt)(const double*, double* out);
+  void (*fma)(const double*, const double*, const double*, double* out);
   void (*broadcast)(double, double* out);
   Bits (*less)(const double*, const double*);
   Bits (*mask_not)(Bits);

@@ -50,6 +50,9 @@ constexpr DoubleOperations double_operations() {
   o.max = STANDOFF_DOUBLE_BINARY(max(a, b));
   o.negate = STANDOFF_DOUBLE_UNARY(-a);
   o.sqrt = STANDOFF_DOUBLE_UNARY(sqrt(a));
+  o.fma = [](const double* a, const double* b, const double* c, double* out) {
+    fma(WideDouble::load(a), WideDouble::load(b), WideDouble::load(c)).store(out);
+  };
   o.broadcast = [](double value, double* out) { WideDouble(value).store(out); };
   o.less = [](const double* a, const double* b) {
     return Bits{less(WideDouble::load(a), WideDouble::load(b)).to_bits()};
