@@ -155,7 +155,7 @@ TEST(MeshView, EveryMethodAndInstructionSetReadsIt) {
           testing::expect_same_bits(testing::computed(view, kGrid, thickness, simd).field,
                                     testing::computed(mesh, kGrid, thickness).field);
         } catch (const Error& error) {  // a set that this processor does not have
-          EXPECT_EQ(error.code(), ErrorCode::device);
+          EXPECT_EQ(error.code(), ErrorCode::usage);
         }
     for (const Method method : {Method::tiles, Method::thesis})
       for (const SkipRule::Kind kind : {SkipRule::Kind::none, SkipRule::Kind::neighbour, SkipRule::Kind::exact})

@@ -36,6 +36,7 @@ def is_object(value, **keys):
 TYPES = {
     "null": lambda value: value is None,
     "string": lambda value: isinstance(value, str),
+    "array of strings": lambda value: isinstance(value, list) and all(isinstance(one, str) for one in value),
     "boolean": lambda value: isinstance(value, bool),
     "integer": is_integer,
     "number": is_number,
