@@ -67,6 +67,7 @@ struct ComputeReport {
   std::int64_t samples_band = 0;      ///< samples whose distance is at most the thickness
   std::int64_t tiles = 0;             ///< tiles of the grid
   SignReport sign;                    ///< how the sign was decided
+  Provenance provenance;              ///< as stored in the field; without the mesh's hash for dense memory
   std::int64_t tiles_stored = 0;      ///< tiles with a band sample; 0 from compute_into, which stores none
   struct Seconds {
     double prepare = 0;  ///< validation, skip rule

@@ -137,6 +137,8 @@ class Computation {
     report_.threads = plan_.threads;
     report_.samples = plan_.grid.sample_count();
     report_.tiles = tile_count(plan_.grid.size);
+    report_.provenance = {report_.method, hash ? *hash : 0, version(),
+                          written(sign_text_of(options_.sign, report_.sign))};
     return report_;
   }
 
@@ -181,7 +183,7 @@ ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickness, Di
     ComputeReport report = computation.run(FieldOutput(field), options.hash_mesh ? &mesh_hash : nullptr);
     if (!options.nearest_triangle) field.erase_nearest();
     report.tiles_stored = field.stored_tiles();
-    field.set_provenance({report.method, mesh_hash, version(), written(sign_text_of(options.sign, report.sign))});
+    field.set_provenance(report.provenance);
     return report;
   } catch (...) {
     field = {};

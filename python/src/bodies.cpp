@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+// Queries between two bodies: results as arrays, one row for each pose.
+#include "arrays.h"
+#include "options.h"
+#include "standoff/collision.h"
+#include "work.h"
+
+namespace standoff::python {
+namespace {
+
+// The first part of a batch, of which the others follow from the time it takes. A GPU gets all at once.
+std::size_t first_part(const Execution& execution, std::size_t count) {
+  return execution.backend == Backend::cpu || execution.backend == Backend::automatic ? 64 : count;
+}
+
+void put(NewArray<double>& array, std::size_t row, Vec3 v) {
+  array[3 * row] = v.x;
+  array[3 * row + 1] = v.y;
+  array[3 * row + 2] = v.z;
+}
+
+CollisionModel build(const VertexInput& vertices, const FaceInput& faces, double spacing, int threads,
+                     const std::string& device) {
+  const MeshView mesh = view_of(vertices, faces);
+  const ModelOptions options{.spacing = spacing, .execution = execution_of(threads, device)};
+  return watched(nb::none(), [&](const ProgressCallback&) { return CollisionModel(mesh, options); });
+}
+
+// verdict (0 free, 1 hit, 2 ambiguous), triangle_a, triangle_b, containment
+nb::tuple collide_poses(const CollisionModel& a, const PoseInput& pose_a, const CollisionModel& b,
+                        const PoseInput& poses, double margin, bool containment, bool certified, int threads,
+                        const std::string& device, const nb::object& progress) {
+  const std::size_t count = poses.shape(0);
+  NewArray<std::uint8_t> verdict({count}), inside({count});
+  NewArray<std::uint32_t> triangle_a({count}), triangle_b({count});
+  const CollideOptions options{
+      .margin = margin, .mode = certified ? CollideMode::certified : CollideMode::exact, .containment = containment};
+  const Execution execution = execution_of(threads, device);
+  const Pose at = pose_of(pose_a, 0);
+  const std::vector<Pose> all = poses_of(poses);
+  run_in_parts(progress, count, first_part(execution, count), [&](std::size_t first, std::size_t last) {
+    const auto results = collide_all(a, at, b, std::span(all).subspan(first, last - first), options, execution);
+    for (std::size_t n = first; n < last; ++n) {
+      const CollisionResult& r = results[n - first];
+      verdict[n] = static_cast<std::uint8_t>(r.verdict);
+      triangle_a[n] = r.triangle_a;
+      triangle_b[n] = r.triangle_b;
+      inside[n] = static_cast<std::uint8_t>(r.containment);
+    }
+  });
+  return nb::make_tuple(verdict.finish(), triangle_a.finish(), triangle_b.finish(), inside.finish());
+}
+
+// lower, upper, point_a, point_b, triangle_a, triangle_b
+nb::tuple distance_poses(const CollisionModel& a, const PoseInput& pose_a, const CollisionModel& b,
+                         const PoseInput& poses, double tolerance, double limit, int threads,
+                         const nb::object& progress) {
+  const std::size_t count = poses.shape(0);
+  NewArray<double> lower({count}), upper({count}), point_a({count, 3}), point_b({count, 3});
+  NewArray<std::uint32_t> triangle_a({count}), triangle_b({count});
+  const DistanceOptions options{.tolerance = tolerance, .limit = limit};
+  const Execution execution{.threads = threads};
+  const Pose at = pose_of(pose_a, 0);
+  const std::vector<Pose> all = poses_of(poses);
+  run_in_parts(progress, count, first_part(execution, count), [&](std::size_t first, std::size_t last) {
+    const auto results = distance_all(a, at, b, std::span(all).subspan(first, last - first), options, execution);
+    for (std::size_t n = first; n < last; ++n) {
+      const DistanceResult& r = results[n - first];
+      lower[n] = r.lower;
+      upper[n] = r.upper;
+      put(point_a, n, r.point_a);
+      put(point_b, n, r.point_b);
+      triangle_a[n] = r.triangle_a;
+      triangle_b[n] = r.triangle_b;
+    }
+  });
+  return nb::make_tuple(lower.finish(), upper.finish(), point_a.finish(), point_b.finish(), triangle_a.finish(),
+                        triangle_b.finish());
+}
+
+// hit, time, point, normal, triangle_a, triangle_b
+nb::tuple sweep_poses(const CollisionModel& a, const PoseInput& pose_a, const CollisionModel& b, const PoseInput& from,
+                      const PoseInput& to, std::array<double, 3> center, double tolerance, int threads,
+                      const std::string& device, const nb::object& progress) {
+  const std::size_t count = from.shape(0);
+  NewArray<std::uint8_t> hit({count});
+  NewArray<double> time({count}), point({count, 3}), normal({count, 3});
+  NewArray<std::uint32_t> triangle_a({count}), triangle_b({count});
+  const Execution execution = execution_of(threads, device);
+  const Pose at = pose_of(pose_a, 0);
+  std::vector<RigidMotion> motions(count);
+  for (std::size_t n = 0; n < count; ++n)
+    motions[n] = {pose_of(from, n), pose_of(to, n), {center[0], center[1], center[2]}};
+  run_in_parts(progress, count, first_part(execution, count), [&](std::size_t first, std::size_t last) {
+    const auto results =
+        sweep_all(a, at, b, std::span(motions).subspan(first, last - first), {.tolerance = tolerance}, execution);
+    for (std::size_t n = first; n < last; ++n) {
+      const SweepResult& r = results[n - first];
+      hit[n] = r.hit ? 1 : 0;
+      time[n] = r.time;
+      put(point, n, r.point);
+      put(normal, n, r.normal);
+      triangle_a[n] = r.triangle_a;
+      triangle_b[n] = r.triangle_b;
+    }
+  });
+  return nb::make_tuple(hit.finish(), time.finish(), point.finish(), normal.finish(), triangle_a.finish(),
+                        triangle_b.finish());
+}
+
+// point, normal, depth, triangle_a, triangle_b, overflow
+nb::tuple contacts_of(const CollisionModel& a, const PoseInput& pose_a, const CollisionModel& b,
+                      const PoseInput& pose_b, std::int64_t most, double margin) {
+  const Pose at = pose_of(pose_a, 0), b_at = pose_of(pose_b, 0);
+  const ContactResult result = watched(
+      nb::none(), [&](const ProgressCallback&) { return contacts(a, at, b, b_at, {.most = most, .margin = margin}); });
+  const std::size_t count = result.contacts.size();
+  NewArray<double> point({count, 3}), normal({count, 3}), depth({count});
+  NewArray<std::uint32_t> triangle_a({count}), triangle_b({count});
+  for (std::size_t n = 0; n < count; ++n) {
+    const ContactPoint& c = result.contacts[n];
+    put(point, n, c.point);
+    put(normal, n, c.normal);
+    depth[n] = c.depth;
+    triangle_a[n] = c.triangle_a;
+    triangle_b[n] = c.triangle_b;
+  }
+  return nb::make_tuple(point.finish(), normal.finish(), depth.finish(), triangle_a.finish(), triangle_b.finish(),
+                        result.overflow);
+}
+
+}  // namespace
+
+void add_bodies(nb::module_& m) {
+  nb::class_<CollisionModel>(m, "Body")
+      .def_prop_ro("closed", &CollisionModel::closed)
+      .def_prop_ro("thickness", &CollisionModel::thickness)
+      .def_prop_ro("memory_bytes", &CollisionModel::memory_bytes)
+      .def_prop_ro("triangles", [](const CollisionModel& b) { return b.mesh().triangles.size(); })
+      .def_prop_ro(
+          "bounds",
+          [](const CollisionModel& b) {
+            const Box box = b.bounds();
+            return std::array{std::array{box.min.x, box.min.y, box.min.z}, std::array{box.max.x, box.max.y, box.max.z}};
+          })
+      .def(
+          "save",
+          [](const CollisionModel& body, const std::filesystem::path& path, bool overwrite) {
+            const nb::gil_scoped_release released;
+            body.save(path, overwrite ? Existing::replace : Existing::keep);
+          },
+          "path"_a, "overwrite"_a);
+  m.def("build_body", &build, "vertices"_a.noconvert(), "faces"_a.noconvert(), "spacing"_a, "threads"_a, "device"_a);
+  m.def("read_body", &CollisionModel::load, "path"_a, nb::call_guard<nb::gil_scoped_release>());
+  m.def("automatic_tolerance", &automatic_tolerance, "a"_a, "b"_a);
+  m.def("collide", &collide_poses, "a"_a, "pose_a"_a.noconvert(), "b"_a, "poses"_a.noconvert(), "margin"_a,
+        "containment"_a, "certified"_a, "threads"_a, "device"_a, "progress"_a.none());
+  m.def("distance", &distance_poses, "a"_a, "pose_a"_a.noconvert(), "b"_a, "poses"_a.noconvert(), "tolerance"_a,
+        "limit"_a, "threads"_a, "progress"_a.none());
+  m.def("sweep", &sweep_poses, "a"_a, "pose_a"_a.noconvert(), "b"_a, "start"_a.noconvert(), "end"_a.noconvert(),
+        "center"_a, "tolerance"_a, "threads"_a, "device"_a, "progress"_a.none());
+  m.def("contacts", &contacts_of, "a"_a, "pose_a"_a.noconvert(), "b"_a, "pose_b"_a.noconvert(), "most"_a, "margin"_a);
+}
+
+}  // namespace standoff::python

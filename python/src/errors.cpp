@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// Errors of the library become the exceptions of standoff/_errors.py, with the data of their details.
+#include "standoff/error.h"
+
+#include "common.h"
+
+namespace standoff::python {
+namespace {
+
+const char* name_of(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::internal:
+      return "internal";
+    case ErrorCode::usage:
+      return "usage";
+    case ErrorCode::input:
+      return "input";
+    case ErrorCode::output:
+      return "output";
+    case ErrorCode::limit:
+      return "limit";
+    case ErrorCode::device:
+      return "device";
+    case ErrorCode::verify:
+      return "verify";
+    case ErrorCode::doubt:
+      return "doubt";
+    case ErrorCode::interrupted:
+      return "interrupted";
+  }
+  return "internal";
+}
+
+void raise(const Error& error) {
+  const ErrorDetails& d = error.details();
+  const nb::object file = d.file.empty() ? nb::none() : nb::object(nb::str(d.file.data(), d.file.size()));
+  const nb::object exception = nb::module_::import_("standoff._errors")
+                                   .attr("make")(name_of(error.code()), error.what(), "triangle"_a = d.triangle,
+                                                 "bytes_needed"_a = d.bytes_needed, "bytes_limit"_a = d.bytes_limit,
+                                                 "file"_a = file, "line"_a = d.line, "byte"_a = d.byte);
+  PyErr_SetObject(exception.type().ptr(), exception.ptr());
+}
+
+}  // namespace
+
+void add_errors(nb::module_&) {
+  nb::register_exception_translator([](const std::exception_ptr& thrown, void*) {
+    try {
+      std::rethrow_exception(thrown);
+    } catch (const Error& error) {
+      raise(error);
+    }
+  });
+}
+
+}  // namespace standoff::python

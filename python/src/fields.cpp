@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: Apache-2.0
+// Distance fields: computing, reading and writing them, their arrays, and values between samples.
+#include "standoff/field.h"
+
+#include "arrays.h"
+#include "options.h"
+#include "standoff/compute.h"
+#include "standoff/io.h"
+#include "standoff/slice.h"
+#include "work.h"
+
+namespace standoff::python {
+namespace {
+
+using DenseOutput = nb::ndarray<float, nb::shape<-1, -1, -1>, nb::f_contig, nb::device::cpu>;
+
+nb::dict dict_of(const ComputeReport& r) {
+  nb::dict d;
+  d["method"] = r.method;
+  d["backend"] = r.backend;
+  d["device"] = r.device;
+  d["threads"] = r.threads;
+  d["triangles"] = r.triangles;
+  d["samples_examined"] = r.samples_examined;
+  d["samples_band"] = r.samples_band;
+  d["seconds"] = r.seconds.prepare + r.seconds.compute + r.seconds.sign;
+  d["sign"] = sign_dict(r.sign);
+  d["provenance"] = r.provenance;
+  return d;
+}
+
+ComputeOptions options_of(const nb::handle& sign, const std::string& method, bool nearest, int threads,
+                          const std::string& device, std::int64_t memory_limit) {
+  constexpr const char* kMethods[] = {"tiles", "thesis"};
+  ComputeOptions options;
+  options.method = static_cast<Method>(choice_of("method", method, kMethods));
+  options.sign = sign_of(sign);
+  options.execution = execution_of(threads, device);
+  options.memory_limit = memory_limit;
+  options.nearest_triangle = nearest;
+  return options;
+}
+
+nb::tuple compute_field(const VertexInput& vertices, const FaceInput& faces, const GridInput& grid, double thickness,
+                        const nb::handle& sign, const std::string& method, bool nearest, int threads,
+                        const std::string& device, std::int64_t memory_limit, const nb::object& progress) {
+  const MeshView mesh = view_of(vertices, faces);
+  ComputeOptions options = options_of(sign, method, nearest, threads, device, memory_limit);
+  ComputeResult result = watched(progress, [&](const ProgressCallback& report) {
+    options.progress = report;
+    return compute(mesh, grid.grid(), thickness, options);
+  });
+  return nb::make_tuple(std::move(result.field), dict_of(result.report));
+}
+
+nb::dict compute_dense(const VertexInput& vertices, const FaceInput& faces, const GridInput& grid, double thickness,
+                       const DenseOutput& out, const nb::handle& sign, const std::string& method, int threads,
+                       const std::string& device, std::int64_t memory_limit, const nb::object& progress) {
+  const MeshView mesh = view_of(vertices, faces);
+  ComputeOptions options = options_of(sign, method, false, threads, device, memory_limit);
+  const std::span<float> values(out.data(), out.size());
+  const ComputeReport done = watched(progress, [&](const ProgressCallback& report) {
+    options.progress = report;
+    return compute_into(mesh, grid.grid(), thickness, values, options);
+  });
+  return dict_of(done);
+}
+
+std::int64_t bytes_needed(const VertexInput& vertices, const FaceInput& faces, const GridInput& grid, double thickness,
+                          const nb::handle& sign, bool nearest, bool dense) {
+  return memory_needed(view_of(vertices, faces), grid.grid(), thickness,
+                       options_of(sign, "tiles", nearest, 0, "auto", 0), dense);
+}
+
+std::array<std::int64_t, 3> shape_of(const DistanceField& field) {
+  const Size3 size = field.grid().size;
+  return {size.x, size.y, size.z};
+}
+
+void copy_dense(const DistanceField& field, const DenseOutput& out) {
+  const nb::gil_scoped_release released;
+  field.copy_slices(0, field.grid().size.z, {out.data(), out.size()});
+}
+
+nb::object nearest_of(const DistanceField& field) {
+  const Size3 size = field.grid().size;
+  NewArray<std::uint32_t> out(
+      {static_cast<std::size_t>(size.z), static_cast<std::size_t>(size.y), static_cast<std::size_t>(size.x)});
+  field.copy_nearest_slices(0, size.z, {out.data(), out.count()});
+  return out.finish();
+}
+
+// The stored tiles [n, i, j, k], as they lie in the field's memory: x fastest. The array keeps the field.
+nb::object tile_values(const nb::handle& self) {
+  const auto& field = nb::cast<const DistanceField&>(self);
+  const auto tiles = static_cast<std::size_t>(field.stored_tiles());
+  const std::size_t shape[4] = {tiles, 8, 8, 8};
+  const std::int64_t strides[4] = {DistanceField::kTileSamples, 1, 8, 64};
+  return nb::cast(nb::ndarray<nb::numpy, nb::ro, const float>(field.tile_values().data(), 4, shape, self, strides));
+}
+
+nb::object slots_of(const nb::handle& self) {
+  const auto& field = nb::cast<const DistanceField&>(self);
+  const std::size_t shape[1] = {field.slots().size()};
+  return nb::cast(nb::ndarray<nb::numpy, nb::ro, const std::int32_t>(field.slots().data(), 1, shape, self));
+}
+
+// The field of stored tiles: values as tile_values gives them, (n, 512) in the memory's order, and one entry of slots
+// for each tile of the grid.
+DistanceField from_tiles(
+    const GridInput& grid, double thickness,
+    const nb::ndarray<nb::ro, const float, nb::shape<-1, 512>, nb::c_contig, nb::device::cpu>& values,
+    const nb::ndarray<nb::ro, const std::int32_t, nb::shape<-1>, nb::c_contig, nb::device::cpu>& slots,
+    const Provenance& provenance) {
+  DistanceField field(grid.grid(), thickness);
+  const Size3 count = field.tile_count();
+  if (slots.shape(0) != static_cast<std::size_t>(count.count()))
+    throw nb::value_error("slots: must have one entry for each tile of the grid");
+  std::size_t n = 0;
+  for (std::int64_t z = 0; z < count.z; ++z)
+    for (std::int64_t y = 0; y < count.y; ++y)
+      for (std::int64_t x = 0; x < count.x; ++x, ++n) {
+        const std::int32_t slot = slots.data()[n];
+        if (slot == DistanceField::kInside) field.mark_inside(x, y, z);
+        if (slot < 0) continue;
+        if (static_cast<std::size_t>(slot) >= values.shape(0))
+          throw nb::value_error("slots: names a tile that is not there");
+        const float* const from = values.data() + static_cast<std::size_t>(slot) * DistanceField::kTileSamples;
+        std::copy_n(from, DistanceField::kTileSamples, field.store_tile(x, y, z).data());
+      }
+  field.set_provenance(provenance);
+  return field;
+}
+
+DistanceField from_dense(
+    const GridInput& grid, double thickness,
+    const nb::ndarray<nb::ro, const float, nb::shape<-1, -1, -1>, nb::f_contig, nb::device::cpu>& values,
+    const Provenance& provenance) {
+  const nb::gil_scoped_release released;
+  DistanceField field = DistanceField::from_dense(grid.grid(), thickness, {values.data(), values.size()});
+  field.set_provenance(provenance);
+  return field;
+}
+
+nb::object values_at(const DistanceField& field, const PointInput& points, int threads) {
+  NewArray<double> out({points.shape(0)});
+  {
+    const nb::gil_scoped_release released;
+    field.interpolate(points_of(points), {out.data(), out.count()}, {.threads = threads});
+  }
+  return out.finish();
+}
+
+nb::object gradients_at(const DistanceField& field, const PointInput& points, int threads) {
+  NewArray<double> out({points.shape(0), 3});
+  {
+    const nb::gil_scoped_release released;
+    field.gradient(points_of(points), {reinterpret_cast<Vec3*>(out.data()), points.shape(0)}, {.threads = threads});
+  }
+  return out.finish();
+}
+
+void write(const DistanceField& field, const std::filesystem::path& path, bool compress, bool overwrite, int threads) {
+  const nb::gil_scoped_release released;
+  write_field(path, field,
+              {.existing = overwrite ? Existing::replace : Existing::keep, .compress = compress, .threads = threads});
+}
+
+DistanceField read(const std::filesystem::path& path, std::int64_t memory_limit) {
+  const nb::gil_scoped_release released;
+  return read_field(path, {.memory_limit = memory_limit});
+}
+
+void add_grids(nb::module_& m) {
+  using Point = std::array<double, 3>;
+  using Fitted = std::tuple<std::array<std::int64_t, 3>, Point, Point>;
+  const auto fitted = [](const Grid& g) {
+    return Fitted{
+        {g.size.x, g.size.y, g.size.z}, {g.origin.x, g.origin.y, g.origin.z}, {g.spacing.x, g.spacing.y, g.spacing.z}};
+  };
+  const auto box = [](const Point& a, const Point& b) { return Box{{a[0], a[1], a[2]}, {b[0], b[1], b[2]}}; };
+  m.def(
+      "fit_samples",
+      [=](Point a, Point b, std::int64_t samples, const Padding& padding) {
+        return fitted(fit_samples(box(a, b), samples, padding));
+      },
+      "low"_a, "high"_a, "samples"_a, "padding"_a);
+  m.def(
+      "fit_spacing",
+      [=](Point a, Point b, Point spacing, const Padding& padding) {
+        return fitted(fit_spacing(box(a, b), {spacing[0], spacing[1], spacing[2]}, padding));
+      },
+      "low"_a, "high"_a, "spacing"_a, "padding"_a);
+  m.def(
+      "fit_size",
+      [=](Point a, Point b, std::array<std::int64_t, 3> size, const Padding& padding) {
+        return fitted(fit_size(box(a, b), {size[0], size[1], size[2]}, padding));
+      },
+      "low"_a, "high"_a, "size"_a, "padding"_a);
+  nb::class_<Padding>(m, "Padding")
+      .def(
+          "__init__",
+          [](Padding* at, double length, double samples, double least_samples, double most_share) {
+            new (at) Padding{length, samples, least_samples, most_share};
+          },
+          "length"_a, "samples"_a, "least_samples"_a, "most_share"_a);
+}
+
+}  // namespace
+
+void add_fields(nb::module_& m) {
+  nb::class_<GridInput>(m, "Grid").def(
+      "__init__",
+      [](GridInput* at, std::array<std::int64_t, 3> size, std::array<double, 3> origin, std::array<double, 3> spacing) {
+        new (at) GridInput{size, origin, spacing};
+        validate(at->grid());
+      },
+      "size"_a, "origin"_a, "spacing"_a);
+  add_grids(m);
+  nb::class_<Provenance>(m, "Provenance")
+      .def(
+          "__init__",
+          [](Provenance* at, std::string method, std::uint64_t mesh_hash, std::string version, std::string sign) {
+            new (at) Provenance{std::move(method), mesh_hash, std::move(version), std::move(sign)};
+          },
+          "method"_a, "mesh_hash"_a, "version"_a, "sign"_a)
+      .def_ro("method", &Provenance::method)
+      .def_ro("mesh_hash", &Provenance::mesh_hash)
+      .def_ro("version", &Provenance::version)
+      .def_ro("sign", &Provenance::sign);
+  nb::class_<DistanceField>(m, "Field")
+      .def_prop_ro("shape", &shape_of)
+      .def_prop_ro("origin",
+                   [](const DistanceField& f) {
+                     const Vec3 o = f.grid().origin;
+                     return std::array{o.x, o.y, o.z};
+                   })
+      .def_prop_ro("spacing",
+                   [](const DistanceField& f) {
+                     const Vec3 s = f.grid().spacing;
+                     return std::array{s.x, s.y, s.z};
+                   })
+      .def_prop_ro("thickness", &DistanceField::thickness)
+      .def_prop_ro("provenance", &DistanceField::provenance)
+      .def_prop_ro("has_nearest", &DistanceField::has_nearest)
+      .def_prop_ro("stored_tiles", &DistanceField::stored_tiles)
+      .def_prop_ro("memory_bytes", &DistanceField::memory_bytes)
+      .def("copy_dense", &copy_dense, "out"_a.noconvert())
+      .def("nearest", &nearest_of)
+      .def("tile_values", [](nb::handle_t<DistanceField> self) { return tile_values(self); })
+      .def("slots", [](nb::handle_t<DistanceField> self) { return slots_of(self); })
+      .def("tile_coordinates", [](const DistanceField& f) { return array_over<std::int32_t>(f.tile_coordinates()); })
+      .def("values", &values_at, "points"_a.noconvert(), "threads"_a)
+      .def("gradients", &gradients_at, "points"_a.noconvert(), "threads"_a)
+      .def("save", &write, "path"_a, "compress"_a, "overwrite"_a, "threads"_a);
+  m.def("read_field", &read, "path"_a, "memory_limit"_a);
+  m.def("from_tiles", &from_tiles, "grid"_a, "thickness"_a, "values"_a.noconvert(), "slots"_a.noconvert(),
+        "provenance"_a);
+  m.def("from_dense", &from_dense, "grid"_a, "thickness"_a, "values"_a.noconvert(), "provenance"_a);
+  m.def("compute", &compute_field, "vertices"_a.noconvert(), "faces"_a.noconvert(), "grid"_a, "thickness"_a, "sign"_a,
+        "method"_a, "nearest"_a, "threads"_a, "device"_a, "memory_limit"_a, "progress"_a.none());
+  m.def("compute_dense", &compute_dense, "vertices"_a.noconvert(), "faces"_a.noconvert(), "grid"_a, "thickness"_a,
+        "out"_a.noconvert(), "sign"_a, "method"_a, "threads"_a, "device"_a, "memory_limit"_a, "progress"_a.none());
+  m.def("memory_needed", &bytes_needed, "vertices"_a.noconvert(), "faces"_a.noconvert(), "grid"_a, "thickness"_a,
+        "sign"_a, "nearest"_a, "dense"_a);
+}
+
+}  // namespace standoff::python

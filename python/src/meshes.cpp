@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// Meshes and their files.
+#include "arrays.h"
+#include "standoff/error.h"
+#include "standoff/io.h"
+#include "standoff/mesh.h"
+#include "work.h"
+
+namespace standoff::python {
+namespace {
+
+// (vertices, faces, notes); the arrays keep the memory that the reader filled.
+nb::tuple read(const std::filesystem::path& path, double scale) {
+  MeshReadReport report;
+  Mesh mesh = watched(nb::none(), [&](const ProgressCallback&) { return read_mesh(path, {.scale = scale}, &report); });
+  return nb::make_tuple(array_over<double>(std::move(mesh.vertices)),
+                        array_over<std::uint32_t>(std::move(mesh.triangles)), notes(report));
+}
+
+void write(const std::filesystem::path& path, const VertexInput& vertices, const FaceInput& faces, bool overwrite) {
+  const MeshView mesh = view_of(vertices, faces);
+  const nb::gil_scoped_release released;
+  write_mesh(path, mesh, overwrite ? Existing::replace : Existing::keep);
+}
+
+// ((x, y, z), (x, y, z)) after a check of the whole mesh.
+std::array<std::array<double, 3>, 2> checked_bounds(const VertexInput& vertices, const FaceInput& faces) {
+  const MeshView mesh = view_of(vertices, faces);
+  const nb::gil_scoped_release released;
+  validate(mesh);
+  const Box box = bounds(mesh);
+  return {{{box.min.x, box.min.y, box.min.z}, {box.max.x, box.max.y, box.max.z}}};
+}
+
+std::vector<nb::dict> dicts_of(const std::vector<FileFormat>& formats) {
+  std::vector<nb::dict> all;
+  for (const FileFormat& f : formats) {
+    nb::dict d;
+    d["extension"] = f.extension;
+    d["description"] = f.description;
+    d["readable"] = f.readable;
+    d["writable"] = f.writable;
+    d["nearest"] = f.nearest;
+    all.push_back(std::move(d));
+  }
+  return all;
+}
+
+}  // namespace
+
+void add_meshes(nb::module_& m) {
+  m.def("read_mesh", &read, "path"_a, "scale"_a);
+  m.def("write_mesh", &write, "path"_a, "vertices"_a.noconvert(), "faces"_a.noconvert(), "overwrite"_a);
+  m.def("bounds", &checked_bounds, "vertices"_a.noconvert(), "faces"_a.noconvert());
+  m.def(
+      "content_hash",
+      [](const VertexInput& vertices, const FaceInput& faces) { return content_hash(view_of(vertices, faces)); },
+      "vertices"_a.noconvert(), "faces"_a.noconvert());
+  m.def("mesh_formats", [] { return dicts_of(mesh_formats()); });
+  m.def("field_formats", [] { return dicts_of(field_formats()); });
+}
+
+}  // namespace standoff::python

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "options.h"
+
+#include <charconv>
+#include <span>
+
+#include "standoff/error.h"
+#include "standoff/testing/emulation.h"
+
+namespace standoff::python {
+namespace {
+
+template <class Value>
+Value value_of(const nb::handle& object, const char* attribute) {
+  return nb::cast<Value>(object.attr(attribute));
+}
+
+}  // namespace
+
+std::size_t choice_of(const char* what, const std::string& name, std::span<const char* const> names) {
+  std::string all;
+  for (std::size_t n = 0; n < names.size(); ++n) {
+    if (name == names[n]) return n;
+    all += (n == 0 ? "" : n + 1 == names.size() ? " or " : ", ") + ("'" + std::string(names[n]) + "'");
+  }
+  throw Error(ErrorCode::usage, std::string(what) + ": there is no '" + name + "'; take " + all);
+}
+
+Execution execution_of(int threads, const std::string& device) {
+  Execution execution{.threads = threads};
+  std::string name = device;
+  if (const std::string prefix = "cuda:"; name.starts_with(prefix)) {
+    const char* const end = name.data() + name.size();
+    const auto [stop, error] = std::from_chars(name.data() + prefix.size(), end, execution.device);
+    if (error != std::errc{} || stop != end || execution.device < 0)
+      throw Error(ErrorCode::usage, "device '" + device + "': after 'cuda:' give the GPU's number, from 0");
+    name = "cuda";
+  }
+  constexpr const char* kNames[] = {"auto", "cpu", "cuda", "emulated"};
+  constexpr Backend kBackends[] = {Backend::automatic, Backend::cpu, Backend::cuda, testing::kEmulated};
+  execution.backend = kBackends[choice_of("device", name, kNames)];
+  return execution;
+}
+
+SignOptions sign_of(const nb::handle& sign) {
+  constexpr const char* kMethods[] = {"none", "winding", "parity", "normal", "flood", "shell", "auto"};
+  constexpr const char* kRules[] = {"positive", "nonzero", "odd"};
+  SignOptions options;
+  options.method = static_cast<SignMethod>(choice_of("sign", value_of<std::string>(sign, "method"), kMethods));
+  options.rule = static_cast<WindingRule>(choice_of("rule", value_of<std::string>(sign, "rule"), kRules));
+  options.invert = value_of<bool>(sign, "invert");
+  options.strict = value_of<bool>(sign, "strict");
+  options.as_oriented = value_of<bool>(sign, "as_oriented");
+  options.outer = value_of<bool>(sign, "outer");
+  options.shell = value_of<double>(sign, "thickness");
+  return options;
+}
+
+nb::dict sign_dict(const SignReport& r) {
+  nb::dict d;
+  d["method"] = r.method == SignMethod::none ? "none" : name_of(r.method);
+  d["why"] = r.why;
+  d["sure"] = r.sure;
+  d["flipped"] = r.flipped;
+  d["left_out"] = r.left_out;
+  d["boundary_edges"] = r.boundary_edges;
+  d["internal"] = r.internal;
+  d["cut"] = r.cut;
+  return d;
+}
+
+}  // namespace standoff::python

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// Options as Python passes them. Names arrive checked: standoff/_options.py tells users which there are.
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "common.h"
+#include "standoff/execution.h"
+#include "standoff/grid.h"
+#include "standoff/sign.h"
+
+namespace standoff::python {
+
+/// (nx, ny, nz), origin, spacing.
+struct GridInput {
+  std::array<std::int64_t, 3> size;
+  std::array<double, 3> origin;
+  std::array<double, 3> spacing;
+
+  Grid grid() const {
+    return {{size[0], size[1], size[2]}, {origin[0], origin[1], origin[2]}, {spacing[0], spacing[1], spacing[2]}};
+  }
+};
+
+/// `device` is "auto", "cpu", "cuda", "cuda:N" or "emulated". Errors: usage.
+Execution execution_of(int threads, const std::string& device);
+
+/// The values are those of Sign in standoff/_options.py. Errors: usage (a name that does not exist).
+SignOptions sign_of(const nb::handle& sign);
+
+/// What a sign report says, for standoff/_options.py.
+nb::dict sign_dict(const SignReport& report);
+
+/// The entry of `names` that is `name`. Errors: usage.
+std::size_t choice_of(const char* what, const std::string& name, std::span<const char* const> names);
+
+}  // namespace standoff::python

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pictures, as files.
+#include "standoff/picture.h"
+
+#include "arrays.h"
+#include "options.h"
+#include "standoff/slice.h"
+
+namespace standoff::python {
+namespace {
+
+constexpr const char* kAxes[] = {"x", "y", "z"};
+
+void slice(const DistanceField& field, const std::filesystem::path& path, const std::string& axis, double at,
+           const std::string& colormap, int pixels) {
+  constexpr const char* kColormaps[] = {"viridis", "thesis", "diverging", "auto"};
+  SliceOptions options;
+  options.axis = static_cast<Axis>(choice_of("axis", axis, kAxes));
+  options.at = at;
+  options.colormap = static_cast<Colormap>(choice_of("colormap", colormap, kColormaps));
+  options.pixels = pixels;
+  const nb::gil_scoped_release released;
+  write_slice_png(path, field, options);
+}
+
+void mesh_picture(const VertexInput& vertices, const FaceInput& faces, const std::filesystem::path& path, int width,
+                  int height, double azimuth, double elevation, const std::string& up) {
+  const MeshView mesh = view_of(vertices, faces);
+  const PictureOptions options{.width = width,
+                               .height = height,
+                               .azimuth_deg = azimuth,
+                               .elevation_deg = elevation,
+                               .up = static_cast<Axis>(choice_of("up", up, kAxes))};
+  const nb::gil_scoped_release released;
+  write_mesh_png(path, mesh, options);
+}
+
+}  // namespace
+
+void add_pictures(nb::module_& m) {
+  m.def("write_slice", &slice, "field"_a, "path"_a, "axis"_a, "at"_a, "colormap"_a, "pixels"_a);
+  m.def("write_picture", &mesh_picture, "vertices"_a.noconvert(), "faces"_a.noconvert(), "path"_a, "width"_a,
+        "height"_a, "azimuth"_a, "elevation"_a, "up"_a);
+}
+
+}  // namespace standoff::python

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// Surfaces of fields and meshes.
+#include "standoff/surface.h"
+
+#include "arrays.h"
+#include "options.h"
+#include "work.h"
+
+namespace standoff::python {
+namespace {
+
+IsoOptions options_of(double at, double wall, const std::string& method, int threads) {
+  constexpr const char* kMethods[] = {"marching_cubes", "dual"};
+  IsoOptions options;
+  options.at = at;
+  options.wall = wall;
+  options.method = static_cast<IsoMethod>(choice_of("method", method, kMethods));
+  options.execution.threads = threads;
+  return options;
+}
+
+// (vertices, faces, sign)
+nb::tuple arrays_of(IsoResult&& result) {
+  return nb::make_tuple(array_over<double>(std::move(result.mesh.vertices)),
+                        array_over<std::uint32_t>(std::move(result.mesh.triangles)), sign_dict(result.report.sign));
+}
+
+nb::tuple of_field(const DistanceField& field, double at, double wall, const std::string& method, int threads,
+                   const nb::object& progress) {
+  IsoOptions options = options_of(at, wall, method, threads);
+  return arrays_of(watched(progress, [&](const ProgressCallback& report) {
+    options.progress = report;
+    return isosurface(field, options);
+  }));
+}
+
+nb::tuple of_mesh(const VertexInput& vertices, const FaceInput& faces, const GridInput& grid, const nb::handle& sign,
+                  double at, double wall, const std::string& method, int threads, const nb::object& progress) {
+  const MeshView mesh = view_of(vertices, faces);
+  const SignOptions inside = sign_of(sign);
+  IsoOptions options = options_of(at, wall, method, threads);
+  return arrays_of(watched(progress, [&](const ProgressCallback& report) {
+    options.progress = report;
+    return isosurface(mesh, grid.grid(), inside, options);
+  }));
+}
+
+}  // namespace
+
+void add_surfaces(nb::module_& m) {
+  m.def("surface_of_field", &of_field, "field"_a, "at"_a, "wall"_a, "method"_a, "threads"_a, "progress"_a.none());
+  m.def("surface_of_mesh", &of_mesh, "vertices"_a.noconvert(), "faces"_a.noconvert(), "grid"_a, "sign"_a, "at"_a,
+        "wall"_a, "method"_a, "threads"_a, "progress"_a.none());
+}
+
+}  // namespace standoff::python

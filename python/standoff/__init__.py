@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Exact distance fields of triangle meshes, and collision queries.
+
+    import standoff as so
+
+    mesh = so.read("bunny.obj")
+    field = so.field(mesh, resolution=256, band=3)     # DistanceField, negative inside
+    field.numpy()[10, 20, 30]
+    so.distance(mesh, points, signed=True)             # exact, at arbitrary points
+"""
+
+from ._bodies import (
+    CONTAINMENTS,
+    NO_TRIANGLE,
+    Body,
+    Collisions,
+    Contacts,
+    Distances,
+    Sweeps,
+    collide,
+    contacts,
+    distance_between,
+    sweep,
+)
+from ._core import version as __version__
+from ._devices import devices
+from ._errors import (
+    DeviceError,
+    DoubtError,
+    Error,
+    InputError,
+    LimitError,
+    MeshError,
+    OutputError,
+    SignWarning,
+    UsageError,
+    VerifyError,
+)
+from ._field import DistanceField, field, load
+from ._many import FieldResult, fields
+from ._mesh import Mesh, read
+from ._options import Grid, Sign, SignReport
+from ._picture import Picture
+from ._points import FEATURES, ClosestPoints, MeshQuery, distance
+from ._report import Check, Component, Report, report, verify
+from ._surface import surface
+
+__all__ = [
+    "CONTAINMENTS",
+    "FEATURES",
+    "NO_TRIANGLE",
+    "Body",
+    "Check",
+    "ClosestPoints",
+    "Collisions",
+    "Component",
+    "Contacts",
+    "DeviceError",
+    "DistanceField",
+    "Distances",
+    "DoubtError",
+    "Error",
+    "FieldResult",
+    "Grid",
+    "InputError",
+    "LimitError",
+    "Mesh",
+    "MeshError",
+    "MeshQuery",
+    "OutputError",
+    "Picture",
+    "Report",
+    "Sign",
+    "SignReport",
+    "SignWarning",
+    "Sweeps",
+    "UsageError",
+    "VerifyError",
+    "__version__",
+    "collide",
+    "contacts",
+    "devices",
+    "distance",
+    "distance_between",
+    "field",
+    "fields",
+    "load",
+    "read",
+    "report",
+    "surface",
+    "sweep",
+    "verify",
+]

@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Arrays of any library in, and out again as what came in."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from ._errors import DeviceError
+
+Array = np.ndarray
+
+_CPU_DEVICES = (1, 3)  # kDLCPU, kDLCUDAHost
+
+
+def to_numpy(array: Any, what: str) -> np.ndarray:
+    """`array` as numpy sees it, without a copy where it lies in the memory of the CPU."""
+    if isinstance(array, np.ndarray):
+        return array
+    if getattr(array, "requires_grad", False):
+        array = array.detach()
+    device_of = getattr(array, "__dlpack_device__", None)
+    if device_of is not None:
+        kind, number = device_of()
+        if kind not in _CPU_DEVICES:
+            raise DeviceError(
+                f"{what}: the array is on device {number} of DLPack's kind {kind}, not in the memory of the CPU; "
+                "copy it first, for example with .cpu()"
+            )
+        try:
+            return np.from_dlpack(array)
+        except (BufferError, RuntimeError, TypeError):  # types that DLPack or numpy does not know: as below
+            pass
+    if hasattr(array, "__cuda_array_interface__"):
+        raise DeviceError(f"{what}: the array is in a GPU's memory; copy it to the CPU first, for example with .get()")
+    try:
+        return np.asarray(array)
+    except (ValueError, TypeError) as error:
+        raise TypeError(f"{what}: no array can be made of {type(array).__name__}: {error}") from error
+
+
+def numbers(array: Any, what: str) -> np.ndarray:
+    """The same, checked to hold real numbers."""
+    found = to_numpy(array, what)
+    if found.dtype.kind not in "fiu":
+        raise TypeError(f"{what}: must be real numbers, not {found.dtype}; convert with .astype(float)")
+    if found.dtype.itemsize > 8:
+        raise TypeError(f"{what}: {found.dtype} would lose digits; convert with .astype(float)")
+    return found
+
+
+def doubles(array: Any, what: str, shape: str, *, last: int) -> np.ndarray:
+    """(..., last) numbers, as doubles in C order; a copy unless they are that already."""
+    found = numbers(array, what)
+    if found.ndim == 0 or found.shape[-1] != last:
+        raise ValueError(f"{what}: must have shape {shape}, not {found.shape}")
+    return np.ascontiguousarray(found, dtype=np.float64)
+
+
+def single(dtype: Any) -> bool:
+    """Whether an array's numbers are floats of 32 bits or fewer, so that answers are float32 too."""
+    return np.dtype(dtype).kind == "f" and np.dtype(dtype).itemsize < 8
+
+
+def like(source: Any) -> Callable[[np.ndarray], Any]:
+    """What turns a numpy array into the kind of array that `source` is: numpy's for lists, torch's for tensors."""
+    kind = type(source).__module__.partition(".")[0]
+    if kind == "torch":
+        return sys.modules["torch"].from_numpy
+    namespace = getattr(source, "__array_namespace__", None)
+    if namespace is not None and not isinstance(source, np.ndarray):
+        return namespace().asarray
+    return lambda array: array
+
+
+class Points:
+    """Points (..., 3) that a user passed: as doubles, and how answers go back in their shape, type and library."""
+
+    def __init__(self, points: Any, what: str = "points") -> None:
+        found = numbers(points, what)
+        self.array = doubles(found, what, "(..., 3)", last=3).reshape(-1, 3)
+        self._shape = found.shape[:-1]
+        self._single = single(found.dtype)
+        self._wrap = like(points)
+
+    def give(self, answers: np.ndarray) -> Any:
+        """Answers, one row for each point: floats get the points' precision; one point gives an array without axes."""
+        if self._single and answers.dtype == np.float64:
+            answers = answers.astype(np.float32)
+        return self._wrap(answers.reshape(self._shape + answers.shape[1:]))

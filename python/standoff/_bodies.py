@@ -1,0 +1,333 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Rigid bodies: collision, distance, contacts and sweeps."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from . import _core
+from ._arrays import like, numbers
+from ._mesh import as_mesh
+from ._options import Progress, progress_of
+
+PathLike = str | os.PathLike
+NO_TRIANGLE = 2**32 - 1
+CONTAINMENTS = ("none", "b in a", "a in b", "partly")
+"""What ``Collisions.containment`` counts."""
+
+
+class Body:
+    """A rigid body, prepared for queries: build it once, use it in many, from any thread.
+
+    A body is its surface: any triangles, open or closed.
+
+    Args:
+        mesh: as for `field`.
+        spacing: of the body's own field, world units; by default it is chosen from the mesh.
+        threads, device: for building, as for `field`.
+    """
+
+    def __init__(self, mesh: Any, *, spacing: float | None = None, threads: int = 0, device: str = "auto") -> None:
+        found = as_mesh(mesh)
+        self._body = _core.build_body(
+            found.vertices, found.faces, 0.0 if spacing is None else float(spacing), threads, device
+        )
+
+    @classmethod
+    def load(cls, path: PathLike) -> Body:
+        """Reads what `save` wrote, or ``standoff build``."""
+        os.stat(path)
+        body = object.__new__(cls)
+        body._body = _core.read_body(path)
+        return body
+
+    def save(self, path: PathLike, *, overwrite: bool = True) -> None:
+        """Writes the body; the file appears whole or not at all."""
+        self._body.save(path, overwrite)
+
+    @property
+    def bounds(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """The box around the body, in its own coordinates."""
+        low, high = self._body.bounds
+        return tuple(low), tuple(high)
+
+    @property
+    def closed(self) -> bool:
+        """Whether the mesh is closed and consistently oriented."""
+        return self._body.closed
+
+    @property
+    def nbytes(self) -> int:
+        """Memory that the body takes."""
+        return self._body.memory_bytes
+
+    def __repr__(self) -> str:
+        from ._field import _bytes
+
+        kind = "closed" if self.closed else "open"
+        return f"<standoff.Body: {self._body.triangles:,} triangles, {kind}, {_bytes(self.nbytes)}>"
+
+
+@dataclass(frozen=True)
+class Collisions:
+    """Whether the bodies intersect, for each pose."""
+
+    hit: Any
+    """``(...)`` bool: the surfaces intersect or are within the margin, or one body contains the other if that was
+    asked for. In certified mode also False where ``ambiguous``."""
+    ambiguous: Any
+    """``(...)`` bool: certified mode alone: the fields cannot decide."""
+    triangle_a: Any
+    """``(...)`` integers: a triangle of a that is hit; `NO_TRIANGLE` if there is none."""
+    triangle_b: Any
+    """The same of b."""
+    containment: Any
+    """``(...)`` integers: an index into `standoff.CONTAINMENTS`."""
+
+
+@dataclass(frozen=True)
+class Distances:
+    """The least distance between the surfaces, for each pose."""
+
+    distance: Any
+    """``(...)`` world units: of the two points; infinite beyond the limit."""
+    lower: Any
+    """``(...)``: the distance is at least this; equal to `distance` but for the tolerance and rounding."""
+    point_a: Any
+    """``(..., 3)``: on a's surface, in the world."""
+    point_b: Any
+    """``(..., 3)``: on b's surface, in the world."""
+    triangle_a: Any
+    """``(...)`` integers."""
+    triangle_b: Any
+    """``(...)`` integers."""
+
+
+@dataclass(frozen=True)
+class Contacts:
+    """The pairs of triangles that intersect or are within the margin."""
+
+    point: np.ndarray
+    """``(n, 3)``: in the world."""
+    normal: np.ndarray
+    """``(n, 3)``: unit length, from a to b."""
+    depth: np.ndarray
+    """``(n,)``: how far b must move along the normal to separate this pair; minus the distance if it is apart."""
+    triangle_a: np.ndarray
+    """``(n,)`` integers."""
+    triangle_b: np.ndarray
+    """``(n,)`` integers."""
+    overflow: bool
+    """Whether there are more pairs than were asked for."""
+
+    def __len__(self) -> int:
+        return len(self.depth)
+
+
+@dataclass(frozen=True)
+class Sweeps:
+    """When the moving body b first touches a, for each motion."""
+
+    hit: Any
+    """``(...)`` bool."""
+    time: Any
+    """``(...)``: from 0 to 1; the bodies do not intersect before. 1 if there is no hit."""
+    point: Any
+    """``(..., 3)``: where they touch, in the world."""
+    normal: Any
+    """``(..., 3)``: unit length, from a to b; zero if they intersect at the start."""
+    triangle_a: Any
+    """``(...)`` integers."""
+    triangle_b: Any
+    """``(...)`` integers."""
+
+
+class _Poses:
+    """Poses that a user passed: (n, 12) doubles, and how answers go back in their shape and library."""
+
+    def __init__(self, poses: Any, what: str) -> None:
+        found = numbers(poses, what)
+        if found.ndim >= 2 and found.shape[-2:] == (4, 4):
+            self.shape = found.shape[:-2]
+            self.array = _of_matrices(found.reshape(-1, 4, 4).astype(np.float64), what)
+        elif found.ndim >= 1 and found.shape[-1] == 7:
+            self.shape = found.shape[:-1]
+            self.array = _of_quaternions(found.reshape(-1, 7).astype(np.float64), what)
+        else:
+            raise ValueError(
+                f"{what}: must have shape (..., 4, 4), matrices, or (..., 7), x y z and a quaternion x y z w; "
+                f"not {found.shape}"
+            )
+        self._wrap = like(poses)
+
+    def give(self, answers: np.ndarray) -> Any:
+        return self._wrap(answers.reshape(self.shape + answers.shape[1:]))
+
+
+def _of_matrices(matrices: np.ndarray, what: str) -> np.ndarray:
+    wrong = np.abs(matrices[:, 3] - (0, 0, 0, 1)).max(axis=1, initial=0) > 1e-6
+    if wrong.any():
+        n = int(wrong.argmax())
+        raise ValueError(f"{what}: matrix {n} ends with the row {matrices[n, 3]}, not (0, 0, 0, 1); transpose it?")
+    return np.ascontiguousarray(np.concatenate([matrices[:, :3, :3].reshape(-1, 9), matrices[:, :3, 3]], axis=1))
+
+
+def _of_quaternions(poses: np.ndarray, what: str) -> np.ndarray:
+    x, y, z, w = poses[:, 3:].T
+    length = np.sqrt(x * x + y * y + z * z + w * w)
+    wrong = ~(np.abs(length - 1) <= 1e-3)
+    if wrong.any():
+        n = int(wrong.argmax())
+        raise ValueError(f"{what}: the quaternion of pose {n} has length {length[n]:.6g}, not 1")
+    x, y, z, w = x / length, y / length, z / length, w / length
+    rotation = [
+        1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w),
+        2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w),
+        2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y),
+    ]  # fmt: skip
+    return np.ascontiguousarray(np.stack([*rotation, *poses[:, :3].T], axis=1))
+
+
+_IDENTITY = np.array([[1.0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0]])
+
+
+def _one(pose: Any, what: str) -> np.ndarray:
+    if pose is None:
+        return _IDENTITY
+    found = _Poses(pose, what)
+    if found.shape != ():
+        raise ValueError(f"{what}: must be one pose, (4, 4) or (7,)")
+    return found.array
+
+
+def _both(a: Any, b: Any) -> tuple[Any, Any]:
+    for name, body in (("a", a), ("b", b)):
+        if not isinstance(body, Body):
+            raise TypeError(f"{name}: must be a standoff.Body, not {type(body).__name__}; make one with Body(mesh)")
+    return a._body, b._body
+
+
+def collide(
+    a: Body,
+    b: Body,
+    poses: Any,
+    *,
+    pose_a: Any = None,
+    margin: float = 0.0,
+    containment: bool = False,
+    mode: Literal["exact", "certified"] = "exact",
+    threads: int = 0,
+    device: str = "auto",
+    progress: Progress = None,
+) -> Collisions:
+    """Whether two bodies intersect, for many poses of b.
+
+    Args:
+        a, b: the bodies.
+        poses: of b: ``(..., 4, 4)`` matrices, or ``(..., 7)``: position x y z, then a unit quaternion x y z w.
+        pose_a: of a, one pose; by default a is where its mesh is.
+        margin: bodies within this distance are a hit, world units.
+        containment: whether a body inside a closed one is a hit too.
+        mode: ``"certified"`` answers from the bodies' fields alone, faster, and may be ambiguous.
+        threads, device, progress: as for `field`.
+
+    Raises:
+        UsageError: a pose that is not rigid or not finite, other arguments.
+    """
+    if mode not in ("exact", "certified"):
+        raise ValueError(f"mode: must be 'exact' or 'certified', not {mode!r}")
+    body_a, body_b = _both(a, b)
+    p = _Poses(poses, "poses")
+    with progress_of(progress, "collide") as report:
+        verdict, triangle_a, triangle_b, inside = _core.collide(
+            body_a, _one(pose_a, "pose_a"), body_b, p.array, float(margin), containment, mode == "certified", threads,
+            device, report,
+        )  # fmt: skip
+    return Collisions(*map(p.give, (verdict == 1, verdict == 2, *_triangles(triangle_a, triangle_b), inside)))
+
+
+def distance_between(
+    a: Body,
+    b: Body,
+    poses: Any,
+    *,
+    pose_a: Any = None,
+    tolerance: float = 0.0,
+    limit: float = float("inf"),
+    threads: int = 0,
+    progress: Progress = None,
+) -> Distances:
+    """The least distance between the surfaces of two bodies, for many poses of b.
+
+    Args:
+        a, b, poses, pose_a: as for `collide`.
+        tolerance: the largest allowed error, world units; 0 for the exact distance.
+        limit: the search stops at this distance, world units.
+        threads, progress: as for `field`.
+    """
+    body_a, body_b = _both(a, b)
+    p = _Poses(poses, "poses")
+    with progress_of(progress, "distance") as report:
+        lower, upper, point_a, point_b, triangle_a, triangle_b = _core.distance(
+            body_a, _one(pose_a, "pose_a"), body_b, p.array, float(tolerance), float(limit), threads, report
+        )
+    return Distances(*map(p.give, (upper, lower, point_a, point_b, *_triangles(triangle_a, triangle_b))))
+
+
+def sweep(
+    a: Body,
+    b: Body,
+    start: Any,
+    end: Any,
+    *,
+    pose_a: Any = None,
+    center: Any = (0.0, 0.0, 0.0),
+    tolerance: float = 0.0,
+    threads: int = 0,
+    device: str = "auto",
+    progress: Progress = None,
+) -> Sweeps:
+    """When the moving body b first touches the resting body a. No hit is missed, at any speed.
+
+    Args:
+        a, b, pose_a: as for `collide`.
+        start, end: poses of b at time 0 and 1, as for `collide`, equally many.
+        center: the point of b, in its own coordinates, that moves on a straight line while b turns about it.
+        tolerance: surfaces within this distance count as touching, world units; 0: a small part of the bodies' size.
+        threads, device, progress: as for `field`.
+    """
+    body_a, body_b = _both(a, b)
+    first, last = _Poses(start, "start"), _Poses(end, "end")
+    if first.shape != last.shape:
+        raise ValueError(f"start and end: must have equally many poses, not {first.shape} and {last.shape}")
+    point = tuple(float(x) for x in np.asarray(center, dtype=np.float64).reshape(3))
+    with progress_of(progress, "sweep") as report:
+        hit, time, touch, normal, triangle_a, triangle_b = _core.sweep(
+            body_a, _one(pose_a, "pose_a"), body_b, first.array, last.array, point, float(tolerance), threads, device,
+            report,
+        )  # fmt: skip
+    return Sweeps(*map(first.give, (hit == 1, time, touch, normal, *_triangles(triangle_a, triangle_b))))
+
+
+def contacts(a: Body, b: Body, pose: Any, *, pose_a: Any = None, most: int = 100, margin: float = 0.0) -> Contacts:
+    """The pairs of triangles of two bodies that intersect or are within the margin.
+
+    Args:
+        a, b, pose_a: as for `collide`.
+        pose: of b, one pose.
+        most: the largest number of contacts; if there are more, the result is spread over the contact area.
+        margin: world units.
+    """
+    body_a, body_b = _both(a, b)
+    point, normal, depth, triangle_a, triangle_b, overflow = _core.contacts(
+        body_a, _one(pose_a, "pose_a"), body_b, _one(pose, "pose"), most, float(margin)
+    )
+    return Contacts(point, normal, depth, *_triangles(triangle_a, triangle_b), overflow)
+
+
+def _triangles(*indices: np.ndarray) -> list[np.ndarray]:
+    return [index.astype(np.int64) for index in indices]

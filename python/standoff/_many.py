@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Fields of many meshes, with all cores busy."""
+
+from __future__ import annotations
+
+import os
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import Any
+
+from ._errors import Error
+from ._field import DistanceField, field
+from ._mesh import as_mesh
+
+
+@dataclass(frozen=True)
+class FieldResult:
+    """One mesh of `fields`: its field, or the error that it met."""
+
+    index: int
+    """Its place among the meshes, from 0."""
+    source: Any
+    """What was passed: a path, a mesh."""
+    field: DistanceField | None
+    error: Exception | None
+
+    def unwrap(self) -> DistanceField:
+        """The field; raises the error if there is one."""
+        if self.error is not None:
+            raise self.error
+        assert self.field is not None
+        return self.field
+
+
+def fields(
+    meshes: Iterable[Any],
+    *,
+    workers: int | None = None,
+    ahead: int | None = None,
+    prepare: Callable[[Any], Any] | None = None,
+    progress: bool = False,
+    **options: Any,
+) -> Iterator[FieldResult]:
+    """Computes the fields of many meshes or files side by side, in their order.
+
+    An iterator: results come as they are asked for, and at most `ahead` of them exist before. Errors of a mesh are in
+    its result, and the others go on.
+
+    Args:
+        meshes: paths, or what `field` takes; any iterable, also one that never ends.
+        workers: how many meshes are worked on at a time, each with one thread; by default as many as there are cores.
+        ahead: how many results may wait; by default four for each worker.
+        prepare: called with each mesh first, in a worker; returns what the field is computed of. For example to
+            normalise the size.
+        progress: True for a bar by tqdm.
+        options: as for `field`: ``resolution=64, band=3``.
+
+    Example:
+        >>> for result in standoff.fields(paths, resolution=64, band=3):       # doctest: +SKIP
+        ...     if result.error is None:
+        ...         result.field.save(f"{result.index}.npz")
+    """
+    if workers is None:
+        workers = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    if workers < 1:
+        raise ValueError("workers: must be at least 1")
+    waiting = 4 * workers if ahead is None else ahead
+    if waiting < 1:
+        raise ValueError("ahead: must be at least 1")
+    options.setdefault("threads", 1)
+    return _results(meshes, workers, waiting, prepare, progress, options)
+
+
+def _results(meshes, workers, waiting, prepare, progress, options) -> Iterator[FieldResult]:
+    def work(index: int, source: Any) -> FieldResult:
+        try:
+            mesh = as_mesh(source)
+            if prepare is not None:
+                mesh = prepare(mesh)
+            return FieldResult(index, source, field(mesh, **options), None)
+        except (Error, OSError, ValueError, TypeError, MemoryError) as error:
+            return FieldResult(index, source, None, error)
+
+    bar = None
+    if progress:
+        from tqdm.auto import tqdm
+
+        bar = tqdm(total=len(meshes) if hasattr(meshes, "__len__") else None, desc="fields", unit="mesh")
+    pending: deque[Future[FieldResult]] = deque()
+    pool = ThreadPoolExecutor(workers, thread_name_prefix="standoff")
+    try:
+        source = enumerate(meshes)
+        for index, mesh in source:
+            pending.append(pool.submit(work, index, mesh))
+            if len(pending) >= waiting:
+                yield _next(pending, bar)
+        while pending:
+            yield _next(pending, bar)
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+        if bar is not None:
+            bar.close()
+
+
+def _next(pending: deque[Future[FieldResult]], bar: Any) -> FieldResult:
+    result = pending.popleft().result()
+    if bar is not None:
+        bar.update()
+    return result

@@ -1,0 +1,212 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Triangle meshes: files, arrays, and the mesh objects of other libraries."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from . import _core
+from ._arrays import numbers, to_numpy
+from ._errors import MeshError
+
+PathLike = str | os.PathLike
+
+_VERTEX_TYPES = (np.dtype(np.float32), np.dtype(np.float64))
+_FACE_TYPES = tuple(np.dtype(t) for t in (np.uint32, np.int32, np.uint64, np.int64))
+
+
+class Mesh:
+    """Triangles over shared vertices.
+
+    Any triangles are allowed: open, nonmanifold, self-intersecting, degenerate. The arrays are the caller's where
+    their memory fits (float32 or float64, integers of 32 or 64 bits, rows of three adjacent numbers); do not change
+    them while a function works on them.
+
+    Args:
+        vertices: ``(n, 3)`` coordinates, world units.
+        faces: ``(m, 3)`` indices into the vertices.
+
+    Raises:
+        TypeError, ValueError: types or shapes that are no mesh's.
+    """
+
+    __slots__ = ("faces", "notes", "vertices")
+
+    vertices: np.ndarray
+    """``(n, 3)`` float32 or float64."""
+    faces: np.ndarray
+    """``(m, 3)`` integers."""
+    notes: tuple[str, ...]
+    """What reading a file did to its coordinates, as sentences; mostly empty."""
+
+    def __init__(self, vertices: Any, faces: Any, *, notes: tuple[str, ...] = ()) -> None:
+        self.vertices = _vertices(vertices)
+        self.faces = _faces(faces)
+        self.notes = tuple(notes)
+
+    @property
+    def bounds(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+        """The box around all triangles: its least and its greatest corner.
+
+        Raises:
+            MeshError: a face out of range, a corner that is not finite, or no triangle at all.
+        """
+        low, high = _core.bounds(self.vertices, self.faces)
+        return tuple(low), tuple(high)
+
+    def save(self, path: PathLike, *, overwrite: bool = True) -> None:
+        """Writes the mesh in the format of the extension; the file appears whole or not at all.
+
+        Raises:
+            OutputError: it cannot be written, or exists and `overwrite` is False.
+            UsageError: no format has this extension.
+        """
+        _core.write_mesh(path, self.vertices, self.faces, overwrite)
+
+    def plot(self, *, width: int = 960, height: int = 720, azimuth: float = 35, elevation: float = 25, up: str = "z"):
+        """A picture of the mesh, which notebooks show; see `Picture`."""
+        from ._picture import Picture
+
+        return Picture.drawn(lambda path: _core.write_picture(
+            self.vertices, self.faces, path, width, height, azimuth, elevation, up))
+
+    def __repr__(self) -> str:
+        return f"<standoff.Mesh: {len(self.vertices):,} vertices, {len(self.faces):,} triangles>"
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Mesh):
+            return NotImplemented
+        return np.array_equal(self.vertices, other.vertices) and np.array_equal(self.faces, other.faces)
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __reduce__(self):
+        return _rebuild, (self.vertices, self.faces, self.notes)
+
+
+def _rebuild(vertices, faces, notes) -> Mesh:
+    return Mesh(vertices, faces, notes=notes)
+
+
+def read(path: PathLike, *, scale: float = 1.0) -> Mesh:
+    """Reads a mesh: STL, PLY, OBJ, OFF, Medit, 3DS, glTF, 3MF, DAE; also compressed by gzip.
+
+    Equal vertices are welded exactly, and polygons are triangulated. `scale` multiplies all coordinates.
+
+    Raises:
+        FileNotFoundError, PermissionError: as ``open`` does.
+        InputError: the file is damaged or of no format that is known; ``file``, ``line`` and ``byte`` say where.
+        LimitError: the mesh does not fit into memory.
+    """
+    os.stat(path)  # what is not there is not ours to describe
+    vertices, faces, notes = _core.read_mesh(path, float(scale))
+    return Mesh(vertices, faces, notes=tuple(notes))
+
+
+def as_mesh(mesh: Any) -> Mesh:
+    """A mesh from what users have: a `Mesh`, a path, ``(vertices, faces)``, or an object of trimesh, pyvista, Open3D,
+    meshio, pytorch3d or warp, which are known by their attributes: none of these packages is imported."""
+    if isinstance(mesh, Mesh):
+        return mesh
+    if isinstance(mesh, (str, os.PathLike)):
+        return read(mesh)
+    if isinstance(mesh, (tuple, list)) and len(mesh) == 2:
+        return Mesh(*mesh)
+    for fits, convert in _CONVERSIONS:
+        if fits(mesh):
+            return convert(mesh)
+    raise TypeError(
+        f"mesh: {type(mesh).__name__} is none that standoff knows; pass a path, (vertices, faces), or an object of "
+        "trimesh, pyvista, Open3D, meshio, pytorch3d or warp"
+    )
+
+
+def bounds_of(bounds: Any) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """The corners of a box, or of the box around a mesh."""
+    if not isinstance(bounds, (Mesh, str, os.PathLike)) and not hasattr(bounds, "faces"):
+        try:
+            corners = np.asarray(bounds, dtype=np.float64)
+        except (TypeError, ValueError):
+            corners = None
+        if corners is not None and corners.shape == (2, 3):
+            return tuple(corners[0].tolist()), tuple(corners[1].tolist())
+    return as_mesh(bounds).bounds
+
+
+def _rows(array: np.ndarray, kinds: tuple[np.dtype, ...], other: type) -> np.ndarray:
+    """The array if the library reads its memory as it lies, else a copy that fits."""
+    if array.dtype not in kinds or not array.dtype.isnative:
+        array = array.astype(other)
+    fits = array.size == 0 or (array.strides[1] == array.itemsize and array.strides[0] % array.itemsize == 0)
+    if not fits or not array.flags.aligned:
+        array = np.ascontiguousarray(array)
+    return array
+
+
+def _vertices(vertices: Any) -> np.ndarray:
+    found = numbers(vertices, "vertices")
+    if found.ndim != 2 or found.shape[1] != 3:
+        raise ValueError(f"vertices: must have shape (n, 3), not {found.shape}")
+    return _rows(found, _VERTEX_TYPES, np.float64)
+
+
+def _faces(faces: Any) -> np.ndarray:
+    found = to_numpy(faces, "faces")
+    if found.size == 0 and found.dtype.kind in "fiu":
+        found = np.empty((0, 3), np.uint32)
+    if found.dtype.kind not in "iu":
+        raise TypeError(f"faces: must be integers, not {found.dtype}; convert with .astype(numpy.int64)")
+    if found.ndim == 1 and found.size % 3 == 0:
+        found = found.reshape(-1, 3)
+    if found.ndim != 2 or found.shape[1] != 3:
+        what = "; split quads into triangles first" if found.ndim == 2 and found.shape[1] == 4 else ""
+        raise ValueError(f"faces: must have shape (n, 3), not {found.shape}{what}")
+    return _rows(found, _FACE_TYPES, np.int64)
+
+
+def _has(*names: str) -> Callable[[Any], bool]:
+    return lambda mesh: all(hasattr(mesh, name) for name in names)
+
+
+def _of_pyvista(mesh: Any) -> Mesh:
+    if not hasattr(mesh, "regular_faces"):  # a grid of cells: its surface
+        mesh = mesh.extract_surface()
+    if not mesh.is_all_triangles:
+        mesh = mesh.triangulate()
+    return Mesh(mesh.points, mesh.regular_faces)
+
+
+def _of_meshio(mesh: Any) -> Mesh:
+    cells = mesh.cells_dict
+    parts = [np.asarray(cells["triangle"])] if "triangle" in cells else []
+    if "quad" in cells:
+        quads = np.asarray(cells["quad"])
+        parts += [quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]
+    if not parts:
+        raise MeshError(f"mesh: it has no triangles or quads, only {', '.join(cells) or 'nothing'}; extract its surface")
+    points = np.asarray(mesh.points)
+    if points.ndim == 2 and points.shape[1] == 2:
+        raise ValueError("mesh: its points have two coordinates, not three")
+    return Mesh(points, np.concatenate(parts))
+
+
+def _of_packed(mesh: Any) -> Mesh:
+    return Mesh(mesh.verts_packed(), mesh.faces_packed())
+
+
+# What tells an object's library, and how it becomes a mesh; the first that fits is taken.
+_CONVERSIONS: tuple[tuple[Callable[[Any], bool], Callable[[Any], Mesh]], ...] = (
+    (_has("to_geometry", "geometry"), lambda scene: as_mesh(scene.to_geometry())),  # trimesh.Scene
+    (_has("vertices", "faces"), lambda m: Mesh(m.vertices, m.faces)),  # trimesh.Trimesh
+    (_has("vertex", "triangle"), lambda m: Mesh(m.vertex.positions, m.triangle.indices)),  # open3d.t.geometry
+    (_has("vertices", "triangles"), lambda m: Mesh(np.asarray(m.vertices), np.asarray(m.triangles))),  # open3d.geometry
+    (_has("verts_packed", "faces_packed"), _of_packed),  # pytorch3d
+    (_has("points", "cells_dict"), _of_meshio),  # meshio; pyvista has cells_dict too, without regular_faces
+    (_has("points", "is_all_triangles"), _of_pyvista),  # pyvista.PolyData
+    (_has("points", "extract_surface"), _of_pyvista),  # other pyvista data sets
+    (_has("points", "indices"), lambda m: Mesh(m.points, m.indices)),  # warp.Mesh
+)

@@ -1,0 +1,256 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Options that several functions take: grids, signs, memory limits, progress."""
+
+from __future__ import annotations
+
+import math
+import numbers
+import os
+import warnings
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from . import _core
+from ._errors import SignWarning
+
+SignMethod = Literal["auto", "none", "winding", "parity", "normal", "flood", "shell"]
+Progress = bool | Callable[[str, float], Any] | None
+
+_MOST_PADDING = 0.1  # a wide band is not followed farther than this share of the mesh's longest side
+
+
+@dataclass(frozen=True)
+class Sign:
+    """How inside is decided. Functions take a method's name, or a ``Sign`` where it needs more.
+
+    Attributes:
+        method: ``"auto"`` takes what fits the mesh, or no sign if it has no inside. ``"winding"`` and ``"parity"`` go
+            by crossings, ``"normal"`` by the nearest triangle's front (terrain), ``"flood"`` by what cannot be reached
+            from outside, ``"shell"`` makes the surface a solid of the given thickness; ``"none"``: no sign.
+        rule: which winding numbers are inside: ``"positive"``, ``"nonzero"`` or ``"odd"``.
+        invert: exchange inside and outside, as for a room scanned from inside.
+        strict: raise `DoubtError` where the sign is not certain.
+        as_oriented: take triangles as they are oriented; by default the orientation is repaired first.
+        outer: leave out triangles inside, so that distances are to the surface of the union of all parts.
+        thickness: of the sheet, world units, for ``"shell"`` alone.
+    """
+
+    method: SignMethod = "auto"
+    rule: Literal["positive", "nonzero", "odd"] = "positive"
+    invert: bool = False
+    strict: bool = False
+    as_oriented: bool = False
+    outer: bool = False
+    thickness: float = 0.0
+
+    @staticmethod
+    def of(sign: str | Sign | None) -> Sign:
+        if sign is None:
+            return Sign("none")
+        if isinstance(sign, Sign):
+            return sign
+        if isinstance(sign, str):
+            return Sign(sign)  # type: ignore[arg-type]
+        raise TypeError(f"sign: must be the name of a method or a standoff.Sign, not {type(sign).__name__}")
+
+
+@dataclass(frozen=True)
+class SignReport:
+    """How the sign was decided."""
+
+    method: str
+    """The one that was used, never ``"auto"``; ``"none"`` if distances have no sign."""
+    why: str
+    """One sentence: why this method, and what was done to the mesh before."""
+    sure: bool
+    """Whether the mesh leaves no doubt what is inside."""
+    flipped: int
+    """Triangles that were taken in the opposite orientation."""
+    left_out: int
+    """Triangles that were left out: copies of others, inner walls."""
+    boundary_edges: int
+    """Edges that do not cancel after that: 0 if the mesh is closed."""
+    internal: int
+    """With ``outer``: triangles with inside on both sides, which were left out."""
+    cut: int
+    """With ``outer``: triangles that others divide, kept."""
+
+
+def sign_report(found: dict[str, Any], asked: Sign, stacklevel: int) -> SignReport:
+    """The report, with a warning if `auto` is not sure."""
+    report = SignReport(**found)
+    if asked.method == "auto" and not report.sure:
+        warnings.warn(
+            f"the sign is not certain: {report.why}. standoff.report(mesh) says more; "
+            "name a method with sign=... if you know better, or sign=None for distances without one",
+            SignWarning,
+            stacklevel=stacklevel + 1,
+        )
+    return report
+
+
+@dataclass(frozen=True)
+class Grid:
+    """A regular grid: sample ``[i, j, k]`` is at ``origin + spacing * (i, j, k)``."""
+
+    shape: tuple[int, int, int]
+    """Samples per axis."""
+    origin: tuple[float, float, float]
+    """Position of sample ``[0, 0, 0]``, world units."""
+    spacing: tuple[float, float, float]
+    """Distance between neighbouring samples per axis, world units."""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "shape", _triple(self.shape, "shape", whole=True))
+        object.__setattr__(self, "origin", _triple(self.origin, "origin"))
+        object.__setattr__(self, "spacing", _triple(self.spacing, "spacing"))
+        self._core()
+
+    @classmethod
+    def fit(
+        cls,
+        bounds: Any,
+        *,
+        resolution: int | None = None,
+        spacing: float | Sequence[float] | None = None,
+        shape: Sequence[int] | None = None,
+        padding: float = 2,
+    ) -> Grid:
+        """A grid around a box.
+
+        Args:
+            bounds: ``((x, y, z), (x, y, z))``, the box's least and greatest corner; or a mesh.
+            resolution: samples on the longest side, 256 if nothing is given.
+            spacing: distance between samples, one for all axes or one for each, world units.
+            shape: samples per axis; the outermost ones lie on the padded box.
+            padding: samples beyond the box on each side.
+        """
+        from ._mesh import bounds_of
+
+        low, high = bounds_of(bounds)
+        return _fit(low, high, resolution, spacing, shape, _core.Padding(0, _number(padding, "padding"), 0, math.inf))
+
+    @property
+    def bounds(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """The first and the last sample's position."""
+        last = tuple(o + s * (n - 1) for o, s, n in zip(self.origin, self.spacing, self.shape))
+        return self.origin, last
+
+    def points(self) -> np.ndarray:
+        """The position of every sample, ``(nx, ny, nz, 3)`` doubles."""
+        axes = [o + s * np.arange(n) for o, s, n in zip(self.origin, self.spacing, self.shape)]
+        return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+
+    def _core(self) -> _core.Grid:
+        return _core.Grid(self.shape, self.origin, self.spacing)
+
+
+def _number(value: Any, what: str) -> float:
+    if isinstance(value, numbers.Real) and not isinstance(value, bool):
+        return float(value)
+    raise TypeError(f"{what}: must be a number, not {type(value).__name__}")
+
+
+def _whole(value: Any, what: str) -> int:
+    if isinstance(value, numbers.Integral) and not isinstance(value, bool):
+        return int(value)
+    raise TypeError(f"{what}: must be a whole number, not {value!r}")
+
+
+def _triple(value: Any, what: str, *, whole: bool = False) -> tuple:
+    if isinstance(value, np.ndarray):
+        value = value.tolist()
+    if isinstance(value, (str, bytes)) or not isinstance(value, Iterable):
+        raise TypeError(f"{what}: must be three numbers, not {type(value).__name__}")
+    three = tuple((_whole if whole else _number)(v, what) for v in value)
+    if len(three) != 3:
+        raise ValueError(f"{what}: must be three numbers, one for each axis, not {len(three)}")
+    return three
+
+
+def _fit(low, high, resolution, spacing, shape, padding: _core.Padding) -> Grid:
+    given = [name for name, value in (("resolution", resolution), ("spacing", spacing), ("shape", shape)) if value is not None]
+    if len(given) > 1:
+        raise ValueError(f"{' and '.join(given)}: give one of these, each decides the grid")
+    if shape is not None:
+        return Grid(*_core.fit_size(low, high, _triple(shape, "shape", whole=True), padding))
+    if spacing is not None:
+        return Grid(*_core.fit_spacing(low, high, _spacing(spacing), padding))
+    return Grid(*_core.fit_samples(low, high, 256 if resolution is None else _whole(resolution, "resolution"), padding))
+
+
+def _spacing(spacing: Any) -> tuple:
+    if isinstance(spacing, numbers.Real):
+        return (_number(spacing, "spacing"),) * 3
+    return _triple(spacing, "spacing")
+
+
+def grid_of(bounds, grid, resolution, spacing, shape, padding, band, thickness) -> tuple[Grid, float]:
+    """The grid and the band's half-width in world units: as `field` promises, and as the program chooses them."""
+    if band is not None and thickness is not None:
+        raise ValueError("band and thickness: give one of these; band counts in samples, thickness in world units")
+    if band is not None:
+        band = _number(band, "band")
+    if thickness is not None:
+        thickness = _number(thickness, "thickness")
+    if grid is not None:
+        for name, value in (("resolution", resolution), ("spacing", spacing), ("shape", shape), ("padding", padding)):
+            if value is not None:
+                raise ValueError(f"grid and {name}: give one of these, the grid is complete")
+        if not isinstance(grid, Grid):
+            raise TypeError(f"grid: must be a standoff.Grid, not {type(grid).__name__}")
+    else:
+        if padding is not None:
+            room = _core.Padding(0, _number(padding, "padding"), 0, math.inf)
+        elif thickness is not None:
+            room = _core.Padding(thickness, 0, 2, _MOST_PADDING) if thickness < math.inf else _core.Padding(0, 0, 2, math.inf)
+        elif band is not None and spacing is not None:
+            room = _core.Padding(band * max(_spacing(spacing)), 0, 2, _MOST_PADDING)
+        else:
+            room = _core.Padding(0, band, 2, _MOST_PADDING) if band is not None else _core.Padding(0, 0, 2, math.inf)
+        grid = _fit(*bounds(), resolution, spacing, shape, room)
+    if thickness is None:
+        thickness = math.inf if band is None else band * max(grid.spacing)
+    return grid, thickness
+
+
+def memory_limit_of(limit: int | None) -> int:
+    """By default 80 % of the machine's memory, or of what its control group allows."""
+    if limit is not None:
+        return _whole(limit, "memory_limit")
+    most = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    for file in ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"):
+        try:
+            with open(file, encoding="ascii") as text:
+                most = min(most, int(text.read()))
+        except (OSError, ValueError):
+            pass
+    return int(0.8 * most)
+
+
+@contextmanager
+def progress_of(progress: Progress, name: str):
+    """What the compiled module calls: the user's function, or a bar by tqdm if `progress` is True."""
+    if progress is None or progress is False:
+        yield None
+        return
+    if callable(progress):
+        yield progress
+        return
+    if progress is not True:
+        raise TypeError(f"progress: must be True or a function of stage and fraction, not {type(progress).__name__}")
+    try:
+        from tqdm.auto import tqdm
+    except ImportError as error:
+        raise ImportError("progress=True draws its bar with tqdm; pip install tqdm, or pass a function") from error
+    with tqdm(total=1000, desc=name, bar_format="{desc} {percentage:3.0f}%|{bar}| {elapsed}<{remaining}") as bar:
+
+        def show(stage: str, fraction: float) -> None:
+            bar.set_postfix_str(stage, refresh=False)
+            bar.update(round(1000 * fraction) - bar.n)
+
+        yield show

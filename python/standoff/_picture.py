@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Pictures, as notebooks show them."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+PathLike = str | os.PathLike
+
+
+class Picture:
+    """A PNG picture. Notebooks show it; ``save`` writes it, ``bytes(picture)`` is the file's content."""
+
+    def __init__(self, png: bytes) -> None:
+        self._png = png
+
+    @classmethod
+    def drawn(cls, draw: Callable[[str], None]) -> Picture:
+        """The picture that `draw` writes to the path it gets."""
+        with tempfile.TemporaryDirectory(prefix="standoff-") as folder:
+            path = os.path.join(folder, "picture.png")
+            draw(path)
+            return cls(Path(path).read_bytes())
+
+    def save(self, path: PathLike) -> None:
+        """Writes the picture as a PNG file."""
+        Path(path).write_bytes(self._png)
+
+    def __bytes__(self) -> bytes:
+        return self._png
+
+    def _repr_png_(self) -> bytes:
+        return self._png
+
+    def __repr__(self) -> str:
+        width, height = (int.from_bytes(self._png[at : at + 4], "big") for at in (16, 20))
+        return f"<standoff.Picture: {width} x {height}>"

@@ -1,0 +1,172 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Exact answers at arbitrary points."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from typing import Any, Literal, overload
+
+import numpy as np
+
+from . import _core
+from ._arrays import Points
+from ._mesh import Mesh, as_mesh
+from ._options import Progress, Sign, SignReport, progress_of, sign_report
+
+PathLike = str | os.PathLike
+
+FEATURES = ("face", "edge 0", "edge 1", "edge 2", "vertex 0", "vertex 1", "vertex 2")
+"""What ``ClosestPoints.feature`` counts: edge n runs from corner n to the next one."""
+
+
+@dataclass(frozen=True)
+class ClosestPoints:
+    """The nearest point of a mesh's surface for each query point. Arrays have the shape of the points asked for."""
+
+    distance: Any
+    """``(...)``: world units, negative inside if a sign was asked for."""
+    point: Any
+    """``(..., 3)``: on the surface."""
+    triangle: Any
+    """``(...)`` integers: the triangle that contains the point, the lowest index on ties."""
+    feature: Any
+    """``(...)`` integers: the part of the triangle that the point lies on, an index into `standoff.FEATURES`."""
+    barycentric: Any
+    """``(..., 3)``: the point's barycentric coordinates, in the order of the triangle's corners."""
+    gradient: Any
+    """``(..., 3)``: the unit direction in which the distance grows fastest."""
+
+
+class MeshQuery:
+    """A mesh prepared for many questions at points: build it once, ask often, from any thread.
+
+    The nearest triangle is the one that a comparison with all triangles in double precision finds; answers have the
+    same bits for any number of threads.
+
+    Args:
+        mesh: as for `field`.
+        sign: how inside is decided; by default it is not, and distances are positive. ``"flood"`` needs a grid and
+            is an error here.
+        threads: for building; 0 for all.
+
+    Raises:
+        MeshError: the mesh, or a sign's method that cannot work with it.
+        UsageError, TypeError: arguments.
+    """
+
+    def __init__(self, mesh: Any, *, sign: str | Sign | None = None, threads: int = 0) -> None:
+        found = as_mesh(mesh)
+        asked = Sign.of(sign)
+        self._query = _core.build_query(found.vertices, found.faces, asked, threads)
+        self._sign = sign_report(self._query.sign, asked, stacklevel=2)
+
+    @classmethod
+    def load(cls, path: PathLike) -> MeshQuery:
+        """Reads what `save` wrote, or ``standoff build -o x.query``."""
+        os.stat(path)
+        query = object.__new__(cls)
+        query._query = _core.read_query(path)
+        query._sign = SignReport(**query._query.sign)
+        return query
+
+    def save(self, path: PathLike, *, overwrite: bool = True) -> None:
+        """Writes the query as a file, by convention with the extension ``.query``; it appears whole or not at all."""
+        self._query.save(path, overwrite)
+
+    @property
+    def mesh(self) -> Mesh:
+        """The query's own copy of the mesh; its arrays cannot be written to."""
+        return Mesh(*self._query.mesh())
+
+    @property
+    def sign(self) -> SignReport:
+        """How inside is decided."""
+        return self._sign
+
+    @property
+    def signed(self) -> bool:
+        """Whether distances inside are negative."""
+        return self._sign.method != "none"
+
+    @property
+    def nbytes(self) -> int:
+        """Memory that the query takes."""
+        return self._query.memory_bytes
+
+    def distance(self, points: Any, *, threads: int = 0, device: str = "auto", progress: Progress = None) -> Any:
+        """The distance of each point ``(..., 3)``, world units: ``(...)``, negative inside if there is a sign."""
+        p = Points(points)
+        with progress_of(progress, "distance") as report:
+            return p.give(self._query.distances(p.array, threads, device, report))
+
+    def closest(self, points: Any, *, threads: int = 0, device: str = "auto", progress: Progress = None) -> ClosestPoints:
+        """The closest point of the surface for each point ``(..., 3)``, with its triangle and barycentrics."""
+        p = Points(points)
+        with progress_of(progress, "closest") as report:
+            distance, point, triangle, feature, weights, gradient = self._query.closest(p.array, threads, device, report)
+        return ClosestPoints(*map(p.give, (distance, point, triangle.astype(np.int64), feature, weights, gradient)))
+
+    def winding_number(self, points: Any, *, threads: int = 0, progress: Progress = None) -> Any:
+        """The generalised winding number of the mesh at each point ``(..., 3)``; whole if the mesh is closed."""
+        p = Points(points)
+        with progress_of(progress, "winding number") as report:
+            return p.give(self._query.winding_numbers(p.array, threads, report))
+
+    def __repr__(self) -> str:
+        from ._field import _bytes
+
+        _, faces = self._query.mesh()
+        sign = f"signed ({self._sign.method})" if self.signed else "unsigned"
+        return f"<standoff.MeshQuery: {len(faces):,} triangles, {sign}, {_bytes(self.nbytes)}>"
+
+    def __reduce__(self):
+        return _rebuild, (*self._query.mesh(), self._sign)
+
+
+def _rebuild(vertices, faces, sign: SignReport) -> MeshQuery:
+    query = object.__new__(MeshQuery)
+    query._query = _core.build_query(vertices, faces, Sign(sign.method), 0)  # type: ignore[arg-type]
+    query._sign = sign
+    return query
+
+
+@overload
+def distance(mesh: Any, points: Any, *, signed: bool | str | Sign = ..., closest: Literal[False] = ...,
+             threads: int = ..., device: str = ..., progress: Progress = ...) -> Any: ...
+
+
+@overload
+def distance(mesh: Any, points: Any, *, signed: bool | str | Sign = ..., closest: Literal[True],
+             threads: int = ..., device: str = ..., progress: Progress = ...) -> ClosestPoints: ...
+
+
+def distance(mesh, points, *, signed=False, closest=False, threads=0, device="auto", progress=None):
+    """The exact distance of each point to a mesh.
+
+    Args:
+        mesh: as for `field`; or a `MeshQuery`, whose sign is then taken if ``signed=True``.
+        points: ``(..., 3)``, world units; numpy, torch, lists.
+        signed: True makes distances inside negative, by ``sign="auto"``; or the sign's method, or a `Sign`.
+        closest: also return the closest points, triangles, features, barycentrics and gradients.
+        threads, device, progress: as for `field`.
+
+    Returns:
+        ``(...)`` distances, float32 for float32 points, else float64, as a torch tensor for a tensor; or `ClosestPoints`.
+
+    Raises:
+        UsageError: a point that is not finite. Others as `field`.
+    """
+    if isinstance(mesh, MeshQuery):
+        query = mesh
+        if signed is True and not query.signed:
+            raise ValueError("signed: this MeshQuery was built without a sign; build it with sign='auto'")
+        if isinstance(signed, (str, Sign)):
+            raise ValueError("signed: a MeshQuery has its sign already; pass True or False")
+        if not signed and query.signed:
+            raise ValueError("signed: this MeshQuery has a sign; pass signed=True, or call its methods")
+    else:
+        sign = ("auto" if signed else None) if isinstance(signed, bool) else signed
+        query = MeshQuery(mesh, sign=sign, threads=threads)
+    ask = query.closest if closest else query.distance
+    return ask(points, threads=threads, device=device, progress=progress)

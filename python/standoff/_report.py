@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is known of a mesh before its sign is decided."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from . import _core
+from ._field import DistanceField
+from ._mesh import as_mesh
+from ._options import Progress, progress_of
+
+
+@dataclass(frozen=True)
+class Component:
+    """Triangles that share positions, directly or through others."""
+
+    triangles: int
+    first_triangle: int
+    bounds: tuple
+    area: float
+    volume: float
+    """Negative: a cavity."""
+    centroid: tuple
+    inertia: tuple
+    """xx, yy, zz, xy, yz, zx at density 1 about the centroid."""
+    closed: bool
+    solid: bool
+    depth: int
+    """How many other solid components contain it."""
+
+
+@dataclass(frozen=True)
+class Report:
+    """A mesh's diagnosis: what it is, what is wrong with it, and which sign fits. ``print`` shows it."""
+
+    triangles: int
+    positions: int
+    """Distinct positions of vertices."""
+    bounds: tuple
+    area: float
+    volume: float
+    """With the holes closed; cavities are negative."""
+    closed: bool
+    """Whether the mesh has no boundary once it is oriented."""
+    degenerate: int
+    """Triangles without area."""
+    duplicate: int
+    """Triangles with an earlier copy, in any orientation."""
+    duplicate_same: int
+    duplicate_opposite: int
+    two_sided: bool
+    """Nearly every face is there twice, once in each orientation."""
+    open_edges: int
+    """Edges of one triangle."""
+    nonmanifold_edges: int
+    """Edges of three triangles or more."""
+    inconsistent_edges: int
+    """Edges along which two triangles run in the same direction."""
+    flipped: int
+    """Triangles that the sign takes in the opposite orientation."""
+    left_out: int
+    """Copies and inner walls that the sign does not use."""
+    inconsistent_after: int
+    unorientable: int
+    """Patches with but one side, like a Moebius strip."""
+    patches: int
+    boundary_edges: int
+    boundary_loops: int
+    boundary_length: float
+    largest_hole: float
+    """Diameter of the largest boundary loop, world units."""
+    largest_hole_in_samples: float
+    cap_share: float
+    """The area that closes the holes, as part of the mesh's."""
+    openness: float
+    """0: a body, 1: a sheet."""
+    component_count: int
+    components: tuple[Component, ...] = field(repr=False)
+    """The largest ones by area, largest first."""
+    deepest: int
+    nesting_known: bool
+    least_winding: int
+    most_winding: int
+    intersecting_pairs: int
+    """Pairs of triangles that intersect though they share no position."""
+    intersections_known: bool
+    """False: the search was stopped, and there may be more."""
+    sign: str
+    """The method that fits; ``"none"`` if the mesh has no inside."""
+    sure: bool
+    """Whether the mesh leaves no doubt what is inside."""
+    why: str
+    """One sentence."""
+
+    def __str__(self) -> str:
+        def counts(**named: int) -> str:
+            return ", ".join(f"{n:,} {name.replace('_', ' ')}" for name, n in named.items() if n) or "none"
+
+        low, high = self.bounds
+        size = " x ".join(f"{b - a:.5g}" for a, b in zip(low, high))
+        closed = "yes" if self.closed else f"no: {self.boundary_edges:,} boundary edges in {self.boundary_loops:,} loops"
+        if not self.intersecting_pairs:
+            pairs = "none" if self.intersections_known else "none found, not all were looked for"
+        else:
+            pairs = f"{'' if self.intersections_known else 'at least '}{self.intersecting_pairs:,} pairs of triangles"
+        rows = {
+            "triangles": f"{self.triangles:,} over {self.positions:,} positions",
+            "extent": size,
+            "area": f"{self.area:.6g}",
+            "volume": f"{self.volume:.6g}",
+            "closed": closed,
+            "orientation": counts(inconsistent_edges=self.inconsistent_edges, flipped=self.flipped, left_out=self.left_out),
+            "defects": counts(degenerate=self.degenerate, duplicate=self.duplicate, nonmanifold_edges=self.nonmanifold_edges),
+            "intersections": pairs,
+            "components": f"{self.component_count:,}",
+            "sign": f"{self.sign}{'' if self.sure else ', not certain'}: {self.why}",
+        }
+        return "\n".join(f"{name:<14}{text}" for name, text in rows.items())
+
+
+def report(
+    mesh: Any,
+    *,
+    spacing: float = 0.0,
+    most_components: int = 100,
+    most_intersections: int = 1000,
+    threads: int = 0,
+) -> Report:
+    """Examines a mesh: is it closed, what is wrong with it, which sign fits and why.
+
+    Args:
+        mesh: as for `field`.
+        spacing: of the samples that are planned, world units, to judge holes by.
+        most_components: that are listed.
+        most_intersections: the search stops soon after it has found so many; 0: no search.
+        threads: 0 for all.
+
+    Raises:
+        MeshError: a face out of range, or a corner that is not finite.
+    """
+    m = as_mesh(mesh)
+    found = _core.report(m.vertices, m.faces, float(spacing), most_components, most_intersections, threads)
+    components = tuple(
+        Component(**{key: _tuples(value) for key, value in one.items()}) for one in found.pop("components")
+    )
+    return Report(components=components, **{key: _tuples(value) for key, value in found.items()})
+
+
+def _tuples(value: Any) -> Any:
+    return tuple(_tuples(v) for v in value) if isinstance(value, (list, tuple)) else value
+
+
+@dataclass(frozen=True)
+class Check:
+    """The comparison of a field with its mesh."""
+
+    ok: bool
+    """No value, sign or nearest triangle is wrong."""
+    samples: int
+    samples_band: int
+    samples_wrong: int
+    nearest_wrong: int
+    largest_error: float
+    """World units."""
+    allowed_error: float
+    """At the sample of the largest error."""
+    sign_checked: int
+    sign_wrong: int
+    sign_unknown: int
+    mesh_differs: bool
+    """The field says that it was computed from another mesh."""
+
+
+def verify(
+    field: DistanceField,
+    mesh: Any,
+    *,
+    samples: int = 1000,
+    seed: int = 1,
+    threads: int = 0,
+    progress: Progress = None,
+) -> Check:
+    """Compares a field at random samples with distances and signs computed from the mesh by other means."""
+    if not isinstance(field, DistanceField):
+        raise TypeError(f"field: must be a standoff.DistanceField, not {type(field).__name__}")
+    m = as_mesh(mesh)
+    with progress_of(progress, "verify") as report:
+        return Check(**_core.verify(field._native(), m.vertices, m.faces, samples, seed, threads, report))

@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Surfaces out of fields and meshes."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from . import _core
+from ._field import DistanceField
+from ._mesh import Mesh, as_mesh
+from ._options import Grid, Progress, Sign, grid_of, progress_of, sign_report
+
+
+def surface(
+    source: Any,
+    *,
+    at: float = 0.0,
+    wall: float = 0.0,
+    method: Literal["marching_cubes", "dual"] = "marching_cubes",
+    resolution: int | None = None,
+    spacing: Any = None,
+    shape: Any = None,
+    grid: Grid | None = None,
+    padding: float | None = None,
+    sign: str | Sign | None = "auto",
+    threads: int = 0,
+    progress: Progress = None,
+) -> Mesh:
+    """A watertight, oriented surface: all points of the value `at`.
+
+    Args:
+        source: a `DistanceField`, or a mesh as for `field`, whose field is then computed.
+        at: world units; positive grows the solid, negative shrinks it. Of unsigned fields it must be positive.
+        wall: hollow the solid: a second surface, this far inside, world units.
+        method: ``"marching_cubes"`` is smooth; ``"dual"`` keeps the sharp edges of a mesh.
+        resolution, spacing, shape, grid, padding, sign: as for `field`; for meshes alone.
+        threads, progress: as for `field`.
+
+    Returns:
+        A closed manifold, whose triangles face outwards; without triangles if nothing is inside.
+    """
+    if isinstance(source, DistanceField):
+        for name, value in dict(resolution=resolution, spacing=spacing, shape=shape, grid=grid, padding=padding).items():
+            if value is not None:
+                raise ValueError(f"{name}: a field has its grid already; leave it out, or pass the mesh")
+        with progress_of(progress, "surface") as report:
+            vertices, faces, _ = _core.surface_of_field(source._native(), float(at), float(wall), method, threads, report)
+        return Mesh(vertices, faces)
+    found = as_mesh(source)
+    where, _ = grid_of(lambda: _grown(found.bounds, float(at)), grid, resolution, spacing, shape, padding, None, None)
+    asked = Sign.of(sign)
+    with progress_of(progress, "surface") as report:
+        vertices, faces, signs = _core.surface_of_mesh(
+            found.vertices, found.faces, where._core(), asked, float(at), float(wall), method, threads, report
+        )
+    sign_report(signs, asked, stacklevel=2)
+    return Mesh(vertices, faces)
+
+
+def _grown(bounds, at: float):
+    """The box of the surface at `at`: the mesh's, grown."""
+    more = max(at, 0.0)
+    low, high = bounds
+    return tuple(x - more for x in low), tuple(x + more for x in high)
