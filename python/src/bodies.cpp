@@ -22,8 +22,11 @@ void put(NewArray<double>& array, std::size_t row, Vec3 v) {
 CollisionModel build(const VertexInput& vertices, const FaceInput& faces, double spacing, int threads,
                      const std::string& device) {
   const MeshView mesh = view_of(vertices, faces);
-  const ModelOptions options{.spacing = spacing, .execution = execution_of(threads, device)};
-  return watched(nb::none(), [&](const ProgressCallback&) { return CollisionModel(mesh, options); });
+  ModelOptions options{.spacing = spacing, .execution = execution_of(threads, device)};
+  return watched(nb::none(), [&](const ProgressCallback& report) {
+    options.progress = report;
+    return CollisionModel(mesh, options);
+  });
 }
 
 // verdict (0 free, 1 hit, 2 ambiguous), triangle_a, triangle_b, containment

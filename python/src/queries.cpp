@@ -21,8 +21,11 @@ void ask(const nb::object& progress, std::size_t points, const Ask& ask_points) 
 
 MeshQuery build(const VertexInput& vertices, const FaceInput& faces, const nb::handle& sign, int threads) {
   const MeshView mesh = view_of(vertices, faces);
-  const MeshQueryOptions options{.sign = sign_of(sign), .execution = {.threads = threads}};
-  return watched(nb::none(), [&](const ProgressCallback&) { return MeshQuery(mesh, options); });
+  MeshQueryOptions options{.sign = sign_of(sign), .execution = {.threads = threads}};
+  return watched(nb::none(), [&](const ProgressCallback& report) {
+    options.progress = report;
+    return MeshQuery(mesh, options);
+  });
 }
 
 nb::object distances(const MeshQuery& query, const PointInput& points, int threads, const std::string& device,
