@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Queries between two bodies: results as arrays, one row for each pose.
 #include "arrays.h"
+#include "lock.h"
 #include "options.h"
 #include "standoff/collision.h"
 #include "work.h"
@@ -149,12 +150,12 @@ void add_bodies(nb::module_& m) {
       .def(
           "save",
           [](const CollisionModel& body, const std::filesystem::path& path, bool overwrite) {
-            const nb::gil_scoped_release released;
+            const Unlocked released;
             body.save(path, overwrite ? Existing::replace : Existing::keep);
           },
           "path"_a, "overwrite"_a);
   m.def("build_body", &build, "vertices"_a.noconvert(), "faces"_a.noconvert(), "spacing"_a, "threads"_a, "device"_a);
-  m.def("read_body", &CollisionModel::load, "path"_a, nb::call_guard<nb::gil_scoped_release>());
+  m.def("read_body", &CollisionModel::load, "path"_a, nb::call_guard<Unlocked>());
   m.def("automatic_tolerance", &automatic_tolerance, "a"_a, "b"_a);
   m.def("collide", &collide_poses, "a"_a, "pose_a"_a.noconvert(), "b"_a, "poses"_a.noconvert(), "margin"_a,
         "containment"_a, "certified"_a, "threads"_a, "device"_a, "progress"_a.none());

@@ -3,6 +3,7 @@
 #include "standoff/field.h"
 
 #include "arrays.h"
+#include "lock.h"
 #include "options.h"
 #include "standoff/compute.h"
 #include "standoff/io.h"
@@ -78,7 +79,7 @@ std::array<std::int64_t, 3> shape_of(const DistanceField& field) {
 }
 
 void copy_dense(const DistanceField& field, const DenseOutput& out) {
-  const nb::gil_scoped_release released;
+  const Unlocked released;
   field.copy_slices(0, field.grid().size.z, {out.data(), out.size()});
 }
 
@@ -136,7 +137,7 @@ DistanceField from_dense(
     const GridInput& grid, double thickness,
     const nb::ndarray<nb::ro, const float, nb::shape<-1, -1, -1>, nb::f_contig, nb::device::cpu>& values,
     const Provenance& provenance) {
-  const nb::gil_scoped_release released;
+  const Unlocked released;
   DistanceField field = DistanceField::from_dense(grid.grid(), thickness, {values.data(), values.size()});
   field.set_provenance(provenance);
   return field;
@@ -145,7 +146,7 @@ DistanceField from_dense(
 nb::object values_at(const DistanceField& field, const PointInput& points, int threads) {
   NewArray<double> out({points.shape(0)});
   {
-    const nb::gil_scoped_release released;
+    const Unlocked released;
     field.interpolate(points_of(points), {out.data(), out.count()}, {.threads = threads});
   }
   return out.finish();
@@ -154,20 +155,20 @@ nb::object values_at(const DistanceField& field, const PointInput& points, int t
 nb::object gradients_at(const DistanceField& field, const PointInput& points, int threads) {
   NewArray<double> out({points.shape(0), 3});
   {
-    const nb::gil_scoped_release released;
+    const Unlocked released;
     field.gradient(points_of(points), {reinterpret_cast<Vec3*>(out.data()), points.shape(0)}, {.threads = threads});
   }
   return out.finish();
 }
 
 void write(const DistanceField& field, const std::filesystem::path& path, bool compress, bool overwrite, int threads) {
-  const nb::gil_scoped_release released;
+  const Unlocked released;
   write_field(path, field,
               {.existing = overwrite ? Existing::replace : Existing::keep, .compress = compress, .threads = threads});
 }
 
 DistanceField read(const std::filesystem::path& path, std::int64_t memory_limit) {
-  const nb::gil_scoped_release released;
+  const Unlocked released;
   return read_field(path, {.memory_limit = memory_limit});
 }
 

@@ -13,6 +13,7 @@ from . import _core
 from ._arrays import like, numbers
 from ._mesh import as_mesh
 from ._options import Progress, progress_of
+from ._files import expect_file, packed, unpacked
 
 PathLike = str | os.PathLike
 NO_TRIANGLE = 2**32 - 1
@@ -40,7 +41,7 @@ class Body:
     @classmethod
     def load(cls, path: PathLike) -> Body:
         """Reads what `save` wrote, or ``standoff build``."""
-        os.stat(path)
+        expect_file(path)
         body = object.__new__(cls)
         body._body = _core.read_body(path)
         return body
@@ -70,6 +71,19 @@ class Body:
 
         kind = "closed" if self.closed else "open"
         return f"<standoff.Body: {self._body.triangles:,} triangles, {kind}, {_bytes(self.nbytes)}>"
+
+    def __copy__(self) -> Body:
+        return self  # nothing changes a body
+
+    def __deepcopy__(self, memo: Any) -> Body:
+        return self
+
+    def __reduce__(self):
+        return _rebuild, (packed(lambda path: self.save(path), ".model"),)
+
+
+def _rebuild(content: bytes) -> Body:
+    return unpacked(content, Body.load, ".model")
 
 
 @dataclass(frozen=True)
@@ -169,7 +183,7 @@ class _Poses:
 
 
 def _of_matrices(matrices: np.ndarray, what: str) -> np.ndarray:
-    wrong = np.abs(matrices[:, 3] - (0, 0, 0, 1)).max(axis=1, initial=0) > 1e-6
+    wrong = ~(np.abs(matrices[:, 3] - (0, 0, 0, 1)).max(axis=1, initial=0) <= 1e-6)
     if wrong.any():
         n = int(wrong.argmax())
         raise ValueError(f"{what}: matrix {n} ends with the row {matrices[n, 3]}, not (0, 0, 0, 1); transpose it?")

@@ -11,9 +11,10 @@ from typing import Any, Literal
 import numpy as np
 
 from . import _core
-from ._arrays import Points
+from ._arrays import Points, numbers
 from ._mesh import Mesh, as_mesh
 from ._options import Grid, Progress, Sign, SignReport, grid_of, memory_limit_of, progress_of, sign_report
+from ._files import expect_file, packed, unpacked
 from ._picture import Picture
 
 PathLike = str | os.PathLike
@@ -54,9 +55,14 @@ class DistanceField:
             grid: where the samples are.
             thickness: what distances are clamped to; tiles whose samples are all that far are not stored.
         """
-        array = np.asfortranarray(values, dtype=np.float32)
+        if not isinstance(grid, Grid):
+            raise TypeError(f"grid: must be a standoff.Grid, not {type(grid).__name__}")
+        with np.errstate(over="ignore"):  # what is too large for a float is infinitely far
+            array = np.asfortranarray(numbers(values, "values"), dtype=np.float32)
         if array.shape != grid.shape:
             raise ValueError(f"values: must have the grid's shape {grid.shape}, not {array.shape}")
+        if np.isnan(array).any():
+            raise ValueError("values: some are not numbers; give samples without a distance the thickness")
         signed = "unknown" if bool((array < 0).any()) else ""
         provenance = _core.Provenance("", 0, _core.version, signed)
         return cls._of_native(_core.from_dense(grid._core(), float(thickness), array, provenance))
@@ -123,8 +129,11 @@ class DistanceField:
         return values
 
     def __array__(self, dtype=None, copy=None) -> np.ndarray:
+        same = dtype is None or np.dtype(dtype) == np.float32
+        if copy is False and (self._dense is None or not same):
+            raise ValueError("a band, or another type than float32, cannot be had without a copy")
         values = self.numpy()
-        if copy or (dtype is not None and np.dtype(dtype) != values.dtype):
+        if copy or not same:
             return np.array(values, dtype=dtype, order="K")
         return values
 
@@ -222,13 +231,19 @@ class DistanceField:
         if self._dense is not None:
             return _rebuild_dense, (*state, self._dense)
         native = self._native_field
-        if native.has_nearest:
-            raise TypeError("a field with nearest triangles cannot be pickled; save it as .npz or .vti")
+        if native.has_nearest:  # files keep the nearest triangles too
+            return _rebuild_packed, (packed(lambda path: self.save(path), ".npz"), self._sign)
         values = np.array(native.tile_values().transpose(0, 3, 2, 1)).reshape(-1, 512)
         return _rebuild_tiles, (*state, values, np.array(native.slots()))
 
     def __copy__(self) -> DistanceField:
         return self  # nothing changes a field
+
+    def __deepcopy__(self, memo: Any) -> DistanceField:
+        if self._dense is None:
+            return self
+        rebuild, (*state, dense) = self.__reduce__()  # the array may be the caller's
+        return rebuild(*state, dense.copy(order="F"))
 
     def _native(self) -> _core.Field:
         if self._native_field is None:
@@ -245,6 +260,10 @@ def _rebuild_dense(grid, thickness, provenance, sign, dense) -> DistanceField:
 def _rebuild_tiles(grid, thickness, provenance, sign, values, slots) -> DistanceField:
     native = _core.from_tiles(grid._core(), thickness, values, slots, _core.Provenance(**provenance))
     return DistanceField._of_native(native, sign)
+
+
+def _rebuild_packed(content: bytes, sign) -> DistanceField:
+    return DistanceField._of_native(unpacked(content, lambda path: _core.read_field(path, 0), ".npz"), sign)
 
 
 def _bytes(count: int) -> str:
@@ -349,7 +368,7 @@ def _checked_out(out: Any, grid: Grid) -> np.ndarray:
 
 def _new_dense(grid: Grid, limit: int) -> np.ndarray:
     needed = 4 * math.prod(grid.shape)
-    if needed > limit:
+    if 0 < limit < needed:
         from ._errors import make
 
         raise make(
@@ -370,6 +389,6 @@ def load(path: PathLike, *, memory_limit: int | None = None) -> DistanceField:
         InputError: the file is damaged, or no field.
         LimitError: it needs more than `memory_limit` bytes, by default 80 % of the machine's.
     """
-    os.stat(path)
+    expect_file(path)
     return DistanceField._of_native(_core.read_field(path, memory_limit_of(memory_limit)))
 

@@ -4,10 +4,12 @@
 from __future__ import annotations
 
 import os
+import threading
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
+from inspect import signature
 from typing import Any
 
 from ._errors import Error
@@ -62,6 +64,11 @@ def fields(
         ...     if result.error is None:
         ...         result.field.save(f"{result.index}.npz")
     """
+    if isinstance(meshes, (str, os.PathLike)):
+        raise TypeError("meshes: must be several, in a list or another iterable; a single one is for standoff.field")
+    for name in options:
+        if name not in _OPTIONS:
+            raise TypeError(f"fields() got an unexpected keyword argument {name!r}")
     if workers is None:
         workers = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     if workers < 1:
@@ -73,13 +80,26 @@ def fields(
     return _results(meshes, workers, waiting, prepare, progress, options)
 
 
+_OPTIONS = set(signature(field).parameters) - {"mesh", "out", "progress"}
+
+
+class _Closed(BaseException):
+    """Nobody waits for the field any more."""
+
+
 def _results(meshes, workers, waiting, prepare, progress, options) -> Iterator[FieldResult]:
+    closed = threading.Event()
+
+    def watch(stage: str, fraction: float) -> None:
+        if closed.is_set():
+            raise _Closed
+
     def work(index: int, source: Any) -> FieldResult:
         try:
             mesh = as_mesh(source)
             if prepare is not None:
                 mesh = prepare(mesh)
-            return FieldResult(index, source, field(mesh, **options), None)
+            return FieldResult(index, source, field(mesh, progress=watch, **options), None)
         except (Error, OSError, ValueError, TypeError, MemoryError) as error:
             return FieldResult(index, source, None, error)
 
@@ -99,6 +119,7 @@ def _results(meshes, workers, waiting, prepare, progress, options) -> Iterator[F
         while pending:
             yield _next(pending, bar)
     finally:
+        closed.set()  # stops the fields that are being computed
         pool.shutdown(wait=True, cancel_futures=True)
         if bar is not None:
             bar.close()
