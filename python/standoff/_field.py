@@ -31,7 +31,9 @@ class DistanceField:
         raise TypeError("make a DistanceField with standoff.field, standoff.load or DistanceField.from_numpy")
 
     @classmethod
-    def _make(cls, grid: Grid, thickness: float, *, native=None, dense=None, provenance=None, sign=None) -> DistanceField:
+    def _make(
+        cls, grid: Grid, thickness: float, *, native=None, dense=None, provenance=None, sign=None, computation=None
+    ) -> DistanceField:
         field = object.__new__(cls)
         field._grid = grid
         field._thickness = thickness
@@ -39,12 +41,13 @@ class DistanceField:
         field._dense = dense
         field._provenance = provenance if provenance is not None else native.provenance
         field._sign = sign
+        field._computation = computation
         return field
 
     @classmethod
-    def _of_native(cls, native, sign: SignReport | None = None) -> DistanceField:
+    def _of_native(cls, native, sign: SignReport | None = None, computation=None) -> DistanceField:
         grid = Grid(tuple(native.shape), tuple(native.origin), tuple(native.spacing))
-        return cls._make(grid, native.thickness, native=native, sign=sign)
+        return cls._make(grid, native.thickness, native=native, sign=sign, computation=computation)
 
     @classmethod
     def from_numpy(cls, values: Any, grid: Grid, *, thickness: float = math.inf) -> DistanceField:
@@ -99,6 +102,13 @@ class DistanceField:
         """Where the values come from: ``method``, ``mesh_hash``, ``version`` and ``sign``; every file format keeps it."""
         p = self._provenance
         return {"method": p.method, "mesh_hash": p.mesh_hash, "version": p.version, "sign": p.sign}
+
+    @property
+    def computation(self) -> dict[str, Any] | None:
+        """What computing it did: ``backend``, ``device``, ``threads``, ``triangles``, ``samples_band``,
+        ``samples_examined`` (distances between a sample and a triangle) and ``seconds``. None if it was not computed
+        here."""
+        return self._computation
 
     @property
     def nbytes(self) -> int:
@@ -342,16 +352,21 @@ def field(
             native, done = _core.compute(
                 found.vertices, found.faces, where._core(), half_width, *settings, nearest, threads, device, limit, report
             )
-            return DistanceField._of_native(native, sign_report(done["sign"], asked, stacklevel=2))
+            signs = sign_report(done.pop("sign"), asked, stacklevel=2)
+            del done["provenance"], done["method"]
+            return DistanceField._of_native(native, signs, done)
         done = _core.compute_dense(
             found.vertices, found.faces, where._core(), half_width, dense, *settings, threads, device, limit, report
         )
-    signs = sign_report(done["sign"], asked, stacklevel=2)
-    made = done["provenance"]
+    signs = sign_report(done.pop("sign"), asked, stacklevel=2)
+    made = done.pop("provenance")
+    del done["method"]
     provenance = _core.Provenance(
         made.method, _core.content_hash(found.vertices, found.faces), made.version, made.sign
     )
-    return DistanceField._make(where, half_width, dense=dense, provenance=provenance, sign=signs)
+    return DistanceField._make(
+        where, half_width, dense=dense, provenance=provenance, sign=signs, computation=done
+    )
 
 
 def _checked_out(out: Any, grid: Grid) -> np.ndarray:
