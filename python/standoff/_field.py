@@ -204,6 +204,13 @@ class DistanceField:
         """
         self._native().save(path, compress, overwrite, threads)
 
+    def to_bytes(self, format: str = "nvdb", *, compress: bool = True) -> bytes:
+        """The content of the file that `save` writes in the format of this extension.
+
+        ``warp.Volume.load_from_nvdb`` takes that of ``"nvdb"`` in a file object, as Newton does.
+        """
+        return packed(lambda path: self.save(path, compress=compress), "." + format.removeprefix("."))
+
     def plot(
         self,
         kind: Literal["slice", "surface"] = "slice",
