@@ -11,9 +11,9 @@ import numpy as np
 
 from . import _core
 from ._arrays import like, numbers
+from ._files import expect_file, packed, unpacked
 from ._mesh import as_mesh
 from ._options import Progress, progress_of
-from ._files import expect_file, packed, unpacked
 
 PathLike = str | os.PathLike
 NO_TRIANGLE = 2**32 - 1

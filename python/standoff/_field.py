@@ -12,9 +12,9 @@ import numpy as np
 
 from . import _core
 from ._arrays import Points, numbers
+from ._files import expect_file, packed, unpacked
 from ._mesh import Mesh, as_mesh
 from ._options import Grid, Progress, Sign, SignReport, grid_of, memory_limit_of, progress_of, sign_report
-from ._files import expect_file, packed, unpacked
 from ._picture import Picture
 
 PathLike = str | os.PathLike

@@ -11,9 +11,9 @@ import numpy as np
 
 from . import _core
 from ._arrays import Points
+from ._files import expect_file, packed, unpacked
 from ._mesh import Mesh, as_mesh
 from ._options import Progress, Sign, SignReport, progress_of, sign_report
-from ._files import expect_file, packed, unpacked
 
 PathLike = str | os.PathLike
 
