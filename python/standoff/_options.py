@@ -157,7 +157,7 @@ def number(value: Any, what: str) -> float:
     raise TypeError(f"{what}: must be a number, not {type(value).__name__}")
 
 
-def _whole(value: Any, what: str) -> int:
+def whole_number(value: Any, what: str) -> int:
     if isinstance(value, numbers.Integral) and not isinstance(value, bool):
         return int(value)
     raise TypeError(f"{what}: must be a whole number, not {value!r}")
@@ -168,7 +168,7 @@ def _triple(value: Any, what: str, *, whole: bool = False) -> tuple:
         value = value.tolist()
     if isinstance(value, (str, bytes)) or not isinstance(value, Iterable):
         raise TypeError(f"{what}: must be three numbers, not {type(value).__name__}")
-    three = tuple((_whole if whole else number)(v, what) for v in value)
+    three = tuple((whole_number if whole else number)(v, what) for v in value)
     if len(three) != 3:
         raise ValueError(f"{what}: must be three numbers, one for each axis, not {len(three)}")
     return three
@@ -182,7 +182,7 @@ def _fit(low, high, resolution, spacing, shape, padding: _core.Padding) -> Grid:
         return Grid(*_core.fit_size(low, high, _triple(shape, "shape", whole=True), padding))
     if spacing is not None:
         return Grid(*_core.fit_spacing(low, high, _spacing(spacing), padding))
-    return Grid(*_core.fit_samples(low, high, 256 if resolution is None else _whole(resolution, "resolution"), padding))
+    return Grid(*_core.fit_samples(low, high, 256 if resolution is None else whole_number(resolution, "resolution"), padding))
 
 
 def _spacing(spacing: Any) -> tuple:
@@ -223,7 +223,7 @@ def grid_of(bounds, grid, resolution, spacing, shape, padding, band, thickness) 
 def memory_limit_of(limit: int | None) -> int:
     """By default 80 % of the machine's memory, or of what its control group allows."""
     if limit is not None:
-        return _whole(limit, "memory_limit")
+        return whole_number(limit, "memory_limit")
     most = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
     for file in ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"):
         try:
