@@ -92,9 +92,10 @@ nb::tuple sweep_poses(const CollisionModel& a, const PoseInput& pose_a, const Co
   NewArray<std::uint32_t> triangle_a({count}), triangle_b({count});
   const Execution execution = execution_of(threads, device);
   const Pose at = pose_of(pose_a, 0);
+  const std::vector<Pose> first_poses = poses_of(from), last_poses = poses_of(to);
   std::vector<RigidMotion> motions(count);
   for (std::size_t n = 0; n < count; ++n)
-    motions[n] = {pose_of(from, n), pose_of(to, n), {center[0], center[1], center[2]}};
+    motions[n] = {first_poses[n], last_poses[n], {center[0], center[1], center[2]}};
   run_in_parts(progress, count, first_part(execution, count), [&](std::size_t first, std::size_t last) {
     const auto results =
         sweep_all(a, at, b, std::span(motions).subspan(first, last - first), {.tolerance = tolerance}, execution);

@@ -22,7 +22,7 @@ constexpr std::chrono::milliseconds kPoll{20};
 struct Shared {
   std::mutex mutex;
   std::condition_variable changed;
-  Progress seen;
+  Progress seen{"prepare", 0};
   bool stopped = false;   // the watching thread wants the work to end
   bool finished = false;  // the work has ended
   std::exception_ptr error;

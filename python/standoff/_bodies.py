@@ -11,9 +11,9 @@ import numpy as np
 
 from . import _core
 from ._arrays import like, numbers
-from ._mesh import as_mesh
-from ._options import Progress, progress_of
 from ._files import expect_file, packed, unpacked
+from ._mesh import as_mesh
+from ._options import Progress, number, progress_of
 
 PathLike = str | os.PathLike
 NO_TRIANGLE = 2**32 - 1
@@ -35,7 +35,7 @@ class Body:
     def __init__(self, mesh: Any, *, spacing: float | None = None, threads: int = 0, device: str = "auto") -> None:
         found = as_mesh(mesh)
         self._body = _core.build_body(
-            found.vertices, found.faces, 0.0 if spacing is None else float(spacing), threads, device
+            found.vertices, found.faces, 0.0 if spacing is None else number(spacing, "spacing"), threads, device
         )
 
     @classmethod
@@ -258,7 +258,7 @@ def collide(
     p = _Poses(poses, "poses")
     with progress_of(progress, "collide") as report:
         verdict, triangle_a, triangle_b, inside = _core.collide(
-            body_a, _one(pose_a, "pose_a"), body_b, p.array, float(margin), containment, mode == "certified", threads,
+            body_a, _one(pose_a, "pose_a"), body_b, p.array, number(margin, "margin"), containment, mode == "certified", threads,
             device, report,
         )  # fmt: skip
     return Collisions(*map(p.give, (verdict == 1, verdict == 2, *_triangles(triangle_a, triangle_b), inside)))
@@ -287,7 +287,7 @@ def distance_between(
     p = _Poses(poses, "poses")
     with progress_of(progress, "distance") as report:
         lower, upper, point_a, point_b, triangle_a, triangle_b = _core.distance(
-            body_a, _one(pose_a, "pose_a"), body_b, p.array, float(tolerance), float(limit), threads, report
+            body_a, _one(pose_a, "pose_a"), body_b, p.array, number(tolerance, "tolerance"), number(limit, "limit"), threads, report
         )
     return Distances(*map(p.give, (upper, lower, point_a, point_b, *_triangles(triangle_a, triangle_b))))
 
@@ -321,7 +321,7 @@ def sweep(
     point = tuple(float(x) for x in np.asarray(center, dtype=np.float64).reshape(3))
     with progress_of(progress, "sweep") as report:
         hit, time, touch, normal, triangle_a, triangle_b = _core.sweep(
-            body_a, _one(pose_a, "pose_a"), body_b, first.array, last.array, point, float(tolerance), threads, device,
+            body_a, _one(pose_a, "pose_a"), body_b, first.array, last.array, point, number(tolerance, "tolerance"), threads, device,
             report,
         )  # fmt: skip
     return Sweeps(*map(first.give, (hit == 1, time, touch, normal, *_triangles(triangle_a, triangle_b))))
@@ -338,7 +338,7 @@ def contacts(a: Body, b: Body, pose: Any, *, pose_a: Any = None, most: int = 100
     """
     body_a, body_b = _both(a, b)
     point, normal, depth, triangle_a, triangle_b, overflow = _core.contacts(
-        body_a, _one(pose_a, "pose_a"), body_b, _one(pose, "pose"), most, float(margin)
+        body_a, _one(pose_a, "pose_a"), body_b, _one(pose, "pose"), most, number(margin, "margin")
     )
     return Contacts(point, normal, depth, *_triangles(triangle_a, triangle_b), overflow)
 

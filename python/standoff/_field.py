@@ -5,16 +5,16 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, Literal
 
 import numpy as np
 
 from . import _core
 from ._arrays import Points, numbers
-from ._mesh import Mesh, as_mesh
-from ._options import Grid, Progress, Sign, SignReport, grid_of, memory_limit_of, progress_of, sign_report
 from ._files import expect_file, packed, unpacked
+from ._mesh import Mesh, as_mesh
+from ._options import Grid, Progress, Sign, SignReport, grid_of, memory_limit_of, number, progress_of, sign_report
 from ._picture import Picture
 
 PathLike = str | os.PathLike
@@ -68,7 +68,7 @@ class DistanceField:
             raise ValueError("values: some are not numbers; give samples without a distance the thickness")
         signed = "unknown" if bool((array < 0).any()) else ""
         provenance = _core.Provenance("", 0, _core.version, signed)
-        return cls._of_native(_core.from_dense(grid._core(), float(thickness), array, provenance))
+        return cls._of_native(_core.from_dense(grid._core(), number(thickness, "thickness"), array, provenance))
 
     # What it is.
 
@@ -236,7 +236,7 @@ class DistanceField:
         if kind != "slice":
             raise ValueError(f"kind: must be 'slice' or 'surface', not {kind!r}")
         native = self._native()
-        return Picture.drawn(lambda path: _core.write_slice(native, path, axis, float(at), colormap, pixels))
+        return Picture.drawn(lambda path: _core.write_slice(native, path, axis, number(at, "at"), colormap, pixels))
 
     def _repr_png_(self) -> bytes:
         return bytes(self.plot())
@@ -352,7 +352,8 @@ def field(
             raise ValueError("out and nearest: nearest triangles are stored in tiles; leave out one of these")
         dense = _checked_out(out, where)
     elif math.isinf(half_width) and not nearest:
-        dense = _new_dense(where, limit)
+        mesh_and_grid = found.vertices, found.faces, where._core()
+        dense = _new_dense(where, limit, lambda: _core.memory_needed(*mesh_and_grid, half_width, asked, False, True))
     settings = (asked, method)
     with progress_of(progress, "field") as report:
         if dense is None:
@@ -388,9 +389,9 @@ def _checked_out(out: Any, grid: Grid) -> np.ndarray:
     return out
 
 
-def _new_dense(grid: Grid, limit: int) -> np.ndarray:
-    needed = 4 * math.prod(grid.shape)
-    if 0 < limit < needed:
+def _new_dense(grid: Grid, limit: int, needed_for: Callable[[], int]) -> np.ndarray:
+    if 0 < limit < 4 * math.prod(grid.shape):
+        needed = needed_for()
         from ._errors import make
 
         raise make(

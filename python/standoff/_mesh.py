@@ -13,6 +13,7 @@ from . import _core
 from ._arrays import numbers, to_numpy
 from ._errors import MeshError
 from ._files import expect_file
+from ._options import number
 
 PathLike = str | os.PathLike
 
@@ -104,7 +105,7 @@ def read(path: PathLike, *, scale: float = 1.0) -> Mesh:
         LimitError: the mesh does not fit into memory.
     """
     expect_file(path)
-    vertices, faces, notes = _core.read_mesh(path, float(scale))
+    vertices, faces, notes = _core.read_mesh(path, number(scale, "scale"))
     return Mesh(vertices, faces, notes=tuple(notes))
 
 

@@ -11,9 +11,9 @@ import numpy as np
 
 from . import _core
 from ._arrays import Points
+from ._files import expect_file, packed, unpacked
 from ._mesh import Mesh, as_mesh
 from ._options import Progress, Sign, SignReport, progress_of, sign_report
-from ._files import expect_file, packed, unpacked
 
 PathLike = str | os.PathLike
 
@@ -109,7 +109,11 @@ class MeshQuery:
         return ClosestPoints(*map(p.give, (distance, point, triangle.astype(np.int64), feature, weights, gradient)))
 
     def winding_number(self, points: Any, *, threads: int = 0, progress: Progress = None) -> Any:
-        """The generalised winding number of the mesh at each point ``(..., 3)``; whole if the mesh is closed."""
+        """The generalised winding number of the mesh at each point ``(..., 3)``; whole if the mesh is closed.
+
+        Raises:
+            UsageError: the query's sign is by another method than winding: build it with ``sign="winding"``.
+        """
         p = Points(points)
         with progress_of(progress, "winding number") as report:
             return p.give(self._query.winding_numbers(p.array, threads, report))
