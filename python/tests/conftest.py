@@ -16,3 +16,9 @@ def program() -> str:
     found = str(packaged) if packaged.exists() else os.environ.get("STANDOFF") or shutil.which("standoff")
     assert found, "the package has no program; set STANDOFF to its path"
     return found
+
+
+@pytest.fixture(scope="session")
+def bunny_path() -> str:
+    """A mesh of Debian's glmark2-data, which script/bootstrap installs."""
+    return "/usr/share/glmark2/models/bunny.obj"
