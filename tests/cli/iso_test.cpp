@@ -64,7 +64,9 @@ TEST_F(Iso, OfAField) {
   const Ran far = run(words("iso box.vti --at 10s -f -o box.ply"));
   EXPECT_EQ(far.code, 2);
   EXPECT_TRUE(far.says("compute the field with a larger thickness")) << far.err;
-  EXPECT_EQ(run(words("iso box.vti --sign winding -f -o box.ply")).code, 2);
+  // The mesh's options are none of a field's, also where they say what goes without saying.
+  for (const std::string option : {"--sign winding", "--sign auto", "--rule positive", "--outer", "--strict"})
+    EXPECT_EQ(run(words("iso box.vti -f -o box.ply " + option)).code, 2) << option;
   EXPECT_EQ(run(words("iso box.vti -r 30 -f -o box.ply")).code, 2);
 }
 
