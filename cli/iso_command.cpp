@@ -98,7 +98,7 @@ void Command::add_to(CLI::App& verb) {
             "compute",
             "take the surface of the union of all parts (docs/outer.md)"});
   add_threads(verb, "Work", options.execution.threads);
-  field_argument.add_to(verb);
+  field_argument.add_to(verb, "field, surface and their making");
   console.add_to(verb, Console::kMessages | Console::kJson | Console::kProgress);
 }
 
@@ -120,7 +120,6 @@ IsoResult Command::of_field() {
 }
 
 IsoResult Command::of_mesh() {
-  field_argument.check_unused(input.name());
   const Mesh mesh = with_spinner(console, "reading " + input.name(), [&] { return input.read(); });
   validate(mesh);
   Box box = bounds(mesh);
@@ -149,6 +148,7 @@ void Command::run() {
   check_input(input.name());
   output.check(mesh_formats());
   output.check_differs(input.name());
+  options.memory_limit = field_argument.memory_limit();
   // .stl has no other numbers; where they do not suffice, the error comes before the file.
   if (!coordinates_given && output.path().extension() == ".stl") options.coordinates = Coordinates::single;
   const IsoResult found = is_field ? of_field() : of_mesh();

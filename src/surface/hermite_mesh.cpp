@@ -163,8 +163,10 @@ void find_nearly(MeshView mesh, const ClosestFunction& closest, const Vec3& spac
 }  // namespace
 
 void hermite_of_mesh(const Blocks& blocks, const EdgePoints& points, MeshView mesh, const ClosestFunction& closest,
-                     std::span<HermitePoint> data, ProgressMeter& progress) {
+                     std::span<HermitePoint> data, MemoryBudget& budget, ProgressMeter& progress) {
   hermite_of_field(blocks, points, data, progress);
+  MemoryShare memory(budget);
+  memory.take(data.size() * sizeof(Key));
   Crossings crossings(blocks, mesh, data);
   constexpr std::size_t kAtOnce = 256;
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.triangles.size(), kAtOnce), [&](const auto& range) {
@@ -185,7 +187,15 @@ void hermite_of_mesh(const Blocks& blocks, const EdgePoints& points, MeshView me
       ++edge;
     });
   });
+  const std::size_t at_once = std::min(data.size(), kAskedAtOnce);
+  memory.take(at_once * (sizeof(Grazed) + kBytesPerAsked));
   std::vector<Grazed> grazed;
+  grazed.reserve(at_once);
+  const auto flush = [&] {
+    progress.check();
+    if (!grazed.empty()) find_nearly(mesh, closest, grid.spacing, grazed, data);
+    grazed.clear();
+  };
   const Box box = grid.bounds().grown(0.5 * max_norm(grid.spacing));
   for (const Block& block : blocks.all()) {
     std::uint32_t edge = block.first_vertex;
@@ -193,10 +203,11 @@ void hermite_of_mesh(const Blocks& blocks, const EdgePoints& points, MeshView me
       const Vec3 lower = lower_end(block, x, y, z), upper = lower + along(axis, grid.spacing);
       const bool within = max(lower, box.min) == lower && min(upper, box.max) == upper;
       if (crossings.triangle(edge) == kNoTriangle && within) grazed.push_back({edge, axis, lower});
+      if (grazed.size() == at_once) flush();
       ++edge;
     });
   }
-  if (!grazed.empty()) find_nearly(mesh, closest, grid.spacing, grazed, data);
+  flush();
 }
 
 }  // namespace standoff

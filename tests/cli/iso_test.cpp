@@ -70,6 +70,15 @@ TEST_F(Iso, OfAField) {
   EXPECT_EQ(run(words("iso box.vti -r 30 -f -o box.ply")).code, 2);
 }
 
+TEST_F(Iso, MemoryLimit) {
+  done(words("compute scene:box -r 40 -t 6s --sign winding -o box.vti"));
+  for (const std::string input : {"box.vti", "scene:box -r 100", "scene:box -r 100 --method dual --at 1s"}) {
+    const Ran ran = run(words("iso " + input + " --memory-limit 100k -o a.ply"));
+    EXPECT_EQ(ran.code, 5) << input << ran.err;
+    EXPECT_EQ(run(words("iso " + input + " --memory-limit 1G -f -o b.ply")).code, 0) << input;
+  }
+}
+
 TEST_F(Iso, SaysWhyThereIsNoSurface) {
   done(words("compute scene:box -r 30 -o unsigned.vti"));
   const Ran none = run(words("iso unsigned.vti -o a.ply"));
