@@ -2,6 +2,7 @@
 // Writing a signed field with standoff: seconds, bytes and memory. The field is computed before.
 #include <filesystem>
 
+#include "driver.h"
 #include "measure.h"
 #include "signed_field.h"
 #include "standoff/io.h"

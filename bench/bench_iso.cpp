@@ -2,23 +2,18 @@
 // standoff's isosurface of a signed field. With --save it hands the field and its surface to others.
 #include <filesystem>
 
+#include "iso_driver.h"
 #include "measure.h"
 #include "raw.h"
 #include "signed_field.h"
 #include "standoff/surface.h"
-#include "workload.h"
 
 namespace {
 
 using namespace standoff;
 using bench::Workload;
 
-struct Settings {
-  double at = 0;  ///< samples
-  std::string save;
-};
-
-nlohmann::json run(const Workload& work, const Settings& settings) {
+nlohmann::json run(const Workload& work, const bench::IsoSettings& settings) {
   const DistanceField field = bench::signed_field(work);
   IsoOptions options;
   options.at = settings.at * work.grid.spacing.x;
@@ -45,10 +40,5 @@ nlohmann::json run(const Workload& work, const Settings& settings) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("standoff's isosurface of a signed field", "bench_iso");
-  const bench::WorkloadOptions options(app);
-  Settings settings;
-  app.add_option("--at", settings.at, "the value on the surface, in samples");
-  app.add_option("--save", settings.save, "write the field and the surface into this folder");
-  return run_driver(app, options, argc, argv, [&](const Workload& work) { return run(work, settings); });
+  return bench::run_iso_driver("standoff's isosurface of a signed field", "bench_iso", argc, argv, run);
 }

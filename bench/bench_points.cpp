@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // standoff's MeshQuery at many points: its build, and their distances, with a sign or without.
-#include <iostream>
 
+#include "driver.h"
 #include "measure.h"
 #include "point_workload.h"
 #include "standoff/points.h"
@@ -56,12 +56,5 @@ int main(int argc, char** argv) {
   app.add_flag("--signed", settings.with_sign, "negative inside, by the winding number of the mesh as it is oriented");
   app.add_flag("--closest", settings.closest, "measure closest points too");
   app.add_flag("--winding", settings.winding, "measure winding numbers too");
-  CLI11_PARSE(app, argc, argv);
-  try {
-    std::cout << run(options.make(), settings).dump() << std::endl;
-    return 0;
-  } catch (const std::exception& error) {
-    std::cerr << app.get_name() << ": " << error.what() << "\n";
-    return 1;
-  }
+  return run_driver(app, options, argc, argv, [&](const PointWorkload& work) { return run(work, settings); });
 }

@@ -3,6 +3,7 @@
 // turns.
 #include <array>
 
+#include "driver.h"
 #include "measure.h"
 #include "signed_field.h"
 #include "standoff/sidecars.h"

@@ -4,6 +4,7 @@
 #include <map>
 #include <random>
 
+#include "driver.h"
 #include "measure.h"
 #include "scenes/scenes.h"
 #include "standoff/compute.h"

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "compare.h"
+#include "driver.h"
 #include "measure.h"
 #include "standoff/version.h"
 #include "workload.h"

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "compare.h"
+#include "driver.h"
 #include "embree_mesh.h"
 #include "measure.h"
 #include "workload.h"

@@ -5,8 +5,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 
-#include <iostream>
-
+#include "driver.h"
 #include "embree_mesh.h"
 #include "measure.h"
 #include "point_workload.h"
@@ -116,12 +115,5 @@ int main(int argc, char** argv) {
                  "given: points as they come; morton; bounded: Morton with a bound on each search")
       ->delimiter(',')
       ->check(CLI::IsMember({"given", "morton", "bounded"}));
-  CLI11_PARSE(app, argc, argv);
-  try {
-    std::cout << run(options.make(), settings).dump() << std::endl;
-    return 0;
-  } catch (const std::exception& error) {
-    std::cerr << app.get_name() << ": " << error.what() << "\n";
-    return 1;
-  }
+  return run_driver(app, options, argc, argv, [&](const PointWorkload& work) { return run(work, settings); });
 }

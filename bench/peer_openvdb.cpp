@@ -7,6 +7,7 @@
 #include <tbb/global_control.h>
 
 #include "compare.h"
+#include "driver.h"
 #include "measure.h"
 #include "workload.h"
 

@@ -8,6 +8,7 @@
 
 #include <filesystem>
 
+#include "driver.h"
 #include "measure.h"
 #include "openvdb_field.h"
 #include "signed_field.h"

@@ -4,6 +4,7 @@
 #include <openvdb/version.h>
 #include <tbb/global_control.h>
 
+#include "iso_driver.h"
 #include "measure.h"
 #include "openvdb_field.h"
 #include "raw.h"
@@ -14,12 +15,7 @@ namespace {
 using namespace standoff;
 using bench::Workload;
 
-struct Settings {
-  double at = 0;  ///< samples
-  std::string save;
-};
-
-nlohmann::json run(const Workload& work, const Settings& settings) {
+nlohmann::json run(const Workload& work, const bench::IsoSettings& settings) {
   tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(work.threads));
   openvdb::initialize();
   const auto grid = bench::openvdb_field(work, bench::signed_field(work));
@@ -45,10 +41,5 @@ nlohmann::json run(const Workload& work, const Settings& settings) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("OpenVDB's volumeToMesh of a signed field", "peer_openvdb_iso");
-  const bench::WorkloadOptions options(app);
-  Settings settings;
-  app.add_option("--at", settings.at, "the value on the surface, in samples");
-  app.add_option("--save", settings.save, "write the surface into this folder");
-  return run_driver(app, options, argc, argv, [&](const Workload& work) { return run(work, settings); });
+  return bench::run_iso_driver("OpenVDB's volumeToMesh of a signed field", "peer_openvdb_iso", argc, argv, run);
 }

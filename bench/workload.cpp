@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <exception>
-#include <iostream>
 #include <limits>
 
 #include "scenes/scenes.h"
@@ -112,18 +111,6 @@ Workload WorkloadOptions::make() const {
   }
   if (full_) work.thickness = std::numeric_limits<double>::infinity();
   return work;
-}
-
-int run_driver(CLI::App& app, const WorkloadOptions& options, int argc, char** argv,
-               const std::function<nlohmann::json(const Workload&)>& measure) {
-  CLI11_PARSE(app, argc, argv);
-  try {
-    std::cout << measure(options.make()).dump() << std::endl;
-    return 0;
-  } catch (const std::exception& error) {
-    std::cerr << app.get_name() << ": " << error.what() << "\n";
-    return 1;
-  }
 }
 
 }  // namespace standoff::bench

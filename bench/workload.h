@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -48,9 +47,5 @@ class WorkloadOptions {
   int threads_ = 2, repeats_ = 5;
   bool full_ = false, check_ = false;
 };
-
-/// Parses, runs `measure(workload)` and prints the JSON line it returns; errors go to stderr. For use in main.
-int run_driver(CLI::App& app, const WorkloadOptions& options, int argc, char** argv,
-               const std::function<nlohmann::json(const Workload&)>& measure);
 
 }  // namespace standoff::bench

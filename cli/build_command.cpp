@@ -31,7 +31,7 @@ struct Command {
   ModelOptions options;
   SignOptions sign;  // of a query
   Thickness shell{0};
-  bool spacing_given = false;
+  bool spacing_given = false, sign_given = false;
   Console console;
 
   void run();
@@ -46,8 +46,7 @@ void Command::check() {
   const bool query = kind_of(output.path()) == FileKind::query;
   if (query && spacing_given)
     throw Error(ErrorCode::usage, "--spacing is for bodies; a query has no field, leave it out");
-  if (!query && is_given(sign))
-    throw Error(ErrorCode::usage, "--sign is for queries; give -o NAME.query, or leave it out");
+  if (!query && sign_given) throw Error(ErrorCode::usage, "--sign is for queries; give -o NAME.query, or leave it out");
   if (shell.in_samples)
     throw Error(ErrorCode::usage, "--sign shell: a query has no samples; give its thickness in world units");
   sign.shell = shell.value;
@@ -110,7 +109,10 @@ void add_build(CLI::App& program) {
                          "here)");
   add_sign(*verb, command->sign, command->shell);
   command->console.add_to(*verb, Console::kMessages | Console::kJson);
-  verb->callback([command] { command->run(); });
+  verb->callback([command, verb] {
+    command->sign_given = is_sign_given(*verb);
+    command->run();
+  });
 }
 
 }  // namespace standoff::cli

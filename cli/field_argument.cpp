@@ -10,10 +10,9 @@
 
 namespace standoff::cli {
 
-void FieldArgument::add_to(CLI::App& verb) {
-  add_parsed(verb,
-             {"--memory-limit", "SIZE",
-              "most memory for the field that is read, as in 500M or 8G\n(default: 80 % of the machine's)", "Input"},
+void FieldArgument::add_to(CLI::App& verb, const std::string& what) {
+  const std::string help = "most memory for " + what + ", as in 500M or 8G\n(default: 80 % of the machine's)";
+  add_parsed(verb, {"--memory-limit", "SIZE", help.c_str(), "Input"},
              [this](const std::string& o, const std::string& t) { memory_limit_ = parse_bytes(o, t); });
 }
 
@@ -21,8 +20,10 @@ FieldReadOptions FieldArgument::options_for(const std::string& name) const {
   if (kind_of(name) != FileKind::field)
     throw Error(ErrorCode::input, name + ": this is no field, as " + extensions(field_formats(), false) +
                                       " are; compute the field of a mesh with standoff compute");
-  return {.memory_limit = memory_limit_ ? *memory_limit_ : default_memory_limit()};
+  return {.memory_limit = memory_limit()};
 }
+
+std::int64_t FieldArgument::memory_limit() const { return memory_limit_ ? *memory_limit_ : default_memory_limit(); }
 
 DistanceField FieldArgument::read(const std::string& name, const Console& console) const {
   const FieldReadOptions options = options_for(name);

@@ -16,8 +16,10 @@ namespace standoff::cli {
 
 class FieldArgument {
  public:
-  /// Adds --memory-limit.
-  void add_to(CLI::App& verb);
+  /// Adds --memory-limit, for `what`.
+  void add_to(CLI::App& verb, const std::string& what = "the field that is read");
+  /// What was given, or the default.
+  std::int64_t memory_limit() const;
   /// Terminals are shown what is waited for. Errors: input; limit, before any memory is taken.
   DistanceField read(const std::string& name, const Console& console) const;
   /// With its sidecars.

@@ -11,7 +11,7 @@
 #include "cli/iso_report.h"
 #include "cli/options.h"
 #include "cli/parse.h"
-#include "cli/sign_arguments.h"
+#include "cli/sign_options.h"
 #include "cli/signals.h"
 #include "cli/spinner.h"
 #include "cli/text.h"
@@ -36,10 +36,11 @@ struct Command {
   FieldArgument field_argument;
   FileOutput output;
   GridOptions grid;
-  SignArguments sign{SignMethod::automatic};
+  SignOptions sign{SignMethod::automatic};
+  Thickness shell{0};
   IsoOptions options;
   Thickness at{0}, wall{0};
-  bool coordinates_given = false;
+  bool coordinates_given = false, sign_given = false;
   Console console;
 
   void add_to(CLI::App& verb);
@@ -92,9 +93,12 @@ void Command::add_to(CLI::App& verb) {
       ->group("Surface");
   grid.add_without_thickness_to(verb);
   input.add_scale_to(verb);
-  sign.add_to(verb);
+  add_sign(verb, sign, shell,
+           {"how inside is decided: auto (default), winding, parity,\nnormal, flood, shell:T or none, as in standoff "
+            "compute",
+            "take the surface of the union of all parts (docs/outer.md)"});
   add_threads(verb, "Work", options.execution.threads);
-  field_argument.add_to(verb);
+  field_argument.add_to(verb, "field, surface and their making");
   console.add_to(verb, Console::kMessages | Console::kJson | Console::kProgress);
 }
 
@@ -104,7 +108,7 @@ void Command::set_levels(double spacing) {
 }
 
 IsoResult Command::of_field() {
-  if (input.scaled() || sign.given() || grid.given())
+  if (input.scaled() || sign_given || grid.given())
     throw Error(ErrorCode::usage, input.name() + " is a field: options of the mesh, its grid and its sign belong to " +
                                       "standoff compute; leave them out");
   const DistanceField field = field_argument.read(input.name(), console);
@@ -116,7 +120,6 @@ IsoResult Command::of_field() {
 }
 
 IsoResult Command::of_mesh() {
-  field_argument.check_unused(input.name());
   const Mesh mesh = with_spinner(console, "reading " + input.name(), [&] { return input.read(); });
   validate(mesh);
   Box box = bounds(mesh);
@@ -124,17 +127,18 @@ IsoResult Command::of_mesh() {
     throw Error(ErrorCode::input, input.name() + ": a coordinate of " + number(far) +
                                       ", too far out for a grid; repair the mesh, or scale it down with --scale");
   // The grid is one around the surface, which reaches beyond the mesh.
-  const bool in_samples = at.in_samples || wall.in_samples || sign.shell().in_samples;
+  const bool in_samples = at.in_samples || wall.in_samples || shell.in_samples;
   double spacing = in_samples ? grid.choose(box).grid.max_spacing() : 1;
-  const double reach = std::max(0.0, at.world(spacing)) + sign.shell().world(spacing) / 2;
+  const double reach = std::max(0.0, at.world(spacing)) + shell.world(spacing) / 2;
   if (reach > 0) box = box.grown(reach);
   subject = {"mesh", grid.choose(box).grid};
   spacing = subject.grid.max_spacing();
   set_levels(spacing);
+  sign.shell = shell.world(spacing);
   console.say(mesh_line(input.name(), mesh));
   const Cancellable cancellable;
   options.progress = console.progress();
-  return isosurface(mesh, subject.grid, sign.options(spacing), options);
+  return isosurface(mesh, subject.grid, sign, options);
 }
 
 void Command::run() {
@@ -144,6 +148,7 @@ void Command::run() {
   check_input(input.name());
   output.check(mesh_formats());
   output.check_differs(input.name());
+  options.memory_limit = field_argument.memory_limit();
   // .stl has no other numbers; where they do not suffice, the error comes before the file.
   if (!coordinates_given && output.path().extension() == ".stl") options.coordinates = Coordinates::single;
   const IsoResult found = is_field ? of_field() : of_mesh();
@@ -168,7 +173,10 @@ void add_iso(CLI::App& program) {
   auto* verb = add_verb(program, "iso", "turn a field or mesh into a watertight surface, at any offset", kExamples);
   const auto command = std::make_shared<Command>();
   command->add_to(*verb);
-  verb->callback([command] { command->run(); });
+  verb->callback([command, verb] {
+    command->sign_given = is_sign_given(*verb);
+    command->run();
+  });
 }
 
 }  // namespace standoff::cli

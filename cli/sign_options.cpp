@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/sign_options.h"
 
+#include <algorithm>
+
 #include "cli/options.h"
 
 namespace standoff::cli {
 namespace {
 
 constexpr const char* kGroup = "Sign";
+constexpr const char* kNames[] = {"--sign", "--rule", "--invert", "--as-oriented", "--outer", "--strict"};
 using S = const std::string&;
 
 // All but --sign and --outer.
@@ -23,27 +26,25 @@ void add_details(CLI::App& verb, SignOptions& options) {
 
 }  // namespace
 
-void add_sign(CLI::App& verb, SignOptions& options, Thickness& shell) {
-  add_parsed(verb,
-             {"--sign", "METHOD",
-              "make values inside negative. auto: what fits the mesh, or\nnothing if it has no inside; winding, "
-              "parity: by "
-              "crossings;\n"
-              "normal: behind the nearest triangle, for terrain;\nflood: what a flood from outside does not reach;\n"
-              "shell:T: the surface as a solid of thickness T (0.5 or 3s);\nnone (default). `standoff info MESH` says "
-              "what "
-              "fits",
-              kGroup},
-             [&](S o, S t) {
-               const SignChoice choice = parse_sign(o, t);
-               options.method = choice.method;
-               shell = choice.shell;
-             });
+void add_sign(CLI::App& verb, SignOptions& options, Thickness& shell, const SignHelp& help) {
+  add_parsed(verb, {"--sign", "METHOD", help.sign, kGroup}, [&](S o, S t) {
+    const SignChoice choice = parse_sign(o, t);
+    options.method = choice.method;
+    shell = choice.shell;
+  });
   add_details(verb, options);
-  verb.add_flag("--outer", options.outer,
-                "leave out triangles inside: distances are to the union of\nall parts (sign winding or auto, closed "
-                "meshes)")
-      ->group(kGroup);
+  verb.add_flag("--outer", options.outer, help.outer)->group(kGroup);
+}
+
+void add_sign(CLI::App& verb, SignOptions& options, Thickness& shell) {
+  add_sign(
+      verb, options, shell,
+      {"make values inside negative. auto: what fits the mesh, or\nnothing if it has no inside; winding, parity: by "
+       "crossings;\nnormal: behind the nearest triangle, for terrain;\nflood: what a flood from outside does not "
+       "reach;\nshell:T: the surface as a solid of thickness T (0.5 or 3s);\nnone (default). `standoff info MESH` "
+       "says what fits",
+       "leave out triangles inside: distances are to the union of\nall parts (sign winding or auto, closed "
+       "meshes)"});
 }
 
 void add_sign_to(CLI::App& verb, const std::vector<std::string>& methods, const char* help, SignOptions& options) {
@@ -52,6 +53,13 @@ void add_sign_to(CLI::App& verb, const std::vector<std::string>& methods, const 
     options.method = parse_sign(o, t).method;
   });
   add_details(verb, options);
+}
+
+bool is_sign_given(const CLI::App& verb) {
+  return std::ranges::any_of(kNames, [&](const char* name) {
+    const CLI::Option* option = verb.get_option_no_throw(name);
+    return option && option->count() > 0;
+  });
 }
 
 bool is_given(const SignOptions& sign) {

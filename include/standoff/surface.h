@@ -37,6 +37,9 @@ struct IsoOptions {
   double wall = 0;
   IsoMethod method = IsoMethod::marching_cubes;
   Coordinates coordinates = Coordinates::automatic;
+  /// Bytes that the surface and its making may take, and from a mesh also the field; 0: no limit. What `examine` takes
+  /// comes later and is not limited, nor a field that the caller gives.
+  std::int64_t memory_limit = 0;
   bool examine = false;      ///< also count components and self-intersections of the result
   Execution execution = {};  ///< the backend must be automatic or cpu, but for the field that a mesh needs
   ProgressCallback progress = {};
@@ -66,9 +69,9 @@ struct IsoResult {
 /// outwards, and a manifold: each edge belongs to two triangles, the triangles at a vertex form one fan, and no two
 /// vertices have the same position. All beyond the grid is outside. A sample of exactly options.at is outside, but -0
 /// is less than 0. The result has the same bits for any number of threads. Takes memory in proportion to the surface,
-/// and 64 bytes per stored tile. `dual` takes normals from the gradient of the field. Errors: usage (options; a value
-/// that is not within the field's thickness), input (a value that is not a number), limit (memory; more than 2^32 - 2
-/// vertices; coordinates), interrupted.
+/// and 64 bytes per stored tile: at most options.memory_limit. `dual` takes normals from the gradient of the field.
+/// Errors: usage (options; a value that is not within the field's thickness), input (a value that is not a number),
+/// limit (memory; more than 2^32 - 2 vertices; coordinates), interrupted.
 STANDOFF_API IsoResult isosurface(const DistanceField& field, const IsoOptions& options = {});
 
 /// The same from a mesh: computes the field that is needed, of the mesh on this grid. `dual` takes its normals from the

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <cstring>
 #include <string>
+#include <string_view>
 
 #include "core/splitmix64.h"
 #include "files/atomic_file.h"
@@ -75,6 +76,17 @@ class ArrayFileReader {
  public:
   ArrayFileReader(const FileView& file, const char* what) : file_(file), what_(what) {}
 
+  /// A header that begins with its magic, and says its version.
+  template <class Header>
+  void take_header(Header& header, std::string_view magic, std::uint32_t version) {
+    const std::string what = what_;
+    if (file_.size() < sizeof header + sizeof(std::uint64_t) || !file_.bytes().starts_with(magic))
+      file_.fail("", "this is no " + what + " that standoff saved; give a mesh, or save a " + what + " again");
+    take_header(header);
+    if (header.version != version)
+      fail("header", "version " + std::to_string(header.version) + " is not known to this standoff, which knows " +
+                         std::to_string(version));
+  }
   template <class Header>
   void take_header(Header& header) {
     file_.require(0, sizeof header, "a header");

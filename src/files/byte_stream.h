@@ -22,4 +22,19 @@ class ByteStream {
   virtual void finish() = 0;
 };
 
+/// Bytes that lie in memory.
+class BytesInMemory : public ByteStream {
+ public:
+  explicit BytesInMemory(std::string_view bytes) : left_(bytes) {}
+  std::string_view next(std::uint64_t bytes) override {
+    const std::string_view part = left_.substr(0, bytes);
+    left_.remove_prefix(part.size());
+    return part;
+  }
+  void finish() override {}
+
+ private:
+  std::string_view left_;
+};
+
 }  // namespace standoff

@@ -53,9 +53,10 @@ void fill(Block& block, const CornerBits& corners) {
 
 }  // namespace
 
-Blocks::Blocks(const InsideBits& inside, ProgressMeter& progress)
+Blocks::Blocks(const InsideBits& inside, MemoryShare& memory, ProgressMeter& progress)
     : inside_(&inside), count_{inside.tiles().x + 1, inside.tiles().y + 1, inside.tiles().z + 1} {
   const std::int64_t rows = count_.y * count_.z;
+  memory.take((static_cast<std::size_t>(rows) + 1) * sizeof first_of_row_[0]);
   first_of_row_.resize(static_cast<std::size_t>(rows) + 1);
   tbb::parallel_for(std::int64_t{0}, rows, [&](std::int64_t row) {
     progress.advance();
@@ -64,6 +65,7 @@ Blocks::Blocks(const InsideBits& inside, ProgressMeter& progress)
     first_of_row_[static_cast<std::size_t>(row) + 1] = found;
   });
   for (std::size_t n = 1; n < first_of_row_.size(); ++n) first_of_row_[n] += first_of_row_[n - 1];
+  memory.take(first_of_row_.back() * sizeof(Block));
   blocks_.resize(first_of_row_.back());
   tbb::parallel_for(std::int64_t{0}, rows, [&](std::int64_t row) {
     std::size_t n = first_of_row_[static_cast<std::size_t>(row)];

@@ -12,6 +12,7 @@
 #include <span>
 #include <vector>
 
+#include "core/memory_budget.h"
 #include "surface/inside_bits.h"
 
 namespace standoff {
@@ -67,8 +68,8 @@ struct Block {
 class Blocks {
  public:
   /// Finds all blocks with a cell that the surface passes through, x fastest. `inside` outlives this. Runs on the
-  /// threads of the calling TBB arena. Throws Error{interrupted}.
-  Blocks(const InsideBits& inside, ProgressMeter& progress);
+  /// threads of the calling TBB arena. Throws Error{limit}, Error{interrupted}.
+  Blocks(const InsideBits& inside, MemoryShare& memory, ProgressMeter& progress);
 
   std::span<Block> all() { return blocks_; }
   std::span<const Block> all() const { return blocks_; }

@@ -44,6 +44,13 @@ DualCells::DualCells(Blocks& blocks, const UniformTiles& uniform, double level, 
   if (ambiguous_faces_ > 0) find_doubled_faces(progress);
 }
 
+std::size_t DualCells::memory_bytes() const {
+  std::size_t bytes = is_special_.size() * (sizeof is_special_[0] + sizeof special_[0] + sizeof doubled_[0]);
+  for (const auto& cells : special_) bytes += cells.capacity() * sizeof cells[0];
+  for (const auto& faces : doubled_) bytes += faces.capacity() * sizeof faces[0];
+  return bytes;
+}
+
 const SpecialCell* DualCells::special(const CellOf& cell) const {
   const std::size_t n = blocks_->number_of(*cell.block);
   if ((is_special_[n][static_cast<std::size_t>(cell.z)] >> cell.bit() & 1) == 0) return nullptr;

@@ -46,6 +46,7 @@ class DualCells {
   DualCells(Blocks& blocks, const UniformTiles& uniform, double level, std::uint64_t first_vertex,
             ProgressMeter& progress);
 
+  std::size_t memory_bytes() const;
   /// The number after the last loop's vertex.
   std::uint64_t end() const { return end_; }
   std::int64_t ambiguous_faces() const { return ambiguous_faces_; }

@@ -24,21 +24,23 @@ struct BlockCounts {
 
 class DualContouring {
  public:
-  DualContouring(Blocks& blocks, const EdgePoints& points, const HermiteSource& source, Mesh& mesh,
+  DualContouring(Blocks& blocks, const EdgePoints& points, const HermiteSource& source, MemoryShare& memory, Mesh& mesh,
                  ProgressMeter& progress)
       : blocks_(blocks),
         points_(points),
         tolerance_(source.tolerance),
+        memory_(memory),
         mesh_(mesh),
         progress_(progress),
         uniform_(blocks.field().thickness()),
         hermite_(number_edges()),
         cells_(blocks, uniform_, points.level(), mesh.vertices.size(), progress) {
-    source.fill(blocks, points, hermite_, progress);
+    memory_.take(cells_.memory_bytes());
+    source.fill(blocks, points, hermite_, memory_.budget(), progress);
   }
 
   void run(IsoReport& report) {
-    mesh_.vertices.resize(cells_.end());
+    grow(mesh_, cells_.end(), mesh_.triangles.size(), memory_.budget());
     place_vertices(report);
     count();
     emit();
@@ -54,6 +56,8 @@ class DualContouring {
       edges += block.edge_count;
     }
     expect_countable(edges);
+    constexpr std::size_t kPerBlock = sizeof(std::uint32_t) + sizeof(BlockCounts) + sizeof(std::uint64_t);
+    memory_.take(edges * (sizeof(HermitePoint) + sizeof(Cut)) + blocks_.all().size() * kPerBlock);
     return std::vector<HermitePoint>(edges);
   }
 
@@ -174,8 +178,7 @@ class DualContouring {
       triangles += counts_[n].triangles;
     }
     expect_countable(vertices);
-    mesh_.vertices.resize(vertices);
-    mesh_.triangles.resize(triangles);
+    grow(mesh_, vertices, triangles, memory_.budget());
     each_block([&](std::size_t n, const Block& block, const CornerBits& corners, const Neighbourhood&) {
       const auto beside = blocks_.beside(block, 1);
       std::uint32_t next_vertex = first_face_[n];
@@ -222,6 +225,7 @@ class DualContouring {
   Blocks& blocks_;
   const EdgePoints& points_;
   double tolerance_;
+  MemoryShare& memory_;
   Mesh& mesh_;
   ProgressMeter& progress_;
   UniformTiles uniform_;
@@ -234,9 +238,9 @@ class DualContouring {
 
 }  // namespace
 
-void contour_dually(Blocks& blocks, const EdgePoints& points, const HermiteSource& source, Mesh& mesh,
-                    IsoReport& report, ProgressMeter& progress) {
-  DualContouring(blocks, points, source, mesh, progress).run(report);
+void contour_dually(Blocks& blocks, const EdgePoints& points, const HermiteSource& source, MemoryShare& memory,
+                    Mesh& mesh, IsoReport& report, ProgressMeter& progress) {
+  DualContouring(blocks, points, source, memory, mesh, progress).run(report);
 }
 
 }  // namespace standoff

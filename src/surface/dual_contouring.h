@@ -15,12 +15,12 @@ namespace standoff {
 
 /// How positions and normals are found, and how far they are to be trusted.
 struct HermiteSource {
-  std::function<void(const Blocks&, const EdgePoints&, std::span<HermitePoint>, ProgressMeter&)> fill;
+  std::function<void(const Blocks&, const EdgePoints&, std::span<HermitePoint>, MemoryBudget&, ProgressMeter&)> fill;
   double tolerance;  ///< PlaneFit::minimum
 };
 
 /// Adds to the mesh and to the report, as march_cubes() does.
-void contour_dually(Blocks& blocks, const EdgePoints& points, const HermiteSource& source, Mesh& mesh,
-                    IsoReport& report, ProgressMeter& progress);
+void contour_dually(Blocks& blocks, const EdgePoints& points, const HermiteSource& source, MemoryShare& memory,
+                    Mesh& mesh, IsoReport& report, ProgressMeter& progress);
 
 }  // namespace standoff

@@ -29,19 +29,21 @@ void expect_within(const DistanceField& field, double level) {
 }
 
 void add_surface(const DistanceField& field, double level, const IsoOptions& options, const HermiteSource& source,
-                 double from, double to, IsoResult& result, ProgressMeter& progress) {
+                 double from, double to, MemoryBudget& budget, IsoResult& result, ProgressMeter& progress) {
+  MemoryShare memory(budget);
   const EdgePoints points(field.grid(), level, options.coordinates);
   const Size3 tiles = field.tile_count();
   const double middle = from + 0.4 * (to - from);
   progress.stage("find", 2 * tiles.y * tiles.z, from, middle);
+  memory.take(InsideBits::bytes_for(field));
   const InsideBits inside(field, level, progress);
-  Blocks blocks(inside, progress);
+  Blocks blocks(inside, memory, progress);
   const bool dual = options.method == IsoMethod::dual;
   progress.stage("surface", (dual ? 5 : 2) * std::ssize(blocks.all()), middle, to);
   if (dual)
-    contour_dually(blocks, points, source, result.mesh, result.report, progress);
+    contour_dually(blocks, points, source, memory, result.mesh, result.report, progress);
   else
-    march_cubes(blocks, points, result.mesh, result.report, progress);
+    march_cubes(blocks, points, memory, result.mesh, result.report, progress);
   result.report.floats = points.are_floats();
   result.report.clearance = points.clearance();
 }
@@ -60,6 +62,8 @@ std::int64_t count_components(const Mesh& mesh) {
 }  // namespace
 
 void validate(const IsoOptions& options, const Grid& grid) {
+  if (options.memory_limit < 0)
+    throw Error(ErrorCode::usage, "isosurface: the memory limit is negative; give bytes, or zero for none");
   if (!std::isfinite(options.at))
     throw Error(ErrorCode::usage, "isosurface: the value on the surface is not finite; give a distance");
   if (!(options.wall >= 0) || !std::isfinite(options.wall))
@@ -76,20 +80,24 @@ void validate(const IsoOptions& options, const Grid& grid) {
     throw Error(ErrorCode::usage, "isosurface: there are no such coordinates; take automatic, single or full");
 }
 
-HermiteSource field_source() { return {hermite_of_field, kFieldTolerance}; }
+HermiteSource field_source() {
+  return {[](const Blocks& blocks, const EdgePoints& points, std::span<HermitePoint> data, MemoryBudget&,
+             ProgressMeter& progress) { hermite_of_field(blocks, points, data, progress); },
+          kFieldTolerance};
+}
 
 void extract(const DistanceField& field, const IsoOptions& options,
-             const std::function<HermiteSource(double level)>& source_of, double from, IsoResult& result,
-             ProgressMeter& progress) {
+             const std::function<HermiteSource(double level)>& source_of, double from, MemoryBudget& budget,
+             IsoResult& result, ProgressMeter& progress) {
   const double inner = options.at - options.wall;
   expect_within(field, options.at);
   if (options.wall > 0) expect_within(field, inner);
   const double middle = options.wall > 0 ? (1 + from) / 2 : 1;
-  add_surface(field, options.at, options, source_of(options.at), from, middle, result, progress);
+  add_surface(field, options.at, options, source_of(options.at), from, middle, budget, result, progress);
   if (options.wall > 0) {
     const std::size_t outer = result.mesh.triangles.size();
     const std::int64_t capped = result.report.capped;
-    add_surface(field, inner, options, source_of(inner), middle, 1, result, progress);
+    add_surface(field, inner, options, source_of(inner), middle, 1, budget, result, progress);
     if (result.report.capped > capped)
       throw Error(
           ErrorCode::usage,

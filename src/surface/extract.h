@@ -15,8 +15,8 @@ void validate(const IsoOptions& options, const Grid& grid);
 /// source of normals for each level. The steps are reported between `from` and 1 of the whole. Runs on the threads of
 /// the calling TBB arena.
 void extract(const DistanceField& field, const IsoOptions& options,
-             const std::function<HermiteSource(double level)>& source_of, double from, IsoResult& result,
-             ProgressMeter& progress);
+             const std::function<HermiteSource(double level)>& source_of, double from, MemoryBudget& budget,
+             IsoResult& result, ProgressMeter& progress);
 
 /// The source for a field of which nothing else is known.
 HermiteSource field_source();

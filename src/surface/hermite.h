@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "core/memory_budget.h"
 #include "core/progress.h"
 #include "standoff/mesh.h"
 #include "standoff/points.h"
@@ -34,10 +35,13 @@ void hermite_of_field(const Blocks& blocks, const EdgePoints& points, std::span<
 /// The closest points of a mesh, without a sign.
 using ClosestFunction = std::function<std::vector<ClosestPoint>(std::span<const Vec3>)>;
 
+/// Points that are asked about together, and about what a question and its answer take besides.
+inline constexpr std::size_t kAskedAtOnce = std::size_t{1} << 17, kBytesPerAsked = 256;
+
 /// Of the surface of a mesh: the crossing with a triangle, exactly, and its normal. Where none is crossed, as in a hole
 /// that the sign closes, the field's data stay.
 void hermite_of_mesh(const Blocks& blocks, const EdgePoints& points, MeshView mesh, const ClosestFunction& closest,
-                     std::span<HermitePoint> data, ProgressMeter& progress);
+                     std::span<HermitePoint> data, MemoryBudget& budget, ProgressMeter& progress);
 
 /// A surface at a distance from a mesh.
 struct MeshOffset {
@@ -48,6 +52,6 @@ struct MeshOffset {
 /// Of that surface: where the exact distance is the offset's, and the direction to or from the closest point. Where no
 /// such point is found on the edge the field's data stay.
 void hermite_of_offset(const Blocks& blocks, const EdgePoints& points, const MeshOffset& offset,
-                       std::span<HermitePoint> data, ProgressMeter& progress);
+                       std::span<HermitePoint> data, MemoryBudget& budget, ProgressMeter& progress);
 
 }  // namespace standoff

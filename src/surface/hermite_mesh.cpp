@@ -10,8 +10,7 @@
 #include <limits>
 #include <vector>
 
-#include "sign/rows/ray_crossing.h"
-#include "sign/rows/sample_axis.h"
+#include "sign/flood/lattice_crossings.h"
 #include "surface/cells.h"
 #include "surface/each_block.h"
 #include "surface/hermite.h"
@@ -20,11 +19,6 @@ namespace standoff {
 namespace {
 
 using Corners = std::array<Vec3, 3>;
-
-// Coordinates turned in a circle, so that the first one is that of the axis (ray_crossing.h).
-Vec3 turned(Vec3 v, int axis) { return axis == 0 ? v : axis == 1 ? Vec3{v.y, v.z, v.x} : Vec3{v.z, v.x, v.y}; }
-// The turned axis that is y, along which samples are displaced most.
-constexpr int most_displaced(int axis) { return axis == 0 ? 1 : axis == 1 ? 0 : 2; }
 
 // The triangle that an edge takes is the one with the least key: of those that face as the sign changes, if there are
 // any, the one nearest to where the interpolation crosses the edge; then the one of lowest index.
@@ -43,11 +37,29 @@ Key key_of(bool faces_otherwise, double distance, std::size_t triangle) {
 class Crossings {
  public:
   Crossings(const Blocks& blocks, MeshView mesh, std::span<const HermitePoint> guesses)
-      : blocks_(blocks), grid_(blocks.field().grid()), mesh_(mesh), guesses_(guesses), keys_(guesses.size(), kNone) {}
+      : blocks_(blocks),
+        spacing_(blocks.field().grid().spacing),
+        axes_(axes_of(blocks.field().grid())),
+        mesh_(mesh),
+        guesses_(guesses),
+        keys_(guesses.size(), kNone) {}
 
   void find(std::size_t triangle) {
-    const Corners corners = mesh_.corners(triangle);
-    for (int axis = 0; axis < 3; ++axis) find_along(axis, corners, triangle);
+    for_each_edge_hit(mesh_.corners(triangle), axes_, [&](std::size_t axis, auto sample, const EdgeHit& hit) {
+      const double t = (hit.at - axes_[axis].at(sample[axis])) / part(spacing_, axis);
+      for (std::int64_t& n : sample) n -= kMargin;
+      offer(axis, sample, t, hit.crossing, triangle);
+      // At a sample: the value there may be 0, which is outside, whatever the exact side of the sample.
+      const std::int64_t at = sample[axis];
+      if (t < kAtSample) {
+        sample[axis] = at - 1;
+        offer(axis, sample, 1, hit.crossing, triangle);
+      }
+      if (t > 1 - kAtSample) {
+        sample[axis] = at + 1;
+        offer(axis, sample, 0, hit.crossing, triangle);
+      }
+    });
   }
   /// The triangle of a crossed edge, or kNoTriangle.
   std::uint32_t triangle(std::uint32_t edge) const {
@@ -55,51 +67,25 @@ class Crossings {
   }
 
  private:
-  static constexpr double part(Vec3 v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
-  SampleAxis samples(int axis) const {
-    const Size3& n = grid_.size;
-    return {part(grid_.origin, axis), part(grid_.spacing, axis), axis == 0 ? n.x : axis == 1 ? n.y : n.z};
+  static constexpr double part(Vec3 v, std::size_t axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
+
+  // Edges lead from the grid's outermost samples to ones beside the grid, which are all outside (blocks.h); a triangle
+  // at one of those may be beyond it.
+  static constexpr std::int64_t kMargin = 2;
+  static std::array<LatticeAxis, 3> axes_of(const Grid& grid) {
+    const LatticeAxis::Margin margin{kMargin, kMargin};
+    return {LatticeAxis(grid.origin.x, grid.spacing.x, grid.size.x, margin),
+            LatticeAxis(grid.origin.y, grid.spacing.y, grid.size.y, margin),
+            LatticeAxis(grid.origin.z, grid.spacing.z, grid.size.z, margin)};
   }
 
-  void find_along(int axis, const Corners& corners, std::size_t triangle) {
-    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-    const SampleAxis along = samples(axis), rows = samples(u), layers = samples(v);
-    Box box;
-    for (const Vec3 corner : corners) box.include(corner);
-    // One sample more on each side: rows are displaced by less than any number.
-    const auto first = [](const SampleAxis& s, double low) { return std::max<std::int64_t>(0, s.first_from(low) - 1); };
-    const std::int64_t begin_u = first(rows, part(box.min, u)), end_u = rows.first_from(part(box.max, u)) + 1;
-    const std::int64_t begin_v = first(layers, part(box.min, v)), end_v = layers.first_from(part(box.max, v)) + 1;
-    const RayTriangle ray({turned(corners[0], axis), turned(corners[1], axis), turned(corners[2], axis)},
-                          most_displaced(axis));
-    for (std::int64_t k = begin_v; k < std::min(end_v, layers.size()); ++k)
-      for (std::int64_t j = begin_u; j < std::min(end_u, rows.size()); ++j) {
-        const double y = rows.at(j), z = layers.at(k);
-        const int crossing = ray.crossing(y, z);
-        if (crossing == 0) continue;
-        const double x = ray.crossing_x(y, z);
-        const std::int64_t past = along.first(x, [&](std::int64_t n) {
-          return ray.is_past({along.at(n), y, z}, crossing);
-        });
-        const double t = along.to_samples(x) - static_cast<double>(past - 1);
-        offer(axis, j, k, past - 1, t, crossing, triangle);
-        // At a sample: the value there may be 0, which is outside, whatever the exact side of the sample.
-        if (t < kAtSample) offer(axis, j, k, past - 2, 1, crossing, triangle);
-        if (t > 1 - kAtSample) offer(axis, j, k, past, 0, crossing, triangle);
-      }
-  }
-
-  // Offers a triangle to the edge from sample i of row (j, k) along an axis to the next one.
-  void offer(int axis, std::int64_t j, std::int64_t k, std::int64_t i, double t, int crossing, std::size_t triangle) {
-    std::array<std::int64_t, 3> at{};
-    at[static_cast<std::size_t>(axis)] = i;
-    at[static_cast<std::size_t>((axis + 1) % 3)] = j;
-    at[static_cast<std::size_t>((axis + 2) % 3)] = k;
+  // Offers a triangle to the edge from a sample along an axis to the next one.
+  void offer(std::size_t axis, const std::array<std::int64_t, 3>& at, double t, int crossing, std::size_t triangle) {
     const Block* const block = blocks_.find(at[0] >> 3, at[1] >> 3, at[2] >> 3);
     if (!block) return;
     const int x = static_cast<int>(at[0] & 7), y = static_cast<int>(at[1] & 7), z = static_cast<int>(at[2] & 7);
-    if ((block->edges[static_cast<std::size_t>(axis)][static_cast<std::size_t>(z)] >> (x + 8 * y) & 1) == 0) return;
-    const std::uint32_t edge = block->vertex(axis, x, y, z);
+    if ((block->edges[axis][static_cast<std::size_t>(z)] >> (x + 8 * y) & 1) == 0) return;
+    const std::uint32_t edge = block->vertex(static_cast<int>(axis), x, y, z);
     const bool leaves = part(guesses_[edge].normal(), axis) > 0;
     const Key key = key_of((crossing > 0) != leaves, std::isfinite(t) ? std::abs(t - guesses_[edge].t) : 1, triangle);
     const std::atomic_ref<Key> best(keys_[edge]);
@@ -109,7 +95,8 @@ class Crossings {
   }
 
   const Blocks& blocks_;
-  Grid grid_;
+  Vec3 spacing_;
+  std::array<LatticeAxis, 3> axes_;
   MeshView mesh_;
   std::span<const HermitePoint> guesses_;
   std::vector<Key> keys_;  // by edge
@@ -176,8 +163,10 @@ void find_nearly(MeshView mesh, const ClosestFunction& closest, const Vec3& spac
 }  // namespace
 
 void hermite_of_mesh(const Blocks& blocks, const EdgePoints& points, MeshView mesh, const ClosestFunction& closest,
-                     std::span<HermitePoint> data, ProgressMeter& progress) {
+                     std::span<HermitePoint> data, MemoryBudget& budget, ProgressMeter& progress) {
   hermite_of_field(blocks, points, data, progress);
+  MemoryShare memory(budget);
+  memory.take(data.size() * sizeof(Key));
   Crossings crossings(blocks, mesh, data);
   constexpr std::size_t kAtOnce = 256;
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.triangles.size(), kAtOnce), [&](const auto& range) {
@@ -198,7 +187,15 @@ void hermite_of_mesh(const Blocks& blocks, const EdgePoints& points, MeshView me
       ++edge;
     });
   });
+  const std::size_t at_once = std::min(data.size(), kAskedAtOnce);
+  memory.take(at_once * (sizeof(Grazed) + kBytesPerAsked));
   std::vector<Grazed> grazed;
+  grazed.reserve(at_once);
+  const auto flush = [&] {
+    progress.check();
+    if (!grazed.empty()) find_nearly(mesh, closest, grid.spacing, grazed, data);
+    grazed.clear();
+  };
   const Box box = grid.bounds().grown(0.5 * max_norm(grid.spacing));
   for (const Block& block : blocks.all()) {
     std::uint32_t edge = block.first_vertex;
@@ -206,10 +203,11 @@ void hermite_of_mesh(const Blocks& blocks, const EdgePoints& points, MeshView me
       const Vec3 lower = lower_end(block, x, y, z), upper = lower + along(axis, grid.spacing);
       const bool within = max(lower, box.min) == lower && min(upper, box.max) == upper;
       if (crossings.triangle(edge) == kNoTriangle && within) grazed.push_back({edge, axis, lower});
+      if (grazed.size() == at_once) flush();
       ++edge;
     });
   }
-  if (!grazed.empty()) find_nearly(mesh, closest, grid.spacing, grazed, data);
+  flush();
 }
 
 }  // namespace standoff

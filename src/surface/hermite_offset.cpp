@@ -23,39 +23,16 @@ struct Search {
 constexpr int kMostRounds = 30;       // three are enough for most
 constexpr double kNearEnough = 1e-7;  // spacings: what a float of t can tell
 
-std::vector<Search> all_edges(const Blocks& blocks, std::span<const HermitePoint> data) {
-  const Grid& grid = blocks.field().grid();
-  std::vector<Search> searches;
-  for (const Block& block : blocks.all()) {
-    std::uint32_t edge = block.first_vertex;
-    for_each_edge(block, [&](int axis, int x, int y, int z) {
-      const std::int64_t i = 8 * std::int64_t{block.at[0]} + x, j = 8 * std::int64_t{block.at[1]} + y,
-                         k = 8 * std::int64_t{block.at[2]} + z;
-      const std::uint32_t n = edge++;
-      const Size3& size = grid.size;
-      if (i < 0 || j < 0 || k < 0 || i + (axis == 0) >= size.x || j + (axis == 1) >= size.y ||
-          k + (axis == 2) >= size.z)
-        return;
-      const Vec3 step{axis == 0 ? grid.spacing.x : 0, axis == 1 ? grid.spacing.y : 0, axis == 2 ? grid.spacing.z : 0};
-      searches.push_back({n, grid.position(i, j, k), step, data[n].t});
-    });
-  }
-  return searches;
-}
-
-}  // namespace
-
-void hermite_of_offset(const Blocks& blocks, const EdgePoints& points, const MeshOffset& offset,
-                       std::span<HermitePoint> data, ProgressMeter& progress) {
-  hermite_of_field(blocks, points, data, progress);
-  std::vector<Search> searches = all_edges(blocks, data);
+// Finds as many as there are room for; `searches` is empty after it.
+void find_points(std::vector<Search>& searches, const MeshOffset& offset, std::span<HermitePoint> data,
+                 ProgressMeter& progress) {
   std::vector<Vec3> asked;
   for (int round = 0; round < kMostRounds && !searches.empty(); ++round) {
     progress.check();
     asked.clear();
     for (const Search& search : searches) asked.push_back(search.lower + search.step * search.t);
     const std::vector<ClosestPoint> found = offset.closest(asked);
-    std::vector<Search> left;
+    std::size_t left = 0;
     for (std::size_t n = 0; n < searches.size(); ++n) {
       Search search = searches[n];
       const ClosestPoint& nearest = found[n];
@@ -80,11 +57,40 @@ void hermite_of_offset(const Blocks& blocks, const EdgePoints& points, const Mes
       if (!(next > search.low && next < search.high)) next = (search.low + search.high) / 2;
       if (next == search.t) continue;
       search.t = next;
-      left.push_back(search);
+      searches[left++] = search;
     }
-    searches = std::move(left);
+    searches.resize(left);
   }
-  // Where no point was found the interpolation stays.
+  searches.clear();  // where no point was found the interpolation stays
+}
+
+}  // namespace
+
+void hermite_of_offset(const Blocks& blocks, const EdgePoints& points, const MeshOffset& offset,
+                       std::span<HermitePoint> data, MemoryBudget& budget, ProgressMeter& progress) {
+  hermite_of_field(blocks, points, data, progress);
+  MemoryShare memory(budget);
+  const std::size_t at_once = std::min(data.size(), kAskedAtOnce);
+  memory.take(at_once * (sizeof(Search) + kBytesPerAsked));
+  std::vector<Search> searches;
+  searches.reserve(at_once);
+  const Grid& grid = blocks.field().grid();
+  const Size3& size = grid.size;
+  for (const Block& block : blocks.all()) {
+    std::uint32_t edge = block.first_vertex;
+    for_each_edge(block, [&](int axis, int x, int y, int z) {
+      const std::int64_t i = 8 * std::int64_t{block.at[0]} + x, j = 8 * std::int64_t{block.at[1]} + y,
+                         k = 8 * std::int64_t{block.at[2]} + z;
+      const std::uint32_t n = edge++;
+      if (i < 0 || j < 0 || k < 0 || i + (axis == 0) >= size.x || j + (axis == 1) >= size.y ||
+          k + (axis == 2) >= size.z)
+        return;
+      const Vec3 step{axis == 0 ? grid.spacing.x : 0, axis == 1 ? grid.spacing.y : 0, axis == 2 ? grid.spacing.z : 0};
+      searches.push_back({n, grid.position(i, j, k), step, data[n].t});
+      if (searches.size() == at_once) find_points(searches, offset, data, progress);
+    });
+  }
+  find_points(searches, offset, data, progress);
 }
 
 }  // namespace standoff

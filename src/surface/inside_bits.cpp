@@ -68,6 +68,12 @@ TileBits bits_of(DistanceField::TileValues values, float limit, bool& has_nan) {
 
 }  // namespace
 
+std::size_t InsideBits::bytes_for(const DistanceField& field) {
+  const Size3 tiles = field.tile_count();
+  return sizeof(TileBits) * static_cast<std::size_t>(field.stored_tiles()) +
+         static_cast<std::size_t>(tiles.count() + tiles.x);
+}
+
 InsideBits::InsideBits(const DistanceField& field, double level, ProgressMeter& progress)
     : field_(&field),
       tiles_(field.tile_count()),

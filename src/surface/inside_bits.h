@@ -21,6 +21,9 @@ class InsideBits {
   /// is not a number, and Error{interrupted}. The field outlives this.
   InsideBits(const DistanceField& field, double level, ProgressMeter& progress);
 
+  /// The bytes that it takes.
+  static std::size_t bytes_for(const DistanceField& field);
+
   const DistanceField& field() const { return *field_; }
   const Size3& tiles() const { return tiles_; }
 

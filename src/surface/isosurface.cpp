@@ -34,6 +34,7 @@ ComputeResult field_of(MeshView mesh, const Grid& grid, const SignOptions& sign,
   wanted.sign = sign;
   wanted.execution = options.execution;
   wanted.hash_mesh = false;
+  wanted.memory_limit = options.memory_limit;
   std::exception_ptr thrown;  // by the caller's callback: it passes unchanged
   if (options.progress)
     wanted.progress = [&](const Progress& progress) {
@@ -53,28 +54,35 @@ ComputeResult field_of(MeshView mesh, const Grid& grid, const SignOptions& sign,
   }
 }
 
-// Where dual contouring looks for the surface at a level.
-HermiteSource mesh_source(MeshView mesh, const SignOptions& sign, const IsoOptions& options, double level) {
-  const bool is_shell = sign.method == SignMethod::shell;
-  MeshOffset offset;
-  offset.distance = is_shell ? level + sign.shell / 2 : std::abs(level);
-  offset.inside = !is_shell && level < 0;
-  // Made when it is first asked: dual contouring alone does.
+// Closest points of the mesh. What finds them is made when it is first asked for: dual contouring alone does.
+ClosestFunction closest_in(MeshView mesh, const IsoOptions& options, MemoryBudget& budget) {
   const auto query = std::make_shared<std::optional<MeshQuery>>();
-  offset.closest = [mesh, query,
-                    execution = Execution{.threads = options.execution.threads}](std::span<const Vec3> points) {
-    if (!*query) query->emplace(mesh, MeshQueryOptions{.execution = execution});
+  return [mesh, query, &budget,
+          execution = Execution{.threads = options.execution.threads}](std::span<const Vec3> points) {
+    if (!*query) {
+      query->emplace(mesh, MeshQueryOptions{.execution = execution});
+      budget.take(static_cast<std::size_t>((*query)->memory_bytes()));
+    }
     std::vector<ClosestPoint> found(points.size());
     (*query)->closest(points, found, execution);
     return found;
   };
+}
+
+// Where dual contouring looks for the surface at a level.
+HermiteSource mesh_source(MeshView mesh, const SignOptions& sign, const ClosestFunction& closest, double level) {
+  const bool is_shell = sign.method == SignMethod::shell;
+  MeshOffset offset;
+  offset.closest = closest;
+  offset.distance = is_shell ? level + sign.shell / 2 : std::abs(level);
+  offset.inside = !is_shell && level < 0;
   if (offset.distance > 0)
-    return {[offset](const Blocks& blocks, const EdgePoints& points, std::span<HermitePoint> data,
-                     ProgressMeter& progress) { hermite_of_offset(blocks, points, offset, data, progress); },
+    return {[offset](const Blocks& blocks, const EdgePoints& points, std::span<HermitePoint> data, MemoryBudget& memory,
+                     ProgressMeter& progress) { hermite_of_offset(blocks, points, offset, data, memory, progress); },
             kMeshTolerance};
-  return {[mesh, closest = offset.closest](const Blocks& blocks, const EdgePoints& points, std::span<HermitePoint> data,
-                                           ProgressMeter& progress) {
-            hermite_of_mesh(blocks, points, mesh, closest, data, progress);
+  return {[mesh, closest](const Blocks& blocks, const EdgePoints& points, std::span<HermitePoint> data,
+                          MemoryBudget& memory, ProgressMeter& progress) {
+            hermite_of_mesh(blocks, points, mesh, closest, data, memory, progress);
           },
           kMeshTolerance};
 }
@@ -87,8 +95,9 @@ IsoResult isosurface(const DistanceField& field, const IsoOptions& options) try 
   IsoResult result;
   Threads(options.execution.threads).run([&] {
     ProgressMeter progress(options.progress);
+    MemoryBudget budget("isosurface", options.memory_limit, kWhatToDo);
     extract(
-        field, options, [](double) { return field_source(); }, 0, result, progress);
+        field, options, [](double) { return field_source(); }, 0, budget, result, progress);
     finish(options, result);
   });
   return result;
@@ -110,9 +119,12 @@ IsoResult isosurface(MeshView mesh, const Grid& grid, const SignOptions& sign, c
   }
   Threads(options.execution.threads).run([&] {
     ProgressMeter progress(options.progress);
+    MemoryBudget budget("isosurface", options.memory_limit, kWhatToDo);
+    budget.take(static_cast<std::size_t>(computed.field.memory_bytes()));
+    const ClosestFunction closest = closest_in(mesh, options, budget);
     extract(
-        computed.field, options, [&](double level) { return mesh_source(mesh, sign, options, level); }, kFieldShare,
-        result, progress);
+        computed.field, options, [&](double level) { return mesh_source(mesh, sign, closest, level); }, kFieldShare,
+        budget, result, progress);
     finish(options, result);
   });
   return result;

@@ -59,9 +59,11 @@ Vec3 centre_point(const EdgePoints& points, const Neighbourhood& values, CellAt 
 
 }  // namespace
 
-void march_cubes(Blocks& blocks, const EdgePoints& points, Mesh& mesh, IsoReport& report, ProgressMeter& progress) {
+void march_cubes(Blocks& blocks, const EdgePoints& points, MemoryShare& memory, Mesh& mesh, IsoReport& report,
+                 ProgressMeter& progress) {
   const UniformTiles uniform(blocks.field().thickness());
   const auto thickness = static_cast<float>(blocks.field().thickness());
+  memory.take(blocks.all().size() * (sizeof(BlockCounts) + sizeof(std::uint64_t)));
   std::vector<BlockCounts> counts(blocks.all().size());
   PerThread<SurfaceCounts> counted;
   for_each_block(blocks, uniform, progress,
@@ -89,8 +91,7 @@ void march_cubes(Blocks& blocks, const EdgePoints& points, Mesh& mesh, IsoReport
     triangles += counts[n].triangles;
   }
   expect_countable(vertices);
-  mesh.vertices.resize(vertices);
-  mesh.triangles.resize(triangles);
+  grow(mesh, vertices, triangles, memory.budget());
 
   for_each_block(
       blocks, uniform, progress,

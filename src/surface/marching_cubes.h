@@ -10,7 +10,9 @@
 namespace standoff {
 
 /// Adds to the mesh's vertices and triangles, and to the report's ambiguous faces, clamped and capped edges. Numbers
-/// the vertices of the blocks. Runs on the threads of the calling TBB arena. Throws Error{limit}, Error{interrupted}.
-void march_cubes(Blocks& blocks, const EdgePoints& points, Mesh& mesh, IsoReport& report, ProgressMeter& progress);
+/// the vertices of the blocks. `memory` is for scratch, its budget for the mesh. Runs on the threads of the calling TBB
+/// arena. Throws Error{limit}, Error{interrupted}.
+void march_cubes(Blocks& blocks, const EdgePoints& points, MemoryShare& memory, Mesh& mesh, IsoReport& report,
+                 ProgressMeter& progress);
 
 }  // namespace standoff

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <string>
 
+#include "core/memory_budget.h"
 #include "standoff/error.h"
 #include "standoff/surface.h"
 
@@ -34,6 +35,20 @@ inline void expect_countable(std::uint64_t vertices) {
   if (vertices > kMost)
     throw Error(ErrorCode::limit, "isosurface: " + std::to_string(vertices) +
                                       " vertices are more than 32-bit indices can number; take fewer samples");
+}
+
+/// Makes room for so many vertices and triangles in all. Throws Error{limit}.
+inline void grow(Mesh& mesh, std::uint64_t vertices, std::uint64_t triangles, MemoryBudget& budget) {
+  const auto grow_to = [&](auto& all, std::uint64_t count) {
+    if (count <= all.capacity()) return all.resize(count);
+    const std::size_t before = all.capacity() * sizeof all[0];
+    budget.take(count * sizeof all[0]);
+    all.reserve(count);
+    budget.give_back(before);
+    all.resize(count);
+  };
+  grow_to(mesh.vertices, vertices);
+  grow_to(mesh.triangles, triangles);
 }
 
 }  // namespace standoff

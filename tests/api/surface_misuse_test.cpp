@@ -38,6 +38,7 @@ TEST(Misuse, OptionsOfSurfaces) {
   const DistanceField field = some_field();
   expect_usage("method", [&] { isosurface(field, {.at = 1, .method = none_of<IsoMethod>()}); });
   expect_usage("coordinates", [&] { isosurface(field, {.at = 1, .coordinates = none_of<Coordinates>()}); });
+  expect_usage("memory", [&] { isosurface(field, {.at = 1, .memory_limit = -1}); });
   expect_usage("sign", [&] { isosurface(one_triangle(), kGrid, {none_of<SignMethod>()}); });
   expect_usage("backend", [&] { isosurface(field, {.at = 1, .execution = {.backend = Backend::cuda}}); });
   for (const int threads : kThreads)

@@ -64,8 +64,19 @@ TEST_F(Iso, OfAField) {
   const Ran far = run(words("iso box.vti --at 10s -f -o box.ply"));
   EXPECT_EQ(far.code, 2);
   EXPECT_TRUE(far.says("compute the field with a larger thickness")) << far.err;
-  EXPECT_EQ(run(words("iso box.vti --sign winding -f -o box.ply")).code, 2);
+  // The mesh's options are none of a field's, also where they say what goes without saying.
+  for (const std::string option : {"--sign winding", "--sign auto", "--rule positive", "--outer", "--strict"})
+    EXPECT_EQ(run(words("iso box.vti -f -o box.ply " + option)).code, 2) << option;
   EXPECT_EQ(run(words("iso box.vti -r 30 -f -o box.ply")).code, 2);
+}
+
+TEST_F(Iso, MemoryLimit) {
+  done(words("compute scene:box -r 40 -t 6s --sign winding -o box.vti"));
+  for (const std::string input : {"box.vti", "scene:box -r 100", "scene:box -r 100 --method dual --at 1s"}) {
+    const Ran ran = run(words("iso " + input + " --memory-limit 100k -o a.ply"));
+    EXPECT_EQ(ran.code, 5) << input << ran.err;
+    EXPECT_EQ(run(words("iso " + input + " --memory-limit 1G -f -o b.ply")).code, 0) << input;
+  }
 }
 
 TEST_F(Iso, SaysWhyThereIsNoSurface) {

@@ -23,6 +23,8 @@ struct Truth {
   /// not known. Empty: they are exact, and in the file's order.
   std::vector<double> slack;
 
+  std::vector<Vec3> points;  ///< of a file of points
+
   Grid grid;  ///< of a field
   double thickness = 0;
   std::vector<float> values;
@@ -38,7 +40,7 @@ struct File {
   bool may_be_refused = false;
 };
 
-enum class Kind { mesh, field, body };
+enum class Kind { mesh, field, body, points };
 
 /// A row for each format.
 struct Grammar {
@@ -64,14 +66,17 @@ File make_npz(Choices&);
 File make_vdb(Choices&);
 File make_nvdb(Choices&);
 File make_body(Choices&);
+File make_csv_points(Choices&);
+File make_npy_points(Choices&);
 
 inline constexpr Grammar kGrammars[] = {
-    {"gltf", Kind::mesh, make_gltf},  {"glb", Kind::mesh, make_glb},   {"dae", Kind::mesh, make_dae},
-    {"ply", Kind::mesh, make_ply},    {"obj", Kind::mesh, make_obj},   {"obj.gz", Kind::mesh, make_obj_gz},
-    {"off", Kind::mesh, make_off},    {"stl", Kind::mesh, make_stl},   {"mesh", Kind::mesh, make_medit},
-    {"3ds", Kind::mesh, make_3ds},    {"3mf", Kind::mesh, make_3mf},   {"vti", Kind::field, make_vti},
-    {"nrrd", Kind::field, make_nrrd}, {"npz", Kind::field, make_npz},  {"vdb", Kind::field, make_vdb},
-    {"nvdb", Kind::field, make_nvdb}, {"body", Kind::body, make_body},
+    {"gltf", Kind::mesh, make_gltf},        {"glb", Kind::mesh, make_glb},   {"dae", Kind::mesh, make_dae},
+    {"ply", Kind::mesh, make_ply},          {"obj", Kind::mesh, make_obj},   {"obj.gz", Kind::mesh, make_obj_gz},
+    {"off", Kind::mesh, make_off},          {"stl", Kind::mesh, make_stl},   {"mesh", Kind::mesh, make_medit},
+    {"3ds", Kind::mesh, make_3ds},          {"3mf", Kind::mesh, make_3mf},   {"vti", Kind::field, make_vti},
+    {"nrrd", Kind::field, make_nrrd},       {"npz", Kind::field, make_npz},  {"vdb", Kind::field, make_vdb},
+    {"nvdb", Kind::field, make_nvdb},       {"body", Kind::body, make_body}, {"csv", Kind::points, make_csv_points},
+    {"npy", Kind::points, make_npy_points},
 };
 
 /// Names that files refer to which must not be opened. Who runs a grammar makes them beside its files: a pipe that

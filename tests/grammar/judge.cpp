@@ -2,12 +2,15 @@
 #include "tests/grammar/judge.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <numeric>
 #include <string_view>
+#include <vector>
 
+#include "io/points/point_reader.h"
 #include "standoff/collision.h"
 #include "standoff/error.h"
 #include "standoff/io.h"
@@ -123,6 +126,27 @@ std::string ask(const CollisionModel& body) {
   return "";
 }
 
+std::vector<Vec3> read_points(const std::filesystem::path& path) {
+  const auto reader = open_points(path.string(), InvalidPoints::reject);
+  std::vector<Vec3> all;
+  std::array<Vec3, 100> some;
+  for (std::size_t got = some.size(); got == some.size();) {
+    got = reader->read(some);
+    all.insert(all.end(), some.begin(), some.begin() + static_cast<std::ptrdiff_t>(got));
+  }
+  return all;
+}
+
+std::string check(const std::vector<Vec3>& points) {
+  for (const Vec3& p : points)
+    if (!(max_norm(p) <= kMaxCoordinate)) return "a point that is not finite, or too far out";
+  return "";
+}
+
+std::string compare(const std::vector<Vec3>& points, const Truth& truth) {
+  return points == truth.points ? "" : "other points";
+}
+
 template <class Read>
 void judge_read(const Read& read, const Truth& truth, bool good, Verdict& verdict) {
   verdict.read = true;
@@ -140,6 +164,9 @@ void read_and_judge(const Grammar& grammar, const File& file, bool good, const s
       break;
     case Kind::field:
       judge_read(read_field(path, {.memory_limit = std::int64_t{64} << 20}), file.truth, good, verdict);
+      break;
+    case Kind::points:
+      judge_read(read_points(path), file.truth, good, verdict);
       break;
     case Kind::body: {
       const CollisionModel body = CollisionModel::load(path);

@@ -4,9 +4,41 @@
 
 #include "tests/grammar/field.h"
 #include "tests/grammar/hostile.h"
+#include "tests/grammar/npy.h"
 #include "tests/grammar/zip.h"
 
 namespace standoff::grammar {
+namespace {
+
+std::string bad_shape(Choices& c) {
+  if (c.one_in(3)) return "(" + std::string(c.many(), '(');
+  std::string text = "(";
+  for (std::uint32_t n = c.below(6); n > 0; --n) text += bad_number(c) + ",";
+  return text + ")";
+}
+
+}  // namespace
+
+// The header is a Python dictionary; entries in any order, either quote, any spaces.
+std::string npy_array(Choices& c, const std::string& type, const std::string& shape, bool fortran, std::string bytes) {
+  const char quote = c.one_in(4) ? '"' : '\'';
+  const auto quoted = [&](const std::string& text) { return quote + word(c, text) + quote; };
+  const std::string entries[] = {quoted("descr") + ": " + quoted(type),
+                                 quoted("fortran_order") + ": " + word(c, fortran ? "True" : "False"),
+                                 quoted("shape") + ":" + (c.trick() ? bad_shape(c) : shape)};
+  const std::uint32_t first = c.below(3);
+  std::string text = "{";
+  for (std::uint32_t n = 0; n < 3; ++n)
+    if (!c.trick()) text += entries[(first + n) % 3] + (n < 2 || c.one_in(2) ? ", " : "");
+  text += "}" + std::string(c.below(64), ' ') + (c.trick() ? "" : "\n");
+  const std::uint32_t version = 1 + c.below(3);
+  std::string header = word(c, "\x93NUMPY") + static_cast<char>(stored(c, static_cast<std::uint8_t>(version))) + '\0';
+  header += version == 1 ? raw(stored(c, static_cast<std::uint16_t>(text.size())))
+                         : raw(stored(c, static_cast<std::uint32_t>(text.size())));
+  if (c.trick()) bytes.resize(c.below(static_cast<std::uint32_t>(bytes.size()) + 1));
+  return header + text + bytes;
+}
+
 namespace {
 
 class Npz {
@@ -46,32 +78,9 @@ class Npz {
   }
 
  private:
-  // The header is a Python dictionary; entries in any order, either quote, any spaces.
   void array(const std::string& name, const std::string& type, const std::string& shape, bool fortran,
              std::string bytes) {
-    const char quote = c_.one_in(4) ? '"' : '\'';
-    const auto quoted = [&](const std::string& text) { return quote + word(c_, text) + quote; };
-    const std::string entries[] = {quoted("descr") + ": " + quoted(type),
-                                   quoted("fortran_order") + ": " + word(c_, fortran ? "True" : "False"),
-                                   quoted("shape") + ":" + (c_.trick() ? bad_shape() : shape)};
-    const std::uint32_t first = c_.below(3);
-    std::string text = "{";
-    for (std::uint32_t n = 0; n < 3; ++n)
-      if (!c_.trick()) text += entries[(first + n) % 3] + (n < 2 || c_.one_in(2) ? ", " : "");
-    text += "}" + std::string(c_.below(64), ' ') + (c_.trick() ? "" : "\n");
-    const std::uint32_t version = 1 + c_.below(3);
-    std::string header =
-        word(c_, "\x93NUMPY") + static_cast<char>(stored(c_, static_cast<std::uint8_t>(version))) + '\0';
-    header += version == 1 ? raw(stored(c_, static_cast<std::uint16_t>(text.size())))
-                           : raw(stored(c_, static_cast<std::uint32_t>(text.size())));
-    if (c_.trick()) bytes.resize(c_.below(static_cast<std::uint32_t>(bytes.size()) + 1));
-    members_.emplace_back(name + ".npy", header + text + bytes);
-  }
-  std::string bad_shape() {
-    if (c_.one_in(3)) return "(" + std::string(c_.many(), '(');
-    std::string text = "(";
-    for (std::uint32_t n = c_.below(6); n > 0; --n) text += bad_number(c_) + ",";
-    return text + ")";
+    members_.emplace_back(name + ".npy", npy_array(c_, type, shape, fortran, std::move(bytes)));
   }
   void vector(const char* name, const Vec3& v) {
     const bool narrow = c_.one_in(6) && Vec3{float(v.x), float(v.y), float(v.z)} == v;

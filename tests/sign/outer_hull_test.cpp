@@ -219,6 +219,37 @@ TEST(OuterHull, ABrim) {
 }
 
 // Three sheets that meet at a line enclose nothing: all of them stay.
+// A hole of four edges that is filled along both of its diagonals, where a triangle beside it passes through: around
+// that edge the surface lies between the two fillings, so that its front and its back seem to be one cell.
+TEST(OuterHull, AHoleThatIsFilledTwice) {
+  Mesh mesh = sphere(16);
+  const double whole = brute_winding(mesh, {0.01, 0.02, 0.03}).value;
+  ASSERT_NEAR(whole, 1, 1e-9);
+  const auto neighbour = [&](std::uint32_t from, std::uint32_t to) {  // the corner beyond an edge
+    for (const Triangle& t : mesh.triangles)
+      for (std::size_t n = 0; n < 3; ++n)
+        if (t[n] == from && t[(n + 1) % 3] == to) return t[(n + 2) % 3];
+    return ~0u;
+  };
+  const std::size_t before = mesh.triangles.size();
+  const Triangle first = mesh.triangles[before / 2 + 32];  // away from the seam, where vertices stand twice
+  const std::uint32_t a = first[0], b = first[1], c = first[2], d = neighbour(a, c), e = neighbour(b, a);
+  ASSERT_TRUE(d != ~0u && e != ~0u && e != c && e != d);
+  // The quadrangle a, b, c, d bulges, and e is within its bulge.
+  auto& v = mesh.vertices;
+  v[c] = v[c] * 1.3, v[a] = v[a] * 1.3;
+  v[e] = (v[a] + v[b]) * 0.3 + (v[c] + v[d]) * 0.2;
+  mesh.triangles.push_back({a, b, d});
+  mesh.triangles.push_back({b, c, d});
+  const Found found = orient_damaged(mesh, 3);
+  EXPECT_EQ(found.orientation.boundary_edges, 0);
+  EXPECT_EQ(found.orientation.walls, 2);
+  EXPECT_EQ(found.used.triangles.size(), before);
+  for (const Vec3& p : {Vec3{0.01, 0.02, 0.03}, Vec3{-0.3, 0.2, 0.1}, Vec3{0.1, -0.4, -0.2}})
+    EXPECT_NEAR(brute_winding(found.used, p).value, 1, 1e-9);
+  EXPECT_NEAR(brute_winding(found.used, {2, 2, 2}).value, 0, 1e-9);
+}
+
 TEST(OuterHull, SheetsHaveNone) {
   Mesh mesh;
   for (int n = 0; n < 3; ++n) {

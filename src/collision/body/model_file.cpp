@@ -34,8 +34,8 @@ static_assert(sizeof(Header) == 72 && sizeof(Vec3) == 24 && sizeof(Triangle) == 
 
 constexpr std::uint64_t bytes_of_bits(std::uint64_t bits) { return bits / 8 + (bits % 8 != 0); }
 
-void check_field(const FileView& file, const FieldBounds& field, const Header& header) {
-  const auto fail = [&](const char* what) { file.fail("field", std::string(what) + "; save the body again"); };
+void check_field(const ArrayFileReader& arrays, const FieldBounds& field, const Header& header) {
+  const auto fail = [&](const char* what) { arrays.fail("field", what); };
   if (header.slots != static_cast<std::uint64_t>(tile_count(field.size)) ||
       header.coarse != static_cast<std::uint64_t>(field.coarse_size.count()))
     fail("its size is not that of the mesh's grid");
@@ -51,14 +51,9 @@ void check_field(const FileView& file, const FieldBounds& field, const Header& h
 
 CollisionModel read_model(const FileView& file, ArrayChecksum checksum) {
   Header header{};
-  if (file.size() < sizeof header + sizeof(std::uint64_t) || !file.bytes().starts_with(kBodyMagic))
-    file.fail("", "this is no body that standoff saved; give a mesh, or save a body again");
   ArrayFileReader arrays(file, "body");
-  arrays.take_header(header);
-  if (header.version != kVersion)
-    file.fail("header", "version " + std::to_string(header.version) + " is not known to this standoff, which knows " +
-                            std::to_string(kVersion) + "; save the body again");
-  if (header.closed > 1) file.fail("header", "it is neither closed nor open; save the body again");
+  arrays.take_header(header, kBodyMagic, kVersion);
+  if (header.closed > 1) arrays.fail("header", "it is neither closed nor open");
   const auto data = std::make_shared<ModelData>();
   FieldBounds field;
   arrays.take(data->mesh.vertices, header.vertices);
@@ -75,28 +70,27 @@ CollisionModel read_model(const FileView& file, ArrayChecksum checksum) {
   arrays.end(checksum);
 
   if (!(header.spacing > 0) || !std::isfinite(header.spacing))
-    file.fail("header", "its field's spacing is not positive and finite; save the body again");
+    arrays.fail("header", "its field's spacing is not positive and finite");
   try {
     data->prepare(header.spacing);
     data->field = plan_field_bounds(data->field.box, header.spacing);
   } catch (const Error& error) {
-    file.fail("", std::string(diagnosis(error.what())) + "; save the body again");
+    arrays.fail("", std::string(diagnosis(error.what())));
   }
   data->field.slots = std::move(field.slots);
   data->field.samples = std::move(field.samples);
   data->field.coarse = std::move(field.coarse);
   data->field.inside = std::move(field.inside);
   data->field.coarse_inside = std::move(field.coarse_inside);
-  check_field(file, data->field, header);
+  check_field(arrays, data->field, header);
   std::vector<bool> seen(header.triangles);
   for (const std::uint32_t t : data->bvh.order) {
-    if (t >= header.triangles || seen[t])
-      file.fail("BVH", "its order names a triangle twice or one there is not; save the body again");
+    if (t >= header.triangles || seen[t]) arrays.fail("BVH", "its order names a triangle twice or one there is not");
     seen[t] = true;
   }
   if (data->components.empty() || data->components.size() > header.triangles ||
       std::ranges::any_of(data->components, [&](std::uint32_t t) { return t >= header.triangles; }))
-    file.fail("components", "there are none, too many, or one without a triangle; save the body again");
+    arrays.fail("components", "there are none, too many, or one without a triangle");
   fill_levels(data->bvh, data->mesh, data->middle);
   data->finish();
   return ModelAccess::model(data);

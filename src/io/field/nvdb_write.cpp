@@ -63,7 +63,7 @@ std::array<std::int32_t, 3> coordinates(const Size3& at) {
   return {static_cast<std::int32_t>(at.x), static_cast<std::int32_t>(at.y), static_cast<std::int32_t>(at.z)};
 }
 
-Active active_in(const Tree::Leaf& leaf, const LeafValues& found) {
+Active active_in(const Tree::Leaf& leaf, const LeafMasks& found) {
   Active active;
   // A word holds a slice of x: 8 rows of y, of 8 bits of z.
   std::uint64_t slices = 0, x_first = 8, x_last = 0;
@@ -87,11 +87,7 @@ Active active_in(const Tree::Leaf& leaf, const LeafValues& found) {
     active.min[axis] = origin[axis] + static_cast<std::int32_t>(first[axis]);
     active.max[axis] = origin[axis] + static_cast<std::int32_t>(last[axis]);
   }
-  for (std::size_t n = 0; n < 512; ++n) {
-    if (!found.active[n]) continue;
-    active.least = std::min(active.least, found.values[n]);
-    active.most = std::max(active.most, found.values[n]);
-  }
+  active.least = found.least, active.most = found.most;
   return active;
 }
 
@@ -133,8 +129,11 @@ class Writer {
   // Of all nodes, before the first one is written: an inner node says what its children hold.
   void find_active() {
     leaves_.resize(tree_.leaves.size());
+    masks_.resize(tree_.leaves.size());
     each_leaf(tree_, threads_, [&](std::size_t n) {
-      leaves_[n] = active_in(tree_.leaves[n], leaf_values(field_, tree_.leaves[n], far_));
+      const LeafMasks found = leaf_masks(field_, tree_.leaves[n]);
+      leaves_[n] = active_in(tree_.leaves[n], found);
+      masks_[n] = found.active;
     });
     uppers_.resize(tree_.uppers.size());
     lowers_.resize(tree_.lowers.size());
@@ -315,7 +314,8 @@ class Writer {
   std::size_t make_leaf(std::size_t n, char* to) const {
     namespace l = nvdb::leaf;
     const Tree::Leaf& leaf = tree_.leaves[n];
-    const LeafValues found = leaf_values(field_, leaf, far_);
+    std::array<float, 512> values;
+    leaf_values(field_, leaf, far_, values);
     const Active& active = leaves_[n];
     std::fill_n(to, l::kValues, '\0');
     const auto put = [&](std::uint64_t at, const auto& value) { std::memcpy(to + at, &value, sizeof value); };
@@ -325,10 +325,10 @@ class Writer {
         put(l::kBoxSpan + axis, static_cast<std::uint8_t>(active.max[axis] - active.min[axis]));
       put(l::kFlags, std::uint8_t{2});  // it has a box
     }
-    put(l::kMask, found.active.words);
+    put(l::kMask, masks_[n].words);
     put(l::kMinimum, active.samples > 0 ? active.least : far_);
     put(l::kMaximum, active.samples > 0 ? active.most : far_);
-    put(l::kValues, found.values);
+    put(l::kValues, values);
     return l::kBytes;
   }
 
@@ -353,6 +353,7 @@ class Writer {
   const float far_;
   const std::string facts_;
   std::vector<Active> uppers_, lowers_, leaves_;
+  std::vector<Mask<kLeafLog>> masks_;  // of leaves
   Active all_;
 };
 

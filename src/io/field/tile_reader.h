@@ -14,21 +14,6 @@
 
 namespace standoff {
 
-/// An array in the file as it is.
-class PlainBytes : public ByteStream {
- public:
-  explicit PlainBytes(std::string_view bytes) : left_(bytes) {}
-  std::string_view next(std::uint64_t bytes) override {
-    const std::string_view part = left_.substr(0, bytes);
-    left_.remove_prefix(part.size());
-    return part;
-  }
-  void finish() override {}
-
- private:
-  std::string_view left_;
-};
-
 /// Reads tiles of an array, a layer of them after the other: a layer spans the grid but for its slowest axis, along
 /// which it is a tile thick. Each number is read on its own: numbers need not be aligned.
 template <class Sample>
@@ -41,7 +26,7 @@ class TileReader {
         planes_(array.z_fastest ? size.x : size.z),
         plane_(size.count() / planes_),
         width_(array.planar ? 1 : array.components) {
-    stream_ = array.open ? array.open() : std::make_unique<PlainBytes>(file.text(array.offset, file.size()));
+    stream_ = array.open ? array.open() : std::make_unique<BytesInMemory>(file.text(array.offset, file.size()));
     if (array.open) stream_->next(array.offset);
   }
 

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <string>
 
 #include "standoff/error.h"
@@ -96,73 +97,106 @@ Tree tree_of(const DistanceField& field) { return Builder(field).build(); }
 
 namespace {
 
-// Eight flags, 0 or 1 each, as bits: the first one lowest.
-std::uint64_t packed(const std::uint8_t* flags) {
-  std::uint64_t bytes;
-  std::memcpy(&bytes, flags, sizeof bytes);
-  return bytes * 0x0102040810204080u >> 56;
-}
-
-// Bit k of byte n becomes bit n of byte k.
-std::uint64_t transposed(std::uint64_t bits) {
-  std::uint64_t swap = (bits ^ bits >> 7) & 0x00AA00AA00AA00AA;
-  bits ^= swap ^ swap << 7;
-  swap = (bits ^ bits >> 14) & 0x0000CCCC0000CCCC;
-  bits ^= swap ^ swap << 14;
-  swap = (bits ^ bits >> 28) & 0x00000000F0F0F0F0;
-  return bits ^ swap ^ swap << 28;
-}
-
-// Flags of a tile's samples, x fastest, as the mask of a leaf, z fastest.
-Mask<kLeafLog> mask_of(const std::array<std::uint8_t, 512>& flags) {
-  Mask<kLeafLog> mask;
-  for (std::size_t y = 0; y < 8; ++y) {
-    std::uint64_t rows = 0;
-    for (std::size_t z = 0; z < 8; ++z) rows |= packed(flags.data() + 8 * (y + 8 * z)) << 8 * z;
-    rows = transposed(rows);
-    for (std::size_t x = 0; x < 8; ++x) mask.words[x] |= (rows >> 8 * x & 0xFF) << 8 * y;
+// The values of a leaf's tile. Tiles hold the thickness beyond the grid, but nothing keeps a caller from writing there:
+// then they are made far and outside, in `room`.
+const float* tile_in_grid(const DistanceField& field, const Tree::Leaf& leaf, std::array<float, 512>& room) {
+  const Size3& size = field.grid().size;
+  const float* const tile =
+      field.tile_values().data() + std::size_t{DistanceField::kTileSamples} * static_cast<std::size_t>(leaf.slot);
+  if (leaf.at.x + 8 <= size.x && leaf.at.y + 8 <= size.y && leaf.at.z + 8 <= size.z) return tile;
+  for (std::size_t n = 0; n < 512; ++n) {
+    const bool in_grid = leaf.at.x + static_cast<std::int64_t>(n & 7) < size.x &&
+                         leaf.at.y + static_cast<std::int64_t>(n >> 3 & 7) < size.y &&
+                         leaf.at.z + static_cast<std::int64_t>(n >> 6) < size.z;
+    room[n] = in_grid ? tile[n] : std::numeric_limits<float>::infinity();
   }
-  return mask;
+  return room.data();
+}
+
+// Four numbers at once, and their bits: compilers make these loops wide for no other reason.
+using Four = float __attribute__((vector_size(16)));
+using FourBits = std::int32_t __attribute__((vector_size(16)));
+
+Four four(float value) { return Four{value, value, value, value}; }
+Four load(const float* from) {
+  Four all;
+  std::memcpy(&all, from, sizeof all);
+  return all;
+}
+Four select(FourBits which, Four yes, Four no) {
+  return reinterpret_cast<Four>((which & reinterpret_cast<FourBits>(yes)) | (~which & reinterpret_cast<FourBits>(no)));
+}
+// All bits of those that are nearer than the thickness.
+FourBits nearer(Four values, float thickness) {
+  constexpr std::int32_t kMagnitude = 0x7fffffff;
+  return reinterpret_cast<Four>(reinterpret_cast<FourBits>(values) & kMagnitude) < four(thickness);
+}
+
+// Four rows of four numbers become columns.
+void transpose(std::array<Four, 4>& rows) {
+  const Four a = __builtin_shufflevector(rows[0], rows[1], 0, 4, 1, 5),
+             b = __builtin_shufflevector(rows[0], rows[1], 2, 6, 3, 7),
+             c = __builtin_shufflevector(rows[2], rows[3], 0, 4, 1, 5),
+             d = __builtin_shufflevector(rows[2], rows[3], 2, 6, 3, 7);
+  rows = {__builtin_shufflevector(a, c, 0, 1, 4, 5), __builtin_shufflevector(a, c, 2, 3, 6, 7),
+          __builtin_shufflevector(b, d, 0, 1, 4, 5), __builtin_shufflevector(b, d, 2, 3, 6, 7)};
 }
 
 }  // namespace
 
-// Loops over all samples without a branch: for each of many leaves, and twice.
-LeafValues leaf_values(const DistanceField& field, const Tree::Leaf& leaf, float far) {
-  const Size3& size = field.grid().size;
-  const float* const tile =
-      field.tile_values().data() + std::size_t{DistanceField::kTileSamples} * static_cast<std::size_t>(leaf.slot);
+LeafMasks leaf_masks(const DistanceField& field, const Tree::Leaf& leaf) {
+  std::array<float, 512> room;
+  const float* const tile = tile_in_grid(field, leaf, room);
   const auto thickness = static_cast<float>(field.thickness());
-  std::array<std::uint8_t, 512> in_grid, near, inside;
-  in_grid.fill(1);
-  if (leaf.at.x + 8 > size.x || leaf.at.y + 8 > size.y || leaf.at.z + 8 > size.z)
-    for (std::size_t n = 0; n < 512; ++n)
-      in_grid[n] = leaf.at.x + static_cast<std::int64_t>(n & 7) < size.x &&
-                   leaf.at.y + static_cast<std::int64_t>(n >> 3 & 7) < size.y &&
-                   leaf.at.z + static_cast<std::int64_t>(n >> 6) < size.z;
-  std::array<float, 512> clamped;
-  for (std::size_t n = 0; n < 512; ++n) {
-    const float value = tile[n];
-    const bool is_near = std::abs(value) < thickness, negative = std::bit_cast<std::int32_t>(value) < 0;
-    near[n] = static_cast<std::uint8_t>(is_near & in_grid[n]);
-    inside[n] = static_cast<std::uint8_t>(!is_near & negative & in_grid[n]);
-    clamped[n] = is_near ? value : std::copysign(far, value);
-  }
-  LeafValues found;
-  found.active = mask_of(near);
-  const Mask<kLeafLog> within = mask_of(inside);
+  constexpr float kMost = std::numeric_limits<float>::max();
+  Four least = four(kMost), most = four(-kMost);
+  LeafMasks found;
+  Mask<kLeafLog> within;
+  // A word of a mask holds a slice of x, so that the bits of four words are made at once.
+  for (std::size_t y = 0; y < 8; ++y)
+    for (std::size_t x = 0; x < 8; x += 4) {
+      FourBits near_bits{}, negative_bits{};
+      for (std::size_t z = 0; z < 8; ++z) {
+        const Four values = load(tile + 64 * z + 8 * y + x);
+        const FourBits near = nearer(values, thickness);
+        near_bits |= near & (1 << z);
+        negative_bits |= (reinterpret_cast<FourBits>(values) >> 31) & (1 << z);
+        const Four low = select(near, values, four(kMost)), high = select(near, values, four(-kMost));
+        least = select(low < least, low, least);
+        most = select(high > most, high, most);
+      }
+      for (std::size_t n = 0; n < 4; ++n) {
+        found.active.words[x + n] |= static_cast<std::uint64_t>(near_bits[n]) << 8 * y;
+        within.words[x + n] |= static_cast<std::uint64_t>(negative_bits[n] & ~near_bits[n]) << 8 * y;
+      }
+    }
   for (std::size_t x = 0; x < 8; ++x) {
     found.outside.words[x] = ~(found.active.words[x] | within.words[x]);
     found.any_inside = found.any_inside || within.words[x] != 0;
     found.any_outside = found.any_outside || found.outside.words[x] != 0;
   }
-  for (std::size_t x = 0; x < 8; ++x)
-    for (std::size_t y = 0; y < 8; ++y)
-      for (std::size_t z = 0; z < 8; ++z) found.values[64 * x + 8 * y + z] = clamped[64 * z + 8 * y + x];
-  // Tiles hold the thickness beyond the grid, but nothing keeps a caller from writing there.
-  for (std::size_t n = 0; n < 512; ++n)
-    if (in_grid[tile_sample(n)] == 0) found.values[n] = far;
+  found.least = std::min({least[0], least[1], least[2], least[3]});
+  found.most = std::max({most[0], most[1], most[2], most[3]});
   return found;
+}
+
+void leaf_values(const DistanceField& field, const Tree::Leaf& leaf, float far, std::array<float, 512>& values) {
+  std::array<float, 512> room;
+  const float* const tile = tile_in_grid(field, leaf, room);
+  const auto thickness = static_cast<float>(field.thickness());
+  for (std::size_t y = 0; y < 8; ++y)
+    for (std::size_t z = 0; z < 8; z += 4)
+      for (std::size_t x = 0; x < 8; x += 4) {
+        std::array<Four, 4> rows;
+        for (std::size_t n = 0; n < 4; ++n) {
+          const Four row = load(tile + 64 * (z + n) + 8 * y + x);
+          constexpr std::int32_t kSign = std::numeric_limits<std::int32_t>::min();
+          const FourBits clamped = (reinterpret_cast<FourBits>(row) & kSign) | reinterpret_cast<FourBits>(four(far));
+          rows[n] = select(nearer(row, thickness), row, reinterpret_cast<Four>(clamped));
+        }
+        transpose(rows);
+        for (std::size_t n = 0; n < 4; ++n) std::memcpy(&values[64 * (x + n) + 8 * y + z], &rows[n], sizeof rows[n]);
+      }
 }
 
 float background_of(const DistanceField& field) {

@@ -76,14 +76,15 @@ struct Tree {
 };
 Tree tree_of(const DistanceField& field);
 
-/// The values of a leaf, and which are in the band: nearer than the thickness.
-struct LeafValues {
-  std::array<float, 512> values;
+/// Which samples of a leaf are in the band, nearer than the thickness, and the range of their values.
+struct LeafMasks {
   Mask<kLeafLog> active, outside;                ///< those that are neither are inside
   bool any_inside = false, any_outside = false;  ///< of those that are not active
+  float least, most;                             ///< of those that are; least > most if none is
 };
-/// `far` replaces the thickness, which may be infinite.
-LeafValues leaf_values(const DistanceField& field, const Tree::Leaf& leaf, float far);
+LeafMasks leaf_masks(const DistanceField& field, const Tree::Leaf& leaf);
+/// The values of a leaf. `far` replaces the thickness, which may be infinite.
+void leaf_values(const DistanceField& field, const Tree::Leaf& leaf, float far, std::array<float, 512>& values);
 
 /// The value of what is not stored, in a file: the thickness, or a finite number beyond all values where it is
 /// infinite.

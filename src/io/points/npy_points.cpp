@@ -7,6 +7,7 @@
 #include <cstring>
 #include <vector>
 
+#include "files/byte_stream.h"
 #include "files/shown.h"
 #include "files/zip_reader.h"
 #include "io/field/npy.h"
@@ -14,21 +15,6 @@
 
 namespace standoff {
 namespace {
-
-// Bytes that lie in memory.
-class MemoryStream : public ByteStream {
- public:
-  explicit MemoryStream(std::string_view bytes) : left_(bytes) {}
-  std::string_view next(std::uint64_t bytes) override {
-    const std::string_view part = left_.substr(0, bytes);
-    left_.remove_prefix(part.size());
-    return part;
-  }
-  void finish() override {}
-
- private:
-  std::string_view left_;
-};
 
 template <class Stored>
 double value_at(const char* place, bool swapped) {
@@ -47,7 +33,7 @@ class ArrayPoints : public PointReader {
   void open_npy() {
     const std::string_view bytes = file_->bytes();
     set(read_npy(*file_, "header", bytes.substr(0, kMaxNpyHeader), bytes.size()),
-        [bytes] { return std::make_unique<MemoryStream>(bytes); });
+        [bytes] { return std::make_unique<BytesInMemory>(bytes); });
   }
 
   void open_npz() {

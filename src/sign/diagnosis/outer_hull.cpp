@@ -2,6 +2,7 @@
 #include "sign/diagnosis/outer_hull.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <tuple>
 
@@ -151,8 +152,14 @@ std::vector<std::int8_t> outer_hulls(MeshView mesh, const MeshEdges& edges, cons
     hull[p] = static_cast<std::int8_t>(turn);
     if (turn != 0) hull_sums[piece_of[p]].add(sums[p], turn);
   }
+  std::vector<double> most_left_out(wanted.size());
   for (std::uint32_t p = 0; p < patches.size(); ++p)
-    if (!is_solid(hull_sums[piece_of[p]], false)) hull[p] = 0;
+    if (hull[p] == 0 && is_solid(sums[p], false))
+      most_left_out[piece_of[p]] = std::max(most_left_out[piece_of[p]], std::abs(sums[p].volume));
+  for (std::uint32_t p = 0; p < patches.size(); ++p) {
+    const PartSums& found = hull_sums[piece_of[p]];
+    if (!is_solid(found, false) || found.volume < most_left_out[piece_of[p]]) hull[p] = 0;
+  }
   return hull;
 }
 

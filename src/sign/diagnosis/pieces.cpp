@@ -9,6 +9,7 @@
 #include "sign/diagnosis/edge_sides.h"
 #include "sign/diagnosis/greedy_turns.h"
 #include "sign/diagnosis/outer_hull.h"
+#include "sign/diagnosis/solid.h"
 
 namespace standoff {
 namespace {
@@ -130,6 +131,68 @@ void let_majority_stay(const Patches& patches, const std::vector<std::uint32_t>&
     if (balance[piece_of[p]] < 0) turns[p] = static_cast<std::int8_t>(-turns[p]);
 }
 
+// Leaves patches out, those with few triangles first, where that makes less to be left over: of the pieces that are
+// `wanted`. Keeps it for those in which all cancels then, and the majority stays a solid.
+void leave_out_what_does_not_cancel(MeshView mesh, const Borders& borders, const Patches& patches,
+                                    const std::vector<std::uint32_t>& piece_of, const std::vector<std::uint8_t>& wanted,
+                                    std::vector<std::int8_t>& turns) {
+  std::vector<std::int64_t> triangles(patches.size());
+  for (const std::uint32_t patch : patches.of) ++triangles[patch];
+  struct At {
+    std::size_t edge;
+    std::int64_t excess;
+  };
+  std::vector<std::vector<At>> borders_of(patches.size());
+  std::vector<std::int64_t> left_over;
+  borders.for_each_edge([&](std::span<const Border> here) {
+    const std::size_t edge = left_over.size();
+    left_over.push_back(0);
+    if (wanted[piece_of[here.front().patch]] == 0) return;
+    for (const Border& border : here) {
+      borders_of[border.patch].push_back({edge, border.excess});
+      left_over.back() += turns[border.patch] * border.excess;
+    }
+  });
+  std::vector<std::uint32_t> order;
+  for (std::uint32_t p = 0; p < patches.size(); ++p)
+    if (!borders_of[p].empty()) order.push_back(p);
+  std::ranges::sort(order, {}, [&](std::uint32_t p) { return std::tuple(triangles[p], p); });
+  std::vector<std::int8_t> found = turns;
+  for (const std::uint32_t p : order) {
+    std::int64_t gain = 0;
+    for (const At& at : borders_of[p])
+      gain += std::abs(left_over[at.edge]) - std::abs(left_over[at.edge] - found[p] * at.excess);
+    if (gain <= 0) continue;
+    for (const At& at : borders_of[p]) left_over[at.edge] -= found[p] * at.excess;
+    found[p] = 0;
+  }
+
+  const std::size_t pieces = wanted.size();
+  const std::vector<std::int64_t> weight = weights(borders, piece_of, pieces, found);
+  std::vector<std::int64_t> balance(pieces);
+  std::vector<PartSums> sums(pieces);
+  std::vector<Box> boxes(pieces);
+  const auto for_each_used = [&](const auto& use) {
+    for (std::size_t t = 0; t < patches.of.size(); ++t) {
+      const std::uint32_t patch = patches.of[t], piece = piece_of[patch];
+      if (wanted[piece] != 0) use(piece, found[patch] * patches.turn[t], mesh.corners(t));
+    }
+  };
+  for_each_used([&](std::uint32_t piece, int, const auto& corners) {
+    for (const Vec3& corner : corners) boxes[piece].include(corner);
+  });
+  for_each_used([&](std::uint32_t piece, int turn, const auto& corners) {
+    balance[piece] += turn != 0 ? 1 : -1;
+    if (turn != 0)
+      sums[piece].add(corners[0], corners[turn > 0 ? 1 : 2], corners[turn > 0 ? 2 : 1], boxes[piece].center());
+  });
+  for (std::uint32_t p = 0; p < patches.size(); ++p) {
+    const std::uint32_t piece = piece_of[p];
+    if (wanted[piece] != 0 && weight[piece] == 0 && balance[piece] > 0 && is_solid(sums[piece], false))
+      turns[p] = found[p];
+  }
+}
+
 }  // namespace
 
 Pieces find_pieces(MeshView mesh, const MeshEdges& edges, Patches& patches) {
@@ -160,6 +223,12 @@ Pieces find_pieces(MeshView mesh, const MeshEdges& edges, Patches& patches) {
       turns[p] = 1;
     }
   }
+  std::vector<std::uint8_t> uncancelled(found.size());
+  const std::vector<std::int64_t> chosen = weights_of(turns);
+  for (std::size_t n = 0; n < found.size(); ++n)
+    uncancelled[n] = left_over[n] != 0 && has_hull[n] == 0 && chosen[n] > 0;
+  if (std::ranges::count(uncancelled, 0) != std::ssize(uncancelled))
+    leave_out_what_does_not_cancel(mesh, borders, patches, piece_of, uncancelled, turns);
   for (std::size_t t = 0; t < patches.turn.size(); ++t) {
     const int turn = turns[patches.of[t]];
     found.walls += turn == 0 && patches.turn[t] != 0;

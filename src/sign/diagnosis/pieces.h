@@ -32,8 +32,10 @@ struct Pieces {
 ///
 /// If there is no hull that is a solid, with borders that all cancel, the choice is greedy (greedy_turns.h): of two
 /// patches with a common border, most of its edges should cancel. If that makes the sum of what is left over smaller,
-/// the patches are turned so, and the majority of the triangles stays; else all do. A piece with an unorientable patch
-/// stays too.
+/// the patches are turned so, and the majority of the triangles stays; else all do. If some edges are left over then,
+/// patches are left out that do not cancel there, the small ones first; but only if all cancels without them, what
+/// stays is a solid, and it is most of the piece: so a hole that is filled twice is filled once. A piece with an
+/// unorientable patch stays too.
 Pieces find_pieces(MeshView mesh, const MeshEdges& edges, Patches& patches);
 
 }  // namespace standoff

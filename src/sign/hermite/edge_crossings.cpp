@@ -4,7 +4,6 @@
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
-#include <atomic>
 #include <limits>
 #include <optional>
 #include <string>
@@ -12,6 +11,7 @@
 
 #include "core/execution.h"
 #include "core/guarded.h"
+#include "core/memory_budget.h"
 #include "core/number_text.h"
 #include "core/per_thread.h"
 #include "core/progress.h"
@@ -48,33 +48,10 @@ void check_coordinates(const Box& box) {
                 "crossings: mesh or grid reach beyond " + number_text(kMostExact) + "; scale them down");
 }
 
-// Counts the bytes of crossings that are held.
-class Budget {
- public:
-  explicit Budget(std::int64_t limit) : limit_(limit) {}
-
-  void take(std::size_t crossings) {
-    const auto bytes = static_cast<std::int64_t>(crossings * sizeof(EdgeCrossing));
-    const std::int64_t needed = held_.fetch_add(bytes, std::memory_order_relaxed) + bytes;
-    if (limit_ == 0 || needed <= limit_) return;
-    throw Error(ErrorCode::limit,
-                "crossings: they take more than the memory limit of " + std::to_string(limit_) +
-                    " bytes; take fewer samples, or allow more memory",
-                {.bytes_needed = needed, .bytes_limit = limit_});
-  }
-  void give_back(std::size_t crossings) {
-    held_.fetch_sub(static_cast<std::int64_t>(crossings * sizeof(EdgeCrossing)), std::memory_order_relaxed);
-  }
-
- private:
-  std::int64_t limit_;
-  std::atomic<std::int64_t> held_{0};
-};
-
 // The crossings that a thread has found.
 class Found {
  public:
-  Found(Budget& budget, ProgressMeter& progress) : budget_(&budget), progress_(&progress) {}
+  Found(MemoryBudget& budget, ProgressMeter& progress) : budget_(&budget), progress_(&progress) {}
 
   void add(const EdgeCrossing& crossing) {
     if (all_.size() == all_.capacity()) grow();
@@ -87,12 +64,12 @@ class Found {
     constexpr std::size_t kFirst = 256;
     progress_->check();
     const std::size_t before = all_.capacity(), after = std::max(kFirst, 2 * before);
-    budget_->take(after);
+    budget_->take(after * sizeof(EdgeCrossing));
     all_.reserve(after);
-    budget_->give_back(before);
+    budget_->give_back(before * sizeof(EdgeCrossing));
   }
 
-  Budget* budget_;
+  MemoryBudget* budget_;
   ProgressMeter* progress_;
   std::vector<EdgeCrossing> all_;
 };
@@ -180,7 +157,7 @@ std::vector<EdgeCrossing> edge_crossings(MeshView mesh, const Grid& grid, const 
     const std::vector<std::int8_t> use = use_of(plan, mesh.triangles.size());
     const Scan scan({mesh, use}, grid, options.sign.invert);
 
-    Budget budget(options.memory_limit);
+    MemoryBudget budget("crossings", options.memory_limit, "take fewer samples, or allow more memory");
     PerThread<Found> found([&] { return Found(budget, progress); });
     progress.stage("crossings", static_cast<std::int64_t>(mesh.triangles.size()), 0.1, 0.8);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.triangles.size(), kGrain), [&](const auto& range) {
@@ -191,7 +168,7 @@ std::vector<EdgeCrossing> edge_crossings(MeshView mesh, const Grid& grid, const 
 
     std::size_t count = 0;
     found.for_each([&](const Found& some) { count += some.all().size(); });
-    budget.take(count);
+    budget.take(count * sizeof(EdgeCrossing));
     crossings.reserve(count);
     found.for_each([&](const Found& some) { crossings.insert(crossings.end(), some.all().begin(), some.all().end()); });
     progress.stage("sort", 1, 0.8, 1);
