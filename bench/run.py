@@ -13,6 +13,7 @@
   run.py iso             surfaces of fields; with --peers beside OpenVDB and VTK
   run.py files           writing fields; with --peers beside OpenVDB and NanoVDB
   run.py sidecars        what each sidecar adds to a band
+  run.py python          the Python package beside Open3D, libigl, FCPW and others (STANDOFF_PEER_PYTHON)
   run.py quote           the documentation's tables of collision queries, written again from the CSV file
   run.py fly             the fly in the labyrinth: Figure 5.5 of the thesis, and what both modes miss
 Tables go to stdout, progress to stderr, CSV files to bench/results/<machine>/."""
@@ -37,7 +38,7 @@ from harness import BENCH, Drivers
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", nargs="?", default="contests",
-                        choices=["contests", "scaling", "thesis", "collision", "terrains", "sign", "points", "iso", "files", "sidecars",
+                        choices=["contests", "scaling", "thesis", "collision", "terrains", "sign", "points", "iso", "files", "sidecars", "python",
                                  "quote", "fly"])
     parser.add_argument("--peers", action="store_true", help="run the peers too (built with STANDOFF_BENCH_PEERS)")
     parser.add_argument("--build", default=str(BENCH.parent / "build" / "bench"), help="build folder of the drivers")
@@ -53,12 +54,15 @@ def main():
     if arguments.list:
         kinds = [workloads[kind] for kind in ("contests", "sign", "scaling", "batches")]
         kinds += [workloads["points"]["meshes"], workloads["iso"]["fields"], workloads["files"], workloads["sidecars"]["fields"]]
+        kinds += [workloads["python"]["fields"]]
         kinds += [workloads["collision"]["pairs"], workloads["terrains"]["places"]]
         for job in (job for jobs in kinds for job in jobs):
             print(f"{job['name']:24} {job['what']}")
         return
     if arguments.what == "quote":
         return quotes.write()
+    if arguments.what == "python":  # needs numpy
+        return importlib.import_module("python_package").run(workloads["python"], arguments.only, arguments.note, arguments.build)
     if arguments.what == "fly":
         return fly.run(workloads, arguments.build)
     if arguments.what in ("collision", "terrains"):

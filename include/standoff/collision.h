@@ -22,6 +22,7 @@
 #include "standoff/grid.h"
 #include "standoff/mesh.h"
 #include "standoff/pose.h"
+#include "standoff/progress.h"
 
 namespace standoff {
 
@@ -39,6 +40,7 @@ inline constexpr double kMaxMargin = 1e30;
 struct ModelOptions {
   double spacing = 0;        ///< spacing of the model's fine field, world units; 0: chosen from the mesh
   Execution execution = {};  ///< where the model is built; its fields may be computed on a GPU
+  ProgressCallback progress = {};
 };
 
 /// A body prepared for queries: its mesh, a sparse distance field near the surface, a coarse one around it (signed if
@@ -48,7 +50,7 @@ class STANDOFF_API CollisionModel {
  public:
   /// Copies the mesh, and builds the fields and the BVH. Errors: input (an invalid mesh, a size outside kMinModelSize
   /// to kMaxModelSize, or a box whose centre has a coordinate beyond kMaxPosition), usage (options), limit (memory, or
-  /// a field of too many samples).
+  /// a field of too many samples), interrupted.
   explicit CollisionModel(MeshView mesh, const ModelOptions& options = {});
   // There are no moves, because they would leave an empty model behind.
   CollisionModel(const CollisionModel&) = default;

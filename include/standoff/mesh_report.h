@@ -11,6 +11,7 @@
 #include "standoff/execution.h"
 #include "standoff/export.h"
 #include "standoff/mesh.h"
+#include "standoff/progress.h"
 #include "standoff/sign.h"
 
 namespace standoff {
@@ -94,11 +95,13 @@ struct MeshReportOptions {
   /// Pairs of triangles with overlapping boxes that the search compares at the most, about a second per ten million.
   std::int64_t most_intersection_tests = 10'000'000;
   Execution execution = {};  ///< the backend must be automatic or cpu
+  ProgressCallback progress = {};
 };
 
 /// Examines a mesh; a mesh without triangles gets an empty report. The result does not depend on the number of threads.
 /// Takes up to 200 bytes per triangle, and 150 per boundary edge. Errors: those of validate(mesh) for a mesh with
-/// triangles; usage (spacing is negative or not finite, negative limits, execution); limit.
+/// triangles; usage (spacing is negative or not finite, negative limits, execution); limit;
+/// interrupted, between the steps of the work, which take up to 0.3 s for a million triangles.
 STANDOFF_API MeshReport report(MeshView mesh, const MeshReportOptions& options = {});
 
 }  // namespace standoff

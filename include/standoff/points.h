@@ -39,6 +39,7 @@ struct MeshQueryOptions {
   /// error; `outer` and `shell` are as in compute().
   SignOptions sign = {};
   Execution execution = {};  ///< where the query is built
+  ProgressCallback progress = {};
 };
 
 /// A mesh, prepared for questions at arbitrary points. Building takes about as long as reading the mesh; each answer is
@@ -51,7 +52,7 @@ struct MeshQueryOptions {
 class STANDOFF_API MeshQuery {
  public:
   /// Copies the mesh. Errors: input (mesh; a sign method that does not fit it), doubt (`strict`), usage (options),
-  /// limit (a coordinate beyond kMaxCoordinate; memory).
+  /// limit (a coordinate beyond kMaxCoordinate; memory), interrupted.
   explicit MeshQuery(MeshView mesh, const MeshQueryOptions& options = {});
   // There are no moves, because they would leave an empty query behind.
   MeshQuery(const MeshQuery&) = default;

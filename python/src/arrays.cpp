@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "arrays.h"
 
+#include "standoff/error.h"
+
 namespace standoff::python {
 namespace {
 
@@ -54,7 +56,14 @@ Pose pose_of(const PoseInput& poses, std::size_t n) {
 
 std::vector<Pose> poses_of(const PoseInput& poses) {
   std::vector<Pose> all(poses.shape(0));
-  for (std::size_t n = 0; n < all.size(); ++n) all[n] = pose_of(poses, n);
+  for (std::size_t n = 0; n < all.size(); ++n) {
+    all[n] = pose_of(poses, n);
+    try {
+      validate(all[n]);
+    } catch (const Error& error) {
+      throw Error(error.code(), std::string(error.what()) + " (pose " + std::to_string(n) + ")");
+    }
+  }
   return all;
 }
 

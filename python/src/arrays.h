@@ -36,6 +36,7 @@ inline std::span<const Vec3> points_of(const PointInput& points) {
 }
 /// The n-th pose.
 Pose pose_of(const PoseInput& poses, std::size_t n);
+/// All of them. Errors: usage (a pose that is not rigid; batches would number it within a part).
 std::vector<Pose> poses_of(const PoseInput& poses);
 
 /// A new array of numpy's, in C order, whose memory is not initialised.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Queries between two bodies: results as arrays, one row for each pose.
 #include "arrays.h"
+#include "lock.h"
 #include "options.h"
 #include "standoff/collision.h"
 #include "work.h"
@@ -22,8 +23,11 @@ void put(NewArray<double>& array, std::size_t row, Vec3 v) {
 CollisionModel build(const VertexInput& vertices, const FaceInput& faces, double spacing, int threads,
                      const std::string& device) {
   const MeshView mesh = view_of(vertices, faces);
-  const ModelOptions options{.spacing = spacing, .execution = execution_of(threads, device)};
-  return watched(nb::none(), [&](const ProgressCallback&) { return CollisionModel(mesh, options); });
+  ModelOptions options{.spacing = spacing, .execution = execution_of(threads, device)};
+  return watched(nb::none(), [&](const ProgressCallback& report) {
+    options.progress = report;
+    return CollisionModel(mesh, options);
+  });
 }
 
 // verdict (0 free, 1 hit, 2 ambiguous), triangle_a, triangle_b, containment
@@ -88,9 +92,10 @@ nb::tuple sweep_poses(const CollisionModel& a, const PoseInput& pose_a, const Co
   NewArray<std::uint32_t> triangle_a({count}), triangle_b({count});
   const Execution execution = execution_of(threads, device);
   const Pose at = pose_of(pose_a, 0);
+  const std::vector<Pose> first_poses = poses_of(from), last_poses = poses_of(to);
   std::vector<RigidMotion> motions(count);
   for (std::size_t n = 0; n < count; ++n)
-    motions[n] = {pose_of(from, n), pose_of(to, n), {center[0], center[1], center[2]}};
+    motions[n] = {first_poses[n], last_poses[n], {center[0], center[1], center[2]}};
   run_in_parts(progress, count, first_part(execution, count), [&](std::size_t first, std::size_t last) {
     const auto results =
         sweep_all(a, at, b, std::span(motions).subspan(first, last - first), {.tolerance = tolerance}, execution);
@@ -146,12 +151,12 @@ void add_bodies(nb::module_& m) {
       .def(
           "save",
           [](const CollisionModel& body, const std::filesystem::path& path, bool overwrite) {
-            const nb::gil_scoped_release released;
+            const Unlocked released;
             body.save(path, overwrite ? Existing::replace : Existing::keep);
           },
           "path"_a, "overwrite"_a);
   m.def("build_body", &build, "vertices"_a.noconvert(), "faces"_a.noconvert(), "spacing"_a, "threads"_a, "device"_a);
-  m.def("read_body", &CollisionModel::load, "path"_a, nb::call_guard<nb::gil_scoped_release>());
+  m.def("read_body", &CollisionModel::load, "path"_a, nb::call_guard<Unlocked>());
   m.def("automatic_tolerance", &automatic_tolerance, "a"_a, "b"_a);
   m.def("collide", &collide_poses, "a"_a, "pose_a"_a.noconvert(), "b"_a, "poses"_a.noconvert(), "margin"_a,
         "containment"_a, "certified"_a, "threads"_a, "device"_a, "progress"_a.none());

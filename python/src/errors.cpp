@@ -2,6 +2,8 @@
 // Errors of the library become the exceptions of standoff/_errors.py, with the data of their details.
 #include "standoff/error.h"
 
+#include <string_view>
+
 #include "common.h"
 
 namespace standoff::python {
@@ -31,11 +33,20 @@ const char* name_of(ErrorCode code) {
   return "internal";
 }
 
+// Names of files may hold any bytes: in paths as os.fsdecode makes them, in messages so that they can be printed.
+nb::object path_of(std::string_view file) {
+  return nb::steal(PyUnicode_DecodeFSDefaultAndSize(file.data(), static_cast<Py_ssize_t>(file.size())));
+}
+nb::object message_of(std::string_view message) {
+  return nb::steal(
+      PyUnicode_DecodeUTF8(message.data(), static_cast<Py_ssize_t>(message.size()), "backslashreplace"));
+}
+
 void raise(const Error& error) {
   const ErrorDetails& d = error.details();
-  const nb::object file = d.file.empty() ? nb::none() : nb::object(nb::str(d.file.data(), d.file.size()));
+  const nb::object file = d.file.empty() ? nb::none() : path_of(d.file);
   const nb::object exception = nb::module_::import_("standoff._errors")
-                                   .attr("make")(name_of(error.code()), error.what(), "triangle"_a = d.triangle,
+                                   .attr("make")(name_of(error.code()), message_of(error.what()), "triangle"_a = d.triangle,
                                                  "bytes_needed"_a = d.bytes_needed, "bytes_limit"_a = d.bytes_limit,
                                                  "file"_a = file, "line"_a = d.line, "byte"_a = d.byte);
   PyErr_SetObject(exception.type().ptr(), exception.ptr());

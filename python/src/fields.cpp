@@ -2,7 +2,11 @@
 // Distance fields: computing, reading and writing them, their arrays, and values between samples.
 #include "standoff/field.h"
 
+#include <algorithm>
+#include <chrono>
+
 #include "arrays.h"
+#include "lock.h"
 #include "options.h"
 #include "standoff/compute.h"
 #include "standoff/io.h"
@@ -14,7 +18,8 @@ namespace {
 
 using DenseOutput = nb::ndarray<float, nb::shape<-1, -1, -1>, nb::f_contig, nb::device::cpu>;
 
-nb::dict dict_of(const ComputeReport& r) {
+// `seconds` is what the call took.
+nb::dict dict_of(const ComputeReport& r, double seconds) {
   nb::dict d;
   d["method"] = r.method;
   d["backend"] = r.backend;
@@ -23,7 +28,7 @@ nb::dict dict_of(const ComputeReport& r) {
   d["triangles"] = r.triangles;
   d["samples_examined"] = r.samples_examined;
   d["samples_band"] = r.samples_band;
-  d["seconds"] = r.seconds.prepare + r.seconds.compute + r.seconds.sign;
+  d["seconds"] = seconds;
   d["sign"] = sign_dict(r.sign);
   d["provenance"] = r.provenance;
   return d;
@@ -41,16 +46,31 @@ ComputeOptions options_of(const nb::handle& sign, const std::string& method, boo
   return options;
 }
 
+// Writes the seconds from here to the end of the scope.
+class Timed {
+ public:
+  explicit Timed(double& seconds) : seconds_(seconds) {}
+  ~Timed() { seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count(); }
+  Timed(const Timed&) = delete;
+  Timed& operator=(const Timed&) = delete;
+
+ private:
+  double& seconds_;
+  std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
+};
+
 nb::tuple compute_field(const VertexInput& vertices, const FaceInput& faces, const GridInput& grid, double thickness,
                         const nb::handle& sign, const std::string& method, bool nearest, int threads,
                         const std::string& device, std::int64_t memory_limit, const nb::object& progress) {
   const MeshView mesh = view_of(vertices, faces);
   ComputeOptions options = options_of(sign, method, nearest, threads, device, memory_limit);
+  double seconds = 0;
   ComputeResult result = watched(progress, [&](const ProgressCallback& report) {
     options.progress = report;
+    const Timed timed(seconds);
     return compute(mesh, grid.grid(), thickness, options);
   });
-  return nb::make_tuple(std::move(result.field), dict_of(result.report));
+  return nb::make_tuple(std::move(result.field), dict_of(result.report, seconds));
 }
 
 nb::dict compute_dense(const VertexInput& vertices, const FaceInput& faces, const GridInput& grid, double thickness,
@@ -59,11 +79,13 @@ nb::dict compute_dense(const VertexInput& vertices, const FaceInput& faces, cons
   const MeshView mesh = view_of(vertices, faces);
   ComputeOptions options = options_of(sign, method, false, threads, device, memory_limit);
   const std::span<float> values(out.data(), out.size());
+  double seconds = 0;
   const ComputeReport done = watched(progress, [&](const ProgressCallback& report) {
     options.progress = report;
+    const Timed timed(seconds);
     return compute_into(mesh, grid.grid(), thickness, values, options);
   });
-  return dict_of(done);
+  return dict_of(done, seconds);
 }
 
 std::int64_t bytes_needed(const VertexInput& vertices, const FaceInput& faces, const GridInput& grid, double thickness,
@@ -78,7 +100,7 @@ std::array<std::int64_t, 3> shape_of(const DistanceField& field) {
 }
 
 void copy_dense(const DistanceField& field, const DenseOutput& out) {
-  const nb::gil_scoped_release released;
+  const Unlocked released;
   field.copy_slices(0, field.grid().size.z, {out.data(), out.size()});
 }
 
@@ -136,7 +158,7 @@ DistanceField from_dense(
     const GridInput& grid, double thickness,
     const nb::ndarray<nb::ro, const float, nb::shape<-1, -1, -1>, nb::f_contig, nb::device::cpu>& values,
     const Provenance& provenance) {
-  const nb::gil_scoped_release released;
+  const Unlocked released;
   DistanceField field = DistanceField::from_dense(grid.grid(), thickness, {values.data(), values.size()});
   field.set_provenance(provenance);
   return field;
@@ -145,7 +167,7 @@ DistanceField from_dense(
 nb::object values_at(const DistanceField& field, const PointInput& points, int threads) {
   NewArray<double> out({points.shape(0)});
   {
-    const nb::gil_scoped_release released;
+    const Unlocked released;
     field.interpolate(points_of(points), {out.data(), out.count()}, {.threads = threads});
   }
   return out.finish();
@@ -154,20 +176,20 @@ nb::object values_at(const DistanceField& field, const PointInput& points, int t
 nb::object gradients_at(const DistanceField& field, const PointInput& points, int threads) {
   NewArray<double> out({points.shape(0), 3});
   {
-    const nb::gil_scoped_release released;
+    const Unlocked released;
     field.gradient(points_of(points), {reinterpret_cast<Vec3*>(out.data()), points.shape(0)}, {.threads = threads});
   }
   return out.finish();
 }
 
 void write(const DistanceField& field, const std::filesystem::path& path, bool compress, bool overwrite, int threads) {
-  const nb::gil_scoped_release released;
+  const Unlocked released;
   write_field(path, field,
               {.existing = overwrite ? Existing::replace : Existing::keep, .compress = compress, .threads = threads});
 }
 
 DistanceField read(const std::filesystem::path& path, std::int64_t memory_limit) {
-  const nb::gil_scoped_release released;
+  const Unlocked released;
   return read_field(path, {.memory_limit = memory_limit});
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Meshes and their files.
 #include "arrays.h"
+#include "lock.h"
 #include "standoff/error.h"
 #include "standoff/io.h"
 #include "standoff/mesh.h"
@@ -19,14 +20,14 @@ nb::tuple read(const std::filesystem::path& path, double scale) {
 
 void write(const std::filesystem::path& path, const VertexInput& vertices, const FaceInput& faces, bool overwrite) {
   const MeshView mesh = view_of(vertices, faces);
-  const nb::gil_scoped_release released;
+  const Unlocked released;
   write_mesh(path, mesh, overwrite ? Existing::replace : Existing::keep);
 }
 
 // ((x, y, z), (x, y, z)) after a check of the whole mesh.
 std::array<std::array<double, 3>, 2> checked_bounds(const VertexInput& vertices, const FaceInput& faces) {
   const MeshView mesh = view_of(vertices, faces);
-  const nb::gil_scoped_release released;
+  const Unlocked released;
   validate(mesh);
   const Box box = bounds(mesh);
   return {{{box.min.x, box.min.y, box.min.z}, {box.max.x, box.max.y, box.max.z}}};

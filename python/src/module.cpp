@@ -7,6 +7,8 @@
 NB_MODULE(_core, m) {
   using namespace standoff::python;
   m.attr("version") = STANDOFF_VERSION;
+  // Daemon threads that die with the interpreter leak what they work with; that is for developers to know.
+  nb::set_leak_warnings(nb::cast<bool>(nb::module_::import_("sys").attr("flags").attr("dev_mode")));
   add_errors(m);
   add_meshes(m);
   add_fields(m);

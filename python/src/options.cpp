@@ -12,7 +12,10 @@ namespace {
 
 template <class Value>
 Value value_of(const nb::handle& object, const char* attribute) {
-  return nb::cast<Value>(object.attr(attribute));
+  Value value;
+  if (!nb::try_cast(object.attr(attribute), value))
+    throw nb::type_error((std::string("sign: its ") + attribute + " has the wrong type").c_str());
+  return value;
 }
 
 }  // namespace

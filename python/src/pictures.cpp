@@ -3,6 +3,7 @@
 #include "standoff/picture.h"
 
 #include "arrays.h"
+#include "lock.h"
 #include "options.h"
 #include "standoff/slice.h"
 
@@ -19,7 +20,7 @@ void slice(const DistanceField& field, const std::filesystem::path& path, const 
   options.at = at;
   options.colormap = static_cast<Colormap>(choice_of("colormap", colormap, kColormaps));
   options.pixels = pixels;
-  const nb::gil_scoped_release released;
+  const Unlocked released;
   write_slice_png(path, field, options);
 }
 
@@ -31,7 +32,7 @@ void mesh_picture(const VertexInput& vertices, const FaceInput& faces, const std
                                .azimuth_deg = azimuth,
                                .elevation_deg = elevation,
                                .up = static_cast<Axis>(choice_of("up", up, kAxes))};
-  const nb::gil_scoped_release released;
+  const Unlocked released;
   write_mesh_png(path, mesh, options);
 }
 

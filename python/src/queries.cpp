@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Exact answers at points.
 #include "arrays.h"
+#include "lock.h"
 #include "options.h"
 #include "standoff/points.h"
 #include "work.h"
@@ -11,18 +12,21 @@ namespace {
 // Of fewer points the answers come at once, and a thread of their own would take longer.
 constexpr std::size_t kFewPoints = 2000;
 
-// Calls ask(progress): on this thread for few points, else watched.
+// Calls ask(progress): on this thread for few points that nobody watches, else watched.
 template <class Ask>
 void ask(const nb::object& progress, std::size_t points, const Ask& ask_points) {
-  if (points > kFewPoints) return run_watched(progress, ask_points);
-  const nb::gil_scoped_release released;
+  if (points > kFewPoints || !progress.is_none()) return run_watched(progress, ask_points);
+  const Unlocked released;
   ask_points(ProgressCallback{});
 }
 
 MeshQuery build(const VertexInput& vertices, const FaceInput& faces, const nb::handle& sign, int threads) {
   const MeshView mesh = view_of(vertices, faces);
-  const MeshQueryOptions options{.sign = sign_of(sign), .execution = {.threads = threads}};
-  return watched(nb::none(), [&](const ProgressCallback&) { return MeshQuery(mesh, options); });
+  MeshQueryOptions options{.sign = sign_of(sign), .execution = {.threads = threads}};
+  return watched(nb::none(), [&](const ProgressCallback& report) {
+    options.progress = report;
+    return MeshQuery(mesh, options);
+  });
 }
 
 nb::object distances(const MeshQuery& query, const PointInput& points, int threads, const std::string& device,
@@ -109,12 +113,12 @@ void add_queries(nb::module_& m) {
       .def(
           "save",
           [](const MeshQuery& query, const std::filesystem::path& path, bool overwrite) {
-            const nb::gil_scoped_release released;
+            const Unlocked released;
             write_query(path, query, overwrite ? Existing::replace : Existing::keep);
           },
           "path"_a, "overwrite"_a);
   m.def("build_query", &build, "vertices"_a.noconvert(), "faces"_a.noconvert(), "sign"_a, "threads"_a);
-  m.def("read_query", &read_query, "path"_a, nb::call_guard<nb::gil_scoped_release>());
+  m.def("read_query", &read_query, "path"_a, nb::call_guard<Unlocked>());
 }
 
 }  // namespace standoff::python

@@ -73,11 +73,14 @@ nb::dict dict_of(const MeshReport& r) {
 nb::dict report_of(const VertexInput& vertices, const FaceInput& faces, double spacing, std::int64_t most_components,
                    std::int64_t most_intersections, int threads) {
   const MeshView mesh = view_of(vertices, faces);
-  const MeshReportOptions options{.spacing = spacing,
-                                  .most_components = most_components,
-                                  .most_intersections = most_intersections,
-                                  .execution = {.threads = threads}};
-  return dict_of(watched(nb::none(), [&](const ProgressCallback&) { return report(mesh, options); }));
+  MeshReportOptions options{.spacing = spacing,
+                            .most_components = most_components,
+                            .most_intersections = most_intersections,
+                            .execution = {.threads = threads}};
+  return dict_of(watched(nb::none(), [&](const ProgressCallback& progress) {
+    options.progress = progress;
+    return report(mesh, options);
+  }));
 }
 
 nb::dict verify_field(const DistanceField& field, const VertexInput& vertices, const FaceInput& faces,

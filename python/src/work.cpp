@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "work.h"
 
+#include <cxxabi.h>
+
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>
@@ -8,6 +10,7 @@
 #include <mutex>
 #include <thread>
 
+#include "lock.h"
 #include "standoff/error.h"
 
 namespace standoff::python {
@@ -19,7 +22,7 @@ constexpr std::chrono::milliseconds kPoll{20};
 struct Shared {
   std::mutex mutex;
   std::condition_variable changed;
-  Progress seen;
+  Progress seen{"prepare", 0};
   bool stopped = false;   // the watching thread wants the work to end
   bool finished = false;  // the work has ended
   std::exception_ptr error;
@@ -46,7 +49,7 @@ void run_watched(const nb::object& progress, const std::function<void(const Prog
   };
   std::exception_ptr ours;
   {
-    const nb::gil_scoped_release released;
+    const Unlocked released;
     std::thread worker([&] {
       std::exception_ptr error;
       try {
@@ -65,8 +68,10 @@ void run_watched(const nb::object& progress, const std::function<void(const Prog
       const Progress seen = shared.seen;
       lock.unlock();
       try {
-        const nb::gil_scoped_acquire held;
+        const Locked held;
         poll(progress, seen);
+      } catch (const abi::__forced_unwind&) {
+        wait_for_exit();
       } catch (...) {
         ours = std::current_exception();
       }

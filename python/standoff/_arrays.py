@@ -18,6 +18,8 @@ _CPU_DEVICES = (1, 3)  # kDLCPU, kDLCUDAHost
 
 def to_numpy(array: Any, what: str) -> np.ndarray:
     """`array` as numpy sees it, without a copy where it lies in the memory of the CPU."""
+    if isinstance(array, np.ma.MaskedArray) and np.ma.is_masked(array):
+        raise TypeError(f"{what}: some entries are masked; leave them out, or fill them with .filled()")
     if isinstance(array, np.ndarray):
         return array
     if getattr(array, "requires_grad", False):
@@ -57,7 +59,7 @@ def doubles(array: Any, what: str, shape: str, *, last: int) -> np.ndarray:
     found = numbers(array, what)
     if found.ndim == 0 or found.shape[-1] != last:
         raise ValueError(f"{what}: must have shape {shape}, not {found.shape}")
-    return np.ascontiguousarray(found, dtype=np.float64)
+    return np.require(found, np.float64, ["C_CONTIGUOUS", "ALIGNED"])
 
 
 def single(dtype: Any) -> bool:

@@ -11,8 +11,9 @@ import numpy as np
 
 from . import _core
 from ._arrays import like, numbers
+from ._files import expect_file, packed, unpacked
 from ._mesh import as_mesh
-from ._options import Progress, progress_of
+from ._options import Progress, number, progress_of
 
 PathLike = str | os.PathLike
 NO_TRIANGLE = 2**32 - 1
@@ -34,13 +35,13 @@ class Body:
     def __init__(self, mesh: Any, *, spacing: float | None = None, threads: int = 0, device: str = "auto") -> None:
         found = as_mesh(mesh)
         self._body = _core.build_body(
-            found.vertices, found.faces, 0.0 if spacing is None else float(spacing), threads, device
+            found.vertices, found.faces, 0.0 if spacing is None else number(spacing, "spacing"), threads, device
         )
 
     @classmethod
     def load(cls, path: PathLike) -> Body:
         """Reads what `save` wrote, or ``standoff build``."""
-        os.stat(path)
+        expect_file(path)
         body = object.__new__(cls)
         body._body = _core.read_body(path)
         return body
@@ -70,6 +71,19 @@ class Body:
 
         kind = "closed" if self.closed else "open"
         return f"<standoff.Body: {self._body.triangles:,} triangles, {kind}, {_bytes(self.nbytes)}>"
+
+    def __copy__(self) -> Body:
+        return self  # nothing changes a body
+
+    def __deepcopy__(self, memo: Any) -> Body:
+        return self
+
+    def __reduce__(self):
+        return _rebuild, (packed(lambda path: self.save(path), ".model"),)
+
+
+def _rebuild(content: bytes) -> Body:
+    return unpacked(content, Body.load, ".model")
 
 
 @dataclass(frozen=True)
@@ -169,7 +183,7 @@ class _Poses:
 
 
 def _of_matrices(matrices: np.ndarray, what: str) -> np.ndarray:
-    wrong = np.abs(matrices[:, 3] - (0, 0, 0, 1)).max(axis=1, initial=0) > 1e-6
+    wrong = ~(np.abs(matrices[:, 3] - (0, 0, 0, 1)).max(axis=1, initial=0) <= 1e-6)
     if wrong.any():
         n = int(wrong.argmax())
         raise ValueError(f"{what}: matrix {n} ends with the row {matrices[n, 3]}, not (0, 0, 0, 1); transpose it?")
@@ -244,7 +258,7 @@ def collide(
     p = _Poses(poses, "poses")
     with progress_of(progress, "collide") as report:
         verdict, triangle_a, triangle_b, inside = _core.collide(
-            body_a, _one(pose_a, "pose_a"), body_b, p.array, float(margin), containment, mode == "certified", threads,
+            body_a, _one(pose_a, "pose_a"), body_b, p.array, number(margin, "margin"), containment, mode == "certified", threads,
             device, report,
         )  # fmt: skip
     return Collisions(*map(p.give, (verdict == 1, verdict == 2, *_triangles(triangle_a, triangle_b), inside)))
@@ -273,7 +287,7 @@ def distance_between(
     p = _Poses(poses, "poses")
     with progress_of(progress, "distance") as report:
         lower, upper, point_a, point_b, triangle_a, triangle_b = _core.distance(
-            body_a, _one(pose_a, "pose_a"), body_b, p.array, float(tolerance), float(limit), threads, report
+            body_a, _one(pose_a, "pose_a"), body_b, p.array, number(tolerance, "tolerance"), number(limit, "limit"), threads, report
         )
     return Distances(*map(p.give, (upper, lower, point_a, point_b, *_triangles(triangle_a, triangle_b))))
 
@@ -307,7 +321,7 @@ def sweep(
     point = tuple(float(x) for x in np.asarray(center, dtype=np.float64).reshape(3))
     with progress_of(progress, "sweep") as report:
         hit, time, touch, normal, triangle_a, triangle_b = _core.sweep(
-            body_a, _one(pose_a, "pose_a"), body_b, first.array, last.array, point, float(tolerance), threads, device,
+            body_a, _one(pose_a, "pose_a"), body_b, first.array, last.array, point, number(tolerance, "tolerance"), threads, device,
             report,
         )  # fmt: skip
     return Sweeps(*map(first.give, (hit == 1, time, touch, normal, *_triangles(triangle_a, triangle_b))))
@@ -324,7 +338,7 @@ def contacts(a: Body, b: Body, pose: Any, *, pose_a: Any = None, most: int = 100
     """
     body_a, body_b = _both(a, b)
     point, normal, depth, triangle_a, triangle_b, overflow = _core.contacts(
-        body_a, _one(pose_a, "pose_a"), body_b, _one(pose, "pose"), most, float(margin)
+        body_a, _one(pose_a, "pose_a"), body_b, _one(pose, "pose"), most, number(margin, "margin")
     )
     return Contacts(point, normal, depth, *_triangles(triangle_a, triangle_b), overflow)
 

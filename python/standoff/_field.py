@@ -5,15 +5,16 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, Literal
 
 import numpy as np
 
 from . import _core
-from ._arrays import Points
+from ._arrays import Points, numbers
+from ._files import expect_file, packed, unpacked
 from ._mesh import Mesh, as_mesh
-from ._options import Grid, Progress, Sign, SignReport, grid_of, memory_limit_of, progress_of, sign_report
+from ._options import Grid, Progress, Sign, SignReport, grid_of, memory_limit_of, number, progress_of, sign_report
 from ._picture import Picture
 
 PathLike = str | os.PathLike
@@ -30,7 +31,9 @@ class DistanceField:
         raise TypeError("make a DistanceField with standoff.field, standoff.load or DistanceField.from_numpy")
 
     @classmethod
-    def _make(cls, grid: Grid, thickness: float, *, native=None, dense=None, provenance=None, sign=None) -> DistanceField:
+    def _make(
+        cls, grid: Grid, thickness: float, *, native=None, dense=None, provenance=None, sign=None, computation=None
+    ) -> DistanceField:
         field = object.__new__(cls)
         field._grid = grid
         field._thickness = thickness
@@ -38,12 +41,13 @@ class DistanceField:
         field._dense = dense
         field._provenance = provenance if provenance is not None else native.provenance
         field._sign = sign
+        field._computation = computation
         return field
 
     @classmethod
-    def _of_native(cls, native, sign: SignReport | None = None) -> DistanceField:
+    def _of_native(cls, native, sign: SignReport | None = None, computation=None) -> DistanceField:
         grid = Grid(tuple(native.shape), tuple(native.origin), tuple(native.spacing))
-        return cls._make(grid, native.thickness, native=native, sign=sign)
+        return cls._make(grid, native.thickness, native=native, sign=sign, computation=computation)
 
     @classmethod
     def from_numpy(cls, values: Any, grid: Grid, *, thickness: float = math.inf) -> DistanceField:
@@ -54,12 +58,17 @@ class DistanceField:
             grid: where the samples are.
             thickness: what distances are clamped to; tiles whose samples are all that far are not stored.
         """
-        array = np.asfortranarray(values, dtype=np.float32)
+        if not isinstance(grid, Grid):
+            raise TypeError(f"grid: must be a standoff.Grid, not {type(grid).__name__}")
+        with np.errstate(over="ignore"):  # what is too large for a float is infinitely far
+            array = np.asfortranarray(numbers(values, "values"), dtype=np.float32)
         if array.shape != grid.shape:
             raise ValueError(f"values: must have the grid's shape {grid.shape}, not {array.shape}")
+        if np.isnan(array).any():
+            raise ValueError("values: some are not numbers; give samples without a distance the thickness")
         signed = "unknown" if bool((array < 0).any()) else ""
         provenance = _core.Provenance("", 0, _core.version, signed)
-        return cls._of_native(_core.from_dense(grid._core(), float(thickness), array, provenance))
+        return cls._of_native(_core.from_dense(grid._core(), number(thickness, "thickness"), array, provenance))
 
     # What it is.
 
@@ -95,6 +104,13 @@ class DistanceField:
         return {"method": p.method, "mesh_hash": p.mesh_hash, "version": p.version, "sign": p.sign}
 
     @property
+    def computation(self) -> dict[str, Any] | None:
+        """What computing it did: ``backend``, ``device``, ``threads``, ``triangles``, ``samples_band``,
+        ``samples_examined`` (distances between a sample and a triangle) and ``seconds``. None if it was not computed
+        here."""
+        return self._computation
+
+    @property
     def nbytes(self) -> int:
         """Memory that the values take."""
         dense = 0 if self._dense is None else self._dense.nbytes
@@ -123,8 +139,11 @@ class DistanceField:
         return values
 
     def __array__(self, dtype=None, copy=None) -> np.ndarray:
+        same = dtype is None or np.dtype(dtype) == np.float32
+        if copy is False and (self._dense is None or not same):
+            raise ValueError("a band, or another type than float32, cannot be had without a copy")
         values = self.numpy()
-        if copy or (dtype is not None and np.dtype(dtype) != values.dtype):
+        if copy or not same:
             return np.array(values, dtype=dtype, order="K")
         return values
 
@@ -185,6 +204,13 @@ class DistanceField:
         """
         self._native().save(path, compress, overwrite, threads)
 
+    def to_bytes(self, format: str = "nvdb", *, compress: bool = True) -> bytes:
+        """The content of the file that `save` writes in the format of this extension.
+
+        ``warp.Volume.load_from_nvdb`` takes that of ``"nvdb"`` in a file object, as Newton does.
+        """
+        return packed(lambda path: self.save(path, compress=compress), "." + format.removeprefix("."))
+
     def plot(
         self,
         kind: Literal["slice", "surface"] = "slice",
@@ -210,7 +236,7 @@ class DistanceField:
         if kind != "slice":
             raise ValueError(f"kind: must be 'slice' or 'surface', not {kind!r}")
         native = self._native()
-        return Picture.drawn(lambda path: _core.write_slice(native, path, axis, float(at), colormap, pixels))
+        return Picture.drawn(lambda path: _core.write_slice(native, path, axis, number(at, "at"), colormap, pixels))
 
     def _repr_png_(self) -> bytes:
         return bytes(self.plot())
@@ -222,13 +248,19 @@ class DistanceField:
         if self._dense is not None:
             return _rebuild_dense, (*state, self._dense)
         native = self._native_field
-        if native.has_nearest:
-            raise TypeError("a field with nearest triangles cannot be pickled; save it as .npz or .vti")
+        if native.has_nearest:  # files keep the nearest triangles too
+            return _rebuild_packed, (packed(lambda path: self.save(path), ".npz"), self._sign)
         values = np.array(native.tile_values().transpose(0, 3, 2, 1)).reshape(-1, 512)
         return _rebuild_tiles, (*state, values, np.array(native.slots()))
 
     def __copy__(self) -> DistanceField:
         return self  # nothing changes a field
+
+    def __deepcopy__(self, memo: Any) -> DistanceField:
+        if self._dense is None:
+            return self
+        rebuild, (*state, dense) = self.__reduce__()  # the array may be the caller's
+        return rebuild(*state, dense.copy(order="F"))
 
     def _native(self) -> _core.Field:
         if self._native_field is None:
@@ -245,6 +277,10 @@ def _rebuild_dense(grid, thickness, provenance, sign, dense) -> DistanceField:
 def _rebuild_tiles(grid, thickness, provenance, sign, values, slots) -> DistanceField:
     native = _core.from_tiles(grid._core(), thickness, values, slots, _core.Provenance(**provenance))
     return DistanceField._of_native(native, sign)
+
+
+def _rebuild_packed(content: bytes, sign) -> DistanceField:
+    return DistanceField._of_native(unpacked(content, lambda path: _core.read_field(path, 0), ".npz"), sign)
 
 
 def _bytes(count: int) -> str:
@@ -316,23 +352,29 @@ def field(
             raise ValueError("out and nearest: nearest triangles are stored in tiles; leave out one of these")
         dense = _checked_out(out, where)
     elif math.isinf(half_width) and not nearest:
-        dense = _new_dense(where, limit)
+        mesh_and_grid = found.vertices, found.faces, where._core()
+        dense = _new_dense(where, limit, lambda: _core.memory_needed(*mesh_and_grid, half_width, asked, False, True))
     settings = (asked, method)
     with progress_of(progress, "field") as report:
         if dense is None:
             native, done = _core.compute(
                 found.vertices, found.faces, where._core(), half_width, *settings, nearest, threads, device, limit, report
             )
-            return DistanceField._of_native(native, sign_report(done["sign"], asked, stacklevel=2))
+            signs = sign_report(done.pop("sign"), asked, stacklevel=2)
+            del done["provenance"], done["method"]
+            return DistanceField._of_native(native, signs, done)
         done = _core.compute_dense(
             found.vertices, found.faces, where._core(), half_width, dense, *settings, threads, device, limit, report
         )
-    signs = sign_report(done["sign"], asked, stacklevel=2)
-    made = done["provenance"]
+    signs = sign_report(done.pop("sign"), asked, stacklevel=2)
+    made = done.pop("provenance")
+    del done["method"]
     provenance = _core.Provenance(
         made.method, _core.content_hash(found.vertices, found.faces), made.version, made.sign
     )
-    return DistanceField._make(where, half_width, dense=dense, provenance=provenance, sign=signs)
+    return DistanceField._make(
+        where, half_width, dense=dense, provenance=provenance, sign=signs, computation=done
+    )
 
 
 def _checked_out(out: Any, grid: Grid) -> np.ndarray:
@@ -347,9 +389,9 @@ def _checked_out(out: Any, grid: Grid) -> np.ndarray:
     return out
 
 
-def _new_dense(grid: Grid, limit: int) -> np.ndarray:
-    needed = 4 * math.prod(grid.shape)
-    if needed > limit:
+def _new_dense(grid: Grid, limit: int, needed_for: Callable[[], int]) -> np.ndarray:
+    if 0 < limit < 4 * math.prod(grid.shape):
+        needed = needed_for()
         from ._errors import make
 
         raise make(
@@ -370,6 +412,6 @@ def load(path: PathLike, *, memory_limit: int | None = None) -> DistanceField:
         InputError: the file is damaged, or no field.
         LimitError: it needs more than `memory_limit` bytes, by default 80 % of the machine's.
     """
-    os.stat(path)
+    expect_file(path)
     return DistanceField._of_native(_core.read_field(path, memory_limit_of(memory_limit)))
 

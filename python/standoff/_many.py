@@ -4,15 +4,18 @@
 from __future__ import annotations
 
 import os
+import threading
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sized
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
+from inspect import signature
 from typing import Any
 
 from ._errors import Error
 from ._field import DistanceField, field
 from ._mesh import as_mesh
+from ._options import whole_number
 
 
 @dataclass(frozen=True)
@@ -62,24 +65,44 @@ def fields(
         ...     if result.error is None:
         ...         result.field.save(f"{result.index}.npz")
     """
+    if isinstance(meshes, (str, os.PathLike)):
+        raise TypeError("meshes: must be several, in a list or another iterable; a single one is for standoff.field")
+    source = iter(meshes)
+    for name in options:
+        if name not in _OPTIONS:
+            raise TypeError(f"fields() got an unexpected keyword argument {name!r}")
     if workers is None:
         workers = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    if workers < 1:
+    if whole_number(workers, "workers") < 1:
         raise ValueError("workers: must be at least 1")
-    waiting = 4 * workers if ahead is None else ahead
+    waiting = 4 * workers if ahead is None else whole_number(ahead, "ahead")
     if waiting < 1:
         raise ValueError("ahead: must be at least 1")
     options.setdefault("threads", 1)
-    return _results(meshes, workers, waiting, prepare, progress, options)
+    total = len(meshes) if isinstance(meshes, Sized) else None
+    return _results(source, total, workers, waiting, prepare, progress, options)
 
 
-def _results(meshes, workers, waiting, prepare, progress, options) -> Iterator[FieldResult]:
+_OPTIONS = set(signature(field).parameters) - {"mesh", "out", "progress"}
+
+
+class _Closed(BaseException):
+    """Nobody waits for the field any more."""
+
+
+def _results(meshes, total, workers, waiting, prepare, progress, options) -> Iterator[FieldResult]:
+    closed = threading.Event()
+
+    def watch(stage: str, fraction: float) -> None:
+        if closed.is_set():
+            raise _Closed
+
     def work(index: int, source: Any) -> FieldResult:
         try:
             mesh = as_mesh(source)
             if prepare is not None:
                 mesh = prepare(mesh)
-            return FieldResult(index, source, field(mesh, **options), None)
+            return FieldResult(index, source, field(mesh, progress=watch, **options), None)
         except (Error, OSError, ValueError, TypeError, MemoryError) as error:
             return FieldResult(index, source, None, error)
 
@@ -87,7 +110,7 @@ def _results(meshes, workers, waiting, prepare, progress, options) -> Iterator[F
     if progress:
         from tqdm.auto import tqdm
 
-        bar = tqdm(total=len(meshes) if hasattr(meshes, "__len__") else None, desc="fields", unit="mesh")
+        bar = tqdm(total=total, desc="fields", unit="mesh")
     pending: deque[Future[FieldResult]] = deque()
     pool = ThreadPoolExecutor(workers, thread_name_prefix="standoff")
     try:
@@ -99,6 +122,7 @@ def _results(meshes, workers, waiting, prepare, progress, options) -> Iterator[F
         while pending:
             yield _next(pending, bar)
     finally:
+        closed.set()  # stops the fields that are being computed
         pool.shutdown(wait=True, cancel_futures=True)
         if bar is not None:
             bar.close()

@@ -12,6 +12,8 @@ import numpy as np
 from . import _core
 from ._arrays import numbers, to_numpy
 from ._errors import MeshError
+from ._files import expect_file
+from ._options import number
 
 PathLike = str | os.PathLike
 
@@ -102,8 +104,8 @@ def read(path: PathLike, *, scale: float = 1.0) -> Mesh:
         InputError: the file is damaged or of no format that is known; ``file``, ``line`` and ``byte`` say where.
         LimitError: the mesh does not fit into memory.
     """
-    os.stat(path)  # what is not there is not ours to describe
-    vertices, faces, notes = _core.read_mesh(path, float(scale))
+    expect_file(path)
+    vertices, faces, notes = _core.read_mesh(path, number(scale, "scale"))
     return Mesh(vertices, faces, notes=tuple(notes))
 
 
@@ -143,7 +145,7 @@ def _rows(array: np.ndarray, kinds: tuple[np.dtype, ...], other: type) -> np.nda
         array = array.astype(other)
     fits = array.size == 0 or (array.strides[1] == array.itemsize and array.strides[0] % array.itemsize == 0)
     if not fits or not array.flags.aligned:
-        array = np.ascontiguousarray(array)
+        array = np.require(array, requirements=["C_CONTIGUOUS", "ALIGNED"])
     return array
 
 
@@ -160,8 +162,6 @@ def _faces(faces: Any) -> np.ndarray:
         found = np.empty((0, 3), np.uint32)
     if found.dtype.kind not in "iu":
         raise TypeError(f"faces: must be integers, not {found.dtype}; convert with .astype(numpy.int64)")
-    if found.ndim == 1 and found.size % 3 == 0:
-        found = found.reshape(-1, 3)
     if found.ndim != 2 or found.shape[1] != 3:
         what = "; split quads into triangles first" if found.ndim == 2 and found.shape[1] == 4 else ""
         raise ValueError(f"faces: must have shape (n, 3), not {found.shape}{what}")
@@ -198,6 +198,10 @@ def _of_packed(mesh: Any) -> Mesh:
     return Mesh(mesh.verts_packed(), mesh.faces_packed())
 
 
+def _of_warp(mesh: Any) -> Mesh:
+    return Mesh(mesh.points, to_numpy(mesh.indices, "indices").reshape(-1, 3))  # flat
+
+
 # What tells an object's library, and how it becomes a mesh; the first that fits is taken.
 _CONVERSIONS: tuple[tuple[Callable[[Any], bool], Callable[[Any], Mesh]], ...] = (
     (_has("to_geometry", "geometry"), lambda scene: as_mesh(scene.to_geometry())),  # trimesh.Scene
@@ -208,5 +212,5 @@ _CONVERSIONS: tuple[tuple[Callable[[Any], bool], Callable[[Any], Mesh]], ...] = 
     (_has("points", "cells_dict"), _of_meshio),  # meshio; pyvista has cells_dict too, without regular_faces
     (_has("points", "is_all_triangles"), _of_pyvista),  # pyvista.PolyData
     (_has("points", "extract_surface"), _of_pyvista),  # other pyvista data sets
-    (_has("points", "indices"), lambda m: Mesh(m.points, m.indices)),  # warp.Mesh
+    (_has("points", "indices"), _of_warp),  # warp.Mesh
 )

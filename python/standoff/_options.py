@@ -132,7 +132,7 @@ class Grid:
         from ._mesh import bounds_of
 
         low, high = bounds_of(bounds)
-        return _fit(low, high, resolution, spacing, shape, _core.Padding(0, _number(padding, "padding"), 0, math.inf))
+        return _fit(low, high, resolution, spacing, shape, _core.Padding(0, number(padding, "padding"), 0, math.inf))
 
     @property
     def bounds(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
@@ -149,13 +149,15 @@ class Grid:
         return _core.Grid(self.shape, self.origin, self.spacing)
 
 
-def _number(value: Any, what: str) -> float:
+def number(value: Any, what: str) -> float:
     if isinstance(value, numbers.Real) and not isinstance(value, bool):
+        return float(value)
+    if getattr(value, "ndim", None) == 0 and hasattr(value, "__float__"):  # an array's number
         return float(value)
     raise TypeError(f"{what}: must be a number, not {type(value).__name__}")
 
 
-def _whole(value: Any, what: str) -> int:
+def whole_number(value: Any, what: str) -> int:
     if isinstance(value, numbers.Integral) and not isinstance(value, bool):
         return int(value)
     raise TypeError(f"{what}: must be a whole number, not {value!r}")
@@ -166,7 +168,7 @@ def _triple(value: Any, what: str, *, whole: bool = False) -> tuple:
         value = value.tolist()
     if isinstance(value, (str, bytes)) or not isinstance(value, Iterable):
         raise TypeError(f"{what}: must be three numbers, not {type(value).__name__}")
-    three = tuple((_whole if whole else _number)(v, what) for v in value)
+    three = tuple((whole_number if whole else number)(v, what) for v in value)
     if len(three) != 3:
         raise ValueError(f"{what}: must be three numbers, one for each axis, not {len(three)}")
     return three
@@ -180,12 +182,12 @@ def _fit(low, high, resolution, spacing, shape, padding: _core.Padding) -> Grid:
         return Grid(*_core.fit_size(low, high, _triple(shape, "shape", whole=True), padding))
     if spacing is not None:
         return Grid(*_core.fit_spacing(low, high, _spacing(spacing), padding))
-    return Grid(*_core.fit_samples(low, high, 256 if resolution is None else _whole(resolution, "resolution"), padding))
+    return Grid(*_core.fit_samples(low, high, 256 if resolution is None else whole_number(resolution, "resolution"), padding))
 
 
 def _spacing(spacing: Any) -> tuple:
     if isinstance(spacing, numbers.Real):
-        return (_number(spacing, "spacing"),) * 3
+        return (number(spacing, "spacing"),) * 3
     return _triple(spacing, "spacing")
 
 
@@ -194,9 +196,9 @@ def grid_of(bounds, grid, resolution, spacing, shape, padding, band, thickness) 
     if band is not None and thickness is not None:
         raise ValueError("band and thickness: give one of these; band counts in samples, thickness in world units")
     if band is not None:
-        band = _number(band, "band")
+        band = number(band, "band")
     if thickness is not None:
-        thickness = _number(thickness, "thickness")
+        thickness = number(thickness, "thickness")
     if grid is not None:
         for name, value in (("resolution", resolution), ("spacing", spacing), ("shape", shape), ("padding", padding)):
             if value is not None:
@@ -205,7 +207,7 @@ def grid_of(bounds, grid, resolution, spacing, shape, padding, band, thickness) 
             raise TypeError(f"grid: must be a standoff.Grid, not {type(grid).__name__}")
     else:
         if padding is not None:
-            room = _core.Padding(0, _number(padding, "padding"), 0, math.inf)
+            room = _core.Padding(0, number(padding, "padding"), 0, math.inf)
         elif thickness is not None:
             room = _core.Padding(thickness, 0, 2, _MOST_PADDING) if thickness < math.inf else _core.Padding(0, 0, 2, math.inf)
         elif band is not None and spacing is not None:
@@ -221,7 +223,7 @@ def grid_of(bounds, grid, resolution, spacing, shape, padding, band, thickness) 
 def memory_limit_of(limit: int | None) -> int:
     """By default 80 % of the machine's memory, or of what its control group allows."""
     if limit is not None:
-        return _whole(limit, "memory_limit")
+        return whole_number(limit, "memory_limit")
     most = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
     for file in ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"):
         try:

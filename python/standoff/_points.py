@@ -11,6 +11,7 @@ import numpy as np
 
 from . import _core
 from ._arrays import Points
+from ._files import expect_file, packed, unpacked
 from ._mesh import Mesh, as_mesh
 from ._options import Progress, Sign, SignReport, progress_of, sign_report
 
@@ -64,7 +65,7 @@ class MeshQuery:
     @classmethod
     def load(cls, path: PathLike) -> MeshQuery:
         """Reads what `save` wrote, or ``standoff build -o x.query``."""
-        os.stat(path)
+        expect_file(path)
         query = object.__new__(cls)
         query._query = _core.read_query(path)
         query._sign = SignReport(**query._query.sign)
@@ -108,7 +109,11 @@ class MeshQuery:
         return ClosestPoints(*map(p.give, (distance, point, triangle.astype(np.int64), feature, weights, gradient)))
 
     def winding_number(self, points: Any, *, threads: int = 0, progress: Progress = None) -> Any:
-        """The generalised winding number of the mesh at each point ``(..., 3)``; whole if the mesh is closed."""
+        """The generalised winding number of the mesh at each point ``(..., 3)``; whole if the mesh is closed.
+
+        Raises:
+            UsageError: the query's sign is by another method than winding: build it with ``sign="winding"``.
+        """
         p = Points(points)
         with progress_of(progress, "winding number") as report:
             return p.give(self._query.winding_numbers(p.array, threads, report))
@@ -120,15 +125,18 @@ class MeshQuery:
         sign = f"signed ({self._sign.method})" if self.signed else "unsigned"
         return f"<standoff.MeshQuery: {len(faces):,} triangles, {sign}, {_bytes(self.nbytes)}>"
 
+    def __copy__(self) -> MeshQuery:
+        return self  # nothing changes a query
+
+    def __deepcopy__(self, memo: Any) -> MeshQuery:
+        return self
+
     def __reduce__(self):
-        return _rebuild, (*self._query.mesh(), self._sign)
+        return _rebuild, (packed(lambda path: self.save(path), ".query"),)
 
 
-def _rebuild(vertices, faces, sign: SignReport) -> MeshQuery:
-    query = object.__new__(MeshQuery)
-    query._query = _core.build_query(vertices, faces, Sign(sign.method), 0)  # type: ignore[arg-type]
-    query._sign = sign
-    return query
+def _rebuild(content: bytes) -> MeshQuery:
+    return unpacked(content, MeshQuery.load, ".query")
 
 
 @overload

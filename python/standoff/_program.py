@@ -7,6 +7,8 @@ import os
 import sys
 
 
+PROGRAM = os.path.join(os.path.dirname(__file__), "bin", "standoff")
+
+
 def main() -> None:
-    program = os.path.join(os.path.dirname(__file__), "bin", "standoff")
-    os.execv(program, [program, *sys.argv[1:]])
+    os.execv(PROGRAM, [PROGRAM, *sys.argv[1:]])

@@ -9,7 +9,7 @@ from typing import Any
 from . import _core
 from ._field import DistanceField
 from ._mesh import as_mesh
-from ._options import Progress, progress_of
+from ._options import Progress, number, progress_of
 
 
 @dataclass(frozen=True)
@@ -141,7 +141,7 @@ def report(
         MeshError: a face out of range, or a corner that is not finite.
     """
     m = as_mesh(mesh)
-    found = _core.report(m.vertices, m.faces, float(spacing), most_components, most_intersections, threads)
+    found = _core.report(m.vertices, m.faces, number(spacing, "spacing"), most_components, most_intersections, threads)
     components = tuple(
         Component(**{key: _tuples(value) for key, value in one.items()}) for one in found.pop("components")
     )

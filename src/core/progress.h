@@ -14,6 +14,8 @@ namespace standoff {
 
 class ProgressMeter {
  public:
+  /// For work that nobody watches.
+  ProgressMeter() : ProgressMeter(nobody()) {}
   /// `callback` may be empty, and must outlive the meter.
   explicit ProgressMeter(const ProgressCallback& callback) : callback_(callback) {}
 
@@ -45,6 +47,11 @@ class ProgressMeter {
       if (!call_back(callback_, now)) cancelled_ = true;
     }
     if (cancelled_) throw Error(ErrorCode::interrupted, "compute: cancelled; nothing was kept");
+  }
+
+  static const ProgressCallback& nobody() {
+    static const ProgressCallback none;
+    return none;
   }
 
   const ProgressCallback& callback_;

@@ -90,7 +90,7 @@ class Computation {
       Stopwatch watch;
       progress_.stage("prepare", 1, 0, 0.1);
       check_mesh(mesh_, plan_, options_);
-      sign_plan_ = plan_sign(mesh_, options_.sign);
+      sign_plan_ = plan_sign(mesh_, options_.sign, progress_);
       if (options_.sign.outer) plan_outer(mesh_, options_.sign, sign_plan_);
       report_.seconds.prepare = watch.lap();
     });

@@ -50,8 +50,8 @@ void check(std::span<const Vec3> points, std::size_t answers) {
   }
 }
 
-SignPlan plan_of(MeshView mesh, const SignOptions& options) {
-  SignPlan plan = plan_sign(mesh, options);
+SignPlan plan_of(MeshView mesh, const SignOptions& options, ProgressMeter& progress) {
+  SignPlan plan = plan_sign(mesh, options, progress);
   if (options.outer) plan_outer(mesh, options, plan);
   if (plan.report.method != SignMethod::flood) return plan;
   plan.report.method = SignMethod::none;  // found by the diagnosis
@@ -130,11 +130,15 @@ const DeviceTree& MeshQuery::Data::device_tree() const {
 MeshQuery::MeshQuery(MeshView mesh, const MeshQueryOptions& options) try {
   check(mesh, options);
   Threads threads(options.execution.threads);
+  ProgressMeter progress(options.progress);
   threads.run([&] {
-    SignPlan plan = plan_of(mesh, options.sign);
+    progress.stage("sign", 1, 0, 0.5);
+    SignPlan plan = plan_of(mesh, options.sign, progress);
+    progress.stage("tree", 1, 0.5, 1);
     data_ = std::make_shared<const Data>(copy_of(mesh), options.sign, std::move(plan), threads.count(),
                                          options.execution.simd);
   });
+  progress.stage("done", 1, 1, 1);
 } catch (...) {
   throw_as_error("points");
 }

@@ -86,7 +86,8 @@ GradientSign gradient_sign(const DistanceField& field) {
 // How the triangles are used where the sign was decided; empty: as they are.
 std::vector<std::int8_t> orientation_of(MeshView mesh, const GradientSign& sign) {
   if (!sign.how || !sign.how->oriented) return {};
-  return plan_sign(mesh, {.method = sign.how->method, .rule = sign.how->rule}).use;
+  ProgressMeter unwatched;
+  return plan_sign(mesh, {.method = sign.how->method, .rule = sign.how->rule}, unwatched).use;
 }
 
 class Pass {

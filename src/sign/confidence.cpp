@@ -77,7 +77,7 @@ std::vector<float> winding_margins(MeshView mesh, const Grid& grid, const SignOp
   std::vector<float> margins(static_cast<std::size_t>(grid.sample_count()), 0.5f);
   Threads(execution.threads).run([&] {
     meter.stage("confidence", 1, 0, 1);
-    const SignPlan plan = plan_sign(mesh, by_winding);
+    const SignPlan plan = plan_sign(mesh, by_winding, meter);
     if (plan.boundary.edges.empty()) return;
     const OpenWinding winding({mesh, plan.use}, plan.boundary, grid, WindingRule::positive, meter);
     tbb::parallel_for(tbb::blocked_range<std::int64_t>(0, grid.size.y * grid.size.z, 16), [&](const auto& range) {

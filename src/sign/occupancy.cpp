@@ -33,7 +33,7 @@ Occupancy occupancy(MeshView mesh, const Grid& grid, const SignOptions& sign, co
   ProgressMeter meter(progress);
   Threads(execution.threads).run([&] {
     meter.stage("sign", 1, 0, 1);
-    SignPlan plan = plan_sign(mesh, sign);
+    SignPlan plan = plan_sign(mesh, sign, meter);
     const auto sides = plan.has_sign() ? make_sides(mesh, plan, sign, {grid}, meter) : nullptr;
     found.bits = sides ? bits_of(*sides, sign.invert, grid, meter).bytes : SampleBits(grid.size).bytes;
     found.sign = plan.report;

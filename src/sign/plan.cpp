@@ -48,7 +48,8 @@ void take_as_it_is(SignPlan& plan, MeshView mesh) {
                     " do not cancel), so the generalised winding number decides";
 }
 
-void plan_winding(SignPlan& plan, MeshView mesh, const Closed& closed, const SignOptions& options) {
+void plan_winding(SignPlan& plan, MeshView mesh, const Closed& closed, const SignOptions& options,
+                  ProgressMeter& progress) {
   // Most meshes need no diagnosis.
   if (closed.oriented && (options.as_oriented || faces_outwards(mesh))) {
     plan.report.method = SignMethod::winding;
@@ -56,7 +57,7 @@ void plan_winding(SignPlan& plan, MeshView mesh, const Closed& closed, const Sig
     return;
   }
   if (options.as_oriented && options.method == SignMethod::winding) return take_as_it_is(plan, mesh);
-  Diagnosis found = diagnose(mesh, MeshEdges(mesh));
+  Diagnosis found = diagnose(mesh, MeshEdges(mesh), progress);
   const bool fits = found.report.method == SignMethod::winding;
   plan.report.sure = found.report.sure;
   plan.report.why = found.report.why;
@@ -98,7 +99,7 @@ bool needs_diagnosis(MeshView mesh, const SignOptions& options) {
   return options.outer || !is_closed(mesh).oriented || !(options.as_oriented || faces_outwards(mesh));
 }
 
-SignPlan plan_sign(MeshView mesh, const SignOptions& options) {
+SignPlan plan_sign(MeshView mesh, const SignOptions& options, ProgressMeter& progress) {
   SignPlan plan;
   plan.report.method = options.method;
   if (options.method == SignMethod::none) return plan;
@@ -107,6 +108,7 @@ SignPlan plan_sign(MeshView mesh, const SignOptions& options) {
     return plan;
   }
   const Closed closed = is_closed(mesh);
+  progress.check();
   switch (options.method) {
     case SignMethod::parity:
       plan_parity(plan, closed);
@@ -118,7 +120,7 @@ SignPlan plan_sign(MeshView mesh, const SignOptions& options) {
       plan_flood(plan, closed);
       break;
     default:
-      plan_winding(plan, mesh, closed, options);
+      plan_winding(plan, mesh, closed, options, progress);
   }
   expect_sure(plan, options);
   return plan;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/progress.h"
 #include "sign/diagnosis/boundary.h"
 #include "sign/oriented_mesh.h"
 #include "standoff/mesh.h"
@@ -23,7 +24,8 @@ struct SignPlan {
 
 /// Throws Error{input} where the method does not fit the mesh, Error{doubt} where it fits but is not certain and
 /// `strict` is asked for. Requires a valid mesh and valid options. Runs on the threads of the calling TBB arena.
-SignPlan plan_sign(MeshView mesh, const SignOptions& options);
+/// `progress` is checked between steps.
+SignPlan plan_sign(MeshView mesh, const SignOptions& options, ProgressMeter& progress);
 
 /// Whether plan_sign() would look at the mesh's edges, which takes memory: a mesh that is closed and faces outwards
 /// needs no such diagnosis. Requires a valid mesh. Runs on the threads of the calling TBB arena.

@@ -30,11 +30,17 @@ struct Sides {
 /// By the winding number of the mesh as it is: parts that are inside out count as such.
 inline constexpr SignOptions kAsItIs{.method = SignMethod::winding, .as_oriented = true};
 
+/// What is decided for a mesh.
+inline SignPlan plan_of(MeshView mesh, const SignOptions& options) {
+  ProgressMeter unwatched;
+  return plan_sign(mesh, options, unwatched);
+}
+
 /// A closed mesh whose samples are asked for.
 class SidesOfSamples {
  public:
   explicit SidesOfSamples(Mesh mesh, const SignOptions& options = kAsItIs)
-      : mesh_(std::move(mesh)), options_(options), plan_(plan_sign(mesh_, options)), groups_(mesh_) {}
+      : mesh_(std::move(mesh)), options_(options), plan_(plan_of(mesh_, options)), groups_(mesh_) {}
 
   const Mesh& mesh() const { return mesh_; }
 

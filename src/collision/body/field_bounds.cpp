@@ -106,7 +106,8 @@ FieldBounds plan_field_bounds(const Box& box, double spacing) {
   return bounds;
 }
 
-FieldBounds build_field_bounds(MeshView mesh, Vec3 middle, double spacing, const Execution& execution) {
+FieldBounds build_field_bounds(MeshView mesh, Vec3 middle, double spacing, const Execution& execution,
+                               ProgressMeter& progress) {
   std::vector<Vec3> vertices(mesh.vertices.size());
   tbb::parallel_for(std::size_t{0}, vertices.size(), [&](std::size_t v) { vertices[v] = mesh.vertices[v] - middle; });
   const MeshView moved{vertices, mesh.triangles};
@@ -116,6 +117,10 @@ FieldBounds build_field_bounds(MeshView mesh, Vec3 middle, double spacing, const
   const Grid coarse{bounds.coarse_size, bounds.origin, {coarse_spacing, coarse_spacing, coarse_spacing}};
   ComputeOptions options;
   options.execution = execution;
+  options.progress = [&progress](const Progress&) {
+    progress.check();
+    return true;
+  };
   const bool has_sign = is_closed(moved).oriented;
   // As the triangles are oriented: so are the crossings that containment counts near the surface.
   if (has_sign) options.sign = {.method = SignMethod::winding, .as_oriented = true};
@@ -124,6 +129,7 @@ FieldBounds build_field_bounds(MeshView mesh, Vec3 middle, double spacing, const
     fill_fine(bounds, field, has_sign);
     if (has_sign) fill_coarse_inside(bounds, field);
   }
+  progress.advance();
   options.sign = {};
   bounds.coarse.resize(static_cast<std::size_t>(coarse.sample_count()));
   compute_into(moved, coarse, kFullField, bounds.coarse, options);

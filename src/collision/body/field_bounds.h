@@ -7,6 +7,7 @@
 
 #include "collision/body/field_view.h"
 #include "core/huge_page_vector.h"
+#include "core/progress.h"
 #include "standoff/execution.h"
 #include "standoff/field.h"
 #include "standoff/mesh.h"
@@ -46,6 +47,7 @@ FieldBounds plan_field_bounds(const Box& box, double spacing);
 
 /// Builds the fields through compute(); they have a sign if the mesh is closed and consistently oriented. Errors:
 /// limit.
-FieldBounds build_field_bounds(MeshView mesh, Vec3 middle, double spacing, const Execution& execution);
+FieldBounds build_field_bounds(MeshView mesh, Vec3 middle, double spacing, const Execution& execution,
+                               ProgressMeter& progress);
 
 }  // namespace standoff::collision

@@ -8,6 +8,7 @@
 #include "core/guarded.h"
 #include "core/mesh_copy.h"
 #include "core/number_text.h"
+#include "core/progress.h"
 #include "core/threads.h"
 
 namespace standoff {
@@ -54,12 +55,17 @@ CollisionModel::CollisionModel(MeshView mesh, const ModelOptions& options) try {
   data->mesh = copy_of(mesh);
   data->prepare(options.spacing);
   const double spacing = options.spacing > 0 ? options.spacing : collision::default_spacing(mesh, data->box);
+  ProgressMeter progress(options.progress);
   Threads(options.execution.threads).run([&] {
-    data->field = collision::build_field_bounds(mesh, data->middle, spacing, options.execution);
+    progress.stage("fields", 2, 0, 0.7);
+    data->field = collision::build_field_bounds(mesh, data->middle, spacing, options.execution, progress);
+    progress.stage("bvh", 1, 0.7, 0.9);
     data->bvh = collision::build_bvh(mesh, data->middle);
+    progress.stage("components", 1, 0.9, 1);
     data->components = collision::first_of_components(mesh);
     data->finish();
   });
+  progress.stage("done", 1, 1, 1);
   data_ = data;
 } catch (...) {
   throw_as_error("model", "take a larger spacing, or provide more memory");

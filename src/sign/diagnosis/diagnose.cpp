@@ -76,23 +76,29 @@ PartSums sums_of(const OrientedMesh& mesh, const Vec3& relative_to) {
 
 }  // namespace
 
-Diagnosis diagnose(MeshView mesh, const MeshEdges& edges) {
+Diagnosis diagnose(MeshView mesh, const MeshEdges& edges, ProgressMeter& progress) {
   Diagnosis all;
   MeshReport& found = all.report;
   add_triangles(mesh, found);
+  progress.check();
   found.positions = edges.positions();
   for_each_edge(edges, {}, [&](std::span<const EdgeUse> sides) {
     found.open_edges += sides.size() == 1;
     found.nonmanifold_edges += sides.size() > 2;
   });
+  progress.check();
   all.orientation = orient(mesh, edges);
+  progress.check();
   add_orientation(all.orientation, found);
   const OrientedMesh oriented{mesh, all.orientation.use};
   all.boundary = net_boundary(oriented, edges);
+  progress.check();
   const PartSums sums = sums_of(oriented, found.bounds.center());
   const Cap caps = add_boundary(all.boundary, found);
+  progress.check();
   found.cap_share = sums.area > 0 ? caps.area / sums.area : 0;
   found.openness = openness_of(oriented, all.boundary);
+  progress.check();
   found.volume = sums.volume + (is_cracked(found) ? 0 : caps.volume);
   if (found.closed()) {
     const WindingRange range = find_winding_range(oriented, found.bounds);

@@ -2,6 +2,7 @@
 // What must be known of a mesh to choose a sign method, and what the methods need of it.
 #pragma once
 
+#include "core/progress.h"
 #include "sign/diagnosis/boundary.h"
 #include "sign/diagnosis/mesh_edges.h"
 #include "sign/diagnosis/orient.h"
@@ -16,7 +17,7 @@ struct Diagnosis {
   MeshReport report;
 };
 
-/// Requires a valid mesh and its edges. Runs on the threads of the calling TBB arena.
-Diagnosis diagnose(MeshView mesh, const MeshEdges& edges);
+/// Requires a valid mesh and its edges. `progress` is checked between steps. Runs on the threads of the calling TBB arena.
+Diagnosis diagnose(MeshView mesh, const MeshEdges& edges, ProgressMeter& progress);
 
 }  // namespace standoff

@@ -7,6 +7,7 @@
 
 #include "core/execution.h"
 #include "core/guarded.h"
+#include "core/progress.h"
 #include "core/threads.h"
 #include "sign/diagnosis/components.h"
 #include "sign/diagnosis/diagnose.h"
@@ -29,8 +30,9 @@ void check(const MeshReportOptions& options) {
 }
 
 void add_components(const OrientedMesh& mesh, const MeshEdges& edges, const MeshReportOptions& options,
-                    MeshReport& found) {
+                    ProgressMeter& progress, MeshReport& found) {
   Components components = find_components(mesh, edges);
+  progress.check();
   std::vector<Part> parts;
   for (const MeshComponent& component : components.all) parts.push_back({component.bounds, component.solid});
   const Nesting nesting = find_nesting(mesh, components.of, parts);
@@ -46,22 +48,27 @@ void add_components(const OrientedMesh& mesh, const MeshEdges& edges, const Mesh
   found.components = std::move(components.all);
 }
 
-MeshReport examine(MeshView mesh, const MeshReportOptions& options) {
+MeshReport examine(MeshView mesh, const MeshReportOptions& options, ProgressMeter& progress) {
   const Box box = bounds(mesh);
   if (!(std::max(max_norm(box.min), max_norm(box.max)) <= kMostCoordinate))
     throw Error(ErrorCode::limit,
                 "report: a coordinate is larger than 1e60, where volumes exceed all numbers; scale the mesh");
+  progress.stage("edges", 1, 0, 0.1);
   const MeshEdges edges(mesh);
-  Diagnosis diagnosis = diagnose(mesh, edges);
+  progress.stage("diagnosis", 1, 0.1, 0.5);
+  Diagnosis diagnosis = diagnose(mesh, edges, progress);
   MeshReport found = std::move(diagnosis.report);
   if (options.spacing > 0) found.largest_hole_in_samples = found.largest_hole / options.spacing;
-  add_components({mesh, diagnosis.orientation.use}, edges, options, found);
+  progress.stage("components", 1, 0.5, 0.7);
+  add_components({mesh, diagnosis.orientation.use}, edges, options, progress, found);
+  progress.stage("intersections", 1, 0.7, 1);
   if (options.most_intersections > 0) {
     const SelfIntersections crossing =
         find_self_intersections(mesh, edges, options.most_intersections, options.most_intersection_tests);
     found.intersecting_pairs = crossing.pairs;
     found.intersections_known = crossing.complete;
   }
+  progress.stage("done", 1, 1, 1);
   return found;
 }
 
@@ -76,7 +83,8 @@ MeshReport report(MeshView mesh, const MeshReportOptions& options) try {
     return empty;
   }
   validate(mesh);
-  return Threads(options.execution.threads).run([&] { return examine(mesh, options); });
+  ProgressMeter progress(options.progress);
+  return Threads(options.execution.threads).run([&] { return examine(mesh, options, progress); });
 } catch (...) {
   throw_as_error("report");
 }

@@ -175,7 +175,7 @@ std::vector<EdgeCrossing> edge_crossings(MeshView mesh, const Grid& grid, const 
   Threads(options.execution.threads).run([&] {
     constexpr std::size_t kGrain = 256;
     progress.stage("sign", 1, 0, 0.1);
-    SignPlan plan = plan_sign(mesh, options.sign);
+    SignPlan plan = plan_sign(mesh, options.sign, progress);
     if (options.sign.outer) plan_outer(mesh, options.sign, plan);
     const std::vector<std::int8_t> use = use_of(plan, mesh.triangles.size());
     const Scan scan({mesh, use}, grid, options.sign.invert);

@@ -6,6 +6,7 @@
 
 #include "core/execution.h"
 #include "core/guarded.h"
+#include "core/progress.h"
 #include "core/threads.h"
 #include "sign/options.h"
 #include "sign/outer/exposed.h"
@@ -42,7 +43,8 @@ ExposedTriangles exposed_triangles(MeshView mesh, const SignOptions& sign, const
     throw Error(ErrorCode::usage, "exposed: inside must be by the winding number; take the sign method winding");
   validate(mesh);
   return Threads(execution.threads).run([&] {
-    SignPlan plan = plan_sign(mesh, sign);
+    ProgressMeter unwatched;
+    SignPlan plan = plan_sign(mesh, sign, unwatched);
     expect_closed(plan, "exposed");
     Exposures found = find_exposed({mesh, plan.use}, sign.rule);
     plan.report.internal = found.internal;

@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: Apache-2.0
+"""many_fields.py LIBRARY COUNT: bands of 64 samples of COUNT meshes of 1,000 to 20,000 triangles, from files, on all cores; one
+JSON line. LIBRARY is standoff, with its own fields(), or open3d, in a pool of processes with one thread each. Returns 3 if
+this Python lacks it."""
+
+import json
+import multiprocessing
+import os
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+RESOLUTION, BAND = 64, 3
+
+
+def bumpy_ball(rng, rows):
+    """A closed mesh of 4 * rows * (rows - 1) triangles: a sphere with random bumps."""
+    columns = 2 * rows
+    latitude = np.pi * np.arange(1, rows) / rows
+    longitude = 2 * np.pi * np.arange(columns) / columns
+    lat, lon = np.meshgrid(latitude, longitude, indexing="ij")
+    points = np.stack([np.sin(lat) * np.cos(lon), np.sin(lat) * np.sin(lon), np.cos(lat)], axis=-1).reshape(-1, 3)
+    points = np.concatenate([points, [[0, 0, 1], [0, 0, -1]]])
+    for _ in range(6):
+        points = points * (1 + 0.15 * np.sin(3 * points @ rng.normal(size=3) + rng.uniform(0, 6)))[:, None]
+    north, south = len(points) - 2, len(points) - 1
+    at = np.arange(rows - 1)[:, None] * columns + np.arange(columns)
+    nxt = np.roll(at, -1, axis=1)
+    faces = [np.stack([at[:-1], at[1:], nxt[1:]], -1), np.stack([at[:-1], nxt[1:], nxt[:-1]], -1),
+             np.stack([np.full(columns, north), at[0], nxt[0]], -1), np.stack([np.full(columns, south), nxt[-1], at[-1]], -1)]
+    return points, np.concatenate([f.reshape(-1, 3) for f in faces])
+
+
+def write_meshes(folder, count):
+    """OBJ, PLY and STL files in turns; the same for every library."""
+    rng = np.random.default_rng(1)
+    paths, triangles = [], 0
+    for n in range(count):
+        vertices, faces = bumpy_ball(rng, int(rng.integers(17, 72)))
+        triangles += len(faces)
+        path = Path(folder) / f"{n}.{('obj', 'ply', 'stl')[n % 3]}"
+        write(path, vertices, faces)
+        paths.append(str(path))
+    return paths, triangles
+
+
+def write(path, vertices, faces):
+    if path.suffix == ".obj":
+        lines = ["v %.6g %.6g %.6g" % tuple(v) for v in vertices] + ["f %d %d %d" % tuple(f + 1) for f in faces]
+        path.write_text("\n".join(lines) + "\n")
+        return
+    with open(path, "wb") as file:
+        if path.suffix == ".ply":
+            file.write((f"ply\nformat binary_little_endian 1.0\nelement vertex {len(vertices)}\nproperty float x\nproperty float y\n"
+                        f"property float z\nelement face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n").encode())
+            file.write(vertices.astype("<f4").tobytes())
+            rows = np.empty(len(faces), dtype=[("n", "u1"), ("v", "<i4", 3)])
+            rows["n"], rows["v"] = 3, faces
+            file.write(rows.tobytes())
+        else:
+            file.write(b"\0" * 80 + np.uint32(len(faces)).tobytes())
+            rows = np.zeros(len(faces), dtype=[("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attributes", "<u2")])
+            rows["corners"] = vertices[faces]
+            file.write(rows.tobytes())
+
+
+def with_standoff(paths):
+    import standoff
+
+    inside = 0
+    for result in standoff.fields(paths, resolution=RESOLUTION, band=BAND):
+        inside += result.unwrap().signed
+    return inside
+
+
+def grid_points(low, high):
+    """The samples of the same grid as ours, about."""
+    side = (high - low).max()
+    spacing = side / (RESOLUTION - 1 - 2 * BAND)
+    axes = [np.arange(l - BAND * spacing, h + (BAND + 0.5) * spacing, spacing, dtype=np.float32) for l, h in zip(low, high)]
+    return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+
+
+def one_with_open3d(path):
+    import open3d
+
+    mesh = open3d.t.io.read_triangle_mesh(path)
+    scene = open3d.t.geometry.RaycastingScene(nthreads=1)
+    scene.add_triangles(mesh)
+    low, high = (mesh.get_min_bound().numpy(), mesh.get_max_bound().numpy())
+    values = scene.compute_signed_distance(open3d.core.Tensor(grid_points(low, high)), nthreads=1)
+    return bool((values.numpy() < 0).any())
+
+
+def with_open3d(paths):
+    with multiprocessing.get_context("spawn").Pool(os.cpu_count()) as pool:
+        pool.map(len, ["", ""])  # the processes are there
+        return sum(pool.imap(one_with_open3d, paths, chunksize=8))
+
+
+def main():
+    library, count = sys.argv[1], int(sys.argv[2])
+    try:
+        __import__(library)
+    except ImportError:
+        return 3
+    with tempfile.TemporaryDirectory() as folder:
+        paths, triangles = write_meshes(folder, count)
+        began, before = time.perf_counter(), os.times()
+        inside = {"standoff": with_standoff, "open3d": with_open3d}[library](paths)
+        seconds, after = time.perf_counter() - began, os.times()
+    busy = sum(after[:4]) - sum(before[:4])
+    print(json.dumps({"library": library, "meshes": count, "triangles": triangles, "with inside": inside, "s": round(seconds, 3),
+                      "processor s": round(busy, 3), "cores busy": f"{100 * busy / seconds / os.cpu_count():.0f} %",
+                      "meshes per s": round(count / seconds, 1)}))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

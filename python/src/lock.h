@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// The interpreter's lock, for threads that may outlive the interpreter.
+//
+// If Python ends while a daemon thread is in here, the thread's next attempt to take the lock ends it: CPython up to 3.13
+// calls pthread_exit, which unwinds the stack. nanobind's guards take the lock in a destructor, which must not be unwound,
+// and the whole process would abort. These guards let such a thread wait for the end of the process instead, as CPython
+// does from 3.14 on.
+#pragma once
+
+#include <chrono>
+#include <thread>
+
+#include "common.h"
+
+namespace standoff::python {
+
+/// Waits for the end of the process. Call it where the unwinding of pthread_exit is caught: it must not be swallowed.
+[[noreturn]] inline void wait_for_exit() {
+  for (;;) std::this_thread::sleep_for(std::chrono::hours(1));
+}
+
+/// Gives the lock back to others while it lives.
+class Unlocked {
+ public:
+  Unlocked() : state_(PyEval_SaveThread()) {}
+  ~Unlocked() {
+    try {
+      PyEval_RestoreThread(state_);
+    } catch (...) {
+      wait_for_exit();
+    }
+  }
+  Unlocked(const Unlocked&) = delete;
+  Unlocked& operator=(const Unlocked&) = delete;
+
+ private:
+  PyThreadState* state_;
+};
+
+/// Has the lock while it lives, within the life of an Unlocked.
+class Locked {
+ public:
+  Locked() : state_(take()) {}
+  ~Locked() { PyGILState_Release(state_); }
+  Locked(const Locked&) = delete;
+  Locked& operator=(const Locked&) = delete;
+
+ private:
+  static PyGILState_STATE take() {
+    try {
+      return PyGILState_Ensure();
+    } catch (...) {
+      wait_for_exit();
+    }
+  }
+  PyGILState_STATE state_;
+};
+
+}  // namespace standoff::python

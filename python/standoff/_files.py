@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Files: whether they can be read, and what only they can hold as bytes for pickle."""
+
+from __future__ import annotations
+
+import errno
+import os
+import stat
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+T = TypeVar("T")
+
+
+def expect_file(path: Any) -> None:
+    """Raises what ``open`` would: what is not there, or not for us, is not ours to describe."""
+    kind = os.stat(os.fspath(path)).st_mode
+    if stat.S_ISDIR(kind):
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), path)
+    if not os.access(path, os.R_OK):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), path)
+
+
+def packed(write: Callable[[str], object], extension: str) -> bytes:
+    """The content of the file that `write` makes."""
+    with tempfile.TemporaryDirectory(prefix="standoff-") as folder:
+        path = os.path.join(folder, "packed" + extension)
+        write(path)
+        return Path(path).read_bytes()
+
+
+def unpacked(content: bytes, read: Callable[[str], T], extension: str) -> T:
+    """What `read` makes of a file of that content."""
+    with tempfile.TemporaryDirectory(prefix="standoff-") as folder:
+        path = os.path.join(folder, "packed" + extension)
+        Path(path).write_bytes(content)
+        return read(path)

@@ -1,0 +1,24 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What several tests need."""
+
+import os
+import shutil
+from pathlib import Path
+
+import pytest
+import standoff
+
+
+@pytest.fixture(scope="session")
+def program() -> str:
+    """The program standoff: the one in the package, or $STANDOFF, or the one of the PATH."""
+    packaged = Path(standoff.__file__).parent / "bin" / "standoff"
+    found = str(packaged) if packaged.exists() else os.environ.get("STANDOFF") or shutil.which("standoff")
+    assert found, "the package has no program; set STANDOFF to its path"
+    return found
+
+
+@pytest.fixture(scope="session")
+def bunny_path() -> str:
+    """A mesh of Debian's glmark2-data, which script/bootstrap installs."""
+    return "/usr/share/glmark2/models/bunny.obj"

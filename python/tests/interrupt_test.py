@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Ctrl-C: long work stops with KeyboardInterrupt, long before it would have ended, and leaves nothing behind."""
+
+import signal
+import subprocess
+import sys
+import textwrap
+from pathlib import Path
+
+import pytest
+
+SETUP = """
+    import os, signal, sys, threading, time
+    sys.path.insert(0, {folder!r})
+    import numpy as np, shapes, standoff as so
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    random = np.random.default_rng(1)
+    sphere = shapes.sphere(20)
+
+    def strike(seconds=0.3):
+        threading.Timer(seconds, os.kill, (os.getpid(), signal.SIGINT)).start()
+"""
+# Each would go on for much longer than a test may.
+WORK = {
+    "field": "so.field(shapes.soup(20_000), resolution=400, sign=None)",
+    "band": "so.field(shapes.soup(20_000, size=0.5), resolution=800, band=30, sign=None)",
+    "on one thread": "so.field(shapes.soup(20_000), resolution=400, sign=None, threads=1)",
+    "distance": "so.distance(shapes.soup(100_000, size=3), random.random((20_000_000, 3)))",
+    "closest": "so.MeshQuery(shapes.soup(100_000, size=3)).closest(random.random((5_000_000, 3)))",
+    "fields": "list(so.fields([shapes.soup(20_000)] * 50, resolution=400, sign=None))",
+    "collide": "so.distance_between(body, body, np.tile(np.eye(4), (10_000_000, 1, 1)) + lift)",
+    "sweep": "so.sweep(body, body, np.tile(shapes.pose((9, 0.1, 0)), (5_000_000, 1, 1)), np.tile(np.eye(4), (5_000_000, 1, 1)))",
+    "verify": "so.verify(so.field(sphere, resolution=200), shapes.soup(100_000, size=3), samples=8_000_000)",
+    "surface": "so.surface(shapes.soup(20_000), resolution=400, at=0.01, sign=None)",
+}
+
+
+def run(code: str) -> str:
+    text = textwrap.dedent(SETUP.format(folder=str(Path(__file__).parent))) + textwrap.dedent(code)
+    # The time limit is far more than what starting takes, and far less than the work.
+    done = subprocess.run([sys.executable, "-X", "dev", "-W", "error", "-c", text], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0, done.stderr[-2000:]
+    return done.stdout
+
+
+@pytest.mark.parametrize("work", WORK.values(), ids=WORK.keys())
+def test_work_stops(work):
+    out = run(f"""
+    body = so.Body(sphere)
+    lift = np.zeros((4, 4)); lift[:3, 3] = 3
+    strike()
+    try:
+        {work}
+    except KeyboardInterrupt:
+        print("stopped")
+    # And everything still works.
+    assert so.field(sphere, resolution=8).numpy().min() < 0
+    """)
+    assert out == "stopped\n"
+
+
+def test_a_handler_of_ones_own():
+    """Any exception of a signal's handler comes out, and a handler that raises nothing stops nothing."""
+    out = run("""
+    class Mine(Exception):
+        pass
+
+    def handler(number, frame):
+        raise Mine("mine")
+
+    signal.signal(signal.SIGUSR1, handler)
+    threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGUSR1)).start()
+    try:
+        so.field(shapes.soup(20_000), resolution=400, sign=None)
+    except Mine as error:
+        print(error)
+    calls = []
+    signal.signal(signal.SIGALRM, lambda *_: calls.append(1))
+    signal.setitimer(signal.ITIMER_REAL, 0.01, 0.01)
+    expected = so.field(shapes.soup(20_000), resolution=120, sign=None)
+    signal.setitimer(signal.ITIMER_REAL, 0)
+    print(len(calls) > 0, np.array_equal(expected.numpy(), so.field(shapes.soup(20_000), resolution=120, sign=None).numpy()))
+    """)
+    assert out == "mine\nTrue True\n"
+
+
+def test_a_traceback_and_the_exit_code_of_the_shell():
+    code = textwrap.dedent(SETUP.format(folder=str(Path(__file__).parent))) + "strike()\n" + WORK["field"]
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    assert done.returncode == -signal.SIGINT
+    assert "KeyboardInterrupt" in done.stderr

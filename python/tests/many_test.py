@@ -1,0 +1,169 @@
+# SPDX-License-Identifier: Apache-2.0
+"""fields(): order, errors, laziness, and an end at any time."""
+
+import itertools
+import threading
+
+import numpy as np
+import pytest
+import shapes
+import standoff as so
+
+OPTIONS = {"resolution": 12, "band": 2}
+
+
+def sized(count):
+    return [shapes.cube(1 + n) for n in range(count)]
+
+
+@pytest.mark.parametrize("workers", [None, 1, 2, 3, 4])
+@pytest.mark.parametrize("ahead", [None, 1, 2, 100])
+def test_results_come_in_order(workers, ahead):
+    # The first are the slowest.
+    meshes = [shapes.sphere(12), shapes.sphere(8), *sized(9)]
+    results = list(so.fields(meshes, workers=workers, ahead=ahead, **OPTIONS))
+    assert [r.index for r in results] == list(range(11))
+    for result, mesh in zip(results, meshes):
+        assert result.source is mesh and result.error is None
+        np.testing.assert_array_equal(result.field.numpy(), so.field(mesh, **OPTIONS).numpy())
+        assert result.unwrap() is result.field
+
+
+def test_paths_and_errors_are_collected(tmp_path):
+    so.Mesh(*shapes.cube()).save(tmp_path / "good.stl")
+    (tmp_path / "bad.obj").write_text("v 0 0 x\n")
+    (tmp_path / "empty.obj").write_text("")
+    broken = (shapes.cube()[0], np.array([[0, 1, 99]]))
+    meshes = [tmp_path / "good.stl", tmp_path / "bad.obj", tmp_path / "none.stl", broken, str(tmp_path / "good.stl"), tmp_path,
+              tmp_path / "empty.obj", None, 3, shapes.cube()]  # fmt: skip
+    results = list(so.fields(meshes, workers=2, **OPTIONS))
+    expected = [None, so.InputError, FileNotFoundError, so.MeshError, None, IsADirectoryError, so.InputError, TypeError, TypeError, None]
+    for result, kind in zip(results, expected, strict=True):
+        assert (result.field is None) == (kind is not None)
+        if kind is not None:
+            assert isinstance(result.error, kind)
+            with pytest.raises(kind):
+                result.unwrap()
+    assert results[3].error.triangle == 0
+    assert results[1].error.line == 1
+    assert list(so.fields([], **OPTIONS)) == []
+
+
+@pytest.mark.parametrize("workers, ahead", [(1, 1), (2, 1), (2, 3), (4, 8)])
+def test_an_endless_iterable_is_read_as_far_as_needed(workers, ahead):
+    taken = itertools.count()
+    last = -1
+
+    def meshes():
+        nonlocal last
+        for last in taken:
+            yield shapes.cube()
+
+    results = so.fields(meshes(), workers=workers, ahead=ahead, **OPTIONS)
+    assert last == -1  # nothing is done before the first is asked for
+    for n, result in zip(range(20), results):
+        assert result.index == n
+        assert last <= n + ahead
+    results.close()
+    assert last <= 20 + ahead
+    assert list(results) == []
+
+
+def test_results_do_not_pile_up():
+    import weakref
+
+    alive = weakref.WeakSet()
+
+    def prepare(mesh):
+        made = so.Mesh.__new__(Traced)
+        made.__init__(mesh.vertices, mesh.faces)
+        alive.add(made)
+        return made
+
+    class Traced(so.Mesh):
+        pass
+
+    most = 0
+    for _ in so.fields((shapes.cube() for _ in range(60)), workers=2, ahead=4, prepare=prepare, **OPTIONS):
+        most = max(most, len(alive))
+    assert most <= 4 + 2 + 1
+
+
+def test_prepare():
+    seen = []
+
+    def prepare(mesh):
+        seen.append(threading.get_ident())
+        assert isinstance(mesh, so.Mesh)
+        return so.Mesh(mesh.vertices / np.abs(mesh.vertices).max(), mesh.faces)
+
+    results = list(so.fields(sized(8), workers=2, prepare=prepare, **OPTIONS))
+    for result in results:
+        np.testing.assert_array_equal(result.unwrap().numpy(), so.field(shapes.cube(2), **OPTIONS).numpy())
+    assert len(seen) == 8 and threading.get_ident() not in seen
+    for wrong in (lambda mesh: None, lambda mesh: 1 / 0 if False else int("x"), lambda mesh: mesh.nothing.at_all and None):
+        error = None
+        try:
+            error = next(iter(so.fields(sized(1), prepare=wrong, **OPTIONS))).error
+        except AttributeError:
+            continue  # a mistake in the caller's own function is raised
+        assert isinstance(error, (TypeError, ValueError))
+
+
+@pytest.mark.parametrize("error", [ZeroDivisionError, KeyError, AttributeError, KeyboardInterrupt, SystemExit])
+def test_other_exceptions_end_it(error):
+    def prepare(mesh):
+        if mesh.bounds[1][0] > 2:
+            raise error("on purpose")
+        return mesh
+
+    results = so.fields(sized(20), workers=2, prepare=prepare, **OPTIONS)
+    with pytest.raises(error, match="on purpose"):
+        for result in results:
+            assert result.error is None
+    assert result.index == 3  # cubes of side 1 to 4 are small enough
+    assert threading.active_count() <= 2
+
+
+def test_an_iterable_that_fails():
+    def meshes():
+        yield shapes.cube()
+        yield shapes.cube()
+        raise RuntimeError("no more")
+
+    with pytest.raises(RuntimeError, match="no more"):
+        list(so.fields(meshes(), workers=2, ahead=2, **OPTIONS))
+
+
+def test_closing_stops_the_work_that_is_under_way():
+    def prepare(mesh):
+        started.set()
+        return mesh
+
+    started = threading.Event()
+    # Most of a minute's work, if nobody stopped it.
+    options = {"resolution": 400, "sign": None, "prepare": prepare}
+    results = so.fields([shapes.cube(0.1), *[shapes.soup(20_000)] * 3], workers=2, ahead=2, **options)
+    results.send(None)
+    assert started.wait(60)
+    results.close()
+    assert not [t for t in threading.enumerate() if t.name.startswith("standoff")]
+
+
+def test_arguments_that_make_no_sense():
+    for wrong in ({"workers": 0}, {"workers": -1}, {"ahead": 0}):
+        with pytest.raises(ValueError):
+            so.fields(sized(2), **wrong)
+    for wrong in ({"resolutoin": 8}, {"out": np.zeros(3)}, {"mesh": 3}, {"workers": "2"}, {"workers": 1.5}):
+        with pytest.raises(TypeError):
+            list(so.fields(sized(2), **wrong))
+    for single in ("bunny.obj", __file__, so.Mesh(*shapes.cube()), None, 3):
+        with pytest.raises(TypeError):
+            so.fields(single)
+    bad = list(so.fields(sized(2), resolution=0))
+    assert all(isinstance(r.error, so.UsageError) for r in bad)
+
+
+def test_a_bar(capsys):
+    assert len(list(so.fields(sized(3), progress=True, **OPTIONS))) == 3
+    assert "3/3" in capsys.readouterr().err

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is built before questions are asked can be stopped between its steps.
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "standoff/collision.h"
+#include "standoff/error.h"
+#include "standoff/mesh_report.h"
+#include "standoff/points.h"
+#include "tests/collision/bodies.h"
+
+namespace standoff::testing {
+namespace {
+
+// A sphere with a hole, whose sign needs a diagnosis.
+Mesh open_ball() {
+  Mesh mesh = ball_mesh(1, 3);
+  mesh.triangles.pop_back();
+  return mesh;
+}
+
+// Stops `work` at its first report, then at its second, and so on, until it comes to its end. Returns how often.
+int stop_everywhere(const std::function<void(const ProgressCallback&)>& work) {
+  for (int at = 1;; ++at) {
+    int reports = 0;
+    double last = 0;
+    try {
+      work([&](const Progress& now) {
+        EXPECT_GE(now.fraction, last);
+        last = now.fraction;
+        return ++reports < at;
+      });
+      EXPECT_EQ(last, 1);
+      return at - 1;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::interrupted) << error.what();
+      EXPECT_EQ(reports, at);
+    }
+    if (at > 10000) return at;
+  }
+}
+
+TEST(Interrupted, Report) {
+  EXPECT_GE(stop_everywhere([](const ProgressCallback& progress) {
+              EXPECT_EQ(report(open_ball(), {.execution = {.threads = 1}, .progress = progress}).boundary_edges, 3);
+            }),
+            8);
+}
+
+TEST(Interrupted, BuildingAQuery) {
+  EXPECT_GE(stop_everywhere([](const ProgressCallback& progress) {
+              const MeshQuery query(open_ball(), {{SignMethod::automatic}, {.threads = 1}, progress});
+              EXPECT_EQ(query.sign().boundary_edges, 3);
+            }),
+            5);
+}
+
+TEST(Interrupted, BuildingAModel) {
+  EXPECT_GE(stop_everywhere([](const ProgressCallback& progress) {
+              const CollisionModel model(open_ball(), {.execution = {.threads = 1}, .progress = progress});
+              EXPECT_FALSE(model.closed());
+            }),
+            5);
+}
+
+// What a callback throws comes out as it is, also through the computations within.
+TEST(Interrupted, ByAnExceptionOfTheCallback) {
+  struct Stop {};
+  EXPECT_THROW(CollisionModel(open_ball(), {.progress = [](const Progress&) -> bool { throw Stop{}; }}), Stop);
+  EXPECT_THROW(report(open_ball(), {.progress = [](const Progress&) -> bool { throw Stop{}; }}), Stop);
+}
+
+}  // namespace
+}  // namespace standoff::testing
