@@ -6,3 +6,7 @@ if(NOT CMAKE_CUDA20_STANDARD_COMPILE_OPTION)
   set(CMAKE_CUDA20_STANDARD_COMPILE_OPTION -std=c++20)
   set(CMAKE_CUDA20_EXTENSION_COMPILE_OPTION -std=c++20)
 endif()
+# Small code for the GPUs, which is more than half of a wheel otherwise. Drivers of CUDA 13 can all unpack it.
+if(CMAKE_CUDA_COMPILER_VERSION VERSION_GREATER_EQUAL 13.0)
+  list(APPEND STANDOFF_CUDA_FLAGS --compress-mode=size)
+endif()

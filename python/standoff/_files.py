@@ -6,9 +6,7 @@ from __future__ import annotations
 import errno
 import os
 import stat
-import tempfile
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any, TypeVar
 
 T = TypeVar("T")
@@ -25,15 +23,21 @@ def expect_file(path: Any) -> None:
 
 def packed(write: Callable[[str], object], extension: str) -> bytes:
     """The content of the file that `write` makes."""
+    import tempfile  # late: it takes a tenth of what importing the package does
+
     with tempfile.TemporaryDirectory(prefix="standoff-") as folder:
         path = os.path.join(folder, "packed" + extension)
         write(path)
-        return Path(path).read_bytes()
+        with open(path, "rb") as file:
+            return file.read()
 
 
 def unpacked(content: bytes, read: Callable[[str], T], extension: str) -> T:
     """What `read` makes of a file of that content."""
+    import tempfile
+
     with tempfile.TemporaryDirectory(prefix="standoff-") as folder:
         path = os.path.join(folder, "packed" + extension)
-        Path(path).write_bytes(content)
+        with open(path, "wb") as file:
+            file.write(content)
         return read(path)

@@ -4,9 +4,7 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from collections.abc import Callable
-from pathlib import Path
 
 PathLike = str | os.PathLike
 
@@ -20,14 +18,18 @@ class Picture:
     @classmethod
     def drawn(cls, draw: Callable[[str], None]) -> Picture:
         """The picture that `draw` writes to the path it gets."""
+        import tempfile  # late: it takes a tenth of what importing the package does
+
         with tempfile.TemporaryDirectory(prefix="standoff-") as folder:
             path = os.path.join(folder, "picture.png")
             draw(path)
-            return cls(Path(path).read_bytes())
+            with open(path, "rb") as file:
+                return cls(file.read())
 
     def save(self, path: PathLike) -> None:
         """Writes the picture as a PNG file."""
-        Path(path).write_bytes(self._png)
+        with open(path, "wb") as file:
+            file.write(self._png)
 
     def __bytes__(self) -> bytes:
         return self._png

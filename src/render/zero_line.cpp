@@ -62,7 +62,9 @@ std::vector<float> zero_line(const Plane& plane, int width, int height) {
       if (y + 1 < height) along_y = std::min(along_y, crossing(value, at(x, y + 1)));
       // The line through both crossings has this distance; through one alone it is nearly upright, or nearly level.
       float distance = std::min(along_x, along_y);
-      if (along_x <= 1 && along_y <= 1 && distance > 0) distance = along_x * along_y / std::hypot(along_x, along_y);
+      if (along_x <= 1 && along_y <= 1 && distance > 0)
+        distance =
+            along_x * along_y / static_cast<float>(std::sqrt(double(along_x) * along_x + double(along_y) * along_y));
       // Pixels on both sides share the width of 1: what one lacks, its neighbour across has. Of an oblique line up to
       // 9 % is missing: pixels that it comes near to without passing between their centre and a neighbour's.
       covered[static_cast<std::size_t>(y) * width + x] = std::max(0.0f, 1 - distance);

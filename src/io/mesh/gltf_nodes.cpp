@@ -38,7 +38,8 @@ Placement of_matrix(const JsonView& json) {
 // Of a quaternion x y z w, which files give rounded: it is brought to length 1.
 std::array<std::array<double, 3>, 3> rotation(const JsonView& json) {
   auto q = numbers<4>(json);
-  const double length = std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3]));
+  // No hypot: C libraries round it differently, and its newest version is in few of them.
+  const double length = std::sqrt((q[0] * q[0] + q[1] * q[1]) + (q[2] * q[2] + q[3] * q[3]));
   if (!(length > 0) || !std::isfinite(length)) json.fail("a rotation is no unit quaternion; write the file again");
   for (double& c : q) c /= length;
   const auto [x, y, z, w] = q;
