@@ -39,6 +39,7 @@ autodoc_default_options = {"members": True}
 autoclass_content = "class"
 python_use_unqualified_type_names = True
 python_maximum_signature_line_length = 88
+cpp_index_common_prefix = ["standoff::"]
 cpp_maximum_signature_line_length = 88
 add_module_names = False
 napoleon_numpy_docstring = False

@@ -9,10 +9,11 @@ from pathlib import Path
 from headers import Entity, Header, read_header
 
 # The order of the pages is that of a reader who begins; headers that are not named follow by name.
-FIRST = (
-    "mesh io grid compute field sign mesh_report points surface collision pose sidecars hermite voxels occupancy "
-    "confidence verify slice picture inspect execution progress error cuda vec mesh_view"
-).split()
+FIRST = [
+    "mesh", "io", "grid", "compute", "field", "sign", "mesh_report", "points", "surface", "collision", "pose", "sidecars",
+    "hermite", "voxels", "occupancy", "confidence", "verify", "slice", "picture", "inspect", "execution", "progress",
+    "error", "cuda", "vec", "mesh_view",
+]  # fmt: skip
 
 
 def write(include: Path, folder: Path, pages: dict[str, str]) -> list[str]:
@@ -48,7 +49,10 @@ def _names(entity: Entity) -> dict[str, str]:
         return {f"{entity.name}()": f"\\ :cpp:any:`{entity.name}() <standoff::{entity.name}>`\\ "}
     if entity.kind not in ("struct", "class", "enum"):
         return {}
-    found = {f"{entity.name}::{m.name}": f"\\ :cpp:any:`{entity.name}::{m.name} <standoff::{entity.name}::{m.name}>`\\ " for m in entity.members}
+    found = {
+        f"{entity.name}::{m.name}": f"\\ :cpp:any:`{entity.name}::{m.name} <standoff::{entity.name}::{m.name}>`\\ "
+        for m in entity.members
+    }
     if re.search(r"[a-z][A-Z]", entity.name):
         found[entity.name] = f"\\ :cpp:any:`{entity.name} <standoff::{entity.name}>`\\ "
     return found

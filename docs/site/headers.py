@@ -2,7 +2,7 @@
 """Reads the public headers: what each declares, and what its `///` comments say of it.
 
 No C++ parser: it relies on how the headers are written (clang-format, a `///` comment before what it describes or a `///<`
-comment behind it). tests/site/headers.py checks that no comment and no name gets lost."""
+comment behind it). tests/site/references.py checks that no comment and no name gets lost."""
 
 from __future__ import annotations
 
@@ -13,7 +13,9 @@ from pathlib import Path
 _CLASS = re.compile(r"^(?:template\s*<.*?>\s*)?(struct|class|enum class|enum)\s+(?:STANDOFF_API\s+)?([\w:]+)")
 _NAMESPACE = re.compile(r"^namespace\s+([\w:]+)")
 # Members that every type has, and how types are walked through: noise in a reference.
-_NOISE = re.compile(r"= default$|= delete$|^~|^explicit \w+\(std::shared_ptr|^friend |iterator|^static_assert|^using \w+::")
+_NOISE = re.compile(
+    r"= default$|= delete$|^~|^explicit \w+\(std::shared_ptr|^friend |iterator|^static_assert|^using \w+::"
+)
 
 
 @dataclass
@@ -111,7 +113,9 @@ class _Reader:
                 if text.count("{") == text.count("}"):  # a body on one line: put its parts on lines of their own
                     before, _, inside = text.partition("{")
                     inside = inside.rpartition("}")[0].rstrip()
-                    parts = [f"  {part.strip()}," for part in inside.split(",")] if before.startswith("enum") else [inside]
+                    parts = (
+                        [f"  {part.strip()}," for part in inside.split(",")] if before.startswith("enum") else [inside]
+                    )
                     self.lines[self.at : self.at + n + 1] = [before + "{", *parts, "};"]
                     return self.opens_body()
                 self.at += n + 1
@@ -176,7 +180,9 @@ class _Reader:
             for c in code.strip():
                 depth += (c == "(") - (c == ")")
                 if c == "{" and depth == 0 and braces == 0:
-                    body = body or ("(" in text and not re.search(r"[^=!<>]=[^=]", re.sub(r"\(.*\)|operator=+", "", text)))
+                    body = body or (
+                        "(" in text and not re.search(r"[^=!<>]=[^=]", re.sub(r"\(.*\)|operator=+", "", text))
+                    )
                 braces += (c == "{") - (c == "}") if depth == 0 or braces else 0
                 if not (body and (braces or c == "}")):
                     text += c
@@ -203,7 +209,9 @@ def _simple(text: str, comment: list[str], namespace: str) -> Entity:
     if "(" in before and not re.match(r"^(?:static |inline |constexpr )+[\w:]+ k[A-Z]", text):
         # A constructor's initialisers are no part of what it looks like.
         text = re.sub(r"\)\s*(?:noexcept\s*)?:\s*\w.*$", ")", text)
-        name = re.search(r"(operator\s*\W+?|~?\w+)\s*\(", re.sub(r"^template\s*<.*?>\s*(requires\s*\(.*?\)\s+)?", "", text))
+        name = re.search(
+            r"(operator\s*\W+?|~?\w+)\s*\(", re.sub(r"^template\s*<.*?>\s*(requires\s*\(.*?\)\s+)?", "", text)
+        )
         return Entity("function", name[1] if name else text, text, comment, namespace)
     name = re.search(r"(\w+)\s*(?:[={,]|$)", re.sub(r"<[^<>]*>", "", re.sub(r"<[^<>]*>", "", text)))
     return Entity("variable", name[1] if name else text, text, comment, namespace)

@@ -18,7 +18,7 @@ SITE = Path(__file__).resolve().parent
 ROOT = SITE.parents[1]
 sys.path.insert(0, str(SITE))
 
-import cpp_pages  # noqa: E402
+import cpp_pages
 
 # Pages of the repository that keep their names in lower case at the top of the site.
 PROJECT = {"ARCHITECTURE.md": "architecture", "CONTRIBUTING.md": "contributing", "CHANGELOG.md": "changelog"}
@@ -72,7 +72,7 @@ def with_links(text: str, here: str, known: dict[str, str]) -> str:
         return words
 
     # Code is not prose: what looks like a link in it is none.
-    parts = re.split(r"(^ *```.*?^ *```[^\S\n]*$|`[^`\n]+`(?!\]\())", text, flags=re.M | re.S)
+    parts = re.split(r"(^ *```.*?^ *```[^\S\n]*$|`[^`\n]+`(?!\]\())", text, flags=re.MULTILINE | re.DOTALL)
     merged, code = "", []
     for n, part in enumerate(parts):
         if n % 2 and part.lstrip().startswith("```"):
@@ -90,7 +90,7 @@ def start_page() -> str:
 
 def other_pages(index: str, known: dict[str, str]) -> list[str]:
     """Pages that the start page does not name: new ones get into the site without being listed."""
-    named = set(re.findall(r"^[\w/]+$", index, re.M))
+    named = set(re.findall(r"^[\w/]+$", index, re.MULTILINE))
     return [name for name in known.values() if name not in named | {"index"} and not name.startswith("notebooks/")]
 
 
@@ -116,7 +116,7 @@ def stage(folder: Path) -> None:
         if name == "index":
             text = text.replace("<!-- other pages -->", "\n".join(other_pages(text, known)))
             if not any(page.startswith("notebooks/") for page in known.values()):
-                text = re.sub(r"```{toctree}\n:caption: Notebooks\n.*?```\n\n", "", text, flags=re.S)
+                text = re.sub(r"```{toctree}\n:caption: Notebooks\n.*?```\n\n", "", text, flags=re.DOTALL)
         if name == "cpp":
             text = text.replace("<!-- headers -->", "\n".join(f"cpp/{header}" for header in headers))
         put(f"{name}.md", with_links(text, path, known))

@@ -64,7 +64,9 @@ async def look_at(tab, path, wrong, pictures):
         wrong += [f"{path}, on a {kind}: {fault}" for fault in await tab.ask(LAYOUT % width)]
         if pictures:
             shot = await tab.call("Page.captureScreenshot", format="png", captureBeyondViewport=False)
-            (pictures / f"{path.removesuffix('.html').replace('/', '_')}-{kind}.png").write_bytes(base64.b64decode(shot["data"]))
+            (pictures / f"{path.removesuffix('.html').replace('/', '_')}-{kind}.png").write_bytes(
+                base64.b64decode(shot["data"])
+            )
     wrong += [f"{path}: {complaint}" for complaint in tab.complaints]
 
 
@@ -82,7 +84,9 @@ async def look_at_colours(tab, paths, wrong, pictures):
                     wrong.append(f"{path}, {scheme}: text in {kind} has a contrast of only {ratio:.2f}")
             if pictures and scheme == "dark":
                 shot = await tab.call("Page.captureScreenshot", format="png")
-                (pictures / f"{path.removesuffix('.html').replace('/', '_')}-dark.png").write_bytes(base64.b64decode(shot["data"]))
+                (pictures / f"{path.removesuffix('.html').replace('/', '_')}-dark.png").write_bytes(
+                    base64.b64decode(shot["data"])
+                )
 
 
 async def search(tab, words, expected, wrong):
@@ -103,12 +107,19 @@ async def main(folder, pictures):
             # A page that is too wide must be noticed, or nothing here is worth anything.
             await tab.size(*WIDTHS["phone"], phone=True)
             await tab.open(paths[0])
-            await tab.ask("document.querySelector('article').appendChild(document.createElement('div')).style = 'width: 900px; height: 9px'")
+            await tab.ask(
+                "document.querySelector('article').appendChild(document.createElement('div')).style = 'width: 900px; height: 9px'"
+            )
             if not await tab.ask(LAYOUT % WIDTHS["phone"][0]):
                 sys.exit("a part that is 900 wide is not noticed on a phone; the check is broken")
             for path in paths:
                 await look_at(tab, path, wrong, pictures)
-            await look_at_colours(tab, ["index.html", "python.html", "python_fields.html", "cpp/points.html", "formats.html"], wrong, pictures)
+            await look_at_colours(
+                tab,
+                ["index.html", "python.html", "python_fields.html", "cpp/points.html", "formats.html"],
+                wrong,
+                pictures,
+            )
             await search(tab, "winding", "open_winding.html", wrong)
             await search(tab, "MeshQuery", "cpp/points.html", wrong)
     if wrong:

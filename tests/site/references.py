@@ -13,7 +13,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 def words_of(page: Path) -> str:
     """What is written on a page, without marks and spaces."""
-    text = re.sub(r"<(script|style|nav|aside).*?</\1>", "", page.read_text(encoding="utf-8"), flags=re.S)
+    text = re.sub(r"<(script|style|nav|aside).*?</\1>", "", page.read_text(encoding="utf-8"), flags=re.DOTALL)
     return bare(html.unescape(re.sub(r"<[^>]*>", "", text)))
 
 
@@ -24,10 +24,10 @@ def bare(text: str) -> str:
 
 def comments(text: str) -> list[str]:
     """The comments of a header, a piece for each unbroken run of words between links to pages."""
-    text = re.sub(r"namespace detail \{.*?\n\}  // namespace detail", "", text, flags=re.S)
-    text = re.sub(r"\n( *)private:\n.*?\n( *)\};", "\n", text, flags=re.S)
+    text = re.sub(r"namespace detail \{.*?\n\}  // namespace detail", "", text, flags=re.DOTALL)
+    text = re.sub(r"\n( *)private:\n.*?\n( *)\};", "\n", text, flags=re.DOTALL)
     found = []
-    for block in re.findall(r"(?:^ *///(?!<).*\n)+|///<.*\n(?: +///<.*\n)*", text, re.M):
+    for block in re.findall(r"(?:^ *///(?!<).*\n)+|///<.*\n(?: +///<.*\n)*", text, re.MULTILINE):
         words = " ".join(re.sub(r"^ *///<?", "", line) for line in re.sub(r"^.*?(?=///)", "", block).splitlines())
         found += re.split(r"\(?docs/\w+\.md|standoff/\w+\.h", words)
     return found
@@ -36,7 +36,7 @@ def comments(text: str) -> list[str]:
 def missing_comments(folder: Path):
     for header in sorted((ROOT / "include/standoff").glob("*.h")):
         text = header.read_text()
-        if not re.search(r"^(struct|class|enum|inline|constexpr|STANDOFF_API|using|template|///)", text, re.M):
+        if not re.search(r"^(struct|class|enum|inline|constexpr|STANDOFF_API|using|template|///)", text, re.MULTILINE):
             continue
         page = folder / "cpp" / f"{header.stem}.html"
         if not page.exists():
@@ -46,10 +46,10 @@ def missing_comments(folder: Path):
         for comment in comments(text):
             if bare(comment) not in shown:
                 yield f"{header.name}: its page lacks the comment: {comment.strip()}"
-        for name in re.findall(r"^STANDOFF_API [^(=]*?(\w+)\(", text, re.M) + re.findall(
-            r"^(?:struct|class|enum class) (?:STANDOFF_API )?(\w+)(?= [{:])", text, re.M
+        for name in re.findall(r"^STANDOFF_API [^(=]*?(\w+)\(", text, re.MULTILINE) + re.findall(
+            r"^(?:struct|class|enum class) (?:STANDOFF_API )?(\w+)(?= [{:])", text, re.MULTILINE
         ):
-            if f'id="_CPPv' not in page.read_text() or bare(name) not in shown:
+            if 'id="_CPPv' not in page.read_text() or bare(name) not in shown:
                 yield f"{header.name}: its page lacks {name}"
 
 
