@@ -6,6 +6,8 @@ import re
 import sys
 from pathlib import Path
 
+from docutils import nodes
+from sphinx.domains.cpp import CPPDomain
 from sphinx.ext.napoleon import GoogleDocstring
 
 ROOT = Path(os.environ["STANDOFF_SOURCE_DIR"])
@@ -76,6 +78,14 @@ def parse_sections(self, parse=GoogleDocstring._parse):
 GoogleDocstring._parse = parse_sections
 
 
+def objects_to_find(self, objects=CPPDomain.get_objects):
+    """The search finds functions and types, not each parameter of each function."""
+    return [found for found in objects(self) if found[2] != "functionParam"]
+
+
+CPPDomain.get_objects = objects_to_find
+
+
 def resolve(app, env, node, content):
     """`name` that names nothing of the package is code: an argument, a value."""
     if node.get("reftype") == "obj" and node.get("refdomain") == "py":
@@ -83,5 +93,13 @@ def resolve(app, env, node, content):
     return None
 
 
+def name_outputs(app, doctree):
+    """What a notebook's cell draws has no words of its own for those who do not see it."""
+    for image in doctree.findall(nodes.image):
+        if not image.get("alt") and isinstance(image.parent, nodes.container):
+            image["alt"] = "the picture that the code above makes"
+
+
 def setup(app):
+    app.connect("doctree-read", name_outputs)
     app.connect("missing-reference", resolve)

@@ -7,6 +7,7 @@ A page keeps its words. Its links to other pages lead to them; those to files th
 
 from __future__ import annotations
 
+import json
 import os
 import posixpath
 import re
@@ -84,6 +85,16 @@ def with_links(text: str, here: str, known: dict[str, str]) -> str:
     return re.sub(r"\0(\d+)\0", lambda m: code[int(m[1])], merged)
 
 
+def notebook(text: str, here: str, known: dict[str, str]) -> str:
+    """A notebook with links that work in the site."""
+    content = json.loads(text)
+    content["metadata"].setdefault("language_info", {"name": "python"})
+    for cell in content["cells"]:
+        if cell["cell_type"] == "markdown":
+            cell["source"] = with_links("".join(cell["source"]), here, known)
+    return json.dumps(content, indent=1)
+
+
 def start_page() -> str:
     return (SITE / "index.md").read_text() + (ROOT / "README.md").read_text().partition("## Conventions")[0]
 
@@ -91,7 +102,9 @@ def start_page() -> str:
 def other_pages(index: str, known: dict[str, str]) -> list[str]:
     """Pages that the start page does not name: new ones get into the site without being listed."""
     named = set(re.findall(r"^[\w/]+$", index, re.MULTILINE))
-    return [name for name in known.values() if name not in named | {"index"} and not name.startswith("notebooks/")]
+    return [
+        name for path, name in known.items() if name not in named and path.startswith("docs/") and path.count("/") == 1
+    ]
 
 
 def stage(folder: Path) -> None:
@@ -111,7 +124,7 @@ def stage(folder: Path) -> None:
     for path, name in known.items():
         text = (ROOT / path).read_text()
         if path.endswith(".ipynb"):
-            put(f"{name}.ipynb", text)
+            put(f"{name}.ipynb", notebook(text, path, known))
             continue
         if name == "index":
             text = text.replace("<!-- other pages -->", "\n".join(other_pages(text, known)))

@@ -31,7 +31,8 @@ class Page(HTMLParser):
         line = self.getpos()[0]
         if (target := values.get(ATTRIBUTES.get(tag, ""))) is not None:
             self.links.append((tag, target, line))
-        if tag == "img" and not (values.get("alt") or "").strip():
+        # What has no words gets its file's name from the builder.
+        if tag == "img" and (values.get("alt") or "").strip() in ("", values.get("src")):
             self.nameless.append(line)
 
 
