@@ -160,9 +160,9 @@ class DistanceField:
         """The stored tiles, without a copy: values and where they are.
 
         Returns:
-            values: ``(n, 8, 8, 8)`` float32, indexed ``[tile, i, j, k]``, read-only. Samples beyond the grid have the
-                thickness as their value.
-            coordinates: ``(n, 3)`` int32; the first sample of a tile is ``8 * coordinates``.
+            The values, ``(n, 8, 8, 8)`` float32, indexed ``[tile, i, j, k]`` and read-only; samples beyond the grid have
+            the thickness as their value. And the coordinates, ``(n, 3)`` int32; the first sample of a tile is
+            ``8 * coordinates``.
         """
         native = self._native()
         return native.tile_values(), native.tile_coordinates()

@@ -13,7 +13,7 @@ import sys
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 README = SOURCE / "README.md"
 PAGES = sorted((SOURCE / "docs").glob("*.md"))
-LANGUAGES = ("sh", "cpp", "cmake", "text", "")
+LANGUAGES = ("sh", "cpp", "cmake", "python", "text", "")  # python: run by python/tests/guide_test.py
 
 
 def blocks(page):

@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Puts what the site is made of into one folder: pages of the repository, with links that work there, and the C++ reference.
+
+    stage.py FOLDER
+
+A page keeps its words. Its links to other pages lead to them; those to files that are not in the site become plain text."""
+
+from __future__ import annotations
+
+import json
+import os
+import posixpath
+import re
+import shutil
+import sys
+from pathlib import Path
+
+SITE = Path(__file__).resolve().parent
+ROOT = SITE.parents[1]
+sys.path.insert(0, str(SITE))
+
+import cpp_pages
+
+# Pages of the repository that keep their names in lower case at the top of the site.
+PROJECT = {"ARCHITECTURE.md": "architecture", "CONTRIBUTING.md": "contributing", "CHANGELOG.md": "changelog"}
+# They are no pages, but parts of them are on the start page.
+PARTS = {"README.md": "index", "python/README.md": "index"}
+FENCE = re.compile(r"^ *(```|~~~)")
+LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\]]*\])*)\]\(([^)\s]+)\)")
+
+
+def pages() -> dict[str, str]:
+    """The site's pages: path in the repository -> name in the site."""
+    found = {f"docs/{path.name}": path.stem for path in sorted((ROOT / "docs").glob("*.md"))}
+    found |= {f"docs/site/{path.name}": path.stem for path in sorted(SITE.glob("*.md"))}
+    notebooks = sorted((ROOT / "docs/notebooks").glob("*.ipynb"))
+    found |= {f"docs/notebooks/{path.name}": f"notebooks/{path.stem}" for path in notebooks}
+    return found | PROJECT
+
+
+def anchors(text: str) -> set[str]:
+    """The anchors of a page's headings."""
+    found = set()
+    fenced = False
+    for line in text.splitlines():
+        fenced ^= bool(FENCE.match(line))
+        if not fenced and (match := re.match(r"#+ +(.*)", line)):
+            found.add(re.sub(r"[^\w\- ]", "", match[1].lower().strip()).replace(" ", "-"))
+    return found
+
+
+def with_links(text: str, here: str, known: dict[str, str]) -> str:
+    """The text of the page at the path `here`, with links as they must be at its place in the site."""
+    place = posixpath.dirname(known.get(here, "index"))
+
+    def link(match: re.Match) -> str:
+        picture, words, target = match.groups()
+        path, _, anchor = target.partition("#")
+        if re.match(r"[a-z]+:", target) or not path:
+            return match[0]
+        path = posixpath.normpath(posixpath.join(posixpath.dirname(here), path))
+        if picture:
+            source = path.removeprefix("docs/")
+            return f"![{words}]({posixpath.relpath(source, place or '.')})"
+        if not (ROOT / path).exists():
+            sys.exit(f"{here}: links to {target}, which does not exist")
+        if path in known:
+            suffix = ".ipynb" if path.endswith(".ipynb") else ".md"
+            to = posixpath.relpath(known[path] + suffix, place or ".")
+            return f"[{words}]({to}{'#' + anchor if anchor else ''})"
+        if path in PARTS and (not anchor or anchor in anchors(start_page())):
+            return f"[{words}](index.md{'#' + anchor if anchor else ''})"
+        return words
+
+    # Code is not prose: what looks like a link in it is none.
+    parts = re.split(r"(^ *```.*?^ *```[^\S\n]*$|`[^`\n]+`(?!\]\())", text, flags=re.MULTILINE | re.DOTALL)
+    merged, code = "", []
+    for n, part in enumerate(parts):
+        if n % 2 and part.lstrip().startswith("```"):
+            code.append(part)
+            merged += f"\0{len(code) - 1}\0"
+        else:
+            merged += part
+    merged = LINK.sub(link, merged)
+    return re.sub(r"\0(\d+)\0", lambda m: code[int(m[1])], merged)
+
+
+def notebook(text: str, here: str, known: dict[str, str]) -> str:
+    """A notebook with links that work in the site."""
+    content = json.loads(text)
+    content["metadata"].setdefault("language_info", {"name": "python"})
+    for cell in content["cells"]:
+        if cell["cell_type"] == "markdown":
+            cell["source"] = with_links("".join(cell["source"]), here, known)
+    return json.dumps(content, indent=1)
+
+
+def start_page() -> str:
+    return (SITE / "index.md").read_text() + (ROOT / "README.md").read_text().partition("## Conventions")[0]
+
+
+def other_pages(index: str, known: dict[str, str]) -> list[str]:
+    """Pages that the start page does not name: new ones get into the site without being listed."""
+    named = set(re.findall(r"^[\w/]+$", index, re.MULTILINE))
+    return [
+        name for path, name in known.items() if name not in named and path.startswith("docs/") and path.count("/") == 1
+    ]
+
+
+def stage(folder: Path) -> None:
+    known = pages()
+    wanted = set()
+
+    def put(name: str, text: str) -> None:
+        target = folder / name
+        wanted.add(target)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        if not target.exists() or target.read_text() != text:  # so that the builder sees what changed
+            target.write_text(text)
+
+    folder.mkdir(parents=True, exist_ok=True)
+    headers = cpp_pages.write(ROOT / "include", folder / "cpp", known)
+    wanted.update(folder / "cpp" / f"{name}.rst" for name in headers)
+    for path, name in known.items():
+        text = (ROOT / path).read_text()
+        if path.endswith(".ipynb"):
+            put(f"{name}.ipynb", notebook(text, path, known))
+            continue
+        if name == "index":
+            text = text.replace("<!-- other pages -->", "\n".join(other_pages(text, known)))
+            if not any(page.startswith("notebooks/") for page in known.values()):
+                text = re.sub(r"```{toctree}\n:caption: Notebooks\n.*?```\n\n", "", text, flags=re.DOTALL)
+        if name == "cpp":
+            text = text.replace("<!-- headers -->", "\n".join(f"cpp/{header}" for header in headers))
+        put(f"{name}.md", with_links(text, path, known))
+    for path in PARTS:
+        put(f"parts/{path.replace('/', '_')}", with_links((ROOT / path).read_text(), path, known))
+    for kind in ("images", "notebooks"):
+        for path in (ROOT / "docs" / kind).rglob("*"):
+            if path.is_file() and path.suffix in (".png", ".svg", ".jpg"):
+                target = folder / kind / path.relative_to(ROOT / "docs" / kind)
+                target.parent.mkdir(parents=True, exist_ok=True)
+                shutil.copy2(path, target)
+                wanted.add(target)
+    for path in folder.rglob("*"):
+        if path.is_file() and path not in wanted:
+            os.unlink(path)
+
+
+if __name__ == "__main__":
+    stage(Path(sys.argv[1]))
