@@ -12,7 +12,8 @@ QUOTED = BENCH / "results" / "2-core-avx2"  # the machine that these pages speak
 # Where each table stands: the file that it is made of, the page and the name of its markers.
 PLACES = {"points.csv": ("points_benchmarks.md", "points"), "points-build.csv": ("points_benchmarks.md", "points build"),
           "iso.csv": ("output_benchmarks.md", "surfaces"), "files.csv": ("output_benchmarks.md", "files"),
-          "sidecars.csv": ("output_benchmarks.md", "sidecars")}
+          "sidecars.csv": ("output_benchmarks.md", "sidecars"),
+          "python.csv": ("python_benchmarks.md", "fields"), "python-many.csv": ("python_benchmarks.md", "many")}
 
 
 def number(ratio):
@@ -79,7 +80,8 @@ def plain(rows):
     return markdown(rows)
 
 
-TABLES = {"points.csv": points, "points-build.csv": build, "iso.csv": surfaces, "files.csv": plain, "sidecars.csv": plain}
+TABLES = {"points.csv": points, "points-build.csv": build, "iso.csv": surfaces, "files.csv": plain, "sidecars.csv": plain, "python.csv": plain,
+          "python-many.csv": plain}
 
 
 def pages(read, between_markers, measured, results=QUOTED):
