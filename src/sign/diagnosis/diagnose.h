@@ -17,7 +17,8 @@ struct Diagnosis {
   MeshReport report;
 };
 
-/// Requires a valid mesh and its edges. `progress` is checked between steps. Runs on the threads of the calling TBB arena.
+/// Requires a valid mesh and its edges. `progress` is checked between steps. Runs on the threads of the calling TBB
+/// arena.
 Diagnosis diagnose(MeshView mesh, const MeshEdges& edges, ProgressMeter& progress);
 
 }  // namespace standoff
