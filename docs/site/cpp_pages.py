@@ -21,7 +21,7 @@ def write(include: Path, folder: Path, pages: dict[str, str]) -> list[str]:
     headers = [read_header(path, include) for path in sorted((include / "standoff").glob("*.h"))]
     order = {name: n for n, name in enumerate(FIRST)}
     headers.sort(key=lambda header: order.get(Path(header.path).stem, len(order)))
-    folder.mkdir(exist_ok=True)
+    folder.mkdir(parents=True)
     names = []
     # What a comment may name -> what it becomes.
     targets = {path: f"\\ :doc:`/{name}`" for path, name in pages.items()}
@@ -32,12 +32,7 @@ def write(include: Path, folder: Path, pages: dict[str, str]) -> list[str]:
     for header in headers:
         if header.entities:
             names.append(Path(header.path).stem)
-            text = _page(header, targets)
-            target = folder / f"{names[-1]}.rst"
-            if not target.exists() or target.read_text() != text:
-                target.write_text(text)
-    for gone in set(folder.glob("*.rst")) - {folder / f"{name}.rst" for name in names}:
-        gone.unlink()
+            (folder / f"{names[-1]}.rst").write_text(_page(header, targets))
     return names
 
 

@@ -8,7 +8,6 @@ A page keeps its words. Its links to other pages lead to them; those to files th
 from __future__ import annotations
 
 import json
-import os
 import posixpath
 import re
 import shutil
@@ -108,43 +107,28 @@ def other_pages(index: str, known: dict[str, str]) -> list[str]:
 
 
 def stage(folder: Path) -> None:
+    shutil.rmtree(folder, ignore_errors=True)
     known = pages()
-    wanted = set()
-
-    def put(name: str, text: str) -> None:
-        target = folder / name
-        wanted.add(target)
-        target.parent.mkdir(parents=True, exist_ok=True)
-        if not target.exists() or target.read_text() != text:  # so that the builder sees what changed
-            target.write_text(text)
-
-    folder.mkdir(parents=True, exist_ok=True)
     headers = cpp_pages.write(ROOT / "include", folder / "cpp", known)
-    wanted.update(folder / "cpp" / f"{name}.rst" for name in headers)
     for path, name in known.items():
         text = (ROOT / path).read_text()
-        if path.endswith(".ipynb"):
-            put(f"{name}.ipynb", notebook(text, path, known))
-            continue
         if name == "index":
             text = text.replace("<!-- other pages -->", "\n".join(other_pages(text, known)))
             if not any(page.startswith("notebooks/") for page in known.values()):
                 text = re.sub(r"```{toctree}\n:caption: Notebooks\n.*?```\n\n", "", text, flags=re.DOTALL)
         if name == "cpp":
             text = text.replace("<!-- headers -->", "\n".join(f"cpp/{header}" for header in headers))
-        put(f"{name}.md", with_links(text, path, known))
+        target = folder / f"{name}{Path(path).suffix}"
+        target.parent.mkdir(exist_ok=True)
+        target.write_text((notebook if path.endswith(".ipynb") else with_links)(text, path, known))
+    (folder / "parts").mkdir()
     for path in PARTS:
-        put(f"parts/{path.replace('/', '_')}", with_links((ROOT / path).read_text(), path, known))
-    for kind in ("images", "notebooks"):
-        for path in (ROOT / "docs" / kind).rglob("*"):
-            if path.is_file() and path.suffix in (".png", ".svg", ".jpg"):
-                target = folder / kind / path.relative_to(ROOT / "docs" / kind)
-                target.parent.mkdir(parents=True, exist_ok=True)
-                shutil.copy2(path, target)
-                wanted.add(target)
-    for path in folder.rglob("*"):
-        if path.is_file() and path not in wanted:
-            os.unlink(path)
+        (folder / "parts" / path.replace("/", "_")).write_text(with_links((ROOT / path).read_text(), path, known))
+    for path in (ROOT / "docs").glob("*/*"):
+        if path.suffix in (".png", ".svg", ".jpg") and path.parent.name in ("images", "notebooks"):
+            target = folder / path.relative_to(ROOT / "docs")
+            target.parent.mkdir(exist_ok=True)
+            shutil.copy2(path, target)
 
 
 if __name__ == "__main__":
