@@ -91,5 +91,6 @@ class Points:
     def give(self, answers: np.ndarray) -> Any:
         """Answers, one row for each point: floats get the points' precision; one point gives an array without axes."""
         if self._single and answers.dtype == np.float64:
-            answers = answers.astype(np.float32)
+            with np.errstate(over="ignore"):  # infinite, then
+                answers = answers.astype(np.float32)
         return self._wrap(answers.reshape(self._shape + answers.shape[1:]))
