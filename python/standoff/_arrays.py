@@ -27,6 +27,7 @@ def to_numpy(array: Any, what: str) -> np.ndarray:
     device_of = getattr(array, "__dlpack_device__", None)
     if device_of is not None:
         kind, number = device_of()
+        kind = int(getattr(kind, "value", kind))  # an enumeration, of Open3D one that is no int
         if kind not in _CPU_DEVICES:
             raise DeviceError(
                 f"{what}: the array is on device {number} of DLPack's kind {kind}, not in the memory of the CPU; "

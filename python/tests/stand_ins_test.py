@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Mesh objects of other libraries, known by their attributes: small classes that have the same ones."""
 
+import enum
 from types import SimpleNamespace as Thing
 
 import numpy as np
@@ -24,6 +25,13 @@ class Tensor:
 
     def __dlpack_device__(self):
         return self.array.__dlpack_device__()
+
+
+class NamedDevice(Tensor):
+    """Open3D names the device by an enumeration that does not equal its number."""
+
+    def __dlpack_device__(self):
+        return (enum.Enum("Device", {"CPU": 1}).CPU, 0)
 
 
 class OnGpu(Tensor):
@@ -52,7 +60,7 @@ OBJECTS = {
     "trimesh": Thing(vertices=VERTICES, faces=FACES),
     "trimesh scene": scene(),
     "open3d": Thing(vertices=VERTICES.tolist(), triangles=FACES.tolist()),
-    "open3d tensor": Thing(vertex=Thing(positions=Tensor(VERTICES)), triangle=Thing(indices=Tensor(FACES))),
+    "open3d tensor": Thing(vertex=Thing(positions=NamedDevice(VERTICES)), triangle=Thing(indices=NamedDevice(FACES))),
     "pyvista": Thing(points=VERTICES, is_all_triangles=True, regular_faces=FACES),
     "pyvista polygons": polygons(),
     "pyvista grid": grid_of_cells(),
