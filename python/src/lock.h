@@ -19,11 +19,17 @@ namespace standoff::python {
   for (;;) std::this_thread::sleep_for(std::chrono::hours(1));
 }
 
-/// Gives the lock back to others while it lives.
+/// A process that is forked while other threads work has their mutexes, taken, but not the threads, and would wait for
+/// ever. begin_work throws in such a process. Errors: usage.
+void begin_work();
+void end_work() noexcept;
+
+/// Gives the lock back to others while it lives, for the library's work. Errors: usage (see begin_work).
 class Unlocked {
  public:
-  Unlocked() : state_(PyEval_SaveThread()) {}
+  Unlocked() : state_((begin_work(), PyEval_SaveThread())) {}
   ~Unlocked() {
+    end_work();
     try {
       PyEval_RestoreThread(state_);
     } catch (...) {

@@ -27,6 +27,7 @@ def to_numpy(array: Any, what: str) -> np.ndarray:
     device_of = getattr(array, "__dlpack_device__", None)
     if device_of is not None:
         kind, number = device_of()
+        kind = int(getattr(kind, "value", kind))  # an enumeration, of Open3D one that is no int
         if kind not in _CPU_DEVICES:
             raise DeviceError(
                 f"{what}: the array is on device {number} of DLPack's kind {kind}, not in the memory of the CPU; "
@@ -91,5 +92,6 @@ class Points:
     def give(self, answers: np.ndarray) -> Any:
         """Answers, one row for each point: floats get the points' precision; one point gives an array without axes."""
         if self._single and answers.dtype == np.float64:
-            answers = answers.astype(np.float32)
+            with np.errstate(over="ignore"):  # infinite, then
+                answers = answers.astype(np.float32)
         return self._wrap(answers.reshape(self._shape + answers.shape[1:]))

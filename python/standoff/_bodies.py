@@ -192,7 +192,8 @@ def _of_matrices(matrices: np.ndarray, what: str) -> np.ndarray:
 
 def _of_quaternions(poses: np.ndarray, what: str) -> np.ndarray:
     x, y, z, w = poses[:, 3:].T
-    length = np.sqrt(x * x + y * y + z * z + w * w)
+    with np.errstate(over="ignore"):
+        length = np.sqrt(x * x + y * y + z * z + w * w)
     wrong = ~(np.abs(length - 1) <= 1e-3)
     if wrong.any():
         n = int(wrong.argmax())

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from inspect import signature
 from typing import Any
 
 import numpy as np
@@ -174,7 +175,9 @@ def _has(*names: str) -> Callable[[Any], bool]:
 
 def _of_pyvista(mesh: Any) -> Mesh:
     if not hasattr(mesh, "regular_faces"):  # a grid of cells: its surface
-        mesh = mesh.extract_surface()
+        extract = mesh.extract_surface
+        # pyvista warns of a changing default unless this is passed.
+        mesh = extract(algorithm=None) if "algorithm" in signature(extract).parameters else extract()
     if not mesh.is_all_triangles:
         mesh = mesh.triangulate()
     return Mesh(mesh.points, mesh.regular_faces)
@@ -209,8 +212,8 @@ _CONVERSIONS: tuple[tuple[Callable[[Any], bool], Callable[[Any], Mesh]], ...] = 
     (_has("vertex", "triangle"), lambda m: Mesh(m.vertex.positions, m.triangle.indices)),  # open3d.t.geometry
     (_has("vertices", "triangles"), lambda m: Mesh(np.asarray(m.vertices), np.asarray(m.triangles))),  # open3d.geometry
     (_has("verts_packed", "faces_packed"), _of_packed),  # pytorch3d
-    (_has("points", "cells_dict"), _of_meshio),  # meshio; pyvista has cells_dict too, without regular_faces
     (_has("points", "is_all_triangles"), _of_pyvista),  # pyvista.PolyData
-    (_has("points", "extract_surface"), _of_pyvista),  # other pyvista data sets
+    (_has("points", "extract_surface"), _of_pyvista),  # other pyvista data sets; some have cells_dict too
+    (_has("points", "cells_dict"), _of_meshio),  # meshio
     (_has("points", "indices"), _of_warp),  # warp.Mesh
 )

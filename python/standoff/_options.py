@@ -49,6 +49,7 @@ class Sign:
 
     @staticmethod
     def of(sign: str | Sign | None) -> Sign:
+        """The ``Sign`` that functions make of a name, a ``Sign``, or None for no sign."""
         if sign is None:
             return Sign("none")
         if isinstance(sign, Sign):

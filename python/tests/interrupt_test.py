@@ -16,22 +16,23 @@ SETUP = """
     signal.signal(signal.SIGINT, signal.default_int_handler)
     random = np.random.default_rng(1)
     sphere = shapes.sphere(20)
+    tangle = so.Mesh(*shapes.soup(100_000, size=3))
 
     def strike(seconds=0.3):
         threading.Timer(seconds, os.kill, (os.getpid(), signal.SIGINT)).start()
 """
 # Each would go on for much longer than a test may.
 WORK = {
-    "field": "so.field(shapes.soup(20_000), resolution=400, sign=None)",
-    "band": "so.field(shapes.soup(20_000, size=0.5), resolution=800, band=30, sign=None)",
-    "on one thread": "so.field(shapes.soup(20_000), resolution=400, sign=None, threads=1)",
-    "distance": "so.distance(shapes.soup(100_000, size=3), random.random((20_000_000, 3)))",
-    "closest": "so.MeshQuery(shapes.soup(100_000, size=3)).closest(random.random((5_000_000, 3)))",
-    "fields": "list(so.fields([shapes.soup(20_000)] * 50, resolution=400, sign=None))",
-    "collide": "so.distance_between(body, body, np.tile(np.eye(4), (10_000_000, 1, 1)) + lift)",
-    "sweep": "so.sweep(body, body, np.tile(shapes.pose((9, 0.1, 0)), (5_000_000, 1, 1)), np.tile(np.eye(4), (5_000_000, 1, 1)))",
-    "verify": "so.verify(so.field(sphere, resolution=200), shapes.soup(100_000, size=3), samples=8_000_000)",
-    "surface": "so.surface(shapes.soup(20_000), resolution=400, at=0.01, sign=None)",
+    "field": "so.field(tangle, resolution=500, sign=None)",
+    "band": "so.field(tangle, resolution=500, band=30, sign=None)",
+    "on one thread": "so.field(tangle, resolution=500, sign=None, threads=1)",
+    "distance": "so.distance(shapes.soup(100_000, size=0.5), random.random((9_000_000, 3)))",
+    "closest": "so.MeshQuery(shapes.soup(100_000, size=0.5)).closest(random.random((9_000_000, 3)))",
+    "fields": "list(so.fields([tangle] * 20, resolution=400, sign=None))",
+    "collide": "so.distance_between(body, body, np.tile(np.eye(4), (1_000_000, 1, 1)) + lift)",
+    "sweep": "so.sweep(body, body, np.tile(shapes.pose((9, 0.1, 0)), (500_000, 1, 1)), np.tile(np.eye(4), (500_000, 1, 1)))",
+    "verify": "so.verify(so.field(sphere, resolution=200), tangle, samples=8_000_000)",
+    "surface": "so.surface(tangle, resolution=500, at=0.01, sign=None)",
 }
 
 
@@ -71,7 +72,7 @@ def test_a_handler_of_ones_own():
     signal.signal(signal.SIGUSR1, handler)
     threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGUSR1)).start()
     try:
-        so.field(shapes.soup(20_000), resolution=400, sign=None)
+        so.field(tangle, resolution=500, sign=None)
     except Mine as error:
         print(error)
     calls = []

@@ -141,10 +141,10 @@ def test_closing_stops_the_work_that_is_under_way():
         return mesh
 
     started = threading.Event()
-    # Most of a minute's work, if nobody stopped it.
+    # Minutes of work, if nobody stopped it.
     options = {"resolution": 400, "sign": None, "prepare": prepare}
-    results = so.fields([shapes.cube(0.1), *[shapes.soup(20_000)] * 3], workers=2, ahead=2, **options)
-    results.send(None)
+    results = so.fields([None, *[shapes.soup(50_000, size=3)] * 3], workers=2, ahead=2, **options)
+    assert isinstance(next(results).error, TypeError)
     assert started.wait(60)
     results.close()
     assert not [t for t in threading.enumerate() if t.name.startswith("standoff")]

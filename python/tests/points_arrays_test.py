@@ -98,6 +98,7 @@ def test_points_that_a_field_cannot_look_at():
 
 def test_points_far_and_near():
     np.testing.assert_allclose(QUERY.distance([[1e100, 0, 0], [0.5 + 1e-12, 0, 0], [0, 0, 0]]), [1e100, 1e-12, -0.5], rtol=1e-3)
+    assert QUERY.distance(np.float32([[3e38, 3e38, 3e38]])) == np.inf  # too far for a float
     with pytest.raises(so.LimitError):
         QUERY.distance([[1e300, 0, 0]])
 

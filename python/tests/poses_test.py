@@ -83,7 +83,7 @@ TRANSPOSED = shapes.pose((1, 2, 3)).T
 LAST[3, 3] = 2
 WRONG = {
     "scaled": SCALED, "sheared": SHEARED, "mirrored": MIRRORED, "transposed": TRANSPOSED, "last row": LAST, "zeros": np.zeros((4, 4)),
-    "no rotation": [0, 0, 0, 0, 0, 0, 0], "not of unit length": [0, 0, 0, 1, 1, 0, 0], "far": [1e200, 0, 0, 0, 0, 0, 1],
+    "no rotation": [0, 0, 0, 0, 0, 0, 0], "not of unit length": [0, 0, 0, 1, 1, 0, 0], "far": [1e200, 0, 0, 0, 0, 0, 1], "huge": [1e308] * 7,
     "(3, 3)": np.eye(3), "(3, 4)": np.eye(4)[:3], "(6,)": np.zeros(6), "(2, 8)": np.zeros((2, 8)), "scalar": 1.0, "empty": [],
     "strings": "identity", "string numbers": np.eye(4).astype(str), "objects": np.eye(4).astype(object),
     "complex": np.eye(4).astype(complex), "bool": np.eye(4).astype(bool), "ragged": [[1, 2], [3]], "object": object(), "dict": {},

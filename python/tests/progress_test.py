@@ -65,12 +65,12 @@ def test_an_exception_stops_the_work():
         raise ValueError("enough")
 
     with pytest.raises(ValueError, match="enough"):  # minutes of work
-        so.field(shapes.soup(20_000), resolution=400, sign=None, progress=progress)
+        so.field(shapes.soup(50_000, size=3), resolution=400, sign=None, progress=progress)
     assert calls == 1
 
 
 def test_values_do_not_depend_on_who_watches():
-    for name in ("field", "band", "distance", "few points"):
+    for name in ("band", "distance", "few points"):
         watched, alone = WORK[name](progress=lambda stage, fraction: None), WORK[name]()
         np.testing.assert_array_equal(np.asarray(watched), np.asarray(alone))
 

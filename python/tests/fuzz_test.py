@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Random meshes, points, poses and options: an answer that holds, or a documented exception; never a crash."""
+
+import warnings
+
+import brute_force
+import numpy as np
+import shapes
+import standoff as so
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as arrays
+
+DOCUMENTED = (so.Error, ValueError, TypeError, MemoryError)
+FUZZ = settings(max_examples=60, deadline=None, database=None, derandomize=True, suppress_health_check=list(HealthCheck))
+
+floats = st.floats(-4, 4, width=32) | st.sampled_from([0.0, -0.0, 1.0, 1e-30, 5e-324, 1e30, 1e308, np.nan, np.inf, -np.inf])
+tame = st.integers(-8, 8).map(lambda n: n / 4)
+vertex_types = st.sampled_from([np.float32, np.float64, np.float16, np.int32, np.int8, np.uint64, ">f4", ">f8", np.longdouble, bool, complex, object, "U3"])
+face_types = st.sampled_from([np.int32, np.uint32, np.int64, np.uint64, np.int8, np.uint8, np.int16, ">i4", ">u8", np.float32, bool, object])
+shapes_of_rows = st.tuples(st.integers(0, 9), st.just(3)) | arrays.array_shapes(min_dims=0, max_dims=3, min_side=0, max_side=4)
+
+
+@st.composite
+def laid_out(draw, array):
+    """The array, its memory laid out in some way."""
+    if array.ndim == 0:
+        return array
+    layout = draw(st.integers(0, 5))
+    if layout == 1:
+        return np.asfortranarray(array)
+    if layout == 2:
+        return np.repeat(array, 2, axis=0)[::2]
+    if layout == 3:
+        return array[::-1]
+    if layout == 4 and array.dtype.kind in "fiu":
+        memory = np.zeros(array.nbytes + 1, np.uint8)
+        shifted = memory[1:].view(array.dtype).reshape(array.shape)
+        shifted[...] = array
+        return shifted
+    if layout == 5:
+        return array.tolist()
+    return array
+
+
+@st.composite
+def any_vertices(draw):
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore")
+        array = draw(arrays.arrays(np.float64, draw(shapes_of_rows), elements=floats)).astype(draw(vertex_types))
+    return draw(laid_out(array))
+
+
+@st.composite
+def any_faces(draw):
+    wild = st.sampled_from([-1, -(2**31), 2**31, 2**32, 2**32 + 1, 2**63 - 1, -(2**63)])
+    array = draw(arrays.arrays(np.int64, draw(shapes_of_rows), elements=st.integers(0, 8) | wild)).astype(draw(face_types))
+    return draw(laid_out(array))
+
+
+@st.composite
+def good_meshes(draw):
+    """Any triangles over a few vertices: degenerate, crossing, open, turned."""
+    vertices = draw(arrays.arrays(np.float64, st.tuples(st.integers(3, 8), st.just(3)), elements=tame))
+    faces = draw(arrays.arrays(np.int32, st.tuples(st.integers(1, 10), st.just(3)), elements=st.integers(0, len(vertices) - 1)))
+    return vertices, faces
+
+
+def attempt(call):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", so.SignWarning)
+        try:
+            return call()
+        except DOCUMENTED as error:
+            assert str(error) and "bad_cast" not in str(error)
+            assert getattr(error, "triangle", 0) is None or getattr(error, "triangle", 0) >= 0
+            return None
+
+
+@FUZZ
+@given(any_vertices(), any_faces())
+def test_any_arrays_as_a_mesh(vertices, faces):
+    mesh = attempt(lambda: so.Mesh(vertices, faces))
+    if mesh is None:
+        return
+    for use in (
+        lambda: mesh.bounds,
+        lambda: so.field(mesh, resolution=6),
+        lambda: so.field(mesh, resolution=6, band=1, nearest=True),
+        lambda: so.distance(mesh, [[0, 0, 0], [1e3, 2, 3]], signed=True, closest=True),
+        lambda: so.collide(so.Body(mesh), so.Body(mesh), np.eye(4), containment=True),
+        lambda: so.report(mesh),
+        lambda: so.surface(mesh, resolution=6, at=0.1),
+    ):
+        attempt(use)
+
+
+@FUZZ
+@given(good_meshes(), arrays.arrays(np.float64, (5, 3), elements=tame))
+def test_distances_of_any_triangles(mesh, points):
+    exact = brute_force.distance(mesh, points)
+    np.testing.assert_allclose(so.distance(mesh, points), exact, atol=1e-12)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", so.SignWarning)
+        found = so.distance(mesh, points, signed=True, closest=True)
+        np.testing.assert_allclose(np.abs(found.distance), exact, atol=1e-12)
+        field = so.field(mesh, grid=so.Grid((5, 4, 3), (-2, -2, -2), (1, 1.25, 1.5)))
+    exact = brute_force.distance(mesh, field.grid.points().reshape(-1, 3)).reshape(field.shape)
+    np.testing.assert_allclose(np.abs(field.numpy()), exact, atol=1e-6 * (16 * 1.5 + 6))
+
+
+@FUZZ
+@given(arrays.arrays(np.float64, shapes_of_rows, elements=floats), st.data())
+def test_any_points(points, data):
+    points = data.draw(laid_out(points))
+    query, field = so.MeshQuery(shapes.cube(), sign="auto"), so.field(shapes.cube(), resolution=6, band=2)
+    for ask in (query.distance, query.closest, query.winding_number, field, field.gradient):
+        answer = attempt(lambda: ask(points))
+        if isinstance(answer, np.ndarray):
+            assert answer.shape[: np.ndim(points) - 1] == np.shape(points)[:-1]
+            assert not np.isnan(answer).any()
+
+
+@FUZZ
+@given(arrays.arrays(np.float64, st.sampled_from([(4, 4), (7,), (2, 4, 4), (2, 7), (0, 7), (4,), ()]), elements=floats))
+def test_any_poses(poses):
+    body = so.Body(shapes.cube())
+    for ask in (so.collide, so.distance_between, so.contacts, lambda a, b, p: so.sweep(a, b, p, p)):
+        attempt(lambda: ask(body, body, poses))
+
+
+numbers = st.none() | st.integers(-3, 40) | floats | st.sampled_from([2**31, 2**62, 2**70, "8", True, (8, 8, 8), (1, 2), [0.1] * 3, np.float32(0.5)])
+options = st.fixed_dictionaries(
+    {},
+    optional={
+        "resolution": numbers, "spacing": numbers, "shape": numbers, "padding": numbers, "band": numbers, "thickness": numbers,
+        "sign": st.sampled_from([None, "auto", "winding", "flood", "x", 3, so.Sign("shell", thickness=0.2), so.Sign(rule="x")]),
+        "nearest": st.booleans(), "method": st.sampled_from(["tiles", "thesis", "x", None]), "threads": st.sampled_from([0, 1, 3, -1, None]),
+        "device": st.sampled_from(["auto", "cpu", "emulated", "cuda", "cuda:9", "x", None]),
+        "memory_limit": st.just(10**7) | numbers, "progress": st.sampled_from([None, False, 3]),
+    },
+)  # fmt: skip
+
+
+@FUZZ
+@given(options)
+def test_any_options(chosen):
+    chosen.setdefault("resolution", 8) if not {"spacing", "shape"} & chosen.keys() else None
+    chosen["memory_limit"] = chosen["memory_limit"] if type(chosen.get("memory_limit")) is int and chosen["memory_limit"] else 10**7
+    field = attempt(lambda: so.field(shapes.cube(), **chosen))
+    if field is not None:
+        assert np.abs(field.numpy()).max() <= np.float32(field.thickness)
+        assert repr(field)
