@@ -32,15 +32,17 @@ def check_conda() -> None:
     name = "packaging/conda/recipe.yaml"
     check_options(name)
     config = rattler_build.RenderConfig(rattler_build.PlatformConfig(target_platform="linux-64"))
-    variants = rattler_build.VariantConfig.from_yaml("python: ['3.10.* *_cpython', '3.13.* *_cp313']\nc_stdlib: [sysroot]\n")
+    variants = rattler_build.VariantConfig.from_yaml(
+        "python: ['3.10.* *_cpython', '3.13.* *_cp313']\nc_stdlib: [sysroot]\n"
+    )
     rendered = rattler_build.Stage0Recipe.from_file(ROOT / name).render(variants, config)
     recipes = [variant.recipe.to_dict() for variant in rendered]
     found = sorted((recipe["package"]["name"], recipe["package"]["version"]) for recipe in recipes)
     expect({package for package, _ in found} == {"libstandoff", "standoff"}, f"{name}: renders to {found}")
     expect({version for _, version in found} == {VERSION}, f"{name}: its version is not {VERSION}")
     text = (ROOT / name).read_text()
-    wanted = re.search(r"^dependencies = \[(.*)\]", (ROOT / "pyproject.toml").read_text(), re.M)[1]
-    wanted += re.search(r"^requires = \[(.*)\]", (ROOT / "pyproject.toml").read_text(), re.M)[1]
+    wanted = re.search(r"^dependencies = \[(.*)\]", (ROOT / "pyproject.toml").read_text(), re.MULTILINE)[1]
+    wanted += re.search(r"^requires = \[(.*)\]", (ROOT / "pyproject.toml").read_text(), re.MULTILINE)[1]
     for package, bounds in re.findall(r'"([\w-]+)([^"]*)"', wanted):
         expect(f"- {package} {bounds}" in text, f"{name}: pyproject.toml wants {package}{bounds}, and it does not")
     print(f"conda: renders to {len(found)} packages: {found}")
