@@ -39,8 +39,8 @@ def debian_licence(package: str) -> bytes:
 def part_of_boost(text: str) -> str:
     """The paragraphs on Boost.Context alone of Debian's 2 MB on all of Boost."""
     head, *paragraphs = text.split("\n\n")
-    files = [p for p in paragraphs if p.startswith("Files:") and re.search(r"^Files:\s*(\*|libs/context/\*)$", p, re.M)]
-    names = set(re.findall(r"^License: *(\S+)", "\n".join(files), re.M))
+    files = [p for p in paragraphs if p.startswith("Files:") and re.search(r"^Files:\s*(\*|libs/context/\*)$", p, re.MULTILINE)]
+    names = set(re.findall(r"^License: *(\S+)", "\n".join(files), re.MULTILINE))
     full = [p for p in paragraphs if re.match(r"License: *(\S+)", p) and p.split()[1] in names]
     if not files or len(full) < len(names):
         sys.exit("finish_wheel.py: Debian's copyright file of Boost has another form now; see part_of_boost")

@@ -12,5 +12,9 @@ import standoff
 print(time.perf_counter() - began)
 """
 
-seconds = [float(subprocess.run([sys.executable, "-c", SHOW], check=True, capture_output=True).stdout) for _ in range(9)]
-print(f"import standoff, once numpy is there: {1e3 * statistics.median(seconds):.0f} ms (fastest {1e3 * min(seconds):.0f} ms)")
+seconds = [
+    float(subprocess.run([sys.executable, "-c", SHOW], check=True, capture_output=True).stdout) for _ in range(9)
+]
+print(
+    f"import standoff, once numpy is there: {1e3 * statistics.median(seconds):.0f} ms (fastest {1e3 * min(seconds):.0f} ms)"
+)

@@ -49,5 +49,9 @@ files = [Path(file) for file in importlib.metadata.files("standoff") or []]
 licences = {file.stem for file in files if "licenses" in file.parts}
 copied = {file.name.split("-")[0] for file in files if file.parts[0] == "standoff.libs"}
 for library in copied:
-    assert any(licence.startswith(library.replace("_", "-").rstrip("0123456789")) for licence in licences), f"no licence of {library}"
-print(f"{so.__version__} on Python {sys.version.split()[0]}: {len(copied)} libraries and {len(licences)} licences came along")
+    assert any(licence.startswith(library.replace("_", "-").rstrip("0123456789")) for licence in licences), (
+        f"no licence of {library}"
+    )
+print(
+    f"{so.__version__} on Python {sys.version.split()[0]}: {len(copied)} libraries and {len(licences)} licences came along"
+)
