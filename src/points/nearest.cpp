@@ -121,7 +121,7 @@ class Block {
 
   void take_answers(SortedPoints::Range range, const PointGroup& group) const {
     for (int n = 0; n < group.count; ++n)
-      out_[sorted_.index(range.begin + n)] = {std::sqrt(group.nearest_sq[n]) / group.scale, group.nearest[n]};
+      out_[static_cast<std::size_t>(range.begin + n)] = {std::sqrt(group.nearest_sq[n]) / group.scale, group.nearest[n]};
   }
 
   // Fills a group with the points of a range, and returns their box.
@@ -130,7 +130,7 @@ class Block {
     group.scale = index_.scale();
     Box box;
     for (int n = 0; n < group.count; ++n) {
-      const Vec3 world = points_[sorted_.index(range.begin + n)];
+      const Vec3 world = points_[static_cast<std::size_t>(range.begin + n)];
       group.world[n][0] = world.x, group.world[n][1] = world.y, group.world[n][2] = world.z;
       box.include(index_.local(world));
     }
@@ -164,7 +164,7 @@ class Block {
   const TriangleIndex& index_;
   const PointKernels& kernels_;
   const SortedPoints& sorted_;
-  std::span<const Vec3> points_;
+  std::span<const Vec3> points_;  // in their order
   std::span<NearestTriangle> out_;
 };
 
@@ -174,9 +174,10 @@ constexpr std::int64_t kTask = 4096;
 }  // namespace
 
 void find_nearest(const TriangleIndex& index, const PointKernels& kernels, std::span<const Vec3> points,
-                  std::span<NearestTriangle> out, std::vector<std::uint32_t>& order, ProgressMeter& progress) {
-  const SortedPoints sorted(index, points);
-  const Block block(index, kernels, sorted, points, out);
+                  FoundTriangles& found, ProgressMeter& progress) {
+  const SortedPoints sorted(index, points, found.order, found.points);
+  found.nearest.resize(points.size());
+  const Block block(index, kernels, sorted, found.points, found.nearest);
   PerThread<std::unique_ptr<ThreadState>> threads(
       [&] { return std::make_unique<ThreadState>(index.culling().make_lists(kLevels)); });
   const std::int64_t tasks = (sorted.size() + kTask - 1) / kTask;
@@ -185,14 +186,10 @@ void find_nearest(const TriangleIndex& index, const PointKernels& kernels, std::
     block.answer(range, *threads.local());
     progress.advance(range.size());
   });
-  tbb::parallel_for(std::size_t{0}, sorted.far().size(), [&](std::size_t n) {
-    const std::uint32_t point = sorted.far()[n];
-    out[point] = find_nearest(index, points[point]);
+  tbb::parallel_for(static_cast<std::size_t>(sorted.size()), points.size(), [&](std::size_t n) {
+    found.nearest[n] = find_nearest(index, found.points[n]);
     progress.advance();
   });
-  order.resize(points.size());
-  for (std::int64_t n = 0; n < sorted.size(); ++n) order[static_cast<std::size_t>(n)] = sorted.index(n);
-  std::ranges::copy(sorted.far(), order.begin() + sorted.size());
 }
 
 }  // namespace standoff

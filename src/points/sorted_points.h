@@ -25,14 +25,13 @@ class SortedPoints {
     std::int64_t size() const { return end - begin; }
   };
 
-  /// Runs on the threads of the calling TBB arena.
-  SortedPoints(const TriangleIndex& index, std::span<const Vec3> points);
+  /// `order` becomes the indices of the points in their order, `in_order` the points. Far points come last. Runs on the
+  /// threads of the calling TBB arena.
+  SortedPoints(const TriangleIndex& index, std::span<const Vec3> points, std::vector<std::uint32_t>& order,
+               std::vector<Vec3>& in_order);
 
   /// Of those near enough to the mesh for boxes in float; they alone are sorted.
   std::int64_t size() const { return std::ssize(keyed_); }
-  /// The others.
-  std::span<const std::uint32_t> far() const { return far_; }
-  std::uint32_t index(std::int64_t n) const { return keyed_[static_cast<std::size_t>(n)].index; }
 
   /// What of a range, whose points are in none of the cells before this one in Morton order, is in it.
   Range first_of(Range range, const cpu::Cell& cell) const;
@@ -41,7 +40,6 @@ class SortedPoints {
 
  private:
   std::vector<cpu::KeyedIndex> keyed_;
-  std::vector<std::uint32_t> far_;
   Vec3 low_;
   double cell_ = 1;  // side of a cell
 };
