@@ -51,18 +51,43 @@ class Block {
     const CellCandidates& own = enter(level, cell, near, state.lists);
     if (level != 0 && range.size() <= kFewPoints && is_sparse(own, range)) return answer_each(range, state);
     if (cell.side == 1) return answer_groups(own, near, range, state);
-    Cell parts[8];
-    const int count = halves(cell, parts);
-    for (int n = 0; n < count; ++n) {
-      const SortedPoints::Range inside = sorted_.first_of(range, parts[n]);
-      range.begin = inside.end;
-      if (inside.size() == 0) continue;
-      const References nearer = references_of(own.points, cell, parts[n]);
-      if (inside.size() <= PointGroup::kMost)
-        answer_group(own, nearer, inside, state);
-      else
-        visit(level + 1, parts[n], nearer, inside, state);
+    visit_parts(level, own, {0, 8}, range, state);
+  }
+
+  // Some of the eighths of a cell, one after the other along the curve: all, a half, a quarter or one.
+  struct Eighths {
+    unsigned first, count;
+  };
+
+  void visit_parts(int level, const CellCandidates& own, Eighths parts, SortedPoints::Range range,
+                   ThreadState& state) const {
+    if (range.size() == 0) return;
+    if (range.size() <= PointGroup::kMost) return answer_group(own, references_of(own.points, parts), range, state);
+    if (parts.count == 1) {
+      Cell eighth[8];
+      halves(own.cell, eighth);
+      return visit(level + 1, eighth[parts.first], references_of(own.points, parts), range, state);
     }
+    const unsigned half = parts.count / 2, middle = parts.first + half;
+    const SortedPoints::Range before = sorted_.first_of(range, own.cell, middle);
+    visit_parts(level, own, {parts.first, half}, before, state);
+    visit_parts(level, own, {middle, half}, {before.end, range.end}, state);
+  }
+
+  // Those near the corners of the box of some eighths.
+  static References references_of(const SurfacePoints& points, Eighths parts) {
+    References near;
+    near.count = References::kMost;
+    unsigned low[3], length[3];
+    for (unsigned axis = 0; axis < 3; ++axis) {
+      low[axis] = parts.first >> axis & 1;
+      length[axis] = parts.count >> axis > 1 ? 2 : 1;
+    }
+    for (unsigned n = 0; n < References::kMost; ++n) {
+      const auto at = [&](unsigned axis) { return low[axis] + (n >> axis & 1) * length[axis]; };
+      std::ranges::copy(points.at[at(2)][at(1)][at(0)], near.at[n]);
+    }
+    return near;
   }
 
   // The candidates of a cell. Requires that its parent was entered before.

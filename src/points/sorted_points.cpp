@@ -68,11 +68,11 @@ SortedPoints::SortedPoints(const TriangleIndex& index, std::span<const Vec3> poi
   });
 }
 
-SortedPoints::Range SortedPoints::first_of(Range range, const cpu::Cell& cell) const {
+SortedPoints::Range SortedPoints::first_of(Range range, const cpu::Cell& cell, unsigned eighths) const {
   const std::uint64_t first = morton(static_cast<std::uint64_t>(cell.low[0]), static_cast<std::uint64_t>(cell.low[1]),
                                      static_cast<std::uint64_t>(cell.low[2]));
   const auto side = static_cast<std::uint64_t>(cell.side);
-  const std::uint64_t end = first + side * side * side;
+  const std::uint64_t end = first + eighths * (side * side * side / 8);
   const auto at = std::partition_point(keyed_.begin() + range.begin, keyed_.begin() + range.end,
                                        [&](const cpu::KeyedIndex& keyed) { return keyed.key < end; });
   return {range.begin, at - keyed_.begin()};

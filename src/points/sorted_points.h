@@ -33,8 +33,9 @@ class SortedPoints {
   /// Of those near enough to the mesh for boxes in float; they alone are sorted.
   std::int64_t size() const { return std::ssize(keyed_); }
 
-  /// What of a range, whose points are in none of the cells before this one in Morton order, is in it.
-  Range first_of(Range range, const cpu::Cell& cell) const;
+  /// What of a range is in the eighths of a cell before number `end` of them, in Morton order. The points of the range
+  /// are in the cell.
+  Range first_of(Range range, const cpu::Cell& cell, unsigned end) const;
   /// A box around the points of a cell.
   cpu::CullCell cull_cell(const cpu::Cell& cell) const;
 
