@@ -12,8 +12,8 @@
 namespace standoff {
 namespace {
 
-// The winding number of a closed mesh does not change where no triangle is. So a point within the free radius of
-// another one has its number, and only the others send a ray.
+// The winding number of a closed mesh does not change where no triangle is. So points whose empty balls overlap have the
+// same number, and only one of them sends a ray.
 class ClosedSides final : public SidesOfPoints {
  public:
   ClosedSides(const OrientedMesh& mesh, const TriangleIndex& index, WindingRule rule)
@@ -50,9 +50,10 @@ class ClosedSides final : public SidesOfPoints {
   };
   static constexpr std::size_t kMostKnown = 8;
 
-  // A free radius is off by some 1e-16 of the coordinates; the margin is far above that.
+  // Whether the empty balls around two points overlap. A free radius is off by some 1e-16 of the coordinates; the margin
+  // is far above that.
   static bool no_triangle_between(const PointToSide& a, const PointToSide& b) {
-    const double most = std::max(a.free_radius, b.free_radius) - 1e-12 * (max_norm(a.at) + max_norm(b.at));
+    const double most = a.free_radius + b.free_radius - 1e-12 * (max_norm(a.at) + max_norm(b.at));
     const Vec3 between = a.at - b.at;
     return most > 0 && dot(between, between) < most * most * (1 - 1e-12);
   }
