@@ -74,23 +74,21 @@ void answer_all(const MeshQuery::Data& data, std::span<const Vec3> points, const
   const TriangleIndex& index = data.near();
   const PointDevice* const device = find_point_device(execution.backend, points.size());
   Threads(execution.threads).run([&] {
-    std::vector<NearestTriangle> nearest(std::min(kMostPoints, points.size()));
-    std::vector<std::uint32_t> order;
+    FoundTriangles found;
     for (std::size_t first = 0; first < points.size(); first += kMostPoints) {
       const std::span<const Vec3> part = points.subspan(first, std::min(kMostPoints, points.size() - first));
-      const std::span<NearestTriangle> found = std::span(nearest).first(part.size());
       if (device)
-        find_nearest_on_device(*device, execution.device, data.device_tree(), index, part, found, order, progress);
+        find_nearest_on_device(*device, execution.device, data.device_tree(), index, part, found, progress);
       else
-        find_nearest(index, kernels, part, found, order, progress);
+        find_nearest(index, kernels, part, found, progress);
       tbb::parallel_for(tbb::blocked_range<std::size_t>(0, part.size(), kTogether), [&](const auto& range) {
         std::array<PointToSide, kTogether> to_side;
         std::array<bool, kTogether> inside;
         for (std::size_t begin = range.begin(); begin < range.end(); begin += kTogether) {
           const std::size_t count = std::min(kTogether, range.end() - begin);
           for (std::size_t n = 0; n < count; ++n) {
-            const std::size_t point = order[begin + n];
-            to_side[n] = {part[point], nearest[point].distance, nearest[point].triangle};
+            const NearestTriangle& nearest = found.nearest[begin + n];
+            to_side[n] = {found.points[begin + n], nearest.distance, nearest.triangle};
           }
           if (data.sides)
             data.sides->decide(std::span(to_side).first(count), kernels, std::span(inside).first(count));
@@ -103,7 +101,7 @@ void answer_all(const MeshQuery::Data& data, std::span<const Vec3> points, const
               distance -= data.sign.shell / 2;
               if (data.sign.invert) distance = 0 - distance;
             }
-            answer(first + order[begin + n], to_side[n].triangle, negative && distance != 0 ? -distance : distance);
+            answer(first + found.order[begin + n], to_side[n].triangle, negative && distance != 0 ? -distance : distance);
           }
         }
       });

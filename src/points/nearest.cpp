@@ -51,18 +51,43 @@ class Block {
     const CellCandidates& own = enter(level, cell, near, state.lists);
     if (level != 0 && range.size() <= kFewPoints && is_sparse(own, range)) return answer_each(range, state);
     if (cell.side == 1) return answer_groups(own, near, range, state);
-    Cell parts[8];
-    const int count = halves(cell, parts);
-    for (int n = 0; n < count; ++n) {
-      const SortedPoints::Range inside = sorted_.first_of(range, parts[n]);
-      range.begin = inside.end;
-      if (inside.size() == 0) continue;
-      const References nearer = references_of(own.points, cell, parts[n]);
-      if (inside.size() <= PointGroup::kMost)
-        answer_group(own, nearer, inside, state);
-      else
-        visit(level + 1, parts[n], nearer, inside, state);
+    visit_parts(level, own, {0, 8}, range, state);
+  }
+
+  // Some of the eighths of a cell, one after the other along the curve: all, a half, a quarter or one.
+  struct Eighths {
+    unsigned first, count;
+  };
+
+  void visit_parts(int level, const CellCandidates& own, Eighths parts, SortedPoints::Range range,
+                   ThreadState& state) const {
+    if (range.size() == 0) return;
+    if (range.size() <= PointGroup::kMost) return answer_group(own, references_of(own.points, parts), range, state);
+    if (parts.count == 1) {
+      Cell eighth[8];
+      halves(own.cell, eighth);
+      return visit(level + 1, eighth[parts.first], references_of(own.points, parts), range, state);
     }
+    const unsigned half = parts.count / 2, middle = parts.first + half;
+    const SortedPoints::Range before = sorted_.first_of(range, own.cell, middle);
+    visit_parts(level, own, {parts.first, half}, before, state);
+    visit_parts(level, own, {middle, half}, {before.end, range.end}, state);
+  }
+
+  // Those near the corners of the box of some eighths.
+  static References references_of(const SurfacePoints& points, Eighths parts) {
+    References near;
+    near.count = References::kMost;
+    unsigned low[3], length[3];
+    for (unsigned axis = 0; axis < 3; ++axis) {
+      low[axis] = parts.first >> axis & 1;
+      length[axis] = parts.count >> axis > 1 ? 2 : 1;
+    }
+    for (unsigned n = 0; n < References::kMost; ++n) {
+      const auto at = [&](unsigned axis) { return low[axis] + (n >> axis & 1) * length[axis]; };
+      std::ranges::copy(points.at[at(2)][at(1)][at(0)], near.at[n]);
+    }
+    return near;
   }
 
   // The candidates of a cell. Requires that its parent was entered before.
@@ -121,7 +146,7 @@ class Block {
 
   void take_answers(SortedPoints::Range range, const PointGroup& group) const {
     for (int n = 0; n < group.count; ++n)
-      out_[sorted_.index(range.begin + n)] = {std::sqrt(group.nearest_sq[n]) / group.scale, group.nearest[n]};
+      out_[static_cast<std::size_t>(range.begin + n)] = {std::sqrt(group.nearest_sq[n]) / group.scale, group.nearest[n]};
   }
 
   // Fills a group with the points of a range, and returns their box.
@@ -130,7 +155,7 @@ class Block {
     group.scale = index_.scale();
     Box box;
     for (int n = 0; n < group.count; ++n) {
-      const Vec3 world = points_[sorted_.index(range.begin + n)];
+      const Vec3 world = points_[static_cast<std::size_t>(range.begin + n)];
       group.world[n][0] = world.x, group.world[n][1] = world.y, group.world[n][2] = world.z;
       box.include(index_.local(world));
     }
@@ -164,7 +189,7 @@ class Block {
   const TriangleIndex& index_;
   const PointKernels& kernels_;
   const SortedPoints& sorted_;
-  std::span<const Vec3> points_;
+  std::span<const Vec3> points_;  // in their order
   std::span<NearestTriangle> out_;
 };
 
@@ -174,9 +199,10 @@ constexpr std::int64_t kTask = 4096;
 }  // namespace
 
 void find_nearest(const TriangleIndex& index, const PointKernels& kernels, std::span<const Vec3> points,
-                  std::span<NearestTriangle> out, std::vector<std::uint32_t>& order, ProgressMeter& progress) {
-  const SortedPoints sorted(index, points);
-  const Block block(index, kernels, sorted, points, out);
+                  FoundTriangles& found, ProgressMeter& progress) {
+  const SortedPoints sorted(index, points, found.order, found.points);
+  found.nearest.resize(points.size());
+  const Block block(index, kernels, sorted, found.points, found.nearest);
   PerThread<std::unique_ptr<ThreadState>> threads(
       [&] { return std::make_unique<ThreadState>(index.culling().make_lists(kLevels)); });
   const std::int64_t tasks = (sorted.size() + kTask - 1) / kTask;
@@ -185,14 +211,10 @@ void find_nearest(const TriangleIndex& index, const PointKernels& kernels, std::
     block.answer(range, *threads.local());
     progress.advance(range.size());
   });
-  tbb::parallel_for(std::size_t{0}, sorted.far().size(), [&](std::size_t n) {
-    const std::uint32_t point = sorted.far()[n];
-    out[point] = find_nearest(index, points[point]);
+  tbb::parallel_for(static_cast<std::size_t>(sorted.size()), points.size(), [&](std::size_t n) {
+    found.nearest[n] = find_nearest(index, found.points[n]);
     progress.advance();
   });
-  order.resize(points.size());
-  for (std::int64_t n = 0; n < sorted.size(); ++n) order[static_cast<std::size_t>(n)] = sorted.index(n);
-  std::ranges::copy(sorted.far(), order.begin() + sorted.size());
 }
 
 }  // namespace standoff

@@ -22,11 +22,17 @@ struct NearestTriangle {
 /// The most points of a call: what is held for sorting them stays in bounds.
 inline constexpr std::size_t kMostPoints = std::size_t{1} << 20;
 
-/// Requires at most kMostPoints points, all finite, and out.size() == points.size(). `order` becomes their indices,
-/// points that are near each other together. Runs on the threads of the calling TBB arena; advances the progress by one
-/// for each point. Throws Error{interrupted}.
+/// Points in an order in which neighbours are near each other, and their answers.
+struct FoundTriangles {
+  std::vector<std::uint32_t> order;  ///< which point of those asked each one is
+  std::vector<Vec3> points;
+  std::vector<NearestTriangle> nearest;
+};
+
+/// Requires at most kMostPoints points, all finite. Runs on the threads of the calling TBB arena; advances the progress
+/// by one for each point. Throws Error{interrupted}.
 void find_nearest(const TriangleIndex& index, const cpu::PointKernels& kernels, std::span<const Vec3> points,
-                  std::span<NearestTriangle> out, std::vector<std::uint32_t>& order, ProgressMeter& progress);
+                  FoundTriangles& found, ProgressMeter& progress);
 
 /// The same for a single point.
 NearestTriangle find_nearest(const TriangleIndex& index, Vec3 point);

@@ -5,7 +5,6 @@
 
 #include <tbb/parallel_for.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "points/sorted_points.h"
@@ -13,23 +12,18 @@
 namespace standoff {
 
 void find_nearest_on_device(const PointDevice& device, int number, const DeviceTree& tree, const TriangleIndex& index,
-                            std::span<const Vec3> points, std::span<NearestTriangle> out,
-                            std::vector<std::uint32_t>& order, ProgressMeter& progress) {
-  const SortedPoints sorted(index, points);
+                            std::span<const Vec3> points, FoundTriangles& found, ProgressMeter& progress) {
+  const SortedPoints sorted(index, points, found.order, found.points);
   const auto near = static_cast<std::size_t>(sorted.size());
-  order.resize(points.size());
-  for (std::size_t n = 0; n < near; ++n) order[n] = sorted.index(static_cast<std::int64_t>(n));
-  std::ranges::copy(sorted.far(), order.begin() + sorted.size());
-  std::vector<Vec3> asked(near);
-  std::vector<DeviceNearest> found(near);
-  tbb::parallel_for(std::size_t{0}, near, [&](std::size_t n) { asked[n] = points[order[n]]; });
-  if (near > 0) device.find_nearest({tree, asked, found, number});
+  found.nearest.resize(points.size());
+  std::vector<DeviceNearest> answers(near);
+  if (near > 0) device.find_nearest({tree, std::span(found.points).first(near), answers, number});
   tbb::parallel_for(std::size_t{0}, near, [&](std::size_t n) {
-    out[order[n]] = {std::sqrt(found[n].distance_sq) / tree.scale, found[n].triangle};
+    found.nearest[n] = {std::sqrt(answers[n].distance_sq) / tree.scale, answers[n].triangle};
   });
   progress.advance(sorted.size());
   tbb::parallel_for(near, points.size(), [&](std::size_t n) {
-    out[order[n]] = find_nearest(index, points[order[n]]);
+    found.nearest[n] = find_nearest(index, found.points[n]);
     progress.advance();
   });
 }

@@ -13,7 +13,6 @@ namespace standoff {
 
 /// As find_nearest() of nearest.h, with the same bits. The tree is that of the index; `number` says which device.
 void find_nearest_on_device(const PointDevice& device, int number, const DeviceTree& tree, const TriangleIndex& index,
-                            std::span<const Vec3> points, std::span<NearestTriangle> out,
-                            std::vector<std::uint32_t>& order, ProgressMeter& progress);
+                            std::span<const Vec3> points, FoundTriangles& found, ProgressMeter& progress);
 
 }  // namespace standoff

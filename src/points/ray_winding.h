@@ -18,8 +18,16 @@ class RayWinding {
   /// The same numbers, with the same symbolic perturbation, as rows of samples have (sign/rows/ray_crossing.h). Of a
   /// mesh that is closed but for its orientation, the parity is right.
   std::int32_t at(Vec3 point, const cpu::PointKernels& kernels) const;
+  /// That number less the one at (x, point.y, point.z): the crossings of the segment between the two.
+  std::int32_t beyond(double x, Vec3 point, const cpu::PointKernels& kernels) const;
+  /// Whether beyond() may be asked about a point.
+  bool is_near(Vec3 point) const { return index_.is_near(index_.local(point)); }
 
  private:
+  // Calls use(triangle, how often it counts) for the triangles whose boxes a row meets between two points.
+  template <class Use>
+  void for_each_between(const float (&to)[3], float from, const cpu::PointKernels& kernels, const Use& use) const;
+
   const OrientedMesh mesh_;
   const TriangleIndex& index_;
 };

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "points/sides_of_points.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "points/open_point_winding.h"
 #include "points/ray_winding.h"
@@ -12,8 +14,9 @@
 namespace standoff {
 namespace {
 
-// The winding number of a closed mesh does not change where no triangle is. So a point within the free radius of
-// another one has its number, and only the others send a ray.
+// The winding number of a closed mesh does not change where no triangle is. So points whose empty balls overlap have the
+// same number. Of the other points, most have a ball of a point before on their row: a segment up to there says by how
+// much their numbers differ. Only the rest sends a ray.
 class ClosedSides final : public SidesOfPoints {
  public:
   ClosedSides(const OrientedMesh& mesh, const TriangleIndex& index, WindingRule rule)
@@ -24,17 +27,21 @@ class ClosedSides final : public SidesOfPoints {
     std::array<Known, kMostKnown> known;
     std::size_t count = 0, next = 0;
     for (std::size_t n = 0; n < points.size(); ++n) {
-      const PointToSide& p = points[n];
-      const Known* same = nullptr;
-      for (std::size_t k = 0; k < count && !same; ++k)
-        if (no_triangle_between(p, *known[k].point)) same = &known[k];
-      if (same) {
-        inside[n] = same->inside;
-        if (p.free_radius <= same->point->free_radius) continue;  // the other one says more about others
-      } else {
-        inside[n] = is_inside(rays_.at(p.at, kernels), rule_);
+      Known own{points[n].at, empty_radius(points[n]), 0};
+      const Known *same = nullptr, *on_row = nullptr;
+      for (std::size_t k = 0; k < count && !same; ++k) {
+        if (overlap(own, known[k])) same = &known[k];
+        if (is_on_row(own, known[k]) && (!on_row || nearer(own, known[k], *on_row))) on_row = &known[k];
       }
-      known[next] = {&p, inside[n]};
+      if (same)
+        own.winding = same->winding;
+      else if (on_row && rays_.is_near(own.at) && rays_.is_near(on_row->at))
+        own.winding = on_row->winding + rays_.beyond(on_row->at.x, own.at, kernels);
+      else
+        own.winding = rays_.at(own.at, kernels);
+      inside[n] = is_inside(own.winding, rule_);
+      if (same && own.radius <= same->radius) continue;  // the other one says more about others
+      known[next] = own;
       next = (next + 1) % kMostKnown;
       count = std::max(count, next == 0 ? kMostKnown : next);
     }
@@ -45,16 +52,27 @@ class ClosedSides final : public SidesOfPoints {
 
  private:
   struct Known {
-    const PointToSide* point;
-    bool inside;
+    Vec3 at;
+    double radius;  // of a ball without triangles; not positive if none is known
+    std::int32_t winding;
   };
   static constexpr std::size_t kMostKnown = 8;
 
   // A free radius is off by some 1e-16 of the coordinates; the margin is far above that.
-  static bool no_triangle_between(const PointToSide& a, const PointToSide& b) {
-    const double most = std::max(a.free_radius, b.free_radius) - 1e-12 * (max_norm(a.at) + max_norm(b.at));
+  static double empty_radius(const PointToSide& p) { return p.free_radius - 1e-12 * (p.free_radius + max_norm(p.at)); }
+  // Whether a length whose square is given is less than another.
+  static bool is_less(double sq, double than) { return than > 0 && sq < than * than * (1 - 1e-12); }
+  static bool overlap(const Known& a, const Known& b) {
     const Vec3 between = a.at - b.at;
-    return most > 0 && dot(between, between) < most * most * (1 - 1e-12);
+    return std::min(a.radius, b.radius) > 0 && is_less(dot(between, between), a.radius + b.radius);
+  }
+  // Whether the ball of `other` is on the row of a point.
+  static bool is_on_row(const Known& point, const Known& other) {
+    const double y = point.at.y - other.at.y, z = point.at.z - other.at.z;
+    return is_less(y * y + z * z, other.radius);
+  }
+  static bool nearer(const Known& point, const Known& a, const Known& b) {
+    return std::abs(a.at.x - point.at.x) < std::abs(b.at.x - point.at.x);
   }
 
   RayWinding rays_;

@@ -12,49 +12,67 @@
 
 namespace standoff {
 
-SortedPoints::SortedPoints(const TriangleIndex& index, std::span<const Vec3> points) {
+SortedPoints::SortedPoints(const TriangleIndex& index, std::span<const Vec3> points, std::vector<std::uint32_t>& order,
+                           std::vector<Vec3>& in_order) {
   using Blocked = tbb::blocked_range<std::size_t>;
-  const auto add = [&](const Blocked& range, Box box) {
+  struct Near {
+    Box box;
+    std::size_t count = 0;
+  };
+  const auto add = [&](const Blocked& range, Near near) {
     for (std::size_t n = range.begin(); n < range.end(); ++n) {
       const Vec3 local = index.local(points[n]);
-      if (index.is_near(local)) box.include(local);
+      if (!index.is_near(local)) continue;
+      near.box.include(local);
+      ++near.count;
     }
-    return box;
+    return near;
   };
-  const auto both = [](const Box& a, const Box& b) { return Box{min(a.min, b.min), max(a.max, b.max)}; };
-  const Box box = tbb::parallel_reduce(Blocked(0, points.size(), 8192), Box{}, add, both);
-  for (std::size_t n = 0; n < points.size(); ++n)
-    if (!index.is_near(index.local(points[n]))) far_.push_back(static_cast<std::uint32_t>(n));
-  if (far_.size() == points.size()) return;
+  const auto both = [](const Near& a, const Near& b) {
+    return Near{{min(a.box.min, b.box.min), max(a.box.max, b.box.max)}, a.count + b.count};
+  };
+  const Near near = tbb::parallel_reduce(Blocked(0, points.size(), 8192), Near{}, add, both);
+  order.resize(points.size());
+  in_order.resize(points.size());
 
-  low_ = box.min;
-  const double side = box.longest_side();
+  low_ = near.box.min;
+  const double side = near.count > 0 ? near.box.longest_side() : 0;
   cell_ = side > 0 ? side / kSide : 1;
   const double to_cells = 1 / cell_;
-  keyed_.resize(points.size() - far_.size());
-  // The places of near points: their number less the far ones before them.
+  keyed_.resize(near.count);
   const auto key = [&](std::size_t n) {
     const Vec3 at = (index.local(points[n]) - low_) * to_cells;
     const auto cell = [](double v) { return static_cast<std::uint32_t>(v < kSide - 1 ? v : double{kSide - 1}); };
     return static_cast<std::uint32_t>(morton(cell(at.x), cell(at.y), cell(at.z)));
   };
-  if (far_.empty()) {
+  if (near.count == points.size()) {
     tbb::parallel_for(Blocked(0, points.size(), 8192), [&](const Blocked& range) {
       for (std::size_t n = range.begin(); n < range.end(); ++n) keyed_[n] = {key(n), static_cast<std::uint32_t>(n)};
     });
   } else {
-    std::size_t place = 0;
-    for (std::size_t n = 0; n < points.size(); ++n)
-      if (index.is_near(index.local(points[n]))) keyed_[place++] = {key(n), static_cast<std::uint32_t>(n)};
+    std::size_t place = 0, far = near.count;
+    for (std::size_t n = 0; n < points.size(); ++n) {
+      const auto number = static_cast<std::uint32_t>(n);
+      if (index.is_near(index.local(points[n])))
+        keyed_[place++] = {key(n), number};
+      else
+        order[far++] = number;
+    }
   }
   cpu::radix_sort(keyed_, tbb::this_task_arena::max_concurrency());
+  tbb::parallel_for(Blocked(0, points.size(), 8192), [&](const Blocked& range) {
+    for (std::size_t n = range.begin(); n < range.end(); ++n) {
+      if (n < near.count) order[n] = keyed_[n].index;
+      in_order[n] = points[order[n]];
+    }
+  });
 }
 
-SortedPoints::Range SortedPoints::first_of(Range range, const cpu::Cell& cell) const {
+SortedPoints::Range SortedPoints::first_of(Range range, const cpu::Cell& cell, unsigned eighths) const {
   const std::uint64_t first = morton(static_cast<std::uint64_t>(cell.low[0]), static_cast<std::uint64_t>(cell.low[1]),
                                      static_cast<std::uint64_t>(cell.low[2]));
   const auto side = static_cast<std::uint64_t>(cell.side);
-  const std::uint64_t end = first + side * side * side;
+  const std::uint64_t end = first + eighths * (side * side * side / 8);
   const auto at = std::partition_point(keyed_.begin() + range.begin, keyed_.begin() + range.end,
                                        [&](const cpu::KeyedIndex& keyed) { return keyed.key < end; });
   return {range.begin, at - keyed_.begin()};

@@ -25,23 +25,22 @@ class SortedPoints {
     std::int64_t size() const { return end - begin; }
   };
 
-  /// Runs on the threads of the calling TBB arena.
-  SortedPoints(const TriangleIndex& index, std::span<const Vec3> points);
+  /// `order` becomes the indices of the points in their order, `in_order` the points. Far points come last. Runs on the
+  /// threads of the calling TBB arena.
+  SortedPoints(const TriangleIndex& index, std::span<const Vec3> points, std::vector<std::uint32_t>& order,
+               std::vector<Vec3>& in_order);
 
   /// Of those near enough to the mesh for boxes in float; they alone are sorted.
   std::int64_t size() const { return std::ssize(keyed_); }
-  /// The others.
-  std::span<const std::uint32_t> far() const { return far_; }
-  std::uint32_t index(std::int64_t n) const { return keyed_[static_cast<std::size_t>(n)].index; }
 
-  /// What of a range, whose points are in none of the cells before this one in Morton order, is in it.
-  Range first_of(Range range, const cpu::Cell& cell) const;
+  /// What of a range is in the eighths of a cell before number `end` of them, in Morton order. The points of the range
+  /// are in the cell.
+  Range first_of(Range range, const cpu::Cell& cell, unsigned end) const;
   /// A box around the points of a cell.
   cpu::CullCell cull_cell(const cpu::Cell& cell) const;
 
  private:
   std::vector<cpu::KeyedIndex> keyed_;
-  std::vector<std::uint32_t> far_;
   Vec3 low_;
   double cell_ = 1;  // side of a cell
 };

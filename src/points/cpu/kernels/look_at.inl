@@ -103,6 +103,23 @@ STANDOFF_INLINE std::uint32_t unbeaten(const float (&corner_sq)[PointTable::kCor
   return left;
 }
 
+// Whether choosing costs less than measuring what it is likely to drop, half of the candidates. Counted in triangles
+// measured from sixteen points, or sixteen of them from a point.
+STANDOFF_INLINE bool is_worth_choosing(const PointTable& table, int packs, const PointGroup& points) {
+  int candidates = 0;
+  for (int k = 0; k < packs; ++k) candidates += __builtin_popcount(table.packs[k].lanes);
+  const int vectors = (points.count + kLanes - 1) / kLanes;
+  return candidates * vectors > 2 * PointTable::kCorners * (packs + 2);
+}
+
+STANDOFF_INLINE int keep_all(int packs, PointTable& table) {
+  int kept = 0;
+  for (int k = 0; k < packs; ++k)
+    for (std::uint32_t lanes = table.packs[k].lanes; lanes != 0; lanes &= lanes - 1)
+      table.kept[kept++] = static_cast<std::uint16_t>(k * kLanes + __builtin_ctz(lanes));
+  return kept;
+}
+
 // Chooses candidates of the table for the points; returns how many.
 STANDOFF_INLINE int choose(const PackTree& tree, const PointGroup& points, int packs, PointTable& table) {
   for (int k = 0; k < packs; ++k) {
@@ -158,7 +175,7 @@ void look_at(const PackTree& tree, const std::uint32_t* candidates, std::int64_t
   for (std::int64_t first = 0; first < count;) {
     int packs = 0;
     first = fill_table(tree, candidates, first, count, points, packs, table);
-    const int kept = choose(tree, points, packs, table);
+    const int kept = is_worth_choosing(table, packs, points) ? choose(tree, points, packs, table) : keep_all(packs, table);
     for (int n = 0; n < kept; n += PointTable::kMostKept)
       measure(tree, table.kept + n, kept - n < PointTable::kMostKept ? kept - n : PointTable::kMostKept, points, table);
   }
