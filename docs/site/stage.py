@@ -3,7 +3,8 @@
 
     stage.py FOLDER
 
-A page keeps its words. Its links to other pages lead to them; those to files that are not in the site become plain text."""
+A page keeps its words. Its links to other pages lead to them, by their titles where it wrote their paths; those to files
+that are not in the site become plain text."""
 
 from __future__ import annotations
 
@@ -66,6 +67,10 @@ def with_links(text: str, here: str, known: dict[str, str]) -> str:
         if path in known:
             suffix = ".ipynb" if path.endswith(".ipynb") else ".md"
             to = posixpath.relpath(known[path] + suffix, place or ".")
+            if re.fullmatch(
+                r"[\w/]+\.md", words
+            ):  # a path says nothing to readers of the site; the builder puts the title
+                words = ""
             return f"[{words}]({to}{'#' + anchor if anchor else ''})"
         if path in PARTS and (not anchor or anchor in anchors(start_page())):
             return f"[{words}](index.md{'#' + anchor if anchor else ''})"
