@@ -3,7 +3,8 @@
 
     stage.py FOLDER
 
-A page keeps its words. Its links to other pages lead to them; those to files that are not in the site become plain text."""
+A page keeps its words. Its links to other pages lead to them, by their titles where it wrote their paths; those to files
+that are not in the site become plain text."""
 
 from __future__ import annotations
 
@@ -58,14 +59,18 @@ def with_links(text: str, here: str, known: dict[str, str]) -> str:
         if re.match(r"[a-z]+:", target) or not path:
             return match[0]
         path = posixpath.normpath(posixpath.join(posixpath.dirname(here), path))
+        if not (ROOT / path).exists():
+            sys.exit(f"{here}: links to {target}, which does not exist")
         if picture:
             source = path.removeprefix("docs/")
             return f"![{words}]({posixpath.relpath(source, place or '.')})"
-        if not (ROOT / path).exists():
-            sys.exit(f"{here}: links to {target}, which does not exist")
         if path in known:
             suffix = ".ipynb" if path.endswith(".ipynb") else ".md"
             to = posixpath.relpath(known[path] + suffix, place or ".")
+            if re.fullmatch(
+                r"[\w/]+\.md", words
+            ):  # a path says nothing to readers of the site; the builder puts the title
+                words = ""
             return f"[{words}]({to}{'#' + anchor if anchor else ''})"
         if path in PARTS and (not anchor or anchor in anchors(start_page())):
             return f"[{words}](index.md{'#' + anchor if anchor else ''})"
@@ -113,7 +118,10 @@ def stage(folder: Path) -> None:
     for path, name in known.items():
         text = (ROOT / path).read_text()
         if name == "index":
-            text = text.replace("<!-- other pages -->", "\n".join(other_pages(text, known)))
+            others = other_pages(text, known)
+            measured = [page for page in others if re.search(r"_(benchmarks|tables)$", page)]
+            text = text.replace("<!-- other measurements -->", "\n".join(measured))
+            text = text.replace("<!-- other pages -->", "\n".join(page for page in others if page not in measured))
             if not any(page.startswith("notebooks/") for page in known.values()):
                 text = re.sub(r"```{toctree}\n:caption: Notebooks\n.*?```\n\n", "", text, flags=re.DOTALL)
         if name == "cpp":
