@@ -38,17 +38,17 @@ nb::object path_of(std::string_view file) {
   return nb::steal(PyUnicode_DecodeFSDefaultAndSize(file.data(), static_cast<Py_ssize_t>(file.size())));
 }
 nb::object message_of(std::string_view message) {
-  return nb::steal(
-      PyUnicode_DecodeUTF8(message.data(), static_cast<Py_ssize_t>(message.size()), "backslashreplace"));
+  return nb::steal(PyUnicode_DecodeUTF8(message.data(), static_cast<Py_ssize_t>(message.size()), "backslashreplace"));
 }
 
 void raise(const Error& error) {
   const ErrorDetails& d = error.details();
   const nb::object file = d.file.empty() ? nb::none() : path_of(d.file);
-  const nb::object exception = nb::module_::import_("standoff._errors")
-                                   .attr("make")(name_of(error.code()), message_of(error.what()), "triangle"_a = d.triangle,
-                                                 "bytes_needed"_a = d.bytes_needed, "bytes_limit"_a = d.bytes_limit,
-                                                 "file"_a = file, "line"_a = d.line, "byte"_a = d.byte);
+  const nb::object exception =
+      nb::module_::import_("standoff._errors")
+          .attr("make")(name_of(error.code()), message_of(error.what()), "triangle"_a = d.triangle,
+                        "bytes_needed"_a = d.bytes_needed, "bytes_limit"_a = d.bytes_limit, "file"_a = file,
+                        "line"_a = d.line, "byte"_a = d.byte);
   PyErr_SetObject(exception.type().ptr(), exception.ptr());
 }
 

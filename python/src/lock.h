@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The interpreter's lock, for threads that may outlive the interpreter.
 //
-// If Python ends while a daemon thread is in here, the thread's next attempt to take the lock ends it: CPython up to 3.13
-// calls pthread_exit, which unwinds the stack. nanobind's guards take the lock in a destructor, which must not be unwound,
-// and the whole process would abort. These guards let such a thread wait for the end of the process instead, as CPython
-// does from 3.14 on.
+// If Python ends while a daemon thread is in here, the thread's next attempt to take the lock ends it: CPython up
+// to 3.13 calls pthread_exit, which unwinds the stack. nanobind's guards take the lock in a destructor, which must not
+// be unwound, and the whole process would abort. These guards let such a thread wait for the end of the process
+// instead, as CPython does from 3.14 on.
 #pragma once
 
 #include <chrono>

@@ -116,7 +116,9 @@ def test_sweeps():
     assert turning.hit and 0 < turning.time < 1
     angle = turning.time * np.pi / 4
     assert 1.15 - (np.cos(angle) + np.sin(angle)) / 2 == pytest.approx(0.5, abs=1e-2)
-    off_centre = so.sweep(CUBE, CUBE, pose((1.15, 0, 0)), pose((1.15, 0, 0), (0, 0, 1), np.pi / 4), center=(0.5, 0.5, 0))
+    off_centre = so.sweep(
+        CUBE, CUBE, pose((1.15, 0, 0)), pose((1.15, 0, 0), (0, 0, 1), np.pi / 4), center=(0.5, 0.5, 0)
+    )
     assert off_centre.hit.shape == ()
     exact = so.sweep(CUBE, CUBE, starts[:1], ends[:1], tolerance=1e-9).time
     assert exact == pytest.approx(2 / 3, abs=1e-8)
@@ -127,4 +129,6 @@ def test_both_bodies_can_be_placed():
     poses = np.stack([pose(offset, RANDOM.normal(size=3), 1) for offset in RANDOM.uniform(-2, 2, (50, 3))])
     moved = so.distance_between(CUBE, SPHERE, a_at @ poses, pose_a=a_at)
     np.testing.assert_allclose(moved.distance, so.distance_between(CUBE, SPHERE, poses).distance, atol=1e-9)
-    np.testing.assert_array_equal(so.collide(CUBE, SPHERE, a_at @ poses, pose_a=a_at).hit, so.collide(CUBE, SPHERE, poses).hit)
+    np.testing.assert_array_equal(
+        so.collide(CUBE, SPHERE, a_at @ poses, pose_a=a_at).hit, so.collide(CUBE, SPHERE, poses).hit
+    )
