@@ -124,6 +124,19 @@ def test_sweeps():
     assert exact == pytest.approx(2 / 3, abs=1e-8)
 
 
+def test_triangles_are_those_of_their_body():
+    poses = np.stack([pose((1.2, 0.1 * n, 0)) for n in range(-5, 6)])
+    start = np.stack([pose((4, 0.1 * n, 0)) for n in range(-5, 6)])
+    contacts = so.contacts(SPHERE, CUBE, poses[5])
+    for found in (
+        so.collide(SPHERE, CUBE, poses),
+        so.distance_between(SPHERE, CUBE, start),
+        so.sweep(SPHERE, CUBE, start, poses),
+        contacts,
+    ):
+        assert found.triangle_a.max() >= 12 > found.triangle_b.max()  # the cube has 12
+
+
 def test_both_bodies_can_be_placed():
     a_at = pose((5, 1, 2), (1, 2, 3), 0.7)
     poses = np.stack([pose(offset, RANDOM.normal(size=3), 1) for offset in RANDOM.uniform(-2, 2, (50, 3))])

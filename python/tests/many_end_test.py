@@ -2,6 +2,7 @@
 """fields(): exceptions that are not a mesh's, an end at any time, and arguments that make no sense."""
 
 import threading
+import time
 
 import numpy as np
 import pytest
@@ -48,10 +49,12 @@ def test_closing_stops_the_work_that_is_under_way():
     started = threading.Event()
     # Minutes of work, if nobody stopped it.
     options = {"resolution": 400, "sign": None, "prepare": prepare}
-    results = so.fields([None, *[shapes.soup(50_000, size=3)] * 3], workers=2, ahead=2, **options)
+    results = so.fields([None, *[shapes.soup(100_000, size=3)] * 3], workers=2, ahead=2, **options)
     assert isinstance(next(results).error, TypeError)
     assert started.wait(60)
+    began = time.monotonic()
     results.close()
+    assert time.monotonic() - began < 60
     assert not [t for t in threading.enumerate() if t.name.startswith("standoff")]
 
 
