@@ -116,10 +116,25 @@ def test_sweeps():
     assert turning.hit and 0 < turning.time < 1
     angle = turning.time * np.pi / 4
     assert 1.15 - (np.cos(angle) + np.sin(angle)) / 2 == pytest.approx(0.5, abs=1e-2)
-    off_centre = so.sweep(CUBE, CUBE, pose((1.15, 0, 0)), pose((1.15, 0, 0), (0, 0, 1), np.pi / 4), center=(0.5, 0.5, 0))
+    off_centre = so.sweep(
+        CUBE, CUBE, pose((1.15, 0, 0)), pose((1.15, 0, 0), (0, 0, 1), np.pi / 4), center=(0.5, 0.5, 0)
+    )
     assert off_centre.hit.shape == ()
     exact = so.sweep(CUBE, CUBE, starts[:1], ends[:1], tolerance=1e-9).time
     assert exact == pytest.approx(2 / 3, abs=1e-8)
+
+
+def test_triangles_are_those_of_their_body():
+    poses = np.stack([pose((1.2, 0.1 * n, 0)) for n in range(-5, 6)])
+    start = np.stack([pose((4, 0.1 * n, 0)) for n in range(-5, 6)])
+    contacts = so.contacts(SPHERE, CUBE, poses[5])
+    for found in (
+        so.collide(SPHERE, CUBE, poses),
+        so.distance_between(SPHERE, CUBE, start),
+        so.sweep(SPHERE, CUBE, start, poses),
+        contacts,
+    ):
+        assert found.triangle_a.max() >= 12 > found.triangle_b.max()  # the cube has 12
 
 
 def test_both_bodies_can_be_placed():
@@ -127,4 +142,6 @@ def test_both_bodies_can_be_placed():
     poses = np.stack([pose(offset, RANDOM.normal(size=3), 1) for offset in RANDOM.uniform(-2, 2, (50, 3))])
     moved = so.distance_between(CUBE, SPHERE, a_at @ poses, pose_a=a_at)
     np.testing.assert_allclose(moved.distance, so.distance_between(CUBE, SPHERE, poses).distance, atol=1e-9)
-    np.testing.assert_array_equal(so.collide(CUBE, SPHERE, a_at @ poses, pose_a=a_at).hit, so.collide(CUBE, SPHERE, poses).hit)
+    np.testing.assert_array_equal(
+        so.collide(CUBE, SPHERE, a_at @ poses, pose_a=a_at).hit, so.collide(CUBE, SPHERE, poses).hit
+    )

@@ -52,7 +52,10 @@ def test_types_that_make_no_sense(options):
 
 @pytest.mark.parametrize(
     "options, needed",
-    [({"resolution": 64, "memory_limit": 1000}, 4 * 64**3), ({"resolution": 64, "band": 3, "memory_limit": 1000}, 1000)],
+    [
+        ({"resolution": 64, "memory_limit": 1000}, 4 * 64**3),
+        ({"resolution": 64, "band": 3, "memory_limit": 1000}, 1000),
+    ],
 )
 def test_memory_limits_say_how_much_is_needed(options, needed):
     with pytest.raises(so.LimitError) as caught:
@@ -126,7 +129,9 @@ def test_every_exception_is_one_of_ours_and_one_of_pythons():
         assert issubclass(ours, so.Error) and issubclass(ours, theirs)
         error = ours("what happened")
         assert str(error) == "what happened"
-        assert [getattr(error, name) for name in ("triangle", "file", "line", "byte", "bytes_needed", "bytes_limit")] == [None] * 6
+        assert [
+            getattr(error, name) for name in ("triangle", "file", "line", "byte", "bytes_needed", "bytes_limit")
+        ] == [None] * 6
     assert issubclass(so.SignWarning, UserWarning)
 
 

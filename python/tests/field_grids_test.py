@@ -30,7 +30,10 @@ SAME = [
     ({"resolution": 30, "thickness": 0.15}, ["--resolution", "30", "--thickness", "0.15"]),
     ({"resolution": 30, "thickness": 5.0}, ["--resolution", "30", "--thickness", "5"]),
     ({"shape": (20, 12, 9)}, ["--size", "20,12,9"]),
-    ({"resolution": 20, "band": 2, "method": "thesis"}, ["--resolution", "20", "--thickness", "2s", "--method", "thesis"]),
+    (
+        {"resolution": 20, "band": 2, "method": "thesis"},
+        ["--resolution", "20", "--thickness", "2s", "--method", "thesis"],
+    ),
     ({"resolution": 24, "band": 20}, ["--resolution", "24", "--thickness", "20s"]),
 ]
 

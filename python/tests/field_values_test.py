@@ -24,7 +24,10 @@ MESHES = {
     "sphere": shapes.sphere(6),
     "sheet": shapes.sheet(),
     "soup": shapes.soup(40),
-    "degenerate": (np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 1], [3, 0, 0]]), np.array([[0, 0, 0], [1, 1, 2], [0, 1, 3]])),
+    "degenerate": (
+        np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 1], [3, 0, 0]]),
+        np.array([[0, 0, 0], [1, 1, 2], [0, 1, 3]]),
+    ),
     "far away": (shapes.cube()[0] + 1e6, shapes.cube()[1]),
     "tiny": (shapes.cube()[0] * 1e-12, shapes.cube()[1]),
     "huge": (shapes.cube()[0] * 1e12, shapes.cube()[1]),

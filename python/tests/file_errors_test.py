@@ -44,7 +44,7 @@ def test_files_that_are_junk(kind, content, tmp_path):
     path.write_bytes(content)
     with pytest.raises((so.InputError, so.LimitError)) as caught:
         mesh = READ[kind](path)
-        mesh.bounds  # an .obj without a triangle is a mesh, but no shape
+        assert mesh.bounds  # an .obj without a triangle is a mesh, but no shape
     assert isinstance(caught.value, so.Error)
 
 
@@ -75,7 +75,6 @@ def test_fields_with_flipped_bytes(extension, tmp_path):
         except (so.InputError, so.LimitError):
             pass
         content[at] ^= bit
-
 
 
 def test_lines_and_bytes(tmp_path):
@@ -128,7 +127,9 @@ def test_extensions_that_are_no_format(kind, name, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("name", [b"\xff\xfe", "gr\u00fc\u00df dich".encode(), "\u96ea".encode(), b"new\nline", b"'\"$%{}"])
+@pytest.mark.parametrize(
+    "name", [b"\xff\xfe", "gr\u00fc\u00df dich".encode(), "\u96ea".encode(), b"new\nline", b"'\"$%{}"]
+)
 def test_names_of_any_bytes(name, tmp_path):
     for kind, thing in WRITE.items():
         path = pathlib.Path(os.fsdecode(os.fsencode(tmp_path) + b"/" + name + ENDING[kind].encode()))

@@ -10,60 +10,12 @@ import standoff as so
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
+from random_input import any_faces, any_vertices, floats, good_meshes, laid_out, shapes_of_rows, tame
 
 DOCUMENTED = (so.Error, ValueError, TypeError, MemoryError)
-FUZZ = settings(max_examples=60, deadline=None, database=None, derandomize=True, suppress_health_check=list(HealthCheck))
-
-floats = st.floats(-4, 4, width=32) | st.sampled_from([0.0, -0.0, 1.0, 1e-30, 5e-324, 1e30, 1e308, np.nan, np.inf, -np.inf])
-tame = st.integers(-8, 8).map(lambda n: n / 4)
-vertex_types = st.sampled_from([np.float32, np.float64, np.float16, np.int32, np.int8, np.uint64, ">f4", ">f8", np.longdouble, bool, complex, object, "U3"])
-face_types = st.sampled_from([np.int32, np.uint32, np.int64, np.uint64, np.int8, np.uint8, np.int16, ">i4", ">u8", np.float32, bool, object])
-shapes_of_rows = st.tuples(st.integers(0, 9), st.just(3)) | arrays.array_shapes(min_dims=0, max_dims=3, min_side=0, max_side=4)
-
-
-@st.composite
-def laid_out(draw, array):
-    """The array, its memory laid out in some way."""
-    if array.ndim == 0:
-        return array
-    layout = draw(st.integers(0, 5))
-    if layout == 1:
-        return np.asfortranarray(array)
-    if layout == 2:
-        return np.repeat(array, 2, axis=0)[::2]
-    if layout == 3:
-        return array[::-1]
-    if layout == 4 and array.dtype.kind in "fiu":
-        memory = np.zeros(array.nbytes + 1, np.uint8)
-        shifted = memory[1:].view(array.dtype).reshape(array.shape)
-        shifted[...] = array
-        return shifted
-    if layout == 5:
-        return array.tolist()
-    return array
-
-
-@st.composite
-def any_vertices(draw):
-    with warnings.catch_warnings(), np.errstate(all="ignore"):
-        warnings.simplefilter("ignore")
-        array = draw(arrays.arrays(np.float64, draw(shapes_of_rows), elements=floats)).astype(draw(vertex_types))
-    return draw(laid_out(array))
-
-
-@st.composite
-def any_faces(draw):
-    wild = st.sampled_from([-1, -(2**31), 2**31, 2**32, 2**32 + 1, 2**63 - 1, -(2**63)])
-    array = draw(arrays.arrays(np.int64, draw(shapes_of_rows), elements=st.integers(0, 8) | wild)).astype(draw(face_types))
-    return draw(laid_out(array))
-
-
-@st.composite
-def good_meshes(draw):
-    """Any triangles over a few vertices: degenerate, crossing, open, turned."""
-    vertices = draw(arrays.arrays(np.float64, st.tuples(st.integers(3, 8), st.just(3)), elements=tame))
-    faces = draw(arrays.arrays(np.int32, st.tuples(st.integers(1, 10), st.just(3)), elements=st.integers(0, len(vertices) - 1)))
-    return vertices, faces
+FUZZ = settings(
+    max_examples=60, deadline=None, database=None, derandomize=True, suppress_health_check=list(HealthCheck)
+)
 
 
 def attempt(call):
@@ -115,7 +67,7 @@ def test_any_points(points, data):
     points = data.draw(laid_out(points))
     query, field = so.MeshQuery(shapes.cube(), sign="auto"), so.field(shapes.cube(), resolution=6, band=2)
     for ask in (query.distance, query.closest, query.winding_number, field, field.gradient):
-        answer = attempt(lambda: ask(points))
+        answer = attempt(lambda ask=ask: ask(points))
         if isinstance(answer, np.ndarray):
             assert answer.shape[: np.ndim(points) - 1] == np.shape(points)[:-1]
             assert not np.isnan(answer).any()
@@ -126,10 +78,15 @@ def test_any_points(points, data):
 def test_any_poses(poses):
     body = so.Body(shapes.cube())
     for ask in (so.collide, so.distance_between, so.contacts, lambda a, b, p: so.sweep(a, b, p, p)):
-        attempt(lambda: ask(body, body, poses))
+        attempt(lambda ask=ask: ask(body, body, poses))
 
 
-numbers = st.none() | st.integers(-3, 40) | floats | st.sampled_from([2**31, 2**62, 2**70, "8", True, (8, 8, 8), (1, 2), [0.1] * 3, np.float32(0.5)])
+numbers = (
+    st.none()
+    | st.integers(-3, 40)
+    | floats
+    | st.sampled_from([2**31, 2**62, 2**70, "8", True, (8, 8, 8), (1, 2), [0.1] * 3, np.float32(0.5)])
+)
 options = st.fixed_dictionaries(
     {},
     optional={
@@ -146,7 +103,9 @@ options = st.fixed_dictionaries(
 @given(options)
 def test_any_options(chosen):
     chosen.setdefault("resolution", 8) if not {"spacing", "shape"} & chosen.keys() else None
-    chosen["memory_limit"] = chosen["memory_limit"] if type(chosen.get("memory_limit")) is int and chosen["memory_limit"] else 10**7
+    chosen["memory_limit"] = (
+        chosen["memory_limit"] if type(chosen.get("memory_limit")) is int and chosen["memory_limit"] else 10**7
+    )
     field = attempt(lambda: so.field(shapes.cube(), **chosen))
     if field is not None:
         assert np.abs(field.numpy()).max() <= np.float32(field.thickness)

@@ -82,9 +82,18 @@ def test_torch_tensors_in_and_out():
     assert made.vertices.__array_interface__["data"][0] == mesh[0].data_ptr()
     assert made.faces.__array_interface__["data"][0] == mesh[1].data_ptr()
     field = so.field(mesh, resolution=12)
-    for dtype, expected in ((torch.float32, torch.float32), (torch.float64, torch.float64), (torch.int64, torch.float64)):
+    for dtype, expected in (
+        (torch.float32, torch.float32),
+        (torch.float64, torch.float64),
+        (torch.int64, torch.float64),
+    ):
         points = torch.from_numpy(POINTS).to(dtype)
-        for ask in (lambda p: so.distance(mesh, p), lambda p: so.distance(mesh, p, closest=True).point, field, field.gradient):
+        for ask in (
+            lambda p: so.distance(mesh, p),
+            lambda p: so.distance(mesh, p, closest=True).point,
+            field,
+            field.gradient,
+        ):
             answers = ask(points)
             assert isinstance(answers, torch.Tensor) and answers.dtype == expected
             assert torch.equal(answers, torch.from_numpy(np.ascontiguousarray(ask(points.numpy()))))
@@ -93,7 +102,11 @@ def test_torch_tensors_in_and_out():
     bodies = so.Body(mesh), so.Body(mesh)
     for value in vars(so.collide(*bodies, torch.eye(4).expand(5, 4, 4))).values():
         assert isinstance(value, torch.Tensor) and value.shape == (5,)
-    for wrong in (torch.zeros(2, 3, dtype=torch.bfloat16), torch.zeros(2, 3, dtype=torch.complex64), torch.zeros(2, 3).to_sparse()):
+    for wrong in (
+        torch.zeros(2, 3, dtype=torch.bfloat16),
+        torch.zeros(2, 3, dtype=torch.complex64),
+        torch.zeros(2, 3).to_sparse(),
+    ):
         with pytest.raises((TypeError, ValueError)):
             so.distance(mesh, wrong)
 

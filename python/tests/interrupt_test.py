@@ -39,7 +39,13 @@ WORK = {
 def run(code: str) -> str:
     text = textwrap.dedent(SETUP.format(folder=str(Path(__file__).parent))) + textwrap.dedent(code)
     # The time limit is far more than what starting takes, and far less than the work.
-    done = subprocess.run([sys.executable, "-X", "dev", "-W", "error", "-c", text], capture_output=True, text=True, timeout=60)
+    done = subprocess.run(
+        [sys.executable, "-X", "dev", "-W", "error", "-c", text],
+        check=False,
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
     assert done.returncode == 0, done.stderr[-2000:]
     return done.stdout
 
@@ -87,6 +93,6 @@ def test_a_handler_of_ones_own():
 
 def test_a_traceback_and_the_exit_code_of_the_shell():
     code = textwrap.dedent(SETUP.format(folder=str(Path(__file__).parent))) + "strike()\n" + WORK["field"]
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    done = subprocess.run([sys.executable, "-c", code], check=False, capture_output=True, text=True, timeout=60)
     assert done.returncode == -signal.SIGINT
     assert "KeyboardInterrupt" in done.stderr

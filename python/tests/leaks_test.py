@@ -3,6 +3,7 @@
 
 import gc
 import sys
+from functools import partial
 
 import numpy as np
 import pytest
@@ -76,11 +77,24 @@ def test_inputs_are_let_go():
     before = [sys.getrefcount(thing) for thing in things]
     for _ in range(3):
         mesh = so.Mesh(vertices, faces)
-        results = [so.field(mesh, shape=(6, 6, 6), out=out, progress=progress), so.MeshQuery(mesh), so.Body(mesh), so.report(mesh)]
-        results += [results[1].closest(points, progress=progress), so.collide(results[2], results[2], poses, progress=progress)]
-        results += [so.surface(results[0]), so.verify(results[0], mesh, samples=9), results[0].tiles(), results[0].numpy()]
-        for wrong in (lambda: so.field(mesh, shape=(6, 6, 6), out=out, device="x"), lambda: results[1].distance(points, threads=-1)):
-            fails(wrong)
-        del mesh, results, wrong
+        results = [
+            so.field(mesh, shape=(6, 6, 6), out=out, progress=progress),
+            so.MeshQuery(mesh),
+            so.Body(mesh),
+            so.report(mesh),
+        ]
+        results += [
+            results[1].closest(points, progress=progress),
+            so.collide(results[2], results[2], poses, progress=progress),
+        ]
+        results += [
+            so.surface(results[0]),
+            so.verify(results[0], mesh, samples=9),
+            results[0].tiles(),
+            results[0].numpy(),
+        ]
+        fails(partial(so.field, mesh, shape=(6, 6, 6), out=out, device="x"))
+        fails(partial(results[1].distance, points, threads=-1))
+        del mesh, results
     gc.collect()
     assert [sys.getrefcount(thing) for thing in things] == before

@@ -74,7 +74,9 @@ def test_vertices_that_no_face_uses_may_be_anything():
     vertices = np.concatenate([VERTICES, [[np.nan, np.inf, 1e308]]])
     mesh = so.Mesh(vertices, FACES)
     assert mesh.bounds == ((-0.5,) * 3, (0.5,) * 3)
-    np.testing.assert_array_equal(so.field(mesh, resolution=9).numpy(), so.field((VERTICES, FACES), resolution=9).numpy())
+    np.testing.assert_array_equal(
+        so.field(mesh, resolution=9).numpy(), so.field((VERTICES, FACES), resolution=9).numpy()
+    )
 
 
 @pytest.mark.parametrize("use", sorted(USES.keys() - {"report", "plot"}))

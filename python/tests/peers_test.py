@@ -50,7 +50,9 @@ def test_trimesh_closest_points():
     triangles = mesh.triangles[ours.triangle]
     theirs = trimesh.triangles.closest_point(triangles, POINTS)
     np.testing.assert_allclose(ours.point, theirs, atol=1e-9)
-    np.testing.assert_allclose(ours.barycentric, trimesh.triangles.points_to_barycentric(triangles, ours.point), atol=1e-7)
+    np.testing.assert_allclose(
+        ours.barycentric, trimesh.triangles.points_to_barycentric(triangles, ours.point), atol=1e-7
+    )
 
 
 def test_trimesh_reads_what_we_write(tmp_path):
@@ -69,7 +71,11 @@ def test_meshio(tmp_path):
     mesh = meshio.Mesh(vertices, [("triangle", faces[:6]), ("line", faces[:2, :2]), ("triangle", faces[6:])])
     np.testing.assert_allclose(so.distance(mesh, POINTS, signed=True), shapes.cube_distance(POINTS), atol=1e-12)
     quads = np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])
-    np.testing.assert_allclose(so.distance(meshio.Mesh(vertices, [("quad", quads)]), POINTS, signed=True), shapes.cube_distance(POINTS), atol=1e-12)
+    np.testing.assert_allclose(
+        so.distance(meshio.Mesh(vertices, [("quad", quads)]), POINTS, signed=True),
+        shapes.cube_distance(POINTS),
+        atol=1e-12,
+    )
     for cells in ([("tetra", quads)], [("line", faces[:, :2])], []):
         with pytest.raises(so.MeshError):
             so.field(meshio.Mesh(vertices, cells))

@@ -75,7 +75,9 @@ def test_what_are_no_points(ask, points):
         ask(points)
 
 
-@pytest.mark.parametrize("ask", [SCALARS["distance"], SCALARS["winding"], VECTORS["closest point"]], ids=["distance", "winding", "closest"])
+@pytest.mark.parametrize(
+    "ask", [SCALARS["distance"], SCALARS["winding"], VECTORS["closest point"]], ids=["distance", "winding", "closest"]
+)
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
 def test_points_that_are_not_finite(ask, value, dtype):
@@ -97,7 +99,9 @@ def test_points_that_a_field_cannot_look_at():
 
 
 def test_points_far_and_near():
-    np.testing.assert_allclose(QUERY.distance([[1e100, 0, 0], [0.5 + 1e-12, 0, 0], [0, 0, 0]]), [1e100, 1e-12, -0.5], rtol=1e-3)
+    np.testing.assert_allclose(
+        QUERY.distance([[1e100, 0, 0], [0.5 + 1e-12, 0, 0], [0, 0, 0]]), [1e100, 1e-12, -0.5], rtol=1e-3
+    )
     assert QUERY.distance(np.float32([[3e38, 3e38, 3e38]])) == np.inf  # too far for a float
     with pytest.raises(so.LimitError):
         QUERY.distance([[1e300, 0, 0]])

@@ -15,7 +15,10 @@ MESHES = {
     "sheet": shapes.sheet(),
     "soup": shapes.soup(80),
     "one triangle": (np.eye(3), np.array([[0, 1, 2]])),
-    "degenerate": (np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 1], [3, 0, 0]]), np.array([[0, 0, 0], [1, 1, 2], [0, 1, 3]])),
+    "degenerate": (
+        np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 1], [3, 0, 0]]),
+        np.array([[0, 0, 0], [1, 1, 2], [0, 1, 3]]),
+    ),
     "far away": (shapes.cube()[0] + 1e6, shapes.cube()[1]),
 }
 every_mesh = pytest.mark.parametrize("mesh", MESHES.values(), ids=MESHES.keys())
@@ -46,7 +49,9 @@ def test_closest_points(mesh):
     exact = all_distances.min(axis=1)
     np.testing.assert_allclose(found.distance, exact, rtol=1e-13, atol=1e-14 * scale)
     np.testing.assert_allclose(np.linalg.norm(points - found.point, axis=1), exact, rtol=1e-12, atol=1e-13 * scale)
-    np.testing.assert_allclose(all_distances[np.arange(len(points)), found.triangle], exact, rtol=1e-12, atol=1e-13 * scale)
+    np.testing.assert_allclose(
+        all_distances[np.arange(len(points)), found.triangle], exact, rtol=1e-12, atol=1e-13 * scale
+    )
     corners = vertices[faces[found.triangle]]
     np.testing.assert_allclose((found.barycentric[..., None] * corners).sum(axis=1), found.point, atol=1e-12 * scale)
     np.testing.assert_allclose(found.barycentric.sum(axis=1), 1, atol=1e-14)
@@ -65,7 +70,7 @@ def test_ties_go_to_the_lowest_index():
 
 @pytest.mark.parametrize("mesh", [shapes.tetrahedron(), (np.eye(3), np.array([[0, 1, 2]]))], ids=["closed", "open"])
 def test_features(mesh):
-    vertices, faces = mesh
+    vertices, _ = mesh
     middle = vertices.mean(axis=0)
     points = np.concatenate([middle + 10 * (vertices - middle), points_about(mesh)])
     found = so.distance(mesh, points, closest=True)

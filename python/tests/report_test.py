@@ -58,7 +58,13 @@ def test_what_is_wrong_with_a_mesh():
 
 
 def test_limits_of_reports():
-    for wrong in ({"spacing": -1}, {"spacing": math.nan}, {"most_components": -1}, {"most_intersections": -1}, {"threads": -1}):
+    for wrong in (
+        {"spacing": -1},
+        {"spacing": math.nan},
+        {"most_components": -1},
+        {"most_intersections": -1},
+        {"threads": -1},
+    ):
         with pytest.raises(ValueError):
             so.report(shapes.cube(), **wrong)
     for wrong in ({"spacing": "1"}, {"most_components": 1.5}, {"most_intersections": None}):
@@ -82,7 +88,9 @@ def test_verify_finds_what_is_wrong():
     for spoil in (lambda v: v + 0.01, lambda v: np.where(np.arange(v.size).reshape(v.shape) % 50, v, 0)):
         check = so.verify(so.DistanceField.from_numpy(spoil(field.numpy()), field.grid), mesh, samples=2000)
         assert not check.ok
-    assert so.verify(so.DistanceField.from_numpy(-field.numpy(), field.grid), mesh).sign_checked == 0  # by no known method
+    assert (
+        so.verify(so.DistanceField.from_numpy(-field.numpy(), field.grid), mesh).sign_checked == 0
+    )  # by no known method
     assert so.verify(field, shapes.sphere(7)).mesh_differs
     with pytest.raises(TypeError):
         so.verify(field.numpy(), mesh)

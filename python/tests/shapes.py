@@ -38,7 +38,11 @@ def sphere(rings: int = 12, radius: float = 1.0) -> tuple[np.ndarray, np.ndarray
     up = np.pi * np.arange(1, rings) / rings
     around = 2 * np.pi * np.arange(across) / across
     ring = np.stack(
-        [np.outer(np.sin(up), np.cos(around)), np.outer(np.sin(up), np.sin(around)), np.outer(np.cos(up), np.ones(across))],
+        [
+            np.outer(np.sin(up), np.cos(around)),
+            np.outer(np.sin(up), np.sin(around)),
+            np.outer(np.cos(up), np.ones(across)),
+        ],
         axis=-1,
     )
     vertices = np.concatenate([ring.reshape(-1, 3), [[0, 0, 1], [0, 0, -1]]]) * radius

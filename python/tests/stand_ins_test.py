@@ -40,7 +40,9 @@ class OnGpu(Tensor):
 
 
 class Cupy:
-    __cuda_array_interface__ = {"shape": (8, 3), "typestr": "<f8", "data": (0, False), "version": 3}
+    @property
+    def __cuda_array_interface__(self):
+        return {"shape": (8, 3), "typestr": "<f8", "data": (0, False), "version": 3}
 
 
 def scene():
@@ -53,7 +55,12 @@ def grid_of_cells():
 
 
 def polygons():
-    return Thing(points=VERTICES, is_all_triangles=False, regular_faces=QUADS, triangulate=lambda: Thing(points=VERTICES, regular_faces=FACES))
+    return Thing(
+        points=VERTICES,
+        is_all_triangles=False,
+        regular_faces=QUADS,
+        triangulate=lambda: Thing(points=VERTICES, regular_faces=FACES),
+    )
 
 
 OBJECTS = {

@@ -67,7 +67,9 @@ def test_the_surface_of_a_mesh():
         assert volume(mesh) == pytest.approx(1, rel=tolerance)
     grown = so.surface(shapes.cube(), at=0.25, resolution=28)
     expect_closed(grown)
-    assert volume(grown) == pytest.approx(1 + 6 * 0.25 + 12 / 4 * math.pi * 0.25**2 + 4 / 3 * math.pi * 0.25**3, rel=0.01)
+    assert volume(grown) == pytest.approx(
+        1 + 6 * 0.25 + 12 / 4 * math.pi * 0.25**2 + 4 / 3 * math.pi * 0.25**3, rel=0.01
+    )
     assert np.abs(grown.vertices).max() == pytest.approx(0.75, abs=1e-3)  # the grid holds all of it
     assert volume(so.surface(shapes.cube(), at=-0.25, resolution=28)) == pytest.approx(0.125, rel=0.02)
 
