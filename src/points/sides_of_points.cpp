@@ -14,9 +14,9 @@
 namespace standoff {
 namespace {
 
-// The winding number of a closed mesh does not change where no triangle is. So points whose empty balls overlap have the
-// same number. Of the other points, most have a ball of a point before on their row: a segment up to there says by how
-// much their numbers differ. Only the rest sends a ray.
+// The winding number of a closed mesh does not change where no triangle is. So points whose empty balls overlap have
+// the same number. Of the other points, most have a ball of a point before on their row: a segment up to there says by
+// how much their numbers differ. Only the rest sends a ray.
 class ClosedSides final : public SidesOfPoints {
  public:
   ClosedSides(const OrientedMesh& mesh, const TriangleIndex& index, WindingRule rule)
