@@ -101,7 +101,8 @@ void answer_all(const MeshQuery::Data& data, std::span<const Vec3> points, const
               distance -= data.sign.shell / 2;
               if (data.sign.invert) distance = 0 - distance;
             }
-            answer(first + found.order[begin + n], to_side[n].triangle, negative && distance != 0 ? -distance : distance);
+            answer(first + found.order[begin + n], to_side[n].triangle,
+                   negative && distance != 0 ? -distance : distance);
           }
         }
       });

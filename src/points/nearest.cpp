@@ -146,7 +146,8 @@ class Block {
 
   void take_answers(SortedPoints::Range range, const PointGroup& group) const {
     for (int n = 0; n < group.count; ++n)
-      out_[static_cast<std::size_t>(range.begin + n)] = {std::sqrt(group.nearest_sq[n]) / group.scale, group.nearest[n]};
+      out_[static_cast<std::size_t>(range.begin + n)] = {std::sqrt(group.nearest_sq[n]) / group.scale,
+                                                         group.nearest[n]};
   }
 
   // Fills a group with the points of a range, and returns their box.

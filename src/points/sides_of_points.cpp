@@ -14,13 +14,15 @@
 namespace standoff {
 namespace {
 
-// The winding number of a closed mesh does not change where no triangle is. So points whose empty balls overlap have the
-// same number. Of the other points, most have a ball of a point before on their row: a segment up to there says by how
-// much their numbers differ. Only the rest sends a ray.
+// The winding number of a closed mesh does not change where no triangle is. So points whose empty balls overlap have
+// the same number. Of the other points, most have a ball of a point before on their row: a segment up to there says by
+// how much their numbers differ. Only the rest sends a ray.
 class ClosedSides final : public SidesOfPoints {
  public:
-  ClosedSides(const OrientedMesh& mesh, const TriangleIndex& index, WindingRule rule)
-      : rays_(mesh, index), rule_(rule) {}
+  /// `all_near`: free radii are those of all triangles. Where hidden ones do not count, sides are the same within a
+  /// ball, but numbers may differ.
+  ClosedSides(const OrientedMesh& mesh, const TriangleIndex& index, WindingRule rule, bool all_near)
+      : rays_(mesh, index), rule_(rule), all_near_(all_near) {}
 
   void decide(std::span<const PointToSide> points, const cpu::PointKernels& kernels,
               std::span<bool> inside) const override {
@@ -35,7 +37,7 @@ class ClosedSides final : public SidesOfPoints {
       }
       if (same)
         own.winding = same->winding;
-      else if (on_row && rays_.is_near(own.at) && rays_.is_near(on_row->at))
+      else if (all_near_ && on_row && rays_.is_near(own.at) && rays_.is_near(on_row->at))
         own.winding = on_row->winding + rays_.beyond(on_row->at.x, own.at, kernels);
       else
         own.winding = rays_.at(own.at, kernels);
@@ -77,6 +79,7 @@ class ClosedSides final : public SidesOfPoints {
 
   RayWinding rays_;
   WindingRule rule_;
+  bool all_near_;
 };
 
 class OpenSides final : public SidesOfPoints {
@@ -125,10 +128,10 @@ std::unique_ptr<SidesOfPoints> make_sides_of_points(const OrientedMesh& mesh, co
                                                     const SignPlan& plan, WindingRule rule, int threads, Simd simd) {
   switch (plan.report.method) {
     case SignMethod::winding:
-      if (plan.boundary.edges.empty()) return std::make_unique<ClosedSides>(mesh, index, rule);
+      if (plan.boundary.edges.empty()) return std::make_unique<ClosedSides>(mesh, index, rule, plan.exposed.empty());
       return std::make_unique<OpenSides>(mesh, index, plan.boundary, rule, threads, simd);
     case SignMethod::parity:
-      return std::make_unique<ClosedSides>(mesh, index, WindingRule::odd);
+      return std::make_unique<ClosedSides>(mesh, index, WindingRule::odd, plan.exposed.empty());
     case SignMethod::normal:
       return std::make_unique<NormalSidesOfPoints>(mesh);
     default:

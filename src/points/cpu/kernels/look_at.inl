@@ -6,6 +6,8 @@
 // the two sides differ by a linear function of x, so p beats q at a corner too: a candidate whose distance from each
 // corner is more than that of q is out. The references are the points of the candidates nearest to the corners.
 //
+// Where candidates are few, none is dropped: measuring them costs less than choosing.
+//
 // Those left are measured from the points, sixteen points at a time. All that rounding cannot tell from the nearest are
 // compared in double.
 #pragma once
@@ -175,7 +177,8 @@ void look_at(const PackTree& tree, const std::uint32_t* candidates, std::int64_t
   for (std::int64_t first = 0; first < count;) {
     int packs = 0;
     first = fill_table(tree, candidates, first, count, points, packs, table);
-    const int kept = is_worth_choosing(table, packs, points) ? choose(tree, points, packs, table) : keep_all(packs, table);
+    const int kept =
+        is_worth_choosing(table, packs, points) ? choose(tree, points, packs, table) : keep_all(packs, table);
     for (int n = 0; n < kept; n += PointTable::kMostKept)
       measure(tree, table.kept + n, kept - n < PointTable::kMostKept ? kept - n : PointTable::kMostKept, points, table);
   }
