@@ -222,6 +222,16 @@ TEST(MeshQuerySign, OuterMeasuresFromTheUnion) {
   EXPECT_EQ(ask(query, std::vector<Vec3>{{3, 3, 3}})[0], -3);
 }
 
+// Balls without exposed triangles may hold hidden ones: the winding number is another at their far ends. A point outside
+// took over that of a ball whose centre is behind the hidden faces.
+TEST(MeshQuerySign, OuterCountsNoHiddenFacesWithinABall) {
+  const Mesh both = joined(box({0, 0, 0}, {6, 6, 6}), box({0.02, 0.02, 0.02}, {5.98, 5.98, 5.98}));
+  const MeshQuery query(both, {.sign = {.method = SignMethod::winding, .outer = true}});
+  const std::vector<Vec3> points = points_around(11, 30000, 0.06, {6, 3, 5.97});
+  const std::vector<double> found = ask(query, points);
+  for (std::size_t n = 0; n < points.size(); ++n) EXPECT_EQ(found[n] < 0, in(points[n], 0, 6)) << n;
+}
+
 TEST(MeshQuerySign, ShellsAndNone) {
   const Mesh mesh{{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}}, {{0, 1, 2}}};
   const std::vector<Vec3> points{{1, 1, 0}, {1, 1, 0.25}, {1, 1, -3}, {1, 1, 0.5}};
