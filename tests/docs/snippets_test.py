@@ -63,7 +63,7 @@ def run_readme(home):
     # Nothing of this test's own surroundings: what a new user has not set is not set.
     path = f"{stand_ins}:/usr/local/bin:/usr/bin:/bin"
     said = run("README.md", "bash", "-c", script, cwd=home,
-               env={"HOME": str(home), "PATH": path, "URL": "https://example.org/standoff"})
+               env={"HOME": str(home), "PATH": path, "URL": "https://example.org/standoff", "PYTHON": ""})
     for name in ("out/bunny.vti", "out/bunny.png", "out/horse.vti", "out/band.npz", "out/band.png", "app/bunny.vti"):
         if not (home / "standoff" / name).stat().st_size:
             sys.exit(f"README.md: {name} is empty")
