@@ -222,8 +222,8 @@ TEST(MeshQuerySign, OuterMeasuresFromTheUnion) {
   EXPECT_EQ(ask(query, std::vector<Vec3>{{3, 3, 3}})[0], -3);
 }
 
-// Balls without exposed triangles may hold hidden ones: the winding number is another at their far ends. A point outside
-// took over that of a ball whose centre is behind the hidden faces.
+// Balls without exposed triangles may hold hidden ones: the winding number is another at their far ends. A point
+// outside took over that of a ball whose centre is behind the hidden faces.
 TEST(MeshQuerySign, OuterCountsNoHiddenFacesWithinABall) {
   const Mesh both = joined(box({0, 0, 0}, {6, 6, 6}), box({0.02, 0.02, 0.02}, {5.98, 5.98, 5.98}));
   const MeshQuery query(both, {.sign = {.method = SignMethod::winding, .outer = true}});
