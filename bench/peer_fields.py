@@ -3,7 +3,8 @@
 library, as one JSON line. FOLDER has vertices.f64, triangles.u32 and grid.json (shape, origin, spacing, band or null).
 From the mesh's arrays to an array of values; building the library's structures is counted. Libraries that know no grids
 get the samples as points, a slice after another, on all cores; what is not done at the limit is counted by the time of
-what is. Returns 3 if this Python lacks the library."""
+what is. Returns 3 if this Python lacks the library, or
+it would take minutes."""
 
 import argparse
 import json
@@ -130,6 +131,7 @@ class Warp:
         return answer.numpy().astype(np.float64)
 
 
+MOST_AT_ONCE = 1e6  # samples that a library gets in one call, if it must have them so
 MODULES = {"libigl": "igl", "pcu": "point_cloud_utils"}
 LIBRARIES = {"standoff": Standoff, "fcpw": Fcpw, "open3d": Open3D, "libigl": Libigl, "trimesh": Trimesh, "pcu": PointCloudUtils,
              "warp": Warp}
@@ -170,7 +172,7 @@ def main():
     parser.add_argument("folder", type=Path)
     parser.add_argument("--signed", action="store_true")
     parser.add_argument("--repeats", type=int, default=3)
-    parser.add_argument("--limit", type=float, default=20)
+    parser.add_argument("--limit", type=float, default=6)
     parser.add_argument("--values", type=Path, help="write the values to this file, .npy")
     arguments = parser.parse_args()
     try:
@@ -180,6 +182,8 @@ def main():
     vertices = np.fromfile(arguments.folder / "vertices.f64").reshape(-1, 3)
     triangles = np.fromfile(arguments.folder / "triangles.u32", np.uint32).reshape(-1, 3)
     grid = json.loads((arguments.folder / "grid.json").read_text())
+    if getattr(LIBRARIES[arguments.library], "whole", False) and np.prod(grid["shape"]) > MOST_AT_ONCE:
+        return 3
     options = {} if arguments.library == "fcpw" else {"signed": arguments.signed}
     wall, processor, calls, share = [], [], [], 1
     for _ in range(arguments.repeats):

@@ -48,10 +48,12 @@ def mesh_file(job, folder):
     return str(path)
 
 
-def exactness(folder, values, grid, signed, few):
-    """How far some samples are from exact distances, and how many signs are wrong."""
+def exactness(folder, values, grid, signed, pairs):
+    """How far some samples are from exact distances, and how many signs are wrong; looks at about so many pairs of a sample
+    and a triangle."""
     vertices = np.fromfile(folder / "vertices.f64").reshape(-1, 3)
     triangles = np.fromfile(folder / "triangles.u32", np.uint32).reshape(-1, 3)
+    few = max(10, int(pairs / len(triangles)))
     known = np.flatnonzero(np.isfinite(values.ravel()))
     some = known[np.linspace(0, len(known) - 1, few, dtype=int)]
     places = np.stack(np.unravel_index(some, values.shape), axis=-1)
@@ -63,7 +65,7 @@ def exactness(folder, values, grid, signed, few):
     return compare(vertices, triangles, points, found, signed)
 
 
-def contest(job, signed, few):
+def contest(job, signed, pairs):
     """A row for each library."""
     rows = []
     with tempfile.TemporaryDirectory() as name:
@@ -75,7 +77,7 @@ def contest(job, signed, few):
             line = peer_python("peer_fields.py", library, folder, "--values", values, *["--signed"] * signed)
             if line is None:
                 continue
-            exact = exactness(folder, np.load(values), grid, signed, few)
+            exact = exactness(folder, np.load(values), grid, signed, pairs)
             rows.append({"field": job["what"], "sign": "yes" if signed else "no", "triangles": line["triangles"],
                          "samples": line["samples"], "library": NAMES.get(library, library), "s": f"{line['seconds']:.4f}",
                          "processor s": f"{line['cpu_seconds']:.4f}", "peak MB": f"{line['peak_mb']:.0f}",
@@ -94,7 +96,7 @@ def run(jobs, only, note, build):
         raise SystemExit("bench: STANDOFF_PEER_PYTHON must name a Python that has standoff (pip install .) and its peers")
     chosen = [job for job in jobs["fields"] if not only or only in job["name"]]
     rows = [row for job in chosen for signed in (False, True) if not (signed and job.get("open"))
-            for row in contest(job, signed, jobs["checked"])]
+            for row in contest(job, signed, jobs["checked_pairs"])]
     if rows:
         print(markdown(rows))
     if only and only not in "many":
