@@ -65,17 +65,20 @@ def doubles(array: Any, what: str, shape: str, *, last: int) -> np.ndarray:
 
 def single(dtype: Any) -> bool:
     """Whether an array's numbers are floats of 32 bits or fewer, so that answers are float32 too."""
-    return np.dtype(dtype).kind == "f" and np.dtype(dtype).itemsize < 8
+    kind = np.dtype(dtype)
+    return bool(kind.kind == "f" and kind.itemsize < 8)
 
 
 def like(source: Any) -> Callable[[np.ndarray], Any]:
     """What turns a numpy array into the kind of array that `source` is: numpy's for lists, torch's for tensors."""
-    kind = type(source).__module__.partition(".")[0]
-    if kind == "torch":
-        return sys.modules["torch"].from_numpy
+    convert: Callable[[np.ndarray], Any]
+    if type(source).__module__.partition(".")[0] == "torch":
+        convert = sys.modules["torch"].from_numpy
+        return convert
     namespace = getattr(source, "__array_namespace__", None)
     if namespace is not None and not isinstance(source, np.ndarray):
-        return namespace().asarray
+        convert = namespace().asarray
+        return convert
     return lambda array: array
 
 
