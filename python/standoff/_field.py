@@ -132,9 +132,11 @@ class DistanceField:
 
     @property
     def computation(self) -> dict[str, Any] | None:
-        """What computing it did: ``backend``, ``device``, ``threads``, ``triangles``, ``samples_band``,
-        ``samples_examined`` (distances between a sample and a triangle) and ``seconds``. None if it was not computed
-        here."""
+        """What computing it did; None if it was not computed here.
+
+        The keys are ``backend``, ``device``, ``threads``, ``triangles``, ``samples_band``,
+        ``samples_examined`` (distances between a sample and a triangle) and ``seconds``.
+        """
         return self._computation
 
     @property
@@ -189,7 +191,8 @@ class DistanceField:
         Returns:
             The values, ``(n, 8, 8, 8)`` float32, indexed ``[tile, i, j, k]`` and read-only; samples beyond the grid have
             the thickness as their value. And the coordinates, ``(n, 3)`` int32; the first sample of a tile is
-            ``8 * coordinates``.
+            ``8 * coordinates``. Which tile comes first depends on the threads that computed them;
+            ``numpy.lexsort(coordinates.T)`` is an order that does not.
         """
         native = self._native()
         return native.tile_values(), native.tile_coordinates()
@@ -277,8 +280,12 @@ class DistanceField:
         native = self._native()
         if native.has_nearest:  # files keep the nearest triangles too
             return _rebuild_packed, (packed(lambda path: self.save(path), ".npz"), self._sign)
-        values = np.array(native.tile_values().transpose(0, 3, 2, 1)).reshape(-1, 512)
-        return _rebuild_tiles, (*state, values, np.array(native.slots()))
+        # In the order of the grid: as they lie in memory depends on which thread was first.
+        slots = np.array(native.slots())
+        stored = slots >= 0
+        values = native.tile_values().transpose(0, 3, 2, 1)[slots[stored]].reshape(-1, 512)
+        slots[stored] = np.arange(len(values))
+        return _rebuild_tiles, (*state, values, slots)
 
     def __copy__(self) -> DistanceField:
         return self  # nothing changes a field
