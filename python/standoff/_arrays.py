@@ -48,6 +48,8 @@ def to_numpy(array: Any, what: str) -> np.ndarray:
 def numbers(array: Any, what: str) -> np.ndarray:
     """The same, checked to hold real numbers."""
     found = to_numpy(array, what)
+    if found.dtype.kind == "O":
+        raise TypeError(f"{what}: must be an array of real numbers, not {type(array).__name__} of objects")
     if found.dtype.kind not in "fiu":
         raise TypeError(f"{what}: must be real numbers, not {found.dtype}; convert with .astype(float)")
     if found.dtype.itemsize > 8:

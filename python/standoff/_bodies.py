@@ -12,7 +12,7 @@ from . import _core
 from ._arrays import like, numbers, to_numpy
 from ._files import PathLike, expect_file, packed, unpacked
 from ._mesh import as_mesh
-from ._options import Progress, memory_text, number, progress_of, triple
+from ._options import Progress, memory_text, number, progress_of, runs_on, threads_of, triple, whole_number
 
 NO_TRIANGLE = 2**32 - 1
 CONTAINMENTS = ("none", "b in a", "a in b", "partly")
@@ -35,7 +35,10 @@ class Body:
     def __init__(self, mesh: Any, *, spacing: float | None = None, threads: int = 0, device: str = "auto") -> None:
         found = as_mesh(mesh)
         self._body = _core.build_body(
-            found.vertices, found.faces, 0.0 if spacing is None else number(spacing, "spacing"), threads, device
+            found.vertices,
+            found.faces,
+            0.0 if spacing is None else number(spacing, "spacing"),
+            *runs_on(threads, device),
         )
 
     @classmethod
@@ -257,9 +260,16 @@ def collide(
     p = _Poses(poses, "poses")
     with progress_of(progress, "collide") as report:
         verdict, triangle_a, triangle_b, inside = _core.collide(
-            body_a, _one(pose_a, "pose_a"), body_b, p.array, number(margin, "margin"), containment, mode == "certified", threads,
-            device, report,
-        )  # fmt: skip
+            body_a,
+            _one(pose_a, "pose_a"),
+            body_b,
+            p.array,
+            number(margin, "margin"),
+            containment,
+            mode == "certified",
+            *runs_on(threads, device),
+            report,
+        )
     return Collisions(*map(p.give, (verdict == 1, verdict == 2, *_triangles(triangle_a, triangle_b), inside)))
 
 
@@ -292,7 +302,7 @@ def distance_between(
             p.array,
             number(tolerance, "tolerance"),
             number(limit, "limit"),
-            threads,
+            threads_of(threads),
             report,
         )
     return Distances(*map(p.give, (upper, lower, point_a, point_b, *_triangles(triangle_a, triangle_b))))
@@ -327,9 +337,16 @@ def sweep(
     point = triple(to_numpy(center, "center"), "center")
     with progress_of(progress, "sweep") as report:
         hit, time, touch, normal, triangle_a, triangle_b = _core.sweep(
-            body_a, _one(pose_a, "pose_a"), body_b, first.array, last.array, point, number(tolerance, "tolerance"), threads, device,
+            body_a,
+            _one(pose_a, "pose_a"),
+            body_b,
+            first.array,
+            last.array,
+            point,
+            number(tolerance, "tolerance"),
+            *runs_on(threads, device),
             report,
-        )  # fmt: skip
+        )
     return Sweeps(*map(first.give, (hit == 1, time, touch, normal, *_triangles(triangle_a, triangle_b))))
 
 
@@ -344,7 +361,7 @@ def contacts(a: Body, b: Body, pose: Any, *, pose_a: Any = None, most: int = 100
     """
     body_a, body_b = _both(a, b)
     point, normal, depth, triangle_a, triangle_b, overflow = _core.contacts(
-        body_a, _one(pose_a, "pose_a"), body_b, _one(pose, "pose"), most, number(margin, "margin")
+        body_a, _one(pose_a, "pose_a"), body_b, _one(pose, "pose"), whole_number(most, "most"), number(margin, "margin")
     )
     return Contacts(point, normal, depth, triangle_a.astype(np.int64), triangle_b.astype(np.int64), overflow)
 

@@ -23,7 +23,9 @@ from ._options import (
     memory_text,
     number,
     progress_of,
+    runs_on,
     sign_report,
+    threads_of,
 )
 from ._picture import Picture
 
@@ -214,12 +216,12 @@ class DistanceField:
             Values ``(...)``: float32 for float32 points, else float64; a torch tensor for a tensor.
         """
         p = Points(points)
-        return p.give(self._native().values(p.array, threads))
+        return p.give(self._native().values(p.array, threads_of(threads)))
 
     def gradient(self, points: Any, *, threads: int = 0) -> Any:
         """The gradient of the interpolation at points ``(..., 3)``, as ``(..., 3)``."""
         p = Points(points)
-        return p.give(self._native().gradients(p.array, threads))
+        return p.give(self._native().gradients(p.array, threads_of(threads)))
 
     # Files, pictures, checks.
 
@@ -232,7 +234,7 @@ class DistanceField:
             OutputError: it cannot be written, or exists and `overwrite` is False.
             UsageError: no format has this extension, or it cannot carry nearest triangles.
         """
-        self._native().save(path, compress, overwrite, threads)
+        self._native().save(path, compress, overwrite, threads_of(threads))
 
     def to_bytes(self, format: str = "nvdb", *, compress: bool = True) -> bytes:
         """The content of the file that `save` writes in the format of this extension.
@@ -397,8 +399,7 @@ def field(
                 half_width,
                 *settings,
                 nearest,
-                threads,
-                device,
+                *runs_on(threads, device),
                 limit,
                 report,
             )
@@ -406,7 +407,15 @@ def field(
             del done["provenance"], done["method"]
             return DistanceField._of_native(native, signs, done)
         done = _core.compute_dense(
-            found.vertices, found.faces, where._core(), half_width, dense, *settings, threads, device, limit, report
+            found.vertices,
+            found.faces,
+            where._core(),
+            half_width,
+            dense,
+            *settings,
+            *runs_on(threads, device),
+            limit,
+            report,
         )
     signs = sign_report(done.pop("sign"), asked, stacklevel=2)
     made = done.pop("provenance")

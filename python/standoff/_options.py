@@ -166,6 +166,17 @@ def whole_number(value: Any, what: str) -> int:
     raise TypeError(f"{what}: must be a whole number, not {value!r}")
 
 
+def threads_of(threads: Any) -> int:
+    return whole_number(threads, "threads")
+
+
+def runs_on(threads: Any, device: Any) -> tuple[int, str]:
+    """Threads and device, as the compiled module takes them."""
+    if not isinstance(device, str):
+        raise TypeError(f"device: must be 'auto', 'cpu', 'cuda', 'cuda:N' or 'emulated', not {device!r}")
+    return threads_of(threads), device
+
+
 def triple(value: Any, what: str, *, whole: bool = False) -> tuple[Any, Any, Any]:
     if isinstance(value, np.ndarray):
         value = value.tolist()
@@ -224,6 +235,8 @@ def grid_of(
         raise ValueError("band and thickness: give one of these; band counts in samples, thickness in world units")
     if band is not None:
         band = number(band, "band")
+        if not band > 0:
+            raise ValueError(f"band: must be positive, not {band:g}; leave it out for a full field")
     if thickness is not None:
         thickness = number(thickness, "thickness")
     if grid is not None:

@@ -12,7 +12,7 @@ from . import _core
 from ._arrays import Points
 from ._files import PathLike, expect_file, packed, unpacked
 from ._mesh import Mesh, as_mesh
-from ._options import Progress, Sign, SignReport, memory_text, progress_of, sign_report
+from ._options import Progress, Sign, SignReport, memory_text, progress_of, runs_on, sign_report, threads_of
 
 FEATURES = ("face", "edge 0", "edge 1", "edge 2", "vertex 0", "vertex 1", "vertex 2")
 """What ``ClosestPoints.feature`` counts: edge n runs from corner n to the next one."""
@@ -59,7 +59,7 @@ class MeshQuery:
     def __init__(self, mesh: Any, *, sign: str | Sign | None = None, threads: int = 0) -> None:
         found = as_mesh(mesh)
         asked = Sign.of(sign)
-        self._query = _core.build_query(found.vertices, found.faces, asked, threads)
+        self._query = _core.build_query(found.vertices, found.faces, asked, threads_of(threads))
         self._sign = sign_report(self._query.sign, asked, stacklevel=2)
 
     @classmethod
@@ -99,7 +99,7 @@ class MeshQuery:
         """The distance of each point ``(..., 3)``, world units: ``(...)``, negative inside if there is a sign."""
         p = Points(points)
         with progress_of(progress, "distance") as report:
-            return p.give(self._query.distances(p.array, threads, device, report))
+            return p.give(self._query.distances(p.array, *runs_on(threads, device), report))
 
     def closest(
         self, points: Any, *, threads: int = 0, device: str = "auto", progress: Progress = None
@@ -108,7 +108,7 @@ class MeshQuery:
         p = Points(points)
         with progress_of(progress, "closest") as report:
             distance, point, triangle, feature, weights, gradient = self._query.closest(
-                p.array, threads, device, report
+                p.array, *runs_on(threads, device), report
             )
         return ClosestPoints(*map(p.give, (distance, point, triangle.astype(np.int64), feature, weights, gradient)))
 
@@ -120,7 +120,7 @@ class MeshQuery:
         """
         p = Points(points)
         with progress_of(progress, "winding number") as report:
-            return p.give(self._query.winding_numbers(p.array, threads, report))
+            return p.give(self._query.winding_numbers(p.array, threads_of(threads), report))
 
     def __repr__(self) -> str:
         _, faces = self._query.mesh()

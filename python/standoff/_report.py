@@ -9,7 +9,7 @@ from typing import Any
 from . import _core
 from ._field import DistanceField
 from ._mesh import as_mesh
-from ._options import Progress, number, progress_of
+from ._options import Progress, number, progress_of, threads_of
 
 
 @dataclass(frozen=True)
@@ -147,7 +147,9 @@ def report(
         MeshError: a face out of range, or a corner that is not finite.
     """
     m = as_mesh(mesh)
-    found = _core.report(m.vertices, m.faces, number(spacing, "spacing"), most_components, most_intersections, threads)
+    found = _core.report(
+        m.vertices, m.faces, number(spacing, "spacing"), most_components, most_intersections, threads_of(threads)
+    )
     components = tuple(
         Component(**{key: _tuples(value) for key, value in one.items()}) for one in found.pop("components")
     )
@@ -193,4 +195,4 @@ def verify(
         raise TypeError(f"field: must be a standoff.DistanceField, not {type(field).__name__}")
     m = as_mesh(mesh)
     with progress_of(progress, "verify") as report:
-        return Check(**_core.verify(field._native(), m.vertices, m.faces, samples, seed, threads, report))
+        return Check(**_core.verify(field._native(), m.vertices, m.faces, samples, seed, threads_of(threads), report))

@@ -8,7 +8,7 @@ from typing import Any, Literal
 from . import _core
 from ._field import DistanceField
 from ._mesh import Mesh, as_mesh
-from ._options import Box, Grid, Progress, Sign, grid_of, number, progress_of, sign_report
+from ._options import Box, Grid, Progress, Sign, grid_of, number, progress_of, sign_report, threads_of
 
 
 def surface(
@@ -47,7 +47,7 @@ def surface(
                 raise ValueError(f"{name}: a field has its grid already; leave it out, or pass the mesh")
         with progress_of(progress, "surface") as report:
             vertices, faces, _ = _core.surface_of_field(
-                source._native(), number(at, "at"), number(wall, "wall"), method, threads, report
+                source._native(), number(at, "at"), number(wall, "wall"), method, threads_of(threads), report
             )
         return Mesh(vertices, faces)
     found = as_mesh(source)
@@ -64,7 +64,7 @@ def surface(
             number(at, "at"),
             number(wall, "wall"),
             method,
-            threads,
+            threads_of(threads),
             report,
         )
     sign_report(signs, asked, stacklevel=2)
