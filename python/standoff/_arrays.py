@@ -11,8 +11,6 @@ import numpy as np
 
 from ._errors import DeviceError
 
-Array = np.ndarray
-
 _CPU_DEVICES = (1, 3)  # kDLCPU, kDLCUDAHost
 
 

@@ -6,8 +6,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy
 import pytest
-from nanobind.stubgen import StubGen
 from standoff import _core
 
 PYTHON = Path(__file__).parents[1]
@@ -25,6 +25,8 @@ SOURCES = PYTHON / "standoff"
 )
 def test_sources_are_clean(command):
     settings = ("--config-file" if command[0] == "mypy" else "--config", str(PYTHON.parent / "pyproject.toml"))
+    if command[0] == "mypy" and numpy.lib.NumpyVersion(numpy.__version__) < "2.3.0":
+        settings += ("--allow-any-generics",)  # a plain ndarray is one of any type only since then
     done = subprocess.run(
         [sys.executable, "-m", *command, *settings],
         check=False,
@@ -46,7 +48,7 @@ def interface(stub):
 
 
 def test_the_stub_is_that_of_the_module():
-    generator = StubGen(_core, quiet=True)
+    generator = pytest.importorskip("nanobind.stubgen").StubGen(_core, quiet=True)
     generator.put(_core)
     # Rewrite it with `python -m nanobind.stubgen -m standoff._core`; keep the types of the arrays that are returned.
     assert interface((SOURCES / "_core.pyi").read_text(encoding="utf-8")) == interface(generator.get())
