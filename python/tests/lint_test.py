@@ -26,7 +26,7 @@ SOURCES = PYTHON / "standoff"
 def test_sources_are_clean(command):
     settings = ("--config-file" if command[0] == "mypy" else "--config", str(PYTHON.parent / "pyproject.toml"))
     if command[0] == "mypy" and numpy.lib.NumpyVersion(numpy.__version__) < "2.3.0":
-        settings += ("--allow-any-generics",)  # a plain ndarray is one of any type only since then
+        settings += ("--allow-any-generics", "--allow-untyped-calls")  # numpy had fewer types
     done = subprocess.run(
         [sys.executable, "-m", *command, *settings],
         check=False,
