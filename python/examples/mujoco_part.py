@@ -14,7 +14,6 @@ from pathlib import Path
 
 import mujoco
 import numpy as np
-
 import standoff as so
 
 MODEL = """
@@ -38,14 +37,16 @@ def main(path: str, density: float = 1000.0) -> float:
         file = Path(folder) / "part.obj"
         solid.save(file)
         x, y, z = part.centroid
-        inertia = " ".join(str(density * value) for value in np.array(part.inertia)[[0, 1, 2, 3, 5, 4]])  # xx yy zz xy xz yz
+        xx_yy_zz_xy_xz_yz = np.array(part.inertia)[[0, 1, 2, 3, 5, 4]]
+        inertia = " ".join(str(density * value) for value in xx_yy_zz_xy_xz_yz)
         text = MODEL.format(file=file, x=x, y=y, z=z, mass=density * part.volume, inertia=inertia)
         model = mujoco.MjModel.from_xml_string(text)
     data = mujoco.MjData(model)
     for _ in range(1000):
         mujoco.mj_step(model, data)
     height = float(data.qpos[2])
-    print(f"{len(solid.faces):,} triangles, mass {density * part.volume:.1f}; after {data.time:.1f} s it is at height {height:.3f}")
+    print(f"{len(solid.faces):,} triangles, mass {density * part.volume:.1f}")
+    print(f"after {data.time:.1f} s it is at height {height:.3f}")
     return height
 
 

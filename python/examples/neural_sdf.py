@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Trains a small neural signed distance field on the CPU, in about a minute. Needs torch.
 
-    python neural_sdf.py bunny.obj
+Usage: python neural_sdf.py bunny.obj
 """
 
 from __future__ import annotations
@@ -11,9 +11,8 @@ import time
 from pathlib import Path
 
 import numpy as np
-import torch
-
 import standoff as so
+import torch
 
 
 class SurfacePoints(torch.utils.data.IterableDataset):

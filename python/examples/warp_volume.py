@@ -12,9 +12,8 @@ import io
 import sys
 
 import numpy as np
-import warp as wp
-
 import standoff as so
+import warp as wp
 
 
 @wp.kernel

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Exact distance fields of triangle meshes, and collision queries.
 
+Example::
+
     import standoff as so
 
     mesh = so.read("bunny.obj")

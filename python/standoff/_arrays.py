@@ -11,8 +11,6 @@ import numpy as np
 
 from ._errors import DeviceError
 
-Array = np.ndarray
-
 _CPU_DEVICES = (1, 3)  # kDLCPU, kDLCUDAHost
 
 
@@ -48,6 +46,8 @@ def to_numpy(array: Any, what: str) -> np.ndarray:
 def numbers(array: Any, what: str) -> np.ndarray:
     """The same, checked to hold real numbers."""
     found = to_numpy(array, what)
+    if found.dtype.kind == "O":
+        raise TypeError(f"{what}: must be an array of real numbers, not {type(array).__name__} of objects")
     if found.dtype.kind not in "fiu":
         raise TypeError(f"{what}: must be real numbers, not {found.dtype}; convert with .astype(float)")
     if found.dtype.itemsize > 8:
@@ -65,17 +65,20 @@ def doubles(array: Any, what: str, shape: str, *, last: int) -> np.ndarray:
 
 def single(dtype: Any) -> bool:
     """Whether an array's numbers are floats of 32 bits or fewer, so that answers are float32 too."""
-    return np.dtype(dtype).kind == "f" and np.dtype(dtype).itemsize < 8
+    kind = np.dtype(dtype)
+    return bool(kind.kind == "f" and kind.itemsize < 8)
 
 
 def like(source: Any) -> Callable[[np.ndarray], Any]:
     """What turns a numpy array into the kind of array that `source` is: numpy's for lists, torch's for tensors."""
-    kind = type(source).__module__.partition(".")[0]
-    if kind == "torch":
-        return sys.modules["torch"].from_numpy
+    convert: Callable[[np.ndarray], Any]
+    if type(source).__module__.partition(".")[0] == "torch":
+        convert = sys.modules["torch"].from_numpy
+        return convert
     namespace = getattr(source, "__array_namespace__", None)
     if namespace is not None and not isinstance(source, np.ndarray):
-        return namespace().asarray
+        convert = namespace().asarray
+        return convert
     return lambda array: array
 
 

@@ -3,19 +3,17 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
 
 from . import _core
-from ._arrays import like, numbers
-from ._files import expect_file, packed, unpacked
+from ._arrays import like, numbers, to_numpy
+from ._files import PathLike, expect_file, packed, unpacked
 from ._mesh import as_mesh
-from ._options import Progress, number, progress_of
+from ._options import Progress, memory_text, number, progress_of, runs_on, threads_of, triple, whole_number
 
-PathLike = str | os.PathLike
 NO_TRIANGLE = 2**32 - 1
 CONTAINMENTS = ("none", "b in a", "a in b", "partly")
 """What ``Collisions.containment`` counts."""
@@ -32,10 +30,15 @@ class Body:
         threads, device: for building, as for `field`.
     """
 
+    _body: _core.Body
+
     def __init__(self, mesh: Any, *, spacing: float | None = None, threads: int = 0, device: str = "auto") -> None:
         found = as_mesh(mesh)
         self._body = _core.build_body(
-            found.vertices, found.faces, 0.0 if spacing is None else number(spacing, "spacing"), threads, device
+            found.vertices,
+            found.faces,
+            0.0 if spacing is None else number(spacing, "spacing"),
+            *runs_on(threads, device),
         )
 
     @classmethod
@@ -51,10 +54,10 @@ class Body:
         self._body.save(path, overwrite)
 
     @property
-    def bounds(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    def bounds(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
         """The box around the body, in its own coordinates."""
         low, high = self._body.bounds
-        return tuple(low), tuple(high)
+        return triple(low, "bounds"), triple(high, "bounds")
 
     @property
     def closed(self) -> bool:
@@ -67,10 +70,8 @@ class Body:
         return self._body.memory_bytes
 
     def __repr__(self) -> str:
-        from ._field import _bytes
-
         kind = "closed" if self.closed else "open"
-        return f"<standoff.Body: {self._body.triangles:,} triangles, {kind}, {_bytes(self.nbytes)}>"
+        return f"<standoff.Body: {self._body.triangles:,} triangles, {kind}, {memory_text(self.nbytes)}>"
 
     def __copy__(self) -> Body:
         return self  # nothing changes a body
@@ -78,7 +79,7 @@ class Body:
     def __deepcopy__(self, memo: Any) -> Body:
         return self
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
         return _rebuild, (packed(lambda path: self.save(path), ".model"),)
 
 
@@ -259,9 +260,16 @@ def collide(
     p = _Poses(poses, "poses")
     with progress_of(progress, "collide") as report:
         verdict, triangle_a, triangle_b, inside = _core.collide(
-            body_a, _one(pose_a, "pose_a"), body_b, p.array, number(margin, "margin"), containment, mode == "certified", threads,
-            device, report,
-        )  # fmt: skip
+            body_a,
+            _one(pose_a, "pose_a"),
+            body_b,
+            p.array,
+            number(margin, "margin"),
+            containment,
+            mode == "certified",
+            *runs_on(threads, device),
+            report,
+        )
     return Collisions(*map(p.give, (verdict == 1, verdict == 2, *_triangles(triangle_a, triangle_b), inside)))
 
 
@@ -288,7 +296,14 @@ def distance_between(
     p = _Poses(poses, "poses")
     with progress_of(progress, "distance") as report:
         lower, upper, point_a, point_b, triangle_a, triangle_b = _core.distance(
-            body_a, _one(pose_a, "pose_a"), body_b, p.array, number(tolerance, "tolerance"), number(limit, "limit"), threads, report
+            body_a,
+            _one(pose_a, "pose_a"),
+            body_b,
+            p.array,
+            number(tolerance, "tolerance"),
+            number(limit, "limit"),
+            threads_of(threads),
+            report,
         )
     return Distances(*map(p.give, (upper, lower, point_a, point_b, *_triangles(triangle_a, triangle_b))))
 
@@ -319,12 +334,19 @@ def sweep(
     first, last = _Poses(start, "start"), _Poses(end, "end")
     if first.shape != last.shape:
         raise ValueError(f"start and end: must have equally many poses, not {first.shape} and {last.shape}")
-    point = tuple(float(x) for x in np.asarray(center, dtype=np.float64).reshape(3))
+    point = triple(to_numpy(center, "center"), "center")
     with progress_of(progress, "sweep") as report:
         hit, time, touch, normal, triangle_a, triangle_b = _core.sweep(
-            body_a, _one(pose_a, "pose_a"), body_b, first.array, last.array, point, number(tolerance, "tolerance"), threads, device,
+            body_a,
+            _one(pose_a, "pose_a"),
+            body_b,
+            first.array,
+            last.array,
+            point,
+            number(tolerance, "tolerance"),
+            *runs_on(threads, device),
             report,
-        )  # fmt: skip
+        )
     return Sweeps(*map(first.give, (hit == 1, time, touch, normal, *_triangles(triangle_a, triangle_b))))
 
 
@@ -339,9 +361,9 @@ def contacts(a: Body, b: Body, pose: Any, *, pose_a: Any = None, most: int = 100
     """
     body_a, body_b = _both(a, b)
     point, normal, depth, triangle_a, triangle_b, overflow = _core.contacts(
-        body_a, _one(pose_a, "pose_a"), body_b, _one(pose, "pose"), most, number(margin, "margin")
+        body_a, _one(pose_a, "pose_a"), body_b, _one(pose, "pose"), whole_number(most, "most"), number(margin, "margin")
     )
-    return Contacts(point, normal, depth, *_triangles(triangle_a, triangle_b), overflow)
+    return Contacts(point, normal, depth, triangle_a.astype(np.int64), triangle_b.astype(np.int64), overflow)
 
 
 def _triangles(*indices: np.ndarray) -> list[np.ndarray]:

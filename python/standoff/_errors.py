@@ -85,7 +85,9 @@ _CLASSES = {
 }
 
 
-def make(code: str, message: str, *, triangle=None, file=None, **details) -> BaseException:
+def make(
+    code: str, message: str, *, triangle: int | None = None, file: str | None = None, **details: int | None
+) -> BaseException:
     """The exception for an error of the library; the compiled module calls it."""
     if code == "interrupted":
         return KeyboardInterrupt(message)

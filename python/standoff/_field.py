@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Callable, Sequence
 from typing import Any, Literal
 
@@ -12,12 +11,23 @@ import numpy as np
 
 from . import _core
 from ._arrays import Points, numbers
-from ._files import expect_file, packed, unpacked
-from ._mesh import Mesh, as_mesh
-from ._options import Grid, Progress, Sign, SignReport, grid_of, memory_limit_of, number, progress_of, sign_report
+from ._files import PathLike, expect_file, packed, unpacked
+from ._mesh import as_mesh
+from ._options import (
+    Grid,
+    Progress,
+    Sign,
+    SignReport,
+    grid_of,
+    memory_limit_of,
+    memory_text,
+    number,
+    progress_of,
+    runs_on,
+    sign_report,
+    threads_of,
+)
 from ._picture import Picture
-
-PathLike = str | os.PathLike
 
 
 class DistanceField:
@@ -27,27 +37,46 @@ class DistanceField:
     only tiles of 8x8x8 samples near the surface are stored. A full field is stored as one dense array.
     """
 
+    _grid: Grid
+    _thickness: float
+    _native_field: _core.Field | None  # made of _dense when it is first needed; one of these two is always there
+    _dense: np.ndarray | None
+    _provenance: _core.Provenance
+    _sign: SignReport | None
+    _computation: dict[str, Any] | None
+
     def __init__(self) -> None:
         raise TypeError("make a DistanceField with standoff.field, standoff.load or DistanceField.from_numpy")
 
     @classmethod
     def _make(
-        cls, grid: Grid, thickness: float, *, native=None, dense=None, provenance=None, sign=None, computation=None
+        cls,
+        grid: Grid,
+        thickness: float,
+        provenance: _core.Provenance,
+        *,
+        native: _core.Field | None = None,
+        dense: np.ndarray | None = None,
+        sign: SignReport | None = None,
+        computation: dict[str, Any] | None = None,
     ) -> DistanceField:
         field = object.__new__(cls)
         field._grid = grid
         field._thickness = thickness
         field._native_field = native
         field._dense = dense
-        field._provenance = provenance if provenance is not None else native.provenance
+        field._provenance = provenance
         field._sign = sign
         field._computation = computation
         return field
 
     @classmethod
-    def _of_native(cls, native, sign: SignReport | None = None, computation=None) -> DistanceField:
-        grid = Grid(tuple(native.shape), tuple(native.origin), tuple(native.spacing))
-        return cls._make(grid, native.thickness, native=native, sign=sign, computation=computation)
+    def _of_native(
+        cls, native: _core.Field, sign: SignReport | None = None, computation: dict[str, Any] | None = None
+    ) -> DistanceField:
+        lists: Any = native.shape, native.origin, native.spacing  # Grid makes tuples of them
+        grid = Grid(*lists)
+        return cls._make(grid, native.thickness, native.provenance, native=native, sign=sign, computation=computation)
 
     @classmethod
     def from_numpy(cls, values: Any, grid: Grid, *, thickness: float = math.inf) -> DistanceField:
@@ -105,9 +134,11 @@ class DistanceField:
 
     @property
     def computation(self) -> dict[str, Any] | None:
-        """What computing it did: ``backend``, ``device``, ``threads``, ``triangles``, ``samples_band``,
-        ``samples_examined`` (distances between a sample and a triangle) and ``seconds``. None if it was not computed
-        here."""
+        """What computing it did; None if it was not computed here.
+
+        The keys are ``backend``, ``device``, ``threads``, ``triangles``, ``samples_band``,
+        ``samples_examined`` (distances between a sample and a triangle) and ``seconds``.
+        """
         return self._computation
 
     @property
@@ -120,7 +151,7 @@ class DistanceField:
         size = " x ".join(map(str, self.shape))
         kind = "full" if math.isinf(self._thickness) else f"band of {self._thickness:.4g}"
         sign = f"signed ({self._provenance.sign})" if self.signed else "unsigned"
-        return f"<standoff.DistanceField: {size}, {kind}, {sign}, {_bytes(self.nbytes)}>"
+        return f"<standoff.DistanceField: {size}, {kind}, {sign}, {memory_text(self.nbytes)}>"
 
     # Its values as arrays.
 
@@ -135,10 +166,10 @@ class DistanceField:
             view.flags.writeable = False
             return view
         values = np.empty(self.shape, np.float32, order="F")
-        self._native_field.copy_dense(values)
+        self._native().copy_dense(values)
         return values
 
-    def __array__(self, dtype=None, copy=None) -> np.ndarray:
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> np.ndarray:
         same = dtype is None or np.dtype(dtype) == np.float32
         if copy is False and (self._dense is None or not same):
             raise ValueError("a band, or another type than float32, cannot be had without a copy")
@@ -162,7 +193,8 @@ class DistanceField:
         Returns:
             The values, ``(n, 8, 8, 8)`` float32, indexed ``[tile, i, j, k]`` and read-only; samples beyond the grid have
             the thickness as their value. And the coordinates, ``(n, 3)`` int32; the first sample of a tile is
-            ``8 * coordinates``.
+            ``8 * coordinates``. Which tile comes first depends on the threads that computed them;
+            ``numpy.lexsort(coordinates.T)`` is an order that does not.
         """
         native = self._native()
         return native.tile_values(), native.tile_coordinates()
@@ -184,12 +216,12 @@ class DistanceField:
             Values ``(...)``: float32 for float32 points, else float64; a torch tensor for a tensor.
         """
         p = Points(points)
-        return p.give(self._native().values(p.array, threads))
+        return p.give(self._native().values(p.array, threads_of(threads)))
 
     def gradient(self, points: Any, *, threads: int = 0) -> Any:
         """The gradient of the interpolation at points ``(..., 3)``, as ``(..., 3)``."""
         p = Points(points)
-        return p.give(self._native().gradients(p.array, threads))
+        return p.give(self._native().gradients(p.array, threads_of(threads)))
 
     # Files, pictures, checks.
 
@@ -202,7 +234,7 @@ class DistanceField:
             OutputError: it cannot be written, or exists and `overwrite` is False.
             UsageError: no format has this extension, or it cannot carry nearest triangles.
         """
-        self._native().save(path, compress, overwrite, threads)
+        self._native().save(path, compress, overwrite, threads_of(threads))
 
     def to_bytes(self, format: str = "nvdb", *, compress: bool = True) -> bytes:
         """The content of the file that `save` writes in the format of this extension.
@@ -243,15 +275,19 @@ class DistanceField:
 
     # Copies.
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
         state = (self._grid, self._thickness, self.provenance, self._sign)
         if self._dense is not None:
             return _rebuild_dense, (*state, self._dense)
-        native = self._native_field
+        native = self._native()
         if native.has_nearest:  # files keep the nearest triangles too
             return _rebuild_packed, (packed(lambda path: self.save(path), ".npz"), self._sign)
-        values = np.array(native.tile_values().transpose(0, 3, 2, 1)).reshape(-1, 512)
-        return _rebuild_tiles, (*state, values, np.array(native.slots()))
+        # In the order of the grid: as they lie in memory depends on which thread was first.
+        slots = np.array(native.slots())
+        stored = slots >= 0
+        values = native.tile_values().transpose(0, 3, 2, 1)[slots[stored]].reshape(-1, 512)
+        slots[stored] = np.arange(len(values))
+        return _rebuild_tiles, (*state, values, slots)
 
     def __copy__(self) -> DistanceField:
         return self  # nothing changes a field
@@ -259,37 +295,38 @@ class DistanceField:
     def __deepcopy__(self, memo: Any) -> DistanceField:
         if self._dense is None:
             return self
-        rebuild, (*state, dense) = self.__reduce__()  # the array may be the caller's
-        return rebuild(*state, dense.copy(order="F"))
+        values = self._dense.copy(order="F")  # the array may be the caller's
+        return DistanceField._make(self._grid, self._thickness, self._provenance, dense=values, sign=self._sign)
 
     def _native(self) -> _core.Field:
         if self._native_field is None:
+            assert self._dense is not None
             self._native_field = _core.from_dense(self._grid._core(), self._thickness, self._dense, self._provenance)
         return self._native_field
 
 
-def _rebuild_dense(grid, thickness, provenance, sign, dense) -> DistanceField:
+def _rebuild_dense(
+    grid: Grid, thickness: float, provenance: dict[str, Any], sign: SignReport | None, dense: np.ndarray
+) -> DistanceField:
     return DistanceField._make(
-        grid, thickness, dense=np.asfortranarray(dense), provenance=_core.Provenance(**provenance), sign=sign
+        grid, thickness, _core.Provenance(**provenance), dense=np.asfortranarray(dense), sign=sign
     )
 
 
-def _rebuild_tiles(grid, thickness, provenance, sign, values, slots) -> DistanceField:
+def _rebuild_tiles(
+    grid: Grid,
+    thickness: float,
+    provenance: dict[str, Any],
+    sign: SignReport | None,
+    values: np.ndarray,
+    slots: np.ndarray,
+) -> DistanceField:
     native = _core.from_tiles(grid._core(), thickness, values, slots, _core.Provenance(**provenance))
     return DistanceField._of_native(native, sign)
 
 
-def _rebuild_packed(content: bytes, sign) -> DistanceField:
+def _rebuild_packed(content: bytes, sign: SignReport | None) -> DistanceField:
     return DistanceField._of_native(unpacked(content, lambda path: _core.read_field(path, 0), ".npz"), sign)
-
-
-def _bytes(count: int) -> str:
-    amount = float(count)
-    for unit in ("bytes", "kB", "MB", "GB"):
-        if amount < 1000 or unit == "GB":
-            break
-        amount /= 1000
-    return f"{amount:.0f} {unit}" if unit == "bytes" else f"{amount:.3g} {unit}"
 
 
 def field(
@@ -341,9 +378,7 @@ def field(
         KeyboardInterrupt: Ctrl-C, within 0.1 s.
     """
     found = as_mesh(mesh)
-    where, half_width = grid_of(
-        lambda: found.bounds, grid, resolution, spacing, shape, padding, band, thickness
-    )
+    where, half_width = grid_of(lambda: found.bounds, grid, resolution, spacing, shape, padding, band, thickness)
     asked = Sign.of(sign)
     limit = memory_limit_of(memory_limit)
     dense = None
@@ -358,23 +393,35 @@ def field(
     with progress_of(progress, "field") as report:
         if dense is None:
             native, done = _core.compute(
-                found.vertices, found.faces, where._core(), half_width, *settings, nearest, threads, device, limit, report
+                found.vertices,
+                found.faces,
+                where._core(),
+                half_width,
+                *settings,
+                nearest,
+                *runs_on(threads, device),
+                limit,
+                report,
             )
             signs = sign_report(done.pop("sign"), asked, stacklevel=2)
             del done["provenance"], done["method"]
             return DistanceField._of_native(native, signs, done)
         done = _core.compute_dense(
-            found.vertices, found.faces, where._core(), half_width, dense, *settings, threads, device, limit, report
+            found.vertices,
+            found.faces,
+            where._core(),
+            half_width,
+            dense,
+            *settings,
+            *runs_on(threads, device),
+            limit,
+            report,
         )
     signs = sign_report(done.pop("sign"), asked, stacklevel=2)
     made = done.pop("provenance")
     del done["method"]
-    provenance = _core.Provenance(
-        made.method, _core.content_hash(found.vertices, found.faces), made.version, made.sign
-    )
-    return DistanceField._make(
-        where, half_width, dense=dense, provenance=provenance, sign=signs, computation=done
-    )
+    provenance = _core.Provenance(made.method, _core.content_hash(found.vertices, found.faces), made.version, made.sign)
+    return DistanceField._make(where, half_width, provenance, dense=dense, sign=signs, computation=done)
 
 
 def _checked_out(out: Any, grid: Grid) -> np.ndarray:
@@ -396,8 +443,8 @@ def _new_dense(grid: Grid, limit: int, needed_for: Callable[[], int]) -> np.ndar
 
         raise make(
             "limit",
-            f"a full field of {' x '.join(map(str, grid.shape))} samples takes {_bytes(needed)}, and the limit is "
-            f"{_bytes(limit)}; take a band (band=3), a lower resolution, or raise memory_limit",
+            f"a full field of {' x '.join(map(str, grid.shape))} samples takes {memory_text(needed)}, and the limit is "
+            f"{memory_text(limit)}; take a band (band=3), a lower resolution, or raise memory_limit",
             bytes_needed=needed,
             bytes_limit=limit,
         )
@@ -414,4 +461,3 @@ def load(path: PathLike, *, memory_limit: int | None = None) -> DistanceField:
     """
     expect_file(path)
     return DistanceField._of_native(_core.read_field(path, memory_limit_of(memory_limit)))
-

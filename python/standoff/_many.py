@@ -92,7 +92,15 @@ class _Closed(BaseException):
     """Nobody waits for the field any more."""
 
 
-def _results(meshes, total, workers, waiting, prepare, progress, options) -> Iterator[FieldResult]:
+def _results(
+    meshes: Iterable[Any],
+    total: int | None,
+    workers: int,
+    waiting: int,
+    prepare: Callable[[Any], Any] | None,
+    progress: bool,
+    options: dict[str, Any],
+) -> Iterator[FieldResult]:
     closed = threading.Event()
 
     def watch(stage: str, fraction: float) -> None:

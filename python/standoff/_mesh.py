@@ -6,17 +6,18 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from inspect import signature
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from . import _core
 from ._arrays import numbers, to_numpy
 from ._errors import MeshError
-from ._files import expect_file
-from ._options import number
+from ._files import PathLike, expect_file
+from ._options import Box, number, triple
 
-PathLike = str | os.PathLike
+if TYPE_CHECKING:
+    from ._picture import Picture
 
 _VERTEX_TYPES = (np.dtype(np.float32), np.dtype(np.float64))
 _FACE_TYPES = tuple(np.dtype(t) for t in (np.uint32, np.int32, np.uint64, np.int64))
@@ -59,7 +60,7 @@ class Mesh:
             MeshError: a face out of range, a corner that is not finite, or no triangle at all.
         """
         low, high = _core.bounds(self.vertices, self.faces)
-        return tuple(low), tuple(high)
+        return triple(low, "bounds"), triple(high, "bounds")
 
     def save(self, path: PathLike, *, overwrite: bool = True) -> None:
         """Writes the mesh in the format of the extension; the file appears whole or not at all.
@@ -70,12 +71,15 @@ class Mesh:
         """
         _core.write_mesh(path, self.vertices, self.faces, overwrite)
 
-    def plot(self, *, width: int = 960, height: int = 720, azimuth: float = 35, elevation: float = 25, up: str = "z"):
+    def plot(
+        self, *, width: int = 960, height: int = 720, azimuth: float = 35, elevation: float = 25, up: str = "z"
+    ) -> Picture:
         """A picture of the mesh, which notebooks show; see `Picture`."""
         from ._picture import Picture
 
-        return Picture.drawn(lambda path: _core.write_picture(
-            self.vertices, self.faces, path, width, height, azimuth, elevation, up))
+        return Picture.drawn(
+            lambda path: _core.write_picture(self.vertices, self.faces, path, width, height, azimuth, elevation, up)
+        )
 
     def __repr__(self) -> str:
         return f"<standoff.Mesh: {len(self.vertices):,} vertices, {len(self.faces):,} triangles>"
@@ -87,11 +91,11 @@ class Mesh:
 
     __hash__ = None  # type: ignore[assignment]
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
         return _rebuild, (self.vertices, self.faces, self.notes)
 
 
-def _rebuild(vertices, faces, notes) -> Mesh:
+def _rebuild(vertices: np.ndarray, faces: np.ndarray, notes: tuple[str, ...]) -> Mesh:
     return Mesh(vertices, faces, notes=notes)
 
 
@@ -128,7 +132,7 @@ def as_mesh(mesh: Any) -> Mesh:
     )
 
 
-def bounds_of(bounds: Any) -> tuple[tuple[float, ...], tuple[float, ...]]:
+def bounds_of(bounds: Any) -> Box:
     """The corners of a box, or of the box around a mesh."""
     if not isinstance(bounds, (Mesh, str, os.PathLike)) and not hasattr(bounds, "faces"):
         try:
@@ -136,11 +140,11 @@ def bounds_of(bounds: Any) -> tuple[tuple[float, ...], tuple[float, ...]]:
         except (TypeError, ValueError):
             corners = None
         if corners is not None and corners.shape == (2, 3):
-            return tuple(corners[0].tolist()), tuple(corners[1].tolist())
+            return triple(corners[0], "bounds"), triple(corners[1], "bounds")
     return as_mesh(bounds).bounds
 
 
-def _rows(array: np.ndarray, kinds: tuple[np.dtype, ...], other: type) -> np.ndarray:
+def _rows(array: np.ndarray, kinds: tuple[np.dtype[Any], ...], other: type) -> np.ndarray:
     """The array if the library reads its memory as it lies, else a copy that fits."""
     if array.dtype not in kinds or not array.dtype.isnative:
         array = array.astype(other)
@@ -190,7 +194,9 @@ def _of_meshio(mesh: Any) -> Mesh:
         quads = np.asarray(cells["quad"])
         parts += [quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]
     if not parts:
-        raise MeshError(f"mesh: it has no triangles or quads, only {', '.join(cells) or 'nothing'}; extract its surface")
+        raise MeshError(
+            f"mesh: it has no triangles or quads, only {', '.join(cells) or 'nothing'}; extract its surface"
+        )
     points = np.asarray(mesh.points)
     if points.ndim == 2 and points.shape[1] == 2:
         raise ValueError("mesh: its points have two coordinates, not three")

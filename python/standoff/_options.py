@@ -7,7 +7,7 @@ import math
 import numbers
 import os
 import warnings
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -18,6 +18,7 @@ from . import _core
 from ._errors import SignWarning
 
 SignMethod = Literal["auto", "none", "winding", "parity", "normal", "flood", "shell"]
+Box = tuple[tuple[float, float, float], tuple[float, float, float]]
 Progress = bool | Callable[[str, float], Any] | None
 
 _MOST_PADDING = 0.1  # a wide band is not followed farther than this share of the mesh's longest side
@@ -106,9 +107,9 @@ class Grid:
     """Distance between neighbouring samples per axis, world units."""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "shape", _triple(self.shape, "shape", whole=True))
-        object.__setattr__(self, "origin", _triple(self.origin, "origin"))
-        object.__setattr__(self, "spacing", _triple(self.spacing, "spacing"))
+        object.__setattr__(self, "shape", triple(self.shape, "shape", whole=True))
+        object.__setattr__(self, "origin", triple(self.origin, "origin"))
+        object.__setattr__(self, "spacing", triple(self.spacing, "spacing"))
         self._core()
 
     @classmethod
@@ -132,14 +133,15 @@ class Grid:
         """
         from ._mesh import bounds_of
 
-        low, high = bounds_of(bounds)
-        return _fit(low, high, resolution, spacing, shape, _core.Padding(0, number(padding, "padding"), 0, math.inf))
+        return _fit(
+            bounds_of(bounds), resolution, spacing, shape, _core.Padding(0, number(padding, "padding"), 0, math.inf)
+        )
 
     @property
-    def bounds(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    def bounds(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
         """The first and the last sample's position."""
-        last = tuple(o + s * (n - 1) for o, s, n in zip(self.origin, self.spacing, self.shape))
-        return self.origin, last
+        last = [o + s * (n - 1) for o, s, n in zip(self.origin, self.spacing, self.shape)]
+        return self.origin, (last[0], last[1], last[2])
 
     def points(self) -> np.ndarray:
         """The position of every sample, ``(nx, ny, nz, 3)`` doubles."""
@@ -164,40 +166,77 @@ def whole_number(value: Any, what: str) -> int:
     raise TypeError(f"{what}: must be a whole number, not {value!r}")
 
 
-def _triple(value: Any, what: str, *, whole: bool = False) -> tuple:
+def threads_of(threads: Any) -> int:
+    return whole_number(threads, "threads")
+
+
+def runs_on(threads: Any, device: Any) -> tuple[int, str]:
+    """Threads and device, as the compiled module takes them."""
+    if not isinstance(device, str):
+        raise TypeError(f"device: must be 'auto', 'cpu', 'cuda', 'cuda:N' or 'emulated', not {device!r}")
+    return threads_of(threads), device
+
+
+def triple(value: Any, what: str, *, whole: bool = False) -> tuple[Any, Any, Any]:
     if isinstance(value, np.ndarray):
         value = value.tolist()
     if isinstance(value, (str, bytes)) or not isinstance(value, Iterable):
         raise TypeError(f"{what}: must be three numbers, not {type(value).__name__}")
-    three = tuple((whole_number if whole else number)(v, what) for v in value)
+    three = [(whole_number if whole else number)(v, what) for v in value]
     if len(three) != 3:
         raise ValueError(f"{what}: must be three numbers, one for each axis, not {len(three)}")
-    return three
+    return three[0], three[1], three[2]
 
 
-def _fit(low, high, resolution, spacing, shape, padding: _core.Padding) -> Grid:
-    given = [name for name, value in (("resolution", resolution), ("spacing", spacing), ("shape", shape)) if value is not None]
+def _fit(
+    box: Box,
+    resolution: int | None,
+    spacing: float | Sequence[float] | None,
+    shape: Sequence[int] | None,
+    padding: _core.Padding,
+) -> Grid:
+    low, high = box
+    given = [
+        name
+        for name, value in (("resolution", resolution), ("spacing", spacing), ("shape", shape))
+        if value is not None
+    ]
     if len(given) > 1:
         raise ValueError(f"{' and '.join(given)}: give one of these, each decides the grid")
+    lists: Any  # which Grid makes tuples of
     if shape is not None:
-        return Grid(*_core.fit_size(low, high, _triple(shape, "shape", whole=True), padding))
-    if spacing is not None:
-        return Grid(*_core.fit_spacing(low, high, _spacing(spacing), padding))
-    return Grid(*_core.fit_samples(low, high, 256 if resolution is None else whole_number(resolution, "resolution"), padding))
+        lists = _core.fit_size(low, high, triple(shape, "shape", whole=True), padding)
+    elif spacing is not None:
+        lists = _core.fit_spacing(low, high, _spacing(spacing), padding)
+    else:
+        samples = 256 if resolution is None else whole_number(resolution, "resolution")
+        lists = _core.fit_samples(low, high, samples, padding)
+    return Grid(*lists)
 
 
-def _spacing(spacing: Any) -> tuple:
-    if isinstance(spacing, numbers.Real):
-        return (number(spacing, "spacing"),) * 3
-    return _triple(spacing, "spacing")
+def _spacing(spacing: Any) -> tuple[float, float, float]:
+    if isinstance(spacing, numbers.Real) and not isinstance(spacing, bool):
+        return (float(spacing), float(spacing), float(spacing))
+    return triple(spacing, "spacing")
 
 
-def grid_of(bounds, grid, resolution, spacing, shape, padding, band, thickness) -> tuple[Grid, float]:
+def grid_of(
+    bounds: Callable[[], Box],
+    grid: Grid | None,
+    resolution: int | None,
+    spacing: float | Sequence[float] | None,
+    shape: Sequence[int] | None,
+    padding: float | None,
+    band: float | None,
+    thickness: float | None,
+) -> tuple[Grid, float]:
     """The grid and the band's half-width in world units: as `field` promises, and as the program chooses them."""
     if band is not None and thickness is not None:
         raise ValueError("band and thickness: give one of these; band counts in samples, thickness in world units")
     if band is not None:
         band = number(band, "band")
+        if not band > 0:
+            raise ValueError(f"band: must be positive, not {band:g}; leave it out for a full field")
     if thickness is not None:
         thickness = number(thickness, "thickness")
     if grid is not None:
@@ -210,15 +249,29 @@ def grid_of(bounds, grid, resolution, spacing, shape, padding, band, thickness) 
         if padding is not None:
             room = _core.Padding(0, number(padding, "padding"), 0, math.inf)
         elif thickness is not None:
-            room = _core.Padding(thickness, 0, 2, _MOST_PADDING) if thickness < math.inf else _core.Padding(0, 0, 2, math.inf)
+            room = (
+                _core.Padding(thickness, 0, 2, _MOST_PADDING)
+                if thickness < math.inf
+                else _core.Padding(0, 0, 2, math.inf)
+            )
         elif band is not None and spacing is not None:
             room = _core.Padding(band * max(_spacing(spacing)), 0, 2, _MOST_PADDING)
         else:
             room = _core.Padding(0, band, 2, _MOST_PADDING) if band is not None else _core.Padding(0, 0, 2, math.inf)
-        grid = _fit(*bounds(), resolution, spacing, shape, room)
+        grid = _fit(bounds(), resolution, spacing, shape, room)
     if thickness is None:
         thickness = math.inf if band is None else band * max(grid.spacing)
     return grid, thickness
+
+
+def memory_text(count: int) -> str:
+    """A number of bytes, to be read."""
+    amount = float(count)
+    for unit in ("bytes", "kB", "MB", "GB"):
+        if amount < 1000 or unit == "GB":
+            break
+        amount /= 1000
+    return f"{amount:.0f} {unit}" if unit == "bytes" else f"{amount:.3g} {unit}"
 
 
 def memory_limit_of(limit: int | None) -> int:
@@ -236,7 +289,7 @@ def memory_limit_of(limit: int | None) -> int:
 
 
 @contextmanager
-def progress_of(progress: Progress, name: str):
+def progress_of(progress: Progress, name: str) -> Iterator[Callable[[str, float], Any] | None]:
     """What the compiled module calls: the user's function, or a bar by tqdm if `progress` is True."""
     if progress is None or progress is False:
         yield None

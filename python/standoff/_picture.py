@@ -6,7 +6,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 
-PathLike = str | os.PathLike
+from ._files import PathLike
 
 
 class Picture:

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 from typing import Any, Literal, overload
 
@@ -11,11 +10,9 @@ import numpy as np
 
 from . import _core
 from ._arrays import Points
-from ._files import expect_file, packed, unpacked
+from ._files import PathLike, expect_file, packed, unpacked
 from ._mesh import Mesh, as_mesh
-from ._options import Progress, Sign, SignReport, progress_of, sign_report
-
-PathLike = str | os.PathLike
+from ._options import Progress, Sign, SignReport, memory_text, progress_of, runs_on, sign_report, threads_of
 
 FEATURES = ("face", "edge 0", "edge 1", "edge 2", "vertex 0", "vertex 1", "vertex 2")
 """What ``ClosestPoints.feature`` counts: edge n runs from corner n to the next one."""
@@ -56,10 +53,13 @@ class MeshQuery:
         UsageError, TypeError: arguments.
     """
 
+    _query: _core.Query
+    _sign: SignReport
+
     def __init__(self, mesh: Any, *, sign: str | Sign | None = None, threads: int = 0) -> None:
         found = as_mesh(mesh)
         asked = Sign.of(sign)
-        self._query = _core.build_query(found.vertices, found.faces, asked, threads)
+        self._query = _core.build_query(found.vertices, found.faces, asked, threads_of(threads))
         self._sign = sign_report(self._query.sign, asked, stacklevel=2)
 
     @classmethod
@@ -99,13 +99,17 @@ class MeshQuery:
         """The distance of each point ``(..., 3)``, world units: ``(...)``, negative inside if there is a sign."""
         p = Points(points)
         with progress_of(progress, "distance") as report:
-            return p.give(self._query.distances(p.array, threads, device, report))
+            return p.give(self._query.distances(p.array, *runs_on(threads, device), report))
 
-    def closest(self, points: Any, *, threads: int = 0, device: str = "auto", progress: Progress = None) -> ClosestPoints:
+    def closest(
+        self, points: Any, *, threads: int = 0, device: str = "auto", progress: Progress = None
+    ) -> ClosestPoints:
         """The closest point of the surface for each point ``(..., 3)``, with its triangle and barycentrics."""
         p = Points(points)
         with progress_of(progress, "closest") as report:
-            distance, point, triangle, feature, weights, gradient = self._query.closest(p.array, threads, device, report)
+            distance, point, triangle, feature, weights, gradient = self._query.closest(
+                p.array, *runs_on(threads, device), report
+            )
         return ClosestPoints(*map(p.give, (distance, point, triangle.astype(np.int64), feature, weights, gradient)))
 
     def winding_number(self, points: Any, *, threads: int = 0, progress: Progress = None) -> Any:
@@ -116,14 +120,12 @@ class MeshQuery:
         """
         p = Points(points)
         with progress_of(progress, "winding number") as report:
-            return p.give(self._query.winding_numbers(p.array, threads, report))
+            return p.give(self._query.winding_numbers(p.array, threads_of(threads), report))
 
     def __repr__(self) -> str:
-        from ._field import _bytes
-
         _, faces = self._query.mesh()
         sign = f"signed ({self._sign.method})" if self.signed else "unsigned"
-        return f"<standoff.MeshQuery: {len(faces):,} triangles, {sign}, {_bytes(self.nbytes)}>"
+        return f"<standoff.MeshQuery: {len(faces):,} triangles, {sign}, {memory_text(self.nbytes)}>"
 
     def __copy__(self) -> MeshQuery:
         return self  # nothing changes a query
@@ -131,7 +133,7 @@ class MeshQuery:
     def __deepcopy__(self, memo: Any) -> MeshQuery:
         return self
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
         return _rebuild, (packed(lambda path: self.save(path), ".query"),)
 
 
@@ -140,16 +142,41 @@ def _rebuild(content: bytes) -> MeshQuery:
 
 
 @overload
-def distance(mesh: Any, points: Any, *, signed: bool | str | Sign = ..., closest: Literal[False] = ...,
-             threads: int = ..., device: str = ..., progress: Progress = ...) -> Any: ...
+def distance(
+    mesh: Any,
+    points: Any,
+    *,
+    signed: bool | str | Sign = ...,
+    closest: Literal[False] = ...,
+    threads: int = ...,
+    device: str = ...,
+    progress: Progress = ...,
+) -> Any: ...
 
 
 @overload
-def distance(mesh: Any, points: Any, *, signed: bool | str | Sign = ..., closest: Literal[True],
-             threads: int = ..., device: str = ..., progress: Progress = ...) -> ClosestPoints: ...
+def distance(
+    mesh: Any,
+    points: Any,
+    *,
+    signed: bool | str | Sign = ...,
+    closest: Literal[True],
+    threads: int = ...,
+    device: str = ...,
+    progress: Progress = ...,
+) -> ClosestPoints: ...
 
 
-def distance(mesh, points, *, signed=False, closest=False, threads=0, device="auto", progress=None):
+def distance(
+    mesh: Any,
+    points: Any,
+    *,
+    signed: bool | str | Sign = False,
+    closest: bool = False,
+    threads: int = 0,
+    device: str = "auto",
+    progress: Progress = None,
+) -> Any:
     """The exact distance of each point to a mesh.
 
     Args:

@@ -6,7 +6,6 @@ from __future__ import annotations
 import os
 import sys
 
-
 PROGRAM = os.path.join(os.path.dirname(__file__), "bin", "standoff")
 
 

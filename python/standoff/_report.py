@@ -9,7 +9,7 @@ from typing import Any
 from . import _core
 from ._field import DistanceField
 from ._mesh import as_mesh
-from ._options import Progress, number, progress_of
+from ._options import Progress, number, progress_of, threads_of
 
 
 @dataclass(frozen=True)
@@ -18,12 +18,12 @@ class Component:
 
     triangles: int
     first_triangle: int
-    bounds: tuple
+    bounds: tuple[tuple[float, float, float], tuple[float, float, float]]
     area: float
     volume: float
     """Negative: a cavity."""
-    centroid: tuple
-    inertia: tuple
+    centroid: tuple[float, float, float]
+    inertia: tuple[float, float, float, float, float, float]
     """xx, yy, zz, xy, yz, zx at density 1 about the centroid."""
     closed: bool
     solid: bool
@@ -38,7 +38,7 @@ class Report:
     triangles: int
     positions: int
     """Distinct positions of vertices."""
-    bounds: tuple
+    bounds: tuple[tuple[float, float, float], tuple[float, float, float]]
     area: float
     volume: float
     """With the holes closed; cavities are negative."""
@@ -100,7 +100,9 @@ class Report:
 
         low, high = self.bounds
         size = " x ".join(f"{b - a:.5g}" for a, b in zip(low, high))
-        closed = "yes" if self.closed else f"no: {self.boundary_edges:,} boundary edges in {self.boundary_loops:,} loops"
+        closed = (
+            "yes" if self.closed else f"no: {self.boundary_edges:,} boundary edges in {self.boundary_loops:,} loops"
+        )
         if not self.intersecting_pairs:
             pairs = "none" if self.intersections_known else "none found, not all were looked for"
         else:
@@ -111,8 +113,12 @@ class Report:
             "area": f"{self.area:.6g}",
             "volume": f"{self.volume:.6g}",
             "closed": closed,
-            "orientation": counts(inconsistent_edges=self.inconsistent_edges, flipped=self.flipped, left_out=self.left_out),
-            "defects": counts(degenerate=self.degenerate, duplicate=self.duplicate, nonmanifold_edges=self.nonmanifold_edges),
+            "orientation": counts(
+                inconsistent_edges=self.inconsistent_edges, flipped=self.flipped, left_out=self.left_out
+            ),
+            "defects": counts(
+                degenerate=self.degenerate, duplicate=self.duplicate, nonmanifold_edges=self.nonmanifold_edges
+            ),
             "intersections": pairs,
             "components": f"{self.component_count:,}",
             "sign": f"{self.sign}{'' if self.sure else ', not certain'}: {self.why}",
@@ -141,7 +147,9 @@ def report(
         MeshError: a face out of range, or a corner that is not finite.
     """
     m = as_mesh(mesh)
-    found = _core.report(m.vertices, m.faces, number(spacing, "spacing"), most_components, most_intersections, threads)
+    found = _core.report(
+        m.vertices, m.faces, number(spacing, "spacing"), most_components, most_intersections, threads_of(threads)
+    )
     components = tuple(
         Component(**{key: _tuples(value) for key, value in one.items()}) for one in found.pop("components")
     )
@@ -187,4 +195,4 @@ def verify(
         raise TypeError(f"field: must be a standoff.DistanceField, not {type(field).__name__}")
     m = as_mesh(mesh)
     with progress_of(progress, "verify") as report:
-        return Check(**_core.verify(field._native(), m.vertices, m.faces, samples, seed, threads, report))
+        return Check(**_core.verify(field._native(), m.vertices, m.faces, samples, seed, threads_of(threads), report))

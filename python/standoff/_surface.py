@@ -8,7 +8,7 @@ from typing import Any, Literal
 from . import _core
 from ._field import DistanceField
 from ._mesh import Mesh, as_mesh
-from ._options import Grid, Progress, Sign, grid_of, number, progress_of, sign_report
+from ._options import Box, Grid, Progress, Sign, grid_of, number, progress_of, sign_report, threads_of
 
 
 def surface(
@@ -40,25 +40,39 @@ def surface(
         A closed manifold, whose triangles face outwards; without triangles if nothing is inside.
     """
     if isinstance(source, DistanceField):
-        for name, value in dict(resolution=resolution, spacing=spacing, shape=shape, grid=grid, padding=padding).items():
+        for name, value in dict(
+            resolution=resolution, spacing=spacing, shape=shape, grid=grid, padding=padding
+        ).items():
             if value is not None:
                 raise ValueError(f"{name}: a field has its grid already; leave it out, or pass the mesh")
         with progress_of(progress, "surface") as report:
-            vertices, faces, _ = _core.surface_of_field(source._native(), number(at, "at"), number(wall, "wall"), method, threads, report)
+            vertices, faces, _ = _core.surface_of_field(
+                source._native(), number(at, "at"), number(wall, "wall"), method, threads_of(threads), report
+            )
         return Mesh(vertices, faces)
     found = as_mesh(source)
-    where, _ = grid_of(lambda: _grown(found.bounds, number(at, "at")), grid, resolution, spacing, shape, padding, None, None)
+    where, _ = grid_of(
+        lambda: _grown(found.bounds, number(at, "at")), grid, resolution, spacing, shape, padding, None, None
+    )
     asked = Sign.of(sign)
     with progress_of(progress, "surface") as report:
         vertices, faces, signs = _core.surface_of_mesh(
-            found.vertices, found.faces, where._core(), asked, number(at, "at"), number(wall, "wall"), method, threads, report
+            found.vertices,
+            found.faces,
+            where._core(),
+            asked,
+            number(at, "at"),
+            number(wall, "wall"),
+            method,
+            threads_of(threads),
+            report,
         )
     sign_report(signs, asked, stacklevel=2)
     return Mesh(vertices, faces)
 
 
-def _grown(bounds, at: float):
+def _grown(bounds: Box, at: float) -> Box:
     """The box of the surface at `at`: the mesh's, grown."""
     more = max(at, 0.0)
     low, high = bounds
-    return tuple(x - more for x in low), tuple(x + more for x in high)
+    return (low[0] - more, low[1] - more, low[2] - more), (high[0] + more, high[1] + more, high[2] + more)

@@ -45,6 +45,11 @@ def test_pickle(options, protocol):
     expect_equal(pickle.loads(pickle.dumps(again)), field)
 
 
+def test_pickles_have_the_same_bits_for_any_threads():
+    pickles = {pickle.dumps(so.field(shapes.sphere(6), resolution=40, band=2, threads=n)) for n in (1, *[4] * 20)}
+    assert len(pickles) == 1
+
+
 @every_field
 def test_copy(options):
     field = so.field(shapes.sphere(6), **options)

@@ -50,6 +50,41 @@ def test_types_that_make_no_sense(options):
         so.field(MESH, **options)
 
 
+def test_errors_name_the_argument_and_not_the_compiled_function():
+    cube = so.Body(shapes.cube())
+    query, band, one = so.MeshQuery(MESH), so.field(MESH, resolution=8, band=2), np.eye(4)
+    for call in (
+        lambda **options: so.field(MESH, resolution=8, **options),
+        lambda **options: so.field(MESH, resolution=8, band=2, **options),
+        lambda **options: so.distance(MESH, [0, 0, 0], **options),
+        lambda **options: query.distance([0, 0, 0], **options),
+        lambda **options: query.closest([0, 0, 0], **options),
+        lambda **options: so.Body(MESH, **options),
+        lambda **options: so.collide(cube, cube, one, **options),
+        lambda **options: so.sweep(cube, cube, one, one, **options),
+    ):
+        with pytest.raises(TypeError, match="^threads: must be a whole number, not 1.5"):
+            call(threads=1.5)
+        with pytest.raises(TypeError, match="^device: must be 'auto', .* not 0"):
+            call(device=0)
+    for call in (
+        lambda threads: band([0, 0, 0], threads=threads),
+        lambda threads: band.gradient([0, 0, 0], threads=threads),
+        lambda threads: band.save("never.npz", threads=threads),
+        lambda threads: so.surface(band, threads=threads),
+        lambda threads: so.surface(MESH, resolution=8, threads=threads),
+        lambda threads: so.report(MESH, threads=threads),
+        lambda threads: so.verify(band, MESH, threads=threads),
+        lambda threads: so.distance_between(cube, cube, one, threads=threads),
+    ):
+        with pytest.raises(TypeError, match="^threads: must be a whole number, not True"):
+            call(True)
+    with pytest.raises(ValueError, match="^band: must be positive, not -1"):
+        so.field(MESH, resolution=8, band=-1)
+    with pytest.raises(TypeError, match="^points: must be an array of real numbers, not NoneType"):
+        band(None)
+
+
 @pytest.mark.parametrize(
     "options, needed",
     [

@@ -23,7 +23,8 @@ def fences(page: Path) -> list[tuple[int, str]]:
 
 
 @pytest.mark.parametrize(
-    ("page", "least_blocks", "least_prints"), [("docs/python.md", 10, 6), ("python/README.md", 1, 0), ("README.md", 1, 0)]
+    ("page", "least_blocks", "least_prints"),
+    [("docs/python.md", 10, 6), ("python/README.md", 1, 0), ("README.md", 1, 0)],
 )
 def test_page_runs(page, least_blocks, least_prints, tmp_path, monkeypatch, capsys):
     """And `print(...)  # words` prints these words; dots stand for any."""

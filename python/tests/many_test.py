@@ -67,7 +67,7 @@ def test_an_endless_iterable_is_read_as_far_as_needed(workers, ahead):
 
     def meshes():
         nonlocal last
-        for last in taken:
+        for last in taken:  # noqa: B007
             yield shapes.cube()
 
     results = so.fields(meshes(), workers=workers, ahead=ahead, **OPTIONS)

@@ -24,7 +24,7 @@ def expect_closed(mesh):
             following.setdefault(corner, {})[first] = second
     for around in following.values():
         start = at = next(iter(around))
-        for steps in range(1, len(around) + 1):
+        for steps in range(1, len(around) + 1):  # noqa: B007
             at = around[at]
             if at == start:
                 break
