@@ -131,7 +131,7 @@ class Warp:
         return answer.numpy().astype(np.float64)
 
 
-MOST_AT_ONCE = 1e6  # samples that a library gets in one call, if it must have them so
+MOST = 1e6  # samples that those get which take minutes, or all memory, for more
 MODULES = {"libigl": "igl", "pcu": "point_cloud_utils"}
 LIBRARIES = {"standoff": Standoff, "fcpw": Fcpw, "open3d": Open3D, "libigl": Libigl, "trimesh": Trimesh, "pcu": PointCloudUtils,
              "warp": Warp}
@@ -182,7 +182,7 @@ def main():
     vertices = np.fromfile(arguments.folder / "vertices.f64").reshape(-1, 3)
     triangles = np.fromfile(arguments.folder / "triangles.u32", np.uint32).reshape(-1, 3)
     grid = json.loads((arguments.folder / "grid.json").read_text())
-    if getattr(LIBRARIES[arguments.library], "whole", False) and np.prod(grid["shape"]) > MOST_AT_ONCE:
+    if arguments.library in ("pcu", "trimesh") and np.prod(grid["shape"]) > MOST:
         return 3
     options = {} if arguments.library == "fcpw" else {"signed": arguments.signed}
     wall, processor, calls, share = [], [], [], 1

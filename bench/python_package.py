@@ -94,19 +94,21 @@ def run(jobs, only, note, build):
     """All contests, then the many files; with `only` those of that name, and nothing is written."""
     if not os.environ.get("STANDOFF_PEER_PYTHON"):
         raise SystemExit("bench: STANDOFF_PEER_PYTHON must name a Python that has standoff (pip install .) and its peers")
-    chosen = [job for job in jobs["fields"] if not only or only in job["name"]]
-    rows = [row for job in chosen for signed in (False, True) if not (signed and job.get("open"))
-            for row in contest(job, signed, jobs["checked_pairs"])]
+    header = [*machine_lines(build), *([f"note: {note}"] if note else [])]
+    if not only or only in "many":
+        many = [line for line in (peer_python("many_fields.py", library, jobs["many"]) for library in ("standoff", "open3d")) if line]
+        for line in many:
+            line["standoff is faster"] = f"{line['s'] / many[0]['s']:.3g}x"
+        print(markdown(many))
+        if not only:
+            write_csv(results_folder() / "python-many.csv", header, many)
+    rows = []
+    for job in jobs["fields"]:
+        if only and only not in job["name"]:
+            continue
+        for signed in (False,) if job.get("open") else (False, True):
+            rows += contest(job, signed, jobs["checked_pairs"])
+            if not only:  # after each, since the whole takes long
+                write_csv(results_folder() / "python.csv", header, rows)
     if rows:
         print(markdown(rows))
-    if only and only not in "many":
-        return
-    many = [line for line in (peer_python("many_fields.py", library, jobs["many"]) for library in ("standoff", "open3d")) if line]
-    for line in many:
-        line["standoff is faster"] = f"{line['s'] / many[0]['s']:.3g}x"
-    print(markdown(many))
-    if only:
-        return
-    header = [*machine_lines(build), *([f"note: {note}"] if note else [])]
-    write_csv(results_folder() / "python.csv", header, rows)
-    write_csv(results_folder() / "python-many.csv", header, many)

@@ -25,7 +25,7 @@ from ._bodies import (
     sweep,
 )
 from ._core import version as __version__
-from ._devices import devices
+from ._devices import Device, devices
 from ._errors import (
     DeviceError,
     DoubtError,
@@ -57,6 +57,7 @@ __all__ = [
     "Collisions",
     "Component",
     "Contacts",
+    "Device",
     "DeviceError",
     "DistanceField",
     "Distances",

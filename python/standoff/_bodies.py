@@ -87,7 +87,7 @@ def _rebuild(content: bytes) -> Body:
     return unpacked(content, Body.load, ".model")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Collisions:
     """Whether the bodies intersect, for each pose."""
 
@@ -104,7 +104,7 @@ class Collisions:
     """``(...)`` integers: an index into `standoff.CONTAINMENTS`."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Distances:
     """The least distance between the surfaces, for each pose."""
 
@@ -122,7 +122,7 @@ class Distances:
     """``(...)`` integers."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Contacts:
     """The pairs of triangles that intersect or are within the margin."""
 
@@ -143,7 +143,7 @@ class Contacts:
         return len(self.depth)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Sweeps:
     """When the moving body b first touches a, for each motion."""
 

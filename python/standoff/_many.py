@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from concurrent.futures import Future
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class FieldResult:
     """One mesh of `fields`: its field, or the error that it met."""
 
@@ -55,7 +55,8 @@ def fields(
 
     Args:
         meshes: paths, or what `field` takes; any iterable, also one that never ends.
-        workers: how many meshes are worked on at a time, each with one thread; by default as many as there are cores.
+        workers: how many meshes are worked on at a time, each with one thread; by default two for each core, since one
+            waits now and then: for its file, or for Python.
         ahead: how many results may wait; by default four for each worker.
         prepare: called with each mesh first, in a worker; returns what the field is computed of. For example to
             normalise the size.
@@ -74,7 +75,7 @@ def fields(
         if name not in _OPTIONS:
             raise TypeError(f"fields() got an unexpected keyword argument {name!r}")
     if workers is None:
-        workers = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+        workers = 2 * (len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1)
     if whole_number(workers, "workers") < 1:
         raise ValueError("workers: must be at least 1")
     waiting = 4 * workers if ahead is None else whole_number(ahead, "ahead")

@@ -18,7 +18,7 @@ FEATURES = ("face", "edge 0", "edge 1", "edge 2", "vertex 0", "vertex 1", "verte
 """What ``ClosestPoints.feature`` counts: edge n runs from corner n to the next one."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ClosestPoints:
     """The nearest point of a mesh's surface for each query point. Arrays have the shape of the points asked for."""
 

@@ -45,6 +45,8 @@ def surface(
         ).items():
             if value is not None:
                 raise ValueError(f"{name}: a field has its grid already; leave it out, or pass the mesh")
+        if not source.signed and not at > 0:
+            raise ValueError("at: this field has no sign, so that nothing is inside; give a positive distance")
         with progress_of(progress, "surface") as report:
             vertices, faces, _ = _core.surface_of_field(
                 source._native(), number(at, "at"), number(wall, "wall"), method, threads_of(threads), report

@@ -114,3 +114,11 @@ def test_arguments_that_make_no_sense(arguments):
             so.surface(so.field(shapes.cube(), resolution=16, band=3), **wrong)
     with pytest.raises(TypeError):
         so.surface(None)
+
+
+def test_a_field_without_a_sign_has_no_surface_at_zero():
+    unsigned = so.field(shapes.cube(), resolution=16, sign=None)
+    for at in (0, -0.1):
+        with pytest.raises(ValueError, match="no sign"):
+            so.surface(unsigned, at=at)
+    assert len(so.surface(unsigned, at=0.1).faces) > 0
