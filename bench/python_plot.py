@@ -15,6 +15,7 @@ from output_quotes import QUOTED
 from quotes import read
 
 matplotlib.use("Agg")
+matplotlib.rcParams |= {"svg.fonttype": "none", "svg.hashsalt": "standoff"}
 COLOURS = {"standoff": "#b3202a"}
 
 
@@ -36,7 +37,8 @@ def draw(rows, path):
         panel.tick_params(labelsize=8)
         panel.spines[["top", "right"]].set_visible(False)
     panels[-1].set_xlabel("million samples a second")
-    panels[0].set_xlim(right=panels[0].get_xlim()[1] * 3)
+    rates = [float(row["samples"]) / float(row["s"]) / 1e6 for row in rows]
+    panels[0].set_xlim(min(rates) / 2, max(rates) * 3)
     figure.tight_layout()
     figure.savefig(path, metadata={"Date": None})
 
