@@ -18,6 +18,8 @@ print_help() { sed -n '3,/^[^#]/{/^#/s/^# \{0,1\}//p}' "$self"; }
 
 if command -v ccache >/dev/null; then
   export CMAKE_CXX_COMPILER_LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER-ccache}
+  # Another clone of the same sources, somewhere else, has the same objects.
+  export CCACHE_BASEDIR=${CCACHE_BASEDIR-$PWD} CCACHE_NOHASHDIR=${CCACHE_NOHASHDIR-1}
   export CCACHE_SLOPPINESS=${CCACHE_SLOPPINESS-pch_defines,time_macros}  # else it caches nothing of precompiled headers
 fi
 
