@@ -5,16 +5,12 @@
 #include <cmath>
 #include <mutex>
 #include <numbers>
-#include <optional>
 #include <string>
 
-#include "core/execution.h"
 #include "core/guarded.h"
 #include "core/splitmix64.h"
 #include "core/threads.h"
-#include "simulation/crossing_check.h"
-#include "standoff/compute.h"
-#include "standoff/experimental/simulation.h"
+#include "simulation/world_state.h"
 #include "standoff/thesis.h"
 
 namespace standoff::experimental {
@@ -47,52 +43,7 @@ Vec3 scattered(Vec3 direction, double angle_rad, std::uint64_t& state) {
   return unit(direction * std::cos(angle) + unit(across) * std::sin(angle));
 }
 
-void check(const FlightOptions& o) {
-  const auto fail = [](const char* what) { throw Error(ErrorCode::usage, std::string("simulation: ") + what); };
-  if (!(o.speed >= 0) || !std::isfinite(o.speed))
-    fail("the speed must be zero or more, and finite; give world units a step");
-  if (!(o.scatter_rad >= 0 && o.scatter_rad <= std::numbers::pi))
-    fail("the scatter must be from 0 to pi; 0 turns that off");
-  if (!(o.tolerance >= 0) || !std::isfinite(o.tolerance))
-    fail("the tolerance must be zero or more, and finite; give a small part of the bodies' size, or 0");
-  if (!(o.thickness > 0) || !std::isfinite(o.thickness))
-    fail("the thickness must be positive and finite; give a few steps' length");
-  if (!(o.threshold >= 0) || !std::isfinite(o.threshold))
-    fail("the threshold must be zero or more, and finite; 0 takes the larger spacing");
-  validate("simulation", o.execution, Runs::on_the_cpu);
-}
-
 }  // namespace
-
-struct World::State {
-  struct Resting {
-    CollisionModel model;
-    Pose pose;
-    double tolerance;                    // of sweeps; fliers start twice as far away
-    std::optional<DistanceField> field;  // thesis mode
-    std::optional<CrossingCheck> check;
-  };
-
-  CollisionModel flier;
-  FlightOptions options;
-  std::vector<Resting> resting;
-  std::vector<Flier> fliers;
-  std::optional<DistanceField> field;  // of the flier, in thesis mode
-  std::vector<Vec3> marks;             // the points whose paths are checked
-
-  DistanceField thesis_field(const CollisionModel& model) const {
-    const Grid grid = minimum_grid(model.bounds(), options.thickness, options.minimum, options.speed);
-    ComputeOptions compute_options;
-    compute_options.execution = options.execution;
-    return compute(model.mesh(), grid, options.thickness, compute_options).field;
-  }
-
-  void step(Flier& it) const;
-  bool leaves_bounds(const Pose& pose) const;
-  bool thesis_hit(const Resting& body, const Pose& at) const;
-  bool thesis_step(Flier& it, const Pose& next) const;
-  bool sweep_step(Flier& it, Pose& next) const;
-};
 
 bool World::State::thesis_hit(const Resting& body, const Pose& at) const {
   const double spacing = std::max(body.field->grid().max_spacing(), field->grid().max_spacing());
@@ -161,9 +112,8 @@ void World::State::step(Flier& it) const {
 
 World::World(const CollisionModel& flier, const FlightOptions& options) try
     : state_(new State{flier, options, {}, {}, {}, {}}) {
-  check(options);
-  if (options.mode == FlightMode::thesis) state_->field = state_->thesis_field(flier);
-  if (options.check) state_->marks = outermost_points(flier.mesh());
+  check_options(options);
+  state_->prepare();
 } catch (...) {
   throw_as_error("simulation");
 }
@@ -172,10 +122,8 @@ World::~World() = default;
 
 void World::add(const CollisionModel& body, const Pose& pose) try {
   validate(pose);
-  const double asked = state_->options.tolerance;
-  State::Resting resting{body, pose, asked > 0 ? asked : automatic_tolerance(body, state_->flier), {}, {}};
-  if (state_->options.mode == FlightMode::thesis) resting.field = state_->thesis_field(body);
-  if (state_->options.check) resting.check.emplace(body.mesh(), pose);
+  State::Resting resting{body, pose, 0, {}, {}, {}};
+  state_->prepare(resting);
   state_->resting.push_back(std::move(resting));
 } catch (...) {
   throw_as_error("simulation");

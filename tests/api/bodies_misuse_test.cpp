@@ -195,6 +195,18 @@ TEST(Misuse, Worlds) {
   expect_answer_or_error("no fliers", [&] { world.run(kMost); });
   for (const Pose& pose : odd_poses()) expect_answer_or_error("add", [&] { world.add(body(), pose); });
   for (const double x : kNumbers) expect_answer_or_error("box", [&] { world.add_flier({{0, 0, 0}, {x, x, x}}); });
+  for (const Pose& pose : odd_poses())
+    for (const double x : kNumbers)
+      expect_answer_or_error("flier", [&] { world.restore_flier(Flier{pose, {x, 0, 0}}); });
+  FlightOptions odd = options;
+  odd.speed = -1;
+  expect_usage("options", [&] { world.set_options(odd); });
+  EXPECT_EQ(world.options().speed, options.speed);
+  world.keep_fliers(std::numeric_limits<std::size_t>::max());
+  world.keep_fliers(0);
+  EXPECT_TRUE(world.fliers().empty());
+  std::vector<double> distances(1);
+  expect_usage("distances", [&] { world.wall_distances(distances); });
   EXPECT_THROW(
       {
         World another(body(), options);

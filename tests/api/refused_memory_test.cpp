@@ -3,6 +3,7 @@
 // is lost.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <functional>
 #include <string>
@@ -245,6 +246,11 @@ TEST(RefusedMemory, Flights) {
       world.add(body, make_pose({0, 0, 1}, 0, {5, 5, 5}));
       world.add_flier({{-3, -3, -3}, {-1, -1, -1}});
       world.run(3);
+      world.restore_flier(world.fliers()[0]);
+      options.speed = 0.1;
+      world.set_options(options);
+      std::array<double, 2> distances{};
+      world.wall_distances(distances);
     });
     expect_error_or_limit("grid", [&] { World(body, options).grid(0); });
   }

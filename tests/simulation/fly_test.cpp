@@ -64,6 +64,77 @@ TEST(Fly, TheThesisMissesWhatIsFast) {
   EXPECT_GT(total(fly(options, 200, 8), &Flier::crossings), 0);
 }
 
+// A page asks for a pose 60 times a second, and changes what it likes in between.
+TEST(Fly, RunsInPartsAndGoesOnInOtherWorlds) {
+  FlightOptions options;
+  options.speed = 0.3;
+  const Flown whole = fly(options, 300, 4);
+  const CollisionModel walls(room()), body(ball_mesh(0.3, 3));
+  World parts(body, options);
+  parts.add(walls);
+  for (int n = 0; n < 4; ++n) parts.add_flier({{0.5, 0.5, 0.5}, {9.5, 3.5, 5.5}});
+  for (int n = 0; n < 100; ++n) parts.run(1);
+  World other(body, options);
+  other.add(walls);
+  for (const Flier& it : parts.fliers()) other.restore_flier(it);
+  other.set_options(options);
+  other.run(200);
+  for (std::size_t n = 0; n < 4; ++n) {
+    EXPECT_EQ(other.fliers()[n].pose, whole.fliers[n].pose) << n;
+    EXPECT_EQ(other.fliers()[n].collisions, whole.fliers[n].collisions) << n;
+  }
+  other.keep_fliers(1);
+  ASSERT_EQ(other.fliers().size(), 1u);
+  EXPECT_EQ(other.fliers()[0].pose, whole.fliers[0].pose);
+}
+
+TEST(Fly, ChangesItsModeInFlight) {
+  FlightOptions options;
+  options.thickness = 0.5;
+  options.speed = 5;
+  World world(CollisionModel(ball_mesh(0.3, 3)), options);
+  world.add(CollisionModel(room()));
+  for (int n = 0; n < 8; ++n) world.add_flier({{0.5, 0.5, 0.5}, {9.5, 3.5, 5.5}});
+  const auto crossings = [&] {
+    std::int64_t sum = 0;
+    for (const Flier& it : world.fliers()) sum += it.crossings;
+    return sum;
+  };
+  world.run(200);
+  EXPECT_EQ(crossings(), 0);
+  options.mode = FlightMode::thesis;
+  world.set_options(options);
+  EXPECT_EQ(world.options().mode, FlightMode::thesis);
+  world.run(200);
+  const std::int64_t crossed = crossings();
+  EXPECT_GT(crossed, 0);
+  options.mode = FlightMode::sweep;
+  world.set_options(options);
+  world.run(200);
+  EXPECT_EQ(crossings(), crossed);
+}
+
+TEST(Fly, KnowsHowNearTheWallsAre) {
+  const Mesh walls = room();
+  const Pose pose = make_pose({0, 1, 0}, 0.5, {1, 2, 3});
+  World world(CollisionModel(ball_mesh(0.3, 3)), {});
+  std::vector<double> distances(3);
+  const std::vector<Vec3> points{{2, 1.5, 2}, {4.4, 2, 3}, {5, 1, 5}};
+  for (const Vec3& p : points) {
+    Flier it;
+    it.pose.translation = apply(pose, p);
+    it.direction = {1, 0, 0};
+    world.restore_flier(it);
+  }
+  world.wall_distances(distances);
+  for (const double d : distances) EXPECT_EQ(d, std::numeric_limits<double>::infinity());
+  world.add(CollisionModel(walls), pose);
+  world.wall_distances(distances);
+  EXPECT_NEAR(distances[0], 1.5, 1e-9);  // the floor
+  EXPECT_NEAR(distances[1], 0.6, 1e-9);  // the wall in the middle
+  EXPECT_NEAR(distances[2], 1, 1e-9);    // the hole in it: the floor again, the wall behind, the edge of the hole
+}
+
 TEST(Fly, StaysInItsRoom) {
   FlightOptions options;
   options.speed = 0.5;

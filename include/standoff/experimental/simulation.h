@@ -70,7 +70,22 @@ class STANDOFF_API World {
   /// random direction. The random numbers of the n-th body depend only on n and the seed. Errors: input if 10,000 tries
   /// find no free pose.
   void add_flier(const Box& box);
+  /// Adds a moving body as it is, such as one of another world. Where it starts is not looked at: one that touches a
+  /// resting body may collide at each step. Errors: usage (pose, direction).
+  void restore_flier(const Flier& flier);
+  /// Takes away all moving bodies but the first `count`.
+  void keep_fliers(std::size_t count);
   std::span<const Flier> fliers() const;
+
+  const FlightOptions& options() const;
+  /// Other options from the next run on. Bodies stay where they are. Thesis mode computes its fields anew, because
+  /// their grids depend on the speed. Errors: usage; limit (memory); nothing has changed then.
+  void set_options(const FlightOptions& options);
+
+  /// out[n] is how far the middle of the n-th moving body's box is from the surface of the nearest resting body, exact,
+  /// world units; infinite if there is none. The first call prepares the resting meshes (standoff/points.h). Errors:
+  /// usage (another length than that of fliers()), limit (memory).
+  void wall_distances(std::span<double> out);
 
   /// Runs `steps` steps (0 or more) of all moving bodies in parallel; the result does not depend on the number of
   /// threads. `visit(flier, step, pose)`, if given, is called when a flier starts, turns and ends. The calls for one
