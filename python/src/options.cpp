@@ -11,10 +11,11 @@ namespace standoff::python {
 namespace {
 
 template <class Value>
-Value value_of(const nb::handle& object, const char* attribute) {
+Value value_of(const nb::handle& object, const char* attribute, const char* what) {
   Value value;
-  if (!nb::try_cast(object.attr(attribute), value))
-    throw nb::type_error((std::string("sign: its ") + attribute + " has the wrong type").c_str());
+  if (const nb::object found = object.attr(attribute); !nb::try_cast(found, value))
+    throw nb::type_error(
+        (std::string("sign: its ") + attribute + " must be " + what + ", not " + nb::repr(found).c_str()).c_str());
   return value;
 }
 
@@ -49,13 +50,13 @@ SignOptions sign_of(const nb::handle& sign) {
   constexpr const char* kMethods[] = {"none", "winding", "parity", "normal", "flood", "shell", "auto"};
   constexpr const char* kRules[] = {"positive", "nonzero", "odd"};
   SignOptions options;
-  options.method = static_cast<SignMethod>(choice_of("sign", value_of<std::string>(sign, "method"), kMethods));
-  options.rule = static_cast<WindingRule>(choice_of("rule", value_of<std::string>(sign, "rule"), kRules));
-  options.invert = value_of<bool>(sign, "invert");
-  options.strict = value_of<bool>(sign, "strict");
-  options.as_oriented = value_of<bool>(sign, "as_oriented");
-  options.outer = value_of<bool>(sign, "outer");
-  options.shell = value_of<double>(sign, "thickness");
+  options.method = static_cast<SignMethod>(choice_of("sign", value_of<std::string>(sign, "method", "a name"), kMethods));
+  options.rule = static_cast<WindingRule>(choice_of("rule", value_of<std::string>(sign, "rule", "a name"), kRules));
+  options.invert = value_of<bool>(sign, "invert", "True or False");
+  options.strict = value_of<bool>(sign, "strict", "True or False");
+  options.as_oriented = value_of<bool>(sign, "as_oriented", "True or False");
+  options.outer = value_of<bool>(sign, "outer", "True or False");
+  options.shell = value_of<double>(sign, "thickness", "a number");
   return options;
 }
 

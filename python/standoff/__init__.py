@@ -24,6 +24,7 @@ from ._bodies import (
     distance_between,
     sweep,
 )
+from ._compute import field
 from ._core import version as __version__
 from ._devices import Device, devices
 from ._errors import (
@@ -38,7 +39,7 @@ from ._errors import (
     UsageError,
     VerifyError,
 )
-from ._field import DistanceField, field, load
+from ._field import DistanceField, load
 from ._many import FieldResult, fields
 from ._mesh import Mesh, read
 from ._options import Grid, Sign, SignReport

@@ -63,6 +63,31 @@ def doubles(array: Any, what: str, shape: str, *, last: int) -> np.ndarray:
     return np.require(found, np.float64, ["C_CONTIGUOUS", "ALIGNED"])
 
 
+def dlpack_of(
+    array: np.ndarray,
+    stream: Any,
+    max_version: tuple[int, int] | None,
+    dl_device: tuple[int, int] | None,
+    *,
+    shared: bool,
+    copy: bool | None,
+) -> Any:
+    """The capsule of an array. One that is `shared` must not be written to: consumers before DLPack 1.0, and numpy
+    before 2.1, have no word for that and get a copy, unless `copy` forbids it."""
+    if stream is not None:
+        raise BufferError("stream: the values are in the memory of the CPU, which has no streams; pass None")
+    if dl_device is not None and tuple(map(int, dl_device)) != (1, 0):
+        raise BufferError(f"dl_device: the values are on the CPU, (1, 0); copy them to {dl_device} afterwards")
+    knows = max_version is not None and max_version >= (1, 0) and np.lib.NumpyVersion(np.__version__) >= "2.1.0"
+    if not knows:
+        if shared and copy is False:
+            raise BufferError("copy: who asks has no word for memory that must not be written to; allow a copy")
+        return (array.copy(order="K") if shared else array).__dlpack__()
+    view = array.view()
+    view.flags.writeable = not shared
+    return view.__dlpack__(max_version=max_version)
+
+
 def single(dtype: Any) -> bool:
     """Whether an array's numbers are floats of 32 bits or fewer, so that answers are float32 too."""
     kind = np.dtype(dtype)

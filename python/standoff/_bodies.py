@@ -10,9 +10,10 @@ import numpy as np
 
 from . import _core
 from ._arrays import like, numbers, to_numpy
-from ._files import PathLike, expect_file, packed, unpacked
+from ._checks import PathLike, flag, name, number, path_of, runs_on, threads_of, triple, whole_number
+from ._files import expect_file, packed, unpacked
 from ._mesh import as_mesh
-from ._options import Progress, memory_text, number, progress_of, runs_on, threads_of, triple, whole_number
+from ._options import Progress, memory_text, progress_of
 
 NO_TRIANGLE = 2**32 - 1
 CONTAINMENTS = ("none", "b in a", "a in b", "partly")
@@ -51,7 +52,7 @@ class Body:
 
     def save(self, path: PathLike, *, overwrite: bool = True) -> None:
         """Writes the body; the file appears whole or not at all."""
-        self._body.save(path, overwrite)
+        self._body.save(path_of(path), flag(overwrite, "overwrite"))
 
     @property
     def bounds(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
@@ -124,17 +125,17 @@ class Distances:
 
 @dataclass(frozen=True, eq=False)
 class Contacts:
-    """The pairs of triangles that intersect or are within the margin."""
+    """The pairs of triangles that intersect or are within the margin. Arrays are of the pose's library."""
 
-    point: np.ndarray
+    point: Any
     """``(n, 3)``: in the world."""
-    normal: np.ndarray
+    normal: Any
     """``(n, 3)``: unit length, from a to b."""
-    depth: np.ndarray
+    depth: Any
     """``(n,)``: how far b must move along the normal to separate this pair; minus the distance if it is apart."""
-    triangle_a: np.ndarray
+    triangle_a: Any
     """``(n,)`` integers."""
-    triangle_b: np.ndarray
+    triangle_b: Any
     """``(n,)`` integers."""
     overflow: bool
     """Whether there are more pairs than were asked for."""
@@ -221,9 +222,9 @@ def _one(pose: Any, what: str) -> np.ndarray:
 
 
 def _both(a: Any, b: Any) -> tuple[Any, Any]:
-    for name, body in (("a", a), ("b", b)):
+    for which, body in (("a", a), ("b", b)):
         if not isinstance(body, Body):
-            raise TypeError(f"{name}: must be a standoff.Body, not {type(body).__name__}; make one with Body(mesh)")
+            raise TypeError(f"{which}: must be a standoff.Body, not {type(body).__name__}; make one with Body(mesh)")
     return a._body, b._body
 
 
@@ -254,7 +255,7 @@ def collide(
     Raises:
         UsageError: a pose that is not rigid or not finite, other arguments.
     """
-    if mode not in ("exact", "certified"):
+    if name(mode, "mode") not in ("exact", "certified"):
         raise ValueError(f"mode: must be 'exact' or 'certified', not {mode!r}")
     body_a, body_b = _both(a, b)
     p = _Poses(poses, "poses")
@@ -265,7 +266,7 @@ def collide(
             body_b,
             p.array,
             number(margin, "margin"),
-            containment,
+            flag(containment, "containment"),
             mode == "certified",
             *runs_on(threads, device),
             report,
@@ -363,7 +364,9 @@ def contacts(a: Body, b: Body, pose: Any, *, pose_a: Any = None, most: int = 100
     point, normal, depth, triangle_a, triangle_b, overflow = _core.contacts(
         body_a, _one(pose_a, "pose_a"), body_b, _one(pose, "pose"), whole_number(most, "most"), number(margin, "margin")
     )
-    return Contacts(point, normal, depth, triangle_a.astype(np.int64), triangle_b.astype(np.int64), overflow)
+    first, second = _triangles(triangle_a, triangle_b)
+    give = like(pose)
+    return Contacts(give(point), give(normal), give(depth), give(first), give(second), overflow)
 
 
 def _triangles(*indices: np.ndarray) -> list[np.ndarray]:

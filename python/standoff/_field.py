@@ -4,29 +4,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
 from typing import Any, Literal
 
 import numpy as np
 
 from . import _core
-from ._arrays import Points, numbers
-from ._files import PathLike, expect_file, packed, unpacked
-from ._mesh import as_mesh
-from ._options import (
-    Grid,
-    Progress,
-    Sign,
-    SignReport,
-    grid_of,
-    memory_limit_of,
-    memory_text,
-    number,
-    progress_of,
-    runs_on,
-    sign_report,
-    threads_of,
-)
+from ._arrays import Points, dlpack_of, numbers
+from ._checks import PathLike, flag, name, number, path_of, threads_of, whole_number
+from ._files import expect_file, packed
+from ._options import Grid, SignReport, memory_limit_of, memory_text
 from ._picture import Picture
 
 
@@ -178,14 +164,47 @@ class DistanceField:
             return np.array(values, dtype=dtype, order="K")
         return values
 
-    def to_torch(self) -> Any:
-        """The same as a torch tensor on the CPU: a copy of a band, the memory of a full field: do not write to that."""
+    def to_torch(self, *, copy: bool | None = None) -> Any:
+        """The same as a torch tensor on the CPU, float32 ``[i, j, k]``.
+
+        Args:
+            copy: None copies a band, and shares the memory of a full field. torch knows no tensors that cannot be
+                written to: do not, or the field is no longer that of its mesh. True gives a tensor of your own; False
+                is a ValueError where there is nothing to share.
+        """
         import torch
 
-        values = self._dense if self._dense is not None else self.numpy()
-        if not values.flags.writeable:
+        values, _ = self._shared(copy)
+        if not values.flags.writeable:  # of a pickle's buffer, say
             values = values.copy(order="K")
         return torch.from_numpy(values)
+
+    def __dlpack__(
+        self,
+        *,
+        stream: Any = None,
+        max_version: tuple[int, int] | None = None,
+        dl_device: tuple[int, int] | None = None,
+        copy: bool | None = None,
+    ) -> Any:
+        try:
+            values, shared = self._shared(copy)
+        except ValueError as error:
+            raise BufferError(str(error)) from None
+        return dlpack_of(values, stream, max_version, dl_device, shared=shared, copy=copy)
+
+    def __dlpack_device__(self) -> tuple[int, int]:
+        return (1, 0)  # the CPU
+
+    def _shared(self, copy: bool | None) -> tuple[np.ndarray, bool]:
+        """The values, and whether they are the field's memory: as little as `copy`, in the array API's sense, allows."""
+        if self._dense is None:
+            if copy is False:
+                raise ValueError(
+                    "copy: the values of a band lie in tiles, and cannot be had as one array without a copy"
+                )
+            return self.numpy(), False
+        return (self._dense.copy(order="K"), False) if copy else (self._dense, True)
 
     def tiles(self) -> tuple[np.ndarray, np.ndarray]:
         """The stored tiles, without a copy: values and where they are.
@@ -234,14 +253,16 @@ class DistanceField:
             OutputError: it cannot be written, or exists and `overwrite` is False.
             UsageError: no format has this extension, or it cannot carry nearest triangles.
         """
-        self._native().save(path, compress, overwrite, threads_of(threads))
+        self._native().save(
+            path_of(path), flag(compress, "compress"), flag(overwrite, "overwrite"), threads_of(threads)
+        )
 
     def to_bytes(self, format: str = "nvdb", *, compress: bool = True) -> bytes:
         """The content of the file that `save` writes in the format of this extension.
 
         ``warp.Volume.load_from_nvdb`` takes that of ``"nvdb"`` in a file object, as Newton does.
         """
-        return packed(lambda path: self.save(path, compress=compress), "." + format.removeprefix("."))
+        return packed(lambda path: self.save(path, compress=compress), "." + name(format, "format").removeprefix("."))
 
     def plot(
         self,
@@ -268,7 +289,9 @@ class DistanceField:
         if kind != "slice":
             raise ValueError(f"kind: must be 'slice' or 'surface', not {kind!r}")
         native = self._native()
-        return Picture.drawn(lambda path: _core.write_slice(native, path, axis, number(at, "at"), colormap, pixels))
+        place = name(axis, "axis"), number(at, "at")
+        look = name(colormap, "colormap"), whole_number(pixels, "pixels", bits=32)
+        return Picture.drawn(lambda path: _core.write_slice(native, path, *place, *look))
 
     def _repr_png_(self) -> bytes:
         return bytes(self.plot())
@@ -276,18 +299,9 @@ class DistanceField:
     # Copies.
 
     def __reduce__(self) -> tuple[Any, ...]:
-        state = (self._grid, self._thickness, self.provenance, self._sign)
-        if self._dense is not None:
-            return _rebuild_dense, (*state, self._dense)
-        native = self._native()
-        if native.has_nearest:  # files keep the nearest triangles too
-            return _rebuild_packed, (packed(lambda path: self.save(path), ".npz"), self._sign)
-        # In the order of the grid: as they lie in memory depends on which thread was first.
-        slots = np.array(native.slots())
-        stored = slots >= 0
-        values = native.tile_values().transpose(0, 3, 2, 1)[slots[stored]].reshape(-1, 512)
-        slots[stored] = np.arange(len(values))
-        return _rebuild_tiles, (*state, values, slots)
+        from ._pickled import parts  # late: it makes fields
+
+        return parts(self)
 
     def __copy__(self) -> DistanceField:
         return self  # nothing changes a field
@@ -303,152 +317,6 @@ class DistanceField:
             assert self._dense is not None
             self._native_field = _core.from_dense(self._grid._core(), self._thickness, self._dense, self._provenance)
         return self._native_field
-
-
-def _rebuild_dense(
-    grid: Grid, thickness: float, provenance: dict[str, Any], sign: SignReport | None, dense: np.ndarray
-) -> DistanceField:
-    return DistanceField._make(
-        grid, thickness, _core.Provenance(**provenance), dense=np.asfortranarray(dense), sign=sign
-    )
-
-
-def _rebuild_tiles(
-    grid: Grid,
-    thickness: float,
-    provenance: dict[str, Any],
-    sign: SignReport | None,
-    values: np.ndarray,
-    slots: np.ndarray,
-) -> DistanceField:
-    native = _core.from_tiles(grid._core(), thickness, values, slots, _core.Provenance(**provenance))
-    return DistanceField._of_native(native, sign)
-
-
-def _rebuild_packed(content: bytes, sign: SignReport | None) -> DistanceField:
-    return DistanceField._of_native(unpacked(content, lambda path: _core.read_field(path, 0), ".npz"), sign)
-
-
-def field(
-    mesh: Any,
-    *,
-    resolution: int | None = None,
-    spacing: float | Sequence[float] | None = None,
-    shape: Sequence[int] | None = None,
-    grid: Grid | None = None,
-    padding: float | None = None,
-    band: float | None = None,
-    thickness: float | None = None,
-    sign: str | Sign | None = "auto",
-    nearest: bool = False,
-    method: Literal["tiles", "thesis"] = "tiles",
-    out: np.ndarray | None = None,
-    device: str = "auto",
-    threads: int = 0,
-    memory_limit: int | None = None,
-    progress: Progress = None,
-) -> DistanceField:
-    """Computes the distance field of a mesh. Values are exact up to rounding to float32.
-
-    Args:
-        mesh: a path, a `Mesh`, ``(vertices, faces)``, or an object of trimesh, pyvista, Open3D, meshio, ...
-        resolution: samples on the longest side, 256 by default. Or give one of:
-        spacing: distance between samples, world units, one for all axes or one for each;
-        shape: samples per axis;
-        grid: a `Grid`, for example that of another field.
-        padding: samples beyond the mesh on each side; by default the band's width, at least 2.
-        band: half-width of the band in samples; or
-        thickness: the same in world units. Without either every sample gets its distance.
-        sign: ``"auto"`` makes values inside negative by what fits the mesh, and warns if that is not certain
-            (`SignWarning`). Another method's name, a `Sign`, or None for distances without sign.
-        nearest: also store the index of each sample's nearest triangle.
-        method: ``"tiles"``, or Algorithm 1 of the 2008 thesis.
-        out: float32 array ``(nx, ny, nz)`` in Fortran order that the values are written to; the field keeps it.
-        device: ``"auto"``, ``"cpu"``, ``"cuda"``, ``"cuda:N"`` or ``"emulated"``.
-        threads: 0 for all. Values do not depend on it.
-        memory_limit: bytes; 80 % of the machine's by default.
-        progress: True for a bar by tqdm, or a function of stage and fraction. What it raises ends the work.
-
-    Raises:
-        MeshError: the mesh is empty, has a face out of range or a corner that is not finite, or the sign's method
-            cannot work with it.
-        UsageError, ValueError, TypeError: arguments.
-        LimitError: more memory than `memory_limit`.
-        DeviceError: there is no such GPU.
-        KeyboardInterrupt: Ctrl-C, within 0.1 s.
-    """
-    found = as_mesh(mesh)
-    where, half_width = grid_of(lambda: found.bounds, grid, resolution, spacing, shape, padding, band, thickness)
-    asked = Sign.of(sign)
-    limit = memory_limit_of(memory_limit)
-    dense = None
-    if out is not None:
-        if nearest:
-            raise ValueError("out and nearest: nearest triangles are stored in tiles; leave out one of these")
-        dense = _checked_out(out, where)
-    elif math.isinf(half_width) and not nearest:
-        mesh_and_grid = found.vertices, found.faces, where._core()
-        dense = _new_dense(where, limit, lambda: _core.memory_needed(*mesh_and_grid, half_width, asked, False, True))
-    settings = (asked, method)
-    with progress_of(progress, "field") as report:
-        if dense is None:
-            native, done = _core.compute(
-                found.vertices,
-                found.faces,
-                where._core(),
-                half_width,
-                *settings,
-                nearest,
-                *runs_on(threads, device),
-                limit,
-                report,
-            )
-            signs = sign_report(done.pop("sign"), asked, stacklevel=2)
-            del done["provenance"], done["method"]
-            return DistanceField._of_native(native, signs, done)
-        done = _core.compute_dense(
-            found.vertices,
-            found.faces,
-            where._core(),
-            half_width,
-            dense,
-            *settings,
-            *runs_on(threads, device),
-            limit,
-            report,
-        )
-    signs = sign_report(done.pop("sign"), asked, stacklevel=2)
-    made = done.pop("provenance")
-    del done["method"]
-    provenance = _core.Provenance(made.method, _core.content_hash(found.vertices, found.faces), made.version, made.sign)
-    return DistanceField._make(where, half_width, provenance, dense=dense, sign=signs, computation=done)
-
-
-def _checked_out(out: Any, grid: Grid) -> np.ndarray:
-    if not isinstance(out, np.ndarray):
-        raise TypeError(f"out: must be a numpy array, not {type(out).__name__}; of a torch tensor t pass t.numpy()")
-    if out.dtype != np.float32 or out.shape != grid.shape:
-        raise ValueError(f"out: must be float32 of shape {grid.shape}, not {out.dtype} of shape {out.shape}")
-    if not out.flags.f_contiguous:
-        raise ValueError("out: must be in Fortran order: numpy.empty(shape, numpy.float32, order='F')")
-    if not out.flags.writeable:
-        raise ValueError("out: is read-only")
-    return out
-
-
-def _new_dense(grid: Grid, limit: int, needed_for: Callable[[], int]) -> np.ndarray:
-    if 0 < limit < 4 * math.prod(grid.shape):
-        needed = needed_for()
-        from ._errors import make
-
-        raise make(
-            "limit",
-            f"a full field of {' x '.join(map(str, grid.shape))} samples takes {memory_text(needed)}, and the limit is "
-            f"{memory_text(limit)}; take a band (band=3), a lower resolution, or raise memory_limit",
-            bytes_needed=needed,
-            bytes_limit=limit,
-        )
-    return np.empty(grid.shape, np.float32, order="F")
 
 
 def load(path: PathLike, *, memory_limit: int | None = None) -> DistanceField:

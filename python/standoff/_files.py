@@ -10,7 +10,6 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 T = TypeVar("T")
-PathLike = str | os.PathLike[str]
 
 
 def expect_file(path: Any) -> None:

@@ -11,10 +11,11 @@ from dataclasses import dataclass
 from inspect import signature
 from typing import TYPE_CHECKING, Any
 
+from ._checks import flag, whole_number
+from ._compute import field
 from ._errors import Error
-from ._field import DistanceField, field
+from ._field import DistanceField
 from ._mesh import as_mesh
-from ._options import whole_number
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
@@ -83,7 +84,7 @@ def fields(
         raise ValueError("ahead: must be at least 1")
     options.setdefault("threads", 1)
     total = len(meshes) if isinstance(meshes, Sized) else None
-    return _results(source, total, workers, waiting, prepare, progress, options)
+    return _results(source, total, workers, waiting, prepare, flag(progress, "progress"), options)
 
 
 _OPTIONS = set(signature(field).parameters) - {"mesh", "out", "progress"}

@@ -12,9 +12,10 @@ import numpy as np
 
 from . import _core
 from ._arrays import numbers, to_numpy
+from ._checks import PathLike, flag, name, number, path_of, triple, whole_number
 from ._errors import MeshError
-from ._files import PathLike, expect_file
-from ._options import Box, number, triple
+from ._files import expect_file
+from ._options import Box
 
 if TYPE_CHECKING:
     from ._picture import Picture
@@ -69,7 +70,7 @@ class Mesh:
             OutputError: it cannot be written, or exists and `overwrite` is False.
             UsageError: no format has this extension.
         """
-        _core.write_mesh(path, self.vertices, self.faces, overwrite)
+        _core.write_mesh(path_of(path), self.vertices, self.faces, flag(overwrite, "overwrite"))
 
     def plot(
         self, *, width: int = 960, height: int = 720, azimuth: float = 35, elevation: float = 25, up: str = "z"
@@ -77,9 +78,10 @@ class Mesh:
         """A picture of the mesh, which notebooks show; see `Picture`."""
         from ._picture import Picture
 
-        return Picture.drawn(
-            lambda path: _core.write_picture(self.vertices, self.faces, path, width, height, azimuth, elevation, up)
-        )
+        size = whole_number(width, "width", bits=32), whole_number(height, "height", bits=32)
+        view = number(azimuth, "azimuth"), number(elevation, "elevation")
+        above = name(up, "up")
+        return Picture.drawn(lambda path: _core.write_picture(self.vertices, self.faces, path, *size, *view, above))
 
     def __repr__(self) -> str:
         return f"<standoff.Mesh: {len(self.vertices):,} vertices, {len(self.faces):,} triangles>"
@@ -136,10 +138,10 @@ def bounds_of(bounds: Any) -> Box:
     """The corners of a box, or of the box around a mesh."""
     if not isinstance(bounds, (Mesh, str, os.PathLike)) and not hasattr(bounds, "faces"):
         try:
-            corners = np.asarray(bounds, dtype=np.float64)
-        except (TypeError, ValueError):
-            corners = None
-        if corners is not None and corners.shape == (2, 3):
+            corners = np.asarray(bounds)
+        except (TypeError, ValueError):  # of different lengths
+            corners = np.empty(0)
+        if corners.dtype.kind in "fiu" and corners.shape == (2, 3):
             return triple(corners[0], "bounds"), triple(corners[1], "bounds")
     return as_mesh(bounds).bounds
 

@@ -7,7 +7,7 @@ import math
 import numbers
 import os
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -15,6 +15,7 @@ from typing import Any, Literal
 import numpy as np
 
 from . import _core
+from ._checks import number, triple, whole_number
 from ._errors import SignWarning
 
 SignMethod = Literal["auto", "none", "winding", "parity", "normal", "flood", "shell"]
@@ -150,42 +151,6 @@ class Grid:
 
     def _core(self) -> _core.Grid:
         return _core.Grid(self.shape, self.origin, self.spacing)
-
-
-def number(value: Any, what: str) -> float:
-    if isinstance(value, numbers.Real) and not isinstance(value, bool):
-        return float(value)
-    if getattr(value, "ndim", None) == 0 and hasattr(value, "__float__"):  # an array's number
-        return float(value)
-    raise TypeError(f"{what}: must be a number, not {type(value).__name__}")
-
-
-def whole_number(value: Any, what: str) -> int:
-    if isinstance(value, numbers.Integral) and not isinstance(value, bool):
-        return int(value)
-    raise TypeError(f"{what}: must be a whole number, not {value!r}")
-
-
-def threads_of(threads: Any) -> int:
-    return whole_number(threads, "threads")
-
-
-def runs_on(threads: Any, device: Any) -> tuple[int, str]:
-    """Threads and device, as the compiled module takes them."""
-    if not isinstance(device, str):
-        raise TypeError(f"device: must be 'auto', 'cpu', 'cuda', 'cuda:N' or 'emulated', not {device!r}")
-    return threads_of(threads), device
-
-
-def triple(value: Any, what: str, *, whole: bool = False) -> tuple[Any, Any, Any]:
-    if isinstance(value, np.ndarray):
-        value = value.tolist()
-    if isinstance(value, (str, bytes)) or not isinstance(value, Iterable):
-        raise TypeError(f"{what}: must be three numbers, not {type(value).__name__}")
-    three = [(whole_number if whole else number)(v, what) for v in value]
-    if len(three) != 3:
-        raise ValueError(f"{what}: must be three numbers, one for each axis, not {len(three)}")
-    return three[0], three[1], three[2]
 
 
 def _fit(

@@ -6,7 +6,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 
-from ._files import PathLike
+from ._checks import PathLike, path_of
 
 
 class Picture:
@@ -28,7 +28,7 @@ class Picture:
 
     def save(self, path: PathLike) -> None:
         """Writes the picture as a PNG file."""
-        with open(path, "wb") as file:
+        with open(path_of(path), "wb") as file:
             file.write(self._png)
 
     def __bytes__(self) -> bytes:

@@ -10,9 +10,10 @@ import numpy as np
 
 from . import _core
 from ._arrays import Points
-from ._files import PathLike, expect_file, packed, unpacked
+from ._checks import PathLike, flag, path_of, runs_on, threads_of
+from ._files import expect_file, packed, unpacked
 from ._mesh import Mesh, as_mesh
-from ._options import Progress, Sign, SignReport, memory_text, progress_of, runs_on, sign_report, threads_of
+from ._options import Progress, Sign, SignReport, memory_text, progress_of, sign_report
 
 FEATURES = ("face", "edge 0", "edge 1", "edge 2", "vertex 0", "vertex 1", "vertex 2")
 """What ``ClosestPoints.feature`` counts: edge n runs from corner n to the next one."""
@@ -73,7 +74,7 @@ class MeshQuery:
 
     def save(self, path: PathLike, *, overwrite: bool = True) -> None:
         """Writes the query as a file, by convention with the extension ``.query``; it appears whole or not at all."""
-        self._query.save(path, overwrite)
+        self._query.save(path_of(path), flag(overwrite, "overwrite"))
 
     @property
     def mesh(self) -> Mesh:
@@ -203,5 +204,5 @@ def distance(
     else:
         sign = ("auto" if signed else None) if isinstance(signed, bool) else signed
         query = MeshQuery(mesh, sign=sign, threads=threads)
-    ask = query.closest if closest else query.distance
+    ask = query.closest if flag(closest, "closest") else query.distance
     return ask(points, threads=threads, device=device, progress=progress)

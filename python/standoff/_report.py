@@ -7,9 +7,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from . import _core
+from ._checks import number, threads_of, whole_number
 from ._field import DistanceField
 from ._mesh import as_mesh
-from ._options import Progress, number, progress_of, threads_of
+from ._options import Progress, progress_of
 
 
 @dataclass(frozen=True)
@@ -148,7 +149,12 @@ def report(
     """
     m = as_mesh(mesh)
     found = _core.report(
-        m.vertices, m.faces, number(spacing, "spacing"), most_components, most_intersections, threads_of(threads)
+        m.vertices,
+        m.faces,
+        number(spacing, "spacing"),
+        whole_number(most_components, "most_components"),
+        whole_number(most_intersections, "most_intersections"),
+        threads_of(threads),
     )
     components = tuple(
         Component(**{key: _tuples(value) for key, value in one.items()}) for one in found.pop("components")
@@ -194,5 +200,8 @@ def verify(
     if not isinstance(field, DistanceField):
         raise TypeError(f"field: must be a standoff.DistanceField, not {type(field).__name__}")
     m = as_mesh(mesh)
+    numbers = whole_number(samples, "samples"), whole_number(seed, "seed")
+    if numbers[1] < 0:
+        raise ValueError(f"seed: must be zero or more, not {seed}")
     with progress_of(progress, "verify") as report:
-        return Check(**_core.verify(field._native(), m.vertices, m.faces, samples, seed, threads_of(threads), report))
+        return Check(**_core.verify(field._native(), m.vertices, m.faces, *numbers, threads_of(threads), report))

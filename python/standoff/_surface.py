@@ -6,9 +6,10 @@ from __future__ import annotations
 from typing import Any, Literal
 
 from . import _core
+from ._checks import name, number, threads_of
 from ._field import DistanceField
 from ._mesh import Mesh, as_mesh
-from ._options import Box, Grid, Progress, Sign, grid_of, number, progress_of, sign_report, threads_of
+from ._options import Box, Grid, Progress, Sign, grid_of, progress_of, sign_report
 
 
 def surface(
@@ -40,16 +41,21 @@ def surface(
         A closed manifold, whose triangles face outwards; without triangles if nothing is inside.
     """
     if isinstance(source, DistanceField):
-        for name, value in dict(
+        for option, value in dict(
             resolution=resolution, spacing=spacing, shape=shape, grid=grid, padding=padding
         ).items():
             if value is not None:
-                raise ValueError(f"{name}: a field has its grid already; leave it out, or pass the mesh")
+                raise ValueError(f"{option}: a field has its grid already; leave it out, or pass the mesh")
         if not source.signed and not at > 0:
             raise ValueError("at: this field has no sign, so that nothing is inside; give a positive distance")
         with progress_of(progress, "surface") as report:
             vertices, faces, _ = _core.surface_of_field(
-                source._native(), number(at, "at"), number(wall, "wall"), method, threads_of(threads), report
+                source._native(),
+                number(at, "at"),
+                number(wall, "wall"),
+                name(method, "method"),
+                threads_of(threads),
+                report,
             )
         return Mesh(vertices, faces)
     found = as_mesh(source)
@@ -65,7 +71,7 @@ def surface(
             asked,
             number(at, "at"),
             number(wall, "wall"),
-            method,
+            name(method, "method"),
             threads_of(threads),
             report,
         )

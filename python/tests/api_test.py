@@ -11,6 +11,7 @@ from pathlib import Path
 import standoff as so
 
 GOLDEN = Path(__file__).with_name("api.txt")
+SPECIAL = ("__array__", "__bytes__", "__call__", "__dlpack__", "__dlpack_device__", "__len__")
 
 
 class Plain(str):
@@ -40,7 +41,7 @@ def lines():
             if dataclasses.is_dataclass(thing):
                 yield from (f"    {name}.{field.name}: {field.type}" for field in dataclasses.fields(thing))
             for member, value in sorted(vars(thing).items()):
-                if member.startswith("_") and member not in ("__call__", "__len__", "__array__", "__bytes__"):
+                if member.startswith("_") and member not in SPECIAL:
                     continue
                 if isinstance(value, (classmethod, staticmethod)):
                     yield f"    {name}.{member}{signature(value.__func__)}  # {type(value).__name__}"

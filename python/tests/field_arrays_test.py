@@ -148,6 +148,45 @@ def test_as_an_array(full, band):
                 np.array(field, dtype=dtype, copy=False)
 
 
+@pytest.mark.skipif(np.lib.NumpyVersion(np.__version__) < "2.1.0", reason="numpy knows no versions of DLPack")
+def test_dlpack_shares_a_full_field_and_copies_a_band(full, band):
+    for field in (full, band):
+        array = np.from_dlpack(field)
+        np.testing.assert_array_equal(array, field.numpy())
+        assert field.__dlpack_device__() == (1, 0)
+    assert address(np.from_dlpack(full)) == address(full.numpy())
+    assert not np.from_dlpack(full).flags.writeable
+    mine = np.from_dlpack(full, copy=True)
+    assert not np.shares_memory(mine, full.numpy())
+    assert mine.flags.writeable and np.from_dlpack(band).flags.writeable
+    with pytest.raises(BufferError, match="^copy: the values of a band"):
+        np.from_dlpack(band, copy=False)
+
+
+def test_dlpack_for_those_who_cannot_be_told_not_to_write(full):
+    class Old:
+        """A consumer of DLPack before 1.0."""
+
+        def __dlpack__(self, **_):
+            return full.__dlpack__()
+
+        def __dlpack_device__(self):
+            return full.__dlpack_device__()
+
+    array = np.from_dlpack(Old())
+    np.testing.assert_array_equal(array, full.numpy())
+    assert not np.shares_memory(array, full.numpy())
+    for refused in ({"copy": False}, {"stream": 1}, {"dl_device": (2, 0)}):
+        with pytest.raises(BufferError, match=f"^{next(iter(refused))}: "):
+            full.__dlpack__(**refused)
+
+
+def test_arrays_of_dlpack_keep_the_memory_alive():
+    array = np.from_dlpack(so.field(shapes.sphere(6), resolution=30))
+    gc.collect()
+    np.testing.assert_array_equal(array, so.field(shapes.sphere(6), resolution=30).numpy())
+
+
 def test_repr_says_size_memory_and_sign(full, band):
     assert repr(full) == "<standoff.DistanceField: 12 x 20 x 9, full, signed (winding), 8.64 kB>"
     assert f"band of {band.thickness:.4g}, signed (winding)" in repr(band)

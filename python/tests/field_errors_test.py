@@ -16,7 +16,7 @@ USAGE = [
     {"spacing": INF}, {"spacing": (0.1, 0.1, 0)}, {"spacing": (1, 2)}, {"shape": (0, 8, 8)}, {"shape": (-1, 8, 8)},
     {"shape": (8, 8)}, {"shape": ()}, {"band": 0}, {"band": -1}, {"band": NAN}, {"band": INF}, {"thickness": 0},
     {"thickness": -1}, {"thickness": NAN}, {"padding": -1}, {"padding": NAN}, {"padding": INF}, {"padding": 1e300},
-    {"threads": -1}, {"threads": 10**6}, {"device": "tpu"}, {"device": "cuda:x"}, {"device": "cuda:-1"}, {"device": ""},
+    {"threads": -1}, {"threads": 10**6}, {"threads": 2**40}, {"shape": (2**70, 8, 8)}, {"device": "tpu"}, {"device": "cuda:x"}, {"device": "cuda:-1"}, {"device": ""},
     {"method": "fast"}, {"sign": "positive"}, {"sign": so.Sign("shell")}, {"sign": so.Sign("shell", thickness=NAN)},
     {"sign": so.Sign(rule="even")}, {"memory_limit": -1}, {"resolution": 8, "spacing": 1}, {"band": 1, "thickness": 1},
     {"resolution": 8, "shape": (8, 8, 8)}, {"spacing": 1, "shape": (8, 8, 8)},
@@ -28,10 +28,10 @@ TYPE = [
     {"resolution": 8.0}, {"resolution": "8"}, {"resolution": True}, {"resolution": [8]}, {"spacing": "0.1"},
     {"spacing": True}, {"spacing": ("a", "b", "c")}, {"shape": 8}, {"shape": "888"}, {"shape": (8, 8, 8.0)},
     {"band": "3"}, {"band": [3]}, {"thickness": "3"}, {"thickness": 1j}, {"padding": "2"}, {"padding": None, "band": object()},
-    {"grid": (8, 8, 8)}, {"grid": "fit"}, {"threads": "2"}, {"threads": 1.5}, {"threads": 2**40}, {"device": None},
+    {"grid": (8, 8, 8)}, {"grid": "fit"}, {"threads": "2"}, {"threads": 1.5}, {"device": None},
     {"device": 0}, {"method": None}, {"sign": True}, {"sign": 3}, {"sign": so.Sign(3)}, {"sign": so.Sign(invert="no")},
     {"sign": so.Sign("shell", thickness=None)}, {"memory_limit": 1.5}, {"memory_limit": "1G"}, {"progress": 3},
-    {"progress": "yes"}, {"resolutoin": 8}, {"shape": (2**70, 8, 8)},
+    {"progress": "yes"}, {"resolutoin": 8},
 ]  # fmt: skip
 
 

@@ -77,6 +77,17 @@ def test_fields_with_flipped_bytes(extension, tmp_path):
         content[at] ^= bit
 
 
+@pytest.mark.parametrize("name", ["field.obj", "field", "field.unknown"])
+def test_files_of_no_format_are_no_meshes(name, tmp_path):
+    path = tmp_path / name
+    MESH.save(tmp_path / "field.obj")
+    path.touch()
+    with pytest.raises(so.InputError, match="use one of .vti") as caught:
+        so.load(path)
+    assert type(caught.value) is so.InputError
+    assert caught.value.file == str(path)
+
+
 def test_lines_and_bytes(tmp_path):
     text = tmp_path / "text.obj"
     text.write_text("v 0 0 0\nv 1 0 0\nv 0 1 x\nf 1 2 3\n")

@@ -102,6 +102,9 @@ def test_torch_tensors_in_and_out():
     bodies = so.Body(mesh), so.Body(mesh)
     for value in vars(so.collide(*bodies, torch.eye(4).expand(5, 4, 4))).values():
         assert isinstance(value, torch.Tensor) and value.shape == (5,)
+    touching = so.contacts(*bodies, torch.eye(4))
+    for name in ("point", "normal", "depth", "triangle_a", "triangle_b"):
+        assert isinstance(getattr(touching, name), torch.Tensor) and len(getattr(touching, name)) == len(touching)
     for wrong in (
         torch.zeros(2, 3, dtype=torch.bfloat16),
         torch.zeros(2, 3, dtype=torch.complex64),
@@ -116,11 +119,16 @@ def test_fields_as_tensors():
     import torch
 
     full, band = so.field(shapes.cube(), resolution=12), so.field(shapes.cube(), resolution=12, band=2)
-    assert full.to_torch().data_ptr() == full.numpy().__array_interface__["data"][0]
+    memory = full.numpy().__array_interface__["data"][0]
+    assert full.to_torch().data_ptr() == full.to_torch(copy=False).data_ptr() == memory
+    assert full.to_torch(copy=True).data_ptr() != memory
+    with pytest.raises(ValueError, match="^copy: "):
+        band.to_torch(copy=False)
     for field in (full, band, pickle.loads(pickle.dumps(full))):
         tensor = field.to_torch()
         assert tensor.dtype == torch.float32 and tuple(tensor.shape) == field.shape
         np.testing.assert_array_equal(tensor.numpy(), field.numpy())
+        np.testing.assert_array_equal(torch.from_dlpack(field).numpy(), field.numpy())
     out = torch.empty(12, 12, 12)
     so.field(shapes.cube(), shape=(12, 12, 12), out=out.numpy().T)
     np.testing.assert_array_equal(out.numpy().T, so.field(shapes.cube(), shape=(12, 12, 12)).numpy())

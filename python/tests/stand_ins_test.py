@@ -153,3 +153,7 @@ def test_array_api_answers_come_back_in_the_callers_library():
     np.testing.assert_array_equal(answers.distance.array, so.distance(CUBE, points))
     poses = Other(np.stack([np.eye(4)] * 3))
     assert isinstance(so.collide(so.Body(CUBE), so.Body(CUBE), poses).hit, Other)
+    touching = so.contacts(so.Body(CUBE), so.Body(CUBE), Other(np.eye(4)))
+    for name in ("point", "normal", "depth", "triangle_a", "triangle_b"):
+        assert isinstance(getattr(touching, name), Other), name
+    assert isinstance(so.contacts(so.Body(CUBE), so.Body(CUBE), np.eye(4)).point, np.ndarray)

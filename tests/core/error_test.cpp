@@ -70,6 +70,15 @@ TEST(ErrorDetails, TellTheBytesAndTheFileOfAField) {
   EXPECT_EQ(error.details().file, path.string());
 }
 
+TEST(ErrorDetails, TellTheFileThatIsOfNoFieldFormat) {
+  const TempFolder folder;
+  const auto path = folder / "a.obj";
+  std::ofstream(path) << "v 0 0 0\n";
+  const Error error = error_of([&] { read_field(path); });
+  EXPECT_EQ(error.code(), ErrorCode::input);
+  EXPECT_EQ(error.details().file, path.string());
+}
+
 TEST(ErrorDetails, TellFileAndLine) {
   const TempFolder folder;
   const auto path = folder / "a.obj";

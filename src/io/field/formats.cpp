@@ -33,7 +33,8 @@ const FieldFormat& format_of(const std::filesystem::path& path, ErrorCode code) 
   for (const FieldFormat& format : kFormats) known += std::string(known.empty() ? "" : ", ") + '.' + format.extension;
   throw Error(code, path.string() + ": " +
                         (extension.empty() ? "the name has no extension" : "no field format is called ." + extension) +
-                        "; use one of " + known);
+                        "; use one of " + known,
+              {.file = path.string()});
 }
 
 // ".vti or .npz": those that can carry what the caller asks for.
