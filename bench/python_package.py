@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The Python package beside Open3D, libigl, FCPW, trimesh, point-cloud-utils and Warp: fields of one mesh, and of a thousand
-files. Writes python.csv and python-many.csv; output_quotes.py makes tables of them. All runs in the Python that
-STANDOFF_PEER_PYTHON names, which has standoff and its peers installed."""
+"""The Python package beside Open3D, libigl, FCPW, trimesh, point-cloud-utils, Warp and mesh2sdf: fields of one mesh, and of
+a thousand files. Writes python.csv and python-many.csv; output_quotes.py makes tables of them. All runs in the Python
+that STANDOFF_PEER_PYTHON names, which has standoff and its peers installed."""
 
 import json
 import os
@@ -16,7 +16,7 @@ from exact_points import compare
 from harness import BENCH, machine_lines, markdown, peer_python, results_folder, write_csv
 
 UNSIGNED = ("standoff", "fcpw", "open3d", "libigl", "warp", "pcu", "trimesh")
-SIGNED = ("standoff", "open3d", "libigl", "warp", "pcu", "trimesh")
+SIGNED = ("standoff", "open3d", "libigl", "warp", "pcu", "trimesh", "mesh2sdf")
 NAMES = {"pcu": "point-cloud-utils", "fcpw": "FCPW", "open3d": "Open3D", "warp": "Warp (CPU)"}
 
 
