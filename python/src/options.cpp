@@ -50,7 +50,8 @@ SignOptions sign_of(const nb::handle& sign) {
   constexpr const char* kMethods[] = {"none", "winding", "parity", "normal", "flood", "shell", "auto"};
   constexpr const char* kRules[] = {"positive", "nonzero", "odd"};
   SignOptions options;
-  options.method = static_cast<SignMethod>(choice_of("sign", value_of<std::string>(sign, "method", "a name"), kMethods));
+  options.method =
+      static_cast<SignMethod>(choice_of("sign", value_of<std::string>(sign, "method", "a name"), kMethods));
   options.rule = static_cast<WindingRule>(choice_of("rule", value_of<std::string>(sign, "rule", "a name"), kRules));
   options.invert = value_of<bool>(sign, "invert", "True or False");
   options.strict = value_of<bool>(sign, "strict", "True or False");
