@@ -31,9 +31,10 @@ const FieldFormat& format_of(const std::filesystem::path& path, ErrorCode code) 
     if (format.extension == extension) return format;
   std::string known;
   for (const FieldFormat& format : kFormats) known += std::string(known.empty() ? "" : ", ") + '.' + format.extension;
-  throw Error(code, path.string() + ": " +
-                        (extension.empty() ? "the name has no extension" : "no field format is called ." + extension) +
-                        "; use one of " + known,
+  throw Error(code,
+              path.string() + ": " +
+                  (extension.empty() ? "the name has no extension" : "no field format is called ." + extension) +
+                  "; use one of " + known,
               {.file = path.string()});
 }
 
