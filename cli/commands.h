@@ -9,6 +9,7 @@ namespace standoff::cli {
 void add_compute(CLI::App& program);
 void add_info(CLI::App& program);
 void add_slice(CLI::App& program);
+void add_view(CLI::App& program);
 void add_verify(CLI::App& program);
 void add_generate(CLI::App& program);
 void add_convert(CLI::App& program);

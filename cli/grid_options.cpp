@@ -30,7 +30,8 @@ void GridOptions::add_without_thickness_to(CLI::App& verb) {
     return add_parsed(verb, {name, value, help, "Grid"}, set);
   };
   using S = const std::string&;
-  auto* samples = add("-r,--resolution", "N", "samples on the longest side (default 256)", [this](S o, S t) {
+  const std::string default_samples = "samples on the longest side (default " + std::to_string(samples_) + ")";
+  auto* samples = add("-r,--resolution", "N", default_samples.c_str(), [this](S o, S t) {
     samples_ = parse_count(o, t, 2, std::int64_t{1} << 40);
     samples_given_ = true;
   });

@@ -19,6 +19,9 @@ struct GridChoice {
 
 class GridOptions {
  public:
+  /// `samples`: on the longest side where nothing is said.
+  explicit GridOptions(std::int64_t samples = kDefaultSamples) : samples_(samples) {}
+
   /// Adds -r, --spacing, --size, --bounds, --padding and --thickness, and says which exclude which.
   void add_to(CLI::App& verb);
   /// The same but for --thickness, for verbs that compute no field.
@@ -37,7 +40,7 @@ class GridOptions {
   Grid around(const Box& box) const;
   Padding padding() const;
 
-  std::int64_t samples_ = kDefaultSamples;
+  std::int64_t samples_;
   bool samples_given_ = false;
   std::optional<Vec3> spacing_;
   std::optional<Size3> size_;

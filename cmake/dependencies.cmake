@@ -23,6 +23,10 @@ endif()
 if(STANDOFF_WITH_PNG AND "render" IN_LIST STANDOFF_COMPONENTS)
   standoff_optional(STANDOFF_PNG PNG PNG::PNG "no pictures (Debian: libpng-dev)")
 endif()
+if(STANDOFF_WITH_MESHOPT AND "render" IN_LIST STANDOFF_COMPONENTS)
+  standoff_optional(STANDOFF_MESHOPT meshoptimizer meshoptimizer::meshoptimizer
+                    "pages draw all triangles while the camera moves (Debian: libmeshoptimizer-dev)" CONFIG)
+endif()
 if("emulation" IN_LIST STANDOFF_COMPONENTS)
   standoff_optional(STANDOFF_BOOST_CONTEXT boost_context Boost::context
                     "the emulated GPU is slower (Debian: libboost-context-dev)" CONFIG)

@@ -20,6 +20,7 @@ option(STANDOFF_INSTALL "rules for cmake --install" ${STANDOFF_TOP_LEVEL})
 option(STANDOFF_WITH_ASSIMP "read 3DS and DAE through assimp" ON)
 option(STANDOFF_WITH_CUDA "the CUDA backend, where nvcc is found" ON)
 option(STANDOFF_WITH_PNG "write pictures through libpng" ON)
+option(STANDOFF_WITH_MESHOPT "simplify meshes of pages through meshoptimizer" ON)
 option(STANDOFF_COVERAGE "count which lines run" OFF)
 set(STANDOFF_SANITIZE "" CACHE STRING "sanitizers for everything, e.g. address;undefined or thread")
 

@@ -23,6 +23,7 @@
 #include "standoff/io.h"
 #include "standoff/mesh_report.h"
 #include "standoff/occupancy.h"
+#include "standoff/page.h"
 #include "standoff/picture.h"
 #include "standoff/points.h"
 #include "standoff/sidecars.h"
@@ -306,6 +307,20 @@ TEST(RefusedMemory, Files) {
   expect_limit_error("write_path", [&] { write_path(flight, points); });
   expect_limit_error("slice", [&] { write_slice_png(picture, field); });
   expect_limit_error("picture", [&] { write_mesh_png(picture, kMesh, {.width = 16, .height = 16}); });
+}
+
+TEST(RefusedMemory, Pages) {
+  const TempFolder folder;
+  const auto path = folder / "a.html";
+  const DistanceField field = compute(kMesh, kGrid, kFullField, on_cpu()).field;
+  const Mesh sphere = scenes::make("sphere", 300);
+  const std::vector<PageMesh> meshes{{"sphere", sphere}};
+  const std::vector<PageField> fields{{"field", &field}};
+  const PageOptions options{.proxy_triangles = 100};
+  expect_limit_error("make_page", [&] { make_page(meshes, fields, options); });
+  expect_limit_error("write_page", [&] { write_page(path, meshes, fields, options); });
+  expect_limit_error("page_data of a mesh", [&] { page_data(meshes.front(), options); });
+  expect_limit_error("page_data of a field", [&] { page_data(fields.front(), options); });
 }
 
 // Where nothing at all is left, the message too has to do without.

@@ -29,7 +29,7 @@ TEST_F(Verbs, VersionAndHelp) {
   const std::string all = done({"help"}).out;
   EXPECT_EQ(all, done({"--help"}).out);
   EXPECT_EQ(all, done({"-h"}).out);
-  for (const std::string verb : {"compute", "info", "slice", "verify", "generate", "convert", "iso", "points",
+  for (const std::string verb : {"compute", "info", "slice", "view", "verify", "generate", "convert", "iso", "points",
                                  "crossings", "voxels", "devices", "build", "collide", "distance", "sweep", "fly"}) {
     EXPECT_TRUE(holds(all, "\n  " + verb + " ")) << verb;
     const std::string help = done({"help", verb}).out;

@@ -10,7 +10,8 @@ import base64
 import sys
 from pathlib import Path
 
-from browser import browser, served
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "support"))
+from browser import browser, served  # noqa: E402
 
 WIDTHS = {"phone": (390, 844), "screen": (1280, 900)}
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import asyncio
 import functools
+import inspect
 import json
 import os
 import re
@@ -99,17 +100,17 @@ class Tab:
 
 
 @asynccontextmanager
-async def browser(home: str):
-    """A tab of a new browser, which may load what begins with `home`."""
+async def browser(home: str, *arguments: str):
+    """A tab of a new browser, started with `arguments` too, which may load what begins with `home`."""
     program = os.environ.get("CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")
     if program is None:
-        raise SystemExit("no chromium; run script/bootstrap docs")
+        raise SystemExit("no chromium; run script/bootstrap test")
     with tempfile.TemporaryDirectory(prefix="standoff-browser-", ignore_cleanup_errors=True) as profile:
         # No sandbox: root has none, and the pages are ours.
         process = await asyncio.create_subprocess_exec(
             program, "--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--no-first-run",
             "--disable-background-networking", "--disable-component-update", "--remote-debugging-port=0",
-            f"--user-data-dir={profile}", "about:blank",
+            f"--user-data-dir={profile}", *arguments, "about:blank",
             stderr=asyncio.subprocess.PIPE,
         )  # fmt: skip
         try:
@@ -121,7 +122,9 @@ async def browser(home: str):
                 if match := re.search(r"DevTools listening on (ws://\S+)", line):
                     address = match[1]
             drain = asyncio.create_task(_drain(process.stderr))
-            async with websockets.connect(address, max_size=None, proxy=None) as socket:
+            # Debian's websockets knows no proxies, and newer ones must not use any.
+            direct = {"proxy": None} if "proxy" in inspect.signature(websockets.connect).parameters else {}
+            async with websockets.connect(address, max_size=None, **direct) as socket:
                 tab = Tab(socket, "", home)
                 listening = asyncio.create_task(tab.listen())
                 target = (await tab.call("Target.createTarget", session=False, url="about:blank"))["targetId"]

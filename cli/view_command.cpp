@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+// standoff view: meshes and fields as a page for a browser.
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cli/commands.h"
+#include "cli/console.h"
+#include "cli/field_argument.h"
+#include "cli/files.h"
+#include "cli/grid_options.h"
+#include "cli/memory.h"
+#include "cli/options.h"
+#include "cli/parse.h"
+#include "cli/sign_options.h"
+#include "cli/signals.h"
+#include "cli/spinner.h"
+#include "cli/text.h"
+#include "cli/usage.h"
+#include "standoff/compute.h"
+#include "standoff/error.h"
+#include "standoff/io.h"
+#include "standoff/page.h"
+
+namespace standoff::cli {
+namespace {
+
+constexpr const char* kExamples =
+    R"(  standoff view bunny.obj -o bunny.html                the mesh and its field, computed now
+  standoff view bunny.obj bunny.vti -o bunny.html      the mesh and a field that you have
+  standoff view bunny.obj old.vti new.vti -o both.html two fields side by side, and their difference
+  standoff view scene:factory -r 256 --up z -o factory.html
+)";
+
+// Enough to look at, and small enough to attach to a mail.
+constexpr std::int64_t kSamples = 128;
+
+// Without its folders, which say nothing to whom the page is sent.
+std::string shown_name(const std::string& file) {
+  return file.starts_with("scene:") ? file.substr(6) : std::filesystem::path(file).filename().string();
+}
+
+struct Subject {
+  std::vector<std::string> mesh_names, field_names;
+  std::vector<Mesh> meshes;
+  std::vector<DistanceField> fields;
+};
+
+struct Command {
+  std::vector<std::string> files;
+  FileOutput output;
+  GridOptions grid{kSamples};
+  ComputeOptions compute_options;
+  FieldArgument field_argument;
+  PageOptions page;
+  bool bare = false;
+  Console console;
+
+  void add_to(CLI::App& verb);
+  void run();
+
+ private:
+  Subject read();
+  void compute_field(Subject& subject);
+};
+
+void Command::add_to(CLI::App& verb) {
+  verb.add_option("FILES", files,
+                  "meshes (" + extensions(mesh_formats(), false) + "),\nscene:NAME[:TRIANGLES], and fields (" +
+                      extensions(field_formats(), false) + ")")
+      ->required();
+  output.add_to(verb, "PAGE", "the page, a single .html file");
+  verb.get_option("--output")->required();
+  const auto add = [&verb](const char* name, const char* value, const char* help, auto set) {
+    return add_parsed(verb, {name, value, help, "Page"}, set);
+  };
+  using S = const std::string&;
+  add("--title", "TEXT", "the page's title (default: the names of the files)", [this](S, S t) { page.title = t; });
+  add("--up", "A", "the axis that points up: x, y or z (default)", [this](S o, S t) {
+    page.up = static_cast<Axis>(parse_choice(o, t, {"x", "y", "z"}));
+  });
+  add("--length-unit", "NAME", "what the legend calls the unit of lengths, such as mm",
+      [this](S, S t) { page.unit = t; });
+  add("--most-samples", "N", "thin out fields that have more samples (default 16777216)",
+      [this](S o, S t) { page.most_samples = parse_count(o, t, 512, std::int64_t{1} << 27); });
+  add("--most-triangles", "N", "simplify meshes that have more triangles (default 5000000)",
+      [this](S o, S t) { page.most_triangles = parse_count(o, t, 1000, 50'000'000); });
+  verb.add_flag("--bare", bare, "compute no field for a mesh that comes without one")->group("Page");
+  compute_options.sign.method = SignMethod::automatic;
+  grid.add_to(verb);
+  add_sign_to(verb, {"auto", "winding", "parity", "normal", "flood", "none"},
+              "how inside is decided: auto (default), winding, parity,\nnormal, flood or none, as in standoff compute",
+              compute_options.sign);
+  verb.add_flag("--nearest", compute_options.nearest_triangle, "keep which triangle is nearest to each sample")
+      ->group("Sign");
+  add_device(verb, "Work", compute_options.execution.backend, compute_options.execution.device);
+  add_threads(verb, "Work", compute_options.execution.threads);
+  field_argument.add_to(verb, "each field");
+  console.add_to(verb, Console::kMessages | Console::kJson | Console::kProgress);
+}
+
+Subject Command::read() {
+  Subject subject;
+  for (const std::string& name : files) {
+    if (kind_of(name) == FileKind::field) {
+      subject.fields.push_back(field_argument.read(name, console));
+      subject.field_names.push_back(shown_name(name));
+      continue;
+    }
+    MeshInput input;
+    input.set_name(name);
+    subject.meshes.push_back(with_spinner(console, "reading " + name, [&] { return input.read(); }));
+    subject.mesh_names.push_back(shown_name(name));
+    console.say(mesh_line(name, subject.meshes.back()));
+  }
+  return subject;
+}
+
+// Around all meshes, of the first: more would be drawn over each other.
+void Command::compute_field(Subject& subject) {
+  const Mesh& mesh = subject.meshes.front();
+  validate(mesh);
+  const Box box = bounds(mesh);
+  if (const double far = std::max(max_norm(box.min), max_norm(box.max)); far > kMaxCoordinate)
+    throw Error(ErrorCode::input, files.front() + ": a coordinate of " + number(far) +
+                                      ", too far out for a grid; repair the mesh, or show it alone with --bare");
+  const GridChoice choice = grid.choose(box);
+  compute_options.memory_limit = field_argument.memory_limit();
+  ComputeResult computed = [&] {
+    const Cancellable cancellable;
+    compute_options.progress = console.progress();
+    return compute(mesh, choice.grid, choice.thickness, compute_options);
+  }();
+  compute_options.progress = nullptr;  // and the bar with it
+  if (interrupted()) throw Error(ErrorCode::interrupted, "interrupted");
+  console.say("field: " + size_text(choice.grid.size) + " samples, " +
+              (computed.report.sign.method == SignMethod::none ? "no sign" : computed.report.sign.why));
+  subject.fields.push_back(std::move(computed.field));
+  subject.field_names.push_back("field of " + subject.mesh_names.front());
+}
+
+void Command::run() {
+  for (const std::string& name : files) check_input(name);
+  output.check({{"html", "a page", false, true}});
+  for (const std::string& name : files) output.check_differs(name);
+  Subject subject = read();
+  if (subject.fields.empty() && !bare) {
+    if (page.title.empty()) page.title = subject.mesh_names.front();
+    compute_field(subject);
+  }
+
+  std::vector<PageMesh> meshes;
+  for (std::size_t n = 0; n < subject.meshes.size(); ++n) meshes.push_back({subject.mesh_names[n], subject.meshes[n]});
+  std::vector<PageField> fields;
+  for (std::size_t n = 0; n < subject.fields.size(); ++n)
+    fields.push_back({subject.field_names[n], &subject.fields[n]});
+  std::vector<PageItem> held;
+  with_spinner(console, "writing " + output.path().string(),
+               [&] { write_page(output.path(), meshes, fields, page, &held, output.existing()); });
+  const Json written = json_output(output.path());
+  console.say(output.path().string() + ": " + bytes_text(written["bytes"].get<std::int64_t>()));
+  if (!console.json()) return;
+  Json json = json_answer("view");
+  json["holds"] = Json::array();
+  for (const PageItem& item : held) {
+    Json one = {{"name", item.name}, {"bytes", item.bytes}, {"error", json_number(item.error)}};
+    if (item.every > 0)
+      one["every"] = item.every;
+    else
+      one.update({{"triangles", item.triangles}, {"proxy_triangles", item.proxy_triangles}});
+    json["holds"].push_back(one);
+  }
+  json["output"] = written;
+  print(json, output.path());
+}
+
+}  // namespace
+
+void add_view(CLI::App& program) {
+  auto* verb = add_verb(program, "view", "show meshes and fields in a browser", kExamples);
+  const auto command = std::make_shared<Command>();
+  command->add_to(*verb);
+  verb->callback([command] { command->run(); });
+}
+
+}  // namespace standoff::cli

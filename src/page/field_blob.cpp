@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "page/field_blob.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/number_text.h"
+#include "page/blob.h"
+#include "page/byte_code.h"
+#include "page/json_text.h"
+#include "standoff/error.h"
+
+namespace standoff::page {
+namespace {
+
+constexpr int kSide = DistanceField::kTileSide;
+constexpr int kSamples = DistanceField::kTileSamples;
+
+// Of a spacing: far below what interpolation between samples is off by. Finer steps make larger pages.
+constexpr double kStepsPerSpacing = 128;
+// Where all values are small beside the spacing, they still have so many steps.
+constexpr double kLeastSteps = 2048;
+
+double step_for(const Grid& grid, double greatest) {
+  if (!(greatest > 0)) return 1;
+  const double step =
+      std::max(greatest / kMostCode, std::min(grid.max_spacing() / kStepsPerSpacing, greatest / kLeastSteps));
+  return step > 0 ? step : 1;
+}
+
+// The page's texture has a texel for every sample of its grid, and so many per side at the most.
+constexpr std::int64_t kMostPerSide = 2048;
+
+// Every how many-th sample is left.
+std::int64_t thinning(const Size3& size, std::int64_t most) {
+  std::int64_t every = (std::max({size.x, size.y, size.z}) - 1) / kMostPerSide + 1;
+  const auto left = [&](std::int64_t n) { return (n - 1) / every + 1; };
+  while (Size3{left(size.x), left(size.y), left(size.z)}.count() > most) ++every;
+  return every;
+}
+
+class Coder {
+ public:
+  Coder(const DistanceField& field, const CodedField& to) : field_(field), to_(to) {}
+
+  std::int32_t code(float value) const {
+    if (std::isnan(value)) return kNoNumberCode;
+    if (std::isinf(value)) return value > 0 ? kInfiniteCode : -kInfiniteCode;
+    if (to_.clamped == 0) return static_cast<std::int32_t>(std::lround(value / to_.step));
+    const std::int32_t sign = std::signbit(value) ? -1 : 1;
+    const double magnitude = std::abs(static_cast<double>(value));
+    if (magnitude >= static_cast<double>(static_cast<float>(field_.thickness()))) return sign * to_.clamped;
+    return sign * std::min(static_cast<std::int32_t>(std::lround(magnitude / to_.step)), to_.clamped - 1);
+  }
+
+ private:
+  const DistanceField& field_;
+  const CodedField& to_;
+};
+
+// Corner sums over the cube before a sample: what trilinear numbers have is predicted exactly.
+std::int32_t predicted(const std::int32_t* codes, int i, int j, int k) {
+  const auto at = [&](int di, int dj, int dk) { return codes[(i - di) + kSide * ((j - dj) + kSide * (k - dk))]; };
+  const int known = (i > 0) + 2 * (j > 0) + 4 * (k > 0);
+  switch (known) {
+    case 0:
+      return 0;
+    case 1:
+      return i > 1 ? 2 * at(1, 0, 0) - at(2, 0, 0) : at(1, 0, 0);
+    case 2:
+      return j > 1 ? 2 * at(0, 1, 0) - at(0, 2, 0) : at(0, 1, 0);
+    case 4:
+      return k > 1 ? 2 * at(0, 0, 1) - at(0, 0, 2) : at(0, 0, 1);
+    case 3:
+      return at(1, 0, 0) + at(0, 1, 0) - at(1, 1, 0);
+    case 5:
+      return at(1, 0, 0) + at(0, 0, 1) - at(1, 0, 1);
+    case 6:
+      return at(0, 1, 0) + at(0, 0, 1) - at(0, 1, 1);
+    default:
+      return at(1, 0, 0) + at(0, 1, 0) + at(0, 0, 1) - at(1, 1, 0) - at(1, 0, 1) - at(0, 1, 1) + at(1, 1, 1);
+  }
+}
+
+std::string coded_values(const CodedField& field) {
+  std::vector<std::uint32_t> rest(field.codes.size());
+  std::int32_t first = 0;  // of the tile before
+  for (std::size_t tile = 0; tile < field.codes.size(); tile += kSamples) {
+    const std::int32_t* codes = &field.codes[tile];
+    for (int k = 0, n = 0; k < kSide; ++k)
+      for (int j = 0; j < kSide; ++j)
+        for (int i = 0; i < kSide; ++i, ++n)
+          rest[tile + static_cast<std::size_t>(n)] = zigzag(codes[n] - (n == 0 ? first : predicted(codes, i, j, k)));
+    first = codes[0];
+  }
+  std::string bytes;
+  put_planes(bytes, rest, 3);  // sums of seven 16-bit numbers
+  return bytes;
+}
+
+std::string coded_nearest(const CodedField& field) {
+  std::string bytes;
+  std::uint32_t last = 0;
+  for (const std::uint32_t triangle : field.nearest) {
+    put_varint(bytes, zigzag(static_cast<std::int32_t>(triangle - last)));
+    last = triangle;
+  }
+  return bytes;
+}
+
+}  // namespace
+
+CodedField coded_field(const DistanceField& field, const PageOptions& options) {
+  CodedField made;
+  made.every = thinning(field.grid().size, options.most_samples);
+  const Grid& whole = field.grid();
+  const std::int64_t every = made.every;
+  const auto left = [every](std::int64_t n) { return (n - 1) / every + 1; };
+  made.grid = {
+      {left(whole.size.x), left(whole.size.y), left(whole.size.z)}, whole.origin, whole.spacing * double(every)};
+
+  // Of all samples, which a thinned field may not hold all.
+  if (std::isfinite(field.thickness()) || field.stored_tiles() == 0) made.max = field.thickness();
+  double greatest = std::isfinite(field.thickness()) ? field.thickness() : 0;
+  for (const float value : field.tile_values()) {
+    if (std::isnan(value)) continue;
+    made.min = std::min(made.min, double{value});
+    made.max = std::max(made.max, double{value});
+    if (std::isfinite(value)) greatest = std::max(greatest, std::abs(double{value}));
+  }
+  if (std::ranges::count(field.slots(), DistanceField::kInside) > 0) made.min = -field.thickness();
+  made.min = std::min(made.min, made.max);
+  made.step = step_for(made.grid, greatest);
+  if (std::isfinite(field.thickness()))
+    made.clamped =
+        static_cast<std::int32_t>(std::clamp(std::lround(field.thickness() / made.step), 1L, long{kMostCode}));
+  const Coder coder(field, made);
+
+  const Size3 tiles = DistanceField::tiles_of(made.grid.size);
+  std::array<std::int32_t, kSamples> codes{};
+  std::array<std::uint32_t, kSamples> nearest{};
+  for (std::int64_t tz = 0; tz < tiles.z; ++tz)
+    for (std::int64_t ty = 0; ty < tiles.y; ++ty)
+      for (std::int64_t tx = 0; tx < tiles.x; ++tx) {
+        if (every == 1 && !field.tile(tx, ty, tz)) {
+          made.tiles += static_cast<char>(field.background(tx, ty, tz) < 0);
+          continue;
+        }
+        const std::int32_t inside = -made.clamped;
+        bool outside_all = made.clamped != 0, inside_all = made.clamped != 0;
+        std::int32_t last = 0;
+        std::uint32_t last_nearest = kNoTriangle;
+        for (int k = 0, n = 0; k < kSide; ++k)
+          for (int j = 0; j < kSide; ++j)
+            for (int i = 0; i < kSide; ++i, ++n) {
+              const std::int64_t x = kSide * tx + i, y = kSide * ty + j, z = kSide * tz + k;
+              if (x < made.grid.size.x && y < made.grid.size.y && z < made.grid.size.z) {
+                last = coder.code(field.value(x * every, y * every, z * every));
+                if (field.has_nearest()) last_nearest = field.nearest(x * every, y * every, z * every);
+                outside_all = outside_all && last == made.clamped;
+                inside_all = inside_all && last == inside;
+              }
+              codes[static_cast<std::size_t>(n)] = last;  // beyond the grid: what costs no bits
+              nearest[static_cast<std::size_t>(n)] = last_nearest;
+            }
+        made.tiles += static_cast<char>(outside_all ? 0 : inside_all ? 1 : 2);
+        if (outside_all || inside_all) continue;
+        ++made.stored;
+        made.codes.insert(made.codes.end(), codes.begin(), codes.end());
+        if (field.has_nearest()) made.nearest.insert(made.nearest.end(), nearest.begin(), nearest.end());
+      }
+  return made;
+}
+
+std::string field_blob(const PageField& field, const PageOptions& options, PageItem* held) {
+  if (!field.field) throw Error(ErrorCode::usage, "make_page: field '" + field.name + "' is null; give a field");
+  const DistanceField& given = *field.field;
+  const CodedField made = coded_field(given, options);
+  const Provenance& from = given.provenance();
+  JsonObject header;
+  header.add("kind", "\"field\"")
+      .add("name", json_string(field.name))
+      .add("size", json_triple(made.grid.size))
+      .add("origin", json_triple(made.grid.origin))
+      .add("spacing", json_triple(made.grid.spacing))
+      .add("given", json_triple(given.grid().size))
+      .add("every", json_number(made.every))
+      .add("step", json_number(made.step))
+      .add("clamped", json_number(std::int64_t{made.clamped}))
+      .add("thickness", json_number(given.thickness()))
+      .add("min", json_number(made.min))
+      .add("max", json_number(made.max))
+      .add("signed", json_bool(!from.sign.empty() || made.min < 0))
+      .add("method", json_string(from.method))
+      .add("sign", json_string(from.sign))
+      .add("version", json_string(from.version))
+      .add("mesh_hash", from.mesh_hash == 0 ? "null" : json_string(hash_text(from.mesh_hash)))
+      .add("stored", json_number(made.stored))
+      .add("nearest", json_bool(given.has_nearest()));
+  std::string bytes =
+      packed_blob(header, {{"tiles", made.tiles}, {"values", coded_values(made)}, {"nearest", coded_nearest(made)}},
+                  options.compression);
+  if (held)
+    *held = {.name = field.name,
+             .bytes = static_cast<std::int64_t>(bytes.size()),
+             .every = made.every,
+             // Values just below the thickness are a step lower, so that none of them counts as clamped.
+             .error = made.step * (made.clamped == 0 ? 0.500001 : 1.500001)};
+  return bytes;
+}
+
+}  // namespace standoff::page

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the program packs (src/page/blob.cpp, byte_code.h): a header, and sections of bytes.
+
+/// The bytes that a text stands for (RFC 4648).
+export function fromBase64(text) {
+  if (Uint8Array.fromBase64) return Uint8Array.fromBase64(text);
+  const raw = atob(text), bytes = new Uint8Array(raw.length);
+  for (let n = 0; n < raw.length; ++n) bytes[n] = raw.charCodeAt(n);
+  return bytes;
+}
+
+/// The header of a packed mesh or field, with a function that gives the bytes of a section.
+export async function unpacked(packed) {
+  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream('deflate'));
+  const bytes = new Uint8Array(await new Response(stream).arrayBuffer());
+  if (String.fromCharCode(...bytes.subarray(0, 4)) !== 'SOPG') throw new Error('this is no data of a standoff page');
+  const headerBytes = new DataView(bytes.buffer).getUint32(4, true);
+  const header = JSON.parse(new TextDecoder().decode(bytes.subarray(8, 8 + headerBytes)));
+  let at = 8 + headerBytes;
+  const sections = new Map();
+  for (const [name, size] of header.sections) {
+    sections.set(name, bytes.subarray(at, at + size));
+    at += size;
+  }
+  return {header, section: name => sections.get(name)};
+}
+
+/// Numbers out of planes of bytes, the lowest bytes first: at most four planes.
+export function fromPlanes(bytes, count, planes) {
+  const numbers = new Uint32Array(count);
+  for (let plane = 0; plane < planes; ++plane) {
+    const from = plane * count, shift = 8 * plane;
+    for (let n = 0; n < count; ++n) numbers[n] |= bytes[from + n] << shift;
+  }
+  return numbers;
+}
+
+/// 0, 1, 2, 3 .. as 0, -1, 1, -2 ..
+export const fromZigzag = n => (n >>> 1) ^ -(n & 1);
+
+/// Numbers of seven bits a byte.
+export function fromVarints(bytes, count) {
+  const numbers = new Uint32Array(count);
+  for (let n = 0, at = 0; n < count; ++n) {
+    let value = 0, shift = 0, byte;
+    do {
+      byte = bytes[at++];
+      value |= (byte & 127) << shift;
+      shift += 7;
+    } while (byte & 128);
+    numbers[n] = value;
+  }
+  return numbers;
+}

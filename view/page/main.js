@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// Starts the page.
+import {sources} from './embedded.js';
+import {Viewer} from './viewer.js';
+
+async function main() {
+  const config = JSON.parse(document.getElementById('config').textContent);
+  document.title = config.title;
+  document.getElementById('names').textContent = config.title;
+  try {
+    const viewer = globalThis.viewer = new Viewer(config);
+    await sources[config.source](viewer, config);
+    document.body.classList.add('ready');
+    await viewer.settled();
+    document.body.classList.add('settled');
+  } catch (error) {
+    const told = document.getElementById('failure');
+    told.hidden = false;
+    told.textContent = error.message;
+    throw error;
+  }
+}
+main();

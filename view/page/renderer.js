@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: Apache-2.0
+// When and how finely the picture is drawn: quickly while something moves; at rest the whole, smoothed over several
+// passes that are offset by parts of a pixel.
+import {makeArray, makeProgram} from './gl.js';
+
+const kRest = 160;            // milliseconds without a change after which the picture is at rest
+const kQuick = 45, kIdle = 14;  // a moving frame that takes longer is drawn more coarsely, a shorter one more finely
+const kPasses = 10;
+const kSmoothing = 1500;      // milliseconds that smoothing may take
+
+const kCover = 'out vec2 uv; void main() { uv = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0; gl_Position = vec4(uv * 2.0 - 1.0, 0.0, 1.0); }';
+const kCopy = 'in vec2 uv; uniform sampler2D picture; uniform float share; out vec4 pixel; void main() { pixel = texture(picture, uv) * share; }';
+
+export class Renderer {
+  /// `drawViews(size, jitter, pass)` draws all views into the bound framebuffer; `pieces()` says in how many pieces the
+  /// whole is drawn; `afterFrame()` places what lies over the picture.
+  constructor(gl, drawViews, pieces, afterFrame) {
+    Object.assign(this, {gl, drawViews, pieces, afterFrame});
+    this.smooths = Boolean(gl.getExtension('EXT_color_buffer_float'));
+    this.copy = makeProgram(gl, kCover, kCopy);
+    this.cover = makeArray(gl, []);
+    this.coarse = 1;
+    this.changed = 0;
+    this.state = 'idle';  // 'moving', 'waiting', 'resting', 'idle'
+    this.frames = [];
+    this.waiting = [];
+    this.tick = this.tick.bind(this);
+  }
+
+  /// Something changed: draw again.
+  request() {
+    this.changed = performance.now();
+    if (this.state === 'idle') requestAnimationFrame(this.tick);
+    this.state = 'moving';
+    this.fresh = true;
+  }
+
+  /// Once the picture is whole and nothing is left to do.
+  settled() {
+    return this.state === 'idle' ? Promise.resolve() : new Promise(done => this.waiting.push(done));
+  }
+
+  tick() {
+    if (this.fence && this.gl.clientWaitSync(this.fence, this.gl.SYNC_FLUSH_COMMANDS_BIT, 0) === this.gl.TIMEOUT_EXPIRED)
+      return requestAnimationFrame(this.tick);
+    const now = performance.now();
+    if (this.fence) this.measured(now);
+    if (this.fresh) {
+      this.fresh = false;
+      this.moving(now);
+    } else if (this.state === 'moving' && now - this.changed > kRest) {
+      this.state = 'resting';
+      this.pass = this.piece = 0;
+      this.passes = this.smooths ? kPasses : 1;
+      this.resting(now);
+    } else if (this.state === 'resting') {
+      this.resting(now);
+    }
+    if (this.state !== 'idle') return requestAnimationFrame(this.tick);
+    for (const done of this.waiting.splice(0)) done();
+  }
+
+  measured(now) {
+    this.gl.deleteSync(this.fence);
+    this.fence = null;
+    const took = now - this.began;
+    if (this.kind === 'moving') {
+      this.frames.push(took);
+      if (this.frames.length > 30) this.frames.shift();
+      if (took > kQuick) this.coarse = Math.max(0.4, this.coarse * 0.8);
+      else if (took < kIdle) this.coarse = Math.min(1, this.coarse * 1.1);
+    } else {
+      this.passTook += took;
+    }
+  }
+
+  begin(now, kind) {
+    this.began = now;
+    this.kind = kind;
+  }
+  end() {
+    this.fence = this.gl.fenceSync(this.gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    this.gl.flush();
+  }
+
+  fit() {
+    const {canvas} = this.gl, ratio = Math.min(devicePixelRatio || 1, 2);
+    const width = Math.max(1, Math.round(canvas.clientWidth * ratio)), height = Math.max(1, Math.round(canvas.clientHeight * ratio));
+    if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
+  }
+
+  moving(now) {
+    const {gl} = this;
+    this.begin(now, 'moving');
+    this.fit();
+    const size = [gl.canvas.width, gl.canvas.height].map(v => Math.max(1, Math.round(v * this.coarse)));
+    const target = this.target('quick', size, gl.RGBA8);
+    this.clear(target);
+    this.drawViews(size, [0, 0], {moving: true, piece: 0, last: true});
+    this.present(target, 1);
+    this.afterFrame();
+    this.end();
+  }
+
+  // One piece of one pass of the picture at rest.
+  resting(now) {
+    const {gl} = this, size = [gl.canvas.width, gl.canvas.height];
+    this.begin(now, 'resting');
+    const target = this.target('quick', size, gl.RGBA8), pieces = this.pieces();
+    if (this.piece === 0) {
+      if (this.pass === 1) this.passes = Math.min(this.passes, Math.ceil(kSmoothing / Math.max(1, this.passTook)));
+      if (this.pass >= this.passes) return this.state = 'idle';
+      this.passTook = 0;
+      this.clear(target);
+    } else {
+      gl.bindFramebuffer(gl.FRAMEBUFFER, target.framebuffer);
+    }
+    // Halton's points: any number of them is spread evenly.
+    const jitter = this.pass === 0 ? [0, 0] : size.map((v, k) => (2 * halton(this.pass, 2 + k) - 1) / v);
+    this.drawViews(size, jitter, {moving: false, piece: this.piece, last: this.piece === pieces - 1});
+    if (++this.piece < pieces) return this.end();
+    this.piece = 0;
+    if (this.smooths) {
+      const sum = this.target('sum', size, gl.RGBA16F);
+      gl.bindFramebuffer(gl.FRAMEBUFFER, sum.framebuffer);
+      gl.viewport(0, 0, ...size);
+      gl.disable(gl.DEPTH_TEST);
+      if (this.pass > 0) {
+        gl.enable(gl.BLEND);
+        gl.blendFunc(gl.ONE, gl.ONE);
+      }
+      this.cast(target, 1);
+      gl.disable(gl.BLEND);
+      this.present(sum, 1 / (this.pass + 1));
+    } else {
+      this.present(target, 1);
+    }
+    this.afterFrame();
+    this.end();
+    ++this.pass;
+  }
+
+  /// What is on the screen once more: a browser forgets it when it has been shown.
+  showAgain() {
+    if (this.smooths && this.sum) this.present(this.sum, 1 / this.pass);
+    else this.present(this.quick, 1);
+  }
+
+  clear(target) {
+    const {gl} = this;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, target.framebuffer);
+    gl.viewport(0, 0, ...target.size);
+    gl.disable(gl.SCISSOR_TEST);
+    gl.clearColor(0, 0, 0, 0);
+    gl.depthMask(true);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    gl.enable(gl.DEPTH_TEST);
+    gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+  }
+
+  present(target, share) {
+    const {gl} = this;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    gl.viewport(0, 0, gl.canvas.width, gl.canvas.height);
+    gl.disable(gl.DEPTH_TEST);
+    gl.disable(gl.SCISSOR_TEST);
+    this.cast(target, share);
+  }
+  cast(target, share) {
+    this.gl.bindVertexArray(this.cover);
+    this.copy.use({picture: target.texture, share});
+    this.gl.drawArrays(this.gl.TRIANGLES, 0, 3);
+    this.gl.bindVertexArray(null);
+  }
+
+  target(name, size, format) {
+    const {gl} = this, old = this[name];
+    if (old && old.size[0] === size[0] && old.size[1] === size[1]) return old;
+    if (old) {
+      gl.deleteTexture(old.texture);
+      gl.deleteFramebuffer(old.framebuffer);
+      gl.deleteRenderbuffer(old.depth);
+    }
+    const texture = gl.createTexture(), framebuffer = gl.createFramebuffer(), depth = gl.createRenderbuffer();
+    gl.activeTexture(gl.TEXTURE0);
+    gl.bindTexture(gl.TEXTURE_2D, texture);
+    gl.texStorage2D(gl.TEXTURE_2D, 1, format, ...size);
+    for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, filter, gl.LINEAR);
+    for (const wrap of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, wrap, gl.CLAMP_TO_EDGE);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
+    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, texture, 0);
+    gl.bindRenderbuffer(gl.RENDERBUFFER, depth);
+    gl.renderbufferStorage(gl.RENDERBUFFER, gl.DEPTH_COMPONENT24, ...size);
+    gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, depth);
+    return this[name] = {texture, framebuffer, depth, size};
+  }
+}
+
+function halton(n, base) {
+  let value = 0;
+  for (let share = 1 / base; n > 0; n = Math.floor(n / base), share /= base) value += share * (n % base);
+  return value;
+}

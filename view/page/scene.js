@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+// What there is to see, and how a view of it is drawn.
+import {colorsOf, colorTexture} from './colors.js';
+import {denseTexture, textureOf3D} from './field_texture.js';
+import {LineLayer, edgesOfBox} from './line_layer.js';
+import {MeshLayer} from './mesh_layer.js';
+import {SliceLayer} from './slice_layer.js';
+import {emptyBox, joined, length, middle, normalized, add, scaled} from './vec.js';
+
+const kHuge = 1e29;
+
+export class Scene {
+  constructor(gl, config, look) {
+    this.gl = gl;
+    this.look = look;
+    this.meshes = new Map();
+    this.fields = new Map();
+    this.textures = new Map();
+    this.bodies = new Map();  // of a mesh: where it stands, several times perhaps; none: once, as it is
+    this.meshLayer = new MeshLayer(gl);
+    this.sliceLayer = new SliceLayer(gl);
+    this.lineLayer = new LineLayer(gl);
+    this.extras = [];  // layers of others: draw(frame)
+    this.colors = Object.fromEntries(Object.entries(config.colormaps).map(
+      ([name, text]) => [name, colorTexture(gl, colorsOf(text, 256))]));
+    this.nothing = textureOf3D(gl, [1, 1, 1], new Uint16Array(1), [gl.R16F, gl.RED, gl.HALF_FLOAT], gl.LINEAR);
+    this.place();
+  }
+
+  setMesh(id, data) {
+    this.meshLayer.set(id, data);
+    if (data) this.meshes.set(id, data); else this.meshes.delete(id);
+    this.place();
+  }
+
+  setField(id, data) {
+    const old = this.textures.get(id);
+    if (old) this.gl.deleteTexture(old.texture);
+    this.textures.delete(id);
+    if (data) {
+      this.fields.set(id, data);
+      this.textures.set(id, denseTexture(this.gl, data));
+    } else {
+      this.fields.delete(id);
+    }
+    this.place();
+  }
+
+  // Scene units: whatever the world's, the middle is 0 and the longest side 2, which floats like.
+  place() {
+    const meshes = [...this.meshes.values()].map(m => m.box), fields = [...this.fields.values()].map(f => f.box);
+    this.worldBox = [...meshes, ...fields].reduce(joined, emptyBox());
+    if (meshes.length + fields.length === 0) this.worldBox = [[-1, -1, -1], [1, 1, 1]];
+    this.center = middle(this.worldBox);
+    const side = Math.max(...this.worldBox[0].map((v, k) => this.worldBox[1][k] - v));
+    this.scale = side > 0 ? 2 / side : 1;
+    const subject = meshes.length ? meshes.reduce(joined, emptyBox()) : this.worldBox;
+    this.subject = subject.map(p => this.toScene(p));
+    this.box = this.worldBox.map(p => this.toScene(p));
+    this.radius = Math.max(0.01, length(this.box[1]));
+  }
+  toScene(p) { return p.map((v, k) => (v - this.center[k]) * this.scale); }
+  toWorld(p) { return p.map((v, k) => v / this.scale + this.center[k]); }
+
+  field(n) { return [...this.fields.values()][n] ?? null; }
+
+  /// The box that slices and the field's outline are in: world units.
+  get sliceBox() { return this.field(0)?.box ?? this.worldBox; }
+
+  fieldUniforms(fields) {
+    const values = {};
+    ['A', 'B'].forEach((letter, n) => {
+      const field = fields[n] ?? fields[0], gpu = field && this.textures.get([...this.fields].find(([, f]) => f === field)[0]);
+      Object.assign(values, {
+        [`field${letter}`]: gpu?.texture ?? this.nothing,
+        [`origin${letter}`]: field ? this.toScene(field.origin) : [0, 0, 0],
+        [`spacing${letter}`]: field ? field.spacing.map(v => v * this.scale) : [1, 1, 1],
+        [`size${letter}`]: field?.size ?? [1, 1, 1],
+        [`unit${letter}`]: gpu ? gpu.unit * this.scale : 1,
+        [`band${letter}`]: field?.clamped ? (field.clamped - 0.5) * field.step * this.scale : kHuge,
+      });
+    });
+    return values;
+  }
+
+  /// Draws one view. `view`: {matrix, camera, fields, difference, range, colormap}; `pass`: {moving, piece}.
+  draw(view, pass) {
+    const {look} = this, {camera} = view, {right, upward, back} = camera.axes();
+    const cut = [0, 0, 0], cutAt = [0, 0, 0], eye = camera.eye();
+    const planes = [];
+    look.slices.forEach((slice, axis) => {
+      if (!slice.shown || view.fields.length === 0) return;
+      const where = this.slicePosition(axis);
+      planes.push({axis, where, color: look.axisColors[axis]});
+      cut[axis] = look.mesh.cut ? (eye[axis] >= where ? 1 : -1) : 0;
+      cutAt[axis] = where;
+    });
+    const frame = {
+      moving: pass.moving, scale: this.scale, toScene: p => this.toScene(p), matrix: view.matrix,
+      uniforms: {
+        camera: view.matrix, eye, parallel: camera.parallel, towardsEye: back,
+        keyLight: normalized(add(add(scaled(back, 0.75), scaled(upward, 0.55)), scaled(right, 0.38))),
+        ...this.fieldUniforms(view.fields), showing: view.fields.length === 0 ? 0 : view.difference ? 2 : 1,
+        colors: this.colors[view.colormap], range: view.range.map(v => v * this.scale), beyond: look.beyond,
+        cutSide: cut, cutAt,
+      },
+    };
+    const solid = look.mesh.opacity >= 1;
+    const meshes = () => {
+      if (!look.mesh.shown) return;
+      for (const id of this.meshes.keys())
+        if (pass.piece < this.meshLayer.pieces(id))
+          this.meshLayer.draw(id, frame, {...look.mesh, occluded: look.mesh.occluded && view.fields.length > 0},
+            this.bodies.get(id), pass.piece);
+    };
+    if (solid) meshes();
+    if (pass.last) {
+      if (planes.length)
+        this.sliceLayer.draw(frame, this.sliceBox.map(p => this.toScene(p)), planes,
+          {contourStep: look.contours ? view.contourStep * this.scale : 0, zeroLine: view.zeroLine});
+      for (const extra of this.extras) extra.draw(frame, view);
+      this.lineLayer.draw(frame);
+    }
+    if (!solid) meshes();
+  }
+
+  /// Where a slice is, in scene units and in the world's.
+  slicePosition(axis) { return this.toScene([0, 1, 2].map(() => this.sliceWhere(axis)))[axis]; }
+  sliceWhere(axis) {
+    const [least, greatest] = this.sliceBox;
+    return least[axis] + (greatest[axis] - least[axis]) * this.look.slices[axis].at;
+  }
+
+  outline(color) {
+    this.lineLayer.set('outline', color && this.fields.size ? edgesOfBox(this.sliceBox.map(p => this.toScene(p))) : null, color);
+  }
+}

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which fields are shown side by side, and in which colours.
+import {niceStep} from './colors.js';
+
+const kComparisons = {first: [[0]], second: [[1]], both: [[0], [1]], all: [[0], [1], [0, 1]], difference: [[0, 1]]};
+
+/// The views of a comparison: {fields, difference, label, range, colormap, contourStep, zeroLine, banded, rect}; a rect
+/// is in parts of the picture, from its lower left. `look`: {comparison, colormap, rangeShare, contours}.
+export function viewsOf(scene, look, wide) {
+  const wanted = scene.fields.size < 2 ? [scene.fields.size ? [0] : []] : kComparisons[look.comparison];
+  return wanted.map((numbers, n) => {
+    const fields = numbers.map(k => scene.field(k)), difference = fields.length === 2;
+    const share = 1 / wanted.length;
+    const view = {
+      fields, difference, banded: fields.some(f => f.clamped > 0),
+      label: wanted.length < 2 ? '' : difference ? `${fields[0].name} − ${fields[1].name}` : fields[0].name,
+      rect: wide ? [n * share, 0, share, 1] : [0, 1 - (n + 1) * share, 1, share],
+    };
+    const [least, greatest] = difference ? differenceRange(scene, ...fields) : fields.length ? rangeOf(scene, fields[0], numbers[0]) : [0, 1];
+    const diverging = difference || (fields.length > 0 && fields[0].signed);
+    view.colormap = look.colormap === 'auto' || difference ? (diverging ? 'diverging' : 'viridis') : look.colormap;
+    const most = Math.max(Math.abs(least), Math.abs(greatest)) * look.rangeShare || 1e-30;
+    view.range = diverging ? [-most, most] : [least, least + (greatest - least) * look.rangeShare || 1];
+    view.zeroLine = diverging;
+    view.contourStep = look.contours ? niceStep(view.range[1] - view.range[0], 24) : 0;
+    return view;
+  });
+}
+
+// Of both fields where there are two: the same colour is then the same value.
+function rangeOf(scene, field) {
+  const fields = scene.fields.size === 2 ? [...scene.fields.values()] : [field];
+  return [Math.min(...fields.map(f => f.range[0])), Math.max(...fields.map(f => f.range[1]))];
+}
+
+const known = new WeakMap();
+// The greatest difference at some thousand samples of the first field that both know.
+function differenceRange(scene, a, b) {
+  if (known.get(a)?.other === b) return known.get(a).range;
+  let most = 0;
+  const steps = a.size.map(n => Math.max(1, Math.floor(n / 24)));
+  for (let k = 0; k < a.size[2]; k += steps[2])
+    for (let j = 0; j < a.size[1]; j += steps[1])
+      for (let i = 0; i < a.size[0]; i += steps[0]) {
+        const there = b.at([i, j, k].map((v, axis) => a.origin[axis] + v * a.spacing[axis]));
+        if (!there || there.clamped || a.isClamped(i, j, k)) continue;
+        const difference = Math.abs(a.value(i, j, k) - there.value);
+        if (Number.isFinite(difference)) most = Math.max(most, difference);
+      }
+  const range = [-most || -a.step, most || a.step];
+  known.set(a, {other: b, range});
+  return range;
+}
