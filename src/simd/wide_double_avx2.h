@@ -79,4 +79,18 @@ STANDOFF_INLINE WideDouble select(DoubleMask m, WideDouble yes, WideDouble no) {
   return {_mm256_blendv_pd(no.lo, yes.lo, m.lo), _mm256_blendv_pd(no.hi, yes.hi, m.hi)};
 }
 
+/// Stores (v * scale - center), and zero as the fourth number. v has three doubles, center four.
+STANDOFF_INLINE void store_local(double* out, const double* v, double scale, const double* center) {
+  const __m256d all = _mm256_maskload_pd(v, _mm256_setr_epi64x(-1, -1, -1, 0));
+  _mm256_store_pd(out, _mm256_fmsub_pd(all, _mm256_set1_pd(scale), _mm256_loadu_pd(center)));
+}
+
+/// Column `axis` of eight rows of four.
+STANDOFF_INLINE WideDouble load_column(const double (*rows)[4], int axis) {
+  const auto of_four = [&](int n) __attribute__((always_inline)) {
+    return _mm256_setr_pd(rows[n][axis], rows[n + 1][axis], rows[n + 2][axis], rows[n + 3][axis]);
+  };
+  return {of_four(0), of_four(4)};
+}
+
 }  // namespace standoff::avx2

@@ -54,4 +54,18 @@ STANDOFF_INLINE WideDouble select(DoubleMask m, WideDouble yes, WideDouble no) {
   return _mm512_mask_blend_pd(m.bits, no.v, yes.v);
 }
 
+/// Stores (v * scale - center), and zero as the fourth number. v has three doubles, center four.
+STANDOFF_INLINE void store_local(double* out, const double* v, double scale, const double* center) {
+  const __m256d all = _mm256_maskz_loadu_pd(0x7, v);
+  _mm256_store_pd(out, _mm256_fmsub_pd(all, _mm256_set1_pd(scale), _mm256_loadu_pd(center)));
+}
+
+/// Column `axis` of eight rows of four.
+STANDOFF_INLINE WideDouble load_column(const double (*rows)[4], int axis) {
+  const __m512i from = _mm512_add_epi64(_mm512_setr_epi64(0, 4, 8, 12, 0, 4, 8, 12), _mm512_set1_epi64(axis));
+  const auto two_rows = [&](int n) __attribute__((always_inline)) { return _mm512_loadu_pd(rows[n]); };
+  return _mm512_mask_blend_pd(0xf0, _mm512_permutex2var_pd(two_rows(0), from, two_rows(2)),
+                              _mm512_permutex2var_pd(two_rows(4), from, two_rows(6)));
+}
+
 }  // namespace standoff::avx512

@@ -103,4 +103,17 @@ STANDOFF_INLINE WideDouble select(const DoubleMask& m, const WideDouble& yes, co
 }
 #undef STANDOFF_LANES
 
+/// Stores (v * scale - center), and zero as the fourth number. v has three doubles, center four.
+STANDOFF_INLINE void store_local(double* out, const double* v, double scale, const double* center) {
+  for (int axis = 0; axis < 3; ++axis) out[axis] = standoff::fma(v[axis], scale, -center[axis]);
+  out[3] = 0;
+}
+
+/// Column `axis` of eight rows of four.
+STANDOFF_INLINE WideDouble load_column(const double (*rows)[4], int axis) {
+  double column[WideDouble::kLanes];
+  for (int n = 0; n < WideDouble::kLanes; ++n) column[n] = rows[n][axis];
+  return WideDouble::load(column);
+}
+
 }  // namespace standoff::portable

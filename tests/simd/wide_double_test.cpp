@@ -130,5 +130,24 @@ TEST(WideDouble, MasksAndWhatTheySelect) {
   });
 }
 
+TEST(WideDouble, RowsAndColumns) {
+  for_targets([](const DoubleOperations& target, Numbers& numbers) {
+    alignas(32) double rows[kDoubleLanes][4];
+    for (auto& row : rows) {
+      // No fourth number is read of v; the one of the center is zero.
+      const std::array v{numbers.next(), numbers.next(), numbers.next()};
+      const std::array center{numbers.next(), numbers.next(), numbers.next(), 0.0};
+      target.store_local(v.data(), 0.5, center.data(), row);
+      for (std::size_t n = 0; n < 3; ++n) expect_same(std::fma(v[n], 0.5, -center[n]), row[n]);
+      EXPECT_EQ(row[3], 0);
+    }
+    for (int axis = 0; axis < 4; ++axis) {
+      DoubleLanes out;
+      target.load_column(rows, axis, out.data());
+      for (int n = 0; n < kDoubleLanes; ++n) expect_same(rows[n][axis], out[static_cast<std::size_t>(n)]);
+    }
+  });
+}
+
 }  // namespace
 }  // namespace standoff::testing

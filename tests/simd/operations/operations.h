@@ -28,6 +28,9 @@ struct DoubleOperations {
   Bits (*mask_or)(Bits, Bits);
   Bits (*mask_xor)(Bits, Bits);
   void (*select)(Bits, const double* yes, const double* no, double* out);
+  void (*load_column)(const double (*rows)[4], int axis, double* out);      ///< eight rows
+  void (*store_local)(const double* v, double scale, const double* center,  ///< three and four doubles
+                      double* out);                                         ///< four, aligned to 32 bytes
 };
 
 /// Every pointer is to sixteen lanes unless said otherwise; `out` may not overlap the others.

@@ -64,6 +64,10 @@ constexpr DoubleOperations double_operations() {
   o.select = [](Bits m, const double* yes, const double* no, double* out) {
     select(double_mask(m), WideDouble::load(yes), WideDouble::load(no)).store(out);
   };
+  o.load_column = [](const double(*rows)[4], int axis, double* out) { load_column(rows, axis).store(out); };
+  o.store_local = [](const double* v, double scale, const double* center, double* out) {
+    store_local(out, v, scale, center);
+  };
   return o;
 }
 
