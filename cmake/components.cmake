@@ -87,6 +87,7 @@ if("render" IN_LIST STANDOFF_COMPONENTS)
   if(STANDOFF_PNG)
     target_compile_definitions(standoff_render PRIVATE STANDOFF_HAVE_PNG)
   endif()
+  standoff_embed(standoff_render kInterFont src/render/font/inter.ttf)
   # Pages take the pictures' colours.
   standoff_component(page FILES page/*.cpp LIBRARIES ${STANDOFF_MESHOPT})
   if(STANDOFF_MESHOPT)

@@ -32,8 +32,10 @@ install(DIRECTORY include/standoff TYPE INCLUDE COMPONENT dev)
 install(EXPORT standoff-targets NAMESPACE standoff:: DESTINATION ${STANDOFF_PACKAGE_DIR} COMPONENT dev)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/standoff-config.cmake ${CMAKE_CURRENT_BINARY_DIR}/standoff-config-version.cmake
         DESTINATION ${STANDOFF_PACKAGE_DIR} COMPONENT dev)
-install(FILES LICENSE TYPE DOC COMPONENT program)
-install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/libstandoff-dev COMPONENT dev)
+# The second is of the font that pictures are written with.
+set(STANDOFF_LICENCES LICENSE src/render/font/OFL.txt)
+install(FILES ${STANDOFF_LICENCES} TYPE DOC COMPONENT program)
+install(FILES ${STANDOFF_LICENCES} DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/libstandoff-dev COMPONENT dev)
 if(STANDOFF_BUILD_CLI)
   install(TARGETS standoff_cli COMPONENT program)
 endif()

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -28,6 +29,13 @@ struct Image {
   /// Colors a pixel, if it lies in the picture.
   void set(int x, int y, Color color) {
     if (x >= 0 && x < width && y >= 0 && y < height) at(x, y) = color;
+  }
+  /// Mixes a share of a color, 0 to 1, into a pixel, if it lies in the picture.
+  void blend(int x, int y, Color color, double share) {
+    if (x < 0 || x >= width || y < 0 || y >= height) return;
+    Color& pixel = at(x, y);
+    for (std::size_t c = 0; c < 3; ++c)
+      pixel[c] = static_cast<std::uint8_t>(std::lround(pixel[c] * (1 - share) + color[c] * share));
   }
   /// Colors a rectangle, as much of it as lies in the picture.
   void fill(int x, int y, int w, int h, Color color) {

@@ -15,6 +15,7 @@ namespace {
 
 constexpr Color kInk{40, 44, 52}, kGrey{178, 178, 178};
 constexpr int kBarWidth = 24, kTickLength = 6, kTickGap = 5;
+constexpr double kTextSize = 15;
 constexpr int kSteps = 6;  // between the ends, at most
 
 // 1, 2 or 5 times a power of ten, so that at most kSteps of them fit.
@@ -45,11 +46,11 @@ Legend::Legend(double least, double greatest, double thickness, Colormap map)
   // A distance of rounding errors is shown as the zero it stands for.
   const double fine = range > 0 ? step * 1e-3 : 0;
   const auto rounded = [fine](double number) { return fine > 0 ? std::round(number / fine) * fine : number; };
-  ticks_.push_back({1, (greatest >= thickness ? ">= " : "") + short_text(rounded(greatest), digits)});
+  ticks_.push_back({1, (greatest >= thickness ? "≥ " : "") + short_text(rounded(greatest), digits)});
   if (!(range > 0)) return;
   for (double n = std::floor(greatest / step); n * step > least && ticks_.size() < 2 * kSteps; --n)
     if (n * step < greatest) ticks_.push_back({(n * step - least) / range, short_text(n * step, digits)});
-  ticks_.push_back({0, (least <= -thickness ? "<= " : "") + short_text(rounded(least), digits)});
+  ticks_.push_back({0, (least <= -thickness ? "≤ " : "") + short_text(rounded(least), digits)});
 }
 
 Color Legend::color(double value) const {
@@ -63,7 +64,8 @@ Color Legend::color(double value) const {
 
 int Legend::width() const {
   int widest = 0;
-  for (const Tick& tick : ticks_) widest = std::max(widest, text_width(tick.label));
+  for (const Tick& tick : ticks_)
+    widest = std::max(widest, static_cast<int>(std::ceil(text_width(tick.label, kTextSize))));
   return kBarWidth + kTickLength + kTickGap + widest;
 }
 
@@ -71,15 +73,15 @@ void Legend::draw(Image& image, int x, int y, int height) const {
   image.fill(x - 1, y - 1, kBarWidth + 2, height + 2, kInk);
   for (int row = 0; row < height; ++row)
     image.fill(x, y + row, kBarWidth, 1, color_at(greatest_ > least_ ? 1 - (row + 0.5) / height : 0));
-  const int room = kTextHeight + kTextHeight / 2;
+  const int letters = static_cast<int>(std::lround(cap_height(kTextSize))), room = letters + letters / 2;
   for (const Tick& tick : ticks_) {
     const int row = static_cast<int>(std::lround((1 - tick.share) * (height - 1)));
     const bool end = &tick == &ticks_.front() || &tick == &ticks_.back();
     if (!end && (row < room || row > height - 1 - room)) continue;
     image.fill(x + kBarWidth, y + row, kTickLength, 1, kInk);
     // The outermost numbers stay within the bar's height.
-    const int text_y = std::clamp(row - kTextHeight / 2 + 1, 0, height - kTextHeight);
-    draw_text(image, x + kBarWidth + kTickLength + kTickGap, y + text_y, tick.label, kInk);
+    const int baseline = std::clamp(row + letters / 2 + 1, letters, height);
+    draw_text(image, x + kBarWidth + kTickLength + kTickGap, y + baseline, tick.label, kTextSize, kInk);
   }
 }
 

@@ -19,7 +19,8 @@ namespace {
 
 constexpr Color kPaper{255, 255, 255}, kInk{40, 44, 52}, kFaint{110, 116, 126};
 constexpr int kMaxSide = 8192;
-constexpr int kMargin = 20, kGap = 28, kLine = kTextHeight + 8;
+constexpr int kMargin = 20, kGap = 28, kLine = 22;
+constexpr double kTextSize = 15;
 constexpr int kMinLegend = 160;  // pixels: lower, its numbers would touch
 
 struct Extent {
@@ -63,9 +64,7 @@ void draw_zero_line(const Plane& plane, Colormap map, SlicePicture& picture) {
     for (int x = 0; x < picture.width; ++x) {
       const float share = covered[static_cast<std::size_t>(y) * picture.width + x];
       if (share == 0) continue;
-      Color& pixel = picture.image.at(picture.left + x, picture.top + y);
-      for (std::size_t c = 0; c < 3; ++c)
-        pixel[c] = static_cast<std::uint8_t>(std::lround(pixel[c] * (1 - share) + line[c] * share));
+      picture.image.blend(picture.left + x, picture.top + y, line, share);
     }
 }
 
@@ -87,14 +86,15 @@ SlicePicture draw_slice(const DistanceField& field, const SliceOptions& options)
                                            "sample " + std::to_string(plane.index) + " of 0-" +
                                                std::to_string(plane.count - 1) + ", " + plane.right + " right, " +
                                                plane.up + " up"};
-  const int body =
-      std::max(width + (legend ? kGap + legend->width() : 0), std::max(text_width(caption[0]), text_width(caption[1])));
+  const double words = std::max(text_width(caption[0], kTextSize), text_width(caption[1], kTextSize));
+  const int body = std::max(width + (legend ? kGap + legend->width() : 0), static_cast<int>(std::ceil(words)));
   const int top = kMargin + 2 * kLine + kMargin / 2;
   const int legend_height = std::max(height, kMinLegend);
   SlicePicture picture{Image(body + 2 * kMargin, top + legend_height + kMargin, kPaper), kMargin, top, width, height};
 
-  draw_text(picture.image, kMargin, kMargin, caption[0], kInk);
-  draw_text(picture.image, kMargin, kMargin + kLine, caption[1], kFaint);
+  const double baseline = kMargin + cap_height(kTextSize);
+  draw_text(picture.image, kMargin, baseline, caption[0], kTextSize, kInk);
+  draw_text(picture.image, kMargin, baseline + kLine, caption[1], kTextSize, kFaint);
   if (legend) legend->draw(picture.image, kMargin + width + kGap, top, legend_height);
   const Legend grey(0, 0, field.thickness(), map);
   for (int y = 0; y < height; ++y)
