@@ -19,9 +19,10 @@ namespace standoff::cli {
 namespace {
 
 constexpr const char* kExamples =
-    R"(  standoff slice bunny.vti                             the middle along z, into bunny.png
+    R"(  standoff slice bunny.vti                             the plane that shows the most, into bunny.png
   standoff slice bunny.vti -o side.png --axis x --at 0.3
-  standoff slice bunny.vti -o floor.png --index 0      the first plane of samples
+  standoff slice bunny.vti -o floor.png --axis z --index 0      the first plane of samples
+  standoff slice bunny.vti -o dark.png --background dark --title Bunny --unit mm
   standoff slice bunny.vti -o red.png --colormap thesis
 )";
 
@@ -30,6 +31,8 @@ struct Command {
   FieldArgument input;
   FileOutput output;
   SliceOptions options;
+  std::optional<std::string> title;
+  bool no_contours = false;
   Console console;
 
   void add_to(CLI::App& verb);
@@ -43,14 +46,16 @@ void Command::add_to(CLI::App& verb) {
     return add_parsed(verb, {name, value, help, "Picture"}, set);
   };
   using S = const std::string&;
-  add("--axis", "A", "the axis the plane is perpendicular to: x, y or z (default)", [this](S o, S t) {
-    options.axis = static_cast<Axis>(parse_choice(o, t, {"x", "y", "z"}));
-  });
-  auto* at = add("--at", "F", "where along the axis, from 0 to 1 (default 0.5)", [this](S o, S t) {
-    options.at = parse_number(o, t);
-    if (!(options.at >= 0 && options.at <= 1))
-      throw Error(ErrorCode::usage, o + " '" + t + "': give a number from 0 to 1");
-  });
+  add("--axis", "A", "the axis the plane is perpendicular to: x, y or z\n(default: of the plane that shows the most)",
+      [this](S o, S t) {
+        options.axis = static_cast<Axis>(parse_choice(o, t, {"x", "y", "z"}));
+      });
+  auto* at = add("--at", "F", "where along the axis, from 0 to 1 (default: where the plane\nshows the most)",
+                 [this](S o, S t) {
+                   options.at = parse_number(o, t);
+                   if (!(*options.at >= 0 && *options.at <= 1))
+                     throw Error(ErrorCode::usage, o + " '" + t + "': give a number from 0 to 1");
+                 });
   add("--index", "N", "which sample along the axis, from 0, in place of --at", [this](S o, S t) {
     options.index = parse_count(o, t, 0, std::numeric_limits<std::int64_t>::max());
   })->excludes(at);
@@ -64,6 +69,22 @@ void Command::add_to(CLI::App& verb) {
         constexpr Colormap maps[] = {Colormap::automatic, Colormap::diverging, Colormap::viridis, Colormap::thesis};
         options.colormap = maps[parse_choice(o, t, {"auto", "diverging", "viridis", "thesis"})];
       });
+  add("--interpolation", "NAME",
+      "auto (default): squares for samples of 12 pixels and more,\nelse linear; nearest: squares; linear",
+      [this](S o, S t) {
+        options.interpolation = static_cast<Interpolation>(parse_choice(o, t, {"auto", "nearest", "linear"}));
+      });
+  add("--background", "NAME", "white (default) or dark", [this](S o, S t) {
+    options.background = static_cast<Background>(parse_choice(o, t, {"white", "dark"}));
+  });
+  verb.add_option("--title", title, "words above the picture (default: the field's name)")
+      ->type_name("TEXT")
+      ->group("Picture");
+  verb.add_option("--unit", options.unit, "the unit of lengths, beside the scales")
+      ->type_name("TEXT")
+      ->group("Picture");
+  verb.add_flag("--no-contours", no_contours, "no lines at the legend's numbers")->group("Picture");
+  verb.add_flag("--bare", options.bare, "the plane alone: no words, legend, scales or margins")->group("Picture");
   input.add_to(verb);
   console.add_to(verb, Console::kMessages | Console::kJson);
 }
@@ -73,14 +94,21 @@ void Command::run() {
   check_input(field);
   output.check({{"png", "PNG picture", false, true}});
   const DistanceField loaded = input.read(field, console);
+  options.title = title.value_or(std::filesystem::path(field).filename().string());
+  options.contours = !no_contours;
+  const SlicePlane plane = slice_plane(loaded, options);
+  options.axis = plane.axis;
+  options.index = plane.index;
   write_slice_png(output.path(), loaded, options, output.existing());
-  const char* axis = options.axis == Axis::x ? "x" : options.axis == Axis::y ? "y" : "z";
-  console.say(output.path().string() + ": the plane of " + field + " at " +
-              (options.index ? "sample " + std::to_string(*options.index) : number(options.at)) + " along " + axis);
+  const std::string axis(1, "xyz"[static_cast<int>(plane.axis)]);
+  console.say(output.path().string() + ": the plane of " + field + " at " + axis + " = " + number(plane.position) +
+              ", sample " + std::to_string(plane.index));
   if (!console.json()) return;
   Json json = json_answer("slice");
   json["field"] = {{"file", field}};
   json["axis"] = axis;
+  json["index"] = plane.index;
+  json["position"] = plane.position;
   json["output"] = json_output(output.path());
   print(json, output.path());
 }

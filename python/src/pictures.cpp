@@ -12,13 +12,18 @@ namespace {
 
 constexpr const char* kAxes[] = {"x", "y", "z"};
 
-void slice(const DistanceField& field, const std::filesystem::path& path, const std::string& axis, double at,
-           const std::string& colormap, int pixels) {
+void slice(const DistanceField& field, const std::filesystem::path& path, const std::optional<std::string>& axis,
+           std::optional<double> at, const std::string& colormap, const std::string& background,
+           const std::string& title, const std::string& unit, int pixels) {
   constexpr const char* kColormaps[] = {"viridis", "thesis", "diverging", "auto"};
+  constexpr const char* kBackgrounds[] = {"white", "dark"};
   SliceOptions options;
-  options.axis = static_cast<Axis>(choice_of("axis", axis, kAxes));
+  if (axis) options.axis = static_cast<Axis>(choice_of("axis", *axis, kAxes));
   options.at = at;
   options.colormap = static_cast<Colormap>(choice_of("colormap", colormap, kColormaps));
+  options.background = static_cast<Background>(choice_of("background", background, kBackgrounds));
+  options.title = title;
+  options.unit = unit;
   options.pixels = pixels;
   const Unlocked released;
   write_slice_png(path, field, options);
@@ -39,7 +44,8 @@ void mesh_picture(const VertexInput& vertices, const FaceInput& faces, const std
 }  // namespace
 
 void add_pictures(nb::module_& m) {
-  m.def("write_slice", &slice, "field"_a, "path"_a, "axis"_a, "at"_a, "colormap"_a, "pixels"_a);
+  m.def("write_slice", &slice, "field"_a, "path"_a, "axis"_a.none(), "at"_a.none(), "colormap"_a, "background"_a,
+        "title"_a, "unit"_a, "pixels"_a);
   m.def("write_picture", &mesh_picture, "vertices"_a.noconvert(), "faces"_a.noconvert(), "path"_a, "width"_a,
         "height"_a, "azimuth"_a, "elevation"_a, "up"_a);
 }

@@ -268,18 +268,24 @@ class DistanceField:
         self,
         kind: Literal["slice", "surface"] = "slice",
         *,
-        axis: Literal["x", "y", "z"] = "z",
-        at: float = 0.5,
+        axis: Literal["x", "y", "z"] | None = None,
+        at: float | None = None,
         colormap: Literal["auto", "viridis", "diverging", "thesis"] = "auto",
+        background: Literal["white", "dark"] = "white",
+        title: str = "",
+        unit: str = "",
         pixels: int = 512,
     ) -> Picture:
         """A picture, which notebooks show.
 
         Args:
             kind: a slice through the field, or its surface of value 0 (of unsigned fields of one spacing).
-            axis: what the slice is perpendicular to.
-            at: where along the axis, from 0 to 1.
+            axis: what the slice is perpendicular to; by default, of the plane that shows the most.
+            at: where along the axis, from 0 to 1; by default, where the plane shows the most.
             colormap: by default red outside and blue inside for signed fields, else viridis.
+            background: dark words on white, or light ones on dark.
+            title: words above the slice.
+            unit: the unit of lengths, beside the slice's scales.
             pixels: the least length of the picture's longer side.
         """
         if kind == "surface":
@@ -292,6 +298,10 @@ class DistanceField:
         place = name(axis, "axis"), number(at, "at")
         look = name(colormap, "colormap"), whole_number(pixels, "pixels", bits=32)
         return Picture.drawn(lambda path: _core.write_slice(native, path, *place, *look))
+        place = None if at is None else number(at, "at")
+        return Picture.drawn(
+            lambda path: _core.write_slice(native, path, axis, place, colormap, background, title, unit, pixels)
+        )
 
     def _repr_png_(self) -> bytes:
         return bytes(self.plot())

@@ -102,6 +102,7 @@ def test_verify_finds_what_is_wrong():
 def test_pictures(tmp_path):
     field, mesh = so.field(shapes.sphere(8), resolution=24), so.Mesh(*shapes.sphere(8))
     pictures = [field.plot(), field.plot(axis="x", at=0.2, colormap="viridis", pixels=64), field.plot("surface"),
+                field.plot(at=0.5), field.plot(background="dark", title="Ball, 8 \N{MULTIPLICATION SIGN} 8", unit="mm"),
                 so.field(mesh, resolution=16, sign=None).plot(), so.field(mesh, resolution=16, band=2).plot("surface"),
                 mesh.plot(width=64, height=48, azimuth=10, elevation=-30, up="y")]  # fmt: skip
     for picture in pictures:
@@ -111,7 +112,7 @@ def test_pictures(tmp_path):
         assert (tmp_path / "picture.png").read_bytes() == bytes(picture)
     assert repr(pictures[-1]) == "<standoff.Picture: 64 x 48>"
     assert field._repr_png_() == bytes(field.plot())
-    wrong = ({"axis": "w"}, {"at": 2}, {"at": math.nan}, {"colormap": "jet"}, {"pixels": 0}, {"pixels": -1}, {"pixels": 10**6}, {"kind": "x"})  # fmt: skip
+    wrong = ({"axis": "w"}, {"background": "pink"}, {"at": 2}, {"at": math.nan}, {"colormap": "jet"}, {"pixels": 0}, {"pixels": -1}, {"pixels": 10**6}, {"kind": "x"})  # fmt: skip
     for arguments in wrong:
         with pytest.raises(ValueError):
             field.plot(**arguments)

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "render/image.h"
-#include "standoff/slice.h"
+#include "standoff/colormap.h"
 
 namespace standoff {
 

@@ -2,10 +2,8 @@
 #include "render/legend.h"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
-#include <cstdlib>
+#include <utility>
 
 #include "render/colormap.h"
 #include "render/text.h"
@@ -13,48 +11,47 @@
 namespace standoff {
 namespace {
 
-constexpr Color kInk{40, 44, 52}, kGrey{178, 178, 178};
-constexpr int kBarWidth = 24, kTickLength = 6, kTickGap = 5;
-constexpr double kTextSize = 15;
-constexpr int kSteps = 6;  // between the ends, at most
+// Pixels at scale 1.
+constexpr double kTextSize = 14, kBarWidth = 22, kTickLength = 5, kTickGap = 6, kHeading = 24, kCap = 14, kCapGap = 3;
+constexpr int kSteps = 8;  // between the ends, at most
 
-// 1, 2 or 5 times a power of ten, so that at most kSteps of them fit.
-double even_step(double range) {
-  const double least = range / kSteps, power = std::pow(10, std::floor(std::log10(least)));
-  for (const double factor : {1.0, 2.0, 5.0})
-    if (factor * power >= least) return factor * power;
-  return 10 * power;
+int scaled(double length, double scale) { return static_cast<int>(std::lround(length * scale)); }
+
+// In so many digits that it differs from its neighbours on the scale.
+std::string end_label(double value, double range) {
+  const double size = std::abs(value);
+  // On the scale, the least distance to a surface is the zero it stands for.
+  if (range > 0 && size < range * 2e-3) return "0";
+  const int digits = range > 0 ? static_cast<int>(std::log10(size / range)) + 3 : 6;
+  return short_text(value, std::clamp(digits, 3, 9));
 }
 
 }  // namespace
 
-std::string short_text(double number, int digits) {
-  // Not printf, which writes a comma where the program that draws has set such a locale.
-  std::array<char, 40> text;
-  const auto end =
-      std::to_chars(text.begin(), text.end(), number == 0 ? 0.0 : number, std::chars_format::general, digits).ptr;
-  return {text.begin(), end};
-}
-
-Legend::Legend(double least, double greatest, double thickness, Colormap map)
-    : least_(least), greatest_(greatest), map_(map) {
+Legend::Legend(double least, double greatest, double thickness, Colormap map, const Theme& theme, std::string heading)
+    : least_(least),
+      greatest_(greatest),
+      map_(map),
+      theme_(theme),
+      beyond_outside_(greatest >= thickness),
+      beyond_inside_(least <= -thickness),
+      clamped_(thickness),
+      heading_(std::move(heading)) {
   const double range = greatest - least;
-  // So many digits that neighbouring numbers differ.
-  const double step = range > 0 ? even_step(range) : 1;
-  const double largest = std::max(std::abs(least), std::abs(greatest));
-  const int digits = range > 0 ? std::clamp(static_cast<int>(std::ceil(std::log10(largest / step))) + 2, 4, 9) : 6;
-  // A distance of rounding errors is shown as the zero it stands for.
-  const double fine = range > 0 ? step * 1e-3 : 0;
-  const auto rounded = [fine](double number) { return fine > 0 ? std::round(number / fine) * fine : number; };
-  ticks_.push_back({1, (greatest >= thickness ? "≥ " : "") + short_text(rounded(greatest), digits)});
-  if (!(range > 0)) return;
-  for (double n = std::floor(greatest / step); n * step > least && ticks_.size() < 2 * kSteps; --n)
-    if (n * step < greatest) ticks_.push_back({(n * step - least) / range, short_text(n * step, digits)});
-  ticks_.push_back({0, (least <= -thickness ? "≤ " : "") + short_text(rounded(least), digits)});
+  least_label_ = (beyond_inside_ ? "≤ " : "") + end_label(least, range);
+  greatest_label_ = (beyond_outside_ ? "≥ " : "") + end_label(greatest, range);
+  for (Tick& tick : even_ticks(least, greatest, kSteps))
+    if (tick.value > least && tick.value < greatest) ticks_.push_back(std::move(tick));
 }
 
 Color Legend::color(double value) const {
-  if (!std::isfinite(value)) return kGrey;
+  if (std::isnan(value)) return theme_.nothing;
+  if (value >= clamped_ || (std::isinf(value) && value > 0)) return theme_.outside;
+  if (value <= -clamped_ || std::isinf(value)) return theme_.inside;
+  return band_color(value);
+}
+
+Color Legend::band_color(double value) const {
   if (map_ == Colormap::diverging) {
     const double most = std::max(std::abs(least_), std::abs(greatest_));
     return color_of(map_, most > 0 ? 0.5 + 0.5 * (value / most) : 0.5);
@@ -62,27 +59,52 @@ Color Legend::color(double value) const {
   return color_of(map_, greatest_ > least_ ? (value - least_) / (greatest_ - least_) : 0);
 }
 
-int Legend::width() const {
-  int widest = 0;
-  for (const Tick& tick : ticks_)
-    widest = std::max(widest, static_cast<int>(std::ceil(text_width(tick.label, kTextSize))));
-  return kBarWidth + kTickLength + kTickGap + widest;
+int Legend::width(double scale) const {
+  double widest = 0;
+  for (const Tick& tick : ticks_) widest = std::max(widest, text_width(tick.label, kTextSize * scale));
+  for (const std::string* label : {&least_label_, &greatest_label_})
+    widest = std::max(widest, text_width(*label, kTextSize * scale));
+  const double bar = (kBarWidth + kTickLength + kTickGap) * scale + widest;
+  return static_cast<int>(std::ceil(std::max(bar, text_width(heading_, kTextSize * scale))));
 }
 
-void Legend::draw(Image& image, int x, int y, int height) const {
-  image.fill(x - 1, y - 1, kBarWidth + 2, height + 2, kInk);
-  for (int row = 0; row < height; ++row)
-    image.fill(x, y + row, kBarWidth, 1, color_at(greatest_ > least_ ? 1 - (row + 0.5) / height : 0));
-  const int letters = static_cast<int>(std::lround(cap_height(kTextSize))), room = letters + letters / 2;
-  for (const Tick& tick : ticks_) {
-    const int row = static_cast<int>(std::lround((1 - tick.share) * (height - 1)));
-    const bool end = &tick == &ticks_.front() || &tick == &ticks_.back();
-    if (!end && (row < room || row > height - 1 - room)) continue;
-    image.fill(x + kBarWidth, y + row, kTickLength, 1, kInk);
-    // The outermost numbers stay within the bar's height.
-    const int baseline = std::clamp(row + letters / 2 + 1, letters, height);
-    draw_text(image, x + kBarWidth + kTickLength + kTickGap, y + baseline, tick.label, kTextSize, kInk);
+// Beside a height of the bar.
+void Legend::draw_label(Image& image, double x, double y, const std::string& label, double scale) const {
+  const double size = kTextSize * scale;
+  draw_text(image, x + (kBarWidth + kTickLength + kTickGap) * scale, y + cap_height(size) / 2, label, size, theme_.ink);
+}
+
+void Legend::draw(Image& image, int x, int y, int height, double scale) const {
+  const double size = kTextSize * scale;
+  draw_text(image, x, y + cap_height(size), heading_, size, theme_.ink);
+  const int cap = scaled(kCap, scale), gap = scaled(kCapGap, scale), width = scaled(kBarWidth, scale);
+  int top = y + scaled(kHeading, scale), bottom = y + height;
+  if (beyond_outside_) {
+    image.fill(x, top, width, cap, theme_.outside);
+    draw_label(image, x, top + cap / 2.0, greatest_label_, scale);
+    top += cap + gap;
   }
+  if (beyond_inside_) {
+    bottom -= cap + gap;
+    image.fill(x, bottom + gap, width, cap, theme_.inside);
+    draw_label(image, x, bottom + gap + cap / 2.0, least_label_, scale);
+  }
+  const int length = bottom - top, line = std::max(1, scaled(1, scale));
+  for (int row = 0; row < length; ++row) {
+    const double value = greatest_ > least_ ? greatest_ - (greatest_ - least_) * ((row + 0.5) / length) : greatest_;
+    image.fill(x, top + row, width, 1, band_color(value));
+  }
+  const auto mark = [&](double value, const std::string& label, double room) {
+    const double share = greatest_ > least_ ? (greatest_ - value) / (greatest_ - least_) : 0.5;
+    const double row = top + share * length;
+    if (row < top + room || row > bottom - room) return;
+    image.fill(x + width, static_cast<int>(std::lround(row - line / 2.0)), scaled(kTickLength, scale), line,
+               theme_.ink);
+    draw_label(image, x, row, label, scale);
+  };
+  for (const Tick& tick : ticks_) mark(tick.value, tick.label, 1.1 * size);
+  if (!beyond_outside_) mark(greatest_, greatest_label_, 0);
+  if (!beyond_inside_ && greatest_ > least_) mark(least_, least_label_, 0);
 }
 
 }  // namespace standoff

@@ -6,37 +6,42 @@
 #include <vector>
 
 #include "render/image.h"
-#include "standoff/slice.h"
+#include "render/theme.h"
+#include "render/ticks.h"
+#include "standoff/colormap.h"
 
 namespace standoff {
 
+/// What the colors of a picture's numbers mean.
 class Legend {
  public:
-  /// From the least to the greatest value. Those of magnitude `thickness` stand for themselves and all beyond. Colors
-  /// of Colormap::diverging have their middle at 0, and reach equally far to both sides.
-  Legend(double least, double greatest, double thickness, Colormap map);
+  /// From the least to the greatest value. Those of magnitude `thickness` stand for themselves and all beyond: they are
+  /// grey, at the ends of the bar. Colors of Colormap::diverging have their middle at 0, and reach equally far to both
+  /// sides. `heading` says above the bar what the numbers are.
+  Legend(double least, double greatest, double thickness, Colormap map, const Theme& theme, std::string heading);
 
-  /// A value's color; grey when it is not finite.
+  /// A value's color.
   Color color(double value) const;
-  /// Pixels from the bar's left edge to the end of the longest number.
-  int width() const;
-  /// Draws the bar and its numbers, the bar `height` pixels high, its top left corner at (x, y).
-  void draw(Image& image, int x, int y, int height) const;
+  /// The same, for values in the band: those beyond it have the color of its end.
+  Color band_color(double value) const;
+  /// The round numbers beside the bar that lie between its ends.
+  const std::vector<Tick>& ticks() const { return ticks_; }
+  /// Pixels from the bar's left edge to the end of the longest words, if all is drawn at `scale`.
+  int width(double scale) const;
+  /// Draws the bar and its words, `height` pixels high in all, the top left corner at (x, y). At scale 1 words have 14
+  /// pixels.
+  void draw(Image& image, int x, int y, int height, double scale) const;
 
  private:
-  struct Tick {
-    double share;  // of the way from the least to the greatest value
-    std::string label;
-  };
-
-  Color color_at(double share) const { return color(least_ + share * (greatest_ - least_)); }
+  void draw_label(Image& image, double x, double y, const std::string& label, double scale) const;
 
   double least_, greatest_;
   Colormap map_;
-  std::vector<Tick> ticks_;  // the greatest first, the least last
+  Theme theme_;
+  bool beyond_outside_, beyond_inside_;  // values at the ends stand for all beyond
+  double clamped_;                       // the magnitude from which on they do
+  std::string heading_, least_label_, greatest_label_;
+  std::vector<Tick> ticks_;
 };
-
-/// A number with about `digits` digits, "-0" as "0".
-std::string short_text(double number, int digits);
 
 }  // namespace standoff

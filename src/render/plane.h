@@ -12,7 +12,8 @@ namespace standoff {
 struct Plane {
   char normal = 'z', right = 'x', up = 'y';  ///< names of axes
   std::int64_t width = 0, height = 0;        ///< samples to the right and up
-  double step_right = 1, step_up = 1;        ///< distances between them, world units
+  double first_right = 0, first_up = 0;      ///< where the lower left sample is, world units
+  double step_right = 1, step_up = 1;        ///< distances between samples, world units
   std::int64_t index = 0, count = 0;         ///< which sample along the normal, of how many
   double position = 0;                       ///< its coordinate, world units
   std::vector<float> values;                 ///< rightwards first, then upwards
@@ -20,7 +21,7 @@ struct Plane {
   float value(std::int64_t r, std::int64_t u) const { return values[static_cast<std::size_t>(r + width * u)]; }
 };
 
-/// Errors: usage when the plane lies outside the field.
+/// The samples of the plane that slice_plane() chooses. Errors: as there.
 Plane plane_of(const DistanceField& field, const SliceOptions& options);
 
 }  // namespace standoff

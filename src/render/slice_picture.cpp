@@ -2,26 +2,29 @@
 #include "render/slice_picture.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
 #include <string>
 
 #include "core/guarded.h"
+#include "render/axis_scale.h"
 #include "render/legend.h"
+#include "render/level_line.h"
 #include "render/text.h"
-#include "render/zero_line.h"
 #include "standoff/error.h"
 
 namespace standoff {
 namespace {
 
-constexpr Color kPaper{255, 255, 255}, kInk{40, 44, 52}, kFaint{110, 116, 126};
 constexpr int kMaxSide = 8192;
-constexpr int kMargin = 20, kGap = 28, kLine = 22;
-constexpr double kTextSize = 15;
-constexpr int kMinLegend = 160;  // pixels: lower, its numbers would touch
+constexpr double kUsualSide = 640;  // of a plane that words of usual size stand beside; greater ones have greater words
+constexpr double kEdge = 0.25;      // spacings by which a drawn band is thinner, see draw_between
+constexpr double kSquareSide = 12;  // samples of so many pixels are shown as squares
+// Pixels at scale 1.
+constexpr double kMargin = 20, kGap = 26, kTitle = 19, kTitleLine = 27, kText = 14, kTextLine = 26;
+constexpr double kMinLegend = 190;  // lower, its numbers would touch
+constexpr double kLine = 1, kZeroLine = 1.8, kLineShare = 0.4;
 
 struct Extent {
   int width, height;
@@ -39,15 +42,19 @@ Extent enlarged(const Plane& plane, int pixels) {
   return {side(width), side(height)};
 }
 
-std::optional<Legend> legend_of(const Plane& plane, double thickness, Colormap map) {
+struct Range {
   float least = std::numeric_limits<float>::infinity(), greatest = -least;
+  bool empty() const { return !(least <= greatest); }
+};
+
+Range finite_range(const Plane& plane) {
+  Range range;
   for (const float value : plane.values) {
     if (!std::isfinite(value)) continue;
-    least = std::min(least, value);
-    greatest = std::max(greatest, value);
+    range.least = std::min(range.least, value);
+    range.greatest = std::max(range.greatest, value);
   }
-  if (!(least <= greatest)) return std::nullopt;
-  return Legend(least, greatest, static_cast<float>(thickness), map);
+  return range;
 }
 
 bool has_sign(const DistanceField& field) {
@@ -56,16 +63,95 @@ bool has_sign(const DistanceField& field) {
          std::ranges::any_of(field.tile_values(), negative);
 }
 
+bool as_squares(const Plane& plane, const SlicePicture& picture, Interpolation interpolation) {
+  if (interpolation != Interpolation::automatic) return interpolation == Interpolation::nearest;
+  return picture.width >= kSquareSide * static_cast<double>(plane.width) &&
+         picture.height >= kSquareSide * static_cast<double>(plane.height);
+}
+
+void draw_squares(const Plane& plane, const Legend& legend, SlicePicture& picture) {
+  const auto [width, height] = std::pair(picture.width, picture.height);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      // The sample whose cell holds the pixel's centre; rows of the picture run down.
+      const std::int64_t r = (2 * x + 1) * plane.width / (2 * width);
+      const std::int64_t u = (2 * (height - y) - 1) * plane.height / (2 * height);
+      picture.image.at(picture.left + x, picture.top + y) = legend.color(plane.value(r, u));
+    }
+}
+
+// Where some samples of a cell are clamped, values between them come near the thickness: the band ends a little before
+// it, which makes its edge as smooth as a contour.
+void draw_between(const Plane& plane, const std::vector<float>& between, double thickness, const Legend& legend,
+                  const Theme& theme, SlicePicture& picture) {
+  const double end = thickness - std::min(kEdge * std::min(plane.step_right, plane.step_up), thickness / 2);
+  const auto [width, height] = std::pair(picture.width, picture.height);
+  const std::vector<float> outside = share_above(between, width, height, end);
+  const std::vector<float> not_inside = share_above(between, width, height, -end);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const std::size_t n = static_cast<std::size_t>(y) * width + x;
+      const int px = picture.left + x, py = picture.top + y;
+      picture.image.at(px, py) = std::isfinite(between[n]) ? legend.band_color(between[n]) : legend.color(between[n]);
+      if (std::isnan(between[n])) continue;
+      picture.image.blend(px, py, theme.outside, outside[n]);
+      picture.image.blend(px, py, theme.inside, 1 - not_inside[n]);
+    }
+}
+
 // Dark on light colors, light on dark ones.
-void draw_zero_line(const Plane& plane, Colormap map, SlicePicture& picture) {
-  const Color line = map == Colormap::diverging ? kInk : kPaper;
-  const std::vector<float> covered = zero_line(plane, picture.width, picture.height);
+Color contrast(const Color& color) {
+  const double light = 0.3 * color[0] + 0.59 * color[1] + 0.11 * color[2];
+  return light > 110 ? Color{20, 22, 28} : Color{255, 255, 255};
+}
+
+void draw_level(const std::vector<float>& between, double level, double line_width, double share,
+                SlicePicture& picture) {
+  const std::vector<float> covered = level_line(between, picture.width, picture.height, level, line_width);
   for (int y = 0; y < picture.height; ++y)
     for (int x = 0; x < picture.width; ++x) {
-      const float share = covered[static_cast<std::size_t>(y) * picture.width + x];
-      if (share == 0) continue;
-      picture.image.blend(picture.left + x, picture.top + y, line, share);
+      const double part = covered[static_cast<std::size_t>(y) * picture.width + x] * share;
+      if (part == 0) continue;
+      const Color under = picture.image.at(picture.left + x, picture.top + y);
+      picture.image.blend(picture.left + x, picture.top + y, contrast(under), part);
     }
+}
+
+// Where the parts of the picture lie, and its words.
+struct Layout {
+  double scale = 1;
+  std::string title, caption;
+  AxisScale right, up;
+  int legend_width = 0, legend_height = 0;
+};
+
+std::string with_unit(const std::string& name, const std::string& unit) {
+  return unit.empty() ? name : name + " (" + unit + ")";
+}
+
+SlicePicture empty_picture(const Layout& layout, const Extent& plane, const Theme& theme) {
+  const auto pixels = [&](double length) { return static_cast<int>(std::ceil(length * layout.scale)); };
+  const int margin = pixels(kMargin);
+  const int left = margin + static_cast<int>(std::ceil(layout.up.widest()));
+  const int top = margin + (layout.title.empty() ? 0 : pixels(kTitleLine)) + 2 * pixels(kTextLine);
+  const int legend = layout.legend_width > 0 ? pixels(kGap) + layout.legend_width : pixels(kText);
+  const double words =
+      std::max(text_width(layout.title, kTitle * layout.scale), text_width(layout.caption, kText * layout.scale));
+  const int width = std::max(left + plane.width + legend, margin + static_cast<int>(std::ceil(words))) + margin;
+  const int below = layout.right.height();
+  const int bottom = std::max(top + plane.height + below, top - pixels(kTextLine) + layout.legend_height);
+  return {Image(width, bottom + margin, theme.paper), left, top, plane.width, plane.height};
+}
+
+void draw_words(const Layout& layout, const Theme& theme, SlicePicture& picture) {
+  const double margin = std::ceil(kMargin * layout.scale), size = kText * layout.scale;
+  double baseline = margin + cap_height(size);
+  if (!layout.title.empty()) {
+    const double title = kTitle * layout.scale;
+    draw_text(picture.image, margin, margin + cap_height(title), layout.title, title, theme.ink);
+    baseline += std::ceil(kTitleLine * layout.scale);
+  }
+  draw_text(picture.image, margin, baseline, layout.caption, size, layout.title.empty() ? theme.ink : theme.faint);
 }
 
 }  // namespace
@@ -75,36 +161,58 @@ SlicePicture draw_slice(const DistanceField& field, const SliceOptions& options)
     throw Error(ErrorCode::usage,
                 "slice: the picture's size must be 1 to " + std::to_string(kMaxSide) + " pixels; 512 is usual");
   const Plane plane = plane_of(field, options);
-  const auto [width, height] = enlarged(plane, options.pixels);
+  const Extent extent = enlarged(plane, options.pixels);
   const bool is_signed = has_sign(field);
   Colormap map = options.colormap;
   if (map == Colormap::automatic) map = is_signed ? Colormap::diverging : Colormap::viridis;
-  const std::optional<Legend> legend = legend_of(plane, field.thickness(), map);
+  const Range range = finite_range(plane);
+  const Theme theme = theme_of(options.background);
+  const Legend legend(range.empty() ? 0 : range.least, range.empty() ? 0 : range.greatest,
+                      static_cast<float>(field.thickness()), map, theme, with_unit("distance", options.unit));
 
-  const std::array<std::string, 2> caption{std::string(legend ? "distance" : "no finite distance") + " at " +
-                                               plane.normal + " = " + short_text(plane.position, 6),
-                                           "sample " + std::to_string(plane.index) + " of 0-" +
-                                               std::to_string(plane.count - 1) + ", " + plane.right + " right, " +
-                                               plane.up + " up"};
-  const double words = std::max(text_width(caption[0], kTextSize), text_width(caption[1], kTextSize));
-  const int body = std::max(width + (legend ? kGap + legend->width() : 0), static_cast<int>(std::ceil(words)));
-  const int top = kMargin + 2 * kLine + kMargin / 2;
-  const int legend_height = std::max(height, kMinLegend);
-  SlicePicture picture{Image(body + 2 * kMargin, top + legend_height + kMargin, kPaper), kMargin, top, width, height};
-
-  const double baseline = kMargin + cap_height(kTextSize);
-  draw_text(picture.image, kMargin, baseline, caption[0], kTextSize, kInk);
-  draw_text(picture.image, kMargin, baseline + kLine, caption[1], kTextSize, kFaint);
-  if (legend) legend->draw(picture.image, kMargin + width + kGap, top, legend_height);
-  const Legend grey(0, 0, field.thickness(), map);
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
-      // The sample whose cell holds the pixel's centre; rows of the picture run down.
-      const std::int64_t r = (2 * x + 1) * plane.width / (2 * width);
-      const std::int64_t u = (2 * (height - y) - 1) * plane.height / (2 * height);
-      picture.image.at(kMargin + x, top + y) = (legend ? *legend : grey).color(plane.value(r, u));
+  SlicePicture picture{Image(extent.width, extent.height, theme.paper), 0, 0, extent.width, extent.height};
+  Layout layout;
+  if (!options.bare) {
+    layout.scale = std::max(1.0, std::max(extent.width, extent.height) / kUsualSide);
+    layout.title = options.title;
+    layout.caption = std::string(range.empty() ? "no finite distance at " : "") + plane.normal + " = " +
+                     short_text(plane.position, 5) + (options.unit.empty() ? "" : " " + options.unit) + ", sample " +
+                     std::to_string(plane.index) + " of 0–" + std::to_string(plane.count - 1);
+    layout.right = AxisScale(with_unit({plane.right}, options.unit), plane.first_right, plane.step_right, plane.width,
+                             extent.width, layout.scale);
+    layout.up = AxisScale(with_unit({plane.up}, options.unit), plane.first_up, plane.step_up, plane.height,
+                          extent.height, layout.scale);
+    if (!range.empty()) {
+      layout.legend_width = legend.width(layout.scale);
+      const int heading = static_cast<int>(std::ceil(kTextLine * layout.scale));
+      layout.legend_height = heading + std::max(extent.height, static_cast<int>(std::ceil(kMinLegend * layout.scale)));
     }
-  if (is_signed) draw_zero_line(plane, map, picture);
+    picture = empty_picture(layout, extent, theme);
+  }
+
+  const std::vector<float> between = interpolated(plane, extent.width, extent.height);
+  const bool squares = as_squares(plane, picture, options.interpolation);
+  if (squares)
+    draw_squares(plane, legend, picture);
+  else
+    draw_between(plane, between, field.thickness(), legend, theme, picture);
+  // Words grow with the picture, lines do not grow beyond what is drawn well.
+  const double line = std::min(layout.scale, 2 / kZeroLine);
+  if (options.contours && !squares)
+    for (const Tick& tick : legend.ticks())
+      if (!range.empty() && (tick.value != 0 || !is_signed))
+        draw_level(between, tick.value, kLine * line, kLineShare, picture);
+  if (is_signed) draw_level(between, 0, kZeroLine * line, 1, picture);
+  if (options.bare) return picture;
+
+  draw_words(layout, theme, picture);
+  layout.right.draw_below(picture.image, picture.left, picture.top + picture.height, theme);
+  layout.up.draw_beside(picture.image, picture.left, picture.top + picture.height, theme);
+  if (!range.empty()) {
+    const int heading = static_cast<int>(std::ceil(kTextLine * layout.scale));
+    legend.draw(picture.image, picture.left + picture.width + static_cast<int>(std::ceil(kGap * layout.scale)),
+                picture.top - heading, layout.legend_height, layout.scale);
+  }
   return picture;
 }
 

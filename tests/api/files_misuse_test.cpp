@@ -106,6 +106,7 @@ TEST(Misuse, Slices) {
   for (const DistanceField& field : {DistanceField(), DistanceField({{3, 4, 5}, {}}, 1)}) {
     const auto expect = [&](const std::string& name, const SliceOptions& options) {
       expect_answer_or_error(name, [&] { write_slice_png(path, field, options); });
+      expect_answer_or_error(name, [&] { slice_plane(field, options); });
     };
     const auto with = [](auto SliceOptions::*member, auto value) {
       SliceOptions options;
@@ -118,6 +119,12 @@ TEST(Misuse, Slices) {
       expect(named("pixels", n), with(&SliceOptions::pixels, n));
     expect("axis", with(&SliceOptions::axis, none_of<Axis>()));
     expect("colormap", with(&SliceOptions::colormap, none_of<Colormap>()));
+    expect("interpolation", with(&SliceOptions::interpolation, none_of<Interpolation>()));
+    expect("background", with(&SliceOptions::background, none_of<Background>()));
+    for (const std::string& words : {std::string("\xff\xc3"), std::string(3, '\0'), std::string(1000, 'm')}) {
+      expect("title", with(&SliceOptions::title, words));
+      expect("unit", with(&SliceOptions::unit, words));
+    }
   }
 }
 

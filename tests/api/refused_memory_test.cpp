@@ -306,6 +306,7 @@ TEST(RefusedMemory, Files) {
   const std::vector<PathPoint> points{{0, 0, {}}};
   expect_limit_error("write_path", [&] { write_path(flight, points); });
   expect_limit_error("slice", [&] { write_slice_png(picture, field); });
+  expect_limit_error("slice_plane", [&] { slice_plane(field); });
   expect_limit_error("picture", [&] { write_mesh_png(picture, kMesh, {.width = 16, .height = 16}); });
 }
 

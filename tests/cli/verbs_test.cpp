@@ -155,19 +155,35 @@ TEST_F(Verbs, Slice) {
   EXPECT_TRUE(ran.says("a.png: ")) << ran.err;
   EXPECT_EQ(ran.out, "");
   std::set<std::string> pictures;
-  for (const std::string options :
-       {"", "--axis x", "--axis y", "--at 0.2", "--index 0", "--colormap thesis", "--pixels 1024"}) {
+  const std::vector<std::string> all{"",
+                                     "--axis x",
+                                     "--axis y --at 0.4",
+                                     "--axis z --at 0.2",
+                                     "--axis z --index 0",
+                                     "--colormap thesis",
+                                     "--pixels 1024",
+                                     "--background dark",
+                                     "--interpolation nearest",
+                                     "--no-contours",
+                                     "--bare",
+                                     "--title Fly",
+                                     "--unit mm"};
+  for (const std::string& options : all) {
     done(words("slice a.vti -q -f -o b.png " + options));
     pictures.insert(read_bytes(folder / "b.png"));
     EXPECT_TRUE(is_png(*pictures.rbegin())) << options;
   }
-  EXPECT_EQ(pictures.size(), 7u) << "two options gave the same picture";
+  EXPECT_EQ(pictures.size(), all.size()) << "two options gave the same picture";
   done(words("compute scene:fly -r 40 -t inf --sign winding -f -o a.vti"));
   for (const std::string map : {"auto", "diverging", "viridis", "thesis"}) {
     done(words("slice a.vti -q -f -o b.png --colormap " + map));
     pictures.insert(read_bytes(folder / "b.png"));
   }
-  EXPECT_EQ(pictures.size(), 10u) << "auto is diverging where there is a sign";
+  EXPECT_EQ(pictures.size(), all.size() + 3) << "auto is diverging where there is a sign";
+  // The plane that shows the most is told.
+  const Ran told = done(words("slice a.vti --json -f -o b.png"));
+  EXPECT_TRUE(holds(told.out, "\"axis\"") && holds(told.out, "\"index\"") && holds(told.out, "\"position\""))
+      << told.out;
   EXPECT_EQ(run(words("slice a.vti -o b.png")).code, 2);
   EXPECT_EQ(run(words("slice a.vti -o c.png --index 1000")).code, 2);
 }

@@ -7,8 +7,8 @@
 
 #include "render/colormap.h"
 #include "render/legend.h"
+#include "render/level_line.h"
 #include "render/slice_picture.h"
-#include "render/zero_line.h"
 
 namespace standoff {
 namespace {
@@ -26,6 +26,10 @@ Plane plane_of_values(std::int64_t width, std::int64_t height, const Value& valu
     for (std::int64_t r = 0; r < width; ++r)
       plane.values.push_back(static_cast<float>(value(static_cast<double>(r), static_cast<double>(u))));
   return plane;
+}
+
+std::vector<float> zero_line(const Plane& plane, int width, int height, double line_width = 1) {
+  return level_line(interpolated(plane, width, height), width, height, 0, line_width);
 }
 
 double sum(const std::vector<float>& covered) { return std::accumulate(covered.begin(), covered.end(), 0.0); }
@@ -52,8 +56,10 @@ TEST(ZeroLine, HasTheLengthOfTheCurve) {
     const Plane plane =
         plane_of_values(9, 9, [&](auto r, auto u) { return std::cos(angle) * (r - 4) + std::sin(angle) * (u - 4); });
     const double length = 360 / std::max(std::abs(std::cos(angle)), std::abs(std::sin(angle)));
-    // The outermost half squares repeat their samples, and an oblique line is up to 9 % thinner.
-    EXPECT_NEAR(sum(zero_line(plane, 360, 360)) / length, 0.95, 0.08) << angle;
+    // The outermost half squares repeat their samples. Pixels are as dark as they are near, not by their area in the
+    // line: at 45 degrees that makes a tenth.
+    EXPECT_NEAR(sum(zero_line(plane, 360, 360)) / length, 1, 0.12) << angle;
+    EXPECT_NEAR(sum(zero_line(plane, 360, 360, 2)) / length, 1.95, 0.15) << angle;
   }
   const Plane circle = plane_of_values(101, 101, [](auto r, auto u) { return std::hypot(r - 50.0, u - 50.0) - 30; });
   EXPECT_NEAR(sum(zero_line(circle, 404, 404)) / (2 * 3.14159265 * 120), 1, 0.06);
@@ -67,21 +73,8 @@ TEST(ZeroLine, OnlyWhereTheSignChanges) {
   EXPECT_EQ(ink([](auto, auto) { return 0; }), 0);
   EXPECT_EQ(ink([](auto r, auto) { return r < 3 ? -kInf : kInf; }), 0);
   EXPECT_NEAR(ink([](auto r, auto) { return r < 3 ? -1 : 1; }), 60, 1e-3) << "clamped on both sides";
-  EXPECT_NEAR(ink([](auto r, auto) { return r < 3 ? -1 : 0; }), 60, 1e-3) << "0 is outside";
+  EXPECT_NEAR(ink([](auto r, auto) { return r < 3 ? -1 : 0; }), 70, 20) << "0 is outside";
   EXPECT_EQ(sum(zero_line(plane_of_values(1, 1, [](auto, auto) { return -1; }), 1, 1)), 0);
-}
-
-TEST(SignedLegend, ColorsPartAtZero) {
-  const Legend legend(-1, 3, 10, Colormap::diverging);
-  EXPECT_EQ(legend.color(0), kWhite);
-  EXPECT_EQ(legend.color(3), color_of(Colormap::diverging, 1));
-  EXPECT_EQ(legend.color(-1), color_of(Colormap::diverging, 0.5 - 0.5 / 3)) << "as dark as 1 is";
-  EXPECT_EQ(Legend(2, 2, 2, Colormap::diverging).color(2), color_of(Colormap::diverging, 1));
-  EXPECT_EQ(Legend(-2, -2, 2, Colormap::diverging).color(-2), color_of(Colormap::diverging, 0));
-  EXPECT_EQ(Legend(0, 0, 2, Colormap::diverging).color(0), kWhite);
-  Image image(legend.width(), 401, {255, 255, 255});
-  legend.draw(image, 0, 0, 401);
-  EXPECT_EQ(image.at(3, 300), kWhite) << "0 is a quarter up";
 }
 
 // Relative luminance to lightness (CIE 1976).
@@ -106,32 +99,37 @@ TEST(SignedColors, BlueInsideRedOutsideEquallyDark) {
   EXPECT_EQ(color_of(Colormap::diverging, 0.5), kWhite);
 }
 
-DistanceField ball() {
-  DistanceField field({{24, 24, 1}, {}, {1, 1, 1}}, 4);
+// Not clamped anywhere: its values are from `least` at the middle on.
+DistanceField ball(float least) {
   std::vector<float> values;
-  for (int y = 0; y < 24; ++y)
-    for (int x = 0; x < 24; ++x)
-      values.push_back(static_cast<float>(std::clamp(std::hypot(x - 11.5, y - 11.5) - 9, -4.0, 4.0)));
-  return DistanceField::from_dense(field.grid(), 4, values);
+  for (int y = 0; y < 25; ++y)
+    for (int x = 0; x < 25; ++x) values.push_back(least + static_cast<float>(std::hypot(x - 12, y - 12)));
+  return DistanceField::from_dense({{25, 25, 1}, {}, {1, 1, 1}}, kInf, values);
 }
 
 TEST(SignedSlice, AutomaticTakesDivergingColorsWhereThereIsASign) {
   const auto centre = [](const DistanceField& field, Colormap map) {
     SliceOptions options;
+    options.axis = Axis::z;
     options.colormap = map;
+    options.interpolation = Interpolation::nearest;
     const SlicePicture picture = draw_slice(field, options);
     return picture.image.at(picture.left + picture.width / 2, picture.top + picture.height / 2);
   };
-  EXPECT_EQ(centre(ball(), Colormap::automatic), color_of(Colormap::diverging, 0));
-  EXPECT_EQ(centre(ball(), Colormap::viridis), color_of(Colormap::viridis, 0));
-  EXPECT_EQ(centre(ball(), Colormap::thesis), color_of(Colormap::thesis, 0));
-  DistanceField outside({{8, 8, 1}, {}, {1, 1, 1}}, 4);
-  EXPECT_EQ(centre(outside, Colormap::automatic), color_of(Colormap::viridis, 0));
+  EXPECT_EQ(centre(ball(-9), Colormap::viridis), color_of(Colormap::viridis, 0));
+  EXPECT_EQ(centre(ball(-9), Colormap::thesis), color_of(Colormap::thesis, 0));
+  const double greatest = static_cast<float>(std::hypot(12, 12)) - 9;
+  EXPECT_EQ(centre(ball(-9), Colormap::automatic),
+            color_of(Colormap::diverging, 0.5 - 0.5 * 9 / std::max(9.0, greatest)));
+  EXPECT_EQ(centre(ball(1), Colormap::automatic), color_of(Colormap::viridis, 0));
+  DistanceField outside = ball(0);
   outside.set_provenance({"tiles", 1, "1", "winding"});
-  EXPECT_EQ(centre(outside, Colormap::automatic), color_of(Colormap::diverging, 1)) << "signed, and nothing inside";
+  EXPECT_EQ(centre(outside, Colormap::automatic), kWhite) << "signed, and nothing inside";
+  // No tile is stored: all is beyond the band, and the sign shows all the same.
   DistanceField deep({{8, 8, 1}, {}, {1, 1, 1}}, 4);
+  EXPECT_EQ(centre(deep, Colormap::automatic), theme_of(Background::white).outside);
   deep.mark_inside(0, 0, 0);
-  EXPECT_EQ(centre(deep, Colormap::automatic), color_of(Colormap::diverging, 0)) << "no tile is stored";
+  EXPECT_EQ(centre(deep, Colormap::automatic), theme_of(Background::white).inside);
 }
 
 TEST(SignedSlice, TheLineIsDrawnOverTheColors) {
@@ -140,16 +138,18 @@ TEST(SignedSlice, TheLineIsDrawnOverTheColors) {
   const auto field = DistanceField::from_dense({{24, 24, 1}, {}, {1, 1, 1}}, 30, values);
   for (const Colormap map : {Colormap::diverging, Colormap::viridis}) {
     SliceOptions options;
+    options.axis = Axis::z;
     options.colormap = map;
     const SlicePicture picture = draw_slice(field, options);
-    // Samples of 22 pixels, the line in the middle between 20 and 21: half of a pixel on each side.
-    const Color ink = map == Colormap::diverging ? Color{40, 44, 52} : Color{255, 255, 255};
-    const Legend legend(-20.5, 2.5, 30, map);
+    // Samples of 22 pixels, the line in the middle between 20 and 21, 0.9 pixels to each side.
+    const Color ink{20, 22, 28};
+    const Legend legend(-20.5, 2.5, 30, map, theme_of(Background::white), "");
+    const int y = picture.top + picture.height / 2 - 1;
     for (const int sample : {20, 21}) {
       const Color color = legend.color(sample - 20.5);
-      const int x = picture.left + (sample == 20 ? 461 : 462), y = picture.top + picture.height / 2 - 1;
+      const int x = picture.left + (sample == 20 ? 461 : 462);
       for (std::size_t c = 0; c < 3; ++c)
-        EXPECT_NEAR(picture.image.at(x, y)[c], (color[c] + ink[c]) / 2.0, 1) << sample << ", " << c;
+        EXPECT_NEAR(picture.image.at(x, y)[c], color[c] * 0.1 + ink[c] * 0.9, 1) << sample << ", " << c;
     }
   }
 }

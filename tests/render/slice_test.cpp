@@ -5,12 +5,13 @@
 
 #include <cstdlib>
 #include <limits>
+#include <set>
 
+#include "render/axis_scale.h"
 #include "render/colormap.h"
-#include "render/legend.h"
 #include "render/slice_picture.h"
+#include "render/ticks.h"
 #include "tests/io/field/odd_field.h"
-#include "tests/support/comma_locale.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/paths.h"
 #include "tests/support/temp_folder.h"
@@ -18,7 +19,7 @@
 namespace standoff {
 namespace {
 
-constexpr Color kGrey{178, 178, 178};
+constexpr Theme kTheme = theme_of(Background::white);
 
 // The color of the sample that is `right` and `up` from the plane's lower left one.
 Color sample(const SlicePicture& picture, const Plane& plane, std::int64_t right, std::int64_t up) {
@@ -48,7 +49,12 @@ void expect_colors(const DistanceField& field, const SliceOptions& options,
 TEST(Slice, EverySampleHasItsPlaceAndColor) {
   const DistanceField field = odd_field();
   for (const Colormap map : {Colormap::viridis, Colormap::thesis}) {
-    SliceOptions options{Axis::z, 0.5, std::nullopt, map, 512};
+    SliceOptions options;
+    options.axis = Axis::z;
+    options.at = 0.5;
+    options.colormap = map;
+    options.interpolation = Interpolation::nearest;
+    options.contours = false;
     expect_colors(field, options, [&](auto r, auto u) { return field.value(r, u, 10); });
     options.axis = Axis::y;
     expect_colors(field, options, [&](auto r, auto u) { return field.value(r, 4, u); });
@@ -61,6 +67,7 @@ TEST(Slice, EverySampleHasItsPlaceAndColor) {
 
 TEST(Slice, EndsOfTheColormapsAreEndsOfTheValues) {
   SliceOptions options;
+  options.axis = Axis::z;
   const Plane plane = plane_of(odd_field(), options);
   SlicePicture picture = draw_slice(odd_field(), options);
   EXPECT_EQ(sample(picture, plane, 0, 0), (Color{68, 1, 84}));
@@ -87,13 +94,19 @@ TEST(Slice, PlacesRoundToTheNearestSample) {
   EXPECT_EQ(index(Axis::y, 1), 8);
   SliceOptions options;
   options.index = 3;
+  options.axis = Axis::z;
   EXPECT_EQ(plane_of(field, options).position, 1e6 + 6);
+  const SlicePlane chosen = slice_plane(field, options);
+  EXPECT_EQ(chosen.axis, Axis::z);
+  EXPECT_EQ(chosen.index, 3);
+  EXPECT_EQ(chosen.position, 1e6 + 6);
   EXPECT_EQ(index(Axis::z, 0.5), 10);
 }
 
 TEST(Slice, SidesAreEnlargedByWholeFactorsAndTrueToSpace) {
   const auto size = [](Size3 samples, Vec3 spacing, int pixels = 512) {
     SliceOptions options;
+    options.axis = Axis::z;
     options.pixels = pixels;
     const SlicePicture picture = draw_slice(DistanceField({samples, {}, spacing}, 1), options);
     return std::pair(picture.width, picture.height);
@@ -109,88 +122,182 @@ TEST(Slice, SidesAreEnlargedByWholeFactorsAndTrueToSpace) {
   EXPECT_EQ(size({100, 1, 1}, {1e9, 1, 1}), std::pair(8192, 1));
 }
 
-TEST(Slice, InfiniteValuesAreGrey) {
+TEST(Slice, WhatIsBeyondTheBandIsGreyAndDarkerInside) {
+  const DistanceField field = ball_field();  // clamped at 2
+  SliceOptions options;
+  options.axis = Axis::z;
+  options.index = 40;
+  const Plane plane = plane_of(field, options);
+  for (const Background background : {Background::white, Background::dark}) {
+    options.background = background;
+    const SlicePicture picture = draw_slice(field, options);
+    const Theme theme = theme_of(background);
+    EXPECT_EQ(sample(picture, plane, 20, 21), theme.inside);
+    EXPECT_EQ(sample(picture, plane, 50, 3), theme.outside);
+    const Color at_surface = sample(picture, plane, 36, 21);
+    EXPECT_NE(at_surface, theme.inside);
+    EXPECT_NE(at_surface, theme.outside);
+    EXPECT_EQ(picture.image.at(2, 2), theme.paper);
+  }
+}
+
+TEST(Slice, InfiniteValuesAreGreyAndNoNumbersPink) {
   // Tiles from x = 8 on are absent: infinite.
   DistanceField field({{16, 8, 1}, {}, {1, 1, 1}}, kInfinite);
   const auto tile = field.store_tile(0, 0, 0);
   for (int n = 0; n < DistanceField::kTileSamples; ++n) tile[n] = static_cast<float>(n % 8);
-  const Plane plane = plane_of(field, {});
-  const SlicePicture picture = draw_slice(field, {});
+  tile[3 + 8 * 4] = std::numeric_limits<float>::quiet_NaN();
+  SliceOptions options;
+  options.axis = Axis::z;
+  const Plane plane = plane_of(field, options);
+  const SlicePicture picture = draw_slice(field, options);
   EXPECT_EQ(sample(picture, plane, 0, 0), (Color{68, 1, 84}));
   EXPECT_EQ(sample(picture, plane, 7, 7), (Color{253, 231, 37}));
-  EXPECT_EQ(sample(picture, plane, 8, 0), kGrey);
-  const SlicePicture nothing = draw_slice(DistanceField({{16, 8, 1}, {}, {1, 1, 1}}, kInfinite), {});
-  EXPECT_EQ(sample(nothing, plane, 0, 0), kGrey);
+  EXPECT_EQ(sample(picture, plane, 8, 0), kTheme.outside);
+  EXPECT_EQ(sample(picture, plane, 3, 4), kTheme.nothing);
+  options.interpolation = Interpolation::linear;
+  EXPECT_EQ(sample(draw_slice(field, options), plane, 3, 4), kTheme.nothing);
+  const SlicePicture nothing = draw_slice(DistanceField({{16, 8, 1}, {}, {1, 1, 1}}, kInfinite), options);
+  EXPECT_EQ(sample(nothing, plane, 0, 0), kTheme.outside);
   // Without finite values there is no legend beside the plane.
   EXPECT_LT(nothing.image.width, picture.image.width);
 }
 
 TEST(Slice, ConstantPlanesHaveOneColor) {
-  const DistanceField field({{4, 4, 1}, {}, {1, 1, 1}}, 3);
+  DistanceField field({{4, 4, 1}, {}, {1, 1, 1}}, 3);
+  EXPECT_EQ(sample(draw_slice(field, {}), plane_of(field, {}), 2, 2), kTheme.outside) << "clamped";
+  std::ranges::fill(field.store_tile(0, 0, 0), 1.0f);
   EXPECT_EQ(sample(draw_slice(field, {}), plane_of(field, {}), 2, 2), (Color{68, 1, 84}));
 }
 
-TEST(Slice, TheLegendShowsTheColorsBesideThePlane) {
-  const SlicePicture picture = draw_slice(odd_field(), {});
-  const Image& image = picture.image;
-  const int bar = picture.left + picture.width + 28 + 12;
-  EXPECT_EQ(image.at(bar, picture.top), color_of(Colormap::viridis, 1 - 0.5 / picture.height));
-  EXPECT_EQ(image.at(bar, picture.top + picture.height - 1), color_of(Colormap::viridis, 0.5 / picture.height));
-  EXPECT_EQ(image.at(bar, picture.top + picture.height / 4), color_of(Colormap::viridis, 0.75));
-  // Numbers stand beside both ends, and words above the plane.
-  const auto has_ink = [&](int left, int top, int right, int bottom) {
-    for (int y = top; y < bottom; ++y)
-      for (int x = left; x < right; ++x)
-        if (image.at(x, y)[0] < 120) return true;
-    return false;
+// 2 at the left and 6 at the right of 8 samples.
+DistanceField ramp() {
+  std::vector<float> values;
+  for (int n = 0; n < 8 * 8; ++n) values.push_back(2 + static_cast<float>(n % 8) * (4.0f / 7));
+  return DistanceField::from_dense({{8, 8, 1}, {}, {1, 1, 1}}, kInfinite, values);
+}
+
+TEST(Slice, ValuesAreSquaresOrLinearBetweenSamples) {
+  SliceOptions options;
+  options.axis = Axis::z;
+  options.contours = false;
+  const auto colors = [&](Interpolation interpolation, int pixels) {
+    options.interpolation = interpolation;
+    options.pixels = pixels;
+    const SlicePicture picture = draw_slice(ramp(), options);
+    std::set<Color> found;
+    for (int x = 0; x < picture.width; ++x) found.insert(picture.image.at(picture.left + x, picture.top + 5));
+    return found.size();
   };
-  EXPECT_TRUE(has_ink(bar + 22, picture.top, image.width, picture.top + 14));
-  EXPECT_TRUE(has_ink(bar + 22, picture.top + picture.height - 14, image.width, picture.top + picture.height));
-  EXPECT_TRUE(has_ink(20, 20, 200, 34));
-  EXPECT_FALSE(has_ink(0, 0, 20, image.height));
-  EXPECT_FALSE(has_ink(image.width - 20, 0, image.width, image.height));
+  EXPECT_EQ(colors(Interpolation::nearest, 88), 8u);
+  EXPECT_GT(colors(Interpolation::linear, 88), 60u);
+  EXPECT_GT(colors(Interpolation::automatic, 88), 60u) << "11 pixels for a sample";
+  EXPECT_EQ(colors(Interpolation::automatic, 96), 8u) << "12 pixels for a sample";
 }
 
-TEST(Legend, CopesWithAnyRange) {
-  constexpr double kLargest = std::numeric_limits<float>::max(), kTiny = std::numeric_limits<float>::denorm_min();
-  const std::vector<std::pair<double, double>> ranges{
-      {0, 1}, {0, kLargest}, {-kLargest, kLargest}, {0, kTiny},          {1e6, 1e6 + 0.1}, {-3, -2},
-      {0, 0}, {5, 5},        {-1e-20, 1e20},        {16777215, 16777216}};
-  for (const auto& [least, greatest] : ranges) {
-    const Legend legend(least, greatest, kInfinite, Colormap::viridis);
-    Image image(legend.width(), 300, {255, 255, 255});
-    legend.draw(image, 0, 0, 300);
-    EXPECT_LT(legend.width(), 400);
-    EXPECT_EQ(legend.color(least), (Color{68, 1, 84}));
-    if (greatest > least) {
-      EXPECT_EQ(legend.color(greatest), (Color{253, 231, 37}));
-    }
-    EXPECT_EQ(legend.color(kInfinite), kGrey);
+TEST(Slice, ContoursAreWhereTheLegendHasNumbers) {
+  SliceOptions options;
+  options.axis = Axis::z;
+  options.interpolation = Interpolation::linear;
+  const SlicePicture with = draw_slice(ramp(), options);
+  options.contours = false;
+  const SlicePicture without = draw_slice(ramp(), options);
+  // Samples are 64 pixels, so values rise by 4 over 448 pixels, from the middle of the first square on.
+  std::set<int> lines;
+  for (int x = 0; x < with.width; ++x)
+    if (with.image.at(with.left + x, with.top + 100) != without.image.at(without.left + x, without.top + 100))
+      lines.insert(x);
+  std::set<int> expected;
+  for (const double level : {2.5, 3.0, 3.5, 4.0, 4.5, 5.0, 5.5}) {
+    const double at = 32 + (level - 2) * 112;
+    expected.insert(static_cast<int>(at) - 1);
+    expected.insert(static_cast<int>(at));
   }
-  // What is clamped says so.
-  const auto width = [](double thickness) { return Legend(-2, 2, thickness, Colormap::viridis).width(); };
-  EXPECT_GT(width(2), width(3));
-  EXPECT_GT(Legend(-2, 1, 2, Colormap::viridis).width(), Legend(-2, 1, 3, Colormap::viridis).width()) << "inside";
+  EXPECT_EQ(lines, expected);
 }
 
-TEST(Legend, NumbersAreShort) {
-  EXPECT_EQ(short_text(-0.0, 4), "0");
-  EXPECT_EQ(short_text(0.30000000000000004, 4), "0.3");
-  EXPECT_EQ(short_text(1234567, 4), "1.235e+06");
+TEST(Slice, NothingBesidesTheBarePlane) {
+  SliceOptions options;
+  options.axis = Axis::z;
+  const SlicePicture whole = draw_slice(ramp(), options);
+  options.bare = true;
+  const SlicePicture bare = draw_slice(ramp(), options);
+  EXPECT_EQ(std::pair(bare.image.width, bare.image.height), std::pair(512, 512));
+  for (int y = 0; y < 512; y += 7)
+    for (int x = 0; x < 512; ++x)
+      ASSERT_EQ(bare.image.at(x, y), whole.image.at(whole.left + x, whole.top + y)) << x << ", " << y;
 }
 
-// "0,30" stood beside the colours where the program that draws had set such a locale.
-TEST(Legend, NumbersDoNotFollowTheLocale) {
-  const CommaLocale locale;
-  if (!locale.is_set()) GTEST_SKIP() << "no localedef here";
-  EXPECT_EQ(short_text(0.3, 4), "0.3");
-  EXPECT_EQ(short_text(1234567, 4), "1.235e+06");
-  EXPECT_EQ(short_text(12345, 6), "12345");
+// How many pixels of a part of a picture are not paper.
+int ink_in(const Image& image, int left, int top, int right, int bottom) {
+  int count = 0;
+  for (int y = std::max(0, top); y < std::min(bottom, image.height); ++y)
+    for (int x = std::max(0, left); x < std::min(right, image.width); ++x) count += image.at(x, y) != kTheme.paper;
+  return count;
+}
+
+TEST(Slice, WordsStandAroundThePlaneAndInsideThePicture) {
+  SliceOptions options;
+  options.title = "Ramp";
+  for (const auto& field : {odd_field(), ramp(), ball_field()}) {
+    const SlicePicture picture = draw_slice(field, options);
+    const Image& image = picture.image;
+    const int right = picture.left + picture.width, bottom = picture.top + picture.height;
+    EXPECT_GT(ink_in(image, 0, 0, image.width, picture.top - 30), 100) << "title";
+    EXPECT_GT(ink_in(image, 0, picture.top, picture.left, bottom), 20) << "numbers upwards";
+    EXPECT_GT(ink_in(image, picture.left, bottom, right, image.height), 20) << "numbers to the right";
+    EXPECT_GT(ink_in(image, right + 40, picture.top, image.width, bottom), 50) << "numbers of the legend";
+    EXPECT_EQ(ink_in(image, 0, 0, 8, image.height), 0);
+    EXPECT_EQ(ink_in(image, image.width - 8, 0, image.width, image.height), 0);
+    EXPECT_EQ(ink_in(image, 0, 0, image.width, 8), 0);
+    EXPECT_EQ(ink_in(image, 0, image.height - 8, image.width, image.height), 0);
+  }
+}
+
+TEST(Slice, UnitsAndTitlesAreWritten) {
+  const auto picture = [](auto change) {
+    SliceOptions options;
+    options.axis = Axis::z;
+    change(options);
+    return draw_slice(ramp(), options).image;
+  };
+  const Image plain = picture([](auto&) {});
+  EXPECT_GT(picture([](auto& o) { o.title = "Ramp"; }).height, plain.height);
+  EXPECT_NE(picture([](auto& o) { o.unit = "mm"; }).pixels, plain.pixels);
+  // Whatever the bytes are, and however many.
+  EXPECT_GT(picture([](auto& o) { o.title = std::string(200, 'm'); }).width, plain.width);
+  for (const std::string words : {"\xff\xfe\x80", "\n\t", "\xF0\x9F\x90"})
+    EXPECT_NE(picture([&](auto& o) { o.title = words; }).pixels, plain.pixels);
+}
+
+TEST(Slice, OddExtentsAreDrawn) {
+  for (const double spacing : {1e-30, 1e-7, 1.0, 1e9, 1e30})
+    for (const double origin : {0.0, -3.25, 1e6, -1e30})
+      for (const Size3 size : {Size3{8, 8, 1}, Size3{1, 8, 1}, Size3{1, 1, 1}, Size3{40, 2, 3}}) {
+        DistanceField field({size, {origin, origin, origin}, {spacing, spacing, spacing}}, kInfinite);
+        const auto tile = field.store_tile(0, 0, 0);
+        for (int n = 0; n < DistanceField::kTileSamples; ++n) tile[n] = static_cast<float>(spacing * (n % 64 - 20));
+        const SlicePicture picture = draw_slice(field, {});
+        EXPECT_LT(picture.image.width, 512 + 500) << spacing << " " << origin;
+        EXPECT_LT(picture.image.height, 512 + 400) << spacing << " " << origin;
+      }
+}
+
+TEST(AxisScale, NumbersAreWhereTheirSamplesAre) {
+  const AxisScale scale("x", -1, 0.25, 9, 90, 1);  // samples from -1 to 1, ten pixels each
+  EXPECT_EQ(scale.place_of(-1), 5);
+  EXPECT_EQ(scale.place_of(1), 85);
+  std::vector<std::string> labels;
+  for (const Tick& tick : scale.ticks()) labels.push_back(tick.label);
+  EXPECT_EQ(labels, (std::vector<std::string>{"−1", "0", "1"})) << "as many as have room";
+  EXPECT_TRUE(AxisScale("x", 0, 1, 1, 1, 1).ticks().empty()) << "no room at all";
+  EXPECT_GE(AxisScale("x", 1e6, 0.001, 100, 500, 1).ticks().size(), 2u);
 }
 
 TEST(Slice, OptionsOutOfRangeAreRefused) {
   const auto refused = [](auto change, const std::string& words) {
     SliceOptions options;
+    options.axis = Axis::z;
     change(options);
     expect_error([&] { draw_slice(odd_field(), options); }, ErrorCode::usage, words);
   };
@@ -199,6 +306,9 @@ TEST(Slice, OptionsOutOfRangeAreRefused) {
   refused([](auto& o) { o.at = std::numeric_limits<double>::quiet_NaN(); }, "the place must be 0");
   refused([](auto& o) { o.index = -1; }, "sample -1 is outside the field, which has 21 along that axis");
   refused([](auto& o) { o.index = 21; }, "sample 21 is outside the field, which has 21 along that axis");
+  refused([](auto& o) { o.axis.reset(), o.index = 21; },
+          "sample 21 is outside the field, which has 21 along that axis");
+  refused([](auto& o) { o.axis = static_cast<Axis>(7); }, "there is no such axis");
   refused([](auto& o) { o.pixels = 0; }, "the picture's size must be 1 to 8192 pixels");
   refused([](auto& o) { o.pixels = 8193; }, "the picture's size must be 1 to 8192 pixels");
 }
@@ -212,8 +322,10 @@ TEST(Slice, BecomesAFileThatOthersRead) {
     expect_error([&] { write_slice_png(folder / "a.png", odd_field()); }, ErrorCode::usage, "pictures need libpng");
     GTEST_SKIP() << "built without libpng";
   }
-  write_slice_png(folder / "a.png", odd_field());
-  const SlicePicture picture = draw_slice(odd_field(), {});
+  SliceOptions options;
+  options.axis = Axis::z;
+  write_slice_png(folder / "a.png", odd_field(), options);
+  const SlicePicture picture = draw_slice(odd_field(), options);
   const int x = picture.left + 3, y = picture.top + picture.height - 3;
   const std::string command = std::string(kPython) +
                               " -B -c 'import sys; from vtkmodules.vtkIOImage import vtkPNGReader; r = vtkPNGReader(); "
