@@ -9,6 +9,7 @@
 
 #include "core/guarded.h"
 #include "render/axis_scale.h"
+#include "render/band_edge.h"
 #include "render/legend.h"
 #include "render/level_line.h"
 #include "render/text.h"
@@ -19,7 +20,6 @@ namespace {
 
 constexpr int kMaxSide = 8192;
 constexpr double kUsualSide = 640;  // of a plane that words of usual size stand beside; greater ones have greater words
-constexpr double kEdge = 0.25;      // spacings by which a drawn band is thinner, see draw_between
 constexpr double kSquareSide = 12;  // samples of so many pixels are shown as squares
 // Pixels at scale 1.
 constexpr double kMargin = 20, kGap = 26, kTitle = 19, kTitleLine = 27, kText = 14, kTextLine = 26;
@@ -80,14 +80,12 @@ void draw_squares(const Plane& plane, const Legend& legend, SlicePicture& pictur
     }
 }
 
-// Where some samples of a cell are clamped, values between them come near the thickness: the band ends a little before
-// it, which makes its edge as smooth as a contour.
-void draw_between(const Plane& plane, const std::vector<float>& between, double thickness, const Legend& legend,
+void draw_between(const Plane& plane, const std::vector<float>& between, float thickness, const Legend& legend,
                   const Theme& theme, SlicePicture& picture) {
-  const double end = thickness - std::min(kEdge * std::min(plane.step_right, plane.step_up), thickness / 2);
   const auto [width, height] = std::pair(picture.width, picture.height);
-  const std::vector<float> outside = share_above(between, width, height, end);
-  const std::vector<float> not_inside = share_above(between, width, height, -end);
+  const std::vector<float> edge = interpolated(beyond_band(plane, thickness), width, height);
+  const std::vector<float> outside = share_above(edge, width, height, thickness);
+  const std::vector<float> not_inside = share_above(edge, width, height, std::nextafter(-thickness, 0.0f));
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const std::size_t n = static_cast<std::size_t>(y) * width + x;
@@ -167,8 +165,9 @@ SlicePicture draw_slice(const DistanceField& field, const SliceOptions& options)
   if (map == Colormap::automatic) map = is_signed ? Colormap::diverging : Colormap::viridis;
   const Range range = finite_range(plane);
   const Theme theme = theme_of(options.background);
-  const Legend legend(range.empty() ? 0 : range.least, range.empty() ? 0 : range.greatest,
-                      static_cast<float>(field.thickness()), map, theme, with_unit("distance", options.unit));
+  const auto thickness = static_cast<float>(field.thickness());  // as values are clamped to it
+  const Legend legend(range.empty() ? 0 : range.least, range.empty() ? 0 : range.greatest, thickness, map, theme,
+                      with_unit("distance", options.unit));
 
   SlicePicture picture{Image(extent.width, extent.height, theme.paper), 0, 0, extent.width, extent.height};
   Layout layout;
@@ -195,7 +194,7 @@ SlicePicture draw_slice(const DistanceField& field, const SliceOptions& options)
   if (squares)
     draw_squares(plane, legend, picture);
   else
-    draw_between(plane, between, field.thickness(), legend, theme, picture);
+    draw_between(plane, between, thickness, legend, theme, picture);
   // Words grow with the picture, lines do not grow beyond what is drawn well.
   const double line = std::min(layout.scale, 2 / kZeroLine);
   if (options.contours && !squares)

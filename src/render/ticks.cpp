@@ -36,14 +36,14 @@ double decimal(std::int64_t whole, int exponent) {
 
 // whole / 10^decimals in digits.
 std::string fixed(std::int64_t whole, int decimals) {
-  std::string digits = std::to_string(std::abs(whole));
-  if (decimals > 0) {
-    const auto places = static_cast<std::size_t>(decimals);
-    if (digits.size() <= places) digits.insert(0, places + 1 - digits.size(), '0');
-    digits.insert(digits.size() - places, ".");
-  }
-  digits.append(static_cast<std::size_t>(std::max(0, -decimals)), '0');
-  return (whole < 0 ? std::string(kMinus) : "") + digits;
+  const auto places = static_cast<std::size_t>(std::max(0, decimals));
+  std::string digits =
+      std::to_string(std::abs(whole)) + std::string(static_cast<std::size_t>(std::max(0, -decimals)), '0');
+  if (digits.size() <= places) digits = std::string(places + 1 - digits.size(), '0') + digits;
+  std::string text(whole < 0 ? kMinus : "");
+  text += digits.substr(0, digits.size() - places);
+  if (places > 0) text.append(1, '.').append(digits, digits.size() - places);
+  return text;
 }
 
 struct Step {

@@ -163,8 +163,8 @@ TEST_F(Verbs, Slice) {
                                      "--colormap thesis",
                                      "--pixels 1024",
                                      "--background dark",
-                                     "--interpolation nearest",
-                                     "--no-contours",
+                                     "--interpolation linear",
+                                     "--interpolation linear --no-contours",
                                      "--bare",
                                      "--title Fly",
                                      "--unit mm"};

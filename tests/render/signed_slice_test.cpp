@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "render/band_edge.h"
 #include "render/colormap.h"
 #include "render/legend.h"
 #include "render/level_line.h"
@@ -75,6 +76,32 @@ TEST(ZeroLine, OnlyWhereTheSignChanges) {
   EXPECT_NEAR(ink([](auto r, auto) { return r < 3 ? -1 : 1; }), 60, 1e-3) << "clamped on both sides";
   EXPECT_NEAR(ink([](auto r, auto) { return r < 3 ? -1 : 0; }), 70, 20) << "0 is outside";
   EXPECT_EQ(sum(zero_line(plane_of_values(1, 1, [](auto, auto) { return -1; }), 1, 1)), 0);
+}
+
+// Samples of x + 0.3 y, clamped: the band ends on straight lines, whatever the squares of the samples.
+TEST(BandEdge, IsWhereTheValuesWouldReachTheThickness) {
+  const auto value = [](double r, double u) { return 0.8 * (r - 10) + 0.3 * (u - 10); };
+  const Plane clamped = plane_of_values(21, 21, [&](auto r, auto u) { return std::clamp(value(r, u), -4.1, 4.1); });
+  const float thickness = static_cast<float>(4.1);
+  const Plane extended = beyond_band(clamped, thickness);
+  int made_up = 0, exact = 0;
+  for (std::int64_t u = 0; u < 21; ++u)
+    for (std::int64_t r = 0; r < 21; ++r) {
+      const float before = clamped.value(r, u), after = extended.value(r, u);
+      if (std::abs(before) < thickness) {
+        EXPECT_EQ(after, before) << r << ", " << u;
+      }
+      EXPECT_EQ(std::abs(after) >= thickness, std::abs(before) >= thickness) << r << ", " << u;
+      if (after == before) continue;
+      ++made_up;
+      exact += std::abs(after - value(static_cast<double>(r), static_cast<double>(u))) < 1e-5;
+    }
+  // The others have only a diagonal neighbour in the band, or one sample of it before the plane's edge.
+  EXPECT_GT(exact, made_up * 3 / 4);
+  EXPECT_GT(made_up, 40);
+  // Nothing is clamped, and no number is finite.
+  const Plane free = plane_of_values(5, 4, [](auto r, auto) { return r < 2 ? kInf : r; });
+  EXPECT_EQ(beyond_band(free, kInf).values, free.values);
 }
 
 // Relative luminance to lightness (CIE 1976).

@@ -31,7 +31,7 @@ TEST(Ticks, AreRoundNumbers) {
 
 TEST(Ticks, LargeAndSmallOnesShareAPowerOfTen) {
   EXPECT_EQ(labels(0, 3e6, 3), "0 1×10⁶ 2×10⁶ 3×10⁶");
-  EXPECT_EQ(labels(-2.5e-7, 2.5e-7, 2), "−2×10⁻⁷ 0 2×10⁻⁷");
+  EXPECT_EQ(labels(-2.5e-7, 2.5e-7, 3), "−2×10⁻⁷ 0 2×10⁻⁷");
   EXPECT_EQ(labels(0, 1.5e-12, 3), "0 0.5×10⁻¹² 1.0×10⁻¹² 1.5×10⁻¹²");
   EXPECT_EQ(labels(0, 2e300, 2), "0 1×10³⁰⁰ 2×10³⁰⁰");
 }
