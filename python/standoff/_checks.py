@@ -58,6 +58,12 @@ def name(value: Any, what: str) -> str:
     raise TypeError(f"{what}: must be one of the names that the documentation lists, as a string, not {value!r}")
 
 
+def text(value: Any, what: str) -> str:
+    if isinstance(value, str):
+        return value
+    raise TypeError(f"{what}: must be a string, not {value!r}")
+
+
 def path_of(path: Any) -> str:
     """The name of a file that is to be written."""
     try:

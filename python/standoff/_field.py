@@ -10,7 +10,7 @@ import numpy as np
 
 from . import _core
 from ._arrays import Points, dlpack_of, numbers
-from ._checks import PathLike, flag, name, number, path_of, threads_of, whole_number
+from ._checks import PathLike, flag, name, number, path_of, text, threads_of, whole_number
 from ._files import expect_file, packed
 from ._options import Grid, SignReport, memory_limit_of, memory_text
 from ._picture import Picture
@@ -295,13 +295,11 @@ class DistanceField:
         if kind != "slice":
             raise ValueError(f"kind: must be 'slice' or 'surface', not {kind!r}")
         native = self._native()
-        place = name(axis, "axis"), number(at, "at")
-        look = name(colormap, "colormap"), whole_number(pixels, "pixels", bits=32)
-        return Picture.drawn(lambda path: _core.write_slice(native, path, *place, *look))
-        place = None if at is None else number(at, "at")
-        return Picture.drawn(
-            lambda path: _core.write_slice(native, path, axis, place, colormap, background, title, unit, pixels)
-        )
+        place = None if axis is None else name(axis, "axis"), None if at is None else number(at, "at")
+        look = name(colormap, "colormap"), name(background, "background")
+        words = text(title, "title"), text(unit, "unit")
+        size = whole_number(pixels, "pixels", bits=32)
+        return Picture.drawn(lambda path: _core.write_slice(native, path, *place, *look, *words, size))
 
     def _repr_png_(self) -> bytes:
         return bytes(self.plot())

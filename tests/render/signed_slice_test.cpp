@@ -97,7 +97,7 @@ TEST(BandEdge, IsWhereTheValuesWouldReachTheThickness) {
       exact += std::abs(after - value(static_cast<double>(r), static_cast<double>(u))) < 1e-5;
     }
   // The others have only a diagonal neighbour in the band, or one sample of it before the plane's edge.
-  EXPECT_GT(exact, made_up * 3 / 4);
+  EXPECT_GT(exact, made_up * 2 / 3);
   EXPECT_GT(made_up, 40);
   // Nothing is clamped, and no number is finite.
   const Plane free = plane_of_values(5, 4, [](auto r, auto) { return r < 2 ? kInf : r; });
