@@ -25,7 +25,8 @@ class JsonObject {
  public:
   /// `value` is JSON already.
   JsonObject& add(std::string_view name, const std::string& value) {
-    text_ += (text_.empty() ? "" : ",") + json_string(name) + ":" + value;
+    if (!text_.empty()) text_ += ',';
+    text_.append(json_string(name)).append(":").append(value);
     return *this;
   }
   std::string text() const { return "{" + text_ + "}"; }

@@ -195,7 +195,7 @@ CONTRAST = """(() => {
   const behind = e => { for (; e; e = e.parentElement) { const c = bytes(getComputedStyle(e).backgroundColor); if (c[3] > 250) return c.slice(0, 3); }
     return bytes(getComputedStyle(document.documentElement).getPropertyValue('--ground')).slice(0, 3); };
   let worst = {ratio: 99};
-  for (const e of document.querySelectorAll('label, output, summary, dt, dd, h1, kbd, .label, #legend span, #legend .lines, .handle:not([hidden])')) {
+  for (const e of document.querySelectorAll('label, output, summary, dt, dd, h1, kbd, .label, .legend span, .legend .lines, .handle:not([hidden])')) {
     if (!e.textContent.trim() || !e.checkVisibility()) continue;
     const a = light(bytes(getComputedStyle(e).color).slice(0, 3)), b = light(behind(e));
     const ratio = (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);

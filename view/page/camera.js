@@ -58,6 +58,11 @@ export class Camera {
     return aspect > 1 ? [t * aspect, t] : [t, t / aspect];
   }
 
+  /// How large a unit is on a picture so many pixels high; in perspective, at distance 1.
+  pixelsPerUnit(height, aspect) {
+    return height / 2 / this.slopes(aspect)[1] / (this.parallel ? this.distance : 1);
+  }
+
   /// From a point of the picture (-1 to 1, upwards): where a ray starts, and its direction.
   ray(x, y, aspect) {
     const {right, upward, back} = this.axes(), [tx, ty] = this.slopes(aspect), eye = this.eye();

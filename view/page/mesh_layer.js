@@ -88,17 +88,33 @@ export class MeshLayer {
     }
     if (!data) return;
     const positions = makeBuffer(gl, data.lattice);
-    const normals = makeBuffer(gl, normalsOf(data.lattice, data.corners, data.vertices));
+    const normalNumbers = normalsOf(data.lattice, data.corners, data.vertices), normals = makeBuffer(gl, normalNumbers);
     const type = data.bits === 16 ? gl.UNSIGNED_SHORT : gl.FLOAT;
     const attributes = [[0, positions, 3, type], [1, normals, 4, gl.SHORT, true]];
     gl.bindVertexArray(null);
     const whole = makeBuffer(gl, data.corners, gl.ELEMENT_ARRAY_BUFFER);
-    const proxy = data.proxy ? makeBuffer(gl, data.proxyCorners, gl.ELEMENT_ARRAY_BUFFER) : whole;
-    this.meshes.set(id, {
-      data, attributes, edges: null, edgeCount: 0, buffers: [positions, normals, whole, proxy],
-      whole: makeArray(gl, attributes, whole), proxy: makeArray(gl, attributes, proxy),
-      wholeCount: 3 * data.triangles, proxyCount: 3 * (data.proxy || data.triangles), arrays: [],
+    const mesh = {data, attributes, buffers: [positions, normals, whole], whole: makeArray(gl, attributes, whole), arrays: []};
+    mesh.proxy = data.proxy ? this.proxyOf(data, normalNumbers, type, mesh.buffers) : mesh.whole;
+    mesh.arrays.push(mesh.whole, mesh.proxy);
+    this.meshes.set(id, mesh);
+  }
+
+  // Fewer triangles have vertices of their own, side by side: among all of them they would be far apart in memory.
+  proxyOf(data, normals, type, buffers) {
+    const {gl} = this, number = new Map(), corners = data.proxyCorners.map(v => {
+      if (!number.has(v)) number.set(v, number.size);
+      return number.get(v);
     });
+    const lattice = new data.lattice.constructor(3 * number.size), few = new Int16Array(4 * number.size);
+    for (const [v, n] of number) {
+      lattice.set(data.lattice.subarray(3 * v, 3 * v + 3), 3 * n);
+      few.set(normals.subarray(4 * v, 4 * v + 4), 4 * n);
+    }
+    const made = [makeBuffer(gl, lattice), makeBuffer(gl, few)];
+    gl.bindVertexArray(null);
+    const indices = makeBuffer(gl, corners, gl.ELEMENT_ARRAY_BUFFER);
+    buffers.push(...made, indices);
+    return makeArray(gl, [[0, made[0], 3, type], [1, made[1], 4, gl.SHORT, true]], indices);
   }
 
   /// Pieces that the whole mesh is drawn in.
@@ -109,7 +125,7 @@ export class MeshLayer {
     const {gl} = this, mesh = this.meshes.get(id);
     const moving = frame.moving && mesh.data.proxy > 0;
     const first = moving || piece < 0 ? 0 : 3 * kPiece * piece;
-    const most = moving ? mesh.proxyCount : mesh.wholeCount;
+    const most = 3 * (moving ? mesh.data.proxy : mesh.data.triangles);
     const count = piece < 0 ? most - first : Math.min(3 * kPiece, most - first);
     if (count <= 0) return;
     gl.bindVertexArray(moving ? mesh.proxy : mesh.whole);

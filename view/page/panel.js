@@ -37,6 +37,7 @@ export function buildPanel(viewer) {
     });
     controls.contours = slices.toggle({label: 'Contour lines', key: 'l', value: look.contours, changed: v => { look.contours = v; changed(); }});
     add(slices);
+    add(isoSection(viewer, controls, field));
     const colors = new Section('Colours');
     controls.colormap = colors.choice({label: 'Map', value: look.colormap, changed: v => { look.colormap = v; changed(); },
       options: [['auto', 'Auto'], ['viridis', 'Viridis'], ['diverging', 'Diverging'], ['thesis', 'Thesis']]});
@@ -51,6 +52,8 @@ export function buildPanel(viewer) {
       changed: v => { look.mesh.opacity = v; changed(); }});
     controls.shading = mesh.choice({label: 'Shading', value: look.mesh.flat ? 'flat' : 'smooth', options: [['smooth', 'Smooth'], ['flat', 'Flat']],
       changed: v => { look.mesh.flat = v === 'flat'; changed(); }});
+    controls.edges = mesh.choice({label: 'Edges', value: look.mesh.edges, options: [['none', 'None'], ['sharp', 'Sharp'], ['all', 'All']],
+      changed: v => { look.mesh.edges = v; changed(); }});
     if (field) {
       controls.cut = mesh.toggle({label: 'Cut at slices', key: 'k', value: look.mesh.cut, changed: v => { look.mesh.cut = v; changed(); }});
       controls.colored = mesh.toggle({label: 'Colour by field', value: look.mesh.colored, changed: v => { look.mesh.colored = v; changed(); }});
@@ -74,6 +77,34 @@ export function buildPanel(viewer) {
   return controls;
 }
 
+// Where the field has a value, and its samples near the surface.
+function isoSection(viewer, controls, field) {
+  const {look} = viewer, changed = () => viewer.changed();
+  const section = new Section('Isosurface and samples'), [least, greatest] = field.range;
+  const under = (control, on) => {
+    control.element.classList.add('under');
+    control.element.hidden = !on;
+    return control;
+  };
+  controls.iso = section.toggle({label: 'Isosurface', key: 'i', value: look.iso.shown, changed: v => {
+    look.iso.shown = v;
+    controls.isoValue.element.hidden = !v;
+    changed();
+  }});
+  controls.isoValue = under(section.slider({label: 'at', value: look.iso.value, least, greatest, step: 'any', show: v => shown(v, 3),
+    changed: v => { look.iso.value = v; changed(); }}), look.iso.shown);
+  controls.isoValue.input.setAttribute('aria-label', 'value of the isosurface');
+  controls.points = section.toggle({label: 'Samples', key: 'p', value: look.points.shown, changed: v => {
+    look.points.shown = v;
+    controls.band.element.hidden = !v;
+    changed();
+  }});
+  controls.band = under(section.slider({label: 'within', value: look.points.band, least: 0, greatest: Math.max(-least, greatest), step: 'any',
+    show: v => shown(v, 3), changed: v => { look.points.band = v; changed(); }}), look.points.shown);
+  controls.band.input.setAttribute('aria-label', 'how far from the surface samples are shown');
+  return section;
+}
+
 // Shows what keys and handles changed.
 function sync(controls, look) {
   controls.slices?.forEach(({toggle, place}, axis) => {
@@ -81,6 +112,10 @@ function sync(controls, look) {
     place.set(look.slices[axis].at);
     place.element.hidden = !look.slices[axis].shown;
   });
+  for (const [toggle, slider, on] of [[controls.iso, controls.isoValue, look.iso.shown], [controls.points, controls.band, look.points.shown]]) {
+    toggle?.set(on);
+    if (slider) slider.element.hidden = !on;
+  }
   controls.contours?.set(look.contours);
   controls.mesh?.set(look.mesh.shown);
   controls.cut?.set(look.mesh.cut);

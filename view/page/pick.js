@@ -19,18 +19,18 @@ export function pick(scene, camera, {from, direction}) {
     nearest = t;
     best = {kind: 'slice', axis, name: 'xyz'[axis], point: p, triangle: null};
   }
+  const meshes = look.mesh.shown ? [...scene.meshes].filter(([id]) => !scene.bodies.has(id)).map(([, mesh]) => mesh) : [];
+  if (look.iso.shown && scene.field(0)) meshes.push(scene.surface(scene.field(0)));
   const cutAway = t => look.mesh.cut && planes.length > 0 && planes.every(([axis, where]) => {
     const side = eye[axis] >= where ? 1 : -1;
     return (from[axis] + direction[axis] * t - where) * side > 0;
   });
-  if (look.mesh.shown)
-    for (const [id, mesh] of scene.meshes) {
-      if (scene.bodies.has(id)) continue;  // what moves is watched, not measured
-      const hit = mesh.hit(scene.toWorld(from), direction.map(v => v / scene.scale), t => t < nearest && !cutAway(t));
-      if (!hit) continue;
-      nearest = hit.along;
-      best = {kind: 'mesh', name: mesh.name, point: add(from, scaled(direction, nearest)),
-        triangle: mesh.simplified ? null : hit.triangle};
-    }
+  for (const mesh of meshes) {  // but for bodies: what moves is watched, not measured
+    const hit = mesh.hit(scene.toWorld(from), direction.map(v => v / scene.scale), t => t < nearest && !cutAway(t));
+    if (!hit) continue;
+    nearest = hit.along;
+    best = {kind: 'mesh', name: mesh.name, point: add(from, scaled(direction, nearest)),
+      triangle: mesh.simplified ? null : hit.triangle};
+  }
   return best && {...best, scene: best.point, point: scene.toWorld(best.point)};
 }

@@ -6,7 +6,7 @@ import {makeArray, makeProgram} from './gl.js';
 const kRest = 160;            // milliseconds without a change after which the picture is at rest
 const kQuick = 45, kIdle = 14;  // a moving frame that takes longer is drawn more coarsely, a shorter one more finely
 const kPasses = 10;
-const kSmoothing = 1500;      // milliseconds that smoothing may take
+const kSmoothing = 2500;      // milliseconds that smoothing may take
 
 const kCover = 'out vec2 uv; void main() { uv = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0; gl_Position = vec4(uv * 2.0 - 1.0, 0.0, 1.0); }';
 const kCopy = 'in vec2 uv; uniform sampler2D picture; uniform float share; out vec4 pixel; void main() { pixel = texture(picture, uv) * share; }';
@@ -61,6 +61,8 @@ export class Renderer {
   }
 
   measured(now) {
+    if (!this.shown) performance.mark('first picture');
+    this.shown = true;
     this.gl.deleteSync(this.fence);
     this.fence = null;
     const took = now - this.began;

@@ -3,8 +3,11 @@
 import {colorsOf, colorTexture} from './colors.js';
 import {denseTexture, textureOf3D} from './field_texture.js';
 import {LineLayer, edgesOfBox} from './line_layer.js';
+import {edgesOf} from './edges.js';
 import {MeshLayer} from './mesh_layer.js';
+import {PointLayer} from './point_layer.js';
 import {SliceLayer} from './slice_layer.js';
+import {surfaceOf} from './surface_nets.js';
 import {emptyBox, joined, length, middle, normalized, add, scaled} from './vec.js';
 
 const kHuge = 1e29;
@@ -20,6 +23,9 @@ export class Scene {
     this.meshLayer = new MeshLayer(gl);
     this.sliceLayer = new SliceLayer(gl);
     this.lineLayer = new LineLayer(gl);
+    this.surfaces = new Map();  // of fields: {value, data}, at the last value that was asked for
+    this.points = new Map();
+    this.edges = new Map();
     this.extras = [];  // layers of others: draw(frame)
     this.colors = Object.fromEntries(Object.entries(config.colormaps).map(
       ([name, text]) => [name, colorTexture(gl, colorsOf(text, 256))]));
@@ -30,6 +36,7 @@ export class Scene {
   setMesh(id, data) {
     this.meshLayer.set(id, data);
     if (data) this.meshes.set(id, data); else this.meshes.delete(id);
+    this.edges.delete(id);
     this.place();
   }
 
@@ -37,6 +44,7 @@ export class Scene {
     const old = this.textures.get(id);
     if (old) this.gl.deleteTexture(old.texture);
     this.textures.delete(id);
+    this.forget(this.fields.get(id));
     if (data) {
       this.fields.set(id, data);
       this.textures.set(id, denseTexture(this.gl, data));
@@ -44,6 +52,43 @@ export class Scene {
       this.fields.delete(id);
     }
     this.place();
+  }
+
+  forget(field) {
+    if (!field) return;
+    this.meshLayer.set(field, null);
+    this.points.get(field)?.set(null);
+    this.surfaces.delete(field);
+    this.points.delete(field);
+  }
+
+  /// The surface of a field where it has the value that is shown; made anew when that changes.
+  surface(field) {
+    const {value} = this.look.iso, old = this.surfaces.get(field);
+    if (old?.value === value) return old.data;
+    const data = surfaceOf(field, value);
+    this.surfaces.set(field, {value, data});
+    this.meshLayer.set(field, data.triangles ? data : null);
+    return data;
+  }
+
+  pointsOf(field) {
+    if (!this.points.has(field)) this.points.set(field, new PointLayer(this.gl));
+    const layer = this.points.get(field);
+    layer.set(field, this.look.points.band);
+    return layer;
+  }
+
+  // Those of the whole mesh: not while fewer triangles are drawn.
+  drawEdges(frame) {
+    const {edges, shown} = this.look.mesh;
+    if (edges === 'none' || !shown) return;
+    for (const [id, mesh] of this.meshes) {
+      if (frame.moving && mesh.proxy) continue;
+      const key = `${id} ${edges}`;
+      if (!this.edges.has(id) || this.edges.get(id).key !== key) this.edges.set(id, {key, list: edgesOf(mesh, edges === 'sharp')});
+      this.meshLayer.drawEdges(id, frame, this.look.edgeColor, this.bodies.get(id), this.edges.get(id).list);
+    }
   }
 
   // Scene units: whatever the world's, the middle is 0 and the longest side 2, which floats like.
@@ -96,7 +141,7 @@ export class Scene {
       cutAt[axis] = where;
     });
     const frame = {
-      moving: pass.moving, scale: this.scale, toScene: p => this.toScene(p), matrix: view.matrix,
+      moving: pass.moving, scale: this.scale, pixelsPerUnit: view.pixelsPerUnit, toScene: p => this.toScene(p), matrix: view.matrix,
       uniforms: {
         camera: view.matrix, eye, parallel: camera.parallel, towardsEye: back,
         keyLight: normalized(add(add(scaled(back, 0.75), scaled(upward, 0.55)), scaled(right, 0.38))),
@@ -115,6 +160,12 @@ export class Scene {
     };
     if (solid) meshes();
     if (pass.last) {
+      const field = view.fields[0];
+      if (field && look.iso.shown && this.surface(field).triangles)
+        this.meshLayer.draw(field, frame, {...look.mesh, color: look.iso.color, backColor: look.iso.color, opacity: 1,
+          colored: view.difference, occluded: false});
+      if (field && look.points.shown) this.pointsOf(field).draw(frame);
+      this.drawEdges(frame);
       if (planes.length)
         this.sliceLayer.draw(frame, this.sliceBox.map(p => this.toScene(p)), planes,
           {contourStep: look.contours ? view.contourStep * this.scale : 0, zeroLine: view.zeroLine});

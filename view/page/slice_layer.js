@@ -35,14 +35,16 @@ void main() {
   float v = shown(at);
   vec3 color = color_of(v);
   bool known = v < 1e29;
+  // Where the known ends within these four pixels, there is no slope, and no line.
+  bool whole = fwidth(known ? 0.0 : 1.0) == 0.0;
   float slope = fwidth(known ? v : 0.0);
-  if (known && contourStep > 0.0) {
+  if (known && whole && contourStep > 0.0) {
     float dense = slope / contourStep;  // lines nearer than three pixels fade away
     float ink = line(v / contourStep, dense, 0.55) * (1.0 - smoothstep(0.15, 0.34, dense));
     float light = dot(color, vec3(0.30, 0.59, 0.11));
     color = mix(color, light > 0.42 ? color * 0.45 : mix(color, vec3(1.0), 0.5), 0.75 * ink);
   }
-  if (known && zeroLine && slope > 0.0) {
+  if (known && whole && zeroLine && slope > 0.0) {
     float ink = 1.0 - smoothstep(0.9, 1.9, abs(v) / slope);
     color = mix(color, vec3(0.07, 0.08, 0.10), ink);
   }

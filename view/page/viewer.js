@@ -3,7 +3,7 @@
 // controls of their own build on its public methods alone; view/README.md lists them.
 import {unpacked} from './blob.js';
 import {Camera, onPicture} from './camera.js';
-import {parsedColor, shown} from './colors.js';
+import {niceStep, parsedColor, shown} from './colors.js';
 import {Section, element} from './controls.js';
 import {FieldData} from './field_data.js';
 import {Help} from './help.js';
@@ -32,7 +32,8 @@ export class Viewer {
     this.gl = gl;
     this.look = {
       slices: [0, 1, 2].map(() => ({shown: false, at: 0.5})), contours: true, colormap: 'auto', rangeShare: 1, comparison: 'all',
-      mesh: {shown: true, opacity: 1, flat: false, colored: false, cut: false, occluded: true},
+      mesh: {shown: true, opacity: 1, flat: false, colored: false, cut: false, occluded: true, edges: 'none'},
+      iso: {shown: false, value: 0}, points: {shown: false, band: 0},
       axisColors: [], beyond: [0.5, 0.5, 0.5],
     };
     this.camera = new Camera('xyz'.indexOf(config.up));
@@ -120,7 +121,7 @@ export class Viewer {
   // ---- What the page does itself ----
 
   buildOverlays() {
-    this.legend = new Legend(this.config);
+    this.legends = [new Legend(this.config), new Legend(this.config)];  // of distances, of differences
     this.triad = new Triad((axis, side) => { this.camera.along(axis, side); this.changed(); });
     this.readout = element('div', {id: 'readout', 'aria-hidden': 'true', hidden: true}, element('b'), element('span'));
     this.marker = element('div', {id: 'marker', hidden: true});
@@ -129,7 +130,7 @@ export class Viewer {
     this.handles = new SliceHandles(this);
     this.help = new Help(this.keys(), this.extraKeys);
     this.toolbar = new Toolbar(this);
-    this.stage.append(this.labels, this.handles.element, this.marker, this.legend.element, this.triad.element, this.readout,
+    this.stage.append(this.labels, this.handles.element, this.marker, ...this.legends.map(legend => legend.element), this.triad.element, this.readout,
       this.statusLine, this.toolbar.element);
     document.body.append(this.help.dialog);
   }
@@ -152,6 +153,8 @@ export class Viewer {
       [['[', ']'], 'move the slices', e => slide(e.key === '[' ? -1 : 1)(e)],
       [['l'], 'contour lines', act(() => { look.contours = !look.contours; })],
       [['m'], 'mesh', act(() => { look.mesh.shown = !look.mesh.shown; })],
+      [['i'], 'isosurface', act(() => { look.iso.shown = !look.iso.shown; })],
+      [['p'], 'samples near the surface', act(() => { look.points.shown = !look.points.shown; })],
       [['k'], 'cut the mesh at slices', act(() => { look.mesh.cut = !look.mesh.cut; })],
       [['f'], 'flat or smooth', act(() => { look.mesh.flat = !look.mesh.flat; })],
       [['Enter'], 'read the value in the middle', () => this.readAt(this.canvas.clientWidth / 2, this.canvas.clientHeight / 2)],
@@ -167,6 +170,8 @@ export class Viewer {
     this.look.beyond = color('--beyond').slice(0, 3);
     this.look.mesh.color = color('--mesh').slice(0, 3);
     this.look.mesh.backColor = color('--mesh-back').slice(0, 3);
+    this.look.iso.color = color('--iso').slice(0, 3);
+    this.look.edgeColor = color('--edge');
     this.outlineColor = color('--outline');
     this.scene.outline(this.outlineColor);
     this.changed();
@@ -188,6 +193,9 @@ export class Viewer {
   }
   // The plane that shows the most: across the shortest side.
   chooseSlice(field) {
+    const most = Math.max(...field.range.map(Math.abs));
+    this.look.iso.value = niceStep(most, 12);
+    this.look.points.band = Math.min(1.5 * Math.max(...field.spacing), most);
     const sides = field.box[0].map((v, k) => field.box[1][k] - v);
     const slice = this.look.slices[sides.indexOf(Math.min(...sides))];
     slice.shown = slice.touched = true;
@@ -214,7 +222,8 @@ export class Viewer {
       gl.viewport(...box);
       gl.scissor(...box);
       const matrix = this.camera.matrix(this.aspectOf(view.rect), scene.radius, jitter.map((v, k) => v / view.rect[2 + k]));
-      scene.draw({...view, matrix, camera: this.camera}, pass);
+      const pixelsPerUnit = this.camera.pixelsPerUnit(box[3], this.aspectOf(view.rect));
+      scene.draw({...view, matrix, pixelsPerUnit, camera: this.camera}, pass);
     }
     gl.disable(gl.SCISSOR_TEST);
   }
@@ -222,18 +231,24 @@ export class Viewer {
   afterFrame() {
     const views = this.views();
     this.triad.turn(this.camera.axes());
-    this.legend.show(this.scene.fields.size ? views[0] : null);
+    this.legends.forEach((legend, n) => legend.show(views.findLast(v => v.fields.length > 0 && v.difference === (n === 1))));
+    const labels = JSON.stringify(views.map(view => [view.label, view.rect]));
+    if (labels !== this.labelled) this.labelViews(views);
+    this.labelled = labels;
+    this.handles.place(views[0]);
+    const at = this.pinned && this.placeOf(this.pinned.scene, views[0]);
+    this.marker.hidden = !at;
+    if (at) this.marker.style.transform = `translate(${at[0]}px, ${at[1]}px)`;
+    this.drawn = (this.drawn ?? 0) + 1;
+  }
+
+  labelViews(views) {
     this.labels.replaceChildren(...views.filter(v => v.label).map(view => {
       const label = element('span', {}, view.label);
       label.style.left = `${100 * view.rect[0]}%`;
       label.style.top = `${100 * (1 - view.rect[1] - view.rect[3])}%`;
       return label;
     }));
-    this.handles.place(views[0]);
-    const at = this.pinned && this.placeOf(this.pinned.scene, views[0]);
-    this.marker.hidden = !at;
-    if (at) this.marker.style.transform = `translate(${at[0]}px, ${at[1]}px)`;
-    this.drawn = (this.drawn ?? 0) + 1;
   }
 
   /// Where a point of the scene is in a view, in pixels of the canvas.

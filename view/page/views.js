@@ -21,8 +21,9 @@ export function viewsOf(scene, look, wide) {
     view.colormap = look.colormap === 'auto' || difference ? (diverging ? 'diverging' : 'viridis') : look.colormap;
     const most = Math.max(Math.abs(least), Math.abs(greatest)) * look.rangeShare || 1e-30;
     view.range = diverging ? [-most, most] : [least, least + (greatest - least) * look.rangeShare || 1];
-    view.zeroLine = diverging;
-    view.contourStep = look.contours ? niceStep(view.range[1] - view.range[0], 24) : 0;
+    // A difference is noise where fields agree: lines would show it as if it were more.
+    view.zeroLine = diverging && !difference;
+    view.contourStep = look.contours && !difference ? niceStep(view.range[1] - view.range[0], 24) : 0;
     return view;
   });
 }
