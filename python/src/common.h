@@ -29,6 +29,7 @@ void add_surfaces(nb::module_& m);
 void add_bodies(nb::module_& m);
 void add_reports(nb::module_& m);
 void add_pictures(nb::module_& m);
+void add_pages(nb::module_& m);
 void add_devices(nb::module_& m);
 
 }  // namespace standoff::python

@@ -17,5 +17,6 @@ NB_MODULE(_core, m) {
   add_bodies(m);
   add_reports(m);
   add_pictures(m);
+  add_pages(m);
   add_devices(m);
 }

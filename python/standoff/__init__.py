@@ -43,6 +43,7 @@ from ._field import DistanceField, load
 from ._many import FieldResult, fields
 from ._mesh import Mesh, read
 from ._options import Grid, Sign, SignReport
+from ._page import Page
 from ._picture import Picture
 from ._points import FEATURES, ClosestPoints, MeshQuery, distance
 from ._report import Check, Component, Report, report, verify
@@ -72,6 +73,7 @@ __all__ = [
     "MeshError",
     "MeshQuery",
     "OutputError",
+    "Page",
     "Picture",
     "Report",
     "Sign",

@@ -13,6 +13,7 @@ from ._arrays import Points, dlpack_of, numbers
 from ._checks import PathLike, flag, name, number, path_of, text, threads_of, whole_number
 from ._files import expect_file, packed
 from ._options import Grid, SignReport, memory_limit_of, memory_text
+from ._page import Page
 from ._picture import Picture
 
 
@@ -300,6 +301,30 @@ class DistanceField:
         words = text(title, "title"), text(unit, "unit")
         size = whole_number(pixels, "pixels", bits=32)
         return Picture.drawn(lambda path: _core.write_slice(native, path, *place, *look, *words, size))
+
+    def show(
+        self,
+        *others: DistanceField,
+        mesh: Any = None,
+        title: str = "",
+        unit: str = "",
+        up: str = "z",
+        height: int = 560,
+    ) -> Page:
+        """A page in which slices, isosurfaces and samples of the field can be looked at; notebooks show it.
+
+        Args:
+            others: other fields; the first is compared with this one.
+            mesh: shown with the field; anything that `field` takes as a mesh.
+            title: the page's title.
+            unit: what the legend calls the unit of lengths: ``"mm"``.
+            up: the axis that points up: x, y or z.
+            height: of the frame in a notebook, pixels.
+        """
+        from ._mesh import as_mesh
+
+        meshes = [] if mesh is None else [as_mesh(mesh)]
+        return Page.showing(meshes, [self, *others], title=title, unit=unit, up=up, height=height)
 
     def _repr_png_(self) -> bytes:
         return bytes(self.plot())

@@ -18,6 +18,8 @@ from ._files import expect_file
 from ._options import Box
 
 if TYPE_CHECKING:
+    from ._field import DistanceField
+    from ._page import Page
     from ._picture import Picture
 
 _VERTEX_TYPES = (np.dtype(np.float32), np.dtype(np.float64))
@@ -82,6 +84,20 @@ class Mesh:
         view = number(azimuth, "azimuth"), number(elevation, "elevation")
         above = name(up, "up")
         return Picture.drawn(lambda path: _core.write_picture(self.vertices, self.faces, path, *size, *view, above))
+
+    def show(self, *fields: DistanceField, title: str = "", unit: str = "", up: str = "z", height: int = 560) -> Page:
+        """A page in which the mesh, with fields if any are given, can be turned and cut; notebooks show it.
+
+        Args:
+            fields: shown with the mesh; two are compared.
+            title: the page's title.
+            unit: what the legend calls the unit of lengths: ``"mm"``.
+            up: the axis that points up: x, y or z.
+            height: of the frame in a notebook, pixels.
+        """
+        from ._page import Page
+
+        return Page.showing([self], list(fields), title=title, unit=unit, up=up, height=height)
 
     def __repr__(self) -> str:
         return f"<standoff.Mesh: {len(self.vertices):,} vertices, {len(self.faces):,} triangles>"

@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 # labels: none
-"""The page that `standoff view` writes, in a browser: what it shows, what it says of points, and that it asks for nothing."""
+"""page_test.py [--update]: the page that `standoff view` writes, in a browser: what it shows, what it says of points, and that
+it asks for nothing. --update draws the pictures anew that it is compared with."""
 
+import array
 import asyncio
+import base64
 import contextlib
 import json
 import math
@@ -167,12 +170,119 @@ async def data_is_the_programs(page):
                           "{ const n = 7 * m; return f.value(n % f.size[0], Math.floor(n / f.size[0]) % f.size[1], Math.floor(n / f.size[0] / f.size[1])); })}))(viewer.scene.field(0))")
     text = (here / "field.nrrd").read_bytes()
     head, raw = text.split(b"\n\n", 1)
-    import array
-
     expected = array.array("f")
     expected.frombytes(raw[: 4 * math.prod(told["size"])])
     worst = max(abs(a - b) for a, b in zip(told["values"], expected[::7]))
     expect(worst <= 1.6 * told["step"], f"values differ by {worst}, a step is {told['step']}")
+
+
+async def surfaces_are_where_the_value_is(page):
+    """Each vertex has the value, within what a cell's middle is off by; the surface is closed, and faces outwards."""
+    told = await page.ask("""(() => {
+      const field = viewer.scene.field(0), spacing = Math.max(...field.spacing);
+      viewer.look.iso.value = spacing;
+      const mesh = viewer.scene.surface(field), edges = new Map();
+      let off = 0, volume = 0;
+      for (let n = 0; n < mesh.vertices; ++n) off = Math.max(off, Math.abs(field.at(mesh.vertex(n)).value - spacing));
+      for (let n = 0; n < mesh.triangles; ++n) {
+        const [a, b, c] = mesh.triangle(n);
+        volume += (a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0])) / 6;
+        for (let k = 0; k < 3; ++k) {
+          const [u, v] = [mesh.corners[3 * n + k], mesh.corners[3 * n + (k + 1) % 3]], key = `${Math.min(u, v)} ${Math.max(u, v)}`;
+          edges.set(key, (edges.get(key) ?? 0) + (u < v ? 1 : -1));
+        }
+      }
+      return {triangles: mesh.triangles, off: off / spacing, volume, open: [...edges.values()].filter(n => n !== 0).length};
+    })()""")
+    expect(told["triangles"] > 500 and told["off"] < 0.3, f"vertices have the value: {told}")
+    expect(told["open"] == 0 and told["volume"] > 0.5, f"the isosurface is closed and faces outwards: {told}")
+    told = await page.ask("""(() => {
+      const field = viewer.scene.field(0), [nx, ny, nz] = field.size;
+      viewer.look.points.band = 2 * field.spacing[0];
+      let near = 0;
+      for (let k = 0; k < nz; ++k) for (let j = 0; j < ny; ++j) for (let i = 0; i < nx; ++i)
+        near += Math.abs(field.value(i, j, k)) <= viewer.look.points.band;
+      return [viewer.scene.pointsOf(field).count, near];
+    })()""")
+    expect(told[0] == told[1] > 100, f"points are the samples near the surface: {told}")
+
+
+async def bodies_stand_where_poses_say(page):
+    told = await page.ask("""(() => {
+      viewer.setBodies('0', [{}, {color: [1, 0, 0]}]);
+      viewer.setPoses('0', Float32Array.of(1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, -1, 0, 5, 1, 0, 0, 0, 0, 0, 1, 0));
+      const [one, two] = viewer.scene.bodies.get('0').map(b => [...b.matrix]), {scene} = viewer;
+      viewer.setBodies('0', null);
+      const p = scene.toScene([0.3, 0.2, 0.1]), moved = [0, 1, 2].map(k => two[k] * p[0] + two[4 + k] * p[1] + two[8 + k] * p[2] + two[12 + k]);
+      return [one, scene.toWorld(moved)];
+    })()""")
+    expect(all(abs(v - (n % 5 == 0)) < 1e-6 for n, v in enumerate(told[0])), f"no pose moves nothing: {told[0]}")
+    expect(max(abs(a - b) for a, b in zip(told[1], (4.8, 0.3, 0.1))) < 1e-5, f"a pose moves and turns: {told[1]}")
+
+
+async def two_fields_and_their_difference(page):
+    await page.open("two.html")
+    views = await page.ask("viewer.views().map(v => [v.fields.map(f => f.name), v.difference])")
+    expect(views == [[["field.nrrd"], False], [["band.vti"], False], [["field.nrrd", "band.vti"], True]], f"three views: {views}")
+    told = await page.ask("(([a, b]) => { const p = [0.4, 0.4, 0.02]; return [a.at(p).value, b.at(p).value]; })([...viewer.scene.fields.values()])")
+    box = await page.ask("viewer.canvas.getBoundingClientRect().toJSON()")
+    await page.ask("viewer.look.mesh.shown = false, viewer.look.comparison = 'difference', viewer.changed(), viewer.settled()")
+    await page.click(box["width"] / 2, box["height"] / 2 + 20)
+    read = await page.ask("viewer.pinned && [viewer.pinned.difference, viewer.pinned.field.value - viewer.pinned.other.value]")
+    expect(read is not None and read[0] == read[1] and abs(told[0] - told[1]) < 0.1, f"a click reads the difference: {read}")
+    expect(await page.ask("document.querySelectorAll('.legend:not([hidden])').length") == 1, "one legend for one view")
+
+
+async def odd_data_is_shown(page):
+    for name in ("odd.html", "huge.html", "tiny.html", "alone.html", "single.html"):
+        await page.open(name, 520, 400)
+        await page.ask("viewer.look.iso.shown = viewer.look.points.shown = true, viewer.look.slices.forEach(s => { s.shown = true; }), viewer.changed(), viewer.settled()")
+        expect(await page.ask("viewer.gl.getError()") == 0, f"{name}: the graphics complain of nothing")
+        expect(await page.ask("document.getElementById('failure').hidden"), f"{name}: the page shows something")
+    await page.open("odd.html")
+    told = await page.ask("(f => [0, 1, 2].map(n => String(f.value(n, 0, 0))))(viewer.scene.field(0))")
+    expect(told[:2] == ["Infinity", "-Infinity"], f"infinite values stay so: {told}")
+
+
+async def looks_as_it_did(page):
+    """The picture, without what lies over it, at a sixth of its size: fonts and their edges are the machine's."""
+    folder = pathlib.Path(__file__).parent / "pictures"
+    for name, scheme, look in (("light", "light", "0"),
+                               ("dark", "dark", "look.mesh.cut = look.points.shown = true, look.slices.forEach(s => { s.shown = true; })"),
+                               ("surface", "light", "look.mesh.shown = false, look.iso.shown = true, look.iso.value = 0.2, look.colormap = 'thesis'")):
+        await page.open("page.html", 900, 600, scheme=scheme)
+        await page.ask(f"(look => {{ {look}; }})(viewer.look), viewer.changed(), viewer.settled()")
+        drawn = await page.ask("""(() => {
+          viewer.renderer.showAgain();
+          const canvas = document.createElement('canvas'), context = canvas.getContext('2d');
+          [canvas.width, canvas.height] = [viewer.canvas.width / 6, viewer.canvas.height / 6];
+          context.fillStyle = getComputedStyle(document.documentElement).getPropertyValue('--ground');
+          context.fillRect(0, 0, canvas.width, canvas.height);
+          context.imageSmoothingQuality = 'high';
+          context.drawImage(viewer.canvas, 0, 0, canvas.width, canvas.height);
+          return canvas.toDataURL();
+        })()""")
+        reference = folder / f"{name}.png"
+        if "--update" in sys.argv:
+            folder.mkdir(exist_ok=True)
+            reference.write_bytes(base64.b64decode(drawn.split(",")[1]))
+        expected = "data:image/png;base64," + base64.b64encode(reference.read_bytes()).decode()
+        off = await page.ask(f"({COMPARE})({json.dumps(drawn)}, {json.dumps(expected)})")
+        expect(off < 2.5, f"the picture {name} differs from {reference} by {off} of 255 on average")
+
+
+COMPARE = """async (...urls) => {
+  const [a, b] = await Promise.all(urls.map(async url => {
+    const image = new Image();
+    image.src = url;
+    await image.decode();
+    const canvas = document.createElement('canvas'), context = canvas.getContext('2d');
+    [canvas.width, canvas.height] = [image.width, image.height];
+    context.drawImage(image, 0, 0);
+    return context.getImageData(0, 0, image.width, image.height).data;
+  }));
+  return a.length !== b.length ? 255 : a.reduce((sum, v, n) => sum + Math.abs(v - b[n]), 0) / a.length;
+}"""
 
 
 async def can_be_used_by_all(page):
@@ -210,9 +320,22 @@ async def main():
     standoff("compute", EVIL, "-r", "40", "--sign", "auto", "-o", "field.nrrd", "--uncompressed")
     told = json.loads(standoff("view", EVIL, "-r", "40", "--nearest", "--json", "-o", "page.html"))
     expect([h["name"] for h in told["holds"]] == [EVIL, f"field of {EVIL}"], "the program says what the page holds")
+    standoff("compute", EVIL, "-r", "30", "--sign", "auto", "-t", "4s", "-o", "band.vti")
+    standoff("view", EVIL, "field.nrrd", "band.vti", "-o", "two.html")
+    head, values = (here / "field.nrrd").read_bytes().split(b"\n\n", 1)
+    odd = array.array("f", (math.inf, -math.inf, -3.0))
+    (here / "odd.nrrd").write_bytes(head + b"\n\n" + odd.tobytes() + values[12:])
+    standoff("view", "odd.nrrd", "-o", "odd.html")
+    for name, unit in (("huge", "e30"), ("tiny", "e-30")):
+        (here / f"{name}.obj").write_text("".join(f"v {a}{unit} {b}{unit} {c}{unit}\n" for a, b, c in ((0, 0, 0), (2, 0, 0), (0, 1, 0), (0, 0, 1))) + "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
+        standoff("view", f"{name}.obj", "-r", "20", "-o", f"{name}.html")
+    standoff("view", EVIL, "--bare", "-o", "alone.html")
+    standoff("view", "scene:one_triangle", "--size", "1,1,1", "-o", "single.html")
     async with browser("file://", *SOFTWARE) as tab:
         page = Page(tab)
-        for check in (names_are_text, pointers_and_keys, sliders_and_handles, values_are_true, data_is_the_programs, can_be_used_by_all):
+        for check in (names_are_text, pointers_and_keys, sliders_and_handles, values_are_true, data_is_the_programs,
+                      surfaces_are_where_the_value_is, bodies_stand_where_poses_say, can_be_used_by_all, looks_as_it_did,
+                      two_fields_and_their_difference, odd_data_is_shown):
             await check(page)
         await page.open("page.html", 390, 844, phone=True, scheme="dark")
         expect(await page.ask("document.documentElement.scrollWidth") <= 390, "the page fits a phone")

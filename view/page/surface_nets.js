@@ -31,7 +31,7 @@ export function surfaceOf(field, value) {
   };
   const quad = (a, b, c, d, turned) => {
     if (a < 0 || b < 0 || c < 0 || d < 0) return;
-    if (turned) corners.push(a, b, c, a, c, d); else corners.push(a, c, b, a, d, c);
+    if (turned) corners.push(a, c, b, a, d, c); else corners.push(a, b, c, a, c, d);
   };
   for (const layer of layersOf(field, level)) {
     for (let dk = 0; dk < 8; ++dk) {

@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Pages of meshes and fields."""
+
+import html
+import math
+
+import pytest
+import shapes
+import standoff as so
+
+
+def test_pages(tmp_path):
+    mesh = so.Mesh(*shapes.sphere(8))
+    field, band = so.field(mesh, resolution=24), so.field(mesh, resolution=16, band=2)
+    pages = [field.show(), field.show(mesh=mesh, up="y", unit="mm", title="a sphere"), field.show(band, mesh=shapes.sphere(4)),
+             mesh.show(), mesh.show(field, band, height=300)]  # fmt: skip
+    for page in pages:
+        assert bytes(page).startswith(b"<!doctype html>")
+        page.save(tmp_path / "page.html")
+        assert (tmp_path / "page.html").read_bytes() == bytes(page)
+    assert [bytes(page).count(b'class="data"') for page in pages] == [1, 2, 3, 1, 3]
+    assert b"<title>a sphere</title>" in bytes(pages[1]) and b'"unit":"mm"' in bytes(pages[1])
+    assert bytes(field.show()) == bytes(pages[0])
+    assert repr(pages[0]) == f"<standoff.Page: {len(bytes(pages[0])):,} bytes>"
+
+
+def test_notebooks_show_a_frame():
+    page = so.field(shapes.sphere(8), resolution=16).show(title="</iframe><script>alert(1)</script>", height=321)
+    shown = page._repr_html_()
+    assert shown.count("<") == 2 and "height: 321px" in shown and 'sandbox="allow-scripts allow-downloads"' in shown
+    inside = shown.split('srcdoc="')[1].split('"')[0]
+    assert html.unescape(inside).encode() == bytes(page)
+
+
+def test_arguments_of_pages():
+    field = so.field(shapes.sphere(8), resolution=16)
+    wrong = ({"up": "w"}, {"height": 0}, {"height": -1})
+    for arguments in wrong:
+        with pytest.raises(ValueError):
+            field.show(**arguments)
+    for arguments in ({"title": 3}, {"unit": None}, {"height": math.pi}, {"mesh": 5}, {"up": 1}):
+        with pytest.raises(TypeError):
+            field.show(**arguments)
+    with pytest.raises(TypeError):
+        field.show(5)
+    with pytest.raises(so.MeshError):
+        so.Mesh([[0, 0, 0]], [[0, 0, 7]]).show()
