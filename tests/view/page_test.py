@@ -57,6 +57,7 @@ class Page:
             await asyncio.sleep(0.05)
             with contextlib.suppress(RuntimeError):
                 if await self.tab.ask("document.body && (document.body.classList.contains('ready') || !document.getElementById('failure').hidden)"):
+                    await self.tab.ask("globalThis.viewer && (viewer.renderer.most = 2)")  # smooth enough, and done sooner
                     return
         raise SystemExit(f"{name}: the page does not start: {self.tab.complaints}")
 

@@ -20,6 +20,7 @@ export class Renderer {
     this.copy = makeProgram(gl, kCover, kCopy);
     this.cover = makeArray(gl, []);
     this.coarse = 1;
+    this.most = kPasses;
     this.changed = 0;
     this.state = 'idle';  // 'moving', 'waiting', 'resting', 'idle'
     this.frames = [];
@@ -51,7 +52,7 @@ export class Renderer {
     } else if (this.state === 'moving' && now - this.changed > kRest) {
       this.state = 'resting';
       this.pass = this.piece = 0;
-      this.passes = this.smooths ? kPasses : 1;
+      this.passes = this.smooths ? this.most : 1;
       this.resting(now);
     } else if (this.state === 'resting') {
       this.resting(now);
