@@ -14,6 +14,7 @@
 #include "standoff/export.h"
 #include "standoff/field.h"
 #include "standoff/mesh.h"
+#include "standoff/progress.h"
 #include "standoff/sidecars.h"
 
 namespace standoff {
@@ -34,6 +35,7 @@ STANDOFF_API std::vector<FileFormat> field_formats();
 
 struct MeshReadOptions {
   double scale = 1;  ///< vertices are multiplied by this (finite, positive)
+  ProgressCallback progress = {};
 };
 
 /// What a file says about its coordinates, and how the reader changed them, apart from MeshReadOptions::scale. The
@@ -57,19 +59,29 @@ STANDOFF_API std::vector<std::string> notes(const MeshReadReport& report);
 /// Reads a mesh. The extension decides the format; if no format has that extension, the content decides. It is an error
 /// if extension and content contradict each other. A file may be compressed by gzip: mesh.obj.gz is read as OBJ. Equal
 /// vertices are welded exactly, and polygons are triangulated. `report`, unless null, receives what was done to the
-/// coordinates. Errors: input, with a message `FILE:WHERE: what; what to do`; limit (memory).
+/// coordinates. Errors: input, with a message `FILE:WHERE: what; what to do`; limit (memory); interrupted (not within
+/// what assimp does: 3DS and DAE).
 STANDOFF_API Mesh read_mesh(const std::filesystem::path& path, const MeshReadOptions& options = {},
                             MeshReadReport* report = nullptr);
 
-/// Writes a mesh; the file appears whole or not at all. Errors: output, usage (unknown extension).
-STANDOFF_API void write_mesh(const std::filesystem::path& path, MeshView mesh, Existing existing = Existing::replace);
+struct MeshWriteOptions {
+  Existing existing = Existing::replace;
+  ProgressCallback progress = {};
+};
+
+/// Writes a mesh; the file appears whole or not at all. Errors: output, usage (unknown extension), interrupted.
+STANDOFF_API void write_mesh(const std::filesystem::path& path, MeshView mesh, const MeshWriteOptions& options = {});
+inline void write_mesh(const std::filesystem::path& path, MeshView mesh, Existing existing) {
+  write_mesh(path, mesh, MeshWriteOptions{.existing = existing});
+}
 
 struct FieldReadOptions {
   std::int64_t memory_limit = 0;  ///< bytes that the field may take; 0: no limit. Checked before allocation
+  ProgressCallback progress = {};
 };
 
 /// Reads a field written by write_field: the same values, thickness, nearest triangles and provenance. Errors: input;
-/// limit (memory_limit, or memory runs out).
+/// limit (memory_limit, or memory runs out); interrupted.
 STANDOFF_API DistanceField read_field(const std::filesystem::path& path, const FieldReadOptions& options = {});
 
 /// A field, and the arrays beside it.
@@ -91,11 +103,12 @@ struct FieldWriteOptions {
   /// Arrays to write beside the distances, each with the numbers of every stored tile of the field.
   std::span<const Sidecar> sidecars = {};
   int threads = 0;  ///< that compress; 0: as many as the machine has. The file has the same bytes for any number
+  ProgressCallback progress = {};
 };
 
 /// Writes a field in the format of the extension (docs/formats.md); the file appears whole or not at all. The whole
 /// field is never converted to dense values in memory. Errors: output; usage (unknown extension, nearest triangles or
-/// sidecars in a format that cannot carry them, sidecars that do not fit the field or share a name).
+/// sidecars in a format that cannot carry them, sidecars that do not fit the field or share a name), interrupted.
 STANDOFF_API void write_field(const std::filesystem::path& path, const DistanceField& field,
                               const FieldWriteOptions& options = {});
 inline void write_field(const std::filesystem::path& path, const DistanceField& field, Existing existing) {

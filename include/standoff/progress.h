@@ -8,7 +8,8 @@ namespace standoff {
 
 struct Progress {
   const char* stage = "";  ///< of compute: "prepare", "bin", "gather", "copy" (from a GPU), "sign", "hash" (not of
-                           ///< compute_into dense memory), "done"; of verify: "sort", "verify"
+                           ///< compute_into dense memory), "done"; of verify: "sort", "verify"; of files: "read" or
+                           ///< "write", whose fraction stays 0, "done"
   double fraction = 0;     ///< the finished share of the whole work, 0 to 1; never decreases
 };
 

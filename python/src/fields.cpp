@@ -183,14 +183,19 @@ nb::object gradients_at(const DistanceField& field, const PointInput& points, in
 }
 
 void write(const DistanceField& field, const std::filesystem::path& path, bool compress, bool overwrite, int threads) {
-  const Unlocked released;
-  write_field(path, field,
-              {.existing = overwrite ? Existing::replace : Existing::keep, .compress = compress, .threads = threads});
+  run_watched(nb::none(), [&](const ProgressCallback& progress) {
+    write_field(path, field,
+                {.existing = overwrite ? Existing::replace : Existing::keep,
+                 .compress = compress,
+                 .threads = threads,
+                 .progress = progress});
+  });
 }
 
 DistanceField read(const std::filesystem::path& path, std::int64_t memory_limit) {
-  const Unlocked released;
-  return read_field(path, {.memory_limit = memory_limit});
+  return watched(nb::none(), [&](const ProgressCallback& progress) {
+    return read_field(path, {.memory_limit = memory_limit, .progress = progress});
+  });
 }
 
 void add_grids(nb::module_& m) {

@@ -13,15 +13,18 @@ namespace {
 // (vertices, faces, notes); the arrays keep the memory that the reader filled.
 nb::tuple read(const std::filesystem::path& path, double scale) {
   MeshReadReport report;
-  Mesh mesh = watched(nb::none(), [&](const ProgressCallback&) { return read_mesh(path, {.scale = scale}, &report); });
+  Mesh mesh = watched(nb::none(), [&](const ProgressCallback& progress) {
+    return read_mesh(path, {.scale = scale, .progress = progress}, &report);
+  });
   return nb::make_tuple(array_over<double>(std::move(mesh.vertices)),
                         array_over<std::uint32_t>(std::move(mesh.triangles)), notes(report));
 }
 
 void write(const std::filesystem::path& path, const VertexInput& vertices, const FaceInput& faces, bool overwrite) {
   const MeshView mesh = view_of(vertices, faces);
-  const Unlocked released;
-  write_mesh(path, mesh, overwrite ? Existing::replace : Existing::keep);
+  run_watched(nb::none(), [&](const ProgressCallback& progress) {
+    write_mesh(path, mesh, {.existing = overwrite ? Existing::replace : Existing::keep, .progress = progress});
+  });
 }
 
 // ((x, y, z), (x, y, z)) after a check of the whole mesh.

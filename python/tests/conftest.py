@@ -1,12 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """What several tests need."""
 
+import atexit
 import os
 import shutil
 from pathlib import Path
 
 import pytest
 import standoff
+
+# pytest's import hook is the loader of every module that it has seen. So it outlives them, and with its configuration all
+# test modules and their fields, until nanobind calls those leaked (in the developer's mode): it is to forget it.
+atexit.register(setattr, globals()["__loader__"], "config", None)
 
 
 @pytest.fixture(scope="session")

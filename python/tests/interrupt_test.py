@@ -66,6 +66,28 @@ def test_work_stops(work):
     assert out == "stopped\n"
 
 
+def test_files_stop(tmp_path):
+    """Reading and writing end before they are through, and a file that was to be replaced is what it was."""
+    out = run(f"""
+    os.chdir({str(tmp_path)!r})
+    with open("text.obj", "w") as text:
+        text.write("v 0 0 0\\n" * 3 + "f 1 2 3\\n" * 20_000_000)
+    with open("field.npz", "w") as old:
+        old.write("precious")
+    grid = so.Grid((400, 400, 400), (0, 0, 0), (1, 1, 1))
+    noise = so.DistanceField.from_numpy(random.random(grid.shape, np.float32), grid)
+    noise.save("dense.nrrd", compress=False)
+    for work in (lambda: so.read("text.obj"), lambda: noise.save("field.npz"), lambda: so.load("dense.nrrd")):
+        strike(0.05)
+        try:
+            work()
+        except KeyboardInterrupt:
+            print("stopped")
+    print(open("field.npz").read(), len(os.listdir()))
+    """)
+    assert out == "stopped\nstopped\nstopped\nprecious 3\n"
+
+
 def test_a_handler_of_ones_own():
     """Any exception of a signal's handler comes out, and a handler that raises nothing stops nothing."""
     out = run("""

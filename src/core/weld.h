@@ -120,10 +120,17 @@ class SharedTable {
 /// there are. So vertex[i] equals the count of distinct positions before i where, and only where, position(i) is new.
 /// `position(i)` returns a Vec3, always the same one, from any thread. Requires vertex.size() <= kMaxWeld.
 /// Linear; up to 12 bytes of scratch per position that is new in its block.
-template <class Position>
-std::uint32_t weld(const Position& position, std::span<std::uint32_t> vertex) {
+/// `check()` is called now and then, from any thread; what it throws ends the work.
+template <class Position, class Check>
+std::uint32_t weld(const Position& position, std::span<std::uint32_t> vertex, const Check& check) {
   using namespace weld_detail;
   const auto count = static_cast<std::uint32_t>(vertex.size());
+  const auto for_each_block = [&](std::uint32_t positions, const auto& body) {
+    weld_detail::for_each_block(positions, [&](std::uint32_t block, std::uint32_t begin, std::uint32_t end) {
+      check();
+      body(block, begin, end);
+    });
+  };
   std::atomic<std::uint64_t> distinct = 0;
   for_each_block(count, [&](std::uint32_t, std::uint32_t begin, std::uint32_t end) {
     distinct += weld_block(begin, end, position, vertex.data());
@@ -158,6 +165,10 @@ std::uint32_t weld(const Position& position, std::span<std::uint32_t> vertex) {
     for (std::uint32_t i = begin; i < end; ++i) vertex[i] = table.get(vertex[i]);
   });
   return total;
+}
+template <class Position>
+std::uint32_t weld(const Position& position, std::span<std::uint32_t> vertex) {
+  return weld(position, vertex, [] {});
 }
 
 }  // namespace standoff

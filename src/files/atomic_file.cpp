@@ -24,8 +24,8 @@ namespace {
 
 // Large enough that system calls cost nothing against copying, small enough to stay in the cache.
 constexpr std::size_t kBuffer = std::size_t{1} << 18;
-// One write call never takes more than this on Linux (0x7ffff000), and never more than SSIZE_MAX anywhere.
-constexpr std::size_t kMaxWrite = std::size_t{1} << 30;
+// Between calls of write the caller may stop.
+constexpr std::size_t kMaxWrite = std::size_t{1} << 24;
 constexpr int kOpen = O_WRONLY | O_CLOEXEC;
 constexpr mode_t kMode = 0666;
 
@@ -166,6 +166,7 @@ void AtomicFile::flush() {
 
 void AtomicFile::append(const char* data, std::size_t bytes) {
   while (bytes > 0) {
+    if (waiting_) waiting_->check();
     const auto done = ::write(file_, data, std::min(bytes, kMaxWrite));
     if (done < 0 && errno == EINTR) continue;
     if (done <= 0) fail(done < 0 ? errno : EIO);

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "core/progress.h"
 #include "standoff/existing.h"
 
 namespace standoff {
@@ -31,6 +32,8 @@ class AtomicFile {
   AtomicFile& operator=(const AtomicFile&) = delete;
   ~AtomicFile();
 
+  /// Lets the caller stop the work: from now on, writing throws Error{interrupted} once the meter's has asked to.
+  void watched_by(ProgressMeter& waiting) { waiting_ = &waiting; }
   /// The target as the caller gave it, for messages.
   const std::filesystem::path& target() const { return shown_; }
   /// Appends bytes, through a buffer when they are few.
@@ -71,6 +74,7 @@ class AtomicFile {
   int file_ = -1;
   int slot_ = -1;  // in the table of unfinished files
   std::uint64_t size_ = 0;
+  ProgressMeter* waiting_ = nullptr;
   std::unique_ptr<char[]> buffer_;
   std::size_t buffered_ = 0;
 };

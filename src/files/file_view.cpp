@@ -39,7 +39,8 @@ std::optional<std::int64_t> number_after(std::string_view word, std::string_view
 
 }  // namespace
 
-FileView::FileView(const std::filesystem::path& path, Access access) : path_(path) {
+FileView::FileView(const std::filesystem::path& path, Access access, ProgressMeter* waiting)
+    : path_(path), waiting_(waiting) {
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
   struct stat about {};
   if (file.number() < 0 || ::fstat(file.number(), &about) != 0) fail("", cannot_read(errno));
@@ -82,12 +83,13 @@ void FileView::forget(std::string_view part) const {
 }
 
 void FileView::read_all(int descriptor, std::size_t expected, std::size_t longest, std::size_t most) {
-  constexpr std::size_t kLeast = std::size_t{1} << 16, kMostAtOnce = std::size_t{1} << 30;
+  constexpr std::size_t kLeast = std::size_t{1} << 16, kMostAtOnce = std::size_t{1} << 24;
   // One byte more than expected, so that the end is found without a larger buffer.
   std::size_t room = std::max(expected + 1, kLeast), size = 0;
   try {
     read_ = std::make_unique_for_overwrite<char[]>(room);
     while (size < longest) {
+      check();
       if (size > most)
         throw Error(ErrorCode::limit, path_.string() + ": more than " + std::to_string(most >> 20) +
                                           " MiB came through the pipe; save it in a file and give its name");

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <utility>
 
+#include "core/progress.h"
 #include "files/descriptor.h"
 
 namespace standoff {
@@ -27,14 +28,21 @@ class FileView {
 
   /// Errors: input, for files that are missing, folders, devices, or unreadable; limit, for those that memory
   /// cannot hold, and for more from a pipe than a quarter of the machine's memory.
-  explicit FileView(const std::filesystem::path& path, Access access = Access::copy);
+  explicit FileView(const std::filesystem::path& path, Access access = Access::copy)
+      : FileView(path, access, nullptr) {}
+  /// One whose readers may be stopped: see check(). The meter must outlive it.
+  FileView(const std::filesystem::path& path, Access access, ProgressMeter& waiting)
+      : FileView(path, access, &waiting) {}
   /// The bytes of an open file, `longest` at the most; `name` stands in messages. Errors: as above.
   FileView(const std::filesystem::path& name, const Descriptor& file, std::uint64_t longest);
   /// A view of the caller's bytes, which must outlive it; messages contain `name`.
   FileView(const std::filesystem::path& name, std::string_view bytes) : path_(name), bytes_(bytes) {}
-  /// Takes bytes that were made of the file's.
-  FileView(const std::filesystem::path& name, std::unique_ptr<char[]> bytes, std::size_t size)
-      : path_(name), bytes_(bytes.get(), size), read_(std::move(bytes)) {}
+  /// The same of a part of another file, whose waiting caller it keeps.
+  FileView(const FileView& whole, const std::filesystem::path& name, std::string_view bytes)
+      : path_(name), bytes_(bytes), waiting_(whole.waiting_) {}
+  /// Takes bytes that were made of those of a file, whose name and whose waiting caller they keep.
+  FileView(const FileView& packed, std::unique_ptr<char[]> bytes, std::size_t size)
+      : path_(packed.path_), bytes_(bytes.get(), size), waiting_(packed.waiting_), read_(std::move(bytes)) {}
   FileView(const FileView&) = delete;
   FileView& operator=(const FileView&) = delete;
   ~FileView();
@@ -42,6 +50,12 @@ class FileView {
   const std::filesystem::path& path() const { return path_; }
   std::string_view bytes() const { return bytes_; }
   std::size_t size() const { return bytes_.size(); }
+
+  /// Throws Error{interrupted} once the caller who waits for what is read has asked to stop. Readers call it every few
+  /// milliseconds, from any thread.
+  void check() const {
+    if (waiting_) waiting_->check();
+  }
 
   /// At most `bytes` bytes from `offset` on, fewer at the end of the file.
   std::string_view text(std::uint64_t offset, std::uint64_t bytes) const {
@@ -68,12 +82,14 @@ class FileView {
   [[noreturn]] void fail(const std::string& message) const { fail("", message); }
 
  private:
+  FileView(const std::filesystem::path& path, Access access, ProgressMeter* waiting);
   [[noreturn]] void fail_short(std::uint64_t offset, std::uint64_t bytes, const char* what) const;
   // Up to the end or to `longest` bytes; more than `most` is an error.
   void read_all(int descriptor, std::size_t expected, std::size_t longest, std::size_t most);
 
   std::filesystem::path path_;
   std::string_view bytes_;
+  ProgressMeter* waiting_ = nullptr;
   std::unique_ptr<char[]> read_;
   void* mapped_ = nullptr;
 };

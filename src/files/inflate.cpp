@@ -13,8 +13,8 @@
 namespace standoff {
 namespace {
 
-// zlib counts in 32 bits.
-constexpr std::size_t kMostAtOnce = std::size_t{1} << 30;
+// zlib counts in 32 bits. Between parts that are made, the caller may stop.
+constexpr std::size_t kMostAtOnce = std::size_t{1} << 30, kMostMadeAtOnce = std::size_t{1} << 20;
 
 [[noreturn]] void fail_for_size(const FileView& file, std::uint64_t most) {
   throw Error(ErrorCode::limit, file.path().string() + ": it unpacks to more than " + std::to_string(most >> 20) +
@@ -41,13 +41,14 @@ std::size_t Inflater::read(char* to, std::size_t room) {
   z_stream& stream = state_->stream;
   std::size_t done = 0;
   while (done < room && !ended_) {
+    file_.check();
     if (stream.avail_in == 0) {
       const std::size_t part = std::min(left_.size(), kMostAtOnce);
       stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(left_.data()));  // zlib does not write there
       stream.avail_in = static_cast<uInt>(part);
       left_.remove_prefix(part);
     }
-    const std::size_t part = std::min(room - done, kMostAtOnce);
+    const std::size_t part = std::min(room - done, kMostMadeAtOnce);
     stream.next_out = reinterpret_cast<Bytef*>(to + done);
     stream.avail_out = static_cast<uInt>(part);
     const int result = ::inflate(&stream, Z_NO_FLUSH);
@@ -119,7 +120,7 @@ std::unique_ptr<FileView> unpack_gzip(const FileView& file) {
     room = more;
   }
   if (size > most) fail_for_size(file, most);
-  return std::make_unique<FileView>(file.path(), std::move(bytes), size);
+  return std::make_unique<FileView>(file, std::move(bytes), size);
 }
 
 }  // namespace standoff

@@ -48,6 +48,7 @@ void TextCursor::skip_blanks() {
 }
 
 void TextCursor::skip_line() {
+  step();
   while (at_ != end_ && !is_line_end(*at_)) ++at_;
   take('\r');
   take('\n');
@@ -65,6 +66,7 @@ void TextCursor::skip_statement() {
 
 template <class Number>
 Number TextCursor::number() {
+  step();
   constexpr bool integral = std::is_integral_v<Number>;
   const char* wanted = integral ? "a whole number" : "a number";
   // std::from_chars knows no plus.
@@ -89,6 +91,7 @@ template float TextCursor::number<float>();
 template std::int64_t TextCursor::number<std::int64_t>();
 
 std::int64_t TextCursor::integer_prefix() {
+  step();
   std::int64_t value = 0;
   const auto [stop, error] = std::from_chars(at_, end_, value);
   if (error != std::errc{}) fail_number(at_, "a whole number");

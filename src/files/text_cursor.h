@@ -87,6 +87,10 @@ class TextCursor {
   [[noreturn]] void fail_at(const char* place, const std::string& message) const;
 
  private:
+  // Lets the caller who waits for the file stop, once in many calls.
+  void step() {
+    if (++steps_ % 4096 == 0) file_.check();
+  }
   bool continues(const char* place) const;
   bool ends_word(const char* place) const { return place == end_ || is_space(*place) || continues(place); }
   std::uint64_t line_at(const char* place) const;
@@ -95,6 +99,7 @@ class TextCursor {
   const FileView& file_;
   const char* at_;
   const char* end_;
+  std::uint32_t steps_ = 0;
 };
 
 extern template double TextCursor::number<double>();

@@ -65,6 +65,7 @@ void XmlScan::fail_at(const XmlTag& tag, const std::string& message) const {
 }
 
 bool XmlScan::next(XmlTag& tag) {
+  if (++steps_ % 4096 == 0) file_.check();
   for (;;) {
     tag_ = at_ = std::min(text_.find('<', at_), text_.size());
     const std::string_view rest = text_.substr(at_);

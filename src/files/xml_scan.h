@@ -55,6 +55,7 @@ class XmlScan {
   std::string_view text_;
   std::size_t at_ = 0;
   std::size_t tag_ = 0;
+  std::size_t steps_ = 0;
 };
 
 }  // namespace standoff

@@ -2,12 +2,11 @@
 // What is built before questions are asked can be stopped between its steps.
 #include <gtest/gtest.h>
 
-#include <functional>
-
 #include "standoff/collision.h"
 #include "standoff/error.h"
 #include "standoff/mesh_report.h"
 #include "standoff/points.h"
+#include "tests/api/stop_everywhere.h"
 #include "tests/collision/bodies.h"
 
 namespace standoff::testing {
@@ -18,27 +17,6 @@ Mesh open_ball() {
   Mesh mesh = ball_mesh(1, 3);
   mesh.triangles.pop_back();
   return mesh;
-}
-
-// Stops `work` at its first report, then at its second, and so on, until it comes to its end. Returns how often.
-int stop_everywhere(const std::function<void(const ProgressCallback&)>& work) {
-  for (int at = 1;; ++at) {
-    int reports = 0;
-    double last = 0;
-    try {
-      work([&](const Progress& now) {
-        EXPECT_GE(now.fraction, last);
-        last = now.fraction;
-        return ++reports < at;
-      });
-      EXPECT_EQ(last, 1);
-      return at - 1;
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ErrorCode::interrupted) << error.what();
-      EXPECT_EQ(reports, at);
-    }
-    if (at > 10000) return at;
-  }
 }
 
 TEST(Interrupted, Report) {

@@ -50,11 +50,15 @@ FieldFile read(const std::filesystem::path& path, const FieldReadOptions& option
   if (options.memory_limit < 0)
     throw Error(ErrorCode::usage, "a memory limit must be zero or more bytes; give zero for none");
   const FieldFormat& format = format_of(path, ErrorCode::input);
+  ProgressMeter meter(options.progress);
+  meter.stage("read", 1, 0, 1);
   // Dense files can be larger than memory, and sparse fields of theirs small.
-  const FileView file(path, FileView::Access::map);
+  const FileView file(path, FileView::Access::map, meter);
   if (file.size() == 0) file.fail("the file is empty; write it again");
   try {
-    return format.read(file, {options.memory_limit, sidecars});
+    FieldFile found = format.read(file, {options.memory_limit, sidecars});
+    meter.stage("done", 1, 1, 1);
+    return found;
   } catch (const std::bad_alloc&) {
     throw Error(ErrorCode::limit, path.string() + ": not enough memory for its samples; provide more memory");
   }
@@ -94,8 +98,12 @@ void write_field(const std::filesystem::path& path, const DistanceField& field, 
                                       those_with(&FieldFormat::sidecars) + ", or leave them out");
   if (options.threads < 0) throw Error(ErrorCode::usage, "threads must be zero or more; give zero for all");
   check_sidecars(field, options.sidecars);
+  ProgressMeter meter(options.progress);
+  meter.stage("write", 1, 0, 1);
   AtomicFile file(path, options.existing);
+  file.watched_by(meter);
   format.write(file, field, options);
+  meter.stage("done", 1, 1, 1);  // nothing stops what follows: the file is there, or there was an error
   file.commit();
 } catch (...) {
   throw_as_error("field");

@@ -96,9 +96,11 @@ class TileWalk {
       values.next_layer();
       if (nearest) nearest->next_layer();
       for (std::int64_t tz = along_x ? 0 : layer; tz < (along_x ? tiles.z : layer + 1); ++tz)
-        for (std::int64_t ty = 0; ty < tiles.y; ++ty)
+        for (std::int64_t ty = 0; ty < tiles.y; ++ty) {
+          file_.check();
           for (std::int64_t tx = along_x ? layer : 0; tx < (along_x ? layer + 1 : tiles.x); ++tx)
             visit(values, nearest, {tx, ty, tz}, store, mark_inside);
+        }
     }
     values.finish();
     if (nearest) nearest->finish();

@@ -26,6 +26,7 @@ std::vector<Number> load(const FileView& file, const StoredArray& array, const D
   for (std::int64_t component = 0; component < (array.planar ? components : 1); ++component) {
     if (component > 0) reader.next_component();
     for (std::int64_t layer = 0; layer < layers; ++layer) {
+      file.check();
       reader.next_layer();
       each_stored_tile(field, array.z_fastest, layer, [&](Size3 first, std::int64_t slot) {
         reader.read_into(first, values.data() + DistanceField::kTileSamples * components * slot + component,

@@ -57,7 +57,7 @@ std::unique_ptr<FileView> unpack(const FileView& file, std::uint64_t at, std::ui
       Inflater(file, where, data, Inflater::Wrapper::zlib).fill(unpacked.get(), part);
     done += part;
   }
-  return std::make_unique<FileView>(file.path(), std::move(unpacked), bytes);
+  return std::make_unique<FileView>(file, std::move(unpacked), bytes);
 }
 
 // The one of floats; of several, the one called distance.
@@ -292,6 +292,7 @@ class Reader {
   template <class Use>
   void leaf(std::uint64_t place, const Coordinates& at, const Use& use) {
     count_node(nvdb::leaf::kBytes);
+    if (nodes_left_ % 256 == 0) file_.check();
     FieldBuilder::Leaf found{at, {}};
     read_into(place + nvdb::leaf::kMask, found.active.words);
     use(found, place);

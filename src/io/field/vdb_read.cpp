@@ -110,7 +110,9 @@ class Reader {
     });
     from_.go_to(grid_.blocks);
     ValueReader values(compression_, grid_.half(), facts_.background);
+    std::size_t done = 0;
     for (const Coordinates& at : leaves) {
+      if (++done % 256 == 0) from_.file().check();
       FieldBuilder::Leaf leaf{at, {}};
       from_.mask(leaf.active);
       builder.fill(leaf, std::span<const float, 512>(values.read(from_, leaf.active), 512));

@@ -29,7 +29,8 @@ Mesh MeshBuilder::finish(const std::function<std::string(std::size_t)>& where) {
 
   Mesh mesh{std::move(vertices), std::move(triangles)};
   std::vector<std::uint32_t> number(mesh.vertices.size());
-  const std::uint32_t distinct = weld([&](std::uint32_t i) { return mesh.vertices[i]; }, number);
+  const std::uint32_t distinct =
+      weld([&](std::uint32_t i) { return mesh.vertices[i]; }, number, [&] { file_.check(); });
   std::uint32_t kept = 0;
   for (std::size_t i = 0; i < number.size(); ++i)
     if (number[i] == kept) mesh.vertices[kept++] = mesh.vertices[i] + kPositiveZero;
@@ -45,7 +46,9 @@ void MeshBuilder::triangulate_polygons(const std::function<std::string(std::size
   std::size_t corners = 0;
   for (const Polygon& polygon : polygons_) corners += polygon.count + 2;
   double work = polygon_work(corners);
+  std::size_t done = 0;
   for (const Polygon& polygon : polygons_) {
+    if (++done % 1024 == 0) file_.check();
     const auto fan = std::span(triangles).subspan(polygon.first, polygon.count);
     if (!triangulate(vertices, fan, work))
       file_.fail(where(fan[0][0]), "the face that starts at this vertex has " + std::to_string(fan.size() + 2) +

@@ -200,11 +200,14 @@ Mesh read_mesh(const std::filesystem::path& path, const MeshReadOptions& options
   if (!(std::isfinite(options.scale) && options.scale > 0))
     throw Error(ErrorCode::usage, "scale must be positive and finite; give 0.001 for millimetres to metres");
   try {
-    const FileView file(path);
+    ProgressMeter meter(options.progress);
+    meter.stage("read", 1, 0, 1);
+    const FileView file(path, FileView::Access::copy, meter);
     MeshReadReport found;
     Mesh mesh = read_any(file, found);
     scale_vertices(file, mesh, options.scale);
     if (report) *report = std::move(found);
+    meter.stage("done", 1, 1, 1);
     return mesh;
   } catch (const std::bad_alloc&) {
     throw Error(ErrorCode::limit, path.string() + ": not enough memory for its triangles; provide more memory");
@@ -213,14 +216,18 @@ Mesh read_mesh(const std::filesystem::path& path, const MeshReadOptions& options
   throw_as_error("mesh");
 }
 
-void write_mesh(const std::filesystem::path& path, MeshView mesh, Existing existing) try {
+void write_mesh(const std::filesystem::path& path, MeshView mesh, const MeshWriteOptions& options) try {
   const MeshFormat* format = is_called_gz(path) ? nullptr : format_by_extension(path);
   if (!format || !format->write)
     throw Error(ErrorCode::usage, path.string() + ": no mesh format to write goes by this extension; use one of " +
                                       extensions([](const MeshFormat& f) { return f.write != nullptr; }));
   validate(mesh);
-  AtomicFile file(path, existing);
+  ProgressMeter meter(options.progress);
+  meter.stage("write", 1, 0, 1);
+  AtomicFile file(path, options.existing);
+  file.watched_by(meter);
   format->write(file, mesh);
+  meter.stage("done", 1, 1, 1);  // nothing stops what follows: the file is there, or there was an error
   file.commit();
 } catch (...) {
   throw_as_error("mesh");

@@ -89,6 +89,7 @@ void GltfMeshes::place(std::uint64_t mesh, const Placement& placement, MeshBuild
   const bool mirrored = placement.mirrors();
   std::map<std::uint64_t, std::uint32_t> first;  // vertex of an accessor's positions
   for (std::size_t p = placed.first; p < placed.last; ++p) {
+    file_.check();
     const Primitive& primitive = primitives_[p];
     const auto [found, is_new] =
         first.emplace(primitive.positions, static_cast<std::uint32_t>(builder.vertices.size()));

@@ -48,6 +48,7 @@ class PlyReader {
   template <class ReadProperty>
   void for_each_row(const PlyElement& element, const ReadProperty& read_property) {
     for (row_.number = 0; row_.number < element.count; ++row_.number) {
+      if (row_.number % 4096 == 0) file_.check();
       for (const PlyProperty& property : element.properties) read_property(property);
       body_.end_row();
     }
@@ -59,8 +60,10 @@ class PlyReader {
   void read_vertices(const PlyElement& element) {
     const std::array<int, 3> axes = position_axes(file_, element);
     builder_.vertices.resize(element.count);
-    for (row_.number = 0; row_.number < element.count; ++row_.number)
+    for (row_.number = 0; row_.number < element.count; ++row_.number) {
+      if (row_.number % 4096 == 0) file_.check();
       builder_.vertices[row_.number] = read_position(body_, row_, axes);
+    }
   }
 
   // The list of vertices of each row of an element.

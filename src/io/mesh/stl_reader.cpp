@@ -43,11 +43,11 @@ Vec3 stored_corner(const char* records, std::uint32_t corner) {
 
 // The mesh of the triangles whose corners are position(0), position(1), ...
 template <class Position>
-Mesh welded(std::size_t triangles, const Position& position) {
+Mesh welded(const FileView& file, std::size_t triangles, const Position& position) {
   Mesh mesh;
   mesh.triangles.resize(triangles);
   const std::span number(mesh.triangles.data()->data(), 3 * triangles);
-  mesh.vertices.reserve(weld(position, number));
+  mesh.vertices.reserve(weld(position, number, [&] { file.check(); }));
   for (std::uint32_t i = 0; i < number.size(); ++i)
     if (number[i] == mesh.vertices.size()) mesh.vertices.push_back(position(i) + kPositiveZero);
   return mesh;
@@ -83,7 +83,7 @@ Mesh read_binary(const FileView& file) {
   const auto position = [=](std::uint32_t corner) { return stored_corner(records, corner); };
   const std::uint32_t bad = first_not_finite(3 * count, position);
   if (bad != 3 * count) file.fail("triangle " + std::to_string(bad / 3), kNotFinite);
-  return welded(count, position);
+  return welded(file, count, position);
 }
 
 class AsciiStl {
@@ -154,7 +154,7 @@ Mesh read_ascii(const FileView& file) {
   const std::vector<Vec3> corners = AsciiStl(file).corners();
   if (corners.empty()) fail_no_triangles(file);
   check_counts(file, corners.size(), corners.size() / 3);
-  return welded(corners.size() / 3, [&](std::uint32_t i) { return corners[i]; });
+  return welded(file, corners.size() / 3, [&](std::uint32_t i) { return corners[i]; });
 }
 
 }  // namespace

@@ -51,8 +51,8 @@ const FileView& ThreemfPackage::unpack(Entry& entry) {
                                       " MiB, where one of its size may have no more; write the mesh as STL or PLY");
   unpacked_ += member.bytes;
   entry.stream = std::make_unique<ZipMemberStream>(file_, member);
-  entry.part =
-      std::make_unique<FileView>(file_.path().string() + ":" + shown(member.name), entry.stream->next(member.bytes));
+  entry.part = std::make_unique<FileView>(file_, file_.path().string() + ":" + shown(member.name),
+                                          entry.stream->next(member.bytes));
   return *entry.part;
 }
 
