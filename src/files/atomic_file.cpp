@@ -166,7 +166,7 @@ void AtomicFile::flush() {
 
 void AtomicFile::append(const char* data, std::size_t bytes) {
   while (bytes > 0) {
-    if (waiting_) waiting_->check();
+    check();
     const auto done = ::write(file_, data, std::min(bytes, kMaxWrite));
     if (done < 0 && errno == EINTR) continue;
     if (done <= 0) fail(done < 0 ? errno : EIO);

@@ -34,6 +34,10 @@ class AtomicFile {
 
   /// Lets the caller stop the work: from now on, writing throws Error{interrupted} once the meter's has asked to.
   void watched_by(ProgressMeter& waiting) { waiting_ = &waiting; }
+  /// Throws if so: for work between the bytes, from any thread.
+  void check() const {
+    if (waiting_) waiting_->check();
+  }
   /// The target as the caller gave it, for messages.
   const std::filesystem::path& target() const { return shown_; }
   /// Appends bytes, through a buffer when they are few.

@@ -106,7 +106,7 @@ class Writer {
       : file_(file),
         field_(field),
         threads_(threads),
-        tree_(tree_of(field)),
+        tree_(tree_of(field, file)),
         far_(background_of(field)),
         facts_(facts()) {}
 
@@ -131,6 +131,7 @@ class Writer {
     leaves_.resize(tree_.leaves.size());
     masks_.resize(tree_.leaves.size());
     each_leaf(tree_, threads_, [&](std::size_t n) {
+      if (n % 1024 == 0) file_.check();
       const LeafMasks found = leaf_masks(field_, tree_.leaves[n]);
       leaves_[n] = active_in(tree_.leaves[n], found);
       masks_[n] = found.active;

@@ -18,8 +18,12 @@ enum class Made { nothing, node, inside };
 
 class Builder {
  public:
-  explicit Builder(const DistanceField& field)
-      : field_(field), slots_(field.slots()), tiles_(field.tile_count()), far_(static_cast<float>(field.thickness())) {}
+  Builder(const DistanceField& field, const AtomicFile& file)
+      : field_(field),
+        file_(file),
+        slots_(field.slots()),
+        tiles_(field.tile_count()),
+        far_(static_cast<float>(field.thickness())) {}
 
   Tree build() {
     if (slots_.empty()) return {};
@@ -45,6 +49,7 @@ class Builder {
   Made lower(const Size3& first) {
     return node<kLowerLog>(first, 1, tree_.lowers, tree_.leaves, [this](const Size3& at, std::size_t) {
       const std::int32_t slot = slots_[static_cast<std::size_t>(at.x + tiles_.x * (at.y + tiles_.y * at.z))];
+      if (slot % 4096 == 0) file_.check();
       if (slot < 0) return slot == DistanceField::kInside ? Made::inside : Made::nothing;
       const Made made = stored(at, slot);
       if (made == Made::node) tree_.leaves.push_back({{8 * at.x, 8 * at.y, 8 * at.z}, slot});
@@ -85,6 +90,7 @@ class Builder {
   }
 
   const DistanceField& field_;
+  const AtomicFile& file_;
   std::span<const std::int32_t> slots_;
   Size3 tiles_;
   float far_;
@@ -93,7 +99,7 @@ class Builder {
 
 }  // namespace
 
-Tree tree_of(const DistanceField& field) { return Builder(field).build(); }
+Tree tree_of(const DistanceField& field, const AtomicFile& file) { return Builder(field, file).build(); }
 
 namespace {
 

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "files/atomic_file.h"
 #include "standoff/field.h"
 #include "standoff/io.h"
 
@@ -74,7 +75,8 @@ struct Tree {
   std::vector<Node<kLowerLog>> lowers;
   std::vector<Leaf> leaves;
 };
-Tree tree_of(const DistanceField& field);
+/// Of the field that is to be written to `file`, whose caller may stop it.
+Tree tree_of(const DistanceField& field, const AtomicFile& file);
 
 /// Which samples of a leaf are in the band, nearer than the thickness, and the range of their values.
 struct LeafMasks {

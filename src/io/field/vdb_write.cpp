@@ -22,7 +22,7 @@ using namespace vdb;
 class Writer {
  public:
   Writer(AtomicFile& file, const DistanceField& field, int threads)
-      : file_(file), field_(field), threads_(threads), tree_(tree_of(field)), far_(background_of(field)) {}
+      : file_(file), field_(field), threads_(threads), tree_(tree_of(field, file)), far_(background_of(field)) {}
 
   void write() {
     number(kMagic);
@@ -106,7 +106,10 @@ class Writer {
 
   void topology() {
     masks_.resize(tree_.leaves.size());
-    each_leaf(tree_, threads_, [&](std::size_t n) { masks_[n] = leaf_masks(field_, tree_.leaves[n]); });
+    each_leaf(tree_, threads_, [&](std::size_t n) {
+      if (n % 1024 == 0) file_.check();
+      masks_[n] = leaf_masks(field_, tree_.leaves[n]);
+    });
     number(std::uint32_t{1});  // buffers of each leaf
     number(far_);
     number(static_cast<std::uint32_t>(tree_.inside.size()));
