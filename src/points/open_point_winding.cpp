@@ -21,7 +21,9 @@ OpenPointWinding::OpenPointWinding(const OrientedMesh& mesh, const TriangleIndex
       cap_index_(std::make_unique<TriangleIndex>(caps_, std::span<const std::uint32_t>{}, threads, simd)) {}
 
 std::int32_t OpenPointWinding::closed_winding(Vec3 point, const cpu::PointKernels& kernels) const {
-  return mesh_.at(point, kernels) + RayWinding({caps_}, *cap_index_).at(point, kernels);
+  // Closed are only both together: one way for both.
+  const RayWay way = mesh_.shortest(point);
+  return mesh_.at(point, way, kernels) + RayWinding({caps_}, *cap_index_).at(point, way, kernels);
 }
 
 double OpenPointWinding::at(Vec3 point, const cpu::PointKernels& kernels) const {

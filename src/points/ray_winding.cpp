@@ -9,10 +9,43 @@
 #include "sign/rows/ray_crossing.h"
 
 namespace standoff {
+namespace {
 
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+std::array<double, 3> numbers_of(const Vec3& v) { return {v.x, v.y, v.z}; }
+
+// In turned coordinates. Points are displaced most along y, whatever it is called there.
+inline RayTriangle triangle_along(const std::array<Vec3, 3>& t, int axis) {
+  return RayTriangle({turned(t[0], axis), turned(t[1], axis), turned(t[2], axis)}, (4 - axis) % 3);
+}
+
+}  // namespace
+
+RayWinding::RayWinding(const OrientedMesh& mesh, const TriangleIndex& index)
+    : mesh_(mesh), index_(index), low_{kInfinity, kInfinity, kInfinity}, high_{-kInfinity, -kInfinity, -kInfinity} {
+  const cpu::PackContents all = index.clusters().contents(index.clusters().top());
+  for (int n = 0; n < all.count; ++n) {
+    low_ = min(low_, {all.boxes->low[0][n], all.boxes->low[1][n], all.boxes->low[2][n]});
+    high_ = max(high_, {all.boxes->high[0][n], all.boxes->high[1][n], all.boxes->high[2][n]});
+  }
+}
+
+// Of the points only what lies in the box around all is looked at: there they are near enough for boxes in float, which
+// are grown by what rounding takes.
 template <class Use>
-void RayWinding::for_each_between(const float (&to)[3], float from, const cpu::PointKernels& kernels,
+void RayWinding::for_each_between(int axis, const Vec3& local, double from, double to, const cpu::PointKernels& kernels,
                                   const Use& use) const {
+  const std::array<double, 3> at = numbers_of(local), least = numbers_of(low_), most = numbers_of(high_);
+  float low[3], high[3];
+  for (int n = 0; n < 3; ++n) {
+    const auto axis_of = static_cast<std::size_t>(n);
+    const double first = std::max(n == axis ? from : at[axis_of], least[axis_of]),
+                 last = std::min(n == axis ? to : at[axis_of], most[axis_of]);
+    if (!(first <= last)) return;
+    low[n] = static_cast<float>(first);
+    high[n] = static_cast<float>(last);
+  }
   const cpu::Clusters& clusters = index_.clusters();
   constexpr std::size_t kMostWaiting = std::size_t{cpu::kLanes} * 9;  // children of each of eight levels
   std::array<std::uint32_t, kMostWaiting> waiting;
@@ -22,37 +55,54 @@ void RayWinding::for_each_between(const float (&to)[3], float from, const cpu::P
     const std::uint32_t entry = waiting[--count];
     if (clusters.is_pack(entry)) {
       const cpu::PackContents pack = clusters.contents(entry);
-      for (std::uint32_t met = kernels.boxes_before(pack, to, from); met != 0; met &= met - 1)
+      for (std::uint32_t met = kernels.boxes_on_way(pack, low, high); met != 0; met &= met - 1)
         waiting[count++] = pack.first + static_cast<std::uint32_t>(std::countr_zero(met));
       continue;
     }
     const std::uint32_t triangle = clusters.triangle(entry);
-    if (const int times = mesh_.use_of(triangle)) use(RayTriangle(mesh_.mesh.corners(triangle)), times);
+    if (const int times = mesh_.use_of(triangle)) use(triangle_along(mesh_.mesh.corners(triangle), axis), times);
   }
 }
 
-std::int32_t RayWinding::at(Vec3 point, const cpu::PointKernels& kernels) const {
+RayWay RayWinding::shortest(Vec3 point) const {
   const Vec3 local = index_.local(point);
-  if (!index_.is_near(local)) return 0;  // outside of the mesh's box
-  const float to[3] = {static_cast<float>(local.x), static_cast<float>(local.y), static_cast<float>(local.z)};
+  const std::array<double, 3> down = numbers_of(local - low_), up = numbers_of(high_ - local);
+  RayWay best{0, false};
+  double length = down[0];
+  for (int axis = 0; axis < 3; ++axis)
+    for (const bool is_up : {false, true}) {
+      const double own = (is_up ? up : down)[static_cast<std::size_t>(axis)];
+      if (own < length) length = own, best = {axis, is_up};
+    }
+  return best;
+}
+
+std::int32_t RayWinding::at(Vec3 point, RayWay way, const cpu::PointKernels& kernels) const {
+  const Vec3 local = index_.local(point), own = turned(point, way.axis);
+  const double start = turned(local, way.axis).x;
   std::int32_t winding = 0;
-  for_each_between(to, -std::numeric_limits<float>::infinity(), kernels, [&](const RayTriangle& triangle, int times) {
-    const int crossing = triangle.crossing(point.y, point.z);
-    if (crossing != 0 && triangle.is_past(point, crossing)) winding -= times * crossing;
-  });
+  for_each_between(way.axis, local, way.up ? start : -kInfinity, way.up ? kInfinity : start, kernels,
+                   [&](const RayTriangle& triangle, int times) {
+                     const int crossing = triangle.crossing(own.y, own.z);
+                     if (crossing != 0 && triangle.is_past(own, crossing) != way.up)
+                       winding += way.up ? times * crossing : -times * crossing;
+                   });
   return winding;
 }
 
-std::int32_t RayWinding::beyond(double x, Vec3 point, const cpu::PointKernels& kernels) const {
-  const Vec3 other{x, point.y, point.z}, local = index_.local(point);
-  const auto own_x = static_cast<float>(local.x), other_x = static_cast<float>(index_.local(other).x);
-  const float to[3] = {std::max(own_x, other_x), static_cast<float>(local.y), static_cast<float>(local.z)};
+std::int32_t RayWinding::beyond(int axis, double other, Vec3 point, const cpu::PointKernels& kernels) const {
+  const Vec3 local = index_.local(point), own = turned(point, axis), end{other, own.y, own.z};
+  const double own_at = turned(local, axis).x;
+  // Back in its own coordinates: turned by the rest of the circle.
+  const double end_at = turned(index_.local(turned(end, (3 - axis) % 3)), axis).x;
   std::int32_t winding = 0;
-  for_each_between(to, std::min(own_x, other_x), kernels, [&](const RayTriangle& triangle, int times) {
-    const int crossing = triangle.crossing(point.y, point.z);
-    if (crossing == 0) return;
-    winding -= times * crossing * (int{triangle.is_past(point, crossing)} - int{triangle.is_past(other, crossing)});
-  });
+  for_each_between(axis, local, std::min(own_at, end_at), std::max(own_at, end_at), kernels,
+                   [&](const RayTriangle& triangle, int times) {
+                     const int crossing = triangle.crossing(own.y, own.z);
+                     if (crossing == 0) return;
+                     winding -= times * crossing *
+                                (int{triangle.is_past(own, crossing)} - int{triangle.is_past(end, crossing)});
+                   });
   return winding;
 }
 

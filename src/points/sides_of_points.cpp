@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "points/open_point_winding.h"
 #include "points/ray_winding.h"
@@ -15,8 +16,8 @@ namespace standoff {
 namespace {
 
 // The winding number of a closed mesh does not change where no triangle is. So points whose empty balls overlap have
-// the same number. Of the other points, most have a ball of a point before on their row: a segment up to there says by
-// how much their numbers differ. Only the rest sends a ray.
+// the same number. Of the other points, most have a ball of a point before on one of their rows: a segment up to there
+// says by how much their numbers differ. Only the rest sends a ray.
 class ClosedSides final : public SidesOfPoints {
  public:
   /// `all_near`: free radii are those of all triangles. Where hidden ones do not count, sides are the same within a
@@ -30,17 +31,10 @@ class ClosedSides final : public SidesOfPoints {
     std::size_t count = 0, next = 0;
     for (std::size_t n = 0; n < points.size(); ++n) {
       Known own{points[n].at, empty_radius(points[n]), 0};
-      const Known *same = nullptr, *on_row = nullptr;
-      for (std::size_t k = 0; k < count && !same; ++k) {
+      const Known* same = nullptr;
+      for (std::size_t k = 0; k < count && !same; ++k)
         if (overlap(own, known[k])) same = &known[k];
-        if (is_on_row(own, known[k]) && (!on_row || nearer(own, known[k], *on_row))) on_row = &known[k];
-      }
-      if (same)
-        own.winding = same->winding;
-      else if (all_near_ && on_row && rays_.is_near(own.at) && rays_.is_near(on_row->at))
-        own.winding = on_row->winding + rays_.beyond(on_row->at.x, own.at, kernels);
-      else
-        own.winding = rays_.at(own.at, kernels);
+      own.winding = same ? same->winding : winding_beside(own, std::span(known).first(count), kernels);
       inside[n] = is_inside(own.winding, rule_);
       if (same && own.radius <= same->radius) continue;  // the other one says more about others
       known[next] = own;
@@ -68,13 +62,28 @@ class ClosedSides final : public SidesOfPoints {
     const Vec3 between = a.at - b.at;
     return std::min(a.radius, b.radius) > 0 && is_less(dot(between, between), a.radius + b.radius);
   }
-  // Whether the ball of `other` is on the row of a point.
-  static bool is_on_row(const Known& point, const Known& other) {
-    const double y = point.at.y - other.at.y, z = point.at.z - other.at.z;
-    return is_less(y * y + z * z, other.radius);
+  // A point whose ball is on a row of another one, and how far along that row.
+  struct OnRow {
+    const Known* known = nullptr;
+    int axis = 0;
+    double length = std::numeric_limits<double>::infinity();
+  };
+  static void look_along_rows(const Known& point, const Known& other, OnRow& nearest) {
+    const Vec3 between = other.at - point.at;
+    for (int axis = 0; axis < 3; ++axis) {
+      const Vec3 off = turned(between, axis);
+      if (std::abs(off.x) < nearest.length && is_less(off.y * off.y + off.z * off.z, other.radius))
+        nearest = {&other, axis, std::abs(off.x)};
+    }
   }
-  static bool nearer(const Known& point, const Known& a, const Known& b) {
-    return std::abs(a.at.x - point.at.x) < std::abs(b.at.x - point.at.x);
+  // Of a point whose ball overlaps no other one.
+  std::int32_t winding_beside(const Known& own, std::span<const Known> known, const cpu::PointKernels& kernels) const {
+    OnRow nearest;
+    if (all_near_)
+      for (const Known& other : known) look_along_rows(own, other, nearest);
+    if (!nearest.known) return rays_.at(own.at, kernels);
+    const double there = turned(nearest.known->at, nearest.axis).x;
+    return nearest.known->winding + rays_.beyond(nearest.axis, there, own.at, kernels);
   }
 
   RayWinding rays_;

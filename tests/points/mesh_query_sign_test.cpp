@@ -183,6 +183,26 @@ TEST(MeshQuerySign, OpenMeshesAreJudgedBySolidAngles) {
   }
 }
 
+// Rows through a small hole, far from it: its cap is crossed by rays from anywhere.
+TEST(MeshQuerySign, SmallHolesFarAway) {
+  const Mesh whole = testing::sphere(24);
+  for (const Vec3 side : {Vec3{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}}) {
+    Mesh open = whole;
+    std::erase_if(open.triangles, [&](const Triangle& t) {
+      return std::ranges::all_of(t, [&](std::uint32_t v) { return dot(whole.vertices[v], side) > 0.97; });
+    });
+    ASSERT_LT(open.triangles.size(), whole.triangles.size());
+    std::vector<Vec3> points = points_around(21, 200, 1.2);
+    for (const double along : {-1.3, -0.95, -0.9, -0.5, -0.1, 0.0, 0.3, 0.7, 0.95, 1.5, 20.0})
+      for (const double off : {0.0, 0.01, 0.05}) points.push_back(side * along + Vec3{off, off / 2, off / 3});
+    const MeshQuery query(open, {.sign = {.method = SignMethod::winding, .as_oriented = true}});
+    std::vector<double> winding(points.size());
+    query.winding_numbers(points, winding);
+    for (std::size_t n = 0; n < points.size(); ++n)
+      EXPECT_NEAR(winding[n], winding_by_angles({open}, points[n]).value, 1e-8);
+  }
+}
+
 TEST(MeshQuerySign, WindingNumbersOfClosedMeshesAreWhole) {
   const Mesh mesh =
       joined(joined(box({0, 0, 0}, {6, 6, 6}), box({2, 2, 2}, {4, 4, 4})), reversed(box({3, 3, 3}, {8, 8, 8})));

@@ -18,8 +18,8 @@ struct PointKernels {
   void (*look_at)(const PackTree&, const std::uint32_t* candidates, std::int64_t count, PointGroup&, PointTable&);
   /// The same for all triangles, point by point.
   void (*look_at_all)(const PackTree&, PointGroup&, PointTable&);
-  /// Bits of the boxes of a pack that the segment from a point towards -x meets, up to x = `from`.
-  std::uint32_t (*boxes_before)(const PackContents&, const float (&point)[3], float from);
+  /// Bits of the boxes of a pack that the box from `low` to `high` meets: a segment along an axis.
+  std::uint32_t (*boxes_on_way)(const PackContents&, const float (&low)[3], const float (&high)[3]);
 };
 
 /// The kernels for an instruction set; the best one there is for Simd::automatic. Throws Error{usage} where the

@@ -2,7 +2,7 @@
 // The table of the kernels of queries at points for this file's instruction set.
 #pragma once
 
-#include "points/cpu/kernels/boxes_before.inl"
+#include "points/cpu/kernels/boxes_on_way.inl"
 #include "points/cpu/kernels/look_at.inl"
 #include "points/cpu/kernels/look_at_all.inl"
 
@@ -10,6 +10,6 @@ namespace standoff::cpu::STANDOFF_TARGET {
 
 extern const PointKernels kPointKernels;
 const PointKernels kPointKernels{
-    .make_frames = make_frames, .look_at = look_at, .look_at_all = look_at_all, .boxes_before = boxes_before};
+    .make_frames = make_frames, .look_at = look_at, .look_at_all = look_at_all, .boxes_on_way = boxes_on_way};
 
 }  // namespace standoff::cpu::STANDOFF_TARGET
