@@ -63,8 +63,8 @@ struct Values {
   // Pixels from a pixel's centre to the level, above it positive; the slope there is taken for that of the way.
   double distance(int x, int y, double level) const {
     const float value = at(x, y);
-    const double steepness =
-        std::hypot(slope(at(x - 1, y), value, at(x + 1, y)), slope(at(x, y - 1), value, at(x, y + 1)));
+    const double slope_x = slope(at(x - 1, y), value, at(x + 1, y)), slope_y = slope(at(x, y - 1), value, at(x, y + 1));
+    const double steepness = std::sqrt(slope_x * slope_x + slope_y * slope_y);
     const double above = value - level;
     return steepness > 0 ? above / steepness : above < 0 ? -kFar : kFar;
   }

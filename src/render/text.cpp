@@ -36,7 +36,8 @@ std::vector<Placed> set_type(std::string_view text, double size) {
 
 void add_curve(const FontCurve& curve, Coverage& coverage) {
   const auto& [a, b, c] = curve;
-  const double bend = std::hypot(a.x - 2 * b.x + c.x, a.y - 2 * b.y + c.y) / 4;
+  const double bend_x = a.x - 2 * b.x + c.x, bend_y = a.y - 2 * b.y + c.y;
+  const double bend = std::sqrt(bend_x * bend_x + bend_y * bend_y) / 4;
   const double pieces = std::clamp(std::ceil(std::sqrt(bend / kFlatness)), 1.0, 64.0);
   FontPoint from = a;
   for (double n = 1; n <= pieces; ++n) {
