@@ -84,7 +84,7 @@ void Command::add_to(CLI::App& verb) {
   });
   add("--length-unit", "NAME", "what the legend calls the unit of lengths, such as mm",
       [this](S, S t) { page.unit = t; });
-  add("--most-samples", "N", "thin out fields that have more samples (default 16777216)",
+  add("--most-samples", "N", "thin out fields that store more samples (default 16777216)",
       [this](S o, S t) { page.most_samples = parse_count(o, t, 512, std::int64_t{1} << 27); });
   add("--most-triangles", "N", "simplify meshes that have more triangles (default 5000000)",
       [this](S o, S t) { page.most_triangles = parse_count(o, t, 1000, 50'000'000); });

@@ -32,8 +32,8 @@ struct PageOptions {
   std::string title = {};  ///< the page's title; empty: the names of what it shows
   std::string unit = {};   ///< of lengths, as the legend names it: "mm"; empty: "world units"
   Axis up = Axis::z;       ///< the axis that points up on the screen
-  /// A field with more samples than this, or more than 2048 along an axis, is thinned: the page holds every second,
-  /// third .. sample per axis. 512 to 2^27.
+  /// A field with more samples than this in stored tiles, more than 2^24 tiles, or 2^14 samples along an axis, is
+  /// thinned: the page holds every second, third .. sample per axis. 512 to 2^27.
   std::int64_t most_samples = std::int64_t{1} << 24;
   /// A mesh with more triangles than this is simplified. 1,000 to 50,000,000.
   std::int64_t most_triangles = 5'000'000;

@@ -29,15 +29,21 @@ double step_for(const Grid& grid, double greatest) {
   return step > 0 ? step : 1;
 }
 
-// The page's texture has a texel for every sample of its grid, and so many per side at the most.
+// Textures have so many texels per side at the most: samples of a dense one, tiles of a sparse one's index.
 constexpr std::int64_t kMostPerSide = 2048;
+constexpr std::int64_t kMostTiles = std::int64_t{1} << 24;
 
-// Every how many-th sample is left.
-std::int64_t thinning(const Size3& size, std::int64_t most) {
-  std::int64_t every = (std::max({size.x, size.y, size.z}) - 1) / kMostPerSide + 1;
-  const auto left = [&](std::int64_t n) { return (n - 1) / every + 1; };
-  while (Size3{left(size.x), left(size.y), left(size.z)}.count() > most) ++every;
-  return every;
+Size3 thinned(const Size3& size, std::int64_t every) {
+  const auto left = [every](std::int64_t n) { return (n - 1) / every + 1; };
+  return {left(size.x), left(size.y), left(size.z)};
+}
+
+// Whether all samples of a grid may be in the page, or the stored ones of tiles among so many.
+bool fits(const Size3& size, double stored, std::int64_t most) {
+  const auto per_side = [](const Size3& n) { return std::max({n.x, n.y, n.z}); };
+  if (per_side(size) <= kMostPerSide && size.count() <= most) return true;
+  const Size3 tiles = DistanceField::tiles_of(size);
+  return per_side(tiles) <= kMostPerSide && tiles.count() <= kMostTiles && stored <= static_cast<double>(most);
 }
 
 class Coder {
@@ -99,26 +105,27 @@ std::string coded_values(const CodedField& field) {
   return bytes;
 }
 
+// A sample's triangle is often that of the sample before it along x, y or z; where two of these agree, theirs.
 std::string coded_nearest(const CodedField& field) {
   std::string bytes;
   std::uint32_t last = 0;
-  for (const std::uint32_t triangle : field.nearest) {
-    put_varint(bytes, zigzag(static_cast<std::int32_t>(triangle - last)));
-    last = triangle;
+  for (std::size_t n = 0; n < field.nearest.size(); ++n) {
+    const std::uint32_t* const at = &field.nearest[n];
+    const bool i = n % kSide > 0, j = n / kSide % kSide > 0, k = n % kSamples >= kSide * kSide;
+    std::uint32_t guess = i ? at[-1] : j ? at[-kSide] : k ? at[-kSide * kSide] : last;
+    if (j && k && at[-kSide] == at[-kSide * kSide]) guess = at[-kSide];
+    put_varint(bytes, zigzag(static_cast<std::int32_t>(*at - guess)));
+    last = *at;
   }
   return bytes;
 }
 
-}  // namespace
-
-CodedField coded_field(const DistanceField& field, const PageOptions& options) {
+// Every `every`-th sample.
+CodedField coded_every(const DistanceField& field, std::int64_t every) {
   CodedField made;
-  made.every = thinning(field.grid().size, options.most_samples);
+  made.every = every;
   const Grid& whole = field.grid();
-  const std::int64_t every = made.every;
-  const auto left = [every](std::int64_t n) { return (n - 1) / every + 1; };
-  made.grid = {
-      {left(whole.size.x), left(whole.size.y), left(whole.size.z)}, whole.origin, whole.spacing * double(every)};
+  made.grid = {thinned(whole.size, every), whole.origin, whole.spacing * double(every)};
 
   // Of all samples, which a thinned field may not hold all.
   if (std::isfinite(field.thickness()) || field.stored_tiles() == 0) made.max = field.thickness();
@@ -171,6 +178,21 @@ CodedField coded_field(const DistanceField& field, const PageOptions& options) {
         if (field.has_nearest()) made.nearest.insert(made.nearest.end(), nearest.begin(), nearest.end());
       }
   return made;
+}
+
+}  // namespace
+
+CodedField coded_field(const DistanceField& field, const PageOptions& options) {
+  const Size3& size = field.grid().size;
+  const double stored = static_cast<double>(field.stored_tiles()) * kSamples;
+  // A band is a surface: of its tiles, one in every^2 is left, or so.
+  const auto expected = [&](std::int64_t n) { return stored / static_cast<double>(n * n); };
+  std::int64_t every = 1;
+  while (!fits(thinned(size, every), expected(every), options.most_samples)) ++every;
+  for (;; ++every) {
+    CodedField made = coded_every(field, every);
+    if (fits(made.grid.size, static_cast<double>(made.stored) * kSamples, options.most_samples)) return made;
+  }
 }
 
 std::string field_blob(const PageField& field, const PageOptions& options, PageItem* held) {

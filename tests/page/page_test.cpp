@@ -115,6 +115,14 @@ TEST(Page, LargeFieldsAreThinned) {
   const page::CodedField held = page::coded_field(field, {.most_samples = 20000});
   EXPECT_GT(held.every, 1);
   EXPECT_LE(held.grid.sample_count(), 20000);
+  // Of a band, what is stored counts.
+  const DistanceField band = compute(mesh, fit_samples(bounds(mesh), 200, 0.05), 0.05).field;
+  const page::CodedField all = page::coded_field(band, {.most_samples = band.stored_tiles() * 512});
+  EXPECT_EQ(all.every, 1);
+  EXPECT_GT(band.grid().sample_count(), band.stored_tiles() * 512);
+  const page::CodedField some = page::coded_field(band, {.most_samples = band.stored_tiles() * 512 / 3});
+  EXPECT_GT(some.every, 1);
+  EXPECT_LE(std::min(some.stored * 512, some.grid.sample_count()), band.stored_tiles() * 512 / 3);
   for (std::int64_t n = 0; n < held.grid.size.x; ++n)
     EXPECT_NEAR(value_of(held, n, 2, 1), field.value(n * held.every, 2 * held.every, held.every), held.step);
 }

@@ -253,16 +253,7 @@ async def looks_as_it_did(page):
                                ("surface", "light", "look.mesh.shown = false, look.iso.shown = true, look.iso.value = 0.2, look.colormap = 'thesis'")):
         await page.open("page.html", 900, 600, scheme=scheme)
         await page.ask(f"(look => {{ {look}; }})(viewer.look), viewer.changed(), viewer.settled()")
-        drawn = await page.ask("""(() => {
-          viewer.renderer.showAgain();
-          const canvas = document.createElement('canvas'), context = canvas.getContext('2d');
-          [canvas.width, canvas.height] = [viewer.canvas.width / 6, viewer.canvas.height / 6];
-          context.fillStyle = getComputedStyle(document.documentElement).getPropertyValue('--ground');
-          context.fillRect(0, 0, canvas.width, canvas.height);
-          context.imageSmoothingQuality = 'high';
-          context.drawImage(viewer.canvas, 0, 0, canvas.width, canvas.height);
-          return canvas.toDataURL();
-        })()""")
+        drawn = await page.ask(DRAWN)
         reference = folder / f"{name}.png"
         if "--update" in sys.argv:
             folder.mkdir(exist_ok=True)
@@ -271,6 +262,17 @@ async def looks_as_it_did(page):
         off = await page.ask(f"({COMPARE})({json.dumps(drawn)}, {json.dumps(expected)})")
         expect(off < 2.5, f"the picture {name} differs from {reference} by {off} of 255 on average")
 
+
+DRAWN = """(() => {
+  viewer.renderer.showAgain();
+  const canvas = document.createElement('canvas'), context = canvas.getContext('2d');
+  [canvas.width, canvas.height] = [viewer.canvas.width / 6, viewer.canvas.height / 6];
+  context.fillStyle = getComputedStyle(document.documentElement).getPropertyValue('--ground');
+  context.fillRect(0, 0, canvas.width, canvas.height);
+  context.imageSmoothingQuality = 'high';
+  context.drawImage(viewer.canvas, 0, 0, canvas.width, canvas.height);
+  return canvas.toDataURL();
+})()"""
 
 COMPARE = """async (...urls) => {
   const [a, b] = await Promise.all(urls.map(async url => {
@@ -284,6 +286,19 @@ COMPARE = """async (...urls) => {
   }));
   return a.length !== b.length ? 255 : a.reduce((sum, v, n) => sum + Math.abs(v - b[n]), 0) / a.length;
 }"""
+
+
+async def bricks_look_like_a_dense_texture(page):
+    """Fields that are too large for a texture of the grid's size are drawn out of their stored tiles."""
+    drawn = []
+    for samples in (2000, 3000):
+        await page.open(f"long{samples}.html", 700, 500)
+        await page.ask("viewer.look.mesh.shown = false, viewer.look.contours = false, viewer.look.slices.forEach(s => { s.shown = true; }), viewer.changed(), viewer.settled()")
+        drawn.append(await page.ask(DRAWN))
+        bricks = await page.ask("[...viewer.scene.textures.values()][0].bricks[0]")
+        expect((bricks > 0) == (samples == 3000), f"{samples} samples along an axis: {bricks} bricks")
+    off = await page.ask(f"({COMPARE})({json.dumps(drawn[0])}, {json.dumps(drawn[1])})")
+    expect(off < 1, f"the same in bricks: {off}")
 
 
 async def can_be_used_by_all(page):
@@ -330,13 +345,15 @@ async def main():
     for name, unit in (("huge", "e30"), ("tiny", "e-30")):
         (here / f"{name}.obj").write_text("".join(f"v {a}{unit} {b}{unit} {c}{unit}\n" for a, b, c in ((0, 0, 0), (2, 0, 0), (0, 1, 0), (0, 0, 1))) + "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
         standoff("view", f"{name}.obj", "-r", "20", "-o", f"{name}.html")
+    for samples in (2000, 3000):
+        standoff("view", EVIL, "--size", f"{samples},24,24", "-t", "0.3", "-o", f"long{samples}.html")
     standoff("view", EVIL, "--bare", "-o", "alone.html")
     standoff("view", "scene:one_triangle", "--size", "1,1,1", "-o", "single.html")
     async with browser("file://", *SOFTWARE) as tab:
         page = Page(tab)
         for check in (names_are_text, pointers_and_keys, sliders_and_handles, values_are_true, data_is_the_programs,
                       surfaces_are_where_the_value_is, bodies_stand_where_poses_say, can_be_used_by_all, looks_as_it_did,
-                      two_fields_and_their_difference, odd_data_is_shown):
+                      two_fields_and_their_difference, bricks_look_like_a_dense_texture, odd_data_is_shown):
             await check(page)
         await page.open("page.html", 390, 844, phone=True, scheme="dark")
         expect(await page.ask("document.documentElement.scrollWidth") <= 390, "the page fits a phone")

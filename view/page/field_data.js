@@ -112,6 +112,11 @@ function valuesOf(bytes, tiles) {
 
 function nearestOf(bytes, count) {
   const triangles = fromVarints(bytes, count);
-  for (let n = 0, last = 0; n < count; ++n) triangles[n] = last = (last + fromZigzag(triangles[n])) >>> 0;
+  for (let n = 0; n < count; ++n) {
+    const i = n & 7, j = n >> 3 & 7, k = n >> 6 & 7;
+    let guess = i ? triangles[n - 1] : j ? triangles[n - 8] : k ? triangles[n - 64] : n ? triangles[n - 1] : 0;
+    if (j && k && triangles[n - 8] === triangles[n - 64]) guess = triangles[n - 8];
+    triangles[n] = guess + fromZigzag(triangles[n]);
+  }
   return triangles;
 }

@@ -4,8 +4,9 @@ import {kInfinite, kNoNumber} from './field_data.js';
 
 // What stands for a sample without a value. Values are at most kMost; what is between comes from interpolation.
 const kNone = 65504, kMost = 100;
-/// Dense textures up to so many samples; a sparse field beyond it goes into bricks (field_bricks.js).
-export const kMostDense = 1 << 24;
+/// Dense textures up to so many samples; beyond, stored tiles alone, as bricks.
+const kMostDense = 1 << 24;
+const kBrick = 9;  // samples of a tile with the first of the next: cells are interpolated within a brick
 
 /// The nearest half float's bits.
 export function halfOf(value) {
@@ -40,8 +41,40 @@ export function textureOf3D(gl, size, data, formats, filter) {
   return texture;
 }
 
-/// All samples in a texture of the grid's size.
-export function denseTexture(gl, field) {
+/// {texture, tiles, bricks, unit, outside}: values in a texture of the grid's size; or, with the number of bricks per axis,
+/// of bricks, and a texture of tiles that says which brick each is.
+export function fieldTextures(gl, field) {
+  const most = gl.getParameter(gl.MAX_3D_TEXTURE_SIZE), [nx, ny, nz] = field.size;
+  const dense = nx * ny * nz <= kMostDense && Math.max(nx, ny, nz) <= most;
+  return dense ? denseTexture(gl, field) : brickTexture(gl, field);
+}
+
+function brickTexture(gl, field) {
+  const {halves, unit} = halvesOf(field), [tx, ty] = field.tileCount;
+  const side = Math.ceil(Math.cbrt(Math.max(1, field.stored))), bricks = [side, side, Math.ceil(Math.max(1, field.stored) / side / side)];
+  const size = bricks.map(n => n * kBrick), data = new Uint16Array(size[0] * size[1] * size[2]);
+  field.slots.forEach((slot, tile) => {
+    if (slot < 0) return;
+    const first = [8 * (tile % tx), 8 * (Math.floor(tile / tx) % ty), 8 * Math.floor(tile / (tx * ty))];
+    const at = [slot % side, Math.floor(slot / side) % side, Math.floor(slot / side / side)].map(n => n * kBrick);
+    for (let k = 0; k < kBrick; ++k)
+      for (let j = 0; j < kBrick; ++j)
+        for (let i = 0; i < kBrick; ++i) {
+          const inner = i < 8 && j < 8 && k < 8;
+          const code = inner ? field.codes[512 * slot + i + 8 * j + 64 * k]
+            : field.code(...[i, j, k].map((n, axis) => Math.min(first[axis] + n, field.size[axis] - 1)));
+          data[at[0] + i + size[0] * (at[1] + j + size[1] * (at[2] + k))] = halves[code + 32768];
+        }
+  });
+  return {
+    unit, bricks, texture: textureOf3D(gl, size, data, [gl.R16F, gl.RED, gl.HALF_FLOAT], gl.LINEAR),
+    tiles: textureOf3D(gl, field.tileCount, field.slots, [gl.R32I, gl.RED_INTEGER, gl.INT], gl.NEAREST),
+    outside: field.outside * field.step / unit,
+  };
+}
+
+// All samples.
+function denseTexture(gl, field) {
   const {halves, unit} = halvesOf(field), [nx, ny, nz] = field.size;
   const data = new Uint16Array(nx * ny * nz);
   data.fill(halves[field.outside + 32768]);
@@ -61,5 +94,5 @@ export function denseTexture(gl, field) {
         for (let i = 0; i < width; ++i) data[to + i] = halves[field.codes[from + i] + 32768];
       }
   });
-  return {unit, texture: textureOf3D(gl, field.size, data, [gl.R16F, gl.RED, gl.HALF_FLOAT], gl.LINEAR)};
+  return {unit, bricks: [0, 0, 0], tiles: null, outside: 0, texture: textureOf3D(gl, field.size, data, [gl.R16F, gl.RED, gl.HALF_FLOAT], gl.LINEAR)};
 }

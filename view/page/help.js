@@ -34,8 +34,9 @@ export class Help {
     const names = {ArrowLeft: '←', ArrowRight: '→', ArrowUp: '↑', ArrowDown: '↓', ' ': 'Space'};
     const keys = this.actions().filter(([, words]) => words).map(([keys, words]) => [keys.map(k => element('kbd', {}, names[k] ?? k)), words]);
     this.dialog.replaceChildren(
-      element('h2', {}, 'Mouse and fingers'), list(kGestures.map(([name, words]) => [[name], words])),
-      element('h2', {}, 'Keys'), list(keys),
+      element('div', {class: 'columns'},
+        element('section', {}, element('h2', {}, 'Mouse and fingers'), list(kGestures.map(([name, words]) => [[name], words]))),
+        element('section', {}, element('h2', {}, 'Keys'), list(keys))),
       element('form', {method: 'dialog'}, element('button', {class: 'button'}, 'Close')));
     this.dialog.showModal();
   }

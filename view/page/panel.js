@@ -119,6 +119,7 @@ function sync(controls, look) {
   controls.contours?.set(look.contours);
   controls.mesh?.set(look.mesh.shown);
   controls.cut?.set(look.mesh.cut);
+  controls.edges?.set(look.mesh.edges);
   controls.shading?.set(look.mesh.flat ? 'flat' : 'smooth');
 }
 

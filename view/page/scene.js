@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What there is to see, and how a view of it is drawn.
 import {colorsOf, colorTexture} from './colors.js';
-import {denseTexture, textureOf3D} from './field_texture.js';
+import {fieldTextures, textureOf3D} from './field_texture.js';
 import {LineLayer, edgesOfBox} from './line_layer.js';
 import {edgesOf} from './edges.js';
 import {MeshLayer} from './mesh_layer.js';
@@ -30,6 +30,7 @@ export class Scene {
     this.colors = Object.fromEntries(Object.entries(config.colormaps).map(
       ([name, text]) => [name, colorTexture(gl, colorsOf(text, 256))]));
     this.nothing = textureOf3D(gl, [1, 1, 1], new Uint16Array(1), [gl.R16F, gl.RED, gl.HALF_FLOAT], gl.LINEAR);
+    this.noTiles = textureOf3D(gl, [1, 1, 1], new Int32Array(1), [gl.R32I, gl.RED_INTEGER, gl.INT], gl.NEAREST);
     this.place();
   }
 
@@ -42,12 +43,12 @@ export class Scene {
 
   setField(id, data) {
     const old = this.textures.get(id);
-    if (old) this.gl.deleteTexture(old.texture);
+    if (old) for (const texture of [old.texture, old.tiles]) this.gl.deleteTexture(texture);
     this.textures.delete(id);
     this.forget(this.fields.get(id));
     if (data) {
       this.fields.set(id, data);
-      this.textures.set(id, denseTexture(this.gl, data));
+      this.textures.set(id, fieldTextures(this.gl, data));
     } else {
       this.fields.delete(id);
     }
@@ -117,7 +118,8 @@ export class Scene {
     ['A', 'B'].forEach((letter, n) => {
       const field = fields[n] ?? fields[0], gpu = field && this.textures.get([...this.fields].find(([, f]) => f === field)[0]);
       Object.assign(values, {
-        [`field${letter}`]: gpu?.texture ?? this.nothing,
+        [`field${letter}`]: gpu?.texture ?? this.nothing, [`tiles${letter}`]: gpu?.tiles ?? this.noTiles,
+        [`bricks${letter}`]: gpu?.bricks ?? [0, 0, 0], [`outside${letter}`]: gpu?.outside ?? 0,
         [`origin${letter}`]: field ? this.toScene(field.origin) : [0, 0, 0],
         [`spacing${letter}`]: field ? field.spacing.map(v => v * this.scale) : [1, 1, 1],
         [`size${letter}`]: field?.size ?? [1, 1, 1],
