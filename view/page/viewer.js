@@ -124,7 +124,7 @@ export class Viewer {
     this.legends = [new Legend(this.config), new Legend(this.config)];  // of distances, of differences
     this.triad = new Triad((axis, side) => { this.camera.along(axis, side); this.changed(); });
     this.readout = element('div', {id: 'readout', 'aria-hidden': 'true', hidden: true}, element('b'), element('span'));
-    this.marker = element('div', {id: 'marker', hidden: true});
+    this.marker = element('div', {id: 'marker', hidden: true, 'aria-hidden': 'true'}, element('span'));
     this.labels = element('div', {id: 'labels'});
     this.statusLine = element('div', {id: 'status', role: 'status', hidden: true}, element('span'), element('progress', {max: 1}));
     this.handles = new SliceHandles(this);
@@ -285,7 +285,7 @@ export class Viewer {
       this.readout.hidden = !found;
       if (!found) return;
       const [value, where] = this.readout.children;
-      value.textContent = found.difference !== null ? shown(found.difference) : found.field ? valueText(found.field) : found.name;
+      value.textContent = valueOf(found);
       where.textContent = `at (${found.point.map(v => shown(v)).join(', ')})`;
     });
   }
@@ -293,6 +293,7 @@ export class Viewer {
   /// Reads the value under a pixel of the canvas, and marks it.
   readAt(px, py) {
     const found = this.pinned = this.probe(px, py);
+    this.marker.firstChild.textContent = found ? valueOf(found) : '';
     this.controls.showPoint(found ? this.factsOf(found) : [['', 'Nothing is there.']]);
     this.changed();
     return found;
@@ -317,4 +318,5 @@ export class Viewer {
   }
 }
 
+const valueOf = ({difference, field, name}) => difference !== null ? shown(difference) : field ? valueText(field) : name;
 const valueText = at => (at.clamped ? (at.value < 0 ? 'below ' : 'beyond ') : '') + shown(at.value);
