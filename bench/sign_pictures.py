@@ -1,11 +1,13 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""sign_pictures.py STANDOFF MESH.obj PICTURE.png: each sign method on the same damaged mesh, one picture of all.
+"""sign_pictures.py STANDOFF MESH.obj FOLDER: what the sign methods make of a damaged mesh, three pictures.
+
+sign_methods.png: the same plane of the field by each method. sign_confidence.png: how far each sample's winding number is
+from where the sign changes. sign_iso.png: the surface at 0 that `standoff iso` finds in three of these fields.
 
 The mesh loses 1 % of its triangles and all that are near a point; of the rest, 1 % and all that are near another point are
-flipped. Of each field, one plane is drawn by `standoff slice`. Needs matplotlib (Debian: python3-matplotlib), which brings numpy and Pillow."""
+flipped. `standoff slice` and `render` draw. Needs matplotlib (Debian: python3-matplotlib), which brings numpy and Pillow."""
 
-import json
 import subprocess
 import sys
 import tempfile
@@ -76,21 +78,26 @@ def section(vertices, faces):
     return np.array(segments), of
 
 
+def bare_slice(standoff, field, folder, *options):
+    """The middle plane of a field as an image, two pixels to a sample."""
+    picture = folder / "field.png"
+    subprocess.run([standoff, "slice", str(field), "-q", "-f", "--axis", "z", "--at", "0.5", "--bare", *options, "-o", str(picture)], check=True)
+    image = np.asarray(Image.open(picture).convert("RGB"))
+    assert image.shape == (512, 512, 3), image.shape
+    return image
+
+
 def slice_of(standoff, mesh, options, folder):
-    """The middle plane of the field as an image, or what the program says where there is none."""
-    field, picture = folder / "field.vti", folder / "field.png"
-    command = [standoff, "compute", str(mesh), "--sign", *options, *FIELD, "-f", "--json", "-o", str(field)]
+    """The middle plane of the mesh's field as an image, or what the program says where there is none."""
+    field = folder / "field.vti"
+    command = [standoff, "compute", str(mesh), "--sign", *options, *FIELD, "-f", "-q", "-o", str(field)]
     done = subprocess.run(command, capture_output=True, text=True)
     if done.returncode:
         return done.stderr
-    size = json.loads(done.stdout)["grid"]["size"]
-    subprocess.run([standoff, "slice", str(field), "-q", "-f", "--colormap", "diverging", "-o", str(picture)], check=True)
-    # The plane lies 20 pixels from the left and 74 from the top, each sample twice as wide as a pixel here.
-    assert size[0] == size[1] == 256, size
-    return np.asarray(Image.open(picture).convert("RGB"))[74:586, 20:532]
+    return bare_slice(standoff, field, folder, "--colormap", "diverging", "--no-contours")
 
 
-def draw(standoff, source, folder):
+def methods(standoff, source, folder):
     vertices, faces = read_obj(source)
     faces, flipped = damaged(vertices, faces)
     mesh = folder / "damaged.obj"
@@ -114,16 +121,49 @@ def draw(standoff, source, folder):
     for ax in axes.flat:
         ax.set(xticks=[], yticks=[])
     figure.tight_layout()
-    figure.savefig(folder / "all.png", dpi=100)
-    return folder / "all.png"
+    figure.savefig(folder / "methods.png", dpi=100)
+    return folder / "methods.png"
+
+
+def confidence(standoff, folder):
+    """The field by winding numbers beside how sure its signs are."""
+    sure, picture = folder / "sure.vti", folder / "sure.png"
+    subprocess.run([standoff, "compute", str(folder / "damaged.obj"), "--sign", "winding", FIELD[0], "-r", "96", "-t", "0.3", "-f", "-q", "--confidence", str(sure),
+                    "-o", str(folder / "field.vti")], check=True)
+    subprocess.run([standoff, "slice", str(sure), "-q", "-f", "--axis", "z", "--at", "0.5", "--colormap", "viridis", "--no-contours",
+                    "--title", "How sure each sign is", "--legend", "margin", "-o", str(picture)], check=True)
+    return picture
+
+
+def surfaces(standoff, folder):
+    """The damaged mesh, and the surfaces of fields of it."""
+    panels = [("the damaged mesh", folder / "damaged.obj")]
+    for title, options in [PANELS[1], PANELS[3], PANELS[5]]:
+        field, surface = folder / "field.vti", folder / f"{options[0].split(':')[0]}.obj"
+        subprocess.run([standoff, "compute", str(folder / "damaged.obj"), "--sign", *options, FIELD[0], "-r", "128", "-t", "0.3", "-f", "-q", "-o", str(field)], check=True)
+        subprocess.run([standoff, "iso", str(field), "-f", "-q", "-o", str(surface)], check=True)
+        panels.append((title, surface))
+    figure, axes = pyplot.subplots(1, 4, figsize=(12, 3.3))
+    for ax, (title, mesh) in zip(axes, panels):
+        picture = mesh.with_suffix(".png")
+        subprocess.run([standoff, "render", str(mesh), "--up", "y", "--camera", "-25,42", "--size", "600x600", "-q", "-f", "-o", str(picture)], check=True)
+        ax.imshow(np.asarray(Image.open(picture).convert("RGB")), interpolation="antialiased")
+        ax.set_title(title, fontsize=10)
+        ax.axis("off")
+    figure.tight_layout()
+    figure.savefig(folder / "surfaces.png", dpi=100)
+    return folder / "surfaces.png"
 
 
 def main():
-    standoff, source, picture = sys.argv[1:]
+    standoff, source, pictures = sys.argv[1:]
     with tempfile.TemporaryDirectory() as folder:
-        drawn = Image.open(draw(standoff, source, Path(folder))).convert("RGB")
-        drawn.quantize(96, dither=Image.Dither.NONE).save(picture, optimize=True)
-    print(f"wrote {picture}", file=sys.stderr)
+        folder = Path(folder)
+        drawn = {"sign_methods": methods(standoff, source, folder), "sign_confidence": confidence(standoff, folder),
+                 "sign_iso": surfaces(standoff, folder)}  # fmt: skip
+        for name, picture in drawn.items():
+            Image.open(picture).convert("RGB").quantize(256, kmeans=4, dither=Image.Dither.NONE).save(Path(pictures) / f"{name}.png", optimize=True)
+            print(f"wrote {name}.png", file=sys.stderr)
 
 
 if __name__ == "__main__":

@@ -83,6 +83,9 @@ void Command::add_to(CLI::App& verb) {
   verb.add_option("--unit", options.unit, "the unit of lengths, beside the scales")
       ->type_name("TEXT")
       ->group("Picture");
+  verb.add_option("--legend", options.legend, "what the numbers are (default: distance)")
+      ->type_name("TEXT")
+      ->group("Picture");
   verb.add_flag("--no-contours", no_contours, "no lines at the legend's numbers")->group("Picture");
   verb.add_flag("--bare", options.bare, "the plane alone: no words, legend, scales or margins")->group("Picture");
   input.add_to(verb);

@@ -34,6 +34,7 @@ struct SliceOptions {
   bool bare = false;     ///< the plane alone: no words, legend, scales or margins
   std::string title;     ///< above the picture, in UTF-8; by default none
   std::string unit;      ///< of lengths, behind the names of the scales, in UTF-8
+  std::string legend;    ///< what the numbers are, above the legend, in UTF-8; by default "distance", with the unit
 };
 
 /// A plane of samples.

@@ -167,7 +167,7 @@ SlicePicture draw_slice(const DistanceField& field, const SliceOptions& options)
   const Theme theme = theme_of(options.background);
   const auto thickness = static_cast<float>(field.thickness());  // as values are clamped to it
   const Legend legend(range.empty() ? 0 : range.least, range.empty() ? 0 : range.greatest, thickness, map, theme,
-                      with_unit("distance", options.unit));
+                      options.legend.empty() ? with_unit("distance", options.unit) : options.legend);
 
   SlicePicture picture{Image(extent.width, extent.height, theme.paper), 0, 0, extent.width, extent.height};
   Layout layout;

@@ -124,6 +124,7 @@ TEST(Misuse, Slices) {
     for (const std::string& words : {std::string("\xff\xc3"), std::string(3, '\0'), std::string(1000, 'm')}) {
       expect("title", with(&SliceOptions::title, words));
       expect("unit", with(&SliceOptions::unit, words));
+      expect("legend", with(&SliceOptions::legend, words));
     }
   }
 }

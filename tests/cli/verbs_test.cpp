@@ -167,7 +167,8 @@ TEST_F(Verbs, Slice) {
                                      "--interpolation linear --no-contours",
                                      "--bare",
                                      "--title Fly",
-                                     "--unit mm"};
+                                     "--unit mm",
+                                     "--legend margin"};
   for (const std::string& options : all) {
     done(words("slice a.vti -q -f -o b.png " + options));
     pictures.insert(read_bytes(folder / "b.png"));

@@ -264,6 +264,7 @@ TEST(Slice, UnitsAndTitlesAreWritten) {
   const Image plain = picture([](auto&) {});
   EXPECT_GT(picture([](auto& o) { o.title = "Ramp"; }).height, plain.height);
   EXPECT_NE(picture([](auto& o) { o.unit = "mm"; }).pixels, plain.pixels);
+  EXPECT_GT(picture([](auto& o) { o.legend = "distance from the wall"; }).width, plain.width);
   // Whatever the bytes are, and however many.
   EXPECT_GT(picture([](auto& o) { o.title = std::string(200, 'm'); }).width, plain.width);
   for (const std::string words : {"\xff\xfe\x80", "\n\t", "\xF0\x9F\x90"})
