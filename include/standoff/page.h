@@ -37,8 +37,8 @@ struct PageOptions {
   std::int64_t most_samples = std::int64_t{1} << 24;
   /// A mesh with more triangles than this is simplified. 1,000 to 50,000,000.
   std::int64_t most_triangles = 5'000'000;
-  /// A mesh with more triangles than this gets a simplified one beside it, which is drawn while the camera moves. At
-  /// least 100.
+  /// A mesh with more triangles than this gets a simplified one beside it, of at most two thirds as many as this, which
+  /// is drawn while the camera moves. 100 to 50,000,000.
   std::int64_t proxy_triangles = 70'000;
   int compression = 6;  ///< 0 (none) to 9 (smallest), as zlib has them
   /// The page asks the server that it came from for what it shows (view/README.md).

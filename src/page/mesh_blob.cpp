@@ -126,7 +126,8 @@ LatticeMesh lattice_mesh(MeshView mesh, const PageOptions& options) {
       made.triangles = simplified(made.triangles, vertices, most);
       made.simplified = true;
     }
-    if (made.triangles.size() > proxy_most) made.proxy = simplified(made.triangles, vertices, proxy_most);
+    // Fewer than where a mesh is drawn as it is, so that a processor without a graphics card draws ten in a second.
+    if (made.triangles.size() > proxy_most) made.proxy = simplified(made.triangles, vertices, proxy_most * 2 / 3);
   }
   if (made.simplified) {  // many vertices have no triangle now
     std::vector<Vec3> kept(used.size());

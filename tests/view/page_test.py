@@ -288,17 +288,17 @@ COMPARE = """async (...urls) => {
 }"""
 
 
-async def bricks_look_like_a_dense_texture(page):
+async def stored_tiles_look_like_a_dense_texture(page):
     """Fields that are too large for a texture of the grid's size are drawn out of their stored tiles."""
     drawn = []
     for samples in (2000, 3000):
         await page.open(f"long{samples}.html", 700, 500)
         await page.ask("viewer.look.mesh.shown = false, viewer.look.contours = false, viewer.look.slices.forEach(s => { s.shown = true; }), viewer.changed(), viewer.settled()")
         drawn.append(await page.ask(DRAWN))
-        bricks = await page.ask("[...viewer.scene.textures.values()][0].bricks[0]")
-        expect((bricks > 0) == (samples == 3000), f"{samples} samples along an axis: {bricks} bricks")
+        slots = await page.ask("[...viewer.scene.textures.values()][0].slots[0]")
+        expect((slots > 0) == (samples == 3000), f"{samples} samples along an axis: {slots} slots")
     off = await page.ask(f"({COMPARE})({json.dumps(drawn[0])}, {json.dumps(drawn[1])})")
-    expect(off < 1, f"the same in bricks: {off}")
+    expect(off < 1, f"the same of stored tiles: {off}")
 
 
 async def can_be_used_by_all(page):
@@ -353,7 +353,7 @@ async def main():
         page = Page(tab)
         for check in (names_are_text, pointers_and_keys, sliders_and_handles, values_are_true, data_is_the_programs,
                       surfaces_are_where_the_value_is, bodies_stand_where_poses_say, can_be_used_by_all, looks_as_it_did,
-                      two_fields_and_their_difference, bricks_look_like_a_dense_texture, odd_data_is_shown):
+                      two_fields_and_their_difference, stored_tiles_look_like_a_dense_texture, odd_data_is_shown):
             await check(page)
         await page.open("page.html", 390, 844, phone=True, scheme="dark")
         expect(await page.ask("document.documentElement.scrollWidth") <= 390, "the page fits a phone")

@@ -4,9 +4,9 @@ import {kInfinite, kNoNumber} from './field_data.js';
 
 // What stands for a sample without a value. Values are at most kMost; what is between comes from interpolation.
 const kNone = 65504, kMost = 100;
-/// Dense textures up to so many samples; beyond, stored tiles alone, as bricks.
+/// Dense textures up to so many samples; beyond, stored tiles alone, each in a slot.
 const kMostDense = 1 << 24;
-const kBrick = 9;  // samples of a tile with the first of the next: cells are interpolated within a brick
+const kSlot = 9;  // samples of a tile with the first of the next: cells are interpolated within a slot
 
 /// The nearest half float's bits.
 export function halfOf(value) {
@@ -41,25 +41,25 @@ export function textureOf3D(gl, size, data, formats, filter) {
   return texture;
 }
 
-/// {texture, tiles, bricks, unit, outside}: values in a texture of the grid's size; or, with the number of bricks per axis,
-/// of bricks, and a texture of tiles that says which brick each is.
+/// {texture, tiles, slots, unit, outside}: values in a texture of the grid's size; or of stored tiles, in so many slots per
+/// axis, with a texture that says which slot each tile has.
 export function fieldTextures(gl, field) {
   const most = gl.getParameter(gl.MAX_3D_TEXTURE_SIZE), [nx, ny, nz] = field.size;
   const dense = nx * ny * nz <= kMostDense && Math.max(nx, ny, nz) <= most;
-  return dense ? denseTexture(gl, field) : brickTexture(gl, field);
+  return dense ? denseTexture(gl, field) : sparseTexture(gl, field);
 }
 
-function brickTexture(gl, field) {
+function sparseTexture(gl, field) {
   const {halves, unit} = halvesOf(field), [tx, ty] = field.tileCount;
-  const side = Math.ceil(Math.cbrt(Math.max(1, field.stored))), bricks = [side, side, Math.ceil(Math.max(1, field.stored) / side / side)];
-  const size = bricks.map(n => n * kBrick), data = new Uint16Array(size[0] * size[1] * size[2]);
+  const side = Math.ceil(Math.cbrt(Math.max(1, field.stored))), slots = [side, side, Math.ceil(Math.max(1, field.stored) / side / side)];
+  const size = slots.map(n => n * kSlot), data = new Uint16Array(size[0] * size[1] * size[2]);
   field.slots.forEach((slot, tile) => {
     if (slot < 0) return;
     const first = [8 * (tile % tx), 8 * (Math.floor(tile / tx) % ty), 8 * Math.floor(tile / (tx * ty))];
-    const at = [slot % side, Math.floor(slot / side) % side, Math.floor(slot / side / side)].map(n => n * kBrick);
-    for (let k = 0; k < kBrick; ++k)
-      for (let j = 0; j < kBrick; ++j)
-        for (let i = 0; i < kBrick; ++i) {
+    const at = [slot % side, Math.floor(slot / side) % side, Math.floor(slot / side / side)].map(n => n * kSlot);
+    for (let k = 0; k < kSlot; ++k)
+      for (let j = 0; j < kSlot; ++j)
+        for (let i = 0; i < kSlot; ++i) {
           const inner = i < 8 && j < 8 && k < 8;
           const code = inner ? field.codes[512 * slot + i + 8 * j + 64 * k]
             : field.code(...[i, j, k].map((n, axis) => Math.min(first[axis] + n, field.size[axis] - 1)));
@@ -67,7 +67,7 @@ function brickTexture(gl, field) {
         }
   });
   return {
-    unit, bricks, texture: textureOf3D(gl, size, data, [gl.R16F, gl.RED, gl.HALF_FLOAT], gl.LINEAR),
+    unit, slots, texture: textureOf3D(gl, size, data, [gl.R16F, gl.RED, gl.HALF_FLOAT], gl.LINEAR),
     tiles: textureOf3D(gl, field.tileCount, field.slots, [gl.R32I, gl.RED_INTEGER, gl.INT], gl.NEAREST),
     outside: field.outside * field.step / unit,
   };
@@ -94,5 +94,5 @@ function denseTexture(gl, field) {
         for (let i = 0; i < width; ++i) data[to + i] = halves[field.codes[from + i] + 32768];
       }
   });
-  return {unit, bricks: [0, 0, 0], tiles: null, outside: 0, texture: textureOf3D(gl, field.size, data, [gl.R16F, gl.RED, gl.HALF_FLOAT], gl.LINEAR)};
+  return {unit, slots: [0, 0, 0], tiles: null, outside: 0, texture: textureOf3D(gl, field.size, data, [gl.R16F, gl.RED, gl.HALF_FLOAT], gl.LINEAR)};
 }

@@ -119,7 +119,7 @@ export class Scene {
       const field = fields[n] ?? fields[0], gpu = field && this.textures.get([...this.fields].find(([, f]) => f === field)[0]);
       Object.assign(values, {
         [`field${letter}`]: gpu?.texture ?? this.nothing, [`tiles${letter}`]: gpu?.tiles ?? this.noTiles,
-        [`bricks${letter}`]: gpu?.bricks ?? [0, 0, 0], [`outside${letter}`]: gpu?.outside ?? 0,
+        [`slots${letter}`]: gpu?.slots ?? [0, 0, 0], [`outside${letter}`]: gpu?.outside ?? 0,
         [`origin${letter}`]: field ? this.toScene(field.origin) : [0, 0, 0],
         [`spacing${letter}`]: field ? field.spacing.map(v => v * this.scale) : [1, 1, 1],
         [`size${letter}`]: field?.size ?? [1, 1, 1],

@@ -6,28 +6,28 @@
 export const kFieldShader = `
 const float kNothing = 1e30;
 uniform sampler3D fieldA, fieldB;
-uniform isampler3D tilesA, tilesB;  // the brick of each tile, where the field is in bricks
-uniform vec3 bricksA, bricksB;      // per axis; 0: it is not
-uniform float outsideA, outsideB;   // the value of tiles without a brick
+uniform isampler3D tilesA, tilesB;  // the slot of each tile, where only stored ones are there
+uniform vec3 slotsA, slotsB;        // per axis; 0: all samples are there
+uniform float outsideA, outsideB;   // the value of tiles without a slot
 uniform vec3 originA, originB, spacingA, spacingB, sizeA, sizeB;  // scene units; samples
 uniform float unitA, unitB, bandA, bandB;                         // scene units; the band ends at the thickness
 uniform int showing;                                              // 0: nothing, 1: the first field, 2: the difference
-float value_in(sampler3D field, isampler3D tiles, vec3 bricks, float outside, vec3 u, vec3 size, float unit) {
+float value_in(sampler3D field, isampler3D tiles, vec3 slots, float outside, vec3 u, vec3 size, float unit) {
   if (any(lessThan(u, vec3(-0.01))) || any(greaterThan(u, size - 0.99))) return kNothing;
   vec3 at = (u + 0.5) / size;
-  if (bricks.x > 0.0) {
+  if (slots.x > 0.0) {
     vec3 inside = clamp(u, vec3(0.0), size - 1.0), tile = floor(min(inside, max(size - 2.0, 0.0)) / 8.0);
     int slot = texelFetch(tiles, ivec3(tile), 0).r;
     if (slot < 0) return (slot == -1 ? outside : -outside) * unit;
-    ivec3 n = ivec3(bricks);
-    vec3 brick = vec3(slot % n.x, slot / n.x % n.y, slot / (n.x * n.y));
-    at = (brick * 9.0 + inside - tile * 8.0 + 0.5) / (bricks * 9.0);
+    ivec3 n = ivec3(slots);
+    vec3 place = vec3(slot % n.x, slot / n.x % n.y, slot / (n.x * n.y));
+    at = (place * 9.0 + inside - tile * 8.0 + 0.5) / (slots * 9.0);
   }
   float v = textureLod(field, at, 0.0).r;
   return abs(v) > 128.0 ? kNothing : v * unit;
 }
-float field_a(vec3 p) { return value_in(fieldA, tilesA, bricksA, outsideA, (p - originA) / spacingA, sizeA, unitA); }
-float field_b(vec3 p) { return value_in(fieldB, tilesB, bricksB, outsideB, (p - originB) / spacingB, sizeB, unitB); }
+float field_a(vec3 p) { return value_in(fieldA, tilesA, slotsA, outsideA, (p - originA) / spacingA, sizeA, unitA); }
+float field_b(vec3 p) { return value_in(fieldB, tilesB, slotsB, outsideB, (p - originB) / spacingB, sizeB, unitB); }
 // A value beyond the band is a bound, not a distance: nothing is known of it.
 float shown(vec3 p) {
   if (showing == 0) return kNothing;
