@@ -10,6 +10,7 @@ void add_compute(CLI::App& program);
 void add_info(CLI::App& program);
 void add_slice(CLI::App& program);
 void add_view(CLI::App& program);
+void add_render(CLI::App& program);
 void add_verify(CLI::App& program);
 void add_generate(CLI::App& program);
 void add_convert(CLI::App& program);

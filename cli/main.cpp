@@ -14,8 +14,8 @@ void run(int argc, char** argv) {
   CLI::App program;
   set_up_help(program);
   for (const auto add :
-       {add_compute, add_info, add_slice, add_view, add_verify, add_generate, add_convert, add_iso, add_points,
-        add_crossings, add_voxels, add_build, add_collide, add_distance, add_sweep, add_fly, add_devices})
+       {add_compute, add_info, add_slice, add_render, add_view, add_verify, add_generate, add_convert, add_iso,
+        add_points, add_crossings, add_voxels, add_build, add_collide, add_distance, add_sweep, add_fly, add_devices})
     add(program);
   add_version_and_help(program);
   parse(program, argc, argv);

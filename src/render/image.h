@@ -2,19 +2,15 @@
 // Pixels in memory, and the PNG file they end in.
 #pragma once
 
-#include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <filesystem>
 #include <vector>
 
+#include "standoff/color.h"
 #include "standoff/existing.h"
 
 namespace standoff {
-
-/// sRGB, 8 bits per channel.
-using Color = std::array<std::uint8_t, 3>;
 
 /// Rows from the top, pixels from the left, without gaps.
 struct Image {

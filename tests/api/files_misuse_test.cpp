@@ -69,6 +69,11 @@ TEST(Misuse, Writing) {
     expect_answer_or_error(name, [&] { write_query(path, MeshQuery(one_triangle()), none_of<Existing>()); });
     expect_answer_or_error(name, [&] { write_slice_png(path, field); });
     expect_answer_or_error(name, [&] { write_mesh_png(path, one_triangle(), {.width = 16, .height = 16}); });
+    expect_answer_or_error(name, [&] { write_picture(path, {}, {}, none_of<Existing>()); });
+    const Mesh triangle = one_triangle();
+    Drawing drawing;
+    drawing.meshes.push_back({.mesh = triangle});
+    expect_answer_or_error(name, [&] { write_turntable(path, drawing, 2, {.width = 16, .height = 16}); });
   }
   for (const Mesh& mesh : odd_meshes())
     for (const char* file : {"a.stl", "a.ply", "a.obj"})
@@ -95,9 +100,38 @@ TEST(Misuse, Pictures) {
     expect(named("azimuth", x), azimuth);
     expect(named("elevation", x), elevation);
   }
-  PictureOptions no_axis = small;
+  PictureOptions no_axis = small, no_background = small;
   no_axis.up = none_of<Axis>();
+  no_background.background = none_of<Background>();
   expect("axis", no_axis);
+  expect("background", no_background);
+  const Mesh triangle = one_triangle();
+  const DistanceField field({{3, 3, 3}, {}}, 1), empty;
+  for (const double x : kNumbers) {
+    const std::vector<Vec3> points{{0, 0, 0}, {x, 1, -x}};
+    const std::vector<double> values{x, -x};
+    Drawing drawing;
+    drawing.meshes = {{.mesh = triangle, .opacity = x, .shading = none_of<Shading>()}};
+    drawing.slices = {{.field = &field, .axis = none_of<Axis>(), .at = x}, {.field = &empty}};
+    drawing.bands = {{.field = &field, .within = x}, {.field = &empty}};
+    drawing.points = {{.points = points, .radius = x, .values = values}};
+    drawing.paths = {{.points = points, .radius = x, .values = values}};
+    drawing.boxes = {{.box = {{0, 0, 0}, {x, x, x}}}};
+    drawing.colormap = none_of<Colormap>();
+    const auto draw = [&](const char* layer, const Drawing& part) {
+      expect_answer_or_error(named(layer, x), [&] { write_picture(path, part, small); });
+    };
+    draw("all", drawing);
+    draw("meshes", {.meshes = drawing.meshes});
+    draw("slices", {.slices = {{.field = &field, .at = x}, {.field = &empty}}});
+    draw("bands", {.bands = drawing.bands});
+    draw("points", {.points = drawing.points});
+    draw("values", {.points = {{.points = points, .values = values}}});
+    draw("paths", {.paths = {{.points = points, .values = values}}});
+    draw("boxes", {.boxes = drawing.boxes});
+  }
+  for (const int n : {std::numeric_limits<int>::min(), 0, 10001})
+    expect_answer_or_error(named("turntable", n), [&] { write_turntable(path, {}, n, small); });
 }
 
 TEST(Misuse, Slices) {

@@ -307,7 +307,13 @@ TEST(RefusedMemory, Files) {
   expect_limit_error("write_path", [&] { write_path(flight, points); });
   expect_limit_error("slice", [&] { write_slice_png(picture, field); });
   expect_limit_error("slice_plane", [&] { slice_plane(field); });
-  expect_limit_error("picture", [&] { write_mesh_png(picture, kMesh, {.width = 16, .height = 16}); });
+  const PictureOptions small{.width = 16, .height = 16, .threads = 1};
+  expect_limit_error("picture", [&] { write_mesh_png(picture, kMesh, small); });
+  Drawing drawing;
+  drawing.meshes.push_back({.mesh = kMesh});
+  drawing.slices.push_back({.field = &field});
+  expect_limit_error("drawing", [&] { write_picture(picture, drawing, small); });
+  expect_limit_error("turntable", [&] { write_turntable(picture, drawing, 1, small); });
 }
 
 TEST(RefusedMemory, Pages) {

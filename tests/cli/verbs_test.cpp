@@ -29,8 +29,9 @@ TEST_F(Verbs, VersionAndHelp) {
   const std::string all = done({"help"}).out;
   EXPECT_EQ(all, done({"--help"}).out);
   EXPECT_EQ(all, done({"-h"}).out);
-  for (const std::string verb : {"compute", "info", "slice", "view", "verify", "generate", "convert", "iso", "points",
-                                 "crossings", "voxels", "devices", "build", "collide", "distance", "sweep", "fly"}) {
+  for (const std::string verb :
+       {"compute", "info", "slice", "render", "view", "verify", "generate", "convert", "iso", "points", "crossings",
+        "voxels", "devices", "build", "collide", "distance", "sweep", "fly"}) {
     EXPECT_TRUE(holds(all, "\n  " + verb + " ")) << verb;
     const std::string help = done({"help", verb}).out;
     EXPECT_EQ(help, done({verb, "--help"}).out);

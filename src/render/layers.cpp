@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/layers.h"
+
+#include <string>
+
+#include "render/mesh_part.h"
+#include "render/shapes.h"
+#include "render/srgb.h"
+#include "standoff/error.h"
+
+namespace standoff {
+namespace {
+
+constexpr Color kLine{40, 44, 52};
+constexpr float kPointPixels = 4, kPathPixels = 1.8F, kLinePixels = 0.7F;  // default radii
+
+float radius_in(const UnitSpace& space, double radius, float otherwise) {
+  return radius > 0 ? static_cast<float>(radius / space.world(1.0)) : otherwise;
+}
+
+template <class Use>
+void for_band_samples(const BandLayer& band, const Use& use) {
+  const DistanceField& field = *band.field;
+  const Grid& grid = field.grid();
+  const auto most = static_cast<float>(std::min(band.within, field.thickness()));
+  for (const DistanceField::Tile& tile : field.tiles()) {
+    constexpr std::int64_t kSide = DistanceField::kTileSide;
+    const Size3 first{tile.at.x * kSide, tile.at.y * kSide, tile.at.z * kSide};
+    std::size_t n = 0;
+    for (std::int64_t k = first.z; k < first.z + kSide; ++k)
+      for (std::int64_t j = first.y; j < first.y + kSide; ++j)
+        for (std::int64_t i = first.x; i < first.x + kSide; ++i, ++n)
+          if (i < grid.size.x && j < grid.size.y && k < grid.size.z && std::abs(tile.values[n]) < most)
+            use(grid.position(i, j, k), tile.values[n]);
+  }
+}
+
+// Slices are looked at in a raster: fine enough to find the range of their numbers.
+void include_slice(const SliceLayer& slice, NumberRange& range) {
+  const Grid& grid = slice.field->grid();
+  const Box box = grid.bounds();
+  constexpr int kSteps = 128;
+  for (int u = 0; u <= kSteps; ++u)
+    for (int v = 0; v <= kSteps; ++v) {
+      const double s = static_cast<double>(u) / kSteps, t = static_cast<double>(v) / kSteps, at = slice.at;
+      const Vec3 share = slice.axis == Axis::x   ? Vec3{at, s, t}
+                         : slice.axis == Axis::y ? Vec3{s, at, t}
+                                                 : Vec3{s, t, at};
+      range.include(slice.field->interpolate(box.min + box.extent() * share));
+    }
+}
+
+[[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::usage, "picture: " + what); }
+
+void check_lengths(const char* layer, std::size_t values, std::size_t points) {
+  if (values != 0 && values != points)
+    refuse(std::string("the ") + layer + " layer has " + std::to_string(values) + " values for " +
+           std::to_string(points) + " points; give one for each, or none");
+}
+
+}  // namespace
+
+void check(const Drawing& drawing) {
+  for (const MeshLayer& layer : drawing.meshes) {
+    validate(layer.mesh);
+    check_lengths("mesh", layer.values.size(), layer.mesh.vertices.size());
+    if (!layer.normals.empty() && layer.normals.size() != layer.mesh.vertices.size())
+      refuse("the mesh layer has " + std::to_string(layer.normals.size()) + " normals for " +
+             std::to_string(layer.mesh.vertices.size()) + " vertices; give one for each, or none");
+    if (!(layer.opacity >= 0 && layer.opacity <= 1)) refuse("the opacity must be 0 to 1; 0.3 lets much through");
+  }
+  for (const SliceLayer& slice : drawing.slices) {
+    if (!slice.field) refuse("a slice layer has no field; give one");
+    if (!(slice.at >= 0 && slice.at <= 1)) refuse("a slice's position must be 0 to 1; 0.5 is the middle");
+    if (!(slice.outside_opacity >= 0 && slice.outside_opacity <= 1))
+      refuse("a slice's opacity must be 0 to 1; 1 hides what is behind");
+    if (slice.axis != Axis::x && slice.axis != Axis::y && slice.axis != Axis::z)
+      refuse("there is no such axis; take x, y or z");
+  }
+  for (const BandLayer& band : drawing.bands)
+    if (!band.field) refuse("a band layer has no field; give one");
+  for (const PointLayer& layer : drawing.points) {
+    check_lengths("point", layer.values.size(), layer.points.size());
+    if (!(layer.radius >= 0 && std::isfinite(layer.radius)))
+      refuse("a radius must be finite and not negative; 0 is a few pixels");
+  }
+  for (const PathLayer& layer : drawing.paths) {
+    check_lengths("path", layer.values.size(), layer.points.size());
+    if (!(layer.radius >= 0 && std::isfinite(layer.radius)))
+      refuse("a radius must be finite and not negative; 0 is a few pixels");
+    for (std::size_t n = 0; n < layer.starts.size(); ++n)
+      if (layer.starts[n] > layer.points.size() || (n > 0 && layer.starts[n] < layer.starts[n - 1]))
+        refuse("the starts of paths must ascend and be at most the number of points; give the first point of each");
+  }
+  for (const BoxLayer& layer : drawing.boxes)
+    if (layer.box.empty() || !is_finite(layer.box.min) || !is_finite(layer.box.max))
+      refuse("a box must be finite and not empty; give a lower and an upper corner");
+}
+
+NumberRange number_range(const Drawing& drawing) {
+  NumberRange range;
+  const auto include_all = [&](std::span<const double> values) {
+    for (const double value : values) range.include(value);
+  };
+  for (const MeshLayer& layer : drawing.meshes) include_all(layer.values);
+  for (const PointLayer& layer : drawing.points) include_all(layer.values);
+  for (const PathLayer& layer : drawing.paths) include_all(layer.values);
+  for (const SliceLayer& slice : drawing.slices) {
+    include_slice(slice, range);
+    range.thickness = std::min(range.thickness, slice.field->thickness());
+  }
+  for (const BandLayer& band : drawing.bands) {
+    for_band_samples(band, [&](Vec3, float value) { range.include(value); });
+    range.thickness = std::min(range.thickness, band.field->thickness());
+  }
+  return range;
+}
+
+Box bounds_of(const Drawing& drawing, const std::vector<std::vector<char>>& unused) {
+  Box box;
+  const auto include = [&](const Box& other) {
+    if (other.empty()) return;
+    box.include(other.min);
+    box.include(other.max);
+  };
+  const auto include_points = [&](std::span<const Vec3> points) {
+    for (const Vec3& p : points)
+      if (is_finite(p)) box.include(p);
+  };
+  for (std::size_t n = 0; n < drawing.meshes.size(); ++n) include(bounds_of_used(drawing.meshes[n].mesh, unused[n]));
+  for (const SliceLayer& slice : drawing.slices) include(slice.field->grid().bounds());
+  for (const BandLayer& band : drawing.bands) for_band_samples(band, [&](Vec3 p, float) { box.include(p); });
+  for (const PointLayer& layer : drawing.points) include_points(layer.points);
+  for (const PathLayer& layer : drawing.paths) include_points(layer.points);
+  for (const BoxLayer& layer : drawing.boxes) include(layer.box);
+  return box;
+}
+
+double plane_of(const SliceLayer& slice) {
+  const Box box = slice.field->grid().bounds();
+  const auto along = [&](Vec3 v) { return slice.axis == Axis::x ? v.x : slice.axis == Axis::y ? v.y : v.z; };
+  return along(box.min) * (1 - slice.at) + along(box.max) * slice.at;
+}
+
+void add_slices(const Drawing& drawing, const UnitSpace& space, std::vector<Part>& parts) {
+  for (const SliceLayer& slice : drawing.slices) {
+    const Box box = slice.field->grid().bounds();
+    const double at = plane_of(slice);
+    Part part;
+    part.field = slice.field;
+    part.opacity = static_cast<float>(slice.outside_opacity);
+    part.lit = false;
+    part.casts_shadow = false;
+    for (const bool far : {false, true})
+      for (const bool high : {false, true}) {
+        Vec3 p = at * Vec3{1, 1, 1};
+        if (slice.axis != Axis::x) p.x = far ? box.max.x : box.min.x;
+        if (slice.axis != Axis::y) p.y = (slice.axis == Axis::x ? far : high) ? box.max.y : box.min.y;
+        if (slice.axis != Axis::z) p.z = high ? box.max.z : box.min.z;
+        part.places.push_back(space.placed(p));
+      }
+    part.own = {{0, 1, 2}, {1, 3, 2}};
+    part.use_own();
+    parts.push_back(std::move(part));
+  }
+}
+
+void add_bands(const Drawing& drawing, const UnitSpace& space, float pixel, std::vector<Part>& parts) {
+  for (const BandLayer& band : drawing.bands) {
+    const Vec3 spacing = band.field->grid().spacing;
+    const float radius = 0.3F * static_cast<float>(std::min({spacing.x, spacing.y, spacing.z}) / space.world(1.0));
+    Part part;
+    part.casts_shadow = false;  // so many would darken each other
+    ShapeBuilder shapes(part, radius, Roundness::of(radius / pixel), true);
+    for_band_samples(band, [&](Vec3 p, float value) { shapes.add_ball(space.placed(p), value); });
+    shapes.finish();
+    parts.push_back(std::move(part));
+  }
+}
+
+void add_points(const Drawing& drawing, const UnitSpace& space, float pixel, std::vector<Part>& parts) {
+  for (const PointLayer& layer : drawing.points) {
+    const float radius = radius_in(space, layer.radius, kPointPixels * pixel);
+    Part part;
+    part.color = linear_of(layer.color);
+    ShapeBuilder shapes(part, radius, Roundness::of(radius / pixel), !layer.values.empty());
+    for (std::size_t n = 0; n < layer.points.size(); ++n)
+      if (is_finite(layer.points[n]))
+        shapes.add_ball(space.placed(layer.points[n]), layer.values.empty() ? 0 : static_cast<float>(layer.values[n]));
+    shapes.finish();
+    parts.push_back(std::move(part));
+  }
+}
+
+void add_paths(const Drawing& drawing, const UnitSpace& space, float pixel, std::vector<Part>& parts) {
+  for (const PathLayer& layer : drawing.paths) {
+    const float radius = radius_in(space, layer.radius, kPathPixels * pixel);
+    Part part;
+    part.color = linear_of(layer.color);
+    ShapeBuilder shapes(part, radius, Roundness::of(radius / pixel), !layer.values.empty());
+    const auto value = [&](std::size_t n) { return layer.values.empty() ? 0.0F : static_cast<float>(layer.values[n]); };
+    auto start = layer.starts.begin();
+    bool connected = false;
+    for (std::size_t n = 0; n < layer.points.size(); ++n) {
+      for (; start != layer.starts.end() && *start == n; ++start) connected = false;
+      if (!is_finite(layer.points[n])) {
+        connected = false;
+        continue;
+      }
+      const Float3 here = space.placed(layer.points[n]);
+      if (connected) shapes.add_tube(space.placed(layer.points[n - 1]), here, value(n - 1), value(n));
+      shapes.add_ball(here, value(n));  // rounds the joint
+      connected = true;
+    }
+    shapes.finish();
+    parts.push_back(std::move(part));
+  }
+}
+
+void add_boxes(const Drawing& drawing, const UnitSpace& space, float pixel, std::vector<Part>& parts) {
+  for (const BoxLayer& layer : drawing.boxes) {
+    Part part;
+    part.color = linear_of(layer.color);
+    part.lit = false;
+    part.casts_shadow = false;
+    ShapeBuilder shapes(part, kLinePixels * pixel, Roundness::of(0), false);
+    const auto corner = [&](int n) {
+      const Vec3 &low = layer.box.min, &high = layer.box.max;
+      return space.placed({n & 1 ? high.x : low.x, n & 2 ? high.y : low.y, n & 4 ? high.z : low.z});
+    };
+    for (int n = 0; n < 8; ++n)
+      for (const int bit : {1, 2, 4})
+        if (!(n & bit)) shapes.add_tube(corner(n), corner(n | bit));
+    shapes.finish();
+    parts.push_back(std::move(part));
+  }
+}
+
+Part edge_lines(const Part& part, float pixel) {
+  Part lines;
+  lines.color = linear_of(kLine);
+  lines.opacity = 1;
+  lines.lit = false;
+  lines.casts_shadow = false;
+  ShapeBuilder shapes(lines, kLinePixels * pixel, Roundness::of(0), false);
+  for (const auto& [a, b] : feature_edges(part)) shapes.add_tube(part.places[a], part.places[b]);
+  shapes.finish();
+  return lines;
+}
+
+std::int64_t bytes_of_parts(const Drawing& drawing) {
+  // A vertex has a place, a point on the picture, and often a normal and a value; a triangle its own and its bins'
+  // index.
+  constexpr double kVertex = sizeof(Float3) * 2 + sizeof(ScreenPoint) + sizeof(float) + 1;
+  constexpr double kTriangle = sizeof(Triangle) + 4 * sizeof(std::uint32_t);
+  double bytes = 0;
+  for (const MeshLayer& layer : drawing.meshes) {
+    const auto triangles = static_cast<double>(layer.mesh.triangles.size());
+    bytes += kVertex * static_cast<double>(layer.mesh.vertices.size()) + kTriangle * triangles;
+    if (layer.edges) bytes += 3 * 12 * triangles;
+    if (!drawing.slices.empty()) bytes += (kVertex + kTriangle) * triangles;
+  }
+  const auto add_balls = [&](double balls) { bytes += balls * (42 * kVertex + 96 * kTriangle); };
+  for (const BandLayer& band : drawing.bands) {
+    double samples = 0;
+    for_band_samples(band, [&](Vec3, float) { ++samples; });
+    add_balls(samples);
+  }
+  for (const PointLayer& layer : drawing.points) add_balls(static_cast<double>(layer.points.size()));
+  for (const PathLayer& layer : drawing.paths) add_balls(static_cast<double>(layer.points.size()));
+  return static_cast<std::int64_t>(std::min(bytes, 0x1p62));
+}
+
+}  // namespace standoff

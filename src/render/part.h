@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a picture is made of: triangles in the unit space, and how they look.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "render/camera.h"
+#include "render/float3.h"
+#include "standoff/axis.h"
+#include "standoff/field.h"
+#include "standoff/mesh_view.h"
+
+namespace standoff {
+
+/// Triangles that look alike.
+struct Part {
+  Part() = default;
+  Part(Part&&) = default;
+  Part& operator=(Part&&) = default;
+  Part(const Part&) = delete;  // `triangles` may be a view of `own`
+  Part& operator=(const Part&) = delete;
+  ~Part() = default;
+
+  std::vector<Float3> places;  ///< of the vertices, in the unit space
+  TriangleArray triangles;     ///< the caller's, or `own`
+  std::vector<Triangle> own;
+  std::vector<Float3> normals;  ///< unit normals of the vertices; empty: flat
+  std::vector<float> values;    ///< a number for each vertex that colors it; empty: `color`
+  Float3 color{1, 1, 1};        ///< linear light
+  float opacity = 1;            ///< of a field: where its values are not negative; elsewhere it is opaque
+  bool lit = true;              ///< false: shown in its color, whatever the light
+  bool casts_shadow = true;
+  const DistanceField* field = nullptr;  ///< colors each pixel by the field's value there
+  std::vector<char> unused;              ///< 1 for vertices that no triangle uses, which may be anything; empty: none
+
+  void use_own() { triangles = own; }
+  bool is_used(std::size_t vertex) const { return unused.empty() || !unused[vertex]; }
+};
+
+}  // namespace standoff

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// Balls and tubes as triangles.
+#pragma once
+
+#include <cstddef>
+
+#include "render/part.h"
+
+namespace standoff {
+
+/// How finely round things are divided, so that none looks angular at its size.
+struct Roundness {
+  int ball_level;  ///< of ball_triangles()
+  int tube_sides;
+
+  /// For things with a radius of so many pixels.
+  static Roundness of(float radius_px);
+};
+
+/// Triangles of a ball of a level: an octahedron (0), or an icosahedron (1) whose triangles are quartered (2, 3).
+std::size_t ball_triangles(int level);
+
+/// Adds balls and tubes to a part. Each vertex gets a normal, and a value where the part has values.
+class ShapeBuilder {
+ public:
+  ShapeBuilder(Part& part, float radius, Roundness roundness, bool with_values);
+
+  void add_ball(Float3 center, float value = 0);
+  /// Without caps.
+  void add_tube(Float3 from, Float3 to, float value_from = 0, float value_to = 0);
+  /// To be called when all is added.
+  void finish() { part_.use_own(); }
+
+ private:
+  std::uint32_t add_vertex(Float3 place, Float3 normal, float value);
+
+  Part& part_;
+  float radius_;
+  bool with_values_;
+  std::vector<Float3> ball_;
+  std::vector<Triangle> ball_triangles_;
+  std::vector<std::array<float, 2>> ring_;  // cosines and sines
+};
+
+}  // namespace standoff

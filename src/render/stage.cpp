@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/stage.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
+
+#include <string>
+
+#include "core/field_bytes.h"
+#include "core/per_thread.h"
+#include "core/threads.h"
+#include "render/layers.h"
+#include "render/light.h"
+#include "render/mesh_part.h"
+#include "render/srgb.h"
+#include "render/tile.h"
+#include "render/triad.h"
+#include "standoff/error.h"
+
+namespace standoff {
+namespace {
+
+constexpr double kMargin = 0.04;                     // of the picture's shorter side, on all sides
+constexpr double kLegendGap = 24, kUsualSide = 720;  // pixels at scale 1; the shorter side of a usual picture
+
+void check(const PictureOptions& options) {
+  const auto refuse = [](const char* what) { throw Error(ErrorCode::usage, std::string("picture: ") + what); };
+  for (const int side : {options.width, options.height})
+    if (side < 16 || side > 8192) refuse("width and height must be 16 to 8192 pixels; 1280 by 960 is usual");
+  if (!std::isfinite(options.azimuth_deg)) refuse("the azimuth must be finite; give degrees");
+  if (!(std::abs(options.elevation_deg) <= 90)) refuse("the elevation must be -90 to 90 degrees; 0 is level");
+  if (options.up != Axis::x && options.up != Axis::y && options.up != Axis::z)
+    refuse("there is no such axis; take x, y or z");
+  if (!(options.zoom >= 0.01 && options.zoom <= 100)) refuse("the zoom must be 0.01 to 100; 1 shows everything");
+  if (static_cast<int>(sample_places(options.samples).size()) != options.samples)
+    refuse("a pixel has 1, 2, 4, 8 or 16 samples; 4 is usual");
+  if (options.background != Background::white && options.background != Background::dark)
+    refuse("there is no such background; take white or dark");
+}
+
+// Before the work. The field of shadows is bounded for its triangles, wherever they lie.
+void check_memory(const Drawing& drawing, const PictureOptions& options) {
+  std::int64_t bytes = bytes_of_parts(drawing) + std::int64_t{3} * options.width * options.height;
+  if (options.shadows && !drawing.meshes.empty()) {
+    std::int64_t triangles = 0, vertices = 0;
+    for (const MeshLayer& layer : drawing.meshes) {
+      triangles += static_cast<std::int64_t>(layer.mesh.triangles.size());
+      vertices += static_cast<std::int64_t>(layer.mesh.vertices.size());
+    }
+    bytes += Occlusion::bytes(triangles, vertices);
+  }
+  if (options.memory_limit == 0 || bytes <= options.memory_limit) return;
+  throw Error(ErrorCode::limit,
+              "picture: the memory limit is too low: it needs " +
+                  over_the_limit(static_cast<double>(bytes), static_cast<double>(options.memory_limit)) +
+                  "; draw fewer layers, or without shadows",
+              {.bytes_needed = bytes, .bytes_limit = options.memory_limit});
+}
+
+// What of a mesh the slices leave: everything on the far sides of the planes that cut.
+std::vector<HalfSpace> kept_by(const Drawing& drawing, const UnitSpace& space, const Camera& camera) {
+  std::vector<HalfSpace> kept;
+  for (const SliceLayer& slice : drawing.slices) {
+    if (!slice.cuts) continue;
+    const auto along = [&](Float3 p) { return slice.axis == Axis::x ? p.x : slice.axis == Axis::y ? p.y : p.z; };
+    const Vec3 on_plane = plane_of(slice) * Vec3{1, 1, 1};
+    kept.push_back({slice.axis, along(space.placed(on_plane)), along(camera.to_eye({})) < 0});
+  }
+  return kept;
+}
+
+}  // namespace
+
+void Stage::Extent::include(const Extent& other) {
+  least_u = std::min(least_u, other.least_u);
+  least_v = std::min(least_v, other.least_v);
+  most_u = std::max(most_u, other.most_u);
+  most_v = std::max(most_v, other.most_v);
+}
+
+Stage::Stage(const Drawing& drawing, const PictureOptions& options)
+    : options_(options),
+      words_(std::max(1.0, std::min(options.width, options.height) / kUsualSide)),
+      theme_(theme_of(options.background)) {
+  check(options);
+  standoff::check(drawing);
+  check_memory(drawing, options);
+  std::vector<std::vector<char>> unused;
+  for (const MeshLayer& layer : drawing.meshes) unused.push_back(unused_vertices(layer.mesh));
+  const Box box = bounds_of(drawing, unused);
+  if (box.empty())
+    throw Error(ErrorCode::usage, "picture: there is nothing to draw; give a mesh, a field, points, a path or a box");
+  space_ = std::make_unique<UnitSpace>(box);
+  add_numbers(drawing);
+
+  // The unit sphere about fills the shorter side.
+  const float pixel = 2.0F / static_cast<float>(std::min(options.width, options.height));
+  const std::vector<HalfSpace> kept = kept_by(drawing, *space_, Camera(options));
+  const auto pixels = static_cast<std::size_t>(options.width) * static_cast<std::size_t>(options.height);
+  std::vector<Part> lines;
+  for (std::size_t n = 0; n < drawing.meshes.size(); ++n) {
+    const MeshLayer& layer = drawing.meshes[n];
+    Part part = part_of(layer, *space_, std::move(unused[n]));
+    if (layer.shading == Shading::flat)
+      part.normals = {};
+    else if (part.normals.empty() && part.triangles.size() <= pixels)
+      smooth(part);
+    for (const HalfSpace& space : kept) cut(part, space);
+    if (layer.edges) lines.push_back(edge_lines(part, pixel));
+    parts_.push_back(std::move(part));
+  }
+  const std::size_t meshes = parts_.size();
+  add_bands(drawing, *space_, pixel, parts_);
+  for (std::size_t n = meshes; n < parts_.size(); ++n)
+    for (const HalfSpace& space : kept) cut(parts_[n], space);
+  if (options.shadows) occlusion_ = std::make_unique<Occlusion>(parts_);
+  add_points(drawing, *space_, pixel, parts_);
+  add_paths(drawing, *space_, pixel, parts_);
+  add_slices(drawing, *space_, parts_);
+  add_boxes(drawing, *space_, pixel, parts_);
+  for (Part& part : lines) parts_.push_back(std::move(part));
+  if (!occlusion_) occlusion_ = std::make_unique<Occlusion>(std::span<const Part>());
+  std::erase_if(parts_, [](const Part& part) { return part.triangles.empty(); });
+}
+
+void Stage::add_numbers(const Drawing& drawing) {
+  const NumberRange range = number_range(drawing);
+  if (range.empty()) return;
+  Colormap map = drawing.colormap;
+  if (map == Colormap::automatic) map = range.least < 0 ? Colormap::diverging : Colormap::viridis;
+  legend_.emplace(range.least, range.greatest, static_cast<float>(range.thickness), map, theme_, drawing.quantity);
+  ramp_ = Ramp(*legend_, range.least, range.greatest, theme_);
+  if (const auto& ticks = legend_->ticks(); ticks.size() > 1) contour_step_ = ticks[1].value - ticks[0].value;
+}
+
+Float3 Stage::up() const {
+  return {options_.up == Axis::x ? 1.0F : 0.0F, options_.up == Axis::y ? 1.0F : 0.0F,
+          options_.up == Axis::z ? 1.0F : 0.0F};
+}
+
+Framing::Room Stage::room() const {
+  const double margin = kMargin * std::min(options_.width, options_.height);
+  const bool has_legend = options_.legend && legend_;
+  const double beside = has_legend ? legend_->width(words_) + kLegendGap * words_ : 0;
+  return {margin, margin, std::max(1.0, options_.width - 2 * margin - beside), options_.height - 2 * margin};
+}
+
+Stage::Extent Stage::extent(const Camera& camera) const {
+  Extent all;
+  for (const Part& part : parts_)
+    all.include(tbb::parallel_reduce(
+        tbb::blocked_range<std::size_t>(0, part.places.size(), 1 << 14), Extent{},
+        [&](const auto& range, Extent extent) {
+          for (std::size_t v = range.begin(); v < range.end(); ++v) {
+            if (!part.is_used(v)) continue;
+            const Camera::Seen seen = camera.seen(part.places[v]);
+            extent.include({seen.u, seen.v, seen.u, seen.v});
+          }
+          return extent;
+        },
+        [](Extent a, const Extent& b) {
+          a.include(b);
+          return a;
+        }));
+  return all;
+}
+
+Image Stage::draw(const Camera& camera, const Extent& extent) const {
+  const Framing framing(extent.least_u, extent.least_v, extent.most_u, extent.most_v, room(), options_.zoom);
+  std::vector<SeenPart> seen;
+  std::uint64_t triangles = 0;
+  for (const Part& part : parts_) {
+    seen.push_back({&part, std::vector<ScreenPoint>(part.places.size()), static_cast<std::uint32_t>(triangles)});
+    triangles += part.triangles.size();
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, part.places.size(), 1 << 14), [&](const auto& range) {
+      for (std::size_t v = range.begin(); v < range.end(); ++v)
+        if (part.is_used(v)) seen.back().points[v] = framing.on_picture(camera.seen(part.places[v]));
+    });
+  }
+  if (triangles > kMaxTriangles)
+    throw Error(ErrorCode::limit, "picture: it would have " + std::to_string(triangles) +
+                                      " triangles, more than 4,000,000,000; draw fewer layers");
+
+  const auto places = sample_places(options_.samples);
+  const Bins opaque(seen, options_.width, options_.height, places, [](const Part& p) { return p.opacity >= 1; });
+  const Bins clear(seen, options_.width, options_.height, places, [](const Part& p) { return p.opacity < 1; });
+  const Scenery scenery{camera,        *space_,
+                        *occlusion_,   ramp_,
+                        up(),          static_cast<float>(1 / std::max(1.0, framing.pixels_per_unit())),
+                        contour_step_, options_.perspective};
+  Image image(options_.width, options_.height, theme_.paper);
+  PerThread<TileDrawer> drawers([&] { return TileDrawer(seen, places); });
+  tbb::parallel_for(0, opaque.tiles(), [&](int tile) { drawers.local().draw(opaque, clear, tile, scenery, image); });
+
+  const int margin = static_cast<int>(kMargin * std::min(options_.width, options_.height));
+  if (options_.legend && legend_)
+    legend_->draw(image, options_.width - margin - legend_->width(words_), options_.height / 5, options_.height * 3 / 5,
+                  words_);
+  if (options_.axes) draw_triad(image, camera, theme_, margin, words_);
+  return image;
+}
+
+}  // namespace standoff

@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: Apache-2.0
+"""standoff render: its inputs and layers, the pictures, and what it says when something is wrong."""
+
+import json
+import os
+import pathlib
+import struct
+import subprocess
+import zlib
+
+import numpy as np
+
+STANDOFF = os.environ["STANDOFF"]
+
+
+def run(*words, code=0):
+    ran = subprocess.run([STANDOFF, *map(str, words)], capture_output=True, text=True)
+    assert ran.returncode == code, (words, ran.returncode, ran.stderr)
+    return ran
+
+
+def pixels(path):
+    """The picture as an array, by the PNG specification: 8 bits, RGB."""
+    data = pathlib.Path(path).read_bytes()
+    assert data[:8] == b"\x89PNG\r\n\x1a\n"
+    at, packed = 8, b""
+    while at < len(data):
+        length, kind = struct.unpack(">I4s", data[at : at + 8])
+        body = data[at + 8 : at + 8 + length]
+        assert zlib.crc32(kind + body) == struct.unpack(">I", data[at + 8 + length : at + 12 + length])[0]
+        if kind == b"IHDR":
+            width, height, depth, color, *_ = struct.unpack(">IIBBBBB", body)
+            assert (depth, color) == (8, 2)
+        if kind == b"IDAT":
+            packed += body
+        at += 12 + length
+    rows = np.frombuffer(zlib.decompress(packed), np.uint8).reshape(height, 1 + 3 * width)
+    image = np.zeros((height, width, 3), np.uint8)
+    before = np.zeros(3 * width, np.uint8)
+    for y, row in enumerate(rows):
+        line = row[1:].copy()
+        if row[0] == 2:
+            line += before
+        elif row[0] != 0:
+            for x in range(3 * width):
+                a, b, c = (int(line[x - 3]) if x >= 3 else 0), int(before[x]), (int(before[x - 3]) if x >= 3 else 0)
+                nearest = min((abs(b - c), 0, a), (abs(a - c), 1, b), (abs(a + b - 2 * c), 2, c))[2]
+                line[x] = (int(line[x]) + {1: a, 3: (a + b) // 2, 4: nearest}[int(row[0])]) % 256
+        image[y], before = line.reshape(width, 3), line
+    return image
+
+
+def drawn(image):
+    return (image != image[0, 0]).any(axis=2)
+
+
+SIZE = ["--size", "160x120"]
+
+
+def meshes():
+    answer = json.loads(run("render", "scene:box", *SIZE, "-o", "a.png", "--json").stdout)
+    assert answer["verb"] == "render" and answer["inputs"] == ["scene:box"] and answer["pictures"] == 1
+    assert (answer["width"], answer["height"], answer["output"]["file"]) == (160, 120, "a.png")
+    image = pixels("a.png")
+    assert image.shape == (120, 160, 3) and (image[0, 0] == 255).all()
+    # As large as the picture allows: it touches the margin at the top and the bottom, or at the sides.
+    rows, columns = np.nonzero(drawn(image).any(axis=1))[0], np.nonzero(drawn(image).any(axis=0))[0]
+    assert rows[0] >= 4 and rows[-1] <= 115 and columns[0] >= 4 and columns[-1] <= 155
+    assert rows[-1] - rows[0] >= 108 or columns[-1] - columns[0] >= 148
+    # The same bytes for any number of threads.
+    first = pathlib.Path("a.png").read_bytes()
+    run("render", "scene:box", *SIZE, "-o", "a.png", "-f", "-j", 3)
+    assert pathlib.Path("a.png").read_bytes() == first
+    for words in (["--camera", "front"], ["--camera", "-20,70,2"], ["--background", "dark"], ["--flat"], ["--edges"],
+                  ["--opacity", "0.3"], ["--no-shadows"], ["--samples", "16"], ["--parallel"], ["--up", "x"]):
+        run("render", "scene:box", *SIZE, "-o", "b.png", "-f", *words)
+        assert (pixels("b.png") != image).any(), words
+
+
+def fields():
+    run("compute", "scene:box", "-r", "24", "--sign", "auto", "-o", "box.vti")
+    run("render", "box.vti", *SIZE, "-q")
+    both = pixels("box.png")
+    assert drawn(both).sum() > 2000
+    for layers in ("slice", "iso", "band", "boxes", "slice,iso,boxes"):
+        run("render", "box.vti", *SIZE, "-o", "c.png", "-f", "--layers", layers)
+        assert drawn(pixels("c.png")).sum() > 500, layers
+        assert (pixels("c.png") != both).any()
+    # A mesh is cut open where the slice is, unless it shall stay whole.
+    run("render", "scene:box", "box.vti", *SIZE, "-o", "cut.png", "--axis", "y", "--camera", "front", "--no-legend")
+    run("render", "scene:box", "box.vti", *SIZE, "-o", "whole.png", "--axis", "y", "--camera", "front", "--no-legend",
+        "--whole")
+    cut, whole = pixels("cut.png")[60, 80].astype(int), pixels("whole.png")[60, 80].astype(int)
+    assert cut[2] > cut[0] + 20 and abs(cut - whole).max() > 20  # blue is inside
+
+
+def points_and_paths():
+    pathlib.Path("p.csv").write_text("x,y,z\n0,0,0\n1,0,0\n0,1,1\n")
+    run("render", "p.csv", *SIZE)
+    image = pixels("p.png").astype(int)
+    assert ((image[..., 0] > image[..., 2] + 80).sum()) > 30  # red balls
+    pathlib.Path("way.csv").write_text("flier,step,x,y,z\n0,0,0,0,0\n0,1,1,0,0\n1,0,0,0,1\n1,1,1,0,1\n")
+    pathlib.Path("way.ply").write_text(
+        "ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\nproperty double y\nproperty double z\n"
+        "element edge 2\nproperty int vertex1\nproperty int vertex2\nend_header\n"
+        "0 0 0\n1 0 0\n0 0 1\n1 0 1\n0 1\n2 3\n")
+    for name in ("way.csv", "way.ply"):
+        run("render", name, *SIZE, "-o", name + ".png", "--camera", "front", "--no-shadows")
+        # Two lines, and nothing between them.
+        rows = drawn(pixels(name + ".png")).any(axis=1)
+        assert np.count_nonzero(np.diff(rows.astype(int)) == 1) == 2, name
+    assert (pixels("way.csv.png") == pixels("way.ply.png")).all()
+
+
+def turntables():
+    run("render", "scene:box", *SIZE, "-o", "t.png", "--turntable", 4)
+    names = sorted(p.name for p in pathlib.Path(".").glob("t*.png"))
+    assert names == [f"t-00{n}.png" for n in range(4)]
+    # One that is in the way is kept, and then none is left.
+    for n in (0, 1, 3):
+        pathlib.Path(f"t-00{n}.png").unlink()
+    before = pathlib.Path("t-002.png").read_bytes()
+    run("render", "scene:box", *SIZE, "-o", "t.png", "--turntable", 4, code=4)
+    assert [p.name for p in pathlib.Path(".").glob("t*.png")] == ["t-002.png"]
+    assert pathlib.Path("t-002.png").read_bytes() == before
+
+
+def errors():
+    for words, code, what in (
+        (["none.stl"], 3, "none.stl"),
+        (["scene:none"], 2, "none"),
+        (["scene:box", "--size", "big"], 2, "1920x1080"),
+        (["scene:box", "--size", "15x100"], 2, "16"),
+        (["scene:box", "--camera", "35"], 2, "AZIMUTH,ELEVATION"),
+        (["scene:box", "--camera", "0,95"], 2, "-90 to 90"),
+        (["scene:box", "--camera", "0,0,1000"], 2, "zoom"),
+        (["scene:box", "--layers", "mesh,hair"], 2, "hair"),
+        (["scene:box", "--samples", "3"], 2, "16"),
+        (["scene:box", "--layers", "iso"], 2, "nothing to draw"),
+        (["scene:box", "--turntable", "0"], 2, "0"),
+        (["scene:box", "--memory-limit", "1K"], 5, "memory limit"),
+        (["scene:box", "-o", "x.jpg"], 2, ".png"),
+    ):
+        ran = run("render", *words, *([] if "-o" in words else ["-o", "e.png"]), code=code)
+        assert what in ran.stderr, (words, ran.stderr)
+    assert not list(pathlib.Path(".").glob("x*")) and not list(pathlib.Path(".").glob("e*"))
+
+
+for test in (meshes, fields, points_and_paths, turntables, errors):
+    test()
+    print(test.__name__)
