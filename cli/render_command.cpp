@@ -210,7 +210,7 @@ void Command::run() {
                             : shown + ": " + size);
   if (!console.json()) return;
   Json json = json_answer("render");
-  json["inputs"] = input.names();
+  for (const std::string& name : input.names()) json["inputs"].push_back({{"file", name}});
   json["width"] = options.width;
   json["height"] = options.height;
   json["pictures"] = turntable > 0 ? turntable : 1;

@@ -185,10 +185,16 @@ Image Stage::draw(const Camera& camera, const Extent& extent) const {
   const auto places = sample_places(options_.samples);
   const Bins opaque(seen, options_.width, options_.height, places, [](const Part& p) { return p.opacity >= 1; });
   const Bins clear(seen, options_.width, options_.height, places, [](const Part& p) { return p.opacity < 1; });
-  const Scenery scenery{camera,        *space_,
-                        *occlusion_,   ramp_,
-                        up(),          static_cast<float>(1 / std::max(1.0, framing.pixels_per_unit())),
-                        contour_step_, options_.perspective};
+  const Scenery scenery{camera,
+                        *space_,
+                        *occlusion_,
+                        ramp_,
+                        up(),
+                        static_cast<float>(1 / std::max(1.0, framing.pixels_per_unit())),
+                        contour_step_,
+                        linear_of(theme_.outside),
+                        linear_of(theme_.inside),
+                        options_.perspective};
   Image image(options_.width, options_.height, theme_.paper);
   PerThread<TileDrawer> drawers([&] { return TileDrawer(seen, places); });
   tbb::parallel_for(0, opaque.tiles(), [&](int tile) { drawers.local().draw(opaque, clear, tile, scenery, image); });

@@ -15,9 +15,10 @@ constexpr double kLength = 38, kWidth = 2.2, kLetter = 14, kGap = 9;  // pixels 
 void draw_line(Image& image, Float3 from, Float3 to, double width, Color color) {
   const Float3 d = to - from;
   const float length_sq = dot(d, d);
-  const auto reach = static_cast<int>(std::ceil(width));
-  for (int y = static_cast<int>(std::min(from.y, to.y)) - reach; y <= std::max(from.y, to.y) + reach; ++y)
-    for (int x = static_cast<int>(std::min(from.x, to.x)) - reach; x <= std::max(from.x, to.x) + reach; ++x) {
+  const auto before = [&](float a, float b) { return static_cast<int>(std::min(a, b) - width); };
+  const auto after = [&](float a, float b) { return static_cast<int>(std::max(a, b) + width); };
+  for (int y = before(from.y, to.y); y <= after(from.y, to.y); ++y)
+    for (int x = before(from.x, to.x); x <= after(from.x, to.x); ++x) {
       const Float3 p = Float3{static_cast<float>(x) + 0.5F, static_cast<float>(y) + 0.5F, 0} - from;
       const float t = length_sq > 0 ? std::clamp(dot(p, d) / length_sq, 0.0F, 1.0F) : 0;
       const double covered = std::clamp(0.5 * width + 0.5 - length(p - d * t), 0.0, 1.0);

@@ -59,7 +59,7 @@ SIZE = ["--size", "160x120"]
 
 def meshes():
     answer = json.loads(run("render", "scene:box", *SIZE, "-o", "a.png", "--json").stdout)
-    assert answer["verb"] == "render" and answer["inputs"] == ["scene:box"] and answer["pictures"] == 1
+    assert answer["verb"] == "render" and answer["inputs"] == [{"file": "scene:box"}] and answer["pictures"] == 1
     assert (answer["width"], answer["height"], answer["output"]["file"]) == (160, 120, "a.png")
     image = pixels("a.png")
     assert image.shape == (120, 160, 3) and (image[0, 0] == 255).all()
