@@ -134,7 +134,10 @@ void DrawingInput::add_field_layers(const LayerOptions& layers) {
     // Then there is something to see through the slice.
     const bool shows_solid = (layers.mesh && !meshes_.empty()) || layers.iso || (alone && has_sign);
     if (layers.slice) {
-      const SlicePlane plane = slice_plane(field, {.axis = layers.slice_axis, .at = layers.slice_at});
+      SliceOptions wanted;
+      wanted.axis = layers.slice_axis;
+      wanted.at = layers.slice_at;
+      const SlicePlane plane = slice_plane(field, wanted);
       const double last = along(plane.axis, field.grid().size) - 1;
       drawing_.slices.push_back({.field = &field,
                                  .axis = plane.axis,
