@@ -9,11 +9,13 @@
 #include "cli/body_input.h"
 #include "cli/commands.h"
 #include "cli/console.h"
+#include "cli/flight_server.h"
 #include "cli/options.h"
 #include "cli/parse.h"
 #include "cli/signals.h"
 #include "cli/text.h"
 #include "cli/usage.h"
+#include "files/text_file.h"
 #include "standoff/experimental/simulation.h"
 
 namespace standoff::cli {
@@ -31,13 +33,22 @@ struct Command {
   std::string labyrinth = "scene:labyrinth", fly = "scene:fly";
   std::int64_t steps = 10'000, flies = 1;
   FlightOptions options;
-  FileOutput path;
+  FileOutput path, film;
+  std::string film_name;
+  bool view = false;
+  std::int64_t every = 1;
+  double frames_per_second = 60;
+  ServeOptions server;
   Console console;
 
+  const CLI::Option* force = nullptr;
   std::vector<const CLI::Option*> of_thesis, of_sweep;  // options that the other mode does not know
 
   void check_mode() const;
+  void check_outputs();
   void run();
+  void watch(const CollisionModel& maze, const CollisionModel& flier);
+  void record(const CollisionModel& maze, const CollisionModel& flier);
 };
 
 void Command::check_mode() const {
@@ -50,15 +61,69 @@ void Command::check_mode() const {
     throw Error(ErrorCode::usage, "--on-contact 'reflect': --mode thesis knows no normals to reflect by; give back");
 }
 
-void Command::run() {
-  check_mode();
-  for (const std::string& name : {labyrinth, fly}) check_input(name);
+void Command::check_outputs() {
+  film = path;  // with the same --force
+  film.set_path(film_name);
   if (path.given()) {
     path.check({{"csv", "", false, true, false}, {"ply", "", false, true, false}});
     path.check_differs(labyrinth);
     path.check_differs(fly);
   }
+  if (film.given()) {
+    film.check({{"html", "a page", false, true}});
+    film.check_differs(labyrinth);
+    film.check_differs(fly);
+  }
+  if (force->count() > 0 && !path.given() && !film.given())
+    throw Error(ErrorCode::usage, "--force needs --path or -o: there is nothing to overwrite; give one of them");
+  if ((view || film.given()) && flies > view::kMostBodies)
+    throw Error(ErrorCode::usage, "--flies " + std::to_string(flies) + ": too many to watch; give " +
+                                      std::to_string(view::kMostBodies) + " at the most");
+}
+
+void Command::watch(const CollisionModel& maze, const CollisionModel& flier) {
+  auto flight = std::make_unique<view::Flight>(maze, flier, options, flies);
+  FlightServer page(view::flight_subject(labyrinth, maze, flier, options.execution), std::move(flight));
+  server.serve(console, page.watch(), [&](auto&&... asked) { page.answer(asked...); });
+}
+
+void Command::record(const CollisionModel& maze, const CollisionModel& flier) {
+  view::Flight flight(maze, flier, options, flies);
+  std::vector<view::FlightFrame> frames;
+  {
+    const Cancellable cancellable;
+    frames = view::recorded(flight, steps, every, console.progress());
+  }
+  const auto subject = view::flight_subject(labyrinth, maze, flier, options.execution);
+  write_text(film.path(), view::flight_page(subject, frames, frames_per_second, "standoff fly: " + labyrinth),
+             film.existing());
+  std::int64_t collisions = 0, crossings = 0;
+  for (const view::Flying& it : frames.back().bodies) collisions += it.collisions, crossings += it.crossings;
+  const Json written = json_output(film.path());
+  console.say(film.path().string() + ": " + counted(std::ssize(frames), "frame") + ", " +
+              counted(collisions, "collision") + ", " + counted(crossings, "wall crossing") + ", " +
+              bytes_text(written["bytes"].get<std::int64_t>()));
+  if (!console.json()) return;
+  Json json = json_answer("fly");
+  json["mode"] = view::name_of(options.mode);
+  json["steps"] = steps;
+  json["flies"] = flies;
+  json["speed"] = options.speed;
+  json["seed"] = options.seed;
+  json["frames"] = frames.size();
+  json["collisions"] = collisions;
+  json["wall_crossings"] = options.check ? Json(crossings) : Json();
+  json["output"] = written;
+  print(json, film.path());
+}
+
+void Command::run() {
+  check_mode();
+  for (const std::string& name : {labyrinth, fly}) check_input(name);
+  check_outputs();
   const CollisionModel maze = read_body(labyrinth, console), flier = read_body(fly, console);
+  if (view) return watch(maze, flier);
+  if (film.given()) return record(maze, flier);
   std::vector<PathPoint> points;
   std::mutex adding;
   double seconds = 0;
@@ -149,7 +214,23 @@ void add_fly(CLI::App& program) {
       ->group("Collision");
   add_threads(*verb, "Flight", options.execution.threads);
   it->path.add_to(*verb, "FILE", "where each fly starts, turns and ends: .csv or .ply", "--path");
-  verb->get_option("--force")->needs(verb->get_option("--path"));
+  it->force = verb->get_option("--force");
+  verb->add_flag("--view", it->view, "watch it in a browser: speed, mode and number of flies\nchange while they fly")
+      ->group("Watching")
+      ->excludes("--path")
+      ->excludes("--steps");
+  add("-o,--output", "FILM", "record it: a page, .html", "Watching",
+      [it](S o, S t) {
+        if (t.empty()) throw Error(ErrorCode::usage, o + " '': give the name of a file");
+        it->film_name = t;
+      })
+      ->excludes("--view")
+      ->excludes("--path");
+  add("--every", "K", "of -o: record each K-th step (default 1)", "Watching",
+      [it](S o, S t) { it->every = parse_count(o, t, 1, 1'000'000'000); });
+  add("--rate", "F", "of -o: frames a second (default 60)", "Watching",
+      [it](S o, S t) { it->frames_per_second = parse_positive(o, t, 1000); });
+  it->server.add_to(*verb);
   it->console.add_to(*verb, Console::kMessages | Console::kJson | Console::kProgress);
   add("--mode", "MODE", "sweep (default) or thesis", kThesisGroup, [&options](S o, S t) {
     options.mode = parse_choice(o, t, {"sweep", "thesis"}) == 0 ? FlightMode::sweep : FlightMode::thesis;

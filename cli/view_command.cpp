@@ -20,6 +20,7 @@
 #include "cli/spinner.h"
 #include "cli/text.h"
 #include "cli/usage.h"
+#include "cli/view_server.h"
 #include "standoff/compute.h"
 #include "standoff/error.h"
 #include "standoff/io.h"
@@ -43,11 +44,7 @@ std::string shown_name(const std::string& file) {
   return file.starts_with("scene:") ? file.substr(6) : std::filesystem::path(file).filename().string();
 }
 
-struct Subject {
-  std::vector<std::string> mesh_names, field_names;
-  std::vector<Mesh> meshes;
-  std::vector<DistanceField> fields;
-};
+using Subject = ViewSubject;
 
 struct Command {
   std::vector<std::string> files;
@@ -57,6 +54,7 @@ struct Command {
   FieldArgument field_argument;
   PageOptions page;
   bool bare = false;
+  ServeOptions server;
   Console console;
 
   void add_to(CLI::App& verb);
@@ -65,6 +63,8 @@ struct Command {
  private:
   Subject read();
   void compute_field(Subject& subject);
+  GridChoice choose_grid(const Mesh& mesh) const;
+  void serve(Subject subject);
 };
 
 void Command::add_to(CLI::App& verb) {
@@ -72,8 +72,9 @@ void Command::add_to(CLI::App& verb) {
                   "meshes (" + extensions(mesh_formats(), false) + "),\nscene:NAME[:TRIANGLES], and fields (" +
                       extensions(field_formats(), false) + ")")
       ->required();
-  output.add_to(verb, "PAGE", "the page, a single .html file");
-  verb.get_option("--output")->required();
+  output.add_to(verb, "PAGE",
+                "write the page, a single .html file; without it, the program\nserves the page and computes what you "
+                "change there");
   const auto add = [&verb](const char* name, const char* value, const char* help, auto set) {
     return add_parsed(verb, {name, value, help, "Page"}, set);
   };
@@ -98,6 +99,7 @@ void Command::add_to(CLI::App& verb) {
       ->group("Sign");
   add_device(verb, "Work", compute_options.execution.backend, compute_options.execution.device);
   add_threads(verb, "Work", compute_options.execution.threads);
+  server.add_to(verb);
   field_argument.add_to(verb, "each field");
   console.add_to(verb, Console::kMessages | Console::kJson | Console::kProgress);
 }
@@ -119,15 +121,19 @@ Subject Command::read() {
   return subject;
 }
 
-// Around all meshes, of the first: more would be drawn over each other.
-void Command::compute_field(Subject& subject) {
-  const Mesh& mesh = subject.meshes.front();
+GridChoice Command::choose_grid(const Mesh& mesh) const {
   validate(mesh);
   const Box box = bounds(mesh);
   if (const double far = std::max(max_norm(box.min), max_norm(box.max)); far > kMaxCoordinate)
     throw Error(ErrorCode::input, files.front() + ": a coordinate of " + number(far) +
                                       ", too far out for a grid; repair the mesh, or show it alone with --bare");
-  const GridChoice choice = grid.choose(box);
+  return grid.choose(box);
+}
+
+// Around all meshes, of the first: more would be drawn over each other.
+void Command::compute_field(Subject& subject) {
+  const Mesh& mesh = subject.meshes.front();
+  const GridChoice choice = choose_grid(mesh);
   compute_options.memory_limit = field_argument.memory_limit();
   ComputeResult computed = [&] {
     const Cancellable cancellable;
@@ -142,11 +148,26 @@ void Command::compute_field(Subject& subject) {
   subject.field_names.push_back("field of " + subject.mesh_names.front());
 }
 
+void Command::serve(Subject subject) {
+  std::optional<view::LiveSettings> live;
+  if (subject.fields.empty() && !bare) {
+    const GridChoice choice = choose_grid(subject.meshes.front());
+    const Size3 size = choice.grid.size;
+    live = {std::max({size.x, size.y, size.z}), choice.thickness, false, compute_options.sign,
+            compute_options.execution};
+  }
+  ViewServer view(std::move(subject), page, live, field_argument.memory_limit());
+  server.serve(console, view.watch(), [&](auto&&... asked) { view.answer(asked...); });
+}
+
 void Command::run() {
   for (const std::string& name : files) check_input(name);
-  output.check({{"html", "a page", false, true}});
-  for (const std::string& name : files) output.check_differs(name);
+  if (output.given()) {
+    output.check({{"html", "a page", false, true}});
+    for (const std::string& name : files) output.check_differs(name);
+  }
   Subject subject = read();
+  if (!output.given()) return serve(std::move(subject));
   if (subject.fields.empty() && !bare) {
     if (page.title.empty()) page.title = subject.mesh_names.front();
     compute_field(subject);

@@ -72,7 +72,7 @@ export function buildPanel(viewer) {
   const about = new Section('What the page holds', false);
   about.facts([...scene.meshes.values()].flatMap(meshFacts).concat([...scene.fields.values()].flatMap(fieldFacts)));
   add(about);
-  viewer.panel.replaceChildren(...sections, ...viewer.extraSections.map(s => s.element));
+  viewer.panel.replaceChildren(...viewer.extraSections.map(s => s.element), ...sections);
   controls.sync = () => sync(controls, look);
   return controls;
 }

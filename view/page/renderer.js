@@ -22,6 +22,7 @@ export class Renderer {
     this.coarse = 1;
     this.most = kPasses;
     this.changed = 0;
+    this.held = false;    // whether the fine picture has to wait, because something new comes soon
     this.state = 'idle';  // 'moving', 'waiting', 'resting', 'idle'
     this.frames = [];
     this.waiting = [];
@@ -49,7 +50,7 @@ export class Renderer {
     if (this.fresh) {
       this.fresh = false;
       this.moving(now);
-    } else if (this.state === 'moving' && now - this.changed > kRest) {
+    } else if (this.state === 'moving' && now - this.changed > kRest && !this.held) {
       this.state = 'resting';
       this.pass = this.piece = 0;
       this.passes = this.smooths ? this.most : 1;

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the page of `standoff view` asks its server for (view/README.md).
+#pragma once
+
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cli/serve.h"
+#include "standoff/field.h"
+#include "standoff/mesh.h"
+#include "standoff/page.h"
+#include "view/live/live_view.h"
+
+namespace standoff::cli {
+
+/// What was given on the command line.
+struct ViewSubject {
+  std::vector<std::string> mesh_names, field_names;
+  std::vector<Mesh> meshes;
+  std::vector<DistanceField> fields;
+};
+
+class ViewServer {
+ public:
+  /// `live`: the settings that the field of the first mesh begins with; none: what was given is shown, nothing
+  /// computed.
+  ViewServer(ViewSubject subject, const PageOptions& page, const std::optional<view::LiveSettings>& live,
+             std::int64_t memory_limit);
+
+  void answer(const view::Request& request, std::string_view route, view::Reply& reply);
+  view::PageWatch& watch() { return watch_; }
+
+ private:
+  std::string state() const;
+  std::shared_ptr<const std::string> data(const std::string& id);
+  void compute(const view::Request& request, view::Reply& reply);
+  void point(const view::Request& request, view::Reply& reply);
+  void upload(const view::Request& request, view::Reply& reply);
+  void events(view::Reply& reply);
+
+  ViewSubject subject_;
+  PageOptions page_;
+  std::unique_ptr<view::LiveView> live_;
+  view::PageWatch watch_;
+
+  std::mutex packing_;
+  std::map<std::string, std::shared_ptr<const std::string>> packed_;  // by id and version
+};
+
+}  // namespace standoff::cli

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+// Draws flying bodies with the field around them, and the paths that they took.
+import {makeBuffer, makeProgram} from './gl.js';
+import {normalsOf} from './normals.js';
+import {kLightShader} from './shaders.js';
+
+// How near a wall is, as a colour: 0 touching, 1 far.
+const kNearShader = `
+vec3 near_color(float t) {
+  vec3 hot = vec3(0.93, 0.20, 0.22), warm = vec3(0.98, 0.66, 0.18), cool = vec3(0.20, 0.72, 0.66), cold = vec3(0.28, 0.45, 0.90);
+  float u = clamp(t, 0.0, 1.0) * 3.0;
+  return u < 1.0 ? mix(hot, warm, u) : u < 2.0 ? mix(warm, cool, u - 1.0) : mix(cool, cold, u - 2.0);
+}`;
+/// The same colours for a legend, from near to far.
+export const kNearColors = ['rgb(237 51 56)', 'rgb(250 168 46)', 'rgb(51 184 168)', 'rgb(71 115 230)'];
+
+const kBodyVertex = `
+layout(location = 0) in vec3 corner;
+layout(location = 1) in vec4 normal;
+layout(location = 2) in vec4 place;   // scene units, and the heading
+layout(location = 3) in vec2 state;   // how near a wall; how much it flashes
+uniform mat4 camera;
+uniform vec3 meshOrigin;              // from the middle of the body, scene units
+uniform float meshStep;
+out vec3 at;
+out vec4 smoothed;
+out vec2 condition;
+void main() {
+  float c = cos(place.w), s = sin(place.w);
+  mat3 turn = mat3(c, 0.0, -s, 0.0, 1.0, 0.0, s, 0.0, c);
+  at = turn * (meshOrigin + corner * meshStep) + place.xyz;
+  smoothed = vec4(turn * normal.xyz, normal.w);
+  condition = state;
+  gl_Position = camera * vec4(at, 1.0);
+}`;
+const kBodyFragment = `${kLightShader}${kNearShader}
+in vec3 at;
+in vec4 smoothed;
+in vec2 condition;
+uniform vec3 color;
+uniform bool shell;
+out vec4 pixel;
+void main() {
+  vec3 view = view_of(at), flatNormal = normalize(cross(dFdx(at), dFdy(at)));
+  if (dot(flatNormal, view) < 0.0) flatNormal = -flatNormal;
+  vec3 s = normalize(smoothed.xyz + 1e-9);
+  if (dot(s, flatNormal) < 0.0) s = -s;
+  vec3 n = normalize(mix(flatNormal, s, smoothstep(0.0, 0.35, smoothed.w)));
+  if (shell) {
+    float rim = pow(1.0 - abs(dot(n, view)), 2.0), alpha = 0.10 + 0.55 * rim + 0.3 * condition.y;
+    pixel = vec4(mix(near_color(condition.x), vec3(1.0, 0.25, 0.15), condition.y) * alpha, alpha);
+  } else {
+    pixel = vec4(mix(lit(color, n, view, 1.0), vec3(1.0, 0.45, 0.15), 0.85 * condition.y), 1.0);
+  }
+}`;
+
+const kPathVertex = `
+layout(location = 0) in vec4 from;  // scene units, and how near a wall
+layout(location = 1) in vec4 to;
+layout(location = 2) in vec2 fade;  // at both ends; below 0: a mark
+uniform mat4 camera;
+uniform vec2 pixels;
+uniform float width;
+out vec3 shade;                     // how near; how faded; across
+void main() {
+  vec4 a = camera * vec4(from.xyz, 1.0), b = camera * vec4(to.xyz, 1.0);
+  // Behind the eye a segment has no direction on the picture.
+  if (a.w < 1e-4 || b.w < 1e-4) { gl_Position = vec4(2.0, 2.0, 2.0, 1.0); return; }
+  vec2 along = (b.xy / b.w - a.xy / a.w) * pixels;
+  along = length(along) > 1e-3 ? normalize(along) : vec2(1.0, 0.0);
+  bool end = (gl_VertexID & 1) == 1;
+  float side = (gl_VertexID >> 1) == 1 ? 1.0 : -1.0;
+  float wide = fade.x < 0.0 ? 1.6 * width : width;
+  vec4 p = end ? b : a;
+  // A little longer than it is, so that corners are closed.
+  p.xy += (vec2(-along.y, along.x) * side + along * (end ? 0.3 : -0.3)) * wide / pixels * p.w;
+  shade = vec3(end ? to.w : from.w, end ? fade.y : fade.x, side);
+  gl_Position = p;
+}`;
+const kPathFragment = `${kNearShader}
+in vec3 shade;
+out vec4 pixel;
+void main() {
+  float edge = smoothstep(1.0, 0.55, abs(shade.z));
+  if (shade.y < 0.0) { pixel = vec4(vec3(0.86, 0.08, 0.24) * edge, edge); return; }
+  float alpha = shade.y * edge;
+  pixel = vec4(near_color(shade.x) * alpha, alpha);
+}`;
+
+const kManyBodies = 12;  // more than this are drawn with fewer triangles
+
+export class FlightLayer {
+  /// `fly` and `shell` are meshes (mesh_data.js) around `middle`, world units.
+  constructor(gl, fly, shell, middle) {
+    Object.assign(this, {gl, middle});
+    this.bodyProgram = makeProgram(gl, kBodyVertex, kBodyFragment);
+    this.pathProgram = makeProgram(gl, kPathVertex, kPathFragment);
+    this.instances = gl.createBuffer();
+    this.segments = gl.createBuffer();
+    this.fly = this.shape(fly);
+    this.shell = shell && this.shape(shell);
+    this.pathArray = gl.createVertexArray();
+    gl.bindVertexArray(this.pathArray);
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.segments);
+    [[0, 4, 0], [1, 4, 16], [2, 2, 32]].forEach(([location, size, offset]) => this.instanced(location, size, 40, offset));
+    gl.bindVertexArray(null);
+    this.bodyCount = this.segmentCount = 0;
+    this.shellShown = this.pathsShown = true;
+    this.color = [0.16, 0.18, 0.22];
+  }
+
+  instanced(location, size, stride, offset) {
+    const {gl} = this;
+    gl.enableVertexAttribArray(location);
+    gl.vertexAttribPointer(location, size, gl.FLOAT, false, stride, offset);
+    gl.vertexAttribDivisor(location, 1);
+  }
+
+  shape(data) {
+    const {gl} = this, type = data.bits === 16 ? gl.UNSIGNED_SHORT : gl.FLOAT;
+    const positions = makeBuffer(gl, data.lattice), normals = makeBuffer(gl, normalsOf(data.lattice, data.corners, data.vertices));
+    const array = indices => {
+      const made = gl.createVertexArray();
+      gl.bindVertexArray(made);
+      gl.bindBuffer(gl.ARRAY_BUFFER, positions);
+      gl.enableVertexAttribArray(0);
+      gl.vertexAttribPointer(0, 3, type, false, 0, 0);
+      gl.bindBuffer(gl.ARRAY_BUFFER, normals);
+      gl.enableVertexAttribArray(1);
+      gl.vertexAttribPointer(1, 4, gl.SHORT, true, 0, 0);
+      gl.bindBuffer(gl.ARRAY_BUFFER, this.instances);
+      this.instanced(2, 4, 24, 0);
+      this.instanced(3, 2, 24, 16);
+      makeBuffer(gl, indices, gl.ELEMENT_ARRAY_BUFFER);
+      gl.bindVertexArray(null);
+      return {array: made, count: indices.length};
+    };
+    return {data, whole: array(data.corners), proxy: array(data.proxy ? data.proxyCorners : data.corners)};
+  }
+
+  /// `bodies`: six numbers each: x, y, z in scene units, heading, how near a wall (0 to 1), how much it flashes.
+  /// `segments`: ten numbers each: both ends (x, y, z, how near), and how strong the colour is at both; below 0: a mark.
+  set(bodies, segments) {
+    const {gl} = this;
+    this.bodyCount = bodies.length / 6;
+    this.segmentCount = segments.length / 10;
+    for (const [buffer, numbers] of [[this.instances, bodies], [this.segments, segments]]) {
+      gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
+      gl.bufferData(gl.ARRAY_BUFFER, numbers, gl.STREAM_DRAW);
+    }
+  }
+
+  draw(frame) {
+    const {gl} = this;
+    this.drawBodies(frame, this.fly, false);
+    gl.enable(gl.BLEND);
+    if (this.pathsShown && this.segmentCount) {
+      const {canvas} = gl;
+      this.pathProgram.use({camera: frame.uniforms.camera, pixels: [canvas.width / 2, canvas.height / 2],
+        width: 1.7 * Math.min(2, devicePixelRatio || 1)});
+      gl.bindVertexArray(this.pathArray);
+      gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, this.segmentCount);
+    }
+    if (this.shellShown && this.shell) {
+      gl.depthMask(false);
+      this.drawBodies(frame, this.shell, true);
+      gl.depthMask(true);
+    }
+    gl.disable(gl.BLEND);
+    gl.bindVertexArray(null);
+  }
+
+  drawBodies(frame, shape, shell) {
+    if (this.bodyCount === 0) return;
+    const {gl} = this, {data} = shape, {array, count} = this.bodyCount > kManyBodies ? shape.proxy : shape.whole;
+    this.bodyProgram.use({...frame.uniforms, shell, color: this.color,
+      meshOrigin: data.origin.map((v, k) => (v - this.middle[k]) * frame.scale), meshStep: data.step * frame.scale});
+    gl.bindVertexArray(array);
+    gl.drawElementsInstanced(gl.TRIANGLES, count, gl.UNSIGNED_INT, 0, this.bodyCount);
+  }
+}
