@@ -71,10 +71,10 @@ def test_files_stop(tmp_path):
     out = run(f"""
     os.chdir({str(tmp_path)!r})
     with open("text.obj", "w") as text:
-        text.write("v 0 0 0\\n" * 3 + "f 1 2 3\\n" * 20_000_000)
+        text.write("v 0 0 0\\n" * 3 + "f 1 2 3\\n" * 6_000_000)
     with open("field.npz", "w") as old:
         old.write("precious")
-    grid = so.Grid((400, 400, 400), (0, 0, 0), (1, 1, 1))
+    grid = so.Grid((250, 250, 250), (0, 0, 0), (1, 1, 1))
     noise = so.DistanceField.from_numpy(random.random(grid.shape, np.float32), grid)
     noise.save("dense.nrrd", compress=False)
     for work in (lambda: so.read("text.obj"), lambda: noise.save("field.npz"), lambda: so.load("dense.nrrd")):
