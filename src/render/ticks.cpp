@@ -15,6 +15,7 @@ namespace {
 constexpr std::string_view kMinus = "\u2212", kTimesTen = "\u00D710";
 // Beyond these exponents of the largest number, numbers are written with a power of ten.
 constexpr int kLeastPlain = -3, kMostPlain = 5;
+constexpr double kLeastStep = 1e-300, kMostStep = 1e307;
 constexpr double kExact = 0x1p53;  // whole numbers up to this are doubles
 
 std::string raised(int exponent) {
@@ -68,7 +69,9 @@ Step step_for(double least, double greatest, int most) {
 
 std::vector<Tick> even_ticks(double least, double greatest, int most) {
   if (!(least < greatest) || !std::isfinite(least) || !std::isfinite(greatest) || most < 1) return {};
-  if (!(greatest / most - least / most > 1e-300)) return {};
+  // Outside these bounds no step is a double: looking for one would not end.
+  const double wanted = greatest / most - least / most;
+  if (!(wanted > kLeastStep && wanted < kMostStep)) return {};
   const auto [factor, exponent, first, last] = step_for(least, greatest, most);
   if (std::max(std::abs(first), std::abs(last)) * factor > kExact) return {};
   const auto from = static_cast<std::int64_t>(first), to = static_cast<std::int64_t>(last);
