@@ -16,7 +16,7 @@ inline constexpr int kTilePixels = 64;
 
 /// A part, projected.
 struct SeenPart {
-  const Part* part = nullptr;
+  const DrawnPart* part = nullptr;
   std::vector<ScreenPoint> points;  ///< of the vertices
   std::uint32_t first = 0;          ///< the number of its first triangle among those of all parts
 };

@@ -142,11 +142,11 @@ double plane_of(const SliceLayer& slice) {
   return along(box.min) * (1 - slice.at) + along(box.max) * slice.at;
 }
 
-void add_slices(const Drawing& drawing, const UnitSpace& space, std::vector<Part>& parts) {
+void add_slices(const Drawing& drawing, const UnitSpace& space, std::vector<DrawnPart>& parts) {
   for (const SliceLayer& slice : drawing.slices) {
     const Box box = slice.field->grid().bounds();
     const double at = plane_of(slice);
-    Part part;
+    DrawnPart part;
     part.field = slice.field;
     part.opacity = static_cast<float>(slice.outside_opacity);
     part.lit = false;
@@ -165,11 +165,11 @@ void add_slices(const Drawing& drawing, const UnitSpace& space, std::vector<Part
   }
 }
 
-void add_bands(const Drawing& drawing, const UnitSpace& space, float pixel, std::vector<Part>& parts) {
+void add_bands(const Drawing& drawing, const UnitSpace& space, float pixel, std::vector<DrawnPart>& parts) {
   for (const BandLayer& band : drawing.bands) {
     const Vec3 spacing = band.field->grid().spacing;
     const float radius = 0.3F * static_cast<float>(std::min({spacing.x, spacing.y, spacing.z}) / space.world(1.0));
-    Part part;
+    DrawnPart part;
     part.casts_shadow = false;  // so many would darken each other
     ShapeBuilder shapes(part, radius, Roundness::of(radius / pixel), true);
     for_band_samples(band, [&](Vec3 p, float value) { shapes.add_ball(space.placed(p), value); });
@@ -178,10 +178,10 @@ void add_bands(const Drawing& drawing, const UnitSpace& space, float pixel, std:
   }
 }
 
-void add_points(const Drawing& drawing, const UnitSpace& space, float pixel, std::vector<Part>& parts) {
+void add_points(const Drawing& drawing, const UnitSpace& space, float pixel, std::vector<DrawnPart>& parts) {
   for (const PointLayer& layer : drawing.points) {
     const float radius = radius_in(space, layer.radius, kPointPixels * pixel);
-    Part part;
+    DrawnPart part;
     part.color = linear_of(layer.color);
     ShapeBuilder shapes(part, radius, Roundness::of(radius / pixel), !layer.values.empty());
     for (std::size_t n = 0; n < layer.points.size(); ++n)
@@ -192,10 +192,10 @@ void add_points(const Drawing& drawing, const UnitSpace& space, float pixel, std
   }
 }
 
-void add_paths(const Drawing& drawing, const UnitSpace& space, float pixel, std::vector<Part>& parts) {
+void add_paths(const Drawing& drawing, const UnitSpace& space, float pixel, std::vector<DrawnPart>& parts) {
   for (const PathLayer& layer : drawing.paths) {
     const float radius = radius_in(space, layer.radius, kPathPixels * pixel);
-    Part part;
+    DrawnPart part;
     part.color = linear_of(layer.color);
     ShapeBuilder shapes(part, radius, Roundness::of(radius / pixel), !layer.values.empty());
     const auto value = [&](std::size_t n) { return layer.values.empty() ? 0.0F : static_cast<float>(layer.values[n]); };
@@ -217,9 +217,9 @@ void add_paths(const Drawing& drawing, const UnitSpace& space, float pixel, std:
   }
 }
 
-void add_boxes(const Drawing& drawing, const UnitSpace& space, float pixel, std::vector<Part>& parts) {
+void add_boxes(const Drawing& drawing, const UnitSpace& space, float pixel, std::vector<DrawnPart>& parts) {
   for (const BoxLayer& layer : drawing.boxes) {
-    Part part;
+    DrawnPart part;
     part.color = linear_of(layer.color);
     part.lit = false;
     part.casts_shadow = false;
@@ -236,8 +236,8 @@ void add_boxes(const Drawing& drawing, const UnitSpace& space, float pixel, std:
   }
 }
 
-Part edge_lines(const Part& part, float pixel) {
-  Part lines;
+DrawnPart edge_lines(const DrawnPart& part, float pixel) {
+  DrawnPart lines;
   lines.color = linear_of(kLine);
   lines.opacity = 1;
   lines.lit = false;

@@ -33,13 +33,13 @@ Box bounds_of(const Drawing& drawing, const std::vector<std::vector<char>>& unus
 double plane_of(const SliceLayer& slice);
 
 /// What the other layers than meshes become. `pixel` is about the width of a pixel in the unit space.
-void add_slices(const Drawing& drawing, const UnitSpace& space, std::vector<Part>& parts);
-void add_bands(const Drawing& drawing, const UnitSpace& space, float pixel, std::vector<Part>& parts);
-void add_points(const Drawing& drawing, const UnitSpace& space, float pixel, std::vector<Part>& parts);
-void add_paths(const Drawing& drawing, const UnitSpace& space, float pixel, std::vector<Part>& parts);
-void add_boxes(const Drawing& drawing, const UnitSpace& space, float pixel, std::vector<Part>& parts);
+void add_slices(const Drawing& drawing, const UnitSpace& space, std::vector<DrawnPart>& parts);
+void add_bands(const Drawing& drawing, const UnitSpace& space, float pixel, std::vector<DrawnPart>& parts);
+void add_points(const Drawing& drawing, const UnitSpace& space, float pixel, std::vector<DrawnPart>& parts);
+void add_paths(const Drawing& drawing, const UnitSpace& space, float pixel, std::vector<DrawnPart>& parts);
+void add_boxes(const Drawing& drawing, const UnitSpace& space, float pixel, std::vector<DrawnPart>& parts);
 /// Lines along the feature edges of a part.
-Part edge_lines(const Part& part, float pixel);
+DrawnPart edge_lines(const DrawnPart& part, float pixel);
 
 /// About how many bytes all parts of a drawing take, before they are made.
 std::int64_t bytes_of_parts(const Drawing& drawing);

@@ -47,7 +47,7 @@ Float3 Shader::lit(Float3 color, Float3 point, Float3 normal) {
 }
 
 Shader::Seen Shader::of_field(const SeenPart& part, const Triangle& v, float x, float y) const {
-  const Part& p = *part.part;
+  const DrawnPart& p = *part.part;
   const auto value_at = [&](double px, double py) {
     const Weights w = weights(part.points[v[0]], part.points[v[1]], part.points[v[2]], px, py);
     return p.field->interpolate(
@@ -78,7 +78,7 @@ Shader::Seen Shader::seen(const SeenPart& part, std::uint32_t triangle, float x,
 }
 
 Float3 Shader::color(const SeenPart& part, const Triangle& v, float x, float y) {
-  const Part& p = *part.part;
+  const DrawnPart& p = *part.part;
   if (!p.lit && p.values.empty()) return p.color;
   const Weights w = weights(part.points[v[0]], part.points[v[1]], part.points[v[2]], x, y);
   const Float3 color = p.values.empty()

@@ -26,7 +26,7 @@ void for_all(std::size_t count, const Work& work) {
   });
 }
 
-Float3 doubled_area(const Part& part, const Triangle& t) {
+Float3 doubled_area(const DrawnPart& part, const Triangle& t) {
   const Float3 &a = part.places[t[0]], &b = part.places[t[1]], &c = part.places[t[2]];
   return cross(b - a, c - a);
 }
@@ -61,8 +61,8 @@ Box bounds_of_used(MeshView mesh, const std::vector<char>& unused) {
       });
 }
 
-Part part_of(const MeshLayer& layer, const UnitSpace& space, std::vector<char> unused) {
-  Part part;
+DrawnPart part_of(const MeshLayer& layer, const UnitSpace& space, std::vector<char> unused) {
+  DrawnPart part;
   part.unused = std::move(unused);
   part.triangles = layer.mesh.triangles;
   part.color = linear_of(layer.color);
@@ -82,7 +82,7 @@ Part part_of(const MeshLayer& layer, const UnitSpace& space, std::vector<char> u
   return part;
 }
 
-void smooth(Part& part) {
+void smooth(DrawnPart& part) {
   // Sums of integers do not depend on the order in which threads add. In the unit sphere no area exceeds 4: 2^12 such
   // triangles fit around a vertex, and triangles that are 2^-23 long still have eight bits.
   constexpr float kOne = 0x1p48F;
@@ -104,7 +104,7 @@ void smooth(Part& part) {
   });
 }
 
-void cut(Part& part, const HalfSpace& kept) {
+void cut(DrawnPart& part, const HalfSpace& kept) {
   std::vector<float> beyond(part.places.size());
   for_all(part.places.size(), [&](std::size_t v) { beyond[v] = part.is_used(v) ? kept.beyond(part.places[v]) : 0; });
   std::vector<Triangle> left;
@@ -147,7 +147,7 @@ void cut(Part& part, const HalfSpace& kept) {
     for (const std::uint32_t v : t) part.unused[v] = 0;
 }
 
-std::vector<std::array<std::uint32_t, 2>> feature_edges(const Part& part) {
+std::vector<std::array<std::uint32_t, 2>> feature_edges(const DrawnPart& part) {
   struct Side {
     std::uint32_t low, high, triangle;
     bool operator<(const Side& s) const { return std::tie(low, high, triangle) < std::tie(s.low, s.high, s.triangle); }

@@ -15,9 +15,9 @@ std::vector<char> unused_vertices(MeshView mesh);
 Box bounds_of_used(MeshView mesh, const std::vector<char>& unused);
 
 /// A valid mesh in the unit space, without normals. `layer` must outlive the part, unless it is cut.
-Part part_of(const MeshLayer& layer, const UnitSpace& space, std::vector<char> unused);
+DrawnPart part_of(const MeshLayer& layer, const UnitSpace& space, std::vector<char> unused);
 /// Gives each vertex the mean of its triangles' normals, weighted by area: the same bits for any number of threads.
-void smooth(Part& part);
+void smooth(DrawnPart& part);
 
 /// The half space of points with along(point) <= most.
 struct HalfSpace {
@@ -31,10 +31,10 @@ struct HalfSpace {
   }
 };
 /// Leaves out what lies beyond a half space; triangles that cross its plane are cut there.
-void cut(Part& part, const HalfSpace& kept);
+void cut(DrawnPart& part, const HalfSpace& kept);
 
 /// The edges of a part's triangles where the surface ends, more than two triangles meet, or two at more than 30
 /// degrees; as pairs of vertices.
-std::vector<std::array<std::uint32_t, 2>> feature_edges(const Part& part);
+std::vector<std::array<std::uint32_t, 2>> feature_edges(const DrawnPart& part);
 
 }  // namespace standoff

@@ -12,13 +12,13 @@ constexpr float kReach = 12;           // thickness of the band in spacings: how
 // Nearer than this to a surface the interpolated field says little about it, in spacings.
 constexpr float kLeave = 1.5F;
 
-bool casts(const Part& part) { return part.casts_shadow && part.opacity >= 1 && !part.triangles.empty(); }
+bool casts(const DrawnPart& part) { return part.casts_shadow && part.opacity >= 1 && !part.triangles.empty(); }
 
 }  // namespace
 
-Occlusion::Occlusion(std::span<const Part> parts) {
-  std::vector<const Part*> casting;
-  for (const Part& part : parts)
+Occlusion::Occlusion(std::span<const DrawnPart> parts) {
+  std::vector<const DrawnPart*> casting;
+  for (const DrawnPart& part : parts)
     if (casts(part)) casting.push_back(&part);
   if (casting.empty()) return;
 
@@ -29,7 +29,7 @@ Occlusion::Occlusion(std::span<const Part> parts) {
   if (casting.size() == 1) {
     mesh = {{&casting[0]->places[0].x, casting[0]->places.size()}, casting[0]->triangles};
   } else {
-    for (const Part* part : casting) {
+    for (const DrawnPart* part : casting) {
       const auto first = static_cast<std::uint32_t>(places.size());
       places.insert(places.end(), part->places.begin(), part->places.end());
       for (const Triangle& t : part->triangles) triangles.push_back({first + t[0], first + t[1], first + t[2]});
@@ -37,7 +37,7 @@ Occlusion::Occlusion(std::span<const Part> parts) {
     mesh = {{&places[0].x, places.size()}, triangles};
   }
   Box box;
-  for (const Part* part : casting)
+  for (const DrawnPart* part : casting)
     for (std::size_t v = 0; v < part->places.size(); ++v)
       if (part->is_used(v)) box.include({part->places[v].x, part->places[v].y, part->places[v].z});
   const Grid grid = fit_samples(box, kSamples, Padding{});

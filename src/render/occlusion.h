@@ -13,7 +13,7 @@ namespace standoff {
 class Occlusion {
  public:
   /// Of the opaque parts that cast shadows; everything is bright if there are none.
-  explicit Occlusion(std::span<const Part> parts);
+  explicit Occlusion(std::span<const DrawnPart> parts);
 
   /// The share of the light from all sides that reaches a point of a surface with a unit normal, 0 to 1.
   float ambient(Float3 point, Float3 normal) const;

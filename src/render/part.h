@@ -15,13 +15,13 @@
 namespace standoff {
 
 /// Triangles that look alike.
-struct Part {
-  Part() = default;
-  Part(Part&&) = default;
-  Part& operator=(Part&&) = default;
-  Part(const Part&) = delete;  // `triangles` may be a view of `own`
-  Part& operator=(const Part&) = delete;
-  ~Part() = default;
+struct DrawnPart {
+  DrawnPart() = default;
+  DrawnPart(DrawnPart&&) = default;
+  DrawnPart& operator=(DrawnPart&&) = default;
+  DrawnPart(const DrawnPart&) = delete;  // `triangles` may be a view of `own`
+  DrawnPart& operator=(const DrawnPart&) = delete;
+  ~DrawnPart() = default;
 
   std::vector<Float3> places;  ///< of the vertices, in the unit space
   TriangleArray triangles;     ///< the caller's, or `own`

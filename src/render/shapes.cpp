@@ -88,7 +88,7 @@ std::size_t ball_triangles(int level) {
   return std::size_t{20} << (2 * (level - 1));
 }
 
-ShapeBuilder::ShapeBuilder(Part& part, float radius, Roundness roundness, bool with_values)
+ShapeBuilder::ShapeBuilder(DrawnPart& part, float radius, Roundness roundness, bool with_values)
     : part_(part), radius_(radius), with_values_(with_values), ring_(ring_of(roundness.tube_sides)) {
   Ball ball = ball_of(roundness.ball_level);
   ball_ = std::move(ball.places);

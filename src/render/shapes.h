@@ -23,7 +23,7 @@ std::size_t ball_triangles(int level);
 /// Adds balls and tubes to a part. Each vertex gets a normal, and a value where the part has values.
 class ShapeBuilder {
  public:
-  ShapeBuilder(Part& part, float radius, Roundness roundness, bool with_values);
+  ShapeBuilder(DrawnPart& part, float radius, Roundness roundness, bool with_values);
 
   void add_ball(Float3 center, float value = 0);
   /// Without caps.
@@ -34,7 +34,7 @@ class ShapeBuilder {
  private:
   std::uint32_t add_vertex(Float3 place, Float3 normal, float value);
 
-  Part& part_;
+  DrawnPart& part_;
   float radius_;
   bool with_values_;
   std::vector<Float3> ball_;

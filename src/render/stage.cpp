@@ -98,10 +98,10 @@ Stage::Stage(const Drawing& drawing, const PictureOptions& options)
   const float pixel = 2.0F / static_cast<float>(std::min(options.width, options.height));
   const std::vector<HalfSpace> kept = kept_by(drawing, *space_, Camera(options));
   const auto pixels = static_cast<std::size_t>(options.width) * static_cast<std::size_t>(options.height);
-  std::vector<Part> lines;
+  std::vector<DrawnPart> lines;
   for (std::size_t n = 0; n < drawing.meshes.size(); ++n) {
     const MeshLayer& layer = drawing.meshes[n];
-    Part part = part_of(layer, *space_, std::move(unused[n]));
+    DrawnPart part = part_of(layer, *space_, std::move(unused[n]));
     if (layer.shading == Shading::flat)
       part.normals = {};
     else if (part.normals.empty() && part.triangles.size() <= pixels)
@@ -119,9 +119,9 @@ Stage::Stage(const Drawing& drawing, const PictureOptions& options)
   add_paths(drawing, *space_, pixel, parts_);
   add_slices(drawing, *space_, parts_);
   add_boxes(drawing, *space_, pixel, parts_);
-  for (Part& part : lines) parts_.push_back(std::move(part));
-  if (!occlusion_) occlusion_ = std::make_unique<Occlusion>(std::span<const Part>());
-  std::erase_if(parts_, [](const Part& part) { return part.triangles.empty(); });
+  for (DrawnPart& part : lines) parts_.push_back(std::move(part));
+  if (!occlusion_) occlusion_ = std::make_unique<Occlusion>(std::span<const DrawnPart>());
+  std::erase_if(parts_, [](const DrawnPart& part) { return part.triangles.empty(); });
 }
 
 void Stage::add_numbers(const Drawing& drawing) {
@@ -148,7 +148,7 @@ Framing::Room Stage::room() const {
 
 Stage::Extent Stage::extent(const Camera& camera) const {
   Extent all;
-  for (const Part& part : parts_)
+  for (const DrawnPart& part : parts_)
     all.include(tbb::parallel_reduce(
         tbb::blocked_range<std::size_t>(0, part.places.size(), 1 << 14), Extent{},
         [&](const auto& range, Extent extent) {
@@ -170,7 +170,7 @@ Image Stage::draw(const Camera& camera, const Extent& extent) const {
   const Framing framing(extent.least_u, extent.least_v, extent.most_u, extent.most_v, room(), options_.zoom);
   std::vector<SeenPart> seen;
   std::uint64_t triangles = 0;
-  for (const Part& part : parts_) {
+  for (const DrawnPart& part : parts_) {
     seen.push_back({&part, std::vector<ScreenPoint>(part.places.size()), static_cast<std::uint32_t>(triangles)});
     triangles += part.triangles.size();
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, part.places.size(), 1 << 14), [&](const auto& range) {
@@ -183,8 +183,8 @@ Image Stage::draw(const Camera& camera, const Extent& extent) const {
                                       " triangles, more than 4,000,000,000; draw fewer layers");
 
   const auto places = sample_places(options_.samples);
-  const Bins opaque(seen, options_.width, options_.height, places, [](const Part& p) { return p.opacity >= 1; });
-  const Bins clear(seen, options_.width, options_.height, places, [](const Part& p) { return p.opacity < 1; });
+  const Bins opaque(seen, options_.width, options_.height, places, [](const DrawnPart& p) { return p.opacity >= 1; });
+  const Bins clear(seen, options_.width, options_.height, places, [](const DrawnPart& p) { return p.opacity < 1; });
   const Scenery scenery{camera,
                         *space_,
                         *occlusion_,

@@ -40,7 +40,7 @@ class Stage {
 
   PictureOptions options_;
   std::unique_ptr<UnitSpace> space_;
-  std::vector<Part> parts_;
+  std::vector<DrawnPart> parts_;
   std::unique_ptr<Occlusion> occlusion_;
   std::optional<Legend> legend_;
   double words_ = 1;  // the scale of words
