@@ -21,27 +21,33 @@ const SeenPart& TileDrawer::part_of(std::uint32_t triangle) const {
   return *(std::ranges::upper_bound(parts_, triangle, {}, &SeenPart::first) - 1);
 }
 
+// Calls covered(x, y, mask, plane) for each pixel of the tile of which a triangle covers samples.
+template <class Covered>
+void TileDrawer::for_pixels_of(const SeenPart& part, std::uint32_t triangle, const Covered& covered) const {
+  const Triangle v = part.part->triangles[triangle];
+  const ScreenPoint &a = part.points[v[0]], &b = part.points[v[1]], &c = part.points[v[2]];
+  const std::int64_t area = twice_area(a, b, c);
+  const DepthPlane plane(a, b, c, area);
+  for_covered_pixels(a, b, c, area, pixels_of(a, b, c, places_box_).within(range_), places_,
+                     [&](int x, int y, std::uint32_t mask) { covered(x, y, mask, plane); });
+}
+
 void TileDrawer::find_nearest(const Bins& opaque, int tile) {
   std::ranges::fill(depths_, 0.0F);
   std::ranges::fill(triangles_, kNothing);
   const std::size_t samples = places_.size();
   opaque.for_each(tile, [&](const SeenPart& part, std::uint32_t triangle) {
-    const Triangle v = part.part->triangles[triangle];
-    const ScreenPoint &a = part.points[v[0]], &b = part.points[v[1]], &c = part.points[v[2]];
-    const std::int64_t area = twice_area(a, b, c);
-    const DepthPlane plane(a, b, c, area);
-    for_covered_pixels(a, b, c, area, pixels_of(a, b, c, places_box_).within(range_), places_,
-                       [&](int x, int y, std::uint32_t mask) {
-                         const std::size_t first = pixel(x, y) * samples;
-                         for (; mask != 0; mask &= mask - 1) {
-                           const auto s = static_cast<std::size_t>(std::countr_zero(mask));
-                           const float depth = plane.at(x * kSubpixels + places_[s].x, y * kSubpixels + places_[s].y);
-                           // Triangles come in ascending order: the first wins ties.
-                           if (!(depth > depths_[first + s])) continue;
-                           depths_[first + s] = depth;
-                           triangles_[first + s] = part.first + triangle;
-                         }
-                       });
+    for_pixels_of(part, triangle, [&](int x, int y, std::uint32_t mask, const DepthPlane& plane) {
+      const std::size_t first = pixel(x, y) * samples;
+      for (; mask != 0; mask &= mask - 1) {
+        const auto s = static_cast<std::size_t>(std::countr_zero(mask));
+        const float depth = plane.at(x * kSubpixels + places_[s].x, y * kSubpixels + places_[s].y);
+        // Triangles come in ascending order: the first wins ties.
+        if (!(depth > depths_[first + s])) continue;
+        depths_[first + s] = depth;
+        triangles_[first + s] = part.first + triangle;
+      }
+    });
   });
 }
 
@@ -49,25 +55,19 @@ void TileDrawer::find_fragments(const Bins& clear, int tile) {
   fragments_.clear();
   const std::size_t samples = places_.size();
   clear.for_each(tile, [&](const SeenPart& part, std::uint32_t triangle) {
-    const Triangle v = part.part->triangles[triangle];
-    const ScreenPoint &a = part.points[v[0]], &b = part.points[v[1]], &c = part.points[v[2]];
-    const std::int64_t area = twice_area(a, b, c);
-    const DepthPlane plane(a, b, c, area);
-    for_covered_pixels(a, b, c, area, pixels_of(a, b, c, places_box_).within(range_), places_,
-                       [&](int x, int y, std::uint32_t mask) {
-                         const std::size_t at = pixel(x, y);
-                         float nearest = 0;
-                         for (std::size_t s = 0; s < samples; ++s) {
-                           if (!(mask >> s & 1)) continue;
-                           const float depth = plane.at(x * kSubpixels + places_[s].x, y * kSubpixels + places_[s].y);
-                           if (depth > depths_[at * samples + s])
-                             nearest = std::max(nearest, depth);
-                           else
-                             mask &= ~(1U << s);
-                         }
-                         if (mask != 0)
-                           fragments_.push_back({static_cast<std::uint32_t>(at), part.first + triangle, mask, nearest});
-                       });
+    for_pixels_of(part, triangle, [&](int x, int y, std::uint32_t mask, const DepthPlane& plane) {
+      const std::size_t at = pixel(x, y);
+      float nearest = 0;
+      for (std::size_t s = 0; s < samples; ++s) {
+        if (!(mask >> s & 1)) continue;
+        const float depth = plane.at(x * kSubpixels + places_[s].x, y * kSubpixels + places_[s].y);
+        if (depth > depths_[at * samples + s])
+          nearest = std::max(nearest, depth);
+        else
+          mask &= ~(1U << s);
+      }
+      if (mask != 0) fragments_.push_back({static_cast<std::uint32_t>(at), part.first + triangle, mask, nearest});
+    });
   });
   // From the back to the front; of equally deep ones the first is in front, as among opaque ones.
   std::ranges::sort(fragments_, [](const Fragment& f, const Fragment& g) {

@@ -29,6 +29,8 @@ class TileDrawer {
     float depth;
   };
 
+  template <class Covered>
+  void for_pixels_of(const SeenPart& part, std::uint32_t triangle, const Covered& covered) const;
   void find_nearest(const Bins& opaque, int tile);
   void find_fragments(const Bins& clear, int tile);
   void color_pixels(const Scenery& scenery, Image& image);

@@ -11,28 +11,14 @@ import sys
 
 sys.path.insert(0, str(pathlib.Path(os.environ["STANDOFF_SOURCE_DIR"]) / "tests" / "support"))
 from browser import browser  # noqa: E402
+from viewing import MESH, SOFTWARE, expect, failures, served  # noqa: E402
 
-MESH = "v 0 0 0\nv 2 0 0\nv 0 1.5 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
-SOFTWARE = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 FLIGHT = ("--labyrinth", "scene:labyrinth:3000", "--speed", "5", "--flies", "6", "--mode", "thesis", "--minimum", "3")
 here = pathlib.Path.cwd()
-failures = []
 
 
-def expect(condition, what):
-    if not condition:
-        failures.append(what)
-        print(f"FAILED: {what}")
-
-
-@contextlib.contextmanager
-def served(*arguments):
-    program = subprocess.Popen([os.environ["STANDOFF"], *arguments, "--no-browser"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    try:
-        yield program, program.stdout.readline().strip()
-    finally:
-        program.kill()
-        program.communicate()
+def served_quietly(*arguments):
+    return served(*arguments, "--no-browser")
 
 
 async def until(tab, script, what):
@@ -118,13 +104,13 @@ async def flights_are_shown_again(tab):
 async def main():
     (here / "a.obj").write_text(MESH)
     async with browser("", *SOFTWARE) as tab:
-        with served("view", "a.obj", "-r", "24") as (program, address):
+        with served_quietly("view", "a.obj", "-r", "24") as (program, address):
             await fields_follow_the_controls(tab, address)
             await tab.call("Page.navigate", url="about:blank")
             with contextlib.suppress(subprocess.TimeoutExpired):
                 expect(await asyncio.to_thread(program.wait, 30) == 0, "the program ends with the page")
             expect(program.poll() is not None, "the program ends with the page")
-        with served("fly", "--view", *FLIGHT) as (program, address):
+        with served_quietly("fly", "--view", *FLIGHT) as (program, address):
             await flights_are_watched(tab, address)
             await tab.call("Page.navigate", url="about:blank")
         await flights_are_shown_again(tab)

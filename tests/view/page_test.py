@@ -16,19 +16,11 @@ import sys
 
 sys.path.insert(0, str(pathlib.Path(os.environ["STANDOFF_SOURCE_DIR"]) / "tests" / "support"))
 from browser import browser  # noqa: E402
+from viewing import MESH, SOFTWARE, expect, failures  # noqa: E402
 
 # Two tetrahedra: with a name that is no harm, and a shifted copy.
 EVIL = "<img src=x onerror=alert(1)>.obj"
-MESH = "v 0 0 0\nv 2 0 0\nv 0 1.5 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
-SOFTWARE = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 here = pathlib.Path.cwd()
-failures = []
-
-
-def expect(condition, what):
-    if not condition:
-        failures.append(what)
-        print(f"FAILED: {what}")
 
 
 def standoff(*arguments):

@@ -2,7 +2,6 @@
 # labels: none
 """`standoff view` and `standoff fly --view` as servers: who is answered, what ends them, and that nothing is left."""
 
-import contextlib
 import json
 import os
 import pathlib
@@ -14,29 +13,18 @@ import time
 import urllib.error
 import urllib.request
 
-MESH = "v 0 0 0\nv 2 0 0\nv 0 1.5 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+sys.path.insert(0, str(pathlib.Path(os.environ["STANDOFF_SOURCE_DIR"]) / "tests" / "support"))
+from viewing import MESH, expect, failures, served  # noqa: E402
+
 here = pathlib.Path.cwd()
 temporary = here / "tmp"
-failures = []
 
 
-def expect(condition, what):
-    if not condition:
-        failures.append(what)
-        print(f"FAILED: {what}")
-
-
-@contextlib.contextmanager
-def served(*arguments):
-    """The program and the address that it prints."""
+def served_here(*arguments):
+    """Its temporary files are in a folder of their own, and there is no screen."""
     environment = {**os.environ, "TMPDIR": str(temporary)}
     environment.pop("DISPLAY", None)
-    program = subprocess.Popen([os.environ["STANDOFF"], *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment)
-    try:
-        yield program, program.stdout.readline().strip()
-    finally:
-        program.kill()
-        program.communicate()
+    return served(*arguments, environment=environment)
 
 
 def ask(address, method="GET", body=None, **headers):
@@ -123,15 +111,15 @@ def ends_with_the_page(program, address):
 def main():
     temporary.mkdir()
     (here / "a.obj").write_text(MESH)
-    with served("view", "a.obj", "-r", "16", "--no-browser") as (program, address):
+    with served_here("view", "a.obj", "-r", "16", "--no-browser") as (program, address):
         strangers_are_refused(address)
         fields_are_computed(address)
         meshes_are_dropped(address)
         program.send_signal(signal.SIGINT)
         expect(program.wait(30) == 0, "Ctrl-C ends it")
-    with served("view", "a.obj", "-r", "16") as (program, address):  # without a screen no browser is opened
+    with served_here("view", "a.obj", "-r", "16") as (program, address):  # without a screen no browser is opened
         ends_with_the_page(program, address)
-    with served("fly", "--view", "--labyrinth", "scene:labyrinth:3000", "--fly", "a.obj", "--flies", "3", "--no-browser") as (program, address):
+    with served_here("fly", "--view", "--labyrinth", "scene:labyrinth:3000", "--fly", "a.obj", "--flies", "3", "--no-browser") as (program, address):
         for changed in ("mode=thesis", "speed=5", "flies=7", "rate=600"):
             expect(ask(f"{address}controls?{changed}", "POST", b"")[0] == 200, f"{changed} is changed")
         for bad in ("mode=other", "speed=-1", "speed=nan", "flies=0", "flies=100000", "rate=-1", "rate=1e99"):
