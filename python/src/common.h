@@ -31,5 +31,6 @@ void add_reports(nb::module_& m);
 void add_pictures(nb::module_& m);
 void add_pages(nb::module_& m);
 void add_devices(nb::module_& m);
+void add_device_arrays(nb::module_& m);
 
 }  // namespace standoff::python

@@ -3,9 +3,9 @@
 #include "standoff/field.h"
 
 #include <algorithm>
-#include <chrono>
 
 #include "arrays.h"
+#include "computed.h"
 #include "lock.h"
 #include "options.h"
 #include "standoff/compute.h"
@@ -18,46 +18,16 @@ namespace {
 
 using DenseOutput = nb::ndarray<float, nb::shape<-1, -1, -1>, nb::f_contig, nb::device::cpu>;
 
-// `seconds` is what the call took.
-nb::dict dict_of(const ComputeReport& r, double seconds) {
-  nb::dict d;
-  d["method"] = r.method;
-  d["backend"] = r.backend;
-  d["device"] = r.device;
-  d["threads"] = r.threads;
-  d["triangles"] = r.triangles;
-  d["samples_examined"] = r.samples_examined;
-  d["samples_band"] = r.samples_band;
-  d["seconds"] = seconds;
-  d["sign"] = sign_dict(r.sign);
-  d["provenance"] = r.provenance;
-  return d;
-}
-
 ComputeOptions options_of(const nb::handle& sign, const std::string& method, bool nearest, int threads,
                           const std::string& device, std::int64_t memory_limit) {
-  constexpr const char* kMethods[] = {"tiles", "thesis"};
   ComputeOptions options;
-  options.method = static_cast<Method>(choice_of("method", method, kMethods));
+  options.method = method_of(method);
   options.sign = sign_of(sign);
   options.execution = execution_of(threads, device);
   options.memory_limit = memory_limit;
   options.nearest_triangle = nearest;
   return options;
 }
-
-// Writes the seconds from here to the end of the scope.
-class Timed {
- public:
-  explicit Timed(double& seconds) : seconds_(seconds) {}
-  ~Timed() { seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count(); }
-  Timed(const Timed&) = delete;
-  Timed& operator=(const Timed&) = delete;
-
- private:
-  double& seconds_;
-  std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
-};
 
 nb::tuple compute_field(const VertexInput& vertices, const FaceInput& faces, const GridInput& grid, double thickness,
                         const nb::handle& sign, const std::string& method, bool nearest, int threads,

@@ -19,4 +19,5 @@ NB_MODULE(_core, m) {
   add_pictures(m);
   add_pages(m);
   add_devices(m);
+  add_device_arrays(m);
 }

@@ -26,6 +26,7 @@ from ._bodies import (
 )
 from ._compute import field
 from ._core import version as __version__
+from ._device_field import DeviceField
 from ._devices import Device, devices
 from ._errors import (
     DeviceError,
@@ -61,6 +62,7 @@ __all__ = [
     "Contacts",
     "Device",
     "DeviceError",
+    "DeviceField",
     "DistanceField",
     "Distances",
     "DoubtError",

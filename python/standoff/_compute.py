@@ -11,7 +11,8 @@ import numpy as np
 
 from . import _core
 from ._checks import flag, name, runs_on
-from ._errors import make
+from ._device_mesh import MeshOnDevice, mesh_on_device
+from ._errors import UsageError, make
 from ._field import DistanceField
 from ._mesh import as_mesh
 from ._options import Grid, Progress, Sign, grid_of, memory_limit_of, memory_text, progress_of, sign_report
@@ -30,8 +31,9 @@ def field(
     sign: str | Sign | None = "auto",
     nearest: bool = False,
     method: Literal["tiles", "thesis"] = "tiles",
-    out: np.ndarray | None = None,
+    out: Any = None,
     device: str = "auto",
+    stream: Any = None,
     threads: int = 0,
     memory_limit: int | None = None,
     progress: Progress = None,
@@ -39,7 +41,9 @@ def field(
     """Computes the distance field of a mesh. Values are exact up to rounding to float32.
 
     Args:
-        mesh: a path, a `Mesh`, ``(vertices, faces)``, or an object of trimesh, pyvista, Open3D, meshio, ...
+        mesh: a path, a `Mesh`, ``(vertices, faces)``, or an object of trimesh, pyvista, Open3D, meshio, ... If its
+            arrays lie on a GPU, of torch, cupy, numba, Warp or any with ``__cuda_array_interface__`` or DLPack, the
+            field is computed there, and a `DeviceField` is returned. It has no sign: pass ``sign=None``.
         resolution: samples on the longest side, 256 by default. Or give one of:
         spacing: distance between samples, world units, one for all axes or one for each;
         shape: samples per axis;
@@ -51,10 +55,14 @@ def field(
             (`SignWarning`). Another method's name, a `Sign`, or None for distances without sign.
         nearest: also store the index of each sample's nearest triangle.
         method: ``"tiles"``, or Algorithm 1 of the 2008 thesis.
-        out: float32 array ``(nx, ny, nz)`` in Fortran order that the values are written to; the field keeps it.
+        out: float32 array ``(nx, ny, nz)`` in Fortran order that the values are written to; the field keeps it. For a
+            mesh on a GPU one there; by default the library that the vertices came in makes it.
         device: ``"auto"``, ``"cpu"``, ``"cuda"``, ``"cuda:N"`` or ``"emulated"``.
+        stream: for a mesh on a GPU, the CUDA stream that works on it: a stream of torch, cupy, numba or Warp, an object
+            with ``__cuda_stream__``, or the handle as a number. By default torch's current stream, or the one that the
+            vertices name. It is waited for.
         threads: 0 for all. Values do not depend on it.
-        memory_limit: bytes; 80 % of the machine's by default.
+        memory_limit: bytes of the CPU's memory; 80 % of the machine's by default.
         progress: True for a bar by tqdm, or a function of stage and fraction. What it raises ends the work.
 
     Raises:
@@ -62,9 +70,16 @@ def field(
             cannot work with it.
         UsageError, ValueError, TypeError: arguments.
         LimitError: more memory than `memory_limit`.
-        DeviceError: there is no such GPU.
+        DeviceError: there is no such GPU, or arrays lie on several devices.
         KeyboardInterrupt: Ctrl-C, within 0.1 s.
     """
+    on_gpu = mesh_on_device(mesh, runs_on(threads, device)[1], stream)
+    if on_gpu is not None:
+        return _field_on_gpu(
+            on_gpu, (grid, resolution, spacing, shape, padding, band, thickness), sign, nearest, method, out, progress
+        )
+    if stream is not None:
+        raise ValueError("stream: the mesh is in the memory of the CPU, which has no streams; leave it out")
     found = as_mesh(mesh)
     where, half_width = grid_of(lambda: found.bounds, grid, resolution, spacing, shape, padding, band, thickness)
     asked = Sign.of(sign)
@@ -111,6 +126,30 @@ def field(
     del done["method"]
     provenance = _core.Provenance(made.method, _core.content_hash(found.vertices, found.faces), made.version, made.sign)
     return DistanceField._make(where, half_width, provenance, dense=dense, sign=signs, computation=done)
+
+
+def _field_on_gpu(
+    mesh: MeshOnDevice,
+    sizes: tuple[Any, ...],
+    sign: str | Sign | None,
+    nearest: bool,
+    method: str,
+    out: Any,
+    progress: Progress,
+) -> DistanceField:
+    if Sign.of(sign).method != "none":
+        raise UsageError(
+            "sign: is decided on the CPU, and the mesh lies on a GPU; pass sign=None for distances without one, or copy "
+            "the mesh to the CPU first"
+        )
+    if flag(nearest, "nearest"):
+        raise UsageError("nearest: triangles are stored in the memory of the CPU; copy the mesh there first")
+    grid, half_width = grid_of(lambda: mesh.bounds, *sizes)
+    with progress_of(progress, "field") as report:
+        made = mesh.field(grid, half_width, name(method, "method"), out)
+        if report is not None:
+            report("done", 1.0)
+    return made
 
 
 def _checked_out(out: Any, grid: Grid) -> np.ndarray:

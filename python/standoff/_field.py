@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 
@@ -15,6 +15,8 @@ from ._files import expect_file, packed
 from ._options import Grid, SignReport, memory_limit_of, memory_text
 from ._page import Page
 from ._picture import Picture
+
+_Made = TypeVar("_Made", bound="DistanceField")
 
 
 class DistanceField:
@@ -37,7 +39,7 @@ class DistanceField:
 
     @classmethod
     def _make(
-        cls,
+        cls: type[_Made],
         grid: Grid,
         thickness: float,
         provenance: _core.Provenance,
@@ -46,7 +48,7 @@ class DistanceField:
         dense: np.ndarray | None = None,
         sign: SignReport | None = None,
         computation: dict[str, Any] | None = None,
-    ) -> DistanceField:
+    ) -> _Made:
         field = object.__new__(cls)
         field._grid = grid
         field._thickness = thickness
@@ -92,6 +94,15 @@ class DistanceField:
     def grid(self) -> Grid:
         """Where the samples are."""
         return self._grid
+
+    @property
+    def device(self) -> str:
+        """Where the values lie: ``"cpu"``, or of a `DeviceField` ``"cuda:0"``."""
+        return "cpu"
+
+    def cpu(self) -> DistanceField:
+        """The field with its values in the memory of the CPU: itself, or a copy of a `DeviceField`."""
+        return self
 
     @property
     def shape(self) -> tuple[int, int, int]:
@@ -273,8 +284,12 @@ class DistanceField:
         at: float | None = None,
         colormap: Literal["auto", "viridis", "diverging", "thesis"] = "auto",
         background: Literal["white", "dark"] = "white",
+        interpolation: Literal["auto", "nearest", "linear"] = "auto",
+        contours: bool = True,
+        bare: bool = False,
         title: str = "",
         unit: str = "",
+        legend: str = "",
         pixels: int = 512,
     ) -> Picture:
         """A picture, which notebooks show.
@@ -285,8 +300,13 @@ class DistanceField:
             at: where along the axis, from 0 to 1; by default, where the plane shows the most.
             colormap: by default red outside and blue inside for signed fields, else viridis.
             background: dark words on white, or light ones on dark.
+            interpolation: what is shown between samples: values that are linear, or each sample as a square
+                (``"nearest"``); by default squares where they are at least 12 pixels wide and high.
+            contours: whether lines are drawn at the legend's round numbers, except across squares.
+            bare: the slice alone, without words, legend, scales and margins.
             title: words above the slice.
             unit: the unit of lengths, beside the slice's scales.
+            legend: what the numbers are, above the legend; by default "distance", with the unit.
             pixels: the least length of the picture's longer side.
         """
         if kind == "surface":
@@ -297,10 +317,11 @@ class DistanceField:
             raise ValueError(f"kind: must be 'slice' or 'surface', not {kind!r}")
         native = self._native()
         place = None if axis is None else name(axis, "axis"), None if at is None else number(at, "at")
-        look = name(colormap, "colormap"), name(background, "background")
-        words = text(title, "title"), text(unit, "unit")
+        look = name(colormap, "colormap"), name(background, "background"), name(interpolation, "interpolation")
+        shown = flag(contours, "contours"), flag(bare, "bare")
+        words = text(title, "title"), text(unit, "unit"), text(legend, "legend")
         size = whole_number(pixels, "pixels", bits=32)
-        return Picture.drawn(lambda path: _core.write_slice(native, path, *place, *look, *words, size))
+        return Picture.drawn(lambda path: _core.write_slice(native, path, *place, *look, *shown, *words, size))
 
     def show(
         self,

@@ -111,9 +111,7 @@ def _results(
 
     def work(index: int, source: Any) -> FieldResult:
         try:
-            mesh = as_mesh(source)
-            if prepare is not None:
-                mesh = prepare(mesh)
+            mesh = source if prepare is None else prepare(as_mesh(source))
             return FieldResult(index, source, field(mesh, progress=watch, **options), None)
         except (Error, OSError, ValueError, TypeError, MemoryError) as error:
             return FieldResult(index, source, None, error)

@@ -11,7 +11,15 @@ from pathlib import Path
 import standoff as so
 
 GOLDEN = Path(__file__).with_name("api.txt")
-SPECIAL = ("__array__", "__bytes__", "__call__", "__dlpack__", "__dlpack_device__", "__len__")
+SPECIAL = (
+    "__array__",
+    "__bytes__",
+    "__call__",
+    "__cuda_array_interface__",
+    "__dlpack__",
+    "__dlpack_device__",
+    "__len__",
+)
 
 
 class Plain(str):

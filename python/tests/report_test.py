@@ -2,6 +2,7 @@
 """Reports of meshes, checks of fields, pictures and devices."""
 
 import math
+import subprocess
 
 import numpy as np
 import pytest
@@ -119,6 +120,35 @@ def test_pictures(tmp_path):
     for arguments in ({"width": 0}, {"height": 10**6}, {"azimuth": math.nan}, {"up": "w"}):
         with pytest.raises(ValueError):
             mesh.plot(**arguments)
+
+
+SLICES = {
+    "plain": ({}, []),
+    "squares": ({"interpolation": "nearest"}, ["--interpolation", "nearest"]),
+    "linear": ({"interpolation": "linear", "pixels": 900}, ["--interpolation", "linear", "--pixels", "900"]),
+    "no contours": ({"interpolation": "linear", "contours": False}, ["--interpolation", "linear", "--no-contours"]),
+    "bare": ({"bare": True}, ["--bare"]),
+    "words": ({"legend": "to the wall", "unit": "mm"}, ["--legend", "to the wall", "--unit", "mm"]),
+    "title": ({"title": "A ball", "background": "dark"}, ["--title", "A ball", "--background", "dark"]),
+}
+
+
+def test_slices_are_those_of_the_program(tmp_path, program):
+    field = so.field(shapes.sphere(8), resolution=64)
+    field.save(tmp_path / "field.npz")
+    pictures = set()
+    for name, (arguments, words) in SLICES.items():
+        words = [*([] if "title" in arguments else ["--title", ""]), *words]
+        command = [program, "slice", "field.npz", "-o", f"{name}.png", *words]
+        subprocess.run(command, check=True, cwd=tmp_path, capture_output=True, timeout=60)
+        assert bytes(field.plot(**arguments)) == (tmp_path / f"{name}.png").read_bytes(), name
+        pictures.add(bytes(field.plot(**arguments)))
+    assert len(pictures) == len(SLICES)
+    with pytest.raises(ValueError, match="interpolation"):
+        field.plot(interpolation="cubic")
+    for wrong in ({"interpolation": 1}, {"contours": 1}, {"bare": None}, {"legend": 3}):
+        with pytest.raises(TypeError, match=f"^{next(iter(wrong))}: "):
+            field.plot(**wrong)
 
 
 def test_devices():

@@ -33,5 +33,7 @@ bool has_float_spacing(const Grid& grid);
 /// from the grid's centre, the largest spacing is not within 2^-110 and 2^100, or one is less than 2^-60 of another.
 /// Requires a valid mesh and grid.
 void check_domain(MeshView mesh, const Grid& grid);
+/// The same of the box around a mesh.
+void check_domain(const Box& mesh, const Grid& grid);
 
 }  // namespace standoff

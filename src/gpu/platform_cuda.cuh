@@ -96,6 +96,11 @@ inline void copy_out(void* to, const void* from, std::int64_t bytes, const CallS
              at);
 }
 
+/// Waits until all work on the stream is done.
+inline void wait_for(Stream stream, const CallSite& at = CallSite::current()) {
+  check_call(cudaStreamSynchronize(stream), "cudaStreamSynchronize", at);
+}
+
 /// Throws Error{limit} where so much memory is not free now.
 inline void require_free_memory(std::int64_t bytes, const CallSite& at = CallSite::current()) {
   std::size_t free = 0, total = 0;

@@ -44,6 +44,9 @@ inline void copy_in(void* to, const void* from, std::int64_t bytes) {
   std::memcpy(to, from, static_cast<std::size_t>(bytes));
 }
 
+/// All work is done when launch() returns.
+inline void wait_for(Stream) {}
+
 /// What new memory is filled with.
 inline constexpr unsigned char kPoison = 0xcd;
 /// Words copied to the host that nobody had written before, by their poison: what initcheck, of NVIDIA's sanitizer,

@@ -3,10 +3,12 @@
 #include "files/temp_file_registry.h"
 #include "files/text_file.h"
 #include "standoff/cuda.h"
+#include "standoff/cuda_compute.h"
 #include "standoff/io.h"
 #include "standoff/picture.h"
 #include "standoff/points.h"
 #include "standoff/slice.h"
+#include "standoff/testing/emulation.h"
 #include "standoff/version.h"
 #include "tests/api/misuse.h"
 #include "tests/support/temp_folder.h"
@@ -181,6 +183,16 @@ TEST(Misuse, DeviceMemory) {
   expect_answer_or_error("enqueue", [&] { cuda::enqueue(std::span<const cuda::Task>(&task, 1), nullptr, 0, nullptr); });
   expect_answer_or_error("check", [&] { cuda::check({1, cuda::Outcome::kNone, ~0ull, ~0ull, 0, 0}, task); });
   expect_answer_or_error("check", [&] { cuda::check({1, 0, 0, 0, 0, 0}, task); });
+  float values[8];
+  for (const Backend backend : {Backend::automatic, Backend::cpu, Backend::cuda, testing::kEmulated}) {
+    const cuda::OnStream on{.backend = backend, .device = backend == testing::kEmulated ? -1 : 4711};
+    const Mesh nothing;
+    expect_answer_or_error("bounds", [&] { cuda::bounds(nothing, on); });
+    expect_answer_or_error("compute_into", [&] {
+      cuda::compute_into(nothing, {{2, 2, 2}, {}}, 1, values, none_of<Method>(), on);
+    });
+    expect_answer_or_error("copy_to_host", [&] { cuda::copy_to_host(nullptr, values, on); });
+  }
   cuda::devices();
   cuda::why_no_device();
 }

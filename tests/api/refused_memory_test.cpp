@@ -16,6 +16,7 @@
 #include "standoff/compute.h"
 #include "standoff/confidence.h"
 #include "standoff/cuda.h"
+#include "standoff/cuda_compute.h"
 #include "standoff/experimental/simulation.h"
 #include "standoff/exposed.h"
 #include "standoff/hermite.h"
@@ -29,6 +30,7 @@
 #include "standoff/sidecars.h"
 #include "standoff/slice.h"
 #include "standoff/surface.h"
+#include "standoff/testing/emulation.h"
 #include "standoff/verify.h"
 #include "standoff/voxels.h"
 #include "tests/support/heap.h"
@@ -209,6 +211,11 @@ TEST(RefusedMemory, Devices) {
   expect_error_or_limit("enqueue", [&] { emulated::enqueue(nothing, nullptr, 0); });
   expect_error_or_limit("enqueue", [&] { emulated::enqueue({&nothing, 1}, nullptr, 0); });
   expect_error_or_limit("check", [&] { cuda::check(bad, nothing); });
+  float values[1000];
+  const cuda::OnStream on{.backend = testing::kEmulated};
+  expect_limit_error("bounds", [&] { cuda::bounds(kMesh, on); });
+  expect_limit_error("compute_into", [&] { cuda::compute_into(kMesh, kGrid, 1, values, Method::tiles, on); });
+  expect_error_or_limit("copy_to_host", [&] { cuda::copy_to_host(nullptr, values, on); });
 }
 
 TEST(RefusedMemory, Bodies) {

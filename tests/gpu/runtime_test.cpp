@@ -9,6 +9,7 @@
 
 #include "standoff/compute.h"
 #include "standoff/cuda.h"
+#include "standoff/cuda_compute.h"
 #include "standoff/error.h"
 #include "tests/gpu/runtime/pretend.h"
 #include "tests/support/random_mesh.h"
@@ -83,6 +84,36 @@ TEST_F(CudaRuntime, WorkInDeviceMemoryOnlyLaunchesOnTheCallersStream) {
         }
         EXPECT_GE(launches, 4);
       }
+}
+
+// No kernel has run, so the mesh seems to be nowhere, which is a limit.
+TEST_F(CudaRuntime, ArraysOnADeviceAreWorkedOnByItsStreamAlone) {
+  int streams[3];
+  const auto on = reinterpret_cast<cudaStream_t>(&streams[0]);
+  const cuda::Stream others[] = {reinterpret_cast<cudaStream_t>(&streams[1]),
+                                 reinterpret_cast<cudaStream_t>(&streams[2])};
+  std::vector<float> vertices(3 * kMesh.vertices.size());  // kernels make doubles of them
+  const MeshView mesh{{vertices.data(), kMesh.vertices.size()}, kMesh.triangles};
+  float values[1];
+  try {
+    cuda::compute_into(mesh, kGrid, 1, values, Method::tiles, {.device = 1, .stream = on, .after = others});
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::limit);
+  }
+  EXPECT_EQ(gpu.current, 0);
+  EXPECT_TRUE(gpu.allocated.empty());
+  std::vector<cudaStream_t> waited;
+  int launches = 0;
+  for (const pretend::Call& call : gpu.calls) {
+    if (call.name == "cudaStreamSynchronize") waited.push_back(call.stream);
+    if (call.name != "a launch" && call.name != "cudaMemsetAsync") continue;
+    EXPECT_EQ(call.stream, on) << call.name;
+    EXPECT_EQ(waited.size(), 2u) << "the others were not waited for";
+    ++launches;
+  }
+  EXPECT_EQ(waited, (std::vector<cudaStream_t>{others[0], others[1], on}));
+  EXPECT_EQ(launches, 4);
 }
 
 TEST_F(CudaRuntime, EveryCallThatFailsIsNamedAndNothingIsKept) {

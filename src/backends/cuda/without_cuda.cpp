@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What stands for fields on CUDA where standoff is built without a CUDA compiler: it says so.
 #include "backends/cuda/fields.h"
+#include "backends/cuda/streams.h"
 #include "core/guarded.h"
 #include "field/cuda/capacity.h"
 #include "gpu/devices.h"
@@ -18,6 +19,10 @@ namespace {
 Counts run_tiles(const Job&, Sink&) { fail(); }
 Counts run_thesis(const Job&, Sink&) { fail(); }
 std::int64_t scratch_bytes(std::int64_t, const Grid& grid, double, int) { return host_scratch_bytes(grid); }
+
+Box bounds_on_stream(const MeshView&, const OnStream&) { fail(); }
+Outcome compute_on_stream(const MeshView&, Task, const OnStream&) { fail(); }
+void copy_from_stream(const float*, std::span<float>, const OnStream&) { fail(); }
 
 std::int64_t workspace_bytes(std::int64_t, const Grid&, double, Method, std::int64_t) { fail(); }
 void enqueue(const Task&, void*, std::int64_t, Stream) { fail(); }

@@ -21,8 +21,10 @@ std::int64_t likely_entries(std::int64_t triangles, const Grid& grid, double thi
 void check(const Outcome& outcome, const Task& task) try {
   if (outcome.stopped == 0) return;
   if (outcome.bad_triangle != Outcome::kNone)
-    throw Error(ErrorCode::input, "cuda: triangle " + std::to_string(outcome.bad_triangle) +
-                                      " has an index out of range or a corner that is not finite; repair the mesh");
+    throw Error(ErrorCode::input,
+                "cuda: triangle " + std::to_string(outcome.bad_triangle) +
+                    " has an index out of range or a corner that is not finite; repair the mesh",
+                {.triangle = static_cast<std::int64_t>(outcome.bad_triangle)});
   if (outcome.needed_entries == Outcome::kNone)
     throw Error(ErrorCode::input,
                 "cuda: the mesh changed while its field was computed; nothing was written, let the work end before the "

@@ -2,12 +2,15 @@
 // A triangle's corners out of device memory, checked, and moved to where they become float.
 #pragma once
 
+#include <string>
+
 #include "field/lattice.h"
 #include "geometry/triangle_box.h"
 #include "geometry/triangle_lines.h"
 #include "gpu/platform.cuh"
 #include "gpu/scan.h"
 #include "standoff/cuda.h"
+#include "standoff/error.h"
 #include "standoff/field.h"
 
 namespace standoff::STANDOFF_PLATFORM {
@@ -66,6 +69,13 @@ STANDOFF_DEVICE bool is_valid(const DeviceMesh& mesh, std::uint32_t triangle, Ou
     stop(outcome);
   }
   return valid;
+}
+
+/// Throws Error{usage} where there is no triangle, or one whose index is kNoTriangle.
+inline void check_count(const DeviceMesh& mesh) {
+  if (mesh.used_count() < 1 || mesh.triangle_count >= kNoTriangle)
+    throw Error(ErrorCode::usage, "cuda: the mesh has " + std::to_string(mesh.used_count()) +
+                                      " triangles to use; give it 1 to 4294967294");
 }
 
 /// The farthest coordinate of a box from the origin.

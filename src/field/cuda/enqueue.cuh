@@ -28,13 +28,6 @@ std::int64_t needed_bytes(std::int64_t triangles, const Lattice& l, std::int64_t
   return memory.used() + std::max(entries, triangles) * Pipeline::kBytesPerEntry + kAlignmentLoss;
 }
 
-/// Throws Error{usage} where there is no triangle, or one whose index is kNoTriangle.
-inline void check_count(const DeviceMesh& mesh) {
-  if (mesh.used_count() < 1 || mesh.triangle_count >= kNoTriangle)
-    throw Error(ErrorCode::usage, "cuda: the mesh has " + std::to_string(mesh.used_count()) +
-                                      " triangles to use; give it 1 to 4294967294");
-}
-
 /// Throws Error{usage} where a task cannot be enqueued, whatever its method.
 inline void check_task(const Task& task) {
   const auto fail = [](const std::string& what) { throw Error(ErrorCode::usage, "cuda: " + what); };

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// Distance fields of meshes in device memory, in any layout, computed into device memory on the caller's CUDA stream.
+//
+// These functions allocate what they need beside the mesh and the field, wait for the stream, and try again where
+// triangle lists did not fit. enqueue() of standoff/cuda.h does none of this.
+#pragma once
+
+#include <span>
+
+#include "standoff/compute.h"
+#include "standoff/cuda.h"
+#include "standoff/execution.h"
+#include "standoff/export.h"
+#include "standoff/grid.h"
+#include "standoff/mesh_view.h"
+
+namespace standoff::cuda {
+
+/// Whose memory the arrays of a call lie in, and which stream works on them.
+struct OnStream {
+  Backend backend = Backend::cuda;  ///< or testing::kEmulated, for which plain memory stands for the device's
+  int device = 0;
+  Stream stream = nullptr;             ///< null: the legacy default stream
+  std::span<const Stream> after = {};  ///< other streams that write these arrays; they are waited for first
+};
+
+/// The box around all triangles of a mesh whose arrays lie in device memory. The pointers of the view are device
+/// pointers; numbers must be aligned. Errors: usage (alignment, no triangle, a backend that is not a GPU's), input (the
+/// first triangle with an index out of range or a corner that is not finite), device, limit (device memory).
+STANDOFF_API Box bounds(const MeshView& mesh, const OnStream& on = {});
+
+/// compute_into() for a mesh in device memory and values there: one float per sample, x fastest. The values have the
+/// same bits, and no sign. It returns when they are written. Packed doubles and packed indices of 32 bits are used
+/// where they lie, other layouts are copied on the device. Errors: as bounds; usage also for the grid, the thickness
+/// and values that are null; limit also for a mesh too far from the grid (docs/tiles.md, Domain).
+STANDOFF_API ComputeReport compute_into(const MeshView& mesh, const Grid& grid, double thickness, float* values,
+                                        Method method, const OnStream& on = {});
+
+/// Copies values out of device memory, once the stream's work so far is done. Errors: usage (a null pointer, a backend
+/// that is not a GPU's), device.
+STANDOFF_API void copy_to_host(const float* values, std::span<float> to, const OnStream& on = {});
+
+}  // namespace standoff::cuda

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+// Meshes that lie in device memory in any layout: packed, as the kernels read them, and the boxes around them.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <string>
+
+#include "field/cuda/outcome.cuh"
+#include "standoff/grid.h"
+#include "standoff/mesh_view.h"
+
+namespace standoff::STANDOFF_PLATFORM {
+
+/// Rows of three adjacent numbers in device memory, `stride` bytes apart.
+struct Rows {
+  const std::byte* first;
+  std::int64_t count, stride;
+};
+
+/// Number n of all, counted through the rows.
+template <class Number>
+STANDOFF_DEVICE Number number_at(const Rows& rows, std::int64_t n) {
+  return reinterpret_cast<const Number*>(rows.first + n / 3 * rows.stride)[n % 3];
+}
+
+/// Threads stride over the numbers.
+template <class Number>
+STANDOFF_KERNEL void pack_vertices(Rows rows, double* to) {
+  for (std::int64_t n = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x; n < 3 * rows.count;
+       n += std::int64_t{blockDim.x} * gridDim.x)
+    to[n] = static_cast<double>(number_at<Number>(rows, n));
+}
+
+/// The same. What is negative or does not fit into 32 bits becomes kNoVertex, which no vertex has.
+template <class Index>
+STANDOFF_KERNEL void pack_triangles(Rows rows, std::uint32_t* to) {
+  for (std::int64_t n = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x; n < 3 * rows.count;
+       n += std::int64_t{blockDim.x} * gridDim.x) {
+    const Index index = number_at<Index>(rows, n);
+    const auto value = static_cast<std::uint64_t>(index);  // of a negative one, a large number
+    to[n] = value < TriangleArray::kNoVertex ? static_cast<std::uint32_t>(value) : TriangleArray::kNoVertex;
+  }
+}
+
+/// The mesh as kernels read it: in place if it is packed, else a copy.
+class PackedMesh {
+ public:
+  /// Errors: usage (numbers that are not aligned, no triangle, too many of them), limit (device memory).
+  PackedMesh(const MeshView& mesh, Stream stream) {
+    mesh_ = {vertices(mesh.vertices, stream), static_cast<std::int64_t>(mesh.vertices.size()),
+             triangles(mesh.triangles, stream), static_cast<std::int64_t>(mesh.triangles.size())};
+    check_count(mesh_);
+    if (mesh.vertices.size() > TriangleArray::kNoVertex)
+      throw Error(ErrorCode::usage, "cuda: the mesh has more vertices than indices of 32 bits reach; split it");
+  }
+  const DeviceMesh& mesh() const { return mesh_; }
+
+ private:
+  template <class Array>
+  static Rows rows_of(const Array& array, std::int64_t number_bytes, const char* what) {
+    if (reinterpret_cast<std::uintptr_t>(array.data()) % static_cast<std::uintptr_t>(number_bytes) != 0 ||
+        array.stride() % number_bytes != 0)
+      throw Error(ErrorCode::usage,
+                  std::string("cuda: the ") + what + " in device memory are not aligned to the size of a number; copy");
+    return {array.data(), static_cast<std::int64_t>(array.size()), array.stride()};
+  }
+  template <class Number>
+  Number* room(Memory& memory, const Rows& rows) {
+    memory = Memory(3 * rows.count * static_cast<std::int64_t>(sizeof(Number)));
+    return memory.as<Number>();
+  }
+  static std::int64_t blocks(const Rows& rows) {
+    return std::min<std::int64_t>(kManyBlocks, 3 * rows.count / kThreads + 1);
+  }
+
+  const double* vertices(const VertexArray& array, Stream stream) {
+    const bool is_double = array.type() == VertexArray::Type::float64;
+    const Rows rows = rows_of(array, is_double ? 8 : 4, "vertices");
+    if (array.packed()) return reinterpret_cast<const double*>(array.data());
+    double* const to = room<double>(vertices_, rows);
+    launch(stream, "pack vertices", is_double ? pack_vertices<double> : pack_vertices<float>, blocks(rows), kThreads,
+           rows, to);
+    return to;
+  }
+  const std::uint32_t* triangles(const TriangleArray& array, Stream stream) {
+    const Rows rows = rows_of(array, array.index_bytes(), "indices");
+    if (array.packed()) return reinterpret_cast<const std::uint32_t*>(array.data());
+    std::uint32_t* const to = room<std::uint32_t>(triangles_, rows);
+    using Type = TriangleArray::Type;
+    const auto kernel = array.type() == Type::uint32  ? pack_triangles<std::uint32_t>
+                        : array.type() == Type::int32 ? pack_triangles<std::int32_t>
+                        : array.type() == Type::int64 ? pack_triangles<std::int64_t>
+                                                      : pack_triangles<std::uint64_t>;
+    launch(stream, "pack triangles", kernel, blocks(rows), kThreads, rows, to);
+    return to;
+  }
+
+  Memory vertices_, triangles_;
+  DeviceMesh mesh_;
+};
+
+/// Of all corners the least coordinates, and the complements of the greatest, as numbers in the order of the doubles.
+struct OrderedBounds {
+  Counter low[3], high[3];
+};
+
+inline constexpr Counter kSignBit = Counter{1} << 63;
+STANDOFF_DEVICE Counter ordered(double value) {
+  const auto bits = static_cast<Counter>(__double_as_longlong(value));
+  return bits & kSignBit ? ~bits : bits | kSignBit;
+}
+/// The double of this number.
+inline double unordered(Counter number) {
+  return std::bit_cast<double>(number & kSignBit ? number & ~kSignBit : ~number);
+}
+/// What was read may be old, then the atomic minimum decides.
+STANDOFF_DEVICE void lower(Counter* at, Counter value) {
+  if (value < load_relaxed(at)) atomicMin(at, value);
+}
+
+/// Threads stride over the triangles; those that are not valid are noted in the outcome.
+STANDOFF_KERNEL void lower_bounds(DeviceMesh mesh, OrderedBounds* bounds, Outcome* outcome) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  double low[3] = {kInfinity, kInfinity, kInfinity}, high[3] = {-kInfinity, -kInfinity, -kInfinity};
+  for (std::int64_t n = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x; n < mesh.triangle_count;
+       n += std::int64_t{blockDim.x} * gridDim.x) {
+    const auto triangle = static_cast<std::uint32_t>(n);
+    if (!is_valid(mesh, triangle, outcome)) continue;
+    const Corners c = corners_of(mesh, triangle);
+    for (const Triple<double>& corner : c.at) {
+      const double at[3] = {corner.x, corner.y, corner.z};
+      for (int axis = 0; axis < 3; ++axis) {
+        low[axis] = min(low[axis], at[axis]);
+        high[axis] = max(high[axis], at[axis]);
+      }
+    }
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    lower(&bounds->low[axis], ordered(low[axis]));
+    lower(&bounds->high[axis], ~ordered(high[axis]));
+  }
+}
+
+/// Waits for the stream. Errors: input (a triangle that is not valid).
+inline Box bounds_of(const DeviceMesh& mesh, Stream stream) {
+  const Memory outcome(sizeof(Outcome)), bounds(sizeof(OrderedBounds));
+  launch(stream, "clear", clear_outcome, 1, 1, outcome.as<Outcome>(), static_cast<Counter*>(nullptr), 0);
+  fill_bytes(stream, bounds.as<void>(), 0xff, sizeof(OrderedBounds));
+  constexpr std::int64_t kMostBlocks = 512;  // of which each thread lowers six numbers that all share
+  launch(stream, "bounds", lower_bounds, std::min(kMostBlocks, mesh.triangle_count / kThreads + 1), kThreads, mesh,
+         bounds.as<OrderedBounds>(), outcome.as<Outcome>());
+  wait_for(stream);
+  Outcome seen;
+  copy_out(&seen, outcome.as<void>(), sizeof seen);
+  cuda::check(seen, Task{});
+  OrderedBounds b;
+  copy_out(&b, bounds.as<void>(), sizeof b);
+  return {{unordered(b.low[0]), unordered(b.low[1]), unordered(b.low[2])},
+          {unordered(~b.high[0]), unordered(~b.high[1]), unordered(~b.high[2])}};
+}
+
+}  // namespace standoff::STANDOFF_PLATFORM
