@@ -9,13 +9,13 @@
 #include "cli/body_input.h"
 #include "cli/commands.h"
 #include "cli/console.h"
+#include "cli/flight_output.h"
 #include "cli/flight_server.h"
 #include "cli/options.h"
 #include "cli/parse.h"
 #include "cli/signals.h"
 #include "cli/text.h"
 #include "cli/usage.h"
-#include "files/text_file.h"
 #include "standoff/experimental/simulation.h"
 
 namespace standoff::cli {
@@ -27,17 +27,16 @@ constexpr const char* kExamples =
     R"(  standoff fly --steps 100000 --speed 0.04 --path out.csv      one fly, where it flew as a table
   standoff fly --mode thesis --minimum 3 --speed 5             Algorithm 2: watch the wall crossings
   standoff fly --flies 1000 --steps 1000 --json                many at once
+  standoff fly --speed 0.2 --steps 600 -o fly.html             a page that plays the flight; -o fly.mp4: a video
 )";
 
 struct Command {
   std::string labyrinth = "scene:labyrinth", fly = "scene:fly";
   std::int64_t steps = 10'000, flies = 1;
   FlightOptions options;
-  FileOutput path, film;
-  std::string film_name;
+  FileOutput path;
+  FlightOutput film;
   bool view = false;
-  std::int64_t every = 1;
-  double frames_per_second = 60;
   ServeOptions server;
   Console console;
 
@@ -62,17 +61,11 @@ void Command::check_mode() const {
 }
 
 void Command::check_outputs() {
-  film = path;  // with the same --force
-  film.set_path(film_name);
+  film.check(path, {labyrinth, fly});
   if (path.given()) {
     path.check({{"csv", "", false, true, false}, {"ply", "", false, true, false}});
     path.check_differs(labyrinth);
     path.check_differs(fly);
-  }
-  if (film.given()) {
-    film.check({{"html", "a page", false, true}});
-    film.check_differs(labyrinth);
-    film.check_differs(fly);
   }
   if (force->count() > 0 && !path.given() && !film.given())
     throw Error(ErrorCode::usage, "--force needs --path or -o: there is nothing to overwrite; give one of them");
@@ -92,17 +85,15 @@ void Command::record(const CollisionModel& maze, const CollisionModel& flier) {
   std::vector<view::FlightFrame> frames;
   {
     const Cancellable cancellable;
-    frames = view::recorded(flight, steps, every, console.progress());
+    frames = view::recorded(flight, steps, film.every(), console.progress());
+    film.write(view::flight_subject(labyrinth, maze, flier, options.execution), frames, options.execution.threads,
+               console.progress());
   }
-  const auto subject = view::flight_subject(labyrinth, maze, flier, options.execution);
-  write_text(film.path(), view::flight_page(subject, frames, frames_per_second, "standoff fly: " + labyrinth),
-             film.existing());
   std::int64_t collisions = 0, crossings = 0;
   for (const view::Flying& it : frames.back().bodies) collisions += it.collisions, crossings += it.crossings;
-  const Json written = json_output(film.path());
   console.say(film.path().string() + ": " + counted(std::ssize(frames), "frame") + ", " +
               counted(collisions, "collision") + ", " + counted(crossings, "wall crossing") + ", " +
-              bytes_text(written["bytes"].get<std::int64_t>()));
+              bytes_text(film.bytes()));
   if (!console.json()) return;
   Json json = json_answer("fly");
   json["mode"] = view::name_of(options.mode);
@@ -113,7 +104,7 @@ void Command::record(const CollisionModel& maze, const CollisionModel& flier) {
   json["frames"] = frames.size();
   json["collisions"] = collisions;
   json["wall_crossings"] = options.check ? Json(crossings) : Json();
-  json["output"] = written;
+  json["output"] = {{"file", film.path().string()}, {"bytes", film.bytes()}};
   print(json, film.path());
 }
 
@@ -219,17 +210,7 @@ void add_fly(CLI::App& program) {
       ->group("Watching")
       ->excludes("--path")
       ->excludes("--steps");
-  add("-o,--output", "FILM", "record it: a page, .html", "Watching",
-      [it](S o, S t) {
-        if (t.empty()) throw Error(ErrorCode::usage, o + " '': give the name of a file");
-        it->film_name = t;
-      })
-      ->excludes("--view")
-      ->excludes("--path");
-  add("--every", "K", "of -o: record each K-th step (default 1)", "Watching",
-      [it](S o, S t) { it->every = parse_count(o, t, 1, 1'000'000'000); });
-  add("--rate", "F", "of -o: frames a second (default 60)", "Watching",
-      [it](S o, S t) { it->frames_per_second = parse_positive(o, t, 1000); });
+  it->film.add_to(*verb)->excludes("--view")->excludes("--path");
   it->server.add_to(*verb);
   it->console.add_to(*verb, Console::kMessages | Console::kJson | Console::kProgress);
   add("--mode", "MODE", "sweep (default) or thesis", kThesisGroup, [&options](S o, S t) {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // standoff render: a picture of meshes, fields, points and paths.
-#include <array>
 #include <memory>
 
 #include "cli/commands.h"
@@ -9,6 +8,7 @@
 #include "cli/files.h"
 #include "cli/options.h"
 #include "cli/parse.h"
+#include "cli/picture_options.h"
 #include "cli/spinner.h"
 #include "cli/text.h"
 #include "cli/usage.h"
@@ -31,7 +31,7 @@ struct Command {
   DrawingInput input;
   FileOutput output;
   LayerOptions layers;
-  PictureOptions options{.width = 1280, .height = 960};
+  PictureOptions options;
   Colormap colormap = Colormap::automatic;
   int turntable = 0;
   Console console;
@@ -43,54 +43,6 @@ struct Command {
   void add_picture(CLI::App& verb);
   void add_layers(CLI::App& verb);
 };
-
-// "1920x1080".
-void parse_pixels(const std::string& option, const std::string& text, PictureOptions& options) {
-  const std::size_t x = text.find('x');
-  if (x == std::string::npos)
-    throw Error(ErrorCode::usage, option + " '" + text + "': give width and height in pixels, as 1920x1080");
-  options.width = static_cast<int>(parse_count(option, text.substr(0, x), 16, 8192));
-  options.height = static_cast<int>(parse_count(option, text.substr(x + 1), 16, 8192));
-}
-
-// "front", or "35,25", or "35,25,2".
-void parse_camera(const std::string& option, const std::string& text, PictureOptions& options) {
-  struct Preset {
-    const char* name;
-    double azimuth_deg, elevation_deg;
-  };
-  constexpr std::array<Preset, 7> kPresets{{{"front", 0, 0},
-                                            {"back", 180, 0},
-                                            {"right", 90, 0},
-                                            {"left", -90, 0},
-                                            {"top", 0, 90},
-                                            {"bottom", 0, -90},
-                                            {"iso", 45, 35.264389682754654}}};
-  for (const Preset& preset : kPresets)
-    if (text == preset.name) {
-      options.azimuth_deg = preset.azimuth_deg;
-      options.elevation_deg = preset.elevation_deg;
-      return;
-    }
-  const auto refuse = [&] {
-    throw Error(ErrorCode::usage,
-                option + " '" + text +
-                    "': give front, back, left, right, top, bottom or iso, or AZIMUTH,ELEVATION[,ZOOM] "
-                    "in degrees, as 35,25 (elevation -90 to 90, zoom 0.01 to 100)");
-  };
-  if (text.find_first_not_of("0123456789+-.,eE ") != std::string::npos) refuse();
-  std::vector<double> numbers;
-  try {
-    numbers = numbers_in(text);
-  } catch (const Error&) {
-    refuse();
-  }
-  if (numbers.size() < 2 || numbers.size() > 3 || std::abs(numbers[1]) > 90) refuse();
-  if (numbers.size() == 3 && !(numbers[2] >= 0.01 && numbers[2] <= 100)) refuse();
-  options.azimuth_deg = numbers[0];
-  options.elevation_deg = numbers[1];
-  if (numbers.size() == 3) options.zoom = numbers[2];
-}
 
 void parse_layers(const std::string& option, const std::string& text, LayerOptions& layers) {
   layers.mesh = layers.slice = layers.points = layers.path = false;
@@ -107,35 +59,14 @@ void parse_layers(const std::string& option, const std::string& text, LayerOptio
 
 void Command::add_picture(CLI::App& verb) {
   using S = const std::string&;
-  const auto add = [&verb](const char* name, const char* value, const char* help, auto set) {
-    add_parsed(verb, {name, value, help, "Picture"}, set);
-  };
-  add("--size", "WxH", "pixels, 16 to 8192 each (default 1280x960)", [this](S o, S t) { parse_pixels(o, t, options); });
-  add("--camera", "VIEW",
-      "front, back, left, right, top, bottom, iso, or degrees:\nAZIMUTH,ELEVATION[,ZOOM] (default 35,25,1)",
-      [this](S o, S t) { parse_camera(o, t, options); });
-  add("--up", "A", "the axis that points up: x, y or z (default)", [this](S o, S t) {
-    options.up = static_cast<Axis>(parse_choice(o, t, {"x", "y", "z"}));
-  });
-  verb.add_flag_callback(
-          "--parallel", [this] { options.perspective = false; }, "parallel rays: no perspective")
-      ->group("Picture");
-  add("--turntable", "N", "N pictures from all around: NAME-000.png and so on",
-      [this](S o, S t) { turntable = static_cast<int>(parse_count(o, t, 1, 10000)); });
-  add("--samples", "N", "for each pixel: 1, 2, 4 (default), 8 or 16", [this](S o, S t) {
-    options.samples = 1 << parse_choice(o, t, {"1", "2", "4", "8", "16"});
-  });
-  add("--background", "NAME", "white (default) or dark", [this](S o, S t) {
-    options.background = static_cast<Background>(parse_choice(o, t, {"white", "dark"}));
-  });
+  add_view(verb, options);
+  add_parsed(verb, {"--turntable", "N", "N pictures from all around: NAME-000.png and so on", kPictureGroup},
+             [this](S o, S t) { turntable = static_cast<int>(parse_count(o, t, 1, 10000)); });
   verb.add_flag_callback(
           "--no-shadows", [this] { options.shadows = false; },
           "no soft shadows, which take most of the time of small\npictures")
-      ->group("Picture");
-  verb.add_flag_callback(
-          "--no-legend", [this] { options.legend = false; }, "no legend")
-      ->group("Picture");
-  verb.add_flag("--axes", options.axes, "a triad of the axes in the lower left corner")->group("Picture");
+      ->group(kPictureGroup);
+  verb.add_flag("--axes", options.axes, "a triad of the axes in the lower left corner")->group(kPictureGroup);
 }
 
 void Command::add_layers(CLI::App& verb) {

@@ -32,6 +32,7 @@ struct DrawnPart {
   float opacity = 1;            ///< of a field: where its values are not negative; elsewhere it is opaque
   bool lit = true;              ///< false: shown in its color, whatever the light
   bool casts_shadow = true;
+  bool moves = false;                    ///< stands elsewhere in other pictures of the same stage
   const DistanceField* field = nullptr;  ///< colors each pixel by the field's value there
   std::vector<char> unused;              ///< 1 for vertices that no triangle uses, which may be anything; empty: none
 

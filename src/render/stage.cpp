@@ -70,6 +70,12 @@ std::vector<HalfSpace> kept_by(const Drawing& drawing, const UnitSpace& space, c
   return kept;
 }
 
+std::vector<std::vector<char>> unused_of(const Drawing& drawing) {
+  std::vector<std::vector<char>> unused;
+  for (const MeshLayer& layer : drawing.meshes) unused.push_back(unused_vertices(layer.mesh));
+  return unused;
+}
+
 }  // namespace
 
 void Stage::Extent::include(const Extent& other) {
@@ -79,33 +85,27 @@ void Stage::Extent::include(const Extent& other) {
   most_v = std::max(most_v, other.most_v);
 }
 
-Stage::Stage(const Drawing& drawing, const PictureOptions& options)
+Stage::Stage(const Drawing& drawing, const Drawing& whole, const PictureOptions& options)
     : options_(options),
       words_(std::max(1.0, std::min(options.width, options.height) / kUsualSide)),
       theme_(theme_of(options.background)) {
   check(options);
   standoff::check(drawing);
   check_memory(drawing, options);
-  std::vector<std::vector<char>> unused;
-  for (const MeshLayer& layer : drawing.meshes) unused.push_back(unused_vertices(layer.mesh));
-  const Box box = bounds_of(drawing, unused);
+  std::vector<std::vector<char>> unused = unused_of(drawing);
+  const Box box = bounds_of(whole, &whole == &drawing ? unused : unused_of(whole));
   if (box.empty())
     throw Error(ErrorCode::usage, "picture: there is nothing to draw; give a mesh, a field, points, a path or a box");
   space_ = std::make_unique<UnitSpace>(box);
-  add_numbers(drawing);
+  add_numbers(whole);
 
   // The unit sphere about fills the shorter side.
-  const float pixel = 2.0F / static_cast<float>(std::min(options.width, options.height));
+  const float pixel = pixel_ = 2.0F / static_cast<float>(std::min(options.width, options.height));
   const std::vector<HalfSpace> kept = kept_by(drawing, *space_, Camera(options));
-  const auto pixels = static_cast<std::size_t>(options.width) * static_cast<std::size_t>(options.height);
   std::vector<DrawnPart> lines;
   for (std::size_t n = 0; n < drawing.meshes.size(); ++n) {
     const MeshLayer& layer = drawing.meshes[n];
-    DrawnPart part = part_of(layer, *space_, std::move(unused[n]));
-    if (layer.shading == Shading::flat)
-      part.normals = {};
-    else if (part.normals.empty() && part.triangles.size() <= pixels)
-      smooth(part);
+    DrawnPart part = made_of(layer, std::move(unused[n]));
     for (const HalfSpace& space : kept) cut(part, space);
     if (layer.edges) lines.push_back(edge_lines(part, pixel));
     parts_.push_back(std::move(part));
@@ -122,6 +122,33 @@ Stage::Stage(const Drawing& drawing, const PictureOptions& options)
   for (DrawnPart& part : lines) parts_.push_back(std::move(part));
   if (!occlusion_) occlusion_ = std::make_unique<Occlusion>(std::span<const DrawnPart>());
   std::erase_if(parts_, [](const DrawnPart& part) { return part.triangles.empty(); });
+  standing_ = parts_.size();
+}
+
+DrawnPart Stage::made_of(const MeshLayer& layer, std::vector<char> unused) const {
+  DrawnPart part = part_of(layer, *space_, std::move(unused));
+  const auto pixels = static_cast<std::size_t>(options_.width) * static_cast<std::size_t>(options_.height);
+  if (layer.shading == Shading::flat)
+    part.normals = {};
+  else if (part.normals.empty() && part.triangles.size() <= pixels)
+    smooth(part);
+  return part;
+}
+
+void Stage::move(const Drawing& moving) {
+  standoff::check(moving);
+  parts_.resize(standing_);
+  for (const MeshLayer& layer : moving.meshes) parts_.push_back(made_of(layer, unused_vertices(layer.mesh)));
+  add_points(moving, *space_, pixel_, parts_);
+  add_paths(moving, *space_, pixel_, parts_);
+  std::erase_if(parts_, [](const DrawnPart& part) { return part.triangles.empty(); });
+  for (std::size_t n = standing_; n < parts_.size(); ++n) parts_[n].moves = true;
+}
+
+void Stage::keep(const Camera& camera, const Extent& extent) {
+  parts_.resize(standing_);
+  kept_.reset();
+  kept_ = draw_parts(camera, framing(extent));
 }
 
 void Stage::add_numbers(const Drawing& drawing) {
@@ -166,8 +193,11 @@ Stage::Extent Stage::extent(const Camera& camera) const {
   return all;
 }
 
-Image Stage::draw(const Camera& camera, const Extent& extent) const {
-  const Framing framing(extent.least_u, extent.least_v, extent.most_u, extent.most_v, room(), options_.zoom);
+Framing Stage::framing(const Extent& extent) const {
+  return {extent.least_u, extent.least_v, extent.most_u, extent.most_v, room(), options_.zoom};
+}
+
+Image Stage::draw_parts(const Camera& camera, const Framing& framing) const {
   std::vector<SeenPart> seen;
   std::uint64_t triangles = 0;
   for (const DrawnPart& part : parts_) {
@@ -195,10 +225,24 @@ Image Stage::draw(const Camera& camera, const Extent& extent) const {
                         linear_of(theme_.outside),
                         linear_of(theme_.inside),
                         options_.perspective};
-  Image image(options_.width, options_.height, theme_.paper);
+  Image image = kept_ ? *kept_ : Image(options_.width, options_.height, theme_.paper);
+  const Bins moving(seen, options_.width, options_.height, places, [](const DrawnPart& p) { return p.moves; });
   PerThread<TileDrawer> drawers([&] { return TileDrawer(seen, places); });
-  tbb::parallel_for(0, opaque.tiles(), [&](int tile) { drawers.local().draw(opaque, clear, tile, scenery, image); });
+  tbb::parallel_for(0, opaque.tiles(), [&](int tile) {
+    if (kept_) {
+      bool moves = false;
+      moving.for_each(tile, [&](const SeenPart&, std::uint32_t) { moves = true; });
+      if (!moves) return;
+      const PixelRange pixels = moving.pixels(tile);
+      image.fill(pixels.left, pixels.top, pixels.right - pixels.left + 1, pixels.bottom - pixels.top + 1, theme_.paper);
+    }
+    drawers.local().draw(opaque, clear, tile, scenery, image);
+  });
+  return image;
+}
 
+Image Stage::draw(const Camera& camera, const Extent& extent) const {
+  Image image = draw_parts(camera, framing(extent));
   const int margin = static_cast<int>(kMargin * std::min(options_.width, options_.height));
   if (options_.legend && legend_)
     legend_->draw(image, options_.width - margin - legend_->width(words_), options_.height / 5, options_.height * 3 / 5,

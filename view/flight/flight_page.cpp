@@ -30,9 +30,6 @@ PageOptions options(std::int64_t proxy_triangles, std::string title = {}) {
   return options;
 }
 
-// What a wall of this distance or more is shown as: far.
-double far_of(const FlightSubject& subject) { return subject.fly.bounds().longest_side() * 1.5; }
-
 JsonObject header_of(const FlightSubject& subject) {
   const Box box = subject.fly.bounds();
   return JsonObject()
@@ -57,6 +54,8 @@ std::vector<Section> bodies_of(const FlightSubject& subject) {
 const char* name_of(experimental::FlightMode mode) {
   return mode == experimental::FlightMode::thesis ? "thesis" : "sweep";
 }
+
+double far_of(const FlightSubject& subject) { return subject.fly.bounds().longest_side() * 1.5; }
 
 FlightSubject flight_subject(std::string walls_name, const CollisionModel& walls, const CollisionModel& flier,
                              const Execution& execution) {

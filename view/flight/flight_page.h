@@ -22,6 +22,9 @@ struct FlightSubject {
 FlightSubject flight_subject(std::string walls_name, const CollisionModel& walls, const CollisionModel& flier,
                              const Execution& execution);
 
+/// From how far on a wall is shown as far, world units.
+double far_of(const FlightSubject& subject);
+
 /// The walls, with few triangles for while things move, which is always.
 std::string walls_data(const FlightSubject& subject);
 /// The fly, its shell, and what there is to say of the flight, for a page that watches it.

@@ -46,7 +46,7 @@ class FlightView {
 
   async prepare(section) {
     const [fly, shell] = await Promise.all(['fly', 'shell'].map(async name => section(name).length ? new MeshData(await unpacked(section(name))) : null));
-    this.layer = new FlightLayer(this.viewer.gl, fly, shell, this.header.middle);
+    this.layer = new FlightLayer(this.viewer.gl, fly, shell, this.header.middle, this.viewer.look);
     this.viewer.scene.extras.push(this.layer);
     this.section = this.viewer.addSection('Flight');
     this.facts = this.section.facts();

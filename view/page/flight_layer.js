@@ -4,6 +4,9 @@ import {makeBuffer, makeProgram} from './gl.js';
 import {normalsOf} from './normals.js';
 import {kLightShader} from './shaders.js';
 
+// A contact is of no colour that means a distance.
+const kContact = 'vec3(0.88, 0.0, 0.69)';
+
 // How near a wall is, as a colour: 0 touching, 1 far.
 const kNearShader = `
 vec3 near_color(float t) {
@@ -47,10 +50,10 @@ void main() {
   if (dot(s, flatNormal) < 0.0) s = -s;
   vec3 n = normalize(mix(flatNormal, s, smoothstep(0.0, 0.35, smoothed.w)));
   if (shell) {
-    float rim = pow(1.0 - abs(dot(n, view)), 2.0), alpha = 0.10 + 0.55 * rim + 0.3 * condition.y;
-    pixel = vec4(mix(near_color(condition.x), vec3(1.0, 0.25, 0.15), condition.y) * alpha, alpha);
+    float rim = pow(1.0 - abs(dot(n, view)), 2.0), alpha = 0.10 + 0.55 * rim + 0.35 * condition.y;
+    pixel = vec4(mix(near_color(condition.x), ${kContact}, condition.y) * alpha, alpha);
   } else {
-    pixel = vec4(mix(lit(color, n, view, 1.0), vec3(1.0, 0.45, 0.15), 0.85 * condition.y), 1.0);
+    pixel = vec4(mix(lit(color, n, view, 1.0), ${kContact}, 0.85 * condition.y), 1.0);
   }
 }`;
 
@@ -79,10 +82,11 @@ void main() {
 }`;
 const kPathFragment = `${kNearShader}
 in vec3 shade;
+uniform vec3 markColor;
 out vec4 pixel;
 void main() {
   float edge = smoothstep(1.0, 0.55, abs(shade.z));
-  if (shade.y < 0.0) { pixel = vec4(vec3(0.86, 0.08, 0.24) * edge, edge); return; }
+  if (shade.y < 0.0) { pixel = vec4(markColor * edge, edge); return; }
   float alpha = shade.y * edge;
   pixel = vec4(near_color(shade.x) * alpha, alpha);
 }`;
@@ -90,9 +94,9 @@ void main() {
 const kManyBodies = 12;  // more than this are drawn with fewer triangles
 
 export class FlightLayer {
-  /// `fly` and `shell` are meshes (mesh_data.js) around `middle`, world units.
-  constructor(gl, fly, shell, middle) {
-    Object.assign(this, {gl, middle});
+  /// `fly` and `shell` are meshes (mesh_data.js) around `middle`, world units; `look` is the viewer's.
+  constructor(gl, fly, shell, middle, look) {
+    Object.assign(this, {gl, middle, look});
     this.bodyProgram = makeProgram(gl, kBodyVertex, kBodyFragment);
     this.pathProgram = makeProgram(gl, kPathVertex, kPathFragment);
     this.instances = gl.createBuffer();
@@ -106,7 +110,6 @@ export class FlightLayer {
     gl.bindVertexArray(null);
     this.bodyCount = this.segmentCount = 0;
     this.shellShown = this.pathsShown = true;
-    this.color = [0.16, 0.18, 0.22];
   }
 
   instanced(location, size, stride, offset) {
@@ -157,7 +160,7 @@ export class FlightLayer {
     if (this.pathsShown && this.segmentCount) {
       const {canvas} = gl;
       this.pathProgram.use({camera: frame.uniforms.camera, pixels: [canvas.width / 2, canvas.height / 2],
-        width: 1.7 * Math.min(2, devicePixelRatio || 1)});
+        width: 1.7 * Math.min(2, devicePixelRatio || 1), markColor: this.look.ink});
       gl.bindVertexArray(this.pathArray);
       gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, this.segmentCount);
     }
@@ -173,7 +176,7 @@ export class FlightLayer {
   drawBodies(frame, shape, shell) {
     if (this.bodyCount === 0) return;
     const {gl} = this, {data} = shape, {array, count} = this.bodyCount > kManyBodies ? shape.proxy : shape.whole;
-    this.bodyProgram.use({...frame.uniforms, shell, color: this.color,
+    this.bodyProgram.use({...frame.uniforms, shell, color: this.look.ink,
       meshOrigin: data.origin.map((v, k) => (v - this.middle[k]) * frame.scale), meshStep: data.step * frame.scale});
     gl.bindVertexArray(array);
     gl.drawElementsInstanced(gl.TRIANGLES, count, gl.UNSIGNED_INT, 0, this.bodyCount);

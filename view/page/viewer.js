@@ -172,6 +172,7 @@ export class Viewer {
     this.look.mesh.backColor = color('--mesh-back').slice(0, 3);
     this.look.iso.color = color('--iso').slice(0, 3);
     this.look.edgeColor = color('--edge');
+    this.look.ink = color('--ink').slice(0, 3);
     this.outlineColor = color('--outline');
     this.scene.outline(this.outlineColor);
     this.changed();
