@@ -57,6 +57,15 @@ STANDOFF_INLINE void look_at_edge(const Triple<F>& a, const Triple<F>& b, Closes
 }
 
 template <class F>
+STANDOFF_INLINE const Triple<F>& weights_of(const ClosestPart<F>& part) {
+  return part.weights;
+}
+template <class F>
+STANDOFF_INLINE const F& feature_of(const ClosestPart<F>& part) {
+  return part.feature;
+}
+
+template <class F>
 STANDOFF_INLINE ClosestPart<F> closest_part(const Triple<F>& a, const Triple<F>& b, const Triple<F>& c) {
   const F zero(0.0), one(1.0);
   const Triple<F> nothing{zero, zero, zero};

@@ -9,12 +9,14 @@
 #include <cmath>
 #include <cstring>
 #include <optional>
+#include <type_traits>
 
 #include "core/advise_huge_pages.h"
 #include "core/execution.h"
 #include "core/guarded.h"
 #include "core/per_thread.h"
 #include "core/progress.h"
+#include "core/streamed_copy.h"
 #include "core/threads.h"
 #include "field/cpu/mesh_memory.h"
 #include "sidecars/cpu/kernels.h"
@@ -42,9 +44,8 @@ void check(const DistanceField& field, std::span<const SidecarKind> kinds, const
   }
 }
 
-// Makes room for the values of each kind. Returns whether some of the memory has been used before.
-bool make_room(std::span<const SidecarKind> kinds, std::size_t samples, std::vector<Sidecar>& into) {
-  bool used = false;
+// Makes room for the values of each kind.
+void make_room(std::span<const SidecarKind> kinds, std::size_t samples, std::vector<Sidecar>& into) {
   into.resize(kinds.size());
   for (std::size_t n = 0; n < kinds.size(); ++n) {
     Sidecar& one = into[n];
@@ -60,12 +61,10 @@ bool make_room(std::span<const SidecarKind> kinds, std::size_t samples, std::vec
         values.reserve(count);
         advise_huge_pages(values.data(), count * sizeof(Number));
       }
-      used = used || !values.empty();
       values.resize(count);
     };
     kinds[n] == SidecarKind::feature ? make(std::uint8_t{}) : make(float{});
   }
-  return used;
 }
 
 // What the sign says about the gradient.
@@ -90,11 +89,20 @@ std::vector<std::int8_t> orientation_of(MeshView mesh, const GradientSign& sign)
   return plan_sign(mesh, {.method = sign.how->method, .rule = sign.how->rule}, unwatched).use;
 }
 
+// What is made of one tile, before it goes where it belongs.
+struct Scratch {
+  StreamedCopies copies;
+  alignas(64) float closest_point[3 * kTile];
+  alignas(64) float barycentric[3 * kTile];
+  alignas(64) float gradient[3 * kTile];
+  alignas(64) std::uint8_t feature[kTile];
+};
+
 class Pass {
  public:
   Pass(MeshView mesh, const DistanceField& field, std::span<const SidecarKind> kinds, std::vector<Sidecar>& into,
-       Simd simd, bool clear)
-      : field_(field), tiles_(field.tile_coordinates()), kernels_(cpu::sidecar_kernels_for(simd)), clear_(clear) {
+       Simd simd)
+      : field_(field), tiles_(field.tile_coordinates()), kernels_(cpu::sidecar_kernels_for(simd)) {
     const int exponent = -std::ilogb(field.grid().max_spacing());
     mesh_ = {cpu::memory_of(mesh),
              static_cast<std::uint32_t>(mesh.triangles.size()),
@@ -122,28 +130,38 @@ class Pass {
   void set_use(const std::vector<std::int8_t>& use) { mesh_.use = use.empty() ? nullptr : use.data(); }
 
   /// Returns how many samples of the tile are on the surface.
-  int fill(std::size_t slot) const {
+  int fill(std::size_t slot, Scratch& scratch) const {
     cpu::SidecarTile tile;
     const std::size_t first = slot * kTile;
     tile.values = field_.tile_values().data() + first;
     tile.nearest = field_.tile_nearest_values().data() + first;
     place(tiles_[slot], tile);
-    tile.closest_point = at(closest_point_, 3 * first);
-    tile.barycentric = at(barycentric_, 3 * first);
-    tile.gradient = at(gradient_, 3 * first);
-    tile.feature = feature_ ? feature_ + first : nullptr;
-    if (clear_) {
-      for (float* three : {tile.closest_point, tile.barycentric, tile.gradient})
-        if (three) std::memset(three, 0, 3 * kTile * sizeof(float));
-      if (tile.feature) std::memset(tile.feature, 0, kTile);
-    }
+    tile.closest_point = cleared(closest_point_, scratch.closest_point);
+    tile.barycentric = cleared(barycentric_, scratch.barycentric);
+    tile.gradient = cleared(gradient_, scratch.gradient);
+    tile.feature = cleared(feature_, scratch.feature);
     const int on_surface = kernels_.fill(mesh_, tile);
     if (on_surface < 0) fail(slot, on_surface);
+    put(scratch, slot, tile.closest_point, closest_point_);
+    put(scratch, slot, tile.barycentric, barycentric_);
+    put(scratch, slot, tile.gradient, gradient_);
+    put(scratch, slot, tile.feature, feature_);
     return on_surface;
   }
 
  private:
-  static float* at(float* values, std::size_t n) { return values ? values + n : nullptr; }
+  // A tile's memory of a kind that is asked for, with zeros; else null.
+  template <class Number, std::size_t kCount>
+  static Number* cleared(const Number* wanted, Number (&memory)[kCount]) {
+    if (!wanted) return nullptr;
+    std::memset(memory, 0, sizeof memory);
+    return memory;
+  }
+  template <class Number>
+  static void put(const Scratch& scratch, std::size_t slot, const Number* tile, Number* all) {
+    constexpr std::size_t kCount = std::is_same_v<Number, float> ? 3 * kTile : kTile;
+    if (tile) scratch.copies.copy(all + slot * kCount, tile, kCount * sizeof(Number));
+  }
 
   [[noreturn]] void fail(std::size_t slot, int why) const {
     constexpr const char* kAdvice = "; give the mesh that the field was computed from";
@@ -156,9 +174,9 @@ class Pass {
   }
 
   void place(const std::array<int, 3>& at, cpu::SidecarTile& tile) const {
-    constexpr std::int64_t side = DistanceField::kTileSide;
-    for (std::int64_t n = 0; n < side; ++n) {
-      const Vec3 position = field_.grid().position(side * at[0] + n, side * at[1] + n, side * at[2] + n);
+    constexpr std::int64_t kSide = DistanceField::kTileSide;
+    for (std::int64_t n = 0; n < kSide; ++n) {
+      const Vec3 position = field_.grid().position(kSide * at[0] + n, kSide * at[1] + n, kSide * at[2] + n);
       tile.x[n] = position.x, tile.y[n] = position.y, tile.z[n] = position.z;
     }
   }
@@ -166,7 +184,6 @@ class Pass {
   const DistanceField& field_;
   std::vector<std::array<int, 3>> tiles_;
   const cpu::SidecarKernels& kernels_;
-  bool clear_;
   cpu::SidecarMesh mesh_;
   float *closest_point_ = nullptr, *barycentric_ = nullptr, *gradient_ = nullptr;
   std::uint8_t* feature_ = nullptr;
@@ -178,8 +195,9 @@ void run(Pass& pass, MeshView mesh, const GradientSign& sign, ProgressMeter& pro
   pass.set_sign(sign);
   progress.stage("sidecars", static_cast<std::int64_t>(pass.tiles()), 0, 1);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, pass.tiles(), kGrain), [&](const auto& range) {
+    Scratch scratch;
     for (std::size_t slot = range.begin(); slot != range.end(); ++slot)
-      if (pass.fill(slot) > 0) on_surface.local().push_back(slot);
+      if (pass.fill(slot, scratch) > 0) on_surface.local().push_back(slot);
     progress.advance(static_cast<std::int64_t>(range.size()));
   });
   // There the gradient is a normal, whose orientation takes a look at the whole mesh: tiles that need it are few.
@@ -191,7 +209,8 @@ void run(Pass& pass, MeshView mesh, const GradientSign& sign, ProgressMeter& pro
   if (use.empty()) return;
   pass.set_use(use);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, again.size(), kGrain), [&](const auto& range) {
-    for (std::size_t n = range.begin(); n != range.end(); ++n) pass.fill(again[n]);
+    Scratch scratch;
+    for (std::size_t n = range.begin(); n != range.end(); ++n) pass.fill(again[n], scratch);
   });
 }
 
@@ -224,8 +243,8 @@ void sidecars_into(MeshView mesh, const DistanceField& field, std::span<const Si
   ProgressMeter meter(progress);
   Threads(execution.threads).run([&] {
     validate(mesh);
-    const bool clear = make_room(kinds, kTile * static_cast<std::size_t>(field.stored_tiles()), into);
-    Pass pass(mesh, field, kinds, into, execution.simd, clear);
+    make_room(kinds, kTile * static_cast<std::size_t>(field.stored_tiles()), into);
+    Pass pass(mesh, field, kinds, into, execution.simd);
     run(pass, mesh, gradient_sign(field), meter);
   });
   meter.stage("done", 1, 1, 1);

@@ -2,6 +2,8 @@
 // Points in lanes, one after the other: what kernels fill their wide types from.
 #pragma once
 
+#include <cstddef>
+
 #include "geometry/triple.h"
 #include "simd/target.h"
 
@@ -18,6 +20,18 @@ STANDOFF_INLINE WidePoint load_points(const float (&at)[3][WideFloat::kLanes]) {
 }
 STANDOFF_INLINE void store_points(const WidePoint& points, float (&at)[3][WideFloat::kLanes]) {
   points.x.store(at[0]), points.y.store(at[1]), points.z.store(at[2]);
+}
+
+/// Lane `lane` of a number in memory, in all lanes.
+STANDOFF_INLINE WideDouble of_lane(const WideDouble& eight, int lane) {
+  double one;
+  __builtin_memcpy(&one, reinterpret_cast<const char*>(&eight) + sizeof one * static_cast<std::size_t>(lane),
+                   sizeof one);
+  return WideDouble(one);
+}
+
+STANDOFF_INLINE DoublePoint of_lane(const DoublePoint& eight, int lane) {
+  return {of_lane(eight.x, lane), of_lane(eight.y, lane), of_lane(eight.z, lane)};
 }
 
 /// Eight points in double precision.

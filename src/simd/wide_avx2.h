@@ -131,6 +131,9 @@ STANDOFF_INLINE Mask less(WideUint a, WideUint b) {
   };
   return {lower(a.lo, b.lo), lower(a.hi, b.hi)};
 }
+STANDOFF_INLINE Mask equal(WideUint a, WideUint b) {
+  return {_mm256_castsi256_ps(_mm256_cmpeq_epi32(a.lo, b.lo)), _mm256_castsi256_ps(_mm256_cmpeq_epi32(a.hi, b.hi))};
+}
 STANDOFF_INLINE WideUint select(Mask m, WideUint yes, WideUint no) {
   return {_mm256_blendv_epi8(no.lo, yes.lo, _mm256_castps_si256(m.lo)),
           _mm256_blendv_epi8(no.hi, yes.hi, _mm256_castps_si256(m.hi))};

@@ -71,6 +71,7 @@ STANDOFF_INLINE WideUint lane_numbers() {
   return _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
 }
 STANDOFF_INLINE Mask less(WideUint a, WideUint b) { return {_mm512_cmp_epu32_mask(a.v, b.v, _MM_CMPINT_LT)}; }
+STANDOFF_INLINE Mask equal(WideUint a, WideUint b) { return {_mm512_cmpeq_epi32_mask(a.v, b.v)}; }
 STANDOFF_INLINE WideUint select(Mask m, WideUint yes, WideUint no) {
   return _mm512_mask_blend_epi32(m.bits, no.v, yes.v);
 }

@@ -93,4 +93,30 @@ STANDOFF_INLINE WideDouble load_column(const double (*rows)[4], int axis) {
   return {of_four(0), of_four(4)};
 }
 
+/// The numbers of a table that the three bits from kShift on of each of eight integers name.
+template <int kShift>
+STANDOFF_INLINE WideDouble look_up(const double (&table)[8], const std::uint32_t* integers) {
+  const auto four = [&](int n) __attribute__((always_inline)) {
+    const auto one = [&](int k) __attribute__((always_inline)) { return table[integers[n + k] >> kShift & 7]; };
+    return _mm256_setr_pd(one(0), one(1), one(2), one(3));
+  };
+  return {four(0), four(4)};
+}
+
+/// The lanes rounded to float.
+STANDOFF_INLINE void store_rounded(float* out, WideDouble a) {
+  _mm_storeu_ps(out, _mm256_cvtpd_ps(a.lo));
+  _mm_storeu_ps(out + 4, _mm256_cvtpd_ps(a.hi));
+}
+/// Pairs of lanes of a and b.
+STANDOFF_INLINE void store_rounded_pairs(float (*out)[2], WideDouble a, WideDouble b) {
+  const auto four = [&](__m256d x, __m256d y, float(*to)[2]) __attribute__((always_inline)) {
+    const __m128 first = _mm256_cvtpd_ps(x), second = _mm256_cvtpd_ps(y);
+    _mm_storeu_ps(to[0], _mm_unpacklo_ps(first, second));
+    _mm_storeu_ps(to[2], _mm_unpackhi_ps(first, second));
+  };
+  four(a.lo, b.lo, out);
+  four(a.hi, b.hi, out + 4);
+}
+
 }  // namespace standoff::avx2

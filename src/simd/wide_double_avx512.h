@@ -63,9 +63,29 @@ STANDOFF_INLINE void store_local(double* out, const double* v, double scale, con
 /// Column `axis` of eight rows of four.
 STANDOFF_INLINE WideDouble load_column(const double (*rows)[4], int axis) {
   const __m512i from = _mm512_add_epi64(_mm512_setr_epi64(0, 4, 8, 12, 0, 4, 8, 12), _mm512_set1_epi64(axis));
-  const auto two_rows = [&](int n) __attribute__((always_inline)) { return _mm512_loadu_pd(rows[n]); };
+  // Row by row, as they were stored: a load of two would wait until both stores are done.
+  const auto two_rows = [&](int n) __attribute__((always_inline)) {
+    return _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_load_pd(rows[n])), _mm256_load_pd(rows[n + 1]), 1);
+  };
   return _mm512_mask_blend_pd(0xf0, _mm512_permutex2var_pd(two_rows(0), from, two_rows(2)),
                               _mm512_permutex2var_pd(two_rows(4), from, two_rows(6)));
+}
+
+/// The numbers of a table that the three bits from kShift on of each of eight integers name.
+template <int kShift>
+STANDOFF_INLINE WideDouble look_up(const double (&table)[8], const std::uint32_t* integers) {
+  const __m256i all = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(integers));
+  const __m512i which = _mm512_cvtepu32_epi64(_mm256_srli_epi32(all, kShift));  // its low bits count
+  return _mm512_permutexvar_pd(which, _mm512_loadu_pd(table));
+}
+
+/// The lanes rounded to float.
+STANDOFF_INLINE void store_rounded(float* out, WideDouble a) { _mm256_storeu_ps(out, _mm512_cvtpd_ps(a.v)); }
+/// Pairs of lanes of a and b.
+STANDOFF_INLINE void store_rounded_pairs(float (*out)[2], WideDouble a, WideDouble b) {
+  const __m512 both = _mm512_insertf32x8(_mm512_castps256_ps512(_mm512_cvtpd_ps(a.v)), _mm512_cvtpd_ps(b.v), 1);
+  const __m512i pairs = _mm512_setr_epi32(0, 8, 1, 9, 2, 10, 3, 11, 4, 12, 5, 13, 6, 14, 7, 15);
+  _mm512_storeu_ps(out, _mm512_permutexvar_ps(pairs, both));
 }
 
 }  // namespace standoff::avx512

@@ -116,4 +116,26 @@ STANDOFF_INLINE WideDouble load_column(const double (*rows)[4], int axis) {
   return WideDouble::load(column);
 }
 
+/// The numbers of a table that the three bits from kShift on of each of eight integers name.
+template <int kShift>
+STANDOFF_INLINE WideDouble look_up(const double (&table)[8], const std::uint32_t* integers) {
+  double found[WideDouble::kLanes];
+  for (int n = 0; n < WideDouble::kLanes; ++n) found[n] = table[integers[n] >> kShift & 7];
+  return WideDouble::load(found);
+}
+
+/// The lanes rounded to float.
+STANDOFF_INLINE void store_rounded(float* out, const WideDouble& a) {
+  double lanes[WideDouble::kLanes];
+  a.store(lanes);
+  for (int n = 0; n < WideDouble::kLanes; ++n) out[n] = static_cast<float>(lanes[n]);
+}
+/// Pairs of lanes of a and b.
+STANDOFF_INLINE void store_rounded_pairs(float (*out)[2], const WideDouble& a, const WideDouble& b) {
+  float first[WideDouble::kLanes], second[WideDouble::kLanes];
+  store_rounded(first, a);
+  store_rounded(second, b);
+  for (int n = 0; n < WideDouble::kLanes; ++n) out[n][0] = first[n], out[n][1] = second[n];
+}
+
 }  // namespace standoff::portable

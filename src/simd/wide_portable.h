@@ -172,6 +172,9 @@ STANDOFF_INLINE WideUint lane_numbers() {
 STANDOFF_INLINE Mask less(const WideUint& a, const WideUint& b) {
   return by_parts<Mask>(STANDOFF_LANES { return a.v[part] < b.v[part]; });
 }
+STANDOFF_INLINE Mask equal(const WideUint& a, const WideUint& b) {
+  return by_parts<Mask>(STANDOFF_LANES { return a.v[part] == b.v[part]; });
+}
 STANDOFF_INLINE WideUint select(const Mask& m, const WideUint& yes, const WideUint& no) {
   return by_parts<WideUint>(STANDOFF_LANES { return m.v[part] ? yes.v[part] : no.v[part]; });
 }

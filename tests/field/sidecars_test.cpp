@@ -119,9 +119,7 @@ TEST(Sidecars, OfDegenerateTriangles) {
 }
 
 // The nearest triangle is the field's; the point, weights and distance are those of closest_points(), which are exact.
-TEST(Sidecars, AsClosestPoints) {
-  const Mesh mesh = testing::torus();
-  const Grid grid = fit_samples(bounds(mesh), 24, 0.3);
+void expect_as_closest_points(const Mesh& mesh, const Grid& grid) {
   const DistanceField field = compute(mesh, grid, 0.3, with_nearest()).field;
   std::int64_t same = 0, all = 0;
   for_each_sample(field, sidecars(mesh, field, kAll), [&](const Beside& s) {
@@ -135,6 +133,14 @@ TEST(Sidecars, AsClosestPoints) {
   });
   EXPECT_GT(same, all / 2);
   EXPECT_GT(all, 1000);
+}
+
+// Triangles that are nearest to few samples of a tile, and to many.
+TEST(Sidecars, AsClosestPoints) {
+  expect_as_closest_points(testing::torus(), fit_samples(bounds(testing::torus()), 24, 0.3));
+  const Mesh cone{{{0.1, 0.2, 1.3}, {-1, -0.7, 0}, {1.2, -0.9, 0.1}, {0.3, 1.1, -0.1}},
+                  {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}}};
+  expect_as_closest_points(cone, fit_samples(bounds(cone), 60, 0.3));
 }
 
 TEST(Sidecars, FarAway) {

@@ -19,12 +19,13 @@ using Corners = std::array<Triple<double>, 3>;
 
 struct Found {
   bool sound;
-  QuickPart<double> quick;
+  QuickPart<double, bool> quick;
   ClosestPart<double> exact;
 };
 Found look_at(const Corners& c) {
   Found found;
-  found.sound = quick_part(c[0], c[1], c[2], found.quick) != 0;
+  found.quick = quick_part(quick_triangle(c[0], c[1], c[2]), Triple<double>{} - c[0]);
+  found.sound = found.quick.is_sound;
   found.exact = closest_part(c[0], c[1], c[2]);
   return found;
 }
@@ -40,7 +41,7 @@ double farthest(const Corners& c) {
 void expect_same(const Corners& c, const Found& found) {
   const double extent = farthest(c);
   EXPECT_NEAR(std::sqrt(found.quick.distance_sq), std::sqrt(found.exact.distance_sq), 1e-12 * extent);
-  const Triple<double>& w = found.quick.weights;
+  const Triple<double> w = weights_of(found.quick);
   const double sum = w.x + w.y + w.z;
   EXPECT_NEAR(sum, 1, 1e-12);
   const Triple<double> made = c[0] * w.x + c[1] * w.y + c[2] * w.z, off = made - found.quick.point;
@@ -50,7 +51,7 @@ void expect_same(const Corners& c, const Found& found) {
     EXPECT_LE(share, 1);
     if (share != 0 && share < 1e-6) return;
   }
-  EXPECT_EQ(found.quick.feature, found.exact.feature);
+  EXPECT_EQ(feature_of(found.quick), found.exact.feature);
   const Triple<double> between = found.quick.point - found.exact.point;
   EXPECT_LE(std::sqrt(dot(between, between)), 1e-7 * extent);
 }
@@ -70,7 +71,7 @@ TEST(QuickPart, AsTheClosestOfAllParts) {
     const Found found = look_at(c);
     if (!found.sound) continue;
     ++sound;
-    ++features[static_cast<std::size_t>(found.quick.feature)];
+    ++features[static_cast<std::size_t>(feature_of(found.quick))];
     expect_same(c, found);
   }
   EXPECT_GT(sound, kCases * 9 / 10);

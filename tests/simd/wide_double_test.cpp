@@ -2,6 +2,7 @@
 // Every operation on eight doubles of every SIMD target against plain numbers, lane by lane and bit by bit.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -145,6 +146,40 @@ TEST(WideDouble, RowsAndColumns) {
       DoubleLanes out;
       target.load_column(rows, axis, out.data());
       for (int n = 0; n < kDoubleLanes; ++n) expect_same(rows[n][axis], out[static_cast<std::size_t>(n)]);
+    }
+  });
+}
+
+TEST(WideDouble, OneLaneAndTables) {
+  for_targets([](const DoubleOperations& target, Numbers& numbers) {
+    const DoubleLanes a = numbers.lanes();
+    DoubleLanes out;
+    for (int lane = 0; lane < kDoubleLanes; ++lane) {
+      target.of_lane(a.data(), lane, out.data());
+      for (const double one : out) expect_same(a[static_cast<std::size_t>(lane)], one);
+    }
+    double table[8];
+    std::copy(a.begin(), a.end(), table);
+    // Other bits than the three count for nothing.
+    const std::array<std::uint32_t, 8> low{0, 7, 9, 0xffffffff, 3, 0x1fa, 64, 5};
+    for (const std::size_t n : {0, 1}) {
+      target.look_up[n](table, low.data(), out.data());
+      for (std::size_t k = 0; k < low.size(); ++k) expect_same(table[low[k] >> 6 * n & 7], out[k]);
+    }
+  });
+}
+
+TEST(WideDouble, RoundsToFloats) {
+  for_targets([](const DoubleOperations& target, Numbers& numbers) {
+    const DoubleLanes a = numbers.lanes(), b = numbers.lanes();
+    float out[kDoubleLanes], pairs[kDoubleLanes][2];
+    target.round(a.data(), out);
+    target.round_pairs(a.data(), b.data(), pairs);
+    for (std::size_t n = 0; n < a.size(); ++n) {
+      const auto first = static_cast<float>(a[n]), second = static_cast<float>(b[n]);
+      EXPECT_EQ(std::bit_cast<std::uint32_t>(out[n]), std::bit_cast<std::uint32_t>(first));
+      EXPECT_EQ(std::bit_cast<std::uint32_t>(pairs[n][0]), std::bit_cast<std::uint32_t>(first));
+      EXPECT_EQ(std::bit_cast<std::uint32_t>(pairs[n][1]), std::bit_cast<std::uint32_t>(second));
     }
   });
 }

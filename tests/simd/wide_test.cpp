@@ -192,18 +192,22 @@ TEST(Simd, Comparisons) {
     const Lanes a = numbers.lanes();
     Lanes b = numbers.lanes();
     b[2] = a[2], b[15] = a[15];
-    const UintLanes c = numbers.uints(), d = numbers.uints();
-    Bits less = 0, less_equal = 0, equal = 0, less_uints = 0;
+    const UintLanes c = numbers.uints();
+    UintLanes d = numbers.uints();
+    d[0] = c[0], d[9] = c[9];
+    Bits less = 0, less_equal = 0, equal = 0, less_uints = 0, equal_uints = 0;
     for (int n = 0; n < kLanes; ++n) {
       less |= Bits{a[n] < b[n]} << n;
       less_equal |= Bits{a[n] <= b[n]} << n;
       equal |= Bits{a[n] == b[n]} << n;
       less_uints |= Bits{c[n] < d[n]} << n;
+      equal_uints |= Bits{c[n] == d[n]} << n;
     }
     EXPECT_EQ(target.less(a.data(), b.data()), less);
     EXPECT_EQ(target.less_equal(a.data(), b.data()), less_equal);
     EXPECT_EQ(target.equal(a.data(), b.data()), equal);
     EXPECT_EQ(target.less_uints(c.data(), d.data()), less_uints);
+    EXPECT_EQ(target.equal_uints(c.data(), d.data()), equal_uints);
   });
 }
 

@@ -31,6 +31,10 @@ struct DoubleOperations {
   void (*load_column)(const double (*rows)[4], int axis, double* out);      ///< eight rows
   void (*store_local)(const double* v, double scale, const double* center,  ///< three and four doubles
                       double* out);                                         ///< four, aligned to 32 bytes
+  void (*of_lane)(const double*, int lane, double* out);
+  void (*look_up[2])(const double (&table)[8], Uints, double* out);  ///< by bits 0 to 2 and 6 to 8 of eight integers
+  void (*round)(const double*, float* out);
+  void (*round_pairs)(const double*, const double*, float (*out)[2]);
 };
 
 /// Every pointer is to sixteen lanes unless said otherwise; `out` may not overlap the others.
@@ -66,6 +70,7 @@ struct SimdOperations {
   void (*broadcast_uint)(std::uint32_t, std::uint32_t* out);
   void (*lane_numbers)(std::uint32_t* out);
   Bits (*less_uints)(Uints, Uints);
+  Bits (*equal_uints)(Uints, Uints);
   void (*select_uints)(Bits, Uints yes, Uints no, std::uint32_t* out);
   int (*pack_uints)(Bits, Uints, std::uint32_t* out);
   DoubleOperations doubles;

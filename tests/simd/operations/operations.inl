@@ -3,6 +3,7 @@
 // kernels are: no copy compiled for one processor may serve others.
 #pragma once
 
+#include "simd/points.inl"
 #include "simd/target.h"
 #include "tests/simd/operations/operations.h"
 
@@ -68,6 +69,13 @@ constexpr DoubleOperations double_operations() {
   o.store_local = [](const double* v, double scale, const double* center, double* out) {
     store_local(out, v, scale, center);
   };
+  o.of_lane = [](const double* a, int lane, double* out) { of_lane(WideDouble::load(a), lane).store(out); };
+  o.look_up[0] = [](const double(&table)[8], Uints a, double* out) { look_up<0>(table, a).store(out); };
+  o.look_up[1] = [](const double(&table)[8], Uints a, double* out) { look_up<6>(table, a).store(out); };
+  o.round = [](const double* a, float* out) { store_rounded(out, WideDouble::load(a)); };
+  o.round_pairs = [](const double* a, const double* b, float(*out)[2]) {
+    store_rounded_pairs(out, WideDouble::load(a), WideDouble::load(b));
+  };
   return o;
 }
 
@@ -109,6 +117,7 @@ constexpr SimdOperations operations_of_this_target() {
   o.broadcast_uint = [](std::uint32_t value, std::uint32_t* out) { WideUint(value).store(out); };
   o.lane_numbers = [](std::uint32_t* out) { lane_numbers().store(out); };
   o.less_uints = [](Uints a, Uints b) { return Bits{less(WideUint::load(a), WideUint::load(b)).to_bits()}; };
+  o.equal_uints = [](Uints a, Uints b) { return Bits{equal(WideUint::load(a), WideUint::load(b)).to_bits()}; };
   o.select_uints = [](Bits m, Uints yes, Uints no, std::uint32_t* out) {
     select(mask_from_bits(m), WideUint::load(yes), WideUint::load(no)).store(out);
   };

@@ -1,52 +1,55 @@
 // SPDX-License-Identifier: Apache-2.0
-// Eight samples of a tile at once: the corners of their nearest triangles in, what is beside them out.
+// Eight samples of a tile at once: their places and the corners of triangles in, what is beside them out.
 #pragma once
 
-#include "sidecars/cpu/kernels.h"
+#include "sidecars/cpu/kernels/samples_by_triangle.inl"
 #include "simd/points.inl"
-#include "simd/target.h"
-#include "standoff/mesh.h"
 
 namespace standoff::cpu::STANDOFF_TARGET {
-
-using namespace standoff::STANDOFF_TARGET;
-
 namespace {
 
-constexpr int kSamplesAtOnce = WideDouble::kLanes;
-
-// The coordinates of a tile's samples, scaled: each in the place of its axis, so that those of a sample are a sum.
+// The coordinates of a tile's samples along each axis, scaled.
 struct ScaledPlaces {
-  using Vector = double __attribute__((vector_size(4 * sizeof(double))));
-  Vector x[SidecarTile::kSide], yz[SidecarTile::kSide * SidecarTile::kSide];
+  alignas(64) double at[3][SidecarTile::kSide];
 };
 
 STANDOFF_INLINE void set_places(const SidecarMesh& mesh, const SidecarTile& tile, ScaledPlaces& places) {
-  constexpr int kSide = SidecarTile::kSide;
-  for (int n = 0; n < kSide; ++n) places.x[n] = ScaledPlaces::Vector{tile.x[n] * mesh.scale, 0, 0, 0};
-  for (int k = 0; k < kSide; ++k)
-    for (int j = 0; j < kSide; ++j)
-      places.yz[kSide * k + j] = ScaledPlaces::Vector{0, tile.y[j] * mesh.scale, tile.z[k] * mesh.scale, 0};
+  for (int n = 0; n < SidecarTile::kSide; ++n) {
+    places.at[0][n] = tile.x[n] * mesh.scale;
+    places.at[1][n] = tile.y[n] * mesh.scale;
+    places.at[2][n] = tile.z[n] * mesh.scale;
+  }
 }
 
-// Corners relative to their samples, scaled. Coordinates are taken relative before anything else, so that nothing is
-// lost far from the origin. Names of samples past the end must be some of the tile's.
+STANDOFF_INLINE DoublePoint places_of(const ScaledPlaces& places, const std::uint32_t* samples) {
+  static_assert(SidecarTile::kSide == 8);
+  return {look_up<0>(places.at[0], samples), look_up<3>(places.at[1], samples), look_up<6>(places.at[2], samples)};
+}
+
+// The corners of eight triangles, scaled. Past the `count`, the last one again.
 template <bool kPacked>
-STANDOFF_INLINE void load_corners(const SidecarMesh& mesh, const SidecarTile& tile, const ScaledPlaces& places,
-                                  const std::uint32_t* samples, DoublePoint (&corner)[3]) {
+STANDOFF_INLINE void load_corners(const SidecarMesh& mesh, const std::uint32_t* triangles, int count,
+                                  DoublePoint (&corner)[3]) {
+  constexpr double kOrigin[4] = {};
   alignas(64) double rows[3][kSamplesAtOnce][4];
-  for (int lane = 0; lane < kSamplesAtOnce; ++lane) {
-    const std::uint32_t n = samples[lane], triangle = tile.nearest[n];
-    // Of one vector: a load of what was stored number by number would wait for all of them.
-    const ScaledPlaces::Vector at = places.x[n % 8] + places.yz[n / 8];
+  for (int lane = 0; lane < kSamplesAtOnce; ++lane)
     for (int which = 0; which < 3; ++which) {
       double room[3];
-      store_local(rows[which][lane], corner_of<kPacked>(mesh.memory, triangle, which, room), mesh.scale,
-                  reinterpret_cast<const double*>(&at));
+      store_local(rows[which][lane],
+                  corner_of<kPacked>(mesh.memory, triangles[lane < count ? lane : count - 1], which, room), mesh.scale,
+                  kOrigin);
     }
-  }
   for (int which = 0; which < 3; ++which)
     corner[which] = {load_column(rows[which], 0), load_column(rows[which], 1), load_column(rows[which], 2)};
+}
+
+// Those of the nearest triangles of eight samples.
+template <bool kPacked>
+STANDOFF_INLINE void load_nearest(const SidecarMesh& mesh, const SidecarTile& tile, const std::uint32_t* samples,
+                                  DoublePoint (&corner)[3]) {
+  std::uint32_t triangles[kSamplesAtOnce];
+  for (int lane = 0; lane < kSamplesAtOnce; ++lane) triangles[lane] = tile.nearest[samples[lane]];
+  load_corners<kPacked>(mesh, triangles, kSamplesAtOnce, corner);
 }
 
 // Where the gradient points away from the distance's: -1, else 1.
@@ -58,53 +61,22 @@ STANDOFF_INLINE WideDouble gradient_signs(const SidecarMesh& mesh, const Sidecar
   return WideDouble::load(sign);
 }
 
-// In a loop of its own, which the compiler makes wide.
-STANDOFF_INLINE void store_rounded(const WideDouble& from, float* to) {
-  alignas(64) double exact[kSamplesAtOnce];
-  from.store(exact);
-  for (int lane = 0; lane < kSamplesAtOnce; ++lane) to[lane] = static_cast<float>(exact[lane]);
-}
-
-// Three numbers of each sample.
-STANDOFF_INLINE void store_triples(const DoublePoint& v, const std::uint32_t* samples, int count, float* out) {
-  alignas(64) float numbers[3][kSamplesAtOnce];
-  store_rounded(v.x, numbers[0]);
-  store_rounded(v.y, numbers[1]);
-  store_rounded(v.z, numbers[2]);
-  for (int lane = 0; lane < count; ++lane) {
+// Three numbers of each of eight samples.
+STANDOFF_INLINE void store_triples(const DoublePoint& v, const std::uint32_t* samples, float* out) {
+  alignas(64) float xy[kSamplesAtOnce][2], z[kSamplesAtOnce];
+  store_rounded_pairs(xy, v.x, v.y);
+  store_rounded(z, v.z);
+  for (int lane = 0; lane < kSamplesAtOnce; ++lane) {
     float* const to = out + 3 * samples[lane];
-    for (int axis = 0; axis < 3; ++axis) to[axis] = numbers[axis][lane];
+    __builtin_memcpy(to, xy[lane], sizeof xy[lane]);
+    to[2] = z[lane];
   }
 }
 
-// Points relative to their samples, scaled; stored in world units.
-STANDOFF_INLINE void store_world(const DoublePoint& point, const SidecarMesh& mesh, const SidecarTile& tile,
-                                 const std::uint32_t* samples, int count) {
-  alignas(64) double numbers[3][kSamplesAtOnce];
-  store_points(point * WideDouble(mesh.unscale), numbers);
-  for (int lane = 0; lane < count; ++lane) {
-    const std::uint32_t n = samples[lane];
-    float* const to = tile.closest_point + 3 * n;
-    to[0] = static_cast<float>(tile.x[n % 8] + numbers[0][lane]);
-    to[1] = static_cast<float>(tile.y[n / 8 % 8] + numbers[1][lane]);
-    to[2] = static_cast<float>(tile.z[n / 64] + numbers[2][lane]);
-  }
-}
-
-STANDOFF_INLINE void store_features(const WideDouble& features, const std::uint32_t* samples, int count,
-                                    std::uint8_t* out) {
-  alignas(64) double feature[kSamplesAtOnce];
-  features.store(feature);
-  for (int lane = 0; lane < count; ++lane) out[samples[lane]] = static_cast<std::uint8_t>(feature[lane]);
-}
-
-// All that the tile asks for, but for the gradient. A part has a point, weights and a feature.
-template <class Part>
-STANDOFF_INLINE void store_part(const Part& part, const SidecarMesh& mesh, const SidecarTile& tile,
-                                const std::uint32_t* samples, int count) {
-  if (tile.closest_point) store_world(part.point, mesh, tile, samples, count);
-  if (tile.barycentric) store_triples(part.weights, samples, count, tile.barycentric);
-  if (tile.feature) store_features(part.feature, samples, count, tile.feature);
+STANDOFF_INLINE void store_features(const WideDouble& features, const std::uint32_t* samples, std::uint8_t* out) {
+  alignas(64) float feature[kSamplesAtOnce];
+  store_rounded(feature, features);
+  for (int lane = 0; lane < kSamplesAtOnce; ++lane) out[samples[lane]] = static_cast<std::uint8_t>(feature[lane]);
 }
 
 }  // namespace

@@ -10,50 +10,69 @@
 namespace standoff::cpu::STANDOFF_TARGET {
 namespace {
 
-// Samples of a tile, with as many more that the last group reads.
-struct Samples {
-  alignas(64) std::uint32_t at[SidecarTile::kSamples + WideFloat::kLanes];
-  int count = 0;
-
-  void add(std::uint32_t sample) { at[count++] = sample; }
-  // Calls use(samples, how many) for each group: past the end, the last sample again.
-  template <class Use>
-  STANDOFF_INLINE void for_each_group(const Use& use) {
-    for (int n = 0; n < kSamplesAtOnce && count != 0; ++n) at[count + n] = at[count - 1];
-    for (int first = 0; first < count; first += kSamplesAtOnce)
-      use(at + first, count - first < kSamplesAtOnce ? count - first : kSamplesAtOnce);
-  }
-};
-
-// Those with a nearest triangle. Returns whether the mesh has all of these.
-STANDOFF_INLINE bool find_samples(const SidecarMesh& mesh, const SidecarTile& tile, Samples& samples) {
-  std::uint32_t wrong = 0;
-  for (int n = 0; n < SidecarTile::kSamples; n += WideFloat::kLanes) {
-    const WideUint triangle = WideUint::load(tile.nearest + n);
-    const Mask has_one = less(triangle, WideUint(kNoTriangle)), exists = less(triangle, WideUint(mesh.triangles));
-    wrong |= (has_one & ~exists).to_bits();
-    samples.count +=
-        store_packed(samples.at + samples.count, has_one, WideUint(static_cast<std::uint32_t>(n)) + lane_numbers());
-  }
-  return wrong == 0;
+// The outputs of eight samples but for the gradient. A part has a point, weights and a feature, `at` is where they are.
+template <class Part>
+STANDOFF_INLINE void store_part(const Part& part, const DoublePoint& at, const SidecarMesh& mesh,
+                                const SidecarTile& tile, const std::uint32_t* samples) {
+  if (tile.closest_point) store_triples((at + part.point) * WideDouble(mesh.unscale), samples, tile.closest_point);
+  if (tile.barycentric) store_triples(weights_of(part), samples, tile.barycentric);
+  if (tile.feature) store_features(feature_of(part), samples, tile.feature);
 }
 
-// Fills the outputs of all samples, and lists those whose answers are not sound (geometry/quick_part.h).
-template <bool kPacked>
+// Fills the outputs of eight samples, and lists those whose answers are not sound (geometry/quick_part.h). `a` is the
+// first corner of the triangles.
 STANDOFF_INLINE void fill_quickly(const SidecarMesh& mesh, const SidecarTile& tile, const ScaledPlaces& places,
-                                  Samples& samples, Samples& poor) {
-  samples.for_each_group([&](const std::uint32_t* some, int count) __attribute__((always_inline)) {
+                                  const QuickTriangle<WideDouble>& triangle, const DoublePoint& a,
+                                  const std::uint32_t* samples, int count, Samples& poor) {
+  const DoublePoint at = places_of(places, samples);
+  const auto part = quick_part(triangle, at - a);
+  store_part(part, at, mesh, tile, samples);
+  if (tile.gradient)
+    store_triples(part.point * (-gradient_signs(mesh, tile, samples) / sqrt(part.distance_sq)), samples, tile.gradient);
+  for (std::uint32_t left = ~part.is_sound.to_bits() & ((1u << count) - 1); left != 0; left &= left - 1)
+    poor.add(samples[__builtin_ctz(left)]);
+}
+
+// One of eight triangles, in all lanes.
+STANDOFF_INLINE QuickTriangle<WideDouble> triangle_of_lane(const QuickTriangle<WideDouble>& eight, int lane) {
+  return {of_lane(eight.ab, lane),     of_lane(eight.ac, lane),      of_lane(eight.to_b, lane),
+          of_lane(eight.to_c, lane),   of_lane(eight.ab_sq, lane),   of_lane(eight.ac_sq, lane),
+          of_lane(eight.bc_sq, lane),  of_lane(eight.between, lane), of_lane(eight.area_sq, lane),
+          of_lane(eight.side_sq, lane)};
+}
+
+// Those of triangles that have several each: eight triangles are prepared at once, and then taken one by one.
+template <bool kPacked>
+STANDOFF_INLINE void fill_by_triangle(const SidecarMesh& mesh, const SidecarTile& tile, const ScaledPlaces& places,
+                                      const SamplesByTriangle& sorted, Samples& poor) {
+  for (int begin = 0; begin < sorted.triangles; begin += kSamplesAtOnce) {
+    const int count = sorted.triangles - begin < kSamplesAtOnce ? sorted.triangles - begin : kSamplesAtOnce;
     DoublePoint corner[3];
-    load_corners<kPacked>(mesh, tile, places, some, corner);
-    QuickPart<WideDouble> part;
-    const std::uint32_t sound = quick_part(corner[0], corner[1], corner[2], part).to_bits();
-    store_part(part, mesh, tile, some, count);
-    if (tile.gradient)
-      store_triples(part.point * (-gradient_signs(mesh, tile, some) / sqrt(part.distance_sq)), some, count,
-                    tile.gradient);
-    for (std::uint32_t left = ~sound & ((1u << count) - 1); left != 0; left &= left - 1)
-      poor.add(some[__builtin_ctz(left)]);
-  });
+    load_corners<kPacked>(mesh, sorted.triangle + begin, count, corner);
+    const QuickTriangle<WideDouble> eight = quick_triangle(corner[0], corner[1], corner[2]);
+    for (int lane = 0; lane < count; ++lane) {
+      const int first = sorted.first[begin + lane], end = sorted.first[begin + lane + 1];
+      const QuickTriangle<WideDouble> triangle = triangle_of_lane(eight, lane);
+      const DoublePoint a = of_lane(corner[0], lane);
+      for_each_group(
+          sorted.samples.at + first,
+          end - first, [&](const std::uint32_t* some, int used) __attribute__((always_inline)) {
+            fill_quickly(mesh, tile, places, triangle, a, some, used, poor);
+          });
+    }
+  }
+}
+
+// Each with a triangle of its own.
+template <bool kPacked>
+STANDOFF_INLINE void fill_others(const SidecarMesh& mesh, const SidecarTile& tile, const ScaledPlaces& places,
+                                 const Samples& samples, Samples& poor) {
+  for_each_group(
+      samples.at, samples.count, [&](const std::uint32_t* some, int used) __attribute__((always_inline)) {
+        DoublePoint corner[3];
+        load_nearest<kPacked>(mesh, tile, some, corner);
+        fill_quickly(mesh, tile, places, quick_triangle(corner[0], corner[1], corner[2]), corner[0], some, used, poor);
+      });
 }
 
 STANDOFF_INLINE WideDouble orientations(const SidecarMesh& mesh, const SidecarTile& tile,
@@ -69,40 +88,44 @@ STANDOFF_INLINE WideDouble orientations(const SidecarMesh& mesh, const SidecarTi
 // The same for any triangles. Returns how many samples are on the surface, or kTooFar.
 template <bool kPacked>
 STANDOFF_INLINE int fill_exactly(const SidecarMesh& mesh, const SidecarTile& tile, const ScaledPlaces& places,
-                                 Samples& samples) {
+                                 const Samples& samples) {
   int near = 0;
   bool too_far = false;
-  samples.for_each_group([&](const std::uint32_t* some, int count) __attribute__((always_inline)) {
-    DoublePoint corner[3];
-    load_corners<kPacked>(mesh, tile, places, some, corner);
-    const ClosestPart<WideDouble> part = closest_part(corner[0], corner[1], corner[2]);
-    // Squares of squares are finite; where something overflowed, one of these is no number or infinite.
-    const WideDouble most(0x1p200);
-    too_far |= (less(part.distance_sq, most) & less(part.side_sq, most)).to_bits() != 0xff;
-    store_part(part, mesh, tile, some, count);
-    if (!tile.gradient) return;
-    const Slope<WideDouble> slope = slope_of(part, corner[0], orientations(mesh, tile, some));
-    const DoubleMask is_near = less(WideDouble(0.5), slope.is_near);
-    const WideDouble sign = select(is_near, WideDouble(1.0), gradient_signs(mesh, tile, some));
-    store_triples(slope.direction * sign, some, count, tile.gradient);
-    near += __builtin_popcount(is_near.to_bits() & ((1u << count) - 1));
-  });
+  for_each_group(
+      samples.at, samples.count, [&](const std::uint32_t* some, int used) __attribute__((always_inline)) {
+        DoublePoint corner[3];
+        load_nearest<kPacked>(mesh, tile, some, corner);
+        const DoublePoint at = places_of(places, some);
+        for (DoublePoint& one : corner) one = one - at;
+        const ClosestPart<WideDouble> part = closest_part(corner[0], corner[1], corner[2]);
+        // Squares of squares are finite; where something overflowed, one of these is no number or infinite.
+        const WideDouble most(0x1p200);
+        too_far |= (less(part.distance_sq, most) & less(part.side_sq, most)).to_bits() != 0xff;
+        store_part(part, at, mesh, tile, some);
+        if (!tile.gradient) return;
+        const Slope<WideDouble> slope = slope_of(part, corner[0], orientations(mesh, tile, some));
+        const DoubleMask is_near = less(WideDouble(0.5), slope.is_near);
+        const WideDouble sign = select(is_near, WideDouble(1.0), gradient_signs(mesh, tile, some));
+        store_triples(slope.direction * sign, some, tile.gradient);
+        near += __builtin_popcount(is_near.to_bits() & ((1u << used) - 1));
+      });
   return too_far ? SidecarKernels::kTooFar : near;
 }
 
 template <bool kPacked>
-STANDOFF_INLINE int fill_found(const SidecarMesh& mesh, const SidecarTile& tile, Samples& samples) {
+STANDOFF_INLINE int fill_sorted(const SidecarMesh& mesh, const SidecarTile& tile, const SamplesByTriangle& sorted) {
   ScaledPlaces places;
   set_places(mesh, tile, places);
   Samples poor;
-  fill_quickly<kPacked>(mesh, tile, places, samples, poor);
+  fill_by_triangle<kPacked>(mesh, tile, places, sorted, poor);
+  fill_others<kPacked>(mesh, tile, places, sorted.others, poor);
   return fill_exactly<kPacked>(mesh, tile, places, poor);
 }
 
 int fill(const SidecarMesh& mesh, const SidecarTile& tile) {
-  Samples samples;
-  if (!find_samples(mesh, tile, samples)) return SidecarKernels::kNoSuchTriangle;
-  return mesh.memory.packed ? fill_found<true>(mesh, tile, samples) : fill_found<false>(mesh, tile, samples);
+  SamplesByTriangle sorted;
+  if (!sort_by_triangle(mesh, tile, sorted)) return SidecarKernels::kNoSuchTriangle;
+  return mesh.memory.packed ? fill_sorted<true>(mesh, tile, sorted) : fill_sorted<false>(mesh, tile, sorted);
 }
 
 }  // namespace
