@@ -112,10 +112,11 @@ void answer_all(const MeshQuery::Data& data, std::span<const Vec3> points, const
 
 }  // namespace
 
-MeshQuery::Data::Data(Mesh own, const SignOptions& options, SignPlan planned, int threads, Simd simd)
+MeshQuery::Data::Data(Mesh own, const SignOptions& options, SignPlan planned, int threads, Simd simd,
+                      const ProgressCallback& while_built)
     : mesh(std::move(own)), sign(options), plan(std::move(planned)) {
-  all.emplace(mesh, std::span<const std::uint32_t>{}, threads, simd);
-  if (!plan.exposed.empty()) exposed.emplace(mesh, plan.exposed, threads, simd);
+  all.emplace(mesh, std::span<const std::uint32_t>{}, threads, simd, while_built);
+  if (!plan.exposed.empty()) exposed.emplace(mesh, plan.exposed, threads, simd, while_built);
   sides = make_sides_of_points({mesh, plan.use}, *all, plan, sign.rule, threads, simd);
 }
 
@@ -135,7 +136,10 @@ MeshQuery::MeshQuery(MeshView mesh, const MeshQueryOptions& options) try {
     SignPlan plan = plan_of(mesh, options.sign, progress);
     progress.stage("tree", 1, 0.5, 1);
     data_ = std::make_shared<const Data>(copy_of(mesh), options.sign, std::move(plan), threads.count(),
-                                         options.execution.simd);
+                                         options.execution.simd, [&progress](const Progress&) {
+                                           progress.check();
+                                           return true;
+                                         });
   });
   progress.stage("done", 1, 1, 1);
 } catch (...) {

@@ -16,8 +16,9 @@ namespace standoff {
 
 struct MeshQuery::Data {
   /// Requires a valid mesh within kMaxCoordinate, and a plan that fits it. Runs on the threads of the calling TBB
-  /// arena.
-  Data(Mesh mesh, const SignOptions& sign, SignPlan plan, int threads, Simd simd);
+  /// arena. `while_built` is called many times before it is done, and may throw to end that.
+  Data(Mesh mesh, const SignOptions& sign, SignPlan plan, int threads, Simd simd,
+       const ProgressCallback& while_built = {});
 
   /// Of the triangles that count for distances: with SignOptions::outer not all.
   const TriangleIndex& near() const { return exposed ? *exposed : *all; }

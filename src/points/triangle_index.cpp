@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "geometry/triangle_box.h"
 #include "points/cpu/kernels.h"
@@ -38,8 +39,10 @@ constexpr double kAll = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
-TriangleIndex::TriangleIndex(const Mesh& mesh, std::span<const std::uint32_t> among, int threads, Simd simd)
-    : job_{mesh, among, grid_around(box_of(mesh, among)), kAll, threads, simd, progress_},
+TriangleIndex::TriangleIndex(const Mesh& mesh, std::span<const std::uint32_t> among, int threads, Simd simd,
+                             ProgressCallback while_built)
+    : while_built_(std::move(while_built)),
+      job_{mesh, among, grid_around(box_of(mesh, among)), kAll, threads, simd, progress_},
       lattice_(cpu::make_block_lattice(job_.grid, kAll)),
       culling_(job_, lattice_, cpu::kernels_for(simd)),
       frames_(std::make_unique_for_overwrite<cpu::FramePack[]>(clusters().level_begin()[1])) {
@@ -54,10 +57,14 @@ TriangleIndex::TriangleIndex(const Mesh& mesh, std::span<const std::uint32_t> am
   static_assert(sizeof(Vec3) == 3 * sizeof(double) && sizeof(Triangle) == 3 * sizeof(std::uint32_t));
   const cpu::PointKernels& kernels = cpu::point_kernels_for(simd);
   const double(&center)[3] = clusters().center();
-  tbb::parallel_for(std::uint32_t{0}, tree_.begin[1],
-                    [&](std::uint32_t pack) { kernels.make_frames(tree_, pack, scale(), center, frames_[pack]); });
-  turned_ = make_turned_packs(tree_, scale(), {center[0], center[1], center[2]}, clusters().extent());
+  tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, tree_.begin[1], 256), [&](const auto& range) {
+    progress_.check();
+    for (std::uint32_t pack = range.begin(); pack < range.end(); ++pack)
+      kernels.make_frames(tree_, pack, scale(), center, frames_[pack]);
+  });
+  turned_ = make_turned_packs(tree_, scale(), {center[0], center[1], center[2]}, clusters().extent(), progress_);
   tree_.turned = turned_.get();
+  while_built_ = nullptr;
 }
 
 double TriangleIndex::scale_at(Vec3 point) const {

@@ -24,8 +24,10 @@ class TriangleIndex {
   static constexpr std::int64_t kSide = 1024;
 
   /// Of the triangles in `among`, ascending; of all if that is empty. Requires a valid mesh, whose coordinates are
-  /// within kMaxCoordinate; both outlive this. Runs on the threads of the calling TBB arena.
-  TriangleIndex(const Mesh& mesh, std::span<const std::uint32_t> among, int threads, Simd simd);
+  /// within kMaxCoordinate; both outlive this. Runs on the threads of the calling TBB arena. `while_built` is called
+  /// many times before it is done, and may throw to end that.
+  TriangleIndex(const Mesh& mesh, std::span<const std::uint32_t> among, int threads, Simd simd,
+                ProgressCallback while_built = {});
   TriangleIndex(const TriangleIndex&) = delete;
   TriangleIndex& operator=(const TriangleIndex&) = delete;
 
@@ -49,8 +51,8 @@ class TriangleIndex {
   std::int64_t memory_bytes() const;
 
  private:
-  ProgressCallback silent_;
-  ProgressMeter progress_{silent_};
+  ProgressCallback while_built_;  // empty afterwards
+  ProgressMeter progress_{while_built_};
   Job job_;
   cpu::BlockLattice lattice_;
   cpu::CandidateCulling culling_;

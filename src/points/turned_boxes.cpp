@@ -104,25 +104,30 @@ void add_boxes(const TurnedPack& boxes, int count, Hull& hull) {
 
 }  // namespace
 
-std::unique_ptr<TurnedPack[]> make_turned_packs(const PackTree& tree, double scale, Vec3 center, float extent) {
+std::unique_ptr<TurnedPack[]> make_turned_packs(const PackTree& tree, double scale, Vec3 center, float extent,
+                                                ProgressMeter& progress) {
   const auto top = static_cast<std::uint32_t>(tree.top);
   auto all = std::make_unique_for_overwrite<TurnedPack[]>(tree.begin[top + 1] - tree.begin[1]);
   const double grow = kTurnedError * double{extent};
   for (std::uint32_t level = 1; level <= top; ++level) {
     const std::uint32_t below = tree.begin[level - 1], end = tree.begin[level];
-    tbb::parallel_for(tree.begin[level], tree.begin[level + 1], [&](std::uint32_t pack) {
-      TurnedPack& to = all[pack - tree.begin[1]];
-      const std::uint32_t first = below + kLanes * (pack - tree.begin[level]);
-      for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
-        Hull hull;
-        const std::uint32_t part = first + lane;
-        if (part < end && level == 1) add_triangles(tree, part, scale, center, hull);
-        if (part < end && level > 1) {
-          const std::uint32_t its_first = tree.begin[level - 2] + kLanes * (part - below);
-          add_boxes(all[part - tree.begin[1]], static_cast<int>(std::min<std::uint32_t>(kLanes, below - its_first)),
-                    hull);
+    const tbb::blocked_range<std::uint32_t> packs(tree.begin[level], tree.begin[level + 1], 64);
+    tbb::parallel_for(packs, [&](const auto& range) {
+      progress.check();
+      for (std::uint32_t pack = range.begin(); pack < range.end(); ++pack) {
+        TurnedPack& to = all[pack - tree.begin[1]];
+        const std::uint32_t first = below + kLanes * (pack - tree.begin[level]);
+        for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
+          Hull hull;
+          const std::uint32_t part = first + lane;
+          if (part < end && level == 1) add_triangles(tree, part, scale, center, hull);
+          if (part < end && level > 1) {
+            const std::uint32_t its_first = tree.begin[level - 2] + kLanes * (part - below);
+            add_boxes(all[part - tree.begin[1]], static_cast<int>(std::min<std::uint32_t>(kLanes, below - its_first)),
+                      hull);
+          }
+          hull.store(grow, to, static_cast<int>(lane));
         }
-        hull.store(grow, to, static_cast<int>(lane));
       }
     });
   }

@@ -57,7 +57,7 @@ void plan_winding(SignPlan& plan, MeshView mesh, const Closed& closed, const Sig
     return;
   }
   if (options.as_oriented && options.method == SignMethod::winding) return take_as_it_is(plan, mesh);
-  Diagnosis found = diagnose(mesh, MeshEdges(mesh), progress);
+  Diagnosis found = diagnose(mesh, MeshEdges(mesh, progress), progress);
   const bool fits = found.report.method == SignMethod::winding;
   plan.report.sure = found.report.sure;
   plan.report.why = found.report.why;

@@ -2,6 +2,10 @@
 // What is built before questions are asked can be stopped between its steps.
 #include <gtest/gtest.h>
 
+#include <map>
+#include <string>
+#include <utility>
+
 #include "standoff/collision.h"
 #include "standoff/error.h"
 #include "standoff/mesh_report.h"
@@ -32,6 +36,26 @@ TEST(Interrupted, BuildingAQuery) {
               EXPECT_EQ(query.sign().boundary_edges, 3);
             }),
             5);
+}
+
+// The steps of large meshes report often: a report is where work can be stopped.
+TEST(Interrupted, LongStepsReportOften) {
+  const Mesh mesh = ball_mesh(1, 64);
+  std::map<std::string, int> reports;
+  const ProgressCallback count = [&](const Progress& now) {
+    ++reports[std::string(now.stage)];
+    return true;
+  };
+  const MeshQuery query(mesh, {{SignMethod::none}, {.threads = 1}, count});
+  EXPECT_GE(reports["tree"], 20);
+  const CollisionModel model(mesh, {.execution = {.threads = 1}, .progress = count});
+  EXPECT_GE(reports["bvh"], 10);
+  EXPECT_GE(reports["components"], 8);
+  Mesh turned = mesh;  // which needs a diagnosis
+  std::swap(turned.triangles[0][0], turned.triangles[0][1]);
+  reports.clear();
+  const MeshQuery signed_query(turned, {{SignMethod::automatic}, {.threads = 1}, count});
+  EXPECT_GE(reports["sign"], 20);
 }
 
 TEST(Interrupted, BuildingAModel) {

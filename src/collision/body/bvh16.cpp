@@ -19,7 +19,7 @@ struct Item {
 
 // Halves the range until it is one node of `capacity` triangles at the most, then goes on inside it. The order within
 // a packet is of no use.
-void arrange(Item* first, Item* last, std::int64_t capacity) {
+void arrange(Item* first, Item* last, std::int64_t capacity, ProgressMeter& progress) {
   const std::int64_t count = last - first;
   if (count <= kLanes) return;
   while (count <= capacity) capacity /= kLanes;
@@ -36,10 +36,12 @@ void arrange(Item* first, Item* last, std::int64_t capacity) {
   std::nth_element(first, middle, last, before);
   constexpr std::int64_t kWorthAThread = 4096;
   if (count > kWorthAThread) {
-    tbb::parallel_invoke([=] { arrange(first, middle, capacity); }, [=] { arrange(middle, last, capacity); });
+    progress.check();
+    tbb::parallel_invoke([=, &progress] { arrange(first, middle, capacity, progress); },
+                         [=, &progress] { arrange(middle, last, capacity, progress); });
   } else {
-    arrange(first, middle, capacity);
-    arrange(middle, last, capacity);
+    arrange(first, middle, capacity, progress);
+    arrange(middle, last, capacity, progress);
   }
 }
 
@@ -54,12 +56,13 @@ FloatPoint to_float(Vec3 corner, Vec3 middle) {
 
 }  // namespace
 
-void fill_levels(Bvh16& bvh, MeshView mesh, Vec3 middle) {
+void fill_levels(Bvh16& bvh, MeshView mesh, Vec3 middle, ProgressMeter& progress) {
   const auto count = static_cast<std::int64_t>(bvh.order.size());
   std::vector<FloatPoint> corners(3 * bvh.order.size());
   tbb::parallel_for(std::int64_t{0}, count, [&](std::int64_t n) {
     for (int k = 0; k < 3; ++k) corners[3 * n + k] = to_float(mesh.corner(bvh.order[n], k), middle);
   });
+  progress.check();
   bvh.triangles.resize(static_cast<std::size_t>((count + kLanes - 1) / kLanes));
   tbb::parallel_for(std::int64_t{0}, static_cast<std::int64_t>(bvh.triangles.size()) * kLanes, [&](std::int64_t n) {
     const FloatPoint* const from = corners.data() + 3 * std::min(n, count - 1);
@@ -69,6 +72,7 @@ void fill_levels(Bvh16& bvh, MeshView mesh, Vec3 middle) {
   bvh.levels.clear();
   for (std::int64_t size = 1;; size *= kLanes) {  // triangles of a node
     const std::int64_t nodes = (count + size - 1) / size, packets = (nodes + kLanes - 1) / kLanes;
+    progress.check();
     BvhLevel level;
     level.spheres.resize(packets);
     level.boxes.resize(packets);
@@ -99,7 +103,7 @@ void fill_levels(Bvh16& bvh, MeshView mesh, Vec3 middle) {
   }
 }
 
-Bvh16 build_bvh(MeshView mesh, Vec3 middle) {
+Bvh16 build_bvh(MeshView mesh, Vec3 middle, ProgressMeter& progress) {
   std::vector<Item> items(mesh.triangles.size());
   tbb::parallel_for(std::size_t{0}, items.size(), [&](std::size_t n) {
     const FloatPoint a = to_float(mesh.corner(n, 0), middle), b = to_float(mesh.corner(n, 1), middle),
@@ -112,11 +116,11 @@ Bvh16 build_bvh(MeshView mesh, Vec3 middle) {
   });
   std::int64_t capacity = 1;
   while (capacity < static_cast<std::int64_t>(items.size())) capacity *= kLanes;
-  arrange(items.data(), items.data() + items.size(), capacity);
+  arrange(items.data(), items.data() + items.size(), capacity, progress);
   Bvh16 bvh;
   bvh.order.reserve(items.size());
   for (const Item& item : items) bvh.order.push_back(item.triangle);
-  fill_levels(bvh, mesh, middle);
+  fill_levels(bvh, mesh, middle, progress);
   return bvh;
 }
 

@@ -8,6 +8,7 @@
 
 #include "collision/body/simd_blocks.h"
 #include "core/huge_page_vector.h"
+#include "core/progress.h"
 #include "geometry/triangle_pair.h"
 #include "standoff/mesh.h"
 
@@ -28,10 +29,10 @@ struct Bvh16 {
 
 /// Builds the BVH over triangles whose coordinates are taken relative to `middle`. Triangles that are near each other
 /// come to stand together: ranges are halved, in multiples of full nodes, along the longest side of their centres' box.
-/// The same on every run, by any number of threads.
-Bvh16 build_bvh(MeshView mesh, Vec3 middle);
+/// The same on every run, by any number of threads. The progress can end it.
+Bvh16 build_bvh(MeshView mesh, Vec3 middle, ProgressMeter& progress);
 
-/// The spheres and boxes of a BVH whose order is given.
-void fill_levels(Bvh16& bvh, MeshView mesh, Vec3 middle);
+/// The spheres and boxes of a BVH whose order is given. The progress can end it.
+void fill_levels(Bvh16& bvh, MeshView mesh, Vec3 middle, ProgressMeter& progress);
 
 }  // namespace standoff::collision

@@ -29,13 +29,18 @@ class DisjointSets {
   std::vector<std::uint32_t> parent_;
 };
 
+// Triangles between two looks whether anybody wants it to end.
+constexpr std::size_t kCheckEvery = std::size_t{1} << 16;
+
 }  // namespace
 
-std::vector<std::uint32_t> first_of_components(MeshView mesh) {
+std::vector<std::uint32_t> first_of_components(MeshView mesh, ProgressMeter& progress) {
   std::vector<std::uint32_t> number(mesh.vertices.size());
-  const std::uint32_t count = weld([&](std::uint32_t v) { return mesh.vertices[v]; }, number);
+  const std::uint32_t count =
+      weld([&](std::uint32_t v) { return mesh.vertices[v]; }, number, [&] { progress.check(); });
   DisjointSets sets(count);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (t % kCheckEvery == 0) progress.check();
     const Triangle corners = mesh.triangles[t];
     sets.unite(number[corners[0]], number[corners[1]]);
     sets.unite(number[corners[0]], number[corners[2]]);
@@ -43,6 +48,7 @@ std::vector<std::uint32_t> first_of_components(MeshView mesh) {
   std::vector<bool> seen(count);
   std::vector<std::uint32_t> firsts;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (t % kCheckEvery == 0) progress.check();
     const std::uint32_t component = sets.find(number[mesh.triangles[t][0]]);
     if (seen[component]) continue;
     seen[component] = true;

@@ -13,10 +13,12 @@
 
 namespace standoff {
 namespace collision {
-void ModelData::finish() {
+void ModelData::finish(ProgressMeter& progress) {
+  constexpr std::size_t kCheckEvery = std::size_t{1} << 16;  // triangles
   view = field.view();
   corners.reserve(bvh.order.size());
   for (const std::uint32_t t : bvh.order) {
+    if (corners.size() % kCheckEvery == 0) progress.check();
     corners.push_back({mesh.vertices[mesh.triangles[t][0]], mesh.vertices[mesh.triangles[t][1]],
                        mesh.vertices[mesh.triangles[t][2]]});
     for (const Vec3& v : corners.back()) radius = std::max(radius, length(v - middle));
@@ -60,10 +62,10 @@ CollisionModel::CollisionModel(MeshView mesh, const ModelOptions& options) try {
     progress.stage("fields", 2, 0, 0.7);
     data->field = collision::build_field_bounds(mesh, data->middle, spacing, options.execution, progress);
     progress.stage("bvh", 1, 0.7, 0.9);
-    data->bvh = collision::build_bvh(mesh, data->middle);
+    data->bvh = collision::build_bvh(mesh, data->middle, progress);
     progress.stage("components", 1, 0.9, 1);
-    data->components = collision::first_of_components(mesh);
-    data->finish();
+    data->components = collision::first_of_components(mesh, progress);
+    data->finish(progress);
   });
   progress.stage("done", 1, 1, 1);
   data_ = data;

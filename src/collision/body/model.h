@@ -29,7 +29,7 @@ struct ModelData {
   /// later. Errors: input, usage.
   void prepare(double spacing);
   /// The last step: everything that follows from mesh, field and the order of the BVH.
-  void finish();
+  void finish(ProgressMeter& progress);
   std::int64_t memory_bytes() const;
 };
 

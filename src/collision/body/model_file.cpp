@@ -91,8 +91,9 @@ CollisionModel read_model(const FileView& file, ArrayChecksum checksum) {
   if (data->components.empty() || data->components.size() > header.triangles ||
       std::ranges::any_of(data->components, [&](std::uint32_t t) { return t >= header.triangles; }))
     arrays.fail("components", "there are none, too many, or one without a triangle");
-  fill_levels(data->bvh, data->mesh, data->middle);
-  data->finish();
+  ProgressMeter nobody;
+  fill_levels(data->bvh, data->mesh, data->middle, nobody);
+  data->finish(nobody);
   return ModelAccess::model(data);
 }
 

@@ -121,6 +121,7 @@ void Clusters::box_packs() {
   for (std::size_t level = 1; level + 1 < level_begin_.size(); ++level) {
     const tbb::blocked_range<std::uint32_t> all(level_begin_[level], level_begin_[level + 1], 512);
     tbb::parallel_for(all, [&](const auto& range) {
+      job_.progress.check();
       for (std::uint32_t pack = range.begin(); pack < range.end(); ++pack) {
         const PackContents packed = contents(triangles_ + pack);
         for (int n = 0; n < packed.count; ++n) {

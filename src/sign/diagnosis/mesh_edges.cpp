@@ -11,10 +11,11 @@
 
 namespace standoff {
 
-MeshEdges::MeshEdges(MeshView mesh) {
+void MeshEdges::find(MeshView mesh, ProgressMeter& progress) {
   const std::size_t triangles = mesh.triangles.size();
   std::vector<std::uint32_t> number(mesh.vertices.size());
-  const std::uint32_t count = weld([&](std::uint32_t v) { return mesh.vertices[v]; }, number);
+  const std::uint32_t count =
+      weld([&](std::uint32_t v) { return mesh.vertices[v]; }, number, [&] { progress.check(); });
   corners_.resize(3 * triangles);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, triangles, 4096), [&](const auto& range) {
     for (std::size_t t = range.begin(); t != range.end(); ++t) {
@@ -32,13 +33,16 @@ MeshEdges::MeshEdges(MeshView mesh) {
         use(EdgeUse{std::min(from, to), std::max(from, to), static_cast<std::uint32_t>(t), n, from < to});
       }
   };
+  progress.check();
   first_.resize(std::size_t{count} + 1);
   for_each_side([&](const EdgeUse& side) { ++first_[side.low + 1]; });
   for (std::size_t n = 0; n < count; ++n) first_[n + 1] += first_[n];
+  progress.check();
   uses_.resize(first_[count]);
   std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
   for_each_side([&](const EdgeUse& side) { uses_[next[side.low]++] = side; });
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 1024), [&](const auto& range) {
+    progress.check();
     for (std::size_t n = range.begin(); n != range.end(); ++n)
       std::sort(uses_.begin() + static_cast<std::ptrdiff_t>(first_[n]),
                 uses_.begin() + static_cast<std::ptrdiff_t>(first_[n + 1]), [](const EdgeUse& a, const EdgeUse& b) {

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "core/progress.h"
 #include "standoff/mesh.h"
 
 namespace standoff {
@@ -22,7 +23,12 @@ class MeshEdges {
  public:
   /// Requires a valid mesh. Sides whose ends are one position are no edges. Runs on the threads of the calling TBB
   /// arena.
-  explicit MeshEdges(MeshView mesh);
+  explicit MeshEdges(MeshView mesh) {
+    ProgressMeter nobody;
+    find(mesh, nobody);
+  }
+  /// The progress can end it.
+  MeshEdges(MeshView mesh, ProgressMeter& progress) { find(mesh, progress); }
 
   /// How many distinct positions there are; their numbers begin with 0.
   std::uint32_t positions() const { return static_cast<std::uint32_t>(first_.size() - 1); }
@@ -44,6 +50,8 @@ class MeshEdges {
   }
 
  private:
+  void find(MeshView mesh, ProgressMeter& progress);
+
   std::vector<std::uint32_t> corners_;  // numbers of positions, three a triangle
   std::vector<std::size_t> first_;      // of each low end, the first use
   std::vector<EdgeUse> uses_;

@@ -9,8 +9,12 @@ namespace standoff {
 namespace {
 
 using namespace standoff::testing;
-using collision::first_of_components;
 using Firsts = std::vector<std::uint32_t>;
+
+Firsts first_of_components(MeshView mesh) {
+  ProgressMeter nobody;
+  return collision::first_of_components(mesh, nobody);
+}
 
 TEST(Components, AreConnectedByPositions) {
   const Mesh ball = ball_mesh(1, 4), loose = random_soup(1, 5, 1, 0.1);  // of the ball no vertex is shared
