@@ -13,6 +13,7 @@
   run.py iso             surfaces of fields; with --peers beside OpenVDB and VTK
   run.py files           writing fields; with --peers beside OpenVDB and NanoVDB
   run.py sidecars        what each sidecar adds to a band
+  run.py render          pictures of meshes; with --peers beside VTK and polyscope (STANDOFF_PEER_PYTHON)
   run.py python          the Python package beside Open3D, libigl, FCPW and others (STANDOFF_PEER_PYTHON)
   run.py quote           the documentation's tables of collision queries, written again from the CSV file
   run.py fly             the fly in the labyrinth: Figure 5.5 of the thesis, and what both modes miss
@@ -27,6 +28,7 @@ import collision
 import contests
 import field_files
 import fly
+import pictures
 import quotes
 import scaling
 import sidecar_costs
@@ -38,7 +40,7 @@ from harness import BENCH, Drivers
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", nargs="?", default="contests",
-                        choices=["contests", "scaling", "thesis", "collision", "terrains", "sign", "points", "iso", "files", "sidecars", "python",
+                        choices=["contests", "scaling", "thesis", "collision", "terrains", "sign", "points", "iso", "files", "sidecars", "render", "python",
                                  "quote", "fly"])
     parser.add_argument("--peers", action="store_true", help="run the peers too (built with STANDOFF_BENCH_PEERS)")
     parser.add_argument("--build", default=str(BENCH.parent / "build" / "bench"), help="build folder of the drivers")
@@ -53,7 +55,7 @@ def main():
     drivers = Drivers(arguments.build)
     if arguments.list:
         kinds = [workloads[kind] for kind in ("contests", "sign", "scaling", "batches")]
-        kinds += [workloads["points"]["meshes"], workloads["iso"]["fields"], workloads["files"], workloads["sidecars"]["fields"]]
+        kinds += [workloads["points"]["meshes"], workloads["iso"]["fields"], workloads["files"], workloads["sidecars"]["fields"], workloads["render"]["pictures"]]
         kinds += [workloads["python"]["fields"]]
         kinds += [workloads["collision"]["pairs"], workloads["terrains"]["places"]]
         for job in (job for jobs in kinds for job in jobs):
@@ -75,13 +77,13 @@ def main():
                                           arguments.note)
         return collision.run(drivers, workloads, arguments.peers, arguments.only, arguments.rounds, arguments.build,
                              arguments.note)
-    if arguments.what in ("points", "iso", "files", "sidecars"):
+    if arguments.what in ("points", "iso", "files", "sidecars", "render"):
         if not drivers.has(arguments.what):
             parser.error(f"no drivers in {drivers.folder}; build them with script/bench {arguments.what}")
         if arguments.what == "sidecars":
             return sidecar_costs.run(drivers, workloads, arguments.only, arguments.rounds, arguments.build, arguments.note)
-        if arguments.what == "files":
-            measured = field_files
+        if arguments.what in ("files", "render"):
+            measured = {"files": field_files, "render": pictures}[arguments.what]
         else:  # these need numpy
             measured = importlib.import_module({"points": "points", "iso": "surfaces"}[arguments.what])
         more = {"count": arguments.count} if arguments.what == "points" else {}

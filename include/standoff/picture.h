@@ -61,7 +61,7 @@ struct MeshLayer {
 struct SliceLayer {
   const DistanceField* field = nullptr;
   Axis axis = Axis::y;         ///< the axis the plane is perpendicular to
-  double at = 0.5;             ///< position along the axis: 0 is the first sample, 1 the last
+  double at = 0.5;             ///< the plane of samples nearest to this share of the axis: 0 is the first, 1 the last
   bool cuts = true;            ///< whether meshes and samples on the eye's side of the plane are left out
   double outside_opacity = 1;  ///< 0 to 1: of the plane where values are not negative; less shows what is behind
 };

@@ -35,19 +35,11 @@ void for_band_samples(const BandLayer& band, const Use& use) {
   }
 }
 
-// Slices are looked at in a raster: fine enough to find the range of their numbers.
-void include_slice(const SliceLayer& slice, NumberRange& range) {
-  const Grid& grid = slice.field->grid();
-  const Box box = grid.bounds();
-  constexpr int kSteps = 128;
-  for (int u = 0; u <= kSteps; ++u)
-    for (int v = 0; v <= kSteps; ++v) {
-      const double s = static_cast<double>(u) / kSteps, t = static_cast<double>(v) / kSteps, at = slice.at;
-      const Vec3 share = slice.axis == Axis::x   ? Vec3{at, s, t}
-                         : slice.axis == Axis::y ? Vec3{s, at, t}
-                                                 : Vec3{s, t, at};
-      range.include(slice.field->interpolate(box.min + box.extent() * share));
-    }
+SliceOptions options_of(const SliceLayer& slice) {
+  SliceOptions options;
+  options.axis = slice.axis;
+  options.at = slice.at;
+  return options;
 }
 
 [[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::usage, "picture: " + what); }
@@ -106,7 +98,7 @@ NumberRange number_range(const Drawing& drawing) {
   for (const PointLayer& layer : drawing.points) include_all(layer.values);
   for (const PathLayer& layer : drawing.paths) include_all(layer.values);
   for (const SliceLayer& slice : drawing.slices) {
-    include_slice(slice, range);
+    for (const float value : plane_of(*slice.field, options_of(slice)).values) range.include(value);
     range.thickness = std::min(range.thickness, slice.field->thickness());
   }
   for (const BandLayer& band : drawing.bands) {
@@ -136,28 +128,23 @@ Box bounds_of(const Drawing& drawing, const std::vector<std::vector<char>>& unus
   return box;
 }
 
-double plane_of(const SliceLayer& slice) {
-  const Box box = slice.field->grid().bounds();
-  const auto along = [&](Vec3 v) { return slice.axis == Axis::x ? v.x : slice.axis == Axis::y ? v.y : v.z; };
-  return along(box.min) * (1 - slice.at) + along(box.max) * slice.at;
-}
+double position_of(const SliceLayer& slice) { return slice_plane(*slice.field, options_of(slice)).position; }
 
 void add_slices(const Drawing& drawing, const UnitSpace& space, std::vector<DrawnPart>& parts) {
   for (const SliceLayer& slice : drawing.slices) {
-    const Box box = slice.field->grid().bounds();
-    const double at = plane_of(slice);
     DrawnPart part;
-    part.field = slice.field;
+    part.slice = std::make_shared<SliceTexture>(*slice.field, options_of(slice));
     part.opacity = static_cast<float>(slice.outside_opacity);
     part.lit = false;
     part.casts_shadow = false;
-    for (const bool far : {false, true})
-      for (const bool high : {false, true}) {
-        Vec3 p = at * Vec3{1, 1, 1};
-        if (slice.axis != Axis::x) p.x = far ? box.max.x : box.min.x;
-        if (slice.axis != Axis::y) p.y = (slice.axis == Axis::x ? far : high) ? box.max.y : box.min.y;
-        if (slice.axis != Axis::z) p.z = high ? box.max.z : box.min.z;
-        part.places.push_back(space.placed(p));
+    const Plane& plane = part.slice->plane();
+    for (const std::int64_t up : {std::int64_t{0}, plane.height - 1})
+      for (const std::int64_t right : {std::int64_t{0}, plane.width - 1}) {
+        part.on_slice.push_back({static_cast<float>(right), static_cast<float>(up)});
+        part.places.push_back(space.placed(
+            slice.field->grid().position(slice.axis == Axis::x ? plane.index : right,
+                                         slice.axis == Axis::y ? plane.index : slice.axis == Axis::x ? right : up,
+                                         slice.axis == Axis::z ? plane.index : up)));
       }
     part.own = {{0, 1, 2}, {1, 3, 2}};
     part.use_own();

@@ -29,8 +29,8 @@ void check(const Drawing& drawing);
 /// The box around everything drawn; empty if there is nothing.
 Box bounds_of(const Drawing& drawing, const std::vector<std::vector<char>>& unused);
 
-/// The plane of a slice along its axis, world units.
-double plane_of(const SliceLayer& slice);
+/// The plane of the samples that a slice shows, along its axis, world units.
+double position_of(const SliceLayer& slice);
 
 /// What the other layers than meshes become. `pixel` is about the width of a pixel in the unit space.
 void add_slices(const Drawing& drawing, const UnitSpace& space, std::vector<DrawnPart>& parts);

@@ -6,14 +6,16 @@
 #include "render/camera.h"
 #include "render/occlusion.h"
 #include "render/ramp.h"
+#include "render/shadow.h"
 
 namespace standoff {
 
 /// Everything that light depends on, for all pixels.
 struct Scenery {
   const Camera& camera;
-  const UnitSpace& space;
   const Occlusion& occlusion;
+  const Shadow& shadow;  ///< of the lamp
+  Float3 to_lamp;
   const Ramp& ramp;
   Float3 up;                ///< of the world
   float pixel = 0;          ///< about the width of a pixel, in the unit space
@@ -22,11 +24,14 @@ struct Scenery {
   bool perspective = true;
 };
 
+/// Towards the lamp, which stays above the eye's left shoulder.
+Float3 to_lamp(const Camera& camera);
+
 /// Shades points of triangles. How much light reaches a point changes slowly, so neighbours that ask one after the
 /// other share it. One for each tile: what is shared must not depend on the order in which tiles are drawn.
 class Shader {
  public:
-  explicit Shader(const Scenery& scenery);
+  explicit Shader(const Scenery& scenery) : scenery_(scenery) {}
 
   struct Seen {
     Float3 color;  ///< linear
@@ -42,12 +47,11 @@ class Shader {
     float a, b, c;
   };
   Weights weights(const ScreenPoint& a, const ScreenPoint& b, const ScreenPoint& c, double x, double y) const;
-  Seen of_field(const SeenPart& part, const Triangle& v, float x, float y) const;
+  Seen of_slice(const SeenPart& part, const Triangle& v, float x, float y) const;
   Float3 color(const SeenPart& part, const Triangle& v, float x, float y);
   Float3 lit(Float3 color, Float3 point, Float3 normal);
 
   const Scenery& scenery_;
-  Float3 lamp_;  // towards it
   bool lighting_known_ = false;
   Float3 known_point_, known_normal_;
   float known_ambient_ = 1, known_lamp_ = 1;

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// How much of the sky and of the lamp a point of a surface sees, from a coarse distance field of everything opaque.
+// What darkens surfaces: a coarse distance field of everything opaque.
 #pragma once
 
 #include <span>
 #include <vector>
 
+#include "render/lattice.h"
 #include "render/part.h"
 #include "standoff/grid.h"
 
@@ -17,19 +18,22 @@ class Occlusion {
 
   /// The share of the light from all sides that reaches a point of a surface with a unit normal, 0 to 1.
   float ambient(Float3 point, Float3 normal) const;
-  /// The share of a distant lamp's light that passes, 0 to 1; softly, as if the lamp were large.
-  float lamp(Float3 point, Float3 normal, Float3 to_lamp) const;
+  /// The share of a distant lamp's light that reaches a place, 0 to 1; softly, as if the lamp were large.
+  float lamp(Float3 place, Float3 to_lamp) const;
+  /// The place above a point of a surface from where the field tells how far away everything else is.
+  Float3 above(Float3 point, Float3 normal) const;
+  /// Of the field; empty if nothing casts shadows.
+  const Lattice& lattice() const { return lattice_; }
 
   /// Bytes of the field and of what computing it takes, for so many triangles and vertices.
   static std::int64_t bytes(std::int64_t triangles, std::int64_t vertices);
 
  private:
-  float distance(Float3 point) const;
+  float distance(Float3 place) const;
 
-  std::vector<float> distances_;  // x fastest; empty: nothing casts shadows
-  Float3 origin_;
-  float spacing_ = 1, thickness_ = 0;
-  int size_[3] = {0, 0, 0};
+  Lattice lattice_;
+  float thickness_ = 0;
+  std::vector<float> distances_;
 };
 
 }  // namespace standoff

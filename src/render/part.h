@@ -2,14 +2,16 @@
 // What a picture is made of: triangles in the unit space, and how they look.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "render/camera.h"
 #include "render/float3.h"
+#include "render/slice_texture.h"
 #include "standoff/axis.h"
-#include "standoff/field.h"
 #include "standoff/mesh_view.h"
 
 namespace standoff {
@@ -29,11 +31,13 @@ struct DrawnPart {
   std::vector<Float3> normals;  ///< unit normals of the vertices; empty: flat
   std::vector<float> values;    ///< a number for each vertex that colors it; empty: `color`
   Float3 color{1, 1, 1};        ///< linear light
-  float opacity = 1;            ///< of a field: where its values are not negative; elsewhere it is opaque
+  float opacity = 1;            ///< of a slice: where its values are not negative; elsewhere it is opaque
   bool lit = true;              ///< false: shown in its color, whatever the light
   bool casts_shadow = true;
-  bool moves = false;                    ///< stands elsewhere in other pictures of the same stage
-  const DistanceField* field = nullptr;  ///< colors each pixel by the field's value there
+  bool moves = false;  ///< stands elsewhere in other pictures of the same stage
+  /// Colors each pixel by a plane's value there, if not null.
+  std::shared_ptr<const SliceTexture> slice;
+  std::vector<std::array<float, 2>> on_slice;  ///< of the vertices: samples to the right and up
   std::vector<char> unused;              ///< 1 for vertices that no triangle uses, which may be anything; empty: none
 
   void use_own() { triangles = own; }

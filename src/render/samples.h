@@ -43,4 +43,21 @@ inline std::span<const SamplePlace> sample_places(int samples) {
   }
 }
 
+/// Calls work with the same places as a span whose length the compiler knows, so that it can compute several at once.
+template <class Work>
+void with_known_count(std::span<const SamplePlace> places, const Work& work) {
+  switch (places.size()) {
+    case 1:
+      return work(places.first<1>());
+    case 2:
+      return work(places.first<2>());
+    case 4:
+      return work(places.first<4>());
+    case 8:
+      return work(places.first<8>());
+    case 16:
+      return work(places.first<16>());
+  }
+}
+
 }  // namespace standoff

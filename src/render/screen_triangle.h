@@ -77,12 +77,12 @@ class DepthPlane {
 
 /// Calls covered(x, y, mask) for each pixel of a range of which the triangle covers samples; bit s of the mask is
 /// sample s. Corners must lie within kMostSubpixels. `Integer` must hold the products of the triangle's sides.
-template <class Integer, class Covered>
+template <class Integer, std::size_t Samples, class Covered>
 void for_covered(const ScreenPoint& a, const ScreenPoint& b, const ScreenPoint& c, const PixelRange& pixels,
-                 std::span<const SamplePlace> places, const Covered& covered) {
+                 std::span<const SamplePlace, Samples> places, const Covered& covered) {
   // An edge's value is twice the signed area of the edge and a point; not negative inside.
   std::array<Integer, 3> row, per_x, per_y, most{};
-  std::array<std::array<Integer, kMostSamples>, 3> step;
+  std::array<std::array<Integer, Samples>, 3> step;
   const std::array<const ScreenPoint*, 4> corner{&a, &b, &c, &a};
   for (std::size_t e = 0; e < 3; ++e) {
     const ScreenPoint &from = *corner[e], &to = *corner[e + 1];
@@ -92,20 +92,19 @@ void for_covered(const ScreenPoint& a, const ScreenPoint& b, const ScreenPoint& 
              dy * (static_cast<Integer>(pixels.left) * kSubpixels - from.x) - (owns_edge ? 0 : 1);
     per_x[e] = -dy * kSubpixels;
     per_y[e] = dx * kSubpixels;
-    for (std::size_t s = 0; s < places.size(); ++s) {
-      step[e][s] = dx * places[s].y - dy * places[s].x;
-      most[e] = s == 0 ? step[e][s] : std::max(most[e], step[e][s]);
-    }
+    for (std::size_t s = 0; s < Samples; ++s) step[e][s] = dx * places[s].y - dy * places[s].x;
+    most[e] = std::ranges::max(step[e]);
   }
   for (std::int32_t y = pixels.top; y <= pixels.bottom; ++y) {
     std::array<Integer, 3> at = row;
     for (std::int32_t x = pixels.left; x <= pixels.right; ++x) {
       // One sign bit tells whether any of the three is negative.
       if (((at[0] + most[0]) | (at[1] + most[1]) | (at[2] + most[2])) >= 0) {
+        std::array<Integer, Samples> inside;
+        for (std::size_t s = 0; s < Samples; ++s)
+          inside[s] = (at[0] + step[0][s]) | (at[1] + step[1][s]) | (at[2] + step[2][s]);
         std::uint32_t mask = 0;
-        for (std::size_t s = 0; s < places.size(); ++s)
-          mask |= static_cast<std::uint32_t>(((at[0] + step[0][s]) | (at[1] + step[1][s]) | (at[2] + step[2][s])) >= 0)
-                  << s;
+        for (std::size_t s = 0; s < Samples; ++s) mask |= static_cast<std::uint32_t>(inside[s] >= 0) << s;
         if (mask != 0) covered(x, y, mask);
       }
       for (std::size_t e = 0; e < 3; ++e) at[e] += per_x[e];
@@ -124,10 +123,13 @@ void for_covered_pixels(const ScreenPoint& a, ScreenPoint b, ScreenPoint c, std:
   // Products of sides up to 2^13 and of distances to pixels, up to 2^13 + 2 * 2^8, stay below 2^31, also their
   // differences.
   constexpr std::int64_t kNarrow = 1 << 13;
-  if (std::int64_t{right} - left <= kNarrow && std::int64_t{bottom} - top <= kNarrow)
-    for_covered<std::int32_t>(a, b, c, pixels, places, covered);
-  else
-    for_covered<std::int64_t>(a, b, c, pixels, places, covered);
+  const bool narrow = std::int64_t{right} - left <= kNarrow && std::int64_t{bottom} - top <= kNarrow;
+  with_known_count(places, [&](auto known) {
+    if (narrow)
+      for_covered<std::int32_t>(a, b, c, pixels, known, covered);
+    else
+      for_covered<std::int64_t>(a, b, c, pixels, known, covered);
+  });
 }
 
 }  // namespace standoff

@@ -64,7 +64,7 @@ std::vector<HalfSpace> kept_by(const Drawing& drawing, const UnitSpace& space, c
   for (const SliceLayer& slice : drawing.slices) {
     if (!slice.cuts) continue;
     const auto along = [&](Float3 p) { return slice.axis == Axis::x ? p.x : slice.axis == Axis::y ? p.y : p.z; };
-    const Vec3 on_plane = plane_of(slice) * Vec3{1, 1, 1};
+    const Vec3 on_plane = position_of(slice) * Vec3{1, 1, 1};
     kept.push_back({slice.axis, along(space.placed(on_plane)), along(camera.to_eye({})) < 0});
   }
   return kept;
@@ -215,9 +215,12 @@ Image Stage::draw_parts(const Camera& camera, const Framing& framing) const {
   const auto places = sample_places(options_.samples);
   const Bins opaque(seen, options_.width, options_.height, places, [](const DrawnPart& p) { return p.opacity >= 1; });
   const Bins clear(seen, options_.width, options_.height, places, [](const DrawnPart& p) { return p.opacity < 1; });
+  const Float3 lamp = to_lamp(camera);
+  const Shadow shadow(*occlusion_, lamp);
   const Scenery scenery{camera,
-                        *space_,
                         *occlusion_,
+                        shadow,
+                        lamp,
                         ramp_,
                         up(),
                         static_cast<float>(1 / std::max(1.0, framing.pixels_per_unit())),

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <optional>
 #include <tuple>
 
 #include "render/srgb.h"
@@ -21,15 +22,33 @@ const SeenPart& TileDrawer::part_of(std::uint32_t triangle) const {
   return *(std::ranges::upper_bound(parts_, triangle, {}, &SeenPart::first) - 1);
 }
 
-// Calls covered(x, y, mask, plane) for each pixel of the tile of which a triangle covers samples.
+// Whether all samples of some pixels show something nearer already. Looks at a few pixels only: small triangles are many,
+// and of large ones something is usually seen.
+bool TileDrawer::hides(const PixelRange& pixels, float nearest) const {
+  constexpr int kFew = 3;
+  if (pixels.right - pixels.left >= kFew || pixels.bottom - pixels.top >= kFew) return false;
+  for (int y = pixels.top; y <= pixels.bottom; ++y) {
+    const float* depth = depths_.data() + pixel(pixels.left, y) * places_.size();
+    const float* const end = depths_.data() + (pixel(pixels.right, y) + 1) * places_.size();
+    for (; depth != end; ++depth)
+      if (nearest > *depth) return false;
+  }
+  return true;
+}
+
+// Calls covered(x, y, mask, plane) for each pixel of the tile of which a triangle covers samples that may show it.
 template <class Covered>
 void TileDrawer::for_pixels_of(const SeenPart& part, std::uint32_t triangle, const Covered& covered) const {
   const Triangle v = part.part->triangles[triangle];
   const ScreenPoint &a = part.points[v[0]], &b = part.points[v[1]], &c = part.points[v[2]];
+  const PixelRange pixels = pixels_of(a, b, c, places_box_).within(range_);
+  if (hides(pixels, std::max({a.depth, b.depth, c.depth}))) return;
   const std::int64_t area = twice_area(a, b, c);
-  const DepthPlane plane(a, b, c, area);
-  for_covered_pixels(a, b, c, area, pixels_of(a, b, c, places_box_).within(range_), places_,
-                     [&](int x, int y, std::uint32_t mask) { covered(x, y, mask, plane); });
+  std::optional<DepthPlane> plane;  // most small triangles cover no sample
+  for_covered_pixels(a, b, c, area, pixels, places_, [&](int x, int y, std::uint32_t mask) {
+    if (!plane) plane.emplace(a, b, c, area);
+    covered(x, y, mask, *plane);
+  });
 }
 
 void TileDrawer::find_nearest(const Bins& opaque, int tile) {

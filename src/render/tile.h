@@ -31,6 +31,7 @@ class TileDrawer {
 
   template <class Covered>
   void for_pixels_of(const SeenPart& part, std::uint32_t triangle, const Covered& covered) const;
+  bool hides(const PixelRange& pixels, float nearest) const;
   void find_nearest(const Bins& opaque, int tile);
   void find_fragments(const Bins& clear, int tile);
   void color_pixels(const Scenery& scenery, Image& image);
