@@ -44,9 +44,9 @@ nlohmann::json run(const Workload& work, Settings settings) {
     field = bench::signed_field(work);
     drawing.slices.push_back({.field = &field, .axis = Axis::z});
   }
-  const std::filesystem::path folder =
-      settings.save.empty() ? std::filesystem::temp_directory_path() / "standoff_bench_render"
-                            : std::filesystem::path(settings.save);
+  const std::filesystem::path folder = settings.save.empty()
+                                           ? std::filesystem::temp_directory_path() / "standoff_bench_render"
+                                           : std::filesystem::path(settings.save);
   std::filesystem::create_directories(folder);
   if (!settings.save.empty()) save(work, field, folder);
 

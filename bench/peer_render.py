@@ -102,6 +102,7 @@ class Vtk:
         camera.Azimuth(35)
         camera.Elevation(25)
         self.renderer.ResetCamera()
+        camera.Zoom(1.5)  # as large in the picture as standoff draws it
         self.write("vtk.png")
 
     def turn(self, number):
@@ -140,13 +141,14 @@ class Polyscope:
             sys.exit(3)  # only meshes are asked of it
         self.ps.remove_all_structures()
         self.ps.register_surface_mesh("mesh", vertices, triangles)
-        self.centre, self.size = vertices.mean(axis=0), np.ptp(vertices, axis=0).max()
+        self.centre = (vertices.min(axis=0) + vertices.max(axis=0)) / 2
+        self.size = np.ptp(vertices, axis=0).max()
         self.look(35)
         self.write("polyscope.png")
 
     def look(self, degrees):
         angle = np.radians(degrees)
-        eye = self.centre + 1.8 * self.size * np.array([np.sin(angle), 0.45, np.cos(angle)])
+        eye = self.centre + 1.15 * self.size * np.array([np.sin(angle), 0.45, np.cos(angle)])
         self.ps.look_at(eye, self.centre)
 
     def turn(self, number):

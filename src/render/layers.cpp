@@ -141,10 +141,11 @@ void add_slices(const Drawing& drawing, const UnitSpace& space, std::vector<Draw
     for (const std::int64_t up : {std::int64_t{0}, plane.height - 1})
       for (const std::int64_t right : {std::int64_t{0}, plane.width - 1}) {
         part.on_slice.push_back({static_cast<float>(right), static_cast<float>(up)});
-        part.places.push_back(space.placed(
-            slice.field->grid().position(slice.axis == Axis::x ? plane.index : right,
-                                         slice.axis == Axis::y ? plane.index : slice.axis == Axis::x ? right : up,
-                                         slice.axis == Axis::z ? plane.index : up)));
+        part.places.push_back(space.placed(slice.field->grid().position(slice.axis == Axis::x ? plane.index : right,
+                                                                        slice.axis == Axis::y   ? plane.index
+                                                                        : slice.axis == Axis::x ? right
+                                                                                                : up,
+                                                                        slice.axis == Axis::z ? plane.index : up)));
       }
     part.own = {{0, 1, 2}, {1, 3, 2}};
     part.use_own();

@@ -83,8 +83,8 @@ Shader::Seen Shader::of_slice(const SeenPart& part, const Triangle& v, float x, 
   if (!(scenery_.contour_step > 0) || !(per_pixel > 0) || std::abs(edge) > slice.thickness()) return seen;
   const double line = std::round(value / scenery_.contour_step);
   const double away = std::abs(value - line * scenery_.contour_step) / per_pixel;
-  const float covered = line == 0 ? kZeroShare * covered_by_line(away, kZeroLine / 2)
-                                  : kLineShare * covered_by_line(away, kLine / 2);
+  const float covered =
+      line == 0 ? kZeroShare * covered_by_line(away, kZeroLine / 2) : kLineShare * covered_by_line(away, kLine / 2);
   // A line is as opaque as it is dark, where the rest is see-through.
   return {seen.color * (1 - covered), std::max(opacity, covered)};
 }

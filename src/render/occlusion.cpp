@@ -11,7 +11,7 @@ namespace {
 constexpr std::int64_t kSamples = 96;  // along the longest side: shadows and creases of 1/50 of the scene
 // Triangles smaller than this, in the unit space, are thinned out: a quarter of the spacing in a scene of usual shape.
 constexpr float kSmall = 0.004F;
-constexpr float kReach = 12;           // thickness of the band in spacings: how far a crease darkens
+constexpr float kReach = 12;  // thickness of the band in spacings: how far a crease darkens
 // Nearer than this to a surface the interpolated field says little about it, in spacings.
 constexpr float kLeave = 1.5F;
 

@@ -38,7 +38,7 @@ struct DrawnPart {
   /// Colors each pixel by a plane's value there, if not null.
   std::shared_ptr<const SliceTexture> slice;
   std::vector<std::array<float, 2>> on_slice;  ///< of the vertices: samples to the right and up
-  std::vector<char> unused;              ///< 1 for vertices that no triangle uses, which may be anything; empty: none
+  std::vector<char> unused;  ///< 1 for vertices that no triangle uses, which may be anything; empty: none
 
   void use_own() { triangles = own; }
   bool is_used(std::size_t vertex) const { return unused.empty() || !unused[vertex]; }

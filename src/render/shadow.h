@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The shadow of a lamp: how much of its light passes, found once for each sample of the occluders' lattice that a picture
-// asks for.
+// The shadow of a lamp: how much of its light passes, found once for each sample of the occluders' lattice that a
+// picture asks for.
 #pragma once
 
 #include <vector>

@@ -12,9 +12,7 @@ namespace {
 constexpr std::uint32_t kLarge = 0xFFFFFFFF;  // no cube's number
 
 bool is_small(Float3 a, Float3 b, Float3 c, float size) {
-  const auto within = [size](float p, float q, float r) {
-    return std::max({p, q, r}) - std::min({p, q, r}) < size;
-  };
+  const auto within = [size](float p, float q, float r) { return std::max({p, q, r}) - std::min({p, q, r}) < size; };
   return within(a.x, b.x, c.x) && within(a.y, b.y, c.y) && within(a.z, b.z, c.z);
 }
 

@@ -22,8 +22,8 @@ const SeenPart& TileDrawer::part_of(std::uint32_t triangle) const {
   return *(std::ranges::upper_bound(parts_, triangle, {}, &SeenPart::first) - 1);
 }
 
-// Whether all samples of some pixels show something nearer already. Looks at a few pixels only: small triangles are many,
-// and of large ones something is usually seen.
+// Whether all samples of some pixels show something nearer already. Looks at a few pixels only: small triangles are
+// many, and of large ones something is usually seen.
 bool TileDrawer::hides(const PixelRange& pixels, float nearest) const {
   constexpr int kFew = 3;
   if (pixels.right - pixels.left >= kFew || pixels.bottom - pixels.top >= kFew) return false;

@@ -19,6 +19,7 @@ import field_files  # noqa: E402
 import harness  # noqa: E402
 import output_quotes  # noqa: E402
 import peer_points  # noqa: E402
+import pictures  # noqa: E402
 import points  # noqa: E402
 import quotes  # noqa: E402
 import sidecar_costs  # noqa: E402
@@ -172,6 +173,12 @@ class Tables(unittest.TestCase):
         text = printed(field_files.run, Pretended({"files": 1, "openvdb_files": 2}), {"files": [job]}, True, None, None, "nowhere")
         self.assertRegex(text, r"vdb \| standoff \| 1\.0000 \| 2\.0000 \| 0\.0 \| 2 \| 1 \|.*10 s, 1 MB \| no \|")
         self.assertRegex(text, r"vdb \| openvdb_files, zip \| .* 2\.00x \| 2\.00x \|")
+
+    def test_pictures(self):
+        job = {"pictures": [{"name": "box", "what": "a box", "size": "64x48", "at_most": "1.5 s", "goal": "0.5 s", "args": []}], "rounds": 1}
+        text = printed(pictures.run, Pretended({"render": 0.5}), {"render": job}, True, None, None, "nowhere")
+        self.assertIn("| a box | standoff | 0.500 |", text)
+        self.assertIn("1.5 s | 0.5 s |", text)
 
     def test_sidecars(self):
         job = {"fields": [{"name": "band", "what": "a band", "args": []}], "most": 15, "goal": 5, "rounds": 1}

@@ -92,7 +92,7 @@ TEST(ScreenTriangle, NarrowAndWideIntegersAgree) {
   for (int n = 0; n < 200; ++n) {
     const ScreenPoint a{number(), number(), 1}, b{number(), number(), 1}, c{number(), number(), 1};
     if (twice_area(a, b, c) <= 0) continue;
-    const auto places = sample_places(16);
+    const auto places = sample_places(16).first<16>();
     const PixelRange range = pixels_of(a, b, c, box_of(places));
     std::vector<std::uint32_t> narrow, wide;
     for_covered<std::int32_t>(a, b, c, range, places, [&](int x, int y, std::uint32_t m) {
