@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "render/lattice.h"
 #include "render/part.h"
+#include "render/unit_lattice.h"
 #include "standoff/grid.h"
 
 namespace standoff {
@@ -23,7 +23,7 @@ class Occlusion {
   /// The place above a point of a surface from where the field tells how far away everything else is.
   Float3 above(Float3 point, Float3 normal) const;
   /// Of the field; empty if nothing casts shadows.
-  const Lattice& lattice() const { return lattice_; }
+  const UnitLattice& lattice() const { return lattice_; }
 
   /// Bytes of the field and of what computing it takes, for so many triangles and vertices.
   static std::int64_t bytes(std::int64_t triangles, std::int64_t vertices);
@@ -31,7 +31,7 @@ class Occlusion {
  private:
   float distance(Float3 place) const;
 
-  Lattice lattice_;
+  UnitLattice lattice_;
   float thickness_ = 0;
   std::vector<float> distances_;
 };

@@ -19,7 +19,7 @@ float Shadow::at_sample(std::size_t sample) const {
 }
 
 float Shadow::passing(Float3 point, Float3 normal) const {
-  const Lattice& lattice = occlusion_.lattice();
+  const UnitLattice& lattice = occlusion_.lattice();
   const auto cell = lattice.cell(occlusion_.above(point, normal));
   if (!cell) return 1;
   return lattice.interpolate(*cell, [&](std::size_t sample) { return at_sample(sample); });

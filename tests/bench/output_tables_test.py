@@ -106,7 +106,7 @@ class Pretended(harness.Drivers):
             np.full(5, np.sqrt(3)).tofile(options["--answers"])
         one = self.seconds[driver]
         line = {"driver": driver, "triangles": 12, "points": 5, "bytes": 1000, "memory_peak": 2e6, "memory_before": 1e6, "surface_triangles": 12}
-        for name in ("build", "given", "morton", "bounded", "iso", "write", "band", "nearest", *sidecar_costs.KINDS[1:]):
+        for name in ("build", "given", "morton", "bounded", "iso", "write", "band", "nearest", "first", "turns", *sidecar_costs.KINDS[1:]):
             if driver != "points" or name in ("build", "given"):
                 line |= {f"{name}_s": one, f"{name}_cpu_s": 2 * one}
         return [line]

@@ -9,7 +9,7 @@
 
 namespace standoff {
 
-struct Lattice {
+struct UnitLattice {
   Float3 origin;
   float spacing = 1;
   std::size_t size[3] = {0, 0, 0};  ///< x, the fastest, y and z
