@@ -47,7 +47,9 @@ void FlightShow::fly() {
     {
       std::unique_lock lock(showing_);
       if (watchers_ == 0) {
-        changed_.wait(lock, [this] { return stop_ || watchers_ > 0; });
+        // Not wait(), which asks for a newer libstdc++ than all else does (docs/python_packaging.md).
+        while (!changed_.wait_for(lock, std::chrono::hours(1), [this] { return stop_ || watchers_ > 0; })) {
+        }
         next = last = Clock::now();
       }
       changed_.wait_until(lock, next, [this] { return stop_; });
