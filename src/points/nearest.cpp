@@ -157,7 +157,8 @@ class Block {
     Box box;
     for (int n = 0; n < group.count; ++n) {
       const Vec3 world = points_[static_cast<std::size_t>(range.begin + n)];
-      group.world[n][0] = world.x, group.world[n][1] = world.y, group.world[n][2] = world.z;
+      group.at[n][0] = world.x * group.scale, group.at[n][1] = world.y * group.scale;
+      group.at[n][2] = world.z * group.scale, group.at[n][3] = 0;
       box.include(index_.local(world));
     }
     const Vec3 middle = box.min + (box.max - box.min) * 0.5;
@@ -177,9 +178,8 @@ class Block {
     group.center[3] = 0;
     const int lanes = (group.count + kLanes - 1) / kLanes * kLanes;
     for (int n = 0; n < lanes; ++n) {
-      const double(&world)[3] = group.world[std::min(n, group.count - 1)];
-      for (int axis = 0; axis < 3; ++axis)
-        group.local[axis][n] = static_cast<float>(world[axis] * group.scale - group.center[axis]);
+      const double(&at)[4] = group.at[std::min(n, group.count - 1)];
+      for (int axis = 0; axis < 3; ++axis) group.local[axis][n] = static_cast<float>(at[axis] - group.center[axis]);
       group.upper_sq[n] = std::numeric_limits<float>::infinity();
       group.nearest_sq[n] = std::numeric_limits<double>::infinity();
       group.nearest[n] = kNoTriangle;

@@ -2,6 +2,7 @@
 #include "field/cpu/candidate_culling.h"
 
 #include <algorithm>
+#include <array>
 
 namespace standoff::cpu {
 namespace {
@@ -169,33 +170,52 @@ bool CandidateCulling::is_crowded(const BoxList& list, const CellTarget& tile) c
 }
 
 SurfacePoints CandidateCulling::points_of(const CullCell& samples, const BoxArrays& list) const {
+  constexpr int kLatticePoints = kLatticeSide * kLatticeSide * kLatticeSide;
   float at[3][kLatticeSide];
   for (int axis = 0; axis < 3; ++axis)
     for (int n = 0; n < kLatticeSide; ++n)
       at[axis][n] = samples.center[axis] + static_cast<float>(n - 1) * samples.half[axis];
-  std::uint32_t nearest[kLatticeSide * kLatticeSide * kLatticeSide];
+  std::uint32_t nearest[kLatticePoints];
   kernels_.nearest_to_lattice(list, at, nearest);
   SurfacePoints points;
-  for (int z = 0, n = 0; z < kLatticeSide; ++z)
-    for (int y = 0; y < kLatticeSide; ++y)
-      for (int x = 0; x < kLatticeSide; ++x, ++n)
-        surface_point(list.entry[nearest[n]], {at[0][x], at[1][y], at[2][z]}, points.at[z][y][x]);
+  for (int first = 0; first < kLatticePoints; first += TriangleLanes::kCount) {
+    TriangleLanes lanes;
+    const auto place = [&](int lane) {  // past the end, the last one again
+      const int n = std::min(first + lane, kLatticePoints - 1);
+      return std::array{n % kLatticeSide, n / kLatticeSide % kLatticeSide, n / (kLatticeSide * kLatticeSide)};
+    };
+    for (int lane = 0; lane < TriangleLanes::kCount; ++lane) {
+      const auto [x, y, z] = place(lane);
+      const std::uint32_t box = nearest[std::min(first + lane, kLatticePoints - 1)];
+      set_triangle(near_triangle(list.entry[box], {at[0][x], at[1][y], at[2][z]}), lane, lanes);
+      lanes.at[0][lane] = at[0][x], lanes.at[1][lane] = at[1][y], lanes.at[2][lane] = at[2][z];
+    }
+    kernels_.nearest_on_triangles(lanes);
+    for (int lane = 0; lane < TriangleLanes::kCount; ++lane) {
+      const auto [x, y, z] = place(lane);
+      for (int axis = 0; axis < 3; ++axis) points.at[z][y][x][axis] = static_cast<float>(lanes.at[axis][lane]);
+    }
+  }
   return points;
 }
 
-// A point of the surface near `at`: the closest point of a triangle found by following the nearest boxes down.
-void CandidateCulling::surface_point(std::uint32_t entry, const float (&at)[3], float (&point)[3]) const {
+// A triangle near `at`: the one found by following the nearest boxes down.
+std::uint32_t CandidateCulling::near_triangle(std::uint32_t entry, const float (&at)[3]) const {
   while (clusters_.is_pack(entry)) {
     const PackContents pack = clusters_.contents(entry);
     entry = pack.first + static_cast<std::uint32_t>(kernels_.nearest_in_pack(pack, at));
   }
-  double corner[3][3];
+  return clusters_.triangle(entry);
+}
+
+void CandidateCulling::set_triangle(std::uint32_t triangle, int lane, TriangleLanes& lanes) const {
+  const double(&center)[3] = clusters_.center();
   for (int k = 0; k < 3; ++k) {
-    const Vec3 v = job_.mesh.corner(clusters_.triangle(entry), k) * lattice_.scale;
-    const double(&center)[3] = clusters_.center();
-    corner[k][0] = v.x - center[0], corner[k][1] = v.y - center[1], corner[k][2] = v.z - center[2];
+    const Vec3 v = job_.mesh.corner(triangle, k) * lattice_.scale;
+    lanes.corner[k][0][lane] = v.x - center[0];
+    lanes.corner[k][1][lane] = v.y - center[1];
+    lanes.corner[k][2][lane] = v.z - center[2];
   }
-  kernels_.nearest_on_triangle(corner, at, point);
 }
 
 CrowdedCell CandidateCulling::crowded_cell(const Brick& brick, const Cell& cell, const BoxArrays& boxes) const {

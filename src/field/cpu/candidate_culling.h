@@ -110,7 +110,8 @@ class CandidateCulling {
 
  private:
   bool take_large(std::int64_t first, float largest, BoxList& list, std::vector<PackContents>& packs) const;
-  void surface_point(std::uint32_t entry, const float (&at)[3], float (&point)[3]) const;
+  std::uint32_t near_triangle(std::uint32_t entry, const float (&at)[3]) const;
+  void set_triangle(std::uint32_t triangle, int lane, TriangleLanes& lanes) const;
 
   const Job& job_;
   const BlockLattice& lattice_;

@@ -45,6 +45,13 @@ struct References {
   int count = 0;
 };
 
+/// Eight triangles and a point beside each, all relative to the same point: corner, axis, lane.
+struct TriangleLanes {
+  static constexpr int kCount = 8;
+  alignas(64) double corner[3][3][kCount];
+  alignas(64) double at[3][kCount];
+};
+
 /// Points per axis of the lattice that halves a cell: its faces and its middle.
 inline constexpr int kLatticeSide = 3;
 
@@ -62,8 +69,8 @@ struct Kernels {
   /// For each point of a lattice, x fastest, the position in the list of the box whose centre is nearest. Requires one
   /// box at least.
   void (*nearest_to_lattice)(const BoxArrays&, const float (&at)[3][kLatticeSide], std::uint32_t* nearest);
-  /// The point of a triangle nearest to `at`, all relative to the same point, rounded.
-  void (*nearest_on_triangle)(const double (&corner)[3][3], const float (&at)[3], float (&point)[3]);
+  /// Replaces points by the points of triangles that are nearest to them.
+  void (*nearest_on_triangles)(TriangleLanes&);
   /// The position in the pack of the box whose centre is nearest to the point.
   int (*nearest_in_pack)(const PackContents&, const float* point);
   /// Adds to `kept`, which has the room, the boxes within the cell's reach that may hold a point nearer to some of its

@@ -52,7 +52,7 @@ struct PointGroup {
   float half[3];                      ///< half of their box, rounded up
   alignas(64) float local[3][kMost];  ///< relative to the center; axis, point
   alignas(64) float upper_sq[kMost];  ///< what the squared distance is at most
-  double world[kMost][3];             ///< world units
+  alignas(32) double at[kMost][4];    ///< grid units; the fourth is zero
   double nearest_sq[kMost];           ///< squared distance in double, grid units; infinite before
   std::uint32_t nearest[kMost];       ///< its triangle
   std::uint32_t start = 0;            ///< a pack of level 0 near which to begin

@@ -5,6 +5,7 @@
 #include "field/cpu/box_arrays.h"
 #include "field/cpu/kernels/target.inl"
 #include "geometry/triangle_distance.h"
+#include "simd/points.inl"
 
 namespace standoff::cpu::STANDOFF_TARGET {
 namespace {
@@ -55,22 +56,20 @@ void nearest_to_lattice(const BoxArrays& boxes, const float (&at)[3][kLatticeSid
   }
 }
 
-void nearest_on_triangle(const double (&corner)[3][3], const float (&at)[3], float (&point)[3]) {
-  const auto off = [&](int n) __attribute__((always_inline)) {
-    return Triple<double>{corner[n][0] - at[0], corner[n][1] - at[1], corner[n][2] - at[2]};
+void nearest_on_triangles(TriangleLanes& lanes) {
+  const DoublePoint at = load_points(lanes.at);
+  const DoublePoint a = load_points(lanes.corner[0]) - at, b = load_points(lanes.corner[1]) - at,
+                    c = load_points(lanes.corner[2]) - at;
+  DoublePoint best = nearest_on_edge(a, b);
+  const auto look = [&](const DoubleMask& where, const DoublePoint& q) __attribute__((always_inline)) {
+    best = select(where & less(dot(q, q), dot(best, best)), q, best);
   };
-  const Triple<double> a = off(0), b = off(1), c = off(2);
-  Triple<double> best = nearest_on_edge(a, b);
-  const auto look = [&](const Triple<double>& q) __attribute__((always_inline)) {
-    if (dot(q, q) < dot(best, best)) best = q;
-  };
-  look(nearest_on_edge(b, c));
-  look(nearest_on_edge(c, a));
-  const NearestInside<double> inside = nearest_inside(a, b, c);
-  if (inside.least > 0) look(point_inside(inside, a, b, c));
-  point[0] = static_cast<float>(best.x + at[0]);
-  point[1] = static_cast<float>(best.y + at[1]);
-  point[2] = static_cast<float>(best.z + at[2]);
+  const DoubleMask always = less(WideDouble(0), WideDouble(1));
+  look(always, nearest_on_edge(b, c));
+  look(always, nearest_on_edge(c, a));
+  const NearestInside<WideDouble> inside = nearest_inside(a, b, c);
+  look(less(WideDouble(0), inside.least), point_inside(inside, a, b, c));
+  store_points(best + at, lanes.at);
 }
 
 int nearest_in_pack(const PackContents& pack, const float* point) {

@@ -13,20 +13,18 @@ STANDOFF_INLINE void compare_pairs(const PackTree& tree, PointGroup& points, Poi
   constexpr int kPairs = WideDouble::kLanes;
   const int pairs = table.pair_count;
   for (int first = 0; first < pairs; first += kPairs) {
-    alignas(64) double corner[3][3][kPairs];
+    alignas(64) double rows[3][kPairs][4];
     for (int lane = 0; lane < kPairs; ++lane) {
       const PointTable::Pair& pair = table.pairs[first + lane < pairs ? first + lane : pairs - 1];
-      const double(&p)[3] = points.world[pair.point];
       const std::uint32_t triangle = tree.index[pair.place];
-      for (int which = 0; which < 3; ++which) {
-        const double* const at = corner_of(tree, triangle, which);
-        for (int axis = 0; axis < 3; ++axis) corner[which][axis][lane] = at[axis] - p[axis];
-      }
+      for (int which = 0; which < 3; ++which)
+        store_local(rows[which][lane], corner_of(tree, triangle, which), points.scale, points.at[pair.point]);
     }
-    const WideDouble scale(points.scale);
-    const auto scaled = [&](int which) __attribute__((always_inline)) { return load_points(corner[which]) * scale; };
+    const auto corner = [&](int which) __attribute__((always_inline)) {
+      return DoublePoint{load_column(rows[which], 0), load_column(rows[which], 1), load_column(rows[which], 2)};
+    };
     alignas(64) double sq[kPairs];
-    origin_distance_sq(scaled(0), scaled(1), scaled(2)).store(sq);
+    origin_distance_sq(corner(0), corner(1), corner(2)).store(sq);
     for (int lane = 0; lane < kPairs && first + lane < pairs; ++lane) {
       const PointTable::Pair& pair = table.pairs[first + lane];
       const std::uint32_t triangle = tree.index[pair.place];

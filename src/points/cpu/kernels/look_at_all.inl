@@ -117,7 +117,7 @@ void look_at_all(const PackTree& tree, PointGroup& points, PointTable& table) {
   for (int n = 0; n < points.count; ++n) {
     OnePoint p;
     for (int axis = 0; axis < 3; ++axis) {
-      p.local[axis] = points.world[n][axis] * points.scale - (points.center[axis] - points.middle[axis]);
+      p.local[axis] = points.at[n][axis] - (points.center[axis] - points.middle[axis]);
       p.at[axis] = static_cast<float>(p.local[axis]);
     }
     p.upper_sq = __builtin_inff();
