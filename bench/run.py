@@ -17,6 +17,7 @@
   run.py python          the Python package beside Open3D, libigl, FCPW and others (STANDOFF_PEER_PYTHON)
   run.py quote           the documentation's tables of collision queries, written again from the CSV file
   run.py fly             the fly in the labyrinth: Figure 5.5 of the thesis, and what both modes miss
+  run.py view            pages in a browser: size, first picture, frames a second, live fields, flights
 Tables go to stdout, progress to stderr, CSV files to bench/results/<machine>/."""
 
 import argparse
@@ -41,7 +42,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", nargs="?", default="contests",
                         choices=["contests", "scaling", "thesis", "collision", "terrains", "sign", "points", "iso", "files", "sidecars", "render", "python",
-                                 "quote", "fly"])
+                                 "quote", "fly", "view"])
     parser.add_argument("--peers", action="store_true", help="run the peers too (built with STANDOFF_BENCH_PEERS)")
     parser.add_argument("--build", default=str(BENCH.parent / "build" / "bench"), help="build folder of the drivers")
     parser.add_argument("--only", help="workloads or tables whose name holds this; nothing is written then")
@@ -67,6 +68,8 @@ def main():
         return importlib.import_module("python_package").run(workloads["python"], arguments.only, arguments.note, arguments.build)
     if arguments.what == "fly":
         return fly.run(workloads, arguments.build)
+    if arguments.what == "view":  # needs a browser
+        return importlib.import_module("view").run(arguments.build, arguments.only, arguments.rounds, arguments.note)
     if arguments.what in ("collision", "terrains"):
         if arguments.what == "terrains" and not arguments.peers:
             parser.error("terrains needs --peers")

@@ -17,7 +17,7 @@ std::string packed_blob(JsonObject header, const std::vector<Section>& sections,
   for (int byte = 0; byte < 4; ++byte) whole += static_cast<char>(text.size() >> (8 * byte));
   whole += text;
   for (const Section& section : sections) whole += section.bytes;
-  return zlib_packed(whole, compression);
+  return compression == 0 ? whole : zlib_packed(whole, compression);
 }
 
 }  // namespace standoff::page

@@ -105,6 +105,17 @@ std::string coded_values(const CodedField& field) {
   return bytes;
 }
 
+// As they are, for readers that wait: little endian, 16 bits.
+std::string plain_values(const CodedField& field) {
+  std::string bytes(2 * field.codes.size(), '\0');
+  for (std::size_t n = 0; n < field.codes.size(); ++n) {
+    const auto code = static_cast<std::uint16_t>(field.codes[n]);
+    bytes[2 * n] = static_cast<char>(code & 255);
+    bytes[2 * n + 1] = static_cast<char>(code >> 8);
+  }
+  return bytes;
+}
+
 // A sample's triangle is often that of the sample before it along x, y or z; where two of these agree, theirs.
 std::string coded_nearest(const CodedField& field) {
   std::string bytes;
@@ -220,9 +231,10 @@ std::string field_blob(const PageField& field, const PageOptions& options, PageI
       .add("mesh_hash", from.mesh_hash == 0 ? "null" : json_string(hash_text(from.mesh_hash)))
       .add("stored", json_number(made.stored))
       .add("nearest", json_bool(given.has_nearest()));
-  std::string bytes =
-      packed_blob(header, {{"tiles", made.tiles}, {"values", coded_values(made)}, {"nearest", coded_nearest(made)}},
-                  options.compression);
+  const bool plain = options.compression == 0;
+  std::vector<Section> sections{{"tiles", made.tiles}, {"nearest", coded_nearest(made)}};
+  sections.push_back(plain ? Section{"plain", plain_values(made)} : Section{"values", coded_values(made)});
+  std::string bytes = packed_blob(header, sections, options.compression);
   if (held)
     *held = {.name = field.name,
              .bytes = static_cast<std::int64_t>(bytes.size()),

@@ -109,6 +109,22 @@ TEST(Page, FieldIsTheSameWithinAStep) {
   }
 }
 
+// For pages that wait for a field: what they unpack else is there as it is.
+TEST(Page, WithoutCompressionValuesArePlain) {
+  const Mesh mesh = scenes::make("bender");
+  const DistanceField field = compute(mesh, fit_samples(bounds(mesh), 20, 0.3), 0.3, {}).field;
+  const std::string bytes = page_data(PageField{"bender", &field}, {.compression = 0});
+  const page::CodedField held = page::coded_field(field, {});
+  ASSERT_EQ(bytes.substr(0, 4), "SOPG");
+  ASSERT_GT(held.codes.size(), 0u);
+  ASSERT_GT(bytes.size(), 2 * held.codes.size());
+  for (std::size_t n = 0; n < held.codes.size(); ++n) {  // the last section
+    const std::size_t at = bytes.size() - 2 * (held.codes.size() - n);
+    const int low = static_cast<unsigned char>(bytes[at]), high = static_cast<signed char>(bytes[at + 1]);
+    ASSERT_EQ(256 * high + low, held.codes[n]) << n;
+  }
+}
+
 TEST(Page, LargeFieldsAreThinned) {
   const Mesh mesh = scenes::make("bender");
   const DistanceField field = compute(mesh, fit_samples(bounds(mesh), 60), kFullField).field;

@@ -11,10 +11,14 @@ export function fromBase64(text) {
 
 /// The header of a packed mesh or field, with a function that gives the bytes of a section.
 export async function unpacked(packed) {
-  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream('deflate'));
-  const bytes = new Uint8Array(await new Response(stream).arrayBuffer());
-  if (String.fromCharCode(...bytes.subarray(0, 4)) !== 'SOPG') throw new Error('this is no data of a standoff page');
-  const headerBytes = new DataView(bytes.buffer).getUint32(4, true);
+  let bytes = packed instanceof ArrayBuffer ? new Uint8Array(packed) : packed;
+  const isPlain = () => String.fromCharCode(...bytes.subarray(0, 4)) === 'SOPG';  // as no zlib stream begins
+  if (!isPlain()) {
+    const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream('deflate'));
+    bytes = new Uint8Array(await new Response(stream).arrayBuffer());
+  }
+  if (!isPlain()) throw new Error('this is no data of a standoff page');
+  const headerBytes = new DataView(bytes.buffer, bytes.byteOffset).getUint32(4, true);
   const header = JSON.parse(new TextDecoder().decode(bytes.subarray(8, 8 + headerBytes)));
   let at = 8 + headerBytes;
   const sections = new Map();

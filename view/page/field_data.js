@@ -11,7 +11,8 @@ export class FieldData {
   constructor({header, section}) {
     Object.assign(this, header);
     this.tileCount = this.size.map(n => Math.ceil(n / kSide));
-    this.codes = valuesOf(section('values'), this.stored);
+    const plain = section('plain');
+    this.codes = plain ? new Int16Array(plain.slice().buffer) : valuesOf(section('values'), this.stored);
     this.triangles = this.nearest ? nearestOf(section('nearest'), kSamples * this.stored) : null;
     const kinds = section('tiles');
     this.slots = new Int32Array(kinds.length);

@@ -8,9 +8,11 @@ const kNone = 65504, kMost = 100;
 const kMostDense = 1 << 24;
 const kSlot = 9;  // samples of a tile with the first of the next: cells are interpolated within a slot
 
+const float = new Float32Array(1), floatBits = new Uint32Array(float.buffer);
 /// The nearest half float's bits.
 export function halfOf(value) {
-  const bits = new Uint32Array(Float32Array.of(value).buffer)[0];
+  float[0] = value;
+  const bits = floatBits[0];
   const sign = bits >>> 16 & 0x8000, exponent = (bits >>> 23 & 255) - 112, fraction = bits & 0x7fffff;
   if (exponent >= 31) return sign | 0x7bff;
   if (exponent <= 0) {

@@ -5,12 +5,12 @@ import {grouped, shown} from './colors.js';
 import {element} from './controls.js';
 import {kinds} from './embedded.js';
 import {FrameReader, Recording} from './flight_data.js';
-import {FlightLayer, kNearColors} from './flight_layer.js';
+import {FlightLayer, kNearColors, segmentRoom} from './flight_layer.js';
 import {MeshData} from './mesh_data.js';
 import {clamp} from './vec.js';
 
 const kFlash = 0.18;      // seconds that a contact is seen
-const kMostPoints = 20000;  // of all paths together
+const kMostPoints = 8000;   // of all paths together
 const kLeastPoints = 40;    // of one
 const kMostMarks = 400;
 
@@ -86,7 +86,7 @@ class FlightView {
     const {center, scale} = this.viewer.scene, {far, length} = this.header, near = d => clamp(d / far, 0, 1);
     const numbers = new Float32Array(6 * this.bodies.length);
     const count = this.bodies.reduce((sum, body) => sum + body.points.length, 3 * this.marks.length);
-    const segments = new Float32Array(10 * count);
+    const segments = segmentRoom(count);
     let end = 0;
     const put = (out, at, p, w) => {
       for (let k = 0; k < 3; ++k) out[at + k] = (p[k] - center[k]) * scale;
@@ -97,7 +97,7 @@ class FlightView {
       put(segments, end + 4, b, nearB);
       segments[end + 8] = strongA;
       segments[end + 9] = strongB;
-      end += 10;
+      end += 12;
     };
     this.bodies.forEach(({points, last, now, flashed}, n) => {
       const at = now.at.map((v, k) => last.at[k] + (v - last.at[k]) * share);
@@ -115,7 +115,7 @@ class FlightView {
         const ends = [-1, 1].map(side => mark.map((v, k) => v + (k === axis ? side * 0.3 * length : 0)));
         segment(ends[0], 0, ends[1], 0, -1, -1);
       }
-    this.layer.set(numbers, segments);
+    this.layer.set(numbers, segments, count);
     this.viewer.changed();
   }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Draws flying bodies with the field around them, and the paths that they took.
-import {makeBuffer, makeProgram} from './gl.js';
+import {makeArray, makeBuffer, makeProgram} from './gl.js';
 import {normalsOf} from './normals.js';
 import {kLightShader} from './shaders.js';
 
@@ -57,22 +57,27 @@ void main() {
   }
 }`;
 
+const kSegmentsPerRow = 256;  // of the texture
+// Six corners a segment. Segments lie in a texture: to draw an instance of four corners for each is many times slower where
+// there is no graphics card.
 const kPathVertex = `
-layout(location = 0) in vec4 from;  // scene units, and how near a wall
-layout(location = 1) in vec4 to;
-layout(location = 2) in vec2 fade;  // at both ends; below 0: a mark
+uniform highp sampler2D segments;   // three texels each
 uniform mat4 camera;
 uniform vec2 pixels;
 uniform float width;
 out vec3 shade;                     // how near; how faded; across
 void main() {
+  int segment = gl_VertexID / 6, corner = gl_VertexID % 6;
+  ivec2 texel = ivec2(3 * (segment % ${kSegmentsPerRow}), segment / ${kSegmentsPerRow});
+  vec4 from = texelFetch(segments, texel, 0), to = texelFetch(segments, texel + ivec2(1, 0), 0);  // scene units, and how near a wall
+  vec2 fade = texelFetch(segments, texel + ivec2(2, 0), 0).xy;  // at both ends; below 0: a mark
   vec4 a = camera * vec4(from.xyz, 1.0), b = camera * vec4(to.xyz, 1.0);
   // Behind the eye a segment has no direction on the picture.
   if (a.w < 1e-4 || b.w < 1e-4) { gl_Position = vec4(2.0, 2.0, 2.0, 1.0); return; }
   vec2 along = (b.xy / b.w - a.xy / a.w) * pixels;
   along = length(along) > 1e-3 ? normalize(along) : vec2(1.0, 0.0);
-  bool end = (gl_VertexID & 1) == 1;
-  float side = (gl_VertexID >> 1) == 1 ? 1.0 : -1.0;
+  bool end = corner == 1 || corner > 3;
+  float side = corner == 2 || corner == 3 || corner == 5 ? 1.0 : -1.0;
   float wide = fade.x < 0.0 ? 1.6 * width : width;
   vec4 p = end ? b : a;
   // A little longer than it is, so that corners are closed.
@@ -93,6 +98,9 @@ void main() {
 
 const kManyBodies = 12;  // more than this are drawn with fewer triangles
 
+/// Whole rows of the texture.
+export const segmentRoom = count => new Float32Array(12 * kSegmentsPerRow * Math.max(1, Math.ceil(count / kSegmentsPerRow)));
+
 export class FlightLayer {
   /// `fly` and `shell` are meshes (mesh_data.js) around `middle`, world units; `look` is the viewer's.
   constructor(gl, fly, shell, middle, look) {
@@ -100,14 +108,10 @@ export class FlightLayer {
     this.bodyProgram = makeProgram(gl, kBodyVertex, kBodyFragment);
     this.pathProgram = makeProgram(gl, kPathVertex, kPathFragment);
     this.instances = gl.createBuffer();
-    this.segments = gl.createBuffer();
+    this.segments = gl.createTexture();
     this.fly = this.shape(fly);
     this.shell = shell && this.shape(shell);
-    this.pathArray = gl.createVertexArray();
-    gl.bindVertexArray(this.pathArray);
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.segments);
-    [[0, 4, 0], [1, 4, 16], [2, 2, 32]].forEach(([location, size, offset]) => this.instanced(location, size, 40, offset));
-    gl.bindVertexArray(null);
+    this.noArray = makeArray(gl, []);
     this.bodyCount = this.segmentCount = 0;
     this.shellShown = this.pathsShown = true;
   }
@@ -142,15 +146,18 @@ export class FlightLayer {
   }
 
   /// `bodies`: six numbers each: x, y, z in scene units, heading, how near a wall (0 to 1), how much it flashes.
-  /// `segments`: ten numbers each: both ends (x, y, z, how near), and how strong the colour is at both; below 0: a mark.
-  set(bodies, segments) {
+  /// `segments`: room for `count` or more, from segmentRoom(); twelve numbers each: both ends (x, y, z, how near), how strong
+  /// the colour is at both, below 0 for a mark, and two that are not used.
+  set(bodies, segments, count) {
     const {gl} = this;
     this.bodyCount = bodies.length / 6;
-    this.segmentCount = segments.length / 10;
-    for (const [buffer, numbers] of [[this.instances, bodies], [this.segments, segments]]) {
-      gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
-      gl.bufferData(gl.ARRAY_BUFFER, numbers, gl.STREAM_DRAW);
-    }
+    this.segmentCount = count;
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.instances);
+    gl.bufferData(gl.ARRAY_BUFFER, bodies, gl.STREAM_DRAW);
+    gl.activeTexture(gl.TEXTURE0);
+    gl.bindTexture(gl.TEXTURE_2D, this.segments);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32F, 3 * kSegmentsPerRow, segments.length / 12 / kSegmentsPerRow, 0, gl.RGBA, gl.FLOAT, segments);
+    for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, name, gl.NEAREST);
   }
 
   draw(frame) {
@@ -159,10 +166,10 @@ export class FlightLayer {
     gl.enable(gl.BLEND);
     if (this.pathsShown && this.segmentCount) {
       const {canvas} = gl;
-      this.pathProgram.use({camera: frame.uniforms.camera, pixels: [canvas.width / 2, canvas.height / 2],
+      this.pathProgram.use({segments: this.segments, camera: frame.uniforms.camera, pixels: [canvas.width / 2, canvas.height / 2],
         width: 1.7 * Math.min(2, devicePixelRatio || 1), markColor: this.look.ink});
-      gl.bindVertexArray(this.pathArray);
-      gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, this.segmentCount);
+      gl.bindVertexArray(this.noArray);
+      gl.drawArrays(gl.TRIANGLES, 0, 6 * this.segmentCount);
     }
     if (this.shellShown && this.shell) {
       gl.depthMask(false);

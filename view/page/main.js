@@ -10,6 +10,7 @@ async function main() {
   try {
     const viewer = globalThis.viewer = new Viewer(config);
     await sources[config.source](viewer, config);
+    viewer.renderer.complete = true;
     document.body.classList.add('ready');
     await viewer.settled();
     document.body.classList.add('settled');

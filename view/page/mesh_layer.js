@@ -11,8 +11,9 @@ layout(location = 1) in vec4 normal;
 uniform mat4 camera, body;
 uniform vec3 meshOrigin;
 uniform float meshStep;
-out vec3 at, place;
+out vec3 at;
 out vec4 smoothed;
+invariant gl_Position;  // in all programs, for one draws the depths that another compares with
 void main() {
   vec4 p = body * vec4(meshOrigin + corner * meshStep, 1.0);
   at = p.xyz;
@@ -20,13 +21,17 @@ void main() {
   gl_Position = camera * p;
 }`;
 
-const kFragment = `${kFieldShader}${kColorShader}${kLightShader}${kCutShader}
+// Only what a picture needs: a field that is looked up nowhere still takes time, and what may be cut away is shaded even
+// where something nearer hides it.
+const fragmentOf = ({field, cut}) => `${field ? `#define FIELD\n${kFieldShader}${kColorShader}` : ''}${kLightShader}${cut ? kCutShader : ''}
 in vec3 at;
 in vec4 smoothed;
 uniform vec3 color, backColor;
 uniform float opacity;
-uniform bool flatShading, colored, occluded;
+uniform bool flatShading;
 out vec4 pixel;
+#ifdef FIELD
+uniform bool colored, occluded;
 // The field says how open the surroundings are: how far along the normal the distance stays behind the way gone.
 float openness(vec3 p, vec3 n) {
   if (!occluded) return 1.0;
@@ -39,8 +44,9 @@ float openness(vec3 p, vec3 n) {
   }
   return clamp(1.0 - 0.62 * closed, 0.12, 1.0);
 }
+#endif
 void main() {
-  if (cut_away(at)) discard;
+  ${cut ? 'if (cut_away(at)) discard;' : ''}
   vec3 view = view_of(at);
   vec3 flatNormal = normalize(cross(dFdx(at), dFdy(at)));
   if (dot(flatNormal, view) < 0.0) flatNormal = -flatNormal;
@@ -52,19 +58,23 @@ void main() {
   n = normalize(mix(flatNormal, s, share));
   back = back || !gl_FrontFacing;
   vec3 base = back ? backColor : color;
+  float open = 1.0;
+#ifdef FIELD
   if (colored) { float v = shown(at); if (v < 1e29) base = color_of(v); }
-  float open = openness(at, flatNormal);
+  open = openness(at, flatNormal);
+#endif
   float alpha = opacity < 1.0 ? mix(opacity, min(1.0, opacity + 0.75), pow(1.0 - abs(dot(n, view)), 2.5)) : 1.0;
   pixel = vec4(lit(base, n, view, open) * alpha, alpha);
 }`;
 
-const kLineFragment = `${kCutShader}
+// One colour.
+const plainFragmentOf = ({cut}) => `${cut ? kCutShader : ''}
 in vec3 at;
-uniform vec4 lineColor;
+uniform vec4 plainColor;
 out vec4 pixel;
 void main() {
-  if (cut_away(at)) discard;
-  pixel = vec4(lineColor.rgb * lineColor.a, lineColor.a);
+  ${cut ? 'if (cut_away(at)) discard;' : ''}
+  pixel = vec4(plainColor.rgb * plainColor.a, plainColor.a);
 }`;
 
 // Triangles that are drawn at once while the whole mesh is drawn piece by piece: the page answers in between.
@@ -73,8 +83,7 @@ const kPiece = 400000;
 export class MeshLayer {
   constructor(gl) {
     this.gl = gl;
-    this.program = makeProgram(gl, kVertex, kFragment);
-    this.lines = null;
+    this.programs = new Map();  // by the text of their second half
     this.meshes = new Map();
   }
 
@@ -117,6 +126,11 @@ export class MeshLayer {
     return makeArray(gl, [[0, made[0], 3, type], [1, made[1], 4, gl.SHORT, true]], indices);
   }
 
+  program(fragment) {
+    if (!this.programs.has(fragment)) this.programs.set(fragment, makeProgram(this.gl, kVertex, fragment));
+    return this.programs.get(fragment);
+  }
+
   /// Pieces that the whole mesh is drawn in.
   pieces(id) { return Math.max(1, Math.ceil(this.meshes.get(id).data.triangles / kPiece)); }
 
@@ -131,21 +145,24 @@ export class MeshLayer {
     gl.bindVertexArray(moving ? mesh.proxy : mesh.whole);
     gl.enable(gl.POLYGON_OFFSET_FILL);
     gl.polygonOffset(1, 1);
+    const occluded = look.occluded && !frame.moving, cut = frame.uniforms.cutSide.some(side => side !== 0);
     for (const body of bodies ?? [{}]) {
       const opacity = body.opacity ?? look.opacity;
-      this.program.use({
+      const values = {
         ...frame.uniforms, body: body.matrix ?? identity(), meshOrigin: frame.toScene(mesh.data.origin),
         meshStep: mesh.data.step * frame.scale, color: body.color ?? look.color, backColor: look.backColor,
-        opacity, flatShading: look.flat, colored: look.colored, occluded: look.occluded && !frame.moving,
-      });
+        opacity, flatShading: look.flat, colored: look.colored, occluded, plainColor: [0, 0, 0, 0],
+      };
       if (opacity < 1) {
         // The nearest surface alone, over what is opaque: depth first, then its colour.
+        this.program(plainFragmentOf({cut})).use(values);
         gl.colorMask(false, false, false, false);
         gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_INT, 4 * first);
         gl.colorMask(true, true, true, true);
         gl.depthFunc(gl.LEQUAL);
         gl.enable(gl.BLEND);
       }
+      this.program(fragmentOf({field: look.colored || occluded, cut})).use(values);
       gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_INT, 4 * first);
       gl.disable(gl.BLEND);
       gl.depthFunc(gl.LESS);
@@ -157,7 +174,7 @@ export class MeshLayer {
   /// Draws lines along triangles' sides: `edges` is a list of pairs of vertices, made once (edges.js).
   drawEdges(id, frame, color, bodies, edges) {
     const {gl} = this, mesh = this.meshes.get(id);
-    this.lines ??= makeProgram(gl, kVertex, kLineFragment);
+    const lines = this.program(plainFragmentOf({cut: true}));
     if (mesh.edgeList !== edges) {
       mesh.edgeList = edges;
       gl.bindVertexArray(null);
@@ -168,8 +185,8 @@ export class MeshLayer {
     gl.bindVertexArray(mesh.edges);
     gl.enable(gl.BLEND);
     for (const body of bodies ?? [{}]) {
-      this.lines.use({...frame.uniforms, body: body.matrix ?? identity(), meshOrigin: frame.toScene(mesh.data.origin),
-        meshStep: mesh.data.step * frame.scale, lineColor: color});
+      lines.use({...frame.uniforms, body: body.matrix ?? identity(), meshOrigin: frame.toScene(mesh.data.origin),
+        meshStep: mesh.data.step * frame.scale, plainColor: color});
       gl.drawElements(gl.LINES, edges.length, gl.UNSIGNED_INT, 0);
     }
     gl.disable(gl.BLEND);

@@ -23,10 +23,14 @@ export class Renderer {
     this.most = kPasses;
     this.changed = 0;
     this.held = false;    // whether the fine picture has to wait, because something new comes soon
+    this.gripped = false;  // the same while a button or finger is down: a fine picture would make what moves wait
+    this.complete = false; // whether all that the page holds is there
     this.state = 'idle';  // 'moving', 'waiting', 'resting', 'idle'
     this.frames = [];
     this.waiting = [];
     this.tick = this.tick.bind(this);
+    addEventListener('pointerdown', () => { this.gripped = true; }, {capture: true});
+    for (const end of ['pointerup', 'pointercancel', 'blur']) addEventListener(end, () => { this.gripped = false; }, {capture: true});
   }
 
   /// Something changed: draw again.
@@ -50,7 +54,7 @@ export class Renderer {
     if (this.fresh) {
       this.fresh = false;
       this.moving(now);
-    } else if (this.state === 'moving' && now - this.changed > kRest && !this.held) {
+    } else if (this.state === 'moving' && now - this.changed > kRest && !this.held && !this.gripped) {
       this.state = 'resting';
       this.pass = this.piece = 0;
       this.passes = this.smooths ? this.most : 1;
@@ -63,8 +67,10 @@ export class Renderer {
   }
 
   measured(now) {
-    if (!this.shown) performance.mark('first picture');
-    this.shown = true;
+    if (this.whole && !this.shown) {
+      performance.mark('first picture');
+      this.shown = true;
+    }
     this.gl.deleteSync(this.fence);
     this.fence = null;
     const took = now - this.began;
@@ -81,6 +87,7 @@ export class Renderer {
   begin(now, kind) {
     this.began = now;
     this.kind = kind;
+    this.whole = this.complete;
   }
   end() {
     this.fence = this.gl.fenceSync(this.gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
