@@ -16,8 +16,8 @@ struct Section {
 };
 
 /// "SOPG", the header's length in 4 bytes (little endian), the header (JSON: `header` with a list of the sections'
-/// names and lengths), and the sections one after the other; all of it as one zlib stream, or as it is with a compression
-/// of 0.
+/// names and lengths), and the sections one after the other; all of it as one zlib stream, or as it is with a
+/// compression of 0.
 std::string packed_blob(JsonObject header, const std::vector<Section>& sections, int compression);
 
 }  // namespace standoff::page

@@ -57,6 +57,12 @@ async def fields_follow_the_controls(tab, address):
     expect(await tab.ask("viewer.scene.field(0).range[0] < 0"), "it has a sign")
     await choose(tab, "none")
     await until(tab, "viewer.scene.field(0).range[0] >= 0", "so does the sign")
+    # A click asks for the exact distance: the tetrahedron's corner region, whose nearest point is the corner.
+    await tab.ask("viewer.pinned = {point: [-3, -4, -12], scene: [0, 0, 0], field: null, other: null, difference: null, triangle: null}, viewer.addExact(viewer.pinned)")
+    await until(tab, "Math.abs(viewer.pinned.exact?.distance - 13) < 1e-12 && viewer.controls.point.element.textContent.includes('exact distance13')", "the exact distance is told")
+    await tab.ask("viewer.look.mesh.shown = false, viewer.look.slices.forEach(s => { s.shown = true; }), viewer.changed(), viewer.settled()")
+    await tab.ask("viewer.readAt(viewer.canvas.clientWidth / 2, viewer.canvas.clientHeight / 2)")
+    await until(tab, "(({exact, field}) => exact && (field.clamped ? exact.distance > field.value - 0.1 : Math.abs(exact.distance - field.value) < 0.1))(viewer.pinned)", "a click reads the exact distance")
     # A drag: what comes last is what is shown, whatever became of the fields in between.
     for n in range(20):
         await slide(tab, "Thickness", -0.5 - 0.05 * n)

@@ -132,7 +132,80 @@ async def sliders_and_handles(page):
     await page.ask(f"{slider}.focus()")
     await page.key("Home", code="Home", windowsVirtualKeyCode=36)
     expect(await page.ask(f"viewer.look.slices[{axis}].at") == 0, "a slider answers keys")
-    await page.ask(f"viewer.look.slices[{axis}].at = 0.5, viewer.canvas.focus(), viewer.changed()")
+    await page.ask(f"viewer.look.slices[{axis}].at = 0.5, viewer.canvas.focus(), viewer.changed(), viewer.settled()")
+    # The plane itself, gripped with Alt; without, the camera turns.
+    at = await page.ask(f"""(() => {{ const {{scene, look}} = viewer, box = scene.sliceBox.map(p => scene.toScene(p)), p = box[0].map((v, k) => 0.8 * v + 0.2 * box[1][k]);
+      viewer.look.mesh.shown = false;
+      p[{axis}] = scene.slicePosition({axis});
+      return viewer.placeOf(p, viewer.views()[0]); }})()""")
+    camera = await page.camera()
+    await page.drag(at, (at[0] + 40, at[1] - 40), modifiers=1)
+    after = await page.ask(f"viewer.look.slices[{axis}].at")
+    expect(abs(after - 0.5) > 0.02 and await page.camera() == camera, f"Alt and a drag move the slice: {after}")
+    under = await page.ask(f"viewer.probe({at[0] + 40}, {at[1] - 40})?.kind")
+    expect(under == "slice", f"it follows the pointer: {under}")
+    await page.drag(at, (at[0] + 40, at[1] - 40))
+    expect(await page.ask(f"viewer.look.slices[{axis}].at") == after and await page.camera() != camera, "without Alt the camera turns")
+    await page.ask(f"viewer.look.slices[{axis}].at = 0.5, viewer.look.mesh.shown = true, viewer.frame(), viewer.settled()")
+
+
+async def fingers(page):
+    """Two fingers zoom and move; one turns; one on a handle moves its slice."""
+    await page.tab.call("Emulation.setTouchEmulationEnabled", enabled=True, maxTouchPoints=2)
+
+    async def touch(kind, *places):
+        await page.tab.call("Input.dispatchTouchEvent", type=kind, touchPoints=[{"x": x, "y": y, "id": n} for n, (x, y) in enumerate(places)])
+
+    box = await page.ask("viewer.canvas.getBoundingClientRect().toJSON()")
+    x, y = box["width"] / 2, box["height"] / 2
+    before = await page.camera()
+    await touch("touchStart", (x - 40, y), (x + 40, y))
+    for n in range(1, 6):
+        await touch("touchMove", (x - 40 - 16 * n, y), (x + 40 + 16 * n, y))
+    await touch("touchEnd")
+    pinched = await page.camera()
+    expect(abs(pinched["distance"] / before["distance"] - 1 / 3) < 0.05, f"fingers three times as far apart bring it three times as near: {before}, {pinched}")
+    expect(pinched["azimuth"] == before["azimuth"] and pinched["elevation"] == before["elevation"], "and turn nothing")
+    await touch("touchStart", (x - 40, y), (x + 40, y))
+    for n in range(1, 6):
+        await touch("touchMove", (x - 40 + 10 * n, y), (x + 40 + 10 * n, y))
+    await touch("touchEnd")
+    moved = await page.camera()
+    expect(moved["target"] != pinched["target"] and abs(moved["distance"] / pinched["distance"] - 1) < 0.3, "two fingers move")
+    await touch("touchStart", (x, y))
+    for n in range(1, 6):
+        await touch("touchMove", (x + 10 * n, y))
+    await touch("touchEnd")
+    expect((await page.camera())["azimuth"] < moved["azimuth"], "one finger turns")
+    await page.ask("viewer.frame(), viewer.settled()")
+    axis = await page.ask("viewer.look.slices.findIndex(s => s.shown)")
+    place = await page.ask(f"viewer.handles.handles[{axis}].getBoundingClientRect().toJSON()")
+    at, old = (place["x"] + place["width"] / 2, place["y"] + place["height"] / 2), await page.ask(f"viewer.look.slices[{axis}].at")
+    await touch("touchStart", at)
+    for n in range(1, 6):
+        await touch("touchMove", (at[0] + 8 * n, at[1] - 8 * n))
+    await touch("touchEnd")
+    expect(abs(await page.ask(f"viewer.look.slices[{axis}].at") - old) > 0.02, "a finger on a handle moves its slice")
+    await page.ask(f"viewer.look.slices[{axis}].at = 0.5, viewer.changed()")
+    await page.tab.call("Emulation.setTouchEmulationEnabled", enabled=False)
+
+
+async def pictures_are_saved(page):
+    """The button writes a PNG file of what is seen, as large as the canvas."""
+    await page.tab.call("Browser.setDownloadBehavior", session=False, behavior="allow", downloadPath=str(here))
+    await page.ask("viewer.settled()")
+    await page.ask("[...document.querySelectorAll('#toolbar button')].find(b => b.title === 'save the picture').click()")
+    saved = here / "standoff.png"
+    for _ in range(600):
+        if saved.exists():
+            break
+        await asyncio.sleep(0.05)
+    expect(saved.exists(), "the button saves a file")
+    picture = "data:image/png;base64," + base64.b64encode(saved.read_bytes()).decode()
+    off = await page.ask(f"({COMPARE})({json.dumps(picture)}, {WHOLE})")
+    expect(off < 1, f"it holds the picture: {off}")
+    colors = await page.ask(f"({COLORS})({json.dumps(picture)})")
+    expect(colors > 200, f"which is not empty: {colors} colours")
 
 
 async def values_are_true(page):
@@ -266,6 +339,17 @@ DRAWN = """(() => {
   return canvas.toDataURL();
 })()"""
 
+WHOLE = DRAWN.replace(" / 6", "").strip()
+COLORS = """async url => {
+  const image = new Image();
+  image.src = url;
+  await image.decode();
+  const canvas = document.createElement('canvas'), context = canvas.getContext('2d');
+  [canvas.width, canvas.height] = [image.width, image.height];
+  context.drawImage(image, 0, 0);
+  return new Set(new Uint32Array(context.getImageData(0, 0, image.width, image.height).data.buffer)).size;
+}"""
+
 COMPARE = """async (...urls) => {
   const [a, b] = await Promise.all(urls.map(async url => {
     const image = new Image();
@@ -343,7 +427,7 @@ async def main():
     standoff("view", "scene:one_triangle", "--size", "1,1,1", "-o", "single.html")
     async with browser("file://", *SOFTWARE) as tab:
         page = Page(tab)
-        for check in (names_are_text, pointers_and_keys, sliders_and_handles, values_are_true, data_is_the_programs,
+        for check in (names_are_text, pointers_and_keys, sliders_and_handles, fingers, pictures_are_saved, values_are_true, data_is_the_programs,
                       surfaces_are_where_the_value_is, bodies_stand_where_poses_say, can_be_used_by_all, looks_as_it_did,
                       two_fields_and_their_difference, stored_tiles_look_like_a_dense_texture, odd_data_is_shown):
             await check(page)

@@ -5,6 +5,7 @@ import {element} from './controls.js';
 const kGestures = [
   ['drag', 'turn'], ['right drag, Shift + drag', 'move'], ['wheel, pinch', 'nearer, farther'], ['two fingers', 'move'],
   ['click, tap', 'read the value there'], ['double click', 'turn about that point'], ['drag a round handle', 'move that slice'],
+  ['Alt + drag on a slice', 'move that slice'],
 ];
 
 /// `actions`: [keys, words, action] of the page; `extra`: the same of others, looked at anew each time.

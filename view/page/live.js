@@ -125,6 +125,7 @@ sources.server = async viewer => {
   }
   if (!state.live) return;
   const live = viewer.live = new LiveField(viewer, state.live);
+  viewer.askExact = async point => (await asked(`point?at=${point.join(',')}`)).json();
   events.onmessage = e => live.hear(JSON.parse(e.data));
   await live.showMesh();
   takeDrops(viewer, live);

@@ -4,10 +4,11 @@
 const kStill = 5;     // pixels that a click or tap may wander
 const kTurn = 0.0085; // radians per pixel
 
-/// Turns, moves and zooms `camera`. `on`: {changed(), hover(x, y), leave(), click(x, y)}, in pixels of the canvas.
+/// Turns, moves and zooms `camera`. `on`: {changed(), hover(x, y), leave(), click(x, y), grip(x, y, e)}, in pixels of the
+/// canvas; what grip returns, if anything, gets the events of a drag with Alt in the camera's place.
 export function followPointers(canvas, camera, on) {
   const down = new Map();
-  let wandered = 0;
+  let wandered = 0, moveGripped = null;
   const place = e => {
     const box = canvas.getBoundingClientRect();
     return [e.clientX - box.left, e.clientY - box.top];
@@ -19,6 +20,7 @@ export function followPointers(canvas, camera, on) {
     canvas.setPointerCapture(e.pointerId);
     down.set(e.pointerId, place(e));
     if (down.size === 1) wandered = 0;
+    moveGripped = down.size === 1 && e.altKey ? on.grip(...place(e), e) : null;
     on.leave();
   });
   canvas.addEventListener('pointermove', e => {
@@ -28,6 +30,10 @@ export function followPointers(canvas, camera, on) {
     wandered += Math.hypot(dx, dy);
     if (down.size === 1) {
       if (wandered <= kStill) return down.set(e.pointerId, at);
+      if (moveGripped) {
+        down.set(e.pointerId, at);
+        return moveGripped(e);
+      }
       if (e.buttons & 6 || e.shiftKey || e.ctrlKey || e.metaKey) camera.pan(dx / canvas.clientHeight, -dy / canvas.clientHeight);
       else camera.turn(-dx * kTurn, dy * kTurn);
     } else if (down.size === 2) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Round handles that move slices along their axes. The panel's sliders do the same for keyboards and screen readers.
+// What moves slices along their axes: round handles, and the planes themselves with Alt. The panel's sliders do the same for keyboards and screen readers.
 import {element} from './controls.js';
 import {clamp} from './vec.js';
 
@@ -10,9 +10,10 @@ export class SliceHandles {
       const handle = element('div', {class: `handle ${name}`, hidden: true, title: `move the slice across ${name}`}, name);
       handle.addEventListener('pointerdown', e => {
         handle.setPointerCapture(e.pointerId);
-        this.from = [e.clientX, e.clientY, viewer.look.slices[axis].at];
+        const view = viewer.views()[0], corner = this.cornerOf(axis, view);
+        this.move = corner && this.mover(axis, view, corner.corner, e);
       });
-      handle.addEventListener('pointermove', e => { if (handle.hasPointerCapture(e.pointerId)) this.drag(axis, e); });
+      handle.addEventListener('pointermove', e => { if (handle.hasPointerCapture(e.pointerId)) this.move?.(e); });
       return handle;
     });
     this.element = element('div', {id: 'handles', 'aria-hidden': 'true'}, ...this.handles);
@@ -42,20 +43,28 @@ export class SliceHandles {
     });
   }
 
-  drag(axis, e) {
-    const {viewer} = this, {scene, look} = viewer, view = viewer.views()[0], found = this.cornerOf(axis, view);
-    if (!found) return;
-    // How far the corner would move on the picture if the slice moved through the whole box.
+  /// What moves the slice that is under a pixel of the canvas; null where there is none.
+  moverAt(px, py, e) {
+    const {viewer} = this, found = viewer.probe(px, py);
+    return found?.kind === 'slice' ? this.mover(found.axis, viewer.rayAt(px, py).view, found.scene, e) : null;
+  }
+
+  // A function that moves a slice so that `anchor`, a point of it (scene units), follows a pointer that began with `from`.
+  mover(axis, view, anchor, from) {
+    const {viewer} = this, {scene, look} = viewer, slice = look.slices[axis], began = slice.at;
+    // How far the point would move on the picture if the slice moved through the whole box.
     const box = scene.sliceBox.map(p => scene.toScene(p)), ends = [0, 1].map(side => {
-      const p = [...found.corner];
+      const p = [...anchor];
       p[axis] = box[side][axis];
       return viewer.placeOf(p, view);
     });
-    if (!ends[0] || !ends[1]) return;
+    if (!ends[0] || !ends[1]) return null;
     const way = [ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]], squared = Math.max(way[0] ** 2 + way[1] ** 2, 400);
-    const share = ((e.clientX - this.from[0]) * way[0] + (e.clientY - this.from[1]) * way[1]) / squared;
-    look.slices[axis].at = clamp(this.from[2] + share, 0, 1);
-    viewer.controls.slices?.[axis].place.set(look.slices[axis].at);
-    viewer.changed();
+    return e => {
+      const share = ((e.clientX - from.clientX) * way[0] + (e.clientY - from.clientY) * way[1]) / squared;
+      slice.at = clamp(began + share, 0, 1);
+      viewer.controls.slices?.[axis].place.set(slice.at);
+      viewer.changed();
+    };
   }
 }

@@ -45,7 +45,8 @@ export class Viewer {
     this.readTheme();
     followPointers(this.canvas, this.camera, {
       changed: () => this.changed(), leave: () => this.hover(null),
-      hover: (x, y) => this.hover([x, y]), click: (x, y) => this.readAt(x, y)});
+      hover: (x, y) => this.hover([x, y]), click: (x, y) => this.readAt(x, y),
+      grip: (x, y, e) => this.handles.moverAt(x, y, e)});
     this.canvas.addEventListener('dblclick', e => this.turnAbout(e.offsetX, e.offsetY));
     new ResizeObserver(() => this.changed()).observe(this.canvas);
     this.canvas.addEventListener('webglcontextlost', e => {
@@ -113,6 +114,8 @@ export class Viewer {
     this.statusLine.lastChild.hidden = share === null;
     if (share !== null) this.statusLine.lastChild.value = share;
   }
+  /// Asked for the exact distance at a point of the world, if set: a promise of {distance, point, triangle}.
+  askExact = null;
   /// Draws the picture again, quickly now and finely once nothing changes.
   changed() { this.renderer.request(); }
   /// Resolves when the picture is whole.
@@ -297,12 +300,25 @@ export class Viewer {
     this.marker.firstChild.textContent = found ? valueOf(found) : '';
     this.controls.showPoint(found ? this.factsOf(found) : [['', 'Nothing is there.']]);
     this.changed();
+    if (found && this.askExact) this.addExact(found);
     return found;
   }
-  factsOf({field, other, difference, point, kind, name, triangle}) {
+  // What a server computes from the mesh itself follows when it comes.
+  async addExact(found) {
+    const exact = await this.askExact(found.point).catch(() => null);
+    if (!exact || this.pinned !== found) return;
+    found.exact = exact;
+    this.marker.firstChild.textContent = shown(exact.distance, 6);
+    this.controls.showPoint(this.factsOf(found));
+  }
+  factsOf({field, other, difference, point, kind, name, triangle, exact}) {
     const rows = [];
+    if (exact) {
+      rows.push(['exact distance', shown(exact.distance, 9)], ['nearest point', `(${exact.point.map(v => shown(v, 6)).join(', ')})`]);
+      if (exact.triangle !== null) rows.push(['of triangle', String(exact.triangle)]);
+    }
     if (difference !== null) rows.push(['difference', shown(difference)], ['A', valueText(field)], ['B', valueText(other)]);
-    else if (field) rows.push(['distance', valueText(field)]);
+    else if (field) rows.push([exact ? 'in the field' : 'distance', valueText(field)]);
     rows.push(['at', `(${point.map(v => shown(v, 5)).join(', ')})`]);
     if (field && !field.clamped) rows.push(['gradient', `(${field.gradient.map(v => shown(v, 3)).join(', ')})`]);
     if (field && field.triangle !== null) rows.push(['nearest', `triangle ${field.triangle}`]);
