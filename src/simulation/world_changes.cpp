@@ -88,8 +88,11 @@ void World::wall_distances(std::span<double> out) try {
     if (!body.query) body.query.emplace(body.model.mesh(), MeshQueryOptions{.execution = state_->options.execution});
     for (std::size_t n = 0; n < points.size(); ++n)
       points[n] = apply_inverse(body.pose, apply(state_->fliers[n].pose, middle));
-    body.query->distances(points, distances, state_->options.execution);
-    for (std::size_t n = 0; n < points.size(); ++n) out[n] = std::min(out[n], distances[n]);
+    // One by one: points far from each other have no triangles in common, and are slow to ask for together.
+    for (std::size_t n = 0; n < points.size(); ++n) {
+      body.query->distances({&points[n], 1}, {&distances[n], 1}, {.threads = 1});
+      out[n] = std::min(out[n], distances[n]);
+    }
   }
 } catch (...) {
   throw_as_error("simulation");

@@ -11,12 +11,16 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <filesystem>
 #include <random>
 #include <thread>
 
+#include "files/text_file.h"
 #include "standoff/error.h"
+#include "tests/support/paths.h"
 #include "view/server/page_watch.h"
 #include "view/server/temp_file.h"
+#include "view/server/token.h"
 
 namespace standoff::view {
 namespace {
@@ -323,6 +327,17 @@ TEST(TempFile, IsItsOwnersAndGoes) {
               std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
   }
   EXPECT_FALSE(std::filesystem::exists(path));
+}
+
+// What docs/view.md says of the server's limits.
+TEST(Server, TheDocumentationTellsItsLimits) {
+  const std::string page = read_text(std::filesystem::path(kSourceFolder) / "docs" / "view.md");
+  const ServerOptions options;
+  for (const std::string& words : {"bodies of more than " + std::to_string(options.body_bytes >> 30) + " GiB",
+                                   "heads of more than " + std::to_string(kMostHeadBytes >> 10) + " KiB",
+                                   std::to_string(options.connections) + " connections in all",
+                                   std::to_string(4 * random_token().size()) + " random bits"})
+    EXPECT_NE(page.find(words), std::string::npos) << words;
 }
 
 }  // namespace

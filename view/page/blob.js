@@ -29,12 +29,14 @@ export async function unpacked(packed) {
   return {header, section: name => sections.get(name)};
 }
 
-/// Numbers out of planes of bytes, the lowest bytes first: at most four planes.
+/// Numbers out of planes of bytes, the lowest bytes first: two to four planes.
 export function fromPlanes(bytes, count, planes) {
-  const numbers = new Uint32Array(count);
-  for (let plane = 0; plane < planes; ++plane) {
-    const from = plane * count, shift = 8 * plane;
-    for (let n = 0; n < count; ++n) numbers[n] |= bytes[from + n] << shift;
+  const numbers = new Uint32Array(count), third = planes > 2 ? 2 * count : -1, fourth = planes > 3 ? 3 * count : -1;
+  for (let n = 0; n < count; ++n) {
+    let number = bytes[n] | bytes[count + n] << 8;
+    if (third > 0) number |= bytes[third + n] << 16;
+    if (fourth > 0) number |= bytes[fourth + n] << 24;
+    numbers[n] = number;
   }
   return numbers;
 }
