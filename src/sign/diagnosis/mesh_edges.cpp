@@ -26,12 +26,15 @@ void MeshEdges::find(MeshView mesh, ProgressMeter& progress) {
 
   // A counting sort by the low end, then each low end's few sides by themselves.
   const auto for_each_side = [&](const auto& use) {
-    for (std::size_t t = 0; t < triangles; ++t)
+    constexpr std::size_t kCheckEvery = std::size_t{1} << 16;
+    for (std::size_t t = 0; t < triangles; ++t) {
+      if (t % kCheckEvery == 0) progress.check();
       for (std::uint8_t n = 0; n < 3; ++n) {
         const std::uint32_t from = corners_[3 * t + n], to = corners_[3 * t + (n + 1) % 3];
         if (from == to) continue;
         use(EdgeUse{std::min(from, to), std::max(from, to), static_cast<std::uint32_t>(t), n, from < to});
       }
+    }
   };
   progress.check();
   first_.resize(std::size_t{count} + 1);
