@@ -32,7 +32,7 @@ async def until(tab, script, what):
 
 
 async def opened(tab, address):
-    await tab.size(640, 480)
+    await tab.size(900, 480)
     await tab.call("Page.navigate", url=address)
     await until(tab, "document.body && document.body.classList.contains('ready')", "the page starts")
 
@@ -50,6 +50,7 @@ async def fields_follow_the_controls(tab, address):
     await opened(tab, address)
     size, thickness = "Math.max(...viewer.scene.field(0).size)", "viewer.scene.field(0).clamped * viewer.scene.field(0).step"
     expect(await tab.ask(size) == 24 and await tab.ask(thickness) == 0, "the first field is the one that was asked for")
+    expect(await tab.ask("viewer.panel.scrollWidth <= viewer.panel.clientWidth"), "the controls fit their panel")
     await slide(tab, "Resolution", 5)
     await until(tab, f"{size} === 32", "the resolution follows its slider")
     await slide(tab, "Thickness", -1)
