@@ -8,12 +8,14 @@ import statistics
 from harness import BENCH, markdown
 
 DOCS = BENCH.parent / "docs"
-QUOTED = BENCH / "results" / "2-core-avx2"  # the machine that these pages speak of
-# Where each table stands: the file that it is made of, the page and the name of its markers.
-PLACES = {"points.csv": ("points_benchmarks.md", "points"), "points-build.csv": ("points_benchmarks.md", "points build"),
-          "iso.csv": ("output_benchmarks.md", "surfaces"), "files.csv": ("output_benchmarks.md", "files"),
-          "sidecars.csv": ("output_benchmarks.md", "sidecars"),
-          "python.csv": ("python_benchmarks.md", "fields"), "python-many.csv": ("python_benchmarks.md", "many")}
+RESULTS = BENCH / "results"
+AVX2, AVX512 = "2-core-avx2", "2-core-avx512"  # the machines that these pages speak of, by their folders
+# Where each table stands: the file that it is made of, its machine, the page and the name of its markers.
+PLACES = {"points.csv": (AVX512, "points_benchmarks.md", "points"),
+          "points-build.csv": (AVX512, "points_benchmarks.md", "points build"),
+          "iso.csv": (AVX2, "output_benchmarks.md", "surfaces"), "files.csv": (AVX2, "output_benchmarks.md", "files"),
+          "sidecars.csv": (AVX512, "output_benchmarks.md", "sidecars"),
+          "python.csv": (AVX2, "python_benchmarks.md", "fields"), "python-many.csv": (AVX2, "python_benchmarks.md", "many")}
 
 
 def number(ratio):
@@ -84,15 +86,15 @@ TABLES = {"points.csv": points, "points-build.csv": build, "iso.csv": surfaces, 
           "python-many.csv": plain}
 
 
-def pages(read, between_markers, measured, results=QUOTED):
+def pages(read, between_markers, measured):
     """Only of files that are there."""
     made = {}
-    for name, (page, marker) in PLACES.items():
-        path = DOCS / page
-        if not (results / name).exists() or not path.exists():
+    for name, (machine, page, marker) in PLACES.items():
+        path, results = DOCS / page, RESULTS / machine / name
+        if not results.exists() or not path.exists():
             continue
-        comments, rows = read(results / name)
+        comments, rows = read(results)
         rows = [{key: value for key, value in row.items() if key is not None} for row in rows]
         text = made.get(path, path.read_text())
-        made[path] = between_markers(text, marker, f"{TABLES[name](rows)}\n\n{measured(comments)}")
+        made[path] = between_markers(text, marker, f"{TABLES[name](rows)}\n\n{measured([*comments, f'results: {machine}'])}")
     return made
