@@ -123,7 +123,7 @@ class Tables(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.folder = Path(folder.name)
-        for module in (points, surfaces, field_files, sidecar_costs):
+        for module in (points, surfaces, field_files, sidecar_costs, pictures):
             module.results_folder = lambda: self.folder
         points.peer_python = surfaces.peer_python = lambda *_: None
 
