@@ -13,7 +13,7 @@ AVX2, AVX512 = "2-core-avx2", "2-core-avx512"  # the machines that these pages s
 # Where each table stands: the file that it is made of, its machine, the page and the name of its markers.
 PLACES = {"points.csv": (AVX512, "points_benchmarks.md", "points"),
           "points-build.csv": (AVX512, "points_benchmarks.md", "points build"),
-          "iso.csv": (AVX2, "output_benchmarks.md", "surfaces"), "files.csv": (AVX2, "output_benchmarks.md", "files"),
+          "iso.csv": (AVX2, "output_benchmarks.md", "surfaces"), "files.csv": (AVX512, "output_benchmarks.md", "files"),
           "sidecars.csv": (AVX512, "output_benchmarks.md", "sidecars"),
           "python.csv": (AVX2, "python_benchmarks.md", "fields"), "python-many.csv": (AVX2, "python_benchmarks.md", "many")}
 
