@@ -77,6 +77,9 @@ class STANDOFF_API DistanceField {
   /// Half-width of the band, world units. No value is larger in magnitude.
   double thickness() const { return thickness_; }
   bool has_nearest() const { return with_nearest_; }
+  /// Whether values are negative inside something: the provenance names a sign, or a value is negative. Takes a look at
+  /// all stored values where the provenance says nothing.
+  bool has_sign() const;
   /// Where the field came from; empty unless standoff filled the field. reset() clears it.
   const Provenance& provenance() const { return provenance_; }
   void set_provenance(Provenance provenance) { provenance_ = std::move(provenance); }

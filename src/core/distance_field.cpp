@@ -242,6 +242,11 @@ void DistanceField::erase_nearest() {
   if (pool_) pool_->release_nearest();
 }
 
+bool DistanceField::has_sign() const {
+  return !provenance_.sign.empty() || std::ranges::find(slots_, kInside) != slots_.end() ||
+         std::ranges::any_of(tile_values(), [](float value) { return value < 0; });
+}
+
 std::span<const float> DistanceField::tile_values() const {
   if (!pool_) return {};
   return {pool_->values(0), static_cast<std::size_t>(pool_->size() * kSamples)};

@@ -182,7 +182,7 @@ class Writer {
     const Vec3& h = field_.grid().spacing;
     return {h.x, h.y, h.z};
   }
-  std::uint32_t grid_class() const { return is_signed(field_) ? nvdb::kLevelSet : 0; }
+  std::uint32_t grid_class() const { return field_.has_sign() ? nvdb::kLevelSet : 0; }
   std::array<std::uint32_t, 3> node_counts() const {
     return {static_cast<std::uint32_t>(tree_.leaves.size()), static_cast<std::uint32_t>(tree_.lowers.size()),
             static_cast<std::uint32_t>(tree_.uppers.size())};

@@ -214,12 +214,6 @@ float background_of(const DistanceField& field) {
   return largest > 0 ? largest : 1;
 }
 
-bool is_signed(const DistanceField& field) {
-  if (!field.provenance().sign.empty()) return true;
-  return std::ranges::find(field.slots(), DistanceField::kInside) != field.slots().end() ||
-         std::ranges::any_of(field.tile_values(), [](float value) { return value < 0; });
-}
-
 void check_indices(const DistanceField& field, const char* format) {
   const Size3& size = field.grid().size;
   constexpr std::int64_t kMost = std::int64_t{1} << 31;

@@ -91,8 +91,6 @@ void leaf_values(const DistanceField& field, const Tree::Leaf& leaf, float far, 
 /// The value of what is not stored, in a file: the thickness, or a finite number beyond all values where it is
 /// infinite.
 float background_of(const DistanceField& field);
-/// Whether any sample is inside, or could be: the field has a sign.
-bool is_signed(const DistanceField& field);
 /// Throws Error{usage} unless all samples have indices of 32 bits.
 void check_indices(const DistanceField& field, const char* format);
 

@@ -65,7 +65,7 @@ class Writer {
   std::string facts() const {
     const Grid& grid = field_.grid();
     FactWriter facts;
-    facts.text("class", is_signed(field_) ? "level set" : "unknown");
+    facts.text("class", field_.has_sign() ? "level set" : "unknown");
     facts.text("name", "distance");
     facts.text("creator", "standoff");
     facts.flag("is_saved_as_half_float", false);
