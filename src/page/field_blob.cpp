@@ -10,6 +10,7 @@
 #include "page/byte_code.h"
 #include "page/json_text.h"
 #include "standoff/error.h"
+#include "standoff/slice.h"
 
 namespace standoff::page {
 namespace {
@@ -191,6 +192,29 @@ CodedField coded_every(const DistanceField& field, std::int64_t every) {
   return made;
 }
 
+// Pages compute with floats of 32 bits. Errors: usage.
+void check_range(const std::string& name, const Grid& grid, double greatest) {
+  constexpr double kLeast = 1e-33, kMost = 1e33, kFarthest = 1e6;  // the last in spacings
+  const auto fits = [](double size) { return size == 0 || !std::isfinite(size) || (size >= kLeast && size <= kMost); };
+  const Box box = grid.bounds();
+  const double far = std::max(max_norm(box.min), max_norm(box.max)), extent = max_norm(box.extent());
+  if (!fits(grid.spacing.x) || !fits(grid.spacing.y) || !fits(grid.spacing.z) || !fits(extent) || !fits(greatest))
+    throw Error(ErrorCode::usage, "make_page: field '" + name +
+                                      "': its spacing or its values are below 1e-33 or above 1e33, which pages cannot "
+                                      "show; scale it, or draw pictures of it (standoff slice)");
+  if (far > kFarthest * std::max(extent, grid.max_spacing()))
+    throw Error(ErrorCode::usage, "make_page: field '" + name +
+                                      "': it lies more than a million times its size from the origin, where pages "
+                                      "cannot show it; move it, or draw pictures of it (standoff slice)");
+}
+
+// Where a plane lies along its axis, from 0 to 1.
+double share_of(const SlicePlane& plane, const DistanceField& field) {
+  const Size3& size = field.grid().size;
+  const std::int64_t last = std::array{size.x, size.y, size.z}[static_cast<std::size_t>(plane.axis)] - 1;
+  return last > 0 ? static_cast<double>(plane.index) / static_cast<double>(last) : 0.5;
+}
+
 }  // namespace
 
 CodedField coded_field(const DistanceField& field, const PageOptions& options) {
@@ -210,7 +234,9 @@ std::string field_blob(const PageField& field, const PageOptions& options, PageI
   if (!field.field) throw Error(ErrorCode::usage, "make_page: field '" + field.name + "' is null; give a field");
   const DistanceField& given = *field.field;
   const CodedField made = coded_field(given, options);
+  check_range(field.name, given.grid(), std::max(std::abs(made.min), std::abs(made.max)));
   const Provenance& from = given.provenance();
+  const SlicePlane plane = slice_plane(given);
   JsonObject header;
   header.add("kind", "\"field\"")
       .add("name", json_string(field.name))
@@ -224,7 +250,9 @@ std::string field_blob(const PageField& field, const PageOptions& options, PageI
       .add("thickness", json_number(given.thickness()))
       .add("min", json_number(made.min))
       .add("max", json_number(made.max))
-      .add("signed", json_bool(!from.sign.empty() || made.min < 0))
+      .add("plane", json_number(static_cast<std::int64_t>(plane.axis)))
+      .add("plane_at", json_number(share_of(plane, given)))
+      .add("signed", json_bool(given.has_sign()))
       .add("method", json_string(from.method))
       .add("sign", json_string(from.sign))
       .add("version", json_string(from.version))

@@ -423,7 +423,7 @@ async def main():
         standoff("view", f"{name}.obj", "-r", "20", "-o", f"{name}.html")
     for samples in (2000, 3000):
         standoff("view", EVIL, "--size", f"{samples},24,24", "-t", "0.3", "-o", f"long{samples}.html")
-    standoff("view", EVIL, "--bare", "-o", "alone.html")
+    standoff("view", EVIL, "--no-field", "-o", "alone.html")
     standoff("view", "scene:one_triangle", "--size", "1,1,1", "-o", "single.html")
     async with browser("file://", *SOFTWARE) as tab:
         page = Page(tab)

@@ -195,13 +195,13 @@ export class Viewer {
     this.canvas.setAttribute('aria-label', `picture of ${[...this.scene.meshes.values(), ...this.scene.fields.values()].map(d => d.name).join(', ')}`);
     this.changed();
   }
-  // The plane that shows the most: across the shortest side.
+  // Begins with the plane that shows the most, as standoff slice does.
   chooseSlice(field) {
     const most = Math.max(...field.range.map(Math.abs));
     this.look.iso.value = niceStep(most, 12);
     this.look.points.band = Math.min(1.5 * Math.max(...field.spacing), most);
-    const sides = field.box[0].map((v, k) => field.box[1][k] - v);
-    const slice = this.look.slices[sides.indexOf(Math.min(...sides))];
+    const slice = this.look.slices[field.plane];
+    slice.at = field.plane_at;
     slice.shown = slice.touched = true;
   }
 
