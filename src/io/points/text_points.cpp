@@ -100,6 +100,10 @@ class TextPoints : public PointReader {
     int column = 0;
     for (std::string_view field; fields.next(field); ++column) {
       names |= column < 3 && !number_of(field);
+      if (column < 3 && !number_of(field) && !field.empty() &&
+          field.find_first_not_of("0123456789.,+-eE") == std::string_view::npos)
+        lines_.fail("expected a number or a column's name, found " + in_quotes(field) +
+                    "; write decimals with a point, and commas, semicolons, tabs or blanks between numbers");
       for (std::size_t axis = 0; axis < 3; ++axis)
         if (field.size() == 1 && (field[0] | 0x20) == "xyz"[axis]) {
           if (named[axis] >= 0) lines_.fail("two columns called " + in_quotes(field) + "; rename one");
