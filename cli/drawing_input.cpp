@@ -2,14 +2,14 @@
 #include "cli/drawing_input.h"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <filesystem>
 #include <fstream>
 
 #include "cli/files.h"
 #include "cli/spinner.h"
+#include "cli/text.h"
 #include "files/text_file.h"
+#include "io/points/path_starts.h"
 #include "io/points/point_reader.h"
 #include "standoff/error.h"
 #include "standoff/io.h"
@@ -27,57 +27,8 @@ std::string head_of(const std::string& name) {
   return head;
 }
 
-bool is_signed(const DistanceField& field) {
-  return !field.provenance().sign.empty() || std::ranges::count(field.slots(), DistanceField::kInside) > 0 ||
-         std::ranges::any_of(field.tile_values(), [](float value) { return value < 0; });
-}
-
 double along(Axis axis, const Size3& size) {
   return static_cast<double>(axis == Axis::x ? size.x : axis == Axis::y ? size.y : size.z);
-}
-
-// Calls use(line) for each line of a text.
-template <class Use>
-void for_lines(std::string_view text, const Use& use) {
-  while (!text.empty()) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    use(text.substr(0, end));
-    text.remove_prefix(std::min(end + 1, text.size()));
-  }
-}
-
-// Where the lines of a path begin: in a table where its first column changes, in a PLY file where no edge leads on.
-std::vector<std::size_t> starts_of(const std::string& text, std::size_t points) {
-  std::vector<std::size_t> starts;
-  if (text.starts_with("ply")) {
-    std::vector<char> joined(points, 0);  // to the point before
-    std::size_t row = 0, header_end = text.find("end_header");
-    header_end = header_end == std::string::npos ? text.size() : std::min(text.find('\n', header_end), text.size());
-    for_lines(std::string_view(text).substr(header_end), [&](std::string_view line) {
-      if (line.empty()) return;
-      if (row++ < points) return;
-      std::array<std::size_t, 2> ends{};
-      const char *at = line.data(), *const end = line.data() + line.size();
-      at = std::from_chars(at, end, ends[0]).ptr;
-      while (at != end && *at == ' ') ++at;
-      std::from_chars(at, end, ends[1]);
-      if (ends[1] == ends[0] + 1 && ends[1] < points) joined[ends[1]] = 1;
-    });
-    for (std::size_t n = 0; n < points; ++n)
-      if (!joined[n]) starts.push_back(n);
-    return starts;
-  }
-  std::size_t row = 0;
-  std::string_view before;
-  bool header = true;
-  for_lines(text, [&](std::string_view line) {
-    if (std::exchange(header, false) || line.empty()) return;
-    const std::string_view flier = line.substr(0, line.find(','));
-    if (row == 0 || flier != before) starts.push_back(row);
-    before = flier;
-    ++row;
-  });
-  return starts;
 }
 
 }  // namespace
@@ -97,13 +48,10 @@ DrawingInput::Kind DrawingInput::kind_of_input(const std::string& name) {
   if (kind != FileKind::mesh) return Kind::mesh;  // which says what is wrong with it
   std::string extension = std::filesystem::path(name).extension().string();
   std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
-  if (extension == ".ply") {
-    const std::string head = head_of(name);
-    if (head.find("element face") != std::string::npos) return Kind::mesh;
-    return head.find("element edge") != std::string::npos ? Kind::path : Kind::points;
-  }
-  for (const char* table : {".csv", ".tsv", ".txt", ".xyz", ".npy"})
-    if (extension == table) return head_of(name).starts_with("flier,step,") ? Kind::path : Kind::points;
+  const std::string head = head_of(name);
+  if (extension == ".ply" && head.find("element face") != std::string::npos) return Kind::mesh;
+  for (const char* of_points : {".ply", ".csv", ".tsv", ".txt", ".xyz", ".npy"})
+    if (extension == of_points) return is_path(head) ? Kind::path : Kind::points;
   return Kind::mesh;
 }
 
@@ -113,11 +61,11 @@ void DrawingInput::check() const {
 
 void DrawingInput::read_points(const std::string& name, bool is_path) {
   Polyline line;
-  const auto reader = open_points(name, InvalidPoints::reject);
+  const auto reader = open_points(name, InvalidPoints::mark);
   std::vector<Vec3> block(1 << 14);
   while (const std::size_t count = reader->read(block))
     line.points.insert(line.points.end(), block.begin(), block.begin() + static_cast<std::ptrdiff_t>(count));
-  if (is_path) line.starts = starts_of(read_text(name), line.points.size());
+  if (is_path) line.starts = path_starts(name, read_text(name), line.points.size());
   (is_path ? paths_ : points_).push_back(std::move(line));
 }
 
@@ -125,12 +73,33 @@ void DrawingInput::color_by_field(Polyline& line) const {
   if (fields_.empty()) return;
   line.values.resize(line.points.size());
   fields_.front().interpolate(line.points, line.values);
+  // Beyond the samples the field says nothing: grey, and not in the legend.
+  const Box known = fields_.front().grid().bounds();
+  for (std::size_t n = 0; n < line.points.size(); ++n)
+    if (!(min(max(line.points[n], known.min), known.max) == line.points[n]))
+      line.values[n] = std::numeric_limits<double>::quiet_NaN();
+}
+
+void DrawingInput::check_layers(const LayerOptions& layers) const {
+  if (!layers.chosen) return;
+  const auto expect = [](bool wanted, const char* layer, bool there, const char* what) {
+    if (wanted && !there) throw Error(ErrorCode::usage, std::string("--layers ") + layer + ": there is " + what);
+  };
+  const char* const no_field = "no field among the inputs; give one, which standoff compute makes";
+  expect(layers.slice, "slice", !fields_.empty(), no_field);
+  expect(layers.band, "band", !fields_.empty(), no_field);
+  expect(layers.iso, "iso", !fields_.empty(), no_field);
+  expect(layers.mesh, "mesh", !meshes_.empty(), "no mesh among the inputs; give one");
+  expect(layers.points, "points", !points_.empty(), "no file of points among the inputs; give a .csv, .npy or .ply");
+  expect(layers.path, "path", !paths_.empty(), "no path among the inputs; give one that standoff fly --path wrote");
+  expect(layers.boxes, "boxes", !meshes_.empty() || !fields_.empty(),
+         "no mesh and no field among the inputs; give one");
 }
 
 void DrawingInput::add_field_layers(const LayerOptions& layers) {
   const bool alone = meshes_.empty() && !layers.chosen;
   for (const DistanceField& field : fields_) {
-    const bool has_sign = is_signed(field);
+    const bool has_sign = field.has_sign();
     // Then there is something to see through the slice.
     const bool shows_solid = (layers.mesh && !meshes_.empty()) || layers.iso || (alone && has_sign);
     if (layers.slice) {
@@ -154,9 +123,14 @@ void DrawingInput::add_field_layers(const LayerOptions& layers) {
     if (layers.boxes) drawing_.boxes.push_back({.box = field.grid().bounds()});
     if (!layers.iso && !(alone && has_sign)) continue;
     IsoOptions options;
+    options.memory_limit = memory_limit();
     options.at = layers.iso_at ? layers.iso_at->world(spacing) : (has_sign ? 0 : 2 * spacing);
     surfaces_.push_back(isosurface(field, options).mesh);
     normals_.emplace_back(surfaces_.back().vertices.size());
+    if (surfaces_.back().triangles.empty() && layers.chosen)
+      throw Error(ErrorCode::usage, "--iso " + number(options.at) +
+                                        ": the field has no surface at this value; take one between its least and its "
+                                        "greatest, which standoff info tells");
     field.gradient(surfaces_.back().vertices, normals_.back());
     for (Vec3& n : normals_.back())
       if (const double size = length(n); size > 0) n = n * (1 / size);
@@ -177,6 +151,7 @@ const Drawing& DrawingInput::read(const LayerOptions& layers, const Console& con
       meshes_.push_back(input.read());
     });
   }
+  check_layers(layers);
   add_field_layers(layers);
   const Shading shading = layers.flat ? Shading::flat : Shading::smooth;
   if (layers.mesh)

@@ -20,8 +20,8 @@ namespace standoff::cli {
 struct LayerOptions {
   bool mesh = true, slice = true, band = false, iso = false, points = true, path = true, boxes = false;
   bool chosen = false;             ///< false: what suits the inputs
-  std::optional<Axis> slice_axis;  ///< default: perpendicular to the field's shortest side
-  double slice_at = 0.5;
+  std::optional<Axis> slice_axis;  ///< default: of the plane that shows the most
+  std::optional<double> slice_at;  ///< from 0 to 1 along the axis; default: where the plane shows the most
   bool cuts = true;
   std::optional<Thickness> iso_at;  ///< default: 0 if the field has a sign, else two samples
   std::optional<Thickness> within;  ///< of the samples that are drawn; default: the band, of a full field 2 samples
@@ -54,6 +54,7 @@ class DrawingInput {
 
   static Kind kind_of_input(const std::string& name);
   void read_points(const std::string& name, bool is_path);
+  void check_layers(const LayerOptions& layers) const;
   void add_field_layers(const LayerOptions& layers);
   void color_by_field(Polyline& line) const;
 

@@ -31,7 +31,7 @@ CLI::Option* FlightOutput::add_to(CLI::App& verb) {
                                  [this](S o, S t) { every_ = parse_count(o, t, 1, 1'000'000'000); }));
   of_films_.push_back(add_parsed(verb, {"--rate", "F", "of -o: frames a second (default 60)", kGroup},
                                  [this](S o, S t) { frames_per_second_ = parse_positive(o, t, 1000); }));
-  of_pictures_ = add_view(verb, picture_);
+  of_pictures_ = add_picture_options(verb, picture_);
   return output;
 }
 

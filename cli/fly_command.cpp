@@ -112,7 +112,13 @@ void Command::run() {
   check_mode();
   for (const std::string& name : {labyrinth, fly}) check_input(name);
   check_outputs();
+  if (!view) server.check_unused("without --view nothing is served");
+  if (view && console.json())
+    throw Error(ErrorCode::usage, "--json: a page that is served has no result; leave it out");
   const CollisionModel maze = read_body(labyrinth, console), flier = read_body(fly, console);
+  if (const double longest = length(maze.bounds().extent()); options.speed > longest)
+    throw Error(ErrorCode::usage, "--speed " + number(options.speed) + ": a step is longer than the labyrinth, " +
+                                      number(longest) + " from corner to corner; take a lower speed");
   if (view) return watch(maze, flier);
   if (film.given()) return record(maze, flier);
   std::vector<PathPoint> points;

@@ -29,6 +29,8 @@ class GridOptions {
 
   /// Whether any of them was given.
   bool given() const { return samples_given_ || spacing_ || size_ || bounds_ || padding_; }
+  /// Whether one was given that says more than how many samples the longest side has.
+  bool shape_given() const { return spacing_ || size_ || bounds_ || padding_; }
 
   /// Adds --minimum and --speed, which exclude some of those. Call after it.
   void add_thesis_to(CLI::App& verb);

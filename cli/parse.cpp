@@ -238,6 +238,21 @@ Vec3 parse_point(const std::string& option, const std::string& text) {
   return {v[0], v[1], v[2]};
 }
 
+double parse_share(const std::string& option, const std::string& text) {
+  const double share = parse_number(option, text);
+  if (!(share >= 0 && share <= 1)) throw Error(ErrorCode::usage, option + " '" + text + "': give a number from 0 to 1");
+  return share;
+}
+
+Axis parse_axis(const std::string& option, const std::string& text) {
+  return static_cast<Axis>(parse_choice(option, text, {"x", "y", "z"}));
+}
+
+Colormap parse_colormap(const std::string& option, const std::string& text) {
+  constexpr Colormap maps[] = {Colormap::automatic, Colormap::diverging, Colormap::viridis, Colormap::thesis};
+  return maps[parse_choice(option, text, {"auto", "diverging", "viridis", "thesis"})];
+}
+
 Pose parse_pose(const std::string& option, const std::string& text) {
   return read_or_reject(option, text, [&] { return pose_of(numbers_in(text)); });
 }

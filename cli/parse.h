@@ -9,6 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include "standoff/axis.h"
+#include "standoff/colormap.h"
 #include "standoff/compute.h"
 #include "standoff/pose.h"
 #include "standoff/vec.h"
@@ -70,6 +72,13 @@ Pose parse_pose(const std::string& option, const std::string& text);
 
 /// The same for text that is no option's. Errors: usage, as `what; what to give`.
 Pose pose_of(std::span<const double> numbers);
+/// A number from 0 to 1.
+double parse_share(const std::string& option, const std::string& text);
+/// x, y or z.
+Axis parse_axis(const std::string& option, const std::string& text);
+/// auto, diverging, viridis or thesis.
+Colormap parse_colormap(const std::string& option, const std::string& text);
+
 /// Finite numbers with commas between them, and blanks around them. Errors: usage, as above.
 std::vector<double> numbers_in(std::string_view text);
 /// Three numbers: x,y,z, none past kMaxPosition.

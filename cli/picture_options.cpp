@@ -62,7 +62,7 @@ void parse_camera(const std::string& option, const std::string& text, PictureOpt
 
 }  // namespace
 
-std::vector<const CLI::Option*> add_view(CLI::App& verb, PictureOptions& options) {
+std::vector<const CLI::Option*> add_picture_options(CLI::App& verb, PictureOptions& options) {
   using S = const std::string&;
   std::vector<const CLI::Option*> all;
   const auto add = [&](const char* name, const char* value, const std::string& help, auto set) {
@@ -77,13 +77,13 @@ std::vector<const CLI::Option*> add_view(CLI::App& verb, PictureOptions& options
   add("--size", "WxH", "pixels, 16 to 8192 each (default " + size + ")",
       [&options](S o, S t) { parse_pixels(o, t, options); });
   add("--camera", "VIEW",
-      "front, back, left, right, top, bottom, iso, or degrees:\nAZIMUTH,ELEVATION[,ZOOM] (default 35,25,1)",
+      "front, back, left, right, top, bottom, iso, or degrees:\nAZIMUTH,ELEVATION[,ZOOM] (default " +
+          std::to_string(std::lround(options.azimuth_deg)) + "," + std::to_string(std::lround(options.elevation_deg)) +
+          ",1)",
       [&options](S o, S t) { parse_camera(o, t, options); });
   const bool y_up = options.up == Axis::y;
   add("--up", "A", std::string("the axis that points up: x, ") + (y_up ? "y (default) or z" : "y or z (default)"),
-      [&options](S o, S t) {
-        options.up = static_cast<Axis>(parse_choice(o, t, {"x", "y", "z"}));
-      });
+      [&options](S o, S t) { options.up = parse_axis(o, t); });
   without("--parallel", options.perspective, "parallel rays: no perspective");
   add("--samples", "N", "for each pixel: 1, 2, 4 (default), 8 or 16", [&options](S o, S t) {
     options.samples = 1 << parse_choice(o, t, {"1", "2", "4", "8", "16"});

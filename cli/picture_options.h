@@ -14,6 +14,6 @@ inline constexpr const char* kPictureGroup = "Picture";
 
 /// Adds --size, --camera, --up, --parallel, --samples, --background and --no-legend, with the defaults that `options`
 /// has; returns them.
-std::vector<const CLI::Option*> add_view(CLI::App& verb, PictureOptions& options);
+std::vector<const CLI::Option*> add_picture_options(CLI::App& verb, PictureOptions& options);
 
 }  // namespace standoff::cli

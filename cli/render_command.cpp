@@ -23,7 +23,7 @@ constexpr const char* kExamples =
   standoff render bunny.obj bunny.vti --up y           cut open at a slice of its field
   standoff render field.vti --layers iso,boxes --iso 2s
   standoff render labyrinth.stl flight.csv --opacity 0.3 --camera top
-  standoff render scene:factory -o factory.png --size 1920x1080 --background dark
+  standoff render scene:factory --up y -o factory.png --size 1920x1080 --background dark
   standoff render part.stl -o part.png --edges --turntable 36    part-000.png to part-035.png
 )";
 
@@ -59,9 +59,9 @@ void parse_layers(const std::string& option, const std::string& text, LayerOptio
 
 void Command::add_picture(CLI::App& verb) {
   using S = const std::string&;
-  add_view(verb, options);
+  add_picture_options(verb, options);
   add_parsed(verb, {"--turntable", "N", "N pictures from all around: NAME-000.png and so on", kPictureGroup},
-             [this](S o, S t) { turntable = static_cast<int>(parse_count(o, t, 1, 10000)); });
+             [this](S o, S t) { turntable = static_cast<int>(parse_count(o, t, 1, 720)); });
   verb.add_flag_callback(
           "--no-shadows", [this] { options.shadows = false; },
           "no soft shadows, which take most of the time of small\npictures")
@@ -79,19 +79,11 @@ void Command::add_layers(CLI::App& verb) {
       "signed\nfield alone slice and iso)",
       [this](S o, S t) { parse_layers(o, t, layers); });
   add("--colormap", "NAME", "for numbers: auto (default), diverging, viridis or thesis,\nas in standoff slice",
-      [this](S o, S t) {
-        constexpr Colormap maps[] = {Colormap::automatic, Colormap::diverging, Colormap::viridis, Colormap::thesis};
-        colormap = maps[parse_choice(o, t, {"auto", "diverging", "viridis", "thesis"})];
-      });
+      [this](S o, S t) { colormap = parse_colormap(o, t); });
   add("--axis", "A", "the axis slices are perpendicular to (default: of the plane\nthat shows the most)",
-      [this](S o, S t) {
-        layers.slice_axis = static_cast<Axis>(parse_choice(o, t, {"x", "y", "z"}));
-      });
-  add("--at", "F", "where slices lie along the axis, from 0 to 1", [this](S o, S t) {
-    const double at = parse_number(o, t);
-    if (!(at >= 0 && at <= 1)) throw Error(ErrorCode::usage, o + " '" + t + "': give a number from 0 to 1");
-    layers.slice_at = at;
-  });
+      [this](S o, S t) { layers.slice_axis = parse_axis(o, t); });
+  add("--at", "F", "where slices lie along the axis, from 0 to 1 (default: where\nthe plane shows the most)",
+      [this](S o, S t) { layers.slice_at = parse_share(o, t); });
   verb.add_flag_callback(
           "--whole", [this] { layers.cuts = false; }, "do not cut meshes open where slices are")
       ->group("Layers");
@@ -125,7 +117,13 @@ void Command::run() {
     output.set_path(first.stem() + ".png");
   }
   input.check();
-  output.check({{"png", "PNG picture", false, true}});
+  const std::vector<FileFormat> formats{{"png", "PNG picture", false, true}};
+  output.check_name(formats);
+  for (int n = 0; n < std::max(turntable, 1); ++n) {
+    const FileOutput one = turntable > 0 ? output.beside(turntable_file(output.path(), n)) : output;
+    one.check(formats);
+    for (const std::string& name : input.names()) one.check_differs(name);
+  }
   Drawing drawing = input.read(layers, console);
   drawing.colormap = colormap;
   options.memory_limit = input.memory_limit();
@@ -137,7 +135,8 @@ void Command::run() {
       write_picture(output.path(), drawing, options, output.existing());
   });
   const std::string size = std::to_string(options.width) + " x " + std::to_string(options.height) + " pixels";
-  console.say(turntable > 0 ? std::to_string(turntable) + " pictures beside " + shown + ", " + size
+  console.say(turntable > 0 ? turntable_file(shown, 0).string() + " to " +
+                                  turntable_file(shown, turntable - 1).filename().string() + ": " + size + " each"
                             : shown + ": " + size);
   if (!console.json()) return;
   Json json = json_answer("render");

@@ -48,6 +48,11 @@ void ServeOptions::add_to(CLI::App& verb) {
   flag("--keep", keep_, "go on when the page is closed, until Ctrl-C");
 }
 
+void ServeOptions::check_unused(const char* why) const {
+  if (given_)
+    throw Error(ErrorCode::usage, std::string("--port, --no-browser and --keep: ") + why + "; leave them out");
+}
+
 void ServeOptions::serve(const Console& console, view::PageWatch& watch, view::Server::Handler handler) const {
   const Cancellable cancellable;
   view::Server server({.port = port_}, std::move(handler));

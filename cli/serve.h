@@ -15,8 +15,8 @@ class ServeOptions {
  public:
   /// Adds --port, --no-browser and --keep.
   void add_to(CLI::App& verb);
-  /// Whether any was given.
-  bool given() const { return given_; }
+  /// Throws Error{usage} if any was given where `why` nothing is served.
+  void check_unused(const char* why) const;
 
   /// Serves what `handler` answers on this machine's loopback, prints the address, and opens it in a browser where
   /// there is a screen. Returns on Ctrl-C, and once nobody has looked at the page (`watch`) for some seconds. Errors:

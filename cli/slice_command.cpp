@@ -47,15 +47,9 @@ void Command::add_to(CLI::App& verb) {
   };
   using S = const std::string&;
   add("--axis", "A", "the axis the plane is perpendicular to: x, y or z\n(default: of the plane that shows the most)",
-      [this](S o, S t) {
-        options.axis = static_cast<Axis>(parse_choice(o, t, {"x", "y", "z"}));
-      });
+      [this](S o, S t) { options.axis = parse_axis(o, t); });
   auto* at = add("--at", "F", "where along the axis, from 0 to 1 (default: where the plane\nshows the most)",
-                 [this](S o, S t) {
-                   options.at = parse_number(o, t);
-                   if (!(*options.at >= 0 && *options.at <= 1))
-                     throw Error(ErrorCode::usage, o + " '" + t + "': give a number from 0 to 1");
-                 });
+                 [this](S o, S t) { options.at = parse_share(o, t); });
   add("--index", "N", "which sample along the axis, from 0, in place of --at", [this](S o, S t) {
     options.index = parse_count(o, t, 0, std::numeric_limits<std::int64_t>::max());
   })->excludes(at);
@@ -65,10 +59,7 @@ void Command::add_to(CLI::App& verb) {
       "auto (default): diverging if the field has a sign, else viridis;\ndiverging: blue inside, white at 0, red "
       "outside; viridis: dark\n"
       "blue to yellow; thesis: red, green, blue as in 2008",
-      [this](S o, S t) {
-        constexpr Colormap maps[] = {Colormap::automatic, Colormap::diverging, Colormap::viridis, Colormap::thesis};
-        options.colormap = maps[parse_choice(o, t, {"auto", "diverging", "viridis", "thesis"})];
-      });
+      [this](S o, S t) { options.colormap = parse_colormap(o, t); });
   add("--interpolation", "NAME",
       "auto (default): squares for samples of 12 pixels and more,\nelse linear; nearest: squares; linear",
       [this](S o, S t) {
@@ -80,7 +71,7 @@ void Command::add_to(CLI::App& verb) {
   verb.add_option("--title", title, "words above the picture (default: the field's name)")
       ->type_name("TEXT")
       ->group("Picture");
-  verb.add_option("--unit", options.unit, "the unit of lengths, beside the scales")
+  verb.add_option("--length-unit", options.unit, "the unit of lengths, beside the scales")
       ->type_name("TEXT")
       ->group("Picture");
   verb.add_option("--legend", options.legend, "what the numbers are (default: distance)")
@@ -96,6 +87,7 @@ void Command::run() {
   if (!output.given()) output.set_path(std::filesystem::path(field).stem().string() + ".png");
   check_input(field);
   output.check({{"png", "PNG picture", false, true}});
+  output.check_differs(field);
   const DistanceField loaded = input.read(field, console);
   options.title = title.value_or(std::filesystem::path(field).filename().string());
   options.contours = !no_contours;

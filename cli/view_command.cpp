@@ -33,7 +33,7 @@ constexpr const char* kExamples =
     R"(  standoff view bunny.obj -o bunny.html                the mesh and its field, computed now
   standoff view bunny.obj bunny.vti -o bunny.html      the mesh and a field that you have
   standoff view bunny.obj old.vti new.vti -o both.html two fields side by side, and their difference
-  standoff view scene:factory -r 256 --up z -o factory.html
+  standoff view scene:factory -r 256 --up y -o factory.html
 )";
 
 // Enough to look at, and small enough to attach to a mail.
@@ -53,7 +53,7 @@ struct Command {
   ComputeOptions compute_options;
   FieldArgument field_argument;
   PageOptions page;
-  bool bare = false;
+  bool no_field = false;
   ServeOptions server;
   Console console;
 
@@ -64,6 +64,7 @@ struct Command {
   Subject read();
   void compute_field(Subject& subject);
   GridChoice choose_grid(const Mesh& mesh) const;
+  void check_options() const;
   void serve(Subject subject);
 };
 
@@ -80,16 +81,14 @@ void Command::add_to(CLI::App& verb) {
   };
   using S = const std::string&;
   add("--title", "TEXT", "the page's title (default: the names of the files)", [this](S, S t) { page.title = t; });
-  add("--up", "A", "the axis that points up: x, y or z (default)", [this](S o, S t) {
-    page.up = static_cast<Axis>(parse_choice(o, t, {"x", "y", "z"}));
-  });
+  add("--up", "A", "the axis that points up: x, y or z (default)", [this](S o, S t) { page.up = parse_axis(o, t); });
   add("--length-unit", "NAME", "what the legend calls the unit of lengths, such as mm",
       [this](S, S t) { page.unit = t; });
   add("--most-samples", "N", "thin out fields that store more samples (default 16777216)",
       [this](S o, S t) { page.most_samples = parse_count(o, t, 512, std::int64_t{1} << 27); });
   add("--most-triangles", "N", "simplify meshes that have more triangles (default 5000000)",
       [this](S o, S t) { page.most_triangles = parse_count(o, t, 1000, 50'000'000); });
-  verb.add_flag("--bare", bare, "compute no field for a mesh that comes without one")->group("Page");
+  verb.add_flag("--no-field", no_field, "compute no field for a mesh that comes without one")->group("Page");
   compute_options.sign.method = SignMethod::automatic;
   grid.add_to(verb);
   add_sign_to(verb, {"auto", "winding", "parity", "normal", "flood", "none"},
@@ -126,7 +125,7 @@ GridChoice Command::choose_grid(const Mesh& mesh) const {
   const Box box = bounds(mesh);
   if (const double far = std::max(max_norm(box.min), max_norm(box.max)); far > kMaxCoordinate)
     throw Error(ErrorCode::input, files.front() + ": a coordinate of " + number(far) +
-                                      ", too far out for a grid; repair the mesh, or show it alone with --bare");
+                                      ", too far out for a grid; repair the mesh, or show it alone with --no-field");
   return grid.choose(box);
 }
 
@@ -150,7 +149,7 @@ void Command::compute_field(Subject& subject) {
 
 void Command::serve(Subject subject) {
   std::optional<view::LiveSettings> live;
-  if (subject.fields.empty() && !bare) {
+  if (subject.fields.empty() && !no_field) {
     const GridChoice choice = choose_grid(subject.meshes.front());
     const Size3 size = choice.grid.size;
     live = {std::max({size.x, size.y, size.z}), choice.thickness, false, compute_options.sign,
@@ -160,15 +159,28 @@ void Command::serve(Subject subject) {
   server.serve(console, view.watch(), [&](auto&&... asked) { view.answer(asked...); });
 }
 
+// Options that would say nothing. Errors: usage.
+void Command::check_options() const {
+  if (output.given()) return server.check_unused("with -o nothing is served");
+  const char* const option = grid.shape_given()                 ? "--size, --spacing, --bounds and --padding"
+                             : compute_options.nearest_triangle ? "--nearest"
+                             : console.json()                   ? "--json"
+                                                                : nullptr;
+  if (option)
+    throw Error(ErrorCode::usage,
+                std::string(option) + ": only for pages that are written; give -o PAGE, or leave it out");
+}
+
 void Command::run() {
   for (const std::string& name : files) check_input(name);
+  check_options();
   if (output.given()) {
     output.check({{"html", "a page", false, true}});
     for (const std::string& name : files) output.check_differs(name);
   }
   Subject subject = read();
   if (!output.given()) return serve(std::move(subject));
-  if (subject.fields.empty() && !bare) {
+  if (subject.fields.empty() && !no_field) {
     if (page.title.empty()) page.title = subject.mesh_names.front();
     compute_field(subject);
   }

@@ -104,8 +104,9 @@ struct Drawing {
   std::vector<PointLayer> points = {};
   std::vector<PathLayer> paths = {};
   std::vector<BoxLayer> boxes = {};
-  Colormap colormap = Colormap::automatic;  ///< of all numbers; automatic: diverging if one of them is negative
-  std::string quantity = "distance";        ///< what the numbers are, and their unit, in UTF-8: above the legend
+  Colormap colormap =
+      Colormap::automatic;  ///< of all numbers; automatic: diverging if a field has a sign or one of them is negative
+  std::string quantity = "distance";  ///< what the numbers are, and their unit, in UTF-8: above the legend
 };
 
 /// Draws a picture on the CPU and writes it as PNG; the file appears whole or not at all. The picture has the same
@@ -115,11 +116,14 @@ struct Drawing {
 STANDOFF_API void write_picture(const std::filesystem::path& path, const Drawing& drawing,
                                 const PictureOptions& options = {}, Existing existing = Existing::replace);
 
-/// The same from `count` directions, 1 to 10000, evenly around the up axis, beginning at options.azimuth_deg. The
-/// pictures are called NAME-000.png, NAME-001.png and so on, for a `path` of NAME.png; all of them have the same scale.
-/// If one cannot be written, those written before are removed.
+/// The same from `count` directions, 1 to 720, evenly around the up axis, beginning at options.azimuth_deg. All
+/// pictures have the same scale. They get their names, those of turntable_file(), when all are drawn: before that,
+/// nothing is replaced.
 STANDOFF_API void write_turntable(const std::filesystem::path& path, const Drawing& drawing, int count,
                                   const PictureOptions& options = {}, Existing existing = Existing::replace);
+
+/// What picture `n` of a turntable is called: NAME-000.png, NAME-001.png and so on, for a `path` of NAME.png.
+STANDOFF_API std::filesystem::path turntable_file(const std::filesystem::path& path, int n);
 
 /// Draws a single mesh. Errors: as write_picture.
 STANDOFF_API void write_mesh_png(const std::filesystem::path& path, MeshView mesh, const PictureOptions& options = {},

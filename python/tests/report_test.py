@@ -128,7 +128,7 @@ SLICES = {
     "linear": ({"interpolation": "linear", "pixels": 900}, ["--interpolation", "linear", "--pixels", "900"]),
     "no contours": ({"interpolation": "linear", "contours": False}, ["--interpolation", "linear", "--no-contours"]),
     "bare": ({"bare": True}, ["--bare"]),
-    "words": ({"legend": "to the wall", "unit": "mm"}, ["--legend", "to the wall", "--unit", "mm"]),
+    "words": ({"legend": "to the wall", "unit": "mm"}, ["--legend", "to the wall", "--length-unit", "mm"]),
     "title": ({"title": "A ball", "background": "dark"}, ["--title", "A ball", "--background", "dark"]),
 }
 

@@ -75,9 +75,11 @@ Framing::Framing(double least_u, double least_v, double most_u, double most_v, c
       middle_v_(0.5 * (least_v + most_v)),
       middle_x_((room.left + 0.5 * room.width) * kSubpixels),
       middle_y_((room.top + 0.5 * room.height) * kSubpixels) {
-  const double unit = std::max((most_u - least_u) / room.width, (most_v - least_v) / room.height);
-  // What is seen as one point falls on the room's centre.
-  zoom_ = unit > 0 ? kSubpixels * zoom / unit : 0;
+  // A point and its ball, or a line seen from its end, need not fill the room.
+  constexpr double kLeastExtent = 0.05;
+  const double unit = std::max({(most_u - least_u) / room.width, (most_v - least_v) / room.height,
+                                kLeastExtent / std::min(room.width, room.height)});
+  zoom_ = kSubpixels * zoom / unit;
 }
 
 }  // namespace standoff

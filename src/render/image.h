@@ -43,7 +43,9 @@ struct Image {
 /// Throws Error{usage} when this build cannot write pictures; call it before drawing one.
 void require_png();
 
-/// Writes a PNG file, whole or not at all. Errors: usage (built without libpng), output.
+/// The bytes of a PNG file. Errors: usage (built without libpng).
+std::vector<std::uint8_t> png_of(const Image& image);
+/// Writes a PNG file, whole or not at all. Errors: as above; output.
 void write_png(const std::filesystem::path& path, const Image& image, Existing existing);
 
 }  // namespace standoff

@@ -18,6 +18,11 @@ float radius_in(const UnitSpace& space, double radius, float otherwise) {
   return radius > 0 ? static_cast<float>(radius / space.world(1.0)) : otherwise;
 }
 
+float radius_of(const BandLayer& band, const UnitSpace& space) {
+  const Vec3 spacing = band.field->grid().spacing;
+  return 0.3F * static_cast<float>(std::min({spacing.x, spacing.y, spacing.z}) / space.world(1.0));
+}
+
 template <class Use>
 void for_band_samples(const BandLayer& band, const Use& use) {
   const DistanceField& field = *band.field;
@@ -33,6 +38,12 @@ void for_band_samples(const BandLayer& band, const Use& use) {
           if (i < grid.size.x && j < grid.size.y && k < grid.size.z && std::abs(tile.values[n]) < most)
             use(grid.position(i, j, k), tile.values[n]);
   }
+}
+
+std::size_t count_of(const BandLayer& band) {
+  std::size_t samples = 0;
+  for_band_samples(band, [&](Vec3, float) { ++samples; });
+  return samples;
 }
 
 SliceOptions options_of(const SliceLayer& slice) {
@@ -155,11 +166,11 @@ void add_slices(const Drawing& drawing, const UnitSpace& space, std::vector<Draw
 
 void add_bands(const Drawing& drawing, const UnitSpace& space, float pixel, std::vector<DrawnPart>& parts) {
   for (const BandLayer& band : drawing.bands) {
-    const Vec3 spacing = band.field->grid().spacing;
-    const float radius = 0.3F * static_cast<float>(std::min({spacing.x, spacing.y, spacing.z}) / space.world(1.0));
+    const float radius = radius_of(band, space);
     DrawnPart part;
     part.casts_shadow = false;  // so many would darken each other
     ShapeBuilder shapes(part, radius, Roundness::of(radius / pixel), true);
+    shapes.reserve(count_of(band), 0);
     for_band_samples(band, [&](Vec3 p, float value) { shapes.add_ball(space.placed(p), value); });
     shapes.finish();
     parts.push_back(std::move(part));
@@ -172,6 +183,7 @@ void add_points(const Drawing& drawing, const UnitSpace& space, float pixel, std
     DrawnPart part;
     part.color = linear_of(layer.color);
     ShapeBuilder shapes(part, radius, Roundness::of(radius / pixel), !layer.values.empty());
+    shapes.reserve(layer.points.size(), 0);
     for (std::size_t n = 0; n < layer.points.size(); ++n)
       if (is_finite(layer.points[n]))
         shapes.add_ball(space.placed(layer.points[n]), layer.values.empty() ? 0 : static_cast<float>(layer.values[n]));
@@ -187,6 +199,7 @@ void add_paths(const Drawing& drawing, const UnitSpace& space, float pixel, std:
     part.color = linear_of(layer.color);
     ShapeBuilder shapes(part, radius, Roundness::of(radius / pixel), !layer.values.empty());
     const auto value = [&](std::size_t n) { return layer.values.empty() ? 0.0F : static_cast<float>(layer.values[n]); };
+    shapes.reserve(layer.points.size(), layer.points.size());
     auto start = layer.starts.begin();
     bool connected = false;
     for (std::size_t n = 0; n < layer.points.size(); ++n) {
@@ -224,39 +237,59 @@ void add_boxes(const Drawing& drawing, const UnitSpace& space, float pixel, std:
   }
 }
 
-DrawnPart edge_lines(const DrawnPart& part, float pixel) {
+DrawnPart edge_lines(const DrawnPart& part, std::span<const std::array<std::uint32_t, 2>> edges, float pixel) {
   DrawnPart lines;
   lines.color = linear_of(kLine);
   lines.opacity = 1;
   lines.lit = false;
   lines.casts_shadow = false;
   ShapeBuilder shapes(lines, kLinePixels * pixel, Roundness::of(0), false);
-  for (const auto& [a, b] : feature_edges(part)) shapes.add_tube(part.places[a], part.places[b]);
+  shapes.reserve(0, edges.size());
+  for (const auto& [a, b] : edges) shapes.add_tube(part.places[a], part.places[b]);
   shapes.finish();
   return lines;
 }
 
-std::int64_t bytes_of_parts(const Drawing& drawing) {
-  // A vertex has a place, a point on the picture, and often a normal and a value; a triangle its own and its bins'
-  // index.
-  constexpr double kVertex = sizeof(Float3) * 2 + sizeof(ScreenPoint) + sizeof(float) + 1;
-  constexpr double kTriangle = sizeof(Triangle) + 4 * sizeof(std::uint32_t);
+namespace {
+
+// A vertex has a place, a point on the picture, and often a normal and a value; a triangle its own and its bins' index.
+constexpr double kVertexBytes = sizeof(Float3) * 2 + sizeof(ScreenPoint) + sizeof(float) + 1;
+constexpr double kTriangleBytes = sizeof(Triangle) + 4 * sizeof(std::uint32_t);
+
+double bytes_of(std::size_t count, Roundness::Size size) {
+  return static_cast<double>(count) *
+         (kVertexBytes * static_cast<double>(size.vertices) + kTriangleBytes * static_cast<double>(size.triangles));
+}
+
+}  // namespace
+
+std::size_t bytes_of_lines(std::size_t edges) {
+  return static_cast<std::size_t>(bytes_of(edges, Roundness::of(0).tube()));
+}
+
+std::size_t bytes_of_parts(const Drawing& drawing, const UnitSpace& space, float pixel) {
+  constexpr double kSide = 3 * sizeof(std::uint32_t);  // of a triangle, while edges are looked for
   double bytes = 0;
   for (const MeshLayer& layer : drawing.meshes) {
     const auto triangles = static_cast<double>(layer.mesh.triangles.size());
-    bytes += kVertex * static_cast<double>(layer.mesh.vertices.size()) + kTriangle * triangles;
-    if (layer.edges) bytes += 3 * 12 * triangles;
-    if (!drawing.slices.empty()) bytes += (kVertex + kTriangle) * triangles;
+    bytes += kVertexBytes * static_cast<double>(layer.mesh.vertices.size()) + kTriangleBytes * triangles;
+    if (layer.edges) bytes += 3 * kSide * triangles;
+    if (!drawing.slices.empty()) bytes += (kVertexBytes + kTriangleBytes) * triangles;
   }
-  const auto add_balls = [&](double balls) { bytes += balls * (42 * kVertex + 96 * kTriangle); };
+  const auto add_balls = [&](std::size_t count, float radius) {
+    bytes += bytes_of(count, Roundness::of(radius / pixel).ball());
+  };
   for (const BandLayer& band : drawing.bands) {
-    double samples = 0;
-    for_band_samples(band, [&](Vec3, float) { ++samples; });
-    add_balls(samples);
+    add_balls(count_of(band), radius_of(band, space));
   }
-  for (const PointLayer& layer : drawing.points) add_balls(static_cast<double>(layer.points.size()));
-  for (const PathLayer& layer : drawing.paths) add_balls(static_cast<double>(layer.points.size()));
-  return static_cast<std::int64_t>(std::min(bytes, 0x1p62));
+  for (const PointLayer& layer : drawing.points)
+    add_balls(layer.points.size(), radius_in(space, layer.radius, kPointPixels * pixel));
+  for (const PathLayer& layer : drawing.paths) {
+    const float radius = radius_in(space, layer.radius, kPathPixels * pixel);
+    add_balls(layer.points.size(), radius);
+    bytes += bytes_of(layer.points.size(), Roundness::of(radius / pixel).tube());
+  }
+  return static_cast<std::size_t>(std::min(bytes, 0x1p62));
 }
 
 }  // namespace standoff

@@ -38,10 +38,11 @@ void add_bands(const Drawing& drawing, const UnitSpace& space, float pixel, std:
 void add_points(const Drawing& drawing, const UnitSpace& space, float pixel, std::vector<DrawnPart>& parts);
 void add_paths(const Drawing& drawing, const UnitSpace& space, float pixel, std::vector<DrawnPart>& parts);
 void add_boxes(const Drawing& drawing, const UnitSpace& space, float pixel, std::vector<DrawnPart>& parts);
-/// Lines along the feature edges of a part.
-DrawnPart edge_lines(const DrawnPart& part, float pixel);
+/// Lines along edges of a part, given by their ends.
+DrawnPart edge_lines(const DrawnPart& part, std::span<const std::array<std::uint32_t, 2>> edges, float pixel);
 
-/// About how many bytes all parts of a drawing take, before they are made.
-std::int64_t bytes_of_parts(const Drawing& drawing);
+/// About how many bytes the parts of a drawing take, before they are made; without the lines along edges.
+std::size_t bytes_of_parts(const Drawing& drawing, const UnitSpace& space, float pixel);
+std::size_t bytes_of_lines(std::size_t edges);
 
 }  // namespace standoff

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "render/colormap.h"
+#include "render/srgb.h"
 #include "render/text.h"
 
 namespace standoff {
@@ -68,6 +69,11 @@ int Legend::width(double scale) const {
   return static_cast<int>(std::ceil(std::max(bar, text_width(heading_, kTextSize * scale))));
 }
 
+Color Legend::over_paper(Color color) const {
+  if (outside_opacity_ >= 1) return color;
+  return color_of_light(linear_of(theme_.paper) * (1 - outside_opacity_) + linear_of(color) * outside_opacity_);
+}
+
 // Beside a height of the bar.
 void Legend::draw_label(Image& image, double x, double y, const std::string& label, double scale) const {
   const double size = kTextSize * scale;
@@ -80,7 +86,7 @@ void Legend::draw(Image& image, int x, int y, int height, double scale) const {
   const int cap = scaled(kCap, scale), gap = scaled(kCapGap, scale), width = scaled(kBarWidth, scale);
   int top = y + scaled(kHeading, scale), bottom = y + height;
   if (beyond_outside_) {
-    image.fill(x, top, width, cap, theme_.outside);
+    image.fill(x, top, width, cap, over_paper(theme_.outside));
     draw_label(image, x, top + cap / 2.0, greatest_label_, scale);
     top += cap + gap;
   }
@@ -92,7 +98,7 @@ void Legend::draw(Image& image, int x, int y, int height, double scale) const {
   const int length = bottom - top, line = std::max(1, scaled(1, scale));
   for (int row = 0; row < length; ++row) {
     const double value = greatest_ > least_ ? greatest_ - (greatest_ - least_) * ((row + 0.5) / length) : greatest_;
-    image.fill(x, top + row, width, 1, band_color(value));
+    image.fill(x, top + row, width, 1, value < 0 ? band_color(value) : over_paper(band_color(value)));
   }
   const auto mark = [&](double value, const std::string& label, double room) {
     const double share = greatest_ > least_ ? (greatest_ - value) / (greatest_ - least_) : 0.5;

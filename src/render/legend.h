@@ -28,11 +28,14 @@ class Legend {
   const std::vector<Tick>& ticks() const { return ticks_; }
   /// Pixels from the bar's left edge to the end of the longest words, if all is drawn at `scale`.
   int width(double scale) const;
+  /// Draws colors of values that are not negative as they look over paper with an opacity, 0 to 1.
+  void show_through(double opacity) { outside_opacity_ = static_cast<float>(opacity); }
   /// Draws the bar and its words, `height` pixels high in all, the top left corner at (x, y). At scale 1 words have 14
   /// pixels.
   void draw(Image& image, int x, int y, int height, double scale) const;
 
  private:
+  Color over_paper(Color color) const;
   void draw_label(Image& image, double x, double y, const std::string& label, double scale) const;
 
   double least_, greatest_;
@@ -41,6 +44,7 @@ class Legend {
   bool beyond_outside_, beyond_inside_;  // values at the ends stand for all beyond
   double clamped_;                       // the magnitude from which on they do
   std::string heading_, least_label_, greatest_label_;
+  float outside_opacity_ = 1;
   std::vector<Tick> ticks_;
 };
 

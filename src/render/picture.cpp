@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // The public functions of pictures.
+#include <deque>
 #include <string>
 
 #include "core/execution.h"
 #include "core/guarded.h"
 #include "core/threads.h"
+#include "files/atomic_file.h"
 #include "render/stage.h"
 #include "standoff/error.h"
 
 namespace standoff {
 namespace {
 
+constexpr int kMostTurns = 720;  // each is an open file
 constexpr const char* kWhatToDo = "draw fewer pixels, or provide more memory";
 
 // Runs drawing on the threads that the options ask for.
@@ -54,36 +57,37 @@ void write_mesh_png(const std::filesystem::path& path, MeshView mesh, const Pict
   throw_as_error("picture", kWhatToDo);
 }
 
+std::filesystem::path turntable_file(const std::filesystem::path& path, int n) {
+  std::string number = std::to_string(n);
+  number.insert(0, number.size() < 3 ? 3 - number.size() : 0, '0');
+  std::filesystem::path file = path;
+  return file.replace_filename(path.stem().string() + "-" + number + path.extension().string());
+}
+
 void write_turntable(const std::filesystem::path& path, const Drawing& drawing, int count,
                      const PictureOptions& options, Existing existing) try {
   require_png();
-  if (count < 1 || count > 10000)
-    throw Error(ErrorCode::usage, "picture: a turntable has 1 to 10000 pictures; 36 is usual");
+  if (count < 1 || count > kMostTurns)
+    throw Error(ErrorCode::usage,
+                "picture: a turntable has 1 to " + std::to_string(kMostTurns) + " pictures; 36 is usual");
   const auto camera_of = [&](int n) {
     PictureOptions turned = options;
     turned.azimuth_deg += 360.0 * n / count;
     return Camera(turned);
   };
-  std::vector<std::filesystem::path> written;
-  try {
-    on_threads(options, [&] {
-      const Stage stage(drawing, options);
-      Stage::Extent extent;
-      for (int n = 0; n < count; ++n) extent.include(stage.extent(camera_of(n)));
-      for (int n = 0; n < count; ++n) {
-        std::string number = std::to_string(n);
-        number.insert(0, number.size() < 3 ? 3 - number.size() : 0, '0');
-        std::filesystem::path file = path;
-        file.replace_filename(path.stem().string() + "-" + number + path.extension().string());
-        write_png(file, stage.draw(camera_of(n), extent), existing);
-        written.push_back(file);
-      }
-    });
-  } catch (...) {
-    std::error_code ignored;
-    for (const auto& file : written) std::filesystem::remove(file, ignored);
-    throw;
-  }
+  // None has a name before all are drawn.
+  std::deque<AtomicFile> files;
+  for (int n = 0; n < count; ++n) files.emplace_back(turntable_file(path, n), existing);
+  on_threads(options, [&] {
+    const Stage stage(drawing, options);
+    Stage::Extent extent;
+    for (int n = 0; n < count; ++n) extent.include(stage.extent(camera_of(n)));
+    for (int n = 0; n < count; ++n) {
+      const std::vector<std::uint8_t> bytes = png_of(stage.draw(camera_of(n), extent));
+      files[static_cast<std::size_t>(n)].write(bytes.data(), bytes.size());
+    }
+  });
+  for (AtomicFile& file : files) file.commit();
 } catch (...) {
   throw_as_error("picture", kWhatToDo);
 }

@@ -21,7 +21,7 @@ class Ramp {
 
  private:
   std::vector<Float3> colors_;  // in even steps; and that of no number
-  float least_ = 0, per_unit_ = 0;
+  double least_ = 0, per_unit_ = 0;
 };
 
 }  // namespace standoff

@@ -83,16 +83,35 @@ Roundness Roundness::of(float radius_px) {
   return radius_px < 10 ? Roundness{2, 8} : Roundness{3, 16};
 }
 
-std::size_t ball_triangles(int level) {
-  if (level == 0) return 8;
-  return std::size_t{20} << (2 * (level - 1));
+Roundness::Size Roundness::ball() const {
+  if (ball_level == 0) return {6, 8};
+  const std::size_t quarters = std::size_t{1} << (2 * (ball_level - 1));
+  return {10 * quarters + 2, 20 * quarters};
+}
+
+Roundness::Size Roundness::tube() const {
+  const auto sides = static_cast<std::size_t>(tube_sides);
+  return {2 * sides, 2 * sides};
 }
 
 ShapeBuilder::ShapeBuilder(DrawnPart& part, float radius, Roundness roundness, bool with_values)
-    : part_(part), radius_(radius), with_values_(with_values), ring_(ring_of(roundness.tube_sides)) {
+    : part_(part),
+      radius_(radius),
+      roundness_(roundness),
+      with_values_(with_values),
+      ring_(ring_of(roundness.tube_sides)) {
   Ball ball = ball_of(roundness.ball_level);
   ball_ = std::move(ball.places);
   ball_triangles_ = std::move(ball.triangles);
+}
+
+void ShapeBuilder::reserve(std::size_t balls, std::size_t tubes) {
+  const auto [ball, tube] = std::pair(roundness_.ball(), roundness_.tube());
+  const std::size_t vertices = balls * ball.vertices + tubes * tube.vertices;
+  part_.places.reserve(vertices);
+  part_.normals.reserve(vertices);
+  if (with_values_) part_.values.reserve(vertices);
+  part_.own.reserve(balls * ball.triangles + tubes * tube.triangles);
 }
 
 std::uint32_t ShapeBuilder::add_vertex(Float3 place, Float3 normal, float value) {

@@ -10,21 +10,27 @@ namespace standoff {
 
 /// How finely round things are divided, so that none looks angular at its size.
 struct Roundness {
-  int ball_level;  ///< of ball_triangles()
+  int ball_level;  ///< an octahedron (0), or an icosahedron (1) whose triangles are quartered (2, 3)
   int tube_sides;
 
   /// For things with a radius of so many pixels.
   static Roundness of(float radius_px);
-};
 
-/// Triangles of a ball of a level: an octahedron (0), or an icosahedron (1) whose triangles are quartered (2, 3).
-std::size_t ball_triangles(int level);
+  /// What a ball and a tube consist of.
+  struct Size {
+    std::size_t vertices, triangles;
+  };
+  Size ball() const;
+  Size tube() const;
+};
 
 /// Adds balls and tubes to a part. Each vertex gets a normal, and a value where the part has values.
 class ShapeBuilder {
  public:
   ShapeBuilder(DrawnPart& part, float radius, Roundness roundness, bool with_values);
 
+  /// To be called first, with the most that will be added: then no memory is taken twice.
+  void reserve(std::size_t balls, std::size_t tubes);
   void add_ball(Float3 center, float value = 0);
   /// Without caps.
   void add_tube(Float3 from, Float3 to, float value_from = 0, float value_to = 0);
@@ -36,6 +42,7 @@ class ShapeBuilder {
 
   DrawnPart& part_;
   float radius_;
+  Roundness roundness_;
   bool with_values_;
   std::vector<Float3> ball_;
   std::vector<Triangle> ball_triangles_;

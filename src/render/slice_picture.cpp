@@ -57,12 +57,6 @@ Range finite_range(const Plane& plane) {
   return range;
 }
 
-bool has_sign(const DistanceField& field) {
-  const auto negative = [](auto number) { return number < 0; };
-  return !field.provenance().sign.empty() || std::ranges::count(field.slots(), DistanceField::kInside) > 0 ||
-         std::ranges::any_of(field.tile_values(), negative);
-}
-
 bool as_squares(const Plane& plane, const SlicePicture& picture, Interpolation interpolation) {
   if (interpolation != Interpolation::automatic) return interpolation == Interpolation::nearest;
   return picture.width >= kSquareSide * static_cast<double>(plane.width) &&
@@ -160,7 +154,7 @@ SlicePicture draw_slice(const DistanceField& field, const SliceOptions& options)
                 "slice: the picture's size must be 1 to " + std::to_string(kMaxSide) + " pixels; 512 is usual");
   const Plane plane = plane_of(field, options);
   const Extent extent = enlarged(plane, options.pixels);
-  const bool is_signed = has_sign(field);
+  const bool is_signed = field.has_sign();
   Colormap map = options.colormap;
   if (map == Colormap::automatic) map = is_signed ? Colormap::diverging : Colormap::viridis;
   const Range range = finite_range(plane);

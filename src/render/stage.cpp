@@ -7,7 +7,7 @@
 
 #include <string>
 
-#include "core/field_bytes.h"
+#include "core/memory_budget.h"
 #include "core/per_thread.h"
 #include "core/threads.h"
 #include "render/layers.h"
@@ -39,23 +39,14 @@ void check(const PictureOptions& options) {
     refuse("there is no such background; take white or dark");
 }
 
-// Before the work. The field of shadows is bounded for its triangles, wherever they lie.
-void check_memory(const Drawing& drawing, const PictureOptions& options) {
-  std::int64_t bytes = bytes_of_parts(drawing) + std::int64_t{3} * options.width * options.height;
-  if (options.shadows && !drawing.meshes.empty()) {
-    std::int64_t triangles = 0, vertices = 0;
-    for (const MeshLayer& layer : drawing.meshes) {
-      triangles += static_cast<std::int64_t>(layer.mesh.triangles.size());
-      vertices += static_cast<std::int64_t>(layer.mesh.vertices.size());
-    }
-    bytes += Occlusion::bytes(triangles, vertices);
+// The field of shadows is bounded for its triangles, wherever they lie.
+std::size_t bytes_of_shadows(const Drawing& drawing) {
+  std::int64_t triangles = 0, vertices = 0;
+  for (const MeshLayer& layer : drawing.meshes) {
+    triangles += static_cast<std::int64_t>(layer.mesh.triangles.size());
+    vertices += static_cast<std::int64_t>(layer.mesh.vertices.size());
   }
-  if (options.memory_limit == 0 || bytes <= options.memory_limit) return;
-  throw Error(ErrorCode::limit,
-              "picture: the memory limit is too low: it needs " +
-                  over_the_limit(static_cast<double>(bytes), static_cast<double>(options.memory_limit)) +
-                  "; draw fewer layers, or without shadows",
-              {.bytes_needed = bytes, .bytes_limit = options.memory_limit});
+  return triangles == 0 ? 0 : static_cast<std::size_t>(Occlusion::bytes(triangles, vertices));
 }
 
 // What of a mesh the slices leave: everything on the far sides of the planes that cut.
@@ -68,6 +59,22 @@ std::vector<HalfSpace> kept_by(const Drawing& drawing, const UnitSpace& space, c
     kept.push_back({slice.axis, along(space.placed(on_plane)), along(camera.to_eye({})) < 0});
   }
   return kept;
+}
+
+// The opacity of everything that shows numbers, where all that does are slices that are alike.
+std::optional<double> opacity_of_numbers(const Drawing& drawing) {
+  const auto shows = [](const auto& layer) { return !layer.values.empty(); };
+  if (drawing.slices.empty() || !drawing.bands.empty() || std::ranges::any_of(drawing.meshes, shows) ||
+      std::ranges::any_of(drawing.points, shows) || std::ranges::any_of(drawing.paths, shows))
+    return std::nullopt;
+  const double first = drawing.slices.front().outside_opacity;
+  const auto same = [first](const SliceLayer& slice) { return slice.outside_opacity == first; };
+  return std::ranges::all_of(drawing.slices, same) ? std::optional(first) : std::nullopt;
+}
+
+bool any_sign(const Drawing& drawing) {
+  const auto has_sign = [](const auto& layer) { return layer.field->has_sign(); };
+  return std::ranges::any_of(drawing.slices, has_sign) || std::ranges::any_of(drawing.bands, has_sign);
 }
 
 std::vector<std::vector<char>> unused_of(const Drawing& drawing) {
@@ -91,7 +98,6 @@ Stage::Stage(const Drawing& drawing, const Drawing& whole, const PictureOptions&
       theme_(theme_of(options.background)) {
   check(options);
   standoff::check(drawing);
-  check_memory(drawing, options);
   std::vector<std::vector<char>> unused = unused_of(drawing);
   const Box box = bounds_of(whole, &whole == &drawing ? unused : unused_of(whole));
   if (box.empty())
@@ -101,13 +107,20 @@ Stage::Stage(const Drawing& drawing, const Drawing& whole, const PictureOptions&
 
   // The unit sphere about fills the shorter side.
   const float pixel = pixel_ = 2.0F / static_cast<float>(std::min(options.width, options.height));
+  MemoryBudget budget("picture", options.memory_limit, "draw fewer pixels or layers, or without shadows or edges");
+  budget.take(bytes_of_parts(drawing, *space_, pixel) + sizeof(Color) * pixels());
+  if (options.shadows) budget.take(bytes_of_shadows(drawing));
   const std::vector<HalfSpace> kept = kept_by(drawing, *space_, Camera(options));
   std::vector<DrawnPart> lines;
   for (std::size_t n = 0; n < drawing.meshes.size(); ++n) {
     const MeshLayer& layer = drawing.meshes[n];
     DrawnPart part = made_of(layer, std::move(unused[n]));
     for (const HalfSpace& space : kept) cut(part, space);
-    if (layer.edges) lines.push_back(edge_lines(part, pixel));
+    if (layer.edges) {
+      const auto edges = feature_edges(part);
+      budget.take(bytes_of_lines(edges.size()));
+      lines.push_back(edge_lines(part, edges, pixel));
+    }
     parts_.push_back(std::move(part));
   }
   const std::size_t meshes = parts_.size();
@@ -127,10 +140,9 @@ Stage::Stage(const Drawing& drawing, const Drawing& whole, const PictureOptions&
 
 DrawnPart Stage::made_of(const MeshLayer& layer, std::vector<char> unused) const {
   DrawnPart part = part_of(layer, *space_, std::move(unused));
-  const auto pixels = static_cast<std::size_t>(options_.width) * static_cast<std::size_t>(options_.height);
   if (layer.shading == Shading::flat)
     part.normals = {};
-  else if (part.normals.empty() && part.triangles.size() <= pixels)
+  else if (part.normals.empty() && part.triangles.size() <= pixels())
     smooth(part);
   return part;
 }
@@ -155,8 +167,9 @@ void Stage::add_numbers(const Drawing& drawing) {
   const NumberRange range = number_range(drawing);
   if (range.empty()) return;
   Colormap map = drawing.colormap;
-  if (map == Colormap::automatic) map = range.least < 0 ? Colormap::diverging : Colormap::viridis;
+  if (map == Colormap::automatic) map = range.least < 0 || any_sign(drawing) ? Colormap::diverging : Colormap::viridis;
   legend_.emplace(range.least, range.greatest, static_cast<float>(range.thickness), map, theme_, drawing.quantity);
+  if (const auto opacity = opacity_of_numbers(drawing)) legend_->show_through(*opacity);
   ramp_ = Ramp(*legend_, range.least, range.greatest, theme_);
   if (const auto& ticks = legend_->ticks(); ticks.size() > 1) contour_step_ = ticks[1].value - ticks[0].value;
 }

@@ -50,6 +50,9 @@ class Stage {
   DrawnPart made_of(const MeshLayer& layer, std::vector<char> unused) const;
   Framing::Room room() const;
   Float3 up() const;
+  std::size_t pixels() const {
+    return static_cast<std::size_t>(options_.width) * static_cast<std::size_t>(options_.height);
+  }
 
   PictureOptions options_;
   std::unique_ptr<UnitSpace> space_;

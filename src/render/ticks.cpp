@@ -92,12 +92,17 @@ std::vector<Tick> even_ticks(double least, double greatest, int most) {
 std::string short_text(double number, int digits) {
   // Not printf, which writes a comma where the program that draws has set such a locale.
   std::array<char, 40> buffer;
-  const auto end =
-      std::to_chars(buffer.begin(), buffer.end(), number == 0 ? 0.0 : number, std::chars_format::general, digits).ptr;
-  std::string text(buffer.begin(), end);
+  const auto written = [&](std::chars_format format, int precision) {
+    const double value = number == 0 ? 0.0 : number;
+    return std::string(buffer.begin(), std::to_chars(buffer.begin(), buffer.end(), value, format, precision).ptr);
+  };
+  std::string text = written(std::chars_format::general, digits);
   if (const auto e = text.find('e'); e != std::string::npos) {
     const int exponent = std::atoi(text.c_str() + e + 1);
-    text = text.substr(0, e) + raised(exponent);
+    // As ticks are written beside it.
+    text = exponent >= kLeastPlain && exponent <= kMostPlain
+               ? written(std::chars_format::fixed, std::max(0, digits - 1 - exponent))
+               : text.substr(0, e) + raised(exponent);
   }
   if (text.starts_with('-')) text.replace(0, 1, kMinus);
   return text;

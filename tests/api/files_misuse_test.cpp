@@ -132,8 +132,10 @@ TEST(Misuse, Pictures) {
     draw("paths", {.paths = {{.points = points, .values = values}}});
     draw("boxes", {.boxes = drawing.boxes});
   }
-  for (const int n : {std::numeric_limits<int>::min(), 0, 10001})
+  for (const int n : {std::numeric_limits<int>::min(), 0, 721}) {
+    expect_answer_or_error(named("turntable file", n), [&] { turntable_file(path, n); });
     expect_answer_or_error(named("turntable", n), [&] { write_turntable(path, {}, n, small); });
+  }
 }
 
 TEST(Misuse, Slices) {

@@ -125,7 +125,7 @@ class Tables(unittest.TestCase):
         self.folder = Path(folder.name)
         for module in (points, surfaces, field_files, sidecar_costs, pictures):
             module.results_folder = lambda: self.folder
-        points.peer_python = surfaces.peer_python = lambda *_: None
+        points.peer_python = surfaces.peer_python = pictures.peer_python = lambda *_: None
 
     def test_points(self):
         job = {"meshes": [{"name": "cube", "what": "cube", "args": []}], "sets": {"box": "in the box", "near": "near"}, "count": 5,

@@ -116,13 +116,53 @@ def turntables():
     run("render", "scene:box", *SIZE, "-o", "t.png", "--turntable", 4)
     names = sorted(p.name for p in pathlib.Path(".").glob("t*.png"))
     assert names == [f"t-00{n}.png" for n in range(4)]
-    # One that is in the way is kept, and then none is left.
+    # One that is in the way is kept, and then none is made.
     for n in (0, 1, 3):
         pathlib.Path(f"t-00{n}.png").unlink()
     before = pathlib.Path("t-002.png").read_bytes()
-    run("render", "scene:box", *SIZE, "-o", "t.png", "--turntable", 4, code=4)
+    run("render", "scene:box", *SIZE, "-o", "t.png", "--turntable", 4, code=2)
     assert [p.name for p in pathlib.Path(".").glob("t*.png")] == ["t-002.png"]
+    # Where one cannot be replaced, all stay as they are.
+    pathlib.Path("t-003.png").mkdir()
+    run("render", "scene:box", *SIZE, "-o", "t.png", "-f", "--turntable", 4, code=4)
+    assert sorted(p.name for p in pathlib.Path(".").glob("t*.png")) == ["t-002.png", "t-003.png"]
     assert pathlib.Path("t-002.png").read_bytes() == before
+
+
+def inputs_are_kept():
+    run("generate", "box", "-o", "kept.obj")
+    run("compute", "kept.obj", "-r", "8", "-o", "kept.vti")
+    for verb, name in (("render", "kept.obj"), ("slice", "kept.vti")):
+        before = pathlib.Path(name).read_bytes()
+        pathlib.Path("link.png").unlink(missing_ok=True)
+        pathlib.Path("link.png").symlink_to(name)
+        assert "it is an input" in run(verb, name, "-o", "link.png", "-f", code=2).stderr
+        assert pathlib.Path(name).read_bytes() == before
+
+
+def distances_are_told_where_the_field_knows_them():
+    """Beyond the samples points are grey, and the legend does not count them."""
+    run("compute", "scene:box", "-r", "24", "-o", "near.vti")
+    pathlib.Path("near.csv").write_text("x,y,z\n0,0,0\n0.5,0,0\n")
+    pathlib.Path("far.csv").write_text("x,y,z\n50,0,0\n0,0,50\n")
+    words = ["--layers", "points", "--no-shadows", "--colormap", "viridis", "--camera", "front"]
+    run("render", "near.vti", "near.csv", *SIZE, *words, "-o", "near.png")
+    run("render", "near.vti", "far.csv", *SIZE, *words, "-o", "far.png")
+    colored = [int((np.ptp(pixels(name)[:, :100].astype(int), axis=2) > 60).sum()) for name in ("near.png", "far.png")]
+    assert colored[0] > 30 and colored[1] == 0, colored
+    pathlib.Path("holes.csv").write_text("x,y,z\n0,0,0\nnan,0,0\n1,0,0\n")
+    run("render", "holes.csv", *SIZE, "-o", "holes.png")
+
+
+def slices_lie_where_they_are_asked_for():
+    run("compute", "scene:box", "-r", "24", "-t", "3s", "--sign", "auto", "-o", "at.vti")
+    run("render", "at.vti", *SIZE, "--layers", "slice", "-o", "default.png")
+    plane = json.loads(run("slice", "at.vti", "-o", "plane.png", "--json").stdout)
+    share = plane["index"] / (json.loads(run("info", "at.vti", "--json").stdout)["grid"]["size"]["xyz".index(plane["axis"])] - 1)
+    run("render", "at.vti", *SIZE, "--layers", "slice", "--axis", plane["axis"], "--at", share, "-o", "same.png")
+    assert (pixels("default.png") == pixels("same.png")).all()
+    run("render", "at.vti", *SIZE, "--layers", "slice", "--axis", plane["axis"], "--at", 0.05, "-o", "other.png")
+    assert (pixels("default.png") != pixels("other.png")).any()
 
 
 def errors():
@@ -136,8 +176,13 @@ def errors():
         (["scene:box", "--camera", "0,0,1000"], 2, "zoom"),
         (["scene:box", "--layers", "mesh,hair"], 2, "hair"),
         (["scene:box", "--samples", "3"], 2, "16"),
-        (["scene:box", "--layers", "iso"], 2, "nothing to draw"),
+        (["scene:box", "--layers", "iso"], 2, "--layers iso: there is no field"),
         (["scene:box", "--turntable", "0"], 2, "0"),
+        (["scene:box", "--turntable", "721"], 2, "720"),
+        (["scene:box", "--layers", "slice"], 2, "--layers slice: there is no field"),
+        (["scene:box", "--layers", "mesh,path"], 2, "--layers path: there is no path"),
+        (["p.csv", "--layers", "mesh"], 2, "--layers mesh: there is no mesh"),
+        (["scene:box", "--edges", "--memory-limit", "1M"], 5, "memory limit"),
         (["scene:box", "--memory-limit", "1K"], 5, "memory limit"),
         (["scene:box", "-o", "x.jpg"], 2, ".png"),
     ):
@@ -146,6 +191,7 @@ def errors():
     assert not list(pathlib.Path(".").glob("x*")) and not list(pathlib.Path(".").glob("e*"))
 
 
-for test in (meshes, fields, points_and_paths, turntables, errors):
+for test in (meshes, fields, points_and_paths, turntables, inputs_are_kept, distances_are_told_where_the_field_knows_them,
+             slices_lie_where_they_are_asked_for, errors):
     test()
     print(test.__name__)

@@ -168,7 +168,7 @@ TEST_F(Verbs, Slice) {
                                      "--interpolation linear --no-contours",
                                      "--bare",
                                      "--title Fly",
-                                     "--unit mm",
+                                     "--length-unit mm",
                                      "--legend margin"};
   for (const std::string& options : all) {
     done(words("slice a.vti -q -f -o b.png " + options));
