@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the documentation says of measured points, surfaces, files and sidecars: {page: what it should hold}, made from CSV
+"""What the documentation says of measured points, surfaces, files, sidecars and pictures: {page: what it should hold}, made from CSV
 files. quotes.py writes the pages; tests/bench/output_tables_test.py makes some."""
 
 import re
@@ -15,6 +15,7 @@ PLACES = {"points.csv": (AVX512, "points_benchmarks.md", "points"),
           "points-build.csv": (AVX512, "points_benchmarks.md", "points build"),
           "iso.csv": (AVX2, "output_benchmarks.md", "surfaces"), "files.csv": (AVX512, "output_benchmarks.md", "files"),
           "sidecars.csv": (AVX512, "output_benchmarks.md", "sidecars"),
+          "render.csv": (AVX512, "render.md", "pictures"), "view.csv": (AVX512, "view.md", "pages"),
           "python.csv": (AVX2, "python_benchmarks.md", "fields"), "python-many.csv": (AVX2, "python_benchmarks.md", "many")}
 
 
@@ -82,7 +83,7 @@ def plain(rows):
     return markdown(rows)
 
 
-TABLES = {"points.csv": points, "points-build.csv": build, "iso.csv": surfaces, "files.csv": plain, "sidecars.csv": plain, "python.csv": plain,
+TABLES = {"points.csv": points, "points-build.csv": build, "iso.csv": surfaces, "files.csv": plain, "sidecars.csv": plain, "render.csv": plain, "view.csv": plain, "python.csv": plain,
           "python-many.csv": plain}
 
 
