@@ -73,7 +73,7 @@ void DrawingInput::color_by_field(Polyline& line) const {
   if (fields_.empty()) return;
   line.values.resize(line.points.size());
   fields_.front().interpolate(line.points, line.values);
-  // Beyond the samples the field says nothing: grey, and not in the legend.
+  // Beyond the samples the field says nothing: these are pink, as what is no number.
   const Box known = fields_.front().grid().bounds();
   for (std::size_t n = 0; n < line.points.size(); ++n)
     if (!(min(max(line.points[n], known.min), known.max) == line.points[n]))

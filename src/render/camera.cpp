@@ -4,11 +4,6 @@
 #include <numbers>
 
 namespace standoff {
-namespace {
-
-struct Turn {
-  double sine, cosine;
-};
 
 // By a series: the last bits of std::sin differ between machines, and a vertex between two subpixels with them.
 Turn turn_of(double degrees) {
@@ -33,6 +28,8 @@ Turn turn_of(double degrees) {
       return {sine, cosine};
   }
 }
+
+namespace {
 
 // From axes with z up and the front at -y to the world's.
 Float3 from_z_up(Vec3 v, Axis up) {

@@ -19,6 +19,12 @@ inline constexpr std::int32_t kSubpixels = 256;
 /// No corner of a triangle may be farther from the picture's corner, subpixels.
 inline constexpr double kMostSubpixels = 0x1p30;
 
+/// An angle's sine and cosine, the same bits on every machine.
+struct Turn {
+  double sine, cosine;
+};
+Turn turn_of(double degrees);
+
 /// Moves and scales all that is drawn into the sphere of radius 1 around the origin, where single precision serves all.
 class UnitSpace {
  public:

@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""standoff render: its inputs and layers, the pictures, and what it says when something is wrong."""
+"""render_test.py [--update]: standoff render: its inputs and layers, the pictures, and what it says when something is wrong.
+--update draws the pictures anew that pictures are compared with: look at them."""
 
 import json
 import os
 import pathlib
 import struct
 import subprocess
+import sys
 import zlib
 
 import numpy as np
@@ -141,7 +143,7 @@ def inputs_are_kept():
 
 
 def distances_are_told_where_the_field_knows_them():
-    """Beyond the samples points are grey, and the legend does not count them."""
+    """Beyond the samples points are pink, and the legend does not count them."""
     run("compute", "scene:box", "-r", "24", "-o", "near.vti")
     pathlib.Path("near.csv").write_text("x,y,z\n0,0,0\n0.5,0,0\n")
     pathlib.Path("far.csv").write_text("x,y,z\n50,0,0\n0,0,50\n")
@@ -163,6 +165,29 @@ def slices_lie_where_they_are_asked_for():
     assert (pixels("default.png") == pixels("same.png")).all()
     run("render", "at.vti", *SIZE, "--layers", "slice", "--axis", plane["axis"], "--at", 0.05, "-o", "other.png")
     assert (pixels("default.png") != pixels("other.png")).any()
+
+
+def pictures_look_as_they_did():
+    """Light and shadow, a mesh cut open, see-through walls, and all layers of numbers, beside stored pictures."""
+    folder = pathlib.Path(os.environ["STANDOFF_SOURCE_DIR"]) / "tests/cli/pictures"
+    run("compute", "scene:bender", "-r", "48", "-t", "4s", "--sign", "auto", "-o", "bender.vti")
+    pathlib.Path("line.csv").write_text("flier,step,x,y,z\n" + "".join(f"0,{n},{n / 4 - 1.5},{n % 3 / 4},0.4\n" for n in range(13)))
+    pathlib.Path("dots.csv").write_text("x,y,z\n-1,1,0\n0,1,0.5\n1,1,0\n")
+    run("compute", "scene:box", "-r", "16", "-t", "3s", "--sign", "auto", "-o", "small.vti")
+    size = ["--size", "240x180", "--up", "y"]
+    for name, words in (
+        ("shadows", ["scene:plane", "--camera", "30,35"]),
+        ("open", ["scene:bender", "bender.vti", "--axes"]),
+        ("clear", ["scene:labyrinth:20000", "--opacity", "0.3", "--camera", "30,50", "--background", "dark", "--edges"]),
+        ("layers", ["small.vti", "line.csv", "dots.csv", "--layers", "slice,iso,band,points,path,boxes", "--within", "0.1", "--radius", "0.05"]),
+    ):
+        run("render", *words, *size, "-o", f"{name}.png", "-f")
+        stored = folder / f"{name}.png"
+        if "--update" in sys.argv:
+            folder.mkdir(exist_ok=True)
+            stored.write_bytes(pathlib.Path(f"{name}.png").read_bytes())
+        off = np.abs(pixels(f"{name}.png").astype(int) - pixels(stored))
+        assert off.mean() < 0.2 and (off.max(axis=2) > 24).mean() < 0.002, (name, off.mean(), off.max())
 
 
 def errors():
@@ -192,6 +217,6 @@ def errors():
 
 
 for test in (meshes, fields, points_and_paths, turntables, inputs_are_kept, distances_are_told_where_the_field_knows_them,
-             slices_lie_where_they_are_asked_for, errors):
+             slices_lie_where_they_are_asked_for, pictures_look_as_they_did, errors):
     test()
     print(test.__name__)

@@ -24,8 +24,8 @@ struct Film {
 /// writes no pictures; Error{output} for a name that cannot be a folder's.
 void check_frames(const std::filesystem::path& folder, Existing existing);
 /// Writes frame-0000.png and so on. A new folder appears once all pictures are in it. Where there is one already, its
-/// files of such names are replaced or removed in the end, and all others stay. Where work is cancelled or fails, the
-/// folder is what it was. Errors: as check_frames and write_picture; output; interrupted.
+/// files of such names are replaced or removed in the end, and all others stay. Where drawing is cancelled or fails,
+/// the folder is what it was. Errors: as check_frames and write_picture; output; interrupted.
 void write_frames(const std::filesystem::path& folder, const Film& film, Existing existing,
                   const ProgressCallback& progress);
 

@@ -61,7 +61,7 @@ Stage stage_of(const FlightSubject& subject, const PictureOptions& options) {
 
 // Adds a mesh turned about the y axis and moved, the body's middle to where it flies.
 void add_turned(MeshView body, Vec3 middle, const Flying& flying, Mesh& all) {
-  const double c = std::cos(flying.heading_rad), s = std::sin(flying.heading_rad);
+  const auto [s, c] = turn_of(flying.heading_rad * 180 / std::numbers::pi);
   const auto first = static_cast<std::uint32_t>(all.vertices.size());
   for (const Vec3 vertex : body.vertices) {
     const Vec3 p = vertex - middle;
@@ -126,9 +126,8 @@ Drawing FlightPictures::moving(const FlightFrame& frame) {
     const double radius = length * (kRingFirst + (kRingLast - kRingFirst) * share);
     ring_starts_.push_back(rings_.size());
     for (int side = 0; side <= kRingSides; ++side) {
-      const double angle = 2 * std::numbers::pi * side / kRingSides;
-      const Float3 way =
-          camera_.turned_back({static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle)), 0});
+      const auto [sine, cosine] = turn_of(360.0 * side / kRingSides);
+      const Float3 way = camera_.turned_back({static_cast<float>(cosine), static_cast<float>(sine), 0});
       rings_.push_back(flying.at + radius * Vec3{way.x, way.y, way.z});
     }
   }
