@@ -16,7 +16,7 @@ PLACES = {"points.csv": (AVX512, "points_benchmarks.md", "points"),
           "iso.csv": (AVX2, "output_benchmarks.md", "surfaces"), "files.csv": (AVX512, "output_benchmarks.md", "files"),
           "sidecars.csv": (AVX512, "output_benchmarks.md", "sidecars"),
           "render.csv": (AVX512, "render.md", "pictures"), "view.csv": (AVX512, "view.md", "pages"),
-          "python.csv": (AVX2, "python_benchmarks.md", "fields"), "python-many.csv": (AVX2, "python_benchmarks.md", "many")}
+          "python.csv": (AVX512, "python_benchmarks.md", "fields"), "python-many.csv": (AVX512, "python_benchmarks.md", "many")}
 
 
 def number(ratio):

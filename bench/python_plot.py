@@ -11,7 +11,7 @@ import matplotlib
 import matplotlib.pyplot as plt
 
 from harness import BENCH
-from output_quotes import AVX2, RESULTS
+from output_quotes import AVX512, RESULTS
 from quotes import read
 
 matplotlib.use("Agg")
@@ -44,5 +44,5 @@ def draw(rows, path):
 
 
 if __name__ == "__main__":
-    results = Path(sys.argv[1]) if len(sys.argv) > 1 else RESULTS / AVX2
+    results = Path(sys.argv[1]) if len(sys.argv) > 1 else RESULTS / AVX512
     draw(read(results / "python.csv")[1], BENCH.parent / "docs" / "images" / "python_fields.svg")
