@@ -6,7 +6,6 @@ it asks for nothing. --update draws the pictures anew that it is compared with."
 import array
 import asyncio
 import base64
-import contextlib
 import json
 import math
 import os
@@ -16,6 +15,8 @@ import sys
 
 sys.path.insert(0, str(pathlib.Path(os.environ["STANDOFF_SOURCE_DIR"]) / "tests" / "support"))
 from browser import browser  # noqa: E402
+from page_pictures import COLORS, COMPARE, DRAWN, WHOLE  # noqa: E402
+from page_tab import Page  # noqa: E402
 from viewing import MESH, SOFTWARE, expect, failures  # noqa: E402
 
 # Two tetrahedra: with a name that is no harm, and a shifted copy.
@@ -35,47 +36,6 @@ def true_distance(point):
     answer = subprocess.run([os.environ["STANDOFF"], "points", EVIL, "-", "--sign", "auto"], input=",".join(map(str, point)) + "\n",
                             capture_output=True, text=True)
     return float(answer.stdout.splitlines()[-1].split(",")[0])
-
-
-class Page:
-    def __init__(self, tab):
-        self.tab = tab
-
-    async def open(self, name, width=1280, height=800, phone=False, scheme="light"):
-        await self.tab.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
-        await self.tab.size(width, height, phone)
-        await self.tab.call("Page.navigate", url=(here / name).as_uri())
-        for _ in range(1200):
-            await asyncio.sleep(0.05)
-            with contextlib.suppress(RuntimeError):
-                if await self.tab.ask("document.body && (document.body.classList.contains('ready') || !document.getElementById('failure').hidden)"):
-                    await self.tab.ask("globalThis.viewer && (viewer.renderer.most = 2)")  # smooth enough, and done sooner
-                    return
-        raise SystemExit(f"{name}: the page does not start: {self.tab.complaints}")
-
-    async def ask(self, script):
-        return await self.tab.ask(script)
-
-    async def mouse(self, kind, x, y, **more):
-        await self.tab.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, **{"button": "none", **more})
-
-    async def drag(self, a, b, **more):
-        await self.mouse("mouseMoved", *a)
-        await self.mouse("mousePressed", *a, button="left", clickCount=1, buttons=1, **more)
-        for n in range(1, 5):
-            await self.mouse("mouseMoved", a[0] + (b[0] - a[0]) * n / 4, a[1] + (b[1] - a[1]) * n / 4, button="left", buttons=1, **more)
-        await self.mouse("mouseReleased", *b, button="left", clickCount=1, **more)
-
-    async def click(self, x, y):
-        await self.drag((x, y), (x, y))
-
-    async def key(self, key, **more):
-        text = {"text": key} if len(key) == 1 else {}
-        await self.tab.call("Input.dispatchKeyEvent", type="keyDown", key=key, **text, **more)
-        await self.tab.call("Input.dispatchKeyEvent", type="keyUp", key=key, **more)
-
-    async def camera(self):
-        return await self.ask("(({azimuth, elevation, distance, target}) => ({azimuth, elevation, distance, target}))(viewer.camera)")
 
 
 async def names_are_text(page):
@@ -326,42 +286,6 @@ async def looks_as_it_did(page):
         expected = "data:image/png;base64," + base64.b64encode(reference.read_bytes()).decode()
         off = await page.ask(f"({COMPARE})({json.dumps(drawn)}, {json.dumps(expected)})")
         expect(off < 2.5, f"the picture {name} differs from {reference} by {off} of 255 on average")
-
-
-DRAWN = """(() => {
-  viewer.renderer.showAgain();
-  const canvas = document.createElement('canvas'), context = canvas.getContext('2d');
-  [canvas.width, canvas.height] = [viewer.canvas.width / 6, viewer.canvas.height / 6];
-  context.fillStyle = getComputedStyle(document.documentElement).getPropertyValue('--ground');
-  context.fillRect(0, 0, canvas.width, canvas.height);
-  context.imageSmoothingQuality = 'high';
-  context.drawImage(viewer.canvas, 0, 0, canvas.width, canvas.height);
-  return canvas.toDataURL();
-})()"""
-
-WHOLE = DRAWN.replace(" / 6", "").strip()
-COLORS = """async url => {
-  const image = new Image();
-  image.src = url;
-  await image.decode();
-  const canvas = document.createElement('canvas'), context = canvas.getContext('2d');
-  [canvas.width, canvas.height] = [image.width, image.height];
-  context.drawImage(image, 0, 0);
-  return new Set(new Uint32Array(context.getImageData(0, 0, image.width, image.height).data.buffer)).size;
-}"""
-
-COMPARE = """async (...urls) => {
-  const [a, b] = await Promise.all(urls.map(async url => {
-    const image = new Image();
-    image.src = url;
-    await image.decode();
-    const canvas = document.createElement('canvas'), context = canvas.getContext('2d');
-    [canvas.width, canvas.height] = [image.width, image.height];
-    context.drawImage(image, 0, 0);
-    return context.getImageData(0, 0, image.width, image.height).data;
-  }));
-  return a.length !== b.length ? 255 : a.reduce((sum, v, n) => sum + Math.abs(v - b[n]), 0) / a.length;
-}"""
 
 
 async def stored_tiles_look_like_a_dense_texture(page):
