@@ -132,6 +132,7 @@ class Writer {
     masks_.resize(tree_.leaves.size());
     each_leaf(tree_, threads_, [&](std::size_t n) {
       if (n % 1024 == 0) file_.check();
+      fetch_leaf_after(field_, tree_, n);
       const LeafMasks found = leaf_masks(field_, tree_.leaves[n]);
       leaves_[n] = active_in(tree_.leaves[n], found);
       masks_[n] = found.active;
@@ -316,6 +317,7 @@ class Writer {
     namespace l = nvdb::leaf;
     const Tree::Leaf& leaf = tree_.leaves[n];
     std::array<float, 512> values;
+    fetch_leaf_after(field_, tree_, n);
     leaf_values(field_, leaf, far_, values);
     const Active& active = leaves_[n];
     std::fill_n(to, l::kValues, '\0');

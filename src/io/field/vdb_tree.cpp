@@ -13,6 +13,10 @@
 namespace standoff::vdb {
 namespace {
 
+const float* stored_tile(const DistanceField& field, std::int32_t slot) {
+  return field.tile_values().data() + std::size_t{DistanceField::kTileSamples} * static_cast<std::size_t>(slot);
+}
+
 // Nodes of one level from those of the level below. A node that is inside throughout is none: `inside` says so.
 enum class Made { nothing, node, inside };
 
@@ -59,8 +63,7 @@ class Builder {
 
   // A stored tile may have nothing in the band: one that is clamped throughout is no leaf.
   Made stored(const Size3& at, std::int32_t slot) const {
-    const float* const tile =
-        field_.tile_values().data() + std::size_t{DistanceField::kTileSamples} * static_cast<std::size_t>(slot);
+    const float* const tile = stored_tile(field_, slot);
     if (std::any_of(tile, tile + DistanceField::kTileSamples, [&](float value) { return std::abs(value) < far_; }))
       return Made::node;
     const Size3& size = field_.grid().size;
@@ -107,8 +110,7 @@ namespace {
 // then they are made far and outside, in `room`.
 const float* tile_in_grid(const DistanceField& field, const Tree::Leaf& leaf, std::array<float, 512>& room) {
   const Size3& size = field.grid().size;
-  const float* const tile =
-      field.tile_values().data() + std::size_t{DistanceField::kTileSamples} * static_cast<std::size_t>(leaf.slot);
+  const float* const tile = stored_tile(field, leaf.slot);
   if (leaf.at.x + 8 <= size.x && leaf.at.y + 8 <= size.y && leaf.at.z + 8 <= size.z) return tile;
   for (std::size_t n = 0; n < 512; ++n) {
     const bool in_grid = leaf.at.x + static_cast<std::int64_t>(n & 7) < size.x &&
@@ -123,20 +125,19 @@ const float* tile_in_grid(const DistanceField& field, const Tree::Leaf& leaf, st
 using Four = float __attribute__((vector_size(16)));
 using FourBits = std::int32_t __attribute__((vector_size(16)));
 
+constexpr std::int32_t kMagnitude = 0x7fffffff;
+
 Four four(float value) { return Four{value, value, value, value}; }
+FourBits bits_of(Four values) { return reinterpret_cast<FourBits>(values); }
 Four load(const float* from) {
   Four all;
   std::memcpy(&all, from, sizeof all);
   return all;
 }
-Four select(FourBits which, Four yes, Four no) {
-  return reinterpret_cast<Four>((which & reinterpret_cast<FourBits>(yes)) | (~which & reinterpret_cast<FourBits>(no)));
-}
-// All bits of those that are nearer than the thickness.
-FourBits nearer(Four values, float thickness) {
-  constexpr std::int32_t kMagnitude = 0x7fffffff;
-  return reinterpret_cast<Four>(reinterpret_cast<FourBits>(values) & kMagnitude) < four(thickness);
-}
+Four magnitude(Four values) { return reinterpret_cast<Four>(bits_of(values) & kMagnitude); }
+// The second where the first is not a number.
+Four min(Four a, Four b) { return a < b ? a : b; }
+Four max(Four a, Four b) { return a > b ? a : b; }
 
 // Four rows of four numbers become columns.
 void transpose(std::array<Four, 4>& rows) {
@@ -149,6 +150,13 @@ void transpose(std::array<Four, 4>& rows) {
 }
 
 }  // namespace
+
+void fetch_leaf_after(const DistanceField& field, const Tree& tree, std::size_t n) {
+  constexpr std::size_t kLine = 64 / sizeof(float);
+  if (n + 1 == tree.leaves.size()) return;
+  const float* const tile = stored_tile(field, tree.leaves[n + 1].slot);
+  for (std::size_t at = 0; at < DistanceField::kTileSamples; at += kLine) __builtin_prefetch(tile + at);
+}
 
 LeafMasks leaf_masks(const DistanceField& field, const Tree::Leaf& leaf) {
   std::array<float, 512> room;
@@ -164,12 +172,12 @@ LeafMasks leaf_masks(const DistanceField& field, const Tree::Leaf& leaf) {
       FourBits near_bits{}, negative_bits{};
       for (std::size_t z = 0; z < 8; ++z) {
         const Four values = load(tile + 64 * z + 8 * y + x);
-        const FourBits near = nearer(values, thickness);
+        const FourBits near = magnitude(values) < four(thickness);
         near_bits |= near & (1 << z);
-        negative_bits |= (reinterpret_cast<FourBits>(values) >> 31) & (1 << z);
-        const Four low = select(near, values, four(kMost)), high = select(near, values, four(-kMost));
-        least = select(low < least, low, least);
-        most = select(high > most, high, most);
+        negative_bits |= (bits_of(values) >> 31) & (1 << z);
+        const Four counted = reinterpret_cast<Four>(bits_of(values) | ~near);  // no number where it is not near
+        least = min(counted, least);
+        most = max(counted, most);
       }
       for (std::size_t n = 0; n < 4; ++n) {
         found.active.words[x + n] |= static_cast<std::uint64_t>(near_bits[n]) << 8 * y;
@@ -189,16 +197,14 @@ LeafMasks leaf_masks(const DistanceField& field, const Tree::Leaf& leaf) {
 void leaf_values(const DistanceField& field, const Tree::Leaf& leaf, float far, std::array<float, 512>& values) {
   std::array<float, 512> room;
   const float* const tile = tile_in_grid(field, leaf, room);
-  const auto thickness = static_cast<float>(field.thickness());
   for (std::size_t y = 0; y < 8; ++y)
     for (std::size_t z = 0; z < 8; z += 4)
       for (std::size_t x = 0; x < 8; x += 4) {
         std::array<Four, 4> rows;
         for (std::size_t n = 0; n < 4; ++n) {
           const Four row = load(tile + 64 * (z + n) + 8 * y + x);
-          constexpr std::int32_t kSign = std::numeric_limits<std::int32_t>::min();
-          const FourBits clamped = (reinterpret_cast<FourBits>(row) & kSign) | reinterpret_cast<FourBits>(four(far));
-          rows[n] = select(nearer(row, thickness), row, reinterpret_cast<Four>(clamped));
+          // Nothing in the band is as far, be the thickness infinite or not.
+          rows[n] = reinterpret_cast<Four>(bits_of(min(magnitude(row), four(far))) | (bits_of(row) & ~kMagnitude));
         }
         transpose(rows);
         for (std::size_t n = 0; n < 4; ++n) std::memcpy(&values[64 * (x + n) + 8 * y + z], &rows[n], sizeof rows[n]);

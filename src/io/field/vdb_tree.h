@@ -87,6 +87,9 @@ struct LeafMasks {
 LeafMasks leaf_masks(const DistanceField& field, const Tree::Leaf& leaf);
 /// The values of a leaf. `far` replaces the thickness, which may be infinite.
 void leaf_values(const DistanceField& field, const Tree::Leaf& leaf, float far, std::array<float, 512>& values);
+/// Fetches the tile of the leaf after leaf n into the cache while leaf n is worked on: leaves that follow one another
+/// lie anywhere in memory.
+void fetch_leaf_after(const DistanceField& field, const Tree& tree, std::size_t n);
 
 /// The value of what is not stored, in a file: the thickness, or a finite number beyond all values where it is
 /// infinite.

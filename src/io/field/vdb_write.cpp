@@ -108,6 +108,7 @@ class Writer {
     masks_.resize(tree_.leaves.size());
     each_leaf(tree_, threads_, [&](std::size_t n) {
       if (n % 1024 == 0) file_.check();
+      fetch_leaf_after(field_, tree_, n);
       masks_[n] = leaf_masks(field_, tree_.leaves[n]);
     });
     number(std::uint32_t{1});  // buffers of each leaf
@@ -135,6 +136,7 @@ class Writer {
     write_leaves(file_, tree_, threads_, kMost, [&](std::size_t leaf, char* const to) {
       const LeafMasks& masks = masks_[leaf];
       std::array<float, 512> values;
+      fetch_leaf_after(field_, tree_, leaf);
       leaf_values(field_, tree_.leaves[leaf], far_, values);
       char* at = to;
       const auto add = [&](const auto& value) {
