@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // Distance fields of meshes in device memory, in any layout, computed into device memory on the caller's CUDA stream.
 //
-// These functions allocate what they need beside the mesh and the field, wait for the stream, and try again where
+// These functions allocate what they need beside the meshes and the fields, wait for the stream, and try again where
 // triangle lists did not fit. enqueue() of standoff/cuda.h does none of this.
 #pragma once
 
 #include <span>
+#include <variant>
+#include <vector>
 
 #include "standoff/compute.h"
 #include "standoff/cuda.h"
+#include "standoff/error.h"
 #include "standoff/execution.h"
 #include "standoff/export.h"
 #include "standoff/grid.h"
@@ -35,6 +38,31 @@ STANDOFF_API Box bounds(const MeshView& mesh, const OnStream& on = {});
 /// and values that are null; limit also for a mesh too far from the grid (docs/tiles.md, Domain).
 STANDOFF_API ComputeReport compute_into(const MeshView& mesh, const Grid& grid, double thickness, float* values,
                                         Method method, const OnStream& on = {});
+
+/// A field to compute of a mesh in device memory: arguments of compute_into().
+struct FieldRequest {
+  MeshView mesh;
+  Grid grid;
+  double thickness = 0;     ///< world units, may be infinite
+  float* values = nullptr;  ///< in device memory, one float per sample, x fastest
+  Method method = Method::tiles;
+};
+
+/// The answer for one of several meshes, or the error that the same call with this mesh alone would throw.
+template <class Answer>
+using OrError = std::variant<Answer, Error>;
+
+/// bounds() of many meshes, in their order. It allocates once and waits once. Errors of a mesh are among the answers.
+/// Errors thrown: usage (a backend that is not a GPU's), device.
+STANDOFF_API std::vector<OrError<Box>> bounds_of_each(std::span<const MeshView> meshes, const OnStream& on = {});
+
+/// compute_into() for many meshes, whose fields are computed by one enqueue() of all; the reports are in their order.
+/// It waits twice, and again for those whose triangle lists did not fit, which are computed anew. Copies of meshes lie
+/// in one piece of memory; the fields share one workspace, as large as the largest of them needs. If that does not fit
+/// into device memory, halves of them are computed one after the other. Errors of a mesh are among the answers, and the
+/// other fields are computed. Errors thrown: as bounds_of_each; after one, any values may have been written.
+STANDOFF_API std::vector<OrError<ComputeReport>> compute_each(std::span<const FieldRequest> requests,
+                                                              const OnStream& on = {});
 
 /// Copies values out of device memory, once the stream's work so far is done. Errors: usage (a null pointer, a backend
 /// that is not a GPU's), device.

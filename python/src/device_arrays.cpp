@@ -2,9 +2,11 @@
 // Arrays in a GPU's memory, as addresses: Python finds out where they lie, and nothing here looks into them.
 #include <iterator>
 #include <span>
+#include <variant>
 
 #include "common.h"
 #include "computed.h"
+#include "errors.h"
 #include "lock.h"
 #include "options.h"
 #include "standoff/cuda_compute.h"
@@ -71,27 +73,52 @@ void make_stream(StreamInput* at, bool emulated, int device, std::uintptr_t stre
   new (at) StreamInput{emulated, device, std::move(streams)};
 }
 
-// These wait on the caller's thread: a stream of CUDA's may be that of its thread.
-std::array<std::array<double, 3>, 2> device_bounds(const DeviceRows& vertices, const DeviceRows& faces,
-                                                   const StreamInput& stream) {
-  const MeshView mesh = view_of(vertices, faces);
-  const Unlocked released;
-  const Box box = cuda::bounds(mesh, stream.on());
-  return {{{box.min.x, box.min.y, box.min.z}, {box.max.x, box.max.y, box.max.z}}};
+using DeviceMeshInput = std::tuple<DeviceRows, DeviceRows>;
+/// Vertices, faces, grid, thickness, and the address of the values.
+using DeviceFieldInput = std::tuple<DeviceRows, DeviceRows, GridInput, double, std::uintptr_t>;
+
+/// A list of answers, in which exceptions stand for those that are not there.
+template <class Answer, class Convert>
+nb::list list_of(const std::vector<cuda::OrError<Answer>>& answers, const Convert& convert) {
+  nb::list all;
+  for (const auto& answer : answers) {
+    if (const Error* const error = std::get_if<Error>(&answer))
+      all.append(exception_of(*error));
+    else
+      all.append(convert(std::get<Answer>(answer)));
+  }
+  return all;
 }
 
-nb::dict compute_on_device(const DeviceRows& vertices, const DeviceRows& faces, const GridInput& grid, double thickness,
-                           std::uintptr_t values, const std::string& method, const StreamInput& stream) {
-  const MeshView mesh = view_of(vertices, faces);
+// These wait on the caller's thread: a stream of CUDA's may be that of its thread.
+nb::list bounds_on_device(const std::vector<DeviceMeshInput>& meshes, const StreamInput& stream) {
+  std::vector<MeshView> views;
+  for (const auto& [vertices, faces] : meshes) views.push_back(view_of(vertices, faces));
+  std::vector<cuda::OrError<Box>> boxes;
+  {
+    const Unlocked released;
+    boxes = cuda::bounds_of_each(views, stream.on());
+  }
+  return list_of(boxes, [](const Box& box) {
+    return nb::make_tuple(nb::make_tuple(box.min.x, box.min.y, box.min.z),
+                          nb::make_tuple(box.max.x, box.max.y, box.max.z));
+  });
+}
+
+nb::list compute_on_device(const std::vector<DeviceFieldInput>& fields, const std::string& method,
+                           const StreamInput& stream) {
   const Method chosen = method_of(method);
+  std::vector<cuda::FieldRequest> requests;
+  for (const auto& [vertices, faces, grid, thickness, values] : fields)
+    requests.push_back({view_of(vertices, faces), grid.grid(), thickness, reinterpret_cast<float*>(values), chosen});
   double seconds = 0;
-  ComputeReport report;
+  std::vector<cuda::OrError<ComputeReport>> reports;
   {
     const Unlocked released;
     const Timed timed(seconds);
-    report = cuda::compute_into(mesh, grid.grid(), thickness, reinterpret_cast<float*>(values), chosen, stream.on());
+    reports = cuda::compute_each(requests, stream.on());
   }
-  return dict_of(report, seconds);
+  return list_of(reports, [&](const ComputeReport& report) { return dict_of(report, seconds); });
 }
 
 void copy_to_host(std::uintptr_t values, const nb::ndarray<float, nb::f_contig, nb::device::cpu>& out,
@@ -137,9 +164,8 @@ void add_device_arrays(nb::module_& m) {
       .def_prop_ro("type", &ImportedArray::type)
       .def_prop_ro("shape", &ImportedArray::shape)
       .def_prop_ro("strides", &ImportedArray::strides);
-  m.def("device_bounds", &device_bounds, "vertices"_a, "faces"_a, "stream"_a);
-  m.def("compute_on_device", &compute_on_device, "vertices"_a, "faces"_a, "grid"_a, "thickness"_a, "values"_a,
-        "method"_a, "stream"_a);
+  m.def("bounds_on_device", &bounds_on_device, "meshes"_a, "stream"_a);
+  m.def("compute_on_device", &compute_on_device, "fields"_a, "method"_a, "stream"_a);
   m.def("copy_to_host", &copy_to_host, "values"_a, "out"_a.noconvert(), "stream"_a);
 }
 

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Errors of the library become the exceptions of standoff/_errors.py, with the data of their details.
-#include "standoff/error.h"
+#include "errors.h"
 
 #include <string_view>
-
-#include "common.h"
 
 namespace standoff::python {
 namespace {
@@ -41,25 +39,24 @@ nb::object message_of(std::string_view message) {
   return nb::steal(PyUnicode_DecodeUTF8(message.data(), static_cast<Py_ssize_t>(message.size()), "backslashreplace"));
 }
 
-void raise(const Error& error) {
+}  // namespace
+
+nb::object exception_of(const Error& error) {
   const ErrorDetails& d = error.details();
   const nb::object file = d.file.empty() ? nb::none() : path_of(d.file);
-  const nb::object exception =
-      nb::module_::import_("standoff._errors")
-          .attr("make")(name_of(error.code()), message_of(error.what()), "triangle"_a = d.triangle,
-                        "bytes_needed"_a = d.bytes_needed, "bytes_limit"_a = d.bytes_limit, "file"_a = file,
-                        "line"_a = d.line, "byte"_a = d.byte);
-  PyErr_SetObject(exception.type().ptr(), exception.ptr());
+  return nb::module_::import_("standoff._errors")
+      .attr("make")(name_of(error.code()), message_of(error.what()), "triangle"_a = d.triangle,
+                    "bytes_needed"_a = d.bytes_needed, "bytes_limit"_a = d.bytes_limit, "file"_a = file,
+                    "line"_a = d.line, "byte"_a = d.byte);
 }
-
-}  // namespace
 
 void add_errors(nb::module_&) {
   nb::register_exception_translator([](const std::exception_ptr& thrown, void*) {
     try {
       std::rethrow_exception(thrown);
     } catch (const Error& error) {
-      raise(error);
+      const nb::object exception = exception_of(error);
+      PyErr_SetObject(exception.type().ptr(), exception.ptr());
     }
   });
 }

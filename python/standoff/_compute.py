@@ -11,8 +11,9 @@ import numpy as np
 
 from . import _core
 from ._checks import flag, name, runs_on
-from ._device_mesh import MeshOnDevice, mesh_on_device
-from ._errors import UsageError, make
+from ._device_compute import fields_on_gpu
+from ._device_mesh import MeshOnDevice, parts_on_gpu
+from ._errors import make
 from ._field import DistanceField
 from ._mesh import as_mesh
 from ._options import Grid, Progress, Sign, grid_of, memory_limit_of, memory_text, progress_of, sign_report
@@ -73,11 +74,17 @@ def field(
         DeviceError: there is no such GPU, or arrays lie on several devices.
         KeyboardInterrupt: Ctrl-C, within 0.1 s.
     """
-    on_gpu = mesh_on_device(mesh, runs_on(threads, device)[1], stream)
-    if on_gpu is not None:
-        return _field_on_gpu(
-            on_gpu, (grid, resolution, spacing, shape, padding, band, thickness), sign, nearest, method, out, progress
-        )
+    parts = parts_on_gpu(mesh)
+    if parts is not None:
+        on_gpu = MeshOnDevice(parts, runs_on(threads, device)[1], stream)
+        sizes = (grid, resolution, spacing, shape, padding, band, thickness)
+        with progress_of(progress, "field") as report:
+            [made] = fields_on_gpu([on_gpu], sizes, sign, nearest, method, out)
+            if isinstance(made, Exception):
+                raise made
+            if report is not None:
+                report("done", 1.0)
+        return made
     if stream is not None:
         raise ValueError("stream: the mesh is in the memory of the CPU, which has no streams; leave it out")
     found = as_mesh(mesh)
@@ -126,30 +133,6 @@ def field(
     del done["method"]
     provenance = _core.Provenance(made.method, _core.content_hash(found.vertices, found.faces), made.version, made.sign)
     return DistanceField._make(where, half_width, provenance, dense=dense, sign=signs, computation=done)
-
-
-def _field_on_gpu(
-    mesh: MeshOnDevice,
-    sizes: tuple[Any, ...],
-    sign: str | Sign | None,
-    nearest: bool,
-    method: str,
-    out: Any,
-    progress: Progress,
-) -> DistanceField:
-    if Sign.of(sign).method != "none":
-        raise UsageError(
-            "sign: is decided on the CPU, and the mesh lies on a GPU; pass sign=None for distances without one, or copy "
-            "the mesh to the CPU first"
-        )
-    if flag(nearest, "nearest"):
-        raise UsageError("nearest: triangles are stored in the memory of the CPU; copy the mesh there first")
-    grid, half_width = grid_of(lambda: mesh.bounds, *sizes)
-    with progress_of(progress, "field") as report:
-        made = mesh.field(grid, half_width, name(method, "method"), out)
-        if report is not None:
-            report("done", 1.0)
-    return made
 
 
 def _checked_out(out: Any, grid: Grid) -> np.ndarray:

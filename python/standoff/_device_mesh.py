@@ -1,16 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Meshes in a GPU's memory, and their fields."""
+"""Meshes in a GPU's memory."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
-from . import _core
 from ._device_arrays import DeviceArray, current_stream, device_array, is_on_gpu, new_values, stream_of
-from ._device_field import DeviceField
 from ._errors import DeviceError, UsageError
-from ._options import Box, Grid, SignReport
+from ._options import Grid
 
 # The vertices and faces of those who may have them on a GPU, by their attributes.
 _PARTS: tuple[tuple[str, str, Callable[[Any], tuple[Any, Any]]], ...] = (
@@ -21,22 +19,23 @@ _PARTS: tuple[tuple[str, str, Callable[[Any], tuple[Any, Any]]], ...] = (
 )
 
 
-def mesh_on_device(mesh: Any, device: str, stream: Any) -> MeshOnDevice | None:
-    """The mesh, if its arrays lie on a GPU: ``(vertices, faces)``, or an object of a library that has such."""
+def parts_on_gpu(mesh: Any) -> tuple[Any, Any] | None:
+    """Vertices and faces, if they lie on a GPU: of ``(vertices, faces)``, or of an object of a library that has such."""
     parts = tuple(mesh) if isinstance(mesh, (tuple, list)) and len(mesh) == 2 else None
     for first, second, get in _PARTS:
         if parts is None and hasattr(mesh, first) and hasattr(mesh, second):
             parts = get(mesh)
-    if parts is None or not any(map(is_on_gpu, parts)):
-        return None
-    vertices, faces = parts
-    return MeshOnDevice(vertices, faces, device, stream)
+    return parts if parts is not None and any(map(is_on_gpu, parts)) else None
 
 
 class MeshOnDevice:
     """A mesh whose arrays lie on one GPU, and the stream that works on it."""
 
-    def __init__(self, vertices: Any, faces: Any, device: str, stream: Any) -> None:
+    def __init__(
+        self, parts: tuple[Any, Any], device: str, stream: Any, written_on: Iterable[int] = frozenset()
+    ) -> None:
+        """`written_on` are the handles of further streams that may still write the arrays."""
+        vertices, faces = parts
         for array, what, other in ((vertices, "vertices", "faces"), (faces, "faces", "vertices")):
             if not is_on_gpu(array):
                 raise DeviceError(f"{what}: are in the memory of the CPU, the {other} on a GPU; move one of them")
@@ -46,31 +45,26 @@ class MeshOnDevice:
             handle = stream_of(corners.stream or 0)
         indices = device_array(faces, "faces", handle).in_threes()
         self.source = vertices
-        self.vertices = corners.rows("vertices", "f")
-        self.faces = indices.rows("faces", "iu")
+        self.rows = corners.rows("vertices", "f"), indices.rows("faces", "iu")
         self.number = _number_of(device, corners, indices)
-        self._emulated = device == "emulated"
+        self.worker = device == "emulated", self.number, handle
+        """What works on it: meshes that agree here can share a launch."""
         self._handle = handle
         self._kept = (corners, indices)
+        self._written_on = set(written_on)
 
-    def stream(self, *outputs: DeviceArray) -> _core.Stream:
-        """Their stream, which first waits for others that may still work on the mesh or on the outputs."""
-        found = {stream_of(a.stream) for a in (*self._kept, *outputs) if a.stream is not None}
+    def other_streams(self, *outputs: DeviceArray) -> set[int]:
+        """The streams that may still work on the mesh or on the outputs."""
+        found = set(self._written_on)
         for array in (*self._kept, *outputs):
-            if (others := current_stream(array.source)) is not None:
-                found.add(others)
-        return _core.Stream(self._emulated, self.number, self._handle, sorted(found - {self._handle}))
-
-    @property
-    def bounds(self) -> Box:
-        low, high = _core.device_bounds(self.vertices, self.faces, self.stream())
-        return (low[0], low[1], low[2]), (high[0], high[1], high[2])
+            found |= {stream for stream in (array.stream, current_stream(array.source)) if stream is not None}
+        return {stream_of(stream) for stream in found} - {self._handle}
 
     def output(self, out: Any, grid: Grid) -> DeviceArray:
         """Where the values go: `out`, or a new array of the mesh's library."""
         if out is None:
-            return device_array(new_values(self.source, grid.shape), "out", self._handle)
-        if not is_on_gpu(out):
+            out = new_values(self.source, grid.shape)
+        elif not is_on_gpu(out):
             raise DeviceError(f"out: must lie on the mesh's GPU, not be {type(out).__name__} in the memory of the CPU")
         found = device_array(out, "out", self._handle)
         if found.device is not None and found.device != self.number:
@@ -79,25 +73,13 @@ class MeshOnDevice:
             raise ValueError(f"out: must be float32 of shape {grid.shape}, not {found.type} of shape {found.shape}")
         if not found.writable:
             raise ValueError("out: is read-only")
-        return found
-
-    def field(self, grid: Grid, thickness: float, method: str, out: Any) -> DeviceField:
-        values = self.output(out, grid)
         step, strides = 4, []
         for samples in grid.shape:
             strides.append(step)
             step *= samples
-        if any(n > 1 and a != b for n, a, b in zip(grid.shape, values.strides, strides)):
+        if any(n > 1 and a != b for n, a, b in zip(grid.shape, found.strides, strides)):
             raise ValueError("out: must be in Fortran order, x fastest in memory, without gaps")
-        stream = self.stream(values)
-        done = _core.compute_on_device(
-            self.vertices, self.faces, grid._core(), thickness, values.pointer, method, stream
-        )
-        sign, provenance = SignReport(**done.pop("sign")), done.pop("provenance")
-        del done["method"]
-        return DeviceField._make(grid, thickness, provenance, sign=sign, computation=done)._placed(
-            values, self.number, stream
-        )
+        return found
 
 
 def _number_of(device: str, *arrays: DeviceArray) -> int:

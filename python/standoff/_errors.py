@@ -74,6 +74,18 @@ class SignWarning(UserWarning):
     """The sign of a field is not certain, or there is none because the mesh has no inside."""
 
 
+# What may be wrong with a mesh among many, whose errors are collected.
+OF_A_MESH = (Error, OSError, ValueError, TypeError, MemoryError)
+
+
+def without_frames(error: Exception) -> Exception:
+    """The error without its tracebacks, whose frames would keep all that their callers worked on."""
+    for each in (error, error.__cause__, error.__context__):
+        if each is not None:
+            each.__traceback__ = None
+    return error
+
+
 _CLASSES = {
     "usage": UsageError,
     "input": InputError,

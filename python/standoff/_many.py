@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 from ._checks import flag, whole_number
 from ._compute import field
-from ._errors import Error
+from ._device_many import OnGpu, compute_together
+from ._errors import OF_A_MESH
 from ._field import DistanceField
 from ._mesh import as_mesh
 
@@ -54,13 +55,16 @@ def fields(
     An iterator: results come as they are asked for, and at most `ahead` of them exist before. Errors of a mesh are in
     its result, and the others go on.
 
+    Meshes whose arrays lie on a GPU are computed there, up to `ahead` of them by one launch, on the stream of the thread
+    that asks for the results; it is waited for. Their fields are those of `field`, each a `DeviceField`.
+
     Args:
         meshes: paths, or what `field` takes; any iterable, also one that never ends.
         workers: how many meshes are worked on at a time, each with one thread; by default two for each core, since one
             waits now and then: for its file, or for Python.
         ahead: how many results may wait; by default four for each worker.
         prepare: called with each mesh first, in a worker; returns what the field is computed of. For example to
-            normalise the size.
+            normalise the size, or to move the mesh to a GPU.
         progress: True for a bar by tqdm.
         options: as for `field`: ``resolution=64, band=3``.
 
@@ -87,7 +91,8 @@ def fields(
     return _results(source, total, workers, waiting, prepare, flag(progress, "progress"), options)
 
 
-_OPTIONS = set(signature(field).parameters) - {"mesh", "out", "progress"}
+_DEFAULTS = {p.name: p.default for p in signature(field).parameters.values() if p.name != "mesh"}
+_OPTIONS = _DEFAULTS.keys() - {"out", "progress"}
 
 
 class _Closed(BaseException):
@@ -109,11 +114,12 @@ def _results(
         if closed.is_set():
             raise _Closed
 
-    def work(index: int, source: Any) -> FieldResult:
+    def work(index: int, source: Any) -> FieldResult | OnGpu:
         try:
             mesh = source if prepare is None else prepare(as_mesh(source))
-            return FieldResult(index, source, field(mesh, progress=watch, **options), None)
-        except (Error, OSError, ValueError, TypeError, MemoryError) as error:
+            on_gpu = OnGpu.of(index, source, mesh)
+            return on_gpu or FieldResult(index, source, field(mesh, progress=watch, **options), None)
+        except OF_A_MESH as error:
             return FieldResult(index, source, None, error)
 
     from concurrent.futures import ThreadPoolExecutor  # which takes a tenth of the package's time of import
@@ -123,16 +129,25 @@ def _results(
         from tqdm.auto import tqdm
 
         bar = tqdm(total=total, desc="fields", unit="mesh")
-    pending: deque[Future[FieldResult]] = deque()
+    pending: deque[Future[FieldResult | OnGpu]] = deque()
+    ready: deque[FieldResult] = deque()
     pool = ThreadPoolExecutor(workers, thread_name_prefix="standoff")
+
+    def next_result() -> FieldResult:
+        if not ready:
+            ready.extend(_finished(_next_group(pending), {**_DEFAULTS, **options}))
+        if bar is not None:
+            bar.update()
+        return ready.popleft()
+
     try:
         source = enumerate(meshes)
         for index, mesh in source:
             pending.append(pool.submit(work, index, mesh))
-            if len(pending) >= waiting:
-                yield _next(pending, bar)
-        while pending:
-            yield _next(pending, bar)
+            if len(pending) + len(ready) >= waiting:
+                yield next_result()
+        while pending or ready:
+            yield next_result()
     finally:
         closed.set()  # stops the fields that are being computed
         pool.shutdown(wait=True, cancel_futures=True)
@@ -140,8 +155,26 @@ def _results(
             bar.close()
 
 
-def _next(pending: deque[Future[FieldResult]], bar: Any) -> FieldResult:
-    result = pending.popleft().result()
-    if bar is not None:
-        bar.update()
-    return result
+def _next_group(pending: deque[Future[FieldResult | OnGpu]]) -> list[FieldResult | OnGpu]:
+    """The next result; if that is a mesh on a GPU, with those behind it that are, and with errors between them."""
+    group = [pending.popleft().result()]
+    while isinstance(group[0], OnGpu) and pending and pending[0].exception() is None:  # else it is raised in its turn
+        behind = pending[0].result()
+        if isinstance(behind, FieldResult) and behind.error is None:
+            break
+        group.append(behind)
+        pending.popleft()
+    return group
+
+
+def _finished(group: list[FieldResult | OnGpu], options: dict[str, Any]) -> Iterator[FieldResult]:
+    made = compute_together([each for each in group if isinstance(each, OnGpu)], options)
+    for each in group:
+        if isinstance(each, FieldResult):
+            yield each
+        else:
+            answer = next(made)
+            if isinstance(answer, Exception):
+                yield FieldResult(each.index, each.source, None, answer)
+            else:
+                yield FieldResult(each.index, each.source, answer, None)

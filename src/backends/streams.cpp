@@ -2,12 +2,16 @@
 // The devices of fields in device memory (standoff/cuda_compute.h).
 #include <algorithm>
 #include <array>
+#include <utility>
+#include <variant>
+#include <vector>
 
 #include "backends/cuda/streams.h"
 #include "core/guarded.h"
 #include "core/tile_count.h"
 #include "field/backend.h"
 #include "field/options.h"
+#include "gpu/device_memory.h"
 #include "standoff/error.h"
 #include "standoff/testing/emulation.h"
 #include "standoff/version.h"
@@ -17,8 +21,8 @@ namespace {
 
 struct StreamDevice {
   Backend backend;
-  Box (*bounds)(const MeshView&, const OnStream&);
-  Outcome (*compute)(const MeshView&, Task, const OnStream&);
+  std::vector<OrError<Box>> (*bounds)(std::span<const MeshView>, const OnStream&);
+  std::vector<OrError<Outcome>> (*compute)(std::span<const FieldRequest>, const OnStream&);
   void (*copy)(const float*, std::span<float>, const OnStream&);
 };
 
@@ -41,38 +45,89 @@ const StreamDevice& device_of(const OnStream& on) {
   return *std::find_if(kRows.begin(), kRows.end(), [&](const StreamDevice& row) { return row.backend == backend; });
 }
 
-}  // namespace
-
-Box bounds(const MeshView& mesh, const OnStream& on) try { return device_of(on).bounds(mesh, on); } catch (...) {
-  throw_as_error("cuda");
+// Runs all, or halves of them where all do not fit into the device's memory.
+template <class Answer, class Input>
+std::vector<OrError<Answer>> in_halves(std::vector<OrError<Answer>> (*run)(std::span<const Input>, const OnStream&),
+                                       std::span<const Input> all, const OnStream& on) {
+  try {
+    return run(all, on);
+  } catch (const gpu::OutOfMemory& error) {
+    if (all.size() < 2) return {OrError<Answer>(static_cast<const Error&>(error))};
+  }
+  const std::size_t half = all.size() / 2;
+  std::vector<OrError<Answer>> answers = in_halves(run, all.first(half), on);
+  for (auto& answer : in_halves(run, all.subspan(half), on)) answers.push_back(std::move(answer));
+  return answers;
 }
 
-ComputeReport compute_into(const MeshView& mesh, const Grid& grid, double thickness, float* values, Method method,
-                           const OnStream& on) try {
+template <class Answer>
+Answer only_one(std::vector<OrError<Answer>> answers) {
+  if (const Error* const error = std::get_if<Error>(&answers[0])) throw *error;
+  return std::get<Answer>(std::move(answers[0]));
+}
+
+// Errors: usage.
+void check(const FieldRequest& request, const OnStream& on) {
   ComputeOptions options;
-  options.method = method;
-  validate(thickness, options);
-  validate(grid);
-  const BackendRow& row = backend_of(on, method);
-  Task task;
-  task.grid = grid;
-  task.thickness = thickness;
-  task.method = method;
-  task.output.values = values;
-  const Outcome outcome = device_of(on).compute(mesh, task, on);
+  options.method = request.method;
+  validate(request.thickness, options);
+  validate(request.grid);
+  if (!request.values) throw Error(ErrorCode::usage, "cuda: the field is to be written to null; give device memory");
+  backend_of(on, request.method);
+}
+
+ComputeReport report_of(const FieldRequest& request, const Outcome& outcome, const OnStream& on) {
+  const BackendRow& row = backend_of(on, request.method);
   ComputeReport report;
   report.method = row.method_name;
   report.backend = row.backend_name;
   report.device = row.device({}, on.device);
-  report.triangles = static_cast<std::int64_t>(mesh.triangles.size());
-  report.samples = grid.sample_count();
+  report.triangles = static_cast<std::int64_t>(request.mesh.triangles.size());
+  report.samples = request.grid.sample_count();
   report.samples_examined = static_cast<std::int64_t>(outcome.samples_examined);
   report.samples_band = static_cast<std::int64_t>(outcome.samples_band);
-  report.tiles = tile_count(grid.size);
+  report.tiles = tile_count(request.grid.size);
   report.provenance = {report.method, 0, version(), {}};
   return report;
+}
+
+}  // namespace
+
+std::vector<OrError<Box>> bounds_of_each(std::span<const MeshView> meshes, const OnStream& on) try {
+  return in_halves(device_of(on).bounds, meshes, on);
 } catch (...) {
   throw_as_error("cuda");
+}
+
+Box bounds(const MeshView& mesh, const OnStream& on) { return only_one(bounds_of_each({&mesh, 1}, on)); }
+
+std::vector<OrError<ComputeReport>> compute_each(std::span<const FieldRequest> requests, const OnStream& on) try {
+  const StreamDevice& device = device_of(on);
+  std::vector<OrError<ComputeReport>> answers(requests.size());
+  std::vector<std::size_t> places;
+  std::vector<FieldRequest> valid;
+  for (std::size_t n = 0; n < requests.size(); ++n)
+    answer_with(answers[n], [&] {
+      check(requests[n], on);
+      places.push_back(n);
+      valid.push_back(requests[n]);
+    });
+  const std::vector<OrError<Outcome>> outcomes = in_halves<Outcome, FieldRequest>(device.compute, valid, on);
+  for (std::size_t n = 0; n < valid.size(); ++n) {
+    if (const Error* const error = std::get_if<Error>(&outcomes[n]))
+      answers[places[n]] = *error;
+    else
+      answers[places[n]] = report_of(valid[n], std::get<Outcome>(outcomes[n]), on);
+  }
+  return answers;
+} catch (...) {
+  throw_as_error("cuda");
+}
+
+ComputeReport compute_into(const MeshView& mesh, const Grid& grid, double thickness, float* values, Method method,
+                           const OnStream& on) {
+  const FieldRequest request{mesh, grid, thickness, values, method};
+  return only_one(compute_each({&request, 1}, on));
 }
 
 void copy_to_host(const float* values, std::span<float> to, const OnStream& on) try {

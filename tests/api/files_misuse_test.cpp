@@ -193,6 +193,9 @@ TEST(Misuse, DeviceMemory) {
     expect_answer_or_error("compute_into", [&] {
       cuda::compute_into(nothing, {{2, 2, 2}, {}}, 1, values, none_of<Method>(), on);
     });
+    const cuda::FieldRequest requests[] = {{}, {nothing, {{2, 2, 2}, {}}, 1, values, none_of<Method>()}};
+    expect_answer_or_error("compute_each", [&] { EXPECT_EQ(cuda::compute_each(requests, on).size(), 2u); });
+    expect_answer_or_error("bounds_of_each", [&] { cuda::bounds_of_each(std::vector<MeshView>(2), on); });
     expect_answer_or_error("copy_to_host", [&] { cuda::copy_to_host(nullptr, values, on); });
   }
   cuda::devices();

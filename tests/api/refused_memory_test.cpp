@@ -215,6 +215,10 @@ TEST(RefusedMemory, Devices) {
   const cuda::OnStream on{.backend = testing::kEmulated};
   expect_limit_error("bounds", [&] { cuda::bounds(kMesh, on); });
   expect_limit_error("compute_into", [&] { cuda::compute_into(kMesh, kGrid, 1, values, Method::tiles, on); });
+  const cuda::FieldRequest requests[] = {{kMesh, kGrid, 1, values}, {kMesh, kGrid, -1, values}};
+  const MeshView meshes[] = {kMesh, {}};
+  expect_limit_error("compute_each", [&] { cuda::compute_each(requests, on); });
+  expect_limit_error("bounds_of_each", [&] { cuda::bounds_of_each(meshes, on); });
   expect_error_or_limit("copy_to_host", [&] { cuda::copy_to_host(nullptr, values, on); });
 }
 

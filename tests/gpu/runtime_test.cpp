@@ -86,34 +86,35 @@ TEST_F(CudaRuntime, WorkInDeviceMemoryOnlyLaunchesOnTheCallersStream) {
       }
 }
 
-// No kernel has run, so the mesh seems to be nowhere, which is a limit.
+// No kernel has run, so the meshes seem to have changed meanwhile, which is an error of their input.
 TEST_F(CudaRuntime, ArraysOnADeviceAreWorkedOnByItsStreamAlone) {
   int streams[3];
   const auto on = reinterpret_cast<cudaStream_t>(&streams[0]);
   const cuda::Stream others[] = {reinterpret_cast<cudaStream_t>(&streams[1]),
                                  reinterpret_cast<cudaStream_t>(&streams[2])};
   std::vector<float> vertices(3 * kMesh.vertices.size());  // kernels make doubles of them
-  const MeshView mesh{{vertices.data(), kMesh.vertices.size()}, kMesh.triangles};
   float values[1];
-  try {
-    cuda::compute_into(mesh, kGrid, 1, values, Method::tiles, {.device = 1, .stream = on, .after = others});
-    ADD_FAILURE();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ErrorCode::limit);
+  const std::vector<cuda::FieldRequest> two(
+      2, {{{vertices.data(), kMesh.vertices.size()}, kMesh.triangles}, kGrid, 1, values});
+  for (const auto& answer : cuda::compute_each(two, {.device = 1, .stream = on, .after = others})) {
+    ASSERT_TRUE(std::holds_alternative<Error>(answer));
+    EXPECT_EQ(std::get<Error>(answer).code(), ErrorCode::input);
   }
   EXPECT_EQ(gpu.current, 0);
   EXPECT_TRUE(gpu.allocated.empty());
   std::vector<cudaStream_t> waited;
-  int launches = 0;
+  int launches = 0, allocations = 0;
   for (const pretend::Call& call : gpu.calls) {
     if (call.name == "cudaStreamSynchronize") waited.push_back(call.stream);
+    allocations += call.name == "cudaMalloc";
     if (call.name != "a launch" && call.name != "cudaMemsetAsync") continue;
     EXPECT_EQ(call.stream, on) << call.name;
     EXPECT_EQ(waited.size(), 2u) << "the others were not waited for";
     ++launches;
   }
   EXPECT_EQ(waited, (std::vector<cudaStream_t>{others[0], others[1], on}));
-  EXPECT_EQ(launches, 4);
+  EXPECT_EQ(launches, 1 + 2 * 3);
+  EXPECT_EQ(allocations, 1);
 }
 
 TEST_F(CudaRuntime, EveryCallThatFailsIsNamedAndNothingIsKept) {

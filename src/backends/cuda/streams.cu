@@ -3,6 +3,10 @@
 // for CUDA; streams_emulated.cpp compiles it for the emulation.
 #include "backends/cuda/streams.h"
 
+#include <algorithm>
+#include <utility>
+#include <vector>
+
 #include "backends/cuda/emulated.h"
 #include "field/cuda/any_mesh.cuh"
 #include "field/float_range.h"
@@ -11,7 +15,7 @@
 namespace standoff::STANDOFF_PLATFORM {
 namespace {
 
-using cuda::OnStream;
+using cuda::answer_with, cuda::FieldRequest, cuda::OnStream, cuda::OrError;
 
 // Makes the device the current one, and waits for what others still write.
 struct Begun : DeviceScope {
@@ -20,38 +24,147 @@ struct Begun : DeviceScope {
   }
 };
 
-}  // namespace
+// The meshes of a call that can be worked on, packed in one piece of device memory, with the boxes around them. What is
+// wrong with the others is their answer.
+class Meshes {
+ public:
+  struct One {
+    std::size_t place;  // among the views
+    PackedMesh packed;
+    Box box;
+  };
 
-Box bounds_on_stream(const MeshView& mesh, const OnStream& on) {
-  const Begun begun(on);
-  return bounds_of(PackedMesh(mesh, on.stream).mesh(), on.stream);
-}
+  // view_of(place) is a mesh's view. Waits for the stream.
+  template <class Answer, class ViewOf>
+  Meshes(std::vector<OrError<Answer>>& answers, Stream stream, const ViewOf& view_of) : found_(answers.size()) {
+    gpu::Workspace measure(nullptr);
+    const std::int64_t known = laid_out(answers, measure, view_of).empty() ? 0 : measure.used();
+    if (known == 0) return;
+    memory_ = Memory(known);
+    gpu::Workspace room(memory_.as<void>());
+    all_ = laid_out(answers, room, view_of);
+    fill_bytes(stream, found_on_device_, 0xff, found_bytes());
+    for (const One& one : all_) {
+      one.packed.pack(stream);
+      find_box(one.packed.mesh(), found_on_device_ + one.place, stream);
+    }
+    look(stream);
+    std::vector<One> good;
+    for (const One& one : all_)
+      answer_with(answers[one.place], [&] { good.push_back({one.place, one.packed, box_of(found_[one.place])}); });
+    all_ = std::move(good);
+  }
 
-Outcome compute_on_stream(const MeshView& mesh, Task task, const OnStream& on) {
-  const Begun begun(on);
-  const PackedMesh packed(mesh, on.stream);
-  const Memory outcome(sizeof(Outcome));
-  task.mesh = packed.mesh();
-  task.outcome = outcome.as<Outcome>();
-  check_domain(bounds_of(task.mesh, on.stream), task.grid);
-  const std::int64_t triangles = task.mesh.triangle_count;
-  for (std::int64_t entries = cuda::likely_entries(triangles, task.grid, task.thickness, task.method);;) {
-    const std::int64_t bytes =
-        STANDOFF_PLATFORM::workspace_bytes(triangles, task.grid, task.thickness, task.method, entries);
-    const Memory workspace(bytes);
-    STANDOFF_PLATFORM::enqueue(task, workspace.as<void>(), bytes, on.stream);
-    wait_for(on.stream);
-    Outcome seen;
-    copy_out(&seen, task.outcome, sizeof seen);
+  const std::vector<One>& all() const { return all_; }
+  Outcome* outcome_on_device(std::size_t place) const { return &found_on_device_[place].outcome; }
+  /// As of the last look().
+  const Outcome& outcome(std::size_t place) const { return found_[place].outcome; }
+  /// Waits for the stream, and copies what its work has found.
+  void look(Stream stream) {
+    wait_for(stream);
+    copy_out(found_.data(), found_on_device_, found_bytes());
+  }
+
+ private:
+  std::int64_t found_bytes() const { return static_cast<std::int64_t>(found_.size() * sizeof(Found)); }
+
+  template <class Answer, class ViewOf>
+  std::vector<One> laid_out(std::vector<OrError<Answer>>& answers, gpu::Workspace& room, const ViewOf& view_of) {
+    found_on_device_ = room.take<Found>(static_cast<std::int64_t>(found_.size()));
+    std::vector<One> all;
+    for (std::size_t n = 0; n < answers.size(); ++n)
+      answer_with(answers[n], [&] { all.push_back({n, PackedMesh(view_of(n), room), {}}); });
+    return all;
+  }
+
+  Memory memory_;
+  std::vector<One> all_;
+  std::vector<Found> found_;
+  Found* found_on_device_ = nullptr;
+};
+
+// A field that is not there yet, and room for how many list entries it has asked for.
+struct Wanted {
+  std::size_t place;
+  Task task;
+  std::int64_t entries;
+
+  std::int64_t bytes() const {
+    return STANDOFF_PLATFORM::workspace_bytes(task.mesh.triangle_count, task.grid, task.thickness, task.method,
+                                              entries);
+  }
+  // Whether the lists did not fit; then asks for more.
+  bool wants_more(const Outcome& seen) {
     const bool is_short = seen.stopped != 0 && seen.bad_triangle == Outcome::kNone &&
                           seen.needed_entries != Outcome::kNone &&
                           seen.needed_entries > static_cast<unsigned long long>(entries);
-    if (!is_short) {
-      cuda::check(seen, task);
-      return seen;
-    }
-    entries = static_cast<std::int64_t>(seen.needed_entries + seen.needed_entries / 2);  // what is needed at least
+    if (is_short) entries = static_cast<std::int64_t>(seen.needed_entries + seen.needed_entries / 2);  // at least
+    return is_short;
   }
+};
+
+// Device memory that is taken anew only where it must grow.
+struct Growing {
+  Memory memory;
+  std::int64_t bytes = 0;
+
+  void grow_to(std::int64_t needed) {
+    if (needed <= bytes) return;
+    memory = Memory();  // the old one is free before the new one is taken
+    bytes = 0;
+    memory = Memory(needed);
+    bytes = needed;
+  }
+};
+
+}  // namespace
+
+std::vector<OrError<Box>> bounds_on_stream(std::span<const MeshView> views, const OnStream& on) {
+  const Begun begun(on);
+  std::vector<OrError<Box>> answers(views.size());
+  const Meshes meshes(answers, on.stream, [&](std::size_t n) { return views[n]; });
+  for (const Meshes::One& one : meshes.all()) answers[one.place] = one.box;
+  return answers;
+}
+
+std::vector<OrError<Outcome>> compute_on_stream(std::span<const FieldRequest> requests, const OnStream& on) {
+  const Begun begun(on);
+  std::vector<OrError<Outcome>> answers(requests.size());
+  Meshes meshes(answers, on.stream, [&](std::size_t n) { return requests[n].mesh; });
+  std::vector<Wanted> wanted;
+  for (const Meshes::One& one : meshes.all())
+    answer_with(answers[one.place], [&] {
+      const FieldRequest& r = requests[one.place];
+      check_domain(one.box, r.grid);
+      const Task task{
+          one.packed.mesh(), r.grid, r.thickness, r.method, {.values = r.values}, meshes.outcome_on_device(one.place)};
+      wanted.push_back(
+          {one.place, task, cuda::likely_entries(task.mesh.triangle_count, task.grid, task.thickness, task.method)});
+    });
+  for (Growing workspace; !wanted.empty();) {
+    std::vector<Task> tasks;
+    std::int64_t needed = 0;
+    for (const Wanted& one : wanted) {
+      tasks.push_back(one.task);
+      needed = std::max(needed, one.bytes());
+    }
+    workspace.grow_to(needed);
+    STANDOFF_PLATFORM::enqueue(tasks, workspace.memory.as<void>(), workspace.bytes, on.stream);
+    meshes.look(on.stream);
+    std::vector<Wanted> again;
+    for (Wanted& one : wanted) {
+      const Outcome& seen = meshes.outcome(one.place);
+      if (one.wants_more(seen))
+        again.push_back(one);
+      else
+        answer_with(answers[one.place], [&] {
+          cuda::check(seen, one.task);
+          answers[one.place] = seen;
+        });
+    }
+    wanted = std::move(again);
+  }
+  return answers;
 }
 
 void copy_from_stream(const float* values, std::span<float> to, const OnStream& on) {

@@ -20,8 +20,8 @@ Counts run_tiles(const Job&, Sink&) { fail(); }
 Counts run_thesis(const Job&, Sink&) { fail(); }
 std::int64_t scratch_bytes(std::int64_t, const Grid& grid, double, int) { return host_scratch_bytes(grid); }
 
-Box bounds_on_stream(const MeshView&, const OnStream&) { fail(); }
-Outcome compute_on_stream(const MeshView&, Task, const OnStream&) { fail(); }
+std::vector<OrError<Box>> bounds_on_stream(std::span<const MeshView>, const OnStream&) { fail(); }
+std::vector<OrError<Outcome>> compute_on_stream(std::span<const FieldRequest>, const OnStream&) { fail(); }
 void copy_from_stream(const float*, std::span<float>, const OnStream&) { fail(); }
 
 std::int64_t workspace_bytes(std::int64_t, const Grid&, double, Method, std::int64_t) { fail(); }

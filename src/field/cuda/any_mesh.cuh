@@ -3,11 +3,13 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <limits>
 #include <string>
 
 #include "field/cuda/outcome.cuh"
+#include "gpu/workspace.h"
 #include "standoff/grid.h"
 #include "standoff/mesh_view.h"
 
@@ -44,60 +46,63 @@ STANDOFF_KERNEL void pack_triangles(Rows rows, std::uint32_t* to) {
   }
 }
 
-/// The mesh as kernels read it: in place if it is packed, else a copy.
+/// The mesh as kernels read it: in place if it is packed, else a copy in a workspace.
 class PackedMesh {
  public:
-  /// Errors: usage (numbers that are not aligned, no triangle, too many of them), limit (device memory).
-  PackedMesh(const MeshView& mesh, Stream stream) {
-    mesh_ = {vertices(mesh.vertices, stream), static_cast<std::int64_t>(mesh.vertices.size()),
-             triangles(mesh.triangles, stream), static_cast<std::int64_t>(mesh.triangles.size())};
+  /// Takes room for copies. Errors: usage (null pointers, numbers that are not aligned, no triangle, too many of them).
+  PackedMesh(const MeshView& view, gpu::Workspace& room)
+      : vertices_(rows_of(view.vertices, view.vertices.type() == VertexArray::Type::float64 ? 8 : 4, "vertices")),
+        triangles_(rows_of(view.triangles, view.triangles.index_bytes(), "indices")),
+        vertex_type_(view.vertices.type()),
+        index_type_(view.triangles.type()) {
+    if (!view.vertices.packed()) vertex_copy_ = room.take<double>(3 * vertices_.count);
+    if (!view.triangles.packed()) triangle_copy_ = room.take<std::uint32_t>(3 * triangles_.count);
+    mesh_ = {vertex_copy_ ? vertex_copy_ : reinterpret_cast<const double*>(vertices_.first), vertices_.count,
+             triangle_copy_ ? triangle_copy_ : reinterpret_cast<const std::uint32_t*>(triangles_.first),
+             triangles_.count};
     check_count(mesh_);
-    if (mesh.vertices.size() > TriangleArray::kNoVertex)
+    if (vertices_.count > std::int64_t{TriangleArray::kNoVertex})
       throw Error(ErrorCode::usage, "cuda: the mesh has more vertices than indices of 32 bits reach; split it");
+  }
+
+  /// Puts the copying on the stream, if there is any.
+  void pack(Stream stream) const {
+    if (vertex_copy_) {
+      const bool is_double = vertex_type_ == VertexArray::Type::float64;
+      launch(stream, "pack vertices", is_double ? pack_vertices<double> : pack_vertices<float>, blocks(vertices_),
+             kThreads, vertices_, vertex_copy_);
+    }
+    if (triangle_copy_) {
+      using Type = TriangleArray::Type;
+      const auto kernel = index_type_ == Type::uint32  ? pack_triangles<std::uint32_t>
+                          : index_type_ == Type::int32 ? pack_triangles<std::int32_t>
+                          : index_type_ == Type::int64 ? pack_triangles<std::int64_t>
+                                                       : pack_triangles<std::uint64_t>;
+      launch(stream, "pack triangles", kernel, blocks(triangles_), kThreads, triangles_, triangle_copy_);
+    }
   }
   const DeviceMesh& mesh() const { return mesh_; }
 
  private:
   template <class Array>
   static Rows rows_of(const Array& array, std::int64_t number_bytes, const char* what) {
+    if (!array.data() && array.size() > 0)
+      throw Error(ErrorCode::usage, std::string("cuda: the ") + what + " are null; give device memory");
     if (reinterpret_cast<std::uintptr_t>(array.data()) % static_cast<std::uintptr_t>(number_bytes) != 0 ||
         array.stride() % number_bytes != 0)
       throw Error(ErrorCode::usage,
                   std::string("cuda: the ") + what + " in device memory are not aligned to the size of a number; copy");
     return {array.data(), static_cast<std::int64_t>(array.size()), array.stride()};
   }
-  template <class Number>
-  Number* room(Memory& memory, const Rows& rows) {
-    memory = Memory(3 * rows.count * static_cast<std::int64_t>(sizeof(Number)));
-    return memory.as<Number>();
-  }
   static std::int64_t blocks(const Rows& rows) {
     return std::min<std::int64_t>(kManyBlocks, 3 * rows.count / kThreads + 1);
   }
 
-  const double* vertices(const VertexArray& array, Stream stream) {
-    const bool is_double = array.type() == VertexArray::Type::float64;
-    const Rows rows = rows_of(array, is_double ? 8 : 4, "vertices");
-    if (array.packed()) return reinterpret_cast<const double*>(array.data());
-    double* const to = room<double>(vertices_, rows);
-    launch(stream, "pack vertices", is_double ? pack_vertices<double> : pack_vertices<float>, blocks(rows), kThreads,
-           rows, to);
-    return to;
-  }
-  const std::uint32_t* triangles(const TriangleArray& array, Stream stream) {
-    const Rows rows = rows_of(array, array.index_bytes(), "indices");
-    if (array.packed()) return reinterpret_cast<const std::uint32_t*>(array.data());
-    std::uint32_t* const to = room<std::uint32_t>(triangles_, rows);
-    using Type = TriangleArray::Type;
-    const auto kernel = array.type() == Type::uint32  ? pack_triangles<std::uint32_t>
-                        : array.type() == Type::int32 ? pack_triangles<std::int32_t>
-                        : array.type() == Type::int64 ? pack_triangles<std::int64_t>
-                                                      : pack_triangles<std::uint64_t>;
-    launch(stream, "pack triangles", kernel, blocks(rows), kThreads, rows, to);
-    return to;
-  }
-
-  Memory vertices_, triangles_;
+  Rows vertices_, triangles_;
+  VertexArray::Type vertex_type_;
+  TriangleArray::Type index_type_;
+  double* vertex_copy_ = nullptr;  // null too while room is only counted
+  std::uint32_t* triangle_copy_ = nullptr;
   DeviceMesh mesh_;
 };
 
@@ -143,20 +148,24 @@ STANDOFF_KERNEL void lower_bounds(DeviceMesh mesh, OrderedBounds* bounds, Outcom
   }
 }
 
-/// Waits for the stream. Errors: input (a triangle that is not valid).
-inline Box bounds_of(const DeviceMesh& mesh, Stream stream) {
-  const Memory outcome(sizeof(Outcome)), bounds(sizeof(OrderedBounds));
-  launch(stream, "clear", clear_outcome, 1, 1, outcome.as<Outcome>(), static_cast<Counter*>(nullptr), 0);
-  fill_bytes(stream, bounds.as<void>(), 0xff, sizeof(OrderedBounds));
+/// Where the GPU writes what it finds out about a mesh and its field.
+struct Found {
+  OrderedBounds bounds;
+  Outcome outcome;
+};
+
+/// Puts the search for the box around a mesh on the stream. The bytes of `found` are 0xff before.
+inline void find_box(const DeviceMesh& mesh, Found* found, Stream stream) {
   constexpr std::int64_t kMostBlocks = 512;  // of which each thread lowers six numbers that all share
+  launch(stream, "clear", clear_outcome, 1, 1, &found->outcome, static_cast<Counter*>(nullptr), 0);
   launch(stream, "bounds", lower_bounds, std::min(kMostBlocks, mesh.triangle_count / kThreads + 1), kThreads, mesh,
-         bounds.as<OrderedBounds>(), outcome.as<Outcome>());
-  wait_for(stream);
-  Outcome seen;
-  copy_out(&seen, outcome.as<void>(), sizeof seen);
-  cuda::check(seen, Task{});
-  OrderedBounds b;
-  copy_out(&b, bounds.as<void>(), sizeof b);
+         &found->bounds, &found->outcome);
+}
+
+/// The box in a copy of what was found. Errors: input (a triangle that is not valid).
+inline Box box_of(const Found& found) {
+  cuda::check(found.outcome, Task{});
+  const OrderedBounds& b = found.bounds;
   return {{unordered(b.low[0]), unordered(b.low[1]), unordered(b.low[2])},
           {unordered(~b.high[0]), unordered(~b.high[1]), unordered(~b.high[2])}};
 }

@@ -11,7 +11,7 @@
 #include "standoff/compute.h"
 #include "standoff/cuda_compute.h"
 #include "standoff/error.h"
-#include "standoff/testing/emulation.h"
+#include "tests/field/cuda/on_stream.h"
 #include "tests/support/fields.h"
 #include "tests/support/random_mesh.h"
 
@@ -19,26 +19,6 @@ namespace standoff {
 namespace {
 
 const Grid kGrid{{21, 18, 13}, {-4, -4, -3}, {0.5, 0.5, 0.5}};
-const cuda::OnStream kEmulated{.backend = testing::kEmulated};
-
-// The mesh in rows with a gap behind each, as other programs may have them.
-template <class Number, class Index>
-struct Strided {
-  explicit Strided(const Mesh& mesh) {
-    for (const Vec3& v : mesh.vertices)
-      for (const double x : {v.x, v.y, v.z, 1e30}) numbers.push_back(static_cast<Number>(x));
-    for (const Triangle& t : mesh.triangles) {
-      for (const std::uint32_t index : t) indices.push_back(static_cast<Index>(index));
-      indices.insert(indices.end(), 2, static_cast<Index>(-7));
-    }
-  }
-  MeshView view() const {
-    return {{numbers.data(), numbers.size() / 4, 4 * sizeof(Number)},
-            {indices.data(), indices.size() / 5, 5 * sizeof(Index)}};
-  }
-  std::vector<Number> numbers;
-  std::vector<Index> indices;
-};
 
 // Computed where plain memory stands for the device's, over rubbish.
 std::vector<float> on_device(const MeshView& mesh, double thickness, Method method = Method::tiles) {
@@ -47,22 +27,12 @@ std::vector<float> on_device(const MeshView& mesh, double thickness, Method meth
   return values;
 }
 
-std::vector<float> on_cpu(const MeshView& mesh, double thickness, Method method = Method::tiles) {
-  std::vector<float> values(static_cast<std::size_t>(kGrid.sample_count()));
-  ComputeOptions options;
-  options.method = method;
-  options.skip.kind = SkipRule::Kind::none;
-  options.execution.backend = Backend::cpu;
-  compute_into(mesh, kGrid, thickness, values, options);
-  return values;
-}
-
 void expect_same(const MeshView& mesh) {
   for (const Method method : {Method::tiles, Method::thesis})
     for (const double thickness : {0.6, 3.0, testing::kInfinity}) {
       if (method == Method::thesis && thickness > 1) continue;
       EXPECT_TRUE(testing::bits_of(on_device(mesh, thickness, method)) ==
-                  testing::bits_of(on_cpu(mesh, thickness, method)));
+                  testing::bits_of(on_cpu(mesh, kGrid, thickness, method)));
     }
   const Box found = cuda::bounds(mesh, kEmulated), expected = bounds(mesh);
   EXPECT_EQ(found.min, expected.min);
@@ -96,15 +66,8 @@ TEST(CudaStreams, ReportSaysWhatWasDone) {
   EXPECT_EQ(report.tiles, host.tiles);
 }
 
-// Triangles across the whole grid, near the tiles on both sides of them, are in three times as many lists as the
-// estimate supposes.
 TEST(CudaStreams, RoomGrowsUntilTheListsFit) {
-  Mesh mesh;
-  for (std::uint32_t n = 0; n < 300; ++n) {
-    const double z = 1 + 0.001 * n;
-    mesh.vertices.insert(mesh.vertices.end(), {{-40, -40, z}, {60, -40, z}, {-40, 60, z}});
-    mesh.triangles.push_back({3 * n, 3 * n + 1, 3 * n + 2});
-  }
+  const Mesh mesh = wide_triangles();
   constexpr double kThickness = 1.5;
   std::vector<float> values(static_cast<std::size_t>(kGrid.sample_count()));
   cuda::Outcome outcome;
@@ -122,7 +85,7 @@ TEST(CudaStreams, RoomGrowsUntilTheListsFit) {
   std::vector<Block> memory(static_cast<std::size_t>(bytes) / 256 + 1);
   emulated::enqueue(task, memory.data(), bytes);
   ASSERT_NE(outcome.stopped, 0u) << "the estimate is enough: the test shows nothing";
-  EXPECT_TRUE(testing::bits_of(on_device(mesh, kThickness)) == testing::bits_of(on_cpu(mesh, kThickness)));
+  EXPECT_TRUE(testing::bits_of(on_device(mesh, kThickness)) == testing::bits_of(on_cpu(mesh, kGrid, kThickness)));
 }
 
 template <class Index>
