@@ -32,9 +32,10 @@ struct SliceOptions {
   int pixels = 512;      ///< the plane's longer side is enlarged by a whole factor to at least this, 1 to 8192
   bool contours = true;  ///< lines at the legend's round numbers, except across squares
   bool bare = false;     ///< the plane alone: no words, legend, scales or margins
-  std::string title;     ///< above the picture, in UTF-8; by default none
-  std::string unit;      ///< of lengths, behind the names of the scales, in UTF-8
-  std::string legend;    ///< what the numbers are, above the legend, in UTF-8; by default "distance", with the unit
+  // In UTF-8, each at most 200 characters.
+  std::string title;   ///< above the picture; by default none
+  std::string unit;    ///< of lengths, behind the names of the scales
+  std::string legend;  ///< what the numbers are, above the legend; by default "distance", with the unit
 };
 
 /// A plane of samples.

@@ -3,12 +3,17 @@
 #include "standoff/field.h"
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
+#include <span>
+#include <string>
 
 #include "arrays.h"
 #include "computed.h"
 #include "lock.h"
 #include "options.h"
 #include "standoff/compute.h"
+#include "standoff/error.h"
 #include "standoff/io.h"
 #include "standoff/slice.h"
 #include "work.h"
@@ -134,21 +139,37 @@ DistanceField from_dense(
   return field;
 }
 
+// Answers at points, from the first to the last of a part: few at once, many so that Ctrl-C stops them. Errors: usage
+// (the first point that is not a number).
+void answer_at(std::span<const Vec3> points, const std::function<void(std::size_t, std::size_t)>& part) {
+  const auto is_number = [](const Vec3& p) { return !std::isnan(p.x) && !std::isnan(p.y) && !std::isnan(p.z); };
+  const auto bad = std::find_if_not(points.begin(), points.end(), is_number);
+  if (bad != points.end())
+    throw Error(ErrorCode::usage,
+                "points: point " + std::to_string(bad - points.begin()) + " is not a number; leave it out");
+  constexpr std::size_t kFew = 100'000;  // they take a few milliseconds
+  if (points.size() > kFew) return run_in_parts(nb::none(), points.size(), kFew, part);
+  const Unlocked released;
+  part(0, points.size());
+}
+
 nb::object values_at(const DistanceField& field, const PointInput& points, int threads) {
   NewArray<double> out({points.shape(0)});
-  {
-    const Unlocked released;
-    field.interpolate(points_of(points), {out.data(), out.count()}, {.threads = threads});
-  }
+  const std::span<const Vec3> all = points_of(points);
+  const std::span<double> values(out.data(), out.count());
+  answer_at(all, [&](std::size_t first, std::size_t last) {
+    field.interpolate(all.subspan(first, last - first), values.subspan(first, last - first), {.threads = threads});
+  });
   return out.finish();
 }
 
 nb::object gradients_at(const DistanceField& field, const PointInput& points, int threads) {
   NewArray<double> out({points.shape(0), 3});
-  {
-    const Unlocked released;
-    field.gradient(points_of(points), {reinterpret_cast<Vec3*>(out.data()), points.shape(0)}, {.threads = threads});
-  }
+  const std::span<const Vec3> all = points_of(points);
+  const std::span<Vec3> gradients(reinterpret_cast<Vec3*>(out.data()), points.shape(0));
+  answer_at(all, [&](std::size_t first, std::size_t last) {
+    field.gradient(all.subspan(first, last - first), gradients.subspan(first, last - first), {.threads = threads});
+  });
   return out.finish();
 }
 

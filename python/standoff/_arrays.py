@@ -19,7 +19,7 @@ def to_numpy(array: Any, what: str) -> np.ndarray:
     if isinstance(array, np.ma.MaskedArray) and np.ma.is_masked(array):
         raise TypeError(f"{what}: some entries are masked; leave them out, or fill them with .filled()")
     if isinstance(array, np.ndarray):
-        return array
+        return np.asarray(array)  # of a subclass the plain array: what it does with indices and operators is its own
     if getattr(array, "requires_grad", False):
         array = array.detach()
     device_of = getattr(array, "__dlpack_device__", None)

@@ -42,7 +42,7 @@ def runs_on(threads: Any, device: Any) -> tuple[int, str]:
     """Threads and device, as the compiled module takes them."""
     if not isinstance(device, str):
         raise TypeError(f"device: must be 'auto', 'cpu', 'cuda', 'cuda:N' or 'emulated', not {device!r}")
-    return threads_of(threads), device
+    return threads_of(threads), text(device, "device")
 
 
 def flag(value: Any, what: str) -> bool:
@@ -54,14 +54,18 @@ def flag(value: Any, what: str) -> bool:
 def name(value: Any, what: str) -> str:
     """The name of a choice; which there are, the compiled module knows, and its error lists them."""
     if isinstance(value, str):
-        return value
+        return text(value, what)
     raise TypeError(f"{what}: must be one of the names that the documentation lists, as a string, not {value!r}")
 
 
 def text(value: Any, what: str) -> str:
-    if isinstance(value, str):
-        return value
-    raise TypeError(f"{what}: must be a string, not {value!r}")
+    if not isinstance(value, str):
+        raise TypeError(f"{what}: must be a string, not {value!r}")
+    try:
+        value.encode()
+    except UnicodeEncodeError as error:
+        raise ValueError(f"{what}: {value!r} is no text that can be written: {error.reason}") from None
+    return value
 
 
 def path_of(path: Any) -> str:

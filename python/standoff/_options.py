@@ -181,7 +181,8 @@ def _fit(
 
 def _spacing(spacing: Any) -> tuple[float, float, float]:
     if isinstance(spacing, numbers.Real) and not isinstance(spacing, bool):
-        return (float(spacing), float(spacing), float(spacing))
+        found = number(spacing, "spacing")
+        return (found, found, found)
     return triple(spacing, "spacing")
 
 
@@ -200,8 +201,8 @@ def grid_of(
         raise ValueError("band and thickness: give one of these; band counts in samples, thickness in world units")
     if band is not None:
         band = number(band, "band")
-        if not band > 0:
-            raise ValueError(f"band: must be positive, not {band:g}; leave it out for a full field")
+        if not 0 < band < math.inf:
+            raise ValueError(f"band: must be positive and finite, not {band:g}; leave it out for a full field")
     if thickness is not None:
         thickness = number(thickness, "thickness")
     if grid is not None:

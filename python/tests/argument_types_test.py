@@ -50,7 +50,7 @@ CALLS = {
     "verify": (so.verify, {"field": BAND, "mesh": MESH}),
 }
 SIGNS = [so.Sign(**{name: object()}) for name in inspect.signature(so.Sign).parameters]
-WRONG = [object(), [], (), {}, "", "x", b"x", "nul\0", 1.5, -1, 2**40, 2**63, 2**80, 10**400, True, None, 1j, math.nan,
+WRONG = [object(), [], (), {}, "", "x", b"x", "nul\0", "\udcff", 10**6 * "x", 1.5, -1, 2**40, 2**63, 2**80, 10**400, True, None, 1j, math.nan,
          math.inf, lambda *_: None, int, np.array([1, 2]), np.zeros((2, 3), complex), np.float32(3), *SIGNS]  # fmt: skip
 
 
@@ -105,6 +105,9 @@ def test_types(call, message):
         (lambda: so.verify(BAND, MESH, seed=-1), "^seed: must be zero or more, not -1"),
         (lambda: so.surface(BAND, at=10**400), "^at: is too large"),
         (lambda: MESH.save("nul\0.ply"), "^path: holds a null character"),
+        (lambda: BAND.plot(title="\udcff"), "^title: .* is no text that can be written"),
+        (lambda: BAND.plot(title=201 * "x"), "the title has 201 characters"),
+        (lambda: so.field(MESH, method="\udcff"), "^method: .* is no text"),
     ],
 )
 def test_values(call, message):

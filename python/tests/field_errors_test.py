@@ -79,8 +79,11 @@ def test_errors_name_the_argument_and_not_the_compiled_function():
     ):
         with pytest.raises(TypeError, match="^threads: must be a whole number, not True"):
             call(True)
-    with pytest.raises(ValueError, match="^band: must be positive, not -1"):
-        so.field(MESH, resolution=8, band=-1)
+    for band_width in (-1, np.inf):
+        with pytest.raises(ValueError, match=f"^band: must be positive and finite, not {band_width}; leave it out"):
+            so.field(MESH, resolution=8, band=band_width)
+    with pytest.raises(ValueError, match="^spacing: is too large"):
+        so.field(MESH, spacing=10**400)
     with pytest.raises(TypeError, match="^points: must be an array of real numbers, not NoneType"):
         band(None)
 

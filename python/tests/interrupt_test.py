@@ -113,6 +113,22 @@ def test_a_handler_of_ones_own():
     assert out == "mine\nTrue True\n"
 
 
+def test_values_at_many_points_let_handlers_run():
+    out = run("""
+    calls = []
+    signal.signal(signal.SIGALRM, lambda *_: calls.append(1))
+    field = so.field(sphere, resolution=64)
+    points = random.random((3_000_000, 3))
+    for work in (field._native().values, field._native().gradients):
+        calls.clear()
+        signal.setitimer(signal.ITIMER_REAL, 0.01, 0.01)
+        work(points, 1)
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        print(len(calls) > 2)
+    """)
+    assert out == "True\nTrue\n"
+
+
 def test_a_traceback_and_the_exit_code_of_the_shell():
     code = textwrap.dedent(SETUP.format(folder=str(Path(__file__).parent))) + "strike()\n" + WORK["field"]
     done = subprocess.run([sys.executable, "-c", code], check=False, capture_output=True, text=True, timeout=60)

@@ -125,6 +125,34 @@ def test_buffers_and_array_interfaces():
         assert address(mesh.faces) == address(faces)
 
 
+class Sealed(np.ndarray):
+    """A subclass that lets nobody index it or compute with it."""
+
+    def __getitem__(self, place):
+        raise RuntimeError("sealed")
+
+    def __array_ufunc__(self, *_, **__):
+        raise RuntimeError("sealed")
+
+    def __array_function__(self, *_, **__):
+        raise RuntimeError("sealed")
+
+
+def test_subclasses_of_arrays_are_taken_as_arrays():
+    mesh = so.Mesh(VERTICES.view(Sealed), FACES.view(Sealed))
+    assert type(mesh.vertices) is type(mesh.faces) is np.ndarray
+    assert address(mesh.vertices) == address(VERTICES)
+    field = so.field(mesh, resolution=8)
+    np.testing.assert_array_equal(field(POINTS.view(Sealed)), field(POINTS))
+    np.testing.assert_array_equal(so.distance(mesh, POINTS.view(Sealed)), so.distance(mesh, POINTS))
+    body = so.Body(mesh)
+    for pose in (np.eye(4), np.eye(7)[6]):
+        assert so.collide(body, body, pose.view(Sealed)).hit
+    values = field.numpy()
+    again = so.DistanceField.from_numpy(values.view(Sealed), field.grid)
+    np.testing.assert_array_equal(again.numpy(), values)
+
+
 def test_repr_equality_and_size():
     mesh = so.Mesh(VERTICES, FACES)
     assert repr(mesh) == "<standoff.Mesh: 8 vertices, 12 triangles>"

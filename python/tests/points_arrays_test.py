@@ -94,8 +94,11 @@ def test_points_that_are_not_finite(ask, value, dtype):
 def test_points_that_a_field_cannot_look_at():
     for field in (FIELD, BAND):
         for use in (field, field.gradient):
-            with pytest.raises(so.UsageError):
-                use([[0, np.nan, 0]])
+            for count in (20, 200_000):  # many are looked at in parts
+                points = np.zeros((count, 3))
+                points[count // 2 :, 1] = np.nan
+                with pytest.raises(so.UsageError, match=f"point {count // 2} is not a number; leave it out"):
+                    use(points)
 
 
 def test_points_far_and_near():
@@ -105,6 +108,13 @@ def test_points_far_and_near():
     assert QUERY.distance(np.float32([[3e38, 3e38, 3e38]])) == np.inf  # too far for a float
     with pytest.raises(so.LimitError):
         QUERY.distance([[1e300, 0, 0]])
+
+
+def test_many_points_have_the_answers_of_few():
+    points = RANDOM.uniform(-2, 2, (300_001, 3))
+    for use in (FIELD, BAND.gradient):
+        some = [0, 99_999, 100_000, 250_000, 300_000]
+        np.testing.assert_array_equal(use(points)[some], use(points[some]))
 
 
 def test_interpolation_between_samples():

@@ -135,6 +135,16 @@ SlicePicture empty_picture(const Layout& layout, const Extent& plane, const Them
   return {Image(width, bottom + margin, theme.paper), left, top, plane.width, plane.height};
 }
 
+// Throws Error{usage} for words that make a picture which nothing can hold.
+void check_words(const char* what, const std::string& words) {
+  constexpr std::int64_t kMost = 200;
+  const auto begins = [](char c) { return (c & 0xc0) != 0x80; };  // a character of UTF-8
+  const std::int64_t characters = std::count_if(words.begin(), words.end(), begins);
+  if (characters > kMost)
+    throw Error(ErrorCode::usage, std::string("slice: the ") + what + " has " + std::to_string(characters) +
+                                      " characters; give it at most " + std::to_string(kMost));
+}
+
 void draw_words(const Layout& layout, const Theme& theme, SlicePicture& picture) {
   const double margin = std::ceil(kMargin * layout.scale), size = kText * layout.scale;
   double baseline = margin + cap_height(size);
@@ -152,6 +162,9 @@ SlicePicture draw_slice(const DistanceField& field, const SliceOptions& options)
   if (options.pixels < 1 || options.pixels > kMaxSide)
     throw Error(ErrorCode::usage,
                 "slice: the picture's size must be 1 to " + std::to_string(kMaxSide) + " pixels; 512 is usual");
+  check_words("title", options.title);
+  check_words("unit", options.unit);
+  check_words("legend", options.legend);
   const Plane plane = plane_of(field, options);
   const Extent extent = enlarged(plane, options.pixels);
   const bool is_signed = field.has_sign();

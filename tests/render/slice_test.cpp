@@ -265,7 +265,7 @@ TEST(Slice, UnitsAndTitlesAreWritten) {
   EXPECT_GT(picture([](auto& o) { o.title = "Ramp"; }).height, plain.height);
   EXPECT_NE(picture([](auto& o) { o.unit = "mm"; }).pixels, plain.pixels);
   EXPECT_GT(picture([](auto& o) { o.legend = "distance from the wall"; }).width, plain.width);
-  // Whatever the bytes are, and however many.
+  // Whatever the bytes are, and as many as are allowed.
   EXPECT_GT(picture([](auto& o) { o.title = std::string(200, 'm'); }).width, plain.width);
   for (const std::string words : {"\xff\xfe\x80", "\n\t", "\xF0\x9F\x90"})
     EXPECT_NE(picture([&](auto& o) { o.title = words; }).pixels, plain.pixels);
@@ -312,6 +312,9 @@ TEST(Slice, OptionsOutOfRangeAreRefused) {
   refused([](auto& o) { o.axis = static_cast<Axis>(7); }, "there is no such axis");
   refused([](auto& o) { o.pixels = 0; }, "the picture's size must be 1 to 8192 pixels");
   refused([](auto& o) { o.pixels = 8193; }, "the picture's size must be 1 to 8192 pixels");
+  refused([](auto& o) { o.title = std::string(201, 'm'); }, "the title has 201 characters; give it at most 200");
+  refused([](auto& o) { o.unit = std::string(1'000'000, 'm'); }, "the unit has 1000000 characters");
+  refused([](auto& o) { o.legend = std::string(201, 'm'); }, "the legend has 201 characters");
 }
 
 // VTK sees the size and the colors of the picture's corners that we drew.
