@@ -103,6 +103,15 @@ STANDOFF_INLINE WideDouble look_up(const double (&table)[8], const std::uint32_t
   return {four(0), four(4)};
 }
 
+/// The lanes whose bit is set.
+STANDOFF_INLINE DoubleMask double_mask_from_bits(std::uint32_t bits) {
+  const auto four = [&](__m256i bit) __attribute__((always_inline)) {
+    const __m256i set = _mm256_and_si256(_mm256_set1_epi64x(bits), bit);
+    return _mm256_castsi256_pd(_mm256_cmpeq_epi64(set, bit));
+  };
+  return {four(_mm256_setr_epi64x(1, 2, 4, 8)), four(_mm256_setr_epi64x(16, 32, 64, 128))};
+}
+
 /// The lanes rounded to float.
 STANDOFF_INLINE void store_rounded(float* out, WideDouble a) {
   _mm_storeu_ps(out, _mm256_cvtpd_ps(a.lo));

@@ -79,6 +79,9 @@ STANDOFF_INLINE WideDouble look_up(const double (&table)[8], const std::uint32_t
   return _mm512_permutexvar_pd(which, _mm512_loadu_pd(table));
 }
 
+/// The lanes whose bit is set.
+STANDOFF_INLINE DoubleMask double_mask_from_bits(std::uint32_t bits) { return {static_cast<__mmask8>(bits)}; }
+
 /// The lanes rounded to float.
 STANDOFF_INLINE void store_rounded(float* out, WideDouble a) { _mm256_storeu_ps(out, _mm512_cvtpd_ps(a.v)); }
 /// Pairs of lanes of a and b.

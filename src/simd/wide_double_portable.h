@@ -124,6 +124,17 @@ STANDOFF_INLINE WideDouble look_up(const double (&table)[8], const std::uint32_t
   return WideDouble::load(found);
 }
 
+/// The lanes whose bit is set.
+STANDOFF_INLINE DoubleMask double_mask_from_bits(std::uint32_t bits) {
+  DoubleMask m;
+  for (int part = 0; part < kDoubleParts; ++part) {
+    const std::int64_t two = bits >> (kDoublePartLanes * part);
+    const LongInts bit{1, 2};
+    m.v[part] = (LongInts{two, two} & bit) == bit;
+  }
+  return m;
+}
+
 /// The lanes rounded to float.
 STANDOFF_INLINE void store_rounded(float* out, const WideDouble& a) {
   double lanes[WideDouble::kLanes];

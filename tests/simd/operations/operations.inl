@@ -34,13 +34,6 @@ using namespace standoff::STANDOFF_TARGET;
     (expression).store(out);                                     \
   }
 
-// What has the bits as its mask: WideDouble has masks from comparisons alone.
-STANDOFF_INLINE DoubleMask double_mask(Bits bits) {
-  double lanes[WideDouble::kLanes];
-  for (int n = 0; n < WideDouble::kLanes; ++n) lanes[n] = bits >> n & 1;
-  return less(WideDouble(0), WideDouble::load(lanes));
-}
-
 constexpr DoubleOperations double_operations() {
   DoubleOperations o{};
   o.add = STANDOFF_DOUBLE_BINARY(a + b);
@@ -58,12 +51,12 @@ constexpr DoubleOperations double_operations() {
   o.less = [](const double* a, const double* b) {
     return Bits{less(WideDouble::load(a), WideDouble::load(b)).to_bits()};
   };
-  o.mask_not = [](Bits a) { return Bits{negated(double_mask(a)).to_bits()}; };
-  o.mask_and = [](Bits a, Bits b) { return Bits{(double_mask(a) & double_mask(b)).to_bits()}; };
-  o.mask_or = [](Bits a, Bits b) { return Bits{(double_mask(a) | double_mask(b)).to_bits()}; };
-  o.mask_xor = [](Bits a, Bits b) { return Bits{(double_mask(a) ^ double_mask(b)).to_bits()}; };
+  o.mask_not = [](Bits a) { return Bits{negated(double_mask_from_bits(a)).to_bits()}; };
+  o.mask_and = [](Bits a, Bits b) { return Bits{(double_mask_from_bits(a) & double_mask_from_bits(b)).to_bits()}; };
+  o.mask_or = [](Bits a, Bits b) { return Bits{(double_mask_from_bits(a) | double_mask_from_bits(b)).to_bits()}; };
+  o.mask_xor = [](Bits a, Bits b) { return Bits{(double_mask_from_bits(a) ^ double_mask_from_bits(b)).to_bits()}; };
   o.select = [](Bits m, const double* yes, const double* no, double* out) {
-    select(double_mask(m), WideDouble::load(yes), WideDouble::load(no)).store(out);
+    select(double_mask_from_bits(m), WideDouble::load(yes), WideDouble::load(no)).store(out);
   };
   o.load_column = [](const double(*rows)[4], int axis, double* out) { load_column(rows, axis).store(out); };
   o.store_local = [](const double* v, double scale, const double* center, double* out) {

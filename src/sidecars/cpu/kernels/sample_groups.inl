@@ -52,13 +52,17 @@ STANDOFF_INLINE void load_nearest(const SidecarMesh& mesh, const SidecarTile& ti
   load_corners<kPacked>(mesh, triangles, kSamplesAtOnce, corner);
 }
 
-// Where the gradient points away from the distance's: -1, else 1.
+// Where the gradient points away from the distance's: -1, else 1. By bits, because stores of single numbers would have
+// to be done before they are read as eight.
 STANDOFF_INLINE WideDouble gradient_signs(const SidecarMesh& mesh, const SidecarTile& tile,
                                           const std::uint32_t* samples) {
-  alignas(64) double sign[kSamplesAtOnce];
-  for (int lane = 0; lane < kSamplesAtOnce; ++lane)
-    sign[lane] = mesh.has_negative && __builtin_signbit(tile.values[samples[lane]]) ? -1.0 : 1.0;
-  return WideDouble::load(sign);
+  std::uint32_t negative = 0;
+  for (int lane = 0; lane < kSamplesAtOnce; ++lane) {
+    std::uint32_t value;
+    __builtin_memcpy(&value, tile.values + samples[lane], sizeof value);
+    negative |= value >> 31 << lane;
+  }
+  return select(double_mask_from_bits(mesh.has_negative ? negative : 0), WideDouble(-1.0), WideDouble(1.0));
 }
 
 // Three numbers of each of eight samples.
