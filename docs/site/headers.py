@@ -203,8 +203,8 @@ def _comment_text(line: str) -> str:
 
 def _simple(text: str, comment: list[str], namespace: str) -> Entity:
     text = text.replace("STANDOFF_API ", "")
-    if text.startswith("using "):
-        return Entity("type", text.split()[1], text.removeprefix("using "), comment, namespace)
+    if alias := re.match(r"(template\s*<[^<>]*>\s*)?using (\w+)", text):
+        return Entity("type", alias[2], text.replace("using ", "", 1), comment, namespace)
     before = text.partition("=")[0] if "operator" not in text else text
     if "(" in before and not re.match(r"^(?:static |inline |constexpr )+[\w:]+ k[A-Z]", text):
         # A constructor's initialisers are no part of what it looks like.

@@ -9,10 +9,12 @@ import numpy as np
 import pytest
 import shapes
 import standoff as so
+from pretended_gpu import FACES, ON_GPU, VERTICES, Standard
 
 MESH = so.Mesh(*shapes.tetrahedron())
 QUERY, BODY, FIELD = so.MeshQuery(MESH, sign="auto"), so.Body(MESH), so.field(MESH, resolution=8, band=2)
 POINT, POSE = np.array([0.1, 0.2, 2.0]), np.eye(4)
+GPU_MESHES = [(Standard(VERTICES), Standard(FACES)), (Standard(VERTICES), Standard(FACES + 1))]  # good and bad
 BROKEN = so.Mesh(MESH.vertices, np.array([[0, 1, 9]]))
 
 
@@ -39,6 +41,7 @@ SMALL = {
     "field of tiles": (lambda: so.field(MESH, resolution=8, band=1, threads=1), 1500),
     "query": (lambda: so.MeshQuery(MESH, threads=1), 1500),
     "collide": (lambda: so.collide(BODY, BODY, POSE, threads=1), 1500),
+    "fields on a GPU": (lambda: list(so.fields(GPU_MESHES, workers=1, resolution=4, **ON_GPU)), 500),
     "wrong face": (lambda: fails(lambda: BROKEN.bounds), 5000),
     "wrong point": (lambda: fails(lambda: QUERY.distance([np.nan, 0, 0])), 5000),
     "wrong type": (lambda: fails(lambda: QUERY.distance(POINT, threads="x")), 5000),
