@@ -20,16 +20,18 @@ constexpr int kLevels = SortedPoints::kBits + 1;
 // The half extents of boxes of points are rounded up by this share, and as many grid units.
 constexpr float kHalfSlack = 1e-6f;
 
-// Points of a cell that may be answered one by one (is_sparse).
+// When a point had better go down the hierarchy alone: triangles for each point. All values are measured, and arbitrary
+// within a factor of two. Of those that cross the cell, which halving it does not change; of all candidates of a cell
+// of few points, which become fewer where the mesh is far; of the candidates of a group.
+constexpr std::int64_t kManyCrossing = 8, kManyOfCell = 12, kManyOfGroup = 16;
 constexpr std::int64_t kFewPoints = 512;
-// Triangles of a cell's list for each of its points from which on that is faster: measured, within a factor of two.
-constexpr std::int64_t kSparse = 12;
 
 // What one thread uses for one group after the other.
 struct ThreadState {
   explicit ThreadState(CandidateLists&& candidates) : lists(std::move(candidates)) {}
 
   CandidateLists lists;
+  SortedPoints::Range task{0, 0};  // what is answered now, of all points
   PointGroup group;
   PointTable table;
 };
@@ -42,6 +44,7 @@ class Block {
       : index_(index), kernels_(kernels), sorted_(sorted), points_(points), out_(out) {}
 
   void answer(SortedPoints::Range range, ThreadState& state) const {
+    state.task = range;
     visit(0, {{0, 0, 0}, {SortedPoints::kSide, SortedPoints::kSide, SortedPoints::kSide}, SortedPoints::kSide}, {},
           range, state);
   }
@@ -49,7 +52,7 @@ class Block {
  private:
   void visit(int level, const Cell& cell, const References& near, SortedPoints::Range range, ThreadState& state) const {
     const CellCandidates& own = enter(level, cell, near, state.lists);
-    if (level != 0 && range.size() <= kFewPoints && is_sparse(own, range)) return answer_each(range, state);
+    if (is_sparse(own, range, state.task)) return answer_each(range, state);
     if (cell.side == 1) return answer_groups(own, near, range, state);
     visit_parts(level, own, {0, 8}, range, state);
   }
@@ -121,18 +124,36 @@ class Block {
     const auto look_at = [&](const BoxArrays& boxes) {
       kernels_.look_at(index_.tree(), boxes.entry, boxes.count, group, state.table);
     };
-    if (culling.narrow(own.list.arrays(), target, 0, lists.cell, lists.packs))
+    const bool all_fit = culling.narrow(own.list.arrays(), target, 0, lists.cell, lists.packs);
+    if (lists.cell.size() > kManyOfGroup * range.size())
+      kernels_.look_at_all(index_.tree(), group, state.table);
+    else if (all_fit)
       look_at(lists.cell.arrays());
     else
       while (culling.next_part(target, lists.cell, lists)) look_at(lists.part.arrays());
     take_answers(range, group);
   }
 
-  // Whether the triangles around some points are so many that the points have few in common.
-  bool is_sparse(const CellCandidates& own, SortedPoints::Range range) const {
-    std::int64_t triangles = 0;
-    for (std::int64_t n = 0; n < own.list.size(); ++n) triangles += index_.clusters().triangles_in(own.list.entry(n));
-    return triangles > kSparse * range.size();
+  // Whether a cell has so many triangles that its points have few in common. Of a cell that other tasks have a part of,
+  // only that is known which are few.
+  bool is_sparse(const CellCandidates& own, SortedPoints::Range range, SortedPoints::Range task) const {
+    const std::int64_t points = range.size();
+    const bool is_whole =
+        (range.begin > task.begin || task.begin == 0) && (range.end < task.end || task.end == sorted_.size());
+    if (!is_whole && points > kFewPoints) return false;
+    const CullCell cell = sorted_.cull_cell(own.cell);
+    const BoxArrays& boxes = own.list.arrays();
+    std::int64_t all = 0, crossing = 0;
+    for (std::int64_t n = 0; n < boxes.count; ++n) {
+      const std::int64_t triangles = index_.clusters().triangles_in(boxes.entry[n]);
+      bool crosses = true;
+      for (int axis = 0; axis < 3; ++axis)
+        crosses = crosses && boxes.low[axis][n] <= cell.center[axis] + cell.half[axis] &&
+                  boxes.high[axis][n] >= cell.center[axis] - cell.half[axis];
+      all += triangles;
+      if (crosses) crossing += triangles;
+    }
+    return crossing > kManyCrossing * points || (points <= kFewPoints && all > kManyOfCell * points);
   }
 
   void answer_each(SortedPoints::Range range, ThreadState& state) const {

@@ -8,6 +8,7 @@
 #include <limits>
 #include <utility>
 
+#include "field/cpu/triangle_order.h"
 #include "geometry/triangle_box.h"
 #include "points/cpu/kernels.h"
 #include "points/turned_boxes.h"
@@ -44,7 +45,7 @@ TriangleIndex::TriangleIndex(const Mesh& mesh, std::span<const std::uint32_t> am
     : while_built_(std::move(while_built)),
       job_{mesh, among, grid_around(box_of(mesh, among)), kAll, threads, simd, progress_},
       lattice_(cpu::make_block_lattice(job_.grid, kAll)),
-      culling_(job_, lattice_, cpu::kernels_for(simd)),
+      culling_(job_, lattice_, cpu::kernels_for(simd), cpu::halving_order(job_)),
       frames_(std::make_unique_for_overwrite<cpu::FramePack[]>(clusters().level_begin()[1])) {
   tree_.packs = clusters().packs();
   tree_.frames = frames_.get();

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 namespace standoff::cpu {
 namespace {
@@ -55,8 +56,13 @@ std::int64_t CandidateLists::bytes(int level_count, std::int64_t capacity) {
          3 * BoxList::bytes(capacity) + capacity * std::int64_t{sizeof(PackContents) + sizeof(std::uint32_t)};
 }
 
-CandidateCulling::CandidateCulling(const Job& job, const BlockLattice& lattice, const Kernels& kernels)
-    : job_(job), lattice_(lattice), kernels_(kernels), clusters_(job, lattice), roots_(Clusters::kFanout) {
+CandidateCulling::CandidateCulling(const Job& job, const BlockLattice& lattice, const Kernels& kernels,
+                                   std::vector<std::uint32_t> order)
+    : job_(job),
+      lattice_(lattice),
+      kernels_(kernels),
+      clusters_(job, lattice, std::move(order)),
+      roots_(Clusters::kFanout) {
   const PackContents top = clusters_.contents(clusters_.top());
   for (int n = 0; n < top.count; ++n) roots_.add(top.first + static_cast<std::uint32_t>(n), *top.boxes, n);
 }

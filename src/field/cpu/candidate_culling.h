@@ -75,7 +75,9 @@ struct CandidateLists {
 /// Many threads may ask, each with lists of its own.
 class CandidateCulling {
  public:
-  CandidateCulling(const Job& job, const BlockLattice& lattice, const Kernels& kernels);
+  /// `order` of the triangles: triangle_order.h.
+  CandidateCulling(const Job& job, const BlockLattice& lattice, const Kernels& kernels,
+                   std::vector<std::uint32_t> order);
   /// Bytes that it and the lists of so many threads may hold, whatever the triangles.
   static std::int64_t bytes(std::int64_t triangles, const BlockLattice& lattice, int threads);
 

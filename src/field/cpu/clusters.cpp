@@ -2,18 +2,17 @@
 #include "field/cpu/clusters.h"
 
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "field/cpu/radix_sort.h"
-#include "geometry/morton.h"
-#include "geometry/triangle_box.h"
 
 namespace standoff::cpu {
 
-Clusters::Clusters(const Job& job, const BlockLattice& lattice) : job_(job), lattice_(lattice) {
+Clusters::Clusters(const Job& job, const BlockLattice& lattice, std::vector<std::uint32_t> order)
+    : job_(job), lattice_(lattice), order_(std::move(order)) {
   const auto middle = [&](int axis) { return static_cast<double>(lattice.size[axis] - 1) / 2; };
   const Triple<double> center = position(lattice, middle(0), middle(1), middle(2));
   center_[0] = center.x, center_[1] = center.y, center_[2] = center.z;
@@ -30,7 +29,6 @@ Clusters::Clusters(const Job& job, const BlockLattice& lattice) : job_(job), lat
   level_begin_.push_back(packs);
   packs_ = std::make_unique_for_overwrite<BoxPack[]>(packs);
   points_ = std::make_unique_for_overwrite<float[][3]>(triangles_);
-  sort();
   box_triangles();
   box_packs();
 }
@@ -58,37 +56,6 @@ PackContents Clusters::contents(std::uint32_t entry) const {
   const std::uint32_t end = level == 0 ? triangles_ : triangles_ + level_begin_[level];
   const std::uint32_t first = begin + kFanout * (pack - level_begin_[level]);
   return {first, static_cast<int>(std::min<std::uint32_t>(kFanout, end - first)), &packs_[pack]};
-}
-
-void Clusters::sort() {
-  const std::int64_t count = job_.triangle_count();
-  const auto included = [&](const tbb::blocked_range<std::int64_t>& range, Box box) {
-    for (std::int64_t n = range.begin(); n < range.end(); ++n) {
-      const Box own = triangle_box(job_.mesh, job_.triangle(n));
-      box = {min(box.min, own.min), max(box.max, own.max)};
-    }
-    return box;
-  };
-  const auto both = [](const Box& a, const Box& b) { return Box{min(a.min, b.min), max(a.max, b.max)}; };
-  const Box box = tbb::parallel_reduce(tbb::blocked_range<std::int64_t>(0, count, 4096), Box{}, included, both);
-
-  const double longest = std::max({box.extent().x, box.extent().y, box.extent().z});
-  const double to_cells = longest > 0 ? 1023 / longest : 0;
-  std::vector<KeyedIndex> keyed(static_cast<std::size_t>(count));
-  tbb::parallel_for(tbb::blocked_range<std::int64_t>(0, count, 4096), [&](const auto& range) {
-    job_.progress.check();
-    for (std::int64_t n = range.begin(); n < range.end(); ++n) {
-      const std::uint32_t triangle = job_.triangle(n);
-      const Vec3 at = (triangle_box(job_.mesh, triangle).center() - box.min) * to_cells;
-      const auto cell = [](double v) { return static_cast<std::uint32_t>(v < 1023 ? v : 1023); };
-      keyed[n] = {static_cast<std::uint32_t>(morton(cell(at.x), cell(at.y), cell(at.z))), triangle};
-    }
-  });
-  radix_sort(keyed, job_.threads);
-  order_.resize(keyed.size());
-  tbb::parallel_for(tbb::blocked_range<std::int64_t>(0, count, 65536), [&](const auto& range) {
-    for (std::int64_t n = range.begin(); n < range.end(); ++n) order_[n] = keyed[n].index;
-  });
 }
 
 float Clusters::slack_at(float coordinate) const { return kBoxError * std::max(extent_, std::abs(coordinate)); }

@@ -13,15 +13,16 @@
 
 namespace standoff::cpu {
 
-/// A hierarchy of boxes without pointers: triangles sorted along a Morton curve and packed by sixteen, packs packed by
-/// sixteen, and so on. An entry of a list is a triangle, by its position on the curve (below triangles()), or from
+/// A hierarchy of boxes without pointers: triangles in an order (triangle_order.h) and packed by sixteen, packs packed
+/// by sixteen, and so on. An entry of a list is a triangle, by its place in the order (below triangles()), or from
 /// there on a whole pack. Boxes are in float, grid units relative to the centre of the grid, rounded outwards and a
 /// little more, so that they cover what later subtractions in float lose.
 class Clusters {
  public:
   static constexpr int kFanout = kLanes;
 
-  Clusters(const Job& job, const BlockLattice& lattice);
+  /// `order`: the mesh indices of the job's triangles.
+  Clusters(const Job& job, const BlockLattice& lattice, std::vector<std::uint32_t> order);
 
   /// How many entries there are, triangles and packs.
   std::int64_t entries() const { return std::int64_t{triangles_} + level_begin_.back(); }
@@ -66,7 +67,6 @@ class Clusters {
     return level;
   }
   float slack_at(float coordinate) const;
-  void sort();
   void box_triangles();
   void box_packs();
 

@@ -8,6 +8,7 @@
 #include "core/per_thread.h"
 #include "field/cpu/brick_gather.h"
 #include "field/cpu/candidate_culling.h"
+#include "field/cpu/triangle_order.h"
 
 namespace standoff::cpu {
 namespace {
@@ -25,7 +26,7 @@ struct ThreadState {
 class ThickBand {
  public:
   ThickBand(const Job& job, const BlockLattice& lattice, const Kernels& kernels, Sink& sink)
-      : job_(job), lattice_(lattice), kernels_(kernels), sink_(sink), culling_(job, lattice, kernels), threads_([this] {
+      : job_(job), lattice_(lattice), kernels_(kernels), sink_(sink), culling_(job, lattice, kernels, morton_order(job)), threads_([this] {
           return std::make_unique<ThreadState>(culling_.make_lists(levels_of(lattice_)));
         }) {}
 

@@ -17,10 +17,12 @@ constexpr float kBoxShare = 1 - 0x1p-20f;
 // The same for turned boxes, whose axes are rounded too.
 constexpr float kTurnedShare = 1 - 0x1p-16f;
 
-struct Waiting {
-  float distance_sq;
-  std::uint32_t pack;
-  int level;
+// A pack that was opened: which of its parts wait to be visited, and how far they are at least.
+struct Opened {
+  alignas(64) float distance_sq[kLanes];
+  std::uint32_t waiting;  // bits
+  std::uint32_t first;    // pack
+  int level;              // of the parts
 };
 
 // A point while it is answered.
@@ -80,9 +82,9 @@ STANDOFF_INLINE WideFloat turned_distance_sq(const TurnedPack& boxes, const OneP
   return sum * WideFloat(kTurnedShare);
 }
 
-// Adds the parts of a pack that are nearer than the bound, the nearest last.
-STANDOFF_INLINE int open_pack(const PackTree& tree, const Waiting& w, const OnePoint& p, Waiting* waiting, int count) {
-  const BoxPack& boxes = tree.packs[w.pack];
+// Has the parts of a pack wait that are nearer than the bound; returns whether there are any.
+STANDOFF_INLINE bool open_pack(const PackTree& tree, std::uint32_t pack, int level, const OnePoint& p, Opened& opened) {
+  const BoxPack& boxes = tree.packs[pack];
   WideFloat sum(0);
   for (int axis = 0; axis < 3; ++axis) {
     const WideFloat at(p.at[axis]);
@@ -91,29 +93,36 @@ STANDOFF_INLINE int open_pack(const PackTree& tree, const Waiting& w, const OneP
     sum = fma(outside, outside, sum);
   }
   sum = sum * WideFloat(kBoxShare);
-  const std::uint32_t first = tree.begin[w.level - 1] + kLanes * (w.pack - tree.begin[w.level]);
-  const std::uint32_t left = tree.begin[w.level] - first;
-  std::uint32_t near = less_equal(sum, WideFloat(p.upper_sq)).to_bits();
-  if (left < kLanes) near &= (1u << left) - 1;
-  if (near == 0) return count;
-  const WideFloat turned = turned_distance_sq(tree.turned[w.pack - tree.begin[1]], p);
-  near &= less_equal(turned, WideFloat(p.upper_sq)).to_bits();
-  if (near == 0) return count;
-  alignas(64) float sq[kLanes];
-  max(sum, turned).store(sq);
-  const int begin = count;
-  for (; near != 0; near &= near - 1) {
-    const int lane = __builtin_ctz(near);
-    int at = count++;
-    for (; at > begin && waiting[at - 1].distance_sq < sq[lane]; --at) waiting[at] = waiting[at - 1];
-    waiting[at] = {sq[lane], first + static_cast<unsigned>(lane), w.level - 1};
+  opened.level = level - 1;
+  opened.first = tree.begin[level - 1] + kLanes * (pack - tree.begin[level]);
+  const std::uint32_t left = tree.begin[level] - opened.first;
+  opened.waiting = less_equal(sum, WideFloat(p.upper_sq)).to_bits();
+  if (left < kLanes) opened.waiting &= (1u << left) - 1;
+  if (opened.waiting == 0) return false;
+  const WideFloat turned = turned_distance_sq(tree.turned[pack - tree.begin[1]], p);
+  max(sum, turned).store(opened.distance_sq);
+  opened.waiting &= less_equal(turned, WideFloat(p.upper_sq)).to_bits();
+  return opened.waiting != 0;
+}
+
+// Takes the nearest waiting part out; kLanes if all are beyond the bound.
+STANDOFF_INLINE int take_nearest(Opened& opened, float upper_sq) {
+  const WideFloat sq = WideFloat::load(opened.distance_sq);
+  const std::uint32_t near = opened.waiting & less_equal(sq, WideFloat(upper_sq)).to_bits();
+  if (near == 0) return kLanes;
+  int lane = __builtin_ctz(near);
+  if ((near & (near - 1)) != 0) {
+    const WideFloat nearest(reduce_min(select(mask_from_bits(near), sq, WideFloat(__builtin_inff()))));
+    lane = __builtin_ctz(near & less_equal(sq, nearest).to_bits());
   }
-  return count;
+  opened.waiting = near & ~(1u << lane);
+  return lane;
 }
 
 void look_at_all(const PackTree& tree, PointGroup& points, PointTable& table) {
   table.pair_count = 0;
   std::uint32_t last = points.start;
+  Opened opened[PackTree::kMostLevels];
   for (int n = 0; n < points.count; ++n) {
     OnePoint p;
     for (int axis = 0; axis < 3; ++axis) {
@@ -124,19 +133,23 @@ void look_at_all(const PackTree& tree, PointGroup& points, PointTable& table) {
     p.near_count = 0;
     measure_pack(tree, last, p, n, points, table);
     const std::uint32_t begun = last;
-    Waiting waiting[kLanes * (PackTree::kMostLevels + 1)];
-    waiting[0] = {0, tree.begin[tree.top], tree.top};
-    for (int count = 1; count != 0;) {
-      const Waiting w = waiting[--count];
-      if (w.distance_sq > p.upper_sq) continue;
-      if (w.level != 0) {
-        count = open_pack(tree, w, p, waiting, count);
+    int depth = tree.top != 0 && open_pack(tree, tree.begin[tree.top], tree.top, p, opened[0]) ? 1 : 0;
+    while (depth != 0) {
+      Opened& here = opened[depth - 1];
+      const int lane = take_nearest(here, p.upper_sq);
+      if (lane == kLanes) {
+        --depth;
         continue;
       }
-      if (w.pack == begun) continue;
+      const std::uint32_t pack = here.first + static_cast<unsigned>(lane);
+      if (here.level != 0) {
+        if (open_pack(tree, pack, here.level, p, opened[depth])) ++depth;
+        continue;
+      }
+      if (pack == begun) continue;
       const float before = p.upper_sq;
-      measure_pack(tree, w.pack, p, n, points, table);
-      if (p.upper_sq < before) last = w.pack;
+      measure_pack(tree, pack, p, n, points, table);
+      if (p.upper_sq < before) last = pack;
     }
     settle(tree, p, n, points, table);
   }
