@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "points/open_point_winding.h"
 
+#include <algorithm>
+
 #include "sign/open_winding/cap_sum.h"
 #include "sign/open_winding/winding_rule.h"
 
@@ -31,13 +33,13 @@ double OpenPointWinding::at(Vec3 point, const cpu::PointKernels& kernels) const 
   return closed_winding(point, kernels) + cap_sum_at(rims_, tree_, point, 0, stack).value;
 }
 
-bool OpenPointWinding::is_inside(Vec3 point, WindingRule rule, const cpu::PointKernels& kernels) const {
+OpenPointWinding::Side OpenPointWinding::side(Vec3 point, WindingRule rule, const cpu::PointKernels& kernels) const {
   const std::int32_t closed = closed_winding(point, kernels);
   NodeStack stack(tree_);
   for (double tolerance = kFieldTolerance;; tolerance = tolerance > kFinest ? tolerance / 64 : 0) {
     const Interval angles = cap_sum_at(rims_, tree_, point, tolerance, stack);
-    const double winding = closed + angles.value;
-    if (tolerance == 0 || margin(winding, rule) > angles.error + kRounding) return standoff::is_inside(winding, rule);
+    const double winding = closed + angles.value, certain = margin(winding, rule) - angles.error - kRounding;
+    if (tolerance == 0 || certain > 0) return {is_inside(winding, rule), std::max(certain, 0.0)};
   }
 }
 

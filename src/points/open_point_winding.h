@@ -21,9 +21,13 @@ class OpenPointWinding {
 
   /// Within 1e-9, unless the point is on the boundary within rounding. Linear in the size of the boundary.
   double at(Vec3 point, const cpu::PointKernels& kernels) const;
-  /// On which side of the rule's threshold it is: decided by an interval that it is certain to be in. Where rounding
+  /// On which side of the rule's thresholds it is: decided by an interval that it is certain to be in. Where rounding
   /// hides the side, by the rounded number.
-  bool is_inside(Vec3 point, WindingRule rule, const cpu::PointKernels& kernels) const;
+  struct Side {
+    bool inside;
+    double margin;  ///< at least so far from a threshold; 0 if rounding hides it
+  };
+  Side side(Vec3 point, WindingRule rule, const cpu::PointKernels& kernels) const;
   std::int64_t memory_bytes() const;
 
  private:

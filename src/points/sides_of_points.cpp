@@ -8,12 +8,23 @@
 
 #include "points/open_point_winding.h"
 #include "points/ray_winding.h"
+#include "points/winding_slope.h"
 #include "sign/normal/pseudonormals.h"
 #include "sign/rows/integer_winding.h"
 #include "standoff/error.h"
 
 namespace standoff {
 namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// Of how many points before the answers are kept, to answer others.
+constexpr std::size_t kMostKnown = 8;
+
+// A free radius is off by some 1e-16 of the coordinates; the margin is far above that.
+double empty_radius(const PointToSide& p) { return p.free_radius - 1e-12 * (p.free_radius + max_norm(p.at)); }
+// Whether a length whose square is given is less than another.
+bool is_less(double sq, double than) { return than > 0 && sq < than * than * (1 - 1e-12); }
 
 // The winding number of a closed mesh does not change where no triangle is. So points whose empty balls overlap have
 // the same number. Of the other points, most have a ball of a point before on one of their rows: a segment up to there
@@ -52,12 +63,6 @@ class ClosedSides final : public SidesOfPoints {
     double radius;  // of a ball without triangles; not positive if none is known
     std::int32_t winding;
   };
-  static constexpr std::size_t kMostKnown = 8;
-
-  // A free radius is off by some 1e-16 of the coordinates; the margin is far above that.
-  static double empty_radius(const PointToSide& p) { return p.free_radius - 1e-12 * (p.free_radius + max_norm(p.at)); }
-  // Whether a length whose square is given is less than another.
-  static bool is_less(double sq, double than) { return than > 0 && sq < than * than * (1 - 1e-12); }
   static bool overlap(const Known& a, const Known& b) {
     const Vec3 between = a.at - b.at;
     return std::min(a.radius, b.radius) > 0 && is_less(dot(between, between), a.radius + b.radius);
@@ -91,24 +96,67 @@ class ClosedSides final : public SidesOfPoints {
   bool all_near_;
 };
 
+// The winding number of an open mesh changes slowly where no triangle is, and on the way between points whose empty
+// balls overlap is none. So two such points are on the same side of the thresholds, if they are no farther from each
+// other than the slope allows for the distance from the nearest one.
 class OpenSides final : public SidesOfPoints {
  public:
+  /// `all_near`: as above.
   OpenSides(const OrientedMesh& mesh, const TriangleIndex& index, const Boundary& boundary, WindingRule rule,
-            int threads, Simd simd)
-      : winding_(mesh, index, boundary, threads, simd), rule_(rule) {}
+            bool all_near, int threads, Simd simd)
+      : winding_(mesh, index, boundary, threads, simd), slope_(boundary), rule_(rule), all_near_(all_near) {}
 
   void decide(std::span<const PointToSide> points, const cpu::PointKernels& kernels,
               std::span<bool> inside) const override {
-    for (std::size_t n = 0; n < points.size(); ++n) inside[n] = winding_.is_inside(points[n].at, rule_, kernels);
+    std::array<Known, kMostKnown> known;
+    std::size_t count = 0, next = 0;
+    for (std::size_t n = 0; n < points.size(); ++n) {
+      const Vec3& at = points[n].at;
+      const double radius = empty_radius(points[n]);
+      const auto end = known.begin() + static_cast<std::ptrdiff_t>(count);
+      const auto same = std::find_if(known.begin(), end, [&](const Known& other) {
+        return is_less(dot(at - other.at, at - other.at), std::min(other.reach, other.radius + radius));
+      });
+      if (same != end) {
+        inside[n] = same->inside;
+        continue;
+      }
+      const OpenPointWinding::Side side = winding_.side(at, rule_, kernels);
+      inside[n] = side.inside;
+      if (!all_near_ || radius <= 0) continue;
+      known[next] = {at, radius, reach_of(at, radius, side.margin), side.inside};
+      next = (next + 1) % kMostKnown;
+      count = std::max(count, next == 0 ? kMostKnown : next);
+    }
   }
   double winding_number(Vec3 point, const cpu::PointKernels& kernels) const override {
     return winding_.at(point, kernels);
   }
-  std::int64_t memory_bytes() const override { return winding_.memory_bytes(); }
+  std::int64_t memory_bytes() const override { return winding_.memory_bytes() + slope_.memory_bytes(); }
 
  private:
+  struct Known {
+    Vec3 at;
+    double radius;  // of its empty ball
+    double reach;   // nearer than that, the other side does not begin without a triangle on the way
+    bool inside;
+  };
+
+  double reach_of(const Vec3& at, double radius, double margin) const {
+    // Within balls that overlap; and only of its own, where the boundary is near.
+    for (const double part : {4.0, 0.75}) {
+      const double most = part * radius;
+      const double slope = slope_.around(at, most, 16 * margin / most);
+      if (slope * most <= margin) return most;
+      if (slope < kInfinity) return margin / slope;
+    }
+    return 0;
+  }
+
   OpenPointWinding winding_;
+  WindingSlope slope_;
   WindingRule rule_;
+  bool all_near_;
 };
 
 class NormalSidesOfPoints final : public SidesOfPoints {
@@ -138,7 +186,7 @@ std::unique_ptr<SidesOfPoints> make_sides_of_points(const OrientedMesh& mesh, co
   switch (plan.report.method) {
     case SignMethod::winding:
       if (plan.boundary.edges.empty()) return std::make_unique<ClosedSides>(mesh, index, rule, plan.exposed.empty());
-      return std::make_unique<OpenSides>(mesh, index, plan.boundary, rule, threads, simd);
+      return std::make_unique<OpenSides>(mesh, index, plan.boundary, rule, plan.exposed.empty(), threads, simd);
     case SignMethod::parity:
       return std::make_unique<ClosedSides>(mesh, index, WindingRule::odd, plan.exposed.empty());
     case SignMethod::normal:

@@ -183,6 +183,19 @@ TEST(MeshQuerySign, OpenMeshesAreJudgedBySolidAngles) {
   }
 }
 
+// Points so dense that most are decided by one before: around where the winding number of a bowl is at its threshold.
+TEST(MeshQuerySign, DensePointsBesideOpenMeshes) {
+  Mesh bowl = scenes::make("sphere", 400);
+  std::erase_if(bowl.triangles, [&](const Triangle& t) {
+    return std::ranges::any_of(t, [&](std::uint32_t v) { return bowl.vertices[v].z > 0.3; });
+  });
+  const MeshQuery query(bowl, {.sign = {.method = SignMethod::winding}});
+  const auto is_inside = [&](Vec3 p) { return winding_by_angles({bowl}, p).value > 0.5; };
+  expect_sides(query, points_around(8, 12000, 1.5), is_inside);
+  expect_sides(query, points_around(8, 12000, 0.2, {0.1, 0.1, 0.25}), is_inside);
+  expect_sides(query, points_around(8, 12000, 0.1, {0.95, 0, 0.25}), is_inside);
+}
+
 // Rows through a small hole, far from it: its cap is crossed by rays from anywhere.
 TEST(MeshQuerySign, SmallHolesFarAway) {
   const Mesh whole = testing::sphere(24);

@@ -26,9 +26,12 @@ struct ThreadState {
 class ThickBand {
  public:
   ThickBand(const Job& job, const BlockLattice& lattice, const Kernels& kernels, Sink& sink)
-      : job_(job), lattice_(lattice), kernels_(kernels), sink_(sink), culling_(job, lattice, kernels, morton_order(job)), threads_([this] {
-          return std::make_unique<ThreadState>(culling_.make_lists(levels_of(lattice_)));
-        }) {}
+      : job_(job),
+        lattice_(lattice),
+        kernels_(kernels),
+        sink_(sink),
+        culling_(job, lattice, kernels, morton_order(job)),
+        threads_([this] { return std::make_unique<ThreadState>(culling_.make_lists(levels_of(lattice_))); }) {}
 
   Counts run() {
     tbb::parallel_for(BrickRange(lattice_), [this](const BrickRange& range) {
