@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A short session with the installed package, run by script/wheel-test: wheel_session.py FOLDER-OF-MESH-FILES.
+"""A short session with the installed package, run by script/wheel-test: session.py FOLDER-OF-MESH-FILES.
 
-It is no test of what the answers are (python/tests is), but of whether all that is needed came along: the module, the
-program, their libraries, their licences.
+It is no test of what the answers are (python/tests is), but of whether the module and the program work where they are.
 """
 
 import importlib.metadata
@@ -37,21 +36,3 @@ program = Path(sys.executable).parent / "standoff"
 said = subprocess.run([program, "--version"], check=True, capture_output=True, text=True).stdout
 assert so.__version__ in said and importlib.metadata.version("standoff") == so.__version__, said
 subprocess.run([program, "info", meshes / "tetrahedron.3ds"], check=True, stdout=subprocess.DEVNULL)
-
-# Every library that is not the system's own came out of the wheel.
-package = Path(so.__file__).parent
-for line in Path("/proc/self/maps").read_text().splitlines():
-    library = line.split()[-1]
-    if any(part in library for part in ("libtbb", "libassimp", "libpng", "libdraco", "libminizip", "libboost")):
-        assert package.parent in Path(library).parents, library
-
-files = [Path(file) for file in importlib.metadata.files("standoff") or []]
-licences = {file.stem for file in files if "licenses" in file.parts}
-copied = {file.name.split("-")[0] for file in files if file.parts[0] == "standoff.libs"}
-for library in copied:
-    assert any(licence.startswith(library.replace("_", "-").rstrip("0123456789")) for licence in licences), (
-        f"no licence of {library}"
-    )
-print(
-    f"{so.__version__} on Python {sys.version.split()[0]}: {len(copied)} libraries and {len(licences)} licences came along"
-)
