@@ -20,10 +20,10 @@ constexpr int kLevels = SortedPoints::kBits + 1;
 // The half extents of boxes of points are rounded up by this share, and as many grid units.
 constexpr float kHalfSlack = 1e-6f;
 
-// When a point had better go down the hierarchy alone: triangles for each point. All values are measured, and arbitrary
-// within a factor of two. Of those that cross the cell, which halving it does not change; of all candidates of a cell
-// of few points, which become fewer where the mesh is far; of the candidates of a group.
-constexpr std::int64_t kManyCrossing = 8, kManyOfCell = 12, kManyOfGroup = 16;
+// When a point had better go down the hierarchy alone. All values are measured, and arbitrary within a factor of two.
+// Points for each triangle that crosses their cell, which halving it does not change; candidates of a cell for each of
+// its points, where they are few, for candidates become fewer in smaller cells; the same of a group.
+constexpr std::int64_t kFewOfCrossing = 2, kManyOfCell = 12, kManyOfGroup = 16;
 constexpr std::int64_t kFewPoints = 512;
 
 // What one thread uses for one group after the other.
@@ -31,7 +31,6 @@ struct ThreadState {
   explicit ThreadState(CandidateLists&& candidates) : lists(std::move(candidates)) {}
 
   CandidateLists lists;
-  SortedPoints::Range task{0, 0};  // what is answered now, of all points
   PointGroup group;
   PointTable table;
 };
@@ -44,7 +43,6 @@ class Block {
       : index_(index), kernels_(kernels), sorted_(sorted), points_(points), out_(out) {}
 
   void answer(SortedPoints::Range range, ThreadState& state) const {
-    state.task = range;
     visit(0, {{0, 0, 0}, {SortedPoints::kSide, SortedPoints::kSide, SortedPoints::kSide}, SortedPoints::kSide}, {},
           range, state);
   }
@@ -52,7 +50,7 @@ class Block {
  private:
   void visit(int level, const Cell& cell, const References& near, SortedPoints::Range range, ThreadState& state) const {
     const CellCandidates& own = enter(level, cell, near, state.lists);
-    if (is_sparse(own, range, state.task)) return answer_each(range, state);
+    if (is_sparse(own, range)) return answer_each(range, state);
     if (cell.side == 1) return answer_groups(own, near, range, state);
     visit_parts(level, own, {0, 8}, range, state);
   }
@@ -134,13 +132,10 @@ class Block {
     take_answers(range, group);
   }
 
-  // Whether a cell has so many triangles that its points have few in common. Of a cell that other tasks have a part of,
-  // only that is known which are few.
-  bool is_sparse(const CellCandidates& own, SortedPoints::Range range, SortedPoints::Range task) const {
-    const std::int64_t points = range.size();
-    const bool is_whole =
-        (range.begin > task.begin || task.begin == 0) && (range.end < task.end || task.end == sorted_.size());
-    if (!is_whole && points > kFewPoints) return false;
+  // Whether a cell has so many triangles that its points have few in common. `range`: those of its points that are
+  // answered now; few of them stand for all.
+  bool is_sparse(const CellCandidates& own, SortedPoints::Range range) const {
+    const std::int64_t points = range.size() <= kFewPoints ? range.size() : sorted_.count_in(own.cell);
     const CullCell cell = sorted_.cull_cell(own.cell);
     const BoxArrays& boxes = own.list.arrays();
     std::int64_t all = 0, crossing = 0;
@@ -153,7 +148,7 @@ class Block {
       all += triangles;
       if (crosses) crossing += triangles;
     }
-    return crossing > kManyCrossing * points || (points <= kFewPoints && all > kManyOfCell * points);
+    return points < kFewOfCrossing * crossing || (points <= kFewPoints && all > kManyOfCell * points);
   }
 
   void answer_each(SortedPoints::Range range, ThreadState& state) const {

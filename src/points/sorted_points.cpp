@@ -68,14 +68,27 @@ SortedPoints::SortedPoints(const TriangleIndex& index, std::span<const Vec3> poi
   });
 }
 
-SortedPoints::Range SortedPoints::first_of(Range range, const cpu::Cell& cell, unsigned eighths) const {
+SortedPoints::Keys SortedPoints::keys_of(const cpu::Cell& cell, unsigned eighths) {
   const std::uint64_t first = morton(static_cast<std::uint64_t>(cell.low[0]), static_cast<std::uint64_t>(cell.low[1]),
                                      static_cast<std::uint64_t>(cell.low[2]));
   const auto side = static_cast<std::uint64_t>(cell.side);
-  const std::uint64_t end = first + eighths * (side * side * side / 8);
-  const auto at = std::partition_point(keyed_.begin() + range.begin, keyed_.begin() + range.end,
-                                       [&](const cpu::KeyedIndex& keyed) { return keyed.key < end; });
-  return {range.begin, at - keyed_.begin()};
+  return {first, first + side * side * side * eighths / 8};
+}
+
+std::int64_t SortedPoints::first_at(std::uint64_t key, Range among) const {
+  const auto at = std::partition_point(keyed_.begin() + among.begin, keyed_.begin() + among.end,
+                                       [&](const cpu::KeyedIndex& keyed) { return keyed.key < key; });
+  return at - keyed_.begin();
+}
+
+SortedPoints::Range SortedPoints::first_of(Range range, const cpu::Cell& cell, unsigned eighths) const {
+  return {range.begin, first_at(keys_of(cell, eighths).end, range)};
+}
+
+std::int64_t SortedPoints::count_in(const cpu::Cell& cell) const {
+  const Keys keys = keys_of(cell, 8);
+  const Range all{0, size()};
+  return first_at(keys.end, all) - first_at(keys.first, all);
 }
 
 cpu::CullCell SortedPoints::cull_cell(const cpu::Cell& cell) const {

@@ -36,10 +36,19 @@ class SortedPoints {
   /// What of a range is in the eighths of a cell before number `end` of them, in Morton order. The points of the range
   /// are in the cell.
   Range first_of(Range range, const cpu::Cell& cell, unsigned end) const;
+  /// How many points are in a cell.
+  std::int64_t count_in(const cpu::Cell& cell) const;
   /// A box around the points of a cell.
   cpu::CullCell cull_cell(const cpu::Cell& cell) const;
 
  private:
+  // The first key of a cell, and one past those of its first eighths.
+  struct Keys {
+    std::uint64_t first, end;
+  };
+  static Keys keys_of(const cpu::Cell& cell, unsigned eighths);
+  std::int64_t first_at(std::uint64_t key, Range among) const;
+
   std::vector<cpu::KeyedIndex> keyed_;
   Vec3 low_;
   double cell_ = 1;  // side of a cell

@@ -67,7 +67,8 @@ struct PointTable {
     std::uint32_t number;
     std::uint32_t lanes;  ///< bits of the candidates
     float offset[3];      ///< the group's center relative to the frames'
-    float slack_sq;       ///< what a squared distance may be off by, beside its share
+    float slack_share;    ///< what a squared distance may be off by, as a share of it
+    float slack_sq;       ///< and beside that
   };
   Pack packs[kPacks];
   alignas(64) float corner_sq[kPacks][kCorners][kLanes];     ///< from the corners of the points' box, at least

@@ -9,25 +9,32 @@
 namespace standoff::cpu::STANDOFF_TARGET {
 namespace {
 
-// A slack s in the distance d, allowed for without a root: (d-s)^2 >= d^2 (1-a) - s^2/a, (d+s)^2 <= d^2 (1+a) +
-// s^2 (1+1/a). Any a is safe; it decides how many triangles are compared in double for nothing. The other 2^-20 cover
-// the rounding of these lines themselves.
-constexpr float kShareOfSlack = 0x1p-13f, kShare = kShareOfSlack + 0x1p-20f;
-constexpr float kSlackSq = 1 + 1 / kShareOfSlack;
 // What a distance from a frame may be off by: a share of the largest coordinate, with a quarter more for the rounding
 // of the coordinates themselves, and what is lost where a side shorter than the root of kLeastLengthSq counts as zero.
 constexpr float kSlackOfFrame = 1.25f * kFrameError, kLeastSlack = 2e-6f;
+// What covers the rounding of the lines below.
+constexpr float kRounding = 0x1p-20f;
 
-// `extent`: no coordinate of the corners and the points, relative to the frames' center, is larger.
-STANDOFF_INLINE float slack_sq_of(float extent) {
-  const float slack = extent * kSlackOfFrame + kLeastSlack;
-  return slack * slack * kSlackSq;
+// A slack s in the distance d, allowed for without a root: (d-s)^2 >= d^2 (1-a) - s^2/a, (d+s)^2 <= d^2 (1+a) +
+// s^2 (1+1/a). Any a is safe; it decides how many triangles are compared in double for nothing, and is best at s/d.
+struct Slack {
+  float share;  // a
+  float sq;     // s^2 (1+1/a)
+};
+// `farthest`: no coordinate of the points relative to the frames' center is larger; `extent`: nor one of the corners.
+STANDOFF_INLINE Slack slack_of(float farthest, float extent) {
+  constexpr float kLeastShare = 0x1p-18f, kMostShare = 0x1p-13f;
+  const float slack = (farthest > extent ? farthest : extent) * kSlackOfFrame + kLeastSlack;
+  const float distance = farthest - extent;  // about that, where the points are far
+  float share = kMostShare;
+  if (slack < kMostShare * distance) share = slack > kLeastShare * distance ? slack / distance : kLeastShare;
+  return {share + kRounding, slack * slack * ((1 + 1 / share) * (1 + kRounding))};
 }
-STANDOFF_INLINE WideFloat at_least(const WideFloat& sq, float slack_sq) {
-  return fma(sq, WideFloat(1 - kShare), WideFloat(-slack_sq));
+STANDOFF_INLINE WideFloat at_least(const WideFloat& sq, const Slack& slack) {
+  return fma(sq, WideFloat(1 - slack.share), WideFloat(-slack.sq));
 }
-STANDOFF_INLINE WideFloat at_most(const WideFloat& sq, float slack_sq) {
-  return fma(sq, WideFloat(1 + kShare), WideFloat(slack_sq));
+STANDOFF_INLINE WideFloat at_most(const WideFloat& sq, const Slack& slack) {
+  return fma(sq, WideFloat(1 + slack.share), WideFloat(slack.sq));
 }
 
 // How many triangles a pack of level 0 has.

@@ -17,6 +17,8 @@
 namespace standoff::cpu::STANDOFF_TARGET {
 namespace {
 
+STANDOFF_INLINE Slack slack_of(const PointTable::Pack& pack) { return {pack.slack_share, pack.slack_sq}; }
+
 STANDOFF_INLINE float most_of(const float (&v)[3]) {
   const float xy = v[0] > v[1] ? v[0] : v[1];
   return xy > v[2] ? xy : v[2];
@@ -38,8 +40,9 @@ STANDOFF_INLINE std::int64_t fill_table(const PackTree& tree, const std::uint32_
       pack.offset[axis] = static_cast<float>(points.middle[axis] - frames.center[axis]);
       farthest[axis] = __builtin_fabsf(pack.offset[axis]) + points.half[axis];
     }
-    const float extent = most_of(farthest);
-    pack.slack_sq = slack_sq_of(extent > frames.extent ? extent : frames.extent);
+    const Slack slack = slack_of(most_of(farthest), frames.extent);
+    pack.slack_share = slack.share;
+    pack.slack_sq = slack.sq;
   }
   return first;
 }
@@ -86,7 +89,7 @@ STANDOFF_INLINE void find_references(const PackTree& tree, const PointTable& tab
     const TriangleFrame<WideFloat> frame = frame_of_lane<WideFloat>(tree.frames[pack.number].frame, lane);
     const WidePoint off =
         closest_in_frame(frame, moved(box_corner(points, n), pack.offset)) - moved(corners, pack.offset);
-    at_most(dot(off, off), pack.slack_sq).store(references.sq[n]);
+    at_most(dot(off, off), slack_of(pack)).store(references.sq[n]);
   }
 }
 
@@ -128,7 +131,7 @@ STANDOFF_INLINE int choose(const PackTree& tree, const PointGroup& points, int p
     const PointTable::Pack& pack = table.packs[k];
     const TriangleFrame<WideFloat> frames = load_frames(tree.frames[pack.number].frame);
     for (int corner = 0; corner < PointTable::kCorners; ++corner)
-      at_least(distance_sq(frames, moved(box_corner(points, corner), pack.offset)), pack.slack_sq)
+      at_least(distance_sq(frames, moved(box_corner(points, corner), pack.offset)), slack_of(pack))
           .store(table.corner_sq[k][corner]);
   }
   CornerReferences references;
@@ -155,8 +158,8 @@ STANDOFF_INLINE void measure(const PackTree& tree, const std::uint16_t* kept, in
                                  WideFloat::load(points.local[2] + at)},
                                 pack.offset);
       const WideFloat sq = distance_sq(frame, p);
-      min(at_most(sq, pack.slack_sq), WideFloat::load(points.upper_sq + at)).store(points.upper_sq + at);
-      at_least(sq, pack.slack_sq).store(table.lower_sq[n] + at);
+      min(at_most(sq, slack_of(pack)), WideFloat::load(points.upper_sq + at)).store(points.upper_sq + at);
+      at_least(sq, slack_of(pack)).store(table.lower_sq[n] + at);
     }
   }
   for (int v = 0; v < vectors; ++v) {

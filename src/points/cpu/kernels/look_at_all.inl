@@ -43,18 +43,18 @@ STANDOFF_INLINE void settle(const PackTree& tree, OnePoint& p, int point, PointG
 STANDOFF_INLINE void measure_pack(const PackTree& tree, std::uint32_t number, OnePoint& p, int point,
                                   PointGroup& points, PointTable& table) {
   const FramePack& frames = tree.frames[number];
-  float at[3], extent = frames.extent;
+  float at[3], farthest = 0;
   for (int axis = 0; axis < 3; ++axis) {
     at[axis] = static_cast<float>(p.local[axis] - frames.center[axis]);
     const float far = __builtin_fabsf(at[axis]);
-    extent = far > extent ? far : extent;
+    farthest = far > farthest ? far : farthest;
   }
-  const float slack_sq = slack_sq_of(extent);
+  const Slack slack = slack_of(farthest, frames.extent);
   const WideFloat sq =
       distance_sq(load_frames(frames.frame), WidePoint{WideFloat(at[0]), WideFloat(at[1]), WideFloat(at[2])});
-  const float upper = reduce_min(at_most(sq, slack_sq));
+  const float upper = reduce_min(at_most(sq, slack));
   p.upper_sq = upper < p.upper_sq ? upper : p.upper_sq;
-  const WideFloat lower = at_least(sq, slack_sq);
+  const WideFloat lower = at_least(sq, slack);
   std::uint32_t near = less_equal(lower, WideFloat(p.upper_sq)).to_bits() & ((1u << size_of_pack(tree, number)) - 1);
   if (near == 0) return;
   if (p.near_count + kLanes > PointTable::kMostNear) settle(tree, p, point, points, table);
