@@ -20,10 +20,10 @@ constexpr int kLevels = SortedPoints::kBits + 1;
 // The half extents of boxes of points are rounded up by this share, and as many grid units.
 constexpr float kHalfSlack = 1e-6f;
 
-// When a point had better go down the hierarchy alone. All values are measured, and arbitrary within a factor of two.
-// Points for each triangle that crosses their cell, which halving it does not change; candidates of a cell for each of
-// its points, where they are few, for candidates become fewer in smaller cells; the same of a group.
-constexpr std::int64_t kFewOfCrossing = 2, kManyOfCell = 12, kManyOfGroup = 16;
+// When points had better go down the hierarchy alone. All values are measured, and arbitrary within a factor of two.
+// Points for each triangle that is in their cell by its middle, which halving it does not change; and where points are
+// few, candidates of a cell for each of its points, for they become fewer in smaller cells.
+constexpr std::int64_t kFewOfInside = 2, kManyOfCell = 12;
 constexpr std::int64_t kFewPoints = 512;
 
 // What one thread uses for one group after the other.
@@ -122,10 +122,7 @@ class Block {
     const auto look_at = [&](const BoxArrays& boxes) {
       kernels_.look_at(index_.tree(), boxes.entry, boxes.count, group, state.table);
     };
-    const bool all_fit = culling.narrow(own.list.arrays(), target, 0, lists.cell, lists.packs);
-    if (lists.cell.size() > kManyOfGroup * range.size())
-      kernels_.look_at_all(index_.tree(), group, state.table);
-    else if (all_fit)
+    if (culling.narrow(own.list.arrays(), target, 0, lists.cell, lists.packs))
       look_at(lists.cell.arrays());
     else
       while (culling.next_part(target, lists.cell, lists)) look_at(lists.part.arrays());
@@ -138,17 +135,16 @@ class Block {
     const std::int64_t points = range.size() <= kFewPoints ? range.size() : sorted_.count_in(own.cell);
     const CullCell cell = sorted_.cull_cell(own.cell);
     const BoxArrays& boxes = own.list.arrays();
-    std::int64_t all = 0, crossing = 0;
+    std::int64_t all = 0, inside = 0;
     for (std::int64_t n = 0; n < boxes.count; ++n) {
       const std::int64_t triangles = index_.clusters().triangles_in(boxes.entry[n]);
-      bool crosses = true;
+      bool is_inside = true;
       for (int axis = 0; axis < 3; ++axis)
-        crosses = crosses && boxes.low[axis][n] <= cell.center[axis] + cell.half[axis] &&
-                  boxes.high[axis][n] >= cell.center[axis] - cell.half[axis];
+        is_inside &= std::abs(boxes.low[axis][n] + boxes.high[axis][n] - 2 * cell.center[axis]) <= 2 * cell.half[axis];
       all += triangles;
-      if (crosses) crossing += triangles;
+      if (is_inside) inside += triangles;
     }
-    return points < kFewOfCrossing * crossing || (points <= kFewPoints && all > kManyOfCell * points);
+    return points < kFewOfInside * inside || (points <= kFewPoints && all > kManyOfCell * points);
   }
 
   void answer_each(SortedPoints::Range range, ThreadState& state) const {

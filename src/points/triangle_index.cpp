@@ -11,7 +11,6 @@
 #include "field/cpu/triangle_order.h"
 #include "geometry/triangle_box.h"
 #include "points/cpu/kernels.h"
-#include "points/turned_boxes.h"
 
 namespace standoff {
 namespace {
@@ -63,8 +62,6 @@ TriangleIndex::TriangleIndex(const Mesh& mesh, std::span<const std::uint32_t> am
     for (std::uint32_t pack = range.begin(); pack < range.end(); ++pack)
       kernels.make_frames(tree_, pack, scale(), center, frames_[pack]);
   });
-  turned_ = make_turned_packs(tree_, scale(), {center[0], center[1], center[2]}, clusters().extent(), progress_);
-  tree_.turned = turned_.get();
   while_built_ = nullptr;
 }
 
@@ -78,8 +75,7 @@ double TriangleIndex::scale_at(Vec3 point) const {
 }
 
 std::int64_t TriangleIndex::memory_bytes() const {
-  return cpu::Clusters::bytes(job_.triangle_count(), 1) + tree_.begin[1] * std::int64_t{sizeof(cpu::FramePack)} +
-         (tree_.begin[tree_.top + 1] - tree_.begin[1]) * std::int64_t{sizeof(cpu::TurnedPack)};
+  return cpu::Clusters::bytes(job_.triangle_count(), 1) + tree_.begin[1] * std::int64_t{sizeof(cpu::FramePack)};
 }
 
 }  // namespace standoff

@@ -57,7 +57,6 @@ class TriangleIndex {
   cpu::BlockLattice lattice_;
   cpu::CandidateCulling culling_;
   std::unique_ptr<cpu::FramePack[]> frames_;
-  std::unique_ptr<cpu::TurnedPack[]> turned_;
   cpu::PackTree tree_{};
 };
 

@@ -156,6 +156,24 @@ TEST(MeshQuery, FewPointsOnManyTriangles) {
   expect_exact(mesh, std::vector<Vec3>(70, Vec3{1, 1, 1}), 1e-13, 10);
 }
 
+// Groups of sixteen triangles, a wall and a needle at right angles to it among them. Boxes turned along the needle once
+// had their other axis from the wall's normal, less what of it is along the needle: nothing but rounding, so that axes
+// were askew, and boxes seemed to be far that were near.
+TEST(MeshQuery, NeedlesAcrossWalls) {
+  Random random(31);
+  Mesh mesh;
+  for (int group = 0; group < 64; ++group) {
+    const Vec3 at = random.in_cube(40);
+    const Vec3 along = random.in_cube(1) * 8.0;
+    const Vec3 side = cross(along, random.in_cube(1)), up = cross(side, along) * (1 / length(along));
+    testing::add_triangle(mesh, at, at + along * 2.0, at + along);
+    for (int n = 0; n < 15; ++n)
+      testing::add_triangle(mesh, at, at + side * random.between(0.1, 0.6) + up * random.between(-0.2, 0.2),
+                            at + up * random.between(0.1, 0.6));
+  }
+  expect_exact(mesh, points_around(32, 500, 50), 1e-13, 10);
+}
+
 // Corners on a coarse lattice, copies, segments, points: many triangles are equally near.
 TEST(MeshQuery, TiesOfTrianglesThatTouchAndCoincide) {
   for (const int triangles : {30, 600}) {

@@ -17,14 +17,6 @@ struct FramePack {
   float extent;      ///< no coordinate of a corner relative to the center is larger
 };
 
-/// Boxes around the parts of a pack, turned the way the surface runs in them. Grid units, relative to the middle of the
-/// index. Grown by what rounding takes where points are near the index (TriangleIndex::is_near).
-struct alignas(64) TurnedPack {
-  float center[3][kLanes];
-  float axis[3][3][kLanes];  ///< box axis, coordinate
-  float half[3][kLanes];
-};
-
 /// The hierarchy as the kernels see it. Pack k of level l holds the packs 16 (k - begin[l]) + begin[l - 1] and up to 15
 /// after it, or, of level 0, triangles 16 k and up to 15 after it, by their place in the order.
 struct PackTree {
@@ -32,7 +24,6 @@ struct PackTree {
 
   const BoxPack* packs;
   const FramePack* frames;       ///< of the packs of level 0
-  const TurnedPack* turned;      ///< of all other packs, from level 1 on
   const std::uint32_t* index;    ///< in the mesh, of each triangle by its place
   const double* vertices;        ///< three numbers each, world units
   const std::uint32_t* corners;  ///< three vertices of each triangle of the mesh

@@ -14,9 +14,6 @@ namespace {
 // Boxes are grown by what the rounding of coordinates takes; the arithmetic of box and bound takes this share.
 constexpr float kBoxShare = 1 - 0x1p-20f;
 
-// The same for turned boxes, whose axes are rounded too.
-constexpr float kTurnedShare = 1 - 0x1p-16f;
-
 // A pack that was opened: which of its parts wait to be visited, and how far they are at least.
 struct Opened {
   alignas(64) float distance_sq[kLanes];
@@ -66,22 +63,6 @@ STANDOFF_INLINE void measure_pack(const PackTree& tree, std::uint32_t number, On
   }
 }
 
-// At most the squared distances of the point from the turned boxes of a pack.
-STANDOFF_INLINE WideFloat turned_distance_sq(const TurnedPack& boxes, const OnePoint& p) {
-  const auto off = [&](int axis) __attribute__((always_inline)) {
-    return WideFloat(p.at[axis]) - WideFloat::load(boxes.center[axis]);
-  };
-  const WideFloat x = off(0), y = off(1), z = off(2);
-  WideFloat sum(0);
-  for (int n = 0; n < 3; ++n) {
-    const WideFloat along = fma(x, WideFloat::load(boxes.axis[n][0]),
-                                fma(y, WideFloat::load(boxes.axis[n][1]), z * WideFloat::load(boxes.axis[n][2])));
-    const WideFloat outside = max(abs(along) - WideFloat::load(boxes.half[n]), WideFloat(0));
-    sum = fma(outside, outside, sum);
-  }
-  return sum * WideFloat(kTurnedShare);
-}
-
 // Has the parts of a pack wait that are nearer than the bound; returns whether there are any.
 STANDOFF_INLINE bool open_pack(const PackTree& tree, std::uint32_t pack, int level, const OnePoint& p, Opened& opened) {
   const BoxPack& boxes = tree.packs[pack];
@@ -93,15 +74,12 @@ STANDOFF_INLINE bool open_pack(const PackTree& tree, std::uint32_t pack, int lev
     sum = fma(outside, outside, sum);
   }
   sum = sum * WideFloat(kBoxShare);
+  sum.store(opened.distance_sq);
   opened.level = level - 1;
   opened.first = tree.begin[level - 1] + kLanes * (pack - tree.begin[level]);
   const std::uint32_t left = tree.begin[level] - opened.first;
   opened.waiting = less_equal(sum, WideFloat(p.upper_sq)).to_bits();
   if (left < kLanes) opened.waiting &= (1u << left) - 1;
-  if (opened.waiting == 0) return false;
-  const WideFloat turned = turned_distance_sq(tree.turned[pack - tree.begin[1]], p);
-  max(sum, turned).store(opened.distance_sq);
-  opened.waiting &= less_equal(turned, WideFloat(p.upper_sq)).to_bits();
   return opened.waiting != 0;
 }
 
