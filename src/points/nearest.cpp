@@ -20,11 +20,11 @@ constexpr int kLevels = SortedPoints::kBits + 1;
 // The half extents of boxes of points are rounded up by this share, and as many grid units.
 constexpr float kHalfSlack = 1e-6f;
 
-// When points had better go down the hierarchy alone. All values are measured, and arbitrary within a factor of two.
-// Points for each triangle that is in their cell by its middle, which halving it does not change; and where points are
-// few, candidates of a cell for each of its points, for they become fewer in smaller cells.
-constexpr std::int64_t kFewOfInside = 2, kManyOfCell = 12;
-constexpr std::int64_t kFewPoints = 512;
+// When the points of a cell go down the hierarchy alone (is_sparse). All values are measured, and arbitrary within a
+// factor of two. Points for each triangle whose middle is in the cell: smaller cells have the same share.
+constexpr std::int64_t kFewOfInside = 2;
+// Candidates of the cell for each point, where points are few: smaller cells would have fewer, but not few enough.
+constexpr std::int64_t kManyCandidates = 12, kFewPoints = 512;
 
 // What one thread uses for one group after the other.
 struct ThreadState {
@@ -144,7 +144,7 @@ class Block {
       all += triangles;
       if (is_inside) inside += triangles;
     }
-    return points < kFewOfInside * inside || (points <= kFewPoints && all > kManyOfCell * points);
+    return points < kFewOfInside * inside || (points <= kFewPoints && all > kManyCandidates * points);
   }
 
   void answer_each(SortedPoints::Range range, ThreadState& state) const {
