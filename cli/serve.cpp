@@ -11,8 +11,8 @@
 #include "cli/parse.h"
 #include "cli/signals.h"
 #include "cli/text.h"
+#include "files/temp_file.h"
 #include "view/server/open_browser.h"
-#include "view/server/temp_file.h"
 
 namespace standoff::cli {
 namespace {
@@ -57,7 +57,7 @@ void ServeOptions::serve(const Console& console, view::PageWatch& watch, view::S
   const Cancellable cancellable;
   view::Server server({.port = port_}, std::move(handler));
   const std::string address = server.address();
-  std::optional<view::TempFile> signpost;
+  std::optional<TempFile> signpost;
   bool opened = false;
   if (!no_browser_ && view::has_screen()) {
     signpost.emplace(".html", view::signpost(address));

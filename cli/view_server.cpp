@@ -8,9 +8,9 @@
 #include "cli/json.h"
 #include "cli/parse.h"
 #include "cli/text.h"
+#include "files/temp_file.h"
 #include "standoff/cuda.h"
 #include "standoff/io.h"
-#include "view/server/temp_file.h"
 
 namespace standoff::cli {
 namespace {
@@ -178,7 +178,7 @@ void ViewServer::point(const Request& request, Reply& reply) {
 void ViewServer::upload(const Request& request, Reply& reply) {
   const std::string& name = needed(request, "name");
   Mesh mesh = [&] {
-    const view::TempFile file(mesh_suffix(name), request.body);
+    const TempFile file(mesh_suffix(name), request.body);
     try {
       return read_mesh(file.path());
     } catch (const Error& error) {

@@ -140,7 +140,7 @@ DistanceField from_dense(
 }
 
 // Answers at points, from the first to the last of a part: few at once, many so that Ctrl-C stops them. Errors: usage
-// (the first point that is not a number).
+// (the first point that is not a number: looked for beforehand, because a part does not know where it begins).
 void answer_at(std::span<const Vec3> points, const std::function<void(std::size_t, std::size_t)>& part) {
   const auto is_number = [](const Vec3& p) { return !std::isnan(p.x) && !std::isnan(p.y) && !std::isnan(p.z); };
   const auto bad = std::find_if_not(points.begin(), points.end(), is_number);

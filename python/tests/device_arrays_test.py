@@ -8,8 +8,8 @@ from types import SimpleNamespace as Thing
 import numpy as np
 import pytest
 import standoff as so
-from pretended_gpu import FACES, ON_GPU, VERTICES, Cuda, Dlpack, Second, Standard, expected, new_out
-from standoff import _core, _device_arrays, _device_compute
+from pretended_gpu import FACES, ON_GPU, VERTICES, Cuda, Dlpack, ListeningCore, Second, Standard, expected, new_out
+from standoff import _device_arrays, _device_compute
 
 LAYOUTS = {
     "doubles": (VERTICES, FACES.astype(np.uint32)),
@@ -156,18 +156,9 @@ STREAMS = {
 @pytest.fixture
 def asked(monkeypatch):
     """What streams the compiled module got: the one that works, and those that are waited for."""
-    calls = []
-
-    class Core:
-        def __getattr__(self, name):
-            return getattr(_core, name)
-
-        def Stream(self, emulated, device, stream, after):  # noqa: N802
-            calls.append((stream, after))
-            return _core.Stream(emulated, device, stream, after)
-
-    monkeypatch.setattr(_device_compute, "_core", Core())
-    return calls
+    core = ListeningCore()
+    monkeypatch.setattr(_device_compute, "_core", core)
+    return core.streams
 
 
 @pytest.mark.parametrize("stream, handle", STREAMS.values(), ids=STREAMS)

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import shapes
 import standoff as so
-from pretended_gpu import FACES, ON_GPU, VERTICES, Cuda, Dlpack, Standard, expected
+from pretended_gpu import FACES, ON_GPU, VERTICES, Cuda, Dlpack, ListeningCore, Standard, expected
 from standoff import _core, _device_compute
 
 GRID = so.Grid((9, 8, 7), (-0.8, -0.7, -0.6), (0.2, 0.2, 0.2))
@@ -23,16 +23,9 @@ def launches(monkeypatch):
     """The number of fields in each launch, and their streams: the one that works, and those that are waited for."""
     seen = []
 
-    class Core:
-        def __getattr__(self, name):
-            return getattr(_core, name)
-
-        def Stream(self, emulated, device, stream, after):  # noqa: N802
-            self.stream = (stream, after)
-            return _core.Stream(emulated, device, stream, after)
-
+    class Core(ListeningCore):
         def compute_on_device(self, fields, method, stream):
-            seen.append((len(fields), *self.stream))
+            seen.append((len(fields), *self.streams[-1]))
             return _core.compute_on_device(fields, method, stream)
 
     monkeypatch.setattr(_device_compute, "_core", Core())

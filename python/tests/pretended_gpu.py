@@ -8,6 +8,7 @@ from types import SimpleNamespace as Thing
 import numpy as np
 import shapes
 import standoff as so
+from standoff import _core
 
 VERTICES, FACES = shapes.cube()
 ON_GPU = {"sign": None, "device": "emulated"}
@@ -83,6 +84,21 @@ class Standard(Cuda):
             empty=lambda shape, dtype, device: Standard(np.full(shape, np.nan, dtype)) if device == "gpu" else None,
             permute_dims=lambda a, axes: Standard(a.array.transpose(axes)),
         )
+
+
+class ListeningCore:
+    """The compiled module, for tests to put in its place: it notes the streams that it is asked for."""
+
+    def __init__(self):
+        self.streams = []
+        """The handle of the one that works, and of those that are waited for."""
+
+    def __getattr__(self, name):
+        return getattr(_core, name)
+
+    def Stream(self, emulated, device, stream, after):  # noqa: N802
+        self.streams.append((stream, after))
+        return _core.Stream(emulated, device, stream, after)
 
 
 def new_out(shape=(9, 9, 9), kind=Cuda):

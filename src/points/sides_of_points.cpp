@@ -18,8 +18,21 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Of how many points before the answers are kept, to answer others.
-constexpr std::size_t kMostKnown = 8;
+// The points that were decided last, to decide others; the oldest one makes room.
+template <class Known>
+class LastKnown {
+ public:
+  std::span<const Known> all() const { return std::span(known_).first(count_); }
+  void add(const Known& one) {
+    known_[next_] = one;
+    next_ = (next_ + 1) % known_.size();
+    count_ = std::max(count_, next_ == 0 ? known_.size() : next_);
+  }
+
+ private:
+  std::array<Known, 8> known_;
+  std::size_t count_ = 0, next_ = 0;
+};
 
 // A free radius is off by some 1e-16 of the coordinates; the margin is far above that.
 double empty_radius(const PointToSide& p) { return p.free_radius - 1e-12 * (p.free_radius + max_norm(p.at)); }
@@ -38,19 +51,14 @@ class ClosedSides final : public SidesOfPoints {
 
   void decide(std::span<const PointToSide> points, const cpu::PointKernels& kernels,
               std::span<bool> inside) const override {
-    std::array<Known, kMostKnown> known;
-    std::size_t count = 0, next = 0;
+    LastKnown<Known> known;
     for (std::size_t n = 0; n < points.size(); ++n) {
       Known own{points[n].at, empty_radius(points[n]), 0};
-      const Known* same = nullptr;
-      for (std::size_t k = 0; k < count && !same; ++k)
-        if (overlap(own, known[k])) same = &known[k];
-      own.winding = same ? same->winding : winding_beside(own, std::span(known).first(count), kernels);
+      const auto same = std::ranges::find_if(known.all(), [&](const Known& other) { return overlap(own, other); });
+      const bool is_new = same == known.all().end();
+      own.winding = is_new ? winding_beside(own, known.all(), kernels) : same->winding;
       inside[n] = is_inside(own.winding, rule_);
-      if (same && own.radius <= same->radius) continue;  // the other one says more about others
-      known[next] = own;
-      next = (next + 1) % kMostKnown;
-      count = std::max(count, next == 0 ? kMostKnown : next);
+      if (is_new || own.radius > same->radius) known.add(own);  // else the other one says more about others
     }
   }
   double winding_number(Vec3 point, const cpu::PointKernels& kernels) const override {
@@ -71,7 +79,7 @@ class ClosedSides final : public SidesOfPoints {
   struct OnRow {
     const Known* known = nullptr;
     int axis = 0;
-    double length = std::numeric_limits<double>::infinity();
+    double length = kInfinity;
   };
   static void look_along_rows(const Known& point, const Known& other, OnRow& nearest) {
     const Vec3 between = other.at - point.at;
@@ -108,25 +116,20 @@ class OpenSides final : public SidesOfPoints {
 
   void decide(std::span<const PointToSide> points, const cpu::PointKernels& kernels,
               std::span<bool> inside) const override {
-    std::array<Known, kMostKnown> known;
-    std::size_t count = 0, next = 0;
+    LastKnown<Known> known;
     for (std::size_t n = 0; n < points.size(); ++n) {
       const Vec3& at = points[n].at;
       const double radius = empty_radius(points[n]);
-      const auto end = known.begin() + static_cast<std::ptrdiff_t>(count);
-      const auto same = std::find_if(known.begin(), end, [&](const Known& other) {
+      const auto same = std::ranges::find_if(known.all(), [&](const Known& other) {
         return is_less(dot(at - other.at, at - other.at), std::min(other.reach, other.radius + radius));
       });
-      if (same != end) {
+      if (same != known.all().end()) {
         inside[n] = same->inside;
         continue;
       }
       const OpenPointWinding::Side side = winding_.side(at, rule_, kernels);
       inside[n] = side.inside;
-      if (!all_near_ || radius <= 0) continue;
-      known[next] = {at, radius, reach_of(at, radius, side.margin), side.inside};
-      next = (next + 1) % kMostKnown;
-      count = std::max(count, next == 0 ? kMostKnown : next);
+      if (all_near_ && radius > 0) known.add({at, radius, reach_of(at, radius, side.margin), side.inside});
     }
   }
   double winding_number(Vec3 point, const cpu::PointKernels& kernels) const override {

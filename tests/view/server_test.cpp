@@ -19,7 +19,6 @@
 #include "standoff/error.h"
 #include "tests/support/paths.h"
 #include "view/server/page_watch.h"
-#include "view/server/temp_file.h"
 #include "view/server/token.h"
 
 namespace standoff::view {
@@ -314,19 +313,6 @@ TEST(PageWatch, ClosesOnceNobodyLooks) {
   }
   EXPECT_TRUE(watch.closed_for(0ms));
   EXPECT_FALSE(watch.closed_for(1h));
-}
-
-TEST(TempFile, IsItsOwnersAndGoes) {
-  std::filesystem::path path;
-  {
-    const TempFile file(".obj", "v 0 0 0\n");
-    path = file.path();
-    EXPECT_EQ(path.extension(), ".obj");
-    EXPECT_EQ(std::filesystem::file_size(path), 8u);
-    EXPECT_EQ(std::filesystem::status(path).permissions(),
-              std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
-  }
-  EXPECT_FALSE(std::filesystem::exists(path));
 }
 
 // What docs/view.md says of the server's limits.

@@ -8,9 +8,9 @@
 #include <string>
 
 #include "files/descriptor.h"
+#include "files/temp_file.h"
 #include "render/image.h"
 #include "standoff/existing.h"
-#include "view/server/temp_file.h"
 
 namespace standoff::view {
 

@@ -14,7 +14,7 @@ namespace standoff::cpu {
 std::vector<std::uint32_t> morton_order(const Job& job);
 
 /// The same by halving: all triangles are split across the longest side of their centers' box into two halves of whole
-/// packs, the halves again, and so on down to single packs. That takes three times as long. The packs have tighter
+/// packs, the halves again, and so on down to single packs. That takes longer. The packs have tighter
 /// boxes, and a search for one point visits half as many: for a hierarchy that is asked many times.
 std::vector<std::uint32_t> halving_order(const Job& job);
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-namespace standoff::view {
+namespace standoff {
 
 /// In the system's folder for such files, readable by its owner alone. Removed at the end, and where a signal ends the
 /// program (files/temp_file_registry.h).
@@ -26,4 +26,4 @@ class TempFile {
   int slot_ = -1;
 };
 
-}  // namespace standoff::view
+}  // namespace standoff

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "view/server/temp_file.h"
+#include "files/temp_file.h"
 
 #include <unistd.h>
 
@@ -11,7 +11,7 @@
 #include "files/temp_file_registry.h"
 #include "standoff/error.h"
 
-namespace standoff::view {
+namespace standoff {
 
 TempFile::TempFile(std::string_view suffix, std::string_view bytes) {
   const auto fail = [this] {
@@ -43,4 +43,4 @@ void TempFile::remove() noexcept {
   slot_ = -1;
 }
 
-}  // namespace standoff::view
+}  // namespace standoff
