@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <limits>
 #include <span>
-#include <vector>
 
+#include "core/huge_page_vector.h"
 #include "core/progress.h"
 #include "points/cpu/kernels.h"
 #include "points/triangle_index.h"
@@ -24,9 +24,9 @@ inline constexpr std::size_t kMostPoints = std::size_t{1} << 20;
 
 /// Points in an order in which neighbours are near each other, and their answers.
 struct FoundTriangles {
-  std::vector<std::uint32_t> order;  ///< which point of those asked each one is
-  std::vector<Vec3> points;
-  std::vector<NearestTriangle> nearest;
+  HugePageVector<std::uint32_t> order;  ///< which point of those asked each one is
+  HugePageVector<Vec3> points;
+  HugePageVector<NearestTriangle> nearest;
 };
 
 /// Requires at most kMostPoints points, all finite. Runs on the threads of the calling TBB arena; advances the progress

@@ -12,8 +12,8 @@
 
 namespace standoff {
 
-SortedPoints::SortedPoints(const TriangleIndex& index, std::span<const Vec3> points, std::vector<std::uint32_t>& order,
-                           std::vector<Vec3>& in_order) {
+SortedPoints::SortedPoints(const TriangleIndex& index, std::span<const Vec3> points,
+                           HugePageVector<std::uint32_t>& order, HugePageVector<Vec3>& in_order) {
   using Blocked = tbb::blocked_range<std::size_t>;
   struct Near {
     Box box;

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cstdint>
 #include <span>
-#include <vector>
 
+#include "core/huge_page_vector.h"
 #include "field/cpu/cells.h"
 #include "field/cpu/kernels.h"
 #include "field/cpu/radix_sort.h"
@@ -27,8 +27,8 @@ class SortedPoints {
 
   /// `order` becomes the indices of the points in their order, `in_order` the points. Far points come last. Runs on the
   /// threads of the calling TBB arena.
-  SortedPoints(const TriangleIndex& index, std::span<const Vec3> points, std::vector<std::uint32_t>& order,
-               std::vector<Vec3>& in_order);
+  SortedPoints(const TriangleIndex& index, std::span<const Vec3> points, HugePageVector<std::uint32_t>& order,
+               HugePageVector<Vec3>& in_order);
 
   /// Of those near enough to the mesh for boxes in float; they alone are sorted.
   std::int64_t size() const { return std::ssize(keyed_); }
@@ -49,7 +49,7 @@ class SortedPoints {
   static Keys keys_of(const cpu::Cell& cell, unsigned eighths);
   std::int64_t first_at(std::uint64_t key, Range among) const;
 
-  std::vector<cpu::KeyedIndex> keyed_;
+  HugePageVector<cpu::KeyedIndex> keyed_;
   Vec3 low_;
   double cell_ = 1;  // side of a cell
 };

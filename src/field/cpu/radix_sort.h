@@ -31,11 +31,13 @@ inline std::int64_t radix_sort_bytes(std::int64_t size, int threads) {
          radix_sort_chunks(size, threads) * static_cast<std::int64_t>(sizeof(RadixCounters));
 }
 
-inline void radix_sort(std::vector<KeyedIndex>& items, int threads) {
+/// `Items`: a vector of KeyedIndex.
+template <class Items>
+inline void radix_sort(Items& items, int threads) {
   constexpr std::uint32_t kBuckets = 1u << kRadixBits;
   const auto size = static_cast<std::int64_t>(items.size());
   const std::int64_t chunks = radix_sort_chunks(size, threads);
-  std::vector<KeyedIndex> sorted(items.size());
+  Items sorted(items.size());
   std::vector<RadixCounters> positions(static_cast<std::size_t>(chunks));
   for (int shift = 0; shift < 32; shift += kRadixBits) {
     const auto bucket = [shift](const KeyedIndex& item) { return item.key >> shift & (kBuckets - 1); };
