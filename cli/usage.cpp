@@ -114,7 +114,8 @@ std::vector<std::string> options(const CLI::App& verb) {
     if (named.empty()) fail("'" + word + "' is no verb" + suggestion(word, verbs(program)) + see);
     if (word.starts_with('-'))
       fail("unknown option '" + word + "'" + suggestion(word.substr(0, word.find('=')), options(verb)) + see);
-    fail("'" + word + "' is one argument too many" + see);
+    const bool writes = verb.get_option_no_throw("--output") != nullptr;
+    fail("'" + word + "' is one argument too many" + (writes ? "; name the output with -o, as in -o " + word : see));
   }
   if (const auto colon = what.find(": ");
       colon != std::string::npos && dynamic_cast<const CLI::ArgumentMismatch*>(&error)) {
