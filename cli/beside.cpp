@@ -21,7 +21,7 @@ void Beside::add(const std::string& option, const std::string& text) {
     const std::size_t end = std::min(text.find(',', start), text.size());
     const std::size_t choice =
         parse_choice(option, text.substr(start, end - start),
-                     {"nearest", "triangle", "closest-point", "barycentric", "feature", "gradient"});
+                     {"nearest", "triangle", "closest", "barycentric", "feature", "gradient"});
     start = end + 1;
     if (choice < 2) {
       nearest_ = true;

@@ -120,7 +120,7 @@ TEST_F(Errors, UsageOfValues) {
       {"compute box.obj --skip some", 2, "--skip 'some': give none, neighbour or exact"},
       {"compute box.obj --skip neighbour:2", 2, "the fraction must be above 0 and at most 1"},
       {"compute box.obj --skip exact:0.5", 2, "only neighbour takes a fraction"},
-      {"compute box.obj --with color", 2, "--with 'color': give nearest, triangle, closest-point"},
+      {"compute box.obj --with color", 2, "--with 'color': give nearest, triangle, closest"},
       {"compute box.obj --device tpu", 2, "--device 'tpu': give auto, cpu, cuda or emulated"},
       {"compute box.obj -j 0", 2, "--threads '0'"},
       {"compute box.obj --memory-limit 8Q", 2, "--memory-limit '8Q'"},

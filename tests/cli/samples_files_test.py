@@ -103,7 +103,7 @@ def voxels():
 
 def sidecars():
     run("compute", "scene:sphere:3000", "-r", "40", "-t", "2s", "--sign", "auto", "-o", "s.npz",
-        "--with", "nearest,closest-point,barycentric,feature,gradient")
+        "--with", "nearest,closest,barycentric,feature,gradient")
     data = np.load("s.npz")
     nearest = data["nearest_triangle"]
     band = nearest != 0xFFFFFFFF
