@@ -38,7 +38,8 @@ def run_job(drivers, job, with_peers, rounds):
                     line = drivers.run("openvdb_files", job["args"], job["repeats"], to=to(codec), codec=codec)
                     lines.setdefault(f"{line['driver']}, {codec}", []).append(line)
         ours = lines.pop("standoff")
-        rows.append(row(job, name, "standoff", ours, None, job.get("most")))
+        by = "standoff" + (", computed and written in slabs" if "--slabs" in job["args"] else "")
+        rows.append(row(job, name, by, ours, None, job.get("most")))
         rows += [row(job, name, by, theirs, ours, None) for by, theirs in lines.items()]
     return rows
 

@@ -7,11 +7,16 @@
 
 namespace standoff::bench {
 
-inline DistanceField signed_field(const Workload& work, bool nearest = false) {
+inline ComputeOptions signed_options(const Workload& work) {
   ComputeOptions options;
   options.sign.method = SignMethod::winding;
-  options.nearest_triangle = nearest;
   options.execution = {.threads = work.threads, .backend = Backend::cpu};
+  return options;
+}
+
+inline DistanceField signed_field(const Workload& work, bool nearest = false) {
+  ComputeOptions options = signed_options(work);
+  options.nearest_triangle = nearest;
   DistanceField field;
   compute_into(work.mesh, work.grid, work.thickness, field, options);
   return field;

@@ -16,6 +16,7 @@ class Beside {
  public:
   /// Takes names with commas between them. Errors: usage.
   void add(const std::string& option, const std::string& text);
+  bool empty() const { return !nearest_ && kinds_.empty(); }
   /// Throws Error{usage} where the output's format has no place for them.
   void check(const FileOutput& output) const;
   /// Asks for what they are made of, and for the memory they take.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // standoff compute: a mesh file into a field file.
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -24,6 +25,7 @@
 #include "standoff/confidence.h"
 #include "standoff/error.h"
 #include "standoff/io.h"
+#include "standoff/slabs.h"
 
 namespace standoff::cli {
 namespace {
@@ -51,11 +53,14 @@ struct Command {
   FileOutput confidence;  // of the sign, if it has a name
 
   void add_to(CLI::App& verb);
-  SignConfidence write_confidence(const Mesh& loaded, const DistanceField& field) const;
   void run();
 
  private:
   GridChoice choose_grid(const Box& box);
+  FieldWriteOptions write_options() const;
+  Outcome write_in_slabs(const Plan& plan);
+  Outcome write_whole(const Plan& plan);
+  SignConfidence write_confidence(const Mesh& loaded, const DistanceField& field) const;
 };
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
@@ -138,7 +143,7 @@ void Command::run() {
   beside.prepare(options);
   if (options.memory_limit == 0) options.memory_limit = default_memory_limit();
 
-  auto start = std::chrono::steady_clock::now();
+  const auto start = std::chrono::steady_clock::now();
   MeshReadReport read;
   const Mesh loaded = with_spinner(console, "reading " + mesh.name(), [&] { return mesh.read(&read); });
   validate(loaded);
@@ -146,45 +151,80 @@ void Command::run() {
   check_extent(mesh.name(), box);
   Plan plan{mesh.name(), loaded, choose_grid(box), output.path().string(), output.in_the_way()};
   plan.load_seconds = seconds_since(start);
+  plan.in_slabs = output.is_written_in_slabs(field_formats()) && beside.empty() && !confidence_name;
   if (dry_run) return tell(plan, options, console);
   console.say(mesh_line(mesh.name(), loaded));
   for (const std::string& note : notes(read)) console.detail(mesh.name() + ": " + note);
   console.say(grid_line(plan.choice));
 
+  Outcome outcome = plan.in_slabs ? write_in_slabs(plan) : write_whole(plan);
+  std::error_code ignored;  // a pipe has no size
+  const auto size = std::filesystem::file_size(output.path(), ignored);
+  outcome.written_bytes = ignored ? 0 : static_cast<std::int64_t>(size);
+  say(outcome, console);
+  if (console.json()) print(outcome_json(outcome), output.path());
+}
+
+FieldWriteOptions Command::write_options() const {
+  return {.existing = output.existing(), .compress = !uncompressed, .threads = options.execution.threads};
+}
+
+// The field is computed while it is written, so that no more than a slab of it is held.
+Outcome Command::write_in_slabs(const Plan& plan) {
+  ProgressCallback bar = console.progress();
+  double computed = 0;
+  options.progress = [&](const Progress& progress) {
+    computed = progress.fraction;
+    return !bar || bar(progress);
+  };
+  const auto start = std::chrono::steady_clock::now();
+  std::optional<SlabComputation> slabs;
+  {
+    const Cancellable cancellable;
+    slabs.emplace(plan.mesh, plan.choice.grid, plan.choice.thickness, options);
+  }
+  if (interrupted()) throw Error(ErrorCode::interrupted, "interrupted");
+  const auto write = [&] { write_field(output.path(), *slabs, write_options()); };
+  if (computed < 1) {
+    write();
+  } else {  // one slab, which is there
+    bar = nullptr;
+    with_spinner(console, "writing " + output.path().string(), write);
+  }
+  Outcome outcome{plan, slabs->report(), slabs->provenance().mesh_hash};
+  const auto& seconds = outcome.report.seconds;
+  outcome.write_seconds = std::max(0.0, seconds_since(start) - seconds.prepare - seconds.compute - seconds.sign);
+  return outcome;
+}
+
+Outcome Command::write_whole(const Plan& plan) {
   ComputeResult computed = [&] {
     const Cancellable cancellable;
     options.progress = console.progress();
-    return compute(loaded, plan.choice.grid, plan.choice.thickness, options);
+    return compute(plan.mesh, plan.choice.grid, plan.choice.thickness, options);
   }();
   options.progress = nullptr;  // and the bar with it
   if (interrupted()) throw Error(ErrorCode::interrupted, "interrupted");
   const std::vector<Sidecar> sidecars = [&] {
     const Cancellable cancellable;
-    return beside.make(loaded, computed.field, options.execution, console.progress());
+    return beside.make(plan.mesh, computed.field, options.execution, console.progress());
   }();
 
-  start = std::chrono::steady_clock::now();
-  const FieldWriteOptions written{.existing = output.existing(),
-                                  .compress = !uncompressed,
-                                  .sidecars = sidecars,
-                                  .threads = options.execution.threads};
+  const auto start = std::chrono::steady_clock::now();
+  FieldWriteOptions written = write_options();
+  written.sidecars = sidecars;
   with_spinner(console, "writing " + output.path().string(),
                [&] { write_field(output.path(), computed.field, written); });
   Outcome outcome{plan, computed.report, computed.field.provenance().mesh_hash};
   outcome.write_seconds = seconds_since(start);
-  std::error_code ignored;  // a pipe has no size
-  const auto size = std::filesystem::file_size(output.path(), ignored);
-  outcome.written_bytes = ignored ? 0 : static_cast<std::int64_t>(size);
-  if (confidence_name) outcome.confidence = write_confidence(loaded, computed.field);
-  say(outcome, console);
-  if (console.json()) print(outcome_json(outcome), output.path());
+  if (confidence_name) outcome.confidence = write_confidence(plan.mesh, computed.field);
+  return outcome;
 }
 
 SignConfidence Command::write_confidence(const Mesh& loaded, const DistanceField& field) const {
   return with_spinner(console, "writing " + confidence.path().string(), [&] {
     const std::vector<float> margins = winding_margins(loaded, field.grid(), options.sign, {options.execution.threads});
-    write_field(confidence.path(), DistanceField::from_dense(field.grid(), 0.5, margins),
-                {.existing = output.existing(), .compress = !uncompressed, .threads = options.execution.threads});
+    write_field(confidence.path(), DistanceField::from_dense(field.grid(), 0.5, margins), write_options());
     return sign_confidence(loaded, field, margins, {options.execution.threads});
   });
 }

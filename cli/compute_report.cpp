@@ -9,6 +9,7 @@
 #include "cli/text.h"
 #include "standoff/error.h"
 #include "standoff/field.h"
+#include "standoff/slabs.h"
 
 namespace standoff::cli {
 namespace {
@@ -61,7 +62,8 @@ std::string grid_line(const GridChoice& choice) {
 
 void tell(const Plan& plan, const ComputeOptions& options, const Console& console) {
   const Grid& grid = plan.choice.grid;
-  const std::int64_t needed = memory_needed(plan.mesh, grid, plan.choice.thickness, options),
+  const std::int64_t needed = plan.in_slabs ? slab_memory_needed(plan.mesh, grid, plan.choice.thickness, options)
+                                            : memory_needed(plan.mesh, grid, plan.choice.thickness, options),
                      limit = options.memory_limit;
   const std::string memory = "needs at most " + bytes_text(needed) + " beside the mesh";
   const std::string over = ", more than the limit of " + bytes_text(limit);

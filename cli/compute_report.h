@@ -21,6 +21,7 @@ struct Plan {
   std::string output;
   bool in_the_way = false;  ///< the output exists, and may not be overwritten
   double load_seconds = 0;
+  bool in_slabs = false;  ///< the field is written while it is computed
 };
 
 /// "grid 256 x 254 x 200, spacing 0.1, full field".

@@ -187,6 +187,11 @@ void FileOutput::check_carries_sidecars(const std::vector<FileFormat>& formats) 
                                         " can only carry distances; write .vti or .npz, or leave out --with");
 }
 
+bool FileOutput::is_written_in_slabs(const std::vector<FileFormat>& formats) const {
+  return std::ranges::any_of(
+      formats, [&](const FileFormat& format) { return format.extension == extension_of(path_) && format.slabs; });
+}
+
 std::string mesh_line(const std::string& name, const Mesh& mesh) {
   return name + ": " + counted(static_cast<std::int64_t>(mesh.triangles.size()), "triangle") + ", " +
          counted(static_cast<std::int64_t>(mesh.vertices.size()), "vertex");

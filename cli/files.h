@@ -86,6 +86,8 @@ class FileOutput {
   void check_carries_nearest(const std::vector<FileFormat>& formats) const;
   /// The same for sidecars.
   void check_carries_sidecars(const std::vector<FileFormat>& formats) const;
+  /// Whether the file's format can be written slab by slab.
+  bool is_written_in_slabs(const std::vector<FileFormat>& formats) const;
 
  private:
   std::filesystem::path path_;

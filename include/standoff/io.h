@@ -19,6 +19,8 @@
 
 namespace standoff {
 
+class FieldSlabs;
+
 /// A file format. Its file name extension identifies it.
 struct FileFormat {
   std::string extension;    ///< lower case, without the dot: "stl"
@@ -27,6 +29,7 @@ struct FileFormat {
   bool writable = false;
   bool nearest = false;   ///< fields only: can carry nearest triangles
   bool sidecars = false;  ///< fields only: can carry sidecars
+  bool slabs = false;     ///< fields only: can be written slab by slab
 };
 
 /// The formats that this build can read or write.
@@ -114,5 +117,12 @@ STANDOFF_API void write_field(const std::filesystem::path& path, const DistanceF
 inline void write_field(const std::filesystem::path& path, const DistanceField& field, Existing existing) {
   write_field(path, field, FieldWriteOptions{.existing = existing});
 }
+
+/// Writes a field that comes slab by slab (standoff/slabs.h): the same file, byte by byte, as of the whole field. The
+/// slabs are used up. Memory: one slab, and a few MiB for each thread. Formats: those with FileFormat::slabs. Errors:
+/// as above; usage also for another format, for slabs with nearest triangles, for sidecars, and for slabs that do not
+/// make up the grid; what next() throws.
+STANDOFF_API void write_field(const std::filesystem::path& path, FieldSlabs& slabs,
+                              const FieldWriteOptions& options = {});
 
 }  // namespace standoff

@@ -23,7 +23,8 @@ constexpr std::array kRows{
     BackendRow{Backend::cuda, Method::thesis, "cuda", "thesis", cuda::available, kGpuName, cuda::run_thesis,
                cuda::scratch_bytes},
     BackendRow{Backend::cpu, Method::tiles, "cpu", "tiles", kAlways,
-               [](Simd simd, int) { return cpu::tiles_device(simd); }, cpu::run_tiles, cpu::tiles_scratch_bytes},
+               [](Simd simd, int) { return cpu::tiles_device(simd); }, cpu::run_tiles, cpu::tiles_scratch_bytes,
+               cpu::tiles_in_layers},
     BackendRow{Backend::cpu, Method::thesis, "cpu", "thesis", kAlways,
                [](Simd simd, int) { return cpu::thesis_device(simd); }, cpu::run_thesis, cpu::thesis_scratch_bytes},
 #ifdef STANDOFF_HAVE_EMULATION

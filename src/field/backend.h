@@ -2,6 +2,7 @@
 // The seam between the pipeline and the backends: one job in, tiles into a sink, counts out.
 #pragma once
 
+#include <memory>
 #include <span>
 #include <string>
 
@@ -38,6 +39,27 @@ struct Counts {
   std::int64_t samples_band = 0;
 };
 
+/// Layers [begin, end) of bricks along z: of 16 samples each, but for the last one of a grid.
+struct BrickLayers {
+  std::int64_t begin, end;
+};
+
+/// A job that is done part by part. What all parts need is made once, before the first; the values are those of the
+/// whole job, bit for bit.
+class LayerGather {
+ public:
+  LayerGather() = default;
+  LayerGather(const LayerGather&) = delete;
+  LayerGather& operator=(const LayerGather&) = delete;
+  virtual ~LayerGather() = default;
+
+  /// Fills the tiles of these layers. The first call begins with layer 0, each other one where the last one ended.
+  /// Throws Error{interrupted}.
+  virtual void gather(const BrickLayers& layers, Sink& sink) = 0;
+  /// Of all calls so far.
+  virtual Counts counts() = 0;
+};
+
 /// A method on a backend. Backends add rows to the table in src/backends/fields.cpp.
 struct BackendRow {
   Backend backend;
@@ -49,6 +71,9 @@ struct BackendRow {
   Counts (*run)(const Job&, Sink&);
   /// Bytes of scratch in the worst case, the output not counted.
   std::int64_t (*scratch_bytes)(std::int64_t triangles, const Grid&, double thickness, int threads);
+  /// The same job in parts, with the same scratch; nullptr where a method needs the whole grid at once. The job must
+  /// stay where it is.
+  std::unique_ptr<LayerGather> (*in_layers)(const Job&) = nullptr;
 };
 
 /// The row for a job of this size; Backend::automatic takes a GPU that is there if the job is large enough for it.

@@ -4,43 +4,16 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <chrono>
 #include <vector>
 
 #include "core/guarded.h"
-#include "core/progress.h"
-#include "core/threads.h"
-#include "core/tile_count.h"
-#include "field/memory.h"
+#include "field/computation.h"
 #include "field/options.h"
-#include "field/plan.h"
-#include "field/prepare.h"
-#include "sign/make_sides.h"
-#include "sign/outer/outer.h"
 #include "sign/shell.h"
 #include "sign/sign_field.h"
-#include "sign/sign_text.h"
-#include "standoff/version.h"
 
 namespace standoff {
 namespace {
-
-class Stopwatch {
- public:
-  /// Seconds since the start or the last lap.
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    const double seconds = std::chrono::duration<double>(now - last_).count();
-    last_ = now;
-    return seconds;
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
-
-constexpr const char* kWhatToDo =
-    "take fewer samples or a smaller thickness, or give a memory limit to be told beforehand";
 
 // Where the values go: into the tiles of a field, or into dense memory.
 class FieldOutput {
@@ -72,96 +45,55 @@ class DenseOutput {
   std::span<std::uint32_t> nearest_;
 };
 
-// One computation in two steps. Between them its caller makes the output's memory.
-class Computation {
- public:
-  Computation(MeshView mesh, const Grid& grid, double thickness, const ComputeOptions& options, bool is_dense)
-      : mesh_(mesh),
-        options_(options),
-        plan_(make_plan(static_cast<std::int64_t>(mesh.triangles.size()), grid, thickness, options, is_dense)),
-        threads_(options.execution.threads),
-        progress_(options.progress) {}
+template <class Output>
+void decide_sign(Computation& computation, const ComputeOptions& options, Output& output) {
+  if (computation.sign_method() == SignMethod::shell)
+    return output.thicken(Shell(options.sign, computation.plan().field_thickness), computation.progress());
+  if (const auto sides = computation.sides(output.nearest()))
+    output.sign(*sides, options.sign.invert, computation.progress());
+}
 
-  const Plan& plan() const { return plan_; }
-
-  /// Throws where the mesh or the memory will not do.
-  void check() {
-    threads_.run([&] {
-      Stopwatch watch;
-      progress_.stage("prepare", 1, 0, 0.1);
-      check_mesh(mesh_, plan_, options_);
-      sign_plan_ = plan_sign(mesh_, options_.sign, progress_);
-      if (options_.sign.outer) plan_outer(mesh_, options_.sign, sign_plan_);
-      report_.seconds.prepare = watch.lap();
-    });
-  }
-
-  /// Skip rule, backend and sign. Requires check(). The mesh's hash goes into `hash`, where there is one.
-  template <class Output>
-  ComputeReport run(Output output, std::uint64_t* hash = nullptr) {
-    Sink sink = output.sink();
-    threads_.run([&] {
-      Stopwatch watch;
-      const std::vector<std::uint32_t> kept = kept_by_plan(mesh_, plan_, sign_plan_.exposed);
-      report_.seconds.prepare += watch.lap();
-      progress_.stage("bin", 1, 0.1, 0.2);
-      const Job job{.mesh = mesh_,
-                    .kept = kept,
-                    .grid = plan_.grid,
-                    .thickness = plan_.thickness,
-                    .threads = plan_.threads,
-                    .simd = options_.execution.simd,
-                    .progress = progress_,
-                    .device = options_.execution.device};
-      const Counts counts = plan_.row->run(job, sink);
-      if (hash) {
-        progress_.stage("hash", 1, 1, 1);
-        *hash = content_hash(mesh_);
-      }
-      report_.seconds.compute = watch.lap();
-      if (sign_plan_.has_sign()) {
-        progress_.stage("sign", 1, 1, 1);
-        sign(output);
-        report_.seconds.sign = watch.lap();
-      }
-      report_.triangles = plan_.triangles;
-      report_.skipped = plan_.triangles - sign_plan_.report.internal - job.triangle_count();
-      report_.samples_examined = counts.samples_examined;
-      report_.samples_band = counts.samples_band;
-    });
-    progress_.stage("done", 1, 1, 1);
-    report_.method = plan_.row->method_name;
-    report_.backend = plan_.row->backend_name;
-    report_.sign = sign_plan_.report;
-    report_.device = plan_.row->device(options_.execution.simd, options_.execution.device);
-    report_.threads = plan_.threads;
-    report_.samples = plan_.grid.sample_count();
-    report_.tiles = tile_count(plan_.grid.size);
-    report_.provenance = {report_.method, hash ? *hash : 0, version(),
-                          written(sign_text_of(options_.sign, report_.sign))};
-    return report_;
-  }
-
- private:
-  template <class Output>
-  void sign(Output& output) {
-    if (sign_plan_.report.method == SignMethod::shell)
-      return output.thicken(Shell(options_.sign, plan_.field_thickness), progress_);
-    const UnsignedField field{plan_.grid, plan_.field_thickness, output.nearest(), crossing_bytes(plan_)};
-    if (const auto sides = make_sides(mesh_, sign_plan_, options_.sign, field, progress_))
-      output.sign(*sides, options_.sign.invert, progress_);
-  }
-
-  MeshView mesh_;
-  const ComputeOptions& options_;
-  Plan plan_;
-  SignPlan sign_plan_;
-  Threads threads_;
-  ProgressMeter progress_;
-  ComputeReport report_;
-};
+// Skip rule, backend and sign. Requires check(). With the mesh's hash where it is asked for.
+template <class Output>
+ComputeReport run(Computation& computation, const ComputeOptions& options, bool with_hash, Output output) {
+  Sink sink = output.sink();
+  ComputeReport& report = computation.report();
+  computation.threads().run([&] {
+    const Job job = computation.job();
+    Stopwatch watch;
+    const Counts counts = computation.plan().row->run(job, sink);
+    std::uint64_t hash = 0;
+    if (with_hash) {
+      computation.progress().stage("hash", 1, 1, 1);
+      hash = content_hash(computation.mesh());
+    }
+    report.seconds.compute = watch.lap();
+    if (computation.sign_method() != SignMethod::none) {
+      computation.progress().stage("sign", 1, 1, 1);
+      decide_sign(computation, options, output);
+      report.seconds.sign = watch.lap();
+    }
+    computation.finish(job.triangle_count(), counts, hash);
+  });
+  computation.progress().stage("done", 1, 1, 1);
+  return report;
+}
 
 }  // namespace
+
+ComputeReport fill_field(Computation& computation, DistanceField& field, const ComputeOptions& options) try {
+  if (options.memory_limit != 0) field = {};
+  const Plan& plan = computation.plan();
+  field.reset(plan.grid, plan.field_thickness, plan.with_nearest);
+  ComputeReport report = run(computation, options, options.hash_mesh, FieldOutput(field));
+  if (!options.nearest_triangle) field.erase_nearest();
+  report.tiles_stored = field.stored_tiles();
+  field.set_provenance(report.provenance);
+  return report;
+} catch (...) {
+  field = {};
+  throw;
+}
 
 ComputeResult compute(MeshView mesh, const Grid& grid, double thickness, const ComputeOptions& options) {
   ComputeResult computed;
@@ -176,21 +108,9 @@ ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickness, Di
   // It has a grid of its own: the caller's may be the field's, which goes with the field.
   Computation computation(mesh, grid, thickness, options, false);
   computation.check();
-  try {
-    if (options.memory_limit != 0) field = {};
-    field.reset(computation.plan().grid, thickness, computation.plan().with_nearest);
-    std::uint64_t mesh_hash = 0;
-    ComputeReport report = computation.run(FieldOutput(field), options.hash_mesh ? &mesh_hash : nullptr);
-    if (!options.nearest_triangle) field.erase_nearest();
-    report.tiles_stored = field.stored_tiles();
-    field.set_provenance(report.provenance);
-    return report;
-  } catch (...) {
-    field = {};
-    throw;
-  }
+  return fill_field(computation, field, options);
 } catch (...) {
-  throw_as_error("compute", kWhatToDo);
+  throw_as_error("compute", kWithLessMemory);
 }
 
 ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickness, std::span<float> values,
@@ -218,9 +138,9 @@ ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickness, st
       if (!nearest.empty()) std::fill(nearest.begin() + range.begin(), nearest.begin() + range.end(), kNoTriangle);
     });
   });
-  return computation.run(DenseOutput(grid, values, nearest));
+  return run(computation, options, false, DenseOutput(grid, values, nearest));
 } catch (...) {
-  throw_as_error("compute", kWhatToDo);
+  throw_as_error("compute", kWithLessMemory);
 }
 
 }  // namespace standoff

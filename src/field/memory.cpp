@@ -9,6 +9,7 @@
 #include "core/guarded.h"
 #include "core/threads.h"
 #include "core/tile_count.h"
+#include "field/lattice.h"
 #include "field/options.h"
 #include "field/prepare.h"
 #include "field/skip.h"
@@ -32,7 +33,15 @@ std::int64_t sign_bytes(const Plan& plan) {
          plan.threads * InsideRows::bytes(plan.grid);
 }
 
-double tiles_of_grid(const Plan& plan) { return static_cast<double>(tile_count(plan.grid.size)); }
+// Of the grid, or of a slab.
+double tiles_at_once(const Plan& plan) {
+  Size3 size = plan.grid.size;
+  if (plan.slab_layers != 0) size.z = std::min(size.z, kBrickSide * plan.slab_layers);
+  return static_cast<double>(tile_count(size));
+}
+
+// What crossings may take at a time where the backend's memory is held beside them. The value is a choice.
+constexpr std::int64_t kCrossingBytesInSlabs = std::int64_t{32} << 20;
 
 // What may be said to help is what has been seen to help.
 class Advice {
@@ -55,7 +64,7 @@ class Advice {
 
  private:
   bool fits(const Grid& grid, double thickness) const {
-    const Plan plan = make_plan(plan_.triangles, grid, thickness, options_, plan_.is_dense);
+    const Plan plan = make_plan(plan_.triangles, grid, thickness, options_, plan_.is_dense, plan_.slab_samples);
     return bytes_needed(plan, look_at(mesh_, plan, true).tiles, diagnosed_) <= options_.memory_limit;
   }
 
@@ -97,13 +106,17 @@ class Advice {
 
 std::int64_t bytes_needed(const Plan& plan, double tiles, bool diagnosed) {
   const double samples = static_cast<double>(plan.grid.sample_count());
+  tiles = std::min(tiles, tiles_at_once(plan));
   const double stored = plan.is_dense ? samples : DistanceField::kTileSamples * tiles;
   const double beside = stored * static_cast<double>(plan.bytes_beside);
   const double output = plan.is_dense ? 4.0 * samples * (plan.with_nearest ? 2 : 1)
-                                      : field_bytes(tiles, tiles_of_grid(plan), plan.with_nearest);
-  // The sign is decided when the backend has given its memory back; the mesh is diagnosed before the output.
-  const double scratch = static_cast<double>(
-      plan.with_sign ? std::max(scratch_bytes(plan), sign_bytes(plan) + crossing_bytes(plan)) : scratch_bytes(plan));
+                                      : field_bytes(tiles, tiles_at_once(plan), plan.with_nearest);
+  // The mesh is diagnosed before the output. The sign of a whole grid is decided when the backend has given its memory
+  // back; in slabs one follows the other again and again.
+  const std::int64_t of_backend = scratch_bytes(plan),
+                     of_sign = plan.with_sign ? sign_bytes(plan) + crossing_bytes(plan) : 0;
+  const double scratch =
+      static_cast<double>(plan.slab_layers != 0 ? of_backend + of_sign : std::max(of_backend, of_sign));
   const double before = diagnosed ? static_cast<double>(diagnosis_bytes(plan.triangles))
                         : plan.with_sign
                             ? static_cast<double>(std::max(closed_bytes(plan.triangles), outward_bytes(plan.triangles)))
@@ -115,10 +128,16 @@ std::int64_t bytes_needed(const Plan& plan, double tiles, bool diagnosed) {
   return total < 0x1p62 ? static_cast<std::int64_t>(total) : std::int64_t{1} << 62;
 }
 
-std::int64_t bytes_needed(const Plan& plan) { return bytes_needed(plan, tiles_of_grid(plan), plan.with_sign); }
+std::int64_t bytes_needed(const Plan& plan) { return bytes_needed(plan, tiles_at_once(plan), plan.with_sign); }
+
+std::int64_t bytes_needed(MeshView mesh, const Plan& plan, const ComputeOptions& options) {
+  const double tiles = look_at(mesh, plan, !plan.is_dense).tiles;
+  return bytes_needed(plan, tiles, needs_diagnosis(mesh, options.sign));
+}
 
 std::int64_t crossing_bytes(const Plan& plan) {
-  return std::max(RowCrossings::least_bytes(plan.triangles, plan.threads), scratch_bytes(plan) - sign_bytes(plan));
+  return std::max(RowCrossings::least_bytes(plan.triangles, plan.threads),
+                  plan.slab_layers != 0 ? kCrossingBytesInSlabs : scratch_bytes(plan) - sign_bytes(plan));
 }
 
 void check_memory(MeshView mesh, const Plan& plan, double tiles, const ComputeOptions& options) {
@@ -149,9 +168,8 @@ std::int64_t memory_needed(MeshView mesh, const Grid& grid, double thickness, co
   validate(grid);
   validate(thickness, options);
   return Threads(options.execution.threads).run([&] {
-    const Plan plan = make_plan(static_cast<std::int64_t>(mesh.triangles.size()), grid, thickness, options, dense);
-    const double tiles = look_at(mesh, plan, !dense).tiles;
-    return bytes_needed(plan, tiles, needs_diagnosis(mesh, options.sign));
+    return bytes_needed(
+        mesh, make_plan(static_cast<std::int64_t>(mesh.triangles.size()), grid, thickness, options, dense), options);
   });
 } catch (...) {
   throw_as_error("compute");

@@ -11,8 +11,10 @@ namespace standoff {
 std::int64_t bytes_needed(const Plan& plan, double tiles, bool diagnosed);
 /// The same for whatever triangles: all tiles of the grid.
 std::int64_t bytes_needed(const Plan& plan);
+/// The same for these triangles. Uses the caller's arena. Errors: as validate(mesh).
+std::int64_t bytes_needed(MeshView mesh, const Plan& plan, const ComputeOptions& options);
 
-/// What crossings may take while the sign is decided: what the backend took before, if that is enough.
+/// What crossings may take while the sign is decided: of a whole grid what the backend took before, if that is enough.
 std::int64_t crossing_bytes(const Plan& plan);
 
 /// Throws Error{limit} where the computation may need more than

@@ -5,12 +5,19 @@
 
 #include "core/number_text.h"
 #include "core/threads.h"
+#include "field/lattice.h"
 #include "field/options.h"
 #include "sign/shell.h"
 
 namespace standoff {
 
 namespace {
+
+// 0 where one slab would hold the whole grid.
+std::int64_t layers_of_slab(const Grid& grid, std::int64_t slab_samples) {
+  const std::int64_t layers = std::max<std::int64_t>(1, slab_samples / (grid.size.x * grid.size.y) / kBrickSide);
+  return layers < (grid.size.z + kBrickSide - 1) / kBrickSide ? layers : 0;
+}
 
 // How far distances must be known. Beyond the limit float could not tell them from half of the shell.
 double reach(const Grid& grid, double thickness, const SignOptions& sign) {
@@ -25,9 +32,13 @@ double reach(const Grid& grid, double thickness, const SignOptions& sign) {
 
 }  // namespace
 
-Plan make_plan(std::int64_t triangles, const Grid& grid, double thickness, const ComputeOptions& options,
-               bool is_dense) {
-  return {&find_backend(options.execution.backend, options.method, triangles, grid),
+bool is_decided_in_slabs(SignMethod method) { return method != SignMethod::flood && method != SignMethod::normal; }
+
+Plan make_plan(std::int64_t triangles, const Grid& grid, double thickness, const ComputeOptions& options, bool is_dense,
+               std::int64_t slab_samples) {
+  const BackendRow& row = find_backend(options.execution.backend, options.method, triangles, grid);
+  const bool in_slabs = slab_samples != 0 && row.in_layers && is_decided_in_slabs(options.sign.method);
+  return {&row,
           effective_rule(options),
           triangles,
           grid,
@@ -37,7 +48,9 @@ Plan make_plan(std::int64_t triangles, const Grid& grid, double thickness, const
           options.nearest_triangle || options.sign.method == SignMethod::normal,
           options.sign.method != SignMethod::none,
           is_dense,
-          options.bytes_beside};
+          options.bytes_beside,
+          slab_samples,
+          in_slabs ? layers_of_slab(grid, slab_samples) : 0};
 }
 
 }  // namespace standoff

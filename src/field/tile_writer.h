@@ -24,8 +24,9 @@ struct TileTarget {
 /// every sample of it. Tiles never opened read as the thickness, without a nearest triangle.
 class Sink {
  public:
-  /// Tiles go into `field`.
-  explicit Sink(DistanceField& field) : grid_(field.grid()), field_(&field), with_nearest_(field.has_nearest()) {}
+  /// Tiles go into `field`, whose first layer of tiles is layer `first_layer` of the grid that is filled.
+  explicit Sink(DistanceField& field, std::int64_t first_layer = 0)
+      : grid_(field.grid()), field_(&field), first_layer_(first_layer), with_nearest_(field.has_nearest()) {}
   /// Tiles go into dense memory, which the caller has filled with the thickness and kNoTriangle.
   Sink(const Grid& grid, std::span<float> values, std::span<std::uint32_t> nearest)
       : grid_(grid), values_(values.data()), nearest_(nearest.data()), with_nearest_(!nearest.empty()) {}
@@ -35,8 +36,9 @@ class Sink {
   TileTarget open(std::int64_t tx, std::int64_t ty, std::int64_t tz) {
     constexpr std::int64_t side = DistanceField::kTileSide;
     if (field_) {
-      TileTarget target{field_->store_tile(tx, ty, tz).data(), nullptr, side, side * side, {side, side, side}};
-      if (with_nearest_) target.nearest = field_->store_nearest(tx, ty, tz).data();
+      const std::int64_t in_field = tz - first_layer_;
+      TileTarget target{field_->store_tile(tx, ty, in_field).data(), nullptr, side, side * side, {side, side, side}};
+      if (with_nearest_) target.nearest = field_->store_nearest(tx, ty, in_field).data();
       return target;
     }
     const std::int64_t x = tx * side, y = ty * side, z = tz * side, at = grid_.index(x, y, z);
@@ -51,6 +53,7 @@ class Sink {
  private:
   const Grid& grid_;
   DistanceField* field_ = nullptr;
+  std::int64_t first_layer_ = 0;
   float* values_ = nullptr;
   std::uint32_t* nearest_ = nullptr;
   bool with_nearest_ = false;

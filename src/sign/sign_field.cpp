@@ -7,7 +7,6 @@
 #include <cstring>
 
 #include "core/tile_count.h"
-#include "sign/each_row_of_tiles.h"
 
 namespace standoff {
 namespace {
@@ -75,12 +74,16 @@ class TileSigns {
 }  // namespace
 
 void sign_field(Sides& sides, bool invert, DistanceField& field, ProgressMeter& progress) {
-  for_each_row_of_tiles(sides, invert, field.grid(), progress,
-                        [&](const InsideRows& rows, std::int64_t ty, std::int64_t tz) {
-                          TileSigns signs(rows, ty, tz, field);
-                          for (std::int64_t tx = rows.first_tile(); tx < rows.end_of_tiles(); ++tx) signs.add(tx);
-                          signs.finish();
-                        });
+  RowsOfTiles rows(sides, invert, field.grid(), progress);
+  sign_slab(rows, 0, field);
+}
+
+void sign_slab(RowsOfTiles& rows, std::int64_t first_layer, DistanceField& slab) {
+  rows.next_layers(slab.tile_count().z, [&](const InsideRows& inside, std::int64_t ty, std::int64_t tz) {
+    TileSigns signs(inside, ty, tz - first_layer, slab);
+    for (std::int64_t tx = inside.first_tile(); tx < inside.end_of_tiles(); ++tx) signs.add(tx);
+    signs.finish();
+  });
 }
 
 void sign_values(Sides& sides, bool invert, const Grid& grid, std::span<float> values, ProgressMeter& progress) {

@@ -7,6 +7,7 @@
 #include "standoff/mesh_report.h"
 #include "standoff/occupancy.h"
 #include "standoff/points.h"
+#include "standoff/slabs.h"
 #include "standoff/testing/emulation.h"
 #include "standoff/thesis.h"
 #include "standoff/verify.h"
@@ -45,7 +46,29 @@ TEST(Misuse, Grids) {
     for (const double thickness : {1.0, kInfinite}) {
       expect_answer_or_error(name, [&] { EXPECT_GT(memory_needed(mesh, grid, thickness, on_cpu()), 0); });
       expect_answer_or_error(name, [&] { EXPECT_GT(memory_needed(1, grid, thickness, on_cpu(), true), 0); });
+      expect_answer_or_error(name, [&] { EXPECT_GT(slab_memory_needed(mesh, grid, thickness, on_cpu()), 0); });
+      expect_answer_or_error(name, [&] { SlabComputation(mesh, grid, thickness, on_cpu(), 1).next(); });
     }
+  }
+}
+
+TEST(Misuse, Slabs) {
+  const Mesh triangle = one_triangle();
+  for (const std::int64_t n : kCounts) {
+    expect_answer_or_error(named("samples", n), [&] {
+      SlabComputation slabs(triangle, kGrid, 1, on_cpu(), n);
+      EXPECT_NE(slabs.next(), nullptr);
+    });
+    expect_answer_or_error(named("samples", n),
+                           [&] { EXPECT_GT(slab_memory_needed(triangle, kGrid, 1, on_cpu(), n), 0); });
+  }
+  for (const double x : kNumbers)
+    expect_answer_or_error(named("thickness", x), [&] { SlabComputation(triangle, kGrid, x, on_cpu()).next(); });
+  for (const Mesh& mesh : odd_meshes())
+    expect_answer_or_error("mesh", [&] { SlabComputation(mesh, kGrid, 1, on_cpu()).next(); });
+  for (const Mesh& mesh : unusable_meshes()) {
+    expect_answer_or_error("mesh", [&] { SlabComputation(mesh, kGrid, 1, on_cpu()).next(); });
+    expect_answer_or_error("mesh", [&] { slab_memory_needed(mesh, kGrid, 1, on_cpu()); });
   }
 }
 

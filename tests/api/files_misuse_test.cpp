@@ -7,6 +7,7 @@
 #include "standoff/io.h"
 #include "standoff/picture.h"
 #include "standoff/points.h"
+#include "standoff/slabs.h"
 #include "standoff/slice.h"
 #include "standoff/testing/emulation.h"
 #include "standoff/version.h"
@@ -28,6 +29,19 @@ std::vector<std::filesystem::path> odd_paths(const TempFolder& folder) {
   }
   return paths;
 }
+
+// An empty field in slabs of another one, forever.
+class OddSlabs final : public FieldSlabs {
+ public:
+  const Grid& grid() const override { return none_.grid(); }
+  double thickness() const override { return kNaN; }
+  bool has_nearest() const override { return false; }
+  const Provenance& provenance() const override { return none_.provenance(); }
+  const DistanceField* next() override { return &some_; }
+
+ private:
+  DistanceField none_, some_{{{3, 3, 3}, {}}, 1};
+};
 
 TEST(Misuse, Reading) {
   const TempFolder folder;
@@ -65,14 +79,21 @@ TEST(Misuse, Writing) {
     expect_answer_or_error(name, [&] { write_field(path, {}); });
     expect_answer_or_error(name, [&] { write_field(path, {}, none_of<Existing>()); });
     expect_answer_or_error(name, [&] { write_field(path, field, {.compress = false, .threads = -1}); });
+    const Mesh triangle = one_triangle();
     const std::vector<Sidecar> odd{{"", -1, {}}, {std::string(1000, 'n'), 1 << 30, std::vector<std::uint8_t>(7)}};
     expect_answer_or_error(name, [&] { write_field(path, field, {.sidecars = odd}); });
+    SlabComputation slabs(triangle, {{3, 3, 33}, {}}, 1, {}, 1);
+    expect_answer_or_error(name, [&] { write_field(path, slabs, {.sidecars = odd}); });
+    expect_answer_or_error(name, [&] { write_field(path, slabs, {.threads = -1}); });
+    expect_answer_or_error(name, [&] { write_field(path, slabs); });
+    expect_answer_or_error(name, [&] { write_field(path, slabs); });  // used up
+    OddSlabs odd_slabs;
+    expect_answer_or_error(name, [&] { write_field(path, odd_slabs); });
     expect_answer_or_error(name, [&] { write_text(path, {}); });
     expect_answer_or_error(name, [&] { write_query(path, MeshQuery(one_triangle()), none_of<Existing>()); });
     expect_answer_or_error(name, [&] { write_slice_png(path, field); });
     expect_answer_or_error(name, [&] { write_mesh_png(path, one_triangle(), {.width = 16, .height = 16}); });
     expect_answer_or_error(name, [&] { write_picture(path, {}, {}, none_of<Existing>()); });
-    const Mesh triangle = one_triangle();
     Drawing drawing;
     drawing.meshes.push_back({.mesh = triangle});
     expect_answer_or_error(name, [&] { write_turntable(path, drawing, 2, {.width = 16, .height = 16}); });

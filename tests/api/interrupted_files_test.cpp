@@ -7,6 +7,7 @@
 
 #include "standoff/compute.h"
 #include "standoff/io.h"
+#include "standoff/slabs.h"
 #include "tests/api/stop_everywhere.h"
 #include "tests/collision/bodies.h"
 #include "tests/support/temp_folder.h"
@@ -47,6 +48,26 @@ TEST(Interrupted, Meshes) {
                 EXPECT_EQ(read_mesh(path, {.progress = progress}).triangles.size(), kBall.triangles.size());
               }),
               5);
+  }
+}
+
+// By the callback of the computation, and by that of the writing.
+TEST(Interrupted, FieldsInSlabs) {
+  for (const FileFormat& format : field_formats()) {
+    if (!format.slabs) continue;
+    SCOPED_TRACE(format.extension);
+    const TempFolder folder;
+    const auto path = folder / ("ball." + format.extension);
+    const auto write = [&](const ProgressCallback& computing, const ProgressCallback& writing) {
+      const Grid grid = fit_samples(bounds(kBall), 72);
+      ComputeOptions options;
+      options.execution.threads = 1;
+      options.progress = computing;
+      SlabComputation slabs(kBall, grid, 0.1, options, 1);
+      write_field(path, slabs, {.threads = 1, .progress = writing});
+    };
+    EXPECT_GE(stop_writing(path, [&](const auto& progress) { write(progress, {}); }), 20);
+    EXPECT_GE(stop_writing(path, [&](const auto& progress) { write({}, progress); }), 4);
   }
 }
 

@@ -28,6 +28,7 @@
 #include "standoff/picture.h"
 #include "standoff/points.h"
 #include "standoff/sidecars.h"
+#include "standoff/slabs.h"
 #include "standoff/slice.h"
 #include "standoff/surface.h"
 #include "standoff/testing/emulation.h"
@@ -98,6 +99,13 @@ TEST(RefusedMemory, Computing) {
         options.method = method;
         options.skip.kind = kind;
         expect_limit_error("compute", [&] { compute(kMesh, kGrid, thickness, options); });
+        const Grid tall{{9, 9, 33}, {-1, -1, -1}, {0.4, 0.4, 0.1}};
+        expect_limit_error("slabs", [&] {
+          SlabComputation slabs(kMesh, tall, thickness, options, 1);
+          while (slabs.next()) {
+          }
+        });
+        expect_limit_error("slab_memory_needed", [&] { slab_memory_needed(kMesh, tall, thickness, options, 1); });
       }
   std::vector<float> values(static_cast<std::size_t>(kGrid.sample_count()));
   std::vector<std::uint32_t> nearest(values.size());

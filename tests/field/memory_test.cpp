@@ -13,6 +13,7 @@
 #include "field/memory.h"
 #include "standoff/compute.h"
 #include "standoff/io.h"
+#include "standoff/slabs.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/heap.h"
 #include "tests/support/random_mesh.h"
@@ -103,6 +104,71 @@ TEST(Memory, TilesAreCountedWhereTrianglesReach) {
   EXPECT_EQ(needed(mesh_of(257, 3)) - needed(mesh_of(257, -1000)), 2 * kChunk);
   EXPECT_EQ(needed(mesh_of(129, 6.9)) - needed(mesh_of(129, -1000)), 2 * kChunk) << "two tiles each";
   EXPECT_EQ(needed(mesh_of(1, 3), kFullField), memory_needed(1, grid, kFullField, options));
+}
+
+void take_all(const Mesh& mesh, const Grid& grid, double thickness, const ComputeOptions& options) {
+  SlabComputation slabs(mesh, grid, thickness, options, 1);
+  while (slabs.next()) {
+  }
+}
+
+TEST(Memory, SlabsTakeNoMoreThanWasSaid) {
+  const Grid grid = cube(80, {-5, -5, -5}, 10);
+  for (const Mesh& mesh : {testing::random_soup(5, 2000, 4, 0.3), kTriangle})
+    for (const double thickness : {0.3, 2.0, kInfinity})
+      for (const SignMethod method : {SignMethod::none, SignMethod::shell, SignMethod::flood}) {
+        ComputeOptions options;
+        options.execution = {.threads = 2, .backend = Backend::cpu};
+        options.sign.method = method;
+        if (method == SignMethod::shell) options.sign.shell = 0.2;
+        const std::int64_t needed = slab_memory_needed(mesh, grid, thickness, options, 1);
+        if (method == SignMethod::flood) {
+          EXPECT_EQ(needed, memory_needed(mesh, grid, thickness, options)) << "it is one slab";
+          continue;
+        }
+        EXPECT_LE(most_held([&] { take_all(mesh, grid, thickness, options); }), needed + kSmallThings)
+            << mesh.triangles.size() << " triangles, thickness " << thickness;
+      }
+}
+
+// A wall along the whole of a column: with and without the file, what is held is one slab, however many there are.
+TEST(Memory, DoesNotGrowWithTheNumberOfSlabs) {
+  const TempFolder folder;
+  const auto most_of = [&](std::int64_t slabs, double thickness, bool written) {
+    const Grid grid{{128, 128, 16 * slabs}, {}, {1, 1, 1}};
+    const double top = static_cast<double>(grid.size.z);
+    const Mesh wall{{{20, 20, -9}, {100, 90, -9}, {20, 20, top}, {100, 90, top}}, {{0, 1, 2}, {1, 3, 2}}};
+    ComputeOptions options;
+    options.execution = {.threads = 1, .backend = Backend::cpu};
+    options.sign.method = SignMethod::winding;
+    return most_held([&] {
+      if (!written) return take_all(wall, grid, thickness, options);
+      SlabComputation taken(wall, grid, thickness, options, 1);
+      write_field(folder / "wall.npz", taken, {.threads = 1});
+    });
+  };
+  for (const double thickness : {2.0, kInfinity})
+    for (const bool written : {false, true}) {
+      const std::int64_t few = most_of(6, thickness, written), many = most_of(48, thickness, written);
+      // 48 full slabs have 50 MB of values. Counters of bricks, and crossings up to their limit, are those of the grid.
+      EXPECT_LT(many, few + (std::int64_t{2} << 20)) << thickness;
+    }
+}
+
+TEST(Memory, WhatIsTooLargeMayFitInSlabs) {
+  const Mesh mesh = testing::random_soup(5, 300, 4, 1);
+  ComputeOptions options;
+  options.execution = {.threads = 1, .backend = Backend::cpu};
+  const Grid grid = cube(160, {-5, -5, -5}, 10);
+  options.memory_limit = slab_memory_needed(mesh, grid, kInfinity, options, 1);
+  EXPECT_LT(2 * options.memory_limit, memory_needed(mesh, grid, kInfinity, options));
+  expect_error([&] { compute(mesh, grid, kInfinity, options); }, ErrorCode::limit, "more than the limit");
+  EXPECT_LE(most_held([&] { take_all(mesh, grid, kInfinity, options); }), options.memory_limit + kSmallThings);
+  --options.memory_limit;
+  expect_error([&] { take_all(mesh, grid, kInfinity, options); }, ErrorCode::limit, "more than the limit");
+  ++options.memory_limit;
+  options.sign.method = SignMethod::flood;
+  expect_error([&] { take_all(mesh, grid, kInfinity, options); }, ErrorCode::limit, "more than the limit");
 }
 
 // The message of the refusal, or "".

@@ -20,7 +20,18 @@ constexpr std::int64_t kMostKeyedBricks = (std::int64_t{1} << (32 - kSpanBits)) 
 // Triangles between two chances for the caller to stop; long ones may touch a million bricks each.
 constexpr std::int64_t kCheckEvery = 256;
 
-class Binning {
+// Triangles are counted and sorted in chunks side by side, each with counters of its own: as many chunks as help, as
+// long as the counters stay small.
+std::int64_t chunk_count(std::int64_t triangles, std::int64_t bricks, int threads) {
+  constexpr std::int64_t kMostCounters = std::int64_t{4} << 20;
+  constexpr std::int64_t kLeastTriangles = 4096;
+  return std::max<std::int64_t>(
+      1, std::min({std::int64_t{4} * threads, kMostCounters / bricks, triangles / kLeastTriangles}));
+}
+
+}  // namespace
+
+class BinBatches::Binning {
  public:
   Binning(const Job& job, const BlockLattice& lattice, Reach kind)
       : job_(job), lattice_(lattice), kind_(kind), reach_sq_(cell_reach_sq<kBrickSide>(lattice)) {}
@@ -75,79 +86,78 @@ class Binning {
   double reach_sq_;  // from a brick's centre, grid units
 };
 
-// Triangles are counted and sorted in chunks side by side, each with counters of its own: as many chunks as help, as
-// long as the counters stay small.
-std::int64_t chunk_count(std::int64_t triangles, std::int64_t bricks, int threads) {
-  constexpr std::int64_t kMostCounters = std::int64_t{4} << 20;
-  constexpr std::int64_t kLeastTriangles = 4096;
-  return std::max<std::int64_t>(
-      1, std::min({std::int64_t{4} * threads, kMostCounters / bricks, triangles / kLeastTriangles}));
-}
-
-}  // namespace
-
-void for_each_batch(const Job& job, const BlockLattice& lattice, std::int64_t most_refs,
-                    const std::function<void(const Bins&)>& use, Reach reach) {
-  const Binning binning(job, lattice, reach);
-  const std::int64_t triangles = job.triangle_count(), bricks = lattice.brick_count();
-  const std::int64_t chunks = chunk_count(triangles, bricks, job.threads);
-  const auto chunk_begin = [&](std::int64_t chunk) { return triangles * chunk / chunks; };
-
-  std::vector<std::uint32_t> keys(static_cast<std::size_t>(triangles));
-  std::vector<std::vector<std::uint32_t>> counts(static_cast<std::size_t>(chunks));
-  tbb::parallel_for(std::int64_t{0}, chunks, [&](std::int64_t chunk) {
-    auto& count = counts[chunk];
-    count.assign(static_cast<std::size_t>(bricks), 0);
+BinBatches::BinBatches(const Job& job, const BlockLattice& lattice, std::int64_t most_refs, Reach reach)
+    : job_(job),
+      binning_(std::make_unique<Binning>(job, lattice, reach)),
+      most_refs_(most_refs),
+      bricks_(lattice.brick_count()),
+      chunks_(chunk_count(job.triangle_count(), bricks_, job.threads)),
+      keys_(static_cast<std::size_t>(job.triangle_count())),
+      counts_(static_cast<std::size_t>(chunks_)) {
+  tbb::parallel_for(std::int64_t{0}, chunks_, [&](std::int64_t chunk) {
+    auto& count = counts_[chunk];
+    count.assign(static_cast<std::size_t>(bricks_), 0);
     for (std::int64_t n = chunk_begin(chunk), end_of_chunk = chunk_begin(chunk + 1); n < end_of_chunk; ++n) {
-      if (n % kCheckEvery == 0) job.progress.check();
-      const std::uint32_t triangle = job.triangle(n);
-      keys[n] = binning.key(triangle);
-      binning.for_each_brick(triangle, keys[n], [&](std::int64_t brick) { ++count[brick]; });
+      if (n % kCheckEvery == 0) job_.progress.check();
+      const std::uint32_t triangle = job_.triangle(n);
+      keys_[n] = binning_->key(triangle);
+      binning_->for_each_brick(triangle, keys_[n], [&](std::int64_t brick) { ++count[brick]; });
     }
   });
 
   // Room for the largest batch, so that no batch has to move to a larger place while the old one is still held.
   std::int64_t all = 0, fullest = 0;
-  for (std::int64_t brick = 0; brick < bricks; ++brick) {
+  for (std::int64_t brick = 0; brick < bricks_; ++brick) {
     std::int64_t here = 0;
-    for (const auto& count : counts) here += count[brick];
+    for (const auto& count : counts_) here += count[brick];
     all += here;
     fullest = std::max(fullest, here);
   }
-  Bins bins;
-  bins.refs.reserve(static_cast<std::size_t>(std::min(all, std::max(most_refs, fullest))));
-  bins.start.reserve(static_cast<std::size_t>(bricks + 1));
-  for (std::int64_t first = 0; first < bricks;) {
-    // Take bricks until the batch is full, turning counts into positions.
-    bins.first_brick = first;
-    bins.start.clear();
-    std::int64_t total = 0, end = first;
-    for (; end < bricks; ++end) {
-      std::int64_t here = 0;
-      for (const auto& count : counts) here += count[end];
-      if (end > first && total + here > most_refs) break;
-      bins.start.push_back(static_cast<std::uint32_t>(total));
-      for (auto& count : counts) {
-        const std::uint32_t mine = count[end];
-        count[end] = static_cast<std::uint32_t>(total);
-        total += mine;
-      }
+  bins_.refs.reserve(static_cast<std::size_t>(std::min(all, std::max(most_refs, fullest))));
+  bins_.start.reserve(static_cast<std::size_t>(bricks_ + 1));
+}
+
+BinBatches::~BinBatches() = default;
+
+std::int64_t BinBatches::chunk_begin(std::int64_t chunk) const { return job_.triangle_count() * chunk / chunks_; }
+
+bool BinBatches::next() {
+  // Take bricks until the batch is full, turning counts into positions.
+  const std::int64_t first = bins_.end_brick();
+  if (first == bricks_) return false;
+  bins_.first_brick = first;
+  bins_.start.clear();
+  std::int64_t total = 0, end = first;
+  for (; end < bricks_; ++end) {
+    std::int64_t here = 0;
+    for (const auto& count : counts_) here += count[end];
+    if (end > first && total + here > most_refs_) break;
+    bins_.start.push_back(static_cast<std::uint32_t>(total));
+    for (auto& count : counts_) {
+      const std::uint32_t mine = count[end];
+      count[end] = static_cast<std::uint32_t>(total);
+      total += mine;
     }
-    bins.start.push_back(static_cast<std::uint32_t>(total));
-    bins.refs.resize(static_cast<std::size_t>(total));
-    tbb::parallel_for(std::int64_t{0}, chunks, [&](std::int64_t chunk) {
-      auto& position = counts[chunk];
-      for (std::int64_t n = chunk_begin(chunk), end_of_chunk = chunk_begin(chunk + 1); n < end_of_chunk; ++n) {
-        if (n % kCheckEvery == 0) job.progress.check();
-        const std::uint32_t triangle = job.triangle(n);
-        binning.for_each_brick(triangle, keys[n], [&](std::int64_t brick) {
-          if (brick >= first && brick < end) bins.refs[position[brick]++] = triangle;
-        });
-      }
-    });
-    use(bins);
-    first = end;
   }
+  bins_.start.push_back(static_cast<std::uint32_t>(total));
+  bins_.refs.resize(static_cast<std::size_t>(total));
+  tbb::parallel_for(std::int64_t{0}, chunks_, [&](std::int64_t chunk) {
+    auto& position = counts_[chunk];
+    for (std::int64_t n = chunk_begin(chunk), end_of_chunk = chunk_begin(chunk + 1); n < end_of_chunk; ++n) {
+      if (n % kCheckEvery == 0) job_.progress.check();
+      const std::uint32_t triangle = job_.triangle(n);
+      binning_->for_each_brick(triangle, keys_[n], [&](std::int64_t brick) {
+        if (brick >= first && brick < end) bins_.refs[position[brick]++] = triangle;
+      });
+    }
+  });
+  return true;
+}
+
+void for_each_batch(const Job& job, const BlockLattice& lattice, std::int64_t most_refs,
+                    const std::function<void(const Bins&)>& use, Reach reach) {
+  BinBatches batches(job, lattice, most_refs, reach);
+  while (batches.next()) use(batches.bins());
 }
 
 std::int64_t bins_scratch_bytes(std::int64_t triangles, const BlockLattice& lattice, std::int64_t most_refs,

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "field/backend.h"
 #include "field/cpu/lattice.h"
 
 namespace standoff::cpu {
@@ -62,7 +63,8 @@ inline int tile_in(const Cell& brick, const Cell& tile) {
 /// cells are, across its longest side, so that what a thread does lies together.
 class BrickRange {
  public:
-  explicit BrickRange(const BlockLattice& lattice) : high_{lattice.bricks[0], lattice.bricks[1], lattice.bricks[2]} {}
+  BrickRange(const BlockLattice& lattice, const BrickLayers& layers)
+      : low_{0, 0, layers.begin}, high_{lattice.bricks[0], lattice.bricks[1], layers.end} {}
   BrickRange(BrickRange& other, tbb::split) : BrickRange(other) {
     const int axis = other.longest();
     std::int64_t step = 1;
@@ -92,7 +94,7 @@ class BrickRange {
     return best;
   }
 
-  std::int64_t low_[3] = {0, 0, 0}, high_[3];
+  std::int64_t low_[3], high_[3];
 };
 
 }  // namespace standoff::cpu

@@ -23,20 +23,23 @@ struct ThreadState {
   CrowdedTable crowded;
 };
 
-class ThickBand {
+class ThickBand final : public LayerGather {
  public:
-  ThickBand(const Job& job, const BlockLattice& lattice, const Kernels& kernels, Sink& sink)
+  ThickBand(const Job& job, const BlockLattice& lattice, const Kernels& kernels)
       : job_(job),
         lattice_(lattice),
         kernels_(kernels),
-        sink_(sink),
         culling_(job, lattice, kernels, morton_order(job)),
         threads_([this] { return std::make_unique<ThreadState>(culling_.make_lists(levels_of(lattice_))); }) {}
 
-  Counts run() {
-    tbb::parallel_for(BrickRange(lattice_), [this](const BrickRange& range) {
+  void gather(const BrickLayers& layers, Sink& sink) override {
+    sink_ = &sink;
+    tbb::parallel_for(BrickRange(lattice_, layers), [this](const BrickRange& range) {
       visit(0, whole_grid(lattice_), {}, range, *threads_.local());
     });
+  }
+
+  Counts counts() override {
     Counts counts;
     threads_.for_each([&](const std::unique_ptr<ThreadState>& state) {
       counts.samples_examined += state->brick.samples_examined;
@@ -61,11 +64,11 @@ class ThickBand {
   void gather_brick(const CellCandidates& own, ThreadState& state) {
     const auto at = [&](int axis) { return own.cell.low[axis] / kBrickSide; };
     const Brick brick = brick_at(lattice_, at(0) + lattice_.bricks[0] * (at(1) + lattice_.bricks[1] * at(2)));
-    kernels_.clear(sink_.with_nearest(), state.brick);
+    kernels_.clear(sink_->with_nearest(), state.brick);
     Cell tiles[kBrickTiles];
     const int count = halves(own.cell, tiles);
     for (int n = 0; n < count; ++n) gather_tile(brick, own, tiles[n], state);
-    write_brick(lattice_, brick, kernels_, state.brick, sink_);
+    write_brick(lattice_, brick, kernels_, state.brick, *sink_);
     job_.progress.advance();
   }
 
@@ -84,7 +87,7 @@ class ThickBand {
     const auto gather = [&](const BoxArrays& boxes) {
       lists.triangles.clear();
       for (std::int64_t n = 0; n < boxes.count; ++n) lists.triangles.push_back(culling_.triangle(boxes.entry[n]));
-      kernels_.gather_tile(lattice_, brick, number, candidates_of(job_, lists.triangles), sink_.with_nearest(),
+      kernels_.gather_tile(lattice_, brick, number, candidates_of(job_, lists.triangles), sink_->with_nearest(),
                            state.tile, state.brick);
     };
     if (culling_.open_packs(target, 0, lists.tile, lists.packs)) return gather(lists.tile.arrays());
@@ -97,7 +100,7 @@ class ThickBand {
     const CellTarget target = culling_.target(cell, near);
     const auto gather = [&](const BoxArrays& boxes) {
       kernels_.gather_crowded(lattice_, brick, culling_.crowded_cell(brick, cell, boxes), candidates_of(job_, {}),
-                              sink_.with_nearest(), state.crowded, state.brick);
+                              sink_->with_nearest(), state.crowded, state.brick);
     };
     if (culling_.narrow(lists.tile.arrays(), target, 0, lists.cell, lists.packs)) return gather(lists.cell.arrays());
     while (culling_.next_part(target, lists.cell, lists)) gather(lists.part.arrays());
@@ -106,15 +109,15 @@ class ThickBand {
   const Job& job_;
   const BlockLattice& lattice_;
   const Kernels& kernels_;
-  Sink& sink_;
+  Sink* sink_ = nullptr;  // while it gathers
   CandidateCulling culling_;
   PerThread<std::unique_ptr<ThreadState>> threads_;
 };
 
 }  // namespace
 
-Counts gather_thick(const Job& job, const BlockLattice& lattice, const Kernels& kernels, Sink& sink) {
-  return ThickBand(job, lattice, kernels, sink).run();
+std::unique_ptr<LayerGather> thick_band(const Job& job, const BlockLattice& lattice, const Kernels& kernels) {
+  return std::make_unique<ThickBand>(job, lattice, kernels);
 }
 
 std::int64_t thick_scratch_bytes(std::int64_t triangles, const BlockLattice& lattice, int threads) {

@@ -3,15 +3,17 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 
 #include "field/backend.h"
 #include "field/cpu/kernels.h"
 
 namespace standoff::cpu {
 
-Counts gather_thick(const Job& job, const BlockLattice& lattice, const Kernels& kernels, Sink& sink);
+/// Job, lattice and kernels must stay where they are.
+std::unique_ptr<LayerGather> thick_band(const Job& job, const BlockLattice& lattice, const Kernels& kernels);
 
-/// Bytes that gather_thick may hold, whatever the triangles.
+/// Bytes that thick_band may hold, whatever the triangles.
 std::int64_t thick_scratch_bytes(std::int64_t triangles, const BlockLattice& lattice, int threads);
 
 }  // namespace standoff::cpu

@@ -3,15 +3,17 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 
 #include "field/backend.h"
 #include "field/cpu/kernels.h"
 
 namespace standoff::cpu {
 
-Counts gather_thin(const Job& job, const BlockLattice& lattice, const Kernels& kernels, Sink& sink);
+/// Job, lattice and kernels must stay where they are.
+std::unique_ptr<LayerGather> thin_band(const Job& job, const BlockLattice& lattice, const Kernels& kernels);
 
-/// Bytes that gather_thin may hold, whatever the triangles.
+/// Bytes that thin_band may hold, whatever the triangles.
 std::int64_t thin_scratch_bytes(std::int64_t triangles, const BlockLattice& lattice, int threads);
 
 }  // namespace standoff::cpu

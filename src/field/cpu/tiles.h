@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 
 #include "field/backend.h"
@@ -10,6 +11,7 @@
 namespace standoff::cpu {
 
 Counts run_tiles(const Job& job, Sink& sink);
+std::unique_ptr<LayerGather> tiles_in_layers(const Job& job);
 std::string tiles_device(Simd requested);
 std::int64_t tiles_scratch_bytes(std::int64_t triangles, const Grid& grid, double thickness, int threads);
 

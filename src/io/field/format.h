@@ -6,6 +6,7 @@
 
 #include "files/atomic_file.h"
 #include "files/file_view.h"
+#include "io/field/field_source.h"
 #include "standoff/field.h"
 #include "standoff/io.h"
 
@@ -24,19 +25,21 @@ struct FieldFormat {
   const char* description;
   bool nearest;   ///< can carry nearest triangles
   bool sidecars;  ///< can carry sidecars
+  bool slabs;     ///< can be written of slabs
   FieldFile (*read)(const FileView&, const FieldRequest&);
-  /// Everything but the commit. Sidecars, if the format can carry them, have been checked.
-  void (*write)(AtomicFile&, const DistanceField&, const FieldWriteOptions&);
+  /// Everything but the commit, of a field or, if the format can, of slabs. Sidecars, if the format can carry them,
+  /// have been checked.
+  void (*write)(AtomicFile&, const FieldSource&, const FieldWriteOptions&);
 };
 
 FieldFile read_vti(const FileView& file, const FieldRequest& request);
-void write_vti(AtomicFile& file, const DistanceField& field, const FieldWriteOptions& options);
+void write_vti(AtomicFile& file, const FieldSource& field, const FieldWriteOptions& options);
 
 FieldFile read_nrrd(const FileView& file, const FieldRequest& request);
-void write_nrrd(AtomicFile& file, const DistanceField& field, const FieldWriteOptions& options);
+void write_nrrd(AtomicFile& file, const FieldSource& field, const FieldWriteOptions& options);
 
 FieldFile read_npz(const FileView& file, const FieldRequest& request);
-void write_npz(AtomicFile& file, const DistanceField& field, const FieldWriteOptions& options);
+void write_npz(AtomicFile& file, const FieldSource& field, const FieldWriteOptions& options);
 
 FieldFile read_nvdb(const FileView& file, const FieldRequest& request);
 void write_nvdb(AtomicFile& file, const DistanceField& field, const FieldWriteOptions& options);

@@ -15,12 +15,17 @@
 namespace standoff {
 namespace {
 
+template <void (*write)(AtomicFile&, const DistanceField&, const FieldWriteOptions&)>
+void of_whole(AtomicFile& file, const FieldSource& source, const FieldWriteOptions& options) {
+  write(file, source.whole(), options);
+}
+
 constexpr std::array<FieldFormat, 5> kFormats{{
-    {"vti", "VTK XML image data, for ParaView and VTK", true, true, read_vti, write_vti},
-    {"nrrd", "NRRD, for Slicer, ITK and teem", false, false, read_nrrd, write_nrrd},
-    {"npz", "NumPy arrays", true, true, read_npz, write_npz},
-    {"vdb", "OpenVDB, for Blender, Houdini and OpenVDB", false, false, read_vdb, write_vdb},
-    {"nvdb", "NanoVDB, for Warp and GPUs", false, false, read_nvdb, write_nvdb},
+    {"vti", "VTK XML image data, for ParaView and VTK", true, true, true, read_vti, write_vti},
+    {"nrrd", "NRRD, for Slicer, ITK and teem", false, false, true, read_nrrd, write_nrrd},
+    {"npz", "NumPy arrays", true, true, true, read_npz, write_npz},
+    {"vdb", "OpenVDB, for Blender, Houdini and OpenVDB", false, false, false, read_vdb, of_whole<write_vdb>},
+    {"nvdb", "NanoVDB, for Warp and GPUs", false, false, false, read_nvdb, of_whole<write_nvdb>},
 }};
 
 const FieldFormat& format_of(const std::filesystem::path& path, ErrorCode code) {
@@ -64,12 +69,28 @@ FieldFile read(const std::filesystem::path& path, const FieldReadOptions& option
   }
 }
 
+void check_threads(const FieldWriteOptions& options) {
+  if (options.threads < 0) throw Error(ErrorCode::usage, "threads must be zero or more; give zero for all");
+}
+
+void write(const std::filesystem::path& path, const FieldFormat& format, const FieldSource& source,
+           const FieldWriteOptions& options) {
+  ProgressMeter meter(options.progress);
+  meter.stage("write", 1, 0, 1);
+  AtomicFile file(path, options.existing);
+  file.watched_by(meter);
+  format.write(file, source, options);
+  meter.stage("done", 1, 1, 1);  // nothing stops what follows: the file is there, or there was an error
+  file.commit();
+}
+
 }  // namespace
 
 std::vector<FileFormat> field_formats() try {
   std::vector<FileFormat> formats;
   for (const FieldFormat& format : kFormats)
-    formats.push_back({format.extension, format.description, true, true, format.nearest, format.sidecars});
+    formats.push_back(
+        {format.extension, format.description, true, true, format.nearest, format.sidecars, format.slabs});
   return formats;
 } catch (...) {
   throw_as_error("formats");
@@ -96,15 +117,26 @@ void write_field(const std::filesystem::path& path, const DistanceField& field, 
   if (!options.sidecars.empty() && !format.sidecars)
     throw Error(ErrorCode::usage, cannot + "sidecars such as " + shown(options.sidecars[0].name) + "; write " +
                                       those_with(&FieldFormat::sidecars) + ", or leave them out");
-  if (options.threads < 0) throw Error(ErrorCode::usage, "threads must be zero or more; give zero for all");
+  check_threads(options);
   check_sidecars(field, options.sidecars);
-  ProgressMeter meter(options.progress);
-  meter.stage("write", 1, 0, 1);
-  AtomicFile file(path, options.existing);
-  file.watched_by(meter);
-  format.write(file, field, options);
-  meter.stage("done", 1, 1, 1);  // nothing stops what follows: the file is there, or there was an error
-  file.commit();
+  write(path, format, FieldSource(field, options.sidecars), options);
+} catch (...) {
+  throw_as_error("field");
+}
+
+void write_field(const std::filesystem::path& path, FieldSlabs& slabs, const FieldWriteOptions& options) try {
+  const FieldFormat& format = format_of(path, ErrorCode::usage);
+  const std::string cannot = path.string() + ": slab by slab ";
+  if (!format.slabs)
+    throw Error(ErrorCode::usage, cannot + "no ." + format.extension + " can be written; write " +
+                                      those_with(&FieldFormat::slabs) + ", or compute the whole field");
+  if (slabs.has_nearest() || !options.sidecars.empty())
+    throw Error(ErrorCode::usage, cannot +
+                                      "distances alone are written; leave nearest triangles and sidecars out, or "
+                                      "compute the whole field");
+  check_threads(options);
+  validate(slabs.grid());
+  write(path, format, FieldSource(slabs), options);
 } catch (...) {
   throw_as_error("field");
 }

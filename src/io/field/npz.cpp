@@ -198,7 +198,7 @@ class ArrayWriter {
     small(name, {"<U" + std::to_string(characters.size()), {}, false}, std::as_bytes(std::span(characters)));
   }
   // Numbers of a sample are the array's last axis: one component follows the other.
-  void samples(const DistanceField& field, const SampleArray& array, const FieldWriteOptions& options) {
+  void samples(const FieldSource& field, const SampleArray& array, const FieldWriteOptions& options) {
     const Size3& size = field.grid().size;
     std::vector<std::int64_t> shape{size.x, size.y, size.z};
     if (array.components > 1) shape.push_back(array.components);
@@ -269,7 +269,7 @@ FieldFile read_npz(const FileView& file, const FieldRequest& request) {
   return load_field(file, stored, request);
 }
 
-void write_npz(AtomicFile& file, const DistanceField& field, const FieldWriteOptions& options) {
+void write_npz(AtomicFile& file, const FieldSource& field, const FieldWriteOptions& options) {
   const Grid& grid = field.grid();
   ArrayWriter arrays(file);
   arrays.vector("origin", grid.origin);
@@ -281,7 +281,7 @@ void write_npz(AtomicFile& file, const DistanceField& field, const FieldWriteOpt
   arrays.small("mesh_hash", {"<u8", {}, false}, std::as_bytes(std::span(&hash, 1)));
   arrays.text("version", field.provenance().version);
   if (!field.provenance().sign.empty()) arrays.text("sign", field.provenance().sign);
-  for (const SampleArray& array : arrays_of(field, options.sidecars)) arrays.samples(field, array, options);
+  for (const SampleArray& array : field.arrays()) arrays.samples(field, array, options);
   arrays.finish();
 }
 

@@ -113,7 +113,7 @@ StoredArray packed(const FileView& file, const NrrdHeader& header, const Grid& g
   return {0, endian.text == "big", false, [&file, bytes] { return std::make_unique<GzipStream>(file, bytes); }, true};
 }
 
-void write_gzip(AtomicFile& file, const DistanceField& field, const SampleArray& array, int threads) {
+void write_gzip(AtomicFile& file, const FieldSource& field, const SampleArray& array, int threads) {
   file.write("\x1f\x8b\x08\0\0\0\0\0\0\xff", 10);  // deflated, without a name, a time or a system
   std::uint32_t crc = 0;
   pack_samples(field, array, {}, {BlockKind::deflate, threads, 0}, [&](const PackedBlock& block) {
@@ -151,7 +151,7 @@ FieldFile read_nrrd(const FileView& file, const FieldRequest& request) {
   return load_field(file, stored, request);
 }
 
-void write_nrrd(AtomicFile& file, const DistanceField& field, const FieldWriteOptions& options) {
+void write_nrrd(AtomicFile& file, const FieldSource& field, const FieldWriteOptions& options) {
   const Grid& grid = field.grid();
   const auto text = [](double number) { return exact_text(number); };
   const auto vector = [&](double x, double y, double z) {
@@ -171,7 +171,7 @@ void write_nrrd(AtomicFile& file, const DistanceField& field, const FieldWriteOp
       "\nversion:=" + nrrd_escaped(field.provenance().version) + (sign.empty() ? "" : "\nsign:=" + nrrd_escaped(sign)) +
       "\n\n";
   file.write(header.data(), header.size());
-  const SampleArray distances = distance_array(field);
+  const SampleArray& distances = field.arrays()[0];
   if (options.compress)
     write_gzip(file, field, distances, options.threads);
   else

@@ -27,9 +27,12 @@ bool is_name(const std::string& name) {
 }  // namespace
 
 SampleArray distance_array(const DistanceField& field) {
-  const auto far = static_cast<float>(field.thickness());
-  return {"distance",           NumberType::float32,  1, reinterpret_cast<const std::byte*>(field.tile_values().data()),
-          bytes_of_number(far), bytes_of_number(-far)};
+  return distance_array(field.thickness(), reinterpret_cast<const std::byte*>(field.tile_values().data()));
+}
+
+SampleArray distance_array(double thickness, const std::byte* values) {
+  const auto far = static_cast<float>(thickness);
+  return {"distance", NumberType::float32, 1, values, bytes_of_number(far), bytes_of_number(-far)};
 }
 
 std::vector<SampleArray> arrays_of(const DistanceField& field, std::span<const Sidecar> sidecars) {

@@ -32,8 +32,9 @@ struct SampleArray {
   std::size_t element_bytes() const { return number_bytes() * static_cast<std::size_t>(components); }
 };
 
-/// The array of distances.
+/// The array of distances; in the second place, of values that lie elsewhere.
 SampleArray distance_array(const DistanceField& field);
+SampleArray distance_array(double thickness, const std::byte* values);
 /// Distances, nearest triangles where there are any, sidecars.
 std::vector<SampleArray> arrays_of(const DistanceField& field, std::span<const Sidecar> sidecars);
 /// Throws Error{usage} unless names are good and differ, and there are as many numbers as stored samples have.

@@ -33,72 +33,133 @@ class Plain {
   std::vector<std::byte> bytes_;
 };
 
-struct Block {
-  std::int64_t begin = 0, end = 0;
-  std::string bytes;
-  std::uint32_t checksum = 0;
+// Packs the parts of an array one after the other. Blocks do not end where parts do: one that goes on in the next part
+// stays open until then.
+class Packing {
+ public:
+  Packing(const FieldSource& source, const SampleArray& array, const ArrayPart& part, const PackOptions& options,
+          const std::function<void(const PackedBlock&)>& take)
+      : part_(part),
+        step_(block_elements(array, part)),
+        all_(source.grid().sample_count()),
+        take_(take),
+        done_{{}, options.crc},
+        open_(part.element_bytes(array)),
+        threads_(options.threads) {
+    if (options.kind == BlockKind::deflate) {
+      const std::string unstored[] = {unstored_element(array, part, false), unstored_element(array, part, true)};
+      runs_.emplace(unstored, static_cast<std::uint64_t>(step_));
+    }
+    threads_.run([&] { deflaters_.emplace([bytes = part.element_bytes(array)] { return RunDeflater(bytes); }); });
+  }
+
+  void add(const DistanceField& field, const SampleArray& array, std::int64_t first) {
+    const std::int64_t end = field.grid().sample_count();
+    const bool is_last = first + end == all_;
+    std::int64_t begin = 0;
+    if (opened_ != 0) {
+      begin = std::min(step_ - opened_, end);
+      open(field, array, 0, begin);
+      if (opened_ < step_ && !is_last) return;
+      hand_over(packed(open_, opened_));
+      open_.clear();
+      opened_ = 0;
+    }
+    const std::int64_t stop = is_last ? end : begin + (end - begin) / step_ * step_;
+    threads_.run([&] { pack(field, array, begin, stop); });
+    if (stop < end) open(field, array, stop, end);
+  }
+
+ private:
+  struct Range {
+    std::int64_t begin = 0, end = 0;
+  };
+  struct Block {
+    std::string bytes;
+    std::uint32_t checksum = 0;
+    std::int64_t elements = 0;
+  };
+
+  void open(const DistanceField& field, const SampleArray& array, std::int64_t begin, std::int64_t end) {
+    send_elements(field, array, part_, begin, end, open_);
+    opened_ += end - begin;
+  }
+
+  void pack(const DistanceField& field, const SampleArray& array, std::int64_t begin, std::int64_t end) {
+    const auto next = [&](tbb::flow_control& control) {
+      if (begin >= end) {
+        control.stop();
+        return Range{};
+      }
+      const Range range{begin, std::min(end, begin + step_)};
+      begin = range.end;
+      return range;
+    };
+    const auto pack = [&](const Range& range) {
+      RunDeflater& deflater = deflaters_->local();
+      deflater.clear();
+      send_elements(field, array, part_, range.begin, range.end, deflater);
+      return packed(deflater, range.end - range.begin);
+    };
+    tbb::parallel_pipeline(
+        4 * static_cast<std::size_t>(threads_.count()),
+        tbb::make_filter<void, Range>(tbb::filter_mode::serial_in_order, next) &
+            tbb::make_filter<Range, Block>(tbb::filter_mode::parallel, pack) &
+            tbb::make_filter<Block, void>(tbb::filter_mode::serial_in_order, [&](Block block) { hand_over(block); }));
+  }
+
+  Block packed(const RunDeflater& deflater, std::int64_t elements) const {
+    Block block{{}, 0, elements};
+    if (runs_) {
+      deflater.deflate(block.bytes, RunDeflater::End::more);
+      block.checksum = deflater.crc32(*runs_);
+    } else {
+      block.bytes = deflater.zlib();
+    }
+    return block;
+  }
+
+  void hand_over(Block block) {
+    done_.bytes = std::move(block.bytes);
+    if (runs_) done_.crc = runs_->joined(done_.crc, block.checksum, static_cast<std::uint64_t>(block.elements));
+    take_(done_);
+  }
+
+  ArrayPart part_;
+  std::int64_t step_, all_;
+  const std::function<void(const PackedBlock&)>& take_;
+  std::optional<CrcRuns> runs_;
+  PackedBlock done_;
+  RunDeflater open_;  // the block that goes on in the next part
+  std::int64_t opened_ = 0;
+  Threads threads_;
+  std::optional<PerThread<RunDeflater>> deflaters_;
 };
 
 }  // namespace
 
-void send_samples(const DistanceField& field, const SampleArray& array, const ArrayPart& part, const ByteSink& sink) {
-  const std::int64_t step = block_elements(array, part), all = field.grid().sample_count();
+void send_samples(const FieldSource& source, const SampleArray& array, const ArrayPart& part, const ByteSink& sink) {
+  const std::int64_t step = block_elements(array, part);
   Plain plain(part.element_bytes(array));
-  for (std::int64_t begin = 0; begin < all; begin += step) {
-    plain.clear();
-    send_elements(field, array, part, begin, std::min(all, begin + step), plain);
-    sink(plain.bytes());
-  }
+  source.for_each_part(array, [&](const DistanceField& field, const SampleArray& here, std::int64_t) {
+    const std::int64_t all = field.grid().sample_count();
+    for (std::int64_t begin = 0; begin < all; begin += step) {
+      plain.clear();
+      send_elements(field, here, part, begin, std::min(all, begin + step), plain);
+      sink(plain.bytes());
+    }
+  });
 }
 
 std::int64_t block_elements(const SampleArray& array, const ArrayPart& part) {
   return kBlockBytes / static_cast<std::int64_t>(part.element_bytes(array));
 }
 
-void pack_samples(const DistanceField& field, const SampleArray& array, const ArrayPart& part,
+void pack_samples(const FieldSource& source, const SampleArray& array, const ArrayPart& part,
                   const PackOptions& options, const std::function<void(const PackedBlock&)>& take) {
-  const std::int64_t step = block_elements(array, part), all = field.grid().sample_count();
-  const std::size_t element_bytes = part.element_bytes(array);
-  std::optional<CrcRuns> runs;
-  if (options.kind == BlockKind::deflate) {
-    const std::string unstored[] = {unstored_element(array, part, false), unstored_element(array, part, true)};
-    runs.emplace(unstored, static_cast<std::uint64_t>(step));
-  }
-  std::int64_t begin = 0;
-  PackedBlock done{{}, options.crc};
-  Threads threads(options.threads);
-  threads.run([&] {
-    PerThread<RunDeflater> deflaters([&] { return RunDeflater(element_bytes); });
-    const auto next = [&](tbb::flow_control& control) {
-      if (begin >= all) {
-        control.stop();
-        return Block{};
-      }
-      Block block{begin, std::min(all, begin + step), {}, 0};
-      begin = block.end;
-      return block;
-    };
-    const auto pack = [&](Block block) {
-      RunDeflater& deflater = deflaters.local();
-      deflater.clear();
-      send_elements(field, array, part, block.begin, block.end, deflater);
-      if (runs) {
-        deflater.deflate(block.bytes, RunDeflater::End::more);
-        block.checksum = deflater.crc32(*runs);
-      } else {
-        block.bytes = deflater.zlib();
-      }
-      return block;
-    };
-    const auto hand_over = [&](Block block) {
-      done.bytes = std::move(block.bytes);
-      if (runs) done.crc = runs->joined(done.crc, block.checksum, static_cast<std::uint64_t>(block.end - block.begin));
-      take(done);
-    };
-    tbb::parallel_pipeline(4 * static_cast<std::size_t>(threads.count()),
-                           tbb::make_filter<void, Block>(tbb::filter_mode::serial_in_order, next) &
-                               tbb::make_filter<Block, Block>(tbb::filter_mode::parallel, pack) &
-                               tbb::make_filter<Block, void>(tbb::filter_mode::serial_in_order, hand_over));
+  Packing packing(source, array, part, options, take);
+  source.for_each_part(array, [&](const DistanceField& field, const SampleArray& here, std::int64_t first) {
+    packing.add(field, here, first);
   });
 }
 

@@ -7,7 +7,7 @@
 #include <span>
 #include <string>
 
-#include "io/field/sample_arrays.h"
+#include "io/field/field_source.h"
 
 namespace standoff {
 
@@ -15,7 +15,7 @@ namespace standoff {
 using ByteSink = std::function<void(std::span<const std::byte>)>;
 
 /// Passes on all elements of an array.
-void send_samples(const DistanceField& field, const SampleArray& array, const ArrayPart& part, const ByteSink& sink);
+void send_samples(const FieldSource& source, const SampleArray& array, const ArrayPart& part, const ByteSink& sink);
 
 /// Elements in each deflated block but the last.
 std::int64_t block_elements(const SampleArray& array, const ArrayPart& part);
@@ -36,7 +36,7 @@ struct PackOptions {
 };
 /// Deflates all elements of an array, and hands the blocks over in order, one at a time. A block depends on its
 /// elements alone. Memory: a few blocks for each thread.
-void pack_samples(const DistanceField& field, const SampleArray& array, const ArrayPart& part,
+void pack_samples(const FieldSource& source, const SampleArray& array, const ArrayPart& part,
                   const PackOptions& options, const std::function<void(const PackedBlock&)>& take);
 
 /// Ends a stream of BlockKind::deflate.

@@ -25,7 +25,7 @@ struct Fact {
   std::string bytes;
 };
 
-std::vector<Fact> facts_of(const DistanceField& field) {
+std::vector<Fact> facts_of(const FieldSource& field) {
   const double thickness = field.thickness();
   const Provenance& from = field.provenance();
   std::vector<Fact> facts{{"Float64", "thickness", {reinterpret_cast<const char*>(&thickness), sizeof thickness}}};
@@ -46,13 +46,13 @@ const char* name_of(NumberType type) {
 
 class Writer {
  public:
-  Writer(AtomicFile& file, const DistanceField& field, const FieldWriteOptions& options)
+  Writer(AtomicFile& file, const FieldSource& field, const FieldWriteOptions& options)
       : file_(file),
         field_(field),
         threads_(options.threads),
         compress_(options.compress && file.can_overwrite()),
         facts_(facts_of(field)),
-        arrays_(arrays_of(field, options.sidecars)) {}
+        arrays_(field.arrays()) {}
 
   void write() {
     // Where arrays begin is known once those before them are packed; where they are not, beforehand.
@@ -160,18 +160,18 @@ class Writer {
   }
 
   AtomicFile& file_;
-  const DistanceField& field_;
+  const FieldSource& field_;
   int threads_;
   bool compress_;
   std::vector<Fact> facts_;
-  std::vector<SampleArray> arrays_;
+  const std::vector<SampleArray>& arrays_;
   std::vector<std::uint64_t> offsets_;  // of arrays, from the first byte of the appended data
   std::uint64_t data_ = 0;
 };
 
 }  // namespace
 
-void write_vti(AtomicFile& file, const DistanceField& field, const FieldWriteOptions& options) {
+void write_vti(AtomicFile& file, const FieldSource& field, const FieldWriteOptions& options) {
   Writer(file, field, options).write();
 }
 

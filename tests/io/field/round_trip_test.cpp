@@ -151,7 +151,7 @@ TEST(SendSamples, SendsAllSlicesWhateverTheirSize) {
   const DistanceField field = odd_field({{700, 800, 11}, {}, {1, 1, 1}}, 2000);
   std::vector<float> sent;
   std::size_t largest = 0;
-  send_samples(field, distance_array(field), {}, [&](std::span<const std::byte> part) {
+  send_samples(FieldSource(field), distance_array(field), {}, [&](std::span<const std::byte> part) {
     const auto* values = reinterpret_cast<const float*>(part.data());
     sent.insert(sent.end(), values, values + part.size() / sizeof(float));
     largest = std::max(largest, part.size());
