@@ -89,6 +89,29 @@ TEST_F(Compute, DryRunWritesNothing) {
   EXPECT_EQ(planned("")["output"]["bytes"], planned("")["samples"]["total"].get<std::int64_t>() * 4);
 }
 
+// A slab of the field fits where the field does not. What is said of it is said of all of it.
+TEST_F(Compute, SlabsFitWhereTheWholeFieldDoesNot) {
+  const std::string field = "compute scene:sphere --size 600,600,400 -t 60s --sign winding --json ";
+  const std::string limited = field + "--memory-limit 300M ";
+  const Ran whole = run(words(limited + "-o a.nvdb"));
+  EXPECT_EQ(whole.code, 5);
+  EXPECT_TRUE(whole.says("more than the limit of 300")) << whole.err;
+  EXPECT_EQ(run(words(limited + "-o a.vti --with nearest")).code, 5);
+  EXPECT_EQ(run(words(limited + "-o a.nvdb --dry-run")).code, 5);
+  EXPECT_EQ(run(words(limited + "-o a.vti --dry-run")).code, 0);
+  EXPECT_TRUE(folder.names().empty());
+
+  const Json slabs = done(words(limited + "-o a.npz")).json();
+  EXPECT_LT(slabs["peak_memory_bytes"], 400 << 20);
+  const Json all = done(words(field + "-o a.nvdb")).json();
+  for (const char* key : {"samples", "tiles", "sign", "method", "device", "threads"}) EXPECT_EQ(slabs[key], all[key]);
+  EXPECT_EQ(slabs["mesh"]["hash"], all["mesh"]["hash"]);
+  std::set<std::string> keys, keys_of_all;
+  for (const auto& [key, value] : slabs.items()) keys.insert(key);
+  for (const auto& [key, value] : all.items()) keys_of_all.insert(key);
+  EXPECT_EQ(keys, keys_of_all);
+}
+
 // Over the limit all is told as ever, and the exit code is that of the real run.
 TEST_F(Compute, DryRunOverTheMemoryLimit) {
   const Ran text = run(words("compute scene:box --dry-run --memory-limit 1M"));

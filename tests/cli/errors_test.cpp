@@ -263,8 +263,9 @@ TEST_F(Errors, FieldsThatAreReadKeepTheLimit) {
 
 TEST_F(Errors, Limit) {
   expect_all({
-      {"compute scene:box -r 800 -j 1 --memory-limit 500M", 5, "more than the limit of 500 MiB; take at most about"},
-      {"compute scene:box -r 800 -j 1 --memory-limit 500M", 5, "a smaller thickness"},
+      {"compute scene:box -r 800 -j 1 -o box.nvdb --memory-limit 500M", 5,
+       "more than the limit of 500 MiB; take at most about"},
+      {"compute scene:box -r 800 -j 1 -o box.nvdb --memory-limit 500M", 5, "a smaller thickness"},
       {"compute box.obj --spacing 1e-300", 5, "more than 2^40 samples on a side; take a larger spacing"},
       {"compute box.obj -r 1000000", 5, "more than the limit of"},
       {"compute box.obj --size 1000000000000,1000000000,1", 5, "too many samples to count"},
@@ -302,11 +303,11 @@ TEST_F(Errors, WhatAFieldTellsOfItselfStaysOnItsLine) {
 TEST_F(Errors, OutOfMemory) {
   auto how = setup();
   how.memory = rlim_t{600} << 20;
-  const Ran ran = run(words("compute scene:box -r 900 -j 1 --memory-limit 100G -o a.vti"), how);
+  const Ran ran = run(words("compute scene:box -r 900 -j 1 --memory-limit 100G -o a.vdb"), how);
   EXPECT_EQ(ran.code, 5) << ran.err;
   EXPECT_TRUE(ran.says("standoff: error: ")) << ran.err;
   EXPECT_TRUE(ran.says("memory")) << ran.err;
-  EXPECT_FALSE(std::filesystem::exists(folder / "a.vti"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "a.vdb"));
 }
 
 // Assimp catches that, and keeps the words "std::bad_alloc" alone: standoff told to repair the file.

@@ -98,6 +98,20 @@ TEST_F(Interrupt, NohupIsHonoured) {
   EXPECT_TRUE(folder.names().empty());
 }
 
+// The field is written while it is computed: some of its file is there when the signal comes.
+TEST_F(Interrupt, InTheMiddleOfSlabs) {
+  write_bytes(folder / "a.vti", "mine");
+  for (const int signal : {SIGINT, SIGTERM, SIGKILL}) {
+    Process process(words("compute scene:sphere --size 1024,1024,900 --sign winding -o a.vti -f"), setup());
+    EXPECT_TRUE(process.wait_for("full field\n"));
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    process.send(signal);
+    EXPECT_EQ(process.wait().code, signal == SIGKILL ? 128 + SIGKILL : 130);
+    EXPECT_EQ(folder.names(), std::set<std::string>{"a.vti"});
+    EXPECT_EQ(read_bytes(folder / "a.vti"), "mine");
+  }
+}
+
 // While it writes into a pipe that nobody reads, a signal must not have to wait.
 TEST_F(Interrupt, WhileWriting) {
   ASSERT_EQ(::mkfifo((folder / "pipe.nrrd").c_str(), 0600), 0);
