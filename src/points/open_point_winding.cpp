@@ -2,8 +2,9 @@
 #include "points/open_point_winding.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
-#include "sign/open_winding/cap_sum.h"
 #include "sign/open_winding/winding_rule.h"
 
 namespace standoff {
@@ -11,6 +12,7 @@ namespace {
 
 // What rounding leaves of a sum of angles, and where a sum of fields is not worth being made finer: as for samples.
 constexpr double kRounding = 1e-12, kFinest = 1e-9;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
@@ -22,7 +24,7 @@ OpenPointWinding::OpenPointWinding(const OrientedMesh& mesh, const TriangleIndex
       caps_(caps_of(rims_)),
       cap_index_(std::make_unique<TriangleIndex>(caps_, std::span<const std::uint32_t>{}, threads, simd)) {}
 
-std::int32_t OpenPointWinding::closed_winding(Vec3 point, const cpu::PointKernels& kernels) const {
+std::int32_t OpenPointWinding::closed(Vec3 point, const cpu::PointKernels& kernels) const {
   // Closed are only both together: one way for both.
   const RayWay way = mesh_.shortest(point);
   return mesh_.at(point, way, kernels) + RayWinding({caps_}, *cap_index_).at(point, way, kernels);
@@ -30,17 +32,34 @@ std::int32_t OpenPointWinding::closed_winding(Vec3 point, const cpu::PointKernel
 
 double OpenPointWinding::at(Vec3 point, const cpu::PointKernels& kernels) const {
   NodeStack stack(tree_);
-  return closed_winding(point, kernels) + cap_sum_at(rims_, tree_, point, 0, stack).value;
+  return closed(point, kernels) + cap_sum_at(rims_, tree_, point, 0, stack).value;
 }
 
-OpenPointWinding::Side OpenPointWinding::side(Vec3 point, WindingRule rule, const cpu::PointKernels& kernels) const {
-  const std::int32_t closed = closed_winding(point, kernels);
+template <class Closed>
+bool OpenPointWinding::side(Vec3 point, WindingRule rule, double most, const Closed& closed_of) const {
   NodeStack stack(tree_);
-  for (double tolerance = kFieldTolerance;; tolerance = tolerance > kFinest ? tolerance / 64 : 0) {
+  for (double tolerance = kFieldTolerance;;) {
     const Interval angles = cap_sum_at(rims_, tree_, point, tolerance, stack);
-    const double winding = closed + angles.value, certain = margin(winding, rule) - angles.error - kRounding;
-    if (tolerance == 0 || certain > 0) return {is_inside(winding, rule), std::max(certain, 0.0)};
+    const double winding = closed_of(angles.value) + angles.value, off = angles.error + kRounding,
+                 allowed = std::min(margin(winding, rule), most);
+    if (tolerance == 0 || off < allowed) return is_inside(winding, rule);
+    // Errors are sums of many: about as much smaller as each of them, and never quite.
+    tolerance = tolerance > kFinest ? tolerance * std::clamp(allowed / off / 2, 1.0 / 64, 1.0 / 16) : 0;
   }
+}
+
+bool OpenPointWinding::side(Vec3 point, WindingRule rule, const cpu::PointKernels& kernels) const {
+  const std::int32_t whole = closed(point, kernels);
+  return side(point, rule, kInfinity, [&](double) { return whole; });
+}
+
+bool OpenPointWinding::side(Vec3 point, WindingRule rule, const Interval& about) const {
+  // The whole part is right if both errors together are below 1/2.
+  return side(point, rule, 0.49 - about.error, [&](double angles) { return std::round(about.value - angles); });
+}
+
+LinearField OpenPointWinding::field(const Cell& cell, double tolerance, double most) const {
+  return cap_sum_in(rims_, tree_, cell, tolerance, most);
 }
 
 std::int64_t OpenPointWinding::memory_bytes() const {

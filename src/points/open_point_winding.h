@@ -7,6 +7,8 @@
 
 #include "points/ray_winding.h"
 #include "sign/diagnosis/boundary.h"
+#include "sign/open_winding/cap_sum.h"
+#include "sign/open_winding/linear_field.h"
 #include "sign/open_winding/rim_tree.h"
 #include "sign/open_winding/rims.h"
 #include "standoff/sign.h"
@@ -23,15 +25,22 @@ class OpenPointWinding {
   double at(Vec3 point, const cpu::PointKernels& kernels) const;
   /// On which side of the rule's thresholds it is: decided by an interval that it is certain to be in. Where rounding
   /// hides the side, by the rounded number.
-  struct Side {
-    bool inside;
-    double margin;  ///< at least so far from a threshold; 0 if rounding hides it
-  };
-  Side side(Vec3 point, WindingRule rule, const cpu::PointKernels& kernels) const;
+  bool side(Vec3 point, WindingRule rule, const cpu::PointKernels& kernels) const;
+  /// The same where the number is known within an error below 1/4.
+  bool side(Vec3 point, WindingRule rule, const Interval& about) const;
+
+  /// The whole part: the winding number of mesh and caps.
+  std::int32_t closed(Vec3 point, const cpu::PointKernels& kernels) const;
+  /// The rest, at the points of a cell, but for a whole number that is the same until the mesh is crossed. Right at
+  /// the center, as `closed` is there. Where the error is above `most`, the function says nothing.
+  LinearField field(const Cell& cell, double tolerance, double most) const;
+  const RayWinding& mesh() const { return mesh_; }
   std::int64_t memory_bytes() const;
 
  private:
-  std::int32_t closed_winding(Vec3 point, const cpu::PointKernels& kernels) const;
+  // closed_of(value of a sum of angles): the whole part, if the sum is known within `most`.
+  template <class Closed>
+  bool side(Vec3 point, WindingRule rule, double most, const Closed& closed_of) const;
 
   RayWinding mesh_;
   Rims rims_;

@@ -7,6 +7,7 @@
 
 #include "sign/diagnosis/closed.h"
 #include "sign/open_winding/cap_angle.h"
+#include "sign/open_winding/cap_sum.h"
 #include "sign/open_winding/cell_touch.h"
 #include "sign/open_winding/cells.h"
 #include "sign/open_winding/rim_tree.h"
@@ -62,6 +63,9 @@ class RandomCaps {
     double angles = 0;
     for (std::size_t n = 0; n < rims_->size(); ++n) angles += cap_angle((*rims_)[n], p).value;
     return angles;
+  }
+  LinearField sum_in(const Cell& cell, double tolerance, double most) const {
+    return cap_sum_in(*rims_, *tree_, cell, tolerance, most);
   }
   Rim random_rim() { return (*rims_)[random_.below(static_cast<std::uint32_t>(rims_->size()))]; }
 
@@ -128,6 +132,49 @@ TEST(FieldsOfCaps, NearOnesAreWithinTheirErrors) {
     }
   }
   known.expect_useful();
+}
+
+// All caps at once, of cells where no edge is: continued across those that are in the cell.
+TEST(FieldsOfCaps, SumsAreWithinTheirErrors) {
+  Known known;
+  for (unsigned seed = 40; seed < 60; ++seed) {
+    RandomCaps caps(seed);
+    for (int n = 0; n < 1500; ++n) {
+      const Cell cell = caps.random_cell();
+      const double tolerance = n % 2 == 0 ? kFieldTolerance : 1e-6;
+      const LinearField field = caps.sum_in(cell, tolerance, 0.4);
+      if (!(field.error <= 0.4)) continue;
+      ++known.fields;
+      EXPECT_NEAR(std::remainder(caps.sum(cell.center) - field.value, 1.0), 0, field.error + 1e-12);
+      for (int m = 0; m < 3; ++m) {
+        const Vec3 p = caps.random_point(cell);
+        known.add(std::remainder(caps.sum(p) - field.at(p), 1.0), field.error + 1e-12);
+      }
+    }
+  }
+  known.expect_useful();
+}
+
+// Next to the middle of a long edge a gradient is the difference of large numbers.
+TEST(FieldsOfCaps, RoundingBesideLongEdgesIsInTheError) {
+  Random random(1);
+  int usable = 0;
+  for (int n = 0; n < 20000; ++n) {
+    const Vec3 a = random.in_cube(1), b = random.in_cube(1), c = random.in_cube(1);
+    const Rims rims(polygon(std::vector<Vec3>{a, b, c}));
+    const double near = std::exp2(random.between(-40, -2));
+    const Vec3 half = Vec3{1, 1, 1} * (near * random.between(0.01, 0.5));
+    const Cell cell{a + (b - a) * random.between(0.1, 0.9) + random.in_cube(near), half, length(half)};
+    const LinearField field = cap_field(rims[0], cell);
+    if (!(field.error < 0.4)) continue;
+    ++usable;
+    for (const double side : {-1.0, 1.0}) {
+      const Vec3 p = cell.center + half * side;
+      const CapAngle angle = cap_angle(rims[0], p);
+      EXPECT_LE(std::abs(std::remainder(angle.value - field.at(p), 1.0)), field.error + angle.error) << near;
+    }
+  }
+  EXPECT_GT(usable, 2000);
 }
 
 // The caps with the opposite of the boundary's edges are closed.

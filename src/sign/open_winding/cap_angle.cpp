@@ -12,6 +12,9 @@ namespace standoff {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// Twice what the cross product of two directions is off by. A length above that is right within a factor of two, and
+// n / |n|^2 within kDirections / |n|^2.
+constexpr double kDirections = 4e-15;
 
 // A sum of angles, as the product of complex numbers that have these arguments, and how often it went around.
 class AngleSum {
@@ -93,7 +96,8 @@ CapAngle cap_angle(const Rim& rim, const Vec3& p) {
 
 LinearField cap_field(const Rim& rim, const Cell& cell) {
   Vec3 gradient;
-  double bend = 0;  // bounds the second derivatives
+  double bend = 0;     // bounds the second derivatives
+  double rounded = 0;  // and this, times kDirections, the rounding of the gradient
   const auto add_edge = [&](const Direction& a, const Direction& b, const Vec3& normal, double cosine) {
     const double product = a.length * b.length, sum = a.length + b.length;
     const double edge = length(b.unit * b.length - a.unit * a.length), end = std::min(a.length, b.length);
@@ -103,20 +107,24 @@ LinearField cap_field(const Rim& rim, const Cell& cell) {
     if (edge < 1e-6 * end) {
       nearest = end - edge;
     } else if (b.length * cosine < a.length && a.length * cosine < b.length) {
-      nearest = product * length(normal) / edge;
+      nearest = product * (length(normal) - kDirections) / edge;
     }
     const double d = nearest * (1 - 1e-6) - cell.radius;
     if (!(d > 0)) {
       bend = kInfinity;
       return;
     }
-    gradient = gradient + normal * (sum / (product * (1 + cosine)));
+    // 1 + cosine, also where that would cancel: beside the middle of a long edge.
+    const double both = cosine < 0 ? dot(normal, normal) / (1 - cosine) : 1 + cosine, factor = sum / (product * both);
+    gradient = gradient + normal * factor;
+    rounded += 2 * factor;
     bend += 2 / (d * d) * std::min(edge / d, 2.0);
   };
   const CapAngle angle = sum_angles(rim, cell.center, add_edge);
   if (bend == kInfinity) return {cell.center, angle.value, {}, kInfinity};
   const double scale = rim.weight / (4 * std::numbers::pi);
-  return {cell.center, angle.value, gradient * scale, angle.error + scale * bend * cell.radius * cell.radius / 2};
+  return {cell.center, angle.value, gradient * scale,
+          angle.error + scale * cell.radius * (bend * cell.radius / 2 + kDirections * rounded)};
 }
 
 }  // namespace standoff

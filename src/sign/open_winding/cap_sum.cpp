@@ -4,6 +4,21 @@
 #include "sign/open_winding/cap_angle.h"
 
 namespace standoff {
+namespace {
+
+// Near caps come first: they are what errors are due to, and above `most` nothing more is added.
+void add_fields(const Rims& rims, const RimTree& tree, std::int32_t number, const Cell& cell, double tolerance,
+                double most, LinearField& sum) {
+  const RimTree::Node& node = tree[number];
+  if (!(sum.error <= most) || add_far_field(node.caps, cell, tolerance, sum)) return;
+  if (node.is_leaf()) return sum.add(cap_field(rims[static_cast<std::size_t>(node.rim)], cell));
+  const Vec3 left = tree[number + 1].caps.center - cell.center, right = tree[node.right].caps.center - cell.center;
+  const bool is_left_near = dot(left, left) <= dot(right, right);
+  add_fields(rims, tree, is_left_near ? number + 1 : node.right, cell, tolerance, most, sum);
+  add_fields(rims, tree, is_left_near ? node.right : number + 1, cell, tolerance, most, sum);
+}
+
+}  // namespace
 
 Interval add_angles(const Rims& rims, const RimTree& tree, const Vec3& p, const NodeStack& stack,
                     NodeStack::Part leaves, Interval sum) {
@@ -22,6 +37,13 @@ Interval cap_sum_at(const Rims& rims, const RimTree& tree, const Vec3& p, double
   const NodeStack::Part near = stack.add_far(stack.root(), {p, {}, 0}, tolerance, 0, far);
   const Interval sum = add_angles(rims, tree, p, stack, near, {far.value, far.error});
   stack.resize(size);
+  return sum;
+}
+
+LinearField cap_sum_in(const Rims& rims, const RimTree& tree, const Cell& cell, double tolerance, double most) {
+  LinearField sum;
+  sum.center = cell.center;
+  if (!tree.nodes().empty()) add_fields(rims, tree, 0, cell, tolerance, most, sum);
   return sum;
 }
 

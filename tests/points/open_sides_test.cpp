@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: Apache-2.0
+// The sides of points beside open meshes, many at once: each as the sum of solid angles over all triangles says.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "field/winding_reference.h"
+#include "scenes/scenes.h"
+#include "sign/open_winding/winding_rule.h"
+#include "standoff/points.h"
+#include "tests/sign/shapes.h"
+#include "tests/support/reference.h"
+
+namespace standoff {
+namespace {
+
+using testing::Random;
+
+Mesh soup(unsigned seed, std::uint32_t triangles, double size) {
+  Random random(seed);
+  Mesh mesh;
+  for (std::uint32_t n = 0; n < triangles; ++n) {
+    const Vec3 at = random.in_cube(1.0);
+    for (int corner = 0; corner < 3; ++corner) mesh.vertices.push_back(at + random.in_cube(size));
+    mesh.triangles.push_back({3 * n, 3 * n + 1, 3 * n + 2});
+  }
+  return mesh;
+}
+
+Mesh with_holes(Mesh mesh, unsigned seed, std::uint32_t one_of) {
+  Random random(seed);
+  std::erase_if(mesh.triangles, [&](const Triangle&) { return random.below(one_of) == 0; });
+  return mesh;
+}
+
+// One half of a ball within another's: the rims are two circles, one amid the other.
+Mesh nested_bowls() {
+  Mesh mesh = testing::joined(testing::sphere(12), testing::moved(testing::sphere(10), {0.1, 0, 0}, 0.6));
+  std::erase_if(mesh.triangles, [&](const Triangle& t) {
+    return std::ranges::any_of(t, [&](std::uint32_t v) { return mesh.vertices[v].z > 0.25; });
+  });
+  return mesh;
+}
+
+// Sheets above each other, one of them twice: numbers beyond 1, and edges that count twice.
+Mesh sheets() {
+  const Mesh one = testing::terrain(8), above = testing::moved(one, {0.05, 0.02, 0.2});
+  return testing::joined(testing::joined(one, above), above);
+}
+
+// A disc whose rim has corners in one place, corners in a row, and a needle.
+Mesh odd_rim() {
+  Mesh mesh;
+  mesh.vertices = {{0, 0, 0},      {1, 0, 0},  {0.7, 0.7, 0.1}, {0.7, 0.7, 0.1}, {0, 1, 0},
+                   {-0.5, 0.5, 0}, {-1, 0, 0}, {-1e-9, -3, 0},  {0, -3, 1e-12}};
+  for (std::uint32_t n = 1; n < 8; ++n) mesh.triangles.push_back({0, n, n + 1});
+  mesh.triangles.push_back({0, 8, 1});
+  mesh.triangles.push_back({4, 4, 5});
+  return mesh;
+}
+
+struct Settings {
+  double spread;  // of the points around each place, by the longest side
+  int places, in_each;
+};
+
+// Around corners, which are often on the boundary, and around places anywhere.
+std::vector<Vec3> clouds(const Mesh& mesh, unsigned seed, const Settings& settings) {
+  Random random(seed);
+  const Box box = bounds(mesh);
+  std::vector<Vec3> points;
+  for (int place = 0; place < settings.places; ++place) {
+    const Vec3 amid = place % 4 != 0 ? mesh.vertices[random.below(static_cast<std::uint32_t>(mesh.vertices.size()))]
+                                     : box.center() + random.in_cube(box.longest_side());
+    const Vec3 middle = amid + random.in_cube(settings.spread * box.longest_side() * random.between(0, 3));
+    for (int n = 0; n < settings.in_each; ++n)
+      points.push_back(middle + random.in_cube(settings.spread * box.longest_side()));
+  }
+  return points;
+}
+
+// Points that rounding leaves without a side do not count. Returns how many did.
+int expect_sides(const Mesh& mesh, std::span<const Vec3> points) {
+  std::vector<ReferenceWinding> reference;
+  for (const Vec3& p : points) reference.push_back(winding_by_angles({mesh}, p));
+  std::vector<double> found(points.size());
+  int compared = 0, wrong = 0;
+  for (const WindingRule rule : {WindingRule::positive, WindingRule::nonzero, WindingRule::odd}) {
+    const SignOptions sign{.method = SignMethod::winding, .rule = rule, .as_oriented = true};
+    MeshQuery(mesh, {.sign = sign}).distances(points, found);
+    for (std::size_t n = 0; n < points.size(); ++n) {
+      const auto [value, error, on_surface] = reference[n];
+      if (found[n] == 0 || margin(value, rule) <= std::max(error, 1e-9)) continue;
+      ++compared;
+      if ((found[n] < 0) == is_inside(value, rule) || ++wrong > 5) continue;
+      ADD_FAILURE() << "rule " << static_cast<int>(rule) << ", point " << n << ": " << points[n].x << ' ' << points[n].y
+                    << ' ' << points[n].z << " at " << found[n] << ", winding number " << value;
+    }
+  }
+  EXPECT_EQ(wrong, 0);
+  return compared;
+}
+
+struct Case {
+  const char* name;
+  Mesh mesh;
+};
+
+std::vector<Case> cases() {
+  return {{"terrain", scenes::make("terrain", 500)},
+          {"terrain far from the origin", testing::moved(testing::terrain(12), {1e6, -3e7, 2e5})},
+          {"small terrain", testing::moved(testing::terrain(12), {}, 1e-20)},
+          {"sphere with holes", with_holes(testing::sphere(10), 4, 12)},
+          {"half a sphere's triangles", with_holes(testing::sphere(10), 5, 2)},
+          {"nested bowls", nested_bowls()},
+          {"sheets", sheets()},
+          {"moebius", testing::moebius()},
+          {"soup", soup(6, 80, 0.3)},
+          {"sparse soup", soup(7, 20, 0.05)},
+          {"one triangle", scenes::make("one_triangle")},
+          {"odd rim", odd_rim()}};
+}
+
+TEST(OpenSides, CloudsOfAllSizes) {
+  for (const auto& [name, mesh] : cases()) {
+    SCOPED_TRACE(name);
+    int compared = 0, asked = 0;
+    for (const double spread : {1.0, 0.1, 1e-2, 1e-3, 1e-5}) {
+      SCOPED_TRACE(spread);
+      const std::vector<Vec3> points = clouds(mesh, 8, {spread, 8, 60});
+      compared += expect_sides(mesh, points);
+      asked += static_cast<int>(3 * points.size());
+    }
+    EXPECT_GT(compared, asked / 2);
+  }
+}
+
+// So many in so little space that single cells decide hundreds: across the surface, and beside the boundary.
+TEST(OpenSides, ManyPointsInOneCell) {
+  for (const auto& [name, mesh] : cases()) {
+    SCOPED_TRACE(name);
+    EXPECT_GT(expect_sides(mesh, clouds(mesh, 9, {0.05, 3, 1500})), 0);
+    EXPECT_GT(expect_sides(mesh, clouds(mesh, 10, {0.3, 1, 2500})), 0);
+  }
+}
+
+// Where the winding number is 1/2: on a surface that the boundary spans, through the middle of a bowl's hole.
+TEST(OpenSides, AroundTheThreshold) {
+  const Mesh bowl = nested_bowls();
+  Random random(11);
+  const MeshQuery query(bowl, {.sign = {.method = SignMethod::winding, .as_oriented = true}});
+  std::vector<Vec3> points;
+  for (int column = 0; column < 40; ++column) {
+    Vec3 low{random.between(-0.9, 0.9), random.between(-0.9, 0.9), -0.1}, high = low + Vec3{0, 0, 3};
+    if (!(winding_by_angles({bowl}, low).value > 0.5)) continue;
+    for (int step = 0; step < 40; ++step) {
+      const Vec3 middle = low + (high - low) * 0.5;
+      (winding_by_angles({bowl}, middle).value > 0.5 ? low : high) = middle;
+    }
+    for (const double off : {1e-2, 1e-4, 1e-6, 1e-8, -1e-8, -1e-6, -1e-4, -1e-2})
+      points.push_back(low + Vec3{0, 0, off});
+  }
+  EXPECT_GT(points.size(), 100u);
+  EXPECT_GT(expect_sides(bowl, points), 200);
+}
+
+// A point's side does not depend on what else is asked.
+TEST(OpenSides, AloneAndTogether) {
+  for (const auto& [name, mesh] : cases()) {
+    const MeshQuery query(mesh, {.sign = {.method = SignMethod::winding, .as_oriented = true}});
+    const std::vector<Vec3> points = clouds(mesh, 12, {0.1, 4, 300});
+    std::vector<double> together(points.size());
+    query.distances(points, together);
+    for (std::size_t n = 0; n < points.size(); n += 7) {
+      double alone = 0;
+      query.distances({&points[n], 1}, {&alone, 1});
+      EXPECT_EQ(alone, together[n]) << name << ", " << n;
+    }
+  }
+}
+
+// From where a ray meets the mesh, and far beyond what squares of lengths can be.
+TEST(OpenSides, FarPoints) {
+  const Mesh mesh = nested_bowls();
+  std::vector<Vec3> points = clouds(mesh, 14, {30, 1, 500});
+  EXPECT_GT(expect_sides(mesh, points), 1000);
+  Random random(15);
+  for (Vec3& p : points) p = random.in_cube(1e150);
+  std::vector<double> found(points.size());
+  MeshQuery(mesh, {.sign = {.method = SignMethod::winding, .as_oriented = true}}).distances(points, found);
+  EXPECT_EQ(std::ranges::count_if(found, [](double v) { return v < 0; }), 0);
+}
+
+}  // namespace
+}  // namespace standoff
