@@ -19,9 +19,8 @@ constexpr std::array kKinds{SidecarKind::closest_point, SidecarKind::barycentric
 void Beside::add(const std::string& option, const std::string& text) {
   for (std::size_t start = 0; start <= text.size();) {
     const std::size_t end = std::min(text.find(',', start), text.size());
-    const std::size_t choice =
-        parse_choice(option, text.substr(start, end - start),
-                     {"nearest", "triangle", "closest", "barycentric", "feature", "gradient"});
+    const std::size_t choice = parse_choice(option, text.substr(start, end - start),
+                                            {"nearest", "triangle", "closest", "barycentric", "feature", "gradient"});
     start = end + 1;
     if (choice < 2) {
       nearest_ = true;

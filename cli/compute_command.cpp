@@ -94,7 +94,8 @@ void Command::add_to(CLI::App& verb) {
   };
   using S = const std::string&;
   add("--with", "WHAT,..",
-      "store for each sample as well (docs/sidecars.md): nearest, the\nnearest triangle's index (or triangle), closest,\n"
+      "store for each sample as well (docs/sidecars.md): nearest, the\nnearest triangle's index (or triangle), "
+      "closest,\n"
       "barycentric, feature, gradient; several with commas between",
       [this](S o, S t) { beside.add(o, t); });
   add_sign(verb, options.sign, shell);
