@@ -13,6 +13,18 @@
 
 namespace standoff {
 
+/// Closer points than this share of R, squared, may be on the surface.
+inline constexpr double kQuickLeastDistanceSq = 1e-12;
+
+/// Whether answers are sound: the altitude on the longest side is no small share of R, and squares of squares are
+/// normal numbers. Of twice the area, the longest side and 2 R R, all squared but the last.
+template <class F>
+STANDOFF_INLINE auto is_wide_enough(const F& area_sq, const F& side_sq, const F& far_sq) {
+  constexpr double kLeastHeight = 0x1p-10, kLeastAreaSq = 1e-200, kMostSq = 0x1p180;
+  return less(far_sq, F(kMostSq)) &
+         less(max(side_sq * far_sq * F(kLeastHeight * kLeastHeight), F(kLeastAreaSq)), area_sq);
+}
+
 /// What quick_part() knows of a triangle, wherever the point is.
 template <class F>
 struct QuickTriangle {
@@ -49,8 +61,6 @@ struct QuickPart {
 /// Of the point that is `p` away from the triangle's first corner.
 template <class F>
 STANDOFF_INLINE auto quick_part(const QuickTriangle<F>& t, const Triple<F>& p) {
-  constexpr double kLeastHeight = 0x1p-10, kLeastDistance = 1e-6;  // as shares of R
-  constexpr double kLeastAreaSq = 1e-200, kMostSq = 0x1p180;       // squares of squares are normal numbers
   const F zero(0.0), one(1.0);
   QuickPart<F, decltype(less(zero, one))> part;
   // Where the foot on each edge is, from one end and from the other, times the length of the edge.
@@ -84,9 +94,8 @@ STANDOFF_INLINE auto quick_part(const QuickTriangle<F>& t, const Triple<F>& p) {
 
   const F far_sq = (dot(p, p) + t.side_sq) * F(2.0);  // R R at most
   part.is_sound = (part.at_a | part.at_b | part.at_c | part.is_ab | part.is_bc | part.is_ca | is_face) &
-                  less(far_sq, F(kMostSq)) &
-                  less(max(t.side_sq * far_sq * F(kLeastHeight * kLeastHeight), F(kLeastAreaSq)), t.area_sq) &
-                  less(far_sq * F(kLeastDistance * kLeastDistance), part.distance_sq);
+                  is_wide_enough(t.area_sq, t.side_sq, far_sq) &
+                  less(far_sq * F(kQuickLeastDistanceSq), part.distance_sq);
   return part;
 }
 

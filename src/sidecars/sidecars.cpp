@@ -136,6 +136,9 @@ class Pass {
     tile.values = field_.tile_values().data() + first;
     tile.nearest = field_.tile_nearest_values().data() + first;
     place(tiles_[slot], tile);
+    // They are read here and there, once the samples are sorted.
+    constexpr std::size_t kLine = 16;
+    for (std::size_t n = 0; n < kTile && gradient_; n += kLine) __builtin_prefetch(tile.values + n);
     tile.closest_point = cleared(closest_point_, scratch.closest_point);
     tile.barycentric = cleared(barycentric_, scratch.barycentric);
     tile.gradient = cleared(gradient_, scratch.gradient);

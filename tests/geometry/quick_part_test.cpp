@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The closest point by regions against the one by comparison of all edges and the face.
+// The closest point by regions, and that of points over the inside of a triangle, against the one by comparison of all
+// edges and the face.
 #include "geometry/quick_part.h"
 
 #include <gtest/gtest.h>
@@ -11,6 +12,7 @@
 #include <random>
 
 #include "geometry/closest_part.h"
+#include "geometry/quick_face.h"
 
 namespace standoff {
 namespace {
@@ -100,6 +102,58 @@ TEST(QuickPart, SaysWhereItIsNotSound) {
     EXPECT_FALSE(is_sound(a, b, {-1, -1, wild}));
   }
   EXPECT_FALSE(is_sound(a * 1e-60, b * 1e-60, c * 1e-60)) << "tiny";
+}
+
+QuickFaceAt<double, bool> face_at_origin(const Corners& c) {
+  const QuickFace<double> face = quick_face(c[0], c[1], c[2], 1.5 * dot(c[0], c[0]));
+  return quick_face_at(face, Triple<double>{} - c[0]);
+}
+
+TEST(QuickFace, AsTheClosestOfAllParts) {
+  std::mt19937_64 random(6);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  int inside = 0, faces = 0;
+  for (int n = 0; n < 100000; ++n) {
+    const double size = std::exp2(6 * unit(random) - 2), flat = n % 3 == 0 ? std::exp2(10 * unit(random) - 10) : 1;
+    const Triple<double> at{unit(random), unit(random), unit(random)};
+    Corners c;
+    for (Triple<double>& v : c)
+      v = at + Triple<double>{size * unit(random), size * unit(random), flat * size * unit(random)};
+    const ClosestPart<double> exact = closest_part(c[0], c[1], c[2]);
+    const auto found = face_at_origin(c);
+    faces += exact.feature == 0;
+    // On the border of a feature both may be right.
+    const double least = std::min(exact.weights.x, std::min(exact.weights.y, exact.weights.z));
+    if (!found.is_inside || (exact.feature == 0 && least < 1e-6)) continue;
+    ++inside;
+    EXPECT_EQ(exact.feature, 0);
+    const double extent = farthest(c);
+    EXPECT_NEAR(std::abs(found.height), std::sqrt(exact.distance_sq), 1e-12 * extent);
+    EXPECT_NEAR(found.v, exact.weights.y, 1e-9);
+    EXPECT_NEAR(found.w, exact.weights.z, 1e-9);
+    const Triple<double> normal = quick_face(c[0], c[1], c[2], dot(c[0], c[0])).normal,
+                         off = normal * -found.height - exact.point;
+    EXPECT_LE(std::sqrt(dot(off, off)), 1e-12 * extent);
+  }
+  EXPECT_GT(inside, faces * 9 / 10);
+  EXPECT_GT(faces, 5000);
+}
+
+TEST(QuickFace, SaysWhereItIsNotSound) {
+  const Triple<double> a{1, 0, 0.5}, b{-1, 1, 0.5}, c{-1, -1, 0.5};
+  EXPECT_TRUE(face_at_origin({a, b, c}).is_inside);
+  const Triple<double> down{0, 0, -0.5}, little{0, 0, 1e-8}, aside{1.1, 0, 0};
+  EXPECT_FALSE(face_at_origin({a + aside, b + aside, c + aside}).is_inside) << "over an edge";
+  EXPECT_FALSE(face_at_origin({a - aside - aside, b - aside - aside, c - aside - aside}).is_inside) << "over a corner";
+  EXPECT_FALSE(face_at_origin({a + down, b + down, c + down}).is_inside) << "on the face";
+  EXPECT_FALSE(face_at_origin({a + down + little, b + down + little, c + down + little}).is_inside) << "near the face";
+  EXPECT_FALSE(face_at_origin({a, b, b}).is_inside) << "a segment";
+  const double inf = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
+  for (const double wild : {inf, -inf, nan, 1e200, -1e60}) {
+    EXPECT_FALSE(face_at_origin({{{wild, 0, 0.5}, b, c}}).is_inside);
+    EXPECT_FALSE(face_at_origin({{a, {-1, wild, 0.5}, c}}).is_inside);
+    EXPECT_FALSE(face_at_origin({{a, b, {-1, -1, wild}}}).is_inside);
+  }
 }
 
 }  // namespace

@@ -39,8 +39,8 @@ struct SamplesByTriangle {
   std::uint32_t triangle[SidecarTile::kSamples];
   int first[SidecarTile::kSamples + 1];
   int triangles = 0;
-  Samples samples;
-  Samples others;  // of triangles that have few each
+  Samples samples;  // and past the end, the last one again, as often as a group reads it
+  Samples others;   // that are not among these, or not over the inside of their triangle
 };
 
 // Those with a nearest triangle, and these. Returns whether the mesh has all of them.
@@ -59,45 +59,39 @@ STANDOFF_INLINE bool find_samples(const SidecarMesh& mesh, const SidecarTile& ti
   return wrong == 0;
 }
 
-// How often a sample's triangle is not that of the one before.
-STANDOFF_INLINE int changes_of(const std::uint32_t* nearest, int count) {
-  constexpr int kLanes = WideFloat::kLanes;
-  int changes = 0;
-  for (int n = 1; n < count; n += kLanes) {
-    const std::uint32_t used = count - n < kLanes ? (1u << (count - n)) - 1 : 0xffffu;
-    const std::uint32_t same = equal(WideUint::load(nearest + n - 1), WideUint::load(nearest + n)).to_bits();
-    changes += __builtin_popcount(~same & used);
-  }
-  return changes;
-}
-
-// Sorts the samples by triangle where that pays: it takes a look at all samples for each triangle. Returns whether the
-// mesh has all of these triangles.
+// Sorts the samples by triangle as long as that pays: it takes a look at all samples for each triangle. Returns whether
+// the mesh has all of these triangles.
 STANDOFF_INLINE bool sort_by_triangle(const SidecarMesh& mesh, const SidecarTile& tile, SamplesByTriangle& sorted) {
-  constexpr int kLanes = WideFloat::kLanes, kLongRun = 2;
+  constexpr int kLanes = WideFloat::kLanes;
+  constexpr int kTriangles = 8, kLeastSamples = 5;  // stops where these triangles or more have fewer samples each
   alignas(64) std::uint32_t nearest[SidecarTile::kSamples + kLanes];
-  Samples& all = sorted.others;
+  Samples all;
   if (!find_samples(mesh, tile, all, nearest)) return false;
-  sorted.first[0] = 0;
-  const int count = all.count;
-  if (changes_of(nearest, count) * kLongRun > count) return true;
-  all.count = 0;  // they all go elsewhere
-  const int vectors = (count + kLanes - 1) / kLanes;
+  const int vectors = (all.count + kLanes - 1) / kLanes;
   std::uint32_t left[SidecarTile::kSamples / kLanes];
   for (int v = 0; v < vectors; ++v) left[v] = 0xffff;
-  if (count % kLanes != 0) left[vectors - 1] = (1u << count % kLanes) - 1;
-  int end = 0;
-  for (int v = 0; v < vectors; ++v)
-    while (left[v] != 0) {
-      const WideUint triangle(nearest[v * kLanes + __builtin_ctz(left[v])]);
-      sorted.triangle[sorted.triangles] = nearest[v * kLanes + __builtin_ctz(left[v])];
-      for (int other = v; other < vectors; ++other) {
-        const std::uint32_t same = equal(WideUint::load(nearest + other * kLanes), triangle).to_bits() & left[other];
-        left[other] ^= same;
-        end += store_packed(sorted.samples.at + end, mask_from_bits(same), WideUint::load(all.at + other * kLanes));
-      }
-      sorted.first[++sorted.triangles] = end;
+  if (all.count % kLanes != 0) left[vectors - 1] = (1u << all.count % kLanes) - 1;
+  const auto move = [&](int v, std::uint32_t which, Samples& to) __attribute__((always_inline)) {
+    left[v] ^= which;
+    to.count += store_packed(to.at + to.count, mask_from_bits(which), WideUint::load(all.at + v * kLanes));
+  };
+  Samples& samples = sorted.samples;
+  const auto pays = [&] { return sorted.triangles < kTriangles || samples.count >= kLeastSamples * sorted.triangles; };
+  sorted.first[0] = 0;
+  for (int v = 0; v < vectors; ++v) {
+    while (left[v] != 0 && pays()) {
+      const std::uint32_t triangle = nearest[v * kLanes + __builtin_ctz(left[v])];
+      prefetch_indices(mesh.memory, triangle);
+      for (int other = v; other < vectors; ++other)
+        move(other, equal(WideUint::load(nearest + other * kLanes), WideUint(triangle)).to_bits() & left[other],
+             samples);
+      sorted.triangle[sorted.triangles++] = triangle;
+      sorted.first[sorted.triangles] = samples.count;
     }
+    move(v, left[v], sorted.others);
+  }
+  for (int n = 0; n < kSamplesAtOnce && samples.count > 0; ++n)
+    samples.at[samples.count + n] = samples.at[samples.count - 1];
   return true;
 }
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The kernel that makes sidecars of the nearest triangles of a tile, eight samples at once, in double: first for all by
-// regions, then again, with more care, for those where that says nothing.
+// The kernel that makes sidecars of the nearest triangles of a tile, eight samples at once, in double: first as if all
+// were over the inside of their triangles, then by regions, and at last, with more care, where that says nothing.
 #pragma once
 
 #include "geometry/closest_part.h"
-#include "geometry/quick_part.h"
+#include "geometry/quick_face.h"
 #include "sidecars/cpu/kernels/sample_groups.inl"
 
 namespace standoff::cpu::STANDOFF_TARGET {
@@ -34,31 +34,59 @@ STANDOFF_INLINE void fill_quickly(const SidecarMesh& mesh, const SidecarTile& ti
 }
 
 // One of eight triangles, in all lanes.
-STANDOFF_INLINE QuickTriangle<WideDouble> triangle_of_lane(const QuickTriangle<WideDouble>& eight, int lane) {
-  return {of_lane(eight.ab, lane),     of_lane(eight.ac, lane),      of_lane(eight.to_b, lane),
-          of_lane(eight.to_c, lane),   of_lane(eight.ab_sq, lane),   of_lane(eight.ac_sq, lane),
-          of_lane(eight.bc_sq, lane),  of_lane(eight.between, lane), of_lane(eight.area_sq, lane),
-          of_lane(eight.side_sq, lane)};
+STANDOFF_INLINE QuickFace<WideDouble> face_of_lane(const QuickFace<WideDouble>& eight, int lane) {
+  return {of_lane(eight.to_b, lane), of_lane(eight.to_c, lane), of_lane(eight.normal, lane),
+          of_lane(eight.least_sq, lane)};
 }
 
-// Those of triangles that have several each: eight triangles are prepared at once, and then taken one by one.
+// Fills the outputs of eight samples as if all were over the inside of one triangle, and lists those in use that are
+// not. The feature is that of cleared memory. Sixteen samples can be read.
+STANDOFF_INLINE void fill_face(const SidecarMesh& mesh, const SidecarTile& tile, const ScaledPlaces& places,
+                               const QuickFace<WideDouble>& face, const DoublePoint& a, const std::uint32_t* samples,
+                               std::uint32_t used, Samples& others) {
+  const DoublePoint place = places_of(places, samples);
+  const auto at = quick_face_at(face, place - a);
+  if (tile.closest_point)
+    store_triples(minus_scaled(place, face.normal, at.height) * WideDouble(mesh.unscale), samples, tile.closest_point);
+  if (tile.barycentric)
+    store_triples(DoublePoint{(WideDouble(1.0) - at.v) - at.w, at.v, at.w}, samples, tile.barycentric);
+  if (tile.gradient) {
+    const WideDouble sign = gradient_signs(mesh, tile, samples);
+    store_triples(face.normal * select(less(at.height, WideDouble(0.0)), -sign, sign), samples, tile.gradient);
+  }
+  others.count +=
+      store_packed(others.at + others.count, mask_from_bits(~at.is_inside.to_bits() & used), WideUint::load(samples));
+}
+
+// The square of what no sample of the tile is farther away from a point.
+STANDOFF_INLINE WideDouble reach_sq(const ScaledPlaces& places, const DoublePoint& point) {
+  const auto along = [&](int axis, const WideDouble& at) __attribute__((always_inline)) {
+    const WideDouble low = at - WideDouble(places.at[axis][0]),
+                     high = WideDouble(places.at[axis][SidecarTile::kSide - 1]) - at;
+    const WideDouble most = max(low, high);
+    return most * most;
+  };
+  return along(0, point.x) + along(1, point.y) + along(2, point.z);
+}
+
+// Those of triangles that have several each: eight triangles are prepared at once, and then taken one by one. A
+// triangle's last group goes on with samples of the next ones, whose outputs are filled again after it.
 template <bool kPacked>
 STANDOFF_INLINE void fill_by_triangle(const SidecarMesh& mesh, const SidecarTile& tile, const ScaledPlaces& places,
-                                      const SamplesByTriangle& sorted, Samples& poor) {
+                                      SamplesByTriangle& sorted) {
   for (int begin = 0; begin < sorted.triangles; begin += kSamplesAtOnce) {
     const int count = sorted.triangles - begin < kSamplesAtOnce ? sorted.triangles - begin : kSamplesAtOnce;
     DoublePoint corner[3];
     load_corners<kPacked>(mesh, sorted.triangle + begin, count, corner);
-    const QuickTriangle<WideDouble> eight = quick_triangle(corner[0], corner[1], corner[2]);
+    const QuickFace<WideDouble> eight = quick_face(corner[0], corner[1], corner[2], reach_sq(places, corner[0]));
     for (int lane = 0; lane < count; ++lane) {
-      const int first = sorted.first[begin + lane], end = sorted.first[begin + lane + 1];
-      const QuickTriangle<WideDouble> triangle = triangle_of_lane(eight, lane);
+      const int end = sorted.first[begin + lane + 1];
+      const QuickFace<WideDouble> face = face_of_lane(eight, lane);
       const DoublePoint a = of_lane(corner[0], lane);
-      for_each_group(
-          sorted.samples.at + first,
-          end - first, [&](const std::uint32_t* some, int used) __attribute__((always_inline)) {
-            fill_quickly(mesh, tile, places, triangle, a, some, used, poor);
-          });
+      for (int first = sorted.first[begin + lane]; first < end; first += kSamplesAtOnce) {
+        const std::uint32_t used = end - first < kSamplesAtOnce ? (1u << (end - first)) - 1 : 0xff;
+        fill_face(mesh, tile, places, face, a, sorted.samples.at + first, used, sorted.others);
+      }
     }
   }
 }
@@ -113,11 +141,11 @@ STANDOFF_INLINE int fill_exactly(const SidecarMesh& mesh, const SidecarTile& til
 }
 
 template <bool kPacked>
-STANDOFF_INLINE int fill_sorted(const SidecarMesh& mesh, const SidecarTile& tile, const SamplesByTriangle& sorted) {
+STANDOFF_INLINE int fill_sorted(const SidecarMesh& mesh, const SidecarTile& tile, SamplesByTriangle& sorted) {
   ScaledPlaces places;
   set_places(mesh, tile, places);
+  fill_by_triangle<kPacked>(mesh, tile, places, sorted);
   Samples poor;
-  fill_by_triangle<kPacked>(mesh, tile, places, sorted, poor);
   fill_others<kPacked>(mesh, tile, places, sorted.others, poor);
   return fill_exactly<kPacked>(mesh, tile, places, poor);
 }
