@@ -9,11 +9,11 @@ from harness import BENCH, markdown
 
 DOCS = BENCH.parent / "docs"
 RESULTS = BENCH / "results"
-AVX2, AVX512 = "2-core-avx2", "2-core-avx512"  # the machines that these pages speak of, by their folders
+AVX512 = "2-core-avx512"  # the machine that these pages speak of, by its folder
 # Where each table stands: the file that it is made of, its machine, the page and the name of its markers.
 PLACES = {"points.csv": (AVX512, "points_benchmarks.md", "points"),
           "points-build.csv": (AVX512, "points_benchmarks.md", "points build"),
-          "iso.csv": (AVX2, "output_benchmarks.md", "surfaces"), "files.csv": (AVX512, "output_benchmarks.md", "files"),
+          "iso.csv": (AVX512, "output_benchmarks.md", "surfaces"), "files.csv": (AVX512, "output_benchmarks.md", "files"),
           "sidecars.csv": (AVX512, "output_benchmarks.md", "sidecars"),
           "render.csv": (AVX512, "render.md", "pictures"), "view.csv": (AVX512, "view.md", "pages"),
           "python.csv": (AVX512, "python_benchmarks.md", "fields"), "python-many.csv": (AVX512, "python_benchmarks.md", "many")}
