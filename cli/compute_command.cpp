@@ -192,6 +192,7 @@ Outcome Command::write_in_slabs(const Plan& plan) {
     bar = nullptr;
     with_spinner(console, "writing " + output.path().string(), write);
   }
+  options.progress = nullptr;
   Outcome outcome{plan, slabs->report(), slabs->provenance().mesh_hash};
   const auto& seconds = outcome.report.seconds;
   outcome.write_seconds = std::max(0.0, seconds_since(start) - seconds.prepare - seconds.compute - seconds.sign);

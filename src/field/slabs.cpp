@@ -25,17 +25,24 @@ void check_slab_samples(std::int64_t samples) {
                 "compute: a slab of " + std::to_string(samples) + " samples holds nothing; give 1 or more");
 }
 
-// On a GPU there are no slabs: where the whole field is too large and the caller does not mind, the CPU makes some.
-ComputeOptions with_slabs(MeshView mesh, const Grid& grid, double thickness, ComputeOptions options,
+// On a GPU there are no slabs. If the caller does not mind, the CPU makes some: where the whole field would be beyond
+// the memory limit, or there is none.
+ComputeOptions with_slabs(MeshView mesh, const Grid& grid, double thickness, const ComputeOptions& options,
                           std::int64_t slab_samples) {
-  if (options.execution.backend != Backend::automatic || options.memory_limit == 0) return options;
-  const Plan plan =
-      make_plan(static_cast<std::int64_t>(mesh.triangles.size()), grid, thickness, options, false, slab_samples);
-  const bool too_large =
-      plan.slab_layers == 0 && bytes_needed(plan) > options.memory_limit &&
-      Threads(options.execution.threads).run([&] { return bytes_needed(mesh, plan, options) > options.memory_limit; });
-  if (too_large) options.execution.backend = Backend::cpu;
-  return options;
+  if (options.execution.backend != Backend::automatic) return options;
+  ComputeOptions on_cpu = options;
+  on_cpu.execution.backend = Backend::cpu;
+  const auto plan_of = [&](const ComputeOptions& taken) {
+    return make_plan(static_cast<std::int64_t>(mesh.triangles.size()), grid, thickness, taken, false, slab_samples);
+  };
+  const auto is_too_large = [&](const Plan& plan) {
+    return bytes_needed(plan) > options.memory_limit && Threads(options.execution.threads).run([&] {
+      return bytes_needed(mesh, plan, options) > options.memory_limit;
+    });
+  };
+  if (options.memory_limit == 0) return plan_of(on_cpu).slab_layers != 0 ? on_cpu : options;
+  const Plan plan = plan_of(options);
+  return plan.slab_layers == 0 && is_too_large(plan) ? on_cpu : options;
 }
 
 }  // namespace
@@ -77,10 +84,10 @@ class SlabComputation::Work {
 
   // What all slabs need.
   void prepare() {
+    job_.emplace(computation_.job());
     Stopwatch watch;
     if (options_.hash_mesh) hash_ = content_hash(computation_.mesh());
-    job_.emplace(computation_.job());
-    watch.lap();
+    computation_.report().seconds.compute = watch.lap();
     if (const SignMethod method = computation_.sign_method();
         method != SignMethod::none && method != SignMethod::shell) {
       sides_ = computation_.sides({});
@@ -88,7 +95,7 @@ class SlabComputation::Work {
     }
     computation_.report().seconds.sign = watch.lap();
     gather_ = plan().row->in_layers(*job_);
-    computation_.report().seconds.compute = watch.lap();
+    computation_.report().seconds.compute += watch.lap();
     tell();
   }
 

@@ -282,5 +282,35 @@ TEST(Slabs, AfterAnErrorThereAreNoMore) {
   expect_error([&] { slabs.next(); }, ErrorCode::usage, "begin again");
 }
 
+struct OfTheCaller {};
+
+// A source of one's own that fails.
+class Broken final : public FieldSlabs {
+ public:
+  const Grid& grid() const override { return kGrid; }
+  double thickness() const override { return 0.2; }
+  bool has_nearest() const override { return false; }
+  const Provenance& provenance() const override { return provenance_; }
+  const DistanceField* next() override { throw OfTheCaller(); }
+
+ private:
+  Provenance provenance_;
+};
+
+// next() is the caller's code, and so is a progress callback that is called within it.
+TEST(Slabs, WhatTheCallerThrowsPassesUnchanged) {
+  const TempFolder folder;
+  const Mesh ball = ball_mesh(1, 6);
+  ComputeOptions options = by(SignMethod::winding);
+  bool fail = false;
+  options.progress = [&](const Progress&) -> bool { return fail ? throw OfTheCaller() : true; };
+  SlabComputation slabs(ball, kGrid, 0.2, options, kOneLayer);
+  fail = true;
+  EXPECT_THROW(write_field(folder / "a.vti", slabs), OfTheCaller);
+  Broken broken;
+  EXPECT_THROW(write_field(folder / "a.npz", broken), OfTheCaller);
+  EXPECT_TRUE(folder.names().empty());
+}
+
 }  // namespace
 }  // namespace standoff::testing
