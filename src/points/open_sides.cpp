@@ -78,6 +78,13 @@ class OpenSides::Points {
 
   // Those that the function of a cell left undecided, by those of its parts.
   void refine(const LinearField& coarse, Some some) {
+    if (some.empty()) return;
+    const auto [low, high] = halves(some, cell_around(some));
+    decide_part(coarse, low);
+    decide_part(coarse, high);
+  }
+
+  void decide_part(const LinearField& coarse, Some some) {
     if (some.size() < kFew) {
       for (const std::uint32_t n : some) {
         const Vec3& at = points_[n].at;
@@ -85,23 +92,13 @@ class OpenSides::Points {
       }
       return;
     }
-    const auto [low, high] = halves(some, cell_around(some));
-    for (const Some half : {low, high}) {
-      if (half.size() < kFew) {
-        refine(coarse, half);
-        continue;
-      }
-      const Cell cell = cell_around(half);
-      const LinearField field = winding_.field(cell, std::min(kFieldTolerance, coarse.error / 64), coarse.error);
-      if (!(field.error <= coarse.error)) {
-        refine(coarse, half);
-        continue;
-      }
-      // Both are the same winding number but for a whole one.
-      const auto between = static_cast<std::int32_t>(std::round(coarse.at(cell.center) - field.value));
-      for (const std::uint32_t n : half) windings_[n] += between;
-      decide_by(field, half);
-    }
+    const Cell cell = cell_around(some);
+    const LinearField field = winding_.field(cell, std::min(kFieldTolerance, coarse.error / 64), coarse.error);
+    if (!(field.error <= coarse.error)) return refine(coarse, some);
+    // Both are the same winding number but for a whole one.
+    const auto between = static_cast<std::int32_t>(std::round(coarse.at(cell.center) - field.value));
+    for (const std::uint32_t n : some) windings_[n] += between;
+    decide_by(field, some);
   }
 
   Cell cell_around(Some some) const {

@@ -14,6 +14,7 @@
 #include "standoff/compute.h"
 #include "standoff/io.h"
 #include "standoff/slabs.h"
+#include "tests/sign/shapes.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/heap.h"
 #include "tests/support/random_mesh.h"
@@ -128,6 +129,30 @@ TEST(Memory, SlabsTakeNoMoreThanWasSaid) {
         }
         EXPECT_LE(most_held([&] { take_all(mesh, grid, thickness, options); }), needed + kSmallThings)
             << mesh.triangles.size() << " triangles, thickness " << thickness;
+      }
+}
+
+// What signs and nearest triangles take. Slabs may have 32 MiB of crossings; those of a ball fit in a part of one.
+TEST(Memory, SlabsOfABallTakeNoMoreThanWasSaid) {
+  constexpr std::int64_t kMostCrossings = 32 << 20, kCrossings = 80 * 80 * 2 * 16;
+  const Grid grid = cube(80, {-1.25, -1.25, -1.25}, 2.5);
+  const Mesh ball = testing::sphere(24);
+  for (const double thickness : {0.1, kInfinity})
+    for (const SignMethod method : {SignMethod::none, SignMethod::winding, SignMethod::parity})
+      for (const bool nearest : {false, true}) {
+        ComputeOptions options;
+        options.execution = {.threads = 2, .backend = Backend::cpu};
+        options.sign.method = method;
+        options.nearest_triangle = nearest;
+        const std::int64_t needed = slab_memory_needed(ball, grid, thickness, options, 1);
+        int slabs = 0;
+        const std::int64_t taken = most_held([&] {
+          SlabComputation computation(ball, grid, thickness, options, 1);
+          while (computation.next()) ++slabs;
+        });
+        EXPECT_EQ(slabs, 5);
+        EXPECT_LE(taken, needed + kSmallThings - (method == SignMethod::none ? 0 : kMostCrossings - kCrossings))
+            << "sign " << name_of(method) << ", thickness " << thickness << (nearest ? ", nearest triangles" : "");
       }
 }
 

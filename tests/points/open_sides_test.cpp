@@ -6,7 +6,9 @@
 #include <cmath>
 
 #include "field/winding_reference.h"
+#include "geometry/predicates.h"
 #include "scenes/scenes.h"
+#include "sign/open_winding/rims.h"
 #include "sign/open_winding/winding_rule.h"
 #include "standoff/points.h"
 #include "tests/sign/shapes.h"
@@ -102,6 +104,24 @@ int expect_sides(const Mesh& mesh, std::span<const Vec3> points) {
   return compared;
 }
 
+// A point's side does not depend on what else is asked.
+void expect_alone_as_together(const Mesh& mesh, std::span<const Vec3> points, std::size_t step = 1) {
+  std::vector<double> together(points.size());
+  int wrong = 0;
+  for (const WindingRule rule : {WindingRule::positive, WindingRule::nonzero, WindingRule::odd}) {
+    const MeshQuery query(mesh, {.sign = {.method = SignMethod::winding, .rule = rule, .as_oriented = true}});
+    query.distances(points, together);
+    for (std::size_t n = 0; n < points.size(); n += step) {
+      double alone = 0;
+      query.distances({&points[n], 1}, {&alone, 1});
+      if (alone == together[n] || ++wrong > 5) continue;
+      ADD_FAILURE() << "rule " << static_cast<int>(rule) << ", point " << n << ": " << together[n] << ", alone "
+                    << alone;
+    }
+  }
+  EXPECT_EQ(wrong, 0);
+}
+
 struct Case {
   const char* name;
   Mesh mesh;
@@ -165,18 +185,10 @@ TEST(OpenSides, AroundTheThreshold) {
   EXPECT_GT(expect_sides(bowl, points), 200);
 }
 
-// A point's side does not depend on what else is asked.
 TEST(OpenSides, AloneAndTogether) {
   for (const auto& [name, mesh] : cases()) {
-    const MeshQuery query(mesh, {.sign = {.method = SignMethod::winding, .as_oriented = true}});
-    const std::vector<Vec3> points = clouds(mesh, 12, {0.1, 4, 300});
-    std::vector<double> together(points.size());
-    query.distances(points, together);
-    for (std::size_t n = 0; n < points.size(); n += 7) {
-      double alone = 0;
-      query.distances({&points[n], 1}, {&alone, 1});
-      EXPECT_EQ(alone, together[n]) << name << ", " << n;
-    }
+    SCOPED_TRACE(name);
+    expect_alone_as_together(mesh, clouds(mesh, 12, {0.1, 4, 300}), 7);
   }
 }
 
@@ -190,6 +202,124 @@ TEST(OpenSides, FarPoints) {
   std::vector<double> found(points.size());
   MeshQuery(mesh, {.sign = {.method = SignMethod::winding, .as_oriented = true}}).distances(points, found);
   EXPECT_EQ(std::ranges::count_if(found, [](double v) { return v < 0; }), 0);
+}
+
+// Meshes with a hole in the plane z = 0. Its x and y are between 1 and 2, where sums with binary fractions are exact.
+Mesh box_without_lid() {
+  Mesh mesh = testing::box({1.125, 1.125, -0.75}, {1.875, 1.875, 0});
+  std::erase_if(mesh.triangles, [&](const Triangle& t) {
+    return std::ranges::all_of(t, [&](auto v) { return mesh.vertices[v].z == 0; });
+  });
+  return mesh;
+}
+
+Mesh bowl() {
+  Mesh mesh = testing::moved(testing::sphere(20), {1.5, 1.5, 0}, 0.375);
+  for (Vec3& v : mesh.vertices)
+    if (std::abs(v.z) < 1e-9) v.z = 0;
+  std::erase_if(mesh.triangles, [&](const Triangle& t) {
+    return std::ranges::any_of(t, [&](auto v) { return mesh.vertices[v].z > 0; });
+  });
+  return mesh;
+}
+
+// The hole is amid the lid: rows inside pass through its corners.
+Mesh box_with_a_hole_in_its_lid() {
+  Mesh mesh = box_without_lid();
+  const auto lid = static_cast<std::uint32_t>(mesh.vertices.size());
+  for (const double half : {0.375, 0.125})
+    for (const Vec3& to : {Vec3{-1, -1, 0}, Vec3{1, -1, 0}, Vec3{1, 1, 0}, Vec3{-1, 1, 0}})
+      mesh.vertices.push_back(Vec3{1.5, 1.5, 0} + to * half);
+  for (std::uint32_t n = 0; n < 4; ++n) {
+    const std::uint32_t here = lid + n, next = lid + (n + 1) % 4;
+    mesh.triangles.push_back({here, next, next + 4});
+    mesh.triangles.push_back({here, next + 4, here + 4});
+  }
+  return mesh;
+}
+
+// side^3 points whose box has exactly that center, if it is as above.
+std::vector<Vec3> lattice(const Vec3& center, double step, int side) {
+  std::vector<Vec3> points;
+  const auto at = [&](int n) { return (n - 0.5 * (side - 1)) * step; };
+  for (int k = 0; k < side; ++k)
+    for (int j = 0; j < side; ++j)
+      for (int i = 0; i < side; ++i) points.push_back(center + Vec3{at(i), at(j), at(k)});
+  return points;
+}
+
+// Points on a cap too, where they are on its edges.
+void expect_winding_numbers(const Mesh& mesh, std::span<const Vec3> points) {
+  std::vector<double> found(points.size());
+  const MeshQuery query(mesh, {.sign = {.method = SignMethod::winding, .as_oriented = true}});
+  query.winding_numbers(points, found);
+  for (std::size_t n = 0; n < points.size(); ++n) {
+    const auto [value, error, on_surface] = winding_by_angles({mesh}, points[n]);
+    if (!on_surface) {
+      EXPECT_NEAR(found[n], value, error + 1e-9) << n << (points[n].z == 0 ? ", in the plane" : "");
+    }
+  }
+}
+
+// What a cell's center takes for its side of the cap counts for all of the cell. A cap is a fan of triangles around an
+// apex: centers are within them, on the apex, and on the edges between two. There, solid angles are lost in rounding:
+// such a center is not among the points.
+TEST(OpenSides, CentersOfCellsOnCaps) {
+  for (const auto& [name, mesh] : {Case{"box", box_without_lid()}, Case{"bowl", bowl()}}) {
+    SCOPED_TRACE(name);
+    const Rims rims(net_boundary({mesh}, MeshEdges(mesh)));
+    std::vector<Vec3> centers = {{1.5, 1.5, 0}, {1.40625, 1.609375, 0}, {1.625, 1.546875, 0}}, on_edges;
+    std::size_t exactly = 0;
+    for (std::size_t n = 0; n < rims.size(); ++n) {
+      const Rim rim = rims[n];
+      if (length(rim.apex - Vec3{1.5, 1.5, 0}) > 0.1) continue;  // a small cap beside the boundary
+      centers.push_back(rim.apex);
+      for (std::size_t corner = 0; corner < rim.corners.size(); corner += 2)
+        for (const double way : {0.25, 0.5}) {
+          const Vec3 &end = rim.corners[corner], at = rim.apex + (end - rim.apex) * way;
+          on_edges.push_back(at);
+          exactly += orient2d({rim.apex.x, rim.apex.y}, {end.x, end.y}, {at.x, at.y}) == 0;
+        }
+    }
+    EXPECT_GT(centers.size(), 3u);
+    EXPECT_GT(exactly, 0u);
+    const auto expect_all = [&mesh = mesh](const Vec3& center, const std::vector<Vec3>& points) {
+      SCOPED_TRACE(::testing::Message() << center.x << ' ' << center.y);
+      EXPECT_GT(expect_sides(mesh, points), 0);
+      expect_alone_as_together(mesh, points);
+      expect_winding_numbers(mesh, points);
+    };
+    for (const Vec3& center : centers) {
+      expect_all(center, lattice(center, 0x1p-6, 5));
+      expect_all(center, lattice(center, 0x1p-7, 4));
+    }
+    for (const Vec3& center : on_edges) {
+      std::vector<Vec3> points = lattice(center, 0x1p-6, 5);
+      std::erase(points, center);
+      expect_all(center, points);
+    }
+  }
+}
+
+// Rows along the axes that pass exactly through corners and edges: of the mesh, between points of a cell, and of the
+// hole's rim, beyond them.
+TEST(OpenSides, RowsThroughCornersAndEdges) {
+  const Mesh open = box_without_lid(), round = bowl(), holed = box_with_a_hole_in_its_lid();
+  const auto expect_all = [](const Mesh& mesh, const Vec3& center, double step) {
+    SCOPED_TRACE(::testing::Message() << center.x << ' ' << center.y << ' ' << center.z << ", step " << step);
+    const std::vector<Vec3> points = lattice(center, step, 5);
+    EXPECT_GT(expect_sides(mesh, points), 30);
+    expect_alone_as_together(mesh, points);
+  };
+  for (const double step : {0x1p-4, 0x1p-8}) {
+    for (const Vec3& center : {Vec3{1.125, 1.125, -0.75}, Vec3{1.875, 1.5, -0.75}, Vec3{1.5, 1.5, -0.75}})
+      for (const Mesh* mesh : {&open, &holed}) expect_all(*mesh, center, step);
+    for (const double x : {1.375, 1.5, 1.625})
+      for (const double z : {-0.125, -0.25, -0.375}) expect_all(holed, {x, 1.375, z}, step);
+    for (std::size_t n = 0; n < round.vertices.size(); n += 37) expect_all(round, round.vertices[n], step);
+    for (const Vec3& corner : round.vertices)
+      if (corner.z == 0 && std::abs(corner.y - 1.5) < 0.13) expect_all(round, {1.6875, corner.y, 0}, step);
+  }
 }
 
 }  // namespace

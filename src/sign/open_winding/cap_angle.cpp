@@ -57,10 +57,16 @@ Direction direction(const Vec3& from, const Vec3& to) {
   return {l > 0 ? d * (1 / l) : Vec3{}, l};
 }
 
+// That of the apex from p + (e^3, e, e^2), e infinitely small: it has one where p is the apex, too.
+Vec3 direction_of_apex(const Vec3& apex, const Vec3& p) {
+  const Direction found = direction(p, apex);
+  return found.length > 0 ? found.unit : Vec3{0, -1, 0};
+}
+
 // The angles of a cap's triangles. use(corner, next, cross product, dot product of the two) for each edge of the rim.
 template <class Use>
 CapAngle sum_angles(const Rim& rim, const Vec3& p, const Use& use) {
-  const Vec3 apex = direction(p, rim.apex).unit;
+  const Vec3 apex = direction_of_apex(rim.apex, p);
   AngleSum sum;
   double least_sq = kInfinity;
   Direction corner = direction(p, rim.corners.back());
