@@ -70,6 +70,7 @@ class BatchQuery {
   auto answers(const Console& console, std::size_t count, Ask ask) {
     using Clock = std::chrono::steady_clock;
     count_ = static_cast<std::int64_t>(count);
+    if (count == 0) warn_of_none(console, file_, noun_);
     const auto start = Clock::now();
     auto results = with_spinner(console, asked(), [&] { return ask(report_); });
     seconds_ = std::chrono::duration<double>(Clock::now() - start).count();

@@ -93,6 +93,10 @@ std::function<bool(const Progress&)> Console::progress() const {
   };
 }
 
+void warn_of_none(const Console& console, const std::string& file, const std::string& noun) {
+  console.warn((file == "-" ? "standard input" : file) + ": there is no " + noun + " in it, and so no answer");
+}
+
 void print(const std::string& text) {
   if (std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0) return;
   throw Error(ErrorCode::output,

@@ -40,6 +40,9 @@ class Console {
   std::string progress_ = "auto";
 };
 
+/// Says that a file of "point"s holds none: its answers have no rows, which is no error, but may be one before us.
+void warn_of_none(const Console& console, const std::string& file, const std::string& noun);
+
 /// Text on stdout. Throws Error{output} when it cannot be written.
 void print(const std::string& text);
 /// One object or list on stdout.

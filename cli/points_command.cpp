@@ -136,6 +136,7 @@ void Command::run() {
   const PointCounts counts = answer_points(prepared, *reader, *writer, asked, options.execution, console.progress());
   const double seconds = seconds_since(start);
   const bool has_sign = prepared.sign().method != SignMethod::none;
+  if (counts.points == 0) warn_of_none(console, points, "point");
   console.say((file.empty() ? "" : file + ": ") + counted(counts.points, "point") +
               (has_sign ? ", " + grouped(counts.inside) + " of them inside" : "") +
               (skip_invalid ? ", " + grouped(counts.invalid) + " invalid" : "") + "; in " + seconds_text(seconds));

@@ -12,7 +12,7 @@ namespace {
 
 // read(numbers) of each line that holds some.
 template <class T, class Read>
-std::vector<T> read_lines(const std::string& name, const char* what, Read read) {
+std::vector<T> read_lines(const std::string& name, Read read) {
   LineReader lines{InputStream(name)};
   std::vector<T> found;
   for (std::string_view line; lines.next(line);) {
@@ -22,17 +22,15 @@ std::vector<T> read_lines(const std::string& name, const char* what, Read read) 
       throw Error(ErrorCode::input, lines.name() + ":" + std::to_string(lines.number()) + ": " + error.what());
     }
   }
-  if (found.empty())
-    throw Error(ErrorCode::input, lines.name() + ": there is no " + what + " in it; give one on each line");
   return found;
 }
 
 }  // namespace
 
-std::vector<Pose> read_poses(const std::string& name) { return read_lines<Pose>(name, "pose", pose_of); }
+std::vector<Pose> read_poses(const std::string& name) { return read_lines<Pose>(name, pose_of); }
 
 std::vector<RigidMotion> read_motions(const std::string& name, Vec3 center) {
-  return read_lines<RigidMotion>(name, "motion", [center](const std::vector<double>& v) {
+  return read_lines<RigidMotion>(name, [center](const std::vector<double>& v) {
     const std::size_t half = v.size() / 2;
     if (half != 3 && half != 7 && half != 12)
       throw Error(ErrorCode::usage, std::to_string(v.size()) +

@@ -69,9 +69,9 @@ bool LineReader::next_raw(std::string_view& line) {
   }
 }
 
-void LineReader::fail(const std::string& message) const {
-  throw Error(ErrorCode::input, name() + ":line " + std::to_string(number_) + ": " + message,
-              {.file = name(), .line = static_cast<std::int64_t>(number_)});
+void LineReader::fail_at(std::uint64_t number, const std::string& message) const {
+  throw Error(ErrorCode::input, name() + ":line " + std::to_string(number) + ": " + message,
+              {.file = name(), .line = static_cast<std::int64_t>(number)});
 }
 
 }  // namespace standoff

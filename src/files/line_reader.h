@@ -25,7 +25,9 @@ class LineReader {
   /// The number of that line, from 1.
   std::uint64_t number() const { return number_; }
   /// Throws Error{input} "NAME:line N: MESSAGE".
-  [[noreturn]] void fail(const std::string& message) const;
+  [[noreturn]] void fail(const std::string& message) const { fail_at(number_, message); }
+  /// The same of a line before it.
+  [[noreturn]] void fail_at(std::uint64_t number, const std::string& message) const;
   double fraction() const { return input_.fraction(); }
   const std::string& name() const { return input_.name(); }
 

@@ -114,7 +114,6 @@ TEST_F(BatchQuery, StandardInput) {
   ::close(how.in);
   EXPECT_EQ(bad.code, 3);
   EXPECT_TRUE(bad.says("standoff: error: standard input:2: give x,y,z; or")) << bad.err;
-  expect("collide scene:box scene:box --poses -", 3, "standard input: there is no pose in it");
   how.in = ::open((folder / "poses.csv").c_str(), O_RDONLY | O_CLOEXEC);
   const Ran lost = run(words("collide scene:box scene:box --poses - -f -o poses.csv"), how);
   ::close(how.in);
@@ -201,10 +200,22 @@ TEST_F(BatchQuery, ErrorsNameFileAndLine) {
   write("ways.csv", "0,0,0,0,0,0,1,0,0,0,0,0,0,1\n");
   expect("sweep scene:box scene:box --motions ways.csv", 3, "ways.csv:1: the axis has no direction");
   write("empty.csv", "# nothing\n");
-  expect("collide scene:box scene:box --poses empty.csv", 3, "empty.csv: there is no pose in it");
-  expect("sweep scene:box scene:box --motions empty.csv", 3, "empty.csv: there is no motion in it");
   expect("collide scene:box scene:box --poses nowhere.csv", 3, "nowhere.csv: no such file");
   expect("collide scene:box scene:box --poses .", 3, ".: it is a folder");
+}
+
+// No question, no answer, as in C++ and Python; but not without a word.
+TEST_F(BatchQuery, AFileWithoutPosesHasNoAnswers) {
+  write("empty.csv", "# nothing\n");
+  Ran ran = done(words("collide scene:box scene:box --poses empty.csv"));
+  EXPECT_EQ(ran.out, "pose,result\n");
+  EXPECT_TRUE(ran.says("standoff: warning: empty.csv: there is no pose in it")) << ran.err;
+  ran = done(words("distance scene:box scene:box --poses empty.csv -o out.csv"));
+  EXPECT_EQ(lines(read_bytes(folder / "out.csv")).size(), 1u);
+  ran = done(words("sweep scene:box scene:box --motions empty.csv --json"));
+  EXPECT_EQ(ran.json()["queries"], 0);
+  EXPECT_TRUE(ran.says("standoff: warning: empty.csv: there is no motion in it")) << ran.err;
+  EXPECT_TRUE(done(words("collide scene:box scene:box --poses -")).says("standard input: there is no pose in it"));
 }
 
 // A message shows what it needs of a line, and all of itself.

@@ -193,8 +193,13 @@ class Points(unittest.TestCase):
         np.save("none.npy", np.zeros((0, 3)))
         self.done("scene:box", "none.npy", "-o", "none_out.npy")
         self.assertEqual(np.load("none_out.npy").shape, (0,))
-        self.assertEqual(self.done("scene:box", "-", stdin=b"x,y,z\n").stdout, b"distance\n")
-        self.refused(3, "standard input: there is no point in it", "scene:box", "-", stdin=b"")
+        Path("none.ply").write_bytes(ply_bytes(np.zeros((0, 3))))
+        # One rule for every format: no point, no answer, and a word about it.
+        for name, text in [("none.npy", None), ("none.ply", None), ("-", b"x,y,z\n"), ("-", b""), ("-", b"# a comment\n\n")]:
+            ran = self.done("scene:box", name, stdin=text)
+            self.assertEqual(ran.stdout, b"distance\n")
+            shown = "standard input" if name == "-" else name
+            self.assertIn(f"warning: {shown}: there is no point in it".encode(), ran.stderr)
 
     def test_invalid_points(self):
         text = b"x,y,z\n0,0,0\nnan,0,0\n0,0,-inf\n1e200,0,0\n,,\n1e999,0,0\n9,0,0\n"
@@ -232,6 +237,24 @@ class Points(unittest.TestCase):
             (b"1,2,3\n" + b"4" * 2_000_000, "line 2: a line of more than 1048576 bytes"),
             (b"1,2,3\n0x10,2,3\n", "line 2: expected a number, found '0x10'"),
             (b"1,2,3\n\0\0,2,3\n", "line 2: expected a number, found '??'"),
+            # A damaged first line was taken for names of columns, and vanished.
+            (b"1e5x,2,3\n4,5,6\n", "line 1: expected a number, found '1e5x'"),
+            (b"0x10,2,3\n4,5,6\n", "line 1: expected a number, found '0x10'"),
+            (b"1,2,-3..5\n4,5,6\n", "line 1: expected a number, found '-3..5'"),
+            (b'"1,2,3"\n4,5,6\n', "line 1: expected a number, found '\"1'"),
+            (b"'1','2','3'\n4,5,6\n", "line 1: expected a number, found ''1''"),
+            (b"(1 2 3)\n4 5 6\n", "line 1: expected a number, found '(1'"),
+            ("−1,2,3\n4,5,6\n".encode(), "line 1: expected a number, found "),
+            (b"1st,2nd,3rd\n4,5,6\n", "line 1: expected a number, found '1st'; write numbers like 12 or -1.5e3, decimals "
+             "with a point, between them commas (a line that names columns has no field that begins like a number)"),
+            (b"point,1,2,3\n", "line 1: expected a number, found 'point'"),
+            (b"n/a,n/a,n/a\n4,5,6\n", "line 1: expected a number, found 'n/a'"),
+            (b"nan,2,three\n4,5,6\n", "line 1: expected a number, found 'three'"),
+            (b"1,5;2,5;3,5\n", "line 1: expected a number, found '1,5'"),
+            # Words are no points, and no heading either unless numbers follow.
+            (b"hello\n", "line 1: expected a number, found 'hello'"),
+            (b"# a poem\n\nthe quick brown fox\n\n", "line 3: expected three numbers, or columns called x, y and z"),
+            (b"the quick brown fox\njumps over it all\n", "line 2: expected a number, found 'jumps'"),
         ]:
             self.refused(3, "standard input:" + message, "scene:box", "-", stdin=text)
             Path("damaged.csv").write_bytes(text)

@@ -28,10 +28,9 @@ void refuse_unsupported(const NrrdHeader& header) {
   if (encoding.text != "raw" && !is_gzip_encoding(encoding))
     header.fail(encoding,
                 "encoding " + in_quotes(encoding.text) + " is not read; save it raw (unu save -f nrrd -e raw)");
-  for (const char* name : {"data file", "datafile"})
-    if (const NrrdLine* line = header.find(name))
-      header.fail(*line, "samples in another file are not read; save one .nrrd");
-  for (const char* name : {"byte skip", "byteskip", "line skip", "lineskip"})
+  if (const NrrdLine* line = header.find("data file"))
+    header.fail(*line, "samples in another file are not read; save one .nrrd");
+  for (const char* name : {"byte skip", "line skip"})
     if (const NrrdLine* line = header.find(name); line && line->text != "0")
       header.fail(*line, "skips before the samples are not read; save the file without");
   if (const NrrdLine& dimension = header.get("dimension"); dimension.text != "3")

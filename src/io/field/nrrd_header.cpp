@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/field/nrrd_header.h"
 
+#include <algorithm>
+#include <array>
+
 #include "files/shown.h"
 #include "io/field/header_text.h"
 
@@ -8,6 +11,20 @@ namespace standoff {
 namespace {
 
 constexpr std::uint64_t kMaxHeader = std::uint64_t{1} << 20;  // far more than any header needs
+
+// The fields of the format, without blanks. Another one is a damaged name, and what it says would be lost: where the
+// grid begins, say.
+constexpr std::array<std::string_view, 28> kFields{
+    "content",     "number",   "type",     "blocksize",       "dimension",   "space",      "spacedimension",
+    "sizes",       "spacings", "axismins", "axismaxs",        "thicknesses", "centers",    "centerings",
+    "labels",      "units",    "kinds",    "spacedirections", "spaceorigin", "spaceunits", "measurementframe",
+    "sampleunits", "min",      "max",      "oldmin",          "oldmax",      "endian",     "encoding"};
+constexpr std::array<std::string_view, 3> kPlaces{"datafile", "lineskip", "byteskip"};
+
+std::string without_blanks(std::string name) {
+  std::erase(name, ' ');
+  return name;
+}
 
 // Values of keys may hold line breaks, spelt \n, and backslashes, spelt \\.
 std::string unescaped(const std::string& text) {
@@ -32,6 +49,11 @@ void take_line(NrrdHeader& header, const NrrdLine& line) {
     return;
   }
   for (char& c : name) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  name = without_blanks(name);
+  if (std::ranges::find(kFields, name) == kFields.end() && std::ranges::find(kPlaces, name) == kPlaces.end())
+    header.fail(line, in_quotes(line.text) +
+                          " is no field of a NRRD header; the file is damaged, write it again (what is your own goes "
+                          "into a key, 'name:=value')");
   header.fields[name] = {std::string(trimmed(std::string_view(line.text).substr(colon + 1))), line.number};
 }
 
@@ -42,7 +64,7 @@ void NrrdHeader::fail(const NrrdLine& line, const std::string& what) const {
 }
 
 const NrrdLine* NrrdHeader::find(const std::string& name) const {
-  const auto found = fields.find(name);
+  const auto found = fields.find(without_blanks(name));
   return found == fields.end() ? nullptr : &found->second;
 }
 

@@ -17,13 +17,13 @@ struct NrrdLine {
 
 struct NrrdHeader {
   const FileView& file;
-  std::map<std::string, NrrdLine> fields;  ///< "name: value", names in lower case
+  std::map<std::string, NrrdLine> fields;  ///< "name: value", names in lower case and without blanks
   std::map<std::string, NrrdLine> keys;    ///< "key:=value", escapes undone
   std::uint64_t data = 0;                  ///< offset of the first sample
 
   /// Throws Error{input} that names the line.
   [[noreturn]] void fail(const NrrdLine& line, const std::string& what) const;
-  /// The field of that name, or nullptr.
+  /// The field of that name, which is the same with blanks and without ("axis mins"), or nullptr.
   const NrrdLine* find(const std::string& name) const;
   /// The field of that name, or an error.
   const NrrdLine& get(const std::string& name) const;

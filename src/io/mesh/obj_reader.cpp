@@ -14,6 +14,16 @@ namespace {
 // Indices beyond this cannot be kept; files that large do not exist.
 constexpr std::int64_t kHighest = std::numeric_limits<std::uint32_t>::max();
 
+// What begins like a number, or a v or f that its number has run into: no statement, but what is left of one. Passed
+// over, it would shift all indices after it.
+bool is_damaged(std::string_view keyword) {
+  if (keyword == "V" || keyword == "F") return true;
+  const auto digit = [](char c) { return c >= '0' && c <= '9'; };
+  if (keyword.size() > 1 && (keyword[0] == 'v' || keyword[0] == 'f')) keyword.remove_prefix(1);
+  while (keyword.size() > 1 && (keyword[0] == '-' || keyword[0] == '+' || keyword[0] == '.')) keyword.remove_prefix(1);
+  return !keyword.empty() && digit(keyword[0]);
+}
+
 // Some editors put a byte order mark before the text. Left there it would hide the first statement.
 std::size_t text_begin(const FileView& file) { return file.bytes().starts_with("\xef\xbb\xbf") ? 3 : 0; }
 
@@ -29,6 +39,9 @@ class ObjReader {
         read_vertex();
       else if (keyword == "f")
         read_face();
+      else if (is_damaged(keyword))
+        text_.fail_at(keyword.data(), "expected a statement such as \"v 1 2 3\" or \"f 1 2 3\", found " +
+                                          in_quotes(keyword) + "; repair the line");
       skip_rest(text_, keyword);
     }
     if (highest_ > static_cast<std::int64_t>(builder_.vertices.size())) fail_range(highest_place_, highest_);

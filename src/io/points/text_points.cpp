@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "core/number_text.h"
@@ -68,6 +69,21 @@ std::optional<double> number_of(std::string_view field) {
   return error == std::errc{} ? value : beyond_range(field);
 }
 
+// Whether a field is a number, or a damaged one: "1e5x", "0x10", a quote without its end before a digit. No name of a
+// column begins so.
+bool begins_like_number(std::string_view field) {
+  if (!field.empty() && number_of(field)) return true;
+  constexpr std::string_view kMinus = "\xe2\x88\x92";  // as text processors write it
+  while (!field.empty()) {
+    const char c = field.front();
+    if (c >= '0' && c <= '9') return true;
+    const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || (c & 0x80) != 0;
+    if (letter && !field.starts_with(kMinus)) return false;
+    field.remove_prefix(letter ? kMinus.size() : 1);
+  }
+  return false;
+}
+
 class TextPoints : public PointReader {
  public:
   TextPoints(LineReader lines, InvalidPoints invalid) : lines_(std::move(lines)), invalid_(invalid) {}
@@ -75,35 +91,35 @@ class TextPoints : public PointReader {
   std::size_t read(std::span<Vec3> points) override {
     std::size_t n = 0;
     for (std::string_view line; n < points.size() && lines_.next(line);) {
-      if (!begun_ && begin(line)) continue;
+      if (!std::exchange(begun_, true) && begin(line)) continue;
       points[n] = point(line);
       if (!check_point(points[n], invalid_) && invalid_ == InvalidPoints::reject)
         lines_.fail(invalid_point(read_, points[n]));
       ++n;
       ++read_;
     }
-    if (n < points.size() && !begun_)
-      throw Error(ErrorCode::input, lines_.name() + ": there is no point in it; give one on each line, as x,y,z",
-                  {.file = lines_.name()});
+    // Columns of other names are points if numbers stand below them; any text has a first line.
+    if (n < points.size() && read_ == 0 && unknown_names_ > 0)
+      lines_.fail_at(unknown_names_,
+                     "expected three numbers, or columns called x, y and z; give a point on each line, "
+                     "as x,y,z");
     return n;
   }
   double fraction() const override { return lines_.fraction(); }
 
  private:
-  // Of the first line: what parts its fields, and whether it names columns.
+  // Of the first line: what parts its fields, and whether it names columns. A line with a number among its fields, or
+  // with what may have been one, is a point, damaged or not: taken for names it would vanish, and all answers with it
+  // would stand one line too high.
   bool begin(std::string_view line) {
-    begun_ = true;
     separator_ = separator_of(line);
     std::array<int, 3> named{-1, -1, -1};
-    bool names = false;
+    std::array<std::string_view, 3> first;
     Fields fields(line, separator_);
     int column = 0;
     for (std::string_view field; fields.next(field); ++column) {
-      names |= column < 3 && !number_of(field);
-      if (column < 3 && !number_of(field) && !field.empty() &&
-          field.find_first_not_of("0123456789.,+-eE") == std::string_view::npos)
-        lines_.fail("expected a number or a column's name, found " + in_quotes(field) +
-                    "; write decimals with a point, and commas, semicolons, tabs or blanks between numbers");
+      if (begins_like_number(field)) return false;
+      if (column < 3) first[static_cast<std::size_t>(column)] = field;
       for (std::size_t axis = 0; axis < 3; ++axis)
         if (field.size() == 1 && (field[0] | 0x20) == "xyz"[axis]) {
           if (named[axis] >= 0) lines_.fail("two columns called " + in_quotes(field) + "; rename one");
@@ -111,10 +127,17 @@ class TextPoints : public PointReader {
         }
     }
     const auto found = std::ranges::count_if(named, [](int c) { return c >= 0; });
-    if (found == 3) columns_ = named;
     if (found == 1 || found == 2)
       lines_.fail("it names some of the columns x, y and z; name all three, or none of them");
-    return names || found == 3;
+    if (found == 3) {
+      columns_ = named;
+      return true;
+    }
+    // Three times the word for a missing value is no heading.
+    const bool three_names = std::ranges::none_of(first, &std::string_view::empty) && first[0] != first[1] &&
+                             first[0] != first[2] && first[1] != first[2];
+    if (three_names) unknown_names_ = lines_.number();
+    return three_names;
   }
 
   Vec3 point(std::string_view line) {
@@ -128,7 +151,8 @@ class TextPoints : public PointReader {
           const auto value = number_of(field);
           if (!value)
             lines_.fail("expected a number, found " + in_quotes(field) +
-                        "; write numbers like 12 or -1.5e3, decimals with a point, between them " + separator_name());
+                        "; write numbers like 12 or -1.5e3, decimals with a point, between them " + separator_name() +
+                        (read_ == 0 ? " (a line that names columns has no field that begins like a number)" : ""));
           v[axis] = *value;
         }
     if (column <= last)
@@ -147,6 +171,7 @@ class TextPoints : public PointReader {
   char separator_ = ',';
   std::array<int, 3> columns_{0, 1, 2};
   std::uint64_t read_ = 0;
+  std::uint64_t unknown_names_ = 0;  // the line of names that are not x, y and z, if there is one
 };
 
 }  // namespace

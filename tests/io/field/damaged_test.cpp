@@ -207,6 +207,10 @@ TEST(DamagedField, Nrrd) {
           {"(0.5,0,0)", "(0.5,0.1,0)", "the axes of the grid must be those of the world"},
           {"(0.5,0,0)", "(-0.5,0,0)", ":header: grid: the spacing must be positive and finite; write the file again"},
           {"(0.5,0,0) ", "", "three directions are needed"},
+          // A damaged name of a field was passed over: without its origin the grid began at 0.
+          {"space origin:", "space orgin:", ":line 12: 'space orgin: (-1,2,3)' is no field of a NRRD header"},
+          {"encoding: raw", "encoding: raw\ndatafile: a.raw", ": samples in another file are not read"},
+          {"encoding: raw", "encoding: raw\nlineskip: 1", ": skips before the samples are not read"},
           {"space directions:", "# ", ":header: neither 'space directions' nor 'spacings' is there"},
           {"space origin: (-1,2,3)", "space origin: (-1,2,3) (1,2,3)", "one vector (x,y,z) is needed"},
           {"endian: little", "endian: middle", "endian is little or big"},
