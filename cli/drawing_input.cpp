@@ -20,6 +20,8 @@ namespace standoff::cli {
 namespace {
 
 std::string head_of(const std::string& name) {
+  // A pipe can be looked at once.
+  if (std::error_code ignored; !std::filesystem::is_regular_file(name, ignored)) return "";
   std::string head(4096, '\0');
   std::ifstream file(name, std::ios::binary);
   file.read(head.data(), static_cast<std::streamsize>(head.size()));
@@ -50,6 +52,9 @@ DrawingInput::Kind DrawingInput::kind_of_input(const std::string& name) {
   std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
   const std::string head = head_of(name);
   if (extension == ".ply" && head.find("element face") != std::string::npos) return Kind::mesh;
+  std::error_code ignored;
+  const bool pipe = std::filesystem::is_fifo(name, ignored);
+  if (pipe && extension == ".ply") return Kind::mesh;
   for (const char* of_points : {".ply", ".csv", ".tsv", ".txt", ".xyz", ".npy"})
     if (extension == of_points) return is_path(head) ? Kind::path : Kind::points;
   return Kind::mesh;
@@ -72,12 +77,7 @@ void DrawingInput::read_points(const std::string& name, bool is_path) {
 void DrawingInput::color_by_field(Polyline& line) const {
   if (fields_.empty()) return;
   line.values.resize(line.points.size());
-  fields_.front().interpolate(line.points, line.values);
-  // Beyond the samples the field says nothing: these are pink, as what is no number.
-  const Box known = fields_.front().grid().bounds();
-  for (std::size_t n = 0; n < line.points.size(); ++n)
-    if (!(min(max(line.points[n], known.min), known.max) == line.points[n]))
-      line.values[n] = std::numeric_limits<double>::quiet_NaN();
+  fields_.front().interpolate(line.points, line.values);  // NaN, which is pink, outside the grid
 }
 
 void DrawingInput::check_layers(const LayerOptions& layers) const {
@@ -131,7 +131,7 @@ void DrawingInput::add_field_layers(const LayerOptions& layers) {
       throw Error(ErrorCode::usage, "--iso " + number(options.at) +
                                         ": the field has no surface at this value; take one between its least and its "
                                         "greatest, which standoff info tells");
-    field.gradient(surfaces_.back().vertices, normals_.back());
+    field.gradient(surfaces_.back().vertices, normals_.back(), {}, Outside::border);
     for (Vec3& n : normals_.back())
       if (const double size = length(n); size > 0) n = n * (1 / size);
   }

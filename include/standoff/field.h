@@ -30,6 +30,13 @@ struct Provenance {
   std::string sign;             ///< how the sign was decided (docs/sign.md): "winding odd inverted"; empty: no sign
 };
 
+/// What a field answers at a point outside its grid, of which it knows nothing. A point within a thousandth of the
+/// spacing of the grid counts as on its border, for coordinates are rounded.
+enum class Outside {
+  nan,     ///< NaN, in each number of the answer
+  border,  ///< what it answers at the nearest point of the grid
+};
+
 class TilePool;
 
 /// The distance to the nearest triangle at every sample of a grid, clamped to the thickness. In a signed field, samples
@@ -89,19 +96,21 @@ class STANDOFF_API DistanceField {
   /// The triangle nearest to sample (i,j,k), or kNoTriangle. Errors: usage (the grid has no such sample, or the field
   /// has no nearest triangles).
   std::uint32_t nearest(std::int64_t i, std::int64_t j, std::int64_t k) const;
-  /// The trilinear interpolation at a point (world units); for a point outside the grid, that at the nearest point of
-  /// the grid. If the cells are cubic and no corner of the point's cell is clamped to the thickness, the result differs
-  /// from the distance by at most (sqrt(3)/2) * spacing. Errors: usage (a coordinate is not a number).
-  double interpolate(Vec3 point) const;
+  /// The trilinear interpolation at a point (world units). If the cells are cubic and no corner of the point's cell is
+  /// clamped to the thickness, the result differs from the distance by at most (sqrt(3)/2) * spacing. Outside the grid
+  /// the result is NaN, or, if asked for, that at the border: where it is not negative and the mesh lies inside the
+  /// grid's box, a lower bound of the distance, within the same error. Errors: usage (a coordinate is not a number).
+  double interpolate(Vec3 point, Outside outside = Outside::nan) const;
   /// The gradient of the trilinear interpolation at a point (world units), by its analytic derivative; zero along axes
-  /// with one sample. Outside the grid it is the one-sided gradient at the nearest point of the grid. It is not the
-  /// gradient of interpolate(), which is constant there along the outward axes. Errors: usage (a coordinate is not a
-  /// number).
-  Vec3 gradient(Vec3 point) const;
+  /// with one sample. Outside the grid it is NaN, or the one-sided gradient at the border, which is not the gradient of
+  /// interpolate(): that is constant there along the outward axes. Errors: usage (a coordinate is not a number).
+  Vec3 gradient(Vec3 point, Outside outside = Outside::nan) const;
   /// The same at many points, on the CPU: out[n] is the result for points[n]. Errors: usage, also if the lengths differ
   /// or `execution` is invalid; `out` is then unspecified.
-  void interpolate(std::span<const Vec3> points, std::span<double> out, const Execution& execution = {}) const;
-  void gradient(std::span<const Vec3> points, std::span<Vec3> out, const Execution& execution = {}) const;
+  void interpolate(std::span<const Vec3> points, std::span<double> out, const Execution& execution = {},
+                   Outside outside = Outside::nan) const;
+  void gradient(std::span<const Vec3> points, std::span<Vec3> out, const Execution& execution = {},
+                Outside outside = Outside::nan) const;
 
   /// Tiles per axis; the last ones may extend beyond the grid.
   Size3 tile_count() const;

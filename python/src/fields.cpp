@@ -153,22 +153,31 @@ void answer_at(std::span<const Vec3> points, const std::function<void(std::size_
   part(0, points.size());
 }
 
-nb::object values_at(const DistanceField& field, const PointInput& points, int threads) {
+Outside outside_of(const std::string& name) {
+  constexpr const char* kNames[] = {"nan", "border"};
+  return static_cast<Outside>(choice_of("outside", name, kNames));
+}
+
+nb::object values_at(const DistanceField& field, const PointInput& points, const std::string& outside, int threads) {
+  const Outside choice = outside_of(outside);
   NewArray<double> out({points.shape(0)});
   const std::span<const Vec3> all = points_of(points);
   const std::span<double> values(out.data(), out.count());
   answer_at(all, [&](std::size_t first, std::size_t last) {
-    field.interpolate(all.subspan(first, last - first), values.subspan(first, last - first), {.threads = threads});
+    field.interpolate(all.subspan(first, last - first), values.subspan(first, last - first), {.threads = threads},
+                      choice);
   });
   return out.finish();
 }
 
-nb::object gradients_at(const DistanceField& field, const PointInput& points, int threads) {
+nb::object gradients_at(const DistanceField& field, const PointInput& points, const std::string& outside, int threads) {
+  const Outside choice = outside_of(outside);
   NewArray<double> out({points.shape(0), 3});
   const std::span<const Vec3> all = points_of(points);
   const std::span<Vec3> gradients(reinterpret_cast<Vec3*>(out.data()), points.shape(0));
   answer_at(all, [&](std::size_t first, std::size_t last) {
-    field.gradient(all.subspan(first, last - first), gradients.subspan(first, last - first), {.threads = threads});
+    field.gradient(all.subspan(first, last - first), gradients.subspan(first, last - first), {.threads = threads},
+                   choice);
   });
   return out.finish();
 }
@@ -268,8 +277,8 @@ void add_fields(nb::module_& m) {
       .def("tile_values", [](nb::handle_t<DistanceField> self) { return tile_values(self); })
       .def("slots", [](nb::handle_t<DistanceField> self) { return slots_of(self); })
       .def("tile_coordinates", [](const DistanceField& f) { return array_over<std::int32_t>(f.tile_coordinates()); })
-      .def("values", &values_at, "points"_a.noconvert(), "threads"_a)
-      .def("gradients", &gradients_at, "points"_a.noconvert(), "threads"_a)
+      .def("values", &values_at, "points"_a.noconvert(), "outside"_a, "threads"_a)
+      .def("gradients", &gradients_at, "points"_a.noconvert(), "outside"_a, "threads"_a)
       .def("save", &write, "path"_a, "compress"_a, "overwrite"_a, "threads"_a);
   m.def("read_field", &read, "path"_a, "memory_limit"_a);
   m.def("from_tiles", &from_tiles, "grid"_a, "thickness"_a, "values"_a.noconvert(), "slots"_a.noconvert(),

@@ -240,19 +240,23 @@ class DistanceField:
 
     # Its values anywhere.
 
-    def __call__(self, points: Any, *, threads: int = 0) -> Any:
-        """The trilinear interpolation at points ``(..., 3)``, world units; outside of the grid, at its nearest point.
+    def __call__(self, points: Any, *, outside: str = "nan", threads: int = 0) -> Any:
+        """The trilinear interpolation at points ``(..., 3)``, world units.
 
+        Args:
+            outside: what points outside of the grid get, of which the field knows nothing: ``"nan"``, or with
+                ``"border"`` the value at the nearest point of the grid. That is a lower bound of the distance if it is
+                not negative and the mesh lies in the grid's box, within the error of interpolation.
         Returns:
             Values ``(...)``: float32 for float32 points, else float64; a torch tensor for a tensor.
         """
         p = Points(points)
-        return p.give(self._native().values(p.array, threads_of(threads)))
+        return p.give(self._native().values(p.array, name(outside, "outside"), threads_of(threads)))
 
-    def gradient(self, points: Any, *, threads: int = 0) -> Any:
-        """The gradient of the interpolation at points ``(..., 3)``, as ``(..., 3)``."""
+    def gradient(self, points: Any, *, outside: str = "nan", threads: int = 0) -> Any:
+        """The gradient of the interpolation at points ``(..., 3)``, as ``(..., 3)``; `outside` as for values."""
         p = Points(points)
-        return p.give(self._native().gradients(p.array, threads_of(threads)))
+        return p.give(self._native().gradients(p.array, name(outside, "outside"), threads_of(threads)))
 
     # Files, pictures, checks.
 

@@ -129,7 +129,14 @@ def test_interpolation_between_samples():
     np.testing.assert_allclose(FIELD(points), expected, atol=1e-6)
     for index in [(0, 0, 0), (3, 4, 5), (23, 23, 23)]:
         assert FIELD(FIELD.grid.points()[index]) == pytest.approx(values[index], abs=1e-6)
-    np.testing.assert_allclose(FIELD([[9, 0, 0]]), FIELD([[high[0], 0, 0]]), atol=1e-6)  # outside: the nearest point
+    beyond = np.array([[9, 0, 0], [0, -9, 0]])
+    assert np.isnan(FIELD(beyond)).all() and np.isnan(FIELD.gradient(beyond)).all()
+    border = [[high[0], 0, 0], [0, low[1], 0]]
+    np.testing.assert_array_equal(FIELD(beyond, outside="border"), FIELD(border))
+    np.testing.assert_array_equal(FIELD.gradient(beyond, outside="border"), FIELD.gradient(border))
+    assert np.isfinite(FIELD(FIELD.grid.points().astype(np.float32))).all()  # whose border is rounded
+    with pytest.raises(ValueError, match="outside: .*nearest.*nan.*border"):
+        FIELD(beyond, outside="nearest")
     step = 1e-4
     inner = points[(np.abs(part - 0.5) < 0.4).all(axis=1)]
     for axis in range(3):

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "core/execution.h"
 #include "core/field_error.h"
@@ -22,9 +23,27 @@ struct AxisCell {
   double t = 0;
 };
 
+// Samples that a point may lie beyond the border and still be on it: coordinates of a grid that are computed in single
+// precision, or from the other end, are off by less.
+constexpr double kOnBorder = 1e-3;
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+double samples_from_origin(double point, double origin, double spacing) { return (point - origin) / spacing; }
+
+bool is_on_axis(double point, double origin, double spacing, std::int64_t size) {
+  const double at = samples_from_origin(point, origin, spacing);
+  return at >= -kOnBorder && at <= static_cast<double>(size - 1) + kOnBorder;
+}
+
+bool answers_at(const Grid& g, Vec3 p, Outside outside) {
+  return outside == Outside::border ||
+         (is_on_axis(p.x, g.origin.x, g.spacing.x, g.size.x) && is_on_axis(p.y, g.origin.y, g.spacing.y, g.size.y) &&
+          is_on_axis(p.z, g.origin.z, g.spacing.z, g.size.z));
+}
+
 AxisCell axis_cell(double point, double origin, double spacing, std::int64_t size) {
   if (size == 1) return {};
-  const double at = std::clamp((point - origin) / spacing, 0.0, static_cast<double>(size - 1));
+  const double at = std::clamp(samples_from_origin(point, origin, spacing), 0.0, static_cast<double>(size - 1));
   const auto first = std::min(static_cast<std::int64_t>(at), size - 2);
   return {first, first + 1, at - static_cast<double>(first)};
 }
@@ -34,9 +53,12 @@ struct Cell {
   std::array<double, 8> corner{};  // x fastest
 };
 
-Cell cell_at(const DistanceField& field, Vec3 p) {
+void expect_numbers(Vec3 p) {
   if (std::isnan(p.x) || std::isnan(p.y) || std::isnan(p.z))
     fail_field([] { return "the point to look at is not a number; give three numbers"; });
+}
+
+Cell cell_at(const DistanceField& field, Vec3 p) {
   const Grid& g = field.grid();
   Cell cell{axis_cell(p.x, g.origin.x, g.spacing.x, g.size.x), axis_cell(p.y, g.origin.y, g.spacing.y, g.size.y),
             axis_cell(p.z, g.origin.z, g.spacing.z, g.size.z)};
@@ -72,27 +94,32 @@ void for_all_points(std::span<const Vec3> points, std::span<T> out, const Execut
 
 }  // namespace
 
-void DistanceField::interpolate(std::span<const Vec3> points, std::span<double> out, const Execution& execution) const
-    try {
-  for_all_points(points, out, execution, [this](Vec3 point) { return interpolate(point); });
+void DistanceField::interpolate(std::span<const Vec3> points, std::span<double> out, const Execution& execution,
+                                Outside outside) const try {
+  for_all_points(points, out, execution, [=, this](Vec3 point) { return interpolate(point, outside); });
 } catch (...) {
   throw_as_error("field");
 }
 
-void DistanceField::gradient(std::span<const Vec3> points, std::span<Vec3> out, const Execution& execution) const try {
-  for_all_points(points, out, execution, [this](Vec3 point) { return gradient(point); });
+void DistanceField::gradient(std::span<const Vec3> points, std::span<Vec3> out, const Execution& execution,
+                             Outside outside) const try {
+  for_all_points(points, out, execution, [=, this](Vec3 point) { return gradient(point, outside); });
 } catch (...) {
   throw_as_error("field");
 }
 
-double DistanceField::interpolate(Vec3 point) const {
+double DistanceField::interpolate(Vec3 point, Outside outside) const {
+  expect_numbers(point);
+  if (!answers_at(grid_, point, outside)) return kNan;
   const Cell cell = cell_at(*this, point);
   const auto& c = cell.corner;
   const auto row = [&](int n) { return mix(c[n], c[n + 1], cell.x.t); };
   return mix(mix(row(0), row(2), cell.y.t), mix(row(4), row(6), cell.y.t), cell.z.t);
 }
 
-Vec3 DistanceField::gradient(Vec3 point) const {
+Vec3 DistanceField::gradient(Vec3 point, Outside outside) const {
+  expect_numbers(point);
+  if (!answers_at(grid_, point, outside)) return {kNan, kNan, kNan};
   const Cell cell = cell_at(*this, point);
   const auto& c = cell.corner;
   const double tx = cell.x.t, ty = cell.y.t, tz = cell.z.t;

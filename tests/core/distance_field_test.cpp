@@ -172,8 +172,9 @@ void expect_empty(DistanceField& field) {
   EXPECT_FALSE(field.tile_nearest(0, 0, 0));
   EXPECT_EQ(field.value(0, 0, 0), kInfinity);
   EXPECT_EQ(field.nearest(0, 0, 0), kNoTriangle);
-  EXPECT_EQ(field.interpolate({3, 4, 5}), kInfinity);
-  EXPECT_EQ(field.gradient({3, 4, 5}), Vec3{});
+  EXPECT_EQ(field.interpolate({}), kInfinity);
+  EXPECT_EQ(field.interpolate({3, 4, 5}, Outside::border), kInfinity);
+  EXPECT_EQ(field.gradient({3, 4, 5}, Outside::border), Vec3{});
   EXPECT_EQ(field.to_dense(), std::vector<float>{std::numeric_limits<float>::infinity()});
   EXPECT_EQ(testing::code_of([&] { field.store_tile(0, 0, 0); }), ErrorCode::usage);
   EXPECT_EQ(DistanceField(field).stored_tiles(), 0);

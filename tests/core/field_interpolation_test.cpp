@@ -78,14 +78,41 @@ TEST(FieldInterpolation, InterpolatesBetweenTheCorners) {
   }
 }
 
-TEST(FieldInterpolation, OutsideTheGridTheNearestPointOfItCounts) {
+// Outside it knows nothing. It answered with the border's value, which is wrong by any amount.
+TEST(FieldInterpolation, OutsideTheGridNothingIsKnown) {
+  const auto field = linear_field(kGrid);
+  const Box box = kGrid.bounds();
+  const Vec3 h = kGrid.spacing, middle = (box.min + box.max) * 0.5;
+  const auto expect_known = [&](Vec3 p, bool known) {
+    EXPECT_EQ(std::isnan(field.interpolate(p)), !known) << p.x << " " << p.y << " " << p.z;
+    const Vec3 slope = field.gradient(p);
+    for (const double s : {slope.x, slope.y, slope.z}) EXPECT_EQ(std::isnan(s), !known);
+    std::vector<double> values(1);
+    field.interpolate(std::span(&p, 1), values);
+    EXPECT_EQ(std::isnan(values[0]), !known);
+    if (known) EXPECT_EQ(field.interpolate(p), field.interpolate(p, Outside::border));
+  };
+  for (const Vec3 axis : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}) {
+    const Vec3 low = middle + (box.min - middle) * axis, high = middle + (box.max - middle) * axis;
+    expect_known(low, true);
+    expect_known(high, true);
+    expect_known(low - axis * h * 9e-4, true);  // rounded coordinates of the border
+    expect_known(high + axis * h * 9e-4, true);
+    expect_known(low - axis * h * 2e-3, false);
+    expect_known(high + axis * h * 2e-3, false);
+    expect_known(high + axis * 1e300, false);
+  }
+  expect_known({kInfinity, 0, 0}, false);
+}
+
+TEST(FieldInterpolation, AskedForTheBorderTheNearestPointOfTheGridCounts) {
   const auto field = linear_field(kGrid);
   const Box box = kGrid.bounds();
   for (const Vec3 p : {box.min - Vec3{1, 2, 3}, box.max + Vec3{1e9, 0, 0}, Vec3{box.min.x, box.max.y + 5, 31.5},
                        Vec3{kInfinity, -kInfinity, 31}}) {
     const Vec3 inside = max(box.min, min(box.max, p));
-    EXPECT_EQ(field.interpolate(p), field.interpolate(inside));
-    EXPECT_EQ(field.gradient(p), field.gradient(inside));
+    EXPECT_EQ(field.interpolate(p, Outside::border), field.interpolate(inside));
+    EXPECT_EQ(field.gradient(p, Outside::border), field.gradient(inside));
   }
   EXPECT_EQ(code_of([&] { field.interpolate({0, std::nan(""), 0}); }), ErrorCode::usage);
   EXPECT_EQ(code_of([&] { field.gradient({0, 0, std::nan("")}); }), ErrorCode::usage);
@@ -93,11 +120,13 @@ TEST(FieldInterpolation, OutsideTheGridTheNearestPointOfItCounts) {
 
 TEST(FieldInterpolation, AxesOfOneSample) {
   const auto field = linear_field({{5, 1, 1}, {0, 7, 8}, {1, 1, 1}});
-  EXPECT_NEAR(field.interpolate({2.25, -100, 100}), linear({2.25, 7, 8}), 1e-4);
-  EXPECT_EQ(field.gradient({2.25, 0, 0}), (Vec3{kSlope.x, 0, 0}));
+  EXPECT_NEAR(field.interpolate({2.25, 7, 8}), linear({2.25, 7, 8}), 1e-4);
+  EXPECT_NEAR(field.interpolate({2.25, -100, 100}, Outside::border), linear({2.25, 7, 8}), 1e-4);
+  EXPECT_TRUE(std::isnan(field.interpolate({2.25, 7, 8.1}))) << "beside its plane";
+  EXPECT_EQ(field.gradient({2.25, 7, 8}), (Vec3{kSlope.x, 0, 0}));
   const auto point = linear_field({{1, 1, 1}, {0, 7, 8}, {1, 1, 1}});
-  EXPECT_EQ(point.interpolate({3, 3, 3}), static_cast<float>(linear({0, 7, 8})));
-  EXPECT_EQ(point.gradient({3, 3, 3}), Vec3{});
+  EXPECT_EQ(point.interpolate({3, 3, 3}, Outside::border), static_cast<float>(linear({0, 7, 8})));
+  EXPECT_EQ(point.gradient({0, 7, 8}), Vec3{});
 }
 
 TEST(FieldInterpolation, ManyPointsGetWhatEachGetsAlone) {
@@ -112,11 +141,11 @@ TEST(FieldInterpolation, ManyPointsGetWhatEachGetsAlone) {
   for (const int threads : {1, 3}) {
     std::vector<double> values(points.size(), -1);
     std::vector<Vec3> slopes(points.size());
-    field.interpolate(points, values, {.threads = threads});
-    field.gradient(points, slopes, {.threads = threads});
+    field.interpolate(points, values, {.threads = threads}, Outside::border);
+    field.gradient(points, slopes, {.threads = threads}, Outside::border);
     for (std::size_t n = 0; n < points.size(); ++n) {
-      ASSERT_EQ(values[n], field.interpolate(points[n])) << n;
-      ASSERT_EQ(slopes[n], field.gradient(points[n])) << n;
+      ASSERT_EQ(values[n], field.interpolate(points[n], Outside::border)) << n;
+      ASSERT_EQ(slopes[n], field.gradient(points[n], Outside::border)) << n;
     }
   }
   std::vector<double> few(3);
