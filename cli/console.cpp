@@ -11,6 +11,7 @@
 #include "cli/parse.h"
 #include "cli/signals.h"
 #include "cli/text.h"
+#include "files/open_pipe.h"
 #include "standoff/error.h"
 
 namespace standoff::cli {
@@ -97,7 +98,15 @@ void warn_of_none(const Console& console, const std::string& file, const std::st
   console.warn((file == "-" ? "standard input" : file) + ": there is no " + noun + " in it, and so no answer");
 }
 
+void tell_of_pipes() {
+  set_pipe_notice([](const std::string& sentence) {
+    if (is_line_drawn()) std::fputs("\r\033[K", stderr);
+    to_stderr("standoff: warning: " + sentence);
+  });
+}
+
 void print(const std::string& text) {
+  output_has_begun();
   if (std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0) return;
   throw Error(ErrorCode::output,
               "standard output: cannot write to it: " + std::string(std::strerror(errno)) + "; send it elsewhere");

@@ -43,6 +43,9 @@ class Console {
 /// Says that a file of "point"s holds none: its answers have no rows, which is no error, but may be one before us.
 void warn_of_none(const Console& console, const std::string& file, const std::string& noun);
 
+/// Has the library tell on stderr that it waits for the other end of a pipe.
+void tell_of_pipes();
+
 /// Text on stdout. Throws Error{output} when it cannot be written.
 void print(const std::string& text);
 /// One object or list on stdout.

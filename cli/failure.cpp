@@ -6,6 +6,7 @@
 #include <new>
 #include <string>
 
+#include "cli/signals.h"
 #include "cli/text.h"
 #include "standoff/error.h"
 
@@ -31,8 +32,7 @@ int exit_code_of(const std::function<void()>& run) {
     run();
     return 0;
   } catch (const Error& error) {
-    if (error.code() == ErrorCode::interrupted)
-      return fail(error.code(), "interrupted; no partial file was left, run it again");
+    if (error.code() == ErrorCode::interrupted) return fail(error.code(), std::string(interruption()));
     return fail(error.code(), with_options(error));
   } catch (const std::bad_alloc&) {
     return fail(ErrorCode::limit, "not enough memory; use a smaller mesh or fewer samples, or provide more memory");

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "cli/commands.h"
+#include "cli/console.h"
 #include "cli/failure.h"
 #include "cli/signals.h"
 #include "cli/usage.h"
@@ -26,5 +27,6 @@ void run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   standoff::cli::install_signal_handlers();
+  standoff::cli::tell_of_pipes();
   return standoff::cli::exit_code_of([=] { standoff::cli::run(argc, argv); });
 }

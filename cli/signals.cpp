@@ -16,26 +16,47 @@ namespace {
 std::atomic<bool> asked{false};
 std::atomic<int> cancellable{0};
 std::atomic<bool> line_drawn{false};
+std::atomic<bool> output_begun{false};
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
 
-template <std::size_t size>
-[[noreturn]] void end(const char (&message)[size], ErrorCode code) {
-  static constexpr char kWipe[] = "\r\033[K";
+// Text in a place of its own: a handler may not allocate.
+class FixedText {
+ public:
+  void clear() { size_ = 0; }
+  void add(std::string_view words) {
+    for (const char c : words)
+      if (size_ < sizeof text_) text_[size_++] = c < ' ' && c >= 0 ? '?' : c;
+  }
+  std::string_view view() const { return {text_, size_}; }
+
+ private:
+  char text_[4500];
+  std::size_t size_ = 0;
+};
+
+void say(std::string_view words) { (void)!::write(STDERR_FILENO, words.data(), words.size()); }
+
+[[noreturn]] void end(std::string_view (*message)(), ErrorCode code) {
   remove_unfinished_files();
-  if (line_drawn) (void)!::write(STDERR_FILENO, kWipe, sizeof kWipe - 1);
-  (void)!::write(STDERR_FILENO, message, size - 1);
+  if (line_drawn) say("\r\033[K");
+  say("standoff: error: ");
+  say(message());
+  say("\n");
   ::_exit(static_cast<int>(code));
 }
 
 extern "C" void on_signal(int) {
   if (!asked.exchange(true) && cancellable > 0) return;
-  end("standoff: error: interrupted; no partial file was left, run it again\n", ErrorCode::interrupted);
+  end(interruption, ErrorCode::interrupted);
 }
 
 // Field files are read from a mapping; what was there a moment ago is gone.
 extern "C" void on_lost_file(int) {
-  end("standoff: error: a file that was being read became shorter or its disk failed; see who writes to it, run it "
-      "again\n",
+  end(
+      [] {
+        return std::string_view(
+            "a file that was being read became shorter or its disk failed; see who writes to it, run it again");
+      },
       ErrorCode::input);
 }
 
@@ -61,6 +82,26 @@ Cancellable::~Cancellable() { --cancellable; }
 
 bool interrupted() { return asked; }
 
+std::string_view interruption() {
+  static FixedText text;
+  text.clear();
+  const char* const finished = finished_file();
+  text.add("interrupted");
+  if (finished) {
+    text.add(" after ");
+    text.add(finished);
+    text.add(" was written, which is complete");
+  }
+  text.add("; no partial file was left");
+  if (is_writing_straight()) text.add(", but what went to a pipe or device is cut off");
+  if (output_begun) text.add(", but the standard output may be cut off");
+  if (!finished) text.add(", run it again");
+  return text.view();
+}
+
+void output_has_begun() { output_begun = true; }
+
 void line_is_drawn(bool drawn) { line_drawn = drawn; }
+bool is_line_drawn() { return line_drawn; }
 
 }  // namespace standoff::cli

@@ -2,6 +2,8 @@
 // Ctrl-C, SIGTERM and SIGHUP: end the program without leaving anything half-written.
 #pragma once
 
+#include <string_view>
+
 namespace standoff::cli {
 
 /// Installs the handlers. Signals that the parent has set to be ignored (nohup) stay ignored. A closed pipe and a file
@@ -21,7 +23,16 @@ class Cancellable {
 
 bool interrupted();
 
+/// What is to be said of the interrupt, without a line's end: whether the file that was to be written is there after
+/// all, and that what went to a pipe or the standard output is cut off. The text lives until the next call.
+/// Async-signal-safe.
+std::string_view interruption();
+
+/// Says that data goes to the standard output, which an interrupt would cut off.
+void output_has_begun();
+
 /// Whether a line on the terminal waits to be wiped; what a signal has to say then wipes it first.
 void line_is_drawn(bool drawn);
+bool is_line_drawn();
 
 }  // namespace standoff::cli

@@ -14,8 +14,10 @@
 #include <cstring>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include "files/descriptor.h"
+#include "files/open_pipe.h"
 #include "files/temp_file_registry.h"
 #include "standoff/error.h"
 
@@ -100,7 +102,7 @@ AtomicFile::AtomicFile(const std::filesystem::path& target, Existing existing, U
   if (exists && ::access(target_.c_str(), W_OK) != 0) fail(errno);
   if (exists && !S_ISREG(there.st_mode)) {
     kind_ = Kind::straight;
-    file_ = ::open(target_.c_str(), kOpen);
+    file_ = open_to_write(target_, shown_).release();
     if (file_ < 0) fail(errno);
     return;
   }
@@ -165,6 +167,7 @@ void AtomicFile::flush() {
 }
 
 void AtomicFile::append(const char* data, std::size_t bytes) {
+  if (kind_ == Kind::straight && bytes > 0 && !std::exchange(noted_straight_, true)) note_straight(1);
   while (bytes > 0) {
     check();
     const auto done = ::write(file_, data, std::min(bytes, kMaxWrite));
@@ -177,10 +180,16 @@ void AtomicFile::append(const char* data, std::size_t bytes) {
 
 void AtomicFile::commit() {
   flush();
-  if (kind_ != Kind::straight) sync(file_);
+  if (kind_ != Kind::straight) {
+    sync(file_);
+    note_finishing(shown_, file_);
+  }
   if (kind_ == Kind::unnamed) link_unnamed();
   close();
-  if (kind_ == Kind::straight) return;
+  if (kind_ == Kind::straight) {
+    if (std::exchange(noted_straight_, false)) note_straight(-1);
+    return;
+  }
   if (unfinished_ != target_) take_name();
   sync_folder();
   unfinished_.clear();

@@ -78,6 +78,7 @@ class AtomicFile {
   int file_ = -1;
   int slot_ = -1;  // in the table of unfinished files
   std::uint64_t size_ = 0;
+  bool noted_straight_ = false;
   ProgressMeter* waiting_ = nullptr;
   std::unique_ptr<char[]> buffer_;
   std::size_t buffered_ = 0;

@@ -23,6 +23,8 @@ class Descriptor {
   }
 
   int number() const { return number_; }
+  /// Leaves it open, to the caller.
+  int release() { return std::exchange(number_, -1); }
 
  private:
   int number_ = -1;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "files/file_view.h"
 
-#include <fcntl.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -16,6 +15,7 @@
 #include <optional>
 
 #include "files/input_stream.h"
+#include "files/open_pipe.h"
 #include "standoff/error.h"
 
 namespace standoff {
@@ -41,7 +41,7 @@ std::optional<std::int64_t> number_after(std::string_view word, std::string_view
 
 FileView::FileView(const std::filesystem::path& path, Access access, ProgressMeter* waiting)
     : path_(path), waiting_(waiting) {
-  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  const Descriptor file = open_to_read(path, waiting);
   struct stat about {};
   if (file.number() < 0 || ::fstat(file.number(), &about) != 0) fail("", cannot_read(errno));
   if (S_ISDIR(about.st_mode)) fail("", cannot_read(EISDIR));

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "files/input_stream.h"
 
-#include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -10,6 +9,7 @@
 #include <cstring>
 #include <system_error>
 
+#include "files/open_pipe.h"
 #include "standoff/error.h"
 
 namespace standoff {
@@ -36,7 +36,7 @@ InputStream::InputStream(const std::string& name) : name_(name == "-" ? "standar
   if (name == "-") {
     file_ = STDIN_FILENO;
   } else {
-    opened_ = Descriptor(::open(name.c_str(), O_RDONLY | O_CLOEXEC));
+    opened_ = open_to_read(name);
     file_ = opened_.number();
   }
   struct stat about {};

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "files/temp_file_registry.h"
 
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <array>
 #include <atomic>
+#include <cerrno>
+#include <cstdint>
 #include <cstring>
 
 namespace standoff {
@@ -21,6 +26,33 @@ static_assert(std::atomic<int>::is_always_lock_free);
 
 // More files than one process writes at a time.
 std::array<Slot, 32> slots;
+
+// The file that was finished last.
+struct Finishing : Slot {
+  dev_t device = 0;
+  ino_t number = 0;
+} finishing;
+
+std::atomic<int> straight{0};
+
+// Of a folder that has no folders in it. What readdir does by the heap is done by system calls.
+void remove_folder(const char* name) noexcept {
+#ifdef SYS_getdents64
+  const int folder = ::open(name, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (folder < 0) return;
+  alignas(8) char entries[4096];
+  constexpr long kLength = 16, kName = 19;  // of struct linux_dirent64
+  for (long got; (got = ::syscall(SYS_getdents64, folder, entries, sizeof entries)) > 0;)
+    for (long at = 0; at < got;) {
+      ::unlinkat(folder, entries + at + kName, 0);
+      std::uint16_t length;
+      std::memcpy(&length, entries + at + kLength, sizeof length);
+      at += length;
+    }
+  ::close(folder);
+#endif
+  ::rmdir(name);
+}
 
 }  // namespace
 
@@ -43,7 +75,31 @@ void forget_unfinished(int slot) noexcept {
 
 void remove_unfinished_files() noexcept {
   for (Slot& slot : slots)
-    if (slot.state == kNoted) ::unlink(slot.name.data());
+    if (slot.state == kNoted && ::unlink(slot.name.data()) != 0 && errno != ENOENT) remove_folder(slot.name.data());
+}
+
+void note_finishing(const std::filesystem::path& target, int file) noexcept {
+  const auto& name = target.native();
+  struct stat about {};
+  // Of two that end at once, one will do.
+  int before = finishing.state;
+  if (name.size() >= finishing.name.size() || ::fstat(file, &about) != 0 || before == kFilling ||
+      !finishing.state.compare_exchange_strong(before, kFilling))
+    return;
+  std::memcpy(finishing.name.data(), name.c_str(), name.size() + 1);
+  finishing.device = about.st_dev;
+  finishing.number = about.st_ino;
+  finishing.state = kNoted;
+}
+
+void note_straight(int more) noexcept { straight += more; }
+bool is_writing_straight() noexcept { return straight > 0; }
+
+const char* finished_file() noexcept {
+  struct stat about {};
+  const bool is_there = finishing.state == kNoted && ::stat(finishing.name.data(), &about) == 0 &&
+                        about.st_dev == finishing.device && about.st_ino == finishing.number;
+  return is_there ? finishing.name.data() : nullptr;
 }
 
 }  // namespace standoff

@@ -4,7 +4,11 @@
 #include <stdlib.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <chrono>
+#include <deque>
+#include <filesystem>
+#include <iterator>
 #include <thread>
 
 #include "tests/cli/program.h"
@@ -125,6 +129,98 @@ TEST_F(Interrupt, WhileWriting) {
   ::close(reader);
   EXPECT_EQ(ran.code, 130) << ran.err;
   EXPECT_TRUE(ran.says("standoff: error: interrupted")) << ran.err;
+}
+
+// What is said of an interrupt that comes after the file took its name: five kills of 260 were told that nothing was
+// left, and to run it again. A full pipe in place of stdout holds the program at that place.
+TEST_F(Interrupt, AfterTheFileWasCompletedSaysSo) {
+  int ends[2];
+  ASSERT_EQ(::pipe2(ends, O_CLOEXEC | O_NONBLOCK), 0);
+  const std::string filling(1 << 16, '.');
+  while (::write(ends[1], filling.data(), filling.size()) > 0 || ::write(ends[1], ".", 1) > 0) {
+  }
+  ::fcntl(ends[1], F_SETFL, 0);
+  for (const std::string command : {"compute scene:box -r 20 -o a.vti --json", "generate sphere -o a.ply --json",
+                                    "iso scene:box -r 20 -o a.stl --json", "convert scene:box -o a.obj --json",
+                                    "voxels scene:box -r 20 -o a.npz --json", "build scene:box -o a.body --json",
+                                    "points scene:box points.csv -o a.npy --json",
+                                    "collide scene:box scene:box --poses points.csv -o a.csv --json"}) {
+    write_bytes(folder / "points.csv", "1,2,3\n");
+    auto how = setup();
+    how.out = ends[1];
+    const auto parts = words(command);
+    const std::string name = *(std::ranges::find(parts, "-o") + 1);
+    Process process(parts, how);
+    while (!std::filesystem::exists(folder / name)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    process.send(SIGINT);
+    const Ran ran = process.wait();
+    EXPECT_EQ(ran.code, 130) << command << "\n" << ran.err;
+    EXPECT_TRUE(ran.says("standoff: error: interrupted after " + name + " was written, which is complete")) << ran.err;
+    EXPECT_FALSE(ran.says("run it again")) << ran.err;
+    std::filesystem::remove(folder / name);
+    EXPECT_EQ(folder.names(), std::set<std::string>{"points.csv"}) << command;
+  }
+  ::close(ends[0]);
+  ::close(ends[1]);
+}
+
+// Two signals end the drawing of pictures in the middle: the folder that they wait in goes too.
+TEST_F(Interrupt, TwiceWhilePicturesAreDrawn) {
+  Process process(words("fly --steps 5000 -o frames/"), setup());
+  const auto drawing = [&] {
+    for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
+      if (entry.path().filename().string().starts_with(".standoff-"))
+        return std::distance(std::filesystem::directory_iterator(entry), {}) > 2;
+    return false;
+  };
+  while (!drawing()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  process.send(SIGSTOP);
+  process.send(SIGINT);
+  process.send(SIGTERM);
+  process.send(SIGCONT);
+  const Ran ran = process.wait();
+  EXPECT_EQ(ran.code, 130) << ran.err;
+  EXPECT_TRUE(ran.says("interrupted; no partial file was left, run it again")) << ran.err;
+  EXPECT_TRUE(folder.names().empty()) << *folder.names().begin();
+}
+
+// A pipe without a writer, or without a reader, was waited for forever and without a word.
+TEST_F(Interrupt, APipeWithoutAnOtherEndIsWaitedForAloud) {
+  for (const char* name : {"pipe.stl", "pipe.vti", "pipe.body", "pipe.query", "pipe.csv", "pipe.npy", "out.csv"})
+    ASSERT_EQ(::mkfifo((folder / name).c_str(), 0600), 0);
+  const std::vector<std::string> commands{"info pipe.stl",
+                                          "info pipe.vti -q",
+                                          "compute pipe.stl -o a.vti",
+                                          "slice pipe.vti -o a.png",
+                                          "collide pipe.body scene:box",
+                                          "points pipe.query pipe.csv",
+                                          "points scene:box pipe.npy",
+                                          "distance scene:box scene:box --poses pipe.csv",
+                                          "render pipe.csv -o a.png",
+                                          "view pipe.stl -o a.html",
+                                          "points scene:box - -o out.csv"};
+  std::deque<Process> processes;  // they wait side by side
+  for (const std::string& command : commands) processes.emplace_back(words(command), setup());
+  for (std::size_t n = 0; n < commands.size(); ++n) {
+    const std::string& command = commands[n];
+    Process& process = processes[n];
+    EXPECT_TRUE(process.wait_for("waiting for a program to ")) << command;
+    process.send(SIGINT);
+    const Ran ran = process.wait();
+    EXPECT_EQ(ran.code, 130) << command << "\n" << ran.err;
+    const std::string pipe = command.ends_with("out.csv") ? "out.csv" : "pipe.";
+    EXPECT_TRUE(ran.says("standoff: warning: " + pipe)) << ran.err;
+    EXPECT_TRUE(ran.says("interrupted")) << ran.err;
+  }
+}
+
+// Whoever writes to one is read, however late.
+TEST_F(Interrupt, APipeIsReadWheneverItsWriterComes) {
+  ASSERT_EQ(::mkfifo((folder / "pipe.csv").c_str(), 0600), 0);
+  Process process(words("points scene:box pipe.csv -q"), setup());
+  EXPECT_TRUE(process.wait_for("waiting for a program to write to it"));
+  write_bytes(folder / "pipe.csv", "5,0,0\n");
+  EXPECT_EQ(process.wait().out, "distance\n4\n");
 }
 
 TEST_F(Interrupt, Verify) {

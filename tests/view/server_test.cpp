@@ -110,6 +110,29 @@ class Served {
   std::thread thread_;
 };
 
+// A client that says so waits for the end of the connection, and waited for the server's patience.
+TEST(Server, ClosesWhenTheClientAsks) {
+  const Served served;
+  for (const char* header : {"Connection: close\r\n", "connection: Keep-Alive , CLOSE\r\n",
+                             "Connection: keep-alive\r\nConnection: close\r\n"}) {
+    const Client client(served.port());
+    client.say(served.get("echo", header));
+    const std::string heard = client.hear();  // to the end
+    EXPECT_TRUE(heard.starts_with("HTTP/1.1 200 OK\r\n")) << heard;
+    EXPECT_NE(heard.find("\r\nConnection: close\r\n\r\n"), std::string::npos) << heard;
+    const Client refused(served.port());
+    refused.say(served.get("nothing", header));
+    EXPECT_TRUE(refused.hear().starts_with("HTTP/1.1 404")) << header;
+  }
+  const Client other(served.port());
+  other.say(served.get("echo", "Connection: keep-alive, closed\r\n") + served.post("echo", "second"));
+  EXPECT_EQ(other.hear("second").find("Connection: close"), std::string::npos);
+  const Client stream(served.port());
+  stream.say(served.get("stream", "Connection: close\r\n"));
+  const std::string heard = stream.hear("data: again\n\n");
+  EXPECT_NE(heard.find("\r\nConnection: close\r\n\r\n"), std::string::npos) << heard;
+}
+
 TEST(Server, AnswersRequestsOfOneConnection) {
   const Served served;
   const Client client(served.port());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "view/film/picture_folder.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -9,6 +10,8 @@
 #include <string_view>
 #include <system_error>
 
+#include "files/descriptor.h"
+#include "files/temp_file_registry.h"
 #include "standoff/error.h"
 #include "view/film/film.h"
 
@@ -75,11 +78,13 @@ PictureFolder::PictureFolder(const fs::path& folder, std::size_t count, Existing
   const fs::path unfinished = (fs::is_directory(folder_, why) ? folder_ : folder_.parent_path()) / unfinished_name();
   if (!fs::create_directory(unfinished, why)) fail(why);
   unfinished_ = unfinished;
+  slot_ = note_unfinished(unfinished_);
 }
 
 PictureFolder::~PictureFolder() {
   std::error_code ignored;
   if (!unfinished_.empty()) fs::remove_all(unfinished_, ignored);
+  forget_unfinished(slot_);
 }
 
 void PictureFolder::add(const Image& image) {
@@ -93,6 +98,8 @@ void PictureFolder::commit() {
     replace_old();
     return;
   }
+  const Descriptor pictures(::open(unfinished_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  note_finishing(shown_, pictures.number());
   fs::rename(unfinished_, folder_, why);  // also over an empty folder that has appeared meanwhile
   if (why) fail(why);
   unfinished_.clear();
@@ -115,6 +122,8 @@ void PictureFolder::replace_old() {
   }
   for (const fs::path& path : old)
     if (std::ranges::find(names_, path.filename()) == names_.end()) fs::remove(path, why);
+  const Descriptor pictures(::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  note_finishing(shown_, pictures.number());
 }
 
 void PictureFolder::fail(const std::error_code& why) const {

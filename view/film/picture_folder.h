@@ -34,6 +34,7 @@ class PictureFolder {
   std::vector<std::filesystem::path> names_;
   std::size_t digits_;
   Existing existing_;
+  int slot_ = -1;  // in the table of unfinished files
 };
 
 }  // namespace standoff::view

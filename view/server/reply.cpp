@@ -72,7 +72,7 @@ bool Reply::write(std::string_view bytes) {
 void Reply::send(int status, const char* type, std::string_view body) {
   sent_ = true;
   const std::string begin = head(status, type) + "Content-Length: " + std::to_string(body.size()) +
-                            (keeps_ ? "\r\n\r\n" : "\r\nConnection: close\r\n\r\n");
+                            (closes_ ? "\r\nConnection: close\r\n\r\n" : "\r\n\r\n");
   // Short answers in one packet.
   if (body.size() > 4096) {
     if (connection_.write(begin, kStall)) write(body);
@@ -85,7 +85,7 @@ void Reply::refuse(const Refusal& refusal) { send(refusal.status, "text/plain; c
 
 bool Reply::begin_stream(const char* type) {
   sent_ = streams_ = true;
-  return write(head(200, type) + "Transfer-Encoding: chunked\r\n\r\n");
+  return write(head(200, type) + "Transfer-Encoding: chunked\r\n" + (closes_ ? "Connection: close\r\n\r\n" : "\r\n"));
 }
 
 bool Reply::part(std::string_view bytes) {

@@ -31,9 +31,9 @@ class Reply {
   bool abandoned() const { return stopping_() || connection_.closed(); }
 
   bool sent() const { return sent_; }
-  /// Whether another request may follow: everything of this one was read and written.
-  bool keeps() const { return keeps_; }
-  void close_after() { keeps_ = false; }
+  /// Whether another request may follow: everything of this one was read and written, and nobody wants to close.
+  bool keeps() const { return keeps_ && !closes_; }
+  void close_after() { closes_ = true; }
 
  private:
   bool write(std::string_view bytes);
@@ -42,7 +42,8 @@ class Reply {
   std::function<bool()> stopping_;
   bool sent_ = false;
   bool streams_ = false;
-  bool keeps_ = true;
+  bool keeps_ = true;    // all was written so far
+  bool closes_ = false;  // the answer is the connection's last one
 };
 
 }  // namespace standoff::view

@@ -109,6 +109,18 @@ std::optional<Refusal> read_body_length(Request& request) {
 }  // namespace
 
 const std::string* Request::header(std::string_view name) const { return find(headers, name); }
+// Options with commas between them; the header may stand more than once. RFC 9110 7.6.1.
+bool Request::closes() const {
+  for (const auto& [name, value] : headers) {
+    if (name != "connection") continue;
+    for (std::string_view rest = value; !rest.empty();) {
+      const auto comma = std::min(rest.find(','), rest.size());
+      if (lower(without_outer_blanks(rest.substr(0, comma))) == "close") return true;
+      rest.remove_prefix(std::min(comma + 1, rest.size()));
+    }
+  }
+  return false;
+}
 const std::string* Request::parameter(std::string_view name) const { return find(parameters, name); }
 
 std::optional<std::size_t> head_length(std::string_view bytes) {

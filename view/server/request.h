@@ -27,6 +27,8 @@ struct Request {
   /// The value, or null.
   const std::string* header(std::string_view name) const;
   const std::string* parameter(std::string_view name) const;
+  /// Whether the client asks that this be the connection's last request.
+  bool closes() const;
 };
 
 /// What is wrong with a request: the answer's status, and a sentence.

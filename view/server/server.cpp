@@ -112,6 +112,7 @@ bool Server::State::answer(Client& client, Connection& connection) {
   auto body = connection.read_body(request.body_bytes, options.stall);
   if (!body) return refuse({408, "the body did not come"});
   request.body = std::move(*body);
+  if (request.closes()) reply.close_after();
   try {
     handler(request, gate.route(request), reply);
   } catch (const Error& error) {
