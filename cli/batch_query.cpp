@@ -14,7 +14,7 @@
 namespace standoff::cli {
 namespace {
 
-constexpr const char* kGroup = "Many at once";
+constexpr const char* kBatchGroup = "Many at once";
 
 }  // namespace
 
@@ -28,20 +28,22 @@ void Table::triangle(std::uint32_t index) { cell(index == kNoTriangle ? "" : std
 
 CLI::Option* BatchQuery::add_to(CLI::App& verb, const char* name, const char* help, const char* noun) {
   noun_ = noun;
-  option_ = add_parsed(verb, {name, "FILE", help, kGroup}, [this](const std::string& option, const std::string& text) {
-    if (text.empty()) throw Error(ErrorCode::usage, option + " '': give the name of a file, or - for standard input");
-    file_ = text;
-  });
+  option_ =
+      add_parsed(verb, {name, "FILE", help, kBatchGroup}, [this](const std::string& option, const std::string& text) {
+        if (text.empty())
+          throw Error(ErrorCode::usage, option + " '': give the name of a file, or - for standard input");
+        file_ = text;
+      });
   output_.add_to(verb, "CSV", "the answers, one on each line: .csv (default: standard output)");
   auto* output = verb.get_option("--output");
   output->needs(option_);
   verb.get_option("--force")->needs(output);
-  add_threads(verb, kGroup, execution_.threads)->needs(option_);
+  add_threads(verb, kBatchGroup, execution_.threads)->needs(option_);
   return option_;
 }
 
 void BatchQuery::add_device_to(CLI::App& verb) {
-  add_device(verb, kGroup, execution_.backend, execution_.device)->needs(option_);
+  add_device(verb, kBatchGroup, execution_.backend, execution_.device)->needs(option_);
 }
 
 void BatchQuery::check(std::initializer_list<std::string> inputs) const {

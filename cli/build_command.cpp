@@ -18,14 +18,14 @@
 namespace standoff::cli {
 namespace {
 
-constexpr const char* kExamples =
+constexpr const char* kBuildExamples =
     R"(  standoff build maze.stl                              maze.body, for collide, distance, sweep and fly
   standoff build maze.stl -o out/maze.body --unit mm   in metres, elsewhere
   standoff collide maze.body fly.stl --pose 3,1,2      nothing is built again
   standoff build maze.stl -o maze.query --sign auto    for standoff points
 )";
 
-struct Command {
+struct BuildCommand {
   MeshInput input;
   FileOutput output;
   ModelOptions options;
@@ -41,7 +41,7 @@ struct Command {
   void build_query(const Mesh& mesh);
 };
 
-void Command::check() {
+void BuildCommand::check() {
   output.check({{"body", "", true, true, false}, {"query", "", true, true, false}});
   const bool query = kind_of(output.path()) == FileKind::query;
   if (query && spacing_given)
@@ -52,7 +52,7 @@ void Command::check() {
   sign.shell = shell.value;
 }
 
-void Command::build_query(const Mesh& mesh) {
+void BuildCommand::build_query(const Mesh& mesh) {
   const std::string file = output.path().string();
   const MeshQuery query = with_spinner(console, "building " + file,
                                        [&] { return MeshQuery(mesh, {.sign = sign, .execution = options.execution}); });
@@ -71,7 +71,7 @@ void Command::build_query(const Mesh& mesh) {
   print(json, output.path());
 }
 
-void Command::run() {
+void BuildCommand::run() {
   if (!output.given()) output.set_path(input.stem() + ".body");
   check_input(input.name());
   check();
@@ -92,10 +92,9 @@ void Command::run() {
 }  // namespace
 
 void add_build(CLI::App& program) {
-  auto* verb = add_verb(program, "build", "make a body or a query of a mesh, once for many questions", kExamples);
-  const auto command = std::make_shared<Command>();
+  auto* verb = add_verb(program, "build", "make a body or a query of a mesh, once for many questions", kBuildExamples);
+  const auto command = std::make_shared<BuildCommand>();
   ModelOptions& options = command->options;
-  using S = const std::string&;
   command->input.add_to(*verb);
   command->input.add_scale_to(*verb);
   add_parsed(*verb, {"--spacing", "S", "of the body's field (default: chosen from the mesh)", "Body"},

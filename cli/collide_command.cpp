@@ -15,7 +15,7 @@
 namespace standoff::cli {
 namespace {
 
-constexpr const char* kExamples = R"(  standoff collide maze.stl fly.stl --pose 3,1,2               B moved
+constexpr const char* kCollideExamples = R"(  standoff collide maze.stl fly.stl --pose 3,1,2               B moved
   standoff collide maze.stl fly.stl --pose 3,1,2,0,1,0,90      turned by 90 degrees about the y axis, then moved
   standoff collide a.stl b.stl --margin 0.01                   nearer than 0.01 counts
   standoff collide a.stl b.stl --contacts 20 --json            where they intersect
@@ -24,7 +24,7 @@ constexpr const char* kExamples = R"(  standoff collide maze.stl fly.stl --pose 
   standoff collide maze.stl fly.stl --poses - -o hits.csv --device cuda < poses.csv
 )";
 
-struct Command {
+struct CollideCommand {
   PairInput bodies;
   Pose pose;
   double margin = 0;
@@ -83,14 +83,14 @@ const char* sentence_of(Containment containment) {
 }
 
 // With one open body only half of the question has an answer.
-void Command::say_what_is_open(const CollisionModel& a, const CollisionModel& b) const {
+void CollideCommand::say_what_is_open(const CollisionModel& a, const CollisionModel& b) const {
   if (containment && a.closed() != b.closed())
     console.say(std::string(a.closed() ? "B" : "A") +
                 " is not closed and consistently oriented, so nothing counts as inside it");
 }
 
 // Which of several intersecting triangles is found depends on the device: the table leaves it out, so that it does not.
-void Command::run_batch() {
+void CollideCommand::run_batch() {
   batch.check({bodies.name_a(), bodies.name_b()});
   if (certified && batch.execution().backend != Backend::automatic && batch.execution().backend != Backend::cpu)
     throw Error(ErrorCode::usage, "--certified: comes from the CPU alone; leave --device out");
@@ -118,7 +118,7 @@ void Command::run_batch() {
   batch.deliver("collide", answers, console);
 }
 
-void Command::run() {
+void CollideCommand::run() {
   bodies.check();
   if (batch.given()) return run_batch();
   const CollisionModel a = bodies.read_a(console), b = bodies.read_b(console);
@@ -158,11 +158,10 @@ void Command::run() {
 }  // namespace
 
 void add_collide(CLI::App& program) {
-  auto* verb = add_verb(program, "collide", "do two bodies intersect, and where", kExamples);
-  const auto command = std::make_shared<Command>();
+  auto* verb = add_verb(program, "collide", "do two bodies intersect, and where", kCollideExamples);
+  const auto command = std::make_shared<CollideCommand>();
   command->bodies.add_to(*verb);
   auto* pose = add_pose(*verb, "--pose", "where B is: x,y,z; x,y,z,ax,ay,az,degrees; or a 3x4 matrix", command->pose);
-  using S = const std::string&;
   auto* certified = verb->add_flag("--certified", command->certified,
                                    "from the fields alone: free, hit or ambiguous, no triangle is looked at");
   certified->group("Question");

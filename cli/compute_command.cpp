@@ -30,7 +30,7 @@
 namespace standoff::cli {
 namespace {
 
-constexpr const char* kExamples =
+constexpr const char* kComputeExamples =
     R"(  standoff compute bunny.obj                             into bunny.vti, 256 samples on the longest side
   standoff compute bunny.obj -o field.npz -t 3s -r 400   a band of 3 samples, for numpy
   standoff compute part.stl --unit mm --spacing 0.0005   metres out of millimetres, a sample every 0.5 mm
@@ -40,7 +40,7 @@ constexpr const char* kExamples =
   standoff compute scene:factory -t 2s --json            a mesh made by code; what happened as JSON
 )";
 
-struct Command {
+struct ComputeCommand {
   MeshInput mesh;
   FileOutput output;
   GridOptions grid;
@@ -63,10 +63,6 @@ struct Command {
   SignConfidence write_confidence(const Mesh& loaded, const DistanceField& field) const;
 };
 
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
 // Beyond this the padding of the box or the squares of distances would be infinite.
 void check_extent(const std::string& name, const Box& box) {
   for (const Vec3 corner : {box.min, box.max})
@@ -76,7 +72,7 @@ void check_extent(const std::string& name, const Box& box) {
                                           ", too far out for a grid; repair the mesh, or scale it down with --scale");
 }
 
-void Command::add_to(CLI::App& verb) {
+void ComputeCommand::add_to(CLI::App& verb) {
   mesh.add_to(verb);
   output.add_to(verb, "FIELD",
                 "the field: " + extensions(field_formats(), true) + "\n(default: the mesh's name with .vti, here)");
@@ -92,7 +88,6 @@ void Command::add_to(CLI::App& verb) {
                            const char* group = "Work") {
     add_parsed(verb, {name, value, help, group}, set);
   };
-  using S = const std::string&;
   add("--with", "WHAT,..",
       "store for each sample as well (docs/sidecars.md): nearest, the\nnearest triangle's index (or triangle), "
       "closest,\n"
@@ -121,7 +116,7 @@ void Command::add_to(CLI::App& verb) {
 }
 
 // The grid is one around the solid: a shell reaches beyond the mesh. Sets the shell's thickness in world units.
-GridChoice Command::choose_grid(const Box& box) {
+GridChoice ComputeCommand::choose_grid(const Box& box) {
   if (options.sign.method != SignMethod::shell) return grid.choose(box);
   const double spacing = shell.in_samples ? grid.choose(box).grid.max_spacing() : 1;
   GridChoice choice = grid.choose(box.grown(shell.world(spacing) / 2));
@@ -129,7 +124,7 @@ GridChoice Command::choose_grid(const Box& box) {
   return choice;
 }
 
-void Command::run() {
+void ComputeCommand::run() {
   if (!output.given()) output.set_path(mesh.stem() + ".vti");
   check_input(mesh.name());
   dry_run ? output.check_name(field_formats()) : output.check(field_formats());
@@ -166,12 +161,12 @@ void Command::run() {
   if (console.json()) print(outcome_json(outcome), output.path());
 }
 
-FieldWriteOptions Command::write_options() const {
+FieldWriteOptions ComputeCommand::write_options() const {
   return {.existing = output.existing(), .compress = !uncompressed, .threads = options.execution.threads};
 }
 
 // The field is computed while it is written, so that no more than a slab of it is held.
-Outcome Command::write_in_slabs(const Plan& plan) {
+Outcome ComputeCommand::write_in_slabs(const Plan& plan) {
   ProgressCallback bar = console.progress();
   double computed = 0;
   options.progress = [&](const Progress& progress) {
@@ -199,7 +194,7 @@ Outcome Command::write_in_slabs(const Plan& plan) {
   return outcome;
 }
 
-Outcome Command::write_whole(const Plan& plan) {
+Outcome ComputeCommand::write_whole(const Plan& plan) {
   ComputeResult computed = [&] {
     const Cancellable cancellable;
     options.progress = console.progress();
@@ -223,7 +218,7 @@ Outcome Command::write_whole(const Plan& plan) {
   return outcome;
 }
 
-SignConfidence Command::write_confidence(const Mesh& loaded, const DistanceField& field) const {
+SignConfidence ComputeCommand::write_confidence(const Mesh& loaded, const DistanceField& field) const {
   return with_spinner(console, "writing " + confidence.path().string(), [&] {
     const std::vector<float> margins = winding_margins(loaded, field.grid(), options.sign, {options.execution.threads});
     write_field(confidence.path(), DistanceField::from_dense(field.grid(), 0.5, margins), write_options());
@@ -234,8 +229,8 @@ SignConfidence Command::write_confidence(const Mesh& loaded, const DistanceField
 }  // namespace
 
 void add_compute(CLI::App& program) {
-  auto* verb = add_verb(program, "compute", "compute the distance field of a mesh", kExamples);
-  const auto command = std::make_shared<Command>();
+  auto* verb = add_verb(program, "compute", "compute the distance field of a mesh", kComputeExamples);
+  const auto command = std::make_shared<ComputeCommand>();
   command->add_to(*verb);
   verb->callback([command] { command->run(); });
 }

@@ -16,13 +16,13 @@
 namespace standoff::cli {
 namespace {
 
-constexpr const char* kExamples = R"(  standoff convert horse.3ds -o horse.stl              a mesh
+constexpr const char* kConvertExamples = R"(  standoff convert horse.3ds -o horse.stl              a mesh
   standoff convert part.stl -o part.ply --unit mm      a mesh, in metres
   standoff convert bunny.vti -o bunny.npz              a field
   standoff convert bunny.vti -o bunny.vdb              a field, for Blender and Houdini
 )";
 
-struct Command {
+struct ConvertCommand {
   MeshInput input;
   FieldArgument field_argument;
   FileOutput output;
@@ -33,7 +33,7 @@ struct Command {
   void run();
 };
 
-void Command::report(const char* kind, const char* key, const Json& what) const {
+void ConvertCommand::report(const char* kind, const char* key, const Json& what) const {
   if (!console.json()) return;
   Json json = json_answer("convert");
   json["kind"] = kind;
@@ -42,7 +42,7 @@ void Command::report(const char* kind, const char* key, const Json& what) const 
   print(json, output.path());
 }
 
-void Command::run() {
+void ConvertCommand::run() {
   const bool is_field = kind_of(input.name()) == FileKind::field;
   const bool to_field = kind_of(output.path()) == FileKind::field;
   if (is_field && !to_field)
@@ -81,8 +81,8 @@ void Command::run() {
 }  // namespace
 
 void add_convert(CLI::App& program) {
-  auto* verb = add_verb(program, "convert", "turn a mesh or field into another format", kExamples);
-  const auto command = std::make_shared<Command>();
+  auto* verb = add_verb(program, "convert", "turn a mesh or field into another format", kConvertExamples);
+  const auto command = std::make_shared<ConvertCommand>();
   command->input.add_any_to(*verb, false);
   command->input.add_scale_to(*verb);
   command->output.add_to(*verb, "FILE",

@@ -23,18 +23,18 @@
 namespace standoff::cli {
 namespace {
 
-constexpr const char* kExamples =
+constexpr const char* kCrossingsExamples =
     R"(  standoff crossings bunny.obj                         into bunny.npz, 256 samples on the longest side
   standoff crossings part.stl -o hermite.npz --sign auto   normals outwards, copies and inner walls left out
   standoff crossings part.stl -o table.csv -r 50       a line for each crossing
 )";
 
-const std::vector<FileFormat>& formats() {
+const std::vector<FileFormat>& crossing_formats() {
   static const std::vector<FileFormat> all{{"npz", "NumPy arrays", false, true}, {"csv", "a table", false, true}};
   return all;
 }
 
-struct Command {
+struct CrossingsCommand {
   MeshInput mesh;
   FileOutput output;
   GridOptions grid;
@@ -46,7 +46,7 @@ struct Command {
   void tell(const Mesh& loaded, const GridChoice& choice, const std::vector<EdgeCrossing>& crossings) const;
 };
 
-void Command::add_to(CLI::App& verb) {
+void CrossingsCommand::add_to(CLI::App& verb) {
   mesh.add_to(verb);
   output.add_to(verb, "FILE", "the crossings: .npz or .csv (default: the mesh's name with .npz, here)");
   grid.add_without_thickness_to(verb);
@@ -65,10 +65,10 @@ void Command::add_to(CLI::App& verb) {
   console.add_to(verb, Console::kMessages | Console::kJson | Console::kProgress);
 }
 
-void Command::run() {
+void CrossingsCommand::run() {
   if (!output.given()) output.set_path(mesh.stem() + ".npz");
   check_input(mesh.name());
-  output.check(formats());
+  output.check(crossing_formats());
   output.check_differs(mesh.name());
   if (options.memory_limit == 0) options.memory_limit = default_memory_limit();
   const Mesh loaded = with_spinner(console, "reading " + mesh.name(), [&] { return mesh.read(); });
@@ -87,7 +87,8 @@ void Command::run() {
   tell(loaded, choice, crossings);
 }
 
-void Command::tell(const Mesh& loaded, const GridChoice& choice, const std::vector<EdgeCrossing>& crossings) const {
+void CrossingsCommand::tell(const Mesh& loaded, const GridChoice& choice,
+                            const std::vector<EdgeCrossing>& crossings) const {
   const auto count = std::ssize(crossings);
   console.say(output.path().string() + ": " + counted(count, "crossing") + " of the edges of " +
               std::to_string(choice.grid.size.x) + " x " + std::to_string(choice.grid.size.y) + " x " +
@@ -105,8 +106,9 @@ void Command::tell(const Mesh& loaded, const GridChoice& choice, const std::vect
 }  // namespace
 
 void add_crossings(CLI::App& program) {
-  auto* verb = add_verb(program, "crossings", "find where the edges of a grid cross a mesh (Hermite data)", kExamples);
-  const auto command = std::make_shared<Command>();
+  auto* verb =
+      add_verb(program, "crossings", "find where the edges of a grid cross a mesh (Hermite data)", kCrossingsExamples);
+  const auto command = std::make_shared<CrossingsCommand>();
   command->add_to(*verb);
   verb->callback([command] { command->run(); });
 }

@@ -12,7 +12,7 @@
 namespace standoff::cli {
 namespace {
 
-constexpr const char* kExamples = R"(  standoff devices          what --device can name here
+constexpr const char* kDevicesExamples = R"(  standoff devices          what --device can name here
   standoff devices --json   the same for programs
 )";
 
@@ -43,7 +43,7 @@ void run(const Console& console) {
 }  // namespace
 
 void add_devices(CLI::App& program) {
-  auto* verb = add_verb(program, "devices", "list the devices that fields can be computed on", kExamples);
+  auto* verb = add_verb(program, "devices", "list the devices that fields can be computed on", kDevicesExamples);
   const auto console = std::make_shared<Console>();
   console->add_to(*verb, Console::kJson);
   verb->callback([console] { run(*console); });

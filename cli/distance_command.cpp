@@ -18,12 +18,12 @@
 namespace standoff::cli {
 namespace {
 
-constexpr const char* kExamples = R"(  standoff distance a.stl b.stl --pose 0,0,5
+constexpr const char* kDistanceExamples = R"(  standoff distance a.stl b.stl --pose 0,0,5
   standoff distance a.stl b.stl --tolerance 0.01 --json        faster, and within 0.01
   standoff distance a.stl b.stl --poses poses.csv -o near.csv        a pose on each line, a distance for each
 )";
 
-struct Command {
+struct DistanceCommand {
   PairInput bodies;
   Pose pose;
   DistanceOptions options;
@@ -39,7 +39,7 @@ struct Command {
   void run_batch();
 };
 
-void Command::run_batch() {
+void DistanceCommand::run_batch() {
   batch.check({bodies.name_a(), bodies.name_b()});
   const std::vector<Pose> poses = read_poses(batch.file());
   const CollisionModel a = bodies.read_a(console), b = bodies.read_b(console);
@@ -65,7 +65,7 @@ void Command::run_batch() {
   batch.deliver("distance", answers, console);
 }
 
-void Command::run() {
+void DistanceCommand::run() {
   bodies.check();
   if (batch.given()) return run_batch();
   const CollisionModel a = bodies.read_a(console), b = bodies.read_b(console);
@@ -89,11 +89,10 @@ void Command::run() {
 }  // namespace
 
 void add_distance(CLI::App& program) {
-  auto* verb = add_verb(program, "distance", "the least distance of two bodies", kExamples);
-  const auto command = std::make_shared<Command>();
+  auto* verb = add_verb(program, "distance", "the least distance of two bodies", kDistanceExamples);
+  const auto command = std::make_shared<DistanceCommand>();
   command->bodies.add_to(*verb);
   auto* pose = add_pose(*verb, "--pose", "where B is: x,y,z; x,y,z,ax,ay,az,degrees; or a 3x4 matrix", command->pose);
-  using S = const std::string&;
   DistanceOptions& options = command->options;
   add_parsed(*verb, {"--tolerance", "D", "how wrong it may be (default 0)", "Question"},
              [&options](S o, S t) { options.tolerance = parse_not_negative(o, t); });

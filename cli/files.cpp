@@ -85,7 +85,6 @@ void MeshInput::add_any_to(CLI::App& verb, bool bodies) {
 }
 
 void MeshInput::add_scale_to(CLI::App& verb) {
-  using S = const std::string&;
   auto* scale = add_parsed(verb, {"--scale", "S", "multiply the mesh's coordinates by S", "Mesh"},
                            [this](S o, S t) { scale_ = parse_positive(o, t); });
   add_parsed(verb, {"--unit", "UNIT", "the mesh is in mm, cm, m, in, ft or km: convert to metres", "Mesh"},

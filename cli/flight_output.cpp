@@ -13,23 +13,22 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kGroup = "Watching";
+constexpr const char* kWatchGroup = "Watching";
 
 }  // namespace
 
 CLI::Option* FlightOutput::add_to(CLI::App& verb) {
-  using S = const std::string&;
-  CLI::Option* const output =
-      add_parsed(verb,
-                 {"-o,--output", "FILM",
-                  "record it: a page (.html), a video (.mp4, by ffmpeg), or a\nfolder of pictures (NAME/)", kGroup},
-                 [this](S o, S t) {
-                   if (t.empty()) throw Error(ErrorCode::usage, o + " '': give the name of a file or folder");
-                   name_ = t;
-                 });
-  of_films_.push_back(add_parsed(verb, {"--every", "K", "of -o: record each K-th step (default 1)", kGroup},
+  CLI::Option* const output = add_parsed(
+      verb,
+      {"-o,--output", "FILM", "record it: a page (.html), a video (.mp4, by ffmpeg), or a\nfolder of pictures (NAME/)",
+       kWatchGroup},
+      [this](S o, S t) {
+        if (t.empty()) throw Error(ErrorCode::usage, o + " '': give the name of a file or folder");
+        name_ = t;
+      });
+  of_films_.push_back(add_parsed(verb, {"--every", "K", "of -o: record each K-th step (default 1)", kWatchGroup},
                                  [this](S o, S t) { every_ = parse_count(o, t, 1, 1'000'000'000); }));
-  of_films_.push_back(add_parsed(verb, {"--rate", "F", "of -o: frames a second (default 60)", kGroup},
+  of_films_.push_back(add_parsed(verb, {"--rate", "F", "of -o: frames a second (default 60)", kWatchGroup},
                                  [this](S o, S t) { frames_per_second_ = parse_positive(o, t, 1000); }));
   of_pictures_ = add_picture_options(verb, picture_);
   return output;

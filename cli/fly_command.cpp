@@ -23,14 +23,14 @@ namespace {
 
 using namespace experimental;
 
-constexpr const char* kExamples =
+constexpr const char* kFlyExamples =
     R"(  standoff fly --steps 100000 --speed 0.04 --path out.csv      one fly, where it flew as a table
   standoff fly --mode thesis --minimum 3 --speed 5             Algorithm 2: watch the wall crossings
   standoff fly --flies 1000 --steps 1000 --json                many at once
   standoff fly --speed 0.2 --steps 600 -o fly.html             a page that plays the flight; -o fly.mp4: a video
 )";
 
-struct Command {
+struct FlyCommand {
   std::string labyrinth = "scene:labyrinth", fly = "scene:fly";
   std::int64_t steps = 10'000, flies = 1;
   FlightOptions options;
@@ -50,7 +50,7 @@ struct Command {
   void record(const CollisionModel& maze, const CollisionModel& flier);
 };
 
-void Command::check_mode() const {
+void FlyCommand::check_mode() const {
   const bool thesis = options.mode == FlightMode::thesis;
   for (const CLI::Option* option : thesis ? of_sweep : of_thesis)
     if (option->count() > 0)
@@ -60,7 +60,7 @@ void Command::check_mode() const {
     throw Error(ErrorCode::usage, "--on-contact 'reflect': --mode thesis knows no normals to reflect by; give back");
 }
 
-void Command::check_outputs() {
+void FlyCommand::check_outputs() {
   film.check(path, {labyrinth, fly});
   if (path.given()) {
     path.check({{"csv", "", false, true, false}, {"ply", "", false, true, false}});
@@ -74,13 +74,13 @@ void Command::check_outputs() {
                                       std::to_string(view::kMostBodies) + " at the most");
 }
 
-void Command::watch(const CollisionModel& maze, const CollisionModel& flier) {
+void FlyCommand::watch(const CollisionModel& maze, const CollisionModel& flier) {
   auto flight = std::make_unique<view::Flight>(maze, flier, options, flies);
   FlightServer page(view::flight_subject(labyrinth, maze, flier, options.execution), std::move(flight));
   server.serve(console, page.watch(), [&](auto&&... asked) { page.answer(asked...); });
 }
 
-void Command::record(const CollisionModel& maze, const CollisionModel& flier) {
+void FlyCommand::record(const CollisionModel& maze, const CollisionModel& flier) {
   view::Flight flight(maze, flier, options, flies);
   std::vector<view::FlightFrame> frames;
   {
@@ -108,7 +108,7 @@ void Command::record(const CollisionModel& maze, const CollisionModel& flier) {
   print(json, film.path());
 }
 
-void Command::run() {
+void FlyCommand::run() {
   check_mode();
   for (const std::string& name : {labyrinth, fly}) check_input(name);
   check_outputs();
@@ -178,11 +178,10 @@ void Command::run() {
 }  // namespace
 
 void add_fly(CLI::App& program) {
-  auto* verb = add_verb(program, "fly", "let flies fly through a labyrinth", kExamples);
-  const auto command = std::make_shared<Command>();
-  Command* const it = command.get();
+  auto* verb = add_verb(program, "fly", "let flies fly through a labyrinth", kFlyExamples);
+  const auto command = std::make_shared<FlyCommand>();
+  FlyCommand* const it = command.get();
   FlightOptions& options = it->options;
-  using S = const std::string&;
   const auto add = [verb](const char* name, const char* value, const char* help, const char* group, auto set) {
     return add_parsed(*verb, {name, value, help, group}, set);
   };

@@ -18,12 +18,12 @@
 namespace standoff::cli {
 namespace {
 
-constexpr const char* kExamples = R"(  standoff generate --list                             what there is
+constexpr const char* kGenerateExamples = R"(  standoff generate --list                             what there is
   standoff generate factory -o factory.ply             2,889,536 triangles
   standoff generate sphere --triangles 5000 -o s.stl   about as many as asked for
 )";
 
-struct Command {
+struct GenerateCommand {
   std::string scene;
   bool list = false;
   std::int64_t triangles = 0;
@@ -34,7 +34,7 @@ struct Command {
   void print_list() const;
 };
 
-void Command::print_list() const {
+void GenerateCommand::print_list() const {
   if (console.json()) {
     Json described = Json::array();
     for (const auto& known : scenes::all())
@@ -56,7 +56,7 @@ void Command::print_list() const {
   print(text);
 }
 
-void Command::run() {
+void GenerateCommand::run() {
   if (list) return print_list();
   if (scene.empty()) throw Error(ErrorCode::usage, "generate: no SCENE given; see standoff generate --list");
   const SceneName named = parse_scene(scene);
@@ -81,9 +81,9 @@ void Command::run() {
 }  // namespace
 
 void add_generate(CLI::App& program) {
-  auto* verb =
-      add_verb(program, "generate", "make a mesh by code: machines, terrain, a labyrinth, nasty cases", kExamples);
-  const auto command = std::make_shared<Command>();
+  auto* verb = add_verb(program, "generate", "make a mesh by code: machines, terrain, a labyrinth, nasty cases",
+                        kGenerateExamples);
+  const auto command = std::make_shared<GenerateCommand>();
   auto* scene =
       verb->add_option("SCENE", command->scene, "the name of a scene, see --list; scene:NAME[:TRIANGLES] too");
   auto* list = verb->add_flag("--list", command->list, "list the scenes")->excludes(scene)->group("Scene");

@@ -29,7 +29,6 @@ void GridOptions::add_without_thickness_to(CLI::App& verb) {
   const auto add = [&verb](const char* name, const char* value, const char* help, auto set) {
     return add_parsed(verb, {name, value, help, "Grid"}, set);
   };
-  using S = const std::string&;
   const std::string default_samples = "samples on the longest side (default " + std::to_string(samples_) + ")";
   auto* samples = add("-r,--resolution", "N", default_samples.c_str(), [this](S o, S t) {
     samples_ = parse_count(o, t, 2, std::int64_t{1} << 40);
@@ -55,7 +54,6 @@ void GridOptions::add_without_thickness_to(CLI::App& verb) {
 }
 
 void GridOptions::add_thesis_to(CLI::App& verb) {
-  using S = const std::string&;
   auto* minimum =
       add_parsed(verb,
                  {"--minimum", "E", "the smallest grid for collision: E samples per thickness\n(2 to 4 in the thesis)",

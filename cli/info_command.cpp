@@ -22,7 +22,7 @@
 namespace standoff::cli {
 namespace {
 
-constexpr const char* kExamples =
+constexpr const char* kInfoExamples =
     R"(  standoff info bunny.obj            what it is, what is wrong with it, which sign method fits
   standoff info bunny.vti            grid, thickness, values
   standoff info bunny.vti --json     the same for programs
@@ -123,7 +123,7 @@ void tell_body(const std::string& name, const Console& console) {
         row("memory", bytes_text(body.memory_bytes())));
 }
 
-struct Command {
+struct InfoCommand {
   MeshInput input;
   FieldArgument field;
   MeshReportOptions options;
@@ -143,8 +143,8 @@ struct Command {
 }  // namespace
 
 void add_info(CLI::App& program) {
-  auto* verb = add_verb(program, "info", "say what is in a mesh, field or body", kExamples);
-  const auto command = std::make_shared<Command>();
+  auto* verb = add_verb(program, "info", "say what is in a mesh, field or body", kInfoExamples);
+  const auto command = std::make_shared<InfoCommand>();
   command->input.add_any_to(*verb, true);
   command->field.add_to(*verb);
   add_parsed(*verb, {"--spacing", "S", "distance between planned samples: says how large holes are in samples", "Mesh"},

@@ -23,7 +23,7 @@
 namespace standoff::cli {
 namespace {
 
-constexpr const char* kExamples =
+constexpr const char* kIsoExamples =
     R"(  standoff iso damaged.obj -o solid.ply                   a watertight solid out of any mesh
   standoff iso part.stl --method dual -r 400 -o part.ply  keeps sharp edges
   standoff iso part.stl --at 0.5 -o larger.stl            everything within 0.5 of the part; -0.5: smaller
@@ -31,7 +31,7 @@ constexpr const char* kExamples =
   standoff iso field.vti --at 3s -o offset.ply            of a field: where its value is 3 samples
 )";
 
-struct Command {
+struct IsoCommand {
   MeshInput input;
   FieldArgument field_argument;
   FileOutput output;
@@ -60,7 +60,7 @@ Thickness parse_level(const std::string& option, const std::string& text) {
   return {parse_number(option, in_samples ? text.substr(0, text.size() - 1) : text), in_samples};
 }
 
-void Command::add_to(CLI::App& verb) {
+void IsoCommand::add_to(CLI::App& verb) {
   input.add_any_to(verb, false);
   output.add_to(verb, "MESH", "the surface: " + extensions(mesh_formats(), true));
   verb.get_option("--output")->required();
@@ -68,7 +68,6 @@ void Command::add_to(CLI::App& verb) {
                            const char* group = "Surface") {
     add_parsed(verb, {name, value, help, group}, set);
   };
-  using S = const std::string&;
   add("--at", "D",
       "the value on the surface (default 0): world units (0.5) or\nsamples (2s); negative: inside the solid",
       [this](S o, S t) { at = parse_level(o, t); });
@@ -102,12 +101,12 @@ void Command::add_to(CLI::App& verb) {
   console.add_to(verb, Console::kMessages | Console::kJson | Console::kProgress);
 }
 
-void Command::set_levels(double spacing) {
+void IsoCommand::set_levels(double spacing) {
   options.at = at.world(spacing);
   options.wall = wall.world(spacing);
 }
 
-IsoResult Command::of_field() {
+IsoResult IsoCommand::of_field() {
   if (input.scaled() || sign_given || grid.given())
     throw Error(ErrorCode::usage, input.name() + " is a field: options of the mesh, its grid and its sign belong to " +
                                       "standoff compute; leave them out");
@@ -119,7 +118,7 @@ IsoResult Command::of_field() {
   return isosurface(field, options);
 }
 
-IsoResult Command::of_mesh() {
+IsoResult IsoCommand::of_mesh() {
   const Mesh mesh = with_spinner(console, "reading " + input.name(), [&] { return input.read(); });
   validate(mesh);
   Box box = bounds(mesh);
@@ -141,7 +140,7 @@ IsoResult Command::of_mesh() {
   return isosurface(mesh, subject.grid, sign, options);
 }
 
-void Command::run() {
+void IsoCommand::run() {
   const bool is_field = kind_of(input.name()) == FileKind::field;
   if (kind_of(input.name()) == FileKind::body)
     throw Error(ErrorCode::input, input.name() + ": this is a body; give the mesh it was built from");
@@ -170,8 +169,8 @@ void Command::run() {
 }  // namespace
 
 void add_iso(CLI::App& program) {
-  auto* verb = add_verb(program, "iso", "turn a field or mesh into a watertight surface, at any offset", kExamples);
-  const auto command = std::make_shared<Command>();
+  auto* verb = add_verb(program, "iso", "turn a field or mesh into a watertight surface, at any offset", kIsoExamples);
+  const auto command = std::make_shared<IsoCommand>();
   command->add_to(*verb);
   verb->callback([command, verb] {
     command->sign_given = is_sign_given(*verb);

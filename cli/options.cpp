@@ -9,8 +9,6 @@
 
 namespace standoff::cli {
 
-using S = const std::string&;
-
 CLI::Option* add_device(CLI::App& verb, const char* group, Backend& backend, int& device) {
   return add_parsed(verb,
                     {"--device", "NAME", "auto (default), cpu, cuda, cuda:N or emulated; see standoff\ndevices", group},

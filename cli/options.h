@@ -21,6 +21,9 @@ struct OptionText {
   const char* group;
 };
 
+/// What add_parsed() passes on: an option's long name, or what was given for it.
+using S = const std::string&;
+
 /// `set(name, given)` gets the option's long name, for messages, and what was given.
 template <class Set>
 CLI::Option* add_parsed(CLI::App& verb, const OptionText& text, Set set) {

@@ -63,7 +63,6 @@ void parse_camera(const std::string& option, const std::string& text, PictureOpt
 }  // namespace
 
 std::vector<const CLI::Option*> add_picture_options(CLI::App& verb, PictureOptions& options) {
-  using S = const std::string&;
   std::vector<const CLI::Option*> all;
   const auto add = [&](const char* name, const char* value, const std::string& help, auto set) {
     all.push_back(add_parsed(verb, {name, value, help.c_str(), kPictureGroup}, set));

@@ -20,14 +20,14 @@
 namespace standoff::cli {
 namespace {
 
-constexpr const char* kExamples =
+constexpr const char* kPointsExamples =
     R"(  standoff points bunny.obj points.csv                         a distance for each line, on stdout
   standoff points part.stl cloud.ply -o near.ply --sign auto   negative inside; the cloud with answers
   standoff points part.stl points.npy -o near.npz --with closest,triangle
   producer | standoff points part.query - -o near.csv              a query that standoff build prepared
 )";
 
-struct Command {
+struct PointsCommand {
   MeshInput mesh;
   std::string points;
   FileOutput output;
@@ -57,8 +57,7 @@ void parse_asked(const std::string& option, const std::string& text, AskedAnswer
   }
 }
 
-void Command::add_to(CLI::App& verb) {
-  using S = const std::string&;
+void PointsCommand::add_to(CLI::App& verb) {
   mesh.add_query_to(verb);
   verb.add_option("POINTS", points, "a file of points (.csv, .ply, .npy or .npz),\nor - for CSV from standard input")
       ->required();
@@ -79,7 +78,7 @@ void Command::add_to(CLI::App& verb) {
 }
 
 // Tells before any work what is wrong.
-void Command::check() {
+void PointsCommand::check() {
   check_input(mesh.name());
   if (prepared_before() && (mesh.scaled() || is_given(options.sign)))
     throw Error(ErrorCode::usage,
@@ -100,7 +99,7 @@ void Command::check() {
   output.check_differs(points == "-" ? "/dev/stdin" : points);
 }
 
-MeshQuery Command::query() const {
+MeshQuery PointsCommand::query() const {
   if (prepared_before())
     return with_spinner(console, "reading " + mesh.name(), [&] { return read_query(mesh.name()); });
   const Mesh loaded = with_spinner(console, "reading " + mesh.name(), [&] { return mesh.read(); });
@@ -114,11 +113,7 @@ MeshQuery Command::query() const {
   }
 }
 
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-void Command::run() {
+void PointsCommand::run() {
   check();
   // The points' file first: what is wrong with its beginning is said before the mesh is prepared.
   const auto reader = open_points(points, invalid);
@@ -159,8 +154,9 @@ void Command::run() {
 }  // namespace
 
 void add_points(CLI::App& program) {
-  auto* verb = add_verb(program, "points", "exact distances and closest points at the points of a file", kExamples);
-  const auto command = std::make_shared<Command>();
+  auto* verb =
+      add_verb(program, "points", "exact distances and closest points at the points of a file", kPointsExamples);
+  const auto command = std::make_shared<PointsCommand>();
   command->add_to(*verb);
   verb->callback([command] { command->run(); });
 }

@@ -18,7 +18,7 @@
 namespace standoff::cli {
 namespace {
 
-constexpr const char* kExamples =
+constexpr const char* kRenderExamples =
     R"(  standoff render bunny.obj --up y                     into bunny.png
   standoff render bunny.obj bunny.vti --up y           cut open at a slice of its field
   standoff render field.vti --layers iso,boxes --iso 2s
@@ -27,7 +27,7 @@ constexpr const char* kExamples =
   standoff render part.stl -o part.png --edges --turntable 36    part-000.png to part-035.png
 )";
 
-struct Command {
+struct RenderCommand {
   DrawingInput input;
   FileOutput output;
   LayerOptions layers;
@@ -57,8 +57,7 @@ void parse_layers(const std::string& option, const std::string& text, LayerOptio
   }
 }
 
-void Command::add_picture(CLI::App& verb) {
-  using S = const std::string&;
+void RenderCommand::add_picture(CLI::App& verb) {
   add_picture_options(verb, options);
   add_parsed(verb, {"--turntable", "N", "N pictures from all around: NAME-000.png and so on", kPictureGroup},
              [this](S o, S t) { turntable = static_cast<int>(parse_count(o, t, 1, 720)); });
@@ -69,8 +68,7 @@ void Command::add_picture(CLI::App& verb) {
   verb.add_flag("--axes", options.axes, "a triad of the axes in the lower left corner")->group(kPictureGroup);
 }
 
-void Command::add_layers(CLI::App& verb) {
-  using S = const std::string&;
+void RenderCommand::add_layers(CLI::App& verb) {
   const auto add = [&verb](const char* name, const char* value, const char* help, auto set) {
     add_parsed(verb, {name, value, help, "Layers"}, set);
   };
@@ -101,7 +99,7 @@ void Command::add_layers(CLI::App& verb) {
       [this](S o, S t) { layers.radius = parse_positive(o, t); });
 }
 
-void Command::add_to(CLI::App& verb) {
+void RenderCommand::add_to(CLI::App& verb) {
   input.add_to(verb);
   output.add_to(verb, "PNG", "the picture (default: the first input's name with\n.png, here)");
   add_picture(verb);
@@ -110,7 +108,7 @@ void Command::add_to(CLI::App& verb) {
   console.add_to(verb, Console::kMessages | Console::kJson);
 }
 
-void Command::run() {
+void RenderCommand::run() {
   if (!output.given()) {
     MeshInput first;
     first.set_name(input.names().front());
@@ -156,8 +154,8 @@ void Command::run() {
 }  // namespace
 
 void add_render(CLI::App& program) {
-  auto* verb = add_verb(program, "render", "draw meshes, fields, points and paths as a picture", kExamples);
-  const auto command = std::make_shared<Command>();
+  auto* verb = add_verb(program, "render", "draw meshes, fields, points and paths as a picture", kRenderExamples);
+  const auto command = std::make_shared<RenderCommand>();
   command->add_to(*verb);
   verb->callback([command] { command->run(); });
 }

@@ -33,7 +33,6 @@ std::string forwarding(int port) {
 }  // namespace
 
 void ServeOptions::add_to(CLI::App& verb) {
-  using S = const std::string&;
   add_parsed(verb, {"--port", "N", "of the address on 127.0.0.1 (default: any that is free)", "Server"},
              [this](S o, S t) {
                port_ = static_cast<int>(parse_count(o, t, 0, 65535));

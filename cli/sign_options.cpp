@@ -8,32 +8,31 @@
 namespace standoff::cli {
 namespace {
 
-constexpr const char* kGroup = "Sign";
+constexpr const char* kSignGroup = "Sign";
 constexpr const char* kNames[] = {"--sign", "--rule", "--invert", "--as-oriented", "--outer", "--strict"};
-using S = const std::string&;
 
 // All but --sign and --outer.
 void add_details(CLI::App& verb, SignOptions& options) {
-  add_parsed(verb,
-             {"--rule", "NAME", "inside is where the winding number is positive (default),\nnonzero or odd", kGroup},
-             [&](S o, S t) { options.rule = parse_winding_rule(o, t); });
+  add_parsed(
+      verb, {"--rule", "NAME", "inside is where the winding number is positive (default),\nnonzero or odd", kSignGroup},
+      [&](S o, S t) { options.rule = parse_winding_rule(o, t); });
   verb.add_flag("--invert", options.invert, "exchange inside and outside, as for a room scanned from inside")
-      ->group(kGroup);
+      ->group(kSignGroup);
   verb.add_flag("--as-oriented", options.as_oriented, "take triangles as they are oriented; repair nothing first")
-      ->group(kGroup);
-  verb.add_flag("--strict", options.strict, "fail with exit code 8 where the sign is not certain")->group(kGroup);
+      ->group(kSignGroup);
+  verb.add_flag("--strict", options.strict, "fail with exit code 8 where the sign is not certain")->group(kSignGroup);
 }
 
 }  // namespace
 
 void add_sign(CLI::App& verb, SignOptions& options, Thickness& shell, const SignHelp& help) {
-  add_parsed(verb, {"--sign", "METHOD", help.sign, kGroup}, [&](S o, S t) {
+  add_parsed(verb, {"--sign", "METHOD", help.sign, kSignGroup}, [&](S o, S t) {
     const SignChoice choice = parse_sign(o, t);
     options.method = choice.method;
     shell = choice.shell;
   });
   add_details(verb, options);
-  verb.add_flag("--outer", options.outer, help.outer)->group(kGroup);
+  verb.add_flag("--outer", options.outer, help.outer)->group(kSignGroup);
 }
 
 void add_sign(CLI::App& verb, SignOptions& options, Thickness& shell) {
@@ -48,7 +47,7 @@ void add_sign(CLI::App& verb, SignOptions& options, Thickness& shell) {
 }
 
 void add_sign_to(CLI::App& verb, const std::vector<std::string>& methods, const char* help, SignOptions& options) {
-  add_parsed(verb, {"--sign", "METHOD", help, kGroup}, [&options, methods](S o, S t) {
+  add_parsed(verb, {"--sign", "METHOD", help, kSignGroup}, [&options, methods](S o, S t) {
     parse_choice(o, t, methods);
     options.method = parse_sign(o, t).method;
   });

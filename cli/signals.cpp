@@ -13,8 +13,8 @@
 namespace standoff::cli {
 namespace {
 
-std::atomic<bool> asked{false};
-std::atomic<int> cancellable{0};
+std::atomic<bool> signalled{false};
+std::atomic<int> cancellable_count{0};
 std::atomic<bool> line_drawn{false};
 std::atomic<bool> output_begun{false};
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
@@ -46,7 +46,7 @@ void say(std::string_view words) { (void)!::write(STDERR_FILENO, words.data(), w
 }
 
 extern "C" void on_signal(int) {
-  if (!asked.exchange(true) && cancellable > 0) return;
+  if (!signalled.exchange(true) && cancellable_count > 0) return;
   end(interruption, ErrorCode::interrupted);
 }
 
@@ -77,10 +77,10 @@ void install_signal_handlers() {
   std::signal(SIGXFSZ, SIG_IGN);
 }
 
-Cancellable::Cancellable() { ++cancellable; }
-Cancellable::~Cancellable() { --cancellable; }
+Cancellable::Cancellable() { ++cancellable_count; }
+Cancellable::~Cancellable() { --cancellable_count; }
 
-bool interrupted() { return asked; }
+bool interrupted() { return signalled; }
 
 std::string_view interruption() {
   static FixedText text;

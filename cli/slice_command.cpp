@@ -18,7 +18,7 @@
 namespace standoff::cli {
 namespace {
 
-constexpr const char* kExamples =
+constexpr const char* kSliceExamples =
     R"(  standoff slice bunny.vti                             the plane that shows the most, into bunny.png
   standoff slice bunny.vti -o side.png --axis x --at 0.3
   standoff slice bunny.vti -o floor.png --axis z --index 0      the first plane of samples
@@ -26,7 +26,7 @@ constexpr const char* kExamples =
   standoff slice bunny.vti -o red.png --colormap thesis
 )";
 
-struct Command {
+struct SliceCommand {
   std::string field;
   FieldArgument input;
   FileOutput output;
@@ -39,13 +39,12 @@ struct Command {
   void run();
 };
 
-void Command::add_to(CLI::App& verb) {
+void SliceCommand::add_to(CLI::App& verb) {
   verb.add_option("FIELD", field, "a field file (" + extensions(field_formats(), false) + ")")->required();
   output.add_to(verb, "PNG", "the picture (default: the field's name with .png, here)");
   const auto add = [&verb](const char* name, const char* value, const char* help, auto set) {
     return add_parsed(verb, {name, value, help, "Picture"}, set);
   };
-  using S = const std::string&;
   add("--axis", "A", "the axis the plane is perpendicular to: x, y or z\n(default: of the plane that shows the most)",
       [this](S o, S t) { options.axis = parse_axis(o, t); });
   auto* at = add("--at", "F", "where along the axis, from 0 to 1 (default: where the plane\nshows the most)",
@@ -83,7 +82,7 @@ void Command::add_to(CLI::App& verb) {
   console.add_to(verb, Console::kMessages | Console::kJson);
 }
 
-void Command::run() {
+void SliceCommand::run() {
   if (!output.given()) output.set_path(std::filesystem::path(field).stem().string() + ".png");
   check_input(field);
   output.check({{"png", "PNG picture", false, true}});
@@ -111,8 +110,8 @@ void Command::run() {
 }  // namespace
 
 void add_slice(CLI::App& program) {
-  auto* verb = add_verb(program, "slice", "draw a plane of a field as a picture", kExamples);
-  const auto command = std::make_shared<Command>();
+  auto* verb = add_verb(program, "slice", "draw a plane of a field as a picture", kSliceExamples);
+  const auto command = std::make_shared<SliceCommand>();
   command->add_to(*verb);
   verb->callback([command] { command->run(); });
 }

@@ -16,12 +16,12 @@
 namespace standoff::cli {
 namespace {
 
-constexpr const char* kExamples = R"(  standoff sweep maze.stl fly.stl --from 3,1,2 --to 9,1,2
+constexpr const char* kSweepExamples = R"(  standoff sweep maze.stl fly.stl --from 3,1,2 --to 9,1,2
   standoff sweep a.stl b.stl --from 0,0,5 --to 0,0,0,0,0,1,90 --json   turning as it goes
   standoff sweep maze.stl fly.stl --motions motions.csv -o hits.csv    from and to on each line
 )";
 
-struct Command {
+struct SweepCommand {
   PairInput bodies;
   RigidMotion motion;
   SweepOptions options;
@@ -33,7 +33,7 @@ struct Command {
   void run_batch();
 };
 
-void Command::run_batch() {
+void SweepCommand::run_batch() {
   batch.check({bodies.name_a(), bodies.name_b()});
   const std::vector<RigidMotion> motions = read_motions(batch.file(), motion.center);
   const CollisionModel a = bodies.read_a(console), b = bodies.read_b(console);
@@ -58,7 +58,7 @@ void Command::run_batch() {
   batch.deliver("sweep", answers, console);
 }
 
-void Command::run() {
+void SweepCommand::run() {
   bodies.check();
   if (batch.given()) return run_batch();
   if (!has_end) throw Error(ErrorCode::usage, "sweep: no --to given, where B ends; or give --motions with a file");
@@ -82,13 +82,12 @@ void Command::run() {
 }  // namespace
 
 void add_sweep(CLI::App& program) {
-  auto* verb = add_verb(program, "sweep", "when a moving body first touches a resting one", kExamples);
-  const auto command = std::make_shared<Command>();
+  auto* verb = add_verb(program, "sweep", "when a moving body first touches a resting one", kSweepExamples);
+  const auto command = std::make_shared<SweepCommand>();
   command->bodies.add_to(*verb);
   RigidMotion& motion = command->motion;
   auto* from = add_pose(*verb, "--from", "where B starts: x,y,z; x,y,z,ax,ay,az,degrees; or a 3x4 matrix", motion.from);
   auto* to = add_pose(*verb, "--to", "where B ends; it turns by the shorter rotation", motion.to);
-  using S = const std::string&;
   add_parsed(*verb, {"--center", "X,Y,Z", "the point of B that moves on a straight line (default 0,0,0)", "Place"},
              [&motion](S o, S t) { motion.center = parse_point(o, t); });
   add_parsed(*verb, {"--tolerance", "D", "as near as this is a hit (default: 3e-5 of the smaller body)", "Question"},

@@ -2,6 +2,7 @@
 // Text as it may go to a terminal: numbers as people read them, and what comes from outside made harmless.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -29,6 +30,10 @@ std::string point_text(Vec3 point);
 std::string bytes_text(std::int64_t bytes);
 /// "0.42 s", "3 min 07 s".
 std::string seconds_text(double seconds);
+/// Seconds from then until now.
+inline double seconds_since(std::chrono::steady_clock::time_point then) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - then).count();
+}
 /// Sixteen hexadecimal digits.
 std::string hash_text(std::uint64_t hash);
 

@@ -12,7 +12,7 @@
 namespace standoff::cli {
 namespace {
 
-constexpr const char* kExamples = R"(standoff: exact distance fields of triangle meshes
+constexpr const char* kUsageExamples = R"(standoff: exact distance fields of triangle meshes
 
 Examples:
   standoff compute bunny.obj                              every sample of a 256-sample grid, into bunny.vti
@@ -129,7 +129,7 @@ std::vector<std::string> options(const CLI::App& verb) {
 
 void set_up_help(CLI::App& program) {
   program.name("standoff");
-  program.description(kExamples);
+  program.description(kUsageExamples);
   program.footer(kFooter);
   program.formatter(std::make_shared<HelpFormatter>());
   program.set_help_flag("-h,--help", "print this help");

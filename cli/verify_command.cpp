@@ -21,12 +21,12 @@
 namespace standoff::cli {
 namespace {
 
-constexpr const char* kExamples = R"(  standoff verify bunny.vti bunny.obj                  1000 random samples
+constexpr const char* kVerifyExamples = R"(  standoff verify bunny.vti bunny.obj                  1000 random samples
   standoff verify bunny.vti bunny.obj --samples 100000
   standoff verify part.vti part.stl --unit mm          as it was computed
 )";
 
-struct Command {
+struct VerifyCommand {
   std::string field;
   FieldArgument input;
   MeshInput mesh;
@@ -67,7 +67,7 @@ std::string sign_line(const SignCheck& sign) {
          " wrong, " + grouped(sign.unknown) + " not decided\n";
 }
 
-Json Command::report(const VerifyResult& found) const {
+Json VerifyCommand::report(const VerifyResult& found) const {
   Json json = json_answer("verify");
   json["field"] = {{"file", field}};
   json["mesh"] = {{"file", mesh.name()}};
@@ -82,7 +82,7 @@ Json Command::report(const VerifyResult& found) const {
   return json;
 }
 
-void Command::run() {
+void VerifyCommand::run() {
   check_input(field);
   check_input(mesh.name());
   const FieldFile file = input.read_file(field, console);
@@ -113,7 +113,7 @@ void Command::run() {
   console.say("the field matches the mesh");
 }
 
-void Command::warn_of(const VerifyResult& found) const {
+void VerifyCommand::warn_of(const VerifyResult& found) const {
   if (found.mesh_differs)
     console.warn(field + ": computed from another mesh than " + mesh.name() +
                  " as read here, by their hashes; give the --scale or --unit it was computed with");
@@ -126,7 +126,7 @@ void Command::warn_of(const VerifyResult& found) const {
     console.warn(field + ": the sign (" + sign.method + ") cannot be checked with this mesh; only distances are");
 }
 
-void Command::fail(const VerifyResult& found) const {
+void VerifyCommand::fail(const VerifyResult& found) const {
   const auto fail_with = [&](const std::string& what) {
     throw Error(ErrorCode::verify, field + ": " + what + "; compute it again from " + mesh.name());
   };
@@ -148,12 +148,11 @@ void Command::fail(const VerifyResult& found) const {
 }  // namespace
 
 void add_verify(CLI::App& program) {
-  auto* verb = add_verb(program, "verify", "test a field against its mesh, by brute force", kExamples);
-  const auto command = std::make_shared<Command>();
+  auto* verb = add_verb(program, "verify", "test a field against its mesh, by brute force", kVerifyExamples);
+  const auto command = std::make_shared<VerifyCommand>();
   verb->add_option("FIELD", command->field, "a field file (" + extensions(field_formats(), false) + ")")->required();
   command->mesh.add_to(*verb);
   command->mesh.add_scale_to(*verb);
-  using S = const std::string&;
   VerifyOptions& options = command->options;
   constexpr const char* kGroup = "Test";
   add_parsed(*verb, {"--samples", "N", "how many random samples to test (default 1000)", kGroup},

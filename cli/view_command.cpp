@@ -29,7 +29,7 @@
 namespace standoff::cli {
 namespace {
 
-constexpr const char* kExamples =
+constexpr const char* kViewExamples =
     R"(  standoff view bunny.obj -o bunny.html                the mesh and its field, computed now
   standoff view bunny.obj bunny.vti -o bunny.html      the mesh and a field that you have
   standoff view bunny.obj old.vti new.vti -o both.html two fields side by side, and their difference
@@ -46,7 +46,7 @@ std::string shown_name(const std::string& file) {
 
 using Subject = ViewSubject;
 
-struct Command {
+struct ViewCommand {
   std::vector<std::string> files;
   FileOutput output;
   GridOptions grid{kSamples};
@@ -68,7 +68,7 @@ struct Command {
   void serve(Subject subject);
 };
 
-void Command::add_to(CLI::App& verb) {
+void ViewCommand::add_to(CLI::App& verb) {
   verb.add_option("FILES", files,
                   "meshes (" + extensions(mesh_formats(), false) + "),\nscene:NAME[:TRIANGLES], and fields (" +
                       extensions(field_formats(), false) + ")")
@@ -79,7 +79,6 @@ void Command::add_to(CLI::App& verb) {
   const auto add = [&verb](const char* name, const char* value, const char* help, auto set) {
     return add_parsed(verb, {name, value, help, "Page"}, set);
   };
-  using S = const std::string&;
   add("--title", "TEXT", "the page's title (default: the names of the files)", [this](S, S t) { page.title = t; });
   add("--up", "A", "the axis that points up: x, y or z (default)", [this](S o, S t) { page.up = parse_axis(o, t); });
   add("--length-unit", "NAME", "what the legend calls the unit of lengths, such as mm",
@@ -103,7 +102,7 @@ void Command::add_to(CLI::App& verb) {
   console.add_to(verb, Console::kMessages | Console::kJson | Console::kProgress);
 }
 
-Subject Command::read() {
+Subject ViewCommand::read() {
   Subject subject;
   for (const std::string& name : files) {
     if (kind_of(name) == FileKind::field) {
@@ -120,7 +119,7 @@ Subject Command::read() {
   return subject;
 }
 
-GridChoice Command::choose_grid(const Mesh& mesh) const {
+GridChoice ViewCommand::choose_grid(const Mesh& mesh) const {
   validate(mesh);
   const Box box = bounds(mesh);
   if (const double far = std::max(max_norm(box.min), max_norm(box.max)); far > kMaxCoordinate)
@@ -130,7 +129,7 @@ GridChoice Command::choose_grid(const Mesh& mesh) const {
 }
 
 // Around all meshes, of the first: more would be drawn over each other.
-void Command::compute_field(Subject& subject) {
+void ViewCommand::compute_field(Subject& subject) {
   const Mesh& mesh = subject.meshes.front();
   const GridChoice choice = choose_grid(mesh);
   compute_options.memory_limit = field_argument.memory_limit();
@@ -147,7 +146,7 @@ void Command::compute_field(Subject& subject) {
   subject.field_names.push_back("field of " + subject.mesh_names.front());
 }
 
-void Command::serve(Subject subject) {
+void ViewCommand::serve(Subject subject) {
   std::optional<view::LiveSettings> live;
   if (subject.fields.empty() && !no_field) {
     const GridChoice choice = choose_grid(subject.meshes.front());
@@ -160,7 +159,7 @@ void Command::serve(Subject subject) {
 }
 
 // Options that would say nothing. Errors: usage.
-void Command::check_options() const {
+void ViewCommand::check_options() const {
   if (output.given()) return server.check_unused("with -o nothing is served");
   const char* const option = grid.shape_given()                 ? "--size, --spacing, --bounds and --padding"
                              : compute_options.nearest_triangle ? "--nearest"
@@ -171,7 +170,7 @@ void Command::check_options() const {
                 std::string(option) + ": only for pages that are written; give -o PAGE, or leave it out");
 }
 
-void Command::run() {
+void ViewCommand::run() {
   for (const std::string& name : files) check_input(name);
   check_options();
   if (output.given()) {
@@ -213,8 +212,8 @@ void Command::run() {
 }  // namespace
 
 void add_view(CLI::App& program) {
-  auto* verb = add_verb(program, "view", "show meshes and fields in a browser", kExamples);
-  const auto command = std::make_shared<Command>();
+  auto* verb = add_verb(program, "view", "show meshes and fields in a browser", kViewExamples);
+  const auto command = std::make_shared<ViewCommand>();
   command->add_to(*verb);
   verb->callback([command] { command->run(); });
 }

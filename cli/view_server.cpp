@@ -22,7 +22,7 @@ using view::Request;
 
 constexpr const char* kJsonType = "application/json";
 constexpr const char* kBytesType = "application/octet-stream";
-constexpr std::int64_t kMostSamples = 1024;  // along the longest side: a full field of that is 4 GiB
+constexpr std::int64_t kMostSamplesShown = 1024;  // along the longest side: a full field of that is 4 GiB
 const std::vector<std::string> kSigns = {"auto", "none", "winding", "parity", "normal", "flood"};
 
 const std::string& needed(const Request& request, const char* name) {
@@ -54,7 +54,7 @@ Json devices() {
 }
 
 LiveSettings settings_of(const Request& request, LiveSettings settings) {
-  settings.samples = parse_count("resolution", needed(request, "resolution"), 8, kMostSamples);
+  settings.samples = parse_count("resolution", needed(request, "resolution"), 8, kMostSamplesShown);
   const Thickness thickness = parse_thickness("thickness", needed(request, "thickness"));
   settings.thickness = thickness.value;
   settings.thickness_in_samples = thickness.in_samples;
@@ -124,7 +124,7 @@ std::string ViewServer::state() const {
                     {"triangles", subject.mesh->triangles.size()},
                     {"longest_side", json_number(bounds(*subject.mesh).longest_side())},
                     {"resolution", settings.samples},
-                    {"most_resolution", kMostSamples},
+                    {"most_resolution", kMostSamplesShown},
                     {"thickness", thickness_text(settings)},
                     {"sign", sign_text(settings)},
                     {"signs", kSigns},

@@ -21,13 +21,13 @@
 namespace standoff::cli {
 namespace {
 
-constexpr const char* kExamples =
+constexpr const char* kVoxelsExamples =
     R"(  standoff voxels bunny.obj                             solid voxels into bunny.npz
   standoff voxels bunny.obj --surface -o shell.nrrd     those that the surface passes through
   standoff voxels part.stl --both -r 64 -o part.binvox  solid and surface
 )";
 
-const std::vector<FileFormat>& formats() {
+const std::vector<FileFormat>& voxel_formats() {
   static const std::vector<FileFormat> all{{"npz", "NumPy array", false, true},
                                            {"nrrd", "NRRD", false, true},
                                            {"vti", "VTK image data", false, true},
@@ -35,7 +35,7 @@ const std::vector<FileFormat>& formats() {
   return all;
 }
 
-struct Command {
+struct VoxelsCommand {
   MeshInput mesh;
   FileOutput output;
   GridOptions grid;
@@ -50,10 +50,10 @@ struct Command {
   void tell(const Mesh& loaded, const Occupancy& voxels) const;
 };
 
-void Command::add_to(CLI::App& verb) {
+void VoxelsCommand::add_to(CLI::App& verb) {
   mesh.add_to(verb);
   output.add_to(verb, "FILE",
-                "the voxels: " + extensions(formats(), true) + "\n(default: the mesh's name with .npz, here)");
+                "the voxels: " + extensions(voxel_formats(), true) + "\n(default: the mesh's name with .npz, here)");
   auto* solid_flag = verb.add_flag("--solid", solid, "voxels whose centre is inside (default)")->group("Voxels");
   auto* surface_flag =
       verb.add_flag("--surface", surface, "voxels that a triangle touches, their faces and corners included")
@@ -70,7 +70,7 @@ void Command::add_to(CLI::App& verb) {
   console.add_to(verb, Console::kMessages | Console::kJson | Console::kProgress);
 }
 
-Occupancy Command::make(const Mesh& loaded, const Grid& samples) const {
+Occupancy VoxelsCommand::make(const Mesh& loaded, const Grid& samples) const {
   const Cancellable cancellable;
   const ProgressCallback progress = console.progress();
   if (surface) return surface_voxels(loaded, samples, execution, progress);
@@ -79,10 +79,10 @@ Occupancy Command::make(const Mesh& loaded, const Grid& samples) const {
   return voxels;
 }
 
-void Command::run() {
+void VoxelsCommand::run() {
   if (!output.given()) output.set_path(mesh.stem() + ".npz");
   check_input(mesh.name());
-  output.check(formats());
+  output.check(voxel_formats());
   output.check_differs(mesh.name());
   const Mesh loaded = with_spinner(console, "reading " + mesh.name(), [&] { return mesh.read(); });
   validate(loaded);
@@ -102,7 +102,7 @@ void Command::run() {
   tell(loaded, voxels);
 }
 
-void Command::tell(const Mesh& loaded, const Occupancy& voxels) const {
+void VoxelsCommand::tell(const Mesh& loaded, const Occupancy& voxels) const {
   const std::int64_t count = voxels.count();
   console.say(output.path().string() + ": " + counted(count, "voxel") + " of " + grouped(voxels.grid.sample_count()));
   if (!console.json()) return;
@@ -120,8 +120,8 @@ void Command::tell(const Mesh& loaded, const Occupancy& voxels) const {
 }  // namespace
 
 void add_voxels(CLI::App& program) {
-  auto* verb = add_verb(program, "voxels", "find the voxels on the surface of a mesh, or inside it", kExamples);
-  const auto command = std::make_shared<Command>();
+  auto* verb = add_verb(program, "voxels", "find the voxels on the surface of a mesh, or inside it", kVoxelsExamples);
+  const auto command = std::make_shared<VoxelsCommand>();
   command->add_to(*verb);
   verb->callback([command] { command->run(); });
 }

@@ -10,7 +10,7 @@
 namespace standoff::python {
 namespace {
 
-constexpr const char* kAxes[] = {"x", "y", "z"};
+constexpr const char* kPictureAxes[] = {"x", "y", "z"};
 
 void slice(const DistanceField& field, const std::filesystem::path& path, const std::optional<std::string>& axis,
            std::optional<double> at, const std::string& colormap, const std::string& background,
@@ -20,7 +20,7 @@ void slice(const DistanceField& field, const std::filesystem::path& path, const 
   constexpr const char* kBackgrounds[] = {"white", "dark"};
   constexpr const char* kInterpolations[] = {"auto", "nearest", "linear"};
   SliceOptions options;
-  if (axis) options.axis = static_cast<Axis>(choice_of("axis", *axis, kAxes));
+  if (axis) options.axis = static_cast<Axis>(choice_of("axis", *axis, kPictureAxes));
   options.at = at;
   options.colormap = static_cast<Colormap>(choice_of("colormap", colormap, kColormaps));
   options.background = static_cast<Background>(choice_of("background", background, kBackgrounds));
@@ -42,7 +42,7 @@ void mesh_picture(const VertexInput& vertices, const FaceInput& faces, const std
                                .height = height,
                                .azimuth_deg = azimuth,
                                .elevation_deg = elevation,
-                               .up = static_cast<Axis>(choice_of("up", up, kAxes))};
+                               .up = static_cast<Axis>(choice_of("up", up, kPictureAxes))};
   const Unlocked released;
   write_mesh_png(path, mesh, options);
 }

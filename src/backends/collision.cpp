@@ -12,7 +12,7 @@
 namespace standoff::collision {
 namespace {
 
-constexpr std::array kRows{
+constexpr std::array kCollisionRows{
     DeviceRow{Backend::cuda, "cuda", cuda::available, cuda::device_name, cuda::collide, cuda::sweep},
 #ifdef STANDOFF_HAVE_EMULATION
     DeviceRow{testing::kEmulated, "emulated", [] { return true; },
@@ -28,7 +28,7 @@ constexpr std::size_t kSmallBatch = 10'000;
 const DeviceRow* find_device(Backend backend, std::size_t count) {
   const bool automatic = backend == Backend::automatic;
   if (automatic && count < kSmallBatch) return nullptr;
-  for (const DeviceRow& row : kRows)
+  for (const DeviceRow& row : kCollisionRows)
     if (row.backend == (automatic ? Backend::cuda : backend) && row.available()) return &row;
   if (backend == Backend::cuda) throw Error(ErrorCode::device, cuda::why_not_available());
   if (backend == testing::kEmulated) throw_no_emulation("batch");

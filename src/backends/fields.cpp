@@ -17,7 +17,7 @@ constexpr auto kAlways = [] { return true; };
 [[maybe_unused]] constexpr auto kEmulatedDevice = [](Simd, int) { return std::string("emulated on the CPU"); };
 constexpr auto kGpuName = [](Simd, int device) { return cuda::device_name(device); };
 
-constexpr std::array kRows{
+constexpr std::array kFieldRows{
     BackendRow{Backend::cuda, Method::tiles, "cuda", "tiles", cuda::available, kGpuName, cuda::run_tiles,
                cuda::scratch_bytes},
     BackendRow{Backend::cuda, Method::thesis, "cuda", "thesis", cuda::available, kGpuName, cuda::run_thesis,
@@ -43,7 +43,7 @@ constexpr std::int64_t kSmallJob = std::int64_t{1} << 22;
 const BackendRow& find_backend(Backend backend, Method method, std::int64_t triangles, const Grid& grid) {
   const bool is_small = triangles + grid.sample_count() < kSmallJob;
   const Backend wanted = backend == Backend::automatic && is_small ? Backend::cpu : backend;
-  for (const BackendRow& row : kRows)
+  for (const BackendRow& row : kFieldRows)
     if (row.method == method && (wanted == Backend::automatic || row.backend == wanted) && row.available()) return row;
   if (backend == Backend::cuda) throw Error(ErrorCode::device, cuda::why_not_available());
   if (backend == testing::kEmulated) throw_no_emulation("compute");

@@ -11,7 +11,7 @@
 namespace standoff {
 namespace {
 
-constexpr std::array kRows{
+constexpr std::array kPointRows{
     PointDevice{Backend::cuda, cuda::available, cuda::find_nearest},
 #ifdef STANDOFF_HAVE_EMULATION
     PointDevice{testing::kEmulated, [] { return true; }, emulated::find_nearest},
@@ -19,14 +19,14 @@ constexpr std::array kRows{
 };
 
 // A copy to the GPU and back must be worth it. The value is a guess: it was not measured.
-constexpr std::size_t kFewPoints = 100'000;
+constexpr std::size_t kLeastForDevice = 100'000;
 
 }  // namespace
 
 const PointDevice* find_point_device(Backend backend, std::size_t points) {
   const bool automatic = backend == Backend::automatic;
-  if (automatic && points < kFewPoints) return nullptr;
-  for (const PointDevice& row : kRows)
+  if (automatic && points < kLeastForDevice) return nullptr;
+  for (const PointDevice& row : kPointRows)
     if (row.backend == (automatic ? Backend::cuda : backend) && row.available()) return &row;
   if (backend == Backend::cuda) throw Error(ErrorCode::device, cuda::why_not_available());
   if (backend == testing::kEmulated) throw_no_emulation("points");

@@ -8,7 +8,7 @@
 namespace standoff {
 namespace {
 
-constexpr std::array kRows{
+constexpr std::array kSkipRows{
     SkipRow{SkipRule::Kind::neighbour,
             [](MeshView mesh, const Grid&, double thickness, double fraction) {
               return kept_by_neighbour_rule(mesh, thickness, fraction);
@@ -24,7 +24,7 @@ constexpr std::array kRows{
 }  // namespace
 
 const SkipRow* find_skip_rule(SkipRule::Kind kind) {
-  for (const SkipRow& row : kRows)
+  for (const SkipRow& row : kSkipRows)
     if (row.kind == kind) return &row;
   return nullptr;
 }

@@ -26,7 +26,7 @@ struct StreamDevice {
   void (*copy)(const float*, std::span<float>, const OnStream&);
 };
 
-constexpr std::array kRows{
+constexpr std::array kStreamRows{
     StreamDevice{Backend::cuda, bounds_on_stream, compute_on_stream, copy_from_stream},
 #ifdef STANDOFF_HAVE_EMULATION
     StreamDevice{testing::kEmulated, emulated::bounds_on_stream, emulated::compute_on_stream,
@@ -42,7 +42,8 @@ const BackendRow& backend_of(const OnStream& on, Method method) {
 }
 const StreamDevice& device_of(const OnStream& on) {
   const Backend backend = backend_of(on, Method::tiles).backend;
-  return *std::find_if(kRows.begin(), kRows.end(), [&](const StreamDevice& row) { return row.backend == backend; });
+  return *std::find_if(kStreamRows.begin(), kStreamRows.end(),
+                       [&](const StreamDevice& row) { return row.backend == backend; });
 }
 
 // Runs all, or halves of them where all do not fit into the device's memory.

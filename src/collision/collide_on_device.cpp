@@ -15,12 +15,12 @@ namespace {
 // Poses at a time: enough to fill any GPU, at some 150 bytes each.
 constexpr std::size_t kPiece = std::size_t{1} << 18;
 
-struct Prepared {
+struct PreparedPose {
   PoseQuery query;
   bool apart;
 };
 
-Prepared prepare(const QueryPair& pair, double margin) {
+PreparedPose prepare(const QueryPair& pair, double margin) {
   const Pose& of_b = pair.swapped ? pair.target.pose : pair.probe.pose;
   return {{transform_of(of_b), pair.transform, pair.limit(margin)}, pair.apart(margin)};
 }
@@ -41,7 +41,7 @@ std::vector<CollisionResult> collide_on_device(const DeviceRow& row, const Colli
   const QueryPair bodies(a, pose_a, b, {}, kernels);  // which of them gives its field does not depend on poses
   for (std::size_t first = 0; first < poses_b.size(); first += kPiece) {
     const auto poses = poses_b.subspan(first, std::min(kPiece, poses_b.size() - first));
-    const auto prepared = for_each<Prepared>(poses.size(), execution.threads, [&](std::size_t n) {
+    const auto prepared = for_each<PreparedPose>(poses.size(), execution.threads, [&](std::size_t n) {
       return prepare(QueryPair(a, pose_a, b, poses[n], kernels), margin);
     });
     std::vector<PoseQuery> queries;

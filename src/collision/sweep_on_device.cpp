@@ -15,13 +15,13 @@ namespace {
 // Motions at a time: enough to fill any GPU, at some 200 bytes each.
 constexpr std::size_t kPiece = std::size_t{1} << 17;
 
-struct Prepared {
+struct PreparedMotion {
   SweepQuery query;
   bool jumps;  ///< the last pose must be looked at
 };
 
 // The CPU sweeps all motions but those that are free and whose last pose does not jump.
-bool decided(const Prepared& motion, const SweepAnswer& answer) {
+bool decided(const PreparedMotion& motion, const SweepAnswer& answer) {
   return answer.verdict == DeviceVerdict::free && !motion.jumps;
 }
 
@@ -36,16 +36,16 @@ std::vector<SweepResult> sweep_on_device(const DeviceRow& row, const CollisionMo
   const QueryPair bodies(a, pose_a, b, {}, kernels);  // which of them gives its field does not depend on motions
   for (std::size_t first = 0; first < motions.size(); first += kPiece) {
     const auto piece = motions.subspan(first, std::min(kPiece, motions.size() - first));
-    const auto prepared = for_each<Prepared>(piece.size(), execution.threads, [&](std::size_t n) {
+    const auto prepared = for_each<PreparedMotion>(piece.size(), execution.threads, [&](std::size_t n) {
       const AxisAngleMotion path(piece[n]);
       const QueryPair pair(a, pose_a, b, piece[n].from, kernels);
       const double kept = tolerance_kept(pair, path, tolerance);
-      return Prepared{{relative_motion(pair, path), distance_kept(pair, path, kept)},
-                      last_pose_may_jump(path, b, kept)};
+      return PreparedMotion{{relative_motion(pair, path), distance_kept(pair, path, kept)},
+                            last_pose_may_jump(path, b, kept)};
     });
     std::vector<SweepQuery> queries;
     queries.reserve(prepared.size());
-    for (const Prepared& one : prepared) queries.push_back(one.query);
+    for (const PreparedMotion& one : prepared) queries.push_back(one.query);
     std::vector<SweepAnswer> answers(piece.size());
     row.sweep({.target = *bodies.target.body,
                .probe = *bodies.probe.body,

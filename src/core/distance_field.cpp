@@ -14,11 +14,8 @@
 namespace standoff {
 namespace {
 
-constexpr int kSide = DistanceField::kTileSide;
-constexpr int kSamples = DistanceField::kTileSamples;
-
 constexpr int within(std::int64_t i, std::int64_t j, std::int64_t k) {
-  return static_cast<int>((i % kSide) + kSide * ((j % kSide) + kSide * (k % kSide)));
+  return static_cast<int>((i % kTileSide) + kTileSide * ((j % kTileSide) + kTileSide * (k % kTileSide)));
 }
 
 bool is_one_of(std::int64_t n, std::int64_t count) { return n >= 0 && n < count; }
@@ -116,13 +113,13 @@ void DistanceField::expect_sample(std::int64_t i, std::int64_t j, std::int64_t k
 
 float DistanceField::value(std::int64_t i, std::int64_t j, std::int64_t k) const {
   expect_sample(i, j, k);
-  const std::int32_t slot = slot_of(i / kSide, j / kSide, k / kSide);
+  const std::int32_t slot = slot_of(i / kTileSide, j / kTileSide, k / kTileSide);
   return slot >= 0 ? pool_->values(slot)[within(i, j, k)] : background_of(slot);
 }
 
 std::uint32_t DistanceField::nearest(std::int64_t i, std::int64_t j, std::int64_t k) const {
   expect_sample(i, j, k);
-  const auto indices = tile_nearest(i / kSide, j / kSide, k / kSide);
+  const auto indices = tile_nearest(i / kTileSide, j / kTileSide, k / kTileSide);
   return indices ? (*indices)[within(i, j, k)] : kNoTriangle;
 }
 
@@ -133,7 +130,7 @@ float DistanceField::background(std::int64_t tx, std::int64_t ty, std::int64_t t
 auto DistanceField::tile(std::int64_t tx, std::int64_t ty, std::int64_t tz) const -> std::optional<TileValues> {
   const std::int32_t slot = slot_of(tx, ty, tz);
   if (slot < 0) return std::nullopt;
-  return TileValues(pool_->values(slot), kSamples);
+  return TileValues(pool_->values(slot), kTileSamples);
 }
 
 auto DistanceField::tile_nearest(std::int64_t tx, std::int64_t ty, std::int64_t tz) const
@@ -142,7 +139,7 @@ auto DistanceField::tile_nearest(std::int64_t tx, std::int64_t ty, std::int64_t 
   if (!pool_) return std::nullopt;
   if (!with_nearest_) fail_without_nearest();
   if (slot < 0) return std::nullopt;
-  return TileNearest(pool_->nearest(slot), kSamples);
+  return TileNearest(pool_->nearest(slot), kTileSamples);
 }
 
 auto DistanceField::tile_at(std::int64_t index) const -> Tile {
@@ -150,8 +147,8 @@ auto DistanceField::tile_at(std::int64_t index) const -> Tile {
   const std::int32_t slot = slots_[static_cast<std::size_t>(index)];
   return {index,
           {index % n.x, index / n.x % n.y, index / (n.x * n.y)},
-          TileValues(pool_->values(slot), kSamples),
-          with_nearest_ ? std::span<const std::uint32_t>(pool_->nearest(slot), kSamples)
+          TileValues(pool_->values(slot), kTileSamples),
+          with_nearest_ ? std::span<const std::uint32_t>(pool_->nearest(slot), kTileSamples)
                         : std::span<const std::uint32_t>()};
 }
 
@@ -160,31 +157,31 @@ std::int32_t& DistanceField::entry_of(std::int64_t tx, std::int64_t ty, std::int
   return slots_[static_cast<std::size_t>(tile_index(tx, ty, tz))];
 }
 
-std::span<float, kSamples> DistanceField::store_tile(std::int64_t tx, std::int64_t ty, std::int64_t tz) try {
+std::span<float, kTileSamples> DistanceField::store_tile(std::int64_t tx, std::int64_t ty, std::int64_t tz) try {
   std::int32_t& entry = entry_of(tx, ty, tz);
   if (entry >= 0)
     fail_field([=] { return "the tile " + index_text(tx, ty, tz) + " is stored already; store each tile once"; });
   const std::int64_t slot = pool_->add();
   entry = static_cast<std::int32_t>(slot);
-  return std::span<float, kSamples>(pool_->values(slot), kSamples);
+  return std::span<float, kTileSamples>(pool_->values(slot), kTileSamples);
 } catch (...) {
   throw_field_error();
 }
 
-std::span<std::uint32_t, kSamples> DistanceField::store_nearest(std::int64_t tx, std::int64_t ty, std::int64_t tz) {
+std::span<std::uint32_t, kTileSamples> DistanceField::store_nearest(std::int64_t tx, std::int64_t ty, std::int64_t tz) {
   const std::int32_t slot = entry_of(tx, ty, tz);
   if (slot < 0 || !with_nearest_)
     fail_field([=] {
       return "the tile " + index_text(tx, ty, tz) +
              " has no nearest triangles; store it first, in a field made with them";
     });
-  return std::span<std::uint32_t, kSamples>(pool_->nearest(slot), kSamples);
+  return std::span<std::uint32_t, kTileSamples>(pool_->nearest(slot), kTileSamples);
 }
 
-std::span<float, kSamples> DistanceField::edit_tile(std::int64_t tx, std::int64_t ty, std::int64_t tz) {
+std::span<float, kTileSamples> DistanceField::edit_tile(std::int64_t tx, std::int64_t ty, std::int64_t tz) {
   const std::int32_t slot = entry_of(tx, ty, tz);
   if (slot < 0) fail_field([=] { return "the tile " + index_text(tx, ty, tz) + " is not stored; store it first"; });
-  return std::span<float, kSamples>(pool_->values(slot), kSamples);
+  return std::span<float, kTileSamples>(pool_->values(slot), kTileSamples);
 }
 
 void DistanceField::mark_inside(std::int64_t tx, std::int64_t ty, std::int64_t tz) {
@@ -225,8 +222,8 @@ void DistanceField::erase_tiles(std::span<const Size3> tiles) try {
   for (const std::int32_t slot : free) {
     const auto last = static_cast<std::int32_t>(pool_->size() - 1);
     if (slot != last) {
-      std::copy_n(pool_->values(last), kSamples, pool_->values(slot));
-      if (with_nearest_) std::copy_n(pool_->nearest(last), kSamples, pool_->nearest(slot));
+      std::copy_n(pool_->values(last), kTileSamples, pool_->values(slot));
+      if (with_nearest_) std::copy_n(pool_->nearest(last), kTileSamples, pool_->nearest(slot));
       const std::size_t moved = entry_of_slot[static_cast<std::size_t>(last)];
       slots_[moved] = slot;
       entry_of_slot[static_cast<std::size_t>(slot)] = moved;
@@ -249,13 +246,13 @@ bool DistanceField::has_sign() const {
 
 std::span<const float> DistanceField::tile_values() const {
   if (!pool_) return {};
-  return {pool_->values(0), static_cast<std::size_t>(pool_->size() * kSamples)};
+  return {pool_->values(0), static_cast<std::size_t>(pool_->size() * kTileSamples)};
 }
 
 std::span<const std::uint32_t> DistanceField::tile_nearest_values() const {
   if (!pool_) return {};
   if (!with_nearest_) fail_without_nearest();
-  return {pool_->nearest(0), static_cast<std::size_t>(pool_->size() * kSamples)};
+  return {pool_->nearest(0), static_cast<std::size_t>(pool_->size() * kTileSamples)};
 }
 
 std::vector<std::array<std::int32_t, 3>> DistanceField::tile_coordinates() const try {
@@ -270,7 +267,7 @@ std::vector<std::array<std::int32_t, 3>> DistanceField::tile_coordinates() const
 }
 
 std::int64_t DistanceField::memory_bytes() const {
-  const auto tile_bytes = static_cast<std::int64_t>(sizeof(float) * kSamples * (with_nearest_ ? 2 : 1));
+  const auto tile_bytes = static_cast<std::int64_t>(sizeof(float) * kTileSamples * (with_nearest_ ? 2 : 1));
   const auto table_bytes = static_cast<std::int64_t>(slots_.size() * sizeof(std::int32_t));
   return stored_tiles() * tile_bytes + table_bytes;
 }

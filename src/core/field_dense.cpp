@@ -4,13 +4,11 @@
 #include <array>
 
 #include "core/field_error.h"
+#include "core/tile_count.h"
 #include "standoff/field.h"
 
 namespace standoff {
 namespace {
-
-constexpr int kSide = DistanceField::kTileSide;
-constexpr int kSamples = DistanceField::kTileSamples;
 
 void expect_slices(const Grid& grid, std::int64_t first, std::int64_t count, std::size_t room) {
   const Size3& n = grid.size;
@@ -33,12 +31,12 @@ void copy_tiled(const DistanceField& field, std::int64_t first, std::int64_t cou
   }
   for (std::int64_t k = first; k < first + count; ++k)
     for (std::int64_t j = 0; j < n.y; ++j) {
-      const std::int32_t* slot = slots.data() + tiles.x * (j / kSide + tiles.y * (k / kSide));
-      const std::int64_t row = kSide * (j % kSide + kSide * (k % kSide));
-      for (std::int64_t i = 0; i < n.x; i += kSide, ++slot) {
-        const std::int64_t run = std::min<std::int64_t>(kSide, n.x - i);
+      const std::int32_t* slot = slots.data() + tiles.x * (j / kTileSide + tiles.y * (k / kTileSide));
+      const std::int64_t row = kTileSide * (j % kTileSide + kTileSide * (k % kTileSide));
+      for (std::int64_t i = 0; i < n.x; i += kTileSide, ++slot) {
+        const std::int64_t run = std::min<std::int64_t>(kTileSide, n.x - i);
         if (*slot >= 0)
-          std::copy_n(all + *slot * std::int64_t{kSamples} + row, run, out);
+          std::copy_n(all + *slot * std::int64_t{kTileSamples} + row, run, out);
         else
           std::fill_n(out, run, *slot == DistanceField::kInside ? inside : outside);
         out += run;
@@ -48,8 +46,8 @@ void copy_tiled(const DistanceField& field, std::int64_t first, std::int64_t cou
 
 // One tile's samples, taken from dense memory.
 struct DenseTile {
-  std::array<float, kSamples> values;
-  std::array<std::uint32_t, kSamples> nearest;
+  std::array<float, kTileSamples> values;
+  std::array<std::uint32_t, kTileSamples> nearest;
   bool outside, inside;  // whether every sample is at least so far away and has no nearest triangle
 
   DenseTile(const Grid& grid, float far, const Size3& at, std::span<const float> all_values,
@@ -57,12 +55,12 @@ struct DenseTile {
     values.fill(far);
     nearest.fill(kNoTriangle);
     outside = inside = true;
-    const std::int64_t i0 = at.x * kSide, j0 = at.y * kSide, k0 = at.z * kSide;
-    for (std::int64_t k = k0; k < std::min(k0 + kSide, grid.size.z); ++k)
-      for (std::int64_t j = j0; j < std::min(j0 + kSide, grid.size.y); ++j)
-        for (std::int64_t i = i0; i < std::min(i0 + kSide, grid.size.x); ++i) {
+    const std::int64_t i0 = at.x * kTileSide, j0 = at.y * kTileSide, k0 = at.z * kTileSide;
+    for (std::int64_t k = k0; k < std::min(k0 + kTileSide, grid.size.z); ++k)
+      for (std::int64_t j = j0; j < std::min(j0 + kTileSide, grid.size.y); ++j)
+        for (std::int64_t i = i0; i < std::min(i0 + kTileSide, grid.size.x); ++i) {
           const auto from = static_cast<std::size_t>(grid.index(i, j, k));
-          const auto to = static_cast<std::size_t>(i - i0 + kSide * (j - j0 + kSide * (k - k0)));
+          const auto to = static_cast<std::size_t>(i - i0 + kTileSide * (j - j0 + kTileSide * (k - k0)));
           values[to] = all_values[from];
           if (!all_nearest.empty()) nearest[to] = all_nearest[from];
           outside &= values[to] >= far && nearest[to] == kNoTriangle;

@@ -48,7 +48,7 @@ AxisCell axis_cell(double point, double origin, double spacing, std::int64_t siz
   return {first, first + 1, at - static_cast<double>(first)};
 }
 
-struct Cell {
+struct CellOfPoint {
   AxisCell x, y, z;
   std::array<double, 8> corner{};  // x fastest
 };
@@ -58,10 +58,10 @@ void expect_numbers(Vec3 p) {
     fail_field([] { return "the point to look at is not a number; give three numbers"; });
 }
 
-Cell cell_at(const DistanceField& field, Vec3 p) {
+CellOfPoint cell_at(const DistanceField& field, Vec3 p) {
   const Grid& g = field.grid();
-  Cell cell{axis_cell(p.x, g.origin.x, g.spacing.x, g.size.x), axis_cell(p.y, g.origin.y, g.spacing.y, g.size.y),
-            axis_cell(p.z, g.origin.z, g.spacing.z, g.size.z)};
+  CellOfPoint cell{axis_cell(p.x, g.origin.x, g.spacing.x, g.size.x), axis_cell(p.y, g.origin.y, g.spacing.y, g.size.y),
+                   axis_cell(p.z, g.origin.z, g.spacing.z, g.size.z)};
   int n = 0;
   for (const auto k : {cell.z.first, cell.z.second})
     for (const auto j : {cell.y.first, cell.y.second})
@@ -111,7 +111,7 @@ void DistanceField::gradient(std::span<const Vec3> points, std::span<Vec3> out, 
 double DistanceField::interpolate(Vec3 point, Outside outside) const {
   expect_numbers(point);
   if (!answers_at(grid_, point, outside)) return kNan;
-  const Cell cell = cell_at(*this, point);
+  const CellOfPoint cell = cell_at(*this, point);
   const auto& c = cell.corner;
   const auto row = [&](int n) { return mix(c[n], c[n + 1], cell.x.t); };
   return mix(mix(row(0), row(2), cell.y.t), mix(row(4), row(6), cell.y.t), cell.z.t);
@@ -120,7 +120,7 @@ double DistanceField::interpolate(Vec3 point, Outside outside) const {
 Vec3 DistanceField::gradient(Vec3 point, Outside outside) const {
   expect_numbers(point);
   if (!answers_at(grid_, point, outside)) return {kNan, kNan, kNan};
-  const Cell cell = cell_at(*this, point);
+  const CellOfPoint cell = cell_at(*this, point);
   const auto& c = cell.corner;
   const double tx = cell.x.t, ty = cell.y.t, tz = cell.z.t;
   // Difference along one axis, interpolated bilinearly along the two others; `step` is that axis's stride in c.

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+// Which grids are legal, and grids around boxes.
 #include "standoff/grid.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 
@@ -12,6 +15,76 @@ namespace {
 
 [[noreturn]] void fail(const std::string& what) { throw Error(ErrorCode::usage, "grid: " + what); }
 [[noreturn]] void fail_at_limit(const std::string& what) { throw Error(ErrorCode::limit, "grid: " + what); }
+
+void expect_box(const Box& box) {
+  if (box.empty()) fail("the box to cover is empty; give a mesh with triangles");
+}
+
+Box grown_by(const Box& box, Vec3 by) {
+  expect_box(box);
+  const Box grown{box.min - by, box.max + by};
+  if (!is_finite(grown.min) || !is_finite(grown.max) || !is_finite(grown.extent()))
+    fail("the box to cover is too large; scale the mesh down, or take a smaller padding");
+  return grown;
+}
+
+// How far the padding reaches along axes.
+class Reach {
+ public:
+  Reach(const Box& box, const Padding& padding) : padding_(padding) {
+    expect_box(box);
+    for (const double number : {padding.length, padding.samples, padding.least_samples})
+      if (!(number >= 0) || !std::isfinite(number))
+        fail("the padding must be zero or more, and finite; give world units or samples");
+    if (!(padding.most_share >= 0))
+      fail("the padding's share of the longest side must be zero or more; infinity sets no bound");
+    side_ = box.longest_side();
+  }
+
+  /// Along an axis of which the spacing is known.
+  double by_spacing(double spacing) const {
+    return combined(padding_.least_samples * spacing, padding_.samples * spacing);
+  }
+  /// Along an axis with so many cells, of which those that are not padding cover the extent.
+  double by_cells(double extent, double cells) const {
+    const auto grown = [&](double samples) {
+      if (samples == 0 || extent == 0 || cells == 0) return 0.0;
+      return samples * extent / std::max(cells - 2 * samples, 0.0);
+    };
+    const double by =
+        combined(grown(std::clamp((cells - 1) / 2, 0.0, padding_.least_samples)), grown(padding_.samples));
+    if (std::isinf(by) && std::isfinite(extent))
+      fail("the padding leaves no samples for the box; take less of it, or more samples");
+    return by;
+  }
+
+ private:
+  double combined(double least, double samples) const {
+    const double wanted = std::max(padding_.length, samples);
+    return std::max(least, side_ > 0 ? std::min(wanted, padding_.most_share * side_) : wanted);
+  }
+
+  Padding padding_;
+  double side_;
+};
+
+// Samples so that (samples - 1) * spacing covers the extent. Quotients within rounding of a whole number count as it.
+std::int64_t covering(double extent, double spacing) {
+  const double cells = extent / spacing;
+  if (!(cells < 0x1p40)) fail_at_limit("more than 2^40 samples on a side; take a larger spacing");
+  return static_cast<std::int64_t>(std::ceil(cells * (1 - 1e-12))) + 1;
+}
+
+Grid centred(const Box& box, Vec3 spacing) {
+  const Vec3 extent = box.extent();
+  Grid grid;
+  grid.size = {covering(extent.x, spacing.x), covering(extent.y, spacing.y), covering(extent.z, spacing.z)};
+  grid.spacing = spacing;
+  const Vec3 cells{double(grid.size.x - 1), double(grid.size.y - 1), double(grid.size.z - 1)};
+  grid.origin = box.center() - spacing * cells * 0.5;
+  validate(grid);
+  return grid;
+}
 
 }  // namespace
 
@@ -26,6 +99,63 @@ void validate(const Grid& grid) try {
     if (!(h > 0) || !std::isfinite(h)) fail("the spacing must be positive and finite; give it in world units");
   if (!is_finite(grid.origin) || !is_finite(grid.bounds().max))
     fail("the origin and extent must be finite; bring mesh and grid nearer to the origin");
+} catch (...) {
+  throw_as_error("grid");
+}
+
+Padding padding_for(double thickness) try {
+  if (!(thickness > 0)) fail("the thickness must be positive; infinity gives a full field");
+  return {.length = std::isinf(thickness) ? 0 : thickness};
+} catch (...) {
+  throw_as_error("grid");
+}
+
+Grid fit_samples(const Box& box, std::int64_t samples, const Padding& padding) try {
+  if (samples < 2) fail("at least 2 samples are needed on the longest side; give 2 or more");
+  const Reach reach(box, padding);
+  const double extent = box.longest_side(), cells = static_cast<double>(samples - 1);
+  const bool no_scale = extent == 0 && padding.length == 0 && (padding.samples > 0 || padding.least_samples > 0);
+  const double by = no_scale ? cells / 2 : reach.by_cells(extent, cells);
+  const Box grown = grown_by(box, {by, by, by});
+  const double side = grown.longest_side(), spacing = side > 0 ? side / cells : 1.0;
+  if (!(spacing > 0)) fail("the box is too small to divide into that many samples; scale the mesh up");
+  return centred(grown, {spacing, spacing, spacing});
+} catch (...) {
+  throw_as_error("grid");
+}
+
+Grid fit_spacing(const Box& box, Vec3 spacing, const Padding& padding) try {
+  for (const double h : {spacing.x, spacing.y, spacing.z})
+    if (!(h > 0) || !std::isfinite(h)) fail("the spacing must be positive and finite; give it in world units");
+  const Reach reach(box, padding);
+  const Vec3 by{reach.by_spacing(spacing.x), reach.by_spacing(spacing.y), reach.by_spacing(spacing.z)};
+  return centred(grown_by(box, by), spacing);
+} catch (...) {
+  throw_as_error("grid");
+}
+
+Grid fit_size(const Box& box, Size3 size, const Padding& padding) try {
+  if (size.x < 1 || size.y < 1 || size.z < 1) fail("every axis needs at least one sample; give sizes of 1 or more");
+  const Reach reach(box, padding);
+  const auto along = [&](double extent, std::int64_t samples) {
+    return reach.by_cells(extent, static_cast<double>(samples - 1));
+  };
+  const Vec3 whole = box.extent();
+  const Box grown = grown_by(box, {along(whole.x, size.x), along(whole.y, size.y), along(whole.z, size.z)});
+  const Vec3 extent = grown.extent();
+  const std::array<double, 3> extents{extent.x, extent.y, extent.z};
+  const std::array<std::int64_t, 3> sizes{size.x, size.y, size.z};
+  std::array<double, 3> spacing{};
+  for (int axis = 0; axis < 3; ++axis)
+    if (sizes[axis] > 1) spacing[axis] = extents[axis] / static_cast<double>(sizes[axis] - 1);
+  const double widest = std::max({spacing[0], spacing[1], spacing[2]});
+  for (double& h : spacing)
+    if (!(h > 0)) h = widest > 0 ? widest : 1.0;
+  Grid grid{size, {}, {spacing[0], spacing[1], spacing[2]}};
+  const Vec3 cells{double(size.x - 1), double(size.y - 1), double(size.z - 1)};
+  grid.origin = grown.center() - grid.spacing * cells * 0.5;
+  validate(grid);
+  return grid;
 } catch (...) {
   throw_as_error("grid");
 }

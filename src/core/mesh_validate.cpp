@@ -18,12 +18,12 @@ namespace {
 constexpr std::uint64_t kMaxVertices = 0xffff'ffffu;
 
 // Both go through memory in its own order, which is several times faster than from corner to corner.
-using Positions = tbb::blocked_range<std::size_t>;
-constexpr std::size_t kGrain = 16384;
+using VertexRange = tbb::blocked_range<std::size_t>;
+constexpr std::size_t kVertexGrain = 16384;
 
 // Packed arrays in a loop of their own, which the compiler makes wide.
 template <class Array, class Look>
-void each_in_memory(const Array& array, const Positions& positions, Look look) {
+void each_in_memory(const Array& array, const VertexRange& positions, Look look) {
   if (const auto packed = array.as_span())
     for (std::size_t n = positions.begin(); n < positions.end(); ++n) look((*packed)[n]);
   else
@@ -31,21 +31,21 @@ void each_in_memory(const Array& array, const Positions& positions, Look look) {
 }
 
 bool indices_in_range(MeshView mesh) {
-  const auto look = [&](const Positions& positions, bool good) {
+  const auto look = [&](const VertexRange& positions, bool good) {
     each_in_memory(mesh.triangles, positions, [&](const Triangle& t) {
       for (const std::uint32_t v : t) good &= v < mesh.vertices.size();
     });
     return good;
   };
-  return tbb::parallel_reduce(Positions(0, mesh.triangles.size(), kGrain), true, look, std::logical_and<>());
+  return tbb::parallel_reduce(VertexRange(0, mesh.triangles.size(), kVertexGrain), true, look, std::logical_and<>());
 }
 
 bool vertices_finite(MeshView mesh) {
-  const auto look = [&](const Positions& positions, bool good) {
+  const auto look = [&](const VertexRange& positions, bool good) {
     each_in_memory(mesh.vertices, positions, [&](const Vec3& v) { good &= is_finite(v); });
     return good;
   };
-  return tbb::parallel_reduce(Positions(0, mesh.vertices.size(), kGrain), true, look, std::logical_and<>());
+  return tbb::parallel_reduce(VertexRange(0, mesh.vertices.size(), kVertexGrain), true, look, std::logical_and<>());
 }
 
 }  // namespace

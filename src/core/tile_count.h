@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// How many tiles of samples a grid has.
+// The size of tiles of samples, and how many of them a grid has.
 #pragma once
 
 #include "standoff/field.h"
 
 namespace standoff {
+
+/// Samples of a tile along an axis, and all of them.
+inline constexpr int kTileSide = DistanceField::kTileSide, kTileSamples = DistanceField::kTileSamples;
 
 /// Tiles along an axis of so many samples; the last one may be cut.
 constexpr std::int64_t tiles_along(std::int64_t samples) { return DistanceField::tiles_of({samples, 1, 1}).x; }

@@ -21,8 +21,6 @@
 
 namespace standoff {
 
-inline constexpr int kTileSide = DistanceField::kTileSide;
-inline constexpr int kTileSamples = DistanceField::kTileSamples;
 inline constexpr int kBrickSide = 2 * kTileSide;
 
 /// Lengths are in grid units: world units times `scale`, a power of two that brings the largest spacing to [1, 2). So

@@ -22,7 +22,7 @@ namespace standoff {
 namespace {
 
 using Positions = tbb::blocked_range<std::size_t>;
-constexpr std::size_t kGrain = 16384;
+constexpr std::size_t kPrepareGrain = 16384;
 
 // Vertices lie in a row, corners do not: several times faster than from corner to corner.
 bool vertices_near(MeshView mesh, const FloatRange& range) {
@@ -30,7 +30,7 @@ bool vertices_near(MeshView mesh, const FloatRange& range) {
     for (std::size_t v = positions.begin(); v < positions.end(); ++v) good &= range.holds(mesh.vertices[v]);
     return good;
   };
-  return tbb::parallel_reduce(Positions(0, mesh.vertices.size(), kGrain), true, look, std::logical_and<>());
+  return tbb::parallel_reduce(Positions(0, mesh.vertices.size(), kPrepareGrain), true, look, std::logical_and<>());
 }
 
 double tiles_of_range(const SampleRange& range) {
@@ -73,7 +73,7 @@ MeshLook look_at(MeshView mesh, const Plan& plan, bool counts_tiles) {
     return sum;
   };
   const auto both = [](const Sum& a, const Sum& b) { return Sum{a.in_range && b.in_range, a.tiles + b.tiles}; };
-  const Sum found = tbb::parallel_reduce(Positions(0, mesh.triangles.size(), kGrain), Sum{true, 0}, look, both);
+  const Sum found = tbb::parallel_reduce(Positions(0, mesh.triangles.size(), kPrepareGrain), Sum{true, 0}, look, both);
   if (!found.in_range) validate(mesh);
   return {is_near, counts_boxes ? std::min(all, found.tiles) : counts_tiles ? all : 0};
 }

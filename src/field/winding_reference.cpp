@@ -6,12 +6,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "geometry/corners.h"
 #include "geometry/predicates.h"
 
 namespace standoff {
 namespace {
-
-using Corners = std::array<Vec3, 3>;
 
 // As seen along y.
 Flat flat(const Vec3& v) { return {v.x, v.z}; }

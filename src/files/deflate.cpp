@@ -15,22 +15,22 @@ namespace {
 constexpr std::size_t kMostAtOnce = std::size_t{1} << 30;
 constexpr std::size_t kPiece = std::size_t{1} << 18;
 
-struct Stream {
+struct DeflateStream {
   z_stream z{};
-  explicit Stream(int level) {
+  explicit DeflateStream(int level) {
     const int begun = deflateInit(&z, level);
     if (begun == Z_MEM_ERROR) throw std::bad_alloc();
     if (begun != Z_OK) throw std::logic_error("deflateInit: " + std::to_string(begun));
   }
-  Stream(const Stream&) = delete;
-  Stream& operator=(const Stream&) = delete;
-  ~Stream() { deflateEnd(&z); }
+  DeflateStream(const DeflateStream&) = delete;
+  DeflateStream& operator=(const DeflateStream&) = delete;
+  ~DeflateStream() { deflateEnd(&z); }
 };
 
 }  // namespace
 
 std::string zlib_packed(std::string_view bytes, int level) {
-  Stream stream(level);
+  DeflateStream stream(level);
   std::string packed;
   int state = Z_OK;
   while (state != Z_STREAM_END) {

@@ -14,7 +14,7 @@ namespace standoff {
 namespace {
 
 // zlib counts in 32 bits. Between parts that are made, the caller may stop.
-constexpr std::size_t kMostAtOnce = std::size_t{1} << 30, kMostMadeAtOnce = std::size_t{1} << 20;
+constexpr std::size_t kMostFed = std::size_t{1} << 30, kMostMadeAtOnce = std::size_t{1} << 20;
 
 [[noreturn]] void fail_for_size(const FileView& file, std::uint64_t most) {
   throw Error(ErrorCode::limit, file.path().string() + ": it unpacks to more than " + std::to_string(most >> 20) +
@@ -43,7 +43,7 @@ std::size_t Inflater::read(char* to, std::size_t room) {
   while (done < room && !ended_) {
     file_.check();
     if (stream.avail_in == 0) {
-      const std::size_t part = std::min(left_.size(), kMostAtOnce);
+      const std::size_t part = std::min(left_.size(), kMostFed);
       stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(left_.data()));  // zlib does not write there
       stream.avail_in = static_cast<uInt>(part);
       left_.remove_prefix(part);

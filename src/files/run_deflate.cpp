@@ -13,7 +13,7 @@
 namespace standoff {
 namespace {
 
-constexpr std::uint32_t kEndOfBlock = 256, kLongest = 258, kLeast = 3;
+constexpr std::uint32_t kEndOfBlock = 256, kLongest = 258, kLeastMatch = 3;
 constexpr std::size_t kSymbols = 286, kDistances = 30, kLengthCodes = 19;
 constexpr int kLongestCode = 15, kLongestLengthCode = 7;
 
@@ -23,7 +23,7 @@ struct Coded {
 };
 Coded coded_length(std::uint32_t length) {
   if (length == kLongest) return {285, 0, 0};
-  const std::uint32_t n = length - kLeast;
+  const std::uint32_t n = length - kLeastMatch;
   if (n < 8) return {257 + n, 0, 0};
   const auto bits = static_cast<std::uint32_t>(std::bit_width(n)) - 3;
   return {257 + 4 * bits + (n >> bits), bits, n & ((1u << bits) - 1)};
@@ -35,14 +35,14 @@ Coded coded_distance(std::uint32_t distance) {
   return {2 * bits + (n >> bits), bits, n & ((1u << bits) - 1)};
 }
 
-// The lengths of the matches that a run of so many bytes becomes, none below kLeast; `match(length, times)`.
+// The lengths of the matches that a run of so many bytes becomes, none below kLeastMatch; `match(length, times)`.
 template <class Match>
 void each_match(std::uint32_t run, const Match& match) {
   std::uint32_t longest = run / kLongest, rest = run % kLongest;
-  if (rest > 0 && rest < kLeast && longest > 0) {
+  if (rest > 0 && rest < kLeastMatch && longest > 0) {
     --longest;
-    match(kLongest - kLeast, 1u);
-    rest += kLeast;
+    match(kLongest - kLeastMatch, 1u);
+    rest += kLeastMatch;
   }
   if (longest > 0) match(kLongest, longest);
   if (rest > 0) match(rest, 1u);
@@ -168,7 +168,7 @@ void RunDeflater::each_token(Literals literals, Run run) const {
     at += token.literals;
     const std::span element(at - period_, period_);
     // Too short for a match.
-    if (token.run > 0 && token.run < kLeast)
+    if (token.run > 0 && token.run < kLeastMatch)
       for (std::uint32_t n = 0; n < token.run; n += static_cast<std::uint32_t>(period_)) literals(element);
     else if (token.run > 0)
       run(element, token.run);

@@ -15,7 +15,7 @@
 namespace standoff {
 namespace {
 
-constexpr std::size_t kPart = std::size_t{1} << 20;
+constexpr std::size_t kSpoolBuffer = std::size_t{1} << 20;
 
 }  // namespace
 
@@ -36,7 +36,7 @@ void SpoolFile::write(const void* data, std::size_t bytes) {
   const auto* from = static_cast<const std::byte*>(data);
   buffer_.insert(buffer_.end(), from, from + bytes);
   size_ += bytes;
-  if (buffer_.size() >= kPart) flush();
+  if (buffer_.size() >= kSpoolBuffer) flush();
 }
 
 void SpoolFile::flush() {
@@ -50,7 +50,7 @@ void SpoolFile::flush() {
 }
 
 std::span<const std::byte> SpoolFile::part_at(std::uint64_t offset) {
-  buffer_.resize(kPart);
+  buffer_.resize(kSpoolBuffer);
   for (;;) {
     const auto got = ::pread(file_.number(), buffer_.data(), buffer_.size(), static_cast<off_t>(offset));
     if (got < 0 && errno == EINTR) continue;

@@ -15,6 +15,12 @@ namespace standoff {
 constexpr bool is_line_end(char c) { return c == '\n' || c == '\r'; }
 constexpr bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
 constexpr bool is_space(char c) { return is_blank(c) || is_line_end(c); }
+constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+/// Takes spaces off the front.
+constexpr void skip_space(std::string_view& text) {
+  while (!text.empty() && is_space(text[0])) text.remove_prefix(1);
+}
 
 /// Equal but for the case of ASCII letters. `lower` is in lower case.
 bool equals_ignoring_case(std::string_view text, std::string_view lower);

@@ -9,25 +9,25 @@ namespace standoff {
 namespace {
 
 // Little endian numbers, one after the other.
-struct Record {
+struct ZipRecord {
   std::string bytes;
 
-  Record& u16(std::uint64_t value) { return add(value, 2); }
-  Record& u32(std::uint64_t value) { return add(value, 4); }
-  Record& u64(std::uint64_t value) { return add(value, 8); }
-  Record& text(const std::string& value) {
+  ZipRecord& u16(std::uint64_t value) { return add(value, 2); }
+  ZipRecord& u32(std::uint64_t value) { return add(value, 4); }
+  ZipRecord& u64(std::uint64_t value) { return add(value, 8); }
+  ZipRecord& text(const std::string& value) {
     bytes += value;
     return *this;
   }
 
  private:
-  Record& add(std::uint64_t value, int count) {
+  ZipRecord& add(std::uint64_t value, int count) {
     for (; count > 0; --count, value >>= 8) bytes += static_cast<char>(value & 0xFF);
     return *this;
   }
 };
 
-constexpr std::uint16_t kVersion = 20, kVersion64 = 45;  // what a reader must understand
+constexpr std::uint16_t kZipVersion = 20, kZipVersion64 = 45;  // what a reader must understand
 constexpr std::uint16_t kStored = 0, kDeflated = 8;
 constexpr std::uint32_t kDate = 0x21, kTime = 0;  // 1980-01-01: equal fields make equal files
 constexpr std::uint32_t kRegularFile = 0100644u << 16;
@@ -47,8 +47,8 @@ void ZipWriter::begin_deflated(const std::string& name, std::uint64_t bytes) {
 void ZipWriter::begin(const Member& member) {
   members_.push_back(member);
   const bool wide = member.packed >= zip64_from_;
-  Record record;
-  record.u32(zip::kLocalHeader).u16(wide ? kVersion64 : kVersion).u16(0);
+  ZipRecord record;
+  record.u32(zip::kLocalHeader).u16(wide ? kZipVersion64 : kZipVersion).u16(0);
   record.u16(member.deflated ? kDeflated : kStored).u16(kTime).u16(kDate);
   record.u32(0);  // the checksum, once it is known
   record.u32(wide ? zip::kIn64 : member.packed).u32(wide ? zip::kIn64 : member.bytes);
@@ -63,10 +63,10 @@ void ZipWriter::end_deflated(std::uint32_t crc) {
   const std::uint64_t names = member.header + zip::kLocalHeaderBytes + member.name.size();
   member.packed = file_.size() - names - (wide ? 20 : 0);
   member.crc = crc;
-  const Record record = Record().u32(crc).u32(wide ? zip::kIn64 : member.packed);
+  const ZipRecord record = ZipRecord().u32(crc).u32(wide ? zip::kIn64 : member.packed);
   file_.overwrite(member.header + zip::kLocalCrcOffset, record.bytes.data(), record.bytes.size());
   if (!wide) return;
-  const Record packed = Record().u64(member.packed);
+  const ZipRecord packed = ZipRecord().u64(member.packed);
   file_.overwrite(names + 12, packed.bytes.data(), packed.bytes.size());  // the last part of the extra field
 }
 
@@ -79,7 +79,7 @@ void ZipWriter::write(std::span<const std::byte> bytes) {
 
 void ZipWriter::end() {
   const Member& member = members_.back();
-  const Record record = Record().u32(member.crc);
+  const ZipRecord record = ZipRecord().u32(member.crc);
   file_.overwrite(member.header + zip::kLocalCrcOffset, record.bytes.data(), record.bytes.size());
 }
 
@@ -89,9 +89,9 @@ void ZipWriter::finish() {
   for (const Member& member : members_) {
     const bool wide = member.bytes >= zip64_from_ || member.packed >= zip64_from_ || member.header >= zip64_from_;
     any_wide |= wide;
-    Record record;
-    record.u32(zip::kDirectoryHeader).u16(kMadeOnUnix | (wide ? kVersion64 : kVersion));
-    record.u16(wide ? kVersion64 : kVersion).u16(0);
+    ZipRecord record;
+    record.u32(zip::kDirectoryHeader).u16(kMadeOnUnix | (wide ? kZipVersion64 : kZipVersion));
+    record.u16(wide ? kZipVersion64 : kZipVersion).u16(0);
     record.u16(member.deflated ? kDeflated : kStored).u16(kTime).u16(kDate).u32(member.crc);
     record.u32(wide ? zip::kIn64 : member.packed)
         .u32(wide ? zip::kIn64 : member.bytes)
@@ -107,9 +107,12 @@ void ZipWriter::finish() {
   }
   const std::uint64_t end = file_.size(), count = members_.size();
   const bool wide = any_wide || start >= zip64_from_;
-  Record record;
+  ZipRecord record;
   if (wide) {
-    record.u32(zip::kDirectoryEnd64).u64(zip::kDirectoryEnd64Bytes - 12).u16(kMadeOnUnix | kVersion64).u16(kVersion64);
+    record.u32(zip::kDirectoryEnd64)
+        .u64(zip::kDirectoryEnd64Bytes - 12)
+        .u16(kMadeOnUnix | kZipVersion64)
+        .u16(kZipVersion64);
     record.u32(0).u32(0).u64(count).u64(count).u64(end - start).u64(start);
     record.u32(zip::kLocator64).u32(0).u64(end).u32(1);
   }

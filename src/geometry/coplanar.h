@@ -3,6 +3,8 @@
 // plane does not stand upright.
 #pragma once
 
+#include <array>
+
 #include "geometry/corners.h"
 #include "geometry/predicates.h"
 
@@ -13,6 +15,10 @@ inline Flat dropped(const Vec3& v, int axis) {
   if (axis == 0) return {v.y, v.z};
   if (axis == 1) return {v.z, v.x};
   return {v.x, v.y};
+}
+using FlatCorners = std::array<Flat, 3>;
+inline FlatCorners dropped(const Corners& t, int axis) {
+  return {dropped(t[0], axis), dropped(t[1], axis), dropped(t[2], axis)};
 }
 
 /// The direction of a triangle's normal, of any length, zero for none. Its components are determinants, right however

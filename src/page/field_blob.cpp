@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/number_text.h"
+#include "core/tile_count.h"
 #include "page/blob.h"
 #include "page/byte_code.h"
 #include "page/json_text.h"
@@ -14,9 +15,6 @@
 
 namespace standoff::page {
 namespace {
-
-constexpr int kSide = DistanceField::kTileSide;
-constexpr int kSamples = DistanceField::kTileSamples;
 
 // Of a spacing: far below what interpolation between samples is off by. Finer steps make larger pages.
 constexpr double kStepsPerSpacing = 128;
@@ -68,7 +66,9 @@ class Coder {
 
 // Corner sums over the cube before a sample: what trilinear numbers have is predicted exactly.
 std::int32_t predicted(const std::int32_t* codes, int i, int j, int k) {
-  const auto at = [&](int di, int dj, int dk) { return codes[(i - di) + kSide * ((j - dj) + kSide * (k - dk))]; };
+  const auto at = [&](int di, int dj, int dk) {
+    return codes[(i - di) + kTileSide * ((j - dj) + kTileSide * (k - dk))];
+  };
   const int known = (i > 0) + 2 * (j > 0) + 4 * (k > 0);
   switch (known) {
     case 0:
@@ -93,11 +93,11 @@ std::int32_t predicted(const std::int32_t* codes, int i, int j, int k) {
 std::string coded_values(const CodedField& field) {
   std::vector<std::uint32_t> rest(field.codes.size());
   std::int32_t first = 0;  // of the tile before
-  for (std::size_t tile = 0; tile < field.codes.size(); tile += kSamples) {
+  for (std::size_t tile = 0; tile < field.codes.size(); tile += kTileSamples) {
     const std::int32_t* codes = &field.codes[tile];
-    for (int k = 0, n = 0; k < kSide; ++k)
-      for (int j = 0; j < kSide; ++j)
-        for (int i = 0; i < kSide; ++i, ++n)
+    for (int k = 0, n = 0; k < kTileSide; ++k)
+      for (int j = 0; j < kTileSide; ++j)
+        for (int i = 0; i < kTileSide; ++i, ++n)
           rest[tile + static_cast<std::size_t>(n)] = zigzag(codes[n] - (n == 0 ? first : predicted(codes, i, j, k)));
     first = codes[0];
   }
@@ -123,9 +123,9 @@ std::string coded_nearest(const CodedField& field) {
   std::uint32_t last = 0;
   for (std::size_t n = 0; n < field.nearest.size(); ++n) {
     const std::uint32_t* const at = &field.nearest[n];
-    const bool i = n % kSide > 0, j = n / kSide % kSide > 0, k = n % kSamples >= kSide * kSide;
-    std::uint32_t guess = i ? at[-1] : j ? at[-kSide] : k ? at[-kSide * kSide] : last;
-    if (j && k && at[-kSide] == at[-kSide * kSide]) guess = at[-kSide];
+    const bool i = n % kTileSide > 0, j = n / kTileSide % kTileSide > 0, k = n % kTileSamples >= kTileSide * kTileSide;
+    std::uint32_t guess = i ? at[-1] : j ? at[-kTileSide] : k ? at[-kTileSide * kTileSide] : last;
+    if (j && k && at[-kTileSide] == at[-kTileSide * kTileSide]) guess = at[-kTileSide];
     put_varint(bytes, zigzag(static_cast<std::int32_t>(*at - guess)));
     last = *at;
   }
@@ -157,8 +157,8 @@ CodedField coded_every(const DistanceField& field, std::int64_t every) {
   const Coder coder(field, made);
 
   const Size3 tiles = DistanceField::tiles_of(made.grid.size);
-  std::array<std::int32_t, kSamples> codes{};
-  std::array<std::uint32_t, kSamples> nearest{};
+  std::array<std::int32_t, kTileSamples> codes{};
+  std::array<std::uint32_t, kTileSamples> nearest{};
   for (std::int64_t tz = 0; tz < tiles.z; ++tz)
     for (std::int64_t ty = 0; ty < tiles.y; ++ty)
       for (std::int64_t tx = 0; tx < tiles.x; ++tx) {
@@ -170,10 +170,10 @@ CodedField coded_every(const DistanceField& field, std::int64_t every) {
         bool outside_all = made.clamped != 0, inside_all = made.clamped != 0;
         std::int32_t last = 0;
         std::uint32_t last_nearest = kNoTriangle;
-        for (int k = 0, n = 0; k < kSide; ++k)
-          for (int j = 0; j < kSide; ++j)
-            for (int i = 0; i < kSide; ++i, ++n) {
-              const std::int64_t x = kSide * tx + i, y = kSide * ty + j, z = kSide * tz + k;
+        for (int k = 0, n = 0; k < kTileSide; ++k)
+          for (int j = 0; j < kTileSide; ++j)
+            for (int i = 0; i < kTileSide; ++i, ++n) {
+              const std::int64_t x = kTileSide * tx + i, y = kTileSide * ty + j, z = kTileSide * tz + k;
               if (x < made.grid.size.x && y < made.grid.size.y && z < made.grid.size.z) {
                 last = coder.code(field.value(x * every, y * every, z * every));
                 if (field.has_nearest()) last_nearest = field.nearest(x * every, y * every, z * every);
@@ -219,14 +219,14 @@ double share_of(const SlicePlane& plane, const DistanceField& field) {
 
 CodedField coded_field(const DistanceField& field, const PageOptions& options) {
   const Size3& size = field.grid().size;
-  const double stored = static_cast<double>(field.stored_tiles()) * kSamples;
+  const double stored = static_cast<double>(field.stored_tiles()) * kTileSamples;
   // A band is a surface: of its tiles, one in every^2 is left, or so.
   const auto expected = [&](std::int64_t n) { return stored / static_cast<double>(n * n); };
   std::int64_t every = 1;
   while (!fits(thinned(size, every), expected(every), options.most_samples)) ++every;
   for (;; ++every) {
     CodedField made = coded_every(field, every);
-    if (fits(made.grid.size, static_cast<double>(made.stored) * kSamples, options.most_samples)) return made;
+    if (fits(made.grid.size, static_cast<double>(made.stored) * kTileSamples, options.most_samples)) return made;
   }
 }
 

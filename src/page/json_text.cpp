@@ -10,7 +10,7 @@
 namespace standoff::page {
 namespace {
 
-constexpr std::string_view kReplacement = "\xEF\xBF\xBD";  // U+FFFD
+constexpr std::string_view kReplacementBytes = "\xEF\xBF\xBD";  // U+FFFD
 
 // How many bytes the UTF-8 character at the beginning has; 0: there is none.
 std::size_t character(std::string_view text) {
@@ -41,7 +41,7 @@ std::string json_string(std::string_view text) {
   std::string json = "\"";
   while (!text.empty()) {
     const std::size_t bytes = character(text);
-    const std::string_view one = bytes == 0 ? kReplacement : text.substr(0, bytes);
+    const std::string_view one = bytes == 0 ? kReplacementBytes : text.substr(0, bytes);
     text.remove_prefix(std::max<std::size_t>(bytes, 1));
     const auto first = static_cast<unsigned char>(one[0]);
     if (one == "\xE2\x80\xA8" || one == "\xE2\x80\xA9")
@@ -54,14 +54,19 @@ std::string json_string(std::string_view text) {
   return json + '"';
 }
 
+namespace {
+template <class Triple>
+std::string triple_text(const Triple& v) {
+  std::string text = "[";
+  text += json_number(v.x) + ',' + json_number(v.y) + ',' + json_number(v.z) + ']';
+  return text;
+}
+}  // namespace
+
 std::string json_number(double value) { return std::isfinite(value) ? exact_text(value) : "null"; }
 std::string json_number(std::int64_t value) { return std::to_string(value); }
 
-std::string json_triple(Vec3 v) {
-  return "[" + json_number(v.x) + "," + json_number(v.y) + "," + json_number(v.z) + "]";
-}
-std::string json_triple(Size3 v) {
-  return "[" + json_number(v.x) + "," + json_number(v.y) + "," + json_number(v.z) + "]";
-}
+std::string json_triple(Vec3 v) { return triple_text(v); }
+std::string json_triple(Size3 v) { return triple_text(v); }
 
 }  // namespace standoff::page

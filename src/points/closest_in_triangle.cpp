@@ -6,7 +6,7 @@
 namespace standoff {
 namespace {
 
-using Corners = std::array<Triple<double>, 3>;
+using CornersFromPoint = std::array<Triple<double>, 3>;
 
 bool same(const Triple<double>& a, const Triple<double>& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
 
@@ -14,7 +14,7 @@ Feature edge(std::size_t n) { return static_cast<Feature>(static_cast<int>(Featu
 Feature vertex(std::size_t n) { return static_cast<Feature>(static_cast<int>(Feature::vertex0) + static_cast<int>(n)); }
 
 // Where on the edge from corner n the point q is.
-void set_on_edge(const Corners& c, std::size_t n, const Triple<double>& q, ClosestPoint& at) {
+void set_on_edge(const CornersFromPoint& c, std::size_t n, const Triple<double>& q, ClosestPoint& at) {
   const std::size_t next = (n + 1) % 3;
   if (same(q, c[n]) || same(q, c[next])) {
     const std::size_t corner = same(q, c[n]) ? n : next;
@@ -31,7 +31,7 @@ void set_on_edge(const Corners& c, std::size_t n, const Triple<double>& q, Close
 
 }  // namespace
 
-ClosestPoint closest_in_triangle(const Corners& c) {
+ClosestPoint closest_in_triangle(const CornersFromPoint& c) {
   ClosestPoint at;
   double best_sq = std::numeric_limits<double>::infinity();
   std::size_t side = 0;

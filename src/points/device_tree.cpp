@@ -13,8 +13,9 @@
 namespace standoff {
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr DeviceTree::Node kEmpty{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
+constexpr float kInfinityFloat = std::numeric_limits<float>::infinity();
+constexpr DeviceTree::Node kEmpty{{kInfinityFloat, kInfinityFloat, kInfinityFloat},
+                                  {-kInfinityFloat, -kInfinityFloat, -kInfinityFloat}};
 
 DeviceTree::Node around(const DeviceTree::Node& a, const DeviceTree::Node& b) {
   DeviceTree::Node both;
@@ -46,8 +47,8 @@ DeviceTree::DeviceTree(const TriangleIndex& index)
           *to++ = coordinates[axis];
           // A difference of two numbers is rounded once, whatever they are: by less than the last bit of a float.
           const auto at = static_cast<float>((coordinates[axis] - center[axis]) * scale);
-          node.low[axis] = std::min(node.low[axis], std::nextafter(at, -kInfinity));
-          node.high[axis] = std::max(node.high[axis], std::nextafter(at, kInfinity));
+          node.low[axis] = std::min(node.low[axis], std::nextafter(at, -kInfinityFloat));
+          node.high[axis] = std::max(node.high[axis], std::nextafter(at, kInfinityFloat));
         }
       }
     }

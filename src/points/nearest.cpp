@@ -36,10 +36,10 @@ struct ThreadState {
 };
 
 // Answers points of a sorted block, in cells within cells (field/cpu/candidate_culling.h).
-class Block {
+class PointBlock {
  public:
-  Block(const TriangleIndex& index, const PointKernels& kernels, const SortedPoints& sorted,
-        std::span<const Vec3> points, std::span<NearestTriangle> out)
+  PointBlock(const TriangleIndex& index, const PointKernels& kernels, const SortedPoints& sorted,
+             std::span<const Vec3> points, std::span<NearestTriangle> out)
       : index_(index), kernels_(kernels), sorted_(sorted), points_(points), out_(out) {}
 
   void answer(SortedPoints::Range range, ThreadState& state) const {
@@ -215,7 +215,7 @@ void find_nearest(const TriangleIndex& index, const PointKernels& kernels, std::
                   FoundTriangles& found, ProgressMeter& progress) {
   const SortedPoints sorted(index, points, found.order, found.points);
   found.nearest.resize(points.size());
-  const Block block(index, kernels, sorted, found.points, found.nearest);
+  const PointBlock block(index, kernels, sorted, found.points, found.nearest);
   PerThread<std::unique_ptr<ThreadState>> threads(
       [&] { return std::make_unique<ThreadState>(index.culling().make_lists(kLevels)); });
   const std::int64_t tasks = (sorted.size() + kTask - 1) / kTask;

@@ -21,9 +21,9 @@ struct Waiting {
 };
 
 // Lengths are in grid units of the index times shrink_, in which the square of a length does not overflow.
-class Search {
+class Descent {
  public:
-  Search(const TriangleIndex& index, Vec3 point)
+  Descent(const TriangleIndex& index, Vec3 point)
       : index_(index), world_(point), scale_(index.scale_at(point)), shrink_(scale_ / index.scale()) {
     const double(&center)[3] = index.clusters().center();
     local_ = point * scale_ - Vec3{center[0], center[1], center[2]} * shrink_;
@@ -85,6 +85,6 @@ class Search {
 
 }  // namespace
 
-NearestTriangle find_nearest(const TriangleIndex& index, Vec3 point) { return Search(index, point).run(); }
+NearestTriangle find_nearest(const TriangleIndex& index, Vec3 point) { return Descent(index, point).run(); }
 
 }  // namespace standoff

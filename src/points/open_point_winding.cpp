@@ -10,9 +10,8 @@
 namespace standoff {
 namespace {
 
-// What rounding leaves of a sum of angles, and where a sum of fields is not worth being made finer: as for samples.
-constexpr double kRounding = 1e-12, kFinest = 1e-9;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// A sum of fields is not worth being made finer, as for samples.
+constexpr double kFinest = 1e-9;
 
 }  // namespace
 
@@ -40,7 +39,7 @@ bool OpenPointWinding::side(Vec3 point, WindingRule rule, double most, const Clo
   NodeStack stack(tree_);
   for (double tolerance = kFieldTolerance;;) {
     const Interval angles = cap_sum_at(rims_, tree_, point, tolerance, stack);
-    const double winding = closed_of(angles.value) + angles.value, off = angles.error + kRounding,
+    const double winding = closed_of(angles.value) + angles.value, off = angles.error + kWindingRounding,
                  allowed = std::min(margin(winding, rule), most);
     if (tolerance == 0 || off < allowed) return is_inside(winding, rule);
     // Errors are sums of many: about as much smaller as each of them, and never quite.
@@ -50,7 +49,7 @@ bool OpenPointWinding::side(Vec3 point, WindingRule rule, double most, const Clo
 
 bool OpenPointWinding::side(Vec3 point, WindingRule rule, const cpu::PointKernels& kernels) const {
   const std::int32_t whole = closed(point, kernels);
-  return side(point, rule, kInfinity, [&](double) { return whole; });
+  return side(point, rule, std::numeric_limits<double>::infinity(), [&](double) { return whole; });
 }
 
 bool OpenPointWinding::side(Vec3 point, WindingRule rule, const Interval& about) const {

@@ -15,9 +15,7 @@ namespace {
 // A cell's function must say the winding number but for so much: two of them together, less than half.
 constexpr double kUsable = 0.2;
 // Fewer points are decided one by one.
-constexpr std::size_t kFew = 4;
-// Above the rounding of a winding number that is put together.
-constexpr double kRounding = 1e-12;
+constexpr std::size_t kFewCells = 4;
 
 }  // namespace
 
@@ -37,7 +35,7 @@ class OpenSides::Points {
 
   // In cells that the boundary is far enough from.
   void decide(Some some) {
-    if (some.size() < kFew) {
+    if (some.size() < kFewCells) {
       for (const std::uint32_t n : some) inside_[n] = winding_.side(points_[n].at, rule_, kernels_);
       return;
     }
@@ -71,7 +69,7 @@ class OpenSides::Points {
     for (const std::uint32_t n : some) {
       const double winding = windings_[n] + field.at(points_[n].at);
       inside_[n] = is_inside(winding, rule_);
-      if (!(margin(winding, rule_) > field.error + kRounding)) some[undecided++] = n;
+      if (!(margin(winding, rule_) > field.error + kWindingRounding)) some[undecided++] = n;
     }
     refine(field, some.first(undecided));
   }
@@ -85,7 +83,7 @@ class OpenSides::Points {
   }
 
   void decide_part(const LinearField& coarse, Some some) {
-    if (some.size() < kFew) {
+    if (some.size() < kFewCells) {
       for (const std::uint32_t n : some) {
         const Vec3& at = points_[n].at;
         inside_[n] = winding_.side(at, rule_, {windings_[n] + coarse.at(at), coarse.error});

@@ -28,10 +28,10 @@ struct QueryAccess {
 
 namespace {
 
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kQueryVersion = 1;
 constexpr std::uint64_t kLongestWhy = 4096;
 
-struct Header {
+struct QueryHeader {
   char magic[8];
   std::uint32_t version;
   std::uint8_t method, rule, invert, outer;  // as in SignOptions; the method that was used
@@ -40,8 +40,8 @@ struct Header {
   std::int64_t flipped, left_out, boundary_edges, internal, cut;  // as in SignReport
   std::uint64_t vertices, triangles, use, exposed, why;
 };
-static_assert(sizeof(Header::magic) == kQueryMagic.size());
-static_assert(sizeof(Header) == 112 && sizeof(Vec3) == 24 && sizeof(Triangle) == 12);
+static_assert(sizeof(QueryHeader::magic) == kQueryMagic.size());
+static_assert(sizeof(QueryHeader) == 112 && sizeof(Vec3) == 24 && sizeof(Triangle) == 12);
 
 bool is_method_of_points(std::uint8_t method) {
   switch (static_cast<SignMethod>(method)) {
@@ -56,10 +56,10 @@ bool is_method_of_points(std::uint8_t method) {
   }
 }
 
-void check_header(const ArrayFileReader& arrays, const Header& h) {
-  if (h.version != kVersion)
+void check_header(const ArrayFileReader& arrays, const QueryHeader& h) {
+  if (h.version != kQueryVersion)
     arrays.fail("header", "version " + std::to_string(h.version) + " is not known to this standoff, which knows " +
-                              std::to_string(kVersion));
+                              std::to_string(kQueryVersion));
   if (!is_method_of_points(h.method) || h.rule > static_cast<std::uint8_t>(WindingRule::odd) || h.invert > 1 ||
       h.outer > 1 || h.sure > 1 || h.open > 1 || h.why > kLongestWhy)
     arrays.fail("header", "its sign is none that is known");
@@ -96,7 +96,7 @@ void check_plan(const ArrayFileReader& arrays, const SignPlan& plan, std::uint64
 }  // namespace
 
 MeshQuery read_query_file(const FileView& file, ArrayChecksum checksum) {
-  Header header{};
+  QueryHeader header{};
   if (file.size() < sizeof header + sizeof(std::uint64_t) || !file.bytes().starts_with(kQueryMagic))
     file.fail("", "this is no query that standoff saved; give a mesh, or save a query again");
   ArrayFileReader arrays(file, "query");
@@ -145,9 +145,9 @@ void write_query(const std::filesystem::path& path, const MeshQuery& query, Exis
   const MeshQuery::Data& data = QueryAccess::data(query);
   const SignReport& report = data.plan.report;
   const std::string why = report.why.substr(0, kLongestWhy);
-  Header header{};
+  QueryHeader header{};
   kQueryMagic.copy(header.magic, sizeof header.magic);
-  header.version = kVersion;
+  header.version = kQueryVersion;
   header.method = static_cast<std::uint8_t>(report.method);
   header.rule = static_cast<std::uint8_t>(data.sign.rule);
   header.invert = data.sign.invert;

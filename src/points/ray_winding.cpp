@@ -11,7 +11,7 @@
 namespace standoff {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 std::array<double, 3> numbers_of(const Vec3& v) { return {v.x, v.y, v.z}; }
 
@@ -23,7 +23,7 @@ inline RayTriangle triangle_along(const std::array<Vec3, 3>& t, int axis) {
 }  // namespace
 
 RayWinding::RayWinding(const OrientedMesh& mesh, const TriangleIndex& index)
-    : mesh_(mesh), index_(index), low_{kInfinity, kInfinity, kInfinity}, high_{-kInfinity, -kInfinity, -kInfinity} {
+    : mesh_(mesh), index_(index), low_{kInfinite, kInfinite, kInfinite}, high_{-kInfinite, -kInfinite, -kInfinite} {
   const cpu::PackContents all = index.clusters().contents(index.clusters().top());
   for (int n = 0; n < all.count; ++n) {
     low_ = min(low_, {all.boxes->low[0][n], all.boxes->low[1][n], all.boxes->low[2][n]});
@@ -81,7 +81,7 @@ std::int32_t RayWinding::at(Vec3 point, RayWay way, const cpu::PointKernels& ker
   const Vec3 local = index_.local(point), own = turned(point, way.axis);
   const double start = turned(local, way.axis).x;
   std::int32_t winding = 0;
-  for_each_between(way.axis, local, way.up ? start : -kInfinity, way.up ? kInfinity : start, kernels,
+  for_each_between(way.axis, local, way.up ? start : -kInfinite, way.up ? kInfinite : start, kernels,
                    [&](const RayTriangle& triangle, int times) {
                      const int crossing = triangle.crossing(own.y, own.z);
                      if (crossing != 0 && triangle.is_past(own, crossing) != way.up)

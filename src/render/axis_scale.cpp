@@ -11,8 +11,8 @@ namespace standoff {
 namespace {
 
 // Pixels at scale 1.
-constexpr double kText = 13, kTick = 5, kGap = 5, kApart = 18, kNameLine = 20;
-constexpr int kMost = 8;  // steps
+constexpr double kScaleText = 13, kTick = 5, kScaleGap = 5, kApart = 18, kNameLine = 20;
+constexpr int kMostSteps = 8;  // steps
 
 }  // namespace
 
@@ -26,7 +26,7 @@ AxisScale::AxisScale(std::string name, double first, double step, std::int64_t c
   // Half a sample lies beyond the outermost ones.
   const double least = first - step / 2, greatest = first + step * (count_ - 0.5);
   // As many as have room beside one another: so are they below one another.
-  for (int most = kMost; most >= 1; --most) {
+  for (int most = kMostSteps; most >= 1; --most) {
     ticks_ = even_ticks(least, greatest, most);
     if (ticks_.size() < 2) continue;
     const double apart = std::abs(place_of(ticks_[1].value) - place_of(ticks_[0].value));
@@ -39,21 +39,21 @@ double AxisScale::place_of(double value) const { return ((value - first_) / step
 
 double AxisScale::widest_label() const {
   double widest = 0;
-  for (const Tick& tick : ticks_) widest = std::max(widest, text_width(tick.label, kText * scale_));
+  for (const Tick& tick : ticks_) widest = std::max(widest, text_width(tick.label, kScaleText * scale_));
   return widest;
 }
 
 double AxisScale::widest() const {
-  const double ticks = widest_label() + (kTick + kGap) * scale_;
-  return std::max(ticks, text_width(name_, kText * scale_));
+  const double ticks = widest_label() + (kTick + kScaleGap) * scale_;
+  return std::max(ticks, text_width(name_, kScaleText * scale_));
 }
 
 int AxisScale::height() const {
-  return static_cast<int>(std::ceil((kTick + kGap + kNameLine) * scale_ + cap_height(kText * scale_)));
+  return static_cast<int>(std::ceil((kTick + kScaleGap + kNameLine) * scale_ + cap_height(kScaleText * scale_)));
 }
 
 void AxisScale::draw_below(Image& image, int x, int y, const Theme& theme) const {
-  const double size = kText * scale_, baseline = y + (kTick + kGap) * scale_ + cap_height(size);
+  const double size = kScaleText * scale_, baseline = y + (kTick + kScaleGap) * scale_ + cap_height(size);
   const int line = std::max(1, static_cast<int>(std::lround(scale_)));
   for (const Tick& tick : ticks_) {
     const double place = x + place_of(tick.value), width = text_width(tick.label, size);
@@ -68,13 +68,13 @@ void AxisScale::draw_below(Image& image, int x, int y, const Theme& theme) const
 }
 
 void AxisScale::draw_beside(Image& image, int x, int y, const Theme& theme) const {
-  const double size = kText * scale_;
+  const double size = kScaleText * scale_;
   const int line = std::max(1, static_cast<int>(std::lround(scale_))),
             length = static_cast<int>(std::lround(kTick * scale_));
   for (const Tick& tick : ticks_) {
     const double place = y - place_of(tick.value);
     image.fill(x - length, static_cast<int>(std::floor(place - (line - 1) / 2.0)), length, line, theme.faint);
-    const double right = x - (kTick + kGap) * scale_;
+    const double right = x - (kTick + kScaleGap) * scale_;
     draw_text(image, right - text_width(tick.label, size), place + cap_height(size) / 2, tick.label, size, theme.faint);
   }
   const double baseline = y - pixels_ - 12 * scale_;

@@ -4,21 +4,23 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/tile_count.h"
+
 namespace standoff {
 namespace {
 
-constexpr int kSide = DistanceField::kTileSide;
-constexpr double kUnit = 256;           // a whole number for each share: sums do not depend on their order
-constexpr double kNearlyAsMuch = 0.9;   // such planes compete for the middle
-constexpr double kFarthest = 3;         // samples count up to so many spacings from the surface,
-constexpr double kNearest = 1.0 / 3.0;  // and from this share of that on: nearer ones see the kink of unsigned fields
+constexpr double kUnit = 256;          // a whole number for each share: sums do not depend on their order
+constexpr double kNearlyAsMuch = 0.9;  // such planes compete for the middle
+constexpr double kFarthest = 3;        // samples count up to so many spacings from the surface,
+constexpr double kNearestShare =
+    1.0 / 3.0;  // and from this share of that on: nearer ones see the kink of unsigned fields
 
 std::array<std::int64_t, 3> coordinates(const Size3& s) { return {s.x, s.y, s.z}; }
 
 // A tile's samples that count, each added to its three planes.
-class Counter {
+class ShownCounter {
  public:
-  Counter(const DistanceField& field, PlaneScores& scores)
+  ShownCounter(const DistanceField& field, PlaneScores& scores)
       : size_(coordinates(field.grid().size)),
         spacing_{field.grid().spacing.x, field.grid().spacing.y, field.grid().spacing.z},
         scores_(scores) {
@@ -28,20 +30,20 @@ class Counter {
   void add(const DistanceField::Tile& tile) {
     first_ = coordinates(tile.at);
     for (std::size_t c = 0; c < 3; ++c) {
-      first_[c] *= kSide;
-      last_[c] = static_cast<int>(std::min<std::int64_t>(kSide, size_[c] - first_[c])) - 1;
+      first_[c] *= kTileSide;
+      last_[c] = static_cast<int>(std::min<std::int64_t>(kTileSide, size_[c] - first_[c])) - 1;
     }
     for (int n = 0; n < DistanceField::kTileSamples; ++n) {
       const double distance = std::abs(static_cast<double>(tile.values[static_cast<std::size_t>(n)]));
-      if (distance >= kNearest * far_ && distance < far_)
-        add(tile.values, {n % kSide, n / kSide % kSide, n / (kSide * kSide)});
+      if (distance >= kNearestShare * far_ && distance < far_)
+        add(tile.values, {n % kTileSide, n / kTileSide % kTileSide, n / (kTileSide * kTileSide)});
     }
   }
 
  private:
   void add(DistanceField::TileValues values, const std::array<int, 3>& at) {
-    constexpr std::array<int, 3> kStride{1, kSide, kSide * kSide};
-    const int index = at[0] + kSide * at[1] + kSide * kSide * at[2];
+    constexpr std::array<int, 3> kStride{1, kTileSide, kTileSide * kTileSide};
+    const int index = at[0] + kTileSide * at[1] + kTileSide * kTileSide * at[2];
     std::array<double, 3> squared{};
     for (std::size_t c = 0; c < 3; ++c) {
       if (at[c] > last_[c]) return;  // beyond the grid
@@ -73,7 +75,7 @@ PlaneScores plane_scores(const DistanceField& field) {
   PlaneScores scores;
   scores.area = {h.y * h.z, h.x * h.z, h.x * h.y};
   for (std::size_t c = 0; c < 3; ++c) scores.along[c].resize(static_cast<std::size_t>(coordinates(size)[c]));
-  Counter counter(field, scores);
+  ShownCounter counter(field, scores);
   for (const DistanceField::Tile& tile : field.tiles()) counter.add(tile);
   return scores;
 }

@@ -26,19 +26,19 @@ std::size_t table(std::string_view tag) {
 }
 
 // Where the tables are, looked up once.
-struct Tables {
+struct FontTables {
   std::size_t cmap = table("cmap"), glyf = table("glyf"), loca = table("loca"), hmtx = table("hmtx"),
               kern = table("kern");
   std::uint32_t wide = u16(table("hhea") + 34);  // letters with an advance of their own
   bool long_offsets = u16(table("head") + 50) == 1;
 };
-const Tables& tables() {
-  static const Tables found;
+const FontTables& font_tables() {
+  static const FontTables found;
   return found;
 }
 
 std::size_t glyph_at(std::uint32_t glyph) {
-  const Tables& t = tables();
+  const FontTables& t = font_tables();
   return t.glyf + (t.long_offsets ? u32(t.loca + 4 * glyph) : 2 * u16(t.loca + 2 * glyph));
 }
 
@@ -88,7 +88,7 @@ void add_contour(const std::vector<OutlinePoint>& points, std::vector<FontCurve>
 }  // namespace
 
 std::uint32_t glyph_of(char32_t character) {
-  const std::size_t map = tables().cmap + u32(tables().cmap + 8);
+  const std::size_t map = font_tables().cmap + u32(font_tables().cmap + 8);
   const std::uint32_t groups = u32(map + 12);
   for (std::size_t group = map + 16; group < map + 16 + 12 * std::size_t{groups}; group += 12)
     if (character >= u32(group) && character <= u32(group + 4)) return u32(group + 8) + (character - u32(group));
@@ -96,13 +96,13 @@ std::uint32_t glyph_of(char32_t character) {
 }
 
 double advance_of(std::uint32_t glyph) {
-  return u16(tables().hmtx + 4 * std::size_t{std::min(glyph, tables().wide - 1)});
+  return u16(font_tables().hmtx + 4 * std::size_t{std::min(glyph, font_tables().wide - 1)});
 }
 
 double kerning_of(std::uint32_t first, std::uint32_t second) {
-  const std::size_t pairs = tables().kern + 18;
+  const std::size_t pairs = font_tables().kern + 18;
   const std::uint32_t wanted = first << 16 | second;
-  std::size_t low = 0, high = u16(tables().kern + 10);
+  std::size_t low = 0, high = u16(font_tables().kern + 10);
   while (low < high) {
     const std::size_t at = (low + high) / 2;
     const std::uint32_t pair = u32(pairs + 6 * at);

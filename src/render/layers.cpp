@@ -11,7 +11,7 @@
 namespace standoff {
 namespace {
 
-constexpr Color kLine{40, 44, 52};
+constexpr Color kLineColor{40, 44, 52};
 constexpr float kPointPixels = 4, kPathPixels = 1.8F, kLinePixels = 0.7F;  // default radii
 
 float radius_in(const UnitSpace& space, double radius, float otherwise) {
@@ -239,7 +239,7 @@ void add_boxes(const Drawing& drawing, const UnitSpace& space, float pixel, std:
 
 DrawnPart edge_lines(const DrawnPart& part, std::span<const std::array<std::uint32_t, 2>> edges, float pixel) {
   DrawnPart lines;
-  lines.color = linear_of(kLine);
+  lines.color = linear_of(kLineColor);
   lines.opacity = 1;
   lines.lit = false;
   lines.casts_shadow = false;
@@ -253,12 +253,12 @@ DrawnPart edge_lines(const DrawnPart& part, std::span<const std::array<std::uint
 namespace {
 
 // A vertex has a place, a point on the picture, and often a normal and a value; a triangle its own and its bins' index.
-constexpr double kVertexBytes = sizeof(Float3) * 2 + sizeof(ScreenPoint) + sizeof(float) + 1;
-constexpr double kTriangleBytes = sizeof(Triangle) + 4 * sizeof(std::uint32_t);
+constexpr double kDrawnVertexBytes = sizeof(Float3) * 2 + sizeof(ScreenPoint) + sizeof(float) + 1;
+constexpr double kDrawnTriangleBytes = sizeof(Triangle) + 4 * sizeof(std::uint32_t);
 
 double bytes_of(std::size_t count, Roundness::Size size) {
-  return static_cast<double>(count) *
-         (kVertexBytes * static_cast<double>(size.vertices) + kTriangleBytes * static_cast<double>(size.triangles));
+  return static_cast<double>(count) * (kDrawnVertexBytes * static_cast<double>(size.vertices) +
+                                       kDrawnTriangleBytes * static_cast<double>(size.triangles));
 }
 
 }  // namespace
@@ -272,9 +272,9 @@ std::size_t bytes_of_parts(const Drawing& drawing, const UnitSpace& space, float
   double bytes = 0;
   for (const MeshLayer& layer : drawing.meshes) {
     const auto triangles = static_cast<double>(layer.mesh.triangles.size());
-    bytes += kVertexBytes * static_cast<double>(layer.mesh.vertices.size()) + kTriangleBytes * triangles;
+    bytes += kDrawnVertexBytes * static_cast<double>(layer.mesh.vertices.size()) + kDrawnTriangleBytes * triangles;
     if (layer.edges) bytes += 3 * kSide * triangles;
-    if (!drawing.slices.empty()) bytes += (kVertexBytes + kTriangleBytes) * triangles;
+    if (!drawing.slices.empty()) bytes += (kDrawnVertexBytes + kDrawnTriangleBytes) * triangles;
   }
   const auto add_balls = [&](std::size_t count, float radius) {
     bytes += bytes_of(count, Roundness::of(radius / pixel).ball());

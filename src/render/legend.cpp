@@ -14,7 +14,7 @@ namespace {
 
 // Pixels at scale 1.
 constexpr double kTextSize = 14, kBarWidth = 22, kTickLength = 5, kTickGap = 6, kHeading = 24, kCap = 14, kCapGap = 3;
-constexpr int kSteps = 8;  // between the ends, at most
+constexpr int kLegendSteps = 8;  // between the ends, at most
 
 int scaled(double length, double scale) { return static_cast<int>(std::lround(length * scale)); }
 
@@ -41,7 +41,7 @@ Legend::Legend(double least, double greatest, double thickness, Colormap map, co
   const double range = greatest - least;
   least_label_ = (beyond_inside_ ? "≤ " : "") + end_label(least, range);
   greatest_label_ = (beyond_outside_ ? "≥ " : "") + end_label(greatest, range);
-  for (Tick& tick : even_ticks(least, greatest, kSteps))
+  for (Tick& tick : even_ticks(least, greatest, kLegendSteps))
     if (tick.value > least && tick.value < greatest) ticks_.push_back(std::move(tick));
 }
 

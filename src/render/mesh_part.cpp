@@ -16,12 +16,12 @@
 namespace standoff {
 namespace {
 
-using Range = tbb::blocked_range<std::size_t>;
-constexpr std::size_t kAtOnce = 1 << 14;  // vertices or triangles
+using PartRange = tbb::blocked_range<std::size_t>;
+constexpr std::size_t kPartGrain = 1 << 14;  // vertices or triangles
 
 template <class Work>
 void for_all(std::size_t count, const Work& work) {
-  tbb::parallel_for(Range(0, count, kAtOnce), [&](const Range& range) {
+  tbb::parallel_for(PartRange(0, count, kPartGrain), [&](const PartRange& range) {
     for (std::size_t n = range.begin(); n < range.end(); ++n) work(n);
   });
 }
@@ -48,8 +48,8 @@ std::vector<char> unused_vertices(MeshView mesh) {
 
 Box bounds_of_used(MeshView mesh, const std::vector<char>& unused) {
   return tbb::parallel_reduce(
-      Range(0, mesh.vertices.size(), kAtOnce), Box{},
-      [&](const Range& range, Box box) {
+      PartRange(0, mesh.vertices.size(), kPartGrain), Box{},
+      [&](const PartRange& range, Box box) {
         for (std::size_t v = range.begin(); v < range.end(); ++v)
           if (unused.empty() || !unused[v]) box.include(mesh.vertices[v]);
         return box;

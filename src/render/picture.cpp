@@ -14,7 +14,7 @@ namespace standoff {
 namespace {
 
 constexpr int kMostTurns = 720;  // each is an open file
-constexpr const char* kWhatToDo = "draw fewer pixels, or provide more memory";
+constexpr const char* kFewerPixels = "draw fewer pixels, or provide more memory";
 
 // Runs drawing on the threads that the options ask for.
 template <class Work>
@@ -46,7 +46,7 @@ void write_picture(const std::filesystem::path& path, const Drawing& drawing, co
   require_png();
   write_png(path, draw_picture(drawing, options), existing);
 } catch (...) {
-  throw_as_error("picture", kWhatToDo);
+  throw_as_error("picture", kFewerPixels);
 }
 
 void write_mesh_png(const std::filesystem::path& path, MeshView mesh, const PictureOptions& options,
@@ -54,7 +54,7 @@ void write_mesh_png(const std::filesystem::path& path, MeshView mesh, const Pict
   require_png();
   write_png(path, draw_mesh(mesh, options), existing);
 } catch (...) {
-  throw_as_error("picture", kWhatToDo);
+  throw_as_error("picture", kFewerPixels);
 }
 
 std::filesystem::path turntable_file(const std::filesystem::path& path, int n) {
@@ -89,7 +89,7 @@ void write_turntable(const std::filesystem::path& path, const Drawing& drawing, 
   });
   for (AtomicFile& file : files) file.commit();
 } catch (...) {
-  throw_as_error("picture", kWhatToDo);
+  throw_as_error("picture", kFewerPixels);
 }
 
 }  // namespace standoff

@@ -19,12 +19,13 @@ namespace standoff {
 namespace {
 
 constexpr int kMaxSide = 8192;
-constexpr double kUsualSide = 640;  // of a plane that words of usual size stand beside; greater ones have greater words
+constexpr double kUsualSliceSide =
+    640;                            // of a plane that words of usual size stand beside; greater ones have greater words
 constexpr double kSquareSide = 12;  // samples of so many pixels are shown as squares
 // Pixels at scale 1.
-constexpr double kMargin = 20, kGap = 26, kTitle = 19, kTitleLine = 27, kText = 14, kTextLine = 26;
+constexpr double kSliceMargin = 20, kSliceGap = 26, kTitle = 19, kTitleLine = 27, kSliceText = 14, kTextLine = 26;
 constexpr double kMinLegend = 190;  // lower, its numbers would touch
-constexpr double kLine = 1, kZeroLine = 1.8, kLineShare = 0.4;
+constexpr double kLevelLine = 1, kZeroLevelLine = 1.8, kLevelLineShare = 0.4;
 
 struct Extent {
   int width, height;
@@ -42,13 +43,13 @@ Extent enlarged(const Plane& plane, int pixels) {
   return {side(width), side(height)};
 }
 
-struct Range {
+struct ValueRange {
   float least = std::numeric_limits<float>::infinity(), greatest = -least;
   bool empty() const { return !(least <= greatest); }
 };
 
-Range finite_range(const Plane& plane) {
-  Range range;
+ValueRange finite_range(const Plane& plane) {
+  ValueRange range;
   for (const float value : plane.values) {
     if (!std::isfinite(value)) continue;
     range.least = std::min(range.least, value);
@@ -123,12 +124,12 @@ std::string with_unit(const std::string& name, const std::string& unit) {
 
 SlicePicture empty_picture(const Layout& layout, const Extent& plane, const Theme& theme) {
   const auto pixels = [&](double length) { return static_cast<int>(std::ceil(length * layout.scale)); };
-  const int margin = pixels(kMargin);
+  const int margin = pixels(kSliceMargin);
   const int left = margin + static_cast<int>(std::ceil(layout.up.widest()));
   const int top = margin + (layout.title.empty() ? 0 : pixels(kTitleLine)) + 2 * pixels(kTextLine);
-  const int legend = layout.legend_width > 0 ? pixels(kGap) + layout.legend_width : pixels(kText);
+  const int legend = layout.legend_width > 0 ? pixels(kSliceGap) + layout.legend_width : pixels(kSliceText);
   const double words =
-      std::max(text_width(layout.title, kTitle * layout.scale), text_width(layout.caption, kText * layout.scale));
+      std::max(text_width(layout.title, kTitle * layout.scale), text_width(layout.caption, kSliceText * layout.scale));
   const int width = std::max(left + plane.width + legend, margin + static_cast<int>(std::ceil(words))) + margin;
   const int below = layout.right.height();
   const int bottom = std::max(top + plane.height + below, top - pixels(kTextLine) + layout.legend_height);
@@ -146,7 +147,7 @@ void check_words(const char* what, const std::string& words) {
 }
 
 void draw_words(const Layout& layout, const Theme& theme, SlicePicture& picture) {
-  const double margin = std::ceil(kMargin * layout.scale), size = kText * layout.scale;
+  const double margin = std::ceil(kSliceMargin * layout.scale), size = kSliceText * layout.scale;
   double baseline = margin + cap_height(size);
   if (!layout.title.empty()) {
     const double title = kTitle * layout.scale;
@@ -170,7 +171,7 @@ SlicePicture draw_slice(const DistanceField& field, const SliceOptions& options)
   const bool is_signed = field.has_sign();
   Colormap map = options.colormap;
   if (map == Colormap::automatic) map = is_signed ? Colormap::diverging : Colormap::viridis;
-  const Range range = finite_range(plane);
+  const ValueRange range = finite_range(plane);
   const Theme theme = theme_of(options.background);
   const auto thickness = static_cast<float>(field.thickness());  // as values are clamped to it
   const Legend legend(range.empty() ? 0 : range.least, range.empty() ? 0 : range.greatest, thickness, map, theme,
@@ -179,7 +180,7 @@ SlicePicture draw_slice(const DistanceField& field, const SliceOptions& options)
   SlicePicture picture{Image(extent.width, extent.height, theme.paper), 0, 0, extent.width, extent.height};
   Layout layout;
   if (!options.bare) {
-    layout.scale = std::max(1.0, std::max(extent.width, extent.height) / kUsualSide);
+    layout.scale = std::max(1.0, std::max(extent.width, extent.height) / kUsualSliceSide);
     layout.title = options.title;
     layout.caption = std::string(range.empty() ? "no finite distance at " : "") + plane.normal + " = " +
                      short_text(plane.position, 5) + (options.unit.empty() ? "" : " " + options.unit) + ", sample " +
@@ -203,12 +204,12 @@ SlicePicture draw_slice(const DistanceField& field, const SliceOptions& options)
   else
     draw_between(plane, between, thickness, legend, theme, picture);
   // Words grow with the picture, lines do not grow beyond what is drawn well.
-  const double line = std::min(layout.scale, 2 / kZeroLine);
+  const double line = std::min(layout.scale, 2 / kZeroLevelLine);
   if (options.contours && !squares)
     for (const Tick& tick : legend.ticks())
       if (!range.empty() && (tick.value != 0 || !is_signed))
-        draw_level(between, tick.value, kLine * line, kLineShare, picture);
-  if (is_signed) draw_level(between, 0, kZeroLine * line, 1, picture);
+        draw_level(between, tick.value, kLevelLine * line, kLevelLineShare, picture);
+  if (is_signed) draw_level(between, 0, kZeroLevelLine * line, 1, picture);
   if (options.bare) return picture;
 
   draw_words(layout, theme, picture);
@@ -216,7 +217,7 @@ SlicePicture draw_slice(const DistanceField& field, const SliceOptions& options)
   layout.up.draw_beside(picture.image, picture.left, picture.top + picture.height, theme);
   if (!range.empty()) {
     const int heading = static_cast<int>(std::ceil(kTextLine * layout.scale));
-    legend.draw(picture.image, picture.left + picture.width + static_cast<int>(std::ceil(kGap * layout.scale)),
+    legend.draw(picture.image, picture.left + picture.width + static_cast<int>(std::ceil(kSliceGap * layout.scale)),
                 picture.top - heading, layout.legend_height, layout.scale);
   }
   return picture;

@@ -9,11 +9,11 @@ namespace standoff {
 namespace {
 
 // Between two neighbouring samples of a row.
-struct Between {
+struct Neighbours {
   std::int64_t first, second;
   float share;
 
-  Between(float at, std::int64_t count) {
+  Neighbours(float at, std::int64_t count) {
     const float inside = std::clamp(at, 0.0F, static_cast<float>(count - 1));
     first = std::min(static_cast<std::int64_t>(inside), std::max<std::int64_t>(count - 2, 0));
     second = std::min(first + 1, count - 1);
@@ -31,7 +31,7 @@ SliceTexture::SliceTexture(const DistanceField& field, const SliceOptions& where
       thickness_(static_cast<float>(field.thickness())) {}
 
 SliceTexture::Values SliceTexture::at(float right, float up) const {
-  const Between r(right, plane_.width), u(up, plane_.height);
+  const Neighbours r(right, plane_.width), u(up, plane_.height);
   const auto between = [&](const Plane& plane) {
     return u.mix(r.mix(plane.value(r.first, u.first), plane.value(r.second, u.first)),
                  r.mix(plane.value(r.first, u.second), plane.value(r.second, u.second)));

@@ -9,7 +9,7 @@
 namespace standoff {
 namespace {
 
-constexpr double kLength = 38, kWidth = 2.2, kLetter = 14, kGap = 9;  // pixels at scale 1
+constexpr double kLength = 38, kWidth = 2.2, kLetter = 14, kLetterGap = 9;  // pixels at scale 1
 
 // A line with round ends and smooth edges.
 void draw_line(Image& image, Float3 from, Float3 to, double width, Color color) {
@@ -39,13 +39,13 @@ void draw_triad(Image& image, const Camera& camera, const Theme& theme, int marg
                                {"z", camera.turned({0, 0, 1}), {52, 110, 214}}}};
   // The one that points at the eye comes last, over the others.
   std::ranges::stable_sort(arrows, {}, [](const Arrow& arrow) { return arrow.seen.z; });
-  const double reach = (kLength + kGap + kLetter / 2) * scale;
+  const double reach = (kLength + kLetterGap + kLetter / 2) * scale;
   const Float3 middle{static_cast<float>(margin + reach), static_cast<float>(image.height - margin - reach), 0};
   for (const Arrow& arrow : arrows) {
     const Float3 along{arrow.seen.x, -arrow.seen.y, 0};
     const Float3 tip = middle + along * static_cast<float>(kLength * scale);
     draw_line(image, middle, tip, kWidth * scale, arrow.color);
-    const Float3 at = tip + unit_or(along, {0, -1, 0}) * static_cast<float>(kGap * scale);
+    const Float3 at = tip + unit_or(along, {0, -1, 0}) * static_cast<float>(kLetterGap * scale);
     const double size = kLetter * scale;
     draw_text(image, at.x - 0.5 * text_width(arrow.name, size), at.y + 0.35 * cap_height(size), arrow.name, size,
               theme.ink);

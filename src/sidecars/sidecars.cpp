@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "standoff/sidecars.h"
+#include "core/tile_count.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -26,8 +27,6 @@
 
 namespace standoff {
 namespace {
-
-constexpr std::size_t kTile = DistanceField::kTileSamples;
 
 bool exists(SidecarKind kind) { return kind <= SidecarKind::gradient; }
 int components_of(SidecarKind kind) { return kind == SidecarKind::feature ? 1 : 3; }
@@ -92,10 +91,10 @@ std::vector<std::int8_t> orientation_of(MeshView mesh, const GradientSign& sign)
 // What is made of one tile, before it goes where it belongs.
 struct Scratch {
   StreamedCopies copies;
-  alignas(64) float closest_point[3 * kTile];
-  alignas(64) float barycentric[3 * kTile];
-  alignas(64) float gradient[3 * kTile];
-  alignas(64) std::uint8_t feature[kTile];
+  alignas(64) float closest_point[3 * kTileSamples];
+  alignas(64) float barycentric[3 * kTileSamples];
+  alignas(64) float gradient[3 * kTileSamples];
+  alignas(64) std::uint8_t feature[kTileSamples];
 };
 
 class Pass {
@@ -132,13 +131,13 @@ class Pass {
   /// Returns how many samples of the tile are on the surface.
   int fill(std::size_t slot, Scratch& scratch) const {
     cpu::SidecarTile tile;
-    const std::size_t first = slot * kTile;
+    const std::size_t first = slot * kTileSamples;
     tile.values = field_.tile_values().data() + first;
     tile.nearest = field_.tile_nearest_values().data() + first;
     place(tiles_[slot], tile);
     // They are read here and there, once the samples are sorted.
     constexpr std::size_t kLine = 16;
-    for (std::size_t n = 0; n < kTile && gradient_; n += kLine) __builtin_prefetch(tile.values + n);
+    for (std::size_t n = 0; n < kTileSamples && gradient_; n += kLine) __builtin_prefetch(tile.values + n);
     tile.closest_point = cleared(closest_point_, scratch.closest_point);
     tile.barycentric = cleared(barycentric_, scratch.barycentric);
     tile.gradient = cleared(gradient_, scratch.gradient);
@@ -162,7 +161,7 @@ class Pass {
   }
   template <class Number>
   static void put(const Scratch& scratch, std::size_t slot, const Number* tile, Number* all) {
-    constexpr std::size_t kCount = std::is_same_v<Number, float> ? 3 * kTile : kTile;
+    constexpr std::size_t kCount = std::is_same_v<Number, float> ? 3 * kTileSamples : kTileSamples;
     if (tile) scratch.copies.copy(all + slot * kCount, tile, kCount * sizeof(Number));
   }
 
@@ -246,7 +245,7 @@ void sidecars_into(MeshView mesh, const DistanceField& field, std::span<const Si
   ProgressMeter meter(progress);
   Threads(execution.threads).run([&] {
     validate(mesh);
-    make_room(kinds, kTile * static_cast<std::size_t>(field.stored_tiles()), into);
+    make_room(kinds, kTileSamples * static_cast<std::size_t>(field.stored_tiles()), into);
     Pass pass(mesh, field, kinds, into, execution.simd);
     run(pass, mesh, gradient_sign(field), meter);
   });

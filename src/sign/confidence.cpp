@@ -26,7 +26,7 @@
 namespace standoff {
 namespace {
 
-constexpr const char* kWhatToDo = "take fewer samples, or provide more memory";
+constexpr const char* kFewerSamples = "take fewer samples, or provide more memory";
 constexpr double kMarginError = 1e-3, kDoubtful = 0.05;
 
 // From x, y, z to y, z, x.
@@ -44,19 +44,19 @@ SampleBits parities_along_x(const Mesh& mesh, const Grid& grid, ProgressMeter& p
   return bits_of(parity, false, grid, progress);
 }
 
-struct Counts {
+struct ConfidenceCounts {
   std::int64_t samples = 0, doubtful = 0, axes = 0, flood = 0;
-  friend Counts operator+(const Counts& a, const Counts& b) {
+  friend ConfidenceCounts operator+(const ConfidenceCounts& a, const ConfidenceCounts& b) {
     return {a.samples + b.samples, a.doubtful + b.doubtful, a.axes + b.axes, a.flood + b.flood};
   }
 };
 
 // Calls add(counts, i, j, k) for each sample, and returns the sum.
 template <class Add>
-Counts sum_over(const Size3& size, const Add& add) {
+ConfidenceCounts sum_over(const Size3& size, const Add& add) {
   return tbb::parallel_reduce(
-      tbb::blocked_range<std::int64_t>(0, size.y * size.z, 64), Counts{},
-      [&](const auto& range, Counts counts) {
+      tbb::blocked_range<std::int64_t>(0, size.y * size.z, 64), ConfidenceCounts{},
+      [&](const auto& range, ConfidenceCounts counts) {
         for (std::int64_t row = range.begin(); row != range.end(); ++row)
           for (std::int64_t i = 0; i < size.x; ++i) add(counts, i, row % size.y, row / size.y);
         return counts;
@@ -93,7 +93,7 @@ std::vector<float> winding_margins(MeshView mesh, const Grid& grid, const SignOp
   meter.stage("done", 1, 1, 1);
   return margins;
 } catch (...) {
-  throw_as_error("confidence", kWhatToDo);
+  throw_as_error("confidence", kFewerSamples);
 }
 
 SignConfidence sign_confidence(MeshView mesh, const DistanceField& field, const std::vector<float>& margins,
@@ -106,7 +106,7 @@ SignConfidence sign_confidence(MeshView mesh, const DistanceField& field, const 
                                       std::to_string(grid.sample_count()) +
                                       " samples; take winding_margins() of its grid");
   ProgressMeter meter(progress);
-  Counts counts;
+  ConfidenceCounts counts;
   Threads(execution.threads).run([&] {
     meter.stage("confidence", 1, 0, 1);
     // Lines along x, y and z, each as rows along x of a turned mesh.
@@ -118,7 +118,7 @@ SignConfidence sign_confidence(MeshView mesh, const DistanceField& field, const 
     const auto sign = sign_text_in(field.provenance().sign);
     const SampleBits flooded = bits_of(flood, sign && sign->invert, grid, meter);
     const auto far = static_cast<float>(field.thickness());
-    counts = sum_over(grid.size, [&](Counts& sum, std::int64_t i, std::int64_t j, std::int64_t k) {
+    counts = sum_over(grid.size, [&](ConfidenceCounts& sum, std::int64_t i, std::int64_t j, std::int64_t k) {
       const float value = field.value(i, j, k);
       if (!(std::abs(value) < far)) return;
       ++sum.samples;
@@ -134,7 +134,7 @@ SignConfidence sign_confidence(MeshView mesh, const DistanceField& field, const 
   };
   return {counts.samples, share(counts.doubtful), share(counts.axes), share(counts.flood)};
 } catch (...) {
-  throw_as_error("confidence", kWhatToDo);
+  throw_as_error("confidence", kFewerSamples);
 }
 
 }  // namespace standoff

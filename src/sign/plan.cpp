@@ -12,7 +12,7 @@
 namespace standoff {
 namespace {
 
-[[noreturn]] void fail(const std::string& what) { throw Error(ErrorCode::input, "compute: " + what); }
+[[noreturn]] void fail_at_plan(const std::string& what) { throw Error(ErrorCode::input, "compute: " + what); }
 
 std::string counted(std::int64_t n, const std::string& what) {
   return std::to_string(n) + ' ' + what + (n == 1 ? "" : "s");
@@ -35,7 +35,7 @@ void orient_for(SignPlan& plan, MeshView mesh) {
 
 void plan_parity(SignPlan& plan, const Closed& closed) {
   if (!closed.unoriented)
-    fail(
+    fail_at_plan(
         "the mesh is not closed (some edge belongs to an odd number of triangles), so crossings have no parity; repair "
         "the mesh, or take the sign method winding or flood");
   plan.report.why = "each edge has an even number of triangles";

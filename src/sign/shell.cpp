@@ -11,8 +11,6 @@
 namespace standoff {
 namespace {
 
-constexpr std::int64_t kSide = DistanceField::kTileSide;
-
 void apply_to(const Shell& shell, float& value, std::uint32_t* nearest) {
   if (nearest && shell.is_deep(value)) *nearest = kNoTriangle;
   value = shell.value(value);
@@ -28,8 +26,8 @@ void apply_to_tile(const Shell& shell, std::int64_t tx, std::int64_t ty, std::in
   const Size3& size = field.grid().size;
   const auto far = static_cast<float>(field.thickness());
   for (std::int64_t n = 0; n < DistanceField::kTileSamples; ++n) {
-    const std::int64_t x = n % kSide, y = n / kSide % kSide, z = n / (kSide * kSide);
-    const bool in_grid = kSide * tx + x < size.x && kSide * ty + y < size.y && kSide * tz + z < size.z;
+    const std::int64_t x = n % kTileSide, y = n / kTileSide % kTileSide, z = n / (kTileSide * kTileSide);
+    const bool in_grid = kTileSide * tx + x < size.x && kTileSide * ty + y < size.y && kTileSide * tz + z < size.z;
     float& value = values[static_cast<std::size_t>(n)];
     if (in_grid)
       apply_to(shell, value, nearest ? nearest + n : nullptr);
@@ -40,13 +38,13 @@ void apply_to_tile(const Shell& shell, std::int64_t tx, std::int64_t ty, std::in
 
 // Whether all samples of a tile that are in the grid are clamped to this value.
 bool is_clamped_to(float value, const DistanceField::Tile& tile, const Size3& size) {
-  const std::int64_t x_end = std::min(kSide, size.x - kSide * tile.at.x),
-                     y_end = std::min(kSide, size.y - kSide * tile.at.y),
-                     z_end = std::min(kSide, size.z - kSide * tile.at.z);
+  const std::int64_t x_end = std::min<std::int64_t>(kTileSide, size.x - kTileSide * tile.at.x),
+                     y_end = std::min<std::int64_t>(kTileSide, size.y - kTileSide * tile.at.y),
+                     z_end = std::min<std::int64_t>(kTileSide, size.z - kTileSide * tile.at.z);
   for (std::int64_t z = 0; z < z_end; ++z)
     for (std::int64_t y = 0; y < y_end; ++y)
       for (std::int64_t x = 0; x < x_end; ++x) {
-        const auto n = static_cast<std::size_t>(x + kSide * (y + kSide * z));
+        const auto n = static_cast<std::size_t>(x + kTileSide * (y + kTileSide * z));
         if (tile.values[n] != value || (!tile.nearest.empty() && tile.nearest[n] != kNoTriangle)) return false;
       }
   return true;

@@ -11,8 +11,6 @@
 namespace standoff {
 namespace {
 
-constexpr int kSide = DistanceField::kTileSide, kSamples = DistanceField::kTileSamples;
-
 using FourUints = std::uint32_t __attribute__((vector_size(16)));
 
 // Negates the values of those of eight samples that are inside. Zero stays zero: a sample on the surface has no side.
@@ -28,9 +26,9 @@ void negate(std::uint8_t inside, float* values) {
   }
 }
 
-void negate_inside(std::span<const std::uint8_t, 64> inside, std::span<float, kSamples> values) {
+void negate_inside(std::span<const std::uint8_t, 64> inside, std::span<float, kTileSamples> values) {
   for (std::size_t row = 0; row < inside.size(); ++row)
-    if (inside[row] != 0) negate(inside[row], values.data() + kSide * row);
+    if (inside[row] != 0) negate(inside[row], values.data() + kTileSide * row);
 }
 
 // Gives the tiles of a row of tiles their signs.
@@ -43,14 +41,14 @@ class TileSigns {
     if (rows_.is_empty(tx)) return;
     if (field_.tile(tx, ty_, tz_)) return take(tx);
     if (rows_.is_full(tx)) return field_.mark_inside(tx, ty_, tz_);
-    const std::span<float, kSamples> values = field_.store_tile(tx, ty_, tz_);
+    const std::span<float, kTileSamples> values = field_.store_tile(tx, ty_, tz_);
     std::ranges::fill(values, static_cast<float>(field_.thickness()));
     if (field_.has_nearest()) std::ranges::fill(field_.store_nearest(tx, ty_, tz_), kNoTriangle);
     negate_inside(rows_.tile(tx), values);
   }
   // The last tile waits until it is called.
   void finish() {
-    if (waiting_) negate_inside(rows_.tile(tx_), std::span<float, kSamples>(waiting_, kSamples));
+    if (waiting_) negate_inside(rows_.tile(tx_), std::span<float, kTileSamples>(waiting_, kTileSamples));
     waiting_ = nullptr;
   }
 
@@ -58,7 +56,7 @@ class TileSigns {
   // Tiles are far from each other in memory: while one is negated the next one is fetched.
   void take(std::int64_t tx) {
     float* const values = field_.edit_tile(tx, ty_, tz_).data();
-    for (int n = 0; n < kSamples; n += 16) __builtin_prefetch(values + n, 1);
+    for (int n = 0; n < kTileSamples; n += 16) __builtin_prefetch(values + n, 1);
     finish();
     waiting_ = values;
     tx_ = tx;
@@ -90,16 +88,17 @@ void sign_values(Sides& sides, bool invert, const Grid& grid, std::span<float> v
   for_each_row_of_tiles(sides, invert, grid, progress, [&](const InsideRows& rows, std::int64_t ty, std::int64_t tz) {
     for (int row = 0; row < InsideRows::kRows; ++row) {
       if (!rows.in_grid(row)) continue;
-      const auto first = static_cast<std::size_t>(grid.index(0, kSide * ty + row % kSide, kSide * tz + row / kSide));
+      const auto first =
+          static_cast<std::size_t>(grid.index(0, kTileSide * ty + row % kTileSide, kTileSide * tz + row / kTileSide));
       for (std::int64_t tx = rows.first_tile(); tx < rows.end_of_tiles(); ++tx) {
         const std::uint8_t inside = rows.tile(tx)[static_cast<std::size_t>(row)];
         if (inside == 0) continue;
         // The last tile may be cut.
         const auto here =
-            values.subspan(first + static_cast<std::size_t>(kSide * tx),
-                           static_cast<std::size_t>(std::min<std::int64_t>(kSide, grid.size.x - kSide * tx)));
-        std::array<float, kSide> eight{};
-        if (here.size() == kSide) {
+            values.subspan(first + static_cast<std::size_t>(kTileSide * tx),
+                           static_cast<std::size_t>(std::min<std::int64_t>(kTileSide, grid.size.x - kTileSide * tx)));
+        std::array<float, kTileSide> eight{};
+        if (here.size() == kTileSide) {
           negate(inside, here.data());
         } else {
           std::ranges::copy(here, eight.begin());

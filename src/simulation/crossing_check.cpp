@@ -8,7 +8,7 @@
 namespace standoff {
 namespace {
 
-constexpr int kDirections = 32;
+constexpr int kRayDirections = 32;
 constexpr double kMostCells = 4e6;
 
 bool overlap(const Box& a, const Box& b) {
@@ -84,9 +84,9 @@ bool CrossingCheck::crosses(Vec3 from, Vec3 to) const {
 
 std::vector<Vec3> outermost_points(MeshView mesh) {
   std::vector<Vec3> points{bounds(mesh).center()};
-  for (int n = 0; n < kDirections; ++n) {
+  for (int n = 0; n < kRayDirections; ++n) {
     // Directions spread evenly over the sphere, on a spiral of the golden angle.
-    const double z = 1 - (2 * n + 1.0) / kDirections, r = std::sqrt(1 - z * z);
+    const double z = 1 - (2 * n + 1.0) / kRayDirections, r = std::sqrt(1 - z * z);
     const double angle = n * std::numbers::pi * (3 - std::sqrt(5.0));
     const Vec3 direction{r * std::cos(angle), r * std::sin(angle), z};
     Vec3 farthest = mesh.corner(0, 0);

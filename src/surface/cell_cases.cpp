@@ -7,7 +7,7 @@
 namespace standoff {
 namespace {
 
-constexpr int kNone = -1;
+constexpr int kNoCycle = -1;
 
 bool has(std::uint32_t set, int n) { return (set >> n & 1) != 0; }
 
@@ -22,7 +22,7 @@ bool is_ambiguous(std::uint32_t inside, int face) {
 // that each has one successor and one predecessor.
 std::array<int, kCellEdges> successors(std::uint32_t inside, std::uint32_t joined) {
   std::array<int, kCellEdges> next{};
-  next.fill(kNone);
+  next.fill(kNoCycle);
   for (int face = 0; face < kCellFaces; ++face) {
     const auto c = face_corners(face);
     const auto corner = [&](int n) { return c[static_cast<std::size_t>(n % 4)]; };
@@ -112,7 +112,7 @@ CellCase make_case(std::uint32_t inside, std::uint32_t joined) {
   made.loop_of.fill(std::numeric_limits<std::uint8_t>::max());
   std::size_t end = 0;
   for (int first = 0; first < kCellEdges; ++first) {
-    if (next[static_cast<std::size_t>(first)] == kNone || made.loop_of[static_cast<std::size_t>(first)] != 255)
+    if (next[static_cast<std::size_t>(first)] == kNoCycle || made.loop_of[static_cast<std::size_t>(first)] != 255)
       continue;
     const int loop = made.loop_count++;
     for (int edge = first; made.loop_of[static_cast<std::size_t>(edge)] == 255;

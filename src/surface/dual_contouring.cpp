@@ -17,7 +17,7 @@ namespace standoff {
 namespace {
 
 // What a block adds to the surface, beside its loops' vertices.
-struct BlockCounts {
+struct ContourCounts {
   std::uint32_t triangles = 0;
   std::uint16_t fans = 0;  // vertices on edges
 };
@@ -56,7 +56,7 @@ class DualContouring {
       edges += block.edge_count;
     }
     expect_countable(edges);
-    constexpr std::size_t kPerBlock = sizeof(std::uint32_t) + sizeof(BlockCounts) + sizeof(std::uint64_t);
+    constexpr std::size_t kPerBlock = sizeof(std::uint32_t) + sizeof(ContourCounts) + sizeof(std::uint64_t);
     memory_.take(edges * (sizeof(HermitePoint) + sizeof(Cut)) + blocks_.all().size() * kPerBlock);
     return std::vector<HermitePoint>(edges);
   }
@@ -232,7 +232,7 @@ class DualContouring {
   std::vector<HermitePoint> hermite_;  // by edge: Block::vertex()
   DualCells cells_;
   std::vector<std::uint32_t> first_face_;  // by block: the first of its vertices on faces; those on edges follow
-  std::vector<BlockCounts> counts_;
+  std::vector<ContourCounts> counts_;
   std::vector<Cut> cuts_;  // by edge
 };
 

@@ -10,11 +10,11 @@ namespace standoff {
 namespace {
 
 // The least clearance, in spacings: far below what interpolation can know.
-constexpr double kLeast = 0x1p-16;
+constexpr double kLeastCrossing = 0x1p-16;
 // With more the surface would be moved by more than a thousandth of the spacing: doubles are better.
 constexpr double kMostForFloats = 0x1p-10;
 // More than this is not worth having, also if floats are asked for.
-constexpr double kMost = 0x1p-5;
+constexpr double kMostSnap = 0x1p-5;
 // Rounding moves a vertex by half a unit in the last place: two vertices that differ by four remain three apart.
 constexpr double kUnits = 4;
 
@@ -35,15 +35,15 @@ EdgePoints::EdgePoints(const Grid& grid, double level, Coordinates coordinates) 
   look(grid.origin.z, beyond.z, grid.spacing.z);
 
   // A unit in the last place of a number below 2^n is 2^(n - 24), or 2^(n - 53).
-  const double for_floats = std::max(kLeast, kUnits * far * 0x1p-23);
-  const double for_doubles = std::max(kLeast, kUnits * far * 0x1p-52);
-  const bool in_range = largest < 0x1p127 && least * kLeast > 0x1p-100;
-  const bool floats_do = in_range && for_floats <= (coordinates == Coordinates::single ? kMost : kMostForFloats);
+  const double for_floats = std::max(kLeastCrossing, kUnits * far * 0x1p-23);
+  const double for_doubles = std::max(kLeastCrossing, kUnits * far * 0x1p-52);
+  const bool in_range = largest < 0x1p127 && least * kLeastCrossing > 0x1p-100;
+  const bool floats_do = in_range && for_floats <= (coordinates == Coordinates::single ? kMostSnap : kMostForFloats);
   if (coordinates == Coordinates::single && !floats_do)
     throw Error(ErrorCode::limit,
                 "isosurface: 32-bit floats do not tell vertices apart that are " + number_text(far) +
                     " spacings from the origin; take 64-bit coordinates, or move the mesh nearer to the origin");
-  if (!(for_doubles <= kMost))
+  if (!(for_doubles <= kMostSnap))
     throw Error(ErrorCode::limit, "isosurface: the grid is " + number_text(far) +
                                       " spacings from the origin, too far to tell its vertices apart; move the mesh "
                                       "nearer to the origin, or take a larger spacing");

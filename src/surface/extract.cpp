@@ -18,7 +18,7 @@ namespace standoff {
 namespace {
 
 // Normals by differences are off by some hundredths: planes at angles below 25 degrees are taken for one.
-constexpr double kFieldTolerance = 0.05;
+constexpr double kLevelTolerance = 0.05;
 
 // A field holds no surface of values that it is clamped to.
 void expect_within(const DistanceField& field, double level) {
@@ -83,7 +83,7 @@ void validate(const IsoOptions& options, const Grid& grid) {
 HermiteSource field_source() {
   return {[](const Blocks& blocks, const EdgePoints& points, std::span<HermitePoint> data, MemoryBudget&,
              ProgressMeter& progress) { hermite_of_field(blocks, points, data, progress); },
-          kFieldTolerance};
+          kLevelTolerance};
 }
 
 void extract(const DistanceField& field, const IsoOptions& options,

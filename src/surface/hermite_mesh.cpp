@@ -10,6 +10,7 @@
 #include <limits>
 #include <vector>
 
+#include "geometry/corners.h"
 #include "sign/flood/lattice_crossings.h"
 #include "surface/cells.h"
 #include "surface/each_block.h"
@@ -18,31 +19,29 @@
 namespace standoff {
 namespace {
 
-using Corners = std::array<Vec3, 3>;
-
 // The triangle that an edge takes is the one with the least key: of those that face as the sign changes, if there are
 // any, the one nearest to where the interpolation crosses the edge; then the one of lowest index.
-using Key = std::uint64_t;
-constexpr Key kNone = std::numeric_limits<Key>::max();
+using EdgeKey = std::uint64_t;
+constexpr EdgeKey kNoEdge = std::numeric_limits<EdgeKey>::max();
 
 // So near to a sample, in spacings, that rounding decides on which side of it the triangle is.
 constexpr double kAtSample = 1e-5;
 
-Key key_of(bool faces_otherwise, double distance, std::size_t triangle) {
+EdgeKey key_of(bool faces_otherwise, double distance, std::size_t triangle) {
   constexpr double kSteps = 0x1p30;
-  const auto steps = static_cast<Key>(std::clamp(distance, 0.0, 1.0) * kSteps);
-  return Key{faces_otherwise} << 63 | steps << 32 | static_cast<std::uint32_t>(triangle);
+  const auto steps = static_cast<EdgeKey>(std::clamp(distance, 0.0, 1.0) * kSteps);
+  return EdgeKey{faces_otherwise} << 63 | steps << 32 | static_cast<std::uint32_t>(triangle);
 }
 
-class Crossings {
+class CrossingsOfEdges {
  public:
-  Crossings(const Blocks& blocks, MeshView mesh, std::span<const HermitePoint> guesses)
+  CrossingsOfEdges(const Blocks& blocks, MeshView mesh, std::span<const HermitePoint> guesses)
       : blocks_(blocks),
         spacing_(blocks.field().grid().spacing),
         axes_(axes_of(blocks.field().grid())),
         mesh_(mesh),
         guesses_(guesses),
-        keys_(guesses.size(), kNone) {}
+        keys_(guesses.size(), kNoEdge) {}
 
   void find(std::size_t triangle) {
     for_each_edge_hit(mesh_.corners(triangle), axes_, [&](std::size_t axis, auto sample, const EdgeHit& hit) {
@@ -63,7 +62,7 @@ class Crossings {
   }
   /// The triangle of a crossed edge, or kNoTriangle.
   std::uint32_t triangle(std::uint32_t edge) const {
-    return keys_[edge] == kNone ? kNoTriangle : static_cast<std::uint32_t>(keys_[edge]);
+    return keys_[edge] == kNoEdge ? kNoTriangle : static_cast<std::uint32_t>(keys_[edge]);
   }
 
  private:
@@ -87,9 +86,10 @@ class Crossings {
     if ((block->edges[axis][static_cast<std::size_t>(z)] >> (x + 8 * y) & 1) == 0) return;
     const std::uint32_t edge = block->vertex(static_cast<int>(axis), x, y, z);
     const bool leaves = part(guesses_[edge].normal(), axis) > 0;
-    const Key key = key_of((crossing > 0) != leaves, std::isfinite(t) ? std::abs(t - guesses_[edge].t) : 1, triangle);
-    const std::atomic_ref<Key> best(keys_[edge]);
-    Key seen = best.load(std::memory_order_relaxed);
+    const EdgeKey key =
+        key_of((crossing > 0) != leaves, std::isfinite(t) ? std::abs(t - guesses_[edge].t) : 1, triangle);
+    const std::atomic_ref<EdgeKey> best(keys_[edge]);
+    EdgeKey seen = best.load(std::memory_order_relaxed);
     while (key < seen && !best.compare_exchange_weak(seen, key, std::memory_order_relaxed)) {
     }
   }
@@ -99,7 +99,7 @@ class Crossings {
   std::array<LatticeAxis, 3> axes_;
   MeshView mesh_;
   std::span<const HermitePoint> guesses_;
-  std::vector<Key> keys_;  // by edge
+  std::vector<EdgeKey> keys_;  // by edge
 };
 
 // Of a triangle that is as thin as can be too: scaled before it is multiplied.
@@ -166,8 +166,8 @@ void hermite_of_mesh(const Blocks& blocks, const EdgePoints& points, MeshView me
                      std::span<HermitePoint> data, MemoryBudget& budget, ProgressMeter& progress) {
   hermite_of_field(blocks, points, data, progress);
   MemoryShare memory(budget);
-  memory.take(data.size() * sizeof(Key));
-  Crossings crossings(blocks, mesh, data);
+  memory.take(data.size() * sizeof(EdgeKey));
+  CrossingsOfEdges crossings(blocks, mesh, data);
   constexpr std::size_t kAtOnce = 256;
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.triangles.size(), kAtOnce), [&](const auto& range) {
     progress.check();

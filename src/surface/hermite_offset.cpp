@@ -13,7 +13,7 @@ namespace standoff {
 namespace {
 
 // An edge of the grid whose ends are samples.
-struct Search {
+struct OffsetSearch {
   std::uint32_t edge;
   Vec3 lower, step;  // its lower end, and the way to its upper end
   double t;
@@ -24,17 +24,17 @@ constexpr int kMostRounds = 30;       // three are enough for most
 constexpr double kNearEnough = 1e-7;  // spacings: what a float of t can tell
 
 // Finds as many as there are room for; `searches` is empty after it.
-void find_points(std::vector<Search>& searches, const MeshOffset& offset, std::span<HermitePoint> data,
+void find_points(std::vector<OffsetSearch>& searches, const MeshOffset& offset, std::span<HermitePoint> data,
                  ProgressMeter& progress) {
   std::vector<Vec3> asked;
   for (int round = 0; round < kMostRounds && !searches.empty(); ++round) {
     progress.check();
     asked.clear();
-    for (const Search& search : searches) asked.push_back(search.lower + search.step * search.t);
+    for (const OffsetSearch& search : searches) asked.push_back(search.lower + search.step * search.t);
     const std::vector<ClosestPoint> found = offset.closest(asked);
     std::size_t left = 0;
     for (std::size_t n = 0; n < searches.size(); ++n) {
-      Search search = searches[n];
+      OffsetSearch search = searches[n];
       const ClosestPoint& nearest = found[n];
       const double edge = max_norm(search.step), miss = nearest.distance - offset.distance;
       if (!(nearest.distance > 0)) continue;  // on the mesh: no direction
@@ -71,8 +71,8 @@ void hermite_of_offset(const Blocks& blocks, const EdgePoints& points, const Mes
   hermite_of_field(blocks, points, data, progress);
   MemoryShare memory(budget);
   const std::size_t at_once = std::min(data.size(), kAskedAtOnce);
-  memory.take(at_once * (sizeof(Search) + kBytesPerAsked));
-  std::vector<Search> searches;
+  memory.take(at_once * (sizeof(OffsetSearch) + kBytesPerAsked));
+  std::vector<OffsetSearch> searches;
   searches.reserve(at_once);
   const Grid& grid = blocks.field().grid();
   const Size3& size = grid.size;

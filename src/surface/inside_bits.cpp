@@ -13,11 +13,10 @@
 #endif
 
 #include "core/field_error.h"
+#include "core/tile_count.h"
 
 namespace standoff {
 namespace {
-
-constexpr int kSide = DistanceField::kTileSide;
 
 // A float is below the level where, and only where, it is below the least float that is not.
 float least_float_from(double level) {
@@ -41,7 +40,7 @@ std::uint64_t bits_of_row(const float* values, float limit, bool& has_nan) {
 #else
 std::uint64_t bits_of_row(const float* values, float limit, bool& has_nan) {
   std::uint64_t bits = 0;
-  for (int n = 0; n < kSide; ++n) {
+  for (int n = 0; n < kTileSide; ++n) {
     bits |= std::uint64_t{values[n] < limit} << n;
     has_nan |= std::isnan(values[n]);
   }
@@ -51,8 +50,9 @@ std::uint64_t bits_of_row(const float* values, float limit, bool& has_nan) {
 
 TileBits bits_of(DistanceField::TileValues values, float limit, bool& has_nan) {
   TileBits bits{};
-  for (std::size_t z = 0; z < kSide; ++z)
-    for (std::size_t y = 0; y < kSide; ++y) bits[z] |= bits_of_row(&values[8 * (y + 8 * z)], limit, has_nan) << 8 * y;
+  for (std::size_t z = 0; z < kTileSide; ++z)
+    for (std::size_t y = 0; y < kTileSide; ++y)
+      bits[z] |= bits_of_row(&values[8 * (y + 8 * z)], limit, has_nan) << 8 * y;
   return bits;
 }
 
@@ -61,9 +61,10 @@ TileBits bits_of(DistanceField::TileValues values, float limit, bool& has_nan) {
   const std::int64_t tx = index % n.x, ty = index / n.x % n.y, tz = index / (n.x * n.y);
   const auto values = *field.tile(tx, ty, tz);
   const auto at = std::find_if(values.begin(), values.end(), [](float v) { return std::isnan(v); }) - values.begin();
-  throw Error(ErrorCode::input, "isosurface: the value of sample " +
-                                    index_text(kSide * tx + at % 8, kSide * ty + at / 8 % 8, kSide * tz + at / 64) +
-                                    " is not a number; compute the field again, or repair it");
+  throw Error(ErrorCode::input,
+              "isosurface: the value of sample " +
+                  index_text(kTileSide * tx + at % 8, kTileSide * ty + at / 8 % 8, kTileSide * tz + at / 64) +
+                  " is not a number; compute the field again, or repair it");
 }
 
 }  // namespace
@@ -105,7 +106,7 @@ InsideBits::InsideBits(const DistanceField& field, double level, ProgressMeter& 
         }
       }
       std::uint64_t any = 0, all = ~std::uint64_t{0};
-      for (std::size_t z = 0; z < kSide; ++z) {
+      for (std::size_t z = 0; z < kTileSide; ++z) {
         bits[z] &= grid[z];
         any |= bits[z];
         all &= bits[z];
@@ -129,12 +130,12 @@ InsideBits::InsideBits(const DistanceField& field, double level, ProgressMeter& 
 TileBits InsideBits::samples_of_grid(std::int64_t tx, std::int64_t ty, std::int64_t tz) const {
   const Size3& n = field_->grid().size;
   const auto within = [](std::int64_t samples, std::int64_t tile) {
-    return static_cast<int>(std::min<std::int64_t>(kSide, samples - kSide * tile));
+    return static_cast<int>(std::min<std::int64_t>(kTileSide, samples - kTileSide * tile));
   };
   const int nx = within(n.x, tx), ny = within(n.y, ty), nz = within(n.z, tz);
   std::uint64_t word = (0x0101010101010101u << nx) - 0x0101010101010101u;  // bits 0 to nx - 1 of each byte
-  if (nx == kSide) word = ~std::uint64_t{0};
-  if (ny < kSide) word &= (std::uint64_t{1} << 8 * ny) - 1;
+  if (nx == kTileSide) word = ~std::uint64_t{0};
+  if (ny < kTileSide) word &= (std::uint64_t{1} << 8 * ny) - 1;
   TileBits bits{};
   std::fill_n(bits.begin(), nz, word);
   return bits;

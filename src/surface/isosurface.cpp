@@ -20,7 +20,7 @@
 namespace standoff {
 namespace {
 
-constexpr const char* kWhatToDo = "take fewer samples or a larger spacing, or provide more memory";
+constexpr const char* kCoarserGrid = "take fewer samples or a larger spacing, or provide more memory";
 
 // Positions and normals of a mesh are exact: planes at angles of a degree and more are told apart.
 constexpr double kMeshTolerance = 1e-4;
@@ -95,14 +95,14 @@ IsoResult isosurface(const DistanceField& field, const IsoOptions& options) try 
   IsoResult result;
   Threads(options.execution.threads).run([&] {
     ProgressMeter progress(options.progress);
-    MemoryBudget budget("isosurface", options.memory_limit, kWhatToDo);
+    MemoryBudget budget("isosurface", options.memory_limit, kCoarserGrid);
     extract(
         field, options, [](double) { return field_source(); }, 0, budget, result, progress);
     finish(options, result);
   });
   return result;
 } catch (...) {
-  throw_as_error("isosurface", kWhatToDo);
+  throw_as_error("isosurface", kCoarserGrid);
 }
 
 IsoResult isosurface(MeshView mesh, const Grid& grid, const SignOptions& sign, const IsoOptions& options) try {
@@ -119,7 +119,7 @@ IsoResult isosurface(MeshView mesh, const Grid& grid, const SignOptions& sign, c
   }
   Threads(options.execution.threads).run([&] {
     ProgressMeter progress(options.progress);
-    MemoryBudget budget("isosurface", options.memory_limit, kWhatToDo);
+    MemoryBudget budget("isosurface", options.memory_limit, kCoarserGrid);
     budget.take(static_cast<std::size_t>(computed.field.memory_bytes()));
     const ClosestFunction closest = closest_in(mesh, options, budget);
     extract(
@@ -129,7 +129,7 @@ IsoResult isosurface(MeshView mesh, const Grid& grid, const SignOptions& sign, c
   });
   return result;
 } catch (...) {
-  throw_as_error("isosurface", kWhatToDo);
+  throw_as_error("isosurface", kCoarserGrid);
 }
 
 }  // namespace standoff

@@ -14,7 +14,7 @@ namespace standoff {
 namespace {
 
 // What a block adds to the surface, beside its edges' vertices.
-struct BlockCounts {
+struct CubeCounts {
   std::uint16_t centres = 0, triangles = 0;  // at most 512 cells of 12
 };
 
@@ -63,12 +63,12 @@ void march_cubes(Blocks& blocks, const EdgePoints& points, MemoryShare& memory, 
                  ProgressMeter& progress) {
   const UniformTiles uniform(blocks.field().thickness());
   const auto thickness = static_cast<float>(blocks.field().thickness());
-  memory.take(blocks.all().size() * (sizeof(BlockCounts) + sizeof(std::uint64_t)));
-  std::vector<BlockCounts> counts(blocks.all().size());
+  memory.take(blocks.all().size() * (sizeof(CubeCounts) + sizeof(std::uint64_t)));
+  std::vector<CubeCounts> counts(blocks.all().size());
   PerThread<SurfaceCounts> counted;
   for_each_block(blocks, uniform, progress,
                  [&](std::size_t n, const Block& block, const CornerBits& corners, const Neighbourhood& values) {
-                   BlockCounts found;
+                   CubeCounts found;
                    std::int64_t ambiguous = 0;
                    for_each_cell(block, corners, values, points.level(),
                                  [&](CellAt, const CellCase& cell, std::uint32_t faces) {

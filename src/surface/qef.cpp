@@ -7,10 +7,10 @@
 namespace standoff {
 namespace {
 
-using Row = std::array<double, 3>;
-using Matrix = std::array<Row, 3>;
+using QefRow = std::array<double, 3>;
+using Matrix = std::array<QefRow, 3>;
 
-Row row_of(Vec3 v) { return {v.x, v.y, v.z}; }
+QefRow row_of(Vec3 v) { return {v.x, v.y, v.z}; }
 
 // Eigenvalues on the diagonal of m, eigenvectors in the columns of v: Jacobi's rotations.
 void diagonalise(Matrix& m, Matrix& v) {
@@ -44,9 +44,9 @@ void diagonalise(Matrix& m, Matrix& v) {
 }
 
 // Solves the equations of the coordinates that are free; the others keep their values. Positive definite.
-Row solve_free(const Matrix& m, const Row& right, Row x, unsigned free) {
+QefRow solve_free(const Matrix& m, const QefRow& right, QefRow x, unsigned free) {
   Matrix a{};
-  Row b{};
+  QefRow b{};
   std::array<std::size_t, 3> index{};
   std::size_t n = 0;
   for (std::size_t i = 0; i < 3; ++i)
@@ -73,11 +73,11 @@ Row solve_free(const Matrix& m, const Row& right, Row x, unsigned free) {
 
 // The least value of a positive definite form in a box: of all faces, edges and corners, the best point that is in the
 // box. `x` are coordinates relative to the mass point.
-Row least_in_box(const Matrix& m, const Row& right, const Row& low, const Row& high) {
-  Row best{};
+QefRow least_in_box(const Matrix& m, const QefRow& right, const QefRow& low, const QefRow& high) {
+  QefRow best{};
   double least = std::numeric_limits<double>::infinity();
   for (unsigned sides = 0; sides < 27; ++sides) {
-    Row x{};
+    QefRow x{};
     unsigned free = 0;
     for (unsigned i = 0, rest = sides; i < 3; ++i, rest /= 3) {
       if (rest % 3 == 0) free |= 1u << i;
@@ -117,17 +117,17 @@ void PlaneFit::add(Vec3 point, Vec3 normal) {
 
 Vec3 PlaneFit::minimum(const Box& box, double tolerance) const {
   const Vec3 mass = mass_point();
-  const Row offset = row_of(mass - first_);
+  const QefRow offset = row_of(mass - first_);
   const auto& a = normals_;
   const Matrix m{{{a[0], a[1], a[2]}, {a[1], a[3], a[4]}, {a[2], a[4], a[5]}}};
-  Row right = row_of(right_);  // about the mass point
+  QefRow right = row_of(right_);  // about the mass point
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t j = 0; j < 3; ++j) right[i] -= m[i][j] * offset[j];
   // The sum of the two lesser eigenvalues is at most that of the squared deviations from the mean normal. Where it
   // counts as 0 the planes are parallel, as nearly everywhere on smooth surfaces, and no eigenvalue is needed.
   const double trace = a[0] + a[3] + a[5], along_mean = dot(normal_sum_, normal_sum_) / count_;
   if (trace - along_mean <= tolerance * along_mean) {
-    const Row direction = row_of(normal_sum_ * (1 / std::sqrt(along_mean * count_)));
+    const QefRow direction = row_of(normal_sum_ * (1 / std::sqrt(along_mean * count_)));
     double rise = 0, slope = 0;
     for (std::size_t i = 0; i < 3; ++i) {
       rise += direction[i] * right[i];
@@ -140,14 +140,14 @@ Vec3 PlaneFit::minimum(const Box& box, double tolerance) const {
   diagonalise(values, vectors);
   const double largest = std::max({values[0][0], values[1][1], values[2][2]});
   if (!(largest > 0)) return mass;
-  Row x{};
+  QefRow x{};
   for (std::size_t k = 0; k < 3; ++k) {
     if (values[k][k] <= tolerance * largest) continue;
     double along = 0;
     for (std::size_t i = 0; i < 3; ++i) along += vectors[i][k] * right[i];
     for (std::size_t i = 0; i < 3; ++i) x[i] += vectors[i][k] * along / values[k][k];
   }
-  const Row low = row_of(box.min - mass), high = row_of(box.max - mass);
+  const QefRow low = row_of(box.min - mass), high = row_of(box.max - mass);
   bool in_box = true;
   for (std::size_t i = 0; i < 3; ++i) in_box &= x[i] >= low[i] && x[i] <= high[i];
   if (!in_box) {

@@ -23,8 +23,8 @@ namespace {
 
 // Samples of a row are done four at a time. The last ones may lie past the triangle's box, where a distance is as true
 // as any other, or past the brick, where rows have spare room.
-constexpr int kAtOnce = 4;
-constexpr int kRow = kBrickSide + kAtOnce;
+constexpr int kLanesAtOnce = 4;
+constexpr int kRow = kBrickSide + kLanesAtOnce;
 constexpr std::int64_t kTrianglesAtOnce = 2048;  // of one brick, in one task
 
 // What the bricks share: lengths are in grid units (lattice.h), positions relative to the brick's centre.
@@ -60,11 +60,11 @@ struct BrickSamples {
 template <bool kNearest>
 void lower_row(const ThesisTriangle<Four>& triangle, std::uint32_t index, const float* x, float y, float z, int count,
                float* distance_sq, std::uint32_t* nearest) {
-  for (int first = 0; first < count; first += kAtOnce) {
+  for (int first = 0; first < count; first += kLanesAtOnce) {
     const Four d = standoff::distance_sq(triangle, Triple<Four>{Four::load(x + first), Four(y), Four(z)});
     const Four before = Four::load(distance_sq + first);
     if constexpr (kNearest)
-      for (int n = 0; n < kAtOnce; ++n)
+      for (int n = 0; n < kLanesAtOnce; ++n)
         if (d.v[n] < before.v[n]) nearest[first + n] = index;
     min(d, before).store(distance_sq + first);
   }

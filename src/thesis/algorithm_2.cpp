@@ -4,13 +4,12 @@
 #include <limits>
 
 #include "core/guarded.h"
+#include "core/tile_count.h"
 #include "standoff/error.h"
 #include "standoff/thesis.h"
 
 namespace standoff {
 namespace {
-
-constexpr int kSide = DistanceField::kTileSide;
 
 // Whether the boxes of two grids overlap in the world, on all three axes of the first grid's frame.
 bool boxes_overlap(const DistanceField& a, const Pose& pose_a, const DistanceField& b, const Pose& pose_b) {
@@ -41,8 +40,9 @@ std::int64_t for_each_sum(const DistanceField& a, const Pose& pose_a, const Dist
   std::int64_t samples = 0;
   for (const DistanceField::Tile& tile : b.tiles())
     for (int n = 0; n < DistanceField::kTileSamples; ++n) {
-      const std::int64_t i = tile.at.x * kSide + n % kSide, j = tile.at.y * kSide + n / kSide % kSide,
-                         k = tile.at.z * kSide + n / (kSide * kSide);
+      const std::int64_t i = tile.at.x * kTileSide + n % kTileSide,
+                         j = tile.at.y * kTileSide + n / kTileSide % kTileSide,
+                         k = tile.at.z * kTileSide + n / (kTileSide * kTileSide);
       if (i >= visited.size.x || j >= visited.size.y || k >= visited.size.z) continue;
       ++samples;
       const float value = tile.values[static_cast<std::size_t>(n)];

@@ -22,12 +22,12 @@ namespace standoff {
 namespace {
 
 // So that products of three differences are finite.
-constexpr double kMostCoordinate = 1e100;
+constexpr double kMostVoxelCoordinate = 1e100;
 
 double part(const Vec3& v, std::size_t axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 
 // Voxels begin <= n < end along an axis.
-struct Range {
+struct VoxelRange {
   std::int64_t begin, end;
 };
 
@@ -49,13 +49,13 @@ class Painter {
                           : size[1] >= size[2]                     ? 1
                                                                    : 2,
                       b = (a + 1) % 3, c = (a + 2) % 3;
-    const Range across_a = range_of(t, a), across_b = range_of(t, b), across_c = range_of(t, c);
+    const VoxelRange across_a = range_of(t, a), across_b = range_of(t, b), across_c = range_of(t, c);
     const bool has_plane = triangle.normal_is_good();
     std::array<std::int64_t, 3> at;
     for (at[c] = across_c.begin; at[c] < across_c.end; ++at[c]) {
       meter.check();
       for (at[b] = across_b.begin; at[b] < across_b.end; ++at[b]) {
-        const Range near = has_plane ? near_plane(t, n, {a, b, c}, at, across_a) : across_a;
+        const VoxelRange near = has_plane ? near_plane(t, n, {a, b, c}, at, across_a) : across_a;
         for (at[a] = near.begin; at[a] < near.end; ++at[a])
           if (triangle.overlaps({axes_[0].at(at[0]), axes_[1].at(at[1]), axes_[2].at(at[2])})) mark(at);
       }
@@ -64,27 +64,27 @@ class Painter {
 
  private:
   // Those that hold a number from low to high, and one more on each side.
-  Range holding(double low, double high, std::size_t axis) const {
+  VoxelRange holding(double low, double high, std::size_t axis) const {
     const double half = part(half_, axis);
     const SampleAxis& samples = axes_[axis];
     return {std::max<std::int64_t>(0, samples.first_from(low - half) - 1),
             std::min(samples.size(), samples.first_from(high + half) + 1)};
   }
-  Range range_of(const std::array<Vec3, 3>& t, std::size_t axis) const {
+  VoxelRange range_of(const std::array<Vec3, 3>& t, std::size_t axis) const {
     const auto [low, high] = std::minmax({part(t[0], axis), part(t[1], axis), part(t[2], axis)});
     return holding(low, high, axis);
   }
   // Of the column along axes[0] through `at`: the plane over the column's cross section. The normal is largest along
   // that axis, and good to 1e-11.
-  Range near_plane(const std::array<Vec3, 3>& t, const Vec3& n, const std::array<std::size_t, 3>& axes,
-                   const std::array<std::int64_t, 3>& at, const Range& all) const {
+  VoxelRange near_plane(const std::array<Vec3, 3>& t, const Vec3& n, const std::array<std::size_t, 3>& axes,
+                        const std::array<std::int64_t, 3>& at, const VoxelRange& all) const {
     const auto [a, b, c] = axes;
     const double u = axes_[b].at(at[b]) - part(t[0], b), v = axes_[c].at(at[c]) - part(t[0], c);
     const double slope_b = part(n, b) / part(n, a), slope_c = part(n, c) / part(n, a);
     const double middle = part(t[0], a) - slope_b * u - slope_c * v;
     const double reach = std::abs(slope_b) * part(half_, b) + std::abs(slope_c) * part(half_, c) +
                          1e-10 * (std::abs(u) + std::abs(v) + part(half_, b) + part(half_, c));
-    const Range near = holding(middle - reach, middle + reach, a);
+    const VoxelRange near = holding(middle - reach, middle + reach, a);
     return {std::max(near.begin, all.begin), std::min(near.end, all.end)};
   }
 
@@ -100,10 +100,10 @@ class Painter {
   std::array<SampleAxis, 3> axes_;
 };
 
-void check_coordinates(const Box& box) {
-  if (!(std::max(max_norm(box.min), max_norm(box.max)) <= kMostCoordinate))
+void check_voxel_coordinates(const Box& box) {
+  if (!(std::max(max_norm(box.min), max_norm(box.max)) <= kMostVoxelCoordinate))
     throw Error(ErrorCode::limit,
-                "voxels: mesh or grid reach beyond " + number_text(kMostCoordinate) + "; scale them down");
+                "voxels: mesh or grid reach beyond " + number_text(kMostVoxelCoordinate) + "; scale them down");
 }
 
 }  // namespace
@@ -113,8 +113,8 @@ Occupancy surface_voxels(MeshView mesh, const Grid& grid, const Execution& execu
   validate("voxels", execution, Runs::on_the_cpu);
   validate(grid);
   validate(mesh);
-  check_coordinates(bounds(mesh));
-  check_coordinates(grid.bounds());
+  check_voxel_coordinates(bounds(mesh));
+  check_voxel_coordinates(grid.bounds());
   Occupancy voxels{grid, {}, {}};
   voxels.bits.resize(static_cast<std::size_t>(voxels.row_bytes() * grid.size.y * grid.size.z));
   ProgressMeter meter(progress);

@@ -7,7 +7,7 @@
 namespace standoff::view {
 namespace {
 
-constexpr std::size_t kMostPoints = 6000, kLeastPoints = 40;  // of all trails together; of one
+constexpr std::size_t kMostTrail = 6000, kLeastTrail = 40;  // of all trails together; of one
 
 }  // namespace
 
@@ -17,7 +17,7 @@ void Trails::take(const FlightFrame& frame) {
     trails_.assign(bodies, {{}, {}, std::numeric_limits<double>::infinity()});
     before_ = frame;
   }
-  const std::size_t most = std::max(kLeastPoints, kMostPoints / std::max<std::size_t>(bodies, 1));
+  const std::size_t most = std::max(kLeastTrail, kMostTrail / std::max<std::size_t>(bodies, 1));
   for (std::size_t n = 0; n < bodies; ++n) {
     const Flying &now = frame.bodies[n], &last = before_.bodies[n];
     Trail& trail = trails_[n];

@@ -10,9 +10,9 @@ namespace standoff::collision {
 namespace {
 
 // Disjoint sets of numbers. The lowest number of a set stands for it.
-class DisjointSets {
+class LowestOfSets {
  public:
-  explicit DisjointSets(std::uint32_t count) : parent_(count) {
+  explicit LowestOfSets(std::uint32_t count) : parent_(count) {
     std::iota(parent_.begin(), parent_.end(), std::uint32_t{0});
   }
   std::uint32_t find(std::uint32_t n) {
@@ -38,7 +38,7 @@ std::vector<std::uint32_t> first_of_components(MeshView mesh, ProgressMeter& pro
   std::vector<std::uint32_t> number(mesh.vertices.size());
   const std::uint32_t count =
       weld([&](std::uint32_t v) { return mesh.vertices[v]; }, number, [&] { progress.check(); });
-  DisjointSets sets(count);
+  LowestOfSets sets(count);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (t % kCheckEvery == 0) progress.check();
     const Triangle corners = mesh.triangles[t];

@@ -9,6 +9,7 @@
 
 #include "core/number_text.h"
 #include "core/promised_error.h"
+#include "core/tile_count.h"
 #include "sign/diagnosis/closed.h"
 #include "standoff/compute.h"
 #include "standoff/error.h"
@@ -16,13 +17,12 @@
 namespace standoff::collision {
 namespace {
 
-constexpr double kSamples = 12e6;
+constexpr double kUsualSamples = 12e6;
 constexpr double kEdgeShare = 0.25;
 constexpr double kMostCoarse = 0x1p28;
 // Per axis: the kernels round sample numbers in single precision, where the next half past this is lost, and with it
 // the last sample.
 constexpr std::int64_t kMostAlong = (std::int64_t{1} << 23) - 1;
-constexpr int kTile = DistanceField::kTileSide;
 
 std::uint8_t rounded_down(float value, double spacing) {
   const double band = kBandSamples * spacing;
@@ -85,7 +85,7 @@ double default_spacing(MeshView mesh, const Box& box) {
   // Flat boxes too are padded by the band: the thinnest side counts as a hundredth of the longest at least.
   const double volume =
       longest * std::max(e.x, longest / 100) * std::max(e.y, longest / 100) * std::max(e.z, longest / 100) / longest;
-  return std::max({std::cbrt(volume / kSamples), kEdgeShare * mean_edge, longest / 1024});
+  return std::max({std::cbrt(volume / kUsualSamples), kEdgeShare * mean_edge, longest / 1024});
 }
 
 FieldBounds plan_field_bounds(const Box& box, double spacing) {
@@ -154,8 +154,8 @@ FieldView FieldBounds::view() const {
   set(view.coarse_last, last(coarse_size));
   set(view.min, box.min);
   set(view.max, box.max);
-  view.tiles[0] = static_cast<std::int32_t>((size.x + kTile - 1) / kTile);
-  view.tiles[1] = static_cast<std::int32_t>((size.y + kTile - 1) / kTile);
+  view.tiles[0] = static_cast<std::int32_t>((size.x + kTileSide - 1) / kTileSide);
+  view.tiles[1] = static_cast<std::int32_t>((size.y + kTileSide - 1) / kTileSide);
   view.coarse_size[0] = static_cast<std::int32_t>(coarse_size.x);
   view.coarse_size[1] = static_cast<std::int32_t>(coarse_size.y);
   view.slots = slots.data();

@@ -19,9 +19,9 @@ namespace standoff {
 namespace collision {
 namespace {
 
-constexpr std::uint32_t kVersion = 2;
+constexpr std::uint32_t kModelVersion = 2;
 
-struct Header {
+struct ModelHeader {
   char magic[8];
   std::uint32_t version;
   std::uint32_t closed;  // 1 if the fields have a sign, else 0
@@ -29,12 +29,12 @@ struct Header {
   double spacing;
   std::uint64_t components;
 };
-static_assert(sizeof(Header::magic) == kBodyMagic.size());
-static_assert(sizeof(Header) == 72 && sizeof(Vec3) == 24 && sizeof(Triangle) == 12);
+static_assert(sizeof(ModelHeader::magic) == kBodyMagic.size());
+static_assert(sizeof(ModelHeader) == 72 && sizeof(Vec3) == 24 && sizeof(Triangle) == 12);
 
 constexpr std::uint64_t bytes_of_bits(std::uint64_t bits) { return bits / 8 + (bits % 8 != 0); }
 
-void check_field(const ArrayFileReader& arrays, const FieldBounds& field, const Header& header) {
+void check_field(const ArrayFileReader& arrays, const FieldBounds& field, const ModelHeader& header) {
   const auto fail = [&](const char* what) { arrays.fail("field", what); };
   if (header.slots != static_cast<std::uint64_t>(tile_count(field.size)) ||
       header.coarse != static_cast<std::uint64_t>(field.coarse_size.count()))
@@ -50,9 +50,9 @@ void check_field(const ArrayFileReader& arrays, const FieldBounds& field, const 
 }  // namespace
 
 CollisionModel read_model(const FileView& file, ArrayChecksum checksum) {
-  Header header{};
+  ModelHeader header{};
   ArrayFileReader arrays(file, "body");
-  arrays.take_header(header, kBodyMagic, kVersion);
+  arrays.take_header(header, kBodyMagic, kModelVersion);
   if (header.closed > 1) arrays.fail("header", "it is neither closed nor open");
   const auto data = std::make_shared<ModelData>();
   FieldBounds field;
@@ -103,16 +103,16 @@ void CollisionModel::save(const std::filesystem::path& path, Existing existing) 
   using namespace collision;
   const ModelData& d = *data_;
   ArrayFileWriter file(path, existing);
-  Header header{{},
-                kVersion,
-                d.field.has_sign(),
-                d.mesh.vertices.size(),
-                d.mesh.triangles.size(),
-                d.field.slots.size(),
-                d.field.samples.size(),
-                d.field.coarse.size(),
-                d.field.spacing,
-                d.components.size()};
+  ModelHeader header{{},
+                     kModelVersion,
+                     d.field.has_sign(),
+                     d.mesh.vertices.size(),
+                     d.mesh.triangles.size(),
+                     d.field.slots.size(),
+                     d.field.samples.size(),
+                     d.field.coarse.size(),
+                     d.field.spacing,
+                     d.components.size()};
   kBodyMagic.copy(header.magic, sizeof header.magic);
   file.put(&header, sizeof header);
   file.put_all(d.mesh.vertices);

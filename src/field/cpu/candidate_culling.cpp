@@ -24,8 +24,8 @@ std::int64_t list_capacity(std::int64_t entries) { return std::min(kMostEntries 
 constexpr std::int64_t kCrowd = 800;
 
 // What the half extents of cells are rounded up by: this share, and as many grid units.
-constexpr float kHalfSlack = 1e-6f;
-static_assert(kHalfSlack > gamma_float(16));
+constexpr float kCellSlack = 1e-6f;
+static_assert(kCellSlack > gamma_float(16));
 
 }  // namespace
 
@@ -84,7 +84,7 @@ CellTarget CandidateCulling::target(const Cell& cell, const References& near) co
     const double first = static_cast<double>(cell.low[axis]), last = static_cast<double>(cell.high[axis] - 1);
     const double middle = static_cast<double>(lattice_.size[axis] - 1) / 2;
     target.samples.center[axis] = static_cast<float>(((first + last) / 2 - middle) * step);
-    target.samples.half[axis] = static_cast<float>((last - first) / 2 * step) * (1 + kHalfSlack) + kHalfSlack;
+    target.samples.half[axis] = static_cast<float>((last - first) / 2 * step) * (1 + kCellSlack) + kCellSlack;
   }
   target.samples.reach = lattice_.thickness;
   return target;

@@ -32,7 +32,7 @@ std::size_t longest_axis(std::span<const Center> part) {
 }
 
 // Triangles below which a part is not worth a task of its own.
-constexpr std::size_t kTask = 8192;
+constexpr std::size_t kHalvingTask = 8192;
 
 // `pack`: the most triangles of a pack of the highest level of which the part may hold several.
 void halve(std::span<Center> part, std::size_t pack, const Job& job) {
@@ -44,7 +44,7 @@ void halve(std::span<Center> part, std::size_t pack, const Job& job) {
   std::nth_element(part.begin(), part.begin() + static_cast<std::ptrdiff_t>(middle), part.end(), less);
   const auto left = [&] { halve(part.first(middle), pack, job); };
   const auto right = [&] { halve(part.subspan(middle), pack, job); };
-  if (part.size() >= kTask) {
+  if (part.size() >= kHalvingTask) {
     job.progress.check();
     tbb::parallel_invoke(left, right);
   } else {

@@ -14,8 +14,8 @@ namespace standoff::cpu {
 namespace {
 
 // What one thread uses for one brick after the other.
-struct ThreadState {
-  explicit ThreadState(CandidateLists&& candidates) : lists(std::move(candidates)) {}
+struct TileWork {
+  explicit TileWork(CandidateLists&& candidates) : lists(std::move(candidates)) {}
 
   CandidateLists lists;
   BrickState brick;
@@ -30,7 +30,7 @@ class ThickBand final : public LayerGather {
         lattice_(lattice),
         kernels_(kernels),
         culling_(job, lattice, kernels, morton_order(job)),
-        threads_([this] { return std::make_unique<ThreadState>(culling_.make_lists(levels_of(lattice_))); }) {}
+        threads_([this] { return std::make_unique<TileWork>(culling_.make_lists(levels_of(lattice_))); }) {}
 
   void gather(const BrickLayers& layers, Sink& sink) override {
     sink_ = &sink;
@@ -41,7 +41,7 @@ class ThickBand final : public LayerGather {
 
   Counts counts() override {
     Counts counts;
-    threads_.for_each([&](const std::unique_ptr<ThreadState>& state) {
+    threads_.for_each([&](const std::unique_ptr<TileWork>& state) {
       counts.samples_examined += state->brick.samples_examined;
       counts.samples_band += state->brick.samples_band;
     });
@@ -50,7 +50,7 @@ class ThickBand final : public LayerGather {
 
  private:
   // Visits the bricks of a cell that are in the range.
-  void visit(int level, const Cell& cell, const References& near, const BrickRange& range, ThreadState& state) {
+  void visit(int level, const Cell& cell, const References& near, const BrickRange& range, TileWork& state) {
     const CellCandidates& own = culling_.enter(level, cell, near, state.lists);
     if (own.list.size() == 0) return job_.progress.advance(range.bricks_of(cell));
     if (cell.side == kBrickSide) return gather_brick(own, state);
@@ -61,7 +61,7 @@ class ThickBand final : public LayerGather {
         visit(level + 1, parts[n], references_of(own.points, cell, parts[n]), range, state);
   }
 
-  void gather_brick(const CellCandidates& own, ThreadState& state) {
+  void gather_brick(const CellCandidates& own, TileWork& state) {
     const auto at = [&](int axis) { return own.cell.low[axis] / kBrickSide; };
     const Brick brick = brick_at(lattice_, at(0) + lattice_.bricks[0] * (at(1) + lattice_.bricks[1] * at(2)));
     kernels_.clear(sink_->with_nearest(), state.brick);
@@ -72,7 +72,7 @@ class ThickBand final : public LayerGather {
     job_.progress.advance();
   }
 
-  void gather_tile(const Brick& brick, const CellCandidates& parent, const Cell& tile, ThreadState& state) {
+  void gather_tile(const Brick& brick, const CellCandidates& parent, const Cell& tile, TileWork& state) {
     CandidateLists& lists = state.lists;
     const CellTarget target = culling_.target(tile, references_of(parent.points, parent.cell, tile));
     culling_.narrow(parent.list.arrays(), target, opened_length(target.samples), lists.tile, lists.packs);
@@ -95,7 +95,7 @@ class ThickBand final : public LayerGather {
   }
 
   // A cell of a tile that has very many candidates.
-  void gather_cell(const Brick& brick, const Cell& cell, const References& near, ThreadState& state) {
+  void gather_cell(const Brick& brick, const Cell& cell, const References& near, TileWork& state) {
     CandidateLists& lists = state.lists;
     const CellTarget target = culling_.target(cell, near);
     const auto gather = [&](const BoxArrays& boxes) {
@@ -111,7 +111,7 @@ class ThickBand final : public LayerGather {
   const Kernels& kernels_;
   Sink* sink_ = nullptr;  // while it gathers
   CandidateCulling culling_;
-  PerThread<std::unique_ptr<ThreadState>> threads_;
+  PerThread<std::unique_ptr<TileWork>> threads_;
 };
 
 }  // namespace
@@ -121,8 +121,7 @@ std::unique_ptr<LayerGather> thick_band(const Job& job, const BlockLattice& latt
 }
 
 std::int64_t thick_scratch_bytes(std::int64_t triangles, const BlockLattice& lattice, int threads) {
-  return CandidateCulling::bytes(triangles, lattice, threads) +
-         static_cast<std::int64_t>(sizeof(ThreadState)) * threads;
+  return CandidateCulling::bytes(triangles, lattice, threads) + static_cast<std::int64_t>(sizeof(TileWork)) * threads;
 }
 
 }  // namespace standoff::cpu

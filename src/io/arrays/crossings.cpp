@@ -33,7 +33,7 @@ void column(NpzArrays& arrays, const std::string& name, const char* type, std::s
   arrays.end();
 }
 
-void write_npz(AtomicFile& file, Crossings crossings, const Grid& grid) {
+void write_crossing_npz(AtomicFile& file, Crossings crossings, const Grid& grid) {
   NpzArrays arrays(file);
   arrays.size("size", grid.size);
   arrays.vector("origin", grid.origin);
@@ -73,7 +73,7 @@ void write_crossings(const std::filesystem::path& path, std::span<const EdgeCros
                 path.string() + ": crossings are written as .npz or .csv; give the file one of these names");
   AtomicFile file(path, existing);
   if (extension == ".npz")
-    write_npz(file, crossings, grid);
+    write_crossing_npz(file, crossings, grid);
   else
     write_csv(file, crossings, grid);
   file.commit();

@@ -20,7 +20,7 @@ std::string three(double x, double y, double z, const char* between) {
   return exact_text(x) + between + exact_text(y) + between + exact_text(z);
 }
 
-void write(AtomicFile& file, const std::string& text) { file.write(text.data(), text.size()); }
+void write_text(AtomicFile& file, const std::string& text) { file.write(text.data(), text.size()); }
 
 // Passes on a byte per voxel, x fastest, some rows at a time.
 template <class Sink>
@@ -44,7 +44,7 @@ void send_bytes(const Occupancy& voxels, const Sink& sink) {
   pass_on();
 }
 
-void write_npz(AtomicFile& file, const Occupancy& voxels) {
+void write_voxel_npz(AtomicFile& file, const Occupancy& voxels) {
   const Grid& grid = voxels.grid;
   NpzArrays arrays(file);
   arrays.vector("origin", grid.origin);
@@ -56,40 +56,40 @@ void write_npz(AtomicFile& file, const Occupancy& voxels) {
   arrays.finish();
 }
 
-void write_nrrd(AtomicFile& file, const Occupancy& voxels) {
+void write_voxel_nrrd(AtomicFile& file, const Occupancy& voxels) {
   const Grid& g = voxels.grid;
   const auto vector = [](double x, double y, double z) { return std::string("(") + three(x, y, z, ",") + ")"; };
-  write(file,
-        "NRRD0005\n# Voxels of a triangle mesh, by standoff\ntype: uchar\ndimension: 3\nspace dimension: 3\n"
-        "sizes: " +
-            std::to_string(g.size.x) + " " + std::to_string(g.size.y) + " " + std::to_string(g.size.z) +
-            "\nspace directions: " + vector(g.spacing.x, 0, 0) + " " + vector(0, g.spacing.y, 0) + " " +
-            vector(0, 0, g.spacing.z) +
-            "\ncenters: cell cell cell\nkinds: domain domain domain\nencoding: raw\nspace origin: " +
-            vector(g.origin.x, g.origin.y, g.origin.z) + "\n\n");
+  write_text(file,
+             "NRRD0005\n# Voxels of a triangle mesh, by standoff\ntype: uchar\ndimension: 3\nspace dimension: 3\n"
+             "sizes: " +
+                 std::to_string(g.size.x) + " " + std::to_string(g.size.y) + " " + std::to_string(g.size.z) +
+                 "\nspace directions: " + vector(g.spacing.x, 0, 0) + " " + vector(0, g.spacing.y, 0) + " " +
+                 vector(0, 0, g.spacing.z) +
+                 "\ncenters: cell cell cell\nkinds: domain domain domain\nencoding: raw\nspace origin: " +
+                 vector(g.origin.x, g.origin.y, g.origin.z) + "\n\n");
   send_bytes(voxels, [&](std::span<const std::byte> part) { file.write(part.data(), part.size()); });
 }
 
 // Point data, as fields are: a point of the image is a sample, the centre of its voxel.
-void write_vti(AtomicFile& file, const Occupancy& voxels) {
+void write_voxel_vti(AtomicFile& file, const Occupancy& voxels) {
   const Grid& g = voxels.grid;
   const auto last = [](std::int64_t side) { return std::to_string(side - 1); };
   const std::string extent = "0 " + last(g.size.x) + " 0 " + last(g.size.y) + " 0 " + last(g.size.z);
-  write(file,
-        "<?xml version=\"1.0\"?>\n"
-        "<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
-        "  <ImageData WholeExtent=\"" +
-            extent + "\" Origin=\"" + three(g.origin.x, g.origin.y, g.origin.z, " ") + "\" Spacing=\"" +
-            three(g.spacing.x, g.spacing.y, g.spacing.z, " ") +
-            "\" Direction=\"1 0 0 0 1 0 0 0 1\">\n    <Piece Extent=\"" + extent +
-            "\">\n      <PointData Scalars=\"voxels\">\n"
-            "        <DataArray type=\"UInt8\" Name=\"voxels\" format=\"appended\" offset=\"0\"/>\n"
-            "      </PointData>\n      <CellData/>\n    </Piece>\n  </ImageData>\n"
-            "  <AppendedData encoding=\"raw\">\n_");
+  write_text(file,
+             "<?xml version=\"1.0\"?>\n"
+             "<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
+             "  <ImageData WholeExtent=\"" +
+                 extent + "\" Origin=\"" + three(g.origin.x, g.origin.y, g.origin.z, " ") + "\" Spacing=\"" +
+                 three(g.spacing.x, g.spacing.y, g.spacing.z, " ") +
+                 "\" Direction=\"1 0 0 0 1 0 0 0 1\">\n    <Piece Extent=\"" + extent +
+                 "\">\n      <PointData Scalars=\"voxels\">\n"
+                 "        <DataArray type=\"UInt8\" Name=\"voxels\" format=\"appended\" offset=\"0\"/>\n"
+                 "      </PointData>\n      <CellData/>\n    </Piece>\n  </ImageData>\n"
+                 "  <AppendedData encoding=\"raw\">\n_");
   const auto bytes = static_cast<std::uint64_t>(g.sample_count());
   file.write(&bytes, sizeof bytes);
   send_bytes(voxels, [&](std::span<const std::byte> part) { file.write(part.data(), part.size()); });
-  write(file, "\n  </AppendedData>\n</VTKFile>\n");
+  write_text(file, "\n  </AppendedData>\n</VTKFile>\n");
 }
 
 // https://www.patrickmin.com/binvox/binvox.html: a cube of voxels, y fastest, then z, then x, in runs of a value and a
@@ -99,9 +99,9 @@ void write_binvox(AtomicFile& file, const Occupancy& voxels) {
   const std::int64_t side = std::max({g.size.x, g.size.y, g.size.z});
   const std::string sides = std::to_string(side);
   const Vec3 corner = g.origin - g.spacing * 0.5;
-  write(file, "#binvox 1\ndim " + sides + " " + sides + " " + sides + "\ntranslate " +
-                  three(corner.x, corner.y, corner.z, " ") + "\nscale " +
-                  exact_text(g.spacing.x * static_cast<double>(side)) + "\ndata\n");
+  write_text(file, "#binvox 1\ndim " + sides + " " + sides + " " + sides + "\ntranslate " +
+                       three(corner.x, corner.y, corner.z, " ") + "\nscale " +
+                       exact_text(g.spacing.x * static_cast<double>(side)) + "\ndata\n");
   std::array<std::uint8_t, 2> run{0, 0};
   const auto add = [&](std::uint8_t value, std::int64_t count) {
     if (value != run[0] && run[1] > 0) file.write(run.data(), run.size()), run[1] = 0;
@@ -146,7 +146,7 @@ void write_voxels(const std::filesystem::path& path, const Occupancy& voxels, Ex
     void (*write)(AtomicFile&, const Occupancy&);
   };
   constexpr Format formats[] = {
-      {".npz", write_npz}, {".nrrd", write_nrrd}, {".vti", write_vti}, {".binvox", write_binvox}};
+      {".npz", write_voxel_npz}, {".nrrd", write_voxel_nrrd}, {".vti", write_voxel_vti}, {".binvox", write_binvox}};
   const std::string extension = path.extension().string();
   const auto* const format = std::ranges::find(formats, extension, &Format::extension);
   if (format == std::end(formats))

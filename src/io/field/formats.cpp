@@ -20,7 +20,7 @@ void of_whole(AtomicFile& file, const FieldSource& source, const FieldWriteOptio
   write(file, source.whole(), options);
 }
 
-constexpr std::array<FieldFormat, 5> kFormats{{
+constexpr std::array<FieldFormat, 5> kFieldFormats{{
     {"vti", "VTK XML image data, for ParaView and VTK", true, true, true, read_vti, write_vti},
     {"nrrd", "NRRD, for Slicer, ITK and teem", false, false, true, read_nrrd, write_nrrd},
     {"npz", "NumPy arrays", true, true, true, read_npz, write_npz},
@@ -32,10 +32,11 @@ const FieldFormat& format_of(const std::filesystem::path& path, ErrorCode code) 
   std::string extension = path.extension().string();
   if (!extension.empty()) extension.erase(0, 1);
   std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
-  for (const FieldFormat& format : kFormats)
+  for (const FieldFormat& format : kFieldFormats)
     if (format.extension == extension) return format;
   std::string known;
-  for (const FieldFormat& format : kFormats) known += std::string(known.empty() ? "" : ", ") + '.' + format.extension;
+  for (const FieldFormat& format : kFieldFormats)
+    known += std::string(known.empty() ? "" : ", ") + '.' + format.extension;
   throw Error(code,
               path.string() + ": " +
                   (extension.empty() ? "the name has no extension" : "no field format is called ." + extension) +
@@ -46,7 +47,7 @@ const FieldFormat& format_of(const std::filesystem::path& path, ErrorCode code) 
 // ".vti or .npz": those that can carry what the caller asks for.
 std::string those_with(bool FieldFormat::*can) {
   std::string names;
-  for (const FieldFormat& format : kFormats)
+  for (const FieldFormat& format : kFieldFormats)
     if (format.*can) names += (names.empty() ? "." : " or .") + std::string(format.extension);
   return names;
 }
@@ -88,7 +89,7 @@ void write(const std::filesystem::path& path, const FieldFormat& format, const F
 
 std::vector<FileFormat> field_formats() try {
   std::vector<FileFormat> formats;
-  for (const FieldFormat& format : kFormats)
+  for (const FieldFormat& format : kFieldFormats)
     formats.push_back(
         {format.extension, format.description, true, true, format.nearest, format.sidecars, format.slabs});
   return formats;

@@ -17,38 +17,36 @@
 namespace standoff {
 namespace {
 
-constexpr std::int64_t kSide = DistanceField::kTileSide;
-constexpr std::size_t kTile = DistanceField::kTileSamples;
-
 enum class TileContent { outside, inside, near, bad };
 
 // What a tile holds of which `samples` lie in the grid; the rest is `far`. Branch-free, so that it costs little beside
 // reading: NaN is neither within the thickness nor as far as it.
-TileContent content(const std::array<float, kTile>& tile, float far, std::int64_t samples) {
+TileContent content(const std::array<float, kTileSamples>& tile, float far, std::int64_t samples) {
   std::int64_t good = 0, outside = 0, inside = 0;
   for (const float value : tile) {
     good += static_cast<int>(std::abs(value) <= far);
     outside += static_cast<int>(value >= far);
     inside += static_cast<int>(value <= -far);
   }
-  if (good != static_cast<int>(kTile)) return TileContent::bad;
-  if (outside == static_cast<int>(kTile)) return TileContent::outside;
+  if (good != static_cast<int>(kTileSamples)) return TileContent::bad;
+  if (outside == static_cast<int>(kTileSamples)) return TileContent::outside;
   return inside == samples ? TileContent::inside : TileContent::near;
 }
 
 // Branch-free as well: most tiles of a band's file have no triangle.
-bool has_triangle(const std::array<std::uint32_t, kTile>& tile) {
+bool has_triangle(const std::array<std::uint32_t, kTileSamples>& tile) {
   int found = 0;
   for (const std::uint32_t triangle : tile) found |= static_cast<int>(triangle != kNoTriangle);
   return found != 0;
 }
 
-[[noreturn]] void fail_at_bad(const FileView& file, const std::array<float, kTile>& tile, float far, Size3 first) {
+[[noreturn]] void fail_at_bad(const FileView& file, const std::array<float, kTileSamples>& tile, float far,
+                              Size3 first) {
   const auto bad = std::ranges::find_if(tile, [far](float value) { return !(std::abs(value) <= far); });
   const std::int64_t at = bad - tile.begin();
   const auto name = [](std::int64_t i) { return std::to_string(i); };
-  file.fail("sample (" + name(first.x + at % kSide) + "," + name(first.y + at / kSide % kSide) + "," +
-                name(first.z + at / (kSide * kSide)) + ")",
+  file.fail("sample (" + name(first.x + at % kTileSide) + "," + name(first.y + at / kTileSide % kTileSide) + "," +
+                name(first.z + at / (kTileSide * kTileSide)) + ")",
             "the value " + exact_text(*bad) + " is not a number, or larger in magnitude than the thickness, " +
                 exact_text(far) + "; the file is damaged or no distance field, write it again");
 }
@@ -78,7 +76,7 @@ class TileWalk {
     for (const StoredArray* array : {&stored_.distance, stored_.nearest ? &*stored_.nearest : nullptr})
       if (array && array->packed) {
         const std::int64_t planes = array->z_fastest ? n.x : n.z;
-        bytes += 4 * static_cast<double>(n.count() / planes * std::min(planes, kSide));
+        bytes += 4 * static_cast<double>(n.count() / planes * std::min<std::int64_t>(planes, kTileSide));
       }
     return bytes;
   }
@@ -110,12 +108,12 @@ class TileWalk {
   template <class Store, class MarkInside>
   void visit(const TileReader<float>& values, const std::optional<TileReader<std::uint32_t>>& nearest, Size3 at,
              const Store& store, const MarkInside& mark_inside) const {
-    const Size3 first{at.x * kSide, at.y * kSide, at.z * kSide};
-    std::array<float, kTile> tile;
+    const Size3 first{at.x * kTileSide, at.y * kTileSide, at.z * kTileSide};
+    std::array<float, kTileSamples> tile;
     values.read(first, far_, tile);
     const TileContent found = content(tile, far_, samples_from(first));
     if (found == TileContent::bad) fail_at_bad(file_, tile, far_, first);
-    std::array<std::uint32_t, kTile> triangles;
+    std::array<std::uint32_t, kTileSamples> triangles;
     if (nearest) nearest->read(first, kNoTriangle, triangles);
     // A distance that equals the thickness lies in the band: only its nearest triangle tells it from a clamped one.
     if (found == TileContent::near || (nearest && has_triangle(triangles)))
@@ -125,7 +123,8 @@ class TileWalk {
   }
   // Samples of the grid in the tile whose first sample is `first`.
   std::int64_t samples_from(const Size3& first) const {
-    return std::min(kSide, size_.x - first.x) * std::min(kSide, size_.y - first.y) * std::min(kSide, size_.z - first.z);
+    return std::min<std::int64_t>(kTileSide, size_.x - first.x) * std::min<std::int64_t>(kTileSide, size_.y - first.y) *
+           std::min<std::int64_t>(kTileSide, size_.z - first.z);
   }
 
   const FileView& file_;

@@ -11,7 +11,7 @@
 namespace standoff {
 namespace {
 
-constexpr std::string_view kMagic = "\x93NUMPY";
+constexpr std::string_view kNumpyMagic = "\x93NUMPY";
 constexpr std::uint64_t kAlignment = 64;
 
 // The header is a Python dictionary: {'descr': '<f4', 'fortran_order': True, 'shape': (2, 3, 4), }
@@ -83,17 +83,18 @@ std::string npy_header(const NpyHeader& header, std::uint64_t room) {
                      ", 'fortran_order': " + (header.fortran_order ? "True" : "False") + ", 'shape': (";
   for (const auto side : header.shape) text += std::to_string(side) + ",";
   text += "), }";
-  const std::uint64_t before = kMagic.size() + 4;
+  const std::uint64_t before = kNumpyMagic.size() + 4;
   text.append((kAlignment - (before + text.size() + 1) % kAlignment) % kAlignment, ' ');
   if (before + text.size() + 1 < room) text.append(room - before - text.size() - 1, ' ');
   text += '\n';
   const auto length = static_cast<std::uint16_t>(text.size());
-  return std::string(kMagic) + '\1' + '\0' + static_cast<char>(length & 0xFF) + static_cast<char>(length >> 8) + text;
+  return std::string(kNumpyMagic) + '\1' + '\0' + static_cast<char>(length & 0xFF) + static_cast<char>(length >> 8) +
+         text;
 }
 
 NpyArray read_npy(const FileView& file, const std::string& name, std::string_view start, std::uint64_t bytes) {
   const auto fail = [&](const std::string& what) { file.fail(shown(name), what); };
-  if (start.size() < 10 || !start.starts_with(kMagic)) fail("it is no NumPy array; write the file again");
+  if (start.size() < 10 || !start.starts_with(kNumpyMagic)) fail("it is no NumPy array; write the file again");
   const bool short_length = start[6] == 1;
   if (start[6] < 1 || start[6] > 3 || (!short_length && start.size() < 12))
     fail("its version of the NumPy format is unknown; save it with another NumPy");

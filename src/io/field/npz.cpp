@@ -25,8 +25,7 @@ namespace standoff {
 namespace {
 
 constexpr const char* kDistance = "distance";
-constexpr const char* kNearest = "nearest_triangle";
-constexpr int kMostComponents = 64;
+constexpr const char* kNearestName = "nearest_triangle";
 
 std::string quoted(const std::string& name) { return "'" + name + "'"; }
 
@@ -106,8 +105,8 @@ class Archive {
   // What is no array of the field's own, and has a number or a few for each of its samples. Others may hold anything.
   std::vector<StoredSidecar> sidecars(const Size3& size) const {
     std::vector<StoredSidecar> found;
-    std::set<std::string> names{kDistance, kNearest,  "origin", "spacing",  "thickness",
-                                "method",  "version", "sign",   "mesh_hash"};
+    std::set<std::string> names{kDistance, kNearestName, "origin", "spacing",  "thickness",
+                                "method",  "version",    "sign",   "mesh_hash"};
     for (const ZipMember& zip : members_) {
       const std::string name = zip.name.substr(0, zip.name.size() - std::min<std::size_t>(zip.name.size(), 4));
       if (zip.name != name + ".npy" || !names.insert(name).second) continue;
@@ -259,7 +258,7 @@ FieldFile read_npz(const FileView& file, const FieldRequest& request) {
   stored.provenance.version = archive.text("version");
   stored.provenance.mesh_hash = archive.hash("mesh_hash");
   if (archive.find("sign")) stored.provenance.sign = archive.text("sign");
-  if (const auto nearest = archive.find(kNearest)) {
+  if (const auto nearest = archive.find(kNearestName)) {
     Size3 size;
     stored.nearest = archive.samples(*nearest, "u4", size);
     if (size != stored.grid.size || stored.nearest->z_fastest != stored.distance.z_fastest)

@@ -26,7 +26,7 @@ namespace {
 using namespace vdb;
 
 // A grid in memory or in the file, unpacked.
-struct Found {
+struct FoundTile {
   std::unique_ptr<FileView> unpacked;
   std::uint64_t at = 0, bytes = 0;  // in what was unpacked, or in the file
 };
@@ -61,7 +61,7 @@ std::unique_ptr<FileView> unpack(const FileView& file, std::uint64_t at, std::ui
 }
 
 // The one of floats; of several, the one called distance.
-Found find_grid(const FileView& file, std::int64_t memory_limit) {
+FoundTile find_grid(const FileView& file, std::int64_t memory_limit) {
   namespace f = nvdb::file;
   const auto magic = file.size() < 8 ? 0 : file.number<std::uint64_t>(0);
   if (magic == nvdb::kMagicGrid) return {nullptr, 0, file.size()};
@@ -108,9 +108,9 @@ Found find_grid(const FileView& file, std::int64_t memory_limit) {
   return {unpack(file, one.at, one.packed, one.bytes, codec, memory_limit), 0, one.bytes};
 }
 
-class Reader {
+class NvdbReader {
  public:
-  Reader(const FileView& file, std::uint64_t at, std::uint64_t bytes, const FieldRequest& request)
+  NvdbReader(const FileView& file, std::uint64_t at, std::uint64_t bytes, const FieldRequest& request)
       : file_(file), at_(at), bytes_(bytes), request_(request) {}
 
   DistanceField read() {
@@ -308,8 +308,8 @@ class Reader {
 }  // namespace
 
 FieldFile read_nvdb(const FileView& file, const FieldRequest& request) {
-  const Found found = find_grid(file, request.memory_limit);
-  return {Reader(found.unpacked ? *found.unpacked : file, found.at, found.bytes, request).read(), {}};
+  const FoundTile found = find_grid(file, request.memory_limit);
+  return {NvdbReader(found.unpacked ? *found.unpacked : file, found.at, found.bytes, request).read(), {}};
 }
 
 }  // namespace standoff

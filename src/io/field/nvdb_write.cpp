@@ -23,9 +23,9 @@ namespace {
 using namespace vdb;
 
 // The bytes of a structure, zero where nothing is put.
-class Record {
+class NvdbRecord {
  public:
-  explicit Record(std::uint64_t bytes) : bytes_(bytes, '\0') {}
+  explicit NvdbRecord(std::uint64_t bytes) : bytes_(bytes, '\0') {}
 
   template <class Value>
   void put(std::uint64_t at, const Value& value) {
@@ -100,9 +100,9 @@ std::uint64_t name_key(std::string_view name) {  // as NanoVDB's stringHash
   return hash;
 }
 
-class Writer {
+class NvdbWriter {
  public:
-  Writer(AtomicFile& file, const DistanceField& field, int threads)
+  NvdbWriter(AtomicFile& file, const DistanceField& field, int threads)
       : file_(file),
         field_(field),
         threads_(threads),
@@ -192,7 +192,7 @@ class Writer {
   void write_header() {
     namespace f = nvdb::file;
     const std::string name = std::string(kName) + '\0';
-    Record header(f::kHeaderBytes), meta(f::kMetaBytes);
+    NvdbRecord header(f::kHeaderBytes), meta(f::kMetaBytes);
     header.put(0, nvdb::kMagic);
     header.put(8, nvdb::kVersion);
     header.put(f::kGridCount, std::uint16_t{1});
@@ -220,7 +220,7 @@ class Writer {
   void write_grid() {
     namespace g = nvdb::grid;
     const Vec3 h = field_.grid().spacing, o = field_.grid().origin;
-    Record grid(g::kBytes), tree(nvdb::tree::kBytes);
+    NvdbRecord grid(g::kBytes), tree(nvdb::tree::kBytes);
     grid.put(0, nvdb::kMagic);
     grid.put(g::kChecksum, ~std::uint64_t{0});  // none
     grid.put(g::kVersionAt, nvdb::kVersion);
@@ -254,14 +254,14 @@ class Writer {
     raw(tree.bytes());
   }
 
-  void put_range(Record& node, std::uint64_t at, const Active& active) const {
+  void put_range(NvdbRecord& node, std::uint64_t at, const Active& active) const {
     node.put(at, active.samples > 0 ? active.least : far_);
     node.put(at + 4, active.samples > 0 ? active.most : far_);
   }
 
   void write_root() {
     namespace r = nvdb::root;
-    Record root(r::kBytes);
+    NvdbRecord root(r::kBytes);
     root.put(0, all_.min);
     root.put(12, all_.max);
     root.put(r::kTableSize, static_cast<std::uint32_t>(table_size()));
@@ -279,7 +279,7 @@ class Writer {
     for (const Size3& at : tree_.inside) tiles.emplace_back(key(at), -1);
     std::ranges::sort(tiles);
     for (const auto& [tile_key, upper] : tiles) {
-      Record tile(r::kTileBytes);
+      NvdbRecord tile(r::kTileBytes);
       tile.put(0, tile_key);
       if (upper >= 0)
         tile.put(r::kChild, static_cast<std::int64_t>(uppers_at() - root_at()) +
@@ -294,7 +294,7 @@ class Writer {
   void write_inner(const Node<log>& node, const Active& active, std::size_t n, std::size_t count,
                    std::uint64_t child_bytes) {
     using N = nvdb::Inner<log>;
-    Record record(N::kBytes);
+    NvdbRecord record(N::kBytes);
     // A node's place is that of its box, also where nothing is active.
     const auto origin = coordinates(node.at);
     record.put(0, active.samples > 0 ? active.min : origin);
@@ -338,7 +338,7 @@ class Writer {
   void write_blind() {
     namespace b = nvdb::blind;
     constexpr std::uint32_t kUint32 = 10;
-    Record blind(b::kBytes);
+    NvdbRecord blind(b::kBytes);
     blind.put(b::kOffset, b::kBytes);
     blind.put(b::kElements, std::uint64_t{facts_.size() / 4});
     blind.put(b::kDataType, kUint32);
@@ -364,7 +364,7 @@ class Writer {
 
 void write_nvdb(AtomicFile& file, const DistanceField& field, const FieldWriteOptions& options) {
   vdb::check_indices(field, "nvdb");
-  Writer(file, field, options.threads).write();
+  NvdbWriter(file, field, options.threads).write();
 }
 
 }  // namespace standoff

@@ -11,8 +11,6 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "field files are written as the machine holds numbers");
 
-constexpr int kMostComponents = 64;
-
 template <class Number>
 std::array<std::byte, 4> bytes_of_number(Number number) {
   return std::bit_cast<std::array<std::byte, 4>>(number);

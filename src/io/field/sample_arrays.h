@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "core/tile_count.h"
 #include "standoff/field.h"
 #include "standoff/sidecars.h"
 
@@ -31,6 +32,9 @@ struct SampleArray {
   std::size_t number_bytes() const { return bytes_of(type); }
   std::size_t element_bytes() const { return number_bytes() * static_cast<std::size_t>(components); }
 };
+
+/// The most numbers that a sidecar has for a sample.
+inline constexpr int kMostComponents = 64;
 
 /// The array of distances; in the second place, of values that lie elsewhere.
 SampleArray distance_array(const DistanceField& field);
@@ -57,7 +61,6 @@ std::string unstored_element(const SampleArray& array, const ArrayPart& part, bo
 template <class Out>
 void send_elements(const DistanceField& field, const SampleArray& array, const ArrayPart& part, std::int64_t begin,
                    std::int64_t end, Out& out) {
-  constexpr std::int64_t kSide = DistanceField::kTileSide;
   const Size3 size = field.grid().size, tiles = field.tile_count();
   const std::string outside = unstored_element(array, part, false), inside = unstored_element(array, part, true);
   const auto unstored = [&](std::int32_t slot) {
@@ -66,27 +69,27 @@ void send_elements(const DistanceField& field, const SampleArray& array, const A
   const std::span<const std::int32_t> slots = field.slots();
   if (slots.empty()) return out.run(unstored(DistanceField::kOutside), static_cast<std::uint64_t>(end - begin));
   const std::size_t all = array.element_bytes(), number = array.number_bytes();
-  std::array<std::byte, kSide * 4> gathered;
+  std::array<std::byte, kTileSide * 4> gathered;
   while (begin < end) {
     const std::int64_t row = begin / size.x, j = row % size.y, k = row / size.y;
     const std::int64_t last = std::min(end, (row + 1) * size.x) - row * size.x;
-    const std::int32_t* const of_row = slots.data() + tiles.x * (j / kSide + tiles.y * (k / kSide));
-    const std::int64_t in_tile = kSide * (j % kSide + kSide * (k % kSide));
+    const std::int32_t* const of_row = slots.data() + tiles.x * (j / kTileSide + tiles.y * (k / kTileSide));
+    const std::int64_t in_tile = kTileSide * (j % kTileSide + kTileSide * (k % kTileSide));
     for (std::int64_t i = begin - row * size.x; i < last;) {
-      std::int64_t tx = i / kSide;
+      std::int64_t tx = i / kTileSide;
       const std::int32_t slot = of_row[tx];
       if (slot < 0) {
-        while (kSide * ++tx < last && of_row[tx] == slot) {
+        while (kTileSide * ++tx < last && of_row[tx] == slot) {
         }
-        const std::int64_t to = std::min(last, kSide * tx);
+        const std::int64_t to = std::min(last, kTileSide * tx);
         out.run(unstored(slot), static_cast<std::uint64_t>(to - i));
         i = to;
         continue;
       }
-      const std::int64_t to = std::min(last, kSide * (tx + 1)), count = to - i;
+      const std::int64_t to = std::min(last, kTileSide * (tx + 1)), count = to - i;
       const std::byte* from =
           array.values + (std::size_t{DistanceField::kTileSamples} * static_cast<std::size_t>(slot) +
-                          static_cast<std::size_t>(in_tile + i % kSide)) *
+                          static_cast<std::size_t>(in_tile + i % kTileSide)) *
                              all;
       if (part.component) {
         from += number * static_cast<std::size_t>(*part.component);

@@ -18,7 +18,7 @@ namespace {
 
 using namespace vdb;
 
-struct Descriptor {
+struct GridDescriptor {
   std::string name, type;
   bool instance = false;
   std::uint64_t grid = 0, blocks = 0;
@@ -27,12 +27,12 @@ struct Descriptor {
   bool is_float() const { return type == kFloatTree || type == std::string(kFloatTree) + std::string(kHalfSuffix); }
 };
 
-std::string name_of(const Descriptor& grid) {
+std::string name_of(const GridDescriptor& grid) {
   // OpenVDB adds a number to names that repeat, after a byte 30.
   return in_quotes(grid.name.substr(0, grid.name.find('\x1e'))) + " (" + shown(grid.type) + ")";
 }
 
-std::vector<Descriptor> read_descriptors(Cursor& from) {
+std::vector<GridDescriptor> read_descriptors(Cursor& from) {
   const FileView& file = from.file();
   if (file.size() < 8 || from.number<std::uint64_t>() != kMagic)
     file.fail("header", "it is no VDB file; check its name");
@@ -46,9 +46,9 @@ std::vector<Descriptor> read_descriptors(Cursor& from) {
   from.bytes(kNoId.size(), "its identity");
   for (auto facts = from.number<std::uint32_t>(); facts > 0; --facts)
     for (const char* what : {"a fact's name", "a fact's type", "a fact"}) from.text(what);
-  std::vector<Descriptor> grids;
+  std::vector<GridDescriptor> grids;
   for (auto count = from.number<std::uint32_t>(); count > 0; --count) {
-    Descriptor grid;
+    GridDescriptor grid;
     grid.name = from.text("a grid's name");
     grid.type = from.text("a grid's type");
     grid.instance = !from.text("a grid's parent").empty();
@@ -64,10 +64,10 @@ std::vector<Descriptor> read_descriptors(Cursor& from) {
 }
 
 // The one of floats; of several, the one called distance.
-Descriptor chosen(const FileView& file, const std::vector<Descriptor>& grids) {
-  std::vector<Descriptor> floats;
+GridDescriptor chosen(const FileView& file, const std::vector<GridDescriptor>& grids) {
+  std::vector<GridDescriptor> floats;
   std::string names;
-  for (const Descriptor& grid : grids) {
+  for (const GridDescriptor& grid : grids) {
     if (grid.is_float()) floats.push_back(grid);
     if (names.size() < 300) names += (names.empty() ? "" : ", ") + name_of(grid);
   }
@@ -75,7 +75,7 @@ Descriptor chosen(const FileView& file, const std::vector<Descriptor>& grids) {
     file.fail(grids.empty() ? "it holds no grid; save a level set"
                             : "it holds no grid of floats, but " + names + "; save a level set of floats");
   if (floats.size() > 1) {
-    std::erase_if(floats, [](const Descriptor& grid) { return grid.name != "distance"; });
+    std::erase_if(floats, [](const GridDescriptor& grid) { return grid.name != "distance"; });
     if (floats.size() != 1)
       file.fail("it holds several grids: " + names + "; save one, or call one of floats 'distance'");
   }
@@ -83,9 +83,9 @@ Descriptor chosen(const FileView& file, const std::vector<Descriptor>& grids) {
   return floats[0];
 }
 
-class Reader {
+class VdbReader {
  public:
-  Reader(const FileView& file, const FieldRequest& request)
+  VdbReader(const FileView& file, const FieldRequest& request)
       : file_(file), from_(file), grid_(chosen(file, read_descriptors(from_))), request_(request) {}
 
   DistanceField read() {
@@ -233,7 +233,7 @@ class Reader {
 
   const FileView& file_;
   Cursor from_;
-  Descriptor grid_;
+  GridDescriptor grid_;
   FieldRequest request_;
   std::uint32_t compression_ = 0;
   std::uint64_t topology_ = 0;
@@ -243,6 +243,6 @@ class Reader {
 
 }  // namespace
 
-FieldFile read_vdb(const FileView& file, const FieldRequest& request) { return {Reader(file, request).read(), {}}; }
+FieldFile read_vdb(const FileView& file, const FieldRequest& request) { return {VdbReader(file, request).read(), {}}; }
 
 }  // namespace standoff

@@ -19,9 +19,9 @@ namespace {
 
 using namespace vdb;
 
-class Writer {
+class VdbWriter {
  public:
-  Writer(AtomicFile& file, const DistanceField& field, int threads)
+  VdbWriter(AtomicFile& file, const DistanceField& field, int threads)
       : file_(file), field_(field), threads_(threads), tree_(tree_of(field, file)), far_(background_of(field)) {}
 
   void write() {
@@ -169,7 +169,7 @@ class Writer {
 
 void write_vdb(AtomicFile& file, const DistanceField& field, const FieldWriteOptions& options) {
   vdb::check_indices(field, "vdb");
-  Writer(file, field, options.threads).write();
+  VdbWriter(file, field, options.threads).write();
 }
 
 }  // namespace standoff

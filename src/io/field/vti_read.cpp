@@ -20,13 +20,13 @@
 namespace standoff {
 namespace {
 
-constexpr std::uint64_t kMaxHeader = std::uint64_t{1} << 20;  // far more than any header needs
+constexpr std::uint64_t kMostOfHeader = std::uint64_t{1} << 20;  // far more than any header needs
 constexpr std::string_view kAppended = "<AppendedData";
 
-class Reader {
+class VtiReader {
  public:
-  Reader(const FileView& file, bool sidecars)
-      : file_(file), sidecars_(sidecars), head_(file.text(0, kMaxHeader)), scan_(file, header()) {}
+  VtiReader(const FileView& file, bool sidecars)
+      : file_(file), sidecars_(sidecars), head_(file.text(0, kMostOfHeader)), scan_(file, header()) {}
 
   StoredField read() {
     std::string_view section;
@@ -270,7 +270,7 @@ class Reader {
 }  // namespace
 
 FieldFile read_vti(const FileView& file, const FieldRequest& request) {
-  const StoredField stored = Reader(file, request.sidecars).read();
+  const StoredField stored = VtiReader(file, request.sidecars).read();
   return load_field(file, stored, request);
 }
 

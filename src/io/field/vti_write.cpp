@@ -44,9 +44,9 @@ const char* name_of(NumberType type) {
   return type == NumberType::uint8 ? "UInt8" : type == NumberType::uint32 ? "UInt32" : "Float32";
 }
 
-class Writer {
+class VtiWriter {
  public:
-  Writer(AtomicFile& file, const FieldSource& field, const FieldWriteOptions& options)
+  VtiWriter(AtomicFile& file, const FieldSource& field, const FieldWriteOptions& options)
       : file_(file),
         field_(field),
         threads_(options.threads),
@@ -172,7 +172,7 @@ class Writer {
 }  // namespace
 
 void write_vti(AtomicFile& file, const FieldSource& field, const FieldWriteOptions& options) {
-  Writer(file, field, options).write();
+  VtiWriter(file, field, options).write();
 }
 
 }  // namespace standoff

@@ -12,7 +12,7 @@
 namespace standoff {
 namespace {
 
-std::mutex one_at_a_time;
+std::mutex one_reader_at_a_time;
 
 }  // namespace
 
@@ -24,7 +24,7 @@ struct AssimpLosses::Listener : Assimp::LogStream {
     if (message.find("Vertex index overflow") != message.npos) first = message;
   }
 
-  std::unique_lock<std::mutex> alone{one_at_a_time};
+  std::unique_lock<std::mutex> alone{one_reader_at_a_time};
   std::thread::id reader = std::this_thread::get_id();
   std::string first;
 };

@@ -17,7 +17,7 @@
 namespace standoff {
 namespace {
 
-constexpr int kDeepest = 500;  // elements; assimp calls itself for each
+constexpr int kDeepestElement = 500;  // elements; assimp calls itself for each
 constexpr std::uint64_t kMostNumber = (std::uint64_t{1} << 31) - 1;
 constexpr std::uint64_t kMostOffset = 255;  // inputs of a primitive; files have up to ten
 
@@ -29,10 +29,6 @@ std::optional<std::uint64_t> take_number(std::string_view& text) {
   if (error != std::errc{} || number > kMostNumber || (after != end && !is_space(*after))) return {};
   text.remove_prefix(static_cast<std::size_t>(after - text.data()));
   return number;
-}
-
-void skip_space(std::string_view& text) {
-  while (!text.empty() && is_space(text[0])) text.remove_prefix(1);
 }
 
 // Numbers as they stand in <p> and <vcount>.
@@ -72,8 +68,8 @@ class ColladaCheck {
   };
 
   void check_depth(const XmlTag& tag) {
-    if (tag.kind == XmlTag::Kind::open && ++depth_ > kDeepest)
-      scan_.fail("elements nested more than " + std::to_string(kDeepest) + " deep; flatten the scene");
+    if (tag.kind == XmlTag::Kind::open && ++depth_ > kDeepestElement)
+      scan_.fail("elements nested more than " + std::to_string(kDeepestElement) + " deep; flatten the scene");
     if (tag.kind == XmlTag::Kind::close) --depth_;
   }
 

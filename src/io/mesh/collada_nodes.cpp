@@ -10,8 +10,8 @@ namespace standoff {
 namespace {
 
 // Beyond any scene that was meant. Each level takes frames of assimp's stack, each node or mesh 1.5 kilobytes.
-constexpr int kDeepest = 1000;
-constexpr double kMost = 1e5;
+constexpr int kDeepestNode = 1000;
+constexpr double kMostNodes = 1e5;
 // A light's or camera's name is looked for among all nodes, which takes the time of as many nodes.
 constexpr double kWeightOfLight = 100;
 
@@ -71,7 +71,7 @@ void ColladaNodes::unfold(std::size_t index, int depth) {
   Node& node = nodes_[index];
   if (node.unfolded > 0) return;
   if (node.entered) scan_.fail("a node instances itself; repair the scene in the program that wrote it");
-  if (depth > kDeepest) scan_.fail("its nodes are nested too deep; flatten the scene in the program that wrote it");
+  if (depth > kDeepestNode) scan_.fail("its nodes are nested too deep; flatten the scene in the program that wrote it");
   node.entered = true;
   Node sum;
   sum.height = 1;
@@ -83,7 +83,7 @@ void ColladaNodes::unfold(std::size_t index, int depth) {
   }
   for (const std::size_t child : node.children) add(sum, child, depth);
   for (const std::string_view target : node.instances) add_instance(sum, target, depth);
-  if (sum.height > kDeepest)
+  if (sum.height > kDeepestNode)
     scan_.fail("its nodes are nested too deep; flatten the scene in the program that wrote it");
   check_number(sum.unfolded);
   node.unfolded = sum.unfolded;
@@ -92,7 +92,7 @@ void ColladaNodes::unfold(std::size_t index, int depth) {
 }
 
 void ColladaNodes::check_number(double unfolded) const {
-  if (unfolded > kMost)
+  if (unfolded > kMostNodes)
     scan_.fail(
         "its nodes and what they place unfold to more than 100000, a light or camera counted as 100; "
         "instance fewer");

@@ -25,9 +25,9 @@ std::string said(int error) {
 }
 
 // Goes down from the mesh's folder, one part of the path at a time.
-class Search {
+class CompanionSearch {
  public:
-  Search(const FileView& file, const std::string& where, const std::string& path)
+  CompanionSearch(const FileView& file, const std::string& where, const std::string& path)
       : file_(file), where_(where), path_(path) {}
 
   Descriptor open() {
@@ -102,7 +102,8 @@ std::string companion_path(const FileView& file, const std::string& where, const
 
 std::unique_ptr<FileView> open_companion(const FileView& file, const std::string& where, const std::string& path,
                                          std::uint64_t longest) {
-  return std::make_unique<FileView>(file.path().parent_path() / path, Search(file, where, path).open(), longest);
+  return std::make_unique<FileView>(file.path().parent_path() / path, CompanionSearch(file, where, path).open(),
+                                    longest);
 }
 
 }  // namespace standoff

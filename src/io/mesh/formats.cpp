@@ -58,7 +58,7 @@ Mesh in_metres(const FileView& file, MeshReadReport& report) {
   return read(file);
 }
 
-constexpr std::array<MeshFormat, 10> kFormats{{
+constexpr std::array<MeshFormat, 10> kMeshFormats{{
     {"stl", "STL", "STL, binary or ASCII; written as binary", is_stl, as_is<read_stl>, write_stl},
     {"ply", "PLY", "PLY, binary or ASCII; written as binary little endian", is_ply, as_is<read_ply>, write_ply},
     {"obj", "OBJ", "Wavefront OBJ", is_obj, as_is<read_obj>, write_obj},
@@ -79,21 +79,21 @@ bool is_called_gz(const std::filesystem::path& path) {
 // Of x.obj.gz it is OBJ.
 const MeshFormat* format_by_extension(const std::filesystem::path& path) {
   const std::string extension = (is_called_gz(path) ? path.stem() : path).extension().string();
-  for (const MeshFormat& format : kFormats)
+  for (const MeshFormat& format : kMeshFormats)
     if (!extension.empty() && equals_ignoring_case(extension.substr(1), format.extension)) return &format;
   return nullptr;
 }
 
 const MeshFormat* format_by_content(std::string_view content) {
-  const auto found =
-      std::find_if(kFormats.begin(), kFormats.end(), [&](const MeshFormat& f) { return f.recognises(content); });
-  return found == kFormats.end() ? nullptr : &*found;
+  const auto found = std::find_if(kMeshFormats.begin(), kMeshFormats.end(),
+                                  [&](const MeshFormat& f) { return f.recognises(content); });
+  return found == kMeshFormats.end() ? nullptr : &*found;
 }
 
 template <class Wanted>
 std::string extensions(const Wanted& wanted) {
   std::string list;
-  for (const MeshFormat& format : kFormats)
+  for (const MeshFormat& format : kMeshFormats)
     if (wanted(format)) list += (list.empty() ? "." : ", .") + std::string(format.extension);
   return list;
 }
@@ -165,7 +165,7 @@ void scale_vertices(const FileView& file, Mesh& mesh, double scale) {
 
 std::vector<FileFormat> mesh_formats() try {
   std::vector<FileFormat> formats;
-  for (const MeshFormat& f : kFormats)
+  for (const MeshFormat& f : kMeshFormats)
     formats.push_back({f.extension, f.description, f.read != nullptr, f.write != nullptr});
   return formats;
 } catch (...) {

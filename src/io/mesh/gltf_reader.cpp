@@ -22,7 +22,7 @@ namespace standoff {
 namespace {
 
 // Ten times what scenes need; each level takes a frame of the reader's stack.
-constexpr int kDeepest = 200;
+constexpr int kDeepestScene = 200;
 
 void check_version(const FileView& file, const JsonView& root) {
   const auto asset = root.find("asset"), version = asset ? asset->find("version") : std::nullopt,
@@ -52,7 +52,7 @@ void check_extensions(const FileView& file, const JsonView& root) {
 }
 
 Mesh read_scene(const FileView& file, std::string_view json, std::optional<std::string_view> binary) {
-  const JsonView root = JsonView::read(file, json, kDeepest);
+  const JsonView root = JsonView::read(file, json, kDeepestScene);
   check_version(file, root);
   check_extensions(file, root);
   GltfBuffers buffers(file, root.find("buffers"), root.find("bufferViews"), binary);

@@ -12,9 +12,8 @@ namespace {
 constexpr const char* kAgain = "; write the file again in the program that made it";
 
 constexpr bool is_json_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
-constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-std::size_t skip_space(std::string_view text, std::size_t at) {
+std::size_t past_space(std::string_view text, std::size_t at) {
   while (at < text.size() && is_json_space(text[at])) ++at;
   return at;
 }
@@ -106,7 +105,7 @@ class JsonView::Checker {
   Checker(const FileView& file, std::string_view text, int deepest) : file_(file), text_(text), deepest_(deepest) {}
 
   JsonView all() {
-    const std::size_t begin = skip_space(text_, at_);
+    const std::size_t begin = past_space(text_, at_);
     value();
     const std::size_t end = at_;
     if (next() != '\0') fail("text after its end");
@@ -119,7 +118,7 @@ class JsonView::Checker {
   }
   // The next character that is no space; zero at the end.
   char next() {
-    at_ = skip_space(text_, at_);
+    at_ = past_space(text_, at_);
     return at_ < text_.size() ? text_[at_] : '\0';
   }
   bool take(char c) {
@@ -189,8 +188,8 @@ JsonView JsonView::read(const FileView& file, std::string_view text, int deepest
 }
 
 bool JsonView::Walk::next() {
-  std::size_t at = skip_space(rest_, 0);
-  if (rest_[at] == ',' || rest_[at] == ':') at = skip_space(rest_, at + 1);
+  std::size_t at = past_space(rest_, 0);
+  if (rest_[at] == ',' || rest_[at] == ':') at = past_space(rest_, at + 1);
   if (rest_[at] == ']' || rest_[at] == '}') return false;
   const std::size_t end = value_end(rest_, at);
   value_ = rest_.substr(at, end - at);

@@ -28,11 +28,11 @@ constexpr std::array<std::pair<const char*, PlyType>, 16> kTypes{{{"char", PlyTy
                                                                   {"double", PlyType::float64},
                                                                   {"float64", PlyType::float64}}};
 
-constexpr std::size_t kMost = 1000;  // elements; files have up to ten
+constexpr std::size_t kMostElements = 1000;  // elements; files have up to ten
 
-class Header {
+class HeaderReader {
  public:
-  explicit Header(const FileView& file) : text_(file) {}
+  explicit HeaderReader(const FileView& file) : text_(file) {}
 
   PlyHeader read() {
     if (word() != "ply") text_.fail("a PLY file starts with a line that says ply; check that it is one");
@@ -106,7 +106,7 @@ class Header {
       text_.fail("an element needs a name and a count; the header is damaged, write the file again");
     element.count = static_cast<std::uint64_t>(count);
     // Every element is compared with those before it, and every property walked for every row.
-    if (header_.elements.size() == kMost)
+    if (header_.elements.size() == kMostElements)
       text_.fail("more than 1000 elements in the header; it is damaged, write the file again");
     for (const PlyElement& other : header_.elements)
       if (other.name == element.name) text_.fail("two elements called " + in_quotes(element.name) + "; remove one");
@@ -175,6 +175,6 @@ bool is_ply(std::string_view content) {
   return content.starts_with("ply") && content.size() > 3 && is_space(content[3]);
 }
 
-PlyHeader read_ply_header(const FileView& file) { return Header(file).read(); }
+PlyHeader read_ply_header(const FileView& file) { return HeaderReader(file).read(); }
 
 }  // namespace standoff

@@ -14,11 +14,8 @@
 namespace standoff {
 namespace {
 
-constexpr int kDeepest = 100;  // elements; the specification needs seven, and each takes a frame of the reader's stack
-
-void skip_space(std::string_view& text) {
-  while (!text.empty() && is_space(text[0])) text.remove_prefix(1);
-}
+constexpr int kDeepestModel =
+    100;  // elements; the specification needs seven, and each takes a frame of the reader's stack
 
 // Takes a number that a space or the end follows off the front. False where there is none.
 template <class Number>
@@ -75,8 +72,8 @@ ThreemfModel::ThreemfModel(const FileView& part) : scan_(part) {
 template <class Visit>
 void ThreemfModel::each_child(const XmlTag& parent, const Visit& visit) {
   if (parent.kind == XmlTag::Kind::whole) return;
-  if (++depth_ > kDeepest)
-    scan_.fail("elements nested more than " + std::to_string(kDeepest) + " deep; write the file again");
+  if (++depth_ > kDeepestModel)
+    scan_.fail("elements nested more than " + std::to_string(kDeepestModel) + " deep; write the file again");
   XmlTag tag{};
   for (;;) {
     if (!scan_.next(tag))

@@ -18,7 +18,7 @@ namespace {
 
 // Beyond any build that was meant. Each level takes a frame of the reader's stack; each placed object half a
 // microsecond, also where it holds no triangle.
-constexpr int kDeepest = 200;
+constexpr int kDeepestComponent = 200;
 constexpr double kMostPlaced = 1e6;
 
 class Build {
@@ -68,7 +68,7 @@ class Build {
     Size& size = sizes_[&object];
     if (!size.known) {
       if (size.entered) from.fail_at(reference, "an object is a component of itself; repair the file");
-      if (depth > kDeepest) fail_for_depth(from, reference);
+      if (depth > kDeepestComponent) fail_for_depth(from, reference);
       size.entered = true;
       Size inner{double(object.vertices.size()), double(object.triangles.size()), 1};
       for (std::size_t c = object.components.first; c < object.components.end; ++c)
@@ -76,7 +76,7 @@ class Build {
       size = inner;
       size.known = true;
     }
-    if (size.height + depth > kDeepest) fail_for_depth(from, reference);
+    if (size.height + depth > kDeepestComponent) fail_for_depth(from, reference);
     sum.height = std::max(sum.height, size.height + 1);
     sum.vertices += size.vertices;
     sum.triangles += size.triangles;
@@ -86,7 +86,8 @@ class Build {
   }
 
   [[noreturn]] static void fail_for_depth(const ThreemfModel& from, const ThreemfReference& reference) {
-    from.fail_at(reference, "components are nested more than " + std::to_string(kDeepest) + " deep; flatten them");
+    from.fail_at(reference,
+                 "components are nested more than " + std::to_string(kDeepestComponent) + " deep; flatten them");
   }
 
   void place(const ThreemfModel& from, const ThreemfReference& reference, const Placement& outer) {

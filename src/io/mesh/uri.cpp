@@ -13,7 +13,6 @@ namespace {
 constexpr std::string_view kData = "data:";
 
 constexpr bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
-constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 // The value of a hexadecimal digit, or -1.
 constexpr int hexadecimal(char c) {

@@ -21,7 +21,7 @@ struct BinaryFormat {
   Open open;
 };
 
-constexpr std::array<BinaryFormat, 3> kFormats{
+constexpr std::array<BinaryFormat, 3> kPointFormats{
     {{".npy", "\x93NUMPY", npy_points}, {".npz", "PK\x03\x04", npz_points}, {".ply", "ply", ply_points}}};
 // Meshes, fields and other files that would be read as tables of nonsense.
 constexpr std::array<std::string_view, 16> kOthers{".stl", ".obj", ".off", ".mesh", ".gltf",  ".glb",  ".3mf", ".3ds",
@@ -77,7 +77,7 @@ std::unique_ptr<PointReader> open_points(const std::string& name, InvalidPoints 
       got += more;
     }
   }
-  for (const BinaryFormat& format : kFormats) {
+  for (const BinaryFormat& format : kPointFormats) {
     const bool named = extension == format.extension;
     const bool is = file ? begins({start, got}, format) : named;
     if (file && named && !is)

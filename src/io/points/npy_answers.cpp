@@ -10,7 +10,7 @@
 namespace standoff {
 namespace {
 
-const char* type_name(CellType type) {
+const char* npy_type(CellType type) {
   return type == CellType::number ? "<f8" : type == CellType::triangle ? "<u4" : "|u1";
 }
 
@@ -26,7 +26,7 @@ class NpyFile : public CountedRows {
       header.type.clear();
       header.type += '[';
       for (const AnswerColumn& column : columns) {
-        header.type.append("('").append(column.array).append("', '").append(type_name(column.type));
+        header.type.append("('").append(column.array).append("', '").append(npy_type(column.type));
         header.type += column.parts.size() == 1 ? "'), " : "', (3,)), ";
       }
       header.type += ']';
@@ -62,7 +62,7 @@ class NpzFile : public AnswerWriter {
     ZipWriter zip(file_);
     for (std::size_t c = 0; c < columns_.size(); ++c) {
       const AnswerColumn& column = columns_[c];
-      NpyHeader header{type_name(column.type), {rows_}, false};
+      NpyHeader header{npy_type(column.type), {rows_}, false};
       if (column.parts.size() > 1) header.shape.push_back(static_cast<std::int64_t>(column.parts.size()));
       const std::string text = npy_header(header);
       zip.begin(std::string(column.array) + ".npy", text.size() + arrays_[c].size());

@@ -24,7 +24,7 @@ double value_at(const char* place, bool swapped) {
   return static_cast<double>(std::bit_cast<Stored>(bytes));
 }
 
-constexpr std::uint64_t kPart = std::uint64_t{1} << 20;  // bytes that are passed over at once
+constexpr std::uint64_t kPointsPart = std::uint64_t{1} << 20;  // bytes that are passed over at once
 
 class ArrayPoints : public PointReader {
  public:
@@ -48,7 +48,7 @@ class ArrayPoints : public PointReader {
   std::size_t read(std::span<Vec3> points) override {
     const std::uint64_t todo = std::min<std::uint64_t>(points.size(), count_ - done_);
     for (std::uint64_t n = 0; n < todo;) {
-      const std::uint64_t part = std::min(todo - n, kPart / (3 * width_));
+      const std::uint64_t part = std::min(todo - n, kPointsPart / (3 * width_));
       take(points.subspan(n, part));
       n += part;
     }
@@ -92,7 +92,7 @@ class ArrayPoints : public PointReader {
     for (std::size_t axis = 0; axis < (fortran_ ? 3u : 1u); ++axis) {
       streams_[axis] = open();
       std::uint64_t before = array.offset + axis * count_ * width_;
-      for (std::uint64_t part; before > 0; before -= part) streams_[axis]->next(part = std::min(before, kPart));
+      for (std::uint64_t part; before > 0; before -= part) streams_[axis]->next(part = std::min(before, kPointsPart));
     }
   }
 

@@ -7,7 +7,7 @@
 namespace standoff {
 namespace {
 
-const char* type_name(CellType type) {
+const char* ply_type(CellType type) {
   return type == CellType::number ? "double" : type == CellType::triangle ? "uint" : "uchar";
 }
 
@@ -26,7 +26,7 @@ class PlyFile : public CountedRows {
     for (const char* axis : {"x", "y", "z"}) text += std::string("property double ") + axis + "\n";
     for (const AnswerColumn& column : columns_of(asked()))
       for (const char* part : column.parts)
-        text.append("property ").append(type_name(column.type)).append(" ").append(part) += '\n';
+        text.append("property ").append(ply_type(column.type)).append(" ").append(part) += '\n';
     return text + "end_header\n";
   }
 };

@@ -23,8 +23,8 @@
 namespace standoff {
 namespace {
 
-using Range = tbb::blocked_range<std::size_t>;
-constexpr std::size_t kGrain = 8192;
+using TriangleRange = tbb::blocked_range<std::size_t>;
+constexpr std::size_t kClosedGrain = 8192;
 
 struct Place {
   std::uint64_t x, y;
@@ -39,8 +39,8 @@ Place place_of(const Vec3& v) {
 template <class Sum, class Plus, class Places, class Use>
 Sum sum_over(MeshView mesh, const Plus& plus, const Places& places, const Use& use) {
   return tbb::parallel_reduce(
-      Range(0, mesh.triangles.size(), kGrain), Sum(),
-      [&](const Range& range, Sum sum) {
+      TriangleRange(0, mesh.triangles.size(), kClosedGrain), Sum(),
+      [&](const TriangleRange& range, Sum sum) {
         for (std::size_t t = range.begin(); t != range.end(); ++t) {
           const auto [a, b, c] = mesh.triangles[t];
           sum = plus(sum, use(places(a), places(b), places(c)));
@@ -85,7 +85,7 @@ Closed is_closed(MeshView mesh) {
   if (vertices > mesh.triangles.size())
     return is_closed(mesh, [&](std::uint32_t vertex) { return place_of(mesh.vertices[vertex]); });
   const auto places = std::make_unique_for_overwrite<Place[]>(vertices);
-  tbb::parallel_for(Range(0, vertices, kGrain), [&](const Range& range) {
+  tbb::parallel_for(TriangleRange(0, vertices, kClosedGrain), [&](const TriangleRange& range) {
     for (std::size_t v = range.begin(); v != range.end(); ++v) places[v] = place_of(mesh.vertices[v]);
   });
   return is_closed(mesh, [&](std::uint32_t vertex) { return places[vertex]; });

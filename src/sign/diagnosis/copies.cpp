@@ -12,8 +12,6 @@
 namespace standoff {
 namespace {
 
-constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-
 // One triangle of a face with copies.
 struct Copy {
   std::uint32_t third;  // the highest of the face's positions
@@ -58,7 +56,7 @@ Faces faces_with_copies(const MeshEdges& edges) {
 
 // For each face with copies, how many more edges of its group speak for one copy than against it.
 std::vector<std::int64_t> votes_for_one(const MeshEdges& edges, const Faces& faces, std::size_t triangles) {
-  std::vector<std::uint32_t> face_of(triangles, kNone);
+  std::vector<std::uint32_t> face_of(triangles, kNoTriangle);
   for (std::size_t face = 0; face < faces.size(); ++face)
     for (const Copy& copy : faces.of(face)) face_of[copy.triangle] = static_cast<std::uint32_t>(face);
   DisjointSets groups(faces.size());
@@ -67,7 +65,7 @@ std::vector<std::int64_t> votes_for_one(const MeshEdges& edges, const Faces& fac
   for_each_edge(edges, {}, [&](std::span<const EdgeUse> sides) {
     here.clear();
     for (const EdgeUse& side : sides) here.push_back(face_of[side.triangle]);
-    const auto single = std::ranges::count(here, kNone);
+    const auto single = std::ranges::count(here, kNoTriangle);
     if (single == std::ranges::ssize(here)) return;
     std::ranges::sort(here);
     here.erase(std::unique(here.begin(), here.end()), here.end());
@@ -113,7 +111,7 @@ Copies find_copies(const MeshEdges& edges, std::size_t triangles) {
     // Of the more frequent orientation; of the first triangle's if there are as many of both.
     const bool kept_forward = excess == 0 ? copies.front().forward : forward > backward;
     std::int64_t left = keep;
-    std::uint32_t kept = kNone, opposite = kNone;
+    std::uint32_t kept = kNoTriangle, opposite = kNoTriangle;
     for (const Copy& copy : copies) {
       if (copy.forward == kept_forward && left > 0) {
         --left;
@@ -125,7 +123,7 @@ Copies find_copies(const MeshEdges& edges, std::size_t triangles) {
       if (copy.forward != kept_forward) opposite = copy.triangle;
     }
     found.same_winding = found.same_winding && keep == excess;
-    if (keep == 1 && opposite != kNone) found.either.emplace_back(kept, opposite);
+    if (keep == 1 && opposite != kNoTriangle) found.either.emplace_back(kept, opposite);
   }
   if (found.left_out == 0) found.use.clear();
   return found;

@@ -19,7 +19,7 @@ std::uint32_t front_of(std::uint32_t patch) { return 2 * patch; }
 std::uint32_t back_of(std::uint32_t patch) { return 2 * patch + 1; }
 
 // A face at an edge.
-struct Face {
+struct HullFace {
   Vec3 third;  // its corner that is not on the edge
   std::uint32_t triangle;
   // The sides of its patch: with the thumb from the edge's low end to the high one, where the fingers of the right hand
@@ -29,16 +29,16 @@ struct Face {
 };
 
 // Sorts faces by their angle around an edge, from that of the first one on.
-class Around {
+class AroundEdge {
  public:
-  Around(const Vec3& low, const Vec3& high) : low_(low), high_(high) {}
+  AroundEdge(const Vec3& low, const Vec3& high) : low_(low), high_(high) {}
 
-  void sort(std::vector<Face>& faces) const {
-    std::erase_if(faces, [&](const Face& face) { return !has_area(face.third); });
+  void sort(std::vector<HullFace>& faces) const {
+    std::erase_if(faces, [&](const HullFace& face) { return !has_area(face.third); });
     if (faces.empty()) return;
     const Vec3 first = faces.front().third;
-    for (Face& face : faces) face.quarter = quarter(first, face.third);
-    std::ranges::sort(faces, [&](const Face& a, const Face& b) {
+    for (HullFace& face : faces) face.quarter = quarter(first, face.third);
+    std::ranges::sort(faces, [&](const HullFace& a, const HullFace& b) {
       if (a.quarter != b.quarter) return a.quarter < b.quarter;
       const int turn = a.quarter % 2 == 0 ? 0 : orient3d(low_, high_, a.third, b.third);
       return turn != 0 ? turn > 0 : a.triangle < b.triangle;
@@ -67,7 +67,7 @@ class Around {
 
 DisjointSets find_cells(MeshView mesh, const MeshEdges& edges, const Patches& patches) {
   DisjointSets cells(2 * patches.size());
-  std::vector<Face> faces;
+  std::vector<HullFace> faces;
   for_each_edge(edges, patches.turn, [&](std::span<const EdgeUse> sides) {
     if (sides.size() < 3) return;
     Vec3 low, high;
@@ -82,7 +82,7 @@ DisjointSets find_cells(MeshView mesh, const MeshEdges& edges, const Patches& pa
       faces.push_back({corner(2), side.triangle, forward ? front_of(patch) : back_of(patch),
                        forward ? back_of(patch) : front_of(patch)});
     }
-    Around(low, high).sort(faces);
+    AroundEdge(low, high).sort(faces);
     for (std::size_t n = 0; n < faces.size(); ++n) cells.join(faces[n].ahead, faces[(n + 1) % faces.size()].behind);
   });
   return cells;
@@ -110,15 +110,15 @@ std::vector<PartSums> sums_of(MeshView mesh, const Patches& patches, std::span<c
 }
 
 // What a side of a patch of a piece adds to its cell.
-struct Share {
+struct HullShare {
   std::uint32_t piece, cell, side;
   PartSums sums;
 };
 
 // For each side of a patch whether its cell is outside.
-std::vector<std::uint8_t> find_outside(std::vector<Share> shares, std::size_t patches) {
+std::vector<std::uint8_t> find_outside(std::vector<HullShare> shares, std::size_t patches) {
   std::vector<std::uint8_t> outside(2 * patches);
-  std::ranges::sort(shares, {}, [](const Share& s) { return std::tuple(s.piece, s.cell, s.side); });
+  std::ranges::sort(shares, {}, [](const HullShare& s) { return std::tuple(s.piece, s.cell, s.side); });
   for (auto next = shares.begin(); next != shares.end();) {
     const auto first = next;
     PartSums cell;
@@ -138,7 +138,7 @@ std::vector<std::int8_t> outer_hulls(MeshView mesh, const MeshEdges& edges, cons
   if (std::ranges::count(wanted, 0) == std::ssize(wanted)) return hull;
   DisjointSets cells = find_cells(mesh, edges, patches);
   const std::vector<PartSums> sums = sums_of(mesh, patches, piece_of, wanted);
-  std::vector<Share> shares;
+  std::vector<HullShare> shares;
   for (std::uint32_t p = 0; p < patches.size(); ++p)
     for (const std::uint32_t side : {front_of(p), back_of(p)}) {
       if (wanted[piece_of[p]] == 0) continue;

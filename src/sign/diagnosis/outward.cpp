@@ -50,12 +50,12 @@ class VertexSets {
   std::vector<std::uint32_t> link_;
 };
 
-struct Sums {
+struct ChunkSums {
   double volume = 0, volume_magnitude = 0;
   Vec3 normal;  // as long as the area
   double normal_magnitude = 0;
 
-  void add(const Sums& other) {
+  void add(const ChunkSums& other) {
     volume += other.volume;
     volume_magnitude += other.volume_magnitude;
     normal = normal + other.normal;
@@ -69,11 +69,11 @@ struct Sums {
   bool has_area() const { return normal_magnitude > 0; }
 };
 
-struct Part {
+struct OutwardPart {
   std::uint32_t set;
-  Sums sums;
+  ChunkSums sums;
 };
-constexpr std::size_t kChunk = 1024, kChunks = 64;
+constexpr std::size_t kOutwardChunk = 1024, kOutwardChunks = 64;
 
 }  // namespace
 
@@ -94,13 +94,13 @@ bool faces_outwards(MeshView mesh) {
 
   // Chunks add up by themselves, some at a time, and then in their order: the sums have the same bits on any number of
   // threads. Within a chunk most neighbours belong to one set.
-  std::vector<Sums> of_set(count);
-  std::array<std::vector<Part>, kChunks> parts;
-  for (std::size_t first = 0; first < triangles; first += kChunks * kChunk) {
-    tbb::parallel_for(std::size_t{0}, kChunks, [&](std::size_t chunk) {
-      std::vector<Part>& mine = parts[chunk];
+  std::vector<ChunkSums> of_set(count);
+  std::array<std::vector<OutwardPart>, kOutwardChunks> parts;
+  for (std::size_t first = 0; first < triangles; first += kOutwardChunks * kOutwardChunk) {
+    tbb::parallel_for(std::size_t{0}, kOutwardChunks, [&](std::size_t chunk) {
+      std::vector<OutwardPart>& mine = parts[chunk];
       mine.clear();
-      const std::size_t begin = first + chunk * kChunk, end = std::min(triangles, begin + kChunk);
+      const std::size_t begin = first + chunk * kOutwardChunk, end = std::min(triangles, begin + kOutwardChunk);
       for (std::size_t t = begin; t < end; ++t) {
         const std::uint32_t set = sets.find(mesh.triangles[t][0]);
         if (mine.empty() || mine.back().set != set) mine.push_back({set, {}});
@@ -112,16 +112,16 @@ bool faces_outwards(MeshView mesh) {
       }
     });
     for (const auto& chunk : parts)
-      for (const Part& part : chunk) of_set[number[part.set]].add(part.sums);
+      for (const OutwardPart& part : chunk) of_set[number[part.set]].add(part.sums);
   }
-  return std::ranges::any_of(of_set, &Sums::has_area) && std::ranges::all_of(of_set, &Sums::faces_outwards);
+  return std::ranges::any_of(of_set, &ChunkSums::has_area) && std::ranges::all_of(of_set, &ChunkSums::faces_outwards);
 }
 
 std::int64_t outward_bytes(std::int64_t triangles) {
-  constexpr std::int64_t kMostParts = kChunks * kChunk;
+  constexpr std::int64_t kMostParts = kOutwardChunks * kOutwardChunk;
   // Two numbers for each vertex, the sums of each set, and parts in vectors that double.
-  return triangles * static_cast<std::int64_t>(3 * 8 + sizeof(Sums)) +
-         2 * std::min(triangles, kMostParts) * static_cast<std::int64_t>(sizeof(Part));
+  return triangles * static_cast<std::int64_t>(3 * 8 + sizeof(ChunkSums)) +
+         2 * std::min(triangles, kMostParts) * static_cast<std::int64_t>(sizeof(OutwardPart));
 }
 
 }  // namespace standoff

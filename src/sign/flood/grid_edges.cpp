@@ -7,20 +7,21 @@
 #include <atomic>
 
 #include "core/per_thread.h"
+#include "core/tile_count.h"
 #include "sign/flood/lattice_crossings.h"
 
 namespace standoff {
 namespace {
 
-constexpr std::int64_t kSide = DistanceField::kTileSide;
-
 // An edge: its tile above 11 bits for axis and sample.
-using Key = std::uint64_t;
+using GridEdgeKey = std::uint64_t;
 
-Key key_of(const TileLattice& lattice, std::size_t axis, const std::array<std::int64_t, 3>& sample) {
+GridEdgeKey key_of(const TileLattice& lattice, std::size_t axis, const std::array<std::int64_t, 3>& sample) {
   const auto [x, y, z] = sample;
-  const auto within = static_cast<Key>(x % kSide + kSide * (y % kSide) + kSide * kSide * (z % kSide));
-  return Key{lattice.index(x / kSide, y / kSide, z / kSide)} << 11 | Key{axis} << 9 | within;
+  const auto within =
+      static_cast<GridEdgeKey>(x % kTileSide + kTileSide * (y % kTileSide) + kTileSide * kTileSide * (z % kTileSide));
+  return GridEdgeKey{lattice.index(x / kTileSide, y / kTileSide, z / kTileSide)} << 11 | GridEdgeKey{axis} << 9 |
+         within;
 }
 
 }  // namespace
@@ -28,10 +29,10 @@ Key key_of(const TileLattice& lattice, std::size_t axis, const std::array<std::i
 GridEdges::GridEdges(MeshView mesh, const TileLattice& lattice, ProgressMeter& progress)
     : tiles_(lattice.tile_count()) {
   constexpr std::size_t kGrain = 4096;
-  PerThread<std::vector<Key>> found;
+  PerThread<std::vector<GridEdgeKey>> found;
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.triangles.size(), kGrain), [&](const auto& range) {
     progress.check();
-    std::vector<Key>& mine = found.local();
+    std::vector<GridEdgeKey>& mine = found.local();
     for (std::size_t t = range.begin(); t != range.end(); ++t)
       for_each_crossed_edge(mesh.corners(t), lattice.axes, [&](std::size_t axis, const auto& sample) {
         mine.push_back(key_of(lattice, axis, sample));
@@ -39,16 +40,16 @@ GridEdges::GridEdges(MeshView mesh, const TileLattice& lattice, ProgressMeter& p
   });
 
   const auto for_each_key = [&](const auto& use) {
-    found.for_each([&](const std::vector<Key>& part) {
+    found.for_each([&](const std::vector<GridEdgeKey>& part) {
       tbb::parallel_for(tbb::blocked_range<std::size_t>(0, part.size(), 4 * kGrain), [&](const auto& range) {
         for (std::size_t n = range.begin(); n != range.end(); ++n) use(part[n]);
       });
     });
   };
-  for_each_key([&](Key key) { tiles_.add(key >> 11); });
+  for_each_key([&](GridEdgeKey key) { tiles_.add(key >> 11); });
   tiles_.number_them();
   edges_.resize(tiles_.count());
-  for_each_key([&](Key key) {
+  for_each_key([&](GridEdgeKey key) {
     TileEdges& edges = edges_[tiles_.number(key >> 11)];
     std::uint64_t& word = edges.crossed[key >> 9 & 3][key >> 6 & 7];
     std::atomic_ref(word).fetch_or(std::uint64_t{1} << (key & 63), std::memory_order_relaxed);

@@ -9,46 +9,44 @@
 namespace standoff {
 namespace {
 
-constexpr std::int64_t kSide = DistanceField::kTileSide;
-
 // What is known of one axis before it is made.
-struct Span {
+struct TileSpan {
   double origin, spacing;
   std::int64_t tiles;  // of the grid
   double low, high;    // of the box
 
-  LatticeAxis axis(const LatticeAxis::Margin& margin) const { return {origin, spacing, kSide * tiles, margin}; }
+  LatticeAxis axis(const LatticeAxis::Margin& margin) const { return {origin, spacing, kTileSide * tiles, margin}; }
 };
 
 // Tiles along the axis that evenly spaced samples need, about: as a double, because they may be too many to count.
-double tiles_needed(const Span& span) {
+double tiles_needed(const TileSpan& span) {
   const double first = std::max(0.0, (span.origin - span.low) / span.spacing),
-               past = std::max(static_cast<double>(kSide * span.tiles), (span.high - span.origin) / span.spacing);
-  return (first + past) / kSide + 2;
+               past = std::max(static_cast<double>(kTileSide * span.tiles), (span.high - span.origin) / span.spacing);
+  return (first + past) / kTileSide + 2;
 }
 
 // Whole tiles that certainly do not reach beyond the box, so that the last ones are added one by one.
-LatticeAxis::Margin most_of(const Span& span) {
+LatticeAxis::Margin most_of(const TileSpan& span) {
   const auto whole = [](double samples) {
-    return kSide * std::max<std::int64_t>(0, static_cast<std::int64_t>(samples / kSide) - 1);
+    return kTileSide * std::max<std::int64_t>(0, static_cast<std::int64_t>(samples / kTileSide) - 1);
   };
   return {whole((span.origin - span.low) / span.spacing),
-          whole((span.high - span.origin) / span.spacing - static_cast<double>(kSide * span.tiles)), false};
+          whole((span.high - span.origin) / span.spacing - static_cast<double>(kTileSide * span.tiles)), false};
 }
 
 // Adds up to so many tiles on each side, until the outermost samples are outside the box. Returns whether they are.
-bool reach_beyond(const Span& span, std::int64_t most, LatticeAxis::Margin& margin) {
+bool reach_beyond(const TileSpan& span, std::int64_t most, LatticeAxis::Margin& margin) {
   const auto before = [&] { return span.axis(margin).at(0) < span.low; };
   const auto after = [&] {
     const LatticeAxis axis = span.axis(margin);
     return axis.at(axis.size() - 1) > span.high;
   };
-  for (std::int64_t n = 0; n < most && !before(); ++n) margin.before += kSide;
-  for (std::int64_t n = 0; n < most && !after(); ++n) margin.after += kSide;
+  for (std::int64_t n = 0; n < most && !before(); ++n) margin.before += kTileSide;
+  for (std::int64_t n = 0; n < most && !after(); ++n) margin.after += kTileSide;
   return before() && after();
 }
 
-LatticeAxis::Margin margin_around(const Span& span, bool even) {
+LatticeAxis::Margin margin_around(const TileSpan& span, bool even) {
   // Even spacings get nowhere where they are lost in the rounding of coordinates.
   constexpr std::int64_t kMostEven = 4, kMostDoubling = 300;
   if (even)
@@ -58,20 +56,20 @@ LatticeAxis::Margin margin_around(const Span& span, bool even) {
   return margin;
 }
 
-TileLattice made_of(const std::array<Span, 3>& spans, const std::array<LatticeAxis::Margin, 3>& margins) {
+TileLattice made_of(const std::array<TileSpan, 3>& spans, const std::array<LatticeAxis::Margin, 3>& margins) {
   const auto axis = [&](std::size_t n) { return spans[n].axis(margins[n]); };
   TileLattice lattice{{axis(0), axis(1), axis(2)}, {}, {}};
-  const auto tiles = [&](std::size_t n) { return lattice.axes[n].size() / kSide; };
+  const auto tiles = [&](std::size_t n) { return lattice.axes[n].size() / kTileSide; };
   lattice.tiles = {tiles(0), tiles(1), tiles(2)};
-  lattice.origin = {margins[0].before / kSide, margins[1].before / kSide, margins[2].before / kSide};
+  lattice.origin = {margins[0].before / kTileSide, margins[1].before / kTileSide, margins[2].before / kTileSide};
   return lattice;
 }
 
-std::array<Span, 3> spans_of(const Grid& grid, const Box& box) {
+std::array<TileSpan, 3> spans_of(const Grid& grid, const Box& box) {
   const Vec3 &o = grid.origin, &h = grid.spacing;
-  return {Span{o.x, h.x, tiles_along(grid.size.x), box.min.x, box.max.x},
-          Span{o.y, h.y, tiles_along(grid.size.y), box.min.y, box.max.y},
-          Span{o.z, h.z, tiles_along(grid.size.z), box.min.z, box.max.z}};
+  return {TileSpan{o.x, h.x, tiles_along(grid.size.x), box.min.x, box.max.x},
+          TileSpan{o.y, h.y, tiles_along(grid.size.y), box.min.y, box.max.y},
+          TileSpan{o.z, h.z, tiles_along(grid.size.z), box.min.z, box.max.z}};
 }
 
 }  // namespace
@@ -91,9 +89,9 @@ TileLattice TileLattice::of(const Grid& grid) { return made_of(spans_of(grid, {}
 
 TileLattice TileLattice::around(const Grid& grid, const Box& box) {
   constexpr double kMostTimes = 8, kMostTiles = 0x1p18;
-  const std::array<Span, 3> spans = spans_of(grid, box);
+  const std::array<TileSpan, 3> spans = spans_of(grid, box);
   double needed = 1;
-  for (const Span& span : spans) needed *= tiles_needed(span);
+  for (const TileSpan& span : spans) needed *= tiles_needed(span);
   const bool even = needed <= std::max(kMostTimes * static_cast<double>(standoff::tile_count(grid.size)), kMostTiles);
   std::array<LatticeAxis::Margin, 3> margins;
   for (std::size_t n = 0; n < 3; ++n) margins[n] = margin_around(spans[n], even);

@@ -42,16 +42,16 @@ void check(const EdgeCrossingOptions& options) {
                 "another sign method, or none");
 }
 
-void check_coordinates(const Box& box) {
+void check_crossing_coordinates(const Box& box) {
   if (!(std::max(max_norm(box.min), max_norm(box.max)) <= kMostExact))
     throw Error(ErrorCode::limit,
                 "crossings: mesh or grid reach beyond " + number_text(kMostExact) + "; scale them down");
 }
 
 // The crossings that a thread has found.
-class Found {
+class FoundCrossings {
  public:
-  Found(MemoryBudget& budget, ProgressMeter& progress) : budget_(&budget), progress_(&progress) {}
+  FoundCrossings(MemoryBudget& budget, ProgressMeter& progress) : budget_(&budget), progress_(&progress) {}
 
   void add(const EdgeCrossing& crossing) {
     if (all_.size() == all_.capacity()) grow();
@@ -93,7 +93,7 @@ class Scan {
               LatticeAxis(grid.origin.y, grid.spacing.y, grid.size.y, {}),
               LatticeAxis(grid.origin.z, grid.spacing.z, grid.size.z, {})} {}
 
-  void add_crossings_of(std::size_t triangle, Found& found) const {
+  void add_crossings_of(std::size_t triangle, FoundCrossings& found) const {
     if (mesh_.use_of(triangle) == 0) return;
     std::array<Vec3, 3> t = mesh_.corners(triangle);
     if (invert_) std::swap(t[1], t[2]);
@@ -145,8 +145,8 @@ std::vector<EdgeCrossing> edge_crossings(MeshView mesh, const Grid& grid, const 
   check(options);
   validate(grid);
   validate(mesh);
-  check_coordinates(bounds(mesh));
-  check_coordinates(grid.bounds());
+  check_crossing_coordinates(bounds(mesh));
+  check_crossing_coordinates(grid.bounds());
   std::vector<EdgeCrossing> crossings;
   ProgressMeter progress(options.progress);
   Threads(options.execution.threads).run([&] {
@@ -158,19 +158,20 @@ std::vector<EdgeCrossing> edge_crossings(MeshView mesh, const Grid& grid, const 
     const Scan scan({mesh, use}, grid, options.sign.invert);
 
     MemoryBudget budget("crossings", options.memory_limit, "take fewer samples, or allow more memory");
-    PerThread<Found> found([&] { return Found(budget, progress); });
+    PerThread<FoundCrossings> found([&] { return FoundCrossings(budget, progress); });
     progress.stage("crossings", static_cast<std::int64_t>(mesh.triangles.size()), 0.1, 0.8);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.triangles.size(), kGrain), [&](const auto& range) {
-      Found& mine = found.local();
+      FoundCrossings& mine = found.local();
       for (std::size_t t = range.begin(); t != range.end(); ++t) scan.add_crossings_of(t, mine);
       progress.advance(static_cast<std::int64_t>(range.size()));
     });
 
     std::size_t count = 0;
-    found.for_each([&](const Found& some) { count += some.all().size(); });
+    found.for_each([&](const FoundCrossings& some) { count += some.all().size(); });
     budget.take(count * sizeof(EdgeCrossing));
     crossings.reserve(count);
-    found.for_each([&](const Found& some) { crossings.insert(crossings.end(), some.all().begin(), some.all().end()); });
+    found.for_each(
+        [&](const FoundCrossings& some) { crossings.insert(crossings.end(), some.all().begin(), some.all().end()); });
     progress.stage("sort", 1, 0.8, 1);
     sort(crossings);
   });

@@ -14,8 +14,6 @@
 namespace standoff {
 namespace {
 
-constexpr std::int64_t kSide = DistanceField::kTileSide;
-
 // Both ends of a crossed edge are within its length of the mesh. If they have nearest triangles, an edge from a sample
 // without one crosses nothing, and need not be looked at. The margin is far above the rounding of distances.
 bool has_ends_of_crossed_edges(const Grid& grid, double thickness) { return thickness > 1.001 * grid.max_spacing(); }
@@ -39,7 +37,7 @@ void for_each_neighbour(const TileLattice& lattice, std::size_t tile, const Use&
 
 Vec3 position_of(const Grid& grid, const std::array<std::int64_t, 3>& tile, std::size_t n) {
   const auto s = static_cast<std::int64_t>(n);
-  return grid.position(kSide * tile[0] + s % 8, kSide * tile[1] + s / 8 % 8, kSide * tile[2] + s / 64);
+  return grid.position(kTileSide * tile[0] + s % 8, kTileSide * tile[1] + s / 8 % 8, kTileSide * tile[2] + s / 64);
 }
 
 void add_bit(TileBits& bits, std::size_t n) { bits[n / 64] |= std::uint64_t{1} << n % 64; }

@@ -14,8 +14,8 @@
 namespace standoff {
 namespace {
 
-using Range = tbb::blocked_range<std::size_t>;
-constexpr std::size_t kGrain = 4096;
+using NormalRange = tbb::blocked_range<std::size_t>;
+constexpr std::size_t kNormalGrain = 4096;
 
 struct Normal {
   Vec3 unit;          // zero if there is no area
@@ -44,7 +44,7 @@ Pseudonormals::Pseudonormals(const OrientedMesh& mesh) : mesh_(mesh), edges_(mes
   const std::size_t triangles = mesh.mesh.triangles.size();
   std::vector<Vec3> units(triangles);  // in the orientation of use; zero for what is left out
   std::vector<double> angles(3 * triangles);
-  tbb::parallel_for(Range(0, triangles, kGrain), [&](const Range& range) {
+  tbb::parallel_for(NormalRange(0, triangles, kNormalGrain), [&](const NormalRange& range) {
     for (std::size_t t = range.begin(); t != range.end(); ++t) {
       const std::array<Vec3, 3> corners = mesh.mesh.corners(t);
       const Normal normal = normal_of(corners);
@@ -71,7 +71,7 @@ void Pseudonormals::set_normals_of_sides(const std::vector<Vec3>& units) {
     return uses[m].low == uses[n].low && uses[m].high == uses[n].high;
   };
   const auto opposite = [&](const EdgeUse& use) { return edges_.position(use.triangle, (use.corner + 2) % 3); };
-  tbb::parallel_for(Range(0, uses.size(), kGrain), [&](const Range& range) {
+  tbb::parallel_for(NormalRange(0, uses.size(), kNormalGrain), [&](const NormalRange& range) {
     std::vector<EdgeUse> edge;
     for (std::size_t first = range.begin(); first != range.end(); ++first) {
       if (first > 0 && same_edge(first - 1, first)) continue;  // the edge is that of another range

@@ -11,10 +11,10 @@
 namespace standoff {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 // Twice what the cross product of two directions is off by. A length above that is right within a factor of two, and
-// n / |n|^2 within kDirections / |n|^2.
-constexpr double kDirections = 4e-15;
+// n / |n|^2 within kDirectionError / |n|^2.
+constexpr double kDirectionError = 4e-15;
 
 // A sum of angles, as the product of complex numbers that have these arguments, and how often it went around.
 class AngleSum {
@@ -68,7 +68,7 @@ template <class Use>
 CapAngle sum_angles(const Rim& rim, const Vec3& p, const Use& use) {
   const Vec3 apex = direction_of_apex(rim.apex, p);
   AngleSum sum;
-  double least_sq = kInfinity;
+  double least_sq = kUnbounded;
   Direction corner = direction(p, rim.corners.back());
   double apex_corner = dot(apex, corner.unit);
   const Vec3* corner_at = &rim.corners.back();
@@ -103,7 +103,7 @@ CapAngle cap_angle(const Rim& rim, const Vec3& p) {
 LinearField cap_field(const Rim& rim, const Cell& cell) {
   Vec3 gradient;
   double bend = 0;     // bounds the second derivatives
-  double rounded = 0;  // and this, times kDirections, the rounding of the gradient
+  double rounded = 0;  // and this, times kDirectionError, the rounding of the gradient
   const auto add_edge = [&](const Direction& a, const Direction& b, const Vec3& normal, double cosine) {
     const double product = a.length * b.length, sum = a.length + b.length;
     const double edge = length(b.unit * b.length - a.unit * a.length), end = std::min(a.length, b.length);
@@ -113,11 +113,11 @@ LinearField cap_field(const Rim& rim, const Cell& cell) {
     if (edge < 1e-6 * end) {
       nearest = end - edge;
     } else if (b.length * cosine < a.length && a.length * cosine < b.length) {
-      nearest = product * (length(normal) - kDirections) / edge;
+      nearest = product * (length(normal) - kDirectionError) / edge;
     }
     const double d = nearest * (1 - 1e-6) - cell.radius;
     if (!(d > 0)) {
-      bend = kInfinity;
+      bend = kUnbounded;
       return;
     }
     // 1 + cosine, also where that would cancel: beside the middle of a long edge.
@@ -127,10 +127,10 @@ LinearField cap_field(const Rim& rim, const Cell& cell) {
     bend += 2 / (d * d) * std::min(edge / d, 2.0);
   };
   const CapAngle angle = sum_angles(rim, cell.center, add_edge);
-  if (bend == kInfinity) return {cell.center, angle.value, {}, kInfinity};
+  if (bend == kUnbounded) return {cell.center, angle.value, {}, kUnbounded};
   const double scale = rim.weight / (4 * std::numbers::pi);
   return {cell.center, angle.value, gradient * scale,
-          angle.error + scale * cell.radius * (bend * cell.radius / 2 + kDirections * rounded)};
+          angle.error + scale * cell.radius * (bend * cell.radius / 2 + kDirectionError * rounded)};
 }
 
 }  // namespace standoff

@@ -16,8 +16,6 @@
 namespace standoff {
 namespace {
 
-constexpr std::int64_t kSide = DistanceField::kTileSide;
-
 struct TileRange {
   std::int64_t begin, end;
 };
@@ -26,8 +24,8 @@ struct TileRange {
 TileRange tiles_between(double low, double high, double origin, double spacing, std::int64_t samples) {
   const double margin = 0.01 + 1e-15 * (std::abs(low) + std::abs(high) + std::abs(origin)) / spacing;
   const double tiles = static_cast<double>(tiles_along(samples));
-  const double first = std::ceil(((low - origin) / spacing - margin - (kSide - 1)) / kSide),
-               last = std::floor(((high - origin) / spacing + margin) / kSide);
+  const double first = std::ceil(((low - origin) / spacing - margin - (kTileSide - 1)) / kTileSide),
+               last = std::floor(((high - origin) / spacing + margin) / kTileSide);
   return {static_cast<std::int64_t>(std::clamp(first, 0.0, tiles)),
           static_cast<std::int64_t>(std::clamp(last + 1, 0.0, tiles))};
 }
@@ -45,9 +43,10 @@ void for_each_tile(const std::array<Vec3, 3>& t, const Grid& grid, const Use& us
 }
 
 Cell cell_of_tile(const Grid& grid, std::int64_t tx, std::int64_t ty, std::int64_t tz) {
-  return cell_of(grid, {{kSide * tx, kSide * ty, kSide * tz},
-                        {std::min(kSide * tx + kSide, grid.size.x), std::min(kSide * ty + kSide, grid.size.y),
-                         std::min(kSide * tz + kSide, grid.size.z)}});
+  return cell_of(grid,
+                 {{kTileSide * tx, kTileSide * ty, kTileSide * tz},
+                  {std::min(kTileSide * tx + kTileSide, grid.size.x), std::min(kTileSide * ty + kTileSide, grid.size.y),
+                   std::min(kTileSide * tz + kTileSide, grid.size.z)}});
 }
 
 // A cap that is larger than a tile on some axis.
@@ -55,7 +54,7 @@ bool is_large(const Rim& rim, const Grid& grid) {
   Box box;
   for (const Vec3& corner : rim.corners) box.include(corner);
   const Vec3 samples = box.extent() / grid.spacing;
-  return std::max({samples.x, samples.y, samples.z}) > kSide;
+  return std::max({samples.x, samples.y, samples.z}) > kTileSide;
 }
 
 }  // namespace

@@ -10,8 +10,6 @@
 namespace standoff {
 namespace {
 
-constexpr std::int64_t kSide = InsideRows::kSide;
-
 // Decides the tiles of one row of tiles: as many as possible at once, where the mesh is far, or its caps are.
 class RowOfTiles {
  public:
@@ -60,9 +58,9 @@ class RowOfTiles {
 
   SampleBox samples_of(const Tiles& tiles) const {
     const Size3& size = mesh_.grid.size;
-    return {{kSide * tiles.begin, kSide * ty_, kSide * tz_},
-            {std::min(kSide * tiles.end, size.x), std::min(kSide * ty_ + kSide, size.y),
-             std::min(kSide * tz_ + kSide, size.z)}};
+    return {{kTileSide * tiles.begin, kTileSide * ty_, kTileSide * tz_},
+            {std::min(kTileSide * tiles.end, size.x), std::min(kTileSide * ty_ + kTileSide, size.y),
+             std::min(kTileSide * tz_ + kTileSide, size.z)}};
   }
 
   // Where no cap is near, the winding numbers of the rows decide, if what the caps add keeps all of them off the
@@ -116,10 +114,10 @@ void OpenWinding::fill(InsideRows& rows, std::int64_t ty, std::int64_t tz) const
 }
 
 double OpenWinding::winding_number(std::int64_t i, std::int64_t j, std::int64_t k, double error) const {
-  const std::int64_t ty = j / kSide, tz = k / kSide;
+  const std::int64_t ty = j / kTileSide, tz = k / kTileSide;
   const RowWindings windings(mesh_crossings_.of_tiles(ty, tz), cap_crossings_.of_tiles(ty, tz));
   double winding = 0;
-  windings.for_each(static_cast<int>(j % kSide + kSide * (k % kSide)), i, i + 1,
+  windings.for_each(static_cast<int>(j % kTileSide + kTileSide * (k % kTileSide)), i, i + 1,
                     [&](std::int64_t, std::int64_t, std::int32_t n) { winding = n; });
   NodeStack stack(tree_);
   const Vec3 p = grid_.position(i, j, k);

@@ -28,6 +28,9 @@ struct Moments {
 
 /// Fields of caps that are known this well in a cell are taken as they are. Some hundred of them may add up.
 inline constexpr double kFieldTolerance = 1e-3;
+/// What rounding leaves of a winding number that is put together from integer windings, angles and fields up to some
+/// thousands.
+inline constexpr double kWindingRounding = 1e-12;
 
 /// Adds the caps' field in the cell to `sum`, whose center is that of the cell, if it is known to `tolerance` there;
 /// returns whether it did. Requires tolerance <= kFieldTolerance.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/tile_count.h"
 #include "sign/open_winding/cap_angle.h"
 #include "sign/open_winding/cell_touch.h"
 #include "sign/open_winding/winding_rule.h"
@@ -11,15 +12,11 @@
 namespace standoff {
 namespace {
 
-constexpr std::int64_t kSide = InsideRows::kSide;
-
-// Rounding of sums of windings and fields of magnitude up to some thousands.
-constexpr double kRounding = 1e-12;
 // Fields that are off by as much decide little. Less than a quarter: the field at a sample, and the sample's winding
 // number by far fields that are part of it, then tell integers apart.
 constexpr double kUseless = 0.24;
 // Few samples are decided one by one.
-constexpr int kFew = 4;
+constexpr int kFewRows = 4;
 
 Rim rim_of(const OpenMesh& mesh, std::int32_t node) { return mesh.rims[static_cast<std::size_t>(mesh.tree[node].rim)]; }
 
@@ -35,10 +32,10 @@ std::int64_t TileSides::decide(const SampleBox& tile, const RowWindings& winding
   for (std::int64_t k = tile.begin[2]; k < tile.end[2]; ++k)
     for (std::int64_t j = tile.begin[1]; j < tile.end[1]; ++j) {
       const std::size_t row = row_of(j, k);
-      unknown_[row] = static_cast<std::uint8_t>(0xff >> (kSide - (tile.end[0] - tile.begin[0])));
+      unknown_[row] = static_cast<std::uint8_t>(0xff >> (kTileSide - (tile.end[0] - tile.begin[0])));
       windings.for_each(static_cast<int>(row), tile.begin[0], tile.end[0],
                         [&](std::int64_t from, std::int64_t to, std::int32_t winding) {
-                          for (std::int64_t i = from; i < to; ++i) windings_[kSide * row + bit_of(i)] = winding;
+                          for (std::int64_t i = from; i < to; ++i) windings_[kTileSide * row + bit_of(i)] = winding;
                         });
     }
   visit(tile, nodes, far, kFieldTolerance);
@@ -51,13 +48,13 @@ void TileSides::visit(const SampleBox& box, NodeStack::Part nodes, LinearField f
   const Cell cell = cell_of(mesh_.grid, box);
   far.move_to(cell.center);
   NodeStack::Part near = stack_.add_far(nodes, cell, tolerance, 0, far);
-  if (!has_more_unknown_than(kFew, box)) {
+  if (!has_more_unknown_than(kFewRows, box)) {
     decide_one_by_one(box, near, far);
     return stack_.resize(size);
   }
 
   // A bound is cheaper than a field, and decides most samples.
-  decide_by_winding(box, far.value, far.reach(cell.half) + stack_.bound_of(near, cell, 0.5) + kRounding, true);
+  decide_by_winding(box, far.value, far.reach(cell.half) + stack_.bound_of(near, cell, 0.5) + kWindingRounding, true);
   if (!has_more_unknown_than(0, box)) return stack_.resize(size);
 
   if (decide_by_fields(box, cell, near, far, tolerance)) {
@@ -118,7 +115,7 @@ bool TileSides::decide_by_fields(const SampleBox& box, const Cell& cell, NodeSta
   if (!(field.error < kUseless)) return true;
   if (caps_inside) continue_across_caps(box, near, far, field);
   decide_by_field(box, cell, field, !caps_inside);
-  return far.error <= field.error / 2 || far.error <= kRounding || !has_more_unknown_than(kFew, box);
+  return far.error <= field.error / 2 || far.error <= kWindingRounding || !has_more_unknown_than(kFewRows, box);
 }
 
 // The winding number of the open mesh at the center of a cell that the mesh does not touch: continued from a sample,
@@ -129,16 +126,16 @@ void TileSides::continue_across_caps(const SampleBox& box, NodeStack::Part nodes
                      k = (box.begin[2] + box.end[2]) / 2;
   const Vec3 p = mesh_.grid.position(i, j, k);
   const Interval angles = add_angles(mesh_.rims, mesh_.tree, p, stack_, nodes, {far.at(p), far.error});
-  const double winding = windings_[kSide * row_of(j, k) + bit_of(i)] + angles.value;
+  const double winding = windings_[kTileSide * row_of(j, k) + bit_of(i)] + angles.value;
   field.value += std::nearbyint(winding - field.at(p));
 }
 
 void TileSides::decide_by_field(const SampleBox& box, const Cell& cell, const LinearField& field, bool with_windings) {
-  decide_by_winding(box, field.value, field.reach(cell.half) + kRounding, with_windings);
+  decide_by_winding(box, field.value, field.reach(cell.half) + kWindingRounding, with_windings);
   for_each_unknown(box, [&](std::int64_t i, std::int64_t j, std::int64_t k, std::size_t row) {
     const unsigned x = bit_of(i);
-    const double windings = with_windings ? windings_[kSide * row + x] : 0;
-    decide_sample(row, x, windings + field.at(mesh_.grid.position(i, j, k)), field.error + kRounding);
+    const double windings = with_windings ? windings_[kTileSide * row + x] : 0;
+    decide_sample(row, x, windings + field.at(mesh_.grid.position(i, j, k)), field.error + kWindingRounding);
   });
 }
 
@@ -159,7 +156,7 @@ void TileSides::decide_by_winding(const SampleBox& box, double value, double rea
       unsigned decided = 0, marked = 0;
       for (unsigned x = bit_of(box.begin[0]), end = x + static_cast<unsigned>(box.end[0] - box.begin[0]); x < end;
            ++x) {
-        const std::int32_t winding = with_windings ? windings_[kSide * row + x] : 0;
+        const std::int32_t winding = with_windings ? windings_[kTileSide * row + x] : 0;
         if (winding != last) look_at(winding);
         decided |= unsigned{sure} << x;
         marked |= unsigned{sure && inside} << x;
@@ -172,15 +169,15 @@ void TileSides::decide_by_winding(const SampleBox& box, double value, double rea
 void TileSides::decide_one_by_one(const SampleBox& box, NodeStack::Part nodes, const LinearField& far) {
   for_each_unknown(box, [&](std::int64_t i, std::int64_t j, std::int64_t k, std::size_t row) {
     const unsigned x = bit_of(i);
-    const double winding = windings_[kSide * row + x];
+    const double winding = windings_[kTileSide * row + x];
     const Vec3 p = mesh_.grid.position(i, j, k);
     Interval angles = add_angles(mesh_.rims, mesh_.tree, p, stack_, nodes, {far.at(p), far.error});
     for (double tolerance = kFieldTolerance / 64;
-         !decide_sample(row, x, winding + angles.value, angles.error + kRounding);
+         !decide_sample(row, x, winding + angles.value, angles.error + kWindingRounding);
          tolerance = tolerance > 1e-9 ? tolerance / 64 : 0) {
       angles = cap_sum_at(mesh_.rims, mesh_.tree, p, tolerance, stack_);
       // What is left then is rounding: the value decides.
-      if (tolerance == 0) angles.error = -kRounding;
+      if (tolerance == 0) angles.error = -kWindingRounding;
     }
   });
 }

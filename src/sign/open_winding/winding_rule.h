@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which generalised winding numbers are inside, and how near to the other side.
+// Which winding numbers are inside, and how near generalised ones are to the other side.
 #pragma once
 
 #include <cmath>
+#include <cstdint>
 
 #include "standoff/sign.h"
 
@@ -17,6 +18,19 @@ inline bool is_inside(double winding, WindingRule rule) {
       return std::abs(winding) > 0.5;
     case WindingRule::odd:
       return std::fmod(std::ceil(std::abs(winding) - 0.5), 2) == 1;
+  }
+  return false;
+}
+
+/// Whether samples with this winding number are inside.
+inline bool is_inside(std::int32_t winding, WindingRule rule) {
+  switch (rule) {
+    case WindingRule::positive:
+      return winding > 0;
+    case WindingRule::nonzero:
+      return winding != 0;
+    case WindingRule::odd:
+      return (winding & 1) != 0;
   }
   return false;
 }

@@ -14,27 +14,17 @@
 #include <span>
 
 #include "geometry/coplanar.h"
+#include "sign/open_winding/winding_rule.h"
 #include "sign/outer/mesh_cuts.h"
 #include "sign/outer/row_sides.h"
 
 namespace standoff {
 namespace {
 
-bool is_inside(int winding, WindingRule rule) {
-  if (rule == WindingRule::odd) return winding % 2 != 0;
-  return rule == WindingRule::nonzero ? winding != 0 : winding > 0;
-}
-
 int steepest_axis(const Corners& t) {
   const Vec3 n = normal_direction(t);
   const double x = std::abs(n.x), y = std::abs(n.y), z = std::abs(n.z);
   return x >= y && x >= z ? 0 : y >= z ? 1 : 2;
-}
-
-using FlatCorners = std::array<Flat, 3>;
-
-FlatCorners dropped(const Corners& t, int axis) {
-  return {standoff::dropped(t[0], axis), standoff::dropped(t[1], axis), standoff::dropped(t[2], axis)};
 }
 
 class Classify {

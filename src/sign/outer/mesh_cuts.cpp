@@ -15,9 +15,9 @@
 namespace standoff {
 namespace {
 
-class Search {
+class CutSearch {
  public:
-  Search(const OrientedMesh& mesh, MeshCuts& found) : mesh_(mesh), found_(found) {}
+  CutSearch(const OrientedMesh& mesh, MeshCuts& found) : mesh_(mesh), found_(found) {}
 
   void compare(std::uint32_t first, std::uint32_t second, TrianglePairs& touched) const {
     const Corners p = mesh_.mesh.corners(first), q = mesh_.mesh.corners(second);
@@ -59,7 +59,7 @@ MeshCuts find_cuts(const OrientedMesh& mesh, const TriangleTree& tree) {
       found.flat[t] = upright_axis(corners[0], corners[1], corners[2]) < 0;
     }
   });
-  const Search search(mesh, found);
+  const CutSearch search(mesh, found);
   PerThread<TrianglePairs> touched;
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, triangles, 64), [&](const auto& range) {
     TrianglePairs& mine = touched.local();

@@ -5,13 +5,12 @@
 #include <array>
 #include <cmath>
 
+#include "geometry/corners.h"
 #include "geometry/rounding.h"
 #include "sign/rows/ray_crossing.h"
 
 namespace standoff {
 namespace {
-
-using Corners = std::array<Vec3, 3>;
 
 // The axis becomes x, in the circle that ray_crossing.h describes.
 Vec3 turned(const Vec3& v, int axis) {
@@ -30,7 +29,7 @@ Box box_of(const Row& row, Box box) {
   return box;
 }
 
-struct Interval {
+struct PlaceInterval {
   double low, high;
 };
 
@@ -38,7 +37,7 @@ struct Interval {
 // roundoff, a part of n is off by less than 4 u times its products' magnitudes m (Shewchuk), and s by less than 8 u M
 // with M = m_y |dy| + m_z |dz|, which is at least |s|. If n_x is off by at most a half of itself, dividing by it costs
 // 2 * 4 u m_x / |n_x| of |s / n_x|. The difference at the end rounds once more. Never beyond the triangle's corners.
-Interval place_on(const Corners& t, double y, double z) {
+PlaceInterval place_on(const Corners& t, double y, double z) {
   const Vec3 u = t[1] - t[0], v = t[2] - t[0];
   const double nx = u.y * v.z - u.z * v.y, mx = std::abs(u.y * v.z) + std::abs(u.z * v.y);
   const double ny = u.z * v.x - u.x * v.z, my = std::abs(u.z * v.x) + std::abs(u.x * v.z);
@@ -68,7 +67,7 @@ std::optional<TwoSides> RowSides::of(std::uint32_t triangle, const Row& row) con
   const int most_displaced = (4 - row.axis) % 3;
   const Corners own = turned(mesh_.mesh.corners(triangle), row.axis);
   if (RayTriangle(own, most_displaced).crossing(row.at.x, row.at.y) == 0) return std::nullopt;
-  const Interval here = place_on(own, row.at.x, row.at.y);
+  const PlaceInterval here = place_on(own, row.at.x, row.at.y);
   TwoSides sides{0, 0};
   bool sure = true;
   tree_.tree().for_each_overlap(box_of(row, bounds_), [&](std::size_t item) {
@@ -77,7 +76,7 @@ std::optional<TwoSides> RowSides::of(std::uint32_t triangle, const Row& row) con
     const Corners t = turned(mesh_.corners(other), row.axis);
     const int leaves = RayTriangle(t, most_displaced).crossing(row.at.x, row.at.y);
     if (leaves == 0) return;
-    const Interval there = place_on(t, row.at.x, row.at.y);
+    const PlaceInterval there = place_on(t, row.at.x, row.at.y);
     if (there.low > here.high) return;
     sides.behind -= leaves;
     if (there.high < here.low)

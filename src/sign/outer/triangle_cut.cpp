@@ -17,12 +17,6 @@
 namespace standoff {
 namespace {
 
-using FlatCorners = std::array<Flat, 3>;
-
-FlatCorners dropped(const Corners& t, int axis) {
-  return {standoff::dropped(t[0], axis), standoff::dropped(t[1], axis), standoff::dropped(t[2], axis)};
-}
-
 // Whether the line through a and b has p on one closed side and all of q on the other one. a and b are of p's border.
 template <class Points>
 bool line_separates(const Flat& a, const Flat& b, const Flat& third, const Points& q) {
@@ -44,7 +38,7 @@ bool edge_separates(const FlatCorners& p, const Points& q) {
 bool is_in_interior(const Vec3& from, const Vec3& to, const Corners& t) {
   const int axis = upright_axis(t[0], t[1], t[2]);
   const FlatCorners p = dropped(t, axis);
-  const std::array<Flat, 2> ends{standoff::dropped(from, axis), standoff::dropped(to, axis)};
+  const std::array<Flat, 2> ends{dropped(from, axis), dropped(to, axis)};
   if (edge_separates(p, ends)) return false;
   if (from == to) return true;
   bool left = false, right = false;
@@ -56,11 +50,11 @@ bool is_in_interior(const Vec3& from, const Vec3& to, const Corners& t) {
   return left && right;
 }
 
-struct Sides {
+struct CornerSides {
   std::array<int, 3> of;
   int above = 0, below = 0;
 
-  Sides(const Corners& plane, const Corners& t) {
+  CornerSides(const Corners& plane, const Corners& t) {
     for (std::size_t n = 0; n < 3; ++n) {
       // Neighbours have corners in common, which would take the exact stage.
       const bool common = t[n] == plane[0] || t[n] == plane[1] || t[n] == plane[2];
@@ -74,7 +68,7 @@ struct Sides {
 };
 
 // Whether q, on one closed side of p's plane, has a corner or an edge in p's interior.
-bool touches_interior(const Corners& p, const Corners& q, const Sides& q_sides) {
+bool touches_interior(const Corners& p, const Corners& q, const CornerSides& q_sides) {
   const Vec3 *from = nullptr, *to = nullptr;
   for (std::size_t n = 0; n < 3; ++n)
     if (q_sides.of[n] == 0) (from ? to : from) = &q[n];
@@ -96,9 +90,9 @@ bool pass_through_each_other(const Corners& p, const Corners& q) {
 }  // namespace
 
 Cuts cuts_between(const Corners& first, const Corners& second) {
-  const Sides second_sides(first, second);
+  const CornerSides second_sides(first, second);
   if (!second_sides.both() && second_sides.zero() == 0) return {};
-  const Sides first_sides(second, first);
+  const CornerSides first_sides(second, first);
   if (first_sides.both() && second_sides.both()) {
     const bool cut = pass_through_each_other(first, second);
     return {cut, cut};

@@ -4,6 +4,8 @@
 
 #include <cstdint>
 #include <limits>
+
+#include "sign/open_winding/winding_rule.h"
 #include "sign/rows/row_crossings.h"
 #include "sign/sides.h"
 #include "standoff/sign.h"
@@ -26,18 +28,5 @@ class IntegerWinding final : public Sides {
   RowCrossings crossings_;
   WindingRule rule_;
 };
-
-/// Whether samples with this winding number are inside.
-inline bool is_inside(std::int32_t winding, WindingRule rule) {
-  switch (rule) {
-    case WindingRule::positive:
-      return winding > 0;
-    case WindingRule::nonzero:
-      return winding != 0;
-    case WindingRule::odd:
-      return (winding & 1) != 0;
-  }
-  return false;
-}
 
 }  // namespace standoff

@@ -18,7 +18,7 @@
 namespace standoff {
 namespace {
 
-constexpr std::int64_t kSide = InsideRows::kSide, kRows = InsideRows::kRows;
+constexpr std::int64_t kTileRows = InsideRows::kRows;
 constexpr std::int64_t kEntries = CrossingList::kBlock - CrossingList::kMostAtOnce;  // of a block, at least
 // A block, its places in lists that grow, and its crossings when they are sorted.
 constexpr std::int64_t kBlockBytes = CrossingList::kBlock * (sizeof(FoundCrossing) + sizeof(RowCrossing)) + 64;
@@ -29,7 +29,7 @@ constexpr std::int64_t kMostRowsOfTiles = std::int64_t{1} << (FoundCrossing::kRo
 constexpr std::int64_t kMostCounters = std::int64_t{1} << 19;
 
 RowCrossing crossing_of(const FoundCrossing& found) {
-  return RowCrossing::make(found.row() % kRows, static_cast<std::int64_t>(found.past()), found.enters() ? 1 : -1);
+  return RowCrossing::make(found.row() % kTileRows, static_cast<std::int64_t>(found.past()), found.enters() ? 1 : -1);
 }
 
 // Few crossings, and in some meshes many.
@@ -39,9 +39,9 @@ void sort(std::span<RowCrossing> crossings) {
   if (crossings.size() > kMost) return std::sort(crossings.begin(), crossings.end());
   // By row first: a few are left for each, in any order.
   std::array<RowCrossing, kMost> by_row;
-  std::array<std::uint16_t, kRows + 1> end{};
+  std::array<std::uint16_t, kTileRows + 1> end{};
   for (const RowCrossing& one : crossings) ++end[static_cast<std::size_t>(one.row()) + 1];
-  for (std::size_t row = 0; row < kRows; ++row) end[row + 1] = static_cast<std::uint16_t>(end[row] + end[row + 1]);
+  for (std::size_t row = 0; row < kTileRows; ++row) end[row + 1] = static_cast<std::uint16_t>(end[row] + end[row + 1]);
   for (const RowCrossing& one : crossings) by_row[end[static_cast<std::size_t>(one.row())]++] = one;
   // Insertion moves none past those of its row.
   for (std::size_t n = 0; n < crossings.size(); ++n) {
@@ -89,8 +89,8 @@ bool RowCrossings::find(std::int64_t first, std::int64_t count) {
   begin_.clear();
   const std::int64_t ty = first % tiles_y_, tz = first / tiles_y_, layers = std::max<std::int64_t>(1, count / tiles_y_);
   const RowWindow window{
-      {kSide * ty, kSide * tz},
-      {std::min(size_.y, kSide * (ty + std::min(count, tiles_y_))), std::min(size_.z, kSide * (tz + layers))}};
+      {kTileSide * ty, kTileSide * tz},
+      {std::min(size_.y, kTileSide * (ty + std::min(count, tiles_y_))), std::min(size_.z, kTileSide * (tz + layers))}};
   return find(window, static_cast<std::size_t>(count));
 }
 
@@ -116,7 +116,7 @@ bool RowCrossings::find(const RowWindow& window, std::size_t count) {
   const auto for_each_found = [&](std::size_t part, const auto& use) {
     for (const CrossingList* list : parts[part])
       list->for_each_block([&](std::span<const FoundCrossing> block) {
-        for (const FoundCrossing& one : block) use(one.row() / kRows, one);
+        for (const FoundCrossing& one : block) use(one.row() / kTileRows, one);
       });
   };
   std::vector<std::vector<std::size_t>> next(parts.size());
@@ -145,8 +145,8 @@ bool RowCrossings::find(const RowWindow& window, std::size_t count) {
 void RowCrossings::find_row_by_row(std::int64_t tiles) {
   std::vector<RowCrossing> all;
   const std::int64_t ty = tiles % tiles_y_, tz = tiles / tiles_y_;
-  for (std::int64_t k = kSide * tz; k < std::min(size_.z, kSide * (tz + 1)); ++k)
-    for (std::int64_t j = kSide * ty; j < std::min(size_.y, kSide * (ty + 1)); ++j) {
+  for (std::int64_t k = kTileSide * tz; k < std::min(size_.z, kTileSide * (tz + 1)); ++k)
+    for (std::int64_t j = kTileSide * ty; j < std::min(size_.y, kTileSide * (ty + 1)); ++j) {
       if (!find(RowWindow{{j, k}, {j + 1, k + 1}}, 1)) throw std::logic_error("the crossings of one row do not fit");
       const std::size_t row_begin = all.size();
       for (const RowCrossing& one : crossings_) {
@@ -171,8 +171,8 @@ std::int64_t RowCrossings::least_bytes(std::int64_t triangles, int threads) {
 std::int64_t RowCrossings::other_bytes(std::int64_t triangles, const Grid& grid, int threads) {
   const std::int64_t rows_of_tiles = std::min(tiles_along(grid.size.y) * tiles_along(grid.size.z), kMostRowsOfTiles),
                      parts = std::clamp<std::int64_t>(kMostCounters / rows_of_tiles, 1, threads),
-                     row_by_row =
-                         kGrowth * kRows * (std::min(grid.size.x, triangles) + triangles / RowCrossing::kMostSteps + 1);
+                     row_by_row = kGrowth * kTileRows *
+                                  (std::min(grid.size.x, triangles) + triangles / RowCrossing::kMostSteps + 1);
   return 8 * ((parts + 1) * (rows_of_tiles + 1) + row_by_row);
 }
 

@@ -16,8 +16,6 @@ namespace {
 using cpu::CrossedRows;
 using cpu::RowPatch;
 
-constexpr std::int64_t kSide = InsideRows::kSide;
-
 // Where rows are looked for, a corner is taken to be off by this much, in samples: far more than by rounding.
 constexpr double kNearRow = 0x1p-16;
 
@@ -86,10 +84,10 @@ double least(double a, double b, double c) { return std::min(std::min(a, b), c);
 double largest(double a, double b, double c) { return std::max(std::max(a, b), c); }
 
 // Rows p < width that a triangle may cross in the plane q: between the cuts of its sides.
-struct Span {
+struct ScanSpan {
   std::int64_t begin, end;
 };
-Span span_in_plane(const RowPatch& t, double q, double slack, std::int64_t width) {
+ScanSpan span_in_plane(const RowPatch& t, double q, double slack, std::int64_t width) {
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (int n = 0; n < 3; ++n) {
     const int m = (n + 1) % 3;
@@ -116,7 +114,7 @@ struct RowScan::Batch {
       : window(rows),
         list(to),
         tiles_y(tiles_along_y),
-        first_tiles(rows.begin[0] / kSide + tiles_along_y * (rows.begin[1] / kSide)) {}
+        first_tiles(rows.begin[0] / kTileSide + tiles_along_y * (rows.begin[1] / kTileSide)) {}
 
   const RowWindow& window;
   CrossingList& list;
@@ -145,8 +143,8 @@ struct RowScan::Batch {
   void add_crossing(std::int64_t j, std::int64_t k, std::int64_t past, bool enters, bool counts) const {
     const auto y = static_cast<std::uint64_t>(j), z = static_cast<std::uint64_t>(k);
     const std::uint64_t tiles =
-        y / kSide + static_cast<std::uint64_t>(tiles_y) * (z / kSide) - static_cast<std::uint64_t>(first_tiles);
-    list.add(FoundCrossing::make(InsideRows::kRows * tiles + y % kSide + kSide * (z % kSide),
+        y / kTileSide + static_cast<std::uint64_t>(tiles_y) * (z / kTileSide) - static_cast<std::uint64_t>(first_tiles);
+    list.add(FoundCrossing::make(InsideRows::kRows * tiles + y % kTileSide + kTileSide * (z % kTileSide),
                                  static_cast<std::uint64_t>(past), enters),
              counts);
   }
@@ -258,7 +256,7 @@ bool RowScan::add_strips(const RowPatch& patch, const Extent& rows, const Place&
   }
   const double slack = slack_ + 0x1p-23 * std::max(double{patch.most.p}, double{patch.most.q});  // rounded to float
   for (std::int64_t q = 0; q < planes; ++q) {
-    const Span span = span_in_plane(patch, static_cast<double>(q), slack, columns);
+    const ScanSpan span = span_in_plane(patch, static_cast<double>(q), slack, columns);
     for (std::int64_t p = span.begin; p < span.end; p += RowPatch::kMostRows)
       if (!add(p, q, std::min<std::int64_t>(RowPatch::kMostRows, span.end - p), 1)) return false;
   }
