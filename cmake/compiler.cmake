@@ -33,5 +33,11 @@ if(STANDOFF_COVERAGE)
   add_link_options(--coverage)
 endif()
 
+# Headers are read once for a batch. Sources with flags of their own, and those marked SKIP_UNITY_BUILD_INCLUSION, stay alone.
+if(STANDOFF_UNITY)
+  set(CMAKE_UNITY_BUILD ON)
+  set(CMAKE_UNITY_BUILD_BATCH_SIZE 16)
+endif()
+
 add_library(standoff_warnings INTERFACE)
 target_compile_options(standoff_warnings INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wall;-Wextra;-Wshadow;-Wconversion;-Wno-sign-conversion>)

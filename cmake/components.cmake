@@ -101,6 +101,7 @@ if("emulation" IN_LIST STANDOFF_COMPONENTS)
     list(APPEND emulated collision/cuda/*_emulated.cpp)
   endif()
   standoff_component(emulation FILES ${emulated} LIBRARIES ${STANDOFF_BOOST_CONTEXT})
+  set_target_properties(standoff_emulation PROPERTIES UNITY_BUILD OFF)  # its files are the kernels, each compiled as one whole
   if(STANDOFF_BOOST_CONTEXT)
     target_compile_definitions(standoff_emulation PRIVATE STANDOFF_HAVE_BOOST_CONTEXT)
   endif()

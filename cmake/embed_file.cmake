@@ -6,10 +6,10 @@ string(REGEX REPLACE "([0-9a-f][0-9a-f])" "'\\\\x\\1'," bytes "${bytes}")
 file(WRITE ${OUTPUT} "#include <string_view>
 namespace standoff {
 namespace {
-constexpr char kBytes[] = {
+constexpr char ${SYMBOL}Bytes[] = {
 ${bytes}};
 }
 extern const std::string_view ${SYMBOL};
-constinit const std::string_view ${SYMBOL}{kBytes, sizeof(kBytes)};
+constinit const std::string_view ${SYMBOL}{${SYMBOL}Bytes, sizeof(${SYMBOL}Bytes)};
 }  // namespace standoff
 ")

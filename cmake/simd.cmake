@@ -1,6 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 # Kernels are compiled once per instruction set and chosen at run time (src/simd/). tests/gpu_check includes this too.
 get_filename_component(STANDOFF_KERNELS ${CMAKE_CURRENT_LIST_DIR}/../src ABSOLUTE)
+foreach(feature IN ITEMS field collision points sidecars sign)
+  set_source_files_properties(${STANDOFF_KERNELS}/${feature}/cpu/kernels_portable.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+endforeach()
+# They take in all of the namespace cpu, whose cells are not those of their neighbours.
+set_source_files_properties(${STANDOFF_KERNELS}/points/nearest.cpp ${STANDOFF_KERNELS}/points/nearest_of_point.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   set(STANDOFF_AVX2_FLAGS -mavx2 -mfma)
   # GCC 12 warns of its own header's undefined registers.
