@@ -4,6 +4,8 @@
 
 #include <string_view>
 
+#include "lock.h"
+
 namespace standoff::python {
 namespace {
 
@@ -39,15 +41,28 @@ nb::object message_of(std::string_view message) {
   return nb::steal(PyUnicode_DecodeUTF8(message.data(), static_cast<Py_ssize_t>(message.size()), "backslashreplace"));
 }
 
+// A new object of Python's; throws Python's error if there is none.
+nb::object made(PyObject* object) {
+  if (object == nullptr) throw nb::python_error();
+  return nb::steal(object);
+}
+
 }  // namespace
 
 nb::object exception_of(const Error& error) {
   const ErrorDetails& d = error.details();
   const nb::object file = d.file.empty() ? nb::none() : path_of(d.file);
-  return nb::module_::import_("standoff._errors")
-      .attr("make")(name_of(error.code()), message_of(error.what()), "triangle"_a = d.triangle,
-                    "bytes_needed"_a = d.bytes_needed, "bytes_limit"_a = d.bytes_limit, "file"_a = file,
-                    "line"_a = d.line, "byte"_a = d.byte);
+  nb::dict details;
+  details["triangle"] = d.triangle;
+  details["bytes_needed"] = d.bytes_needed;
+  details["bytes_limit"] = d.bytes_limit;
+  details["file"] = file;
+  details["line"] = d.line;
+  details["byte"] = d.byte;
+  const nb::tuple arguments = nb::make_tuple(name_of(error.code()), message_of(error.what()));
+  const nb::object errors = made(ask_python([] { return PyImport_ImportModule("standoff._errors"); }));
+  const nb::object make = errors.attr("make");
+  return made(ask_python([&] { return PyObject_Call(make.ptr(), arguments.ptr(), details.ptr()); }));
 }
 
 void add_errors(nb::module_&) {

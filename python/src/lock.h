@@ -5,6 +5,9 @@
 // to 3.13 calls pthread_exit, which unwinds the stack. nanobind's guards take the lock in a destructor, which must not
 // be unwound, and the whole process would abort. These guards let such a thread wait for the end of the process
 // instead, as CPython does from 3.14 on.
+//
+// The same may happen wherever Python code runs: it gives the lock away now and then, and takes it again. Call it
+// through ask_python.
 #pragma once
 
 #include <chrono>
@@ -17,6 +20,24 @@ namespace standoff::python {
 /// Waits for the end of the process. Call it where the unwinding of pthread_exit is caught: it must not be swallowed.
 [[noreturn]] inline void wait_for_exit() {
   for (;;) std::this_thread::sleep_for(std::chrono::hours(1));
+}
+
+/// ask(), a call of Python's C functions that may run Python code. These throw nothing, so that what unwinds them is
+/// the end of this thread. Within ask, nothing with a destructor may live: Python's objects must not be freed without
+/// the lock.
+template <class Ask>
+auto ask_python(const Ask& ask) {
+  // A destructor, because nothing foreign can be caught while an exception is handled (std::terminate), and nanobind
+  // has errors translated while it handles them.
+  struct Unwound {
+    bool returned = false;
+    ~Unwound() {
+      if (!returned) wait_for_exit();
+    }
+  } unwound;
+  const auto answer = ask();
+  unwound.returned = true;
+  return answer;
 }
 
 /// A process that is forked while other threads work has their mutexes, taken, but not the threads, and would wait for

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "work.h"
 
-#include <cxxabi.h>
-
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>
@@ -29,12 +27,17 @@ struct Shared {
 };
 
 void report_to(const nb::object& progress, const Progress& seen) {
-  if (!progress.is_none()) progress(nb::str(seen.stage), seen.fraction);
+  if (progress.is_none()) return;
+  const nb::str stage(seen.stage);
+  const nb::float_ fraction(seen.fraction);
+  const nb::object answer = nb::steal(
+      ask_python([&] { return PyObject_CallFunctionObjArgs(progress.ptr(), stage.ptr(), fraction.ptr(), nullptr); }));
+  if (!answer.is_valid()) throw nb::python_error();
 }
 
 // Signals, then progress. Called with the lock of the interpreter.
 void poll(const nb::object& progress, const Progress& seen) {
-  if (PyErr_CheckSignals() != 0) throw nb::python_error();
+  if (ask_python([] { return PyErr_CheckSignals(); }) != 0) throw nb::python_error();
   report_to(progress, seen);
 }
 
@@ -70,8 +73,6 @@ void run_watched(const nb::object& progress, const std::function<void(const Prog
       try {
         const Locked held;
         poll(progress, seen);
-      } catch (const abi::__forced_unwind&) {
-        wait_for_exit();
       } catch (...) {
         ours = std::current_exception();
       }
