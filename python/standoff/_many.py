@@ -4,12 +4,11 @@
 from __future__ import annotations
 
 import os
-import threading
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sized
 from dataclasses import dataclass
 from inspect import signature
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ._checks import flag, whole_number
 from ._compute import field
@@ -17,9 +16,7 @@ from ._device_many import OnGpu, compute_together
 from ._errors import OF_A_MESH
 from ._field import DistanceField
 from ._mesh import as_mesh
-
-if TYPE_CHECKING:
-    from concurrent.futures import Future
+from ._workers import Task, Workers
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,10 +92,6 @@ _DEFAULTS = {p.name: p.default for p in signature(field).parameters.values() if 
 _OPTIONS = _DEFAULTS.keys() - {"out", "progress"}
 
 
-class _Closed(BaseException):
-    """Nobody waits for the field any more."""
-
-
 def _results(
     meshes: Iterable[Any],
     total: int | None,
@@ -108,34 +101,26 @@ def _results(
     progress: bool,
     options: dict[str, Any],
 ) -> Iterator[FieldResult]:
-    closed = threading.Event()
-
-    def watch(stage: str, fraction: float) -> None:
-        if closed.is_set():
-            raise _Closed
-
-    def work(index: int, source: Any) -> FieldResult | OnGpu:
+    def work(check: Callable[[], None], index: int, source: Any) -> FieldResult | OnGpu:
         try:
             mesh = source if prepare is None else prepare(as_mesh(source))
             on_gpu = OnGpu.of(index, source, mesh)
-            return on_gpu or FieldResult(index, source, field(mesh, progress=watch, **options), None)
+            return on_gpu or FieldResult(index, source, field(mesh, progress=lambda *_: check(), **options), None)
         except OF_A_MESH as error:
             return FieldResult(index, source, None, error)
-
-    from concurrent.futures import ThreadPoolExecutor  # which takes a tenth of the package's time of import
 
     bar = None
     if progress:
         from tqdm.auto import tqdm
 
         bar = tqdm(total=total, desc="fields", unit="mesh")
-    pending: deque[Future[FieldResult | OnGpu]] = deque()
+    pending: deque[Task[FieldResult | OnGpu]] = deque()
     ready: deque[FieldResult] = deque()
-    pool = ThreadPoolExecutor(workers, thread_name_prefix="standoff")
+    threads = Workers(workers, work)
 
     def next_result() -> FieldResult:
         if not ready:
-            ready.extend(_finished(_next_group(pending), {**_DEFAULTS, **options}))
+            ready.extend(_finished(_next_group(pending, threads), {**_DEFAULTS, **options}))
         if bar is not None:
             bar.update()
         return ready.popleft()
@@ -143,23 +128,25 @@ def _results(
     try:
         source = enumerate(meshes)
         for index, mesh in source:
-            pending.append(pool.submit(work, index, mesh))
+            pending.append(threads.submit(index, mesh))
             if len(pending) + len(ready) >= waiting:
                 yield next_result()
         while pending or ready:
             yield next_result()
     finally:
-        closed.set()  # stops the fields that are being computed
-        pool.shutdown(wait=True, cancel_futures=True)
+        threads.close()  # stops the fields that are being computed
         if bar is not None:
             bar.close()
 
 
-def _next_group(pending: deque[Future[FieldResult | OnGpu]]) -> list[FieldResult | OnGpu]:
+def _next_group(
+    pending: deque[Task[FieldResult | OnGpu]], threads: Workers[FieldResult | OnGpu]
+) -> list[FieldResult | OnGpu]:
     """The next result; if that is a mesh on a GPU, with those behind it that are, and with errors between them."""
-    group = [pending.popleft().result()]
-    while isinstance(group[0], OnGpu) and pending and pending[0].exception() is None:  # else it is raised in its turn
-        behind = pending[0].result()
+    group = [threads.result(pending.popleft())]
+    # An error that is not a mesh's is raised in its turn.
+    while isinstance(group[0], OnGpu) and pending and threads.error(pending[0]) is None:
+        behind = threads.result(pending[0])
         if isinstance(behind, FieldResult) and behind.error is None:
             break
         group.append(behind)
