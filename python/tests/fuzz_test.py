@@ -66,7 +66,8 @@ def test_distances_of_any_triangles(mesh, points):
 def test_any_points(points, data):
     points = data.draw(laid_out(points))
     query, field = so.MeshQuery(shapes.cube(), sign="auto"), so.field(shapes.cube(), resolution=6, band=2)
-    for ask in (query.distance, query.closest, query.winding_number, field, field.gradient):
+    on_border = [lambda p: field(p, outside="border"), lambda p: field.gradient(p, outside="border")]
+    for ask in (query.distance, query.closest, query.winding_number, *on_border):
         answer = attempt(lambda ask=ask: ask(points))
         if isinstance(answer, np.ndarray):
             assert answer.shape[: np.ndim(points) - 1] == np.shape(points)[:-1]
