@@ -18,7 +18,7 @@ namespace {
 
 using namespace testing;
 
-const Grid kGrid{{9, 9, 9}, {-1, -1, -1}, {0.4, 0.4, 0.4}};
+const Grid kFieldGrid{{9, 9, 9}, {-1, -1, -1}, {0.4, 0.4, 0.4}};
 
 ComputeOptions on_cpu() {
   ComputeOptions options;
@@ -56,19 +56,19 @@ TEST(Misuse, Slabs) {
   const Mesh triangle = one_triangle();
   for (const std::int64_t n : kCounts) {
     expect_answer_or_error(named("samples", n), [&] {
-      SlabComputation slabs(triangle, kGrid, 1, on_cpu(), n);
+      SlabComputation slabs(triangle, kFieldGrid, 1, on_cpu(), n);
       EXPECT_NE(slabs.next(), nullptr);
     });
     expect_answer_or_error(named("samples", n),
-                           [&] { EXPECT_GT(slab_memory_needed(triangle, kGrid, 1, on_cpu(), n), 0); });
+                           [&] { EXPECT_GT(slab_memory_needed(triangle, kFieldGrid, 1, on_cpu(), n), 0); });
   }
   for (const double x : kNumbers)
-    expect_answer_or_error(named("thickness", x), [&] { SlabComputation(triangle, kGrid, x, on_cpu()).next(); });
+    expect_answer_or_error(named("thickness", x), [&] { SlabComputation(triangle, kFieldGrid, x, on_cpu()).next(); });
   for (const Mesh& mesh : odd_meshes())
-    expect_answer_or_error("mesh", [&] { SlabComputation(mesh, kGrid, 1, on_cpu()).next(); });
+    expect_answer_or_error("mesh", [&] { SlabComputation(mesh, kFieldGrid, 1, on_cpu()).next(); });
   for (const Mesh& mesh : unusable_meshes()) {
-    expect_answer_or_error("mesh", [&] { SlabComputation(mesh, kGrid, 1, on_cpu()).next(); });
-    expect_answer_or_error("mesh", [&] { slab_memory_needed(mesh, kGrid, 1, on_cpu()); });
+    expect_answer_or_error("mesh", [&] { SlabComputation(mesh, kFieldGrid, 1, on_cpu()).next(); });
+    expect_answer_or_error("mesh", [&] { slab_memory_needed(mesh, kFieldGrid, 1, on_cpu()); });
   }
 }
 
@@ -111,29 +111,29 @@ TEST(Misuse, Meshes) {
     expect_answer_or_error("inspect", [&] { inspect(mesh); });
     expect_answer_or_error("report", [&] { report(mesh); });
     expect_answer_or_error("points", [&] { closest_points(mesh, std::vector<Vec3>(2)); });
-    expect_answer_or_error("occupancy", [&] { occupancy(mesh, kGrid); });
+    expect_answer_or_error("occupancy", [&] { occupancy(mesh, kFieldGrid); });
     expect_answer_or_error("exposed", [&] { exposed_triangles(mesh); });
-    expect_answer_or_error("confidence", [&] { winding_margins(mesh, kGrid); });
-    expect_answer_or_error("confidence", [&] { sign_confidence(mesh, DistanceField(kGrid, 1), {}); });
-    expect_answer_or_error("memory_needed", [&] { memory_needed(mesh, kGrid, 1, on_cpu()); });
-    expect_answer_or_error("verify", [&] { verify(DistanceField(kGrid, 1), mesh); });
+    expect_answer_or_error("confidence", [&] { winding_margins(mesh, kFieldGrid); });
+    expect_answer_or_error("confidence", [&] { sign_confidence(mesh, DistanceField(kFieldGrid, 1), {}); });
+    expect_answer_or_error("memory_needed", [&] { memory_needed(mesh, kFieldGrid, 1, on_cpu()); });
+    expect_answer_or_error("verify", [&] { verify(DistanceField(kFieldGrid, 1), mesh); });
     for (const double thickness : {1.0, kInfinite})
       for (const Method method : {Method::tiles, Method::thesis}) {
         ComputeOptions options = on_cpu();
         options.method = method;
-        expect_answer_or_error("compute", [&] { compute(mesh, kGrid, thickness, options); });
+        expect_answer_or_error("compute", [&] { compute(mesh, kFieldGrid, thickness, options); });
       }
   }
 }
 
 void expect_options(const std::string& name, const ComputeOptions& options, double thickness = kFullField) {
   const Mesh mesh = one_triangle();
-  std::vector<float> values(static_cast<std::size_t>(kGrid.sample_count()));
+  std::vector<float> values(static_cast<std::size_t>(kFieldGrid.sample_count()));
   DistanceField field;
-  expect_answer_or_error(name, [&] { compute(mesh, kGrid, thickness, options); });
-  expect_answer_or_error(name, [&] { compute_into(mesh, kGrid, thickness, field, options); });
-  expect_answer_or_error(name, [&] { compute_into(mesh, kGrid, thickness, values, options); });
-  expect_answer_or_error(name, [&] { EXPECT_GT(memory_needed(mesh, kGrid, thickness, options), 0); });
+  expect_answer_or_error(name, [&] { compute(mesh, kFieldGrid, thickness, options); });
+  expect_answer_or_error(name, [&] { compute_into(mesh, kFieldGrid, thickness, field, options); });
+  expect_answer_or_error(name, [&] { compute_into(mesh, kFieldGrid, thickness, values, options); });
+  expect_answer_or_error(name, [&] { EXPECT_GT(memory_needed(mesh, kFieldGrid, thickness, options), 0); });
 }
 
 TEST(Misuse, OptionsOfCompute) {
@@ -150,7 +150,7 @@ TEST(Misuse, OptionsOfCompute) {
   for (const ComputeOptions& options : {with(&ComputeOptions::method, none_of<Method>()),
                                         with(&ComputeOptions::skip, SkipRule{none_of<SkipRule::Kind>(), 1})}) {
     expect_options("no such number", options);
-    expect_usage("no such number", [&] { compute(one_triangle(), kGrid, 1, options); });
+    expect_usage("no such number", [&] { compute(one_triangle(), kFieldGrid, 1, options); });
   }
 }
 
@@ -158,29 +158,29 @@ TEST(Misuse, OptionsOfCompute) {
 TEST(Misuse, Executions) {
   std::vector<Execution> refused{{.device = -1}, {.backend = none_of<Backend>()}, {.simd = none_of<Simd>()}};
   for (const int threads : kThreads) refused.push_back({.threads = threads});  // a million ended in a crash inside TBB
-  std::vector<float> values(static_cast<std::size_t>(kGrid.sample_count()));
-  DistanceField field(kGrid, 1);
+  std::vector<float> values(static_cast<std::size_t>(kFieldGrid.sample_count()));
+  DistanceField field(kFieldGrid, 1);
   for (const Execution& execution : refused) {
     const ComputeOptions options{.execution = execution};
-    expect_usage("compute", [&] { compute(one_triangle(), kGrid, 1, options); });
-    expect_usage("compute_into", [&] { compute_into(one_triangle(), kGrid, 1, values, options); });
-    expect_usage("compute_into", [&] { compute_into(one_triangle(), kGrid, 1, field, options); });
-    expect_usage("memory_needed", [&] { memory_needed(one_triangle(), kGrid, 1, options); });
-    expect_usage("memory_needed", [&] { memory_needed(1, kGrid, 1, options); });
+    expect_usage("compute", [&] { compute(one_triangle(), kFieldGrid, 1, options); });
+    expect_usage("compute_into", [&] { compute_into(one_triangle(), kFieldGrid, 1, values, options); });
+    expect_usage("compute_into", [&] { compute_into(one_triangle(), kFieldGrid, 1, field, options); });
+    expect_usage("memory_needed", [&] { memory_needed(one_triangle(), kFieldGrid, 1, options); });
+    expect_usage("memory_needed", [&] { memory_needed(1, kFieldGrid, 1, options); });
     expect_usage("verify", [&] { verify(field, one_triangle(), {.execution = execution}); });
     expect_usage("points", [&] { closest_points(one_triangle(), {}, execution); });
-    expect_usage("occupancy", [&] { occupancy(one_triangle(), kGrid, {SignMethod::automatic}, execution); });
+    expect_usage("occupancy", [&] { occupancy(one_triangle(), kFieldGrid, {SignMethod::automatic}, execution); });
     expect_usage("exposed", [&] { exposed_triangles(one_triangle(), {SignMethod::automatic}, execution); });
   }
   for (const Backend backend : {Backend::cuda, testing::kEmulated})
     expect_usage("verify", [&] { verify(field, one_triangle(), {.execution = {.backend = backend}}); });
   expect_usage("points", [&] { closest_points(one_triangle(), {}, {.backend = Backend::cuda}); });
   expect_answer_or_error("device", [&] {
-    compute(one_triangle(), kGrid, 1, {.execution = {.backend = Backend::cuda, .device = 1'000'000}});
+    compute(one_triangle(), kFieldGrid, 1, {.execution = {.backend = Backend::cuda, .device = 1'000'000}});
   });
   ComputeOptions most = on_cpu();
   most.execution.threads = kMaxThreads;
-  EXPECT_EQ(compute(one_triangle(), kGrid, 1, most).report.threads, kMaxThreads);
+  EXPECT_EQ(compute(one_triangle(), kFieldGrid, 1, most).report.threads, kMaxThreads);
 }
 
 // A count of 2^62 triangles gave a negative number of bytes, and -1 was a count.
@@ -192,7 +192,7 @@ TEST(Misuse, MemoryOfAnyCount) {
           ComputeOptions options = on_cpu();
           options.method = method;
           options.execution.backend = backend;
-          const auto ask = [&] { EXPECT_GT(memory_needed(n, kGrid, thickness, options), 0) << n; };
+          const auto ask = [&] { EXPECT_GT(memory_needed(n, kFieldGrid, thickness, options), 0) << n; };
           if (n < 1)
             expect_usage(named("triangles", n), ask);
           else
@@ -244,13 +244,13 @@ TEST(Misuse, Points) {
 }
 
 TEST(Misuse, Fields) {
-  DistanceField empty, plain(kGrid, 1), with_nearest(kGrid, 1, true), moved_from(kGrid, 1, true);
+  DistanceField empty, plain(kFieldGrid, 1), with_nearest(kFieldGrid, 1, true), moved_from(kFieldGrid, 1, true);
   const DistanceField taken = std::move(moved_from);
   expect_field("empty field", empty);
   expect_field("field", plain);
   expect_field("field with nearest triangles", with_nearest);
   expect_field("moved from", moved_from);  // NOLINT(bugprone-use-after-move): it is an empty field
-  for (const double x : kNumbers) expect_answer_or_error(named("thickness", x), [&] { DistanceField(kGrid, x); });
+  for (const double x : kNumbers) expect_answer_or_error(named("thickness", x), [&] { DistanceField(kFieldGrid, x); });
   expect_usage("no sample", [&] { plain.value(9, 0, 0); });
   expect_usage("no sample", [&] { plain.value(0, -1, 0); });
   expect_usage("no tile", [&] { plain.tile(0, 2, 0); });
@@ -258,7 +258,7 @@ TEST(Misuse, Fields) {
 }
 
 TEST(Misuse, Verify) {
-  const DistanceField field = compute(one_triangle(), kGrid, kFullField, on_cpu()).field;
+  const DistanceField field = compute(one_triangle(), kFieldGrid, kFullField, on_cpu()).field;
   for (const std::int64_t n : kCounts) {
     VerifyOptions options;
     options.execution.threads = 1;
@@ -267,7 +267,7 @@ TEST(Misuse, Verify) {
   }
   const DistanceField long_one = compute(one_triangle(), {{5000, 1, 1}, {}}, kFullField, on_cpu()).field;
   EXPECT_TRUE(verify(long_one, one_triangle()).ok());
-  for (const double x : kNumbers) expect_answer_or_error("bound", [&] { allowed_error(kGrid, x); });
+  for (const double x : kNumbers) expect_answer_or_error("bound", [&] { allowed_error(kFieldGrid, x); });
   for (const Grid& grid : odd_grids())
     if (grid.size.x > 0 && grid.size.y > 0 && grid.size.z > 0) allowed_error(grid, 1);
 }
@@ -276,12 +276,12 @@ TEST(Misuse, Verify) {
 TEST(Misuse, WhatCallbacksThrowComesOut) {
   ComputeOptions options = on_cpu();
   options.progress = [](const Progress&) -> bool { throw 5; };
-  EXPECT_THROW(compute(one_triangle(), kGrid, 1, options), int);
+  EXPECT_THROW(compute(one_triangle(), kFieldGrid, 1, options), int);
   options.progress = [](const Progress&) -> bool { throw std::bad_alloc(); };
-  EXPECT_THROW(compute(one_triangle(), kGrid, 1, options), std::bad_alloc);
+  EXPECT_THROW(compute(one_triangle(), kFieldGrid, 1, options), std::bad_alloc);
   VerifyOptions verifying;
   verifying.progress = [](const Progress&) -> bool { throw std::string("mine"); };
-  EXPECT_THROW(verify(DistanceField(kGrid, 1), one_triangle(), verifying), std::string);
+  EXPECT_THROW(verify(DistanceField(kFieldGrid, 1), one_triangle(), verifying), std::string);
 }
 
 }  // namespace

@@ -11,7 +11,7 @@ namespace {
 
 using namespace testing;
 
-const Grid kGrid{{9, 9, 9}, {-1, -1, -1}, {0.4, 0.4, 0.4}};
+const Grid kSampleGrid{{9, 9, 9}, {-1, -1, -1}, {0.4, 0.4, 0.4}};
 const std::vector<SidecarKind> kKinds{SidecarKind::closest_point, SidecarKind::barycentric, SidecarKind::feature,
                                       SidecarKind::gradient};
 
@@ -31,31 +31,31 @@ TEST(MisuseOfSamples, GridsAndMeshes) {
     expect_answer_or_error(name, [&] { surface_voxels(mesh, grid); });
     expect_answer_or_error(name, [&] { sidecars(mesh, field_of(mesh, grid), kKinds); });
   }
-  const DistanceField field = field_of(mesh, kGrid);
+  const DistanceField field = field_of(mesh, kSampleGrid);
   for (const Mesh& odd : odd_meshes()) {
-    expect_answer_or_error("crossings", [&] { edge_crossings(odd, kGrid); });
-    expect_answer_or_error("voxels", [&] { surface_voxels(odd, kGrid); });
+    expect_answer_or_error("crossings", [&] { edge_crossings(odd, kSampleGrid); });
+    expect_answer_or_error("voxels", [&] { surface_voxels(odd, kSampleGrid); });
     expect_answer_or_error("sidecars", [&] { sidecars(odd, field, kKinds); });
   }
 }
 
 TEST(MisuseOfSamples, Options) {
   const Mesh mesh = one_triangle();
-  const DistanceField field = field_of(mesh, kGrid);
+  const DistanceField field = field_of(mesh, kSampleGrid);
   for (const int threads : kThreads) {
     const Execution execution{.threads = threads};
-    expect_usage("crossings", [&] { edge_crossings(mesh, kGrid, {.execution = execution}); });
-    expect_usage("voxels", [&] { surface_voxels(mesh, kGrid, execution); });
+    expect_usage("crossings", [&] { edge_crossings(mesh, kSampleGrid, {.execution = execution}); });
+    expect_usage("voxels", [&] { surface_voxels(mesh, kSampleGrid, execution); });
     expect_usage("sidecars", [&] { sidecars(mesh, field, kKinds, execution); });
   }
-  expect_usage("method", [&] { edge_crossings(mesh, kGrid, {.sign = {none_of<SignMethod>()}}); });
-  expect_usage("memory", [&] { edge_crossings(mesh, kGrid, {.memory_limit = -1}); });
+  expect_usage("method", [&] { edge_crossings(mesh, kSampleGrid, {.sign = {none_of<SignMethod>()}}); });
+  expect_usage("memory", [&] { edge_crossings(mesh, kSampleGrid, {.memory_limit = -1}); });
   expect_usage("kind", [&] { sidecars(mesh, field, std::vector{none_of<SidecarKind>()}); });
   expect_usage("kind", [] { bytes_per_sample(none_of<SidecarKind>()); });
   EXPECT_EQ(name_of(none_of<SidecarKind>()), "");
-  expect_usage("no nearest", [&] { sidecars(mesh, DistanceField(kGrid, 1), kKinds); });
-  expect_usage("beside", [&] { compute(mesh, kGrid, 1, {.bytes_beside = -1}); });
-  expect_usage("beside", [&] { compute(mesh, kGrid, 1, {.bytes_beside = kMost}); });
+  expect_usage("no nearest", [&] { sidecars(mesh, DistanceField(kSampleGrid, 1), kKinds); });
+  expect_usage("beside", [&] { compute(mesh, kSampleGrid, 1, {.bytes_beside = -1}); });
+  expect_usage("beside", [&] { compute(mesh, kSampleGrid, 1, {.bytes_beside = kMost}); });
   EXPECT_TRUE(sidecars(mesh, field, {}).empty());
   std::vector<Sidecar> into{{"other", 2, std::vector<std::uint8_t>(7)}, {}, {}};
   sidecars_into(mesh, field, kKinds, into);
@@ -63,11 +63,11 @@ TEST(MisuseOfSamples, Options) {
 }
 
 TEST(MisuseOfSamples, Files) {
-  Occupancy voxels = surface_voxels(one_triangle(), kGrid);
+  Occupancy voxels = surface_voxels(one_triangle(), kSampleGrid);
   const std::vector<EdgeCrossing> odd(3);
   for (const char* name : {"", "a", "a.stl", "/no/such/folder/a.npz", "/no/such/folder/a.binvox"}) {
     expect_answer_or_error(name, [&] { write_voxels(name, voxels); });
-    expect_answer_or_error(name, [&] { write_crossings(name, odd, kGrid); });
+    expect_answer_or_error(name, [&] { write_crossings(name, odd, kSampleGrid); });
   }
   for (const Grid& grid : odd_grids())
     expect_answer_or_error("bits of another grid", [&] { write_voxels("a.npz", Occupancy{grid, voxels.bits, {}}); });

@@ -27,7 +27,8 @@ Pairs brute_pairs(const Mesh& a, const Pose& pose_a, const Mesh& b, const Pose& 
   return pairs;
 }
 
-void expect_as_brute_force(const Mesh& a, const Mesh& b, int poses, double half, double margin, unsigned seed) {
+void expect_contacts_of_brute_force(const Mesh& a, const Mesh& b, int poses, double half, double margin,
+                                    unsigned seed) {
   const CollisionModel model_a(a), model_b(b);
   Random random(seed);
   std::size_t touching = 0;
@@ -64,12 +65,14 @@ void expect_as_brute_force(const Mesh& a, const Mesh& b, int poses, double half,
 }
 
 TEST(Contacts, AreAllPairsThatTouch) {
-  expect_as_brute_force(ball_mesh(1, 5), ball_mesh(0.5, 4), 100, 1, 0, 1);
-  expect_as_brute_force(ball_mesh(0.5, 4), ball_mesh(1, 5), 100, 1, 0, 2);
-  expect_as_brute_force(random_soup(3, 60, 1, 0.5), random_soup(4, 60, 1, 0.5), 50, 1, 0, 3);
+  expect_contacts_of_brute_force(ball_mesh(1, 5), ball_mesh(0.5, 4), 100, 1, 0, 1);
+  expect_contacts_of_brute_force(ball_mesh(0.5, 4), ball_mesh(1, 5), 100, 1, 0, 2);
+  expect_contacts_of_brute_force(random_soup(3, 60, 1, 0.5), random_soup(4, 60, 1, 0.5), 50, 1, 0, 3);
 }
 
-TEST(Contacts, AreAllPairsWithinTheMargin) { expect_as_brute_force(ball_mesh(1, 3), ball_mesh(0.5, 3), 50, 1, 0.1, 4); }
+TEST(Contacts, AreAllPairsWithinTheMargin) {
+  expect_contacts_of_brute_force(ball_mesh(1, 3), ball_mesh(0.5, 3), 50, 1, 0.1, 4);
+}
 
 // A flat plate of triangles in the middle of the world, its points moved by `height`.
 template <class Height>

@@ -10,13 +10,13 @@ namespace {
 
 using namespace standoff::testing;
 
-struct Case {
+struct SweepCase {
   Pose pose_a;
   RigidMotion motion;
 };
 
-Case random_case(Random& random, double half, double translation, double turn, bool at_rest_at_origin) {
-  Case c;
+SweepCase random_case(Random& random, double half, double translation, double turn, bool at_rest_at_origin) {
+  SweepCase c;
   if (!at_rest_at_origin) c.pose_a = random_pose(random, half);
   c.motion.from = random_pose(random, half);
   c.motion.center = random.in_cube(0.5);
@@ -34,7 +34,7 @@ void expect_sound(const Mesh& a, const Mesh& b, int cases, double half, double t
   int hits = 0, frees = 0;
   for (int n = 0; n < cases; ++n) {
     SCOPED_TRACE("case " + std::to_string(n));
-    const Case c = random_case(random, half, translation, turn, n % 2);
+    const SweepCase c = random_case(random, half, translation, turn, n % 2);
     const SweepResult swept = sweep(model_a, c.pose_a, model_b, c.motion, {.tolerance = kTolerance});
     constexpr int kTimes = 40;
     for (int k = 0; k <= kTimes; ++k) {

@@ -17,8 +17,8 @@
 namespace standoff {
 namespace {
 
-const Grid kGrid{{40, 40, 40}, {-1, -1, -1}, {0.1, 0.1, 0.1}};
-const Mesh kMesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1e100, 0, 0}}, {{0, 1, 2}}};
+const Grid kErrorGrid{{40, 40, 40}, {-1, -1, -1}, {0.1, 0.1, 0.1}};
+const Mesh kErrorMesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1e100, 0, 0}}, {{0, 1, 2}}};
 
 template <class Call>
 Error error_of(Call call) {
@@ -35,16 +35,16 @@ bool says(const Error& error, std::int64_t number) {
 }
 
 TEST(ErrorDetails, NameTheTriangle) {
-  Mesh mesh = kMesh;
+  Mesh mesh = kErrorMesh;
   mesh.triangles.push_back({0, 1, 9});
-  for (const auto& call : {std::function<void()>([&] { validate(mesh); }), {[&] { compute(mesh, kGrid, 1); }}}) {
+  for (const auto& call : {std::function<void()>([&] { validate(mesh); }), {[&] { compute(mesh, kErrorGrid, 1); }}}) {
     const Error error = error_of(call);
     EXPECT_EQ(error.code(), ErrorCode::input);
     EXPECT_EQ(error.details().triangle, 1);
     EXPECT_TRUE(says(error, 1));
   }
   mesh.triangles.back() = {0, 1, 3};
-  const Error far = error_of([&] { compute(mesh, kGrid, 1); });
+  const Error far = error_of([&] { compute(mesh, kErrorGrid, 1); });
   EXPECT_EQ(far.code(), ErrorCode::limit);
   EXPECT_EQ(far.details().triangle, 1) << far.what();
   EXPECT_FALSE(far.details().bytes_needed);
@@ -53,16 +53,16 @@ TEST(ErrorDetails, NameTheTriangle) {
 TEST(ErrorDetails, TellTheBytesOfAComputation) {
   ComputeOptions options;
   options.memory_limit = 1000;
-  const Error error = error_of([&] { compute(kMesh, kGrid, 1, options); });
+  const Error error = error_of([&] { compute(kErrorMesh, kErrorGrid, 1, options); });
   EXPECT_EQ(error.code(), ErrorCode::limit);
   EXPECT_EQ(error.details().bytes_limit, 1000);
-  EXPECT_EQ(error.details().bytes_needed, memory_needed(kMesh, kGrid, 1, options));
+  EXPECT_EQ(error.details().bytes_needed, memory_needed(kErrorMesh, kErrorGrid, 1, options));
 }
 
 TEST(ErrorDetails, TellTheBytesAndTheFileOfAField) {
   const TempFolder folder;
   const auto path = folder / "a.npz";
-  write_field(path, compute(kMesh, kGrid, 1).field);
+  write_field(path, compute(kErrorMesh, kErrorGrid, 1).field);
   const Error error = error_of([&] { read_field(path, {.memory_limit = 1000}); });
   EXPECT_EQ(error.code(), ErrorCode::limit);
   EXPECT_EQ(error.details().bytes_limit, 1000);
@@ -105,7 +105,7 @@ TEST(ErrorDetails, TellFileAndByte) {
 TEST(ErrorDetails, TellTheFileThatCannotBeWritten) {
   const TempFolder folder;
   const auto path = folder / "none" / "a.obj";
-  const Error error = error_of([&] { write_mesh(path, kMesh); });
+  const Error error = error_of([&] { write_mesh(path, kErrorMesh); });
   EXPECT_EQ(error.code(), ErrorCode::output);
   EXPECT_EQ(error.details().file, path.string());
 }

@@ -12,7 +12,7 @@
 namespace standoff {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN(), kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN(), kInfinite = std::numeric_limits<double>::infinity();
 const Box kBox{{-1, 2, 3}, {3, 3, 5}};
 
 constexpr Padding kNone{.least_samples = 0};
@@ -48,7 +48,7 @@ TEST(Grid, FittingLeavesRoomForTheBand) {
 }
 
 TEST(Grid, FittingLeavesTwoSamplesAtLeast) {
-  for (const double thickness : {1e-6, kInfinity}) {
+  for (const double thickness : {1e-6, kInfinite}) {
     const Grid grid = fit_samples(kBox, 41, thickness);
     EXPECT_EQ(grid.size.x, 41);
     EXPECT_NEAR(grid.spacing.x, 4.0 / 36, 1e-12) << "two cells of 40 on each side";
@@ -57,7 +57,7 @@ TEST(Grid, FittingLeavesTwoSamplesAtLeast) {
                   {kBox.min - Vec3{0.2, 0.4, 0.6}, kBox.max + Vec3{0.2, 0.4, 0.6}});
     EXPECT_NEAR(fit_size(kBox, {41, 21, 31}, thickness).spacing.y, 1.0 / 16, 1e-12);
   }
-  EXPECT_EQ(fit_samples(kBox, 41), fit_samples(kBox, 41, kInfinity)) << "a full field, unless told otherwise";
+  EXPECT_EQ(fit_samples(kBox, 41), fit_samples(kBox, 41, kInfinite)) << "a full field, unless told otherwise";
   // Small grids have fewer to give.
   EXPECT_NEAR(fit_samples(kBox, 3).spacing.x, 4, 1e-12);
   EXPECT_EQ(fit_samples(kBox, 2).size.x, 2);
@@ -105,21 +105,21 @@ TEST(Grid, HelpersSayWhatIsWrong) {
   const auto usage = ErrorCode::usage;
   expect_error([] { fit_samples(kBox, 1); }, usage, "at least 2 samples");
   expect_error([] { fit_samples(Box{}, 9); }, usage, "empty");
-  expect_error([] { fit_samples({{0, 0, 0}, {kInfinity, 1, 1}}, 9); }, usage, "too large");
-  for (const double x : {-1.0, kNaN, kInfinity})
+  expect_error([] { fit_samples({{0, 0, 0}, {kInfinite, 1, 1}}, 9); }, usage, "too large");
+  for (const double x : {-1.0, kNaN, kInfinite})
     for (const Padding& padding :
          {by_length(x), Padding{.samples = x}, Padding{.least_samples = x}, Padding{.samples = 4, .least_samples = 0}})
       expect_error([&] { fit_samples(kBox, 9, padding); }, usage, "padding");
   expect_error([&] { fit_samples(kBox, 9, {.most_share = kNaN}); }, usage, "padding");
   for (const double t : {0.0, -1.0, kNaN}) expect_error([&] { fit_samples(kBox, 9, t); }, usage, "thickness");
-  for (const double h : {0.0, -1.0, kNaN, kInfinity})
+  for (const double h : {0.0, -1.0, kNaN, kInfinite})
     expect_error([&] { fit_spacing(kBox, {1, h, 1}); }, usage, "spacing");
   expect_error([] { fit_spacing(kBox, {1e-300, 1, 1}); }, ErrorCode::limit, "larger spacing");
   expect_error([] { minimum_grid(kBox, 1e-300); }, ErrorCode::limit, "larger thickness");
   expect_error([] { fit_size(kBox, {4, 0, 4}); }, usage, "at least one sample");
-  for (const double t : {0.0, -1.0, kNaN, kInfinity}) expect_error([&] { minimum_grid(kBox, t); }, usage, "thickness");
-  for (const double e : {0.5, kNaN, kInfinity}) expect_error([&] { minimum_grid(kBox, 1, e); }, usage, "factor e");
-  for (const double s : {-0.1, kNaN, kInfinity}) expect_error([&] { minimum_grid(kBox, 1, 2, s); }, usage, "speed");
+  for (const double t : {0.0, -1.0, kNaN, kInfinite}) expect_error([&] { minimum_grid(kBox, t); }, usage, "thickness");
+  for (const double e : {0.5, kNaN, kInfinite}) expect_error([&] { minimum_grid(kBox, 1, e); }, usage, "factor e");
+  for (const double s : {-0.1, kNaN, kInfinite}) expect_error([&] { minimum_grid(kBox, 1, 2, s); }, usage, "speed");
 }
 
 TEST(Grid, ValidateNamesWhatIsWrong) {
@@ -130,7 +130,7 @@ TEST(Grid, ValidateNamesWhatIsWrong) {
   const std::int64_t large = std::int64_t{1} << 40;
   expect_error([&] { validate(Grid{{large, large, 1}, {}, {1, 1, 1}}); }, ErrorCode::limit, "too many samples");
   expect_error([&] { validate(Grid{{large + 1, 1, 1}, {}, {1, 1, 1}}); }, ErrorCode::limit, "too many samples");
-  for (const double h : {0.0, -1.0, kNaN, kInfinity})
+  for (const double h : {0.0, -1.0, kNaN, kInfinite})
     expect_error([&] { validate(Grid{{2, 2, 2}, {}, {1, 1, h}}); }, usage, "spacing");
   expect_error([] { validate(Grid{{2, 2, 2}, {0, kNaN, 0}, {1, 1, 1}}); }, usage, "finite");
   expect_error([] { validate(Grid{{9, 2, 2}, {}, {1e308, 1, 1}}); }, usage, "finite");

@@ -13,19 +13,19 @@
 namespace standoff {
 namespace {
 
-const Mesh kMesh{{{0, 0, 0}, {1, 0, 0}, {0, 2, 0}, {0, 0, 3}, {9, 9, 9}}, {{0, 1, 2}, {0, 1, 3}}};
+const Mesh kSquare{{{0, 0, 0}, {1, 0, 0}, {0, 2, 0}, {0, 0, 3}, {9, 9, 9}}, {{0, 1, 2}, {0, 1, 3}}};
 
 TEST(Mesh, ValidateNamesTheTriangle) {
-  EXPECT_NO_THROW(validate(kMesh));
+  EXPECT_NO_THROW(validate(kSquare));
   expect_error([] { validate(Mesh{}); }, ErrorCode::input, "no triangles");
-  Mesh mesh = kMesh;
+  Mesh mesh = kSquare;
   mesh.triangles[1][2] = 5;
   expect_error([&] { validate(mesh); }, ErrorCode::input, "triangle 1: index 5");
   for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
-    mesh = kMesh;
+    mesh = kSquare;
     mesh.vertices[3].y = bad;
     expect_error([&] { validate(mesh); }, ErrorCode::input, "triangle 1: vertex 3");
-    mesh = kMesh;
+    mesh = kSquare;
     mesh.vertices[4].x = bad;
     EXPECT_NO_THROW(validate(mesh)) << "no triangle uses it";
   }
@@ -37,35 +37,35 @@ TEST(Mesh, ValidateRefusesWhatIndicesCannotCount) {
   const std::size_t bytes = std::max(vertices * sizeof(Vec3), triangles * sizeof(Triangle));
   void* reserved = ::mmap(nullptr, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (reserved == MAP_FAILED) GTEST_SKIP() << "no " << bytes << " bytes of addresses";
-  MeshView mesh = kMesh;
+  MeshView mesh = kSquare;
   mesh.vertices = std::span(static_cast<const Vec3*>(reserved), vertices);
   expect_error([&] { validate(mesh); }, ErrorCode::limit, "2 triangles over 4294967296 vertices are more than");
-  mesh = kMesh;
+  mesh = kSquare;
   mesh.triangles = std::span(static_cast<const Triangle*>(reserved), triangles);
   expect_error([&] { validate(mesh); }, ErrorCode::limit, "4000000001 triangles over 5 vertices are more than");
   ::munmap(reserved, bytes);
 }
 
 TEST(Mesh, BoundsAreThoseOfUsedVertices) {
-  const Box box = bounds(kMesh);
+  const Box box = bounds(kSquare);
   EXPECT_EQ(box.min, (Vec3{0, 0, 0}));
   EXPECT_EQ(box.max, (Vec3{1, 2, 3}));
   EXPECT_TRUE(bounds(Mesh{}).empty());
 }
 
 TEST(Mesh, ContentHashSeesEveryChange) {
-  const auto hash = content_hash(kMesh);
-  EXPECT_EQ(content_hash(Mesh(kMesh)), hash);
-  Mesh mesh = kMesh;
+  const auto hash = content_hash(kSquare);
+  EXPECT_EQ(content_hash(Mesh(kSquare)), hash);
+  Mesh mesh = kSquare;
   mesh.vertices[0].z = -0.0;
   EXPECT_NE(content_hash(mesh), hash);
-  mesh = kMesh;
+  mesh = kSquare;
   std::swap(mesh.triangles[0], mesh.triangles[1]);
   EXPECT_NE(content_hash(mesh), hash);
-  mesh = kMesh;
+  mesh = kSquare;
   std::swap(mesh.triangles[0][0], mesh.triangles[0][1]);
   EXPECT_NE(content_hash(mesh), hash);
-  mesh = kMesh;
+  mesh = kSquare;
   mesh.triangles.pop_back();
   EXPECT_NE(content_hash(mesh), hash);
 }

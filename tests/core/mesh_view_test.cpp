@@ -19,7 +19,7 @@
 namespace standoff {
 namespace {
 
-const Grid kGrid{{21, 18, 19}, {-5, -5, -5}, {0.5, 0.5, 0.5}};
+const Grid kViewGrid{{21, 18, 19}, {-5, -5, -5}, {0.5, 0.5, 0.5}};
 
 // A mesh whose vertices are floats, so that all layouts hold the same numbers; some triangles are long.
 Mesh float_mesh(unsigned seed) {
@@ -136,10 +136,10 @@ TEST(MeshView, ElementsBoundsAndHashesAreThoseOfTheMesh) {
 TEST(MeshView, FieldsAreTheSameBits) {
   const Mesh mesh = float_mesh(3);
   for (const double thickness : {0.7, kFullField}) {
-    const DistanceField expected = testing::computed(mesh, kGrid, thickness).field;
+    const DistanceField expected = testing::computed(mesh, kViewGrid, thickness).field;
     in_every_layout(mesh, [&](const MeshView& view, const std::string& name) {
       SCOPED_TRACE(name);
-      testing::expect_same_bits(testing::computed(view, kGrid, thickness).field, expected);
+      testing::expect_same_bits(testing::computed(view, kViewGrid, thickness).field, expected);
     });
   }
 }
@@ -152,8 +152,8 @@ TEST(MeshView, EveryMethodAndInstructionSetReadsIt) {
   for (const MeshView& view : {floats.view, loose.view}) {
     for (const Simd simd : {Simd::portable, Simd::avx2, Simd::avx512})
       for (const double thickness : {0.7, kFullField}) try {
-          testing::expect_same_bits(testing::computed(view, kGrid, thickness, simd).field,
-                                    testing::computed(mesh, kGrid, thickness).field);
+          testing::expect_same_bits(testing::computed(view, kViewGrid, thickness, simd).field,
+                                    testing::computed(mesh, kViewGrid, thickness).field);
         } catch (const Error& error) {  // a set that this processor does not have
           EXPECT_EQ(error.code(), ErrorCode::usage);
         }
@@ -164,7 +164,8 @@ TEST(MeshView, EveryMethodAndInstructionSetReadsIt) {
           options.method = method;
           options.skip.kind = kind;
           options.execution.backend = backend;
-          testing::expect_same_bits(compute(view, kGrid, 1, options).field, compute(mesh, kGrid, 1, options).field);
+          testing::expect_same_bits(compute(view, kViewGrid, 1, options).field,
+                                    compute(mesh, kViewGrid, 1, options).field);
         }
   }
 }
@@ -179,7 +180,7 @@ TEST(MeshView, BodiesAndPointsAnswerTheSame) {
   const DistanceResult a = distance(expected, {}, probe, {}), b = distance(body, {}, probe, {});
   EXPECT_EQ(a.upper, b.upper);
   EXPECT_EQ(a.triangle_a, b.triangle_a);
-  EXPECT_TRUE(verify(compute(mesh, kGrid, 1).field, held.view).ok());
+  EXPECT_TRUE(verify(compute(mesh, kViewGrid, 1).field, held.view).ok());
   for (std::size_t n = 0; n < points.size(); ++n)
     EXPECT_EQ(closest_points(held.view, points)[n].point, closest_points(mesh, points)[n].point);
 }
@@ -193,7 +194,7 @@ void expect_index_refused(Index bad, const std::string& told) {
   for (int way = 0; way < 3; ++way) try {
       if (way == 0) validate(view);
       if (way == 1) static_cast<void>(bounds(view));
-      if (way == 2) compute(view, kGrid, 1);
+      if (way == 2) compute(view, kViewGrid, 1);
       ADD_FAILURE() << "no error for " << told;
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::input);

@@ -17,15 +17,15 @@ namespace standoff {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-const Grid kGrid{{40, 41, 42}, {-5, -5, -5}, {0.25, 0.25, 0.25}};
+const Grid kComputeGrid{{40, 41, 42}, {-5, -5, -5}, {0.25, 0.25, 0.25}};
 
 Mesh soup() { return testing::random_soup(81, 200, 4, 1); }
 
 void expect_compute_error(const Mesh& mesh, const ComputeOptions& options, ErrorCode code, const std::string& words,
                           double thickness = kFullField) {
-  expect_error([&] { compute(mesh, kGrid, thickness, options); }, code, words);
-  std::vector<float> values(static_cast<std::size_t>(kGrid.sample_count()));
-  expect_error([&] { compute_into(mesh, kGrid, thickness, values, options); }, code, words);
+  expect_error([&] { compute(mesh, kComputeGrid, thickness, options); }, code, words);
+  std::vector<float> values(static_cast<std::size_t>(kComputeGrid.sample_count()));
+  expect_error([&] { compute_into(mesh, kComputeGrid, thickness, values, options); }, code, words);
 }
 
 TEST(Compute, MeshErrorsNameTheTriangle) {
@@ -54,10 +54,11 @@ TEST(Compute, OptionErrors) {
 }
 
 TEST(Compute, MemoryOfTheWrongLength) {
-  std::vector<float> values(static_cast<std::size_t>(kGrid.sample_count()));
+  std::vector<float> values(static_cast<std::size_t>(kComputeGrid.sample_count()));
   std::vector<std::uint32_t> nearest(values.size());
   const auto expect_refused = [](std::span<float> v, std::span<std::uint32_t> n, const ComputeOptions& options) {
-    expect_error([&] { compute_into(soup(), kGrid, kFullField, v, n, options); }, ErrorCode::usage, "68880 values");
+    expect_error([&] { compute_into(soup(), kComputeGrid, kFullField, v, n, options); }, ErrorCode::usage,
+                 "68880 values");
   };
   expect_refused(std::span(values).first(values.size() - 1), {}, {});
   expect_refused(values, std::span(nearest).first(1), {});
@@ -68,22 +69,22 @@ TEST(Compute, MemoryOfTheWrongLength) {
 
 TEST(Compute, MemoryLimitSaysWhatIsNeededAndWhatToDo) {
   ComputeOptions options;
-  const auto needed = memory_needed(soup(), kGrid, 1, options);
+  const auto needed = memory_needed(soup(), kComputeGrid, 1, options);
   options.memory_limit = needed - 1;
-  expect_error([&] { compute(soup(), kGrid, 1, options); }, ErrorCode::limit, "may need");
-  expect_error([&] { compute(soup(), kGrid, 1, options); }, ErrorCode::limit, "higher limit");
+  expect_error([&] { compute(soup(), kComputeGrid, 1, options); }, ErrorCode::limit, "may need");
+  expect_error([&] { compute(soup(), kComputeGrid, 1, options); }, ErrorCode::limit, "higher limit");
   options.memory_limit = needed;
-  EXPECT_LE(compute(soup(), kGrid, 1, options).field.memory_bytes(), needed);
+  EXPECT_LE(compute(soup(), kComputeGrid, 1, options).field.memory_bytes(), needed);
 }
 
 // What it takes is measured in memory_test.cpp.
 TEST(Compute, MemoryNeededCountsTheCallersMemory) {
   ComputeOptions options;
-  const auto dense = [&] { return memory_needed(soup(), kGrid, 0.3, options, true); };
+  const auto dense = [&] { return memory_needed(soup(), kComputeGrid, 0.3, options, true); };
   const std::int64_t values = dense();
   options.nearest_triangle = true;
-  EXPECT_EQ(dense() - values, kGrid.sample_count() * 4);
-  EXPECT_EQ(dense(), memory_needed(200, kGrid, 0.3, options, true)) << "the mesh does not matter";
+  EXPECT_EQ(dense() - values, kComputeGrid.sample_count() * 4);
+  EXPECT_EQ(dense(), memory_needed(200, kComputeGrid, 0.3, options, true)) << "the mesh does not matter";
 }
 
 TEST(Compute, MemoryNeededDoesNotOverflow) {
@@ -97,7 +98,7 @@ TEST(Compute, MemoryNeededCountsTheSkipRule) {
   const auto needed = [](SkipRule::Kind kind) {
     ComputeOptions options;
     options.skip.kind = kind;
-    return memory_needed(1'000'000, kGrid, 1, options);
+    return memory_needed(1'000'000, kComputeGrid, 1, options);
   };
   const auto none = needed(SkipRule::Kind::none);
   EXPECT_EQ(needed(SkipRule::Kind::neighbour) - none, 4'000'000);
@@ -121,7 +122,7 @@ TEST(Compute, ProgressNeverFallsAndEndsAtOne) {
       ++calls;
       return true;
     };
-    compute(soup(), kGrid, thickness, options);
+    compute(soup(), kComputeGrid, thickness, options);
     EXPECT_EQ(last, 1);
     EXPECT_GT(calls, 10);
     ASSERT_GT(stages.size(), 2u);
@@ -137,7 +138,7 @@ TEST(Compute, CancelsWhereverItIsAsked) {
       int calls = 0;
       ComputeOptions options;
       options.progress = [&](const Progress&) { return calls++ < most; };
-      expect_error([&] { compute(soup(), kGrid, thickness, options); }, ErrorCode::interrupted, "cancelled");
+      expect_error([&] { compute(soup(), kComputeGrid, thickness, options); }, ErrorCode::interrupted, "cancelled");
       EXPECT_EQ(calls, most + 1) << "not asked again";
     }
 }
@@ -153,14 +154,14 @@ TEST(Compute, CancelsBeforeTheFirstBrick) {
       before_bricks += progress.stage == std::string("gather") && progress.fraction == 0.2;
       return before_bricks < 3;
     };
-    expect_error([&] { compute(mesh, kGrid, thickness, options); }, ErrorCode::interrupted, "cancelled");
+    expect_error([&] { compute(mesh, kComputeGrid, thickness, options); }, ErrorCode::interrupted, "cancelled");
   }
 }
 
 // One field for jobs of all kinds, one after the other: nothing of one is left in the next.
 TEST(ComputeIntoAField, GivesWhatComputeGives) {
   DistanceField field;
-  const Grid grids[] = {kGrid, {{9, 70, 20}, {-2, -3, -1}, {0.5, 0.1, 0.2}}, {{1, 1, 1}, {}, {1, 1, 1}}};
+  const Grid grids[] = {kComputeGrid, {{9, 70, 20}, {-2, -3, -1}, {0.5, 0.1, 0.2}}, {{1, 1, 1}, {}, {1, 1, 1}}};
   for (const bool nearest : {false, true, false})
     for (const double thickness : {0.5, std::numeric_limits<double>::infinity(), 0.25})
       for (const Grid& grid : grids) {
@@ -183,19 +184,19 @@ TEST(ComputeIntoAField, GivesWhatComputeGives) {
 
 TEST(ComputeIntoAField, UsesItsMemoryAgain) {
   DistanceField field;
-  compute_into(soup(), kGrid, kFullField, field);
+  compute_into(soup(), kComputeGrid, kFullField, field);
   const float* const before = field.tile_values().data();
   compute_into(soup(), field.grid(), kFullField, field);
   EXPECT_EQ(field.tile_values().data(), before);
-  EXPECT_EQ(field.grid(), kGrid);
+  EXPECT_EQ(field.grid(), kComputeGrid);
 }
 
 TEST(ComputeIntoAField, ThatFailsLeavesItEmptyOrAsItWas) {
   DistanceField field;
   const auto expect_refused = [&field](const Mesh& mesh, const ComputeOptions& options, ErrorCode code, bool kept) {
-    compute_into(soup(), kGrid, kFullField, field);
+    compute_into(soup(), kComputeGrid, kFullField, field);
     const std::vector<float> before = field.to_dense();
-    expect_error([&] { compute_into(mesh, kGrid, kFullField, field, options); }, code, "");
+    expect_error([&] { compute_into(mesh, kComputeGrid, kFullField, field, options); }, code, "");
     EXPECT_EQ(field.to_dense() == before, kept);
     EXPECT_EQ(field.stored_tiles() == 0, !kept);
   };
@@ -216,7 +217,7 @@ TEST(Compute, HashesTheMeshWhereItIsWanted) {
   ComputeOptions options;
   options.hash_mesh = false;
   options.progress = [](const Progress& progress) { return progress.stage != std::string("hash"); };
-  const DistanceField field = compute(soup(), kGrid, 1, options).field;
+  const DistanceField field = compute(soup(), kComputeGrid, 1, options).field;
   EXPECT_EQ(field.provenance().mesh_hash, 0u);
   EXPECT_EQ(field.provenance().method, "tiles");
 }
@@ -224,14 +225,14 @@ TEST(Compute, HashesTheMeshWhereItIsWanted) {
 TEST(Compute, ReportsWhatItDid) {
   ComputeOptions options;
   options.execution.threads = 2;
-  const ComputeResult done = compute(soup(), kGrid, 0.5, options);
+  const ComputeResult done = compute(soup(), kComputeGrid, 0.5, options);
   const ComputeReport& report = done.report;
   EXPECT_EQ(report.method, "tiles");
   EXPECT_EQ(report.backend, "cpu");
   EXPECT_EQ(report.threads, 2);
   EXPECT_EQ(report.triangles, 200);
   EXPECT_EQ(report.skipped, 0);
-  EXPECT_EQ(report.samples, kGrid.sample_count());
+  EXPECT_EQ(report.samples, kComputeGrid.sample_count());
   EXPECT_EQ(report.tiles, 5 * 6 * 6);
   EXPECT_EQ(report.tiles_stored, done.field.stored_tiles());
   std::int64_t band = 0;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 // Nearly all tiles of so large a grid lie far from the mesh: whether the field fits is told by the triangles alone.
-const Grid kGrid{{400, 400, 400}, {-10, -10, -10}, {0.05, 0.05, 0.05}};
+const Grid kPrepareGrid{{400, 400, 400}, {-10, -10, -10}, {0.05, 0.05, 0.05}};
 constexpr double kThickness = 0.1;
 
 Mesh small_mesh() { return testing::random_soup(401, 50, 1, 0.5); }
@@ -28,7 +28,8 @@ ComputeOptions limited(std::int64_t bytes) {
 
 MeshLook look(const Mesh& mesh) {
   const ComputeOptions options = limited(0);
-  const Plan plan = make_plan(static_cast<std::int64_t>(mesh.triangles.size()), kGrid, kThickness, options, false);
+  const Plan plan =
+      make_plan(static_cast<std::int64_t>(mesh.triangles.size()), kPrepareGrid, kThickness, options, false);
   return look_at(mesh, plan, true);
 }
 
@@ -45,8 +46,8 @@ TEST(Prepare, VerticesThatNothingUsesDoNotMatter) {
     EXPECT_FALSE(look(more).is_near);
     EXPECT_EQ(look(more).tiles, expected.tiles);
     const ComputeOptions options = limited(std::int64_t{1} << 27);
-    EXPECT_EQ(compute(more, kGrid, kThickness, options).report.samples_band,
-              compute(mesh, kGrid, kThickness, options).report.samples_band);
+    EXPECT_EQ(compute(more, kPrepareGrid, kThickness, options).report.samples_band,
+              compute(mesh, kPrepareGrid, kThickness, options).report.samples_band);
   }
 }
 
@@ -54,7 +55,7 @@ TEST(Prepare, VerticesThatNothingUsesDoNotMatter) {
 TEST(Prepare, TheFirstFaultIsTold) {
   const auto message = [](const Mesh& mesh, std::int64_t bytes) -> std::string {
     try {
-      compute(mesh, kGrid, kThickness, limited(bytes));
+      compute(mesh, kPrepareGrid, kThickness, limited(bytes));
     } catch (const Error& error) {
       return error.what();
     }

@@ -24,7 +24,7 @@ using testing::nasty_soup;
 using testing::random_soup;
 using Kept = std::vector<std::uint32_t>;
 
-const Grid kGrid{{17, 17, 17}, {-4, -4, -4}, {0.5, 0.5, 0.5}};
+const Grid kSkipGrid{{17, 17, 17}, {-4, -4, -4}, {0.5, 0.5, 0.5}};
 
 Box triangle_box(MeshView mesh, std::uint32_t triangle) {
   Box box;
@@ -50,7 +50,7 @@ Mesh cubes(std::initializer_list<double> halves) {
 TEST(KeptTriangles, NoneAndAutomaticKeepAll) {
   const Mesh mesh = nasty_soup(1, 30, 4);
   for (const auto kind : {SkipRule::Kind::none, SkipRule::Kind::automatic}) {
-    const Kept kept = kept_triangles(mesh, kGrid, 1, {kind, 1});
+    const Kept kept = kept_triangles(mesh, kSkipGrid, 1, {kind, 1});
     ASSERT_EQ(kept.size(), mesh.triangles.size());
     for (std::uint32_t t = 0; t < kept.size(); ++t) EXPECT_EQ(kept[t], t);
   }
@@ -150,7 +150,7 @@ TEST(ExactRule, DropsCopiesAndKeepsTheFirst) {
   const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
   for (int k = 0; k < 3; ++k) mesh.vertices.push_back(mesh.vertices[mesh.triangles[2][k]]);
   mesh.triangles.push_back({first, first + 1, first + 2});
-  EXPECT_EQ(kept_by_exact_rule(mesh, kGrid, 1), (Kept{0, 2, 3}));
+  EXPECT_EQ(kept_by_exact_rule(mesh, kSkipGrid, 1), (Kept{0, 2, 3}));
 }
 
 TEST(ExactRule, DropsTrianglesOutOfReachOfEverySample) {
@@ -158,9 +158,9 @@ TEST(ExactRule, DropsTrianglesOutOfReachOfEverySample) {
   add_cube(mesh, 0, 1);
   add_cube(mesh, 6.5, 0.25);  // ends 2.25 beyond the last sample
   add_cube(mesh, -100, 1);
-  EXPECT_EQ(kept_by_exact_rule(mesh, kGrid, 2), (Kept{0}));
-  EXPECT_EQ(kept_by_exact_rule(mesh, kGrid, 2.25), (Kept{0, 1}));
-  EXPECT_EQ(kept_by_exact_rule(mesh, kGrid, kInfinity), (Kept{0, 1, 2}));
+  EXPECT_EQ(kept_by_exact_rule(mesh, kSkipGrid, 2), (Kept{0}));
+  EXPECT_EQ(kept_by_exact_rule(mesh, kSkipGrid, 2.25), (Kept{0, 1}));
+  EXPECT_EQ(kept_by_exact_rule(mesh, kSkipGrid, kInfinity), (Kept{0, 1, 2}));
 }
 
 TEST(ExactRule, DropsTrianglesThatFallBetweenSamples) {
@@ -168,21 +168,21 @@ TEST(ExactRule, DropsTrianglesThatFallBetweenSamples) {
   add_cube(mesh, 0.25, 0.01);
   for (Vec3& v : mesh.vertices) v = v + Vec3{0, 0.25, 0.25};
   add_cube(mesh, 0, 0.01);
-  EXPECT_EQ(kept_by_exact_rule(mesh, kGrid, 0.1), (Kept{1}));
+  EXPECT_EQ(kept_by_exact_rule(mesh, kSkipGrid, 0.1), (Kept{1}));
 }
 
 TEST(ExactRule, KeepsOneTriangleOfAMeshThatIsAllOutOfReach) {
   Mesh mesh;
   add_cube(mesh, 100, 1);
   add_cube(mesh, 200, 1);
-  EXPECT_EQ(kept_by_exact_rule(mesh, kGrid, 1), (Kept{0}));
+  EXPECT_EQ(kept_by_exact_rule(mesh, kSkipGrid, 1), (Kept{0}));
 }
 
 TEST(ExactRule, TellsZeroFromMinusZero) {
   Mesh mesh;
   add_triangle(mesh, {0, 0, 0}, {1, 0, 0}, {0, 1, 0});
   add_triangle(mesh, {-0.0, 0, 0}, {1, 0, 0}, {0, 1, 0});
-  EXPECT_EQ(kept_by_exact_rule(mesh, kGrid, 1).size(), 2u);
+  EXPECT_EQ(kept_by_exact_rule(mesh, kSkipGrid, 1).size(), 2u);
 }
 
 TEST(ExactRule, FindsEveryCopyInALargeMeshOnAnyNumberOfThreads) {
@@ -195,7 +195,7 @@ TEST(ExactRule, FindsEveryCopyInALargeMeshOnAnyNumberOfThreads) {
   }
   const SkipRule rule{SkipRule::Kind::exact, 1};
   const auto kept_with = [&](int threads) {
-    return Threads(threads).run([&] { return kept_triangles(mesh, kGrid, 1, rule); });
+    return Threads(threads).run([&] { return kept_triangles(mesh, kSkipGrid, 1, rule); });
   };
   const Kept kept = kept_with(1);
   EXPECT_EQ(kept.size(), 60000u);
@@ -206,7 +206,7 @@ TEST(ExactRule, FindsEveryCopyInALargeMeshOnAnyNumberOfThreads) {
 // Of so many triangles some pairs have the same hash of 32 bits by chance, and are no copies all the same.
 TEST(ExactRule, DifferentTrianglesOfOneHashStay) {
   const Mesh mesh = random_soup(8, 400000, 3.9, 0.1);
-  EXPECT_EQ(kept_by_exact_rule(mesh, kGrid, 1).size(), mesh.triangles.size());
+  EXPECT_EQ(kept_by_exact_rule(mesh, kSkipGrid, 1).size(), mesh.triangles.size());
 }
 
 ComputeResult computed(MeshView mesh, double thickness, Method method, SkipRule::Kind rule) {
@@ -214,7 +214,7 @@ ComputeResult computed(MeshView mesh, double thickness, Method method, SkipRule:
   options.method = method;
   options.nearest_triangle = true;
   options.skip.kind = rule;
-  return compute(mesh, kGrid, thickness, options);
+  return compute(mesh, kSkipGrid, thickness, options);
 }
 
 TEST(ExactRule, ChangesNoBitOfTheFieldNorOfTheNearestTriangles) {

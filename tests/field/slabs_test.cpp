@@ -21,7 +21,7 @@ namespace standoff::testing {
 namespace {
 
 // No multiples of 16, nor of anything that a file's blocks are.
-const Grid kGrid{{37, 41, 77}, {-1.25, -1.3, -1.35}, {0.069, 0.065, 0.0351}};
+const Grid kSlabsGrid{{37, 41, 77}, {-1.25, -1.3, -1.35}, {0.069, 0.065, 0.0351}};
 constexpr std::int64_t kOneLayer = 1;  // slabs of 16 slices, the thinnest
 
 Mesh open_ball() {
@@ -98,7 +98,7 @@ TEST(Slabs, ThinThickAndFull) {
         SCOPED_TRACE(thickness);
         ComputeOptions options = by(SignMethod::none);
         options.nearest_triangle = nearest;
-        EXPECT_EQ(expect_whole_field(mesh, kGrid, thickness, options), 5);
+        EXPECT_EQ(expect_whole_field(mesh, kSlabsGrid, thickness, options), 5);
       }
 }
 
@@ -119,7 +119,7 @@ TEST(Slabs, EverySign) {
           ComputeOptions options = by(one.method);
           options.sign.invert = invert;
           options.nearest_triangle = thickness == 0.7;
-          const int slabs = expect_whole_field(open ? open_ball() : ball_mesh(1, 6), kGrid, thickness, options);
+          const int slabs = expect_whole_field(open ? open_ball() : ball_mesh(1, 6), kSlabsGrid, thickness, options);
           // What is open, automatic may flood.
           if (one.method != SignMethod::automatic || !open) {
             EXPECT_EQ(slabs, one.slabs);
@@ -141,9 +141,9 @@ TEST(Slabs, InsideOfTilesThatAreNotStored) {
 
 TEST(Slabs, AreAsThickAsAsked) {
   const Mesh ball = ball_mesh(1, 6);
-  const std::int64_t layer = 16 * kGrid.size.x * kGrid.size.y;
+  const std::int64_t layer = 16 * kSlabsGrid.size.x * kSlabsGrid.size.y;
   const auto count = [&](std::int64_t samples) {
-    return expect_whole_field(ball, kGrid, 0.15, by(SignMethod::winding), samples);
+    return expect_whole_field(ball, kSlabsGrid, 0.15, by(SignMethod::winding), samples);
   };
   EXPECT_EQ(count(layer), 5);
   EXPECT_EQ(count(2 * layer - 1), 5);
@@ -156,13 +156,13 @@ TEST(Slabs, AreAsThickAsAsked) {
 TEST(Slabs, OtherMethodsAreOneSlab) {
   ComputeOptions options = by(SignMethod::none);
   options.method = Method::thesis;
-  EXPECT_EQ(expect_whole_field(ball_mesh(1, 6), kGrid, 0.15, options), 1);
+  EXPECT_EQ(expect_whole_field(ball_mesh(1, 6), kSlabsGrid, 0.15, options), 1);
 }
 
 TEST(Slabs, SkipRulesAndTheUnionOfParts) {
   ComputeOptions options = by(SignMethod::winding);
   options.skip.kind = SkipRule::Kind::exact;
-  EXPECT_EQ(expect_whole_field(ball_mesh(1, 6), kGrid, 0.15, options), 5);
+  EXPECT_EQ(expect_whole_field(ball_mesh(1, 6), kSlabsGrid, 0.15, options), 5);
   Mesh two = ball_mesh(0.6, 5);
   const Mesh other = ball_mesh(0.6, 5, {0.3, 0.3, 0.3});
   for (const Triangle& t : other.triangles) {
@@ -172,7 +172,7 @@ TEST(Slabs, SkipRulesAndTheUnionOfParts) {
   two.vertices.insert(two.vertices.end(), other.vertices.begin(), other.vertices.end());
   options = by(SignMethod::winding);
   options.sign.outer = true;
-  EXPECT_EQ(expect_whole_field(two, kGrid, 0.15, options), 5);
+  EXPECT_EQ(expect_whole_field(two, kSlabsGrid, 0.15, options), 5);
 }
 
 // Files: blocks of 2^18 samples end within slabs, with them, and span several.
@@ -183,8 +183,8 @@ TEST(Slabs, FilesAreTheSameByteByByte) {
     write_field(folder / name, compute(mesh, grid, thickness, options).field, written);
     return read_bytes(folder / name);
   };
-  for (const Grid& grid : {kGrid, Grid{{150, 141, 77}, kGrid.origin, {0.017, 0.019, 0.0351}},
-                           Grid{{128, 128, 64}, kGrid.origin, {0.02, 0.02, 0.042}}})
+  for (const Grid& grid : {kSlabsGrid, Grid{{150, 141, 77}, kSlabsGrid.origin, {0.017, 0.019, 0.0351}},
+                           Grid{{128, 128, 64}, kSlabsGrid.origin, {0.02, 0.02, 0.042}}})
     for (const bool open : {false, true})
       for (const double thickness : {0.07, kFullField})
         for (const std::string name : {"a.vti", "a.npz", "a.nrrd"})
@@ -203,8 +203,8 @@ TEST(Slabs, FilesAreTheSameByteByByte) {
                                   SignMethod::normal, SignMethod::automatic}) {
     SCOPED_TRACE(name_of(method));
     const Mesh ball = ball_mesh(1, 6);
-    const std::string whole = bytes_of_whole(ball, kGrid, 0.07, by(method), "b.vti", {});
-    SlabComputation slabs(ball, kGrid, 0.07, by(method), kOneLayer);
+    const std::string whole = bytes_of_whole(ball, kSlabsGrid, 0.07, by(method), "b.vti", {});
+    SlabComputation slabs(ball, kSlabsGrid, 0.07, by(method), kOneLayer);
     write_field(folder / "b.vti", slabs);
     EXPECT_TRUE(read_bytes(folder / "b.vti") == whole);
   }
@@ -241,7 +241,7 @@ class Sliced final : public FieldSlabs {
 
 TEST(Slabs, MayComeFromAnywhere) {
   const TempFolder folder;
-  const DistanceField field = compute(ball_mesh(1, 6), kGrid, 0.2, by(SignMethod::winding)).field;
+  const DistanceField field = compute(ball_mesh(1, 6), kSlabsGrid, 0.2, by(SignMethod::winding)).field;
   for (const std::string name : {"a.vti", "a.npz", "a.nrrd"}) {
     write_field(folder / name, field);
     const std::string whole = read_bytes(folder / name);
@@ -258,13 +258,13 @@ TEST(Slabs, MayComeFromAnywhere) {
 TEST(Slabs, WhatTheirFilesCannotBe) {
   const TempFolder folder;
   const Mesh ball = ball_mesh(1, 3);
-  SlabComputation slabs(ball, kGrid, 0.2, by(SignMethod::none));
+  SlabComputation slabs(ball, kSlabsGrid, 0.2, by(SignMethod::none));
   for (const std::string name : {"a.vdb", "a.nvdb"})
     expect_error([&] { write_field(folder / name, slabs); }, ErrorCode::usage,
                  "write .vti or .nrrd or .npz, or compute the whole field");
   ComputeOptions options = by(SignMethod::none);
   options.nearest_triangle = true;
-  SlabComputation with_nearest(ball, kGrid, 0.2, options);
+  SlabComputation with_nearest(ball, kSlabsGrid, 0.2, options);
   expect_error([&] { write_field(folder / "a.vti", with_nearest); }, ErrorCode::usage, "distances alone are written");
   EXPECT_TRUE(folder.names().empty());
 }
@@ -274,7 +274,7 @@ TEST(Slabs, AfterAnErrorThereAreNoMore) {
   ComputeOptions options = by(SignMethod::winding);
   bool stop = false;
   options.progress = [&](const Progress&) { return !stop; };
-  SlabComputation slabs(ball, kGrid, 0.2, options, kOneLayer);
+  SlabComputation slabs(ball, kSlabsGrid, 0.2, options, kOneLayer);
   ASSERT_NE(slabs.next(), nullptr);
   stop = true;
   expect_error([&] { slabs.next(); }, ErrorCode::interrupted, "cancelled");
@@ -287,7 +287,7 @@ struct OfTheCaller {};
 // A source of one's own that fails.
 class Broken final : public FieldSlabs {
  public:
-  const Grid& grid() const override { return kGrid; }
+  const Grid& grid() const override { return kSlabsGrid; }
   double thickness() const override { return 0.2; }
   bool has_nearest() const override { return false; }
   const Provenance& provenance() const override { return provenance_; }
@@ -304,7 +304,7 @@ TEST(Slabs, WhatTheCallerThrowsPassesUnchanged) {
   ComputeOptions options = by(SignMethod::winding);
   bool fail = false;
   options.progress = [&](const Progress&) -> bool { return fail ? throw OfTheCaller() : true; };
-  SlabComputation slabs(ball, kGrid, 0.2, options, kOneLayer);
+  SlabComputation slabs(ball, kSlabsGrid, 0.2, options, kOneLayer);
   fail = true;
   EXPECT_THROW(write_field(folder / "a.vti", slabs), OfTheCaller);
   Broken broken;

@@ -16,17 +16,17 @@ using testing::Random;
 
 // Half of the solids below are inside out, and stay so.
 const SignOptions kAsItIs{.method = SignMethod::winding, .as_oriented = true};
-const Grid kGrid{{18, 17, 19}, {-2.1, -2, -2.2}, {0.23, 0.24, 0.225}};
+const Grid kSignGrid{{18, 17, 19}, {-2.1, -2, -2.2}, {0.23, 0.24, 0.225}};
 
 DistanceField signed_field(const Mesh& mesh, const SignOptions& sign, double thickness = kFullField) {
   ComputeOptions options;
   options.sign = sign;
-  return compute(mesh, kGrid, thickness, options).field;
+  return compute(mesh, kSignGrid, thickness, options).field;
 }
 
 VerifyResult verified(const DistanceField& field, const Mesh& mesh) {
   VerifyOptions options;
-  options.samples = kGrid.sample_count();
+  options.samples = kSignGrid.sample_count();
   return verify(field, mesh, options);
 }
 
@@ -35,7 +35,7 @@ template <class Change>
 DistanceField changed(const DistanceField& field, const std::string& sign, const Change& change) {
   std::vector<float> values = field.to_dense();
   for (std::size_t n = 0; n < values.size(); ++n) change(values[n], n);
-  DistanceField result = DistanceField::from_dense(kGrid, field.thickness(), values);
+  DistanceField result = DistanceField::from_dense(kSignGrid, field.thickness(), values);
   Provenance provenance = field.provenance();
   provenance.sign = sign;
   result.set_provenance(provenance);
@@ -57,7 +57,7 @@ TEST(VerifySign, TrueSignsPass) {
       const VerifyResult found = verified(signed_field(mesh, sign, thickness), mesh);
       EXPECT_TRUE(found.ok()) << found.sign.method;
       EXPECT_TRUE(found.sign.can_check);
-      EXPECT_EQ(found.sign.checked, kGrid.sample_count()) << found.sign.method;
+      EXPECT_EQ(found.sign.checked, kSignGrid.sample_count()) << found.sign.method;
       EXPECT_GT(found.sign.negative, 10) << found.sign.method;
     }
 }
@@ -86,14 +86,14 @@ TEST(VerifySign, EveryWrongSampleIsFound) {
   EXPECT_EQ(one.sign.wrong, 1);
   EXPECT_FALSE(one.ok());
   EXPECT_EQ(one.samples_wrong, 0) << "its distance is right";
-  EXPECT_EQ(kGrid.index(one.sign.worst.i, one.sign.worst.j, one.sign.worst.k), 1234);
+  EXPECT_EQ(kSignGrid.index(one.sign.worst.i, one.sign.worst.j, one.sign.worst.k), 1234);
   EXPECT_EQ(one.sign.worst.stored<0, one.sign.worst.expected> 0);
   EXPECT_EQ(one.sign.worst_winding > 0, one.sign.worst.expected < 0);
 
   const VerifyResult many = wrong_at([](std::size_t n) { return n % 7 == 0; });
-  EXPECT_EQ(many.sign.wrong, (kGrid.sample_count() + 6) / 7);
+  EXPECT_EQ(many.sign.wrong, (kSignGrid.sample_count() + 6) / 7);
   float farthest = 0;
-  for (std::size_t n = 0; n < static_cast<std::size_t>(kGrid.sample_count()); n += 7)
+  for (std::size_t n = 0; n < static_cast<std::size_t>(kSignGrid.sample_count()); n += 7)
     farthest = std::max(farthest, std::abs(field.to_dense()[n]));
   EXPECT_EQ(std::abs(many.sign.worst.stored), farthest);
 }
@@ -128,7 +128,8 @@ TEST(VerifySign, OpenMeshesByTheGeneralisedWindingNumber) {
   const DistanceField plain = signed_field(mesh, {});
   const auto winding = [&](std::size_t n) {
     const auto i = static_cast<std::int64_t>(n);
-    const Vec3 p = kGrid.position(i % kGrid.size.x, i / kGrid.size.x % kGrid.size.y, i / kGrid.size.x / kGrid.size.y);
+    const Vec3 p = kSignGrid.position(i % kSignGrid.size.x, i / kSignGrid.size.x % kSignGrid.size.y,
+                                      i / kSignGrid.size.x / kSignGrid.size.y);
     return winding_by_angles({mesh}, p).value;
   };
   const auto field_by = [&](const std::string& name, auto is_inside) {
@@ -136,7 +137,7 @@ TEST(VerifySign, OpenMeshesByTheGeneralisedWindingNumber) {
   };
   const VerifyResult positive = verified(field_by("winding", [](double w) { return w > 0.5; }), mesh);
   EXPECT_TRUE(positive.ok());
-  EXPECT_EQ(positive.sign.checked, kGrid.sample_count());
+  EXPECT_EQ(positive.sign.checked, kSignGrid.sample_count());
   EXPECT_TRUE(verified(field_by("winding nonzero", [](double w) { return std::abs(w) > 0.5; }), mesh).ok());
   EXPECT_GT(verified(field_by("winding", [](double w) { return w > 0.45; }), mesh).sign.wrong, 0);
   // A parity it has not.
@@ -155,7 +156,7 @@ TEST(VerifySign, MeshesThatWereOrientedFirst) {
   EXPECT_TRUE(verified(renamed(field, "winding nonzero"), right).ok());
   const VerifyResult oriented = verified(renamed(field, "winding nonzero oriented"), mesh);
   EXPECT_EQ(oriented.sign.wrong, 0);
-  EXPECT_EQ(oriented.sign.checked, kGrid.sample_count());
+  EXPECT_EQ(oriented.sign.checked, kSignGrid.sample_count());
   EXPECT_GT(verified(renamed(field, "winding nonzero"), mesh).sign.wrong, 0);
 }
 
@@ -178,7 +179,7 @@ TEST(VerifySign, FloodIsCheckedBeyondTheMesh) {
   EXPECT_TRUE(right.ok());
   EXPECT_GT(right.sign.checked, 100);
   EXPECT_GT(right.sign.unknown, 100);
-  EXPECT_LT(kGrid.origin.x, box.min.x);
+  EXPECT_LT(kSignGrid.origin.x, box.min.x);
   const VerifyResult leaked =
       verified(changed(field, "flood", [](float& value, std::size_t n) { value = n == 0 ? -value : value; }), mesh);
   EXPECT_EQ(leaked.sign.wrong, 1);
@@ -198,8 +199,8 @@ TEST(VerifySign, NormalsByTheSideOfTheNearestTriangle) {
     }
   const DistanceField plain = signed_field(sheet, {});
   const auto below = [&](float& value, std::size_t n) {
-    const auto k = static_cast<std::int64_t>(n) / (kGrid.size.x * kGrid.size.y);
-    if (kGrid.position(0, 0, k).z < 0) value = -value;
+    const auto k = static_cast<std::int64_t>(n) / (kSignGrid.size.x * kSignGrid.size.y);
+    if (kSignGrid.position(0, 0, k).z < 0) value = -value;
   };
   // Between the sheet's lowest and highest points it is not known here what is below.
   const auto wrong_outside = [&](const VerifyResult& found) {
@@ -229,7 +230,7 @@ TEST(VerifySign, ShellsAreDistancesLessHalfTheirThickness) {
   };
   std::vector<float> values = plain.to_dense();
   for (float& value : values) value = std::min(value - 0.1f, 0.4f);
-  DistanceField field = DistanceField::from_dense(kGrid, 0.4, values);
+  DistanceField field = DistanceField::from_dense(kSignGrid, 0.4, values);
   field.set_provenance({"tiles", 0, "1", "shell 0.2"});
   const VerifyResult right = verified(field, mesh);
   EXPECT_TRUE(right.ok()) << right.samples_wrong << ", " << right.sign.wrong;
@@ -257,7 +258,7 @@ TEST(VerifySign, AllThatComputeMakes) {
       ComputeOptions options;
       options.sign = sign;
       options.nearest_triangle = true;
-      const DistanceField field = compute(broken, kGrid, thickness, options).field;
+      const DistanceField field = compute(broken, kSignGrid, thickness, options).field;
       const VerifyResult found = verified(field, broken);
       EXPECT_TRUE(found.ok()) << found.sign.method << " within " << thickness << ": worst " << found.sign.worst.stored
                               << " at distance " << found.sign.worst.expected << ", " << found.samples_wrong

@@ -21,18 +21,18 @@ namespace {
 using testing::brute_distance;
 using testing::random_soup;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-const Grid kGrid{{20, 17, 23}, {-1.5, -1.25, -1.75}, {0.15, 0.16, 0.17}};
+constexpr double kUnlimited = std::numeric_limits<double>::infinity();
+const Grid kVerifyGrid{{20, 17, 23}, {-1.5, -1.25, -1.75}, {0.15, 0.16, 0.17}};
 
 // The field by definition; `spoil` may change a value.
 template <class Spoil>
 DistanceField field_of(const Mesh& mesh, double thickness, Spoil spoil, bool with_nearest = false) {
   std::vector<float> values;
   std::vector<std::uint32_t> nearest;
-  for (std::int64_t k = 0; k < kGrid.size.z; ++k)
-    for (std::int64_t j = 0; j < kGrid.size.y; ++j)
-      for (std::int64_t i = 0; i < kGrid.size.x; ++i) {
-        const Vec3 p = kGrid.position(i, j, k);
+  for (std::int64_t k = 0; k < kVerifyGrid.size.z; ++k)
+    for (std::int64_t j = 0; j < kVerifyGrid.size.y; ++j)
+      for (std::int64_t i = 0; i < kVerifyGrid.size.x; ++i) {
+        const Vec3 p = kVerifyGrid.position(i, j, k);
         const double distance = brute_distance(mesh, p);
         values.push_back(static_cast<float>(std::min(distance, thickness)));
         nearest.push_back(kNoTriangle);
@@ -42,7 +42,7 @@ DistanceField field_of(const Mesh& mesh, double thickness, Spoil spoil, bool wit
         spoil(i, j, k, values.back(), nearest.back());
       }
   if (!with_nearest) nearest.clear();
-  return DistanceField::from_dense(kGrid, thickness, values, nearest);
+  return DistanceField::from_dense(kVerifyGrid, thickness, values, nearest);
 }
 DistanceField field_of(const Mesh& mesh, double thickness) {
   return field_of(mesh, thickness, [](auto...) {});
@@ -50,7 +50,7 @@ DistanceField field_of(const Mesh& mesh, double thickness) {
 
 VerifyOptions every_sample() {
   VerifyOptions options;
-  options.samples = kGrid.sample_count();
+  options.samples = kVerifyGrid.sample_count();
   return options;
 }
 
@@ -79,10 +79,10 @@ TEST(TriangleGroups, HugeCoordinates) {
 
 TEST(Verify, TrueFieldsPass) {
   const Mesh mesh = random_soup(1, 40, 1, 0.4);
-  for (const double thickness : {0.2, kInfinity}) {
+  for (const double thickness : {0.2, kUnlimited}) {
     const VerifyResult found = verify(field_of(mesh, thickness), mesh, every_sample());
     EXPECT_TRUE(found.ok());
-    EXPECT_EQ(found.samples, kGrid.sample_count());
+    EXPECT_EQ(found.samples, kVerifyGrid.sample_count());
     EXPECT_EQ(found.samples_wrong, 0);
     EXPECT_LE(found.worst.error, found.worst.allowed);
     EXPECT_GT(found.samples_band, 0);
@@ -101,8 +101,8 @@ TEST(Verify, SamplesAtTheThicknessLieInTheBand) {
 TEST(Verify, FindsOneWrongSample) {
   const Mesh mesh = random_soup(2, 40, 1, 0.4);
   const auto wrong_by = [&](double factor) {
-    const auto field = field_of(mesh, kInfinity, [&](auto i, auto j, auto k, float& value, auto&) {
-      if (i == 5 && j == 6 && k == 7) value = static_cast<float>(value + factor * allowed_error(kGrid, value));
+    const auto field = field_of(mesh, kUnlimited, [&](auto i, auto j, auto k, float& value, auto&) {
+      if (i == 5 && j == 6 && k == 7) value = static_cast<float>(value + factor * allowed_error(kVerifyGrid, value));
     });
     return verify(field, mesh, every_sample());
   };
@@ -114,7 +114,7 @@ TEST(Verify, FindsOneWrongSample) {
     EXPECT_EQ(found.worst.i, 5);
     EXPECT_EQ(found.worst.j, 6);
     EXPECT_EQ(found.worst.k, 7);
-    EXPECT_EQ(found.worst.position, kGrid.position(5, 6, 7));
+    EXPECT_EQ(found.worst.position, kVerifyGrid.position(5, 6, 7));
     EXPECT_NEAR(found.worst.error, std::abs(factor) * found.worst.allowed,
                 0.1 * std::abs(factor) * found.worst.allowed);
   }
@@ -123,12 +123,12 @@ TEST(Verify, FindsOneWrongSample) {
 TEST(Verify, NotANumberIsWrong) {
   const Mesh mesh = random_soup(2, 10, 1, 0.4);
   for (const float value : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
-    const auto field = field_of(mesh, kInfinity, [&](auto i, auto j, auto k, float& at, auto&) {
+    const auto field = field_of(mesh, kUnlimited, [&](auto i, auto j, auto k, float& at, auto&) {
       if (i + j + k == 0) at = value;
     });
     const VerifyResult found = verify(field, mesh, every_sample());
     EXPECT_EQ(found.samples_wrong, 1);
-    EXPECT_EQ(found.largest.error, kInfinity);
+    EXPECT_EQ(found.largest.error, kUnlimited);
     EXPECT_EQ(found.largest.i + found.largest.j + found.largest.k, 0);
   }
 }
@@ -136,7 +136,7 @@ TEST(Verify, NotANumberIsWrong) {
 // A field whose band was forgotten: no tile is stored, all values are the thickness.
 TEST(Verify, EmptyFieldFails) {
   const Mesh mesh = random_soup(4, 40, 1, 0.4);
-  const VerifyResult found = verify(DistanceField(kGrid, 0.3), mesh, every_sample());
+  const VerifyResult found = verify(DistanceField(kVerifyGrid, 0.3), mesh, every_sample());
   EXPECT_FALSE(found.ok());
   EXPECT_EQ(found.samples_wrong, found.samples_band);
 }
@@ -190,7 +190,7 @@ TEST(Verify, HalfTheSamplesAreDrawnFromStoredTiles) {
 
 TEST(Verify, SameSamplesForAnyThreadsOtherSamplesForAnotherSeed) {
   const Mesh mesh = random_soup(6, 40, 1, 0.4);
-  const auto field = field_of(mesh, kInfinity);
+  const auto field = field_of(mesh, kUnlimited);
   const auto largest = [&](std::uint64_t seed, int threads) {
     VerifyOptions options;
     options.samples = 50;

@@ -17,14 +17,14 @@
 namespace standoff {
 namespace {
 
-using Corners = std::array<Triple<double>, 3>;
+using CornerPoints = std::array<Triple<double>, 3>;
 
 struct Found {
   bool sound;
   QuickPart<double, bool> quick;
   ClosestPart<double> exact;
 };
-Found look_at(const Corners& c) {
+Found look_at(const CornerPoints& c) {
   Found found;
   found.quick = quick_part(quick_triangle(c[0], c[1], c[2]), Triple<double>{} - c[0]);
   found.sound = found.quick.is_sound;
@@ -32,7 +32,7 @@ Found look_at(const Corners& c) {
   return found;
 }
 
-double farthest(const Corners& c) {
+double farthest(const CornerPoints& c) {
   double most = 0;
   for (const Triple<double>& v : c) most = std::max(most, std::sqrt(dot(v, v)));
   return most;
@@ -40,7 +40,7 @@ double farthest(const Corners& c) {
 
 // In units of the farthest corner's distance. What closest_part() gives is the nearest of points whose distances hardly
 // differ: only the distance is compared for those on the border of a feature.
-void expect_same(const Corners& c, const Found& found) {
+void expect_same(const CornerPoints& c, const Found& found) {
   const double extent = farthest(c);
   EXPECT_NEAR(std::sqrt(found.quick.distance_sq), std::sqrt(found.exact.distance_sq), 1e-12 * extent);
   const Triple<double> w = weights_of(found.quick);
@@ -67,7 +67,7 @@ TEST(QuickPart, AsTheClosestOfAllParts) {
   for (int n = 0; n < kCases; ++n) {
     const double size = std::exp2(6 * unit(random) - 2), flat = n % 3 == 0 ? std::exp2(10 * unit(random) - 10) : 1;
     const Triple<double> at{2 * unit(random), 2 * unit(random), 2 * unit(random)};
-    Corners c;
+    CornerPoints c;
     for (Triple<double>& v : c)
       v = at + Triple<double>{size * unit(random), size * unit(random), flat * size * unit(random)};
     const Found found = look_at(c);
@@ -104,7 +104,7 @@ TEST(QuickPart, SaysWhereItIsNotSound) {
   EXPECT_FALSE(is_sound(a * 1e-60, b * 1e-60, c * 1e-60)) << "tiny";
 }
 
-QuickFaceAt<double, bool> face_at_origin(const Corners& c) {
+QuickFaceAt<double, bool> face_at_origin(const CornerPoints& c) {
   const QuickFace<double> face = quick_face(c[0], c[1], c[2], 1.5 * dot(c[0], c[0]));
   return quick_face_at(face, Triple<double>{} - c[0]);
 }
@@ -116,7 +116,7 @@ TEST(QuickFace, AsTheClosestOfAllParts) {
   for (int n = 0; n < 100000; ++n) {
     const double size = std::exp2(6 * unit(random) - 2), flat = n % 3 == 0 ? std::exp2(10 * unit(random) - 10) : 1;
     const Triple<double> at{unit(random), unit(random), unit(random)};
-    Corners c;
+    CornerPoints c;
     for (Triple<double>& v : c)
       v = at + Triple<double>{size * unit(random), size * unit(random), flat * size * unit(random)};
     const ClosestPart<double> exact = closest_part(c[0], c[1], c[2]);

@@ -13,16 +13,16 @@
 namespace standoff {
 namespace {
 
-constexpr Theme kTheme = theme_of(Background::white);
-constexpr Color kWhite{247, 247, 247};
+constexpr Theme kLegendTheme = theme_of(Background::white);
+constexpr Color kMiddle{247, 247, 247};
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 Legend legend_of(double least, double greatest, double thickness = kInfinite, Colormap map = Colormap::viridis) {
-  return {least, greatest, thickness, map, kTheme, "distance"};
+  return {least, greatest, thickness, map, kLegendTheme, "distance"};
 }
 
 Image drawn(const Legend& legend, int height = 401) {
-  Image image(legend.width(1), height, kTheme.paper);
+  Image image(legend.width(1), height, kLegendTheme.paper);
   legend.draw(image, 0, 0, height, 1);
   return image;
 }
@@ -47,29 +47,29 @@ TEST(Legend, TheBarHasTheColorsOfTheValues) {
 
 TEST(Legend, GreyEndsStandForWhatIsBeyond) {
   const Legend both = legend_of(-2, 2, 2, Colormap::diverging);
-  EXPECT_EQ(both.color(2), kTheme.outside);
-  EXPECT_EQ(both.color(-2), kTheme.inside);
-  EXPECT_EQ(both.color(kInfinite), kTheme.outside);
-  EXPECT_EQ(both.color(-kInfinite), kTheme.inside);
-  EXPECT_EQ(both.color(std::numeric_limits<double>::quiet_NaN()), kTheme.nothing);
+  EXPECT_EQ(both.color(2), kLegendTheme.outside);
+  EXPECT_EQ(both.color(-2), kLegendTheme.inside);
+  EXPECT_EQ(both.color(kInfinite), kLegendTheme.outside);
+  EXPECT_EQ(both.color(-kInfinite), kLegendTheme.inside);
+  EXPECT_EQ(both.color(std::numeric_limits<double>::quiet_NaN()), kLegendTheme.nothing);
   const Image image = drawn(both);
-  EXPECT_EQ(rows_of(image, 5, kTheme.outside), std::pair(24, 37));
-  EXPECT_EQ(rows_of(image, 5, kTheme.inside), std::pair(387, 400));
-  EXPECT_EQ(image.at(5, 39), kTheme.paper) << "set apart from the bar";
+  EXPECT_EQ(rows_of(image, 5, kLegendTheme.outside), std::pair(24, 37));
+  EXPECT_EQ(rows_of(image, 5, kLegendTheme.inside), std::pair(387, 400));
+  EXPECT_EQ(image.at(5, 39), kLegendTheme.paper) << "set apart from the bar";
   // Only where there are such values.
   const Image inner = drawn(legend_of(-1, 1, 2, Colormap::diverging));
-  EXPECT_EQ(rows_of(inner, 5, kTheme.outside).first, -1);
-  EXPECT_EQ(rows_of(inner, 5, kTheme.inside).first, -1);
+  EXPECT_EQ(rows_of(inner, 5, kLegendTheme.outside).first, -1);
+  EXPECT_EQ(rows_of(inner, 5, kLegendTheme.inside).first, -1);
 }
 
 TEST(Legend, DivergingColorsPartAtZero) {
   const Legend legend = legend_of(-1, 3, 10, Colormap::diverging);
-  EXPECT_EQ(legend.color(0), kWhite);
+  EXPECT_EQ(legend.color(0), kMiddle);
   EXPECT_EQ(legend.color(3), color_of(Colormap::diverging, 1));
   EXPECT_EQ(legend.color(-1), color_of(Colormap::diverging, 0.5 - 0.5 / 3)) << "as dark as 1 is";
-  EXPECT_EQ(legend_of(0, 0, 2, Colormap::diverging).color(0), kWhite);
+  EXPECT_EQ(legend_of(0, 0, 2, Colormap::diverging).color(0), kMiddle);
   const Image image = drawn(legend);
-  EXPECT_EQ(image.at(3, 24 + 377 * 3 / 4), kWhite) << "0 is a quarter up";
+  EXPECT_EQ(image.at(3, 24 + 377 * 3 / 4), kMiddle) << "0 is a quarter up";
 }
 
 TEST(Legend, NumbersAreRoundAndBetweenTheEnds) {
@@ -102,10 +102,10 @@ TEST(Legend, WidthHoldsAllWords) {
   for (const double scale : {1.0, 2.5}) {
     const Legend legend = legend_of(-1234.5, 0.25, 1234.5);
     const int width = legend.width(scale);
-    Image image(width + 50, 600, kTheme.paper);
+    Image image(width + 50, 600, kLegendTheme.paper);
     legend.draw(image, 0, 0, 600, scale);
     for (int y = 0; y < image.height; ++y)
-      for (int x = width + 1; x < image.width; ++x) ASSERT_EQ(image.at(x, y), kTheme.paper) << x << ", " << y;
+      for (int x = width + 1; x < image.width; ++x) ASSERT_EQ(image.at(x, y), kLegendTheme.paper) << x << ", " << y;
   }
 }
 

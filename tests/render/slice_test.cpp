@@ -19,7 +19,7 @@
 namespace standoff {
 namespace {
 
-constexpr Theme kTheme = theme_of(Background::white);
+constexpr Theme kWhiteTheme = theme_of(Background::white);
 
 // The color of the sample that is `right` and `up` from the plane's lower left one.
 Color sample(const SlicePicture& picture, const Plane& plane, std::int64_t right, std::int64_t up) {
@@ -153,19 +153,19 @@ TEST(Slice, InfiniteValuesAreGreyAndNoNumbersPink) {
   const SlicePicture picture = draw_slice(field, options);
   EXPECT_EQ(sample(picture, plane, 0, 0), (Color{68, 1, 84}));
   EXPECT_EQ(sample(picture, plane, 7, 7), (Color{253, 231, 37}));
-  EXPECT_EQ(sample(picture, plane, 8, 0), kTheme.outside);
-  EXPECT_EQ(sample(picture, plane, 3, 4), kTheme.nothing);
+  EXPECT_EQ(sample(picture, plane, 8, 0), kWhiteTheme.outside);
+  EXPECT_EQ(sample(picture, plane, 3, 4), kWhiteTheme.nothing);
   options.interpolation = Interpolation::linear;
-  EXPECT_EQ(sample(draw_slice(field, options), plane, 3, 4), kTheme.nothing);
+  EXPECT_EQ(sample(draw_slice(field, options), plane, 3, 4), kWhiteTheme.nothing);
   const SlicePicture nothing = draw_slice(DistanceField({{16, 8, 1}, {}, {1, 1, 1}}, kInfinite), options);
-  EXPECT_EQ(sample(nothing, plane, 0, 0), kTheme.outside);
+  EXPECT_EQ(sample(nothing, plane, 0, 0), kWhiteTheme.outside);
   // Without finite values there is no legend beside the plane.
   EXPECT_LT(nothing.image.width, picture.image.width);
 }
 
 TEST(Slice, ConstantPlanesHaveOneColor) {
   DistanceField field({{4, 4, 1}, {}, {1, 1, 1}}, 3);
-  EXPECT_EQ(sample(draw_slice(field, {}), plane_of(field, {}), 2, 2), kTheme.outside) << "clamped";
+  EXPECT_EQ(sample(draw_slice(field, {}), plane_of(field, {}), 2, 2), kWhiteTheme.outside) << "clamped";
   std::ranges::fill(field.store_tile(0, 0, 0), 1.0f);
   EXPECT_EQ(sample(draw_slice(field, {}), plane_of(field, {}), 2, 2), (Color{68, 1, 84}));
 }
@@ -232,7 +232,7 @@ TEST(Slice, NothingBesidesTheBarePlane) {
 int ink_in(const Image& image, int left, int top, int right, int bottom) {
   int count = 0;
   for (int y = std::max(0, top); y < std::min(bottom, image.height); ++y)
-    for (int x = std::max(0, left); x < std::min(right, image.width); ++x) count += image.at(x, y) != kTheme.paper;
+    for (int x = std::max(0, left); x < std::min(right, image.width); ++x) count += image.at(x, y) != kWhiteTheme.paper;
   return count;
 }
 

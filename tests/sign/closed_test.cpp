@@ -35,13 +35,13 @@ void expect_closed(const Mesh& mesh, Expected expected, const char* what) {
   EXPECT_EQ(apart.unoriented, expected.unoriented) << what << ", not welded";
 }
 
-Mesh solids() {
+Mesh closed_solids() {
   Random random(1);
   return testing::mesh_of(testing::integer_tetrahedra(random, 40, 2));
 }
 
 TEST(Closed, SolidsAndScenes) {
-  expect_closed(solids(), {true, true}, "tetrahedra of few corners");
+  expect_closed(closed_solids(), {true, true}, "tetrahedra of few corners");
   expect_closed(scenes::make("catapult", 3000), {true, true}, "catapult");
 }
 
@@ -85,7 +85,7 @@ TEST(Closed, SymmetricHoles) {
 }
 
 TEST(Closed, DegenerateTrianglesAndDuplicates) {
-  Mesh mesh = solids();
+  Mesh mesh = closed_solids();
   const Vec3 a{0.5, 0, 0}, b{1, 2, 3};
   testing::add_triangle(mesh, a, a, a);
   testing::add_triangle(mesh, a, b, b);

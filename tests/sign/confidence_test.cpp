@@ -16,26 +16,26 @@
 namespace standoff {
 namespace {
 
-const Grid kGrid{{20, 18, 16}, {-1.31, -1.27, -1.23}, {0.137, 0.149, 0.163}};
+const Grid kConfidenceGrid{{20, 18, 16}, {-1.31, -1.27, -1.23}, {0.137, 0.149, 0.163}};
 
 SignConfidence confidence_of(const Mesh& mesh, SignMethod method) {
   const SignOptions sign{.method = method};
-  const DistanceField field = compute(mesh, kGrid, 0.4, {.sign = sign}).field;
-  return sign_confidence(mesh, field, winding_margins(mesh, kGrid, sign));
+  const DistanceField field = compute(mesh, kConfidenceGrid, 0.4, {.sign = sign}).field;
+  return sign_confidence(mesh, field, winding_margins(mesh, kConfidenceGrid, sign));
 }
 
 TEST(Confidence, MarginsAreTheDistanceOfTheWindingNumberFromOddHalves) {
   Mesh holes = testing::sphere(8);
   for (const std::size_t triangle : {150, 90, 91, 30, 3}) holes = testing::without(holes, triangle);
-  const std::vector<float> margins = winding_margins(holes, kGrid, {.as_oriented = true});
+  const std::vector<float> margins = winding_margins(holes, kConfidenceGrid, {.as_oriented = true});
   ASSERT_EQ(margins.size(), 20u * 18 * 16);
   double least = 1, off = 0;
   for (std::int64_t k = 0; k < 16; ++k)
     for (std::int64_t j = 0; j < 18; ++j)
       for (std::int64_t i = 0; i < 20; ++i) {
-        const double w = testing::winding_number(holes, kGrid.position(i, j, k)),
+        const double w = testing::winding_number(holes, kConfidenceGrid.position(i, j, k)),
                      margin = 0.5 - std::abs(w - std::round(w));
-        const double found = margins[static_cast<std::size_t>(kGrid.index(i, j, k))];
+        const double found = margins[static_cast<std::size_t>(kConfidenceGrid.index(i, j, k))];
         least = std::min(least, found);
         off = std::max(off, std::abs(found - margin));
       }
@@ -45,7 +45,7 @@ TEST(Confidence, MarginsAreTheDistanceOfTheWindingNumberFromOddHalves) {
 
 TEST(Confidence, OfClosedMeshesIsComplete) {
   const Mesh ball = testing::sphere(8);
-  EXPECT_TRUE(std::ranges::all_of(winding_margins(ball, kGrid), [](float margin) { return margin == 0.5f; }));
+  EXPECT_TRUE(std::ranges::all_of(winding_margins(ball, kConfidenceGrid), [](float margin) { return margin == 0.5f; }));
   const SignConfidence found = confidence_of(ball, SignMethod::winding);
   EXPECT_GT(found.samples, 1000);
   EXPECT_EQ(found.doubtful, 0);
@@ -69,7 +69,7 @@ TEST(Confidence, OfHalfABallIsSmall) {
 
 TEST(Confidence, MarginsOfAnotherGrid) {
   const Mesh ball = testing::sphere(8);
-  const DistanceField field = compute(ball, kGrid, 0.4).field;
+  const DistanceField field = compute(ball, kConfidenceGrid, 0.4).field;
   expect_error([&] { sign_confidence(ball, field, std::vector<float>(3)); }, ErrorCode::usage, "a margin for each");
 }
 

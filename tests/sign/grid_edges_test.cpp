@@ -17,27 +17,27 @@ namespace {
 
 using testing::Random;
 using testing::Tetrahedron;
-using Sample = std::array<std::int64_t, 3>;
+using GridSample = std::array<std::int64_t, 3>;
 
 // How often each edge of the lattice crosses the mesh.
-class Crossings {
+class EdgeCrossings {
  public:
-  Crossings(const Mesh& mesh, const TileLattice& lattice) {
+  EdgeCrossings(const Mesh& mesh, const TileLattice& lattice) {
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
       for_each_crossed_edge(MeshView(mesh).corners(t), lattice.axes,
-                            [&](std::size_t axis, const Sample& from) { ++times_[axis][from]; });
+                            [&](std::size_t axis, const GridSample& from) { ++times_[axis][from]; });
   }
-  int along(std::size_t axis, const Sample& from) const {
+  int along(std::size_t axis, const GridSample& from) const {
     const auto found = times_[axis].find(from);
     return found == times_[axis].end() ? 0 : found->second;
   }
   std::size_t count() const { return times_[0].size() + times_[1].size() + times_[2].size(); }
 
  private:
-  std::array<std::map<Sample, int>, 3> times_;
+  std::array<std::map<GridSample, int>, 3> times_;
 };
 
-Sample next(Sample sample, std::size_t axis) {
+GridSample next(GridSample sample, std::size_t axis) {
   ++sample[axis];
   return sample;
 }
@@ -46,14 +46,14 @@ template <class Use>
 void for_each_sample_of(const TileLattice& lattice, std::int64_t margin, const Use& use) {
   for (std::int64_t k = 0; k < lattice.axes[2].size() - margin; ++k)
     for (std::int64_t j = 0; j < lattice.axes[1].size() - margin; ++j)
-      for (std::int64_t i = 0; i < lattice.axes[0].size() - margin; ++i) use(Sample{i, j, k});
+      for (std::int64_t i = 0; i < lattice.axes[0].size() - margin; ++i) use(GridSample{i, j, k});
 }
 
 std::int64_t odd_squares(const Mesh& mesh, const TileLattice& lattice, std::size_t least_crossings) {
-  const Crossings crossings(mesh, lattice);
+  const EdgeCrossings crossings(mesh, lattice);
   EXPECT_GE(crossings.count(), least_crossings);
   std::int64_t odd = 0;
-  for_each_sample_of(lattice, 1, [&](const Sample& at) {
+  for_each_sample_of(lattice, 1, [&](const GridSample& at) {
     for (std::size_t a = 0; a < 3; ++a) {
       const std::size_t b = (a + 1) % 3;
       const int around = crossings.along(a, at) + crossings.along(b, next(at, a)) + crossings.along(a, next(at, b)) +
@@ -83,12 +83,12 @@ TEST(GridEdges, OddExactlyBetweenInsideAndOutside) {
     Random random(seed);
     const std::vector<Tetrahedron> solid = testing::integer_tetrahedra(random, 1, 6);
     const TileLattice lattice = TileLattice::of({{15, 16, 14}, {-7, -7, -7}});
-    const Crossings crossings(testing::mesh_of(solid), lattice);
-    const auto known = [&](const Sample& s) {
+    const EdgeCrossings crossings(testing::mesh_of(solid), lattice);
+    const auto known = [&](const GridSample& s) {
       return testing::known_winding(solid,
                                     {lattice.axes[0].at(s[0]), lattice.axes[1].at(s[1]), lattice.axes[2].at(s[2])});
     };
-    for_each_sample_of(lattice, 1, [&](const Sample& at) {
+    for_each_sample_of(lattice, 1, [&](const GridSample& at) {
       const auto here = known(at);
       for (std::size_t axis = 0; axis < 3; ++axis) {
         const auto there = known(next(at, axis));
@@ -110,9 +110,9 @@ TEST(GridEdges, BitsOfTiles) {
     const ProgressCallback none;
     ProgressMeter progress(none);
     const GridEdges edges(mesh, lattice, progress);
-    const Crossings crossings(mesh, lattice);
+    const EdgeCrossings crossings(mesh, lattice);
     std::int64_t wrong = 0, found = 0;
-    for_each_sample_of(lattice, 0, [&](const Sample& at) {
+    for_each_sample_of(lattice, 0, [&](const GridSample& at) {
       const auto [x, y, z] = at;
       const std::size_t tile = lattice.index(x / 8, y / 8, z / 8);
       for (std::size_t axis = 0; axis < 3; ++axis) {

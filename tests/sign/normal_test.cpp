@@ -22,7 +22,7 @@ namespace {
 
 using testing::Random;
 using testing::Tetrahedron;
-using Place = Pseudonormals::Place;
+using NormalPlace = Pseudonormals::Place;
 
 ComputeOptions by(SignMethod method, bool nearest = false) {
   ComputeOptions options;
@@ -74,7 +74,7 @@ TEST(Pseudonormals, OfSharpCornersWhicheverTriangleIsNamed) {
         const double distance = testing::reference_distance(mesh, p);
         for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
           if (testing::reference_distance(mesh, t, p) > distance * (1 + 1e-12)) continue;
-          EXPECT_EQ(normals.place_of(p, t), known.winding != 0 ? Place::back : Place::front)
+          EXPECT_EQ(normals.place_of(p, t), known.winding != 0 ? NormalPlace::back : NormalPlace::front)
               << seed << ", " << cuts << ", triangle " << t;
           behind += known.winding != 0;
           const auto [a, b, c] = MeshView(mesh).corners(t);
@@ -102,10 +102,10 @@ TEST(Pseudonormals, OrientationOfUseAndTrianglesLeftOut) {
   for (int n = 0; n < 300; ++n) {
     const Vec3 p = random.in_cube(12);
     for (std::uint32_t t = 0; t < 4; ++t) {
-      const Place place = plain.place_of(p, t);
+      const NormalPlace place = plain.place_of(p, t);
       EXPECT_EQ(repaired.place_of(p, t), place);
       EXPECT_EQ(repaired.place_of(p, t + 4), place);
-      EXPECT_EQ(cancelled.place_of(p, t), Place::front);
+      EXPECT_EQ(cancelled.place_of(p, t), NormalPlace::front);
     }
   }
 }

@@ -13,9 +13,9 @@ namespace {
 
 using namespace testing;
 
-constexpr std::int64_t kAll = 1'000'000'000;
+constexpr std::int64_t kEveryPair = 1'000'000'000;
 
-SelfIntersections find(const Mesh& mesh, std::int64_t most_pairs = kAll, std::int64_t most_tests = kAll) {
+SelfIntersections find(const Mesh& mesh, std::int64_t most_pairs = kEveryPair, std::int64_t most_tests = kEveryPair) {
   return find_self_intersections(mesh, MeshEdges(mesh), most_pairs, most_tests);
 }
 
@@ -60,7 +60,7 @@ TEST(SelfIntersections, SmallAndFlatMeshes) {
 
 TEST(SelfIntersections, TheSearchStopsAtEachLimit) {
   const Mesh mesh = random_soup(3, 6000, 1, 0.3);
-  const SelfIntersections all = find(mesh), few_pairs = find(mesh, 10), few_tests = find(mesh, kAll, 10);
+  const SelfIntersections all = find(mesh), few_pairs = find(mesh, 10), few_tests = find(mesh, kEveryPair, 10);
   EXPECT_TRUE(all.complete);
   for (const SelfIntersections& some : {few_pairs, few_tests}) {
     EXPECT_FALSE(some.complete);

@@ -20,7 +20,7 @@ constexpr int kDoubleLanes = 8;
 using DoubleLanes = std::array<double, kDoubleLanes>;
 
 // Ordinary numbers, and those that instructions treat each in its own way.
-class Numbers {
+class Doubles {
  public:
   DoubleLanes lanes() {
     DoubleLanes lanes;
@@ -55,10 +55,10 @@ void expect_same(double expected, double found) {
 }
 
 template <class Check>
-void for_targets(Check check) {
+void for_double_targets(Check check) {
   for (const SimdOperations* target : targets()) {
     SCOPED_TRACE(target->name);
-    Numbers numbers;
+    Doubles numbers;
     for (int n = 0; n < 200; ++n) check(target->doubles, numbers);
   }
 }
@@ -76,7 +76,7 @@ TEST(WideDouble, OperationsOnTwoNumbers) {
       {&DoubleOperations::min, [](double a, double b) { return standoff::min(a, b); }},
       {&DoubleOperations::max, [](double a, double b) { return standoff::max(a, b); }},
   };
-  for_targets([&](const DoubleOperations& target, Numbers& numbers) {
+  for_double_targets([&](const DoubleOperations& target, Doubles& numbers) {
     const DoubleLanes a = numbers.lanes(), b = numbers.lanes();
     for (const Row& row : rows) {
       DoubleLanes out;
@@ -87,7 +87,7 @@ TEST(WideDouble, OperationsOnTwoNumbers) {
 }
 
 TEST(WideDouble, OperationsOnOneNumber) {
-  for_targets([&](const DoubleOperations& target, Numbers& numbers) {
+  for_double_targets([&](const DoubleOperations& target, Doubles& numbers) {
     const DoubleLanes a = numbers.lanes();
     DoubleLanes negative, root, same;
     target.negate(a.data(), negative.data());
@@ -103,7 +103,7 @@ TEST(WideDouble, OperationsOnOneNumber) {
 
 // One rounding: c is what is left of a * b, nearly, so that two roundings would leave nothing of it.
 TEST(WideDouble, MultiplyAndAddAtOnce) {
-  for_targets([&](const DoubleOperations& target, Numbers& numbers) {
+  for_double_targets([&](const DoubleOperations& target, Doubles& numbers) {
     const DoubleLanes a = numbers.lanes(), b = numbers.lanes();
     DoubleLanes c = numbers.lanes(), out;
     for (int n = 0; n < kDoubleLanes; n += 2) c[n] = -(a[n] * b[n]);
@@ -113,7 +113,7 @@ TEST(WideDouble, MultiplyAndAddAtOnce) {
 }
 
 TEST(WideDouble, MasksAndWhatTheySelect) {
-  for_targets([](const DoubleOperations& target, Numbers& numbers) {
+  for_double_targets([](const DoubleOperations& target, Doubles& numbers) {
     const DoubleLanes a = numbers.lanes();
     DoubleLanes b = numbers.lanes(), out;
     b[5] = a[5];
@@ -132,7 +132,7 @@ TEST(WideDouble, MasksAndWhatTheySelect) {
 }
 
 TEST(WideDouble, RowsAndColumns) {
-  for_targets([](const DoubleOperations& target, Numbers& numbers) {
+  for_double_targets([](const DoubleOperations& target, Doubles& numbers) {
     alignas(32) double rows[kDoubleLanes][4];
     for (auto& row : rows) {
       // No fourth number is read of v; the one of the center is zero.
@@ -151,7 +151,7 @@ TEST(WideDouble, RowsAndColumns) {
 }
 
 TEST(WideDouble, OneLaneAndTables) {
-  for_targets([](const DoubleOperations& target, Numbers& numbers) {
+  for_double_targets([](const DoubleOperations& target, Doubles& numbers) {
     const DoubleLanes a = numbers.lanes();
     DoubleLanes out;
     for (int lane = 0; lane < kDoubleLanes; ++lane) {
@@ -170,7 +170,7 @@ TEST(WideDouble, OneLaneAndTables) {
 }
 
 TEST(WideDouble, RoundsToFloats) {
-  for_targets([](const DoubleOperations& target, Numbers& numbers) {
+  for_double_targets([](const DoubleOperations& target, Doubles& numbers) {
     const DoubleLanes a = numbers.lanes(), b = numbers.lanes();
     float out[kDoubleLanes], pairs[kDoubleLanes][2];
     target.round(a.data(), out);

@@ -20,7 +20,7 @@ using namespace standoff::testing;
 using emulation::Order;
 using emulation::OrderScope;
 
-const Execution kEmulation{.threads = 2, .backend = testing::kEmulated};
+const Execution kOnEmulation{.threads = 2, .backend = testing::kEmulated};
 
 RigidMotion random_motion(Random& random, double half, double translation, double turn, Vec3 around = {}) {
   RigidMotion motion;
@@ -41,17 +41,18 @@ std::vector<RigidMotion> random_motions(unsigned seed, int count, double half, d
   return motions;
 }
 
-struct Counts {
+struct SweepCounts {
   int hits = 0;
   BatchReport report;
 };
 
-Counts expect_as_cpu(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                     const std::vector<RigidMotion>& motions, double tolerance, int stack = collision::kDeviceStack) {
+SweepCounts expect_as_cpu(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                          const std::vector<RigidMotion>& motions, double tolerance,
+                          int stack = collision::kDeviceStack) {
   const auto expected = sweep_all(a, pose_a, b, motions, {.tolerance = tolerance}, {.backend = Backend::cpu});
-  Counts counts;
+  SweepCounts counts;
   const auto found = collision::sweep_on_device(*collision::find_device(testing::kEmulated, 1), a, pose_a, b, motions,
-                                                tolerance, kEmulation, counts.report, stack);
+                                                tolerance, kOnEmulation, counts.report, stack);
   EXPECT_EQ(found.size(), motions.size());
   for (std::size_t n = 0; n < motions.size(); ++n) {
     SCOPED_TRACE("motion " + std::to_string(n));
@@ -66,7 +67,7 @@ Counts expect_as_cpu(const CollisionModel& a, const Pose& pose_a, const Collisio
   return counts;
 }
 
-void expect_both(const Counts& counts, int motions) {
+void expect_both(const SweepCounts& counts, int motions) {
   EXPECT_GT(counts.hits, motions / 20);
   EXPECT_LT(counts.hits, motions * 19 / 20);
   EXPECT_GT(counts.report.on_device, (motions - counts.hits) * 8 / 10) << counts.hits << " hits";
@@ -96,7 +97,7 @@ TEST(CudaSweep, EitherTheLargerAndBothPlaced) {
 
 TEST(CudaSweep, WhatPassesWithinTheToleranceIsNotFree) {
   const CollisionModel large(ball_mesh(1, 7)), small(random_soup(16, 20, 0.1, 0.1));
-  const Counts counts = expect_as_cpu(large, {}, small, random_motions(17, 300, 2.5, 4, 1), 0.25);
+  const SweepCounts counts = expect_as_cpu(large, {}, small, random_motions(17, 300, 2.5, 4, 1), 0.25);
   expect_both(counts, 300);
 }
 
@@ -123,7 +124,7 @@ TEST(CudaSweep, TurningOnTheSpot) {
   std::vector<RigidMotion> motions;
   for (double angle = -1.2; angle < 0.3; angle += 0.02)
     motions.push_back({make_pose({0, 0, 1}, angle, {}), make_pose({0, 0, 1}, angle + 3, {}), {}});
-  const Counts counts = expect_as_cpu(stake, {}, fin, motions, 1e-4);
+  const SweepCounts counts = expect_as_cpu(stake, {}, fin, motions, 1e-4);
   EXPECT_GT(counts.hits, 50);
   EXPECT_GT(counts.report.on_device, 5);
   EXPECT_GT(expect_as_cpu(fin, {}, stake, motions, 1e-4).hits, 50);  // now the body with the field turns
@@ -133,7 +134,7 @@ TEST(CudaSweep, FastAndSlowAndNotAtAll) {
   const CollisionModel large(ball_mesh(1, 7)), small(ball_mesh(0.3, 3));
   for (const double translation : {0.02, 40.0}) {
     SCOPED_TRACE("translation " + std::to_string(translation));
-    const Counts counts = expect_as_cpu(large, {}, small, random_motions(10, 200, 2, translation, 0.5), 1e-4);
+    const SweepCounts counts = expect_as_cpu(large, {}, small, random_motions(10, 200, 2, translation, 0.5), 1e-4);
     EXPECT_GT(counts.report.on_device, 50);
     EXPECT_GT(counts.hits, 5);
   }
@@ -159,7 +160,7 @@ TEST(CudaSweep, WhereTheStackIsFullTheCpuAnswers) {
   const CollisionModel ball(ball_mesh(1, 12)), soup(random_soup(13, 600, 0.5, 0.2));
   std::int64_t before = 0;
   for (const int stack : {20, 2}) {
-    const Counts counts = expect_as_cpu(ball, {}, soup, random_motions(14, 80, 2, 3, 1), 1e-3, stack);
+    const SweepCounts counts = expect_as_cpu(ball, {}, soup, random_motions(14, 80, 2, 3, 1), 1e-3, stack);
     EXPECT_GE(counts.report.overflowed, before);
     before = counts.report.overflowed;
   }
@@ -173,7 +174,7 @@ TEST(CudaSweep, ThePublicCallSaysWhatItDid) {
   const CollisionModel a(ball_mesh(1, 4)), b(ball_mesh(0.5, 3));
   const auto motions = random_motions(15, 40, 2.5, 3, 1);
   BatchReport report;
-  const auto found = sweep_all(a, {}, b, motions, {}, kEmulation, &report);
+  const auto found = sweep_all(a, {}, b, motions, {}, kOnEmulation, &report);
   const auto expected = sweep_all(a, {}, b, motions, {}, {.threads = 1});
   for (std::size_t n = 0; n < motions.size(); ++n) EXPECT_EQ(found[n].hit, expected[n].hit);
   EXPECT_EQ(report.backend, "emulated");

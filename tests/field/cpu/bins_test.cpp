@@ -19,7 +19,7 @@ using cpu::Bins;
 using cpu::Reach;
 using Sorted = std::vector<std::vector<std::uint32_t>>;  // triangles of each brick
 
-const Grid kGrid{{70, 40, 33}, {-9, -5, -4}, {0.25, 0.25, 0.25}};
+const Grid kBinsGrid{{70, 40, 33}, {-9, -5, -4}, {0.25, 0.25, 0.25}};
 
 struct Binned {
   Sorted bricks;
@@ -31,8 +31,8 @@ Binned binned(const Mesh& mesh, double thickness, std::int64_t most_refs, Reach 
               int threads = 2, std::vector<std::uint32_t> kept = {}) {
   const ComputeOptions options;
   ProgressMeter progress(options.progress);
-  const Job job{mesh, kept, kGrid, thickness, threads, Simd::automatic, progress};
-  const cpu::BlockLattice lattice = cpu::make_block_lattice(kGrid, thickness);
+  const Job job{mesh, kept, kBinsGrid, thickness, threads, Simd::automatic, progress};
+  const cpu::BlockLattice lattice = cpu::make_block_lattice(kBinsGrid, thickness);
   Binned result;
   cpu::for_each_batch(
       job, lattice, most_refs,
@@ -83,11 +83,11 @@ TEST(TilesBins, EveryBrickHasTheTrianglesThatReachItsSamples) {
   const Mesh mesh = testing::random_soup(63, 60, 9, 3);
   for (const double thickness : {0.1, 1.0}) {
     const Binned by_distance = binned(mesh, thickness, 1 << 20), by_box = binned(mesh, thickness, 1 << 20, Reach::box);
-    const cpu::BlockLattice lattice = cpu::make_block_lattice(kGrid, thickness);
+    const cpu::BlockLattice lattice = cpu::make_block_lattice(kBinsGrid, thickness);
     std::vector<std::set<std::uint32_t>> within(by_distance.bricks.size()), in_box(within.size());
-    testing::for_each_sample(kGrid, [&](auto i, auto j, auto k) {
+    testing::for_each_sample(kBinsGrid, [&](auto i, auto j, auto k) {
       const auto brick = static_cast<std::size_t>(i / 16 + lattice.bricks[0] * (j / 16 + lattice.bricks[1] * (k / 16)));
-      const Vec3 p = kGrid.position(i, j, k);
+      const Vec3 p = kBinsGrid.position(i, j, k);
       for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
         Box box;
         for (int c = 0; c < 3; ++c) box.include(MeshView(mesh).corner(t, c));

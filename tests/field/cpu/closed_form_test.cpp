@@ -30,7 +30,7 @@ void expect_field(const Mesh& mesh, const Grid& grid, DistanceResult distance) {
   }
 }
 
-const Grid kGrid{{21, 20, 19}, {-5, -4.9, -4.4}, {0.5, 0.5, 0.5}};
+const Grid kClosedFormGrid{{21, 20, 19}, {-5, -4.9, -4.4}, {0.5, 0.5, 0.5}};
 
 void add_quad(Mesh& mesh, Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
   add_triangle(mesh, a, b, c);
@@ -40,7 +40,7 @@ void add_quad(Mesh& mesh, Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
 TEST(TilesClosedForm, Plane) {
   Mesh mesh;
   add_quad(mesh, {-100, -100, 0.3}, {100, -100, 0.3}, {100, 100, 0.3}, {-100, 100, 0.3});
-  expect_field(mesh, kGrid, [](Vec3 p) { return std::abs(p.z - 0.3); });
+  expect_field(mesh, kClosedFormGrid, [](Vec3 p) { return std::abs(p.z - 0.3); });
 }
 
 TEST(TilesClosedForm, Box) {
@@ -51,7 +51,7 @@ TEST(TilesClosedForm, Box) {
     add_quad(mesh, {-h.x, s * h.y, -h.z}, {h.x, s * h.y, -h.z}, {h.x, s * h.y, h.z}, {-h.x, s * h.y, h.z});
     add_quad(mesh, {-h.x, -h.y, s * h.z}, {h.x, -h.y, s * h.z}, {h.x, h.y, s * h.z}, {-h.x, h.y, s * h.z});
   }
-  expect_field(mesh, kGrid, [&](Vec3 p) {
+  expect_field(mesh, kClosedFormGrid, [&](Vec3 p) {
     const Vec3 q = Vec3{std::abs(p.x), std::abs(p.y), std::abs(p.z)} - h;
     const double inside = std::max({q.x, q.y, q.z});
     return inside > 0 ? length(max(q, Vec3{})) : -inside;
@@ -68,9 +68,9 @@ TEST(TilesClosedForm, SegmentAndPoint) {
   add_triangle(segment, a, b, b);
   add_triangle(with_middle, a, (a + b) * 0.5, b);
   add_triangle(point, a, a, a);
-  expect_field(segment, kGrid, to_segment);
-  expect_field(with_middle, kGrid, to_segment);
-  expect_field(point, kGrid, [&](Vec3 p) { return length(p - a); });
+  expect_field(segment, kClosedFormGrid, to_segment);
+  expect_field(with_middle, kClosedFormGrid, to_segment);
+  expect_field(point, kClosedFormGrid, [&](Vec3 p) { return length(p - a); });
 }
 
 TEST(TilesClosedForm, SphereBetweenItsTrianglesAndItself) {
@@ -90,9 +90,10 @@ TEST(TilesClosedForm, SphereBetweenItsTrianglesAndItself) {
         least_radius = std::min(least_radius, testing::reference_distance(mesh, mesh.triangles.size() - 1 - t, Vec3{}));
     }
   ASSERT_GT(least_radius, 0.98 * kRadius);
-  const DistanceField field = computed(mesh, kGrid, kInfinity).field;
-  for_each_sample(kGrid, [&](auto i, auto j, auto k) {
-    const double r = length(kGrid.position(i, j, k)), value = field.value(i, j, k), slack = promised_error(kGrid, r);
+  const DistanceField field = computed(mesh, kClosedFormGrid, kInfinity).field;
+  for_each_sample(kClosedFormGrid, [&](auto i, auto j, auto k) {
+    const double r = length(kClosedFormGrid.position(i, j, k)), value = field.value(i, j, k),
+                 slack = promised_error(kClosedFormGrid, r);
     const double low = r > kRadius ? r - kRadius : std::max(least_radius - r, 0.0);
     const double high = r > kRadius ? r - least_radius : std::max(kRadius - r, kRadius - least_radius);
     ASSERT_GE(value, low - slack);
@@ -115,7 +116,7 @@ TEST(TilesClosedForm, OneTriangleInAllOrdersOfItsCorners) {
   do {
     Mesh mesh;
     add_triangle(mesh, corner[order[0]], corner[order[1]], corner[order[2]]);
-    expect_field(mesh, kGrid, distance);
+    expect_field(mesh, kClosedFormGrid, distance);
   } while (std::ranges::next_permutation(order).found);
 }
 

@@ -15,7 +15,7 @@ namespace {
 using testing::kInfinity;
 using testing::Random;
 
-constexpr Grid kGrid{{20, 20, 20}, {-9.5, -9.5, -9.5}, {1, 1, 1}};
+constexpr Grid kLargeGrid{{20, 20, 20}, {-9.5, -9.5, -9.5}, {1, 1, 1}};
 
 // Triangles of this length, all of which pass the grid's middle within 12 samples, `height` times as high as long.
 Mesh passing(unsigned seed, int count, double side, double height) {
@@ -33,10 +33,10 @@ Mesh passing(unsigned seed, int count, double side, double height) {
 
 void expect_same_bits(const Mesh& mesh, const std::string& name) {
   constexpr double kBand = 4;
-  const DistanceField thin = testing::computed(mesh, kGrid, kBand).field;
-  const DistanceField full = testing::computed(mesh, kGrid, kInfinity).field;
+  const DistanceField thin = testing::computed(mesh, kLargeGrid, kBand).field;
+  const DistanceField full = testing::computed(mesh, kLargeGrid, kInfinity).field;
   std::int64_t different = 0, compared = 0;
-  testing::for_each_sample(kGrid, [&](auto i, auto j, auto k) {
+  testing::for_each_sample(kLargeGrid, [&](auto i, auto j, auto k) {
     if (thin.nearest(i, j, k) == kNoTriangle) return;
     ++compared;
     different += thin.value(i, j, k) != full.value(i, j, k) || thin.nearest(i, j, k) != full.nearest(i, j, k);

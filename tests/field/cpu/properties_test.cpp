@@ -23,7 +23,7 @@ using testing::kInfinity;
 using testing::promised_error;
 using testing::random_soup;
 
-const Grid kGrid{{32, 16, 48}, {-7.75, -3.75, -11.75}, {0.5, 0.5, 0.5}};
+const Grid kPropertyGrid{{32, 16, 48}, {-7.75, -3.75, -11.75}, {0.5, 0.5, 0.5}};
 constexpr double kThicknesses[] = {1.7, 3.1, kInfinity};
 
 template <class Change>
@@ -79,8 +79,8 @@ TEST(TilesProperties, TheOrderOfTrianglesDoesNotChangeABit) {
   for (std::size_t n = mesh.triangles.size(); n > 1; --n)
     std::swap(shuffled.triangles[n - 1], shuffled.triangles[random.below(static_cast<std::uint32_t>(n))]);
   for (const double thickness : kThicknesses) {
-    const auto a = computed(mesh, kGrid, thickness).field.to_dense();
-    const auto b = computed(shuffled, kGrid, thickness).field.to_dense();
+    const auto a = computed(mesh, kPropertyGrid, thickness).field.to_dense();
+    const auto b = computed(shuffled, kPropertyGrid, thickness).field.to_dense();
     EXPECT_TRUE(testing::bits_of(a) == testing::bits_of(b)) << thickness;
   }
 }
@@ -97,27 +97,27 @@ TEST(TilesProperties, TiesGoToTheLowestTriangle) {
     first[t] =
         static_cast<std::uint32_t>(std::ranges::find(mesh.triangles, mesh.triangles[t]) - mesh.triangles.begin());
   for (const double thickness : kThicknesses)
-    for (const std::uint32_t nearest : testing::all_nearest(computed(mesh, kGrid, thickness).field))
+    for (const std::uint32_t nearest : testing::all_nearest(computed(mesh, kPropertyGrid, thickness).field))
       ASSERT_TRUE(nearest == kNoTriangle || nearest == first[nearest]) << nearest;
 }
 
 TEST(TilesProperties, TranslationBySpacingsDoesNotChangeABit) {
   const Mesh mesh = dyadic_soup(36);
   const Vec3 by = Vec3{1 << 20, -(1 << 19), 12345} * 0.5;
-  Grid there = kGrid;
-  there.origin = kGrid.origin + by;
+  Grid there = kPropertyGrid;
+  there.origin = kPropertyGrid.origin + by;
   for (const double thickness : kThicknesses)
-    expect_same_bits(computed(mesh, kGrid, thickness).field,
+    expect_same_bits(computed(mesh, kPropertyGrid, thickness).field,
                      computed(moved(mesh, [&](Vec3 v) { return v + by; }), there, thickness).field);
 }
 
 TEST(TilesProperties, AGridMovedBySomeSamplesSeesTheSameValues) {
   const Mesh mesh = dyadic_soup(37);
-  Grid there = kGrid;  // bricks and tiles begin elsewhere
-  there.origin = kGrid.position(3, 5, 1);
+  Grid there = kPropertyGrid;  // bricks and tiles begin elsewhere
+  there.origin = kPropertyGrid.position(3, 5, 1);
   there.size = {20, 9, 30};
   for (const double thickness : kThicknesses)
-    expect_near(computed(mesh, there, thickness).field, computed(mesh, kGrid, thickness).field,
+    expect_near(computed(mesh, there, thickness).field, computed(mesh, kPropertyGrid, thickness).field,
                 [](auto i, auto j, auto k) {
                   return Size3{i + 3, j + 5, k + 1};
                 });
@@ -125,16 +125,17 @@ TEST(TilesProperties, AGridMovedBySomeSamplesSeesTheSameValues) {
 
 TEST(TilesProperties, MirrorsAndTurnedAxes) {
   const Mesh mesh = dyadic_soup(38);
-  Grid mirrored = kGrid;
-  mirrored.origin.x = -kGrid.bounds().max.x;
+  Grid mirrored = kPropertyGrid;
+  mirrored.origin.x = -kPropertyGrid.bounds().max.x;
   const Mesh mirror_mesh = moved(mesh, [](Vec3 v) { return Vec3{-v.x, v.y, v.z}; });
-  const Grid turned{
-      {kGrid.size.y, kGrid.size.z, kGrid.size.x}, {kGrid.origin.y, kGrid.origin.z, kGrid.origin.x}, kGrid.spacing};
+  const Grid turned{{kPropertyGrid.size.y, kPropertyGrid.size.z, kPropertyGrid.size.x},
+                    {kPropertyGrid.origin.y, kPropertyGrid.origin.z, kPropertyGrid.origin.x},
+                    kPropertyGrid.spacing};
   const Mesh turned_mesh = moved(mesh, [](Vec3 v) { return Vec3{v.y, v.z, v.x}; });
   for (const double thickness : kThicknesses) {
-    const DistanceField field = computed(mesh, kGrid, thickness).field;
+    const DistanceField field = computed(mesh, kPropertyGrid, thickness).field;
     expect_near(field, computed(mirror_mesh, mirrored, thickness).field, [](auto i, auto j, auto k) {
-      return Size3{kGrid.size.x - 1 - i, j, k};
+      return Size3{kPropertyGrid.size.x - 1 - i, j, k};
     });
     expect_near(field, computed(turned_mesh, turned, thickness).field, [](auto i, auto j, auto k) {
       return Size3{j, k, i};
@@ -145,10 +146,10 @@ TEST(TilesProperties, MirrorsAndTurnedAxes) {
 TEST(TilesProperties, PowersOfTwoScaleExactly) {
   const Mesh mesh = dyadic_soup(39);
   for (const double scale : {0x1p-30, 2.0, 0x1p40}) {
-    const Grid grid{kGrid.size, kGrid.origin * scale, kGrid.spacing * scale};
+    const Grid grid{kPropertyGrid.size, kPropertyGrid.origin * scale, kPropertyGrid.spacing * scale};
     const Mesh large = moved(mesh, [&](Vec3 v) { return v * scale; });
     for (const double thickness : kThicknesses) {
-      const ComputeResult a = computed(mesh, kGrid, thickness), b = computed(large, grid, thickness * scale);
+      const ComputeResult a = computed(mesh, kPropertyGrid, thickness), b = computed(large, grid, thickness * scale);
       std::vector<float> expected = a.field.to_dense();
       for (float& value : expected) value *= static_cast<float>(scale);
       EXPECT_TRUE(testing::bits_of(expected) == testing::bits_of(b.field.to_dense())) << scale << ' ' << thickness;
@@ -170,7 +171,8 @@ TEST(TilesProperties, SubdividingTrianglesChangesNothingButRounding) {
       add_triangle(finer, ab, bc, ca);
     }
     for (const double thickness : kThicknesses)
-      expect_near(computed(mesh, kGrid, thickness).field, computed(finer, kGrid, thickness).field, kSame);
+      expect_near(computed(mesh, kPropertyGrid, thickness).field, computed(finer, kPropertyGrid, thickness).field,
+                  kSame);
   }
 }
 
@@ -179,10 +181,10 @@ TEST(TilesProperties, BothWaysToGatherAgreeWhereBothKnow) {
   for (const double side : {0.3, 1.5, 30.0}) {
     const Mesh mesh = random_soup(41, 80, 6, side);
     const double limit = 3.9 * 0.5;
-    const DistanceField thin = computed(mesh, kGrid, limit).field;
+    const DistanceField thin = computed(mesh, kPropertyGrid, limit).field;
     for (const double thickness : {4.1 * 0.5, kInfinity}) {
-      const DistanceField thick = computed(mesh, kGrid, thickness).field;
-      for_each_sample(kGrid, [&](auto i, auto j, auto k) {
+      const DistanceField thick = computed(mesh, kPropertyGrid, thickness).field;
+      for_each_sample(kPropertyGrid, [&](auto i, auto j, auto k) {
         const float value = thick.value(i, j, k);
         if (value < static_cast<float>(limit)) {
           ASSERT_EQ(thin.value(i, j, k), value);
@@ -220,7 +222,7 @@ void expect_least_of_parts(const Mesh& mesh, const Grid& grid, double thickness)
 
 TEST(TilesProperties, CrowdedCellsLoseNothing) {
   const Mesh mesh = crowd(42, 1200);
-  const Grid grids[] = {kGrid, {{20, 20, 20}, {-11, -3, 2}, {0.3, 1.1, 0.45}}};
+  const Grid grids[] = {kPropertyGrid, {{20, 20, 20}, {-11, -3, 2}, {0.3, 1.1, 0.45}}};
   for (const Grid& grid : grids)
     for (const double thickness : {4.5 * grid.max_spacing(), kInfinity}) expect_least_of_parts(mesh, grid, thickness);
 }

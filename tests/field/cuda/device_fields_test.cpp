@@ -22,7 +22,7 @@ namespace {
 using cuda::Outcome;
 using cuda::Task;
 
-const Grid kGrid{{21, 18, 13}, {-4, -4, -3}, {0.5, 0.5, 0.5}};
+const Grid kDeviceGrid{{21, 18, 13}, {-4, -4, -3}, {0.5, 0.5, 0.5}};
 
 // A mesh, an output and a workspace as a caller on the device would have them, all filled with rubbish.
 class OnDevice {
@@ -30,12 +30,12 @@ class OnDevice {
   OnDevice(const Mesh& mesh, double thickness, Method method = Method::tiles) : mesh_(mesh) {
     task.mesh = {&mesh_.vertices.data()->x, static_cast<std::int64_t>(mesh_.vertices.size()),
                  mesh_.triangles.data()->data(), static_cast<std::int64_t>(mesh_.triangles.size())};
-    task.grid = kGrid;
+    task.grid = kDeviceGrid;
     task.thickness = thickness;
     task.method = method;
     task.outcome = &outcome;
     std::memset(&outcome, 0xcd, sizeof outcome);
-    give_entries(cuda::likely_entries(task.mesh.triangle_count, kGrid, thickness, method));
+    give_entries(cuda::likely_entries(task.mesh.triangle_count, kDeviceGrid, thickness, method));
   }
 
   void give_entries(std::int64_t entries) {
@@ -43,7 +43,7 @@ class OnDevice {
     memory_.assign(static_cast<std::size_t>(bytes) + 256, static_cast<char>(0xcd));
   }
   void dense() {
-    values.assign(static_cast<std::size_t>(kGrid.sample_count()), kRubbish);
+    values.assign(static_cast<std::size_t>(kDeviceGrid.sample_count()), kRubbish);
     nearest.assign(values.size(), 4711);
     slots.clear();
     task.output = {values.data(), nearest.data(), nullptr, 0};
@@ -85,7 +85,7 @@ DistanceField expected(const Mesh& mesh, double thickness, Method method = Metho
   options.method = method;
   options.skip.kind = SkipRule::Kind::none;
   options.nearest_triangle = true;
-  return compute(mesh, kGrid, thickness, options).field;
+  return compute(mesh, kDeviceGrid, thickness, options).field;
 }
 
 TEST(CudaDeviceMemory, DenseOutputIsWrittenEverywhere) {
@@ -134,7 +134,7 @@ TEST(CudaDeviceMemory, TooFewEntriesAreReportedAndNothingIsWritten) {
     OnDevice on(mesh, thickness);
     on.dense();
     on.give_entries(1);
-    on.bytes = emulated::workspace_bytes(on.task.mesh.triangle_count, kGrid, thickness, Method::tiles, 0);
+    on.bytes = emulated::workspace_bytes(on.task.mesh.triangle_count, kDeviceGrid, thickness, Method::tiles, 0);
     on.run();
     EXPECT_NE(on.outcome.stopped, 0u);
     EXPECT_THROW(cuda::check(on.outcome, on.task), Error);

@@ -33,7 +33,7 @@ Mesh mixed_mesh(Vec3 at = {}) {
   return mesh;
 }
 
-const Grid kGrid{{25, 19, 18}, {-6, -5, -4.5}, {0.5, 0.5, 0.5}};
+const Grid kCudaGrid{{25, 19, 18}, {-6, -5, -4.5}, {0.5, 0.5, 0.5}};
 
 ComputeResult on(Backend backend, Method method, MeshView mesh, const Grid& grid, double thickness) {
   ComputeOptions options;
@@ -62,12 +62,12 @@ void expect_same(Method method, MeshView mesh, const Grid& grid, double thicknes
 
 TEST(CudaFields, ThinBands) {
   const Mesh mesh = mixed_mesh();
-  for (const double thickness : {0.05, 0.9, 1.9}) expect_same(Method::tiles, mesh, kGrid, thickness);
+  for (const double thickness : {0.05, 0.9, 1.9}) expect_same(Method::tiles, mesh, kCudaGrid, thickness);
 }
 
-TEST(CudaFields, ThickBands) { expect_same(Method::tiles, mixed_mesh(), kGrid, 2.6); }
+TEST(CudaFields, ThickBands) { expect_same(Method::tiles, mixed_mesh(), kCudaGrid, 2.6); }
 
-TEST(CudaFields, FullFields) { expect_same(Method::tiles, mixed_mesh(), kGrid, kInfinity); }
+TEST(CudaFields, FullFields) { expect_same(Method::tiles, mixed_mesh(), kCudaGrid, kInfinity); }
 
 TEST(CudaFields, FarFromTheOriginWithUnequalSpacings) {
   const Vec3 at{1e6, -3e5, 77};
@@ -78,13 +78,13 @@ TEST(CudaFields, FarFromTheOriginWithUnequalSpacings) {
 
 TEST(CudaFields, Thesis) {
   const Mesh mesh = mixed_mesh();
-  for (const double thickness : {0.9, 2.6, kInfinity}) expect_same(Method::thesis, mesh, kGrid, thickness);
+  for (const double thickness : {0.9, 2.6, kInfinity}) expect_same(Method::thesis, mesh, kCudaGrid, thickness);
 }
 
 TEST(CudaFields, MeshesFarOutsideTheGrid) {
   const Mesh mesh = testing::random_soup(54, 40, 3, 1, {50, 40, -30});
-  for (const double thickness : {1.0, kInfinity}) expect_same(Method::tiles, mesh, kGrid, thickness);
-  expect_same(Method::thesis, mesh, kGrid, 1.0);
+  for (const double thickness : {1.0, kInfinity}) expect_same(Method::tiles, mesh, kCudaGrid, thickness);
+  expect_same(Method::thesis, mesh, kCudaGrid, 1.0);
 }
 
 TEST(CudaFields, OneTriangleOnOneSample) {
@@ -125,11 +125,11 @@ TEST(CudaFields, Scenes) {
 TEST(CudaFields, IntoDenseMemory) {
   const Mesh mesh = mixed_mesh();
   ComputeOptions options;
-  std::vector<float> cpu(static_cast<std::size_t>(kGrid.sample_count())), gpu(cpu.size(), -7);
+  std::vector<float> cpu(static_cast<std::size_t>(kCudaGrid.sample_count())), gpu(cpu.size(), -7);
   options.execution.backend = Backend::cpu;
-  compute_into(mesh, kGrid, 1, cpu, options);
+  compute_into(mesh, kCudaGrid, 1, cpu, options);
   options.execution.backend = testing::kEmulated;
-  compute_into(mesh, kGrid, 1, gpu, options);
+  compute_into(mesh, kCudaGrid, 1, gpu, options);
   EXPECT_TRUE(testing::bits_of(cpu) == testing::bits_of(gpu));
 }
 

@@ -18,12 +18,12 @@
 namespace standoff {
 namespace {
 
-const Grid kGrid{{21, 18, 13}, {-4, -4, -3}, {0.5, 0.5, 0.5}};
+const Grid kStreamGrid{{21, 18, 13}, {-4, -4, -3}, {0.5, 0.5, 0.5}};
 
 // Computed where plain memory stands for the device's, over rubbish.
 std::vector<float> on_device(const MeshView& mesh, double thickness, Method method = Method::tiles) {
-  std::vector<float> values(static_cast<std::size_t>(kGrid.sample_count()), -77);
-  cuda::compute_into(mesh, kGrid, thickness, values.data(), method, kEmulated);
+  std::vector<float> values(static_cast<std::size_t>(kStreamGrid.sample_count()), -77);
+  cuda::compute_into(mesh, kStreamGrid, thickness, values.data(), method, kEmulated);
   return values;
 }
 
@@ -32,7 +32,7 @@ void expect_same(const MeshView& mesh) {
     for (const double thickness : {0.6, 3.0, testing::kInfinity}) {
       if (method == Method::thesis && thickness > 1) continue;
       EXPECT_TRUE(testing::bits_of(on_device(mesh, thickness, method)) ==
-                  testing::bits_of(on_cpu(mesh, kGrid, thickness, method)));
+                  testing::bits_of(on_cpu(mesh, kStreamGrid, thickness, method)));
     }
   const Box found = cuda::bounds(mesh, kEmulated), expected = bounds(mesh);
   EXPECT_EQ(found.min, expected.min);
@@ -53,15 +53,15 @@ TEST(CudaStreams, EveryLayoutGivesTheBitsOfTheCpu) {
 
 TEST(CudaStreams, ReportSaysWhatWasDone) {
   const Mesh mesh = testing::random_soup(71, 90, 4, 1.2);
-  std::vector<float> values(static_cast<std::size_t>(kGrid.sample_count()));
-  const ComputeReport report = cuda::compute_into(mesh, kGrid, 1, values.data(), Method::tiles, kEmulated);
+  std::vector<float> values(static_cast<std::size_t>(kStreamGrid.sample_count()));
+  const ComputeReport report = cuda::compute_into(mesh, kStreamGrid, 1, values.data(), Method::tiles, kEmulated);
   EXPECT_EQ(report.backend, "emulated");
   EXPECT_EQ(report.provenance.method, "tiles");
   EXPECT_EQ(report.provenance.sign, "");
   EXPECT_EQ(report.triangles, 90);
   ComputeOptions options;
   options.execution.backend = testing::kEmulated;
-  const ComputeReport host = compute_into(mesh, kGrid, 1, values, options);
+  const ComputeReport host = compute_into(mesh, kStreamGrid, 1, values, options);
   EXPECT_EQ(report.samples_band, host.samples_band);
   EXPECT_EQ(report.tiles, host.tiles);
 }
@@ -69,23 +69,23 @@ TEST(CudaStreams, ReportSaysWhatWasDone) {
 TEST(CudaStreams, RoomGrowsUntilTheListsFit) {
   const Mesh mesh = wide_triangles();
   constexpr double kThickness = 1.5;
-  std::vector<float> values(static_cast<std::size_t>(kGrid.sample_count()));
+  std::vector<float> values(static_cast<std::size_t>(kStreamGrid.sample_count()));
   cuda::Outcome outcome;
   cuda::Task task;
   task.mesh = {&mesh.vertices.data()->x, 900, mesh.triangles.data()->data(), 300};
-  task.grid = kGrid;
+  task.grid = kStreamGrid;
   task.thickness = kThickness;
   task.output.values = values.data();
   task.outcome = &outcome;
-  const std::int64_t entries = cuda::likely_entries(300, kGrid, kThickness);
-  const std::int64_t bytes = emulated::workspace_bytes(300, kGrid, kThickness, Method::tiles, entries);
+  const std::int64_t entries = cuda::likely_entries(300, kStreamGrid, kThickness);
+  const std::int64_t bytes = emulated::workspace_bytes(300, kStreamGrid, kThickness, Method::tiles, entries);
   struct alignas(256) Block {
     char bytes[256];
   };
   std::vector<Block> memory(static_cast<std::size_t>(bytes) / 256 + 1);
   emulated::enqueue(task, memory.data(), bytes);
   ASSERT_NE(outcome.stopped, 0u) << "the estimate is enough: the test shows nothing";
-  EXPECT_TRUE(testing::bits_of(on_device(mesh, kThickness)) == testing::bits_of(on_cpu(mesh, kGrid, kThickness)));
+  EXPECT_TRUE(testing::bits_of(on_device(mesh, kThickness)) == testing::bits_of(on_cpu(mesh, kStreamGrid, kThickness)));
 }
 
 template <class Index>
@@ -97,7 +97,7 @@ void expect_bad(Mesh mesh, Index index) {
       if (only_bounds)
         cuda::bounds(bad.view(), kEmulated);
       else
-        cuda::compute_into(bad.view(), kGrid, 1, values, Method::tiles, kEmulated);
+        cuda::compute_into(bad.view(), kStreamGrid, 1, values, Method::tiles, kEmulated);
       ADD_FAILURE() << index;
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::input);
@@ -127,7 +127,7 @@ TEST(CudaStreams, ValuesAreCopiedOut) {
 
 TEST(CudaStreams, CallsThatMakeNoSenseAreRefused) {
   const Mesh mesh = testing::random_soup(74, 4, 4, 1.2);
-  std::vector<float> values(static_cast<std::size_t>(kGrid.sample_count()), -77);
+  std::vector<float> values(static_cast<std::size_t>(kStreamGrid.sample_count()), -77);
   const auto code_of = [&](MeshView view, Grid grid, double thickness, float* to, cuda::OnStream on) {
     try {
       cuda::compute_into(view, grid, thickness, to, Method::tiles, on);
@@ -138,15 +138,15 @@ TEST(CudaStreams, CallsThatMakeNoSenseAreRefused) {
   };
   float* const to = values.data();
   const Grid far{{8, 8, 8}, {1e30, 0, 0}, {1e-3, 1e-3, 1e-3}};
-  EXPECT_EQ(code_of(mesh, kGrid, 0, to, kEmulated), ErrorCode::usage);
+  EXPECT_EQ(code_of(mesh, kStreamGrid, 0, to, kEmulated), ErrorCode::usage);
   EXPECT_EQ(code_of(mesh, {{0, 1, 1}, {}}, 1, to, kEmulated), ErrorCode::usage);
-  EXPECT_EQ(code_of(mesh, kGrid, 1, nullptr, kEmulated), ErrorCode::usage);
-  EXPECT_EQ(code_of({}, kGrid, 1, to, kEmulated), ErrorCode::usage);
+  EXPECT_EQ(code_of(mesh, kStreamGrid, 1, nullptr, kEmulated), ErrorCode::usage);
+  EXPECT_EQ(code_of({}, kStreamGrid, 1, to, kEmulated), ErrorCode::usage);
   EXPECT_EQ(code_of(mesh, far, 1, to, kEmulated), ErrorCode::limit);
-  EXPECT_EQ(code_of(mesh, kGrid, 1, to, {.backend = Backend::cpu}), ErrorCode::usage);
-  EXPECT_EQ(code_of(mesh, kGrid, 1, to, {.backend = Backend::automatic}), ErrorCode::usage);
+  EXPECT_EQ(code_of(mesh, kStreamGrid, 1, to, {.backend = Backend::cpu}), ErrorCode::usage);
+  EXPECT_EQ(code_of(mesh, kStreamGrid, 1, to, {.backend = Backend::automatic}), ErrorCode::usage);
   const double* const x = &mesh.vertices.data()->x;
-  EXPECT_EQ(code_of({{x, 2, 20}, mesh.triangles}, kGrid, 1, to, kEmulated), ErrorCode::usage);  // not aligned
+  EXPECT_EQ(code_of({{x, 2, 20}, mesh.triangles}, kStreamGrid, 1, to, kEmulated), ErrorCode::usage);  // not aligned
   EXPECT_TRUE(std::all_of(values.begin(), values.end(), [](float v) { return v == -77; }));
 }
 

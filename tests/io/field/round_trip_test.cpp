@@ -15,7 +15,7 @@
 namespace standoff {
 namespace {
 
-class FieldFile : public ::testing::TestWithParam<FileFormat> {
+class EveryFieldFormat : public ::testing::TestWithParam<FileFormat> {
  protected:
   std::filesystem::path path() const { return folder / ("field." + GetParam().extension); }
   DistanceField through_file(const DistanceField& field) const {
@@ -25,7 +25,7 @@ class FieldFile : public ::testing::TestWithParam<FileFormat> {
   const TempFolder folder;
 };
 
-INSTANTIATE_TEST_SUITE_P(AllFormats, FieldFile, ::testing::ValuesIn(field_formats()),
+INSTANTIATE_TEST_SUITE_P(AllFormats, EveryFieldFormat, ::testing::ValuesIn(field_formats()),
                          [](const auto& format) { return format.param.extension; });
 
 void expect_same(const DistanceField& a, const DistanceField& b) {
@@ -46,31 +46,31 @@ void expect_same(const DistanceField& a, const DistanceField& b) {
   EXPECT_TRUE(of_a == of_b);
 }
 
-TEST_P(FieldFile, KeepsAFullField) {
+TEST_P(EveryFieldFormat, KeepsAFullField) {
   const DistanceField field = odd_field();
   expect_same(through_file(field), field);
   EXPECT_EQ(folder.names().size(), 1u);
 }
 
-TEST_P(FieldFile, KeepsABandAndItsSparsity) {
+TEST_P(EveryFieldFormat, KeepsABandAndItsSparsity) {
   const DistanceField field = odd_field(odd_grid(), 4200.5);
   EXPECT_LT(field.stored_tiles(), field.tile_count().count());
   expect_same(through_file(field), field);
 }
 
-TEST_P(FieldFile, KeepsAFieldWithoutTiles) {
+TEST_P(EveryFieldFormat, KeepsAFieldWithoutTiles) {
   expect_same(through_file(DistanceField(odd_grid(), 0.1)), DistanceField(odd_grid(), 0.1));
   expect_same(through_file(DistanceField(odd_grid(), kInfinite)), DistanceField(odd_grid(), kInfinite));
 }
 
-TEST_P(FieldFile, KeepsGridsOfAnyShape) {
+TEST_P(EveryFieldFormat, KeepsGridsOfAnyShape) {
   for (const Size3 size : {Size3{1, 1, 1}, {1, 1, 40}, {40, 1, 1}, {1, 40, 1}, {8, 8, 8}, {9, 7, 1}, {3, 50, 17}}) {
     const DistanceField field = odd_field({size, {1, 2, 3}, {1, 2, 3}});
     expect_same(through_file(field), field);
   }
 }
 
-TEST_P(FieldFile, KeepsExtremeNumbers) {
+TEST_P(EveryFieldFormat, KeepsExtremeNumbers) {
   const Grid grid{{2, 3, 4}, {-1e-300, 1e300, 0.1 + 0.2}, {1e-310, 1e299, 1.0 / 3}};
   for (const double thickness : {1e-300, 5e-324, 1.0 / 3, 1e300}) {
     const DistanceField field(grid, thickness);
@@ -78,7 +78,7 @@ TEST_P(FieldFile, KeepsExtremeNumbers) {
   }
 }
 
-TEST_P(FieldFile, KeepsProvenanceOfAnyText) {
+TEST_P(EveryFieldFormat, KeepsProvenanceOfAnyText) {
   DistanceField field = odd_field();
   for (const char* text : {"", "two words", "<&\"'>", "back\\slash\nand line", ":=", "  spaces  "}) {
     field.set_provenance({text, 0, text, text});
@@ -88,7 +88,7 @@ TEST_P(FieldFile, KeepsProvenanceOfAnyText) {
   expect_same(through_file(field), field);
 }
 
-TEST_P(FieldFile, KeepsNearestTrianglesOrSaysThatItCannot) {
+TEST_P(EveryFieldFormat, KeepsNearestTrianglesOrSaysThatItCannot) {
   const DistanceField field = odd_field(odd_grid(), 4200.5, true);
   if (GetParam().nearest) return expect_same(through_file(field), field);
   expect_error([&] { write_field(path(), field); }, ErrorCode::usage,
@@ -97,7 +97,7 @@ TEST_P(FieldFile, KeepsNearestTrianglesOrSaysThatItCannot) {
 }
 
 // Samples as far from the plane as the thickness lie in the band: here they are all that the upper tiles hold.
-TEST_P(FieldFile, KeepsTilesWhoseLeastValueIsTheThickness) {
+TEST_P(EveryFieldFormat, KeepsTilesWhoseLeastValueIsTheThickness) {
   const Mesh plane{{{-1, -1, 7}, {17, -1, 7}, {-1, 17, 7}, {17, 17, 7}}, {{0, 1, 2}, {1, 3, 2}}};
   ComputeOptions options;
   options.nearest_triangle = GetParam().nearest;
@@ -119,7 +119,7 @@ std::vector<std::int32_t> backgrounds(const DistanceField& field) {
 }
 
 // Tiles that are -thickness throughout were stored when they were read.
-TEST_P(FieldFile, KeepsTheSignAndWhatIsDeepInside) {
+TEST_P(EveryFieldFormat, KeepsTheSignAndWhatIsDeepInside) {
   for (const bool nearest : {false, true}) {
     if (nearest && !GetParam().nearest) continue;
     const DistanceField field = ball_field(nearest);
@@ -132,14 +132,14 @@ TEST_P(FieldFile, KeepsTheSignAndWhatIsDeepInside) {
   }
 }
 
-TEST_P(FieldFile, WritesTheSameBytesTwice) {
+TEST_P(EveryFieldFormat, WritesTheSameBytesTwice) {
   write_field(path(), odd_field());
   const std::string once = read_bytes(path());
   write_field(path(), odd_field());
   EXPECT_TRUE(read_bytes(path()) == once);
 }
 
-TEST_P(FieldFile, KnowsItsExtensionInCapitals) {
+TEST_P(EveryFieldFormat, KnowsItsExtensionInCapitals) {
   std::string extension = GetParam().extension;
   for (char& c : extension) c = static_cast<char>(std::toupper(c));
   write_field(folder / ("FIELD." + extension), odd_field());

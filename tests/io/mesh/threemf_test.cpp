@@ -19,7 +19,7 @@
 namespace standoff {
 namespace {
 
-const std::filesystem::path kCorpus = std::filesystem::path(kSourceFolder) / "tests/corpus/mesh";
+const std::filesystem::path kSamples = std::filesystem::path(kSourceFolder) / "tests/corpus/mesh";
 
 // One triangle, object 1.
 constexpr const char* kTriangle =
@@ -149,11 +149,11 @@ TEST(Threemf, IsWhatAnotherReaderReads) {
     SCOPED_TRACE(name);
     const TempFolder folder;
     const std::string command = std::string(kPython) + " -B " + kSourceFolder +
-                                "/tests/io/mesh/threemf_reference.py '" + (kCorpus / name).string() + "' > '" +
+                                "/tests/io/mesh/threemf_reference.py '" + (kSamples / name).string() + "' > '" +
                                 (folder / "triangles").string() + "'";
     ASSERT_EQ(std::system(command.c_str()), 0);
     std::istringstream numbers(read_bytes(folder / "triangles"));
-    const Mesh mesh = read_mesh(kCorpus / name);
+    const Mesh mesh = read_mesh(kSamples / name);
     ASSERT_GE(mesh.triangles.size(), 4u);
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
       for (std::size_t c = 0; c < 3; ++c) {

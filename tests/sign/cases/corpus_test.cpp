@@ -27,8 +27,6 @@ struct Kind {
   } found;
 };
 
-Side nowhere(Vec3) { return Side::outside; }
-
 // Trimesh's multibody.stl, Thingi10K 88566: bodies apart.
 Kind many_bodies() {
   Mesh mesh;

@@ -14,9 +14,6 @@ namespace {
 
 using namespace testing;  // NOLINT: a test of what that folder has
 
-constexpr SignOptions kWinding{.method = SignMethod::winding}, kAutomatic{.method = SignMethod::automatic};
-constexpr SignOptions kAsOriented{.method = SignMethod::winding, .as_oriented = true};
-
 struct Solid {
   const char* name;
   Mesh mesh;

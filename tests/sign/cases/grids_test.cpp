@@ -14,9 +14,6 @@ namespace {
 
 using namespace testing;  // NOLINT: a test of what that folder has
 
-constexpr SignOptions kWinding{.method = SignMethod::winding}, kParity{.method = SignMethod::parity},
-    kNormal{.method = SignMethod::normal}, kFlood{.method = SignMethod::flood},
-    kAutomatic{.method = SignMethod::automatic};
 constexpr SignOptions kAll[] = {kWinding, kParity, kNormal, kFlood, kAutomatic};
 constexpr SignOptions kWherever[] = {kWinding, kParity, kNormal, kAutomatic};  // all that see beyond the grid
 
@@ -35,7 +32,7 @@ void for_each_ball(std::span<const SignOptions> methods, const Use& use) {
   }
 }
 
-Grid moved(Grid grid, Vec3 by, double scale) {
+Grid moved_grid(Grid grid, Vec3 by, double scale) {
   grid.origin = grid.origin * scale + by;
   grid.spacing = grid.spacing * scale;
   return grid;
@@ -49,7 +46,7 @@ TEST(GridCases, ScalesAndOffsets) {
       const Vec3 by = Vec3{offset, -offset, 0.5 * offset} * scale;
       const Convex known(testing::moved(kBall, by, scale), offset == 0 ? 1e-9 : 1e-8);  // a million sides times 2^-53
       for_each_ball(kAll, [&](const Mesh& mesh, const SignOptions& sign) {
-        expect_sides(testing::moved(mesh, by, scale), moved(grid, by, scale), sign, known);
+        expect_sides(testing::moved(mesh, by, scale), moved_grid(grid, by, scale), sign, known);
       });
     }
 }

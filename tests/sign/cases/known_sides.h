@@ -13,6 +13,13 @@
 
 namespace standoff::testing {
 
+inline constexpr SignOptions kWinding{.method = SignMethod::winding}, kParity{.method = SignMethod::parity},
+    kNormal{.method = SignMethod::normal}, kFlood{.method = SignMethod::flood},
+    kAutomatic{.method = SignMethod::automatic}, kAsOriented{.method = SignMethod::winding, .as_oriented = true};
+
+/// The inside of what has none.
+inline Side nowhere(Vec3) { return Side::outside; }
+
 /// Sides of every n-th sample of a grid by the generalised winding number. None is known within 1e-6 of a threshold.
 class ByWinding {
  public:

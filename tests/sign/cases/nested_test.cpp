@@ -13,9 +13,6 @@ namespace {
 
 using namespace testing;  // NOLINT: a test of what that folder has
 
-constexpr SignOptions kWinding{.method = SignMethod::winding}, kParity{.method = SignMethod::parity},
-    kFlood{.method = SignMethod::flood}, kAutomatic{.method = SignMethod::automatic};
-
 constexpr SignOptions by_rule(WindingRule rule) { return {.method = SignMethod::winding, .rule = rule}; }
 
 // Octahedra of radius 1 to `count` about the origin, the outermost oriented outwards. All numbers are dyadic: |x| + |y|

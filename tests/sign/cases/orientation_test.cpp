@@ -10,9 +10,6 @@ namespace {
 
 using namespace testing;  // NOLINT: a test of what that folder has
 
-constexpr SignOptions kWinding{.method = SignMethod::winding}, kAutomatic{.method = SignMethod::automatic};
-constexpr SignOptions kAsOriented{.method = SignMethod::winding, .as_oriented = true};
-
 TEST(OrientationCases, SolidTurnedInsideOut) {
   const Mesh ball = sphere(8), outside_in = reversed(ball);
   const Grid grid = grid_around(ball, 20);

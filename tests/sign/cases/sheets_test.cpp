@@ -13,11 +13,6 @@ namespace {
 
 using namespace testing;  // NOLINT: a test of what that folder has
 
-constexpr SignOptions kWinding{.method = SignMethod::winding}, kAutomatic{.method = SignMethod::automatic},
-    kFlood{.method = SignMethod::flood}, kNormal{.method = SignMethod::normal}, kParity{.method = SignMethod::parity};
-
-Side nowhere(Vec3) { return Side::outside; }
-
 Mesh flat_square() {
   Mesh mesh;
   mesh.vertices = {{-1, -1, 0.1}, {1, -1, 0.1}, {1, 1, 0.1}, {-1, 1, 0.1}};
