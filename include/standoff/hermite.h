@@ -31,10 +31,9 @@ struct EdgeCrossing {
 
   /// The place in world units: on the edge, and on the triangle within rounding.
   Vec3 position(const Grid& grid) const {
-    const Vec3 from = grid.position(sample[0], sample[1], sample[2]);
-    const Vec3 step = grid.spacing * place;
-    return {axis == 0 ? from.x + step.x : from.x, axis == 1 ? from.y + step.y : from.y,
-            axis == 2 ? from.z + step.z : from.z};
+    Vec3 at = grid.position(sample[0], sample[1], sample[2]);
+    at[axis] += grid.spacing[axis] * place;
+    return at;
   }
 };
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 
@@ -16,7 +17,12 @@ inline constexpr double kMaxCoordinate = 1e150;
 struct Vec3 {
   double x = 0, y = 0, z = 0;
 
+  /// The component along axis 0, 1 or 2.
+  constexpr double& operator[](std::size_t axis) { return axis == 0 ? x : axis == 1 ? y : z; }
+  constexpr double operator[](std::size_t axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
+
   friend constexpr bool operator==(const Vec3&, const Vec3&) = default;
+  friend constexpr Vec3 operator-(Vec3 a) { return {-a.x, -a.y, -a.z}; }
   friend constexpr Vec3 operator+(Vec3 a, Vec3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
   friend constexpr Vec3 operator-(Vec3 a, Vec3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
   friend constexpr Vec3 operator*(Vec3 a, double s) { return {a.x * s, a.y * s, a.z * s}; }
@@ -39,6 +45,10 @@ inline bool is_finite(Vec3 a) { return std::isfinite(a.x) && std::isfinite(a.y) 
 /// Counts along the three axes. All counts have 64 bits, because grids may have more than 2^31 samples.
 struct Size3 {
   std::int64_t x = 0, y = 0, z = 0;
+
+  /// The count along axis 0, 1 or 2.
+  constexpr std::int64_t& operator[](std::size_t axis) { return axis == 0 ? x : axis == 1 ? y : z; }
+  constexpr std::int64_t operator[](std::size_t axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
 
   friend constexpr bool operator==(const Size3&, const Size3&) = default;
   /// The product; 0 if a count is not positive, and the largest std::int64_t if the product exceeds it.

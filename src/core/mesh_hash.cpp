@@ -45,7 +45,7 @@ std::uint64_t content_hash(MeshView mesh) try {
     } else {
       vertices = hash_of_words(3 * mesh.vertices.size(), [&](std::size_t n) {
         const Vec3 v = mesh.vertices[n / 3];
-        return std::bit_cast<std::uint64_t>(n % 3 == 0 ? v.x : n % 3 == 1 ? v.y : v.z);
+        return std::bit_cast<std::uint64_t>(v[n % 3]);
       });
     }
   };

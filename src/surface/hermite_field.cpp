@@ -45,7 +45,7 @@ void hermite_of_field(const Blocks& blocks, const EdgePoints& points, std::span<
                      const double t = points.crossing(a, b);
                      point.t = static_cast<float>(t);
                      Vec3 along;
-                     (axis == 0 ? along.x : axis == 1 ? along.y : along.z) = a < b ? 1 : -1;
+                     along[axis] = a < b ? 1 : -1;
                      const bool within = values.is_sample(x, y, z) && values.is_sample(upper[0], upper[1], upper[2]);
                      Vec3 normal = along;  // of a cap
                      if (within) {

@@ -45,7 +45,7 @@ class CrossingsOfEdges {
 
   void find(std::size_t triangle) {
     for_each_edge_hit(mesh_.corners(triangle), axes_, [&](std::size_t axis, auto sample, const EdgeHit& hit) {
-      const double t = (hit.at - axes_[axis].at(sample[axis])) / part(spacing_, axis);
+      const double t = (hit.at - axes_[axis].at(sample[axis])) / spacing_[axis];
       for (std::int64_t& n : sample) n -= kMargin;
       offer(axis, sample, t, hit.crossing, triangle);
       // At a sample: the value there may be 0, which is outside, whatever the exact side of the sample.
@@ -66,8 +66,6 @@ class CrossingsOfEdges {
   }
 
  private:
-  static constexpr double part(Vec3 v, std::size_t axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
-
   // Edges lead from the grid's outermost samples to ones beside the grid, which are all outside (blocks.h); a triangle
   // at one of those may be beyond it.
   static constexpr std::int64_t kMargin = 2;
@@ -85,7 +83,7 @@ class CrossingsOfEdges {
     const int x = static_cast<int>(at[0] & 7), y = static_cast<int>(at[1] & 7), z = static_cast<int>(at[2] & 7);
     if ((block->edges[axis][static_cast<std::size_t>(z)] >> (x + 8 * y) & 1) == 0) return;
     const std::uint32_t edge = block->vertex(static_cast<int>(axis), x, y, z);
-    const bool leaves = part(guesses_[edge].normal(), axis) > 0;
+    const bool leaves = guesses_[edge].normal()[axis] > 0;
     const EdgeKey key =
         key_of((crossing > 0) != leaves, std::isfinite(t) ? std::abs(t - guesses_[edge].t) : 1, triangle);
     const std::atomic_ref<EdgeKey> best(keys_[edge]);
@@ -115,18 +113,19 @@ Vec3 unit_normal(const Corners& corners) {
 }
 
 Vec3 along(int axis, Vec3 spacing) {
-  return {axis == 0 ? spacing.x : 0, axis == 1 ? spacing.y : 0, axis == 2 ? spacing.z : 0};
+  Vec3 step;
+  step[axis] = spacing[axis];
+  return step;
 }
 
 // Sets a point to where the plane of a triangle crosses an edge, with its normal to the side that the point's normal
 // is on. False if it does not cross it.
 bool on_plane(const Corners& corners, Vec3 lower, int axis, Vec3 spacing, HermitePoint& point) {
-  const auto part = [&](Vec3 v) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; };
   const Vec3 normal = unit_normal(corners);
-  if (part(normal) == 0) return false;
-  const double t = dot(normal, corners[0] - lower) / (part(normal) * part(spacing));
+  if (normal[axis] == 0) return false;
+  const double t = dot(normal, corners[0] - lower) / (normal[axis] * spacing[axis]);
   if (!(t > -kAtSample && t < 1 + kAtSample)) return false;
-  const bool same_side = (part(normal) > 0) == (part(point.normal()) > 0);
+  const bool same_side = (normal[axis] > 0) == (point.normal()[axis] > 0);
   point.t = static_cast<float>(std::clamp(t, 0.0, 1.0));
   point.set_normal(same_side ? normal : normal * -1.0);
   return true;

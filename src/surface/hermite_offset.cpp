@@ -85,7 +85,8 @@ void hermite_of_offset(const Blocks& blocks, const EdgePoints& points, const Mes
       if (i < 0 || j < 0 || k < 0 || i + (axis == 0) >= size.x || j + (axis == 1) >= size.y ||
           k + (axis == 2) >= size.z)
         return;
-      const Vec3 step{axis == 0 ? grid.spacing.x : 0, axis == 1 ? grid.spacing.y : 0, axis == 2 ? grid.spacing.z : 0};
+      Vec3 step;
+      step[axis] = grid.spacing[axis];
       searches.push_back({n, grid.position(i, j, k), step, data[n].t});
       if (searches.size() == at_once) find_points(searches, offset, data, progress);
     });

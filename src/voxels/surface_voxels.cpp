@@ -24,8 +24,6 @@ namespace {
 // So that products of three differences are finite.
 constexpr double kMostVoxelCoordinate = 1e100;
 
-double part(const Vec3& v, std::size_t axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
-
 // Voxels begin <= n < end along an axis.
 struct VoxelRange {
   std::int64_t begin, end;
@@ -65,13 +63,13 @@ class Painter {
  private:
   // Those that hold a number from low to high, and one more on each side.
   VoxelRange holding(double low, double high, std::size_t axis) const {
-    const double half = part(half_, axis);
+    const double half = half_[axis];
     const SampleAxis& samples = axes_[axis];
     return {std::max<std::int64_t>(0, samples.first_from(low - half) - 1),
             std::min(samples.size(), samples.first_from(high + half) + 1)};
   }
   VoxelRange range_of(const std::array<Vec3, 3>& t, std::size_t axis) const {
-    const auto [low, high] = std::minmax({part(t[0], axis), part(t[1], axis), part(t[2], axis)});
+    const auto [low, high] = std::minmax({t[0][axis], t[1][axis], t[2][axis]});
     return holding(low, high, axis);
   }
   // Of the column along axes[0] through `at`: the plane over the column's cross section. The normal is largest along
@@ -79,11 +77,11 @@ class Painter {
   VoxelRange near_plane(const std::array<Vec3, 3>& t, const Vec3& n, const std::array<std::size_t, 3>& axes,
                         const std::array<std::int64_t, 3>& at, const VoxelRange& all) const {
     const auto [a, b, c] = axes;
-    const double u = axes_[b].at(at[b]) - part(t[0], b), v = axes_[c].at(at[c]) - part(t[0], c);
-    const double slope_b = part(n, b) / part(n, a), slope_c = part(n, c) / part(n, a);
-    const double middle = part(t[0], a) - slope_b * u - slope_c * v;
-    const double reach = std::abs(slope_b) * part(half_, b) + std::abs(slope_c) * part(half_, c) +
-                         1e-10 * (std::abs(u) + std::abs(v) + part(half_, b) + part(half_, c));
+    const double u = axes_[b].at(at[b]) - t[0][b], v = axes_[c].at(at[c]) - t[0][c];
+    const double slope_b = n[b] / n[a], slope_c = n[c] / n[a];
+    const double middle = t[0][a] - slope_b * u - slope_c * v;
+    const double reach = std::abs(slope_b) * half_[b] + std::abs(slope_c) * half_[c] +
+                         1e-10 * (std::abs(u) + std::abs(v) + half_[b] + half_[c]);
     const VoxelRange near = holding(middle - reach, middle + reach, a);
     return {std::max(near.begin, all.begin), std::min(near.end, all.end)};
   }

@@ -108,7 +108,6 @@ TEST(Misuse, Meshes) {
     expect_answer_or_error("validate", [&] { validate(mesh); });
     expect_answer_or_error("bounds", [&] { bounds(mesh); });
     expect_answer_or_error("hash", [&] { content_hash(mesh); });
-    expect_answer_or_error("inspect", [&] { inspect(mesh); });
     expect_answer_or_error("report", [&] { report(mesh); });
     expect_answer_or_error("points", [&] { closest_points(mesh, std::vector<Vec3>(2)); });
     expect_answer_or_error("occupancy", [&] { occupancy(mesh, kFieldGrid); });

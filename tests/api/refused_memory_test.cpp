@@ -196,7 +196,6 @@ TEST(RefusedMemory, Surfaces) {
 }
 
 TEST(RefusedMemory, Meshes) {
-  expect_limit_error("inspect", [&] { inspect(kMesh); });
   expect_limit_error("report", [&] { report(kMesh); });
   const std::vector<Triangle> wrong{{0, 1, 9}};
   expect_error_or_limit("bounds", [&] { bounds({kMesh.vertices, wrong}); });

@@ -10,62 +10,11 @@
 
 #include "scenes/scenes.h"
 #include "standoff/compute.h"
-#include "tests/support/expect_error.h"
 
 namespace standoff {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-const Mesh kTetrahedron{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
-
-TEST(Inspect, AClosedMesh) {
-  const MeshSummary found = inspect(kTetrahedron);
-  EXPECT_TRUE(found.closed());
-  EXPECT_EQ(found.bounds.min, (Vec3{0, 0, 0}));
-  EXPECT_EQ(found.bounds.max, (Vec3{1, 1, 1}));
-  EXPECT_DOUBLE_EQ(found.area, 1.5 + std::sqrt(3.0) / 2);
-  EXPECT_EQ(found.degenerate, 0);
-  EXPECT_EQ(found.duplicate, 0);
-}
-
-TEST(Inspect, AnOpenMeshHasBoundaryEdges) {
-  Mesh mesh = kTetrahedron;
-  mesh.triangles.pop_back();
-  const MeshSummary found = inspect(mesh);
-  EXPECT_FALSE(found.closed());
-  EXPECT_EQ(found.boundary_edges, 3);
-  EXPECT_EQ(found.nonmanifold_edges, 0);
-}
-
-TEST(Inspect, DuplicatesInAnyOrderMakeEdgesNonmanifold) {
-  Mesh mesh = kTetrahedron;
-  mesh.triangles.push_back({3, 2, 1});
-  mesh.triangles.push_back({2, 1, 3});
-  const MeshSummary found = inspect(mesh);
-  EXPECT_EQ(found.duplicate, 2);
-  EXPECT_EQ(found.nonmanifold_edges, 3);
-  EXPECT_FALSE(found.closed());
-}
-
-TEST(Inspect, TrianglesWithoutArea) {
-  Mesh mesh = kTetrahedron;
-  mesh.vertices.push_back({2, 0, 0});
-  mesh.triangles.push_back({0, 0, 1});  // names a vertex twice: no edges
-  EXPECT_EQ(inspect(mesh).degenerate, 1);
-  EXPECT_TRUE(inspect(mesh).closed());
-  mesh.triangles.push_back({0, 1, 4});  // three vertices on a line: its edges count
-  EXPECT_EQ(inspect(mesh).degenerate, 2);
-  EXPECT_EQ(inspect(mesh).nonmanifold_edges, 1);
-  EXPECT_EQ(inspect(mesh).boundary_edges, 2);
-}
-
-TEST(Inspect, UnusableMeshesAreErrors) {
-  expect_error([] { inspect(Mesh{}); }, ErrorCode::input, "no triangles");
-  Mesh mesh = kTetrahedron;
-  mesh.triangles[2][1] = 4;
-  expect_error([&] { inspect(mesh); }, ErrorCode::input, "triangle 2");
-}
 
 // A field with nearest triangles counts as compute() does, one without them by its values: both say the same of samples
 // none of which is exactly as far as the thickness.

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <vector>
 
-#include "geometry/closest_point.h"
 #include "standoff/compute.h"
 #include "standoff/exposed.h"
 #include "standoff/verify.h"
+#include "tests/geometry/closest_point.h"
 #include "tests/sign/fine_box.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/fields.h"

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "geometry/closest_point.h"
-#include "geometry/corners.h"
-#include "geometry/triangle_distance.h"
+#include "tests/geometry/closest_point.h"
 
 #include <gtest/gtest.h>
 
@@ -11,6 +9,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "geometry/corners.h"
+#include "geometry/triangle_distance.h"
 #include "standoff/vec.h"
 #include "tests/support/random_mesh.h"
 

@@ -7,9 +7,9 @@
 #include <array>
 #include <cmath>
 
-#include "geometry/closest_point.h"
 #include "geometry/corners.h"
 #include "geometry/triangle_lines.h"
+#include "tests/geometry/closest_point.h"
 #include "tests/support/random_mesh.h"
 #include "tests/support/reference.h"
 

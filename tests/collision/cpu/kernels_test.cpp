@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "collision/cpu/kernels.h"
-#include "geometry/closest_point.h"
 #include "geometry/penetration.h"
 #include "geometry/triangle_distance.h"
 #include "geometry/triangle_pair.h"
 #include "standoff/pose.h"
+#include "tests/geometry/closest_point.h"
 #include "tests/support/random_mesh.h"
 
 namespace standoff {
