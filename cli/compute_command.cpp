@@ -210,6 +210,7 @@ Outcome ComputeCommand::write_whole(const Plan& plan) {
   const auto start = std::chrono::steady_clock::now();
   FieldWriteOptions written = write_options();
   written.sidecars = sidecars;
+  if (confidence_name) last_file_is(confidence.path().string());
   with_spinner(console, "writing " + output.path().string(),
                [&] { write_field(output.path(), computed.field, written); });
   Outcome outcome{plan, computed.report, computed.field.provenance().mesh_hash};

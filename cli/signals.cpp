@@ -34,6 +34,8 @@ class FixedText {
   std::size_t size_ = 0;
 };
 
+FixedText last_file;  // empty where there is but one
+
 void say(std::string_view words) { (void)!::write(STDERR_FILENO, words.data(), words.size()); }
 
 [[noreturn]] void end(std::string_view (*message)(), ErrorCode code) {
@@ -95,10 +97,17 @@ std::string_view interruption() {
   text.add("; no partial file was left");
   if (is_writing_straight()) text.add(", but what went to a pipe or device is cut off");
   if (output_begun) text.add(", but the standard output may be cut off");
-  if (!finished) text.add(", run it again");
+  const bool more_follow = finished && !last_file.view().empty() && last_file.view() != finished;
+  if (more_follow) {
+    text.add(", but ");
+    text.add(last_file.view());
+    text.add(" was not written");
+  }
+  if (!finished || more_follow) text.add(", run it again");
   return text.view();
 }
 
+void last_file_is(std::string_view name) { last_file.add(name); }
 void output_has_begun() { output_begun = true; }
 
 void line_is_drawn(bool drawn) { line_drawn = drawn; }

@@ -28,6 +28,9 @@ bool interrupted();
 /// Async-signal-safe.
 std::string_view interruption();
 
+/// Says which of several files that were asked for is written last. Call it once, before the first is written.
+void last_file_is(std::string_view name);
+
 /// Says that data goes to the standard output, which an interrupt would cut off.
 void output_has_begun();
 

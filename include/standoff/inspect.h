@@ -15,9 +15,9 @@ struct FieldSummary {
   std::int64_t nan = 0;     ///< samples that are not a number
 };
 
-/// Computes statistics over every sample of a field, a slice at a time. If the field has nearest triangles, its band
-/// is the samples that have one, as in compute(). Otherwise it is the samples nearer than the thickness, because a
-/// value that equals the thickness may be clamped. Errors: limit.
+/// Computes statistics over every sample of a field, in the time to go over its stored tiles: others have one value
+/// each. If the field has nearest triangles, its band is the samples that have one, as in compute(). Otherwise it is
+/// the samples nearer than the thickness, because a value that equals the thickness may be clamped.
 STANDOFF_API FieldSummary inspect(const DistanceField& field);
 
 }  // namespace standoff

@@ -155,7 +155,7 @@ DistanceResult distance_checked(const CollisionModel& a, const Pose& pose_a, con
   Vec3 on_target, on_probe;
   if (const auto intersecting = find_intersecting_pair(pair, 0)) {
     of_target = intersecting->of_target, of_probe = intersecting->of_probe;
-    on_target = on_probe = penetration(pair.target.world(of_target), pair.probe.world(of_probe)).point;
+    on_target = on_probe = common_point(pair.target.world(of_target), pair.probe.world(of_probe));
   } else {
     DistanceSearch search(pair, options.tolerance, options.limit);
     search.run();

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string_view>
 
 namespace standoff {
@@ -20,6 +21,25 @@ class ByteStream {
   virtual std::string_view next(std::uint64_t bytes) = 0;
   /// Reads what is left, and checks the whole where the file holds a checksum.
   virtual void finish() = 0;
+};
+
+/// Room for what is unpacked next. Its pages are taken as they are written, so that a file that promises far more than
+/// it holds is refused for the time and the memory of what it holds.
+class UnpackedBytes {
+ public:
+  /// At least so many bytes, not set to anything. What was there before is lost.
+  char* room(std::uint64_t bytes) {
+    if (bytes > size_) {
+      bytes_.reset();  // what is there is not kept beside it
+      bytes_ = std::make_unique_for_overwrite<char[]>(bytes);
+      size_ = bytes;
+    }
+    return bytes_.get();
+  }
+
+ private:
+  std::unique_ptr<char[]> bytes_;
+  std::uint64_t size_ = 0;
 };
 
 /// Bytes that lie in memory.

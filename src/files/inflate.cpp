@@ -85,18 +85,15 @@ void Inflater::fill(char* to, std::size_t room) {
 }
 
 std::string_view GzipStream::next(std::uint64_t bytes) {
-  if (buffer_.size() < bytes) {
-    buffer_ = {};
-    buffer_.resize(bytes);
-  }
-  inflater_.fill(buffer_.data(), bytes);
-  return {buffer_.data(), bytes};
+  char* const to = buffer_.room(bytes);
+  inflater_.fill(to, bytes);
+  return {to, bytes};
 }
 
 void GzipStream::finish() {
   constexpr std::size_t kPart = std::size_t{1} << 16;
-  buffer_.resize(kPart);
-  while (inflater_.read(buffer_.data(), kPart) == kPart) {
+  char* const to = buffer_.room(kPart);
+  while (inflater_.read(to, kPart) == kPart) {
   }
 }
 

@@ -7,7 +7,6 @@
 #include <memory>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "files/byte_stream.h"
 #include "files/file_view.h"
@@ -61,7 +60,7 @@ class GzipStream : public ByteStream {
 
  private:
   Inflater inflater_;
-  std::vector<char> buffer_;
+  UnpackedBytes buffer_;
 };
 
 /// Whether the content is packed by gzip.

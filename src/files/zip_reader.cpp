@@ -119,12 +119,9 @@ std::string_view ZipMemberStream::next(std::uint64_t bytes) {
   if (bytes > member_.bytes - done_) fail("it is shorter than its content says; the file is damaged, write it again");
   std::string_view part = file_.text(member_.offset + done_, bytes);
   if (inflater_) {
-    if (buffer_.size() < bytes) {
-      buffer_ = {};  // what is there is not kept beside it
-      buffer_.resize(bytes);
-    }
-    inflater_->fill(buffer_.data(), bytes);
-    part = {buffer_.data(), bytes};
+    char* const to = buffer_.room(bytes);
+    inflater_->fill(to, bytes);
+    part = {to, bytes};
   }
   done_ += bytes;
   if (bytes > 0)  // zlib takes no bytes for a new beginning

@@ -42,7 +42,7 @@ class ZipMemberStream : public ByteStream {
   const FileView& file_;
   const ZipMember& member_;
   std::optional<Inflater> inflater_;
-  std::vector<char> buffer_;
+  UnpackedBytes buffer_;
   std::uint64_t done_ = 0;
   std::uint32_t crc_ = 0;
 };

@@ -89,23 +89,6 @@ void add_crossing(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, Fa
   shared.add(zero_between(p, q, determinant2d(c, d, u), determinant2d(c, d, v)));
 }
 
-Vec3 common_point(const Corners& p, const Corners& q) {
-  // Neighbours of one mesh, and bodies with the same pose.
-  if (const Vec3* const corner = common_corner(p, q); corner && !(on_both_sides(p, q) && on_both_sides(q, p)))
-    return *corner;
-  const Heights of_p(p, q), of_q(q, p);
-  Farthest shared;
-  add_corners_inside(p, of_p, q, shared);
-  add_corners_inside(q, of_q, p, shared);
-  add_passes(p, of_p, q, shared);
-  add_passes(q, of_q, p, shared);
-  for (int k = 0, j = 2; k < 3; j = k++)
-    for (int n = 0, m = 2; n < 3; m = n++) add_crossing(p[j], p[k], q[m], q[n], shared);
-  if (shared.any()) return shared.middle();
-  const ClosestPair pair = closest_points(p, q);
-  return pair.on_p + pair.separation * 0.5;
-}
-
 bool is_zero(const Vec3& v) { return v == Vec3{}; }
 
 // The shortest translation along a direction, of either sign, that separates both triangles, by their measured extents
@@ -169,6 +152,23 @@ bool take_accurate(const Corners& p, const Corners& q, Penetration& result) {
 }
 
 }  // namespace
+
+Vec3 common_point(const Corners& p, const Corners& q) {
+  // Neighbours of one mesh, and bodies with the same pose.
+  if (const Vec3* const corner = common_corner(p, q); corner && !(on_both_sides(p, q) && on_both_sides(q, p)))
+    return *corner;
+  const Heights of_p(p, q), of_q(q, p);
+  Farthest shared;
+  add_corners_inside(p, of_p, q, shared);
+  add_corners_inside(q, of_q, p, shared);
+  add_passes(p, of_p, q, shared);
+  add_passes(q, of_q, p, shared);
+  for (int k = 0, j = 2; k < 3; j = k++)
+    for (int n = 0, m = 2; n < 3; m = n++) add_crossing(p[j], p[k], q[m], q[n], shared);
+  if (shared.any()) return shared.middle();
+  const ClosestPair pair = closest_points(p, q);
+  return pair.on_p + pair.separation * 0.5;
+}
 
 Penetration penetration(const Corners& p, const Corners& q) {
   // Corners that both have are on both planes, which hides the answer from the quick test.

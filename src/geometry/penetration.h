@@ -14,6 +14,10 @@ struct Penetration {
   double depth;  ///< how far: then they are apart, or only just touch
 };
 
+/// The point alone, for a query that asks for no more: from exact signs and accurate determinants, whatever the angle
+/// between the triangles. It lies on both, within 8 u of their largest coordinate (docs/distance.md).
+Vec3 common_point(const Corners& p, const Corners& q);
+
 /// Points and depths err by this at the most, in terms of the pair's extent.
 inline constexpr double kPenetrationError = 1e-9;
 /// For triangles that touch, or are nearer than rounding: then the point lies between them, and the depth may be 0.

@@ -129,6 +129,22 @@ STANDOFF_INLINE Triple<F> any_perpendicular(const Triple<F>& u) {
   return v * (F(1) / sqrt(dot(v, v)));
 }
 
+/// A component of a unit vector: 1 or -1 where the others are zero, whatever rounding has made of it.
+template <class F>
+STANDOFF_INLINE F alone_or(const F& component, const F& others) {
+  const F zero(0), one(1);
+  const F sign = select(less(component, zero), F(-one), select(less(zero, component), one, zero));
+  return select(less(zero, others), component, sign);
+}
+
+/// The same for a vector. So a point in the plane of a triangle that is perpendicular to an axis has the distance 0
+/// from that plane, and not the rounding of a coordinate.
+template <class F>
+STANDOFF_INLINE Triple<F> exact_along_axes(const Triple<F>& v) {
+  const F ax = abs(v.x), ay = abs(v.y), az = abs(v.z);
+  return {alone_or(v.x, F(ay + az)), alone_or(v.y, F(az + ax)), alone_or(v.z, F(ax + ay))};
+}
+
 template <class F>
 STANDOFF_INLINE HalfTriangle<F> half_triangle(const F& leg, const F& height) {
   const F length_sq = fma(leg, leg, height * height);
@@ -166,7 +182,7 @@ STANDOFF_INLINE TriangleFrame<F> make_frame(const Triple<F>& a, const Triple<F>&
   const Triple<F> altitude = minus_scaled(once, ux, dot(once, ux));
   const F altitude_sq = dot(altitude, altitude);
   const Triple<F> uy = unit_or(altitude, altitude_sq, least_sq, any_perpendicular(ux));
-  const Triple<F> uz = cross(ux, uy);
+  const Triple<F> uz = exact_along_axes(cross(ux, uy));
   const F height = dot(altitude, uy);
 
   TriangleFrame<F> frame;

@@ -164,6 +164,21 @@ TEST_F(Interrupt, AfterTheFileWasCompletedSaysSo) {
   ::close(ends[1]);
 }
 
+// The first of two files was written, and the second one's samples are being computed: both are named.
+TEST_F(Interrupt, BetweenTwoFilesSaysThatOneIsMissing) {
+  Process process(words("compute scene:terrain:20000 --sign winding --confidence b.vti -r 160 -t 2s -o a.vti"),
+                  setup());
+  while (!std::filesystem::exists(folder / "a.vti")) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  process.send(SIGINT);
+  const Ran ran = process.wait();
+  EXPECT_EQ(ran.code, 130) << ran.err;
+  EXPECT_TRUE(
+      ran.says("interrupted after a.vti was written, which is complete; no partial file was left, but b.vti was "
+               "not written, run it again"))
+      << ran.err;
+  EXPECT_EQ(folder.names(), std::set<std::string>{"a.vti"});
+}
+
 // Two signals end the drawing of pictures in the middle: the folder that they wait in goes too.
 TEST_F(Interrupt, TwiceWhilePicturesAreDrawn) {
   Process process(words("fly --steps 5000 -o frames/"), setup());

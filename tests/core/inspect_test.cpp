@@ -10,6 +10,7 @@
 
 #include "scenes/scenes.h"
 #include "standoff/compute.h"
+#include "tests/support/heap.h"
 
 namespace standoff {
 namespace {
@@ -62,6 +63,28 @@ TEST(Inspect, ValuesThatAreNoNumberAreCounted) {
   EXPECT_EQ(none.nan, 1);
   EXPECT_EQ(none.min, kInfinity);
   EXPECT_EQ(none.max, -kInfinity);
+}
+
+// A slice of all samples was made, and each of them looked at: half a minute for a file of 12 kB.
+TEST(Inspect, TilesThatAreNotStoredTakeNoMemory) {
+  const DistanceField field({{1 << 12, 1 << 12, 1}, {}, {1, 1, 1}}, 3);
+  FieldSummary found;
+  EXPECT_EQ(testing::heap::most_held([&] { found = inspect(field); }), 0);
+  EXPECT_EQ(found.min, 3);
+  EXPECT_EQ(found.max, 3);
+  EXPECT_EQ(found.band, 0);
+}
+
+// One sample of the last tile is in the grid; what lies beyond counts for nothing.
+TEST(Inspect, SamplesBeyondTheGridDoNotCount) {
+  DistanceField field({{9, 9, 9}, {}, {1, 1, 1}}, 3, true);
+  std::ranges::fill(field.store_tile(1, 1, 1), 2.0f);
+  std::ranges::fill(field.store_nearest(1, 1, 1), 7u);
+  field.mark_inside(0, 0, 0);
+  const FieldSummary found = inspect(field);
+  EXPECT_EQ(found.min, -3);
+  EXPECT_EQ(found.max, 3);
+  EXPECT_EQ(found.band, 1);
 }
 
 }  // namespace

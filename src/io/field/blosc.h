@@ -4,6 +4,7 @@
 // https://github.com/Blosc/c-blosc/blob/main/README_CHUNK_FORMAT.rst
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
@@ -11,6 +12,9 @@
 #include "files/file_view.h"
 
 namespace standoff::vdb {
+
+/// No byte that LZ4 packed becomes more than this many: a length of n bytes says 255 n and a little.
+inline constexpr std::uint64_t kMostBlosc = 255;
 
 /// Fills `to`, which must be all that was packed. Errors: input, also for other codecs.
 void unpack_blosc(const FileView& file, const std::string& where, std::string_view packed, std::span<char> to);

@@ -38,11 +38,13 @@ std::string unescaped(const std::string& text) {
 }
 
 void take_line(NrrdHeader& header, const NrrdLine& line) {
-  const auto colon = line.text.find(':');
   if (line.text.starts_with('#')) return;
+  // A key may hold colons ("http://a:=b"), but none before a blank: that one ends a field's name.
+  const auto equals = line.text.find(":=");
+  const bool is_key = equals != std::string::npos && line.text.find(": ") > equals;
+  const auto colon = is_key ? equals : line.text.find(':');
   if (colon == std::string::npos || colon + 1 == line.text.size())
     header.fail(line, in_quotes(line.text) + " is no header field; the file is damaged or no NRRD, write it again");
-  const bool is_key = line.text[colon + 1] == '=';
   std::string name = line.text.substr(0, colon);
   if (is_key) {
     header.keys[name] = {unescaped(line.text.substr(colon + 2)), line.number};

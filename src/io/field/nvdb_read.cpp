@@ -33,7 +33,8 @@ struct FoundTile {
 
 std::unique_ptr<FileView> unpack(const FileView& file, std::uint64_t at, std::uint64_t packed, std::uint64_t bytes,
                                  nvdb::Codec codec, std::int64_t memory_limit) {
-  if (bytes / kMostDeflated > packed) file.fail("grid", "it is too short for what it says; get all of the file");
+  const std::uint64_t most = codec == nvdb::Codec::blosc ? kMostBlosc : kMostDeflated;
+  if (bytes / most > packed) file.fail("grid", "it is too short for what it says; get all of the file");
   if (memory_limit > 0 && bytes > static_cast<std::uint64_t>(memory_limit)) {
     ErrorDetails details = limit_details(static_cast<double>(bytes), static_cast<double>(memory_limit));
     details.file = file.path().string();
@@ -43,7 +44,7 @@ std::unique_ptr<FileView> unpack(const FileView& file, std::uint64_t at, std::ui
                     "; give a higher limit",
                 details);
   }
-  auto unpacked = std::make_unique<char[]>(bytes);
+  auto unpacked = std::make_unique_for_overwrite<char[]>(bytes);
   constexpr std::uint64_t kChunk = std::uint64_t{1} << 30;
   Cursor from(file, at);
   for (std::uint64_t done = 0; done < bytes;) {

@@ -40,17 +40,14 @@ VtkBlocks read_vtk_blocks(const FileView& file, std::uint64_t at, unsigned numbe
 }
 
 std::string_view VtkBlockStream::next(std::uint64_t bytes) {
-  if (buffer_.size() < bytes) {
-    buffer_ = {};
-    buffer_.resize(bytes);
-  }
+  char* const to = buffer_.room(bytes);
   for (std::uint64_t done = 0; done < bytes;) {
     const VtkBlocks::Block& block = blocks_.blocks.at(block_);
     if (!inflater_)
       inflater_.emplace(file_, "byte " + std::to_string(block.at), file_.text(block.at, block.packed),
                         Inflater::Wrapper::zlib);
     const std::uint64_t part = std::min(bytes - done, block.bytes - in_block_);
-    inflater_->fill(buffer_.data() + done, part);
+    inflater_->fill(to + done, part);
     done += part;
     in_block_ += part;
     if (in_block_ < block.bytes) continue;
@@ -62,7 +59,7 @@ std::string_view VtkBlockStream::next(std::uint64_t bytes) {
     in_block_ = 0;
     ++block_;
   }
-  return {buffer_.data(), bytes};
+  return {to, bytes};
 }
 
 }  // namespace standoff

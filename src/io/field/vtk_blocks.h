@@ -40,7 +40,7 @@ class VtkBlockStream : public ByteStream {
   std::size_t block_ = 0;       // that is being read
   std::uint64_t in_block_ = 0;  // bytes read of it
   std::optional<Inflater> inflater_;
-  std::vector<char> buffer_;
+  UnpackedBytes buffer_;
 };
 
 }  // namespace standoff

@@ -22,10 +22,9 @@ inline void check_distance(const PlacedPair& at, Findings& found) {
   found.off("distance: of the two triangles", std::abs(gap(p, q) - one.upper), allowed.distance());
   found.off("distance: of the two points", std::abs(length(one.point_a - one.point_b) - one.upper), allowed.point());
   const double from_a = root_of(point_triangle_sq(one.point_a, p)), from_b = root_of(point_triangle_sq(one.point_b, q));
-  if (at.touch())
-    found.off("distance: where they touch, a point from its triangle", std::max(from_a, from_b), allowed.contact());
-  else
-    found.off("distance: a point from its triangle", std::max(from_a, from_b), allowed.point());
+  found.off(
+      at.touch() ? "distance: where they touch, a point from its triangle" : "distance: a point from its triangle",
+      std::max(from_a, from_b), allowed.nearest_point());
 }
 
 /// With a tolerance, and with a limit.

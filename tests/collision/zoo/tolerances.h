@@ -30,6 +30,8 @@ struct Allowed {
   double distance() const { return 32 * kRoundoff * extent; }
   /// Nearest points, from the triangles they are said to lie on.
   double point() const { return distance() + 4 * kRoundoff * coordinate; }
+  /// Those of distance(), also where triangles touch.
+  double nearest_point() const { return 8 * kRoundoff * coordinate; }
   /// A contact's point from both of its triangles, and how far beyond its depth b moves along its normal until they are
   /// apart.
   double contact() const { return 1e-9 * extent + 4 * kRoundoff * coordinate; }

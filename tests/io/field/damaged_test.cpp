@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Files that are damaged, hostile, or of a kind that is not read: each has its message, and none a crash.
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <cstring>
 #include <random>
 #include <stdexcept>
 
+#include "files/run_deflate.h"
 #include "io/field/format.h"
 #include "odd_field.h"
 #include "standoff/io.h"
@@ -233,6 +235,49 @@ TEST(DamagedField, NrrdWhosePackedSamplesAreTooFew) {
   set("encoding: raw", "encoding: gz");
   set("sizes: 3 4 5", "sizes: 3000 4000 5000");
   expect_refused("nrrd", bytes, ":line 6: they ask for more samples than so short a file can hold");
+}
+
+// A key's name may hold a colon, which is not the one that ends a field's name.
+TEST(DamagedField, NrrdKeysMayHoldColons) {
+  const TempFolder folder;
+  std::string bytes = bytes_of("nrrd");
+  bytes.insert(bytes.find("thickness:="), "http://www.example.org/a:=b\ncontent: c:=d\n");
+  write_bytes(folder / "a.nrrd", bytes);
+  EXPECT_EQ(read_field(folder / "a.nrrd").grid(), small_grid());
+}
+
+long peak_kib() {
+  rusage used{};
+  ::getrusage(RUSAGE_SELF, &used);
+  return used.ru_maxrss;
+}
+
+// Headers that promise 2^28 samples in one layer, and files of a MiB, which could just hold so many equal ones but hold
+// a few. All the memory for a layer was written before the first byte was unpacked, which took seconds for 2^32
+// samples.
+TEST(DamagedField, LayersThatAreNotThereTakeNoMemory) {
+  constexpr std::uint64_t kBytes = std::uint64_t{4} << 28;
+  const std::string rest(kBytes / 1032 + 1024, 'x');
+  const std::string packed = zlib_stream(std::string(4096, '\0'));
+  const long before = peak_kib();
+
+  std::string nrrd = bytes_of("nrrd", false, true);
+  nrrd.resize(nrrd.find("\n\n") + 2);
+  nrrd.replace(nrrd.find("sizes: 3 4 5"), 12, "sizes: 16384 16384 1");
+  std::string gzip("\x1f\x8b\x08\0\0\0\0\0\0\xff", 10);
+  gzip.append(packed.substr(2, packed.size() - 6));
+  expect_refused("nrrd", nrrd + gzip + rest, "its packed bytes are damaged");
+
+  std::string vti = R"(<VTKFile type="ImageData" byte_order="LittleEndian" header_type="UInt64"
+ compressor="vtkZLibDataCompressor"><ImageData WholeExtent="0 16383 0 16383 0 0" Origin="0 0 0" Spacing="1 1 1">
+<Piece Extent="0 16383 0 16383 0 0"><PointData><DataArray type="Float32" Name="distance" format="appended" offset="0"/>
+</PointData></Piece></ImageData><AppendedData encoding="raw">_)";
+  const std::uint64_t blocks[] = {1, kBytes, 0, packed.size() + rest.size()};
+  vti.append(reinterpret_cast<const char*>(blocks), sizeof blocks);
+  expect_refused("vti", vti + packed + rest, "it unpacks to fewer bytes than promised");
+
+  constexpr long kShareOfLayer = static_cast<long>(kBytes >> 10) / 4;
+  EXPECT_LT(peak_kib() - before, kShareOfLayer);
 }
 
 TEST(DamagedField, ValuesThatAreNoDistances) {
