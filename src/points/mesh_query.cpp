@@ -12,6 +12,7 @@
 #include "core/mesh_copy.h"
 #include "core/number_text.h"
 #include "core/threads.h"
+#include "field/copies.h"
 #include "geometry/triangle_frame.h"
 #include "points/closest_in_triangle.h"
 #include "points/nearest.h"
@@ -52,7 +53,7 @@ void check(std::span<const Vec3> points, std::size_t answers) {
 
 SignPlan plan_of(MeshView mesh, const SignOptions& options, ProgressMeter& progress) {
   SignPlan plan = plan_sign(mesh, options, progress);
-  if (options.outer) plan_outer(mesh, options, plan);
+  if (options.outer) plan_outer(mesh, options, plan, progress);
   if (plan.report.method != SignMethod::flood) return plan;
   plan.report.method = SignMethod::none;  // found by the diagnosis
   plan.report.sure = false;
@@ -116,7 +117,10 @@ MeshQuery::Data::Data(Mesh own, const SignOptions& options, SignPlan planned, in
                       const ProgressCallback& while_built)
     : mesh(std::move(own)), sign(options), plan(std::move(planned)) {
   all.emplace(mesh, std::span<const std::uint32_t>{}, threads, simd, while_built);
-  if (!plan.exposed.empty()) exposed.emplace(mesh, plan.exposed, threads, simd, while_built);
+  ProgressMeter progress(while_built);
+  distinct = without_many_copies(mesh, plan.exposed, progress);
+  if (const auto& some = distinct.empty() ? plan.exposed : distinct; !some.empty())
+    counting.emplace(mesh, some, threads, simd, while_built);
   sides = make_sides_of_points({mesh, plan.use}, *all, plan, sign.rule, threads, simd);
 }
 
@@ -153,8 +157,9 @@ std::int64_t MeshQuery::memory_bytes() const {
   const Data& data = *data_;
   return static_cast<std::int64_t>(data.mesh.vertices.capacity() * sizeof(Vec3) +
                                    data.mesh.triangles.capacity() * sizeof(Triangle) + data.plan.use.capacity() +
-                                   data.plan.boundary.edges.capacity() * sizeof(BoundaryEdge)) +
-         data.all->memory_bytes() + (data.exposed ? data.exposed->memory_bytes() : 0) +
+                                   data.plan.boundary.edges.capacity() * sizeof(BoundaryEdge) +
+                                   data.distinct.capacity() * sizeof(std::uint32_t)) +
+         data.all->memory_bytes() + (data.counting ? data.counting->memory_bytes() : 0) +
          (data.sides ? data.sides->memory_bytes() : 0);
 }
 
