@@ -18,6 +18,7 @@
 #include "points/nearest.h"
 #include "points/nearest_on_device.h"
 #include "points/query_data.h"
+#include "sign/open_winding/node_stack.h"
 #include "sign/options.h"
 #include "sign/outer/outer.h"
 #include "standoff/error.h"
@@ -83,6 +84,7 @@ void answer_all(const MeshQuery::Data& data, std::span<const Vec3> points, const
       else
         find_nearest(index, kernels, part, found, progress);
       tbb::parallel_for(tbb::blocked_range<std::size_t>(0, part.size(), kTogether), [&](const auto& range) {
+        WorkCheck check(progress, kLooks);
         std::array<PointToSide, kTogether> to_side;
         std::array<bool, kTogether> inside;
         for (std::size_t begin = range.begin(); begin < range.end(); begin += kTogether) {
@@ -92,7 +94,7 @@ void answer_all(const MeshQuery::Data& data, std::span<const Vec3> points, const
             to_side[n] = {found.points[begin + n], nearest.distance, nearest.triangle};
           }
           if (data.sides)
-            data.sides->decide(std::span(to_side).first(count), kernels, std::span(inside).first(count));
+            data.sides->decide(std::span(to_side).first(count), kernels, check, std::span(inside).first(count));
           else
             inside.fill(false);
           for (std::size_t n = 0; n < count; ++n) {
@@ -203,7 +205,8 @@ void MeshQuery::winding_numbers(std::span<const Vec3> points, std::span<double> 
   const cpu::PointKernels& kernels = cpu::point_kernels_for(execution.simd);
   Threads(execution.threads).run([&] {
     tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t n) {
-      out[n] = data_->sides->winding_number(points[n], kernels);
+      WorkCheck check(progress, kLooks);
+      out[n] = data_->sides->winding_number(points[n], kernels, check);
       progress.advance();
     });
   });

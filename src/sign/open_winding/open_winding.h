@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 
+#include "core/work_check.h"
 #include "sign/diagnosis/boundary.h"
 #include "sign/open_winding/open_tiles.h"
 #include "sign/open_winding/rim_tree.h"
@@ -21,7 +22,7 @@ namespace standoff {
 class OpenWinding final : public Sides {
  public:
   /// `boundary` is that of the mesh; if it is empty, the mesh is closed. The mesh must stay where it is. Runs on the
-  /// threads of the calling TBB arena. Throws Error{interrupted}.
+  /// threads of the calling TBB arena. Throws Error{interrupted}, which fill() does too: the progress must stay.
   OpenWinding(const OrientedMesh& mesh, const Boundary& boundary, const Grid& grid, WindingRule rule,
               ProgressMeter& progress);
 
@@ -29,9 +30,9 @@ class OpenWinding final : public Sides {
 
   /// w at a sample, within 1e-9 unless the sample is on the boundary within rounding. Linear in the size of the
   /// boundary.
-  double winding_number(std::int64_t i, std::int64_t j, std::int64_t k) const { return winding_number(i, j, k, 0); }
-  /// The same within `error`; faster.
-  double winding_number(std::int64_t i, std::int64_t j, std::int64_t k, double error) const;
+  double winding_number(std::int64_t i, std::int64_t j, std::int64_t k) const;
+  /// The same within `error`; faster. Counts looks at rims: kLooks. Throws Error{interrupted}.
+  double winding_number(std::int64_t i, std::int64_t j, std::int64_t k, double error, WorkCheck& check) const;
 
   /// How many samples of all tiles filled so far have w within 0.05 (kDoubt) of a threshold, by values of w that
   /// are off by at most 0.025 (kDoubtError). The same for any number of threads.
@@ -40,6 +41,7 @@ class OpenWinding final : public Sides {
  private:
   Grid grid_;
   WindingRule rule_;
+  ProgressMeter& progress_;
   Rims rims_;
   RimTree tree_;
   OpenTiles open_tiles_;

@@ -85,6 +85,7 @@ void TileSides::split(const SampleBox& box, NodeStack::Part nodes, const LinearF
 // most of what is not known is due to far caps: the samples left need those more precisely.
 bool TileSides::decide_by_fields(const SampleBox& box, const Cell& cell, NodeStack::Part& near, LinearField& far,
                                  double tolerance) {
+  stack_.count(near.end - near.begin);
   // The caps that may be in the cell come first.
   const std::size_t caps_end = stack_.partition(near, [&](std::size_t n) {
     const Moments& caps = mesh_.tree[stack_[n]].caps;
