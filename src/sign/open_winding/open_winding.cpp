@@ -105,12 +105,13 @@ OpenWinding::OpenWinding(const OrientedMesh& mesh, const Boundary& boundary, con
       progress_(progress),
       rims_(boundary, progress),
       tree_(rims_, progress),
+      quick_(rims_, tree_, progress),
       open_tiles_(mesh, rims_, grid, progress),
       mesh_crossings_(mesh, grid, progress),
       cap_crossings_({caps_of(rims_)}, grid, progress) {}
 
 void OpenWinding::fill(InsideRows& rows, std::int64_t ty, std::int64_t tz) const {
-  const OpenMesh mesh{grid_, rule_, rims_, tree_};
+  const OpenMesh mesh{grid_, rule_, rims_, tree_, quick_};
   const RowWindings windings(mesh_crossings_.of_tiles(ty, tz), cap_crossings_.of_tiles(ty, tz));
   const std::int64_t doubtful = RowOfTiles(mesh, open_tiles_, windings, ty, tz, rows, progress_).decide();
   doubtful_.fetch_add(doubtful, std::memory_order_relaxed);

@@ -8,6 +8,7 @@
 #include "core/work_check.h"
 #include "sign/diagnosis/boundary.h"
 #include "sign/open_winding/open_tiles.h"
+#include "sign/open_winding/quick_angles.h"
 #include "sign/open_winding/rim_tree.h"
 #include "sign/open_winding/rims.h"
 #include "sign/rows/row_crossings.h"
@@ -44,6 +45,7 @@ class OpenWinding final : public Sides {
   ProgressMeter& progress_;
   Rims rims_;
   RimTree tree_;
+  QuickAngles quick_;
   OpenTiles open_tiles_;
   RowCrossings mesh_crossings_, cap_crossings_;
   mutable std::atomic<std::int64_t> doubtful_{0};
