@@ -24,7 +24,7 @@ namespace {
 using namespace testing;
 using Kept = std::vector<std::uint32_t>;
 
-const Grid kGrid{{20, 19, 18}, {-2, -2, -2}, {0.21, 0.22, 0.23}};
+const Grid kCopiesGrid{{20, 19, 18}, {-2, -2, -2}, {0.21, 0.22, 0.23}};
 
 // All parts once, then all again.
 Mesh repeated(const Mesh& mesh, std::size_t times) {
@@ -67,14 +67,14 @@ TEST(Copies, TheFirstOfEachStays) {
   Mesh mesh = random_soup(4, 3000, 1, 0.2);
   for (int n = 0; n < 9000; ++n) mesh.triangles.push_back(mesh.triangles[random.below(3000)]);
   for (std::size_t n = mesh.triangles.size(); n > 1; --n)
-    std::swap(mesh.triangles[n - 1], mesh.triangles[random.below(n)]);
-  EXPECT_EQ(without(mesh), kept_by_exact_rule(mesh, kGrid, kInfinity));
+    std::swap(mesh.triangles[n - 1], mesh.triangles[random.below(static_cast<std::uint32_t>(n))]);
+  EXPECT_EQ(without(mesh), kept_by_exact_rule(mesh, kCopiesGrid, kInfinity));
   Kept among;
   for (std::uint32_t t = 5; t < mesh.triangles.size(); t += 1 + t % 2) among.push_back(t);
   Mesh part{mesh.vertices, {}};
   for (const std::uint32_t t : among) part.triangles.push_back(mesh.triangles[t]);
   Kept expected;
-  for (const std::uint32_t n : kept_by_exact_rule(part, kGrid, kInfinity)) expected.push_back(among[n]);
+  for (const std::uint32_t n : kept_by_exact_rule(part, kCopiesGrid, kInfinity)) expected.push_back(among[n]);
   EXPECT_EQ(without(mesh, among), expected);
 }
 
@@ -87,16 +87,16 @@ TEST(Copies, ChangeNoBitOfAField) {
       options.nearest_triangle = true;
       const auto values = [&](SkipRule::Kind kind, const Mesh& of, ComputeReport& report) {
         options.skip.kind = kind;
-        const auto samples = static_cast<std::size_t>(kGrid.sample_count());
+        const auto samples = static_cast<std::size_t>(kCopiesGrid.sample_count());
         std::vector<float> found(samples);
         std::vector<std::uint32_t> nearest(samples);
         if (dense) {
-          report = compute_into(of, kGrid, thickness, found, nearest, options);
+          report = compute_into(of, kCopiesGrid, thickness, found, nearest, options);
         } else {
-          const ComputeResult computed = compute(of, kGrid, thickness, options);
+          const ComputeResult computed = compute(of, kCopiesGrid, thickness, options);
           report = computed.report;
-          for_each_sample(kGrid, [&](auto i, auto j, auto k) {
-            const auto n = static_cast<std::size_t>(kGrid.index(i, j, k));
+          for_each_sample(kCopiesGrid, [&](auto i, auto j, auto k) {
+            const auto n = static_cast<std::size_t>(kCopiesGrid.index(i, j, k));
             found[n] = computed.field.value(i, j, k);
             nearest[n] = computed.field.nearest(i, j, k);
           });
@@ -145,7 +145,7 @@ TEST(Copies, CountForTheSign) {
   query.winding_numbers(points, windings);
   EXPECT_EQ(windings, (std::vector<double>{4, 4, 0}));
   const auto inside = [&](const Mesh& of, WindingRule rule) {
-    return occupancy(of, kGrid, {.method = SignMethod::winding, .rule = rule, .as_oriented = true}).count();
+    return occupancy(of, kCopiesGrid, {.method = SignMethod::winding, .rule = rule, .as_oriented = true}).count();
   };
   EXPECT_GT(inside(one, WindingRule::odd), 0);
   EXPECT_EQ(inside(mesh, WindingRule::odd), 0);
@@ -154,7 +154,7 @@ TEST(Copies, CountForTheSign) {
 
 TEST(Copies, VerifyTakesThemAsOne) {
   const Mesh mesh = repeated(random_soup(7, 40, 1.5, 0.8), 25);
-  const VerifyResult found = verify(computed(mesh, kGrid, 0.5).field, mesh);
+  const VerifyResult found = verify(computed(mesh, kCopiesGrid, 0.5).field, mesh);
   EXPECT_TRUE(found.ok());
   EXPECT_GT(found.samples_band, 0);
 }

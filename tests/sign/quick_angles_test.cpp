@@ -79,8 +79,8 @@ TEST(QuickAngles, AreWithinTheirError) {
         ++points;
       }
       for (int n = 0; n < 5; ++n)
-        for_each_point_near(MeshView(mesh).corners(random.below(mesh.triangles.size())), random,
-                            [&](const Vec3& p) { caps.expect_within_error(p, tolerance); });
+        for_each_point_near(MeshView(mesh).corners(random.below(static_cast<std::uint32_t>(mesh.triangles.size()))),
+                            random, [&](const Vec3& p) { caps.expect_within_error(p, tolerance); });
     }
     EXPECT_LT(sum / points, 2e-3);  // and the error is worth something
     EXPECT_LT(largest, 0.05);

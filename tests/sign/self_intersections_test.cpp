@@ -69,7 +69,7 @@ TEST(SelfIntersections, CopiesCountOneByOne) {
   for (unsigned seed = 0; seed < 5; ++seed) {
     Mesh mesh = random_soup(seed, 40, 1, 0.5);
     for (int n = 0; n < 60; ++n) {
-      Triangle copy = mesh.triangles[random.below(mesh.triangles.size())];
+      Triangle copy = mesh.triangles[random.below(static_cast<std::uint32_t>(mesh.triangles.size()))];
       if (n % 2 == 0) std::swap(copy[0], copy[1]);
       if (n % 3 == 0) std::rotate(copy.begin(), copy.begin() + 1, copy.end());
       mesh.triangles.push_back(copy);

@@ -28,7 +28,7 @@ constexpr std::int64_t kMostOfTriangle = 4096;  // tests of one triangle
 // than it takes in a mesh of any size whose vertices have few triangles.
 constexpr std::int64_t kBoxesPerTest = 32, kFreeBoxes = 1024;
 constexpr std::int64_t kMostBoxes = kBoxesPerTest * kMostOfTriangle;  // of one triangle
-constexpr std::int64_t kCheckEvery = std::int64_t{1} << 18;           // boxes
+constexpr std::int64_t kBoxesBetweenChecks = std::int64_t{1} << 18;   // boxes
 
 // The distinct triangles of a mesh, by positions, and how often each is there, in whatever orientation.
 struct DistinctTriangles {
@@ -38,11 +38,11 @@ struct DistinctTriangles {
 
 // Empty if all are distinct.
 DistinctTriangles distinct_triangles(const MeshEdges& edges, std::size_t triangles, ProgressMeter& progress) {
-  struct Face {
+  struct Positions {
     std::array<std::uint32_t, 3> positions;
     std::uint32_t triangle;
   };
-  std::vector<Face> faces(triangles);
+  std::vector<Positions> faces(triangles);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, triangles, 4096), [&](const auto& range) {
     for (std::size_t t = range.begin(); t != range.end(); ++t) {
       faces[t] = {{edges.position(t, 0), edges.position(t, 1), edges.position(t, 2)}, static_cast<std::uint32_t>(t)};
@@ -50,7 +50,7 @@ DistinctTriangles distinct_triangles(const MeshEdges& edges, std::size_t triangl
     }
   });
   progress.check();
-  tbb::parallel_sort(faces, [](const Face& a, const Face& b) {
+  tbb::parallel_sort(faces, [](const Positions& a, const Positions& b) {
     return std::tie(a.positions, a.triangle) < std::tie(b.positions, b.triangle);
   });
   progress.check();
@@ -122,7 +122,7 @@ SelfIntersections search(MeshView mesh, const MeshEdges& edges, const std::vecto
     total = total + tbb::parallel_reduce(
                         tbb::blocked_range<std::size_t>(next, past, 32), Count{},
                         [&](const auto& range, Count count) {
-                          WorkCheck check(progress, kCheckEvery);
+                          WorkCheck check(progress, kBoxesBetweenChecks);
                           for (std::size_t n = range.begin(); n != range.end(); ++n) count = count_of(n, count, check);
                           return count;
                         },

@@ -14,7 +14,7 @@ using cpu::AngleChunk;
 using cpu::AngleTriangles;
 
 // Nodes of so few triangles are not opened: their angles are quicker.
-constexpr std::int32_t kFew = AngleChunk::kMost;
+constexpr std::int32_t kFewTriangles = AngleChunk::kMost;
 
 }  // namespace
 
@@ -117,7 +117,7 @@ void QuickAngles::add(std::int32_t number, Sum& sum) const {
   const RimTree::Node& node = tree_[number];
   if (add_far_field(node.caps, {sum.p, {}, 0}, sum.tolerance, sum.far)) return;
   const Range& range = ranges_[static_cast<std::size_t>(number)];
-  if (node.is_leaf() || range.size() <= kFew) return add_angles(range, sum);
+  if (node.is_leaf() || range.size() <= kFewTriangles) return add_angles(range, sum);
   add(number + 1, sum);
   add(node.right, sum);
 }

@@ -17,7 +17,7 @@ namespace {
 constexpr double kUseless = 0.24;
 // So many near rims are summed up in float, which takes a microsecond and one or two more for a thousand of them. Where
 // they are many more, smaller cells have as many, and their fields decide no more.
-constexpr std::size_t kManyRims = 64, kVeryMany = 256;
+constexpr std::size_t kManyRims = 64, kVeryManyRims = 256;
 // Few samples are decided one by one.
 constexpr int kFewRows = 4;
 
@@ -61,7 +61,7 @@ void TileSides::visit(const SampleBox& box, NodeStack::Part nodes, LinearField f
   if (!has_more_unknown_than(0, box)) return stack_.resize(size);
 
   const bool of_near = decide_by_fields(box, cell, near, far, tolerance);
-  if (near.end - near.begin > kVeryMany) {
+  if (near.end - near.begin > kVeryManyRims) {
     decide_one_by_one(box, near, far);
   } else if (of_near) {
     split(box, near, far, tolerance);
