@@ -12,11 +12,13 @@
 #include "core/mesh_copy.h"
 #include "core/number_text.h"
 #include "core/threads.h"
+#include "field/copies.h"
 #include "geometry/triangle_frame.h"
 #include "points/closest_in_triangle.h"
 #include "points/nearest.h"
 #include "points/nearest_on_device.h"
 #include "points/query_data.h"
+#include "sign/open_winding/node_stack.h"
 #include "sign/options.h"
 #include "sign/outer/outer.h"
 #include "standoff/error.h"
@@ -52,7 +54,7 @@ void check(std::span<const Vec3> points, std::size_t answers) {
 
 SignPlan plan_of(MeshView mesh, const SignOptions& options, ProgressMeter& progress) {
   SignPlan plan = plan_sign(mesh, options, progress);
-  if (options.outer) plan_outer(mesh, options, plan);
+  if (options.outer) plan_outer(mesh, options, plan, progress);
   if (plan.report.method != SignMethod::flood) return plan;
   plan.report.method = SignMethod::none;  // found by the diagnosis
   plan.report.sure = false;
@@ -82,6 +84,7 @@ void answer_all(const MeshQuery::Data& data, std::span<const Vec3> points, const
       else
         find_nearest(index, kernels, part, found, progress);
       tbb::parallel_for(tbb::blocked_range<std::size_t>(0, part.size(), kTogether), [&](const auto& range) {
+        WorkCheck check(progress, kLooks);
         std::array<PointToSide, kTogether> to_side;
         std::array<bool, kTogether> inside;
         for (std::size_t begin = range.begin(); begin < range.end(); begin += kTogether) {
@@ -91,7 +94,7 @@ void answer_all(const MeshQuery::Data& data, std::span<const Vec3> points, const
             to_side[n] = {found.points[begin + n], nearest.distance, nearest.triangle};
           }
           if (data.sides)
-            data.sides->decide(std::span(to_side).first(count), kernels, std::span(inside).first(count));
+            data.sides->decide(std::span(to_side).first(count), kernels, check, std::span(inside).first(count));
           else
             inside.fill(false);
           for (std::size_t n = 0; n < count; ++n) {
@@ -116,7 +119,10 @@ MeshQuery::Data::Data(Mesh own, const SignOptions& options, SignPlan planned, in
                       const ProgressCallback& while_built)
     : mesh(std::move(own)), sign(options), plan(std::move(planned)) {
   all.emplace(mesh, std::span<const std::uint32_t>{}, threads, simd, while_built);
-  if (!plan.exposed.empty()) exposed.emplace(mesh, plan.exposed, threads, simd, while_built);
+  ProgressMeter progress(while_built);
+  distinct = without_many_copies(mesh, plan.exposed, progress);
+  if (const auto& some = distinct.empty() ? plan.exposed : distinct; !some.empty())
+    counting.emplace(mesh, some, threads, simd, while_built);
   sides = make_sides_of_points({mesh, plan.use}, *all, plan, sign.rule, threads, simd);
 }
 
@@ -153,8 +159,9 @@ std::int64_t MeshQuery::memory_bytes() const {
   const Data& data = *data_;
   return static_cast<std::int64_t>(data.mesh.vertices.capacity() * sizeof(Vec3) +
                                    data.mesh.triangles.capacity() * sizeof(Triangle) + data.plan.use.capacity() +
-                                   data.plan.boundary.edges.capacity() * sizeof(BoundaryEdge)) +
-         data.all->memory_bytes() + (data.exposed ? data.exposed->memory_bytes() : 0) +
+                                   data.plan.boundary.edges.capacity() * sizeof(BoundaryEdge) +
+                                   data.distinct.capacity() * sizeof(std::uint32_t)) +
+         data.all->memory_bytes() + (data.counting ? data.counting->memory_bytes() : 0) +
          (data.sides ? data.sides->memory_bytes() : 0);
 }
 
@@ -198,7 +205,8 @@ void MeshQuery::winding_numbers(std::span<const Vec3> points, std::span<double> 
   const cpu::PointKernels& kernels = cpu::point_kernels_for(execution.simd);
   Threads(execution.threads).run([&] {
     tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t n) {
-      out[n] = data_->sides->winding_number(points[n], kernels);
+      WorkCheck check(progress, kLooks);
+      out[n] = data_->sides->winding_number(points[n], kernels, check);
       progress.advance();
     });
   });

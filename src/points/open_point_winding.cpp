@@ -29,14 +29,15 @@ std::int32_t OpenPointWinding::closed(Vec3 point, const cpu::PointKernels& kerne
   return mesh_.at(point, way, kernels) + RayWinding({caps_}, *cap_index_).at(point, way, kernels);
 }
 
-double OpenPointWinding::at(Vec3 point, const cpu::PointKernels& kernels) const {
-  NodeStack stack(tree_);
+double OpenPointWinding::at(Vec3 point, const cpu::PointKernels& kernels, WorkCheck& check) const {
+  NodeStack stack(tree_, check);
   return closed(point, kernels) + cap_sum_at(rims_, tree_, point, 0, stack).value;
 }
 
 template <class Closed>
-bool OpenPointWinding::side(Vec3 point, WindingRule rule, double most, const Closed& closed_of) const {
-  NodeStack stack(tree_);
+bool OpenPointWinding::side(Vec3 point, WindingRule rule, double most, const Closed& closed_of,
+                            WorkCheck& check) const {
+  NodeStack stack(tree_, check);
   for (double tolerance = kFieldTolerance;;) {
     const Interval angles = cap_sum_at(rims_, tree_, point, tolerance, stack);
     const double winding = closed_of(angles.value) + angles.value, off = angles.error + kWindingRounding,
@@ -47,18 +48,20 @@ bool OpenPointWinding::side(Vec3 point, WindingRule rule, double most, const Clo
   }
 }
 
-bool OpenPointWinding::side(Vec3 point, WindingRule rule, const cpu::PointKernels& kernels) const {
+bool OpenPointWinding::side(Vec3 point, WindingRule rule, const cpu::PointKernels& kernels, WorkCheck& check) const {
   const std::int32_t whole = closed(point, kernels);
-  return side(point, rule, std::numeric_limits<double>::infinity(), [&](double) { return whole; });
+  return side(
+      point, rule, std::numeric_limits<double>::infinity(), [&](double) { return whole; }, check);
 }
 
-bool OpenPointWinding::side(Vec3 point, WindingRule rule, const Interval& about) const {
+bool OpenPointWinding::side(Vec3 point, WindingRule rule, const Interval& about, WorkCheck& check) const {
   // The whole part is right if both errors together are below 1/2.
-  return side(point, rule, 0.49 - about.error, [&](double angles) { return std::round(about.value - angles); });
+  return side(
+      point, rule, 0.49 - about.error, [&](double angles) { return std::round(about.value - angles); }, check);
 }
 
-LinearField OpenPointWinding::field(const Cell& cell, double tolerance, double most) const {
-  return cap_sum_in(rims_, tree_, cell, tolerance, most);
+LinearField OpenPointWinding::field(const Cell& cell, double tolerance, double most, WorkCheck& check) const {
+  return cap_sum_in(rims_, tree_, cell, tolerance, most, check);
 }
 
 std::int64_t OpenPointWinding::memory_bytes() const {

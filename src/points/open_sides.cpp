@@ -23,11 +23,12 @@ constexpr std::size_t kFewCells = 4;
 class OpenSides::Points {
  public:
   Points(const OpenSides& sides, std::span<const PointToSide> points, const cpu::PointKernels& kernels,
-         std::span<bool> inside)
+         WorkCheck& check, std::span<bool> inside)
       : winding_(sides.winding_),
         rule_(sides.rule_),
         points_(points),
         kernels_(kernels),
+        check_(check),
         inside_(inside),
         windings_(points.size()) {}
 
@@ -36,11 +37,11 @@ class OpenSides::Points {
   // In cells that the boundary is far enough from.
   void decide(Some some) {
     if (some.size() < kFewCells) {
-      for (const std::uint32_t n : some) inside_[n] = winding_.side(points_[n].at, rule_, kernels_);
+      for (const std::uint32_t n : some) inside_[n] = winding_.side(points_[n].at, rule_, kernels_, check_);
       return;
     }
     const Cell cell = cell_around(some);
-    const LinearField field = winding_.field(cell, kFieldTolerance, kUsable);
+    const LinearField field = winding_.field(cell, kFieldTolerance, kUsable, check_);
     if (!(field.error <= kUsable)) {
       const auto [low, high] = halves(some, cell);
       decide(low);
@@ -86,12 +87,12 @@ class OpenSides::Points {
     if (some.size() < kFewCells) {
       for (const std::uint32_t n : some) {
         const Vec3& at = points_[n].at;
-        inside_[n] = winding_.side(at, rule_, {windings_[n] + coarse.at(at), coarse.error});
+        inside_[n] = winding_.side(at, rule_, {windings_[n] + coarse.at(at), coarse.error}, check_);
       }
       return;
     }
     const Cell cell = cell_around(some);
-    const LinearField field = winding_.field(cell, std::min(kFieldTolerance, coarse.error / 64), coarse.error);
+    const LinearField field = winding_.field(cell, std::min(kFieldTolerance, coarse.error / 64), coarse.error, check_);
     if (!(field.error <= coarse.error)) return refine(coarse, some);
     // Both are the same winding number but for a whole one.
     const auto between = static_cast<std::int32_t>(std::round(coarse.at(cell.center) - field.value));
@@ -125,15 +126,16 @@ class OpenSides::Points {
   const WindingRule rule_;
   const std::span<const PointToSide> points_;
   const cpu::PointKernels& kernels_;
+  WorkCheck& check_;
   const std::span<bool> inside_;
   std::vector<std::int32_t> windings_;
 };
 
-void OpenSides::decide(std::span<const PointToSide> points, const cpu::PointKernels& kernels,
+void OpenSides::decide(std::span<const PointToSide> points, const cpu::PointKernels& kernels, WorkCheck& check,
                        std::span<bool> inside) const {
   std::vector<std::uint32_t> all(points.size());
   std::iota(all.begin(), all.end(), 0u);
-  Points(*this, points, kernels, inside).decide(all);
+  Points(*this, points, kernels, check, inside).decide(all);
 }
 
 }  // namespace standoff
