@@ -8,8 +8,8 @@
 namespace standoff {
 namespace {
 
-// Arenas that no call uses, and for how many threads each of them is. Calls at the same time and of different numbers of
-// threads need one each; the number of places is arbitrary, an idle arena takes some KB.
+// Arenas that no call uses, and for how many threads each of them is. Calls at the same time and of different numbers
+// of threads need one each; the number of places is arbitrary, an idle arena takes some KB.
 struct Place {
   std::atomic<tbb::task_arena*> arena{nullptr};
   std::atomic<int> threads{0};  // of the arena that came last: where to look

@@ -234,8 +234,8 @@ class PointBlock {
   }
 
   CullCell gather(SortedPoints::Range range, PointGroup& group) const {
-    return fill_group(index_, points_.subspan(static_cast<std::size_t>(range.begin), static_cast<std::size_t>(range.size())),
-                      group);
+    return fill_group(
+        index_, points_.subspan(static_cast<std::size_t>(range.begin), static_cast<std::size_t>(range.size())), group);
   }
 
   const TriangleIndex& index_;

@@ -24,7 +24,7 @@ constexpr std::size_t kTrianglesOfEdge = 4;
 // The side of the plane of a triangle that p + (e^3, e, e^2) is on, e infinitely small, as sign/rows/ray_crossing.h has
 // it: 1 where the corners turn clockwise, seen from there. 0 only for triangles without area.
 int inner_side(const std::array<Vec3, 3>& corners, const Vec3& p) {
-  const auto& [a, c, b] = corners;
+  const Vec3 &a = corners[0], &b = corners[2], &c = corners[1];
   int side = orient3d(a, b, c, p);
   if (side == 0) side = orient2d({a.z, a.x}, {b.z, b.x}, {c.z, c.x});
   if (side == 0) side = orient2d({a.x, a.y}, {b.x, b.y}, {c.x, c.y});

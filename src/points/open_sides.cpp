@@ -48,7 +48,6 @@ class OpenSides::Points {
   }
 
  private:
-
   // In cells that the boundary is far enough from.
   void decide(Some some) {
     if (some.size() < kFewCells) {
@@ -74,7 +73,7 @@ class OpenSides::Points {
     for (const std::uint32_t n : some) {
       const auto by_rows = [&](const Vec3& at) { return known.by_rows(at); };
       memory_.windings[n] = known.in_ball(points_[n].at, points_[n].free_radius,
-                                   [&](const Vec3& at) { return known.on_row(at, by_rows); });
+                                          [&](const Vec3& at) { return known.on_row(at, by_rows); });
     }
   }
 

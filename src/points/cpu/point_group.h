@@ -106,9 +106,9 @@ struct SolidAngles {
   /// Rounding may hide on which side of a triangle a point is where y is below.
   static constexpr double kFlat = 1e-13;
 
-  double scale;                 ///< given: units per world unit, a power of two
-  alignas(32) double at[4];     ///< given: the point, in such units; the fourth is zero
-  bool is_certain;              ///< found: else the rest is not
+  double scale;              ///< given: units per world unit, a power of two
+  alignas(32) double at[4];  ///< given: the point, in such units; the fourth is zero
+  bool is_certain;           ///< found: else the rest is not
   alignas(64) double re[kCount], im[kCount], around[kCount];
   std::uint32_t flat[kMostFlat];  ///< triangles in the mesh that the point is on within rounding
   int flat_count;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The kernel that adds up the solid angles of all triangles, eight at a time. Angles are arguments of complex numbers
-// [Van Oosterom and Strackee 1983], and a sum of them that of a product: so no angle is taken but of the eight products.
+// [Van Oosterom and Strackee 1983], and a sum of them that of a product: so no angle is taken but of the eight
+// products.
 #pragma once
 
 #include "points/cpu/kernels/frame_packs.inl"

@@ -12,10 +12,10 @@ namespace standoff::cpu::STANDOFF_TARGET {
 
 extern const PointKernels kPointKernels;
 const PointKernels kPointKernels{.make_frames = make_frames,
-                                .look_at = look_at,
-                                .look_at_all = look_at_all,
-                                .closest = closest,
-                                .add_solid_angles = add_solid_angles,
-                                .boxes_on_way = boxes_on_way};
+                                 .look_at = look_at,
+                                 .look_at_all = look_at_all,
+                                 .closest = closest,
+                                 .add_solid_angles = add_solid_angles,
+                                 .boxes_on_way = boxes_on_way};
 
 }  // namespace standoff::cpu::STANDOFF_TARGET
