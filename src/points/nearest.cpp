@@ -30,8 +30,8 @@ constexpr std::int64_t kFewOfInside = 2;
 constexpr std::int64_t kManyCandidates = 12, kFewPoints = 512;
 
 // Points that go down the hierarchy at once, unsorted: what others might share with them does not pay for lists.
-constexpr std::size_t kFew = 32;
-static_assert(kFew <= PointGroup::kMost);
+constexpr std::size_t kFewAlone = 32;
+static_assert(kFewAlone <= PointGroup::kMost);
 
 // Fills a group with points near the mesh, and returns their box.
 CullCell fill_group(const TriangleIndex& index, std::span<const Vec3> points, PointGroup& group) {
@@ -254,8 +254,8 @@ void answer_few(const TriangleIndex& index, const PointKernels& kernels, std::sp
   found.order.resize(points.size());
   std::iota(found.order.begin(), found.order.end(), 0u);
   found.points.assign(points.begin(), points.end());
-  std::array<Vec3, kFew> near;
-  std::array<std::size_t, kFew> number;
+  std::array<Vec3, kFewAlone> near;
+  std::array<std::size_t, kFewAlone> number;
   std::size_t count = 0;
   for (std::size_t n = 0; n < points.size(); ++n)
     if (index.is_near(index.local(points[n])))
@@ -348,7 +348,7 @@ NearestTriangle find_nearest(const TriangleIndex& index, Vec3 point) { return De
 void find_nearest(const TriangleIndex& index, const PointKernels& kernels, std::span<const Vec3> points,
                   FoundTriangles& found, ProgressMeter& progress) {
   found.nearest.resize(points.size());
-  if (points.size() <= kFew) {
+  if (points.size() <= kFewAlone) {
     answer_few(index, kernels, points, found);
     return progress.advance(static_cast<std::int64_t>(points.size()));
   }
