@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-// labels: memory threads
 // The threads of a call: as many as asked for, and nothing that is made anew for each call or mixes with the caller's
 // own tasks.
 #include "core/threads.h"
@@ -113,7 +112,6 @@ TEST(Threads, CallsInCalls) {
   EXPECT_EQ(right, 4 * 21);
 }
 
-#if !defined(__SANITIZE_THREAD__)
 TEST(Threads, AForkedProcessGoesOn) {
   for (const int threads : {0, 1, 2, 3}) ASSERT_EQ(add_up(threads), kSum);
   std::atomic<bool> done{false};
@@ -136,7 +134,6 @@ TEST(Threads, AForkedProcessGoesOn) {
   done = true;
   beside.join();
 }
-#endif
 
 TEST(KeptByThread, IsOnesOwnWhileItIsUsed) {
   struct Counter {
