@@ -4,6 +4,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "points/ray_winding.h"
 #include "sign/diagnosis/boundary.h"
@@ -22,7 +23,8 @@ class OpenPointWinding {
   OpenPointWinding(const OrientedMesh& mesh, const TriangleIndex& index, const Boundary& boundary, int threads,
                    Simd simd);
 
-  /// Within 1e-9, unless the point is on the boundary within rounding. Linear in the size of the boundary.
+  /// Within 1e-9, unless the point is on the boundary within rounding. Linear in the size of the boundary, or in the
+  /// number of triangles, where that costs less.
   double at(Vec3 point, const cpu::PointKernels& kernels, WorkCheck& check) const;
   /// On which side of the rule's thresholds it is: decided by an interval that it is certain to be in. Where rounding
   /// hides the side, by the rounded number.
@@ -43,6 +45,14 @@ class OpenPointWinding {
   template <class Closed>
   bool side(Vec3 point, WindingRule rule, double most, const Closed& closed_of, WorkCheck& check) const;
 
+  // What the caps add, as cap_sum_at() says.
+  Interval cap_sum(Vec3 point, double tolerance, WorkCheck& check) const;
+  // The sum of the solid angles of all triangles; nothing beside an edge of one, where rounding decides.
+  std::optional<double> sum_of_triangles(Vec3 point, const cpu::PointKernels& kernels) const;
+
+  OrientedMesh oriented_;
+  const TriangleIndex& index_;
+  bool triangles_cost_less_;
   RayWinding mesh_;
   Rims rims_;
   RimTree tree_;

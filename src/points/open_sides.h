@@ -26,6 +26,7 @@ class OpenSides final : public SidesOfPoints {
   double winding_number(Vec3 point, const cpu::PointKernels& kernels, WorkCheck& check) const override {
     return winding_.at(point, kernels, check);
   }
+  bool is_slow() const override { return true; }
   std::int64_t memory_bytes() const override { return winding_.memory_bytes(); }
 
  private:

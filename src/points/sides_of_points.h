@@ -33,6 +33,8 @@ class SidesOfPoints {
                       std::span<bool> inside) const = 0;
   /// The winding number that decides; only of SignMethod::winding.
   virtual double winding_number(Vec3 point, const cpu::PointKernels& kernels, WorkCheck& check) const;
+  /// Whether winding numbers take so long that threads had better share few of them.
+  virtual bool is_slow() const { return false; }
   virtual std::int64_t memory_bytes() const { return 0; }
 };
 
