@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether a sanitizer watches, which makes a test ten times as long: a few tests then take smaller inputs of the same kinds.
+// Whether a sanitizer watches, which makes a test ten times as long: a few tests then take smaller inputs of the same
+// kinds.
 #pragma once
 
 namespace standoff::testing {
