@@ -5,7 +5,7 @@
 
 #include "page/base64.h"
 #include "page/json_text.h"
-#include "render/colormap.h"
+#include "render/image.h"
 #include "standoff/error.h"
 
 // What cmake/page.cmake makes of view/page.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "render/slice_picture.h"
+// The picture of a slice: the plane in colors, lines, scales, legend and words.
 
 #include <algorithm>
 #include <cmath>
@@ -8,10 +8,8 @@
 #include <string>
 
 #include "core/guarded.h"
-#include "render/axis_scale.h"
-#include "render/band_edge.h"
-#include "render/legend.h"
-#include "render/level_line.h"
+#include "render/scales.h"
+#include "render/slice.h"
 #include "render/text.h"
 #include "standoff/error.h"
 

@@ -7,8 +7,8 @@
 #include <numbers>
 #include <string>
 
+#include "render/image.h"
 #include "render/text.h"
-#include "render/theme.h"
 #include "standoff/error.h"
 
 namespace standoff::view {

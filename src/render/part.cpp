@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "render/mesh_part.h"
+// Meshes as parts of a picture.
+#include "render/part.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -11,7 +12,7 @@
 #include <tuple>
 #include <unordered_map>
 
-#include "render/srgb.h"
+#include "render/image.h"
 
 namespace standoff {
 namespace {
