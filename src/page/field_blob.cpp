@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "page/field_blob.h"
+// Fields as pages hold them.
 
 #include <algorithm>
 #include <array>
@@ -7,9 +7,7 @@
 
 #include "core/number_text.h"
 #include "core/tile_count.h"
-#include "page/blob.h"
-#include "page/byte_code.h"
-#include "page/json_text.h"
+#include "page/page.h"
 #include "standoff/error.h"
 #include "standoff/slice.h"
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "view/flight/flight_page.h"
 
-#include "page/blob.h"
-#include "page/html.h"
+#include "page/page.h"
 #include "standoff/compute.h"
 #include "standoff/page.h"
 #include "standoff/surface.h"

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <limits>
 
-#include "page/byte_code.h"
+#include "page/page.h"
 #include "standoff/error.h"
 
 namespace standoff::view {

@@ -17,7 +17,7 @@ namespace standoff::view {
 /// each body x, y, z, distance and heading (4 each, floats), its collisions and crossings (4 each).
 std::string frame_bytes(const FlightFrame& frame, double steps_per_second, double microseconds);
 
-/// All frames of a recorded flight. Numbers are varints of zigzags (src/page/byte_code.h), which deflate packs well:
+/// All frames of a recorded flight. Numbers are varints of zigzags (src/page/page.h), which deflate packs well:
 /// most of them are 0.
 struct CodedFlight {
   Vec3 origin;      ///< the least corner of the box of all positions
