@@ -11,7 +11,6 @@
 #include "standoff/collision.h"
 #include "view/flight/flight.h"
 #include "view/flight/flight_page.h"
-#include "view/flight/flight_show.h"
 
 namespace standoff::cli {
 

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numeric>
 
-#include "render/slice.h"
 #include "render/image.h"
 #include "render/scales.h"
+#include "render/slice.h"
 
 namespace standoff {
 namespace {

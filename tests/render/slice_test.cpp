@@ -7,8 +7,8 @@
 #include <limits>
 #include <set>
 
-#include "render/scales.h"
 #include "render/image.h"
+#include "render/scales.h"
 #include "render/slice.h"
 #include "tests/io/field/odd_field.h"
 #include "tests/support/expect_error.h"

@@ -7,7 +7,6 @@
 
 #include "tests/simulation/room.h"
 #include "view/film/flight_pictures.h"
-#include "view/film/trails.h"
 
 namespace standoff::view {
 namespace {

@@ -10,8 +10,6 @@
 #include <thread>
 
 #include "tests/simulation/room.h"
-#include "view/flight/flight_show.h"
-#include "view/flight/frame_code.h"
 
 namespace standoff::view {
 namespace {

@@ -5,7 +5,7 @@
 #include "standoff/compute.h"
 #include "standoff/page.h"
 #include "standoff/surface.h"
-#include "view/flight/frame_code.h"
+#include "view/flight/flight.h"
 
 namespace standoff::view {
 namespace {
