@@ -50,7 +50,7 @@ namespace {
 // flat shading does not show that corners were moved.
 constexpr double kStepsPerEdge = 64;
 
-// Of every hundred edges, ten are shorter; 0 for a mesh without extent. Some thousand edges tell.
+// A tenth of the edges are shorter; 0 for a mesh without extent. A sample of some thousand edges is enough.
 double short_edge(MeshView mesh) {
   std::vector<double> lengths;
   const std::size_t stride = mesh.triangles.size() / 4096 + 1;

@@ -38,12 +38,12 @@ class ShapeBuilder {
  public:
   ShapeBuilder(DrawnPart& part, float radius, Roundness roundness, bool with_values);
 
-  /// To be called first, with the most that will be added: then no memory is taken twice.
+  /// Call this first, with the most that will be added: memory is then allocated once.
   void reserve(std::size_t balls, std::size_t tubes);
   void add_ball(Float3 center, float value = 0);
-  /// Without caps.
+  /// The tube has no caps.
   void add_tube(Float3 from, Float3 to, float value_from = 0, float value_to = 0);
-  /// To be called when all is added.
+  /// Call this when all is added.
   void finish() { part_.use_own(); }
 
  private:
@@ -108,7 +108,7 @@ Ball ball_of(int level) {
   return ball;
 }
 
-// Points on the unit circle, as fine as their count says: halves of halves of the four corners.
+// At least `sides` points on the unit circle: the arcs between four points are halved until there are enough.
 std::vector<std::array<float, 2>> ring_of(int sides) {
   std::vector<std::array<float, 2>> ring{{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
   while (ring.size() < static_cast<std::size_t>(sides)) {
@@ -177,7 +177,7 @@ void ShapeBuilder::add_ball(Float3 center, float value) {
 void ShapeBuilder::add_tube(Float3 from, Float3 to, float value_from, float value_to) {
   const Float3 along = unit_or(to - from, {});
   if (along.x == 0 && along.y == 0 && along.z == 0) return;
-  // Any direction across: away from the axis that the tube is least along.
+  // Any direction across the tube: perpendicular to it and to the axis that it is least along.
   const float x = std::abs(along.x), y = std::abs(along.y), z = std::abs(along.z);
   const Float3 least = x <= y && x <= z ? Float3{1, 0, 0} : y <= z ? Float3{0, 1, 0} : Float3{0, 0, 1};
   const Float3 side = unit_or(cross(along, least), {}), other = cross(along, side);
@@ -354,7 +354,7 @@ void add_bands(const Drawing& drawing, const UnitSpace& space, float pixel, std:
   for (const BandLayer& band : drawing.bands) {
     const float radius = radius_of(band, space);
     DrawnPart part;
-    part.casts_shadow = false;  // so many would darken each other
+    part.casts_shadow = false;  // so many balls would darken each other
     ShapeBuilder shapes(part, radius, Roundness::of(radius / pixel), true);
     shapes.reserve(count_of(band), 0);
     for_band_samples(band, [&](Vec3 p, float value) { shapes.add_ball(space.placed(p), value); });
@@ -438,7 +438,8 @@ DrawnPart edge_lines(const DrawnPart& part, std::span<const std::array<std::uint
 
 namespace {
 
-// A vertex has a place, a point on the picture, and often a normal and a value; a triangle its own and its bins' index.
+// A vertex has a place, a point on the picture, and often a normal and a value; a triangle its corners and its number
+// in the bins.
 constexpr double kDrawnVertexBytes = sizeof(Float3) * 2 + sizeof(ScreenPoint) + sizeof(float) + 1;
 constexpr double kDrawnTriangleBytes = sizeof(Triangle) + 4 * sizeof(std::uint32_t);
 

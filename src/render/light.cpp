@@ -38,7 +38,7 @@ std::vector<Triangle> thinned(std::span<const Float3> places, TriangleArray tria
       cubes[n] = is_small(a, b, c, size) ? cube(a) : kLarge;
     }
   });
-  // In the order of the triangles, by one thread: which is kept must not depend on the number of threads.
+  // One thread goes through the triangles in order: which are kept must not depend on the number of threads.
   std::vector<bool> taken(std::size_t{side} * side * side);
   std::vector<Triangle> kept;
   for (std::size_t n = 0; n < cubes.size(); ++n) {
@@ -227,12 +227,12 @@ Shader::Seen Shader::of_slice(const SeenPart& part, const Triangle& v, float x, 
   };
   const auto [value, edge] = values_at(x, y);
   const float opacity = value < 0 ? 1.0F : p.opacity;
-  // Beyond the band between all samples around, or no number.
+  // All samples around are beyond the band, or one is no number.
   if (!std::isfinite(value) || std::abs(value) >= slice.thickness())
     return {value < 0 ? scenery_.inside : scenery_.outside, opacity};
   const SliceTexture::Values right = values_at(x + kSubpixels, y), down = values_at(x, y + kSubpixels);
   Seen seen{scenery_.ramp.color(value), opacity};
-  // How far from places of a certain value, in pixels, if values were linear here.
+  // The distance in pixels to places of a given value, as if values were linear here.
   if (const float per_pixel = steepness(right.edge - edge, down.edge - edge); per_pixel > 0) {
     const auto share_above = [&](float level) { return std::clamp((edge - level) / per_pixel + 0.5F, 0.0F, 1.0F); };
     seen.color = mixed(seen.color, scenery_.outside, share_above(slice.thickness()));

@@ -38,7 +38,7 @@ std::vector<char> unused_vertices(MeshView mesh) {
   std::vector<char> unused(mesh.vertices.size(), 1);
   for_all(mesh.triangles.size(), [&](std::size_t t) {
     for (const std::uint32_t v : mesh.triangles[t]) {
-      // Looked at before it is written: most were marked by another triangle, and stay in the caches of all cores.
+      // Read before it is written: most were marked by another triangle, and stay in the caches of all cores.
       const std::atomic_ref<char> mark(unused[v]);
       if (mark.load(std::memory_order_relaxed)) mark.store(0, std::memory_order_relaxed);
     }
@@ -110,7 +110,7 @@ void cut(DrawnPart& part, const HalfSpace& kept) {
   for_all(part.places.size(), [&](std::size_t v) { beyond[v] = part.is_used(v) ? kept.beyond(part.places[v]) : 0; });
   std::vector<Triangle> left;
   std::unordered_map<std::uint64_t, std::uint32_t> on_edge;
-  // The vertex where an edge crosses the plane; from the inner to the outer end, so that neighbours get the same.
+  // The vertex where an edge crosses the plane: computed from the inner to the outer end, so that neighbours share it.
   const auto crossing = [&](std::uint32_t in, std::uint32_t out) {
     const auto [found, is_new] =
         on_edge.try_emplace(std::uint64_t{in} << 32 | out, static_cast<std::uint32_t>(part.places.size()));

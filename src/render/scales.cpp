@@ -64,7 +64,7 @@ Step step_for(double least, double greatest, int most) {
     for (const int factor : {1, 2, 5}) {
       const double step = decimal(factor, exponent);
       if (step < wanted * (1 - 1e-12)) continue;
-      // Ends that are multiples but for rounding errors count.
+      // An end that misses a multiple by a rounding error counts.
       return {factor, exponent, std::ceil(least / step - 1e-9), std::floor(greatest / step + 1e-9)};
     }
 }
@@ -129,7 +129,7 @@ AxisScale::AxisScale(std::string name, double first, double step, std::int64_t c
       scale_(scale) {
   // Half a sample lies beyond the outermost ones.
   const double least = first - step / 2, greatest = first + step * (count_ - 0.5);
-  // As many as have room beside one another: so are they below one another.
+  // Take as many ticks as have room beside one another: they have room below one another then.
   for (int most = kMostSteps; most >= 1; --most) {
     ticks_ = even_ticks(least, greatest, most);
     if (ticks_.size() < 2) continue;
@@ -193,7 +193,7 @@ constexpr int kLegendSteps = 8;  // between the ends, at most
 
 int scaled(double length, double scale) { return static_cast<int>(std::lround(length * scale)); }
 
-// In so many digits that it differs from its neighbours on the scale.
+// The label of an end, in so many digits that it differs from its neighbours on the scale.
 std::string end_label(double value, double range) {
   const double size = std::abs(value);
   // On the scale, the least distance to a surface is the zero it stands for.
@@ -249,7 +249,7 @@ Color Legend::over_paper(Color color) const {
   return color_of_light(linear_of(theme_.paper) * (1 - outside_opacity_) + linear_of(color) * outside_opacity_);
 }
 
-// Beside a height of the bar.
+// Writes a label to the right of the bar.
 void Legend::draw_label(Image& image, double x, double y, const std::string& label, double scale) const {
   const double size = kTextSize * scale;
   draw_text(image, x + (kBarWidth + kTickLength + kTickGap) * scale, y + cap_height(size) / 2, label, size, theme_.ink);

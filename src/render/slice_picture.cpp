@@ -29,7 +29,7 @@ struct Extent {
   int width, height;
 };
 
-// The plane's pixels: samples of the closer axis become whole squares, those of the other as long as space asks.
+// The size of the plane in pixels: a sample has whole pixels along the axis of the smaller spacing, if there is room.
 Extent enlarged(const Plane& plane, int pixels) {
   const double unit = std::min(plane.step_right, plane.step_up);
   const double width = static_cast<double>(plane.width) * (plane.step_right / unit);

@@ -135,7 +135,7 @@ SlicePlane placed(const DistanceField& field, Axis axis, std::int64_t index) {
                             : origin.z + h.z * at};
 }
 
-// The most that a plane of this axis shows, and which one.
+// The plane of this axis that shows the most, and how much it shows.
 SlicePlane best_along(const DistanceField& field, const SliceOptions& options, const PlaneScores& scores, Axis axis,
                       double& shown) {
   const std::vector<std::int64_t>& along = scores.along[static_cast<std::size_t>(axis)];
@@ -149,7 +149,7 @@ SlicePlane chosen(const DistanceField& field, const SliceOptions& options) {
   if (options.axis) {
     if (*options.axis != Axis::x && *options.axis != Axis::y && *options.axis != Axis::z)
       throw Error(ErrorCode::usage, "slice: there is no such axis; take x, y or z");
-    // Where all is said, no pass over the field is needed.
+    // Where the options name axis and sample, no pass over the field is needed.
     if (const auto index = named_index(options, samples_along(field, *options.axis)))
       return placed(field, *options.axis, *index);
   }
@@ -160,7 +160,7 @@ SlicePlane chosen(const DistanceField& field, const SliceOptions& options) {
   const std::int64_t longest = std::max({size.x, size.y, size.z});
   SlicePlane best;
   for (const Axis axis : {Axis::z, Axis::y, Axis::x}) {
-    // A sample that only the longest axes have is one of theirs.
+    // A sample that only the longest axes have must be one of theirs.
     if (options.index && *options.index >= samples_along(field, axis) && samples_along(field, axis) < longest) continue;
     const SlicePlane other = best_along(field, options, scores, axis, shown);
     if (shown <= most * kWorthAnotherAxis) continue;
@@ -227,7 +227,7 @@ SlicePlane slice_plane(const DistanceField& field, const SliceOptions& options) 
 
 namespace {
 
-// Where only a diagonal neighbour is in the band, so much of a spacing beyond it: on its far side in any case.
+// Where only a diagonal neighbour is in the band, the value exceeds the thickness by this share of a spacing.
 constexpr double kDiagonal = 0.5;
 
 class Extension {
@@ -260,7 +260,7 @@ class Extension {
     return in_band(r - 1, u - 1, sign) || in_band(r + 1, u - 1, sign) || in_band(r - 1, u + 1, sign) ||
            in_band(r + 1, u + 1, sign);
   }
-  // From the neighbour, and the sample behind it where that too is in the band; distances rise by no more than the way.
+  // Extrapolates from a neighbour and, if it is in the band too, the sample behind it; at most `way` is added.
   double guess(std::int64_t r1, std::int64_t u1, std::int64_t r2, std::int64_t u2, double way, float sign) const {
     if (!in_band(r1, u1, sign)) return kNone;
     const double near = sign * plane_.value(r1, u1);
@@ -336,7 +336,7 @@ struct Values {
     const bool outside = x < 0 || y < 0 || x >= width || y >= height;
     return outside ? std::numeric_limits<float>::quiet_NaN() : all[static_cast<std::size_t>(y) * width + x];
   }
-  // Pixels from a pixel's centre to the level, above it positive; the slope there is taken for that of the way.
+  // Pixels from a pixel's centre to the level, positive above it, as if values were linear with the slope there.
   double distance(int x, int y, double level) const {
     const float value = at(x, y);
     const double slope_x = slope(at(x - 1, y), value, at(x + 1, y)), slope_y = slope(at(x, y - 1), value, at(x, y + 1));

@@ -87,7 +87,7 @@ void check(const PictureOptions& options) {
     refuse("there is no such background; take white or dark");
 }
 
-// The field of shadows is bounded for its triangles, wherever they lie.
+// An upper bound for the field of shadows, wherever its triangles lie.
 std::size_t bytes_of_shadows(const Drawing& drawing) {
   std::int64_t triangles = 0, vertices = 0;
   for (const MeshLayer& layer : drawing.meshes) {
@@ -97,7 +97,7 @@ std::size_t bytes_of_shadows(const Drawing& drawing) {
   return triangles == 0 ? 0 : static_cast<std::size_t>(Occlusion::bytes(triangles, vertices));
 }
 
-// What of a mesh the slices leave: everything on the far sides of the planes that cut.
+// The half spaces that slices leave of a mesh: the far sides of the planes that cut.
 std::vector<HalfSpace> kept_by(const Drawing& drawing, const UnitSpace& space, const Camera& camera) {
   std::vector<HalfSpace> kept;
   for (const SliceLayer& slice : drawing.slices) {
@@ -109,7 +109,7 @@ std::vector<HalfSpace> kept_by(const Drawing& drawing, const UnitSpace& space, c
   return kept;
 }
 
-// The opacity of everything that shows numbers, where all that does are slices that are alike.
+// The opacity of all that shows numbers, if only slices do, and all have the same opacity.
 std::optional<double> opacity_of_numbers(const Drawing& drawing) {
   const auto shows = [](const auto& layer) { return !layer.values.empty(); };
   if (drawing.slices.empty() || !drawing.bands.empty() || std::ranges::any_of(drawing.meshes, shows) ||
@@ -379,7 +379,7 @@ void write_turntable(const std::filesystem::path& path, const Drawing& drawing, 
     turned.azimuth_deg += 360.0 * n / count;
     return Camera(turned);
   };
-  // None has a name before all are drawn.
+  // No picture gets its name before all are drawn.
   std::deque<AtomicFile> files;
   for (int n = 0; n < count; ++n) files.emplace_back(turntable_file(path, n), existing);
   on_threads(options, [&] {

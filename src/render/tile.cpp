@@ -173,7 +173,7 @@ void TileDrawer::find_fragments(const Bins& clear, int tile) {
 }
 
 Shader::Seen TileDrawer::seen(Shader& shader, std::uint32_t triangle, int x, int y, std::uint32_t mask) const {
-  // In the middle of what is covered, which is within the triangle.
+  // Looks at the middle of the covered samples, which lies within the triangle.
   std::int32_t sum_x = 0, sum_y = 0;
   const int count = std::popcount(mask);
   for (; mask != 0; mask &= mask - 1) {
@@ -197,7 +197,7 @@ void TileDrawer::color_pixels(const Scenery& scenery, Image& image) {
       const std::size_t at = pixel(x, y);
       const std::uint32_t* const shown = triangles_.data() + at * samples;
       const bool clear = fragment != fragments_.cend() && fragment->pixel == at;
-      // Of most pixels all samples show the same: the paper.
+      // All samples of most pixels show the paper.
       std::uint32_t paper = 0;
       for (std::size_t s = 0; s < samples; ++s) paper |= static_cast<std::uint32_t>(shown[s] == kNothing) << s;
       if (paper == all && !clear) continue;

@@ -48,7 +48,7 @@ struct World::State {
   std::optional<DistanceField> field;  // of the flier, in thesis mode
   std::vector<Vec3> marks;             // the points whose paths are checked
 
-  // What the options ask for, of the moving body and of a resting one. A check that is there already is kept.
+  // Compute what the options need of the moving body and of a resting one. An existing check is kept.
   void prepare();
   void prepare(Resting& body) const;
   DistanceField thesis_field(const CollisionModel& model) const;

@@ -195,7 +195,7 @@ class Video {
   void commit(Existing existing);
 
  private:
-  /// Waits for ffmpeg's end; whether it was content.
+  /// Waits until ffmpeg ends; true if it succeeded.
   bool wait();
   [[noreturn]] void fail();
 
@@ -207,7 +207,7 @@ class Video {
 
 constexpr std::size_t kMostWords = 600;  // of what ffmpeg says: its last ones
 
-// Empty if there is none. Only in folders that the PATH names whole: an empty or relative one means where we stand.
+// Empty if there is none. Folders that the PATH names relatively are skipped: they depend on the current folder.
 fs::path program_ffmpeg() {
   const char* const paths = std::getenv("PATH");
   for (std::string_view rest = paths ? paths : ""; !rest.empty();) {

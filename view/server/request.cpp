@@ -95,8 +95,8 @@ std::optional<Refusal> read_header(std::string_view line, Request& request) {
   return {};
 }
 
-// How long the body is. Two different answers to this question are how requests are smuggled: one header alone gives
-// it.
+// How long the body is. One header alone may say so: with two that differ, a request can be hidden in the body of
+// another.
 std::optional<Refusal> read_body_length(Request& request) {
   for (const char* once : {"host", "content-length", "origin"})
     if (std::ranges::count(request.headers, once, [](const auto& header) { return header.first; }) > 1)

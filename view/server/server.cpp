@@ -33,7 +33,7 @@ namespace {
 int listen_on_loopback(int port) {
   const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (socket < 0) fail("there is no socket for the page");
-  // Or a port that was just used is taken for a minute.
+  // Without it, a port that was just used stays taken for a minute.
   const int yes = 1;
   ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
   sockaddr_in address{};
@@ -98,7 +98,7 @@ struct Server::State {
 bool Server::State::answer(Client& client, Connection& connection) {
   Reply reply(connection, [this] { return stopping.load(); });
   const auto head = connection.read_head(client.trusted ? options.idle : options.head, options.head);
-  // What follows a request that is refused is not known to be another one.
+  // After a refused request, the bytes that follow may be anything.
   const auto refuse = [&](const Refusal& refusal) {
     reply.close_after();
     if (refusal.status != 0) reply.refuse(refusal);
