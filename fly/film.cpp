@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "view/film/film.h"
+#include "fly/film.h"
 
 #include <fcntl.h>
 #include <signal.h>
@@ -24,14 +24,14 @@
 #include "files/temp_file.h"
 #include "files/temp_file_registry.h"
 #include "files/text_file.h"
+#include "fly/flight_pictures.h"
 #include "render/image.h"
 #include "standoff/error.h"
 #include "standoff/existing.h"
-#include "view/film/flight_pictures.h"
 
 extern char** environ;
 
-namespace standoff::view {
+namespace standoff::fly {
 namespace {
 
 namespace fs = std::filesystem;
@@ -388,4 +388,4 @@ void write_video(const std::filesystem::path& path, const Film& film, Existing e
   video.commit(existing);
 }
 
-}  // namespace standoff::view
+}  // namespace standoff::fly

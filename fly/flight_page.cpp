@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "view/flight/flight_page.h"
+#include "fly/flight_page.h"
 
+#include "fly/flight.h"
 #include "page/page.h"
 #include "standoff/compute.h"
 #include "standoff/page.h"
 #include "standoff/surface.h"
-#include "view/flight/flight.h"
 
-namespace standoff::view {
+namespace standoff::fly {
 namespace {
 
 using page::json_number;
@@ -111,4 +111,4 @@ std::string watched_page(const FlightSubject& subject) {
   return make_page({}, {}, page);
 }
 
-}  // namespace standoff::view
+}  // namespace standoff::fly

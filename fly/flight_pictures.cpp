@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "view/film/flight_pictures.h"
+#include "fly/flight_pictures.h"
 
 #include <algorithm>
 #include <array>
@@ -12,7 +12,7 @@
 #include "render/text.h"
 #include "standoff/error.h"
 
-namespace standoff::view {
+namespace standoff::fly {
 namespace {
 
 constexpr std::size_t kMostTrail = 6000, kLeastTrail = 40;  // of all trails together; of one
@@ -204,4 +204,4 @@ void FlightPictures::write_words(const FlightFrame& frame, Image& image) const {
   write("wall crossings " + std::to_string(crossings), crossings > 0 ? theme.ink : theme.faint);
 }
 
-}  // namespace standoff::view
+}  // namespace standoff::fly

@@ -8,12 +8,12 @@
 #include <vector>
 
 #include "core/threads.h"
+#include "fly/flight.h"
+#include "fly/flight_page.h"
 #include "render/stage.h"
 #include "standoff/picture.h"
-#include "view/flight/flight.h"
-#include "view/flight/flight_page.h"
 
-namespace standoff::view {
+namespace standoff::fly {
 
 /// The newest part of a body's path.
 struct Trail {
@@ -81,4 +81,4 @@ class FlightPictures {
   std::vector<std::size_t> path_starts_, ring_starts_, star_starts_;
 };
 
-}  // namespace standoff::view
+}  // namespace standoff::fly

@@ -16,7 +16,7 @@
 #include "standoff/experimental/simulation.h"
 #include "standoff/vec.h"
 
-namespace standoff::view {
+namespace standoff::fly {
 
 /// One moving body at one moment.
 struct Flying {
@@ -135,4 +135,4 @@ struct CodedFlight {
 /// Errors: usage (no frame; frames with different numbers of bodies).
 CodedFlight coded_flight(std::span<const FlightFrame> frames);
 
-}  // namespace standoff::view
+}  // namespace standoff::fly

@@ -5,12 +5,12 @@
 #include <filesystem>
 #include <span>
 
+#include "fly/flight_page.h"
 #include "standoff/existing.h"
 #include "standoff/picture.h"
 #include "standoff/progress.h"
-#include "view/flight/flight_page.h"
 
-namespace standoff::view {
+namespace standoff::fly {
 
 /// What is filmed, and how. Shadows and axes are not drawn.
 struct Film {
@@ -36,4 +36,4 @@ void check_video(const std::filesystem::path& path, const PictureOptions& pictur
 void write_video(const std::filesystem::path& path, const Film& film, Existing existing,
                  const ProgressCallback& progress);
 
-}  // namespace standoff::view
+}  // namespace standoff::fly

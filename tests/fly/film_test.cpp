@@ -5,10 +5,10 @@
 
 #include <algorithm>
 
+#include "fly/flight_pictures.h"
 #include "tests/simulation/room.h"
-#include "view/film/flight_pictures.h"
 
-namespace standoff::view {
+namespace standoff::fly {
 namespace {
 
 using namespace standoff::testing;
@@ -118,4 +118,4 @@ TEST(FlightPictures, NoFramesAreNoFilm) {
 }
 
 }  // namespace
-}  // namespace standoff::view
+}  // namespace standoff::fly

@@ -5,10 +5,10 @@
 #include <span>
 #include <string>
 
+#include "fly/flight.h"
 #include "standoff/mesh.h"
-#include "view/flight/flight.h"
 
-namespace standoff::view {
+namespace standoff::fly {
 
 /// What a flight is drawn with.
 struct FlightSubject {
@@ -39,4 +39,4 @@ std::string watched_page(const FlightSubject& subject);
 /// "sweep" or "thesis".
 const char* name_of(experimental::FlightMode mode);
 
-}  // namespace standoff::view
+}  // namespace standoff::fly

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Flights that are watched: what a watcher changes, and frames as bytes and back.
 // labels: memory threads
-#include "view/flight/flight.h"
+#include "fly/flight.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 
 #include "tests/simulation/room.h"
 
-namespace standoff::view {
+namespace standoff::fly {
 namespace {
 
 using namespace experimental;
@@ -237,4 +237,4 @@ TEST(FlightShow, EndsWithAWatcherThatThrows) {
 }
 
 }  // namespace
-}  // namespace standoff::view
+}  // namespace standoff::fly

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "view/flight/flight.h"
+#include "fly/flight.h"
 
 #include <algorithm>
 #include <bit>
@@ -12,7 +12,7 @@
 #include "page/page.h"
 #include "standoff/error.h"
 
-namespace standoff::view {
+namespace standoff::fly {
 namespace {
 
 using namespace experimental;
@@ -303,4 +303,4 @@ CodedFlight coded_flight(std::span<const FlightFrame> frames) {
   return coded;
 }
 
-}  // namespace standoff::view
+}  // namespace standoff::fly
