@@ -5,8 +5,8 @@
 #include "cli/parse.h"
 #include "cli/picture_options.h"
 #include "files/text_file.h"
+#include "fly/film.h"
 #include "standoff/error.h"
-#include "view/film/film.h"
 
 namespace standoff::cli {
 namespace {
@@ -50,24 +50,24 @@ void FlightOutput::check(const FileOutput& like, const std::vector<std::string>&
   const fs::path& path = file_.path();
   if (!path.has_filename() || fs::is_directory(path, ignored)) {
     kind_ = Kind::folder;
-    return view::check_frames(path, file_.existing());
+    return fly::check_frames(path, file_.existing());
   }
   kind_ = path.extension() == ".mp4" ? Kind::video : Kind::page;
   file_.check({{"html", "a page", false, true}, {"mp4", "a video", false, true}});
   for (const std::string& input : inputs) file_.check_differs(input);
-  if (kind_ == Kind::video) return view::check_video(path, picture_);
+  if (kind_ == Kind::video) return fly::check_video(path, picture_);
   refuse(of_pictures_, ": a page has no pictures; give -o NAME/ or -o NAME.mp4, or leave it out");
 }
 
-void FlightOutput::write(const view::FlightSubject& subject, std::span<const view::FlightFrame> frames, int threads,
+void FlightOutput::write(const fly::FlightSubject& subject, std::span<const fly::FlightFrame> frames, int threads,
                          const ProgressCallback& progress) const {
   if (kind_ == Kind::page)
     return write_text(path(),
-                      view::flight_page(subject, frames, frames_per_second_, "standoff fly: " + subject.walls_name),
+                      fly::flight_page(subject, frames, frames_per_second_, "standoff fly: " + subject.walls_name),
                       file_.existing());
-  view::Film film{subject, frames, frames_per_second_, picture_};
+  fly::Film film{subject, frames, frames_per_second_, picture_};
   film.picture.threads = threads;
-  const auto write = kind_ == Kind::folder ? view::write_frames : view::write_video;
+  const auto write = kind_ == Kind::folder ? fly::write_frames : fly::write_video;
   write(path(), film, file_.existing(), progress);
 }
 

@@ -8,9 +8,9 @@
 #include <CLI/CLI.hpp>
 
 #include "cli/files.h"
+#include "fly/flight_page.h"
 #include "standoff/picture.h"
 #include "standoff/progress.h"
-#include "view/flight/flight_page.h"
 
 namespace standoff::cli {
 
@@ -25,7 +25,7 @@ class FlightOutput {
   /// Tells before anything is flown what would go wrong after it. `like` has the same --force. Errors: usage, output.
   void check(const FileOutput& like, const std::vector<std::string>& inputs);
   /// Draws and writes. Errors: as write_frames and write_video; output.
-  void write(const view::FlightSubject& subject, std::span<const view::FlightFrame> frames, int threads,
+  void write(const fly::FlightSubject& subject, std::span<const fly::FlightFrame> frames, int threads,
              const ProgressCallback& progress) const;
   /// Of all that was written.
   std::int64_t bytes() const;

@@ -11,14 +11,14 @@ namespace standoff::cli {
 using view::Reply;
 using view::Request;
 
-FlightServer::FlightServer(const view::FlightSubject& subject, std::unique_ptr<view::Flight> flight)
-    : subject_(subject), walls_(view::walls_data(subject)), show_(std::move(flight)) {}
+FlightServer::FlightServer(const fly::FlightSubject& subject, std::unique_ptr<fly::Flight> flight)
+    : subject_(subject), walls_(fly::walls_data(subject)), show_(std::move(flight)) {}
 
 void FlightServer::answer(const Request& request, std::string_view route, Reply& reply) {
   const bool post = request.method == "POST";
   if (post != (route == "controls"))
     return reply.refuse({405, post ? "this is asked for by GET" : "this is asked for by POST"});
-  if (route.empty()) return reply.send(200, "text/html; charset=utf-8", view::watched_page(subject_));
+  if (route.empty()) return reply.send(200, "text/html; charset=utf-8", fly::watched_page(subject_));
   if (route == "state") {
     const Json items = {{{"id", "walls"}, {"kind", "mesh"}}, {{"id", "flight"}, {"kind", "flight"}}};
     return reply.send(200, "application/json", Json{{"kind", "flight"}, {"items", items}}.dump());
@@ -27,7 +27,7 @@ void FlightServer::answer(const Request& request, std::string_view route, Reply&
     const std::string* id = request.parameter("id");
     if (id && *id == "walls") return reply.send(200, "application/octet-stream", walls_);
     if (id && *id == "flight")
-      return reply.send(200, "application/octet-stream", view::watched_data(subject_, show_.controls()));
+      return reply.send(200, "application/octet-stream", fly::watched_data(subject_, show_.controls()));
     return;
   }
   if (route == "events") return events(reply);
@@ -36,15 +36,15 @@ void FlightServer::answer(const Request& request, std::string_view route, Reply&
 }
 
 void FlightServer::change(const Request& request, Reply& reply) {
-  view::FlightControls controls = show_.controls();
+  fly::FlightControls controls = show_.controls();
   if (const std::string* mode = request.parameter("mode"))
     controls.mode = parse_choice("mode", *mode, {"sweep", "thesis"}) == 0 ? experimental::FlightMode::sweep
                                                                           : experimental::FlightMode::thesis;
   if (const std::string* speed = request.parameter("speed")) controls.speed = parse_positive("speed", *speed);
   if (const std::string* flies = request.parameter("flies"))
-    controls.bodies = parse_count("flies", *flies, 1, view::kMostBodies);
+    controls.bodies = parse_count("flies", *flies, 1, fly::kMostBodies);
   if (const std::string* rate = request.parameter("rate"))
-    controls.steps_per_second = parse_not_negative("rate", *rate, view::kMostSteps);
+    controls.steps_per_second = parse_not_negative("rate", *rate, fly::kMostSteps);
   show_.change(controls);
   reply.send(200, "application/json", "{}");
 }

@@ -8,17 +8,16 @@
 #include <vector>
 
 #include "cli/serve.h"
+#include "fly/flight.h"
+#include "fly/flight_page.h"
 #include "standoff/collision.h"
-#include "view/flight/flight.h"
-#include "view/flight/flight_page.h"
-#include "view/flight/flight_show.h"
 
 namespace standoff::cli {
 
 /// What the page of `standoff fly --view` asks its server for (view/README.md).
 class FlightServer {
  public:
-  FlightServer(const view::FlightSubject& subject, std::unique_ptr<view::Flight> flight);
+  FlightServer(const fly::FlightSubject& subject, std::unique_ptr<fly::Flight> flight);
 
   void answer(const view::Request& request, std::string_view route, view::Reply& reply);
   view::PageWatch& watch() { return watch_; }
@@ -28,9 +27,9 @@ class FlightServer {
   void poses(view::Reply& reply);
   void events(view::Reply& reply);
 
-  view::FlightSubject subject_;
+  fly::FlightSubject subject_;
   std::string walls_;
-  view::FlightShow show_;
+  fly::FlightShow show_;
   view::PageWatch watch_;
 };
 

@@ -69,34 +69,34 @@ void FlyCommand::check_outputs() {
   }
   if (force->count() > 0 && !path.given() && !film.given())
     throw Error(ErrorCode::usage, "--force needs --path or -o: there is nothing to overwrite; give one of them");
-  if ((view || film.given()) && flies > view::kMostBodies)
+  if ((view || film.given()) && flies > fly::kMostBodies)
     throw Error(ErrorCode::usage, "--flies " + std::to_string(flies) + ": too many to watch; give " +
-                                      std::to_string(view::kMostBodies) + " at the most");
+                                      std::to_string(fly::kMostBodies) + " at the most");
 }
 
 void FlyCommand::watch(const CollisionModel& maze, const CollisionModel& flier) {
-  auto flight = std::make_unique<view::Flight>(maze, flier, options, flies);
-  FlightServer page(view::flight_subject(labyrinth, maze, flier, options.execution), std::move(flight));
+  auto flight = std::make_unique<fly::Flight>(maze, flier, options, flies);
+  FlightServer page(fly::flight_subject(labyrinth, maze, flier, options.execution), std::move(flight));
   server.serve(console, page.watch(), [&](auto&&... asked) { page.answer(asked...); });
 }
 
 void FlyCommand::record(const CollisionModel& maze, const CollisionModel& flier) {
-  view::Flight flight(maze, flier, options, flies);
-  std::vector<view::FlightFrame> frames;
+  fly::Flight flight(maze, flier, options, flies);
+  std::vector<fly::FlightFrame> frames;
   {
     const Cancellable cancellable;
-    frames = view::recorded(flight, steps, film.every(), console.progress());
-    film.write(view::flight_subject(labyrinth, maze, flier, options.execution), frames, options.execution.threads,
+    frames = fly::recorded(flight, steps, film.every(), console.progress());
+    film.write(fly::flight_subject(labyrinth, maze, flier, options.execution), frames, options.execution.threads,
                console.progress());
   }
   std::int64_t collisions = 0, crossings = 0;
-  for (const view::Flying& it : frames.back().bodies) collisions += it.collisions, crossings += it.crossings;
+  for (const fly::Flying& it : frames.back().bodies) collisions += it.collisions, crossings += it.crossings;
   console.say(film.path().string() + ": " + counted(std::ssize(frames), "frame") + ", " +
               counted(collisions, "collision") + ", " + counted(crossings, "wall crossing") + ", " +
               bytes_text(film.bytes()));
   if (!console.json()) return;
   Json json = json_answer("fly");
-  json["mode"] = view::name_of(options.mode);
+  json["mode"] = fly::name_of(options.mode);
   json["steps"] = steps;
   json["flies"] = flies;
   json["speed"] = options.speed;

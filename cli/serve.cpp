@@ -12,7 +12,7 @@
 #include "cli/signals.h"
 #include "cli/text.h"
 #include "files/temp_file.h"
-#include "view/server/open_browser.h"
+#include "view/server/server.h"
 
 namespace standoff::cli {
 namespace {

@@ -5,7 +5,6 @@
 #include <CLI/CLI.hpp>
 
 #include "cli/console.h"
-#include "view/server/page_watch.h"
 #include "view/server/server.h"
 
 namespace standoff::cli {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "page/field_blob.h"
+// Fields as pages hold them.
 
 #include <algorithm>
 #include <array>
@@ -7,16 +7,15 @@
 
 #include "core/number_text.h"
 #include "core/tile_count.h"
-#include "page/blob.h"
-#include "page/byte_code.h"
-#include "page/json_text.h"
+#include "page/page.h"
 #include "standoff/error.h"
 #include "standoff/slice.h"
 
 namespace standoff::page {
 namespace {
 
-// Of a spacing: far below what interpolation between samples is off by. Finer steps make larger pages.
+// A step is this part of a spacing: far below the error of interpolation between samples. Finer steps make larger
+// pages.
 constexpr double kStepsPerSpacing = 128;
 // Where all values are small beside the spacing, they still have so many steps.
 constexpr double kLeastSteps = 2048;
@@ -37,7 +36,7 @@ Size3 thinned(const Size3& size, std::int64_t every) {
   return {left(size.x), left(size.y), left(size.z)};
 }
 
-// Whether all samples of a grid may be in the page, or the stored ones of tiles among so many.
+// Whether a page may hold a grid: all its samples, or those of its stored tiles, `stored` of them.
 bool fits(const Size3& size, double stored, std::int64_t most) {
   const auto per_side = [](const Size3& n) { return std::max({n.x, n.y, n.z}); };
   if (per_side(size) <= kMostPerSide && size.count() <= most) return true;
@@ -106,7 +105,7 @@ std::string coded_values(const CodedField& field) {
   return bytes;
 }
 
-// As they are, for readers that wait: little endian, 16 bits.
+// Values as they are, for readers that wait: little endian, 16 bits.
 std::string plain_values(const CodedField& field) {
   std::string bytes(2 * field.codes.size(), '\0');
   for (std::size_t n = 0; n < field.codes.size(); ++n) {
@@ -117,7 +116,7 @@ std::string plain_values(const CodedField& field) {
   return bytes;
 }
 
-// A sample's triangle is often that of the sample before it along x, y or z; where two of these agree, theirs.
+// The triangle of a sample is guessed from the samples before it along x, y and z: the one on which two of them agree.
 std::string coded_nearest(const CodedField& field) {
   std::string bytes;
   std::uint32_t last = 0;

@@ -1,25 +1,56 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "page/mesh_blob.h"
+// Meshes as pages hold them.
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "page/blob.h"
-#include "page/byte_code.h"
-#include "page/json_text.h"
-#include "page/proxy.h"
+#include "page/page.h"
 #include "standoff/error.h"
 #include "standoff/mesh.h"
 
+#ifdef STANDOFF_HAVE_MESHOPT
+#include <meshoptimizer.h>
+#endif
+
 namespace standoff::page {
+
+#ifdef STANDOFF_HAVE_MESHOPT
+
+bool can_simplify() { return true; }
+
+std::vector<Triangle> simplified(std::span<const Triangle> triangles, std::span<const float> vertices,
+                                 std::size_t most) {
+  std::vector<Triangle> out(triangles.size());
+  const unsigned* const from = triangles.front().data();
+  unsigned* const to = out.front().data();
+  // Any error is fine: what matters is the count. The first keeps the topology, and stops where that holds it up.
+  constexpr float kAnyError = 1e10f;
+  std::size_t indices = meshopt_simplify(to, from, 3 * triangles.size(), vertices.data(), vertices.size() / 3,
+                                         3 * sizeof(float), 3 * most, kAnyError, 0, nullptr);
+  if (indices > 3 * most)
+    indices = meshopt_simplifySloppy(to, from, 3 * triangles.size(), vertices.data(), vertices.size() / 3,
+                                     3 * sizeof(float), 3 * most, kAnyError, nullptr);
+  out.resize(indices / 3);
+  out.shrink_to_fit();
+  return out;
+}
+
+#else
+
+bool can_simplify() { return false; }
+
+std::vector<Triangle> simplified(std::span<const Triangle>, std::span<const float>, std::size_t) { return {}; }
+
+#endif
+
 namespace {
 
 // A short edge of the mesh must have so many steps of the lattice: its direction is then known to half a degree, and
 // flat shading does not show that corners were moved.
 constexpr double kStepsPerEdge = 64;
 
-// Of every hundred edges, ten are shorter; 0 for a mesh without extent. Some thousand edges tell.
+// A tenth of the edges are shorter; 0 for a mesh without extent. A sample of some thousand edges is enough.
 double short_edge(MeshView mesh) {
   std::vector<double> lengths;
   const std::size_t stride = mesh.triangles.size() / 4096 + 1;

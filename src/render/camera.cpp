@@ -5,7 +5,7 @@
 
 namespace standoff {
 
-// By a series: the last bits of std::sin differ between machines, and a vertex between two subpixels with them.
+// Sums a series: the last bits of std::sin differ between machines, and would move vertices by a subpixel.
 Turn turn_of(double degrees) {
   double rest = std::remainder(degrees, 360);
   const auto quarters = static_cast<int>(std::lround(rest / 90));
@@ -31,7 +31,7 @@ Turn turn_of(double degrees) {
 
 namespace {
 
-// From axes with z up and the front at -y to the world's.
+// A direction in axes with z up and the front at -y, turned into the world's axes.
 Float3 from_z_up(Vec3 v, Axis up) {
   const auto narrow = [](double x, double y, double z) {
     return Float3{static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)};
@@ -49,7 +49,7 @@ Float3 from_z_up(Vec3 v, Axis up) {
 }  // namespace
 
 UnitSpace::UnitSpace(const Box& bounds) {
-  // Halves before sums and quotients before squares: whatever fits a double is drawn, near its ends as well.
+  // Halves are added and quotients are squared, so that nothing overflows: any finite box is drawn.
   center_ = bounds.min * 0.5 + bounds.max * 0.5;
   const Vec3 half = bounds.max * 0.5 - bounds.min * 0.5;
   const double longest = std::max({half.x, half.y, half.z});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pixels in memory, and the PNG file they end in.
+// Pixels, the colors that they take, and the PNG file that they end in.
 #pragma once
 
 #include <cmath>
@@ -7,7 +7,9 @@
 #include <filesystem>
 #include <vector>
 
+#include "render/float3.h"
 #include "standoff/color.h"
+#include "standoff/colormap.h"
 #include "standoff/existing.h"
 
 namespace standoff {
@@ -47,5 +49,31 @@ void require_png();
 std::vector<std::uint8_t> png_of(const Image& image);
 /// Writes a PNG file, whole or not at all. Errors: as above; output.
 void write_png(const std::filesystem::path& path, const Image& image, Existing existing);
+
+/// The colors of a picture besides those of its subject.
+struct Theme {
+  Color paper;    ///< the background
+  Color ink;      ///< words and lines
+  Color faint;    ///< words and lines of less weight
+  Color outside;  ///< samples beyond the band
+  Color inside;   ///< samples beyond the band, inside
+  Color nothing;  ///< values that are no numbers
+};
+
+/// The colors on white or dark.
+constexpr Theme theme_of(Background background) {
+  if (background == Background::dark)
+    return {{17, 19, 24}, {228, 231, 237}, {146, 153, 166}, {52, 56, 64}, {34, 37, 43}, {128, 60, 96}};
+  return {{255, 255, 255}, {40, 44, 52}, {110, 116, 126}, {222, 225, 230}, {186, 191, 199}, {214, 160, 186}};
+}
+
+/// The color of `t` in [0, 1]; values outside count as the nearer end. `automatic` counts as viridis: a number has no
+/// sign.
+Color color_of(Colormap map, double t);
+
+/// A color of a file in linear light, in which colors are added, and back. Components outside [0, 1] count as the
+/// nearer end.
+Float3 linear_of(Color color);
+Color color_of_light(Float3 linear);
 
 }  // namespace standoff

@@ -1,7 +1,166 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "render/light.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <atomic>
+#include <cstdint>
+
+#include "standoff/compute.h"
+#include "standoff/mesh.h"
+
 namespace standoff {
+namespace {
+
+constexpr std::uint32_t kLarge = 0xFFFFFFFF;  // no cube's number
+
+bool is_small(Float3 a, Float3 b, Float3 c, float size) {
+  const auto within = [size](float p, float q, float r) { return std::max({p, q, r}) - std::min({p, q, r}) < size; };
+  return within(a.x, b.x, c.x) && within(a.y, b.y, c.y) && within(a.z, b.z, c.z);
+}
+
+}  // namespace
+
+std::vector<Triangle> thinned(std::span<const Float3> places, TriangleArray triangles, float size) {
+  const auto side = static_cast<std::uint32_t>(2 / size) + 1;  // of the cubes around the unit sphere
+  const auto cube = [&](Float3 p) {
+    const auto along = [&](float x) {
+      return std::min(side - 1, static_cast<std::uint32_t>(std::max(0.0F, (x + 1) / size)));
+    };
+    return along(p.x) + side * (along(p.y) + side * along(p.z));
+  };
+  std::vector<std::uint32_t> cubes(triangles.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, cubes.size(), 1 << 14), [&](const auto& range) {
+    for (std::size_t n = range.begin(); n < range.end(); ++n) {
+      const Triangle t = triangles[n];
+      const Float3 &a = places[t[0]], &b = places[t[1]], &c = places[t[2]];
+      cubes[n] = is_small(a, b, c, size) ? cube(a) : kLarge;
+    }
+  });
+  // One thread goes through the triangles in order: which are kept must not depend on the number of threads.
+  std::vector<bool> taken(std::size_t{side} * side * side);
+  std::vector<Triangle> kept;
+  for (std::size_t n = 0; n < cubes.size(); ++n) {
+    if (cubes[n] != kLarge) {
+      if (taken[cubes[n]]) continue;
+      taken[cubes[n]] = true;
+    }
+    kept.push_back(triangles[n]);
+  }
+  return kept;
+}
+
+namespace {
+
+constexpr std::int64_t kSamples = 96;  // along the longest side: shadows and creases of 1/50 of the scene
+// Triangles smaller than this, in the unit space, are thinned out: a quarter of the spacing in a scene of usual shape.
+constexpr float kSmall = 0.004F;
+constexpr float kReach = 12;  // thickness of the band in spacings: how far a crease darkens
+// Nearer than this to a surface the interpolated field says little about it, in spacings.
+constexpr float kLeave = 1.5F;
+
+bool casts(const DrawnPart& part) { return part.casts_shadow && part.opacity >= 1 && !part.triangles.empty(); }
+
+}  // namespace
+
+Occlusion::Occlusion(std::span<const DrawnPart> parts) {
+  std::vector<const DrawnPart*> casting;
+  for (const DrawnPart& part : parts)
+    if (casts(part)) casting.push_back(&part);
+  if (casting.empty()) return;
+
+  static_assert(sizeof(Float3) == 3 * sizeof(float));
+  std::vector<Float3> places;
+  std::vector<Triangle> triangles;
+  for (const DrawnPart* part : casting) {
+    const auto first = static_cast<std::uint32_t>(places.size());
+    if (casting.size() > 1) places.insert(places.end(), part->places.begin(), part->places.end());
+    for (const Triangle& t : thinned(part->places, part->triangles, kSmall))
+      triangles.push_back({first + t[0], first + t[1], first + t[2]});
+  }
+  const std::vector<Float3>& all = casting.size() > 1 ? places : casting[0]->places;
+  Box box;
+  for (const Triangle& t : triangles)
+    for (const std::uint32_t v : t) box.include({all[v].x, all[v].y, all[v].z});
+  const Grid grid = fit_samples(box, kSamples, Padding{});
+  lattice_ = {{static_cast<float>(grid.origin.x), static_cast<float>(grid.origin.y), static_cast<float>(grid.origin.z)},
+              static_cast<float>(grid.max_spacing()),
+              {static_cast<std::size_t>(grid.size.x), static_cast<std::size_t>(grid.size.y),
+               static_cast<std::size_t>(grid.size.z)}};
+  thickness_ = kReach * lattice_.spacing;
+  distances_.resize(lattice_.samples());
+  ComputeOptions options;
+  options.hash_mesh = false;
+  options.execution.backend = Backend::cpu;
+  compute_into({{&all[0].x, all.size()}, triangles}, grid, thickness_, distances_, options);
+}
+
+std::int64_t Occlusion::bytes(std::int64_t triangles, std::int64_t vertices) {
+  const Grid most{{kSamples, kSamples, kSamples}, {}, {1, 1, 1}};
+  return memory_needed(std::max(triangles, std::int64_t{1}), most, kReach, {}, true) +
+         static_cast<std::int64_t>(sizeof(float)) * most.sample_count() +
+         static_cast<std::int64_t>(sizeof(Triangle)) * triangles + static_cast<std::int64_t>(sizeof(Float3)) * vertices;
+}
+
+float Occlusion::distance(Float3 place) const {
+  const auto cell = lattice_.cell(place);
+  return cell ? lattice_.interpolate(*cell, [&](std::size_t sample) { return distances_[sample]; }) : thickness_;
+}
+
+Float3 Occlusion::above(Float3 point, Float3 normal) const { return point + normal * (kLeave * lattice_.spacing); }
+
+float Occlusion::ambient(Float3 point, Float3 normal) const {
+  if (distances_.empty()) return 1;
+  // How much nearer than the surface itself something else is, at a few heights above it (Evans 2006).
+  constexpr struct { float height, weight; } kTaps[] = {{kLeave, 0.30F}, {3, 0.30F}, {6, 0.25F}, {11, 0.25F}};
+  float missing = 0;
+  for (const auto& tap : kTaps) {
+    const float height = tap.height * lattice_.spacing;
+    missing += tap.weight * std::max(0.0F, 1 - distance(point + normal * height) / height);
+  }
+  return 1 - std::min(0.85F, missing);
+}
+
+float Occlusion::lamp(Float3 place, Float3 to_lamp) const {
+  if (distances_.empty()) return 1;
+  const float spacing = lattice_.spacing;
+  constexpr int kMostSteps = 32;
+  constexpr float kSharpness = 7;  // the half shadow is 1/7 as wide as what casts it is far away
+  const float farthest = 2;        // the scene's diameter
+  // Farther away the field's thickness stands for greater distances, which must not look like a half shadow.
+  const float farthest_known = 0.95F * kSharpness * thickness_;
+  float passes = 1;
+  float along = kLeave * spacing;
+  for (int step = 0; step < kMostSteps && along < farthest; ++step) {
+    const float d = distance(place + to_lamp * along);
+    passes = std::min(passes, kSharpness * std::max(0.0F, d - 0.25F * spacing) / std::min(along, farthest_known));
+    if (passes < 0.01F) return 0;
+    along += std::max(d, 0.75F * spacing);
+  }
+  return passes * passes * (3 - 2 * passes);
+}
+
+Shadow::Shadow(const Occlusion& occlusion, Float3 to_lamp)
+    : occlusion_(occlusion), to_lamp_(to_lamp), known_(occlusion.lattice().samples(), -1.0F) {}
+
+float Shadow::at_sample(std::size_t sample) const {
+  const std::atomic_ref known(known_[sample]);
+  float passes = known.load(std::memory_order_relaxed);
+  if (passes < 0) {
+    passes = occlusion_.lamp(occlusion_.lattice().place(sample), to_lamp_);
+    known.store(passes, std::memory_order_relaxed);
+  }
+  return passes;
+}
+
+float Shadow::passing(Float3 point, Float3 normal) const {
+  const UnitLattice& lattice = occlusion_.lattice();
+  const auto cell = lattice.cell(occlusion_.above(point, normal));
+  if (!cell) return 1;
+  return lattice.interpolate(*cell, [&](std::size_t sample) { return at_sample(sample); });
+}
+
 namespace {
 
 // Smooth normals farther than 45 degrees from the triangle's own are not used: the edge there is sharp.
@@ -14,6 +173,15 @@ constexpr float kZeroShare = 0.95F, kLineShare = 0.5F;
 // A soft sky over a lighter ground, and a lamp above the eye's left shoulder. Chosen by eye.
 constexpr Float3 kLampInEyesAxes{-0.43F, 0.62F, 0.66F};
 constexpr Float3 kSky{0.52F, 0.55F, 0.60F}, kGround{0.27F, 0.25F, 0.24F}, kLamp{1.30F, 1.24F, 1.16F};
+
+// How much a line covers of a pixel that is `away` pixels from its middle.
+float covered_by_line(double away, double half_width) {
+  return static_cast<float>(std::clamp(half_width + 0.5 - away, 0.0, 1.0));
+}
+
+float steepness(float to_right, float down) { return std::sqrt(to_right * to_right + down * down); }
+
+Float3 mixed(Float3 a, Float3 b, float share) { return a * (1 - share) + b * share; }
 
 }  // namespace
 
@@ -49,15 +217,6 @@ Float3 Shader::lit(Float3 color, Float3 point, Float3 normal) {
   return color * light;
 }
 
-// A line as wide as 2 * half_width pixels, `away` pixels from its middle.
-float covered_by_line(double away, double half_width) {
-  return static_cast<float>(std::clamp(half_width + 0.5 - away, 0.0, 1.0));
-}
-
-float steepness(float to_right, float down) { return std::sqrt(to_right * to_right + down * down); }
-
-Float3 mixed(Float3 a, Float3 b, float share) { return a * (1 - share) + b * share; }
-
 Shader::Seen Shader::of_slice(const SeenPart& part, const Triangle& v, float x, float y) const {
   const DrawnPart& p = *part.part;
   const SliceTexture& slice = *p.slice;
@@ -68,12 +227,12 @@ Shader::Seen Shader::of_slice(const SeenPart& part, const Triangle& v, float x, 
   };
   const auto [value, edge] = values_at(x, y);
   const float opacity = value < 0 ? 1.0F : p.opacity;
-  // Beyond the band between all samples around, or no number.
+  // All samples around are beyond the band, or one is no number.
   if (!std::isfinite(value) || std::abs(value) >= slice.thickness())
     return {value < 0 ? scenery_.inside : scenery_.outside, opacity};
   const SliceTexture::Values right = values_at(x + kSubpixels, y), down = values_at(x, y + kSubpixels);
   Seen seen{scenery_.ramp.color(value), opacity};
-  // How far from places of a certain value, in pixels, if values were linear here.
+  // The distance in pixels to places of a given value, as if values were linear here.
   if (const float per_pixel = steepness(right.edge - edge, down.edge - edge); per_pixel > 0) {
     const auto share_above = [&](float level) { return std::clamp((edge - level) / per_pixel + 0.5F, 0.0F, 1.0F); };
     seen.color = mixed(seen.color, scenery_.outside, share_above(slice.thickness()));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "render/slice_picture.h"
+// The picture of a slice: the plane in colors, lines, scales, legend and words.
 
 #include <algorithm>
 #include <cmath>
@@ -8,10 +8,8 @@
 #include <string>
 
 #include "core/guarded.h"
-#include "render/axis_scale.h"
-#include "render/band_edge.h"
-#include "render/legend.h"
-#include "render/level_line.h"
+#include "render/scales.h"
+#include "render/slice.h"
 #include "render/text.h"
 #include "standoff/error.h"
 
@@ -31,7 +29,7 @@ struct Extent {
   int width, height;
 };
 
-// The plane's pixels: samples of the closer axis become whole squares, those of the other as long as space asks.
+// The size of the plane in pixels: a sample has whole pixels along the axis of the smaller spacing, if there is room.
 Extent enlarged(const Plane& plane, int pixels) {
   const double unit = std::min(plane.step_right, plane.step_up);
   const double width = static_cast<double>(plane.width) * (plane.step_right / unit);

@@ -5,21 +5,69 @@
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
+#include <algorithm>
+#include <array>
+#include <deque>
 #include <string>
 
+#include "core/execution.h"
+#include "core/guarded.h"
 #include "core/memory_budget.h"
 #include "core/per_thread.h"
 #include "core/threads.h"
-#include "render/layers.h"
+#include "files/atomic_file.h"
+#include "render/image.h"
 #include "render/light.h"
-#include "render/mesh_part.h"
-#include "render/srgb.h"
+#include "render/part.h"
+#include "render/text.h"
 #include "render/tile.h"
-#include "render/triad.h"
 #include "standoff/error.h"
 
 namespace standoff {
 namespace {
+
+constexpr double kLength = 38, kWidth = 2.2, kLetter = 14, kLetterGap = 9;  // pixels at scale 1
+
+// A line with round ends and smooth edges.
+void draw_line(Image& image, Float3 from, Float3 to, double width, Color color) {
+  const Float3 d = to - from;
+  const float length_sq = dot(d, d);
+  const auto before = [&](float a, float b) { return static_cast<int>(std::min(a, b) - width); };
+  const auto after = [&](float a, float b) { return static_cast<int>(std::max(a, b) + width); };
+  for (int y = before(from.y, to.y); y <= after(from.y, to.y); ++y)
+    for (int x = before(from.x, to.x); x <= after(from.x, to.x); ++x) {
+      const Float3 p = Float3{static_cast<float>(x) + 0.5F, static_cast<float>(y) + 0.5F, 0} - from;
+      const float t = length_sq > 0 ? std::clamp(dot(p, d) / length_sq, 0.0F, 1.0F) : 0;
+      const double covered = std::clamp(0.5 * width + 0.5 - length(p - d * t), 0.0, 1.0);
+      if (covered > 0) image.blend(x, y, color, covered);
+    }
+}
+
+// Three small arrows in the lower left corner show where x, y and z point: `margin` pixels from the picture's edges,
+// all as large as `scale` says.
+void draw_triad(Image& image, const Camera& camera, const Theme& theme, int margin, double scale) {
+  struct Arrow {
+    const char* name;
+    Float3 seen;
+    Color color;
+  };
+  std::array<Arrow, 3> arrows{{{"x", camera.turned({1, 0, 0}), {214, 60, 52}},
+                               {"y", camera.turned({0, 1, 0}), {46, 150, 72}},
+                               {"z", camera.turned({0, 0, 1}), {52, 110, 214}}}};
+  // The one that points at the eye comes last, over the others.
+  std::ranges::stable_sort(arrows, {}, [](const Arrow& arrow) { return arrow.seen.z; });
+  const double reach = (kLength + kLetterGap + kLetter / 2) * scale;
+  const Float3 middle{static_cast<float>(margin + reach), static_cast<float>(image.height - margin - reach), 0};
+  for (const Arrow& arrow : arrows) {
+    const Float3 along{arrow.seen.x, -arrow.seen.y, 0};
+    const Float3 tip = middle + along * static_cast<float>(kLength * scale);
+    draw_line(image, middle, tip, kWidth * scale, arrow.color);
+    const Float3 at = tip + unit_or(along, {0, -1, 0}) * static_cast<float>(kLetterGap * scale);
+    const double size = kLetter * scale;
+    draw_text(image, at.x - 0.5 * text_width(arrow.name, size), at.y + 0.35 * cap_height(size), arrow.name, size,
+              theme.ink);
+  }
+}
 
 constexpr double kMargin = 0.04;                     // of the picture's shorter side, on all sides
 constexpr double kLegendGap = 24, kUsualSide = 720;  // pixels at scale 1; the shorter side of a usual picture
@@ -39,7 +87,7 @@ void check(const PictureOptions& options) {
     refuse("there is no such background; take white or dark");
 }
 
-// The field of shadows is bounded for its triangles, wherever they lie.
+// An upper bound for the field of shadows, wherever its triangles lie.
 std::size_t bytes_of_shadows(const Drawing& drawing) {
   std::int64_t triangles = 0, vertices = 0;
   for (const MeshLayer& layer : drawing.meshes) {
@@ -49,7 +97,7 @@ std::size_t bytes_of_shadows(const Drawing& drawing) {
   return triangles == 0 ? 0 : static_cast<std::size_t>(Occlusion::bytes(triangles, vertices));
 }
 
-// What of a mesh the slices leave: everything on the far sides of the planes that cut.
+// The half spaces that slices leave of a mesh: the far sides of the planes that cut.
 std::vector<HalfSpace> kept_by(const Drawing& drawing, const UnitSpace& space, const Camera& camera) {
   std::vector<HalfSpace> kept;
   for (const SliceLayer& slice : drawing.slices) {
@@ -61,7 +109,7 @@ std::vector<HalfSpace> kept_by(const Drawing& drawing, const UnitSpace& space, c
   return kept;
 }
 
-// The opacity of everything that shows numbers, where all that does are slices that are alike.
+// The opacity of all that shows numbers, if only slices do, and all have the same opacity.
 std::optional<double> opacity_of_numbers(const Drawing& drawing) {
   const auto shows = [](const auto& layer) { return !layer.values.empty(); };
   if (drawing.slices.empty() || !drawing.bands.empty() || std::ranges::any_of(drawing.meshes, shows) ||
@@ -265,6 +313,87 @@ Image Stage::draw(const Camera& camera, const Extent& extent) const {
                   words_);
   if (options_.axes) draw_triad(image, camera, theme_, margin, words_);
   return image;
+}
+
+namespace {
+
+constexpr int kMostTurns = 720;  // each is an open file
+constexpr const char* kFewerPixels = "draw fewer pixels, or provide more memory";
+
+// Runs drawing on the threads that the options ask for.
+template <class Work>
+auto on_threads(const PictureOptions& options, const Work& work) {
+  validate("picture", {.threads = options.threads}, Runs::on_the_cpu);
+  return Threads(options.threads).run(work);
+}
+
+Drawing drawing_of(MeshView mesh) {
+  Drawing drawing;
+  drawing.meshes.push_back({.mesh = mesh});
+  return drawing;
+}
+
+}  // namespace
+
+Image draw_picture(const Drawing& drawing, const PictureOptions& options) {
+  return on_threads(options, [&] {
+    const Stage stage(drawing, options);
+    const Camera camera(options);
+    return stage.draw(camera, stage.extent(camera));
+  });
+}
+
+Image draw_mesh(MeshView mesh, const PictureOptions& options) { return draw_picture(drawing_of(mesh), options); }
+
+void write_picture(const std::filesystem::path& path, const Drawing& drawing, const PictureOptions& options,
+                   Existing existing) try {
+  require_png();
+  write_png(path, draw_picture(drawing, options), existing);
+} catch (...) {
+  throw_as_error("picture", kFewerPixels);
+}
+
+void write_mesh_png(const std::filesystem::path& path, MeshView mesh, const PictureOptions& options,
+                    Existing existing) try {
+  require_png();
+  write_png(path, draw_mesh(mesh, options), existing);
+} catch (...) {
+  throw_as_error("picture", kFewerPixels);
+}
+
+std::filesystem::path turntable_file(const std::filesystem::path& path, int n) {
+  std::string number = std::to_string(n);
+  number.insert(0, number.size() < 3 ? 3 - number.size() : 0, '0');
+  std::filesystem::path file = path;
+  return file.replace_filename(path.stem().string() + "-" + number + path.extension().string());
+}
+
+void write_turntable(const std::filesystem::path& path, const Drawing& drawing, int count,
+                     const PictureOptions& options, Existing existing) try {
+  require_png();
+  if (count < 1 || count > kMostTurns)
+    throw Error(ErrorCode::usage,
+                "picture: a turntable has 1 to " + std::to_string(kMostTurns) + " pictures; 36 is usual");
+  const auto camera_of = [&](int n) {
+    PictureOptions turned = options;
+    turned.azimuth_deg += 360.0 * n / count;
+    return Camera(turned);
+  };
+  // No picture gets its name before all are drawn.
+  std::deque<AtomicFile> files;
+  for (int n = 0; n < count; ++n) files.emplace_back(turntable_file(path, n), existing);
+  on_threads(options, [&] {
+    const Stage stage(drawing, options);
+    Stage::Extent extent;
+    for (int n = 0; n < count; ++n) extent.include(stage.extent(camera_of(n)));
+    for (int n = 0; n < count; ++n) {
+      const std::vector<std::uint8_t> bytes = png_of(stage.draw(camera_of(n), extent));
+      files[static_cast<std::size_t>(n)].write(bytes.data(), bytes.size());
+    }
+  });
+  for (AtomicFile& file : files) file.commit();
+} catch (...) {
+  throw_as_error("picture", kFewerPixels);
 }
 
 }  // namespace standoff

@@ -8,11 +8,9 @@
 
 #include "render/camera.h"
 #include "render/image.h"
-#include "render/legend.h"
-#include "render/occlusion.h"
+#include "render/light.h"
 #include "render/part.h"
-#include "render/ramp.h"
-#include "render/theme.h"
+#include "render/scales.h"
 #include "standoff/picture.h"
 
 namespace standoff {

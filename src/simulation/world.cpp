@@ -1,19 +1,154 @@
 // SPDX-License-Identifier: Apache-2.0
+// Worlds: bodies that fly among resting ones. What a world holds, how it changes between two runs, how bodies fly, and
+// their paths as files.
+
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
+#include <array>
 #include <atomic>
+#include <charconv>
 #include <cmath>
+#include <limits>
 #include <mutex>
 #include <numbers>
+#include <optional>
 #include <string>
+#include <vector>
 
+#include "core/execution.h"
 #include "core/guarded.h"
 #include "core/splitmix64.h"
 #include "core/threads.h"
-#include "simulation/world_state.h"
+#include "files/atomic_file.h"
+#include "simulation/crossing_check.h"
+#include "standoff/compute.h"
+#include "standoff/experimental/simulation.h"
+#include "standoff/field.h"
+#include "standoff/points.h"
 #include "standoff/thesis.h"
 
 namespace standoff::experimental {
+
+// All that a world holds.
+struct World::State {
+  struct Resting {
+    CollisionModel model;
+    Pose pose;
+    double tolerance;                    // of sweeps; fliers start twice as far away
+    std::optional<DistanceField> field;  // thesis mode
+    std::optional<CrossingCheck> check;
+    std::optional<MeshQuery> query;  // of the model's mesh, once distances were asked for
+  };
+
+  CollisionModel flier;
+  FlightOptions options;
+  std::vector<Resting> resting;
+  std::vector<Flier> fliers;
+  std::optional<DistanceField> field;  // of the flier, in thesis mode
+  std::vector<Vec3> marks;             // the points whose paths are checked
+
+  // Compute what the options need of the moving body and of a resting one. An existing check is kept.
+  void prepare();
+  void prepare(Resting& body) const;
+  DistanceField thesis_field(const CollisionModel& model) const;
+
+  void step(Flier& it) const;
+  bool leaves_bounds(const Pose& pose) const;
+  bool thesis_hit(const Resting& body, const Pose& at) const;
+  bool thesis_step(Flier& it, const Pose& next) const;
+  bool sweep_step(Flier& it, Pose& next) const;
+};
+
+namespace {
+
+// Errors: usage.
+void check_options(const FlightOptions& o) {
+  const auto fail = [](const char* what) { throw Error(ErrorCode::usage, std::string("simulation: ") + what); };
+  if (!(o.speed >= 0) || !std::isfinite(o.speed))
+    fail("the speed must be zero or more, and finite; give world units a step");
+  if (!(o.scatter_rad >= 0 && o.scatter_rad <= std::numbers::pi))
+    fail("the scatter must be from 0 to pi; 0 turns that off");
+  if (!(o.tolerance >= 0) || !std::isfinite(o.tolerance))
+    fail("the tolerance must be zero or more, and finite; give a small part of the bodies' size, or 0");
+  if (!(o.thickness > 0) || !std::isfinite(o.thickness))
+    fail("the thickness must be positive and finite; give a few steps' length");
+  if (!(o.threshold >= 0) || !std::isfinite(o.threshold))
+    fail("the threshold must be zero or more, and finite; 0 takes the larger spacing");
+  validate("simulation", o.execution, Runs::on_the_cpu);
+}
+
+}  // namespace
+
+DistanceField World::State::thesis_field(const CollisionModel& model) const {
+  const Grid grid = minimum_grid(model.bounds(), options.thickness, options.minimum, options.speed);
+  ComputeOptions compute_options;
+  compute_options.execution = options.execution;
+  return compute(model.mesh(), grid, options.thickness, compute_options).field;
+}
+
+void World::State::prepare() {
+  field.reset();
+  if (options.mode == FlightMode::thesis) field = thesis_field(flier);
+  if (options.check && marks.empty()) marks = outermost_points(flier.mesh());
+}
+
+void World::State::prepare(Resting& body) const {
+  body.tolerance = options.tolerance > 0 ? options.tolerance : automatic_tolerance(body.model, flier);
+  body.field.reset();
+  if (options.mode == FlightMode::thesis) body.field = thesis_field(body.model);
+  if (options.check && !body.check) body.check.emplace(body.model.mesh(), body.pose);
+}
+
+const FlightOptions& World::options() const { return state_->options; }
+
+void World::set_options(const FlightOptions& options) try {
+  check_options(options);
+  // Into a copy: what fails changes nothing.
+  State changed = *state_;
+  changed.options = options;
+  changed.prepare();
+  for (State::Resting& body : changed.resting) changed.prepare(body);
+  *state_ = std::move(changed);
+} catch (...) {
+  throw_as_error("simulation");
+}
+
+void World::restore_flier(const Flier& flier) try {
+  validate(flier.pose);
+  if (!(std::abs(length(flier.direction) - 1) < 1e-6))
+    throw Error(ErrorCode::usage, "simulation: a direction is not one long; give a unit vector");
+  state_->fliers.push_back(flier);
+} catch (...) {
+  throw_as_error("simulation");
+}
+
+void World::keep_fliers(std::size_t count) {
+  if (count < state_->fliers.size()) state_->fliers.resize(count);
+}
+
+void World::wall_distances(std::span<double> out) try {
+  if (out.size() != state_->fliers.size())
+    throw Error(ErrorCode::usage, "simulation: there are " + std::to_string(state_->fliers.size()) +
+                                      " moving bodies; give room for as many distances");
+  std::vector<Vec3> points(out.size());
+  std::vector<double> distances(out.size());
+  std::ranges::fill(out, std::numeric_limits<double>::infinity());
+  const Vec3 middle = state_->flier.bounds().center();
+  for (State::Resting& body : state_->resting) {
+    if (!body.query) body.query.emplace(body.model.mesh(), MeshQueryOptions{.execution = state_->options.execution});
+    for (std::size_t n = 0; n < points.size(); ++n)
+      points[n] = apply_inverse(body.pose, apply(state_->fliers[n].pose, middle));
+    // One by one: points far from each other have no triangles in common, and are slow to ask for together.
+    for (std::size_t n = 0; n < points.size(); ++n) {
+      body.query->distances({&points[n], 1}, {&distances[n], 1}, {.threads = 1});
+      out[n] = std::min(out[n], distances[n]);
+    }
+  }
+} catch (...) {
+  throw_as_error("simulation");
+}
+
 namespace {
 
 constexpr int kTries = 10'000;
@@ -194,6 +329,56 @@ Grid World::grid(std::size_t n) const try {
   return body.field ? body.field->grid() : body.model.grid();
 } catch (...) {
   throw_as_error("simulation");
+}
+
+namespace {
+
+void write(AtomicFile& file, const std::string& text) { file.write(text.data(), text.size()); }
+
+std::string exact(Vec3 p, char between) {
+  std::string text;
+  for (const double c : {p.x, p.y, p.z}) {
+    // Not printf, which follows the locale.
+    std::array<char, 32> number;
+    const auto end = std::to_chars(number.begin(), number.end(), c, std::chars_format::general, 17).ptr;
+    text.append(number.begin(), end) += between;
+  }
+  text.back() = '\n';
+  return text;
+}
+
+void write_csv(AtomicFile& file, std::span<const PathPoint> points) {
+  write(file, "flier,step,x,y,z\n");
+  for (const PathPoint& p : points)
+    write(file, std::to_string(p.flier) + ',' + std::to_string(p.step) + ',' + exact(p.point, ','));
+}
+
+void write_ply(AtomicFile& file, std::span<const PathPoint> points) {
+  std::size_t edges = 0;
+  for (std::size_t n = 1; n < points.size(); ++n) edges += points[n].flier == points[n - 1].flier;
+  write(file, "ply\nformat ascii 1.0\nelement vertex " + std::to_string(points.size()) +
+                  "\nproperty double x\nproperty double y\nproperty double z\nelement edge " + std::to_string(edges) +
+                  "\nproperty int vertex1\nproperty int vertex2\nend_header\n");
+  for (const PathPoint& p : points) write(file, exact(p.point, ' '));
+  for (std::size_t n = 1; n < points.size(); ++n)
+    if (points[n].flier == points[n - 1].flier) write(file, std::to_string(n - 1) + ' ' + std::to_string(n) + '\n');
+}
+
+}  // namespace
+
+void write_path(const std::filesystem::path& path, std::span<const PathPoint> points, Existing existing) try {
+  const std::string extension = path.extension().string();
+  if (extension != ".csv" && extension != ".ply")
+    throw Error(ErrorCode::usage,
+                path.string() + ": a path is written as .csv or .ply; give the file one of these names");
+  AtomicFile file(path, existing);
+  if (extension == ".csv")
+    write_csv(file, points);
+  else
+    write_ply(file, points);
+  file.commit();
+} catch (...) {
+  throw_as_error("path");
 }
 
 }  // namespace standoff::experimental

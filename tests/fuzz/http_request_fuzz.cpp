@@ -6,7 +6,6 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "view/server/gate.h"
 #include "view/server/request.h"
 
 namespace {

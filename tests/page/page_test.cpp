@@ -8,11 +8,7 @@
 #include <limits>
 #include <string>
 
-#include "page/base64.h"
-#include "page/field_blob.h"
-#include "page/json_text.h"
-#include "page/mesh_blob.h"
-#include "page/proxy.h"
+#include "page/page.h"
 #include "scenes/scenes.h"
 #include "standoff/compute.h"
 #include "standoff/error.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "render/best_plane.h"
+#include "render/slice.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "render/colormap.h"
+#include "render/image.h"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The parts that layers become: what they take is what was said before.
-#include "render/layers.h"
+#include "render/part.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "render/mesh_part.h"
 #include "scenes/scenes.h"
 #include "standoff/compute.h"
 

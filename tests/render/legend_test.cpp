@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "render/legend.h"
+#include "render/scales.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "render/colormap.h"
+#include "render/image.h"
 #include "render/text.h"
 
 namespace standoff {

@@ -5,11 +5,9 @@
 #include <cmath>
 #include <numeric>
 
-#include "render/band_edge.h"
-#include "render/colormap.h"
-#include "render/legend.h"
-#include "render/level_line.h"
-#include "render/slice_picture.h"
+#include "render/image.h"
+#include "render/scales.h"
+#include "render/slice.h"
 
 namespace standoff {
 namespace {

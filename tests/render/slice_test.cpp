@@ -7,10 +7,9 @@
 #include <limits>
 #include <set>
 
-#include "render/axis_scale.h"
-#include "render/colormap.h"
-#include "render/slice_picture.h"
-#include "render/ticks.h"
+#include "render/image.h"
+#include "render/scales.h"
+#include "render/slice.h"
 #include "tests/io/field/odd_field.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/paths.h"

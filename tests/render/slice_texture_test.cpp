@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Values of a plane between its samples, against the plane and closed forms.
-#include "render/slice_texture.h"
+#include "render/slice.h"
 
 #include <gtest/gtest.h>
 

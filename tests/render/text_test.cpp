@@ -7,9 +7,6 @@
 #include <set>
 #include <string>
 
-#include "render/coverage.h"
-#include "render/font.h"
-
 namespace standoff {
 namespace {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Meshes with fewer triangles for shadows: nothing large or far from the rest goes missing.
-#include "render/thinned.h"
+#include "render/light.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "render/ticks.h"
+#include "render/scales.h"
 
 #include <gtest/gtest.h>
 

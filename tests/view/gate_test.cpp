@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Who may come in to the page's server.
-#include "view/server/gate.h"
+#include "view/server/request.h"
 
 #include <gtest/gtest.h>
 
 #include <set>
-
-#include "view/server/token.h"
 
 namespace standoff::view {
 namespace {

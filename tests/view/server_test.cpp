@@ -18,8 +18,7 @@
 #include "files/text_file.h"
 #include "standoff/error.h"
 #include "tests/support/paths.h"
-#include "view/server/page_watch.h"
-#include "view/server/token.h"
+#include "view/server/request.h"
 
 namespace standoff::view {
 namespace {

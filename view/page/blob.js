@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the program packs (src/page/blob.cpp, byte_code.h): a header, and sections of bytes.
+// What the program packs (packed_blob() and others in src/page/page.h): a header, and sections of bytes.
 
 /// The bytes that a text stands for (RFC 4648).
 export function fromBase64(text) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Frames of a flight: as they are streamed, or recorded (view/flight/frame_code.h). A frame is {step, rate,
+// Frames of a flight: as they are streamed, or recorded (fly/flight.h). A frame is {step, rate,
 // microseconds, bodies}; a body {at, distance, heading, collisions, crossings}, world units.
 import {fromVarints, fromZigzag} from './blob.js';
 

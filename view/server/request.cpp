@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "view/server/request.h"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <array>
 #include <charconv>
+
+#include "standoff/error.h"
 
 namespace standoff::view {
 namespace {
@@ -90,8 +95,8 @@ std::optional<Refusal> read_header(std::string_view line, Request& request) {
   return {};
 }
 
-// How long the body is. Two different answers to this question are how requests are smuggled: one header alone gives
-// it.
+// How long the body is. One header alone may say so: with two that differ, a request can be hidden in the body of
+// another.
 std::optional<Refusal> read_body_length(Request& request) {
   for (const char* once : {"host", "content-length", "origin"})
     if (std::ranges::count(request.headers, once, [](const auto& header) { return header.first; }) > 1)
@@ -159,6 +164,71 @@ std::optional<std::vector<std::pair<std::string, std::string>>> parse_query(std:
     parameters.emplace_back(std::move(*name), std::move(*value));
   }
   return parameters;
+}
+
+std::string random_token() {
+  std::array<unsigned char, 16> bytes;
+  // Not std::random_device: the standard allows it to be a fixed sequence.
+  if (::getentropy(bytes.data(), bytes.size()) != 0)
+    throw Error(ErrorCode::device, "the system gives no random numbers; write a page with -o instead");
+  constexpr char kDigits[] = "0123456789abcdef";
+  std::string token;
+  for (const unsigned char byte : bytes) (token += kDigits[byte >> 4]) += kDigits[byte & 15];
+  return token;
+}
+
+bool same_token(std::string_view token, std::string_view given) {
+  // Volatile, or the compiler could leave the loop at the first difference.
+  volatile unsigned char differs = token.size() != given.size() || token.empty();
+  for (std::size_t n = 0; n < given.size(); ++n) {
+    const char expected = token.empty() ? '\0' : token[n % token.size()];
+    differs = static_cast<unsigned char>(differs | static_cast<unsigned char>(expected ^ given[n]));
+  }
+  return differs == 0;
+}
+
+namespace {
+
+// The first folder of a path, which is the token, if there is another slash after it.
+std::string_view first_folder(std::string_view path) {
+  const auto end = path.find('/', 1);
+  return end == std::string_view::npos ? std::string_view() : path.substr(1, end - 1);
+}
+
+}  // namespace
+
+bool is_loopback_host(std::string_view host) {
+  for (const std::string_view name : {"localhost", "127.0.0.1", "[::1]"}) {
+    if (!host.starts_with(name)) continue;
+    const std::string_view port = host.substr(name.size());
+    if (port.empty()) return true;
+    const bool digits = std::ranges::all_of(port.substr(1), [](char c) { return c >= '0' && c <= '9'; });
+    if (port[0] == ':' && port.size() > 1 && port.size() <= 6 && digits) return true;
+  }
+  return false;
+}
+
+std::optional<Refusal> Gate::check(const Request& request) const {
+  const std::string* const host = request.header("host");
+  if (!host) return Refusal{400, "no Host"};
+  if (!is_loopback_host(*host)) return Refusal{403, "this server answers to localhost and 127.0.0.1 alone"};
+  // A page's own requests have its address as their origin. Browsers send none with what a user opens.
+  const std::string* const origin = request.header("origin");
+  if (origin && *origin != "http://" + *host) return Refusal{403, "this server answers its own page alone"};
+  // Newer browsers also say so of images, scripts and frames of other pages, which have no Origin. A link may be
+  // followed from anywhere: it needs the token.
+  const std::string* const site = request.header("sec-fetch-site");
+  const std::string* const mode = request.header("sec-fetch-mode");
+  const bool own = !site || *site == "same-origin" || *site == "none";
+  if (!own && !(request.method == "GET" && mode && *mode == "navigate"))
+    return Refusal{403, "this server answers its own page alone"};
+  if (!same_token(token_, first_folder(request.path)))
+    return Refusal{403, "this address lacks the key; open the one that standoff printed"};
+  return {};
+}
+
+std::string_view Gate::route(const Request& request) const {
+  return std::string_view(request.path).substr(token_.size() + 2);
 }
 
 }  // namespace standoff::view

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The head of an HTTP/1.1 request, as strict as a server for one page may be: what a browser does not send is an
-// error, not a guess.
+// Requests: what one looks like, and who may come in. Any page in the same browser, and any user of the machine, can
+// send requests to a port of loopback.
 #pragma once
 
 #include <cstdint>
@@ -16,6 +16,7 @@ inline constexpr std::size_t kMostHeadBytes = 32 * 1024;
 inline constexpr std::size_t kMostHeaders = 100;
 inline constexpr std::size_t kMostParameters = 32;
 
+/// What a client asks for.
 struct Request {
   std::string method;  ///< "GET"
   std::string path;    ///< "/token/mesh": as sent, never decoded, for no path names a file
@@ -51,5 +52,33 @@ ParsedHead parse_head(std::string_view head);
 
 /// "a=1&b=x%20y" as pairs. Nothing if a name stands twice or is empty, an escape is broken, or there are too many.
 std::optional<std::vector<std::pair<std::string, std::string>>> parse_query(std::string_view query);
+
+/// The secret in the address of a served page: 32 hexadecimal digits, 128 bits from the system's random numbers.
+/// Errors: device (the system has none).
+std::string random_token();
+
+/// Whether both texts are the same. How long it takes depends on the length of `given` alone, so that nobody learns a
+/// token by timing guesses.
+bool same_token(std::string_view token, std::string_view given);
+
+/// Whether a Host header names this machine's loopback: localhost, 127.0.0.1 or [::1], with any port or none, for a
+/// forwarded port has another number. A page of a foreign name that resolves to 127.0.0.1 (DNS rebinding) fails here.
+bool is_loopback_host(std::string_view host);
+
+/// Looks at each request before anything is done for it, or any of its body is read.
+class Gate {
+ public:
+  explicit Gate(std::string token) : token_(std::move(token)) {}
+  const std::string& token() const { return token_; }
+
+  /// Nothing if the request may come in; its path is then "/TOKEN/" and more. A foreign Host, a page of another origin,
+  /// a wrong token are refused.
+  std::optional<Refusal> check(const Request& request) const;
+  /// The part of a request's path after "/TOKEN/".
+  std::string_view route(const Request& request) const;
+
+ private:
+  std::string token_;
+};
 
 }  // namespace standoff::view

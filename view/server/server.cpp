@@ -1,23 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "view/server/server.h"
 
+#include <fcntl.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
+#include <spawn.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <list>
 #include <mutex>
 #include <thread>
 
 #include "standoff/error.h"
-#include "view/server/gate.h"
-#include "view/server/token.h"
+#include "view/server/request.h"
+
+extern char** environ;
 
 namespace standoff::view {
 namespace {
@@ -29,7 +33,7 @@ namespace {
 int listen_on_loopback(int port) {
   const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (socket < 0) fail("there is no socket for the page");
-  // Or a port that was just used is taken for a minute.
+  // Without it, a port that was just used stays taken for a minute.
   const int yes = 1;
   ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
   sockaddr_in address{};
@@ -94,7 +98,7 @@ struct Server::State {
 bool Server::State::answer(Client& client, Connection& connection) {
   Reply reply(connection, [this] { return stopping.load(); });
   const auto head = connection.read_head(client.trusted ? options.idle : options.head, options.head);
-  // What follows a request that is refused is not known to be another one.
+  // After a refused request, the bytes that follow may be anything.
   const auto refuse = [&](const Refusal& refusal) {
     reply.close_after();
     if (refusal.status != 0) reply.refuse(refusal);
@@ -185,6 +189,53 @@ void Server::run(const std::function<bool()>& go_on) {
     if (::poll(&asked, 1, 50) > 0) state_->accept_one();
     state_->remove_done();
   }
+}
+
+namespace {
+
+#ifdef __APPLE__
+constexpr const char* kProgram = "open";
+#else
+constexpr const char* kProgram = "xdg-open";
+#endif
+
+}  // namespace
+
+std::string signpost(const std::string& address) {
+  return "<!doctype html><meta charset=utf-8><title>standoff</title><meta http-equiv=refresh content=\"0;url=" +
+         address + "\"><a href=\"" + address + "\">the page of standoff</a>\n";
+}
+
+bool has_screen() {
+#ifdef __APPLE__
+  return std::getenv("SSH_CONNECTION") == nullptr;
+#else
+  for (const char* name : {"DISPLAY", "WAYLAND_DISPLAY"})
+    if (const char* value = std::getenv(name); value && *value) return true;
+  return false;
+#endif
+}
+
+bool open_browser(const std::filesystem::path& file) {
+  posix_spawn_file_actions_t actions;
+  posix_spawnattr_t attributes;
+  if (::posix_spawn_file_actions_init(&actions) != 0) return false;
+  if (::posix_spawnattr_init(&attributes) != 0) {
+    ::posix_spawn_file_actions_destroy(&actions);
+    return false;
+  }
+  // What a browser says is not for this terminal.
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    ::posix_spawn_file_actions_addopen(&actions, stream, "/dev/null", O_RDWR, 0);
+  // A process group of its own: Ctrl-C here is not meant for the browser.
+  ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+  std::string path = file.string(), name = kProgram;
+  char* arguments[] = {name.data(), path.data(), nullptr};
+  pid_t child = 0;
+  const bool started = ::posix_spawnp(&child, kProgram, &actions, &attributes, arguments, environ) == 0;
+  ::posix_spawn_file_actions_destroy(&actions);
+  ::posix_spawnattr_destroy(&attributes);
+  return started;
 }
 
 }  // namespace standoff::view
