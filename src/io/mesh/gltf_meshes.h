@@ -9,8 +9,7 @@
 #include "io/mesh/builder.h"
 #include "io/mesh/gltf_numbers.h"
 #include "io/mesh/json_view.h"
-#include "io/mesh/placement.h"
-#include "io/mesh/unfolding.h"
+#include "io/mesh/scene.h"
 
 namespace standoff {
 

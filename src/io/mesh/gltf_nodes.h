@@ -10,7 +10,7 @@
 
 #include "files/file_view.h"
 #include "io/mesh/json_view.h"
-#include "io/mesh/placement.h"
+#include "io/mesh/scene.h"
 
 namespace standoff {
 

@@ -16,7 +16,7 @@
 #include "io/mesh/gltf_nodes.h"
 #include "io/mesh/gltf_numbers.h"
 #include "io/mesh/json_view.h"
-#include "io/mesh/unfolding.h"
+#include "io/mesh/scene.h"
 
 namespace standoff {
 namespace {

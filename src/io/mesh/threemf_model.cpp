@@ -14,8 +14,7 @@
 namespace standoff {
 namespace {
 
-constexpr int kDeepestModel =
-    100;  // elements; the specification needs seven, and each takes a frame of the reader's stack
+constexpr int kDeepestModel = 100;  // elements; the specification needs seven
 
 // Takes a number that a space or the end follows off the front. False where there is none.
 template <class Number>
@@ -48,46 +47,26 @@ std::string name_of(const XmlTag& tag) { return shown(tag.local_name()); }
 
 }  // namespace
 
-ThreemfModel::ThreemfModel(const FileView& part) : scan_(part) {
+ThreemfModel::ThreemfModel(const FileView& part)
+    : scan_(part), elements_(scan_, kDeepestModel, "write the file again") {
   XmlTag model{};
   if (!scan_.next(model) || !model.opens() || model.local_name() != "model")
     scan_.fail("the part holds no element model; check the program that wrote the file");
   check_extensions(model);
   read_unit(model);
-  each_child(model, [&](const XmlTag& tag) {
+  elements_.each_child(model, [&](const XmlTag& tag) {
     if (tag.local_name() == "resources")
-      each_child(tag, [&](const XmlTag& resource) {
-        resource.local_name() == "object" ? read_object(resource) : skip(resource);
+      elements_.each_child(tag, [&](const XmlTag& resource) {
+        resource.local_name() == "object" ? read_object(resource) : elements_.skip(resource);
       });
     else if (tag.local_name() == "build")
-      each_child(tag, [&](const XmlTag& item) {
+      elements_.each_child(tag, [&](const XmlTag& item) {
         if (item.local_name() == "item") read_reference(item, build);
-        skip(item);
+        elements_.skip(item);
       });
     else
-      skip(tag);
+      elements_.skip(tag);
   });
-}
-
-template <class Visit>
-void ThreemfModel::each_child(const XmlTag& parent, const Visit& visit) {
-  if (parent.kind == XmlTag::Kind::whole) return;
-  if (++depth_ > kDeepestModel)
-    scan_.fail("elements nested more than " + std::to_string(kDeepestModel) + " deep; write the file again");
-  XmlTag tag{};
-  for (;;) {
-    if (!scan_.next(tag))
-      scan_.fail_at(parent, "the element " + name_of(parent) + " has no end; the part is cut off, get all of the file");
-    if (!tag.opens()) break;
-    visit(tag);
-  }
-  if (tag.name != parent.name)
-    scan_.fail("the element " + name_of(parent) + " ends as " + name_of(tag) + "; repair the file");
-  --depth_;
-}
-
-void ThreemfModel::skip(const XmlTag& tag) {
-  each_child(tag, [this](const XmlTag& child) { skip(child); });
 }
 
 // A file names the extensions without which it is another shape by the prefixes of their namespaces.
@@ -132,15 +111,15 @@ void ThreemfModel::read_object(const XmlTag& tag) {
   object.vertices = {vertices.size(), vertices.size()};
   object.triangles = {triangles.size(), triangles.size()};
   object.components = {components.size(), components.size()};
-  each_child(tag, [&](const XmlTag& child) {
+  elements_.each_child(tag, [&](const XmlTag& child) {
     const std::string_view name = child.local_name();
     if (name == "mesh") return read_mesh(child, object);
-    if (name == "metadatagroup") return skip(child);
+    if (name == "metadatagroup") return elements_.skip(child);
     if (name != "components")
       scan_.fail("a shape by the element " + name_of(child) + " is not read; write the file again, as triangles");
-    each_child(child, [&](const XmlTag& component) {
+    elements_.each_child(child, [&](const XmlTag& component) {
       if (component.local_name() == "component") read_reference(component, components);
-      skip(component);
+      elements_.skip(component);
     });
     object.components.end = components.size();
   });
@@ -148,14 +127,14 @@ void ThreemfModel::read_object(const XmlTag& tag) {
 
 void ThreemfModel::read_mesh(const XmlTag& mesh, ThreemfObject& object) {
   if (object.vertices.size() > 0) scan_.fail("a second mesh in an object; give each an object of its own");
-  each_child(mesh, [&](const XmlTag& list) {
+  elements_.each_child(mesh, [&](const XmlTag& list) {
     const std::string_view name = list.local_name();
     if (name == "beamlattice") scan_.fail("beams are not read; write the file again, as triangles");
-    each_child(list, [&](const XmlTag& tag) {
+    elements_.each_child(list, [&](const XmlTag& tag) {
       if (name == "vertices" && tag.local_name() == "vertex") read_vertex(tag);
       if (name == "triangles" && tag.local_name() == "triangle")
         read_triangle(tag, vertices.size() - object.vertices.first);
-      skip(tag);
+      elements_.skip(tag);
     });
   });
   object.vertices.end = vertices.size();

@@ -10,7 +10,7 @@
 
 #include "files/file_view.h"
 #include "files/xml_scan.h"
-#include "io/mesh/placement.h"
+#include "io/mesh/scene.h"
 #include "standoff/mesh.h"
 
 namespace standoff {
@@ -53,10 +53,6 @@ class ThreemfModel {
   std::vector<Triangle> triangles;  ///< their corners count from the object's first vertex
 
  private:
-  // Calls visit(tag) for each element in another one. It must read what is in there.
-  template <class Visit>
-  void each_child(const XmlTag& parent, const Visit& visit);
-  void skip(const XmlTag& tag);
   void check_extensions(const XmlTag& model) const;
   void read_unit(const XmlTag& model);
   void read_object(const XmlTag& tag);
@@ -68,7 +64,7 @@ class ThreemfModel {
   std::uint32_t whole(const XmlTag& tag, std::string_view name) const;
 
   XmlScan scan_;
-  int depth_ = 0;
+  XmlElements elements_;
   std::map<std::uint32_t, ThreemfObject> objects_;
 };
 

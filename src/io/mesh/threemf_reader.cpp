@@ -9,9 +9,9 @@
 
 #include "io/mesh/builder.h"
 #include "io/mesh/format.h"
+#include "io/mesh/scene.h"
 #include "io/mesh/threemf_model.h"
 #include "io/mesh/threemf_package.h"
-#include "io/mesh/unfolding.h"
 
 namespace standoff {
 namespace {
@@ -136,7 +136,7 @@ bool is_3mf(std::string_view content) {
 Mesh read_3mf(const FileView& file, MeshReadReport& report) {
   ThreemfPackage package(file);
   Build build(file, package);
-  // As assimp does it for 3DS and COLLADA: from z up to y up, in metres.
+  // As for 3DS and COLLADA: from z up to y up, in metres.
   const double scale = build.metres_per_unit();
   Mesh mesh = build.read({{{{scale, 0, 0, 0}, {0, 0, scale, 0}, {0, -scale, 0, 0}}}});
   report.axes = {1, 3, -2};

@@ -4,7 +4,7 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto read = [](const standoff::FileView& file) {
     standoff::MeshReadReport report;
-    return standoff::read_with_assimp(file, "dae", report);
+    return standoff::read_dae(file, report);
   };
-  return standoff::fuzz_mesh(read, data, size, "fuzzed.dae");
+  return standoff::fuzz_mesh(read, data, size);
 }

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes the files of this folder, a tetrahedron in each format that assimp reads: seeds of the fuzzers. The same
+"""Writes the files of this folder, a tetrahedron as 3DS and as COLLADA: seeds of the fuzzers. The same
 bytes on every run."""
 import pathlib
 import struct

@@ -4,7 +4,7 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto read = [](const standoff::FileView& file) {
     standoff::MeshReadReport report;
-    return standoff::read_with_assimp(file, "3ds", report);
+    return standoff::read_3ds(file, report);
   };
-  return standoff::fuzz_mesh(read, data, size, "fuzzed.3ds");
+  return standoff::fuzz_mesh(read, data, size);
 }
