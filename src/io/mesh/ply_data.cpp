@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "io/mesh/ply_header.h"
+#include "io/mesh/ply_data.h"
 
 #include <array>
 #include <utility>
