@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The body of PLY files: any properties in any order; only positions and faces are kept.
+// PLY: any properties in any order; only positions and faces are kept.
 #include <algorithm>
 #include <array>
 #include <bit>

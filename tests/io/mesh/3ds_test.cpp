@@ -31,18 +31,20 @@ class ThreeDStudio : public ::testing::Test {
 };
 
 template <class Value>
-std::string bytes_of(std::initializer_list<Value> values) {
+std::string values_as_bytes(std::initializer_list<Value> values) {
   return {reinterpret_cast<const char*>(values.begin()), values.size() * sizeof(Value)};
 }
 
 std::string chunk(std::uint16_t id, const std::string& content) {
-  return bytes_of<std::uint16_t>({id}) + bytes_of({static_cast<std::uint32_t>(6 + content.size())}) + content;
+  return values_as_bytes<std::uint16_t>({id}) + values_as_bytes({static_cast<std::uint32_t>(6 + content.size())}) +
+         content;
 }
 
 // A 3DS of the four corners of a tetrahedron and one face.
 std::string tetrahedron(std::uint16_t a, std::uint16_t b, std::uint16_t c) {
-  const std::string corners = bytes_of<std::uint16_t>({4}) + bytes_of<float>({0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1});
-  const std::string faces = bytes_of<std::uint16_t>({1, a, b, c, 0});
+  const std::string corners =
+      values_as_bytes<std::uint16_t>({4}) + values_as_bytes<float>({0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1});
+  const std::string faces = values_as_bytes<std::uint16_t>({1, a, b, c, 0});
   const std::string mesh = chunk(0x4100, chunk(0x4110, corners) + chunk(0x4120, faces));
   return chunk(0x4d4d, chunk(0x3d3d, chunk(0x4000, std::string("a\0", 2) + mesh)));
 }
@@ -56,7 +58,7 @@ std::string with_nodes(const std::string& nodes) {
 }
 
 std::string node(const std::string& name, int parent, std::uint16_t kind = 0xb002) {
-  return chunk(kind, chunk(0xb010, name + std::string(5, '\0') + bytes_of({static_cast<std::int16_t>(parent)})));
+  return chunk(kind, chunk(0xb010, name + std::string(5, '\0') + values_as_bytes({static_cast<std::int16_t>(parent)})));
 }
 
 std::string object(const std::string& name, const std::string& parts) { return chunk(0x4000, name + '\0' + parts); }
@@ -79,21 +81,21 @@ void expect_vertices(const Mesh& mesh, std::initializer_list<Vec3> expected) {
 
 // A track of one key.
 std::string track(std::uint16_t id, std::initializer_list<float> values, std::uint32_t frame = 0) {
-  return chunk(id, std::string(10, '\0') + bytes_of<std::uint32_t>({1, frame}) + bytes_of<std::uint16_t>({0}) +
-                       bytes_of(values));
+  return chunk(id, std::string(10, '\0') + values_as_bytes<std::uint32_t>({1, frame}) +
+                       values_as_bytes<std::uint16_t>({0}) + values_as_bytes(values));
 }
 
 // The name of a node above others, with tracks.
 std::string node_with(const std::string& name, const std::string& tracks, int parent = -1,
                       std::uint16_t kind = 0xb002) {
-  return chunk(kind,
-               chunk(0xb010, name + std::string(5, '\0') + bytes_of({static_cast<std::int16_t>(parent)})) + tracks);
+  return chunk(
+      kind, chunk(0xb010, name + std::string(5, '\0') + values_as_bytes({static_cast<std::int16_t>(parent)})) + tracks);
 }
 
 // From z up to y up: (x, y, z) becomes (x, z, -y).
 TEST_F(ThreeDStudio, AxesAndScale) {
   expect_vertices(read(tetrahedron(0, 1, 2)), {{0, 0, 0}, {1, 0, 0}, {0, 0, -1}});
-  const std::string file = tetrahedron(0, 1, 2), scale = chunk(0x0100, bytes_of({4.0f}));
+  const std::string file = tetrahedron(0, 1, 2), scale = chunk(0x0100, values_as_bytes({4.0f}));
   MeshReadReport report;
   const auto path = folder.file("a.3ds", chunk(0x4d4d, chunk(0x3d3d, scale + file.substr(12))));
   expect_vertices(read_mesh(path, {}, &report), {{0, 0, 0}, {0.25, 0, 0}, {0, 0, -0.25}});
@@ -109,7 +111,7 @@ TEST_F(ThreeDStudio, NodesMoveScaleAndTurn) {
   expect_vertices(read(with_nodes(node_with("a", track(0xb021, {quarter, 0, 0, 2})))),
                   {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}});
   // The pivot becomes the origin before all that.
-  const std::string pivot = chunk(0xb013, bytes_of({1.0f, 0.0f, 0.0f}));
+  const std::string pivot = chunk(0xb013, values_as_bytes({1.0f, 0.0f, 0.0f}));
   expect_vertices(read(with_nodes(node_with("a", pivot + track(0xb022, {2, 2, 2})))),
                   {{-2, 0, 0}, {0, 0, 0}, {-2, 0, -2}});
   // Below another node, the key of the earliest frame, and about a camera's axis.
@@ -125,10 +127,11 @@ TEST_F(ThreeDStudio, NodesMoveScaleAndTurn) {
 // A mesh is saved where it stands: its matrix says from where, and a mirroring one was mirrored in x before.
 TEST_F(ThreeDStudio, MatricesAreUndone) {
   const auto placed = [](std::initializer_list<float> matrix) {
-    const std::string corners = bytes_of<std::uint16_t>({3}) + bytes_of<float>({0, 0, 0, 2, 0, 0, 0, 1, 0}),
-                      faces = bytes_of<std::uint16_t>({1, 0, 1, 2, 0});
+    const std::string corners =
+                          values_as_bytes<std::uint16_t>({3}) + values_as_bytes<float>({0, 0, 0, 2, 0, 0, 0, 1, 0}),
+                      faces = values_as_bytes<std::uint16_t>({1, 0, 1, 2, 0});
     const std::string mesh =
-        chunk(0x4100, chunk(0x4110, corners) + chunk(0x4120, faces) + chunk(0x4160, bytes_of(matrix)));
+        chunk(0x4100, chunk(0x4110, corners) + chunk(0x4120, faces) + chunk(0x4160, values_as_bytes(matrix)));
     return chunk(0x4d4d, chunk(0x3d3d, object("a", mesh)) + chunk(0xb000, node("a", -1)));
   };
   expect_vertices(read(placed({2, 0, 0, 0, 1, 0, 0, 0, 1, 1, 0, 3})), {{-0.5, -3, 0}, {0.5, -3, 0}, {-0.5, -3, -1}});
@@ -165,7 +168,7 @@ TEST_F(ThreeDStudio, NodesThatUnfoldTooFar) {
 TEST_F(ThreeDStudio, CornersThatAreNoVertices) {
   EXPECT_EQ(triangles(tetrahedron(0, 1, 2)), 1u);
   refused(tetrahedron(0, 1, 60000), ":mesh 'a' face 0: vertex index 60000 is out of range, there are 4 vertices");
-  const std::string faces = chunk(0x4120, bytes_of<std::uint16_t>({1, 0, 0, 0, 0}));
+  const std::string faces = chunk(0x4120, values_as_bytes<std::uint16_t>({1, 0, 0, 0, 0}));
   refused(chunk(0x4d4d, chunk(0x3d3d, object("a", chunk(0x4100, faces)))), "there are 0 vertices");
   refused(chunk(0x4d4d, chunk(0x3d3d, object("a", chunk(0x4100, "")))), "the file holds no triangles");
 }
@@ -180,8 +183,9 @@ TEST_F(ThreeDStudio, MaterialsAndLightsDoNotMatter) {
   EXPECT_EQ(triangles(with(repeated(50'000, material))), 1u);
   EXPECT_EQ(triangles(with(repeated(10'000, object("b", light)))), 1u);
   EXPECT_EQ(triangles(with(repeated(30'000, object("b", chunk(0x4100, ""))))), 1u);
-  const std::string group = chunk(0x4130, std::string("m\0\0\0", 4)), face = bytes_of<std::uint16_t>({1, 0, 0, 0, 0}),
-                    corner = chunk(0x4110, bytes_of<std::uint16_t>({1}) + std::string(12, '\0'));
+  const std::string group = chunk(0x4130, std::string("m\0\0\0", 4)),
+                    face = values_as_bytes<std::uint16_t>({1, 0, 0, 0, 0}),
+                    corner = chunk(0x4110, values_as_bytes<std::uint16_t>({1}) + std::string(12, '\0'));
   EXPECT_EQ(triangles(with(object("b", chunk(0x4100, corner + chunk(0x4120, face + repeated(100'001, group)))))), 2u);
 }
 
@@ -197,19 +201,20 @@ TEST_F(ThreeDStudio, CutOff) {
   ASSERT_EQ(triangles(whole), 1u);
   for (std::size_t size = 1; size < whole.size(); ++size) refused(whole.substr(0, size), "a.3ds:");
   // The chunk around is whole, the list in it is not.
-  const std::string corners = bytes_of<std::uint16_t>({4}) + std::string(40, '\0');
+  const std::string corners = values_as_bytes<std::uint16_t>({4}) + std::string(40, '\0');
   refused(chunk(0x4d4d, chunk(0x3d3d, object("a", chunk(0x4100, chunk(0x4110, corners))))),
           "a chunk ends 8 bytes too early; the file is cut off or damaged, get all of it");
   refused(chunk(0x4d4d, chunk(0x3d3d, chunk(0x4000, "a"))), "a name without an end");
-  refused(bytes_of<std::uint16_t>({0x4d4d}) + bytes_of<std::uint32_t>({3}) + "123", "a chunk of 3 bytes");
+  refused(values_as_bytes<std::uint16_t>({0x4d4d}) + values_as_bytes<std::uint32_t>({3}) + "123", "a chunk of 3 bytes");
 }
 
 // Found by fuzzing: a track that claims 4 thousand million keys.
 TEST_F(ThreeDStudio, TracksHaveTheKeysTheyClaim) {
   const auto animated = [](std::uint16_t track, std::uint32_t keys, std::size_t bytes) {
-    const std::string name = chunk(0xb010, std::string("a\0", 2) + bytes_of<std::uint16_t>({0, 0, 0xffff}));
-    const std::string content = std::string(10, '\0') + bytes_of({keys}) + std::string(bytes, '\0');
-    const std::string node = chunk(0xb002, chunk(0xb030, bytes_of<std::uint16_t>({0})) + name + chunk(track, content));
+    const std::string name = chunk(0xb010, std::string("a\0", 2) + values_as_bytes<std::uint16_t>({0, 0, 0xffff}));
+    const std::string content = std::string(10, '\0') + values_as_bytes({keys}) + std::string(bytes, '\0');
+    const std::string node =
+        chunk(0xb002, chunk(0xb030, values_as_bytes<std::uint16_t>({0})) + name + chunk(track, content));
     std::string file = tetrahedron(0, 1, 2) + chunk(0xb000, node);
     const auto size = static_cast<std::uint32_t>(file.size());
     std::memcpy(file.data() + 2, &size, sizeof size);

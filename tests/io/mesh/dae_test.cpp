@@ -28,7 +28,7 @@ class Dae : public ::testing::Test {
   std::size_t triangles(const std::string& bytes) const { return read(bytes).triangles.size(); }
 };
 
-std::string packed(const std::string& bytes) {
+std::string packed_text(const std::string& bytes) {
   const TempFolder folder;
   const gzFile file = ::gzopen((folder / "packed").c_str(), "wb");
   ::gzwrite(file, bytes.data(), static_cast<unsigned>(bytes.size()));
@@ -36,7 +36,7 @@ std::string packed(const std::string& bytes) {
   return read_bytes(folder / "packed");
 }
 
-std::string repeated(int times, const std::string& part) {
+std::string repeated_text(int times, const std::string& part) {
   std::string all;
   all.reserve(static_cast<std::size_t>(times) * part.size());
   for (int n = 0; n < times; ++n) all += part;
@@ -132,7 +132,7 @@ TEST_F(Dae, GeometriesHaveOneMesh) {
   EXPECT_EQ(triangles(with("</library_geometries>", other.replace(other.find("\"g\""), 3, "\"h\""))), 4u);
 }
 
-std::vector<Vec3> corners_of(const Mesh& mesh) {
+std::vector<Vec3> dae_corners(const Mesh& mesh) {
   std::vector<Vec3> corners;
   for (const Triangle& t : mesh.triangles)
     for (const auto v : t) corners.push_back(mesh.vertices[v]);
@@ -143,9 +143,9 @@ std::vector<Vec3> corners_of(const Mesh& mesh) {
 TEST_F(Dae, FansAndStrips) {
   const Vec3 o{0, 0, 0}, x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
   const Mesh fan = read(Collada{.kind = "trifans", .count = "1", .indices = "0 1 2 3"}.text());
-  EXPECT_EQ(corners_of(fan), (std::vector{o, x, y, o, y, z}));
+  EXPECT_EQ(dae_corners(fan), (std::vector{o, x, y, o, y, z}));
   const Mesh strip = read(Collada{.kind = "tristrips", .count = "1", .indices = "0 1 2 3"}.text());
-  EXPECT_EQ(corners_of(strip), (std::vector{o, x, y, y, x, z}));
+  EXPECT_EQ(dae_corners(strip), (std::vector{o, x, y, y, x, z}));
   refused(Collada{.kind = "trifans", .count = "1", .indices = "0 1"}.text(), "2 indices do not fit trifans");
 }
 
@@ -302,17 +302,18 @@ TEST_F(Dae, NodesUnfold) {
 // What is not looked at may be as it likes; nodes are bounded.
 TEST_F(Dae, PartsHaveANumber) {
   const auto entries = [](int number, const std::string& entry) {
-    return Collada{.library = "<library_x>" + repeated(number, entry) + "</library_x>"}.text();
+    return Collada{.library = "<library_x>" + repeated_text(number, entry) + "</library_x>"}.text();
   };
   EXPECT_EQ(triangles(entries(100'000, "<material/>")), 4u);
   EXPECT_EQ(
-      triangles(Collada{.nodes = repeated(10'000, "<node><instance_light url='#l'/></node>") + Collada().nodes}.text()),
+      triangles(
+          Collada{.nodes = repeated_text(10'000, "<node><instance_light url='#l'/></node>") + Collada().nodes}.text()),
       4u);
-  refused(Collada{.nodes = repeated(500'001, "<node/>")}.text(), "unfold to more than 500000; instance fewer");
+  refused(Collada{.nodes = repeated_text(500'001, "<node/>")}.text(), "unfold to more than 500000; instance fewer");
   // Each of these nodes places the tetrahedron's one list of faces, and is a node itself.
   const std::string node = "<node><instance_geometry url='#g'/></node>";
-  EXPECT_EQ(triangles(Collada{.nodes = repeated(50'000, node)}.text()), 200'000u);
-  refused(Collada{.nodes = repeated(250'001, node)}.text(), "unfold to more than 500000; instance fewer");
+  EXPECT_EQ(triangles(Collada{.nodes = repeated_text(50'000, node)}.text()), 200'000u);
+  refused(Collada{.nodes = repeated_text(250'001, node)}.text(), "unfold to more than 500000; instance fewer");
 }
 
 TEST_F(Dae, NodesWithoutMeshesAreNoMesh) {
@@ -322,14 +323,14 @@ TEST_F(Dae, NodesWithoutMeshesAreNoMesh) {
 TEST_F(Dae, OneNodeMayPlaceAGeometryTwice) {
   const std::string instance = "<instance_geometry url='#g'/>";
   EXPECT_EQ(triangles(Collada{.nodes = "<node>" + instance + instance + "</node>"}.text()), 8u);
-  EXPECT_EQ(triangles(Collada{.nodes = repeated(2, "<node>" + instance + "</node>")}.text()), 8u);
+  EXPECT_EQ(triangles(Collada{.nodes = repeated_text(2, "<node>" + instance + "</node>")}.text()), 8u);
 }
 
 TEST_F(Dae, ShapesUnfold) {
   constexpr int kTimes = 6000;
   const std::string instance = R"(<instance_geometry url="#g"/>)",
-                    nodes = repeated(kTimes, "<node>" + instance + "</node>");
-  Collada shape{.count = "4000", .indices = repeated(4000, "0 1 2 ")};
+                    nodes = repeated_text(kTimes, "<node>" + instance + "</node>");
+  Collada shape{.count = "4000", .indices = repeated_text(4000, "0 1 2 ")};
   const auto too_far = [&](const std::string& text) {
     const auto path = folder.file("a.dae", text);
     expect_error([&] { read_mesh(path); }, ErrorCode::limit,
@@ -337,13 +338,13 @@ TEST_F(Dae, ShapesUnfold) {
   };
   shape.nodes = nodes;
   too_far(shape.text());
-  shape.nodes = "<node>" + repeated(kTimes, instance) + "</node>";
+  shape.nodes = "<node>" + repeated_text(kTimes, instance) + "</node>";
   too_far(shape.text());
   shape.library = "<library_nodes><node id='n'>" + nodes + "</node></library_nodes>";
   shape.nodes = R"(<node><instance_node url="#n"/></node>)";
   too_far(shape.text());
   shape.library = "<library_controllers><controller id='k'><skin source='#g'/></controller></library_controllers>";
-  shape.nodes = "<node>" + repeated(kTimes, R"(<instance_controller url="#k"/>)") + "</node>";
+  shape.nodes = "<node>" + repeated_text(kTimes, R"(<instance_controller url="#k"/>)") + "</node>";
   too_far(shape.text());
 }
 
@@ -370,7 +371,7 @@ TEST_F(Dae, MessagesAreCutToALine) {
 }
 
 TEST_F(Dae, PackedFilesAreReadToo) {
-  EXPECT_EQ(read_mesh(folder.file("a.dae.gz", packed(Collada().text()))).triangles.size(), 4u);
+  EXPECT_EQ(read_mesh(folder.file("a.dae.gz", packed_text(Collada().text()))).triangles.size(), 4u);
 }
 
 TEST_F(Dae, NoPlainXml) {
