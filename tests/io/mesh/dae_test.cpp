@@ -171,7 +171,7 @@ TEST_F(Dae, PositionsAreThere) {
   refused(with("0 0 0 1 0 0", "0 0 0 1,5,2 0 0"),
           "element float_array must hold numbers, found '1,5,2'; repair the mesh");
   EXPECT_EQ(read(with("0 0 0 1 0 0", "0 0 0 1,5 0 0")).vertices[1].x, 1.5);
-  refused(with(" 0 0 1</float", "    1</float"), "an array of 12 values holds 10; repair the mesh");
+  refused(with(" 0 0 1</float", "        1</float"), "an array of 12 values holds 10; repair the mesh");
   refused(with("source=\"#v\"", "source=\"#w\""), "the input VERTEX names 'w', which is no element vertices before it");
   refused(with("source=\"#s\"", "source=\"#t\""), "the positions 't' are no source before them");
   refused(with("source=\"#a\"", "source=\"#b\""), "there is no float_array 'b' before");
