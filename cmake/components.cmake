@@ -56,10 +56,7 @@ endfunction()
 include(cmake/rooms.cmake)
 
 # Meshes, grids, fields and their files: what every reader and writer stands on.
-standoff_component(core FILES ${STANDOFF_GROUND_FILES} io/mesh/*.cpp io/field/*.cpp io/points/*.cpp io/arrays/*.cpp LIBRARIES ZLIB::ZLIB ${STANDOFF_ASSIMP})
-if(STANDOFF_ASSIMP)
-  target_compile_definitions(standoff_core PRIVATE STANDOFF_HAVE_ASSIMP)
-endif()
+standoff_component(core FILES ${STANDOFF_GROUND_FILES} io/mesh/*.cpp io/field/*.cpp io/points/*.cpp io/arrays/*.cpp LIBRARIES ZLIB::ZLIB)
 
 # CUDA kernels, or what says that there are none.
 if(STANDOFF_HAVE_CUDA)

@@ -17,7 +17,6 @@ set(STANDOFF_COAL "" CACHE PATH "folder whose lib and include hold Coal, to meas
 option(STANDOFF_BUILD_FUZZERS "libFuzzer targets of the readers (clang)" OFF)
 set(STANDOFF_TESTS_LABELLED "" CACHE STRING "build the tests of this label alone (tests/labels.txt): memory or threads")
 option(STANDOFF_INSTALL "rules for cmake --install" ${STANDOFF_TOP_LEVEL})
-option(STANDOFF_WITH_ASSIMP "read 3DS and DAE through assimp" ON)
 option(STANDOFF_WITH_CUDA "the CUDA backend, where nvcc is found" ON)
 option(STANDOFF_WITH_PNG "write pictures through libpng" ON)
 option(STANDOFF_WITH_MESHOPT "simplify meshes of pages through meshoptimizer" ON)

@@ -27,7 +27,7 @@ with tempfile.TemporaryDirectory() as folder:
 distances = so.distance(box, np.array([[100.0, 0, 0], box.vertices.mean(axis=0)]), signed=True)
 assert distances[0] > 0 > distances[1], distances
 assert so.collide(so.Body(box), so.Body(box), np.eye(4)[None]).hit.all()
-for name in ("tetrahedron.3ds", "tetrahedron.dae"):  # what assimp reads
+for name in ("tetrahedron.3ds", "tetrahedron.dae"):
     assert len(so.read(meshes / name).faces) > 0, name
 so.devices()
 

@@ -62,8 +62,7 @@ STANDOFF_API std::vector<std::string> notes(const MeshReadReport& report);
 /// Reads a mesh. The extension decides the format; if no format has that extension, the content decides. It is an error
 /// if extension and content contradict each other. A file may be compressed by gzip: mesh.obj.gz is read as OBJ. Equal
 /// vertices are welded exactly, and polygons are triangulated. `report`, unless null, receives what was done to the
-/// coordinates. Errors: input, with a message `FILE:WHERE: what; what to do`; limit (memory); interrupted (not within
-/// what assimp does: 3DS and DAE).
+/// coordinates. Errors: input, with a message `FILE:WHERE: what; what to do`; limit (memory); interrupted.
 STANDOFF_API Mesh read_mesh(const std::filesystem::path& path, const MeshReadOptions& options = {},
                             MeshReadReport* report = nullptr);
 

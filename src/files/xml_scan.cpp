@@ -2,7 +2,11 @@
 #include "files/xml_scan.h"
 
 #include <algorithm>
+#include <charconv>
+#include <cstdint>
+#include <utility>
 
+#include "files/shown.h"
 #include "files/text_cursor.h"
 
 namespace standoff {
@@ -27,6 +31,22 @@ bool take_attribute(std::string_view& text, std::string_view& name, std::string_
   if (end == text.npos) return false;
   value = text.substr(1, end - 1);
   text.remove_prefix(end + 1);
+  return true;
+}
+
+// What #233 or #xe9 stands for, in UTF-8.
+bool add_character(std::string_view name, std::string& text) {
+  if (!name.starts_with('#')) return false;
+  name.remove_prefix(1);
+  const int base = name.starts_with('x') ? 16 : 10;
+  if (base == 16) name.remove_prefix(1);
+  std::uint32_t code = 0;
+  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), code, base);
+  if (error != std::errc{} || end != name.data() + name.size() || code > 0x10ffff) return false;
+  const int more = code < 0x80 ? 0 : code < 0x800 ? 1 : code < 0x10000 ? 2 : 3;  // bytes after the first
+  constexpr std::uint32_t kFirst[] = {0, 0xc0, 0xe0, 0xf0};
+  text += static_cast<char>(kFirst[more] | code >> (6 * more));
+  for (int n = more; n-- > 0;) text += static_cast<char>(0x80 | (code >> (6 * n) & 0x3f));
   return true;
 }
 
@@ -124,6 +144,45 @@ XmlTag XmlScan::read_tag() {
   tag.text = text_.substr(at_, text_.find('<', at_) - at_);
   tag.only_text = text_.substr(at_ + tag.text.size()).starts_with("</");
   return tag;
+}
+
+bool XmlElements::next(const XmlTag& parent, XmlTag& tag) {
+  if (!scan_.next(tag))
+    scan_.fail_at(parent, "the element " + shown(parent.local_name()) +
+                              " has no end; the file is cut off or damaged, get all of it");
+  if (tag.opens()) return true;
+  if (tag.name != parent.name)
+    scan_.fail("the element " + shown(parent.local_name()) + " ends as " + shown(tag.local_name()) +
+               "; repair the file");
+  return false;
+}
+
+void XmlElements::fail_depth() const {
+  scan_.fail("elements nested more than " + std::to_string(deepest_) + " deep; " + remedy_);
+}
+
+std::string plain_xml(std::string_view text) {
+  constexpr std::pair<std::string_view, char> kNamed[] = {
+      {"amp", '&'}, {"lt", '<'}, {"gt", '>'}, {"quot", '"'}, {"apos", '\''}};
+  std::string plain;
+  plain.reserve(text.size());
+  while (!text.empty()) {
+    const char c = text[0];
+    const std::size_t end = c == '&' ? text.substr(0, 12).find(';') : text.npos;
+    if (end == text.npos) {
+      plain += is_space(c) ? ' ' : c;
+      text.remove_prefix(1);
+      continue;
+    }
+    const std::string_view name = text.substr(1, end - 1);
+    const auto* found = std::ranges::find(kNamed, name, [](const auto& pair) { return pair.first; });
+    if (found != std::end(kNamed))
+      plain += found->second;
+    else if (!add_character(name, plain))
+      plain += text.substr(0, end + 1);
+    text.remove_prefix(end + 1);
+  }
+  return plain;
 }
 
 }  // namespace standoff

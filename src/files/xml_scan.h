@@ -58,4 +58,36 @@ class XmlScan {
   std::size_t steps_ = 0;
 };
 
+/// Goes through the elements of a text by their nesting. Errors: input, with the line, where tags do not match or are
+/// nested deeper than `deepest`; `remedy` says what to do then.
+class XmlElements {
+ public:
+  XmlElements(XmlScan& scan, int deepest, const char* remedy) : scan_(scan), deepest_(deepest), remedy_(remedy) {}
+
+  /// Calls visit(tag) for each element in another one. It must read what is in there: each_child() or skip().
+  template <class Visit>
+  void each_child(const XmlTag& parent, const Visit& visit) {
+    if (parent.kind == XmlTag::Kind::whole) return;
+    if (++depth_ > deepest_) fail_depth();
+    XmlTag tag{};
+    while (next(parent, tag)) visit(tag);
+    --depth_;
+  }
+  void skip(const XmlTag& tag) {
+    each_child(tag, [this](const XmlTag& child) { skip(child); });
+  }
+
+ private:
+  // False where the parent ends.
+  bool next(const XmlTag& parent, XmlTag& tag);
+  [[noreturn]] void fail_depth() const;
+
+  XmlScan& scan_;
+  int deepest_, depth_ = 0;
+  const char* remedy_;
+};
+
+/// Text between tags or of an attribute, where &lt; and the like stand for characters, and line ends for spaces.
+std::string plain_xml(std::string_view text);
+
 }  // namespace standoff

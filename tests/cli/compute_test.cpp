@@ -269,7 +269,7 @@ TEST_F(Compute, TellsWhatTheReaderDidToCoordinates) {
   std::vector<std::string> files{"mesh/threemf_plain.3mf"};
   for (const FileFormat& format : mesh_formats())
     if (format.readable && (format.extension == "3ds" || format.extension == "dae"))
-      files.push_back("assimp/tetrahedron." + format.extension);
+      files.push_back("scene/tetrahedron." + format.extension);
   const std::string turned = "axes turned so that y is up: x, y, z are x, z, -y of the file";
   for (const std::string& file : files) {
     SCOPED_TRACE(file);

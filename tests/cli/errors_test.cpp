@@ -309,27 +309,6 @@ TEST_F(Errors, OutOfMemory) {
   EXPECT_TRUE(ran.says("memory")) << ran.err;
   EXPECT_FALSE(std::filesystem::exists(folder / "a.vdb"));
 }
-
-// Assimp catches that, and keeps the words "std::bad_alloc" alone: standoff told to repair the file.
-TEST_F(Errors, OutOfMemoryInAssimp) {
-  if (std::ranges::none_of(mesh_formats(), [](const FileFormat& f) { return f.extension == "3ds" && f.readable; }))
-    GTEST_SKIP() << "this build has no assimp";
-  const auto number = [](auto value) { return std::string(reinterpret_cast<const char*>(&value), sizeof value); };
-  const auto chunk = [&](std::uint16_t id, const std::string& content) {
-    return number(id) + number(static_cast<std::uint32_t>(6 + content.size())) + content;
-  };
-  std::string faces = number(std::uint16_t{0xffff}), meshes;
-  for (int n = 0; n < 0xffff; ++n) faces += std::string("\0\0\1\0\2\0\0\0", 8);
-  const std::string corners = number(std::uint16_t{3}) + std::string(36, '\0');
-  const std::string mesh = chunk(0x4100, chunk(0x4110, corners) + chunk(0x4120, faces));
-  for (int n = 0; n < 100; ++n) meshes += chunk(0x4000, std::string("a\0", 2) + mesh);
-  write_bytes(folder / "large.3ds", chunk(0x4d4d, chunk(0x3d3d, meshes)));
-  auto how = setup();
-  how.memory = rlim_t{600} << 20;
-  const Ran ran = run(words("info large.3ds"), how);
-  EXPECT_EQ(ran.code, 5);
-  EXPECT_EQ(ran.err, "standoff: error: large.3ds: not enough memory to read it; split the mesh\n");
-}
 #endif
 
 // No machine has a hundred GPUs; most test machines have none.

@@ -38,7 +38,7 @@ class Studio {
 
   std::string object(const std::string& name) {
     const Shape shape = make_shape(c_, Polygons::none, false);
-    // From z up to y up, as assimp turns it.
+    // From z up to y up.
     for (const auto& face : shape.faces) {
       Corners corners;
       for (std::size_t k = 0; k < 3; ++k) {
@@ -109,7 +109,7 @@ class Studio {
     }
     return nodes;
   }
-  // Moves an object: what assimp makes of it is not asked here.
+  // Moves an object: what becomes of it is not asked here.
   std::string track() {
     constexpr std::uint16_t kTracks[] = {0xb020, 0xb021, 0xb022, 0xb013, 0xb029};
     const std::uint32_t keys = c_.below(4);

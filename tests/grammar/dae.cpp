@@ -30,7 +30,7 @@ class Collada {
     Xml& shown = root.add(Xml("scene"));
     shown.add(Xml("instance_visual_scene", {{"url", at("scene")}}));
     if (c_.trick()) root.add(Xml("library_images")).add(Xml("image")).add(Xml("init_from")).say(bad_path(c_));
-    // Assimp takes no comment inside of some elements.
+    // Numbers with comments between them are refused.
     const bool comments = c_.one_in(8);
     file_.may_be_refused |= comments;
     file_.bytes = root.text(c_, comments);
@@ -39,7 +39,7 @@ class Collada {
   }
 
  private:
-  // Assimp turns every scene to y up and scales it to metres.
+  // Every scene is turned to y up and scaled to metres.
   Xml asset() {
     Xml made("asset");
     if (c_.one_in(3)) {
@@ -132,8 +132,6 @@ class Collada {
       }
       indices += list;
       lists.push_back(list);
-      // Assimp takes a fan for a polygon, which is another surface where it is not flat.
-      file_.may_be_refused |= kind == kFans && face.size() > 3;
       sizes += count(face.size()) + " ";
       for (std::size_t k = 0; k + 2 < face.size(); ++k) {
         const bool strip = kind == kStrips, turned = strip && k % 2 == 1;

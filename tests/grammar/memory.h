@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Counts the bytes a program holds, whoever asks for them: standoff, assimp, the standard library.
+// Counts the bytes a program holds, whoever asks for them: standoff, the standard library.
 #pragma once
 
 #include <cstddef>

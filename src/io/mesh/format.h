@@ -16,7 +16,7 @@ struct MeshFormat {
   const char* name;  ///< for messages: "STL"
   const char* description;
   bool (*recognises)(std::string_view content);  ///< cheap; false when in doubt
-  /// nullptr when this build cannot; the file is not empty. What it does to coordinates, it reports.
+  /// The file is not empty. What it does to coordinates, it reports.
   Mesh (*read)(const FileView&, MeshReadReport&);
   void (*write)(AtomicFile&, MeshView);  ///< everything but the commit; nullptr when it cannot
 };
@@ -45,7 +45,10 @@ Mesh read_glb(const FileView& file);
 bool is_3mf(std::string_view content);
 Mesh read_3mf(const FileView& file, MeshReadReport& report);
 
-/// 3DS and DAE. Only with STANDOFF_HAVE_ASSIMP.
-Mesh read_with_assimp(const FileView& file, const char* extension, MeshReadReport& report);
+bool is_3ds(std::string_view content);
+Mesh read_3ds(const FileView& file, MeshReadReport& report);
+
+bool is_dae(std::string_view content);
+Mesh read_dae(const FileView& file, MeshReadReport& report);
 
 }  // namespace standoff

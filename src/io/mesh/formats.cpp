@@ -21,30 +21,11 @@
 namespace standoff {
 namespace {
 
-// The main chunk: 0x4d4d, and a length that is the file's.
-bool is_3ds(std::string_view content) {
-  std::uint32_t length = 0;
-  if (content.size() < 6 || !content.starts_with("MM")) return false;
-  std::memcpy(&length, content.data() + 2, sizeof length);
-  return length == content.size();
-}
 bool is_glb(std::string_view content) { return content.starts_with("glTF"); }
 bool is_gltf(std::string_view content) {
   const auto first = content.find_first_not_of(" \t\r\n");
   return first != content.npos && content[first] == '{' && content.find("\"asset\"") != content.npos;
 }
-bool is_dae(std::string_view content) { return content.substr(0, 1024).find("<COLLADA") != content.npos; }
-
-#ifdef STANDOFF_HAVE_ASSIMP
-template <const char* const& extension>
-Mesh by_assimp(const FileView& file, MeshReadReport& report) {
-  return read_with_assimp(file, extension, report);
-}
-constexpr const char *k3ds = "3ds", *kDae = "dae";
-constexpr auto read_3ds = by_assimp<k3ds>, read_dae = by_assimp<kDae>;
-#else
-constexpr std::nullptr_t read_3ds = nullptr, read_dae = nullptr;
-#endif
 
 // A reader that takes coordinates as they are.
 template <Mesh (*read)(const FileView&)>
@@ -123,10 +104,6 @@ const MeshFormat& format_to_read(const FileView& file) {
     file.fail("byte 0", "the name says " + std::string(named->name) + " but the content is " + found->name +
                             "; rename it to end in ." + found->extension);
   const MeshFormat& format = named ? *named : *found;
-  if (!format.read)
-    file.fail("", "this standoff was built without " + std::string(format.name) +
-                      "; convert it to STL, PLY or OBJ, or build standoff with assimp (Debian: libassimp-dev, CMake: "
-                      "STANDOFF_WITH_ASSIMP)");
   return format;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Points from PLY: the vertices of a point cloud or mesh, as they stand there; all else is passed over.
-#include "io/mesh/ply_body.h"
+#include "io/mesh/ply_data.h"
 #include "io/points/format.h"
 
 namespace standoff {

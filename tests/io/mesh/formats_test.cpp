@@ -209,14 +209,14 @@ TEST(MeshFormats, ReportsWhatWasDoneToCoordinates) {
   EXPECT_EQ(report.format, "obj");
   EXPECT_TRUE(notes(report).empty());
   if (!readable("dae")) return;
-  const Mesh mesh = read_mesh(corpus / "assimp/tetrahedron.dae", {}, &report);
+  const Mesh mesh = read_mesh(corpus / "scene/tetrahedron.dae", {}, &report);
   EXPECT_EQ(report.axes, (std::array<int, 3>{1, 3, -2}));
   EXPECT_EQ(report.unit_scale, 0.01);
   EXPECT_EQ(notes(report).at(0), "axes turned so that y is up: x, y, z are x, z, -y of the file");
   EXPECT_EQ(notes(report).at(1), "coordinates multiplied by 0.01, as the file's unit asks for");
   // As the file has it: turned by 90 degrees about z, and moved by (1, 2, 3) after.
   EXPECT_NEAR(mesh.vertices[0].y, 0.03, 1e-8);
-  read_mesh(corpus / "assimp/tetrahedron.3ds", {}, &report);
+  read_mesh(corpus / "scene/tetrahedron.3ds", {}, &report);
   EXPECT_EQ(report.axes, (std::array<int, 3>{1, 3, -2}));
   EXPECT_EQ(report.unit_scale, 1);
   EXPECT_EQ(report.metres_per_unit, 0);

@@ -8,7 +8,7 @@
 #include <set>
 #include <vector>
 
-#include "io/mesh/polygon.h"
+#include "io/mesh/builder.h"
 
 namespace standoff {
 namespace {
