@@ -26,6 +26,12 @@ void for_each_outermost(const TileLattice& lattice, const Use& use) {
   }
 }
 
+// Where samples are joined by edges that keep so many times farther from rims than a path has to, a path would have
+// come if it could: it was not some rounding that kept it off.
+constexpr double kCertainly = 1.5;
+// Half a spacing, in the steps of the distances.
+constexpr auto kHalf = static_cast<std::uint16_t>(RimDistances::kFar / kCertainly);
+
 }  // namespace
 
 Flood::Flood(MeshView mesh, const Grid& grid, ProgressMeter& progress)
@@ -37,9 +43,9 @@ Flood::Flood(MeshView mesh, const Grid& grid, ProgressMeter& progress)
     parts_.resize(edges_.tiles().count());
     flood(progress);
   } else {
-    const double reach = std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z}) / 2;
-    const RimDistances distances(rims, lattice_, reach, progress);
-    const GridEdges crossed = std::exchange(edges_, GridEdges(edges_, distances, lattice_.tile_count()));
+    const double half = std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z}) / 2;
+    const RimDistances distances(rims, lattice_, kCertainly * half, progress);
+    const GridEdges crossed = std::exchange(edges_, GridEdges(edges_, distances, kHalf, lattice_));
     parts_.resize(edges_.tiles().count());
     flood(progress);
     settle(crossed, distances, progress);
@@ -93,18 +99,18 @@ void Flood::enter(std::size_t tile, const TileBits& samples, std::vector<std::si
   next.push_back(tile);
 }
 
-// The samples of a tile with none of their six edges open to a path.
-TileBits Flood::apart(std::size_t tile) const {
+// The samples of a tile with none of their six edges open to a path that takes none of these.
+TileBits Flood::apart(const GridEdges& edges, std::size_t tile) const {
   const Sample tiles{lattice_.tiles.x, lattice_.tiles.y, lattice_.tiles.z};
   const Sample at = lattice_.tile_at(tile);
-  const TileEdges& own = edges_.of_tile(tile);
+  const TileEdges& own = edges.of_tile(tile);
   TileBits joined = {};
   for (const Face face : kFaces) {
     if (at[face.axis] == (face.up ? tiles[face.axis] - 1 : 0)) continue;
     Sample to = at;
     to[face.axis] += face.up ? 1 : -1;
     const std::size_t other = lattice_.index(to[0], to[1], to[2]);
-    joined = joined | beyond(kAllBits, {face.axis, !face.up}, edges_.of_tile(face.up ? tile : other));
+    joined = joined | beyond(kAllBits, {face.axis, !face.up}, edges.of_tile(face.up ? tile : other));
   }
   // Within the tile: an edge joins both its ends.
   for (int odd = 0; odd < 2; ++odd) {
@@ -116,12 +122,13 @@ TileBits Flood::apart(std::size_t tile) const {
   return ~joined;
 }
 
-// Decides the samples that keep apart from all others, because rims are near. Each takes the side of the neighbour that
+// Decides the samples that no path reached and that keep apart from all others, because rims are near. Each takes the side of the neighbour that
 // the widest way leads to: an edge that no triangle crosses, and that keeps farthest from rims. A way that is much
 // narrower than others from the same sample leads through a gap, and does not count. So sides spread from sample to
 // sample, in rounds, from those that are known: outside what the flood reached, inside what it did not reach although
 // it is not apart. What nothing spreads to is inside.
 void Flood::settle(const GridEdges& crossed, const RimDistances& rims, ProgressMeter& progress) {
+  const GridEdges certain(crossed, rims, RimDistances::kFar, lattice_);
   enum Side : std::uint8_t { unknown, outside, inside };
   std::vector<TileBits> open(edges_.tiles().count());  // of each tile of edges_: those to be decided
   std::vector<Sample> next;
@@ -136,7 +143,7 @@ void Flood::settle(const GridEdges& crossed, const RimDistances& rims, ProgressM
   std::vector<std::size_t> tiles;
   edges_.tiles().for_each([&](std::size_t tile) { tiles.push_back(tile); });
   tbb::parallel_for(std::size_t{0}, tiles.size(), [&](std::size_t n) {
-    open[n] = apart(tiles[n]) & ~reached(tiles[n]);
+    open[n] = apart(certain, tiles[n]) & ~reached(tiles[n]);
   });
   for (std::size_t n = 0; n < tiles.size(); ++n)
     for_each_bit(tiles[n], open[n], [&](const Sample& at) { next.push_back(at); });

@@ -15,8 +15,8 @@ namespace standoff {
 /// grid: where the mesh does not end within the grid, the flood begins beyond it (TileLattice::around).
 ///
 /// Gaps are walls if they are narrower than the grid's smallest spacing: a path keeps half of that from the mesh's rims,
-/// which are the edges with an odd number of triangles. Samples so near to rims that no path reaches any side of them
-/// are decided afterwards, by the samples around them (settle). A mesh without rims has no gaps.
+/// which are the edges with an odd number of triangles. Samples so near to rims that no path leads there are decided
+/// afterwards, by the samples around them (settle). A mesh without rims has no gaps.
 class Flood final : public Sides {
  public:
   /// Requires a valid mesh and grid. Runs on the threads of the calling TBB arena. Takes 2.5 bits for each tile, and
@@ -38,7 +38,7 @@ class Flood final : public Sides {
   void flood(ProgressMeter& progress);
   void enter(std::size_t tile, const TileBits& samples, std::vector<std::size_t>& next);
   void settle(const GridEdges& crossed, const RimDistances& rims, ProgressMeter& progress);
-  TileBits apart(std::size_t tile) const;
+  TileBits apart(const GridEdges& edges, std::size_t tile) const;
   TileBits reached(std::size_t tile) const;
   TileBits inside_of(const Size3& size, const std::array<std::int64_t, 3>& tile) const;  // of the grid
   std::int64_t count_inside(const Size3& size) const;

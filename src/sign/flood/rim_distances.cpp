@@ -138,13 +138,13 @@ RimDistances::RimDistances(std::span<const RimEdge> rims, const TileLattice& lat
   });
 }
 
-TileEdges RimDistances::within_reach(std::size_t tile) const {
+TileEdges RimDistances::nearer_than(std::uint16_t steps, std::size_t tile) const {
   TileEdges edges;
   if (!tiles_.has(tile)) return edges;
-  const Steps& steps = steps_[tiles_.number(tile)];
+  const Steps& found = steps_[tiles_.number(tile)];
   for (std::size_t axis = 0; axis < 3; ++axis)
-    for (std::size_t n = 0; n < steps[axis].size(); ++n)
-      edges.crossed[axis][n / 64] |= std::uint64_t{steps[axis][n] != kFar} << n % 64;
+    for (std::size_t n = 0; n < found[axis].size(); ++n)
+      edges.crossed[axis][n / 64] |= std::uint64_t{found[axis][n] < steps} << n % 64;
   return edges;
 }
 

@@ -38,8 +38,8 @@ class RimDistances {
   std::uint16_t of(std::size_t tile, std::size_t axis, std::size_t sample) const {
     return tiles_.has(tile) ? steps_[tiles_.number(tile)][axis][sample] : kFar;
   }
-  /// The samples of a tile from which the edge along each axis is within reach.
-  TileEdges within_reach(std::size_t tile) const;
+  /// The samples of a tile from which the edge along each axis is less far from a rim than that.
+  TileEdges nearer_than(std::uint16_t steps, std::size_t tile) const;
 
  private:
   using Steps = std::array<std::array<std::uint16_t, 512>, 3>;
