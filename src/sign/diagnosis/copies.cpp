@@ -120,8 +120,9 @@ Copies find_copies(const MeshEdges& edges, std::size_t triangles, const TwoSided
     const std::span<const Copy> copies = faces.of(face);
     const auto forward = forward_of(face), backward = std::ranges::ssize(copies) - forward;
     const auto excess = std::abs(forward - backward);
-    const bool one = votes[face] > 0 || (votes[face] == 0 && excess == 0) ||
-                     ((found.two_sided || parts.keeps(copies.front().triangle)) && excess != std::ranges::ssize(copies));
+    const bool one =
+        votes[face] > 0 || (votes[face] == 0 && excess == 0) ||
+        ((found.two_sided || parts.keeps(copies.front().triangle)) && excess != std::ranges::ssize(copies));
     const auto keep = one && excess % 2 == 0 ? std::int64_t{1} : excess;
     // Of the more frequent orientation; of the first triangle's if there are as many of both.
     const bool kept_forward = excess == 0 ? copies.front().forward : forward > backward;

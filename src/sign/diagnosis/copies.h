@@ -32,7 +32,7 @@ struct Copies {
   std::int64_t opposite = 0;  ///< pairs in opposite orientation; each triangle is in one pair at the most
   std::int64_t left_out = 0;
   std::vector<std::uint8_t> paired;  ///< for each triangle whether it is in such a pair; empty if there are none
-  bool same_winding = true;  ///< whether what is left out cancels: the winding number is that of all triangles
+  bool same_winding = true;          ///< whether what is left out cancels: the winding number is that of all triangles
   bool two_sided = false;
 };
 

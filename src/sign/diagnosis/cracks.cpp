@@ -26,19 +26,21 @@ struct OpenEdge {
 };
 
 struct OpenEdges {
+  std::vector<std::uint32_t> number;  // of each position its point, or kNone
   std::vector<Vec3> points;
   std::vector<OpenEdge> edges;
 };
 
 OpenEdges open_edges_of(MeshView mesh, const MeshEdges& edges) {
   OpenEdges open;
-  std::vector<std::uint32_t> number(edges.positions(), kNone);
+  open.number.assign(edges.positions(), kNone);
   const auto point = [&](std::uint32_t position, const Vec3& at) {
-    if (number[position] == kNone) {
-      number[position] = static_cast<std::uint32_t>(open.points.size());
+    std::uint32_t& number = open.number[position];
+    if (number == kNone) {
+      number = static_cast<std::uint32_t>(open.points.size());
       open.points.push_back(at);
     }
-    return number[position];
+    return number;
   };
   for_each_edge(edges, {}, [&](std::span<const EdgeUse> sides) {
     if (sides.size() % 2 == 0) return;
@@ -89,6 +91,23 @@ DisjointSets welded(std::span<const Vec3> points, const Vec3& origin, double wid
   return sets;
 }
 
+// Whether most triangles are copies of others once they are welded: those of sheets with a front and a back.
+bool is_mostly_copies(const MeshEdges& edges, const OpenEdges& open, DisjointSets& sets, std::size_t triangles) {
+  std::vector<std::array<std::uint32_t, 3>> faces(triangles);
+  const auto points = static_cast<std::uint32_t>(open.points.size());
+  for (std::size_t t = 0; t < triangles; ++t) {
+    for (int corner = 0; corner < 3; ++corner) {
+      const std::uint32_t position = edges.position(t, corner), point = open.number[position];
+      faces[t][static_cast<std::size_t>(corner)] = point == kNone ? points + position : sets.find(point).set;
+    }
+    std::ranges::sort(faces[t]);
+  }
+  std::ranges::sort(faces);
+  std::size_t copies = 0;
+  for (std::size_t n = 1; n < triangles; ++n) copies += faces[n] == faces[n - 1];
+  return 4 * copies > triangles;
+}
+
 }  // namespace
 
 Cracks find_cracks(MeshView mesh, const MeshEdges& edges) {
@@ -117,7 +136,7 @@ Cracks find_cracks(MeshView mesh, const MeshEdges& edges) {
     if (next - first == 2 && first->single && first[1].single)
       found.inconsistent_edges += first->forward == first[1].forward;
   }
-  found.all = true;
+  found.all = !is_mostly_copies(edges, open, sets, mesh.triangles.size());
   return found;
 }
 

@@ -14,13 +14,15 @@ namespace standoff {
 inline constexpr double kCrackWidth = 1e-4;
 
 struct Cracks {
-  bool all = false;                    ///< the mesh has open edges, and with its cracks welded none is left
-  std::int64_t inconsistent_edges = 0; ///< welded edges of two triangles that run along it in the same direction
+  /// The mesh has open edges, and with its cracks welded none is left. False too if most of its triangles are copies of
+  /// others then, as in sheets with a front and a back.
+  bool all = false;
+  std::int64_t inconsistent_edges = 0;  ///< welded edges of two triangles that run along it in the same direction
 };
 
 /// An edge is open here if it has an odd number of triangles; orientation does not matter. Nothing is moved: whoever
-/// decides a sign by it has to pass over cracks of that width by other means. Linear. Requires a valid mesh and its
-/// edges.
+/// decides a sign by it has to pass over cracks of that width by other means. Linear up to sorting. Requires a valid
+/// mesh and its edges.
 Cracks find_cracks(MeshView mesh, const MeshEdges& edges);
 
 }  // namespace standoff

@@ -40,8 +40,8 @@ struct Orientation {
   /// Parts in both orientations of which nothing is used (two_sided_parts.h), and their part of the mesh's area.
   std::int64_t cancelled_parts = 0;
   double cancelled_share = 0;
-  bool two_sided = false;                ///< nearly every face is there twice, once in each orientation
-  bool nesting_known = true;             ///< false: there are too many parts, and none was turned by its volume
+  bool two_sided = false;     ///< nearly every face is there twice, once in each orientation
+  bool nesting_known = true;  ///< false: there are too many parts, and none was turned by its volume
 };
 
 /// Requires a valid mesh and its edges. Does not depend on the number of threads; the counts do not depend on the order

@@ -61,7 +61,8 @@ std::string what_may_work(bool has_volume) {
 Recommendation cracked(const MeshReport& report) {
   return {SignMethod::flood, false,
           "the mesh is open along " + counted(report.boundary_edges, "edge", "edges") +
-              " and its triangles are not consistently oriented, but its gaps are cracks, at most " +
+              ", and the orientation of its triangles does not tell inside from outside; but its gaps are cracks, at "
+              "most " +
               percent(kCrackWidth) +
               " of its extent wide: `flood` takes gaps narrower than a spacing for closed, and finds what is enclosed"};
 }
@@ -72,16 +73,18 @@ Recommendation open(const MeshReport& report, double area) {
                             percent(report.cap_share) + " of its area";
   const bool flat = has_no_volume(report, area, kSheetVolume);
   if (std::min(report.openness, report.cap_share) >= kSheet || flat)
-    return {SignMethod::none, false,
-            is_open + holes +
-                ": it is a sheet rather than a body, and has no inside; `normal` tells its front from its back, "
-                "`shell` makes it a solid" +
-                (report.openness < kFlat ? what_may_work(!flat) : "")};
+    return {
+        SignMethod::none, false,
+        is_open + holes +
+            ": it is a sheet rather than a body, and has no inside; `normal` tells its front from its back, "
+            "`shell` makes it a solid" +
+            (report.openness < kFlat || report.patches > kFewPatches ? what_may_work(!flat && report.openness < kFlat)
+                                                                     : "")};
   if (report.volume < 0)
     return {SignMethod::none, false,
             is_open +
                 ", and its triangles look inwards: nothing has a positive winding number; turn them, or take "
-                "`winding` with the rule nonzero"};
+                "`winding` with the rule nonzero, or `flood` if its gaps are narrower than a spacing"};
   const bool cracked = is_cracked(report);
   return {
       SignMethod::winding, false,
@@ -97,7 +100,8 @@ Recommendation by_shape(const MeshReport& report, const Findings& findings) {
   if (!(findings.area_used > 0)) return {SignMethod::none, true, "no triangle has an area"};
   if (report.unorientable > 0) {
     const std::string text = counted(report.unorientable, "patch has", "patches have") + " but one side";
-    if (findings.even) return {SignMethod::flood, false, text + ", and no edge is open: `flood` finds what is enclosed"};
+    if (findings.even)
+      return {SignMethod::flood, false, text + ", and no edge is open: `flood` finds what is enclosed"};
     return {SignMethod::none, false,
             text + ", and there are open edges: it has no inside; `shell` makes it a solid" + what_may_work(false)};
   }
@@ -116,9 +120,8 @@ Recommendation recommend(const MeshReport& report, const Findings& findings) {
   fitting.sure = fitting.sure && report.cancelled_share < kDoubtfulShare;
   const bool one = report.cancelled_parts == 1;
   fitting.why += "; " + counted(report.cancelled_parts, "part", "parts") + " with " + percent(report.cancelled_share) +
-                 " of the area " + (one ? "is" : "are") +
-                 " there in both orientations, without an inside, and " + (one ? "is" : "are") +
-                 " left out: `shell` makes solids of sheets";
+                 " of the area " + (one ? "is" : "are") + " there in both orientations, without an inside, and " +
+                 (one ? "is" : "are") + " left out: `shell` makes solids of sheets";
   return fitting;
 }
 

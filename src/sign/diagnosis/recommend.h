@@ -2,6 +2,7 @@
 // Which sign method fits a mesh.
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "sign/diagnosis/cracks.h"
@@ -27,9 +28,10 @@ inline bool is_cracked(const MeshReport& report) {
   return report.cap_share > kCrackCaps && report.cap_share > kCrackRatio * report.openness;
 }
 
-/// An open mesh whose openness is less than that may enclose something: terrain is above it, what is half open or partly
-/// turned around below.
+/// An open mesh whose openness is less than that may enclose something: terrain is above it, what is half open below.
+/// So may one of more patches than that, whose openness depends on how they are turned.
 inline constexpr double kFlat = 0.8;
+inline constexpr std::int64_t kFewPatches = 3;
 
 /// Components that are there in both orientations and count for nothing are named if they are so much of the area, and
 /// make doubtful what the others are if they are so much of it.

@@ -131,8 +131,7 @@ TwoSidedParts find_two_sided_parts(MeshView mesh, const MeshEdges& edges, const 
   const std::vector<Areas> areas = areas_of(mesh, parts, patches, pieces);
   const std::vector<double> caps = caps_of(mesh, edges, parts, patches.turn);
   for (std::size_t n = 0; n < parts.size(); ++n)
-    parts.kept[n] =
-        !areas[n].unorientable && areas[n].solid > areas[n].all / 2 && caps[n] < kMostCaps * areas[n].all;
+    parts.kept[n] = !areas[n].unorientable && areas[n].solid > areas[n].all / 2 && caps[n] < kMostCaps * areas[n].all;
   return parts;
 }
 

@@ -122,11 +122,11 @@ TileBits Flood::apart(const GridEdges& edges, std::size_t tile) const {
   return ~joined;
 }
 
-// Decides the samples that no path reached and that keep apart from all others, because rims are near. Each takes the side of the neighbour that
-// the widest way leads to: an edge that no triangle crosses, and that keeps farthest from rims. A way that is much
-// narrower than others from the same sample leads through a gap, and does not count. So sides spread from sample to
-// sample, in rounds, from those that are known: outside what the flood reached, inside what it did not reach although
-// it is not apart. What nothing spreads to is inside.
+// Decides the samples that no path reached and that keep apart from all others, because rims are near. Each takes the
+// side of the neighbour that the widest way leads to: an edge that no triangle crosses, and that keeps farthest from
+// rims. A way that is much narrower than others from the same sample leads through a gap, and does not count. So sides
+// spread from sample to sample, in rounds, from those that are known: outside what the flood reached, inside what it
+// did not reach although it is not apart. What nothing spreads to is inside.
 void Flood::settle(const GridEdges& crossed, const RimDistances& rims, ProgressMeter& progress) {
   const GridEdges certain(crossed, rims, RimDistances::kFar, lattice_);
   enum Side : std::uint8_t { unknown, outside, inside };
@@ -142,9 +142,8 @@ void Flood::settle(const GridEdges& crossed, const RimDistances& rims, ProgressM
   };
   std::vector<std::size_t> tiles;
   edges_.tiles().for_each([&](std::size_t tile) { tiles.push_back(tile); });
-  tbb::parallel_for(std::size_t{0}, tiles.size(), [&](std::size_t n) {
-    open[n] = apart(certain, tiles[n]) & ~reached(tiles[n]);
-  });
+  tbb::parallel_for(std::size_t{0}, tiles.size(),
+                    [&](std::size_t n) { open[n] = apart(certain, tiles[n]) & ~reached(tiles[n]); });
   for (std::size_t n = 0; n < tiles.size(); ++n)
     for_each_bit(tiles[n], open[n], [&](const Sample& at) { next.push_back(at); });
 
@@ -155,7 +154,9 @@ void Flood::settle(const GridEdges& crossed, const RimDistances& rims, ProgressM
     return Place{lattice_.index(s[0] / 8, s[1] / 8, s[2] / 8),
                  static_cast<std::size_t>(s[0] % 8 + 8 * (s[1] % 8 + 8 * (s[2] % 8)))};
   };
-  const auto bit_of = [](const TileBits& bits, const Place& at) { return (bits[at.within / 64] >> at.within % 64 & 1) != 0; };
+  const auto bit_of = [](const TileBits& bits, const Place& at) {
+    return (bits[at.within / 64] >> at.within % 64 & 1) != 0;
+  };
   const auto is_open = [&](const Place& at) {
     return edges_.tiles().has(at.tile) && bit_of(open[edges_.tiles().number(at.tile)], at);
   };

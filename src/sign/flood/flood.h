@@ -14,14 +14,14 @@ namespace standoff {
 /// the mesh's box; all others are inside. The orientation of the triangles does not matter. The paths may leave the
 /// grid: where the mesh does not end within the grid, the flood begins beyond it (TileLattice::around).
 ///
-/// Gaps are walls if they are narrower than the grid's smallest spacing: a path keeps half of that from the mesh's rims,
-/// which are the edges with an odd number of triangles. Samples so near to rims that no path leads there are decided
-/// afterwards, by the samples around them (settle). A mesh without rims has no gaps.
+/// Gaps are walls if they are narrower than the grid's smallest spacing: a path keeps half of that from the mesh's
+/// rims, which are the edges with an odd number of triangles. Samples so near to rims that no path leads there are
+/// decided afterwards, by the samples around them (settle). A mesh without rims has no gaps.
 class Flood final : public Sides {
  public:
   /// Requires a valid mesh and grid. Runs on the threads of the calling TBB arena. Takes 2.5 bits for each tile, and
-  /// 256 bytes for each one with a crossed edge; if the mesh has rims, what rim_edges_of() takes, and 4 KiB for each tile
-  /// with one. Throws Error{interrupted}.
+  /// 256 bytes for each one with a crossed edge; if the mesh has rims, what rim_edges_of() takes, and 4 KiB for each
+  /// tile with one. Throws Error{interrupted}.
   Flood(MeshView mesh, const Grid& grid, ProgressMeter& progress);
 
   void fill(InsideRows& rows, std::int64_t ty, std::int64_t tz) const override;

@@ -127,7 +127,8 @@ RimDistances::RimDistances(std::span<const RimEdge> rims, const TileLattice& lat
             const double steps = distance_of(piece[0], piece[1], position(at), position(to)) * per_step;
             if (!(steps < kFar)) continue;
             const std::size_t tile = lattice.index(at[0] / kSide, at[1] / kSide, at[2] / kSide);
-            const auto sample = static_cast<std::size_t>(at[0] % kSide + kSide * (at[1] % kSide + kSide * (at[2] % kSide)));
+            const auto sample =
+                static_cast<std::size_t>(at[0] % kSide + kSide * (at[1] % kSide + kSide * (at[2] % kSide)));
             const std::atomic_ref<std::uint16_t> least(steps_[tiles_.number(tile)][axis][sample]);
             const auto mine = static_cast<std::uint16_t>(steps);
             std::uint16_t seen = least.load(std::memory_order_relaxed);
