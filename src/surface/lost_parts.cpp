@@ -19,9 +19,9 @@
 namespace standoff {
 namespace {
 
-constexpr std::size_t kMostPoints = 1 << 14, kMostExtraPoints = 1 << 16, kMostTriangles = 1 << 16;
+constexpr std::size_t kMostLostPoints = 1 << 14, kMostCornerPoints = 1 << 16, kMostLostTriangles = 1 << 16;
 // Less of the area is the tips of edges and needles.
-constexpr double kNamedShare = 1e-3;
+constexpr double kLeastLostShare = 1e-3;
 
 enum class Fate : std::uint8_t { elsewhere, kept, lost };
 
@@ -42,12 +42,12 @@ Fate fate_of(const Vec3& p, const DistanceField& field, float level) {
 }
 
 // The parts of a mesh, numbered by their first triangles.
-struct Parts {
+struct MeshParts {
   std::vector<std::uint32_t> of;     // for each triangle
   std::vector<std::uint32_t> first;  // for each part its first triangle
 };
 
-Parts parts_of(MeshView mesh) {
+MeshParts mesh_parts_of(MeshView mesh) {
   std::vector<std::uint32_t> number(mesh.vertices.size());
   const std::uint32_t positions = weld([&](std::uint32_t v) { return mesh.vertices[v]; }, number);
   DisjointSets connected(positions);
@@ -57,7 +57,7 @@ Parts parts_of(MeshView mesh) {
   }
   constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> part(positions, kNone);
-  Parts parts;
+  MeshParts parts;
   parts.of.reserve(mesh.triangles.size());
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     std::uint32_t& mine = part[connected.find(number[mesh.triangles[t][0]]).set];
@@ -70,26 +70,26 @@ Parts parts_of(MeshView mesh) {
   return parts;
 }
 
-struct Point {
+struct PointInTriangle {
   std::uint32_t triangle;
   double u, v;  // of the corners after the first
 };
 
-double area_of(MeshView mesh, std::size_t t) {
+double triangle_area(MeshView mesh, std::size_t t) {
   const auto [a, b, c] = mesh.corners(t);
   return length(cross(b - a, c - a)) / 2;
 }
 
 // Evenly over the area in the order of the triangles, and within triangles by Roberts's sequence.
-std::vector<Point> spread_points(MeshView mesh) {
+std::vector<PointInTriangle> spread_points(MeshView mesh) {
   double whole = 0, passed = 0;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) whole += area_of(mesh, t);
-  std::vector<Point> points;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) whole += triangle_area(mesh, t);
+  std::vector<PointInTriangle> points;
   if (!(whole > 0) || !std::isfinite(whole)) return points;
-  points.reserve(kMostPoints);
+  points.reserve(kMostLostPoints);
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-    passed += area_of(mesh, t);
-    const double due = std::min(passed / whole * kMostPoints + 0.5, double{kMostPoints});
+    passed += triangle_area(mesh, t);
+    const double due = std::min(passed / whole * kMostLostPoints + 0.5, double{kMostLostPoints});
     while (static_cast<double>(points.size() + 1) <= due) {
       const auto n = static_cast<double>(points.size() + 1);
       double u = std::fmod(n * 0.7548776662466927, 1), v = std::fmod(n * 0.5698402909980532, 1);
@@ -103,22 +103,23 @@ std::vector<Point> spread_points(MeshView mesh) {
   return points;
 }
 
-Vec3 position_of(MeshView mesh, const Point& point) {
+Vec3 place_in_triangle(MeshView mesh, const PointInTriangle& point) {
   const auto [a, b, c] = mesh.corners(point.triangle);
   return a + (b - a) * point.u + (c - a) * point.v;
 }
 
-std::vector<Fate> fates_of(MeshView mesh, std::span<const Point> points, const DistanceField& field, float level) {
+std::vector<Fate> fates_of(MeshView mesh, std::span<const PointInTriangle> points, const DistanceField& field,
+                           float level) {
   std::vector<Fate> fates(points.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), 256), [&](const auto& range) {
     for (std::size_t n = range.begin(); n != range.end(); ++n)
-      fates[n] = fate_of(position_of(mesh, points[n]), field, level);
+      fates[n] = fate_of(place_in_triangle(mesh, points[n]), field, level);
   });
   return fates;
 }
 
 // About the thickness of the thinnest part that is lost and has a volume; 0 if none has.
-double least_thickness(MeshView mesh, const Parts& parts, const std::vector<Fate>& fates) {
+double least_thickness(MeshView mesh, const MeshParts& parts, const std::vector<Fate>& fates) {
   struct Sums {
     double volume = 0, area = 0;
   };
@@ -139,8 +140,8 @@ double least_thickness(MeshView mesh, const Parts& parts, const std::vector<Fate
   return least;
 }
 
-std::string sentence_of(const IsoReport& report) {
-  if (report.lost_parts == 0 && report.lost_share < kNamedShare) return "";
+std::string sentence_of_lost(const IsoReport& report) {
+  if (report.lost_parts == 0 && report.lost_share < kLeastLostShare) return "";
   char share[32];
   std::snprintf(share, sizeof share, report.lost_share < 0.0995 ? "%.2g %%" : "%.0f %%", 100 * report.lost_share);
   std::string text = std::string(share) + " of the mesh's area";
@@ -159,13 +160,13 @@ std::string sentence_of(const IsoReport& report) {
 void find_lost_parts(MeshView mesh, const DistanceField& field, double level, MemoryBudget& budget, IsoReport& report,
                      ProgressMeter& progress) {
   MemoryShare memory(budget);
-  memory.take(20 * mesh.vertices.size() + 8 * mesh.triangles.size() + (kMostPoints + kMostExtraPoints) * 32);
+  memory.take(20 * mesh.vertices.size() + 8 * mesh.triangles.size() + (kMostLostPoints + kMostCornerPoints) * 32);
   const auto at = static_cast<float>(level);
-  const Parts parts = parts_of(mesh);
+  const MeshParts parts = mesh_parts_of(mesh);
   progress.check();
-  std::vector<Point> points = spread_points(mesh);
+  std::vector<PointInTriangle> points = spread_points(mesh);
   const std::size_t spread = points.size();
-  const std::size_t extra = std::min(parts.first.size(), kMostExtraPoints);
+  const std::size_t extra = std::min(parts.first.size(), kMostCornerPoints);
   for (std::size_t n = 0; n < extra; ++n) points.push_back({parts.first[n], 0, 0});
   const std::vector<Fate> fates = fates_of(mesh, points, field, at);
   progress.check();
@@ -184,16 +185,16 @@ void find_lost_parts(MeshView mesh, const DistanceField& field, double level, Me
   report.parts = std::ssize(parts.first);
   report.lost_share = counted > 0 ? static_cast<double>(lost) / static_cast<double>(counted) : 0;
   std::size_t looked_at = 0;
-  for (std::uint32_t t = 0; t < mesh.triangles.size() && looked_at < kMostTriangles; ++t) {
+  for (std::uint32_t t = 0; t < mesh.triangles.size() && looked_at < kMostLostTriangles; ++t) {
     Fate& part = of_part[parts.of[t]];
     if (part != Fate::lost) continue;
     ++looked_at;
     for (const auto& [u, v] : {std::pair(0.0, 0.0), {1.0, 0.0}, {0.0, 1.0}, {1.0 / 3, 1.0 / 3}})
-      if (fate_of(position_of(mesh, {t, u, v}), field, at) == Fate::kept) part = Fate::kept;
+      if (fate_of(place_in_triangle(mesh, {t, u, v}), field, at) == Fate::kept) part = Fate::kept;
   }
   report.lost_parts = std::ranges::count(of_part, Fate::lost);
   report.lost_thickness = report.lost_parts > 0 ? least_thickness(mesh, parts, of_part) : 0;
-  report.lost = sentence_of(report);
+  report.lost = sentence_of_lost(report);
 }
 
 }  // namespace standoff

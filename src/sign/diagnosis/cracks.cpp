@@ -17,26 +17,26 @@
 namespace standoff {
 namespace {
 
-constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t kNoPoint = std::numeric_limits<std::uint32_t>::max();
 
 // An open edge by its ends, numbers of points.
-struct OpenEdge {
+struct CrackSide {
   std::uint32_t low, high;
   bool forward, single;  // of its triangle if it has but one
 };
 
 struct OpenEdges {
-  std::vector<std::uint32_t> number;  // of each position its point, or kNone
+  std::vector<std::uint32_t> number;  // of each position its point, or kNoPoint
   std::vector<Vec3> points;
-  std::vector<OpenEdge> edges;
+  std::vector<CrackSide> edges;
 };
 
 OpenEdges open_edges_of(MeshView mesh, const MeshEdges& edges) {
   OpenEdges open;
-  open.number.assign(edges.positions(), kNone);
+  open.number.assign(edges.positions(), kNoPoint);
   const auto point = [&](std::uint32_t position, const Vec3& at) {
     std::uint32_t& number = open.number[position];
-    if (number == kNone) {
+    if (number == kNoPoint) {
       number = static_cast<std::uint32_t>(open.points.size());
       open.points.push_back(at);
     }
@@ -55,7 +55,7 @@ OpenEdges open_edges_of(MeshView mesh, const MeshEdges& edges) {
 
 // Joins points no farther apart than `width`. Cells are twice as wide, so that all of them around a point are in the
 // eight cells at its nearest corner.
-DisjointSets welded(std::span<const Vec3> points, const Vec3& origin, double width) {
+DisjointSets welded_points(std::span<const Vec3> points, const Vec3& origin, double width) {
   using Cell = std::array<std::int64_t, 3>;
   struct Hash {
     std::size_t operator()(const Cell& c) const {
@@ -66,7 +66,7 @@ DisjointSets welded(std::span<const Vec3> points, const Vec3& origin, double wid
   // Of a crowded cell only so many points are compared with; what is missed stays open.
   constexpr int kMostCompared = 64;
   std::unordered_map<Cell, std::uint32_t, Hash> last;
-  std::vector<std::uint32_t> before(points.size(), kNone);
+  std::vector<std::uint32_t> before(points.size(), kNoPoint);
   DisjointSets sets(points.size());
   for (std::uint32_t n = 0; n < points.size(); ++n) {
     const Vec3 at = (points[n] - origin) * (0.5 / width);
@@ -81,10 +81,10 @@ DisjointSets welded(std::span<const Vec3> points, const Vec3& origin, double wid
       const auto found = last.find(cell);
       if (found == last.end()) continue;
       int compared = 0;
-      for (std::uint32_t m = found->second; m != kNone && compared < kMostCompared; m = before[m], ++compared)
+      for (std::uint32_t m = found->second; m != kNoPoint && compared < kMostCompared; m = before[m], ++compared)
         if (length(points[m] - points[n]) <= width) sets.join(n, m);
     }
-    std::uint32_t& head = last.try_emplace(own, kNone).first->second;
+    std::uint32_t& head = last.try_emplace(own, kNoPoint).first->second;
     before[n] = head;
     head = n;
   }
@@ -98,7 +98,7 @@ bool is_mostly_copies(const MeshEdges& edges, const OpenEdges& open, DisjointSet
   for (std::size_t t = 0; t < triangles; ++t) {
     for (int corner = 0; corner < 3; ++corner) {
       const std::uint32_t position = edges.position(t, corner), point = open.number[position];
-      faces[t][static_cast<std::size_t>(corner)] = point == kNone ? points + position : sets.find(point).set;
+      faces[t][static_cast<std::size_t>(corner)] = point == kNoPoint ? points + position : sets.find(point).set;
     }
     std::ranges::sort(faces[t]);
   }
@@ -116,8 +116,8 @@ Cracks find_cracks(MeshView mesh, const MeshEdges& edges) {
   const Box box = bounds(mesh);
   const double width = kCrackWidth * box.longest_side();
   if (open.edges.empty() || !(width > 0)) return found;
-  DisjointSets sets = welded(open.points, box.min, width);
-  for (OpenEdge& edge : open.edges) {
+  DisjointSets sets = welded_points(open.points, box.min, width);
+  for (CrackSide& edge : open.edges) {
     edge.low = sets.find(edge.low).set;
     edge.high = sets.find(edge.high).set;
     if (edge.low > edge.high) {
@@ -126,8 +126,8 @@ Cracks find_cracks(MeshView mesh, const MeshEdges& edges) {
     }
   }
   // A triangle thinner than a crack has two sides that become one, or one that becomes a point.
-  std::erase_if(open.edges, [](const OpenEdge& edge) { return edge.low == edge.high; });
-  const auto ends = [](const OpenEdge& edge) { return std::tuple(edge.low, edge.high); };
+  std::erase_if(open.edges, [](const CrackSide& edge) { return edge.low == edge.high; });
+  const auto ends = [](const CrackSide& edge) { return std::tuple(edge.low, edge.high); };
   std::ranges::sort(open.edges, {}, ends);
   for (auto next = open.edges.begin(); next != open.edges.end();) {
     const auto first = next;

@@ -16,10 +16,10 @@ namespace standoff {
 namespace {
 
 // What closes the holes of a body is a smaller part of its area than that.
-constexpr double kMostCaps = 1.0 / 3;
+constexpr double kMostPartCaps = 1.0 / 3;
 
 // The parts of which so many triangles are in pairs.
-TwoSidedParts candidates_of(const MeshEdges& edges, const Copies& copies, std::size_t triangles) {
+TwoSidedParts two_sided_candidates(const MeshEdges& edges, const Copies& copies, std::size_t triangles) {
   DisjointSets connected(edges.positions());
   for (std::size_t t = 0; t < triangles; ++t)
     for (const int corner : {1, 2}) connected.join(edges.position(t, 0), edges.position(t, corner));
@@ -45,8 +45,8 @@ TwoSidedParts candidates_of(const MeshEdges& edges, const Copies& copies, std::s
 }
 
 // For each part the area of cones over its boundary, one for each loop, with its apex at the mean of the loop.
-std::vector<double> caps_of(MeshView mesh, const MeshEdges& edges, const TwoSidedParts& parts,
-                            const std::vector<std::int8_t>& turn) {
+std::vector<double> caps_of_parts(MeshView mesh, const MeshEdges& edges, const TwoSidedParts& parts,
+                                  const std::vector<std::int8_t>& turn) {
   struct Side {
     std::uint32_t position, part;
     Vec3 from, to;
@@ -86,12 +86,13 @@ std::vector<double> caps_of(MeshView mesh, const MeshEdges& edges, const TwoSide
 }
 
 // The area of each part, and of its pieces that are solids.
-struct Areas {
+struct PartAreas {
   double all = 0, solid = 0;
   bool unorientable = false;
 };
 
-std::vector<Areas> areas_of(MeshView mesh, const TwoSidedParts& parts, const Patches& patches, const Pieces& pieces) {
+std::vector<PartAreas> areas_of_parts(MeshView mesh, const TwoSidedParts& parts, const Patches& patches,
+                                      const Pieces& pieces) {
   std::vector<PartSums> sums(pieces.size());
   std::vector<Box> boxes(pieces.size());
   const auto for_each = [&](const auto& use) {
@@ -106,12 +107,12 @@ std::vector<Areas> areas_of(MeshView mesh, const TwoSidedParts& parts, const Pat
     if (patches.turn[t] < 0) std::swap(b, c);
     sums[pieces.of[t]].add(a, b, c, boxes[pieces.of[t]].center());
   });
-  std::vector<Areas> areas(parts.size());
+  std::vector<PartAreas> areas(parts.size());
   for_each([&](std::size_t t) {
     const auto [a, b, c] = mesh.corners(t);
     const double area = length(cross(b - a, c - a)) / 2;
     const std::uint32_t piece = pieces.of[t];
-    Areas& sum = areas[parts.of[t]];
+    PartAreas& sum = areas[parts.of[t]];
     sum.all += area;
     sum.unorientable = sum.unorientable || pieces.unorientable[piece] != 0;
     if (is_solid(sums[piece], pieces.closed[piece] != 0)) sum.solid += area;
@@ -124,14 +125,15 @@ std::vector<Areas> areas_of(MeshView mesh, const TwoSidedParts& parts, const Pat
 TwoSidedParts find_two_sided_parts(MeshView mesh, const MeshEdges& edges, const Copies& copies) {
   const std::size_t triangles = mesh.triangles.size();
   if (copies.opposite == 0 || copies.two_sided) return {};
-  TwoSidedParts parts = candidates_of(edges, copies, triangles);
+  TwoSidedParts parts = two_sided_candidates(edges, copies, triangles);
   if (parts.size() == 0) return parts;
   Patches patches = find_patches(edges, find_copies(edges, triangles, parts), triangles);
   const Pieces pieces = find_pieces(mesh, edges, patches);
-  const std::vector<Areas> areas = areas_of(mesh, parts, patches, pieces);
-  const std::vector<double> caps = caps_of(mesh, edges, parts, patches.turn);
+  const std::vector<PartAreas> areas = areas_of_parts(mesh, parts, patches, pieces);
+  const std::vector<double> caps = caps_of_parts(mesh, edges, parts, patches.turn);
   for (std::size_t n = 0; n < parts.size(); ++n)
-    parts.kept[n] = !areas[n].unorientable && areas[n].solid > areas[n].all / 2 && caps[n] < kMostCaps * areas[n].all;
+    parts.kept[n] =
+        !areas[n].unorientable && areas[n].solid > areas[n].all / 2 && caps[n] < kMostPartCaps * areas[n].all;
   return parts;
 }
 

@@ -14,14 +14,14 @@
 namespace standoff {
 namespace {
 
-constexpr std::int64_t kSide = DistanceField::kTileSide;
-using Sample = std::array<std::int64_t, 3>;
+constexpr std::int64_t kRimTileSide = DistanceField::kTileSide;
+using LatticeSample = std::array<std::int64_t, 3>;
 
-double part(const Vec3& v, std::size_t axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
+double along_axis(const Vec3& v, std::size_t axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 
 // The distance of two segments. If their lines have no common perpendicular between them, the nearest points include
 // an end.
-double distance_of(const Vec3& a, const Vec3& b, const Vec3& p, const Vec3& q) {
+double segment_distance(const Vec3& a, const Vec3& b, const Vec3& p, const Vec3& q) {
   const Vec3 u = b - a, v = q - p, w = a - p;
   const double uu = dot(u, u), uv = dot(u, v), vv = dot(v, v), uw = dot(u, w), vw = dot(v, w);
   const auto ratio = [](double above, double below) { return below > 0 ? std::clamp(above / below, 0.0, 1.0) : 0.0; };
@@ -32,8 +32,8 @@ double distance_of(const Vec3& a, const Vec3& b, const Vec3& p, const Vec3& q) {
 }
 
 // The samples from which edges along an axis may come as near to a rim as `reach`.
-struct Candidates {
-  Sample first, past;
+struct NearEdges {
+  LatticeSample first, past;
 
   std::int64_t count() const {
     std::int64_t product = 1;
@@ -42,11 +42,11 @@ struct Candidates {
   }
 };
 
-Candidates candidates_of(const RimEdge& rim, double reach, const TileLattice& lattice, std::size_t along) {
-  Candidates found;
+NearEdges near_edges_of(const RimEdge& rim, double reach, const TileLattice& lattice, std::size_t along) {
+  NearEdges found;
   for (std::size_t n = 0; n < 3; ++n) {
     const LatticeAxis& axis = lattice.axes[n];
-    const auto [low, high] = std::minmax({part(rim[0], n), part(rim[1], n)});
+    const auto [low, high] = std::minmax({along_axis(rim[0], n), along_axis(rim[1], n)});
     found.first[n] = axis.first_from(low - reach) - (n == along);
     found.past[n] = axis.first_from(high + reach);
     if (n == along) {
@@ -63,7 +63,7 @@ void for_each_piece(const RimEdge& rim, double reach, const TileLattice& lattice
   constexpr std::int64_t kMostCandidates = 64;
   constexpr int kMostHalvings = 60;
   const auto visit = [&](const auto& self, std::size_t axis, const RimEdge& piece, int halvings) -> void {
-    const Candidates candidates = candidates_of(piece, reach, lattice, axis);
+    const NearEdges candidates = near_edges_of(piece, reach, lattice, axis);
     if (candidates.count() == 0) return;
     if (candidates.count() <= kMostCandidates || halvings == 0) return use(axis, piece, candidates);
     const Vec3 middle = piece[0] + (piece[1] - piece[0]) * 0.5;
@@ -101,10 +101,10 @@ RimDistances::RimDistances(std::span<const RimEdge> rims, const TileLattice& lat
                            ProgressMeter& progress)
     : tiles_(lattice.tile_count()) {
   for_each_rim(rims, progress, [&](const RimEdge& rim) {
-    for_each_piece(rim, reach, lattice, [&](std::size_t, const RimEdge&, const Candidates& found) {
-      for (std::int64_t z = found.first[2] / kSide; z <= (found.past[2] - 1) / kSide; ++z)
-        for (std::int64_t y = found.first[1] / kSide; y <= (found.past[1] - 1) / kSide; ++y)
-          for (std::int64_t x = found.first[0] / kSide; x <= (found.past[0] - 1) / kSide; ++x)
+    for_each_piece(rim, reach, lattice, [&](std::size_t, const RimEdge&, const NearEdges& found) {
+      for (std::int64_t z = found.first[2] / kRimTileSide; z <= (found.past[2] - 1) / kRimTileSide; ++z)
+        for (std::int64_t y = found.first[1] / kRimTileSide; y <= (found.past[1] - 1) / kRimTileSide; ++y)
+          for (std::int64_t x = found.first[0] / kRimTileSide; x <= (found.past[0] - 1) / kRimTileSide; ++x)
             tiles_.add(lattice.index(x, y, z));
     });
   });
@@ -113,22 +113,22 @@ RimDistances::RimDistances(std::span<const RimEdge> rims, const TileLattice& lat
   for (auto& axis : far) axis.fill(kFar);
   steps_.assign(tiles_.count(), far);
   const double per_step = kFar / reach;
-  const auto position = [&](const Sample& s) {
+  const auto position = [&](const LatticeSample& s) {
     return Vec3{lattice.axes[0].at(s[0]), lattice.axes[1].at(s[1]), lattice.axes[2].at(s[2])};
   };
   for_each_rim(rims, progress, [&](const RimEdge& rim) {
-    for_each_piece(rim, reach, lattice, [&](std::size_t axis, const RimEdge& piece, const Candidates& found) {
-      Sample at;
+    for_each_piece(rim, reach, lattice, [&](std::size_t axis, const RimEdge& piece, const NearEdges& found) {
+      LatticeSample at;
       for (at[2] = found.first[2]; at[2] < found.past[2]; ++at[2])
         for (at[1] = found.first[1]; at[1] < found.past[1]; ++at[1])
           for (at[0] = found.first[0]; at[0] < found.past[0]; ++at[0]) {
-            Sample to = at;
+            LatticeSample to = at;
             ++to[axis];
-            const double steps = distance_of(piece[0], piece[1], position(at), position(to)) * per_step;
+            const double steps = segment_distance(piece[0], piece[1], position(at), position(to)) * per_step;
             if (!(steps < kFar)) continue;
-            const std::size_t tile = lattice.index(at[0] / kSide, at[1] / kSide, at[2] / kSide);
-            const auto sample =
-                static_cast<std::size_t>(at[0] % kSide + kSide * (at[1] % kSide + kSide * (at[2] % kSide)));
+            const std::size_t tile = lattice.index(at[0] / kRimTileSide, at[1] / kRimTileSide, at[2] / kRimTileSide);
+            const auto sample = static_cast<std::size_t>(
+                at[0] % kRimTileSide + kRimTileSide * (at[1] % kRimTileSide + kRimTileSide * (at[2] % kRimTileSide)));
             const std::atomic_ref<std::uint16_t> least(steps_[tiles_.number(tile)][axis][sample]);
             const auto mine = static_cast<std::uint16_t>(steps);
             std::uint16_t seen = least.load(std::memory_order_relaxed);
