@@ -235,6 +235,21 @@ TEST(Flood, RimsLeaveNothingInside) {
     EXPECT_EQ(flood(mesh, grid).count, 0);
 }
 
+// Triangles without area have no rims, wherever they are.
+TEST(Flood, DegenerateTrianglesChangeNothing) {
+  const Mesh ball = testing::sphere(10);
+  Mesh mesh = ball;
+  Random random(11);
+  for (int n = 0; n < 300; ++n) {
+    // Multiples of a power of two, so that the three are on one line exactly.
+    const auto whole = [&] { return static_cast<double>(random.below(192)) / 64 - 1.5; };
+    const Vec3 at{whole(), whole(), whole()}, along{whole(), whole(), whole()};
+    testing::add_triangle(mesh, at, at + along * 0.25, at + along);
+  }
+  const Grid grid{{40, 40, 40}, {-1.37, -1.38, -1.39}, {0.07, 0.07, 0.07}};
+  EXPECT_EQ(flood(mesh, grid).inside, flood(ball, grid).inside);
+}
+
 // A path keeps half a spacing from rims, whichever spacing is the smallest.
 TEST(Flood, DistancesToRimsAreThoseOfBruteForce) {
   Random random(3);

@@ -8,6 +8,7 @@
 #include <atomic>
 #include <cmath>
 
+#include "sign/diagnosis/degenerate.h"
 #include "sign/diagnosis/edge_sides.h"
 #include "sign/diagnosis/mesh_edges.h"
 
@@ -88,7 +89,9 @@ void for_each_rim(std::span<const RimEdge> rims, ProgressMeter& progress, const 
 
 std::vector<RimEdge> rim_edges_of(MeshView mesh, ProgressMeter& progress) {
   std::vector<RimEdge> rims;
-  for_each_edge(MeshEdges(mesh, progress), {}, [&](std::span<const EdgeUse> sides) {
+  std::vector<std::int8_t> use(mesh.triangles.size());
+  tbb::parallel_for(std::size_t{0}, use.size(), [&](std::size_t t) { use[t] = !is_degenerate(mesh.corners(t)); });
+  for_each_edge(MeshEdges(mesh, progress), use, [&](std::span<const EdgeUse> sides) {
     if (sides.size() % 2 == 0) return;
     const auto corners = mesh.corners(sides.front().triangle);
     const std::size_t corner = sides.front().corner;
