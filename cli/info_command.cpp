@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // standoff info: what is in a mesh, field or body file.
+#include <chrono>
 #include <cmath>
 #include <memory>
 
@@ -28,10 +29,19 @@ constexpr const char* kInfoExamples =
   standoff info bunny.vti --json     the same for programs
 )";
 
+MeshReport examined(const MeshInput& input, const Mesh& mesh, MeshReportOptions options, const Console& console) {
+  const auto start = std::chrono::steady_clock::now();
+  options.progress = console.progress();  // with the bar, until this returns
+  MeshReport found = report(mesh, options);
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+  console.detail("examining " + input.name() + ": " + seconds_text(elapsed.count()));
+  return found;
+}
+
 void tell_mesh(const MeshInput& input, const MeshReportOptions& options, const Console& console) {
   MeshReadReport read;
   const Mesh mesh = with_spinner(console, "reading " + input.name(), [&] { return input.read(&read); });
-  const MeshReport found = with_spinner(console, "examining " + input.name(), [&] { return report(mesh, options); });
+  const MeshReport found = examined(input, mesh, options, console);
   if (console.json()) {
     Json json = json_answer("info");
     json["kind"] = "mesh";
@@ -151,7 +161,7 @@ void add_info(CLI::App& program) {
              [options = &command->options](const std::string& option, const std::string& text) {
                options->spacing = parse_positive(option, text);
              });
-  command->console.add_to(*verb, Console::kJson | Console::kMessages);
+  command->console.add_to(*verb, Console::kJson | Console::kMessages | Console::kProgress);
   verb->callback([command] { command->run(); });
 }
 

@@ -27,7 +27,7 @@ enum class Method {
 /// A rule that decides which triangles are left out before any distance is computed (docs/skip.md).
 struct SkipRule {
   enum class Kind {
-    automatic,  ///< the method's default: none for tiles, neighbour(1) for thesis
+    automatic,  ///< the method's default: neighbour(1) for thesis; copies alone, if they are many, for tiles
     none,       ///< keep all triangles
     neighbour,  ///< the thesis's rule: drop a triangle whose grown box lies inside its predecessor's or successor's
     exact,      ///< drop only triangles that provably change no sample
@@ -61,7 +61,7 @@ struct ComputeReport {
   std::string device;   ///< the instruction set or the GPU's name
   int threads = 0;
   std::int64_t triangles = 0;
-  std::int64_t skipped = 0;           ///< triangles left out by the skip rule
+  std::int64_t skipped = 0;           ///< triangles left out by the skip rule, or as copies of others
   std::int64_t samples = 0;           ///< samples of the grid
   std::int64_t samples_examined = 0;  ///< sample-triangle distances computed
   std::int64_t samples_band = 0;      ///< samples whose distance is at most the thickness

@@ -95,6 +95,7 @@ struct MeshReportOptions {
   std::int64_t most_components = 100;      ///< that are listed
   std::int64_t most_intersections = 1000;  ///< the search stops soon after it has found so many; 0: no search
   /// Pairs of triangles with overlapping boxes that the search compares at the most, about a second per ten million.
+  /// Where very many pairs share a position, finding them counts too (docs/diagnosis.md).
   std::int64_t most_intersection_tests = 10'000'000;
   Execution execution = {};  ///< the backend must be automatic or cpu
   ProgressCallback progress = {};
@@ -103,7 +104,8 @@ struct MeshReportOptions {
 /// Examines a mesh; a mesh without triangles gets an empty report. The result does not depend on the number of threads.
 /// Takes up to 200 bytes per triangle, and 150 per boundary edge. Errors: those of validate(mesh) for a mesh with
 /// triangles; usage (spacing is negative or not finite, negative limits, execution); limit;
-/// interrupted, between the steps of the work, which take up to 0.3 s for a million triangles.
+/// interrupted, between the steps of the work, which take up to 0.3 s for a million triangles, and often within the
+/// search for intersections.
 STANDOFF_API MeshReport report(MeshView mesh, const MeshReportOptions& options = {});
 
 }  // namespace standoff

@@ -29,6 +29,10 @@ inline void validate_all(std::span<const Pose> poses) {
 template <class Result, class Query>
 std::vector<Result> for_each(std::size_t count, int threads, Query query) {
   std::vector<Result> results(count);
+  if (count == 1) {
+    results[0] = query(0);
+    return results;
+  }
   Threads(threads).run([&] {
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 16), [&](const auto& range) {
       for (std::size_t n = range.begin(); n < range.end(); ++n) results[n] = query(n);

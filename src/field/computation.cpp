@@ -25,7 +25,7 @@ void Computation::check() {
     progress_.stage("prepare", 1, 0, 0.1);
     check_mesh(mesh_, plan_, options_);
     sign_plan_ = plan_sign(mesh_, options_.sign, progress_);
-    if (options_.sign.outer) plan_outer(mesh_, options_.sign, sign_plan_);
+    if (options_.sign.outer) plan_outer(mesh_, options_.sign, sign_plan_, progress_);
     if (plan_.slab_layers != 0 && !is_decided_in_slabs(sign_plan_.report.method)) {
       plan_.slab_layers = 0;
       check_mesh(mesh_, plan_, options_);
@@ -36,7 +36,7 @@ void Computation::check() {
 
 Job Computation::job() {
   Stopwatch watch;
-  kept_ = kept_by_plan(mesh_, plan_, sign_plan_.exposed);
+  kept_ = kept_by_plan(mesh_, plan_, sign_plan_.exposed, progress_);
   report_.seconds.prepare += watch.lap();
   progress_.stage("bin", 1, 0.1, 0.2);
   return {.mesh = mesh_,

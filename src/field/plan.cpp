@@ -40,6 +40,7 @@ Plan make_plan(std::int64_t triangles, const Grid& grid, double thickness, const
   const bool in_slabs = slab_samples != 0 && row.in_layers && is_decided_in_slabs(options.sign.method);
   return {&row,
           effective_rule(options),
+          options.method == Method::tiles && options.skip.kind == SkipRule::Kind::automatic,
           triangles,
           grid,
           reach(grid, thickness, options.sign),

@@ -10,6 +10,7 @@ namespace standoff {
 struct Plan {
   const BackendRow* row;  ///< backend and method
   SkipRule rule;          ///< never automatic
+  bool drops_copies;      ///< whether many copies of triangles are left out (copies.h): they change nothing
   std::int64_t triangles;
   Grid grid;
   double thickness;        ///< distances are computed up to it

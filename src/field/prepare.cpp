@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "core/tile_count.h"
+#include "field/copies.h"
 #include "field/float_range.h"
 #include "field/memory.h"
 #include "field/reach.h"
@@ -31,6 +32,15 @@ bool vertices_near(MeshView mesh, const FloatRange& range) {
     return good;
   };
   return tbb::parallel_reduce(Positions(0, mesh.vertices.size(), kPrepareGrain), true, look, std::logical_and<>());
+}
+
+// Whether a list of triangles and the work on them take no more than the work on all, which is what was promised.
+bool fits_with(std::size_t triangles, const Plan& plan) {
+  const auto scratch = [&](std::int64_t count) {
+    return plan.row->scratch_bytes(count, plan.grid, plan.thickness, plan.threads);
+  };
+  const auto count = static_cast<std::int64_t>(triangles);
+  return static_cast<std::int64_t>(sizeof(std::uint32_t)) * count + scratch(count) <= scratch(plan.triangles);
 }
 
 double tiles_of_range(const SampleRange& range) {
@@ -86,12 +96,19 @@ void check_mesh(MeshView mesh, const Plan& plan, const ComputeOptions& options) 
   if (!look.is_near) check_domain(mesh, plan.grid);
 }
 
-std::vector<std::uint32_t> kept_by_plan(MeshView mesh, const Plan& plan, std::span<const std::uint32_t> among) {
-  if (plan.rule.kind == SkipRule::Kind::none) return {among.begin(), among.end()};
+std::vector<std::uint32_t> kept_by_plan(MeshView mesh, const Plan& plan, std::span<const std::uint32_t> among,
+                                        ProgressMeter& progress) {
+  if (plan.rule.kind == SkipRule::Kind::none) {
+    if (plan.drops_copies)
+      if (std::vector<std::uint32_t> kept = without_many_copies(mesh, among, progress);
+          !kept.empty() && fits_with(kept.size(), plan))
+        return kept;
+    return {among.begin(), among.end()};
+  }
   if (!among.empty()) {
     std::vector<Triangle> triangles(among.size());
     std::ranges::transform(among, triangles.begin(), [&](std::uint32_t t) { return mesh.triangles[t]; });
-    std::vector<std::uint32_t> kept = kept_by_plan({mesh.vertices, triangles}, plan, {});
+    std::vector<std::uint32_t> kept = kept_by_plan({mesh.vertices, triangles}, plan, {}, progress);
     if (kept.empty()) return {among.begin(), among.end()};
     for (std::uint32_t& triangle : kept) triangle = among[triangle];
     return kept;

@@ -27,7 +27,10 @@ MeshLook look_at(MeshView mesh, const Plan& plan, bool counts_tiles);
 void check_mesh(MeshView mesh, const Plan& plan, const ComputeOptions& options);
 
 /// Of the triangles in `among`, which are all if it is empty, those that the plan's skip rule keeps, ascending; empty
-/// when all of the mesh. The rule sees no others. Requires a checked mesh.
-std::vector<std::uint32_t> kept_by_plan(MeshView mesh, const Plan& plan, std::span<const std::uint32_t> among);
+/// when all of the mesh. The rule sees no others. Where there is no rule, copies of triangles are left out if they are
+/// many and the plan says so, and that takes no more memory than all triangles would. Requires a checked mesh. Throws
+/// Error{interrupted}.
+std::vector<std::uint32_t> kept_by_plan(MeshView mesh, const Plan& plan, std::span<const std::uint32_t> among,
+                                        ProgressMeter& progress);
 
 }  // namespace standoff

@@ -15,6 +15,7 @@
 #include "core/progress.h"
 #include "core/promised_error.h"
 #include "core/threads.h"
+#include "field/copies.h"
 #include "field/sign_judge.h"
 #include "field/triangle_groups.h"
 #include "sign/diagnosis/mesh_edges.h"
@@ -80,28 +81,38 @@ std::vector<std::int8_t> oriented_for_sign(MeshView mesh, const SignText& sign) 
 }
 
 // The triangles that distances are to, as SignPlan::exposed says it.
-std::vector<std::uint32_t> with_distances(MeshView mesh, const SignText& sign, const std::vector<std::int8_t>& use) {
+std::vector<std::uint32_t> exposed_in(MeshView mesh, const SignText& sign, const std::vector<std::int8_t>& use,
+                                      ProgressMeter& progress) {
   if (!sign.outer) return {};
   const OrientedMesh oriented{mesh, use};
   // Of a mesh that is not closed there is no such field. It is another one than the field's, and has all its triangles.
   if (!is_closed_in_use(oriented)) return {};
   std::vector<std::uint32_t> exposed;
-  const std::vector<Exposure> of = find_exposed(oriented, sign.rule).of;
+  const std::vector<Exposure> of = find_exposed(oriented, sign.rule, progress).of;
   for (std::uint32_t t = 0; t < of.size(); ++t)
     if (of[t] != Exposure::internal) exposed.push_back(t);
   return exposed;
 }
 
+// Groups of those, without copies where these are many; none where they are all triangles.
+std::optional<TriangleGroups> groups_with_distances(MeshView mesh, const SignText& sign,
+                                                    const std::vector<std::int8_t>& use, ProgressMeter& progress) {
+  const std::vector<std::uint32_t> exposed = exposed_in(mesh, sign, use, progress),
+                                   distinct = without_many_copies(mesh, exposed, progress);
+  const auto& some = distinct.empty() ? exposed : distinct;
+  if (some.empty()) return std::nullopt;
+  return TriangleGroups(mesh, some);
+}
+
 // One field and its mesh. Requires a valid mesh. Runs on the threads of the calling TBB arena.
 class Check {
  public:
-  Check(const DistanceField& field, MeshView mesh)
+  Check(const DistanceField& field, MeshView mesh, ProgressMeter& progress)
       : field_(field),
         sign_(sign_text_in(field.provenance().sign).value_or(SignText{})),
         use_(oriented_for_sign(mesh, sign_)),
         groups_(mesh),
-        exposed_(sign_.outer ? std::optional<TriangleGroups>(std::in_place, mesh, with_distances(mesh, sign_, use_))
-                             : std::nullopt),
+        near_(groups_with_distances(mesh, sign_, use_, progress)),
         judge_(mesh, groups_, sign_, use_) {}
 
   bool is_shell() const { return sign_.method == SignMethod::shell; }
@@ -115,12 +126,12 @@ class Check {
 
   const DistanceField& field_;
   // The triangles that distances are to; the sign is that of all.
-  const TriangleGroups& near() const { return exposed_ ? *exposed_ : groups_; }
+  const TriangleGroups& near() const { return near_ ? *near_ : groups_; }
 
   SignText sign_;
   std::vector<std::int8_t> use_;
   TriangleGroups groups_;
-  std::optional<TriangleGroups> exposed_;
+  std::optional<TriangleGroups> near_;
   SignJudge judge_;
 };
 
@@ -213,7 +224,7 @@ VerifyResult verify(const DistanceField& field, MeshView mesh, const VerifyOptio
   result.sign.method = field.provenance().sign;
   Threads(options.execution.threads).run([&] {
     progress.stage("sort", 1, 0, 0.05);
-    const Check check(field, mesh);
+    const Check check(field, mesh, progress);
     result.sign.can_check = check.can_check_sign();
     progress.stage("verify", static_cast<std::int64_t>(samples.size()), 0.05, 1);
     tbb::parallel_for(std::size_t{0}, samples.size(), [&](std::size_t n) {

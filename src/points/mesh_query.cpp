@@ -4,6 +4,7 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 
@@ -11,12 +12,14 @@
 #include "core/guarded.h"
 #include "core/mesh_copy.h"
 #include "core/number_text.h"
+#include "core/per_thread.h"
 #include "core/threads.h"
+#include "field/copies.h"
 #include "geometry/triangle_frame.h"
-#include "points/closest_in_triangle.h"
 #include "points/nearest.h"
 #include "points/nearest_on_device.h"
 #include "points/query_data.h"
+#include "sign/open_winding/node_stack.h"
 #include "sign/options.h"
 #include "sign/outer/outer.h"
 #include "standoff/error.h"
@@ -52,7 +55,7 @@ void check(std::span<const Vec3> points, std::size_t answers) {
 
 SignPlan plan_of(MeshView mesh, const SignOptions& options, ProgressMeter& progress) {
   SignPlan plan = plan_sign(mesh, options, progress);
-  if (options.outer) plan_outer(mesh, options, plan);
+  if (options.outer) plan_outer(mesh, options, plan, progress);
   if (plan.report.method != SignMethod::flood) return plan;
   plan.report.method = SignMethod::none;  // found by the diagnosis
   plan.report.sure = false;
@@ -61,10 +64,39 @@ SignPlan plan_of(MeshView mesh, const SignOptions& options, ProgressMeter& progr
   return plan;
 }
 
-// Points that are decided together, by one thread.
-constexpr std::size_t kTogether = 1024;
+// As many rays take less time than other threads to join in.
+constexpr std::size_t kFewRays = 32;
 
-// Calls answer(n, nearest triangle, distance with its sign) for each point, from many threads.
+// Some points, decided together by one thread.
+struct Decided {
+  std::span<const std::uint32_t> order;  ///< which of the points that were asked each one is
+  std::array<PointToSide, kTogether> to_side;
+  std::array<double, kTogether> distance;  ///< with its sign
+};
+
+void decide(const MeshQuery::Data& data, const cpu::PointKernels& kernels, const FoundTriangles& found,
+            std::size_t begin, std::size_t end, WorkCheck& check, Decided& decided) {
+  const std::size_t count = end - begin;
+  decided.order = std::span(found.order).subspan(begin, count);
+  for (std::size_t n = 0; n < count; ++n) {
+    const NearestTriangle& nearest = found.nearest[begin + n];
+    decided.to_side[n] = {found.points[begin + n], nearest.distance, nearest.triangle};
+    decided.distance[n] = nearest.distance;
+  }
+  if (data.plan.report.method == SignMethod::shell)
+    for (double& distance : std::span(decided.distance).first(count)) {
+      distance -= data.sign.shell / 2;
+      if (data.sign.invert) distance = 0 - distance;
+    }
+  if (!data.sides || !data.plan.has_sign()) return;
+  std::array<bool, kTogether> inside;
+  data.sides->decide(std::span(decided.to_side).first(count), kernels, check, std::span(inside).first(count));
+  for (std::size_t n = 0; n < count; ++n)
+    if (inside[n] != data.sign.invert && decided.distance[n] != 0) decided.distance[n] = -decided.distance[n];
+}
+
+// Calls answer(decided, first) for some points at a time, from many threads: numbers in its order are those of points
+// behind the first ones.
 template <class Answer>
 void answer_all(const MeshQuery::Data& data, std::span<const Vec3> points, const Execution& execution,
                 const ProgressCallback& callback, const Answer& answer) {
@@ -73,6 +105,19 @@ void answer_all(const MeshQuery::Data& data, std::span<const Vec3> points, const
   const cpu::PointKernels& kernels = cpu::point_kernels_for(execution.simd);
   const TriangleIndex& index = data.near();
   const PointDevice* const device = find_point_device(execution.backend, points.size());
+  const auto answer_some = [&](const FoundTriangles& found, std::size_t first, std::size_t begin, std::size_t end,
+                               WorkCheck& check) {
+    const KeptByThread<Decided> decided;  // to make one takes longer than to answer a point
+    decide(data, kernels, found, begin, end, check, *decided);
+    answer(*decided, first);
+  };
+  if (!device && points.size() <= kTogether) {
+    // By the calling thread, in memory that it keeps: other threads cost more than they take off it.
+    const KeptByThread<FoundTriangles> found;
+    find_nearest(index, kernels, points, *found, progress);
+    WorkCheck check(progress, kLooks);
+    return answer_some(*found, 0, 0, points.size(), check);
+  }
   Threads(execution.threads).run([&] {
     FoundTriangles found;
     for (std::size_t first = 0; first < points.size(); first += kMostPoints) {
@@ -82,32 +127,44 @@ void answer_all(const MeshQuery::Data& data, std::span<const Vec3> points, const
       else
         find_nearest(index, kernels, part, found, progress);
       tbb::parallel_for(tbb::blocked_range<std::size_t>(0, part.size(), kTogether), [&](const auto& range) {
-        std::array<PointToSide, kTogether> to_side;
-        std::array<bool, kTogether> inside;
-        for (std::size_t begin = range.begin(); begin < range.end(); begin += kTogether) {
-          const std::size_t count = std::min(kTogether, range.end() - begin);
-          for (std::size_t n = 0; n < count; ++n) {
-            const NearestTriangle& nearest = found.nearest[begin + n];
-            to_side[n] = {found.points[begin + n], nearest.distance, nearest.triangle};
-          }
-          if (data.sides)
-            data.sides->decide(std::span(to_side).first(count), kernels, std::span(inside).first(count));
-          else
-            inside.fill(false);
-          for (std::size_t n = 0; n < count; ++n) {
-            const bool negative = data.plan.has_sign() && inside[n] != data.sign.invert && data.sides;
-            double distance = to_side[n].free_radius;
-            if (data.plan.report.method == SignMethod::shell) {
-              distance -= data.sign.shell / 2;
-              if (data.sign.invert) distance = 0 - distance;
-            }
-            answer(first + found.order[begin + n], to_side[n].triangle,
-                   negative && distance != 0 ? -distance : distance);
-          }
-        }
+        WorkCheck check(progress, kLooks);
+        for (std::size_t begin = range.begin(); begin < range.end(); begin += kTogether)
+          answer_some(found, first, begin, std::min(range.end(), begin + kTogether), check);
       });
     }
   });
+}
+
+// The closest points of some triangles, and what is known about them.
+void find_closest(const TriangleIndex& index, const cpu::PointKernels& kernels, const Decided& decided,
+                  std::span<ClosestPoint> out) {
+  constexpr std::size_t kCount = cpu::ClosestOfEight::kCount;
+  cpu::ClosestOfEight eight;
+  const cpu::PackTree& tree = index.tree();
+  for (std::size_t begin = 0; begin < decided.order.size(); begin += kCount) {
+    const std::size_t count = std::min(kCount, decided.order.size() - begin);
+    double scale[kCount];
+    for (std::size_t n = 0; n < kCount; ++n) {
+      const PointToSide& one = decided.to_side[begin + std::min(n, count - 1)];
+      scale[n] = index.scale_at(one.at);
+      const std::uint32_t* const corners = tree.corners + std::size_t{3} * one.triangle;
+      for (int k = 0; k < 3; ++k) {
+        const double* const at = tree.vertices + std::size_t{3} * corners[k];
+        const Vec3 corner = (Vec3{at[0], at[1], at[2]} - one.at) * scale[n];
+        eight.corners[k][0][n] = corner.x, eight.corners[k][1][n] = corner.y, eight.corners[k][2][n] = corner.z;
+      }
+    }
+    kernels.closest(eight);
+    for (std::size_t n = 0; n < count; ++n) {
+      const PointToSide& one = decided.to_side[begin + n];
+      ClosestPoint& at = out[decided.order[begin + n]];
+      at.distance = decided.distance[begin + n];
+      at.point = Vec3{eight.point[0][n], eight.point[1][n], eight.point[2][n]} * (1 / scale[n]) + one.at;
+      at.triangle = one.triangle;
+      at.feature = static_cast<Feature>(static_cast<int>(eight.feature[n]));
+      at.weights = {eight.weights[0][n], eight.weights[1][n], eight.weights[2][n]};
+    }
+  }
 }
 
 }  // namespace
@@ -116,7 +173,10 @@ MeshQuery::Data::Data(Mesh own, const SignOptions& options, SignPlan planned, in
                       const ProgressCallback& while_built)
     : mesh(std::move(own)), sign(options), plan(std::move(planned)) {
   all.emplace(mesh, std::span<const std::uint32_t>{}, threads, simd, while_built);
-  if (!plan.exposed.empty()) exposed.emplace(mesh, plan.exposed, threads, simd, while_built);
+  ProgressMeter progress(while_built);
+  distinct = without_many_copies(mesh, plan.exposed, progress);
+  if (const auto& some = distinct.empty() ? plan.exposed : distinct; !some.empty())
+    counting.emplace(mesh, some, threads, simd, while_built);
   sides = make_sides_of_points({mesh, plan.use}, *all, plan, sign.rule, threads, simd);
 }
 
@@ -153,8 +213,9 @@ std::int64_t MeshQuery::memory_bytes() const {
   const Data& data = *data_;
   return static_cast<std::int64_t>(data.mesh.vertices.capacity() * sizeof(Vec3) +
                                    data.mesh.triangles.capacity() * sizeof(Triangle) + data.plan.use.capacity() +
-                                   data.plan.boundary.edges.capacity() * sizeof(BoundaryEdge)) +
-         data.all->memory_bytes() + (data.exposed ? data.exposed->memory_bytes() : 0) +
+                                   data.plan.boundary.edges.capacity() * sizeof(BoundaryEdge) +
+                                   data.distinct.capacity() * sizeof(std::uint32_t)) +
+         data.all->memory_bytes() + (data.counting ? data.counting->memory_bytes() : 0) +
          (data.sides ? data.sides->memory_bytes() : 0);
 }
 
@@ -162,8 +223,9 @@ void MeshQuery::distances(std::span<const Vec3> points, std::span<double> out, c
                           const ProgressCallback& progress) const try {
   validate("points", execution, Runs::everywhere);
   check(points, out.size());
-  answer_all(*data_, points, execution, progress,
-             [&](std::size_t n, std::uint32_t, double distance) { out[n] = distance; });
+  answer_all(*data_, points, execution, progress, [&](const Decided& decided, std::size_t first) {
+    for (std::size_t n = 0; n < decided.order.size(); ++n) out[first + decided.order[n]] = decided.distance[n];
+  });
 } catch (...) {
   throw_as_error("points", "ask about fewer points at once, or provide more memory");
 }
@@ -172,15 +234,9 @@ void MeshQuery::closest(std::span<const Vec3> points, std::span<ClosestPoint> ou
                         const ProgressCallback& progress) const try {
   validate("points", execution, Runs::everywhere);
   check(points, out.size());
-  answer_all(*data_, points, execution, progress, [&](std::size_t n, std::uint32_t triangle, double distance) {
-    const double scale = data_->near().scale_at(points[n]);
-    const MeshView mesh = data_->mesh;
-    const auto corner = [&](int k) { return triple_of((mesh.corner(triangle, k) - points[n]) * scale); };
-    ClosestPoint at = closest_in_triangle({corner(0), corner(1), corner(2)});
-    at.point = at.point * (1 / scale) + points[n];
-    at.distance = distance;
-    at.triangle = triangle;
-    out[n] = at;
+  const cpu::PointKernels& kernels = cpu::point_kernels_for(execution.simd);
+  answer_all(*data_, points, execution, progress, [&](const Decided& decided, std::size_t first) {
+    find_closest(data_->near(), kernels, decided, out.subspan(first));
   });
 } catch (...) {
   throw_as_error("points", "ask about fewer points at once, or provide more memory");
@@ -196,12 +252,16 @@ void MeshQuery::winding_numbers(std::span<const Vec3> points, std::span<double> 
   ProgressMeter progress(callback);
   progress.stage("points", static_cast<std::int64_t>(points.size()), 0, 1);
   const cpu::PointKernels& kernels = cpu::point_kernels_for(execution.simd);
-  Threads(execution.threads).run([&] {
-    tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t n) {
-      out[n] = data_->sides->winding_number(points[n], kernels);
-      progress.advance();
-    });
-  });
+  const auto answer = [&](std::size_t n) {
+    WorkCheck check(progress, kLooks);
+    out[n] = data_->sides->winding_number(points[n], kernels, check);
+    progress.advance();
+  };
+  if (points.size() <= (data_->sides->is_slow() ? 1 : kFewRays)) {
+    for (std::size_t n = 0; n < points.size(); ++n) answer(n);
+    return;
+  }
+  Threads(execution.threads).run([&] { tbb::parallel_for(std::size_t{0}, points.size(), answer); });
 } catch (...) {
   throw_as_error("points", "ask about fewer points at once, or provide more memory");
 }

@@ -4,11 +4,14 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cmath>
-#include <memory>
+#include <numeric>
+#include <optional>
 
 #include "core/per_thread.h"
-#include "points/sorted_points.h"
+#include "geometry/triangle_distance.h"
 
 namespace standoff {
 namespace {
@@ -26,13 +29,83 @@ constexpr std::int64_t kFewOfInside = 2;
 // Candidates of the cell for each point, where points are few: smaller cells would have fewer, but not few enough.
 constexpr std::int64_t kManyCandidates = 12, kFewPoints = 512;
 
-// What one thread uses for one group after the other.
-struct ThreadState {
-  explicit ThreadState(CandidateLists&& candidates) : lists(std::move(candidates)) {}
+// Points that go down the hierarchy at once, unsorted: what others might share with them does not pay for lists.
+constexpr std::size_t kFewAlone = 32;
+static_assert(kFewAlone <= PointGroup::kMost);
 
-  CandidateLists lists;
+// Fills a group with points near the mesh, and returns their box.
+CullCell fill_group(const TriangleIndex& index, std::span<const Vec3> points, PointGroup& group) {
+  group.count = static_cast<int>(points.size());
+  group.scale = index.scale();
+  Box box;
+  for (int n = 0; n < group.count; ++n) {
+    const Vec3 world = points[static_cast<std::size_t>(n)];
+    group.at[n][0] = world.x * group.scale, group.at[n][1] = world.y * group.scale;
+    group.at[n][2] = world.z * group.scale, group.at[n][3] = 0;
+    box.include(index.local(world));
+  }
+  const Vec3 middle = box.min + (box.max - box.min) * 0.5;
+  const double middles[3] = {middle.x, middle.y, middle.z};
+  const double lows[3] = {box.min.x, box.min.y, box.min.z}, highs[3] = {box.max.x, box.max.y, box.max.z};
+  CullCell cell;
+  cell.reach = std::numeric_limits<float>::infinity();
+  for (int axis = 0; axis < 3; ++axis) {
+    cell.center[axis] = static_cast<float>(middles[axis]);
+    const double center = cell.center[axis];
+    group.middle[axis] = center;
+    group.center[axis] = index.clusters().center()[axis] + center;
+    cell.half[axis] =
+        static_cast<float>(std::max(center - lows[axis], highs[axis] - center)) * (1 + kHalfSlack) + kHalfSlack;
+    group.half[axis] = cell.half[axis];
+  }
+  group.center[3] = 0;
+  const int lanes = (group.count + kLanes - 1) / kLanes * kLanes;
+  for (int n = 0; n < lanes; ++n) {
+    const double(&at)[4] = group.at[std::min(n, group.count - 1)];
+    for (int axis = 0; axis < 3; ++axis) group.local[axis][n] = static_cast<float>(at[axis] - group.center[axis]);
+    group.upper_sq[n] = std::numeric_limits<float>::infinity();
+    group.nearest_sq[n] = std::numeric_limits<double>::infinity();
+    group.nearest[n] = kNoTriangle;
+  }
+  return cell;
+}
+
+NearestTriangle answer_of(const PointGroup& group, int n) {
+  return {std::sqrt(group.nearest_sq[n]) / group.scale, group.nearest[n]};
+}
+
+// What one thread uses for one group after the other, and keeps for calls to come: lists are large, and taking memory
+// costs more than a few points.
+class ThreadState {
+ public:
+  /// Makes the lists ready for a call, each of which has a number of its own. What they hold of other calls is gone.
+  void prepare(const TriangleIndex& index, std::uint64_t call) {
+    if (call == call_) return;
+    call_ = 0;
+    const std::int64_t entries = index.clusters().entries();
+    if (entries > entries_) {
+      lists_.reset();
+      entries_ = 0;
+      lists_.emplace(index.culling().make_lists(kLevels));
+      entries_ = entries;
+    }
+    for (CellCandidates& level : lists_->levels) level.cell = {};
+    group.start = 0;
+    call_ = call;
+  }
+  static std::uint64_t next_call() {
+    static std::atomic<std::uint64_t> last{0};
+    return ++last;
+  }
+  CandidateLists& lists() { return *lists_; }
+
   PointGroup group;
   PointTable table;
+
+ private:
+  std::optional<CandidateLists> lists_;
+  std::int64_t entries_ = 0;  // of an index whose lists have room here
+  std::uint64_t call_ = 0;
 };
 
 // Answers points of a sorted block, in cells within cells (field/cpu/candidate_culling.h).
@@ -49,7 +122,7 @@ class PointBlock {
 
  private:
   void visit(int level, const Cell& cell, const References& near, SortedPoints::Range range, ThreadState& state) const {
-    const CellCandidates& own = enter(level, cell, near, state.lists);
+    const CellCandidates& own = enter(level, cell, near, state.lists());
     if (is_sparse(own, range)) return answer_each(range, state);
     if (cell.side == 1) return answer_groups(own, near, range, state);
     visit_parts(level, own, {0, 8}, range, state);
@@ -118,7 +191,7 @@ class PointBlock {
     PointGroup& group = state.group;
     const CellTarget target{gather(range, group), near};
     const CandidateCulling& culling = index_.culling();
-    CandidateLists& lists = state.lists;
+    CandidateLists& lists = state.lists();
     const auto look_at = [&](const BoxArrays& boxes) {
       kernels_.look_at(index_.tree(), boxes.entry, boxes.count, group, state.table);
     };
@@ -157,46 +230,12 @@ class PointBlock {
   }
 
   void take_answers(SortedPoints::Range range, const PointGroup& group) const {
-    for (int n = 0; n < group.count; ++n)
-      out_[static_cast<std::size_t>(range.begin + n)] = {std::sqrt(group.nearest_sq[n]) / group.scale,
-                                                         group.nearest[n]};
+    for (int n = 0; n < group.count; ++n) out_[static_cast<std::size_t>(range.begin + n)] = answer_of(group, n);
   }
 
-  // Fills a group with the points of a range, and returns their box.
   CullCell gather(SortedPoints::Range range, PointGroup& group) const {
-    group.count = static_cast<int>(range.size());
-    group.scale = index_.scale();
-    Box box;
-    for (int n = 0; n < group.count; ++n) {
-      const Vec3 world = points_[static_cast<std::size_t>(range.begin + n)];
-      group.at[n][0] = world.x * group.scale, group.at[n][1] = world.y * group.scale;
-      group.at[n][2] = world.z * group.scale, group.at[n][3] = 0;
-      box.include(index_.local(world));
-    }
-    const Vec3 middle = box.min + (box.max - box.min) * 0.5;
-    const double middles[3] = {middle.x, middle.y, middle.z};
-    const double lows[3] = {box.min.x, box.min.y, box.min.z}, highs[3] = {box.max.x, box.max.y, box.max.z};
-    CullCell cell;
-    cell.reach = std::numeric_limits<float>::infinity();
-    for (int axis = 0; axis < 3; ++axis) {
-      cell.center[axis] = static_cast<float>(middles[axis]);
-      const double center = cell.center[axis];
-      group.middle[axis] = center;
-      group.center[axis] = index_.clusters().center()[axis] + center;
-      cell.half[axis] =
-          static_cast<float>(std::max(center - lows[axis], highs[axis] - center)) * (1 + kHalfSlack) + kHalfSlack;
-      group.half[axis] = cell.half[axis];
-    }
-    group.center[3] = 0;
-    const int lanes = (group.count + kLanes - 1) / kLanes * kLanes;
-    for (int n = 0; n < lanes; ++n) {
-      const double(&at)[4] = group.at[std::min(n, group.count - 1)];
-      for (int axis = 0; axis < 3; ++axis) group.local[axis][n] = static_cast<float>(at[axis] - group.center[axis]);
-      group.upper_sq[n] = std::numeric_limits<float>::infinity();
-      group.nearest_sq[n] = std::numeric_limits<double>::infinity();
-      group.nearest[n] = kNoTriangle;
-    }
-    return cell;
+    return fill_group(
+        index_, points_.subspan(static_cast<std::size_t>(range.begin), static_cast<std::size_t>(range.size())), group);
   }
 
   const TriangleIndex& index_;
@@ -209,25 +248,137 @@ class PointBlock {
 // Points for each task: many, so that the upper cells cost little; few, so that all threads have some.
 constexpr std::int64_t kTask = 4096;
 
+// Each point by itself, in the order that they were given.
+void answer_few(const TriangleIndex& index, const PointKernels& kernels, std::span<const Vec3> points,
+                FoundTriangles& found) {
+  found.order.resize(points.size());
+  std::iota(found.order.begin(), found.order.end(), 0u);
+  found.points.assign(points.begin(), points.end());
+  std::array<Vec3, kFewAlone> near;
+  std::array<std::size_t, kFewAlone> number;
+  std::size_t count = 0;
+  for (std::size_t n = 0; n < points.size(); ++n)
+    if (index.is_near(index.local(points[n])))
+      near[count] = points[n], number[count++] = n;
+    else
+      found.nearest[n] = find_nearest(index, points[n]);
+  if (count == 0) return;
+  PointGroup group;
+  PairTable table;
+  fill_group(index, std::span(near).first(count), group);
+  kernels.look_at_all(index.tree(), group, table);
+  for (std::size_t n = 0; n < count; ++n) found.nearest[number[n]] = answer_of(group, static_cast<int>(n));
+}
+
+// A box that waits, and how far it is.
+struct Waiting {
+  double distance_sq;
+  std::uint32_t entry;
+};
+
+// The nearest triangle of a single point: down the hierarchy of boxes, the nearest one first. In double, so that the
+// point may be anywhere: lengths are in grid units of the index times shrink_, in which the square of a length does not
+// overflow.
+class Descent {
+ public:
+  Descent(const TriangleIndex& index, Vec3 point)
+      : index_(index), world_(point), scale_(index.scale_at(point)), shrink_(scale_ / index.scale()) {
+    const double(&center)[3] = index.clusters().center();
+    local_ = point * scale_ - Vec3{center[0], center[1], center[2]} * shrink_;
+  }
+
+  NearestTriangle run() {
+    std::array<Waiting, kMostWaiting> waiting;
+    std::size_t count = 0;
+    waiting[count++] = {0, index_.clusters().top()};
+    while (count != 0) {
+      const Waiting next = waiting[--count];
+      if (next.distance_sq > best_sq_) continue;
+      if (!index_.clusters().is_pack(next.entry)) {
+        look_at(next.entry);
+        continue;
+      }
+      const PackContents pack = index_.clusters().contents(next.entry);
+      const std::size_t first = count;
+      for (int n = 0; n < pack.count; ++n) {
+        const double sq = box_distance_sq(*pack.boxes, n);
+        if (sq <= best_sq_) waiting[count++] = {sq, pack.first + static_cast<std::uint32_t>(n)};
+      }
+      std::sort(waiting.begin() + static_cast<std::ptrdiff_t>(first),
+                waiting.begin() + static_cast<std::ptrdiff_t>(count),
+                [](const Waiting& a, const Waiting& b) { return a.distance_sq > b.distance_sq; });
+    }
+    return {std::sqrt(best_sq_) / scale_, triangle_};
+  }
+
+ private:
+  // Sixteen children of each of eight levels.
+  static constexpr std::size_t kMostWaiting = std::size_t{kLanes} * 9;
+
+  // At most: boxes are grown by what the rounding of their corners takes, and the double arithmetic here is far below.
+  double box_distance_sq(const BoxPack& boxes, int n) const {
+    const auto outside = [&](int axis, double p) {
+      return std::max({boxes.low[axis][n] * shrink_ - p, p - boxes.high[axis][n] * shrink_, 0.0});
+    };
+    const double x = outside(0, local_.x), y = outside(1, local_.y), z = outside(2, local_.z);
+    return (x * x + y * y + z * z) * (1 - 1e-14);
+  }
+
+  void look_at(std::uint32_t entry) {
+    const std::uint32_t triangle = index_.clusters().triangle(entry);
+    const auto corner = [&](int n) { return triple_of((index_.mesh().corner(triangle, n) - world_) * scale_); };
+    const double sq = origin_distance_sq(corner(0), corner(1), corner(2));
+    if (sq > best_sq_ || (sq == best_sq_ && triangle > triangle_)) return;
+    best_sq_ = sq;
+    triangle_ = triangle;
+  }
+
+  const TriangleIndex& index_;
+  Vec3 world_;
+  double scale_, shrink_;
+  Vec3 local_;  // relative to the middle
+  double best_sq_ = std::numeric_limits<double>::infinity();
+  std::uint32_t triangle_ = kNoTriangle;
+};
+
 }  // namespace
+
+NearestTriangle find_nearest(const TriangleIndex& index, Vec3 point) { return Descent(index, point).run(); }
 
 void find_nearest(const TriangleIndex& index, const PointKernels& kernels, std::span<const Vec3> points,
                   FoundTriangles& found, ProgressMeter& progress) {
-  const SortedPoints sorted(index, points, found.order, found.points);
   found.nearest.resize(points.size());
+  if (points.size() <= kFewAlone) {
+    answer_few(index, kernels, points, found);
+    return progress.advance(static_cast<std::int64_t>(points.size()));
+  }
+  found.sorted.sort(index, points, found.order, found.points);
+  const SortedPoints& sorted = found.sorted;
   const PointBlock block(index, kernels, sorted, found.points, found.nearest);
-  PerThread<std::unique_ptr<ThreadState>> threads(
-      [&] { return std::make_unique<ThreadState>(index.culling().make_lists(kLevels)); });
-  const std::int64_t tasks = (sorted.size() + kTask - 1) / kTask;
-  tbb::parallel_for(std::int64_t{0}, tasks, [&](std::int64_t task) {
-    const SortedPoints::Range range{task * kTask, std::min(sorted.size(), (task + 1) * kTask)};
-    block.answer(range, *threads.local());
+  const std::uint64_t call = ThreadState::next_call();
+  const auto answer = [&](SortedPoints::Range range) {
+    {
+      const KeptByThread<ThreadState> state;
+      state->prepare(index, call);
+      block.answer(range, *state);
+    }
     progress.advance(range.size());
-  });
-  tbb::parallel_for(static_cast<std::size_t>(sorted.size()), points.size(), [&](std::size_t n) {
+  };
+  const auto answer_far = [&](std::size_t n) {
     found.nearest[n] = find_nearest(index, found.points[n]);
     progress.advance();
+  };
+  const auto near = static_cast<std::size_t>(sorted.size());
+  if (points.size() <= kTogether) {
+    if (near > 0) answer({0, sorted.size()});
+    for (std::size_t n = near; n < points.size(); ++n) answer_far(n);
+    return;
+  }
+  const std::int64_t tasks = (sorted.size() + kTask - 1) / kTask;
+  tbb::parallel_for(std::int64_t{0}, tasks, [&](std::int64_t task) {
+    answer({task * kTask, std::min(sorted.size(), (task + 1) * kTask)});
   });
+  tbb::parallel_for(near, points.size(), answer_far);
 }
 
 }  // namespace standoff

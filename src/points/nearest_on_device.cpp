@@ -7,13 +7,12 @@
 
 #include <cmath>
 
-#include "points/sorted_points.h"
-
 namespace standoff {
 
 void find_nearest_on_device(const PointDevice& device, int number, const DeviceTree& tree, const TriangleIndex& index,
                             std::span<const Vec3> points, FoundTriangles& found, ProgressMeter& progress) {
-  const SortedPoints sorted(index, points, found.order, found.points);
+  SortedPoints& sorted = found.sorted;
+  sorted.sort(index, points, found.order, found.points);
   const auto near = static_cast<std::size_t>(sorted.size());
   found.nearest.resize(points.size());
   std::vector<DeviceNearest> answers(near);

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "points/ray_winding.h"
 #include "sign/diagnosis/boundary.h"
@@ -15,33 +16,43 @@
 
 namespace standoff {
 
+/// `check` counts looks at rims (node_stack.h), and may stop the work.
 class OpenPointWinding {
  public:
   /// `boundary` is that of the mesh and not empty. Runs on the threads of the calling TBB arena.
   OpenPointWinding(const OrientedMesh& mesh, const TriangleIndex& index, const Boundary& boundary, int threads,
                    Simd simd);
 
-  /// Within 1e-9, unless the point is on the boundary within rounding. Linear in the size of the boundary.
-  double at(Vec3 point, const cpu::PointKernels& kernels) const;
+  /// Within 1e-9, unless the point is on the boundary within rounding. Linear in the size of the boundary, or in the
+  /// number of triangles, where that costs less.
+  double at(Vec3 point, const cpu::PointKernels& kernels, WorkCheck& check) const;
   /// On which side of the rule's thresholds it is: decided by an interval that it is certain to be in. Where rounding
   /// hides the side, by the rounded number.
-  bool side(Vec3 point, WindingRule rule, const cpu::PointKernels& kernels) const;
+  bool side(Vec3 point, WindingRule rule, const cpu::PointKernels& kernels, WorkCheck& check) const;
   /// The same where the number is known within an error below 1/4.
-  bool side(Vec3 point, WindingRule rule, const Interval& about) const;
+  bool side(Vec3 point, WindingRule rule, const Interval& about, WorkCheck& check) const;
 
   /// The whole part: the winding number of mesh and caps.
   std::int32_t closed(Vec3 point, const cpu::PointKernels& kernels) const;
   /// The rest, at the points of a cell, but for a whole number that is the same until the mesh is crossed. Right at
   /// the center, as `closed` is there. Where the error is above `most`, the function says nothing.
-  LinearField field(const Cell& cell, double tolerance, double most) const;
+  LinearField field(const Cell& cell, double tolerance, double most, WorkCheck& check) const;
   const RayWinding& mesh() const { return mesh_; }
   std::int64_t memory_bytes() const;
 
  private:
   // closed_of(value of a sum of angles): the whole part, if the sum is known within `most`.
   template <class Closed>
-  bool side(Vec3 point, WindingRule rule, double most, const Closed& closed_of) const;
+  bool side(Vec3 point, WindingRule rule, double most, const Closed& closed_of, WorkCheck& check) const;
 
+  // What the caps add, as cap_sum_at() says.
+  Interval cap_sum(Vec3 point, double tolerance, WorkCheck& check) const;
+  // The sum of the solid angles of all triangles; nothing beside an edge of one, where rounding decides.
+  std::optional<double> sum_of_triangles(Vec3 point, const cpu::PointKernels& kernels) const;
+
+  OrientedMesh oriented_;
+  const TriangleIndex& index_;
+  bool triangles_cost_less_;
   RayWinding mesh_;
   Rims rims_;
   RimTree tree_;

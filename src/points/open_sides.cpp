@@ -6,6 +6,7 @@
 #include <numeric>
 #include <vector>
 
+#include "core/per_thread.h"
 #include "points/known_windings.h"
 #include "sign/open_winding/winding_rule.h"
 
@@ -22,25 +23,40 @@ constexpr std::size_t kFewCells = 4;
 // The points of one call. Those that are decided together, in a cell, are the numbers in `some`.
 class OpenSides::Points {
  public:
+  // What the points of one call after the other take.
+  struct Memory {
+    std::vector<std::uint32_t> some, high;
+    std::vector<std::int32_t> windings;
+  };
+
   Points(const OpenSides& sides, std::span<const PointToSide> points, const cpu::PointKernels& kernels,
-         std::span<bool> inside)
+         WorkCheck& check, std::span<bool> inside, Memory& memory)
       : winding_(sides.winding_),
         rule_(sides.rule_),
         points_(points),
         kernels_(kernels),
+        check_(check),
         inside_(inside),
-        windings_(points.size()) {}
+        memory_(memory) {}
 
   using Some = std::span<std::uint32_t>;
 
+  void decide_all() {
+    memory_.windings.resize(points_.size());
+    memory_.some.resize(points_.size());
+    std::iota(memory_.some.begin(), memory_.some.end(), 0u);
+    decide(memory_.some);
+  }
+
+ private:
   // In cells that the boundary is far enough from.
   void decide(Some some) {
     if (some.size() < kFewCells) {
-      for (const std::uint32_t n : some) inside_[n] = winding_.side(points_[n].at, rule_, kernels_);
+      for (const std::uint32_t n : some) inside_[n] = winding_.side(points_[n].at, rule_, kernels_, check_);
       return;
     }
     const Cell cell = cell_around(some);
-    const LinearField field = winding_.field(cell, kFieldTolerance, kUsable);
+    const LinearField field = winding_.field(cell, kFieldTolerance, kUsable, check_);
     if (!(field.error <= kUsable)) {
       const auto [low, high] = halves(some, cell);
       decide(low);
@@ -50,7 +66,6 @@ class OpenSides::Points {
     decide_by(field, some);
   }
 
- private:
   // The whole numbers in a cell without boundary: they continue that of the center, where they are those of mesh and
   // caps. All rows between points of the cell are in it.
   void count(Some some, const Vec3& center) {
@@ -58,8 +73,8 @@ class OpenSides::Points {
     known.in_ball(center, 0, [&](const Vec3& at) { return winding_.closed(at, kernels_); });
     for (const std::uint32_t n : some) {
       const auto by_rows = [&](const Vec3& at) { return known.by_rows(at); };
-      windings_[n] = known.in_ball(points_[n].at, points_[n].free_radius,
-                                   [&](const Vec3& at) { return known.on_row(at, by_rows); });
+      memory_.windings[n] = known.in_ball(points_[n].at, points_[n].free_radius,
+                                          [&](const Vec3& at) { return known.on_row(at, by_rows); });
     }
   }
 
@@ -67,7 +82,7 @@ class OpenSides::Points {
   void decide_by(const LinearField& field, Some some) {
     std::size_t undecided = 0;
     for (const std::uint32_t n : some) {
-      const double winding = windings_[n] + field.at(points_[n].at);
+      const double winding = memory_.windings[n] + field.at(points_[n].at);
       inside_[n] = is_inside(winding, rule_);
       if (!(margin(winding, rule_) > field.error + kWindingRounding)) some[undecided++] = n;
     }
@@ -86,16 +101,16 @@ class OpenSides::Points {
     if (some.size() < kFewCells) {
       for (const std::uint32_t n : some) {
         const Vec3& at = points_[n].at;
-        inside_[n] = winding_.side(at, rule_, {windings_[n] + coarse.at(at), coarse.error});
+        inside_[n] = winding_.side(at, rule_, {memory_.windings[n] + coarse.at(at), coarse.error}, check_);
       }
       return;
     }
     const Cell cell = cell_around(some);
-    const LinearField field = winding_.field(cell, std::min(kFieldTolerance, coarse.error / 64), coarse.error);
+    const LinearField field = winding_.field(cell, std::min(kFieldTolerance, coarse.error / 64), coarse.error, check_);
     if (!(field.error <= coarse.error)) return refine(coarse, some);
     // Both are the same winding number but for a whole one.
     const auto between = static_cast<std::int32_t>(std::round(coarse.at(cell.center) - field.value));
-    for (const std::uint32_t n : some) windings_[n] += between;
+    for (const std::uint32_t n : some) memory_.windings[n] += between;
     decide_by(field, some);
   }
 
@@ -114,9 +129,14 @@ class OpenSides::Points {
   Halves halves(Some some, const Cell& cell) const {
     const Vec3& e = cell.half;
     double Vec3::*const axis = e.x >= e.y && e.x >= e.z ? &Vec3::x : e.y >= e.z ? &Vec3::y : &Vec3::z;
-    const auto high = std::stable_partition(some.begin(), some.end(),
-                                            [&](std::uint32_t n) { return points_[n].at.*axis < cell.center.*axis; });
-    auto count = static_cast<std::size_t>(high - some.begin());
+    memory_.high.clear();
+    std::size_t count = 0;
+    for (const std::uint32_t n : some)
+      if (points_[n].at.*axis < cell.center.*axis)
+        some[count++] = n;
+      else
+        memory_.high.push_back(n);
+    std::ranges::copy(memory_.high, some.begin() + static_cast<std::ptrdiff_t>(count));
     if (count == 0 || count == some.size()) count = some.size() / 2;  // all in one place
     return {some.first(count), some.subspan(count)};
   }
@@ -125,15 +145,15 @@ class OpenSides::Points {
   const WindingRule rule_;
   const std::span<const PointToSide> points_;
   const cpu::PointKernels& kernels_;
+  WorkCheck& check_;
   const std::span<bool> inside_;
-  std::vector<std::int32_t> windings_;
+  Memory& memory_;
 };
 
-void OpenSides::decide(std::span<const PointToSide> points, const cpu::PointKernels& kernels,
+void OpenSides::decide(std::span<const PointToSide> points, const cpu::PointKernels& kernels, WorkCheck& check,
                        std::span<bool> inside) const {
-  std::vector<std::uint32_t> all(points.size());
-  std::iota(all.begin(), all.end(), 0u);
-  Points(*this, points, kernels, inside).decide(all);
+  const KeptByThread<Points::Memory> memory;
+  Points(*this, points, kernels, check, inside, *memory).decide_all();
 }
 
 }  // namespace standoff

@@ -21,11 +21,12 @@ class OpenSides final : public SidesOfPoints {
             int threads, Simd simd)
       : winding_(mesh, index, boundary, threads, simd), rule_(rule) {}
 
-  void decide(std::span<const PointToSide> points, const cpu::PointKernels& kernels,
+  void decide(std::span<const PointToSide> points, const cpu::PointKernels& kernels, WorkCheck& check,
               std::span<bool> inside) const override;
-  double winding_number(Vec3 point, const cpu::PointKernels& kernels) const override {
-    return winding_.at(point, kernels);
+  double winding_number(Vec3 point, const cpu::PointKernels& kernels, WorkCheck& check) const override {
+    return winding_.at(point, kernels, check);
   }
+  bool is_slow() const override { return true; }
   std::int64_t memory_bytes() const override { return winding_.memory_bytes(); }
 
  private:

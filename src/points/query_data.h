@@ -20,8 +20,8 @@ struct MeshQuery::Data {
   Data(Mesh mesh, const SignOptions& sign, SignPlan plan, int threads, Simd simd,
        const ProgressCallback& while_built = {});
 
-  /// Of the triangles that count for distances: with SignOptions::outer not all.
-  const TriangleIndex& near() const { return exposed ? *exposed : *all; }
+  /// Of the triangles that count for distances: with SignOptions::outer not all, and no copies where they are many.
+  const TriangleIndex& near() const { return counting ? *counting : *all; }
 
   /// What a device is given of near(); made on first use.
   const DeviceTree& device_tree() const;
@@ -29,7 +29,8 @@ struct MeshQuery::Data {
   Mesh mesh;
   SignOptions sign;
   SignPlan plan;
-  std::optional<TriangleIndex> all, exposed;
+  std::vector<std::uint32_t> distinct;  ///< of plan.exposed, or of all, those without copies of others; empty: the same
+  std::optional<TriangleIndex> all, counting;
   std::unique_ptr<SidesOfPoints> sides;
 
  private:

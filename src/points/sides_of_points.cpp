@@ -21,17 +21,21 @@ class ClosedSides final : public SidesOfPoints {
   ClosedSides(const OrientedMesh& mesh, const TriangleIndex& index, WindingRule rule, bool all_near)
       : rays_(mesh, index), rule_(rule), all_near_(all_near) {}
 
-  void decide(std::span<const PointToSide> points, const cpu::PointKernels& kernels,
+  void decide(std::span<const PointToSide> points, const cpu::PointKernels& kernels, WorkCheck& check,
               std::span<bool> inside) const override {
+    constexpr std::int64_t kRay = 32;  // about that much work, or far more
     KnownWindings known(rays_, kernels);
-    const auto by_ray = [&](const Vec3& at) { return rays_.at(at, kernels); };
+    const auto by_ray = [&](const Vec3& at) {
+      check.add(kRay);
+      return rays_.at(at, kernels);
+    };
     for (std::size_t n = 0; n < points.size(); ++n)
       inside[n] =
           is_inside(known.in_ball(points[n].at, points[n].free_radius,
                                   [&](const Vec3& at) { return all_near_ ? known.on_row(at, by_ray) : by_ray(at); }),
                     rule_);
   }
-  double winding_number(Vec3 point, const cpu::PointKernels& kernels) const override {
+  double winding_number(Vec3 point, const cpu::PointKernels& kernels, WorkCheck&) const override {
     return rays_.at(point, kernels);
   }
 
@@ -46,7 +50,8 @@ class NormalSidesOfPoints final : public SidesOfPoints {
   explicit NormalSidesOfPoints(const OrientedMesh& mesh)
       : normals_(mesh), bytes_(static_cast<std::int64_t>(150 * mesh.mesh.triangles.size())) {}
 
-  void decide(std::span<const PointToSide> points, const cpu::PointKernels&, std::span<bool> inside) const override {
+  void decide(std::span<const PointToSide> points, const cpu::PointKernels&, WorkCheck&,
+              std::span<bool> inside) const override {
     for (std::size_t n = 0; n < points.size(); ++n)
       inside[n] = normals_.place_of(points[n].at, points[n].triangle) == Pseudonormals::Place::back;
   }
@@ -59,7 +64,7 @@ class NormalSidesOfPoints final : public SidesOfPoints {
 
 }  // namespace
 
-double SidesOfPoints::winding_number(Vec3, const cpu::PointKernels&) const {
+double SidesOfPoints::winding_number(Vec3, const cpu::PointKernels&, WorkCheck&) const {
   throw Error(ErrorCode::usage, "points: only a query whose sign method is winding knows winding numbers");
 }
 

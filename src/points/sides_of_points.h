@@ -6,6 +6,7 @@
 #include <memory>
 #include <span>
 
+#include "core/work_check.h"
 #include "points/cpu/kernels.h"
 #include "points/triangle_index.h"
 #include "sign/plan.h"
@@ -27,11 +28,13 @@ class SidesOfPoints {
   virtual ~SidesOfPoints() = default;
 
   /// Decides for each of some points, which had better be near each other. Points on the surface get one of its sides.
-  /// Many threads may ask at once.
-  virtual void decide(std::span<const PointToSide> points, const cpu::PointKernels& kernels,
+  /// Many threads may ask at once. `check` counts work in some 100 ns, and may stop it.
+  virtual void decide(std::span<const PointToSide> points, const cpu::PointKernels& kernels, WorkCheck& check,
                       std::span<bool> inside) const = 0;
   /// The winding number that decides; only of SignMethod::winding.
-  virtual double winding_number(Vec3 point, const cpu::PointKernels& kernels) const;
+  virtual double winding_number(Vec3 point, const cpu::PointKernels& kernels, WorkCheck& check) const;
+  /// Whether winding numbers take so long that threads had better share few of them.
+  virtual bool is_slow() const { return false; }
   virtual std::int64_t memory_bytes() const { return 0; }
 };
 

@@ -11,10 +11,14 @@
 #include "geometry/morton.h"
 
 namespace standoff {
+namespace {
 
-SortedPoints::SortedPoints(const TriangleIndex& index, std::span<const Vec3> points,
-                           HugePageVector<std::uint32_t>& order, HugePageVector<Vec3>& in_order) {
-  using Blocked = tbb::blocked_range<std::size_t>;
+using Blocked = tbb::blocked_range<std::size_t>;
+
+}  // namespace
+
+void SortedPoints::sort(const TriangleIndex& index, std::span<const Vec3> points, HugePageVector<std::uint32_t>& order,
+                        HugePageVector<Vec3>& in_order) {
   struct Near {
     Box box;
     std::size_t count = 0;
@@ -31,7 +35,10 @@ SortedPoints::SortedPoints(const TriangleIndex& index, std::span<const Vec3> poi
   const auto both = [](const Near& a, const Near& b) {
     return Near{{min(a.box.min, b.box.min), max(a.box.max, b.box.max)}, a.count + b.count};
   };
-  const Near near = tbb::parallel_reduce(Blocked(0, points.size(), 8192), Near{}, add, both);
+  const bool is_alone = points.size() <= kAlone;
+  const Blocked all(0, points.size(), 8192);
+  const Near near = is_alone ? add(all, {}) : tbb::parallel_reduce(all, Near{}, add, both);
+  const auto for_all = [&](const auto& work) { is_alone ? work(all) : tbb::parallel_for(all, work); };
   order.resize(points.size());
   in_order.resize(points.size());
 
@@ -46,7 +53,7 @@ SortedPoints::SortedPoints(const TriangleIndex& index, std::span<const Vec3> poi
     return static_cast<std::uint32_t>(morton(cell(at.x), cell(at.y), cell(at.z)));
   };
   if (near.count == points.size()) {
-    tbb::parallel_for(Blocked(0, points.size(), 8192), [&](const Blocked& range) {
+    for_all([&](const Blocked& range) {
       for (std::size_t n = range.begin(); n < range.end(); ++n) keyed_[n] = {key(n), static_cast<std::uint32_t>(n)};
     });
   } else {
@@ -59,8 +66,11 @@ SortedPoints::SortedPoints(const TriangleIndex& index, std::span<const Vec3> poi
         order[far++] = number;
     }
   }
-  cpu::radix_sort(keyed_, tbb::this_task_arena::max_concurrency());
-  tbb::parallel_for(Blocked(0, points.size(), 8192), [&](const Blocked& range) {
+  if (is_alone)
+    std::ranges::sort(keyed_, {}, [](const cpu::KeyedIndex& one) { return std::uint64_t{one.key} << 32 | one.index; });
+  else
+    cpu::radix_sort(keyed_, tbb::this_task_arena::max_concurrency());
+  for_all([&](const Blocked& range) {
     for (std::size_t n = range.begin(); n < range.end(); ++n) {
       if (n < near.count) order[n] = keyed_[n].index;
       in_order[n] = points[order[n]];

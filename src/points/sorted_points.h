@@ -25,10 +25,12 @@ class SortedPoints {
     std::int64_t size() const { return end - begin; }
   };
 
-  /// `order` becomes the indices of the points in their order, `in_order` the points. Far points come last. Runs on the
-  /// threads of the calling TBB arena.
-  SortedPoints(const TriangleIndex& index, std::span<const Vec3> points, HugePageVector<std::uint32_t>& order,
-               HugePageVector<Vec3>& in_order);
+  /// Sorts points, in place of those before. `order` becomes the indices of the points in their order, `in_order` the
+  /// points. Far points come last. Up to kAlone points are sorted by the calling thread, more of them on the threads of
+  /// its TBB arena.
+  void sort(const TriangleIndex& index, std::span<const Vec3> points, HugePageVector<std::uint32_t>& order,
+            HugePageVector<Vec3>& in_order);
+  static constexpr std::size_t kAlone = 1024;
 
   /// Of those near enough to the mesh for boxes in float; they alone are sorted.
   std::int64_t size() const { return std::ssize(keyed_); }

@@ -68,6 +68,7 @@ TriangleIndex::TriangleIndex(const Mesh& mesh, std::span<const std::uint32_t> am
 double TriangleIndex::scale_at(Vec3 point) const {
   const double farthest = std::max(max_norm(local(point)), double{clusters().extent()});
   constexpr int kMostExponent = 64;
+  if (farthest < 0x1p64) return scale();
   // A point may be too far for grid units of a tiny mesh.
   const int exponent =
       std::isfinite(farthest) ? std::ilogb(farthest) : std::ilogb(max_norm(point)) + std::ilogb(scale());

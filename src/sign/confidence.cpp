@@ -15,6 +15,7 @@
 #include "core/mesh_copy.h"
 #include "core/threads.h"
 #include "sign/flood/flood.h"
+#include "sign/open_winding/node_stack.h"
 #include "sign/open_winding/open_winding.h"
 #include "sign/options.h"
 #include "sign/plan.h"
@@ -81,10 +82,10 @@ std::vector<float> winding_margins(MeshView mesh, const Grid& grid, const SignOp
     if (plan.boundary.edges.empty()) return;
     const OpenWinding winding({mesh, plan.use}, plan.boundary, grid, WindingRule::positive, meter);
     tbb::parallel_for(tbb::blocked_range<std::int64_t>(0, grid.size.y * grid.size.z, 16), [&](const auto& range) {
-      meter.check();
+      WorkCheck check(meter, kLooks);
       for (std::int64_t row = range.begin(); row != range.end(); ++row)
         for (std::int64_t i = 0; i < grid.size.x; ++i) {
-          const double w = winding.winding_number(i, row % grid.size.y, row / grid.size.y, kMarginError);
+          const double w = winding.winding_number(i, row % grid.size.y, row / grid.size.y, kMarginError, check);
           const double margin = std::max(0.0, 0.5 - std::abs(w - std::round(w)));
           margins[static_cast<std::size_t>(row * grid.size.x + i)] = static_cast<float>(margin);
         }

@@ -35,9 +35,9 @@ class RowsOfTiles {
       if (next_ == loaded_) loaded_ = std::min(all_, sides_.load(next_));
       const std::int64_t stop = std::min(end, loaded_);
       tbb::parallel_for(tbb::blocked_range<std::int64_t>(next_, stop, 8), [&](const auto& range) {
-        progress_.check();
         InsideRows& rows = scratch_.local();
         for (std::int64_t n = range.begin(); n != range.end(); ++n) {
+          progress_.check();  // a range may be many rows
           const std::int64_t ty = n % tiles_y_, tz = n / tiles_y_;
           rows.clear(ty, tz);
           sides_.fill(rows, ty, tz);

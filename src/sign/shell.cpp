@@ -67,9 +67,10 @@ void drop_clamped_tiles(DistanceField& field) {
 void apply(const Shell& shell, DistanceField& field, ProgressMeter& progress) {
   const Size3 tiles = field.tile_count();
   tbb::parallel_for(tbb::blocked_range<std::int64_t>(0, tiles.y * tiles.z, 8), [&](const auto& range) {
-    progress.check();
-    for (std::int64_t n = range.begin(); n != range.end(); ++n)
+    for (std::int64_t n = range.begin(); n != range.end(); ++n) {
+      progress.check();
       for (std::int64_t tx = 0; tx < tiles.x; ++tx) apply_to_tile(shell, tx, n % tiles.y, n / tiles.y, field);
+    }
   });
   drop_clamped_tiles(field);
 }

@@ -22,7 +22,7 @@ class Sides {
   virtual std::int64_t load([[maybe_unused]] std::int64_t first) { return std::numeric_limits<std::int64_t>::max(); }
 
   /// Marks the samples that are inside in the tiles (., ty, tz). `rows` has been cleared for these tiles. Many threads
-  /// call it at once, each with rows of its own.
+  /// call it at once, each with rows of its own. Where a row of tiles may take long, throws Error{interrupted}.
   virtual void fill(InsideRows& rows, std::int64_t ty, std::int64_t tz) const = 0;
 };
 

@@ -116,8 +116,10 @@ void finish(const IsoOptions& options, IsoResult& result) {
   if (!options.examine || result.mesh.triangles.empty()) return;
   report.components = count_components(result.mesh);
   constexpr std::int64_t kMostPairs = 1'000'000, kTestsPerTriangle = 1000;
-  const SelfIntersections found = find_self_intersections(result.mesh, MeshEdges(result.mesh), kMostPairs,
-                                                          kTestsPerTriangle * (report.triangles + 1000));
+  ProgressMeter progress(options.progress);  // the rest of the work is done
+  const SelfIntersections found =
+      find_self_intersections(result.mesh, MeshEdges(result.mesh, progress),
+                              {kMostPairs, kTestsPerTriangle * (report.triangles + 1000), 1, 1}, progress);
   report.self_intersections = found.pairs;
   report.intersections_known = found.complete;
 }

@@ -15,6 +15,7 @@
 #include "tests/support/expect_error.h"
 #include "tests/support/fields.h"
 #include "tests/support/random_mesh.h"
+#include "tests/support/sanitized.h"
 #include "tests/support/temp_folder.h"
 
 namespace standoff::testing {
@@ -183,8 +184,12 @@ TEST(Slabs, FilesAreTheSameByteByByte) {
     write_field(folder / name, compute(mesh, grid, thickness, options).field, written);
     return read_bytes(folder / name);
   };
-  for (const Grid& grid : {kSlabsGrid, Grid{{150, 141, 77}, kSlabsGrid.origin, {0.017, 0.019, 0.0351}},
-                           Grid{{128, 128, 64}, kSlabsGrid.origin, {0.02, 0.02, 0.042}}})
+  std::vector<Grid> grids{kSlabsGrid};
+  if (!testing::kSanitized) {
+    grids.push_back({{150, 141, 77}, kSlabsGrid.origin, {0.017, 0.019, 0.0351}});
+    grids.push_back({{128, 128, 64}, kSlabsGrid.origin, {0.02, 0.02, 0.042}});
+  }
+  for (const Grid& grid : grids)
     for (const bool open : {false, true})
       for (const double thickness : {0.07, kFullField})
         for (const std::string name : {"a.vti", "a.npz", "a.nrrd"})
@@ -192,7 +197,7 @@ TEST(Slabs, FilesAreTheSameByteByByte) {
             const Mesh mesh = open ? open_ball() : ball_mesh(1, 6);
             const FieldWriteOptions written{.compress = compress, .threads = 2};
             const std::string whole = bytes_of_whole(mesh, grid, thickness, by(SignMethod::winding), name, written);
-            for (const int threads : {1, 2, 5}) {
+            for (const int threads : testing::kSanitized ? std::vector{2} : std::vector{1, 2, 5}) {
               SCOPED_TRACE(name + ", " + std::to_string(threads) + " threads");
               SlabComputation slabs(mesh, grid, thickness, by(SignMethod::winding, threads), kOneLayer);
               write_field(folder / name, slabs, {.compress = compress, .threads = threads});

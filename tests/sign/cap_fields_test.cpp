@@ -65,7 +65,9 @@ class RandomCaps {
     return angles;
   }
   LinearField sum_in(const Cell& cell, double tolerance, double most) const {
-    return cap_sum_in(*rims_, *tree_, cell, tolerance, most);
+    ProgressMeter nobody;
+    WorkCheck unwatched(nobody, kLooks);
+    return cap_sum_in(*rims_, *tree_, cell, tolerance, most, unwatched);
   }
   Rim random_rim() { return (*rims_)[random_.below(static_cast<std::uint32_t>(rims_->size()))]; }
 

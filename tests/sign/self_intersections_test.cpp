@@ -4,8 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
+
 #include "core/threads.h"
 #include "geometry/triangle_pair.h"
+#include "standoff/error.h"
 #include "tests/sign/shapes.h"
 
 namespace standoff {
@@ -16,7 +20,8 @@ using namespace testing;
 constexpr std::int64_t kEveryPair = 1'000'000'000;
 
 SelfIntersections find(const Mesh& mesh, std::int64_t most_pairs = kEveryPair, std::int64_t most_tests = kEveryPair) {
-  return find_self_intersections(mesh, MeshEdges(mesh), most_pairs, most_tests);
+  ProgressMeter progress;
+  return find_self_intersections(mesh, MeshEdges(mesh), {most_pairs, most_tests}, progress);
 }
 
 std::int64_t among_all_pairs(const Mesh& mesh) {
@@ -56,6 +61,73 @@ TEST(SelfIntersections, SmallAndFlatMeshes) {
   Mesh points;
   for (int n = 0; n < 9; ++n) add_triangle(points, {1, 2, 3}, {1, 2, 3}, {1, 2, 3});
   EXPECT_EQ(find(points).pairs, 0);  // they share a position
+}
+
+// Each copy, turned or not, intersects what the others do, and none of them: as in all pairs.
+TEST(SelfIntersections, CopiesCountOneByOne) {
+  testing::Random random(7);
+  for (unsigned seed = 0; seed < 5; ++seed) {
+    Mesh mesh = random_soup(seed, 40, 1, 0.5);
+    for (int n = 0; n < 60; ++n) {
+      Triangle copy = mesh.triangles[random.below(static_cast<std::uint32_t>(mesh.triangles.size()))];
+      if (n % 2 == 0) std::swap(copy[0], copy[1]);
+      if (n % 3 == 0) std::rotate(copy.begin(), copy.begin() + 1, copy.end());
+      mesh.triangles.push_back(copy);
+    }
+    EXPECT_GT(find(mesh).pairs, 0);
+    EXPECT_EQ(find(mesh).pairs, among_all_pairs(mesh));
+  }
+}
+
+// A scene that places a part again and again where it is: one pair of triangles, a billion pairs of copies.
+TEST(SelfIntersections, AreThoseOfOneWhereAllAreCopies) {
+  constexpr std::int64_t kCopies = 30000;
+  Mesh mesh;
+  for (std::int64_t n = 0; n < kCopies; ++n) {
+    add_triangle(mesh, {0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+    add_triangle(mesh, {0.2, 0.2, -1}, {0.2, 0.2, 1}, {0.3, 0.2, 1});
+  }
+  // A limit of tests that one pair of triangles is within.
+  const SelfIntersections found = find(mesh, std::numeric_limits<std::int64_t>::max(), 1);
+  EXPECT_EQ(found.pairs, kCopies * kCopies);
+  EXPECT_TRUE(found.complete);
+}
+
+// Pairs that share a position need no test, but a look: a vertex of very many triangles, an edge of as many.
+TEST(SelfIntersections, TheSearchStopsAmongPairsThatShareAPosition) {
+  const auto around = [](std::uint32_t triangles, bool an_edge) {
+    Mesh mesh;
+    mesh.vertices = {{0, 0, 0}, {0, 0, 1}};
+    for (std::uint32_t n = 0; n < triangles; ++n) {
+      const double angle = kTurn * n / triangles;
+      mesh.vertices.push_back({std::cos(angle), std::sin(angle), 0.01 * (n % 7)});
+      mesh.triangles.push_back({0, n + 2, an_edge ? 1 : (n + 1) % triangles + 2});
+    }
+    return mesh;
+  };
+  for (const bool an_edge : {false, true}) {
+    const SelfIntersections few = find(around(300, an_edge), kEveryPair, 100),
+                            many = find(around(12000, an_edge), kEveryPair, 1000);
+    EXPECT_EQ(few.pairs, 0);
+    EXPECT_TRUE(few.complete);
+    EXPECT_EQ(many.pairs, 0);
+    EXPECT_FALSE(many.complete);
+  }
+}
+
+TEST(SelfIntersections, TheSearchCanBeStopped) {
+  const Mesh mesh = random_soup(3, 6000, 1, 0.3);
+  const MeshEdges edges(mesh);
+  for (const int stop : {1, 3, 5}) {
+    int reports = 0;
+    const ProgressCallback callback = [&](const Progress&) { return ++reports < stop; };
+    ProgressMeter progress(callback);
+    EXPECT_THROW(Threads(1).run([&] {
+      find_self_intersections(mesh, edges, {kEveryPair, kEveryPair}, progress);
+    }),
+                 Error);
+    EXPECT_EQ(reports, stop);
+  }
 }
 
 TEST(SelfIntersections, TheSearchStopsAtEachLimit) {

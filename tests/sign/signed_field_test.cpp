@@ -14,6 +14,7 @@
 #include "tests/sign/solid_soup.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/fields.h"
+#include "tests/support/sanitized.h"
 
 namespace standoff {
 namespace {
@@ -58,7 +59,7 @@ TEST(SignedField, BandsAndFullFieldsSparseAndDense) {
 }
 
 TEST(SignedField, ScenesOfOverlappingParts) {
-  const Mesh mesh = scenes::make("catapult", 3000);
+  const Mesh mesh = scenes::make("catapult", testing::kSanitized ? 600 : 3000);
   const Box box = bounds(mesh);
   const Vec3 extent = box.extent();
   const double spacing = std::max({extent.x, extent.y, extent.z}) / 24;

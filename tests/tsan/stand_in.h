@@ -174,6 +174,7 @@ class task_arena {
  public:
   static constexpr int automatic = -1;
   explicit task_arena(int threads = automatic) : threads_(threads) {}
+  int max_concurrency() const { return threads_; }
   template <class Function>
   auto execute(const Function& function) {
     struct Restore {
@@ -187,6 +188,11 @@ class task_arena {
  private:
   int threads_;
 };
+
+// Nobody asks for more than whether there is one.
+namespace task {
+inline const void* current_context() { return nullptr; }
+}  // namespace task
 
 namespace this_task_arena {
 inline int max_concurrency() { return 1 + stand_in::kHelpers; }

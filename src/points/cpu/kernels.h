@@ -17,7 +17,12 @@ struct PointKernels {
   /// places, ascending within each pack of level 0.
   void (*look_at)(const PackTree&, const std::uint32_t* candidates, std::int64_t count, PointGroup&, PointTable&);
   /// The same for all triangles, point by point.
-  void (*look_at_all)(const PackTree&, PointGroup&, PointTable&);
+  void (*look_at_all)(const PackTree&, PointGroup&, PairTable&);
+  /// Finds the closest point of each triangle, and what part of it that is on. By the measure of
+  /// geometry/triangle_distance.h: its distance has the bits that decided that the triangle is the nearest.
+  void (*closest)(ClosestOfEight&);
+  /// Adds up the solid angles of all triangles. `use`: how often each one counts, -1 to 1; null: all once.
+  void (*add_solid_angles)(const PackTree&, const std::int8_t* use, SolidAngles&);
   /// Bits of the boxes of a pack that the box from `low` to `high` meets: a segment along an axis.
   std::uint32_t (*boxes_on_way)(const PackContents&, const float (&low)[3], const float (&high)[3]);
 };

@@ -49,22 +49,9 @@ struct PointGroup {
   std::uint32_t start = 0;            ///< a pack of level 0 near which to begin
 };
 
-/// Scratch memory for a group.
-struct PointTable {
-  static constexpr int kPacks = 64, kCorners = 8, kMostKept = 256, kMostPairs = 1024, kMostNear = 1024;
-
-  /// A pack of level 0 of which some triangles are candidates.
-  struct Pack {
-    std::uint32_t number;
-    std::uint32_t lanes;  ///< bits of the candidates
-    float offset[3];      ///< the group's center relative to the frames'
-    float slack_share;    ///< what a squared distance may be off by, as a share of it
-    float slack_sq;       ///< and beside that
-  };
-  Pack packs[kPacks];
-  alignas(64) float corner_sq[kPacks][kCorners][kLanes];     ///< from the corners of the points' box, at least
-  std::uint16_t kept[kPacks * kLanes];                       ///< pack * kLanes + lane
-  alignas(64) float lower_sq[kMostKept][PointGroup::kMost];  ///< squared distances at least, by kept candidate
+/// Scratch memory for triangles whose distances are to be taken in double.
+struct PairTable {
+  static constexpr int kMostPairs = 1024, kMostNear = 1024;
 
   /// A triangle, by its place in the order, whose distance from a point is taken in double.
   struct Pair {
@@ -79,6 +66,52 @@ struct PointTable {
     float lower_sq;
   };
   Near near[kMostNear];
+};
+
+/// The same for a group that has candidates in common.
+struct PointTable : PairTable {
+  static constexpr int kPacks = 64, kCorners = 8, kMostKept = 256;
+
+  /// A pack of level 0 of which some triangles are candidates.
+  struct Pack {
+    std::uint32_t number;
+    std::uint32_t lanes;  ///< bits of the candidates
+    float offset[3];      ///< the group's center relative to the frames'
+    float slack_share;    ///< what a squared distance may be off by, as a share of it
+    float slack_sq;       ///< and beside that
+  };
+  Pack packs[kPacks];
+  alignas(64) float corner_sq[kPacks][kCorners][kLanes];     ///< from the corners of the points' box, at least
+  std::uint16_t kept[kPacks * kLanes];                       ///< pack * kLanes + lane
+  alignas(64) float lower_sq[kMostKept][PointGroup::kMost];  ///< squared distances at least, by kept candidate
+};
+
+/// Eight points, and of each the point that is nearest to it of one triangle. Lengths are in any unit, relative to the
+/// points.
+struct ClosestOfEight {
+  static constexpr int kCount = 8;
+
+  alignas(64) double corners[3][3][kCount];  ///< given: corner, axis, point
+  alignas(64) double point[3][kCount];       ///< found: axis, point
+  alignas(64) double weights[3][kCount];     ///< its barycentric coordinates, by corner
+  alignas(64) double feature[kCount];        ///< a number of standoff::Feature
+};
+
+/// The solid angles of all triangles at a point, over 4 pi: in eight parts, each `around` and the argument of re + i im
+/// in full turns; and a half for each flat triangle, towards the side of its plane that the point is on.
+struct SolidAngles {
+  static constexpr int kCount = 8, kMostFlat = 64;
+  /// Angles are certain within 1e-9 where x^2 + y^2 of a triangle is above. The point then is away from its edges.
+  static constexpr double kLeastSq = 1e-12;
+  /// Rounding may hide on which side of a triangle a point is where y is below.
+  static constexpr double kFlat = 1e-13;
+
+  double scale;              ///< given: units per world unit, a power of two
+  alignas(32) double at[4];  ///< given: the point, in such units; the fourth is zero
+  bool is_certain;           ///< found: else the rest is not
+  alignas(64) double re[kCount], im[kCount], around[kCount];
+  std::uint32_t flat[kMostFlat];  ///< triangles in the mesh that the point is on within rounding
+  int flat_count;
 };
 
 }  // namespace standoff::cpu

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -42,10 +43,11 @@ class BoxTree {
     }
   }
 
-  /// Calls visit(other) for all items after `item` whose boxes overlap that of `item`, until it returns false.
+  /// Calls visit(other) for all items after `item` whose boxes overlap that of `item`, until it returns false. Each box
+  /// compared with that of `item` takes one from `boxes`; returns false if it was stopped, or none was left.
   template <class Visit>
-  void for_each_later_overlap(std::size_t item, const Visit& visit) const {
-    search(levels_.size() - 1, 0, item, levels_[0][item], visit);
+  bool for_each_later_overlap(std::size_t item, std::int64_t& boxes, const Visit& visit) const {
+    return search(levels_.size() - 1, 0, item, levels_[0][item], boxes, visit);
   }
   /// Calls visit(item) for all items whose boxes are not farther from p than the root of most_sq, near ones first.
   /// Visit may lower most_sq.
@@ -68,14 +70,16 @@ class BoxTree {
     for (std::size_t child = kBranch * node; child < past; ++child) search_all(level - 1, child, box, visit);
   }
   template <class Visit>
-  bool search(std::size_t level, std::size_t node, std::size_t item, const Box& box, const Visit& visit) const {
+  bool search(std::size_t level, std::size_t node, std::size_t item, const Box& box, std::int64_t& boxes,
+              const Visit& visit) const {
+    if (--boxes < 0) return false;
     if (!overlap(levels_[level][node], box)) return true;
     if (level == 0) return node <= item || visit(node);
     const std::size_t below = level - 1, first = kBranch * node,
                       past = std::min(first + kBranch, levels_[below].size());
     // All items below child n come before item (n + 1) kBranch^below.
     for (std::size_t child = first; child < past; ++child)
-      if ((child + 1) << 2 * below > item + 1 && !search(below, child, item, box, visit)) return false;
+      if ((child + 1) << 2 * below > item + 1 && !search(below, child, item, box, boxes, visit)) return false;
     return true;
   }
   static_assert(kBranch == 1 << 2);

@@ -54,17 +54,16 @@ MeshReport examine(MeshView mesh, const MeshReportOptions& options, ProgressMete
     throw Error(ErrorCode::limit,
                 "report: a coordinate is larger than 1e60, where volumes exceed all numbers; scale the mesh");
   progress.stage("edges", 1, 0, 0.1);
-  const MeshEdges edges(mesh);
+  const MeshEdges edges(mesh, progress);
   progress.stage("diagnosis", 1, 0.1, 0.5);
   Diagnosis diagnosis = diagnose(mesh, edges, progress);
   MeshReport found = std::move(diagnosis.report);
   if (options.spacing > 0) found.largest_hole_in_samples = found.largest_hole / options.spacing;
   progress.stage("components", 1, 0.5, 0.7);
   add_components({mesh, diagnosis.orientation.use}, edges, options, progress, found);
-  progress.stage("intersections", 1, 0.7, 1);
   if (options.most_intersections > 0) {
-    const SelfIntersections crossing =
-        find_self_intersections(mesh, edges, options.most_intersections, options.most_intersection_tests);
+    const SelfIntersections crossing = find_self_intersections(
+        mesh, edges, {options.most_intersections, options.most_intersection_tests, 0.7, 1}, progress);
     found.intersecting_pairs = crossing.pairs;
     found.intersections_known = crossing.complete;
   }

@@ -8,6 +8,7 @@
 
 #include "core/per_thread.h"
 #include "core/tile_count.h"
+#include "core/work_check.h"
 #include "sign/flood/lattice_crossings.h"
 
 namespace standoff {
@@ -31,12 +32,15 @@ GridEdges::GridEdges(MeshView mesh, const TileLattice& lattice, ProgressMeter& p
   constexpr std::size_t kGrain = 4096;
   PerThread<std::vector<GridEdgeKey>> found;
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.triangles.size(), kGrain), [&](const auto& range) {
-    progress.check();
+    WorkCheck check(progress, 1 << 14);
     std::vector<GridEdgeKey>& mine = found.local();
-    for (std::size_t t = range.begin(); t != range.end(); ++t)
+    for (std::size_t t = range.begin(); t != range.end(); ++t) {
+      check.add(4);  // about as long as four edges
       for_each_crossed_edge(mesh.corners(t), lattice.axes, [&](std::size_t axis, const auto& sample) {
         mine.push_back(key_of(lattice, axis, sample));
+        check.add(1);
       });
+    }
   });
 
   const auto for_each_key = [&](const auto& use) {

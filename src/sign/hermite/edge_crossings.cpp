@@ -16,6 +16,7 @@
 #include "core/per_thread.h"
 #include "core/progress.h"
 #include "core/threads.h"
+#include "core/work_check.h"
 #include "sign/flood/lattice_crossings.h"
 #include "sign/options.h"
 #include "sign/oriented_mesh.h"
@@ -51,9 +52,10 @@ void check_crossing_coordinates(const Box& box) {
 // The crossings that a thread has found.
 class FoundCrossings {
  public:
-  FoundCrossings(MemoryBudget& budget, ProgressMeter& progress) : budget_(&budget), progress_(&progress) {}
+  FoundCrossings(MemoryBudget& budget, ProgressMeter& progress) : budget_(&budget), check_(progress, 1 << 14) {}
 
   void add(const EdgeCrossing& crossing) {
+    check_.add(1);
     if (all_.size() == all_.capacity()) grow();
     all_.push_back(crossing);
   }
@@ -62,7 +64,6 @@ class FoundCrossings {
  private:
   void grow() {
     constexpr std::size_t kFirst = 256;
-    progress_->check();
     const std::size_t before = all_.capacity(), after = std::max(kFirst, 2 * before);
     budget_->take(after * sizeof(EdgeCrossing));
     all_.reserve(after);
@@ -70,7 +71,7 @@ class FoundCrossings {
   }
 
   MemoryBudget* budget_;
-  ProgressMeter* progress_;
+  WorkCheck check_;
   std::vector<EdgeCrossing> all_;
 };
 
@@ -153,7 +154,7 @@ std::vector<EdgeCrossing> edge_crossings(MeshView mesh, const Grid& grid, const 
     constexpr std::size_t kGrain = 256;
     progress.stage("sign", 1, 0, 0.1);
     SignPlan plan = plan_sign(mesh, options.sign, progress);
-    if (options.sign.outer) plan_outer(mesh, options.sign, plan);
+    if (options.sign.outer) plan_outer(mesh, options.sign, plan, progress);
     const std::vector<std::int8_t> use = use_of(plan, mesh.triangles.size());
     const Scan scan({mesh, use}, grid, options.sign.invert);
 
@@ -162,8 +163,11 @@ std::vector<EdgeCrossing> edge_crossings(MeshView mesh, const Grid& grid, const 
     progress.stage("crossings", static_cast<std::int64_t>(mesh.triangles.size()), 0.1, 0.8);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.triangles.size(), kGrain), [&](const auto& range) {
       FoundCrossings& mine = found.local();
-      for (std::size_t t = range.begin(); t != range.end(); ++t) scan.add_crossings_of(t, mine);
-      progress.advance(static_cast<std::int64_t>(range.size()));
+      for (std::size_t first = range.begin(); first < range.end(); first += kGrain) {
+        const std::size_t past = std::min(first + kGrain, range.end());
+        for (std::size_t t = first; t != past; ++t) scan.add_crossings_of(t, mine);
+        progress.advance(static_cast<std::int64_t>(past - first));
+      }
     });
 
     std::size_t count = 0;

@@ -26,6 +26,13 @@ std::vector<Box> boxes_of_runs(MeshView mesh, std::span<const std::uint32_t> ord
   return boxes;
 }
 
+// All copies of a triangle are equally near; along the curve most of them come one after the other.
+std::vector<std::uint32_t> without_neighbouring_copies(MeshView mesh, std::vector<std::uint32_t> order) {
+  const auto is_copy = [&](std::uint32_t a, std::uint32_t b) { return mesh.corners(a) == mesh.corners(b); };
+  order.erase(std::unique(order.begin(), order.end(), is_copy), order.end());
+  return order;
+}
+
 // Relative to the point, so that a place far from the origin loses nothing.
 double distance_sq_of(const std::array<Vec3, 3>& t, const Vec3& p) {
   return origin_distance_sq(triple_of(t[0] - p), triple_of(t[1] - p), triple_of(t[2] - p));
@@ -34,7 +41,9 @@ double distance_sq_of(const std::array<Vec3, 3>& t, const Vec3& p) {
 }  // namespace
 
 ClosestTriangle::ClosestTriangle(MeshView mesh)
-    : mesh_(mesh), order_(along_curve(mesh)), runs_(boxes_of_runs(mesh, order_, kRun)) {}
+    : mesh_(mesh),
+      order_(without_neighbouring_copies(mesh, along_curve(mesh))),
+      runs_(boxes_of_runs(mesh, order_, kRun)) {}
 
 std::uint32_t ClosestTriangle::to(const Vec3& p) const {
   std::uint32_t closest = order_.empty() ? kNoTriangle : order_.front();

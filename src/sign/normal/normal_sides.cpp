@@ -89,8 +89,8 @@ void NormalSides::decide_band(const Pseudonormals& normals, const Grid& grid, co
   tiles.reserve(mixed_.count());
   mixed_.for_each([&](std::size_t tile) { tiles.push_back(tile); });
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, tiles.size(), 8), [&](const auto& range) {
-    progress.check();
     for (std::size_t n = range.begin(); n != range.end(); ++n) {
+      progress.check();
       const std::array<std::int64_t, 3> tile = lattice_.tile_at(tiles[n]);
       Known& part = parts_[n];
       nearest.for_each(tile[0], tile[1], tile[2], [&](std::size_t at, std::uint32_t triangle) {
@@ -139,8 +139,8 @@ void NormalSides::decide_rest_of_mixed(MeshView mesh, const Pseudonormals& norma
   if (tiles.empty()) return;
   closest.emplace(mesh);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, tiles.size(), 8), [&](const auto& range) {
-    progress.check();
     for (std::size_t n = range.begin(); n != range.end(); ++n) {
+      progress.check();
       const std::size_t tile = tiles[n];
       const std::array<std::int64_t, 3> at = lattice_.tile_at(tile);
       const TileBits in_grid = bits_in_grid(grid.size, at);

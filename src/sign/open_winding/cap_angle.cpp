@@ -63,6 +63,27 @@ Vec3 direction_of_apex(const Vec3& apex, const Vec3& p) {
   return found.length > 0 ? found.unit : Vec3{0, -1, 0};
 }
 
+// Half of the solid angle of (apex, corner, next) as the argument of x + iy, from directions and their dot products
+// [Van Oosterom and Strackee 1983].
+struct HalfAngle {
+  double x, y;
+};
+HalfAngle half_angle(const Vec3& apex, const Vec3& normal, double corner_next, double apex_next, double apex_corner,
+                     const Vec3& apex_at, const Vec3& corner_at, const Vec3& next_at, const Vec3& p) {
+  // Directions are rounded by some 1e-16: beyond that y has the right sign. Where x is positive, the angle does not
+  // jump with it.
+  const double x = 1 + corner_next + apex_next + apex_corner;
+  double y = dot(apex, normal);
+  if (x < 0 && std::abs(y) < 1e-13)
+    y = std::copysign(std::max(std::abs(y), 1e-30), side_of_plane(apex_at, next_at, corner_at, p));
+  return {x, y};
+}
+
+// x and y are each within 2e-15 of the exact ones, and multiplying adds 4e-16 per edge.
+double rounding_of(double edges, double least_sq) {
+  return edges * std::min(1.0, 1e-15 * (1 + 1 / std::sqrt(least_sq)));
+}
+
 // The angles of a cap's triangles. use(corner, next, cross product, dot product of the two) for each edge of the rim.
 template <class Use>
 CapAngle sum_angles(const Rim& rim, const Vec3& p, const Use& use) {
@@ -76,12 +97,7 @@ CapAngle sum_angles(const Rim& rim, const Vec3& p, const Use& use) {
     const Direction next = direction(p, next_at);
     const double apex_next = dot(apex, next.unit), corner_next = dot(corner.unit, next.unit);
     const Vec3 normal = cross(corner.unit, next.unit);
-    // Half of the solid angle is the argument of x + iy [Van Oosterom and Strackee 1983]. Directions are rounded by
-    // some 1e-16: beyond that y has the right sign. Where x is positive, the angle does not jump with it.
-    const double x = 1 + corner_next + apex_next + apex_corner;
-    double y = dot(apex, normal);
-    if (x < 0 && std::abs(y) < 1e-13)
-      y = std::copysign(std::max(std::abs(y), 1e-30), side_of_plane(rim.apex, next_at, *corner_at, p));
+    const auto [x, y] = half_angle(apex, normal, corner_next, apex_next, apex_corner, rim.apex, *corner_at, next_at, p);
     sum.add(x, y);
     least_sq = std::min(least_sq, x * x + y * y);
     use(corner, next, normal, corner_next);
@@ -89,15 +105,24 @@ CapAngle sum_angles(const Rim& rim, const Vec3& p, const Use& use) {
     corner_at = &next_at;
     apex_corner = apex_next;
   }
-  // x and y are each within 2e-15 of the exact ones, and multiplying adds 4e-16 per edge.
-  const double edges = static_cast<double>(rim.corners.size());
-  return {rim.weight * sum.turns(), rim.weight * edges * std::min(1.0, 1e-15 * (1 + 1 / std::sqrt(least_sq)))};
+  return {rim.weight * sum.turns(), rim.weight * rounding_of(static_cast<double>(rim.corners.size()), least_sq)};
 }
 
 }  // namespace
 
 CapAngle cap_angle(const Rim& rim, const Vec3& p) {
   return sum_angles(rim, p, [](const auto&...) {});
+}
+
+CapAngle edge_angle(const Rim& rim, std::size_t edge, const Vec3& p) {
+  const Vec3 &corner_at = rim.corners[edge], &next_at = rim.corners[(edge + 1) % rim.corners.size()];
+  const Vec3 apex = direction_of_apex(rim.apex, p), corner = direction(p, corner_at).unit,
+             next = direction(p, next_at).unit;
+  const auto [x, y] = half_angle(apex, cross(corner, next), dot(corner, next), dot(apex, next), dot(apex, corner),
+                                 rim.apex, corner_at, next_at, p);
+  AngleSum sum;
+  sum.add(x, y);
+  return {rim.weight * sum.turns(), rim.weight * rounding_of(1, x * x + y * y)};
 }
 
 LinearField cap_field(const Rim& rim, const Cell& cell) {

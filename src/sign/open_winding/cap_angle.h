@@ -18,6 +18,9 @@ struct CapAngle {
 /// takes a sample to be past them: exactly, with the same symbolic perturbation.
 CapAngle cap_angle(const Rim& rim, const Vec3& p);
 
+/// The part of one triangle of the cap, that of the edge from corner `edge` to the next one.
+CapAngle edge_angle(const Rim& rim, std::size_t edge, const Vec3& p);
+
 /// The same as a linear function in the cell, continued across the cap if that is in the cell: the angle at the
 /// center, and the gradient, which depends on the rim alone. The error is infinite if an edge of the rim may be within
 /// the cell's radius.

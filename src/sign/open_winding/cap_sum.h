@@ -20,10 +20,11 @@ Interval cap_sum_at(const Rims& rims, const RimTree& tree, const Vec3& p, double
 /// The same as a linear function in a cell, each part continued across its caps if they are in the cell. Fields of far
 /// caps are used where they are known to `tolerance`, at most kFieldTolerance. The error is infinite, or any number
 /// above `most`, if an edge of a rim is near, or if it cannot be made smaller than that.
-LinearField cap_sum_in(const Rims& rims, const RimTree& tree, const Cell& cell, double tolerance, double most);
+LinearField cap_sum_in(const Rims& rims, const RimTree& tree, const Cell& cell, double tolerance, double most,
+                       WorkCheck& check);
 
 /// `sum` and what the caps of these nodes, all leaves, add.
-Interval add_angles(const Rims& rims, const RimTree& tree, const Vec3& p, const NodeStack& stack,
-                    NodeStack::Part leaves, Interval sum);
+Interval add_angles(const Rims& rims, const RimTree& tree, const Vec3& p, NodeStack& stack, NodeStack::Part leaves,
+                    Interval sum);
 
 }  // namespace standoff

@@ -10,6 +10,7 @@
 #include <cmath>
 
 #include "core/tile_count.h"
+#include "core/work_check.h"
 #include "sign/open_winding/cell_touch.h"
 #include "sign/open_winding/cells.h"
 
@@ -64,7 +65,10 @@ OpenTiles::OpenTiles(const OrientedMesh& mesh, const Rims& rims, const Grid& gri
   const auto mark_of = [&](std::int64_t tx, std::int64_t ty, std::int64_t tz) -> std::uint8_t& {
     return marks_[static_cast<std::size_t>(tx + tiles_x_ * (ty + tiles_y_ * tz))];
   };
+  constexpr std::int64_t kCheckEvery = 1 << 16;  // triangles and tiles
+  WorkCheck of_caps(progress, kCheckEvery);
   for (std::size_t n = 0; n < rims.size(); ++n) {
+    of_caps.add(1);
     const Rim rim = rims[n];
     if (!is_large(rim, grid)) continue;
     if (marks_.empty()) marks_.resize(static_cast<std::size_t>(tile_count(grid.size)));
@@ -72,6 +76,7 @@ OpenTiles::OpenTiles(const OrientedMesh& mesh, const Rims& rims, const Grid& gri
     for (const Vec3& next : rim.corners) {
       const std::array<Vec3, 3> t = {rim.apex, *corner, next};
       for_each_tile(t, grid, [&](std::int64_t tx, std::int64_t ty, std::int64_t tz) {
+        of_caps.add(1);
         std::uint8_t& mark = mark_of(tx, ty, tz);
         if (mark == 0 && may_touch(t, cell_of_tile(grid, tx, ty, tz))) mark = kCap;
       });
@@ -80,11 +85,13 @@ OpenTiles::OpenTiles(const OrientedMesh& mesh, const Rims& rims, const Grid& gri
   }
   if (marks_.empty()) return;
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.mesh.triangles.size(), 4096), [&](const auto& range) {
-    progress.check();
+    WorkCheck check(progress, kCheckEvery);
     for (std::size_t n = range.begin(); n != range.end(); ++n) {
+      check.add(1);
       if (mesh.use_of(n) == 0) continue;
       const std::array<Vec3, 3> t = mesh.corners(n);
       for_each_tile(t, grid, [&](std::int64_t tx, std::int64_t ty, std::int64_t tz) {
+        check.add(1);
         const std::atomic_ref<std::uint8_t> mark(mark_of(tx, ty, tz));
         if (mark.load(std::memory_order_relaxed) == kCap && may_touch(t, cell_of_tile(grid, tx, ty, tz)))
           mark.store(kCap | kMesh, std::memory_order_relaxed);

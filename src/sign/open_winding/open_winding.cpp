@@ -14,14 +14,15 @@ namespace {
 class RowOfTiles {
  public:
   RowOfTiles(const OpenMesh& mesh, const OpenTiles& open_tiles, const RowWindings& windings, std::int64_t ty,
-             std::int64_t tz, InsideRows& rows)
+             std::int64_t tz, InsideRows& rows, ProgressMeter& progress)
       : mesh_(mesh),
         open_tiles_(open_tiles),
         windings_(windings),
         ty_(ty),
         tz_(tz),
         rows_(rows),
-        stack_(mesh.tree),
+        check_(progress, kLooks),
+        stack_(mesh.tree, check_),
         tile_sides_(mesh, stack_) {}
 
   /// Returns how many samples are doubtful.
@@ -89,6 +90,7 @@ class RowOfTiles {
   const RowWindings& windings_;
   std::int64_t ty_, tz_;
   InsideRows& rows_;
+  WorkCheck check_;
   NodeStack stack_;
   TileSides tile_sides_;
   std::int64_t doubtful_ = 0;
@@ -100,26 +102,35 @@ OpenWinding::OpenWinding(const OrientedMesh& mesh, const Boundary& boundary, con
                          ProgressMeter& progress)
     : grid_(grid),
       rule_(rule),
-      rims_(boundary),
-      tree_(rims_),
+      progress_(progress),
+      rims_(boundary, progress),
+      tree_(rims_, progress),
+      quick_(rims_, tree_, progress),
       open_tiles_(mesh, rims_, grid, progress),
       mesh_crossings_(mesh, grid, progress),
       cap_crossings_({caps_of(rims_)}, grid, progress) {}
 
 void OpenWinding::fill(InsideRows& rows, std::int64_t ty, std::int64_t tz) const {
-  const OpenMesh mesh{grid_, rule_, rims_, tree_};
+  const OpenMesh mesh{grid_, rule_, rims_, tree_, quick_};
   const RowWindings windings(mesh_crossings_.of_tiles(ty, tz), cap_crossings_.of_tiles(ty, tz));
-  const std::int64_t doubtful = RowOfTiles(mesh, open_tiles_, windings, ty, tz, rows).decide();
+  const std::int64_t doubtful = RowOfTiles(mesh, open_tiles_, windings, ty, tz, rows, progress_).decide();
   doubtful_.fetch_add(doubtful, std::memory_order_relaxed);
 }
 
-double OpenWinding::winding_number(std::int64_t i, std::int64_t j, std::int64_t k, double error) const {
+double OpenWinding::winding_number(std::int64_t i, std::int64_t j, std::int64_t k) const {
+  ProgressMeter nobody;
+  WorkCheck unwatched(nobody, kLooks);
+  return winding_number(i, j, k, 0, unwatched);
+}
+
+double OpenWinding::winding_number(std::int64_t i, std::int64_t j, std::int64_t k, double error,
+                                   WorkCheck& check) const {
   const std::int64_t ty = j / kTileSide, tz = k / kTileSide;
   const RowWindings windings(mesh_crossings_.of_tiles(ty, tz), cap_crossings_.of_tiles(ty, tz));
   double winding = 0;
   windings.for_each(static_cast<int>(j % kTileSide + kTileSide * (k % kTileSide)), i, i + 1,
                     [&](std::int64_t, std::int64_t, std::int32_t n) { winding = n; });
-  NodeStack stack(tree_);
+  NodeStack stack(tree_, check);
   const Vec3 p = grid_.position(i, j, k);
   for (double tolerance = kFieldTolerance / 16;; tolerance = tolerance > error / 1024 ? tolerance / 16 : 0) {
     const Interval sum = cap_sum_at(rims_, tree_, p, error > 0 ? tolerance : 0, stack);

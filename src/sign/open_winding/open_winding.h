@@ -5,8 +5,10 @@
 #include <atomic>
 #include <cstdint>
 
+#include "core/work_check.h"
 #include "sign/diagnosis/boundary.h"
 #include "sign/open_winding/open_tiles.h"
+#include "sign/open_winding/quick_angles.h"
 #include "sign/open_winding/rim_tree.h"
 #include "sign/open_winding/rims.h"
 #include "sign/rows/row_crossings.h"
@@ -21,7 +23,7 @@ namespace standoff {
 class OpenWinding final : public Sides {
  public:
   /// `boundary` is that of the mesh; if it is empty, the mesh is closed. The mesh must stay where it is. Runs on the
-  /// threads of the calling TBB arena. Throws Error{interrupted}.
+  /// threads of the calling TBB arena. Throws Error{interrupted}, which fill() does too: the progress must stay.
   OpenWinding(const OrientedMesh& mesh, const Boundary& boundary, const Grid& grid, WindingRule rule,
               ProgressMeter& progress);
 
@@ -29,9 +31,9 @@ class OpenWinding final : public Sides {
 
   /// w at a sample, within 1e-9 unless the sample is on the boundary within rounding. Linear in the size of the
   /// boundary.
-  double winding_number(std::int64_t i, std::int64_t j, std::int64_t k) const { return winding_number(i, j, k, 0); }
-  /// The same within `error`; faster.
-  double winding_number(std::int64_t i, std::int64_t j, std::int64_t k, double error) const;
+  double winding_number(std::int64_t i, std::int64_t j, std::int64_t k) const;
+  /// The same within `error`; faster. Counts looks at rims: kLooks. Throws Error{interrupted}.
+  double winding_number(std::int64_t i, std::int64_t j, std::int64_t k, double error, WorkCheck& check) const;
 
   /// How many samples of all tiles filled so far have w within 0.05 (kDoubt) of a threshold, by values of w that
   /// are off by at most 0.025 (kDoubtError). The same for any number of threads.
@@ -40,8 +42,10 @@ class OpenWinding final : public Sides {
  private:
   Grid grid_;
   WindingRule rule_;
+  ProgressMeter& progress_;
   Rims rims_;
   RimTree tree_;
+  QuickAngles quick_;
   OpenTiles open_tiles_;
   RowCrossings mesh_crossings_, cap_crossings_;
   mutable std::atomic<std::int64_t> doubtful_{0};

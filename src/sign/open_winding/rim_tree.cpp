@@ -109,18 +109,21 @@ double bound_of_field(const Moments& caps, const Cell& cell) {
   return gap > 0 ? caps.total / (gap * gap) : std::numeric_limits<double>::infinity();
 }
 
-RimTree::RimTree(const Rims& rims) {
+void RimTree::make(const Rims& rims, ProgressMeter& progress) {
+  WorkCheck check(progress, 1 << 16);
   std::vector<Moments> moments(rims.size());
   std::vector<std::int32_t> order(rims.size());
   for (std::size_t n = 0; n < rims.size(); ++n) {
+    check.add(1);
     moments[n] = moments_of(rims[n]);
     order[n] = static_cast<std::int32_t>(n);
   }
   nodes_.reserve(2 * rims.size());
-  if (!order.empty()) build(order, moments);
+  if (!order.empty()) build(order, moments, check);
 }
 
-void RimTree::build(std::span<std::int32_t> rims, std::span<const Moments> moments) {
+void RimTree::build(std::span<std::int32_t> rims, std::span<const Moments> moments, WorkCheck& check) {
+  check.add(static_cast<std::int64_t>(rims.size()));
   const auto of = [&](std::int32_t rim) -> const Moments& { return moments[static_cast<std::size_t>(rim)]; };
   const std::size_t node = nodes_.size();
   nodes_.emplace_back();
@@ -138,9 +141,9 @@ void RimTree::build(std::span<std::int32_t> rims, std::span<const Moments> momen
                      const double at_a = of(a).center.*axis, at_b = of(b).center.*axis;
                      return at_a != at_b ? at_a < at_b : a < b;
                    });
-  build(rims.first(half), moments);
+  build(rims.first(half), moments, check);
   nodes_[node].right = static_cast<std::int32_t>(nodes_.size());
-  build(rims.subspan(half), moments);
+  build(rims.subspan(half), moments, check);
   nodes_[node].caps = joined(nodes_[node + 1].caps, (*this)[nodes_[node].right].caps);
 }
 

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "core/work_check.h"
 #include "sign/open_winding/linear_field.h"
 #include "sign/open_winding/rims.h"
 
@@ -49,14 +50,20 @@ class RimTree {
     bool is_leaf() const { return right == 0; }
   };
 
-  explicit RimTree(const Rims& rims);
+  explicit RimTree(const Rims& rims) {
+    ProgressMeter nobody;
+    make(rims, nobody);
+  }
+  /// The progress can end it.
+  RimTree(const Rims& rims, ProgressMeter& progress) { make(rims, progress); }
 
   /// The root is node 0, if there are rims.
   std::span<const Node> nodes() const { return nodes_; }
   const Node& operator[](std::int32_t node) const { return nodes_[static_cast<std::size_t>(node)]; }
 
  private:
-  void build(std::span<std::int32_t> rims, std::span<const Moments> moments);
+  void make(const Rims& rims, ProgressMeter& progress);
+  void build(std::span<std::int32_t> rims, std::span<const Moments> moments, WorkCheck& check);
 
   std::vector<Node> nodes_;
 };

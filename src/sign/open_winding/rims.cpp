@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/work_check.h"
 #include "sign/diagnosis/boundary_polygons.h"
 
 namespace standoff {
@@ -27,8 +28,12 @@ Vec3 point_amid(std::span<const Vec3> corners) {
 
 }  // namespace
 
-Rims::Rims(const Boundary& boundary) {
-  for_each_polygon(boundary, [&](BoundaryPolygon polygon) { add(std::move(polygon.corners), polygon.weight); });
+void Rims::make(const Boundary& boundary, ProgressMeter& progress) {
+  WorkCheck check(progress, 1 << 16);
+  for_each_polygon(boundary, [&](BoundaryPolygon polygon) {
+    check.add(static_cast<std::int64_t>(polygon.corners.size()));
+    add(std::move(polygon.corners), polygon.weight);
+  });
 }
 
 void Rims::add(std::vector<Vec3> polygon, std::int32_t weight) {

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "core/progress.h"
 #include "sign/diagnosis/boundary.h"
 #include "standoff/mesh.h"
 
@@ -29,7 +30,12 @@ class Rims {
  public:
   static constexpr std::size_t kMaxCorners = 96;
 
-  explicit Rims(const Boundary& boundary);
+  explicit Rims(const Boundary& boundary) {
+    ProgressMeter nobody;
+    make(boundary, nobody);
+  }
+  /// The progress can end it.
+  Rims(const Boundary& boundary, ProgressMeter& progress) { make(boundary, progress); }
 
   std::size_t size() const { return apexes_.size(); }
   Rim operator[](std::size_t n) const {
@@ -37,6 +43,7 @@ class Rims {
   }
 
  private:
+  void make(const Boundary& boundary, ProgressMeter& progress);
   void add(std::vector<Vec3> polygon, std::int32_t weight);
   void add_small(std::span<const Vec3> polygon, std::int32_t weight);
 

@@ -15,6 +15,9 @@ namespace {
 // Fields that are off by as much decide little. Less than a quarter: the field at a sample, and the sample's winding
 // number by far fields that are part of it, then tell integers apart.
 constexpr double kUseless = 0.24;
+// So many near rims are summed up in float, which takes a microsecond and one or two more for a thousand of them. Where
+// they are many more, smaller cells have as many, and their fields decide no more.
+constexpr std::size_t kManyRims = 64, kVeryManyRims = 256;
 // Few samples are decided one by one.
 constexpr int kFewRows = 4;
 
@@ -57,7 +60,10 @@ void TileSides::visit(const SampleBox& box, NodeStack::Part nodes, LinearField f
   decide_by_winding(box, far.value, far.reach(cell.half) + stack_.bound_of(near, cell, 0.5) + kWindingRounding, true);
   if (!has_more_unknown_than(0, box)) return stack_.resize(size);
 
-  if (decide_by_fields(box, cell, near, far, tolerance)) {
+  const bool of_near = decide_by_fields(box, cell, near, far, tolerance);
+  if (near.end - near.begin > kVeryManyRims) {
+    decide_one_by_one(box, near, far);
+  } else if (of_near) {
     split(box, near, far, tolerance);
   } else {
     stack_.resize(size);
@@ -85,6 +91,7 @@ void TileSides::split(const SampleBox& box, NodeStack::Part nodes, const LinearF
 // most of what is not known is due to far caps: the samples left need those more precisely.
 bool TileSides::decide_by_fields(const SampleBox& box, const Cell& cell, NodeStack::Part& near, LinearField& far,
                                  double tolerance) {
+  stack_.count(near.end - near.begin);
   // The caps that may be in the cell come first.
   const std::size_t caps_end = stack_.partition(near, [&](std::size_t n) {
     const Moments& caps = mesh_.tree[stack_[n]].caps;
@@ -171,9 +178,13 @@ void TileSides::decide_one_by_one(const SampleBox& box, NodeStack::Part nodes, c
     const unsigned x = bit_of(i);
     const double winding = windings_[kTileSide * row + x];
     const Vec3 p = mesh_.grid.position(i, j, k);
+    double tolerance = kFieldTolerance / 64;
+    if (nodes.end - nodes.begin > kManyRims)
+      for (; tolerance > kFieldTolerance / 1e4; tolerance /= 64)
+        if (const auto angles = mesh_.quick.at(p, tolerance, stack_))
+          if (decide_sample(row, x, winding + angles->value, angles->error + kWindingRounding)) return;
     Interval angles = add_angles(mesh_.rims, mesh_.tree, p, stack_, nodes, {far.at(p), far.error});
-    for (double tolerance = kFieldTolerance / 64;
-         !decide_sample(row, x, winding + angles.value, angles.error + kWindingRounding);
+    for (; !decide_sample(row, x, winding + angles.value, angles.error + kWindingRounding);
          tolerance = tolerance > 1e-9 ? tolerance / 64 : 0) {
       angles = cap_sum_at(mesh_.rims, mesh_.tree, p, tolerance, stack_);
       // What is left then is rounding: the value decides.

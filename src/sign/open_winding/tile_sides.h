@@ -10,6 +10,7 @@
 #include "sign/open_winding/cap_sum.h"
 #include "sign/open_winding/cells.h"
 #include "sign/open_winding/node_stack.h"
+#include "sign/open_winding/quick_angles.h"
 #include "sign/open_winding/row_windings.h"
 #include "standoff/sign.h"
 
@@ -24,6 +25,7 @@ struct OpenMesh {
   WindingRule rule;
   const Rims& rims;
   const RimTree& tree;
+  const QuickAngles& quick;
 };
 
 class TileSides {

@@ -29,8 +29,13 @@ int steepest_axis(const Corners& t) {
 
 class Classify {
  public:
-  Classify(const OrientedMesh& mesh, WindingRule rule)
-      : mesh_(mesh), rule_(rule), tree_(mesh.mesh), cuts_(find_cuts(mesh, tree_)), rows_(mesh, tree_) {}
+  Classify(const OrientedMesh& mesh, WindingRule rule, ProgressMeter& progress)
+      : mesh_(mesh),
+        rule_(rule),
+        progress_(progress),
+        tree_(mesh.mesh),
+        cuts_(find_cuts(mesh, tree_, progress)),
+        rows_(mesh, tree_) {}
 
   Exposures all() const {
     const std::size_t triangles = mesh_.mesh.triangles.size();
@@ -38,6 +43,7 @@ class Classify {
     found.of.resize(triangles, Exposure::cut);
     const auto for_each = [&](const auto& use) {
       tbb::parallel_for(tbb::blocked_range<std::size_t>(0, triangles, 256), [&](const auto& range) {
+        progress_.check();
         for (std::size_t t = range.begin(); t != range.end(); ++t) use(static_cast<std::uint32_t>(t));
       });
     };
@@ -83,6 +89,7 @@ class Classify {
 
   OrientedMesh mesh_;
   WindingRule rule_;
+  ProgressMeter& progress_;
   TriangleTree tree_;
   MeshCuts cuts_;
   RowSides rows_;
@@ -90,6 +97,8 @@ class Classify {
 
 }  // namespace
 
-Exposures find_exposed(const OrientedMesh& mesh, WindingRule rule) { return Classify(mesh, rule).all(); }
+Exposures find_exposed(const OrientedMesh& mesh, WindingRule rule, ProgressMeter& progress) {
+  return Classify(mesh, rule, progress).all();
+}
 
 }  // namespace standoff

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/progress.h"
 #include "sign/oriented_mesh.h"
 #include "standoff/exposed.h"
 
@@ -15,7 +16,8 @@ struct Exposures {
   std::int64_t internal = 0, cut = 0;
 };
 
-/// Requires a valid mesh that is closed in that orientation. Runs on the threads of the calling TBB arena.
-Exposures find_exposed(const OrientedMesh& mesh, WindingRule rule);
+/// Requires a valid mesh that is closed in that orientation. Runs on the threads of the calling TBB arena. Throws
+/// Error{interrupted}.
+Exposures find_exposed(const OrientedMesh& mesh, WindingRule rule, ProgressMeter& progress);
 
 }  // namespace standoff

@@ -6,14 +6,18 @@
 
 #include <algorithm>
 #include <atomic>
+#include <limits>
 
 #include "core/per_thread.h"
+#include "core/work_check.h"
 #include "geometry/coplanar.h"
 #include "geometry/triangle_pair.h"
 #include "sign/outer/triangle_cut.h"
 
 namespace standoff {
 namespace {
+
+constexpr std::int64_t kPairsBetweenChecks = 1 << 14;
 
 class CutSearch {
  public:
@@ -48,7 +52,7 @@ std::span<const std::pair<std::uint32_t, std::uint32_t>> pairs_of(const Triangle
   return {found.begin(), found.end()};
 }
 
-MeshCuts find_cuts(const OrientedMesh& mesh, const TriangleTree& tree) {
+MeshCuts find_cuts(const OrientedMesh& mesh, const TriangleTree& tree, ProgressMeter& progress) {
   const std::size_t triangles = mesh.mesh.triangles.size();
   MeshCuts found;
   found.flat.resize(triangles);
@@ -63,11 +67,15 @@ MeshCuts find_cuts(const OrientedMesh& mesh, const TriangleTree& tree) {
   PerThread<TrianglePairs> touched;
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, triangles, 64), [&](const auto& range) {
     TrianglePairs& mine = touched.local();
-    for (std::size_t n = range.begin(); n != range.end(); ++n)
-      tree.tree().for_each_later_overlap(n, [&](std::size_t other) {
+    WorkCheck check(progress, kPairsBetweenChecks);
+    for (std::size_t n = range.begin(); n != range.end(); ++n) {
+      std::int64_t boxes = std::numeric_limits<std::int64_t>::max();
+      tree.tree().for_each_later_overlap(n, boxes, [&](std::size_t other) {
         search.compare(tree.order()[n], tree.order()[other], mine);
+        check.add(1);
         return true;
       });
+    }
   });
   touched.for_each(
       [&](const TrianglePairs& part) { found.touched.insert(found.touched.end(), part.begin(), part.end()); });

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/progress.h"
 #include "sign/diagnosis/triangle_tree.h"
 #include "sign/oriented_mesh.h"
 
@@ -26,7 +27,7 @@ struct MeshCuts {
 };
 
 /// Compares all pairs of triangles whose boxes overlap. Requires a valid mesh. Runs on the threads of the calling TBB
-/// arena; the result does not depend on them.
-MeshCuts find_cuts(const OrientedMesh& mesh, const TriangleTree& tree);
+/// arena; the result does not depend on them. Throws Error{interrupted}.
+MeshCuts find_cuts(const OrientedMesh& mesh, const TriangleTree& tree, ProgressMeter& progress);
 
 }  // namespace standoff

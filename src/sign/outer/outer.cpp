@@ -25,9 +25,9 @@ void expect_closed(const SignPlan& plan, const char* who) {
 
 }  // namespace
 
-void plan_outer(MeshView mesh, const SignOptions& options, SignPlan& plan) {
+void plan_outer(MeshView mesh, const SignOptions& options, SignPlan& plan, ProgressMeter& progress) {
   expect_closed(plan, "outer");
-  const Exposures found = find_exposed({mesh, plan.use}, options.rule);
+  const Exposures found = find_exposed({mesh, plan.use}, options.rule, progress);
   plan.report.internal = found.internal;
   plan.report.cut = found.cut;
   if (found.internal == 0) return;
@@ -46,7 +46,7 @@ ExposedTriangles exposed_triangles(MeshView mesh, const SignOptions& sign, const
     ProgressMeter unwatched;
     SignPlan plan = plan_sign(mesh, sign, unwatched);
     expect_closed(plan, "exposed");
-    Exposures found = find_exposed({mesh, plan.use}, sign.rule);
+    Exposures found = find_exposed({mesh, plan.use}, sign.rule, unwatched);
     plan.report.internal = found.internal;
     plan.report.cut = found.cut;
     return ExposedTriangles{std::move(found.of), found.internal, found.cut, std::move(plan.report)};

@@ -10,6 +10,8 @@
 #include <span>
 #include <vector>
 
+#include "core/progress.h"
+
 namespace standoff {
 
 /// Where a row of a window of rows crosses a triangle.
@@ -47,6 +49,8 @@ class CrossingList {
   using Block = std::array<FoundCrossing, kBlock>;
 
   explicit CrossingList(BlockBudget& budget) : budget_(&budget) {}
+  /// The progress can end the work at each block.
+  CrossingList(BlockBudget& budget, ProgressMeter& progress) : budget_(&budget), progress_(&progress) {}
 
   /// Makes room for `count` more, at most kMostAtOnce; false if the budget is spent.
   bool make_room(std::ptrdiff_t count) { return end_ - next_ >= count || take_block(); }
@@ -66,6 +70,7 @@ class CrossingList {
  private:
   std::size_t size_of_last() const { return static_cast<std::size_t>(next_ - blocks_.back()->data()); }
   bool take_block() {
+    if (progress_) progress_->check();
     if (!budget_->take()) return false;
     if (!blocks_.empty()) sizes_.push_back(size_of_last());
     blocks_.push_back(std::make_unique_for_overwrite<Block>());
@@ -75,6 +80,7 @@ class CrossingList {
   }
 
   BlockBudget* budget_;
+  ProgressMeter* progress_ = nullptr;
   std::vector<std::unique_ptr<Block>> blocks_;
   std::vector<std::size_t> sizes_;  // of all blocks but the last
   FoundCrossing* next_ = nullptr;

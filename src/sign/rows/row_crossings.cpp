@@ -95,13 +95,16 @@ bool RowCrossings::find(std::int64_t first, std::int64_t count) {
 }
 
 bool RowCrossings::find(const RowWindow& window, std::size_t count) {
-  constexpr std::size_t kGrain = 4096;
+  constexpr std::size_t kGrain = 4096, kMany = 1 << 16;
   crossings_ = std::vector<RowCrossing>();  // gives the memory back, which clear() does not
   BlockBudget budget(blocks_);
-  PerThread<CrossingList> lists([&] { return CrossingList(budget); });
+  PerThread<CrossingList> lists([&] { return CrossingList(budget, *progress_); });
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, triangles_, kGrain), [&](const auto& range) {
-    progress_->check();
-    if (!budget.is_spent()) scan_.scan(range.begin(), range.end(), window, lists.local());
+    // A range may be most of a large mesh.
+    for (std::size_t first = range.begin(); first < range.end() && !budget.is_spent(); first += kGrain) {
+      progress_->check();
+      scan_.scan(first, std::min(first + kGrain, range.end()), window, lists.local());
+    }
   });
   if (budget.is_spent()) return false;
 
@@ -134,8 +137,10 @@ bool RowCrossings::find(const RowWindow& window, std::size_t count) {
         part, [&](std::size_t tiles, const FoundCrossing& one) { crossings_[next[part][tiles]++] = crossing_of(one); });
   });
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 64), [&](const auto& range) {
-    for (std::size_t n = range.begin(); n != range.end(); ++n)
+    for (std::size_t n = range.begin(); n != range.end(); ++n) {
+      if (n % 64 == 0 || begin_[n + 1] - begin_[n] > kMany) progress_->check();
       sort(std::span(crossings_).subspan(begin_[n], begin_[n + 1] - begin_[n]));
+    }
   });
   return true;
 }

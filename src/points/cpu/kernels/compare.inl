@@ -9,13 +9,13 @@
 namespace standoff::cpu::STANDOFF_TARGET {
 namespace {
 
-STANDOFF_INLINE void compare_pairs(const PackTree& tree, PointGroup& points, PointTable& table) {
+STANDOFF_INLINE void compare_pairs(const PackTree& tree, PointGroup& points, PairTable& table) {
   constexpr int kPairs = WideDouble::kLanes;
   const int pairs = table.pair_count;
   for (int first = 0; first < pairs; first += kPairs) {
     alignas(64) double rows[3][kPairs][4];
     for (int lane = 0; lane < kPairs; ++lane) {
-      const PointTable::Pair& pair = table.pairs[first + lane < pairs ? first + lane : pairs - 1];
+      const PairTable::Pair& pair = table.pairs[first + lane < pairs ? first + lane : pairs - 1];
       const std::uint32_t triangle = tree.index[pair.place];
       for (int which = 0; which < 3; ++which)
         store_local(rows[which][lane], corner_of(tree, triangle, which), points.scale, points.at[pair.point]);
@@ -26,7 +26,7 @@ STANDOFF_INLINE void compare_pairs(const PackTree& tree, PointGroup& points, Poi
     alignas(64) double sq[kPairs];
     origin_distance_sq(corner(0), corner(1), corner(2)).store(sq);
     for (int lane = 0; lane < kPairs && first + lane < pairs; ++lane) {
-      const PointTable::Pair& pair = table.pairs[first + lane];
+      const PairTable::Pair& pair = table.pairs[first + lane];
       const std::uint32_t triangle = tree.index[pair.place];
       double& best = points.nearest_sq[pair.point];
       if (sq[lane] > best || (sq[lane] == best && triangle >= points.nearest[pair.point])) continue;
@@ -38,8 +38,8 @@ STANDOFF_INLINE void compare_pairs(const PackTree& tree, PointGroup& points, Poi
 }
 
 STANDOFF_INLINE void add_pair(const PackTree& tree, std::uint32_t place, int point, PointGroup& points,
-                              PointTable& table) {
-  if (table.pair_count == PointTable::kMostPairs) compare_pairs(tree, points, table);
+                              PairTable& table) {
+  if (table.pair_count == PairTable::kMostPairs) compare_pairs(tree, points, table);
   table.pairs[table.pair_count++] = {place, static_cast<std::uint32_t>(point)};
 }
 

@@ -31,14 +31,14 @@ struct OnePoint {
 };
 
 // Compares the triangles that may be nearest so far: there are too many of them, or no more.
-STANDOFF_INLINE void settle(const PackTree& tree, OnePoint& p, int point, PointGroup& points, PointTable& table) {
+STANDOFF_INLINE void settle(const PackTree& tree, OnePoint& p, int point, PointGroup& points, PairTable& table) {
   for (int n = 0; n < p.near_count; ++n)
     if (table.near[n].lower_sq <= p.upper_sq) add_pair(tree, table.near[n].place, point, points, table);
   p.near_count = 0;
 }
 
 STANDOFF_INLINE void measure_pack(const PackTree& tree, std::uint32_t number, OnePoint& p, int point,
-                                  PointGroup& points, PointTable& table) {
+                                  PointGroup& points, PairTable& table) {
   const FramePack& frames = tree.frames[number];
   float at[3], farthest = 0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -54,7 +54,7 @@ STANDOFF_INLINE void measure_pack(const PackTree& tree, std::uint32_t number, On
   const WideFloat lower = at_least(sq, slack);
   std::uint32_t near = less_equal(lower, WideFloat(p.upper_sq)).to_bits() & ((1u << size_of_pack(tree, number)) - 1);
   if (near == 0) return;
-  if (p.near_count + kLanes > PointTable::kMostNear) settle(tree, p, point, points, table);
+  if (p.near_count + kLanes > PairTable::kMostNear) settle(tree, p, point, points, table);
   alignas(64) float lowers[kLanes];
   lower.store(lowers);
   for (; near != 0; near &= near - 1) {
@@ -97,7 +97,7 @@ STANDOFF_INLINE int take_nearest(Opened& opened, float upper_sq) {
   return lane;
 }
 
-void look_at_all(const PackTree& tree, PointGroup& points, PointTable& table) {
+void look_at_all(const PackTree& tree, PointGroup& points, PairTable& table) {
   table.pair_count = 0;
   std::uint32_t last = points.start;
   Opened opened[PackTree::kMostLevels];

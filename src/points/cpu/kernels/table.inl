@@ -3,13 +3,19 @@
 #pragma once
 
 #include "points/cpu/kernels/boxes_on_way.inl"
+#include "points/cpu/kernels/closest.inl"
 #include "points/cpu/kernels/look_at.inl"
 #include "points/cpu/kernels/look_at_all.inl"
+#include "points/cpu/kernels/solid_angles.inl"
 
 namespace standoff::cpu::STANDOFF_TARGET {
 
 extern const PointKernels kPointKernels;
-const PointKernels kPointKernels{
-    .make_frames = make_frames, .look_at = look_at, .look_at_all = look_at_all, .boxes_on_way = boxes_on_way};
+const PointKernels kPointKernels{.make_frames = make_frames,
+                                 .look_at = look_at,
+                                 .look_at_all = look_at_all,
+                                 .closest = closest,
+                                 .add_solid_angles = add_solid_angles,
+                                 .boxes_on_way = boxes_on_way};
 
 }  // namespace standoff::cpu::STANDOFF_TARGET

@@ -104,8 +104,4 @@ void cross_rows(const RowPatch* patches, int count, CrossedRows& found) {
 }
 
 }  // namespace
-
-extern const SignKernels kSignKernels;
-const SignKernels kSignKernels{.cross_rows = cross_rows};
-
 }  // namespace standoff::cpu::STANDOFF_TARGET

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/threads.h"
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+
+namespace standoff {
+namespace {
+
+// Arenas that no call uses, and for how many threads each of them is. Calls at the same time and of different numbers
+// of threads need one each; the number of places is arbitrary, an idle arena takes some KB.
+struct ArenaPlace {
+  std::atomic<tbb::task_arena*> arena{nullptr};
+  std::atomic<int> threads{0};  // of the arena that came last: where to look
+};
+constexpr std::size_t kArenaPlaces = 16;
+// They are never destroyed: threads may end later than this library.
+std::array<ArenaPlace, kArenaPlaces> kept_arenas;
+std::atomic<std::size_t> next_arena_to_go{0};
+
+void give_back_arena(tbb::task_arena* arena) {
+  for (ArenaPlace& place : kept_arenas) {
+    tbb::task_arena* none = nullptr;
+    if (!place.arena.compare_exchange_strong(none, arena)) continue;
+    place.threads.store(arena->max_concurrency(), std::memory_order_relaxed);
+    return;
+  }
+  // All are taken: one of them gives way.
+  ArenaPlace& place = kept_arenas[next_arena_to_go.fetch_add(1, std::memory_order_relaxed) % kArenaPlaces];
+  place.threads.store(arena->max_concurrency(), std::memory_order_relaxed);
+  delete place.arena.exchange(arena);
+}
+
+}  // namespace
+
+BorrowedArena::BorrowedArena(int threads) : arena_(nullptr) {
+  for (ArenaPlace& place : kept_arenas) {
+    if (place.threads.load(std::memory_order_relaxed) != threads) continue;
+    arena_ = place.arena.exchange(nullptr);
+    if (!arena_) continue;
+    if (arena_->max_concurrency() == threads) return;
+    give_back_arena(arena_);
+  }
+  arena_ = new tbb::task_arena(threads);
+}
+
+BorrowedArena::~BorrowedArena() { give_back_arena(arena_); }
+
+}  // namespace standoff
