@@ -250,6 +250,19 @@ TEST(Flood, DegenerateTrianglesChangeNothing) {
   EXPECT_EQ(flood(mesh, grid).inside, flood(ball, grid).inside);
 }
 
+// What rounding makes of triangles without area, as in a file of single precision: their edges are no rims.
+TEST(Flood, NeedlesChangeNothing) {
+  const Mesh ball = testing::sphere(10);
+  Mesh mesh = ball;
+  Random random(12);
+  for (int n = 0; n < 300; ++n) {
+    const Vec3 at = random.in_cube(1.5), along = random.in_cube(1.5);
+    testing::add_triangle(mesh, at, at + along * 0.25 + random.in_cube(1e-7), at + along);
+  }
+  const Grid grid{{40, 40, 40}, {-1.37, -1.38, -1.39}, {0.07, 0.07, 0.07}};
+  EXPECT_EQ(flood(mesh, grid).inside, flood(ball, grid).inside);
+}
+
 // A path keeps half a spacing from rims, whichever spacing is the smallest.
 TEST(Flood, DistancesToRimsAreThoseOfBruteForce) {
   Random random(3);

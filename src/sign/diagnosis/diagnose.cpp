@@ -3,10 +3,10 @@
 
 #include <algorithm>
 
+#include "geometry/coplanar.h"
 #include "sign/diagnosis/boundary_polygons.h"
 #include "sign/diagnosis/closed.h"
 #include "sign/diagnosis/cracks.h"
-#include "sign/diagnosis/degenerate.h"
 #include "sign/diagnosis/edge_sides.h"
 #include "sign/diagnosis/openness.h"
 #include "sign/diagnosis/recommend.h"
@@ -15,6 +15,13 @@
 
 namespace standoff {
 namespace {
+
+bool is_degenerate(const Corners& t) {
+  const Vec3 u = t[1] - t[0], v = t[2] - t[0];
+  // Rounding moves the normal by less than that.
+  if (max_norm(cross(u, v)) > 1e-14 * max_norm(u) * max_norm(v)) return false;
+  return normal_direction(t) == Vec3{};
+}
 
 void add_triangles(MeshView mesh, MeshReport& found) {
   found.triangles = static_cast<std::int64_t>(mesh.triangles.size());

@@ -8,7 +8,7 @@
 #include <atomic>
 #include <cmath>
 
-#include "sign/diagnosis/degenerate.h"
+#include "geometry/corners.h"
 #include "sign/diagnosis/edge_sides.h"
 #include "sign/diagnosis/mesh_edges.h"
 
@@ -17,8 +17,6 @@ namespace {
 
 constexpr std::int64_t kRimTileSide = DistanceField::kTileSide;
 using LatticeSample = std::array<std::int64_t, 3>;
-
-double along_axis(const Vec3& v, std::size_t axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 
 // The distance of two segments. If their lines have no common perpendicular between them, the nearest points include
 // an end.
@@ -47,7 +45,7 @@ NearEdges near_edges_of(const RimEdge& rim, double reach, const TileLattice& lat
   NearEdges found;
   for (std::size_t n = 0; n < 3; ++n) {
     const LatticeAxis& axis = lattice.axes[n];
-    const auto [low, high] = std::minmax({along_axis(rim[0], n), along_axis(rim[1], n)});
+    const auto [low, high] = std::minmax({rim[0][n], rim[1][n]});
     found.first[n] = axis.first_from(low - reach) - (n == along);
     found.past[n] = axis.first_from(high + reach);
     if (n == along) {
@@ -77,6 +75,17 @@ void for_each_piece(const RimEdge& rim, double reach, const TileLattice& lattice
   for (std::size_t axis = 0; axis < 3; ++axis) visit(visit, axis, rim, halvings);
 }
 
+// Triangles of less height, as a share of the mesh's longest side, are no part of a surface that could have a gap
+// beside them: needles, and what rounding leaves of triangles without area.
+constexpr double kThinTriangle = 1e-6;
+
+// In units of 1 / scale, so that nothing overflows.
+double height_of(const Corners& t, double scale) {
+  const Vec3 u = (t[1] - t[0]) * scale, v = (t[2] - t[0]) * scale;
+  const double longest = std::max({length(u), length(v), length(u - v)});
+  return longest > 0 ? length(cross(u, v)) / longest : 0;
+}
+
 template <class Use>
 void for_each_rim(std::span<const RimEdge> rims, ProgressMeter& progress, const Use& use) {
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rims.size(), 256), [&](const auto& range) {
@@ -88,11 +97,14 @@ void for_each_rim(std::span<const RimEdge> rims, ProgressMeter& progress, const 
 }  // namespace
 
 std::vector<RimEdge> rim_edges_of(MeshView mesh, ProgressMeter& progress) {
+  const double scale = 1 / max_norm(bounds(mesh).extent());
+  std::vector<std::uint8_t> is_thin(mesh.triangles.size());
+  tbb::parallel_for(std::size_t{0}, is_thin.size(),
+                    [&](std::size_t t) { is_thin[t] = height_of(mesh.corners(t), scale) <= kThinTriangle; });
   std::vector<RimEdge> rims;
-  std::vector<std::int8_t> use(mesh.triangles.size());
-  tbb::parallel_for(std::size_t{0}, use.size(), [&](std::size_t t) { use[t] = !is_degenerate(mesh.corners(t)); });
-  for_each_edge(MeshEdges(mesh, progress), use, [&](std::span<const EdgeUse> sides) {
-    if (sides.size() % 2 == 0) return;
+  for_each_edge(MeshEdges(mesh, progress), {}, [&](std::span<const EdgeUse> sides) {
+    const auto thick = std::ranges::count_if(sides, [&](const EdgeUse& side) { return !is_thin[side.triangle]; });
+    if (sides.size() % 2 == 0 || thick % 2 == 0) return;
     const auto corners = mesh.corners(sides.front().triangle);
     const std::size_t corner = sides.front().corner;
     rims.push_back({corners[corner], corners[(corner + 1) % 3]});

@@ -19,8 +19,9 @@ namespace standoff {
 
 using RimEdge = std::array<Vec3, 2>;
 
-/// The edges of a mesh that have an odd number of triangles with an area, by position. Takes 200 bytes per triangle
-/// while it runs, on the threads of the calling TBB arena. Throws Error{interrupted}.
+/// The edges of a mesh that have an odd number of triangles, by position, also without those whose height is below a
+/// millionth of the mesh's longest side: such a needle closes no gap and has none beside it. Takes 200 bytes per
+/// triangle while it runs, on the threads of the calling TBB arena. Throws Error{interrupted}.
 std::vector<RimEdge> rim_edges_of(MeshView mesh, ProgressMeter& progress);
 
 /// Of the edges of a lattice, from each sample to the next one along an axis, those with a point nearer to a rim than
