@@ -20,6 +20,7 @@ void say(const IsoResult& found, const std::string& output, const Console& conso
     console.warn(counted(report.clamped, "edge") +
                  " of the grid that the surface crosses: values there are clamped to the field's thickness, so that "
                  "vertices are not accurate; compute the field with a larger thickness");
+  if (!report.lost.empty()) console.warn(report.lost);
   console.detail(counted(report.ambiguous_faces, "ambiguous face") + "; vertices keep " + number(report.clearance) +
                  " spacings from samples");
 }
@@ -43,6 +44,12 @@ Json iso_json(const std::string& input, const IsoSubject& subject, const IsoOpti
     json["surface"]["self_intersections"] = report.self_intersections;
     json["surface"]["intersections_known"] = report.intersections_known;
   }
+  if (std::string(subject.kind) == "mesh")
+    json["lost"] = {{"share", report.lost_share},
+                    {"parts", report.parts},
+                    {"lost_parts", report.lost_parts},
+                    {"thickness", report.lost_thickness},
+                    {"what", report.lost}};
   if (std::string(subject.kind) == "mesh")
     json["sign"] = {{"method", name_of(report.sign.method)}, {"why", report.sign.why}, {"sure", report.sign.sure}};
   json["output"] = json_output(output);

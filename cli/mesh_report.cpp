@@ -129,6 +129,8 @@ void add_report(Json& json, const MeshReport& r) {
   mesh["patches"] = r.patches;
   json["orientation"] = {{"flipped", r.flipped},
                          {"left_out", r.left_out},
+                         {"cancelled_parts", r.cancelled_parts},
+                         {"cancelled_share", r.cancelled_share},
                          {"inconsistent_edges", r.inconsistent_after},
                          {"unorientable", r.unorientable}};
   json["boundary"] = {

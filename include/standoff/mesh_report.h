@@ -55,6 +55,8 @@ struct MeshReport {
   // After orientation.
   std::int64_t flipped = 0;             ///< triangles that are used in the opposite orientation
   std::int64_t left_out = 0;            ///< copies and inner walls that are not used
+  std::int64_t cancelled_parts = 0;     ///< components in both orientations without an inside: nothing of them is used
+  double cancelled_share = 0;           ///< their part of the area
   std::int64_t inconsistent_after = 0;  ///< of inconsistent_edges: those that no orientation makes consistent
   std::int64_t unorientable = 0;        ///< patches with but one side, like a Moebius strip
   std::int64_t patches = 0;             ///< triangles joined over edges of two triangles

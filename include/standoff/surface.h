@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 
 #include "standoff/compute.h"
 #include "standoff/execution.h"
@@ -58,6 +59,12 @@ struct IsoReport {
   std::int64_t self_intersections = 0;  ///< if examined: pairs of triangles without a common vertex that intersect
   bool intersections_known = true;      ///< if examined. false: the search was stopped, and there may be more
   SignReport sign;                      ///< of a mesh: how its sign was decided
+  // Of a mesh, for levels that are not negative: what the surface shows nothing of, because no sample is inside there.
+  double lost_share = 0;        ///< the part of the mesh's area that is outside, and farther than a spacing from it
+  std::int64_t parts = 0;       ///< of the mesh: triangles that share positions, directly or through others
+  std::int64_t lost_parts = 0;  ///< those that are lost as a whole
+  double lost_thickness = 0;    ///< about the thickness of the thinnest of them, world units; 0: none has a volume
+  std::string lost;             ///< one sentence with a way to keep them; empty if nothing to speak of is lost
 };
 
 struct IsoResult {

@@ -44,6 +44,8 @@ nb::dict dict_of(const MeshReport& r) {
   d["inconsistent_edges"] = r.inconsistent_edges;
   d["flipped"] = r.flipped;
   d["left_out"] = r.left_out;
+  d["cancelled_parts"] = r.cancelled_parts;
+  d["cancelled_share"] = r.cancelled_share;
   d["inconsistent_after"] = r.inconsistent_after;
   d["unorientable"] = r.unorientable;
   d["patches"] = r.patches;

@@ -19,10 +19,11 @@ IsoOptions options_of(double at, double wall, const std::string& method, int thr
   return options;
 }
 
-// (vertices, faces, sign)
+// (vertices, faces, sign, what is lost)
 nb::tuple arrays_of(IsoResult&& result) {
   return nb::make_tuple(array_over<double>(std::move(result.mesh.vertices)),
-                        array_over<std::uint32_t>(std::move(result.mesh.triangles)), sign_dict(result.report.sign));
+                        array_over<std::uint32_t>(std::move(result.mesh.triangles)), sign_dict(result.report.sign),
+                        result.report.lost);
 }
 
 nb::tuple of_field(const DistanceField& field, double at, double wall, const std::string& method, int threads,

@@ -37,6 +37,7 @@ from ._errors import (
     MeshError,
     OutputError,
     SignWarning,
+    SurfaceWarning,
     UsageError,
     VerifyError,
 )
@@ -81,6 +82,7 @@ __all__ = [
     "Sign",
     "SignReport",
     "SignWarning",
+    "SurfaceWarning",
     "Sweeps",
     "UsageError",
     "VerifyError",

@@ -12,6 +12,7 @@ __all__ = [
     "MeshError",
     "OutputError",
     "SignWarning",
+    "SurfaceWarning",
     "UsageError",
     "VerifyError",
 ]
@@ -72,6 +73,10 @@ class VerifyError(Error, ValueError):
 
 class SignWarning(UserWarning):
     """The sign of a field is not certain, or there is none because the mesh has no inside."""
+
+
+class SurfaceWarning(UserWarning):
+    """Parts of a mesh are too thin for the grid: its surface shows nothing of them."""
 
 
 # What may be wrong with a mesh among many, whose errors are collected.

@@ -63,6 +63,10 @@ class Report:
     """Triangles that the sign takes in the opposite orientation."""
     left_out: int
     """Copies and inner walls that the sign does not use."""
+    cancelled_parts: int
+    """Components in both orientations without an inside: the sign uses nothing of them."""
+    cancelled_share: float
+    """Their part of the area."""
     inconsistent_after: int
     unorientable: int
     """Patches with but one side, like a Moebius strip."""

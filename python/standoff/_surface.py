@@ -3,10 +3,12 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Any, Literal
 
 from . import _core
 from ._checks import name, number, threads_of
+from ._errors import SurfaceWarning
 from ._field import DistanceField
 from ._mesh import Mesh, as_mesh
 from ._options import Box, Grid, Progress, Sign, grid_of, progress_of, sign_report
@@ -38,7 +40,8 @@ def surface(
         threads, progress: as for `field`.
 
     Returns:
-        A closed manifold, whose triangles face outwards; without triangles if nothing is inside.
+        A closed manifold, whose triangles face outwards; without triangles if nothing is inside. A `SurfaceWarning`
+        says if parts of the mesh are too thin for the grid, so that the surface shows nothing of them.
     """
     if isinstance(source, DistanceField):
         for option, value in dict(
@@ -49,7 +52,7 @@ def surface(
         if not source.signed and not at > 0:
             raise ValueError("at: this field has no sign, so that nothing is inside; give a positive distance")
         with progress_of(progress, "surface") as report:
-            vertices, faces, _ = _core.surface_of_field(
+            vertices, faces, _, _ = _core.surface_of_field(
                 source._native(),
                 number(at, "at"),
                 number(wall, "wall"),
@@ -64,7 +67,7 @@ def surface(
     )
     asked = Sign.of(sign)
     with progress_of(progress, "surface") as report:
-        vertices, faces, signs = _core.surface_of_mesh(
+        vertices, faces, signs, lost = _core.surface_of_mesh(
             found.vertices,
             found.faces,
             where._core(),
@@ -76,6 +79,8 @@ def surface(
             report,
         )
     sign_report(signs, asked, stacklevel=2)
+    if lost:
+        warnings.warn(lost, SurfaceWarning, stacklevel=2)
     return Mesh(vertices, faces)
 
 

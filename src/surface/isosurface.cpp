@@ -16,6 +16,7 @@
 #include "standoff/points.h"
 #include "standoff/surface.h"
 #include "surface/extract.h"
+#include "surface/lost_parts.h"
 
 namespace standoff {
 namespace {
@@ -125,6 +126,8 @@ IsoResult isosurface(MeshView mesh, const Grid& grid, const SignOptions& sign, c
     extract(
         computed.field, options, [&](double level) { return mesh_source(mesh, sign, closest, level); }, kFieldShare,
         budget, result, progress);
+    // Inside of a mesh no part of it is near the surface.
+    if (options.at >= 0) find_lost_parts(mesh, computed.field, options.at, budget, result.report, progress);
     finish(options, result);
   });
   return result;

@@ -4,6 +4,7 @@
 
 #include "standoff/io.h"
 #include "tests/cli/program.h"
+#include "tests/sign/shapes.h"
 #include "tests/surface/manifold.h"
 
 namespace standoff {
@@ -95,6 +96,18 @@ TEST_F(Iso, SaysWhenTheGridCutsTheSolidOff) {
   const Ran ran = done(words("iso scene:box -r 30 --bounds 0,0,0,1,1,1 -o a.ply"));
   EXPECT_TRUE(ran.says("warning: the solid reaches the border of the grid")) << ran.err;
   EXPECT_EQ(testing::manifold_fault(read("a.ply")), "");
+}
+
+TEST_F(Iso, SaysWhatIsLost) {
+  const Mesh body = testing::box({0, 0, 0}, {1, 1, 1}), plate = testing::box({2, 0, 0.001}, {4, 2, 0.006});
+  write_mesh(folder / "both.obj", testing::joined(body, plate));
+  const Ran ran = done(words("iso both.obj -r 40 --json -o a.ply"));
+  EXPECT_TRUE(ran.says("warning: 57 % of the mesh's area, 1 of its 2 parts as a whole, is farther than a spacing"))
+      << ran.err;
+  EXPECT_EQ(ran.json()["lost"]["lost_parts"], 1);
+  EXPECT_EQ(ran.json()["lost"]["parts"], 2);
+  EXPECT_NEAR(ran.json()["lost"]["share"], 0.57, 0.01);
+  EXPECT_FALSE(done(words("iso both.obj -r 40 --sign shell:2s -f -o a.ply")).says("farther than a spacing"));
 }
 
 }  // namespace

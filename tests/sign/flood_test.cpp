@@ -12,6 +12,7 @@
 #include "core/tile_count.h"
 #include "scenes/scenes.h"
 #include "sign/rows/integer_winding.h"
+#include "tests/sign/cases/solids.h"
 #include "tests/sign/sides_of.h"
 #include "tests/sign/solid_soup.h"
 #include "tests/support/fields.h"
@@ -142,8 +143,8 @@ TEST(Flood, OrientationAndInnerWallsDoNotMatter) {
   EXPECT_FALSE(flooded.leaks);
 }
 
-// A slot in one side. The flood comes through where an edge of the grid does.
-TEST(Flood, LeaksThroughGapsThatAnEdgePasses) {
+// A slot in one side. The flood comes through where an edge of the grid does that keeps half a spacing from both sides.
+TEST(Flood, LeaksThroughGapsWiderThanASpacing) {
   const auto with_slot = [](double from, double to) {
     Mesh mesh;
     add_box(mesh, kBox);
@@ -158,11 +159,13 @@ TEST(Flood, LeaksThroughGapsThatAnEdgePasses) {
     rectangle(to, kBox.max.y);
     return mesh;
   };
-  EXPECT_EQ(flood(with_slot(0.01, 0.09), kGrid).inside, within(kBox, kGrid));  // samples have y = 0 and 0.1
-  const Flooded leaking = flood(with_slot(0.01, 0.15), kGrid);
+  // Samples have y = 0 and 0.1.
+  for (const double past : {0.09, 0.12, 0.14})
+    EXPECT_EQ(flood(with_slot(0.01, past), kGrid).inside, within(kBox, kGrid));
+  const Flooded leaking = flood(with_slot(0.01, 0.16), kGrid);
   EXPECT_TRUE(leaking.leaks);
   EXPECT_EQ(leaking.count, 0);
-  Mesh mesh = with_slot(0.01, 0.15);
+  Mesh mesh = with_slot(0.01, 0.16);
   add_box(mesh, {{-0.55, -0.55, -0.55}, {-0.25, -0.25, -0.25}});
   const Flooded some = flood(mesh, kGrid);  // what else is closed stays inside
   EXPECT_FALSE(some.leaks);
@@ -191,11 +194,125 @@ TEST(Flood, MeshesThatReachOrLeaveTheBorderOfTheGrid) {
   }
 }
 
+// Each triangle of a solid is moved by itself. Whatever the cracks, and where the mesh is aligned with the grid too,
+// the sides of samples farther from the surface than the cracks are wide are those of the solid; also in a plate of one
+// or two layers of samples, which has no inside that keeps half a spacing from its cracks.
+TEST(Flood, CracksBelowASpacingAreWalls) {
+  const Mesh solids[] = {testing::box({0, 0, 0}, {1, 0.8, 0.6}), scenes::make("sphere", 1200),
+                         testing::box({0, 0, 0}, {1, 1, 0.03}),
+                         testing::box_of_t_junctions({0, 0, 0}, {1, 1, 0.08}, 3)};
+  for (const Mesh& solid : solids) {
+    const Box box = bounds(solid);
+    const double extent = box.longest_side();
+    for (const double far : {1e-9, 1e-7, 1e-5, 1e-3})
+      for (const double offset : {0.0, 0.37}) {
+        SCOPED_TRACE(std::to_string(far) + " " + std::to_string(offset));
+        const double h = extent / 40;
+        const Grid grid{{47, 47, 47}, box.min - Vec3{1, 1, 1} * ((3 + offset) * h), {h, h, h}};
+        const std::vector<bool> known = winding(solid, grid);
+        Mesh mesh = testing::cracked(solid, far * extent, 7);
+        for (std::size_t t = 0; t < mesh.triangles.size(); t += 3)
+          std::swap(mesh.triangles[t][0], mesh.triangles[t][1]);
+        const std::vector<bool> found = flood(mesh, grid).inside;
+        std::size_t n = 0, wrong = 0;
+        testing::for_each_sample(grid, [&](auto i, auto j, auto k) {
+          const bool differs = found[n] != known[n];
+          wrong += differs && testing::reference_distance(solid, grid.position(i, j, k)) > 4 * far * extent;
+          ++n;
+        });
+        EXPECT_EQ(wrong, 0u);
+        EXPECT_GT(std::ranges::count(known, true), 1000);
+      }
+  }
+}
+
+// Rims alone hold nothing off: beside sheets, and around a body with a hole of some spacings, no sample is inside.
+TEST(Flood, RimsLeaveNothingInside) {
+  const double h = 0.07;
+  const Grid grid{{40, 40, 40}, {-1.37, -1.38, -1.39}, {h, h, h}};
+  for (const Mesh& mesh : {testing::terrain(12, 0.1), testing::moebius(), testing::cut_off(testing::sphere(16), 0.5),
+                           testing::without(testing::sphere(8), 60)})
+    EXPECT_EQ(flood(mesh, grid).count, 0);
+}
+
+// Triangles without area have no rims, wherever they are.
+TEST(Flood, DegenerateTrianglesChangeNothing) {
+  const Mesh ball = testing::sphere(10);
+  Mesh mesh = ball;
+  Random random(11);
+  for (int n = 0; n < 300; ++n) {
+    // Multiples of a power of two, so that the three are on one line exactly.
+    const auto whole = [&] { return static_cast<double>(random.below(192)) / 64 - 1.5; };
+    const Vec3 at{whole(), whole(), whole()}, along{whole(), whole(), whole()};
+    testing::add_triangle(mesh, at, at + along * 0.25, at + along);
+  }
+  const Grid grid{{40, 40, 40}, {-1.37, -1.38, -1.39}, {0.07, 0.07, 0.07}};
+  EXPECT_EQ(flood(mesh, grid).inside, flood(ball, grid).inside);
+}
+
+// What rounding makes of triangles without area, as in a file of single precision: their edges are no rims.
+TEST(Flood, NeedlesChangeNothing) {
+  const Mesh ball = testing::sphere(10);
+  Mesh mesh = ball;
+  Random random(12);
+  for (int n = 0; n < 300; ++n) {
+    const Vec3 at = random.in_cube(1.5), along = random.in_cube(1.5);
+    testing::add_triangle(mesh, at, at + along * 0.25 + random.in_cube(1e-7), at + along);
+  }
+  const Grid grid{{40, 40, 40}, {-1.37, -1.38, -1.39}, {0.07, 0.07, 0.07}};
+  EXPECT_EQ(flood(mesh, grid).inside, flood(ball, grid).inside);
+}
+
+// A path keeps half a spacing from rims, whichever spacing is the smallest.
+TEST(Flood, DistancesToRimsAreThoseOfBruteForce) {
+  Random random(3);
+  const Grid grid{{21, 18, 19}, {-1, -1, -1}, {0.1, 0.12, 0.11}};
+  const TileLattice lattice = TileLattice::of(grid);
+  std::vector<RimEdge> rims = {{Vec3{0, 0, 0}, Vec3{0, 0, 0}}, {Vec3{0, 0, -0.5}, Vec3{0, 0, 0.7}}};
+  for (int n = 0; n < 12; ++n) rims.push_back({random.in_cube(1.3), random.in_cube(1.3)});
+  const double reach = 0.08;
+  const ProgressCallback none;
+  ProgressMeter progress(none);
+  const RimDistances found(rims, lattice, reach, progress);
+  const auto brute = [&](const Vec3& p, const Vec3& q) {
+    // Segments as degenerate triangles, so that the reference is another algorithm: the least over many points.
+    double least = 1e9;
+    for (const RimEdge& rim : rims) {
+      Mesh segment{{rim[0], rim[1], rim[1]}, {{0, 1, 2}}};
+      double low = 0, high = 1;  // the distance along the edge is convex
+      for (int step = 0; step < 60; ++step) {
+        const double a = low + (high - low) / 3, b = high - (high - low) / 3;
+        const double at_a = testing::reference_distance(segment, p + (q - p) * a),
+                     at_b = testing::reference_distance(segment, p + (q - p) * b);
+        (at_a < at_b ? high : low) = at_a < at_b ? b : a;
+      }
+      least = std::min(least, testing::reference_distance(segment, p + (q - p) * low));
+    }
+    return least;
+  };
+  std::int64_t wrong = 0, near = 0;
+  testing::for_each_sample(grid, [&](auto i, auto j, auto k) {
+    const std::size_t tile = lattice.index(i / 8, j / 8, k / 8);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const Vec3 p = grid.position(i, j, k), q = grid.position(i + (axis == 0), j + (axis == 1), k + (axis == 2));
+      const std::uint16_t steps = found.of(tile, axis, static_cast<std::size_t>(i % 8 + 8 * (j % 8 + 8 * (k % 8))));
+      const double expected = brute(p, q) / reach * RimDistances::kFar;
+      near += steps < RimDistances::kFar;
+      wrong += expected < RimDistances::kFar - 1 ? std::abs(steps + 0.5 - expected) > 1.5
+                                                 : expected > RimDistances::kFar + 1 && steps != RimDistances::kFar;
+    }
+  });
+  EXPECT_EQ(wrong, 0);
+  EXPECT_GT(near, 200);
+}
+
 TEST(Flood, IsWhatAFloodFromSampleToSampleFinds) {
   std::int64_t inside = 0;
   for (unsigned seed = 0; seed < 12; ++seed) {
-    // Triangles so large and many that they enclose cavities.
-    const Mesh mesh = testing::random_soup(seed, 160, 1, 1.2);
+    // Bodies that overlap, and cavities between them. They have no rims, and so no gaps.
+    Random random(seed);
+    Mesh mesh = testing::mesh_of(testing::integer_tetrahedra(random, 14, 9));
+    for (Vec3& v : mesh.vertices) v = v * 0.1;
     const Grid grid{{27, 25, 24}, {-0.9, -0.8, -0.7}, {0.07, 0.06, 0.065}};
     const Flooded flooded = flood(mesh, grid);
     EXPECT_EQ(flooded.inside, flood_by_samples(mesh, grid)) << seed;

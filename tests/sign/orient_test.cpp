@@ -6,6 +6,7 @@
 
 #include "sign/diagnosis/closed.h"
 #include "sign/oriented_mesh.h"
+#include "tests/sign/cases/solids.h"
 #include "tests/sign/shapes.h"
 
 namespace standoff {
@@ -32,6 +33,15 @@ double volume(const Mesh& mesh) {
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const auto [a, b, c] = MeshView(mesh).corners(t);
     sum += dot(a, cross(b, c)) / 6;
+  }
+  return sum;
+}
+
+double surface_area(const Mesh& mesh) {
+  double sum = 0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto [a, b, c] = MeshView(mesh).corners(t);
+    sum += length(cross(b - a, c - a)) / 2;
   }
   return sum;
 }
@@ -169,12 +179,48 @@ TEST(Orient, TwoSidedMeshesUseEachFaceOnce) {
   EXPECT_EQ(found.boundary_edges, 48);
 }
 
+// A chair: legs that have one side, a seat and a back that have two and lack a face. Seat and back are most of the
+// area.
+TEST(Orient, TwoSidedPartsThatAreBodiesAreUsedOnce) {
+  const Mesh seat = without(box({0, 0, 1}, {2, 2, 2.5}), 0), back = without(box({0, 2.1, 1}, {2, 2.5, 4}), 0);
+  Mesh legs;
+  for (const double x : {0.1, 1.7}) legs = joined(std::move(legs), box({x, 0.1, 0}, {x + 0.2, 0.3, 0.9}));
+  for (const bool welded : {false, true}) {
+    const Mesh chair = joined(legs, joined(two_sided(seat, welded), two_sided(back, welded)));
+    for (unsigned seed = 0; seed < 4; ++seed) {
+      const Orientation found = orient(shuffled(chair, seed));
+      EXPECT_FALSE(found.two_sided);
+      EXPECT_EQ(found.opposite, count(seat) + count(back));
+      EXPECT_EQ(found.left_out, count(seat) + count(back));
+      EXPECT_EQ(found.cancelled_parts, 0);
+      EXPECT_EQ(found.boundary_edges, 3 + 3);
+      EXPECT_EQ(found.inconsistent_after, 0);
+    }
+  }
+  // A pane is no body: nothing of it is used, and that is told.
+  const Mesh pane = terrain(2);
+  const Orientation found = orient(joined(legs, joined(two_sided(seat), two_sided(pane))));
+  EXPECT_EQ(found.left_out, count(seat) + 2 * count(pane));
+  EXPECT_EQ(found.cancelled_parts, 1);
+  const double area = surface_area(pane);
+  EXPECT_NEAR(found.cancelled_share, 2 * area / (2 * area + 2 * surface_area(seat) + surface_area(legs)), 1e-12);
+  EXPECT_EQ(found.boundary_edges, 3);
+  // Neither is a tube without ends, though its normals cancel.
+  Mesh tube = box();
+  std::erase_if(tube.triangles, [&](const Triangle& t) {
+    const double z = tube.vertices[t[0]].z;
+    return tube.vertices[t[1]].z == z && tube.vertices[t[2]].z == z;
+  });
+  EXPECT_EQ(orient(joined(legs, two_sided(tube))).cancelled_parts, 1);
+}
+
 TEST(Orient, AnOpenTwoSidedPartOfAClosedMeshCancels) {
   const Mesh window = joined(terrain(), reversed(terrain()));
   const Mesh mesh = joined(moved(sphere(64), {0, 0, 9}), window);
   const Orientation found = orient(mesh);
   EXPECT_FALSE(found.two_sided);
   EXPECT_EQ(found.opposite, count(terrain()));
+  EXPECT_EQ(found.cancelled_parts, 1);
   EXPECT_TRUE(found.use.empty());
   EXPECT_EQ(found.boundary_edges, 0);
   EXPECT_EQ(orient(with_flipped(mesh, 3)).left_out, count(window));

@@ -224,5 +224,35 @@ TEST(MeshSurface, ThreadsChangeNothing) {
   }
 }
 
+// A body, a plate of half a spacing that no sample is in, one of two spacings, and a body within the first.
+TEST(MeshSurface, SaysWhatIsLost) {
+  const Grid grid{{60, 40, 40}, {-0.52, -0.52, -0.52}, {0.1, 0.1, 0.1}};
+  const auto box = [](Vec3 low, Vec3 high) { return testing::box(low, high); };
+  const Mesh body = testing::joined(box({0, 0, 0}, {1, 1, 1}), box({0.3, 0.3, 0.3}, {0.7, 0.7, 0.7})),
+             thin = box({2, 0, 0.01}, {4, 2, 0.06}), thick = box({2, 0, 1}, {4, 2, 1.2});
+  const Mesh all = testing::joined(testing::joined(body, thin), thick);
+  const SignOptions sign{SignMethod::automatic};
+  const IsoReport report = isosurface(all, grid, sign).report;
+  EXPECT_EQ(report.parts, 4);
+  EXPECT_EQ(report.lost_parts, 1);
+  const double areas[] = {6 + 6 * 0.16, 8 + 8 * 0.05, 8 + 8 * 0.2};
+  EXPECT_NEAR(report.lost_share, areas[1] / (areas[0] + areas[1] + areas[2]), 1e-3);
+  EXPECT_NEAR(report.lost_thickness, 0.05, 0.005);
+  EXPECT_NE(report.lost.find("1 of its 4 parts"), std::string::npos) << report.lost;
+  EXPECT_NE(report.lost.find("a spacing below 0.04"), std::string::npos) << report.lost;
+  EXPECT_EQ(isosurface(all, grid, sign, {.execution = {.threads = 1}}).report.lost, report.lost);
+  // With what the sentence names, it is there.
+  EXPECT_EQ(isosurface(all, grid, sign, {.at = 0.1}).report.lost, "");
+  SignOptions shell{SignMethod::shell};
+  shell.shell = 0.2;
+  EXPECT_EQ(isosurface(all, grid, shell).report.lost, "");
+  const Grid finer{{150, 100, 100}, {-0.52, -0.52, -0.52}, {0.04, 0.04, 0.04}};
+  EXPECT_EQ(isosurface(all, finer, sign).report.lost, "");
+  EXPECT_EQ(isosurface(testing::joined(body, thick), grid, sign).report.lost, "");
+  // What the grid does not reach was not asked for.
+  const Grid half{{20, 40, 40}, {-0.52, -0.52, -0.52}, {0.1, 0.1, 0.1}};
+  EXPECT_EQ(isosurface(all, half, sign).report.lost, "");
+}
+
 }  // namespace
 }  // namespace standoff

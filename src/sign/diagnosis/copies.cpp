@@ -2,12 +2,14 @@
 #include "sign/diagnosis/copies.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <span>
 #include <tuple>
 
 #include "sign/diagnosis/disjoint_sets.h"
 #include "sign/diagnosis/edge_sides.h"
+#include "sign/diagnosis/two_sided_parts.h"
 
 namespace standoff {
 namespace {
@@ -85,9 +87,21 @@ std::vector<std::int64_t> votes_for_one(const MeshEdges& edges, const Faces& fac
   return votes;
 }
 
+// The triangles in opposite pairs: of each face as many in either orientation.
+void mark_paired(const Faces& faces, std::size_t triangles, Copies& found) {
+  found.paired.assign(triangles, 0);
+  for (std::size_t face = 0; face < faces.size(); ++face) {
+    const std::span<const Copy> copies = faces.of(face);
+    const auto forward = std::ranges::count_if(copies, &Copy::forward);
+    std::array<std::int64_t, 2> left;
+    left.fill(std::min(forward, std::ranges::ssize(copies) - forward));
+    for (const Copy& copy : copies) found.paired[copy.triangle] = left[copy.forward]-- > 0;
+  }
+}
+
 }  // namespace
 
-Copies find_copies(const MeshEdges& edges, std::size_t triangles) {
+Copies find_copies(const MeshEdges& edges, std::size_t triangles, const TwoSidedParts& parts) {
   Copies found;
   const Faces faces = faces_with_copies(edges);
   if (faces.size() == 0) return found;
@@ -98,6 +112,7 @@ Copies find_copies(const MeshEdges& edges, std::size_t triangles) {
     found.opposite += std::min(forward, backward);
     found.same += std::max<std::int64_t>(forward - 1, 0) + std::max<std::int64_t>(backward - 1, 0);
   }
+  if (found.opposite > 0) mark_paired(faces, triangles, found);
   found.two_sided = static_cast<double>(2 * found.opposite) >= kTwoSided * static_cast<double>(triangles);
   const std::vector<std::int64_t> votes = votes_for_one(edges, faces, triangles);
   found.use.assign(triangles, 1);
@@ -105,8 +120,9 @@ Copies find_copies(const MeshEdges& edges, std::size_t triangles) {
     const std::span<const Copy> copies = faces.of(face);
     const auto forward = forward_of(face), backward = std::ranges::ssize(copies) - forward;
     const auto excess = std::abs(forward - backward);
-    const bool one = votes[face] > 0 || (votes[face] == 0 && excess == 0) ||
-                     (found.two_sided && excess != std::ranges::ssize(copies));
+    const bool one =
+        votes[face] > 0 || (votes[face] == 0 && excess == 0) ||
+        ((found.two_sided || parts.keeps(copies.front().triangle)) && excess != std::ranges::ssize(copies));
     const auto keep = one && excess % 2 == 0 ? std::int64_t{1} : excess;
     // Of the more frequent orientation; of the first triangle's if there are as many of both.
     const bool kept_forward = excess == 0 ? copies.front().forward : forward > backward;

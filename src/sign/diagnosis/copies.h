@@ -22,7 +22,7 @@ namespace standoff {
 /// - Else pairs in opposite orientation leave out both (the wall, the window), and all others are kept.
 /// - A group without such edges is a closed surface: if it consists of pairs, one of each is kept, else all.
 /// A mesh is two-sided if kTwoSided of its triangles are in opposite pairs. Then one of each pair is kept, wherever the
-/// mesh has its holes.
+/// mesh has its holes. The same holds for parts of a mesh that are bodies (two_sided_parts.h).
 struct Copies {
   std::vector<std::int8_t> use;  ///< for each triangle 0 if it is left out, else 1; empty: all are used
   /// Triangles kept with one in the opposite orientation that was left out: the one may stand for the other.
@@ -31,7 +31,8 @@ struct Copies {
   std::int64_t same = 0;      ///< triangles with an earlier copy in the same orientation
   std::int64_t opposite = 0;  ///< pairs in opposite orientation; each triangle is in one pair at the most
   std::int64_t left_out = 0;
-  bool same_winding = true;  ///< whether what is left out cancels: the winding number is that of all triangles
+  std::vector<std::uint8_t> paired;  ///< for each triangle whether it is in such a pair; empty if there are none
+  bool same_winding = true;          ///< whether what is left out cancels: the winding number is that of all triangles
   bool two_sided = false;
 };
 
@@ -39,7 +40,9 @@ struct Copies {
 /// and a few faces once.
 inline constexpr double kTwoSided = 0.9;
 
-/// Requires the edges of the mesh.
-Copies find_copies(const MeshEdges& edges, std::size_t triangles);
+struct TwoSidedParts;
+
+/// Requires the edges of the mesh. `parts`: those whose pairs keep one triangle.
+Copies find_copies(const MeshEdges& edges, std::size_t triangles, const TwoSidedParts& parts);
 
 }  // namespace standoff

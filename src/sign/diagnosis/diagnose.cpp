@@ -6,6 +6,7 @@
 #include "geometry/coplanar.h"
 #include "sign/diagnosis/boundary_polygons.h"
 #include "sign/diagnosis/closed.h"
+#include "sign/diagnosis/cracks.h"
 #include "sign/diagnosis/edge_sides.h"
 #include "sign/diagnosis/openness.h"
 #include "sign/diagnosis/recommend.h"
@@ -40,6 +41,8 @@ void add_orientation(const Orientation& orientation, MeshReport& found) {
   found.inconsistent_edges = orientation.inconsistent_before;
   found.flipped = orientation.flipped;
   found.left_out = orientation.left_out;
+  found.cancelled_parts = orientation.cancelled_parts;
+  found.cancelled_share = orientation.cancelled_share;
   found.inconsistent_after = orientation.inconsistent_after;
   found.unorientable = orientation.unorientable;
   found.patches = orientation.patches;
@@ -106,7 +109,9 @@ Diagnosis diagnose(MeshView mesh, const MeshEdges& edges, ProgressMeter& progres
     found.most_winding = range.most;
   }
   const bool even = found.unorientable > 0 && is_closed(mesh).unoriented;
-  const Recommendation fitting = recommend(found, sums.area, even);
+  const Cracks cracks = found.closed() ? Cracks() : find_cracks(mesh, edges);
+  progress.check();
+  const Recommendation fitting = recommend(found, {sums.area, even, cracks});
   found.method = fitting.method;
   found.sure = fitting.sure;
   found.why = fitting.why;

@@ -9,6 +9,7 @@
 #include "sign/diagnosis/patches.h"
 #include "sign/diagnosis/pieces.h"
 #include "sign/diagnosis/solid.h"
+#include "sign/diagnosis/two_sided_parts.h"
 
 namespace standoff {
 namespace {
@@ -89,6 +90,26 @@ std::int64_t boundary_edges(const MeshEdges& edges, const std::vector<std::int8_
   return count;
 }
 
+// Two-sided parts of which most is not used, on either side.
+void add_cancelled(MeshView mesh, const TwoSidedParts& parts, const Copies& copies, Orientation& found) {
+  if (parts.size() == 0) return;
+  double all = 0, cancelled = 0;
+  std::vector<double> used(parts.size()), left_out(parts.size());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto [a, b, c] = mesh.corners(t);
+    const double area = length(cross(b - a, c - a)) / 2;
+    all += area;
+    if (parts.of[t] != TwoSidedParts::kNone) (copies.use[t] != 0 ? used : left_out)[parts.of[t]] += area;
+  }
+  for (std::size_t n = 0; n < parts.size(); ++n) {
+    // Of a surface that counts once, as much is used as left out.
+    if (!(left_out[n] > 3 * used[n])) continue;
+    ++found.cancelled_parts;
+    cancelled += left_out[n];
+  }
+  if (all > 0) found.cancelled_share = cancelled / all;
+}
+
 // Patches of one triangle that is left out, or whose corners are not three positions, are none.
 std::int64_t patches_in_use(const MeshEdges& edges, const Patches& patches) {
   auto count = static_cast<std::int64_t>(patches.size());
@@ -105,7 +126,10 @@ Orientation orient(MeshView mesh, const MeshEdges& edges) {
   const std::size_t triangles = mesh.triangles.size();
   Orientation found;
   found.inconsistent_before = inconsistent_edges(edges, {});
-  const Copies copies = find_copies(edges, triangles);
+  Copies copies = find_copies(edges, triangles, {});
+  const TwoSidedParts parts = find_two_sided_parts(mesh, edges, copies);
+  if (std::ranges::count(parts.kept, 1) > 0) copies = find_copies(edges, triangles, parts);
+  add_cancelled(mesh, parts, copies, found);
   found.repeated = copies.repeated;
   found.same = copies.same;
   found.opposite = copies.opposite;

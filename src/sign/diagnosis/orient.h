@@ -3,7 +3,8 @@
 // inside out, faces listed twice. The winding number counts what is there; this finds what was meant, where it can.
 //
 // 1. Copies of triangles that the surface around does not need are left out (copies.h). If they cancel each other, and
-//    nothing else is to be done, they stay.
+//    nothing else is to be done, they stay. Of parts that are there in both orientations, and are bodies with holes,
+//    one side is used (two_sided_parts.h).
 // 2. Within a patch, neighbours are made consistent; the majority of the triangles stays (patches.h).
 // 3. Patches that meet at nonmanifold edges and do not cancel there are turned so that they do. Where some are walls
 //    between rooms, the outer hull is turned outwards, and the walls are left out (pieces.h).
@@ -36,8 +37,11 @@ struct Orientation {
   std::int64_t inconsistent_before = 0;  ///< edges of exactly two triangles with the same direction in both
   std::int64_t inconsistent_after = 0;   ///< the same after orientation: those of unorientable patches
   std::int64_t boundary_edges = 0;       ///< after orientation: edges whose sides do not cancel
-  bool two_sided = false;                ///< nearly every face is there twice, once in each orientation
-  bool nesting_known = true;             ///< false: there are too many parts, and none was turned by its volume
+  /// Parts in both orientations of which nothing is used (two_sided_parts.h), and their part of the mesh's area.
+  std::int64_t cancelled_parts = 0;
+  double cancelled_share = 0;
+  bool two_sided = false;     ///< nearly every face is there twice, once in each orientation
+  bool nesting_known = true;  ///< false: there are too many parts, and none was turned by its volume
 };
 
 /// Requires a valid mesh and its edges. Does not depend on the number of threads; the counts do not depend on the order

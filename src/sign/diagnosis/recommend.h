@@ -2,8 +2,10 @@
 // Which sign method fits a mesh.
 #pragma once
 
+#include <cstdint>
 #include <string>
 
+#include "sign/diagnosis/cracks.h"
 #include "standoff/mesh_report.h"
 #include "standoff/sign.h"
 
@@ -26,14 +28,29 @@ inline bool is_cracked(const MeshReport& report) {
   return report.cap_share > kCrackCaps && report.cap_share > kCrackRatio * report.openness;
 }
 
+/// An open mesh whose openness is less than that may enclose something: terrain is above it, what is half open below.
+/// So may one of more patches than that, whose openness depends on how they are turned.
+inline constexpr double kFlat = 0.8;
+inline constexpr std::int64_t kFewPatches = 3;
+
+/// Components that are there in both orientations and count for nothing are named if they are so much of the area, and
+/// make doubtful what the others are if they are so much of it.
+inline constexpr double kNamedShare = 0.01, kDoubtfulShare = 0.1;
+
 struct Recommendation {
   SignMethod method = SignMethod::none;
   bool sure = false;
   std::string why;  ///< one sentence without a capital and a full stop
 };
 
-/// Looks at the figures of the report that diagnose() finds, whose `method` is not set yet. `area_used` is that of the
-/// triangles in use, and `even` says whether each edge has an even number of triangles.
-Recommendation recommend(const MeshReport& report, double area_used, bool even);
+/// What the report does not hold.
+struct Findings {
+  double area_used;  ///< of the triangles in use
+  bool even;         ///< whether each edge has an even number of triangles
+  Cracks cracks;
+};
+
+/// Looks at the figures of the report that diagnose() finds, whose `method` is not set yet.
+Recommendation recommend(const MeshReport& report, const Findings& findings);
 
 }  // namespace standoff

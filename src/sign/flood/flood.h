@@ -2,6 +2,7 @@
 // The sides of any mesh by a flood: outside is what is reached from far away without passing through a triangle.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "sign/flood/grid_edges.h"
@@ -12,10 +13,15 @@ namespace standoff {
 /// Outside are the samples that a path of grid edges, none of which crosses a triangle, connects with samples around
 /// the mesh's box; all others are inside. The orientation of the triangles does not matter. The paths may leave the
 /// grid: where the mesh does not end within the grid, the flood begins beyond it (TileLattice::around).
+///
+/// Gaps are walls if they are narrower than the grid's smallest spacing: a path keeps half of that from the mesh's
+/// rims, which are the edges with an odd number of triangles. Samples so near to rims that no path leads there are
+/// decided afterwards, by the samples around them (settle). A mesh without rims has no gaps.
 class Flood final : public Sides {
  public:
   /// Requires a valid mesh and grid. Runs on the threads of the calling TBB arena. Takes 2.5 bits for each tile, and
-  /// 256 bytes for each one with a crossed edge. Throws Error{interrupted}.
+  /// 256 bytes for each one with a crossed edge; if the mesh has rims, what rim_edges_of() takes, and 4 KiB for each
+  /// tile with one. Throws Error{interrupted}.
   Flood(MeshView mesh, const Grid& grid, ProgressMeter& progress);
 
   void fill(InsideRows& rows, std::int64_t ty, std::int64_t tz) const override;
@@ -27,15 +33,19 @@ class Flood final : public Sides {
   bool leaks() const { return inside_samples_ == 0 && edges_.tiles().count() > 0; }
 
  private:
+  using Sample = std::array<std::int64_t, 3>;  // of the lattice
+
   void flood(ProgressMeter& progress);
   void enter(std::size_t tile, const TileBits& samples, std::vector<std::size_t>& next);
+  void settle(const GridEdges& crossed, const RimDistances& rims, ProgressMeter& progress);
+  TileBits apart(const GridEdges& edges, std::size_t tile) const;
   TileBits reached(std::size_t tile) const;
   TileBits inside_of(const Size3& size, const std::array<std::int64_t, 3>& tile) const;  // of the grid
   std::int64_t count_inside(const Size3& size) const;
 
   TileLattice lattice_;
-  GridEdges edges_;
-  std::vector<TileBits> parts_;    // of tiles with crossed edges: the samples reached
+  GridEdges edges_;                // that no path takes
+  std::vector<TileBits> parts_;    // of tiles with such edges: the samples reached
   std::vector<bool> whole_tiles_;  // of the others: whether they were reached
   std::int64_t inside_samples_ = 0;
 };

@@ -60,4 +60,19 @@ GridEdges::GridEdges(MeshView mesh, const TileLattice& lattice, ProgressMeter& p
   });
 }
 
+GridEdges::GridEdges(const GridEdges& crossed, const RimDistances& rims, std::uint16_t steps,
+                     const TileLattice& lattice)
+    : tiles_(lattice.tile_count()) {
+  for (const TileSet* const some : {&crossed.tiles(), &rims.tiles()})
+    some->for_each([&](std::size_t tile) { tiles_.add(tile); });
+  tiles_.number_them();
+  edges_.resize(tiles_.count());
+  tiles_.for_each([&](std::size_t tile) {
+    TileEdges& edges = edges_[tiles_.number(tile)];
+    edges = rims.nearer_than(steps, tile);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      edges.crossed[axis] = edges.crossed[axis] | crossed.of_tile(tile).crossed[axis];
+  });
+}
+
 }  // namespace standoff

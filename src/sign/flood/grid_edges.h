@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/progress.h"
+#include "sign/flood/rim_distances.h"
 #include "sign/flood/tile_bits.h"
 #include "sign/flood/tile_lattice.h"
 #include "sign/flood/tile_set.h"
@@ -19,6 +20,8 @@ class GridEdges {
  public:
   /// No edge is crossed.
   explicit GridEdges(const TileLattice& lattice) : tiles_(lattice.tile_count()) {}
+  /// The edges that cross a mesh, and those that are nearer to its rims than so many steps.
+  GridEdges(const GridEdges& crossed, const RimDistances& rims, std::uint16_t steps, const TileLattice& lattice);
   /// Requires a valid mesh. Runs on the threads of the calling TBB arena. Throws Error{interrupted}.
   GridEdges(MeshView mesh, const TileLattice& lattice, ProgressMeter& progress);
 
