@@ -11,7 +11,7 @@ namespace standoff::python {
 namespace {
 
 // (vertices, faces, notes); the arrays keep the memory that the reader filled.
-nb::tuple read(const std::filesystem::path& path, double scale) {
+nb::tuple read_mesh_file(const std::filesystem::path& path, double scale) {
   MeshReadReport report;
   Mesh mesh = watched(nb::none(), [&](const ProgressCallback& progress) {
     return read_mesh(path, {.scale = scale, .progress = progress}, &report);
@@ -20,7 +20,7 @@ nb::tuple read(const std::filesystem::path& path, double scale) {
                         array_over<std::uint32_t>(std::move(mesh.triangles)), notes(report));
 }
 
-void write(const std::filesystem::path& path, const VertexInput& vertices, const FaceInput& faces, bool overwrite) {
+void write_mesh_file(const std::filesystem::path& path, const VertexInput& vertices, const FaceInput& faces, bool overwrite) {
   const MeshView mesh = view_of(vertices, faces);
   run_watched(nb::none(), [&](const ProgressCallback& progress) {
     write_mesh(path, mesh, {.existing = overwrite ? Existing::replace : Existing::keep, .progress = progress});
@@ -53,8 +53,8 @@ std::vector<nb::dict> dicts_of(const std::vector<FileFormat>& formats) {
 }  // namespace
 
 void add_meshes(nb::module_& m) {
-  m.def("read_mesh", &read, "path"_a, "scale"_a);
-  m.def("write_mesh", &write, "path"_a, "vertices"_a.noconvert(), "faces"_a.noconvert(), "overwrite"_a);
+  m.def("read_mesh", &read_mesh_file, "path"_a, "scale"_a);
+  m.def("write_mesh", &write_mesh_file, "path"_a, "vertices"_a.noconvert(), "faces"_a.noconvert(), "overwrite"_a);
   m.def("bounds", &checked_bounds, "vertices"_a.noconvert(), "faces"_a.noconvert());
   m.def(
       "content_hash",
