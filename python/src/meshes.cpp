@@ -20,7 +20,8 @@ nb::tuple read_mesh_file(const std::filesystem::path& path, double scale) {
                         array_over<std::uint32_t>(std::move(mesh.triangles)), notes(report));
 }
 
-void write_mesh_file(const std::filesystem::path& path, const VertexInput& vertices, const FaceInput& faces, bool overwrite) {
+void write_mesh_file(const std::filesystem::path& path, const VertexInput& vertices, const FaceInput& faces,
+                     bool overwrite) {
   const MeshView mesh = view_of(vertices, faces);
   run_watched(nb::none(), [&](const ProgressCallback& progress) {
     write_mesh(path, mesh, {.existing = overwrite ? Existing::replace : Existing::keep, .progress = progress});
