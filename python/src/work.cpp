@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "work.h"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <exception>
+#include <functional>
 #include <mutex>
+#include <optional>
 #include <thread>
+#include <vector>
 
 #include "lock.h"
 #include "standoff/error.h"
@@ -15,6 +21,73 @@ namespace standoff::python {
 namespace {
 
 constexpr std::chrono::milliseconds kPoll{20};
+
+// A thread that does one piece of work after the other. It is kept, because TBB keeps some KB of each thread that it
+// has seen: with a new thread for each call memory would grow.
+class Worker {
+ public:
+  Worker() {
+    std::thread([this] { serve(); }).detach();  // it waits until the process ends, or end() is called
+  }
+
+  void start(std::function<void()> work) {
+    const std::lock_guard lock(mutex_);
+    work_ = std::move(work);
+    changed_.notify_one();
+  }
+  /// After its work: the thread deletes this.
+  void end() { start(nullptr); }
+
+ private:
+  void serve() {
+    for (;;) {
+      std::unique_lock lock(mutex_);
+      changed_.wait(lock, [&] { return work_.has_value(); });
+      const std::function<void()> work = std::move(*work_);
+      work_.reset();
+      lock.unlock();
+      if (!work) return delete this;
+      work();
+    }
+  }
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::optional<std::function<void()>> work_;
+};
+
+// The workers of this process that are idle. A process that was forked has none: it forgets its parent's.
+class Workers {
+ public:
+  static Workers& of_process() {
+    static std::atomic<Workers*> current{new Workers};
+    Workers* mine = current;
+    while (mine->process_ != ::getpid())
+      if (current.compare_exchange_strong(mine, new Workers)) mine = current;
+    return *mine;
+  }
+
+  Worker* take() {
+    const std::lock_guard lock(mutex_);
+    if (idle_.empty()) return new Worker;
+    Worker* const worker = idle_.back();
+    idle_.pop_back();
+    return worker;
+  }
+  void give_back(Worker* worker) {
+    constexpr std::size_t kMostIdle = 16;
+    const std::lock_guard lock(mutex_);
+    if (idle_.size() < kMostIdle)
+      idle_.push_back(worker);
+    else
+      worker->end();
+  }
+
+ private:
+  const ::pid_t process_ = ::getpid();
+  std::mutex mutex_;
+  std::vector<Worker*> idle_;
+};
 
 // What the working thread and the watching one share.
 struct Shared {
@@ -53,7 +126,9 @@ void run_watched(const nb::object& progress, const std::function<void(const Prog
   std::exception_ptr ours;
   {
     const Unlocked released;
-    std::thread worker([&] {
+    Workers& workers = Workers::of_process();
+    Worker* const worker = workers.take();
+    worker->start([&] {
       std::exception_ptr error;
       try {
         work(callback);
@@ -80,7 +155,7 @@ void run_watched(const nb::object& progress, const std::function<void(const Prog
       shared.stopped = ours != nullptr;
     }
     lock.unlock();
-    worker.join();
+    workers.give_back(worker);
   }
   if (ours) std::rethrow_exception(ours);
   if (shared.error) std::rethrow_exception(shared.error);

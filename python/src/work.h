@@ -10,7 +10,7 @@
 
 namespace standoff::python {
 
-/// Runs `work` on a thread of its own, and waits for it without the interpreter's lock. Meanwhile this thread, which is
+/// Runs `work` on another thread, and waits for it without the interpreter's lock. Meanwhile this thread, which is
 /// the only one that can, lets Python handle signals every 20 ms and calls `progress(stage, fraction)`, unless that is
 /// None. An exception of either cancels the work through the callback that `work` gets, and is thrown here.
 void run_watched(const nb::object& progress, const std::function<void(const ProgressCallback&)>& work);
