@@ -54,6 +54,7 @@ WRONG = [object(), [], (), {}, "", "x", b"x", "nul\0", "\udcff", 10**6 * "x", 1.
          math.inf, lambda *_: None, int, np.array([1, 2]), np.zeros((2, 3), complex), np.float32(3), *SIGNS]  # fmt: skip
 
 
+@pytest.mark.filterwarnings("ignore::standoff.SurfaceWarning")  # of levels at which nothing is left
 @pytest.mark.parametrize("call, good", CALLS.values(), ids=CALLS.keys())
 def test_errors_are_in_the_words_of_users(call, good, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

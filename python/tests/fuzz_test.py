@@ -21,6 +21,7 @@ FUZZ = settings(
 def attempt(call):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", so.SignWarning)
+        warnings.simplefilter("ignore", so.SurfaceWarning)
         try:
             return call()
         except DOCUMENTED as error:
