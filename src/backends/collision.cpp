@@ -4,7 +4,6 @@
 #include <array>
 
 #include "backends/no_emulation.h"
-#include "collision/cuda/queries.h"
 #include "gpu/devices.h"
 #include "standoff/error.h"
 #include "standoff/testing/emulation.h"

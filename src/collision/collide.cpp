@@ -1,26 +1,229 @@
 // SPDX-License-Identifier: Apache-2.0
-// Do two bodies intersect? The public functions.
+// Do two bodies intersect? By their fields alone, exactly on the CPU, and exactly on a device; then the public
+// functions.
 #include "collision/collide.h"
 
-#include "collision/batch.h"
-#include "collision/certified.h"
-#include "collision/collide_on_device.h"
-#include "collision/containment.h"
-#include "collision/find_intersecting.h"
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "collision/close_pairs.h"
 #include "core/execution.h"
 #include "core/guarded.h"
 #include "core/number_text.h"
+#include "core/promised_error.h"
 
 namespace standoff {
+namespace collision {
+namespace {
 
-CollisionResult collision::collide_exactly(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                                           const Pose& pose_b, double margin, const Kernels& kernels) {
+// compute()'s error within the band of the fine field, in its spacings, with room for rounding.
+constexpr double kFineError = 3e-5;
+static_assert(kFineError > promised_error(kBandSamples, 1));
+
+// Decides from the field alone. Free: no sphere of a triangle reaches the surface. Hit, with a margin: a corner of a
+// triangle is nearer than it, for d(x) <= s + |x - x_i|. Without a margin, bounds of the distance cannot tell touching
+// from nearly touching: ambiguous.
+class Certify {
+ public:
+  Certify(const QueryPair& pair, double margin)
+      : pair_(pair), kernels_(pair.kernels), margin_(margin), limit_(pair.limit(margin)) {}
+
+  Verdict run() {
+    if (pair_.apart(margin_)) return Verdict::free;
+    visit(pair_.probe.body->bvh.top(), 0);
+    return hit_ ? Verdict::hit : near_ ? Verdict::ambiguous : Verdict::free;
+  }
+
+ private:
+  void visit(int level, std::uint32_t packet) {
+    alignas(64) float gap[kLanes];
+    kernels_.gaps(pair_.target.body->view, pair_.transform, pair_.probe.body->bvh.levels[level].spheres[packet], limit_,
+                  gap);
+    for (int n = 0; n < kLanes && !hit_ && !(near_ && margin_ == 0); ++n) {
+      if (gap[n] > limit_) continue;
+      const std::uint32_t child = packet * kLanes + n;
+      if (level > 0) {
+        visit(level - 1, child);
+      } else {
+        near_ = true;
+        for (const Vec3& corner : pair_.probe.body->corners[child])
+          hit_ = hit_ || upper_bound(apply(pair_.relative, corner - pair_.probe.body->middle)) <= margin_;
+      }
+    }
+  }
+
+  // From the fine sample nearest to x; infinite where it is clamped.
+  double upper_bound(Vec3 x) const {
+    const FieldBounds& f = pair_.target.body->field;
+    const FieldView& view = pair_.target.body->view;
+    const Vec3 u = (x - f.origin) * (1 / f.spacing);
+    const auto nearest = [](double at, std::int64_t size) {
+      return static_cast<std::int32_t>(std::floor(std::clamp(at, 0.0, static_cast<double>(size - 1)) + 0.5));
+    };
+    const std::int32_t i = nearest(u.x, f.size.x), j = nearest(u.y, f.size.y), k = nearest(u.z, f.size.z);
+    const double off = length(x - f.origin - Vec3{double(i), double(j), double(k)} * f.spacing);
+    const int sample = fine_sample(view, tile_of(view, i, j, k), index_in_tile(i, j, k));
+    if (sample == kClampedSample) return std::numeric_limits<double>::infinity();
+    // Samples were rounded down by a step and compute()'s error at the most.
+    return (sample + 1) * f.thickness() / kClampedSample + kFineError * f.spacing + off + pair_.slack;
+  }
+
+  const QueryPair& pair_;
+  const Kernels& kernels_;
+  const double margin_;
+  const float limit_;
+  bool near_ = false, hit_ = false;
+};
+
+// The probe's bounding spheres against the target's field, nearest first; triangles where the field cannot decide.
+class IntersectionSearch {
+ public:
+  IntersectionSearch(const QueryPair& pair, double margin)
+      : pair_(pair),
+        kernels_(pair.kernels),
+        margin_(margin),
+        limit_(pair.limit(margin)),
+        close_(pair, limit_),
+        batch_(pair) {}
+
+  std::optional<IntersectingPair> run() {
+    if (pair_.apart(margin_) || !visit(pair_.probe.body->bvh.top(), 0)) return {};
+    return found_;
+  }
+
+ private:
+  bool visit(int level, std::uint32_t packet) {
+    if (level == 0) {
+      // The packet reaches the surface: its triangles' boxes tell more than the field would.
+      const bool none =
+          close_.visit(packet, ClosePairs::kAllLanes, [this](std::uint32_t target_index, std::uint32_t probe_index) {
+            batch_.add(target_index, probe_index);
+            return !batch_.full() || settle();
+          });
+      return !(none && settle());
+    }
+    alignas(64) float gap[kLanes];
+    const BvhLevel& nodes = pair_.probe.body->bvh.levels[level];
+    kernels_.gaps(pair_.target.body->view, pair_.transform, nodes.spheres[packet], limit_, gap);
+    int lanes[kLanes];
+    const int count = lanes_within(gap, limit_, lanes);
+    for (int n = 0; n < count; ++n)
+      if (visit(level - 1, packet * kLanes + lanes[n])) return true;
+    return false;
+  }
+
+  // False when one of the pairs intersects.
+  bool settle() {
+    return batch_.settle([this](std::uint32_t target_index, std::uint32_t probe_index, bool intersecting, auto&&) {
+      bool hit = intersecting;
+      if (!hit && margin_ > 0) {
+        const Corners p = pair_.target.world(target_index), q = pair_.probe.world(probe_index);
+        hit = closest_points(p, q).distance_sq <= margin_ * margin_;
+      }
+      if (hit) found_ = {target_index, probe_index};
+      return !hit;
+    });
+  }
+
+  const QueryPair& pair_;
+  const Kernels& kernels_;
+  const double margin_;
+  const float limit_;  // spheres and boxes farther away than this are farther than the margin
+  ClosePairs close_;
+  PairBatch batch_;
+  IntersectingPair found_{};
+};
+
+}  // namespace
+
+Verdict certify(const QueryPair& pair, double margin) { return Certify(pair, margin).run(); }
+
+std::optional<IntersectingPair> find_intersecting_pair(const QueryPair& pair, double margin) {
+  // Bodies of one shape at one pose have the same first triangle.
+  if (pair.relative == Pose{} && triangles_intersect(pair.target.world(0), pair.probe.world(0)))
+    return IntersectingPair{0, 0};
+  return IntersectionSearch(pair, margin).run();
+}
+
+namespace {
+
+// collide() without its checks, on the CPU.
+CollisionResult collide_exactly(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+                                const Pose& pose_b, double margin, const Kernels& kernels) {
   const QueryPair pair(a, pose_a, b, pose_b, kernels);
   const auto found = find_intersecting_pair(pair, margin);
   if (!found) return {};
   const TrianglesOfBoth triangles = pair.triangles_of(found->of_target, found->of_probe);
   return {Verdict::hit, triangles.a, triangles.b};
 }
+
+// Poses that go to the device at a time: enough to fill any GPU, at some 150 bytes each.
+constexpr std::size_t kPosesAtOnce = std::size_t{1} << 18;
+
+struct PreparedPose {
+  PoseQuery query;
+  bool apart;
+};
+
+PreparedPose prepare(const QueryPair& pair, double margin) {
+  const Pose& of_b = pair.swapped ? pair.target.pose : pair.probe.pose;
+  return {{transform_of(of_b), pair.transform, pair.limit(margin)}, pair.apart(margin)};
+}
+
+CollisionResult result_of(const QueryPair& bodies, const PoseAnswer& answer) {
+  if (answer.verdict != DeviceVerdict::hit) return {};
+  const TrianglesOfBoth triangles = bodies.triangles_of(answer.of_target, answer.of_probe);
+  return {Verdict::hit, triangles.a, triangles.b};
+}
+
+}  // namespace
+
+// Poses go to the device in pieces, but those that a sphere and a box alone tell free. What it leaves undecided the CPU
+// decides.
+std::vector<CollisionResult> collide_on_device(const DeviceRow& row, const CollisionModel& a, const Pose& pose_a,
+                                               const CollisionModel& b, std::span<const Pose> poses_b, double margin,
+                                               const Execution& execution, BatchReport& report, int stack) {
+  std::vector<CollisionResult> results(poses_b.size());
+  const Kernels& kernels = kernels_for(execution.simd, "collide");
+  const QueryPair bodies(a, pose_a, b, {}, kernels);  // which of them gives its field does not depend on poses
+  for (std::size_t first = 0; first < poses_b.size(); first += kPosesAtOnce) {
+    const auto poses = poses_b.subspan(first, std::min(kPosesAtOnce, poses_b.size() - first));
+    const auto prepared = for_each<PreparedPose>(poses.size(), execution.threads, [&](std::size_t n) {
+      return prepare(QueryPair(a, pose_a, b, poses[n], kernels), margin);
+    });
+    std::vector<PoseQuery> queries;
+    std::vector<std::size_t> which;
+    for (std::size_t n = 0; n < prepared.size(); ++n)
+      if (!prepared[n].apart) queries.push_back(prepared[n].query), which.push_back(n);
+    std::vector<PoseAnswer> answers(queries.size());
+    if (!queries.empty())
+      row.collide({.target = *bodies.target.body,
+                   .probe = *bodies.probe.body,
+                   .target_is_b = bodies.swapped,
+                   .of_a = transform_of(pose_a),
+                   .margin = margin,
+                   .queries = queries,
+                   .answers = answers,
+                   .device = execution.device,
+                   .stack = stack});
+    const auto found = for_each<CollisionResult>(answers.size(), execution.threads, [&](std::size_t n) {
+      const bool decided = answers[n].verdict == DeviceVerdict::free || answers[n].verdict == DeviceVerdict::hit;
+      return decided ? result_of(bodies, answers[n]) : collide_exactly(a, pose_a, b, poses[which[n]], margin, kernels);
+    });
+    for (std::size_t n = 0; n < found.size(); ++n) {
+      results[first + which[n]] = found[n];
+      report.undecided += answers[n].verdict == DeviceVerdict::undecided;
+      report.overflowed += answers[n].verdict == DeviceVerdict::overflow;
+    }
+    report.on_device += static_cast<std::int64_t>(answers.size());
+  }
+  report.on_device -= report.undecided + report.overflowed;
+  return results;
+}
+
+}  // namespace collision
 
 namespace {
 

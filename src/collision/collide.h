@@ -1,14 +1,73 @@
 // SPDX-License-Identifier: Apache-2.0
-// The CPU's answer to one exact collide().
+// The parts of collide(): a verdict from the fields alone, the search for a pair of triangles that intersect, with
+// which other queries begin too, which body lies inside which, and batches of poses on a device.
 #pragma once
 
-#include "collision/cpu/kernels.h"
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "collision/device.h"
+#include "collision/query_pair.h"
 #include "standoff/collision.h"
 
 namespace standoff::collision {
 
-/// collide() without its checks.
-CollisionResult collide_exactly(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                                const Pose& pose_b, double margin, const Kernels& kernels);
+/// What the target's distance field alone can decide: free, hit (only where the margin is positive) or ambiguous.
+Verdict certify(const QueryPair& pair, double margin);
+
+/// Two triangles by their BVH indices.
+struct IntersectingPair {
+  std::uint32_t of_target, of_probe;
+};
+
+/// A pair of triangles that intersect or are within the margin; nothing where there is none.
+std::optional<IntersectingPair> find_intersecting_pair(const QueryPair& pair, double margin);
+
+/// The side of a surface on which a point is.
+enum class Side { unknown, outside, inside };
+
+/// A known side is certain: a sample that is nearer to x than to the surface is on the same side, because the segment
+/// between the two does not cross the surface. Near the surface the side is unknown. `x` is relative to the body's
+/// middle; `slack` bounds what x, the surface and the samples' values are off by, together. Requires a closed body.
+Side side_of(const ModelData& body, Vec3 x, double slack);
+
+/// Whether points of the world are inside a closed body. Exact: the winding number is that of the body's surface with
+/// its corners in world coordinates, as the verdicts are.
+class InsideTest {
+ public:
+  /// Requires a closed body, which must outlive the test.
+  explicit InsideTest(const PlacedModel& container);
+
+  /// Whether another body is certainly outside this one's box.
+  bool is_apart(const PlacedModel& other) const;
+  /// Whether the winding number at a point of the world is positive. Requires a point that is not on the surface.
+  bool is_inside(Vec3 point) const;
+  /// The same without the fields: by a ray.
+  bool is_inside_by_ray(Vec3 point) const { return winding(point, container_.body->bvh.top(), 0) > 0; }
+
+ private:
+  Vec3 in_body(Vec3 point) const { return rotate_back(container_.pose, point - middle_); }
+  int winding(Vec3 point, int level, std::uint32_t packet) const;
+
+  const PlacedModel& container_;
+  Vec3 middle_;          // of the container, in the world
+  double slack_;         // of points in the container's coordinates
+  double sphere_slack_;  // of its bounding spheres in the world
+};
+
+/// Throws Error{input} unless at least one of the bodies is closed.
+void require_closed(const CollisionModel& a, const CollisionModel& b);
+
+/// Requires surfaces that do not intersect.
+Containment containment(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b);
+
+/// Exact collide() for many poses at once. The device decides what it can, the CPU decides the others; `report` counts
+/// both. Requires poses that collide_all() has checked.
+std::vector<CollisionResult> collide_on_device(const DeviceRow& row, const CollisionModel& a, const Pose& pose_a,
+                                               const CollisionModel& b, std::span<const Pose> poses_b, double margin,
+                                               const Execution& execution, BatchReport& report,
+                                               int stack = kDeviceStack);
 
 }  // namespace standoff::collision

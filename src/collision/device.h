@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// The seam between batches of queries and the devices that answer them.
+// The seam between batches of queries and the devices that answer them: what goes to a device and comes back, the table
+// of devices, and the functions that answer a batch on CUDA and on its emulation.
 #pragma once
 
 #include <cstdint>
 #include <span>
 #include <string>
 
+#include "collision/body/kernel_data.h"
 #include "collision/body/model.h"
-#include "collision/body/simd_blocks.h"
-#include "collision/relative_motion.h"
+#include "collision/conservative_advancement.h"
 
 namespace standoff::collision {
 
@@ -78,3 +79,13 @@ struct DeviceRow {
 const DeviceRow* find_device(Backend backend, std::size_t count);
 
 }  // namespace standoff::collision
+
+namespace standoff::cuda {  // what answers on CUDA: src/collision/cuda
+void collide(const collision::CollideJob& job);
+void sweep(const collision::SweepJob& job);
+}  // namespace standoff::cuda
+
+namespace standoff::emulated {  // the same, emulated on the CPU
+void collide(const collision::CollideJob& job);
+void sweep(const collision::SweepJob& job);
+}  // namespace standoff::emulated

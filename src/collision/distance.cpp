@@ -5,11 +5,8 @@
 #include <bit>
 #include <cmath>
 
-#include "collision/batch.h"
-#include "collision/body/sphere_bound.h"
-#include "collision/find_intersecting.h"
-#include "collision/pair_batch.h"
-#include "collision/tolerances.h"
+#include "collision/close_pairs.h"
+#include "collision/collide.h"
 #include "core/execution.h"
 #include "core/guarded.h"
 #include "geometry/penetration.h"

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+// Places the two bodies of a query in one frame, and bounds what rounding does to them there.
 #include "collision/query_pair.h"
 
 #include <cmath>
-
-#include "collision/tolerances.h"
 
 namespace standoff::collision {
 namespace {

@@ -1,14 +1,52 @@
 // SPDX-License-Identifier: Apache-2.0
-// The CPU's answer to one sweep.
+// The parts of sweep(): rigid motions in the world and as the target of a pair sees the probe move, how far rounding
+// keeps bodies in motion apart, the search for the first contact, and batches of motions on a device.
 #pragma once
 
-#include "collision/cpu/kernels.h"
+#include <span>
+#include <vector>
+
+#include "collision/conservative_advancement.h"
+#include "collision/device.h"
+#include "collision/query_pair.h"
 #include "standoff/collision.h"
 
 namespace standoff::collision {
 
-/// sweep() without its checks. The tolerance is positive.
-SweepResult sweep_exactly(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                          const RigidMotion& motion, double tolerance, const Kernels& kernels);
+/// A rotation about `axis` (unit length) by `angle_rad`, 0 to pi.
+struct AxisAngle {
+  Vec3 axis{0, 0, 1};
+  double angle_rad = 0;
+};
+
+/// A RigidMotion with its axis and angle.
+struct AxisAngleMotion {
+  RigidMotion poses;
+  AxisAngle rotation;     ///< from `from` to `to`, in the world
+  Vec3 center, velocity;  ///< in the world: the point that the body turns about at time 0, and its velocity
+
+  explicit AxisAngleMotion(const RigidMotion& motion);
+  Pose at(double t) const;
+};
+
+/// The motion of the pair's probe in the frame of its target.
+RelativeMotion relative_motion(const QueryPair& pair, const AxisAngleMotion& path);
+
+/// Poses and corners on a motion are rounded: bodies jump by as much from one time to the next.
+double pose_rounding(const QueryPair& pair, const AxisAngleMotion& path);
+
+/// The distance that bounding spheres leave between themselves and the surface after every step.
+float distance_kept(const QueryPair& pair, const AxisAngleMotion& path, double tolerance);
+
+/// Advances the probe's BVH through the target's distance field: the first contact of a motion, on which the bodies are
+/// kept half of `tolerance` apart; free where there is none.
+SweepResult first_contact(const QueryPair& pair, const AxisAngleMotion& path, double tolerance);
+
+/// Sweeps for many motions at once. The device finds motions that are certainly free; the CPU sweeps the others, and
+/// `report` counts them. Requires motions and a tolerance that sweep_all() has checked.
+std::vector<SweepResult> sweep_on_device(const DeviceRow& row, const CollisionModel& a, const Pose& pose_a,
+                                         const CollisionModel& b, std::span<const RigidMotion> motions,
+                                         double tolerance, const Execution& execution, BatchReport& report,
+                                         int stack = kDeviceStack);
 
 }  // namespace standoff::collision

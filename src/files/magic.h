@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How the files of bodies and of queries begin (src/collision/body/model_file.cpp, src/points/query_file.cpp): readers
-// of meshes tell them apart by it.
+// How the files of bodies and of queries begin (src/collision/body/model.cpp, src/points/query_file.cpp): readers of
+// meshes tell them apart by it.
 #pragma once
 
 #include <string_view>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The vertices of dual contouring: one for each loop of each cell, and where two loops meet twice, one on each of their
-// two segments.
+// The vertices and polygons of dual contouring: a vertex for each loop of each cell, and where two loops meet twice,
+// one on each of their two segments; around each crossed edge of the grid, the polygon of its four cells' vertices.
 #pragma once
 
 #include <array>
@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "core/progress.h"
+#include "standoff/mesh.h"
 #include "surface/blocks.h"
-#include "surface/cell_cases.h"
-#include "surface/neighbourhood.h"
+#include "surface/cells.h"
 
 namespace standoff {
 
@@ -52,8 +52,7 @@ class DualCells {
   std::int64_t ambiguous_faces() const { return ambiguous_faces_; }
   /// nullptr: one loop, and no ambiguous faces.
   const SpecialCell* special(const CellOf& cell) const;
-  /// The vertex of the loop that an edge of the cell is on.
-  std::uint32_t vertex(const CellOf& cell, int edge) const;
+  /// The vertex of a loop of the cell; `special` as special() gives it.
   std::uint32_t vertex_of_loop(const CellOf& cell, const SpecialCell* special, int loop) const;
 
   std::span<const DoubledFace> doubled(const Block& block) const { return doubled_[blocks_->number_of(block)]; }
@@ -75,5 +74,47 @@ class DualCells {
 int segment_end(const CellCase& found, int edge, int face);
 /// The lowest edge of a face.
 int first_edge_of(int face);
+
+struct DualPolygon {
+  int size = 0;
+  std::array<std::uint32_t, 8> vertices{};  ///< facing outwards
+
+  void add(std::uint32_t vertex) { vertices[static_cast<std::size_t>(size++)] = vertex; }
+  /// More than the four cells' vertices.
+  bool has_more() const { return size > 4; }
+};
+
+/// How a polygon is cut.
+enum class Cut : std::uint8_t {
+  first,   ///< a quad, from its first to its third vertex
+  second,  ///< a quad, from its second to its fourth vertex
+  fan,     ///< around a vertex on the edge of the grid
+};
+
+class DualPolygons {
+ public:
+  /// The polygons of a block. `first_face`: by block, the number of the first vertex on its doubled faces; all of them
+  /// outlive this.
+  DualPolygons(const Blocks& blocks, const DualCells& cells, const Block& block,
+               const std::vector<std::uint32_t>& first_face)
+      : cells_(&cells), blocks_(&blocks), beside_(blocks.beside(block, -1)), first_face_(&first_face) {}
+
+  /// The polygon around an edge; `outwards_up`: its lower end is inside.
+  DualPolygon around(int axis, int x, int y, int z, bool outwards_up) const;
+
+ private:
+  CellOf cell(int x, int y, int z) const;
+
+  const DualCells* cells_;
+  const Blocks* blocks_;
+  std::array<const Block*, 8> beside_;
+  const std::vector<std::uint32_t>* first_face_;
+};
+
+/// Cuts a quad so that it stays among the four cells' tetrahedra at the edge, which no other polygon enters
+/// ("Intersection-free contouring on an octree grid", Ju and Udeshi 2006): surfaces of cells with one loop then never
+/// intersect themselves. `corner`: its vertices relative to the lower end of the edge, in spacings, in the order of the
+/// polygon, with the edge's axis last.
+Cut cut_of(const std::array<Vec3, 4>& corner);
 
 }  // namespace standoff

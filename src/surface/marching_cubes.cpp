@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "surface/marching_cubes.h"
-
+// Marching cubes: counts what each block adds, numbers it, and writes vertices and triangles.
 #include <array>
 #include <cmath>
 #include <vector>
 
 #include "core/per_thread.h"
 #include "surface/cells.h"
-#include "surface/each_block.h"
-#include "surface/surface_counts.h"
+#include "surface/methods.h"
 
 namespace standoff {
 namespace {

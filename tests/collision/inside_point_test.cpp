@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Points inside a closed body: by its fields, by rays, and by solid angles.
-#include "collision/inside_test.h"
-
 #include <gtest/gtest.h>
 
-#include "collision/body/field_side.h"
+#include "collision/collide.h"
 #include "tests/collision/solids.h"
 
 namespace standoff {

@@ -2,9 +2,8 @@
 // Execution::simd chooses the kernels of queries, and no bit of an answer depends on it.
 #include <gtest/gtest.h>
 
-#include "collision/certified.h"
-#include "collision/find_intersecting.h"
-#include "collision/sweep_search.h"
+#include "collision/collide.h"
+#include "collision/sweep.h"
 #include "simd/instruction_sets.h"
 #include "tests/collision/bodies.h"
 #include "tests/collision/expect_same.h"

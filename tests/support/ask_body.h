@@ -7,7 +7,8 @@
 #include <optional>
 #include <string_view>
 
-#include "collision/body/model_file.h"
+#include "collision/body/model.h"
+#include "files/array_file.h"
 #include "standoff/collision.h"
 #include "standoff/error.h"
 

@@ -6,7 +6,7 @@
 
 #include "standoff/compute.h"
 #include "standoff/surface.h"
-#include "surface/cell_cases.h"
+#include "surface/cells.h"
 #include "tests/surface/manifold.h"
 #include "tests/surface/random_field.h"
 

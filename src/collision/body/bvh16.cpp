@@ -1,16 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "collision/body/bvh16.h"
-
+// Builds the BVH of a body: the order of its triangles, and the spheres and boxes of each level.
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "collision/body/tolerances.h"
+#include "collision/body/model.h"
+#include "geometry/rounding.h"
 
 namespace standoff::collision {
 namespace {
+
+// A factor that carries the radius of a bounding sphere past its rounding in single precision: differences, squares,
+// sums and a root, 2^-24 (6e-8) each. Smaller: corners stick out of their sphere, and intersecting bodies may count
+// as free. Larger: more spheres are looked up.
+constexpr float kSphereRoundUp = 1 + 0x1p-21f;
+static_assert(kSphereRoundUp - 1 > gamma_float(6));
 
 struct Item {
   float at[3];

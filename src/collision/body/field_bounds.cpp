@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "collision/body/field_bounds.h"
-
+// Builds the two fields of a body through compute(), rounds them down to lower bounds, and makes the view of them that
+// kernels read.
 #include <tbb/parallel_for.h>
 
 #include <cmath>
 #include <span>
 #include <string>
 
+#include "collision/body/model.h"
 #include "core/number_text.h"
 #include "core/promised_error.h"
 #include "core/tile_count.h"

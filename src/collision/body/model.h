@@ -1,17 +1,69 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a CollisionModel holds.
+// What a CollisionModel holds: a mesh, bounds of the distance to it, a BVH over its triangles and its connected
+// components; and the functions that make these.
 #pragma once
 
+#include <cstdint>
+#include <memory>
 #include <vector>
 
-#include "collision/body/bvh16.h"
-#include "collision/body/field_bounds.h"
+#include "collision/body/kernel_data.h"
+#include "core/huge_page_vector.h"
+#include "core/progress.h"
+#include "geometry/triangle_pair.h"
 #include "gpu/device_copies.h"
 #include "standoff/collision.h"
+#include "standoff/execution.h"
+#include "standoff/field.h"
+#include "standoff/mesh.h"
 
 namespace standoff {
 
+class FileView;
+enum class ArrayChecksum;
+
 namespace collision {
+
+/// Half-width of the fine field's band, and the coarse field's spacing, in fine spacings. The band must reach past the
+/// coarse field's error, sqrt(3)/2 * 4 spacings, so that the coarse bound is only used where it is the better one.
+inline constexpr int kBandSamples = 4;
+inline constexpr int kCoarseStep = 4;
+
+/// Lower bounds of the distance to a surface, everywhere: a fine sparse field near it, a coarse one around it. If the
+/// surface is closed, also the sign: which samples are inside. It is stored apart, because distance bounds need none.
+/// Samples are stored in 255 steps of the band's half-width, rounded down: they stay lower bounds. Positions are
+/// relative to the body's middle.
+struct FieldBounds {
+  double spacing = 1;
+  Size3 size, coarse_size;
+  Vec3 origin;
+  Box box;                             ///< of the surface
+  HugePageVector<std::int32_t> slots;  ///< per tile; tile 0 of the samples is all far
+  HugePageVector<std::uint8_t> samples;
+  HugePageVector<float> coarse;  ///< distances, rounded down; no clamping
+  /// One bit per sample, set if its winding number is positive. In the order of `samples` and of `coarse`, the lowest
+  /// bit of a byte first. Empty if the surface is not closed; the bits of tile 0 mean nothing.
+  HugePageVector<std::uint8_t> inside, coarse_inside;
+
+  bool has_sign() const { return !inside.empty(); }
+  double thickness() const { return kBandSamples * spacing; }
+  FieldView view() const;
+};
+
+struct BvhLevel {
+  HugePageVector<Sphere16> spheres;  ///< packet n: the children of node n of the level above
+  HugePageVector<Aabb16> boxes;
+};
+
+/// An implicit 16-wide BVH over the triangles of a body: node n of a level has the nodes 16 n to 16 n + 15 of the level
+/// below as children. Level 0 holds the triangles themselves.
+struct Bvh16 {
+  std::vector<std::uint32_t> order;  ///< triangles of the mesh, by their index in the BVH
+  std::vector<BvhLevel> levels;      ///< the last one has a single packet
+  /// The triangles, in packets of the lowest level; lanes left over repeat the last one.
+  HugePageVector<Triangle16> triangles;
+  int top() const { return static_cast<int>(levels.size()) - 1; }
+};
 
 struct ModelData {
   Mesh mesh;
@@ -39,6 +91,34 @@ struct ModelAccess {
   static CollisionModel model(std::shared_ptr<const ModelData> data) { return CollisionModel(std::move(data)); }
 };
 inline const ModelData& data_of(const CollisionModel& model) { return ModelAccess::data(model); }
+
+/// The spacing for a mesh when none is asked for: about 12 million samples in its box, but never less than a
+/// quarter of its mean edge, below which a finer field gives no better bound.
+double default_spacing(MeshView mesh, const Box& box);
+
+/// The fields' grids for a mesh of that box, without samples. Errors: limit.
+FieldBounds plan_field_bounds(const Box& box, double spacing);
+
+/// Builds the fields through compute(); they have a sign if the mesh is closed and consistently oriented. Errors:
+/// limit.
+FieldBounds build_field_bounds(MeshView mesh, Vec3 middle, double spacing, const Execution& execution,
+                               ProgressMeter& progress);
+
+/// Builds the BVH over triangles whose coordinates are taken relative to `middle`. Triangles that are near each other
+/// come to stand together: ranges are halved, in multiples of full nodes, along the longest side of their centres' box.
+/// The same on every run, by any number of threads. The progress can end it.
+Bvh16 build_bvh(MeshView mesh, Vec3 middle, ProgressMeter& progress);
+
+/// The spheres and boxes of a BVH whose order is given. The progress can end it.
+void fill_levels(Bvh16& bvh, MeshView mesh, Vec3 middle, ProgressMeter& progress);
+
+/// The lowest index of a triangle of each connected component, in ascending order. Triangles are connected if they have
+/// a corner at the same position, so a mesh need not be welded. Requires a valid mesh. The progress can end it.
+std::vector<std::uint32_t> first_of_components(MeshView mesh, ProgressMeter& progress);
+
+/// The model in a file's bytes; for load(), and for the fuzzer, whose changed bytes would end at the checksum. Errors:
+/// input.
+CollisionModel read_model(const FileView& file, ArrayChecksum checksum);
 
 }  // namespace collision
 }  // namespace standoff

@@ -5,8 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "collision/body/field_view.h"
-#include "collision/body/simd_blocks.h"
+#include "collision/body/kernel_data.h"
 #include "standoff/execution.h"
 
 namespace standoff::collision {

@@ -2,5 +2,5 @@
 // The queries' kernels for AVX-512.
 #ifdef __AVX512F__
 #define STANDOFF_TARGET_AVX512
-#include "collision/cpu/kernels/table.inl"
+#include "collision/cpu/kernels.inl"
 #endif

@@ -1,3 +1,3 @@
 // SPDX-License-Identifier: Apache-2.0
 // The queries' kernels for any processor.
-#include "collision/cpu/kernels/table.inl"
+#include "collision/cpu/kernels.inl"

@@ -2,13 +2,12 @@
 // Exact collide() for many poses: a warp per pose. The probe's bounding spheres are looked up in the target's field,
 // two packets of sixteen at a time, nearest first. A packet of triangles that reaches the surface goes down the
 // target's BVH; pairs whose boxes overlap are collected until there is one for each lane, and are decided in double
-// precision. Bounds and decision are the CPU's (sphere_bound.h, triangle_overlap.h), and so is the slack of single
+// precision. Bounds and decision are the CPU's (kernel_data.h, triangle_overlap.h), and so is the slack of single
 // precision.
 #pragma once
 
-#include "collision/body/sphere_bound.h"
+#include "collision/body/kernel_data.h"
 #include "collision/cuda/queries.cuh"
-#include "collision/cuda/target_boxes.cuh"
 #include "geometry/triangle_overlap.h"
 
 namespace standoff::STANDOFF_PLATFORM {

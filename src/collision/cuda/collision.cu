@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Collision queries on a GPU. nvcc compiles this file for CUDA; collision_emulated.cpp compiles it for the emulation.
 #include "collision/cuda/collide.cuh"
-#include "collision/cuda/queries.h"
 #include "collision/cuda/sweep.cuh"
+#include "collision/device.h"
 #include "gpu/device_scope.cuh"
 
 namespace standoff::STANDOFF_PLATFORM {

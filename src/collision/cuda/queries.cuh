@@ -1,13 +1,211 @@
 // SPDX-License-Identifier: Apache-2.0
-// Batches of queries: from host memory to the kernel that answers them and back, a warp per query.
+// What the kernels of all queries stand on: a collision model in device memory, the stack of BVH nodes that a warp has
+// still to visit, the warp's way down the target's BVH, and the way of a batch of queries from host memory to the
+// kernel that answers them and back, a warp per query.
 #pragma once
 
 #include <algorithm>
 #include <span>
 
-#include "collision/cuda/node_stack.cuh"
+#include "collision/device.h"
+#include "geometry/triple.h"
+#include "gpu/platform.cuh"
+#include "gpu/workspace.h"
 
 namespace standoff::STANDOFF_PLATFORM {
+
+using collision::kLanes;
+
+// Levels of a BVH over as many triangles as there may be: sixteen to the eighth power.
+inline constexpr int kMostLevels = 8;
+
+/// What kernels read of a model. What it points to lies in device memory.
+struct DeviceModelView {
+  collision::FieldView field;
+  const collision::Sphere16* spheres[kMostLevels];  ///< by level, as in Bvh16
+  const collision::Aabb16* boxes[kMostLevels];
+  const collision::Triangle16* triangles;
+  const double* corners;  ///< nine a triangle, by index in the BVH
+  Triple<double> middle;
+  std::uint32_t triangle_count;
+  int top;  ///< level
+};
+
+/// Corners of a triangle, by its index in the BVH, in the model's own coordinates.
+STANDOFF_DEVICE void load_corners(const DeviceModelView& model, std::uint32_t index, Triple<double> (&corner)[3]) {
+  const double* const at = model.corners + 9 * std::int64_t{index};
+  for (int k = 0; k < 3; ++k) corner[k] = {at[3 * k], at[3 * k + 1], at[3 * k + 2]};
+}
+
+class DeviceModel : public gpu::DeviceCopy {
+ public:
+  explicit DeviceModel(const collision::ModelData& data) {
+    static_assert(sizeof(standoff::Corners) == 9 * sizeof(double));
+    gpu::Workspace measure(nullptr);
+    lay_out(data, measure, [](auto*, const auto*, std::int64_t) {});
+    memory_ = Memory(measure.used());
+    gpu::Workspace arrays(memory_.as<void>());
+    lay_out(data, arrays, [](auto* to, const auto* from, std::int64_t bytes) { copy_in(to, from, bytes); });
+  }
+  const DeviceModelView& view() const { return view_; }
+
+ private:
+  template <class Copy>
+  void lay_out(const collision::ModelData& data, gpu::Workspace& arrays, Copy copy) {
+    const auto put = [&]<class Values>(const Values& values) {
+      using Value = typename Values::value_type;
+      const auto count = static_cast<std::int64_t>(values.size());
+      Value* const to = arrays.take<Value>(count);
+      copy(to, values.data(), count * static_cast<std::int64_t>(sizeof(Value)));
+      return to;
+    };
+    view_.field = data.view;
+    view_.field.slots = put(data.field.slots);
+    view_.field.samples = put(data.field.samples);
+    view_.field.coarse = put(data.field.coarse);
+    view_.top = data.bvh.top();
+    for (int level = 0; level <= view_.top; ++level) {
+      view_.spheres[level] = put(data.bvh.levels[level].spheres);
+      view_.boxes[level] = put(data.bvh.levels[level].boxes);
+    }
+    view_.triangles = put(data.bvh.triangles);
+    view_.corners = reinterpret_cast<const double*>(put(data.corners));
+    view_.middle = {data.middle.x, data.middle.y, data.middle.z};
+    view_.triangle_count = static_cast<std::uint32_t>(data.bvh.order.size());
+  }
+
+  Memory memory_;
+  DeviceModelView view_{};
+};
+
+/// The model's copy on a device, which must be the current one.
+inline std::shared_ptr<const DeviceModel> device_model_of(const collision::ModelData& data, Backend backend,
+                                                          int device) {
+  return std::static_pointer_cast<const DeviceModel>(
+      data.device_models.get(backend, device, [&] { return std::make_shared<DeviceModel>(data); }));
+}
+
+// The stack of BVH nodes that a warp has still to visit, in shared memory.
+
+// A packet of sixteen nodes in one word: its level above its index, which is below 2^28 for 2^32 triangles.
+inline constexpr int kLevelShift = 28;
+inline constexpr std::uint32_t kNoPacket = 0xffffffffu;
+STANDOFF_DEVICE std::uint32_t packet_word(int level, std::uint32_t packet) {
+  return static_cast<std::uint32_t>(level) << kLevelShift | packet;
+}
+STANDOFF_DEVICE int level_of(std::uint32_t word) { return static_cast<int>(word >> kLevelShift); }
+STANDOFF_DEVICE std::uint32_t packet_of(std::uint32_t word) { return word & ((1u << kLevelShift) - 1); }
+
+inline constexpr std::uint32_t kWarp = 0xffffffffu;
+STANDOFF_DEVICE std::uint32_t lane_in_warp() { return threadIdx.x % 32; }
+STANDOFF_DEVICE std::uint32_t lanes_below(std::uint32_t lane) { return (1u << lane) - 1; }
+
+/// A packet and the time from which its nodes are to be moved on.
+struct TimedPacket {
+  double time;
+  std::uint32_t word;
+};
+STANDOFF_DEVICE std::uint32_t word_of(std::uint32_t entry) { return entry; }
+STANDOFF_DEVICE std::uint32_t word_of(const TimedPacket& entry) { return entry.word; }
+
+/// The same count in all lanes of a warp; all of them call all of it together.
+template <class Entry>
+class NodeStack {
+ public:
+  /// `entries` is shared memory for `capacity` of them.
+  STANDOFF_DEVICE NodeStack(Entry* entries, int capacity, Entry first)
+      : entries_(entries), capacity_(capacity), count_(1) {
+    __syncwarp();
+    if (lane_in_warp() == 0) entries_[0] = first;
+    __syncwarp();
+  }
+  STANDOFF_DEVICE bool empty() const { return count_ == 0; }
+  STANDOFF_DEVICE int top_level() const { return level_of(word_of(entries_[count_ - 1])); }
+
+  /// Takes the uppermost packets, one for each half of the warp: `none` for the second half where there is but one, or
+  /// where the second is below `least_level`.
+  STANDOFF_DEVICE Entry take(int least_level, Entry none) {
+    const bool two = count_ > 1 && level_of(word_of(entries_[count_ - 2])) >= least_level;
+    const bool second = lane_in_warp() >= kLanes;
+    const Entry entry = !second ? entries_[count_ - 1] : two ? entries_[count_ - 2] : none;
+    count_ -= two ? 2 : 1;
+    __syncwarp();  // all have read before anybody writes
+    return entry;
+  }
+
+  /// Puts the entries of some lanes on top, that with the highest rank (0 to their number less one) uppermost. False,
+  /// and nothing put, where they do not fit.
+  STANDOFF_DEVICE bool put(std::uint32_t lanes, int rank, Entry entry) {
+    const int more = __popc(lanes);
+    if (count_ + more > capacity_) return false;
+    if (lanes >> lane_in_warp() & 1) entries_[count_ + rank] = entry;
+    count_ += more;
+    __syncwarp();
+    return true;
+  }
+
+ private:
+  Entry* entries_;
+  int capacity_, count_;
+};
+
+/// How many of some lanes hold a larger key, or as large a one in a later lane. `keys` is shared memory for 32.
+template <class Key>
+STANDOFF_DEVICE int larger_keys(std::uint32_t lanes, Key key, Key* keys) {
+  const std::uint32_t lane = lane_in_warp();
+  keys[lane] = key;
+  __syncwarp();
+  int larger = 0;
+  for (std::uint32_t m = 0; m < 32; ++m)
+    if (lanes >> m & 1) larger += keys[m] > key || (keys[m] == key && m > lane);
+  __syncwarp();
+  return larger;
+}
+
+// The triangles of the target whose boxes overlap a box: a warp goes down the target's BVH, two packets of sixteen at a
+// time.
+
+/// Low sides, then high ones.
+struct FlatBox {
+  float side[6];
+};
+STANDOFF_DEVICE bool overlap(const FlatBox& a, const FlatBox& b) {
+  bool overlapping = true;
+  for (int axis = 0; axis < 3; ++axis)
+    overlapping = overlapping && a.side[axis] <= b.side[3 + axis] && a.side[3 + axis] >= b.side[axis];
+  return overlapping;
+}
+STANDOFF_DEVICE FlatBox box_in(const collision::Aabb16& boxes, std::uint32_t n) {
+  FlatBox box;
+  for (int axis = 0; axis < 3; ++axis) box.side[axis] = boxes.min[axis][n], box.side[3 + axis] = boxes.max[axis][n];
+  return box;
+}
+
+/// Calls use(this lane has one, its BVH index, its box) with triangles, all lanes together, until it returns
+/// false. False, with triangles left out, where `words`, shared memory for `capacity` packets, did not suffice.
+template <class Use>
+STANDOFF_DEVICE bool for_overlapping_boxes(const FlatBox& box, const DeviceModelView& model, std::uint32_t* words,
+                                           int capacity, Use use) {
+  NodeStack<std::uint32_t> nodes(words, capacity, packet_word(model.top, 0));
+  while (!nodes.empty()) {
+    const std::uint32_t word = nodes.take(0, kNoPacket);
+    const int level = level_of(word);
+    const std::uint32_t child = packet_of(word) * kLanes + lane_in_warp() % kLanes;
+    FlatBox own{};
+    bool near = word != kNoPacket;
+    if (near) {
+      own = box_in(model.boxes[level][packet_of(word)], lane_in_warp() % kLanes);
+      near = overlap(own, box);
+    }
+    const std::uint32_t inner = __ballot_sync(kWarp, near && level > 0);
+    if (!nodes.put(inner, __popc(inner & lanes_below(lane_in_warp())), packet_word(level - 1, child))) return false;
+    const bool leaf = near && level == 0;
+    if (__ballot_sync(kWarp, leaf) != 0 && !use(leaf, child, own)) return true;
+  }
+  return true;
+}
+
+// Batches of queries.
 
 /// The next query for the calling warp: some take a thousand times as long as others.
 STANDOFF_DEVICE std::uint32_t take_query(std::uint32_t* next) {

@@ -6,10 +6,9 @@
 // target's frame; the distance kept covers its rounding.
 #pragma once
 
-#include "collision/body/sphere_bound.h"
+#include "collision/body/kernel_data.h"
 #include "collision/conservative_advancement.h"
 #include "collision/cuda/queries.cuh"
-#include "collision/cuda/target_boxes.cuh"
 #include "geometry/triangle_overlap.h"
 
 namespace standoff::STANDOFF_PLATFORM {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What stands for collision queries on CUDA where standoff is built without a CUDA compiler: it says so.
-#include "collision/cuda/queries.h"
+#include "collision/device.h"
 #include "gpu/devices.h"
 #include "standoff/error.h"
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "collision/body/components.h"
-
 #include <gtest/gtest.h>
 
+#include "collision/body/model.h"
 #include "tests/collision/solids.h"
 
 namespace standoff {

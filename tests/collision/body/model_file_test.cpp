@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "collision/body/field_bounds.h"
-#include "collision/body/model_file.h"
+#include "collision/body/model.h"
+#include "files/array_file.h"
 #include "standoff/collision.h"
 #include "tests/collision/solids.h"
 #include "tests/support/paths.h"

@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "collision/collide_on_device.h"
+#include "collision/collide.h"
 #include "gpu/emulation/block.h"
 #include "scenes/scenes.h"
 #include "standoff/collision.h"

@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "collision/sweep_on_device.h"
+#include "collision/sweep.h"
 #include "gpu/emulation/block.h"
 #include "scenes/scenes.h"
 #include "standoff/collision.h"

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "surface/edge_points.h"
+// Chooses the clearance of vertices and the numbers that hold it, and keeps within what can be numbered.
+#include "surface/vertices.h"
 
 #include <limits>
+#include <string>
 
 #include "core/number_text.h"
 #include "standoff/error.h"
@@ -49,6 +51,26 @@ EdgePoints::EdgePoints(const Grid& grid, double level, Coordinates coordinates) 
                                       "nearer to the origin, or take a larger spacing");
   floats_ = coordinates != Coordinates::full && floats_do;
   clearance_ = floats_ ? for_floats : for_doubles;
+}
+
+void expect_countable(std::uint64_t vertices) {
+  constexpr std::uint64_t kMost = 0xfffffffe;
+  if (vertices > kMost)
+    throw Error(ErrorCode::limit, "isosurface: " + std::to_string(vertices) +
+                                      " vertices are more than 32-bit indices can number; take fewer samples");
+}
+
+void grow(Mesh& mesh, std::uint64_t vertices, std::uint64_t triangles, MemoryBudget& budget) {
+  const auto grow_to = [&](auto& all, std::uint64_t count) {
+    if (count <= all.capacity()) return all.resize(count);
+    const std::size_t before = all.capacity() * sizeof all[0];
+    budget.take(count * sizeof all[0]);
+    all.reserve(count);
+    budget.give_back(before);
+    all.resize(count);
+  };
+  grow_to(mesh.vertices, vertices);
+  grow_to(mesh.triangles, triangles);
 }
 
 }  // namespace standoff

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Hermite data of the surface of a mesh itself: where edges of the grid cross its triangles.
+// What dual contouring knows of the surface on the crossed edges of the grid: from the field alone; of the surface of a
+// mesh itself, where edges of the grid cross its triangles; and of a surface at a distance from a mesh, by Newton's
+// method along the edges of the grid, with exact distances.
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
@@ -12,12 +14,75 @@
 
 #include "geometry/corners.h"
 #include "sign/flood/lattice_crossings.h"
+#include "standoff/points.h"
 #include "surface/cells.h"
-#include "surface/each_block.h"
-#include "surface/hermite.h"
+#include "surface/methods.h"
 
 namespace standoff {
 namespace {
+
+using Offset = std::array<int, 3>;
+
+// The difference of the values around a sample along an axis, per spacing: central where both neighbours are finite,
+// else to one side.
+double slope(const Neighbourhood& values, const Offset& at, std::size_t axis) {
+  Offset below = at, above = at;
+  --below[axis];
+  ++above[axis];
+  const double here = values.value(at[0], at[1], at[2]);
+  const double lower = values.value(below[0], below[1], below[2]), upper = values.value(above[0], above[1], above[2]);
+  const bool has_lower = std::isfinite(lower), has_upper = std::isfinite(upper);
+  if (has_lower && has_upper) return (upper - lower) / 2;
+  if (!std::isfinite(here)) return 0;
+  if (has_upper) return upper - here;
+  return has_lower ? here - lower : 0;
+}
+
+}  // namespace
+
+void hermite_of_field(const Blocks& blocks, const EdgePoints& points, std::span<HermitePoint> data,
+                      ProgressMeter& progress) {
+  const UniformTiles uniform(blocks.field().thickness());
+  const Vec3 spacing = blocks.field().grid().spacing;
+  const double unit = blocks.field().grid().max_spacing();
+  for_each_block(blocks, uniform, progress,
+                 [&](std::size_t, const Block& block, const CornerBits&, const Neighbourhood& values) {
+                   HermitePoint* next = data.data() + block.first_vertex;
+                   for_each_edge(block, [&](int axis, int x, int y, int z) {
+                     const Offset lower{x, y, z};
+                     Offset upper = lower;
+                     ++upper[static_cast<std::size_t>(axis)];
+                     const float a = values.value(x, y, z), b = values.value(upper[0], upper[1], upper[2]);
+                     HermitePoint& point = *next++;
+                     const double t = points.crossing(a, b);
+                     point.t = static_cast<float>(t);
+                     Vec3 along;
+                     along[axis] = a < b ? 1 : -1;
+                     const bool within = values.is_sample(x, y, z) && values.is_sample(upper[0], upper[1], upper[2]);
+                     Vec3 normal = along;  // of a cap
+                     if (within) {
+                       const auto mixed = [&](std::size_t n) {
+                         const double s = n == static_cast<std::size_t>(axis)
+                                              ? double{b} - a
+                                              : slope(values, lower, n) * (1 - t) + slope(values, upper, n) * t;
+                         return s;
+                       };
+                       const Vec3 gradient = Vec3{mixed(0), mixed(1), mixed(2)} / (spacing / Vec3{unit, unit, unit});
+                       const double size = max_norm(gradient);
+                       if (size > 0 && std::isfinite(size)) {
+                         normal = gradient * (1 / size);
+                         normal = normal * (1 / length(normal));
+                       }
+                     }
+                     point.set_normal(normal);
+                   });
+                 });
+}
+
+namespace {
+
+// Points that are asked about together, and about what a question and its answer take besides.
+constexpr std::size_t kAskedAtOnce = std::size_t{1} << 17, kBytesPerAsked = 256;
 
 // The triangle that an edge takes is the one with the least key: of those that face as the sign changes, if there are
 // any, the one nearest to where the interpolation crosses the edge; then the one of lowest index.
@@ -207,6 +272,90 @@ void hermite_of_mesh(const Blocks& blocks, const EdgePoints& points, MeshView me
     });
   }
   flush();
+}
+
+namespace {
+
+// An edge of the grid whose ends are samples.
+struct OffsetSearch {
+  std::uint32_t edge;
+  Vec3 lower, step;  // its lower end, and the way to its upper end
+  double t;
+  double low = 0, high = 1;  // the crossing lies between them
+};
+
+constexpr int kMostRounds = 30;       // three are enough for most
+constexpr double kNearEnough = 1e-7;  // spacings: what a float of t can tell
+
+// Finds as many as there are room for; `searches` is empty after it.
+void find_points(std::vector<OffsetSearch>& searches, const MeshOffset& offset, std::span<HermitePoint> data,
+                 ProgressMeter& progress) {
+  std::vector<Vec3> asked;
+  for (int round = 0; round < kMostRounds && !searches.empty(); ++round) {
+    progress.check();
+    asked.clear();
+    for (const OffsetSearch& search : searches) asked.push_back(search.lower + search.step * search.t);
+    const std::vector<ClosestPoint> found = offset.closest(asked);
+    std::size_t left = 0;
+    for (std::size_t n = 0; n < searches.size(); ++n) {
+      OffsetSearch search = searches[n];
+      const ClosestPoint& nearest = found[n];
+      const double edge = max_norm(search.step), miss = nearest.distance - offset.distance;
+      if (!(nearest.distance > 0)) continue;  // on the mesh: no direction
+      // The gradient of the value, and its part along the edge, per edge.
+      const Vec3 away = (asked[n] - nearest.point) * (1 / nearest.distance);
+      const double slope = dot(away, search.step);
+      const Vec3 outwards = offset.inside ? away * -1.0 : away;
+      // The value must grow from the end inside to the end outside.
+      const double grows = dot(outwards, search.step), expected = dot(data[search.edge].normal(), search.step);
+      if (std::abs(miss) <= kNearEnough * edge) {
+        if (grows * expected <= 0) continue;  // another surface
+        data[search.edge].t = static_cast<float>(search.t);
+        data[search.edge].set_normal(outwards);
+        continue;
+      }
+      // Newton's step, or half of what is left where it leads out: past a ridge another triangle is the closest one.
+      const bool is_inside = (miss > 0) == offset.inside, rises = expected > 0;
+      (is_inside == rises ? search.low : search.high) = search.t;
+      double next = search.t - miss / slope;
+      if (!(next > search.low && next < search.high)) next = (search.low + search.high) / 2;
+      if (next == search.t) continue;
+      search.t = next;
+      searches[left++] = search;
+    }
+    searches.resize(left);
+  }
+  searches.clear();  // where no point was found the interpolation stays
+}
+
+}  // namespace
+
+void hermite_of_offset(const Blocks& blocks, const EdgePoints& points, const MeshOffset& offset,
+                       std::span<HermitePoint> data, MemoryBudget& budget, ProgressMeter& progress) {
+  hermite_of_field(blocks, points, data, progress);
+  MemoryShare memory(budget);
+  const std::size_t at_once = std::min(data.size(), kAskedAtOnce);
+  memory.take(at_once * (sizeof(OffsetSearch) + kBytesPerAsked));
+  std::vector<OffsetSearch> searches;
+  searches.reserve(at_once);
+  const Grid& grid = blocks.field().grid();
+  const Size3& size = grid.size;
+  for (const Block& block : blocks.all()) {
+    std::uint32_t edge = block.first_vertex;
+    for_each_edge(block, [&](int axis, int x, int y, int z) {
+      const std::int64_t i = 8 * std::int64_t{block.at[0]} + x, j = 8 * std::int64_t{block.at[1]} + y,
+                         k = 8 * std::int64_t{block.at[2]} + z;
+      const std::uint32_t n = edge++;
+      if (i < 0 || j < 0 || k < 0 || i + (axis == 0) >= size.x || j + (axis == 1) >= size.y ||
+          k + (axis == 2) >= size.z)
+        return;
+      Vec3 step;
+      step[axis] = grid.spacing[axis];
+      searches.push_back({n, grid.position(i, j, k), step, data[n].t});
+      if (searches.size() == at_once) find_points(searches, offset, data, progress);
+    });
+  }
+  find_points(searches, offset, data, progress);
 }
 
 }  // namespace standoff

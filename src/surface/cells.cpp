@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "surface/cell_cases.h"
+// Makes the table of all cases of a cell: its loops, and their triangles.
+#include "surface/cells.h"
 
 #include <bit>
 #include <limits>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where vertices lie, and why no two of them coincide.
+// Where vertices lie, why no two of them coincide, and how many can be numbered and kept.
 //
 // A vertex on an edge of the grid keeps a small distance from both ends, the *clearance*. Vertices on different edges
 // then differ by the clearance along some axis, and vertices inside a cell keep as far from its faces. The clearance is
@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "core/memory_budget.h"
 #include "standoff/grid.h"
 #include "standoff/surface.h"
 
@@ -59,5 +60,29 @@ class EdgePoints {
   double clearance_ = 0;
   bool floats_ = false;
 };
+
+/// What a thread counts of the surface it makes.
+struct SurfaceCounts {
+  std::int64_t ambiguous = 0;  ///< ambiguous faces; both cells of a face count it
+  std::int64_t clamped = 0, capped = 0;
+
+  /// A crossed edge between samples of these values, in a field of this thickness.
+  void count_edge(float lower, float upper, float thickness, bool leaves_grid) {
+    if (leaves_grid)
+      ++capped;
+    else if (std::isfinite(thickness) && (std::abs(lower) >= thickness || std::abs(upper) >= thickness))
+      ++clamped;
+  }
+  void add_to(IsoReport& report) const {
+    report.clamped += clamped;
+    report.capped += capped;
+  }
+};
+
+/// Throws Error{limit} if so many vertices cannot be numbered.
+void expect_countable(std::uint64_t vertices);
+
+/// Makes room for so many vertices and triangles in all. Throws Error{limit}.
+void grow(Mesh& mesh, std::uint64_t vertices, std::uint64_t triangles, MemoryBudget& budget);
 
 }  // namespace standoff

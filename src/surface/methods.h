@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What dual contouring knows of the surface on a crossed edge of the grid: where it is, and its normal.
+// The two methods that make a surface of blocks (docs/iso.md): marching cubes, the triangles of each cell, with
+// vertices on the edges of the grid; and dual contouring, with vertices in the cells and polygons around the crossed
+// edges. Dual contouring knows where the surface crosses an edge, and its normal there, from the field or from a mesh.
 #pragma once
 
 #include <functional>
@@ -10,11 +12,19 @@
 #include "core/progress.h"
 #include "standoff/mesh.h"
 #include "standoff/points.h"
+#include "standoff/surface.h"
 #include "surface/blocks.h"
-#include "surface/edge_points.h"
+#include "surface/vertices.h"
 
 namespace standoff {
 
+/// Adds to the mesh's vertices and triangles, and to the report's ambiguous faces, clamped and capped edges. Numbers
+/// the vertices of the blocks. `memory` is for scratch, its budget for the mesh. Runs on the threads of the calling TBB
+/// arena. Throws Error{limit}, Error{interrupted}.
+void march_cubes(Blocks& blocks, const EdgePoints& points, MemoryShare& memory, Mesh& mesh, IsoReport& report,
+                 ProgressMeter& progress);
+
+/// What dual contouring knows of the surface on a crossed edge of the grid.
 struct HermitePoint {
   float t = 0.5f;             ///< from the lower end, in spacings of the edge's axis
   float x = 0, y = 0, z = 0;  ///< the unit normal, outwards
@@ -35,9 +45,6 @@ void hermite_of_field(const Blocks& blocks, const EdgePoints& points, std::span<
 /// The closest points of a mesh, without a sign.
 using ClosestFunction = std::function<std::vector<ClosestPoint>(std::span<const Vec3>)>;
 
-/// Points that are asked about together, and about what a question and its answer take besides.
-inline constexpr std::size_t kAskedAtOnce = std::size_t{1} << 17, kBytesPerAsked = 256;
-
 /// Of the surface of a mesh: the crossing with a triangle, exactly, and its normal. Where none is crossed, as in a hole
 /// that the sign closes, the field's data stay.
 void hermite_of_mesh(const Blocks& blocks, const EdgePoints& points, MeshView mesh, const ClosestFunction& closest,
@@ -53,5 +60,15 @@ struct MeshOffset {
 /// such point is found on the edge the field's data stay.
 void hermite_of_offset(const Blocks& blocks, const EdgePoints& points, const MeshOffset& offset,
                        std::span<HermitePoint> data, MemoryBudget& budget, ProgressMeter& progress);
+
+/// How positions and normals are found, and how far they are to be trusted.
+struct HermiteSource {
+  std::function<void(const Blocks&, const EdgePoints&, std::span<HermitePoint>, MemoryBudget&, ProgressMeter&)> fill;
+  double tolerance;  ///< PlaneFit::minimum
+};
+
+/// Adds to the mesh and to the report, as march_cubes() does.
+void contour_dually(Blocks& blocks, const EdgePoints& points, const HermiteSource& source, MemoryShare& memory,
+                    Mesh& mesh, IsoReport& report, ProgressMeter& progress);
 
 }  // namespace standoff

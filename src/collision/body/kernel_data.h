@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: Apache-2.0
+// What kernels work on, on the CPU and on GPUs: a model's two distance fields, with the gap of a bounding sphere that
+// they give, and blocks of sixteen spheres, boxes or triangles.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include "geometry/host_device.h"
+#include "geometry/scalar.h"
+#include "geometry/transform.h"
+
+namespace standoff::collision {
+
+/// A fine sample with this value is clamped: the surface is no nearer than the band's half-width.
+inline constexpr int kClampedSample = 255;
+
+/// A view of FieldBounds (model.h). Positions are relative to the model's middle.
+struct FieldView {
+  float origin[3];                        ///< of sample (0,0,0) of both grids
+  float spacing, coarse_spacing;          ///< of the fine and the coarse grid
+  float per_spacing, per_coarse_spacing;  ///< their reciprocals
+  float last[3], coarse_last[3];          ///< the largest index per axis
+  std::int32_t tiles[2];                  ///< of the fine grid along x and y
+  std::int32_t coarse_size[2];            ///< of the coarse grid along x and y
+  float step;                             ///< what one unit of a fine sample stands for
+  float min[3], max[3];                   ///< the box of the surface
+  const std::int32_t* slots;              ///< per tile: where its 512 samples start, in tiles
+  const std::uint8_t* samples;
+  const float* coarse;
+};
+
+/// The tile of the fine sample (i, j, k), and the sample's index in it: tiles of 8x8x8, x fastest in both.
+STANDOFF_INLINE std::int32_t tile_of(const FieldView& f, std::int32_t i, std::int32_t j, std::int32_t k) {
+  return ((k >> 3) * f.tiles[1] + (j >> 3)) * f.tiles[0] + (i >> 3);
+}
+STANDOFF_INLINE std::int32_t index_in_tile(std::int32_t i, std::int32_t j, std::int32_t k) {
+  return (k & 7) << 6 | (j & 7) << 3 | (i & 7);
+}
+STANDOFF_INLINE std::uint8_t fine_sample(const FieldView& f, std::int32_t tile, std::int32_t index) {
+  return f.samples[(static_cast<std::int64_t>(f.slots[tile]) << 9) + index];
+}
+
+STANDOFF_INLINE std::int32_t coarse_index(const FieldView& f, std::int32_t i, std::int32_t j, std::int32_t k) {
+  return (k * f.coarse_size[1] + j) * f.coarse_size[0] + i;
+}
+
+// The gap of a bounding sphere is a lower bound of its distance from the surface, in single precision, for the CPU's
+// loops over sixteen spheres and the GPU's thread per sphere.
+//
+// Distance is 1-Lipschitz, so a sample s at x_i gives d(x) >= s - |x - x_i| for every x, and a sphere (x, r) is at
+// least d(x) - r away (docs/collision.md). The nearest sample is taken, of the coarse field and then of the fine one; a
+// sample clamped by the band's half-width is still a lower bound. So is the distance to the surface's box.
+
+/// Where along an axis the samples nearest to a point stand: their indices, and how far from them the point is, in
+/// spacings, squared.
+struct NearestIndex {
+  std::int32_t at;
+  float off_sq;
+};
+STANDOFF_INLINE NearestIndex nearest_index(float x, float origin, float per_spacing, float last) {
+  const float u = (x - origin) * per_spacing;
+  const std::int32_t at = static_cast<std::int32_t>(min(max(u, 0.0f), last) + 0.5f);
+  const float off = u - static_cast<float>(at);
+  return {at, off * off};
+}
+STANDOFF_INLINE float outside_sq(const FieldView& f, int axis, float x) {
+  const float out = max(max(f.min[axis] - x, x - f.max[axis]), 0.0f);
+  return out * out;
+}
+
+/// The samples nearest to a sphere's centre, and what they say less.
+struct SphereSamples {
+  float outside;               ///< the bound from the surface's box
+  float coarse_off, fine_off;  ///< to be taken off the samples
+  std::int32_t coarse;         ///< the coarse sample
+  std::int32_t tile, within;   ///< the fine one: its tile, and its index there
+};
+
+STANDOFF_INLINE SphereSamples samples_near(const FieldView& f, float x, float y, float z, float radius) {
+  const auto coarse = [&f](int axis, float at) __attribute__((always_inline)) {
+    return nearest_index(at, f.origin[axis], f.per_coarse_spacing, f.coarse_last[axis]);
+  };
+  const auto fine = [&f](int axis, float at) __attribute__((always_inline)) {
+    return nearest_index(at, f.origin[axis], f.per_spacing, f.last[axis]);
+  };
+  const NearestIndex cx = coarse(0, x), cy = coarse(1, y), cz = coarse(2, z);
+  const NearestIndex fx = fine(0, x), fy = fine(1, y), fz = fine(2, z);
+  return {sqrt(outside_sq(f, 0, x) + outside_sq(f, 1, y) + outside_sq(f, 2, z)) - radius,
+          sqrt(cx.off_sq + cy.off_sq + cz.off_sq) * f.coarse_spacing + radius,
+          sqrt(fx.off_sq + fy.off_sq + fz.off_sq) * f.spacing + radius,
+          coarse_index(f, cx.at, cy.at, cz.at),
+          tile_of(f, fx.at, fy.at, fz.at),
+          index_in_tile(fx.at, fy.at, fz.at)};
+}
+
+/// The gap. Where the coarse field's bound exceeds `enough`, the fine field is not sampled.
+STANDOFF_INLINE float gap_of_sphere(const FieldView& f, float x, float y, float z, float radius, float enough) {
+  const SphereSamples at = samples_near(f, x, y, z, radius);
+  const float gap = max(at.outside, f.coarse[at.coarse] - at.coarse_off);
+  if (gap > enough) return gap;
+  return max(gap, static_cast<float>(fine_sample(f, at.tile, at.within)) * f.step - at.fine_off);
+}
+
+/// Coordinate `axis` of a transformed point.
+STANDOFF_INLINE float transformed(const FloatTransform& transform, int axis, float x, float y, float z) {
+  const float* const r = transform.rotation + 3 * axis;
+  return r[0] * x + r[1] * y + r[2] * z + transform.translation[axis];
+}
+
+// Sixteen spheres or boxes at a time. Lanes without content hold an empty sphere or box.
+
+inline constexpr int kLanes = 16;
+inline constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+struct alignas(64) Sphere16 {
+  float center[3][kLanes];
+  float radius[kLanes];  ///< minus infinity: no sphere
+};
+
+struct alignas(64) Aabb16 {
+  float min[3][kLanes];
+  float max[3][kLanes];
+};
+
+/// Triangles: corner, axis, lane.
+struct alignas(64) Triangle16 {
+  float corner[3][3][kLanes];
+};
+
+/// Pairs of triangles at a time: as many doubles as a 512-bit register holds.
+inline constexpr int kPairs = 8;
+
+/// Corner, axis, lane.
+struct alignas(64) TrianglePairs {
+  double p[3][3][kPairs], q[3][3][kPairs];
+};
+
+/// Which of eight pairs intersect, and their point, normal and depth as in Penetration.
+struct alignas(64) PairOverlaps {
+  double point[3][kPairs];
+  double normal[3][kPairs];
+  double depth[kPairs];
+  std::uint32_t intersecting;  ///< bit n: pair n intersects, for certain; only then its numbers mean something
+  std::uint32_t
+      inaccurate;  ///< bit n: it intersects, but point, normal and depth may err by more than penetration() promises
+  std::uint32_t unsure;  ///< bit n: rounding may hide the answer
+};
+
+/// The closest points of eight pairs that do not cross.
+struct alignas(64) ClosestOfPairs {
+  double distance_sq[kPairs];
+  double on_p[3][kPairs], on_q[3][kPairs];
+};
+
+/// Asks the memory for all lines of something before the first is needed.
+template <class T>
+inline void fetch(const T& what) {
+  for (std::size_t line = 0; line < sizeof(T); line += 64)
+    __builtin_prefetch(reinterpret_cast<const char*>(&what) + line);
+}
+
+/// One box.
+struct FloatBox {
+  float min[3] = {kInfinity, kInfinity, kInfinity};
+  float max[3] = {-kInfinity, -kInfinity, -kInfinity};
+
+  void include(const float* p) {
+    for (int axis = 0; axis < 3; ++axis) {
+      min[axis] = p[axis] < min[axis] ? p[axis] : min[axis];
+      max[axis] = p[axis] > max[axis] ? p[axis] : max[axis];
+    }
+  }
+  void include(const FloatBox& box) {
+    include(box.min);
+    include(box.max);
+  }
+  void grow(float by) {
+    for (int axis = 0; axis < 3; ++axis) min[axis] -= by, max[axis] += by;
+  }
+};
+
+inline FloatBox lane_of(const Aabb16& boxes, int lane) {
+  FloatBox box;
+  for (int axis = 0; axis < 3; ++axis) box.min[axis] = boxes.min[axis][lane], box.max[axis] = boxes.max[axis][lane];
+  return box;
+}
+
+/// Some of sixteen triangles, and their boxes.
+struct TriangleSubset {
+  const Triangle16* triangles;
+  const Aabb16* boxes;
+  std::uint32_t lanes;  ///< bits
+};
+
+/// A lane of one packet and one of another.
+struct LanePair {
+  std::uint8_t a, b;
+};
+
+}  // namespace standoff::collision

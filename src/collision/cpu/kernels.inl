@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: Apache-2.0
+// The queries' kernels for the instruction set of the file that includes this: sixteen lanes of floats, or eight of
+// doubles, at a time. Nothing is fused, so all sets round alike. The table at the end names them for kernels.cpp.
+#pragma once
+
+#include "collision/body/kernel_data.h"
+#include "collision/cpu/kernels.h"
+#include "geometry/closest_pair.h"
+#include "geometry/overlap_penetration.h"
+#include "simd/points.inl"
+
+namespace standoff::collision::STANDOFF_TARGET {
+
+using namespace standoff::STANDOFF_TARGET;
+
+static_assert(kLanes == WideFloat::kLanes && kPairs == WideDouble::kLanes);
+
+namespace {
+
+/// One point in all lanes.
+STANDOFF_INLINE WidePoint same_points(const float* at) {
+  return {WideFloat(at[0]), WideFloat(at[1]), WideFloat(at[2])};
+}
+/// A lane of sixteen points in all lanes.
+STANDOFF_INLINE WidePoint same_points(const float (&at)[3][kLanes], int lane) {
+  return {WideFloat(at[0][lane]), WideFloat(at[1][lane]), WideFloat(at[2][lane])};
+}
+
+STANDOFF_INLINE WidePoint min(const WidePoint& a, const WidePoint& b) {
+  return {min(a.x, b.x), min(a.y, b.y), min(a.z, b.z)};
+}
+STANDOFF_INLINE WidePoint max(const WidePoint& a, const WidePoint& b) {
+  return {max(a.x, b.x), max(a.y, b.y), max(a.z, b.z)};
+}
+
+/// Sixteen points, transformed in another frame.
+STANDOFF_INLINE WidePoint transformed(const FloatTransform& transform, const WidePoint& p) {
+  const auto row = [&](int axis) __attribute__((always_inline)) {
+    const float* const r = transform.rotation + 3 * axis;
+    return WideFloat(r[0]) * p.x + WideFloat(r[1]) * p.y + WideFloat(r[2]) * p.z +
+           WideFloat(transform.translation[axis]);
+  };
+  return {row(0), row(1), row(2)};
+}
+
+// Sixteen boxes against one.
+
+std::uint32_t overlaps(const Aabb16& boxes, const FloatBox& box) {
+  const WidePoint low = load_points(boxes.min), high = load_points(boxes.max);
+  const WidePoint box_low = same_points(box.min), box_high = same_points(box.max);
+  const Mask share_x = less_equal(low.x, box_high.x) & less_equal(box_low.x, high.x),
+             share_y = less_equal(low.y, box_high.y) & less_equal(box_low.y, high.y),
+             share_z = less_equal(low.z, box_high.z) & less_equal(box_low.z, high.z);
+  return (share_x & share_y & share_z).to_bits();
+}
+
+void distances_sq(const Aabb16& boxes, const FloatBox& box, float* distance_sq) {
+  const WidePoint low = load_points(boxes.min), high = load_points(boxes.max);
+  const WidePoint zero{WideFloat(0), WideFloat(0), WideFloat(0)};
+  const WidePoint gap = max(max(low - same_points(box.max), same_points(box.min) - high), zero);
+  (gap.x * gap.x + gap.y * gap.y + gap.z * gap.z).store(distance_sq);
+}
+
+// Pairs of triangles that may be near each other: by their boxes, and by two separating axes.
+
+void transform_triangles(const FloatTransform& transform, const Triangle16& triangles, float by, Triangle16& grown,
+                         Aabb16& boxes, FloatBox& all) {
+  WidePoint corner[3];
+  for (int k = 0; k < 3; ++k) {
+    corner[k] = transformed(transform, load_points(triangles.corner[k]));
+    store_points(corner[k], grown.corner[k]);
+  }
+  const WidePoint margin{WideFloat(by), WideFloat(by), WideFloat(by)};
+  const WidePoint low = min(corner[0], min(corner[1], corner[2])) - margin,
+                  high = max(corner[0], max(corner[1], corner[2])) + margin;
+  store_points(low, boxes.min);
+  store_points(high, boxes.max);
+  all.min[0] = reduce_min(low.x), all.min[1] = reduce_min(low.y), all.min[2] = reduce_min(low.z);
+  all.max[0] = reduce_max(high.x), all.max[1] = reduce_max(high.y), all.max[2] = reduce_max(high.z);
+}
+
+// The axes are the two normals. A sliver's normal is mostly rounding and may point anywhere. That does no harm: any
+// axis may separate, as long as both triangles are projected on it, for a sliver is no point on its own rounded normal.
+//
+// A projection is off by a few roundings, 2^-24 each, of products no larger than |normal| (the sum of its magnitudes)
+// times the span of the corners. kProjectionError is 67 roundings. kProjectionUnderflow covers products that underflow,
+// also in programs that flush denormals to zero. With smaller values triangles that touch may be called apart; with
+// larger ones more pairs go on to the test in double.
+constexpr float kProjectionError = 4e-6f;       // of |normal| times span
+constexpr float kProjectionUnderflow = 1e-36f;  // world units, cubed
+
+// Sixteen triangles with their normals, and what each covers on its own normal, seen from its first corner.
+struct Planes {
+  WidePoint corner[3];
+  WidePoint normal;
+  WideFloat normal_size;
+  WideFloat low, high;
+};
+STANDOFF_INLINE Planes planes_of(const Triangle16& triangles) {
+  Planes p;
+  for (int k = 0; k < 3; ++k) p.corner[k] = load_points(triangles.corner[k]);
+  const WidePoint edge[2] = {p.corner[1] - p.corner[0], p.corner[2] - p.corner[0]};
+  p.normal = plain_cross(edge[0], edge[1]);
+  p.normal_size = abs(p.normal.x) + abs(p.normal.y) + abs(p.normal.z);
+  const WideFloat zero(0), first = plain_dot(p.normal, edge[0]), second = plain_dot(p.normal, edge[1]);
+  p.low = min(zero, min(first, second));
+  p.high = max(zero, max(first, second));
+  return p;
+}
+
+// The same of sixteen triangles, for one lane at a time.
+struct PlaneOfLane {
+  alignas(64) float normal[3][kLanes], normal_size[kLanes], low[kLanes], high[kLanes];
+};
+STANDOFF_INLINE PlaneOfLane planes_by_lane(const Triangle16& triangles) {
+  const Planes p = planes_of(triangles);
+  PlaneOfLane s;
+  store_points(p.normal, s.normal);
+  p.normal_size.store(s.normal_size);
+  p.low.store(s.low);
+  p.high.store(s.high);
+  return s;
+}
+
+// How far apart two sets of points lie on an axis: one covers low to high, the other the three projections.
+STANDOFF_INLINE WideFloat separation(const WideFloat (&points)[3], const WideFloat& low, const WideFloat& high) {
+  return max(min(points[0], min(points[1], points[2])) - high, low - max(points[0], max(points[1], points[2])));
+}
+
+// Which of sixteen triangles may be within `apart` of one lane of others.
+STANDOFF_INLINE std::uint32_t not_separated(const Planes& planes, const Triangle16& others, const PlaneOfLane& other,
+                                            int lane, float apart) {
+  const WidePoint origin = same_points(others.corner[0], lane), normal = same_points(other.normal, lane);
+  WideFloat span(0), on_mine[3], on_other[3];
+  for (int k = 0; k < 3; ++k) {
+    const WidePoint theirs = same_points(others.corner[k], lane) - planes.corner[0], mine = planes.corner[k] - origin;
+    on_mine[k] = plain_dot(planes.normal, theirs);
+    on_other[k] = plain_dot(normal, mine);
+    for (const WidePoint& p : {theirs, mine}) span = max(span, max(abs(p.x), max(abs(p.y), abs(p.z))));
+  }
+  const WideFloat keep = WideFloat(apart) + WideFloat(kProjectionError) * span, least(kProjectionUnderflow);
+  const WideFloat keep_mine = planes.normal_size * keep + least,
+                  keep_other = WideFloat(other.normal_size[lane]) * keep + least;
+  const WideFloat gap_mine = separation(on_mine, planes.low, planes.high),
+                  gap_other = separation(on_other, WideFloat(other.low[lane]), WideFloat(other.high[lane]));
+  return less_equal(max(gap_mine - keep_mine, gap_other - keep_other), WideFloat(0)).to_bits();
+}
+
+int close_pairs(const TriangleSubset& a, const TriangleSubset& b, float apart, LanePair* pairs) {
+  const Planes planes = planes_of(*a.triangles);
+  const PlaneOfLane others = planes_by_lane(*b.triangles);
+  int count = 0;
+  for (std::uint32_t left = b.lanes; left != 0; left &= left - 1) {
+    const int lane = __builtin_ctz(left);
+    std::uint32_t near = overlaps(*a.boxes, lane_of(*b.boxes, lane)) & a.lanes;
+    if (near != 0) near &= not_separated(planes, *b.triangles, others, lane, apart);
+    for (; near != 0; near &= near - 1)
+      pairs[count++] = {static_cast<std::uint8_t>(__builtin_ctz(near)), static_cast<std::uint8_t>(lane)};
+  }
+  return count;
+}
+
+// Bounds of how far sixteen spheres are from a surface, by its fields. The loops are plain ones, which the compiler
+// turns into vectors: kernel_data.h is also a GPU thread's.
+void gaps_at(const FieldView& f, const float (*center)[kLanes], const float* radius, float enough, float* gap) {
+  alignas(64) std::int32_t coarse_at[kLanes], tile[kLanes], within[kLanes];
+  alignas(64) float coarse_off[kLanes], fine_off[kLanes], outside[kLanes];
+  for (int n = 0; n < kLanes; ++n) {
+    const SphereSamples at = samples_near(f, center[0][n], center[1][n], center[2][n], radius[n]);
+    outside[n] = at.outside, coarse_off[n] = at.coarse_off, fine_off[n] = at.fine_off;
+    coarse_at[n] = at.coarse, tile[n] = at.tile, within[n] = at.within;
+  }
+  alignas(64) float bound[kLanes];
+  for (int n = 0; n < kLanes; ++n) bound[n] = f.coarse[coarse_at[n]];
+  const WideFloat by_coarse = max(WideFloat::load(outside), WideFloat::load(bound) - WideFloat::load(coarse_off));
+  by_coarse.store(gap);
+  const Mask settled = less(WideFloat(enough), by_coarse);
+  for (std::uint32_t asked = (~settled).to_bits(); asked != 0; asked &= asked - 1) {
+    const int n = __builtin_ctz(asked);
+    gap[n] = standoff::max(gap[n], static_cast<float>(fine_sample(f, tile[n], within[n])) * f.step - fine_off[n]);
+  }
+}
+
+void gaps(const FieldView& f, const FloatTransform& transform, const Sphere16& spheres, float enough, float* gap) {
+  alignas(64) float center[3][kLanes];
+  store_points(transformed(transform, load_points(spheres.center)), center);
+  gaps_at(f, center, spheres.radius, enough, gap);
+}
+
+// Pairs of triangles decided and measured, eight at a time: triangle_overlap.h, overlap_penetration.h and
+// closest_pair.h for eight doubles.
+
+struct EightPairs {
+  DoublePoint p[3], q[3];
+};
+STANDOFF_INLINE EightPairs transformed_pairs(const TrianglePairs& pairs, const DoubleTransform* transform_p,
+                                             const DoubleTransform* transform_q) {
+  EightPairs result;
+  for (int k = 0; k < 3; ++k) {
+    result.p[k] = load_points(pairs.p[k]), result.q[k] = load_points(pairs.q[k]);
+    if (transform_p) result.p[k] = transformed(*transform_p, result.p[k]);
+    if (transform_q) result.q[k] = transformed(*transform_q, result.q[k]);
+  }
+  return result;
+}
+
+void overlap_pairs(const TrianglePairs& pairs, const DoubleTransform* transform_p, const DoubleTransform* transform_q,
+                   PairOverlaps& out) {
+  const EightPairs pair = transformed_pairs(pairs, transform_p, transform_q);
+  const TriangleOverlap<WideDouble> m = triangle_overlap(pair.p, pair.q);
+  out.intersecting = m.intersecting.to_bits();
+  out.unsure = m.unsure.to_bits();
+  out.inaccurate = 0;
+  if (out.intersecting == 0) return;
+  const OverlapPenetration<WideDouble> c = penetration(m, pair.p, pair.q);
+  out.inaccurate = out.intersecting & ~c.accurate.to_bits();
+  store_points(c.point, out.point);
+  store_points(c.normal, out.normal);
+  c.depth.store(out.depth);
+}
+
+void closest(const TrianglePairs& pairs, const DoubleTransform* transform_p, const DoubleTransform* transform_q,
+             ClosestOfPairs& out) {
+  const EightPairs pair = transformed_pairs(pairs, transform_p, transform_q);
+  const PairPoints<WideDouble> found = closest_pair(pair.p, pair.q);
+  found.distance_sq.store(out.distance_sq);
+  store_points(found.on_p, out.on_p);
+  store_points(found.on_q, out.on_q);
+}
+
+}  // namespace
+
+extern const Kernels kKernels;
+const Kernels kKernels{.name = STANDOFF_TARGET_NAME,
+                       .gaps = gaps,
+                       .gaps_at = gaps_at,
+                       .overlaps = overlaps,
+                       .distances_sq = distances_sq,
+                       .transform_triangles = transform_triangles,
+                       .close_pairs = close_pairs,
+                       .overlap_pairs = overlap_pairs,
+                       .closest = closest};
+
+}  // namespace standoff::collision::STANDOFF_TARGET
