@@ -2,7 +2,6 @@
 #include <array>
 
 #include "field/skip.h"
-#include "field/skip_exact.h"
 #include "thesis/skip_neighbour.h"
 
 namespace standoff {

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "field/cpu/bins.h"
-#include "field/cpu/lattice.h"
+#include "field/cpu/kernels.h"
 #include "thesis/brick_part.h"
 #include "thesis/four.h"
 

@@ -3,7 +3,6 @@
 
 #include "field/skip.h"
 #include "core/threads.h"
-#include "field/skip_exact.h"
 
 #include <gtest/gtest.h>
 

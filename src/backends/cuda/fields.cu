@@ -5,7 +5,7 @@
 #include "backends/cuda/fields.h"
 #include "backends/cuda/pipelines.cuh"
 #include "core/guarded.h"
-#include "field/cuda/run_from_host.cuh"
+#include "field/cuda/counted_run.cuh"
 #include "gpu/device_scope.cuh"
 
 namespace standoff::STANDOFF_PLATFORM {

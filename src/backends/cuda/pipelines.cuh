@@ -2,7 +2,7 @@
 // Which pipeline computes a field: by the method, and for `tiles` by the thickness.
 #pragma once
 
-#include "field/cuda/enqueue.cuh"
+#include "field/cuda/pipeline.cuh"
 #include "thesis/algorithm_1.cuh"
 
 namespace standoff::STANDOFF_PLATFORM {

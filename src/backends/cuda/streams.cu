@@ -9,7 +9,7 @@
 
 #include "backends/cuda/emulated.h"
 #include "field/cuda/any_mesh.cuh"
-#include "field/float_range.h"
+#include "field/prepare.h"
 #include "gpu/device_scope.cuh"
 
 namespace standoff::STANDOFF_PLATFORM {
