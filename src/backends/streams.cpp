@@ -6,7 +6,7 @@
 #include <variant>
 #include <vector>
 
-#include "backends/cuda/streams.h"
+#include "backends/cuda/fields.h"
 #include "core/guarded.h"
 #include "core/tile_count.h"
 #include "field/backend.h"

@@ -12,7 +12,7 @@
 
 #include "tests/support/fields.h"
 #include "tests/support/random_mesh.h"
-#include "thesis/skip_neighbour.h"
+#include "thesis/thesis.h"
 
 namespace standoff {
 namespace {
