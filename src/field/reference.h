@@ -13,7 +13,7 @@
 
 namespace standoff {
 
-// Distances.
+// Exact distances.
 
 /// A triangle or group is passed over only when its box is no nearer than a distance already found; both are computed
 /// in double, so this costs at most their rounding (a few 1e-16 of the distance). Takes 40 bytes per triangle while it

@@ -38,9 +38,6 @@ struct SideJudgement {
   std::optional<double> winding;  ///< the reference's winding number, if the side was decided by it
 };
 
-/// Whether the edges of the triangles in use cancel, edge by edge.
-bool is_closed_in_use(const OrientedMesh& mesh);
-
 class SignJudge {
  public:
   /// `use` as in OrientedMesh. The mesh and the groups must outlive this. Runs on the threads of the calling TBB arena.
@@ -89,6 +86,7 @@ constexpr double kEitherSide = 1e-9;
 
 bool contains(const Box& box, const Vec3& p) { return min(box.min, p) == box.min && max(box.max, p) == box.max; }
 
+// Whether the edges of the triangles in use cancel, edge by edge.
 bool is_closed_in_use(const OrientedMesh& mesh) { return closed_in_use(mesh).oriented; }
 
 SignJudge::SignJudge(MeshView mesh, const TriangleGroups& groups, const SignText& sign, std::vector<std::int8_t> use)

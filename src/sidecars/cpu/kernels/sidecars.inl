@@ -12,11 +12,11 @@
 
 namespace standoff::cpu::STANDOFF_TARGET {
 
-// The samples of a tile that have a nearest triangle: those of one triangle together, so that it is prepared once.
-
 using namespace standoff::STANDOFF_TARGET;
 
 namespace {
+
+// The samples of a tile that have a nearest triangle: those of one triangle together, so that it is prepared once.
 
 constexpr int kSamplesAtOnce = WideDouble::kLanes;
 
@@ -177,8 +177,6 @@ STANDOFF_INLINE void store_features(const WideDouble& features, const std::uint3
   store_rounded(feature, features);
   for (int lane = 0; lane < kSamplesAtOnce; ++lane) out[samples[lane]] = static_cast<std::uint8_t>(feature[lane]);
 }
-
-// The outputs.
 
 // The outputs of eight samples but for the gradient. A part has a point, weights and a feature, `at` is where they are.
 template <class Part>
