@@ -102,7 +102,7 @@ if("emulation" IN_LIST STANDOFF_COMPONENTS)
   if(STANDOFF_BOOST_CONTEXT)
     target_compile_definitions(standoff_emulation PRIVATE STANDOFF_HAVE_BOOST_CONTEXT)
   endif()
-  set_source_files_properties(src/backends/fields.cpp src/backends/streams.cpp src/backends/points.cpp src/backends/collision.cpp PROPERTIES COMPILE_DEFINITIONS STANDOFF_HAVE_EMULATION)
+  set_source_files_properties(src/backends/fields.cpp src/backends/streams.cpp src/backends/collision.cpp PROPERTIES COMPILE_DEFINITIONS STANDOFF_HAVE_EMULATION)
 endif()
 
 include(cmake/simd.cmake)

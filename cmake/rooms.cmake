@@ -4,5 +4,5 @@
 set(STANDOFF_GROUND_FILES core/*.cpp files/*.cpp geometry/*.cpp)
 set(STANDOFF_FIELD_FILES sign/*.cpp sign/*/*.cpp field/*.cpp field/cpu/*.cpp field/cuda/*.cpp points/*.cpp points/cpu/*.cpp
     sidecars/*.cpp sidecars/cpu/*.cpp voxels/*.cpp thesis/*.cpp
-    backends/fields.cpp backends/streams.cpp backends/points.cpp backends/skip_rules.cpp)
+    backends/fields.cpp backends/streams.cpp)
 set(STANDOFF_COLLISION_FILES collision/*.cpp collision/body/*.cpp collision/cpu/*.cpp thesis/algorithm_2*.cpp backends/collision.cpp)

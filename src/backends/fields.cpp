@@ -1,16 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "field/backend.h"
-
+// The tables of what computes fields, of skip rules, and of devices that answer queries at points.
 #include <array>
 
 #include "backends/cuda/fields.h"
 #include "backends/no_emulation.h"
+#include "field/backend.h"
 #include "field/cpu/tiles.h"
+#include "field/skip.h"
 #include "gpu/devices.h"
+#include "points/cuda/points.h"
+#include "standoff/error.h"
 #include "standoff/testing/emulation.h"
-#include "thesis/algorithm_1.h"
+#include "thesis/thesis.h"
 
 namespace standoff {
+
+// Methods on backends.
+
 namespace {
 
 constexpr auto kAlways = [] { return true; };
@@ -49,6 +55,57 @@ const BackendRow& find_backend(Backend backend, Method method, std::int64_t tria
   if (backend == testing::kEmulated) throw_no_emulation("compute");
   // The CPU has a row for every method, and options are checked before.
   throw Error(ErrorCode::internal, "compute: no row for this method; this is a bug in standoff, please report it");
+}
+
+// Skip rules.
+
+namespace {
+
+constexpr std::array kSkipRows{
+    SkipRow{SkipRule::Kind::neighbour,
+            [](MeshView mesh, const Grid&, double thickness, double fraction) {
+              return kept_by_neighbour_rule(mesh, thickness, fraction);
+            },
+            sizeof(std::uint32_t)},
+    SkipRow{SkipRule::Kind::exact,
+            [](MeshView mesh, const Grid& grid, double thickness, double) {
+              return kept_by_exact_rule(mesh, grid, thickness);
+            },
+            kExactRuleBytes},
+};
+
+}  // namespace
+
+const SkipRow* find_skip_rule(SkipRule::Kind kind) {
+  for (const SkipRow& row : kSkipRows)
+    if (row.kind == kind) return &row;
+  return nullptr;
+}
+
+// The devices of queries at points.
+
+namespace {
+
+constexpr std::array kPointRows{
+    PointDevice{Backend::cuda, cuda::available, cuda::find_nearest},
+#ifdef STANDOFF_HAVE_EMULATION
+    PointDevice{testing::kEmulated, [] { return true; }, emulated::find_nearest},
+#endif
+};
+
+// A copy to the GPU and back must be worth it. The value is a guess: it was not measured.
+constexpr std::size_t kLeastForDevice = 100'000;
+
+}  // namespace
+
+const PointDevice* find_point_device(Backend backend, std::size_t points) {
+  const bool automatic = backend == Backend::automatic;
+  if (automatic && points < kLeastForDevice) return nullptr;
+  for (const PointDevice& row : kPointRows)
+    if (row.backend == (automatic ? Backend::cuda : backend) && row.available()) return &row;
+  if (backend == Backend::cuda) throw Error(ErrorCode::device, cuda::why_not_available());
+  if (backend == testing::kEmulated) throw_no_emulation("points");
+  return nullptr;
 }
 
 }  // namespace standoff

@@ -6,11 +6,11 @@
 #include <variant>
 #include <vector>
 
-#include "backends/cuda/streams.h"
+#include "backends/cuda/fields.h"
 #include "core/guarded.h"
 #include "core/tile_count.h"
 #include "field/backend.h"
-#include "field/options.h"
+#include "field/plan.h"
 #include "gpu/device_memory.h"
 #include "standoff/error.h"
 #include "standoff/testing/emulation.h"

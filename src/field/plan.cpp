@@ -1,15 +1,50 @@
 // SPDX-License-Identifier: Apache-2.0
+// What is computed and how, and the memory that it may need: decided before any distance.
 #include "field/plan.h"
 
 #include <algorithm>
+#include <cmath>
+#include <string>
 
+#include "core/execution.h"
+#include "core/field_bytes.h"
+#include "core/guarded.h"
 #include "core/number_text.h"
 #include "core/threads.h"
+#include "core/tile_count.h"
 #include "field/lattice.h"
-#include "field/options.h"
+#include "field/prepare.h"
+#include "field/skip.h"
+#include "sign/diagnosis/closed.h"
+#include "sign/diagnosis/outward.h"
+#include "sign/inside_rows.h"
+#include "sign/options.h"
+#include "sign/plan.h"
+#include "sign/rows/row_crossings.h"
 #include "sign/shell.h"
 
 namespace standoff {
+
+void validate(double thickness, const ComputeOptions& options) {
+  const auto fail = [](const char* what) { throw Error(ErrorCode::usage, std::string("compute: ") + what); };
+  if (!(thickness > 0)) fail("the thickness must be positive; infinity gives a full field");
+  validate("compute", options.execution, Runs::everywhere);
+  if (options.memory_limit < 0) fail("the memory limit is negative; give bytes, or zero for none");
+  if (options.bytes_beside < 0 || options.bytes_beside > (1 << 20))
+    fail("the bytes beside each sample must be 0 to 2^20; give the sum of bytes_per_sample()");
+  if (options.skip.kind == SkipRule::Kind::neighbour && !(options.skip.fraction > 0 && options.skip.fraction <= 1))
+    fail("the neighbour rule's fraction must be above 0 and at most 1; 1 is the thesis's");
+  // Numbers that were cast to an enumeration.
+  const auto one_of = [](auto value, auto last) { return value >= decltype(value){} && value <= last; };
+  if (!one_of(options.method, Method::thesis) || !one_of(options.skip.kind, SkipRule::Kind::exact))
+    fail("there is no such method or skip rule; take one of enum Method and of SkipRule::Kind");
+  validate(options.sign);
+}
+
+SkipRule effective_rule(const ComputeOptions& options) {
+  if (options.skip.kind != SkipRule::Kind::automatic) return options.skip;
+  return {options.method == Method::thesis ? SkipRule::Kind::neighbour : SkipRule::Kind::none, 1};
+}
 
 namespace {
 
@@ -52,6 +87,161 @@ Plan make_plan(std::int64_t triangles, const Grid& grid, double thickness, const
           options.bytes_beside,
           slab_samples,
           in_slabs ? layers_of_slab(grid, slab_samples) : 0};
+}
+
+namespace {
+
+// What a backend holds beside the output.
+std::int64_t scratch_bytes(const Plan& plan) {
+  return plan.row->scratch_bytes(plan.triangles, plan.grid, plan.thickness, plan.threads);
+}
+
+// What deciding the sign holds beside the output and the crossings.
+std::int64_t sign_bytes(const Plan& plan) {
+  return RowCrossings::other_bytes(plan.triangles, plan.grid, plan.threads) +
+         plan.threads * InsideRows::bytes(plan.grid);
+}
+
+// Of the grid, or of a slab.
+double tiles_at_once(const Plan& plan) {
+  Size3 size = plan.grid.size;
+  if (plan.slab_layers != 0) size.z = std::min(size.z, kBrickSide * plan.slab_layers);
+  return static_cast<double>(tile_count(size));
+}
+
+// What crossings may take at a time where the backend's memory is held beside them. The value is a choice.
+constexpr std::int64_t kCrossingBytesInSlabs = std::int64_t{32} << 20;
+
+// What may be said to help is what has been seen to help.
+class Advice {
+ public:
+  Advice(MeshView mesh, const Plan& plan, const ComputeOptions& options, bool diagnosed)
+      : mesh_(mesh),
+        plan_(plan),
+        grid_(plan.grid),
+        thickness_(plan.field_thickness),
+        options_(options),
+        diagnosed_(diagnosed) {}
+
+  std::string text() const {
+    const std::int64_t side = largest_side();
+    const std::string fewer = "at most about " + std::to_string(side) + " samples on the longest side";
+    const std::string thinner = "a smaller thickness", higher = "a higher limit";
+    if (thinner_helps()) return "take " + (side > 0 ? fewer + ", " + thinner + "," : thinner) + " or " + higher;
+    return side > 0 ? "take " + fewer + " or " + higher : "give " + higher;
+  }
+
+ private:
+  bool fits(const Grid& grid, double thickness) const {
+    const Plan plan = make_plan(plan_.triangles, grid, thickness, options_, plan_.is_dense, plan_.slab_samples);
+    return bytes_needed(plan, look_at(mesh_, plan, true).tiles, diagnosed_) <= options_.memory_limit;
+  }
+
+  // A band one sample wide.
+  bool thinner_helps() const {
+    const double thin = grid_.max_spacing();
+    return thin < thickness_ && fits(grid_, thin);
+  }
+
+  // Samples on the longest side of a coarser grid of the same extent, or 0. The thickness is taken to be a number of
+  // samples, and grows with them: should it stay what it is, the field is smaller still.
+  std::int64_t largest_side() const {
+    const std::int64_t longest = std::max({grid_.size.x, grid_.size.y, grid_.size.z});
+    std::int64_t fitting = 0, too_many = longest;
+    while (too_many - fitting > 1 + fitting / 32) {
+      const std::int64_t side = fitting + (too_many - fitting) / 2;
+      (fits_with(side, longest) ? fitting : too_many) = side;
+    }
+    return fitting;
+  }
+  bool fits_with(std::int64_t side, std::int64_t longest) const {
+    const double share = static_cast<double>(side) / static_cast<double>(longest);
+    Grid coarse = grid_;
+    for (std::int64_t* samples : {&coarse.size.x, &coarse.size.y, &coarse.size.z})
+      *samples = std::max<std::int64_t>(1, std::llround(share * static_cast<double>(*samples)));
+    coarse.spacing = grid_.spacing / Vec3{share, share, share};
+    return fits(coarse, thickness_ / share);
+  }
+
+  MeshView mesh_;
+  const Plan& plan_;
+  const Grid& grid_;
+  double thickness_;
+  const ComputeOptions& options_;
+  bool diagnosed_;
+};
+
+}  // namespace
+
+std::int64_t bytes_needed(const Plan& plan, double tiles, bool diagnosed) {
+  const double samples = static_cast<double>(plan.grid.sample_count());
+  tiles = std::min(tiles, tiles_at_once(plan));
+  const double stored = plan.is_dense ? samples : DistanceField::kTileSamples * tiles;
+  const double beside = stored * static_cast<double>(plan.bytes_beside);
+  const double output = plan.is_dense ? 4.0 * samples * (plan.with_nearest ? 2 : 1)
+                                      : field_bytes(tiles, tiles_at_once(plan), plan.with_nearest);
+  // The mesh is diagnosed before the output. The sign of a whole grid is decided when the backend has given its memory
+  // back; in slabs one follows the other again and again.
+  const std::int64_t of_backend = scratch_bytes(plan),
+                     of_sign = plan.with_sign ? sign_bytes(plan) + crossing_bytes(plan) : 0;
+  const double scratch =
+      static_cast<double>(plan.slab_layers != 0 ? of_backend + of_sign : std::max(of_backend, of_sign));
+  const double before = diagnosed ? static_cast<double>(diagnosis_bytes(plan.triangles))
+                        : plan.with_sign
+                            ? static_cast<double>(std::max(closed_bytes(plan.triangles), outward_bytes(plan.triangles)))
+                            : 0;
+  const double kept =
+      plan.rule.kind == SkipRule::Kind::none ? 0 : static_cast<double>(skip_bytes(plan.triangles, plan.rule));
+  // What is beside the output is made when the scratch memory has been given back.
+  const double total = std::max({before, output + scratch + kept, output + beside});
+  return total < 0x1p62 ? static_cast<std::int64_t>(total) : std::int64_t{1} << 62;
+}
+
+std::int64_t bytes_needed(const Plan& plan) { return bytes_needed(plan, tiles_at_once(plan), plan.with_sign); }
+
+std::int64_t bytes_needed(MeshView mesh, const Plan& plan, const ComputeOptions& options) {
+  const double tiles = look_at(mesh, plan, !plan.is_dense).tiles;
+  return bytes_needed(plan, tiles, needs_diagnosis(mesh, options.sign));
+}
+
+std::int64_t crossing_bytes(const Plan& plan) {
+  return std::max(RowCrossings::least_bytes(plan.triangles, plan.threads),
+                  plan.slab_layers != 0 ? kCrossingBytesInSlabs : scratch_bytes(plan) - sign_bytes(plan));
+}
+
+void check_memory(MeshView mesh, const Plan& plan, double tiles, const ComputeOptions& options) {
+  const bool diagnosed = needs_diagnosis(mesh, options.sign);
+  const std::int64_t limit = options.memory_limit, needed = bytes_needed(plan, tiles, diagnosed);
+  if (limit == 0 || needed <= limit) return;
+  throw Error(ErrorCode::limit,
+              "compute: the field may need " + over_the_limit(static_cast<double>(needed), static_cast<double>(limit)) +
+                  "; " + Advice(mesh, plan, options, diagnosed).text(),
+              {.bytes_needed = needed, .bytes_limit = limit});
+}
+
+std::int64_t memory_needed(std::int64_t triangles, const Grid& grid, double thickness, const ComputeOptions& options,
+                           bool dense) try {
+  validate(grid);
+  validate(thickness, options);
+  if (triangles < 1 || static_cast<std::uint64_t>(triangles) > kMaxTriangles)
+    throw Error(triangles < 1 ? ErrorCode::usage : ErrorCode::limit,
+                "compute: no mesh has " + std::to_string(triangles) + " triangles; ask for 1 to " +
+                    std::to_string(kMaxTriangles));
+  return bytes_needed(make_plan(triangles, grid, thickness, options, dense));
+} catch (...) {
+  throw_as_error("compute");
+}
+
+std::int64_t memory_needed(MeshView mesh, const Grid& grid, double thickness, const ComputeOptions& options,
+                           bool dense) try {
+  validate(grid);
+  validate(thickness, options);
+  return Threads(options.execution.threads).run([&] {
+    return bytes_needed(
+        mesh, make_plan(static_cast<std::int64_t>(mesh.triangles.size()), grid, thickness, options, dense), options);
+  });
+} catch (...) {
+  throw_as_error("compute");
 }
 
 }  // namespace standoff

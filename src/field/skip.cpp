@@ -1,7 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
+// Which triangles are left out before any distance is computed.
 #include "field/skip.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
 #include <numeric>
+
+#include "core/places_from_counts.h"
+#include "core/splitmix64.h"
+#include "core/work_check.h"
+#include "field/prepare.h"
+#include "geometry/corners.h"
+#include "geometry/sample_range.h"
+#include "geometry/triangle_box.h"
 
 namespace standoff {
 
@@ -15,6 +32,228 @@ std::vector<std::uint32_t> kept_triangles(MeshView mesh, const Grid& grid, doubl
 std::int64_t skip_bytes(std::int64_t triangles, SkipRule rule) {
   const SkipRow* row = find_skip_rule(rule.kind);
   return triangles * (row ? row->bytes_per_triangle : std::int64_t{sizeof(std::uint32_t)});
+}
+
+// The rule `exact`.
+
+namespace {
+
+// Bits and not values are compared: 0 equals -0, but may give a result that does not.
+bool same_bits(const Corners& a, const Corners& b) {
+  using Bits = std::array<std::uint64_t, 9>;
+  return std::bit_cast<Bits>(a) == std::bit_cast<Bits>(b);
+}
+
+std::uint32_t hash(const Corners& corners) {
+  std::uint64_t h = 0;
+  for (const std::uint64_t bits : std::bit_cast<std::array<std::uint64_t, 9>>(corners)) {
+    h = (h ^ bits) * kSplitmixStep;
+    h ^= h >> 32;
+  }
+  return static_cast<std::uint32_t>(h);
+}
+
+// Triangles in chunks that are looked at side by side.
+constexpr std::int64_t kChunk = std::int64_t{1} << 14;
+// Entries are sorted in buckets by the top bits of their hash: enough for the sorting to stay in a near cache.
+constexpr int kBucketBits = 11;
+constexpr std::uint32_t kBuckets = 1u << kBucketBits;
+constexpr std::uint32_t bucket_of(std::uint32_t hash) { return hash >> (32 - kBucketBits); }
+
+class ExactRule {
+ public:
+  ExactRule(MeshView mesh, const Grid& grid, double thickness)
+      : mesh_(mesh),
+        grid_(grid),
+        chunks_((static_cast<std::int64_t>(mesh.triangles.size()) + kChunk - 1) / kChunk),
+        reach_(reach_beyond_rounding(grid, thickness)),
+        kept_(mesh.triangles.size(), 1) {}
+
+  std::vector<std::uint32_t> kept() {
+    sort_into_buckets();
+    tbb::parallel_for(std::uint32_t{0}, kBuckets, [&](std::uint32_t bucket) { drop_copies(bucket); });
+    std::vector<std::uint32_t> kept;
+    kept.reserve(static_cast<std::size_t>(std::ranges::count(kept_, 1)));
+    for (std::uint32_t triangle = 0; triangle < kept_.size(); ++triangle)
+      if (kept_[triangle]) kept.push_back(triangle);
+    if (kept.empty() && !kept_.empty()) kept.push_back(0);
+    return kept;
+  }
+
+ private:
+  template <class Use>
+  void for_each_in_chunk(std::int64_t chunk, Use use) const {
+    const auto end = std::min<std::int64_t>((chunk + 1) * kChunk, static_cast<std::int64_t>(mesh_.triangles.size()));
+    for (auto triangle = static_cast<std::uint32_t>(chunk * kChunk); triangle < end; ++triangle) use(triangle);
+  }
+
+  bool in_reach(std::uint32_t triangle) const {
+    return !samples_in(triangle_box(mesh_, triangle).grown(reach_), grid_).empty();
+  }
+
+  // An entry is a triangle's hash above its index, so that sorting brings equal hashes together, lowest index first.
+  void sort_into_buckets() {
+    std::vector<std::uint32_t> hashes(mesh_.triangles.size());
+    std::vector<std::array<std::uint32_t, kBuckets>> places(static_cast<std::size_t>(chunks_));
+    tbb::parallel_for(std::int64_t{0}, chunks_, [&](std::int64_t chunk) {
+      auto& count = places[chunk];
+      count.fill(0);
+      for_each_in_chunk(chunk, [&](std::uint32_t triangle) {
+        kept_[triangle] = in_reach(triangle);
+        if (!kept_[triangle]) return;
+        hashes[triangle] = hash(mesh_.corners(triangle));
+        ++count[bucket_of(hashes[triangle])];
+      });
+    });
+    start_[kBuckets] =
+        places_from_counts(places, kBuckets, [&](std::size_t bucket, std::uint32_t place) { start_[bucket] = place; });
+    entries_.resize(start_[kBuckets]);
+    tbb::parallel_for(std::int64_t{0}, chunks_, [&](std::int64_t chunk) {
+      for_each_in_chunk(chunk, [&](std::uint32_t triangle) {
+        if (kept_[triangle])
+          entries_[places[chunk][bucket_of(hashes[triangle])]++] = std::uint64_t{hashes[triangle]} << 32 | triangle;
+      });
+    });
+  }
+
+  // Compares each triangle with the ones of equal hash that stay. Different triangles with one hash are rare by chance
+  // and could be many by design; past a few, the rest simply stays.
+  void drop_copies(std::uint32_t bucket) {
+    const auto begin = entries_.begin() + start_[bucket], end = entries_.begin() + start_[bucket + 1];
+    std::sort(begin, end);
+    constexpr std::ptrdiff_t kMostCompared = 8;
+    std::array<std::uint32_t, kMostCompared> originals;
+    std::ptrdiff_t count = 0;
+    for (auto entry = begin; entry != end; ++entry) {
+      if (entry == begin || *entry >> 32 != *(entry - 1) >> 32) count = 0;
+      const auto triangle = static_cast<std::uint32_t>(*entry);
+      const bool alone = count == 0 && (entry + 1 == end || *entry >> 32 != *(entry + 1) >> 32);
+      if (alone) continue;
+      const auto corners = mesh_.corners(triangle);
+      const auto is_original = [&](std::uint32_t other) { return same_bits(corners, mesh_.corners(other)); };
+      if (std::any_of(originals.begin(), originals.begin() + count, is_original))
+        kept_[triangle] = 0;
+      else if (count < kMostCompared)
+        originals[count++] = triangle;
+    }
+  }
+
+  MeshView mesh_;
+  const Grid& grid_;
+  std::int64_t chunks_;
+  double reach_;
+  std::vector<std::uint8_t> kept_;
+  std::vector<std::uint64_t> entries_;
+  std::array<std::uint32_t, kBuckets + 1> start_{};
+};
+
+}  // namespace
+
+std::vector<std::uint32_t> kept_by_exact_rule(MeshView mesh, const Grid& grid, double thickness) {
+  return ExactRule(mesh, grid, thickness).kept();
+}
+
+// Copies where there are very many.
+
+namespace {
+
+using CornerBits = std::array<std::uint64_t, 9>;
+
+// CornerBits and not values are compared: 0 equals -0, but may give a result that does not.
+CornerBits corner_bits_of(MeshView mesh, std::uint32_t triangle) {
+  return std::bit_cast<CornerBits>(Corners(mesh.corners(triangle)));
+}
+
+std::uint64_t corner_hash(const CornerBits& bits) {
+  std::uint64_t h = 0;
+  for (const std::uint64_t word : bits) {
+    h = (h ^ word) * kSplitmixStep;
+    h ^= h >> 32;
+  }
+  return h;
+}
+
+std::size_t number_among(MeshView mesh, std::span<const std::uint32_t> among) {
+  return among.empty() ? mesh.triangles.size() : among.size();
+}
+std::uint32_t nth_among(std::span<const std::uint32_t> among, std::size_t n) {
+  return among.empty() ? static_cast<std::uint32_t>(n) : among[n];
+}
+
+// Triangles by their corners: a table of places, with linear probing.
+class CornerTable {
+ public:
+  CornerTable(MeshView mesh, std::size_t most) : mesh_(mesh), places_(most + most / 4 + 1, kNoTriangle) {}
+
+  /// Returns whether a triangle with the same corners was added before.
+  bool add(std::uint32_t triangle) {
+    // Triangles of one hash could be many by design: past so many, the rest counts as new.
+    constexpr int kMostCompared = 64;
+    const CornerBits bits = corner_bits_of(mesh_, triangle);
+    std::size_t place = static_cast<std::size_t>((corner_hash(bits) >> 32) * places_.size() >> 32);
+    for (int n = 0; n < kMostCompared; ++n) {
+      if (places_[place] == kNoTriangle) {
+        places_[place] = triangle;
+        return false;
+      }
+      if (corner_bits_of(mesh_, places_[place]) == bits) return true;
+      if (++place == places_.size()) place = 0;
+    }
+    return false;
+  }
+
+ private:
+  MeshView mesh_;
+  std::vector<std::uint32_t> places_;
+};
+
+}  // namespace
+
+// Of k triangles taken at random, about k^2 / 2n (m - 1) pairs are copies, if a triangle has m - 1 others on average:
+// with k = 8 sqrt(n), that is 32 (m - 1). A triangle that was taken twice is no copy.
+bool has_many_copies(MeshView mesh, std::span<const std::uint32_t> among) {
+  const std::size_t all = number_among(mesh, among);
+  const auto taken = std::min(all, static_cast<std::size_t>(8 * std::sqrt(static_cast<double>(all))));
+  std::vector<std::uint32_t> some(taken);
+  for (std::size_t n = 0; n < taken; ++n)
+    some[n] = nth_among(among, taken == all ? n : static_cast<std::size_t>(splitmix64(n) % all));
+  std::ranges::sort(some);
+  some.erase(std::unique(some.begin(), some.end()), some.end());
+  std::vector<std::uint64_t> hashes;
+  for (const std::uint32_t triangle : some) hashes.push_back(corner_hash(corner_bits_of(mesh, triangle)));
+  std::ranges::sort(hashes);
+  double pairs = 0;
+  for (auto next = hashes.begin(); next != hashes.end();) {
+    const auto first = next;
+    next = std::find_if(next, hashes.end(), [&](std::uint64_t h) { return h != *first; });
+    const auto same = static_cast<double>(next - first);
+    pairs += same * (same - 1) / 2;
+  }
+  const auto k = static_cast<double>(some.size());
+  return pairs > 0 && 8 * pairs * static_cast<double>(all) >= k * k;  // m - 1 >= 1/4
+}
+
+std::vector<std::uint32_t> without_many_copies(MeshView mesh, std::span<const std::uint32_t> among,
+                                               ProgressMeter& progress) {
+  if (!has_many_copies(mesh, among)) return {};
+  const std::size_t all = number_among(mesh, among);
+  std::vector<bool> is_copy(all);
+  std::size_t copies = 0;
+  {
+    CornerTable table(mesh, all);
+    WorkCheck check(progress, 1 << 16);
+    for (std::size_t n = 0; n < all; ++n) {
+      is_copy[n] = table.add(nth_among(among, n));
+      copies += is_copy[n];
+      check.add(1);
+    }
+  }
+  std::vector<std::uint32_t> kept;
+  if (copies == 0) return kept;
+  kept.reserve(all - copies);
+  for (std::size_t n = 0; n < all; ++n)
+    if (!is_copy[n]) kept.push_back(nth_among(among, n));
+  return kept;
 }
 
 }  // namespace standoff

@@ -9,8 +9,7 @@
 #include "core/tile_count.h"
 #include "field/computation.h"
 #include "field/lattice.h"
-#include "field/memory.h"
-#include "field/options.h"
+#include "field/plan.h"
 #include "sign/shell.h"
 #include "sign/sign_field.h"
 

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "geometry/rounding.h"
+#include "geometry/triangle_box.h"
 #include "standoff/grid.h"
 
 namespace standoff {
@@ -73,5 +74,15 @@ static_assert(kBoxSlack > 0x1p30 * gamma_double(4));
 /// triangles are farther than others everywhere. Decides speed alone: both algorithms give the same field.
 inline constexpr double kThinBand = 4;
 inline bool is_thin(const Grid& grid, double thickness) { return thickness <= kThinBand * grid.max_spacing(); }
+
+// Which triangles are set up for samples in float, and which in double. This decides bits, so the CPU, sixteen
+// triangles at a time, and the GPU, one, ask here.
+
+/// Whether a triangle whose corners have this box, in coordinates of a brick in F, is set up in double and measured by
+/// lines: bool for float, a mask for wide floats.
+template <class F>
+STANDOFF_INLINE auto is_long(const BoxOf<F>& box) {
+  return less(F(kLongTriangle), longest_side(box));
+}
 
 }  // namespace standoff

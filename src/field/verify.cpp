@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
+// Whether a field is right: its distances, its nearest triangles and its signs, each by other means than compute() has.
 #include "standoff/verify.h"
 
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "core/execution.h"
@@ -15,16 +18,128 @@
 #include "core/progress.h"
 #include "core/promised_error.h"
 #include "core/threads.h"
-#include "field/copies.h"
-#include "field/sign_judge.h"
-#include "field/triangle_groups.h"
+#include "field/reference.h"
+#include "field/skip.h"
+#include "sign/diagnosis/closed.h"
 #include "sign/diagnosis/mesh_edges.h"
 #include "sign/diagnosis/orient.h"
 #include "sign/outer/exposed.h"
 #include "sign/sign_text.h"
 
 namespace standoff {
+
+// Which side of a mesh a point is on, for verify: by what the field says about its sign, but not by how it was
+// computed.
+
 namespace {
+
+struct SideJudgement {
+  std::optional<bool> inside;     ///< empty: on the surface, too near to it for rounding, or it cannot be known here
+  std::optional<double> winding;  ///< the reference's winding number, if the side was decided by it
+};
+
+class SignJudge {
+ public:
+  /// `use` as in OrientedMesh. The mesh and the groups must outlive this. Runs on the threads of the calling TBB arena.
+  SignJudge(MeshView mesh, const TriangleGroups& groups, const SignText& sign, std::vector<std::int8_t> use);
+
+  /// Whether a side can be judged at all. Of `flood` it is that of points beyond the mesh's box alone; of `normal` that
+  /// of points which are on the same side of all nearest triangles; of `shell`, and of a parity that this mesh does not
+  /// have, it is none.
+  bool can_judge() const { return way_ != Way::none; }
+  /// `allowed` is the error that the point's distance may have: world units.
+  SideJudgement judge(const Vec3& p, double allowed) const;
+
+ private:
+  enum class Way { none, crossings, angles, box, nearest };
+
+  SideJudgement by_winding(const Vec3& p) const;
+  std::optional<bool> behind_nearest(const Vec3& p, double allowed) const;
+  bool is_inside(double whole) const;
+
+  OrientedMesh mesh_;
+  const TriangleGroups& groups_;
+  SignText sign_;
+  std::vector<std::int8_t> use_;
+  Way way_ = Way::none;
+  Box box_;
+};
+
+// Edge by edge, without the hashes that compute() relies on.
+Closed closed_in_use(const OrientedMesh& mesh) {
+  Closed closed{true, true};
+  MeshEdges(mesh.mesh).for_each([&](std::span<const EdgeUse> uses) {
+    std::int64_t forward = 0, count = 0;
+    for (const EdgeUse& one : uses) {
+      const int use = mesh.use_of(one.triangle);
+      forward += one.forward ? use : -use;
+      count += use != 0;
+    }
+    closed.oriented = closed.oriented && forward == 0;
+    closed.unoriented = closed.unoriented && count % 2 == 0;
+  });
+  return closed;
+}
+
+// So near to a threshold compute() leaves the side of an open mesh's sample to rounding (sign/open_winding).
+constexpr double kEitherSide = 1e-9;
+
+bool contains(const Box& box, const Vec3& p) { return min(box.min, p) == box.min && max(box.max, p) == box.max; }
+
+// Whether the edges of the triangles in use cancel, edge by edge.
+bool is_closed_in_use(const OrientedMesh& mesh) { return closed_in_use(mesh).oriented; }
+
+SignJudge::SignJudge(MeshView mesh, const TriangleGroups& groups, const SignText& sign, std::vector<std::int8_t> use)
+    : groups_(groups), sign_(sign), use_(std::move(use)), box_(bounds(mesh)) {
+  mesh_ = {mesh, use_};
+  if (sign.method == SignMethod::flood) way_ = Way::box;
+  if (sign.method == SignMethod::normal) way_ = Way::nearest;
+  if (sign.method == SignMethod::parity && closed_in_use(mesh_).unoriented) way_ = Way::crossings;
+  if (sign.method == SignMethod::winding) way_ = closed_in_use(mesh_).oriented ? Way::crossings : Way::angles;
+}
+
+bool SignJudge::is_inside(double whole) const {
+  const bool odd = std::fmod(std::abs(whole), 2) == 1;
+  if (sign_.method == SignMethod::parity || sign_.rule == WindingRule::odd) return odd;
+  return sign_.rule == WindingRule::nonzero ? whole != 0 : whole > 0;
+}
+
+SideJudgement SignJudge::by_winding(const Vec3& p) const {
+  const ReferenceWinding winding =
+      way_ == Way::crossings ? winding_by_crossings(mesh_, groups_, p) : winding_by_angles(mesh_, p);
+  // All rules depend on the nearest whole number alone, so the side changes at the halves.
+  const double whole = std::round(winding.value);
+  const double from_whole = std::abs(winding.value - whole) + winding.error;
+  if (winding.on_surface || !(from_whole < 0.5 - kEitherSide)) return {};
+  return {is_inside(whole), winding.value};
+}
+
+// The normal of the nearest feature is a sum of its triangles' normals, with positive weights. If all triangles that
+// may be the nearest one have p on the same side, so has every such sum.
+std::optional<bool> SignJudge::behind_nearest(const Vec3& p, double allowed) const {
+  bool front = false, back = false;
+  groups_.for_each_within(p, groups_.distance(p) + allowed, [&](std::uint32_t triangle) {
+    if (mesh_.use_of(triangle) == 0) return;
+    const auto [a, b, c] = mesh_.corners(triangle);
+    const Vec3 normal = cross(b - a, c - a);
+    // Not a number for a triangle without an area, which has no side.
+    const double height = dot(p - a, normal) / length(normal);
+    front = front || height > allowed;
+    back = back || height < -allowed;
+  });
+  return front == back ? std::nullopt : std::optional(back);
+}
+
+SideJudgement SignJudge::judge(const Vec3& p, double allowed) const {
+  SideJudgement side;
+  if (way_ == Way::nearest) side.inside = behind_nearest(p, allowed);
+  if (way_ == Way::box && !contains(box_, p)) side.inside = false;
+  if (way_ == Way::crossings || way_ == Way::angles) side = by_winding(p);
+  if (side.inside) side.inside = *side.inside != sign_.invert;
+  return side;
+}
+
+// The check of a field.
 
 struct Sample {
   std::int64_t i, j, k;

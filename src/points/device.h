@@ -26,7 +26,7 @@ struct NearestJob {
   int device;
 };
 
-/// A row of the table of devices (src/backends/points.cpp).
+/// A row of the table of devices (src/backends/fields.cpp).
 struct PointDevice {
   Backend backend;
   bool (*available)();

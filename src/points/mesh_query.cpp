@@ -14,7 +14,7 @@
 #include "core/number_text.h"
 #include "core/per_thread.h"
 #include "core/threads.h"
-#include "field/copies.h"
+#include "field/skip.h"
 #include "geometry/triangle_frame.h"
 #include "points/nearest.h"
 #include "points/nearest_on_device.h"

@@ -7,9 +7,9 @@
 #include <span>
 
 #include "core/huge_page_vector.h"
-#include "field/cpu/cells.h"
+#include "field/cpu/candidate_culling.h"
+#include "field/cpu/clusters.h"
 #include "field/cpu/kernels.h"
-#include "field/cpu/radix_sort.h"
 #include "points/triangle_index.h"
 
 namespace standoff {

@@ -8,7 +8,7 @@
 #include <limits>
 #include <utility>
 
-#include "field/cpu/triangle_order.h"
+#include "field/cpu/clusters.h"
 #include "geometry/triangle_box.h"
 #include "points/cpu/kernels.h"
 

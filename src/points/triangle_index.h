@@ -10,7 +10,6 @@
 #include "field/backend.h"
 #include "field/cpu/candidate_culling.h"
 #include "field/cpu/kernels.h"
-#include "field/cpu/lattice.h"
 #include "points/cpu/point_group.h"
 #include "standoff/mesh.h"
 

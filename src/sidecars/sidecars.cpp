@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+// What is beside a field's samples, of their nearest triangles: tile by tile, by kernels for each instruction set.
 #include "standoff/sidecars.h"
-#include "core/tile_count.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -19,11 +19,42 @@
 #include "core/progress.h"
 #include "core/streamed_copy.h"
 #include "core/threads.h"
+#include "core/tile_count.h"
 #include "field/cpu/mesh_memory.h"
 #include "sidecars/cpu/kernels.h"
 #include "sign/plan.h"
 #include "sign/sign_text.h"
+#include "simd/dispatch.h"
 #include "standoff/error.h"
+
+namespace standoff::cpu {
+
+// The kernels for each instruction set, and the choice among them.
+
+namespace portable {
+extern const SidecarKernels kSidecarKernels;
+}
+#ifdef __x86_64__
+namespace avx2 {
+extern const SidecarKernels kSidecarKernels;
+}
+namespace avx512 {
+extern const SidecarKernels kSidecarKernels;
+}
+#endif
+
+const SidecarKernels& sidecar_kernels_for(Simd simd) {
+  static const Dispatch<SidecarKernels> kernels({
+#ifdef __x86_64__
+      {Simd::avx512, &avx512::kSidecarKernels},
+      {Simd::avx2, &avx2::kSidecarKernels},
+#endif
+      {Simd::portable, &portable::kSidecarKernels},
+  });
+  return kernels.of(simd, "sidecars");
+}
+
+}  // namespace standoff::cpu
 
 namespace standoff {
 namespace {

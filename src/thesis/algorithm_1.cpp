@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "thesis/algorithm_1.h"
+// The method `thesis` on the CPU: Algorithm 1 of the 2008 thesis (docs/thesis.md).
+#include "thesis/thesis.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -14,12 +15,46 @@
 #include <vector>
 
 #include "field/cpu/bins.h"
-#include "field/cpu/lattice.h"
-#include "thesis/brick_part.h"
-#include "thesis/four.h"
+#include "field/cpu/kernels.h"
+#include "geometry/scalar.h"
+#include "thesis/thesis_distance.h"
 
 namespace standoff::cpu {
+
+// Four floats that every processor can add at once, by the vector types of g++ and clang: for loops that need not be
+// compiled once per instruction set, and that compilers will not vectorise by themselves because they choose.
+
 namespace {
+
+struct Four {
+  typedef float Lanes __attribute__((vector_size(16)));
+  typedef int Mask __attribute__((vector_size(16)));
+  Lanes v;
+
+  Four() = default;
+  STANDOFF_INLINE Four(Lanes lanes) : v(lanes) {}
+  /// The same number in all lanes.
+  STANDOFF_INLINE explicit Four(float a) : v{a, a, a, a} {}
+  STANDOFF_INLINE explicit Four(double a) : Four(static_cast<float>(a)) {}
+  STANDOFF_INLINE explicit Four(int a) : Four(static_cast<float>(a)) {}
+
+  static STANDOFF_INLINE Four load(const float* p) {
+    Four f;
+    __builtin_memcpy(&f.v, p, sizeof f.v);
+    return f;
+  }
+  STANDOFF_INLINE void store(float* p) const { __builtin_memcpy(p, &v, sizeof v); }
+
+  friend STANDOFF_INLINE Four operator+(const Four& a, const Four& b) { return a.v + b.v; }
+  friend STANDOFF_INLINE Four operator-(const Four& a, const Four& b) { return a.v - b.v; }
+  friend STANDOFF_INLINE Four operator*(const Four& a, const Four& b) { return a.v * b.v; }
+};
+
+// As those of scalar.h, lane by lane.
+STANDOFF_INLINE Four min(const Four& a, const Four& b) { return a.v < b.v ? a.v : b.v; }
+STANDOFF_INLINE Four max(const Four& a, const Four& b) { return a.v > b.v ? a.v : b.v; }
+STANDOFF_INLINE Four::Mask less(const Four& a, const Four& b) { return a.v < b.v; }
+STANDOFF_INLINE Four select(Four::Mask condition, const Four& yes, const Four& no) { return condition ? yes.v : no.v; }
 
 // Samples of a row are done four at a time. The last ones may lie past the triangle's box, where a distance is as true
 // as any other, or past the brick, where rows have spare room.

@@ -6,9 +6,34 @@
 // the triangle's index, so that the lowest index wins ties.
 #pragma once
 
+#include <cstdint>
+#include <type_traits>
+
 #include "field/cuda/counted_run.cuh"
-#include "thesis/brick_part.h"
-#include "thesis/stop_after.h"
+#include "field/cuda/pipeline.cuh"
+#include "thesis/thesis_distance.h"
+
+namespace standoff {
+
+// Ablation: after which step a measured kernel stops. Table 5.4 of the thesis takes two times, and their difference is
+// what a step costs.
+
+/// Each goes farther than the one before. A step that a method does not have costs it nothing.
+enum class StopAfter {
+  lists,     ///< tiles: lists made and walked through; thesis: samples walked through, with their positions
+  set_up,    ///< triangles set up in shared memory
+  rows,      ///< the samples from which a triangle must be measured to
+  distance,  ///< distances, and the least of them
+  read,      ///< thesis: what the sample holds is read
+  write,     ///< nothing is left out: the field
+  always,    ///< thesis: the field, written without a look at what the sample holds
+};
+
+/// The bits of a float that no arithmetic gives. What is left out would happen at these, so that the compiler must
+/// compute all that comes before.
+inline constexpr std::uint32_t kNeverBits = 0x7fa00001u;
+
+}  // namespace standoff
 
 namespace standoff::STANDOFF_PLATFORM {
 
@@ -154,5 +179,61 @@ struct Algorithm1 {
     write(run.lattice, run.task, nullptr);
   }
 };
+
+// Fields with steps left out, to measure what these cost (Table 5.4 of the thesis): the product's kernels with other
+// steps.
+
+/// The field is computed, but not written.
+struct StepsToDistance : AllSteps {
+  static constexpr bool kWrites = false;
+  static STANDOFF_DEVICE bool uses(float value) { return __float_as_uint(value) == kNeverBits; }
+};
+/// The samples to measure from are found, and counted.
+struct StepsToRows : StepsToDistance {
+  static constexpr bool kMeasures = false;
+};
+/// Triangles are set up, and a number of them is read.
+struct StepsToSetUp : StepsToRows {
+  static constexpr bool kFindsRows = false;
+};
+/// Lists are walked through.
+struct StepsToLists : StepsToSetUp {
+  static constexpr bool kSetsUp = false;
+};
+
+template <StopAfter kLast>
+using StepsTo = std::conditional_t<
+    kLast == StopAfter::lists, StepsToLists,
+    std::conditional_t<
+        kLast == StopAfter::set_up, StepsToSetUp,
+        std::conditional_t<kLast == StopAfter::rows, StepsToRows,
+                           std::conditional_t<kLast == StopAfter::distance, StepsToDistance, AllSteps>>>>;
+
+/// enqueue() with all after a step left out: of thin bands and of Algorithm 1; other fields are whole. Requires a task
+/// that enqueue() takes.
+template <StopAfter kLast>
+void enqueue_until(const Task& task, void* workspace, std::int64_t bytes, Stream stream) {
+  const Lattice l = make_lattice(task.grid, task.thickness);
+  if (task.method == Method::thesis) {
+    const auto algorithm = in_workspace<Algorithm1>(task, l, workspace, bytes);
+    algorithm.template lower<kLast>(l, task, stream);
+    algorithm.write(l, task, stream);
+  } else if (is_thin(task.grid, task.thickness)) {
+    const auto band = in_workspace<ThinBand>(task, l, workspace, bytes);
+    band.count(l, task, stream);
+    band.template fill<StepsTo<kLast>>(l, task, stream);
+  } else {
+    in_workspace<ThickBand>(task, l, workspace, bytes).enqueue(l, task, stream);
+  }
+}
+
+// Which pipeline computes a field: by the method, and for `tiles` by the thickness.
+
+/// Calls use.template operator()<Pipeline>().
+template <class Use>
+auto with_pipeline(Method method, const Grid& grid, double thickness, Use use) {
+  if (method == Method::thesis) return use.template operator()<Algorithm1>();
+  return with_tiles_pipeline(grid, thickness, use);
+}
 
 }  // namespace standoff::STANDOFF_PLATFORM

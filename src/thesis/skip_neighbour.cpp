@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "thesis/skip_neighbour.h"
+#include "thesis/thesis.h"
 
 #include <algorithm>
 #include <cmath>

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "backends/cuda/emulated.h"
+#include "backends/cuda/fields.h"
 #include "files/text_file.h"
 #include "scenes/scenes.h"
 #include "standoff/collision.h"

@@ -2,14 +2,13 @@
 // Scenes that place a part again and again where it is: copies change no answer and cost nothing, but count for winding
 // numbers.
 // labels: memory threads
-#include "field/copies.h"
+#include "field/skip.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "field/skip_exact.h"
 #include "standoff/error.h"
 #include "standoff/occupancy.h"
 #include "standoff/points.h"

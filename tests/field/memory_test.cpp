@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/field_bytes.h"
-#include "field/memory.h"
+#include "field/plan.h"
 #include "standoff/compute.h"
 #include "standoff/io.h"
 #include "standoff/slabs.h"

@@ -3,7 +3,6 @@
 
 #include "field/skip.h"
 #include "core/threads.h"
-#include "field/skip_exact.h"
 
 #include <gtest/gtest.h>
 
@@ -13,7 +12,7 @@
 
 #include "tests/support/fields.h"
 #include "tests/support/random_mesh.h"
-#include "thesis/skip_neighbour.h"
+#include "thesis/thesis.h"
 
 namespace standoff {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "field/winding_reference.h"
+#include "field/reference.h"
 #include "standoff/compute.h"
 #include "standoff/verify.h"
 #include "tests/sign/solid_soup.h"

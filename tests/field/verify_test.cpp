@@ -9,7 +9,7 @@
 #include <cmath>
 #include <limits>
 
-#include "field/triangle_groups.h"
+#include "field/reference.h"
 #include "standoff/compute.h"
 #include "standoff/error.h"
 #include "tests/support/closest_of_all.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The winding numbers that signs are checked with, against integers of 128 bits and against each other.
-#include "field/winding_reference.h"
+#include "field/reference.h"
 
 #include <gtest/gtest.h>
 

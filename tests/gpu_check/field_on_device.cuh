@@ -7,10 +7,10 @@
 #include <limits>
 #include <vector>
 
-#include "backends/cuda/emulated.h"
-#include "backends/cuda/pipelines.cuh"
+#include "backends/cuda/fields.h"
 #include "standoff/cuda.h"
 #include "standoff/mesh.h"
+#include "thesis/algorithm_1.cuh"
 
 namespace standoff::STANDOFF_PLATFORM {
 

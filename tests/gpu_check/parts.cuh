@@ -5,7 +5,7 @@
 #include <string>
 
 #include "tests/gpu_check/field_on_device.cuh"
-#include "thesis/ablation.cuh"
+#include "thesis/algorithm_1.cuh"
 
 namespace standoff::STANDOFF_PLATFORM {
 

@@ -2,7 +2,7 @@
 // Signs and winding numbers of a MeshQuery: solids with a closed form, sums of solid angles, and the samples of grids.
 #include <gtest/gtest.h>
 
-#include "field/winding_reference.h"
+#include "field/reference.h"
 #include "scenes/scenes.h"
 #include "standoff/occupancy.h"
 #include "standoff/points.h"

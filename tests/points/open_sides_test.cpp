@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "field/winding_reference.h"
+#include "field/reference.h"
 #include "geometry/predicates.h"
 #include "scenes/scenes.h"
 #include "sign/open_winding/rims.h"

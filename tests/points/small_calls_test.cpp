@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "field/winding_reference.h"
+#include "field/reference.h"
 #include "scenes/scenes.h"
 #include "standoff/points.h"
 #include "tests/support/random_mesh.h"

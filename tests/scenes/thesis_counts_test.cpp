@@ -16,7 +16,7 @@
 #include "scenes/scenes.h"
 #include "standoff/grid.h"
 #include "standoff/thesis.h"
-#include "thesis/skip_neighbour.h"
+#include "thesis/thesis.h"
 
 namespace standoff {
 namespace {

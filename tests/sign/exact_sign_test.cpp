@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The sign of closed meshes is exact: at random samples, and at samples on the surface and units in the last place
 // beside it. What is right is known in closed form, or from rays along another axis that share no code with src/sign
-// (field/winding_reference.h, which tests/field/winding_reference_test.cpp holds against integers).
+// (field/reference.h, which tests/field/winding_reference_test.cpp holds against integers).
 //
 // STANDOFF_CHECK_SIGNS: samples of each mesh; half of them random, half beside the surface. STANDOFF_CHECK_SEED: the
 // first seed. With the former all scenes are tested, in their own sizes, and the bunny of glmark2 where it is.

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/progress.h"
-#include "field/winding_reference.h"
+#include "field/reference.h"
 #include "sign/make_sides.h"
 #include "tests/support/random_mesh.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // labels: threads
 
-#include "thesis/algorithm_1.h"
+#include "thesis/thesis.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,6 @@
 #include "core/threads.h"
 #include "tests/support/fields.h"
 #include "tests/support/random_mesh.h"
-#include "thesis/skip_neighbour.h"
 
 namespace standoff {
 namespace {

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Fields on a GPU by every method: the public functions for device memory (standoff/cuda.h), and the rows of the table
 // of backends. nvcc compiles this file for CUDA; fields_emulated.cpp compiles it for the emulation.
-#include "backends/cuda/emulated.h"
 #include "backends/cuda/fields.h"
-#include "backends/cuda/pipelines.cuh"
 #include "core/guarded.h"
-#include "field/cuda/run_from_host.cuh"
+#include "field/cuda/counted_run.cuh"
 #include "gpu/device_scope.cuh"
+#include "thesis/algorithm_1.cuh"
 
 namespace standoff::STANDOFF_PLATFORM {
 namespace {

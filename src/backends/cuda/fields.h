@@ -1,19 +1,65 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fields on a GPU as the table of backends sees them (src/backends/fields.cpp): on CUDA, and emulated on the CPU.
+// Fields on a GPU, on CUDA and emulated on the CPU: as the tables of backends see them, and for tests.
 #pragma once
 
 #include "field/backend.h"
+#include "standoff/cuda.h"
+#include "standoff/cuda_compute.h"
 
 namespace standoff::cuda {
+
+// What the table of backends runs (src/backends/fields.cpp).
+
 Counts run_tiles(const Job& job, Sink& sink);
 Counts run_thesis(const Job& job, Sink& sink);
 /// Bytes of host memory beside the output; the GPU's own memory is not counted.
 std::int64_t scratch_bytes(std::int64_t triangles, const Grid& grid, double thickness, int threads);
+
 }  // namespace standoff::cuda
 
 namespace standoff::emulated {
+
 Counts run_tiles(const Job& job, Sink& sink);
 Counts run_thesis(const Job& job, Sink& sink);
 /// The same, and the memory that stands for the GPU's.
 std::int64_t scratch_bytes(std::int64_t triangles, const Grid& grid, double thickness, int threads);
+
+}  // namespace standoff::emulated
+
+namespace standoff::cuda {
+
+// What standoff/cuda_compute.h runs (src/backends/streams.cpp): on CUDA, and emulated on the CPU. Errors of single
+// meshes are among the answers; those of the device, and gpu::OutOfMemory where all do not fit at once, are thrown.
+
+/// Runs `work`; an error in the input of one mesh becomes its answer, one of the device ends the call.
+template <class Answer, class Work>
+void answer_with(OrError<Answer>& answer, const Work& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::device) throw;
+    answer = error;
+  }
+}
+
+std::vector<OrError<Box>> bounds_on_stream(std::span<const MeshView> meshes, const OnStream& on);
+std::vector<OrError<Outcome>> compute_on_stream(std::span<const FieldRequest> requests, const OnStream& on);
+void copy_from_stream(const float* values, std::span<float> to, const OnStream& on);
+
+}  // namespace standoff::cuda
+
+namespace standoff::emulated {
+
+std::vector<cuda::OrError<Box>> bounds_on_stream(std::span<const MeshView> meshes, const cuda::OnStream& on);
+std::vector<cuda::OrError<cuda::Outcome>> compute_on_stream(std::span<const cuda::FieldRequest> requests,
+                                                            const cuda::OnStream& on);
+void copy_from_stream(const float* values, std::span<float> to, const cuda::OnStream& on);
+
+// The functions of standoff/cuda.h over plain memory, emulated on the CPU: for tests.
+
+std::int64_t workspace_bytes(std::int64_t triangles, const Grid& grid, double thickness, Method method,
+                             std::int64_t entries);
+void enqueue(const cuda::Task& task, void* workspace, std::int64_t bytes, cuda::Stream stream = nullptr);
+void enqueue(std::span<const cuda::Task> tasks, void* workspace, std::int64_t bytes, cuda::Stream stream = nullptr);
+
 }  // namespace standoff::emulated

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Fields in device memory with workspace and waiting taken care of (standoff/cuda_compute.h). nvcc compiles this file
 // for CUDA; streams_emulated.cpp compiles it for the emulation.
-#include "backends/cuda/streams.h"
+#include "backends/cuda/fields.h"
 
 #include <algorithm>
 #include <utility>
 #include <vector>
 
-#include "backends/cuda/emulated.h"
 #include "field/cuda/any_mesh.cuh"
-#include "field/float_range.h"
+#include "field/prepare.h"
 #include "gpu/device_scope.cuh"
 
 namespace standoff::STANDOFF_PLATFORM {

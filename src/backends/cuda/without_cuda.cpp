@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What stands for fields on CUDA where standoff is built without a CUDA compiler: it says so.
 #include "backends/cuda/fields.h"
-#include "backends/cuda/streams.h"
 #include "core/guarded.h"
 #include "field/cuda/capacity.h"
 #include "gpu/devices.h"

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "field/binning.h"
+#include "field/lattice.h"
 
 namespace standoff::cpu {
 namespace {

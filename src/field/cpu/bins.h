@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "field/backend.h"
-#include "field/cpu/lattice.h"
+#include "field/cpu/kernels.h"
 
 namespace standoff::cpu {
 

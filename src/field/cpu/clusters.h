@@ -1,19 +1,80 @@
 // SPDX-License-Identifier: Apache-2.0
-// Triangles in groups of neighbours, groups of groups, and a box around each: what coarse cells look at instead of
-// triangles.
+// Orders of triangles in which neighbours are near each other, and the hierarchy of boxes that is cut from such an
+// order: what coarse cells look at instead of triangles.
 #pragma once
 
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <vector>
 
+#include "core/places_from_counts.h"
 #include "field/backend.h"
 #include "field/cpu/kernels.h"
-#include "field/cpu/lattice.h"
 
 namespace standoff::cpu {
 
-/// A hierarchy of boxes without pointers: triangles in an order (triangle_order.h) and packed by sixteen, packs packed
+// Sorts indices by 32-bit keys: a stable radix sort in parallel chunks, the same result for any number of threads.
+
+struct KeyedIndex {
+  std::uint32_t key;
+  std::uint32_t index;
+};
+
+inline constexpr int kRadixBits = 11;
+using RadixCounters = std::array<std::uint32_t, std::size_t{1} << kRadixBits>;
+
+inline std::int64_t radix_sort_chunks(std::int64_t size, int threads) {
+  return std::clamp<std::int64_t>(size / 16384, 1, std::int64_t{4} * threads);
+}
+
+/// Bytes of so many items while they are sorted.
+inline std::int64_t radix_sort_bytes(std::int64_t size, int threads) {
+  return 2 * size * static_cast<std::int64_t>(sizeof(KeyedIndex)) +
+         radix_sort_chunks(size, threads) * static_cast<std::int64_t>(sizeof(RadixCounters));
+}
+
+/// `Items`: a vector of KeyedIndex.
+template <class Items>
+inline void radix_sort(Items& items, int threads) {
+  constexpr std::uint32_t kBuckets = 1u << kRadixBits;
+  const auto size = static_cast<std::int64_t>(items.size());
+  const std::int64_t chunks = radix_sort_chunks(size, threads);
+  Items sorted(items.size());
+  std::vector<RadixCounters> positions(static_cast<std::size_t>(chunks));
+  for (int shift = 0; shift < 32; shift += kRadixBits) {
+    const auto bucket = [shift](const KeyedIndex& item) { return item.key >> shift & (kBuckets - 1); };
+    tbb::parallel_for(std::int64_t{0}, chunks, [&](std::int64_t chunk) {
+      positions[chunk].fill(0);
+      for (std::int64_t n = size * chunk / chunks; n < size * (chunk + 1) / chunks; ++n)
+        ++positions[chunk][bucket(items[n])];
+    });
+    places_from_counts(positions, kBuckets, [](std::size_t, std::uint32_t) {});
+    tbb::parallel_for(std::int64_t{0}, chunks, [&](std::int64_t chunk) {
+      for (std::int64_t n = size * chunk / chunks; n < size * (chunk + 1) / chunks; ++n)
+        sorted[positions[chunk][bucket(items[n])]++] = items[n];
+    });
+    items.swap(sorted);
+  }
+}
+
+// Orders of triangles: what packs of sixteen are cut from.
+
+/// The mesh indices of a job's triangles along a Morton curve: quick to make, for a hierarchy that serves one field. As
+/// those below, the same for any number of threads. Runs on the threads of the calling TBB arena.
+std::vector<std::uint32_t> morton_order(const Job& job);
+
+/// The same by halving: all triangles are split across the longest side of their centers' box into two halves of whole
+/// packs, the halves again, and so on down to single packs. That takes longer. The packs have tighter
+/// boxes, and a search for one point visits half as many: for a hierarchy that is asked many times.
+std::vector<std::uint32_t> halving_order(const Job& job);
+
+// Triangles in groups of neighbours, groups of groups, and a box around each.
+
+/// A hierarchy of boxes without pointers: triangles in an order (above) and packed by sixteen, packs packed
 /// by sixteen, and so on. An entry of a list is a triangle, by its place in the order (below triangles()), or from
 /// there on a whole pack. Boxes are in float, grid units relative to the centre of the grid, rounded outwards and a
 /// little more, so that they cover what later subtractions in float lose.

@@ -8,7 +8,7 @@
 #include <limits>
 #include <string>
 
-#include "field/cuda/outcome.cuh"
+#include "field/cuda/bin.cuh"
 #include "gpu/workspace.h"
 #include "standoff/grid.h"
 #include "standoff/mesh_view.h"

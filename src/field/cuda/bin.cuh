@@ -1,13 +1,94 @@
 // SPDX-License-Identifier: Apache-2.0
+// Triangles out of device memory, and for thin bands the lists of those that each tile has to look at. Small kernels
+// keep the outcome, and give tiles their slots.
+#pragma once
+
+#include <string>
+
+#include "field/lattice.h"
+#include "geometry/triangle_box.h"
+#include "geometry/triangle_lines.h"
+#include "gpu/platform.cuh"
+#include "gpu/scan.h"
+#include "standoff/cuda.h"
+#include "standoff/error.h"
+#include "standoff/field.h"
+
+namespace standoff::STANDOFF_PLATFORM {
+
+// A triangle's corners out of device memory, checked, and moved to where they become float.
+
+#ifndef __CUDACC__  // the emulation takes the tasks of standoff/cuda.h, over plain memory
+using cuda::DeviceMesh;
+using cuda::DeviceOutput;
+using cuda::Outcome;
+using cuda::Task;
+#endif
+
+/// Lets no later kernel write anything.
+STANDOFF_DEVICE void stop(Outcome* outcome) { atomicAdd(&outcome->stopped, Counter{1}); }
+
+/// The second pass over the triangles wants more of a list, or less, than the first one counted for it. What is
+/// computed is the same, so the mesh is not: it was written meanwhile.
+STANDOFF_DEVICE void stop_for_miscount(Outcome* outcome) {
+  outcome->needed_entries = Outcome::kNone;
+  stop(outcome);
+}
+
+/// World units.
+struct Corners {
+  Triple<double> at[3];
+};
+
+STANDOFF_DEVICE bool is_finite(double a) { return a - a == 0; }
+
+/// The n-th triangle to use.
+STANDOFF_DEVICE std::uint32_t used_triangle(const DeviceMesh& mesh, std::int64_t n) {
+  return mesh.kept ? mesh.kept[n] : static_cast<std::uint32_t>(n);
+}
+
+/// Requires a triangle that is_valid.
+STANDOFF_DEVICE Corners corners_of(const DeviceMesh& mesh, std::uint32_t triangle) {
+  Corners c;
+  for (int which = 0; which < 3; ++which) {
+    const double* v = mesh.vertices + 3 * std::int64_t{mesh.triangles[3 * std::int64_t{triangle} + which]};
+    c.at[which] = {v[0], v[1], v[2]};
+  }
+  return c;
+}
+
+/// Whether the triangle exists, its indices are in range and its corners finite. Where not, the outcome remembers it.
+STANDOFF_DEVICE bool is_valid(const DeviceMesh& mesh, std::uint32_t triangle, Outcome* outcome) {
+  bool valid = triangle < mesh.triangle_count;
+  for (int which = 0; which < 3 && valid; ++which) {
+    const std::int64_t vertex = mesh.triangles[3 * std::int64_t{triangle} + which];
+    valid = vertex < mesh.vertex_count;
+    if (!valid) break;
+    const double* v = mesh.vertices + 3 * vertex;
+    valid = is_finite(v[0]) && is_finite(v[1]) && is_finite(v[2]);
+  }
+  if (!valid) {
+    atomicMin(&outcome->bad_triangle, static_cast<Counter>(triangle));
+    stop(outcome);
+  }
+  return valid;
+}
+
+/// Throws Error{usage} where there is no triangle, or one whose index is kNoTriangle.
+inline void check_count(const DeviceMesh& mesh) {
+  if (mesh.used_count() < 1 || mesh.triangle_count >= kNoTriangle)
+    throw Error(ErrorCode::usage, "cuda: the mesh has " + std::to_string(mesh.used_count()) +
+                                      " triangles to use; give it 1 to 4294967294");
+}
+
+/// The farthest coordinate of a box from the origin.
+STANDOFF_DEVICE float farthest_coordinate(const BoxOf<float>& b) {
+  return max(max(max(abs(b.low.x), abs(b.high.x)), max(abs(b.low.y), abs(b.high.y))), max(abs(b.low.z), abs(b.high.z)));
+}
+
 // Thin bands: which triangles each tile has to look at, by counting. A triangle goes into the tiles that its box grown
 // by the thickness touches. One that touches more than two in a row is compared with their centres, exactly, by a warp
 // of its own, or by many where it touches very many.
-#pragma once
-
-#include "field/binning.h"
-#include "field/cuda/corners.cuh"
-
-namespace standoff::STANDOFF_PLATFORM {
 
 /// Threads of a block, unless a kernel needs another number.
 inline constexpr unsigned kThreads = 256;
@@ -165,6 +246,41 @@ STANDOFF_KERNEL void __launch_bounds__(kThreads)
 STANDOFF_KERNEL void check_lists(const std::uint32_t* counts, std::int64_t tiles, Outcome* outcome) {
   const std::int64_t tile = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
   if (tile < tiles && !outcome->stopped && counts[tile] != 0) stop_for_miscount(outcome);
+}
+
+// Small kernels that keep the outcome, and lists of tiles.
+
+STANDOFF_KERNEL void clear_outcome(Outcome* outcome, Counter* counters, int count) {
+  *outcome = {0, Outcome::kNone, 0, 0, 0, 0};
+  for (int n = 0; n < count; ++n) counters[n] = 0;
+}
+
+/// Stops all that follows where the lists do not fit.
+STANDOFF_KERNEL void check_entries(const Counter* total, Counter capacity, Outcome* outcome) {
+  if (*total > outcome->needed_entries) outcome->needed_entries = *total;
+  if (*total > capacity) stop(outcome);
+}
+
+/// 1 for each tile with triangles, 0 behind the last.
+STANDOFF_KERNEL void mark_used_tiles(const Counter* start, std::int64_t tiles, std::uint32_t* used) {
+  const std::int64_t tile = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
+  if (tile <= tiles) used[tile] = tile < tiles && start[tile + 1] > start[tile];
+}
+
+/// From the running sum of `used`: each tile's slot or -1, if there are slots for all. A thread a tile.
+STANDOFF_KERNEL void give_slots(const std::uint32_t* used, const Counter* rank, std::int64_t tiles, DeviceOutput output,
+                                Outcome* outcome) {
+  const std::int64_t tile = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
+  if (tile > tiles) return;
+  const Counter needed = rank[tiles];
+  const bool fits = needed <= static_cast<Counter>(output.slot_capacity);
+  if (tile == tiles) {
+    outcome->needed_slots = needed;
+    if (!fits) stop(outcome);
+    return;
+  }
+  if (!fits || outcome->stopped) return;
+  output.slots[tile] = used[tile] ? static_cast<std::int32_t>(rank[tile]) : -1;
 }
 
 }  // namespace standoff::STANDOFF_PLATFORM

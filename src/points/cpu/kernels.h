@@ -3,7 +3,7 @@
 // sets give the same bits.
 #pragma once
 
-#include "field/cpu/box_arrays.h"
+#include "field/cpu/kernels.h"
 #include "points/cpu/point_group.h"
 #include "standoff/execution.h"
 

@@ -4,9 +4,7 @@
 
 #include <cstdint>
 
-#include "field/cpu/box_arrays.h"
-#include "field/cpu/frame_lanes.h"
-#include "field/cpu/lattice.h"
+#include "field/cpu/kernels.h"
 
 namespace standoff::cpu {
 

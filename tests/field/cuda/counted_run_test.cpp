@@ -2,7 +2,7 @@
 // The blocking way, emulated: what is needed is counted before room is made for it. So no work is done twice, the room
 // is just what is needed, and nothing is copied to the host that no kernel wrote.
 #include "field/cuda/counted_run.cuh"
-#include "backends/cuda/pipelines.cuh"
+#include "thesis/algorithm_1.cuh"
 
 #include <gtest/gtest.h>
 

@@ -10,7 +10,7 @@
 #include <limits>
 #include <vector>
 
-#include "backends/cuda/emulated.h"
+#include "backends/cuda/fields.h"
 #include "standoff/compute.h"
 #include "standoff/error.h"
 #include "tests/support/fields.h"

@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-#include "backends/cuda/emulated.h"
+#include "backends/cuda/fields.h"
 #include "gpu/platform_emulated.h"
 #include "standoff/compute.h"
 #include "standoff/cuda_compute.h"

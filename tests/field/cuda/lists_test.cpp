@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "field/cuda/enqueue.cuh"
+#include "field/cuda/pipeline.cuh"
 #include "standoff/error.h"
 #include "tests/support/random_mesh.h"
 

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <vector>
 
-#include "backends/cuda/emulated.h"
+#include "backends/cuda/fields.h"
 #include "tests/support/random_mesh.h"
-#include "thesis/ablation.cuh"
+#include "thesis/algorithm_1.cuh"
 
 namespace standoff::emulated {
 namespace {

@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "backends/cuda/emulated.h"
+#include "backends/cuda/fields.h"
 #include "standoff/compute.h"
 #include "standoff/cuda_compute.h"
 #include "standoff/error.h"

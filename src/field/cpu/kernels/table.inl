@@ -2,12 +2,9 @@
 // The table of the field's kernels for this file's instruction set.
 #pragma once
 
-#include "field/cpu/kernels/brick_state.inl"
 #include "field/cpu/kernels/cull_boxes.inl"
 #include "field/cpu/kernels/gather_band.inl"
 #include "field/cpu/kernels/gather_cells.inl"
-#include "field/cpu/kernels/gather_crowded.inl"
-#include "field/cpu/kernels/nearest_box.inl"
 
 namespace standoff::cpu::STANDOFF_TARGET {
 

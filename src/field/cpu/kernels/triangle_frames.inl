@@ -1,14 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sixteen triangles at a time, loaded from the mesh and set up as frames (geometry/triangle_frame.h).
+// What all fragments of the field's kernels begin with: the wide types of the instruction set, the tolerances, and
+// sixteen triangles at a time, loaded from the mesh and set up as frames (geometry/triangle_frame.h).
+//
+// Only always-inlined functions of other rooms may be called from kernels, and nothing of the standard library: a
+// function compiled for AVX-512 that the linker shares with the rest of the program would crash older processors
+// (script/check_weak_symbols).
 #pragma once
 
-#include "field/cpu/frame_lanes.h"
-#include "field/cpu/kernels/target.inl"
-#include "field/is_long.h"
+#include "field/cpu/kernels.h"
+#include "field/tolerances.h"
 #include "geometry/triangle_frame.h"
+#include "simd/points.inl"
 
 namespace standoff::cpu::STANDOFF_TARGET {
+
+using namespace standoff::STANDOFF_TARGET;
+
+static_assert(kLanes == WideFloat::kLanes);
+
 namespace {
+
+STANDOFF_INLINE const WideFloat& component(const WidePoint& p, int axis) {
+  return axis == 0 ? p.x : axis == 1 ? p.y : p.z;
+}
 
 // Sixteen triangles, corners relative to the brick's centre in grid units.
 struct Group {

@@ -2,7 +2,7 @@
 // The kernel that looks at the boxes of a pack along a row.
 #pragma once
 
-#include "field/cpu/kernels/target.inl"
+#include "field/cpu/kernels/triangle_frames.inl"
 #include "points/cpu/kernels.h"
 
 namespace standoff::cpu::STANDOFF_TARGET {

@@ -2,7 +2,6 @@
 // The kernel that sets up triangles for queries at points, and how far off what is measured with them may be.
 #pragma once
 
-#include "field/cpu/kernels/target.inl"
 #include "field/cpu/kernels/triangle_frames.inl"
 #include "points/cpu/kernels.h"
 

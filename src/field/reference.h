@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// All triangles of a mesh in small groups of neighbours, for exact distances in double precision.
+// What verify compares fields with: exact distances to all triangles of a mesh, in small groups of neighbours, in
+// double precision; and winding numbers.
 #pragma once
 
 #include <cstdint>
@@ -7,9 +8,12 @@
 #include <span>
 #include <vector>
 
+#include "sign/oriented_mesh.h"
 #include "standoff/mesh.h"
 
 namespace standoff {
+
+// Exact distances.
 
 /// A triangle or group is passed over only when its box is no nearer than a distance already found; both are computed
 /// in double, so this costs at most their rounding (a few 1e-16 of the distance). Takes 40 bytes per triangle while it
@@ -65,5 +69,23 @@ class TriangleGroups {
   std::vector<std::uint32_t> order_;  // triangles along a space-filling curve
   std::vector<Box> boxes_;            // of kGroup triangles each
 };
+
+// Winding numbers to check signs with. Slow and simple, and nothing of it comes from src/sign: other rays, other
+// decisions on edges, and for open meshes no rays at all.
+
+struct ReferenceWinding {
+  double value = 0;
+  double error = 0;         ///< the true one is no farther from `value`
+  bool on_surface = false;  ///< the point is on a triangle, exactly: it has no side
+};
+
+/// The crossings of the ray from p along +y, counted exactly: the winding number where the mesh is closed. Where it is
+/// closed but not oriented, the parity of the number is right. Takes a look at every 32nd triangle, and at those near
+/// the ray. Requires the groups of the same mesh, and coordinates that are zero or of magnitude 1e-90 to 1e100.
+ReferenceWinding winding_by_crossings(const OrientedMesh& mesh, const TriangleGroups& groups, const Vec3& p);
+
+/// The sum of the triangles' solid angles over 4 pi (van Oosterom and Strackee 1983): the generalised winding number,
+/// of any mesh. Takes a look at every triangle. The error is infinite at a corner of a triangle.
+ReferenceWinding winding_by_angles(const OrientedMesh& mesh, const Vec3& p);
 
 }  // namespace standoff
