@@ -7,7 +7,6 @@
 #include "collision/collide_on_device.h"
 #include "collision/containment.h"
 #include "collision/find_intersecting.h"
-#include "core/execution.h"
 #include "core/guarded.h"
 #include "core/number_text.h"
 

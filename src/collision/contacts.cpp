@@ -8,7 +8,6 @@
 #include "collision/close_pairs.h"
 #include "collision/pair_batch.h"
 #include "collision/stratified_traversal.h"
-#include "core/execution.h"
 #include "core/guarded.h"
 #include "core/number_text.h"
 

@@ -10,7 +10,6 @@
 #include "collision/find_intersecting.h"
 #include "collision/pair_batch.h"
 #include "collision/tolerances.h"
-#include "core/execution.h"
 #include "core/guarded.h"
 #include "geometry/penetration.h"
 

@@ -11,7 +11,6 @@
 #include "collision/sweep_rounding.h"
 #include "collision/sweep_search.h"
 #include "collision/tolerances.h"
-#include "core/execution.h"
 #include "core/guarded.h"
 #include "core/number_text.h"
 #include "geometry/penetration.h"

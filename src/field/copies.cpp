@@ -7,8 +7,8 @@
 #include <cmath>
 #include <limits>
 
-#include "core/splitmix64.h"
-#include "core/work_check.h"
+#include "core/hashes.h"
+#include "core/progress.h"
 #include "geometry/corners.h"
 
 namespace standoff {

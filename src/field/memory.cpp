@@ -5,8 +5,8 @@
 #include <cmath>
 #include <string>
 
-#include "core/field_bytes.h"
 #include "core/guarded.h"
+#include "core/memory.h"
 #include "core/threads.h"
 #include "core/tile_count.h"
 #include "field/lattice.h"

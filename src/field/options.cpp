@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "core/execution.h"
+#include "core/guarded.h"
 #include "sign/options.h"
 
 namespace standoff {

@@ -9,8 +9,8 @@
 #include <bit>
 #include <limits>
 
-#include "core/places_from_counts.h"
-#include "core/splitmix64.h"
+#include "core/hashes.h"
+#include "core/threads.h"
 #include "field/reach.h"
 #include "geometry/corners.h"
 #include "geometry/sample_range.h"

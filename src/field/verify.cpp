@@ -10,7 +10,6 @@
 #include <random>
 #include <vector>
 
-#include "core/execution.h"
 #include "core/guarded.h"
 #include "core/progress.h"
 #include "core/promised_error.h"

@@ -1,11 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "files/huffman.h"
+// The prefix codes of deflate (RFC 1951, section 3.2.2).
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
 #include <vector>
 
 namespace standoff {
 namespace {
+
+struct HuffmanCode {
+  std::uint16_t bits = 0;   ///< as they are written: the first one lowest
+  std::uint8_t length = 0;  ///< 0: the symbol does not occur
+};
 
 struct Symbol {
   std::uint32_t count;
@@ -39,8 +48,8 @@ std::uint16_t reversed(unsigned code, int length) {
   return static_cast<std::uint16_t>(bits);
 }
 
-}  // namespace
-
+// The codes of symbols that occur so often, none longer than `longest` bits. A single symbol gets one bit. Requires
+// fewer than 2^longest symbols.
 void make_huffman_codes(std::span<const std::uint32_t> counts, int longest, std::span<HuffmanCode> codes) {
   std::ranges::fill(codes, HuffmanCode{});
   std::vector<Symbol> leaves;
@@ -67,5 +76,7 @@ void make_huffman_codes(std::span<const std::uint32_t> counts, int longest, std:
     for (HuffmanCode& one : codes)
       if (one.length == length) one.bits = reversed(code++, length);
 }
+
+}  // namespace
 
 }  // namespace standoff

@@ -4,7 +4,10 @@
 
 #include <cstdint>
 
-namespace standoff::zip {
+namespace standoff {
+
+/// Signatures and sizes of the records of an archive: section 4.3.
+namespace zip {
 
 inline constexpr std::uint32_t kLocalHeader = 0x04034b50;
 inline constexpr std::uint32_t kDirectoryHeader = 0x02014b50;
@@ -24,4 +27,6 @@ inline constexpr std::uint16_t kExtra64 = 1;        ///< the extra field that ho
 inline constexpr std::uint32_t kIn64 = 0xFFFFFFFF;  ///< stands for a value given there
 inline constexpr std::uint16_t kCountIn64 = 0xFFFF;
 
-}  // namespace standoff::zip
+}  // namespace zip
+
+}  // namespace standoff

@@ -90,7 +90,7 @@ std::vector<ZipMember> read_zip(const FileView& file) {
     const std::string_view rest = record(file, at + zip::kDirectoryHeaderBytes, name_bytes + extra_bytes);
     at += zip::kDirectoryHeaderBytes + name_bytes + extra_bytes + comment_bytes;
 
-    constexpr std::uint16_t kStored = 0, kDeflated = 8, kEncrypted = 1;
+    constexpr std::uint16_t kEncrypted = 1;
     ZipMember member{std::string(rest.substr(0, name_bytes)), 0, u32(fixed, 20), u32(fixed, 24), u32(fixed, 16)};
     std::uint64_t header = u32(fixed, 42);
     widen(file, rest.substr(name_bytes), member, header);

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <span>
 
-#include "core/huge_page_vector.h"
+#include "core/memory.h"
 #include "field/cpu/cells.h"
 #include "field/cpu/kernels.h"
 #include "field/cpu/radix_sort.h"

@@ -3,7 +3,6 @@
 #include <deque>
 #include <string>
 
-#include "core/execution.h"
 #include "core/guarded.h"
 #include "core/threads.h"
 #include "files/atomic_file.h"

@@ -7,8 +7,7 @@
 
 #include <string>
 
-#include "core/memory_budget.h"
-#include "core/per_thread.h"
+#include "core/memory.h"
 #include "core/threads.h"
 #include "render/layers.h"
 #include "render/light.h"

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "core/guarded.h"
-#include "core/splitmix64.h"
+#include "core/hashes.h"
 #include "core/threads.h"
 #include "simulation/world_state.h"
 #include "standoff/thesis.h"

@@ -6,7 +6,6 @@
 #include <numbers>
 #include <string>
 
-#include "core/execution.h"
 #include "core/guarded.h"
 #include "simulation/world_state.h"
 #include "standoff/compute.h"

@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-#include "core/memory_budget.h"
+#include "core/memory.h"
 #include "surface/inside_bits.h"
 
 namespace standoff {

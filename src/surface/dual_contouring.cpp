@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "core/per_thread.h"
+#include "core/threads.h"
 #include "surface/cells.h"
 #include "surface/dual_cells.h"
 #include "surface/dual_polygons.h"

@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "core/execution.h"
 #include "core/guarded.h"
 #include "core/number_text.h"
 #include "core/threads.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "core/per_thread.h"
+#include "core/threads.h"
 #include "surface/cells.h"
 #include "surface/each_block.h"
 #include "surface/surface_counts.h"

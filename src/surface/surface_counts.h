@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <string>
 
-#include "core/memory_budget.h"
+#include "core/memory.h"
 #include "standoff/error.h"
 #include "standoff/surface.h"
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "collision/body/simd_blocks.h"
-#include "core/huge_page_vector.h"
+#include "core/memory.h"
 #include "core/progress.h"
 #include "geometry/triangle_pair.h"
 #include "standoff/mesh.h"

@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "collision/body/field_view.h"
-#include "core/huge_page_vector.h"
+#include "core/memory.h"
 #include "core/progress.h"
 #include "standoff/execution.h"
 #include "standoff/field.h"

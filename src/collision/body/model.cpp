@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "collision/body/components.h"
-#include "core/execution.h"
 #include "core/guarded.h"
 #include "core/mesh_copy.h"
 #include "core/number_text.h"

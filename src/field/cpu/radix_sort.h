@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/places_from_counts.h"
+#include "core/threads.h"
 
 namespace standoff::cpu {
 

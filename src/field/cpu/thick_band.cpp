@@ -5,7 +5,7 @@
 
 #include <memory>
 
-#include "core/per_thread.h"
+#include "core/threads.h"
 #include "field/cpu/brick_gather.h"
 #include "field/cpu/candidate_culling.h"
 #include "field/cpu/triangle_order.h"

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "core/per_thread.h"
+#include "core/threads.h"
 #include "field/cpu/bins.h"
 #include "field/cpu/brick_gather.h"
 

@@ -8,7 +8,7 @@
 #include <set>
 #include <string>
 
-#include "core/field_bytes.h"
+#include "core/memory.h"
 #include "core/number_text.h"
 #include "files/inflate.h"
 #include "files/shown.h"

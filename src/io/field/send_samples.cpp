@@ -5,7 +5,6 @@
 
 #include <optional>
 
-#include "core/per_thread.h"
 #include "core/threads.h"
 #include "files/run_deflate.h"
 

@@ -8,8 +8,8 @@
 #include <atomic>
 #include <limits>
 
-#include "core/per_thread.h"
-#include "core/work_check.h"
+#include "core/progress.h"
+#include "core/threads.h"
 #include "geometry/coplanar.h"
 #include "geometry/triangle_pair.h"
 #include "sign/outer/triangle_cut.h"
