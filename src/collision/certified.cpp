@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "collision/body/sphere_bound.h"
-#include "core/promised_error.h"
+#include "geometry/rounding.h"
 
 namespace standoff::collision {
 namespace {

@@ -11,7 +11,7 @@
 #include "collision/pair_batch.h"
 #include "collision/tolerances.h"
 #include "core/guarded.h"
-#include "geometry/penetration.h"
+#include "geometry/triangle_pair.h"
 
 namespace standoff {
 namespace collision {

@@ -13,7 +13,7 @@
 #include "collision/tolerances.h"
 #include "core/guarded.h"
 #include "core/number_text.h"
-#include "geometry/penetration.h"
+#include "geometry/triangle_pair.h"
 
 namespace standoff {
 namespace collision {

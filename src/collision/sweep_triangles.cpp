@@ -6,7 +6,7 @@
 
 #include "collision/conservative_advancement.h"
 #include "collision/sweep_rounding.h"
-#include "geometry/penetration.h"
+#include "geometry/triangle_pair.h"
 
 namespace standoff::collision {
 

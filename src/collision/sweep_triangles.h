@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "collision/rigid_motion.h"
-#include "geometry/slab.h"
+#include "geometry/triangle_pair.h"
 
 namespace standoff::collision {
 

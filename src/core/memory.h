@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Memory of large work: what grows without moving, the tiles of fields, limits that callers set, huge pages, and copies
-// past the caches.
+// Memory of large work: what grows without moving, the tiles of fields, limits that callers set, and huge pages.
 #pragma once
 
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <mutex>
 #include <new>
 #include <string>
@@ -17,10 +15,6 @@
 
 #ifdef __linux__
 #include <sys/mman.h>
-#endif
-
-#ifdef __SSE2__
-#include <emmintrin.h>
 #endif
 
 namespace standoff {
@@ -218,34 +212,5 @@ inline void advise_huge_pages([[maybe_unused]] void* memory, [[maybe_unused]] st
   if (first < end) static_cast<void>(::madvise(reinterpret_cast<void*>(first), end - first, MADV_HUGEPAGE));
 #endif
 }
-
-// Copies past the caches: for memory that nobody reads soon, several times faster than a copy that first reads what it
-// overwrites.
-
-/// One thread's copies. Others see them after it is destroyed.
-class StreamedCopies {
- public:
-  StreamedCopies() = default;
-  StreamedCopies(const StreamedCopies&) = delete;
-  StreamedCopies& operator=(const StreamedCopies&) = delete;
-#ifdef __SSE2__
-  ~StreamedCopies() { _mm_sfence(); }
-#else
-  ~StreamedCopies() = default;
-#endif
-
-  void copy(void* to, const void* from, std::size_t bytes) const {
-#ifdef __SSE2__
-    constexpr std::size_t kStep = sizeof(__m128i);
-    if (reinterpret_cast<std::uintptr_t>(to) % kStep == 0 && bytes % kStep == 0) {
-      auto* const out = static_cast<__m128i*>(to);
-      const auto* const in = static_cast<const __m128i*>(from);
-      for (std::size_t n = 0; n < bytes / kStep; ++n) _mm_stream_si128(out + n, _mm_loadu_si128(in + n));
-      return;
-    }
-#endif
-    std::memcpy(to, from, bytes);
-  }
-};
 
 }  // namespace standoff

@@ -9,7 +9,7 @@
 
 #include "core/hashes.h"
 #include "core/progress.h"
-#include "geometry/corners.h"
+#include "geometry/predicates.h"
 
 namespace standoff {
 namespace {

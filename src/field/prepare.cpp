@@ -16,7 +16,6 @@
 #include "field/memory.h"
 #include "field/reach.h"
 #include "field/skip.h"
-#include "geometry/sample_range.h"
 #include "geometry/triangle_box.h"
 
 namespace standoff {

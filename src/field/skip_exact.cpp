@@ -12,8 +12,7 @@
 #include "core/hashes.h"
 #include "core/threads.h"
 #include "field/reach.h"
-#include "geometry/corners.h"
-#include "geometry/sample_range.h"
+#include "geometry/predicates.h"
 #include "geometry/triangle_box.h"
 
 namespace standoff {

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <limits>
 
-#include "geometry/morton.h"
 #include "geometry/triangle_box.h"
 #include "geometry/triangle_distance.h"
 

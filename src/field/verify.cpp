@@ -12,11 +12,11 @@
 
 #include "core/guarded.h"
 #include "core/progress.h"
-#include "core/promised_error.h"
 #include "core/threads.h"
 #include "field/copies.h"
 #include "field/sign_judge.h"
 #include "field/triangle_groups.h"
+#include "geometry/rounding.h"
 #include "sign/diagnosis/mesh_edges.h"
 #include "sign/diagnosis/orient.h"
 #include "sign/outer/exposed.h"

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "geometry/corners.h"
 #include "geometry/predicates.h"
 
 namespace standoff {

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Output files that appear whole or not at all.
+// Output files that appear whole or not at all, and whole text files.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <string>
+#include <string_view>
 
 #include "core/progress.h"
 #include "standoff/existing.h"
@@ -83,5 +85,10 @@ class AtomicFile {
   std::unique_ptr<char[]> buffer_;
   std::size_t buffered_ = 0;
 };
+
+/// The bytes of a file. Errors: input; limit when memory runs out.
+std::string read_text(const std::filesystem::path& path);
+/// Writes bytes as they are; the file appears whole or not at all. Errors: output.
+void write_text(const std::filesystem::path& path, std::string_view text, Existing existing = Existing::replace);
 
 }  // namespace standoff

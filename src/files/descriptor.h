@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// An open file of the system.
+// Open files of the system: one that closes itself, pipes that may have nobody at their other end, and input that is
+// read front to back.
 #pragma once
 
 #include <unistd.h>
 
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
 #include <utility>
 
 namespace standoff {
@@ -28,6 +34,49 @@ class Descriptor {
 
  private:
   int number_ = -1;
+};
+
+// Named pipes that may have nobody at their other end: waiting for one can be stopped, and is said.
+
+class ProgressMeter;
+
+/// Opens what is read from front to back. Of a pipe it waits until something comes through it, or its writer has gone;
+/// meanwhile `waiting`, if there is one, may stop it (Error{interrupted}). As ::open: below zero with errno.
+Descriptor open_to_read(const std::filesystem::path& path, ProgressMeter* waiting = nullptr);
+
+/// Opens a pipe or device that is there, which the caller calls `shown`. Of a pipe it waits until somebody reads it. As
+/// ::open.
+Descriptor open_to_write(const std::filesystem::path& path, const std::filesystem::path& shown);
+
+/// What gets a sentence, "FILE: ..", once somebody has waited for a pipe for a second. None by default: a library does
+/// not speak. Set it before any thread opens a file.
+void set_pipe_notice(void (*notice)(const std::string& sentence)) noexcept;
+
+// Input that is read front to back and never held as a whole: files larger than memory, pipes, the standard input.
+
+/// Why a file cannot be read, and what to do, for a number of errno.
+std::string cannot_read(int error);
+
+class InputStream {
+ public:
+  /// Opens a file or a pipe; "-" is the standard input. Errors: input.
+  explicit InputStream(const std::string& name);
+  /// The caller's bytes, which must outlive it.
+  InputStream(const std::string& name, std::string_view bytes) : name_(name), bytes_(bytes), size_(bytes.size()) {}
+
+  /// Fills `to` with up to `room` bytes and returns how many they are: 0 at the end alone. Errors: input.
+  std::size_t read(char* to, std::size_t room);
+  /// What messages call it.
+  const std::string& name() const { return name_; }
+  /// The finished share, 0 to 1; 0 where the end is unknown.
+  double fraction() const { return size_ > 0 ? static_cast<double>(done_) / static_cast<double>(size_) : 0; }
+
+ private:
+  std::string name_;
+  std::string_view bytes_;  // what is left of the caller's
+  Descriptor opened_;       // not that of the standard input, which stays open
+  int file_ = -1;           // none: the caller's bytes
+  std::uint64_t size_ = 0, done_ = 0;
 };
 
 }  // namespace standoff

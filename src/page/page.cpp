@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "core/guarded.h"
-#include "files/text_file.h"
+#include "files/atomic_file.h"
 #include "page/field_blob.h"
 #include "page/html.h"
 #include "page/mesh_blob.h"

@@ -14,6 +14,7 @@
 
 #include "core/guarded.h"
 #include "core/memory.h"
+#include "core/streamed_copy.h"
 #include "core/progress.h"
 #include "core/threads.h"
 #include "field/cpu/mesh_memory.h"

@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-#include "geometry/scalar.h"
+#include "geometry/triple.h"
 
 namespace standoff::portable {
 

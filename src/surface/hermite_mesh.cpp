@@ -10,7 +10,7 @@
 #include <limits>
 #include <vector>
 
-#include "geometry/corners.h"
+#include "geometry/predicates.h"
 #include "sign/flood/lattice_crossings.h"
 #include "surface/cells.h"
 #include "surface/each_block.h"

@@ -4,7 +4,6 @@
 #pragma once
 
 #include "field/lattice.h"
-#include "geometry/sample_range.h"
 #include "geometry/triangle_box.h"
 #include "thesis/thesis_distance.h"
 

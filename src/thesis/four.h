@@ -3,7 +3,7 @@
 // compiled once per instruction set, and that compilers will not vectorise by themselves because they choose.
 #pragma once
 
-#include "geometry/scalar.h"
+#include "geometry/triple.h"
 
 namespace standoff::cpu {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copies past the caches, to places and of lengths that they are made for, and others.
-#include "core/memory.h"
+#include "core/streamed_copy.h"
 
 #include <gtest/gtest.h>
 

@@ -11,7 +11,7 @@
 #include <system_error>
 
 #include "files/descriptor.h"
-#include "files/temp_file_registry.h"
+#include "files/temp_file.h"
 #include "standoff/error.h"
 #include "view/film/film.h"
 

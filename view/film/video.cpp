@@ -13,7 +13,7 @@
 #include <string_view>
 #include <vector>
 
-#include "files/text_file.h"
+#include "files/atomic_file.h"
 #include "standoff/error.h"
 #include "view/film/film.h"
 

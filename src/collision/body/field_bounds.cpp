@@ -8,8 +8,8 @@
 #include <string>
 
 #include "core/number_text.h"
-#include "core/promised_error.h"
 #include "core/tile_count.h"
+#include "geometry/rounding.h"
 #include "sign/diagnosis/closed.h"
 #include "standoff/compute.h"
 #include "standoff/error.h"

@@ -13,7 +13,6 @@
 #include "core/guarded.h"
 #include "core/tile_count.h"
 #include "files/array_file.h"
-#include "files/magic.h"
 
 namespace standoff {
 namespace collision {

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "geometry/transform.h"
+#include "geometry/triple.h"
 
 namespace standoff::collision {
 

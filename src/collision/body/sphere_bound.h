@@ -8,8 +8,7 @@
 #pragma once
 
 #include "collision/body/field_view.h"
-#include "geometry/scalar.h"
-#include "geometry/transform.h"
+#include "geometry/triple.h"
 
 namespace standoff::collision {
 

@@ -4,7 +4,7 @@
 #include "field/cpu/radix_sort.h"
 #include "field/cpu/triangle_centers.h"
 #include "field/cpu/triangle_order.h"
-#include "geometry/morton.h"
+#include "geometry/triangle_box.h"
 
 namespace standoff::cpu {
 

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "core/threads.h"
-#include "files/run_deflate.h"
+#include "files/deflate.h"
 
 namespace standoff {
 namespace {

@@ -19,7 +19,7 @@
 #include <vector>
 
 #include "core/number_text.h"
-#include "files/shown.h"
+#include "files/file_view.h"
 #include "files/text_cursor.h"
 #include "io/mesh/3ds_check.h"
 #include "io/mesh/assimp_files.h"

@@ -10,7 +10,7 @@
 #include <string>
 #include <type_traits>
 
-#include "files/shown.h"
+#include "files/file_view.h"
 #include "files/text_cursor.h"
 #include "io/mesh/ply_header.h"
 #include "standoff/vec.h"

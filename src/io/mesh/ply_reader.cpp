@@ -2,7 +2,7 @@
 // The body of PLY files: any properties in any order; only positions and faces are kept.
 #include <array>
 
-#include "files/shown.h"
+#include "files/file_view.h"
 #include "io/mesh/builder.h"
 #include "io/mesh/format.h"
 #include "io/mesh/ply_body.h"

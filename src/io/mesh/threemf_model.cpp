@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "files/shown.h"
+#include "files/file_view.h"
 #include "files/text_cursor.h"
 
 namespace standoff {

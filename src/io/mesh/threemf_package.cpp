@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "files/file_view.h"
 #include "files/inflate.h"
-#include "files/shown.h"
 #include "files/xml_scan.h"
 #include "standoff/error.h"
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "files/file_view.h"
-#include "files/zip_reader.h"
+#include "files/zip.h"
 
 namespace standoff {
 

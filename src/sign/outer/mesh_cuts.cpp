@@ -10,7 +10,7 @@
 
 #include "core/progress.h"
 #include "core/threads.h"
-#include "geometry/coplanar.h"
+#include "geometry/predicates.h"
 #include "geometry/triangle_pair.h"
 #include "sign/outer/triangle_cut.h"
 
