@@ -5,7 +5,7 @@
 #include "collision/certified.h"
 #include "collision/find_intersecting.h"
 #include "collision/sweep_search.h"
-#include "simd/instruction_sets.h"
+#include "simd/dispatch.h"
 #include "tests/collision/bodies.h"
 #include "tests/collision/expect_same.h"
 #include "tests/support/expect_error.h"
