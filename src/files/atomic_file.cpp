@@ -18,6 +18,7 @@
 #include <utility>
 
 #include "core/guarded.h"
+#include "core/progress.h"
 #include "files/descriptor.h"
 #include "files/file_view.h"
 #include "files/temp_file.h"
@@ -139,6 +140,10 @@ void AtomicFile::open_named() {
 }
 
 AtomicFile::~AtomicFile() { discard(); }
+
+void AtomicFile::check() const {
+  if (waiting_) waiting_->check();
+}
 
 void AtomicFile::write(const void* data, std::size_t bytes) {
   if (bytes == 0) return;

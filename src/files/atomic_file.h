@@ -9,10 +9,11 @@
 #include <string>
 #include <string_view>
 
-#include "core/progress.h"
 #include "standoff/existing.h"
 
 namespace standoff {
+
+class ProgressMeter;
 
 /// Writes beside the target and takes its place on commit: once its bytes are on the disk, so that the target is the
 /// old file or the new one whenever a process, or the machine, ends. Without a commit the target stays as it was and
@@ -37,9 +38,7 @@ class AtomicFile {
   /// Lets the caller stop the work: from now on, writing throws Error{interrupted} once the meter's has asked to.
   void watched_by(ProgressMeter& waiting) { waiting_ = &waiting; }
   /// Throws if so: for work between the bytes, from any thread.
-  void check() const {
-    if (waiting_) waiting_->check();
-  }
+  void check() const;
   /// The target as the caller gave it, for messages.
   const std::filesystem::path& target() const { return shown_; }
   /// Appends bytes, through a buffer when they are few.

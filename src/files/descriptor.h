@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Open files of the system: one that closes itself, pipes that may have nobody at their other end, and input that is
-// read front to back.
+// Open files of the system: one that closes itself, pipes that may have nobody at their other end, input that is read
+// front to back, and its lines.
 #pragma once
 
 #include <unistd.h>
@@ -11,6 +11,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 namespace standoff {
 
@@ -77,6 +78,41 @@ class InputStream {
   Descriptor opened_;       // not that of the standard input, which stays open
   int file_ = -1;           // none: the caller's bytes
   std::uint64_t size_ = 0, done_ = 0;
+};
+
+// The lines of tables in text: poses, motions, points. Of any length in all, in constant memory.
+
+/// Lines end with LF or CR LF, or with CR where the first of them ends so. What follows a # is a comment. A mark of
+/// UTF-8 at the beginning, as spreadsheets write it, is passed over.
+class LineReader {
+ public:
+  static constexpr std::size_t kLongestLine = std::size_t{1} << 20;
+
+  explicit LineReader(InputStream input) : input_(std::move(input)) {}
+
+  /// The next line that has content, without its comment and the blanks at its end; it lives until the next call. False
+  /// at the end of the text. Errors: input (a line longer than kLongestLine).
+  bool next(std::string_view& line);
+  /// The number of that line, from 1.
+  std::uint64_t number() const { return number_; }
+  /// Throws Error{input} "NAME:line N: MESSAGE".
+  [[noreturn]] void fail(const std::string& message) const { fail_at(number_, message); }
+  /// The same of a line before it.
+  [[noreturn]] void fail_at(std::uint64_t number, const std::string& message) const;
+  double fraction() const { return input_.fraction(); }
+  const std::string& name() const { return input_.name(); }
+
+ private:
+  bool next_raw(std::string_view& line);
+  void begin();
+  bool refill();
+
+  InputStream input_;
+  std::vector<char> buffer_;
+  std::size_t at_ = 0, end_ = 0;  // what is not read yet
+  bool begun_ = false, ended_ = false;
+  char line_end_ = '\n';
+  std::uint64_t number_ = 0;
 };
 
 }  // namespace standoff

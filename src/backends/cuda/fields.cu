@@ -6,7 +6,7 @@
 #include "backends/cuda/pipelines.cuh"
 #include "core/guarded.h"
 #include "field/cuda/run_from_host.cuh"
-#include "gpu/device_scope.cuh"
+#include "gpu/platform.cuh"
 
 namespace standoff::STANDOFF_PLATFORM {
 namespace {

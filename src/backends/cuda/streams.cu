@@ -10,7 +10,7 @@
 #include "backends/cuda/emulated.h"
 #include "field/cuda/any_mesh.cuh"
 #include "field/float_range.h"
-#include "gpu/device_scope.cuh"
+#include "gpu/platform.cuh"
 
 namespace standoff::STANDOFF_PLATFORM {
 namespace {

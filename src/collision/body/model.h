@@ -6,7 +6,7 @@
 
 #include "collision/body/bvh16.h"
 #include "collision/body/field_bounds.h"
-#include "gpu/device_copies.h"
+#include "gpu/devices.h"
 #include "standoff/collision.h"
 
 namespace standoff {

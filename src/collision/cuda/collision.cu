@@ -3,7 +3,7 @@
 #include "collision/cuda/collide.cuh"
 #include "collision/cuda/queries.h"
 #include "collision/cuda/sweep.cuh"
-#include "gpu/device_scope.cuh"
+#include "gpu/platform.cuh"
 
 namespace standoff::STANDOFF_PLATFORM {
 

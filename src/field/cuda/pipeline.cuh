@@ -13,7 +13,7 @@
 #include "field/cuda/cell_hierarchy.cuh"
 #include "field/cuda/gather_band.cuh"
 #include "field/cuda/outcome.cuh"
-#include "gpu/workspace.h"
+#include "gpu/devices.h"
 
 namespace standoff::STANDOFF_PLATFORM {
 

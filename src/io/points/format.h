@@ -6,7 +6,7 @@
 #include <string>
 
 #include "files/file_view.h"
-#include "files/text_cursor.h"
+#include "files/descriptor.h"
 #include "io/points/point_reader.h"
 
 namespace standoff {
