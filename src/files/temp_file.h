@@ -15,7 +15,7 @@
 namespace standoff {
 
 /// In the system's folder for such files, readable by its owner alone. Removed at the end, and where a signal ends the
-/// program (files/temp_file_registry.h).
+/// program (remove_unfinished_files()).
 class TempFile {
  public:
   /// `suffix` is the end of its name, ".obj". Errors: output.

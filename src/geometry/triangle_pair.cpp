@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Two triangles intersect exactly where an edge of one intersects the other. An edge intersects a triangle where its
 // ends are not on the same side of the triangle's plane and the line through it passes all three edges on the same
-// side: signs of determinants alone, which are exact. What lies in one plane is decided in the plane (coplanar.h).
+// side: signs of determinants alone, which are exact. What lies in one plane is decided in the plane (predicates.h).
 #include "geometry/triangle_pair.h"
 
 #include <algorithm>

@@ -140,7 +140,7 @@ struct WideDouble {
   friend STANDOFF_INLINE WideDouble operator-(WideDouble a) { return _mm512_xor_pd(a.v, _mm512_set1_pd(-0.0)); }
 };
 
-// As those of geometry/scalar.h, lane by lane.
+// As those of geometry/triple.h, lane by lane.
 STANDOFF_INLINE WideDouble fma(WideDouble a, WideDouble b, WideDouble c) { return _mm512_fmadd_pd(a.v, b.v, c.v); }
 STANDOFF_INLINE WideDouble min(WideDouble a, WideDouble b) { return _mm512_min_pd(a.v, b.v); }
 STANDOFF_INLINE WideDouble max(WideDouble a, WideDouble b) { return _mm512_max_pd(a.v, b.v); }

@@ -31,7 +31,7 @@ struct Four {
   friend STANDOFF_INLINE Four operator*(const Four& a, const Four& b) { return a.v * b.v; }
 };
 
-// As those of scalar.h, lane by lane.
+// As those of triple.h, lane by lane.
 STANDOFF_INLINE Four min(const Four& a, const Four& b) { return a.v < b.v ? a.v : b.v; }
 STANDOFF_INLINE Four max(const Four& a, const Four& b) { return a.v > b.v ? a.v : b.v; }
 STANDOFF_INLINE Four::Mask less(const Four& a, const Four& b) { return a.v < b.v; }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One long triangle against the samples of a brick, by lines that are set up in double (geometry/triangle_lines.h).
+// One long triangle against the samples of a brick, by lines that are set up in double (geometry/triangle_frame.h).
 #pragma once
 
 #include "field/cpu/kernels/brick_state.inl"

@@ -18,7 +18,7 @@ STANDOFF_INLINE void store_part(const Part& part, const DoublePoint& at, const S
   if (tile.feature) store_features(feature_of(part), samples, tile.feature);
 }
 
-// Fills the outputs of eight samples, and lists those whose answers are not sound (geometry/quick_part.h). `a` is the
+// Fills the outputs of eight samples, and lists those whose answers are not sound (geometry/closest_part.h). `a` is the
 // first corner of the triangles.
 STANDOFF_INLINE void fill_quickly(const SidecarMesh& mesh, const SidecarTile& tile, const ScaledPlaces& places,
                                   const QuickTriangle<WideDouble>& triangle, const DoublePoint& a,
