@@ -9,8 +9,8 @@
 
 namespace standoff::collision {
 
-/// Finds when a triangle in motion comes within the tolerance of a resting one. Between the two lies a slab (class
-/// Slab), and its normal gives two lower bounds of the time until they touch; each step takes the later one.
+/// Finds when a triangle in motion comes within the tolerance of a resting one. Between the two lies a slab
+/// (Slab), and its normal gives two lower bounds of the time until they touch; each step takes the later one.
 class TriangleSweep {
  public:
   TriangleSweep(const QueryPair& pair, const AxisAngleMotion& path, double tolerance);
