@@ -7,7 +7,7 @@
 
 #include "cli/options.h"
 #include "cli/text.h"
-#include "files/text_file.h"
+#include "files/atomic_file.h"
 #include "standoff/error.h"
 #include "standoff/io.h"
 

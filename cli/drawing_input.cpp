@@ -8,7 +8,7 @@
 #include "cli/files.h"
 #include "cli/spinner.h"
 #include "cli/text.h"
-#include "files/text_file.h"
+#include "files/atomic_file.h"
 #include "io/points/path_starts.h"
 #include "io/points/point_reader.h"
 #include "standoff/error.h"

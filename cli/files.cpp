@@ -9,7 +9,7 @@
 #include "cli/options.h"
 #include "cli/parse.h"
 #include "cli/text.h"
-#include "files/text_file.h"
+#include "files/atomic_file.h"
 #include "scenes/scenes.h"
 #include "standoff/error.h"
 

@@ -20,10 +20,9 @@
 #include <system_error>
 #include <vector>
 
+#include "files/atomic_file.h"
 #include "files/descriptor.h"
 #include "files/temp_file.h"
-#include "files/temp_file_registry.h"
-#include "files/text_file.h"
 #include "fly/flight_pictures.h"
 #include "render/image.h"
 #include "standoff/error.h"

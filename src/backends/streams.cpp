@@ -11,7 +11,7 @@
 #include "core/tile_count.h"
 #include "field/backend.h"
 #include "field/plan.h"
-#include "gpu/device_memory.h"
+#include "gpu/devices.h"
 #include "standoff/error.h"
 #include "standoff/testing/emulation.h"
 #include "standoff/version.h"

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "collision/query_pair.h"
-#include "geometry/penetration.h"
 #include "geometry/triangle_pair.h"
 
 namespace standoff::collision {

@@ -9,10 +9,9 @@
 #include <limits>
 
 #include "collision/close_pairs.h"
-#include "core/execution.h"
 #include "core/guarded.h"
 #include "core/number_text.h"
-#include "core/promised_error.h"
+#include "geometry/rounding.h"
 
 namespace standoff {
 namespace collision {

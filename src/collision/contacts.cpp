@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "collision/close_pairs.h"
-#include "core/execution.h"
 #include "core/guarded.h"
 #include "core/number_text.h"
 

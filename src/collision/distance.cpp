@@ -7,9 +7,8 @@
 
 #include "collision/close_pairs.h"
 #include "collision/collide.h"
-#include "core/execution.h"
 #include "core/guarded.h"
-#include "geometry/penetration.h"
+#include "geometry/triangle_pair.h"
 
 namespace standoff {
 namespace collision {

@@ -7,10 +7,9 @@
 #include <cmath>
 
 #include "collision/collide.h"
-#include "core/execution.h"
 #include "core/guarded.h"
 #include "core/number_text.h"
-#include "geometry/penetration.h"
+#include "geometry/triangle_pair.h"
 
 namespace standoff {
 namespace collision {

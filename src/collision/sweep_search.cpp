@@ -7,8 +7,7 @@
 #include <optional>
 
 #include "collision/sweep.h"
-#include "geometry/penetration.h"
-#include "geometry/slab.h"
+#include "geometry/triangle_pair.h"
 
 namespace standoff::collision {
 namespace {

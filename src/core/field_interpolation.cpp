@@ -8,8 +8,8 @@
 #include <cmath>
 #include <limits>
 
-#include "core/execution.h"
 #include "core/field_error.h"
+#include "core/guarded.h"
 #include "core/threads.h"
 #include "standoff/field.h"
 

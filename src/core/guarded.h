@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Turns every other exception into standoff::Error, for all public functions.
+// What every public function does: it checks where it is to run, and turns every exception into standoff::Error.
 #pragma once
 
 #include <exception>
 #include <utility>
+
+#include "standoff/execution.h"
 
 namespace standoff {
 
@@ -27,5 +29,12 @@ decltype(auto) call_back(const Callback& callback, Arguments&&... arguments) {
 /// refuses Error{limit} too; what a callback threw comes out as it is; all else is a bug, Error{internal}.
 [[noreturn]] void throw_as_error(const char* where,
                                  const char* what_to_do = "use smaller input, or provide more memory");
+
+/// Which backends a call has.
+enum class Runs { everywhere, on_the_cpu };
+
+/// Throws Error{usage}, beginning with `where`, for invalid values, and for a backend the call does not
+/// have.
+void validate(const char* where, const Execution& execution, Runs runs);
 
 }  // namespace standoff

@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/position_hash.h"
+#include "core/hashes.h"
 #include "standoff/vec.h"
 
 namespace standoff {

@@ -6,9 +6,8 @@
 #include <cmath>
 #include <string>
 
-#include "core/execution.h"
-#include "core/field_bytes.h"
 #include "core/guarded.h"
+#include "core/memory.h"
 #include "core/number_text.h"
 #include "core/threads.h"
 #include "core/tile_count.h"

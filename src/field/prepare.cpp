@@ -15,7 +15,6 @@
 #include "core/tile_count.h"
 #include "field/plan.h"
 #include "field/skip.h"
-#include "geometry/sample_range.h"
 #include "geometry/triangle_box.h"
 #include "standoff/error.h"
 

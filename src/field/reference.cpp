@@ -11,8 +11,6 @@
 #include <limits>
 #include <numbers>
 
-#include "geometry/corners.h"
-#include "geometry/morton.h"
 #include "geometry/predicates.h"
 #include "geometry/triangle_box.h"
 #include "geometry/triangle_distance.h"

@@ -12,12 +12,11 @@
 #include <limits>
 #include <numeric>
 
-#include "core/places_from_counts.h"
-#include "core/splitmix64.h"
-#include "core/work_check.h"
+#include "core/hashes.h"
+#include "core/progress.h"
+#include "core/threads.h"
 #include "field/prepare.h"
-#include "geometry/corners.h"
-#include "geometry/sample_range.h"
+#include "geometry/predicates.h"
 #include "geometry/triangle_box.h"
 
 namespace standoff {

@@ -13,13 +13,12 @@
 #include <utility>
 #include <vector>
 
-#include "core/execution.h"
 #include "core/guarded.h"
 #include "core/progress.h"
-#include "core/promised_error.h"
 #include "core/threads.h"
 #include "field/reference.h"
 #include "field/skip.h"
+#include "geometry/rounding.h"
 #include "sign/diagnosis/closed.h"
 #include "sign/diagnosis/mesh_edges.h"
 #include "sign/diagnosis/orient.h"

@@ -9,13 +9,18 @@
 #include <string>
 #include <string_view>
 
-#include "core/splitmix64.h"
+#include "core/hashes.h"
 #include "files/atomic_file.h"
 #include "files/file_view.h"
 
 namespace standoff {
 
 static_assert(std::endian::native == std::endian::little, "arrays are written as they lie in memory");
+
+/// How the files of bodies and of queries begin (src/collision/body/model_file.cpp, src/points/query_file.cpp): readers
+/// of meshes tell them apart by it.
+inline constexpr std::string_view kBodyMagic = "so.body\n";
+inline constexpr std::string_view kQueryMagic = "so.quer\n";
 
 /// Eight bytes at a time. A round is a third of splitmix64, for speed: it can be undone, so no changed word goes
 /// unseen. It finds damage, not malice.

@@ -12,13 +12,16 @@
 #include <chrono>
 #include <cstdio>
 #include <cstring>
+#include <new>
 #include <string>
 #include <system_error>
 #include <utility>
 
+#include "core/guarded.h"
+#include "core/progress.h"
 #include "files/descriptor.h"
-#include "files/open_pipe.h"
-#include "files/temp_file_registry.h"
+#include "files/file_view.h"
+#include "files/temp_file.h"
 #include "standoff/error.h"
 
 namespace standoff {
@@ -137,6 +140,10 @@ void AtomicFile::open_named() {
 }
 
 AtomicFile::~AtomicFile() { discard(); }
+
+void AtomicFile::check() const {
+  if (waiting_) waiting_->check();
+}
 
 void AtomicFile::write(const void* data, std::size_t bytes) {
   if (bytes == 0) return;
@@ -266,6 +273,24 @@ void AtomicFile::discard() noexcept {
 void AtomicFile::fail(int error) const {
   throw Error(ErrorCode::output, shown_.string() + ": cannot write it: " + reason(error, target_.parent_path()),
               {.file = shown_.string()});
+}
+
+std::string read_text(const std::filesystem::path& path) try {
+  try {
+    return std::string(FileView(path).bytes());
+  } catch (const std::bad_alloc&) {
+    throw Error(ErrorCode::limit, path.string() + ": not enough memory for it; provide more memory");
+  }
+} catch (...) {
+  throw_as_error("file");
+}
+
+void write_text(const std::filesystem::path& path, std::string_view text, Existing existing) try {
+  AtomicFile file(path, existing);
+  file.write(text.data(), text.size());
+  file.commit();
+} catch (...) {
+  throw_as_error("file");
 }
 
 }  // namespace standoff

@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// Output files that appear whole or not at all.
+// Output files that appear whole or not at all, and whole text files.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <string>
+#include <string_view>
 
-#include "core/progress.h"
 #include "standoff/existing.h"
 
 namespace standoff {
+
+class ProgressMeter;
 
 /// Writes beside the target and takes its place on commit: once its bytes are on the disk, so that the target is the
 /// old file or the new one whenever a process, or the machine, ends. Without a commit the target stays as it was and
@@ -35,9 +38,7 @@ class AtomicFile {
   /// Lets the caller stop the work: from now on, writing throws Error{interrupted} once the meter's has asked to.
   void watched_by(ProgressMeter& waiting) { waiting_ = &waiting; }
   /// Throws if so: for work between the bytes, from any thread.
-  void check() const {
-    if (waiting_) waiting_->check();
-  }
+  void check() const;
   /// The target as the caller gave it, for messages.
   const std::filesystem::path& target() const { return shown_; }
   /// Appends bytes, through a buffer when they are few.
@@ -83,5 +84,10 @@ class AtomicFile {
   std::unique_ptr<char[]> buffer_;
   std::size_t buffered_ = 0;
 };
+
+/// The bytes of a file. Errors: input; limit when memory runs out.
+std::string read_text(const std::filesystem::path& path);
+/// Writes bytes as they are; the file appears whole or not at all. Errors: output.
+void write_text(const std::filesystem::path& path, std::string_view text, Existing existing = Existing::replace);
 
 }  // namespace standoff

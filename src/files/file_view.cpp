@@ -14,8 +14,6 @@
 #include <new>
 #include <optional>
 
-#include "files/input_stream.h"
-#include "files/open_pipe.h"
 #include "standoff/error.h"
 
 namespace standoff {
@@ -124,6 +122,18 @@ void FileView::fail_short(std::uint64_t offset, std::uint64_t bytes, const char*
   fail("byte " + std::to_string(offset), std::string(what) + " of " + std::to_string(bytes) +
                                              " bytes reaches past the end of the file, " + std::to_string(size()) +
                                              " bytes; it is cut off or damaged, get all of it");
+}
+
+std::string shown(std::string_view text, std::size_t longest) {
+  std::string shown;
+  for (const char c : text.substr(0, longest)) shown += c >= 0x20 && c < 0x7f ? c : '?';
+  return text.size() > longest ? shown + "..." : shown;
+}
+
+std::string in_quotes(std::string_view text) {
+  std::string quoted = "'";
+  quoted += shown(text);
+  return quoted += '\'';
 }
 
 }  // namespace standoff

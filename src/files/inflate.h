@@ -8,7 +8,6 @@
 #include <string>
 #include <string_view>
 
-#include "files/byte_stream.h"
 #include "files/file_view.h"
 
 namespace standoff {

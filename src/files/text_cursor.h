@@ -8,7 +8,6 @@
 #include <string_view>
 
 #include "files/file_view.h"
-#include "files/shown.h"
 
 namespace standoff {
 

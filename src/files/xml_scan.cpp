@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "files/shown.h"
+#include "files/file_view.h"
 #include "files/text_cursor.h"
 
 namespace standoff {

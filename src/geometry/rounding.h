@@ -22,4 +22,11 @@ constexpr double gamma_float(int n) { return n * kRoundoffFloat / (1 - n * kRoun
 /// The same in double.
 constexpr double gamma_double(int n) { return n * kRoundoffDouble / (1 - n * kRoundoffDouble); }
 
+// The error that compute() promises of a field (docs/tiles.md): what verify() allows, and what bounds stored in bodies
+// are lowered by.
+
+/// The most that a sample at `distance` from the mesh is off by, beside the resolution of doubles where the grid is far
+/// from the origin; `spacing` is the grid's largest. All in one unit.
+constexpr double promised_error(double distance, double spacing) { return 1e-6 * (distance + 16 * spacing); }
+
 }  // namespace standoff

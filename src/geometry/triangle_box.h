@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The box of a triangle.
+// Boxes of triangles, the samples of a grid in a box, and numbers that order cells.
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
+
+#include "geometry/host_device.h"
 #include "geometry/triple.h"
+#include "standoff/grid.h"
 #include "standoff/mesh.h"
 
 namespace standoff {
@@ -28,6 +33,61 @@ STANDOFF_INLINE F longest_side(const BoxOf<F>& box) {
 inline Box triangle_box(const MeshView& mesh, std::size_t triangle) {
   const auto [a, b, c] = mesh.corners(triangle);
   return {min(a, min(b, c)), max(a, max(b, c))};
+}
+
+/// Samples begin <= i < end on each axis.
+struct SampleRange {
+  Size3 begin, end;
+
+  STANDOFF_HD bool empty() const { return begin.x >= end.x || begin.y >= end.y || begin.z >= end.z; }
+  STANDOFF_HD std::int64_t count() const {
+    return empty() ? 0 : (end.x - begin.x) * (end.y - begin.y) * (end.z - begin.z);
+  }
+};
+
+STANDOFF_HD inline SampleRange intersection(const SampleRange& a, const SampleRange& b) {
+  return {{std::max(a.begin.x, b.begin.x), std::max(a.begin.y, b.begin.y), std::max(a.begin.z, b.begin.z)},
+          {std::min(a.end.x, b.end.x), std::min(a.end.y, b.end.y), std::min(a.end.z, b.end.z)}};
+}
+
+/// The samples of the grid in the box, its faces included. The box may be infinite, and empty on some axis.
+STANDOFF_HD inline SampleRange samples_in(const Box& box, const Grid& grid) {
+  // Not ceil and floor: without SSE4.1 they are calls of the C library, and every triangle of every brick comes here.
+  const auto first = [](double low, double origin, double spacing, std::int64_t size) {
+    const double sample = std::clamp((low - origin) / spacing, 0.0, static_cast<double>(size));
+    const auto below = static_cast<std::int64_t>(sample);
+    return below + (static_cast<double>(below) < sample);
+  };
+  const auto past = [](double high, double origin, double spacing, std::int64_t size) {
+    const double sample = (high - origin) / spacing;
+    if (!(sample >= 0)) return std::int64_t{0};
+    return static_cast<std::int64_t>(std::min(sample, static_cast<double>(size - 1))) + 1;
+  };
+  const auto& [size, origin, spacing] = grid;
+  return {{first(box.min.x, origin.x, spacing.x, size.x), first(box.min.y, origin.y, spacing.y, size.y),
+           first(box.min.z, origin.z, spacing.z, size.z)},
+          {past(box.max.x, origin.x, spacing.x, size.x), past(box.max.y, origin.y, spacing.y, size.y),
+           past(box.max.z, origin.z, spacing.z, size.z)}};
+}
+
+// Morton numbers of cells: the bits of three coordinates, interleaved. Near numbers are near places.
+
+namespace detail {
+
+// Bits 0, 3, 6, ... of the result are those of v, which is below 2^21.
+constexpr std::uint64_t spread(std::uint64_t v) {
+  v = (v | v << 32) & 0x001f00000000ffff;
+  v = (v | v << 16) & 0x001f0000ff0000ff;
+  v = (v | v << 8) & 0x100f00f00f00f00f;
+  v = (v | v << 4) & 0x10c30c30c30c30c3;
+  return (v | v << 2) & 0x1249249249249249;
+}
+
+}  // namespace detail
+
+/// The number of cell (x, y, z): below 2^(3n) where each coordinate is below 2^n. Requires n of at most 21.
+constexpr std::uint64_t morton(std::uint64_t x, std::uint64_t y, std::uint64_t z) {
+  return detail::spread(x) | detail::spread(y) << 1 | detail::spread(z) << 2;
 }
 
 }  // namespace standoff

@@ -16,7 +16,7 @@
 
 #include "geometry/closest_pair.h"
 #include "geometry/rounding.h"
-#include "geometry/transform.h"
+#include "geometry/triple.h"
 
 namespace standoff {
 

@@ -12,8 +12,7 @@
 #include <string>
 #include <utility>
 
-#include "gpu/device_memory.h"
-#include "gpu/stream.h"
+#include "gpu/devices.h"
 #include "standoff/error.h"
 #include "standoff/execution.h"
 
@@ -136,6 +135,27 @@ class Memory {
 
  private:
   void* at_ = nullptr;
+};
+
+/// Makes a device the current one for as long as it lives. Only where it must: setting one starts CUDA on it.
+class DeviceScope {
+ public:
+  explicit DeviceScope(int device) {
+    check_usable(device);
+    check_call(cudaGetDevice(&before_), "cudaGetDevice");
+    if (device == before_) return;
+    check_call(cudaSetDevice(device), "cudaSetDevice");
+    changed_ = true;
+  }
+  ~DeviceScope() {
+    if (changed_) cudaSetDevice(before_);
+  }
+  DeviceScope(const DeviceScope&) = delete;
+  DeviceScope& operator=(const DeviceScope&) = delete;
+
+ private:
+  int before_ = 0;
+  bool changed_ = false;
 };
 
 }  // namespace standoff::cuda

@@ -10,9 +10,8 @@
 #include <new>
 #include <utility>
 
-#include "gpu/device_memory.h"
+#include "gpu/devices.h"
 #include "gpu/emulation/words.h"
-#include "gpu/stream.h"
 #include "standoff/testing/emulation.h"
 
 namespace standoff::emulated {
@@ -99,6 +98,11 @@ class Memory {
     }
   };
   std::unique_ptr<void, Release> at_;
+};
+
+/// Makes a device the current one: there is one.
+struct DeviceScope {
+  explicit DeviceScope(int) {}
 };
 
 }  // namespace standoff::emulated

@@ -7,7 +7,7 @@
 #include <limits>
 #include <string>
 
-#include "gpu/stream.h"
+#include "gpu/devices.h"
 #include "standoff/error.h"
 
 namespace standoff {

@@ -9,8 +9,8 @@
 
 #include "core/guarded.h"
 #include "core/number_text.h"
+#include "files/atomic_file.h"
 #include "files/deflate.h"
-#include "files/text_file.h"
 #include "render/image.h"
 #include "standoff/error.h"
 #include "standoff/page.h"

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "gpu/device_copies.h"
+#include "gpu/devices.h"
 
 namespace standoff {
 

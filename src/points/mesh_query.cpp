@@ -8,11 +8,9 @@
 #include <cmath>
 #include <string>
 
-#include "core/execution.h"
 #include "core/guarded.h"
 #include "core/mesh_copy.h"
 #include "core/number_text.h"
-#include "core/per_thread.h"
 #include "core/threads.h"
 #include "field/skip.h"
 #include "geometry/triangle_frame.h"

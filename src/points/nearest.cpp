@@ -10,7 +10,7 @@
 #include <numeric>
 #include <optional>
 
-#include "core/per_thread.h"
+#include "core/threads.h"
 #include "geometry/triangle_distance.h"
 
 namespace standoff {

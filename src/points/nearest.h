@@ -6,7 +6,7 @@
 #include <limits>
 #include <span>
 
-#include "core/huge_page_vector.h"
+#include "core/memory.h"
 #include "core/progress.h"
 #include "points/cpu/kernels.h"
 #include "points/sorted_points.h"

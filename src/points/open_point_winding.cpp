@@ -8,7 +8,7 @@
 #include <numbers>
 #include <vector>
 
-#include "core/per_thread.h"
+#include "core/threads.h"
 #include "geometry/predicates.h"
 #include "sign/open_winding/cap_angle.h"
 #include "sign/open_winding/winding_rule.h"

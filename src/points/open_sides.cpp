@@ -6,7 +6,7 @@
 #include <numeric>
 #include <vector>
 
-#include "core/per_thread.h"
+#include "core/threads.h"
 #include "points/known_windings.h"
 #include "sign/open_winding/winding_rule.h"
 

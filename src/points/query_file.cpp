@@ -14,7 +14,7 @@
 
 #include "core/guarded.h"
 #include "core/threads.h"
-#include "files/magic.h"
+#include "files/array_file.h"
 #include "points/query_data.h"
 #include "sign/diagnosis/boundary.h"
 #include "standoff/error.h"

@@ -6,7 +6,7 @@
 #include <memory>
 #include <span>
 
-#include "core/work_check.h"
+#include "core/progress.h"
 #include "points/cpu/kernels.h"
 #include "points/triangle_index.h"
 #include "sign/plan.h"

@@ -8,7 +8,7 @@
 
 #include <cmath>
 
-#include "geometry/morton.h"
+#include "geometry/triangle_box.h"
 
 namespace standoff {
 namespace {

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <span>
 
-#include "core/huge_page_vector.h"
+#include "core/memory.h"
 #include "field/cpu/candidate_culling.h"
 #include "field/cpu/clusters.h"
 #include "field/cpu/kernels.h"

@@ -10,10 +10,8 @@
 #include <deque>
 #include <string>
 
-#include "core/execution.h"
 #include "core/guarded.h"
-#include "core/memory_budget.h"
-#include "core/per_thread.h"
+#include "core/memory.h"
 #include "core/threads.h"
 #include "files/atomic_file.h"
 #include "render/image.h"

@@ -12,10 +12,8 @@
 #include <optional>
 #include <type_traits>
 
-#include "core/advise_huge_pages.h"
-#include "core/execution.h"
 #include "core/guarded.h"
-#include "core/per_thread.h"
+#include "core/memory.h"
 #include "core/progress.h"
 #include "core/streamed_copy.h"
 #include "core/threads.h"

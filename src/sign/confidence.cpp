@@ -10,7 +10,6 @@
 #include <functional>
 #include <string>
 
-#include "core/execution.h"
 #include "core/guarded.h"
 #include "core/mesh_copy.h"
 #include "core/threads.h"

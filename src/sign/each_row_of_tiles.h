@@ -8,8 +8,8 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "core/per_thread.h"
 #include "core/progress.h"
+#include "core/threads.h"
 #include "core/tile_count.h"
 #include "sign/sides.h"
 #include "standoff/grid.h"

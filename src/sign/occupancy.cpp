@@ -4,7 +4,6 @@
 #include <bit>
 #include <numeric>
 
-#include "core/execution.h"
 #include "core/guarded.h"
 #include "core/threads.h"
 #include "sign/make_sides.h"

@@ -10,14 +10,11 @@
 #if defined(STANDOFF_TARGET_AVX512)
 #define STANDOFF_TARGET avx512
 #include "simd/wide_avx512.h"
-#include "simd/wide_double_avx512.h"
 #elif defined(STANDOFF_TARGET_AVX2)
 #define STANDOFF_TARGET avx2
 #include "simd/wide_avx2.h"
-#include "simd/wide_double_avx2.h"
 #else
 #define STANDOFF_TARGET portable
-#include "simd/wide_double_portable.h"
 #include "simd/wide_portable.h"
 #endif
 

@@ -16,9 +16,8 @@
 #include <string>
 #include <vector>
 
-#include "core/execution.h"
 #include "core/guarded.h"
-#include "core/splitmix64.h"
+#include "core/hashes.h"
 #include "core/threads.h"
 #include "files/atomic_file.h"
 #include "simulation/crossing_check.h"

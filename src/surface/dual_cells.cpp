@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/per_thread.h"
+#include "core/threads.h"
 #include "surface/vertices.h"
 
 namespace standoff {

@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "core/per_thread.h"
+#include "core/threads.h"
 #include "standoff/vec.h"
 #include "surface/cells.h"
 #include "surface/dual_cells.h"

@@ -12,7 +12,7 @@
 #include <limits>
 #include <vector>
 
-#include "geometry/corners.h"
+#include "geometry/predicates.h"
 #include "sign/flood/lattice_crossings.h"
 #include "standoff/points.h"
 #include "surface/cells.h"

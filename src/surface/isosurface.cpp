@@ -11,7 +11,6 @@
 #include <utility>
 #include <vector>
 
-#include "core/execution.h"
 #include "core/guarded.h"
 #include "core/number_text.h"
 #include "core/threads.h"

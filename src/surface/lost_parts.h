@@ -2,7 +2,7 @@
 // What of a mesh its surface shows nothing of, because no sample is inside there.
 #pragma once
 
-#include "core/memory_budget.h"
+#include "core/memory.h"
 #include "core/progress.h"
 #include "standoff/surface.h"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "core/per_thread.h"
+#include "core/threads.h"
 #include "surface/cells.h"
 #include "surface/methods.h"
 

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "core/memory_budget.h"
+#include "core/memory.h"
 #include "core/progress.h"
 #include "standoff/mesh.h"
 #include "standoff/points.h"

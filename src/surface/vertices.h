@@ -11,7 +11,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "core/memory_budget.h"
+#include "core/memory.h"
 #include "standoff/grid.h"
 #include "standoff/surface.h"
 

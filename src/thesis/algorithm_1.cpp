@@ -16,7 +16,7 @@
 
 #include "field/cpu/bins.h"
 #include "field/cpu/kernels.h"
-#include "geometry/scalar.h"
+#include "geometry/triple.h"
 #include "thesis/thesis_distance.h"
 
 namespace standoff::cpu {

@@ -23,7 +23,6 @@
 #pragma once
 
 #include "field/lattice.h"
-#include "geometry/sample_range.h"
 #include "geometry/triangle_box.h"
 #include "geometry/triple.h"
 #include "standoff/vec.h"

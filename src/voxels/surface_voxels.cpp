@@ -9,7 +9,6 @@
 #include <cmath>
 #include <utility>
 
-#include "core/execution.h"
 #include "core/guarded.h"
 #include "core/number_text.h"
 #include "core/progress.h"

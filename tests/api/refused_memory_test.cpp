@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "backends/cuda/fields.h"
-#include "files/text_file.h"
+#include "files/atomic_file.h"
 #include "scenes/scenes.h"
 #include "standoff/collision.h"
 #include "standoff/compute.h"

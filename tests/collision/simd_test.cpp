@@ -4,7 +4,7 @@
 
 #include "collision/collide.h"
 #include "collision/sweep.h"
-#include "simd/instruction_sets.h"
+#include "simd/dispatch.h"
 #include "tests/collision/bodies.h"
 #include "tests/collision/expect_same.h"
 #include "tests/support/expect_error.h"

@@ -5,8 +5,6 @@
 #include <cmath>
 
 #include "collision/cpu/kernels.h"
-#include "geometry/penetration.h"
-#include "geometry/slab.h"
 #include "geometry/triangle_pair.h"
 #include "tests/collision/bodies.h"
 #include "tests/collision/zoo/gap.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/growing_memory.h"
+#include "core/memory.h"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/splitmix64.h"
+#include "core/hashes.h"
 
 #include <gtest/gtest.h>
 

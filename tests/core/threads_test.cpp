@@ -15,8 +15,6 @@
 #include <thread>
 #include <vector>
 
-#include "core/per_thread.h"
-
 namespace standoff {
 namespace {
 

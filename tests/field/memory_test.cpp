@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "core/field_bytes.h"
+#include "core/memory.h"
 #include "field/plan.h"
 #include "standoff/compute.h"
 #include "standoff/io.h"

@@ -14,8 +14,7 @@
 #include <thread>
 #include <vector>
 
-#include "files/temp_file_registry.h"
-#include "files/text_file.h"
+#include "files/temp_file.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/temp_folder.h"
 

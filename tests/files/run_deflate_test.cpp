@@ -6,7 +6,7 @@
 
 #include <random>
 
-#include "files/run_deflate.h"
+#include "files/deflate.h"
 
 namespace standoff {
 namespace {

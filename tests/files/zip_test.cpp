@@ -6,8 +6,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "files/zip_reader.h"
-#include "files/zip_writer.h"
+#include "files/zip.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/paths.h"
 #include "tests/support/temp_folder.h"

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "geometry/corners.h"
+#include "geometry/predicates.h"
 #include "geometry/triangle_distance.h"
 #include "standoff/vec.h"
 #include "tests/support/random_mesh.h"

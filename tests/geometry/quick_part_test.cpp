@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The closest point by regions, and that of points over the inside of a triangle, against the one by comparison of all
 // edges and the face.
-#include "geometry/quick_part.h"
+#include "geometry/closest_part.h"
 
 #include <gtest/gtest.h>
 
@@ -10,9 +10,6 @@
 #include <cmath>
 #include <limits>
 #include <random>
-
-#include "geometry/closest_part.h"
-#include "geometry/quick_face.h"
 
 namespace standoff {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "geometry/sample_range.h"
+#include "geometry/triangle_box.h"
 
 #include <gtest/gtest.h>
 

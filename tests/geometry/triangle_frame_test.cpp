@@ -7,8 +7,7 @@
 #include <array>
 #include <cmath>
 
-#include "geometry/corners.h"
-#include "geometry/triangle_lines.h"
+#include "geometry/predicates.h"
 #include "tests/geometry/closest_point.h"
 #include "tests/support/random_mesh.h"
 #include "tests/support/reference.h"

@@ -13,10 +13,10 @@
 #include <utility>
 
 #include "backends/cuda/fields.h"
-#include "gpu/timing.cuh"
 #include "scenes/scenes.h"
 #include "standoff/error.h"
 #include "tests/gpu_check/field_on_device.cuh"
+#include "tests/gpu_check/timing.cuh"
 #include "tests/support/random_mesh.h"
 #include "tests/support/reference.h"
 

@@ -19,12 +19,12 @@
 #include <iostream>
 #include <string>
 
-#include "gpu/timing.cuh"
 #include "scenes/scenes.h"
 #include "standoff/error.h"
 #include "tests/gpu_check/field_on_device.cuh"
 #include "tests/gpu_check/parts.cuh"
 #include "tests/gpu_check/peer_file.h"
+#include "tests/gpu_check/timing.cuh"
 
 namespace standoff::STANDOFF_PLATFORM {
 namespace {

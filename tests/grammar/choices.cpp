@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "core/splitmix64.h"
+#include "core/hashes.h"
 
 namespace standoff::grammar {
 namespace {

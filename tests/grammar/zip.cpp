@@ -3,7 +3,7 @@
 
 #include <zlib.h>
 
-#include "files/zip_format.h"
+#include "files/zip.h"
 #include "tests/grammar/hostile.h"
 #include "tests/grammar/packed.h"
 

@@ -7,7 +7,7 @@
 
 #include "geometry/triangle_distance.h"
 #include "scenes/scenes.h"
-#include "simd/instruction_sets.h"
+#include "simd/dispatch.h"
 #include "standoff/points.h"
 #include "tests/support/random_mesh.h"
 #include "tests/support/reference.h"

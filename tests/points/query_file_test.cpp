@@ -8,7 +8,7 @@
 #include <cstring>
 #include <random>
 
-#include "files/text_file.h"
+#include "files/atomic_file.h"
 #include "scenes/scenes.h"
 #include "standoff/error.h"
 #include "tests/support/temp_folder.h"

@@ -12,7 +12,7 @@
 
 #include <cstdio>
 
-#include "geometry/sample_range.h"
+#include "geometry/triangle_box.h"
 #include "scenes/scenes.h"
 #include "standoff/grid.h"
 #include "standoff/thesis.h"

@@ -12,7 +12,7 @@
 
 #include "sign/inside_rows.h"
 #include "sign/rows/ray_crossing.h"
-#include "simd/instruction_sets.h"
+#include "simd/dispatch.h"
 #include "tests/support/random_mesh.h"
 
 namespace standoff {

@@ -11,7 +11,7 @@
 #include <limits>
 #include <random>
 
-#include "geometry/scalar.h"
+#include "geometry/triple.h"
 #include "tests/simd/operations/operations.h"
 #include "tests/simd/operations/targets.h"
 

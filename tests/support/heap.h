@@ -9,7 +9,7 @@
 #include <limits>
 #include <new>
 
-#include "core/growing_memory.h"
+#include "core/memory.h"
 
 namespace standoff::testing::heap {
 

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "files/zip_format.h"
+#include "files/zip.h"
 
 namespace standoff {
 

@@ -15,7 +15,7 @@
 #include <random>
 #include <thread>
 
-#include "files/text_file.h"
+#include "files/atomic_file.h"
 #include "standoff/error.h"
 #include "tests/support/paths.h"
 #include "view/server/request.h"

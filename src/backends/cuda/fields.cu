@@ -4,7 +4,7 @@
 #include "backends/cuda/fields.h"
 #include "core/guarded.h"
 #include "field/cuda/counted_run.cuh"
-#include "gpu/device_scope.cuh"
+#include "gpu/platform.cuh"
 #include "thesis/algorithm_1.cuh"
 
 namespace standoff::STANDOFF_PLATFORM {

@@ -9,7 +9,7 @@
 
 #include "field/cuda/any_mesh.cuh"
 #include "field/prepare.h"
-#include "gpu/device_scope.cuh"
+#include "gpu/platform.cuh"
 
 namespace standoff::STANDOFF_PLATFORM {
 namespace {

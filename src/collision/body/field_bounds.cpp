@@ -9,8 +9,8 @@
 
 #include "collision/body/model.h"
 #include "core/number_text.h"
-#include "core/promised_error.h"
 #include "core/tile_count.h"
+#include "geometry/rounding.h"
 #include "sign/diagnosis/closed.h"
 #include "standoff/compute.h"
 #include "standoff/error.h"

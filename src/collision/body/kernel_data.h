@@ -8,8 +8,7 @@
 #include <limits>
 
 #include "geometry/host_device.h"
-#include "geometry/scalar.h"
-#include "geometry/transform.h"
+#include "geometry/triple.h"
 
 namespace standoff::collision {
 

@@ -12,7 +12,6 @@
 #include <numeric>
 #include <utility>
 
-#include "core/execution.h"
 #include "core/guarded.h"
 #include "core/mesh_copy.h"
 #include "core/number_text.h"
@@ -21,7 +20,6 @@
 #include "core/tile_count.h"
 #include "core/weld.h"
 #include "files/array_file.h"
-#include "files/magic.h"
 
 namespace standoff {
 namespace collision {

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "collision/body/kernel_data.h"
-#include "core/huge_page_vector.h"
+#include "core/memory.h"
 #include "core/progress.h"
 #include "geometry/triangle_pair.h"
-#include "gpu/device_copies.h"
+#include "gpu/devices.h"
 #include "standoff/collision.h"
 #include "standoff/execution.h"
 #include "standoff/field.h"

@@ -3,7 +3,7 @@
 #include "collision/cuda/collide.cuh"
 #include "collision/cuda/sweep.cuh"
 #include "collision/device.h"
-#include "gpu/device_scope.cuh"
+#include "gpu/platform.cuh"
 
 namespace standoff::STANDOFF_PLATFORM {
 

@@ -9,8 +9,8 @@
 
 #include "collision/device.h"
 #include "geometry/triple.h"
+#include "gpu/devices.h"
 #include "gpu/platform.cuh"
-#include "gpu/workspace.h"
 
 namespace standoff::STANDOFF_PLATFORM {
 

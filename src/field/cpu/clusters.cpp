@@ -15,7 +15,6 @@
 #include <utility>
 
 #include "field/backend.h"
-#include "geometry/morton.h"
 #include "geometry/triangle_box.h"
 
 namespace standoff::cpu {

@@ -11,7 +11,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/places_from_counts.h"
+#include "core/threads.h"
 #include "field/backend.h"
 #include "field/cpu/kernels.h"
 

@@ -9,7 +9,7 @@
 #include <limits>
 #include <memory>
 
-#include "core/per_thread.h"
+#include "core/threads.h"
 #include "field/cpu/bins.h"
 #include "field/cpu/candidate_culling.h"
 #include "field/cpu/clusters.h"

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "field/cuda/bin.cuh"
-#include "gpu/workspace.h"
+#include "gpu/devices.h"
 #include "standoff/grid.h"
 #include "standoff/mesh_view.h"
 

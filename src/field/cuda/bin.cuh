@@ -7,7 +7,7 @@
 
 #include "field/lattice.h"
 #include "geometry/triangle_box.h"
-#include "geometry/triangle_lines.h"
+#include "geometry/triangle_frame.h"
 #include "gpu/platform.cuh"
 #include "gpu/scan.h"
 #include "standoff/cuda.h"

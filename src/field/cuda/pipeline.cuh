@@ -18,7 +18,7 @@
 #include "field/cuda/capacity.h"
 #include "field/cuda/cell_hierarchy.cuh"
 #include "field/cuda/gather_band.cuh"
-#include "gpu/workspace.h"
+#include "gpu/devices.h"
 
 namespace standoff::STANDOFF_PLATFORM {
 

@@ -1,22 +1,220 @@
 // SPDX-License-Identifier: Apache-2.0
+// Fibers, and on them the threads of a block.
 #include "gpu/emulation/block.h"
+
+#include <sys/mman.h>
 
 #include <algorithm>
 #include <atomic>
+#include <cstddef>
+#include <cstdlib>
 #include <cstring>
 #include <memory>
 #include <mutex>
+#include <new>
 #include <random>
 #include <string>
 #include <vector>
 
-#include "gpu/emulation/fiber.h"
 #include "standoff/error.h"
 
+#ifdef STANDOFF_HAVE_BOOST_CONTEXT
+#include <boost/context/detail/fcontext.hpp>
+#else
+#include <ucontext.h>
+#endif
+
+#ifndef __has_feature
+#define __has_feature(x) 0
+#endif
+#if defined(__SANITIZE_ADDRESS__) || __has_feature(address_sanitizer)
+#define STANDOFF_ASAN 1
+#include <sanitizer/common_interface_defs.h>
+#endif
+#if defined(__SANITIZE_THREAD__) || __has_feature(thread_sanitizer)
+#define STANDOFF_TSAN 1
+#include <sanitizer/tsan_interface.h>
+#endif
+
+// The switches themselves are no business of the thread sanitizer: it would take the bookkeeping for races.
 #define STANDOFF_UNWATCHED __attribute__((no_sanitize("thread")))
 
 namespace standoff::emulation {
 namespace {
+
+// Fibers: stacks of their own that take turns on one thread of the machine. Over Boost.Context where it is there, over
+// ucontext (slower: a system call a switch) where not. Every switch is announced to the sanitizers.
+
+// A function with a stack. It runs when resumed, until it parks itself or ends.
+class Fiber {
+ public:
+  Fiber();
+  ~Fiber();
+  Fiber(const Fiber&) = delete;
+  Fiber& operator=(const Fiber&) = delete;
+
+  // Makes ready to run `entry` from its beginning; what ran before is forgotten. `entry` must not throw, and must
+  // call finish() where it ends.
+  void start(void (*entry)());
+  // Runs the fiber until it parks or ends. Called from the thread's own stack.
+  void resume();
+  // Returns to whoever resumed this fiber. Called on the fiber.
+  void park();
+  // The same, for good.
+  [[noreturn]] void finish();
+
+ private:
+  static constexpr std::size_t kStackBytes = std::size_t{64} << 10;
+
+  void leave(bool for_good);
+
+  char* stack_ = nullptr;  // its lowest byte; below it lies a page that faults
+  struct Context;
+  Context* context_;
+};
+
+constexpr std::size_t kGuardBytes = 4096;
+
+// The stack of the thread that resumes fibers. One emulated launch runs at a time, so one is enough.
+struct {
+#ifdef STANDOFF_HAVE_BOOST_CONTEXT
+  boost::context::detail::fcontext_t context;
+#else
+  ucontext_t context;
+#endif
+  const void* stack_bottom;
+  std::size_t stack_bytes;
+  void* tsan;
+} home;
+
+void (*entry_of_next)();
+
+struct Fiber::Context {
+#ifdef STANDOFF_HAVE_BOOST_CONTEXT
+  boost::context::detail::fcontext_t context{};
+#else
+  ucontext_t context{};
+#endif
+  void* asan_fake_stack = nullptr;
+  void* tsan = nullptr;
+  bool ended = false;
+};
+
+STANDOFF_UNWATCHED void arrive_first() {
+#ifdef STANDOFF_ASAN
+  __sanitizer_finish_switch_fiber(nullptr, &home.stack_bottom, &home.stack_bytes);
+#endif
+  entry_of_next();
+  std::abort();  // entries end with finish()
+}
+
+#ifdef STANDOFF_HAVE_BOOST_CONTEXT
+STANDOFF_UNWATCHED void arrive(boost::context::detail::transfer_t from) {
+  home.context = from.fctx;
+  arrive_first();
+}
+#else
+STANDOFF_UNWATCHED void arrive() { arrive_first(); }
+#endif
+
+Fiber::Fiber() : context_(new Context) {
+  void* memory = mmap(nullptr, kGuardBytes + kStackBytes, PROT_READ | PROT_WRITE,
+                      MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (memory == MAP_FAILED || mprotect(memory, kGuardBytes, PROT_NONE) != 0) {
+    delete context_;
+    throw std::bad_alloc();
+  }
+  stack_ = static_cast<char*>(memory) + kGuardBytes;
+}
+
+Fiber::~Fiber() {
+#ifdef STANDOFF_TSAN
+  if (context_->tsan) __tsan_destroy_fiber(context_->tsan);
+#endif
+  munmap(stack_ - kGuardBytes, kGuardBytes + kStackBytes);
+  delete context_;
+}
+
+STANDOFF_UNWATCHED void Fiber::start(void (*entry)()) {
+  entry_of_next = entry;
+#ifdef STANDOFF_HAVE_BOOST_CONTEXT
+  context_->context = boost::context::detail::make_fcontext(stack_ + kStackBytes, kStackBytes, arrive);
+#else
+  getcontext(&context_->context);
+  context_->context.uc_stack.ss_sp = stack_;
+  context_->context.uc_stack.ss_size = kStackBytes;
+  context_->context.uc_link = nullptr;
+  makecontext(&context_->context, arrive, 0);
+#endif
+#ifdef STANDOFF_TSAN
+  // Making one takes a millisecond: only where the last run was given up midway.
+  if (context_->tsan && !context_->ended) {
+    __tsan_destroy_fiber(context_->tsan);
+    context_->tsan = nullptr;
+  }
+  if (!context_->tsan) context_->tsan = __tsan_create_fiber(0);
+#endif
+  context_->ended = false;
+}
+
+STANDOFF_UNWATCHED void Fiber::resume() {
+#ifdef STANDOFF_ASAN
+  void* fake_stack = nullptr;
+  __sanitizer_start_switch_fiber(&fake_stack, stack_, kStackBytes);
+#endif
+#ifdef STANDOFF_TSAN
+  home.tsan = __tsan_get_current_fiber();
+  __tsan_switch_to_fiber(context_->tsan, __tsan_switch_to_fiber_no_sync);  // taking turns orders nothing
+#endif
+#ifdef STANDOFF_HAVE_BOOST_CONTEXT
+  context_->context = boost::context::detail::jump_fcontext(context_->context, nullptr).fctx;
+#else
+  swapcontext(&home.context, &context_->context);
+#endif
+#ifdef STANDOFF_ASAN
+  __sanitizer_finish_switch_fiber(fake_stack, nullptr, nullptr);
+#endif
+}
+
+STANDOFF_UNWATCHED void Fiber::leave(bool for_good) {
+  context_->ended = for_good;
+#ifdef STANDOFF_TSAN
+  __tsan_switch_to_fiber(home.tsan, __tsan_switch_to_fiber_no_sync);
+#endif
+#ifdef STANDOFF_ASAN
+  __sanitizer_start_switch_fiber(for_good ? nullptr : &context_->asan_fake_stack, home.stack_bottom, home.stack_bytes);
+#endif
+#ifdef STANDOFF_HAVE_BOOST_CONTEXT
+  home.context = boost::context::detail::jump_fcontext(home.context, nullptr).fctx;
+#else
+  swapcontext(&context_->context, &home.context);
+#endif
+#ifdef STANDOFF_ASAN
+  __sanitizer_finish_switch_fiber(context_->asan_fake_stack, &home.stack_bottom, &home.stack_bytes);
+#endif
+}
+
+STANDOFF_UNWATCHED void Fiber::park() { leave(false); }
+
+STANDOFF_UNWATCHED void Fiber::finish() {
+  leave(true);
+  std::abort();  // a finished fiber is started again, never resumed
+}
+
+// Tells the thread sanitizer that what happened before a release at `tag` happens before an acquire of it.
+void release([[maybe_unused]] void* tag) {
+#ifdef STANDOFF_TSAN
+  __tsan_release(tag);
+#endif
+}
+
+void acquire([[maybe_unused]] void* tag) {
+#ifdef STANDOFF_TSAN
+  __tsan_acquire(tag);
+#endif
+}
+
+// The threads of a block.
 
 constexpr unsigned kWarp = 32;
 

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "files/zip_writer.h"
+#include "files/zip.h"
 #include "io/field/npy.h"
 #include "standoff/vec.h"
 

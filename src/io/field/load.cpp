@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "core/field_bytes.h"
+#include "core/memory.h"
 #include "core/number_text.h"
 #include "core/tile_count.h"
 #include "io/field/samples.h"

@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "core/number_text.h"
-#include "files/shown.h"
+#include "files/file_view.h"
 #include "io/field/header_text.h"
 
 namespace standoff {

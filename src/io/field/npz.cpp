@@ -10,10 +10,9 @@
 #include <vector>
 
 #include "core/number_text.h"
-#include "files/run_deflate.h"
-#include "files/shown.h"
-#include "files/zip_reader.h"
-#include "files/zip_writer.h"
+#include "files/deflate.h"
+#include "files/file_view.h"
+#include "files/zip.h"
 #include "io/field/format.h"
 #include "io/field/header_text.h"
 #include "io/field/npy.h"

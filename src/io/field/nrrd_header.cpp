@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-#include "files/shown.h"
+#include "files/file_view.h"
 #include "io/field/header_text.h"
 
 namespace standoff {

@@ -8,10 +8,10 @@
 #include <set>
 #include <string>
 
-#include "core/field_bytes.h"
+#include "core/memory.h"
 #include "core/number_text.h"
+#include "files/file_view.h"
 #include "files/inflate.h"
-#include "files/shown.h"
 #include "io/field/blosc.h"
 #include "io/field/format.h"
 #include "io/field/header_text.h"

@@ -10,7 +10,6 @@
 #include <string>
 #include <vector>
 
-#include "files/byte_stream.h"
 #include "files/file_view.h"
 #include "io/field/format.h"
 #include "io/field/sample_arrays.h"

@@ -5,9 +5,8 @@
 
 #include <optional>
 
-#include "core/per_thread.h"
 #include "core/threads.h"
-#include "files/run_deflate.h"
+#include "files/deflate.h"
 
 namespace standoff {
 namespace {

@@ -9,7 +9,7 @@
 #include <memory>
 #include <string_view>
 
-#include "files/byte_stream.h"
+#include "files/file_view.h"
 #include "io/field/samples.h"
 
 namespace standoff {

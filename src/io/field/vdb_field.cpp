@@ -6,7 +6,7 @@
 #include <limits>
 #include <string>
 
-#include "core/field_bytes.h"
+#include "core/memory.h"
 #include "core/number_text.h"
 #include "files/inflate.h"
 #include "io/field/samples.h"

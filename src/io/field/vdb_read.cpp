@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/number_text.h"
-#include "files/shown.h"
+#include "files/file_view.h"
 #include "io/field/format.h"
 #include "io/field/header_text.h"
 #include "io/field/vdb_field.h"

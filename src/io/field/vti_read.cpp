@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/number_text.h"
-#include "files/shown.h"
+#include "files/file_view.h"
 #include "files/xml_scan.h"
 #include "io/field/format.h"
 #include "io/field/header_text.h"

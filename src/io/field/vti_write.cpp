@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/number_text.h"
-#include "files/run_deflate.h"
+#include "files/deflate.h"
 #include "io/field/format.h"
 #include "io/field/send_samples.h"
 

@@ -7,7 +7,6 @@
 #include <string_view>
 #include <vector>
 
-#include "files/byte_stream.h"
 #include "files/file_view.h"
 #include "files/inflate.h"
 

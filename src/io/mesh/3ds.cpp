@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-#include "files/shown.h"
+#include "files/file_view.h"
 #include "io/mesh/builder.h"
 #include "io/mesh/format.h"
 #include "io/mesh/scene.h"

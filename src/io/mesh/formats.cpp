@@ -12,8 +12,8 @@
 
 #include "core/guarded.h"
 #include "core/number_text.h"
+#include "files/array_file.h"
 #include "files/inflate.h"
-#include "files/magic.h"
 #include "files/text_cursor.h"
 #include "io/mesh/format.h"
 #include "standoff/io.h"

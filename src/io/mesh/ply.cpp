@@ -9,7 +9,7 @@
 #include <limits>
 #include <string>
 
-#include "files/shown.h"
+#include "files/file_view.h"
 #include "io/mesh/builder.h"
 #include "io/mesh/format.h"
 #include "io/mesh/ply_data.h"

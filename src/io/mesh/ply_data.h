@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "files/file_view.h"
-#include "files/shown.h"
 #include "files/text_cursor.h"
 #include "standoff/vec.h"
 

@@ -15,10 +15,9 @@
 
 #include "files/file_view.h"
 #include "files/inflate.h"
-#include "files/shown.h"
 #include "files/text_cursor.h"
 #include "files/xml_scan.h"
-#include "files/zip_reader.h"
+#include "files/zip.h"
 #include "io/mesh/builder.h"
 #include "io/mesh/format.h"
 #include "io/mesh/scene.h"

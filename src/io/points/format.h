@@ -5,8 +5,8 @@
 #include <memory>
 #include <string>
 
+#include "files/descriptor.h"
 #include "files/file_view.h"
-#include "files/line_reader.h"
 #include "io/points/point_reader.h"
 
 namespace standoff {

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "core/number_text.h"
-#include "files/shown.h"
+#include "files/file_view.h"
 #include "io/points/answer_format.h"
 #include "io/points/format.h"
 #include "standoff/error.h"

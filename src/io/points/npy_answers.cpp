@@ -2,8 +2,8 @@
 // Answers as NumPy arrays. NPY: distances; records, if more is asked. NPZ: an array for each.
 #include <limits>
 
-#include "files/spool_file.h"
-#include "files/zip_writer.h"
+#include "files/temp_file.h"
+#include "files/zip.h"
 #include "io/field/npy.h"
 #include "io/points/answer_format.h"
 

@@ -7,9 +7,8 @@
 #include <cstring>
 #include <vector>
 
-#include "files/byte_stream.h"
-#include "files/shown.h"
-#include "files/zip_reader.h"
+#include "files/file_view.h"
+#include "files/zip.h"
 #include "io/field/npy.h"
 #include "io/points/format.h"
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/number_text.h"
-#include "files/shown.h"
+#include "files/file_view.h"
 #include "files/text_cursor.h"
 #include "io/points/format.h"
 #include "standoff/error.h"

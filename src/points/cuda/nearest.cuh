@@ -12,8 +12,8 @@
 #include <memory>
 
 #include "geometry/triangle_distance.h"
+#include "gpu/devices.h"
 #include "gpu/platform.cuh"
-#include "gpu/workspace.h"
 #include "points/device.h"
 #include "standoff/mesh.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Queries at points on a GPU. nvcc compiles this file for CUDA; points_emulated.cpp compiles it for the emulation.
-#include "gpu/device_scope.cuh"
+#include "gpu/platform.cuh"
 #include "points/cuda/nearest.cuh"
 #include "points/cuda/points.h"
 

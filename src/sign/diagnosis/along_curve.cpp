@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "geometry/morton.h"
 #include "geometry/triangle_box.h"
 
 namespace standoff {

@@ -17,8 +17,7 @@
 #include <memory>
 #include <utility>
 
-#include "core/position_hash.h"
-#include "core/splitmix64.h"
+#include "core/hashes.h"
 
 namespace standoff {
 namespace {

@@ -10,7 +10,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "core/splitmix64.h"
+#include "core/hashes.h"
 #include "sign/diagnosis/disjoint_sets.h"
 #include "sign/diagnosis/edge_sides.h"
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "geometry/coplanar.h"
+#include "geometry/predicates.h"
 #include "sign/diagnosis/boundary_polygons.h"
 #include "sign/diagnosis/closed.h"
 #include "sign/diagnosis/cracks.h"

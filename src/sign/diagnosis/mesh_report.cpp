@@ -5,7 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include "core/execution.h"
 #include "core/guarded.h"
 #include "core/progress.h"
 #include "core/threads.h"

@@ -9,7 +9,7 @@
 #include <optional>
 #include <tuple>
 
-#include "core/per_thread.h"
+#include "core/threads.h"
 #include "sign/rows/ray_crossing.h"
 
 namespace standoff {

@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/work_check.h"
+#include "core/progress.h"
 #include "geometry/triangle_pair.h"
 #include "sign/diagnosis/triangle_tree.h"
 

@@ -6,9 +6,9 @@
 
 #include <atomic>
 
-#include "core/per_thread.h"
+#include "core/progress.h"
+#include "core/threads.h"
 #include "core/tile_count.h"
-#include "core/work_check.h"
 #include "sign/flood/lattice_crossings.h"
 
 namespace standoff {

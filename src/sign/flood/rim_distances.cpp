@@ -8,7 +8,7 @@
 #include <atomic>
 #include <cmath>
 
-#include "geometry/corners.h"
+#include "geometry/predicates.h"
 #include "sign/diagnosis/edge_sides.h"
 #include "sign/diagnosis/mesh_edges.h"
 

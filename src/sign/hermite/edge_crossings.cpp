@@ -9,14 +9,11 @@
 #include <string>
 #include <tuple>
 
-#include "core/execution.h"
 #include "core/guarded.h"
-#include "core/memory_budget.h"
+#include "core/memory.h"
 #include "core/number_text.h"
-#include "core/per_thread.h"
 #include "core/progress.h"
 #include "core/threads.h"
-#include "core/work_check.h"
 #include "sign/flood/lattice_crossings.h"
 #include "sign/options.h"
 #include "sign/oriented_mesh.h"

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/work_check.h"
+#include "core/progress.h"
 #include "sign/open_winding/linear_field.h"
 #include "sign/open_winding/rim_tree.h"
 

@@ -9,8 +9,8 @@
 #include <atomic>
 #include <cmath>
 
+#include "core/progress.h"
 #include "core/tile_count.h"
-#include "core/work_check.h"
 #include "sign/open_winding/cell_touch.h"
 #include "sign/open_winding/cells.h"
 

@@ -5,7 +5,7 @@
 #include <atomic>
 #include <cstdint>
 
-#include "core/work_check.h"
+#include "core/progress.h"
 #include "sign/diagnosis/boundary.h"
 #include "sign/open_winding/open_tiles.h"
 #include "sign/open_winding/quick_angles.h"

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "core/work_check.h"
+#include "core/progress.h"
 #include "sign/open_winding/linear_field.h"
 #include "sign/open_winding/rims.h"
 

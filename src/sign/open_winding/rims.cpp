@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "core/work_check.h"
+#include "core/progress.h"
 #include "sign/diagnosis/boundary_polygons.h"
 
 namespace standoff {

@@ -13,7 +13,7 @@
 #include <cmath>
 #include <span>
 
-#include "geometry/coplanar.h"
+#include "geometry/predicates.h"
 #include "sign/open_winding/winding_rule.h"
 #include "sign/outer/mesh_cuts.h"
 #include "sign/outer/row_sides.h"

@@ -8,9 +8,9 @@
 #include <atomic>
 #include <limits>
 
-#include "core/per_thread.h"
-#include "core/work_check.h"
-#include "geometry/coplanar.h"
+#include "core/progress.h"
+#include "core/threads.h"
+#include "geometry/predicates.h"
 #include "geometry/triangle_pair.h"
 #include "sign/outer/triangle_cut.h"
 

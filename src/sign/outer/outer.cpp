@@ -4,7 +4,6 @@
 #include <string>
 #include <utility>
 
-#include "core/execution.h"
 #include "core/guarded.h"
 #include "core/progress.h"
 #include "core/threads.h"

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "geometry/corners.h"
+#include "geometry/predicates.h"
 #include "geometry/rounding.h"
 #include "sign/rows/ray_crossing.h"
 

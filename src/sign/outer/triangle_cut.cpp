@@ -10,7 +10,6 @@
 
 #include <array>
 
-#include "geometry/coplanar.h"
 #include "geometry/predicates.h"
 #include "geometry/triangle_pair.h"
 

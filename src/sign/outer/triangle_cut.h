@@ -2,7 +2,7 @@
 // Whether a triangle divides another one. Exact.
 #pragma once
 
-#include "geometry/corners.h"
+#include "geometry/predicates.h"
 
 namespace standoff {
 

@@ -11,8 +11,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "core/per_thread.h"
-#include "core/places_from_counts.h"
+#include "core/threads.h"
 #include "core/tile_count.h"
 
 namespace standoff {

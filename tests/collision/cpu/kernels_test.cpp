@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "collision/cpu/kernels.h"
-#include "geometry/penetration.h"
 #include "geometry/triangle_distance.h"
 #include "geometry/triangle_pair.h"
 #include "standoff/pose.h"

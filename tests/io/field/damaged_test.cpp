@@ -7,7 +7,7 @@
 #include <random>
 #include <stdexcept>
 
-#include "files/run_deflate.h"
+#include "files/deflate.h"
 #include "io/field/format.h"
 #include "odd_field.h"
 #include "standoff/io.h"

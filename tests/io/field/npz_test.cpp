@@ -5,7 +5,7 @@
 #include <cstring>
 #include <map>
 
-#include "files/zip_writer.h"
+#include "files/zip.h"
 #include "io/field/format.h"
 #include "io/field/npy.h"
 #include "odd_field.h"

@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "simd/instruction_sets.h"
+#include "simd/dispatch.h"
 #include "tests/simd/operations/operations.h"
 
 namespace standoff::testing {

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "field/cpu/kernels/triangle_frames.inl"
-#include "geometry/triangle_lines.h"
+#include "geometry/triangle_frame.h"
 
 namespace standoff::cpu::STANDOFF_TARGET {
 namespace {

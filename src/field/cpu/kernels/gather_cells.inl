@@ -8,7 +8,7 @@
 #include "field/cpu/kernels/cell_candidates.inl"
 #include "field/cpu/kernels/gather_band.inl"
 #include "field/cpu/kernels/triangle_frames.inl"
-#include "geometry/triangle_lines.h"
+#include "geometry/triangle_frame.h"
 
 namespace standoff::cpu::STANDOFF_TARGET {
 namespace {

@@ -4,7 +4,6 @@
 #pragma once
 
 #include "geometry/closest_part.h"
-#include "geometry/quick_face.h"
 #include "sidecars/cpu/kernels.h"
 #include "simd/points.inl"
 #include "simd/target.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Hashes of positions: equal positions have equal hashes, where -0 equals +0.
+// Hashes: of 64 bits, and of positions.
 #pragma once
 
 #include <bit>
@@ -8,6 +8,22 @@
 #include "standoff/vec.h"
 
 namespace standoff {
+
+// Numbers that look random from 64 bits, the same on every machine: S. Vigna's splitmix64, after Steele, Lea and Flood,
+// "Fast splittable pseudorandom number generators" (2014).
+
+/// The generator's state steps by this: 2^64 over the golden ratio, rounded to an odd number.
+inline constexpr std::uint64_t kSplitmixStep = 0x9e3779b97f4a7c15u;
+
+/// What splitmix64 gives when its state is `x` before the step: every bit of `x` reaches every bit of it.
+constexpr std::uint64_t splitmix64(std::uint64_t x) {
+  x += kSplitmixStep;
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
+  return x ^ (x >> 31);
+}
+
+// Positions: equal ones have equal hashes, where -0 equals +0.
 
 /// Both numbers multiplied and folded to 64 bits: every bit of both reaches every bit of the result.
 inline std::uint64_t folded_product(std::uint64_t a, std::uint64_t b) {

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/memory.h"
+
+#include <sys/mman.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <new>
+#include <string>
+
+#include "standoff/error.h"
+#include "standoff/field.h"
+
+namespace standoff {
+namespace {
+
+// Addresses alone: they cost no memory, nor do they count against what the system promises to its processes.
+void* reserved_addresses(std::size_t room) {
+  void* const at =
+      ::mmap(nullptr, room + GrowingMemory::kHugePage, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  return at == MAP_FAILED ? nullptr : at;
+}
+
+bool addresses_are_limited() {
+  rlimit limit{};
+  return ::getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY;
+}
+
+}  // namespace
+
+void GrowingMemory::reserve(std::size_t bytes) {
+  if (bytes <= room_) return;
+  release();
+  constexpr std::size_t kLeast = std::size_t{1} << 20;
+  // A power of two, so that a little more the next time needs no new room; but no more than asked for where addresses
+  // are counted.
+  std::size_t room = addresses_are_limited() ? bytes : std::bit_ceil(bytes);
+  void* at = reserved_addresses(room);
+  while (!at && room / 2 >= kLeast) {
+    room /= 2;
+    at = reserved_addresses(room);
+    if (!at) continue;
+    // All that is left would leave none for others: take half of it.
+    ::munmap(at, room + kHugePage);
+    room = room / 2 / kLeast * kLeast;
+    at = room > 0 ? reserved_addresses(room) : nullptr;
+    break;
+  }
+  if (!at) throw std::bad_alloc();
+  addresses_ = at;
+  room_ = room;
+  data_ = at;
+  std::size_t space = room + kHugePage;
+  std::align(kHugePage, room, data_, space);
+#ifdef MADV_HUGEPAGE
+  // A system without them says no, which does no harm.
+  if (room > kHugePage)
+    static_cast<void>(::madvise(static_cast<char*>(data_) + kHugePage, room - kHugePage, MADV_HUGEPAGE));
+#endif
+}
+
+void GrowingMemory::resize(std::size_t bytes) {
+  char* const begin = static_cast<char*>(data_);
+  const std::int64_t change = static_cast<std::int64_t>(bytes) - static_cast<std::int64_t>(size_);
+  if (change > 0) {
+    account_pages(change);
+    if (::mprotect(begin + size_, bytes - size_, PROT_READ | PROT_WRITE) != 0) {
+      account_pages(-change);
+      throw std::bad_alloc();
+    }
+  } else if (change < 0) {
+    // New addresses in place of the old ones: that gives the pages back, and their promise.
+    if (::mmap(begin + bytes, size_ - bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE | MAP_FIXED, -1,
+               0) == MAP_FAILED)
+      return;  // they stay
+    account_pages(change);
+  }
+  size_ = bytes;
+}
+
+void GrowingMemory::release() noexcept {
+  if (!data_) return;
+  ::munmap(addresses_, room_ + kHugePage);
+  if (size_ > 0) account_pages(-static_cast<std::int64_t>(size_));
+  addresses_ = data_ = nullptr;
+  room_ = size_ = 0;
+}
+
+namespace {
+
+// Values and nearest triangles are of the same size.
+constexpr std::size_t kTileBytes = sizeof(float) * DistanceField::kTileSamples;
+static_assert(sizeof(float) == sizeof(std::uint32_t));
+
+std::size_t bytes_of(std::int64_t tiles) { return static_cast<std::size_t>(tiles) * kTileBytes; }
+std::int64_t tiles_in(std::size_t bytes) { return static_cast<std::int64_t>(bytes / kTileBytes); }
+
+}  // namespace
+
+void TilePool::clear(std::int64_t max_tiles, bool with_nearest) {
+  used_ = 0;
+  room_ = 0;  // should memory run out below
+  with_nearest_ = with_nearest;
+  const std::int64_t most = in_steps(max_tiles);
+  const auto make_room = [&](GrowingMemory& memory) {
+    memory.reserve(bytes_of(most));
+    memory.resize(std::min(memory.size(), bytes_of(most)));
+    return tiles_in(memory.size());
+  };
+  std::int64_t room = make_room(values_);
+  if (with_nearest)
+    room = std::min(room, make_room(nearest_));
+  else
+    nearest_.release();
+  room_ = room;
+}
+
+void TilePool::copy_from(const TilePool& other) {
+  const std::int64_t tiles = other.size();
+  grow(tiles);
+  std::copy_n(other.values(0), tiles * DistanceField::kTileSamples, values(0));
+  if (with_nearest_) std::copy_n(other.nearest(0), tiles * DistanceField::kTileSamples, nearest(0));
+  used_ = tiles;
+}
+
+std::int64_t TilePool::add() {
+  std::int64_t slot = used_;
+  // A slot is taken only when its memory is there: what fails leaves the pool as it was, whatever others do meanwhile.
+  do {
+    if (slot >= room_) grow(slot + 1);
+  } while (!used_.compare_exchange_weak(slot, slot + 1));
+  return slot;
+}
+
+void TilePool::grow(std::int64_t tiles) {
+  const std::lock_guard lock(growing_);
+  if (tiles <= room_) return;
+  const std::int64_t room = in_steps(tiles);
+  const std::size_t bytes = bytes_of(room);
+  if (bytes > values_.room() || (with_nearest_ && bytes > nearest_.room()))
+    throw Error(ErrorCode::limit, "field: " + std::to_string(tiles) +
+                                      " tiles need more memory addresses than this process may use; raise its limit "
+                                      "(RLIMIT_AS), take fewer samples or a smaller thickness");
+  // One of them may be there from before.
+  if (bytes > values_.size()) values_.resize(bytes);
+  if (with_nearest_ && bytes > nearest_.size()) nearest_.resize(bytes);
+  room_ = room;
+}
+
+double field_bytes(double stored_tiles, double all_tiles, bool with_nearest) {
+  constexpr double kTileBytes = sizeof(float) * DistanceField::kTileSamples;
+  // Tiles are fewer than 2^31; what is more fits no memory, and steps do not matter.
+  const double tiles = stored_tiles < 0x1p31
+                           ? static_cast<double>(TilePool::in_steps(static_cast<std::int64_t>(stored_tiles)))
+                           : stored_tiles;
+  return tiles * kTileBytes * (with_nearest ? 2 : 1) + all_tiles * sizeof(std::int32_t);
+}
+
+std::string over_the_limit(double needed, double limit) {
+  double unit = 1;
+  const char* name = "B";
+  for (const char* larger : {"KiB", "MiB"}) {
+    const double in_larger = limit / (1024 * unit);
+    if (in_larger < 10 && (in_larger < 1 || in_larger != std::floor(in_larger))) break;
+    unit *= 1024;
+    name = larger;
+  }
+  // Rounded away from each other, so that they differ.
+  char text[96];
+  std::snprintf(text, sizeof text, "%.0f %s, more than the limit of %.0f %s", std::ceil(needed / unit), name,
+                std::floor(limit / unit), name);
+  return text;
+}
+
+ErrorDetails limit_details(double needed, double limit) {
+  const auto whole = [](double bytes) { return static_cast<std::int64_t>(std::min(bytes, 0x1p62)); };
+  return {.bytes_needed = whole(std::ceil(needed)), .bytes_limit = whole(limit)};
+}
+
+}  // namespace standoff

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Apache-2.0
+// Memory of large work: what grows without moving, the tiles of fields, limits that callers set, and huge pages.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <mutex>
+#include <new>
+#include <string>
+#include <vector>
+
+#include "standoff/error.h"
+#include "standoff/field.h"
+
+#ifdef __linux__
+#include <sys/mman.h>
+#endif
+
+namespace standoff {
+
+// Memory that grows without moving: addresses are reserved once, pages are taken from the system step by step.
+
+/// Called before pages are taken (bytes > 0; throws std::bad_alloc to refuse them) and after they are given back
+/// (bytes < 0). Tests replace it as they replace operator new, to count memory and to refuse it.
+inline void (*account_pages)(std::int64_t bytes) = [](std::int64_t) {};
+
+/// Not safe from many threads at once, but what lies below size() may be used while another thread calls resize() with
+/// a larger size.
+class GrowingMemory {
+ public:
+  GrowingMemory() = default;
+  GrowingMemory(const GrowingMemory&) = delete;
+  GrowingMemory& operator=(const GrowingMemory&) = delete;
+  ~GrowingMemory() { release(); }
+
+  /// Reserves addresses for at least `bytes`, so that resize() need not move anything. Keeps the pages where the room
+  /// is large enough already, and gives them back where it is not. Where the process may not use so many addresses
+  /// (RLIMIT_AS), room() is smaller. Throws std::bad_alloc when there are hardly any.
+  void reserve(std::size_t bytes);
+  /// Where the system has huge pages, those beyond the first kHugePage are such, if resize() takes whole ones: a tenth
+  /// of the time for 32 MiB.
+  static constexpr std::size_t kHugePage = std::size_t{2} << 20;
+  /// Takes or gives back pages, so that the first `bytes` can be used. New ones hold zeros. Requires bytes <= room().
+  /// Throws std::bad_alloc where the system has no memory; nothing has changed then.
+  void resize(std::size_t bytes);
+  /// Gives everything back.
+  void release() noexcept;
+
+  void* data() const { return data_; }
+  /// How far resize() may go.
+  std::size_t room() const { return room_; }
+  std::size_t size() const { return size_; }
+
+ private:
+  void* addresses_ = nullptr;  // all that are reserved: kHugePage more than the room
+  void* data_ = nullptr;       // a multiple of kHugePage
+  std::size_t room_ = 0, size_ = 0;
+};
+
+// The memory of a field's stored tiles: one array of values and one of nearest triangles, a slot for each tile.
+
+/// Slots never move, so threads can fill tiles while others add some.
+class TilePool {
+ public:
+  /// Tiles for which there is memory when so many are stored. Small fields take 512 KiB of values at a time; past 2 MiB
+  /// whole huge pages are taken, whose pages cost a tenth of small ones.
+  static std::int64_t in_steps(std::int64_t tiles) {
+    constexpr std::int64_t kHugePage = GrowingMemory::kHugePage / (sizeof(float) * DistanceField::kTileSamples);
+    const std::int64_t step = tiles <= kHugePage ? kHugePage / 4 : kHugePage;
+    return (tiles + step - 1) / step * step;
+  }
+
+  /// Forgets all tiles. Memory that is there stays for the next ones, as far as so many may use it.
+  void clear(std::int64_t max_tiles, bool with_nearest);
+  /// Makes an empty pool a copy of the tiles of another.
+  void copy_from(const TilePool& other);
+
+  /// A new slot; its values and nearest triangles mean nothing yet. Safe from many threads. Throws std::bad_alloc, or
+  /// Error{limit} where the process may not use more addresses; the pool is then as it was.
+  std::int64_t add();
+  /// Gives back the memory of the nearest triangles.
+  void release_nearest() {
+    with_nearest_ = false;
+    nearest_.release();
+  }
+  /// Forgets the last slot.
+  void remove_last() { --used_; }
+
+  std::int64_t size() const { return used_; }
+  float* values(std::int64_t slot) const {
+    return static_cast<float*>(values_.data()) + slot * DistanceField::kTileSamples;
+  }
+  /// Requires clear(.., true).
+  std::uint32_t* nearest(std::int64_t slot) const {
+    return static_cast<std::uint32_t*>(nearest_.data()) + slot * DistanceField::kTileSamples;
+  }
+
+ private:
+  void grow(std::int64_t tiles);
+
+  GrowingMemory values_, nearest_;
+  bool with_nearest_ = false;
+  std::atomic<std::int64_t> used_{0};
+  std::atomic<std::int64_t> room_{0};  // tiles for which there is memory
+  std::mutex growing_;
+};
+
+// How much memory a field takes, and the error of a limit that is too small.
+
+/// Bytes that a DistanceField takes with so many tiles stored, of so many in its grid.
+double field_bytes(double stored_tiles, double all_tiles, bool with_nearest);
+
+/// "161 MiB, more than the limit of 160 MiB": requires needed > limit, and shows it.
+std::string over_the_limit(double needed, double limit);
+/// The same as data.
+ErrorDetails limit_details(double needed, double limit);
+
+// Counts the bytes that a call holds, against the limit that its caller set.
+
+/// May be used by many threads at once.
+class MemoryBudget {
+ public:
+  /// `limit`: bytes; 0 is none. `where` begins its errors, and `what_to_do` ends them.
+  MemoryBudget(const char* where, std::int64_t limit, const char* what_to_do)
+      : where_(where), what_to_do_(what_to_do), limit_(limit) {}
+
+  /// To be called before so many bytes are allocated. Throws Error{limit} where they are too many.
+  void take(std::size_t bytes) {
+    const std::int64_t needed =
+        held_.fetch_add(static_cast<std::int64_t>(bytes), std::memory_order_relaxed) + static_cast<std::int64_t>(bytes);
+    if (limit_ == 0 || needed <= limit_) return;
+    const auto all = static_cast<double>(needed), limit = static_cast<double>(limit_);
+    throw Error(ErrorCode::limit,
+                std::string(where_) + ": the memory limit is too low: it needs " + over_the_limit(all, limit) + "; " +
+                    what_to_do_,
+                {.bytes_needed = needed, .bytes_limit = limit_});
+  }
+  void give_back(std::size_t bytes) noexcept {
+    held_.fetch_sub(static_cast<std::int64_t>(bytes), std::memory_order_relaxed);
+  }
+
+ private:
+  const char *where_, *what_to_do_;
+  std::int64_t limit_;
+  std::atomic<std::int64_t> held_{0};
+};
+
+/// What is held for as long as this lives.
+class MemoryShare {
+ public:
+  explicit MemoryShare(MemoryBudget& budget) : budget_(budget) {}
+  MemoryShare(const MemoryShare&) = delete;
+  MemoryShare& operator=(const MemoryShare&) = delete;
+  ~MemoryShare() { budget_.give_back(bytes_); }
+
+  void take(std::size_t bytes) {
+    bytes_ += bytes;
+    budget_.take(bytes);
+  }
+  MemoryBudget& budget() { return budget_; }
+
+ private:
+  MemoryBudget& budget_;
+  std::size_t bytes_ = 0;
+};
+
+// Arrays that are read or written at random indices: on huge pages where the system has them, for otherwise much of the
+// time goes into TLB misses (collide takes 1.4 times as long without, points near a small mesh 1.15 times).
+
+template <class T>
+struct HugePageAllocator {
+  using value_type = T;
+  HugePageAllocator() = default;
+  template <class U>
+  HugePageAllocator(const HugePageAllocator<U>&) {}
+
+  static constexpr std::size_t kHugePage = std::size_t{2} << 20;
+  static constexpr std::size_t kLine = 64;
+
+  T* allocate(std::size_t count) {
+    if (count > static_cast<std::size_t>(-1) / 2 / sizeof(T)) throw std::bad_array_new_length();
+    const std::size_t bytes = count * sizeof(T);
+    void* const memory = ::operator new (bytes, std::align_val_t{alignment(bytes)});
+#ifdef __linux__
+    // Whole pages only; a system that has none to give says no, which does no harm.
+    if (bytes >= kHugePage) static_cast<void>(::madvise(memory, bytes & ~(kHugePage - 1), MADV_HUGEPAGE));
+#endif
+    return static_cast<T*>(memory);
+  }
+  void deallocate(T* memory, std::size_t count) {
+    ::operator delete (memory, std::align_val_t{alignment(count * sizeof(T))});
+  }
+  friend bool operator==(const HugePageAllocator&, const HugePageAllocator&) { return true; }
+
+ private:
+  static std::size_t alignment(std::size_t bytes) { return bytes >= kHugePage ? kHugePage : kLine; }
+};
+
+template <class T>
+using HugePageVector = std::vector<T, HugePageAllocator<T>>;
+
+// Asks for huge pages for fresh memory, whose first use is then several times faster.
+
+/// For the whole huge pages of memory that nobody has written to. A system that has none to give says no, which does no
+/// harm.
+inline void advise_huge_pages([[maybe_unused]] void* memory, [[maybe_unused]] std::size_t bytes) {
+#ifdef __linux__
+  constexpr std::uintptr_t kHugePage = std::uintptr_t{2} << 20;
+  const auto begin = reinterpret_cast<std::uintptr_t>(memory);
+  const std::uintptr_t first = (begin + kHugePage - 1) & ~(kHugePage - 1), end = (begin + bytes) & ~(kHugePage - 1);
+  if (first < end) static_cast<void>(::madvise(reinterpret_cast<void*>(first), end - first, MADV_HUGEPAGE));
+#endif
+}
+
+}  // namespace standoff
