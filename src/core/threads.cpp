@@ -20,15 +20,16 @@ std::array<ArenaPlace, kArenaPlaces> kept_arenas;
 std::atomic<std::size_t> next_arena_to_go{0};
 
 void give_back_arena(tbb::task_arena* arena) {
+  const int threads = arena->max_concurrency();  // asked now: once it is in its place, others may take and delete it
   for (ArenaPlace& place : kept_arenas) {
     tbb::task_arena* none = nullptr;
     if (!place.arena.compare_exchange_strong(none, arena)) continue;
-    place.threads.store(arena->max_concurrency(), std::memory_order_relaxed);
+    place.threads.store(threads, std::memory_order_relaxed);
     return;
   }
   // All are taken: one of them gives way.
   ArenaPlace& place = kept_arenas[next_arena_to_go.fetch_add(1, std::memory_order_relaxed) % kArenaPlaces];
-  place.threads.store(arena->max_concurrency(), std::memory_order_relaxed);
+  place.threads.store(threads, std::memory_order_relaxed);
   delete place.arena.exchange(arena);
 }
 

@@ -115,7 +115,8 @@ Cracks find_cracks(MeshView mesh, const MeshEdges& edges) {
   OpenEdges open = open_edges_of(mesh, edges);
   const Box box = bounds(mesh);
   const double width = kCrackWidth * box.longest_side();
-  if (open.edges.empty() || !(width > 0)) return found;
+  // Also where lengths overflow.
+  if (open.edges.empty() || !std::isfinite(width) || !std::isfinite(0.5 / width)) return found;
   DisjointSets sets = welded_points(open.points, box.min, width);
   for (CrackSide& edge : open.edges) {
     edge.low = sets.find(edge.low).set;
