@@ -140,11 +140,11 @@ class Memory {
 /// Makes a device the current one for as long as it lives. Only where it must: setting one starts CUDA on it.
 class DeviceScope {
  public:
-  explicit DeviceScope(int device) {
+  explicit DeviceScope(int device, const CallSite& at = CallSite::current()) {
     check_usable(device);
-    check_call(cudaGetDevice(&before_), "cudaGetDevice");
+    check_call(cudaGetDevice(&before_), "cudaGetDevice", at);
     if (device == before_) return;
-    check_call(cudaSetDevice(device), "cudaSetDevice");
+    check_call(cudaSetDevice(device), "cudaSetDevice", at);
     changed_ = true;
   }
   ~DeviceScope() {
