@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "core/threads.h"
-#include "geometry/predicates.h"
 #include "sign/open_winding/cap_angle.h"
 #include "sign/open_winding/winding_rule.h"
 
@@ -20,17 +19,6 @@ namespace {
 constexpr double kFinest = 1e-9;
 // How many triangles are added up in the time of a boundary's edge: measured, and arbitrary within a factor of two.
 constexpr std::size_t kTrianglesOfEdge = 4;
-
-// The side of the plane of a triangle that p + (e^3, e, e^2) is on, e infinitely small, as sign/rows/ray_crossing.h has
-// it: 1 where the corners turn clockwise, seen from there. 0 only for triangles without area.
-int inner_side(const std::array<Vec3, 3>& corners, const Vec3& p) {
-  const Vec3 &a = corners[0], &b = corners[2], &c = corners[1];
-  int side = orient3d(a, b, c, p);
-  if (side == 0) side = orient2d({a.z, a.x}, {b.z, b.x}, {c.z, c.x});
-  if (side == 0) side = orient2d({a.x, a.y}, {b.x, b.y}, {c.x, c.y});
-  if (side == 0) side = orient2d({a.y, a.z}, {b.y, b.z}, {c.y, c.z});
-  return side;
-}
 
 // The leaves among the node and all below it whose fields are not known to `tolerance`; the other fields are added.
 void add_far(const RimTree& tree, std::int32_t number, const Cell& cell, double tolerance, LinearField& far,
@@ -88,7 +76,10 @@ std::optional<double> OpenPointWinding::sum_of_triangles(Vec3 point, const cpu::
   double sum = 0;
   for (int n = 0; n < cpu::SolidAngles::kCount; ++n)
     sum += angles.around[n] + std::atan2(angles.im[n], angles.re[n]) / (2 * std::numbers::pi);
-  for (int n = 0; n < angles.flat_count; ++n) sum += 0.5 * inner_side(oriented_.corners(angles.flat[n]), point);
+  for (int n = 0; n < angles.flat_count; ++n) {
+    const std::array<Vec3, 3> t = oriented_.corners(angles.flat[n]);
+    sum += 0.5 * side_of_plane(t[0], t[2], t[1], point);  // 1 on the inner side, where the corners turn clockwise
+  }
   return sum;
 }
 

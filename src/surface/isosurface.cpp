@@ -21,7 +21,6 @@
 #include "standoff/points.h"
 #include "standoff/surface.h"
 #include "surface/blocks.h"
-#include "surface/lost_parts.h"
 #include "surface/methods.h"
 #include "surface/vertices.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "surface/lost_parts.h"
+#include "surface/methods.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>

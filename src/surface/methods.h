@@ -2,6 +2,7 @@
 // The two methods that make a surface of blocks (docs/iso.md): marching cubes, the triangles of each cell, with
 // vertices on the edges of the grid; and dual contouring, with vertices in the cells and polygons around the crossed
 // edges. Dual contouring knows where the surface crosses an edge, and its normal there, from the field or from a mesh.
+// Then what of a mesh its surface shows nothing of, because no sample is inside there.
 #pragma once
 
 #include <functional>
@@ -70,5 +71,16 @@ struct HermiteSource {
 /// Adds to the mesh and to the report, as march_cubes() does.
 void contour_dually(Blocks& blocks, const EdgePoints& points, const HermiteSource& source, MemoryShare& memory,
                     Mesh& mesh, IsoReport& report, ProgressMeter& progress);
+
+/// A point of the mesh is lost if none of the samples around it, those of its cell and of the 26 cells around that, is
+/// less than the level: then the surface is farther than a spacing away, and the point is outside. (A point with all
+/// samples inside, of a part within another one, is not lost.) Points beyond the grid do not count.
+///
+/// Sets the report's figures of lost parts, and their sentence. The share of the area is that of up to 2^14 points,
+/// evenly spread over it; a part, triangles that share positions directly or through others, is lost if all points
+/// are that were looked at: those, or a corner, and all corners and centres of up to 2^16 triangles in all. Linear in
+/// the mesh; its result does not depend on the number of threads. Runs on the threads of the calling TBB arena.
+void find_lost_parts(MeshView mesh, const DistanceField& field, double level, MemoryBudget& budget, IsoReport& report,
+                     ProgressMeter& progress);
 
 }  // namespace standoff

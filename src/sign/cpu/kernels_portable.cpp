@@ -1,3 +1,3 @@
 // SPDX-License-Identifier: Apache-2.0
 // The sign's kernels for any processor.
-#include "sign/cpu/kernels/table.inl"
+#include "sign/cpu/kernels.inl"

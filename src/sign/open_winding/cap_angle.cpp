@@ -36,16 +36,6 @@ class AngleSum {
   int around_ = 0;
 };
 
-// The side of the plane of a cap's triangle that p + (e^3, e, e^2) is on, e infinitely small: that of ray_crossing.h.
-// 0 only for triangles without area.
-int side_of_plane(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) {
-  int side = orient3d(a, b, c, p);
-  if (side == 0) side = orient2d({a.z, a.x}, {b.z, b.x}, {c.z, c.x});  // of the normal's y
-  if (side == 0) side = orient2d({a.x, a.y}, {b.x, b.y}, {c.x, c.y});  // of its z
-  if (side == 0) side = orient2d({a.y, a.z}, {b.y, b.z}, {c.y, c.z});  // of its x
-  return side;
-}
-
 struct Direction {
   Vec3 unit;
   double length;
@@ -109,6 +99,14 @@ CapAngle sum_angles(const Rim& rim, const Vec3& p, const Use& use) {
 }
 
 }  // namespace
+
+int side_of_plane(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) {
+  int side = orient3d(a, b, c, p);
+  if (side == 0) side = orient2d({a.z, a.x}, {b.z, b.x}, {c.z, c.x});  // of the normal's y
+  if (side == 0) side = orient2d({a.x, a.y}, {b.x, b.y}, {c.x, c.y});  // of its z
+  if (side == 0) side = orient2d({a.y, a.z}, {b.y, b.z}, {c.y, c.z});  // of its x
+  return side;
+}
 
 CapAngle cap_angle(const Rim& rim, const Vec3& p) {
   return sum_angles(rim, p, [](const auto&...) {});

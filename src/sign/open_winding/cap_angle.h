@@ -7,6 +7,10 @@
 
 namespace standoff {
 
+/// The side of the plane of a, b and c that p + (e^3, e, e^2) is on, e infinitely small: that of ray_crossing.h. 0 only
+/// for triangles without area.
+int side_of_plane(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p);
+
 /// The solid angle that the triangles (apex, corner, next corner) fill seen from p, over 4 pi, times the weight: the
 /// generalised winding number of a mesh is the winding number of the mesh with all caps, plus these of all rims.
 struct CapAngle {
