@@ -26,12 +26,12 @@ class ClosePairs {
     if (front_level_ < 0) find_front();
     kernels_.transform_triangles(pair_.transform, pair_.probe.body->bvh.triangles[packet], limit_, transformed_, boxes_,
                                  all_);
-    const auto count = static_cast<std::uint32_t>(pair_.probe.body->bvh.order.size()) - packet * kLanes;
+    const auto count = static_cast<std::uint32_t>(pair_.probe.body->bvh.order().size()) - packet * kLanes;
     packet_ = packet;
     lanes_ = count < kLanes ? lanes & ((1u << count) - 1) : lanes;
     for (int first = 0; first < front_count_; first += kLanes) {
-      const Aabb16& boxes = front_boxes_[first / kLanes];
-      const std::uint32_t reached = kernels_.overlaps(boxes, all_);
+      const Boxes16& boxes = front_boxes_[first / kLanes];
+      const std::uint32_t reached = kernels_.overlapping(boxes, all_);
       for (std::uint32_t left = reached; left != 0; left &= left - 1)
         fetch_node(front_level_, front_[first + std::countr_zero(left)]);
       for (std::uint32_t left = reached; left != 0; left &= left - 1) {
@@ -47,44 +47,44 @@ class ClosePairs {
   static constexpr int kFront = 4 * kLanes;
 
   void fetch_node(int level, std::uint32_t node) const {
-    fetch(pair_.target.body->bvh.levels[level].boxes[node]);
+    fetch(pair_.target.body->bvh.boxes(level)[node]);
     if (level == 0) fetch(pair_.target.body->bvh.triangles[node]);
   }
 
   // The nodes of the target's BVH that overlap the probe's box, at the deepest level with so few of them: traversal
   // starts there and not at the root.
   void find_front() {
-    const Bvh16& bvh = pair_.target.body->bvh;
+    const BodyBvh& bvh = pair_.target.body->bvh;
     const FloatBox region = pair_.region(limit_);
     front_level_ = bvh.top();
     front_[0] = 0;
     front_count_ = 1;
     for (int axis = 0; axis < 3; ++axis) {
-      std::fill_n(front_boxes_[0].min[axis], kLanes, kInfinity);
-      std::fill_n(front_boxes_[0].max[axis], kLanes, -kInfinity);
-      front_boxes_[0].min[axis][0] = -kInfinity, front_boxes_[0].max[axis][0] = kInfinity;
+      std::fill_n(front_boxes_[0].low[axis], kLanes, kInfinity);
+      std::fill_n(front_boxes_[0].high[axis], kLanes, -kInfinity);
+      front_boxes_[0].low[axis][0] = -kInfinity, front_boxes_[0].high[axis][0] = kInfinity;
     }
     while (front_level_ > 0) {
       std::uint32_t next[kFront];
-      Aabb16 boxes[kFront / kLanes];
+      Boxes16 boxes[kFront / kLanes];
       int count = 0;
       for (int n = 0; n < front_count_; ++n) {
-        const Aabb16& children = bvh.levels[front_level_].boxes[front_[n]];
-        std::uint32_t reached = kernels_.overlaps(children, region);
+        const Boxes16& children = bvh.boxes(front_level_)[front_[n]];
+        std::uint32_t reached = kernels_.overlapping(children, region);
         if (count + std::popcount(reached) > kFront) return;
         for (; reached != 0; reached &= reached - 1, ++count) {
           const int lane = std::countr_zero(reached);
           next[count] = front_[n] * kLanes + static_cast<std::uint32_t>(lane);
-          if (front_level_ > 1) fetch(bvh.levels[front_level_ - 1].boxes[next[count]]);
+          if (front_level_ > 1) fetch(bvh.boxes(front_level_ - 1)[next[count]]);
           for (int axis = 0; axis < 3; ++axis) {
-            boxes[count / kLanes].min[axis][count % kLanes] = children.min[axis][lane];
-            boxes[count / kLanes].max[axis][count % kLanes] = children.max[axis][lane];
+            boxes[count / kLanes].low[axis][count % kLanes] = children.low[axis][lane];
+            boxes[count / kLanes].high[axis][count % kLanes] = children.high[axis][lane];
           }
         }
       }
       for (int n = count; n % kLanes != 0; ++n)
         for (int axis = 0; axis < 3; ++axis)
-          boxes[n / kLanes].min[axis][n % kLanes] = kInfinity, boxes[n / kLanes].max[axis][n % kLanes] = -kInfinity;
+          boxes[n / kLanes].low[axis][n % kLanes] = kInfinity, boxes[n / kLanes].high[axis][n % kLanes] = -kInfinity;
       std::copy_n(next, count, front_);
       std::copy_n(boxes, (count + kLanes - 1) / kLanes, front_boxes_);
       front_count_ = count;
@@ -98,14 +98,14 @@ class ClosePairs {
   bool enter(int level, std::uint32_t node, const FloatBox& box, Use& use) {
     if (level > 0) return descend(level, node, use);
     // Which of the packet's triangles reach the leaf's box, before its sixteen triangles are looked at.
-    const std::uint32_t reaching = kernels_.overlaps(boxes_, box) & lanes_;
+    const std::uint32_t reaching = kernels_.overlapping(boxes_, box) & lanes_;
     return reaching == 0 || test_leaf(node, reaching, use);
   }
 
   template <class Use>
   bool descend(int level, std::uint32_t node, Use& use) {
-    const Aabb16& nodes = pair_.target.body->bvh.levels[level].boxes[node];
-    const std::uint32_t reached = kernels_.overlaps(nodes, all_);
+    const Boxes16& nodes = pair_.target.body->bvh.boxes(level)[node];
+    const std::uint32_t reached = kernels_.overlapping(nodes, all_);
     for (std::uint32_t left = reached; left != 0; left &= left - 1)
       fetch_node(level - 1, node * kLanes + static_cast<std::uint32_t>(std::countr_zero(left)));
     for (std::uint32_t left = reached; left != 0; left &= left - 1) {
@@ -117,9 +117,9 @@ class ClosePairs {
 
   template <class Use>
   bool test_leaf(std::uint32_t leaf, std::uint32_t lanes, Use& use) {
-    const Bvh16& bvh = pair_.target.body->bvh;
-    const Aabb16& resting = bvh.levels[0].boxes[leaf];
-    const TriangleSubset target{&bvh.triangles[leaf], &resting, kernels_.overlaps(resting, all_)};
+    const BodyBvh& bvh = pair_.target.body->bvh;
+    const Boxes16& resting = bvh.boxes(0)[leaf];
+    const TriangleSubset target{&bvh.triangles[leaf], &resting, kernels_.overlapping(resting, all_)};
     const TriangleSubset transformed{&transformed_, &boxes_, lanes};
     if (target.lanes == 0) return true;
     LanePair pairs[kLanes * kLanes];
@@ -140,10 +140,10 @@ class ClosePairs {
   // Nodes of one level and their boxes; no level before the first visit.
   int front_level_ = -1, front_count_ = 0;
   std::uint32_t front_[kFront];
-  Aabb16 front_boxes_[kFront / kLanes];
+  Boxes16 front_boxes_[kFront / kLanes];
   // The current packet, in the target's frame.
   Triangle16 transformed_;
-  Aabb16 boxes_;
+  Boxes16 boxes_;
   FloatBox all_;
   std::uint32_t packet_ = 0, lanes_ = 0;
 };

@@ -38,7 +38,7 @@ class Certify {
  private:
   void visit(int level, std::uint32_t packet) {
     alignas(64) float gap[kLanes];
-    kernels_.gaps(pair_.target.body->view, pair_.transform, pair_.probe.body->bvh.levels[level].spheres[packet], limit_,
+    kernels_.gaps(pair_.target.body->view, pair_.transform, pair_.probe.body->bvh.spheres[level][packet], limit_,
                   gap);
     for (int n = 0; n < kLanes && !hit_ && !(near_ && margin_ == 0); ++n) {
       if (gap[n] > limit_) continue;
@@ -104,8 +104,8 @@ class IntersectionSearch {
       return !(none && settle());
     }
     alignas(64) float gap[kLanes];
-    const BvhLevel& nodes = pair_.probe.body->bvh.levels[level];
-    kernels_.gaps(pair_.target.body->view, pair_.transform, nodes.spheres[packet], limit_, gap);
+    const Sphere16& spheres = pair_.probe.body->bvh.spheres[level][packet];
+    kernels_.gaps(pair_.target.body->view, pair_.transform, spheres, limit_, gap);
     int lanes[kLanes];
     const int count = lanes_within(gap, limit_, lanes);
     for (int n = 0; n < count; ++n)

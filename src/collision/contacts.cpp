@@ -117,14 +117,14 @@ class StratifiedTraversal {
   };
   Branches reaching(int level, std::uint32_t packet) const {
     alignas(64) float gap[kLanes];
-    kernels_.gaps(pair_.target.body->view, pair_.transform, pair_.probe.body->bvh.levels[level].spheres[packet], limit_,
+    kernels_.gaps(pair_.target.body->view, pair_.transform, pair_.probe.body->bvh.spheres[level][packet], limit_,
                   gap);
     Branches branches;
     for (std::uint32_t n = 0; n < kLanes; ++n)
       if (gap[n] <= limit_) branches.packet[branches.count++] = packet * kLanes + n;
     if (level > 1)
       for (std::size_t n = 0; n < branches.count; ++n)
-        fetch(pair_.probe.body->bvh.levels[level - 1].spheres[branches.packet[n]]);
+        fetch(pair_.probe.body->bvh.spheres[level - 1][branches.packet[n]]);
     return branches;
   }
 

@@ -107,7 +107,7 @@ bool InsideTest::is_inside(Vec3 point) const {
 
 int InsideTest::winding(Vec3 point, int level, std::uint32_t packet) const {
   const ModelData& body = *container_.body;
-  const Sphere16& spheres = body.bvh.levels[static_cast<std::size_t>(level)].spheres[packet];
+  const Sphere16& spheres = body.bvh.spheres[static_cast<std::size_t>(level)][packet];
   // The pose maps a sphere into one that is hardly larger, around the image of its centre. Nothing reaches an empty
   // one: its radius is minus infinity. Without branches, so that compilers take several lanes at a time.
   float r[9];

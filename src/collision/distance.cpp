@@ -75,12 +75,12 @@ class DistanceSearch {
 
   void visit(int level, std::uint32_t packet) {
     alignas(64) float gap[kLanes];
-    const BvhLevel& nodes = pair_.probe.body->bvh.levels[level];
-    kernels_.gaps(pair_.target.body->view, pair_.transform, nodes.spheres[packet], reach_, gap);
+    const Sphere16& spheres = pair_.probe.body->bvh.spheres[level][packet];
+    kernels_.gaps(pair_.target.body->view, pair_.transform, spheres, reach_, gap);
     int lanes[kLanes];
     const int count = lanes_within(gap, reach_, lanes);
     for (int n = 0; n < count && gap[lanes[n]] <= reach_; ++n) {
-      if (found_ && level <= 1 && closer_look(nodes.spheres[packet], lanes[n]) > reach_) continue;
+      if (found_ && level <= 1 && closer_look(spheres, lanes[n]) > reach_) continue;
       const std::uint32_t child = packet * kLanes + lanes[n];
       if (level > 0) {
         visit(level - 1, child);
@@ -101,7 +101,7 @@ class DistanceSearch {
 
   void descend(int level, std::uint32_t node, std::uint32_t probe_index, const FloatBox& box) {
     alignas(64) float distance_sq[kLanes];
-    kernels_.distances_sq(pair_.target.body->bvh.levels[level].boxes[node], box, distance_sq);
+    kernels_.distances_sq(pair_.target.body->bvh.boxes(level)[node], box, distance_sq);
     int lanes[kLanes], count = 0;
     for (int n = 0; n < kLanes; ++n)
       if (distance_sq[n] <= reach_sq_) lanes[count++] = n;

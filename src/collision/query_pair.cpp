@@ -79,8 +79,8 @@ FloatBox QueryPair::region(float by) const {
     const double* r = &relative.rotation[3 * axis];
     const double reach = std::abs(r[0]) * half.x + std::abs(r[1]) * half.y + std::abs(r[2]) * half.z;
     // Beyond `by`, what it holds may be placed off by the slack.
-    box.min[axis] = static_cast<float>(at[axis] - reach) - by - slack;
-    box.max[axis] = static_cast<float>(at[axis] + reach) + by + slack;
+    box.low[axis] = static_cast<float>(at[axis] - reach) - by - slack;
+    box.high[axis] = static_cast<float>(at[axis] + reach) + by + slack;
   }
   return box;
 }

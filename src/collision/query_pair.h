@@ -72,7 +72,7 @@ struct QueryPair {
 
   /// The triangles of a and b, by their indices in the BVHs of target and probe.
   TrianglesOfBoth triangles_of(std::uint32_t target_index, std::uint32_t probe_index) const {
-    const std::uint32_t first = target.body->bvh.order[target_index], second = probe.body->bvh.order[probe_index];
+    const std::uint32_t first = target.body->bvh.order()[target_index], second = probe.body->bvh.order()[probe_index];
     return swapped ? TrianglesOfBoth{second, first} : TrianglesOfBoth{first, second};
   }
 

@@ -145,7 +145,7 @@ class SweepSearch {
   bool done(double time) const { return time >= end(); }
 
   void visit(int level, std::uint32_t packet, double start) {
-    const Sphere16& spheres = pair_.probe.body->bvh.levels[level].spheres[packet];
+    const Sphere16& spheres = pair_.probe.body->bvh.spheres[level][packet];
     Lanes lanes;
     for (int n = 0; n < kLanes; ++n) {
       const Triple<double> offset = motion_.offset({spheres.center[0][n], spheres.center[1][n], spheres.center[2][n]});
@@ -206,7 +206,7 @@ class SweepSearch {
       const double ahead = look_ahead(t, triangle.speed, pair_.target.body->field.spacing);
       const double until = std::min(end(), std::max(ahead, std::nextafter(t, kNever)));
       FloatBox box;
-      swept_bounds(motion_, triangle, t, until, keep_, box.min, box.max);
+      swept_bounds(motion_, triangle, t, until, keep_, box.low, box.high);
       from_ = t, until_ = until;
       descend(pair_.target.body->bvh.top(), 0, probe_index, box);
       t = until;
@@ -216,7 +216,7 @@ class SweepSearch {
 
   // As far as the field lets the triangle's sphere go from a time at which the triangle is free.
   double jump(std::uint32_t probe_index, double t) {
-    const Sphere16& spheres = pair_.probe.body->bvh.levels[0].spheres[probe_index / kLanes];
+    const Sphere16& spheres = pair_.probe.body->bvh.spheres[0][probe_index / kLanes];
     const int n = static_cast<int>(probe_index % kLanes);
     const Triple<double> offset = motion_.offset({spheres.center[0][n], spheres.center[1][n], spheres.center[2][n]});
     return advanced({offset, motion_.speed(offset), t}, spheres.radius[n], motion_, pair_.target.body->view, keep_,
@@ -224,7 +224,7 @@ class SweepSearch {
   }
 
   void descend(int level, std::uint32_t node, std::uint32_t probe_index, const FloatBox& box) {
-    for (std::uint32_t mask = kernels_.overlaps(pair_.target.body->bvh.levels[level].boxes[node], box); mask != 0;
+    for (std::uint32_t mask = kernels_.overlapping(pair_.target.body->bvh.boxes(level)[node], box); mask != 0;
          mask &= mask - 1) {
       const std::uint32_t child = node * kLanes + std::countr_zero(mask);
       if (level > 0)

@@ -45,13 +45,6 @@ inline constexpr float kFrameError = 32 * 1.7320508f * 0x1p-23f;
 /// nothing, those beyond the limit by a d^2 + s^2/a. With s = kSlack the second term is 0.01 squared grid units.
 inline constexpr float kSlackShare = 1e-4f;
 
-/// What the CPU's boxes of triangles are grown by on each side, as a share of the largest coordinate relative to the
-/// grid's centre: 16 units of float rounding. Their own rounding takes 1, that of a reference sqrt(3) and that of a
-/// cell's centre sqrt(3)/2, all of coordinates within the grid. References far outside are covered by kCullMargin
-/// (cull_boxes.inl). Decides no bit while it is above that; smaller, and culling may drop the triangle that is nearest.
-/// Larger: more boxes are kept.
-inline constexpr float kBoxError = 0x1p-20f;
-
 /// The GPU culls in coordinates relative to coarse cells, which may be large: this share of the farthest coordinate
 /// comes on top of kSlack. 64 roundings.
 inline constexpr float kSlackOfCoordinate = 4e-6f;

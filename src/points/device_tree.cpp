@@ -34,8 +34,8 @@ DeviceTree::DeviceTree(const TriangleIndex& index)
       scale(index.scale()),
       nodes(2 * std::size_t{leaves}, kEmpty),
       corners(9 * std::size_t{triangles}),
-      indices(index.clusters().indices()) {
-  for (int axis = 0; axis < 3; ++axis) center[axis] = index.clusters().center()[axis] / scale;
+      indices(index.bvh().order().data()) {
+  for (int axis = 0; axis < 3; ++axis) center[axis] = index.bvh().frame().center[axis] / scale;
   tbb::parallel_for(std::uint32_t{0}, leaves, [&](std::uint32_t leaf) {
     Node& node = nodes[std::size_t{leaves} + leaf];
     const std::uint64_t first = std::uint64_t{leaf} * kLeaf, end = std::min<std::uint64_t>(triangles, first + kLeaf);

@@ -138,7 +138,7 @@ void find_closest(const TriangleIndex& index, const cpu::PointKernels& kernels, 
                   std::span<ClosestPoint> out) {
   constexpr std::size_t kCount = cpu::ClosestOfEight::kCount;
   cpu::ClosestOfEight eight;
-  const cpu::PackTree& tree = index.tree();
+  const cpu::BvhView& tree = index.tree();
   for (std::size_t begin = 0; begin < decided.order.size(); begin += kCount) {
     const std::size_t count = std::min(kCount, decided.order.size() - begin);
     double scale[kCount];

@@ -53,7 +53,7 @@ CullCell fill_group(const TriangleIndex& index, std::span<const Vec3> points, Po
     cell.center[axis] = static_cast<float>(middles[axis]);
     const double center = cell.center[axis];
     group.middle[axis] = center;
-    group.center[axis] = index.clusters().center()[axis] + center;
+    group.center[axis] = index.bvh().frame().center[axis] + center;
     cell.half[axis] =
         static_cast<float>(std::max(center - lows[axis], highs[axis] - center)) * (1 + kHalfSlack) + kHalfSlack;
     group.half[axis] = cell.half[axis];
@@ -82,7 +82,7 @@ class ThreadState {
   void prepare(const TriangleIndex& index, std::uint64_t call) {
     if (call == call_) return;
     call_ = 0;
-    const std::int64_t entries = index.clusters().entries();
+    const std::int64_t entries = index.bvh().entries();
     if (entries > entries_) {
       lists_.reset();
       entries_ = 0;
@@ -172,7 +172,7 @@ class PointBlock {
     const CellTarget target{sorted_.cull_cell(cell), near};
     const BoxArrays& parent =
         level == 0 ? culling.roots() : lists.levels[static_cast<std::size_t>(level) - 1].list.arrays();
-    culling.narrow(parent, target, opened_length(target.samples), own.list, lists.packs);
+    culling.narrow(parent, target, opened_length(target.samples), own.list, lists.nodes);
     own.points = culling.points_of(target.samples, own.list.arrays());
     own.cell = cell;
     return own;
@@ -195,7 +195,7 @@ class PointBlock {
     const auto look_at = [&](const BoxArrays& boxes) {
       kernels_.look_at(index_.tree(), boxes.entry, boxes.count, group, state.table);
     };
-    if (culling.narrow(own.list.arrays(), target, 0, lists.cell, lists.packs))
+    if (culling.narrow(own.list.arrays(), target, 0, lists.cell, lists.nodes))
       look_at(lists.cell.arrays());
     else
       while (culling.next_part(target, lists.cell, lists)) look_at(lists.part.arrays());
@@ -210,7 +210,7 @@ class PointBlock {
     const BoxArrays& boxes = own.list.arrays();
     std::int64_t all = 0, inside = 0;
     for (std::int64_t n = 0; n < boxes.count; ++n) {
-      const std::int64_t triangles = index_.clusters().triangles_in(boxes.entry[n]);
+      const std::int64_t triangles = index_.bvh().triangles_in(boxes.entry[n]);
       bool is_inside = true;
       for (int axis = 0; axis < 3; ++axis)
         is_inside &= std::abs(boxes.low[axis][n] + boxes.high[axis][n] - 2 * cell.center[axis]) <= 2 * cell.half[axis];
@@ -270,80 +270,12 @@ void answer_few(const TriangleIndex& index, const PointKernels& kernels, std::sp
   for (std::size_t n = 0; n < count; ++n) found.nearest[number[n]] = answer_of(group, static_cast<int>(n));
 }
 
-// A box that waits, and how far it is.
-struct Waiting {
-  double distance_sq;
-  std::uint32_t entry;
-};
-
-// The nearest triangle of a single point: down the hierarchy of boxes, the nearest one first. In double, so that the
-// point may be anywhere: lengths are in grid units of the index times shrink_, in which the square of a length does not
-// overflow.
-class Descent {
- public:
-  Descent(const TriangleIndex& index, Vec3 point)
-      : index_(index), world_(point), scale_(index.scale_at(point)), shrink_(scale_ / index.scale()) {
-    const double(&center)[3] = index.clusters().center();
-    local_ = point * scale_ - Vec3{center[0], center[1], center[2]} * shrink_;
-  }
-
-  NearestTriangle run() {
-    std::array<Waiting, kMostWaiting> waiting;
-    std::size_t count = 0;
-    waiting[count++] = {0, index_.clusters().top()};
-    while (count != 0) {
-      const Waiting next = waiting[--count];
-      if (next.distance_sq > best_sq_) continue;
-      if (!index_.clusters().is_pack(next.entry)) {
-        look_at(next.entry);
-        continue;
-      }
-      const PackContents pack = index_.clusters().contents(next.entry);
-      const std::size_t first = count;
-      for (int n = 0; n < pack.count; ++n) {
-        const double sq = box_distance_sq(*pack.boxes, n);
-        if (sq <= best_sq_) waiting[count++] = {sq, pack.first + static_cast<std::uint32_t>(n)};
-      }
-      std::sort(waiting.begin() + static_cast<std::ptrdiff_t>(first),
-                waiting.begin() + static_cast<std::ptrdiff_t>(count),
-                [](const Waiting& a, const Waiting& b) { return a.distance_sq > b.distance_sq; });
-    }
-    return {std::sqrt(best_sq_) / scale_, triangle_};
-  }
-
- private:
-  // Sixteen children of each of eight levels.
-  static constexpr std::size_t kMostWaiting = std::size_t{kLanes} * 9;
-
-  // At most: boxes are grown by what the rounding of their corners takes, and the double arithmetic here is far below.
-  double box_distance_sq(const BoxPack& boxes, int n) const {
-    const auto outside = [&](int axis, double p) {
-      return std::max({boxes.low[axis][n] * shrink_ - p, p - boxes.high[axis][n] * shrink_, 0.0});
-    };
-    const double x = outside(0, local_.x), y = outside(1, local_.y), z = outside(2, local_.z);
-    return (x * x + y * y + z * z) * (1 - 1e-14);
-  }
-
-  void look_at(std::uint32_t entry) {
-    const std::uint32_t triangle = index_.clusters().triangle(entry);
-    const auto corner = [&](int n) { return triple_of((index_.mesh().corner(triangle, n) - world_) * scale_); };
-    const double sq = origin_distance_sq(corner(0), corner(1), corner(2));
-    if (sq > best_sq_ || (sq == best_sq_ && triangle > triangle_)) return;
-    best_sq_ = sq;
-    triangle_ = triangle;
-  }
-
-  const TriangleIndex& index_;
-  Vec3 world_;
-  double scale_, shrink_;
-  Vec3 local_;  // relative to the middle
-  double best_sq_ = std::numeric_limits<double>::infinity();
-  std::uint32_t triangle_ = kNoTriangle;
-};
-
 }  // namespace
 
-NearestTriangle find_nearest(const TriangleIndex& index, Vec3 point) { return Descent(index, point).run(); }
+NearestTriangle find_nearest(const TriangleIndex& index, Vec3 point) {
+  const NearestInBvh nearest = nearest_triangle(index.bvh(), index.mesh(), point);
+  return {nearest.distance, nearest.triangle};
+}
 
 void find_nearest(const TriangleIndex& index, const PointKernels& kernels, std::span<const Vec3> points,
                   FoundTriangles& found, ProgressMeter& progress) {

@@ -23,12 +23,10 @@ inline RayTriangle triangle_along(const std::array<Vec3, 3>& t, int axis) {
 }  // namespace
 
 RayWinding::RayWinding(const OrientedMesh& mesh, const TriangleIndex& index)
-    : mesh_(mesh), index_(index), low_{kInfinite, kInfinite, kInfinite}, high_{-kInfinite, -kInfinite, -kInfinite} {
-  const cpu::PackContents all = index.clusters().contents(index.clusters().top());
-  for (int n = 0; n < all.count; ++n) {
-    low_ = min(low_, {all.boxes->low[0][n], all.boxes->low[1][n], all.boxes->low[2][n]});
-    high_ = max(high_, {all.boxes->high[0][n], all.boxes->high[1][n], all.boxes->high[2][n]});
-  }
+    : mesh_(mesh), index_(index) {
+  const FloatBox all = index.bvh().box();
+  low_ = {all.low[0], all.low[1], all.low[2]};
+  high_ = {all.high[0], all.high[1], all.high[2]};
 }
 
 // Of the points only what lies in the box around all is looked at: there they are near enough for boxes in float, which
@@ -37,31 +35,19 @@ template <class Use>
 void RayWinding::for_each_between(int axis, const Vec3& local, double from, double to, const cpu::PointKernels& kernels,
                                   const Use& use) const {
   const std::array<double, 3> at = numbers_of(local), least = numbers_of(low_), most = numbers_of(high_);
-  float low[3], high[3];
+  FloatBox way;
   for (int n = 0; n < 3; ++n) {
     const auto axis_of = static_cast<std::size_t>(n);
     const double first = std::max(n == axis ? from : at[axis_of], least[axis_of]),
                  last = std::min(n == axis ? to : at[axis_of], most[axis_of]);
     if (!(first <= last)) return;
-    low[n] = static_cast<float>(first);
-    high[n] = static_cast<float>(last);
+    way.low[n] = static_cast<float>(first);
+    way.high[n] = static_cast<float>(last);
   }
-  const cpu::Clusters& clusters = index_.clusters();
-  constexpr std::size_t kMostWaiting = std::size_t{cpu::kLanes} * 9;  // children of each of eight levels
-  std::array<std::uint32_t, kMostWaiting> waiting;
-  std::size_t count = 0;
-  waiting[count++] = clusters.top();
-  while (count != 0) {
-    const std::uint32_t entry = waiting[--count];
-    if (clusters.is_pack(entry)) {
-      const cpu::PackContents pack = clusters.contents(entry);
-      for (std::uint32_t met = kernels.boxes_on_way(pack, low, high); met != 0; met &= met - 1)
-        waiting[count++] = pack.first + static_cast<std::uint32_t>(std::countr_zero(met));
-      continue;
-    }
-    const std::uint32_t triangle = clusters.triangle(entry);
+  for_each_overlap(index_.bvh(), way, kernels.overlapping, [&](std::uint32_t place) {
+    const std::uint32_t triangle = index_.bvh().order()[place];
     if (const int times = mesh_.use_of(triangle)) use(triangle_along(mesh_.mesh.corners(triangle), axis), times);
-  }
+  });
 }
 
 RayWay RayWinding::shortest(Vec3 point) const {

@@ -67,9 +67,9 @@ void SortedPoints::sort(const TriangleIndex& index, std::span<const Vec3> points
     }
   }
   if (is_alone)
-    std::ranges::sort(keyed_, {}, [](const cpu::KeyedIndex& one) { return std::uint64_t{one.key} << 32 | one.index; });
+    std::ranges::sort(keyed_, {}, [](const KeyedIndex& one) { return std::uint64_t{one.key} << 32 | one.index; });
   else
-    cpu::radix_sort(keyed_, tbb::this_task_arena::max_concurrency());
+    radix_sort(keyed_, tbb::this_task_arena::max_concurrency());
   for_all([&](const Blocked& range) {
     for (std::size_t n = range.begin(); n < range.end(); ++n) {
       if (n < near.count) order[n] = keyed_[n].index;
@@ -87,7 +87,7 @@ SortedPoints::Keys SortedPoints::keys_of(const cpu::Cell& cell, unsigned eighths
 
 std::int64_t SortedPoints::first_at(std::uint64_t key, Range among) const {
   const auto at = std::partition_point(keyed_.begin() + among.begin, keyed_.begin() + among.end,
-                                       [&](const cpu::KeyedIndex& keyed) { return keyed.key < key; });
+                                       [&](const KeyedIndex& keyed) { return keyed.key < key; });
   return at - keyed_.begin();
 }
 

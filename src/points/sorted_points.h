@@ -6,9 +6,10 @@
 #include <cstdint>
 #include <span>
 
+#include "bvh/order.h"
 #include "core/memory.h"
 #include "field/cpu/candidate_culling.h"
-#include "field/cpu/clusters.h"
+#include "bvh/bvh.h"
 #include "field/cpu/kernels.h"
 #include "points/triangle_index.h"
 
@@ -51,7 +52,7 @@ class SortedPoints {
   static Keys keys_of(const cpu::Cell& cell, unsigned eighths);
   std::int64_t first_at(std::uint64_t key, Range among) const;
 
-  HugePageVector<cpu::KeyedIndex> keyed_;
+  HugePageVector<KeyedIndex> keyed_;
   Vec3 low_;
   double cell_ = 1;  // side of a cell
 };

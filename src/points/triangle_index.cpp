@@ -8,7 +8,7 @@
 #include <limits>
 #include <utility>
 
-#include "field/cpu/clusters.h"
+#include "bvh/order.h"
 #include "geometry/triangle_box.h"
 #include "points/cpu/kernels.h"
 
@@ -44,39 +44,30 @@ TriangleIndex::TriangleIndex(const Mesh& mesh, std::span<const std::uint32_t> am
     : while_built_(std::move(while_built)),
       job_{mesh, among, grid_around(box_of(mesh, among)), kAll, threads, simd, progress_},
       lattice_(cpu::make_block_lattice(job_.grid, kAll)),
-      culling_(job_, lattice_, cpu::kernels_for(simd), cpu::halving_order(job_)),
-      frames_(std::make_unique_for_overwrite<cpu::FramePack[]>(clusters().level_begin()[1])) {
-  tree_.packs = clusters().packs();
+      culling_(job_, lattice_, cpu::kernels_for(simd), halving_order(mesh, among, progress_)),
+      frames_(std::make_unique_for_overwrite<cpu::NodeFrames[]>(bvh().level_begin()[1])) {
+  tree_.boxes = bvh().boxes();
   tree_.frames = frames_.get();
-  tree_.index = clusters().indices();
+  tree_.index = bvh().order().data();
   tree_.vertices = &mesh.vertices.data()->x;
   tree_.corners = mesh.triangles.data()->data();
   tree_.triangles = static_cast<std::uint32_t>(job_.triangle_count());
-  tree_.top = static_cast<int>(clusters().level_begin().size()) - 2;
-  std::ranges::copy(clusters().level_begin(), tree_.begin);
+  tree_.top = bvh().top_level();
+  std::ranges::copy(bvh().level_begin(), tree_.begin);
   static_assert(sizeof(Vec3) == 3 * sizeof(double) && sizeof(Triangle) == 3 * sizeof(std::uint32_t));
   const cpu::PointKernels& kernels = cpu::point_kernels_for(simd);
-  const double(&center)[3] = clusters().center();
+  const Vec3 middle = bvh().frame().center;
+  const double center[3] = {middle.x, middle.y, middle.z};
   tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, tree_.begin[1], 256), [&](const auto& range) {
     progress_.check();
-    for (std::uint32_t pack = range.begin(); pack < range.end(); ++pack)
-      kernels.make_frames(tree_, pack, scale(), center, frames_[pack]);
+    for (std::uint32_t node = range.begin(); node < range.end(); ++node)
+      kernels.make_frames(tree_, node, scale(), center, frames_[node]);
   });
   while_built_ = nullptr;
 }
 
-double TriangleIndex::scale_at(Vec3 point) const {
-  const double farthest = std::max(max_norm(local(point)), double{clusters().extent()});
-  constexpr int kMostExponent = 64;
-  if (farthest < 0x1p64) return scale();
-  // A point may be too far for grid units of a tiny mesh.
-  const int exponent =
-      std::isfinite(farthest) ? std::ilogb(farthest) : std::ilogb(max_norm(point)) + std::ilogb(scale());
-  return std::ldexp(scale(), std::min(0, kMostExponent - exponent));
-}
-
 std::int64_t TriangleIndex::memory_bytes() const {
-  return cpu::Clusters::bytes(job_.triangle_count(), 1) + tree_.begin[1] * std::int64_t{sizeof(cpu::FramePack)};
+  return cpu::CandidateCulling::bvh_bytes(job_.triangle_count(), 1) + tree_.begin[1] * std::int64_t{sizeof(cpu::NodeFrames)};
 }
 
 }  // namespace standoff

@@ -33,19 +33,16 @@ class TriangleIndex {
   MeshView mesh() const { return job_.mesh; }
   double scale() const { return lattice_.scale; }
   /// A point relative to the middle, grid units.
-  Vec3 local(Vec3 p) const {
-    const double(&center)[3] = culling_.clusters().center();
-    return p * scale() - Vec3{center[0], center[1], center[2]};
-  }
+  Vec3 local(Vec3 p) const { return bvh().frame().local(p); }
   /// A power of two: scale(), or less where the square of a length from a far point would overflow.
-  double scale_at(Vec3 point) const;
+  double scale_at(Vec3 point) const { return bvh().frame().scale_at(point); }
   /// Whether boxes in float may be asked about a point: they are grown by what it may be off by there.
-  bool is_near(Vec3 local) const { return max_norm(local) <= 4 * double{culling_.clusters().extent()}; }
+  bool is_near(Vec3 local) const { return max_norm(local) <= 4 * double{bvh().frame().extent}; }
 
   const cpu::CandidateCulling& culling() const { return culling_; }
-  const cpu::Clusters& clusters() const { return culling_.clusters(); }
-  /// The hierarchy as the kernels see it. Places in its order are entries of the clusters.
-  const cpu::PackTree& tree() const { return tree_; }
+  const Bvh& bvh() const { return culling_.bvh(); }
+  /// The hierarchy as the kernels see it. Places in its order are entries of the BVH.
+  const cpu::BvhView& tree() const { return tree_; }
   std::int64_t triangle_count() const { return job_.triangle_count(); }
   std::int64_t memory_bytes() const;
 
@@ -55,8 +52,8 @@ class TriangleIndex {
   Job job_;
   cpu::BlockLattice lattice_;
   cpu::CandidateCulling culling_;
-  std::unique_ptr<cpu::FramePack[]> frames_;
-  cpu::PackTree tree_{};
+  std::unique_ptr<cpu::NodeFrames[]> frames_;
+  cpu::BvhView tree_{};
 };
 
 }  // namespace standoff

@@ -80,8 +80,8 @@ TEST(ThinTriangles, NoneIsPartedFromWhatItTouches) {
     for (const collision::Kernels* row : collision::all_kernels()) {
       const collision::Kernels& kernels = *row;
       collision::Triangle16 placed[2];
-      collision::Aabb16 boxes[2];
-      collision::FloatBox all;
+      Boxes16 boxes[2];
+      FloatBox all;
       for (const int which : {0, 1})
         kernels.transform_triangles(here, faces[which], 0, placed[which], boxes[which], all);
       collision::LanePair pairs[collision::kLanes * collision::kLanes];

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "bvh/boxes16.h"
 #include "geometry/host_device.h"
 #include "geometry/triple.h"
 
@@ -110,17 +111,12 @@ STANDOFF_INLINE float transformed(const FloatTransform& transform, int axis, flo
 
 // Sixteen spheres or boxes at a time. Lanes without content hold an empty sphere or box.
 
-inline constexpr int kLanes = 16;
+inline constexpr int kLanes = Boxes16::kLanes;
 inline constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 struct alignas(64) Sphere16 {
   float center[3][kLanes];
   float radius[kLanes];  ///< minus infinity: no sphere
-};
-
-struct alignas(64) Aabb16 {
-  float min[3][kLanes];
-  float max[3][kLanes];
 };
 
 /// Triangles: corner, axis, lane.
@@ -160,36 +156,10 @@ inline void fetch(const T& what) {
     __builtin_prefetch(reinterpret_cast<const char*>(&what) + line);
 }
 
-/// One box.
-struct FloatBox {
-  float min[3] = {kInfinity, kInfinity, kInfinity};
-  float max[3] = {-kInfinity, -kInfinity, -kInfinity};
-
-  void include(const float* p) {
-    for (int axis = 0; axis < 3; ++axis) {
-      min[axis] = p[axis] < min[axis] ? p[axis] : min[axis];
-      max[axis] = p[axis] > max[axis] ? p[axis] : max[axis];
-    }
-  }
-  void include(const FloatBox& box) {
-    include(box.min);
-    include(box.max);
-  }
-  void grow(float by) {
-    for (int axis = 0; axis < 3; ++axis) min[axis] -= by, max[axis] += by;
-  }
-};
-
-inline FloatBox lane_of(const Aabb16& boxes, int lane) {
-  FloatBox box;
-  for (int axis = 0; axis < 3; ++axis) box.min[axis] = boxes.min[axis][lane], box.max[axis] = boxes.max[axis][lane];
-  return box;
-}
-
 /// Some of sixteen triangles, and their boxes.
 struct TriangleSubset {
   const Triangle16* triangles;
-  const Aabb16* boxes;
+  const Boxes16* boxes;
   std::uint32_t lanes;  ///< bits
 };
 

@@ -90,8 +90,8 @@ void ModelData::prepare(double spacing) {
 
 void ModelData::finish(ProgressMeter& progress) {
   view = field.view();
-  corners.reserve(bvh.order.size());
-  for (const std::uint32_t t : bvh.order) {
+  corners.reserve(bvh.order().size());
+  for (const std::uint32_t t : bvh.order()) {
     if (corners.size() % kCheckEvery == 0) progress.check();
     corners.push_back({mesh.vertices[mesh.triangles[t][0]], mesh.vertices[mesh.triangles[t][1]],
                        mesh.vertices[mesh.triangles[t][2]]});
@@ -103,9 +103,9 @@ std::int64_t ModelData::memory_bytes() const {
   const auto bytes = [](const auto& array) { return array.size() * sizeof(array[0]); };
   std::size_t sum = bytes(mesh.vertices) + bytes(mesh.triangles) + bytes(field.slots) + bytes(field.samples) +
                     bytes(field.coarse) + bytes(field.inside) + bytes(field.coarse_inside) + bytes(corners) +
-                    bytes(components) + bytes(bvh.order) + bytes(bvh.triangles);
-  for (const BvhLevel& level : bvh.levels) sum += bytes(level.spheres) + bytes(level.boxes);
-  return static_cast<std::int64_t>(sum);
+                    bytes(components) + bytes(bvh.triangles);
+  for (const auto& level : bvh.spheres) sum += bytes(level);
+  return static_cast<std::int64_t>(sum) + bvh.tree.bytes();
 }
 
 }  // namespace collision
@@ -186,7 +186,8 @@ CollisionModel read_model(const FileView& file, ArrayChecksum checksum) {
   FieldBounds field;
   arrays.take(data->mesh.vertices, header.vertices);
   arrays.take(data->mesh.triangles, header.triangles);
-  arrays.take(data->bvh.order, header.triangles);
+  std::vector<std::uint32_t> order;
+  arrays.take(order, header.triangles);
   arrays.take(field.slots, header.slots);
   arrays.take(field.samples, header.samples);
   arrays.take(field.coarse, header.coarse);
@@ -212,7 +213,7 @@ CollisionModel read_model(const FileView& file, ArrayChecksum checksum) {
   data->field.coarse_inside = std::move(field.coarse_inside);
   check_field(arrays, data->field, header);
   std::vector<bool> seen(header.triangles);
-  for (const std::uint32_t t : data->bvh.order) {
+  for (const std::uint32_t t : order) {
     if (t >= header.triangles || seen[t]) arrays.fail("BVH", "its order names a triangle twice or one there is not");
     seen[t] = true;
   }
@@ -220,7 +221,7 @@ CollisionModel read_model(const FileView& file, ArrayChecksum checksum) {
       std::ranges::any_of(data->components, [&](std::uint32_t t) { return t >= header.triangles; }))
     arrays.fail("components", "there are none, too many, or one without a triangle");
   ProgressMeter nobody;
-  fill_levels(data->bvh, data->mesh, data->middle, nobody);
+  data->bvh = bvh_in_order(std::move(order), data->mesh, data->middle, nobody);
   data->finish(nobody);
   return ModelAccess::model(data);
 }
@@ -245,7 +246,7 @@ void CollisionModel::save(const std::filesystem::path& path, Existing existing) 
   file.put(&header, sizeof header);
   file.put_all(d.mesh.vertices);
   file.put_all(d.mesh.triangles);
-  file.put_all(d.bvh.order);
+  file.put_all(d.bvh.order());
   file.put_all(d.field.slots);
   file.put_all(d.field.samples);
   file.put_all(d.field.coarse);

@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "bvh/bvh.h"
 #include "collision/body/kernel_data.h"
 #include "core/memory.h"
 #include "core/progress.h"
@@ -50,19 +51,15 @@ struct FieldBounds {
   FieldView view() const;
 };
 
-struct BvhLevel {
-  HugePageVector<Sphere16> spheres;  ///< packet n: the children of node n of the level above
-  HugePageVector<Aabb16> boxes;
-};
+/// The BVH over the triangles of a body, and what it has beside the boxes. Coordinates are relative to the middle.
+struct BodyBvh {
+  Bvh tree;
+  std::vector<HugePageVector<Sphere16>> spheres;  ///< by level: around the children of each of its nodes
+  HugePageVector<Triangle16> triangles;  ///< of each node of the lowest level; lanes left over repeat the last triangle
 
-/// An implicit 16-wide BVH over the triangles of a body: node n of a level has the nodes 16 n to 16 n + 15 of the level
-/// below as children. Level 0 holds the triangles themselves.
-struct Bvh16 {
-  std::vector<std::uint32_t> order;  ///< triangles of the mesh, by their index in the BVH
-  std::vector<BvhLevel> levels;      ///< the last one has a single packet
-  /// The triangles, in packets of the lowest level; lanes left over repeat the last one.
-  HugePageVector<Triangle16> triangles;
-  int top() const { return static_cast<int>(levels.size()) - 1; }
+  const std::vector<std::uint32_t>& order() const { return tree.order(); }
+  const Boxes16* boxes(int level) const { return tree.level(level).data(); }
+  int top() const { return tree.top_level(); }
 };
 
 struct ModelData {
@@ -72,7 +69,7 @@ struct ModelData {
   double radius = 0;  ///< of a sphere about the middle that holds all corners
   FieldBounds field;
   FieldView view{};  ///< of `field`
-  Bvh16 bvh;
+  BodyBvh bvh;
   HugePageVector<Corners> corners;        ///< of the triangles, in the order of the BVH
   std::vector<std::uint32_t> components;  ///< the first triangle of each connected component
   gpu::DeviceCopies device_models;        ///< what GPUs keep of all this
@@ -104,13 +101,12 @@ FieldBounds plan_field_bounds(const Box& box, double spacing);
 FieldBounds build_field_bounds(MeshView mesh, Vec3 middle, double spacing, const Execution& execution,
                                ProgressMeter& progress);
 
-/// Builds the BVH over triangles whose coordinates are taken relative to `middle`. Triangles that are near each other
-/// come to stand together: ranges are halved, in multiples of full nodes, along the longest side of their centres' box.
-/// The same on every run, by any number of threads. The progress can end it.
-Bvh16 build_bvh(MeshView mesh, Vec3 middle, ProgressMeter& progress);
+/// Builds the BVH over triangles whose coordinates are taken relative to `middle`, in halving_order(). The same on every
+/// run, by any number of threads. The progress can end it.
+BodyBvh build_bvh(MeshView mesh, Vec3 middle, ProgressMeter& progress);
 
-/// The spheres and boxes of a BVH whose order is given. The progress can end it.
-void fill_levels(Bvh16& bvh, MeshView mesh, Vec3 middle, ProgressMeter& progress);
+/// The same in an order that is given: a permutation of the triangles.
+BodyBvh bvh_in_order(std::vector<std::uint32_t> order, MeshView mesh, Vec3 middle, ProgressMeter& progress);
 
 /// The lowest index of a triangle of each connected component, in ascending order. Triangles are connected if they have
 /// a corner at the same position, so a mesh need not be welded. Requires a valid mesh. The progress can end it.

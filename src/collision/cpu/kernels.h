@@ -18,12 +18,12 @@ struct Kernels {
   /// The same for spheres whose centres are in the field's frame already.
   void (*gaps_at)(const FieldView&, const float (*center)[kLanes], const float* radius, float enough, float* gap);
   /// Bit n: box n and `box` share a point.
-  std::uint32_t (*overlaps)(const Aabb16&, const FloatBox& box);
+  std::uint32_t (*overlapping)(const Boxes16&, const FloatBox& box);
   /// Squared distances between the boxes and `box`.
-  void (*distances_sq)(const Aabb16&, const FloatBox& box, float* distance_sq);
+  void (*distances_sq)(const Boxes16&, const FloatBox& box, float* distance_sq);
   /// Transforms 16 triangles into another frame, and their boxes grown by `by`; `all` becomes the box around those.
   void (*transform_triangles)(const FloatTransform&, const Triangle16&, float by, Triangle16& transformed,
-                              Aabb16& boxes, FloatBox& all);
+                              Boxes16& boxes, FloatBox& all);
   /// The pairs of triangles, one of each packet, whose boxes share a point and which neither triangle's plane keeps
   /// more than `apart` from each other. Fastest where b is the one with fewer lanes. Returns how many.
   int (*close_pairs)(const TriangleSubset& a, const TriangleSubset& b, float apart, LanePair* pairs);

@@ -3,6 +3,7 @@
 // doubles, at a time. Nothing is fused, so all sets round alike. The table at the end names them for kernels.cpp.
 #pragma once
 
+#include "bvh/overlapping.inl"
 #include "collision/body/kernel_data.h"
 #include "collision/cpu/kernels.h"
 #include "geometry/closest_pair.h"
@@ -45,26 +46,17 @@ STANDOFF_INLINE WidePoint transformed(const FloatTransform& transform, const Wid
 
 // Sixteen boxes against one.
 
-std::uint32_t overlaps(const Aabb16& boxes, const FloatBox& box) {
-  const WidePoint low = load_points(boxes.min), high = load_points(boxes.max);
-  const WidePoint box_low = same_points(box.min), box_high = same_points(box.max);
-  const Mask share_x = less_equal(low.x, box_high.x) & less_equal(box_low.x, high.x),
-             share_y = less_equal(low.y, box_high.y) & less_equal(box_low.y, high.y),
-             share_z = less_equal(low.z, box_high.z) & less_equal(box_low.z, high.z);
-  return (share_x & share_y & share_z).to_bits();
-}
-
-void distances_sq(const Aabb16& boxes, const FloatBox& box, float* distance_sq) {
-  const WidePoint low = load_points(boxes.min), high = load_points(boxes.max);
+void distances_sq(const Boxes16& boxes, const FloatBox& box, float* distance_sq) {
+  const WidePoint low = load_points(boxes.low), high = load_points(boxes.high);
   const WidePoint zero{WideFloat(0), WideFloat(0), WideFloat(0)};
-  const WidePoint gap = max(max(low - same_points(box.max), same_points(box.min) - high), zero);
+  const WidePoint gap = max(max(low - same_points(box.high), same_points(box.low) - high), zero);
   (gap.x * gap.x + gap.y * gap.y + gap.z * gap.z).store(distance_sq);
 }
 
 // Pairs of triangles that may be near each other: by their boxes, and by two separating axes.
 
 void transform_triangles(const FloatTransform& transform, const Triangle16& triangles, float by, Triangle16& grown,
-                         Aabb16& boxes, FloatBox& all) {
+                         Boxes16& boxes, FloatBox& all) {
   WidePoint corner[3];
   for (int k = 0; k < 3; ++k) {
     corner[k] = transformed(transform, load_points(triangles.corner[k]));
@@ -73,10 +65,10 @@ void transform_triangles(const FloatTransform& transform, const Triangle16& tria
   const WidePoint margin{WideFloat(by), WideFloat(by), WideFloat(by)};
   const WidePoint low = min(corner[0], min(corner[1], corner[2])) - margin,
                   high = max(corner[0], max(corner[1], corner[2])) + margin;
-  store_points(low, boxes.min);
-  store_points(high, boxes.max);
-  all.min[0] = reduce_min(low.x), all.min[1] = reduce_min(low.y), all.min[2] = reduce_min(low.z);
-  all.max[0] = reduce_max(high.x), all.max[1] = reduce_max(high.y), all.max[2] = reduce_max(high.z);
+  store_points(low, boxes.low);
+  store_points(high, boxes.high);
+  all.low[0] = reduce_min(low.x), all.low[1] = reduce_min(low.y), all.low[2] = reduce_min(low.z);
+  all.high[0] = reduce_max(high.x), all.high[1] = reduce_max(high.y), all.high[2] = reduce_max(high.z);
 }
 
 // The axes are the two normals. A sliver's normal is mostly rounding and may point anywhere. That does no harm: any
@@ -152,7 +144,7 @@ int close_pairs(const TriangleSubset& a, const TriangleSubset& b, float apart, L
   int count = 0;
   for (std::uint32_t left = b.lanes; left != 0; left &= left - 1) {
     const int lane = __builtin_ctz(left);
-    std::uint32_t near = overlaps(*a.boxes, lane_of(*b.boxes, lane)) & a.lanes;
+    std::uint32_t near = overlapping_lanes(*a.boxes, lane_of(*b.boxes, lane)) & a.lanes;
     if (near != 0) near &= not_separated(planes, *b.triangles, others, lane, apart);
     for (; near != 0; near &= near - 1)
       pairs[count++] = {static_cast<std::uint8_t>(__builtin_ctz(near)), static_cast<std::uint8_t>(lane)};
@@ -234,7 +226,7 @@ extern const Kernels kKernels;
 const Kernels kKernels{.name = STANDOFF_TARGET_NAME,
                        .gaps = gaps,
                        .gaps_at = gaps_at,
-                       .overlaps = overlaps,
+                       .overlapping = standoff::STANDOFF_TARGET::overlapping_lanes,
                        .distances_sq = distances_sq,
                        .transform_triangles = transform_triangles,
                        .close_pairs = close_pairs,

@@ -22,8 +22,8 @@ inline constexpr int kMostLevels = 8;
 /// What kernels read of a model. What it points to lies in device memory.
 struct DeviceModelView {
   collision::FieldView field;
-  const collision::Sphere16* spheres[kMostLevels];  ///< by level, as in Bvh16
-  const collision::Aabb16* boxes[kMostLevels];
+  const collision::Sphere16* spheres[kMostLevels];  ///< by level, as in BodyBvh
+  const Boxes16* boxes[kMostLevels];
   const collision::Triangle16* triangles;
   const double* corners;  ///< nine a triangle, by index in the BVH
   Triple<double> middle;
@@ -53,7 +53,7 @@ class DeviceModel : public gpu::DeviceCopy {
   template <class Copy>
   void lay_out(const collision::ModelData& data, gpu::Workspace& arrays, Copy copy) {
     const auto put = [&]<class Values>(const Values& values) {
-      using Value = typename Values::value_type;
+      using Value = std::remove_cv_t<typename Values::value_type>;
       const auto count = static_cast<std::int64_t>(values.size());
       Value* const to = arrays.take<Value>(count);
       copy(to, values.data(), count * static_cast<std::int64_t>(sizeof(Value)));
@@ -65,13 +65,13 @@ class DeviceModel : public gpu::DeviceCopy {
     view_.field.coarse = put(data.field.coarse);
     view_.top = data.bvh.top();
     for (int level = 0; level <= view_.top; ++level) {
-      view_.spheres[level] = put(data.bvh.levels[level].spheres);
-      view_.boxes[level] = put(data.bvh.levels[level].boxes);
+      view_.spheres[level] = put(data.bvh.spheres[level]);
+      view_.boxes[level] = put(data.bvh.tree.level(level));
     }
     view_.triangles = put(data.bvh.triangles);
     view_.corners = reinterpret_cast<const double*>(put(data.corners));
     view_.middle = {data.middle.x, data.middle.y, data.middle.z};
-    view_.triangle_count = static_cast<std::uint32_t>(data.bvh.order.size());
+    view_.triangle_count = static_cast<std::uint32_t>(data.bvh.order().size());
   }
 
   Memory memory_;
@@ -175,9 +175,9 @@ STANDOFF_DEVICE bool overlap(const FlatBox& a, const FlatBox& b) {
     overlapping = overlapping && a.side[axis] <= b.side[3 + axis] && a.side[3 + axis] >= b.side[axis];
   return overlapping;
 }
-STANDOFF_DEVICE FlatBox box_in(const collision::Aabb16& boxes, std::uint32_t n) {
+STANDOFF_DEVICE FlatBox box_in(const Boxes16& boxes, std::uint32_t n) {
   FlatBox box;
-  for (int axis = 0; axis < 3; ++axis) box.side[axis] = boxes.min[axis][n], box.side[3 + axis] = boxes.max[axis][n];
+  for (int axis = 0; axis < 3; ++axis) box.side[axis] = boxes.low[axis][n], box.side[3 + axis] = boxes.high[axis][n];
   return box;
 }
 

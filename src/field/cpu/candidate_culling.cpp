@@ -5,17 +5,19 @@
 #include <array>
 #include <utility>
 
+#include "bvh/order.h"
+
 namespace standoff::cpu {
 namespace {
 
-// The most entries of a list. Where more candidates are left, packs of them stay closed, and are opened part by part
+// The most entries of a list. Where more candidates are left, nodes of them stay closed, and are opened part by part
 // where the tile is: so what a thread holds does not grow with the mesh. Lists of scenes and scans are shorter
 // (docs/tiles.md, Memory).
 constexpr std::int64_t kMostEntries = std::int64_t{1} << 15;
-// Packs opened at once where not all fit into the list; what that adds to a list, level by level of packs within packs.
-constexpr std::int64_t kPacksAtOnce = 64, kMostPackLevels = 8;
-constexpr std::int64_t kOpening = kPacksAtOnce * (Clusters::kFanout - 1) * kMostPackLevels;
-static_assert((std::uint64_t{1} << 4 * kMostPackLevels) >= kMaxTriangles);
+// Nodes opened at once where not all fit into the list; what that adds to a list, level by level of nodes within nodes.
+constexpr std::int64_t kNodesAtOnce = 64;
+constexpr std::int64_t kOpening = kNodesAtOnce * (Bvh::kFanout - 1) * Bvh::kMostLevels;
+static_assert((std::uint64_t{1} << 4 * Bvh::kMostLevels) >= kMaxTriangles);
 
 std::int64_t list_capacity(std::int64_t entries) { return std::min(kMostEntries + kOpening, entries); }
 
@@ -41,19 +43,29 @@ References references_of(const SurfacePoints& points, const Cell& cell, const Ce
   return near;
 }
 
+BvhFrame frame_of(const BlockLattice& lattice) {
+  const auto middle = [&](int axis) { return static_cast<double>(lattice.size[axis] - 1) / 2; };
+  const Triple<double> center = position(lattice, middle(0), middle(1), middle(2));
+  BvhFrame frame{{center.x, center.y, center.z}, lattice.scale, 0};
+  for (int axis = 0; axis < 3; ++axis)
+    frame.extent = std::max(frame.extent, static_cast<float>(lattice.spacing[axis] * lattice.scale *
+                                                             static_cast<double>(lattice.size[axis]) / 2));
+  return frame;
+}
+
 float opened_length(const CullCell& samples) { return std::max({samples.half[0], samples.half[1], samples.half[2]}); }
 
 CandidateLists::CandidateLists(int level_count, std::int64_t capacity)
     : tile(capacity), cell(capacity), part(capacity) {
   levels.reserve(static_cast<std::size_t>(level_count));
   for (int n = 0; n < level_count; ++n) levels.emplace_back(capacity);
-  packs.reserve(static_cast<std::size_t>(capacity));
+  nodes.reserve(static_cast<std::size_t>(capacity));
   triangles.reserve(static_cast<std::size_t>(capacity));
 }
 
 std::int64_t CandidateLists::bytes(int level_count, std::int64_t capacity) {
   return level_count * (BoxList::bytes(capacity) + std::int64_t{sizeof(CellCandidates)}) +
-         3 * BoxList::bytes(capacity) + capacity * std::int64_t{sizeof(PackContents) + sizeof(std::uint32_t)};
+         3 * BoxList::bytes(capacity) + capacity * std::int64_t{sizeof(BvhNode) + sizeof(std::uint32_t)};
 }
 
 CandidateCulling::CandidateCulling(const Job& job, const BlockLattice& lattice, const Kernels& kernels,
@@ -61,19 +73,24 @@ CandidateCulling::CandidateCulling(const Job& job, const BlockLattice& lattice, 
     : job_(job),
       lattice_(lattice),
       kernels_(kernels),
-      clusters_(job, lattice, std::move(order)),
-      roots_(Clusters::kFanout) {
-  const PackContents top = clusters_.contents(clusters_.top());
+      centroids_(std::make_unique_for_overwrite<float[][3]>(order.size())),
+      bvh_(job.mesh, std::move(order), frame_of(lattice), job.progress, centroids_.get()),
+      roots_(Bvh::kFanout) {
+  const BvhNode top = bvh_.node(bvh_.root());
   for (int n = 0; n < top.count; ++n) roots_.add(top.first + static_cast<std::uint32_t>(n), *top.boxes, n);
 }
 
 std::int64_t CandidateCulling::bytes(std::int64_t triangles, const BlockLattice& lattice, int threads) {
-  return Clusters::bytes(triangles, threads) +
-         threads * CandidateLists::bytes(levels_of(lattice), list_capacity(Clusters::entries_of(triangles)));
+  return bvh_bytes(triangles, threads) +
+         threads * CandidateLists::bytes(levels_of(lattice), list_capacity(Bvh::entries_of(triangles)));
+}
+
+std::int64_t CandidateCulling::bvh_bytes(std::int64_t triangles, int threads) {
+  return Bvh::bytes_of(triangles) + triangles * std::int64_t{sizeof(float[3])} + radix_sort_bytes(triangles, threads);
 }
 
 CandidateLists CandidateCulling::make_lists(int level_count) const {
-  return {level_count, list_capacity(clusters_.entries())};
+  return {level_count, list_capacity(bvh_.entries())};
 }
 
 // Centre and half extents in grid units, relative to the grid's centre. The half extents are rounded up.
@@ -97,44 +114,44 @@ const CellCandidates& CandidateCulling::enter(int level, const Cell& cell, const
   const CellTarget target = this->target(cell, near);
   const BoxArrays& parent =
       level == 0 ? roots_.arrays() : lists.levels[static_cast<std::size_t>(level) - 1].list.arrays();
-  narrow(parent, target, opened_length(target.samples), own.list, lists.packs);
+  narrow(parent, target, opened_length(target.samples), own.list, lists.nodes);
   if (own.list.size() != 0) own.points = points_of(target.samples, own.list.arrays());
   own.cell = cell;
   return own;
 }
 
 bool CandidateCulling::narrow(const BoxArrays& parent, const CellTarget& target, float largest, BoxList& result,
-                              std::vector<PackContents>& packs) const {
+                              std::vector<BvhNode>& nodes) const {
   result.clear();
   kernels_.cull_boxes(parent, target.samples, target.near, result.arrays());
-  return open_packs(target, largest, result, packs);
+  return open_nodes(target, largest, result, nodes);
 }
 
-bool CandidateCulling::open_packs(const CellTarget& target, float largest, BoxList& list,
-                                  std::vector<PackContents>& packs) const {
-  bool all = take_large(0, largest, list, packs);
-  while (!packs.empty()) {
+bool CandidateCulling::open_nodes(const CellTarget& target, float largest, BoxList& list,
+                                  std::vector<BvhNode>& nodes) const {
+  bool all = take_large(0, largest, list, nodes);
+  while (!nodes.empty()) {
     const std::int64_t first = list.size();
-    kernels_.cull_packs(packs.data(), std::ssize(packs), target.samples, target.near, list.arrays());
-    all &= take_large(first, largest, list, packs);
+    kernels_.cull_nodes(nodes.data(), std::ssize(nodes), target.samples, target.near, list.arrays());
+    all &= take_large(first, largest, list, nodes);
   }
   return all;
 }
 
-// Takes packs that are longer than `largest` out of the list, looking at its entries from the first on, as long as what
-// they hold has room in it. Returns whether all such packs were taken.
+// Takes nodes that are longer than `largest` out of the list, looking at its entries from the first on, as long as what
+// they hold has room in it. Returns whether all such nodes were taken.
 bool CandidateCulling::take_large(std::int64_t first, float largest, BoxList& list,
-                                  std::vector<PackContents>& packs) const {
-  packs.clear();
+                                  std::vector<BvhNode>& nodes) const {
+  nodes.clear();
   const auto most =
-      static_cast<std::size_t>(std::max<std::int64_t>(0, kMostEntries - list.size()) / (Clusters::kFanout - 1));
+      static_cast<std::size_t>(std::max<std::int64_t>(0, kMostEntries - list.size()) / (Bvh::kFanout - 1));
   bool all = true;
   std::int64_t kept = first;
   for (std::int64_t n = first; n < list.size(); ++n) {
-    if (clusters_.is_pack(list.entry(n)) && list.longest_side(n) > largest) {
-      if (packs.size() < most) {
-        clusters_.prefetch(list.entry(n));
-        packs.push_back(clusters_.contents(list.entry(n)));
+    if (bvh_.is_node(list.entry(n)) && list.longest_side(n) > largest) {
+      if (nodes.size() < most) {
+        bvh_.prefetch(list.entry(n));
+        nodes.push_back(bvh_.node(list.entry(n)));
         continue;
       }
       all = false;
@@ -146,23 +163,23 @@ bool CandidateCulling::take_large(std::int64_t first, float largest, BoxList& li
   return all;
 }
 
-// The last packs are opened first, so that few wait.
+// The last nodes are opened first, so that few wait.
 bool CandidateCulling::next_part(const CellTarget& target, BoxList& list, CandidateLists& lists) const {
   job_.progress.check();
   BoxList& part = lists.part;
   part.clear();
   while (list.size() != 0 && part.size() < kMostEntries) {
-    lists.packs.clear();
+    lists.nodes.clear();
     std::int64_t left = list.size();
-    for (; left != 0 && part.size() < kMostEntries && std::ssize(lists.packs) < kPacksAtOnce; --left) {
+    for (; left != 0 && part.size() < kMostEntries && std::ssize(lists.nodes) < kNodesAtOnce; --left) {
       const std::uint32_t entry = list.entry(left - 1);
-      if (clusters_.is_pack(entry))
-        lists.packs.push_back(clusters_.contents(entry));
+      if (bvh_.is_node(entry))
+        lists.nodes.push_back(bvh_.node(entry));
       else
         part.add(list, left - 1);
     }
     list.shrink(left);
-    kernels_.cull_packs(lists.packs.data(), std::ssize(lists.packs), target.samples, target.near, list.arrays());
+    kernels_.cull_nodes(lists.nodes.data(), std::ssize(lists.nodes), target.samples, target.near, list.arrays());
   }
   return part.size() != 0;
 }
@@ -171,7 +188,7 @@ bool CandidateCulling::is_crowded(const BoxList& list, const CellTarget& tile) c
   const float small = opened_length(tile.samples);
   std::int64_t triangles = 0;
   for (std::int64_t n = 0; n < list.size(); ++n)
-    if (list.longest_side(n) < small) triangles += clusters_.triangles_in(list.entry(n));
+    if (list.longest_side(n) < small) triangles += bvh_.triangles_in(list.entry(n));
   return triangles > kCrowd;
 }
 
@@ -207,33 +224,30 @@ SurfacePoints CandidateCulling::points_of(const CullCell& samples, const BoxArra
 
 // A triangle near `at`: the one found by following the nearest boxes down.
 std::uint32_t CandidateCulling::near_triangle(std::uint32_t entry, const float (&at)[3]) const {
-  while (clusters_.is_pack(entry)) {
-    const PackContents pack = clusters_.contents(entry);
-    entry = pack.first + static_cast<std::uint32_t>(kernels_.nearest_in_pack(pack, at));
+  while (bvh_.is_node(entry)) {
+    const BvhNode node = bvh_.node(entry);
+    entry = node.first + static_cast<std::uint32_t>(kernels_.nearest_child(node, at));
   }
-  return clusters_.triangle(entry);
+  return bvh_.order()[entry];
 }
 
 void CandidateCulling::set_triangle(std::uint32_t triangle, int lane, TriangleLanes& lanes) const {
-  const double(&center)[3] = clusters_.center();
   for (int k = 0; k < 3; ++k) {
-    const Vec3 v = job_.mesh.corner(triangle, k) * lattice_.scale;
-    lanes.corner[k][0][lane] = v.x - center[0];
-    lanes.corner[k][1][lane] = v.y - center[1];
-    lanes.corner[k][2][lane] = v.z - center[2];
+    const Vec3 at = bvh_.frame().local(job_.mesh.corner(triangle, k));
+    for (int axis = 0; axis < 3; ++axis) lanes.corner[k][axis][lane] = at[axis];
   }
 }
 
 CrowdedCell CandidateCulling::crowded_cell(const Brick& brick, const Cell& cell, const BoxArrays& boxes) const {
   CrowdedCell crowded{.at = {},
                       .boxes = boxes,
-                      .points = clusters_.points(),
-                      .index = clusters_.indices(),
+                      .points = centroids_.get(),
+                      .index = bvh_.order().data(),
                       .brick_center = {},
-                      .extent = clusters_.extent()};
+                      .extent = bvh_.frame().extent};
   for (int axis = 0; axis < 3; ++axis) {
     crowded.at[axis] = static_cast<int>(cell.low[axis] % kBrickSide);
-    crowded.brick_center[axis] = static_cast<float>(brick.center[axis] - clusters_.center()[axis]);
+    crowded.brick_center[axis] = static_cast<float>(brick.center[axis] - bvh_.frame().center[axis]);
   }
   return crowded;
 }

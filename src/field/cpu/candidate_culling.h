@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Thick bands and full fields: which triangles each brick, tile and cell has to look at (docs/tiles.md).
 //
-//   triangles in packs of 16, packs of packs (clusters.h)
-//       |  the largest packs
+//   triangles in nodes of 16, nodes of nodes (bvh/bvh.h)
+//       |  the largest nodes
 //       v
 //   +-------------+     +------+     +---+   +--+
 //   |             | --> |      | --> |   |-->|  |--> triangles of a tile, or of a cell where a tile is crowded
@@ -11,10 +11,10 @@
 //   +-------------+                  brick
 //
 // A cell's list is made out of its parent's in three steps.
-//   1. Cull. An entry (a triangle or a pack, by its box) is dropped where it cannot hold the point nearest to any
+//   1. Cull. An entry (a triangle or a node, by its box) is dropped where it cannot hold the point nearest to any
 //      sample of the cell: it is beyond the thickness, or for each sample some reference, a point of the surface, is
 //      nearer.
-//   2. Open. Packs longer than half the cell are replaced by what they hold, culled alike, until none is left. Where
+//   2. Open. Nodes longer than half the cell are replaced by what they hold, culled alike, until none is left. Where
 //      the list is full the rest stays closed, and the tile opens it part by part.
 //   3. Points. Near each of the 3x3x3 points that divide the cell into halves a point of the surface is found, by
 //      following the nearest boxes down to a triangle. Those at its eight corners are a half's references.
@@ -27,8 +27,8 @@
 #include <memory>
 #include <vector>
 
+#include "bvh/bvh.h"
 #include "field/backend.h"
-#include "field/cpu/clusters.h"
 #include "field/cpu/kernels.h"
 
 namespace standoff::cpu {
@@ -151,7 +151,7 @@ class BoxList {
 
   void clear() { arrays_.count = 0; }
   void shrink(std::int64_t count) { arrays_.count = count; }
-  void add(std::uint32_t entry, const BoxPack& boxes, int lane) {
+  void add(std::uint32_t entry, const Boxes16& boxes, int lane) {
     const std::int64_t at = arrays_.count++;
     for (int axis = 0; axis < 3; ++axis) {
       arrays_.low[axis][at] = boxes.low[axis][lane];
@@ -194,7 +194,10 @@ struct CellTarget {
   References near;
 };
 
-/// Packs longer than this are opened on the way to a cell, grid units: half its longest side. A longer pack is a poor
+/// Boxes are kept in grid units relative to the centre of the grid.
+BvhFrame frame_of(const BlockLattice& lattice);
+
+/// Nodes longer than this are opened on the way to a cell, grid units: half its longest side. A longer node is a poor
 /// stand-in for its triangles there; a shorter one is opened further down, where most of it has been culled.
 float opened_length(const CullCell& samples);
 
@@ -217,7 +220,7 @@ struct CandidateLists {
   std::vector<CellCandidates> levels;
   BoxList tile, cell;
   BoxList part;  ///< of the candidates of a tile or cell, where they are too many for one list
-  std::vector<PackContents> packs;
+  std::vector<BvhNode> nodes;
   std::vector<std::uint32_t> triangles;
 };
 
@@ -229,26 +232,28 @@ class CandidateCulling {
                    std::vector<std::uint32_t> order);
   /// Bytes that it and the lists of so many threads may hold, whatever the triangles.
   static std::int64_t bytes(std::int64_t triangles, const BlockLattice& lattice, int threads);
+  /// Of that, its own, while they are made.
+  static std::int64_t bvh_bytes(std::int64_t triangles, int threads);
 
   /// For cells within cells, so many.
   CandidateLists make_lists(int level_count) const;
   CellTarget target(const Cell& cell, const References& near) const;
   /// The mesh index of an entry that is a triangle.
-  std::uint32_t triangle(std::uint32_t entry) const { return clusters_.triangle(entry); }
-  const Clusters& clusters() const { return clusters_; }
-  /// The largest packs, which hold all others.
+  std::uint32_t triangle(std::uint32_t entry) const { return bvh_.order()[entry]; }
+  const Bvh& bvh() const { return bvh_; }
+  /// The largest nodes, which hold all others.
   const BoxArrays& roots() const { return roots_.arrays(); }
 
   /// The candidates of a cell of a level, 0 being the whole grid. Requires that its parent was entered before.
   const CellCandidates& enter(int level, const Cell& cell, const References& near, CandidateLists& lists) const;
 
-  /// What of the parent's list may be nearest to a sample of the target, with no pack longer than `largest` where there
+  /// What of the parent's list may be nearest to a sample of the target, with no node longer than `largest` where there
   /// is room for what they hold. Returns whether there was.
   bool narrow(const BoxArrays& parent, const CellTarget& target, float largest, BoxList& result,
-              std::vector<PackContents>& packs) const;
-  /// Puts in the place of packs longer than `largest` what of them may be nearest; returns as above.
-  bool open_packs(const CellTarget& target, float largest, BoxList& list, std::vector<PackContents>& packs) const;
-  /// Takes some candidates out of a list, opening all packs, into lists.part: triangles alone. False at the end, where
+              std::vector<BvhNode>& nodes) const;
+  /// Puts in the place of nodes longer than `largest` what of them may be nearest; returns as above.
+  bool open_nodes(const CellTarget& target, float largest, BoxList& list, std::vector<BvhNode>& nodes) const;
+  /// Takes some candidates out of a list, opening all nodes, into lists.part: triangles alone. False at the end, where
   /// the list is empty and no more are left.
   bool next_part(const CellTarget& target, BoxList& list, CandidateLists& lists) const;
 
@@ -260,14 +265,15 @@ class CandidateCulling {
   CrowdedCell crowded_cell(const Brick& brick, const Cell& cell, const BoxArrays& boxes) const;
 
  private:
-  bool take_large(std::int64_t first, float largest, BoxList& list, std::vector<PackContents>& packs) const;
+  bool take_large(std::int64_t first, float largest, BoxList& list, std::vector<BvhNode>& nodes) const;
   std::uint32_t near_triangle(std::uint32_t entry, const float (&at)[3]) const;
   void set_triangle(std::uint32_t triangle, int lane, TriangleLanes& lanes) const;
 
   const Job& job_;
   const BlockLattice& lattice_;
   const Kernels& kernels_;
-  Clusters clusters_;
+  std::unique_ptr<float[][3]> centroids_;  // of the triangles by place, as exact as the boxes and in their frame
+  Bvh bvh_;
   BoxList roots_;
 };
 

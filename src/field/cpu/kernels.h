@@ -5,6 +5,7 @@
 
 #include <cstdint>
 
+#include "bvh/bvh.h"
 #include "field/backend.h"
 #include "field/cpu/mesh_memory.h"
 #include "field/lattice.h"
@@ -15,7 +16,7 @@ namespace standoff::cpu {
 // The samples: bricks of 16x16x16 samples, in blocks of 4x2x2, one block per wide register.
 
 inline constexpr int kBrickTiles = 8;
-inline constexpr int kLanes = 16;
+inline constexpr int kLanes = Boxes16::kLanes;
 inline constexpr int kBlockX = 4, kBlockY = 2, kBlockZ = 2;
 inline constexpr int kBlocksX = kBrickSide / kBlockX, kBlocksY = kBrickSide / kBlockY, kBlocksZ = kBrickSide / kBlockZ;
 inline constexpr int kBlocks = kBlocksX * kBlocksY * kBlocksZ;
@@ -58,7 +59,7 @@ struct Brick {
 
 Brick brick_at(const BlockLattice& lattice, std::int64_t index);
 
-// Boxes of triangles and of packs of them, as the culling kernels read and write them.
+// Boxes of triangles and of nodes of them, as the culling kernels read and write them.
 
 /// Boxes of entries, an array per coordinate with room for a whole register past the last.
 struct BoxArrays {
@@ -66,19 +67,6 @@ struct BoxArrays {
   float* high[3];
   std::uint32_t* entry;
   std::int64_t count;
-};
-
-/// The boxes of up to kLanes consecutive entries, together because they are looked at together.
-struct BoxPack {
-  alignas(64) float low[3][kLanes];
-  alignas(64) float high[3][kLanes];
-};
-
-/// What a pack holds: `count` consecutive entries from `first` on, and their boxes.
-struct PackContents {
-  std::uint32_t first;
-  int count;
-  const BoxPack* boxes;
 };
 
 // The frames of sixteen triangles in memory: a register for each number of TriangleFrame (geometry/triangle_frame.h),
@@ -246,13 +234,13 @@ struct Kernels {
   void (*nearest_to_lattice)(const BoxArrays&, const float (&at)[3][kLatticeSide], std::uint32_t* nearest);
   /// Replaces points by the points of triangles that are nearest to them.
   void (*nearest_on_triangles)(TriangleLanes&);
-  /// The position in the pack of the box whose centre is nearest to the point.
-  int (*nearest_in_pack)(const PackContents&, const float* point);
+  /// The position in the node of the box whose centre is nearest to the point.
+  int (*nearest_child)(const BvhNode&, const float* point);
   /// Adds to `kept`, which has the room, the boxes within the cell's reach that may hold a point nearer to some of its
   /// samples than each of the references is.
   void (*cull_boxes)(const BoxArrays&, const CullCell&, const References&, BoxArrays& kept);
-  /// The same for the boxes of packs.
-  void (*cull_packs)(const PackContents* packs, std::int64_t count, const CullCell&, const References&,
+  /// The same for the boxes of nodes.
+  void (*cull_nodes)(const BvhNode* nodes, std::int64_t count, const CullCell&, const References&,
                      BoxArrays& kept);
   /// Lowers the distances of a tile's samples, as gather_band, for candidates of which each sample needs few: chooses
   /// them for each cell of 4x4x4 samples.

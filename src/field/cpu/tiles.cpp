@@ -12,7 +12,7 @@
 #include "core/threads.h"
 #include "field/cpu/bins.h"
 #include "field/cpu/candidate_culling.h"
-#include "field/cpu/clusters.h"
+#include "bvh/bvh.h"
 
 namespace standoff::cpu {
 
@@ -124,7 +124,7 @@ class ThickBand final : public LayerGather {
       : job_(job),
         lattice_(lattice),
         kernels_(kernels),
-        culling_(job, lattice, kernels, morton_order(job)),
+        culling_(job, lattice, kernels, morton_order(job.mesh, job.kept, job.progress)),
         threads_([this] { return std::make_unique<TileWork>(culling_.make_lists(levels_of(lattice_))); }) {}
 
   void gather(const BrickLayers& layers, Sink& sink) override {
@@ -170,7 +170,7 @@ class ThickBand final : public LayerGather {
   void gather_tile(const Brick& brick, const CellCandidates& parent, const Cell& tile, TileWork& state) {
     CandidateLists& lists = state.lists;
     const CellTarget target = culling_.target(tile, references_of(parent.points, parent.cell, tile));
-    culling_.narrow(parent.list.arrays(), target, opened_length(target.samples), lists.tile, lists.packs);
+    culling_.narrow(parent.list.arrays(), target, opened_length(target.samples), lists.tile, lists.nodes);
     if (culling_.is_crowded(lists.tile, target)) {
       const SurfacePoints points = culling_.points_of(target.samples, lists.tile.arrays());
       Cell cells[8];
@@ -185,7 +185,7 @@ class ThickBand final : public LayerGather {
       kernels_.gather_tile(lattice_, brick, number, candidates_of(job_, lists.triangles), sink_->with_nearest(),
                            state.tile, state.brick);
     };
-    if (culling_.open_packs(target, 0, lists.tile, lists.packs)) return gather(lists.tile.arrays());
+    if (culling_.open_nodes(target, 0, lists.tile, lists.nodes)) return gather(lists.tile.arrays());
     while (culling_.next_part(target, lists.tile, lists)) gather(lists.part.arrays());
   }
 
@@ -197,7 +197,7 @@ class ThickBand final : public LayerGather {
       kernels_.gather_crowded(lattice_, brick, culling_.crowded_cell(brick, cell, boxes), candidates_of(job_, {}),
                               sink_->with_nearest(), state.crowded, state.brick);
     };
-    if (culling_.narrow(lists.tile.arrays(), target, 0, lists.cell, lists.packs)) return gather(lists.cell.arrays());
+    if (culling_.narrow(lists.tile.arrays(), target, 0, lists.cell, lists.nodes)) return gather(lists.cell.arrays());
     while (culling_.next_part(target, lists.cell, lists)) gather(lists.part.arrays());
   }
 

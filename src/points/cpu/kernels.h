@@ -10,21 +10,21 @@
 namespace standoff::cpu {
 
 struct PointKernels {
-  /// Sets up the frames of pack `number` of level 0. `center` is that of the boxes, grid units; scale: grid units per
+  /// Sets up the frames of node `number` of level 0. `center` is that of the boxes, grid units; scale: grid units per
   /// world unit.
-  void (*make_frames)(const PackTree&, std::uint32_t number, double scale, const double (&center)[3], FramePack&);
+  void (*make_frames)(const BvhView&, std::uint32_t number, double scale, const double (&center)[3], NodeFrames&);
   /// Lowers nearest_sq and nearest of all points of the group to the nearest of the candidates: triangles by their
-  /// places, ascending within each pack of level 0.
-  void (*look_at)(const PackTree&, const std::uint32_t* candidates, std::int64_t count, PointGroup&, PointTable&);
+  /// places, ascending within each node of level 0.
+  void (*look_at)(const BvhView&, const std::uint32_t* candidates, std::int64_t count, PointGroup&, PointTable&);
   /// The same for all triangles, point by point.
-  void (*look_at_all)(const PackTree&, PointGroup&, PairTable&);
+  void (*look_at_all)(const BvhView&, PointGroup&, PairTable&);
   /// Finds the closest point of each triangle, and what part of it that is on. By the measure of
   /// geometry/triangle_distance.h: its distance has the bits that decided that the triangle is the nearest.
   void (*closest)(ClosestOfEight&);
   /// Adds up the solid angles of all triangles. `use`: how often each one counts, -1 to 1; null: all once.
-  void (*add_solid_angles)(const PackTree&, const std::int8_t* use, SolidAngles&);
-  /// Bits of the boxes of a pack that the box from `low` to `high` meets: a segment along an axis.
-  std::uint32_t (*boxes_on_way)(const PackContents&, const float (&low)[3], const float (&high)[3]);
+  void (*add_solid_angles)(const BvhView&, const std::int8_t* use, SolidAngles&);
+  /// The same as overlapping() in bvh/boxes16.h.
+  std::uint32_t (*overlapping)(const Boxes16&, const FloatBox&);
 };
 
 /// The kernels for an instruction set; the best one there is for Simd::automatic. Throws Error{usage} where the

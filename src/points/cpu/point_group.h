@@ -8,25 +8,25 @@
 
 namespace standoff::cpu {
 
-/// Sixteen triangles of a pack set up as frames, relative to a point amid them. Grid units.
-struct FramePack {
+/// Sixteen triangles of a node set up as frames, relative to a point amid them. Grid units.
+struct NodeFrames {
   FrameLanes frame;
   double center[3];  ///< relative to the middle of the index
   float extent;      ///< no coordinate of a corner relative to the center is larger
 };
 
-/// The hierarchy as the kernels see it. Pack k of level l holds the packs 16 (k - begin[l]) + begin[l - 1] and up to 15
+/// The hierarchy as the kernels see it. Pack k of level l holds the nodes 16 (k - begin[l]) + begin[l - 1] and up to 15
 /// after it, or, of level 0, triangles 16 k and up to 15 after it, by their place in the order.
-struct PackTree {
-  static constexpr int kMostLevels = 8;
+struct BvhView {
+  static constexpr int kMostLevels = Bvh::kMostLevels;
 
-  const BoxPack* packs;
-  const FramePack* frames;       ///< of the packs of level 0
+  const Boxes16* boxes;          ///< of the nodes
+  const NodeFrames* frames;       ///< of the nodes of level 0
   const std::uint32_t* index;    ///< in the mesh, of each triangle by its place
   const double* vertices;        ///< three numbers each, world units
   const std::uint32_t* corners;  ///< three vertices of each triangle of the mesh
   std::uint32_t triangles;
-  int top;  ///< the highest level, which has one pack
+  int top;  ///< the highest level, which has one node
   std::uint32_t begin[kMostLevels + 1];
 };
 
@@ -44,7 +44,7 @@ struct PointGroup {
   alignas(32) double at[kMost][4];    ///< grid units; the fourth is zero
   double nearest_sq[kMost];           ///< squared distance in double, grid units; infinite before
   std::uint32_t nearest[kMost];       ///< its triangle
-  std::uint32_t start = 0;            ///< a pack of level 0 near which to begin
+  std::uint32_t start = 0;            ///< a node of level 0 near which to begin
 };
 
 /// Scratch memory for triangles whose distances are to be taken in double.
@@ -68,19 +68,19 @@ struct PairTable {
 
 /// The same for a group that has candidates in common.
 struct PointTable : PairTable {
-  static constexpr int kPacks = 64, kCorners = 8, kMostKept = 256;
+  static constexpr int kNodes = 64, kCorners = 8, kMostKept = 256;
 
-  /// A pack of level 0 of which some triangles are candidates.
-  struct Pack {
+  /// A node of level 0 of which some triangles are candidates.
+  struct Node {
     std::uint32_t number;
     std::uint32_t lanes;  ///< bits of the candidates
     float offset[3];      ///< the group's center relative to the frames'
     float slack_share;    ///< what a squared distance may be off by, as a share of it
     float slack_sq;       ///< and beside that
   };
-  Pack packs[kPacks];
-  alignas(64) float corner_sq[kPacks][kCorners][kLanes];     ///< from the corners of the points' box, at least
-  std::uint16_t kept[kPacks * kLanes];                       ///< pack * kLanes + lane
+  Node nodes[kNodes];
+  alignas(64) float corner_sq[kNodes][kCorners][kLanes];     ///< from the corners of the points' box, at least
+  std::uint16_t kept[kNodes * kLanes];                       ///< node * kLanes + lane
   alignas(64) float lower_sq[kMostKept][PointGroup::kMost];  ///< squared distances at least, by kept candidate
 };
 

@@ -14,9 +14,10 @@
 #include <utility>
 #include <vector>
 
+#include "bvh/bvh.h"
+#include "bvh/order.h"
 #include "core/progress.h"
 #include "geometry/triangle_pair.h"
-#include "sign/diagnosis/triangle_tree.h"
 
 namespace standoff {
 namespace {
@@ -94,14 +95,14 @@ struct Count {
 template <class Number>
 SelfIntersections search(MeshView mesh, const MeshEdges& edges, const std::vector<std::uint32_t>& copies,
                          const Number& number, const IntersectionLimits& limits, ProgressMeter& progress) {
-  const TriangleTree triangles(mesh);
-  const std::vector<std::uint32_t>& order = triangles.order();
+  const Bvh bvh(mesh, morton_order(mesh, {}, progress), frame_around(mesh), progress);
+  const std::vector<std::uint32_t>& order = bvh.order();
   const auto copies_of = [&](std::size_t n) { return copies.empty() ? std::int64_t{1} : copies[order[n]]; };
 
   const auto count_of = [&](std::size_t n, Count count, WorkCheck& check) {
     const std::array<Vec3, 3> corners = mesh.corners(order[n]);
     std::int64_t tests = 0, boxes = kMostBoxes;
-    const bool all = triangles.tree().for_each_later_overlap(n, boxes, [&](std::size_t other) {
+    const bool all = for_each_later_overlap(bvh, static_cast<std::uint32_t>(n), boxes, [&](std::uint32_t other) {
       if (share_position(edges, number(order[n]), number(order[other]))) return true;
       if (triangles_intersect(corners, mesh.corners(order[other]))) count.pairs += copies_of(n) * copies_of(other);
       return ++tests < kMostOfTriangle;

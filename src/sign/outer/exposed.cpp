@@ -13,6 +13,8 @@
 #include <cmath>
 #include <span>
 
+#include "bvh/bvh.h"
+#include "bvh/order.h"
 #include "geometry/predicates.h"
 #include "sign/open_winding/winding_rule.h"
 #include "sign/outer/mesh_cuts.h"
@@ -33,9 +35,9 @@ class Classify {
       : mesh_(mesh),
         rule_(rule),
         progress_(progress),
-        tree_(mesh.mesh),
-        cuts_(find_cuts(mesh, tree_, progress)),
-        rows_(mesh, tree_) {}
+        bvh_(mesh.mesh, morton_order(mesh.mesh, {}, progress), frame_around(mesh.mesh), progress),
+        cuts_(find_cuts(mesh, bvh_, progress)),
+        rows_(mesh, bvh_) {}
 
   Exposures all() const {
     const std::size_t triangles = mesh_.mesh.triangles.size();
@@ -90,7 +92,7 @@ class Classify {
   OrientedMesh mesh_;
   WindingRule rule_;
   ProgressMeter& progress_;
-  TriangleTree tree_;
+  Bvh bvh_;
   MeshCuts cuts_;
   RowSides rows_;
 };

@@ -52,7 +52,7 @@ std::span<const std::pair<std::uint32_t, std::uint32_t>> pairs_of(const Triangle
   return {found.begin(), found.end()};
 }
 
-MeshCuts find_cuts(const OrientedMesh& mesh, const TriangleTree& tree, ProgressMeter& progress) {
+MeshCuts find_cuts(const OrientedMesh& mesh, const Bvh& bvh, ProgressMeter& progress) {
   const std::size_t triangles = mesh.mesh.triangles.size();
   MeshCuts found;
   found.flat.resize(triangles);
@@ -70,8 +70,8 @@ MeshCuts find_cuts(const OrientedMesh& mesh, const TriangleTree& tree, ProgressM
     WorkCheck check(progress, kPairsBetweenChecks);
     for (std::size_t n = range.begin(); n != range.end(); ++n) {
       std::int64_t boxes = std::numeric_limits<std::int64_t>::max();
-      tree.tree().for_each_later_overlap(n, boxes, [&](std::size_t other) {
-        search.compare(tree.order()[n], tree.order()[other], mine);
+      for_each_later_overlap(bvh, static_cast<std::uint32_t>(n), boxes, [&](std::uint32_t other) {
+        search.compare(bvh.order()[n], bvh.order()[other], mine);
         check.add(1);
         return true;
       });

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "bvh/bvh.h"
 #include "core/progress.h"
-#include "sign/diagnosis/triangle_tree.h"
 #include "sign/oriented_mesh.h"
 
 namespace standoff {
@@ -28,6 +28,6 @@ struct MeshCuts {
 
 /// Compares all pairs of triangles whose boxes overlap. Requires a valid mesh. Runs on the threads of the calling TBB
 /// arena; the result does not depend on them. Throws Error{interrupted}.
-MeshCuts find_cuts(const OrientedMesh& mesh, const TriangleTree& tree, ProgressMeter& progress);
+MeshCuts find_cuts(const OrientedMesh& mesh, const Bvh& bvh, ProgressMeter& progress);
 
 }  // namespace standoff

@@ -60,8 +60,8 @@ bool in_plane_of(const Corners& plane, const Corners& t) {
 
 }  // namespace
 
-RowSides::RowSides(const OrientedMesh& mesh, const TriangleTree& tree)
-    : mesh_(mesh), tree_(tree), bounds_(bounds(mesh.mesh)) {}
+RowSides::RowSides(const OrientedMesh& mesh, const Bvh& bvh)
+    : mesh_(mesh), bvh_(bvh), bounds_(bounds(mesh.mesh)) {}
 
 std::optional<TwoSides> RowSides::of(std::uint32_t triangle, const Row& row) const {
   const int most_displaced = (4 - row.axis) % 3;
@@ -70,8 +70,8 @@ std::optional<TwoSides> RowSides::of(std::uint32_t triangle, const Row& row) con
   const PlaceInterval here = place_on(own, row.at.x, row.at.y);
   TwoSides sides{0, 0};
   bool sure = true;
-  tree_.tree().for_each_overlap(box_of(row, bounds_), [&](std::size_t item) {
-    const std::uint32_t other = tree_.order()[item];
+  for_each_overlap(bvh_, bvh_.frame().local(box_of(row, bounds_)), [&](std::uint32_t place) {
+    const std::uint32_t other = bvh_.order()[place];
     if (mesh_.use_of(other) == 0) return;
     const Corners t = turned(mesh_.corners(other), row.axis);
     const int leaves = RayTriangle(t, most_displaced).crossing(row.at.x, row.at.y);

@@ -4,8 +4,8 @@
 
 #include <optional>
 
+#include "bvh/bvh.h"
 #include "geometry/predicates.h"
-#include "sign/diagnosis/triangle_tree.h"
 #include "sign/oriented_mesh.h"
 #include "standoff/sign.h"
 
@@ -27,15 +27,15 @@ struct TwoSides {
 /// Triangles of one plane are passed together.
 class RowSides {
  public:
-  /// The mesh and the tree must outlive this. Requires a closed mesh.
-  RowSides(const OrientedMesh& mesh, const TriangleTree& tree);
+  /// The mesh and the BVH must outlive this. Requires a closed mesh.
+  RowSides(const OrientedMesh& mesh, const Bvh& bvh);
 
   /// Nothing where the row misses the triangle, or rounding hides what lies next to it.
   std::optional<TwoSides> of(std::uint32_t triangle, const Row& row) const;
 
  private:
   OrientedMesh mesh_;
-  const TriangleTree& tree_;
+  const Bvh& bvh_;
   Box bounds_;
 };
 

@@ -61,23 +61,24 @@ TEST(Bounds, KernelsAgreeBitForBit) {
   const CollisionModel model(random_soup(3, 200, 1, 0.3));
   const auto& data = data_of(model);
   const std::span<const Kernels* const> rows = all_kernels();
-  const BvhLevel& level = data.bvh.levels[0];
+  const std::span<const Boxes16> boxes = data.bvh.tree.level(0);
+  const HugePageVector<Sphere16>& spheres = data.bvh.spheres[0];
   FloatTransform place{{0.6f, -0.8f, 0, 0.8f, 0.6f, 0, 0, 0, 1}, {0.1f, 0.2f, -0.3f}};
   FloatBox box;
-  for (const float* p : {level.boxes[0].min[0], level.boxes[0].max[0]}) {
+  for (const float* p : {boxes[0].low[0], boxes[0].high[0]}) {
     const float at[3] = {p[0], p[1], p[2]};
     box.include(at);
   }
   for (std::size_t k = 1; k < rows.size(); ++k)
-    for (std::size_t packet = 0; packet < level.spheres.size(); ++packet) {
+    for (std::size_t packet = 0; packet < spheres.size(); ++packet) {
       alignas(64) float a[kLanes], b[kLanes];
-      rows[0]->gaps(data.view, place, level.spheres[packet], 0.1f, a);
-      rows[k]->gaps(data.view, place, level.spheres[packet], 0.1f, b);
+      rows[0]->gaps(data.view, place, spheres[packet], 0.1f, a);
+      rows[k]->gaps(data.view, place, spheres[packet], 0.1f, b);
       EXPECT_EQ(std::memcmp(a, b, sizeof a), 0) << rows[0]->name << " and " << rows[k]->name;
-      rows[0]->distances_sq(level.boxes[packet], box, a);
-      rows[k]->distances_sq(level.boxes[packet], box, b);
+      rows[0]->distances_sq(boxes[packet], box, a);
+      rows[k]->distances_sq(boxes[packet], box, b);
       EXPECT_EQ(std::memcmp(a, b, sizeof a), 0);
-      EXPECT_EQ(rows[0]->overlaps(level.boxes[packet], box), rows[k]->overlaps(level.boxes[packet], box));
+      EXPECT_EQ(rows[0]->overlapping(boxes[packet], box), rows[k]->overlapping(boxes[packet], box));
     }
 }
 

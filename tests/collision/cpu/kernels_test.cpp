@@ -220,7 +220,7 @@ TEST(PairKernels, EightAtATimeAreMeasuredAsOneByOne) {
 
 struct Sixteen {
   Triangle16 triangles;
-  Aabb16 boxes;
+  Boxes16 boxes;
   Corners corners[kLanes];
 };
 
@@ -300,7 +300,7 @@ TEST(PairKernels, AgreeBitForBit) {
     for (int round = 0; round < 50; ++round) {
       const Sixteen one = random_packet(random, 0), other = random_packet(random, 0.1f);
       Triangle16 triangles[2];
-      Aabb16 boxes[2];
+      Boxes16 boxes[2];
       FloatBox around[2];
       LanePair pairs[2][kLanes * kLanes];
       int count[2];

@@ -228,7 +228,7 @@ TEST(TilesProperties, CrowdedCellsLoseNothing) {
 }
 
 TEST(TilesProperties, BlocksOfACrowdWithinASpacingLookAtFewTriangles) {
-  // So small against the spacing that tiles are handed packs of packs. Where each counts as sixteen triangles, tiles
+  // So small against the spacing that tiles are handed nodes of nodes. Where each counts as sixteen triangles, tiles
   // are not found to be crowded, and 34,000 distances are computed instead of 22,000.
   const Mesh mesh = random_soup(26, 20000, 1, 0.018);
   const ComputeResult found = computed(mesh, {{9, 9, 9}, {-5, -5, -5}, {1.25, 1.25, 1.25}}, kInfinity);

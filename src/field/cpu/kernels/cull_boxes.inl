@@ -126,15 +126,15 @@ void cull_boxes(const BoxArrays& boxes, const CullCell& cell, const References& 
   }
 }
 
-void cull_packs(const PackContents* packs, std::int64_t count, const CullCell& cell, const References& references,
+void cull_nodes(const BvhNode* nodes, std::int64_t count, const CullCell& cell, const References& references,
                 BoxArrays& kept) {
   const Culling c = culling(cell, references);
   for (std::int64_t n = 0; n < count; ++n) {
-    const BoxPack& boxes = *packs[n].boxes;
+    const Boxes16& boxes = *nodes[n].boxes;
     const auto load = [&](const float(&side)[3][kLanes]) __attribute__((always_inline)) {
       return WidePoint{WideFloat::load(side[0]), WideFloat::load(side[1]), WideFloat::load(side[2])};
     };
-    keep_some(c, load(boxes.low), load(boxes.high), WideUint(packs[n].first) + lane_numbers(), packs[n].count, kept);
+    keep_some(c, load(boxes.low), load(boxes.high), WideUint(nodes[n].first) + lane_numbers(), nodes[n].count, kept);
   }
 }
 
@@ -202,14 +202,14 @@ void nearest_on_triangles(TriangleLanes& lanes) {
   store_points(best + at, lanes.at);
 }
 
-int nearest_in_pack(const PackContents& pack, const float* point) {
+int nearest_child(const BvhNode& node, const float* point) {
   WideFloat distance_sq(0);
   for (int axis = 0; axis < 3; ++axis) {
     const WideFloat twice =
-        WideFloat::load(pack.boxes->low[axis]) + WideFloat::load(pack.boxes->high[axis]) - WideFloat(2 * point[axis]);
+        WideFloat::load(node.boxes->low[axis]) + WideFloat::load(node.boxes->high[axis]) - WideFloat(2 * point[axis]);
     distance_sq = fma(twice, twice, distance_sq);
   }
-  const Mask used = mask_from_bits((1u << pack.count) - 1);
+  const Mask used = mask_from_bits((1u << node.count) - 1);
   distance_sq = select(used, distance_sq, WideFloat(__builtin_inff()));
   return static_cast<int>(nearest_position({distance_sq, lane_numbers()}));
 }

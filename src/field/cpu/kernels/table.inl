@@ -16,9 +16,9 @@ const Kernels kKernels{.name = STANDOFF_TARGET_NAME,
                        .write_tile = write_tile,
                        .nearest_to_lattice = nearest_to_lattice,
                        .nearest_on_triangles = nearest_on_triangles,
-                       .nearest_in_pack = nearest_in_pack,
+                       .nearest_child = nearest_child,
                        .cull_boxes = cull_boxes,
-                       .cull_packs = cull_packs,
+                       .cull_nodes = cull_nodes,
                        .gather_tile = gather_tile_any,
                        .gather_crowded = gather_crowded_any};
 

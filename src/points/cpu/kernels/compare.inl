@@ -4,12 +4,12 @@
 #pragma once
 
 #include "geometry/triangle_distance.h"
-#include "points/cpu/kernels/frame_packs.inl"
+#include "points/cpu/kernels/node_frames.inl"
 
 namespace standoff::cpu::STANDOFF_TARGET {
 namespace {
 
-STANDOFF_INLINE void compare_pairs(const PackTree& tree, PointGroup& points, PairTable& table) {
+STANDOFF_INLINE void compare_pairs(const BvhView& tree, PointGroup& points, PairTable& table) {
   constexpr int kPairs = WideDouble::kLanes;
   const int pairs = table.pair_count;
   for (int first = 0; first < pairs; first += kPairs) {
@@ -37,7 +37,7 @@ STANDOFF_INLINE void compare_pairs(const PackTree& tree, PointGroup& points, Pai
   table.pair_count = 0;
 }
 
-STANDOFF_INLINE void add_pair(const PackTree& tree, std::uint32_t place, int point, PointGroup& points,
+STANDOFF_INLINE void add_pair(const BvhView& tree, std::uint32_t place, int point, PointGroup& points,
                               PairTable& table) {
   if (table.pair_count == PairTable::kMostPairs) compare_pairs(tree, points, table);
   table.pairs[table.pair_count++] = {place, static_cast<std::uint32_t>(point)};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The kernel that answers a group of points from a list of candidates.
 //
-// The candidates are measured from the corners of the points' box, sixteen of a pack at a time. A candidate beats a
+// The candidates are measured from the corners of the points' box, sixteen of a node at a time. A candidate beats a
 // reference q, a point of the surface, at a point x of the box if it holds a p with |x-p|^2 < |x-q|^2. For a given p
 // the two sides differ by a linear function of x, so p beats q at a corner too: a candidate whose distance from each
 // corner is more than that of q is out. The references are the points of the candidates nearest to the corners.
@@ -17,32 +17,32 @@
 namespace standoff::cpu::STANDOFF_TARGET {
 namespace {
 
-STANDOFF_INLINE Slack slack_of(const PointTable::Pack& pack) { return {pack.slack_share, pack.slack_sq}; }
+STANDOFF_INLINE Slack slack_of(const PointTable::Node& node) { return {node.slack_share, node.slack_sq}; }
 
 STANDOFF_INLINE float most_of(const float (&v)[3]) {
   const float xy = v[0] > v[1] ? v[0] : v[1];
   return xy > v[2] ? xy : v[2];
 }
 
-// Fills the table with the packs of the candidates from `first` on, as far as there is room; returns where it ended.
-STANDOFF_INLINE std::int64_t fill_table(const PackTree& tree, const std::uint32_t* candidates, std::int64_t first,
-                                        std::int64_t count, const PointGroup& points, int& packs, PointTable& table) {
-  packs = 0;
-  while (first < count && packs < PointTable::kPacks) {
-    PointTable::Pack& pack = table.packs[packs++];
-    pack.number = candidates[first] / kLanes;
-    pack.lanes = 0;
-    for (; first < count && candidates[first] / kLanes == pack.number; ++first)
-      pack.lanes |= 1u << candidates[first] % kLanes;
-    const FramePack& frames = tree.frames[pack.number];
+// Fills the table with the nodes of the candidates from `first` on, as far as there is room; returns where it ended.
+STANDOFF_INLINE std::int64_t fill_table(const BvhView& tree, const std::uint32_t* candidates, std::int64_t first,
+                                        std::int64_t count, const PointGroup& points, int& nodes, PointTable& table) {
+  nodes = 0;
+  while (first < count && nodes < PointTable::kNodes) {
+    PointTable::Node& node = table.nodes[nodes++];
+    node.number = candidates[first] / kLanes;
+    node.lanes = 0;
+    for (; first < count && candidates[first] / kLanes == node.number; ++first)
+      node.lanes |= 1u << candidates[first] % kLanes;
+    const NodeFrames& frames = tree.frames[node.number];
     float farthest[3];
     for (int axis = 0; axis < 3; ++axis) {
-      pack.offset[axis] = static_cast<float>(points.middle[axis] - frames.center[axis]);
-      farthest[axis] = __builtin_fabsf(pack.offset[axis]) + points.half[axis];
+      node.offset[axis] = static_cast<float>(points.middle[axis] - frames.center[axis]);
+      farthest[axis] = __builtin_fabsf(node.offset[axis]) + points.half[axis];
     }
     const Slack slack = slack_of(most_of(farthest), frames.extent);
-    pack.slack_share = slack.share;
-    pack.slack_sq = slack.sq;
+    node.slack_share = slack.share;
+    node.slack_sq = slack.sq;
   }
   return first;
 }
@@ -71,13 +71,13 @@ struct CornerReferences {
   alignas(64) float sq[PointTable::kCorners][kLanes];  // reference, corner
 };
 
-STANDOFF_INLINE void find_references(const PackTree& tree, const PointTable& table, int packs, const PointGroup& points,
+STANDOFF_INLINE void find_references(const BvhView& tree, const PointTable& table, int nodes, const PointGroup& points,
                                      CornerReferences& references) {
   const WidePoint corners = box_corners(points);
   for (int n = 0; n < PointTable::kCorners; ++n) {
     WideFloat best(__builtin_inff());
     WideUint found(0u);
-    for (int k = 0; k < packs; ++k) {
+    for (int k = 0; k < nodes; ++k) {
       const WideFloat sq = WideFloat::load(table.corner_sq[k][n]);
       found = select(less(sq, best), WideUint(static_cast<std::uint32_t>(k)), found);
       best = min(sq, best);
@@ -85,15 +85,15 @@ STANDOFF_INLINE void find_references(const PackTree& tree, const PointTable& tab
     alignas(64) std::uint32_t of_lane[kLanes];
     found.store(of_lane);
     const auto lane = static_cast<std::uint32_t>(__builtin_ctz(equal(best, WideFloat(reduce_min(best))).to_bits()));
-    const PointTable::Pack& pack = table.packs[of_lane[lane]];
-    const TriangleFrame<WideFloat> frame = frame_of_lane<WideFloat>(tree.frames[pack.number].frame, lane);
+    const PointTable::Node& node = table.nodes[of_lane[lane]];
+    const TriangleFrame<WideFloat> frame = frame_of_lane<WideFloat>(tree.frames[node.number].frame, lane);
     const WidePoint off =
-        closest_in_frame(frame, moved(box_corner(points, n), pack.offset)) - moved(corners, pack.offset);
-    at_most(dot(off, off), slack_of(pack)).store(references.sq[n]);
+        closest_in_frame(frame, moved(box_corner(points, n), node.offset)) - moved(corners, node.offset);
+    at_most(dot(off, off), slack_of(node)).store(references.sq[n]);
   }
 }
 
-// The lanes of a pack that no reference beats at all corners.
+// The lanes of a node that no reference beats at all corners.
 STANDOFF_INLINE std::uint32_t unbeaten(const float (&corner_sq)[PointTable::kCorners][kLanes],
                                        const CornerReferences& references) {
   WideFloat at[PointTable::kCorners];
@@ -110,56 +110,56 @@ STANDOFF_INLINE std::uint32_t unbeaten(const float (&corner_sq)[PointTable::kCor
 
 // Whether choosing costs less than measuring what it is likely to drop, half of the candidates. Counted in triangles
 // measured from sixteen points, or sixteen of them from a point.
-STANDOFF_INLINE bool is_worth_choosing(const PointTable& table, int packs, const PointGroup& points) {
+STANDOFF_INLINE bool is_worth_choosing(const PointTable& table, int nodes, const PointGroup& points) {
   int candidates = 0;
-  for (int k = 0; k < packs; ++k) candidates += __builtin_popcount(table.packs[k].lanes);
+  for (int k = 0; k < nodes; ++k) candidates += __builtin_popcount(table.nodes[k].lanes);
   const int vectors = (points.count + kLanes - 1) / kLanes;
-  return candidates * vectors > 2 * PointTable::kCorners * (packs + 2);
+  return candidates * vectors > 2 * PointTable::kCorners * (nodes + 2);
 }
 
-STANDOFF_INLINE int keep_all(int packs, PointTable& table) {
+STANDOFF_INLINE int keep_all(int nodes, PointTable& table) {
   int kept = 0;
-  for (int k = 0; k < packs; ++k)
-    for (std::uint32_t lanes = table.packs[k].lanes; lanes != 0; lanes &= lanes - 1)
+  for (int k = 0; k < nodes; ++k)
+    for (std::uint32_t lanes = table.nodes[k].lanes; lanes != 0; lanes &= lanes - 1)
       table.kept[kept++] = static_cast<std::uint16_t>(k * kLanes + __builtin_ctz(lanes));
   return kept;
 }
 
 // Chooses candidates of the table for the points; returns how many.
-STANDOFF_INLINE int choose(const PackTree& tree, const PointGroup& points, int packs, PointTable& table) {
-  for (int k = 0; k < packs; ++k) {
-    const PointTable::Pack& pack = table.packs[k];
-    const TriangleFrame<WideFloat> frames = load_frames(tree.frames[pack.number].frame);
+STANDOFF_INLINE int choose(const BvhView& tree, const PointGroup& points, int nodes, PointTable& table) {
+  for (int k = 0; k < nodes; ++k) {
+    const PointTable::Node& node = table.nodes[k];
+    const TriangleFrame<WideFloat> frames = load_frames(tree.frames[node.number].frame);
     for (int corner = 0; corner < PointTable::kCorners; ++corner)
-      at_least(distance_sq(frames, moved(box_corner(points, corner), pack.offset)), slack_of(pack))
+      at_least(distance_sq(frames, moved(box_corner(points, corner), node.offset)), slack_of(node))
           .store(table.corner_sq[k][corner]);
   }
   CornerReferences references;
-  find_references(tree, table, packs, points, references);
+  find_references(tree, table, nodes, points, references);
   int kept = 0;
-  for (int k = 0; k < packs; ++k)
-    for (std::uint32_t lanes = unbeaten(table.corner_sq[k], references) & table.packs[k].lanes; lanes != 0;
+  for (int k = 0; k < nodes; ++k)
+    for (std::uint32_t lanes = unbeaten(table.corner_sq[k], references) & table.nodes[k].lanes; lanes != 0;
          lanes &= lanes - 1)
       table.kept[kept++] = static_cast<std::uint16_t>(k * kLanes + __builtin_ctz(lanes));
   return kept;
 }
 
 // Measures kept candidates from all points, and compares those that may be nearest.
-STANDOFF_INLINE void measure(const PackTree& tree, const std::uint16_t* kept, int count, PointGroup& points,
+STANDOFF_INLINE void measure(const BvhView& tree, const std::uint16_t* kept, int count, PointGroup& points,
                              PointTable& table) {
   const int vectors = (points.count + kLanes - 1) / kLanes;
   for (int n = 0; n < count; ++n) {
-    const PointTable::Pack& pack = table.packs[kept[n] / kLanes];
+    const PointTable::Node& node = table.nodes[kept[n] / kLanes];
     const TriangleFrame<WideFloat> frame =
-        frame_of_lane<WideFloat>(tree.frames[pack.number].frame, kept[n] % static_cast<unsigned>(kLanes));
+        frame_of_lane<WideFloat>(tree.frames[node.number].frame, kept[n] % static_cast<unsigned>(kLanes));
     for (int v = 0; v < vectors; ++v) {
       const int at = v * kLanes;
       const WidePoint p = moved({WideFloat::load(points.local[0] + at), WideFloat::load(points.local[1] + at),
                                  WideFloat::load(points.local[2] + at)},
-                                pack.offset);
+                                node.offset);
       const WideFloat sq = distance_sq(frame, p);
-      min(at_most(sq, slack_of(pack)), WideFloat::load(points.upper_sq + at)).store(points.upper_sq + at);
-      at_least(sq, slack_of(pack)).store(table.lower_sq[n] + at);
+      min(at_most(sq, slack_of(node)), WideFloat::load(points.upper_sq + at)).store(points.upper_sq + at);
+      at_least(sq, slack_of(node)).store(table.lower_sq[n] + at);
     }
   }
   for (int v = 0; v < vectors; ++v) {
@@ -169,19 +169,19 @@ STANDOFF_INLINE void measure(const PackTree& tree, const std::uint16_t* kept, in
     for (int n = 0; n < count; ++n)
       for (std::uint32_t near = less_equal(WideFloat::load(table.lower_sq[n] + at), upper).to_bits() & in_use;
            near != 0; near &= near - 1)
-        add_pair(tree, table.packs[kept[n] / kLanes].number * kLanes + kept[n] % static_cast<unsigned>(kLanes),
+        add_pair(tree, table.nodes[kept[n] / kLanes].number * kLanes + kept[n] % static_cast<unsigned>(kLanes),
                  at + __builtin_ctz(near), points, table);
   }
 }
 
-void look_at(const PackTree& tree, const std::uint32_t* candidates, std::int64_t count, PointGroup& points,
+void look_at(const BvhView& tree, const std::uint32_t* candidates, std::int64_t count, PointGroup& points,
              PointTable& table) {
   table.pair_count = 0;
   for (std::int64_t first = 0; first < count;) {
-    int packs = 0;
-    first = fill_table(tree, candidates, first, count, points, packs, table);
+    int nodes = 0;
+    first = fill_table(tree, candidates, first, count, points, nodes, table);
     const int kept =
-        is_worth_choosing(table, packs, points) ? choose(tree, points, packs, table) : keep_all(packs, table);
+        is_worth_choosing(table, nodes, points) ? choose(tree, points, nodes, table) : keep_all(nodes, table);
     for (int n = 0; n < kept; n += PointTable::kMostKept)
       measure(tree, table.kept + n, kept - n < PointTable::kMostKept ? kept - n : PointTable::kMostKept, points, table);
   }

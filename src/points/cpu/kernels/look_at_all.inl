@@ -2,7 +2,7 @@
 // The kernel that answers points one by one, down the hierarchy of boxes: for points that are far apart beside the
 // triangles around them, and so have few candidates in common.
 //
-// A point begins at the pack where the last one ended, which bounds its distance. Then packs are visited whose boxes
+// A point begins at the node where the last one ended, which bounds its distance. Then nodes are visited whose boxes
 // are nearer than the bound, sixteen boxes or triangles at a time, the nearest box first.
 #pragma once
 
@@ -14,11 +14,11 @@ namespace {
 // Boxes are grown by what the rounding of coordinates takes; the arithmetic of box and bound takes this share.
 constexpr float kBoxShare = 1 - 0x1p-20f;
 
-// A pack that was opened: which of its parts wait to be visited, and how far they are at least.
+// A node that was opened: which of its parts wait to be visited, and how far they are at least.
 struct Opened {
   alignas(64) float distance_sq[kLanes];
   std::uint32_t waiting;  // bits
-  std::uint32_t first;    // pack
+  std::uint32_t first;    // node
   int level;              // of the parts
 };
 
@@ -31,15 +31,15 @@ struct OnePoint {
 };
 
 // Compares the triangles that may be nearest so far: there are too many of them, or no more.
-STANDOFF_INLINE void settle(const PackTree& tree, OnePoint& p, int point, PointGroup& points, PairTable& table) {
+STANDOFF_INLINE void settle(const BvhView& tree, OnePoint& p, int point, PointGroup& points, PairTable& table) {
   for (int n = 0; n < p.near_count; ++n)
     if (table.near[n].lower_sq <= p.upper_sq) add_pair(tree, table.near[n].place, point, points, table);
   p.near_count = 0;
 }
 
-STANDOFF_INLINE void measure_pack(const PackTree& tree, std::uint32_t number, OnePoint& p, int point,
+STANDOFF_INLINE void measure_node(const BvhView& tree, std::uint32_t number, OnePoint& p, int point,
                                   PointGroup& points, PairTable& table) {
-  const FramePack& frames = tree.frames[number];
+  const NodeFrames& frames = tree.frames[number];
   float at[3], farthest = 0;
   for (int axis = 0; axis < 3; ++axis) {
     at[axis] = static_cast<float>(p.local[axis] - frames.center[axis]);
@@ -52,7 +52,7 @@ STANDOFF_INLINE void measure_pack(const PackTree& tree, std::uint32_t number, On
   const float upper = reduce_min(at_most(sq, slack));
   p.upper_sq = upper < p.upper_sq ? upper : p.upper_sq;
   const WideFloat lower = at_least(sq, slack);
-  std::uint32_t near = less_equal(lower, WideFloat(p.upper_sq)).to_bits() & ((1u << size_of_pack(tree, number)) - 1);
+  std::uint32_t near = less_equal(lower, WideFloat(p.upper_sq)).to_bits() & ((1u << size_of_node(tree, number)) - 1);
   if (near == 0) return;
   if (p.near_count + kLanes > PairTable::kMostNear) settle(tree, p, point, points, table);
   alignas(64) float lowers[kLanes];
@@ -63,9 +63,9 @@ STANDOFF_INLINE void measure_pack(const PackTree& tree, std::uint32_t number, On
   }
 }
 
-// Has the parts of a pack wait that are nearer than the bound; returns whether there are any.
-STANDOFF_INLINE bool open_pack(const PackTree& tree, std::uint32_t pack, int level, const OnePoint& p, Opened& opened) {
-  const BoxPack& boxes = tree.packs[pack];
+// Has the parts of a node wait that are nearer than the bound; returns whether there are any.
+STANDOFF_INLINE bool open_node(const BvhView& tree, std::uint32_t node, int level, const OnePoint& p, Opened& opened) {
+  const Boxes16& boxes = tree.boxes[node];
   WideFloat sum(0);
   for (int axis = 0; axis < 3; ++axis) {
     const WideFloat at(p.at[axis]);
@@ -76,7 +76,7 @@ STANDOFF_INLINE bool open_pack(const PackTree& tree, std::uint32_t pack, int lev
   sum = sum * WideFloat(kBoxShare);
   sum.store(opened.distance_sq);
   opened.level = level - 1;
-  opened.first = tree.begin[level - 1] + kLanes * (pack - tree.begin[level]);
+  opened.first = tree.begin[level - 1] + kLanes * (node - tree.begin[level]);
   const std::uint32_t left = tree.begin[level] - opened.first;
   opened.waiting = less_equal(sum, WideFloat(p.upper_sq)).to_bits();
   if (left < kLanes) opened.waiting &= (1u << left) - 1;
@@ -97,10 +97,10 @@ STANDOFF_INLINE int take_nearest(Opened& opened, float upper_sq) {
   return lane;
 }
 
-void look_at_all(const PackTree& tree, PointGroup& points, PairTable& table) {
+void look_at_all(const BvhView& tree, PointGroup& points, PairTable& table) {
   table.pair_count = 0;
   std::uint32_t last = points.start;
-  Opened opened[PackTree::kMostLevels];
+  Opened opened[BvhView::kMostLevels];
   for (int n = 0; n < points.count; ++n) {
     OnePoint p;
     for (int axis = 0; axis < 3; ++axis) {
@@ -109,9 +109,9 @@ void look_at_all(const PackTree& tree, PointGroup& points, PairTable& table) {
     }
     p.upper_sq = __builtin_inff();
     p.near_count = 0;
-    measure_pack(tree, last, p, n, points, table);
+    measure_node(tree, last, p, n, points, table);
     const std::uint32_t begun = last;
-    int depth = tree.top != 0 && open_pack(tree, tree.begin[tree.top], tree.top, p, opened[0]) ? 1 : 0;
+    int depth = tree.top != 0 && open_node(tree, tree.begin[tree.top], tree.top, p, opened[0]) ? 1 : 0;
     while (depth != 0) {
       Opened& here = opened[depth - 1];
       const int lane = take_nearest(here, p.upper_sq);
@@ -119,15 +119,15 @@ void look_at_all(const PackTree& tree, PointGroup& points, PairTable& table) {
         --depth;
         continue;
       }
-      const std::uint32_t pack = here.first + static_cast<unsigned>(lane);
+      const std::uint32_t node = here.first + static_cast<unsigned>(lane);
       if (here.level != 0) {
-        if (open_pack(tree, pack, here.level, p, opened[depth])) ++depth;
+        if (open_node(tree, node, here.level, p, opened[depth])) ++depth;
         continue;
       }
-      if (pack == begun) continue;
+      if (node == begun) continue;
       const float before = p.upper_sq;
-      measure_pack(tree, pack, p, n, points, table);
-      if (p.upper_sq < before) last = pack;
+      measure_node(tree, node, p, n, points, table);
+      if (p.upper_sq < before) last = node;
     }
     settle(tree, p, n, points, table);
   }

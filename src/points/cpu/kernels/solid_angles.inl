@@ -4,14 +4,14 @@
 // products.
 #pragma once
 
-#include "points/cpu/kernels/frame_packs.inl"
+#include "points/cpu/kernels/node_frames.inl"
 
 namespace standoff::cpu::STANDOFF_TARGET {
 namespace {
 
 STANDOFF_INLINE WideDouble magnitude(const WideDouble& a) { return max(a, -a); }
 
-void add_solid_angles(const PackTree& tree, const std::int8_t* use, SolidAngles& sum) {
+void add_solid_angles(const BvhView& tree, const std::int8_t* use, SolidAngles& sum) {
   constexpr int kCount = SolidAngles::kCount;
   static_assert(kCount == WideDouble::kLanes);
   // Numbers are from 1e-6 to 4 in magnitude: so many of them do not overflow.

@@ -2,7 +2,7 @@
 // The table of the kernels of queries at points for this file's instruction set.
 #pragma once
 
-#include "points/cpu/kernels/boxes_on_way.inl"
+#include "bvh/overlapping.inl"
 #include "points/cpu/kernels/closest.inl"
 #include "points/cpu/kernels/look_at.inl"
 #include "points/cpu/kernels/look_at_all.inl"
@@ -16,6 +16,6 @@ const PointKernels kPointKernels{.make_frames = make_frames,
                                  .look_at_all = look_at_all,
                                  .closest = closest,
                                  .add_solid_angles = add_solid_angles,
-                                 .boxes_on_way = boxes_on_way};
+                                 .overlapping = standoff::STANDOFF_TARGET::overlapping_lanes};
 
 }  // namespace standoff::cpu::STANDOFF_TARGET

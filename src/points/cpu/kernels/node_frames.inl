@@ -36,18 +36,18 @@ STANDOFF_INLINE WideFloat at_most(const WideFloat& sq, const Slack& slack) {
   return fma(sq, WideFloat(1 + slack.share), WideFloat(slack.sq));
 }
 
-// How many triangles a pack of level 0 has.
-STANDOFF_INLINE int size_of_pack(const PackTree& tree, std::uint32_t number) {
+// How many triangles a node of level 0 has.
+STANDOFF_INLINE int size_of_node(const BvhView& tree, std::uint32_t number) {
   const std::uint32_t left = tree.triangles - number * kLanes;
   return left < kLanes ? static_cast<int>(left) : kLanes;
 }
-STANDOFF_INLINE const double* corner_of(const PackTree& tree, std::uint32_t triangle, int which) {
+STANDOFF_INLINE const double* corner_of(const BvhView& tree, std::uint32_t triangle, int which) {
   return tree.vertices + 3 * std::size_t{tree.corners[3 * std::size_t{triangle} + static_cast<unsigned>(which)]};
 }
 
 // Lanes left over repeat the last triangle.
-void make_frames(const PackTree& tree, std::uint32_t number, double scale, const double (&center)[3], FramePack& to) {
-  const int count = size_of_pack(tree, number);
+void make_frames(const BvhView& tree, std::uint32_t number, double scale, const double (&center)[3], NodeFrames& to) {
+  const int count = size_of_node(tree, number);
   const auto triangle = [&](int lane) __attribute__((always_inline)) {
     return tree.index[number * kLanes + static_cast<unsigned>(lane < count ? lane : count - 1)];
   };
