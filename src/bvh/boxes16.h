@@ -52,10 +52,9 @@ inline FloatBox lane_of(const Boxes16& boxes, int lane) {
 
 /// Bits of the lanes whose box has a point in common with another one.
 inline std::uint32_t overlapping(const Boxes16& boxes, const FloatBox& box) {
-  alignas(64) static constexpr std::int32_t kBit[Boxes16::kLanes] = {1 << 0,  1 << 1,  1 << 2,  1 << 3,
-                                                                     1 << 4,  1 << 5,  1 << 6,  1 << 7,
-                                                                     1 << 8,  1 << 9,  1 << 10, 1 << 11,
-                                                                     1 << 12, 1 << 13, 1 << 14, 1 << 15};
+  alignas(64) static constexpr std::int32_t kBit[Boxes16::kLanes] = {
+      1 << 0, 1 << 1, 1 << 2,  1 << 3,  1 << 4,  1 << 5,  1 << 6,  1 << 7,
+      1 << 8, 1 << 9, 1 << 10, 1 << 11, 1 << 12, 1 << 13, 1 << 14, 1 << 15};
   std::int32_t bits = 0;
   for (int n = 0; n < Boxes16::kLanes; ++n) {
     const bool meets = (boxes.low[0][n] <= box.high[0]) & (box.low[0] <= boxes.high[0][n]) &

@@ -21,8 +21,7 @@ double BvhFrame::scale_at(const Vec3& point) const {
   constexpr int kMostExponent = 64;
   if (farthest < 0x1p64) return scale;
   // A point may be too far for the units of a tiny mesh.
-  const int exponent =
-      std::isfinite(farthest) ? std::ilogb(farthest) : std::ilogb(max_norm(point)) + std::ilogb(scale);
+  const int exponent = std::isfinite(farthest) ? std::ilogb(farthest) : std::ilogb(max_norm(point)) + std::ilogb(scale);
   return std::ldexp(scale, std::min(0, kMostExponent - exponent));
 }
 
@@ -174,7 +173,8 @@ NearestInBvh nearest_triangle(const Bvh& bvh, MeshView mesh, const Vec3& point) 
       const double sq = box_distance_sq(*node.boxes, n, local, shrink);
       if (sq <= best_sq) waiting[count++] = {sq, node.first + static_cast<std::uint32_t>(n)};
     }
-    std::sort(waiting.begin() + static_cast<std::ptrdiff_t>(first), waiting.begin() + static_cast<std::ptrdiff_t>(count),
+    std::sort(waiting.begin() + static_cast<std::ptrdiff_t>(first),
+              waiting.begin() + static_cast<std::ptrdiff_t>(count),
               [](const Waiting& a, const Waiting& b) { return a.distance_sq > b.distance_sq; });
   }
   return {std::sqrt(best_sq) / scale, best};

@@ -140,7 +140,8 @@ class Bvh {
 
 inline constexpr std::size_t kMostWaiting = std::size_t{Bvh::kFanout} * (Bvh::kMostLevels + 1);
 
-/// Calls visit(place) for all triangles whose boxes meet this one, which is finite. `meets`: overlapping(), or its kernel.
+/// Calls visit(place) for all triangles whose boxes meet this one, which is finite. `meets`: overlapping(), or its
+/// kernel.
 template <class Meets, class Visit>
 void for_each_overlap(const Bvh& bvh, const FloatBox& box, const Meets& meets, const Visit& visit) {
   if (bvh.triangles() == 0) return;
@@ -202,8 +203,8 @@ struct NearestInBvh {
 };
 
 /// The triangle that is nearest to a point, which may be anywhere; the one of the lowest index of equally near ones. In
-/// double. Takes logarithmic time where few triangles are about as near; at the worst it looks at all. Requires the mesh
-/// that the hierarchy was made of, and a frame with an extent.
+/// double. Takes logarithmic time where few triangles are about as near; at the worst it looks at all. Requires the
+/// mesh that the hierarchy was made of, and a frame with an extent.
 NearestInBvh nearest_triangle(const Bvh& bvh, MeshView mesh, const Vec3& point);
 
 }  // namespace standoff

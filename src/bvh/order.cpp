@@ -32,7 +32,8 @@ void for_each_center(MeshView mesh, std::span<const std::uint32_t> among, Progre
   const auto both = [](const Box& a, const Box& b) { return Box{min(a.min, b.min), max(a.max, b.max)}; };
   const Box box = tbb::parallel_reduce(all, Box{}, included, both);
   // A side that is zero, or too long or too short for a double, leaves all triangles in one place.
-  const double longest = box.longest_side(), share = 1 / longest, scale = longest > 0 && std::isfinite(share) ? share : 0;
+  const double longest = box.longest_side(), share = 1 / longest,
+               scale = longest > 0 && std::isfinite(share) ? share : 0;
   tbb::parallel_for(all, [&](const Blocked& range) {
     progress.check();
     for (std::size_t n = range.begin(); n < range.end(); ++n) {

@@ -38,8 +38,7 @@ class Certify {
  private:
   void visit(int level, std::uint32_t packet) {
     alignas(64) float gap[kLanes];
-    kernels_.gaps(pair_.target.body->view, pair_.transform, pair_.probe.body->bvh.spheres[level][packet], limit_,
-                  gap);
+    kernels_.gaps(pair_.target.body->view, pair_.transform, pair_.probe.body->bvh.spheres[level][packet], limit_, gap);
     for (int n = 0; n < kLanes && !hit_ && !(near_ && margin_ == 0); ++n) {
       if (gap[n] > limit_) continue;
       const std::uint32_t child = packet * kLanes + n;

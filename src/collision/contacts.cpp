@@ -117,8 +117,7 @@ class StratifiedTraversal {
   };
   Branches reaching(int level, std::uint32_t packet) const {
     alignas(64) float gap[kLanes];
-    kernels_.gaps(pair_.target.body->view, pair_.transform, pair_.probe.body->bvh.spheres[level][packet], limit_,
-                  gap);
+    kernels_.gaps(pair_.target.body->view, pair_.transform, pair_.probe.body->bvh.spheres[level][packet], limit_, gap);
     Branches branches;
     for (std::uint32_t n = 0; n < kLanes; ++n)
       if (gap[n] <= limit_) branches.packet[branches.count++] = packet * kLanes + n;

@@ -22,8 +22,7 @@ inline RayTriangle triangle_along(const std::array<Vec3, 3>& t, int axis) {
 
 }  // namespace
 
-RayWinding::RayWinding(const OrientedMesh& mesh, const TriangleIndex& index)
-    : mesh_(mesh), index_(index) {
+RayWinding::RayWinding(const OrientedMesh& mesh, const TriangleIndex& index) : mesh_(mesh), index_(index) {
   const FloatBox all = index.bvh().box();
   low_ = {all.low[0], all.low[1], all.low[2]};
   high_ = {all.high[0], all.high[1], all.high[2]};

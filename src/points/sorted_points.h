@@ -6,10 +6,10 @@
 #include <cstdint>
 #include <span>
 
+#include "bvh/bvh.h"
 #include "bvh/order.h"
 #include "core/memory.h"
 #include "field/cpu/candidate_culling.h"
-#include "bvh/bvh.h"
 #include "field/cpu/kernels.h"
 #include "points/triangle_index.h"
 

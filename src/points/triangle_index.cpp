@@ -67,7 +67,8 @@ TriangleIndex::TriangleIndex(const Mesh& mesh, std::span<const std::uint32_t> am
 }
 
 std::int64_t TriangleIndex::memory_bytes() const {
-  return cpu::CandidateCulling::bvh_bytes(job_.triangle_count(), 1) + tree_.begin[1] * std::int64_t{sizeof(cpu::NodeFrames)};
+  return cpu::CandidateCulling::bvh_bytes(job_.triangle_count(), 1) +
+         tree_.begin[1] * std::int64_t{sizeof(cpu::NodeFrames)};
 }
 
 }  // namespace standoff

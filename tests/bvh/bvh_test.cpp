@@ -142,7 +142,8 @@ TEST(Bvh, FindsTheTrianglesWhoseBoxesMeetABox) {
         const Vec3 p = random.in_cube(1.2), q = random.in_cube(1.2);
         const Box box = n % 4 == 0 ? Box{p, p} : Box{min(p, q), max(p, q)};
         std::vector<std::uint32_t> found, expected;
-        for_each_overlap(bvh, bvh.frame().local(box), [&](std::uint32_t place) { found.push_back(bvh.order()[place]); });
+        for_each_overlap(bvh, bvh.frame().local(box),
+                         [&](std::uint32_t place) { found.push_back(bvh.order()[place]); });
         std::ranges::sort(found);
         for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
           if (overlap(triangle_box(mesh, t), box)) expected.push_back(t);

@@ -101,8 +101,8 @@ FieldBounds plan_field_bounds(const Box& box, double spacing);
 FieldBounds build_field_bounds(MeshView mesh, Vec3 middle, double spacing, const Execution& execution,
                                ProgressMeter& progress);
 
-/// Builds the BVH over triangles whose coordinates are taken relative to `middle`, in halving_order(). The same on every
-/// run, by any number of threads. The progress can end it.
+/// Builds the BVH over triangles whose coordinates are taken relative to `middle`, in halving_order(). The same on
+/// every run, by any number of threads. The progress can end it.
 BodyBvh build_bvh(MeshView mesh, Vec3 middle, ProgressMeter& progress);
 
 /// The same in an order that is given: a permutation of the triangles.

@@ -140,8 +140,7 @@ bool CandidateCulling::open_nodes(const CellTarget& target, float largest, BoxLi
 
 // Takes nodes that are longer than `largest` out of the list, looking at its entries from the first on, as long as what
 // they hold has room in it. Returns whether all such nodes were taken.
-bool CandidateCulling::take_large(std::int64_t first, float largest, BoxList& list,
-                                  std::vector<BvhNode>& nodes) const {
+bool CandidateCulling::take_large(std::int64_t first, float largest, BoxList& list, std::vector<BvhNode>& nodes) const {
   nodes.clear();
   const auto most =
       static_cast<std::size_t>(std::max<std::int64_t>(0, kMostEntries - list.size()) / (Bvh::kFanout - 1));

@@ -240,8 +240,7 @@ struct Kernels {
   /// samples than each of the references is.
   void (*cull_boxes)(const BoxArrays&, const CullCell&, const References&, BoxArrays& kept);
   /// The same for the boxes of nodes.
-  void (*cull_nodes)(const BvhNode* nodes, std::int64_t count, const CullCell&, const References&,
-                     BoxArrays& kept);
+  void (*cull_nodes)(const BvhNode* nodes, std::int64_t count, const CullCell&, const References&, BoxArrays& kept);
   /// Lowers the distances of a tile's samples, as gather_band, for candidates of which each sample needs few: chooses
   /// them for each cell of 4x4x4 samples.
   void (*gather_tile)(const BlockLattice&, const Brick&, int tile, const Candidates&, bool with_nearest,

@@ -9,10 +9,10 @@
 #include <limits>
 #include <memory>
 
+#include "bvh/bvh.h"
 #include "core/threads.h"
 #include "field/cpu/bins.h"
 #include "field/cpu/candidate_culling.h"
-#include "bvh/bvh.h"
 
 namespace standoff::cpu {
 

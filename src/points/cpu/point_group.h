@@ -21,7 +21,7 @@ struct BvhView {
   static constexpr int kMostLevels = Bvh::kMostLevels;
 
   const Boxes16* boxes;          ///< of the nodes
-  const NodeFrames* frames;       ///< of the nodes of level 0
+  const NodeFrames* frames;      ///< of the nodes of level 0
   const std::uint32_t* index;    ///< in the mesh, of each triangle by its place
   const double* vertices;        ///< three numbers each, world units
   const std::uint32_t* corners;  ///< three vertices of each triangle of the mesh

@@ -60,8 +60,7 @@ bool in_plane_of(const Corners& plane, const Corners& t) {
 
 }  // namespace
 
-RowSides::RowSides(const OrientedMesh& mesh, const Bvh& bvh)
-    : mesh_(mesh), bvh_(bvh), bounds_(bounds(mesh.mesh)) {}
+RowSides::RowSides(const OrientedMesh& mesh, const Bvh& bvh) : mesh_(mesh), bvh_(bvh), bounds_(bounds(mesh.mesh)) {}
 
 std::optional<TwoSides> RowSides::of(std::uint32_t triangle, const Row& row) const {
   const int most_displaced = (4 - row.axis) % 3;

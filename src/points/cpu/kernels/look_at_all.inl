@@ -37,8 +37,8 @@ STANDOFF_INLINE void settle(const BvhView& tree, OnePoint& p, int point, PointGr
   p.near_count = 0;
 }
 
-STANDOFF_INLINE void measure_node(const BvhView& tree, std::uint32_t number, OnePoint& p, int point,
-                                  PointGroup& points, PairTable& table) {
+STANDOFF_INLINE void measure_node(const BvhView& tree, std::uint32_t number, OnePoint& p, int point, PointGroup& points,
+                                  PairTable& table) {
   const NodeFrames& frames = tree.frames[number];
   float at[3], farthest = 0;
   for (int axis = 0; axis < 3; ++axis) {
