@@ -11,7 +11,7 @@
 #include "cli/parse.h"
 #include "cli/signals.h"
 #include "cli/text.h"
-#include "files/descriptor.h"
+#include "files/file_view.h"
 #include "standoff/error.h"
 
 namespace standoff::cli {

@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "cli/parse.h"
-#include "files/descriptor.h"
+#include "files/file_view.h"
 #include "standoff/error.h"
 
 namespace standoff::cli {

@@ -11,7 +11,7 @@
 #include "cli/parse.h"
 #include "cli/signals.h"
 #include "cli/text.h"
-#include "files/temp_file.h"
+#include "files/atomic_file.h"
 #include "view/server/server.h"
 
 namespace standoff::cli {

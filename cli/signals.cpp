@@ -7,7 +7,7 @@
 #include <csignal>
 #include <cstring>
 
-#include "files/temp_file.h"
+#include "files/atomic_file.h"
 #include "standoff/error.h"
 
 namespace standoff::cli {

@@ -8,7 +8,7 @@
 #include "cli/json.h"
 #include "cli/parse.h"
 #include "cli/text.h"
-#include "files/temp_file.h"
+#include "files/atomic_file.h"
 #include "standoff/cuda.h"
 #include "standoff/io.h"
 

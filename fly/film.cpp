@@ -21,8 +21,7 @@
 #include <vector>
 
 #include "files/atomic_file.h"
-#include "files/descriptor.h"
-#include "files/temp_file.h"
+#include "files/file_view.h"
 #include "fly/flight_pictures.h"
 #include "render/image.h"
 #include "standoff/error.h"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // io.h, picture.h, slice.h and cuda.h with arguments that make no sense.
 #include "files/atomic_file.h"
-#include "files/temp_file.h"
 #include "standoff/cuda.h"
 #include "standoff/cuda_compute.h"
 #include "standoff/io.h"

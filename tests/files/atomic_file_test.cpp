@@ -14,7 +14,6 @@
 #include <thread>
 #include <vector>
 
-#include "files/temp_file.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/temp_folder.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "files/temp_file.h"
+#include "files/atomic_file.h"
 
 #include <gtest/gtest.h>
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/guarded.h"
+#include "core/progress.h"
 #include "files/file_view.h"
 #include "io/field/format.h"
 #include "io/field/sample_arrays.h"

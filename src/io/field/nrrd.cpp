@@ -7,7 +7,7 @@
 
 #include "core/number_text.h"
 #include "files/file_view.h"
-#include "files/inflate.h"
+#include "files/zip.h"
 #include "io/field/format.h"
 #include "io/field/header_text.h"
 #include "io/field/nrrd_header.h"

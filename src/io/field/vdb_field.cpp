@@ -8,7 +8,7 @@
 
 #include "core/memory.h"
 #include "core/number_text.h"
-#include "files/inflate.h"
+#include "files/zip.h"
 #include "io/field/samples.h"
 #include "standoff/error.h"
 

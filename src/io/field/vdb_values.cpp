@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "files/inflate.h"
+#include "files/zip.h"
 #include "io/field/blosc.h"
 
 namespace standoff::vdb {

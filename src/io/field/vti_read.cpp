@@ -11,7 +11,7 @@
 
 #include "core/number_text.h"
 #include "files/file_view.h"
-#include "files/xml_scan.h"
+#include "files/text.h"
 #include "io/field/format.h"
 #include "io/field/header_text.h"
 #include "io/field/samples.h"

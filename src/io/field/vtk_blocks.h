@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "files/file_view.h"
-#include "files/inflate.h"
+#include "files/zip.h"
 
 namespace standoff {
 

@@ -11,8 +11,8 @@
 #include <string_view>
 #include <system_error>
 
-#include "files/descriptor.h"
-#include "files/text_cursor.h"
+#include "files/file_view.h"
+#include "files/text.h"
 
 namespace standoff {
 namespace {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "files/file_view.h"
-#include "files/text_cursor.h"
+#include "files/text.h"
 
 namespace standoff {
 namespace {

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "files/xml_scan.h"
+#include "files/text.h"
 #include "standoff/mesh.h"
 
 namespace standoff {

@@ -12,9 +12,10 @@
 
 #include "core/guarded.h"
 #include "core/number_text.h"
+#include "core/progress.h"
 #include "files/array_file.h"
-#include "files/inflate.h"
-#include "files/text_cursor.h"
+#include "files/text.h"
+#include "files/zip.h"
 #include "io/mesh/format.h"
 #include "standoff/io.h"
 

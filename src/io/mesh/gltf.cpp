@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "files/file_view.h"
-#include "files/text_cursor.h"
+#include "files/text.h"
 #include "io/mesh/builder.h"
 #include "io/mesh/format.h"
 #include "io/mesh/gltf_data.h"

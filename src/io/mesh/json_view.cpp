@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <charconv>
 
-#include "files/text_cursor.h"
+#include "files/text.h"
 
 namespace standoff {
 namespace {

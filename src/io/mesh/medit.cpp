@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "files/text_cursor.h"
+#include "files/text.h"
 #include "io/mesh/builder.h"
 #include "io/mesh/format.h"
 

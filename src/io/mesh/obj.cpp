@@ -6,7 +6,7 @@
 #include <limits>
 #include <string_view>
 
-#include "files/text_cursor.h"
+#include "files/text.h"
 #include "io/mesh/builder.h"
 #include "io/mesh/format.h"
 

@@ -4,7 +4,7 @@
 #include <cctype>
 #include <vector>
 
-#include "files/text_cursor.h"
+#include "files/text.h"
 #include "io/mesh/builder.h"
 #include "io/mesh/format.h"
 

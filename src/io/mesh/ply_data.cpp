@@ -4,7 +4,7 @@
 #include <array>
 #include <utility>
 
-#include "files/text_cursor.h"
+#include "files/text.h"
 #include "io/mesh/format.h"
 
 namespace standoff {

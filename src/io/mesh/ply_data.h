@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "files/file_view.h"
-#include "files/text_cursor.h"
+#include "files/text.h"
 #include "standoff/vec.h"
 
 namespace standoff {

@@ -16,7 +16,7 @@
 #include <string_view>
 
 #include "core/weld.h"
-#include "files/text_cursor.h"
+#include "files/text.h"
 #include "io/mesh/builder.h"
 #include "io/mesh/format.h"
 #include "standoff/error.h"

@@ -14,9 +14,7 @@
 #include <vector>
 
 #include "files/file_view.h"
-#include "files/inflate.h"
-#include "files/text_cursor.h"
-#include "files/xml_scan.h"
+#include "files/text.h"
 #include "files/zip.h"
 #include "io/mesh/builder.h"
 #include "io/mesh/format.h"

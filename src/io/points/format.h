@@ -5,7 +5,6 @@
 #include <memory>
 #include <string>
 
-#include "files/descriptor.h"
 #include "files/file_view.h"
 #include "io/points/point_reader.h"
 

@@ -2,7 +2,7 @@
 // Answers as NumPy arrays. NPY: distances; records, if more is asked. NPZ: an array for each.
 #include <limits>
 
-#include "files/temp_file.h"
+#include "files/atomic_file.h"
 #include "files/zip.h"
 #include "io/field/npy.h"
 #include "io/points/answer_format.h"

@@ -8,7 +8,7 @@
 
 #include "core/number_text.h"
 #include "files/file_view.h"
-#include "files/text_cursor.h"
+#include "files/text.h"
 #include "io/points/format.h"
 #include "standoff/error.h"
 

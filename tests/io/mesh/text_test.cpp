@@ -6,7 +6,7 @@
 #include <limits>
 #include <string>
 
-#include "files/text_cursor.h"
+#include "files/text.h"
 #include "standoff/error.h"
 #include "tests/support/comma_locale.h"
 
