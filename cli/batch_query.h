@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Many questions at once: what the batches of collide, distance and sweep share.
+// Many questions at once: files with a pose or motion on each line, and what the batches of collide, distance and sweep
+// share.
 #pragma once
 
 #include <chrono>
@@ -13,10 +14,16 @@
 
 #include "cli/console.h"
 #include "cli/files.h"
-#include "cli/spinner.h"
 #include "standoff/collision.h"
 
 namespace standoff::cli {
+
+/// The poses in a file; "-" is the standard input. A line holds the numbers of one pose as --pose takes them, with
+/// commas between them; what follows a # is a comment, and empty lines are left out. A file without a pose has
+/// none. Errors: input, as `FILE:LINE: what`.
+std::vector<Pose> read_poses(const std::string& name);
+/// The same with the numbers of two poses on a line: where the motion begins, and where it ends.
+std::vector<RigidMotion> read_motions(const std::string& name, Vec3 center);
 
 /// The help of --poses.
 inline constexpr const char* kPosesHelp =

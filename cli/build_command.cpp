@@ -3,15 +3,12 @@
 #include <filesystem>
 #include <memory>
 
-#include "cli/body_input.h"
-#include "cli/commands.h"
 #include "cli/console.h"
+#include "cli/files.h"
 #include "cli/options.h"
 #include "cli/parse.h"
-#include "cli/sign_options.h"
-#include "cli/spinner.h"
 #include "cli/text.h"
-#include "cli/usage.h"
+#include "cli/verb.h"
 #include "standoff/error.h"
 #include "standoff/points.h"
 

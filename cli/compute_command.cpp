@@ -1,34 +1,237 @@
 // SPDX-License-Identifier: Apache-2.0
 // standoff compute: a mesh file into a field file.
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
-#include "cli/beside.h"
-#include "cli/commands.h"
-#include "cli/compute_report.h"
 #include "cli/console.h"
 #include "cli/files.h"
-#include "cli/grid_options.h"
-#include "cli/memory.h"
 #include "cli/options.h"
 #include "cli/parse.h"
-#include "cli/sign_options.h"
-#include "cli/signals.h"
-#include "cli/spinner.h"
+#include "cli/process.h"
 #include "cli/text.h"
-#include "cli/usage.h"
+#include "cli/verb.h"
 #include "standoff/compute.h"
 #include "standoff/confidence.h"
 #include "standoff/error.h"
+#include "standoff/field.h"
 #include "standoff/io.h"
+#include "standoff/mesh.h"
+#include "standoff/sidecars.h"
 #include "standoff/slabs.h"
 
 namespace standoff::cli {
 namespace {
+
+class Beside {
+ public:
+  /// Takes names with commas between them. Errors: usage.
+  void add(const std::string& option, const std::string& text);
+  bool empty() const { return !nearest_ && kinds_.empty(); }
+  /// Throws Error{usage} where the output's format has no place for them.
+  void check(const FileOutput& output) const;
+  /// Asks for what they are made of, and for the memory they take.
+  void prepare(ComputeOptions& options) const;
+  /// Makes them, and takes nearest triangles out of the field unless they are to be stored.
+  std::vector<Sidecar> make(MeshView mesh, DistanceField& field, const Execution& execution,
+                            const ProgressCallback& progress) const;
+
+ private:
+  bool nearest_ = false;
+  std::vector<SidecarKind> kinds_;
+};
+
+void Beside::add(const std::string& option, const std::string& text) {
+  for (std::size_t start = 0; start <= text.size();) {
+    const std::size_t end = std::min(text.find(',', start), text.size());
+    const std::size_t choice = parse_choice(option, text.substr(start, end - start),
+                                            {"nearest", "triangle", "closest", "barycentric", "feature", "gradient"});
+    start = end + 1;
+    if (choice < 2) {
+      nearest_ = true;
+    } else if (const SidecarKind kind = kSidecarKinds[choice - 2]; std::ranges::find(kinds_, kind) == kinds_.end()) {
+      kinds_.push_back(kind);
+    }
+  }
+}
+
+void Beside::check(const FileOutput& output) const {
+  if (nearest_)
+    output.check_carries(field_formats(), &FileFormat::nearest, "cannot carry nearest triangles", "--with nearest");
+  if (!kinds_.empty())
+    output.check_carries(field_formats(), &FileFormat::sidecars, "can only carry distances", "--with");
+}
+
+void Beside::prepare(ComputeOptions& options) const {
+  options.nearest_triangle = nearest_ || !kinds_.empty();
+  for (const SidecarKind kind : kinds_) options.bytes_beside += bytes_per_sample(kind);
+}
+
+std::vector<Sidecar> Beside::make(MeshView mesh, DistanceField& field, const Execution& execution,
+                                  const ProgressCallback& progress) const {
+  if (kinds_.empty()) return {};
+  std::vector<Sidecar> made = sidecars(mesh, field, kinds_, {.threads = execution.threads}, progress);
+  if (!nearest_) field.erase_nearest();
+  return made;
+}
+
+/// A computation before it starts.
+struct Plan {
+  std::string mesh_name;
+  const Mesh& mesh;
+  GridChoice choice;
+  std::string output;
+  bool in_the_way = false;  ///< the output exists, and may not be overwritten
+  double load_seconds = 0;
+  bool in_slabs = false;  ///< the field is written while it is computed
+  bool sparse = false;    ///< FileFormat::sparse of the output
+};
+
+/// A computation that has written its field.
+struct Outcome {
+  Plan plan;
+  ComputeReport report;
+  std::uint64_t mesh_hash = 0;
+  double write_seconds = 0;
+  std::int64_t written_bytes = 0;
+  std::optional<SignConfidence> confidence = {};
+};
+
+std::int64_t tile_count(Size3 samples) { return DistanceField::tiles_of(samples).count(); }
+
+// What a file of the output's format takes at most, but for a header of less than 4 KiB: it has the samples as they
+// are, or packs them. Trees have whole tiles and tables of them.
+double most_file_bytes(const Plan& plan, const ComputeOptions& options) {
+  if (plan.sparse) {
+    const auto tiles = static_cast<double>(tile_count(plan.choice.grid.size));
+    return 2300 * tiles + 40'000 * (tiles / 512 + 1) + 300'000 * (tiles / 262'144 + 1);
+  }
+  const double bytes = (options.nearest_triangle ? 8.0 : 4.0) + static_cast<double>(options.bytes_beside);
+  return bytes * static_cast<double>(plan.choice.grid.sample_count());
+}
+
+Json description(const Plan& plan) {
+  const Box box = bounds(plan.mesh);
+  Json json = json_answer("compute");
+  json["mesh"] = {{"file", plan.mesh_name},
+                  {"triangles", plan.mesh.triangles.size()},
+                  {"vertices", plan.mesh.vertices.size()},
+                  {"bounds", json_box(box)}};
+  json["grid"] = json_grid(plan.choice.grid);
+  json["thickness"] = json_number(plan.choice.thickness);
+  return json;
+}
+
+std::string confidence_line(const SignConfidence& found) {
+  const auto percent = [](double share) { return number(100 * share) + " %"; };
+  return "confidence: of " + counted(found.samples, "sample") + " in the band " + percent(found.doubtful) +
+         " are doubtful, lines along the three axes disagree about " + percent(found.axes_disagree) +
+         ", and a flood from outside about " + percent(found.flood_disagrees);
+}
+
+std::string sign_line(const SignReport& sign) {
+  const std::string method =
+      sign.method == SignMethod::none ? "no sign" : std::string("sign by ") + name_of(sign.method);
+  return method + ": " + sign.why + (sign.sure ? "" : "; not certain");
+}
+
+// What --dry-run prints. Throws Error{limit} after it where the real run would be refused for its memory.
+void tell(const Plan& plan, const ComputeOptions& options, const Console& console) {
+  const Grid& grid = plan.choice.grid;
+  const std::int64_t needed = plan.in_slabs ? slab_memory_needed(plan.mesh, grid, plan.choice.thickness, options)
+                                            : memory_needed(plan.mesh, grid, plan.choice.thickness, options),
+                     limit = options.memory_limit;
+  const std::string memory = "needs at most " + bytes_text(needed) + " beside the mesh";
+  const std::string over = ", more than the limit of " + bytes_text(limit);
+  const auto file_bytes = static_cast<std::int64_t>(std::min(most_file_bytes(plan, options), 0x1p62));
+  if (console.json()) {
+    Json json = description(plan);
+    json["samples"] = {{"total", grid.sample_count()}};
+    json["tiles"] = {{"total", tile_count(grid.size)}};
+    json["seconds"] = {{"load", plan.load_seconds}};
+    json["memory_needed_bytes"] = needed;
+    json["memory_limit_bytes"] = limit;
+    json["dry_run"] = true;
+    json["output"] = {{"file", plan.output}, {"bytes", file_bytes}, {"in_the_way", plan.in_the_way}};
+    print(json);
+  } else {
+    print(mesh_line(plan.mesh_name, plan.mesh) + "\n" + grid_line(plan.choice) + "\n" +  //
+          "from " + point_text(grid.origin) + " to " + point_text(grid.bounds().max) + ", " +
+          counted(grid.sample_count(), "sample") + " in " + counted(tile_count(grid.size), "tile") + "\n" +  //
+          memory + (needed > limit ? over : "") + "\n" +                                                     //
+          "would write " + plan.output + ", at most " + bytes_text(file_bytes) +
+          (plan.in_the_way ? "; it exists: give -f to overwrite it" : "") + "\n");
+  }
+  if (needed > limit)
+    throw Error(ErrorCode::limit, "compute: the field " + memory + over +
+                                      "; take fewer samples, a smaller thickness, or a larger --memory-limit");
+}
+
+void say(const Outcome& outcome, const Console& console) {
+  const ComputeReport& report = outcome.report;
+  const double load = outcome.plan.load_seconds, prepare = report.seconds.prepare, compute = report.seconds.compute,
+               sign = report.seconds.sign, write = outcome.write_seconds;
+  // Doubt is said aloud where the caller chose the method; who leaves it to the diagnosis asked for a line.
+  if (!report.sign.why.empty())
+    report.sign.sure ? console.say(sign_line(report.sign)) : console.warn(sign_line(report.sign));
+  if (outcome.confidence) console.say(confidence_line(*outcome.confidence));
+  if (report.sign.internal > 0) console.say(counted(report.sign.internal, "triangle") + " inside the union left out");
+  if (report.sign.cut > 0)
+    console.warn(counted(report.sign.cut, "triangle") +
+                 " that others cut are kept: distances inside, near them, are too small");
+  if (report.skipped > 0) console.say(counted(report.skipped, "triangle") + " skipped");
+  console.detail(counted(report.samples_band, "sample") + " in the band, " + grouped(report.tiles_stored) + " of " +
+                 counted(report.tiles, "tile") + " stored, " + counted(report.samples_examined, "distance") +
+                 " computed");
+  console.detail("load " + seconds_text(load) + ", prepare " + seconds_text(prepare) + ", compute " +
+                 seconds_text(compute) + (sign > 0 ? ", sign " + seconds_text(sign) : "") + ", write " +
+                 seconds_text(write) + "; peak memory " + bytes_text(peak_memory_bytes()));
+  console.say(outcome.plan.output + ": " + bytes_text(outcome.written_bytes) + " in " +
+              seconds_text(load + prepare + compute + sign + write) + "; " + report.method + " on " + report.backend +
+              " (" + report.device + "), " + counted(report.threads, "thread"));
+}
+
+Json outcome_json(const Outcome& outcome) {
+  const ComputeReport& report = outcome.report;
+  Json json = description(outcome.plan);
+  json["mesh"]["skipped"] = report.skipped;
+  json["mesh"]["hash"] = hash_text(outcome.mesh_hash);
+  json["sign"] = {{"method", name_of(report.sign.method)},
+                  {"why", report.sign.why},
+                  {"sure", report.sign.sure},
+                  {"flipped", report.sign.flipped},
+                  {"left_out", report.sign.left_out},
+                  {"boundary_edges", report.sign.boundary_edges},
+                  {"internal", report.sign.internal},
+                  {"cut", report.sign.cut}};
+  if (const auto& found = outcome.confidence)
+    json["sign"]["confidence"] = {{"samples", found->samples},
+                                  {"doubtful", found->doubtful},
+                                  {"axes_disagree", found->axes_disagree},
+                                  {"flood_disagrees", found->flood_disagrees}};
+  json["samples"] = {{"total", report.samples}, {"examined", report.samples_examined}, {"band", report.samples_band}};
+  json["tiles"] = {{"total", report.tiles}, {"stored", report.tiles_stored}};
+  json["seconds"] = {{"load", outcome.plan.load_seconds},
+                     {"prepare", report.seconds.prepare},
+                     {"compute", report.seconds.compute},
+                     {"sign", report.seconds.sign},
+                     {"write", outcome.write_seconds}};
+  json["peak_memory_bytes"] = peak_memory_bytes();
+  json["method"] = report.method;
+  json["device"] = report.backend;
+  json["device_name"] = report.device;
+  json["threads"] = report.threads;
+  json["dry_run"] = false;
+  json["output"] = {{"file", outcome.plan.output}, {"bytes", outcome.written_bytes}};
+  return json;
+}
 
 constexpr const char* kComputeExamples =
     R"(  standoff compute bunny.obj                             into bunny.vti, 256 samples on the longest side
@@ -147,7 +350,8 @@ void ComputeCommand::run() {
   check_extent(mesh.name(), box);
   Plan plan{mesh.name(), loaded, choose_grid(box), output.path().string(), output.in_the_way()};
   plan.load_seconds = seconds_since(start);
-  plan.in_slabs = output.is_written_in_slabs(field_formats()) && beside.empty() && !confidence_name;
+  plan.in_slabs = output.format(field_formats()).slabs && beside.empty() && !confidence_name;
+  plan.sparse = output.format(field_formats()).sparse;
   if (dry_run) return tell(plan, options, console);
   console.say(mesh_line(mesh.name(), loaded));
   for (const std::string& note : notes(read)) console.detail(mesh.name() + ": " + note);

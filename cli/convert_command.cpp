@@ -2,14 +2,11 @@
 // standoff convert: mesh to mesh, field to field.
 #include <memory>
 
-#include "cli/commands.h"
 #include "cli/console.h"
-#include "cli/field_argument.h"
 #include "cli/files.h"
 #include "cli/options.h"
-#include "cli/spinner.h"
 #include "cli/text.h"
-#include "cli/usage.h"
+#include "cli/verb.h"
 #include "standoff/error.h"
 #include "standoff/io.h"
 

@@ -3,10 +3,9 @@
 #include <memory>
 #include <thread>
 
-#include "cli/commands.h"
 #include "cli/console.h"
 #include "cli/text.h"
-#include "cli/usage.h"
+#include "cli/verb.h"
 #include "standoff/cuda.h"
 
 namespace standoff::cli {

@@ -5,9 +5,12 @@
 
 #include <algorithm>
 #include <cctype>
+#include <limits>
 
+#include "cli/console.h"
 #include "cli/options.h"
 #include "cli/parse.h"
+#include "cli/process.h"
 #include "cli/text.h"
 #include "files/atomic_file.h"
 #include "scenes/scenes.h"
@@ -171,24 +174,18 @@ void FileOutput::check_differs(const std::string& input) const {
     throw Error(ErrorCode::usage, path_.string() + ": it is an input, and would be lost; give another name");
 }
 
-void FileOutput::check_carries_nearest(const std::vector<FileFormat>& formats) const {
-  for (const FileFormat& format : formats)
-    if (format.extension == extension_of(path_) && !format.nearest)
-      throw Error(ErrorCode::usage,
-                  path_.string() + ": ." + format.extension +
-                      " cannot carry nearest triangles; write .vti or .npz, or leave out --with nearest");
+FileFormat FileOutput::format(const std::vector<FileFormat>& formats) const {
+  const auto found = std::ranges::find(formats, extension_of(path_), &FileFormat::extension);
+  return found == formats.end() ? FileFormat{} : *found;
 }
 
-void FileOutput::check_carries_sidecars(const std::vector<FileFormat>& formats) const {
-  for (const FileFormat& format : formats)
-    if (format.extension == extension_of(path_) && !format.sidecars)
-      throw Error(ErrorCode::usage, path_.string() + ": ." + format.extension +
-                                        " can only carry distances; write .vti or .npz, or leave out --with");
-}
-
-bool FileOutput::is_written_in_slabs(const std::vector<FileFormat>& formats) const {
-  return std::ranges::any_of(
-      formats, [&](const FileFormat& format) { return format.extension == extension_of(path_) && format.slabs; });
+void FileOutput::check_carries(const std::vector<FileFormat>& formats, bool FileFormat::*can, const char* what,
+                               const char* leave_out) const {
+  if (format(formats).*can) return;
+  std::vector<FileFormat> good = formats;
+  std::erase_if(good, [can](const FileFormat& one) { return !(one.*can); });
+  throw Error(ErrorCode::usage, path_.string() + ": ." + extension_of(path_) + " " + what + "; write " +
+                                    extensions(good, true) + ", or leave out " + leave_out);
 }
 
 std::string mesh_line(const std::string& name, const Mesh& mesh) {
@@ -204,6 +201,74 @@ std::string extensions(const std::vector<FileFormat>& formats, bool writable) {
   for (std::size_t n = 0; n < names.size(); ++n)
     text += (n == 0 ? "" : n + 1 == names.size() ? " or " : ", ") + names[n];
   return text;
+}
+
+void FieldArgument::add_to(CLI::App& verb, const std::string& what) {
+  const std::string help = "most memory for " + what + ", as in 500M or 8G\n(default: 80 % of the machine's)";
+  add_parsed(verb, {"--memory-limit", "SIZE", help.c_str(), "Input"},
+             [this](const std::string& o, const std::string& t) { memory_limit_ = parse_bytes(o, t); });
+}
+
+FieldReadOptions FieldArgument::options_for(const std::string& name) const {
+  if (kind_of(name) != FileKind::field)
+    throw Error(ErrorCode::input, name + ": this is no field, as " + extensions(field_formats(), false) +
+                                      " are; compute the field of a mesh with standoff compute");
+  return {.memory_limit = memory_limit()};
+}
+
+std::int64_t FieldArgument::memory_limit() const { return memory_limit_ ? *memory_limit_ : default_memory_limit(); }
+
+DistanceField FieldArgument::read(const std::string& name, const Console& console) const {
+  const FieldReadOptions options = options_for(name);
+  return with_spinner(console, "reading " + name, [&] { return read_field(name, options); });
+}
+
+FieldFile FieldArgument::read_file(const std::string& name, const Console& console) const {
+  const FieldReadOptions options = options_for(name);
+  return with_spinner(console, "reading " + name, [&] { return read_field_file(name, options); });
+}
+
+void FieldArgument::check_unused(const std::string& name) const {
+  if (memory_limit_)
+    throw Error(ErrorCode::usage, "--memory-limit: it is for fields, and " + name + " is none; leave it out");
+}
+
+CollisionModel read_body(const std::string& name, const Console& console) {
+  if (kind_of(name) == FileKind::body)
+    return with_spinner(console, "reading " + name, [&] { return CollisionModel::load(name); });
+  MeshInput input;
+  input.set_name(name);
+  const Mesh mesh = with_spinner(console, "reading " + name, [&] { return input.read(); });
+  try {
+    return with_spinner(console, "building the body of " + name, [&] { return CollisionModel(mesh); });
+  } catch (const Error& error) {
+    throw Error(error.code(), name + ": " + error.what());
+  }
+}
+
+void PairInput::add_to(CLI::App& verb) {
+  verb.add_option("A", a_, "a mesh file, scene:NAME[:TRIANGLES], or a body that standoff build made")->required();
+  verb.add_option("B", b_, "the other one")->required();
+  add_pose(verb, "--pose-a", "where A is (default: where its file puts it)", pose_a_);
+}
+
+void PairInput::check() const {
+  for (const std::string& name : {a_, b_}) check_input(name);
+}
+
+CLI::Option* add_pose(CLI::App& verb, const char* name, const char* help, Pose& pose) {
+  return add_parsed(verb, {name, "POSE", help, "Place"},
+                    [&pose](const std::string& o, const std::string& t) { pose = parse_pose(o, t); });
+}
+
+void add_body(Json& json, const CollisionModel& body) {
+  json["mesh"] = {{"triangles", body.mesh().triangles.size()},
+                  {"vertices", body.mesh().vertices.size()},
+                  {"bounds", json_box(body.bounds())}};
+  json["closed"] = body.closed();
+  json["grid"] = json_grid(body.grid());
+  json["thickness"] = body.thickness();
+  json["memory_bytes"] = body.memory_bytes();
 }
 
 }  // namespace standoff::cli

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files that verbs read and write.
+// Files that verbs read and write: meshes, fields, bodies, outputs.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
 
 #include <CLI/CLI.hpp>
 
+#include "cli/console.h"
+#include "standoff/collision.h"
 #include "standoff/field.h"
 #include "standoff/io.h"
 #include "standoff/mesh.h"
@@ -82,12 +85,11 @@ class FileOutput {
   void check_differs(const std::string& input) const;
   /// A file that has appeared since the check stays, unless -f was given.
   Existing existing() const { return force_ ? Existing::replace : Existing::keep; }
-  /// Throws Error{usage} when the file's format has no place for nearest triangles.
-  void check_carries_nearest(const std::vector<FileFormat>& formats) const;
-  /// The same for sidecars.
-  void check_carries_sidecars(const std::vector<FileFormat>& formats) const;
-  /// Whether the file's format can be written slab by slab.
-  bool is_written_in_slabs(const std::vector<FileFormat>& formats) const;
+  /// The row of the file's format; an empty one if it has none.
+  FileFormat format(const std::vector<FileFormat>& formats) const;
+  /// Throws Error{usage} "FILE: .EXTENSION WHAT; write .., or leave out LEAVE_OUT" unless the file's format can.
+  void check_carries(const std::vector<FileFormat>& formats, bool FileFormat::*can, const char* what,
+                     const char* leave_out) const;
 
  private:
   std::filesystem::path path_;
@@ -99,5 +101,51 @@ std::string mesh_line(const std::string& name, const Mesh& mesh);
 
 /// The names of the formats that can be read or written: ".vti, .nrrd or .npz".
 std::string extensions(const std::vector<FileFormat>& formats, bool writable);
+
+class FieldArgument {
+ public:
+  /// Adds --memory-limit, for `what`.
+  void add_to(CLI::App& verb, const std::string& what = "the field that is read");
+  /// What was given, or the default.
+  std::int64_t memory_limit() const;
+  /// Terminals are shown what is waited for. Errors: input; limit, before any memory is taken.
+  DistanceField read(const std::string& name, const Console& console) const;
+  /// With its sidecars.
+  FieldFile read_file(const std::string& name, const Console& console) const;
+  /// Throws Error{usage} where the option was given: `name` is no field.
+  void check_unused(const std::string& name) const;
+
+ private:
+  FieldReadOptions options_for(const std::string& name) const;
+
+  std::optional<std::int64_t> memory_limit_;
+};
+
+/// A mesh made into a body, or a body that standoff build made: NAME.body. Terminals are shown what is waited for.
+CollisionModel read_body(const std::string& name, const Console& console);
+
+/// Two bodies A and B, and where A is.
+class PairInput {
+ public:
+  /// Adds the arguments A and B and the option --pose-a.
+  void add_to(CLI::App& verb);
+  /// Tells before anything is built what is wrong with the names of both. Errors: usage, input.
+  void check() const;
+  CollisionModel read_a(const Console& console) const { return read_body(a_, console); }
+  CollisionModel read_b(const Console& console) const { return read_body(b_, console); }
+  const std::string& name_a() const { return a_; }
+  const std::string& name_b() const { return b_; }
+  const Pose& pose_a() const { return pose_a_; }
+
+ private:
+  std::string a_, b_;
+  Pose pose_a_;
+};
+
+/// Adds an option that takes a pose.
+CLI::Option* add_pose(CLI::App& verb, const char* name, const char* help, Pose& pose);
+
+/// Adds a body's mesh, whether it is closed, its grid, thickness and memory to an answer.
+void add_body(Json& json, const CollisionModel& body);
 
 }  // namespace standoff::cli

@@ -3,7 +3,6 @@
 
 #include "cli/options.h"
 #include "cli/parse.h"
-#include "cli/picture_options.h"
 #include "files/atomic_file.h"
 #include "fly/film.h"
 #include "standoff/error.h"

@@ -6,16 +6,15 @@
 #include <mutex>
 #include <numbers>
 
-#include "cli/body_input.h"
-#include "cli/commands.h"
 #include "cli/console.h"
+#include "cli/files.h"
 #include "cli/flight_output.h"
 #include "cli/flight_server.h"
 #include "cli/options.h"
 #include "cli/parse.h"
-#include "cli/signals.h"
+#include "cli/process.h"
 #include "cli/text.h"
-#include "cli/usage.h"
+#include "cli/verb.h"
 #include "standoff/experimental/simulation.h"
 
 namespace standoff::cli {

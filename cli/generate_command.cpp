@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <memory>
 
-#include "cli/commands.h"
 #include "cli/console.h"
 #include "cli/files.h"
 #include "cli/options.h"
 #include "cli/parse.h"
-#include "cli/spinner.h"
 #include "cli/text.h"
-#include "cli/usage.h"
+#include "cli/verb.h"
 #include "scenes/scenes.h"
 #include "standoff/error.h"
 #include "standoff/io.h"

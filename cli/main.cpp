@@ -2,11 +2,9 @@
 // The standoff program: its verbs.
 #include <CLI/CLI.hpp>
 
-#include "cli/commands.h"
 #include "cli/console.h"
-#include "cli/failure.h"
-#include "cli/signals.h"
-#include "cli/usage.h"
+#include "cli/process.h"
+#include "cli/verb.h"
 
 namespace standoff::cli {
 namespace {
@@ -14,10 +12,9 @@ namespace {
 void run(int argc, char** argv) {
   CLI::App program;
   set_up_help(program);
-  for (const auto add :
-       {add_compute, add_info, add_slice, add_render, add_view, add_verify, add_generate, add_convert, add_iso,
-        add_points, add_crossings, add_voxels, add_build, add_collide, add_distance, add_sweep, add_fly, add_devices})
-    add(program);
+#define STANDOFF_ROW(verb) add_##verb(program);
+  STANDOFF_VERBS(STANDOFF_ROW)
+#undef STANDOFF_ROW
   add_version_and_help(program);
   parse(program, argc, argv);
 }

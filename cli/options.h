@@ -1,13 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 // One way to add an option whose text is parsed at once, so that a bad value is told before any work; and the options
-// that several verbs have.
+// that several verbs have: of work, grids, signs and pictures.
 #pragma once
 
+#include <array>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
+#include "cli/json.h"
+#include "cli/parse.h"
 #include "standoff/compute.h"
+#include "standoff/grid.h"
+#include "standoff/picture.h"
+#include "standoff/sidecars.h"
+#include "standoff/sign.h"
 
 namespace standoff::cli {
 
@@ -38,5 +47,84 @@ CLI::Option* add_device(CLI::App& verb, const char* group, Backend& backend, int
 void add_uncompressed(CLI::App& verb, bool& uncompressed);
 /// Adds -j.
 CLI::Option* add_threads(CLI::App& verb, const char* group, int& threads);
+
+/// A grid, and the thickness in world units.
+struct GridChoice {
+  Grid grid;
+  double thickness;
+};
+
+class GridOptions {
+ public:
+  /// `samples`: on the longest side where nothing is said.
+  explicit GridOptions(std::int64_t samples = kDefaultSamples) : samples_(samples) {}
+
+  /// Adds -r, --spacing, --size, --bounds, --padding and --thickness, and says which exclude which.
+  void add_to(CLI::App& verb);
+  /// The same but for --thickness, for verbs that compute no field.
+  void add_without_thickness_to(CLI::App& verb);
+
+  /// Whether any of them was given.
+  bool given() const { return samples_given_ || spacing_ || size_ || bounds_ || padding_; }
+  /// Whether one was given that says more than how many samples the longest side has.
+  bool shape_given() const { return spacing_ || size_ || bounds_ || padding_; }
+
+  /// Adds --minimum and --speed, which exclude some of those. Call after it.
+  void add_thesis_to(CLI::App& verb);
+
+  /// The grid for a mesh with the given bounds. Errors: usage.
+  GridChoice choose(const Box& mesh) const;
+
+ private:
+  Grid around(const Box& box) const;
+  Padding padding() const;
+
+  std::int64_t samples_;
+  bool samples_given_ = false;
+  std::optional<Vec3> spacing_;
+  std::optional<Size3> size_;
+  std::optional<double> minimum_;
+  double speed_ = 0;
+  std::optional<Box> bounds_;
+  std::optional<double> padding_;  // samples
+  Thickness thickness_{std::numeric_limits<double>::infinity()};
+};
+
+/// "grid 256 x 254 x 200, spacing 0.1, full field".
+std::string grid_line(const GridChoice& choice);
+
+/// The sidecars that compute --with makes.
+inline constexpr std::array kSidecarKinds{SidecarKind::closest_point, SidecarKind::barycentric, SidecarKind::feature,
+                                          SidecarKind::gradient};
+
+/// What the help says.
+struct SignHelp {
+  const char* sign;
+  const char* outer;
+};
+
+/// Adds --sign, with all methods, and what goes with it. The thickness of --sign shell goes to `shell`: it may be in
+/// samples. The default is what `options` hold.
+void add_sign(CLI::App& verb, SignOptions& options, Thickness& shell, const SignHelp& help);
+/// With the help of verbs that answer with distances, for a default of none.
+void add_sign(CLI::App& verb, SignOptions& options, Thickness& shell);
+
+/// Adds --sign, --rule, --invert, --as-oriented and --strict for verbs that ask about samples or triangles and not for
+/// distances. `methods`: what --sign takes, of auto, winding, parity, normal, flood and none.
+void add_sign_to(CLI::App& verb, const std::vector<std::string>& methods, const char* help, SignOptions& options);
+
+/// Whether any of these options stands on the command line of a verb, with whatever value.
+bool is_sign_given(const CLI::App& verb);
+/// Whether any of them was given another value than it has without.
+bool is_given(const SignOptions& options);
+
+/// Adds how the sign was decided to an answer: `sign.method`, `sign.why` and `sign.sure`.
+void add_sign_report(Json& json, const SignReport& report);
+
+inline constexpr const char* kPictureGroup = "Picture";
+
+/// Adds --size, --camera, --up, --parallel, --samples, --background and --no-legend, with the defaults that `options`
+/// has; returns them.
+std::vector<const CLI::Option*> add_picture_options(CLI::App& verb, PictureOptions& options);
 
 }  // namespace standoff::cli

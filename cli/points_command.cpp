@@ -1,24 +1,149 @@
 // SPDX-License-Identifier: Apache-2.0
-// standoff points: exact answers at the points of a file, a block at a time.
+// standoff points: exact answers at the points of a file. Points are read, answered and written a block at a time: all
+// three at once, in memory that does not grow.
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <future>
+#include <limits>
 #include <memory>
 #include <sstream>
+#include <utility>
+#include <vector>
 
-#include "cli/commands.h"
 #include "cli/console.h"
 #include "cli/files.h"
 #include "cli/options.h"
 #include "cli/parse.h"
-#include "cli/point_answers.h"
-#include "cli/sign_options.h"
-#include "cli/spinner.h"
 #include "cli/text.h"
-#include "cli/usage.h"
+#include "cli/verb.h"
+#include "io/points/answers.h"
+#include "io/points/points.h"
 #include "standoff/error.h"
+#include "standoff/execution.h"
+#include "standoff/points.h"
+#include "standoff/progress.h"
 
 namespace standoff::cli {
 namespace {
+
+struct PointCounts {
+  std::int64_t points = 0;   ///< all
+  std::int64_t invalid = 0;  ///< of which were marked as invalid
+  std::int64_t inside = 0;   ///< of negative distance
+  double least = 0;          ///< distance; the smallest and the largest, with sign
+  double largest = 0;
+};
+
+// Points that are answered together share work: the more the better. Fewer where an answer takes much memory.
+std::size_t block_size(const AskedAnswers& asked) { return std::size_t{1} << (asked.needs_closest() ? 19 : 20); }
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+class Answering {
+ public:
+  Answering(const MeshQuery& query, const AskedAnswers& asked, const Execution& execution)
+      : query_(query), asked_(asked), execution_(execution) {}
+
+  // Fills in the answers at the block's points.
+  void answer(AnswerBlock& block, const ProgressCallback& progress) {
+    const std::vector<std::size_t> invalid = take_out_invalid(block.points);
+    const std::size_t count = block.size();
+    if (asked_.needs_closest()) {
+      block.closest.resize(count);
+      query_.closest(block.points, block.closest, execution_, progress);
+    } else {
+      block.distances.resize(count);
+      query_.distances(block.points, block.distances, execution_, progress);
+    }
+    if (asked_.gradient)
+      for (std::size_t n = 0; n < count; ++n)
+        block.gradients.push_back(query_.gradient(block.points[n], block.closest[n]));
+    if (asked_.winding) {
+      block.windings.resize(count);
+      query_.winding_numbers(block.points, block.windings, {.threads = execution_.threads}, progress);  // the CPU's
+    }
+    for (const std::size_t n : invalid) put_nothing(block, n);
+    count_block(block, static_cast<std::int64_t>(invalid.size()));
+  }
+
+  const PointCounts& counts() const { return counts_; }
+
+ private:
+  // Which points are NaN. A corner of the mesh takes the place of each, for the query knows no invalid points.
+  std::vector<std::size_t> take_out_invalid(std::vector<Vec3>& points) const {
+    std::vector<std::size_t> invalid;
+    for (std::size_t n = 0; n < points.size(); ++n)
+      if (std::isnan(points[n].x)) {
+        invalid.push_back(n);
+        points[n] = query_.mesh().corner(0, 0);
+      }
+    return invalid;
+  }
+
+  static void put_nothing(AnswerBlock& block, std::size_t n) {
+    const Vec3 nothing{kNan, kNan, kNan};
+    block.points[n] = nothing;
+    if (!block.distances.empty()) block.distances[n] = kNan;
+    if (!block.closest.empty())
+      block.closest[n] = {.distance = kNan, .point = nothing, .triangle = kNoTriangle, .weights = {kNan, kNan, kNan}};
+    if (!block.gradients.empty()) block.gradients[n] = nothing;
+    if (!block.windings.empty()) block.windings[n] = kNan;
+  }
+
+  void count_block(const AnswerBlock& block, std::int64_t invalid) {
+    for (std::size_t n = 0; n < block.size(); ++n) {
+      const double distance = asked_.needs_closest() ? block.closest[n].distance : block.distances[n];
+      counts_.inside += distance < 0;
+      counts_.least = std::fmin(counts_.least, distance);
+      counts_.largest = std::fmax(counts_.largest, distance);
+    }
+    counts_.points += static_cast<std::int64_t>(block.size());
+    counts_.invalid += invalid;
+  }
+
+  const MeshQuery& query_;
+  const AskedAnswers& asked_;
+  const Execution& execution_;
+  PointCounts counts_{.least = kNan, .largest = kNan};
+};
+
+std::vector<Vec3> next_points(PointReader& reader, const AskedAnswers& asked) {
+  std::vector<Vec3> points(block_size(asked));
+  points.resize(reader.read(points));
+  return points;
+}
+
+// A thread of its own for `work`, where there is one to be had; else it is done when its result is taken.
+template <class Work>
+auto beside(Work work) {
+  return std::async(std::launch::async | std::launch::deferred, std::move(work));
+}
+
+// Answers all points. Errors: those of the reader, the query and the writer, which is not finished then.
+PointCounts answer_points(const MeshQuery& query, PointReader& reader, AnswerWriter& writer, const AskedAnswers& asked,
+                          const Execution& execution, const ProgressCallback& progress) {
+  Answering answering(query, asked, execution);
+  // At most three blocks: one is read, one is answered, one is written.
+  AnswerBlock written;
+  std::future<std::vector<Vec3>> reading = beside([&] { return next_points(reader, asked); });
+  std::future<void> writing;
+  for (;;) {
+    AnswerBlock block;
+    block.points = reading.get();
+    const double before = reader.fraction();
+    if (block.points.empty()) break;
+    if (progress && !progress({"points", before})) throw Error(ErrorCode::interrupted, "interrupted");
+    reading = beside([&] { return next_points(reader, asked); });
+    answering.answer(block, {});
+    if (writing.valid()) writing.get();
+    written = std::move(block);
+    writing = beside([&] { writer.write(written); });
+  }
+  if (writing.valid()) writing.get();
+  writer.finish();
+  return answering.counts();
+}
 
 constexpr const char* kPointsExamples =
     R"(  standoff points bunny.obj points.csv                         a distance for each line, on stdout
@@ -61,7 +186,8 @@ void PointsCommand::add_to(CLI::App& verb) {
   mesh.add_query_to(verb);
   verb.add_option("POINTS", points, "a file of points (.csv, .ply, .npy or .npz),\nor - for CSV from standard input")
       ->required();
-  output.add_to(verb, "ANSWERS", "the answers: .csv, .ply, .npy or .npz\n(default: CSV on standard output)");
+  output.add_to(verb, "ANSWERS",
+                "the answers: " + extensions(answer_formats(), true) + "\n(default: CSV on standard output)");
   add_parsed(
       verb,
       {"--with", "WHAT",
@@ -91,10 +217,7 @@ void PointsCommand::check() {
     throw Error(ErrorCode::usage, "--with winding is for signs by winding numbers; give --sign winding too");
   if (skip_invalid) invalid = InvalidPoints::mark;
   if (to_stdout()) return;
-  output.check({{"csv", "", false, true, false},
-                {"ply", "", false, true, false},
-                {"npy", "", false, true, false},
-                {"npz", "", false, true, false}});
+  output.check(answer_formats());
   output.check_differs(mesh.name());
   output.check_differs(points == "-" ? "/dev/stdin" : points);
 }

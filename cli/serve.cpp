@@ -9,7 +9,7 @@
 
 #include "cli/options.h"
 #include "cli/parse.h"
-#include "cli/signals.h"
+#include "cli/process.h"
 #include "cli/text.h"
 #include "files/atomic_file.h"
 #include "view/server/server.h"

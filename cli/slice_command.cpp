@@ -5,14 +5,12 @@
 #include <limits>
 #include <memory>
 
-#include "cli/commands.h"
 #include "cli/console.h"
-#include "cli/field_argument.h"
 #include "cli/files.h"
 #include "cli/options.h"
 #include "cli/parse.h"
 #include "cli/text.h"
-#include "cli/usage.h"
+#include "cli/verb.h"
 #include "standoff/error.h"
 
 namespace standoff::cli {

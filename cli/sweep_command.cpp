@@ -3,14 +3,12 @@
 #include <memory>
 
 #include "cli/batch_query.h"
-#include "cli/body_input.h"
-#include "cli/commands.h"
 #include "cli/console.h"
+#include "cli/files.h"
 #include "cli/options.h"
 #include "cli/parse.h"
-#include "cli/pose_file.h"
 #include "cli/text.h"
-#include "cli/usage.h"
+#include "cli/verb.h"
 #include "standoff/error.h"
 
 namespace standoff::cli {

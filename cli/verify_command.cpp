@@ -1,21 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // standoff verify: a field against its mesh, by brute force in double precision.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <utility>
 
-#include "cli/beside.h"
-#include "cli/commands.h"
 #include "cli/console.h"
-#include "cli/field_argument.h"
 #include "cli/files.h"
 #include "cli/options.h"
 #include "cli/parse.h"
-#include "cli/signals.h"
-#include "cli/spinner.h"
+#include "cli/process.h"
 #include "cli/text.h"
-#include "cli/usage.h"
+#include "cli/verb.h"
 #include "standoff/error.h"
+#include "standoff/sidecars.h"
 #include "standoff/verify.h"
 
 namespace standoff::cli {
@@ -25,6 +24,30 @@ constexpr const char* kVerifyExamples = R"(  standoff verify bunny.vti bunny.obj
   standoff verify bunny.vti bunny.obj --samples 100000
   standoff verify part.vti part.stl --unit mm          as it was computed
 )";
+
+// In how many samples the sidecars that compute --with makes are not what the mesh and the stored nearest triangles
+// give. 0 where there are none, or no nearest triangles.
+std::int64_t count_wrong(const FieldFile& file, MeshView mesh, const Execution& execution) {
+  if (!file.field.has_nearest()) return 0;
+  std::int64_t wrong = 0;
+  for (const SidecarKind kind : kSidecarKinds)
+    for (const Sidecar& stored : file.sidecars) {
+      if (stored.name != name_of(kind)) continue;
+      const Sidecar right = std::move(sidecars(mesh, file.field, {&kind, 1}, execution)[0]);
+      const auto compare = [&]<class Number>(const std::vector<Number>& numbers) {
+        const auto* const others = std::get_if<std::vector<Number>>(&right.values);
+        const auto width = static_cast<std::size_t>(right.components);
+        if (!others || others->size() != numbers.size() || stored.components != right.components) {
+          ++wrong;  // another array of that name
+          return;
+        }
+        for (std::size_t n = 0; n < numbers.size(); n += width)
+          wrong += std::equal(numbers.data() + n, numbers.data() + n + width, others->data() + n) ? 0 : 1;
+      };
+      std::visit(compare, stored.values);
+    }
+  return wrong;
+}
 
 struct VerifyCommand {
   std::string field;

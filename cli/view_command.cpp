@@ -7,19 +7,13 @@
 #include <string>
 #include <vector>
 
-#include "cli/commands.h"
 #include "cli/console.h"
-#include "cli/field_argument.h"
 #include "cli/files.h"
-#include "cli/grid_options.h"
-#include "cli/memory.h"
 #include "cli/options.h"
 #include "cli/parse.h"
-#include "cli/sign_options.h"
-#include "cli/signals.h"
-#include "cli/spinner.h"
+#include "cli/process.h"
 #include "cli/text.h"
-#include "cli/usage.h"
+#include "cli/verb.h"
 #include "cli/view_server.h"
 #include "standoff/compute.h"
 #include "standoff/error.h"

@@ -30,6 +30,8 @@ struct FileFormat {
   bool nearest = false;   ///< fields only: can carry nearest triangles
   bool sidecars = false;  ///< fields only: can carry sidecars
   bool slabs = false;     ///< fields only: can be written slab by slab
+  bool sparse =
+      false;  ///< fields only: stores whole tiles and tables of them, so that a sample may take more than 4 bytes
 };
 
 /// The formats that this build can read or write.

@@ -13,6 +13,38 @@
 
 namespace standoff {
 
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && is_space(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_space(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+std::vector<std::string_view> words_of(std::string_view text) {
+  std::vector<std::string_view> words;
+  while (!(text = trimmed(text)).empty()) {
+    const auto end = static_cast<std::size_t>(std::ranges::find_if(text, is_space) - text.begin());
+    words.push_back(text.substr(0, end));
+    text.remove_prefix(end);
+  }
+  return words;
+}
+
+std::string escaped(std::string_view value) {
+  std::string text;
+  for (const char c : value) text += c == '\n' ? "\\n" : c == '\\' ? "\\\\" : std::string(1, c);
+  return text;
+}
+
+std::string unescaped(std::string_view text) {
+  std::string value;
+  for (std::size_t n = 0; n < text.size(); ++n) {
+    const bool escape = text[n] == '\\' && n + 1 < text.size();
+    if (escape) ++n;
+    value += escape && text[n] == 'n' ? '\n' : text[n];
+  }
+  return value;
+}
+
 bool equals_ignoring_case(std::string_view text, std::string_view lower) {
   return std::equal(text.begin(), text.end(), lower.begin(), lower.end(),
                     [](char a, char b) { return (a >= 'A' && a <= 'Z' ? a - 'A' + 'a' : a) == b; });

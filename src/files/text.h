@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "files/file_view.h"
 
@@ -22,6 +23,15 @@ constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
 constexpr void skip_space(std::string_view& text) {
   while (!text.empty() && is_space(text[0])) text.remove_prefix(1);
 }
+
+/// The text without spaces at its ends.
+std::string_view trimmed(std::string_view text);
+/// The parts between spaces.
+std::vector<std::string_view> words_of(std::string_view text);
+
+/// A value on one line of a header: \n stands for a line break, \\ for a backslash.
+std::string escaped(std::string_view value);
+std::string unescaped(std::string_view text);
 
 /// Equal but for the case of ASCII letters. `lower` is in lower case.
 bool equals_ignoring_case(std::string_view text, std::string_view lower);

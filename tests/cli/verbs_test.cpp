@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,14 @@ class Verbs : public testing::ProgramTest {
  protected:
   static bool holds(const std::string& text, const std::string& words) { return text.find(words) != std::string::npos; }
   static bool is_png(const std::string& bytes) { return bytes.starts_with("\x89PNG\r\n\x1a\n"); }
+  // The verbs that the program's help lists.
+  static std::vector<std::string> verbs_in(const std::string& help) {
+    std::vector<std::string> verbs;
+    std::istringstream lines(help.substr(help.find("\nVerbs:\n") + 8));
+    for (std::string line; std::getline(lines, line) && line.starts_with("  ");)
+      verbs.push_back(line.substr(2, line.find(' ', 2) - 2));
+    return verbs;
+  }
 };
 
 TEST_F(Verbs, VersionAndHelp) {
@@ -29,10 +38,10 @@ TEST_F(Verbs, VersionAndHelp) {
   const std::string all = done({"help"}).out;
   EXPECT_EQ(all, done({"--help"}).out);
   EXPECT_EQ(all, done({"-h"}).out);
-  for (const std::string verb :
-       {"compute", "info", "slice", "render", "view", "verify", "generate", "convert", "iso", "points", "crossings",
-        "voxels", "devices", "build", "collide", "distance", "sweep", "fly"}) {
-    EXPECT_TRUE(holds(all, "\n  " + verb + " ")) << verb;
+  const std::vector<std::string> verbs = verbs_in(all);
+  EXPECT_GE(verbs.size(), 18u);
+  for (const std::string& verb : verbs) {
+    if (verb == "version" || verb == "help") continue;  // they have no options
     const std::string help = done({"help", verb}).out;
     EXPECT_EQ(help, done({verb, "--help"}).out);
     // Examples first, then the usage, then options; exit codes last.

@@ -8,9 +8,9 @@
 #include <thread>
 #include <vector>
 
-#include "io/mesh/format.h"
 #include "standoff/io.h"
 #include "tests/support/expect_error.h"
+#include "tests/support/formats.h"
 #include "tests/support/temp_folder.h"
 
 namespace standoff {
@@ -68,14 +68,14 @@ TEST(FileView, AFileShortenedWhileItIsReadIsNoCrash) {
   write_mesh(path, mesh);
   const FileView file(path);
   std::filesystem::resize_file(path, 100);
-  EXPECT_EQ(read_stl(file).triangles.size(), 5000u);
+  EXPECT_EQ(read_as("stl", file).triangles.size(), 5000u);
 }
 
 // A fuzzer's find, which only the address sanitizer sees: past the word "ply" the byte after the file was looked at.
 TEST(FileView, APlyOfOneWordIsReadNoFurther) {
   const std::vector<char> bytes{'p', 'l', 'y'};
   const FileView file("a.ply", {bytes.data(), bytes.size()});
-  expect_error([&] { read_ply(file); }, ErrorCode::input, "a.ply:");
+  expect_error([&] { read_as("ply", file); }, ErrorCode::input, "a.ply:");
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "io/points/format.h"
+#include "io/points/points.h"
 #include "standoff/error.h"
 
 namespace {

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "io/points/point_reader.h"
+#include "io/points/points.h"
 #include "standoff/collision.h"
 #include "standoff/error.h"
 #include "standoff/io.h"

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The table of field formats: a format is one file and a row in formats.cpp.
+// The table of field formats. A format is one file here, which defines its row, and the name of the row in the table.
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 
 #include "files/atomic_file.h"
 #include "files/file_view.h"
-#include "io/field/field_source.h"
+#include "io/field/write_samples.h"
 #include "standoff/field.h"
 #include "standoff/io.h"
 
@@ -23,28 +24,35 @@ struct FieldRequest {
 struct FieldFormat {
   const char* extension;
   const char* description;
-  bool nearest;   ///< can carry nearest triangles
-  bool sidecars;  ///< can carry sidecars
-  bool slabs;     ///< can be written of slabs
+  bool nearest = false;   ///< can carry nearest triangles
+  bool sidecars = false;  ///< can carry sidecars
+  bool slabs = false;     ///< can be written slab by slab
+  bool sparse = false;    ///< stores whole tiles and tables of them; else a number for each sample
   FieldFile (*read)(const FileView&, const FieldRequest&);
   /// Everything but the commit, of a field or, if the format can, of slabs. Sidecars, if the format can carry them,
   /// have been checked.
   void (*write)(AtomicFile&, const FieldSource&, const FieldWriteOptions&);
 };
 
-FieldFile read_vti(const FileView& file, const FieldRequest& request);
-void write_vti(AtomicFile& file, const FieldSource& field, const FieldWriteOptions& options);
+/// The table, in the order of help and messages.
+#define STANDOFF_FIELD_FORMATS(ROW) \
+  ROW(Vti)                          \
+  ROW(Nrrd)                         \
+  ROW(Npz)                          \
+  ROW(Vdb)                          \
+  ROW(Nvdb)
 
-FieldFile read_nrrd(const FileView& file, const FieldRequest& request);
-void write_nrrd(AtomicFile& file, const FieldSource& field, const FieldWriteOptions& options);
+#define STANDOFF_ROW(format) extern const FieldFormat kField##format;
+STANDOFF_FIELD_FORMATS(STANDOFF_ROW)
+#undef STANDOFF_ROW
 
-FieldFile read_npz(const FileView& file, const FieldRequest& request);
-void write_npz(AtomicFile& file, const FieldSource& field, const FieldWriteOptions& options);
+/// The row of an extension without its dot, in any case of letters; nullptr if there is none.
+const FieldFormat* find_field_format(std::string_view extension);
 
-FieldFile read_nvdb(const FileView& file, const FieldRequest& request);
-void write_nvdb(AtomicFile& file, const DistanceField& field, const FieldWriteOptions& options);
-
-FieldFile read_vdb(const FileView& file, const FieldRequest& request);
-void write_vdb(AtomicFile& file, const DistanceField& field, const FieldWriteOptions& options);
+/// FieldFormat::write of a writer that needs the whole field.
+template <void (*write)(AtomicFile&, const DistanceField&, const FieldWriteOptions&)>
+void of_whole(AtomicFile& file, const FieldSource& source, const FieldWriteOptions& options) {
+  write(file, source.whole(), options);
+}
 
 }  // namespace standoff

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <new>
 #include <string>
@@ -8,36 +7,27 @@
 #include "core/guarded.h"
 #include "core/progress.h"
 #include "files/file_view.h"
+#include "files/text.h"
 #include "io/field/format.h"
-#include "io/field/sample_arrays.h"
+#include "io/field/write_samples.h"
 #include "standoff/error.h"
 #include "standoff/io.h"
 
 namespace standoff {
 namespace {
 
-template <void (*write)(AtomicFile&, const DistanceField&, const FieldWriteOptions&)>
-void of_whole(AtomicFile& file, const FieldSource& source, const FieldWriteOptions& options) {
-  write(file, source.whole(), options);
-}
-
-constexpr std::array<FieldFormat, 5> kFieldFormats{{
-    {"vti", "VTK XML image data, for ParaView and VTK", true, true, true, read_vti, write_vti},
-    {"nrrd", "NRRD, for Slicer, ITK and teem", false, false, true, read_nrrd, write_nrrd},
-    {"npz", "NumPy arrays", true, true, true, read_npz, write_npz},
-    {"vdb", "OpenVDB, for Blender, Houdini and OpenVDB", false, false, false, read_vdb, of_whole<write_vdb>},
-    {"nvdb", "NanoVDB, for Warp and GPUs", false, false, false, read_nvdb, of_whole<write_nvdb>},
-}};
+#define STANDOFF_ROW(format) &kField##format,
+constexpr const FieldFormat* kFieldFormats[] = {STANDOFF_FIELD_FORMATS(STANDOFF_ROW)};
+#undef STANDOFF_ROW
 
 const FieldFormat& format_of(const std::filesystem::path& path, ErrorCode code) {
   std::string extension = path.extension().string();
   if (!extension.empty()) extension.erase(0, 1);
+  if (const FieldFormat* format = find_field_format(extension)) return *format;
   std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
-  for (const FieldFormat& format : kFieldFormats)
-    if (format.extension == extension) return format;
   std::string known;
-  for (const FieldFormat& format : kFieldFormats)
-    known += std::string(known.empty() ? "" : ", ") + '.' + format.extension;
+  for (const FieldFormat* format : kFieldFormats)
+    known += std::string(known.empty() ? "" : ", ") + '.' + format->extension;
   throw Error(code,
               path.string() + ": " +
                   (extension.empty() ? "the name has no extension" : "no field format is called ." + extension) +
@@ -48,8 +38,8 @@ const FieldFormat& format_of(const std::filesystem::path& path, ErrorCode code) 
 // ".vti or .npz": those that can carry what the caller asks for.
 std::string those_with(bool FieldFormat::*can) {
   std::string names;
-  for (const FieldFormat& format : kFieldFormats)
-    if (format.*can) names += (names.empty() ? "." : " or .") + std::string(format.extension);
+  for (const FieldFormat* format : kFieldFormats)
+    if (format->*can) names += (names.empty() ? "." : " or .") + std::string(format->extension);
   return names;
 }
 
@@ -88,11 +78,16 @@ void write(const std::filesystem::path& path, const FieldFormat& format, const F
 
 }  // namespace
 
+const FieldFormat* find_field_format(std::string_view extension) {
+  for (const FieldFormat* format : kFieldFormats)
+    if (equals_ignoring_case(extension, format->extension)) return format;
+  return nullptr;
+}
+
 std::vector<FileFormat> field_formats() try {
   std::vector<FileFormat> formats;
-  for (const FieldFormat& format : kFieldFormats)
-    formats.push_back(
-        {format.extension, format.description, true, true, format.nearest, format.sidecars, format.slabs});
+  for (const FieldFormat* f : kFieldFormats)
+    formats.push_back({f->extension, f->description, true, true, f->nearest, f->sidecars, f->slabs, f->sparse});
   return formats;
 } catch (...) {
   throw_as_error("formats");

@@ -6,7 +6,7 @@
 
 #include "core/number_text.h"
 #include "files/file_view.h"
-#include "io/field/header_text.h"
+#include "files/text.h"
 
 namespace standoff {
 namespace {

@@ -14,10 +14,9 @@
 #include "files/file_view.h"
 #include "files/zip.h"
 #include "io/field/format.h"
-#include "io/field/header_text.h"
 #include "io/field/npy.h"
-#include "io/field/samples.h"
-#include "io/field/send_samples.h"
+#include "io/field/read_samples.h"
+#include "io/field/write_samples.h"
 #include "standoff/error.h"
 
 namespace standoff {
@@ -244,8 +243,6 @@ class ArrayWriter {
   ZipWriter zip_;
 };
 
-}  // namespace
-
 FieldFile read_npz(const FileView& file, const FieldRequest& request) {
   const Archive archive(file);
   StoredField stored;
@@ -282,5 +279,15 @@ void write_npz(AtomicFile& file, const FieldSource& field, const FieldWriteOptio
   for (const SampleArray& array : field.arrays()) arrays.samples(field, array, options);
   arrays.finish();
 }
+
+}  // namespace
+
+constinit const FieldFormat kFieldNpz{.extension = "npz",
+                                      .description = "NumPy arrays",
+                                      .nearest = true,
+                                      .sidecars = true,
+                                      .slabs = true,
+                                      .read = read_npz,
+                                      .write = write_npz};
 
 }  // namespace standoff

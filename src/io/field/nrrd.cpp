@@ -1,21 +1,121 @@
 // SPDX-License-Identifier: Apache-2.0
-// NRRD: a text header, an empty line, raw samples.
+// NRRD: a text header, an empty line, samples, plain or packed by gzip. https://teem.sourceforge.net/nrrd/format.html
+#include <algorithm>
 #include <array>
+#include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "core/number_text.h"
 #include "files/file_view.h"
+#include "files/text.h"
 #include "files/zip.h"
 #include "io/field/format.h"
-#include "io/field/header_text.h"
-#include "io/field/nrrd_header.h"
-#include "io/field/samples.h"
-#include "io/field/send_samples.h"
+#include "io/field/read_samples.h"
+#include "io/field/write_samples.h"
 
 namespace standoff {
 namespace {
+
+struct NrrdLine {
+  std::string text;
+  int number = 0;
+};
+
+struct NrrdHeader {
+  const FileView& file;
+  std::map<std::string, NrrdLine> fields;  ///< "name: value", names in lower case and without blanks
+  std::map<std::string, NrrdLine> keys;    ///< "key:=value", escapes undone
+  std::uint64_t data = 0;                  ///< offset of the first sample
+
+  /// Throws Error{input} that names the line.
+  [[noreturn]] void fail(const NrrdLine& line, const std::string& what) const;
+  /// The field of that name, which is the same with blanks and without ("axis mins"), or nullptr.
+  const NrrdLine* find(const std::string& name) const;
+  /// The field of that name, or an error.
+  const NrrdLine& get(const std::string& name) const;
+  /// The key of that name, or nullptr.
+  const NrrdLine* key(const std::string& name) const;
+};
+
+constexpr std::uint64_t kMaxHeader = std::uint64_t{1} << 20;  // far more than any header needs
+
+// The fields of the format, without blanks. Another one is a damaged name, and what it says would be lost: where the
+// grid begins, say.
+constexpr std::array<std::string_view, 28> kFields{
+    "content",     "number",   "type",     "blocksize",       "dimension",   "space",      "spacedimension",
+    "sizes",       "spacings", "axismins", "axismaxs",        "thicknesses", "centers",    "centerings",
+    "labels",      "units",    "kinds",    "spacedirections", "spaceorigin", "spaceunits", "measurementframe",
+    "sampleunits", "min",      "max",      "oldmin",          "oldmax",      "endian",     "encoding"};
+constexpr std::array<std::string_view, 3> kPlaces{"datafile", "lineskip", "byteskip"};
+
+std::string without_blanks(std::string name) {
+  std::erase(name, ' ');
+  return name;
+}
+
+void take_line(NrrdHeader& header, const NrrdLine& line) {
+  if (line.text.starts_with('#')) return;
+  // A key may hold colons ("http://a:=b"), but none before a blank: that one ends a field's name.
+  const auto equals = line.text.find(":=");
+  const bool is_key = equals != std::string::npos && line.text.find(": ") > equals;
+  const auto colon = is_key ? equals : line.text.find(':');
+  if (colon == std::string::npos || colon + 1 == line.text.size())
+    header.fail(line, in_quotes(line.text) + " is no header field; the file is damaged or no NRRD, write it again");
+  std::string name = line.text.substr(0, colon);
+  if (is_key) {
+    header.keys[name] = {unescaped(line.text.substr(colon + 2)), line.number};
+    return;
+  }
+  for (char& c : name) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  name = without_blanks(name);
+  if (std::ranges::find(kFields, name) == kFields.end() && std::ranges::find(kPlaces, name) == kPlaces.end())
+    header.fail(line, in_quotes(line.text) +
+                          " is no field of a NRRD header; the file is damaged, write it again (what is your own goes "
+                          "into a key, 'name:=value')");
+  header.fields[name] = {std::string(trimmed(std::string_view(line.text).substr(colon + 1))), line.number};
+}
+
+void NrrdHeader::fail(const NrrdLine& line, const std::string& what) const {
+  file.fail("line " + std::to_string(line.number), what);
+}
+
+const NrrdLine* NrrdHeader::find(const std::string& name) const {
+  const auto found = fields.find(without_blanks(name));
+  return found == fields.end() ? nullptr : &found->second;
+}
+
+const NrrdLine& NrrdHeader::get(const std::string& name) const {
+  if (const NrrdLine* line = find(name)) return *line;
+  file.fail("header", "the field '" + name + "' is missing; write the file again");
+}
+
+const NrrdLine* NrrdHeader::key(const std::string& name) const {
+  const auto found = keys.find(name);
+  return found == keys.end() ? nullptr : &found->second;
+}
+
+NrrdHeader read_nrrd_header(const FileView& file) {
+  const std::string_view text = file.text(0, kMaxHeader);
+  if (!text.starts_with("NRRD000")) file.fail("header", "it does not begin with NRRD000; give a NRRD file");
+  NrrdHeader header{file, {}, {}, 0};
+  std::size_t at = 0;
+  for (int number = 1;; ++number) {
+    const auto end = text.find('\n', at);
+    if (end == std::string::npos)
+      file.fail("header",
+                "no empty line ends it; the file is truncated, or keeps its samples in another file: join them");
+    std::string line(text.substr(at, end - at));
+    if (line.ends_with('\r')) line.pop_back();
+    at = end + 1;
+    if (line.empty()) break;
+    if (number > 1) take_line(header, {line, number});
+  }
+  header.data = at;
+  return header;
+}
 
 bool is_gzip_encoding(const NrrdLine& encoding) { return encoding.text == "gzip" || encoding.text == "gz"; }
 
@@ -125,8 +225,6 @@ void write_gzip(AtomicFile& file, const FieldSource& field, const SampleArray& a
   file.write(&bytes, sizeof bytes);
 }
 
-}  // namespace
-
 FieldFile read_nrrd(const FileView& file, const FieldRequest& request) {
   const NrrdHeader header = read_nrrd_header(file);
   refuse_unsupported(header);
@@ -165,10 +263,9 @@ void write_nrrd(AtomicFile& file, const FieldSource& field, const FieldWriteOpti
       vector(0, 0, grid.spacing.z) + "\ncenters: node node node\nkinds: domain domain domain\nendian: little\n" +
       "encoding: " + (options.compress ? "gzip" : "raw") +
       "\nspace origin: " + vector(grid.origin.x, grid.origin.y, grid.origin.z) +
-      "\nthickness:=" + text(field.thickness()) + "\nmethod:=" + nrrd_escaped(field.provenance().method) +
-      "\nmesh_hash:=" + hash_text(field.provenance().mesh_hash) +
-      "\nversion:=" + nrrd_escaped(field.provenance().version) + (sign.empty() ? "" : "\nsign:=" + nrrd_escaped(sign)) +
-      "\n\n";
+      "\nthickness:=" + text(field.thickness()) + "\nmethod:=" + escaped(field.provenance().method) +
+      "\nmesh_hash:=" + hash_text(field.provenance().mesh_hash) + "\nversion:=" + escaped(field.provenance().version) +
+      (sign.empty() ? "" : "\nsign:=" + escaped(sign)) + "\n\n";
   file.write(header.data(), header.size());
   const SampleArray& distances = field.arrays()[0];
   if (options.compress)
@@ -176,5 +273,13 @@ void write_nrrd(AtomicFile& file, const FieldSource& field, const FieldWriteOpti
   else
     send_samples(field, distances, {}, [&](std::span<const std::byte> part) { file.write(part.data(), part.size()); });
 }
+
+}  // namespace
+
+constinit const FieldFormat kFieldNrrd{.extension = "nrrd",
+                                       .description = "NRRD, for Slicer, ITK and teem",
+                                       .slabs = true,
+                                       .read = read_nrrd,
+                                       .write = write_nrrd};
 
 }  // namespace standoff

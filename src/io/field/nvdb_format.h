@@ -4,6 +4,10 @@
 
 #include <cstdint>
 
+#include "files/atomic_file.h"
+#include "standoff/field.h"
+#include "standoff/io.h"
+
 namespace standoff::nvdb {
 
 inline constexpr std::uint64_t kMagic = 0x304244566f6e614e;      ///< "NanoVDB0": of files and grids
@@ -59,5 +63,7 @@ inline constexpr std::uint64_t kBytes = 288, kOffset = 0, kElements = 8, kDataTy
 
 /// The blind data that standoff adds: lines "name=value".
 inline constexpr const char* kFacts = "standoff";
+
+void write_nvdb(AtomicFile& file, const DistanceField& field, const FieldWriteOptions& options);
 
 }  // namespace standoff::nvdb

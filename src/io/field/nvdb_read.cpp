@@ -11,12 +11,11 @@
 #include "core/memory.h"
 #include "core/number_text.h"
 #include "files/file_view.h"
+#include "files/text.h"
 #include "files/zip.h"
-#include "io/field/blosc.h"
 #include "io/field/format.h"
-#include "io/field/header_text.h"
 #include "io/field/nvdb_format.h"
-#include "io/field/vdb_cursor.h"
+#include "io/field/read_samples.h"
 #include "io/field/vdb_field.h"
 #include "standoff/error.h"
 
@@ -217,16 +216,6 @@ class NvdbReader {
       facts_.size = {size[0], size[1], size[2]};
     }
   }
-  static std::string unescaped(std::string_view text) {
-    std::string value;
-    for (std::size_t n = 0; n < text.size(); ++n) {
-      const bool escape = text[n] == '\\' && n + 1 < text.size();
-      if (escape) ++n;
-      value += escape && text[n] == 'n' ? '\n' : text[n];
-    }
-    return value;
-  }
-
   // Goes through all nodes: use(Leaf, its place) and use(Tile, 0) for all that is not the background. A damaged file
   // may lead to one node by many paths: there are never more than fit into the file.
   template <class Use>
@@ -306,11 +295,17 @@ class NvdbReader {
   std::uint64_t root_ = 0, nodes_left_ = 0;
 };
 
-}  // namespace
-
 FieldFile read_nvdb(const FileView& file, const FieldRequest& request) {
   const FoundTile found = find_grid(file, request.memory_limit);
   return {NvdbReader(found.unpacked ? *found.unpacked : file, found.at, found.bytes, request).read(), {}};
 }
+
+}  // namespace
+
+constinit const FieldFormat kFieldNvdb{.extension = "nvdb",
+                                       .description = "NanoVDB, for Warp and GPUs",
+                                       .sparse = true,
+                                       .read = read_nvdb,
+                                       .write = of_whole<nvdb::write_nvdb>};
 
 }  // namespace standoff

@@ -11,10 +11,9 @@
 #include <vector>
 
 #include "core/number_text.h"
+#include "files/text.h"
 #include "io/field/format.h"
-#include "io/field/nrrd_header.h"
 #include "io/field/nvdb_format.h"
-#include "io/field/vdb_leaves.h"
 #include "io/field/vdb_tree.h"
 
 namespace standoff {
@@ -154,9 +153,9 @@ class NvdbWriter {
     const Size3& size = field_.grid().size;
     const Provenance& from = field_.provenance();
     std::string text = "size=" + std::to_string(size.x) + " " + std::to_string(size.y) + " " + std::to_string(size.z) +
-                       "\nthickness=" + exact_text(field_.thickness()) + "\nmethod=" + nrrd_escaped(from.method) +
-                       "\nmesh_hash=" + hash_text(from.mesh_hash) + "\nversion=" + nrrd_escaped(from.version) +
-                       "\nsign=" + nrrd_escaped(from.sign) + "\n";
+                       "\nthickness=" + exact_text(field_.thickness()) + "\nmethod=" + escaped(from.method) +
+                       "\nmesh_hash=" + hash_text(from.mesh_hash) + "\nversion=" + escaped(from.version) +
+                       "\nsign=" + escaped(from.sign) + "\n";
     constexpr std::size_t kAligned = 32;
     text.append((kAligned - text.size() % kAligned) % kAligned, '\0');
     return text;
@@ -362,7 +361,7 @@ class NvdbWriter {
 
 }  // namespace
 
-void write_nvdb(AtomicFile& file, const DistanceField& field, const FieldWriteOptions& options) {
+void nvdb::write_nvdb(AtomicFile& file, const DistanceField& field, const FieldWriteOptions& options) {
   vdb::check_indices(field, "nvdb");
   NvdbWriter(file, field, options.threads).write();
 }

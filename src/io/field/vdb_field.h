@@ -1,18 +1,60 @@
 // SPDX-License-Identifier: Apache-2.0
-// A field out of the nodes of a tree, as OpenVDB and NanoVDB store it. A reader goes through its nodes three times: to
-// find their box, to count what will be stored, and to fill the field.
+// What the readers of OpenVDB's and NanoVDB's files share: what Blosc packed, a cursor, and the field that the nodes of
+// a tree make.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
+#include <string_view>
 
 #include "files/file_view.h"
 #include "io/field/format.h"
 #include "io/field/vdb_tree.h"
 
 namespace standoff::vdb {
+
+/// No byte that LZ4 packed becomes more than this many: a length of n bytes says 255 n and a little.
+inline constexpr std::uint64_t kMostBlosc = 255;
+
+/// Fills `to`, which must be all that was packed. Errors: input, also for other codecs.
+void unpack_blosc(const FileView& file, const std::string& where, std::string_view packed, std::span<char> to);
+
+class Cursor {
+ public:
+  explicit Cursor(const FileView& file, std::uint64_t at = 0) : file_(file), at_(at) {}
+
+  template <class Number>
+  Number number() {
+    const Number value = file_.number<Number>(at_);
+    at_ += sizeof value;
+    return value;
+  }
+  std::string_view bytes(std::uint64_t count, const char* what) {
+    file_.require(at_, count, what);
+    const std::string_view part = file_.text(at_, count);
+    at_ += count;
+    return part;
+  }
+  /// After its length.
+  std::string_view text(const char* what) { return bytes(number<std::uint32_t>(), what); }
+  template <class Mask>
+  void mask(Mask& mask) {
+    const std::string_view part = bytes(sizeof mask.words, "a mask");
+    std::memcpy(mask.words.data(), part.data(), part.size());
+  }
+
+  void go_to(std::uint64_t at) { at_ = at; }
+  const FileView& file() const { return file_; }
+  std::uint64_t at() const { return at_; }
+  [[noreturn]] void fail(const std::string& what) const { file_.fail("byte " + std::to_string(at_), what); }
+
+ private:
+  const FileView& file_;
+  std::uint64_t at_;
+};
 
 using Coordinates = std::array<std::int32_t, 3>;
 

@@ -11,13 +11,53 @@
 #include "core/number_text.h"
 #include "io/field/format.h"
 #include "io/field/vdb_format.h"
-#include "io/field/vdb_leaves.h"
 #include "io/field/vdb_tree.h"
 
-namespace standoff {
+namespace standoff::vdb {
 namespace {
 
-using namespace vdb;
+/// The front of a grid: how it is compressed, facts, and the transform.
+class FactWriter {
+ public:
+  void text(const std::string& name, const std::string& value) { fact(name, "string", value); }
+  void flag(const std::string& name, bool value) { fact(name, "bool", std::string(1, value ? '\1' : '\0')); }
+  template <class Numbers>
+  void numbers(const std::string& name, const std::string& type, const Numbers& values) {
+    fact(name, type, {reinterpret_cast<const char*>(values.data()), values.size() * sizeof values[0]});
+  }
+
+  std::string grid_front(const Vec3& origin, const Vec3& spacing) const {
+    std::string front;
+    add(front, kActiveMask);
+    add(front, count_);
+    front += bytes_;
+    const Vec3 h = spacing;
+    add_text(front, h.x == h.y && h.y == h.z ? "UniformScaleTranslateMap" : "ScaleTranslateMap");
+    for (const Vec3& v : {origin, h, h, Vec3{1 / h.x, 1 / h.y, 1 / h.z},
+                          Vec3{1 / h.x / h.x, 1 / h.y / h.y, 1 / h.z / h.z}, Vec3{0.5 / h.x, 0.5 / h.y, 0.5 / h.z}})
+      for (const double x : {v.x, v.y, v.z}) add(front, x);
+    return front;
+  }
+
+ private:
+  template <class Number>
+  static void add(std::string& to, Number value) {
+    to.append(reinterpret_cast<const char*>(&value), sizeof value);
+  }
+  static void add_text(std::string& to, const std::string& text) {
+    add(to, static_cast<std::uint32_t>(text.size()));
+    to += text;
+  }
+  void fact(const std::string& name, const std::string& type, const std::string& value) {
+    add_text(bytes_, name);
+    add_text(bytes_, type);
+    add_text(bytes_, value);
+    ++count_;
+  }
+
+  std::string bytes_;
+  std::uint32_t count_ = 0;
+};
 
 class VdbWriter {
  public:
@@ -168,8 +208,8 @@ class VdbWriter {
 }  // namespace
 
 void write_vdb(AtomicFile& file, const DistanceField& field, const FieldWriteOptions& options) {
-  vdb::check_indices(field, "vdb");
+  check_indices(field, "vdb");
   VdbWriter(file, field, options.threads).write();
 }
 
-}  // namespace standoff
+}  // namespace standoff::vdb

@@ -400,8 +400,6 @@ class StudioReader {
   MeshBuilder builder_;
 };
 
-}  // namespace
-
 // The main chunk: 0x4d4d, and a length that is the file's.
 bool is_3ds(std::string_view content) {
   std::uint32_t length = 0;
@@ -411,5 +409,9 @@ bool is_3ds(std::string_view content) {
 }
 
 Mesh read_3ds(const FileView& file, MeshReadReport& report) { return StudioReader(file).read(report); }
+
+}  // namespace
+
+constinit const MeshFormat kMesh3ds{"3ds", "3DS", "3D Studio", is_3ds, read_3ds};
 
 }  // namespace standoff

@@ -350,10 +350,12 @@ class ColladaReader {
   MeshBuilder builder_;
 };
 
-}  // namespace
-
 bool is_dae(std::string_view content) { return content.substr(0, 1024).find("<COLLADA") != content.npos; }
 
 Mesh read_dae(const FileView& file, MeshReadReport& report) { return ColladaReader(file).read(report); }
+
+}  // namespace
+
+constinit const MeshFormat kMeshDae{"dae", "DAE", "COLLADA", is_dae, read_dae};
 
 }  // namespace standoff

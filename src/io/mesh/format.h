@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The table of mesh formats: a format is one file and a row in formats.cpp.
+// The table of mesh formats. A format is one file here, which defines its row, and the name of the row in the table.
 #pragma once
 
 #include <string_view>
@@ -18,37 +18,41 @@ struct MeshFormat {
   bool (*recognises)(std::string_view content);  ///< cheap; false when in doubt
   /// The file is not empty. What it does to coordinates, it reports.
   Mesh (*read)(const FileView&, MeshReadReport&);
-  void (*write)(AtomicFile&, MeshView);  ///< everything but the commit; nullptr when it cannot
+  void (*write)(AtomicFile&, MeshView) = nullptr;  ///< everything but the commit; nullptr when it cannot
+  bool packed = false;                             ///< its files are compressed, so that gzip around them is refused
 };
 
-bool is_stl(std::string_view content);
-Mesh read_stl(const FileView& file);
-void write_stl(AtomicFile& file, MeshView mesh);
+/// The table, in the order of help and messages; the content of a file without a known extension is tried in this
+/// order.
+#define STANDOFF_MESH_FORMATS(ROW) \
+  ROW(Stl)                         \
+  ROW(Ply)                         \
+  ROW(Obj)                         \
+  ROW(Off)                         \
+  ROW(Medit)                       \
+  ROW(3ds)                         \
+  ROW(Glb)                         \
+  ROW(Gltf)                        \
+  ROW(3mf)                         \
+  ROW(Dae)
 
-bool is_ply(std::string_view content);
-Mesh read_ply(const FileView& file);
-void write_ply(AtomicFile& file, MeshView mesh);
+#define STANDOFF_ROW(format) extern const MeshFormat kMesh##format;
+STANDOFF_MESH_FORMATS(STANDOFF_ROW)
+#undef STANDOFF_ROW
 
-bool is_obj(std::string_view content);
-Mesh read_obj(const FileView& file);
-void write_obj(AtomicFile& file, MeshView mesh);
+/// The row of an extension without its dot, in any case of letters; nullptr if there is none.
+const MeshFormat* find_mesh_format(std::string_view extension);
 
-bool is_off(std::string_view content);
-Mesh read_off(const FileView& file);
-
-bool is_medit(std::string_view content);
-Mesh read_medit(const FileView& file);
-
-Mesh read_gltf(const FileView& file);
-Mesh read_glb(const FileView& file);
-
-bool is_3mf(std::string_view content);
-Mesh read_3mf(const FileView& file, MeshReadReport& report);
-
-bool is_3ds(std::string_view content);
-Mesh read_3ds(const FileView& file, MeshReadReport& report);
-
-bool is_dae(std::string_view content);
-Mesh read_dae(const FileView& file, MeshReadReport& report);
+/// MeshFormat::read of a reader that takes coordinates as they are.
+template <Mesh (*read)(const FileView&)>
+Mesh as_is(const FileView& file, MeshReadReport&) {
+  return read(file);
+}
+/// MeshFormat::read of a reader whose format is in metres, and y up.
+template <Mesh (*read)(const FileView&)>
+Mesh in_metres(const FileView& file, MeshReadReport& report) {
+  report.metres_per_unit = 1;
+  return read(file);
+}
 
 }  // namespace standoff

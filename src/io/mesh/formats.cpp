@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <memory>
 #include <new>
-#include <span>
 #include <string>
 #include <utility>
 
@@ -22,36 +19,9 @@
 namespace standoff {
 namespace {
 
-bool is_glb(std::string_view content) { return content.starts_with("glTF"); }
-bool is_gltf(std::string_view content) {
-  const auto first = content.find_first_not_of(" \t\r\n");
-  return first != content.npos && content[first] == '{' && content.find("\"asset\"") != content.npos;
-}
-
-// A reader that takes coordinates as they are.
-template <Mesh (*read)(const FileView&)>
-Mesh as_is(const FileView& file, MeshReadReport&) {
-  return read(file);
-}
-// One whose format is in metres, and y up.
-template <Mesh (*read)(const FileView&)>
-Mesh in_metres(const FileView& file, MeshReadReport& report) {
-  report.metres_per_unit = 1;
-  return read(file);
-}
-
-constexpr std::array<MeshFormat, 10> kMeshFormats{{
-    {"stl", "STL", "STL, binary or ASCII; written as binary", is_stl, as_is<read_stl>, write_stl},
-    {"ply", "PLY", "PLY, binary or ASCII; written as binary little endian", is_ply, as_is<read_ply>, write_ply},
-    {"obj", "OBJ", "Wavefront OBJ", is_obj, as_is<read_obj>, write_obj},
-    {"off", "OFF", "OFF, text", is_off, as_is<read_off>, nullptr},
-    {"mesh", "Medit", "Medit, text", is_medit, as_is<read_medit>, nullptr},
-    {"3ds", "3DS", "3D Studio", is_3ds, read_3ds, nullptr},
-    {"glb", "GLB", "glTF 2.0, binary", is_glb, in_metres<read_glb>, nullptr},
-    {"gltf", "glTF", "glTF 2.0, JSON", is_gltf, in_metres<read_gltf>, nullptr},
-    {"3mf", "3MF", "3D Manufacturing Format", is_3mf, read_3mf, nullptr},
-    {"dae", "DAE", "COLLADA", is_dae, read_dae, nullptr},
-}};
+#define STANDOFF_ROW(format) &kMesh##format,
+constexpr const MeshFormat* kMeshFormats[] = {STANDOFF_MESH_FORMATS(STANDOFF_ROW)};
+#undef STANDOFF_ROW
 
 bool is_called_gz(const std::filesystem::path& path) {
   const std::string extension = path.extension().string();
@@ -61,22 +31,20 @@ bool is_called_gz(const std::filesystem::path& path) {
 // Of x.obj.gz it is OBJ.
 const MeshFormat* format_by_extension(const std::filesystem::path& path) {
   const std::string extension = (is_called_gz(path) ? path.stem() : path).extension().string();
-  for (const MeshFormat& format : kMeshFormats)
-    if (!extension.empty() && equals_ignoring_case(extension.substr(1), format.extension)) return &format;
-  return nullptr;
+  return extension.empty() ? nullptr : find_mesh_format(std::string_view(extension).substr(1));
 }
 
 const MeshFormat* format_by_content(std::string_view content) {
-  const auto found = std::find_if(kMeshFormats.begin(), kMeshFormats.end(),
-                                  [&](const MeshFormat& f) { return f.recognises(content); });
-  return found == kMeshFormats.end() ? nullptr : &*found;
+  for (const MeshFormat* format : kMeshFormats)
+    if (format->recognises(content)) return format;
+  return nullptr;
 }
 
 template <class Wanted>
 std::string extensions(const Wanted& wanted) {
   std::string list;
-  for (const MeshFormat& format : kMeshFormats)
-    if (wanted(format)) list += (list.empty() ? "." : ", .") + std::string(format.extension);
+  for (const MeshFormat* format : kMeshFormats)
+    if (wanted(*format)) list += (list.empty() ? "." : ", .") + std::string(format->extension);
   return list;
 }
 
@@ -124,8 +92,10 @@ Mesh read_any(const FileView& file, MeshReadReport& report) {
   const std::unique_ptr<FileView> unpacked = unpack_gzip(file);
   if (unpacked->size() == 0) file.fail("", "nothing is packed in it; check the program that wrote it");
   // Each packing multiplies what a few bytes become.
-  if (is_3mf(unpacked->bytes()))
-    file.fail("", "a 3MF archive packed by gzip is not read; unpack it (gunzip) and read what comes out");
+  for (const MeshFormat* format : kMeshFormats)
+    if (format->packed && format->recognises(unpacked->bytes()))
+      file.fail("", "a " + std::string(format->name) +
+                        " archive packed by gzip is not read; unpack it (gunzip) and read what comes out");
   report.unpacked = true;
   return read_as(format_to_read(*unpacked), *unpacked, report);
 }
@@ -141,10 +111,16 @@ void scale_vertices(const FileView& file, Mesh& mesh, double scale) {
 
 }  // namespace
 
+const MeshFormat* find_mesh_format(std::string_view extension) {
+  for (const MeshFormat* format : kMeshFormats)
+    if (equals_ignoring_case(extension, format->extension)) return format;
+  return nullptr;
+}
+
 std::vector<FileFormat> mesh_formats() try {
   std::vector<FileFormat> formats;
-  for (const MeshFormat& f : kMeshFormats)
-    formats.push_back({f.extension, f.description, f.read != nullptr, f.write != nullptr});
+  for (const MeshFormat* f : kMeshFormats)
+    formats.push_back({f->extension, f->description, f->read != nullptr, f->write != nullptr});
   return formats;
 } catch (...) {
   throw_as_error("formats");

@@ -467,7 +467,11 @@ std::size_t next_chunk(std::string_view bytes, std::size_t end, std::size_t leng
   return std::min(length, unpadded ? end : padded);
 }
 
-}  // namespace
+bool is_glb(std::string_view content) { return content.starts_with("glTF"); }
+bool is_gltf(std::string_view content) {
+  const auto first = content.find_first_not_of(" \t\r\n");
+  return first != content.npos && content[first] == '{' && content.find("\"asset\"") != content.npos;
+}
 
 Mesh read_gltf(const FileView& file) { return read_scene(file, file.bytes(), {}); }
 
@@ -492,5 +496,10 @@ Mesh read_glb(const FileView& file) {
   }
   return read_scene(file, *json, binary);
 }
+
+}  // namespace
+
+constinit const MeshFormat kMeshGltf{"gltf", "glTF", "glTF 2.0, JSON", is_gltf, in_metres<read_gltf>};
+constinit const MeshFormat kMeshGlb{"glb", "GLB", "glTF 2.0, binary", is_glb, in_metres<read_glb>};
 
 }  // namespace standoff

@@ -116,8 +116,6 @@ class MeditReader {
   MeshBuilder builder_;
 };
 
-}  // namespace
-
 bool is_medit(std::string_view content) {
   constexpr std::size_t kEnough = 4096;
   const FileView file("", content.substr(0, kEnough));
@@ -127,5 +125,9 @@ bool is_medit(std::string_view content) {
 }
 
 Mesh read_medit(const FileView& file) { return MeditReader(file).read(); }
+
+}  // namespace
+
+constinit const MeshFormat kMeshMedit{"mesh", "Medit", "Medit, text", is_medit, as_is<read_medit>};
 
 }  // namespace standoff

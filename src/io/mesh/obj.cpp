@@ -136,8 +136,6 @@ class ObjReader {
   const char* highest_place_ = nullptr;
 };
 
-}  // namespace
-
 // The first statement must be one that meshes begin with, after comments and empty lines.
 bool is_obj(std::string_view content) {
   constexpr std::array<std::string_view, 10> kFirst{"v", "vn", "vt", "f", "o", "g", "s", "mtllib", "usemtl", "vp"};
@@ -154,8 +152,6 @@ bool is_obj(std::string_view content) {
 }
 
 Mesh read_obj(const FileView& file) { return ObjReader(file).read(); }
-
-namespace {
 
 // Three numbers of at most 24 characters, a keyword, spaces and a line end.
 class Line {
@@ -177,8 +173,6 @@ class Line {
   char* end_ = text_.data();
 };
 
-}  // namespace
-
 // std::to_chars writes the shortest text that reads back as the same double.
 void write_obj(AtomicFile& file, MeshView mesh) {
   constexpr std::string_view kFirst = "# written by standoff\n";
@@ -190,5 +184,9 @@ void write_obj(AtomicFile& file, MeshView mesh) {
     line.write(file);
   }
 }
+
+}  // namespace
+
+constinit const MeshFormat kMeshObj{"obj", "OBJ", "Wavefront OBJ", is_obj, as_is<read_obj>, write_obj};
 
 }  // namespace standoff

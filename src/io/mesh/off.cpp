@@ -101,10 +101,12 @@ class OffReader {
   MeshBuilder builder_;
 };
 
-}  // namespace
-
 bool is_off(std::string_view content) { return keyword_length(content) > 0; }
 
 Mesh read_off(const FileView& file) { return OffReader(file).read(); }
+
+}  // namespace
+
+constinit const MeshFormat kMeshOff{"off", "OFF", "OFF, text", is_off, as_is<read_off>};
 
 }  // namespace standoff

@@ -133,8 +133,6 @@ class PlyReader {
   std::uint64_t vertex_count_ = 0;
 };
 
-}  // namespace
-
 Mesh read_ply(const FileView& file) {
   const PlyHeader header = read_ply_header(file);
   switch (header.encoding) {
@@ -147,8 +145,6 @@ Mesh read_ply(const FileView& file) {
   }
   return PlyReader<PlyAsciiBody>(file, header).read();
 }
-
-namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
@@ -173,8 +169,6 @@ void write_vertices(AtomicFile& file, MeshView mesh) {
   }
 }
 
-}  // namespace
-
 // Floats where they lose nothing, which halves the file; doubles otherwise.
 void write_ply(AtomicFile& file, MeshView mesh) {
   const bool floats = all_floats(mesh);
@@ -194,5 +188,10 @@ void write_ply(AtomicFile& file, MeshView mesh) {
     file.write(record.data(), record.size());
   }
 }
+
+}  // namespace
+
+constinit const MeshFormat kMeshPly{"ply",  "PLY",           "PLY, binary or ASCII; written as binary little endian",
+                                    is_ply, as_is<read_ply>, write_ply};
 
 }  // namespace standoff

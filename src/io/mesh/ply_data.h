@@ -227,4 +227,7 @@ Vec3 read_position(Body& body, const PlyRow& row, const std::array<int, 3>& axes
   return position;
 }
 
+/// Whether the content is PLY.
+bool is_ply(std::string_view content);
+
 }  // namespace standoff

@@ -182,15 +182,11 @@ Mesh read_ascii(const FileView& file) {
   return welded(file, corners.size() / 3, [&](std::uint32_t i) { return corners[i]; });
 }
 
-}  // namespace
-
 bool is_stl(std::string_view content) {
   return is_ascii(content) || (content.size() >= kStlHeader && content.size() == stl_binary_size(stl_count(content)));
 }
 
 Mesh read_stl(const FileView& file) { return is_ascii(file.bytes()) ? read_ascii(file) : read_binary(file); }
-
-namespace {
 
 [[noreturn]] void fail(const AtomicFile& file, const std::string& message) {
   throw Error(ErrorCode::output, file.target().string() + ": " + message);
@@ -211,8 +207,6 @@ Vec3 unit_normal(Vec3 a, Vec3 b, Vec3 c) {
   const double size = length(n);
   return std::isnormal(size) ? n * (1 / size) : Vec3{};
 }
-
-}  // namespace
 
 void write_stl(AtomicFile& file, MeshView mesh) {
   if (mesh.triangles.size() > std::numeric_limits<std::uint32_t>::max())
@@ -236,5 +230,10 @@ void write_stl(AtomicFile& file, MeshView mesh) {
     file.write(record.data(), record.size());
   }
 }
+
+}  // namespace
+
+constinit const MeshFormat kMeshStl{"stl",  "STL",           "STL, binary or ASCII; written as binary",
+                                    is_stl, as_is<read_stl>, write_stl};
 
 }  // namespace standoff

@@ -460,8 +460,6 @@ class Build {
   std::vector<Origin> origins_;
 };
 
-}  // namespace
-
 // Names stand in an archive as they are.
 bool is_3mf(std::string_view content) {
   return content.starts_with("PK\x03\x04") && content.find(".model") != content.npos &&
@@ -479,5 +477,9 @@ Mesh read_3mf(const FileView& file, MeshReadReport& report) {
   report.metres_per_unit = 1;
   return mesh;
 }
+
+}  // namespace
+
+constinit const MeshFormat kMesh3mf{"3mf", "3MF", "3D Manufacturing Format", is_3mf, read_3mf, nullptr, true};
 
 }  // namespace standoff

@@ -9,7 +9,7 @@
 #include "core/number_text.h"
 #include "files/file_view.h"
 #include "files/text.h"
-#include "io/points/format.h"
+#include "io/points/points.h"
 #include "standoff/error.h"
 
 namespace standoff {

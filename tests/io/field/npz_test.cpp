@@ -10,6 +10,7 @@
 #include "io/field/npy.h"
 #include "odd_field.h"
 #include "tests/support/expect_error.h"
+#include "tests/support/formats.h"
 #include "tests/support/temp_folder.h"
 
 namespace standoff {
@@ -45,7 +46,7 @@ DistanceField read(const std::map<std::string, std::string>& members) {
   }
   zip.finish();
   file.commit();
-  return read_npz(FileView(folder / "a.npz"), {}).field;
+  return read_as("npz", FileView(folder / "a.npz"), {}).field;
 }
 
 DistanceField read(const Arrays& arrays) {

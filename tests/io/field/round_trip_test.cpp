@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "io/field/send_samples.h"
+#include "io/field/write_samples.h"
 #include "odd_field.h"
 #include "standoff/compute.h"
 #include "standoff/io.h"

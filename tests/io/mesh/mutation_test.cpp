@@ -7,9 +7,9 @@
 #include <sstream>
 #include <vector>
 
-#include "io/mesh/format.h"
 #include "standoff/error.h"
 #include "standoff/mesh.h"
+#include "tests/support/formats.h"
 #include "tests/support/paths.h"
 
 namespace standoff {
@@ -51,23 +51,19 @@ std::string mutated(std::string bytes, std::mt19937& random) {
 }
 
 struct Reader {
-  Mesh (*read)(const FileView&);
+  const char* extension;
   std::vector<const char*> files;
 };
 
 TEST(MeshMutation, GivesAMeshOrAnError) {
   const std::vector<Reader> readers{
-      {read_stl, {"stl_text.stl", "stl_text_two_solids.stl", "stl_header_says_solid.stl", "stl_called_mesh.dat"}},
-      {read_ply,
+      {"stl", {"stl_text.stl", "stl_text_two_solids.stl", "stl_header_says_solid.stl", "stl_called_mesh.dat"}},
+      {"ply",
        {"ply_text.ply", "ply_faces_first.ply", "ply_extra_elements.ply", "ply_little_endian.ply",
         "ply_big_endian.ply"}},
-      {read_obj, {"obj_plain.obj", "obj_corner_forms.obj", "obj_continued_lines.obj", "obj_concave.obj"}},
-      {read_off, {"off_plain.off", "off_colours.off"}},
-      {[](const FileView& file) {
-         MeshReadReport report;
-         return read_3mf(file, report);
-       },
-       {"threemf_plain.3mf", "threemf_components.3mf", "threemf_production.3mf"}}};
+      {"obj", {"obj_plain.obj", "obj_corner_forms.obj", "obj_continued_lines.obj", "obj_concave.obj"}},
+      {"off", {"off_plain.off", "off_colours.off"}},
+      {"3mf", {"threemf_plain.3mf", "threemf_components.3mf", "threemf_production.3mf"}}};
   std::mt19937 random(2008);
   int read = 0, refused = 0;
   for (const Reader& reader : readers)
@@ -77,7 +73,7 @@ TEST(MeshMutation, GivesAMeshOrAnError) {
       for (int trial = 0; trial < 2000; ++trial) {
         const std::string bytes = mutated(original, random);
         try {
-          const Mesh mesh = reader.read(FileView(name, bytes));
+          const Mesh mesh = read_as(reader.extension, FileView(name, bytes));
           ASSERT_NO_THROW(validate(mesh)) << name << " trial " << trial;
           ++read;
         } catch (const Error& error) {

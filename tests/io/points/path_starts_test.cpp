@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where the lines of a path begin, in the files that write_path() makes.
-#include "io/points/path_starts.h"
+#include "io/points/points.h"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// The process: signals end it without leaving anything half-written, exceptions become exit codes, and how much memory
+// it has.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string_view>
+
+namespace standoff::cli {
+
+/// Installs the handlers. Signals that the parent has set to be ignored (nohup) stay ignored. A closed pipe and a file
+/// past its size limit become ordinary write errors; a file that is shortened while it is read ends the program with a
+/// word.
+void install_signal_handlers();
+
+/// While one lives, the first signal only makes interrupted() true, for work that asks; a second one ends the program.
+/// While none lives, the first one does.
+class Cancellable {
+ public:
+  Cancellable();
+  Cancellable(const Cancellable&) = delete;
+  Cancellable& operator=(const Cancellable&) = delete;
+  ~Cancellable();
+};
+
+bool interrupted();
+
+/// What is to be said of the interrupt, without a line's end: whether the file that was to be written is there after
+/// all, and that what went to a pipe or the standard output is cut off. The text lives until the next call.
+/// Async-signal-safe.
+std::string_view interruption();
+
+/// Says which of several files that were asked for is written last. Call it once, before the first is written.
+void last_file_is(std::string_view name);
+
+/// Says that data goes to the standard output, which an interrupt would cut off.
+void output_has_begun();
+
+/// Whether a line on the terminal waits to be wiped; what a signal has to say then wipes it first.
+void line_is_drawn(bool drawn);
+bool is_line_drawn();
+
+/// Runs the program and returns its exit code: 0, or what ErrorCode says for an exception, after one line on stderr of
+/// the form `standoff: error: what; what to do`.
+int exit_code_of(const std::function<void()>& run);
+
+/// 80 % of the machine's memory, or of the control group's limit where that is smaller.
+std::int64_t default_memory_limit();
+
+/// The most memory this process has held at any time.
+std::int64_t peak_memory_bytes();
+
+}  // namespace standoff::cli
