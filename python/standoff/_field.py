@@ -261,7 +261,7 @@ class DistanceField:
     # Files, pictures, checks.
 
     def save(self, path: PathLike, *, compress: bool = True, overwrite: bool = True, threads: int = 0) -> None:
-        """Writes the field in the format of the extension: .vti, .nrrd, .npz, .vdb or .nvdb.
+        """Writes the field in the format of the extension, such as .vti or .npz; docs/formats.md lists all.
 
         The file appears whole or not at all, and a band is never made dense in memory.
 
@@ -378,7 +378,7 @@ class DistanceField:
 
 
 def load(path: PathLike, *, memory_limit: int | None = None) -> DistanceField:
-    """Reads a field: .vti, .nrrd, .npz, .vdb or .nvdb, as written by `DistanceField.save` or the program.
+    """Reads a field in any format of docs/formats.md, as written by `DistanceField.save` or the program.
 
     Raises:
         FileNotFoundError, PermissionError: as ``open`` does.

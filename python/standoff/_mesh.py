@@ -118,7 +118,7 @@ def _rebuild(vertices: np.ndarray, faces: np.ndarray, notes: tuple[str, ...]) ->
 
 
 def read(path: PathLike, *, scale: float = 1.0) -> Mesh:
-    """Reads a mesh: STL, PLY, OBJ, OFF, Medit, 3DS, glTF, 3MF, DAE; also compressed by gzip.
+    """Reads a mesh in any format of docs/formats.md, also compressed by gzip. Its content and its name say which.
 
     Equal vertices are welded exactly, and polygons are triangulated. `scale` multiplies all coordinates.
 

@@ -20,11 +20,13 @@ using namespace testing;
 
 std::vector<std::filesystem::path> odd_paths(const TempFolder& folder) {
   std::vector<std::filesystem::path> paths{"", "/", ".", "..", folder / "none", std::string(5000, 'a')};
-  for (const char* extension :
-       {"stl", "ply", "obj", "off", "vti", "nrrd", "npz", "vdb", "nvdb", "png", "glb", "dae", "3ds"}) {
-    paths.push_back(folder / "no such folder" / ("a." + std::string(extension)));
-    paths.push_back(folder / ("a." + std::string(extension)));
-    paths.push_back("." + std::string(extension));
+  std::vector<std::string> extensions{"png"};
+  for (const auto& formats : {mesh_formats(), field_formats()})
+    for (const FileFormat& format : formats) extensions.push_back(format.extension);
+  for (const std::string& extension : extensions) {
+    paths.push_back(folder / "no such folder" / ("a." + extension));
+    paths.push_back(folder / ("a." + extension));
+    paths.push_back("." + extension);
   }
   return paths;
 }

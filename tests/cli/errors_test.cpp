@@ -16,7 +16,7 @@ using testing::words;
 struct Case {
   const char* command;
   int code;
-  const char* message;  // part of it
+  std::string message;  // part of it
 };
 
 class Errors : public testing::ProgramTest {
@@ -48,6 +48,15 @@ class Errors : public testing::ProgramTest {
     EXPECT_EQ(ran.out, "") << "standoff " << test.command;
     EXPECT_EQ(folder.names(), before_) << "standoff " << test.command;
   }
+  // ".vti, .nrrd or ..": what the table of formats lists.
+  static std::string listed(const std::vector<FileFormat>& formats) {
+    std::string text;
+    for (std::size_t n = 0; n < formats.size(); ++n)
+      text += (n == 0 ? "." : n + 1 == formats.size() ? " or ." : ", .") + formats[n].extension;
+    return text;
+  }
+  const std::string fields = listed(field_formats());
+
   template <std::size_t N>
   void expect_all(const Case (&tests)[N]) const {
     for (const Case& test : tests) expect(test);
@@ -173,8 +182,7 @@ TEST_F(Errors, Input) {
       {"verify missing.vti box.obj", 3, "missing.vti: "},
       {"convert missing.obj -o a.stl", 3, "missing.obj: "},
       {"convert missing.npz -o a.vti", 3, "missing.npz: "},
-      {"slice box.obj", 3,
-       "box.obj: this is no field, as .vti, .nrrd, .npz, .vdb or .nvdb are; compute the field of a mesh with"},
+      {"slice box.obj", 3, "box.obj: this is no field, as " + fields + " are; compute the field of a mesh with"},
       {"verify box.obj box.obj", 3, "box.obj: this is no field"},
       {"verify broken.vti broken.vti", 3, "broken.vti"},
       {"compute broken.vti -o a.vti", 3, "broken.vti: this is a field; give the mesh it was computed from"},
@@ -188,7 +196,7 @@ TEST_F(Errors, Input) {
 
 TEST_F(Errors, Output) {
   expect_all({
-      {"compute box.obj -o a.jpg", 2, "a.jpg: cannot write .jpg here; use .vti, .nrrd, .npz, .vdb or .nvdb"},
+      {"compute box.obj -o a.jpg", 2, "a.jpg: cannot write .jpg here; use " + fields},
       {"compute box.obj -o a", 2, "a: the name has no extension; use .vti"},
       {"compute box.obj -o box.obj -f", 2, "box.obj: cannot write .obj here"},
       {"compute box.obj -o broken.vti", 2, "broken.vti: it exists; give -f"},

@@ -7,7 +7,7 @@
 #include "core/guarded.h"
 #include "core/number_text.h"
 #include "files/atomic_file.h"
-#include "io/arrays/npz_arrays.h"
+#include "io/field/npy.h"
 #include "standoff/error.h"
 #include "standoff/hermite.h"
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/field/npy.h"
 
+#include <array>
 #include <cstring>
 #include <string_view>
 
@@ -109,6 +110,28 @@ NpyArray read_npy(const FileView& file, const std::string& name, std::string_vie
   array.offset = header + length;
   array.bytes = bytes - array.offset;
   return array;
+}
+
+void NpzArrays::begin(const std::string& name, const NpyHeader& header, std::uint64_t bytes) {
+  const std::string text = npy_header(header);
+  zip_.begin(name + ".npy", text.size() + bytes);
+  zip_.write(std::as_bytes(std::span(text)));
+}
+
+void NpzArrays::small(const std::string& name, const NpyHeader& header, std::span<const std::byte> bytes) {
+  begin(name, header, bytes.size());
+  write(bytes);
+  end();
+}
+
+void NpzArrays::vector(const std::string& name, const Vec3& v) {
+  const std::array values{v.x, v.y, v.z};
+  small(name, {"<f8", {3}, false}, std::as_bytes(std::span(values)));
+}
+
+void NpzArrays::size(const std::string& name, const Size3& v) {
+  const std::array values{v.x, v.y, v.z};
+  small(name, {"<i8", {3}, false}, std::as_bytes(std::span(values)));
 }
 
 }  // namespace standoff

@@ -103,8 +103,7 @@ class Archive {
   // What is no array of the field's own, and has a number or a few for each of its samples. Others may hold anything.
   std::vector<StoredSidecar> sidecars(const Size3& size) const {
     std::vector<StoredSidecar> found;
-    std::set<std::string> names{kDistance, kNearestName, "origin", "spacing",  "thickness",
-                                "method",  "version",    "sign",   "mesh_hash"};
+    std::set<std::string> names = reserved_names();
     for (const ZipMember& zip : members_) {
       const std::string name = zip.name.substr(0, zip.name.size() - std::min<std::size_t>(zip.name.size(), 4));
       if (zip.name != name + ".npy" || !names.insert(name).second) continue;
@@ -174,19 +173,10 @@ class Archive {
   std::vector<ZipMember> members_;
 };
 
-class ArrayWriter {
+class ArrayWriter : public NpzArrays {
  public:
-  explicit ArrayWriter(AtomicFile& file) : zip_(file) {}
+  using NpzArrays::NpzArrays;
 
-  void small(const std::string& name, const NpyHeader& header, std::span<const std::byte> bytes) {
-    begin(name, header, bytes.size());
-    zip_.write(bytes);
-    zip_.end();
-  }
-  void vector(const std::string& name, Vec3 v) {
-    const std::array<double, 3> values{v.x, v.y, v.z};
-    small(name, {"<f8", {3}, false}, std::as_bytes(std::span(values)));
-  }
   void text(const std::string& name, const std::string& value) {
     std::vector<std::uint32_t> characters;
     for (const unsigned char c : value) characters.push_back(c < 128 ? c : '?');
@@ -219,14 +209,8 @@ class ArrayWriter {
     zip_.write_deflated(kDeflateEnd);
     zip_.end_deflated(crc);
   }
-  void finish() { zip_.finish(); }
 
  private:
-  void begin(const std::string& name, const NpyHeader& header, std::uint64_t bytes) {
-    const std::string text = npy_header(header);
-    zip_.begin(name + ".npy", text.size() + bytes);
-    zip_.write(std::as_bytes(std::span(text)));
-  }
   // Returns the checksum of the header.
   std::uint32_t begin_deflated(const std::string& name, const NpyHeader& header, std::uint64_t bytes) {
     const std::string text = npy_header(header);
@@ -239,8 +223,6 @@ class ArrayWriter {
     const std::string one(1, ' ');
     return deflater.crc32(CrcRuns(std::span(&one, 1), text.size()));
   }
-
-  ZipWriter zip_;
 };
 
 FieldFile read_npz(const FileView& file, const FieldRequest& request) {

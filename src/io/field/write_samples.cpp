@@ -56,10 +56,12 @@ std::vector<SampleArray> arrays_of(const DistanceField& field, std::span<const S
   return arrays;
 }
 
+std::set<std::string> reserved_names() {
+  return {"distance", "nearest_triangle", "origin", "spacing", "thickness", "method", "mesh_hash", "version", "sign"};
+}
+
 void check_sidecars(const DistanceField& field, std::span<const Sidecar> sidecars) {
-  // Names that mean something else in one of the formats.
-  std::set<std::string> names{"distance", "nearest_triangle", "origin",  "spacing", "thickness",
-                              "method",   "mesh_hash",        "version", "sign"};
+  std::set<std::string> names = reserved_names();
   for (const Sidecar& sidecar : sidecars) {
     const auto fail = [&](const std::string& what) {
       throw Error(ErrorCode::usage, "sidecar '" + sidecar.name.substr(0, 40) + "': " + what);

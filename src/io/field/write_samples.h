@@ -10,6 +10,7 @@
 #include <cstring>
 #include <functional>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -44,6 +45,8 @@ SampleArray distance_array(const DistanceField& field);
 SampleArray distance_array(double thickness, const std::byte* values);
 /// Distances, nearest triangles where there are any, sidecars.
 std::vector<SampleArray> arrays_of(const DistanceField& field, std::span<const Sidecar> sidecars);
+/// The names of arrays that mean something else in one of the formats: no sidecar has them.
+std::set<std::string> reserved_names();
 /// Throws Error{usage} unless names are good and differ, and there are as many numbers as stored samples have.
 void check_sidecars(const DistanceField& field, std::span<const Sidecar> sidecars);
 

@@ -136,6 +136,9 @@ const GltfNumbers::Accessor& GltfNumbers::find(std::uint64_t number) {
   return known != read_.end() ? known->second : read_.emplace(number, accessor(number)).first->second;
 }
 
+// Of a componentType that glTF knows.
+static StoredType stored_type(std::uint64_t code) { return static_cast<StoredType>(code - 5120); }
+
 GltfNumbers::Accessor GltfNumbers::accessor(std::uint64_t number) {
   const JsonView& json = accessors_[number];
   constexpr std::array<std::pair<std::string_view, std::uint8_t>, 7> kWidths{
@@ -147,7 +150,7 @@ GltfNumbers::Accessor GltfNumbers::accessor(std::uint64_t number) {
   const std::uint64_t code = type->whole();
   if (found == kWidths.end() || code < 5120 || code > 5126 || code == 5124)
     file_.fail(name(number), "its type or componentType is none of glTF's; repair the file");
-  Accessor read{{}, count->whole(), 0, static_cast<Type>(code), found->second, false};
+  Accessor read{{}, count->whole(), 0, stored_type(code), found->second, false};
   if (json.find("bufferView")) read.place = gltf_place(json);
   if (const auto normalized = json.find("normalized")) read.normalized = normalized->boolean();
   if (const auto given = json.find("sparse")) {
@@ -166,36 +169,18 @@ GltfNumbers::Sparse GltfNumbers::sparse(std::uint64_t accessor, const JsonView& 
   const std::uint64_t number = type->whole();
   if (number != 5121 && number != 5123 && number != 5125)
     file_.fail(where, "its sparse indices are no unsigned integers; repair the file");
-  const Sparse read{given->whole(), gltf_place(*indices), gltf_place(*values), static_cast<Type>(number)};
+  const Sparse read{given->whole(), gltf_place(*indices), gltf_place(*values), stored_type(number)};
   if (read.count > count)
     file_.fail(where, std::to_string(read.count) + " sparse values for " + std::to_string(count) +
                           " elements; repair the file");
   return read;
 }
 
-template <class Body>
-void GltfNumbers::with_type(Type type, const Body& body) {
-  switch (type) {
-    case Type::int8:
-      return body(std::int8_t{});
-    case Type::uint8:
-      return body(std::uint8_t{});
-    case Type::int16:
-      return body(std::int16_t{});
-    case Type::uint16:
-      return body(std::uint16_t{});
-    case Type::uint32:
-      return body(std::uint32_t{});
-    case Type::float32:
-      return body(float{});
-  }
-}
-
 void GltfNumbers::require(std::uint64_t number) {
   const Accessor& accessor = find(number);
   if (!accessor.place && accessor.sparse == 0)
     file_.fail(name(number), "it has no data; if it is compressed, write the file again without compression");
-  const auto check = [&](const GltfPlace& place, Type type, std::uint64_t width, std::uint64_t count) {
+  const auto check = [&](const GltfPlace& place, StoredType type, std::uint64_t width, std::uint64_t count) {
     with_type(type, [&](auto value) { buffers_.rows(place, count, width * sizeof value, name(number)); });
   };
   if (accessor.place) check(*accessor.place, accessor.type, accessor.width, accessor.count);
@@ -251,7 +236,7 @@ void GltfNumbers::each_sparse_number(std::uint64_t number, const Put& put) {
 
 void GltfNumbers::read_positions(std::uint64_t number, std::vector<Vec3>& positions) {
   const Accessor& accessor = find(number);
-  if (accessor.width != 3 || accessor.type == Type::uint32)
+  if (accessor.width != 3 || accessor.type == StoredType::uint32)
     file_.fail(name(number), "positions are VEC3 of float, byte or short; repair the file");
   const std::size_t first = positions.size();
   positions.resize(first + accessor.count);
@@ -263,7 +248,8 @@ void GltfNumbers::read_positions(std::uint64_t number, std::vector<Vec3>& positi
 
 void GltfNumbers::read_indices(std::uint64_t number, std::vector<std::uint32_t>& indices) {
   const Accessor& accessor = find(number);
-  const bool whole = accessor.type == Type::uint8 || accessor.type == Type::uint16 || accessor.type == Type::uint32;
+  const bool whole =
+      accessor.type == StoredType::uint8 || accessor.type == StoredType::uint16 || accessor.type == StoredType::uint32;
   if (accessor.width != 1 || !whole || accessor.normalized)
     file_.fail(name(number), "indices are SCALAR of unsigned byte, short or int; repair the file");
   indices.assign(accessor.count, 0);

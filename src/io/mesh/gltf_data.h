@@ -13,6 +13,7 @@
 
 #include "files/file_view.h"
 #include "io/mesh/json_view.h"
+#include "io/mesh/stored_type.h"
 #include "standoff/vec.h"
 
 namespace standoff {
@@ -85,18 +86,16 @@ class GltfNumbers {
   void read_indices(std::uint64_t accessor, std::vector<std::uint32_t>& indices);
 
  private:
-  enum class Type : std::uint16_t { int8 = 5120, uint8, int16, uint16, uint32 = 5125, float32 };
-
   struct Sparse {
     std::uint64_t count;
     GltfPlace indices, values;
-    Type index_type;
+    StoredType index_type;
   };
   struct Accessor {
     std::optional<GltfPlace> place;  // none: zeros
     std::uint64_t count;
     std::size_t sparse;  // its number in sparse_, from 1 on; 0 for none
-    Type type;
+    StoredType type;
     std::uint8_t width;  // numbers in an element
     bool normalized;
   };
@@ -106,8 +105,6 @@ class GltfNumbers {
   Accessor accessor(std::uint64_t number);
   Sparse sparse(std::uint64_t number, const JsonView& json, std::uint64_t count) const;
 
-  template <class Body>
-  static void with_type(Type type, const Body& body);
   template <class Put>
   void each_number(std::uint64_t accessor, const Put& put);
   template <class Put>

@@ -77,7 +77,7 @@ class PlyReader {
     int corners = element.find("vertex_indices");
     if (corners < 0) corners = element.find("vertex_index");
     const PlyProperty* list = corners < 0 ? nullptr : &element.properties[static_cast<std::size_t>(corners)];
-    if (!list || !list->list || list->type >= PlyType::float32)
+    if (!list || !list->list || list->type >= StoredType::float32)
       file_.fail("header", "element " + element.name +
                                " needs a list of integers called vertex_indices; write the file again with one");
     return *list;

@@ -11,22 +11,22 @@ namespace standoff {
 namespace {
 
 // Each type goes by two names.
-constexpr std::array<std::pair<const char*, PlyType>, 16> kTypes{{{"char", PlyType::int8},
-                                                                  {"int8", PlyType::int8},
-                                                                  {"uchar", PlyType::uint8},
-                                                                  {"uint8", PlyType::uint8},
-                                                                  {"short", PlyType::int16},
-                                                                  {"int16", PlyType::int16},
-                                                                  {"ushort", PlyType::uint16},
-                                                                  {"uint16", PlyType::uint16},
-                                                                  {"int", PlyType::int32},
-                                                                  {"int32", PlyType::int32},
-                                                                  {"uint", PlyType::uint32},
-                                                                  {"uint32", PlyType::uint32},
-                                                                  {"float", PlyType::float32},
-                                                                  {"float32", PlyType::float32},
-                                                                  {"double", PlyType::float64},
-                                                                  {"float64", PlyType::float64}}};
+constexpr std::array<std::pair<const char*, StoredType>, 16> kTypes{{{"char", StoredType::int8},
+                                                                     {"int8", StoredType::int8},
+                                                                     {"uchar", StoredType::uint8},
+                                                                     {"uint8", StoredType::uint8},
+                                                                     {"short", StoredType::int16},
+                                                                     {"int16", StoredType::int16},
+                                                                     {"ushort", StoredType::uint16},
+                                                                     {"uint16", StoredType::uint16},
+                                                                     {"int", StoredType::int32},
+                                                                     {"int32", StoredType::int32},
+                                                                     {"uint", StoredType::uint32},
+                                                                     {"uint32", StoredType::uint32},
+                                                                     {"float", StoredType::float32},
+                                                                     {"float32", StoredType::float32},
+                                                                     {"double", StoredType::float64},
+                                                                     {"float64", StoredType::float64}}};
 
 constexpr std::size_t kMostElements = 1000;  // elements; files have up to ten
 
@@ -121,7 +121,7 @@ class HeaderReader {
     property.list = type_name == "list";
     if (property.list) {
       property.count_type = type(word());
-      if (property.count_type >= PlyType::float32)
+      if (property.count_type >= StoredType::float32)
         text_.fail("the count of a list must be an integer; the header is damaged, write the file again");
       type_name = word();
     }
@@ -131,7 +131,7 @@ class HeaderReader {
     header_.elements.back().properties.push_back(std::move(property));
   }
 
-  PlyType type(std::string_view name) const {
+  StoredType type(std::string_view name) const {
     for (const auto& [known, type] : kTypes)
       if (name == known) return type;
     text_.fail("unknown type " + in_quotes(name) +
@@ -145,7 +145,7 @@ class HeaderReader {
 
 }  // namespace
 
-std::size_t ply_size(PlyType type) {
+std::size_t ply_size(StoredType type) {
   constexpr std::array<std::size_t, 8> kSizes{1, 1, 2, 2, 4, 4, 4, 8};
   return kSizes[static_cast<std::size_t>(type)];
 }

@@ -14,20 +14,19 @@
 
 #include "files/file_view.h"
 #include "files/text.h"
+#include "io/mesh/stored_type.h"
 #include "standoff/vec.h"
 
 namespace standoff {
 
-enum class PlyType { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
-
 /// Bytes of a value in a binary body.
-std::size_t ply_size(PlyType type);
+std::size_t ply_size(StoredType type);
 
 struct PlyProperty {
   std::string name;
-  PlyType type;
+  StoredType type;
   bool list = false;
-  PlyType count_type = PlyType::uint8;  ///< lists only; an integer
+  StoredType count_type = StoredType::uint8;  ///< lists only; an integer
 };
 
 struct PlyElement {
@@ -67,30 +66,6 @@ struct PlyRow {
   }
 };
 
-/// Calls body with a value of the C++ type.
-template <class Body>
-decltype(auto) with_type(PlyType type, const Body& body) {
-  switch (type) {
-    case PlyType::int8:
-      return body(std::int8_t{});
-    case PlyType::uint8:
-      return body(std::uint8_t{});
-    case PlyType::int16:
-      return body(std::int16_t{});
-    case PlyType::uint16:
-      return body(std::uint16_t{});
-    case PlyType::int32:
-      return body(std::int32_t{});
-    case PlyType::uint32:
-      return body(std::uint32_t{});
-    case PlyType::float32:
-      return body(float{});
-    case PlyType::float64:
-      break;
-  }
-  return body(double{});
-}
-
 /// The two kinds of binary.
 template <bool kBigEndian>
 class PlyBinaryBody {
@@ -102,7 +77,7 @@ class PlyBinaryBody {
   std::uint64_t bytes_left() const { return rest_.size(); }
 
   template <class Number>
-  Number value(PlyType type) {
+  Number value(StoredType type) {
     return with_type(type, [&](auto stored) {
       require(sizeof stored);
       std::array<char, sizeof stored> bytes;
@@ -113,7 +88,7 @@ class PlyBinaryBody {
     });
   }
 
-  void skip(PlyType type, std::uint64_t count) {
+  void skip(StoredType type, std::uint64_t count) {
     // A count is a 32-bit number: no overflow.
     require(count * ply_size(type));
     rest_.remove_prefix(count * ply_size(type));
@@ -144,13 +119,13 @@ class PlyAsciiBody {
 
   // A value declared as float is one, so that a file reads the same in text and in binary.
   template <class Number>
-  Number value(PlyType type) {
+  Number value(StoredType type) {
     text_.skip_space();
-    if (type < PlyType::float32) return static_cast<Number>(text_.number<std::int64_t>());
-    return static_cast<Number>(type == PlyType::float32 ? text_.number<float>() : text_.number<double>());
+    if (type < StoredType::float32) return static_cast<Number>(text_.number<std::int64_t>());
+    return static_cast<Number>(type == StoredType::float32 ? text_.number<float>() : text_.number<double>());
   }
 
-  void skip(PlyType, std::uint64_t count) {
+  void skip(StoredType, std::uint64_t count) {
     while (count-- > 0)
       if (text_.next_word().empty())
         text_.fail("the file ends in the middle of its data; it is cut off, get all of it");

@@ -11,7 +11,6 @@
 
 #include "files/atomic_file.h"
 #include "files/text.h"
-#include "files/zip.h"
 #include "io/field/npy.h"
 #include "standoff/error.h"
 #include "standoff/mesh.h"
@@ -271,18 +270,16 @@ class NpzFile : public AnswerWriter {
   }
 
   void finish() override {
-    ZipWriter zip(file_);
+    NpzArrays arrays(file_);
     for (std::size_t c = 0; c < columns_.size(); ++c) {
       const AnswerColumn& column = columns_[c];
       NpyHeader header{npy_type(column.type), {rows_}, false};
       if (column.parts.size() > 1) header.shape.push_back(static_cast<std::int64_t>(column.parts.size()));
-      const std::string text = npy_header(header);
-      zip.begin(std::string(column.array) + ".npy", text.size() + arrays_[c].size());
-      zip.write(std::as_bytes(std::span(text)));
-      arrays_[c].read_back([&](std::span<const std::byte> part) { zip.write(part); });
-      zip.end();
+      arrays.begin(column.array, header, arrays_[c].size());
+      arrays_[c].read_back([&](std::span<const std::byte> part) { arrays.write(part); });
+      arrays.end();
     }
-    zip.finish();
+    arrays.finish();
     file_.commit();
   }
 

@@ -15,6 +15,7 @@
 
 #include "standoff/io.h"
 #include "tests/support/expect_error.h"
+#include "tests/support/formats.h"
 #include "tests/support/paths.h"
 #include "tests/support/temp_folder.h"
 
@@ -220,6 +221,14 @@ TEST(MeshFormats, ReportsWhatWasDoneToCoordinates) {
   EXPECT_EQ(report.axes, (std::array<int, 3>{1, 3, -2}));
   EXPECT_EQ(report.unit_scale, 1);
   EXPECT_EQ(report.metres_per_unit, 0);
+}
+
+TEST(MeshFormats, AreThoseThatTheDocumentationNames) {
+  const std::string names = documented("## Meshes");
+  for (const FileFormat& format : mesh_formats()) {
+    const std::string name = find_mesh_format(format.extension)->name;
+    EXPECT_TRUE(names.find(name) != names.npos) << "docs/formats.md: no row of " << name;
+  }
 }
 
 TEST(MeshFormats, TableTellsWhatThisBuildCan) {
